@@ -1,7 +1,7 @@
 /// Shared by the commands of the program wisp-bench.
 #pragma once
 
-#include "bench_options.h"
+#include "bench.h"
 #include "options.h"
 #include "report.h"
 #include "results.h"

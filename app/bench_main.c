@@ -205,8 +205,7 @@ static bool take_bench_option( options_state* o, int key, const char* argument )
             }
             if ( arguments->options.pictures != NULL )
             {
-                check_option( o, arguments, "--pictures", " figures boundary contact ",
-                              "cases 'figures', 'boundary' and 'contact'" );
+                check_option( o, arguments, "--pictures", " figures ", "case 'figures'" );
             }
             return bench_take_file( o, key, argument, &arguments->files );
         default:

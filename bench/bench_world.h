@@ -4,8 +4,6 @@
 
 #include "wisp/module/module.h"
 
-/// A log that drops every line: the tables report halts and resets.
-void bench_world_drop_log( void* user, wisp_log_level level, const char* message );
 /// Settings of a world that cases vary.
 typedef struct bench_world_def
 {

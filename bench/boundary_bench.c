@@ -1,10 +1,9 @@
 // The case `boundary`: the number of points for a spacing, their cost, and how densely they cover the surface.
 #include "boundary_bench.h"
 
-#include "bench_timing.h"
-#include "cells.h"
+#include "bench.h"
+#include "bench_output.h"
 #include "mesh.h"
-#include "rows_chart.h"
 
 #include "oracle/boundary_oracle.h"
 #include "wisp/module/components.h"
@@ -170,7 +169,7 @@ static double larger( double so_far, double next )
     return next > so_far || isnan( next ) ? next : so_far;
 }
 
-static double length_of( double3 v )
+static double vector_length( double3 v )
 {
     return sqrt( double3_dot( v, v ) );
 }
@@ -184,10 +183,10 @@ static double off_surface( const wisp_samples* s, const float* x, int point )
     const double3 u = double3_sub( point_of( x, (size_t)parents[1] ), a );
     if ( point < s->edge_count )
     {
-        return length_of( double3_cross( y, u ) ) / length_of( u );
+        return vector_length( double3_cross( y, u ) ) / vector_length( u );
     }
     const double3 n = double3_cross( u, double3_sub( point_of( x, (size_t)parents[2] ), a ) );
-    return fabs( double3_dot( y, n ) ) / length_of( n );
+    return fabs( double3_dot( y, n ) ) / vector_length( n );
 }
 
 static void compare_points( const wisp_boundary_view* view, const float* x, const boundary_oracle_layer* oracle,
@@ -205,14 +204,14 @@ static void compare_points( const wisp_boundary_view* view, const float* x, cons
     for ( int p = 0; p < s->count; ++p )
     {
         const double3 y = point_of( s->xyzw, 4 * (size_t)p );
-        const double away = same ? length_of( double3_sub( y, oracle->points[p].y ) ) : INFINITY;
+        const double away = same ? vector_length( double3_sub( y, oracle->points[p].y ) ) : INFINITY;
         out->farthest = larger( out->farthest, away );
         out->off_surface = larger( out->off_surface, off_surface( s, x, p ) );
         out->reach = fmax( out->reach, fmax( fabs( y.x ), fmax( fabs( y.y ), fabs( y.z ) ) ) );
     }
 }
 
-static boundary_oracle_options oracle_options( const wisp_boundary_def* def )
+static boundary_oracle_options layer_oracle_options( const wisp_boundary_def* def )
 {
     boundary_oracle_options options = boundary_oracle_default_options();
     options.spacing = (double)def->spacing;
@@ -225,7 +224,7 @@ static wisp_status ask_oracle( const wisp_mesh* mesh, double3* points, const wis
                                const wisp_boundary_view* view, const float* x, layer_check* out, wisp_error* error )
 {
     const balloon_mesh as_oracle = { mesh->vertex_count, mesh->triangle_count, points, mesh->triangles };
-    const boundary_oracle_options options = oracle_options( def );
+    const boundary_oracle_options options = layer_oracle_options( def );
     boundary_oracle_layer oracle;
     wisp_status status = boundary_oracle_create( &as_oracle, &options, &oracle, error );
     if ( status != WISP_OK )
@@ -414,15 +413,15 @@ wisp_status layer_find_cover( const wisp_boundary_view* view, const wisp_mesh* m
 
 enum
 {
-    SAMPLES_MAX = 200,
+    LAYER_SAMPLES_MAX = 200,
     ROUNDS_MIN = 3,
     IN_PLACE = 0,  // case A everywhere
     RESAMPLED = 1, // case B everywhere
-    WAYS = 2,
-    VARIANTS = WAYS * BOUNDARY_WORKERS_MAX,
+    SAMPLINGS = 2,
+    VARIANTS = SAMPLINGS * BOUNDARY_WORKERS_MAX,
 };
 
-static const char* const way_names[WAYS] = { "in place", "resampled" };
+static const char* const sampling_names[SAMPLINGS] = { "in place", "resampled" };
 
 // Expected counts on edges and inside triangles, by an independent script in double precision.
 static const struct
@@ -443,7 +442,7 @@ typedef struct layer_cost
     float spacing;
     layer_check check;
     layer_cover cover;
-    stats_summary ms[WAYS][BOUNDARY_WORKERS_MAX]; // of the pass that computes the points
+    stats_summary ms[SAMPLINGS][BOUNDARY_WORKERS_MAX]; // of the pass that computes the points
     size_t bytes;
     uint64_t hash;
     bool same_hash; // of every implementation and worker count
@@ -473,11 +472,11 @@ static wisp_status enter_all( cost_run* run, const layer_cost* cost, bench_varia
     const boundary_plan* plan = run->plan;
     const wisp_boundary_def def = layer_def( cost->law, cost->spacing );
     wisp_status status = WISP_OK;
-    for ( int i = 0; i < WAYS * plan->worker_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < SAMPLINGS * plan->worker_count && status == WISP_OK; ++i )
     {
-        status = layer_enter( run->fabric, &def, plan->workers[i / WAYS], run->implementations + i, error );
-        run->implementations[i].is_resampled = i % WAYS == RESAMPLED;
-        variants[i] = ( bench_variant ){ .name = way_names[i % WAYS],
+        status = layer_enter( run->fabric, &def, plan->workers[i / SAMPLINGS], run->implementations + i, error );
+        run->implementations[i].is_resampled = i % SAMPLINGS == RESAMPLED;
+        variants[i] = ( bench_variant ){ .name = sampling_names[i % SAMPLINGS],
                                          .step = layer_step,
                                          .after = keep_layer_profile,
                                          .context = run->implementations + i };
@@ -487,13 +486,13 @@ static wisp_status enter_all( cost_run* run, const layer_cost* cost, bench_varia
 
 static void read_times( cost_run* run, layer_cost* cost )
 {
-    for ( int i = 0; i < WAYS * run->plan->worker_count; ++i )
+    for ( int i = 0; i < SAMPLINGS * run->plan->worker_count; ++i )
     {
-        cost->ms[i % WAYS][i / WAYS] = pass_ms( &run->implementations[i].surface, "boundary.points" );
+        cost->ms[i % SAMPLINGS][i / SAMPLINGS] = pass_ms( &run->implementations[i].surface, "boundary.points" );
     }
 }
 
-static wisp_status observe( cost_run* run, layer_cost* cost, wisp_error* error )
+static wisp_status observe_layer( cost_run* run, layer_cost* cost, wisp_error* error )
 {
     const wisp_boundary_def def = layer_def( cost->law, cost->spacing );
     surface_implementation* first = &run->implementations[0].surface;
@@ -503,7 +502,7 @@ static wisp_status observe( cost_run* run, layer_cost* cost, wisp_error* error )
     status = status == WISP_OK ? layer_read_stats( first, &stats, error ) : status;
     cost->bytes = status == WISP_OK ? stats.bytes : 0;
     cost->same_hash = true;
-    for ( int i = 0; i < WAYS * run->plan->worker_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < SAMPLINGS * run->plan->worker_count && status == WISP_OK; ++i )
     {
         status = layer_read( &run->implementations[i].surface, &view, error );
         const uint64_t hash = status == WISP_OK ? layer_hash( &view ) : 0;
@@ -513,11 +512,11 @@ static wisp_status observe( cost_run* run, layer_cost* cost, wisp_error* error )
     return status == WISP_OK ? layer_find_cover( &view, &run->mesh, &cost->cover, error ) : status;
 }
 
-static wisp_status measure( cost_run* run, layer_cost* cost, double seconds, wisp_error* error )
+static wisp_status measure_layer( cost_run* run, layer_cost* cost, double seconds, wisp_error* error )
 {
     bench_variant variants[VARIANTS] = { { 0 } };
-    const int count = WAYS * run->plan->worker_count;
-    const bench_effort effort = { seconds, ROUNDS_MIN, SAMPLES_MAX };
+    const int count = SAMPLINGS * run->plan->worker_count;
+    const bench_effort effort = { seconds, ROUNDS_MIN, LAYER_SAMPLES_MAX };
     wisp_status status = enter_all( run, cost, variants, error );
     if ( status == WISP_OK )
     {
@@ -527,7 +526,7 @@ static wisp_status measure( cost_run* run, layer_cost* cost, double seconds, wis
     if ( status == WISP_OK )
     {
         read_times( run, cost );
-        status = observe( run, cost, error );
+        status = observe_layer( run, cost, error );
     }
     for ( int i = 0; i < count; ++i )
     {
@@ -538,17 +537,17 @@ static wisp_status measure( cost_run* run, layer_cost* cost, double seconds, wis
 
 // ---- rows ----
 
-static void add_rows( const cost_run* run, const layer_cost* cost, results* out )
+static void add_cost_rows( const cost_run* run, const layer_cost* cost, results* out )
 {
-    for ( int i = 0; i < WAYS * run->plan->worker_count; ++i )
+    for ( int i = 0; i < SAMPLINGS * run->plan->worker_count; ++i )
     {
         char variant[64];
-        snprintf( variant, sizeof( variant ), "%s, %s", cost->law->name, way_names[i % WAYS] );
-        const stats_summary* ms = &cost->ms[i % WAYS][i / WAYS];
+        snprintf( variant, sizeof( variant ), "%s, %s", cost->law->name, sampling_names[i % SAMPLINGS] );
+        const stats_summary* ms = &cost->ms[i % SAMPLINGS][i / SAMPLINGS];
         results_row* row = results_add_row( out, "boundary", variant );
         if ( row != NULL )
         {
-            row->workers = run->plan->workers[i / WAYS];
+            row->workers = run->plan->workers[i / SAMPLINGS];
             results_put_times( row, ms );
             row->hash = cost->hash;
             row->has_hash = true;
@@ -615,7 +614,7 @@ static void add_costs( const cost_run* run, const layer_cost* cost, int table, r
     cells_put( &row, "%g", (double)cost->spacing );
     cells_put( &row, "%s", cost->law->name );
     cells_put( &row, "%d", points_of( cost ) );
-    for ( int i = 0; i < WAYS * BOUNDARY_WORKERS_MAX; ++i )
+    for ( int i = 0; i < SAMPLINGS * BOUNDARY_WORKERS_MAX; ++i )
     {
         const int way = i / BOUNDARY_WORKERS_MAX, w = i % BOUNDARY_WORKERS_MAX;
         cells_put_number( &row, w < workers ? ns * cost->ms[way][w].median : NAN, 2 );
@@ -658,7 +657,7 @@ static double points_in( const results_row* row )
     return rows_size( row, "points" );
 }
 
-static void add_chart( const cost_run* run, int first_row, results* out )
+static void add_cost_chart( const cost_run* run, int first_row, results* out )
 {
     const int w = run->plan->workers[run->plan->worker_count - 1];
     char title[160];
@@ -704,7 +703,7 @@ static void write_tables( const cost_run* run, results* out )
         results_add_table( out, "Points of the reference sphere by spacing, m", WISP_COUNT( counts ), counts );
     for ( int i = 0; i < run->count; ++i )
     {
-        add_rows( run, run->costs + i, out );
+        add_cost_rows( run, run->costs + i, out );
         add_counts( run, run->costs + i, table, out );
     }
     snprintf(
@@ -723,7 +722,7 @@ static void write_tables( const cost_run* run, results* out )
     {
         add_accuracy( run->costs + i, table, out );
     }
-    add_chart( run, first_row, out );
+    add_cost_chart( run, first_row, out );
     results_add_note( out, "Cost of points: in place: no count changes (case A). resampled: every element is sampled "
                            "again in every step (case B). bytes: the whole layer, points twice." );
     results_add_note( out, "Coverage: distances are measured at 325 places of each triangle. same: points, normals "
@@ -748,7 +747,7 @@ wisp_status boundary_bench_run( const boundary_plan* plan, results* out, wisp_er
         bench_progress( plan->options, (double)i / count, "boundary" );
         layer_cost* cost = run.costs + i;
         *cost = ( layer_cost ){ .law = layer_laws + i % LAYER_LAWS, .spacing = plan->spacings[i / LAYER_LAWS] };
-        status = measure( &run, cost, plan->seconds / count, error );
+        status = measure_layer( &run, cost, plan->seconds / count, error );
         run.count += 1;
     }
     if ( status == WISP_OK )

@@ -1,8 +1,8 @@
 /// The case `boundary`: layers of boundary particles on the sphere of the paper, and what their points cost.
 #pragma once
 
-#include "bench_options.h"
-#include "surface_implementation.h"
+#include "bench.h"
+#include "surfaces.h"
 
 #include "boundary/boundary.h"
 

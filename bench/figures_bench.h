@@ -2,9 +2,35 @@
 /// of Noh and Jung (figures_drape.h) as experiments, each with a measured check.
 #pragma once
 
-#include "bench_options.h"
-#include "figures_page.h"
-#include "picture_sheet.h"
+#include "bench.h"
+#include "bench_output.h"
+#include "results.h"
+#include "surfaces.h"
+
+// ---- the page ----
+
+// The page of the case `figures`: what experiments share, and its rows.
+
+/// What the experiments share.
+typedef struct figures_case
+{
+    results* out;
+    int table;
+    const char* pictures; ///< folder, or null
+    bool quick;           ///< fewer and shorter runs
+    wisp_mesh figure;     ///< an asymmetric closed body
+    const char* figure_name;
+} figures_case;
+
+/// A row of the page. A check that is not met fails the run.
+/// @param format what was measured
+void figures_add( figures_case* page, const char* id, const char* experiment, const char* expected, bool meets_target,
+                  const char* format, ... ) __attribute__( ( format( printf, 6, 7 ) ) );
+
+// ---- experiments ----
+
+// The case `figures`: the figures of the balloon paper, of Park and Kim 2024, of Kim 2026 and
+// of Noh and Jung (figures_drape.h) as experiments, each with a measured check.
 
 typedef wisp_status figures_fn( figures_case* page, wisp_error* error );
 

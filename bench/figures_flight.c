@@ -1,17 +1,20 @@
 // Figures 4 to 6 and 8: what acts on a balloon, how it empties, and how long a step takes.
-#include "figures_flight.h"
+#include "figures_bench.h"
 
 #include "oracle/balloon_oracle.h"
 
 #include <math.h>
 #include <stdlib.h>
 
+// Of the edges of an emptied body. A scanned figure with thin ears keeps a few creases.
+#define FLIGHT_STRAIN_LEFT 0.15
+
 static double dot( const double a[3], const double b[3] )
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-double flight_length( const double a[3] )
+static double flight_length( const double a[3] )
 {
     return sqrt( dot( a, a ) );
 }
@@ -33,7 +36,9 @@ static int give_outlet( const figures_case* page, balloon_setting* setting, wisp
     return vertex;
 }
 
-void flight_give_outlet( const figures_case* page, wisp_vec3 at, balloon_setting* setting )
+// A shut outlet of the vertices within 2 cm of the one that is nearest to a point: their common normal is steadier than that
+// of a single vertex.
+static void flight_give_outlet( const figures_case* page, wisp_vec3 at, balloon_setting* setting )
 {
     const wisp_mesh* mesh = &page->figure;
     const int nearest = balloon_mesh_nearest( mesh, at );
@@ -47,8 +52,9 @@ void flight_give_outlet( const figures_case* page, wisp_vec3 at, balloon_setting
     }
 }
 
-wisp_status flight_enter( const figures_case* page, const balloon_setting* setting, wisp_fabric** fabric,
-                          surface_implementation* implementation, wisp_error* error )
+// A balloon of the scanned figure. Destroy the implementation and release the fabric, also on failure.
+static wisp_status flight_enter( const figures_case* page, const balloon_setting* setting, wisp_fabric** fabric,
+                                 surface_implementation* implementation, wisp_error* error )
 {
     *implementation = ( surface_implementation ){ 0 };
     wisp_status status = balloon_cook( &page->figure, setting, fabric, error );
@@ -61,8 +67,9 @@ wisp_status flight_enter( const figures_case* page, const balloon_setting* setti
     return status;
 }
 
-wisp_status flight_advance( surface_implementation* implementation, int steps, wisp_balloon_stats* out,
-                            wisp_error* error )
+// @param out the statistics after the last step
+static wisp_status flight_advance( surface_implementation* implementation, int steps, wisp_balloon_stats* out,
+                                   wisp_error* error )
 {
     wisp_status status = WISP_OK;
     for ( int s = 0; s < steps && status == WISP_OK; ++s )
@@ -72,7 +79,7 @@ wisp_status flight_advance( surface_implementation* implementation, int steps, w
     return status == WISP_OK ? balloon_implementation_read( implementation, out, error ) : status;
 }
 
-wisp_status flight_open( surface_implementation* implementation, wisp_error* error )
+static wisp_status flight_open( surface_implementation* implementation, wisp_error* error )
 {
     wisp_status status = wisp_open_balloon( implementation->world, implementation->entity, true );
     return status == WISP_OK ? WISP_OK : bench_world_fail( implementation->world, status, error );
@@ -302,8 +309,9 @@ typedef struct spin_run
     double spin, mass_flow; // rad/s and kg/s, largest
 } spin_run;
 
-wisp_status flight_track( const figures_case* page, surface_implementation* implementation, figures_tracks* tracks,
-                          int step, wisp_error* error )
+// Add a point to each track: of the vertices that are farthest along four directions.
+static wisp_status flight_track( const figures_case* page, surface_implementation* implementation,
+                                 figures_tracks* tracks, int step, wisp_error* error )
 {
     static const wisp_vec3 directions[FIGURES_TRACKS_MAX] = { { 0, 1, 0 }, { 0, -1, 0 }, { 0, 0, 1 }, { -1, 0, 0 } };
     const wisp_vec3* points;
@@ -316,7 +324,10 @@ wisp_status flight_track( const figures_case* page, surface_implementation* impl
     return status;
 }
 
-wisp_status flight_tracks_make( int count, int length, float radius, figures_tracks* out, wisp_error* error )
+// Empty tracks of four vertices. Free out[0].points, also on failure.
+// @param out receives [count]
+// @param length points of a track
+static wisp_status flight_tracks_make( int count, int length, float radius, figures_tracks* out, wisp_error* error )
 {
     const size_t each = (size_t)FIGURES_TRACKS_MAX * (size_t)length;
     wisp_vec3* points = calloc( (size_t)count * each, sizeof( wisp_vec3 ) );
@@ -327,8 +338,8 @@ wisp_status flight_tracks_make( int count, int length, float radius, figures_tra
     return points ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for tracks" );
 }
 
-static wisp_status fly( figures_case* page, float area, figures_album* album, figures_tracks* tracks, spin_run* out,
-                        wisp_error* error )
+static wisp_status fly_spinning( figures_case* page, float area, figures_album* album, figures_tracks* tracks,
+                                 spin_run* out, wisp_error* error )
 {
     balloon_setting setting = balloon_default_setting();
     setting.def.gas_ratio = 1.2f;
@@ -366,7 +377,7 @@ wisp_status figures_spin( figures_case* page, wisp_error* error )
     bool grows = true;
     for ( int i = 0; i < SPIN_SETTINGS && status == WISP_OK; ++i )
     {
-        status = fly( page, areas[i], &album, &tracks[i], &runs[i], error );
+        status = fly_spinning( page, areas[i], &album, &tracks[i], &runs[i], error );
         grows = grows && runs[i].spin > ( i > 0 ? 1.1 * runs[i - 1].spin : 0.0 ) &&
                 runs[i].mass_flow > ( i > 0 ? runs[i - 1].mass_flow : 0.0 );
     }
@@ -451,5 +462,145 @@ wisp_status figures_real_time( figures_case* page, wisp_error* error )
                      "%.2f ms; by the line %.0f vertices fit into a step", ms[2],
                      ( frame - line.intercept ) / line.slope );
     }
+    return status;
+}
+
+// ---- rise and reverse ----
+
+// Figure 7: inflated in free air, then released suddenly.
+
+enum
+{
+    RISE_STEPS = 60,
+    RELEASE_STEPS = 120,
+    RISE_FILLS = 3,
+};
+
+typedef struct rise_run
+{
+    double lift, weight;             // N
+    double risen, highest, end;      // m, when it is released, at most and at the end
+    double fall, spin;               // m/s downwards and rad/s, largest after the release
+    double strain, strain_max, left; // of the edges: largest at the release, ever after it, and at the end
+} rise_run;
+
+static wisp_status step_and_track( const figures_case* page, surface_implementation* implementation, int step,
+                                   figures_tracks* tracks, wisp_balloon_stats* seen, wisp_motion_stats* motion,
+                                   wisp_error* error )
+{
+    wisp_status status = flight_advance( implementation, 1, seen, error );
+    status = status == WISP_OK ? flight_track( page, implementation, tracks, step - 1, error ) : status;
+    if ( status == WISP_OK )
+    {
+        status = wisp_read_motion_stats( implementation->world, implementation->entity, motion );
+        status = status == WISP_OK ? WISP_OK : bench_world_fail( implementation->world, status, error );
+    }
+    return status;
+}
+
+static wisp_status fly_up( const figures_case* page, surface_implementation* implementation, float gas_ratio,
+                           figures_album* album, figures_tracks* tracks, rise_run* out, wisp_error* error )
+{
+    wisp_balloon_stats seen = { 0 };
+    wisp_motion_stats motion = { 0 };
+    wisp_status status = WISP_OK;
+    for ( int step = 1; step <= RISE_STEPS + RELEASE_STEPS && status == WISP_OK; ++step )
+    {
+        if ( step == RISE_STEPS + 1 )
+        {
+            *out = ( rise_run ){ .lift = flight_length( seen.buoyancy ),
+                                 .weight = flight_length( seen.gravity ),
+                                 .risen = motion.centre[1],
+                                 .highest = motion.centre[1],
+                                 .strain = motion.strain_max };
+            status = figures_take( page, album, implementation, error, "released" );
+            status = status == WISP_OK ? flight_open( implementation, error ) : status;
+        }
+        status =
+            status == WISP_OK ? step_and_track( page, implementation, step, tracks, &seen, &motion, error ) : status;
+        status =
+            status == WISP_OK && step == 1 ? figures_take( page, album, implementation, error, "start" ) : status;
+        out->fall = fmax( out->fall, -motion.momentum[1] / motion.mass );
+        out->spin = fmax( out->spin, flight_length( seen.angular_velocity ) );
+        out->highest = fmax( out->highest, motion.centre[1] );
+        out->strain_max = fmax( out->strain_max, motion.strain_max );
+    }
+    out->end = motion.centre[1];
+    out->left = motion.strain_max;
+    return status == WISP_OK ? figures_take( page, album, implementation, error, "fill %.1f: start, full, empty",
+                                             (double)gas_ratio )
+                             : status;
+}
+
+// A skin of 35 g/m^2, so that the empty body sinks, and 1000 N/m, so that the pressure of the fullest stays below 7.5 kPa, up
+// to which Bernoulli's law holds. The jet is 0.5 cm^2.
+static wisp_status rise( figures_case* page, float gas_ratio, figures_album* album, figures_tracks* tracks,
+                         rise_run* out, wisp_error* error )
+{
+    balloon_setting setting = balloon_default_setting();
+    setting.def.gas_ratio = gas_ratio;
+    setting.def.edge_stiffness = 1000.0f;
+    setting.def.outlet_area = 5e-5f;
+    setting.area_density = 0.035f;
+    setting.damping = 1.0f;
+    // whose common normal does not flap as that of the tip of an ear does
+    flight_give_outlet( page, ( wisp_vec3 ){ -0.07f, 0.2f, 0.01f }, &setting );
+    wisp_fabric* fabric = NULL;
+    surface_implementation implementation;
+    wisp_status status = flight_enter( page, &setting, &fabric, &implementation, error );
+    status = status == WISP_OK ? fly_up( page, &implementation, gas_ratio, album, tracks, out, error ) : status;
+    surface_implementation_destroy( &implementation );
+    wisp_fabric_release( fabric );
+    return status;
+}
+
+static void add_rise_rows( figures_case* page, const rise_run* runs )
+{
+    bool rises = true, reverses = true, grows = true, bounded = true;
+    for ( int i = 0; i < RISE_FILLS; ++i )
+    {
+        const rise_run* r = runs + i;
+        rises = rises && r->lift > r->weight && r->risen > ( i > 0 ? 1.1 * runs[i - 1].risen : 0.1 );
+        reverses = reverses && r->highest < r->risen + 0.1 && r->end < r->highest - 0.1;
+        grows = grows && r->fall > ( i > 0 ? 1.1 * runs[i - 1].fall : 0.5 ) &&
+                r->spin > ( i > 0 ? 1.1 * runs[i - 1].spin : 0.0 );
+        bounded = bounded && r->strain_max < 1.05 * r->strain && r->left < FLIGHT_STRAIN_LEFT;
+    }
+    figures_add(
+        page, "F7", "1 s in free air at fills of 1.4, 1.7 and 2", "rises, since its lift is above its weight", rises,
+        "lift / weight %.2f, %.2f, %.2f; rises %.2f, %.2f, %.2f m", runs[0].lift / runs[0].weight,
+        runs[1].lift / runs[1].weight, runs[2].lift / runs[2].weight, runs[0].risen, runs[1].risen, runs[2].risen );
+    figures_add( page, "F7", "an outlet in the head opens for 2 s",
+                 "the path turns back within 0.1 m, and ends lower", reverses,
+                 "highest %.2f, %.2f, %.2f m, at the end %.2f, %.2f, %.2f m", runs[0].highest, runs[1].highest,
+                 runs[2].highest, runs[0].end, runs[1].end, runs[2].end );
+    figures_add( page, "F7", "the same, fall and spin", "both grow with the fill, by a tenth at least", grows,
+                 "%.2f, %.2f, %.2f m/s downwards; %.1f, %.1f, %.1f rad/s", runs[0].fall, runs[1].fall, runs[2].fall,
+                 runs[0].spin, runs[1].spin, runs[2].spin );
+    figures_add( page, "F7", "the same, skin", "never more strained than full, below 0.15 when empty", bounded,
+                 "strain %.2f, %.2f, %.2f full, %.2f, %.2f, %.2f at most, %.3f, %.3f, %.3f empty", runs[0].strain,
+                 runs[1].strain, runs[2].strain, runs[0].strain_max, runs[1].strain_max, runs[2].strain_max,
+                 runs[0].left, runs[1].left, runs[2].left );
+}
+
+wisp_status figures_rise_and_reverse( figures_case* page, wisp_error* error )
+{
+    static const float fills[RISE_FILLS] = { 1.4f, 1.7f, 2.0f };
+    rise_run runs[RISE_FILLS] = { { 0 } };
+    figures_album album = { .mesh = &page->figure, .shots_per_picture = 3 };
+    figures_tracks tracks[RISE_FILLS];
+    wisp_status status = flight_tracks_make( RISE_FILLS, RISE_STEPS + RELEASE_STEPS, 0.004f, tracks, error );
+    for ( int i = 0; i < RISE_FILLS && status == WISP_OK; ++i )
+    {
+        status = rise( page, fills[i], &album, &tracks[i], &runs[i], error );
+    }
+    if ( status == WISP_OK )
+    {
+        add_rise_rows( page, runs );
+        status = figures_write( page, &album, tracks, "f7_release",
+                                "F7, tracks of four vertices: 1 s up, then 2 s with an open outlet", error );
+    }
+    figures_album_free( &album );
+    free( tracks[0].points );
     return status;
 }

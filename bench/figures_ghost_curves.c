@@ -1,12 +1,9 @@
 // The figures of Park and Kim 2024 about lines: the curves that draw strands, and ghosts with more vertices.
-#include "figures_tuft.h"
+#include "figures_hair.h"
 
 #include "oracle/guide_oracle.h"
 
 #include <math.h>
-
-#define GROUP 4
-#define SHOT_STEP 25
 
 // ---- turns ----
 
@@ -24,7 +21,7 @@ typedef struct turns
     int sharp;      // above a limit
 } turns;
 
-static turns measure_turns( const wisp_vec3* points, int count, double limit )
+static turns measure_curve_turns( const wisp_vec3* points, int count, double limit )
 {
     turns t = { 0.0, 0 };
     for ( int i = 1; i + 1 < count; ++i )
@@ -97,7 +94,7 @@ static int draw_printed( const wisp_vec3* nodes, int node_count, double limit, w
     {
         points[i] = ( wisp_vec3 ){ (float)drawn[i].x, (float)drawn[i].y, (float)drawn[i].z };
     }
-    f->printed = measure_turns( points, count, limit );
+    f->printed = measure_curve_turns( points, count, limit );
     note_ends( points, count, nodes, node_count, f );
     return count;
 }
@@ -120,7 +117,7 @@ static wisp_status draw_curve( wisp_world* world, wisp_entity strand, wisp_curve
         return bench_world_fail( world, status, error );
     }
     const wisp_vec3* points = view->data;
-    *out = measure_turns( points, view->count, limit );
+    *out = measure_curve_turns( points, view->count, limit );
     note_ends( points, view->count, nodes, node_count, f );
     return WISP_OK;
 }
@@ -136,9 +133,9 @@ static wisp_status draw_strand( const figures_case* page, figures_hair_album* al
     {
         nodes[i] = form_node( form, i );
     }
-    const turns all = measure_turns( nodes, node_count, 0.0 );
+    const turns all = measure_curve_turns( nodes, node_count, 0.0 );
     double limit = 0.5 * all.largest;
-    f->line = measure_turns( nodes, node_count, limit );
+    f->line = measure_curve_turns( nodes, node_count, limit );
 
     const wisp_module* const modules[] = { &wisp_strands_module, &wisp_guide_hair_module };
     const bench_world_def def = { modules, WISP_COUNT( modules ), .workers = 1 };
@@ -256,9 +253,9 @@ static void pair_nearest( const tuft* t, const wisp_vec3* target, wisp_vec3* out
 static double sharpest( const wisp_vec3* points )
 {
     double largest = 0.0;
-    for ( int g = 0; g < GROUP; ++g )
+    for ( int g = 0; g < TUFT_GROUP; ++g )
     {
-        largest = fmax( largest, measure_turns( points + g * GHOST_NODES, GHOST_NODES, 0.0 ).largest );
+        largest = fmax( largest, measure_curve_turns( points + g * GHOST_NODES, GHOST_NODES, 0.0 ).largest );
     }
     return largest;
 }
@@ -280,13 +277,13 @@ wisp_status figures_ghost_pairing( figures_case* page, wisp_error* error )
 {
     figures_hair_album album = { .count = 0 };
     tuft t = { .target = { 0 } };
-    seen s = { .target = NULL };
-    wisp_vec3 nearest[GROUP * GHOST_NODES];
+    tuft_seen s = { .target = NULL };
+    wisp_vec3 nearest[TUFT_GROUP * GHOST_NODES];
     double kinks[2] = { 0.0, 0.0 };
     bool refused = false;
     wisp_ghosts_def follow = tuft_without_weights();
     follow.resample = true;
-    wisp_status status = tuft_make( GROUP, GHOST_NODES, &t, error );
+    wisp_status status = tuft_make( TUFT_GROUP, GHOST_NODES, &t, error );
     status = status == WISP_OK ? is_refused( &t, &refused, error ) : status;
     status = status == WISP_OK ? tuft_enter( &t, &follow, error ) : status;
     for ( int step = 1; step <= TUFT_STEPS && status == WISP_OK; ++step )
@@ -298,14 +295,15 @@ wisp_status figures_ghost_pairing( figures_case* page, wisp_error* error )
             kinks[0] = fmax( kinks[0], sharpest( nearest ) );
             kinks[1] = fmax( kinks[1], sharpest( s.swaying ) );
         }
-        if ( status == WISP_OK && step == SHOT_STEP )
+        if ( status == WISP_OK && step == TUFT_SHOT )
         {
-            for ( int i = 0; i < GROUP * GHOST_NODES; ++i )
+            for ( int i = 0; i < TUFT_GROUP * GHOST_NODES; ++i )
             {
                 nearest[i] = tuft_minus( nearest[i], s.target[0] );
             }
             figures_hair_begin( page, &album, "nearest vertex" );
-            status = figures_hair_add( page, &album, nearest, GROUP, GHOST_NODES, tuft_line_colour, 0.0005f, error );
+            status =
+                figures_hair_add( page, &album, nearest, TUFT_GROUP, GHOST_NODES, tuft_line_colour, 0.0005f, error );
             figures_hair_begin( page, &album, "by arc length" );
             const tuft_lines none = { .to_centre = false };
             status = status == WISP_OK ? tuft_take( page, &album, &t, &s, &none, error ) : status;

@@ -1,10 +1,195 @@
 // The figures of Park and Kim 2024 about ghosts: how they stand around their targets and how they sway.
-#include "figures_tuft.h"
+#include "figures_hair.h"
 
 #include <math.h>
+#include <stdlib.h>
+
+// ---- tufts ----
+
+const wisp_vec3 tuft_target_colour = { 0.08f, 0.05f, 0.03f };
+const wisp_vec3 tuft_ghost_colour = { 0.55f, 0.32f, 0.12f };
+const wisp_vec3 tuft_line_colour = { 0.75f, 0.05f, 0.05f };
+
+wisp_vec3 tuft_minus( wisp_vec3 a, wisp_vec3 b )
+{
+    return ( wisp_vec3 ){ a.x - b.x, a.y - b.y, a.z - b.z };
+}
+
+double tuft_dot( wisp_vec3 a, wisp_vec3 b )
+{
+    return (double)a.x * (double)b.x + (double)a.y * (double)b.y + (double)a.z * (double)b.z;
+}
+
+double tuft_length( wisp_vec3 a )
+{
+    return sqrt( tuft_dot( a, a ) );
+}
+
+static wisp_vec3 target_point( int node, int nodes )
+{
+    float s = (float)node / (float)( nodes - 1 );
+    return ( wisp_vec3 ){ 0.1f + 0.12f * s - 0.05f * s * s, 0.05f - 0.12f * s * s, 0.02f * s };
+}
+
+wisp_status tuft_make( int ghost_count, int ghost_nodes, tuft* t, wisp_error* error )
+{
+    wisp_status status = strands_shape_create( 1, TUFT_NODES, &t->target, error );
+    status = status == WISP_OK ? strands_shape_create( ghost_count, ghost_nodes, &t->ghosts, error ) : status;
+    for ( int node = 0; node < TUFT_NODES && status == WISP_OK; ++node )
+    {
+        t->target.points[node] = target_point( node, TUFT_NODES );
+    }
+    for ( int i = 0; i < ghost_count * ghost_nodes && status == WISP_OK; ++i )
+    {
+        int ghost = i / ghost_nodes, node = i % ghost_nodes;
+        float angle = 2.4f * (float)ghost, s = (float)node / (float)( ghost_nodes - 1 );
+        float radius = 0.004f * (float)( ghost + 1 ) * ( 1.0f + s );
+        wisp_vec3 p = target_point( node, ghost_nodes );
+        t->ghosts.points[i] = ( wisp_vec3 ){ p.x + radius * sinf( angle ), p.y, p.z + radius * cosf( angle ) };
+    }
+    return status;
+}
+
+void tuft_free( tuft* t )
+{
+    hair_head_destroy( &t->swaying );
+    hair_head_destroy( &t->plain );
+    strands_shape_free( &t->target );
+    strands_shape_free( &t->ghosts );
+}
+
+wisp_ghosts_def tuft_without_weights( void )
+{
+    wisp_ghosts_def def = wisp_default_ghosts_def();
+    def.elastic = WISP_GHOST_ELASTIC_OFF;
+    def.tip_gain = 0.0f;
+    def.centre_gain = 0.0f;
+    return def;
+}
+
+wisp_status tuft_enter( tuft* t, const wisp_ghosts_def* follow, wisp_error* error )
+{
+    hair_head_generator generator = hair_head_default_generator( &t->target );
+    generator.ghosts = &t->ghosts;
+    generator.shows_moving = true;
+    generator.follow = *follow;
+    wisp_status status = hair_head_create( &generator, &t->swaying, error );
+    generator.follow = tuft_without_weights();
+    generator.follow.resample = follow->resample;
+    return status == WISP_OK ? hair_head_create( &generator, &t->plain, error ) : status;
+}
+
+wisp_status tuft_advance( tuft* t, tuft_seen* s, wisp_error* error )
+{
+    for ( int i = 0; i < TUFT_NODES; ++i )
+    {
+        s->before[i] = s->now[i];
+    }
+    wisp_status status = hair_head_step( &t->swaying, error );
+    status = status == WISP_OK ? hair_head_step( &t->plain, error ) : status;
+    status = status == WISP_OK ? hair_head_points( &t->swaying, &s->swaying, error ) : status;
+    status = status == WISP_OK ? hair_head_points( &t->plain, &s->base, error ) : status;
+    status = status == WISP_OK ? hair_head_moving_points( &t->swaying, &s->target, error ) : status;
+    if ( status == WISP_OK )
+    {
+        hair_head_moving_velocities( &t->swaying, s->now );
+    }
+    return status;
+}
+
+// Mean of the ghosts of the one target at a node. @param points [ghost_count][TUFT_NODES] m
+static wisp_vec3 tuft_mean( const wisp_vec3* points, int ghost_count, int node )
+{
+    double sum[3] = { 0.0, 0.0, 0.0 };
+    for ( int g = 0; g < ghost_count; ++g )
+    {
+        wisp_vec3 p = points[g * TUFT_NODES + node];
+        sum[0] += (double)p.x;
+        sum[1] += (double)p.y;
+        sum[2] += (double)p.z;
+    }
+    return ( wisp_vec3 ){ (float)( sum[0] / ghost_count ), (float)( sum[1] / ghost_count ),
+                          (float)( sum[2] / ghost_count ) };
+}
+
+#define LINE_RADIUS 0.0004f
+
+static wisp_vec3 plus( wisp_vec3 a, float factor, wisp_vec3 b )
+{
+    return ( wisp_vec3 ){ a.x + factor * b.x, a.y + factor * b.y, a.z + factor * b.z };
+}
+
+// Ends of the lines of a shot, and of its bar. @return how many lines
+static int collect_lines( const tuft* t, const tuft_seen* s, const tuft_lines* lines, wisp_vec3* out )
+{
+    const float times = lines->magnified > 0.0f ? lines->magnified : 1.0f;
+    int count = 0;
+    for ( int i = 0; i < strands_shape_size( &t->ghosts ); ++i )
+    {
+        const wisp_vec3 end = lines->to_centre ? tuft_mean( s->swaying, t->ghosts.strand_count, i % TUFT_NODES )
+                                               : plus( s->base[i], times, tuft_minus( s->swaying[i], s->base[i] ) );
+        const wisp_vec3 begin = lines->to_centre ? s->swaying[i] : s->base[i];
+        if ( tuft_length( tuft_minus( end, begin ) ) > (double)LINE_RADIUS )
+        {
+            out[2 * count] = begin;
+            out[2 * count++ + 1] = end;
+        }
+    }
+    if ( lines->bar > 0.0f )
+    {
+        const wisp_vec3 under = { 0.0f, -0.02f, 0.0f }, along = { times * lines->bar, 0.0f, 0.0f };
+        out[2 * count] = plus( s->target[0], 1.0f, under );
+        out[2 * count + 1] = plus( out[2 * count], 1.0f, along );
+        count += 1;
+    }
+    return count;
+}
+
+// Add a layer as seen from a point that moves with the head, so that shots of all times fill their pictures.
+static wisp_status add_from( const figures_case* page, figures_hair_album* album, wisp_vec3 from,
+                             const wisp_vec3* points, int strands, int vertices, wisp_vec3 colour, float radius,
+                             wisp_error* error )
+{
+    wisp_vec3* moved = malloc( (size_t)strands * (size_t)vertices * sizeof( wisp_vec3 ) );
+    if ( !moved )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a picture of ghosts" );
+    }
+    for ( int i = 0; i < strands * vertices; ++i )
+    {
+        moved[i] = tuft_minus( points[i], from );
+    }
+    const wisp_status status = figures_hair_add( page, album, moved, strands, vertices, colour, radius, error );
+    free( moved );
+    return status;
+}
+
+wisp_status tuft_take( const figures_case* page, figures_hair_album* album, const tuft* t, const tuft_seen* s,
+                       const tuft_lines* lines, wisp_error* error )
+{
+    const wisp_vec3 root = s->target[0];
+    wisp_vec3* ends = malloc( 2 * ( (size_t)strands_shape_size( &t->ghosts ) + 1 ) * sizeof( wisp_vec3 ) );
+    if ( !ends )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for difference lines" );
+    }
+    wisp_status status =
+        add_from( page, album, root, s->target, 1, t->target.vertices, tuft_target_colour, 0.0008f, error );
+    status = status == WISP_OK ? add_from( page, album, root, s->swaying, t->ghosts.strand_count, t->ghosts.vertices,
+                                           tuft_ghost_colour, 0.0005f, error )
+                               : status;
+    const int count = collect_lines( t, s, lines, ends );
+    if ( status == WISP_OK && count > 0 )
+    {
+        status = add_from( page, album, root, ends, count, 2, tuft_line_colour, LINE_RADIUS, error );
+    }
+    free( ends );
+    return status;
+}
+
+// ---- figures 1 and 2 ----
 
 #define GHOSTS_MAX 5
-#define SHOT_STEP 25
 // Difference lines are a few millimetres long at most: how many times they are drawn, and the difference of the bar, m.
 #define SWAY_MAGNIFIED 10.0f
 #define SWAY_BAR 0.001f
@@ -35,7 +220,7 @@ wisp_status figures_ghost_centre( figures_case* page, wisp_error* error )
     for ( int ghosts = 3; ghosts <= GHOSTS_MAX && status == WISP_OK; ++ghosts )
     {
         tuft t = { .target = { 0 } };
-        seen s = { .target = NULL };
+        tuft_seen s = { .target = NULL };
         const wisp_ghosts_def follow = tuft_without_weights();
         status = tuft_make( ghosts, TUFT_NODES, &t, error );
         status = status == WISP_OK ? tuft_enter( &t, &follow, error ) : status;
@@ -47,7 +232,7 @@ wisp_status figures_ghost_centre( figures_case* page, wisp_error* error )
                 double off = tuft_length( tuft_minus( tuft_mean( s.swaying, ghosts, node ), s.target[node] ) );
                 worst = off <= worst ? worst : off;
             }
-            if ( step == SHOT_STEP && status == WISP_OK )
+            if ( step == TUFT_SHOT && status == WISP_OK )
             {
                 const tuft_lines spokes = { .to_centre = true };
                 figures_hair_begin( page, &album, "%d ghosts, lines to their mean", ghosts );
@@ -78,7 +263,7 @@ typedef struct sway_stats
     int steady_count, turning_count;
 } sway_stats;
 
-static void measure_sway( const seen* s, sway_stats* f )
+static void measure_sway( const tuft_seen* s, sway_stats* f )
 {
     for ( int node = 0; node < TUFT_NODES; ++node )
     {
@@ -120,7 +305,7 @@ wisp_status figures_ghost_sway( figures_case* page, wisp_error* error )
 {
     figures_hair_album album = { .count = 0 };
     tuft t = { .target = { 0 } };
-    seen s = { .target = NULL };
+    tuft_seen s = { .target = NULL };
     sway_stats f = { .root = 0.0 };
     wisp_ghosts_def follow = tuft_without_weights();
     follow.elastic = WISP_GHOST_ELASTIC_CHANGE;
@@ -166,8 +351,6 @@ wisp_status figures_ghost_sway( figures_case* page, wisp_error* error )
 
 // ---- Fig. 2b and 2c ----
 
-#define GROUP 4
-
 typedef struct group_stats
 {
     double apart;       // m, largest difference of displacement within the group
@@ -176,14 +359,14 @@ typedef struct group_stats
     int samples;
 } group_stats;
 
-static void measure_group( const seen* s, group_stats* f )
+static void measure_group( const tuft_seen* s, group_stats* f )
 {
     for ( int node = 1; node < TUFT_NODES; ++node )
     {
-        double moved[GROUP], far[GROUP];
-        const wisp_vec3 centre = tuft_mean( s->base, GROUP, node );
+        double moved[TUFT_GROUP], far[TUFT_GROUP];
+        const wisp_vec3 centre = tuft_mean( s->base, TUFT_GROUP, node );
         wisp_vec3 first = { 0.0f, 0.0f, 0.0f };
-        for ( int g = 0; g < GROUP; ++g )
+        for ( int g = 0; g < TUFT_GROUP; ++g )
         {
             wisp_vec3 d = tuft_minus( s->swaying[g * TUFT_NODES + node], s->base[g * TUFT_NODES + node] );
             first = g == 0 ? d : first;
@@ -191,15 +374,15 @@ static void measure_group( const seen* s, group_stats* f )
             far[g] = tuft_length( tuft_minus( s->base[g * TUFT_NODES + node], centre ) );
             f->apart = fmax( f->apart, tuft_length( tuft_minus( d, first ) ) );
         }
-        f->spread += spread_of_group( s->swaying, GROUP, node );
+        f->spread += spread_of_group( s->swaying, TUFT_GROUP, node );
         ++f->samples;
         if ( tuft_length( s->now[node] ) < MIN_SPEED )
         {
             continue;
         }
-        for ( int a = 0; a < GROUP; ++a )
+        for ( int a = 0; a < TUFT_GROUP; ++a )
         {
-            for ( int b = 0; b < GROUP; ++b )
+            for ( int b = 0; b < TUFT_GROUP; ++b )
             {
                 bool is_pair = far[a] > 1.05 * far[b]; // nearly equal distances say nothing
                 f->pairs += is_pair ? 1 : 0;
@@ -213,11 +396,11 @@ static wisp_status run_group( const figures_case* page, figures_hair_album* albu
                               wisp_error* error )
 {
     tuft t = { .target = { 0 } };
-    seen s = { .target = NULL };
+    tuft_seen s = { .target = NULL };
     wisp_ghosts_def follow = tuft_without_weights();
     follow.elastic = WISP_GHOST_ELASTIC_CHANGE;
     follow.centre_gain = centre_gain;
-    wisp_status status = tuft_make( GROUP, TUFT_NODES, &t, error );
+    wisp_status status = tuft_make( TUFT_GROUP, TUFT_NODES, &t, error );
     status = status == WISP_OK ? tuft_enter( &t, &follow, error ) : status;
     for ( int step = 1; step <= TUFT_STEPS && status == WISP_OK; ++step )
     {
@@ -226,7 +409,7 @@ static wisp_status run_group( const figures_case* page, figures_hair_album* albu
         {
             measure_group( &s, f );
         }
-        if ( status == WISP_OK && step == SHOT_STEP )
+        if ( status == WISP_OK && step == TUFT_SHOT )
         {
             const tuft_lines lines = { .magnified = GROUP_MAGNIFIED, .bar = GROUP_BAR };
             figures_hair_begin( page, album, "k_com %.1f, bar %.0f mm of y - b", (double)centre_gain,
@@ -295,19 +478,19 @@ wisp_status figures_ghost_spread( figures_case* page, wisp_error* error )
     for ( int i = 0; i < WISP_COUNT( requested ) && status == WISP_OK; ++i )
     {
         tuft t = { .target = { 0 } };
-        seen s = { .target = NULL };
+        tuft_seen s = { .target = NULL };
         wisp_ghosts_def follow = tuft_without_weights();
         follow.spread = requested[i];
-        status = tuft_make( GROUP, TUFT_NODES, &t, error );
+        status = tuft_make( TUFT_GROUP, TUFT_NODES, &t, error );
         status = status == WISP_OK ? tuft_enter( &t, &follow, error ) : status;
-        for ( int step = 1; step <= SHOT_STEP && status == WISP_OK; ++step )
+        for ( int step = 1; step <= TUFT_SHOT && status == WISP_OK; ++step )
         {
             status = tuft_advance( &t, &s, error );
         }
         for ( int node = 1; node < TUFT_NODES && status == WISP_OK; ++node )
         {
-            double now = spread_of_group( s.swaying, GROUP, node );
-            double rest = spread_of_group( t.ghosts.points, GROUP, node );
+            double now = spread_of_group( s.swaying, TUFT_GROUP, node );
+            double rest = spread_of_group( t.ghosts.points, TUFT_GROUP, node );
             ratio[i] += now / rest / ( TUFT_NODES - 1 );
             worst = fmax( worst, fabs( now / rest / (double)requested[i] - 1.0 ) );
         }

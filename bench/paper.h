@@ -1,8 +1,12 @@
 /// Table 1 of Kim 2026: measurements of each size, and the tables made from them.
 #pragma once
 
-#include "bench_options.h"
+#include "bench.h"
+#include "bench_world.h"
+#include "groom.h"
 #include "stats.h"
+
+#include "frozen_hair/frozen_hair.h"
 
 #define PAPER_SIZES 6
 #define PAPER_VARIANTS_MAX 2

@@ -1,8 +1,8 @@
 /// Table 1 of Noh and Jung: measurements of each cloth, and the tables made from them.
 #pragma once
 
-#include "bench_options.h"
-#include "cells.h"
+#include "bench.h"
+#include "bench_output.h"
 #include "stats.h"
 
 #define TRIANGLE_ROWS_MAX 12
@@ -51,11 +51,3 @@ typedef struct triangle_line
 
 /// All tables of a plan.
 wisp_status paper_triangle_run( const triangle_plan* plan, results* out, wisp_error* error );
-/// The plan of the case.
-wisp_status paper_triangle_cloth( const bench_options* options, results* out, wisp_error* error );
-
-/// Run the falling cloths. @param lines [drop_count]
-wisp_status triangle_drop_all( const triangle_plan* plan, triangle_line* lines, results* out, wisp_error* error );
-
-/// Tables, rows and messages.
-void triangle_report( const triangle_plan* plan, const triangle_line* lines, results* out );

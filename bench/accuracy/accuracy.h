@@ -2,7 +2,7 @@
 /// error and a hash, the Pareto front is marked, and settings are compared at equal time and at equal error.
 #pragma once
 
-#include "bench_options.h"
+#include "bench.h"
 #include "stats.h"
 #include "suite.h"
 

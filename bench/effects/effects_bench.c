@@ -1,9 +1,9 @@
 // The case `effects`: each effect against itself, on and off, with every module registered and with only those in use.
 #include "effects/effects_bench.h"
 
-#include "cells.h"
+#include "bench_output.h"
 #include "stats.h"
-#include "bench_timing.h"
+#include "bench.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -81,7 +81,7 @@ static void check_pair( const contest* c, int one, int other, results* out )
     }
 }
 
-static void check( const contest* c, results* out )
+static void check_contest( const contest* c, results* out )
 {
     check_pair( c, ON, ON_USED, out );
     check_pair( c, OFF, NOT_REGISTERED, out );
@@ -91,7 +91,7 @@ static void check( const contest* c, results* out )
     }
 }
 
-static bool agree( const contest* c, int one, int other )
+static bool is_same( const contest* c, int one, int other )
 {
     return strcmp( c->plan[one], c->plan[other] ) == 0 && c->hash[one] == c->hash[other] &&
            c->bytes[one] == c->bytes[other];
@@ -99,7 +99,7 @@ static bool agree( const contest* c, int one, int other )
 
 // ---- tables ----
 
-static int begin_table( results* out )
+static int begin_effects_table( results* out )
 {
     cells header = { 0 };
     static const char* const NAMES[] = { "effect",
@@ -122,7 +122,7 @@ static int begin_table( results* out )
     return cells_begin_table( &header, "Effects: an effect that is not requested costs nothing, one worker", out );
 }
 
-static void add_row( const contest* c, int table, results* out )
+static void add_effect_row( const contest* c, int table, results* out )
 {
     cells row = { 0 };
     cells_put( &row, "%s", c->name );
@@ -138,7 +138,7 @@ static void add_row( const contest* c, int table, results* out )
     cells_put_number( &row, (double)c->bytes[NOT_REGISTERED] / 1024.0, 1 );
     cells_put_pair( &row, (double)c->worlds[OFF]->world.empty_bytes / 1024.0, 1,
                     (double)c->worlds[NOT_REGISTERED]->world.empty_bytes / 1024.0, 1 );
-    cells_put( &row, "%s", agree( c, ON, ON_USED ) && agree( c, OFF, NOT_REGISTERED ) ? "yes" : "NO" );
+    cells_put( &row, "%s", is_same( c, ON, ON_USED ) && is_same( c, OFF, NOT_REGISTERED ) ? "yes" : "NO" );
     cells_end_row( &row, table, out );
 }
 
@@ -212,7 +212,7 @@ wisp_status effects_compare( const effects_plan* plan, results* out, wisp_error*
     {
         return wisp_fail( error, WISP_NO_MEMORY, "no memory to compare effects" );
     }
-    const int table = begin_table( out );
+    const int table = begin_effects_table( out );
     wisp_status status = WISP_OK;
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {
@@ -221,8 +221,8 @@ wisp_status effects_compare( const effects_plan* plan, results* out, wisp_error*
         status = run_contest( plan, i, c, error );
         if ( status == WISP_OK )
         {
-            check( c, out );
-            add_row( c, table, out );
+            check_contest( c, out );
+            add_effect_row( c, table, out );
             add_rows_for_machines( c, out );
         }
         end_contest( c );

@@ -1,7 +1,7 @@
 /// The case `effects`: an effect that is not requested costs nothing.
 #pragma once
 
-#include "bench_options.h"
+#include "bench.h"
 
 #include "effects/effect_world.h"
 

@@ -1,13 +1,264 @@
-// The case `stability`: the suites of data/suites/stability, and a comparison that no suite can say.
-#include "stability_bench.h"
+// The case `stability`: hard cases of every solver, and suites whose rows have checks.
+#include "stability/stability_bench.h"
 
+#include "bench_output.h"
+#include "interruption.h"
 #include "program_data.h"
-#include "stability_suite.h"
 
 #include "wisp/explain.h"
 
 #include <math.h>
 #include <string.h>
+
+// ---- suites with checks ----
+
+int stability_begin_table( const char* title, results* out )
+{
+    static const char* const names[] = { "cell",       "verdict",   "strain %",   "of at most", "steps",  "energy J",
+                                         "of at most", "rest mm/s", "of at most", "without",    "engine", "hash" };
+    cells header = { .count = 0 };
+    for ( int i = 0; i < WISP_COUNT( names ); ++i )
+    {
+        cells_put( &header, "%s", names[i] );
+    }
+    return cells_begin_table( &header, title, out );
+}
+
+static void put_figure( cells* row, double value )
+{
+    cells_put( row, isfinite( value ) ? "%.3g" : "-", value );
+}
+
+// Checks that no limit of this run is known for.
+static void put_without( const suite_outcome* o, cells* row )
+{
+    char words[80] = "";
+    for ( int i = 0; i < STABILITY_CHECK_COUNT; ++i )
+    {
+        const size_t used = strlen( words );
+        if ( o->without_limit & stability_bit( (stability_check)i ) )
+        {
+            snprintf( words + used, sizeof words - used, "%s%s", used > 0 ? " " : "", stability_check_names[i] );
+        }
+    }
+    cells_put( row, "%s", words[0] ? words : "-" );
+}
+
+// Actions of the engine according to its counters.
+static void put_engine( const suite_outcome* o, cells* row )
+{
+    if ( o->resets > 0 )
+    {
+        cells_put( row, "reset %llu", (unsigned long long)o->resets );
+    }
+    else if ( o->not_converged > 0 )
+    {
+        cells_put( row, "unsolved %llu", (unsigned long long)o->not_converged );
+    }
+    else if ( o->degenerate > 0 )
+    {
+        cells_put( row, "undirected %llu", (unsigned long long)o->degenerate );
+    }
+    else
+    {
+        cells_put( row, "-" );
+    }
+}
+
+static void put_verdict( const suite_outcome* o, bool is_known, cells* row )
+{
+    if ( o->verdict.check != STABILITY_HOLDS )
+    {
+        cells_put( row, is_known ? "limit: %s" : "FAILED: %s", stability_check_names[o->verdict.check] );
+    }
+    else if ( o->is_refused )
+    {
+        cells_put( row, "refused, as expected" );
+    }
+    else if ( o->figures.recovery > 0.0 )
+    {
+        cells_put( row, "recovered in %.2g s", o->figures.recovery );
+    }
+    else
+    {
+        cells_put( row, "pass" );
+    }
+}
+
+static void add_outcome_line( int table, const char* label, const suite_outcome* o, bool is_known, results* out )
+{
+    const stability_figures* f = &o->figures;
+    cells row = { .count = 0 };
+    cells_put( &row, "%s", label );
+    put_verdict( o, is_known, &row );
+    put_figure( &row, 100.0 * f->strain );
+    put_figure( &row, 100.0 * f->strain_limit );
+    cells_put( &row, "%d", o->steps );
+    put_figure( &row, f->energy );
+    put_figure( &row, f->energy_limit );
+    put_figure( &row, 1e3 * f->rest );
+    put_figure( &row, 1e3 * f->rest_limit );
+    put_without( o, &row );
+    put_engine( o, &row );
+    cells_put_hash( &row, o->hash );
+    cells_end_row( &row, table, out );
+}
+
+static void add_outcome_row( const char* label, const suite_outcome* o, results* out )
+{
+    const stability_figures* f = &o->figures;
+    results_row* row = results_add_row( out, "stability", label );
+    if ( row == NULL )
+    {
+        return;
+    }
+    row->workers = 1;
+    row->steps = o->steps;
+    snprintf( row->error_reference, sizeof( row->error_reference ), "the limits of app/stability" );
+    results_put( &row->error, "broke", o->verdict.check );
+    results_put( &row->error, "strain", f->strain );
+    results_put( &row->error, "strain_limit", f->strain_limit );
+    results_put( &row->error, "recovery_s", f->recovery );
+    results_put( &row->error, "energy_rise_j", f->energy );
+    results_put( &row->error, "energy_limit_j", f->energy_limit );
+    results_put( &row->error, "rest_m_s", f->rest );
+    results_put( &row->error, "rest_limit_m_s", f->rest_limit );
+    row->hash = o->hash;
+    row->has_hash = true;
+}
+
+static void judge_outcome( const char* label, const suite_outcome* o, int known, stability_tally* t, results* out )
+{
+    const stability_check broke = o->verdict.check;
+    const bool is_as_known = (int)broke == known;
+    if ( broke != STABILITY_HOLDS && !is_as_known )
+    {
+        results_add_failure( out, "stability, %s: breaks %s: %s", label, stability_check_names[broke],
+                             o->verdict.message );
+    }
+    else if ( !is_as_known )
+    {
+        results_add_failure( out, "stability, %s: holds now; remove it from what is known to break", label );
+    }
+    t->failed += is_as_known ? 0 : 1;
+    t->known += broke != STABILITY_HOLDS && is_as_known ? 1 : 0;
+    t->held += broke == STABILITY_HOLDS && o->figures.recovery == 0.0 && !o->is_refused ? 1 : 0;
+    t->recovered += broke == STABILITY_HOLDS && o->figures.recovery > 0.0 ? 1 : 0;
+    t->refused += broke == STABILITY_HOLDS && o->is_refused ? 1 : 0;
+    t->not_finite += broke == STABILITY_FINITE ? 1 : 0;
+    t->without_limit += o->without_limit != 0 && !o->is_refused ? 1 : 0;
+    ++t->rows;
+}
+
+void stability_add( int table, const char* label, const suite_outcome* outcome, int known, stability_tally* tally,
+                    results* out )
+{
+    add_outcome_line( table, label, outcome, known >= 0, out );
+    add_outcome_row( label, outcome, out );
+    judge_outcome( label, outcome, known, tally, out );
+}
+
+static bool is_due( const suite_row* row, const bench_options* options )
+{
+    return row->checks != 0 && ( row->is_long ? options->longest : !options->quick || !row->is_slow );
+}
+
+// Rows of a name that must agree, so far.
+typedef struct agreement
+{
+    const suite_row* first;
+    double lower, upper;
+} agreement;
+
+static void end_agreement( agreement* a, stability_tally* tally, results* out )
+{
+    if ( a->first && a->first->agree > 0.0 )
+    {
+        results_add_note( out, "stability, %s: rows hang %.4f to %.4f of their size deep", a->first->name, a->lower,
+                          a->upper );
+        if ( !( a->upper - a->lower <= a->first->agree ) )
+        {
+            ++tally->failed;
+            results_add_failure( out, "stability, %s: rows differ by %.4f of their size, and %.4g is allowed",
+                                 a->first->name, a->upper - a->lower, a->first->agree );
+        }
+    }
+    *a = ( agreement ){ .lower = INFINITY, .upper = -INFINITY };
+}
+
+static void compare_depth( agreement* a, const suite_row* row, double depth, stability_tally* tally, results* out )
+{
+    if ( a->first == NULL || strcmp( a->first->name, row->name ) != 0 )
+    {
+        end_agreement( a, tally, out );
+        a->first = row;
+    }
+    a->lower = fmin( a->lower, depth );
+    a->upper = fmax( a->upper, depth );
+}
+
+wisp_status stability_bench_suite( const wisp_suite* suite, const bench_options* options, stability_tally* tally,
+                                   results* out, wisp_error* error )
+{
+    suite_twins twins = { 0 };
+    wisp_status status = WISP_OK;
+    const char* name = NULL;
+    agreement together = { .lower = INFINITY, .upper = -INFINITY };
+    int table = -1;
+    for ( int i = 0; i < suite->row_count && status == WISP_OK; ++i )
+    {
+        const suite_row* row = &suite->rows[i];
+        char label[SUITE_MAX_LABEL], title[SUITE_MAX_NAME + 200];
+        if ( !is_due( row, options ) )
+        {
+            continue;
+        }
+        // a sweep has a table of its own
+        if ( table < 0 || ( row->variant[0] && strcmp( row->name, name ) != 0 ) )
+        {
+            snprintf( title, sizeof title, "Stability, %s%s%s", suite->title[0] ? suite->title : suite->name,
+                      row->variant[0] ? ": " : "", row->variant[0] ? row->name : "" );
+            table = stability_begin_table( title, out );
+        }
+        name = row->name;
+        suite_label( row, label );
+        bench_progress( options, (double)i / suite->row_count, label );
+        suite_outcome outcome;
+        status = suite_judge_row( row, &twins, &outcome, error );
+        status = status == WISP_OK ? interruption_check( error ) : status;
+        if ( status == WISP_OK )
+        {
+            stability_add( table, label, &outcome, row->known, tally, out );
+            compare_depth( &together, row, outcome.depth, tally, out );
+        }
+    }
+    end_agreement( &together, tally, out );
+    suite_twins_release( &twins );
+    return status;
+}
+
+void stability_note( const stability_tally* t, const char* name, results* out )
+{
+    char line[300] = "";
+    results_append_count( line, sizeof line, t->held, "hold" );
+    results_append_count( line, sizeof line, t->recovered, "recover" );
+    results_append_count( line, sizeof line, t->refused, "are refused as they should be" );
+    results_append_count( line, sizeof line, t->known, "break as known" );
+    results_append_count( line, sizeof line, t->failed, "fail" );
+    results_append_count( line, sizeof line, t->not_finite, "have NaN or infinity" );
+    results_add_note( out, "%s: %d cells: %s", name, t->rows, line[0] ? line + 2 : "none ran" );
+    if ( t->without_limit > 0 )
+    {
+        results_add_note( out,
+                          "%s: in %d cells no limit is known of what stands under `without`; give one, such as "
+                          "checks: [all, { strain: 0.1 }]",
+                          name, t->without_limit );
+    }
+}
+
+// ---- the case ----
+
+// The case `stability`: the suites of data/suites/stability, and a comparison that no suite can say.
 
 // ---- costs ----
 

@@ -1,14 +1,57 @@
-/// Cases of balloons: a filled sphere, the pressure of rubber, the shape of a foil, the impulse of a jet, lift, and the speed of ascent.
+/// What the cases of balloons share: spheres of helium, foil balloons, and the closed form of a balloon in equilibrium.
 #pragma once
 
-#include "accuracy/accuracy.h"
+#include "accuracy/scene_tools.h"
+#include "surfaces.h"
+#include "mesh.h"
 
-accuracy_scene_fn validate_inflate;        ///< a filled sphere, against the closed form of its mesh
-accuracy_scene_fn validate_rubber;         ///< the pressure of neo-Hookean spheres, over their limit point
-accuracy_scene_fn validate_mylar;          ///< two discs that are filled, against the Mylar balloon
-accuracy_scene_fn validate_jet;            ///< the speed that a jet gives, against the integral of Bernoulli's law
-accuracy_scene_fn validate_lift_off;       ///< the load that helium lifts
-accuracy_scene_fn validate_rising_balloon; ///< terminal speed of ascent
+// ---- foil balloons ----
+
+// A foil balloon: two flat discs that are joined at the rim, of rings of vertices.
+
+typedef enum validate_foil_mesh
+{
+    VALIDATE_FOIL_EVEN,   ///< rings of 6, 12, 18 ... vertices: triangles of about one shape
+    VALIDATE_FOIL_SPOKES, ///< rings of equally many, so that edges run from the poles to the rim without a turn
+    VALIDATE_FOIL_COUNT,
+} validate_foil_mesh;
+
+typedef struct validate_foil
+{
+    validate_foil_mesh mesh;
+    int rings;     ///< of a disc, the rim included. The rim has six times as many vertices
+    double radius; ///< m, of the discs
+    double height; ///< m, of each pole over the rim, from which the discs fall as parabolas
+} validate_foil;
+
+/// Make the discs about the origin, with y for the axis.
+wisp_status validate_foil_make( const validate_foil* foil, wisp_mesh* out, wisp_error* error );
+/// The poles are vertices 0 and validate_foil_pole(), and the rim is those from validate_foil_rim() to the end.
+int validate_foil_pole( const validate_foil* foil );
+int validate_foil_rim( const validate_foil* foil );
+
+// ---- equilibrium ----
+
+// The closed form of a regular balloon: each link has tension k (l - d) and is s times as long as at rest,
+//
+//   p = sum( k l^2 ) ( s - 1 ) / ( 3 V_rest s^2 ),   V = s^3 V_rest,
+//
+// and a gas: p V = n R T, which is p = P_atm ( V_0 - V ) / V, or p = P_atm ( V_0 - V ) / V_0 for the constraint of
+// compliance V_0 / P_atm. Exact for an icosahedron; finer spheres bulge a little where their links are short.
+
+typedef struct balloon_equilibrium
+{
+    double scale;    ///< s
+    double pressure; ///< Pa above the atmosphere
+    double volume;   ///< V_rest, m^3
+} balloon_equilibrium;
+
+/// @param def fill, atmosphere and stiffness count; fill > 1
+/// @param is_linear the gas of the constraint, else p V = n R T
+balloon_equilibrium balloon_equilibrium_of( const wisp_fabric* fabric, const wisp_balloon_def* def, bool is_linear );
+/// The same with another amount of gas, in double precision. @param gas_ratio V_0 / V_rest, > 1
+balloon_equilibrium balloon_equilibrium_at( const wisp_fabric* fabric, const wisp_balloon_def* def, double gas_ratio,
+                                            bool is_linear );
 
 /// Edge of the mesh of a sphere whose radius is 1. It halves with each level.
 static inline double validate_sphere_edge( int level )

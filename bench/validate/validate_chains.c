@@ -1,12 +1,373 @@
-// A chain that hangs folded, both ends at one height, is let go at one of them.
-#include "validate_chains.h"
+// Chains: strands without bending.
+#include "validate/validate.h"
+
+#include "accuracy/scene_tools.h"
+#include "strands_scene.h"
+#include "validate/validate_bodies.h"
 
 #include "oracle/chain_theory.h"
-#include "validate_bodies.h"
-#include "validate_settings.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
+
+// ---- chains that swing ----
+
+// Chains that hang and swing with small amplitude: their two slowest modes against closed forms, by substeps, sweeps
+// and vertices.
+
+#define CHAIN_LENGTH 0.2      // m, as long as a hair
+#define CHAIN_AMPLITUDE 0.002 // of the length, at the tip: small enough for the periods of small swings
+#define CHAIN_VERTICES_MAX 65
+#define LAGUERRE_LINKS 10
+#define FEW_CHAINS 64 // half of them in each mode
+#define MANY_CHAINS 256
+#define FULL_SECONDS 15.0
+
+// Periods over sqrt( L/g ): of ten equal masses by the roots of a Laguerre polynomial, and of their limit by the
+// zeros of J0.
+static const double laguerre_period[] = { 5.352609, 2.326381 };
+static const double continuous_period[] = { 5.2254811, 2.2764842 };
+
+typedef struct chain_way
+{
+    wisp_strand_stretch stretch;
+    int links, sweeps, substeps;
+    bool is_continuous; // of uniform mass, against the continuous chain; otherwise of equal masses
+} chain_way;
+
+#define WAYS_MAX 64
+
+typedef struct chains
+{
+    int count;
+    chain_way ways[WAYS_MAX];
+} chains;
+
+// ---- shapes ----
+
+static double mass_of( const chain_way* way, int vertex )
+{
+    return way->is_continuous && vertex == way->links ? 0.5 : 1.0;
+}
+
+// The remainder of u without its component along the mode.
+static void take_away( const chain_way* way, const double* mode, double* u )
+{
+    double shared = 0.0, norm = 0.0;
+    for ( int v = 1; v <= way->links; ++v )
+    {
+        shared += mass_of( way, v ) * mode[v] * u[v];
+        norm += mass_of( way, v ) * mode[v] * mode[v];
+    }
+    for ( int v = 1; v <= way->links; ++v )
+    {
+        u[v] -= shared / norm * mode[v];
+    }
+}
+
+// The shape of the slowest mode, or of the next one, by inverse iteration: the forces m u are solved for a shape,
+// with the weight below each link as its tension. The tip is displaced by 1.
+static void find_mode( const chain_way* way, const double* slower, double* u )
+{
+    for ( int v = 0; v <= way->links; ++v )
+    {
+        u[v] = v * ( v - 0.6 * way->links ); // contains both modes
+    }
+    for ( int iteration = 0; iteration < 80; ++iteration )
+    {
+        double slope[CHAIN_VERTICES_MAX], forces = 0.0, weight = 0.0, aside = 0.0;
+        for ( int v = way->links; v > 0; --v )
+        {
+            forces += mass_of( way, v ) * u[v];
+            weight += mass_of( way, v );
+            slope[v] = forces / weight;
+        }
+        for ( int v = 1; v <= way->links; ++v )
+        {
+            aside += slope[v];
+            u[v] = aside;
+        }
+        if ( slower )
+        {
+            take_away( way, slower, u );
+        }
+        const double tip = u[way->links];
+        for ( int v = 1; v <= way->links; ++v )
+        {
+            u[v] /= tip;
+        }
+    }
+}
+
+// One chain in the shape of a mode, in its own vertical plane.
+static void lay_chain( const double* mode, int links, double plane, wisp_vec3* points )
+{
+    const double link = CHAIN_LENGTH / links;
+    double aside = 0.0, y = 0.0;
+    points[0] = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+    for ( int v = 1; v <= links; ++v )
+    {
+        const double next = CHAIN_AMPLITUDE * CHAIN_LENGTH * mode[v];
+        y -= sqrt( link * link - ( next - aside ) * ( next - aside ) );
+        aside = next;
+        points[v] = ( wisp_vec3 ){ (float)( aside * cos( plane ) ), (float)y, (float)( aside * sin( plane ) ) };
+    }
+}
+
+static double plane_of( int chain )
+{
+    return 2.399963229728653 * chain; // multiples of the golden angle never repeat
+}
+
+// Even ones swing in the slowest mode, odd ones in the next.
+static wisp_status make_chains( const chains* all, const chain_way* way, strands_shape* out, wisp_error* error )
+{
+    double modes[2][CHAIN_VERTICES_MAX];
+    const wisp_status status = strands_shape_create( all->count, way->links + 1, out, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    find_mode( way, NULL, modes[0] );
+    find_mode( way, modes[0], modes[1] );
+    for ( int c = 0; c < all->count; ++c )
+    {
+        lay_chain( modes[c % 2], way->links, plane_of( c ), out->points + (size_t)c * (size_t)( way->links + 1 ) );
+    }
+    return WISP_OK;
+}
+
+// ---- periods ----
+
+#define SWING_STEPS 80 // of 1/60 s: a period and three quarters of the slowest mode
+
+/// Displacement of the tips of a mode, step by step: the mean over its chains, each along its own plane.
+typedef struct swing
+{
+    double aside[2][SWING_STEPS + 1];
+} swing;
+
+static void keep_tips( const strands_shape* shape, const wisp_vec3* points, int step, swing* out )
+{
+    out->aside[0][step] = out->aside[1][step] = 0.0;
+    for ( int c = 0; c < shape->strand_count; ++c )
+    {
+        const wisp_vec3 tip = points[( c + 1 ) * shape->vertices - 1];
+        out->aside[c % 2][step] += ( (double)tip.x * cos( plane_of( c ) ) + (double)tip.z * sin( plane_of( c ) ) ) /
+                                   ( 0.5 * shape->strand_count );
+    }
+}
+
+// The cubic through y[-1], y[0], y[1], y[2] at t in [0, 1].
+static double cubic( const double* y, double t )
+{
+    return -y[-1] * t * ( t - 1.0 ) * ( t - 2.0 ) / 6.0 + y[0] * ( t + 1.0 ) * ( t - 1.0 ) * ( t - 2.0 ) / 2.0 -
+           y[1] * ( t + 1.0 ) * t * ( t - 2.0 ) / 2.0 + y[2] * ( t + 1.0 ) * t * ( t - 1.0 ) / 6.0;
+}
+
+// Zero of that cubic between y[0] and y[1], by bisection: a straight line is too coarse for steps of 1/60 s.
+static double zero_between( const double* y )
+{
+    double lower = 0.0, upper = 1.0;
+    for ( int i = 0; i < 40; ++i )
+    {
+        const double middle = 0.5 * ( lower + upper );
+        const bool is_before = ( cubic( y, middle ) < 0.0 ) == ( y[0] < 0.0 );
+        lower = is_before ? middle : lower;
+        upper = is_before ? upper : middle;
+    }
+    return 0.5 * ( lower + upper );
+}
+
+// From the first passage through the middle to the next one in the same direction. @return s; NaN if there is none
+static double period_of( const double* aside )
+{
+    double times[3];
+    int count = 0;
+    for ( int s = 1; s + 2 <= SWING_STEPS && count < 3; ++s )
+    {
+        if ( ( aside[s] < 0.0 ) != ( aside[s + 1] < 0.0 ) )
+        {
+            times[count++] = (double)STRANDS_STEP * ( s + zero_between( aside + s ) );
+        }
+    }
+    return count == 3 ? times[2] - times[0] : NAN;
+}
+
+// Loss of amplitude of the slowest mode after one period: compares its largest value in the last two thirds with the
+// start.
+static double amplitude_lost( const double* aside )
+{
+    double most = 0.0;
+    for ( int s = SWING_STEPS / 3; s <= SWING_STEPS; ++s )
+    {
+        most = fmax( most, aside[s] );
+    }
+    return 1.0 - most / ( CHAIN_AMPLITUDE * CHAIN_LENGTH );
+}
+
+// ---- a run ----
+
+enum
+{
+    SECOND_PERIOD,
+    AMPLITUDE_LOST,
+    STRETCH_MAX,
+    CHAIN_MEASURES,
+};
+
+static strands_generator make_generator( const chain_way* way, const strands_shape* shape, int workers )
+{
+    strands_generator generator = strands_default_generator( shape );
+    generator.dynamics.stretch = way->stretch;
+    generator.dynamics.bending = WISP_STRAND_BEND_NONE;
+    generator.dynamics.rest = WISP_STRAND_REST_STRAIGHT;
+    generator.dynamics.clamped = false;
+    generator.dynamics.vertex_mass = way->is_continuous ? 0.0f : 1.0f;
+    generator.substeps = way->substeps;
+    generator.iterations = way->sweeps;
+    generator.workers = workers;
+    return generator;
+}
+
+static void judge_swing( const chain_way* way, const swing* seen, accuracy_run* out )
+{
+    const double* reference = way->is_continuous ? continuous_period : laguerre_period;
+    const double unit = sqrt( CHAIN_LENGTH / STRANDS_GRAVITY );
+    out->error = 100.0 * fabs( period_of( seen->aside[0] ) / ( unit * reference[0] ) - 1.0 );
+    out->measures[SECOND_PERIOD] = 100.0 * fabs( period_of( seen->aside[1] ) / ( unit * reference[1] ) - 1.0 );
+    out->measures[AMPLITUDE_LOST] = 100.0 * amplitude_lost( seen->aside[0] );
+}
+
+static wisp_status observe_chains( strands_implementation* implementation, swing* seen, accuracy_run* out,
+                                   wisp_error* error )
+{
+    const wisp_vec3* points = NULL;
+    const wisp_status status = strands_implementation_points( implementation, &points, error );
+    if ( status == WISP_OK )
+    {
+        const double stretch = strands_measure_stretch( implementation->generator.shape, points );
+        keep_tips( implementation->generator.shape, points, implementation->steps, seen );
+        out->measures[STRETCH_MAX] = fmax( out->measures[STRETCH_MAX], 100.0 * stretch );
+    }
+    return status;
+}
+
+static wisp_status run_chains( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
+                               wisp_error* error )
+{
+    const chains* all = context;
+    const chain_way* way = &all->ways[setting];
+    strands_shape shape = { 0 };
+    strands_implementation implementation = { 0 };
+    swing seen;
+    wisp_status status = make_chains( all, way, &shape, error );
+    const strands_generator generator = make_generator( way, &shape, workers );
+    status = status == WISP_OK ? strands_implementation_create( &generator, &implementation, error ) : status;
+    if ( status == WISP_OK && is_observed )
+    {
+        out->measures[STRETCH_MAX] = 0.0;
+        keep_tips( &shape, shape.points, 0, &seen );
+    }
+    for ( int s = 1; s <= SWING_STEPS && status == WISP_OK; ++s )
+    {
+        status = accuracy_time_step( strands_implementation_step, &implementation, out, error );
+        status = status == WISP_OK && is_observed ? observe_chains( &implementation, &seen, out, error ) : status;
+    }
+    status = status == WISP_OK ? strands_implementation_hash( &implementation, &out->hash, error ) : status;
+    out->halted_at = implementation.halted_at;
+    if ( status == WISP_OK && is_observed )
+    {
+        judge_swing( way, &seen, out );
+    }
+    strands_implementation_destroy( &implementation );
+    strands_shape_free( &shape );
+    return status;
+}
+
+// ---- settings ----
+
+static accuracy_setting* put_way( accuracy_scene* scene, const char* name, chain_way way )
+{
+    chains* all = scene->context;
+    all->ways[scene->setting_count] = way;
+    return accuracy_put_setting( scene, "%s, %d links, %d substeps", name, way.links, way.substeps );
+}
+
+static void put_chain_substeps( accuracy_scene* scene, const char* name, wisp_strand_stretch stretch )
+{
+    static const int tried[] = { 1, 2, 4, 10, 20, 40 };
+
+    // One sweep of one substep stretches the chain threefold, so it does not swing.
+    for ( int i = stretch == WISP_STRAND_STRETCH_LINKS ? 1 : 0; i < WISP_COUNT( tried ); ++i )
+    {
+        const chain_way way = { .stretch = stretch, .links = LAGUERRE_LINKS, .sweeps = 1, .substeps = tried[i] };
+        accuracy_join_series( put_way( scene, name, way ), name, "substep, s", (double)STRANDS_STEP / tried[i], 2.0 );
+    }
+}
+
+static void put_sweeps( accuracy_scene* scene )
+{
+    for ( int sweeps = 2; sweeps <= 32; sweeps *= 2 )
+    {
+        const chain_way way = {
+            .stretch = WISP_STRAND_STRETCH_LINKS, .links = LAGUERRE_LINKS, .sweeps = sweeps, .substeps = 4
+        };
+        char name[32];
+        snprintf( name, sizeof( name ), "xpbd, %d sweeps", sweeps );
+        accuracy_join_series( put_way( scene, name, way ), "xpbd, 4 substeps", "1 / sweeps", 1.0 / sweeps, NAN );
+    }
+}
+
+// The order of the discrete Laplacian; at this number of substeps the other error is small.
+static void put_vertices( accuracy_scene* scene )
+{
+    static const int tried[] = { 4, 8, 16, 32, 64 };
+    for ( int i = 0; i < WISP_COUNT( tried ); ++i )
+    {
+        const chain_way way = { .stretch = WISP_STRAND_STRETCH_DIRECT,
+                                .links = tried[i],
+                                .sweeps = 1,
+                                .substeps = 40,
+                                .is_continuous = true };
+        accuracy_join_series( put_way( scene, "vertices", way ), "vertices", "segment, m", CHAIN_LENGTH / tried[i],
+                              2.0 );
+    }
+}
+
+wisp_status validate_chain( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
+{
+    (void)options;
+    chains* all = calloc( 1, sizeof( chains ) );
+    *out = ( accuracy_scene ){
+        .reference = "closed forms: the period of ten equal masses from the roots of a Laguerre polynomial; of a "
+                     "continuous chain from the zeros of J0",
+        .error_name = "period of the slowest mode",
+        .error_unit = "%",
+        .measure_names = { "second period %", "amplitude lost %", "stretch max %" },
+        .measure_count = CHAIN_MEASURES,
+        .context = all,
+        .run = run_chains,
+        .destroy = free,
+    };
+    const wisp_status status = all ? accuracy_reserve_settings( out, WAYS_MAX, error )
+                                   : wisp_fail( error, WISP_NO_MEMORY, "no memory for hanging chains" );
+    if ( status != WISP_OK )
+    {
+        return accuracy_abandon( out, status );
+    }
+    all->count = seconds < FULL_SECONDS ? FEW_CHAINS : MANY_CHAINS;
+    put_chain_substeps( out, "direct", WISP_STRAND_STRETCH_DIRECT );
+    put_chain_substeps( out, "xpbd, 1 sweep", WISP_STRAND_STRETCH_LINKS );
+    put_sweeps( out );
+    put_vertices( out );
+    return WISP_OK;
+}
+
+// ---- a folded chain ----
+
+// A chain that hangs folded, both ends at one height, is let go at one of them.
 
 enum
 {
@@ -22,7 +383,7 @@ typedef enum chain_method
     LINKS,
 } chain_method;
 
-static const char* const names[] = { "direct", "direct bdf2", "links" };
+static const char* const method_names[] = { "direct", "direct bdf2", "links" };
 
 // A chain of 1 m, 1 kg, falls slowly, so that a step of 1/60 s is short beside the time of the last part: what is
 // shown has no unit.
@@ -84,7 +445,7 @@ static void feed( chain_depths* f, double depth )
 }
 
 // When it was at DEPTH, between the last steps, and how fast.
-static chain_fall find( const chain_depths* f )
+static chain_fall find_fall( const chain_depths* f )
 {
     // the parabola through the three: depth = d2 + b u + a u^2, u in steps before the last one
     const double a = 0.5 * ( f->depths[0] - 2.0 * f->depths[1] + f->depths[2] ),
@@ -96,7 +457,7 @@ static chain_fall find( const chain_depths* f )
 }
 
 // Step until the free end is deep enough. @param out NaN: it never is
-static wisp_status drop( validate_bodies* b, accuracy_run* run, chain_fall* out, wisp_error* error )
+static wisp_status drop_chain( validate_bodies* b, accuracy_run* run_folded, chain_fall* out, wisp_error* error )
 {
     chain_depths f = { .steps = 0 };
     wisp_status status = WISP_OK;
@@ -104,18 +465,18 @@ static wisp_status drop( validate_bodies* b, accuracy_run* run, chain_fall* out,
     while ( f.steps < MAX_STEPS && f.depths[2] < DEPTH && status == WISP_OK )
     {
         wisp_vec3 tip = { 0.0f, 0.0f, 0.0f };
-        status = validate_step( b, 1, run, error );
+        status = validate_step( b, 1, run_folded, error );
         status = status == WISP_OK ? validate_tip( b, 0, &tip, error ) : status;
         feed( &f, -(double)tip.y );
     }
     if ( f.depths[2] >= DEPTH )
     {
-        *out = find( &f );
+        *out = find_fall( &f );
     }
     return status;
 }
 
-static void measure( const validate_bodies* b, const chain_fall* fall, accuracy_run* out )
+static void measure_fall( const validate_bodies* b, const chain_fall* fall, accuracy_run* out )
 {
     double start[VALIDATE_MAX_CELLS + 1][2];
     chain_fall exact = { NAN, NAN, NAN, NAN };
@@ -129,8 +490,8 @@ static void measure( const validate_bodies* b, const chain_fall* fall, accuracy_
     memcpy( out->measures, measures, sizeof measures );
 }
 
-static wisp_status run( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
-                        wisp_error* error )
+static wisp_status run_folded( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
+                               wisp_error* error )
 {
     const validate_setting* way = validate_setting_of( context, setting );
     const validate_def def = {
@@ -146,11 +507,11 @@ static wisp_status run( void* context, int setting, int workers, bool is_observe
     wisp_status status = validate_open( &def, &bodies, error );
     status = status == WISP_OK ? add_chain( &bodies, (chain_method)way->solver, error ) : status;
     status = status == WISP_OK && is_observed ? validate_world_watch( &bodies.world, 0, error ) : status;
-    status = status == WISP_OK ? drop( &bodies, out, &fall, error ) : status;
+    status = status == WISP_OK ? drop_chain( &bodies, out, &fall, error ) : status;
     if ( status == WISP_OK && is_observed )
     {
         status = read_energy_error( &bodies, &fall.energy_error, error );
-        measure( &bodies, &fall, out );
+        measure_fall( &bodies, &fall, out );
     }
     status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
     validate_release( &bodies );
@@ -164,7 +525,7 @@ wisp_status validate_folded_chain( const bench_options* options, double seconds,
     (void)seconds;
     static const int methods[] = { DIRECT, DIRECT_BDF2, LINKS }, cells[] = { 9, 17, 33, 65 };
     const validate_grid grid = {
-        .names = names,
+        .names = method_names,
         .solvers = methods,
         .solver_count = WISP_COUNT( methods ),
         .cells = cells,
@@ -182,7 +543,7 @@ wisp_status validate_folded_chain( const bench_options* options, double seconds,
                            "time of masses", "time, continuous", "energy gained, % of m g L" },
         .measure_count = 7,
         .uncertainty = 0.15, // %, what the parabola leaves: 0.60 in steps of four times the length
-        .run = run,
+        .run = run_folded,
     };
     return validate_make_grid( &grid, scene, out, error );
 }

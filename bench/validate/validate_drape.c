@@ -1,24 +1,198 @@
 // Cusick's test: round specimens of named fabrics between two discs, each fabric on two meshes, all in one world.
-#include "validate_drape.h"
+#include "validate/validate.h"
+
+#include "validate/validate_bodies.h"
 
 #include "oracle/sheet_theory.h"
-#include "validate_disc.h"
-#include "validate_settings.h"
-#include "validate_sheets.h"
 
 #include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+
+// ---- discs ----
+
+enum
+{
+    MAX_CIRCLES = 34,
+    PIXELS = 1024, // along a side of the shadow
+};
+
+// ---- the mesh ----
+
+// Circles from the inside, with their vertices one after another.
+typedef struct disc_circles
+{
+    int count;
+    int first[MAX_CIRCLES + 1];
+    double radius[MAX_CIRCLES], phase[MAX_CIRCLES]; // the phase in parts of a cell
+} disc_circles;
+
+static disc_circles lay_circles( double clamp, double border, int cells, double turn )
+{
+    const double cell = ( border - clamp ) / cells;
+    disc_circles c = { .count = cells + 2 };
+    for ( int k = 0; k < c.count; ++k )
+    {
+        // multiples of the golden ratio are spread evenly and repeat nothing
+        const double phase = turn * ( k + 1 ) * 0.6180339887498949;
+        c.radius[k] = clamp + cell * ( k - 1 );
+        c.phase[k] = phase - floor( phase );
+        c.first[k + 1] = c.first[k] + (int)lrint( 2.0 * VALIDATE_PI * c.radius[k] / cell );
+    }
+    return c;
+}
+
+static int size_of( const disc_circles* c, int k )
+{
+    return c->first[k + 1] - c->first[k];
+}
+
+// Of vertex i of a circle, which may go round more than once, in turns.
+static double angle_of( const disc_circles* c, int k, int i )
+{
+    return ( i + c->phase[k] ) / size_of( c, k );
+}
+
+static int vertex_on_circle( const disc_circles* c, int k, int i )
+{
+    return c->first[k] + i % size_of( c, k );
+}
+
+// Triangles between circle k and the next: advance on the circle whose next vertex comes first.
+static int zip( const disc_circles* c, int k, int32_t* triangles )
+{
+    const int inner = size_of( c, k ), outer = size_of( c, k + 1 );
+    int count = 0;
+    for ( int i = 0, j = 0; i < inner || j < outer; ++count )
+    {
+        const bool is_outer = i == inner || ( j < outer && angle_of( c, k + 1, j + 1 ) < angle_of( c, k, i + 1 ) );
+        int32_t* t = triangles + 3 * count;
+        t[0] = vertex_on_circle( c, k, i );
+        t[1] = vertex_on_circle( c, k + 1, j );
+        t[2] = is_outer ? vertex_on_circle( c, k + 1, j + 1 ) : vertex_on_circle( c, k, i + 1 );
+        i += is_outer ? 0 : 1;
+        j += is_outer ? 1 : 0;
+    }
+    return count;
+}
+
+wisp_status disc_mesh( double clamp, double border, int cells, double turn, wisp_mesh* out, int* pin_count,
+                       wisp_error* error )
+{
+    const disc_circles c = lay_circles( clamp, border, cells, turn );
+    const int vertices = c.first[c.count];
+    *out = ( wisp_mesh ){ .vertex_count = vertices };
+    out->points = malloc( (size_t)vertices * sizeof( wisp_vec3 ) );
+    out->triangles = malloc( (size_t)vertices * 6 * sizeof( int32_t ) );
+    if ( !out->points || !out->triangles )
+    {
+        wisp_mesh_release( out );
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a specimen" );
+    }
+    for ( int k = 0; k < c.count; ++k )
+    {
+        for ( int i = 0; i < size_of( &c, k ); ++i )
+        {
+            const double angle = 2.0 * VALIDATE_PI * angle_of( &c, k, i );
+            out->points[c.first[k] + i] =
+                ( wisp_vec3 ){ (float)( c.radius[k] * cos( angle ) ), 0.0f, (float)( -c.radius[k] * sin( angle ) ) };
+        }
+    }
+    for ( int k = 0; k + 1 < c.count; ++k )
+    {
+        out->triangle_count += zip( &c, k, out->triangles + 3 * out->triangle_count );
+    }
+    *pin_count = c.first[2];
+    return WISP_OK;
+}
+
+// ---- the shadow ----
+
+// Pixels of a square about the axis; a pixel is in shadow if its middle is.
+typedef struct shadow_image
+{
+    unsigned char* dark; // [PIXELS][PIXELS]
+    double pixel;        // m
+} shadow_image;
+
+static double middle_of( const shadow_image* s, int pixel )
+{
+    return s->pixel * ( pixel + 0.5 - 0.5 * PIXELS );
+}
+
+static int pixel_of( const shadow_image* s, double at )
+{
+    const double pixel = floor( at / s->pixel + 0.5 * PIXELS );
+    return (int)fmin( fmax( pixel, 0.0 ), PIXELS - 1.0 );
+}
+
+// Twice the area of a triangle of the plane.
+static double turn_of( const double a[2], const double b[2], double x, double z )
+{
+    return ( b[0] - a[0] ) * ( z - a[1] ) - ( b[1] - a[1] ) * ( x - a[0] );
+}
+
+static void darken( shadow_image* s, const double a[2], const double b[2], const double c[2] )
+{
+    const int left = pixel_of( s, fmin( a[0], fmin( b[0], c[0] ) ) ),
+              right = pixel_of( s, fmax( a[0], fmax( b[0], c[0] ) ) ),
+              low = pixel_of( s, fmin( a[1], fmin( b[1], c[1] ) ) ),
+              high = pixel_of( s, fmax( a[1], fmax( b[1], c[1] ) ) );
+    for ( int i = low; i <= high; ++i )
+    {
+        for ( int j = left; j <= right; ++j )
+        {
+            const double x = middle_of( s, j ), z = middle_of( s, i );
+            const double u = turn_of( a, b, x, z ), v = turn_of( b, c, x, z ), w = turn_of( c, a, x, z );
+            // inside, whichever side is up
+            if ( ( u >= 0.0 && v >= 0.0 && w >= 0.0 ) || ( u <= 0.0 && v <= 0.0 && w <= 0.0 ) )
+            {
+                s->dark[i * PIXELS + j] = 1;
+            }
+        }
+    }
+}
+
+double disc_shadow( const wisp_mesh* mesh, const wisp_vec3* points, double disc, double border )
+{
+    shadow_image s = { calloc( (size_t)PIXELS * PIXELS, 1 ), 2.2 * border / PIXELS };
+    if ( s.dark == NULL )
+    {
+        return -1.0;
+    }
+    for ( int t = 0; t < mesh->triangle_count; ++t )
+    {
+        double corners[3][2];
+        for ( int k = 0; k < 3; ++k )
+        {
+            const wisp_vec3 p = points[mesh->triangles[3 * t + k]];
+            corners[k][0] = (double)p.x;
+            corners[k][1] = (double)p.z;
+        }
+        darken( &s, corners[0], corners[1], corners[2] );
+    }
+    double area = 0.0;
+    for ( int i = 0; i < PIXELS * PIXELS; ++i )
+    {
+        const double r = hypot( middle_of( &s, i % PIXELS ), middle_of( &s, i / PIXELS ) );
+        area += s.dark[i] && r > disc ? s.pixel * s.pixel : 0.0;
+    }
+    free( s.dark );
+    return area;
+}
+
+// ---- the test ----
 
 enum
 {
     MESHES = 2,
     MAX_PINS = 256,
-    STEPS = 120,
+    DRAPE_STEPS = 120,
     LAST_STEPS = 30, // over which the change that is left is measured
 };
 
-static const double PI = 3.14159265358979323846;
 // A little above critical for the softest fabric, 1/s: with half of it folds still swing after 2 s.
-static const double DAMPING = 12.0;
+static const double DRAPE_DAMPING = 12.0;
 // Of the membrane, N/m: the weight strains it by less than 0.1 %.
 static const double STIFFNESS = 100.0;
 static const double TURNS[MESHES] = { 1.0, 2.0 };
@@ -68,7 +242,7 @@ static wisp_status lay_fabrics( drape_run* run, int mesh, int pin_count, bool is
             .density = drape_density( drape_fabrics + f ),
             .rigidity = drape_rigidity( drape_fabrics + f ),
             .stiffness = STIFFNESS,
-            .damping = DAMPING,
+            .damping = DRAPE_DAMPING,
             .gravity = { 0.0f, (float)-SHEET_GRAVITY, 0.0f },
             .friction = -1.0,
         };
@@ -77,7 +251,7 @@ static wisp_status lay_fabrics( drape_run* run, int mesh, int pin_count, bool is
     return status;
 }
 
-static wisp_status lay_down( drape_run* run, int cells, bool is_observed, wisp_error* error )
+static wisp_status lay_specimens( drape_run* run, int cells, bool is_observed, wisp_error* error )
 {
     wisp_status status = WISP_OK;
     for ( int m = 0; m < MESHES && status == WISP_OK; ++m )
@@ -101,7 +275,7 @@ static wisp_status read_drapes( drape_run* run, double out[MESHES * DRAPE_FABRIC
         {
             const double shadow = disc_shadow( run->meshes + i / DRAPE_FABRICS, points, DRAPE_DISC, DRAPE_CLOTH );
             status = shadow >= 0.0 ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for a shadow" );
-            out[i] = 100.0 * shadow / ( PI * ( DRAPE_CLOTH * DRAPE_CLOTH - DRAPE_DISC * DRAPE_DISC ) );
+            out[i] = 100.0 * shadow / ( VALIDATE_PI * ( DRAPE_CLOTH * DRAPE_CLOTH - DRAPE_DISC * DRAPE_DISC ) );
         }
     }
     return status;
@@ -126,10 +300,10 @@ enum
     SPREAD = DRAPE_FABRICS,
     LEFT,
     CUSICK,
-    MEASURES,
+    DRAPE_MEASURES,
 };
 
-static void compare( const double* before, const double* after, accuracy_run* out )
+static void compare_drapes( const double* before, const double* after, accuracy_run* out )
 {
     double sum = 0.0;
     out->measures[SPREAD] = out->measures[LEFT] = out->measures[CUSICK] = 0.0;
@@ -151,14 +325,14 @@ static void compare( const double* before, const double* after, accuracy_run* ou
 static wisp_status drape( drape_run* run, int cells, bool is_observed, accuracy_run* out, wisp_error* error )
 {
     double before[MESHES * DRAPE_FABRICS], after[MESHES * DRAPE_FABRICS];
-    wisp_status status = lay_down( run, cells, is_observed, error );
-    status = status == WISP_OK ? validate_world_step( &run->world, STEPS - LAST_STEPS, out, error ) : status;
+    wisp_status status = lay_specimens( run, cells, is_observed, error );
+    status = status == WISP_OK ? validate_world_step( &run->world, DRAPE_STEPS - LAST_STEPS, out, error ) : status;
     status = status == WISP_OK && is_observed ? read_drapes( run, before, error ) : status;
     status = status == WISP_OK ? validate_world_step( &run->world, LAST_STEPS, out, error ) : status;
     status = status == WISP_OK && is_observed ? read_drapes( run, after, error ) : status;
     if ( status == WISP_OK && is_observed )
     {
-        compare( before, after, out );
+        compare_drapes( before, after, out );
     }
     return status == WISP_OK ? validate_world_finish( &run->world, out, error ) : status;
 }
@@ -179,7 +353,7 @@ static wisp_status run_drape( void* context, int index, int workers, bool is_obs
 }
 
 // Implicit cloth, which is the slowest by far and needs the fewest substeps, has less of both. A quick run has coarse meshes alone.
-static void put_settings( accuracy_scene* out, bool is_quick )
+static void put_drapes( accuracy_scene* out, bool is_quick )
 {
     static const int quick[] = { 3, 4 }, cells[] = { 4, 6, 8 }, substeps[] = { 2, 4, 8 };
     static const int solvers[] = { SHEET_DIHEDRAL, SHEET_ISOMETRIC, SHEET_IMPLICIT };
@@ -207,13 +381,13 @@ wisp_status validate_drape( const bench_options* options, double seconds, accura
         .error_unit = "points",
         .measure_names = { "faille, %", "wool, %", "polyester, %", "cotton, %", "spread of two meshes",
                            "change per s", "outside Cusick's law" },
-        .measure_count = MEASURES,
+        .measure_count = DRAPE_MEASURES,
         .run = run_drape,
     };
     const wisp_status status = validate_make( &like, sizeof like, scene, out, error );
     if ( status == WISP_OK )
     {
-        put_settings( out, options->quick );
+        put_drapes( out, options->quick );
     }
     return status;
 }

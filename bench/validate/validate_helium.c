@@ -1,15 +1,46 @@
-#include "validate_helium.h"
+// Balloons of helium.
+#include "validate/validate.h"
 
-#include "validate_equilibrium.h"
+#include "validate/validate_balloons.h"
+#include "validate/validate_bodies.h"
+
 #include "oracle/balloon_oracle.h"
 #include "oracle/balloon_theory.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-static const double PI = 3.14159265358979323846;
+// ---- spheres of helium ----
 
-balloon_setting validate_helium_setting( const validate_helium_way* way, int workers )
+#define VALIDATE_HELIUM_GRAVITY 9.81 // m/s^2
+
+typedef struct validate_helium_way
+{
+    int level, substeps;      // of the icosphere; of 1/60 s
+    double fill;              // V_0 / V_rest
+    wisp_solver skin, volume; // what solves them
+} validate_helium_way;
+
+// A smooth sphere of the same skin, filled with an ideal gas: p V = n R T.
+typedef struct validate_helium_sphere
+{
+    double scale, radius; // of the full sphere in the one at rest; m
+    double air, helium;   // kg/m^3, at the pressure of the atmosphere
+    double
+        lift; // kg that it can carry, its skin included (Archimedes). The gas weighs what it did before it was squeezed
+} validate_helium_sphere;
+
+typedef struct validate_helium_body
+{
+    wisp_mesh mesh;
+    wisp_fabric* fabric;
+    wisp_vec3* points; // full, in balance
+    double area;       // m^2, at rest
+    double lift;       // kg that the mesh can carry, as validate_helium_sphere.lift
+} validate_helium_body;
+
+// A default balloon in air at rest.
+static balloon_setting validate_helium_setting( const validate_helium_way* way, int workers )
 {
     balloon_setting setting = balloon_default_setting();
     setting.def.gas_ratio = (float)way->fill;
@@ -29,7 +60,7 @@ static double lift_of( const validate_helium_sphere* sphere, double rest_volume,
     return rest_volume * ( sphere->air * scale * scale * scale - sphere->helium * fill );
 }
 
-validate_helium_sphere validate_helium_theory( const balloon_setting* setting )
+static validate_helium_sphere validate_helium_theory( const balloon_setting* setting )
 {
     const wisp_balloon_def* def = &setting->def;
     const double atmosphere = (double)def->atmospheric_pressure, kelvin = (double)def->temperature;
@@ -44,11 +75,13 @@ validate_helium_sphere validate_helium_theory( const balloon_setting* setting )
         .helium = balloon_oracle_density( atmosphere, (double)def->gas_molar_mass, kelvin ),
     };
     sphere.radius = sphere.scale * skin.radius;
-    sphere.lift = lift_of( &sphere, 4.0 / 3.0 * PI * pow( skin.radius, 3.0 ), sphere.scale, skin.gas_ratio );
+    sphere.lift = lift_of( &sphere, 4.0 / 3.0 * VALIDATE_PI * pow( skin.radius, 3.0 ), sphere.scale, skin.gas_ratio );
     return sphere;
 }
 
-wisp_status validate_helium_make( const validate_helium_way* way, validate_helium_body* out, wisp_error* error )
+// @param out to be freed, also after a failure
+static wisp_status validate_helium_make( const validate_helium_way* way, validate_helium_body* out,
+                                         wisp_error* error )
 {
     const balloon_setting setting = validate_helium_setting( way, 1 );
     const validate_helium_sphere sphere = validate_helium_theory( &setting );
@@ -69,7 +102,7 @@ wisp_status validate_helium_make( const validate_helium_way* way, validate_heliu
     return status;
 }
 
-void validate_helium_free( validate_helium_body* body )
+static void validate_helium_free( validate_helium_body* body )
 {
     wisp_fabric_release( body->fabric );
     wisp_mesh_release( &body->mesh );
@@ -77,8 +110,328 @@ void validate_helium_free( validate_helium_body* body )
     *body = ( validate_helium_body ){ .fabric = NULL };
 }
 
-void validate_helium_name( const validate_helium_way* way, char* out, size_t size )
+// "xpbd skin, pbd gas"
+static void validate_helium_name( const validate_helium_way* way, char* out, size_t size )
 {
     snprintf( out, size, "%s skin, %s gas", way->skin == WISP_SOLVER_XPBD ? "xpbd" : "pbd",
               way->volume == WISP_SOLVER_XPBD ? "xpbd" : "pbd" );
+}
+
+// ---- lift ----
+
+// Balloons of helium with loads from a little below what they lift to a little above: which of them rise.
+
+enum
+{
+    LIFT_SETTINGS = 48,
+    LADDER = 31,
+    LIFT_SUBSTEPS = 20,
+    LIFT_STEPS = 60,
+};
+
+#define LIFT_FILL 1.2             // V_0 / V_rest
+#define SLACK_FILL 1.0            // without pressure
+#define LIFT_DAMPING 10.0f        // 1/s
+static const double RUNG = 0.002; // half of the distance between two loads, in that of the mesh: from 0.94 to 1.06
+
+// ---- a ladder ----
+
+static wisp_status add_balloon( validate_world* w, const validate_helium_body* body, const balloon_setting* setting,
+                                double mass )
+{
+    wisp_entity balloon;
+    wisp_surface_def def = wisp_default_surface_def();
+    def.fabric = body->fabric;
+    def.points = body->points;
+    def.area_density = (float)( mass / body->area );
+    def.gravity = setting->gravity;
+    wisp_status status = wisp_add_surface( w->world, &def, &balloon );
+    status = status == WISP_OK ? wisp_set_damping( w->world, balloon, LIFT_DAMPING ) : status;
+    status = status == WISP_OK ? wisp_set_balloon( w->world, balloon, &setting->def ) : status;
+    return status == WISP_OK ? validate_world_add( w, balloon, WISP_SURFACE_POINTS, body->mesh.vertex_count )
+                             : status;
+}
+
+// Balloons in one world, each with its load in its skin.
+static wisp_status create_ladder( const validate_helium_body* body, const balloon_setting* setting,
+                                  validate_world* out, wisp_error* error )
+{
+    const wisp_module* const modules[] = { &wisp_balloon_module };
+    const bench_world_def def = { modules, 1, setting->workers, setting->substeps, setting->iterations };
+    wisp_status status = validate_world_create( &def, out, error );
+    for ( int i = 0; i < LADDER && status == WISP_OK; ++i )
+    {
+        const double mass = body->lift * ( 1.0 + 2.0 * RUNG * ( i - LADDER / 2 ) );
+        status = add_balloon( out, body, setting, mass );
+        status = status == WISP_OK ? WISP_OK : bench_world_fail( out->world, status, error );
+        status = status == WISP_OK ? validate_world_watch( out, i, error ) : status;
+    }
+    return status;
+}
+
+// Damping takes the start away, so a balloon moves the way the force on it points. What it lifts is between the heaviest load that rises
+// and the next one.
+static wisp_status measure_lift( validate_world* w, const validate_helium_sphere* sphere,
+                                 const validate_helium_body* body, accuracy_run* out, wisp_error* error )
+{
+    double masses[LADDER];
+    int sinks = LADDER; // the first one
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < LADDER && status == WISP_OK; ++i )
+    {
+        wisp_motion_stats seen = { 0 };
+        status = validate_world_motion( w, i, &seen, error );
+        masses[i] = seen.mass;
+        sinks = sinks == LADDER && seen.momentum[1] <= 0.0 ? i : sinks;
+    }
+    if ( status == WISP_OK )
+    {
+        const bool is_found = sinks > 0 && sinks < LADDER;
+        // beyond the ladder the error is at least that of its end
+        const double found =
+            is_found ? 0.5 * ( masses[sinks - 1] + masses[sinks] ) : masses[sinks > 0 ? LADDER - 1 : 0];
+        out->measures[0] = is_found ? 1e3 * found : NAN;
+        out->measures[1] = 1e3 * body->lift;
+        out->measures[2] = is_found ? 100.0 * ( found / sphere->lift - 1.0 ) : NAN;
+        out->error = 100.0 * fabs( found / body->lift - 1.0 );
+    }
+    return status;
+}
+
+static wisp_status run_lift( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
+                             wisp_error* error )
+{
+    const validate_helium_way* way = (const validate_helium_way*)context + setting;
+    balloon_setting balloon = validate_helium_setting( way, workers );
+    balloon.def.drag_coefficient = 0.0f;
+    const validate_helium_sphere sphere = validate_helium_theory( &balloon );
+    validate_helium_body body;
+    validate_world world = { .world = NULL };
+    wisp_status status = validate_helium_make( way, &body, error );
+    status = status == WISP_OK ? create_ladder( &body, &balloon, &world, error ) : status;
+    status = status == WISP_OK ? validate_world_step( &world, LIFT_STEPS, out, error ) : status;
+    status = status == WISP_OK ? validate_world_finish( &world, out, error ) : status;
+    status = status == WISP_OK && is_observed && out->halted_at == 0
+                 ? measure_lift( &world, &sphere, &body, out, error )
+                 : status;
+    validate_world_release( &world );
+    validate_helium_free( &body );
+    return status;
+}
+
+// ---- settings ----
+
+static void put_lift( accuracy_scene* out, validate_helium_way way, const char* by, const char* parameter_name,
+                      double parameter )
+{
+    char method[48], series[96];
+    validate_helium_name( &way, method, sizeof method );
+    snprintf( series, sizeof series, "%s, fill %g, by %s", method, way.fill, by );
+    ( (validate_helium_way*)out->context )[out->setting_count] = way;
+    accuracy_setting* setting =
+        accuracy_put_setting( out, "%s, fill %g, level %d, %d substeps", method, way.fill, way.level, way.substeps );
+    accuracy_join_series( setting, series, parameter_name, parameter, NAN );
+}
+
+static void put_lift_levels( accuracy_scene* out, validate_helium_way way )
+{
+    for ( int level = 0; level <= 3; ++level )
+    {
+        way.level = level;
+        put_lift( out, way, "mesh", "edge / R", validate_sphere_edge( level ) );
+    }
+}
+
+// A mesh of few vertices: the heavier they are, the sooner the gas is in balance.
+static void put_lift_substeps( accuracy_scene* out, validate_helium_way way )
+{
+    static const int substeps[] = { 5, 80, 320 };
+    way.level = 1;
+    for ( int i = 0; i < WISP_COUNT( substeps ); ++i )
+    {
+        way.substeps = substeps[i];
+        put_lift( out, way, "substeps", "substep, s", (double)ACCURACY_FRAME / substeps[i] );
+    }
+}
+
+static void put_lifts( accuracy_scene* out )
+{
+    validate_helium_way way = {
+        .substeps = LIFT_SUBSTEPS, .fill = LIFT_FILL, .skin = WISP_SOLVER_XPBD, .volume = WISP_SOLVER_XPBD
+    };
+    put_lift_levels( out, way );
+    put_lift_substeps( out, way );
+    way.fill = SLACK_FILL;
+    put_lift_levels( out, way );
+    way.fill = LIFT_FILL;
+    way.volume = WISP_SOLVER_PBD;
+    put_lift_levels( out, way );
+    way.skin = WISP_SOLVER_PBD;
+    put_lift_levels( out, way );
+}
+
+wisp_status validate_lift_off( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
+{
+    (void)options;
+    (void)seconds;
+    *out = ( accuracy_scene ){
+        .reference = "the weight of the air that the mesh displaces in balance, less that of its helium",
+        .uncertainty = 100.0 * RUNG,
+        .note =
+            "a mesh has less volume than a sphere: `against the sphere` has that too. The engine's helium has the "
+            "density that it would have at the pressure of the atmosphere, which lifts 0.4 % too much at fill 1.2. "
+            "Fill 1 has no pressure: compare its settings among themselves.",
+        .error_name = "load against theory",
+        .error_unit = "%",
+        .measure_names = { "load g", "theory g", "against the sphere %" },
+        .measure_count = 3,
+        .run = run_lift,
+    };
+    const wisp_status status =
+        accuracy_begin_scene( out, LIFT_SETTINGS * sizeof( validate_helium_way ), LIFT_SETTINGS, error );
+    if ( status == WISP_OK )
+    {
+        put_lifts( out );
+    }
+    return status;
+}
+
+// ---- the speed of ascent ----
+
+// A balloon of helium rises until the drag of the air holds its lift: the speed of ascent.
+
+enum
+{
+    RISE_SETTINGS = 48,
+    RISE_LEVEL = 3, // 642 vertices
+    RISE_SUBSTEPS = 20,
+    RISE_STEPS = 180, // 3 s, more than ten times what it needs to reach two thirds of the speed
+};
+
+#define RISE_FILL 1.05                  // V_0 / V_rest: under pressure, so it stays round
+#define RISE_LOAD 0.6                   // mass, in what it lifts
+static const double VISCOSITY = 1.5e-5; // m^2/s, of air at 20 degrees, for Reynolds' number
+static const double SPHERE_DRAG = 0.47; // measured of spheres at Reynolds' numbers of 1e3 to 1e5 (Hoerner 1965)
+
+// ---- a run ----
+
+static void measure_rise( const balloon_setting* setting, double mass, const wisp_motion_stats* seen,
+                          accuracy_run* out )
+{
+    const validate_helium_sphere sphere = validate_helium_theory( setting );
+    const double force = VALIDATE_HELIUM_GRAVITY * ( sphere.lift - mass );
+    const double coefficient = (double)setting->def.drag_coefficient;
+    const double exact = balloon_theory_terminal_speed( force, sphere.air, coefficient, sphere.radius );
+    const double speed = seen->momentum[1] / seen->mass;
+    out->measures[0] = speed;
+    out->measures[1] = exact;
+    out->measures[2] = coefficient;
+    out->measures[3] = balloon_theory_terminal_speed( force, sphere.air, SPHERE_DRAG, sphere.radius );
+    out->measures[4] = 2.0 * sphere.radius * speed / VISCOSITY;
+    out->error = 100.0 * fabs( speed / exact - 1.0 );
+}
+
+static wisp_status run_rise( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
+                             wisp_error* error )
+{
+    const validate_helium_way* way = (const validate_helium_way*)context + setting;
+    balloon_setting balloon = validate_helium_setting( way, workers );
+    // that of the smooth sphere, so that meshes differ in their shape alone
+    const double mass = RISE_LOAD * validate_helium_theory( &balloon ).lift;
+    validate_helium_body body;
+    surface_implementation flying = { 0 };
+    wisp_motion_stats seen = { 0 };
+    wisp_status status = validate_helium_make( way, &body, error );
+    if ( status == WISP_OK )
+    {
+        balloon.points = body.points;
+        balloon.area_density = (float)( mass / body.area );
+        status = balloon_implementation_create( body.fabric, &balloon, &flying, error );
+    }
+    if ( status == WISP_OK )
+    {
+        status = wisp_request_balloon_stats( flying.world, flying.entity, false );
+        status = status == WISP_OK ? accuracy_request_motion_stats( &flying, is_observed, error )
+                                   : bench_world_fail( flying.world, status, error );
+    }
+    status = status == WISP_OK ? accuracy_step_surface( &flying, RISE_STEPS, out, error ) : status;
+    status = status == WISP_OK ? accuracy_end_surface( &flying, out, error ) : status;
+    if ( status == WISP_OK && is_observed && out->halted_at == 0 )
+    {
+        status = accuracy_read_motion_stats( &flying, &seen, error );
+        measure_rise( &balloon, mass, &seen, out );
+    }
+    surface_implementation_destroy( &flying );
+    validate_helium_free( &body );
+    return status;
+}
+
+// ---- settings ----
+
+static void put_rise( accuracy_scene* out, validate_helium_way way, const char* by, const char* parameter_name,
+                      double parameter )
+{
+    char method[64], series[96];
+    validate_helium_name( &way, method, sizeof method );
+    snprintf( series, sizeof series, "%s, drag max, by %s", method, by );
+    ( (validate_helium_way*)out->context )[out->setting_count] = way;
+    accuracy_setting* setting =
+        accuracy_put_setting( out, "%s, drag max, level %d, %d substeps", method, way.level, way.substeps );
+    accuracy_join_series( setting, series, parameter_name, parameter, NAN );
+}
+
+static void put_rise_levels( accuracy_scene* out, validate_helium_way way )
+{
+    for ( int level = 1; level <= 4; ++level )
+    {
+        way.level = level;
+        put_rise( out, way, "mesh", "edge / R", validate_sphere_edge( level ) );
+    }
+}
+
+static void put_rise_substeps( accuracy_scene* out, validate_helium_way way )
+{
+    static const int substeps[] = { 5, 10, 40 };
+    way.level = RISE_LEVEL;
+    for ( int i = 0; i < WISP_COUNT( substeps ); ++i )
+    {
+        way.substeps = substeps[i];
+        put_rise( out, way, "substeps", "substep, s", (double)ACCURACY_FRAME / substeps[i] );
+    }
+}
+
+static void put_rises( accuracy_scene* out )
+{
+    validate_helium_way way = {
+        .substeps = RISE_SUBSTEPS, .fill = RISE_FILL, .skin = WISP_SOLVER_XPBD, .volume = WISP_SOLVER_XPBD
+    };
+    put_rise_levels( out, way );
+    put_rise_substeps( out, way );
+    way.volume = WISP_SOLVER_PBD;
+    put_rise_substeps( out, way );
+    way.skin = WISP_SOLVER_PBD;
+    put_rise_substeps( out, way );
+}
+
+wisp_status validate_rising_balloon( const bench_options* options, double seconds, accuracy_scene* out,
+                                     wisp_error* error )
+{
+    (void)options;
+    (void)seconds;
+    *out = ( accuracy_scene ){
+        .reference = "1/2 rho C pi R^2 v^2 = lift - weight, for a smooth sphere",
+        .note = "C is the coefficient of the scene, 0.5.",
+        .error_name = "speed against theory",
+        .error_unit = "%",
+        .measure_names = { "speed m/s", "theory m/s", "C of the sphere", "m/s with C = 0.47", "Reynolds" },
+        .measure_count = 5,
+        .run = run_rise,
+    };
+    const wisp_status status =
+        accuracy_begin_scene( out, RISE_SETTINGS * sizeof( validate_helium_way ), RISE_SETTINGS, error );
+    if ( status == WISP_OK )
+    {
+        put_rises( out );
+    }
+    return status;
 }

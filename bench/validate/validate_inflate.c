@@ -1,27 +1,92 @@
-// A sphere filled with gas, against the closed form of its mesh (validate_equilibrium.h). The gas has the constraint's
-// compliance V_0 / P_atm, so that p V = n R T, a separate measure, does not hide the convergence of the solver.
-#include "validate_balloons.h"
+// Spheres that are filled with gas.
+#include "validate/validate.h"
 
-#include "accuracy/accuracy_surface.h"
-#include "balloon_bench.h"
-#include "balloon_readings.h"
-#include "validate_equilibrium.h"
+#include "accuracy/scene_tools.h"
+#include "suite_cases.h"
+#include "surfaces.h"
+#include "validate/validate_balloons.h"
+#include "validate/validate_bodies.h"
+
+#include "oracle/balloon_oracle.h"
+#include "oracle/membrane_oracle.h"
 
 #include <math.h>
 #include <stdlib.h>
 
+// ---- equilibrium ----
+
+// V of the rest shape, by the slots of the fabric.
+static double rest_volume( const wisp_fabric* f )
+{
+    double sum = 0.0;
+    for ( int t = 0; t < f->triangle_count; ++t )
+    {
+        const int32_t* c = f->triangles + 3 * (size_t)t;
+        const wisp_vec3 p = f->rest[c[0]], q = f->rest[c[1]], r = f->rest[c[2]];
+        const double qx = (double)q.x, qy = (double)q.y, qz = (double)q.z;
+        const double rx = (double)r.x, ry = (double)r.y, rz = (double)r.z;
+        sum += (double)p.x * ( qy * rz - qz * ry ) + (double)p.y * ( qz * rx - qx * rz ) +
+               (double)p.z * ( qx * ry - qy * rx );
+    }
+    return sum / 6.0;
+}
+
+typedef struct elastic_skin
+{
+    double sum, volume, atmosphere; // N m; m^3, at rest; Pa
+    bool is_linear;
+} elastic_skin;
+
+static elastic_skin skin_of( const wisp_fabric* fabric, const wisp_balloon_def* def, bool is_linear )
+{
+    return ( elastic_skin ){ balloon_stiffness_sum( fabric, def ), rest_volume( fabric ),
+                             (double)def->atmospheric_pressure, is_linear };
+}
+
+// The skin's load grows with s up to 2 and the gas pressure falls, so there is one solution s.
+static double find_scale( const elastic_skin* skin, double gas_ratio )
+{
+    double lower = 1.0, upper = cbrt( gas_ratio );
+    for ( int i = 0; i < 60; ++i )
+    {
+        const double s = 0.5 * ( lower + upper ), volume = s * s * s;
+        const double pressed = skin->atmosphere * ( gas_ratio - volume ) / ( skin->is_linear ? gas_ratio : volume );
+        const double held = balloon_oracle_true_scaled_pressure( skin->sum, skin->volume, s );
+        *( held < pressed ? &lower : &upper ) = s;
+    }
+    return lower;
+}
+
+balloon_equilibrium balloon_equilibrium_at( const wisp_fabric* fabric, const wisp_balloon_def* def, double gas_ratio,
+                                            bool is_linear )
+{
+    const elastic_skin skin = skin_of( fabric, def, is_linear );
+    const double s = find_scale( &skin, gas_ratio );
+    return ( balloon_equilibrium ){ s, balloon_oracle_true_scaled_pressure( skin.sum, skin.volume, s ), skin.volume };
+}
+
+balloon_equilibrium balloon_equilibrium_of( const wisp_fabric* fabric, const wisp_balloon_def* def, bool is_linear )
+{
+    return balloon_equilibrium_at( fabric, def, (double)def->gas_ratio, is_linear );
+}
+
+// ---- a filled sphere ----
+
+// A sphere filled with gas, against the closed form of its mesh. The gas has the constraint's
+// compliance V_0 / P_atm, so that p V = n R T, a separate measure, does not hide the convergence of the solver.
+
 enum
 {
-    LEVELS = 4,        // of icospheres: 12, 42, 162, 642 vertices
-    USUAL_LEVEL = 0,   // an icosahedron, the only sphere regular enough for the closed form
+    SPHERE_LEVELS = 4, // of icospheres: 12, 42, 162, 642 vertices
+    SPHERE_LEVEL = 0,  // an icosahedron, the only sphere regular enough for the closed form
     SETTLE_STEPS = 30, // the damping below removes all motion by then
     ORDERLY_SUBSTEPS = 50,
-    SETTINGS_MAX = 64,
+    SPHERE_SETTINGS = 64,
 };
 
-#define FILL 1.2f
-#define DENSITY 0.05f // kg/m^2
-#define DAMPING 45.0f // 1/s
+#define SPHERE_FILL 1.2f
+#define SPHERE_DENSITY 0.05f // kg/m^2
+#define SPHERE_DAMPING 45.0f // 1/s
 
 typedef struct inflate_setting
 {
@@ -40,8 +105,8 @@ typedef struct inflated_sphere
 
 typedef struct inflate_scene
 {
-    inflated_sphere spheres[LEVELS];
-    inflate_setting settings[SETTINGS_MAX];
+    inflated_sphere spheres[SPHERE_LEVELS];
+    inflate_setting settings[SPHERE_SETTINGS];
 } inflate_scene;
 
 static const char* const solver_names[] = { [WISP_SOLVER_XPBD] = "xpbd", [WISP_SOLVER_PBD] = "pbd" };
@@ -51,9 +116,9 @@ static const char* const solver_names[] = { [WISP_SOLVER_XPBD] = "xpbd", [WISP_S
 static balloon_setting usual_setting( void )
 {
     balloon_setting setting = balloon_setting_in_vacuum();
-    setting.def.gas_ratio = FILL;
-    setting.area_density = DENSITY;
-    setting.damping = DAMPING;
+    setting.def.gas_ratio = SPHERE_FILL;
+    setting.area_density = SPHERE_DENSITY;
+    setting.damping = SPHERE_DAMPING;
     setting.seconds = ACCURACY_FRAME;
     return setting;
 }
@@ -89,8 +154,8 @@ static wisp_status make_sphere( int level, inflated_sphere* out, wisp_error* err
 // ---- settings ----
 
 // The list of settings of the scene and their meaning, filled together.
-static void add( accuracy_scene* scene, inflate_setting what, const char* series, const char* parameter_name,
-                 double parameter, double order, const char* name )
+static void add_inflation( accuracy_scene* scene, inflate_setting what, const char* series,
+                           const char* parameter_name, double parameter, double order, const char* name )
 {
     inflate_scene* own = scene->context;
     own->settings[scene->setting_count] = what;
@@ -102,7 +167,7 @@ static void add( accuracy_scene* scene, inflate_setting what, const char* series
 
 static inflate_setting usual_inflation( int substeps, int iterations )
 {
-    return ( inflate_setting ){ USUAL_LEVEL, substeps, iterations, WISP_SOLVER_XPBD, WISP_SOLVER_XPBD };
+    return ( inflate_setting ){ SPHERE_LEVEL, substeps, iterations, WISP_SOLVER_XPBD, WISP_SOLVER_XPBD };
 }
 
 // Links and gas have their compliance up to a fraction h^2 k / m of it, which an iteration leaves: second order where
@@ -114,9 +179,9 @@ static void add_substeps( accuracy_scene* scene, bool quick )
     {
         char name[64];
         snprintf( name, sizeof( name ), "xpbd, virial, %d x 1", substeps[i] );
-        add( scene, usual_inflation( substeps[i], 1 ),
-             substeps[i] >= ORDERLY_SUBSTEPS ? "xpbd, virial, by substeps" : "", "substep, s",
-             (double)ACCURACY_FRAME / substeps[i], 2.0, name );
+        add_inflation( scene, usual_inflation( substeps[i], 1 ),
+                       substeps[i] >= ORDERLY_SUBSTEPS ? "xpbd, virial, by substeps" : "", "substep, s",
+                       (double)ACCURACY_FRAME / substeps[i], 2.0, name );
     }
 }
 
@@ -127,8 +192,8 @@ static void add_iterations( accuracy_scene* scene )
     {
         char name[64];
         snprintf( name, sizeof( name ), "xpbd, virial, 10 x %d", iterations[i] );
-        add( scene, usual_inflation( 10, iterations[i] ), "xpbd, virial, by iterations", "1 / iterations",
-             1.0 / iterations[i], NAN, name );
+        add_inflation( scene, usual_inflation( 10, iterations[i] ), "xpbd, virial, by iterations", "1 / iterations",
+                       1.0 / iterations[i], NAN, name );
     }
 }
 
@@ -140,7 +205,7 @@ static void add_meshes( accuracy_scene* scene )
     static const int substeps[] = { 10, 100 };
     for ( int i = 0; i < WISP_COUNT( substeps ); ++i )
     {
-        for ( int level = 1; level < LEVELS; ++level )
+        for ( int level = 1; level < SPHERE_LEVELS; ++level )
         {
             inflate_setting what = usual_inflation( substeps[i], 1 );
             char series[48], name[64];
@@ -148,7 +213,7 @@ static void add_meshes( accuracy_scene* scene )
             snprintf( series, sizeof( series ), "xpbd, virial, %d x 1, by mesh", substeps[i] );
             snprintf( name, sizeof( name ), "xpbd, virial, %d x 1, %d vertices", substeps[i],
                       own->spheres[level].mesh.vertex_count );
-            add( scene, what, series, "edge, m", own->spheres[level].edge, NAN, name );
+            add_inflation( scene, what, series, "edge, m", own->spheres[level].edge, NAN, name );
         }
     }
 }
@@ -167,15 +232,15 @@ static void add_forms( accuracy_scene* scene )
             char name[64];
             snprintf( name, sizeof( name ), "%s skin, %s volume, virial, %d x 10", solver_names[what.skin],
                       solver_names[what.volume], substeps[i] );
-            add( scene, what, "", "", NAN, NAN, name );
+            add_inflation( scene, what, "", "", NAN, NAN, name );
         }
     }
 }
 
 // ---- a run ----
 
-static wisp_status observe( surface_implementation* implementation, const balloon_setting* setting,
-                            const inflated_sphere* sphere, accuracy_run* out, wisp_error* error )
+static wisp_status observe_sphere( surface_implementation* implementation, const balloon_setting* setting,
+                                   const inflated_sphere* sphere, accuracy_run* out, wisp_error* error )
 {
     balloon_readings read = { 0 };
     wisp_status status = balloon_read_all( implementation, setting, &read, error );
@@ -183,7 +248,7 @@ static wisp_status observe( surface_implementation* implementation, const balloo
     {
         return status;
     }
-    const double scale = cbrt( (double)FILL * ( 1.0 + read.volume_error ) );
+    const double scale = cbrt( (double)SPHERE_FILL * ( 1.0 + read.volume_error ) );
     out->measures[0] = read.pressure;
     out->measures[1] = read.gas_law;
     out->measures[2] = sphere->pressure;
@@ -194,8 +259,8 @@ static wisp_status observe( surface_implementation* implementation, const balloo
     return WISP_OK;
 }
 
-static wisp_status run( void* context, int index, int workers, bool is_observed, accuracy_run* out,
-                        wisp_error* error )
+static wisp_status run_inflation( void* context, int index, int workers, bool is_observed, accuracy_run* out,
+                                  wisp_error* error )
 {
     inflate_scene* scene = context;
     const inflate_setting* what = &scene->settings[index];
@@ -218,7 +283,7 @@ static wisp_status run( void* context, int index, int workers, bool is_observed,
     }
     if ( status == WISP_OK && is_observed && out->halted_at == 0 )
     {
-        status = observe( &implementation, &setting, sphere, out, error );
+        status = observe_sphere( &implementation, &setting, sphere, out, error );
     }
     surface_implementation_destroy( &implementation );
     return status;
@@ -226,10 +291,10 @@ static wisp_status run( void* context, int index, int workers, bool is_observed,
 
 // ---- the scene ----
 
-static void destroy( void* context )
+static void destroy_spheres( void* context )
 {
     inflate_scene* scene = context;
-    for ( int level = 0; level < LEVELS; ++level )
+    for ( int level = 0; level < SPHERE_LEVELS; ++level )
     {
         wisp_fabric_release( scene->spheres[level].fabric );
         wisp_mesh_release( &scene->spheres[level].mesh );
@@ -248,17 +313,17 @@ wisp_status validate_inflate( const bench_options* options, double seconds, accu
         .measure_names = { "virial Pa", "gas law Pa", "closed form Pa", "scale error %", "at its own volume %",
                            "p V = n R T %" },
         .measure_count = 6,
-        .settings = calloc( SETTINGS_MAX, sizeof( accuracy_setting ) ),
+        .settings = calloc( SPHERE_SETTINGS, sizeof( accuracy_setting ) ),
         .context = calloc( 1, sizeof( inflate_scene ) ),
-        .run = run,
-        .destroy = destroy,
+        .run = run_inflation,
+        .destroy = destroy_spheres,
     };
     wisp_status status = WISP_OK;
     if ( !out->settings || !out->context )
     {
         status = wisp_fail( error, WISP_NO_MEMORY, "no memory for the settings of balloon_inflate" );
     }
-    for ( int level = 0; level < LEVELS && status == WISP_OK; ++level )
+    for ( int level = 0; level < SPHERE_LEVELS && status == WISP_OK; ++level )
     {
         status = make_sphere( level, &( (inflate_scene*)out->context )->spheres[level], error );
     }
@@ -266,7 +331,7 @@ wisp_status validate_inflate( const bench_options* options, double seconds, accu
     {
         if ( out->context )
         {
-            destroy( out->context );
+            destroy_spheres( out->context );
         }
         free( out->settings );
         *out = ( accuracy_scene ){ .setting_count = 0 };
@@ -276,5 +341,218 @@ wisp_status validate_inflate( const bench_options* options, double seconds, accu
     add_iterations( out );
     add_meshes( out );
     add_forms( out );
+    return WISP_OK;
+}
+
+// ---- rubber ----
+
+// Spheres of a neo-Hookean skin, filled to several sizes in one world. The pressure that a skin holds at rest is compared with the closed
+// form at the size that it has, and that size with the one for its gas. More gas is in every next one, and yet the pressure falls again
+// behind the limit point.
+
+enum
+{
+    SIZES = 9,
+    RUBBER_LEVELS = 4,
+    RUBBER_SETTINGS = 16,
+};
+
+static const double STRETCHES[SIZES] = { 1.1, 1.2, 1.3, 1.4, 1.5, 1.7, 2.0, 2.5, 3.0 };
+static const double RUBBER_RADIUS = 0.05, RUBBER_MODULUS = 4e5, RUBBER_THICKNESS = 2e-4; // m, Pa, m: latex
+static const double ATMOSPHERE = 101325.0;                                               // Pa
+
+enum
+{
+    FILLING = 60, // steps
+    RESTING = 60,
+};
+
+typedef struct rubber_way
+{
+    int level, substeps;
+    bool by_substeps;
+} rubber_way;
+
+typedef struct spheres
+{
+    validate_world world;
+    wisp_mesh mesh;
+    wisp_fabric* fabric;
+} spheres;
+
+static double stiffness( void )
+{
+    return RUBBER_MODULUS * RUBBER_THICKNESS;
+}
+
+// Gas for a stretch, in volumes at atmospheric pressure of the sphere at rest.
+static double gas_for( double s )
+{
+    return s * s * s * ( 1.0 + membrane_oracle_sphere_pressure( stiffness(), RUBBER_RADIUS, s ) / ATMOSPHERE );
+}
+
+static wisp_status add_sphere( spheres* own, wisp_error* error )
+{
+    wisp_world* world = own->world.world;
+    wisp_surface_def surface = wisp_default_surface_def();
+    surface.fabric = own->fabric;
+    surface.points = own->mesh.points;
+    surface.area_density = 0.2f;
+    surface.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+    wisp_membrane_def membrane = wisp_default_membrane_def();
+    membrane.shear_modulus = (float)RUBBER_MODULUS;
+    membrane.thickness = (float)RUBBER_THICKNESS;
+    wisp_balloon_def balloon = wisp_default_balloon_def();
+    balloon.buoyancy = false;
+    balloon.drag_coefficient = 0.0f;
+    wisp_entity sphere;
+    wisp_status status = wisp_add_surface( world, &surface, &sphere );
+    status = status == WISP_OK ? wisp_set_damping( world, sphere, 20.0f ) : status;
+    status = status == WISP_OK ? wisp_set_membrane( world, sphere, &membrane ) : status;
+    status = status == WISP_OK ? wisp_set_balloon( world, sphere, &balloon ) : status;
+    status = status == WISP_OK ? wisp_request_balloon_stats( world, sphere, true ) : status;
+    status = status == WISP_OK
+                 ? validate_world_add( &own->world, sphere, WISP_SURFACE_POINTS, own->mesh.vertex_count )
+                 : status;
+    return status == WISP_OK ? WISP_OK : bench_world_fail( world, status, error );
+}
+
+static wisp_status make_spheres( const rubber_way* w, int workers, spheres* own, wisp_error* error )
+{
+    static const wisp_module* const modules[] = { &wisp_membrane_module, &wisp_balloon_module };
+    const bench_world_def world = { modules, WISP_COUNT( modules ), workers, w->substeps, 1 };
+    wisp_fabric_def fabric = wisp_default_fabric_def();
+    fabric.bend_links = false;
+    wisp_status status = balloon_mesh_sphere( w->level, (float)RUBBER_RADIUS, &own->mesh, error );
+    status = status == WISP_OK ? surface_cook( &own->mesh, fabric, &own->fabric, error ) : status;
+    status = status == WISP_OK ? validate_world_create( &world, &own->world, error ) : status;
+    for ( int i = 0; i < SIZES && status == WISP_OK; ++i )
+    {
+        status = add_sphere( own, error );
+    }
+    return status;
+}
+
+static void leave_spheres( spheres* own )
+{
+    validate_world_release( &own->world );
+    wisp_fabric_release( own->fabric );
+    wisp_mesh_release( &own->mesh );
+}
+
+static wisp_status set_gas( spheres* own, double part, wisp_error* error )
+{
+    wisp_world* world = own->world.world;
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < SIZES && status == WISP_OK; ++i )
+    {
+        const double gas = 1.0 + ( gas_for( STRETCHES[i] ) - 1.0 ) * part;
+        status = wisp_set_balloon_gas_ratio( world, own->world.bodies[i].entity, (float)gas );
+    }
+    return status == WISP_OK ? WISP_OK : bench_world_fail( world, status, error );
+}
+
+// They are filled evenly, and then come to rest.
+static wisp_status fill_spheres( spheres* own, accuracy_run* out, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int step = 1; step <= FILLING && status == WISP_OK; ++step )
+    {
+        status = set_gas( own, (double)step / FILLING, error );
+        status = status == WISP_OK ? validate_world_step( &own->world, 1, out, error ) : status;
+    }
+    return status == WISP_OK ? validate_world_step( &own->world, RESTING, out, error ) : status;
+}
+
+// The top of the parabola through the largest value and its neighbours.
+static void find_top( const double x[SIZES], const double y[SIZES], double* top_x, double* top_y )
+{
+    int k = 1;
+    for ( int i = 1; i + 1 < SIZES; ++i )
+    {
+        k = y[i] > y[k] ? i : k;
+    }
+    const double a = ( y[k - 1] - y[k] ) / ( x[k - 1] - x[k] ), b = ( y[k + 1] - y[k] ) / ( x[k + 1] - x[k] );
+    const double curve = ( b - a ) / ( x[k + 1] - x[k - 1] ), slope = a - curve * ( x[k - 1] - x[k] );
+    *top_x = x[k] - slope / ( 2.0 * curve );
+    *top_y = y[k] - slope * slope / ( 4.0 * curve );
+}
+
+// Measures: the limit point and its pressure, theory of both, and the largest difference of a size from that for its gas.
+static wisp_status measure_rubber( spheres* own, accuracy_run* out, wisp_error* error )
+{
+    double stretch[SIZES], pressure[SIZES], sum = 0.0, largest = 0.0;
+    for ( int i = 0; i < SIZES; ++i )
+    {
+        wisp_balloon_stats seen;
+        const wisp_status status = wisp_read_balloon_stats( own->world.world, own->world.bodies[i].entity, &seen );
+        if ( status != WISP_OK )
+        {
+            return bench_world_fail( own->world.world, status, error );
+        }
+        stretch[i] = cbrt( seen.volume / seen.rest_volume );
+        pressure[i] = seen.pressure;
+        const double wrong =
+            pressure[i] / membrane_oracle_sphere_pressure( stiffness(), RUBBER_RADIUS, stretch[i] ) - 1.0;
+        sum += wrong * wrong;
+        largest = fmax( largest, fabs( stretch[i] / STRETCHES[i] - 1.0 ) );
+    }
+    out->error = 100.0 * sqrt( sum / SIZES );
+    find_top( stretch, pressure, out->measures, out->measures + 1 );
+    out->measures[2] = membrane_oracle_limit_point();
+    out->measures[3] = membrane_oracle_sphere_pressure( stiffness(), RUBBER_RADIUS, membrane_oracle_limit_point() );
+    out->measures[4] = 100.0 * largest;
+    return WISP_OK;
+}
+
+static wisp_status run_rubber( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
+                               wisp_error* error )
+{
+    const rubber_way* w = (const rubber_way*)context + setting;
+    spheres own = { .fabric = NULL };
+    wisp_status status = make_spheres( w, workers, &own, error );
+    status = status == WISP_OK ? fill_spheres( &own, out, error ) : status;
+    status = status == WISP_OK ? validate_world_finish( &own.world, out, error ) : status;
+    status = status == WISP_OK && is_observed && out->halted_at == 0 ? measure_rubber( &own, out, error ) : status;
+    leave_spheres( &own );
+    return status;
+}
+
+static void put_rubber( accuracy_scene* out, rubber_way w )
+{
+    ( (rubber_way*)out->context )[out->setting_count] = w;
+    accuracy_setting* s =
+        accuracy_put_setting( out, "membrane, %d triangles, %d substeps", 20 << 2 * w.level, w.substeps );
+    accuracy_join_series( s, w.by_substeps ? "membrane by substeps" : "membrane by edges",
+                          w.by_substeps ? "substep, s" : "edge / R",
+                          w.by_substeps ? (double)VALIDATE_STEP / w.substeps : validate_sphere_edge( w.level ), 2.0 );
+}
+
+wisp_status validate_rubber( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
+{
+    (void)seconds;
+    *out = ( accuracy_scene ){
+        .reference = "p = 2 G / R (1 / s - 1 / s^7), at the stretch s of the volume; nine balloons at rest",
+        .error_name = "distance of the pressure",
+        .error_unit = "%",
+        .measure_names = { "limit point, s", "its pressure, Pa", "theory, s", "theory, Pa", "size for its gas, %" },
+        .measure_count = 5,
+        .run = run_rubber,
+    };
+    const wisp_status status =
+        accuracy_begin_scene( out, RUBBER_SETTINGS * sizeof( rubber_way ), RUBBER_SETTINGS, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    static const int substeps[] = { 5, 10, 20, 40, 160 };
+    for ( int level = 0; level < ( options->quick ? RUBBER_LEVELS - 1 : RUBBER_LEVELS ); ++level )
+    {
+        put_rubber( out, ( rubber_way ){ level, 80, false } );
+    }
+    for ( int i = 0; i < WISP_COUNT( substeps ); ++i )
+    {
+        put_rubber( out, ( rubber_way ){ 2, substeps[i], true } );
+    }
     return WISP_OK;
 }

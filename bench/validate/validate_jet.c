@@ -1,8 +1,8 @@
 // A full balloon without weight and without air empties through an outlet: the speed that its jet gives it.
-#include "validate_balloons.h"
+#include "validate/validate.h"
 
-#include "accuracy/accuracy_surface.h"
-#include "validate_equilibrium.h"
+#include "accuracy/scene_tools.h"
+#include "validate/validate_balloons.h"
 #include "oracle/balloon_oracle.h"
 #include "oracle/balloon_theory.h"
 
@@ -17,17 +17,17 @@ enum
 };
 
 #define FILL 1.2          // V_0 / V_rest
-#define AREA_DENSITY 0.1f // kg/m^2
+#define SKIN_DENSITY 0.1f // kg/m^2
 // It empties in 0.3 s, some hundred periods of the skin, and within a metre of the origin: farther away, with shorter substeps, or with a
 // weaker jet, floats round off what a substep adds to a position.
 #define OUTLET_AREA 1.6e-4 // m^2
 
-typedef struct way
+typedef struct jet_way
 {
     int level, substeps;
     wisp_solver skin, volume;
     double outlet; // m^2
-} way;
+} jet_way;
 
 typedef struct jet_body
 {
@@ -62,7 +62,7 @@ static balloon_theory_flow theory_of( const jet_body* body, double mass, double 
 
 // ---- a run ----
 
-static wisp_status make_body( const way* w, int workers, jet_body* out, wisp_error* error )
+static wisp_status make_body( const jet_way* w, int workers, jet_body* out, wisp_error* error )
 {
     balloon_setting setting = balloon_setting_in_vacuum();
     setting.def.gas_ratio = (float)FILL;
@@ -71,7 +71,7 @@ static wisp_status make_body( const way* w, int workers, jet_body* out, wisp_err
     setting.def.outlet_count = 1;
     setting.def.outlet_area = (float)w->outlet;
     setting.def.outlet_open = true;
-    setting.area_density = AREA_DENSITY;
+    setting.area_density = SKIN_DENSITY;
     setting.substeps = w->substeps;
     setting.iterations = 1;
     setting.workers = workers;
@@ -151,7 +151,7 @@ static void measure( const jet_body* body, const wisp_motion_stats* seen, const 
 static wisp_status run( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                         wisp_error* error )
 {
-    const way* w = (const way*)context + setting;
+    const jet_way* w = (const jet_way*)context + setting;
     jet_body body = { .fabric = NULL };
     surface_implementation balloon = { 0 };
     wisp_motion_stats seen = { 0 };
@@ -176,39 +176,39 @@ static wisp_status run( void* context, int setting, int workers, bool is_observe
 
 // ---- settings ----
 
-static way usual_way( void )
+static jet_way usual_way( void )
 {
-    return ( way ){
+    return ( jet_way ){
         .substeps = USUAL_SUBSTEPS, .skin = WISP_SOLVER_XPBD, .volume = WISP_SOLVER_XPBD, .outlet = OUTLET_AREA
     };
 }
 
-static void put( accuracy_scene* out, way w, const char* by, const char* parameter_name, double parameter )
+static void put_jet( accuracy_scene* out, jet_way w, const char* by, const char* parameter_name, double parameter )
 {
     char method[64], series[96];
     snprintf( method, sizeof method, "%s skin, %s gas, virial pressure", w.skin == WISP_SOLVER_XPBD ? "xpbd" : "pbd",
               w.volume == WISP_SOLVER_XPBD ? "xpbd" : "pbd" );
     snprintf( series, sizeof series, "%s, by %s", method, by );
-    ( (way*)out->context )[out->setting_count] = w;
+    ( (jet_way*)out->context )[out->setting_count] = w;
     accuracy_setting* setting =
         accuracy_put_setting( out, "%s, level %d, %d substeps, %g mm2", method, w.level, w.substeps, 1e6 * w.outlet );
     accuracy_join_series( setting, by[0] != '\0' ? series : "", parameter_name, parameter, NAN );
 }
 
-static void put_substeps( accuracy_scene* out, way w )
+static void put_substeps( accuracy_scene* out, jet_way w )
 {
     static const int substeps[] = { 5, 10, 20, 40, 80 };
     for ( int i = 0; i < WISP_COUNT( substeps ); ++i )
     {
         w.substeps = substeps[i];
-        put( out, w, "substeps", "substep, s", (double)ACCURACY_FRAME / substeps[i] );
+        put_jet( out, w, "substeps", "substep, s", (double)ACCURACY_FRAME / substeps[i] );
     }
 }
 
 static void put_solvers( accuracy_scene* out )
 {
     put_substeps( out, usual_way() );
-    way stiff = usual_way();
+    jet_way stiff = usual_way();
     stiff.volume = WISP_SOLVER_PBD;
     put_substeps( out, stiff );
     stiff.skin = WISP_SOLVER_PBD;
@@ -220,23 +220,23 @@ static void put_settings( accuracy_scene* out )
     put_solvers( out );
     for ( int level = 1; level <= 3; ++level )
     {
-        way w = usual_way();
+        jet_way w = usual_way();
         w.level = level;
         w.substeps = FINE_SUBSTEPS;
-        put( out, w, "mesh", "edge / R", validate_sphere_edge( level ) );
+        put_jet( out, w, "mesh", "edge / R", validate_sphere_edge( level ) );
     }
     static const double outlets[] = { 2.0, 0.5, 0.25 };
     for ( int i = 0; i < WISP_COUNT( outlets ); ++i )
     {
-        way w = usual_way();
+        jet_way w = usual_way();
         w.outlet = outlets[i] * OUTLET_AREA;
-        put( out, w, "outlet", "outlet, m2", w.outlet );
+        put_jet( out, w, "outlet", "outlet, m2", w.outlet );
     }
     // 5 s, 8 m and 48 000 substeps: more than floats can do
-    way far = usual_way();
+    jet_way far = usual_way();
     far.outlet = OUTLET_AREA / 16.0;
     far.substeps = 4 * USUAL_SUBSTEPS;
-    put( out, far, "", "", NAN );
+    put_jet( out, far, "", "", NAN );
 }
 
 wisp_status validate_jet( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
@@ -256,7 +256,7 @@ wisp_status validate_jet( const bench_options* options, double seconds, accuracy
         .measure_count = 4,
         .run = run,
     };
-    const wisp_status status = accuracy_begin_scene( out, MAX_SETTINGS * sizeof( way ), MAX_SETTINGS, error );
+    const wisp_status status = accuracy_begin_scene( out, MAX_SETTINGS * sizeof( jet_way ), MAX_SETTINGS, error );
     if ( status == WISP_OK )
     {
         put_settings( out );

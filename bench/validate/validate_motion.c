@@ -1,17 +1,13 @@
 // Sheets that slide down inclines, and bodies that fall or rise through air.
-#include "validate_motion.h"
+#include "validate/validate.h"
 
-#include "balloon_scene.h"
-#include "oracle/sheet_theory.h"
-#include "surface_implementation.h"
-#include "validate_settings.h"
-#include "validate_sheets.h"
+#include "surfaces.h"
+#include "validate/validate_bodies.h"
 
 #include "balloon/balloon.h"
+#include "oracle/sheet_theory.h"
 
 #include <math.h>
-
-static const double PI = 3.14159265358979323846;
 
 // The spacing of a sheet 6 cm wide.
 static double spacing_of( int cells )
@@ -38,8 +34,8 @@ static const struct
 } inclines[INCLINES] = { { 20.0, 0.2 }, { 40.0, 0.5 }, { 11.0, 0.2 }, { 26.0, 0.5 } };
 
 // The ground stays level, and the gravity of each sheet is turned instead. Sheets start in contact.
-static wisp_status lay_down( const validate_setting* setting, bool is_observed, validate_world* world,
-                             wisp_error* error )
+static wisp_status lay_on_inclines( const validate_setting* setting, bool is_observed, validate_world* world,
+                                    wisp_error* error )
 {
     wisp_mesh mesh = { .points = NULL };
     wisp_status status =
@@ -50,7 +46,7 @@ static wisp_status lay_down( const validate_setting* setting, bool is_observed, 
     }
     for ( int i = 0; i < INCLINES && status == WISP_OK; ++i )
     {
-        const double angle = inclines[i].degrees * PI / 180.0;
+        const double angle = inclines[i].degrees * VALIDATE_PI / 180.0;
         const sheet_def def = {
             .solver = (sheet_solver)setting->solver,
             .mesh = &mesh,
@@ -73,7 +69,7 @@ static wisp_status measure_slides( validate_world* world, accuracy_run* out, wis
     wisp_status status = WISP_OK;
     for ( int i = 0; i < INCLINES && status == WISP_OK; ++i )
     {
-        const double angle = inclines[i].degrees * PI / 180.0;
+        const double angle = inclines[i].degrees * VALIDATE_PI / 180.0;
         const double exact = time * sheet_slide( SHEET_GRAVITY, angle, inclines[i].friction );
         wisp_motion_stats motion = { 0 };
         status = validate_world_motion( world, i, &motion, error );
@@ -97,7 +93,7 @@ static wisp_status run_incline( void* context, int index, int workers, bool is_o
     validate_world world;
     wisp_status status =
         sheet_world_create( (sheet_solver)setting->solver, setting->substeps, workers, true, &world, error );
-    status = status == WISP_OK ? lay_down( setting, is_observed, &world, error ) : status;
+    status = status == WISP_OK ? lay_on_inclines( setting, is_observed, &world, error ) : status;
     status = status == WISP_OK ? validate_world_step( &world, SLIDE_STEPS, out, error ) : status;
     status = status == WISP_OK && is_observed ? measure_slides( &world, out, error ) : status;
     status = status == WISP_OK ? validate_world_finish( &world, out, error ) : status;
@@ -155,9 +151,9 @@ static flight flight_of( sheet_solver solver, double volume )
     const double gas = 8.31446262 * (double)def.temperature;
     const double air = (double)def.atmospheric_pressure * (double)def.air_molar_mass / gas;
     const double helium = (double)def.atmospheric_pressure * (double)def.gas_molar_mass / gas;
-    const double rest = (double)BALLOON_RADIUS, skin = (double)BALLOON_AREA_DENSITY * 4.0 * PI * rest * rest;
-    const double r = cbrt( volume / ( 4.0 / 3.0 * PI ) ), lift = g * ( ( air - helium ) * volume - skin );
-    const flight rises = { sheet_terminal_speed( lift, air, BALL_DRAG, PI * r * r ), lift / skin };
+    const double rest = (double)BALLOON_RADIUS, skin = (double)BALLOON_AREA_DENSITY * 4.0 * VALIDATE_PI * rest * rest;
+    const double r = cbrt( volume / ( 4.0 / 3.0 * VALIDATE_PI ) ), lift = g * ( ( air - helium ) * volume - skin );
+    const flight rises = { sheet_terminal_speed( lift, air, BALL_DRAG, VALIDATE_PI * r * r ), lift / skin };
     return rises;
 }
 
@@ -190,7 +186,7 @@ static wisp_status let_go( const validate_setting* setting, bool is_observed, va
 static wisp_status fly_to( validate_world* world, sheet_solver solver, double constants, bool is_observed,
                            double* wrong, accuracy_run* out, wisp_error* error )
 {
-    const flight planned = flight_of( solver, 4.0 / 3.0 * PI * pow( (double)BALLOON_RADIUS, 3.0 ) );
+    const flight planned = flight_of( solver, 4.0 / 3.0 * VALIDATE_PI * pow( (double)BALLOON_RADIUS, 3.0 ) );
     const int steps = (int)lrint( constants * planned.terminal / planned.acceleration / (double)VALIDATE_STEP );
     wisp_status status = validate_world_step( world, steps - world->steps, out, error );
     if ( status == WISP_OK && is_observed )
@@ -253,4 +249,135 @@ wisp_status validate_terminal( const bench_options* options, double seconds, acc
                             cells, WISP_COUNT( cells ), 40 );
     }
     return status;
+}
+
+// ---- the catenary ----
+
+// A strip of one row of cells, or a strand, hung between two supports: its rest is the catenary.
+
+#define SPAN 0.8 // m, of a strip of 1 m
+
+enum
+{
+    MAX_CELLS = 64,
+    CATENARY_STEPS = 240, // some 20 periods of the slowest swing, with its critical damping
+};
+
+static const double CATENARY_DAMPING = 12.0; // 1/s
+
+// Distances from the point of the curve at the same arc length, in % of the span.
+static void compare_catenary( const wisp_vec3* points, int count, int cells, accuracy_run* out )
+{
+    double sum = 0.0, lowest = 0.0;
+    for ( int v = 0; v < count; ++v )
+    {
+        double exact[2];
+        sheet_catenary( SPAN, (double)( v % ( cells + 1 ) ) / cells, exact );
+        const double x = (double)points[v].x - exact[0], y = (double)points[v].y - exact[1];
+        sum += x * x + y * y;
+        lowest = fmin( lowest, (double)points[v].y );
+    }
+    double middle[2];
+    sheet_catenary( SPAN, 0.5, middle );
+    out->error = 100.0 * sqrt( sum / count ) / SPAN;
+    out->measures[0] = -100.0 * lowest;
+    out->measures[1] = -100.0 * middle[1];
+}
+
+static wisp_status measure_catenary( validate_world* world, int cells, accuracy_run* out, wisp_error* error )
+{
+    const wisp_vec3* points = NULL;
+    wisp_motion_stats motion = { 0 };
+    wisp_status status = validate_world_points( world, 0, &points, error );
+    status = status == WISP_OK ? validate_world_motion( world, 0, &motion, error ) : status;
+    if ( status == WISP_OK )
+    {
+        compare_catenary( points, world->bodies[0].vertex_count, cells, out );
+        out->measures[2] = 100.0 * motion.strain_max;
+        out->measures[3] = 1e3 * motion.speed_max;
+    }
+    return status;
+}
+
+// Half of the strip over half of the span, a right triangle.
+static void lay_halves( const wisp_mesh* mesh, int cells, wisp_vec3* out )
+{
+    const double depth = sqrt( 0.25 - 0.25 * SPAN * SPAN );
+    for ( int v = 0; v < mesh->vertex_count; ++v )
+    {
+        const double t = (double)( v % ( cells + 1 ) ) / cells;
+        out[v] = ( wisp_vec3 ){ (float)( SPAN * ( t - 0.5 ) ), (float)( -2.0 * depth * fmin( t, 1.0 - t ) ),
+                                mesh->points[v].z };
+    }
+}
+
+static wisp_status hang_between( const validate_setting* setting, bool is_observed, validate_world* world,
+                                 wisp_error* error )
+{
+    const int cells = setting->cells;
+    const int32_t pins[] = { 0, cells, cells + 1, 2 * cells + 1 };
+    wisp_mesh mesh = { .points = NULL };
+    wisp_vec3 start[2 * ( MAX_CELLS + 1 )];
+    wisp_status status = surface_plane( cells + 1, 2, 1.0 / cells, &mesh, error );
+    if ( status == WISP_OK )
+    {
+        lay_halves( &mesh, cells, start );
+        const sheet_def def = {
+            .solver = (sheet_solver)setting->solver,
+            .mesh = &mesh,
+            .row = cells + 1,
+            .start = start,
+            .pins = pins,
+            .pin_count = WISP_COUNT( pins ),
+            .density = SHEET_DENSITY,
+            .damping = CATENARY_DAMPING,
+            .gravity = { 0.0f, (float)-SHEET_GRAVITY, 0.0f },
+            .friction = -1.0,
+        };
+        status = sheet_add( world, &def, is_observed, error );
+    }
+    wisp_mesh_release( &mesh );
+    return status;
+}
+
+static wisp_status run_catenary( void* context, int index, int workers, bool is_observed, accuracy_run* out,
+                                 wisp_error* error )
+{
+    const validate_setting* setting = validate_setting_of( context, index );
+    validate_world world;
+    wisp_status status =
+        sheet_world_create( (sheet_solver)setting->solver, setting->substeps, workers, false, &world, error );
+    status = status == WISP_OK ? hang_between( setting, is_observed, &world, error ) : status;
+    status = status == WISP_OK ? validate_world_step( &world, CATENARY_STEPS, out, error ) : status;
+    status = status == WISP_OK && is_observed ? measure_catenary( &world, setting->cells, out, error ) : status;
+    status = status == WISP_OK ? validate_world_finish( &world, out, error ) : status;
+    validate_world_release( &world );
+    return status;
+}
+
+wisp_status validate_catenary( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
+{
+    (void)options;
+    (void)seconds;
+    static const int solvers[] = { SHEET_STRANDS, SHEET_XPBD, SHEET_IMPLICIT };
+    static const int cells[] = { 8, 16, 32, 64 };
+    const validate_grid grid = {
+        .names = sheet_solver_names,
+        .solvers = solvers,
+        .solver_count = WISP_COUNT( solvers ),
+        .cells = cells,
+        .cell_count = WISP_COUNT( cells ),
+        .substeps = 32,
+        .halvings = 3,
+        .middle = 32,
+    };
+    const accuracy_scene scene = {
+        .reference = "the catenary; root mean square over vertices, after 4 s",
+        .error_name = "distance from the catenary",
+        .error_unit = "% of span",
+        .measure_names = { "sag, % of L", "theory", "largest strain, %", "speed left, mm/s" },
+        .measure_count = 4,
+        .run = run_catenary,
+    };
+    return validate_make_grid( &grid, scene, out, error );
 }

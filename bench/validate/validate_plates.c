@@ -1,16 +1,15 @@
 // Plates that buckle under their own weight: the load at which a sheet on edge turns aside, and that at which an upright one gives way.
-#include "validate_plates.h"
+#include "validate/validate.h"
 
 #include "oracle/plate_theory.h"
-#include "validate_bodies.h"
-#include "validate_settings.h"
+#include "validate/validate_bodies.h"
 
 #include <math.h>
 
 enum
 {
     MAX_WIDTHS = 4,
-    RUNGS = 7, // loads, of a sheet each
+    PLATE_RUNGS = 7, // loads, of a sheet each
 };
 
 static const double LOWEST = 0.6, HIGHEST = 1.8; // loads of the first and the last sheet, in parts of theory
@@ -34,13 +33,13 @@ typedef struct plates
 // How far aside the sheets are at two times, from which their growth follows.
 typedef struct ladder
 {
-    double loads[RUNGS], half[RUNGS], end[RUNGS];
+    double loads[PLATE_RUNGS], half[PLATE_RUNGS], end[PLATE_RUNGS];
 } ladder;
 
 static wisp_status read_aside( validate_bodies* bodies, double* out, wisp_error* error )
 {
     wisp_status status = WISP_OK;
-    for ( int i = 0; i < RUNGS && status == WISP_OK; ++i )
+    for ( int i = 0; i < PLATE_RUNGS && status == WISP_OK; ++i )
     {
         status = validate_aside( bodies, i, out + i, error );
     }
@@ -48,7 +47,8 @@ static wisp_status read_aside( validate_bodies* bodies, double* out, wisp_error*
 }
 
 // The weight comes at once and shakes the sheets in their plane, so strong damping comes first.
-static wisp_status swing( validate_bodies* bodies, double slow, accuracy_run* out, ladder* l, wisp_error* error )
+static wisp_status swing_plates( validate_bodies* bodies, double slow, accuracy_run* out, ladder* l,
+                                 wisp_error* error )
 {
     wisp_status status = validate_damp( bodies, 20.0 * slow, error );
     status = status == WISP_OK ? validate_step_for( bodies, 1.0 / slow, out, error ) : status;
@@ -65,12 +65,12 @@ static double find_load( const ladder* l, double start )
 {
     int first = 0;
     // What has come back may still swing a little, and what has fallen over may be on its way back.
-    while ( first < RUNGS &&
+    while ( first < PLATE_RUNGS &&
             !( l->end[first] > 4.0 * start || ( l->end[first] > 0.1 * start && l->end[first] > l->half[first] ) ) )
     {
         ++first;
     }
-    if ( first == 0 || first == RUNGS )
+    if ( first == 0 || first == PLATE_RUNGS )
     {
         return NAN;
     }
@@ -96,15 +96,15 @@ typedef struct found
 } found;
 
 // The critical load of one width: a world of sheets under rising loads.
-static wisp_status measure( const plates* own, const validate_setting* w, int width, int workers, accuracy_run* out,
-                            found* seen, wisp_error* error )
+static wisp_status measure_plates( const plates* own, const validate_setting* w, int width, int workers,
+                                   accuracy_run* out, found* seen, wisp_error* error )
 {
     const float g = (float)VALIDATE_GRAVITY;
     const double theory = own->theory[width], slow = validate_frequency( theory );
     ladder l;
-    for ( int i = 0; i < RUNGS; ++i )
+    for ( int i = 0; i < PLATE_RUNGS; ++i )
     {
-        l.loads[i] = theory * LOWEST * pow( HIGHEST / LOWEST, (double)i / ( RUNGS - 1 ) );
+        l.loads[i] = theory * LOWEST * pow( HIGHEST / LOWEST, (double)i / ( PLATE_RUNGS - 1 ) );
     }
     const validate_def def = {
         .solver = (validate_solver)( w->solver % VALIDATE_SOLVER_COUNT ),
@@ -112,7 +112,7 @@ static wisp_status measure( const plates* own, const validate_setting* w, int wi
         .cells = w->cells,
         .substeps = w->substeps,
         .workers = workers,
-        .count = RUNGS,
+        .count = PLATE_RUNGS,
         .loads = l.loads,
         .width = own->widths[width],
         .thickness = own->widths[width] / 25.0,
@@ -121,7 +121,7 @@ static wisp_status measure( const plates* own, const validate_setting* w, int wi
     };
     validate_bodies bodies;
     wisp_status status = validate_create( &def, &bodies, error );
-    status = status == WISP_OK ? swing( &bodies, slow, out, &l, error ) : status;
+    status = status == WISP_OK ? swing_plates( &bodies, slow, out, &l, error ) : status;
     status = status == WISP_OK ? read_sag( &bodies, &seen->sag, error ) : status;
     status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
     validate_release( &bodies );
@@ -129,8 +129,8 @@ static wisp_status measure( const plates* own, const validate_setting* w, int wi
     return status;
 }
 
-static wisp_status run( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
-                        wisp_error* error )
+static wisp_status run_plates( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
+                               wisp_error* error )
 {
     const plates* own = context;
     double sum = 0.0, sag = 0.0;
@@ -138,7 +138,7 @@ static wisp_status run( void* context, int setting, int workers, bool is_observe
     for ( int i = 0; i < own->width_count && status == WISP_OK; ++i )
     {
         found seen = { .load = NAN };
-        status = measure( own, validate_setting_of( own, setting ), i, workers, out, &seen, error );
+        status = measure_plates( own, validate_setting_of( own, setting ), i, workers, out, &seen, error );
         out->measures[i] = is_observed ? seen.load * own->theory[i] : (double)NAN;
         // outside the ladder the error is at least that of its first load
         sum += pow( isnan( seen.load ) ? 1.0 - LOWEST : seen.load - 1.0, 2.0 );
@@ -154,8 +154,8 @@ static wisp_status run( void* context, int setting, int workers, bool is_observe
 static const char* const mesh_names[VALIDATE_MESH_COUNT] = { "", ", one way", ", irregular" };
 
 // Corners of the clamp make the order in cells a low one, so none is expected.
-static void put_cells( accuracy_scene* out, validate_solver solver, validate_mesh mesh, const int* cells, int count,
-                       int substeps )
+static void put_plate_cells( accuracy_scene* out, validate_solver solver, validate_mesh mesh, const int* cells,
+                             int count, int substeps )
 {
     char name[48];
     snprintf( name, sizeof name, "%s%s", validate_solver_names[solver], mesh_names[mesh] );
@@ -164,7 +164,7 @@ static void put_cells( accuracy_scene* out, validate_solver solver, validate_mes
 }
 
 // For each solver series in substeps, in cells, and in cells of the other meshes.
-static void put_settings( accuracy_scene* out, bool is_quick )
+static void put_plates( accuracy_scene* out, bool is_quick )
 {
     static const validate_solver solvers[] = { VALIDATE_DIHEDRAL, VALIDATE_ISOMETRIC, VALIDATE_IMPLICIT };
     static const int cells[] = { 5, 10, 20 };
@@ -178,11 +178,11 @@ static void put_settings( accuracy_scene* out, bool is_quick )
         validate_put_substeps( out, (int)solver, validate_solver_names[solver], cells[1],
                                is_implicit ? of_implicit : of_xpbd,
                                is_implicit ? WISP_COUNT( of_implicit ) : WISP_COUNT( of_xpbd ) );
-        put_cells( out, solver, VALIDATE_MESH_IN_TURN, cells, WISP_COUNT( cells ), substeps );
-        put_cells( out, solver, VALIDATE_MESH_IRREGULAR, cells, 2, substeps );
+        put_plate_cells( out, solver, VALIDATE_MESH_IN_TURN, cells, WISP_COUNT( cells ), substeps );
+        put_plate_cells( out, solver, VALIDATE_MESH_IRREGULAR, cells, 2, substeps );
         if ( !is_quick )
         {
-            put_cells( out, solver, VALIDATE_MESH_ONE_WAY, cells, 2, substeps );
+            put_plate_cells( out, solver, VALIDATE_MESH_ONE_WAY, cells, 2, substeps );
         }
     }
 }
@@ -196,8 +196,8 @@ static const char* const NOTE = "A step is of seven sheets of one width, and its
                                 "mesh with all diagonals one way.";
 
 // @param scene with the names of its measures, a width each
-static wisp_status make( bool is_sideways, const double* widths, accuracy_scene scene, const bench_options* options,
-                         accuracy_scene* out, wisp_error* error )
+static wisp_status make_plates( bool is_sideways, const double* widths, accuracy_scene scene,
+                                const bench_options* options, accuracy_scene* out, wisp_error* error )
 {
     plates like = { .is_sideways = is_sideways, .width_count = scene.measure_count - ( options->quick ? 1 : 0 ) };
     int at = snprintf( scene.reference, sizeof scene.reference, "plate of Kirchhoff, by Ritz; G =" );
@@ -219,7 +219,7 @@ static wisp_status make( bool is_sideways, const double* widths, accuracy_scene 
     const wisp_status status = validate_make( &like, sizeof like, scene, out, error );
     if ( status == WISP_OK )
     {
-        put_settings( out, options->quick );
+        put_plates( out, options->quick );
     }
     return status;
 }
@@ -236,9 +236,9 @@ wisp_status validate_lateral_buckling( const bench_options* options, double seco
         .measure_count = WISP_COUNT( widths ),
         .uncertainty = UNCERTAINTY,
         .note = NOTE,
-        .run = run,
+        .run = run_plates,
     };
-    return make( true, widths, scene, options, out, error );
+    return make_plates( true, widths, scene, options, out, error );
 }
 
 wisp_status validate_plate_column( const bench_options* options, double seconds, accuracy_scene* out,
@@ -253,7 +253,7 @@ wisp_status validate_plate_column( const bench_options* options, double seconds,
         .measure_count = WISP_COUNT( widths ),
         .uncertainty = UNCERTAINTY,
         .note = NOTE,
-        .run = run,
+        .run = run_plates,
     };
-    return make( false, widths, scene, options, out, error );
+    return make_plates( false, widths, scene, options, out, error );
 }

@@ -260,8 +260,8 @@ TEST( points_that_cannot_be_written_are_refused )
 
 TEST( a_place_where_bench_can_have_no_folder_is_refused_before_anything_is_measured )
 {
-    assert_refused( "bench boundary --quick --pictures ball.yaml", "ball.yaml: cannot make a folder" );
-    assert_refused( "bench contact --quick --pictures absent/pictures", "absent/pictures: cannot make a folder" );
+    assert_refused( "bench figures --quick --pictures ball.yaml", "ball.yaml: cannot make a folder" );
+    assert_refused( "bench figures --quick --pictures absent/pictures", "absent/pictures: cannot make a folder" );
 }
 
 // ---- pictures ----

@@ -4,7 +4,7 @@
 #include "unit.h"
 
 #include "accuracy/accuracy.h"
-#include "accuracy/accuracy_compare.h"
+#include "accuracy/accuracy_parts.h"
 
 static const bench_options quick_options = { .quick = true, .workers = 2 };
 

@@ -5,7 +5,7 @@
 
 #include "accuracy/accuracy.h"
 #include "program_data.h"
-#include "suite/suite_study.h"
+#include "suite_study.h"
 
 /// The suite of that name among those of `accuracy`. @param suite to be released after the scene
 static inline void open_suite( const char* name, wisp_suite* suite, accuracy_scene* out )

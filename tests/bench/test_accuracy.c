@@ -3,7 +3,6 @@
 #include "bench_tables.h"
 
 #include "accuracy/accuracy.h"
-#include "accuracy/accuracy_compare.h"
 #include "accuracy/accuracy_parts.h"
 
 // ---- the front ----

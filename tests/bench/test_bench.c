@@ -1,7 +1,5 @@
 // The runner: variants take turns, warm-up steps are not samples, and failures end the run.
 #include "bench_tables.h"
-#include "bench_timing.h"
-
 #include "bench.h"
 
 typedef struct step_log

@@ -3,12 +3,12 @@
 #include "bench_tables.h"
 
 #include "accuracy/accuracy.h"
-#include "balloon_bench.h"
+#include "suite_cases.h"
 #include "program_data.h"
 #include "figures_bench.h"
 #include "figures_drape.h"
 #include "suite.h"
-#include "suite/suite_folder.h"
+#include "suite_study.h"
 
 static const bench_options quick = { .quick = true, .workers = 2 };
 

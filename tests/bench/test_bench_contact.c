@@ -3,8 +3,8 @@
 #include "bench_tables.h"
 
 #include "accuracy/accuracy.h"
-#include "contact_bench.h"
 #include "program_data.h"
+#include "suite_cases.h"
 #include "suite_measure.h"
 
 static double number( const results_table* table, int row, const char* column )

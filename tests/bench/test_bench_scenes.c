@@ -2,7 +2,7 @@
 #include "bench_tables.h"
 
 #include "program_data.h"
-#include "bench_options.h"
+#include "bench.h"
 #include "suite.h"
 
 bench_case_fn scenes_bench;

@@ -4,7 +4,7 @@
 #include "figures_bench.h"
 #include "accuracy/accuracy.h"
 #include "program_data.h"
-#include "strands_bench.h"
+#include "suite_cases.h"
 
 static const bench_options quick = { .quick = true, .seconds = 1.0, .workers = 2 };
 

@@ -1,7 +1,7 @@
 // Charts of rows: they show the values of the rows, and the front consists of undominated ones.
 #include "unit.h"
 
-#include "rows_chart.h"
+#include "bench_output.h"
 
 static void add_row( results* all, const char* name, const char* variant, int workers, double vertices, double ms )
 {

@@ -2,7 +2,6 @@
 #include "bench_tables.h"
 
 #include "stability/stability_bench.h"
-#include "stability/stability_suite.h"
 
 #include <math.h>
 

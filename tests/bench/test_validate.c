@@ -1,11 +1,9 @@
 // The theory of `wisp validate`, and what its bodies make of it.
 #include "unit.h"
 
-#include "validate/elastica.h"
+#include "validate/validate_bodies.h"
 #include "oracle/slender_theory.h"
 #include "validate/validate.h"
-#include "validate/validate_bodies.h"
-#include "validate/validate_overview.h"
 
 #include <math.h>
 

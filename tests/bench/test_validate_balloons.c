@@ -2,10 +2,10 @@
 #include "accuracy_fixture.h"
 
 #include "oracle/balloon_theory.h"
+#include "validate/validate.h"
 #include "validate/validate_balloons.h"
-#include "validate/validate_foil.h"
 
-#include "balloon_scene.h"
+#include "surfaces.h"
 
 #include <math.h>
 

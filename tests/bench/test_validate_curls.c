@@ -1,10 +1,10 @@
 // The theory of suspended curls and of bowed rods on a rough floor, and what rods and strips of the engine make of it.
 #include "unit.h"
 
-#include "validate/elastica.h"
+#include "validate/validate_bodies.h"
 #include "oracle/curl_theory.h"
 #include "oracle/slip_theory.h"
-#include "validate/validate_slip.h"
+#include "validate/validate.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,11 +2,9 @@
 #include "accuracy_fixture.h"
 
 #include "accuracy/scene_tools.h"
-#include "validate/elastica.h"
+#include "validate/validate_bodies.h"
 #include "oracle/sheet_theory.h"
-#include "validate/validate_disc.h"
-#include "validate/validate_drape.h"
-#include "validate/validate_motion.h"
+#include "validate/validate.h"
 
 #include <math.h>
 

@@ -3,7 +3,7 @@
 
 #include "oracle/plate_theory.h"
 #include "oracle/slender_theory.h"
-#include "validate/validate_plates.h"
+#include "validate/validate.h"
 
 #include <math.h>
 

@@ -2,13 +2,10 @@
 // of their cases.
 #include "accuracy_fixture.h"
 
-#include "validate/elastica.h"
+#include "validate/validate_bodies.h"
 #include "oracle/chain_theory.h"
 #include "oracle/rod_theory.h"
-#include "validate/validate_buckling.h"
-#include "validate/validate_chains.h"
-#include "validate/validate_slender.h"
-#include "validate/validate_writhe.h"
+#include "validate/validate.h"
 
 #include <math.h>
 

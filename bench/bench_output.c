@@ -1,0 +1,273 @@
+// What cases show: rows of tables, charts of rows, and pictures side by side.
+#include "bench_output.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <string.h>
+
+// ---- rows of tables ----
+
+void cells_put( cells* row, const char* format, ... )
+{
+    WISP_ASSERT( row->count < CELLS_MAX );
+    char* text = row->text[row->count];
+    va_list arguments;
+    va_start( arguments, format );
+    vsnprintf( text, sizeof( row->text[0] ), format, arguments );
+    va_end( arguments );
+    ++row->count;
+}
+
+void cells_put_number( cells* row, double value, int digits )
+{
+    if ( isfinite( value ) )
+    {
+        cells_put( row, "%.*f", digits, value );
+    }
+    else
+    {
+        cells_put( row, "-" );
+    }
+}
+
+void cells_put_pair( cells* row, double first, int first_digits, double second, int second_digits )
+{
+    if ( isfinite( first ) && isfinite( second ) )
+    {
+        cells_put( row, "%.*f / %.*f", first_digits, first, second_digits, second );
+    }
+    else
+    {
+        cells_put( row, "-" );
+    }
+}
+
+void cells_put_hash( cells* row, uint64_t hash )
+{
+    cells_put( row, "%016llx", (unsigned long long)hash );
+}
+
+static void point_at( const cells* row, const char* pointers[CELLS_MAX] )
+{
+    for ( int i = 0; i < row->count; ++i )
+    {
+        pointers[i] = row->text[i];
+    }
+}
+
+int cells_begin_table( const cells* header, const char* title, results* out )
+{
+    const char* pointers[CELLS_MAX];
+    point_at( header, pointers );
+    return results_add_table( out, title, header->count, pointers );
+}
+
+void cells_end_row( const cells* row, int table, results* out )
+{
+    const char* pointers[CELLS_MAX];
+    point_at( row, pointers );
+    results_add_cells( out, table, pointers );
+}
+
+// ---- numbers of a row ----
+
+static double find( const results_values* values, const char* name )
+{
+    for ( int i = 0; i < values->count; ++i )
+    {
+        if ( strcmp( values->items[i].name, name ) == 0 )
+        {
+            return values->items[i].value;
+        }
+    }
+    return NAN;
+}
+
+double rows_ms( const results_row* row )
+{
+    return row->ms_median;
+}
+
+double rows_size( const results_row* row, const char* name )
+{
+    return find( &row->size, name );
+}
+
+double rows_error( const results_row* row, const char* name )
+{
+    return find( &row->error, name );
+}
+
+double rows_vertices( const results_row* row )
+{
+    return rows_size( row, "vertices" );
+}
+
+// ---- rows to points ----
+
+static bool is_taken( const rows_chart* what, const results_row* row )
+{
+    return strcmp( row->name, what->name ) == 0 && ( what->workers == 0 || row->workers == what->workers );
+}
+
+// The points of a front belong to one series per worker count and have the names of variants themselves.
+static void name_series( const rows_chart* what, const results_row* row, char* out, size_t size )
+{
+    int used = snprintf( out, size, "%s", what->is_front ? "" : row->variant );
+    if ( what->also && !what->is_front && (size_t)used < size )
+    {
+        used += snprintf( out + used, size - (size_t)used, ", %g %s", rows_size( row, what->also ), what->also_unit );
+    }
+    if ( row->workers > 0 && ( what->workers == 0 || what->is_front ) && (size_t)used < size )
+    {
+        snprintf( out + used, size - (size_t)used, "%s%d worker%s", used > 0 ? ", " : "", row->workers,
+                  row->workers == 1 ? "" : "s" );
+    }
+}
+
+static int find_series( const rows_chart* what, const results_row* row, int number, results* out )
+{
+    char name[64];
+    name_series( what, row, name, sizeof( name ) );
+    const results_chart* chart = results_chart_at( out, number );
+    for ( int i = 0; chart && i < chart->series_count; ++i )
+    {
+        if ( strcmp( chart->series[i].name, name ) == 0 )
+        {
+            return i;
+        }
+    }
+    return results_add_series( out, number, name, !what->is_front );
+}
+
+static void add_chart_row( const rows_chart* what, const results_row* row, int number, results* out )
+{
+    bool is_whole = row->steps >= what->min_steps;
+    results_point point = { .x = is_whole ? what->x( row ) : NAN, .y = what->y( row ) };
+    if ( what->is_front )
+    {
+        snprintf( point.label, sizeof( point.label ), "%s", row->variant );
+    }
+    results_add_point( out, number, find_series( what, row, number, out ), point );
+}
+
+// ---- the front ----
+
+static bool is_beaten( const results_chart* chart, const results_point* point )
+{
+    for ( int s = 0; s < chart->series_count; ++s )
+    {
+        for ( int i = 0; i < chart->series[s].count; ++i )
+        {
+            const results_point* other = &chart->series[s].points[i];
+            bool is_no_worse = other->x <= point->x && other->y <= point->y;
+            if ( is_no_worse && ( other->x < point->x || other->y < point->y ) )
+            {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+static void mark_front( results_chart* chart )
+{
+    for ( int s = 0; s < chart->series_count; ++s )
+    {
+        for ( int i = 0; i < chart->series[s].count; ++i )
+        {
+            results_point* point = &chart->series[s].points[i];
+            point->is_marked = isfinite( point->x ) && isfinite( point->y ) && !is_beaten( chart, point );
+        }
+    }
+}
+
+void rows_chart_add( const rows_chart* what, results* out )
+{
+    int number = results_add_chart( out, what->title, what->x_label, what->y_label );
+    results_chart* chart = results_chart_at( out, number );
+    if ( !chart )
+    {
+        return;
+    }
+    chart->x_log = !what->x_linear;
+    chart->y_log = !what->y_linear;
+    snprintf( chart->caption, sizeof( chart->caption ), "%s", what->caption ? what->caption : "" );
+    for ( int i = what->first_row; i < out->row_count; ++i )
+    {
+        if ( is_taken( what, &out->rows[i] ) )
+        {
+            add_chart_row( what, &out->rows[i], number, out );
+        }
+    }
+    if ( what->is_front )
+    {
+        mark_front( chart );
+    }
+}
+
+// ---- pictures ----
+
+static wisp_status find_shots_camera( const picture_shots* shots, float aspect, render_camera* camera,
+                                      wisp_error* error )
+{
+    render_bounds all = { .is_filled = false };
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < shots->count && status == WISP_OK; ++i )
+    {
+        render_bounds one = { .is_filled = false };
+        status = render_scene_bounds( shots->scene( shots->context, i ), &one, error );
+        all = render_bounds_union( all, one );
+    }
+    return status == WISP_OK ? render_frame_camera( &all, &shots->view, aspect, camera, error ) : status;
+}
+
+wisp_status picture_sheet_draw( const picture_shots* shots, const char* labels, size_t label_distance,
+                                picture_sheet* sheet, wisp_error* error )
+{
+    render_camera camera;
+    render_options options = render_default_options();
+    options.width = shots->width;
+    options.height = shots->height;
+    options.threads = 2;
+    options.samples = shots->samples > 0 ? shots->samples : options.samples;
+    wisp_status status = find_shots_camera( shots, (float)shots->width / (float)shots->height, &camera, error );
+    for ( int i = 0; i < shots->count && status == WISP_OK; ++i )
+    {
+        status = render_picture( shots->scene( shots->context, i ), &camera, &options, &sheet->pictures[i], error );
+        sheet->labels[i] = labels + (size_t)i * label_distance;
+        sheet->count = i + 1;
+    }
+    return status;
+}
+
+wisp_status picture_path( const char* folder, const char* name, char* out, size_t size, wisp_error* error )
+{
+    return snprintf( out, size, "%s/%s.png", folder, name ) < (int)size
+               ? WISP_OK
+               : wisp_fail( error, WISP_BAD_INPUT, "the folder for pictures has too long a name" );
+}
+
+wisp_status picture_sheet_finish( picture_sheet* sheet, wisp_status drawn, const char* folder, const char* name,
+                                  const char* caption, results* out, wisp_error* error )
+{
+    char path[4096];
+    image all = { 0 };
+    const int columns = sheet->columns > 0 ? sheet->columns : sheet->count;
+    wisp_status status = drawn;
+    status = status == WISP_OK ? picture_path( folder, name, path, sizeof( path ), error ) : status;
+    status = status == WISP_OK ? image_sheet( sheet->pictures, sheet->count, columns, sheet->labels, &all, error )
+                               : status;
+    status = status == WISP_OK ? image_write_png( path, &all, error ) : status;
+    for ( int i = 0; i < sheet->count; ++i )
+    {
+        image_release( &sheet->pictures[i] );
+    }
+    image_release( &all );
+    if ( status == WISP_OK )
+    {
+        results_add_note( out, "%s: ![%s](%s)", caption, caption, path );
+        results_add_picture( out, path, caption );
+    }
+    return status;
+}
