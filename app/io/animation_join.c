@@ -130,8 +130,7 @@ static wisp_status join_property( const wisp_clip* clips, int count, const wisp_
     }
     list = ( key_list ){ .times = track->times, .values = track->values };
     put_all( &list, clips, count, &skeleton->joints[joint], joint, property );
-    return track->interpolation == WISP_INTERPOLATION_STEP ? WISP_OK
-                                                           : wisp_animation_track_smooth( track, error );
+    return track->interpolation == WISP_INTERPOLATION_STEP ? WISP_OK : wisp_animation_track_smooth( track, error );
 }
 
 // ---- the whole ----
