@@ -23,8 +23,8 @@ static const struct
     // boundary
     { "boundary", "by_screen", NULL, "use `eye_angle`, above 0, alone" },
     { "boundary", "pixels", NULL, "use `eye_angle`: the pixels times the angle of one" },
-    { "boundary", "scanline_normals", NULL, "leave it out: normals of inner points have the three weights" },
     { "boundary", "pixel_angle", NULL, "use `eye_angle`: the pixels times the angle of one" },
+    { "boundary", "scanline_normals", NULL, "leave it out: normals of inner points have the three weights" },
     // colliders
     { "colliders", "search", NULL, "leave it out: meshes are searched by trees, with Embree and without" },
     { "colliders", "voxel_size", NULL, "leave it out: meshes are searched by trees" },

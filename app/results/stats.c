@@ -48,20 +48,6 @@ stats_summary stats_summarise( double* samples, int count )
     return out;
 }
 
-void stats_scale( stats_summary* summary, double factor )
-{
-    summary->median *= factor;
-    summary->p10 *= factor;
-    summary->p90 *= factor;
-    summary->minimum *= factor;
-    summary->maximum *= factor;
-    summary->mean *= factor;
-    for ( int i = 0; i < summary->kept_count; ++i )
-    {
-        summary->kept[i] *= factor;
-    }
-}
-
 stats_line stats_fit_line( const double* x, const double* y, int count )
 {
     double mean_x = 0.0, mean_y = 0.0;

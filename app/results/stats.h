@@ -23,9 +23,6 @@ typedef struct stats_summary
 /// Sorts the samples in place.
 stats_summary stats_summarise( double* samples, int count );
 
-/// The same samples in another unit.
-void stats_scale( stats_summary* summary, double factor );
-
 /// The q-quantile of rising values, between neighbours by linear interpolation.
 /// @param q in [0, 1]
 /// @return NaN if count is 0

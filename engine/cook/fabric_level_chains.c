@@ -18,7 +18,7 @@ typedef struct path_entry
     int32_t vertex;
 } path_entry;
 
-// What a search knows of a vertex, in one place because it needs all of it at once.
+// State of a vertex in a search, in one struct because a search reads all of it at once.
 typedef struct path_node
 {
     double distance; // m

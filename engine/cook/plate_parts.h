@@ -62,7 +62,7 @@ struct wisp_plate
     fabric_pool pool;
 };
 
-// What acts on the curvature of one triangle: its turns as linear combinations of those of hinges, and of the vertices around.
+// Stencil of the curvature of one triangle: its turns as linear combinations of those of hinges, and of the vertices around.
 typedef struct plate_patch
 {
     int hinge_count, vertex_count;

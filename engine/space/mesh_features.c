@@ -13,7 +13,7 @@ static int32_t point_of( const mesh_surface* s, int32_t half_edge, int next )
     return s->triangles[half_edge / 3 * 3 + ( half_edge % 3 + next ) % 3];
 }
 
-// What the triangles at an edge make of it.
+// Faces at an edge: their number, normals and winding, which decide whether the edge is a ridge.
 typedef struct edge_faces
 {
     int32_t lowest;

@@ -40,7 +40,7 @@ static bool is_in( contact_side side, int i )
     return i >= side.begin && i < side.end;
 }
 
-// What a row carries, and the smallest grip of its lower layer.
+// Return the load that a row carries, and the smallest grip of its lower layer.
 static contact_load load_of( const contact_work* work, const contact_row* row, contact_side upper )
 {
     const contact_load* loads = work->contact_mesh->supports->loads;

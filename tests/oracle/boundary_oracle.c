@@ -46,12 +46,6 @@ double boundary_oracle_fraction( int i, int n, double length, double d, boundary
     return policy == BOUNDARY_ORACLE_EVEN ? (double)i / n : i * d / length;
 }
 
-int boundary_oracle_points_of_length( double length, double d, boundary_oracle_policy policy,
-                                      boundary_oracle_rounding rounding )
-{
-    return boundary_oracle_points( boundary_oracle_count( length, d, rounding ), length, d, policy );
-}
-
 // Lines inside a triangle.
 
 boundary_oracle_axis boundary_oracle_axis_on( const double3 corner[3], int edge )

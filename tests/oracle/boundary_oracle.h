@@ -51,10 +51,6 @@ int boundary_oracle_points( int n, double length, double d, boundary_oracle_poli
 /// Position of point i as a fraction of the length: i / n, or i d / length.
 double boundary_oracle_fraction( int i, int n, double length, double d, boundary_oracle_policy policy );
 
-/// Number of points for a length: both functions above in one call.
-int boundary_oracle_points_of_length( double length, double d, boundary_oracle_policy policy,
-                                      boundary_oracle_rounding rounding );
-
 // ---- lines inside a triangle ----
 
 /// The shortest edge of a triangle and its height.
