@@ -7,22 +7,21 @@
 #include "report.h"
 #include "sweep_item.h"
 #include "sweep_merge.h"
-#include "sweep_part.h"
 #include "wisp/wisp.h"
 
-#include <math.h>
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-
-// ---- `wisp sweep` ----
+#include <sys/file.h>
+#include <unistd.h>
 
 // `wisp sweep`: run the rows of a suite, or a share of them, and keep what they give in a part file.
 
 typedef struct sweep_arguments
 {
-    const char *suite, *folder, *shard;
-    int workers;
-    bool resumes, is_exclusive, only_list;
+    const char *suite, *folder, *share;
+    int shard, shards, workers;
+    bool is_exclusive, only_list;
 } sweep_arguments;
 
 static bool take_sweep_option( options_state* o, int key, const char* argument )
@@ -34,10 +33,7 @@ static bool take_sweep_option( options_state* o, int key, const char* argument )
             a->folder = argument;
             return true;
         case BENCH_KEY_SHARD:
-            a->shard = argument;
-            return true;
-        case BENCH_KEY_RESUME:
-            a->resumes = true;
+            a->share = argument;
             return true;
         case BENCH_KEY_EXCLUSIVE:
             a->is_exclusive = true;
@@ -64,23 +60,13 @@ static bool take_sweep_option( options_state* o, int key, const char* argument )
     }
 }
 
-static int count_items( const wisp_suite* suite, const sweep_shard* shard )
-{
-    int count = 0;
-    for ( int i = 0; i < suite->row_count; ++i )
-    {
-        count += sweep_runs( shard, sweep_key( suite->rows + i ) ) ? 1 : 0;
-    }
-    return count;
-}
-
-static void list_items( const wisp_suite* suite, const sweep_shard* shard )
+static void list_items( const sweep_arguments* a, const wisp_suite* suite )
 {
     for ( int i = 0; i < suite->row_count; ++i )
     {
         const uint64_t key = sweep_key( suite->rows + i );
         char label[SUITE_MAX_LABEL];
-        if ( sweep_runs( shard, key ) )
+        if ( sweep_runs( key, a->shard, a->shards ) )
         {
             suite_label( suite->rows + i, label );
             printf( "%5d  %016llx  %s\n", i + 1, (unsigned long long)key, label );
@@ -88,118 +74,161 @@ static void list_items( const wisp_suite* suite, const sweep_shard* shard )
     }
 }
 
-static void describe( const sweep_arguments* a, const wisp_suite* suite, const sweep_shard* shard,
-                      const suite_reference* reference, sweep_header* out )
+// What all rows of this run have.
+static void describe( const sweep_arguments* a, const wisp_suite* suite, const suite_reference* reference,
+                      const machine_info* machine, sweep_row* out )
 {
-    snprintf( out->suite, sizeof out->suite, "%s", suite->name );
-    snprintf( out->title, sizeof out->title, "%s", suite->title );
+    *out = ( sweep_row ){ .sweep = sweep_suite_key( suite ),
+                          .items = suite->row_count,
+                          .shard = a->shard,
+                          .shards = a->shards,
+                          .doubt = reference->doubt.distance,
+                          .parts_at = reference->parts_at,
+                          .cores = machine->cores,
+                          .memory_bytes = machine->memory_bytes };
+    for ( int i = 0; i < suite->row_count; ++i )
+    {
+        out->share += sweep_runs( sweep_key( suite->rows + i ), a->shard, a->shards ) ? 1 : 0;
+    }
+    snprintf( out->suite, sizeof out->suite, "%s", suite->title[0] ? suite->title : suite->name );
     snprintf( out->reference, sizeof out->reference, "%s",
               reference->is_start ? "where every vertex starts" : reference->description );
-    out->key = sweep_suite_key( suite );
-    out->items = suite->row_count;
-    out->shard = shard->index;
-    out->shards = shard->count;
-    out->is_exclusive = a->is_exclusive;
-    out->workers = a->is_exclusive ? a->workers : 0;
-    out->doubt = reference->doubt.distance;
-    out->parts_at = reference->parts_at;
+    snprintf( out->version, sizeof out->version, "%s", machine->version );
+    snprintf( out->commit, sizeof out->commit, "%s", machine->commit );
+    snprintf( out->compiler, sizeof out->compiler, "%s", machine->compiler );
+    snprintf( out->flags, sizeof out->flags, "%s", machine->flags );
+    snprintf( out->build_type, sizeof out->build_type, "%s", machine->build_type );
+    snprintf( out->cpu, sizeof out->cpu, "%s", machine->cpu );
+    snprintf( out->isa, sizeof out->isa, "%s", machine->isa );
+    snprintf( out->os, sizeof out->os, "%s", machine->os );
 }
 
-// What a run of a shard has done.
-typedef struct tally
+// A part that rows are appended to.
+typedef struct part
 {
-    int items, found, run, failed, unexpected;
-} tally;
+    char path[1024];
+    FILE* stream;
+} part;
 
-static void add_to( tally* t, const sweep_record* record )
+// Read what a process before has written, and cut off the line in which it was stopped.
+static wisp_status open_part( const char* folder, const sweep_row* like, part* out, sweep_merge* found,
+                              wisp_error* error )
 {
-    t->failed += record->failure[0] != '\0' ? 1 : 0;
-    t->unexpected += record->verdict[0] != '\0' && record->is_known == false ? 1 : 0;
+    size_t whole = 0;
+    snprintf( out->path, sizeof out->path, "%.900s/part-%04d-of-%04d.jsonl", folder, like->shard, like->shards );
+    out->stream = fopen( out->path, "a" );
+    if ( out->stream == NULL )
+    {
+        return wisp_fail( error, WISP_IO_ERROR, "%s: %s", io_short_name( out->path ), strerror( errno ) );
+    }
+    // a file system without locks leaves it to the user that no two processes run one shard
+    if ( flock( fileno( out->stream ), LOCK_EX | LOCK_NB ) != 0 && errno == EWOULDBLOCK )
+    {
+        return wisp_fail( error, WISP_CONFLICT, "%s: another process writes it", io_short_name( out->path ) );
+    }
+    const wisp_status status = sweep_merge_part( out->path, found, &whole, error );
+    return status == WISP_OK && ftruncate( fileno( out->stream ), (off_t)whole ) != 0
+               ? wisp_fail( error, WISP_IO_ERROR, "%s: cannot be cut: %s", io_short_name( out->path ),
+                            strerror( errno ) )
+               : status;
 }
 
-static wisp_status run_items( const sweep_settings* settings, const sweep_shard* shard, const sweep_part* found,
-                              sweep_writer* writer, tally* t, wisp_error* error )
+// From then on the line survives the end of this process.
+static wisp_status append( const part* p, const sweep_row* row, wisp_error* error )
+{
+    char* line = sweep_row_write( row );
+    const bool good =
+        line != NULL && fputs( line, p->stream ) >= 0 && fputc( '\n', p->stream ) != EOF && fflush( p->stream ) == 0;
+    free( line );
+    return good ? WISP_OK
+                : wisp_fail( error, WISP_IO_ERROR, "%s: cannot be written: %s", io_short_name( p->path ),
+                             strerror( errno ) );
+}
+
+// An item with checks, or that could not be run, has no times.
+static bool is_there( const sweep_row* row, int workers )
+{
+    return row->item > 0 && ( workers == 0 || row->workers > 0 || row->verdict[0] || row->failure[0] );
+}
+
+static wisp_status run_items( const sweep_settings* settings, const part* p, sweep_merge* all, int* found,
+                              wisp_error* error )
 {
     const wisp_suite* suite = settings->suite;
-    bool* is_there = calloc( (size_t)suite->row_count, sizeof *is_there );
-    wisp_status status = is_there != NULL ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for items" );
-    for ( int i = 0; i < found->count && status == WISP_OK; ++i )
-    {
-        is_there[found->records[i].item] = true;
-        add_to( t, found->records + i );
-    }
+    const sweep_row* like = settings->like;
+    wisp_status status = WISP_OK;
+    int done = 0;
     progress bar = progress_begin();
     for ( int i = 0; i < suite->row_count && status == WISP_OK; ++i )
     {
         char label[SUITE_MAX_LABEL];
-        if ( is_there[i] || sweep_runs( shard, sweep_key( suite->rows + i ) ) == false )
+        sweep_row row;
+        const bool is_mine = sweep_runs( sweep_key( suite->rows + i ), like->shard, like->shards );
+        *found += is_mine && is_there( all->rows + i, settings->workers ) ? 1 : 0;
+        done += is_mine ? 1 : 0;
+        if ( is_mine && !is_there( all->rows + i, settings->workers ) )
         {
-            continue;
-        }
-        suite_label( suite->rows + i, label );
-        progress_show( &bar, (double)( t->found + t->run ) / t->items, label );
-        sweep_record record;
-        status = sweep_run_item( settings, i, &record, error );
-        status = status == WISP_OK ? sweep_writer_add( writer, &record, error ) : status;
-        if ( status == WISP_OK )
-        {
-            t->run += 1;
-            add_to( t, &record );
+            suite_label( suite->rows + i, label );
+            progress_show( &bar, (double)( done - 1 ) / like->share, label );
+            status = sweep_run_item( settings, i, &row, error );
+            status = status == WISP_OK ? append( p, &row, error ) : status;
+            status = status == WISP_OK ? sweep_merge_add( &row, "this run", all, error ) : status;
         }
     }
     progress_end( &bar );
-    free( is_there );
     return status;
 }
 
-static void say( const sweep_shard* shard, const tally* t, bool is_whole )
+// @return whether an item could not be run, or is not as expected
+static bool say( const sweep_row* like, const sweep_merge* all, int found )
 {
+    int failed = 0, unexpected = 0;
     char line[300];
-    snprintf( line, sizeof line, "shard %d of %d: %d of %d item%s", shard->index + 1, shard->count, t->found + t->run,
-              t->items, t->items == 1 ? "" : "s" );
-    results_append_count( line, sizeof line, t->found, "from before" );
-    results_append_count( line, sizeof line, t->failed, "could not be run" );
-    results_append_count( line, sizeof line, t->unexpected, "not as expected" );
-    fprintf( stderr, "%s%s\n", line, is_whole ? "" : "; --resume goes on" );
+    for ( int i = 0; i < like->items; ++i )
+    {
+        failed += all->rows[i].failure[0] != '\0' ? 1 : 0;
+        unexpected += all->rows[i].verdict[0] != '\0' && !all->rows[i].is_known ? 1 : 0;
+    }
+    snprintf( line, sizeof line, "shard %d of %d: %d of %d item%s", like->shard, like->shards, all->count,
+              like->share, like->share == 1 ? "" : "s" );
+    results_append_count( line, sizeof line, found, "from before" );
+    results_append_count( line, sizeof line, failed, "could not be run" );
+    results_append_count( line, sizeof line, unexpected, "not as expected" );
+    fprintf( stderr, "%s%s\n", line, all->count < like->share ? "; the same command goes on" : "" );
+    return failed + unexpected > 0;
 }
 
-// @param status WISP_OK the suite was read
-static wisp_status run_shard( const sweep_arguments* a, const wisp_suite* suite, const sweep_shard* shard, tally* t,
-                              wisp_error* error )
+static wisp_status run_shard( const sweep_arguments* a, const wisp_suite* suite, bool* is_unmet, wisp_error* error )
 {
     suite_twins twins = { 0 };
     suite_reference reference = { 0 };
-    sweep_part found = { 0 };
-    sweep_header header = { 0 };
+    sweep_merge all = { 0 };
+    sweep_row like;
     machine_info machine;
-    sweep_writer writer = { .file = -1 };
+    part p = { .stream = NULL };
     wisp_status status = bench_describe_machine( &machine, error );
     status = status == WISP_OK ? io_folder_make( a->folder, error ) : status;
     status = status == WISP_OK ? suite_reference_make( suite, &reference, error ) : status;
     if ( status == WISP_OK )
     {
-        sweep_describe_machine( machine.isa, &header );
-        describe( a, suite, shard, &reference, &header );
-        status = sweep_writer_open( a->folder, &header, a->resumes, &writer, &found, error );
-    }
-    t->items = count_items( suite, shard );
-    t->found = found.count;
-    if ( status == WISP_OK && writer.is_done && t->found < t->items )
-    {
-        status = wisp_fail( error, WISP_BAD_INPUT,
-                            "%s: lacks %d of the %d items of its shard; remove it to run them again",
-                            io_short_name( writer.done ), t->items - t->found, t->items );
+        describe( a, suite, &reference, &machine, &like );
+        like.workers = a->is_exclusive ? a->workers : 0;
+        status = sweep_merge_begin( &like, "what is to be run; choose another folder", &all, error );
+        status = status == WISP_OK ? open_part( a->folder, &like, &p, &all, error ) : status;
     }
     if ( status == WISP_OK )
     {
-        const sweep_settings settings = { suite, &reference, &twins, a->is_exclusive ? a->workers : 0 };
-        status = run_items( &settings, shard, &found, &writer, t, error );
-        const bool is_whole = status == WISP_OK;
-        status = is_whole && writer.is_done == false ? sweep_writer_finish( &writer, error ) : status;
-        say( shard, t, is_whole );
+        const sweep_settings settings = { suite, &reference, &twins, &like, like.workers };
+        int found = 0;
+        like.workers = 0;
+        status = run_items( &settings, &p, &all, &found, error );
+        *is_unmet = say( &like, &all, found );
     }
-    sweep_writer_close( &writer );
-    sweep_part_release( &found );
+    if ( p.stream != NULL )
+    {
+        fclose( p.stream );
+    }
+    sweep_merge_release( &all );
     suite_reference_release( &reference );
     suite_twins_release( &twins );
     return status;
@@ -207,14 +236,13 @@ static wisp_status run_shard( const sweep_arguments* a, const wisp_suite* suite,
 
 int bench_sweep( int argc, char** argv )
 {
-    sweep_arguments a = { .workers = 1 };
+    sweep_arguments a = { .workers = 1, .shard = 1, .shards = 1 };
     options_parse( &sweep_text, take_sweep_option, &a, argc, argv );
     interruption_begin();
     wisp_error error = { 0 };
     wisp_suite suite = { .rows = NULL };
-    sweep_shard shard = { 0, 1 };
-    tally t = { 0 };
-    wisp_status status = a.shard ? sweep_shard_parse( a.shard, &shard, &error ) : WISP_OK;
+    bool is_unmet = false;
+    wisp_status status = a.share ? sweep_shard_parse( a.share, &a.shard, &a.shards, &error ) : WISP_OK;
     status = status == WISP_OK ? suite_read( a.suite, &suite, &error ) : status;
     if ( status == WISP_OK && suite.compares_overlap )
     {
@@ -223,99 +251,12 @@ int bench_sweep( int argc, char** argv )
     }
     if ( status == WISP_OK && a.only_list )
     {
-        list_items( &suite, &shard );
+        list_items( &a, &suite );
     }
     else if ( status == WISP_OK )
     {
-        status = run_shard( &a, &suite, &shard, &t, &error );
+        status = run_shard( &a, &suite, &is_unmet, &error );
     }
     suite_release( &suite );
-    return status != WISP_OK ? command_fail( &error )
-                             : interruption_status( t.failed + t.unexpected > 0 ? STATUS_UNMET : STATUS_GOOD );
-}
-
-// ---- `wisp merge` ----
-
-// `wisp merge`: make one result of the parts of a sweep.
-
-typedef struct merge_arguments
-{
-    const char* folder;
-    bench_files files;
-} merge_arguments;
-
-static bool take_merge_option( options_state* o, int key, const char* argument )
-{
-    merge_arguments* a = o->input;
-    const bool is_file = bench_take_file( o, key, argument, &a->files );
-    return key == OPTIONS_END || is_file == false ? option_input( o, key, argument, &a->folder ) : true;
-}
-
-// The machine of all parts, or that there are several.
-static void describe_machines( const sweep_merge* merge, results* out )
-{
-    const sweep_header* first = &merge->parts[0].header;
-    machine_info* m = &out->machine;
-    *m = ( machine_info ){
-        .cores = first->cores,
-        .memory_bytes = first->memory_bytes,
-        .version = first->version,
-        .commit = first->commit,
-        .compiler = first->compiler,
-        .flags = first->flags,
-        .build_type = first->build_type,
-    };
-    snprintf( m->cpu, sizeof m->cpu, "%s", first->cpu );
-    snprintf( m->os, sizeof m->os, "%s", first->os );
-    snprintf( m->host, sizeof m->host, "unknown" );
-    snprintf( m->isa, sizeof m->isa, "%s", first->isa );
-    bool is_one = true, is_build = true;
-    for ( int i = 1; i < merge->part_count; ++i )
-    {
-        const sweep_header* h = &merge->parts[i].header;
-        is_one = is_one && strcmp( h->cpu, first->cpu ) == 0 && strcmp( h->isa, first->isa ) == 0 &&
-                 strcmp( h->os, first->os ) == 0 && h->cores == first->cores &&
-                 h->memory_bytes == first->memory_bytes;
-        is_build = is_build && strcmp( h->compiler, first->compiler ) == 0 && strcmp( h->flags, first->flags ) == 0 &&
-                   strcmp( h->build_type, first->build_type ) == 0;
-    }
-    if ( is_one == false )
-    {
-        snprintf( m->cpu, sizeof m->cpu, "several machines" );
-        snprintf( m->isa, sizeof m->isa, "several" );
-        snprintf( m->os, sizeof m->os, "several" );
-        m->cores = 0;
-        m->memory_bytes = 0.0;
-    }
-    if ( is_build == false )
-    {
-        m->compiler = m->flags = m->build_type = "several";
-    }
-}
-
-int bench_merge( int argc, char** argv )
-{
-    merge_arguments a = { .folder = NULL };
-    options_parse( &merge_text, take_merge_option, &a, argc, argv );
-    results out = { .is_result_first = true };
-    sweep_merge merge;
-    wisp_error error = { 0 };
-    wisp_status status = sweep_merge_read( a.folder, &merge, &error );
-    status = status == WISP_OK ? bench_check_files( &a.files, &error ) : status;
-    if ( status == WISP_OK )
-    {
-        describe_machines( &merge, &out );
-        sweep_report( &merge, &out );
-        if ( merge.run_twice > 0 )
-        {
-            fprintf( stderr, "%d item%s run by two shards, with the same bits\n", merge.run_twice,
-                     merge.run_twice == 1 ? " was" : "s were" );
-        }
-        const report_run page = { .what = merge.parts[0].header.suite, .how = "wisp sweep" };
-        status = bench_write_files( &a.files, &page, &out, &error );
-    }
-    const bool failed = out.failed;
-    results_free( &out );
-    sweep_merge_release( &merge );
-    return status != WISP_OK ? command_fail( &error ) : failed ? STATUS_UNMET : STATUS_GOOD;
+    return status != WISP_OK ? command_fail( &error ) : interruption_status( is_unmet ? STATUS_UNMET : STATUS_GOOD );
 }

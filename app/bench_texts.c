@@ -130,7 +130,6 @@ static const option_row sweep_rows[] = {
     { "output", BENCH_KEY_OUTPUT, "FOLDER", "Folder of the parts, made if it is not there; required",
       OPTION_FILES( "/" ) },
     { "shard", BENCH_KEY_SHARD, "K/N", "The share K of N, from 1/N to N/N; default: all", OPTION_ANY },
-    { "resume", BENCH_KEY_RESUME, NULL, "Go on with a part that was begun, and accept one that is done", OPTION_ANY },
     { "list", BENCH_KEY_LIST, NULL, "Print the numbers, hashes and names of the items, and run none", OPTION_ANY },
     OPTION_TITLE( "Times:" ),
     { "exclusive", BENCH_KEY_EXCLUSIVE, NULL, "Nothing else runs on this machine: measure times too", OPTION_ANY },
@@ -145,11 +144,11 @@ const command_text sweep_text = {
     .about = "Run the rows of a suite, or a share of them, and keep the errors, hashes and measures of each in a\n"
              "part file. 'wisp merge' makes one result of all parts. docs/scaling.md shows how clusters run it.",
     .notes = "Rows go to shares by the hash of their settings; one in a hundred is run by two of them, and must\n"
-             "have the same bits. A part has a line for each row that was run, so a process that is killed\n"
-             "loses the row that it ran; --resume goes on.",
+             "have the same bits. A part gets a line for each row, so a process that is killed loses the row\n"
+             "that it ran. The same command goes on: rows that are there are not run again.",
     .examples = "wisp sweep suite.yaml -o results\n"
-                "wisp sweep suite.yaml -o results --shard 2/8 --resume\n"
-                "sbatch --array=1-8 --wrap 'wisp sweep s.yaml -o out --resume --shard $SLURM_ARRAY_TASK_ID/8'",
+                "wisp sweep suite.yaml -o results --shard 2/8\n"
+                "sbatch --array=1-8 --wrap 'wisp sweep s.yaml -o out --shard $SLURM_ARRAY_TASK_ID/8'",
     .unmet = "a row could not be run, or breaks a check that it should not",
     .rows = sweep_rows,
     .row_count = WISP_COUNT( sweep_rows ),
@@ -168,8 +167,8 @@ const command_text merge_text = {
     .summary = "make one result of the parts of a sweep",
     .about = "Make one result of the parts that 'wisp sweep' has written to a folder.",
     .notes = "Nothing is merged if a part or a row is missing, if parts are of different suites or versions, or if\n"
-             "two runs of a row have different bits. Errors come from any machine. Times come from parts with\n"
-             "--exclusive alone, and those of different processors are in columns of their own.",
+             "two runs of a row have different bits. Errors come from any machine. Times come from runs with\n"
+             "--exclusive alone; where they are of several processors, a column names these.",
     .examples = "wisp merge results\n"
                 "wisp merge results --report sweep.html --format csv -o sweep.csv",
     .unmet = "a row could not be run, or breaks a check that it should not",

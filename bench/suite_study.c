@@ -494,51 +494,31 @@ static wisp_status observe_row( const study* own, int row, accuracy_run* out, wi
 
 // ---- a timed run ----
 
-static wisp_status time_steps( const study* own, int row, scene_world* world, int steps, accuracy_run* out,
-                               wisp_error* error )
+static wisp_status observe_step( void* user, const scene_world* world, wisp_error* error )
 {
-    wisp_vec3* points = malloc( ( (size_t)scene_world_vertices( world ) + 1 ) * sizeof *points );
-    const double scale = own->longest_dt / own->dt[row];
-    wisp_status status = points ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for points" );
-    out->hash = SUITE_HASH_BEGIN;
-    for ( int step = 0; step < steps && status == WISP_OK; ++step )
-    {
-        double ms;
-        status = suite_time_step( world, &ms, error );
-        status = status == WISP_OK ? accuracy_keep_ms( out, scale * ms ) : status;
-        status =
-            status == WISP_OK ? profile_samples_add( &out->profile, wisp_world_profile( world->world ) ) : status;
-        out->hash = status == WISP_OK ? suite_hash_points( world, points, out->hash ) : 0;
-    }
-    free( points );
+    (void)error;
+    accuracy_run* out = user;
     out->work = ( accuracy_work ){
         .vertices = scene_world_vertices( world ),
         .substeps = world->scene->substeps,
         .bytes = (double)scene_world_bytes( world ),
     };
-    out->halted_at = wisp_world_counter( world->world, WISP_COUNT_HALTED ) > 0 ? steps : 0;
-    return status;
+    out->halted_at = wisp_world_counter( world->world, WISP_COUNT_HALTED ) > 0 ? world->next_step : 0;
+    return profile_samples_add( &out->profile, wisp_world_profile( world->world ) );
 }
 
 static wisp_status time_row( const study* own, int row, int workers, accuracy_run* out, wisp_error* error )
 {
-    const suite_row* r = own->suite->rows + row;
-    const scene_world_options options = { .workers = workers, .is_quiet = true };
-    wisp_scene scene;
-    scene_world world;
-    wisp_status status = suite_scene( r, &scene, error );
-    if ( status != WISP_OK )
+    const suite_observer observer = { .observe = observe_step, .user = out };
+    const double scale = own->longest_dt / own->dt[row];
+    double* ms = NULL;
+    int steps = 0;
+    wisp_status status = suite_time_row( own->suite->rows + row, workers, &observer, &ms, &steps, &out->hash, error );
+    for ( int i = 0; i < steps && status == WISP_OK; ++i )
     {
-        return status;
+        status = accuracy_keep_ms( out, scale * ms[i] );
     }
-    scene_request_points( &scene );
-    status = scene_world_create( &scene, &options, &world, error );
-    if ( status == WISP_OK )
-    {
-        status = time_steps( own, row, &world, own->steps[row], out, error );
-        scene_world_destroy( &world );
-    }
-    wisp_scene_release( &scene );
+    free( ms );
     return status;
 }
 
@@ -589,9 +569,9 @@ static double parameter_of( const study* own, int row, char* name, size_t size )
         snprintf( name, size, "substep, s" );
         return own->dt[row] / r->along_value;
     }
-    const bool falls = strcmp( field, "dt" ) == 0 || strstr( field, "spacing" ) || strstr( field, "tolerance" );
-    snprintf( name, size, falls ? "%s" : "1 / %s", field );
-    return falls ? r->along_value : 1.0 / r->along_value;
+    const bool grows = suite_error_grows( r->along );
+    snprintf( name, size, grows ? "%s" : "1 / %s", field );
+    return grows ? r->along_value : 1.0 / r->along_value;
 }
 
 static void add_setting( const study* own, int row, accuracy_scene* out )

@@ -104,6 +104,9 @@ void suite_release( wisp_suite* suite );
 /// The name of a row and what varies, as tables and lists of rows have it: "cloth: random, k 1e8".
 void suite_label( const suite_row* row, char out[SUITE_MAX_LABEL] );
 
+/// Whether errors grow with a field, such as `dt`, or fall, as with `substeps`. @param along path of the field
+bool suite_error_grows( const char* along );
+
 /// Read the scene of a row. @param out to be released
 wisp_status suite_scene( const suite_row* row, wisp_scene* out, wisp_error* error );
 

@@ -2,6 +2,7 @@
 
 #include "nearest.h"
 #include "stability_judges.h"
+#include "suite_measure.h"
 #include "suite_reader.h"
 #include "text_tree.h"
 
@@ -120,6 +121,13 @@ wisp_status suite_read_expect( const suite_reader* r, const scene_node* node, bo
 {
     *is_refused = node->kind == SCENE_SCALAR && strcmp( scene_text_of( &r->tree, node ), "refused" ) == 0;
     return *is_refused ? WISP_OK : suite_refuse( r, node, "expected expect: refused" );
+}
+
+bool suite_error_grows( const char* along )
+{
+    const char* dot = strrchr( along, '.' );
+    const char* field = dot != NULL ? dot + 1 : along;
+    return strcmp( field, "dt" ) == 0 || strstr( field, "spacing" ) != NULL || strstr( field, "tolerance" ) != NULL;
 }
 
 void suite_label( const suite_row* row, char out[SUITE_MAX_LABEL] )
@@ -241,17 +249,14 @@ static void remove_starts( text_node* scene, const char* list )
 // Rows that differ in their starts alone have the same key.
 static uint64_t key_of( const suite_row* row )
 {
-    uint64_t key = 0xcbf29ce484222325u ^ (uint64_t)row->steps;
+    uint64_t key = SUITE_HASH_BEGIN ^ (uint64_t)row->steps;
     text_node* tree = NULL;
     if ( text_parse( row->text, strlen( row->text ), row->path, &tree, NULL ) == WISP_OK )
     {
         remove_starts( tree, "surfaces" );
         remove_starts( tree, "strands" );
         char* text = text_write( tree, NULL );
-        for ( const char* c = text; *c; ++c )
-        {
-            key = ( key ^ (unsigned char)*c ) * 0x100000001b3u;
-        }
+        key = text != NULL ? suite_hash_bytes( text, strlen( text ), key ) : key;
         free( text );
     }
     text_release( tree );

@@ -241,6 +241,16 @@ static uint64_t hash_body( const wisp_vec3* points, int count, uint64_t hash )
     return hash;
 }
 
+uint64_t suite_hash_bytes( const void* bytes, size_t size, uint64_t hash )
+{
+    const unsigned char* at = bytes;
+    for ( size_t i = 0; i < size; ++i )
+    {
+        hash = ( hash ^ at[i] ) * 0x100000001b3u;
+    }
+    return hash;
+}
+
 uint64_t suite_hash_points( const scene_world* world, wisp_vec3* points, uint64_t hash )
 {
     for ( int body = 0; body < scene_world_moving_count( world ); ++body )
@@ -381,12 +391,48 @@ static wisp_status run_steps( scene_world* world, int steps, const double* alloc
     return status;
 }
 
-wisp_status suite_time_step( scene_world* world, double* ms, wisp_error* error )
+static wisp_status time_steps( scene_world* world, int steps, const suite_observer* observer, double* ms,
+                               uint64_t* hash, wisp_error* error )
 {
-    const double begin = wisp_clock_seconds();
-    wisp_status status = interruption_check( error );
-    status = status == WISP_OK ? scene_world_step( world, error ) : status;
-    *ms = 1e3 * ( wisp_clock_seconds() - begin );
+    wisp_vec3* points = malloc( ( (size_t)scene_world_vertices( world ) + 1 ) * sizeof *points );
+    wisp_status status = points != NULL ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for points" );
+    *hash = SUITE_HASH_BEGIN;
+    for ( int step = 0; step < steps && status == WISP_OK; ++step )
+    {
+        const double begin = wisp_clock_seconds();
+        status = interruption_check( error );
+        status = status == WISP_OK ? scene_world_step( world, error ) : status;
+        ms[step] = 1e3 * ( wisp_clock_seconds() - begin );
+        status = status == WISP_OK && observer != NULL ? observer->observe( observer->user, world, error ) : status;
+        *hash = status == WISP_OK ? suite_hash_points( world, points, *hash ) : 0;
+    }
+    free( points );
+    return status;
+}
+
+wisp_status suite_time_row( const suite_row* row, int workers, const suite_observer* observer, double** ms,
+                            int* steps, uint64_t* hash, wisp_error* error )
+{
+    const scene_world_options options = { .workers = workers, .is_quiet = true };
+    wisp_scene scene;
+    scene_world world;
+    *ms = NULL;
+    wisp_status status = suite_scene( row, &scene, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    scene_request_points( &scene );
+    *steps = row->steps > 0 ? row->steps : scene.steps;
+    *ms = calloc( (size_t)*steps + 1, sizeof **ms );
+    status = *ms != NULL ? scene_world_create( &scene, &options, &world, error )
+                         : wisp_fail( error, WISP_NO_MEMORY, "no memory for times" );
+    if ( status == WISP_OK )
+    {
+        status = time_steps( &world, *steps, observer, *ms, hash, error );
+        scene_world_destroy( &world );
+    }
+    wisp_scene_release( &scene );
     return status;
 }
 

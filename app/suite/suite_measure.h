@@ -62,9 +62,12 @@ typedef struct suite_observer
 wisp_status suite_run_row( const suite_row* row, const char* isa, const suite_observer* observer,
                            suite_measurement* out, wisp_error* error );
 
-/// Make a step, and time it. @param ms receives its time
+/// Run a row and time its steps. Nothing is requested of the world.
+/// @param observer of every step, outside its time; may be null
+/// @param ms receives [steps] times, for free() in any case @param hash receives that of the states after all steps
 /// @return WISP_CONFLICT a signal has come; or as scene_world_step()
-wisp_status suite_time_step( scene_world* world, double* ms, wisp_error* error );
+wisp_status suite_time_row( const suite_row* row, int workers, const suite_observer* observer, double** ms,
+                            int* steps, uint64_t* hash, wisp_error* error );
 
 /// The statistics of a body's motion, of which suites sum energy and look for the largest strain. An animation alone moves a driven
 /// surface: its strain and its energy are no result.
@@ -73,6 +76,8 @@ bool suite_motion_stats( const scene_world* world, int body, wisp_motion_stats* 
 
 /// Continue a hash over the bits of all points, as measurements have it. @param points [vertices of the scene] buffer
 uint64_t suite_hash_points( const scene_world* world, wisp_vec3* points, uint64_t hash );
+/// The same over any bytes.
+uint64_t suite_hash_bytes( const void* bytes, size_t size, uint64_t hash );
 /// What it begins with.
 #define SUITE_HASH_BEGIN 0xcbf29ce484222325u
 

@@ -468,16 +468,6 @@ static bool make_folders( const char* path )
     return io_folder_make( part, NULL ) == WISP_OK;
 }
 
-static uint64_t hash_bytes( const void* bytes, size_t size, uint64_t hash )
-{
-    const unsigned char* at = bytes;
-    for ( size_t i = 0; i < size; ++i )
-    {
-        hash = ( hash ^ at[i] ) * 0x100000001b3u;
-    }
-    return hash;
-}
-
 // What decides about the motion: the scene with its settings, the files that it reads, and when it is looked at.
 static wisp_status hash_row( const suite_row* row, const suite_times* times, uint64_t* out, wisp_error* error )
 {
@@ -490,9 +480,9 @@ static wisp_status hash_row( const suite_row* row, const suite_times* times, uin
     {
         return status;
     }
-    *out = hash_bytes( &version, sizeof version, SUITE_HASH_BEGIN );
-    *out = hash_bytes( row->text, strlen( row->text ), *out );
-    *out = hash_bytes( times->at, (size_t)times->count * sizeof *times->at, *out );
+    *out = suite_hash_bytes( &version, sizeof version, SUITE_HASH_BEGIN );
+    *out = suite_hash_bytes( row->text, strlen( row->text ), *out );
+    *out = suite_hash_bytes( times->at, (size_t)times->count * sizeof *times->at, *out );
     status = scene_world_create( &scene, &options, &world, error );
     if ( status == WISP_OK )
     {

@@ -15,20 +15,10 @@ enum
 
 // ---- keys ----
 
-static uint64_t add_bytes( uint64_t hash, const void* bytes, size_t size )
-{
-    const unsigned char* at = bytes;
-    for ( size_t i = 0; i < size; ++i )
-    {
-        hash = ( hash ^ at[i] ) * 0x100000001b3u;
-    }
-    return hash;
-}
-
 // With its end, so that two texts are not one.
 static uint64_t add_text( uint64_t hash, const char* text )
 {
-    return add_bytes( hash, text != NULL ? text : "", ( text != NULL ? strlen( text ) : 0 ) + 1 );
+    return suite_hash_bytes( text != NULL ? text : "", ( text != NULL ? strlen( text ) : 0 ) + 1, hash );
 }
 
 // The finalizer of splitmix64 (Steele, Lea and Flood 2014): shards are made of the low bits.
@@ -48,8 +38,8 @@ uint64_t sweep_key( const suite_row* row )
     hash = add_text( hash, row->path != NULL ? io_file_name( row->path ) : "" );
     hash = add_text( hash, row->text );
     hash = add_text( hash, row->refusal );
-    hash = add_bytes( hash, numbers, sizeof numbers );
-    return mixed( add_bytes( hash, limits, sizeof limits ) );
+    hash = suite_hash_bytes( numbers, sizeof numbers, hash );
+    return mixed( suite_hash_bytes( limits, sizeof limits, hash ) );
 }
 
 uint64_t sweep_suite_key( const wisp_suite* suite )
@@ -61,90 +51,80 @@ uint64_t sweep_suite_key( const wisp_suite* suite )
     for ( int i = 0; i < suite->row_count; ++i )
     {
         const uint64_t key = sweep_key( suite->rows + i );
-        hash = add_bytes( hash, &key, sizeof key );
+        hash = suite_hash_bytes( &key, sizeof key, hash );
     }
     for ( int i = 0; i < WISP_COUNT( references ); ++i )
     {
         const uint64_t key = references[i]->text != NULL ? sweep_key( references[i] ) : 0;
-        hash = add_bytes( hash, &key, sizeof key );
+        hash = suite_hash_bytes( &key, sizeof key, hash );
     }
-    return mixed( add_bytes( hash, numbers, sizeof numbers ) );
+    return mixed( suite_hash_bytes( numbers, sizeof numbers, hash ) );
 }
 
-bool sweep_is_run_twice( uint64_t key )
+// ---- shards ----
+
+wisp_status sweep_shard_parse( const char* text, int* shard, int* shards, wisp_error* error )
 {
-    return ( key >> 32 ) % RUN_TWICE == 0;
+    int used = 0;
+    if ( sscanf( text, "%9d/%9d%n", shard, shards, &used ) != 2 || text[used] != '\0' )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "--shard: got '%.40s', expected a share such as 2/8", text );
+    }
+    if ( *shards < 1 || *shards > SWEEP_MAX_SHARDS )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "--shard: got %d shards, expected 1 to %d", *shards,
+                          SWEEP_MAX_SHARDS );
+    }
+    return *shard >= 1 && *shard <= *shards
+               ? WISP_OK
+               : wisp_fail( error, WISP_BAD_INPUT, "--shard: got shard %d of %d, expected 1 to %d", *shard, *shards,
+                            *shards );
 }
 
-bool sweep_runs( const sweep_shard* shard, uint64_t key )
+bool sweep_runs( uint64_t key, int shard, int shards )
 {
-    const uint64_t count = (uint64_t)shard->count, own = key % count;
-    return own == (uint64_t)shard->index ||
-           ( sweep_is_run_twice( key ) && ( own + 1 ) % count == (uint64_t)shard->index );
+    const uint64_t count = (uint64_t)shards, own = key % count, asked = (uint64_t)shard - 1;
+    const bool is_run_twice = ( key >> 32 ) % RUN_TWICE == 0;
+    return own == asked || ( is_run_twice && ( own + 1 ) % count == asked );
 }
 
 // ---- times ----
 
-// @param ms [steps] buffer
-static wisp_status time_steps( scene_world* world, int steps, double* ms, uint64_t* hash, wisp_error* error )
+static wisp_status observe_size( void* user, const scene_world* world, wisp_error* error )
 {
-    wisp_vec3* points = malloc( ( (size_t)scene_world_vertices( world ) + 1 ) * sizeof *points );
-    wisp_status status = points != NULL ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for points" );
-    *hash = SUITE_HASH_BEGIN;
-    for ( int step = 0; step < steps && status == WISP_OK; ++step )
-    {
-        status = suite_time_step( world, ms + step, error );
-        *hash = status == WISP_OK ? suite_hash_points( world, points, *hash ) : 0;
-    }
-    free( points );
-    return status;
+    (void)error;
+    sweep_row* out = user;
+    out->vertices = scene_world_vertices( world );
+    out->substeps = world->scene->substeps;
+    return WISP_OK;
 }
 
-// Time the steps of a row into the next place of the record. @param hash receives that of all points after all steps
-static wisp_status time_row( const suite_row* row, int workers, sweep_record* out, uint64_t* hash, wisp_error* error )
+static wisp_status time_row( const suite_row* row, int workers, sweep_row* out, sweep_time* time, wisp_error* error )
 {
-    const scene_world_options options = { .workers = workers, .is_quiet = true };
-    wisp_scene scene;
-    scene_world world;
-    wisp_status status = suite_scene( row, &scene, error );
-    if ( status != WISP_OK )
+    const suite_observer observer = { .observe = observe_size, .user = out };
+    double* ms = NULL;
+    int steps = 0;
+    uint64_t hash = 0;
+    wisp_status status = suite_time_row( row, workers, &observer, &ms, &steps, &hash, error );
+    if ( status == WISP_OK && hash != out->hash )
     {
-        return status;
+        status = wisp_fail( error, WISP_CONFLICT, "a timed run with %d worker%s has other bits", workers,
+                            workers == 1 ? "" : "s" );
     }
-    scene_request_points( &scene );
-    const int steps = row->steps > 0 ? row->steps : scene.steps;
-    double* ms = calloc( (size_t)steps + 1, sizeof *ms );
-    status = ms != NULL ? scene_world_create( &scene, &options, &world, error )
-                        : wisp_fail( error, WISP_NO_MEMORY, "no memory for times" );
-    if ( status == WISP_OK )
-    {
-        status = time_steps( &world, steps, ms, hash, error );
-        const stats_summary summary = stats_summarise( ms, steps );
-        out->times[out->time_count] = ( sweep_time ){ workers, steps, summary.median, summary.p10, summary.p90 };
-        out->vertices = scene_world_vertices( &world );
-        out->substeps = scene.substeps;
-        scene_world_destroy( &world );
-    }
+    const stats_summary summary = stats_summarise( ms, status == WISP_OK ? steps : 0 );
+    *time = ( sweep_time ){ summary.median, summary.p10, summary.p90 };
     free( ms );
-    wisp_scene_release( &scene );
     return status;
 }
 
-static wisp_status time_item( const suite_row* row, int workers, sweep_record* out, wisp_error* error )
+static wisp_status time_item( const suite_row* row, int workers, sweep_row* out, wisp_error* error )
 {
-    const int counts[SWEEP_MAX_TIMES] = { 1, workers };
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < ( workers > 1 ? 2 : 1 ) && status == WISP_OK; ++i )
+    wisp_status status = time_row( row, 1, out, &out->alone, error );
+    if ( status == WISP_OK && workers > 1 )
     {
-        uint64_t hash = 0;
-        status = time_row( row, counts[i], out, &hash, error );
-        if ( status == WISP_OK && hash != out->hash )
-        {
-            return wisp_fail( error, WISP_CONFLICT, "a timed run with %d worker%s has other bits", counts[i],
-                              counts[i] == 1 ? "" : "s" );
-        }
-        out->time_count += status == WISP_OK ? 1 : 0;
+        status = time_row( row, workers, out, &out->together, error );
     }
+    out->workers = status == WISP_OK ? workers : 0;
     return status;
 }
 
@@ -164,7 +144,7 @@ static void cut_character( char* text )
     }
 }
 
-static wisp_status judge( const sweep_settings* s, const suite_row* row, sweep_record* out, wisp_error* error )
+static wisp_status judge( const sweep_settings* s, const suite_row* row, sweep_row* out, wisp_error* error )
 {
     suite_outcome outcome;
     const wisp_status status = suite_judge_row( row, s->twins, &outcome, error );
@@ -180,7 +160,7 @@ static wisp_status judge( const sweep_settings* s, const suite_row* row, sweep_r
     return status;
 }
 
-static wisp_status measure( const sweep_settings* s, const suite_row* row, sweep_record* out, wisp_error* error )
+static wisp_status measure( const sweep_settings* s, const suite_row* row, sweep_row* out, wisp_error* error )
 {
     suite_measurement measured;
     wisp_status status = suite_reference_run( s->reference, row, NULL, NULL, &measured, error );
@@ -188,30 +168,32 @@ static wisp_status measure( const sweep_settings* s, const suite_row* row, sweep
     {
         out->hash = measured.hash;
         out->steps = measured.steps;
-        out->compared = measured.compared;
-        memcpy( out->values, measured.values, sizeof out->values );
+        for ( int v = 0; v < SWEEP_VALUE_COUNT; ++v )
+        {
+            const double* number = (const double*)( (const char*)&measured + sweep_values[v].offset );
+            out->values[v] = sweep_values[v].scale * *number;
+        }
         status = s->workers > 0 ? time_item( row, s->workers, out, error ) : status;
     }
     return status;
 }
 
-wisp_status sweep_run_item( const sweep_settings* s, int item, sweep_record* out, wisp_error* error )
+wisp_status sweep_run_item( const sweep_settings* s, int number, sweep_row* out, wisp_error* error )
 {
-    const suite_row* row = s->suite->rows + item;
-    *out = ( sweep_record ){
-        .item = item,
-        .key = sweep_key( row ),
-        .along_value = row->along_value,
-        .order = row->order,
-        .compared = suite_not_compared,
-    };
+    static const sweep_time untimed = { NAN, NAN, NAN };
+    const suite_row* row = s->suite->rows + number;
+    *out = *s->like;
+    out->item = number + 1;
+    out->along_value = row->along_value;
+    out->order = row->order;
+    out->alone = out->together = untimed;
     snprintf( out->name, sizeof out->name, "%s", row->name );
     snprintf( out->variant, sizeof out->variant, "%s", row->variant );
     snprintf( out->series, sizeof out->series, "%s", row->series );
     snprintf( out->along, sizeof out->along, "%s", row->along );
-    for ( int m = 0; m < SUITE_MEASURE_COUNT; ++m )
+    for ( int v = 0; v < SWEEP_VALUE_COUNT; ++v )
     {
-        out->values[m] = NAN;
+        out->values[v] = NAN;
     }
     wisp_error inner = { 0 };
     const wisp_status status =

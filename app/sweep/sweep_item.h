@@ -3,17 +3,18 @@
 
 #include "suite_judge.h"
 #include "suite_motion.h"
-#include "sweep_part.h"
+#include "sweep_row.h"
 
 /// Hash of what decides about an item: its name, its scene with all settings, its length, its checks. Files that the scene names are not in it.
 uint64_t sweep_key( const suite_row* row );
 /// Hash of all items of a suite and of what their errors are measured against.
 uint64_t sweep_suite_key( const wisp_suite* suite );
 
-/// Whether an item is run by two shards, whose hashes must agree: one in a hundred.
-bool sweep_is_run_twice( uint64_t key );
-/// Whether a shard runs an item.
-bool sweep_runs( const sweep_shard* shard, uint64_t key );
+/// Read "2/8": the second of eight.
+/// @return WISP_BAD_INPUT it is no such pair, or out of range (the message says what is expected)
+wisp_status sweep_shard_parse( const char* text, int* shard, int* shards, wisp_error* error );
+/// Whether a shard runs an item. One item in a hundred is run by two, whose hashes must agree. @param shard from 1
+bool sweep_runs( uint64_t key, int shard, int shards );
 
 /// What items are run with.
 typedef struct sweep_settings
@@ -21,9 +22,10 @@ typedef struct sweep_settings
     const wisp_suite* suite;
     const suite_reference* reference;
     suite_twins* twins;
-    int workers; ///< of timed runs; 0: no times
+    const sweep_row* like; ///< what all rows have: of the sweep, the share and the machine
+    int workers;           ///< of timed runs; 0: no times
 } sweep_settings;
 
-/// Run an item. What fails is in the record.
+/// Run a row of the suite. What fails is in the row. @param number from 0
 /// @return WISP_CONFLICT: it was interrupted
-wisp_status sweep_run_item( const sweep_settings* settings, int item, sweep_record* out, wisp_error* error );
+wisp_status sweep_run_item( const sweep_settings* settings, int number, sweep_row* out, wisp_error* error );

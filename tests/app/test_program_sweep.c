@@ -155,34 +155,35 @@ TEST( what_is_killed_loses_only_the_item_that_ran )
         const int nothing = open( "/dev/null", O_WRONLY );
         become_program( arguments, nothing, nothing );
     }
-    const char* running = "killed/part-0001-of-0001.running";
-    for ( int i = 0; i < 2000 && line_number( running ) < 20; ++i )
+    const char* part = "killed/part-0001-of-0001.jsonl";
+    for ( int i = 0; i < 2000 && line_number( part ) < 20; ++i )
     {
         nanosleep( &( struct timespec ){ .tv_nsec = 1000000 }, NULL );
     }
     kill( child, SIGKILL );
     assert_int_equal( wait_for( child ), -1 );
-    const int before = line_number( running );
+    const int before = line_number( part );
     assert_true( before >= 20 );
-    assert_refused( "merge killed", "shard 1 of 1 is not done" );
+    char lacks[80];
+    snprintf( lacks, sizeof lacks, "shard 1 of 1 has %d of its %d items", before, ITEMS );
+    assert_refused( "merge killed", lacks );
     // a line that was not written whole
-    FILE* file = fopen( running, "a" );
+    FILE* file = fopen( part, "a" );
     fputs( "{\"item\":7,\"ke", file );
     fclose( file );
-    assert_refused( "sweep suite.yaml -o killed", "--resume" );
-    run_ok( "sweep suite.yaml -o killed --resume" );
+    run_ok( "sweep suite.yaml -o killed" );
     char told[80];
-    snprintf( told, sizeof told, "%d of %d items, %d from before", ITEMS, ITEMS, before - 1 );
+    snprintf( told, sizeof told, "%d of %d items, %d from before", ITEMS, ITEMS, before );
     assert_true( strstr( result.err, told ) != NULL );
-    assert_false( exists( running ) );
+    assert_int_equal( line_number( part ), ITEMS );
     run_ok( "merge killed -o killed.txt" );
     sweep( "whole", 1 );
     run_ok( "merge whole -o whole.txt" );
     assert_string_equal( read_whole( "killed.txt" ), read_whole( "whole.txt" ) );
     // what is done stays as it is
-    assert_refused( "sweep suite.yaml -o killed", "--resume accepts it" );
-    run_ok( "sweep suite.yaml -o killed --resume" );
+    run_ok( "sweep suite.yaml -o killed" );
     assert_true( strstr( result.err, "313 from before" ) != NULL );
+    assert_int_equal( line_number( part ), ITEMS );
 }
 
 TEST( a_full_disk_keeps_what_fitted )
@@ -196,12 +197,11 @@ TEST( a_full_disk_keeps_what_fitted )
     run( "sweep suite.yaml -o full" );
     setrlimit( RLIMIT_FSIZE, &old );
     assert_int_equal( result.status, 2 );
-    assert_true( strstr( result.err, "full/part-0001-of-0001.running: cannot be written: " ) != NULL );
-    assert_true( strstr( result.err, "--resume goes on" ) != NULL );
-    const char* text = read_whole( "full/part-0001-of-0001.running" );
-    assert_true( strlen( text ) <= 20000 && text[strlen( text ) - 1] == '\n' );
-    assert_refused( "merge full", "is not done" );
-    run_ok( "sweep suite.yaml -o full --resume" );
+    assert_true( strstr( result.err, "full/part-0001-of-0001.jsonl: cannot be written: " ) != NULL );
+    assert_true( strstr( result.err, "the same command goes on" ) != NULL );
+    assert_true( line_number( "full/part-0001-of-0001.jsonl" ) > 5 );
+    assert_refused( "merge full", "shard 1 of 1 has " );
+    run_ok( "sweep suite.yaml -o full" );
     run_ok( "merge full -o full.txt" );
     run_ok( "merge warm -o warm.txt" );
     assert_string_equal( read_whole( "full.txt" ), read_whole( "warm.txt" ) );
@@ -210,11 +210,11 @@ TEST( a_full_disk_keeps_what_fitted )
 TEST( two_processes_do_not_write_one_part )
 {
     assert_int_equal( mkdir( "locked", 0777 ), 0 );
-    const int file = open( "locked/part-0001-of-0001.running", O_CREAT | O_RDWR, 0666 );
+    const int file = open( "locked/part-0001-of-0001.jsonl", O_CREAT | O_RDWR, 0666 );
     assert_int_equal( flock( file, LOCK_EX ), 0 );
-    assert_refused( "sweep suite.yaml -o locked --resume", "another process writes it" );
+    assert_refused( "sweep suite.yaml -o locked", "another process writes it" );
     close( file );
-    run_ok( "sweep suite.yaml -o locked --resume" );
+    run_ok( "sweep suite.yaml -o locked" );
 }
 
 // ---- whose share ----
@@ -222,9 +222,9 @@ TEST( two_processes_do_not_write_one_part )
 TEST( wrong_shards_are_refused )
 {
     static const char* const wrong[][2] = {
-        { "0/4", "got shard 0 of 4" }, { "5/4", "got shard 5 of 4" }, { "4", "expected a share such as 2/8" },
-        { "a/4", "a share such as" },  { "1/", "a share such as" },   { "1/0", "got 0 shards" },
-        { "-1/4", "a share such as" }, { "1/99999", "1 to 9999" },    { "1/4x", "a share such as" },
+        { "0/4", "got shard 0 of 4" },   { "5/4", "got shard 5 of 4" }, { "4", "expected a share such as 2/8" },
+        { "a/4", "a share such as" },    { "1/", "a share such as" },   { "1/0", "got 0 shards" },
+        { "-1/4", "got shard -1 of 4" }, { "1/99999", "1 to 9999" },    { "1/4x", "a share such as" },
     };
     for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
     {
@@ -248,32 +248,33 @@ TEST( a_merge_refuses_what_is_not_one_sweep )
     sweep( "good", 3 );
     static const struct
     {
-        const char *part, *from, *to, *named;
+        const char *from, *to, *named;
     } wrong[] = {
-        { "bad/part-0002-of-0003.jsonl", "\"version\":\"0", "\"version\":\"9",
-          "of another version of Wisp than part 1" },
-        { "bad/part-0002-of-0003.jsonl", "\"key\":\"", "\"key\":\"0000000000000000\",\"x\":\"",
-          "of another suite than part 1" },
-        { "bad/part-0002-of-0003.jsonl", "\"shard\":2", "\"shard\":1", "is not the part that its name says" },
-        { "bad/part-0002-of-0003.jsonl", "\"item\":", "\"idem\":", "jsonl:2: expected a record" },
-        { "bad/part-0002-of-0003.jsonl", "\"items\":313", "\"items\":3130000", "jsonl:1: expected the header" },
-        { "bad/part-0002-of-0003.jsonl", "{\"item\":", "{\"item\":9999", "expected a record" },
-        { "bad/part-0002-of-0003.jsonl", "{", "[", "jsonl:1: expected the header" },
+        { "\"version\":\"0", "\"version\":\"9", "jsonl:1: is of another version of Wisp than " },
+        { "\"sweep\":\"", "\"sweep\":\"0000000000000000\",\"x\":\"", "jsonl:1: is of another suite than " },
+        { "\"shards\":3", "\"shards\":4", "jsonl:1: is of another number of shards than " },
+        { "\"doubt\":", "\"doubt\":1", "jsonl:1: is of another reference than " },
+        { "\"item\":", "\"idem\":", "jsonl:1: expected a row" },
+        { "{\"item\":", "{\"item\":9999", "jsonl:1: expected a row" },
+        { "{", "[", "jsonl:1: expected a row" },
     };
     for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
     {
         copy_folder( "good", "bad" );
-        change( wrong[i].part, wrong[i].from, wrong[i].to );
+        change( "bad/part-0002-of-0003.jsonl", wrong[i].from, wrong[i].to );
         assert_refused( "merge bad", wrong[i].named );
     }
     copy_folder( "good", "bad" );
     assert_int_equal( remove( "bad/part-0003-of-0003.jsonl" ), 0 );
     assert_refused( "merge bad", "shard 3 of 3 is not there" );
     assert_int_equal( remove( "bad/part-0001-of-0003.jsonl" ), 0 );
-    assert_refused( "merge bad", "shard 1 of 3 is not there; 1 more are missing or not done" );
+    assert_refused( "merge bad", "shard 1 of 3 is not there, and 1 more" );
+    // one file of all lines is as good as a file for each share
     copy_folder( "good", "bad" );
-    run_ok( "sweep suite.yaml -o bad --shard 1/2" );
-    assert_refused( "merge bad", "has parts of 2 shards and of 3" );
+    assert_int_equal( system( "cat bad/*.jsonl >all && rm bad/*.jsonl && mv all bad/all.jsonl" ), 0 );
+    run_ok( "merge bad -o bad.txt" );
+    run_ok( "merge good -o good.txt" );
+    assert_string_equal( read_whole( "bad.txt" ), read_whole( "good.txt" ) );
     assert_int_equal( mkdir( "empty", 0777 ), 0 );
     assert_refused( "merge empty", "has no part of a sweep" );
     assert_refused( "merge nowhere", "nowhere" );
@@ -325,22 +326,22 @@ TEST( items_that_are_missing_or_have_two_hashes_are_refused )
     const int item = find_run_twice( "pair/part-0001-of-0002.jsonl", "pair/part-0002-of-0002.jsonl", &line );
     run_ok( "merge pair" );
     assert_true( strstr( result.err, "run by two shards, with the same bits" ) != NULL );
-    copy_folder( "pair", "bad" );
-    remove_line( "bad/part-0001-of-0002.jsonl", line );
-    assert_refused( "merge bad", "that two shards run are in one part alone" );
-    copy_folder( "pair", "bad" );
-    remove_line( "bad/part-0001-of-0002.jsonl", line == 1 ? 2 : 1 );
-    assert_refused( "merge bad", "is in no part" );
+    for ( int i = 0; i < 2; ++i )
+    {
+        copy_folder( "pair", "bad" );
+        remove_line( "bad/part-0001-of-0002.jsonl", i == 0 ? line : line == 0 ? 1 : 0 );
+        assert_refused( "merge bad", "shard 1 of 2 has " );
+    }
     copy_folder( "pair", "bad" );
     char from[64], named[64];
     const char* text = read_whole( "bad/part-0001-of-0002.jsonl" );
     snprintf( from, sizeof from, "{\"item\":%d,", item );
     const char* hash = strstr( strstr( text, from ), "\"hash\":\"" );
     snprintf( from, sizeof from, "%.24s", hash );
-    snprintf( named, sizeof named, "item %d (", item + 1 );
+    snprintf( named, sizeof named, "item %d (", item );
     change( "bad/part-0001-of-0002.jsonl", from, "\"hash\":\"0123456789abcdef" );
     assert_refused( "merge bad", named );
-    assert_true( strstr( result.err, "have different bits, 0123456789abcdef and " ) != NULL );
+    assert_true( strstr( result.err, "has other bits than the run by shard 1" ) != NULL );
     // what was wrong in one of two runs is wrong, and what could not be run in one of them is not
     copy_folder( "pair", "bad" );
     snprintf( from, sizeof from, "{\"item\":%d,", item );
@@ -349,22 +350,6 @@ TEST( items_that_are_missing_or_have_two_hashes_are_refused )
     run( "merge bad" );
     assert_int_equal( result.status, 1 );
     assert_non_null( strstr( result.out, "other bits" ) );
-    copy_folder( "pair", "bad" );
-    change( "bad/part-0002-of-0002.jsonl", "\"doubt\":", "\"doubt\":1" );
-    assert_refused( "merge bad", "is of another reference than part 1" );
-    // a part that lost a line is not done
-    copy_folder( "pair", "bad" );
-    remove_line( "bad/part-0001-of-0002.jsonl", line );
-    assert_refused( "sweep suite.yaml -o bad --shard 1/2 --resume", "lacks 1 of the " );
-    // the other shard of an item that only one runs
-    copy_folder( "pair", "bad" );
-    text = read_whole( "bad/part-0001-of-0002.jsonl" );
-    const char* stray = strchr( text, '\n' ) + 1;
-    stray = line == 1 ? strchr( stray, '\n' ) + 1 : stray;
-    FILE* file = fopen( "bad/part-0002-of-0002.jsonl", "a" );
-    fprintf( file, "%.*s\n", (int)( strchr( stray, '\n' ) - stray ), stray );
-    fclose( file );
-    assert_refused( "merge bad", "is not of shard 2, which has it" );
 }
 
 TEST( a_suite_that_changes_between_shards_is_refused )
@@ -374,10 +359,12 @@ TEST( a_suite_that_changes_between_shards_is_refused )
                 "wisp: 1\n"
                 "steps: 3\n"
                 "surfaces: [ { name: sheet, generate: { shape: plane, columns: 3, rows: 3 }, cloth: {} } ]\n" );
-    assert_refused( "sweep suite.yaml -o changed --shard 1/2 --resume",
-                    "is of another suite; choose another folder" );
+    assert_refused(
+        "sweep suite.yaml -o changed --shard 1/2",
+        "changed/part-0001-of-0002.jsonl:1: is of another suite than what is to be run; choose another folder" );
     run_ok( "sweep suite.yaml -o changed --shard 2/2" );
-    assert_refused( "merge changed", "is of another suite than part 1" );
+    assert_refused( "merge changed",
+                    "changed/part-0002-of-0002.jsonl:1: is of another suite than changed/part-0001-of-0002.jsonl:1" );
     write_text( "sheet.yaml", sheet );
 }
 
@@ -387,25 +374,33 @@ TEST( times_come_from_exclusive_runs_and_processors_are_not_mixed )
 {
     write_text( "few.yaml", "wisp_suite: 1\n"
                             "scenes: [ { file: sheet.yaml, along: { substeps: [1, 2, 3, 4, 5, 6] } } ]\n" );
-    run_ok( "sweep few.yaml -o untimed" );
-    run_ok( "merge untimed" );
+    run_ok( "sweep few.yaml -o timed" );
+    run_ok( "merge timed" );
     assert_null( strstr( result.out, "1 worker" ) );
-    assert_refused( "sweep few.yaml -o untimed --resume --exclusive", "is of a run without --exclusive" );
-    for ( int i = 1; i <= 2; ++i )
-    {
-        char command[100];
-        snprintf( command, sizeof command, "sweep few.yaml -o timed --shard %d/2 --exclusive --workers 2", i );
-        run_ok( command );
-    }
+    // what was not timed is run again, once
+    run_ok( "sweep few.yaml -o timed --exclusive --workers 2" );
+    assert_contains( result.err, "6 of 6 items\n" );
+    run_ok( "sweep few.yaml -o timed --exclusive --workers 2" );
+    assert_contains( result.err, "6 of 6 items, 6 from before" );
+    assert_refused( "sweep few.yaml -o timed --exclusive --workers 3",
+                    "jsonl:7: is of another number of workers than" );
+    run_ok( "merge timed -f markdown" );
+    assert_contains( result.out, "ms, 1 worker" );
+    assert_contains( result.out, "ms, 2 workers" );
+    assert_null( strstr( result.out, "processor" ) );
+    run_ok( "merge timed -f csv" );
+    assert_int_equal( line_count( result.out ), 1 + 6 * 2 ); // a row for each number of workers
+    change( "timed/part-0001-of-0001.jsonl", "\"ms\":", "\"isa\":\"another\",\"ms\":" );
+    char* text = read_whole( "timed/part-0001-of-0001.jsonl" );
+    char* second = strstr( strstr( text, "\"isa\":\"another\"" ) + 10, "\"isa\":" );
+    assert_non_null( second );
+    memcpy( second, "\"ISA\"", 5 );
+    write_text( "timed/part-0001-of-0001.jsonl", text );
     run_ok( "merge timed" );
-    assert_non_null( strstr( result.out, "1 worker" ) );
-    assert_null( strstr( result.out, "processor 2" ) );
-    change( "timed/part-0002-of-0002.jsonl", "\"cpu\":\"", "\"cpu\":\"another " );
-    run_ok( "merge timed" );
-    assert_non_null( strstr( result.out, "processor 2: " ) );
-    assert_non_null( strstr( result.out, ": another " ) );
-    run_ok( "merge timed -f json" );
-    assert_null( strstr( result.out, "\"ms_median\": 0" ) ); // rows have no times then
+    assert_contains( result.out, "processor" );
+    assert_contains( result.out, ", another" );
+    run_ok( "merge timed -f csv" );
+    assert_int_equal( line_count( result.out ), 1 + 6 ); // rows have no times then
 }
 
 TEST( checks_and_failures_are_in_the_status )
@@ -423,7 +418,7 @@ TEST( checks_and_failures_are_in_the_status )
     assert_int_equal( result.status, 1 );
     assert_non_null( strstr( result.out, "speed, unexpected" ) );
     assert_non_null( strstr( result.out, "FAILED" ) );
-    run( "sweep checks.yaml -o checks --resume" );
+    run( "sweep checks.yaml -o checks" );
     assert_int_equal( result.status, 1 );
 }
 
