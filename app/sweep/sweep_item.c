@@ -130,20 +130,6 @@ static wisp_status time_item( const suite_row* row, int workers, sweep_row* out,
 
 // ---- an item ----
 
-// A text that was cut may end within a character of UTF-8.
-static void cut_character( char* text )
-{
-    size_t end = strlen( text );
-    while ( end > 0 && ( (unsigned char)text[end - 1] & 0xC0 ) == 0x80 )
-    {
-        --end;
-    }
-    if ( end > 0 && strlen( text ) >= 296 && (unsigned char)text[end - 1] >= 0xC0 )
-    {
-        text[end - 1] = '\0';
-    }
-}
-
 static wisp_status judge( const sweep_settings* s, const suite_row* row, sweep_row* out, wisp_error* error )
 {
     suite_outcome outcome;
@@ -204,9 +190,8 @@ wisp_status sweep_run_item( const sweep_settings* s, int number, sweep_row* out,
     }
     if ( status != WISP_OK )
     {
-        snprintf( out->failure, sizeof out->failure, "%.299s",
+        snprintf( out->failure, sizeof out->failure, "%s",
                   inner.message[0] ? inner.message : wisp_status_name( status ) );
-        cut_character( out->failure );
     }
     return WISP_OK;
 }

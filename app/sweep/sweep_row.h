@@ -56,7 +56,7 @@ typedef struct sweep_row
     double values[SWEEP_VALUE_COUNT];
     char verdict[32];  ///< of a row with checks: "holds", "refused" or the check that breaks
     bool is_known;     ///< that verdict is the one that is expected
-    char failure[300]; ///< why it could not be run
+    char failure[500]; ///< why it could not be run
 
     int workers; ///< 0: it was not timed
     int vertices, substeps;

@@ -14,6 +14,12 @@
 
 #define VALIDATE_HELIUM_GRAVITY 9.81 // m/s^2
 
+enum
+{
+    HELIUM_LEVELS = 4,
+    HELIUM_SUBSTEPS = 3,
+};
+
 typedef struct validate_helium_way
 {
     int level, substeps;      // of the icosphere; of 1/60 s
@@ -110,11 +116,37 @@ static void validate_helium_free( validate_helium_body* body )
     *body = ( validate_helium_body ){ .fabric = NULL };
 }
 
-// "xpbd skin, pbd gas"
-static void validate_helium_name( const validate_helium_way* way, char* out, size_t size )
+// A setting: "xpbd skin, pbd gas, fill 1.2, level 3, 20 substeps". @param what of the scene, such as "fill 1.2"
+static void put_helium( accuracy_scene* out, const validate_helium_way* way, const char* what, const char* by,
+                        const char* parameter_name, double parameter )
 {
-    snprintf( out, size, "%s skin, %s gas", way->skin == WISP_SOLVER_XPBD ? "xpbd" : "pbd",
-              way->volume == WISP_SOLVER_XPBD ? "xpbd" : "pbd" );
+    char method[64], series[96];
+    snprintf( method, sizeof method, "%s skin, %s gas, %s", way->skin == WISP_SOLVER_XPBD ? "xpbd" : "pbd",
+              way->volume == WISP_SOLVER_XPBD ? "xpbd" : "pbd", what );
+    snprintf( series, sizeof series, "%s, by %s", method, by );
+    ( (validate_helium_way*)out->context )[out->setting_count] = *way;
+    accuracy_setting* setting =
+        accuracy_put_setting( out, "%s, level %d, %d substeps", method, way->level, way->substeps );
+    accuracy_join_series( setting, series, parameter_name, parameter, NAN );
+}
+
+static void put_helium_levels( accuracy_scene* out, validate_helium_way way, const char* what, int first )
+{
+    for ( way.level = first; way.level < first + HELIUM_LEVELS; ++way.level )
+    {
+        put_helium( out, &way, what, "mesh", "edge / R", validate_sphere_edge( way.level ) );
+    }
+}
+
+// @param way with its level
+static void put_helium_substeps( accuracy_scene* out, validate_helium_way way, const char* what,
+                                 const int substeps[HELIUM_SUBSTEPS] )
+{
+    for ( int i = 0; i < HELIUM_SUBSTEPS; ++i )
+    {
+        way.substeps = substeps[i];
+        put_helium( out, &way, what, "substeps", "substep, s", (double)ACCURACY_FRAME / substeps[i] );
+    }
 }
 
 // ---- lift ----
@@ -221,53 +253,22 @@ static wisp_status run_lift( void* context, int setting, int workers, bool is_ob
 
 // ---- settings ----
 
-static void put_lift( accuracy_scene* out, validate_helium_way way, const char* by, const char* parameter_name,
-                      double parameter )
-{
-    char method[48], series[96];
-    validate_helium_name( &way, method, sizeof method );
-    snprintf( series, sizeof series, "%s, fill %g, by %s", method, way.fill, by );
-    ( (validate_helium_way*)out->context )[out->setting_count] = way;
-    accuracy_setting* setting =
-        accuracy_put_setting( out, "%s, fill %g, level %d, %d substeps", method, way.fill, way.level, way.substeps );
-    accuracy_join_series( setting, series, parameter_name, parameter, NAN );
-}
-
-static void put_lift_levels( accuracy_scene* out, validate_helium_way way )
-{
-    for ( int level = 0; level <= 3; ++level )
-    {
-        way.level = level;
-        put_lift( out, way, "mesh", "edge / R", validate_sphere_edge( level ) );
-    }
-}
-
-// A mesh of few vertices: the heavier they are, the sooner the gas is in balance.
-static void put_lift_substeps( accuracy_scene* out, validate_helium_way way )
-{
-    static const int substeps[] = { 5, 80, 320 };
-    way.level = 1;
-    for ( int i = 0; i < WISP_COUNT( substeps ); ++i )
-    {
-        way.substeps = substeps[i];
-        put_lift( out, way, "substeps", "substep, s", (double)ACCURACY_FRAME / substeps[i] );
-    }
-}
-
 static void put_lifts( accuracy_scene* out )
 {
+    // a mesh of few vertices: the heavier they are, the sooner the gas is in balance
+    static const int substeps[HELIUM_SUBSTEPS] = { 5, 80, 320 };
     validate_helium_way way = {
-        .substeps = LIFT_SUBSTEPS, .fill = LIFT_FILL, .skin = WISP_SOLVER_XPBD, .volume = WISP_SOLVER_XPBD
+        .level = 1, .substeps = LIFT_SUBSTEPS, .fill = LIFT_FILL, .skin = WISP_SOLVER_XPBD, .volume = WISP_SOLVER_XPBD
     };
-    put_lift_levels( out, way );
-    put_lift_substeps( out, way );
+    put_helium_levels( out, way, "fill 1.2", 0 );
+    put_helium_substeps( out, way, "fill 1.2", substeps );
     way.fill = SLACK_FILL;
-    put_lift_levels( out, way );
+    put_helium_levels( out, way, "fill 1", 0 );
     way.fill = LIFT_FILL;
     way.volume = WISP_SOLVER_PBD;
-    put_lift_levels( out, way );
+    put_helium_levels( out, way, "fill 1.2", 0 );
     way.skin = WISP_SOLVER_PBD;
-    put_lift_levels( out, way );
+    put_helium_levels( out, way, "fill 1.2", 0 );
 }
 
 wisp_status validate_lift_off( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
@@ -368,49 +369,20 @@ static wisp_status run_rise( void* context, int setting, int workers, bool is_ob
 
 // ---- settings ----
 
-static void put_rise( accuracy_scene* out, validate_helium_way way, const char* by, const char* parameter_name,
-                      double parameter )
-{
-    char method[64], series[96];
-    validate_helium_name( &way, method, sizeof method );
-    snprintf( series, sizeof series, "%s, drag max, by %s", method, by );
-    ( (validate_helium_way*)out->context )[out->setting_count] = way;
-    accuracy_setting* setting =
-        accuracy_put_setting( out, "%s, drag max, level %d, %d substeps", method, way.level, way.substeps );
-    accuracy_join_series( setting, series, parameter_name, parameter, NAN );
-}
-
-static void put_rise_levels( accuracy_scene* out, validate_helium_way way )
-{
-    for ( int level = 1; level <= 4; ++level )
-    {
-        way.level = level;
-        put_rise( out, way, "mesh", "edge / R", validate_sphere_edge( level ) );
-    }
-}
-
-static void put_rise_substeps( accuracy_scene* out, validate_helium_way way )
-{
-    static const int substeps[] = { 5, 10, 40 };
-    way.level = RISE_LEVEL;
-    for ( int i = 0; i < WISP_COUNT( substeps ); ++i )
-    {
-        way.substeps = substeps[i];
-        put_rise( out, way, "substeps", "substep, s", (double)ACCURACY_FRAME / substeps[i] );
-    }
-}
-
 static void put_rises( accuracy_scene* out )
 {
-    validate_helium_way way = {
-        .substeps = RISE_SUBSTEPS, .fill = RISE_FILL, .skin = WISP_SOLVER_XPBD, .volume = WISP_SOLVER_XPBD
-    };
-    put_rise_levels( out, way );
-    put_rise_substeps( out, way );
+    static const int substeps[HELIUM_SUBSTEPS] = { 5, 10, 40 };
+    validate_helium_way way = { .level = RISE_LEVEL,
+                                .substeps = RISE_SUBSTEPS,
+                                .fill = RISE_FILL,
+                                .skin = WISP_SOLVER_XPBD,
+                                .volume = WISP_SOLVER_XPBD };
+    put_helium_levels( out, way, "drag max", 1 );
+    put_helium_substeps( out, way, "drag max", substeps );
     way.volume = WISP_SOLVER_PBD;
-    put_rise_substeps( out, way );
+    put_helium_substeps( out, way, "drag max", substeps );
     way.skin = WISP_SOLVER_PBD;
-    put_rise_substeps( out, way );
+    put_helium_substeps( out, way, "drag max", substeps );
 }
 
 wisp_status validate_rising_balloon( const bench_options* options, double seconds, accuracy_scene* out,
