@@ -208,16 +208,10 @@ typedef struct stretch_sums
     int count;      // of all edges
 } stretch_sums;
 
-static double distance( wisp_vec3 a, wisp_vec3 b )
-{
-    const double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y, z = (double)a.z - (double)b.z;
-    return sqrt( x * x + y * y + z * z );
-}
-
 static void add_edge( stretch_sums* sums, const wisp_vec3* now, const wisp_vec3* rest, int a, int b )
 {
-    const double length = distance( rest[a], rest[b] );
-    sums->stretch += length > 0.0 ? fmax( distance( now[a], now[b] ) / length - 1.0, 0.0 ) : 0.0;
+    const double length = wisp_mesh_distance( rest[a], rest[b] );
+    sums->stretch += length > 0.0 ? fmax( wisp_mesh_distance( now[a], now[b] ) / length - 1.0, 0.0 ) : 0.0;
     sums->count += 1;
 }
 

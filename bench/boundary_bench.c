@@ -6,6 +6,7 @@
 #include "mesh.h"
 
 #include "oracle/boundary_oracle.h"
+#include "suite_measure.h"
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
 
@@ -134,26 +135,16 @@ wisp_status layer_read_stats( surface_implementation* implementation, wisp_bound
     return status == WISP_OK ? WISP_OK : bench_world_fail( implementation->world, status, error );
 }
 
-static uint64_t hash_bytes( uint64_t hash, const void* bytes, size_t size )
-{
-    const unsigned char* p = bytes;
-    for ( size_t i = 0; i < size; ++i )
-    {
-        hash = ( hash ^ p[i] ) * 0x100000001b3u; // FNV-1a
-    }
-    return hash;
-}
-
 uint64_t layer_hash( const wisp_boundary_view* view )
 {
     const wisp_samples* s = view->samples;
     const size_t bytes = (size_t)s->count * 4 * sizeof( float );
     const int32_t counts[2] = { s->count, s->edge_count };
-    uint64_t hash = hash_bytes( 0xcbf29ce484222325u, counts, sizeof( counts ) );
-    hash = hash_bytes( hash, s->xyzw, bytes );
-    hash = hash_bytes( hash, s->normals, bytes );
-    hash = hash_bytes( hash, s->parents, bytes );
-    return hash_bytes( hash, s->weights, bytes );
+    uint64_t hash = suite_hash_bytes( counts, sizeof( counts ), SUITE_HASH_BEGIN );
+    hash = suite_hash_bytes( s->xyzw, bytes, hash );
+    hash = suite_hash_bytes( s->normals, bytes, hash );
+    hash = suite_hash_bytes( s->parents, bytes, hash );
+    return suite_hash_bytes( s->weights, bytes, hash );
 }
 
 // ---- the oracle ----

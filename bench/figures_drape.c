@@ -123,12 +123,6 @@ static wisp_status follow_border( const wisp_mesh* mesh, int32_t* next, wisp_err
     return WISP_OK;
 }
 
-static double vertex_distance( wisp_vec3 a, wisp_vec3 b )
-{
-    double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y, z = (double)a.z - (double)b.z;
-    return sqrt( x * x + y * y + z * z );
-}
-
 static void walk( const wisp_mesh* mesh, const int32_t* next, drape_border* out )
 {
     int first = 0;
@@ -141,7 +135,7 @@ static void walk( const wisp_mesh* mesh, const int32_t* next, drape_border* out 
     {
         out->places[out->count] = length;
         out->vertices[out->count++] = v;
-        length += next[v] >= 0 ? vertex_distance( mesh->points[v], mesh->points[next[v]] ) : 0.0;
+        length += next[v] >= 0 ? wisp_mesh_distance( mesh->points[v], mesh->points[next[v]] ) : 0.0;
         v = next[v] == first ? -1 : next[v];
     }
     for ( int i = 0; i < out->count; ++i )
@@ -282,8 +276,8 @@ static void observe_edge( const triangle_scene* scene, const wisp_vec3* points, 
                           drape_observation* out )
 {
     const wisp_vec3 a = points[i], b = points[k];
-    double rest = vertex_distance( scene->mesh.points[i], scene->mesh.points[k] );
-    out->strain = fmax( out->strain, vertex_distance( a, b ) / rest - 1.0 );
+    double rest = wisp_mesh_distance( scene->mesh.points[i], scene->mesh.points[k] );
+    out->strain = fmax( out->strain, wisp_mesh_distance( a, b ) / rest - 1.0 );
     out->gap_between =
         fmin( out->gap_between, gap_of( 0.5 * ( (double)a.x + (double)b.x ), 0.5 * ( (double)a.y + (double)b.y ),
                                         0.5 * ( (double)a.z + (double)b.z ) ) );

@@ -45,7 +45,7 @@ static void flight_give_outlet( const figures_case* page, wisp_vec3 at, balloon_
     const wisp_vec3 centre = mesh->points[nearest];
     for ( int v = 0; v < mesh->vertex_count && setting->def.outlet_count < WISP_BALLOON_MAX_OUTLET; ++v )
     {
-        if ( balloon_distance( mesh->points[v], centre ) <= (double)OUTLET_RADIUS )
+        if ( wisp_mesh_distance( mesh->points[v], centre ) <= (double)OUTLET_RADIUS )
         {
             setting->def.outlet[setting->def.outlet_count++] = v;
         }

@@ -1,5 +1,6 @@
 #include "strands_scene.h"
 
+#include "mesh.h"
 #include "wisp/module/module.h"
 
 #include <math.h>
@@ -118,12 +119,6 @@ wisp_status strands_implementation_points( strands_implementation* implementatio
 
 // ---- measures ----
 
-static double distance( wisp_vec3 a, wisp_vec3 b )
-{
-    double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y, z = (double)a.z - (double)b.z;
-    return sqrt( x * x + y * y + z * z );
-}
-
 double strands_measure_stretch( const strands_shape* rest, const wisp_vec3* points )
 {
     double most = 0.0;
@@ -133,8 +128,8 @@ double strands_measure_stretch( const strands_shape* rest, const wisp_vec3* poin
         for ( int v = 0; v + 1 < rest->vertices; ++v )
         {
             size_t i = first + (size_t)v;
-            double l0 = distance( rest->points[i], rest->points[i + 1] );
-            double strain = fabs( distance( points[i], points[i + 1] ) / l0 - 1.0 );
+            double l0 = wisp_mesh_distance( rest->points[i], rest->points[i + 1] );
+            double strain = fabs( wisp_mesh_distance( points[i], points[i + 1] ) / l0 - 1.0 );
 
             // Not fmax: that would step over a NaN.
             most = strain <= most ? most : strain;

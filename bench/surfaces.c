@@ -258,18 +258,12 @@ int balloon_mesh_extreme( const wisp_mesh* mesh, wisp_vec3 d )
     return best;
 }
 
-double balloon_distance( wisp_vec3 a, wisp_vec3 b )
-{
-    const double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y, z = (double)a.z - (double)b.z;
-    return sqrt( x * x + y * y + z * z );
-}
-
 int balloon_mesh_nearest( const wisp_mesh* mesh, wisp_vec3 at )
 {
     int best = 0;
     for ( int i = 1; i < mesh->vertex_count; ++i )
     {
-        best = balloon_distance( mesh->points[i], at ) < balloon_distance( mesh->points[best], at ) ? i : best;
+        best = wisp_mesh_distance( mesh->points[i], at ) < wisp_mesh_distance( mesh->points[best], at ) ? i : best;
     }
     return best;
 }

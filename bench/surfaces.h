@@ -98,7 +98,6 @@ int balloon_mesh_extreme( const wisp_mesh* mesh, wisp_vec3 direction );
 
 /// The vertex nearest to a point; ties go to the lowest index.
 int balloon_mesh_nearest( const wisp_mesh* mesh, wisp_vec3 at );
-double balloon_distance( wisp_vec3 a, wisp_vec3 b );
 
 /// Parameters of an experiment, apart from the mesh. Start from balloon_default_setting().
 typedef struct balloon_setting

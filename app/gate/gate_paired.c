@@ -98,18 +98,6 @@ static void judge( const double* ratios, const double* own, int count, gate_pair
 
 // ---- rounds ----
 
-static int by_size( const void* a, const void* b )
-{
-    const double x = *(const double*)a, y = *(const double*)b;
-    return ( x > y ) - ( x < y );
-}
-
-static double median_of( double* values, int count )
-{
-    qsort( values, (size_t)count, sizeof values[0], by_size );
-    return stats_quantile( values, count, 0.5 );
-}
-
 // How a round divides the row: `places` turns of up to `steps` steps, `runs` times.
 typedef struct round_shape
 {
@@ -166,7 +154,7 @@ static double weigh( double* values, const double* weights, const round_shape* s
     double sum = 0.0, all = 0.0;
     for ( int place = 0; place < shape->places; ++place )
     {
-        sum += weights[place] * median_of( values + (size_t)place * (size_t)shape->runs, shape->runs );
+        sum += weights[place] * stats_summarise( values + (size_t)place * (size_t)shape->runs, shape->runs ).median;
         all += weights[place];
     }
     return sum / all;

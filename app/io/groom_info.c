@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "io_file.h"
+#include "mesh.h"
 
 enum
 {
@@ -32,23 +33,12 @@ static void print_figure( FILE* out, const char* label, const figure* f, const c
     fprintf( out, "  %-20s min %.6g, mean %.6g, max %.6g%s\n", label, f->least, f->sum / f->count, f->most, unit );
 }
 
-// In double precision: the distance of two finite floats may overflow a float.
-static double segment_length( const wisp_groom* groom, int v )
-{
-    wisp_vec3 a = groom->points[v];
-    wisp_vec3 b = groom->points[v + 1];
-    double x = (double)b.x - (double)a.x;
-    double y = (double)b.y - (double)a.y;
-    double z = (double)b.z - (double)a.z;
-    return sqrt( x * x + y * y + z * z );
-}
-
 static double strand_length( const wisp_groom* groom, int s )
 {
     double length = 0.0;
     for ( int v = groom->offsets[s]; v + 1 < groom->offsets[s + 1]; ++v )
     {
-        length += segment_length( groom, v );
+        length += wisp_mesh_distance( groom->points[v], groom->points[v + 1] );
     }
     return length;
 }

@@ -10,6 +10,7 @@
 /// triangles without area) is accepted, so that wisp_mesh_examine() can report them.
 #pragma once
 
+#include <math.h>
 #include <stdio.h>
 
 #include "wisp/base.h"
@@ -35,6 +36,13 @@ extern "C"
 
     /// Null and a zero mesh are allowed; the mesh is zero afterwards.
     WISP_API void wisp_mesh_release( wisp_mesh* mesh );
+
+    /// Distance of two points, m. In double precision, since that of two finite floats may overflow a float.
+    static inline double wisp_mesh_distance( wisp_vec3 a, wisp_vec3 b )
+    {
+        const double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y, z = (double)a.z - (double)b.z;
+        return sqrt( x * x + y * y + z * z );
+    }
 
 /// Bytes of the longest file that is read.
 #define WISP_MESH_FILE_CAP ( (size_t)1 << 31 )

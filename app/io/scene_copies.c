@@ -39,11 +39,6 @@ static const char* name_copy( scene_reader* r, const char* name, int number )
     return out;
 }
 
-static int compare_text( const void* key, const void* element )
-{
-    return strcmp( key, ( (const scene_name*)element )->text );
-}
-
 static wisp_status check_name( const scene_reader* r, const char* name, int line, int column, const char* list )
 {
     if ( strlen( name ) > MAX_NAME )
@@ -51,7 +46,7 @@ static wisp_status check_name( const scene_reader* r, const char* name, int line
         return scene_refuse( r->source, line, column, list, "the name of the copy '%s' has more than %d characters",
                              name, (int)MAX_NAME );
     }
-    const scene_name* taken = bsearch( name, r->names, (size_t)r->name_count, sizeof *taken, compare_text );
+    const scene_name* taken = scene_find_name( r, name );
     if ( taken )
     {
         return scene_refuse( r->source, line, column, list,

@@ -102,6 +102,12 @@ static int compare_text( const void* key, const void* element )
     return strcmp( key, ( (const scene_name*)element )->text );
 }
 
+const scene_name* scene_find_name( const scene_reader* r, const char* text )
+{
+    return r->name_count ? bsearch( text, r->names, (size_t)r->name_count, sizeof( scene_name ), compare_text )
+                         : NULL;
+}
+
 wisp_status scene_read_named( scene_reader* r, const scene_node* node, scene_named what, int* index )
 {
     const char* text = NULL;
@@ -110,8 +116,7 @@ wisp_status scene_read_named( scene_reader* r, const scene_node* node, scene_nam
     {
         return status;
     }
-    const scene_name* found =
-        r->name_count ? bsearch( text, r->names, (size_t)r->name_count, sizeof *found, compare_text ) : NULL;
+    const scene_name* found = scene_find_name( r, text );
     if ( !found || found->what != what )
     {
         return refuse_name( r, node, text, found, what );

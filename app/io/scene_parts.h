@@ -127,6 +127,8 @@ typedef struct scene_entry
     int line, column;
 } scene_entry;
 
+/// The registered entry of a name; null: there is none.
+const scene_name* scene_find_name( const scene_reader* reader, const char* text );
 /// The number of the entry that a value names.
 wisp_status scene_read_named( scene_reader* reader, const scene_node* node, scene_named what, int* index );
 

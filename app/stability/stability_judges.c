@@ -749,8 +749,7 @@ bool stability_compare_bits( const uint64_t* expected, int expected_count, const
     return false;
 }
 
-// Make steps and keep the hash after each. @return steps that were made
-static int hash_steps( scene_world* world, int steps, uint64_t* hashes )
+int stability_hash_steps( scene_world* world, int steps, uint64_t* hashes )
 {
     int made = 0;
     while ( made < steps && scene_world_step( world, NULL ) == WISP_OK )
@@ -767,7 +766,7 @@ static int hash_scene( const wisp_scene* scene, const scene_world_options* optio
     {
         return 0;
     }
-    const int made = hash_steps( &world, steps, hashes );
+    const int made = stability_hash_steps( &world, steps, hashes );
     scene_world_destroy( &world );
     return made;
 }

@@ -91,6 +91,8 @@ stability_figures stability_figures_of( const stability_trace* trace, const stab
 /// @return those of energy, strain and rest among `checks` that have no limit but those for any run, or-ed
 unsigned stability_without_limit( const stability_figures* figures, unsigned checks );
 
+/// Make steps and keep the hash after each. @return steps that were made
+int stability_hash_steps( scene_world* world, int steps, uint64_t* hashes );
 /// Compare the hashes after the steps of two runs. @param first steps before them @param how the second run was made,
 /// such as "with 2 workers than with one" @return whether they are equal
 bool stability_compare_bits( const uint64_t* expected, int expected_count, const uint64_t* found, int found_count,

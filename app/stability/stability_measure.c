@@ -52,7 +52,7 @@ static double energy_of_links( const stability_reader* r, const scene_world* wor
         const double soft = compliance != NULL
                                 ? (double)compliance[i]
                                 : softness_of_fraction( (double)fraction[i], r->weight[a] + r->weight[b], h );
-        sum += energy_of_link( r, a, b, fmax( stability_distance( r->now[a], r->now[b] ), least ), rest, soft, h );
+        sum += energy_of_link( r, a, b, fmax( wisp_mesh_distance( r->now[a], r->now[b] ), least ), rest, soft, h );
     }
     return sum;
 }
@@ -60,7 +60,7 @@ static double energy_of_links( const stability_reader* r, const scene_world* wor
 // Tethers are inextensible and only pull.
 static double energy_of_pull( const stability_reader* r, int a, int b, double rest, double h )
 {
-    const double length = stability_distance( r->now[a], r->now[b] );
+    const double length = wisp_mesh_distance( r->now[a], r->now[b] );
     return length > rest ? energy_of_link( r, a, b, length, rest, 0.0, h ) : 0.0;
 }
 
@@ -94,7 +94,7 @@ static double energy_of_levels( const stability_reader* r, const scene_world* wo
         for ( int i = 0; i < level->schedule.slot_count; ++i )
         {
             const int a = level->slot_x4[level->a_x4[i] / 4] / 4, b = level->slot_x4[level->b_x4[i] / 4] / 4;
-            const double error = stability_distance( r->now[a], r->now[b] ) - (double)level->rest[i];
+            const double error = wisp_mesh_distance( r->now[a], r->now[b] ) - (double)level->rest[i];
             const double whole =
                 (double)compliance[level->first_link + i] + lighter * ( r->weight[a] + r->weight[b] ) * h * h;
             sum += level->schedule.constraint[i] >= 0 && whole > 0.0 ? 0.5 * error * error / whole : 0.0;
@@ -164,14 +164,14 @@ static double springs_from_above( const stability_reader* r )
     {
         const int a = r->edges[2 * e], b = r->edges[2 * e + 1];
         const double error =
-            stability_distance( r->now[a], r->now[b] ) - stability_distance( r->rest[a], r->rest[b] );
+            wisp_mesh_distance( r->now[a], r->now[b] ) - wisp_mesh_distance( r->rest[a], r->rest[b] );
         sum += error > 0.0 ? 0.5 * stiffness * error * error : 0.0;
     }
     for ( int i = 0; i < f->hinge_count; ++i )
     {
         const int a = f->hinges[4 * i + 2], b = f->hinges[4 * i + 3];
         const double error =
-            stability_distance( r->now[a], r->now[b] ) - stability_distance( r->rest[a], r->rest[b] );
+            wisp_mesh_distance( r->now[a], r->now[b] ) - wisp_mesh_distance( r->rest[a], r->rest[b] );
         sum += error < 0.0 ? 0.5 * stiffness * error * error : 0.0;
     }
     return sum;
@@ -201,8 +201,8 @@ static double energy_of_segments( const stability_reader* r, int apart, double c
         {
             const int a = v - apart;
             const double soft = compliance + softness_of_fraction( fraction, r->weight[a] + r->weight[v], h );
-            sum += energy_of_link( r, a, v, stability_distance( r->now[a], r->now[v] ),
-                                   stability_distance( r->rest[a], r->rest[v] ), soft, h );
+            sum += energy_of_link( r, a, v, wisp_mesh_distance( r->now[a], r->now[v] ),
+                                   wisp_mesh_distance( r->rest[a], r->rest[v] ), soft, h );
         }
     }
     return sum;
@@ -210,7 +210,7 @@ static double energy_of_segments( const stability_reader* r, int apart, double c
 
 static double turn_at( const wisp_vec3* x, const wisp_vec3* rest, int i )
 {
-    const double l = stability_distance( rest[i], rest[i - 1] ), m = stability_distance( rest[i + 1], rest[i] );
+    const double l = wisp_mesh_distance( rest[i], rest[i - 1] ), m = wisp_mesh_distance( rest[i + 1], rest[i] );
     const double d[3] = { (double)( x[i + 1].x - x[i].x ) / m - (double)( x[i].x - x[i - 1].x ) / l,
                           (double)( x[i + 1].y - x[i].y ) / m - (double)( x[i].y - x[i - 1].y ) / l,
                           (double)( x[i + 1].z - x[i].z ) / m - (double)( x[i].z - x[i - 1].z ) / l };
@@ -224,7 +224,7 @@ static double energy_of_rod( const stability_reader* r, int begin, int end, doub
     double sum = 0.0;
     for ( int i = begin; i + 1 < end; ++i )
     {
-        const double l = stability_distance( r->rest[i], r->rest[i + 1] );
+        const double l = wisp_mesh_distance( r->rest[i], r->rest[i + 1] );
         const double weight = r->weight[i] > 0.0 ? r->weight[i] : r->weight[i + 1];
         const double most = weight > 0.0 ? 6e4 / weight * l * l * l / ( h * h ) : INFINITY;
         const double rigidity = fmin( (double)r->hair->dynamics.bend_rigidity, most );
@@ -283,13 +283,13 @@ static double energy_of_hinge( const stability_reader* r, const int32_t* hinge )
     const wisp_vec3 *x = r->now, i = x[hinge[0]], e = apart( i, x[hinge[1]] );
     const wisp_vec3 *rest = r->rest, p = rest[hinge[0]], f = apart( p, rest[hinge[1]] );
     const wisp_vec3 m = cross( e, apart( i, x[hinge[2]] ) ), n = cross( apart( i, x[hinge[3]] ), e );
-    const double areas = 0.5 * ( stability_distance( zero, cross( f, apart( p, rest[hinge[2]] ) ) ) +
-                                 stability_distance( zero, cross( f, apart( p, rest[hinge[3]] ) ) ) );
-    const double sizes = stability_distance( zero, m ) * stability_distance( zero, n );
+    const double areas = 0.5 * ( wisp_mesh_distance( zero, cross( f, apart( p, rest[hinge[2]] ) ) ) +
+                                 wisp_mesh_distance( zero, cross( f, apart( p, rest[hinge[3]] ) ) ) );
+    const double sizes = wisp_mesh_distance( zero, m ) * wisp_mesh_distance( zero, n );
     const double cosine =
         sizes > 0.0 ? ( (double)m.x * (double)n.x + (double)m.y * (double)n.y + (double)m.z * (double)n.z ) / sizes
                     : 1.0;
-    const double angle = acos( fmax( -1.0, fmin( 1.0, cosine ) ) ), length = stability_distance( zero, f );
+    const double angle = acos( fmax( -1.0, fmin( 1.0, cosine ) ) ), length = wisp_mesh_distance( zero, f );
     return areas > 0.0 ? 3.0 * (double)r->surface->cloth.bend_rigidity * angle * angle * length * length / areas
                        : 0.0;
 }
@@ -510,7 +510,7 @@ static void read_travel( const stability_reader* r, double dt, stability_sample*
     for ( int i = 0; i < r->count; ++i )
     {
         const wisp_vec3 p = r->now[i];
-        farthest = worse( farthest, stability_distance( p, r->before[i] ) );
+        farthest = worse( farthest, wisp_mesh_distance( p, r->before[i] ) );
         out->coordinate =
             worse( out->coordinate, fmax( fabs( (double)p.x ), fmax( fabs( (double)p.y ), fabs( (double)p.z ) ) ) );
     }
@@ -609,12 +609,12 @@ static void read_strain( const stability_reader* r, const stability_body* body, 
     for ( int i = 0; i < r->edge_count && !has_none; ++i )
     {
         const int a = r->edges[2 * i], b = r->edges[2 * i + 1];
-        const double rest = stability_distance( r->rest[a], r->rest[b] );
+        const double rest = wisp_mesh_distance( r->rest[a], r->rest[b] );
         if ( !( rest > 0.0 ) )
         {
             continue; // an edge without length has no strain
         }
-        const double strain = stability_distance( r->now[a], r->now[b] ) / rest - 1.0;
+        const double strain = wisp_mesh_distance( r->now[a], r->now[b] ) / rest - 1.0;
         const double sweep = has_links( r ) ? ( r->weight[a] + r->weight[b] ) * h * h : 0.0;
         const double soft = has_links( r ) || is_solved ? compliance + sweep : 0.0;
         const double rounding = 4.0 * (double)FLT_EPSILON * out->coordinate / rest;

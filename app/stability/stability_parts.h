@@ -22,9 +22,3 @@ struct stability_reader
     int edge_count;
     bool moves; ///< by itself: else only `now` counts
 };
-
-static inline double stability_distance( wisp_vec3 a, wisp_vec3 b )
-{
-    const double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y, z = (double)a.z - (double)b.z;
-    return sqrt( x * x + y * y + z * z );
-}

@@ -678,8 +678,8 @@ static void read_all( const scene_world* world, stability_reader* const* readers
 
 static double stretch_of_edge( const wisp_vec3* now, const wisp_vec3* rest, int a, int b )
 {
-    const double length = stability_distance( rest[a], rest[b] );
-    return length > 0.0 ? stability_distance( now[a], now[b] ) / length - 1.0 : 0.0;
+    const double length = wisp_mesh_distance( rest[a], rest[b] );
+    return length > 0.0 ? wisp_mesh_distance( now[a], now[b] ) / length - 1.0 : 0.0;
 }
 
 static double find_depth( const stability_reader* r, const wisp_vec3* start, double extent )

@@ -3,6 +3,7 @@
 #include "interruption.h"
 #include "io_file.h"
 #include "stats.h"
+#include "wisp/module/random.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -21,14 +22,7 @@ static uint64_t add_text( uint64_t hash, const char* text )
     return suite_hash_bytes( text != NULL ? text : "", ( text != NULL ? strlen( text ) : 0 ) + 1, hash );
 }
 
-// The finalizer of splitmix64 (Steele, Lea and Flood 2014): shards are made of the low bits.
-static uint64_t mixed( uint64_t hash )
-{
-    hash = ( hash ^ hash >> 30 ) * 0xbf58476d1ce4e5b9u;
-    hash = ( hash ^ hash >> 27 ) * 0x94d049bb133111ebu;
-    return hash ^ hash >> 31;
-}
-
+// Keys are mixed, since shards are made of their low bits.
 uint64_t sweep_key( const suite_row* row )
 {
     const double limits[] = { row->limits.strain, row->limits.energy, row->limits.speed, row->limits.rest };
@@ -39,7 +33,7 @@ uint64_t sweep_key( const suite_row* row )
     hash = add_text( hash, row->text );
     hash = add_text( hash, row->refusal );
     hash = suite_hash_bytes( numbers, sizeof numbers, hash );
-    return mixed( suite_hash_bytes( limits, sizeof limits, hash ) );
+    return wisp_random_mix( suite_hash_bytes( limits, sizeof limits, hash ) );
 }
 
 uint64_t sweep_suite_key( const wisp_suite* suite )
@@ -58,7 +52,7 @@ uint64_t sweep_suite_key( const wisp_suite* suite )
         const uint64_t key = references[i]->text != NULL ? sweep_key( references[i] ) : 0;
         hash = suite_hash_bytes( &key, sizeof key, hash );
     }
-    return mixed( suite_hash_bytes( numbers, sizeof numbers, hash ) );
+    return wisp_random_mix( suite_hash_bytes( numbers, sizeof numbers, hash ) );
 }
 
 // ---- shards ----

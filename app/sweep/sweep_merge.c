@@ -167,7 +167,7 @@ static wisp_status check_missing( const sweep_merge* merge, const char* folder, 
     }
     if ( more > 0 )
     {
-        snprintf( others, sizeof others, ", and %d more are not whole", more );
+        snprintf( others, sizeof others, ", and %d more have none or lack some", more );
     }
     return first >= 0    ? wisp_fail( error, WISP_BAD_INPUT,
                                       "%s: shard %d of %d %s%s; `wisp sweep` with the same folder goes on",

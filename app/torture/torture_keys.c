@@ -1,5 +1,7 @@
 #include "torture_keys.h"
 
+#include "wisp/module/random.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,22 +10,15 @@
 // ---- random numbers ----
 
 // SplitMix64 (Steele, Lea and Flood 2014).
-static uint64_t mix( uint64_t z )
-{
-    z = ( z ^ ( z >> 30 ) ) * 0xbf58476d1ce4e5b9u;
-    z = ( z ^ ( z >> 27 ) ) * 0x94d049bb133111ebu;
-    return z ^ ( z >> 31 );
-}
-
 torture_random torture_random_start( uint64_t seed, uint64_t number )
 {
-    return ( torture_random ){ mix( mix( seed + 0x9e3779b97f4a7c15u ) + number ) };
+    return ( torture_random ){ wisp_random_mix( wisp_random_mix( seed + 0x9e3779b97f4a7c15u ) + number ) };
 }
 
 uint64_t torture_random_next( torture_random* random )
 {
     random->state += 0x9e3779b97f4a7c15u;
-    return mix( random->state );
+    return wisp_random_mix( random->state );
 }
 
 int torture_random_whole( torture_random* random, int lower, int upper )

@@ -282,17 +282,6 @@ wisp_status torture_read( const torture_subject* subject, wisp_scene* out, wisp_
 
 // ---- snapshots ----
 
-// Make steps and keep the hash after each. @return steps that were made
-static int hash_steps( scene_world* world, int steps, uint64_t* hashes )
-{
-    int made = 0;
-    while ( made < steps && scene_world_step( world, NULL ) == WISP_OK )
-    {
-        hashes[made++] = wisp_world_hash( world->world );
-    }
-    return made;
-}
-
 // What a host keeps besides the world: where the scene's script is.
 typedef struct script_place
 {
@@ -340,7 +329,7 @@ static bool judge_restored( snapshot_run* run, int world, int expected, stabilit
     char how[80];
     snprintf( how, sizeof how, "in %s world that a snapshot after step %d was restored into",
               world == 0 ? "the same" : "a new", run->half );
-    const int count = hash_steps( restored, run->left, run->found );
+    const int count = stability_hash_steps( restored, run->left, run->found );
     return stability_compare_bits( run->expected, expected, run->found, count, STABILITY_SNAPSHOT, run->half, how,
                                    out );
 }
@@ -354,7 +343,7 @@ static bool judge_snapshot_of( snapshot_run* run, stability_verdict* out )
     run->size = wisp_world_snapshot_size( run->worlds[0].world );
     run->bytes = text_alloc( run->size );
     bool holds = wisp_world_snapshot( run->worlds[0].world, run->bytes, run->size ) == WISP_OK;
-    const int expected = hash_steps( &run->worlds[0], run->left, run->expected );
+    const int expected = stability_hash_steps( &run->worlds[0], run->left, run->expected );
     for ( int world = 0; world < 2 && holds; ++world )
     {
         holds = judge_restored( run, world, expected, out );

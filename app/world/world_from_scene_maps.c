@@ -178,13 +178,6 @@ void scene_surface_weigh( const wisp_scene_surface* entry, const scene_world_sur
     }
 }
 
-static double length_of( const wisp_groom* groom, int a )
-{
-    const wisp_vec3 p = groom->points[a], q = groom->points[a + 1];
-    const double x = (double)q.x - (double)p.x, y = (double)q.y - (double)p.y, z = (double)q.z - (double)p.z;
-    return sqrt( x * x + y * y + z * z );
-}
-
 void scene_strands_weigh( const wisp_scene_strands* entry, const wisp_groom* groom, float* out )
 {
     const wisp_strand_dynamics_def* d = &entry->dynamics;
@@ -194,8 +187,8 @@ void scene_strands_weigh( const wisp_scene_strands* entry, const wisp_groom* gro
         for ( int v = begin; v < end; ++v )
         {
             const double depth = end - begin > 1 ? (double)( v - begin ) / ( end - begin - 1 ) : 0.0;
-            const double before = v > begin ? length_of( groom, v - 1 ) : 0.0,
-                         behind = v + 1 < end ? length_of( groom, v ) : 0.0;
+            const double before = v > begin ? wisp_mesh_distance( groom->points[v - 1], groom->points[v] ) : 0.0,
+                         behind = v + 1 < end ? wisp_mesh_distance( groom->points[v], groom->points[v + 1] ) : 0.0;
             const double mass = d->vertex_masses        ? (double)d->vertex_masses[v]
                                 : d->vertex_mass > 0.0f ? (double)d->vertex_mass
                                                         : 0.5 * (double)d->line_density * ( before + behind );

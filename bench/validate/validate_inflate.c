@@ -129,8 +129,7 @@ static double mean_edge( const wisp_fabric* f )
     for ( int e = 0; e < f->edge_count; ++e )
     {
         const wisp_vec3 a = f->rest[f->edges[2 * e]], b = f->rest[f->edges[2 * e + 1]];
-        const double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y, z = (double)a.z - (double)b.z;
-        sum += sqrt( x * x + y * y + z * z ) / f->edge_count;
+        sum += wisp_mesh_distance( a, b ) / f->edge_count;
     }
     return sum;
 }

@@ -248,7 +248,7 @@ static wisp_status measure_foil( surface_implementation* foil, const foil_way* w
         const balloon_theory_mylar exact = balloon_theory_mylar_shape();
         const double volume = balloon_volume( mesh, points ) / ( FOIL_RADIUS * FOIL_RADIUS * FOIL_RADIUS );
         const validate_foil foil_of = foil_with( w, REST_HEIGHT );
-        const double thick = balloon_distance( points[0], points[validate_foil_pole( &foil_of )] ) / FOIL_RADIUS;
+        const double thick = wisp_mesh_distance( points[0], points[validate_foil_pole( &foil_of )] ) / FOIL_RADIUS;
         const double radius = equator_radius( points, mesh->vertex_count ) / FOIL_RADIUS;
         const double parts[] = { radius / exact.radius - 1.0, thick / exact.thickness - 1.0,
                                  volume / exact.volume - 1.0 };
