@@ -104,7 +104,12 @@ static int begin_table( const merged* r, const table_plan* plan, const char* nam
 
 static void put_number( cells* line, double value )
 {
-    cells_put( line, isnan( value ) ? "" : isinf( value ) ? "not finite" : "%.4g", value );
+    char text[32] = "";
+    if ( !isnan( value ) )
+    {
+        snprintf( text, sizeof text, isinf( value ) ? "not finite" : "%.4g", value );
+    }
+    cells_put( line, "%s", text );
 }
 
 static void add_line( const merged* r, const table_plan* plan, const sweep_row* row, int table )
@@ -132,7 +137,8 @@ static void add_line( const merged* r, const table_plan* plan, const sweep_row* 
     }
     if ( plan->workers > 0 && r->has_processors )
     {
-        cells_put( &line, row->workers > 0 ? "%s, %s" : "", row->cpu, row->isa );
+        const bool is_timed = row->workers > 0;
+        cells_put( &line, "%s%s%s", is_timed ? row->cpu : "", is_timed ? ", " : "", is_timed ? row->isa : "" );
     }
     if ( plan->has_verdicts )
     {

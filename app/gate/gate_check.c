@@ -3,6 +3,7 @@
 #include "io_file.h"
 #include "machine.h"
 #include "report.h"
+#include "results_write.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -66,14 +67,6 @@ static bool take_text( const json_t* object, const char* key, char* out, size_t 
     return true;
 }
 
-static bool take_hash( const json_t* row, uint64_t* out )
-{
-    const char* text = json_string_value( json_object_get( row, "hash" ) );
-    char* end = NULL;
-    *out = text ? strtoull( text, &end, 16 ) : 0;
-    return text && strlen( text ) == 16 && *end == '\0';
-}
-
 // A value that is null was not measured; one that is not there is an error, since files may be cut.
 static bool take_values( const json_t* row, suite_measurement* out )
 {
@@ -115,8 +108,8 @@ static bool take_row( const json_t* row, gate_base_row* out )
     out->measured.steps = (int)json_integer_value( steps );
     return take_text( row, "name", out->name, sizeof out->name ) &&
            take_text( row, "variant", out->variant, sizeof out->variant ) && json_is_integer( steps ) &&
-           take_hash( row, &out->measured.hash ) && take_values( row, &out->measured ) &&
-           take_passes( row, &out->measured );
+           results_json_take_hash( json_object_get( row, "hash" ), &out->measured.hash ) &&
+           take_values( row, &out->measured ) && take_passes( row, &out->measured );
 }
 
 static bool take_reason( const json_t* reason, gate_reason* out )
@@ -211,13 +204,11 @@ static json_t* value_of( double value )
 
 static json_t* row_of( const gate_base_row* row )
 {
-    char digits[17];
-    snprintf( digits, sizeof digits, "%016llx", (unsigned long long)row->measured.hash );
     json_t *out = json_object(), *values = json_object();
     json_object_set_new( out, "name", json_string( row->name ) );
     json_object_set_new( out, "variant", json_string( row->variant ) );
     json_object_set_new( out, "steps", json_integer( row->measured.steps ) );
-    json_object_set_new( out, "hash", json_string( digits ) );
+    json_object_set_new( out, "hash", results_json_hash( row->measured.hash ) );
     for ( int m = 0; m < SUITE_MEASURE_COUNT; ++m )
     {
         json_object_set_new( values, suite_measures[m].name, value_of( row->measured.values[m] ) );

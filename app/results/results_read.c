@@ -94,12 +94,6 @@ static bool holds_numbers( json_t* object )
     return json_is_object( object );
 }
 
-static bool is_hash( const json_t* value )
-{
-    const char* text = json_string_value( value );
-    return json_is_null( value ) || ( text && strlen( text ) == 16 && strspn( text, "0123456789abcdef" ) == 16 );
-}
-
 static wisp_status check_row( const char* path, json_t* row, size_t number, wisp_error* error )
 {
     static const char* const texts[] = { "case", "variant" };
@@ -149,7 +143,9 @@ static wisp_status check_row( const char* path, json_t* row, size_t number, wisp
     {
         return wrong( error, path, number, "size, stages or error", "expected an object of numbers" );
     }
-    return is_hash( json_object_get( row, "hash" ) )
+    const json_t* hash = json_object_get( row, "hash" );
+    uint64_t bits;
+    return json_is_null( hash ) || results_json_take_hash( hash, &bits )
                ? WISP_OK
                : wrong( error, path, number, "hash", "expected sixteen hexadecimal digits, or null" );
 }

@@ -293,6 +293,21 @@ json_t* results_json_text( const char* value )
     return string ? string : json_string( "(not UTF-8)" );
 }
 
+// A hash is 64 bits and a JSON integer 63, so it travels as sixteen hexadecimal digits.
+json_t* results_json_hash( uint64_t hash )
+{
+    char digits[17];
+    snprintf( digits, sizeof digits, "%016llx", (unsigned long long)hash );
+    return json_string( digits );
+}
+
+bool results_json_take_hash( const json_t* value, uint64_t* out )
+{
+    const char* text = json_string_value( value );
+    *out = text != NULL ? strtoull( text, NULL, 16 ) : 0;
+    return text != NULL && strlen( text ) == 16 && strspn( text, "0123456789abcdef" ) == 16;
+}
+
 static json_t* values_object( const results_values* values )
 {
     json_t* object = json_object();
@@ -315,18 +330,6 @@ static json_t* error_object( const results_row* row )
         json_object_set_new( object, "against", results_json_text( row->error_reference ) );
     }
     return object;
-}
-
-// A hash is 64 bits and a JSON integer 63, so it travels as sixteen hexadecimal digits.
-static json_t* json_hash( const results_row* row )
-{
-    if ( !row->has_hash )
-    {
-        return json_null();
-    }
-    char digits[17];
-    snprintf( digits, sizeof( digits ), "%016llx", (unsigned long long)row->hash );
-    return json_string( digits );
 }
 
 static json_t* samples_array( const results_row* row )
@@ -354,7 +357,7 @@ static json_t* row_object( const results_row* row )
     json_object_set_new( object, "cpu_fraction", json_number( row->cpu_fraction ) );
     json_object_set_new( object, "stages", values_object( &row->stages ) );
     json_object_set_new( object, "error", error_object( row ) );
-    json_object_set_new( object, "hash", json_hash( row ) );
+    json_object_set_new( object, "hash", row->has_hash ? results_json_hash( row->hash ) : json_null() );
     return object;
 }
 

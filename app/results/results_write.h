@@ -24,3 +24,7 @@ json_t* results_json_count( double value );
 void results_json_put_script( const char* json, FILE* stream );
 /// A string, also of bytes that are not UTF-8.
 json_t* results_json_text( const char* value );
+/// A hash as sixteen hexadecimal digits.
+json_t* results_json_hash( uint64_t hash );
+/// @return false: it is no hash
+bool results_json_take_hash( const json_t* value, uint64_t* out );

@@ -125,7 +125,6 @@ static field field_at( int i )
 // @return null: it is not there
 static json_t* json_of( field_kind kind, const void* at )
 {
-    char text[24];
     switch ( kind )
     {
         case TEXT:
@@ -135,8 +134,7 @@ static json_t* json_of( field_kind kind, const void* at )
         case FLAG:
             return *(const bool*)at ? json_true() : NULL;
         case HASH:
-            snprintf( text, sizeof text, "%016llx", (unsigned long long)*(const uint64_t*)at );
-            return *(const uint64_t*)at != 0 ? json_string( text ) : NULL;
+            return *(const uint64_t*)at != 0 ? results_json_hash( *(const uint64_t*)at ) : NULL;
         default:
         {
             const double value = *(const double*)at;
@@ -172,13 +170,6 @@ static bool take_number( const json_t* value, double* out )
     return value == NULL || is_infinite || json_is_number( value );
 }
 
-static bool take_hash( const json_t* value, uint64_t* out )
-{
-    const char* text = json_string_value( value );
-    *out = text != NULL ? strtoull( text, NULL, 16 ) : 0;
-    return value == NULL || ( text != NULL && strlen( text ) == 16 && strspn( text, "0123456789abcdef" ) == 16 );
-}
-
 // @param value null: it is not there @return false: it is of another kind, or too large
 static bool take( const field* f, const json_t* value, void* at )
 {
@@ -195,7 +186,7 @@ static bool take( const field* f, const json_t* value, void* at )
             *(bool*)at = json_is_true( value );
             return value == NULL || json_is_boolean( value );
         case HASH:
-            return take_hash( value, at );
+            return results_json_take_hash( value, at ) || value == NULL;
         default:
             return take_number( value, at );
     }
