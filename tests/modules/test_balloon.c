@@ -417,7 +417,7 @@ TEST( the_volume_follows_a_ramp_of_its_gas )
     balloon_mesh_destroy( &mesh );
 }
 
-// Eq. 9. That P V = N R T is held by the oracle, and that the product's P is that of the gas by the pressures below.
+// Eq. 9. That the pressure is that of the gas is held by the pressures below.
 TEST( the_gas_has_the_densities_of_the_source )
 {
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
