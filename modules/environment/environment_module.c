@@ -188,6 +188,10 @@ wisp_status wisp_set_environment( wisp_world* world, wisp_entity strands, const 
     {
         return wisp_world_fail( world, WISP_CONFLICT, "module environment: not registered in this world" );
     }
+    if ( wisp_has_strands( world, strands ) == false )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "environment: entity %u has no strands", strands.index );
+    }
     wisp_status status = check_def( world, def );
     bool had = wisp_world_has( world, strands, state->settings );
     status = status == WISP_OK ? wisp_world_attach( world, strands, state->settings ) : status;

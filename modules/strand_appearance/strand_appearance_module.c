@@ -153,6 +153,10 @@ wisp_status wisp_set_strand_appearance( wisp_world* world, wisp_entity strands,
     {
         return wisp_world_fail( world, WISP_CONFLICT, "module strand_appearance: not registered in this world" );
     }
+    if ( wisp_has_strands( world, strands ) == false )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "strand_appearance: entity %u has no strands", strands.index );
+    }
     wisp_status status = check_def( world, def );
     status = status == WISP_OK ? wisp_world_attach( world, strands, state->settings ) : status;
     if ( status == WISP_OK )

@@ -417,37 +417,6 @@ TEST( refreshing_in_place_equals_sampling_from_scratch )
     samples_mesh_free( &m );
 }
 
-TEST( workers_do_not_change_a_bit )
-{
-    const int workers[] = { 2, 3, 5, 8 };
-    samples_mesh m = samples_sphere( 30, 30, 2.5 );
-    float* rest = copy_of_positions( &m );
-    for ( int w = 0; w < WISP_COUNT( workers ); ++w )
-    {
-        for ( int variant = 0; variant < 2; ++variant )
-        {
-            layer *one = layer_open( &m, 0.06f, 1 ), *many = layer_open( &m, 0.06f, workers[w] );
-            one->args.policy = (wisp_spacing)variant;
-            one->args.hysteresis = 0.2f;
-            copy_settings( &many->args, &one->args );
-            for ( int step = 0; step < 6; ++step )
-            {
-                deform( rest, &m, step );
-                layer_update( one );
-                layer_update( many );
-                assert_int_equal( one->samples.changed_elements, many->samples.changed_elements );
-                assert_same_points( &one->samples, &many->samples, m.edge_count + m.triangle_count );
-                assert_memory_equal( one->args.triangle_extent, many->args.triangle_extent,
-                                     (size_t)m.triangle_count * 2 * sizeof( float ) );
-            }
-            layer_close( one );
-            layer_close( many );
-        }
-    }
-    free( rest );
-    samples_mesh_free( &m );
-}
-
 TEST( only_what_changes_is_resampled )
 {
     samples_mesh m = samples_sphere( 30, 30, 2.5 );

@@ -234,38 +234,6 @@ TEST( instances_have_layers_of_their_own )
     ball_close( b );
 }
 
-TEST( a_restored_snapshot_has_the_points_of_its_time )
-{
-    ball_world* b = ball_open( 3, 2, NULL );
-    wisp_boundary_def def = ball_layer( 0.03f );
-    def.hysteresis = 0.4f;
-    def.strain_gain = 2.0f;
-    set_layer( b, b->ball, &def );
-    ball_steps( b, 8 );
-    const saved_world saved = save_world( b->world );
-    uint64_t through[6];
-    for ( int i = 0; i < 6; ++i )
-    {
-        ball_steps( b, 1 );
-        through[i] = layer_hash( b, b->ball );
-    }
-    const uint64_t everything = wisp_world_hash( b->world );
-    ball_steps( b, 20 );
-    assert_int_equal( wisp_world_restore( b->world, saved.bytes, saved.size ), WISP_OK );
-    ball_steps( b, 1 );
-    // the number of resampled elements depends on the path, so everything except it is compared
-    const int first = stats_of( b, b->ball ).points;
-    for ( int i = 1; i < 6; ++i )
-    {
-        ball_steps( b, 1 );
-        assert_true( layer_hash( b, b->ball ) == through[i] );
-    }
-    assert_true( first > 0 );
-    assert_true( wisp_world_hash( b->world ) == everything );
-    free( saved.bytes );
-    ball_close( b );
-}
-
 // Frame 0 of a film. What is read does not change what the steps do.
 TEST( a_layer_can_be_read_before_the_first_step )
 {
@@ -354,50 +322,6 @@ TEST( a_layer_beyond_its_limit_stays )
     ball_close( b );
 }
 
-TEST( a_warm_step_asks_for_no_memory )
-{
-    for ( int workers = 1; workers <= 3; workers += 2 )
-    {
-        ball_world* b = ball_open( 3, workers, NULL );
-        wisp_boundary_def def = ball_layer( 0.04f );
-        def.strain_gain = 1.0f;
-        set_layer( b, b->ball, &def );
-        ball_steps( b, 40 );
-        const int64_t queried = atomic_load( &b->host.queried );
-        ball_steps( b, 10 );
-        assert_int_equal( atomic_load( &b->host.queried ), queried );
-        ball_close( b );
-    }
-}
-
-TEST( without_memory_nothing_has_changed )
-{
-    ball_world* b = ball_open( 2, 1, NULL );
-    const wisp_boundary_def def = ball_layer( 0.1f );
-    const int passes = wisp_world_plan_passes( b->world );
-    int refused = 0;
-    for ( int n = 1;; ++n )
-    {
-        test_host_refuse( &b->host, n, true );
-        const wisp_status status = wisp_set_boundary( b->world, b->ball, &def );
-        const bool met = test_host_has_refused( &b->host );
-        test_host_refuse( &b->host, 0, false );
-        if ( status == WISP_OK )
-        {
-            assert_false( met );
-            break;
-        }
-        assert_int_equal( status, WISP_NO_MEMORY );
-        assert_one_message( wisp_world_message( b->world ) );
-        assert_int_equal( wisp_world_plan_passes( b->world ), passes );
-        refused += 1;
-    }
-    assert_true( refused >= 4 );
-    ball_steps( b, 1 );
-    assert_true( stats_of( b, b->ball ).points > 0 );
-    ball_close( b );
-}
-
 // ---- refusals ----
 
 // X( what the message must name, the statement that breaks a definition )
@@ -432,17 +356,5 @@ TEST( what_a_layer_cannot_be_is_refused_by_name )
     BROKEN_DEFS( REFUSE_ONE )
 #undef REFUSE_ONE
     assert_int_equal( wisp_world_plan_passes( b->world ), passes );
-
-    const wisp_boundary_def def = ball_layer( 0.1f );
-    wisp_boundary_view view;
-    wisp_boundary_stats stats;
-    expect_refusal( b->world, wisp_read_boundary( b->world, b->ball, &view ), WISP_CONFLICT, "no layer" );
-    expect_refusal( b->world, wisp_read_boundary_stats( b->world, b->ball, &stats ), WISP_CONFLICT, "no layer" );
-
-    const wisp_entity strands = test_add_strands( b->world, 2, 3 );
-    expect_refusal( b->world, wisp_set_boundary( b->world, strands, &def ), WISP_CONFLICT, "not a surface" );
-    wisp_entity gone = b->ball;
-    gone.generation += 1;
-    expect_refusal( b->world, wisp_set_boundary( b->world, gone, &def ), WISP_STALE_ID, "does not exist" );
     ball_close( b );
 }

@@ -353,24 +353,6 @@ static wisp_entity busy_scene( wisp_world* world, wisp_entity* ball )
     return add_cloth( world, 40, 1.4f, ( wisp_vec3 ){ 0.0f, 0.35f, 0.0f }, GRAVITY );
 }
 
-TEST( any_number_of_workers_gives_the_same_bits )
-{
-    const int workers[] = { 1, 2, 3, 8 };
-    uint64_t expected = 0;
-    for ( int k = 0; k < WISP_COUNT( workers ); ++k )
-    {
-        hosted* h = new_colliding( 2, 3, workers[k] );
-        wisp_entity ball;
-        wisp_entity e = busy_scene( h->world, &ball );
-        run_busy( h->world, ball, 0, 40 );
-        assert_true( collision_of( h->world, e ).contacts > 100 );
-        uint64_t hash = wisp_world_hash( h->world );
-        expected = k == 0 ? hash : expected;
-        assert_int_equal( hash, expected );
-        free_colliding( h );
-    }
-}
-
 COLLISION_TEST( a_snapshot_brings_moving_bodies_back )
 {
     hosted* h = *state;
@@ -387,52 +369,6 @@ COLLISION_TEST( a_snapshot_brings_moving_bodies_back )
     run_for( h->world, DT, 5 );
     assert_int_equal( wisp_world_hash( h->world ), expected );
     free( saved.bytes );
-}
-
-COLLISION_TEST( a_warm_step_allocates_nothing )
-{
-    hosted* h = *state;
-    wisp_entity ball;
-    busy_scene( h->world, &ball );
-    run_busy( h->world, ball, 0, 5 );
-    int64_t queried = atomic_load( &h->host.queried );
-    run_busy( h->world, ball, 5, 25 );
-    assert_int_equal( atomic_load( &h->host.queried ), queried );
-}
-
-COLLISION_TEST( without_memory_a_call_changes_nothing )
-{
-    hosted* h = *state;
-    test_mesh mesh = test_plane( 3, 0.1f );
-    wisp_fabric_def fabric = test_fabric_def( &mesh );
-    wisp_entity e = test_surface_of( h->world, &fabric, support_weightless_surface_def() );
-    test_mesh_free( &mesh );
-    assert_int_equal( wisp_request( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
-    const int bare = wisp_world_plan_passes( h->world );
-    wisp_collision_def collision = wisp_default_collision_def();
-    wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
-    bool done = false;
-    for ( int n = 1; done == false && n < 100; ++n )
-    {
-        test_host_refuse( &h->host, n, true );
-        done = wisp_set_collision( h->world, e, &collision ) == WISP_OK;
-        test_host_refuse( &h->host, 0, false );
-    }
-    assert_true( done );
-    done = false;
-    for ( int n = 1; done == false && n < 100; ++n )
-    {
-        wisp_entity body;
-        test_host_refuse( &h->host, n, true );
-        done = wisp_add_collider( h->world, &plane, &body ) == WISP_OK;
-        bool refused = test_host_has_refused( &h->host );
-        test_host_refuse( &h->host, 0, false );
-        assert_true( done != refused );
-        assert_true( done || body.index == 0 );
-        assert_int_equal( wisp_world_plan_passes( h->world ), done ? bare + 2 : bare );
-        run_for( h->world, DT, 1 );
-    }
-    assert_true( done );
 }
 
 // ---- refusals ----

@@ -198,28 +198,6 @@ TEST( a_mesh_that_moves_is_answered_in_its_own_frame )
     assert_near( height[0], height[1], 0.02 );
 }
 
-TEST( any_number_of_workers_gives_the_same_bits_on_a_mesh )
-{
-    const int workers[] = { 1, 2, 3, 8 };
-    uint64_t expected = 0;
-    for ( int k = 0; k < WISP_COUNT( workers ); ++k )
-    {
-        hosted* h = new_colliding( 2, 2, workers[k] );
-        wisp_entity ball = add_ball( h->world, true, 1.0f );
-        wisp_entity e = add_cloth( h->world, 33, 0.9f, ( wisp_vec3 ){ 0.0f, 0.35f, 0.0f }, GRAVITY );
-        for ( int n = 1; n <= 40; ++n )
-        {
-            const wisp_transform pose = { about_z( 0.03 * n ), { 0.005f * (float)n, 0.0f, 0.0f } };
-            assert_int_equal( wisp_move_collider( h->world, ball, pose ), WISP_OK );
-            run_for( h->world, DT, 1 );
-        }
-        assert_true( collision_of( h->world, e ).contacts > 50 );
-        expected = k == 0 ? wisp_world_hash( h->world ) : expected;
-        assert_int_equal( wisp_world_hash( h->world ), expected );
-        free_colliding( h );
-    }
-}
-
 COLLISION_TEST( trees_go_with_their_bodies )
 {
     hosted* h = *state;

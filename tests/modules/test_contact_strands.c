@@ -609,10 +609,3 @@ TEST( a_heap_of_sticks_does_not_mingle )
 {
     (void)fall( 2, 120, true );
 }
-
-TEST( a_heap_has_the_same_bits_for_any_number_of_workers )
-{
-    const uint64_t one = fall( 1, 30, false );
-    assert_true( fall( 2, 30, false ) == one );
-    assert_true( fall( 5, 30, false ) == one );
-}

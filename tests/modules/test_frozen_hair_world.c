@@ -278,45 +278,6 @@ static hair_host counted_host( counting_memory* memory, int workers )
     return ( hair_host ){ .workers = workers, .allocator = { count_allocation, count_release, memory } };
 }
 
-static void replay( wisp_world* world, wisp_entity entity, int event )
-{
-    assert_int_equal( wisp_replay_frozen_hair( world, entity, ( wisp_vec3 ){ 0.05f, -0.1f, 0.0f }, (uint64_t)event ),
-                      WISP_OK );
-    hair_step( world );
-}
-
-TEST( a_warm_step_allocates_nothing )
-{
-    for ( int n = 0; n < 8; ++n )
-    {
-        counting_memory memory;
-        const hair_host host = counted_host( &memory, 1 + n % 2 );
-        hair_groom groom = hair_groom_create( HAIR_WAVY, 2 + n / 2 % 2, 300, 20, 0.004f );
-        wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
-        def.base = n < 4 ? WISP_FROZEN_BASE_REST : WISP_FROZEN_BASE_STROKE;
-        def.clump_step_length = 0.003f; // lists are rebuilt
-        wisp_world* world = hair_world_create( &host );
-        wisp_entity entity = hair_add_frozen( world, &groom, &def );
-        for ( int warm = 0; warm < 2; ++warm )
-        {
-            replay( world, entity, 0 );
-            replay( world, entity, 1 );
-        }
-        int queried = atomic_load( &memory.queried );
-        long long live = atomic_load( &memory.live );
-        for ( int step = 0; step < 8; ++step )
-        {
-            replay( world, entity, step % 2 );
-            hair_step( world );
-        }
-        assert_int_equal( atomic_load( &memory.queried ), queried );
-        assert_int_equal( atomic_load( &memory.live ), live );
-        wisp_world_destroy( world );
-        assert_int_equal( atomic_load( &memory.live ), 0 );
-        hair_groom_destroy( &groom );
-    }
-}
-
 TEST( memory_is_counted_and_a_vertex_costs_little )
 {
     const int strands[] = { 100, 1000, 5000 };
@@ -345,71 +306,7 @@ TEST( memory_is_counted_and_a_vertex_costs_little )
     }
 }
 
-// Every allocation fails in turn: the call reports it, and the world stays valid.
-TEST( short_memory_is_a_status_and_the_world_goes_on )
-{
-    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 60, 12, 0.004f );
-    wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
-    wisp_vec3* expected = hair_run( NULL, &groom, &def );
-    counting_memory memory;
-    bool complete = false;
-    int failures = 0;
-    for ( int allowed = 0; complete == false; ++allowed )
-    {
-        const hair_host host = counted_host( &memory, 1 );
-        wisp_world* world = hair_world_create( &host );
-        wisp_entity entity = hair_add( world, &groom );
-        atomic_store( &memory.refuses, atomic_load( &memory.queried ) + allowed );
-        wisp_status set = wisp_set_frozen_hair( world, entity, &def );
-        wisp_status step = wisp_world_step( world, 0.01f );
-        assert_true( set == WISP_OK || set == WISP_NO_MEMORY );
-        assert_true( step == WISP_OK || step == WISP_NO_MEMORY );
-        complete = set == WISP_OK && step == WISP_OK;
-        failures += complete ? 0 : 1;
-        assert_true( complete || strlen( wisp_world_message( world ) ) > 0 );
-
-        atomic_store( &memory.refuses, -1 );
-        hair_set( world, entity, &def );
-        assert_int_equal( wisp_replay_frozen_hair( world, entity, def.cursor, 0 ), WISP_OK );
-        hair_step( world );
-        assert_true( hair_same_bits( expected, hair_view( world, entity, groom.vertex_count ), groom.vertex_count ) );
-        wisp_world_destroy( world );
-        assert_int_equal( atomic_load( &memory.live ), 0 );
-    }
-    assert_true( failures > 5 );
-    free( expected );
-    hair_groom_destroy( &groom );
-}
-
 // ---- snapshots ----
-
-TEST( a_restored_snapshot_repeats_what_followed )
-{
-    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 30, 20, 0.005f );
-    wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
-    def.base = WISP_FROZEN_BASE_STROKE;
-    wisp_world* world = hair_world_create( NULL );
-    wisp_entity entity = hair_add_frozen( world, &groom, &def );
-    hair_step( world );
-    wisp_vec3* first = hair_points( world, entity, 600 );
-    const saved_world saved = save_world( world );
-    hair_command( world, entity, def.cursor );
-    hair_step( world );
-    wisp_vec3* second = hair_points( world, entity, 600 );
-    uint64_t hash = wisp_world_hash( world );
-
-    assert_int_equal( wisp_world_restore( world, saved.bytes, saved.size ), WISP_OK );
-    assert_true( hair_same_bits( first, hair_view( world, entity, 600 ), 600 ) );
-    hair_command( world, entity, def.cursor );
-    hair_step( world );
-    assert_true( hair_same_bits( second, hair_view( world, entity, 600 ), 600 ) );
-    assert_int_equal( wisp_world_hash( world ), hash );
-    free( first );
-    free( second );
-    free( saved.bytes );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
-}
 
 // A restore is no command: the step after a restore keeps the restored shape.
 TEST( a_step_after_a_restore_changes_nothing )

@@ -408,74 +408,6 @@ TEST( strands_without_dynamics_have_no_pass_that_moves_them )
     close_world( &s );
 }
 
-// ---- bits ----
-
-static wisp_entity add_busy( wisp_world* world )
-{
-    wisp_strand_dynamics_def def = default_def();
-    def.damping = 0.5f;
-    def.drag_coefficient = 1.0f;
-    def.wind = ( wisp_vec3 ){ 0.5f, 0.0f, 0.2f };
-    const wisp_entity e = add_moving( world, 70, 12, curl_down, 0.1f, &def );
-    wisp_strand_grid_def grid = wisp_default_strand_grid_def();
-    grid.repulsion = 1.0f;
-    assert_int_equal( wisp_set_strand_grid( world, e, &grid ), WISP_OK );
-    assert_int_equal( wisp_request( world, e, WISP_MOTION_STATS ), WISP_OK );
-    return e;
-}
-
-static void move_busy( wisp_world* world, wisp_entity e, int step )
-{
-    const wisp_vec3 place = { 0.01f * (float)step, 0.0f, 0.0f };
-    assert_int_equal(
-        wisp_move_strand_head( world, e, head_at( 0.05f * (float)step, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, place ) ),
-        WISP_OK );
-    strand_steps( world, 1, FRAME );
-}
-
-TEST( two_workers_have_the_bits_of_one )
-{
-    uint64_t hashes[2];
-    for ( int k = 0; k < 2; ++k )
-    {
-        hosted s;
-        open_strands( &s, 3, 1, k + 1 );
-        const wisp_entity e = add_busy( s.world );
-        for ( int i = 0; i < 10; ++i )
-        {
-            move_busy( s.world, e, i );
-        }
-        hashes[k] = wisp_world_hash( s.world );
-        close_world( &s );
-    }
-    assert_true( hashes[0] == hashes[1] );
-}
-
-TEST( a_restored_snapshot_goes_on_bitwise )
-{
-    hosted s;
-    open_strands( &s, 3, 1, 1 );
-    const wisp_entity e = add_busy( s.world );
-    for ( int i = 0; i < 5; ++i )
-    {
-        move_busy( s.world, e, i );
-    }
-    const saved_world saved = save_world( s.world );
-    uint64_t hashes[2];
-    for ( int k = 0; k < 2; ++k )
-    {
-        assert_int_equal( wisp_world_restore( s.world, saved.bytes, saved.size ), WISP_OK );
-        for ( int i = 5; i < 10; ++i )
-        {
-            move_busy( s.world, e, i );
-        }
-        hashes[k] = wisp_world_hash( s.world );
-    }
-    free( saved.bytes );
-    assert_true( hashes[0] == hashes[1] );
-    close_world( &s );
-}
-
 // ---- invalid states ----
 
 TEST( a_nan_puts_the_strands_back_and_halts_them )
@@ -537,30 +469,4 @@ TEST( wrong_definitions_are_refused_and_change_nothing )
     const wisp_entity still = add_strands( s.world, &count, 1, straight_out, 0.1f );
     assert_int_equal( wisp_read_strand_tension( s.world, still, tension ), WISP_CONFLICT );
     close_world( &s );
-}
-
-TEST( without_memory_the_strands_are_what_they_were )
-{
-    bool succeeded = false;
-    for ( int64_t n = 1; n < 200 && succeeded == false; ++n )
-    {
-        hosted s;
-        open_strands( &s, 1, 1, 1 );
-        const int counts[] = { 6, 4 };
-        const wisp_entity e = add_strands( s.world, counts, 2, curl_down, 0.1f );
-        const uint64_t hash = wisp_world_hash( s.world );
-        const size_t bytes = wisp_world_snapshot_size( s.world );
-        const wisp_strand_dynamics_def def = default_def();
-        test_host_refuse( &s.host, n, false );
-        const wisp_status status = wisp_set_strand_dynamics( s.world, e, &def );
-        succeeded = test_host_has_refused( &s.host ) == false;
-        assert_int_equal( status, succeeded ? WISP_OK : WISP_NO_MEMORY );
-        if ( succeeded == false )
-        {
-            assert_true( wisp_world_hash( s.world ) == hash );
-            assert_true( wisp_world_snapshot_size( s.world ) == bytes );
-        }
-        close_world( &s );
-    }
-    assert_true( succeeded );
 }

@@ -887,14 +887,3 @@ TEST( what_does_not_tear_is_refused_with_its_reason )
     assert_status( w, wisp_read_triangles( w, e, few, 1 ), WISP_BAD_INPUT );
     close_tearing( h );
 }
-
-TEST( a_world_without_the_module_says_so )
-{
-    static const wisp_module* const MODULES[] = { &wisp_cloth_module };
-    hosted* h = new_hosted( MODULES, 1, 1, 1, 1 );
-    const wisp_cloth_def cloth = wisp_default_cloth_def();
-    wisp_tearing_def def = wisp_default_tearing_def();
-    def.strength = 10.0f;
-    assert_refused( h->world, add_sheet( h->world, &cloth, 0.0f, false ), def, WISP_CONFLICT, "tearing" );
-    close_tearing( h );
-}
