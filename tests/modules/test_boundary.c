@@ -25,28 +25,6 @@ TEST( a_surface_moves_the_same_with_and_without_a_layer )
     ball_close( without );
 }
 
-TEST( without_a_layer_there_is_no_pass )
-{
-    ball_world* b = ball_open( 2, 1, NULL );
-    const int passes = wisp_world_plan_passes( b->world );
-    const size_t memory = wisp_world_memory( b->world );
-    wisp_boundary_def def = ball_layer( 0.1f );
-    set_layer( b, b->ball, &def );
-    assert_int_equal( wisp_world_plan_passes( b->world ), passes + 2 ); // normals, points
-    def.curvature_gain = 1.0f;
-    set_layer( b, b->ball, &def );
-    assert_int_equal( wisp_world_plan_passes( b->world ), passes + 3 ); // and spacing
-    def.curvature_gain = 0.0f;
-    set_layer( b, b->ball, &def );
-    assert_int_equal( wisp_world_plan_passes( b->world ), passes + 2 );
-    ball_steps( b, 1 );
-    assert_int_equal( wisp_unset_boundary( b->world, b->ball ), WISP_OK );
-    assert_int_equal( wisp_world_plan_passes( b->world ), passes );
-    assert_true( wisp_world_memory( b->world ) < memory + 4096 );
-    assert_int_equal( wisp_unset_boundary( b->world, b->ball ), WISP_OK ); // nothing left to remove
-    ball_close( b );
-}
-
 // ---- outputs ----
 
 TEST( elements_are_in_the_users_numbers )

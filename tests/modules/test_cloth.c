@@ -211,31 +211,6 @@ TEST( static_stretch_does_not_depend_on_the_vertex_count )
     }
 }
 
-TEST( static_stretch_does_not_depend_on_iterations_or_frame_rate )
-{
-    const struct
-    {
-        int substeps, iterations;
-        float seconds;
-    } ways[] = { { 8, 24, 1.0f / 60.0f }, { 8, 48, 1.0f / 60.0f }, { 8, 24, 1.0f / 30.0f }, { 8, 24, 1.0f / 90.0f } };
-    double first = 0.0;
-    for ( int i = 0; i < WISP_COUNT( ways ); ++i )
-    {
-        hanging c = { .n = 17,
-                      .side = 0.8,
-                      .compliance = 0.02f,
-                      .substeps = ways[i].substeps,
-                      .iterations = ways[i].iterations,
-                      .seconds = ways[i].seconds,
-                      .still = true };
-        double sag = hang( &c, 2.5 ).sag;
-        first = i == 0 ? sag : first;
-        print_message( "           %d substeps, %d iterations, 1/%.0f s: %.6f m\n", ways[i].substeps,
-                       ways[i].iterations, 1.0 / (double)ways[i].seconds, sag );
-        assert_near( sag / first, 1.0, 0.02 );
-    }
-}
-
 // The hanging cloth of performance.md: 64 x 64, two corners, 1 kg per vertex.
 static hanging big_cloth( void )
 {

@@ -151,18 +151,3 @@ TEST( cloth_on_meshes_has_the_bits_on_record_with_embree_and_without )
 {
     golden_check( WISP_SOURCE_ROOT "/data/golden/collision.hash", 4, run_case, NULL );
 }
-
-COLLISION_TEST( trees_go_with_their_bodies_and_are_the_worlds_memory )
-{
-    hosted* h = *state;
-    test_mesh ball = make_bumpy_ball();
-    const wisp_collider_def def = mesh_body( &ball );
-    wisp_entity first = add_collider( h->world, &def );
-    assert_int_equal( wisp_remove( h->world, first ), WISP_OK );
-    const size_t before = wisp_world_memory( h->world );
-    wisp_entity body = add_collider( h->world, &def );
-    assert_true( wisp_world_memory( h->world ) > before );
-    assert_int_equal( wisp_remove( h->world, body ), WISP_OK );
-    assert_int_equal( wisp_world_memory( h->world ), before );
-    test_mesh_free( &ball );
-}

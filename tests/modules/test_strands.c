@@ -48,18 +48,6 @@ TEST( falling_strands_of_different_lengths_keep_them )
     close_world( &s );
 }
 
-TEST( balanced_curls_stay )
-{
-    hosted s;
-    open_strands( &s, 16, 1, 1 );
-    const wisp_strand_dynamics_def def = default_def();
-    const wisp_entity e = add_moving( s.world, 20, 20, curl_down, 0.1f, &def );
-    strand_steps( s.world, 60, FRAME );
-    // balance is exact in the equations; the error of single precision is below a ten-thousandth of the length
-    assert_true( drift_from( s.world, e, 20, 20, curl_down, 0.1f ) < 1e-4 * 0.1 );
-    close_world( &s );
-}
-
 TEST( curls_that_are_not_balanced_sag )
 {
     hosted s;
@@ -397,39 +385,7 @@ TEST( points_alone_keep_the_whole_chain_in_the_item_loop )
     close_world( &s );
 }
 
-TEST( strands_without_dynamics_have_no_pass_that_moves_them )
-{
-    hosted s;
-    open_strands( &s, 2, 1, 1 );
-    const int count = 5;
-    const wisp_entity e = add_strands( s.world, &count, 1, straight_out, 0.1f );
-    assert_int_equal( wisp_request( s.world, e, WISP_STRAND_POINTS ), WISP_OK );
-    assert_int_equal( wisp_world_plan_passes( s.world ), 1 );
-    close_world( &s );
-}
-
 // ---- invalid states ----
-
-TEST( a_nan_puts_the_strands_back_and_halts_them )
-{
-    hosted s;
-    open_strands( &s, 2, 1, 1 );
-    const wisp_strand_dynamics_def def = default_def();
-    const wisp_entity e = add_moving( s.world, 3, 10, curl_down, 0.1f, &def );
-    strand_steps( s.world, 2, FRAME );
-    wisp_vec3 before[30];
-    memcpy( before, strand_points( s.world, e ), sizeof( before ) );
-    float* velocity = wisp_world_column( s.world, e, WISP_STRAND_VELOCITY, 0 );
-    velocity[4 * 3 * WISP_LANES + 1] = NAN; // strand 1, vertex 4
-    strand_steps( s.world, 1, FRAME );
-    assert_true( wisp_is_halted( s.world, e ) );
-    assert_memory_equal( strand_points( s.world, e ), before, sizeof( before ) );
-    assert_non_null( strstr( s.log.last, "strand 1, vertex" ) );
-    assert_int_equal( wisp_resume( s.world, e ), WISP_OK );
-    strand_steps( s.world, 10, FRAME );
-    assert_false( wisp_is_halted( s.world, e ) );
-    close_world( &s );
-}
 
 TEST( wrong_definitions_are_refused_and_change_nothing )
 {

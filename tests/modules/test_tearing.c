@@ -693,20 +693,6 @@ TEST( a_step_without_memory_fails_and_the_next_one_goes_on )
     assert_true( failures > 20 );
 }
 
-TEST( a_cloth_without_tearing_has_no_pass_and_no_column )
-{
-    sheet* s = open_sheet( CASES, 1, NULL, STRENGTH );
-    assert_status( s->h.world, wisp_set_tearing( s->h.world, s->e, NULL ), WISP_OK );
-    run_sheet( s, 0, 2 );
-    wisp_tearing_stats stats;
-    assert_int_equal( count_passes_named( s->h.world, "tearing.measure" ), 0 );
-    assert_false( wisp_world_has( s->h.world, s->e, WISP_LINK_LAMBDA ) );
-    assert_status( s->h.world, wisp_read_tearing_stats( s->h.world, s->e, &stats ), WISP_CONFLICT );
-    run_sheet( s, 2, STEPS );
-    assert_int_equal( wisp_world_counter( s->h.world, WISP_COUNT_SPLIT_VERTICES ), 0 );
-    close_sheet( s );
-}
-
 // A weak half: only it tears.
 TEST( a_map_of_factors_decides_where_it_tears )
 {
