@@ -270,28 +270,6 @@ TEST( every_effect_that_moves_something_moves_it )
     }
 }
 
-TEST( effects_that_share_a_world_move_as_they_do_alone )
-{
-    static const char* const NAMES[] = { "cloth", "balloon", "strands", "frozen_hair" };
-    int chosen[WISP_COUNT( NAMES )];
-    for ( int i = 0; i < WISP_COUNT( NAMES ); ++i )
-    {
-        chosen[i] = effects_find( &known, NAMES[i] );
-    }
-    effect_world* together = open_world( chosen, WISP_COUNT( NAMES ), true, false, 5 );
-    for ( int i = 0; i < WISP_COUNT( NAMES ); ++i )
-    {
-        effect_world* alone = open_world( chosen + i, 1, true, false, 5 );
-        uint64_t hash[2];
-        wisp_error error = { WISP_OK, "" };
-        assert_int_equal( effect_world_hash( together, i, hash, &error ), WISP_OK );
-        assert_int_equal( effect_world_hash( alone, 0, hash + 1, &error ), WISP_OK );
-        assert_int_equal( hash[0], hash[1] );
-        effect_world_close( alone );
-    }
-    effect_world_close( together );
-}
-
 TEST( the_case_has_a_line_for_each_effect_and_no_failure )
 {
     static results all;

@@ -123,63 +123,6 @@ TEST( the_default_spacing_is_half_of_the_mean_edge )
     ball_close( by_value );
 }
 
-// ---- local spacing: how large it is is in test_boundary_spacing.c ----
-
-// Points on edges whose middle satisfies x > 0, and on the others.
-static void count_halves( ball_world* b, int counts[2] )
-{
-    const wisp_samples* s = layer_of( b, b->ball ).samples;
-    counts[0] = counts[1] = 0;
-    for ( int p = 0; p < s->edge_count; ++p )
-    {
-        counts[s->xyzw[4 * p] > 0.0f ? 1 : 0] += 1;
-    }
-}
-
-TEST( a_near_eye_sees_more_points )
-{
-    ball_world* b = ball_open( 3, 1, NULL );
-    wisp_boundary_def def = ball_layer( 0.05f );
-    def.eye = ( wisp_vec3 ){ 3.0f, 0.0f, 0.0f };
-    def.eye_angle = 0.02f;
-    set_layer( b, b->ball, &def );
-    ball_steps( b, 1 );
-    int near[2], far[2];
-    count_halves( b, near );
-    assert_true( near[1] > near[0] );
-    def.eye.x = -3.0f;
-    set_layer( b, b->ball, &def );
-    ball_steps( b, 1 );
-    count_halves( b, far );
-    assert_true( far[0] > far[1] );
-    def.eye.x = -60.0f;
-    set_layer( b, b->ball, &def );
-    ball_steps( b, 1 );
-    assert_true( stats_of( b, b->ball ).edge_points < far[0] + far[1] );
-    ball_close( b );
-}
-
-// An edge has its points once, so both sides have the same ones; limits hold for it whatever the request.
-TEST( limits_of_the_spacing_hold )
-{
-    ball_world* b = ball_open( 3, 1, NULL );
-    wisp_boundary_def def = ball_layer( 0.05f );
-    def.curvature_gain = 1e5f;
-    def.min_spacing = 0.04f;
-    set_layer( b, b->ball, &def );
-    ball_steps( b, 1 );
-    wisp_boundary_def least = ball_layer( 0.04f );
-    const uint64_t clamped = layer_hash( b, b->ball );
-    set_layer( b, b->ball, &least );
-    ball_steps( b, 0 );
-    ball_world* other = ball_open( 3, 1, NULL );
-    set_layer( other, other->ball, &least );
-    ball_steps( other, 1 );
-    assert_true( layer_hash( other, other->ball ) == clamped );
-    ball_close( other );
-    ball_close( b );
-}
-
 // ---- changes of the surface ----
 
 TEST( instances_have_layers_of_their_own )
@@ -280,24 +223,6 @@ TEST( a_read_after_a_restore_into_a_new_world_keeps_the_counts )
     free( saved.bytes );
     ball_close( b[0] );
     ball_close( b[1] );
-}
-
-TEST( a_layer_beyond_its_limit_stays )
-{
-    ball_world* b = ball_open( 2, 1, NULL );
-    wisp_boundary_def def = ball_layer( 0.1f );
-    set_layer( b, b->ball, &def );
-    ball_steps( b, 1 );
-    const int points = stats_of( b, b->ball ).points;
-    def.spacing = 1e-5f;
-    def.max_points = points + 1;
-    set_layer( b, b->ball, &def );
-    ball_steps( b, 1 );
-    const wisp_boundary_stats f = stats_of( b, b->ball );
-    assert_true( f.refused );
-    assert_int_equal( f.points, points );
-    assert_true( f.requested > 1e6 );
-    ball_close( b );
 }
 
 // ---- refusals ----

@@ -53,30 +53,6 @@ static void assert_alike_in_company( int first, int count, const hair_host* host
     wisp_world_destroy( world );
 }
 
-TEST( two_grooms_in_a_world_are_what_each_is_alone )
-{
-    for ( int first = 0; first < 24; first += 2 )
-    {
-        assert_alike_in_company( first, 2, &( hair_host ){ .workers = 1 + first % 3 } );
-    }
-
-    // one large enough for all workers and one that shares its wave
-    hair_groom large = hair_groom_create( HAIR_WAVY, 3, 400, 20, 0.004f ), small = groom_of( 5 );
-    wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
-    const hair_host host = { .workers = 2 };
-    wisp_world* world = hair_world_create( &host );
-    wisp_entity a = hair_add_frozen( world, &large, &def ), b = hair_add_frozen( world, &small, &def );
-    hair_step( world );
-    wisp_vec3 *alone_a = hair_run( NULL, &large, &def ), *alone_b = hair_run( NULL, &small, &def );
-    assert_true( hair_same_bits( alone_a, hair_view( world, a, large.vertex_count ), large.vertex_count ) );
-    assert_true( hair_same_bits( alone_b, hair_view( world, b, small.vertex_count ), small.vertex_count ) );
-    free( alone_a );
-    free( alone_b );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &large );
-    hair_groom_destroy( &small );
-}
-
 TEST( fifty_small_grooms_are_what_each_is_alone_for_any_workers )
 {
     const int workers[] = { 1, 2, 5 };
