@@ -1,5 +1,5 @@
 // The flight of a balloon in `wisp bench accuracy`: its error falls with its substeps.
-#include "accuracy_fixture.h"
+#include "accuracy_scenes.h"
 
 accuracy_scene_fn accuracy_balloon_flight;
 
@@ -8,20 +8,20 @@ static accuracy_scene flight;
 static int make_scene( void** state )
 {
     (void)state;
-    expect_made( accuracy_balloon_flight, &flight );
+    open_scene( accuracy_balloon_flight, &flight );
     return 0;
 }
 
 static int drop_scene( void** state )
 {
     (void)state;
-    free_scene( &flight );
+    close_scene( &flight );
     return 0;
 }
 
 TEST( every_setting_of_a_flight_has_a_name_of_its_own )
 {
-    expect_names_differ( &flight );
+    assert_well_formed( &flight );
 }
 
 TEST( a_flight_comes_nearer_to_double_precision_with_substeps )
@@ -56,7 +56,7 @@ TEST( momentum_is_what_the_forces_have_given )
 
 TEST( a_flight_has_one_hash_whoever_computes_it )
 {
-    expect_one_hash( &flight, "kick, max drag, 10 x 1" );
+    assert_same_hash( &flight, "kick, max drag, 10 x 1" );
 }
 
 TEST_GROUP( make_scene, drop_scene )
