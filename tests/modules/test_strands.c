@@ -426,3 +426,38 @@ TEST( wrong_definitions_are_refused_and_change_nothing )
     assert_int_equal( wisp_read_strand_tension( s.world, still, tension ), WISP_CONFLICT );
     close_world( &s );
 }
+
+TEST( a_nan_in_one_position_halts_that_entity_alone )
+{
+    uint64_t hashes[2][4];
+    for ( int k = 0; k < 2; ++k )
+    {
+        hosted s;
+        open_strands( &s, 4, 1, 1 );
+        const wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+        // more than one group each
+        const wisp_entity sound = add_moving( s.world, 20, 12, straight_out, 0.1f, &def );
+        const wisp_entity sick = add_moving( s.world, 20, 12, curl_down, 0.1f, &def );
+        strand_steps( s.world, 3, FRAME );
+        if ( k == 1 )
+        {
+            float* position = wisp_world_column( s.world, sick, WISP_STRAND_POSITION, 0 );
+            position[5 * 3 * WISP_LANES + 2] = NAN; // x of vertex 5 of the strand in lane 2
+        }
+        for ( int i = 0; i < 4; ++i )
+        {
+            strand_steps( s.world, 5, FRAME );
+            assert_int_equal( wisp_world_hash_column( s.world, sound, WISP_STRAND_POINTS, &hashes[k][i] ), WISP_OK );
+        }
+        assert_int_equal( wisp_is_halted( s.world, sick ), k == 1 );
+        assert_false( wisp_is_halted( s.world, sound ) );
+        assert_int_equal( wisp_world_counter( s.world, WISP_COUNT_HALTED ), k );
+        const wisp_vec3* p = strand_points( s.world, sick );
+        for ( int v = 0; v < 240; ++v )
+        {
+            assert_true( isfinite( p[v].x + p[v].y + p[v].z ) );
+        }
+        close_world( &s );
+    }
+    assert_memory_equal( hashes[0], hashes[1], sizeof( hashes[0] ) );
+}
