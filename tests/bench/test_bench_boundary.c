@@ -28,23 +28,6 @@ TEST( no_check_of_the_case_fails )
     assert_column( find_table( all, "Coverage against cost" ), "met", "yes" );
 }
 
-TEST( counts_stand_beside_those_of_the_contract )
-{
-    const results_table* table = find_table( *state, "Points of the reference sphere" );
-    assert_int_equal( table->row_count, 1 + 2 * LAYER_LAWS );
-    assert_column( table, "exact", "yes" );
-    assert_column( table, "same", "yes" );
-    const int edge = column_of( table, "edge" ), inner = column_of( table, "inner" ), by = column_of( table, "by" );
-    // table of the README of the boundary particle paper: 0.2 even and exact, then 0.1
-    assert_string_equal( cell( table, 1, edge ), "930" );
-    assert_string_equal( cell( table, 2, edge ), "3360" );
-    assert_string_equal( cell( table, 1 + LAYER_LAWS, edge ), "5160" );
-    assert_string_equal( cell( table, 1 + LAYER_LAWS, inner ), "300" );
-    assert_string_equal( cell( table, 2 + LAYER_LAWS, inner ), "3480" );
-    assert_string_equal( cell( table, 2 + LAYER_LAWS, by ), "contract" );
-    assert_string_equal( cell( table, LAYER_LAWS, by ), "oracle" );
-}
-
 TEST( rows_for_machines_are_there_for_every_worker_count )
 {
     const results* all = *state;
@@ -117,26 +100,6 @@ TEST( points_that_are_not_on_the_surface_or_not_as_many_are_seen )
     check = check_of( &l, &l.def );
     assert_false( layer_check_is_met( &check ) );
     assert_true( check.farthest > 1e-6 && check.farthest < 1e-3 );
-    close_layer( &l );
-}
-
-TEST( resampling_is_of_all_elements_and_gives_the_same_points )
-{
-    wisp_error error = { 0 };
-    one_layer l = open_layer( 0.1f );
-    wisp_boundary_view view;
-    wisp_boundary_stats stats;
-    assert_int_equal( layer_read( &l.implementation.surface, &view, &error ), WISP_OK );
-    const uint64_t hash = layer_hash( &view );
-    for ( int is_resampled = 0; is_resampled < 2; ++is_resampled )
-    {
-        l.implementation.is_resampled = is_resampled == 1;
-        assert_int_equal( layer_step( &l.implementation, &error ), WISP_OK );
-        assert_int_equal( layer_read( &l.implementation.surface, &view, &error ), WISP_OK );
-        assert_int_equal( layer_read_stats( &l.implementation.surface, &stats, &error ), WISP_OK );
-        assert_int_equal( stats.changed_elements, is_resampled == 1 ? stats.elements : 0 );
-        assert_true( layer_hash( &view ) == hash );
-    }
     close_layer( &l );
 }
 
