@@ -88,33 +88,6 @@ TEST( results_on_a_mesh_scale_with_the_scene )
     assert_near( height[2], height[0], 0.01 );
 }
 
-COLLISION_TEST( a_particle_at_100_m_s_does_not_tunnel_through_a_sheet )
-{
-    hosted* h = *state;
-    wisp_collider_def def;
-    add_sheet( h->world, &def );
-    for ( int from_below = 0; from_below < 2; ++from_below )
-    {
-        float side = from_below ? -1.0f : 1.0f;
-        test_mesh mesh = test_triangle( ( wisp_vec3 ){ 0.13f, 0.9f * side, 0.07f }, 0.1f );
-        wisp_collision_def collision = wisp_default_collision_def();
-        wisp_entity e = add_colliding( h->world, &mesh, &collision );
-        test_mesh_free( &mesh );
-        const wisp_vec3 fast = { 0.0f, -100.0f * side, 0.0f };
-        assert_int_equal( wisp_set_velocity( h->world, e, fast, ( wisp_vec3 ){ 0 } ), WISP_OK );
-        for ( int n = 0; n < 5; ++n )
-        {
-            run_for( h->world, DT, 1 );
-            for ( int v = 0; v < 3; ++v )
-            {
-                assert_true( point_of( h->world, e, v ).y * side > 0.0f );
-            }
-        }
-        assert_true( collision_of( h->world, e ).penetration < 1e-6f );
-        assert_true( motion_stats_of( h->world, e ).speed_max < 1e-3 );
-    }
-}
-
 COLLISION_TEST( a_sheet_at_100_m_s_sweeps_particles_along )
 {
     hosted* h = *state;
