@@ -156,8 +156,6 @@ typedef struct boundary_oracle_options
     const double* triangle_spacing; ///< [triangle_count] m
 } boundary_oracle_options;
 
-boundary_oracle_options boundary_oracle_default_options( void );
-
 /// One boundary particle. (element, line, step) identifies it; the rest follows from the positions of its parents.
 typedef struct boundary_oracle_point
 {
