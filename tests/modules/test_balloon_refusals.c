@@ -110,14 +110,6 @@ static void refuse_mesh( const balloon_mesh* mesh, const char* named )
     wisp_world_destroy( world );
 }
 
-TEST( an_open_mesh_has_no_volume )
-{
-    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
-    mesh.triangle_count -= 1;
-    refuse_mesh( &mesh, "got 3 open edges" );
-    balloon_mesh_destroy( &mesh );
-}
-
 // A strip of three triangles turned once: one-sided, with a border; and a closed one-sided shell, in which two
 // triangles must run along some edge in the same direction.
 TEST( a_one_sided_mesh_encloses_nothing )

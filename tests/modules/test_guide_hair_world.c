@@ -48,7 +48,7 @@ static uint64_t hash_of_swing( const guide_host* host, int links, int ghost_node
     wisp_ghosts_def def = wisp_default_ghosts_def();
     def.target_count = links;
     def.resample = ghost_nodes != NODES;
-    def.repair_length = true;
+    def.repair_length = def.between = true;
     guide_follow( &f, def );
     wisp_curves_def curves = wisp_default_curves_def();
     curves.source = f.ghosts;
