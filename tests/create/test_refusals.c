@@ -233,27 +233,6 @@ REFUSAL( an_entity_that_was_removed_is_a_status )
     assert_true( wisp_world_hash( W ) == f->hash );
 }
 
-REFUSAL( what_an_entity_has_not_been_given_is_a_conflict )
-{
-    const fixture* f = *state;
-    wisp_world* W = f->world;
-    const wisp_entity S = f->cloth, H = f->hair;
-    SHOWN( wisp_set_balloon_gas_ratio( W, S, 1.2f ), WISP_CONFLICT )
-    SHOWN( wisp_set_balloon_inflation( W, S, 1.0f ), WISP_CONFLICT )
-    SHOWN( wisp_open_balloon( W, S, true ), WISP_CONFLICT )
-    SHOWN( wisp_read_balloon_stats( W, S, &( wisp_balloon_stats ){ 0 } ), WISP_CONFLICT )
-    SHOWN( wisp_read_boundary( W, S, &( wisp_boundary_view ){ 0 } ), WISP_CONFLICT )
-    SHOWN( wisp_read_boundary_stats( W, S, &( wisp_boundary_stats ){ 0 } ), WISP_CONFLICT )
-    SHOWN( wisp_request_implicit_cloth_stats( W, S, true ), WISP_CONFLICT )
-    SHOWN( wisp_read_implicit_cloth_stats( W, S, &( wisp_implicit_cloth_stats ){ 0 } ), WISP_CONFLICT )
-    SHOWN( wisp_set_cloth_wind( W, H, points[0] ), WISP_CONFLICT )
-    SHOWN( wisp_command_frozen_hair( W, H, points[0] ), WISP_CONFLICT )
-    SHOWN( wisp_replay_frozen_hair( W, H, points[0], 0 ), WISP_CONFLICT )
-    SHOWN( wisp_read_frozen_hair_stats( W, H, &( wisp_frozen_hair_stats ){ 0 } ), WISP_CONFLICT )
-    SHOWN( wisp_read_tearing_stats( W, S, &( wisp_tearing_stats ){ 0 } ), WISP_CONFLICT )
-    assert_true( wisp_world_hash( W ) == f->hash );
-}
-
 REFUSAL( a_definition_that_is_null_or_was_not_filled_is_a_status )
 {
     const fixture* f = *state;

@@ -187,6 +187,34 @@ TEST( an_entity_of_another_kind_and_one_that_is_gone_are_refused )
     }
 }
 
+TEST( what_an_entity_has_not_been_given_is_a_conflict )
+{
+    stage* s = open_stage( 0 );
+    const uint64_t hash = wisp_world_hash( s->world );
+    const wisp_vec3 cursor = { 0 };
+    const wisp_status got[] = {
+        wisp_set_balloon_gas_ratio( s->world, s->ball, 1.2f ),
+        wisp_set_balloon_inflation( s->world, s->ball, 1.0f ),
+        wisp_open_balloon( s->world, s->ball, true ),
+        wisp_read_balloon_stats( s->world, s->ball, &( wisp_balloon_stats ){ 0 } ),
+        wisp_read_boundary( s->world, s->ball, &( wisp_boundary_view ){ 0 } ),
+        wisp_read_boundary_stats( s->world, s->ball, &( wisp_boundary_stats ){ 0 } ),
+        wisp_request_implicit_cloth_stats( s->world, s->sheet, true ),
+        wisp_read_implicit_cloth_stats( s->world, s->sheet, &( wisp_implicit_cloth_stats ){ 0 } ),
+        wisp_set_cloth_wind( s->world, s->hair, cursor ),
+        wisp_command_frozen_hair( s->world, s->hair, cursor ),
+        wisp_replay_frozen_hair( s->world, s->hair, cursor, 0 ),
+        wisp_read_frozen_hair_stats( s->world, s->hair, &( wisp_frozen_hair_stats ){ 0 } ),
+        wisp_read_tearing_stats( s->world, s->sheet, &( wisp_tearing_stats ){ 0 } ),
+    };
+    for ( int i = 0; i < WISP_COUNT( got ); ++i )
+    {
+        assert_int_equal( got[i], WISP_CONFLICT );
+    }
+    assert_true( wisp_world_hash( s->world ) == hash );
+    close_stage( s );
+}
+
 // @param again it was made before. @param rest refuse the n-th request and all later ones. @return false if it makes fewer requests
 static bool call_with_a_refusal( int number, int n, bool again, bool rest )
 {
