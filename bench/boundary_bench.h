@@ -67,22 +67,6 @@ wisp_status layer_read_stats( surface_implementation* implementation, wisp_bound
 /// Hash of all outputs of a layer.
 uint64_t layer_hash( const wisp_boundary_view* view );
 
-/// Differences of a layer from the oracle's for the same positions.
-typedef struct layer_check
-{
-    int edge_points, inner_points;     ///< of the engine
-    int edge_expected, inner_expected; ///< of the oracle
-    double farthest;                   ///< m, of a point from the oracle's; infinite if the counts differ
-    double off_surface;                ///< m, of a point from its edge, or from the plane of its triangle
-    double reach;                      ///< m, the largest coordinate of a point
-} layer_check;
-
-/// @param mesh the user's, cooked
-wisp_status layer_compare( surface_implementation* implementation, const wisp_mesh* mesh,
-                           const wisp_boundary_def* def, layer_check* out, wisp_error* error );
-/// Counts equal the oracle's, and points are at the oracle's positions and on the surface, up to rounding.
-bool layer_check_is_met( const layer_check* check );
-
 /// How densely a layer covers its surface.
 typedef struct layer_cover
 {

@@ -344,18 +344,10 @@ static wisp_status accuracy_run_settings( const accuracy_report* report, double 
 
 // The case `accuracy`: its scenes one after another, each with a fraction of the time.
 
-#define ACCURACY_SCENE( name, title, function ) accuracy_scene_fn function;
-#define ACCURACY_SUITE( name, title )
-#include "scenes.inc"
-#undef ACCURACY_SCENE
-#undef ACCURACY_SUITE
-
 #define ACCURACY_SUITE( name, title ) { name, title, NULL, NULL },
-#define ACCURACY_SCENE( name, title, function ) { name, title, function, NULL },
 static const accuracy_entry all_entries[] = {
 #include "scenes.inc"
 };
-#undef ACCURACY_SCENE
 #undef ACCURACY_SUITE
 
 // Time of a scene unless the command line limits the case.

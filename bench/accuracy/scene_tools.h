@@ -1,4 +1,4 @@
-/// Shared by scenes in C: lists of settings, timed steps, surfaces, and the flight of a balloon.
+/// Shared by scenes in C: lists of settings, timed steps and surfaces.
 #pragma once
 
 #include "accuracy/accuracy.h"

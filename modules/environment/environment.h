@@ -38,7 +38,7 @@ WISP_API float wisp_environment_stiffness( const wisp_environment_def* def, floa
 
 /// Put strands into an environment, or replace it. Stiffness is written in the next step; frozen hair shows it with its next
 /// update.
-/// @return WISP_BAD_INPUT a value is out of range or the curve is not monotone; WISP_CONFLICT module not registered
+/// @return WISP_BAD_INPUT a value is out of range or the curve is not monotone; WISP_CONFLICT module not registered, or no strands
 WISP_API wisp_status wisp_set_environment( wisp_world* world, wisp_entity strands, const wisp_environment_def* def );
 
 WISP_API extern const wisp_module wisp_environment_module;

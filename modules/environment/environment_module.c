@@ -184,17 +184,14 @@ wisp_status wisp_set_environment( wisp_world* world, wisp_entity strands, const 
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_environment_def", &values, given ) );
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     const environment_state* state = wisp_world_module_state( world, "environment" );
-    if ( state == NULL )
+    if ( state == NULL || wisp_has_strands( world, strands ) == false )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "module environment: not registered in this world" );
+        return wisp_world_fail( world, WISP_CONFLICT, "module environment: %s",
+                                state == NULL ? "not registered in this world" : "the entity has no strands" );
     }
     wisp_status status = check_def( world, def );
     bool had = wisp_world_has( world, strands, state->settings );
-    status = status == WISP_OK ? wisp_world_attach( world, strands, state->settings ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( status == WISP_OK ? wisp_world_attach( world, strands, state->settings ) : status );
     status = wisp_world_attach( world, strands, WISP_STRAND_STIFFNESS );
     if ( status != WISP_OK )
     {

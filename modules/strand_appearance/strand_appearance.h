@@ -29,7 +29,7 @@ WISP_API void wisp_strand_appearance_at( const wisp_strand_appearance_def* def, 
                                          wisp_vec3* colour );
 
 /// Give strands an appearance, or replace it.
-/// @return WISP_BAD_INPUT a value is out of range; WISP_CONFLICT module not registered
+/// @return WISP_BAD_INPUT a value is out of range; WISP_CONFLICT module not registered, or the entity has no strands
 WISP_API wisp_status wisp_set_strand_appearance( wisp_world* world, wisp_entity strands,
                                                  const wisp_strand_appearance_def* def );
 

@@ -149,9 +149,10 @@ wisp_status wisp_set_strand_appearance( wisp_world* world, wisp_entity strands,
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_strand_appearance_def", &values, given ) );
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     const look_state* state = wisp_world_module_state( world, "strand_appearance" );
-    if ( state == NULL )
+    if ( state == NULL || wisp_has_strands( world, strands ) == false )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "module strand_appearance: not registered in this world" );
+        return wisp_world_fail( world, WISP_CONFLICT, "module strand_appearance: %s",
+                                state == NULL ? "not registered in this world" : "the entity has no strands" );
     }
     wisp_status status = check_def( world, def );
     status = status == WISP_OK ? wisp_world_attach( world, strands, state->settings ) : status;

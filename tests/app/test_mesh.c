@@ -301,22 +301,6 @@ TEST( the_bunny_is_one_closed_sound_shell )
     wisp_mesh_release( &mesh );
 }
 
-static wisp_mesh read_obj( const char* text )
-{
-    wisp_mesh mesh;
-    wisp_error error = { .status = WISP_OK };
-    assert_ok( wisp_mesh_read_obj( text, strlen( text ), "text.obj", &mesh, &error ), error );
-    return mesh;
-}
-
-static wisp_mesh read_ply( const void* bytes, size_t size )
-{
-    wisp_mesh mesh;
-    wisp_error error = { .status = WISP_OK };
-    assert_ok( wisp_mesh_read_ply( bytes, size, "bytes.ply", &mesh, &error ), error );
-    return mesh;
-}
-
 static void refuse_obj( const char* text, const char* part )
 {
     wisp_mesh mesh;
@@ -346,13 +330,13 @@ static void assert_attributes( const wisp_mesh* a, const wisp_mesh* b )
 TEST( colours_stand_behind_the_position_of_an_obj_vertex )
 {
     // without weight, with weight, and none: white
-    wisp_mesh mesh = read_obj( "v 0 0 0 0.25 .5 1e-1\nv 1 0 0 1 0.75 0 0.125\nv 0 1 0\nf 1 2 3\n" );
+    wisp_mesh mesh = read_obj_text( "v 0 0 0 0.25 .5 1e-1\nv 1 0 0 1 0.75 0 0.125\nv 0 1 0\nf 1 2 3\n" );
     const wisp_vec3 colours[] = { { 0.25f, 0.5f, 0.1f }, { 0.75f, 0.0f, 0.125f }, { 1, 1, 1 } };
     assert_memory_equal( mesh.colours, colours, sizeof colours );
     assert_int_equal( mesh.colour_missing_count, 1 );
     assert_true( mesh.points[1].x == 1.0f && mesh.uvs == NULL );
     wisp_mesh_release( &mesh );
-    mesh = read_obj( "v 0 0 0\nv 1 0 0 1\nv 0 1 0\nf 1 2 3\n" );
+    mesh = read_obj_text( "v 0 0 0\nv 1 0 0 1\nv 0 1 0\nf 1 2 3\n" );
     assert_null( mesh.colours );
     wisp_mesh_release( &mesh );
 }
@@ -361,8 +345,8 @@ TEST( a_vertex_keeps_the_first_texture_coordinates_of_its_corners )
 {
     // Faces come before their `vt` lines, count backwards from what came before, repeat an equal pair (no seam) and
     // name another (a seam); the fourth vertex has none.
-    wisp_mesh mesh = read_obj( "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 9 9 9\nvt 0.5 0.25\nf 1/1 2/-1 3/3\nvt 0.5 0.25 7\n"
-                               "vt 2\nvt .1 .9\nf 1/2 2/-1 3/3\n" );
+    wisp_mesh mesh = read_obj_text( "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 9 9 9\nvt 0.5 0.25\nf 1/1 2/-1 3/3\nvt 0.5 0.25 7\n"
+                                    "vt 2\nvt .1 .9\nf 1/2 2/-1 3/3\n" );
     const float uvs[] = { 0.5f, 0.25f, 0.5f, 0.25f, 2.0f, 0.0f, 0.0f, 0.0f };
     assert_memory_equal( mesh.uvs, uvs, sizeof uvs );
     assert_int_equal( mesh.uv_seam_count, 1 );
@@ -372,16 +356,16 @@ TEST( a_vertex_keeps_the_first_texture_coordinates_of_its_corners )
 
 TEST( an_index_without_a_line_of_texture_coordinates_gives_none )
 {
-    wisp_mesh mesh = read_obj( "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/2 3/9\n" );
+    wisp_mesh mesh = read_obj_text( "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/2 3/9\n" );
     assert_null( mesh.uvs );
     assert_int_equal( mesh.uv_missing_count, 0 );
     wisp_mesh_release( &mesh );
-    mesh = read_obj( "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 1 1\nf 1/1 2/2 3/-2\n" );
+    mesh = read_obj_text( "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 1 1\nf 1/1 2/2 3/-2\n" );
     assert_int_equal( mesh.uv_missing_count, 2 );
     assert_true( mesh.uvs[0] == 1.0f && mesh.uvs[2] == 0.0f );
     wisp_mesh_release( &mesh );
     // lines that no face names
-    mesh = read_obj( "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 1 1\nf 1 2 3\n" );
+    mesh = read_obj_text( "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 1 1\nf 1 2 3\n" );
     assert_null( mesh.uvs );
     wisp_mesh_release( &mesh );
 }
@@ -416,7 +400,7 @@ TEST( ply_colours_of_every_type_become_fractions )
                   "property %s green\nproperty float z\nproperty %s blue\nproperty uchar alpha\n" PLY_FACE
                   "%s 0 0 0 0 0 1\n0 1 0 %s 0 0 2\n0 0 1 0 0 %s 3\n3 0 1 2\n",
                   t, t, t, f, f, f );
-        wisp_mesh mesh = read_ply( text, strlen( text ) );
+        wisp_mesh mesh = read_ply_bytes( text, strlen( text ) );
         const wisp_vec3 colours[] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
         assert_memory_equal( mesh.colours, colours, sizeof colours );
         assert_true( mesh.points[1].x == 1.0f && mesh.points[2].y == 1.0f );
@@ -435,7 +419,7 @@ TEST( ply_texture_coordinates_have_three_spellings_and_the_first_counts )
                   "property float %s\nproperty float %s\nproperty float u\nproperty list uchar int v\n" PLY_FACE
                   "0 0 0 .5 .25 9 0\n1 0 0 1 2 9 1 9\n0 1 0 3 4 9 0\n3 0 1 2\n",
                   names[i][0], names[i][1] );
-        wisp_mesh mesh = read_ply( text, strlen( text ) );
+        wisp_mesh mesh = read_ply_bytes( text, strlen( text ) );
         const float uvs[] = { 0.5f, 0.25f, 1, 2, 3, 4 };
         assert_memory_equal( mesh.uvs, uvs, sizeof uvs );
         assert_null( mesh.colours );
@@ -449,7 +433,7 @@ TEST( a_lone_channel_or_coordinate_of_ply_is_skipped )
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
         "property float s\nproperty uchar red\nproperty uchar blue\n" PLY_FACE
         "0 0 0 1 1 1\n1 0 0 1 1 1\n0 1 0 1 1 1\n3 0 1 2\n";
-    wisp_mesh mesh = read_ply( text, strlen( text ) );
+    wisp_mesh mesh = read_ply_bytes( text, strlen( text ) );
     assert_true( mesh.colours == NULL && mesh.uvs == NULL );
     wisp_mesh_release( &mesh );
 }
@@ -490,8 +474,8 @@ static void round_trip( const wisp_mesh* mesh, const char* name )
 TEST( both_formats_restore_colours_and_coordinates_bit_for_bit )
 {
     wisp_mesh mesh =
-        read_obj( "v 0 0 0 0.1 0.2 0.3\nv 1 0 0 -0.0 1.5 1e-9\nv 0 1 0 0 0 1\nvt 0.1 -0.7\nvt 3 0.3333333\n"
-                  "f 1/1 2/2 3/1\n" );
+        read_obj_text( "v 0 0 0 0.1 0.2 0.3\nv 1 0 0 -0.0 1.5 1e-9\nv 0 1 0 0 0 1\nvt 0.1 -0.7\nvt 3 0.3333333\n"
+                       "f 1/1 2/2 3/1\n" );
     round_trip( &mesh, "attributes.obj" );
     round_trip( &mesh, "attributes.ply" );
     free( mesh.uvs );
@@ -509,7 +493,7 @@ TEST( ply_colours_are_bytes_where_bytes_lose_nothing )
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
         "property uchar red\nproperty uchar green\nproperty uchar blue\n" PLY_FACE
         "0 0 0 1 77 254\n1 0 0 0 128 255\n0 1 0 3 99 200\n3 0 1 2\n";
-    wisp_mesh mesh = read_ply( text, strlen( text ) );
+    wisp_mesh mesh = read_ply_bytes( text, strlen( text ) );
     round_trip( &mesh, "bytes.ply" );
     char head[400] = { 0 };
     FILE* file = fopen( "bytes.ply", "rb" );
@@ -528,7 +512,7 @@ TEST( ply_colours_are_bytes_where_bytes_lose_nothing )
 
 TEST( values_that_are_not_finite_are_not_written )
 {
-    wisp_mesh mesh = read_obj( "v 0 0 0 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n" );
+    wisp_mesh mesh = read_obj_text( "v 0 0 0 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n" );
     wisp_error error = { .status = WISP_OK };
     mesh.uvs[3] = INFINITY;
     assert_int_equal( wisp_mesh_write( "never.ply", &mesh, &error ), WISP_BAD_INPUT );
@@ -544,8 +528,8 @@ TEST( values_that_are_not_finite_are_not_written )
 
 TEST( a_repair_that_removes_vertices_keeps_what_belongs_to_the_others )
 {
-    wisp_mesh mesh = read_obj( "v 9 9 9 .9 .9 .9\nv 0 0 0 .1 .1 .1\nv 1 0 0 .2 .2 .2\nv 0 1 0 .3 .3 .3\n"
-                               "vt 1 1\nvt 2 2\nvt 3 3\nf 2/1 3/2 4/3\n" );
+    wisp_mesh mesh = read_obj_text( "v 9 9 9 .9 .9 .9\nv 0 0 0 .1 .1 .1\nv 1 0 0 .2 .2 .2\nv 0 1 0 .3 .3 .3\n"
+                                    "vt 1 1\nvt 2 2\nvt 3 3\nf 2/1 3/2 4/3\n" );
     wisp_mesh_repairs repairs;
     assert_int_equal( wisp_mesh_repair( &mesh, WISP_MESH_DROP_UNREFERENCED, &repairs, NULL ), WISP_OK );
     const wisp_vec3 colours[] = { { .1f, .1f, .1f }, { .2f, .2f, .2f }, { .3f, .3f, .3f } };
@@ -560,7 +544,7 @@ TEST( a_repair_that_removes_vertices_keeps_what_belongs_to_the_others )
 TEST( the_description_names_their_ranges_and_what_was_missing )
 {
     wisp_mesh mesh =
-        read_obj( "v 0 0 0 .25 0 1\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 .5\nvt 2 3\nf 1/1 2/1 3/2\nf 1/2 2/1 4\n" );
+        read_obj_text( "v 0 0 0 .25 0 1\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 .5\nvt 2 3\nf 1/1 2/1 3/2\nf 1/2 2/1 4\n" );
     char* text = NULL;
     size_t size = 0;
     FILE* stream = open_memstream( &text, &size );

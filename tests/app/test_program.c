@@ -81,17 +81,6 @@ TEST( help_of_every_command_names_its_usage_and_the_exit_statuses )
     }
 }
 
-TEST( every_command_has_a_usage )
-{
-    static const char* const commands[] = { "--usage",      "run --usage",    "plan --usage", "bench --usage",
-                                            "info --usage", "render --usage", "tune --usage", "torture --usage" };
-    for ( int i = 0; i < WISP_COUNT( commands ); ++i )
-    {
-        run_ok( commands[i] );
-        assert_memory_equal( result.out, "Usage: wisp", 11 );
-    }
-}
-
 TEST( a_misspelt_command_is_answered_with_the_nearest )
 {
     assert_usage( "rnu good.yaml", "did you mean 'run'?" );
@@ -109,16 +98,6 @@ TEST( a_missing_or_second_argument_is_wrong_usage )
     assert_usage( "info", "expected a file" );
     assert_usage( "run good.yaml good.yaml", "got a second scene" );
     assert_usage( "info good.yaml good.yaml", "got a second file" );
-}
-
-TEST( an_unknown_option_is_wrong_usage )
-{
-    assert_usage( "--colour", "--colour" );
-    assert_memory_equal( result.err, "wisp: ", 6 );
-    assert_usage( "run good.yaml --fast", "--fast" );
-    assert_usage( "plan good.yaml -x", "x" );
-    assert_usage( "bench --stpes", "--stpes" );
-    assert_usage( "info --deep good.yaml", "--deep" );
 }
 
 TEST( a_number_out_of_its_range_is_wrong_usage )

@@ -238,19 +238,6 @@ TEST( several_surfaces_are_a_file_each )
     assert_true( exists( "both_left_0002.ply" ) && exists( "both_right_0004.ply" ) );
 }
 
-TEST( files_do_not_depend_on_the_number_of_workers )
-{
-    run_well( "run ball.yaml --boundary one.ply --workers 1" );
-    run_well( "run ball.yaml --boundary three.ply --workers 3" );
-    size_t size, other;
-    char *one = read_bytes( "one_0005.ply", &size ), *three = read_bytes( "three_0005.ply", &other );
-    assert_true( size > 10000 );
-    assert_int_equal( other, size );
-    assert_memory_equal( one, three, size );
-    free( one );
-    free( three );
-}
-
 TEST( points_that_cannot_be_written_are_refused )
 {
     assert_refused( "run plain.yaml --boundary a.ply", "plain.yaml has no surface with the key 'boundary'" );

@@ -93,14 +93,6 @@ TEST( every_kind_of_input_becomes_a_picture_of_the_size_queried_for )
     }
 }
 
-TEST( a_picture_does_not_depend_on_the_number_of_workers )
-{
-    run( "render fly.wisp -o one.png --size 80x60 --samples 4 --workers 1" );
-    free( assert_picture( "one.png", 80, 60 ).rgb );
-    run( "render fly.wisp -o three.png --size 80x60 --samples 4 --workers 3" );
-    assert_true( same_file( "one.png", "three.png" ) );
-}
-
 TEST( frames_and_times_name_the_same_pictures )
 {
     run( "render fly.wisp -o frame.png --size 64x48 --samples 1 --frame 2" );

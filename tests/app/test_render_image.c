@@ -535,21 +535,6 @@ TEST( meshes_and_strands_stay_what_they_are_beside_points )
     fixture_ball_free( &e.ball );
 }
 
-TEST( the_number_of_threads_changes_no_byte_of_points )
-{
-    everything e;
-    make_everything( &e );
-    render_camera camera = fixture_camera();
-    render_options options = fixture_options();
-    image one = fixture_picture( &e.scene, &camera, &options );
-    options.threads = 3;
-    image three = fixture_picture( &e.scene, &camera, &options );
-    assert_memory_equal( one.rgb, three.rgb, 3 * (size_t)one.width * (size_t)one.height );
-    image_release( &one );
-    image_release( &three );
-    fixture_ball_free( &e.ball );
-}
-
 // Light goes through latex and strands: a point among them lets none through.
 TEST( a_point_throws_a_shadow_also_where_others_let_light_through )
 {

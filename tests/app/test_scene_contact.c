@@ -340,47 +340,6 @@ TEST( what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface )
     wisp_scene_release( &f.scene );
 }
 
-// ---- scenes of the project ----
-
-TEST( the_scenes_of_the_project_with_boundary_particles_or_contact_run )
-{
-    static const struct
-    {
-        const char* file;
-        bool has_layer;
-        int participants;
-    } files[] = {
-        { "boundary_sphere.yaml", true, 0 },  { "boundary_bunny.yaml", true, 0 },
-        { "balloons_press.yaml", false, 2 },  { "balloon_stack.yaml", false, 10 },
-        { "cloth_fold.yaml", false, 1 },      { "balloon_under_cloth.yaml", false, 2 },
-        { "hair_on_balloon.yaml", false, 2 }, { "implicit_contact.yaml", false, 2 },
-    };
-    for ( int i = 0; i < WISP_COUNT( files ); ++i )
-    {
-        fixture f = { .scene = read_good( files[i].file ) };
-        assert_int_equal( f.scene.surfaces[0].has_boundary, files[i].has_layer );
-        create( &f, 2 );
-        step( &f, 3 );
-        wisp_boundary_stats layer;
-        wisp_contact_stats contact;
-        if ( files[i].has_layer )
-        {
-            assert_int_equal( wisp_read_boundary_stats( f.world.world, f.world.surfaces[0].entity, &layer ),
-                              WISP_OK );
-            assert_true( layer.points > 1000 && !layer.refused && layer.skipped_elements == 0 );
-        }
-        if ( files[i].participants > 0 )
-        {
-            assert_int_equal( wisp_read_contact_stats( f.world.world, &contact ), WISP_OK );
-            assert_int_equal( contact.participants, files[i].participants );
-        }
-        assert_true( wisp_world_counter( f.world.world, WISP_COUNT_HALTED ) == 0 );
-        release( &f );
-    }
-}
-
-// ---- implicit cloth ----
-
 // ---- missing keys ----
 
 TEST( an_implicit_cloth_without_keys_has_the_defaults_of_its_module )
@@ -693,26 +652,6 @@ TEST( the_ends_of_all_ranges_are_taken_by_the_module )
     {
         fixture f = { .scene = with_block( "implicit", mappings[i] ) };
         create( &f, 1 );
-        release( &f );
-    }
-}
-
-// ---- scenes of the project ----
-
-TEST( the_scenes_of_the_project_with_implicit_cloth_run )
-{
-    static const char* const files[] = { "triangle_drape.yaml", "quad_drape.yaml", "garment_drop.yaml",
-                                         "moving_floor_cloth.yaml", "stiff_thirtieth.yaml" };
-    for ( int i = 0; i < WISP_COUNT( files ); ++i )
-    {
-        fixture f = { .scene = read_good( files[i] ) };
-        assert_true( f.scene.surfaces[0].has_implicit );
-        create( &f, 2 );
-        assert_int_equal( wisp_request_implicit_cloth_stats( f.world.world, f.world.surfaces[0].entity, true ),
-                          WISP_OK );
-        step( &f, 3 );
-        assert_true( stats_of( &f, 0 ).iterations > 0 );
-        assert_true( wisp_world_counter( f.world.world, WISP_COUNT_HALTED ) == 0 );
         release( &f );
     }
 }

@@ -189,22 +189,6 @@ TEST( a_missing_mesh_is_an_error_of_the_system_at_its_line )
     wisp_scene_release( &f.scene );
 }
 
-// ---- scenes of the project ----
-
-TEST( the_scenes_of_the_project_run )
-{
-    static const char* const files[] = { "bunny_balloon.yaml", "hanging_cloth.yaml", "cloth_on_ball.yaml",
-                                         "flag.yaml",          "balloons.yaml",      "pear_jet.yaml" };
-    for ( int i = 0; i < WISP_COUNT( files ); ++i )
-    {
-        fixture f;
-        open_scene( &f, files[i], 2 );
-        step( &f, 3 );
-        assert_true( wisp_world_counter( f.world.world, WISP_COUNT_STEPS ) == 3 );
-        release( &f );
-    }
-}
-
 // ---- start positions ----
 
 // An upright sheet of 2 m x 4 m about (0, 1, 0): vertex 0 is its upper left corner, 14 its lower right one.

@@ -317,34 +317,6 @@ TEST( an_event_blows_on_strands )
 
 // ---- the scenes of the project ----
 
-static const char* const SCENES[] = { "swinging_guides.yaml", "curly_rest.yaml", "head_shake.yaml",
-                                      "chain_links.yaml", "frozen_and_thawed.yaml" };
-
-TEST( scenes_of_strands_that_move_do_not_depend_on_the_number_of_workers )
-{
-    static const int workers[] = { 1, 2, 5 };
-    for ( int i = 0; i < WISP_COUNT( SCENES ); ++i )
-    {
-        uint64_t hashes[WISP_COUNT( workers )];
-        for ( int w = 0; w < WISP_COUNT( workers ); ++w )
-        {
-            fixture f;
-            open_scene( &f, SCENES[i], workers[w] );
-            step( &f, 40 );
-            hashes[w] = wisp_world_hash( f.world.world );
-            assert_int_equal( wisp_world_counter( f.world.world, WISP_COUNT_HALTED ), 0 );
-            release( &f );
-        }
-        for ( int w = 1; w < WISP_COUNT( workers ); ++w )
-        {
-            if ( hashes[w] != hashes[0] )
-            {
-                fail_msg( "%s: %d workers differ from one", SCENES[i], workers[w] );
-            }
-        }
-    }
-}
-
 TEST( balanced_curls_stay_where_those_beside_them_sag )
 {
     fixture f;

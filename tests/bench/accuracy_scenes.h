@@ -1,9 +1,10 @@
-/// Scenes of the case `accuracy` at their smallest, run setting by setting without the driver.
+/// Scenes of the cases `accuracy` and `validate` at their smallest, run setting by setting without the driver.
 #pragma once
 
 #include "unit.h"
 
 #include "accuracy/accuracy.h"
+#include "accuracy/accuracy_parts.h"
 #include "program_data.h"
 #include "suite_study.h"
 
@@ -24,7 +25,7 @@ static inline void open_scene( accuracy_scene_fn* make, accuracy_scene* out )
 {
     const bench_options options = { .quick = true, .workers = 2 };
     wisp_error error = { 0 };
-    assert_ok( make( &options, 1.0, out, &error ), error );
+    assert_ok( make( &options, 7.0, out, &error ), error );
 }
 
 static inline void close_scene( accuracy_scene* scene )
@@ -65,6 +66,23 @@ static inline accuracy_run run_setting( const accuracy_scene* scene, const char*
     free( run.ms );
     run.ms = NULL;
     profile_samples_free( &run.profile );
+    return run;
+}
+
+static inline accuracy_run observe( const accuracy_scene* scene, const char* name )
+{
+    return run_setting( scene, name, 1, true );
+}
+
+/// Observe one setting of a scene that is made for it.
+static inline accuracy_run observe_one( accuracy_scene_fn* make, bool is_quick, const char* name )
+{
+    const bench_options options = { .quick = is_quick, .workers = 2 };
+    wisp_error error = { 0 };
+    accuracy_scene scene;
+    assert_ok( make( &options, 7.0, &scene, &error ), error );
+    const accuracy_run run = observe( &scene, name );
+    close_scene( &scene );
     return run;
 }
 
@@ -110,7 +128,7 @@ static inline void assert_well_formed( const accuracy_scene* scene )
     {
         const accuracy_setting* s = &scene->settings[i];
         assert_true( strlen( s->name ) < sizeof( s->name ) - 1 ); // a longer one may have been truncated
-        assert_true( s->series[0] == '\0' ? isnan( s->parameter ) : s->parameter > 0.0 );
+        assert_true( s->series[0] == '\0' || s->parameter > 0.0 );
         for ( int k = 0; k < i; ++k )
         {
             const accuracy_setting* other = &scene->settings[k];

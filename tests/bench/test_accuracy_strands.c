@@ -2,66 +2,6 @@
 // and hashes depend on nothing but the setting.
 #include "accuracy_scenes.h"
 
-TEST( strands_that_fall_come_nearer_at_first_order )
-{
-    wisp_suite suite;
-    accuracy_scene scene;
-    open_suite( "strands_swing", &suite, &scene );
-    assert_well_formed( &scene );
-
-    // The error of the direct solve is that of its substep alone.
-    const double order = order_between( &scene, "direct, substeps=4", "direct, substeps=20", 5.0 );
-    assert_true( fabs( order - 1.0 ) < 0.1 );
-    const double direct = error_of( &scene, "direct, substeps=20" );
-    assert_true( direct > 0.1 && direct < 1.5 ); // mm of a strand of 0.95 m: different, but the same fall
-
-    assert_same_hash( &scene, "pbd, 1 substep, iterations=2" );
-    close_suite( &suite, &scene );
-}
-
-TEST( lengths_cost_sweeps_and_not_direct_solves )
-{
-    wisp_suite suite;
-    accuracy_scene scene;
-    open_suite( "strands_swing", &suite, &scene );
-    const accuracy_run direct = run_setting( &scene, "direct, substeps=2", 1, true );
-    const accuracy_run few = run_setting( &scene, "pbd, 1 substep, iterations=2", 1, true );
-    const accuracy_run many = run_setting( &scene, "pbd, 1 substep, iterations=128", 1, true );
-    assert_true( measure_of( &scene, &direct, "stretch max, %" ) < 0.01 );
-    assert_true( measure_of( &scene, &few, "stretch max, %" ) > 10.0 );
-    assert_true( measure_of( &scene, &many, "stretch max, %" ) < 0.1 * measure_of( &scene, &few, "stretch max, %" ) );
-
-    // A falling strand cannot have more energy than it started with.
-    assert_true( measure_of( &scene, &direct, "energy gained, mJ" ) < 0.0 );
-    close_suite( &suite, &scene );
-}
-
-TEST( hair_that_is_balanced_stays_where_it_is )
-{
-    wisp_suite suite;
-    accuracy_scene scene;
-    open_suite( "strands_rest", &suite, &scene );
-    assert_well_formed( &scene );
-    assert_true( error_of( &scene, "waves, substeps=8" ) < 0.001 ); // mm, over 2 s: it does not jitter either
-    assert_true( error_of( &scene, "waves, not balanced" ) > 1.0 );
-    assert_same_hash( &scene, "waves, substeps=2" );
-    close_suite( &suite, &scene );
-}
-
-TEST( balanced_curls_stay_at_any_number_of_substeps )
-{
-    wisp_suite suite;
-    accuracy_scene scene;
-    open_suite( "strands_rest", &suite, &scene );
-    assert_well_formed( &scene );
-    // less than half of the hair's 80 um
-    assert_true( error_of( &scene, "curls, vertices=32, substeps=32" ) < 0.04 );
-    assert_true( error_of( &scene, "curls, vertices=32, substeps=4" ) < 0.04 );
-    assert_true( error_of( &scene, "curls, not balanced" ) > 1.0 );
-    assert_same_hash( &scene, "curls, vertices=32, substeps=1" );
-    close_suite( &suite, &scene );
-}
-
 TEST( fewer_guides_miss_more )
 {
     wisp_suite suite;

@@ -4,9 +4,6 @@
 
 #include "boundary_bench.h"
 
-#include "wisp/module/components.h"
-#include "wisp/module/module.h"
-
 static const bench_options quick = { .quick = true, .workers = 2 };
 
 static boundary_plan small_plan( void )
@@ -28,23 +25,6 @@ TEST( no_check_of_the_case_fails )
     assert_column( find_table( all, "Coverage against cost" ), "met", "yes" );
 }
 
-TEST( counts_stand_beside_those_of_the_contract )
-{
-    const results_table* table = find_table( *state, "Points of the reference sphere" );
-    assert_int_equal( table->row_count, 1 + 2 * LAYER_LAWS );
-    assert_column( table, "exact", "yes" );
-    assert_column( table, "same", "yes" );
-    const int edge = column_of( table, "edge" ), inner = column_of( table, "inner" ), by = column_of( table, "by" );
-    // table of the README of the boundary particle paper: 0.2 even and exact, then 0.1
-    assert_string_equal( cell( table, 1, edge ), "930" );
-    assert_string_equal( cell( table, 2, edge ), "3360" );
-    assert_string_equal( cell( table, 1 + LAYER_LAWS, edge ), "5160" );
-    assert_string_equal( cell( table, 1 + LAYER_LAWS, inner ), "300" );
-    assert_string_equal( cell( table, 2 + LAYER_LAWS, inner ), "3480" );
-    assert_string_equal( cell( table, 2 + LAYER_LAWS, by ), "contract" );
-    assert_string_equal( cell( table, LAYER_LAWS, by ), "oracle" );
-}
-
 TEST( rows_for_machines_are_there_for_every_worker_count )
 {
     const results* all = *state;
@@ -62,83 +42,6 @@ TEST( rows_for_machines_are_there_for_every_worker_count )
 }
 
 // ---- parts of the checks ----
-
-typedef struct one_layer
-{
-    wisp_mesh mesh;
-    wisp_fabric* fabric;
-    layer_implementation implementation;
-    wisp_boundary_def def;
-} one_layer;
-
-// With 11 slices no edge is a whole number of tenths of a metre long; with 10 some are, up to rounding.
-static one_layer open_layer( float spacing )
-{
-    wisp_error error = { 0 };
-    one_layer l = { .def = layer_def( &layer_laws[0], spacing ) };
-    assert_ok( layer_sphere( 11, 1.0f, &l.mesh, &error ), error );
-    assert_ok( layer_cook( &l.mesh, &l.fabric, &error ), error );
-    assert_ok( layer_enter( l.fabric, &l.def, 1, &l.implementation, &error ), error );
-    assert_ok( layer_step( &l.implementation, &error ), error );
-    return l;
-}
-
-static void close_layer( one_layer* l )
-{
-    surface_implementation_destroy( &l->implementation.surface );
-    wisp_fabric_release( l->fabric );
-    wisp_mesh_release( &l->mesh );
-}
-
-static layer_check check_of( one_layer* l, const wisp_boundary_def* def )
-{
-    wisp_error error = { 0 };
-    layer_check check;
-    assert_ok( layer_compare( &l->implementation.surface, &l->mesh, def, &check, &error ), error );
-    return check;
-}
-
-TEST( points_that_are_not_on_the_surface_or_not_as_many_are_seen )
-{
-    one_layer l = open_layer( 0.1f );
-    layer_check check = check_of( &l, &l.def );
-    assert_true( check.inner_points > 0 );
-    assert_true( layer_check_is_met( &check ) );
-
-    const wisp_boundary_def finer = layer_def( &layer_laws[0], 0.09f );
-    check = check_of( &l, &finer );
-    assert_false( layer_check_is_met( &check ) );
-    assert_true( isinf( check.farthest ) );
-
-    // a vertex that moves after the step leaves its points behind; a move this small changes no count
-    float* x = wisp_world_column( l.implementation.surface.world, l.implementation.surface.entity,
-                                  WISP_PARTICLE_POSITION, 0 );
-    x[4 * (size_t)l.fabric->vertex_slot[l.mesh.vertex_count / 2]] += 1e-4f;
-    check = check_of( &l, &l.def );
-    assert_false( layer_check_is_met( &check ) );
-    assert_true( check.farthest > 1e-6 && check.farthest < 1e-3 );
-    close_layer( &l );
-}
-
-TEST( resampling_is_of_all_elements_and_gives_the_same_points )
-{
-    wisp_error error = { 0 };
-    one_layer l = open_layer( 0.1f );
-    wisp_boundary_view view;
-    wisp_boundary_stats stats;
-    assert_int_equal( layer_read( &l.implementation.surface, &view, &error ), WISP_OK );
-    const uint64_t hash = layer_hash( &view );
-    for ( int is_resampled = 0; is_resampled < 2; ++is_resampled )
-    {
-        l.implementation.is_resampled = is_resampled == 1;
-        assert_int_equal( layer_step( &l.implementation, &error ), WISP_OK );
-        assert_int_equal( layer_read( &l.implementation.surface, &view, &error ), WISP_OK );
-        assert_int_equal( layer_read_stats( &l.implementation.surface, &stats, &error ), WISP_OK );
-        assert_int_equal( stats.changed_elements, is_resampled == 1 ? stats.elements : 0 );
-        assert_true( layer_hash( &view ) == hash );
-    }
-    close_layer( &l );
-}
 
 TEST( the_cover_of_a_triangle_without_points_is_its_own )
 {

@@ -113,19 +113,6 @@ TEST( a_balloon_whose_time_is_not_linear_in_its_vertices_fails )
     results_free( &all );
 }
 
-TEST( the_virial_pressure_is_near_that_of_even_scaling )
-{
-    results all = { 0 };
-    run_suite( "pressure", 2, &all );
-    const results_table* table = find_table( &all, "Suite `pressure`" );
-    const int row = row_of( table, "1 iteration, substeps=100" );
-    const double pressure = atof( named_cell( table, row, "pressure, Pa" ) );
-    const double even = atof( named_cell( table, row, "pressure if scaled evenly, Pa" ) );
-    // within 2 %, as the specification's table has it
-    assert_true( even > 2000.0 && fabs( pressure / even - 1.0 ) < 0.02 );
-    results_free( &all );
-}
-
 TEST( the_accuracy_of_a_step_is_as_promised )
 {
     static figures_fn* const one[] = { figures_hang_accuracy };

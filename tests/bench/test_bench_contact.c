@@ -30,31 +30,6 @@ TEST( what_is_not_kept_apart_crosses_and_what_is_does_not )
     assert_true( number( table, row_of( table, "exact, margin=2" ), "pairs" ) > 0.0 );
 }
 
-static const char* hash_of( const results* all, const char* suite, const char* row )
-{
-    const results_table* table = find_table( all, suite );
-    return named_cell( table, row_of( table, row ), "hash" );
-}
-
-TEST( a_larger_margin_has_more_pairs )
-{
-    const results_table* table = find_table( *state, "Suite `cost`: contact" );
-    const double one = number( table, row_of( table, "exact, margin=1" ), "pairs" );
-    const double two = number( table, row_of( table, "exact, margin=2" ), "pairs" );
-    const double four = number( table, row_of( table, "exact, margin=4" ), "pairs" );
-    assert_true( one < two && two < four );
-}
-
-TEST( a_ball_at_its_pace_folds_the_cloth_as_in_the_other_suite )
-{
-    const char* pace = hash_of( *state, "Suite `motion`: the", "its pace, 0.54 m/s" );
-    assert_string_equal( pace, hash_of( *state, "Suite `cost`: the", "exact, margin=1" ) );
-    assert_string_not_equal( pace, hash_of( *state, "Suite `motion`: the", "ball at rest, 0 m/s" ) );
-    assert_string_not_equal( pace, hash_of( *state, "Suite `motion`: the", "twice its pace, 1.08 m/s" ) );
-    const results_table* table = find_table( *state, "Suite `motion`: contact" );
-    assert_true( number( table, row_of( table, "its pace, 0.54 m/s" ), "contacts" ) > 0.0 );
-}
-
 TEST( balloons_overlap_only_where_nothing_keeps_them_apart )
 {
     const results_table* table = find_table( *state, "Suite `pair`: contact" );
@@ -62,17 +37,6 @@ TEST( balloons_overlap_only_where_nothing_keeps_them_apart )
     const int exact = row_of( table, "exact, margin=2" );
     assert_true( number( table, exact, "max overlap, mm" ) < 1.5 ); // extension, not in the balloon paper
     assert_true( number( table, exact, "largest force, N" ) > 0.0 );
-}
-
-TEST( every_row_has_the_spread_of_its_times )
-{
-    const results_table* table = find_table( *state, "Suite `cost`: spread" );
-    for ( int r = 1; r < table->row_count; ++r )
-    {
-        assert_true( number( table, r, "1 worker: median" ) <= number( table, r, "longest" ) );
-        assert_true( number( table, r, "mean" ) > 0.0 );
-    }
-    assert_string_equal( named_cell( table, 1, "mean / first" ), "1.00" );
 }
 
 // ---- what contact promises ----

@@ -232,63 +232,6 @@ TEST( the_plan_of_all_effects_is_that_of_all_parts )
 
 // ---- modules that are only registered ----
 
-typedef struct every_bit
-{
-    uint64_t hash;
-    int columns;
-} every_bit;
-
-// All columns of all entities, a name before each: numbers of components depend on the registered modules.
-static every_bit bits_of( const wisp_world* world )
-{
-    every_bit bits = { 0 };
-    const store* s = &world->store;
-    for ( int slot = 0; slot < s->entity_count; ++slot )
-    {
-        const store_entity* e = s->entities + slot;
-        for ( int c = 1; c < s->component_count; ++c )
-        {
-            const wisp_component_def* def = &s->components[c].def;
-            const int columns = store_mask_has( &e->components, c ) ? def->column_count : 0;
-            for ( int k = 0; k < columns; ++k )
-            {
-                const size_t bytes = (size_t)e->rows[def->table].count * def->columns[k].row_size;
-                bits.hash = store_hash_bytes( bits.hash, def->name, strlen( def->name ) );
-                bits.hash = store_hash_bytes( bits.hash, store_column( s, e, (wisp_component)c, k ), bytes );
-                bits.columns += 1;
-            }
-        }
-    }
-    return bits;
-}
-
-static void assert_same_world( int which, bool is_on )
-{
-    effect_world* every = open_world( &which, 1, is_on, false, 5 );
-    effect_world* used = open_world( &which, 1, is_on, true, 5 );
-    assert_true( used->world.module_count < every->world.module_count );
-    char text[2][EFFECT_PLAN_MAX];
-    read_plan( every, text[0] );
-    read_plan( used, text[1] );
-    assert_string_equal( text[0], text[1] );
-    const every_bit a = bits_of( every->world.world ), b = bits_of( used->world.world );
-    assert_true( a.columns > 0 );
-    assert_int_equal( a.columns, b.columns );
-    assert_int_equal( a.hash, b.hash );
-    assert_int_equal( effect_world_bytes( every ), effect_world_bytes( used ) );
-    effect_world_close( every );
-    effect_world_close( used );
-}
-
-TEST( modules_that_nobody_asks_for_change_neither_plan_nor_bits_nor_memory )
-{
-    for ( int i = 0; i < known.count; ++i )
-    {
-        assert_same_world( i, true );
-        assert_same_world( i, false );
-    }
-}
-
 TEST( an_empty_world_grows_by_its_registry_alone )
 {
     effect_world *every = open_world( NULL, 0, true, false, 3 ), *none = open_world( NULL, 0, true, true, 3 );
@@ -325,28 +268,6 @@ TEST( every_effect_that_moves_something_moves_it )
         effect_world_close( on );
         effect_world_close( off );
     }
-}
-
-TEST( effects_that_share_a_world_move_as_they_do_alone )
-{
-    static const char* const NAMES[] = { "cloth", "balloon", "strands", "frozen_hair" };
-    int chosen[WISP_COUNT( NAMES )];
-    for ( int i = 0; i < WISP_COUNT( NAMES ); ++i )
-    {
-        chosen[i] = effects_find( &known, NAMES[i] );
-    }
-    effect_world* together = open_world( chosen, WISP_COUNT( NAMES ), true, false, 5 );
-    for ( int i = 0; i < WISP_COUNT( NAMES ); ++i )
-    {
-        effect_world* alone = open_world( chosen + i, 1, true, false, 5 );
-        uint64_t hash[2];
-        wisp_error error = { WISP_OK, "" };
-        assert_int_equal( effect_world_hash( together, i, hash, &error ), WISP_OK );
-        assert_int_equal( effect_world_hash( alone, 0, hash + 1, &error ), WISP_OK );
-        assert_int_equal( hash[0], hash[1] );
-        effect_world_close( alone );
-    }
-    effect_world_close( together );
 }
 
 TEST( the_case_has_a_line_for_each_effect_and_no_failure )

@@ -1,5 +1,5 @@
 // The theory of the balloons of `wisp validate`, and what the engine makes of each case.
-#include "accuracy_fixture.h"
+#include "accuracy_scenes.h"
 
 #include "oracle/balloon_theory.h"
 #include "validate/validate.h"
@@ -124,23 +124,14 @@ TEST( foils_are_closed_and_have_the_volume_between_two_parabolas )
 
 // ---- the engine ----
 
-static accuracy_run observe_case( accuracy_scene_fn* make, const char* setting )
-{
-    accuracy_scene scene;
-    expect_made( make, &scene );
-    const accuracy_run run = observe( &scene, setting );
-    free_scene( &scene );
-    return run;
-}
-
 // 0.4 % were measured, and 52 % with springs that resist compression.
 TEST( a_foil_that_wrinkles_becomes_a_mylar_balloon )
 {
     assert_true(
-        observe_case( validate_mylar, "strain limit, spokes, 8 rings, 40 substeps, p a / k = 100, 5 Pa" ).error <
+        observe_one( validate_mylar, true, "strain limit, spokes, 8 rings, 40 substeps, p a / k = 100, 5 Pa" ).error <
         2.0 );
     assert_true(
-        observe_case( validate_mylar, "xpbd links, spokes, 8 rings, 40 substeps, p a / k = 0.001, 5 Pa" ).error >
+        observe_one( validate_mylar, true, "xpbd links, spokes, 8 rings, 40 substeps, p a / k = 0.001, 5 Pa" ).error >
         10.0 );
 }
 
@@ -148,7 +139,7 @@ TEST( a_foil_that_wrinkles_becomes_a_mylar_balloon )
 TEST( a_jet_gives_the_speed_of_bernoulli )
 {
     accuracy_scene scene;
-    expect_made( validate_jet, &scene );
+    open_scene( validate_jet, &scene );
     const char* const name = "xpbd skin, xpbd gas, virial pressure, level 0, %d substeps, 160 mm2";
     char fine[96], coarse[96];
     snprintf( fine, sizeof fine, name, 80 );
@@ -157,20 +148,20 @@ TEST( a_jet_gives_the_speed_of_bernoulli )
     assert_true( run.error < 1.0 );
     assert_true( run.measures[3] < 1.0 ); // % of the gas that was added
     assert_true( observe( &scene, coarse ).error > 5.0 * run.error );
-    free_scene( &scene );
+    close_scene( &scene );
 }
 
 // The distance of two loads is 0.4 %, and their middle is off by half of it.
 TEST( slack_helium_lifts_what_its_mesh_displaces )
 {
-    assert_true( observe_case( validate_lift_off, "xpbd skin, xpbd gas, fill 1, level 1, 20 substeps" ).error <
+    assert_true( observe_one( validate_lift_off, true, "xpbd skin, xpbd gas, fill 1, level 1, 20 substeps" ).error <
                  0.21 );
 }
 
 TEST( a_balloon_rises_at_the_speed_of_its_drag )
 {
     const char* const usual = "xpbd skin, xpbd gas, drag max, level 3, 20 substeps";
-    assert_true( observe_case( validate_rising_balloon, usual ).error < 1.0 );
+    assert_true( observe_one( validate_rising_balloon, true, usual ).error < 1.0 );
 }
 
 enum
@@ -185,7 +176,7 @@ enum
 TEST( pressure_comes_to_the_closed_form_at_second_order )
 {
     accuracy_scene inflate;
-    expect_made( validate_inflate, &inflate );
+    open_scene( validate_inflate, &inflate );
     double error[3];
     for ( int i = 0; i < 3; ++i )
     {
@@ -198,20 +189,20 @@ TEST( pressure_comes_to_the_closed_form_at_second_order )
     assert_true( error[0] / error[1] > 3.4 && error[0] / error[1] < 4.4 );
     assert_true( error[1] / error[2] > 3.7 && error[1] / error[2] < 4.3 );
     assert_true( error[2] < 1.0 );
-    free_scene( &inflate );
+    close_scene( &inflate );
 }
 
 // An icosahedron swells evenly, so its tensions and its volume correspond, apart from the error of the solver.
 TEST( an_icosahedron_is_as_even_as_the_closed_form_requests )
 {
     accuracy_scene inflate;
-    expect_made( validate_inflate, &inflate );
+    open_scene( validate_inflate, &inflate );
     const accuracy_run regular = observe( &inflate, "xpbd, virial, 400 x 1" );
     const accuracy_run finer = observe( &inflate, "xpbd, virial, 100 x 1, 642 vertices" );
     assert_true( fabs( regular.measures[OWN_VOLUME] ) < 0.01 );
     assert_true( fabs( regular.measures[SCALE] ) < 0.01 );
     assert_true( finer.error > 5.0 * regular.error );
-    free_scene( &inflate );
+    close_scene( &inflate );
 }
 
 // At rest the constraint gives P_atm ( V_0 - V ) / V_0, which is the closed form, and the gas law P_atm ( V_0 - V ) / V:
@@ -219,12 +210,12 @@ TEST( an_icosahedron_is_as_even_as_the_closed_form_requests )
 TEST( the_gas_law_reads_what_the_constraint_does_not_hold )
 {
     accuracy_scene inflate;
-    expect_made( validate_inflate, &inflate );
+    open_scene( validate_inflate, &inflate );
     const accuracy_run run = observe( &inflate, "xpbd, virial, 400 x 1" );
     const double linear = run.measures[CLOSED_FORM], more = run.measures[GAS_LAW] / linear - 1.0;
     assert_true( fabs( more - linear / 101325.0 ) < 0.01 );
     assert_true( more > 0.02 );
-    free_scene( &inflate );
+    close_scene( &inflate );
 }
 
 // A stiffness in (0, 1] depends on the substep: more substeps make the skin of the balloon paper rigid, so that it
@@ -232,11 +223,11 @@ TEST( the_gas_law_reads_what_the_constraint_does_not_hold )
 TEST( the_forms_of_the_source_do_not_converge_with_substeps )
 {
     accuracy_scene inflate;
-    expect_made( validate_inflate, &inflate );
+    open_scene( validate_inflate, &inflate );
     const accuracy_run few = observe( &inflate, "pbd skin, xpbd volume, virial, 10 x 10" );
     const accuracy_run many = observe( &inflate, "pbd skin, xpbd volume, virial, 50 x 10" );
     assert_true( many.error > 2.0 * few.error );
-    free_scene( &inflate );
+    close_scene( &inflate );
 }
 
 TEST( settings_of_a_case_differ_and_do_not_depend_on_workers )
@@ -251,9 +242,9 @@ TEST( settings_of_a_case_differ_and_do_not_depend_on_workers )
     for ( int i = 0; i < WISP_COUNT( cases ); ++i )
     {
         accuracy_scene scene;
-        expect_made( cases[i], &scene );
-        expect_names_differ( &scene );
-        expect_one_hash( &scene, quick[i] );
-        free_scene( &scene );
+        open_scene( cases[i], &scene );
+        assert_well_formed( &scene );
+        assert_same_hash( &scene, quick[i] );
+        close_scene( &scene );
     }
 }

@@ -1,5 +1,5 @@
 // The theory of sheets in `wisp validate`, the specimens of the drape test, and a quick result of the engine for each case.
-#include "accuracy_fixture.h"
+#include "accuracy_scenes.h"
 
 #include "accuracy/scene_tools.h"
 #include "validate/validate_bodies.h"

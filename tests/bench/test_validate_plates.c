@@ -1,5 +1,5 @@
 // The theory of plates that buckle against the literature, and what sheets make of it.
-#include "accuracy_fixture.h"
+#include "accuracy_scenes.h"
 
 #include "oracle/plate_theory.h"
 #include "oracle/slender_theory.h"

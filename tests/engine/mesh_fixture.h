@@ -380,3 +380,29 @@ static inline void assert_answers_the_ends_of_the_reach( wisp_collision_mesh* tr
     assert_int_equal( closest( tree, ( wisp_vec3 ){ FLT_MIN, 1e-45f, 0.0f }, 0.1f ).triangle, -1 );
     assert_int_equal( sweep( tree, ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 1e-45f, 0, 0 } ).triangle, -1 );
 }
+
+/// Points on corners and edges, close to the surface, in the box of the mesh, outside it and far away.
+static inline wisp_vec3 query_point( const test_mesh* m, int i )
+{
+    float size;
+    wisp_vec3 middle = centre_of( m, &size );
+    const int32_t* t = m->triangles + 3 * (size_t)test_random( i, 50, m->triangle_count );
+    wisp_vec3 a = m->points[t[0]], b = m->points[t[1]];
+    switch ( i % 7 )
+    {
+        case 0:
+            return a;
+        case 1:
+            return ( wisp_vec3 ){ 0.5f * ( a.x + b.x ), 0.5f * ( a.y + b.y ), 0.5f * ( a.z + b.z ) };
+        case 2:
+            return test_sum( a, test_point( i, 7, 1e-3f * size ) );
+        case 3:
+            return test_sum( a, test_point( i, 7, 0.1f * size ) );
+        case 4:
+            return test_sum( middle, test_point( i, 7, size ) );
+        case 5:
+            return test_sum( middle, test_point( i, 7, 4.0f * size ) );
+        default:
+            return test_sum( middle, test_point( i, 7, 100.0f * size ) );
+    }
+}

@@ -184,13 +184,6 @@ static void layer_update( layer* l )
     assert_int_equal( layer_try( l ), WISP_OK );
 }
 
-static int32_t layer_element( const layer* l, int point )
-{
-    int32_t element;
-    memcpy( &element, l->samples.xyzw + 4 * point + 3, sizeof( element ) );
-    return element;
-}
-
 /// Every array of two layers has the same bits.
 static void assert_same_points( const wisp_samples* a, const wisp_samples* b, int elements )
 {
@@ -206,9 +199,6 @@ static void assert_same_points( const wisp_samples* a, const wisp_samples* b, in
         assert_memory_equal( a->weights, b->weights, bytes );
     }
 }
-
-// Numbers of about 3 m are rounded a few times to compute a point.
-static const double PLACE_ROUNDING = 3.0 * 4.0 * 1.2e-7;
 
 // ---- counts ----
 
@@ -237,32 +227,6 @@ TEST( edges_have_the_counts_of_their_lengths )
     }
 }
 
-TEST( the_reference_sphere_has_the_counts_of_the_table )
-{
-    // the boundary particle paper's trade-off of density against cost
-    const float spacings[] = { 0.2f, 0.1f, 0.05f, 0.025f };
-    const int expected[2][4][2] = { { { 930, 0 }, { 5160, 300 }, { 14730, 11640 }, { 32670, 79320 } },
-                                    { { 3360, 0 }, { 7710, 3480 }, { 17340, 21360 }, { 35280, 103560 } } };
-    samples_mesh m = samples_sphere( 30, 30, 2.5 );
-    assert_int_equal( m.vertex_count, 872 );
-    assert_int_equal( m.triangle_count, 1740 );
-    assert_int_equal( m.edge_count, 2610 );
-    for ( int policy = 0; policy < WISP_SPACING_COUNT; ++policy )
-    {
-        for ( int i = 0; i < WISP_COUNT( spacings ); ++i )
-        {
-            layer* l = layer_open( &m, spacings[i], 2 );
-            l->args.policy = (wisp_spacing)policy;
-            layer_update( l );
-            assert_int_equal( l->samples.edge_count, expected[policy][i][0] );
-            assert_int_equal( l->samples.count - l->samples.edge_count, expected[policy][i][1] );
-            assert_int_equal( l->samples.changed_elements, m.edge_count + m.triangle_count );
-            layer_close( l );
-        }
-    }
-    samples_mesh_free( &m );
-}
-
 // ---- positions ----
 
 static double distance_of( const float* a, const float* b )
@@ -275,96 +239,7 @@ static double distance_of( const float* a, const float* b )
     return sqrt( sum );
 }
 
-TEST( points_are_their_parents_by_weights_that_sum_to_one )
-{
-    samples_mesh m = samples_sphere( 30, 30, 2.5 );
-    for ( int policy = 0; policy < WISP_SPACING_COUNT; ++policy )
-    {
-        layer* l = layer_open( &m, 0.06f, 2 );
-        l->args.policy = (wisp_spacing)policy;
-        layer_update( l );
-        const wisp_samples* s = &l->samples;
-        for ( int p = 0; p < s->count; ++p )
-        {
-            double sum[3] = { 0.0 }, weights = 0.0, length = 0.0;
-            for ( int k = 0; k < 3; ++k )
-            {
-                const double w = (double)s->weights[p][k];
-                const float* parent = m.position + s->parents[p][k];
-                assert_true( p < s->edge_count && k == 2 ? w == 0.0 : w > 0.0 );
-                weights += w;
-                length += (double)s->normals[4 * p + k] * (double)s->normals[4 * p + k];
-                for ( int i = 0; i < 3; ++i )
-                {
-                    sum[i] += w * (double)parent[i];
-                }
-            }
-            assert_true( fabs( weights - 1.0 ) < 4e-7 ); // three roundings of numbers below 1
-            assert_true( fabs( length - 1.0 ) < 1e-6 );  // as many of a root, a quotient and products
-            for ( int i = 0; i < 3; ++i )
-            {
-                assert_true( fabs( sum[i] - (double)s->xyzw[4 * p + i] ) < PLACE_ROUNDING );
-            }
-            const int element = layer_element( l, p );
-            assert_true( p >= s->begin[element] && p < s->begin[element + 1] );
-            assert_true( ( element < m.edge_count ) == ( p < s->edge_count ) );
-            assert_true( s->parents[p][2] == s->parents[p][0] || p >= s->edge_count );
-        }
-        layer_close( l );
-    }
-    samples_mesh_free( &m );
-}
-
-TEST( gaps_along_edges_are_those_of_the_policy )
-{
-    samples_mesh m = samples_sphere( 30, 30, 2.5 );
-    const double d = 0.07, slack = 2.0 * PLACE_ROUNDING;
-    const struct
-    {
-        wisp_spacing policy;
-        wisp_rounding rounding;
-        double least, most;
-    } cases[] = { { WISP_SPACING_EVEN, WISP_ROUND_DOWN, d, 2.0 * d },
-                  { WISP_SPACING_EVEN, WISP_ROUND_UP, 0.0, d },
-                  { WISP_SPACING_EXACT, WISP_ROUND_DOWN, 0.0, d } };
-    for ( int c = 0; c < WISP_COUNT( cases ); ++c )
-    {
-        layer* l = layer_open( &m, (float)d, 1 );
-        l->args.policy = cases[c].policy;
-        l->args.rounding = cases[c].rounding;
-        layer_update( l );
-        for ( int e = 0; e < m.edge_count; ++e )
-        {
-            const float* before = m.position + 4 * m.edges[2 * e];
-            if ( distance_of( before, m.position + 4 * m.edges[2 * e + 1] ) < d )
-            {
-                assert_int_equal( l->samples.begin[e + 1], l->samples.begin[e] );
-                continue;
-            }
-            for ( int p = l->samples.begin[e]; p <= l->samples.begin[e + 1]; ++p )
-            {
-                const float* at =
-                    p < l->samples.begin[e + 1] ? l->samples.xyzw + 4 * p : m.position + 4 * m.edges[2 * e + 1];
-                const double gap = distance_of( before, at );
-                assert_true( gap > cases[c].least - slack && gap < cases[c].most + slack );
-                before = at;
-            }
-        }
-        layer_close( l );
-    }
-    samples_mesh_free( &m );
-}
-
 // ---- independence of the history ----
-
-static void copy_settings( wisp_samples_args* to, const wisp_samples_args* from )
-{
-    to->policy = from->policy;
-    to->rounding = from->rounding;
-    to->hysteresis = from->hysteresis;
-    to->edge_spacing = from->edge_spacing;
-    to->triangle_spacing = from->triangle_spacing;
-}
 
 // Swell and shear, so that some steps change no element, some a few and some many.
 static void deform( const float* rest, samples_mesh* m, int step )
@@ -385,69 +260,6 @@ static float* copy_of_positions( const samples_mesh* m )
     return rest;
 }
 
-TEST( refreshing_in_place_equals_sampling_from_scratch )
-{
-    samples_mesh m = samples_sphere( 14, 13, 1.0 );
-    float* rest = copy_of_positions( &m );
-    int in_place = 0, some = 0;
-    for ( int variant = 0; variant < 6; ++variant )
-    {
-        layer* kept = layer_open( &m, 0.05f, 2 );
-        kept->args.policy = (wisp_spacing)( variant % 2 );
-        kept->args.rounding = (wisp_rounding)( variant / 2 % 3 );
-        for ( int step = 0; step < 18; ++step )
-        {
-            deform( rest, &m, step );
-            layer_update( kept );
-            layer* resampled = layer_open( &m, 0.05f, 1 );
-            copy_settings( &resampled->args, &kept->args );
-            layer_update( resampled );
-            assert_same_points( &kept->samples, &resampled->samples, m.edge_count + m.triangle_count );
-            assert_memory_equal( kept->args.triangle_axis, resampled->args.triangle_axis,
-                                 (size_t)m.triangle_count * sizeof( int32_t ) );
-            const int changed = kept->samples.changed_elements;
-            in_place += changed == 0;
-            some += changed > 0 && changed < m.edge_count + m.triangle_count;
-            layer_close( resampled );
-        }
-        layer_close( kept );
-    }
-    assert_true( in_place >= 6 && some >= 12 ); // both cases have occurred
-    free( rest );
-    samples_mesh_free( &m );
-}
-
-TEST( workers_do_not_change_a_bit )
-{
-    const int workers[] = { 2, 3, 5, 8 };
-    samples_mesh m = samples_sphere( 30, 30, 2.5 );
-    float* rest = copy_of_positions( &m );
-    for ( int w = 0; w < WISP_COUNT( workers ); ++w )
-    {
-        for ( int variant = 0; variant < 2; ++variant )
-        {
-            layer *one = layer_open( &m, 0.06f, 1 ), *many = layer_open( &m, 0.06f, workers[w] );
-            one->args.policy = (wisp_spacing)variant;
-            one->args.hysteresis = 0.2f;
-            copy_settings( &many->args, &one->args );
-            for ( int step = 0; step < 6; ++step )
-            {
-                deform( rest, &m, step );
-                layer_update( one );
-                layer_update( many );
-                assert_int_equal( one->samples.changed_elements, many->samples.changed_elements );
-                assert_same_points( &one->samples, &many->samples, m.edge_count + m.triangle_count );
-                assert_memory_equal( one->args.triangle_extent, many->args.triangle_extent,
-                                     (size_t)m.triangle_count * 2 * sizeof( float ) );
-            }
-            layer_close( one );
-            layer_close( many );
-        }
-    }
-    free( rest );
-    samples_mesh_free( &m );
-}
-
 TEST( only_what_changes_is_resampled )
 {
     samples_mesh m = samples_sphere( 30, 30, 2.5 );
@@ -461,33 +273,6 @@ TEST( only_what_changes_is_resampled )
     assert_in_range( l->samples.changed_elements, 1, 12 );
     assert_int_not_equal( l->samples.count, before );
     layer_close( l );
-    samples_mesh_free( &m );
-}
-
-TEST( an_element_with_its_own_spacing_has_its_own_count )
-{
-    samples_mesh m = samples_sphere( 14, 13, 1.0 );
-    layer *all = layer_open( &m, 0.03f, 1 ), *each = layer_open( &m, 1.0f, 2 );
-    float* spacing = samples_array( (size_t)( m.edge_count + m.triangle_count ), sizeof( float ) );
-    for ( int i = 0; i < m.edge_count + m.triangle_count; ++i )
-    {
-        spacing[i] = 0.03f;
-    }
-    each->args.edge_spacing = spacing;
-    each->args.triangle_spacing = spacing + m.edge_count;
-    for ( int step = 0; step < 3; ++step )
-    {
-        layer_update( all );
-        layer_update( each );
-        assert_same_points( &all->samples, &each->samples, m.edge_count + m.triangle_count );
-    }
-    spacing[5] = 0.01f;
-    layer_update( each );
-    assert_int_equal( each->samples.changed_elements, 1 );
-    assert_true( each->args.edge_points[5] > 2 * all->args.edge_points[5] );
-    free( spacing );
-    layer_close( all );
-    layer_close( each );
     samples_mesh_free( &m );
 }
 
@@ -679,71 +464,6 @@ TEST( the_lowest_of_equally_short_sides_is_the_axis )
         layer_close( l );
         samples_mesh_free( &m );
     }
-}
-
-TEST( what_is_not_finite_is_skipped_and_comes_back )
-{
-    samples_mesh m = samples_sphere( 14, 13, 1.0 );
-    const float good = m.position[4 * 50 + 1];
-    layer *l = layer_open( &m, 0.05f, 1 ), *other = layer_open( &m, 0.05f, 1 );
-    layer_update( l );
-    layer_update( other );
-    const float bad[] = { NAN, INFINITY, -INFINITY };
-    for ( int i = 0; i < 3; ++i )
-    {
-        m.position[4 * 50 + 1] = bad[i];
-        layer_update( l );
-        assert_int_equal( l->samples.skipped_elements, 12 ); // six edges and six triangles
-        assert_true( l->samples.count < other->samples.count );
-        for ( int p = 0; p < l->samples.count; ++p )
-        {
-            assert_true(
-                isfinite( l->samples.xyzw[4 * p] + l->samples.xyzw[4 * p + 1] + l->samples.xyzw[4 * p + 2] ) );
-        }
-    }
-    m.position[4 * 50 + 1] = good;
-    layer_update( l );
-    assert_int_equal( l->samples.skipped_elements, 0 );
-    assert_same_points( &l->samples, &other->samples, m.edge_count + m.triangle_count );
-    layer_close( l );
-    layer_close( other );
-    samples_mesh_free( &m );
-}
-
-TEST( normals_that_cancel_give_way_to_those_of_faces )
-{
-    const wisp_vec3 points[4] = {
-        { 0.0f, 0.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 0.0f, 1.5f, 0.0f }, { 0.0f, -2.0f, 0.0f }
-    };
-    const int32_t triangles[6] = { 0, 1, 2, 1, 0, 3 };
-    samples_mesh m = samples_mesh_of( points, 4, triangles, 2 );
-    layer* l = layer_open( &m, 0.5f, 1 );
-    layer_update( l );
-    assert_int_equal( l->args.edge_points[0], 1 );
-    m.normal[4 * 1 + 2] = -1.0f; // against that of vertex 0
-    layer_update( l );
-    const float* n = l->samples.normals;
-    assert_true( n[0] == 0.0f && n[1] == 0.0f && n[2] == 1.0f && n[3] == 0.0f );
-
-    // faces back to back also cancel: then the previous normal stays
-    float* fourth = m.position + 4 * 3;
-    fourth[0] = 0.0f;
-    fourth[1] = 1.5f;
-    m.normal[2] = m.normal[4 + 2] = 0.0f;
-    m.normal[0] = 1.0f;
-    m.normal[4] = -1.0f;
-    layer_update( l );
-    n = l->samples.normals;
-    assert_true( n[0] == 0.0f && n[1] == 0.0f && n[2] == 1.0f && n[3] == 0.0f );
-    layer_close( l );
-
-    // and a layer without previous normals has none
-    layer* other = layer_open( &m, 0.5f, 1 );
-    layer_update( other );
-    n = other->samples.normals;
-    assert_true( n[0] == 0.0f && n[1] == 0.0f && n[2] == 0.0f && n[3] == 0.0f );
-    layer_close( other );
-    samples_mesh_free( &m );
 }
 
 TEST( a_layer_without_normals_has_places_alone )

@@ -7,35 +7,6 @@
 
 #include "step_clock.h"
 
-// ---- stale handles ----
-
-WORLD_TEST( every_call_with_a_stale_handle_says_so )
-{
-    hosted* h = *state;
-    wisp_entity e = test_add_strands( h->world, 3, 3 ), out = { 1, 1 };
-    assert_int_equal( wisp_remove( h->world, e ), WISP_OK );
-    const wisp_entity stale[] = { e, { 0, 0 }, { 99, 1 } };
-    for ( int i = 0; i < WISP_COUNT( stale ); ++i )
-    {
-        wisp_view view;
-        uint64_t hash = 1;
-        assert_false( wisp_is_alive( h->world, stale[i] ) );
-        assert_int_equal( wisp_remove( h->world, stale[i] ), WISP_STALE_ID );
-        assert_one_message( wisp_world_message( h->world ) );
-        assert_int_equal( wisp_add_instance( h->world, stale[i], NULL, &out ), WISP_STALE_ID );
-        assert_int_equal( out.index, 0 );
-        assert_int_equal( wisp_request( h->world, stale[i], WISP_STRAND_POINTS ), WISP_STALE_ID );
-        assert_int_equal( wisp_cancel_request( h->world, stale[i], WISP_STRAND_POINTS ), WISP_STALE_ID );
-        assert_int_equal( wisp_world_view( h->world, stale[i], WISP_STRAND_POINTS, &view ), WISP_STALE_ID );
-        assert_int_equal( wisp_world_hash_column( h->world, stale[i], WISP_STRAND_POINTS, &hash ), WISP_STALE_ID );
-        assert_int_equal( wisp_world_attach( h->world, stale[i], WISP_STRAND_STIFFNESS ), WISP_STALE_ID );
-        assert_int_equal( wisp_world_detach( h->world, stale[i], WISP_STRAND_STIFFNESS ), WISP_STALE_ID );
-        assert_false( wisp_world_has( h->world, stale[i], WISP_STRAND_REST ) );
-        assert_null( wisp_world_column( h->world, stale[i], WISP_STRAND_REST, 0 ) );
-        assert_null( wisp_world_strands( h->world, stale[i] ) );
-    }
-}
-
 // ---- requests and views ----
 
 WORLD_TEST( points_come_out_in_the_users_order )
@@ -577,20 +548,6 @@ WORLD_TEST( a_repeated_call_allocates_nothing )
         advance( h->world, 0.7 * (double)DT );
     }
     assert_int_equal( atomic_load( &h->host.queried ), requests );
-}
-
-WORLD_TEST( wrong_times_are_refused )
-{
-    hosted* h = *state;
-    const float wrong[][2] = {
-        { -1.0f, 1.0f }, { nanf( "" ), 1.0f }, { 1.0f, 0.0f }, { 1.0f, nanf( "" ) }, { 1e7f, 1.0f }
-    };
-    for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
-    {
-        assert_int_equal( wisp_world_advance( h->world, wrong[i][0], wrong[i][1], NULL, NULL ), WISP_BAD_INPUT );
-        assert_one_message( wisp_world_message( h->world ) );
-    }
-    assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_STEPS ), 0 );
 }
 
 // ---- the step clock ----

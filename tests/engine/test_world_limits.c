@@ -342,18 +342,6 @@ WORLD_TEST( flat_strands_with_depth_are_refused )
     assert_no_strands( h, &def, "strand 1, vertex 0: got z = 0.5" );
 }
 
-WORLD_TEST( a_step_of_no_possible_length_is_refused )
-{
-    hosted* h = *state;
-    const float wrong[] = { 0.0f, -0.01f, NAN, INFINITY };
-    for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
-    {
-        assert_int_equal( wisp_world_step( h->world, wrong[i] ), WISP_BAD_INPUT );
-        assert_one_message( wisp_world_message( h->world ) );
-    }
-    assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_STEPS ), 0 );
-}
-
 // ---- size of a world ----
 
 WORLD_TEST( a_world_knows_every_byte_it_was_lent )

@@ -148,4 +148,12 @@ static inline void assert_near( double actual, double expected, double tolerance
     }
 }
 
+/// Where a character is after some steps that it walks and turns about the vertical axis.
+static inline wisp_transform walked_pose( int step, float way, float angle )
+{
+    const float t = (float)step, half = 0.5f * angle * t;
+    return wisp_transform_make( ( wisp_quat ){ 0.0f, sinf( half ), 0.0f, cosf( half ) },
+                                ( wisp_vec3 ){ way * t, 0.01f * way * t * t, -0.5f * way * t } );
+}
+
 #define WORLD_TEST( test ) TEST_WITH( test, open_hosted, close_hosted )

@@ -277,3 +277,26 @@ static inline wisp_ghosts_def guide_without_weights( void )
     def.tip_gain = def.centre_gain = 0.0f;
     return def;
 }
+
+/// The oracle of ghosts that follow by this definition.
+static inline guide_oracle guide_oracle_of( const flock* f, const wisp_ghosts_def* def )
+{
+    guide_oracle_options o = guide_oracle_default_options();
+    o.pairing = def->resample ? GUIDE_ORACLE_PAIRING_SPLINE : GUIDE_ORACLE_PAIRING_NODE;
+    o.link_count = def->target_count;
+    o.dt = (double)FRAME;
+    o.tau = def->time > 0.0f ? (double)def->time : (double)FRAME;
+    o.elastic_gain = def->elastic == WISP_GHOST_ELASTIC_OFF ? 0.0 : 1.0;
+    o.frame = GUIDE_ORACLE_FRAME_PARALLEL;
+    o.tip_gain = (double)def->tip_gain;
+    o.centre_gain = (double)def->centre_gain;
+    o.use_spread = def->spread != 1.0f;
+    o.spread = (double)def->spread;
+    o.repair_lengths = def->repair_length;
+    const guide_oracle_def strands = { f->s.target_count, NODES, f->s.ghost_count, f->ghost_nodes, f->s.target,
+                                       f->ghost,          NULL };
+    guide_oracle hair;
+    wisp_error error = { 0 };
+    assert_ok( guide_oracle_create( &strands, &o, &hair, &error ), error );
+    return hair;
+}

@@ -211,18 +211,6 @@ TEST( a_snapshot_holds_attachments )
     free_colliding( h );
 }
 
-TEST( no_attachment_is_no_pass )
-{
-    hosted* h = open_attached( 2, 1 );
-    base b = add_base( h->world );
-    wisp_entity e = add_pinned( h->world, PIN );
-    const int before = wisp_world_plan_passes( h->world );
-    assert_int_equal( wisp_attach_pins( h->world, e, FIRST, 1, b.surface ), WISP_OK );
-    assert_true( wisp_world_plan_passes( h->world ) > before );
-    test_mesh_free( &b.mesh );
-    free_colliding( h );
-}
-
 TEST( wrong_attachments_are_refused )
 {
     hosted* h = open_attached( 2, 1 );

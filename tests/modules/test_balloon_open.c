@@ -314,41 +314,6 @@ TEST( a_closed_skin_is_the_same_to_a_bit_whether_it_may_be_open_or_not )
     balloon_mesh_destroy( &mesh );
 }
 
-TEST( workers_and_instruction_sets_do_not_change_a_bit )
-{
-    balloon_mesh mesh = pear_with_two_holes( 5 );
-    assert_true( mesh.triangle_count > 10000 ); // enough for several workers
-    balloon_scene scene = busy_scene( &mesh, WISP_SOLVER_XPBD );
-    const uint64_t first = hash_of( &scene, 3 );
-    scene.isa = "baseline";
-    assert_true( hash_of( &scene, 3 ) == first );
-    scene.isa = NULL;
-    const int workers[] = { 2, 3, 5, 8 };
-    for ( int n = 0; n < WISP_COUNT( workers ); ++n )
-    {
-        scene.workers = workers[n];
-        assert_true( hash_of( &scene, 3 ) == first );
-    }
-    balloon_mesh_destroy( &mesh );
-}
-
-TEST( a_restored_snapshot_flies_on_bit_by_bit )
-{
-    balloon_mesh mesh = pear_with_two_holes( 2 );
-    balloon_scene scene = busy_scene( &mesh, WISP_SOLVER_XPBD );
-    balloon_flight flight = balloon_start( &scene );
-    balloon_steps( &flight, 5 );
-    const saved_world saved = save_world( flight.world );
-    balloon_steps( &flight, 5 );
-    uint64_t there = wisp_world_hash( flight.world );
-    assert_int_equal( wisp_world_restore( flight.world, saved.bytes, saved.size ), WISP_OK );
-    balloon_steps( &flight, 5 );
-    assert_true( wisp_world_hash( flight.world ) == there );
-    free( saved.bytes );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
-}
-
 TEST( a_lost_border_vertex_halts_its_balloon_and_what_is_kept_stays_a_number )
 {
     balloon_mesh mesh = pear_with_two_holes( 2 );
@@ -474,37 +439,5 @@ TEST( an_open_balloon_cannot_become_one_that_must_be_closed )
     assert_int_equal( wisp_set_balloon( flight.world, flight.entity, &def ), WISP_OK );
     balloon_steps( &flight, 1 );
     balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
-}
-
-TEST( a_host_without_memory_leaves_the_surface_as_it_was )
-{
-    balloon_mesh mesh = pear_with_two_holes( 1 );
-    int refused = 0;
-    for ( int64_t n = 1; n < 100; ++n )
-    {
-        test_host host = { 0 };
-        balloon_scene scene = open_scene( &mesh );
-        scene.allocator = test_host_allocator( &host );
-        wisp_world* world = balloon_world_create( &scene );
-        wisp_entity entity = balloon_surface_add( world, &scene );
-        uint64_t hash = wisp_world_hash( world );
-        test_host_refuse( &host, n, true );
-        wisp_status status = wisp_set_balloon( world, entity, &scene.def );
-        bool was_refused = test_host_has_refused( &host );
-        test_host_refuse( &host, 0, false );
-        assert_int_equal( status, was_refused ? WISP_NO_MEMORY : WISP_OK );
-        assert_true( was_refused == false || wisp_world_hash( world ) == hash );
-        assert_int_equal( wisp_set_balloon( world, entity, &scene.def ), WISP_OK );
-        assert_int_equal( wisp_world_step( world, scene.dt ), WISP_OK );
-        wisp_world_destroy( world );
-        assert_host_memory_is_released( &host );
-        refused += was_refused ? 1 : 0;
-        if ( was_refused == false )
-        {
-            break;
-        }
-    }
-    assert_true( refused > 5 );
     balloon_mesh_destroy( &mesh );
 }

@@ -25,28 +25,6 @@ TEST( a_surface_moves_the_same_with_and_without_a_layer )
     ball_close( without );
 }
 
-TEST( without_a_layer_there_is_no_pass )
-{
-    ball_world* b = ball_open( 2, 1, NULL );
-    const int passes = wisp_world_plan_passes( b->world );
-    const size_t memory = wisp_world_memory( b->world );
-    wisp_boundary_def def = ball_layer( 0.1f );
-    set_layer( b, b->ball, &def );
-    assert_int_equal( wisp_world_plan_passes( b->world ), passes + 2 ); // normals, points
-    def.curvature_gain = 1.0f;
-    set_layer( b, b->ball, &def );
-    assert_int_equal( wisp_world_plan_passes( b->world ), passes + 3 ); // and spacing
-    def.curvature_gain = 0.0f;
-    set_layer( b, b->ball, &def );
-    assert_int_equal( wisp_world_plan_passes( b->world ), passes + 2 );
-    ball_steps( b, 1 );
-    assert_int_equal( wisp_unset_boundary( b->world, b->ball ), WISP_OK );
-    assert_int_equal( wisp_world_plan_passes( b->world ), passes );
-    assert_true( wisp_world_memory( b->world ) < memory + 4096 );
-    assert_int_equal( wisp_unset_boundary( b->world, b->ball ), WISP_OK ); // nothing left to remove
-    ball_close( b );
-}
-
 // ---- outputs ----
 
 TEST( elements_are_in_the_users_numbers )
@@ -145,63 +123,6 @@ TEST( the_default_spacing_is_half_of_the_mean_edge )
     ball_close( by_value );
 }
 
-// ---- local spacing: how large it is is in test_boundary_spacing.c ----
-
-// Points on edges whose middle satisfies x > 0, and on the others.
-static void count_halves( ball_world* b, int counts[2] )
-{
-    const wisp_samples* s = layer_of( b, b->ball ).samples;
-    counts[0] = counts[1] = 0;
-    for ( int p = 0; p < s->edge_count; ++p )
-    {
-        counts[s->xyzw[4 * p] > 0.0f ? 1 : 0] += 1;
-    }
-}
-
-TEST( a_near_eye_sees_more_points )
-{
-    ball_world* b = ball_open( 3, 1, NULL );
-    wisp_boundary_def def = ball_layer( 0.05f );
-    def.eye = ( wisp_vec3 ){ 3.0f, 0.0f, 0.0f };
-    def.eye_angle = 0.02f;
-    set_layer( b, b->ball, &def );
-    ball_steps( b, 1 );
-    int near[2], far[2];
-    count_halves( b, near );
-    assert_true( near[1] > near[0] );
-    def.eye.x = -3.0f;
-    set_layer( b, b->ball, &def );
-    ball_steps( b, 1 );
-    count_halves( b, far );
-    assert_true( far[0] > far[1] );
-    def.eye.x = -60.0f;
-    set_layer( b, b->ball, &def );
-    ball_steps( b, 1 );
-    assert_true( stats_of( b, b->ball ).edge_points < far[0] + far[1] );
-    ball_close( b );
-}
-
-// An edge has its points once, so both sides have the same ones; limits hold for it whatever the request.
-TEST( limits_of_the_spacing_hold )
-{
-    ball_world* b = ball_open( 3, 1, NULL );
-    wisp_boundary_def def = ball_layer( 0.05f );
-    def.curvature_gain = 1e5f;
-    def.min_spacing = 0.04f;
-    set_layer( b, b->ball, &def );
-    ball_steps( b, 1 );
-    wisp_boundary_def least = ball_layer( 0.04f );
-    const uint64_t clamped = layer_hash( b, b->ball );
-    set_layer( b, b->ball, &least );
-    ball_steps( b, 0 );
-    ball_world* other = ball_open( 3, 1, NULL );
-    set_layer( other, other->ball, &least );
-    ball_steps( other, 1 );
-    assert_true( layer_hash( other, other->ball ) == clamped );
-    ball_close( other );
-    ball_close( b );
-}
-
 // ---- changes of the surface ----
 
 TEST( instances_have_layers_of_their_own )
@@ -231,38 +152,6 @@ TEST( instances_have_layers_of_their_own )
     assert_true( layer_hash( b, twin ) == layer_hash( alone, only ) );
     assert_int_equal( wisp_read_boundary( b->world, b->ball, &view ), WISP_STALE_ID );
     ball_close( alone );
-    ball_close( b );
-}
-
-TEST( a_restored_snapshot_has_the_points_of_its_time )
-{
-    ball_world* b = ball_open( 3, 2, NULL );
-    wisp_boundary_def def = ball_layer( 0.03f );
-    def.hysteresis = 0.4f;
-    def.strain_gain = 2.0f;
-    set_layer( b, b->ball, &def );
-    ball_steps( b, 8 );
-    const saved_world saved = save_world( b->world );
-    uint64_t through[6];
-    for ( int i = 0; i < 6; ++i )
-    {
-        ball_steps( b, 1 );
-        through[i] = layer_hash( b, b->ball );
-    }
-    const uint64_t everything = wisp_world_hash( b->world );
-    ball_steps( b, 20 );
-    assert_int_equal( wisp_world_restore( b->world, saved.bytes, saved.size ), WISP_OK );
-    ball_steps( b, 1 );
-    // the number of resampled elements depends on the path, so everything except it is compared
-    const int first = stats_of( b, b->ball ).points;
-    for ( int i = 1; i < 6; ++i )
-    {
-        ball_steps( b, 1 );
-        assert_true( layer_hash( b, b->ball ) == through[i] );
-    }
-    assert_true( first > 0 );
-    assert_true( wisp_world_hash( b->world ) == everything );
-    free( saved.bytes );
     ball_close( b );
 }
 
@@ -336,68 +225,6 @@ TEST( a_read_after_a_restore_into_a_new_world_keeps_the_counts )
     ball_close( b[1] );
 }
 
-TEST( a_layer_beyond_its_limit_stays )
-{
-    ball_world* b = ball_open( 2, 1, NULL );
-    wisp_boundary_def def = ball_layer( 0.1f );
-    set_layer( b, b->ball, &def );
-    ball_steps( b, 1 );
-    const int points = stats_of( b, b->ball ).points;
-    def.spacing = 1e-5f;
-    def.max_points = points + 1;
-    set_layer( b, b->ball, &def );
-    ball_steps( b, 1 );
-    const wisp_boundary_stats f = stats_of( b, b->ball );
-    assert_true( f.refused );
-    assert_int_equal( f.points, points );
-    assert_true( f.requested > 1e6 );
-    ball_close( b );
-}
-
-TEST( a_warm_step_asks_for_no_memory )
-{
-    for ( int workers = 1; workers <= 3; workers += 2 )
-    {
-        ball_world* b = ball_open( 3, workers, NULL );
-        wisp_boundary_def def = ball_layer( 0.04f );
-        def.strain_gain = 1.0f;
-        set_layer( b, b->ball, &def );
-        ball_steps( b, 40 );
-        const int64_t queried = atomic_load( &b->host.queried );
-        ball_steps( b, 10 );
-        assert_int_equal( atomic_load( &b->host.queried ), queried );
-        ball_close( b );
-    }
-}
-
-TEST( without_memory_nothing_has_changed )
-{
-    ball_world* b = ball_open( 2, 1, NULL );
-    const wisp_boundary_def def = ball_layer( 0.1f );
-    const int passes = wisp_world_plan_passes( b->world );
-    int refused = 0;
-    for ( int n = 1;; ++n )
-    {
-        test_host_refuse( &b->host, n, true );
-        const wisp_status status = wisp_set_boundary( b->world, b->ball, &def );
-        const bool met = test_host_has_refused( &b->host );
-        test_host_refuse( &b->host, 0, false );
-        if ( status == WISP_OK )
-        {
-            assert_false( met );
-            break;
-        }
-        assert_int_equal( status, WISP_NO_MEMORY );
-        assert_one_message( wisp_world_message( b->world ) );
-        assert_int_equal( wisp_world_plan_passes( b->world ), passes );
-        refused += 1;
-    }
-    assert_true( refused >= 4 );
-    ball_steps( b, 1 );
-    assert_true( stats_of( b, b->ball ).points > 0 );
-    ball_close( b );
-}
-
 // ---- refusals ----
 
 // X( what the message must name, the statement that breaks a definition )
@@ -432,17 +259,5 @@ TEST( what_a_layer_cannot_be_is_refused_by_name )
     BROKEN_DEFS( REFUSE_ONE )
 #undef REFUSE_ONE
     assert_int_equal( wisp_world_plan_passes( b->world ), passes );
-
-    const wisp_boundary_def def = ball_layer( 0.1f );
-    wisp_boundary_view view;
-    wisp_boundary_stats stats;
-    expect_refusal( b->world, wisp_read_boundary( b->world, b->ball, &view ), WISP_CONFLICT, "no layer" );
-    expect_refusal( b->world, wisp_read_boundary_stats( b->world, b->ball, &stats ), WISP_CONFLICT, "no layer" );
-
-    const wisp_entity strands = test_add_strands( b->world, 2, 3 );
-    expect_refusal( b->world, wisp_set_boundary( b->world, strands, &def ), WISP_CONFLICT, "not a surface" );
-    wisp_entity gone = b->ball;
-    gone.generation += 1;
-    expect_refusal( b->world, wisp_set_boundary( b->world, gone, &def ), WISP_STALE_ID, "does not exist" );
     ball_close( b );
 }

@@ -211,31 +211,6 @@ TEST( static_stretch_does_not_depend_on_the_vertex_count )
     }
 }
 
-TEST( static_stretch_does_not_depend_on_iterations_or_frame_rate )
-{
-    const struct
-    {
-        int substeps, iterations;
-        float seconds;
-    } ways[] = { { 8, 24, 1.0f / 60.0f }, { 8, 48, 1.0f / 60.0f }, { 8, 24, 1.0f / 30.0f }, { 8, 24, 1.0f / 90.0f } };
-    double first = 0.0;
-    for ( int i = 0; i < WISP_COUNT( ways ); ++i )
-    {
-        hanging c = { .n = 17,
-                      .side = 0.8,
-                      .compliance = 0.02f,
-                      .substeps = ways[i].substeps,
-                      .iterations = ways[i].iterations,
-                      .seconds = ways[i].seconds,
-                      .still = true };
-        double sag = hang( &c, 2.5 ).sag;
-        first = i == 0 ? sag : first;
-        print_message( "           %d substeps, %d iterations, 1/%.0f s: %.6f m\n", ways[i].substeps,
-                       ways[i].iterations, 1.0 / (double)ways[i].seconds, sag );
-        assert_near( sag / first, 1.0, 0.02 );
-    }
-}
-
 // The hanging cloth of performance.md: 64 x 64, two corners, 1 kg per vertex.
 static hanging big_cloth( void )
 {
@@ -277,83 +252,6 @@ TEST( coarse_sheets_do_in_one_substep_what_ten_cannot )
 }
 
 // ---- hard cases ----
-
-typedef enum start
-{
-    AT_REST,
-    IN_A_BOX,
-    FLATTENED,
-    AT_A_POINT,
-    START_COUNT,
-} start;
-
-static void place( start how, wisp_vec3* points, int count, float size )
-{
-    for ( int v = 0; v < count; ++v )
-    {
-        const wisp_vec3 random = { test_random_float( v, 0, -size, size ), test_random_float( v, 1, -size, size ),
-                                   test_random_float( v, 2, -size, size ) };
-        points[v] = how == IN_A_BOX     ? random
-                    : how == FLATTENED  ? ( wisp_vec3 ){ points[v].x, 0.0f, 0.0f }
-                    : how == AT_A_POINT ? ( wisp_vec3 ){ 0.25f * size, 0.25f * size, 0.25f * size }
-                                        : points[v];
-    }
-}
-
-// After two seconds the cloth is finite, or halted, counted and reported; its neighbour, which was not disturbed, is
-// not halted.
-static void assert_survives( float scale, start how, float heavy, float seconds, wisp_cloth_bending bending,
-                             wisp_solver solver )
-{
-    hosted h;
-    open_world( &h, 4, 1 );
-    test_mesh mesh = test_plane( 9, 0.1f * scale );
-    wisp_vec3 points[81];
-    memcpy( points, mesh.points, sizeof( points ) );
-    place( how, points, 81, 0.8f * scale );
-    const int32_t pins[2] = { 0, 8 };
-    wisp_fabric_def fabric = test_fabric_def( &mesh );
-    fabric.hinges = true;
-    wisp_surface_def surface = support_weightless_surface_def();
-    surface.points = points;
-    surface.pins = pins;
-    surface.pin_count = 2;
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    cloth.bending = bending;
-    cloth.solver = solver;
-    wisp_entity hard = add_cloth( h.world, &fabric, surface, &cloth, EARTH );
-    surface.points = NULL;
-    wisp_entity easy = add_cloth( h.world, &fabric, surface, &cloth, EARTH );
-    float* position = wisp_world_column( h.world, hard, WISP_PARTICLE_POSITION, 0 );
-    position[4 * wisp_world_fabric( h.world, hard )->vertex_slot[80] + 3] /= heavy;
-    run_steps( h.world, (int)( 2.0f / seconds ), seconds );
-    assert_true( is_finite( h.world, hard ) );
-    assert_true( is_finite( h.world, easy ) );
-    assert_false( wisp_is_halted( h.world, easy ) );
-    assert_int_equal( wisp_world_counter( h.world, WISP_COUNT_HALTED ), wisp_is_halted( h.world, hard ) ? 1 : 0 );
-    assert_true( wisp_is_halted( h.world, hard ) == false || h.log.level == WISP_LOG_ERROR ||
-                 h.log.level == WISP_LOG_WARNING );
-    test_mesh_free( &mesh );
-    close_world( &h );
-}
-
-TEST( hard_starts_scales_and_mass_ratios_stay_finite )
-{
-    const float scales[] = { 1e-3f, 1.0f, 1e3f }, steps[] = { 0.2f, 1.0f / 60.0f };
-    for ( int b = 0; b < WISP_CLOTH_BENDING_COUNT * WISP_SOLVER_COUNT; ++b )
-    {
-        for ( int k = 0; k < WISP_COUNT( scales ) * WISP_COUNT( steps ); ++k )
-        {
-            for ( int how = 0; how < START_COUNT; ++how )
-            {
-                assert_survives( scales[k / 2], (start)how, 1.0f, steps[k % 2], (wisp_cloth_bending)( b / 2 ),
-                                 (wisp_solver)( b % 2 ) );
-            }
-            assert_survives( scales[k / 2], AT_REST, 1e6f, steps[k % 2], (wisp_cloth_bending)( b / 2 ),
-                             (wisp_solver)( b % 2 ) );
-        }
-    }
-}
 
 WORLD_TEST( a_pin_that_jumps_a_hundred_metres_takes_its_cloth_along )
 {
@@ -576,68 +474,4 @@ WORLD_TEST( a_fabric_must_have_what_the_cloth_needs )
     assert_refused( h, loose, &def, WISP_CONFLICT, "attachments" );
     def.tethers = false;
     assert_status( h->world, wisp_set_cloth( h->world, bare, &def ), WISP_OK );
-}
-
-WORLD_TEST( what_is_no_living_surface_is_refused )
-{
-    hosted* h = *state;
-    const wisp_cloth_def def = wisp_default_cloth_def();
-    wisp_entity hair = test_add_strands( h->world, 3, 4 ), gone = add_plain( h, true, true, false );
-    assert_refused( h, hair, &def, WISP_CONFLICT, "not a surface" );
-    assert_int_equal( wisp_set_cloth_wind( h->world, hair, ( wisp_vec3 ){ 0 } ), WISP_CONFLICT );
-    assert_status( h->world, wisp_remove( h->world, gone ), WISP_OK );
-    assert_refused( h, gone, &def, WISP_STALE_ID, "does not exist" );
-    assert_int_equal( wisp_set_cloth_wind( h->world, gone, ( wisp_vec3 ){ 0 } ), WISP_STALE_ID );
-}
-
-TEST( a_world_without_the_module_says_so )
-{
-    hosted h = { 0 };
-    h.def = hosted_def( &h );
-    h.def.modules = NULL;
-    h.def.module_count = 0;
-    assert_int_equal( wisp_world_create( &h.def, &h.world, NULL ), WISP_OK );
-    wisp_entity e = add_plain( &h, true, true, false );
-    const wisp_cloth_def def = wisp_default_cloth_def();
-    assert_refused( &h, e, &def, WISP_CONFLICT, "module cloth: not registered" );
-    close_world( &h );
-}
-
-// From one kind of cloth to one that needs all other components, with each request for memory refused in turn.
-TEST( a_change_without_memory_leaves_the_old_cloth )
-{
-    int refusals = 0;
-    for ( int64_t n = 1; n < 100; ++n )
-    {
-        hosted h;
-        open_world( &h, 1, 1 );
-        wisp_entity e = add_plain( &h, true, true, false );
-        const wisp_cloth_def old = wisp_default_cloth_def();
-        assert_status( h.world, wisp_set_cloth( h.world, e, &old ), WISP_OK );
-        wisp_cloth_def other = old;
-        other.solver = WISP_SOLVER_PBD;
-        other.bending = WISP_CLOTH_BENDING_DIHEDRAL;
-        other.drag_coefficient = other.internal_damping = 1.0f;
-        uint64_t before = wisp_world_hash( h.world );
-        test_host_refuse( &h.host, n, false );
-        wisp_status status = wisp_set_cloth( h.world, e, &other );
-        bool refused = test_host_has_refused( &h.host );
-        test_host_refuse( &h.host, 0, false );
-        if ( refused )
-        {
-            assert_int_equal( status, WISP_NO_MEMORY );
-            assert_int_equal( wisp_world_hash( h.world ), before );
-            assert_true( wisp_world_has( h.world, e, WISP_LINK_COMPLIANCE ) );
-            assert_false( wisp_world_has( h.world, e, WISP_HINGE_REST ) );
-            refusals += 1;
-        }
-        assert_status( h.world, wisp_set_cloth( h.world, e, &other ), WISP_OK );
-        run_steps( h.world, 2, 0.01f );
-        close_world( &h );
-        if ( refused == false )
-        {
-            break;
-        }
-    }
-    assert_in_range( refusals, 5, 98 ); // at least one per column
 }

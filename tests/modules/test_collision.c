@@ -266,54 +266,7 @@ COLLISION_TEST( layers_say_who_collides_with_whom )
     assert_true( motion_stats_of( h->world, lies ).centre[1] > 0.0 );
 }
 
-COLLISION_TEST( a_nan_halts_its_own_surface_alone )
-{
-    hosted* h = *state;
-    wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
-    add_collider( h->world, &plane );
-    wisp_entity bad = add_cloth( h->world, 5, 0.4f, ( wisp_vec3 ){ 0.0f, 0.02f, 0.0f }, GRAVITY );
-    wisp_entity good = add_cloth( h->world, 5, 0.4f, ( wisp_vec3 ){ 0.0f, 0.02f, 0.0f }, GRAVITY );
-    float* velocity = wisp_world_column( h->world, bad, WISP_PARTICLE_VELOCITY, 0 );
-    velocity[1] = NAN;
-    velocity[4] = INFINITY;
-    run_for( h->world, DT, 60 );
-    assert_true( wisp_is_halted( h->world, bad ) );
-    assert_false( wisp_is_halted( h->world, good ) );
-    assert_true( motion_stats_of( h->world, good ).speed_max < 5e-5 );
-}
-
 // ---- the plan ----
-
-COLLISION_TEST( nothing_to_collide_with_costs_no_pass )
-{
-    hosted* h = *state;
-    wisp_collision_def collision = wisp_default_collision_def();
-    test_mesh mesh = test_plane( 3, 0.1f );
-    wisp_fabric_def fabric = test_fabric_def( &mesh );
-    wisp_entity e = test_surface_of( h->world, &fabric, support_weightless_surface_def() );
-    test_mesh_free( &mesh );
-    assert_int_equal( wisp_request( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
-    int bare = wisp_world_plan_passes( h->world );
-    assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_OK );
-    assert_int_equal( wisp_world_plan_passes( h->world ), bare );
-    assert_int_equal( wisp_request_collision_stats( h->world, e, true ), WISP_OK );
-    assert_int_equal( wisp_world_plan_passes( h->world ), bare );
-    wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
-    wisp_entity body = add_collider( h->world, &plane );
-    assert_int_equal( wisp_world_plan_passes( h->world ), bare + 3 );
-    assert_int_equal( wisp_request_collision_stats( h->world, e, false ), WISP_OK );
-    assert_int_equal( wisp_world_plan_passes( h->world ), bare + 2 );
-    assert_int_equal( wisp_move_collider( h->world, body, plane.pose ), WISP_OK );
-    assert_int_equal( wisp_world_plan_passes( h->world ), bare + 3 );
-    collision.enabled = false;
-    assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_OK );
-    assert_int_equal( wisp_world_plan_passes( h->world ), bare + 1 ); // the body is still moved
-    collision.enabled = true;
-    assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_OK );
-    assert_int_equal( wisp_remove( h->world, body ), WISP_OK );
-    assert_int_equal( wisp_world_plan_passes( h->world ), bare );
-    run_for( h->world, DT, 2 );
-}
 
 COLLISION_TEST( removed_bodies_and_surfaces_are_forgotten )
 {
@@ -353,24 +306,6 @@ static wisp_entity busy_scene( wisp_world* world, wisp_entity* ball )
     return add_cloth( world, 40, 1.4f, ( wisp_vec3 ){ 0.0f, 0.35f, 0.0f }, GRAVITY );
 }
 
-TEST( any_number_of_workers_gives_the_same_bits )
-{
-    const int workers[] = { 1, 2, 3, 8 };
-    uint64_t expected = 0;
-    for ( int k = 0; k < WISP_COUNT( workers ); ++k )
-    {
-        hosted* h = new_colliding( 2, 3, workers[k] );
-        wisp_entity ball;
-        wisp_entity e = busy_scene( h->world, &ball );
-        run_busy( h->world, ball, 0, 40 );
-        assert_true( collision_of( h->world, e ).contacts > 100 );
-        uint64_t hash = wisp_world_hash( h->world );
-        expected = k == 0 ? hash : expected;
-        assert_int_equal( hash, expected );
-        free_colliding( h );
-    }
-}
-
 COLLISION_TEST( a_snapshot_brings_moving_bodies_back )
 {
     hosted* h = *state;
@@ -387,52 +322,6 @@ COLLISION_TEST( a_snapshot_brings_moving_bodies_back )
     run_for( h->world, DT, 5 );
     assert_int_equal( wisp_world_hash( h->world ), expected );
     free( saved.bytes );
-}
-
-COLLISION_TEST( a_warm_step_allocates_nothing )
-{
-    hosted* h = *state;
-    wisp_entity ball;
-    busy_scene( h->world, &ball );
-    run_busy( h->world, ball, 0, 5 );
-    int64_t queried = atomic_load( &h->host.queried );
-    run_busy( h->world, ball, 5, 25 );
-    assert_int_equal( atomic_load( &h->host.queried ), queried );
-}
-
-COLLISION_TEST( without_memory_a_call_changes_nothing )
-{
-    hosted* h = *state;
-    test_mesh mesh = test_plane( 3, 0.1f );
-    wisp_fabric_def fabric = test_fabric_def( &mesh );
-    wisp_entity e = test_surface_of( h->world, &fabric, support_weightless_surface_def() );
-    test_mesh_free( &mesh );
-    assert_int_equal( wisp_request( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
-    const int bare = wisp_world_plan_passes( h->world );
-    wisp_collision_def collision = wisp_default_collision_def();
-    wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
-    bool done = false;
-    for ( int n = 1; done == false && n < 100; ++n )
-    {
-        test_host_refuse( &h->host, n, true );
-        done = wisp_set_collision( h->world, e, &collision ) == WISP_OK;
-        test_host_refuse( &h->host, 0, false );
-    }
-    assert_true( done );
-    done = false;
-    for ( int n = 1; done == false && n < 100; ++n )
-    {
-        wisp_entity body;
-        test_host_refuse( &h->host, n, true );
-        done = wisp_add_collider( h->world, &plane, &body ) == WISP_OK;
-        bool refused = test_host_has_refused( &h->host );
-        test_host_refuse( &h->host, 0, false );
-        assert_true( done != refused );
-        assert_true( done || body.index == 0 );
-        assert_int_equal( wisp_world_plan_passes( h->world ), done ? bare + 2 : bare );
-        run_for( h->world, DT, 1 );
-    }
-    assert_true( done );
 }
 
 // ---- refusals ----

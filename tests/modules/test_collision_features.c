@@ -404,23 +404,6 @@ static void run_needles( sheet* s, int steps )
     }
 }
 
-TEST( any_number_of_workers_gives_the_same_bits )
-{
-    const int workers[] = { 1, 2, 4 };
-    uint64_t hashes[3];
-    for ( int k = 0; k < 3; ++k )
-    {
-        const wisp_collider_def needle = lying_needle( -0.03f );
-        sheet s = new_sheet( WISP_COLLISION_ALL, &needle, false, GRAVITY, 5, workers[k] );
-        const wisp_collider_def box = box_under_sheet();
-        add_collider( s.h->world, &box );
-        run_needles( &s, 20 );
-        hashes[k] = wisp_world_hash( s.h->world );
-        assert_int_equal( hashes[k], hashes[0] );
-        free_sheet( &s );
-    }
-}
-
 TEST( a_snapshot_brings_edges_and_triangles_back )
 {
     const wisp_collider_def needle = lying_needle( -0.03f );
@@ -465,28 +448,6 @@ TEST( without_the_option_there_is_no_pass_and_no_other_bit )
     }
     free_sheet( &s );
     free_sheet( &t );
-}
-
-TEST( without_memory_the_option_changes_nothing )
-{
-    const wisp_collider_def needle = lying_needle( -0.03f );
-    sheet s = new_sheet( WISP_COLLISION_VERTICES, &needle, false, GRAVITY, 2, 1 );
-    run_for( s.h->world, DT, 1 );
-    const int passes = wisp_world_plan_passes( s.h->world );
-    wisp_collision_def collision = wisp_default_collision_def();
-    collision.thickness = THICKNESS;
-    collision.features = WISP_COLLISION_ALL;
-    bool done = false;
-    for ( int n = 1; done == false && n < 100; ++n )
-    {
-        test_host_refuse( &s.h->host, n, true );
-        done = wisp_set_collision( s.h->world, s.surface, &collision ) == WISP_OK;
-        test_host_refuse( &s.h->host, 0, false );
-        assert_int_equal( wisp_world_plan_passes( s.h->world ), done ? passes + 2 : passes );
-        run_for( s.h->world, DT, 1 );
-    }
-    assert_true( done );
-    free_sheet( &s );
 }
 
 TEST( steps_ask_for_no_memory )

@@ -88,33 +88,6 @@ TEST( results_on_a_mesh_scale_with_the_scene )
     assert_near( height[2], height[0], 0.01 );
 }
 
-COLLISION_TEST( a_particle_at_100_m_s_does_not_tunnel_through_a_sheet )
-{
-    hosted* h = *state;
-    wisp_collider_def def;
-    add_sheet( h->world, &def );
-    for ( int from_below = 0; from_below < 2; ++from_below )
-    {
-        float side = from_below ? -1.0f : 1.0f;
-        test_mesh mesh = test_triangle( ( wisp_vec3 ){ 0.13f, 0.9f * side, 0.07f }, 0.1f );
-        wisp_collision_def collision = wisp_default_collision_def();
-        wisp_entity e = add_colliding( h->world, &mesh, &collision );
-        test_mesh_free( &mesh );
-        const wisp_vec3 fast = { 0.0f, -100.0f * side, 0.0f };
-        assert_int_equal( wisp_set_velocity( h->world, e, fast, ( wisp_vec3 ){ 0 } ), WISP_OK );
-        for ( int n = 0; n < 5; ++n )
-        {
-            run_for( h->world, DT, 1 );
-            for ( int v = 0; v < 3; ++v )
-            {
-                assert_true( point_of( h->world, e, v ).y * side > 0.0f );
-            }
-        }
-        assert_true( collision_of( h->world, e ).penetration < 1e-6f );
-        assert_true( motion_stats_of( h->world, e ).speed_max < 1e-3 );
-    }
-}
-
 COLLISION_TEST( a_sheet_at_100_m_s_sweeps_particles_along )
 {
     hosted* h = *state;
@@ -196,28 +169,6 @@ TEST( a_mesh_that_moves_is_answered_in_its_own_frame )
         free_colliding( h );
     }
     assert_near( height[0], height[1], 0.02 );
-}
-
-TEST( any_number_of_workers_gives_the_same_bits_on_a_mesh )
-{
-    const int workers[] = { 1, 2, 3, 8 };
-    uint64_t expected = 0;
-    for ( int k = 0; k < WISP_COUNT( workers ); ++k )
-    {
-        hosted* h = new_colliding( 2, 2, workers[k] );
-        wisp_entity ball = add_ball( h->world, true, 1.0f );
-        wisp_entity e = add_cloth( h->world, 33, 0.9f, ( wisp_vec3 ){ 0.0f, 0.35f, 0.0f }, GRAVITY );
-        for ( int n = 1; n <= 40; ++n )
-        {
-            const wisp_transform pose = { about_z( 0.03 * n ), { 0.005f * (float)n, 0.0f, 0.0f } };
-            assert_int_equal( wisp_move_collider( h->world, ball, pose ), WISP_OK );
-            run_for( h->world, DT, 1 );
-        }
-        assert_true( collision_of( h->world, e ).contacts > 50 );
-        expected = k == 0 ? wisp_world_hash( h->world ) : expected;
-        assert_int_equal( wisp_world_hash( h->world ), expected );
-        free_colliding( h );
-    }
 }
 
 COLLISION_TEST( trees_go_with_their_bodies )

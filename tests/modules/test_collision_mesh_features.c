@@ -330,33 +330,6 @@ TEST( the_edge_of_a_blade_drags_a_sheet_along )
 
 // ---- the rest ----
 
-static uint64_t hash_after( bool follows, int workers )
-{
-    const setting with = { WISP_COLLISION_ALL, .gravity = GRAVITY, .follows = follows, .workers = workers,
-                           .rotation = TURNED };
-    sheet s = new_sheet( box( ( wisp_vec3 ){ 0.06f, 0.05f, 0.06f } ), -0.06f, with );
-    for ( int n = 1; n <= 15; ++n )
-    {
-        move_to( &s, -0.06f + 0.004f * (float)n );
-        run_for( s.h->world, DT, 1 );
-    }
-    const uint64_t hash = wisp_world_hash( s.h->world );
-    free_sheet( &s );
-    return hash;
-}
-
-TEST( workers_change_no_bit )
-{
-    for ( int follows = 0; follows < 2; ++follows )
-    {
-        const uint64_t expected = hash_after( follows, 1 );
-        for ( int workers = 2; workers <= 5; ++workers )
-        {
-            assert_true( hash_after( follows, workers ) == expected );
-        }
-    }
-}
-
 TEST( without_memory_for_edges_nothing_changes )
 {
     const setting with = { WISP_COLLISION_VERTICES, .rotation = TURNED };

@@ -720,33 +720,6 @@ SENSE_TEST( nothing_to_touch_leaves_no_pass_and_no_memory_of_bodies )
     assert_int_equal( collision_of( h->world, e ).contacts, 0 );
 }
 
-SENSE_TEST( without_memory_a_call_changes_nothing )
-{
-    hosted* h = *state;
-    wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
-    add_collider( h->world, &plane );
-    test_mesh mesh = test_plane( 5, 0.01f );
-    wisp_entity e = add_surface( h->world, &mesh );
-    test_mesh_free( &mesh );
-    give_solver( h->world, e );
-    const int bare = wisp_world_plan_passes( h->world );
-    const wisp_collision_def def = thin();
-    bool done = false;
-    int refusals = 0;
-    for ( int n = 1; done == false && n < 100; ++n )
-    {
-        test_host_refuse( &h->host, n, true );
-        done = wisp_set_collision( h->world, e, &def ) == WISP_OK;
-        const bool refused = test_host_has_refused( &h->host );
-        test_host_refuse( &h->host, 0, false );
-        refusals += refused ? 1 : 0;
-        assert_true( done != refused );
-        assert_int_equal( wisp_world_plan_passes( h->world ), done ? bare + 1 : bare );
-        run_for( h->world, DT, 1 );
-    }
-    assert_true( done && refusals > 0 );
-}
-
 // ---- many particles ----
 
 static wisp_entity busy_scene( wisp_world* world, wisp_entity* ball )

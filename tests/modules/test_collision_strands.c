@@ -363,67 +363,6 @@ TEST( what_starts_inside_leaves_without_being_thrown )
     }
 }
 
-// ---- the same bits ----
-
-static uint64_t hash_of_a_busy_scene( hair_world w, wisp_collision_stats* stats )
-{
-    hosted* h = new_hair_world( w );
-    const wisp_collider_def ball = small_body( WISP_COLLIDER_SPHERE );
-    wisp_collider_def box = small_body( WISP_COLLIDER_BOX ), floor = small_body( WISP_COLLIDER_PLANE );
-    wisp_entity head = add_collider( h->world, &ball );
-    box.pose.translation = ( wisp_vec3 ){ 0.25f, -0.05f, 0.0f };
-    floor.pose.translation.y = -0.08f;
-    add_collider( h->world, &box );
-    add_collider( h->world, &floor );
-    wisp_entity mesh = add_mesh_ball( h->world, 0.08f );
-    wisp_entity e = add_head_of_hair( h->world, 150 );
-    for ( int n = 1; n <= 30; ++n )
-    {
-        wisp_transform beside = shaken( 2 * n );
-        beside.translation.z += 0.2f;
-        assert_int_equal( wisp_move_collider( h->world, head, shaken( n ) ), WISP_OK );
-        assert_int_equal( wisp_move_collider( h->world, mesh, beside ), WISP_OK );
-        assert_int_equal( wisp_move_strand_head( h->world, e, shaken( n ) ), WISP_OK );
-        run_for( h->world, DT, 1 );
-    }
-    *stats = collision_of( h->world, e );
-    assert_true( stats->contacts > 100 && stats->vertex >= 0 );
-    uint64_t hash = wisp_world_hash( h->world );
-    free_colliding( h );
-    return hash;
-}
-
-TEST( workers_and_instruction_sets_give_the_same_bits )
-{
-    const hair_world worlds[] = {
-        { 4, 2, 1, NULL }, { 4, 2, 2, NULL }, { 4, 2, 3, NULL }, { 4, 2, 5, NULL }, { 4, 2, 2, "baseline" }
-    };
-    wisp_collision_stats first, now;
-    const uint64_t expected = hash_of_a_busy_scene( worlds[0], &first );
-    for ( int k = 1; k < WISP_COUNT( worlds ); ++k )
-    {
-        assert_int_equal( hash_of_a_busy_scene( worlds[k], &now ), expected );
-        assert_memory_equal( &now, &first, sizeof( now ) );
-    }
-}
-
-HAIR_TEST( a_warm_step_allocates_nothing )
-{
-    hosted* h = *state;
-    const wisp_collider_def ball = small_body( WISP_COLLIDER_SPHERE );
-    wisp_entity head = add_collider( h->world, &ball );
-    wisp_entity e = add_head_of_hair( h->world, 40 );
-    int64_t queried = 0;
-    for ( int n = 1; n <= 20; ++n )
-    {
-        queried = n == 5 ? atomic_load( &h->host.queried ) : queried;
-        assert_int_equal( wisp_move_collider( h->world, head, shaken( n ) ), WISP_OK );
-        assert_int_equal( wisp_move_strand_head( h->world, e, shaken( n ) ), WISP_OK );
-        run_for( h->world, DT, 1 );
-    }
-    assert_int_equal( atomic_load( &h->host.queried ), queried );
-}
-
 // ---- the plan, and refusals ----
 
 typedef struct plan_lines

@@ -481,27 +481,6 @@ TEST( a_halted_participant_stands_and_is_met_again_when_it_is_resumed )
     close_world( &h );
 }
 
-// A NaN in the middle of a step stays with its participant, also where another lies on it.
-TEST( what_goes_wrong_in_a_participant_reaches_no_other )
-{
-    hosted h;
-    wisp_entity sheets[2];
-    open_resting( &h, sheets );
-    test_mesh mesh = level_sheet( 4, 0.25f, ( wisp_vec3 ){ 0.1f, 2.2f * THICK, 0.07f } );
-    const wisp_entity upper = add_draping( h.world, &mesh, NULL, 0, EARTH );
-    const wisp_contact_def def = contact_of( THICK );
-    set_contact( h.world, upper, &def );
-    run_steps( h.world, 20, DT );
-    assert_near( mean_of( h.world, upper, 1 ), 2.0 * (double)THICK, 0.02 * (double)THICK );
-    velocity_of( h.world, sheets[1], 3 )[1] = NAN;
-    run_steps( h.world, 1, DT );
-    assert_true( wisp_is_halted( h.world, sheets[1] ) );
-    run_steps( h.world, 20, DT );
-    assert_false( wisp_is_halted( h.world, upper ) );
-    assert_near( mean_of( h.world, upper, 1 ), 2.0 * (double)THICK, 0.02 * (double)THICK );
-    close_world( &h );
-}
-
 // If the thickness exceeds its edges, a sheet is not pushed apart anywhere: it keeps its rest distances. When bent
 // round, it does not.
 TEST( a_participant_that_is_thinner_at_rest_than_its_thickness_lies_still )
@@ -699,47 +678,6 @@ TEST( a_world_without_the_module_says_so )
     expect_refusal( h.world, wisp_read_contact_intersections( h.world, e, e, &count ), WISP_CONFLICT,
                     "not registered" );
     close_world( &h );
-}
-
-// Each request for memory is refused in turn, in the call and in the first step after it.
-TEST( without_memory_nothing_changes_and_nothing_is_lost )
-{
-    int in_call = 0, in_step = 0;
-    bool refused = true;
-    for ( int64_t n = 1; n < 400 && refused; ++n )
-    {
-        hosted h;
-        open_contact( &h, 2, 1, 1 );
-        const wisp_entity e[2] = { add_small( h.world, 0.0f ), add_small( h.world, 0.03f ) };
-        const wisp_contact_def def = wisp_default_contact_def();
-        run_steps( h.world, 1, 0.01f );
-        const uint64_t before = wisp_world_hash( h.world );
-        test_host_refuse( &h.host, n, false );
-        wisp_status status = wisp_set_contact( h.world, e[1], &def );
-        if ( status != WISP_OK )
-        {
-            assert_int_equal( status, WISP_NO_MEMORY );
-            assert_one_message( wisp_world_message( h.world ) );
-            assert_true( wisp_world_hash( h.world ) == before );
-            in_call += 1;
-        }
-        else
-        {
-            status = wisp_world_step( h.world, 0.01f );
-            assert_true( status == WISP_OK || status == WISP_NO_MEMORY );
-            in_step += status == WISP_NO_MEMORY ? 1 : 0;
-        }
-        refused = test_host_has_refused( &h.host );
-        test_host_refuse( &h.host, 0, false );
-        set_contact( h.world, e[1], &def );
-        set_contact( h.world, e[0], &def );
-        request_stats( h.world );
-        run_steps( h.world, 3, 0.01f );
-        assert_int_equal( contact_stats( h.world ).participants, 2 );
-        assert_true( is_finite( h.world, e[0] ) && is_finite( h.world, e[1] ) );
-        close_world( &h );
-    }
-    assert_true( in_call > 0 && in_step > 10 );
 }
 
 // One vertex of one of three stacked sheets becomes NaN, in its position or its velocity: that sheet is halted, and

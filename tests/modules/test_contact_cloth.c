@@ -491,28 +491,3 @@ TEST( a_pile_slides_where_friction_is_too_low )
     assert_near( gained, expected, 0.05 * expected );
     close_world( &p.h );
 }
-
-// Snapshots hold the loads, and blocks of rows do not depend on workers.
-TEST( piles_do_not_depend_on_workers_or_snapshots )
-{
-    const float densities[] = { 0.1f, 1.0f, 0.2f };
-    uint64_t hashes[3];
-    const int workers[] = { 1, 2, 5 };
-    for ( int k = 0; k < WISP_COUNT( workers ); ++k )
-    {
-        pile p;
-        open_pile( &p, densities, 3, 0.2f, 0.5f, workers[k] );
-        run_pile( &p, 40 );
-        const size_t size = wisp_world_snapshot_size( p.h.world );
-        void* bytes = checked_malloc( size );
-        assert_status( p.h.world, wisp_world_snapshot( p.h.world, bytes, size ), WISP_OK );
-        run_pile( &p, 20 );
-        hashes[k] = wisp_world_hash( p.h.world );
-        assert_status( p.h.world, wisp_world_restore( p.h.world, bytes, size ), WISP_OK );
-        run_pile( &p, 20 );
-        assert_true( wisp_world_hash( p.h.world ) == hashes[k] );
-        free( bytes );
-        close_world( &p.h );
-    }
-    assert_true( hashes[0] == hashes[1] && hashes[1] == hashes[2] );
-}

@@ -346,39 +346,3 @@ TEST( no_vertex_of_implicit_cloth_is_faster_than_the_largest_speed )
         close_world( &h );
     }
 }
-
-// ---- the plan ----
-
-// Without contact there is nothing of it; the order of the calls does not matter.
-TEST( implicit_cloth_without_contact_has_no_pass_of_it )
-{
-    hosted h;
-    open_contact( &h, 2, 1, 1 );
-    wisp_world* w = h.world;
-    const sheet_def sheet = { .n = 5, .size = 0.3f, .stretch_stiffness = 200.0f };
-    const wisp_entity e = add_implicit( w, &sheet );
-    const wisp_contact_def def = wisp_default_contact_def();
-    const wisp_implicit_cloth_def implicit = wisp_default_implicit_cloth_def();
-    run_steps( w, 1, FRAME );
-    assert_int_equal( count_passes_named( w, "implicit_cloth.step" ), 1 );
-    assert_null( wisp_world_column( w, e, WISP_PARTICLE_PREVIOUS, 0 ) );
-    set_contact( w, e, &def );
-    run_steps( w, 1, FRAME );
-    assert_int_equal( count_passes_named( w, "implicit_cloth.step" ), 0 );
-    assert_int_equal( count_passes_named( w, "implicit_cloth.step_before_contact" ), 1 );
-    assert_int_equal( count_passes_named( w, "implicit_cloth.take_correction" ), 1 );
-    assert_status( w, wisp_unset_contact( w, e ), WISP_OK );
-    run_steps( w, 1, FRAME );
-    assert_int_equal( count_passes_named( w, "implicit_cloth.step" ), 1 );
-    assert_int_equal( count_passes_named( w, "implicit_cloth.take_correction" ), 0 );
-    assert_null( wisp_world_column( w, e, WISP_PARTICLE_PREVIOUS, 0 ) );
-
-    test_mesh mesh = level_sheet( 5, 0.3f, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
-    const wisp_entity later = add_mesh( w, &mesh, NULL, 0, 0.15f );
-    set_contact( w, later, &def );
-    run_steps( w, 1, FRAME );
-    assert_status( w, wisp_set_implicit_cloth( w, later, &implicit ), WISP_OK );
-    run_steps( w, 1, FRAME );
-    assert_int_equal( count_passes_named( w, "implicit_cloth.take_correction" ), 1 );
-    close_world( &h );
-}

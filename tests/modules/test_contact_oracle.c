@@ -1,4 +1,4 @@
-// The oracle of contact is sound: nearest points, momentum, energy, the cone of friction. Lengths are of order 1 and masses
+// The oracle of contact is sound: nearest points, energy. Momentum and friction hold the engine in test_contact.c. Lengths are of order 1 and masses
 // between 0.1 and 10, so that about ten roundings add up to 1e-15; a tolerance of 1e-12 leaves room for amplification by a small
 // denominator.
 #include "oracle_support.h"
@@ -162,25 +162,6 @@ static scene random_scene( int n )
     return s;
 }
 
-static void settle( scene* s, int rounds )
-{
-    for ( int round = 0; round < rounds; ++round )
-    {
-        contact_oracle_push( &s->contact, s->w, s->x );
-        contact_oracle_rub( &s->contact, s->w, s->before, s->x );
-    }
-}
-
-static double3 momentum_of( const scene* s, const double3* from )
-{
-    double3 sum = double3_make( 0.0, 0.0, 0.0 );
-    for ( int i = 0; i < VERTICES; ++i )
-    {
-        sum = s->w[i] > 0.0 ? double3_add_scaled( sum, 1.0 / s->w[i], double3_sub( s->x[i], from[i] ) ) : sum;
-    }
-    return sum;
-}
-
 // Twice the energy of the displacements in the substep, times its time squared.
 static double energy_of( const scene* s )
 {
@@ -191,45 +172,6 @@ static double energy_of( const scene* s )
         sum += s->w[i] > 0.0 ? double3_dot( way, way ) / s->w[i] : 0.0;
     }
     return sum;
-}
-
-TEST( momentum_is_kept_by_pushing_and_rubbing )
-{
-    int pushed = 0, rubbed = 0;
-    for ( int n = 0; n < 3000; ++n )
-    {
-        scene s = random_scene( n );
-        const double3 before = momentum_of( &s, s.before );
-        settle( &s, 3 );
-        assert_close( double3_distance( momentum_of( &s, s.before ), before ), 0.0, tolerance );
-        pushed += s.contact.lambda > 0.0 ? 1 : 0;
-        rubbed += double3_length( s.contact.rubbed ) > 0.0 ? 1 : 0;
-    }
-    assert_true( pushed > 500 && rubbed > 500 );
-}
-
-// The moment of a push is (yA - yB) x n lambda.
-TEST( angular_momentum_is_kept_where_the_normal_joins_the_points )
-{
-    int pushed = 0;
-    for ( int n = 0; n < 3000; ++n )
-    {
-        scene s = random_scene( n );
-        const double3 between =
-            double3_sub( contact_oracle_point_of( &s.contact.a, s.x ), contact_oracle_point_of( &s.contact.b, s.x ) );
-        s.contact.normal = double3_scale( 1.0 / double3_length( between ), between );
-        s.contact.gap = random_between( n, 132, 0.5, 2.0 ) * double3_length( between );
-        double3 at[VERTICES], moment = double3_make( 0.0, 0.0, 0.0 );
-        memcpy( at, s.x, sizeof( at ) );
-        pushed += contact_oracle_push( &s.contact, s.w, s.x ) > 0.0 ? 1 : 0;
-        for ( int i = 0; i < VERTICES; ++i )
-        {
-            const double3 way = double3_sub( s.x[i], at[i] );
-            moment = double3_add_scaled( moment, 1.0 / s.w[i], double3_cross( at[i], way ) );
-        }
-        assert_close( double3_length( moment ), 0.0, tolerance );
-    }
-    assert_true( pushed > 500 );
 }
 
 // A push is the nearest displacement, by mass, into the half space in which the points are apart, which contains the
@@ -255,48 +197,4 @@ TEST( energy_never_grows )
         lost += last < 0.99 * first ? 1 : 0;
     }
     assert_true( lost > 500 );
-}
-
-TEST( one_push_leaves_the_gap_and_a_second_changes_nothing )
-{
-    for ( int n = 0; n < 1000; ++n )
-    {
-        scene s = random_scene( n );
-        const double value = contact_oracle_value( &s.contact, s.x );
-        contact_oracle_push( &s.contact, s.w, s.x );
-        assert_close( contact_oracle_value( &s.contact, s.x ), fmax( value, 0.0 ), tolerance );
-        assert_close( contact_oracle_push( &s.contact, s.w, s.x ), 0.0, tolerance );
-    }
-}
-
-static double3 slid( const scene* s )
-{
-    const double3 now =
-        double3_sub( contact_oracle_point_of( &s->contact.a, s->x ), contact_oracle_point_of( &s->contact.b, s->x ) );
-    const double3 then = double3_sub( contact_oracle_point_of( &s->contact.a, s->before ),
-                                      contact_oracle_point_of( &s->contact.b, s->before ) );
-    const double3 way = double3_sub( now, then );
-    return double3_add_scaled( way, -double3_dot( way, s->contact.normal ), s->contact.normal );
-}
-
-// Within the cone nothing slides; on its border the remaining slip keeps its direction.
-TEST( friction_holds_within_the_cone_and_slides_on_its_border )
-{
-    int sticks = 0, slides = 0, free = 0;
-    for ( int n = 0; n < 3000; ++n )
-    {
-        scene s = random_scene( n );
-        const double3 way = slid( &s );
-        settle( &s, 1 );
-        const double rubbed = double3_length( s.contact.rubbed ), allowed = s.contact.friction * s.contact.lambda;
-        const double requested = double3_length( way ) / contact_oracle_mobility( &s.contact, s.w );
-        assert_close( double3_dot( s.contact.rubbed, s.contact.normal ), 0.0, tolerance );
-        assert_close( rubbed, fmin( requested, allowed ), tolerance );
-        const double left = requested > allowed ? 1.0 - allowed / requested : 0.0;
-        assert_close( double3_distance( slid( &s ), double3_scale( left, way ) ), 0.0, tolerance );
-        free += s.contact.lambda == 0.0 ? 1 : 0;
-        sticks += s.contact.lambda > 0.0 && left == 0.0 ? 1 : 0;
-        slides += s.contact.lambda > 0.0 && left > 0.0 ? 1 : 0;
-    }
-    assert_true( sticks > 200 && slides > 200 && free > 200 );
 }

@@ -203,31 +203,6 @@ TEST( strands_lie_on_cloth_and_do_not_pass )
     close_world( &h );
 }
 
-// Passes for strands exist while strands take part, and only then.
-TEST( without_strands_there_are_no_passes_of_strands )
-{
-    hosted h;
-    open_contact( &h, 1, 1, 1 );
-    test_mesh mesh = level_sheet( 4, 0.3f, ( wisp_vec3 ){ 0 } );
-    const wisp_entity cloth = add_draping( h.world, &mesh, NULL, 0, EARTH );
-    const wisp_entity strands = add_rake( h.world, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, 0.02f );
-    const wisp_contact_def def = wisp_default_contact_def();
-    set_contact( h.world, cloth, &def );
-    run_steps( h.world, 1, FRAME );
-    assert_int_equal( count_passes_named( h.world, "contact.push" ), 1 );
-    assert_int_equal( count_passes_named( h.world, "contact.push_strands" ), 0 );
-    set_contact( h.world, strands, &def );
-    run_steps( h.world, 1, FRAME );
-    assert_int_equal( count_passes_named( h.world, "contact.push" ), 0 );
-    assert_int_equal( count_passes_named( h.world, "contact.push_strands" ), 1 );
-    assert_status( h.world, wisp_unset_contact( h.world, strands ), WISP_OK );
-    run_steps( h.world, 1, FRAME );
-    assert_int_equal( count_passes_named( h.world, "contact.push" ), 1 );
-    assert_int_equal( count_passes_named( h.world, "contact.push_strands" ), 0 );
-    assert_int_equal( count_passes_named( h.world, "contact.keep_strands" ), 0 );
-    close_world( &h );
-}
-
 static const float FRAME_TIME = 1.0f / 60.0f;
 
 typedef struct sticks
@@ -608,11 +583,4 @@ static uint64_t fall( int workers, int steps, bool counts )
 TEST( a_heap_of_sticks_does_not_mingle )
 {
     (void)fall( 2, 120, true );
-}
-
-TEST( a_heap_has_the_same_bits_for_any_number_of_workers )
-{
-    const uint64_t one = fall( 1, 30, false );
-    assert_true( fall( 2, 30, false ) == one );
-    assert_true( fall( 5, 30, false ) == one );
 }

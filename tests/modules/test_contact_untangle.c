@@ -315,13 +315,6 @@ TEST( sheets_in_one_plane_part )
     }
 }
 
-TEST( they_part_to_the_same_bits_for_any_number_of_workers )
-{
-    const plies one = part( false, -1, 1 );
-    assert_true( part( false, -1, 2 ).hash == one.hash );
-    assert_true( part( false, -1, 5 ).hash == one.hash );
-}
-
 // ---- the displacement limit ----
 
 typedef struct hurled

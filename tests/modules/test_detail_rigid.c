@@ -532,29 +532,3 @@ TEST( bits_do_not_depend_on_workers_nor_snapshots )
     assert_true( run_bits( 3, false ) == expected );
     assert_true( run_bits( 5, true ) == expected );
 }
-
-TEST( detail_without_memory_changes_nothing )
-{
-    grown g;
-    grow( &g, 1, true );
-    move_and_step( &g, 1 );
-    const uint64_t before = wisp_world_hash( g.h.world );
-    wisp_detail_def def = wisp_default_detail_def();
-    def.level = WISP_DETAIL_COARSE;
-    int refused = 0;
-    for ( int after = 0; after < 20; ++after )
-    {
-        g.h.host.refuse = g.h.host.queried + 1 + after;
-        const wisp_status status = wisp_set_detail( g.h.world, g.ghosts, &def );
-        g.h.host.refuse = 0;
-        if ( status == WISP_OK )
-        {
-            break;
-        }
-        assert_int_equal( status, WISP_NO_MEMORY );
-        assert_true( wisp_world_hash( g.h.world ) == before );
-        refused += 1;
-    }
-    assert_true( refused >= 3 );
-    close_world( &g.h );
-}

@@ -240,35 +240,3 @@ TEST( stages_run_in_the_printed_order_and_each_can_be_left_out )
     free( other );
     hair_groom_destroy( &groom );
 }
-
-// Running a command twice
-TEST( replaying_an_event_from_rest_gives_the_same_bits )
-{
-    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 36, 20, 0.005f );
-    wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
-    const wisp_vec3 here = { 0.08f, -0.1f, 0.05f }, there = { -0.1f, -0.02f, 0.0f };
-    def.cursor = here;
-    wisp_world* world = hair_world_create( NULL );
-    wisp_entity entity = hair_add_frozen( world, &groom, &def );
-    wisp_vec3* looks[2];
-    hair_step( world );
-    looks[0] = hair_points( world, entity, groom.vertex_count );
-    hair_command( world, entity, there );
-    hair_step( world );
-    looks[1] = hair_points( world, entity, groom.vertex_count );
-    assert_false( hair_same_bits( looks[0], looks[1], groom.vertex_count ) );
-    for ( int n = 0; n < 6; ++n )
-    {
-        int event = n * 5 / 2 % 2;
-        assert_int_equal( wisp_replay_frozen_hair( world, entity, event == 0 ? here : there, (uint64_t)event ),
-                          WISP_OK );
-        hair_step( world );
-        assert_true(
-            hair_same_bits( hair_view( world, entity, groom.vertex_count ), looks[event], groom.vertex_count ) );
-        assert_int_equal( hair_stats( world, entity ).event, event );
-    }
-    free( looks[0] );
-    free( looks[1] );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
-}

@@ -284,74 +284,6 @@ TEST( dense_hair_in_space_takes_more_iterations_to_gather )
 
 // ---- Section III.3, random numbers, discussion, 2D and 3D ----
 
-TEST( each_strand_answers_to_its_own_stiffness_and_intensity )
-{
-    enum
-    {
-        strands = 40
-    };
-    hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 3, strands, 20, 0.008f );
-    float stretch[strands], bend[strands], intensity[strands];
-    for ( int s = 0; s < strands; ++s )
-    {
-        stretch[s] = bend[s] = s % 3 == 0 ? 1e9f : 2.0f;
-        intensity[s] = s % 2 == 0 ? 0.0f : 1.0f;
-    }
-    wisp_frozen_hair_def def = hair_freeze_only();
-    def.strand_stretch_stiffness = stretch;
-    def.strand_bend_stiffness = bend;
-    wisp_vec3* frozen = hair_run( NULL, &groom, &def );
-    def = hair_align_only( ( wisp_vec3 ){ 1.0f, 0.1f, 0.3f } );
-    def.strand_intensity = intensity;
-    wisp_vec3* aligned = hair_run( NULL, &groom, &def );
-    for ( int s = 0; s < strands; ++s )
-    {
-        // stiff strands stay, soft ones leave by far more than rounding
-        double tip = hair_distance( frozen[20 * s + 19], groom.points[20 * s + 19] );
-        assert_true( s % 3 == 0 ? tip < 1e-6 : tip > 1e-4 );
-        double first =
-            double3_angle( arm_of( groom.points, 20 * s, 20 * s + 1 ), arm_of( aligned, 20 * s, 20 * s + 1 ) );
-        double last =
-            double3_angle( arm_of( groom.points, 20 * s, 20 * s + 19 ), arm_of( aligned, 20 * s, 20 * s + 19 ) );
-
-        // the arm of the first vertex is 7 mm long and its ends are rounded
-        hair_assert_close( first, s % 2 == 0 ? last / 19.0 : last, 60.0 * u + 4.0 * u * 0.2 / 0.007 );
-    }
-    free( frozen );
-    free( aligned );
-    hair_groom_destroy( &groom );
-}
-
-TEST( nothing_changes_without_a_command )
-{
-    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 30, 20, 0.005f );
-    wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
-    wisp_world* world = hair_world_create( NULL );
-    wisp_entity entity = hair_add_frozen( world, &groom, &def );
-    hair_step( world );
-    wisp_vec3* look = hair_points( world, entity, groom.vertex_count );
-    uint64_t hash = wisp_world_hash( world ), searches = wisp_world_counter( world, WISP_COUNT_SEARCHES );
-    for ( int n = 0; n < 10; ++n )
-    {
-        hair_step( world );
-        assert_true( hair_same_bits( hair_view( world, entity, groom.vertex_count ), look, groom.vertex_count ) );
-        assert_int_equal( wisp_world_hash( world ), hash );
-        wisp_profile profile = wisp_world_profile( world );
-        for ( int i = 0; i < profile.count; ++i )
-        {
-            assert_int_equal( profile.lines[i].items, 0 );
-        }
-    }
-    assert_int_equal( wisp_world_counter( world, WISP_COUNT_SEARCHES ), searches );
-    hair_command( world, entity, def.cursor );
-    hair_step( world );
-    assert_false( hair_same_bits( hair_view( world, entity, groom.vertex_count ), look, groom.vertex_count ) );
-    assert_int_equal( hair_stats( world, entity ).event, 1 );
-    free( look );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
-}
-
 TEST( an_event_a_frame_changes_every_step_like_a_command_each )
 {
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 30, 20, 0.005f );
@@ -375,30 +307,6 @@ TEST( an_event_a_frame_changes_every_step_like_a_command_each )
     free( before );
     wisp_world_destroy( commanded );
     wisp_world_destroy( framed );
-    hair_groom_destroy( &groom );
-}
-
-TEST( a_seed_repeats_and_another_seed_or_event_differs )
-{
-    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 30, 20, 0.005f );
-    const int workers[] = { 1, 2, 8, 64 };
-    for ( int stage = 0; stage < 2; ++stage )
-    {
-        wisp_frozen_hair_def def = stage == 0 ? hair_freeze_only() : hair_clump_only();
-        wisp_vec3* first = hair_run( NULL, &groom, &def );
-        for ( int n = 0; n < WISP_COUNT( workers ); ++n )
-        {
-            const hair_host host = { .workers = workers[n] };
-            wisp_vec3* again = hair_run( &host, &groom, &def );
-            assert_true( hair_same_bits( first, again, groom.vertex_count ) );
-            free( again );
-        }
-        def.seed = 2;
-        wisp_vec3* other = hair_run( NULL, &groom, &def );
-        assert_false( hair_same_bits( first, other, groom.vertex_count ) );
-        free( first );
-        free( other );
-    }
     hair_groom_destroy( &groom );
 }
 

@@ -37,52 +37,6 @@ static wisp_vec3* run_stroke( const hair_groom* groom, const wisp_frozen_hair_de
     return points;
 }
 
-// ---- one command ----
-
-TEST( the_first_command_of_a_stroke_is_that_from_rest_bit_for_bit )
-{
-    for ( int n = 0; n < 12; ++n )
-    {
-        hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 2 + n / 3 % 2, 60, 20, 0.004f );
-        wisp_frozen_hair_def def = stroke_def();
-        def.reach_nearest = n / 6 == 1;
-        def.cursor = ( wisp_vec3 ){ 0.1f, -0.1f, 0.0f };
-        wisp_world* world = hair_world_create( NULL );
-        const wisp_entity hair = hair_add_frozen( world, &groom, &def );
-        hair_command( world, hair, def.cursor );
-        hair_step( world );
-        def.base = WISP_FROZEN_BASE_REST;
-        wisp_vec3* expected = hair_run( NULL, &groom, &def );
-        assert_true( hair_same_bits( hair_view( world, hair, groom.vertex_count ), expected, groom.vertex_count ) );
-        free( expected );
-        wisp_world_destroy( world );
-        hair_groom_destroy( &groom );
-    }
-}
-
-TEST( only_commands_sweep )
-{
-    hair_groom groom = hair_groom_create( HAIR_WAVY, 2, 40, 20, 0.004f );
-    wisp_frozen_hair_def def = stroke_def(), frozen = hair_freeze_only();
-    def.clump = false;
-    def.reach = 1e3f;
-    def.cursor = ( wisp_vec3 ){ 0.3f, 0.1f, 0.0f };
-    wisp_world* world = hair_world_create( NULL );
-    const wisp_entity hair = hair_add_frozen( world, &groom, &def );
-    wisp_vec3* unswept = hair_run( NULL, &groom, &frozen );
-    hair_step( world );
-    assert_true( hair_same_bits( hair_view( world, hair, 800 ), unswept, 800 ) );
-    hair_set( world, hair, &def );
-    hair_step( world );
-    assert_true( hair_same_bits( hair_view( world, hair, 800 ), unswept, 800 ) );
-    hair_command( world, hair, def.cursor );
-    hair_step( world );
-    assert_false( hair_same_bits( hair_view( world, hair, 800 ), unswept, 800 ) );
-    free( unswept );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
-}
-
 // ---- against the oracle ----
 
 typedef struct oracle_stroke
@@ -445,30 +399,6 @@ TEST( undo_and_redo_by_snapshots_are_bit_for_bit )
         free( saved[n].bytes );
     }
     wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
-}
-
-TEST( a_stroke_does_not_depend_on_steps_in_between )
-{
-    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 60, 20, 0.004f );
-    wisp_frozen_hair_def def = stroke_def();
-    wisp_vec3* plain = run_stroke( &groom, &def, 10 );
-    for ( int per_frame = 0; per_frame < 2; ++per_frame )
-    {
-        def.update_on = per_frame ? WISP_FROZEN_UPDATE_FRAME : WISP_FROZEN_UPDATE_HAIR_EVENT;
-        wisp_world* world = hair_world_create( NULL );
-        const wisp_entity hair = hair_add_frozen( world, &groom, &def );
-        for ( int n = 0; n < 10; ++n )
-        {
-            hair_step( world );
-            hair_command( world, hair, path( &groom, n, 10 ) );
-            hair_step( world );
-            hair_step( world );
-        }
-        assert_true( hair_same_bits( hair_view( world, hair, 1200 ), plain, 1200 ) );
-        wisp_world_destroy( world );
-    }
-    free( plain );
     hair_groom_destroy( &groom );
 }
 

@@ -59,27 +59,6 @@ static wisp_ghosts_def def_of_variant( const variant* c )
     return def;
 }
 
-static guide_oracle oracle_of( const flock* f, const variant* c )
-{
-    guide_oracle_options o = guide_oracle_default_options();
-    o.pairing = c->ghost_nodes == NODES ? GUIDE_ORACLE_PAIRING_NODE : GUIDE_ORACLE_PAIRING_SPLINE;
-    o.link_count = c->links;
-    o.tau = c->time > 0.0f ? (double)c->time : (double)FRAME;
-    o.elastic_gain = c->elastic == WISP_GHOST_ELASTIC_OFF ? 0.0 : 1.0;
-    o.frame = GUIDE_ORACLE_FRAME_PARALLEL;
-    o.tip_gain = (double)c->tip;
-    o.centre_gain = (double)c->centre;
-    o.use_spread = c->spread != 1.0f;
-    o.spread = (double)c->spread;
-    o.repair_lengths = c->repair;
-    const guide_oracle_def def = { f->s.target_count, NODES, f->s.ghost_count, c->ghost_nodes, f->s.target,
-                                   f->ghost,          NULL };
-    guide_oracle hair;
-    wisp_error error = { 0 };
-    assert_ok( guide_oracle_create( &def, &o, &hair, &error ), error );
-    return hair;
-}
-
 // Roots turned by the same angles on both sides.
 static void turn( flock* f, int frame, guide_oracle_rotation* rotations )
 {
@@ -96,7 +75,8 @@ static double run_variant( const variant* c )
 {
     flock f = guide_flock( NULL, 6, c->ghosts_a_target, c->ghost_nodes );
     guide_follow( &f, def_of_variant( c ) );
-    guide_oracle hair = oracle_of( &f, c );
+    const wisp_ghosts_def ghosts = def_of_variant( c );
+    guide_oracle hair = guide_oracle_of( &f, &ghosts );
     guide_oracle_rotation rotations[MAX_TARGETS];
     double largest = 0.0;
     for ( int frame = 0; frame < 45; ++frame )

@@ -5,55 +5,6 @@
 // The scene is a metre wide, so a millionth of a metre is a relative 1e-6.
 static const double tolerance = 1e-6; // m
 
-static guide_oracle oracle_of( const flock* f, const wisp_ghosts_def* def )
-{
-    guide_oracle_options o = guide_oracle_default_options();
-    o.pairing = def->resample ? GUIDE_ORACLE_PAIRING_SPLINE : GUIDE_ORACLE_PAIRING_NODE;
-    o.frame = GUIDE_ORACLE_FRAME_PARALLEL;
-    o.dt = (double)FRAME;
-    o.tau = def->time > 0.0f ? (double)def->time : (double)FRAME;
-    o.tip_gain = (double)def->tip_gain;
-    o.centre_gain = (double)def->centre_gain;
-    o.use_spread = def->spread != 1.0f;
-    o.spread = (double)def->spread;
-    o.repair_lengths = def->repair_length;
-    const guide_oracle_def strands = { f->s.target_count, NODES, f->s.ghost_count, f->ghost_nodes, f->s.target,
-                                       f->ghost,          NULL };
-    guide_oracle hair;
-    wisp_error error = { 0 };
-    assert_ok( guide_oracle_create( &strands, &o, &hair, &error ), error );
-    return hair;
-}
-
-static uint64_t hash_of( const guide_host* host )
-{
-    flock f = guide_flock( host, 6, 6, NODES );
-    wisp_ghosts_def def = wisp_default_ghosts_def();
-    def.between = true;
-    guide_follow( &f, def );
-    for ( int frame = 0; frame < 12; ++frame )
-    {
-        guide_swing( &f );
-    }
-    const uint64_t hash = wisp_world_hash( f.world );
-    wisp_world_destroy( f.world );
-    return hash;
-}
-
-TEST( bits_do_not_depend_on_workers_or_the_instruction_set )
-{
-    const guide_host hosts[] = { { .workers = 1, .isa = "baseline" },
-                                 { .workers = 2 },
-                                 { .workers = 3, .isa = "avx2" },
-                                 { .workers = 5, .isa = "baseline" },
-                                 { .workers = 8 } };
-    const uint64_t expected = hash_of( hosts );
-    for ( int n = 1; n < WISP_COUNT( hosts ); ++n )
-    {
-        assert_int_equal( hash_of( hosts + n ), expected );
-    }
-}
-
 TEST( a_restored_world_goes_on_with_the_same_bits )
 {
     flock f = guide_flock( NULL, 3, 4, NODES );
@@ -119,7 +70,7 @@ TEST( places_between_steps_follow_the_oracle_and_meet_both_steps )
         def.between = true;
         def.resample = nodes != NODES;
         guide_follow( &f, def );
-        guide_oracle hair = oracle_of( &f, &def );
+        guide_oracle hair = guide_oracle_of( &f, &def );
         wisp_vec3 before[12 * NODES], points[12 * NODES];
         double3 y[12 * NODES], v[3 * NODES];
         const size_t bytes = (size_t)( 12 * nodes ) * sizeof( wisp_vec3 );

@@ -48,7 +48,7 @@ static uint64_t hash_of_swing( const guide_host* host, int links, int ghost_node
     wisp_ghosts_def def = wisp_default_ghosts_def();
     def.target_count = links;
     def.resample = ghost_nodes != NODES;
-    def.repair_length = true;
+    def.repair_length = def.between = true;
     guide_follow( &f, def );
     wisp_curves_def curves = wisp_default_curves_def();
     curves.source = f.ghosts;
@@ -83,107 +83,6 @@ TEST( bits_do_not_depend_on_workers_or_the_instruction_set )
             assert_int_equal( hash_of_swing( others + n, kinds[k].links, kinds[k].nodes ), expected );
         }
     }
-}
-
-TEST( a_snapshot_brings_the_velocities_before_back )
-{
-    flock f = guide_flock( NULL, 3, 4, NODES );
-    guide_follow( &f, wisp_default_ghosts_def() );
-    for ( int frame = 0; frame < 7; ++frame )
-    {
-        guide_swing( &f );
-    }
-    const saved_world saved = save_world( f.world );
-    const scene then = f.s;
-    guide_swing( &f );
-    const uint64_t hash = wisp_world_hash( f.world );
-    for ( int frame = 0; frame < 5; ++frame )
-    {
-        guide_swing( &f );
-    }
-    guide_ok( f.world, wisp_world_restore( f.world, saved.bytes, saved.size ) );
-    f.s = then;
-    guide_swing( &f );
-    assert_int_equal( wisp_world_hash( f.world ), hash );
-    free( saved.bytes );
-    wisp_world_destroy( f.world );
-}
-
-// ---- memory ----
-
-TEST( a_warm_step_asks_for_no_memory )
-{
-    for ( int workers = 1; workers <= 5; workers += 2 )
-    {
-        test_host memory = { 0 };
-        const guide_host host = { .workers = workers, .allocator = test_host_allocator( &memory ) };
-        flock f = guide_flock( &host, 6, 6, 2 * NODES );
-        wisp_ghosts_def def = wisp_default_ghosts_def();
-        def.resample = def.repair_length = true;
-        guide_follow( &f, def );
-        wisp_curves_def curves = wisp_default_curves_def();
-        curves.source = f.ghosts;
-        wisp_entity drawn;
-        guide_ok( f.world, wisp_add_curves( f.world, &curves, &drawn ) );
-        guide_ok( f.world, wisp_request( f.world, drawn, WISP_STRAND_POINTS ) );
-        guide_swing( &f );
-        guide_swing( &f );
-        const int64_t queried = atomic_load( &memory.queried );
-        for ( int frame = 0; frame < 10; ++frame )
-        {
-            guide_swing( &f );
-        }
-        assert_int_equal( atomic_load( &memory.queried ), queried );
-        wisp_world_destroy( f.world );
-        assert_int_equal( atomic_load( &memory.blocks ), 0 );
-        assert_int_equal( atomic_load( &memory.faults ), 0 );
-    }
-}
-
-// Follow and draw with the n-th request refused. @return whether there were that many requests
-static bool refuse_request( int n )
-{
-    test_host memory = { 0 };
-    const guide_host host = { .allocator = test_host_allocator( &memory ) };
-    flock f = guide_flock( &host, 3, 4, 7 );
-    wisp_ghosts_def def = wisp_default_ghosts_def();
-    def.targets = f.targets;
-    def.resample = def.repair_length = true;
-    wisp_curves_def curves = wisp_default_curves_def();
-    curves.source = f.ghosts;
-    wisp_entity drawn;
-    const uint64_t before = wisp_world_hash( f.world );
-    memory.refuse = atomic_load( &memory.queried ) + n;
-    const wisp_status followed = wisp_set_ghosts( f.world, f.ghosts, &def );
-    if ( followed != WISP_OK )
-    {
-        assert_int_equal( followed, WISP_NO_MEMORY );
-        assert_int_equal( wisp_world_hash( f.world ), before );
-        guide_ok( f.world, wisp_set_ghosts( f.world, f.ghosts, &def ) );
-    }
-    const wisp_status added = wisp_add_curves( f.world, &curves, &drawn );
-    if ( added != WISP_OK )
-    {
-        assert_int_equal( added, WISP_NO_MEMORY );
-        assert_int_equal( drawn.index, 0 );
-        guide_ok( f.world, wisp_add_curves( f.world, &curves, &drawn ) );
-    }
-    const bool refused = followed != WISP_OK || added != WISP_OK;
-    memory.refuse = 0;
-    guide_swing( &f );
-    wisp_world_destroy( f.world );
-    assert_int_equal( atomic_load( &memory.blocks ), 0 );
-    return refused;
-}
-
-TEST( any_one_request_may_be_refused_and_the_call_made_again )
-{
-    int refusals = 0;
-    while ( refuse_request( refusals + 1 ) )
-    {
-        refusals += 1;
-    }
-    assert_true( refusals > 30 ); // cooked data, one block per array
 }
 
 // ---- removal ----

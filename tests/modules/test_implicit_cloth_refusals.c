@@ -217,23 +217,6 @@ IMPLICIT_TEST( an_implicit_cloth_becomes_no_other_cloth_and_no_balloon )
     assert_refused( h, blown, &def, WISP_CONFLICT, "balloon" );
 }
 
-IMPLICIT_TEST( what_is_no_living_surface_is_refused )
-{
-    hosted* h = *state;
-    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
-    wisp_entity hair = test_add_strands( h->world, 3, 4 ), gone = add_plain( h ), bare = add_plain( h );
-    assert_refused( h, hair, &def, WISP_CONFLICT, "not a surface" );
-    assert_status( h->world, wisp_remove( h->world, gone ), WISP_OK );
-    assert_refused( h, gone, &def, WISP_STALE_ID, "does not exist" );
-    wisp_implicit_cloth_stats stats;
-    expect_refusal( h->world, wisp_request_implicit_cloth_stats( h->world, bare, true ), WISP_CONFLICT,
-                    "not an implicit cloth" );
-    expect_refusal( h->world, wisp_read_implicit_cloth_stats( h->world, bare, &stats ), WISP_CONFLICT,
-                    "not an implicit cloth" );
-    expect_refusal( h->world, wisp_read_implicit_cloth_stats( h->world, gone, &stats ), WISP_STALE_ID,
-                    "does not exist" );
-}
-
 IMPLICIT_TEST( stats_are_there_from_the_step_after_asking )
 {
     hosted* h = *state;
@@ -253,17 +236,6 @@ IMPLICIT_TEST( stats_are_there_from_the_step_after_asking )
     expect_refusal( h->world, wisp_read_implicit_cloth_stats( h->world, e, &stats ), WISP_CONFLICT, "statistics" );
 }
 
-TEST( a_world_without_the_module_says_so )
-{
-    hosted h = { 0 };
-    h.def = hosted_def( &h );
-    assert_int_equal( wisp_world_create( &h.def, &h.world, NULL ), WISP_OK );
-    wisp_entity e = add_plain( &h );
-    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
-    assert_refused( &h, e, &def, WISP_CONFLICT, "not registered" );
-    close_world( &h );
-}
-
 // ---- memory ----
 
 static uint64_t alone( const wisp_implicit_cloth_def* def, int n, int steps )
@@ -275,51 +247,6 @@ static uint64_t alone( const wisp_implicit_cloth_def* def, int n, int steps )
     const uint64_t hash = hash_of( h.world, e, WISP_SURFACE_POINTS );
     close_world( &h );
     return hash;
-}
-
-// From nothing, or from one kind of cloth to one that needs more, with each request for memory refused in turn.
-static int change_without_memory( int64_t n, bool rest, bool from_cloth )
-{
-    hosted h;
-    open_implicit( &h, 1 );
-    wisp_entity e = add_plain( &h );
-    assert_status( h.world, wisp_set_gravity( h.world, e, EARTH ), WISP_OK );
-    wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
-    if ( from_cloth )
-    {
-        set_implicit( h.world, e, &def );
-        run_steps( h.world, 3, DT );
-    }
-    def.integrator = WISP_INTEGRATOR_BDF2;
-    const uint64_t before = wisp_world_hash( h.world );
-    test_host_refuse( &h.host, n, rest );
-    const wisp_status status = wisp_set_implicit_cloth( h.world, e, &def );
-    const bool refused = test_host_has_refused( &h.host );
-    test_host_refuse( &h.host, 0, false );
-    if ( refused )
-    {
-        expect_refusal( h.world, status, WISP_NO_MEMORY, "memory" );
-        assert_int_equal( wisp_world_hash( h.world ), before );
-        assert_int_equal( wisp_world_has( h.world, e, WISP_PARTICLE_EXTERNAL_SOLVER ), from_cloth );
-        run_steps( h.world, 1, DT );
-    }
-    assert_status( h.world, wisp_set_implicit_cloth( h.world, e, &def ), WISP_OK );
-    run_steps( h.world, 2, DT );
-    close_world( &h );
-    return refused ? 1 : 0;
-}
-
-TEST( without_memory_a_surface_stays_what_it_was )
-{
-    for ( int variant = 0; variant < 4; ++variant )
-    {
-        int refusals = 0;
-        for ( int64_t n = 1; n < 100 && refusals == n - 1; ++n )
-        {
-            refusals += change_without_memory( n, variant % 2 == 1, variant >= 2 );
-        }
-        assert_in_range( refusals, 9, 98 ); // lists of links, rows of them, and a column at least
-    }
 }
 
 // A step without memory for its system reports it and can be repeated; one that finds another way gives the same
@@ -350,24 +277,6 @@ TEST( a_step_without_memory_is_refused_and_made_later )
     }
     assert_false( refused );
     assert_in_range( refusals, 2, 98 ); // of the plan and of the system at least
-}
-
-TEST( a_warm_step_asks_for_no_memory )
-{
-    for ( int variant = 0; variant < 4; ++variant )
-    {
-        hosted h;
-        open_implicit( &h, 2 );
-        wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
-        def.newton_iterations = 1 + variant % 2;
-        def.integrator = variant < 2 ? WISP_INTEGRATOR_EULER : WISP_INTEGRATOR_BDF2;
-        add_sheet( h.world, &def, 12, true );
-        run_steps( h.world, 2, DT );
-        const int64_t queried = atomic_load( &h.host.queried );
-        run_steps( h.world, 20, DT );
-        assert_int_equal( atomic_load( &h.host.queried ), queried );
-        close_world( &h );
-    }
 }
 
 IMPLICIT_TEST( a_removed_cloth_gives_its_memory_back )
@@ -452,28 +361,4 @@ IMPLICIT_TEST( a_cloth_can_be_changed_while_it_moves )
         bytes = i == 0 ? wisp_world_memory( h->world ) : bytes;
     }
     assert_int_equal( wisp_world_memory( h->world ), bytes );
-}
-
-TEST( a_snapshot_goes_on_to_the_same_bits )
-{
-    for ( int variant = 0; variant < 2; ++variant )
-    {
-        hosted h;
-        open_implicit( &h, 2 );
-        wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
-        def.integrator = variant == 0 ? WISP_INTEGRATOR_EULER : WISP_INTEGRATOR_BDF2;
-        wisp_entity e = add_sheet( h.world, &def, 9, true );
-        run_steps( h.world, 5, DT );
-        const saved_world saved = save_world( h.world );
-        run_steps( h.world, 7, DT );
-        const uint64_t points = hash_of( h.world, e, WISP_SURFACE_POINTS ), all = wisp_world_hash( h.world );
-        run_steps( h.world, 3, DT );
-        assert_true( hash_of( h.world, e, WISP_SURFACE_POINTS ) != points );
-        assert_status( h.world, wisp_world_restore( h.world, saved.bytes, saved.size ), WISP_OK );
-        run_steps( h.world, 7, DT );
-        assert_int_equal( hash_of( h.world, e, WISP_SURFACE_POINTS ), points );
-        assert_int_equal( wisp_world_hash( h.world ), all );
-        free( saved.bytes );
-        close_world( &h );
-    }
 }

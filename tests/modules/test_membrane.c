@@ -213,31 +213,6 @@ TEST( a_free_membrane_keeps_its_momenta )
     close_membranes( h );
 }
 
-TEST( bits_do_not_depend_on_workers )
-{
-    uint64_t hashes[3];
-    static const int WORKERS[] = { 1, 2, 5 };
-    for ( int n = 0; n < 3; ++n )
-    {
-        hosted* h = open_membranes( 4, 2, WORKERS[n] );
-        test_mesh mesh = make_sphere( 5, 0.1f );
-        wisp_surface_def surface = support_weightless_surface_def();
-        surface.gravity = ( wisp_vec3 ){ 0.0f, -9.81f, 0.0f };
-        const wisp_entity e = add_membrane( h->world, &mesh, surface, rubber( 100.0f, true ) );
-        wisp_cloth_def cloth = wisp_default_cloth_def();
-        cloth.bending = WISP_CLOTH_BENDING_NONE;
-        cloth.drag_coefficient = 1.0f;
-        cloth.wind = ( wisp_vec3 ){ 3.0f, 0.0f, 1.0f };
-        assert_status( h->world, wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
-        assert_false( wisp_world_has( h->world, e, WISP_LINK_COMPLIANCE ) );
-        run_steps( h->world, 10, FRAME );
-        assert_status( h->world, wisp_world_hash_column( h->world, e, WISP_SURFACE_POINTS, &hashes[n] ), WISP_OK );
-        test_mesh_free( &mesh );
-        close_membranes( h );
-    }
-    assert_true( hashes[0] == hashes[1] && hashes[1] == hashes[2] );
-}
-
 TEST( what_cannot_be_is_refused )
 {
     hosted* h = open_membranes( 2, 1, 1 );

@@ -60,14 +60,6 @@ static void give_frame( framed* s, float linear, float angular )
     assert_status( s->world, wisp_set_moving_frame( s->world, s->e, &def ), WISP_OK );
 }
 
-// Where a character is after some steps that it walks and turns about the vertical axis.
-static wisp_transform pose_at( int step, float way, float angle )
-{
-    const float t = (float)step, half = 0.5f * angle * t;
-    return wisp_transform_make( ( wisp_quat ){ 0.0f, sinf( half ), 0.0f, cosf( half ) },
-                                ( wisp_vec3 ){ way * t, 0.01f * way * t * t, -0.5f * way * t } );
-}
-
 // Move frame and pins to where they are at the end of a step, and make it.
 static void follow( framed* s, wisp_transform pose, bool pinned )
 {
@@ -106,11 +98,11 @@ TEST( a_surface_that_feels_nothing_moves_as_in_a_still_frame )
         framed moved = open_framed( &cloth, true, EARTH, 1 ), still = open_framed( &cloth, true, EARTH, 1 ),
                felt = open_framed( &cloth, true, EARTH, 1 );
         give_frame( &moved, 0.0f, 0.0f );
-        wisp_transform pose = pose_at( 0, 0.0f, 0.0f );
+        wisp_transform pose = walked_pose( 0, 0.0f, 0.0f );
         for ( int i = 1; i <= STEPS; ++i )
         {
-            follow( &still, pose_at( 0, 0.0f, 0.0f ), true );
-            pose = pose_at( i, 0.1f, 0.05f );
+            follow( &still, walked_pose( 0, 0.0f, 0.0f ), true );
+            pose = walked_pose( i, 0.1f, 0.05f );
             follow( &moved, pose, true );
             follow( &felt, pose, true );
         }
@@ -132,8 +124,8 @@ TEST( a_frame_that_is_felt_changes_no_bit_and_has_no_pass )
     give_frame( &with, 1.0f, 1.0f );
     for ( int i = 1; i <= STEPS; ++i )
     {
-        follow( &with, pose_at( i, 0.1f, 0.05f ), true );
-        follow( &without, pose_at( i, 0.1f, 0.05f ), true );
+        follow( &with, walked_pose( i, 0.1f, 0.05f ), true );
+        follow( &without, walked_pose( i, 0.1f, 0.05f ), true );
     }
     assert_true( wisp_world_hash( with.world ) == wisp_world_hash( without.world ) );
     assert_int_equal( count_passes_named( with.world, "particles.carry" ), 0 );
@@ -149,8 +141,8 @@ TEST( a_frame_at_rest_changes_no_bit_of_the_motion )
     give_frame( &with, 0.0f, 0.0f );
     for ( int i = 1; i <= STEPS; ++i )
     {
-        follow( &with, pose_at( 0, 0.0f, 0.0f ), true );
-        follow( &without, pose_at( 0, 0.0f, 0.0f ), true );
+        follow( &with, walked_pose( 0, 0.0f, 0.0f ), true );
+        follow( &without, walked_pose( 0, 0.0f, 0.0f ), true );
     }
     const wisp_view a = view_of( with.world, with.e, WISP_SURFACE_POINTS ),
                     b = view_of( without.world, without.e, WISP_SURFACE_POINTS );
@@ -176,7 +168,7 @@ TEST( what_is_felt_is_linear_in_the_fraction )
         give_frame( &pulled, felt, 1.0f );
         for ( int k = 1; k <= 10; ++k )
         {
-            follow( &s, pose_at( k, 0.05f, 0.0f ), false );
+            follow( &s, walked_pose( k, 0.05f, 0.0f ), false );
         }
         for ( int v = 0; v < VERTICES; ++v )
         {
@@ -184,7 +176,7 @@ TEST( what_is_felt_is_linear_in_the_fraction )
             assert_near( x, 0.5 * ( 1.0 - (double)felt ), 2e-5 ); // rounding in 40 substeps
         }
         assert_near( motion_stats_of( s.world, s.e ).momentum[0], 0.0, 2e-5 ); // rounding of positions
-        follow( &pulled, pose_at( 1, 1e-4f, 0.0f ), true ); // so little that the cloth answers linearly
+        follow( &pulled, walked_pose( 1, 1e-4f, 0.0f ), true ); // so little that the cloth answers linearly
         momentum[i] = motion_stats_of( pulled.world, pulled.e ).momentum[0];
         close_framed( &s );
         close_framed( &pulled );
@@ -204,7 +196,7 @@ static uint64_t walk( int workers, bool restored )
     size_t size = 0;
     for ( int i = 1; i <= 20; ++i )
     {
-        follow( &s, pose_at( i, 0.1f, 0.05f ), true );
+        follow( &s, walked_pose( i, 0.1f, 0.05f ), true );
         if ( restored && i == 10 )
         {
             size = wisp_world_snapshot_size( s.world );
@@ -219,7 +211,7 @@ static uint64_t walk( int workers, bool restored )
             assert_status( s.world, wisp_world_restore( s.world, saved, size ), WISP_OK );
             continue;
         }
-        follow( &s, pose_at( i, 0.1f, 0.05f ), true );
+        follow( &s, walked_pose( i, 0.1f, 0.05f ), true );
     }
     free( saved );
     assert_true( is_finite( s.world, s.e ) );
@@ -243,8 +235,8 @@ TEST( a_teleport_takes_the_frame_along )
     framed here = open_framed( &cloth, false, EARTH, 1 ), there = open_framed( &cloth, false, EARTH, 1 );
     give_frame( &here, 0.0f, 0.0f );
     give_frame( &there, 0.0f, 0.0f );
-    follow( &here, pose_at( 1, 0.1f, 0.05f ), false );
-    follow( &there, pose_at( 1, 0.1f, 0.05f ), false );
+    follow( &here, walked_pose( 1, 0.1f, 0.05f ), false );
+    follow( &there, walked_pose( 1, 0.1f, 0.05f ), false );
     assert_status( there.world, wisp_teleport( there.world, there.e, motion, true ), WISP_OK );
     for ( int i = 0; i < 3; ++i )
     {

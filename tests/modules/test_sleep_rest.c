@@ -357,32 +357,6 @@ TEST( what_never_sleeps_has_the_same_bits_and_one_pass_more )
     assert_int_equal( with, without + 1 );
 }
 
-TEST( sleep_without_memory_changes_nothing )
-{
-    hosted h;
-    open_stage( &h, 1 );
-    const wisp_entity e = add_sheet( h.world, ( wisp_vec3 ){ 0.0f, 0.3f, 0.0f }, false );
-    run_steps( h.world, 1, FRAME );
-    const uint64_t before = wisp_world_hash( h.world );
-    const wisp_sleep_def def = wisp_default_sleep_def();
-    int refused = 0;
-    for ( int after = 0; after < 20; ++after )
-    {
-        h.host.refuse = h.host.queried + 1 + after;
-        const wisp_status status = wisp_set_sleep( h.world, e, &def );
-        h.host.refuse = 0;
-        if ( status == WISP_OK )
-        {
-            break;
-        }
-        assert_int_equal( status, WISP_NO_MEMORY );
-        assert_true( wisp_world_hash( h.world ) == before );
-        refused += 1;
-    }
-    assert_true( refused > 0 );
-    close_world( &h );
-}
-
 TEST( what_cannot_sleep_is_refused )
 {
     bed b;

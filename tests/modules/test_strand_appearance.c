@@ -222,35 +222,6 @@ TEST( a_look_that_cannot_be_is_refused )
     hair_groom_destroy( &groom );
 }
 
-TEST( any_number_of_workers_paints_the_same )
-{
-    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 700, 20, 0.005f );
-    wisp_strand_appearance_def appearance = wisp_default_strand_appearance_def();
-    appearance.colour_bias = 0.3f;
-    const int workers[] = { 1, 2, 5, 64 };
-    uint64_t first[2] = { 0, 0 };
-    for ( int n = 0; n < WISP_COUNT( workers ); ++n )
-    {
-        const hair_host host = { .workers = workers[n] };
-        wisp_world* world = hair_world_create( &host );
-        wisp_entity entity = hair_add( world, &groom );
-        set_look( world, entity, &appearance );
-        assert_int_equal( wisp_request( world, entity, WISP_POINT_WIDTH ), WISP_OK );
-        assert_int_equal( wisp_request( world, entity, WISP_POINT_COLOUR ), WISP_OK );
-        hair_step( world );
-        uint64_t hash[2];
-        assert_int_equal( wisp_world_hash_column( world, entity, WISP_POINT_WIDTH, hash ), WISP_OK );
-        assert_int_equal( wisp_world_hash_column( world, entity, WISP_POINT_COLOUR, hash + 1 ), WISP_OK );
-        if ( n == 0 )
-        {
-            memcpy( first, hash, sizeof( first ) );
-        }
-        assert_memory_equal( hash, first, sizeof( first ) );
-        wisp_world_destroy( world );
-    }
-    hair_groom_destroy( &groom );
-}
-
 // ---- environment ----
 
 static wisp_environment_def environment_with( int count, const float* ice, const float* stiffness )

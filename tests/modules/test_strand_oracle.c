@@ -1,5 +1,4 @@
-// The oracle of moving strands is sound: momentum, energy, its linear systems, the gradient of a rod's energy, balance. Closed forms
-// of pendulums, chains and rods hold the engine in test_strands_closed_forms.c, and the engine is held to this oracle in
+// The oracle of moving strands is sound: momentum, energy, the gradient of a rod's energy. Closed forms of pendulums, chains and rods hold the engine in test_strands_closed_forms.c, and the engine is held to this oracle in
 // test_strands_against_oracle.c.
 #include "oracle_support.h"
 
@@ -151,70 +150,6 @@ TEST( energy_never_rises_without_damping )
     }
 }
 
-// ---- linear systems ----
-
-TEST( one_newton_pass_solves_the_linear_system )
-{
-    // with C' = C + J dp the pass leaves C' = 0: the remaining error of lengths is second order in the initial one
-    for ( int measure = 0; measure < 2; ++measure )
-    {
-        double error[2];
-        for ( int k = 0; k < 2; ++k )
-        {
-            strand_oracle strand = new_crooked( 6, 30, true );
-            for ( int i = 1; i < strand.count; ++i )
-            {
-                const double3 off = double3_scale( k == 0 ? 1e-5 : 1e-6, random_vector( 7, i ) );
-                strand.position[i] = double3_add( strand.position[i], off );
-            }
-            strand_oracle_stretch( &strand, (strand_oracle_measure)measure, 1, 1.0, false, 1.0 );
-            error[k] = strand_oracle_strain( &strand );
-        }
-        assert_close( error[1] / error[0], 1e-2, 5e-3 );
-        assert_true( error[0] < 1e-4 );
-    }
-}
-
-TEST( the_factor_solves_what_a_dense_elimination_solves )
-{
-    static double matrix[32 * 32];
-    for ( int k = 0; k < 8; ++k )
-    {
-        const double dt = 1.0 / 600.0, damping = k % 4 < 2 ? 0.0 : 2e-3;
-        strand_oracle strand = new_curl( 32, 1.0, k % 2 == 0 );
-        strand_oracle_stiffen( &strand, k < 4 ? 1e-8 : 1e-6, 0.0, k % 2 == 0, dt );
-        strand_oracle_rest_straight( &strand );
-        if ( k == 4 )
-        {
-            strand_oracle_pin( &strand, 9 );
-        }
-        const strand_oracle start = strand;
-        double3 right[32];
-        strand_oracle_rod_gradient( &strand, right );
-        strand_oracle_rod_matrix( &strand, dt * dt + damping * dt, matrix );
-        for ( int i = 0; i < 32; ++i )
-        {
-            const bool held = strand.weight[i] <= 0.0;
-            right[i] = held ? zero : double3_scale( -dt * dt, right[i] );
-            matrix[i * 32 + i] = held ? 1.0 : matrix[i * 32 + i];
-        }
-        strand_oracle_solve( 32, matrix, 3, &right[0].x );
-
-        // previous equals the position, so that damping adds nothing to the right-hand side
-        strand_oracle_rod_factor( &strand, damping, dt );
-        strand_oracle_rod( &strand, damping, dt, NULL );
-        double most = 0.0;
-        for ( int i = 0; i < 32; ++i )
-        {
-            const double3 x = double3_sub( strand.position[i], start.position[i] );
-            // of the strand's extent: positions carry the rounding
-            assert_close( double3_distance( x, right[i] ), 0.0, 1e-12 );
-            most = fmax( most, double3_length( right[i] ) );
-        }
-        assert_true( most > 1e-6 );
-    }
-}
-
 // ---- energy and its gradient ----
 
 static void carry_frames( strand_oracle* strand )
@@ -333,60 +268,5 @@ TEST( the_gradient_of_a_curl_leaves_out_a_thousandth )
         deform( &strand, 35, 0.003 );
         settle_twist( &strand );
         assert_true( gradient_error( &strand ) < ( elliptic == 1 ? 2e-3 : 1e-3 ) );
-    }
-}
-
-// ---- balance ----
-
-static double whole_length( const strand_oracle* strand )
-{
-    double sum = 0.0;
-    for ( int s = 0; s + 1 < strand->count; ++s )
-    {
-        sum += strand->length[s];
-    }
-    return sum;
-}
-
-static double whole_weight( const strand_oracle* strand )
-{
-    return whole_length( strand ) * line_density * fall;
-}
-
-// The imbalance of forces and of twist, relative to the strand's weight and its moment.
-static double missing_to_balance( const strand_oracle* strand )
-{
-    double3 force[MAX_STRAND_ORACLE];
-    double twist[MAX_STRAND_ORACLE], worst = 0.0;
-    strand_oracle_rod_gradient( strand, force );
-    strand_oracle_twist_balance( strand, twist );
-    for ( int s = 0; s + 1 < strand->count; ++s )
-    {
-        const double3 e = double3_sub( strand->position[s + 1], strand->position[s] );
-        const double3 pull = double3_scale( strand->tension[s] / strand->length[s], e );
-        force[s] = double3_sub( force[s], pull );
-        force[s + 1] = double3_add( force[s + 1], pull );
-        worst = fmax( worst, fabs( twist[s] ) / ( whole_weight( strand ) * whole_length( strand ) ) );
-    }
-    for ( int i = 1; i < strand->count; ++i )
-    {
-        const double3 missing = double3_sub( double3_scale( strand->mass[i], gravity ), force[i] );
-        worst = fmax( worst, double3_length( missing ) / whole_weight( strand ) );
-    }
-    return worst;
-}
-
-TEST( a_balanced_curl_is_in_balance )
-{
-    static const double rigidity[] = { 8e-9, 1e-7, 1e-6, 1e-5 };
-    for ( int k = 0; k < 4; ++k )
-    {
-        strand_oracle strand = new_curl( 32, 3.0, true );
-        strand_oracle_stiffen( &strand, rigidity[k], 0.75 * rigidity[k], true, 1.0 / 600.0 );
-        assert_true( strand_oracle_balance_stably( &strand, gravity, (double)INFINITY ) == 1.0 );
-        const double missing = missing_to_balance( &strand );
-        print_message( "balanced curl EI %g: %.2g of its weight is missing\n", rigidity[k], missing );
-        // a moment's rounding is EI / (l^2 W) times that of a direction: 1 at a hair, 1e3 at the last row
-        assert_true( missing < 1e-12 * fmax( 1.0, rigidity[k] / 1e-7 ) );
     }
 }

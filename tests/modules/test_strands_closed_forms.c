@@ -290,36 +290,6 @@ TEST( the_tension_of_a_chain_is_the_weight_below )
     close_single( &one );
 }
 
-TEST( a_chain_between_two_pins_hangs_as_a_catenary )
-{
-    enum
-    {
-        SEGMENTS = 64
-    };
-    static const int32_t PIN = SEGMENTS;
-    // 1 m of chain over 0.8 m begins as a V of its own length
-    wisp_vec3 points[SEGMENTS + 1];
-    for ( int v = 0; v <= SEGMENTS; ++v )
-    {
-        const double t = (double)v / SEGMENTS;
-        points[v] = ( wisp_vec3 ){ (float)( 0.8 * t ), (float)( -0.6 * fmin( t, 1.0 - t ) ), 0.0f };
-    }
-    wisp_strand_dynamics_def def = plain_def( WISP_STRAND_BEND_NONE );
-    def.pins = &PIN;
-    def.pin_count = 1;
-    def.damping = 4.0f;
-    single one;
-    open_single( &one, points, SEGMENTS + 1, SUBSTEPS, &def );
-    strand_steps( one.s.world, 360, FRAME );
-    double sag = 0.0;
-    for ( int v = 0; v <= SEGMENTS; ++v )
-    {
-        sag = fmax( sag, -(double)strand_points( one.s.world, one.e )[v].y );
-    }
-    assert_fraction( sag, 0.26543751, 5e-3, "sag, m" );
-    close_single( &one );
-}
-
 // Distance of the tip of a clamped rod from the elastica, in lengths.
 static double miss_of_elastica( double load, double drop, double reach, int count )
 {

@@ -46,14 +46,6 @@ static void give_frame( walker* w, float linear, float angular )
     assert_status( w->world, wisp_set_moving_frame( w->world, w->e, &def ), WISP_OK );
 }
 
-// Where a character is after some steps that it walks and turns about the vertical axis.
-static wisp_transform pose_at( int step, float way, float angle )
-{
-    const float t = (float)step, half = 0.5f * angle * t;
-    return wisp_transform_make( ( wisp_quat ){ 0.0f, sinf( half ), 0.0f, cosf( half ) },
-                                ( wisp_vec3 ){ way * t, 0.01f * way * t * t, -0.5f * way * t } );
-}
-
 // Move frame and head, and make a step.
 static void follow( walker* w, wisp_transform pose, bool has_head )
 {
@@ -65,19 +57,13 @@ static void follow( walker* w, wisp_transform pose, bool has_head )
     strand_steps( w->world, 1, DT );
 }
 
-static double distance( wisp_vec3 a, wisp_vec3 b )
-{
-    const double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y, z = (double)a.z - (double)b.z;
-    return sqrt( x * x + y * y + z * z );
-}
-
 static double farthest_apart( walker* moved, walker* still, wisp_transform pose )
 {
     const wisp_vec3 *p = strand_points( moved->world, moved->e ), *q = strand_points( still->world, still->e );
     double farthest = 0.0;
     for ( int v = 0; v < STRANDS * VERTICES; ++v )
     {
-        const double apart = distance( p[v], wisp_transform_to_world( pose, q[v] ) );
+        const double apart = vec_distance( p[v], wisp_transform_to_world( pose, q[v] ) );
         farthest = apart <= farthest ? farthest : apart; // NaN is the farthest
     }
     return farthest;
@@ -136,11 +122,11 @@ TEST( strands_that_feel_nothing_move_as_in_a_still_frame )
         walker *moved = open_walker( &def, KINDS[k].curve, 1 ), *still = open_walker( &def, KINDS[k].curve, 1 ),
                *felt = open_walker( &def, KINDS[k].curve, 1 );
         give_frame( moved, 0.0f, 0.0f );
-        wisp_transform pose = pose_at( 0, 0.0f, 0.0f );
+        wisp_transform pose = walked_pose( 0, 0.0f, 0.0f );
         for ( int i = 1; i <= STEPS; ++i )
         {
-            follow( still, pose_at( 0, 0.0f, 0.0f ), true );
-            pose = pose_at( i, 0.1f, 0.05f );
+            follow( still, walked_pose( 0, 0.0f, 0.0f ), true );
+            pose = walked_pose( i, 0.1f, 0.05f );
             follow( moved, pose, true );
             follow( felt, pose, true );
         }
@@ -164,8 +150,8 @@ TEST( a_frame_that_is_felt_changes_no_bit_and_has_no_pass )
     give_frame( framed, 1.0f, 1.0f );
     for ( int i = 1; i <= 5; ++i )
     {
-        follow( framed, pose_at( i, 0.1f, 0.05f ), true );
-        follow( bare, pose_at( i, 0.1f, 0.05f ), true );
+        follow( framed, walked_pose( i, 0.1f, 0.05f ), true );
+        follow( bare, walked_pose( i, 0.1f, 0.05f ), true );
     }
     assert_true( wisp_world_hash( framed->world ) == wisp_world_hash( bare->world ) );
     assert_false( plan_says( framed->world, "strands.carry", "item loop" ) );
@@ -187,13 +173,13 @@ TEST( a_free_stick_is_carried_by_the_rest_of_the_fraction )
     give_frame( w, 0.3f, 1.0f );
     for ( int i = 1; i <= 10; ++i )
     {
-        follow( w, pose_at( i, 0.1f, 0.0f ), false );
+        follow( w, walked_pose( i, 0.1f, 0.0f ), false );
     }
-    const wisp_vec3 way = pose_at( 10, 0.1f, 0.0f ).translation;
+    const wisp_vec3 way = walked_pose( 10, 0.1f, 0.0f ).translation;
     for ( int v = 0; v < STRANDS * VERTICES; ++v )
     {
         const wisp_vec3 to = { before[v].x + 0.7f * way.x, before[v].y + 0.7f * way.y, before[v].z + 0.7f * way.z };
-        assert_true( distance( strand_points( w->world, w->e )[v], to ) < 1e-6 );
+        assert_true( vec_distance( strand_points( w->world, w->e )[v], to ) < 1e-6 );
     }
     wisp_motion_stats stats;
     assert_int_equal( wisp_read_motion_stats( w->world, w->e, &stats ), WISP_OK );
@@ -217,7 +203,7 @@ static uint64_t walk( int workers, bool restores )
             saved = checked_calloc( bytes, 1 );
             assert_status( w->world, wisp_world_snapshot( w->world, saved, bytes ), WISP_OK );
         }
-        follow( w, pose_at( i, 0.1f, 0.05f ), true );
+        follow( w, walked_pose( i, 0.1f, 0.05f ), true );
         if ( restores && i == 8 )
         {
             assert_status( w->world, wisp_world_restore( w->world, saved, bytes ), WISP_OK );
@@ -246,8 +232,8 @@ TEST( a_teleport_takes_the_frame_along )
     walker *here = open_walker( &def, curl_down, 1 ), *there = open_walker( &def, curl_down, 1 );
     give_frame( here, 0.0f, 0.0f );
     give_frame( there, 0.0f, 0.0f );
-    follow( here, pose_at( 1, 0.1f, 0.05f ), true );
-    follow( there, pose_at( 1, 0.1f, 0.05f ), true );
+    follow( here, walked_pose( 1, 0.1f, 0.05f ), true );
+    follow( there, walked_pose( 1, 0.1f, 0.05f ), true );
     assert_status( there->world, wisp_teleport( there->world, there->e, motion, true ), WISP_OK );
     strand_steps( here->world, 3, DT );
     strand_steps( there->world, 3, DT );
@@ -262,10 +248,10 @@ TEST( a_head_that_teleports_carries_strands_once )
     const wisp_strand_dynamics_def def = def_of( KINDS );
     walker *framed = open_walker( &def, straight_out, 1 ), *bare = open_walker( &def, straight_out, 1 );
     give_frame( framed, 0.0f, 0.0f );
-    const wisp_transform far = pose_at( 1, 50.0f, 0.0f );
+    const wisp_transform far = walked_pose( 1, 50.0f, 0.0f );
     follow( framed, far, true );
     follow( bare, far, true );
-    assert_true( farthest_apart( framed, bare, pose_at( 0, 0.0f, 0.0f ) ) < 1e-6 );
+    assert_true( farthest_apart( framed, bare, walked_pose( 0, 0.0f, 0.0f ) ) < 1e-6 );
     close_walker( framed );
     close_walker( bare );
 }

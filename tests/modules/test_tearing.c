@@ -693,20 +693,6 @@ TEST( a_step_without_memory_fails_and_the_next_one_goes_on )
     assert_true( failures > 20 );
 }
 
-TEST( a_cloth_without_tearing_has_no_pass_and_no_column )
-{
-    sheet* s = open_sheet( CASES, 1, NULL, STRENGTH );
-    assert_status( s->h.world, wisp_set_tearing( s->h.world, s->e, NULL ), WISP_OK );
-    run_sheet( s, 0, 2 );
-    wisp_tearing_stats stats;
-    assert_int_equal( count_passes_named( s->h.world, "tearing.measure" ), 0 );
-    assert_false( wisp_world_has( s->h.world, s->e, WISP_LINK_LAMBDA ) );
-    assert_status( s->h.world, wisp_read_tearing_stats( s->h.world, s->e, &stats ), WISP_CONFLICT );
-    run_sheet( s, 2, STEPS );
-    assert_int_equal( wisp_world_counter( s->h.world, WISP_COUNT_SPLIT_VERTICES ), 0 );
-    close_sheet( s );
-}
-
 // A weak half: only it tears.
 TEST( a_map_of_factors_decides_where_it_tears )
 {
@@ -885,16 +871,5 @@ TEST( what_does_not_tear_is_refused_with_its_reason )
     assert_refused( w, ( wisp_entity ){ 99, 1 }, def, WISP_STALE_ID, "99" );
     int32_t few[3];
     assert_status( w, wisp_read_triangles( w, e, few, 1 ), WISP_BAD_INPUT );
-    close_tearing( h );
-}
-
-TEST( a_world_without_the_module_says_so )
-{
-    static const wisp_module* const MODULES[] = { &wisp_cloth_module };
-    hosted* h = new_hosted( MODULES, 1, 1, 1, 1 );
-    const wisp_cloth_def cloth = wisp_default_cloth_def();
-    wisp_tearing_def def = wisp_default_tearing_def();
-    def.strength = 10.0f;
-    assert_refused( h->world, add_sheet( h->world, &cloth, 0.0f, false ), def, WISP_CONFLICT, "tearing" );
     close_tearing( h );
 }

@@ -125,13 +125,6 @@ TEST( what_rests_at_constant_steps_rests_at_any )
     }
 }
 
-TEST( workers_do_not_change_a_bit_at_varying_steps )
-{
-    const uint64_t one = run( SUBJECTS, from_20_to_1000_hz, false, 4, 1 ).hash;
-    assert_true( run( SUBJECTS, from_20_to_1000_hz, false, 4, 2 ).hash == one );
-    assert_true( run( SUBJECTS, from_20_to_1000_hz, false, 4, 5 ).hash == one );
-}
-
 // A snapshot between two uneven steps holds the time that no substep has covered yet.
 TEST( a_snapshot_goes_on_at_varying_steps )
 {

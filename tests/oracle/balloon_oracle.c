@@ -211,19 +211,6 @@ balloon_oracle_matrix balloon_oracle_inertia( const double3* x, const double* ma
     return inertia;
 }
 
-double balloon_oracle_product_of_inertia( const double3* x, const double* mass, int vertex_count, double3 centre,
-                                          int a, int b )
-{
-    double sum = 0.0;
-    for ( int n = 0; n < vertex_count; ++n )
-    {
-        double3 d = double3_sub( x[n], centre );
-        const double r[3] = { d.x, d.y, d.z };
-        sum += mass[n] * r[a] * r[b];
-    }
-    return sum;
-}
-
 double3 balloon_oracle_momentum( const double3* v, const double* mass, int vertex_count )
 {
     double3 sum = zero;
@@ -358,11 +345,6 @@ void balloon_oracle_project_capped( balloon_oracle_caps* caps, double3* p, const
 double balloon_oracle_density( double pressure, double molar_mass, double temperature )
 {
     return pressure * molar_mass / ( BALLOON_ORACLE_GAS_CONSTANT * temperature );
-}
-
-double balloon_oracle_gas_amount( double atmosphere, double gas_volume, double temperature )
-{
-    return atmosphere * gas_volume / ( BALLOON_ORACLE_GAS_CONSTANT * temperature );
 }
 
 double balloon_oracle_gas_pressure( double amount, double volume, double temperature )

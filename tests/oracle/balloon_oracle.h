@@ -115,10 +115,6 @@ double3 balloon_oracle_centre( const double3* x, const double* mass, int vertex_
 balloon_oracle_matrix balloon_oracle_inertia( const double3* x, const double* mass, int vertex_count,
                                               double3 centre );
 
-/// Eq. 16 as printed: sum m r_a r_b for one pair of axes (0 x, 1 y, 2 z).
-double balloon_oracle_product_of_inertia( const double3* x, const double* mass, int vertex_count, double3 centre,
-                                          int a, int b );
-
 /// sum m v.
 double3 balloon_oracle_momentum( const double3* v, const double* mass, int vertex_count );
 
@@ -163,9 +159,6 @@ void balloon_oracle_project_capped( balloon_oracle_caps* caps, double3* p, const
 
 /// rho = P M / (R T), kg/m^3.
 double balloon_oracle_density( double pressure, double molar_mass, double temperature );
-
-/// N_gas = P_atm V_0 / (R T), mol: V_0 is the volume of the gas at atmospheric pressure.
-double balloon_oracle_gas_amount( double atmosphere, double gas_volume, double temperature );
 
 /// P = N R T / V, Pa.
 double balloon_oracle_gas_pressure( double amount, double volume, double temperature );

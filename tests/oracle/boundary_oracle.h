@@ -156,8 +156,6 @@ typedef struct boundary_oracle_options
     const double* triangle_spacing; ///< [triangle_count] m
 } boundary_oracle_options;
 
-boundary_oracle_options boundary_oracle_default_options( void );
-
 /// One boundary particle. (element, line, step) identifies it; the rest follows from the positions of its parents.
 typedef struct boundary_oracle_point
 {
@@ -210,51 +208,13 @@ bool boundary_oracle_update( boundary_oracle_layer* layer, const double3* x );
 /// Forget all counts: the next update samples every element again.
 void boundary_oracle_forget( boundary_oracle_layer* layer );
 
-// ---- the balloon ----
-
-/// Start from boundary_oracle_default_balloon_options(). May be changed between steps.
-typedef struct boundary_oracle_balloon_options
-{
-    int iterations;     ///< default 5
-    double distance_k;  ///< default 0.9
-    double volume_k;    ///< default 1
-    double multiplier;  ///< of the rest volume, the target; default 1, no pressure
-    double decay;       ///< 1/s, v *= exp( -decay dt ) every step, default 31.7: 0.59 in 1/60 s
-    double3 gravity;    ///< m/s^2, default 0, as in the reference program
-    bool stale_scale;   ///< the volume scale is computed before the distances, as in the program
-    bool gust_per_face; ///< as printed: a gust acts on a vertex once per face, not once; default false
-} boundary_oracle_balloon_options;
-
-boundary_oracle_balloon_options boundary_oracle_default_balloon_options( void );
-
-typedef struct boundary_oracle_balloon
-{
-    boundary_oracle_balloon_options options;
-    int vertex_count, triangle_count, edge_count;
-    double3 *x, *p, *v;
-    double3* gradient; ///< scratch of the volume
-    double* w;         ///< 1/kg, 1 everywhere
-    int* triangles;
-    int* hits;    ///< [vertex_count] of the last gust
-    int* edges;   ///< [2 * edge_count], projected in this order
-    double* rest; ///< [edge_count] m
-    double rest_volume;
-    constraint_oracle_skips skips;
-} boundary_oracle_balloon;
-
-/// @return false when memory runs out; then nothing needs to be destroyed
-bool boundary_oracle_balloon_create( const balloon_mesh* mesh, boundary_oracle_balloon* out );
-void boundary_oracle_balloon_destroy( boundary_oracle_balloon* balloon );
-
-/// Predict; `iterations` times volume scale, all distances (Gauss-Seidel), volume push (Jacobi); velocities; decay.
-void boundary_oracle_balloon_step( boundary_oracle_balloon* balloon, double dt );
-
-double boundary_oracle_balloon_volume( const boundary_oracle_balloon* balloon );
+// ---- the sample program ----
 
 /// The wind key: every face whose normal is against the gust passes it to its three vertices, m/s, independent of dt.
-/// As printed, a vertex receives it once per such face; as resolved, once.
-/// @return number of times that a vertex received it
-int boundary_oracle_balloon_gust( boundary_oracle_balloon* balloon, double3 gust );
+/// As printed (`per_face`), a vertex receives it once per such face; as resolved, once. Vertices of inverse mass w = 0 stay.
+/// @param v [vertex_count] m/s, changed. @param hits [vertex_count] times that a vertex received it. @return their sum
+int boundary_oracle_gust( const balloon_mesh* mesh, const double* w, double3 gust, bool per_face, double3* v,
+                          int* hits );
 
 /// Poles on the y axis, triangles counter-clockwise seen from outside: slices (stacks - 1) + 2 vertices.
 /// @return false when memory runs out

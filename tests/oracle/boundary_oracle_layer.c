@@ -7,11 +7,6 @@
 
 static const double3 zero = { 0.0, 0.0, 0.0 };
 
-boundary_oracle_options boundary_oracle_default_options( void )
-{
-    return ( boundary_oracle_options ){ .spacing = 0.1, .cap = 4e6 };
-}
-
 // ---- creation and memory ----
 
 wisp_status boundary_oracle_create( const balloon_mesh* mesh, const boundary_oracle_options* options,

@@ -34,21 +34,6 @@ constraint_oracle_term constraint_oracle_distance( double3 p1, double3 p2, doubl
     return term;
 }
 
-void constraint_oracle_distance_step( double3 p1, double3 p2, double w1, double w2, double rest_length, double3* dp1,
-                                      double3* dp2 )
-{
-    double3 between = double3_sub( p1, p2 );
-    double length = double3_length( between );
-    *dp1 = *dp2 = zero;
-    if ( length == 0.0 || w1 + w2 == 0.0 )
-    {
-        return;
-    }
-    double3 u = double3_scale( 1.0 / length, between );
-    *dp1 = double3_scale( -w1 / ( w1 + w2 ) * ( length - rest_length ), u );
-    *dp2 = double3_scale( +w2 / ( w1 + w2 ) * ( length - rest_length ), u );
-}
-
 constraint_oracle_term constraint_oracle_strain_limit( double3 p1, double3 p2, double rest_length, double lower,
                                                        double upper )
 {
@@ -251,17 +236,6 @@ void constraint_oracle_project_compliant( const constraint_oracle_term* term, co
 
 // Volume of a closed mesh.
 
-double constraint_oracle_volume_sum( const double3* p, const int* triangles, int triangle_count )
-{
-    double sum = 0.0;
-    for ( int t = 0; t < triangle_count; ++t )
-    {
-        const int* corner = triangles + 3 * t;
-        sum += double3_dot( double3_cross( p[corner[0]], p[corner[1]] ), p[corner[2]] );
-    }
-    return sum;
-}
-
 double constraint_oracle_volume( const double3* p, const int* triangles, int triangle_count )
 {
     double sum = 0.0;
@@ -275,24 +249,6 @@ double constraint_oracle_volume( const double3* p, const int* triangles, int tri
         sum += double3_dot( double3_cross( a, b ), c );
     }
     return sum / 6.0;
-}
-
-void constraint_oracle_volume_gradient_printed( const double3* p, int vertex_count, const int* triangles,
-                                                int triangle_count, double3* gradient )
-{
-    for ( int i = 0; i < vertex_count; ++i )
-    {
-        gradient[i] = zero;
-    }
-    for ( int t = 0; t < triangle_count; ++t )
-    {
-        const int* corner = triangles + 3 * t;
-        for ( int k = 0; k < 3; ++k )
-        {
-            double3 next = p[corner[( k + 1 ) % 3]], last = p[corner[( k + 2 ) % 3]];
-            gradient[corner[k]] = double3_add( gradient[corner[k]], double3_cross( next, last ) );
-        }
-    }
 }
 
 void constraint_oracle_volume_gradient( const double3* p, int vertex_count, const int* triangles, int triangle_count,

@@ -51,10 +51,6 @@ typedef struct constraint_oracle_term
 /// distance between the two vertices across an interior edge.
 constraint_oracle_term constraint_oracle_distance( double3 p1, double3 p2, double rest_length );
 
-/// Eq. 6, the result of (4) for (5): Dp1 = -w1/(w1+w2) C u, Dp2 = +w2/(w1+w2) C u; zero where it is undefined.
-void constraint_oracle_distance_step( double3 p1, double3 p2, double w1, double w2, double rest_length, double3* dp1,
-                                      double3* dp2 );
-
 /// Strain limit: C = l - clamp( l, low d, high d ), 0 while the length is within its limits.
 /// @param low, high fractions of the rest length, low <= 1 <= high
 constraint_oracle_term constraint_oracle_strain_limit( double3 p1, double3 p2, double rest_length, double lower,
@@ -107,15 +103,8 @@ void constraint_oracle_project_compliant( const constraint_oracle_term* term, co
 
 // Volume of a closed mesh. `triangles` holds 3 * triangle_count indices, counter-clockwise seen from outside.
 
-/// Eq. 7 as printed, without its target: S = sum (p1 x p2).p3 = 6 V, m^3. Loses digits far from the origin.
-double constraint_oracle_volume_sum( const double3* p, const int* triangles, int triangle_count );
-
 /// V = S/6, m^3, measured from the first vertex of the first triangle, so that a translation costs no digits.
 double constraint_oracle_volume( const double3* p, const int* triangles, int triangle_count );
-
-/// Eq. 8 as printed, the gradient of S, m^2. The gradient of V is a sixth of it.
-void constraint_oracle_volume_gradient_printed( const double3* p, int vertex_count, const int* triangles,
-                                                int triangle_count, double3* gradient );
 
 /// Eq. 8 resolved, the gradient of V: grad_i V = 1/6 sum over the faces around i of (p_b - p_a) x (p_c - p_a), m^2.
 /// It uses only differences of positions, so it does not depend on the origin. Valid for a closed mesh.

@@ -94,25 +94,6 @@ bool frozen_scene_create( frozen_scene* scene, frozen_scene_shape shape, int dim
     return true;
 }
 
-bool frozen_scene_from_points( frozen_scene* scene, int strand_count, const int* counts, const double3* points )
-{
-    int vertex_count = 0;
-    for ( int s = 0; s < strand_count; ++s )
-    {
-        vertex_count += counts[s];
-    }
-    if ( !allocate( scene, strand_count, vertex_count ) )
-    {
-        return false;
-    }
-    for ( int s = 0; s < strand_count; ++s )
-    {
-        scene->offsets[s + 1] = scene->offsets[s] + counts[s];
-    }
-    memcpy( scene->rest, points, (size_t)vertex_count * sizeof( double3 ) );
-    return true;
-}
-
 void frozen_scene_destroy( frozen_scene* scene )
 {
     free( scene->offsets );

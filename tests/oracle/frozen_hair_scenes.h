@@ -28,7 +28,4 @@ typedef struct frozen_scene
 bool frozen_scene_create( frozen_scene* scene, frozen_scene_shape shape, int dimension, int strand_count,
                           int vertices_per_strand, double spacing );
 
-/// Make a strand set from given points; strand s has counts[s] vertices.
-bool frozen_scene_from_points( frozen_scene* scene, int strand_count, const int* counts, const double3* points );
-
 void frozen_scene_destroy( frozen_scene* scene );

@@ -173,18 +173,12 @@ double guide_oracle_largest_turn( const double3* points, int count );
 
 /// Cubic Hermite curve from p0 to p1 with derivatives m0, m1 by u in [0, 1], and its derivative.
 double3 guide_oracle_hermite( double3 p0, double3 m0, double3 p1, double3 m1, double u );
-double3 guide_oracle_hermite_slope( double3 p0, double3 m0, double3 p1, double3 m1, double u );
 
 /// Between two steps (section II.2.2): a node between two frames dt apart, by its positions and velocities at both; u in [0, 1].
 double3 guide_oracle_between_frames( double3 x0, double3 v0, double3 x1, double3 v1, double dt, double u );
-double3 guide_oracle_velocity_between_frames( double3 x0, double3 v0, double3 x1, double3 v1, double dt, double u );
 
 /// Catmull-Rom tangent by the node number: (x_{i+1} - x_{i-1})/2, one-sided differences at the ends.
 double3 guide_oracle_tangent( const double3* nodes, int node_count, int node );
-
-/// Along the strand (section II.2.2): the Hermite curve of segment k with Catmull-Rom tangents, and its derivative by u.
-double3 guide_oracle_spline( const double3* nodes, int node_count, int segment, double u );
-double3 guide_oracle_spline_slope( const double3* nodes, int node_count, int segment, double u );
 
 /// Normalised arc length of the polyline at every node, 0 at the root, 1 at the tip; i/(N-1) for a strand without
 /// length.

@@ -154,22 +154,9 @@ double3 guide_oracle_hermite( double3 p0, double3 m0, double3 p1, double3 m1, do
     return double3_add_scaled( double3_add_scaled( points, u3 - 2.0 * u2 + u, m0 ), u3 - u2, m1 );
 }
 
-double3 guide_oracle_hermite_slope( double3 p0, double3 m0, double3 p1, double3 m1, double u )
-{
-    double u2 = u * u;
-    double3 points = double3_scale( 6.0 * u - 6.0 * u2, double3_sub( p1, p0 ) );
-    return double3_add_scaled( double3_add_scaled( points, 3.0 * u2 - 4.0 * u + 1.0, m0 ), 3.0 * u2 - 2.0 * u, m1 );
-}
-
 double3 guide_oracle_between_frames( double3 x0, double3 v0, double3 x1, double3 v1, double dt, double u )
 {
     return guide_oracle_hermite( x0, double3_scale( dt, v0 ), x1, double3_scale( dt, v1 ), u );
-}
-
-double3 guide_oracle_velocity_between_frames( double3 x0, double3 v0, double3 x1, double3 v1, double dt, double u )
-{
-    double3 slope = guide_oracle_hermite_slope( x0, double3_scale( dt, v0 ), x1, double3_scale( dt, v1 ), u );
-    return double3_scale( 1.0 / dt, slope );
 }
 
 double3 guide_oracle_tangent( const double3* nodes, int node_count, int node )
@@ -180,19 +167,6 @@ double3 guide_oracle_tangent( const double3* nodes, int node_count, int node )
     }
     int before = node > 0 ? node - 1 : 0, after = node < node_count - 1 ? node + 1 : node_count - 1;
     return double3_scale( 1.0 / ( after - before ), double3_sub( nodes[after], nodes[before] ) );
-}
-
-double3 guide_oracle_spline( const double3* nodes, int node_count, int segment, double u )
-{
-    return guide_oracle_hermite( nodes[segment], guide_oracle_tangent( nodes, node_count, segment ),
-                                 nodes[segment + 1], guide_oracle_tangent( nodes, node_count, segment + 1 ), u );
-}
-
-double3 guide_oracle_spline_slope( const double3* nodes, int node_count, int segment, double u )
-{
-    return guide_oracle_hermite_slope( nodes[segment], guide_oracle_tangent( nodes, node_count, segment ),
-                                       nodes[segment + 1], guide_oracle_tangent( nodes, node_count, segment + 1 ),
-                                       u );
 }
 
 // Different node counts.

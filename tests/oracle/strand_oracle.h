@@ -205,8 +205,6 @@ double strand_oracle_rod_energy( const strand_oracle* strand );
 /// The gradient in the rod's right-hand side, [count]: that of the energy, with frames carried along, where vertices
 /// are not twisted; twist leaves out a part of second order.
 void strand_oracle_rod_gradient( const strand_oracle* strand, double3* gradient );
-/// T_s - T_{s+1} + (b_s + b_{s+1}) / 2 of every segment, N m: the imbalance of twist. [count - 1]
-void strand_oracle_twist_balance( const strand_oracle* strand, double* residual );
 
 // ---- a substep ----
 

@@ -93,16 +93,6 @@ static double out_of_balance( const rod_vertex* v, int s )
     return v[s].moment - v[s + 1].moment + 0.5 * ( v[s].load + v[s + 1].load );
 }
 
-void strand_oracle_twist_balance( const strand_oracle* strand, double* residual )
-{
-    rod_vertex v[MAX_STRAND_ORACLE];
-    rod_measure_all( strand, strand->position, v );
-    for ( int s = 0; s + 1 < strand->count; ++s )
-    {
-        residual[s] = out_of_balance( v, s );
-    }
-}
-
 // One Newton step for the turns of all segments about themselves: elimination from the root, substitution from the
 // tip.
 static void solve_turns( const strand_oracle* strand, const rod_vertex* v, double* turn )

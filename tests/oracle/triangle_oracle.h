@@ -139,9 +139,6 @@ typedef struct triangle_oracle_body
     void* user;
 } triangle_oracle_body;
 
-/// Margin 5 mm, friction 0.3 and 0.2, unlimited recovery.
-triangle_oracle_body triangle_oracle_plane( double3 point, double3 unit_normal );
-
 typedef struct triangle_oracle_bodies
 {
     int count;
@@ -270,8 +267,6 @@ double3 triangle_oracle_momentum( const triangle_oracle* cloth );
 void triangle_oracle_assemble( triangle_oracle* cloth, const double3* x, double s );
 /// A times a vector, [count].
 void triangle_oracle_apply( const triangle_oracle* cloth, const double3* vector, double3* out );
-/// A, dense, [3 count][3 count] by rows.
-void triangle_oracle_dense( const triangle_oracle* cloth, double* matrix );
 /// A dv = b where `freedom` allows it, dv = z elsewhere; J, iterations and residual are in the cloth.
 /// @param z [count], of which 1 - S counts
 /// @param dv [count], in: where to start, what `freedom` allows of it counts

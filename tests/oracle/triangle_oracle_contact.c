@@ -6,19 +6,6 @@ static const double3 zero = { 0.0, 0.0, 0.0 };
 
 // ---- bodies ----
 
-triangle_oracle_body triangle_oracle_plane( double3 point, double3 unit_normal )
-{
-    return ( triangle_oracle_body ){
-        .shape = TRIANGLE_ORACLE_PLANE,
-        .place = point,
-        .normal = unit_normal,
-        .margin = 0.005,
-        .still = 0.3,
-        .slip = 0.2,
-        .recovery = INFINITY,
-    };
-}
-
 // A vertex at the centre of a sphere has no nearest way out, so it is not touched.
 static bool touches( const triangle_oracle_body* body, int name, int vertex, double3 x, triangle_oracle_touch* touch )
 {

@@ -123,40 +123,6 @@ void triangle_oracle_apply( const triangle_oracle* cloth, const double3* vector,
     }
 }
 
-void triangle_oracle_dense( const triangle_oracle* cloth, double* matrix )
-{
-    const size_t n = 3 * (size_t)cloth->count;
-    memset( matrix, 0, n * n * sizeof( double ) );
-    for ( size_t row = 0; row < n; ++row )
-    {
-        matrix[row * n + row] = cloth->mass[row / 3];
-    }
-    for ( int k = 0; k < cloth->link_count; ++k )
-    {
-        const size_t i = 3 * (size_t)cloth->link[k].i, j = 3 * (size_t)cloth->link[k].j;
-        const triangle_oracle_matrix block = block_of( cloth, k );
-        for ( size_t a = 0; a < 3; ++a )
-        {
-            for ( size_t b = 0; b < 3; ++b )
-            {
-                matrix[( i + a ) * n + i + b] += block.m[a][b];
-                matrix[( j + a ) * n + j + b] += block.m[a][b];
-                matrix[( i + a ) * n + j + b] -= block.m[a][b];
-                matrix[( j + a ) * n + i + b] -= block.m[a][b];
-            }
-        }
-    }
-    for ( int m = 0; m < 3 * cloth->plate.pair_count; ++m )
-    {
-        const plate_oracle_pair* p = cloth->plate.pairs + m / 3;
-        const size_t i = 3 * (size_t)p->i + (size_t)( m % 3 ), j = 3 * (size_t)p->j + (size_t)( m % 3 );
-        matrix[i * n + i] += plate_weight( cloth, p );
-        matrix[j * n + j] += plate_weight( cloth, p );
-        matrix[i * n + j] -= plate_weight( cloth, p );
-        matrix[j * n + i] -= plate_weight( cloth, p );
-    }
-}
-
 // ---- conjugate gradients ----
 
 static void filter( const triangle_oracle* cloth, double3* vector )

@@ -1,0 +1,120 @@
+// Every scene of data/scenes and the smallest scene of every module: no step halts, neither workers nor the instruction set nor a
+// snapshot in the middle change a bit of the world, and steps that are repeated ask for no memory.
+#include "scene_world_fixture.h"
+#include "support.h"
+
+#include <glob.h>
+
+enum
+{
+    STEPS = 10,
+    MIDDLE = 4,
+};
+
+// What a host saves of a scene in the middle.
+typedef struct saved_scene
+{
+    char* bytes;
+    size_t pins, world;
+    int step, command, event;
+} saved_scene;
+
+static saved_scene save( scene_world* w )
+{
+    saved_scene s = { .pins = scene_pins_state_size( w ), .world = wisp_world_snapshot_size( w->world ) };
+    s.step = w->next_step, s.command = w->next_command, s.event = w->next_event;
+    s.bytes = checked_calloc( s.pins + s.world, 1 );
+    scene_pins_save( w, s.bytes );
+    assert_int_equal( wisp_world_snapshot( w->world, s.bytes + s.pins, s.world ), WISP_OK );
+    return s;
+}
+
+// A mesh that has torn since has other columns. @return false if nothing was restored
+static bool load( scene_world* w, const saved_scene* s )
+{
+    if ( wisp_world_snapshot_size( w->world ) != s->world )
+    {
+        return false;
+    }
+    scene_pins_load( w, s->bytes );
+    if ( wisp_world_restore( w->world, s->bytes + s->pins, s->world ) != WISP_OK )
+    {
+        fail_msg( "%s", wisp_world_message( w->world ) );
+    }
+    w->next_step = s->step, w->next_command = s->command, w->next_event = s->event;
+    return true;
+}
+
+static void assert_hash( const fixture* f, const char* path, const char* what, uint64_t expected )
+{
+    if ( wisp_world_hash( f->world.world ) != expected ||
+         wisp_world_counter( f->world.world, WISP_COUNT_HALTED ) > 0 )
+    {
+        fail_msg( "%s: another hash %s, or halted", path, what );
+    }
+}
+
+// @return whether its snapshot was restored, in three worlds
+static bool check_scene( const char* path )
+{
+    test_host host = { 0 };
+    const wisp_allocator counted = test_host_allocator( &host );
+    const scene_world_options others[] = { { .workers = 2, .is_quiet = true, .allocator = &counted },
+                                           { .workers = 5, .isa = "avx2", .is_quiet = true, .allocator = &counted } };
+    const scene_world_options one = { .workers = 1, .isa = "baseline", .is_quiet = true };
+    fixture f = { 0 };
+    assert_ok( wisp_scene_read( path, &f.scene, &f.error ), f.error );
+    assert_ok( scene_world_create( &f.scene, &one, &f.world, &f.error ), f.error );
+    step( &f, MIDDLE );
+    saved_scene middle = save( &f.world );
+    step( &f, STEPS - MIDDLE );
+    const uint64_t expected = wisp_world_hash( f.world.world );
+    const bool is_restored = load( &f.world, &middle );
+    step( &f, is_restored ? STEPS - MIDDLE : 0 );
+    assert_hash( &f, path, "behind a snapshot", expected );
+    for ( int i = 0; i < WISP_COUNT( others ); ++i )
+    {
+        fixture g = { .scene = f.scene };
+        assert_ok( scene_world_create( &f.scene, others + i, &g.world, &g.error ), g.error );
+        step( &g, STEPS );
+        assert_hash( &g, path, i == 0 ? "with 2 workers" : "with 5 workers and AVX2", expected );
+        assert_true( load( &g.world, &middle ) == is_restored );
+        const int64_t queried = atomic_load( &host.queried );
+        step( &g, is_restored ? STEPS - MIDDLE : 0 );
+        assert_hash( &g, path, "behind a snapshot of another world", expected );
+        if ( atomic_load( &host.queried ) != queried )
+        {
+            fail_msg( "%s: repeated steps ask for memory %d times", path,
+                      (int)( atomic_load( &host.queried ) - queried ) );
+        }
+        scene_world_destroy( &g.world );
+        assert_host_memory_is_released( &host );
+    }
+    free( middle.bytes );
+    release( &f );
+    return is_restored;
+}
+
+static void check_folder( const char* pattern, size_t least )
+{
+    glob_t found;
+    size_t restored = 0;
+    assert_int_equal( glob( pattern, 0, NULL, &found ), 0 );
+    assert_true( found.gl_pathc >= least );
+    for ( size_t i = 0; i < found.gl_pathc; ++i )
+    {
+        restored += check_scene( found.gl_pathv[i] ) ? 1 : 0;
+    }
+    assert_true( restored + 1 >= found.gl_pathc );
+    globfree( &found );
+}
+
+TEST( scenes_of_the_project_have_the_same_bits_with_any_workers_and_behind_a_snapshot )
+{
+    check_folder( WISP_SOURCE_ROOT "/data/scenes/*.yaml", 40 );
+}
+
+TEST( each_module_alone_has_the_same_bits_with_any_workers_and_behind_a_snapshot )
+{
+    check_folder( WISP_SOURCE_ROOT "/data/suites/scenes/effects/*.yaml", 16 );
+}
