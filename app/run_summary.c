@@ -508,6 +508,7 @@ static void add_counter_table( results* out, const wisp_world* world )
         [WISP_COUNT_SAGGING] = "strands too soft to hold their shape under gravity: they sag",
         [WISP_COUNT_STRETCHED] = "strands over 5 % too long in a step: use stretch: direct",
         [WISP_COUNT_SPEED_LIMITED] = "velocities of vertices scaled down to the largest speed, in each substep",
+        [WISP_COUNT_MANY_SOLVES] = "substeps of implicit cloth with over three solves: more substeps cost less",
         [WISP_COUNT_SPLIT_VERTICES] = "vertices that tearing has split",
     };
     int table = -1;

@@ -74,9 +74,10 @@ wisp_status scene_check_boundary( scene_reader* r, const scene_node* node, const
       .at = offsetof( owner, contact.thickness ),                                                                    \
       .range = RANGE( 0, 1e6 ),                                                                                      \
       .unit = METRES,                                                                                                \
-      .initial = "a quarter of the mean edge, or of the mean segment",                                               \
-      .help = "Two participants keep half of the sum of theirs apart; to lie flat it must be below the shortest "    \
-              "edges." },                                                                                            \
+      .initial =                                                                                                     \
+          "a quarter of the mean edge, at most 0.9 of the shortest; of strands a quarter of the mean segment",       \
+      .help = "Two participants keep half of the sum of theirs apart; above the shortest edge a surface bends "      \
+              "stiffly there." },                                                                                    \
         { "friction",                                                                                                \
           SCENE_NUMBER,                                                                                              \
           .map = friction_map,                                                                                       \

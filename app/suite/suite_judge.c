@@ -307,7 +307,10 @@ static struct suite_twin* keep( suite_twins* twins, uint64_t key, const stabilit
     {
         twins->capacity = twins->capacity > 0 ? 2 * twins->capacity : 16;
         struct suite_twin* list = text_alloc( (size_t)twins->capacity * sizeof *list );
-        memcpy( list, twins->list, (size_t)twins->count * sizeof *list * ( twins->list != NULL ) );
+        if ( twins->count > 0 )
+        {
+            memcpy( list, twins->list, (size_t)twins->count * sizeof *list );
+        }
         free( twins->list );
         twins->list = list;
     }

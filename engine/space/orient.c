@@ -5,6 +5,7 @@
 // 838 bits, and the result is exact for all inputs. The filter neither overflows nor underflows: a product of three
 // differences lies between 2^-447 and 2^388. Subnormal floats count with their value. If the host flushes
 // subnormals to zero, the result may be that for zeros.
+#include "double3.h"
 #include "wisp/module/intersections.h"
 
 #include <math.h>
@@ -217,7 +218,7 @@ static bool all_finite( const float* const points[4] )
     return true;
 }
 
-int wisp_side_of_plane( const float* a, const float* b, const float* c, const float* d )
+int space_side_of_plane( const float* a, const float* b, const float* c, const float* d )
 {
     double ab[3], ac[3], ad[3];
     for ( int axis = 0; axis < 3; ++axis )
@@ -245,12 +246,12 @@ int wisp_side_of_plane( const float* a, const float* b, const float* c, const fl
 bool wisp_segment_intersects( const float* p, const float* q, const float* a, const float* b, const float* c )
 {
     // the ends are on different sides of the plane; a point that is not finite is on neither
-    const int side = wisp_side_of_plane( a, b, c, p );
-    if ( side == 0 || wisp_side_of_plane( a, b, c, q ) != -side )
+    const int side = space_side_of_plane( a, b, c, p );
+    if ( side == 0 || space_side_of_plane( a, b, c, q ) != -side )
     {
         return false;
     }
     // the line passes through the triangle: seen along the line, its edges turn the same way
-    const int turn = wisp_side_of_plane( p, q, a, b );
-    return turn != 0 && wisp_side_of_plane( p, q, b, c ) == turn && wisp_side_of_plane( p, q, c, a ) == turn;
+    const int turn = space_side_of_plane( p, q, a, b );
+    return turn != 0 && space_side_of_plane( p, q, b, c ) == turn && space_side_of_plane( p, q, c, a ) == turn;
 }

@@ -368,6 +368,7 @@ const char* wisp_counter_name( wisp_counter counter )
         "stretched strands",
         "limited speeds",
         "split vertices",
+        "many solves",
     };
     return counter >= 0 && counter < WISP_COUNTER_COUNT ? NAMES[counter] : "unknown";
 }

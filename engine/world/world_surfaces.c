@@ -513,3 +513,60 @@ wisp_status wisp_world_need_fabric( wisp_world* world, wisp_entity surface, unsi
                : wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for the topology of entity %u",
                                   surface.index );
 }
+
+// ---- lengths at rest ----
+
+typedef struct length_sum
+{
+    double sum, shortest; // m
+    int count;
+} length_sum;
+
+static void add_length( length_sum* s, double length )
+{
+    if ( length > 0.0 )
+    {
+        s->sum += length;
+        s->shortest = s->count == 0 || length < s->shortest ? length : s->shortest;
+        s->count += 1;
+    }
+}
+
+static double distance_between( const float* a, const float* b, size_t stride )
+{
+    double sum = 0.0;
+    for ( size_t k = 0; k < 3; ++k )
+    {
+        const double d = (double)a[k * stride] - (double)b[k * stride];
+        sum += d * d;
+    }
+    return sqrt( sum );
+}
+
+static void add_segments( length_sum* s, const wisp_strand_topology* strands, const float* rest )
+{
+    for ( int lane = 0; lane < strands->group_count * WISP_LANES; ++lane )
+    {
+        const float* x = rest + (size_t)strands->group_row[lane / WISP_LANES] * 3 * WISP_LANES + lane % WISP_LANES;
+        for ( int i = 1; i < strands->lane_count[lane]; ++i, x += 3 * WISP_LANES )
+        {
+            add_length( s, distance_between( x, x + 3 * WISP_LANES, WISP_LANES ) );
+        }
+    }
+}
+
+wisp_rest_lengths wisp_world_rest_lengths( wisp_world* world, wisp_entity entity )
+{
+    length_sum s = { 0 };
+    const store_entity* e = store_find( &world->store, entity );
+    if ( e->strands != NULL )
+    {
+        add_segments( &s, wisp_world_strands( world, entity ), store_column( &world->store, e, WISP_STRAND_REST, 0 ) );
+    }
+    for ( int i = 0; e->fabric != NULL && i < e->fabric->edge_count; ++i )
+    {
+        const int32_t* ends = e->fabric->edges + 2 * (size_t)i;
+        add_length( &s, distance_between( &e->fabric->rest[ends[0]].x, &e->fabric->rest[ends[1]].x, 1 ) );
+    }
+    return ( wisp_rest_lengths ){ s.count > 0 ? (float)( s.sum / s.count ) : 0.0f, (float)s.shortest };
+}

@@ -1,7 +1,6 @@
 // Definition of a layer, its components and passes, and views for the host.
 #include "boundary_internal.h"
 
-#include <math.h>
 #include <string.h>
 
 enum
@@ -203,21 +202,9 @@ static wisp_status check_spacing( wisp_world* world, const boundary_settings* s,
     return WISP_OK;
 }
 
-static float mean_rest_length( const wisp_fabric* fabric )
+static boundary_settings fill_settings( const wisp_boundary_def* d, float mean_length )
 {
-    double sum = 0.0;
-    for ( size_t e = 0; e < (size_t)fabric->edge_count; ++e )
-    {
-        const wisp_vec3 a = fabric->rest[fabric->edges[2 * e]], b = fabric->rest[fabric->edges[2 * e + 1]];
-        const double x = (double)b.x - (double)a.x, y = (double)b.y - (double)a.y, z = (double)b.z - (double)a.z;
-        sum += sqrt( x * x + y * y + z * z );
-    }
-    return fabric->edge_count > 0 ? (float)( sum / (double)fabric->edge_count ) : 0.0f;
-}
-
-static boundary_settings fill_settings( const wisp_boundary_def* d, const wisp_fabric* fabric )
-{
-    const float spacing = d->spacing == 0.0f ? 0.5f * mean_rest_length( fabric ) : d->spacing;
+    const float spacing = d->spacing == 0.0f ? 0.5f * mean_length : d->spacing;
     return ( boundary_settings ){
         .spacing = spacing,
         .policy = (int32_t)d->policy,
@@ -337,7 +324,7 @@ wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wis
     {
         return status;
     }
-    const boundary_settings settings = fill_settings( def, wisp_world_fabric( world, surface ) );
+    const boundary_settings settings = fill_settings( def, wisp_world_rest_lengths( world, surface ).mean );
     const bool local = def->curvature_gain > 0.0f || def->strain_gain != 0.0f || def->eye_angle > 0.0f;
     boundary_layer* layer = NULL;
     status = check_spacing( world, &settings, wisp_world_fabric( world, surface ) );

@@ -147,65 +147,10 @@ static wisp_status check_def( wisp_world* world, const wisp_collision_def* d )
     return wisp_world_check_ranges( world, "collision", ranges, WISP_COUNT( ranges ) );
 }
 
-static float mean_edge( const wisp_fabric* fabric )
-{
-    double sum = 0.0;
-    for ( int e = 0; e < fabric->edge_count; ++e )
-    {
-        const wisp_vec3 a = fabric->rest[fabric->edges[2 * e]], b = fabric->rest[fabric->edges[2 * e + 1]];
-        sum += (double)collision_length( collision_sub( a, b ) );
-    }
-    return sum > 0.0 ? (float)( sum / fabric->edge_count ) : 0.0f;
-}
-
-static float mean_rest_segment( const wisp_strand_topology* strands, const float* rest )
-{
-    double sum = 0.0;
-    int count = 0;
-    for ( int lane = 0; lane < strands->group_count * WISP_LANES; ++lane )
-    {
-        const float* x = rest + (size_t)strands->group_row[lane / WISP_LANES] * 3 * WISP_LANES + lane % WISP_LANES;
-        for ( int i = 1; i < strands->lane_count[lane]; ++i )
-        {
-            const wisp_vec3 last = collision_load_lane( x + (size_t)( i - 1 ) * 3 * WISP_LANES );
-            const wisp_vec3 here = collision_load_lane( x + (size_t)i * 3 * WISP_LANES );
-            const float length = collision_length( collision_sub( here, last ) );
-            sum += (double)length;
-            count += length > 0.0f ? 1 : 0;
-        }
-    }
-    return count > 0 ? (float)( sum / count ) : 0.0f;
-}
-
-static float mean_segment( const wisp_strand_topology* strands, const float* length )
-{
-    double sum = 0.0;
-    int count = 0;
-    for ( size_t i = 0; i < (size_t)strands->row_count * WISP_LANES; ++i )
-    {
-        sum += (double)length[i];
-        count += length[i] > 0.0f ? 1 : 0;
-    }
-    return count > 0 ? (float)( sum / count ) : 0.0f;
-}
-
 // Return the mean rest length of edges or segments, m; a millimetre where all are zero.
 static float mean_length( wisp_world* world, wisp_entity participant )
 {
-    const wisp_strand_topology* strands = wisp_world_strands( world, participant );
-    float length;
-    if ( strands == NULL )
-    {
-        length = mean_edge( wisp_world_fabric( world, participant ) );
-    }
-    else if ( wisp_world_has( world, participant, WISP_STRAND_LENGTH ) )
-    {
-        length = mean_segment( strands, wisp_world_column( world, participant, WISP_STRAND_LENGTH, 0 ) );
-    }
-    else
-    {
-        length = mean_rest_segment( strands, wisp_world_column( world, participant, WISP_STRAND_REST, 0 ) );
-    }
+    const float length = wisp_world_rest_lengths( world, participant ).mean;
     return length > 0.0f ? length : 1e-3f;
 }
 

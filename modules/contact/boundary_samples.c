@@ -112,6 +112,18 @@ static wisp_status sample_surface( const contact_work* work, const contact_parti
     return status == WISP_OK && s->samples->sampler.refused ? WISP_NO_MEMORY : status;
 }
 
+static const wisp_samples* shared_samples_of( const contact_work* work, const contact_participant* participant )
+{
+    return participant->is_strands || participant->is_left_out
+               ? NULL
+               : wisp_frame_samples( work->frame, participant->entity );
+}
+
+static bool has_own_samples( const contact_participant* participant )
+{
+    return participant->is_strands == false && participant->is_left_out == false && participant->has_layer == false;
+}
+
 // Those of a surface come from its own layer or from its rest shape; strands have their vertices alone.
 static wisp_status count_own( const contact_work* work, int* total )
 {
@@ -120,11 +132,10 @@ static wisp_status count_own( const contact_work* work, int* total )
     for ( int g = 0; g < work->participant_count && status == WISP_OK; ++g )
     {
         contact_participant* participant = work->participants + g;
-        const wisp_samples* layer =
-            participant->is_strands ? NULL : wisp_frame_samples( work->frame, participant->entity );
+        const wisp_samples* layer = shared_samples_of( work, participant );
         participant->has_layer = layer != NULL;
         *total += participant->point_count + ( layer != NULL ? layer->count : 0 );
-        if ( participant->is_strands == false && layer == NULL )
+        if ( has_own_samples( participant ) )
         {
             status = sample_surface( work, participant );
             *total += status == WISP_OK ? work->contact_mesh->samples->sampler.count : 0;
@@ -166,10 +177,11 @@ wisp_status contact_sample_participants( const contact_work* work )
     for ( int g = 0; g < work->participant_count && status == WISP_OK; ++g )
     {
         const contact_participant* participant = work->participants + g;
-        status = participant->is_strands || participant->has_layer ? WISP_OK : sample_surface( work, participant );
+        const bool has_own = has_own_samples( participant );
+        status = has_own ? sample_surface( work, participant ) : WISP_OK;
         if ( participant->has_layer == false && status == WISP_OK )
         {
-            add_samples( s, participant, participant->is_strands ? NULL : &s->samples->sampler );
+            add_samples( s, participant, has_own ? &s->samples->sampler : NULL );
         }
     }
     s->samples->own_count = s->samples->count;
@@ -191,8 +203,7 @@ wisp_status contact_follow_layers( const contact_work* work, wisp_error* error )
     for ( int g = 0; g < work->participant_count; ++g )
     {
         const contact_participant* participant = work->participants + g;
-        const wisp_samples* layer =
-            participant->is_strands ? NULL : wisp_frame_samples( work->frame, participant->entity );
+        const wisp_samples* layer = shared_samples_of( work, participant );
         fits = fits && participant->has_layer == ( layer != NULL );
         total += layer != NULL ? participant->point_count + layer->count : 0;
     }

@@ -53,9 +53,10 @@ WISP_API wisp_status wisp_set_contact_settings( wisp_world* world, const wisp_co
 typedef struct wisp_contact_def
 {
     uint32_t size; ///< bytes; set by wisp_default_contact_def()
-    float
-        thickness; ///< m; two participants keep half the sum of their thicknesses apart; default 0: a quarter of the mean
-    ///< rest length of edges or segments. Must be below the shortest edge, or the surface cannot lie flat
+    /// m; two participants keep half the sum of their thicknesses apart. Default 0: a quarter of the mean length of edges or
+    /// segments, and of a surface at most 0.9 of its shortest edge (at least a fortieth of the mean). Within a surface, pairs
+    /// keep at most 0.9 of their distance at rest; a thickness above the shortest edge makes it stiff there and is warned of.
+    float thickness;
     float friction; ///< mu >= 0, default 0.3; a pair has the geometric mean
     bool self;      ///< default true: a surface keeps its distance from itself, and strands with `between_strands` do
     float

@@ -1,6 +1,11 @@
 // The contact mesh: one numbering for the points, edges and triangles of all participants. In: topology and rest
 // shape of cloth, balloons and strands. Out: the arrays of contact_contact_mesh; positions are gathered each substep
 // (gather_scatter.c).
+//
+// A participant whose box is farther from those of all others that it may meet than they reach in a substep is left out:
+// it costs a pass over its positions. Its reach is its thickness and twice its largest displacement, since projections
+// add to that. It leaves at twice the reach and at the start of a step, so that the mesh is not built anew in each
+// substep. What is farther than 32 reaches is looked at once a step.
 #include "contact_mesh.h"
 
 #include "wisp/module/space.h"
@@ -18,6 +23,239 @@ bool contact_reserve( const contact_work* work, wisp_buffer* buffer, size_t byte
     return enough;
 }
 
+// ---- who is within reach ----
+
+enum
+{
+    REACH_GRAIN = 4096, // points of a block
+};
+
+static const float WATCHED_REACHES = 32.0f; // nothing comes from farther away within a step
+
+typedef struct reach_loop
+{
+    const wisp_strand_topology* strands; // null: of a surface
+    const float *position, *previous;
+    contact_reach_box* blocks;
+    int grain; // points, or groups of strands
+} reach_loop;
+
+// Extend a box by a point's positions before and now. Positions that are no numbers extend nothing.
+static void box_point( contact_reach_box* box, const float* x, const float* y, size_t stride )
+{
+    float sum = 0.0f;
+    for ( size_t k = 0; k < 3; ++k, x += stride, y += stride )
+    {
+        box->bounds.lower[k] = contact_smaller( *x, contact_smaller( *y, box->bounds.lower[k] ) );
+        box->bounds.upper[k] = contact_larger( *x, contact_larger( *y, box->bounds.upper[k] ) );
+        sum += ( *x - *y ) * ( *x - *y );
+    }
+    box->displacement2 = contact_larger( sum, box->displacement2 );
+}
+
+// The same of a row of strands, all lanes side by side.
+typedef struct reach_lanes
+{
+    float lower[3][WISP_LANES], upper[3][WISP_LANES], displacement2[WISP_LANES];
+} reach_lanes;
+
+static void box_row( reach_lanes* out, const float* x, const float* y )
+{
+    float sum[WISP_LANES] = { 0 };
+    for ( int k = 0; k < 3; ++k, x += WISP_LANES, y += WISP_LANES )
+    {
+        for ( int lane = 0; lane < WISP_LANES; ++lane )
+        {
+            out->lower[k][lane] = contact_smaller( x[lane], contact_smaller( y[lane], out->lower[k][lane] ) );
+            out->upper[k][lane] = contact_larger( x[lane], contact_larger( y[lane], out->upper[k][lane] ) );
+            sum[lane] += ( x[lane] - y[lane] ) * ( x[lane] - y[lane] );
+        }
+    }
+    for ( int lane = 0; lane < WISP_LANES; ++lane )
+    {
+        out->displacement2[lane] = contact_larger( sum[lane], out->displacement2[lane] );
+    }
+}
+
+// Rows that all lanes have are taken at once, and the others lane by lane.
+static void box_group( const reach_loop* loop, contact_reach_box* box, int group )
+{
+    const wisp_strand_topology* t = loop->strands;
+    const int32_t* count = t->lane_count + (size_t)group * WISP_LANES;
+    const size_t first = (size_t)t->group_row[group] * 3 * WISP_LANES, row = 3 * (size_t)WISP_LANES;
+    const float *x = loop->position + first, *y = loop->previous + first;
+    int shortest = count[0];
+    reach_lanes all;
+    for ( int lane = 0; lane < WISP_LANES; ++lane )
+    {
+        all.lower[0][lane] = all.lower[1][lane] = all.lower[2][lane] = INFINITY;
+        all.upper[0][lane] = all.upper[1][lane] = all.upper[2][lane] = -INFINITY;
+        all.displacement2[lane] = 0.0f;
+        shortest = count[lane] < shortest ? count[lane] : shortest;
+    }
+    for ( int i = 0; i < shortest; ++i )
+    {
+        box_row( &all, x + (size_t)i * row, y + (size_t)i * row );
+    }
+    for ( int lane = 0; lane < WISP_LANES; ++lane )
+    {
+        for ( int k = 0; k < 3; ++k )
+        {
+            box->bounds.lower[k] = contact_smaller( all.lower[k][lane], box->bounds.lower[k] );
+            box->bounds.upper[k] = contact_larger( all.upper[k][lane], box->bounds.upper[k] );
+        }
+        box->displacement2 = contact_larger( all.displacement2[lane], box->displacement2 );
+        for ( int i = shortest; i < count[lane]; ++i )
+        {
+            box_point( box, x + (size_t)i * row + lane, y + (size_t)i * row + lane, WISP_LANES );
+        }
+    }
+}
+
+static const contact_reach_box NO_BOX = { { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } },
+                                          0.0f };
+
+static void box_block( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const reach_loop* loop = context;
+    contact_reach_box* box = loop->blocks + begin / loop->grain;
+    *box = NO_BOX;
+    for ( int i = begin; loop->strands == NULL && i < end; ++i )
+    {
+        box_point( box, loop->position + (size_t)i * 4, loop->previous + (size_t)i * 4, 1 );
+    }
+    for ( int group = begin; loop->strands != NULL && group < end; ++group )
+    {
+        box_group( loop, box, group );
+    }
+}
+
+// Find the box of a participant; without memory it has none.
+static void box_participant( const contact_work* work, contact_participant* participant )
+{
+    const bool is_strands = participant->is_strands;
+    const wisp_component position = is_strands ? WISP_STRAND_POSITION : WISP_PARTICLE_POSITION,
+                         previous = is_strands ? WISP_STRAND_PREVIOUS : WISP_PARTICLE_PREVIOUS;
+    reach_loop loop = { .position = wisp_frame_column( work->frame, participant->entity, position, 0 ),
+                        .previous = wisp_frame_column( work->frame, participant->entity, previous, 0 ),
+                        .grain = REACH_GRAIN };
+    int count = is_strands ? 0 : wisp_frame_fabric( work->frame, participant->entity )->vertex_count;
+    if ( is_strands )
+    {
+        loop.strands = wisp_frame_strands( work->frame, participant->entity );
+        count = loop.strands->group_count;
+        const int rows_per_group = 1 + loop.strands->row_count / ( 1 + count );
+        loop.grain = 1 + REACH_GRAIN / ( WISP_LANES * rows_per_group );
+    }
+    loop.previous = loop.previous != NULL ? loop.previous : loop.position;
+    const int blocks = ( count + loop.grain - 1 ) / loop.grain;
+    loop.blocks = wisp_parallel_scratch( work->parallel, work->worker, (size_t)blocks * sizeof( *loop.blocks ) );
+    contact_reach_box* out = &participant->box;
+    *out = NO_BOX;
+    if ( loop.blocks == NULL )
+    {
+        return;
+    }
+    wisp_parallel_for( work->parallel, count, loop.grain, box_block, &loop );
+    for ( int b = 0; b < blocks; ++b )
+    {
+        for ( int k = 0; k < 3; ++k )
+        {
+            out->bounds.lower[k] = contact_smaller( loop.blocks[b].bounds.lower[k], out->bounds.lower[k] );
+            out->bounds.upper[k] = contact_larger( loop.blocks[b].bounds.upper[k], out->bounds.upper[k] );
+        }
+        out->displacement2 = contact_larger( loop.blocks[b].displacement2, out->displacement2 );
+    }
+}
+
+// Return whether two participants are within so many reaches of each other. What has no box is.
+static bool are_near( const contact_participant* a, const contact_participant* b, float reaches )
+{
+    const float reach =
+        2.0f * ( contact_gap_between( a, b ) + sqrtf( a->box.displacement2 ) + sqrtf( b->box.displacement2 ) );
+    return a->box.bounds.lower[0] == INFINITY || b->box.bounds.lower[0] == INFINITY ||
+           wisp_bounds_touch( &a->box.bounds, &b->box.bounds, reaches * reach );
+}
+
+static contact_settings* settings_of( const contact_work* work, const contact_participant* participant )
+{
+    return wisp_frame_column( work->frame, participant->entity, work->components->settings, 0 );
+}
+
+// Return whether a participant may meet something within so many reaches.
+static bool reaches_any( const contact_work* work, int number, float reaches )
+{
+    const contact_participant* a = work->participants + number;
+    bool found = contact_may_meet( a, a );
+    for ( int g = 0; g < work->participant_count && found == false; ++g )
+    {
+        const contact_participant* b = work->participants + g;
+        found = g != number && contact_may_meet( a, b ) && are_near( a, b, reaches );
+    }
+    return found;
+}
+
+static void box_all( const contact_work* work )
+{
+    for ( int g = 0; g < work->participant_count; ++g )
+    {
+        box_participant( work, work->participants + g );
+    }
+}
+
+// At the start of a step.
+static void mark_anew( const contact_work* work )
+{
+    contact_contact_mesh* s = work->contact_mesh;
+    s->may_join = false;
+    for ( int g = 0; g < work->participant_count; ++g )
+    {
+        contact_settings* settings = &work->participants[g].settings;
+        settings->is_far = reaches_any( work, g, settings->is_far != 0 ? 1.0f : 2.0f ) ? 0 : 1;
+        s->may_join = s->may_join || ( settings->is_far != 0 && reaches_any( work, g, WATCHED_REACHES ) );
+    }
+}
+
+// Later in it.
+static void mark_joining( const contact_work* work )
+{
+    for ( int g = 0; g < work->participant_count; ++g )
+    {
+        contact_settings* settings = &work->participants[g].settings;
+        settings->is_far = settings->is_far != 0 && reaches_any( work, g, 1.0f ) == false ? 1 : 0;
+    }
+}
+
+bool contact_mark_far( const contact_work* work, bool is_start )
+{
+    contact_contact_mesh* s = work->contact_mesh;
+    bool may_leave = false, is_other = false;
+    for ( int g = 0; g < work->participant_count; ++g )
+    {
+        contact_participant* participant = work->participants + g;
+        participant->settings = *settings_of( work, participant );
+        may_leave =
+            may_leave || participant->settings.is_far != 0 || contact_may_meet( participant, participant ) == false;
+    }
+    if ( may_leave && ( is_start || s->may_join ) )
+    {
+        box_all( work );
+        is_start ? mark_anew( work ) : mark_joining( work );
+    }
+    for ( int g = 0; g < work->participant_count; ++g )
+    {
+        contact_participant* participant = work->participants + g;
+        contact_settings* settings = settings_of( work, participant );
+        const bool joins = settings->is_far != 0 && participant->settings.is_far == 0;
+        settings->is_new = joins ? 1 : settings->is_new; // it has no intersection-free positions
+        settings->is_far = participant->settings.is_far;
+        participant->settings.is_new = settings->is_new;
+        is_other = is_other || ( settings->is_far != 0 ) != participant->is_left_out;
+    }
+    return is_other;
+}
+
 // ---- building ----
 
 static void count_participant( const contact_work* work, contact_participant* participant, int counts[3] )
@@ -25,16 +263,19 @@ static void count_participant( const contact_work* work, contact_participant* pa
     participant->first_point = counts[0];
     participant->first_edge = counts[1];
     participant->first_triangle = counts[2];
+    participant->point_count = participant->edge_count = participant->triangle_count = 0;
+    if ( participant->is_left_out )
+    {
+        return;
+    }
     if ( participant->is_strands )
     {
         const wisp_strand_topology* t = wisp_frame_strands( work->frame, participant->entity );
         participant->point_count = t->vertex_count;
-        participant->edge_count = 0;
         for ( int lane = 0; lane < t->group_count * WISP_LANES; ++lane )
         {
             participant->edge_count += t->lane_count[lane] > 1 ? t->lane_count[lane] - 1 : 0;
         }
-        participant->triangle_count = 0;
     }
     else
     {
@@ -123,8 +364,7 @@ bool contact_build_contact_mesh( const contact_work* work )
     for ( int g = 0; g < work->participant_count; ++g )
     {
         contact_participant* participant = work->participants + g;
-        participant->settings =
-            *(contact_settings*)wisp_frame_column( work->frame, participant->entity, work->components->settings, 0 );
+        participant->is_left_out = participant->settings.is_far != 0;
         count_participant( work, participant, counts );
         s->min_thickness = fminf( s->min_thickness, participant->settings.thickness );
     }
@@ -140,7 +380,10 @@ bool contact_build_contact_mesh( const contact_work* work )
     for ( int g = 0; g < work->participant_count; ++g )
     {
         const contact_participant* participant = work->participants + g;
-        participant->is_strands ? fill_strands( work, participant, g ) : fill_surface( work, participant, g );
+        if ( participant->is_left_out == false )
+        {
+            participant->is_strands ? fill_strands( work, participant, g ) : fill_surface( work, participant, g );
+        }
     }
     return true;
 }

@@ -9,6 +9,7 @@
 
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
+#include "wisp/module/sleep.h"
 
 #include <math.h>
 
@@ -26,6 +27,7 @@ typedef struct contact_settings
     uint32_t layers, mask;
     int32_t self;   // 1: it meets itself; 2: it is made of strands, and meets those of others that have this
     int32_t is_new; // its column of intersection-free positions has no values yet
+    int32_t is_far; // nothing that it may meet is within reach, so the contact mesh leaves it out
 } contact_settings;
 
 /// State of contact from step to step, in a column, so that a snapshot has it.
@@ -44,14 +46,23 @@ typedef struct contact_load
     float grip;   // smallest coefficient of friction between the point and the body below; 0: nothing supports it
 } contact_load;
 
+/// Where the points of a participant are in a substep.
+typedef struct contact_reach_box
+{
+    wisp_sleep_bounds bounds; // m, of the positions before and now
+    float displacement2;      // m^2, square of the largest
+} contact_reach_box;
+
 /// A participant's part of the contact mesh.
 typedef struct contact_participant
 {
     wisp_entity entity;
     bool is_strands, halted;
-    bool has_layer; // its particles are those that another module shares, as they are at the start of a step
+    bool is_left_out; // of the contact mesh: its counts are 0
+    bool has_layer;   // its particles are those that another module shares, as they are at the start of a step
     int first_point, point_count, first_edge, edge_count, first_triangle, triangle_count;
     contact_settings settings;
+    contact_reach_box box;
     double impulse[3];                 // N s, of this step
     const float *thickness, *friction; // [point] factors of those of the settings; null: 1
     const int32_t* half_spaces;        // [point] number of half spaces that it is held in; null: none
@@ -71,6 +82,7 @@ typedef struct contact_contact_mesh
     int32_t* edges;           // [edge][2]
     int32_t* triangles;       // [triangle][3]
     float min_thickness;      // m, of the participants
+    bool may_join;            // who is left out may come within reach in this step
     bool is_listed;           // the pair lists of the broad phase hold for these positions
     bool is_parting;          // pairs at no distance are found too
     bool is_reset;            // intersection-free positions were replaced: intersections and pairs are unknown
@@ -115,7 +127,12 @@ typedef struct contact_work
     int worker;
 } contact_work;
 
-/// Number the points, edges and triangles of all participants and copy their rest shapes.
+/// Decide which participants have something within reach, by their boxes in this substep.
+/// @param is_start of a step: later in it, participants only join
+/// @return whether the contact mesh has others than these
+bool contact_mark_far( const contact_work* work, bool is_start );
+
+/// Number the points, edges and triangles of all participants within reach and copy their rest shapes.
 /// @return false without memory
 bool contact_build_contact_mesh( const contact_work* work );
 

@@ -62,38 +62,28 @@ void contact_forget_participant( wisp_world* world, contact_state* state, int nu
 
 // ---- settings ----
 
-static float mean_edge( const wisp_fabric* fabric )
+// A quarter of the mean length of edges or segments. A surface lies flat only with less than its shortest edge, unless
+// that is a sliver of a fortieth of the mean.
+static float default_thickness( wisp_rest_lengths lengths, bool is_surface )
 {
-    double sum = 0.0;
-    for ( int e = 0; e < fabric->edge_count; ++e )
-    {
-        const wisp_vec3 a = fabric->rest[fabric->edges[2 * e]], b = fabric->rest[fabric->edges[2 * e + 1]];
-        const double x = (double)( a.x - b.x ), y = (double)( a.y - b.y ), z = (double)( a.z - b.z );
-        sum += sqrt( x * x + y * y + z * z );
-    }
-    return sum > 0.0 ? (float)( sum / fabric->edge_count ) : 0.0f;
-}
-
-static float mean_segment( const wisp_strand_topology* strands, const float* length )
-{
-    double sum = 0.0;
-    int count = 0;
-    for ( size_t i = 0; i < (size_t)strands->row_count * WISP_LANES; ++i )
-    {
-        sum += (double)length[i];
-        count += length[i] > 0.0f ? 1 : 0;
-    }
-    return count > 0 ? (float)( sum / count ) : 0.0f;
+    const float usual = lengths.mean > 0.0f ? 0.25f * lengths.mean : 1e-3f, least = 0.1f * usual;
+    const float flat = is_surface && lengths.shortest > 0.0f ? 0.9f * lengths.shortest : usual;
+    return flat >= usual ? usual : flat >= least ? flat : least;
 }
 
 // Fill in the defaults of a definition.
 static contact_settings resolve( wisp_world* world, wisp_entity participant, const wisp_contact_def* d )
 {
     const wisp_strand_topology* strands = wisp_world_strands( world, participant );
-    const float edge = strands != NULL
-                           ? mean_segment( strands, wisp_world_column( world, participant, WISP_STRAND_LENGTH, 0 ) )
-                           : mean_edge( wisp_world_fabric( world, participant ) );
-    const float thickness = d->thickness > 0.0f ? d->thickness : ( edge > 0.0f ? 0.25f * edge : 1e-3f );
+    const wisp_rest_lengths lengths = wisp_world_rest_lengths( world, participant );
+    const float thickness = d->thickness > 0.0f ? d->thickness : default_thickness( lengths, strands == NULL );
+    if ( strands == NULL && d->self && lengths.shortest > 0.0f && thickness > lengths.shortest )
+    {
+        wisp_world_warn( world,
+                         "contact: entity %u: the thickness of %.3g m is above the shortest edge of %.3g m; around "
+                         "shorter edges than it the surface keeps 0.9 of its distances at rest and bends stiffly",
+                         participant.index, (double)thickness, (double)lengths.shortest );
+    }
     return ( contact_settings ){
         .thickness = thickness,
         .friction = d->friction,

@@ -124,6 +124,7 @@ void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
     {
         begin_step( &work );
     }
+    state->changed = contact_mark_far( &work, span->substep == 0 || state->changed ) || state->changed;
     if ( state->changed && run_stage( &work, build_mesh ) == false )
     {
         return;
@@ -134,6 +135,10 @@ void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
         return;
     }
     state->changed = false;
+    if ( s->point_count == 0 ) // nobody has anything within reach
+    {
+        return;
+    }
     contact_gather( &work, true );
     const contact_reached reached = contact_expect_ways( &work );
     if ( s->is_reset && part_coincident( &work ) == false )
@@ -293,7 +298,7 @@ void contact_measure( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const contact_state* state = user;
     const contact_work work = begin_work( frame, span, user );
-    if ( work.contact_mesh->is_listed == false )
+    if ( work.contact_mesh->is_listed == false && work.contact_mesh->point_count > 0 )
     {
         return; // the step has failed
     }

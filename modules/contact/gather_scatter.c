@@ -259,6 +259,10 @@ void contact_gather( const contact_work* work, bool is_start )
     for ( int g = 0; g < work->participant_count; ++g )
     {
         contact_participant* participant = work->participants + g;
+        if ( participant->is_left_out )
+        {
+            continue;
+        }
         participant->halted = wisp_frame_is_halted( work->frame, participant->entity );
         participant->thickness = wisp_frame_column( work->frame, participant->entity, WISP_MAP_CONTACT_THICKNESS, 0 );
         participant->friction = wisp_frame_column( work->frame, participant->entity, WISP_MAP_CONTACT_FRICTION, 0 );
@@ -326,6 +330,10 @@ void contact_scatter( const contact_work* work, bool is_end, bool is_final )
     for ( int g = 0; g < work->participant_count; ++g )
     {
         const contact_participant* participant = work->participants + g;
+        if ( participant->is_left_out )
+        {
+            continue;
+        }
         scatter_loop loop = { .contact_mesh = work->contact_mesh, .participant = participant, .is_final = is_final };
         if ( participant->is_strands )
         {
@@ -349,6 +357,10 @@ void contact_scatter( const contact_work* work, bool is_end, bool is_final )
 
 void contact_keep_participant( const contact_work* work, const contact_participant* participant )
 {
+    if ( participant->is_left_out )
+    {
+        return;
+    }
     if ( participant->is_strands )
     {
         float* rows = wisp_frame_column( work->frame, participant->entity, work->components->strand_free, 0 );

@@ -38,7 +38,7 @@ typedef struct wisp_implicit_cloth_def
     float
         stretch_stiffness; ///< k_s, N/m, >= 0, default 200: of a link, or of the material (force per width and strain)
     float bend_stiffness;  ///< k_b, N m^2, >= 0, default 1e-6: of a diagonal link; not used with material stiffness
-    /// D, N m, >= 0, default 5e-6: flexural rigidity, used with material stiffness only. A strip has D times its width on any
+    /// D, N m, >= 0, default 2e-5: flexural rigidity, used with material stiffness only. A strip has D times its width on any
     /// mesh; the rest shape bends to a plane
     float bend_rigidity;
     /// c_b, N/m, >= 0; default 0: stretch_stiffness. Of a link: initial slope of bending (eq. 12). Of a material: against
@@ -55,9 +55,10 @@ typedef struct wisp_implicit_cloth_def
     int newton_iterations;
     /// Limit of the linear solves of a substep that iterates until it converges, 1 .. 64, default 16: one with k h^2 / m above
     /// 1024, or one that gained energy, which is made again (by Euler, WISP_COUNT_FIRST_ORDER if it was BDF2).
-    /// 1: all substeps make newton_iterations, and may gain energy.
+    /// 1: all substeps make newton_iterations, and may gain energy. Substeps of more than three are counted (WISP_COUNT_MANY_SOLVES).
     int max_newton_iterations;
-    float tolerance; ///< of a solve: residual relative to that of zero velocity change, in [1e-7, 0.1], default 1e-4
+    float tolerance; ///< of a solve: residual relative to that of zero velocity change, in [1e-7, 0.1], default 1e-4.
+                     ///< Repeated solves of a substep end where its first did
     int max_iterations; ///< of a solve, 0 .. 1000000; default 0: three per vertex
 
     /// Links given by the host instead of those of the mesh (edges stretch, diagonals bend), for a quad mesh or seams.

@@ -82,6 +82,8 @@ typedef struct implicit_system
     float ( *requested )[3][WISP_SLICE]; ///< [slice] kg m/s, the right side that the last solve began with
     int limit;                           ///< iterations of a solve
     bool guessed;                        ///< conjugate.direction is not zero
+    double looseness;                    ///< 0 .. 1, of repeated solves: 0 where links are very stiff
+    double first;                        ///< square of the residual at which the first solve of a substep ended
     double floor;                        ///< kg m^2/s^2, residual that is rounding
     float *place, *start;                ///< [row][4] m, x^; m/s, v^: where the substep's velocities act on and begin
     float* goal;                         ///< [row][4] m/s, prescribed velocity of a held row; fourth number 1: held

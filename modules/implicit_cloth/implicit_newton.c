@@ -2,11 +2,13 @@
 #include "implicit_substep.h"
 
 #include <float.h>
+#include <math.h>
 #include <string.h>
 
 enum
 {
     SHORTENINGS = 4, // of a solve's answer, at most
+    FEW_SOLVES = 3,  // substeps of more are counted
 };
 
 // Of a stiff substep, by the same case. REACH: a link this fraction shorter than its rest length still counts as stiff. At 0, slack
@@ -185,7 +187,7 @@ static bool is_settled( const implicit_substep* s, double slope )
     {
         motion += s->motion[block];
     }
-    return !( slope > SETTLED * motion );
+    return !( slope > ( s->system.looseness > 0.5 ? 10.0 : 1.0 ) * SETTLED * motion );
 }
 
 // Shorten the last step; forces at its end are known. @return links without direction, of the last assembly
@@ -247,5 +249,7 @@ void implicit_iterate( wisp_frame* frame, implicit_substep* s, implicit_tally* t
         total->residual = outcome.residual;
         total->repeats += 1;
     }
+    wisp_frame_count( frame, WISP_COUNT_MANY_SOLVES,
+                      total->repeats > queried && total->repeats > FEW_SOLVES ? 1 : 0 );
     wisp_frame_count( frame, WISP_COUNT_DEGENERATE_LINK, s->is_second ? 0 : (uint64_t)undirected );
 }

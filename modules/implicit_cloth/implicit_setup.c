@@ -4,6 +4,7 @@
 // k h^2 / m of the stiffest link and the mean mass (bench case `stability`).
 static const double RATIO_BDF2 = 512.0;   // beyond, the last substep does not predict this one
 static const double RATIO_STIFF = 1024.0; // beyond, one linear solve may gain energy
+static const double RATIO_LOOSE = 8192.0; // beyond, what a loose solve leaves is energy of stiff links
 static const double MAX_RATIO = 1e6;      // beyond, floats lose the mass next to the stiffness
 
 // ---- the integrator ----
@@ -42,6 +43,7 @@ void implicit_choose_integrator( wisp_frame* frame, const wisp_span* span, impli
     const double mass = mean_mass( links, wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ) );
     const double ratio = (double)links->stiffest * (double)h * (double)h / mass;
     s->stiff = ratio > RATIO_STIFF && m->max_newton_iterations > 1;
+    s->system.looseness = fmin( 1.0, RATIO_LOOSE * RATIO_LOOSE / ( ratio * ratio ) );
     s->guarded = s->stiff == false && m->max_newton_iterations > 1;
     const bool two = m->bdf2 != 0 && m->before > 0.0f && ratio <= RATIO_BDF2;
     s->extrapolates = two;

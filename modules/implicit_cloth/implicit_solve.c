@@ -2,6 +2,8 @@
 // of springs. Loops are cut at the same places for any number of workers, and sums are added in order, so the bits are the same.
 #include "implicit_internal.h"
 
+static const double REPEAT = 0.1;
+
 typedef struct slice_loop
 {
     implicit_system* system;
@@ -78,8 +80,11 @@ implicit_outcome implicit_solve( implicit_system* s )
         delta = advance( s, 1.0f );
         delta_0 = delta_0 > 0.0 ? delta_0 : delta;
     }
-    const double tolerance = (double)s->material->tolerance;
-    const double least = fmax( tolerance * tolerance * delta_0, s->floor );
+    // a repeat ends where the first solve did, and at a tenth of its own residual if that is less
+    const double tolerance = (double)s->material->tolerance, own = tolerance * tolerance * delta_0;
+    s->first = s->spring.is_repeat ? s->first : own;
+    const double repeat = s->spring.is_repeat ? s->looseness * fmin( s->first, REPEAT * REPEAT * delta_0 ) : 0.0;
+    const double least = fmax( fmax( own, repeat ), s->floor );
     turn( s, s->guessed ? 1.0f : 0.0f, 0.0f );
 
     int iteration = 0;

@@ -2,6 +2,8 @@
 // are zero.
 #include "intersections_fixture.h"
 
+#include "double3.h"
+
 static int side_of_whole( const whole_point p[4], const int powers[3] )
 {
     float f[4][3];
@@ -12,7 +14,7 @@ static int side_of_whole( const whole_point p[4], const int powers[3] )
             f[i][axis] = ldexpf( (float)p[i].at[axis], powers[axis] );
         }
     }
-    return wisp_side_of_plane( f[0], f[1], f[2], f[3] );
+    return space_side_of_plane( f[0], f[1], f[2], f[3] );
 }
 
 // A finite float of any magnitude: all bit patterns are equally likely.
@@ -177,7 +179,7 @@ TEST( coordinates_of_all_sizes_may_stand_beside_each_other )
             m[i / 3][i % 3] = polynomial_minus( p[i / 3 + 1][i % 3], p[0][i % 3] );
         }
         const int expected = polynomial_sign( m );
-        assert_int_equal( wisp_side_of_plane( f[0], f[1], f[2], f[3] ), expected );
+        assert_int_equal( space_side_of_plane( f[0], f[1], f[2], f[3] ), expected );
         ++seen[expected + 1];
     }
     assert_true( seen[0] > 1000 && seen[1] > 100 && seen[2] > 1000 );
@@ -194,7 +196,7 @@ TEST( a_plane_tells_any_two_floats_apart )
         y = n % 3 == 1 ? nextafterf( x, n % 4 < 2 ? INFINITY : -INFINITY ) : y;
         y = isfinite( y ) ? y : x;
         const float d[3] = { x, y, any_float( n, 2 ) };
-        assert_int_equal( wisp_side_of_plane( a, b, c, d ), ( x > y ) - ( x < y ) );
+        assert_int_equal( space_side_of_plane( a, b, c, d ), ( x > y ) - ( x < y ) );
     }
 }
 
@@ -215,7 +217,7 @@ TEST( signs_alternate_with_the_order_of_points )
                 f[i][axis] = n % 3 == 0 ? whole : n % 3 == 1 ? 0.1f + whole : any_float( n, 3 * i + axis );
             }
         }
-        const int sign = wisp_side_of_plane( f[0], f[1], f[2], f[3] );
+        const int sign = space_side_of_plane( f[0], f[1], f[2], f[3] );
         for ( int code = 0; code < 4 * 4 * 4 * 4; ++code )
         {
             const int o[4] = { code & 3, code >> 2 & 3, code >> 4 & 3, code >> 6 };
@@ -227,7 +229,7 @@ TEST( signs_alternate_with_the_order_of_points )
                 swaps += i / 4 < i % 4 && o[i / 4] > o[i % 4] ? 1 : 0;
             }
             const int expected = !all_differ ? 0 : swaps % 2 == 0 ? sign : -sign;
-            assert_int_equal( wisp_side_of_plane( f[o[0]], f[o[1]], f[o[2]], f[o[3]] ), expected );
+            assert_int_equal( space_side_of_plane( f[o[0]], f[o[1]], f[o[2]], f[o[3]] ), expected );
         }
     }
 }
@@ -249,8 +251,8 @@ TEST( signs_stay_when_everything_moves )
                 assert_true( (double)moved[i][axis] == (double)f[i][axis] + (double)by.at[axis] );
             }
         }
-        assert_int_equal( wisp_side_of_plane( moved[0], moved[1], moved[2], moved[3] ),
-                          wisp_side_of_plane( f[0], f[1], f[2], f[3] ) );
+        assert_int_equal( space_side_of_plane( moved[0], moved[1], moved[2], moved[3] ),
+                          space_side_of_plane( f[0], f[1], f[2], f[3] ) );
     }
 }
 
@@ -267,7 +269,7 @@ TEST( what_is_not_finite_is_on_no_side_and_crosses_nothing )
         assert_false( wisp_segment_intersects( p[0], p[1], p[2], p[3], p[4] ) );
         const int touched = n / 3 % 5;
         assert_int_equal(
-            wisp_side_of_plane( p[touched], p[( touched + 1 ) % 5], p[( touched + 2 ) % 5], p[( touched + 3 ) % 5] ),
+            space_side_of_plane( p[touched], p[( touched + 1 ) % 5], p[( touched + 2 ) % 5], p[( touched + 3 ) % 5] ),
             0 );
     }
 }
@@ -385,7 +387,7 @@ TEST( a_fan_has_no_gaps_and_no_overlaps )
         {
             const float *a = ring[i], *b = ring[( i + 1 ) % SIDES];
             hits += wisp_segment_intersects( p, q, hub, a, b ) ? 1 : 0;
-            touches += wisp_side_of_plane( p, q, hub, a ) == 0 ? 1 : 0;
+            touches += space_side_of_plane( p, q, hub, a ) == 0 ? 1 : 0;
         }
         assert_int_equal( hits, touches > 0 ? 0 : 1 );
     }

@@ -2,6 +2,7 @@
 // layers, self-contact, pins, and participants that are added, removed and halted. Invalid contact is rejected with one
 // message that names the error, and a rejection changes nothing; NaN in one participant never reaches another.
 #include "contact_fixture.h"
+#include "contact_mesh.h"
 
 #include "oracle/contact_oracle.h"
 
@@ -714,4 +715,130 @@ TEST( a_participant_that_goes_wrong_takes_nobody_along )
         }
         close_world( &h );
     }
+}
+
+// ---- the default thickness ----
+
+// Return the thickness that a sheet gets by default, m. Its first columns are `narrow` m apart and the others 5 cm.
+static double default_thickness_of( float narrow, double* mean_edge, int* warnings )
+{
+    hosted h;
+    open_contact( &h, 4, 1, 1 );
+    test_mesh mesh = level_sheet( 11, 0.5f, ( wisp_vec3 ){ 0 } );
+    for ( int v = 0; v < mesh.vertex_count; ++v )
+    {
+        const float column = ( mesh.points[v].x + 0.25f ) / 0.05f;
+        mesh.points[v].x = column < 3.5f ? narrow * column : narrow * 4.0f + 0.05f * ( column - 4.0f );
+    }
+    const wisp_entity e = add_draping( h.world, &mesh, NULL, 0, ( wisp_vec3 ){ 0 } );
+    const wisp_contact_def def = contact_of( 0.0f );
+    set_contact( h.world, e, &def );
+    const wisp_fabric* f = wisp_world_fabric( h.world, e );
+    *mean_edge = 0.0;
+    for ( int i = 0; i < f->edge_count; ++i )
+    {
+        *mean_edge += double3_distance( double3_widen( f->rest[f->edges[2 * i]] ),
+                                        double3_widen( f->rest[f->edges[2 * i + 1]] ) ) /
+                      f->edge_count;
+    }
+    const contact_settings* settings =
+        wisp_world_column( h.world, e, wisp_world_find_component( h.world, "contact.settings" ), 0 );
+    const double thickness = (double)settings->thickness;
+    *warnings = h.log.count;
+    close_world( &h );
+    return thickness;
+}
+
+TEST( the_default_thickness_is_below_the_shortest_edge )
+{
+    double mean;
+    int warnings;
+    const double even = default_thickness_of( 0.05f, &mean, &warnings );
+    assert_near( even, 0.25 * mean, 1e-8 );
+    assert_int_equal( warnings, 0 );
+    const double uneven = default_thickness_of( 0.004f, &mean, &warnings );
+    assert_near( uneven, 0.9 * 0.004, 1e-8 );
+    assert_int_equal( warnings, 0 );
+    const double slivers = default_thickness_of( 1e-5f, &mean, &warnings ); // there is no thickness to be had
+    assert_near( slivers, 0.025 * mean, 1e-8 );
+    assert_int_equal( warnings, 1 );
+}
+
+// ---- who is out of reach ----
+
+typedef struct meeting_far
+{
+    hosted h;
+    wisp_entity plate, sheet;
+    int most_points; // of the contact mesh, in all steps
+} meeting_far;
+
+// A sheet flies down to a plate, neither of which meets itself.
+static void open_far( meeting_far* m, float height, float speed, int workers )
+{
+    open_contact( &m->h, 8, 1, workers );
+    test_mesh plate = level_sheet( 15, 0.7f, ( wisp_vec3 ){ 0 } ),
+              sheet = level_sheet( 11, 0.5f, ( wisp_vec3 ){ 0.013f, height, 0.017f } );
+    wisp_contact_def def = contact_of( 0.01f );
+    def.self = false;
+    m->plate = add_pinned( m->h.world, &plate );
+    m->sheet = add_draping( m->h.world, &sheet, NULL, 0, ( wisp_vec3 ){ 0 } );
+    set_contact( m->h.world, m->plate, &def );
+    set_contact( m->h.world, m->sheet, &def );
+    assert_status( m->h.world,
+                   wisp_set_velocity( m->h.world, m->sheet, ( wisp_vec3 ){ 0, -speed, 0 }, ( wisp_vec3 ){ 0 } ),
+                   WISP_OK );
+    request_stats( m->h.world );
+    m->most_points = 0;
+}
+
+static void fly( meeting_far* m, int steps )
+{
+    for ( int i = 0; i < steps; ++i )
+    {
+        run_steps( m->h.world, 1, FRAME );
+        const int points = contact_stats( m->h.world ).points;
+        m->most_points = points > m->most_points ? points : m->most_points;
+    }
+}
+
+// The contact mesh is empty until the sheet comes near, at any speed, and nothing passes then.
+TEST( who_is_out_of_reach_is_in_no_mesh_and_nobody_passes )
+{
+    static const float SPEEDS[] = { 0.5f, 5.0f, 40.0f }; // m/s
+    for ( int i = 0; i < WISP_COUNT( SPEEDS ); ++i )
+    {
+        uint64_t hashes[2];
+        for ( int k = 0; k < 2; ++k )
+        {
+            const float height = 30.4f * SPEEDS[i] * FRAME; // reached in the 31st step
+            meeting_far m;
+            open_far( &m, height, SPEEDS[i], 1 + 2 * k );
+            fly( &m, 24 );
+            assert_int_equal( m.most_points, 0 );
+            assert_int_equal( contact_stats( m.h.world ).intersections, 0 );
+            fly( &m, 16 );
+            assert_int_equal( m.most_points, 15 * 15 + 11 * 11 );
+            assert_int_equal( contact_stats( m.h.world ).intersections, 0 );
+            assert_true( mean_of( m.h.world, m.sheet, 1 ) > 0.0 );
+            hashes[k] = wisp_world_hash( m.h.world );
+            close_world( &m.h );
+        }
+        assert_true( hashes[0] == hashes[1] );
+    }
+}
+
+// Who was near and went away is left out again.
+TEST( who_goes_away_leaves_the_mesh )
+{
+    meeting_far m;
+    open_far( &m, 0.006f, 0.0f, 1 );
+    fly( &m, 4 );
+    assert_int_equal( contact_stats( m.h.world ).points, 15 * 15 + 11 * 11 );
+    assert_status( m.h.world,
+                   wisp_set_velocity( m.h.world, m.sheet, ( wisp_vec3 ){ 0, 2.0f, 0 }, ( wisp_vec3 ){ 0 } ),
+                   WISP_OK );
+    fly( &m, 20 );
+    assert_int_equal( contact_stats( m.h.world ).points, 0 );
+    close_world( &m.h );
 }

@@ -338,7 +338,8 @@ typedef enum wisp_counter
     WISP_COUNT_SPEED_LIMITED =
         16, ///< velocities of vertices above the largest speed, scaled down to it, in each substep
     WISP_COUNT_SPLIT_VERTICES = 17, ///< vertices of surfaces that became two
-    WISP_COUNTER_COUNT = 18,
+    WISP_COUNT_MANY_SOLVES = 18,    ///< substeps of implicit cloth that took more than three linear solves
+    WISP_COUNTER_COUNT = 19,
 } wisp_counter;
 
 WISP_API uint64_t wisp_world_counter( const wisp_world* world, wisp_counter counter );

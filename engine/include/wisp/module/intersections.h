@@ -11,10 +11,6 @@ WISP_BEGIN_C
 WISP_API bool wisp_segment_intersects( const float* p, const float* q, const float* a, const float* b,
                                        const float* c );
 
-/// @return the exact sign of the volume of the tetrahedron a b c d: 1 if d is on the side of the normal (b - a) x (c - a), -1 on
-/// the other, 0 in the plane
-WISP_API int wisp_side_of_plane( const float* a, const float* b, const float* c, const float* d );
-
 typedef struct wisp_intersection
 {
     int32_t edge, triangle;

@@ -365,6 +365,14 @@ WISP_API void* wisp_world_column( wisp_world* world, wisp_entity entity, wisp_co
 WISP_API const wisp_strand_topology* wisp_world_strands( wisp_world* world, wisp_entity entity );
 WISP_API const wisp_fabric* wisp_world_fabric( wisp_world* world, wisp_entity entity );
 
+typedef struct wisp_rest_lengths
+{
+    float mean, shortest; ///< m, 0 without an edge or segment of a length above 0, which are not counted
+} wisp_rest_lengths;
+
+/// Measure the edges of a surface, whose fabric must have them, or the segments of strands.
+WISP_API wisp_rest_lengths wisp_world_rest_lengths( wisp_world* world, wisp_entity entity );
+
 /// Give a surface other triangles, as many as it has, between steps or in wisp_state_hooks.stepped. It gets a fabric of its own, in
 /// which vertices keep their slots; what is stored of edges, links and hinges goes along. Masses follow the areas. Coarse sheets and
 /// tethers are not made again, so the surface must have none.
