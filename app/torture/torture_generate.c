@@ -417,11 +417,12 @@ text_node* torture_generate( const torture_generator* generator, int number )
     text_node* scene = text_map();
     text_put( scene, "wisp", text_scalar( "1" ) );
     b.is_stack = torture_chance( &b, 8 );
-    b.has_contact = b.is_stack || torture_chance( &b, 45 );
+    const bool is_mixed = b.is_stack == false && torture_chance( &b, 33 ); // hair, cloth or balloon, and a body meet
+    b.has_contact = b.is_stack || is_mixed || torture_chance( &b, 20 );
     make_steps( &b, scene );
     make_world( &b, scene );
-    const int surfaces = torture_random_whole( &b.random, b.is_stack ? 2 : 0, 3 );
-    const int strands = surfaces == 0 ? 1 : torture_random_whole( &b.random, 0, 5 ) / 4;
+    const int surfaces = torture_random_whole( &b.random, b.is_stack ? 2 : is_mixed ? 1 : 0, is_mixed ? 2 : 3 );
+    const int strands = surfaces == 0 || is_mixed ? 1 : torture_random_whole( &b.random, 0, 5 ) / 4;
     for ( int i = 0; i < surfaces; ++i )
     {
         torture_make_surface( &b );
@@ -430,7 +431,7 @@ text_node* torture_generate( const torture_generator* generator, int number )
     {
         torture_make_strands( &b );
     }
-    for ( int i = b.is_stack ? 1 : torture_random_whole( &b.random, 0, 3 ); i > 0; --i )
+    for ( int i = b.is_stack ? 1 : torture_random_whole( &b.random, is_mixed ? 1 : 0, 3 ); i > 0; --i )
     {
         make_collider( &b );
     }
