@@ -312,7 +312,7 @@ struct wisp_frame
     int clocked_blocks;       // one of this many blocks with a substep loop is timed
     _Atomic uint64_t counters[WISP_COUNTER_COUNT];
     double pass_seconds[PLAN_MAX_PASSES]; // of this step
-    int pass_items[PLAN_MAX_PASSES];
+    int64_t pass_items[PLAN_MAX_PASSES];
     struct plan_clock* clocks; // [workers][PLAN_MAX_PASSES]
     atomic_flag failing;
     _Atomic bool failed;

@@ -2,12 +2,13 @@
 
 #include "alloc.h"
 
+#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 
 void wisp_init_world_def( wisp_world_def* def, size_t size )
 {
-    const wisp_world_def values = { .substeps = 10, .iterations = 1 };
+    const wisp_world_def values = { .substeps = 10, .iterations = 1, .longest_step = 8 };
     wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
@@ -41,6 +42,11 @@ static wisp_status check_def( const wisp_world_def* def, wisp_error* error )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "substeps, iterations: got %d and %d, expected 1 to %d of both",
                           def->substeps, def->iterations, WORLD_MAX_SUBSTEPS );
+    }
+    if ( def->longest_step < 1 || def->longest_step > WORLD_MAX_USUAL_STEPS )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "longest_step: got %d usual steps, expected 1 to %d",
+                          def->longest_step, WORLD_MAX_USUAL_STEPS );
     }
     if ( ( def->allocator.allocate == NULL ) != ( def->allocator.release == NULL ) )
     {
@@ -104,6 +110,7 @@ static wisp_status build( wisp_world* world, const wisp_world_def* def, wisp_err
     world->frame.pool = world->pool;
     world->frame.kernels = kernels;
     world->frame.iterations = def->iterations;
+    world->longest_step = def->longest_step;
     return WISP_OK;
 }
 
@@ -212,7 +219,7 @@ static void write_profile( wisp_world* world )
             world->lines[world->line_count++] = ( wisp_profile_line ){
                 .pass = world->registry.passes[pass].name,
                 .seconds = world->frame.pass_seconds[pass],
-                .items = world->frame.pass_items[pass],
+                .items = (int)( world->frame.pass_items[pass] < INT_MAX ? world->frame.pass_items[pass] : INT_MAX ),
             };
         }
     }
@@ -230,13 +237,25 @@ static void warn_without_threads( wisp_world* world, bool has_threads )
     }
 }
 
+void world_count_cut( wisp_world* world, double seconds, double cut )
+{
+    if ( cut > 0.0 && wisp_world_counter( world, WISP_COUNT_CUT_STEPS ) == 0 )
+    {
+        base_log_write( &world->log, WISP_LOG_WARNING, "step: %g s are too long, so the last %g s are left out",
+                        seconds, cut );
+    }
+    wisp_frame_count( &world->frame, WISP_COUNT_CUT_STEPS, cut > 0.0 ? 1 : 0 );
+}
+
 // Cut a step into substeps. A plan without substeps, such as one of appearance alone, runs in every step.
 static void cut_step( wisp_world* world, float dt, bool is_new_plan )
 {
     wisp_frame* frame = &world->frame;
     if ( plan_has_substeps( &world->plan ) )
     {
-        step_clock_advance( &world->clock, dt, world->registry.substeps, is_new_plan, frame );
+        const double cut = step_clock_advance( &world->clock, dt, world->registry.substeps, world->longest_step,
+                                               is_new_plan, frame );
+        world_count_cut( world, (double)dt, cut );
         return;
     }
     frame->substeps = world->registry.substeps;
@@ -368,6 +387,7 @@ const char* wisp_counter_name( wisp_counter counter )
         "stretched strands",
         "limited speeds",
         "split vertices",
+        "cut steps",
     };
     return counter >= 0 && counter < WISP_COUNTER_COUNT ? NAMES[counter] : "unknown";
 }

@@ -23,6 +23,7 @@ wisp_status wisp_world_advance( wisp_world* world, float seconds, float dt, wisp
     double pending = world->clock.pending + (double)seconds;
     const double due = floor( pending / (double)dt + ROUNDING );
     const int steps = due < MAX_STEPS ? (int)due : MAX_STEPS;
+    world_count_cut( world, (double)seconds, ( due - steps ) * (double)dt );
     pending = fmax( pending - due * (double)dt, 0.0 );
     world->clock.pending = pending;
     for ( int i = 0; i < steps; ++i )

@@ -132,6 +132,46 @@ TEST( workers_do_not_change_a_bit_at_varying_steps )
     assert_true( run( SUBJECTS, from_20_to_1000_hz, false, 4, 5 ).hash == one );
 }
 
+// Run usual steps, then `longest` of them or one step of ten seconds, then usual ones again.
+static uint64_t run_past_a_hitch( const subject* s, bool has_hitch, int longest )
+{
+    hosted h = { 0 };
+    h.def = hosted_def( &h );
+    h.def.modules = EFFECTS;
+    h.def.module_count = WISP_COUNT( EFFECTS );
+    h.def.substeps = 10;
+    h.def.longest_step = longest;
+    assert_int_equal( wisp_world_create( &h.def, &h.world, NULL ), WISP_OK );
+    const wisp_entity e = s->add( h.world );
+    assert_status( h.world, wisp_request( h.world, e, WISP_MOTION_STATS ), WISP_OK );
+    for ( int i = 0; i < 20 + ( has_hitch ? 1 : longest ) + 20; ++i )
+    {
+        const float dt = has_hitch && i == 20 ? 10.0f : 1.0f / 60.0f;
+        assert_status( h.world, wisp_world_step( h.world, dt ), WISP_OK );
+    }
+    assert_int_equal( wisp_world_counter( h.world, WISP_COUNT_CUT_STEPS ), has_hitch && longest < 600 ? 1 : 0 );
+    const uint64_t hash = wisp_world_hash( h.world );
+    wisp_world_destroy( h.world );
+    return hash;
+}
+
+// A long step is so many usual ones, bit for bit, and leaves nothing behind.
+TEST( a_long_step_is_that_of_as_many_usual_ones )
+{
+    const int longest[] = { 8, 600 };
+    for ( int n = 0; n < WISP_COUNT( SUBJECTS ); ++n )
+    {
+        for ( int k = 0; k < WISP_COUNT( longest ); ++k )
+        {
+            if ( run_past_a_hitch( SUBJECTS + n, true, longest[k] ) !=
+                 run_past_a_hitch( SUBJECTS + n, false, longest[k] ) )
+            {
+                fail_msg( "%s: a step of 10 s, cut to %d, is not that of usual ones", SUBJECTS[n].name, longest[k] );
+            }
+        }
+    }
+}
+
 // A snapshot between two uneven steps holds the time that no substep has covered yet.
 TEST( a_snapshot_goes_on_at_varying_steps )
 {

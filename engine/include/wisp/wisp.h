@@ -53,6 +53,7 @@ typedef struct wisp_world_def
              ///< WISP_ISA, else the best that the processor supports
     int substeps;   ///< per step of usual length, 1 .. 1000000, default 10; see wisp_world_step()
     int iterations; ///< per substep, 1 .. 1000000, default 1
+    int longest_step; ///< usual steps that one step simulates, 1 .. 1000, default 8: the rest of a longer one is left out
 } wisp_world_def;
 
 WISP_DEFINITION( world_def );
@@ -236,11 +237,13 @@ WISP_API wisp_status wisp_cancel_request( wisp_world* world, wisp_entity entity,
 
 /// Simulate one step. The plan is compiled first if components or requests changed.
 ///
-/// Substeps have a constant length: that of the first step over `substeps`. A step of another length has as many of them as
-/// fit. What is left, less than a substep of the world, is simulated with the next step, so the state may lag by it, and a step shorter
-/// than it changes nothing. If the steps change for good (60 in a row agree within a fifth), substeps follow: longer at once,
-/// shorter by 0.2 % per step, since a sudden change would set cloth at rest in motion. A step more than eight times as long
-/// as usual makes substeps longer instead of costing more.
+/// Substeps have a constant length: that of the usual step over `substeps`, whatever one step's length. A step of another length
+/// has as many of them as fit. What is left, less than a substep of the world, is simulated with the next step, so the state may
+/// lag by it, and a step shorter than it changes nothing. The first step is usual, and 1/60 s until one of at most 1/4 s, or a second as
+/// long, comes. If steps change for good (those that agree within a fifth outnumber others by 30, short ones counting
+/// less), substeps follow: longer at once, shorter by 0.2 % per step, since a sudden change would set cloth at rest in motion.
+/// A step costs what it is long, up to `longest_step` usual ones. The time beyond is left out and the step counted
+/// (WISP_COUNT_CUT_STEPS); pins and colliders go their whole way in what is left, so teleport what it should not throw.
 /// @param dt s, > 0
 /// @return WISP_CONFLICT a pass reads a component that nothing writes (the message names both); WISP_NO_MEMORY
 WISP_API wisp_status wisp_world_step( wisp_world* world, float dt );
@@ -251,8 +254,8 @@ typedef void wisp_before_step_fn( void* user, wisp_world* world );
 /// Advance by the time of a frame, in steps of constant length: the recommended way when frames take uneven time. Time that
 /// is no whole step is kept for the next call. Afterwards views of WISP_SURFACE_POINTS and WISP_STRAND_POINTS are
 /// interpolated between the last two steps, so they are smooth and one step late; other views are of the last step.
-/// @param seconds since the last call, >= 0. Beyond eight steps the rest is dropped, so that a slow host does not fall ever
-///        further behind
+/// @param seconds since the last call, >= 0. Beyond eight steps the rest is left out and the call counted
+///        (WISP_COUNT_CUT_STEPS), so that a slow host does not fall ever further behind
 /// @param dt s, > 0, of a step
 /// @param before_step may be null
 /// @return that of the step that failed; the steps before it were made
@@ -338,7 +341,8 @@ typedef enum wisp_counter
     WISP_COUNT_SPEED_LIMITED =
         16, ///< velocities of vertices above the largest speed, scaled down to it, in each substep
     WISP_COUNT_SPLIT_VERTICES = 17, ///< vertices of surfaces that became two
-    WISP_COUNTER_COUNT = 18,
+    WISP_COUNT_CUT_STEPS = 18,      ///< steps, or calls of wisp_world_advance(), too long to be simulated as a whole
+    WISP_COUNTER_COUNT = 19,
 } wisp_counter;
 
 WISP_API uint64_t wisp_world_counter( const wisp_world* world, wisp_counter counter );
