@@ -180,6 +180,7 @@ typedef struct plan_entity
 {
     store_mask live; // passes
     store_mask runs; // those of them that run at its detail
+    store_mask came; // components that this plan has attached
     int split;       // substeps in a substep of the world
     int fewer; // substeps of a step in which the world makes its usual ones, when they are fewer; 0: `split` counts
     bool runs_waves; // passes of substeps, unless it loops

@@ -283,8 +283,14 @@ static wisp_status step( wisp_world* world, float seconds )
         return wisp_world_fail( world, WISP_BAD_INPUT, "step: got %g s, expected a number above 0 and below 1e6",
                                 (double)seconds );
     }
+    world_detail_show( world, true );
+    const wisp_status compiled = compile_if_changed( world );
+    if ( compiled != WISP_OK )
+    {
+        world_detail_show( world, false );
+        return compiled;
+    }
     world_detail_begin( world );
-    WISP_TRY( compile_if_changed( world ) );
     world->blend.is_shown = false;
     double begin = wisp_clock_seconds();
     wisp_frame* frame = &world->frame;

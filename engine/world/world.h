@@ -108,7 +108,9 @@ void world_forget_velocities( wisp_world* world, store_entity* e );
 
 // world_detail.c
 
-/// Advance changes of detail by a step, before the plan.
+/// Show the plan the detail of the next step, or that of the last one again.
+void world_detail_show( wisp_world* world, bool of_next_step );
+/// Advance changes of detail by the step that begins.
 void world_detail_begin( wisp_world* world );
 /// Take the detail of entities from the rows of a snapshot.
 void world_detail_from_rows( wisp_world* world );

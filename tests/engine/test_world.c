@@ -579,6 +579,30 @@ WORLD_TEST( a_repeated_call_allocates_nothing )
     assert_int_equal( atomic_load( &h->host.queried ), requests );
 }
 
+// Of three steps that are due the second finds a world that cannot step, and the third call makes up for it.
+static void spoil_second( void* user, wisp_world* world )
+{
+    int* calls = user;
+    *calls += 1;
+    atomic_store( &world->is_stepping, *calls == 2 );
+}
+
+WORLD_TEST( steps_that_were_due_when_one_failed_are_made_later )
+{
+    hosted* h = *state;
+    const wisp_entity e = add_flying( h->world );
+    int calls = 0;
+    assert_int_equal( wisp_world_advance( h->world, 3.5f * DT, DT, spoil_second, &calls ), WISP_CONFLICT );
+    atomic_store( &h->world->is_stepping, false );
+    assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_STEPS ), 1 );
+    advance( h->world, 0.0 );
+    assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_STEPS ), 3 );
+    assert_near( x_of( h->world, e ), 2.5 * (double)DT, 1e-5 );
+    assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_CUT_STEPS ), 0 );
+    advance( h->world, 20.0 * (double)DT );
+    assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_CUT_STEPS ), 1 );
+}
+
 WORLD_TEST( wrong_times_are_refused )
 {
     hosted* h = *state;

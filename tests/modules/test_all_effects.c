@@ -243,6 +243,66 @@ TEST( steps_of_any_length_keep_their_bits_with_any_workers )
     assert_true( hashes[0] == hashes[1] );
 }
 
+// ---- steps that fail ----
+
+// All members, changing their detail in the step to come, after some steps.
+static void open_changing( hosted* h, int steps )
+{
+    open_all( h, 2, 1 );
+    for ( int i = 0; i < MEMBER_COUNT; ++i )
+    {
+        const wisp_entity e = add( h->world, MEMBERS + i );
+        assert_status( h->world, wisp_set_substeps( h->world, e, MEMBERS[i].substeps ), WISP_OK );
+        wisp_detail_def detail = wisp_default_detail_def();
+        assert_status( h->world, wisp_set_detail( h->world, e, &detail ), WISP_OK );
+        take_steps( h->world, i + 1 == MEMBER_COUNT ? steps : 0, 1.0f / 60.0f );
+    }
+    for ( int slot = 0; slot < h->world->store.entity_count; ++slot )
+    {
+        const wisp_entity e = store_handle( &h->world->store, slot );
+        wisp_detail_def detail = wisp_default_detail_def();
+        detail.level = slot % 2 == 0 ? WISP_DETAIL_NOTHING : WISP_DETAIL_FEWER_SUBSTEPS;
+        detail.blend_steps = 0;
+        assert_status( h->world, wisp_set_detail( h->world, e, &detail ), WISP_OK );
+        assert_status( h->world, wisp_request( h->world, e, WISP_MOTION_STATS ), WISP_OK );
+    }
+}
+
+// Each request for memory of a step is refused in turn. A step that is not counted has changed nothing, and is made by the next call.
+TEST( a_step_that_fails_before_its_passes_changes_nothing )
+{
+    for ( int steps = 0; steps < 4; steps += 3 )
+    {
+        hosted h;
+        open_changing( &h, steps );
+        take_steps( h.world, 1, 1.0f / 60.0f );
+        const uint64_t made = wisp_world_hash( h.world );
+        close_world( &h );
+        bool was_refused = true;
+        int unchanged = 0;
+        for ( int n = 1; was_refused; ++n )
+        {
+            open_changing( &h, steps );
+            const uint64_t hash = wisp_world_hash( h.world ),
+                           counted = wisp_world_counter( h.world, WISP_COUNT_STEPS );
+            test_host_refuse( &h.host, n, true );
+            const wisp_status status = wisp_world_step( h.world, 1.0f / 60.0f );
+            was_refused = test_host_has_refused( &h.host );
+            test_host_refuse( &h.host, 0, false );
+            assert_true( status == WISP_NO_MEMORY || ( status == WISP_OK && wisp_world_hash( h.world ) == made ) );
+            if ( status != WISP_OK && wisp_world_counter( h.world, WISP_COUNT_STEPS ) == counted )
+            {
+                unchanged += 1;
+                assert_true( wisp_world_hash( h.world ) == hash );
+                take_steps( h.world, 1, 1.0f / 60.0f );
+                assert_true( wisp_world_hash( h.world ) == made );
+            }
+            close_world( &h );
+        }
+        assert_true( unchanged > 0 );
+    }
+}
+
 // ---- teleports ----
 
 enum

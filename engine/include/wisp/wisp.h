@@ -1,7 +1,7 @@
 /// Wisp: position-based simulation of thin things. Worlds, entities, requests, steps and views.
 ///
 /// Units are SI. Worlds are opaque and independent of each other; there are no globals. No function is thread-safe on
-/// the same world; different worlds may be used on different threads. A failed call changes nothing, and prints nothing unless the
+/// the same world; different worlds may be used on different threads. A failed call changes nothing (but see wisp_world_step()), and prints nothing unless the
 /// host gave a log. Null pointers, removed entities and definitions that no function has filled are WISP_BAD_INPUT or
 /// WISP_STALE_ID. A call during a step of the same world, from a callback or another thread, is WISP_CONFLICT.
 ///
@@ -245,7 +245,8 @@ WISP_API wisp_status wisp_cancel_request( wisp_world* world, wisp_entity entity,
 /// A step costs what it is long, up to `longest_step` usual ones. The time beyond is left out and the step counted
 /// (WISP_COUNT_CUT_STEPS); pins and colliders go their whole way in what is left, so teleport what it should not throw.
 /// @param dt s, > 0
-/// @return WISP_CONFLICT a pass reads a component that nothing writes (the message names both); WISP_NO_MEMORY
+/// @return WISP_CONFLICT a pass reads a component that nothing writes (the message names both); WISP_NO_MEMORY. If a pass has failed, the
+///         others have run, and the step is counted (WISP_COUNT_STEPS); a step that is not has changed nothing
 WISP_API wisp_status wisp_world_step( wisp_world* world, float dt );
 
 /// Called before each step of wisp_world_advance(), to move pins, colliders and heads to where they are at its end.
@@ -258,7 +259,7 @@ typedef void wisp_before_step_fn( void* user, wisp_world* world );
 ///        (WISP_COUNT_CUT_STEPS), so that a slow host does not fall ever further behind
 /// @param dt s, > 0, of a step
 /// @param before_step may be null
-/// @return that of the step that failed; the steps before it were made
+/// @return that of the step that failed; the steps before it were made, and it and those behind it are due in the next call
 WISP_API wisp_status wisp_world_advance( wisp_world* world, float seconds, float dt, wisp_before_step_fn* before_step,
                                          void* user );
 
