@@ -4,12 +4,22 @@
 // that drifts would move all of them without a test that fails.
 #include "effects_fixture.h"
 
+#include "attachments.h"
 #include "balloon.h"
 #include "boundary.h"
+#include "environment.h"
 #include "frozen_hair.h"
+#include "guide_hair.h"
 #include "implicit_cloth.h"
+#include "membrane.h"
+#include "motion_constraints.h"
+#include "seams.h"
+#include "strand_appearance.h"
+#include "tearing.h"
 
 #include "wisp/explain.h"
+#include "wisp/maps.h"
+#include "wisp/moving_frame.h"
 
 // ---- substeps ----
 
@@ -300,6 +310,246 @@ TEST( a_step_that_fails_before_its_passes_changes_nothing )
             close_world( &h );
         }
         assert_true( unchanged > 0 );
+    }
+}
+
+// ---- calls that fail ----
+
+static const wisp_module* const ALL[] = { &wisp_cloth_module,
+                                          &wisp_implicit_cloth_module,
+                                          &wisp_balloon_module,
+                                          &wisp_strands_module,
+                                          &wisp_collision_module,
+                                          &wisp_contact_module,
+                                          &wisp_attachments_module,
+                                          &wisp_boundary_module,
+                                          &wisp_environment_module,
+                                          &wisp_frozen_hair_module,
+                                          &wisp_guide_hair_module,
+                                          &wisp_membrane_module,
+                                          &wisp_motion_constraints_module,
+                                          &wisp_seams_module,
+                                          &wisp_strand_appearance_module,
+                                          &wisp_tearing_module };
+
+typedef struct cast
+{
+    wisp_world* world;
+    wisp_entity cloth, other, ball, hair, ghosts, plain, out;
+} cast;
+
+// A call with the default definition of its subject, but for some members.
+#define CALL( name, subject, definition, ... )                                                                       \
+    static wisp_status call_##definition( cast* c )                                                                  \
+    {                                                                                                                \
+        wisp_##definition##_def def = wisp_default_##definition##_def();                                             \
+        __VA_ARGS__;                                                                                                 \
+        return name( c->world, c->subject, &def );                                                                   \
+    }
+
+CALL( wisp_set_contact, cloth, contact, (void)0 )
+CALL( wisp_set_collision, cloth, collision, def.features = WISP_COLLISION_ALL )
+CALL( wisp_set_tearing, cloth, tearing, (void)0 )
+CALL( wisp_set_motion_constraints, cloth, motion_constraints, def.max_distance = 0.1f )
+CALL( wisp_set_moving_frame, ball, moving_frame, def.linear_inertia = 0.5f )
+CALL( wisp_set_sleep, cloth, sleep, (void)0 )
+CALL( wisp_set_detail, ghosts, detail, (void)0 )
+CALL( wisp_set_ghosts, plain, ghosts, def.targets = c->hair )
+CALL( wisp_set_strand_dynamics, hair, strand_dynamics, def.bending = WISP_STRAND_BEND_LINKS )
+CALL( wisp_set_strand_grid, hair, strand_grid, (void)0 )
+CALL( wisp_set_strand_appearance, hair, strand_appearance, (void)0 )
+CALL( wisp_set_environment, hair, environment, (void)0 )
+CALL( wisp_set_frozen_hair, plain, frozen_hair, (void)0 )
+CALL( wisp_set_boundary, cloth, boundary, (void)0 )
+CALL( wisp_set_implicit_cloth, other, implicit_cloth, def.integrator = WISP_INTEGRATOR_BDF2 )
+
+static wisp_status call_collider( cast* c )
+{
+    const wisp_collider_def def = wisp_default_collider_def();
+    return wisp_add_collider( c->world, &def, &c->out );
+}
+
+static wisp_status call_seam( cast* c )
+{
+    wisp_seam_def def = wisp_default_seam_def();
+    const int32_t pairs[2] = { 0, 3 };
+    def.a = c->cloth, def.b = c->other, def.pairs = pairs, def.pair_count = 1;
+    return wisp_add_seam( c->world, &def, &c->out );
+}
+
+static wisp_status call_instance( cast* c )
+{
+    return wisp_add_instance( c->world, c->cloth, NULL, &c->out );
+}
+
+static wisp_status call_strand_instance( cast* c )
+{
+    return wisp_add_instance( c->world, c->ghosts, NULL, &c->out );
+}
+
+static wisp_status call_attach( cast* c )
+{
+    const int32_t vertices[2] = { 0, 20 };
+    return wisp_attach_pins( c->world, c->cloth, vertices, 2, c->ball );
+}
+
+static wisp_status call_pin( cast* c )
+{
+    const int32_t vertices[2] = { 5, 7 };
+    return wisp_pin( c->world, c->cloth, vertices, 2 );
+}
+
+static wisp_status call_unpin( cast* c )
+{
+    const int32_t vertices[1] = { 0 };
+    return wisp_unpin( c->world, c->cloth, vertices, 1 );
+}
+
+static wisp_status call_map( cast* c )
+{
+    static float factors[21 * 21];
+    factors[3] = 2.0f;
+    return wisp_set_map( c->world, c->cloth, WISP_MAP_BEND_RIGIDITY, factors, 21 * 21 );
+}
+
+static wisp_status call_root( cast* c )
+{
+    return wisp_root_strands( c->world, c->hair, c->ball );
+}
+
+static wisp_status call_tip( cast* c )
+{
+    return wisp_hold_strand_tip( c->world, c->hair, 1, WISP_STRAND_TIP_CLAMPED );
+}
+
+static wisp_status call_max_speed( cast* c )
+{
+    return wisp_set_max_speed( c->world, c->hair, 3.0f );
+}
+
+static wisp_status call_strain_limit( cast* c )
+{
+    return wisp_set_strain_limit( c->world, c->cloth, 0.9f, 1.1f );
+}
+
+static wisp_status call_velocities( cast* c )
+{
+    const int32_t vertices[1] = { 50 };
+    return wisp_set_vertex_velocities( c->world, c->cloth, vertices, &( wisp_vec3 ){ 1.0f, 0.0f, 0.0f }, 1 );
+}
+
+static wisp_status call_request( cast* c )
+{
+    return wisp_request( c->world, c->cloth, WISP_SURFACE_NORMALS );
+}
+
+static wisp_status call_substeps( cast* c )
+{
+    return wisp_set_substeps( c->world, c->hair, 7 );
+}
+
+static wisp_status call_explain( cast* c )
+{
+    wisp_plan_info* info = NULL;
+    const wisp_status status = wisp_world_explain( c->world, &info );
+    wisp_plan_info_release( info );
+    return status;
+}
+
+static const struct
+{
+    const char* name;
+    wisp_status ( *call )( cast* c );
+} CALLS[] = {
+    { "contact", call_contact },
+    { "collision", call_collision },
+    { "tearing", call_tearing },
+    { "motion constraints", call_motion_constraints },
+    { "moving frame", call_moving_frame },
+    { "sleep", call_sleep },
+    { "detail", call_detail },
+    { "ghosts", call_ghosts },
+    { "dynamics", call_strand_dynamics },
+    { "grid", call_strand_grid },
+    { "appearance", call_strand_appearance },
+    { "environment", call_environment },
+    { "frozen hair", call_frozen_hair },
+    { "boundary", call_boundary },
+    { "implicit cloth", call_implicit_cloth },
+    { "collider", call_collider },
+    { "seam", call_seam },
+    { "instance", call_instance },
+    { "instance of ghosts", call_strand_instance },
+    { "attachment", call_attach },
+    { "pin", call_pin },
+    { "unpin", call_unpin },
+    { "map", call_map },
+    { "roots", call_root },
+    { "tip", call_tip },
+    { "largest speed", call_max_speed },
+    { "strain limit", call_strain_limit },
+    { "velocities", call_velocities },
+    { "request", call_request },
+    { "substeps", call_substeps },
+    { "explanation", call_explain },
+};
+
+static cast open_cast( hosted* h )
+{
+    *h = ( hosted ){ 0 };
+    h->def = hosted_def( h );
+    h->def.modules = ALL;
+    h->def.module_count = WISP_COUNT( ALL );
+    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+    cast c = { .world = h->world };
+    c.cloth = add( h->world, &( member ){ .add = dihedral_cloth } );
+    c.other = add( h->world, &( member ){ .add = implicit_cloth } );
+    c.ball = add( h->world, &( member ){ .add = balloon } );
+    c.hair = add( h->world, &( member ){ .add = hair_of_rods } );
+    wisp_ghosts_def ghosts = wisp_default_ghosts_def();
+    ghosts.targets = c.hair;
+    wisp_entity* strands[] = { &c.ghosts, &c.plain };
+    for ( int i = 0; i < 2; ++i )
+    {
+        wisp_vec3 points[24];
+        const int32_t offsets[3] = { 0, 12, 24 };
+        for ( int v = 0; v < 24; ++v )
+        {
+            points[v] = ( wisp_vec3 ){ 0.01f * (float)( v % 12 ), 0.001f, 0.01f * (float)( v / 12 ) };
+        }
+        wisp_strands_def def = wisp_default_strands_def();
+        def.points = points, def.offsets = offsets, def.strand_count = 2;
+        assert_status( h->world, wisp_add_strands( h->world, &def, strands[i] ), WISP_OK );
+    }
+    assert_status( h->world, wisp_set_ghosts( h->world, c.ghosts, &ghosts ), WISP_OK );
+    assert_status( h->world, wisp_request( h->world, c.ghosts, WISP_STRAND_POINTS ), WISP_OK );
+    take_steps( h->world, 2, 1.0f / 60.0f );
+    return c;
+}
+
+// Each call in turn, with all requests for memory refused from one of them on. Afterwards it works.
+TEST( a_call_that_fails_changes_nothing )
+{
+    for ( int k = 0; k < WISP_COUNT( CALLS ); ++k )
+    {
+        bool was_refused = true;
+        for ( int n = 1; was_refused; ++n )
+        {
+            hosted h;
+            cast c = open_cast( &h );
+            const uint64_t hash = wisp_world_hash( h.world );
+            test_host_refuse( &h.host, n, true );
+            const wisp_status status = CALLS[k].call( &c );
+            was_refused = test_host_has_refused( &h.host );
+            test_host_refuse( &h.host, 0, false );
+            if ( status != ( was_refused ? WISP_NO_MEMORY : WISP_OK ) ||
+                 ( status != WISP_OK && ( wisp_world_hash( h.world ) != hash || CALLS[k].call( &c ) != WISP_OK ) ) )
+            {
+                fail_msg( "%s, request %d: '%s'", CALLS[k].name, n, wisp_world_message( h.world ) );
+            }
+            take_steps( h.world, 1, 1.0f / 60.0f );
+            close_world( &h );
+        }
     }
 }
 
