@@ -21,6 +21,10 @@ bool execute_is_due( wisp_frame* frame, int number, int slot )
     const wisp_pass* pass = frame->registry->passes + number;
     const store* s = frame->registry->store;
     store_entity* e = s->entities + slot;
+    if ( frame->goes_on && pass->stage == WISP_STAGE_OBSERVE )
+    {
+        return false; // nobody sees it before the step has ended
+    }
     if ( pass->on_change != 0 && store_mask_has( &e->dirty, number ) == false )
     {
         return false;
@@ -428,8 +432,11 @@ bool plan_has_substeps( const plan* p )
 void plan_execute( wisp_frame* frame )
 {
     const plan* p = frame->plan;
-    memset( frame->pass_seconds, 0, sizeof( frame->pass_seconds ) );
-    memset( frame->pass_items, 0, sizeof( frame->pass_items ) );
+    if ( frame->continues == false )
+    {
+        memset( frame->pass_seconds, 0, sizeof( frame->pass_seconds ) );
+        memset( frame->pass_items, 0, sizeof( frame->pass_items ) );
+    }
     if ( frame->substeps == 0 )
     {
         return;

@@ -306,6 +306,7 @@ struct wisp_frame
     float even;               // s, the step if it has its usual length and nothing is left of those before; else 0
     float progress;           // fraction of the motion to kinematic targets per substep; 0: 1 / substeps
     float reached;            // fraction of that motion completed by the last step
+    bool continues, goes_on;  // a part of a step that is not the first, or not the last
     const plan_block* wave;   // of the current wave
     bool wide;                // one entity at a time, on all workers
     bool sampled;             // times of passes come from samples

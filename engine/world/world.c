@@ -276,6 +276,79 @@ static void tell_of_nothing( wisp_world* world )
     }
 }
 
+// Run a step, or a part of it.
+static void run_part( wisp_world* world )
+{
+    wisp_frame* frame = &world->frame;
+    const bool can_sleep = plan_has_substeps( &world->plan ) && frame->substeps > 0;
+    if ( can_sleep )
+    {
+        world_sleep_begin( world );
+    }
+    if ( world->plan.node_count > 0 )
+    {
+        warn_without_threads( world, jobs_enter( world->pool, drive, frame ) );
+    }
+    if ( can_sleep && atomic_load( &frame->failed ) == false )
+    {
+        world_sleep_end( world );
+    }
+}
+
+// A step as it was cut.
+typedef struct step_span
+{
+    int substeps;
+    float progress, reached;
+} step_span;
+
+// Have the frame make the part of a step behind some substeps: a usual step, or what is left.
+static void set_part( wisp_world* world, step_span whole, int done )
+{
+    wisp_frame* frame = &world->frame;
+    const int usual = world->registry.substeps, left = whole.substeps - done;
+    const double each = whole.progress > 0.0f ? (double)whole.progress : 1.0 / whole.substeps, before = done - usual;
+    frame->substeps = left < usual ? left : usual;
+    frame->even =
+        left >= usual && frame->seconds == world->clock.usual_dt / (float)usual ? world->clock.usual_dt : 0.0f;
+    frame->progress = whole.progress == 0.0f && left <= usual ? 0.0f : (float)( each / ( 1.0 - done * each ) );
+    frame->reached = done > 0 ? (float)( usual * each / ( 1.0 - before * each ) ) : whole.reached;
+    frame->continues = done > 0;
+    frame->goes_on = left > usual;
+    const float end = frame->progress * (float)frame->substeps;
+    world->clock.reached = frame->progress > 0.0f && end < 1.0f ? end : 1.0f;
+}
+
+// Run a step. One of several usual ones is so many, one behind the other, towards the same targets.
+static wisp_status run_parts( wisp_world* world )
+{
+    wisp_frame* frame = &world->frame;
+    const step_span whole = { frame->substeps, frame->progress, frame->reached };
+    const bool has_parts = plan_has_substeps( &world->plan ) && whole.substeps >= 2 * world->registry.substeps;
+    int done = 0;
+    frame->continues = frame->goes_on = false;
+    do
+    {
+        if ( has_parts )
+        {
+            set_part( world, whole, done );
+        }
+        run_part( world );
+        done += frame->substeps;
+        if ( atomic_load( &frame->failed ) )
+        {
+            return wisp_world_fail( world, frame->error.status, "%s", frame->error.message );
+        }
+        WISP_TRY( plan_registry_stepped( &world->registry, world ) );
+        if ( frame->goes_on )
+        {
+            WISP_TRY( compile_if_changed( world ) );
+            world->plan_is_new = false; // this step has substeps
+        }
+    } while ( frame->goes_on );
+    return WISP_OK;
+}
+
 static wisp_status step( wisp_world* world, float seconds )
 {
     if ( !( seconds > 0.0f && seconds < 1e6f ) )
@@ -300,19 +373,7 @@ static wisp_status step( wisp_world* world, float seconds )
     frame->halted_message[0] = '\0';
     cut_step( world, seconds, world->plan_is_new );
     world->plan_is_new = false;
-    const bool can_sleep = plan_has_substeps( &world->plan ) && frame->substeps > 0;
-    if ( can_sleep )
-    {
-        world_sleep_begin( world );
-    }
-    if ( world->plan.node_count > 0 )
-    {
-        warn_without_threads( world, jobs_enter( world->pool, drive, frame ) );
-    }
-    if ( can_sleep && atomic_load( &frame->failed ) == false )
-    {
-        world_sleep_end( world );
-    }
+    const wisp_status status = run_parts( world );
     tell_of_nothing( world );
     write_profile( world );
     frame->step += 1;
@@ -322,11 +383,7 @@ static wisp_status step( wisp_world* world, float seconds )
     {
         base_log_write( &world->log, WISP_LOG_WARNING, "%s", frame->halted_message );
     }
-    if ( atomic_load( &frame->failed ) )
-    {
-        return wisp_world_fail( world, frame->error.status, "%s", frame->error.message );
-    }
-    return plan_registry_stepped( &world->registry, world );
+    return status;
 }
 
 wisp_status wisp_world_run( wisp_world* world, wisp_entity entity, wisp_pass_fn* run, void* user )
