@@ -3,10 +3,9 @@
 
 #include <math.h>
 
-static bool agree( float a, float b )
+static bool agree( float a, float b, float factor )
 {
-    const float AGREEMENT = 1.2f;
-    return a < AGREEMENT * b && b < AGREEMENT * a;
+    return a < factor * b && b < factor * a;
 }
 
 static float unlikeliness( float dt )
@@ -14,13 +13,16 @@ static float unlikeliness( float dt )
     return dt < STEP_CLOCK_LIKELY ? STEP_CLOCK_LIKELY / dt : dt / STEP_CLOCK_LIKELY;
 }
 
-// The first step sets the usual length, unless it is a load screen, or it or a trial step turns out to be far from the next ones.
+static const float AGREEMENT = 1.2f;
+
+// The first step sets the usual length, unless it is a load screen, or the next ones show that it was another exception.
 static void begin( step_clock* clock, float dt )
 {
-    const bool is_believed = dt <= STEP_CLOCK_LONGEST_FIRST || agree( dt, clock->candidate );
-    const bool is_far = dt > STEP_CLOCK_FAR * clock->usual_dt || clock->usual_dt > STEP_CLOCK_FAR * dt;
-    const bool is_likelier = is_far && unlikeliness( dt ) < unlikeliness( clock->usual_dt );
-    if ( clock->step_count == 0 || ( clock->step_count < STEP_CLOCK_TRIALS && is_likelier ) )
+    const bool is_believed = dt <= STEP_CLOCK_LONGEST_FIRST || agree( dt, clock->candidate, AGREEMENT );
+    const bool is_likelier = 3.0f * unlikeliness( dt ) < unlikeliness( clock->usual_dt );
+    const bool is_repeated = agree( dt, clock->candidate, AGREEMENT ) && clock->votes >= 1.0f &&
+                             agree( dt, clock->usual_dt, 1.5f ) == false;
+    if ( clock->step_count == 0 || ( clock->step_count < STEP_CLOCK_TRIALS && ( is_likelier || is_repeated ) ) )
     {
         clock->usual_dt = is_believed ? dt : STEP_CLOCK_LIKELY;
         clock->candidate = dt;
@@ -31,12 +33,12 @@ static void begin( step_clock* clock, float dt )
     clock->step_count += is_believed && clock->step_count < STEP_CLOCK_TRIALS ? 1 : 0;
 }
 
-// Follow the step length if it has changed for good: steps of another length have a majority. (Boyer and Moore 1991, "MJRTY".)
+// Follow the step length if it has changed for good: steps of another length have a majority (Boyer and Moore 1991, "MJRTY").
 // Short steps have a share of a vote, so that any number of tiny ones takes the time of the usual ones to change it; hitches have one.
 static void follow( step_clock* clock, float dt )
 {
-    const float vote = fminf( dt / clock->usual_dt, 1.0f );
-    if ( agree( dt, clock->candidate ) )
+    const float vote = clock->step_count < STEP_CLOCK_TRIALS ? 1.0f : fminf( dt / clock->usual_dt, 1.0f );
+    if ( agree( dt, clock->candidate, AGREEMENT ) )
     {
         clock->votes = fminf( clock->votes + vote, STEP_CLOCK_MAJORITY );
     }
@@ -49,7 +51,8 @@ static void follow( step_clock* clock, float dt )
     {
         clock->votes -= vote;
     }
-    const bool is_new = clock->votes >= STEP_CLOCK_MAJORITY && agree( clock->candidate, clock->usual_dt ) == false;
+    const bool is_new =
+        clock->votes >= STEP_CLOCK_MAJORITY && agree( clock->candidate, clock->usual_dt, AGREEMENT ) == false;
     clock->usual_dt = is_new ? clock->candidate : clock->usual_dt;
 }
 

@@ -8,16 +8,15 @@
 #define STEP_CLOCK_SHRINK 0.998
 /// s, a longer first step is a load screen, unless the second is as long.
 #define STEP_CLOCK_LONGEST_FIRST 0.25f
-/// s, the usual length until a step is believed, and the likelier of two far apart is nearer to it.
+/// s, the usual length until a step is believed; far from it a step is less likely to be a usual one.
 #define STEP_CLOCK_LIKELY ( 1.0f / 60.0f )
 
 enum
 {
-    // The usual length changes when steps of another length outnumber all others by this many.
+    // The usual length changes when steps of another length outnumber all others by this many,
     STEP_CLOCK_MAJORITY = 30,
-    // Among so many first steps those far from the usual length may be the usual ones.
-    STEP_CLOCK_TRIALS = 4,
-    STEP_CLOCK_FAR = 8, // factor between two lengths
+    // or by two among so many first ones, or at once if one of those is far likelier.
+    STEP_CLOCK_TRIALS = 10,
 };
 
 /// Zero-initialised before the first step. Plain data, saved in snapshots.

@@ -777,7 +777,7 @@ static void check_usual_length( const double* lengths, int count, int first_ones
         const double dt = lengths[i < first_ones ? i : first_ones + ( i - first_ones ) % ( count - first_ones )];
         advance_clock( &clock, frame, dt );
         assert_true( i < first_ones || frame->seconds == 1.0f / 60.0f / (float)SUBSTEPS );
-        assert_true( dt < 1.0 / 61.0 || frame->substeps >= SUBSTEPS );
+        assert_true( i < first_ones || dt < 1.0 / 61.0 || frame->substeps >= SUBSTEPS );
     }
     free( frame );
 }
@@ -788,8 +788,12 @@ TEST( the_usual_length_is_that_of_most_steps )
     check_usual_length( ( const double[] ){ usual, 10.0, usual, usual }, 4, 1 ); // a load screen after the first
     check_usual_length( ( const double[] ){ 10.0, usual }, 2, 1 );               // and before
     check_usual_length( ( const double[] ){ 10.0, 3.0, 1e-5, usual }, 4, 3 );    // and two of them, and a trial
-    check_usual_length( ( const double[] ){ usual, 1e-5, usual }, 3, 0 );        // tiny ones in between
-    check_usual_length( ( const double[] ){ usual, 2.0 * usual }, 2, 0 );        // in turns with longer ones
+    check_usual_length( ( const double[] ){ 0.1, usual }, 2, 1 );                // a short one
+    check_usual_length( ( const double[] ){ 2.0 * usual, usual, usual, usual }, 4, 3 );
+    check_usual_length( ( const double[] ){ 1.0 / 144.0, usual, usual, usual }, 4, 3 );
+    check_usual_length( ( const double[] ){ usual, 0.1, 0.1, usual }, 4, 0 );
+    check_usual_length( ( const double[] ){ usual, 1e-5, usual }, 3, 0 );              // tiny ones in between
+    check_usual_length( ( const double[] ){ usual, 2.0 * usual }, 2, 0 );              // in turns with longer ones
     check_usual_length( ( const double[] ){ usual, 0.8 * usual, 1.2 * usual }, 3, 0 ); // jitter
 }
 

@@ -332,167 +332,78 @@ static const wisp_module* const ALL[] = { &wisp_cloth_module,
                                           &wisp_strand_appearance_module,
                                           &wisp_tearing_module };
 
+// Worlds have one of each, and strands that do nothing.
 typedef struct cast
 {
     wisp_world* world;
     wisp_entity cloth, other, ball, hair, ghosts, plain, out;
 } cast;
 
-// A call with the default definition of its subject, but for some members.
-#define CALL( name, subject, definition, ... )                                                                       \
-    static wisp_status call_##definition( cast* c )                                                                  \
-    {                                                                                                                \
-        wisp_##definition##_def def = wisp_default_##definition##_def();                                             \
-        __VA_ARGS__;                                                                                                 \
-        return name( c->world, c->subject, &def );                                                                   \
-    }
+static const float FACTORS[21 * 21] = { 1.0f, 2.0f };
 
-CALL( wisp_set_contact, cloth, contact, (void)0 )
-CALL( wisp_set_collision, cloth, collision, def.features = WISP_COLLISION_ALL )
-CALL( wisp_set_tearing, cloth, tearing, (void)0 )
-CALL( wisp_set_motion_constraints, cloth, motion_constraints, def.max_distance = 0.1f )
-CALL( wisp_set_moving_frame, ball, moving_frame, def.linear_inertia = 0.5f )
-CALL( wisp_set_sleep, cloth, sleep, (void)0 )
-CALL( wisp_set_detail, ghosts, detail, (void)0 )
-CALL( wisp_set_ghosts, plain, ghosts, def.targets = c->hair )
-CALL( wisp_set_strand_dynamics, hair, strand_dynamics, def.bending = WISP_STRAND_BEND_LINKS )
-CALL( wisp_set_strand_grid, hair, strand_grid, (void)0 )
-CALL( wisp_set_strand_appearance, hair, strand_appearance, (void)0 )
-CALL( wisp_set_environment, hair, environment, (void)0 )
-CALL( wisp_set_frozen_hair, plain, frozen_hair, (void)0 )
-CALL( wisp_set_boundary, cloth, boundary, (void)0 )
-CALL( wisp_set_implicit_cloth, other, implicit_cloth, def.integrator = WISP_INTEGRATOR_BDF2 )
-
-static wisp_status call_collider( cast* c )
-{
-    const wisp_collider_def def = wisp_default_collider_def();
-    return wisp_add_collider( c->world, &def, &c->out );
-}
-
-static wisp_status call_seam( cast* c )
-{
-    wisp_seam_def def = wisp_default_seam_def();
-    const int32_t pairs[2] = { 0, 3 };
-    def.a = c->cloth, def.b = c->other, def.pairs = pairs, def.pair_count = 1;
-    return wisp_add_seam( c->world, &def, &c->out );
-}
-
-static wisp_status call_instance( cast* c )
-{
-    return wisp_add_instance( c->world, c->cloth, NULL, &c->out );
-}
-
-static wisp_status call_strand_instance( cast* c )
-{
-    return wisp_add_instance( c->world, c->ghosts, NULL, &c->out );
-}
-
-static wisp_status call_attach( cast* c )
-{
-    const int32_t vertices[2] = { 0, 20 };
-    return wisp_attach_pins( c->world, c->cloth, vertices, 2, c->ball );
-}
-
-static wisp_status call_pin( cast* c )
-{
-    const int32_t vertices[2] = { 5, 7 };
-    return wisp_pin( c->world, c->cloth, vertices, 2 );
-}
-
-static wisp_status call_unpin( cast* c )
-{
-    const int32_t vertices[1] = { 0 };
-    return wisp_unpin( c->world, c->cloth, vertices, 1 );
-}
-
-static wisp_status call_map( cast* c )
-{
-    static float factors[21 * 21];
-    factors[3] = 2.0f;
-    return wisp_set_map( c->world, c->cloth, WISP_MAP_BEND_RIGIDITY, factors, 21 * 21 );
-}
-
-static wisp_status call_root( cast* c )
-{
-    return wisp_root_strands( c->world, c->hair, c->ball );
-}
-
-static wisp_status call_tip( cast* c )
-{
-    return wisp_hold_strand_tip( c->world, c->hair, 1, WISP_STRAND_TIP_CLAMPED );
-}
-
-static wisp_status call_max_speed( cast* c )
-{
-    return wisp_set_max_speed( c->world, c->hair, 3.0f );
-}
-
-static wisp_status call_strain_limit( cast* c )
-{
-    return wisp_set_strain_limit( c->world, c->cloth, 0.9f, 1.1f );
-}
-
-static wisp_status call_velocities( cast* c )
-{
-    const int32_t vertices[1] = { 50 };
-    return wisp_set_vertex_velocities( c->world, c->cloth, vertices, &( wisp_vec3 ){ 1.0f, 0.0f, 0.0f }, 1 );
-}
-
-static wisp_status call_request( cast* c )
-{
-    return wisp_request( c->world, c->cloth, WISP_SURFACE_NORMALS );
-}
-
-static wisp_status call_substeps( cast* c )
-{
-    return wisp_set_substeps( c->world, c->hair, 7 );
-}
-
-static wisp_status call_explain( cast* c )
+static wisp_status explain( wisp_world* world )
 {
     wisp_plan_info* info = NULL;
-    const wisp_status status = wisp_world_explain( c->world, &info );
+    const wisp_status status = wisp_world_explain( world, &info );
     wisp_plan_info_release( info );
     return status;
 }
 
+// DEF( name, definition d, its changes, call ) PLAIN( name, call )
+#define CALLS( DEF, PLAIN )                                                                                          \
+    DEF( contact, contact, (void)0, wisp_set_contact( w, c->cloth, &d ) )                                            \
+    DEF( collision, collision, d.features = WISP_COLLISION_ALL, wisp_set_collision( w, c->cloth, &d ) )              \
+    DEF( tearing, tearing, (void)0, wisp_set_tearing( w, c->cloth, &d ) )                                            \
+    DEF( tether, motion_constraints, d.max_distance = 0.1f, wisp_set_motion_constraints( w, c->cloth, &d ) )         \
+    DEF( frame, moving_frame, d.linear_inertia = 0.5f, wisp_set_moving_frame( w, c->ball, &d ) )                     \
+    DEF( sleep, sleep, (void)0, wisp_set_sleep( w, c->cloth, &d ) )                                                  \
+    DEF( detail, detail, (void)0, wisp_set_detail( w, c->ghosts, &d ) )                                              \
+    DEF( ghosts, ghosts, d.targets = c->hair, wisp_set_ghosts( w, c->plain, &d ) )                                   \
+    DEF( dynamics, strand_dynamics, (void)0, wisp_set_strand_dynamics( w, c->plain, &d ) )                           \
+    DEF( links, strand_dynamics, d.bending = WISP_STRAND_BEND_LINKS, wisp_set_strand_dynamics( w, c->hair, &d ) )    \
+    DEF( grid, strand_grid, (void)0, wisp_set_strand_grid( w, c->hair, &d ) )                                        \
+    DEF( appearance, strand_appearance, (void)0, wisp_set_strand_appearance( w, c->hair, &d ) )                      \
+    DEF( environment, environment, (void)0, wisp_set_environment( w, c->hair, &d ) )                                 \
+    DEF( frozen_hair, frozen_hair, (void)0, wisp_set_frozen_hair( w, c->plain, &d ) )                                \
+    DEF( boundary, boundary, (void)0, wisp_set_boundary( w, c->ball, &d ) )                                          \
+    DEF( bdf2, implicit_cloth, d.integrator = WISP_INTEGRATOR_BDF2, wisp_set_implicit_cloth( w, c->other, &d ) )     \
+    DEF( collider, collider, (void)0, wisp_add_collider( w, &d, &c->out ) )                                          \
+    DEF( seam, seam, ( d.a = c->cloth, d.b = c->other, d.within = 0.1f ), wisp_add_seam( w, &d, &c->out ) )          \
+    PLAIN( instance, wisp_add_instance( w, c->cloth, NULL, &c->out ) )                                               \
+    PLAIN( more_ghosts, wisp_add_instance( w, c->ghosts, NULL, &c->out ) )                                           \
+    PLAIN( attachment, wisp_attach_pins( w, c->cloth, ( const int32_t[] ){ 0, 20 }, 2, c->ball ) )                   \
+    PLAIN( pin, wisp_pin( w, c->cloth, ( const int32_t[] ){ 5, 7 }, 2 ) )                                            \
+    PLAIN( map, wisp_set_map( w, c->cloth, WISP_MAP_BEND_RIGIDITY, FACTORS, 21 * 21 ) )                              \
+    PLAIN( roots, wisp_root_strands( w, c->hair, c->ball ) )                                                         \
+    PLAIN( tip, wisp_hold_strand_tip( w, c->hair, 1, WISP_STRAND_TIP_CLAMPED ) )                                     \
+    PLAIN( speed, wisp_set_max_speed( w, c->hair, 3.0f ) )                                                           \
+    PLAIN( strain, wisp_set_strain_limit( w, c->cloth, 0.9f, 1.1f ) )                                                \
+    PLAIN( request, wisp_request( w, c->cloth, WISP_SURFACE_NORMALS ) )                                              \
+    PLAIN( explanation, explain( w ) )
+
+#define CALL_PLAIN( name, call )                                                                                     \
+    static wisp_status call_##name( cast* c )                                                                        \
+    {                                                                                                                \
+        wisp_world* w = c->world;                                                                                    \
+        return call;                                                                                                 \
+    }
+#define CALL_DEF( name, definition, changes, call )                                                                  \
+    static wisp_status call_##name( cast* c )                                                                        \
+    {                                                                                                                \
+        wisp_world* w = c->world;                                                                                    \
+        wisp_##definition##_def d = wisp_default_##definition##_def();                                               \
+        changes;                                                                                                     \
+        return call;                                                                                                 \
+    }
+CALLS( CALL_DEF, CALL_PLAIN )
+
+#define ROW_PLAIN( name, call ) { #name, call_##name },
+#define ROW_DEF( name, definition, changes, call ) { #name, call_##name },
 static const struct
 {
     const char* name;
     wisp_status ( *call )( cast* c );
-} CALLS[] = {
-    { "contact", call_contact },
-    { "collision", call_collision },
-    { "tearing", call_tearing },
-    { "motion constraints", call_motion_constraints },
-    { "moving frame", call_moving_frame },
-    { "sleep", call_sleep },
-    { "detail", call_detail },
-    { "ghosts", call_ghosts },
-    { "dynamics", call_strand_dynamics },
-    { "grid", call_strand_grid },
-    { "appearance", call_strand_appearance },
-    { "environment", call_environment },
-    { "frozen hair", call_frozen_hair },
-    { "boundary", call_boundary },
-    { "implicit cloth", call_implicit_cloth },
-    { "collider", call_collider },
-    { "seam", call_seam },
-    { "instance", call_instance },
-    { "instance of ghosts", call_strand_instance },
-    { "attachment", call_attach },
-    { "pin", call_pin },
-    { "unpin", call_unpin },
-    { "map", call_map },
-    { "roots", call_root },
-    { "tip", call_tip },
-    { "largest speed", call_max_speed },
-    { "strain limit", call_strain_limit },
-    { "velocities", call_velocities },
-    { "request", call_request },
-    { "substeps", call_substeps },
-    { "explanation", call_explain },
-};
+} CALL_ROWS[] = { CALLS( ROW_DEF, ROW_PLAIN ) };
 
 static cast open_cast( hosted* h )
 {
@@ -530,7 +441,7 @@ static cast open_cast( hosted* h )
 // Each call in turn, with all requests for memory refused from one of them on. Afterwards it works.
 TEST( a_call_that_fails_changes_nothing )
 {
-    for ( int k = 0; k < WISP_COUNT( CALLS ); ++k )
+    for ( int k = 0; k < WISP_COUNT( CALL_ROWS ); ++k )
     {
         bool was_refused = true;
         for ( int n = 1; was_refused; ++n )
@@ -539,13 +450,14 @@ TEST( a_call_that_fails_changes_nothing )
             cast c = open_cast( &h );
             const uint64_t hash = wisp_world_hash( h.world );
             test_host_refuse( &h.host, n, true );
-            const wisp_status status = CALLS[k].call( &c );
+            const wisp_status status = CALL_ROWS[k].call( &c );
             was_refused = test_host_has_refused( &h.host );
             test_host_refuse( &h.host, 0, false );
             if ( status != ( was_refused ? WISP_NO_MEMORY : WISP_OK ) ||
-                 ( status != WISP_OK && ( wisp_world_hash( h.world ) != hash || CALLS[k].call( &c ) != WISP_OK ) ) )
+                 ( status != WISP_OK &&
+                   ( wisp_world_hash( h.world ) != hash || CALL_ROWS[k].call( &c ) != WISP_OK ) ) )
             {
-                fail_msg( "%s, request %d: '%s'", CALLS[k].name, n, wisp_world_message( h.world ) );
+                fail_msg( "%s, request %d: '%s'", CALL_ROWS[k].name, n, wisp_world_message( h.world ) );
             }
             take_steps( h.world, 1, 1.0f / 60.0f );
             close_world( &h );

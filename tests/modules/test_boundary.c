@@ -370,34 +370,6 @@ TEST( a_warm_step_asks_for_no_memory )
     }
 }
 
-TEST( without_memory_nothing_has_changed )
-{
-    ball_world* b = ball_open( 2, 1, NULL );
-    const wisp_boundary_def def = ball_layer( 0.1f );
-    const int passes = wisp_world_plan_passes( b->world );
-    int refused = 0;
-    for ( int n = 1;; ++n )
-    {
-        test_host_refuse( &b->host, n, true );
-        const wisp_status status = wisp_set_boundary( b->world, b->ball, &def );
-        const bool met = test_host_has_refused( &b->host );
-        test_host_refuse( &b->host, 0, false );
-        if ( status == WISP_OK )
-        {
-            assert_false( met );
-            break;
-        }
-        assert_int_equal( status, WISP_NO_MEMORY );
-        assert_one_message( wisp_world_message( b->world ) );
-        assert_int_equal( wisp_world_plan_passes( b->world ), passes );
-        refused += 1;
-    }
-    assert_true( refused >= 4 );
-    ball_steps( b, 1 );
-    assert_true( stats_of( b, b->ball ).points > 0 );
-    ball_close( b );
-}
-
 // ---- refusals ----
 
 // X( what the message must name, the statement that breaks a definition )

@@ -400,41 +400,6 @@ COLLISION_TEST( a_warm_step_allocates_nothing )
     assert_int_equal( atomic_load( &h->host.queried ), queried );
 }
 
-COLLISION_TEST( without_memory_a_call_changes_nothing )
-{
-    hosted* h = *state;
-    test_mesh mesh = test_plane( 3, 0.1f );
-    wisp_fabric_def fabric = test_fabric_def( &mesh );
-    wisp_entity e = test_surface_of( h->world, &fabric, support_weightless_surface_def() );
-    test_mesh_free( &mesh );
-    assert_int_equal( wisp_request( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
-    const int bare = wisp_world_plan_passes( h->world );
-    wisp_collision_def collision = wisp_default_collision_def();
-    wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
-    bool done = false;
-    for ( int n = 1; done == false && n < 100; ++n )
-    {
-        test_host_refuse( &h->host, n, true );
-        done = wisp_set_collision( h->world, e, &collision ) == WISP_OK;
-        test_host_refuse( &h->host, 0, false );
-    }
-    assert_true( done );
-    done = false;
-    for ( int n = 1; done == false && n < 100; ++n )
-    {
-        wisp_entity body;
-        test_host_refuse( &h->host, n, true );
-        done = wisp_add_collider( h->world, &plane, &body ) == WISP_OK;
-        bool refused = test_host_has_refused( &h->host );
-        test_host_refuse( &h->host, 0, false );
-        assert_true( done != refused );
-        assert_true( done || body.index == 0 );
-        assert_int_equal( wisp_world_plan_passes( h->world ), done ? bare + 2 : bare );
-        run_for( h->world, DT, 1 );
-    }
-    assert_true( done );
-}
-
 // ---- refusals ----
 
 static void assert_refused( wisp_world* world, const wisp_collider_def* def, const char* word )

@@ -467,28 +467,6 @@ TEST( without_the_option_there_is_no_pass_and_no_other_bit )
     free_sheet( &t );
 }
 
-TEST( without_memory_the_option_changes_nothing )
-{
-    const wisp_collider_def needle = lying_needle( -0.03f );
-    sheet s = new_sheet( WISP_COLLISION_VERTICES, &needle, false, GRAVITY, 2, 1 );
-    run_for( s.h->world, DT, 1 );
-    const int passes = wisp_world_plan_passes( s.h->world );
-    wisp_collision_def collision = wisp_default_collision_def();
-    collision.thickness = THICKNESS;
-    collision.features = WISP_COLLISION_ALL;
-    bool done = false;
-    for ( int n = 1; done == false && n < 100; ++n )
-    {
-        test_host_refuse( &s.h->host, n, true );
-        done = wisp_set_collision( s.h->world, s.surface, &collision ) == WISP_OK;
-        test_host_refuse( &s.h->host, 0, false );
-        assert_int_equal( wisp_world_plan_passes( s.h->world ), done ? passes + 2 : passes );
-        run_for( s.h->world, DT, 1 );
-    }
-    assert_true( done );
-    free_sheet( &s );
-}
-
 TEST( steps_ask_for_no_memory )
 {
     const wisp_collider_def needle = lying_needle( -0.03f );

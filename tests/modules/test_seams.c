@@ -797,37 +797,3 @@ TEST( what_cannot_be_is_refused )
     assert_int_equal( wisp_count_broken_seam_pairs( s.world, s.a ), 0 );
     close_sewing( s.h );
 }
-
-TEST( a_host_without_memory_gets_no_seam_and_loses_nothing )
-{
-    int refused = 0;
-    for ( int64_t n = 1; n < 100; ++n )
-    {
-        sheets s = open_sheets( 2, 0.05f );
-        const wisp_seam_def def = edge_seam( &s );
-        wisp_entity seam;
-        const uint64_t hash = wisp_world_hash( s.world );
-        test_host_refuse( &s.h->host, n, true );
-        const wisp_status status = wisp_add_seam( s.world, &def, &seam );
-        const bool was_refused = test_host_has_refused( &s.h->host );
-        test_host_refuse( &s.h->host, 0, false );
-        assert_int_equal( status, was_refused ? WISP_NO_MEMORY : WISP_OK );
-        if ( was_refused )
-        {
-            assert_true( seam.index == 0 && wisp_world_hash( s.world ) == hash );
-            seam = sew( s.world, &def );
-        }
-        step_for( s.world, 2 );
-        const int64_t queried = atomic_load( &s.h->host.queried );
-        step_for( s.world, 3 );
-        assert_true( atomic_load( &s.h->host.queried ) == queried ); // a warm step allocates nothing
-        assert_int_equal( wisp_count_seam_pairs( s.world, seam ), SHEET_SIDE );
-        close_sewing( s.h ); // and checks that all memory is released
-        refused += was_refused ? 1 : 0;
-        if ( was_refused == false )
-        {
-            break;
-        }
-    }
-    assert_true( refused > 5 && refused < 99 );
-}

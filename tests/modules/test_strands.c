@@ -538,29 +538,3 @@ TEST( wrong_definitions_are_refused_and_change_nothing )
     assert_int_equal( wisp_read_strand_tension( s.world, still, tension ), WISP_CONFLICT );
     close_world( &s );
 }
-
-TEST( without_memory_the_strands_are_what_they_were )
-{
-    bool succeeded = false;
-    for ( int64_t n = 1; n < 200 && succeeded == false; ++n )
-    {
-        hosted s;
-        open_strands( &s, 1, 1, 1 );
-        const int counts[] = { 6, 4 };
-        const wisp_entity e = add_strands( s.world, counts, 2, curl_down, 0.1f );
-        const uint64_t hash = wisp_world_hash( s.world );
-        const size_t bytes = wisp_world_snapshot_size( s.world );
-        const wisp_strand_dynamics_def def = default_def();
-        test_host_refuse( &s.host, n, false );
-        const wisp_status status = wisp_set_strand_dynamics( s.world, e, &def );
-        succeeded = test_host_has_refused( &s.host ) == false;
-        assert_int_equal( status, succeeded ? WISP_OK : WISP_NO_MEMORY );
-        if ( succeeded == false )
-        {
-            assert_true( wisp_world_hash( s.world ) == hash );
-            assert_true( wisp_world_snapshot_size( s.world ) == bytes );
-        }
-        close_world( &s );
-    }
-    assert_true( succeeded );
-}

@@ -239,14 +239,15 @@ WISP_API wisp_status wisp_cancel_request( wisp_world* world, wisp_entity entity,
 ///
 /// Substeps have a constant length: that of the usual step over `substeps`, whatever one step's length. A step of another length
 /// has as many of them as fit. What is left, less than a substep of the world, is simulated with the next step, so the state may
-/// lag by it, and a step shorter than it changes nothing. The first step is usual, and 1/60 s until one of at most 1/4 s, or a second as
-/// long, comes. If steps change for good (those that agree within a fifth outnumber others by 30, short ones counting
-/// less), substeps follow: longer at once, shorter by 0.2 % per step, since a sudden change would set cloth at rest in motion.
-/// A step costs what it is long, up to `longest_step` usual ones. The time beyond is left out and the step counted
-/// (WISP_COUNT_CUT_STEPS); pins and colliders go their whole way in what is left, so teleport what it should not throw.
+/// lag by it, and a step shorter than it changes nothing. The usual step is the first; or 1/60 s after a load screen, a first step of
+/// more than 1/4 s, until a shorter one or a second as long comes. Of the first ten steps, two more of another length change it. If
+/// steps change for good (those that agree within a fifth outnumber others by 30, short ones counting less), substeps follow: longer
+/// at once, shorter by 0.2 % per step, since a sudden change would set cloth at rest in motion.
+/// A step of several usual ones is made as so many, towards the same targets, up to `longest_step`. The time beyond is left out and the
+/// step counted (WISP_COUNT_CUT_STEPS); pins and colliders go their whole way in what is left, so teleport what they should not throw.
 /// @param dt s, > 0
-/// @return WISP_CONFLICT a pass reads a component that nothing writes (the message names both); WISP_NO_MEMORY. If a pass has failed, the
-///         others have run, and the step is counted (WISP_COUNT_STEPS); a step that is not has changed nothing
+/// @return WISP_CONFLICT a pass reads a component that nothing writes (the message names both); WISP_NO_MEMORY. A step that fails and is
+///         counted (WISP_COUNT_STEPS) has begun: a pass has failed, and the others have run; one that is not has changed nothing
 WISP_API wisp_status wisp_world_step( wisp_world* world, float dt );
 
 /// Called before each step of wisp_world_advance(), to move pins, colliders and heads to where they are at its end.
