@@ -510,6 +510,7 @@ static void add_counter_table( results* out, const wisp_world* world )
         [WISP_COUNT_SPEED_LIMITED] = "velocities of vertices scaled down to the largest speed, in each substep",
         [WISP_COUNT_MANY_SOLVES] = "substeps of implicit cloth with over three solves: more substeps cost less",
         [WISP_COUNT_SPLIT_VERTICES] = "vertices that tearing has split",
+        [WISP_COUNT_CUT_STEPS] = "steps longer than eight usual ones: the rest of their time was left out",
     };
     int table = -1;
     for ( int i = 0; i < WISP_COUNTER_COUNT; ++i )

@@ -84,6 +84,7 @@ static wisp_status create_world( const scene_world_options* options, scene_world
     def.isa = options->isa;
     def.substeps = scene->substeps;
     def.iterations = scene->iterations;
+    def.longest_step = 1000; // the most, so that keyframes and recordings keep to the times of steps
     def.log = keep_log;
     def.log_user = out;
     def.allocator = options->allocator != NULL ? *options->allocator : def.allocator;

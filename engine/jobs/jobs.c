@@ -45,6 +45,7 @@ struct jobs_pool
     _Alignas( 64 ) _Atomic int pending;
     wisp_block_fn* run;
     void* context;
+    int first; // block of the wave
     int workers;
     bool has_thread_team;
     bool inside; // the thread team stands by
@@ -154,7 +155,7 @@ static void work( jobs_pool* pool, uint32_t epoch, int worker )
         for ( int block = take( range, epoch ); block >= 0; block = take( range, epoch ) )
         {
             // A block was taken, so the wave cannot end before it is done: run and context are this wave's.
-            run_scoped( pool, pool->run, pool->context, block, worker );
+            run_scoped( pool, pool->run, pool->context, pool->first + block, worker );
             atomic_fetch_sub_explicit( &pool->pending, 1, memory_order_release );
         }
     }
@@ -256,23 +257,11 @@ void jobs_run_inline( jobs_pool* pool, int block_count, wisp_block_fn* run, void
     }
 }
 
-void jobs_run_wave( jobs_pool* pool, int block_count, wisp_block_fn* run, void* context )
+// Run blocks [first, first + block_count) on all workers.
+static void run_part( jobs_pool* pool, int first, int block_count )
 {
-    if ( pool->host != NULL && block_count > 1 )
-    {
-        pool->run = run;
-        pool->context = context;
-        pool->host( pool->host_user, block_count, run_host_block, pool );
-        return;
-    }
-    if ( pool->inside == false || block_count <= 1 || block_count > JOBS_BLOCK_MASK )
-    {
-        jobs_run_inline( pool, block_count, run, context );
-        return;
-    }
     uint32_t epoch = atomic_load_explicit( &pool->epoch, memory_order_relaxed ) + 1;
-    pool->run = run;
-    pool->context = context;
+    pool->first = first;
     atomic_store_explicit( &pool->pending, block_count, memory_order_relaxed );
     for ( int i = 0; i < pool->workers; ++i )
     {
@@ -286,6 +275,27 @@ void jobs_run_wave( jobs_pool* pool, int block_count, wisp_block_fn* run, void* 
     for ( int idle = 0; atomic_load_explicit( &pool->pending, memory_order_acquire ) > 0; )
     {
         thread_team_wait( &idle );
+    }
+}
+
+void jobs_run_wave( jobs_pool* pool, int block_count, wisp_block_fn* run, void* context )
+{
+    if ( block_count <= 1 || ( pool->host == NULL && pool->inside == false ) )
+    {
+        jobs_run_inline( pool, block_count, run, context );
+        return;
+    }
+    pool->run = run;
+    pool->context = context;
+    if ( pool->host != NULL )
+    {
+        pool->host( pool->host_user, block_count, run_host_block, pool );
+        return;
+    }
+    for ( int64_t first = 0; first < block_count; first += JOBS_BLOCK_MASK ) // as many as a range can count
+    {
+        const int left = block_count - (int)first;
+        run_part( pool, (int)first, left < JOBS_BLOCK_MASK ? left : JOBS_BLOCK_MASK );
     }
 }
 

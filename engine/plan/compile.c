@@ -211,7 +211,7 @@ static const plan_node* find_item_loop( const plan* p )
 
 // Rows that mean nothing between steps: a fusion takes some for the items at hand, so the entity needs none of all items. Which rows
 // there are does not depend on the detail of an entity, so that snapshots fit; passes that run at any need none of those.
-static bool fit_transient( const plan* p, const wisp_registry* r )
+static bool fit_transient( plan* p, const wisp_registry* r )
 {
     store* s = r->store;
     const plan_node* loop = wisp_registry_iterations( r ) == 1 ? find_item_loop( p ) : NULL;
@@ -224,9 +224,26 @@ static bool fit_transient( const plan* p, const wisp_registry* r )
         {
             store_mask_remove( &alone, loop->passes[i] );
         }
-        room = s->entities[slot].alive == false || plan_fit_rows( s, slot, plan_used_by( r, alone ), s->transient );
+        const store_mask used = store_mask_and( plan_used_by( r, alone ), s->transient );
+        room = s->entities[slot].alive == false || plan_attach_rows( p, s, slot, used );
+        plan_detach_rows( s, slot, store_mask_and_not( s->transient, used ) );
     }
     return room;
+}
+
+// Detach what only passes needed that are selected no longer, or, of a plan that failed, what it has attached.
+static void detach_rows( const plan* p, const wisp_registry* r, bool is_made )
+{
+    store* s = r->store;
+    for ( int slot = 0; slot < s->entity_count; ++slot )
+    {
+        const plan_entity* e = p->entities + slot;
+        const store_mask requests = s->entities[slot].requests,
+                         needed =
+                             store_mask_or( plan_used_by( r, e->live ), store_mask_or( requests, s->transient ) );
+        plan_detach_rows( s, slot, is_made ? store_mask_and_not( store_mask_all(), needed ) : e->came );
+        s->entities[slot].requests = requests;
+    }
 }
 
 // ---- compilation ----
@@ -257,23 +274,12 @@ static bool make_entity_loops( plan* p, const wisp_registry* r )
     return room;
 }
 
-wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error )
+static wisp_status compile( plan* p, wisp_registry* r, wisp_error* error )
 {
     const store* s = r->store;
-    clear( p );
-    if ( reserve( s->allocator, (void**)&p->entities, &p->entity_capacity, s->entity_count, sizeof( plan_entity ) ) ==
-         false )
-    {
-        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a plan of %d entities", s->entity_count );
-    }
     int order[PLAN_MAX_PASSES], count = 0;
-    wisp_status status = plan_select( p, r, error );
-    status = status == WISP_OK ? plan_order( r, p->live, order, &count, error ) : status;
-    if ( status != WISP_OK )
-    {
-        clear( p );
-        return status;
-    }
+    WISP_TRY( plan_select( p, r, error ) );
+    WISP_TRY( plan_order( r, p->live, order, &count, error ) );
     plan_place( p, r, order, count );
 
     bool room = reserve( s->allocator, (void**)&p->targets, &p->target_capacity, p->node_count * s->entity_count,
@@ -286,11 +292,30 @@ wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error )
                         sizeof( plan_block ) ) &&
                fit_transient( p, r );
     }
-    if ( room == false )
+    return room ? WISP_OK
+                : wisp_fail( error, WISP_NO_MEMORY, "out of memory for a plan of %d passes over %d entities", count,
+                             s->entity_count );
+}
+
+wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error )
+{
+    const store* s = r->store;
+    clear( p );
+    if ( reserve( s->allocator, (void**)&p->entities, &p->entity_capacity, s->entity_count, sizeof( plan_entity ) ) ==
+         false )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a plan of %d entities", s->entity_count );
+    }
+    for ( int slot = 0; slot < s->entity_count; ++slot )
+    {
+        p->entities[slot] = ( plan_entity ){ 0 };
+    }
+    const wisp_status status = compile( p, r, error );
+    detach_rows( p, r, status == WISP_OK );
+    if ( status != WISP_OK )
     {
         clear( p );
-        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a plan of %d passes over %d entities", count,
-                          s->entity_count );
+        return status;
     }
     p->entity_count = s->entity_count;
     p->structure = s->structure;

@@ -12,9 +12,11 @@ wisp_status plan_select( plan* p, const wisp_registry* r, wisp_error* error );
 /// Return the components that some passes read and write.
 store_mask plan_used_by( const wisp_registry* r, store_mask passes );
 
-/// Attach those of some components that are used, and detach those that only unselected passes needed.
+/// Attach components that an entity does not have.
 /// @return false: no memory
-bool plan_fit_rows( store* s, int slot, store_mask used, store_mask components );
+bool plan_attach_rows( plan* p, store* s, int slot, store_mask components );
+/// Detach those of some components that passes needed, and no one else.
+void plan_detach_rows( store* s, int slot, store_mask components );
 
 // place.c
 

@@ -354,7 +354,7 @@ static void run_group( void* context, int index, int worker )
 }
 
 // Count the items of an entity, and have what watches its rows run. @return rows of sixteen lanes of all of its substeps
-static int begin_entity( wisp_frame* frame, int index )
+static int64_t begin_entity( wisp_frame* frame, int index )
 {
     const plan* p = frame->plan;
     const int slot = p->loop_slots[index], substeps = execute_substeps( frame, slot );
@@ -362,8 +362,8 @@ static int begin_entity( wisp_frame* frame, int index )
     for ( int n = 0; n < p->loop_node_count && execute_leaves_out( e, PLAN_SUBSTEP ) == false; ++n )
     {
         const plan_node* node = p->nodes + p->loop_nodes[n];
-        const int items = plan_item_count( e, node->domain ) * substeps *
-                          ( node->section == PLAN_ITERATION ? frame->iterations : 1 );
+        const int64_t items = (int64_t)plan_item_count( e, node->domain ) * substeps *
+                              ( node->section == PLAN_ITERATION ? frame->iterations : 1 );
         for ( int i = 0; i < node->pass_count; ++i )
         {
             if ( ( p->loop_passes[index * p->loop_node_count + n] >> i & 1 ) != 0 )
@@ -373,7 +373,7 @@ static int begin_entity( wisp_frame* frame, int index )
             }
         }
     }
-    return plan_row_count( e ) * substeps;
+    return (int64_t)plan_row_count( e ) * substeps;
 }
 
 void execute_entity_loops( wisp_frame* frame )
@@ -386,6 +386,6 @@ void execute_entity_loops( wisp_frame* frame )
     if ( frame->plan->loop_count > 0 )
     {
         frame->sampled = true;
-        execute_timed( frame, frame->plan->loop_group_count, rows < INT32_MAX ? (int)rows : INT32_MAX, run_group );
+        execute_timed( frame, frame->plan->loop_group_count, rows, run_group );
     }
 }

@@ -21,6 +21,10 @@ bool execute_is_due( wisp_frame* frame, int number, int slot )
     const wisp_pass* pass = frame->registry->passes + number;
     const store* s = frame->registry->store;
     store_entity* e = s->entities + slot;
+    if ( frame->goes_on && pass->stage == WISP_STAGE_OBSERVE )
+    {
+        return false; // nobody sees it before the step has ended
+    }
     if ( pass->on_change != 0 && store_mask_has( &e->dirty, number ) == false )
     {
         return false;
@@ -51,8 +55,8 @@ static uint32_t due_passes( wisp_frame* frame, const plan_node* node, const plan
 
 typedef struct wave_size
 {
-    int count; // blocks
-    int rows;  // of sixteen lanes
+    int count;    // blocks
+    int64_t rows; // of sixteen lanes
 } wave_size;
 
 // Substeps of an entity in one run of a node.
@@ -62,10 +66,10 @@ static int substeps_in( const wisp_frame* frame, const plan_node* node, int slot
 }
 
 // Number of runs of each pass in so many substeps of one run of its node.
-static int runs_of( const wisp_frame* frame, const plan_node* node, int pass, int substeps )
+static int64_t runs_of( const wisp_frame* frame, const plan_node* node, int pass, int substeps )
 {
     const bool iterated = plan_section_of( frame->registry->passes[pass].stage ) == PLAN_ITERATION;
-    return node->section == PLAN_ITEM_LOOP && iterated ? substeps * frame->iterations : substeps;
+    return node->section == PLAN_ITEM_LOOP && iterated ? (int64_t)substeps * frame->iterations : substeps;
 }
 
 static void add_blocks( wisp_frame* frame, int n, const plan_target* target, unsigned due, wave_size* size )
@@ -85,7 +89,7 @@ static void add_blocks( wisp_frame* frame, int n, const plan_target* target, uns
         frame->pass_items[node->passes[i]] +=
             ( due >> i & 1 ) != 0 ? items * runs_of( frame, node, node->passes[i], substeps ) : 0;
     }
-    size->rows += plan_row_count( e ) * substeps;
+    size->rows += (int64_t)plan_row_count( e ) * substeps;
 }
 
 // Entities whose substeps are not those of the world have the substep loop for themselves.
@@ -343,7 +347,7 @@ static void divide_time( wisp_frame* frame, double seconds )
     }
 }
 
-void execute_timed( wisp_frame* frame, int count, int rows, wisp_block_fn* run )
+void execute_timed( wisp_frame* frame, int count, int64_t rows, wisp_block_fn* run )
 {
     frame->clocked_blocks = count < PLAN_CLOCKED_BLOCKS ? count : PLAN_CLOCKED_BLOCKS;
     double begin = wisp_clock_seconds();
@@ -366,7 +370,7 @@ void execute_timed( wisp_frame* frame, int count, int rows, wisp_block_fn* run )
     }
 }
 
-static void run_narrow( wisp_frame* frame, int count, int rows )
+static void run_narrow( wisp_frame* frame, int count, int64_t rows )
 {
     frame->sampled = has_several_passes( frame, count, &frame->only_pass );
     execute_timed( frame, count, rows, run_block );
@@ -428,8 +432,11 @@ bool plan_has_substeps( const plan* p )
 void plan_execute( wisp_frame* frame )
 {
     const plan* p = frame->plan;
-    memset( frame->pass_seconds, 0, sizeof( frame->pass_seconds ) );
-    memset( frame->pass_items, 0, sizeof( frame->pass_items ) );
+    if ( frame->continues == false )
+    {
+        memset( frame->pass_seconds, 0, sizeof( frame->pass_seconds ) );
+        memset( frame->pass_items, 0, sizeof( frame->pass_items ) );
+    }
     if ( frame->substeps == 0 )
     {
         return;

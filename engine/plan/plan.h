@@ -180,6 +180,7 @@ typedef struct plan_entity
 {
     store_mask live; // passes
     store_mask runs; // those of them that run at its detail
+    store_mask came; // components that this plan has attached
     int split;       // substeps in a substep of the world
     int fewer; // substeps of a step in which the world makes its usual ones, when they are fewer; 0: `split` counts
     bool runs_waves; // passes of substeps, unless it loops
@@ -305,6 +306,7 @@ struct wisp_frame
     float even;               // s, the step if it has its usual length and nothing is left of those before; else 0
     float progress;           // fraction of the motion to kinematic targets per substep; 0: 1 / substeps
     float reached;            // fraction of that motion completed by the last step
+    bool continues, goes_on;  // a part of a step that is not the first, or not the last
     const plan_block* wave;   // of the current wave
     bool wide;                // one entity at a time, on all workers
     bool sampled;             // times of passes come from samples
@@ -312,7 +314,7 @@ struct wisp_frame
     int clocked_blocks;       // one of this many blocks with a substep loop is timed
     _Atomic uint64_t counters[WISP_COUNTER_COUNT];
     double pass_seconds[PLAN_MAX_PASSES]; // of this step
-    int pass_items[PLAN_MAX_PASSES];
+    int64_t pass_items[PLAN_MAX_PASSES];
     struct plan_clock* clocks; // [workers][PLAN_MAX_PASSES]
     atomic_flag failing;
     _Atomic bool failed;

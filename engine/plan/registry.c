@@ -75,6 +75,17 @@ wisp_status wisp_declare_passes( wisp_registry* registry, const wisp_pass* passe
     return status;
 }
 
+// Return the number of a declared pass, or that behind the last one.
+static int number_of( const wisp_registry* r, const char* name )
+{
+    int i = 0;
+    while ( i < r->pass_count && strcmp( r->passes[i].name, name ) != 0 )
+    {
+        i += 1;
+    }
+    return i;
+}
+
 // Resolve the components.
 // @return false if one of them was not declared
 static bool find_passes( const wisp_registry* r, const char* const* names, store_mask* passes )
@@ -82,11 +93,7 @@ static bool find_passes( const wisp_registry* r, const char* const* names, store
     bool found = true;
     for ( int n = 0; n < WISP_MAX_FUSED && names[n] != NULL; ++n )
     {
-        int i = 0;
-        while ( i < r->pass_count && strcmp( r->passes[i].name, names[n] ) != 0 )
-        {
-            i += 1;
-        }
+        const int i = number_of( r, names[n] );
         found = found && i < r->pass_count;
         if ( i < r->pass_count )
         {
@@ -111,17 +118,6 @@ wisp_status wisp_declare_fusion( wisp_registry* registry, const wisp_fusion* joi
     return WISP_OK;
 }
 
-// Return the number of a declared pass.
-static int number_of( const wisp_registry* r, const char* name )
-{
-    int i = 0;
-    while ( strcmp( r->passes[i].name, name ) != 0 )
-    {
-        i += 1;
-    }
-    return i;
-}
-
 // Append the numbers of declared passes.
 static void list_passes( const wisp_registry* r, const char* const* names, plan_batch* batch )
 {
@@ -133,7 +129,7 @@ static void list_passes( const wisp_registry* r, const char* const* names, plan_
 
 wisp_status wisp_declare_batch( wisp_registry* registry, const wisp_batch* batch )
 {
-    plan_batch b = { .pass = -1,
+    plan_batch b = { .pass = batch->pass != NULL ? number_of( registry, batch->pass ) : -1,
                      .lanes = batch->lanes,
                      .can_join = batch->can_join,
                      .run = batch->run,
@@ -143,14 +139,14 @@ wisp_status wisp_declare_batch( wisp_registry* registry, const wisp_batch* batch
         find_passes( registry, batch->required, &b.required ) && find_passes( registry, batch->allowed, &b.allowed );
     if ( found == false || store_mask_any( b.required ) == false || batch->run == NULL || batch->can_join == NULL ||
          batch->lanes < 2 || batch->lanes > WISP_MAX_BATCH || registry->batch_count == PLAN_MAX_BATCHES ||
-         ( batch->pass == NULL ) != ( batch->run_pass == NULL ) )
+         ( batch->pass == NULL ) != ( batch->run_pass == NULL ) || b.pass == registry->pass_count ||
+         ( b.pass >= 0 && store_mask_has( &b.required, b.pass ) == false ) )
     {
         fail_declaration( registry, "too many batches, or one without declared passes:", batch->name );
         return WISP_BAD_INPUT;
     }
     list_passes( registry, batch->required, &b );
     list_passes( registry, batch->allowed, &b );
-    b.pass = batch->pass != NULL ? number_of( registry, batch->pass ) : -1;
     registry->batches[registry->batch_count++] = b;
     return WISP_OK;
 }

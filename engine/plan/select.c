@@ -65,31 +65,33 @@ static wisp_status check_supply( const wisp_registry* r, store_mask live, int sl
 
 // ---- rows and arrays ----
 
-bool plan_fit_rows( store* s, int slot, store_mask used, store_mask components )
+bool plan_attach_rows( plan* p, store* s, int slot, store_mask components )
 {
     for ( int c = 1; c < s->component_count; ++c )
     {
         store_entity* e = s->entities + slot;
-        const wisp_entity entity = store_handle( s, slot );
-        const bool is_used = store_mask_has( &used, c );
-        if ( store_mask_has( &components, c ) == false )
+        if ( store_mask_has( &components, c ) && store_mask_has( &e->components, c ) == false )
         {
-            continue;
-        }
-        if ( is_used && store_mask_has( &e->components, c ) == false )
-        {
-            if ( store_attach( s, entity, (wisp_component)c ) == false )
+            if ( store_attach( s, store_handle( s, slot ), (wisp_component)c ) == false )
             {
                 return false;
             }
             store_mask_add( &e->derived, c );
-        }
-        if ( is_used == false && store_mask_has( &e->derived, c ) && store_mask_has( &e->requests, c ) == false )
-        {
-            store_detach( s, entity, (wisp_component)c );
+            store_mask_add( &p->entities[slot].came, c );
         }
     }
     return true;
+}
+
+void plan_detach_rows( store* s, int slot, store_mask components )
+{
+    for ( int c = 1; c < s->component_count; ++c )
+    {
+        if ( store_mask_has( &components, c ) && store_mask_has( &s->entities[slot].derived, c ) )
+        {
+            store_detach( s, store_handle( s, slot ), (wisp_component)c );
+        }
+    }
 }
 
 store_mask plan_used_by( const wisp_registry* r, store_mask passes )
@@ -104,12 +106,6 @@ store_mask plan_used_by( const wisp_registry* r, store_mask passes )
         }
     }
     return used;
-}
-
-// Rows that selected passes read and write. Those that mean nothing between steps follow when fusions are known.
-static bool fit_rows( store* s, const wisp_registry* r, store_mask live, int slot )
-{
-    return plan_fit_rows( s, slot, plan_used_by( r, live ), store_mask_and_not( store_mask_all(), s->transient ) );
 }
 
 // Make what selected passes read of the fabric.
@@ -153,7 +149,9 @@ wisp_status plan_select( plan* p, const wisp_registry* r, wisp_error* error )
         {
             return status;
         }
-        if ( s->entities[slot].alive && fit_rows( s, r, live, slot ) == false )
+        // rows that mean nothing between steps follow when fusions are known
+        const store_mask used = store_mask_and_not( plan_used_by( r, live ), s->transient );
+        if ( s->entities[slot].alive && plan_attach_rows( p, s, slot, used ) == false )
         {
             return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the rows between the passes of entity %d",
                               slot + 1 );

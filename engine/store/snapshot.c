@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#define SNAPSHOT_MAGIC "WISPSNP4"
+#define SNAPSHOT_MAGIC "WISPSNP5"
 
 typedef struct snapshot_header
 {

@@ -124,8 +124,8 @@ static bool grow_table( store* s, wisp_table table, int rows )
     {
         return true;
     }
-    int half_more = s->row_capacity[table] / 2 * 3;
-    int capacity = rows > half_more ? rows : half_more;
+    const int64_t half_more = (int64_t)s->row_capacity[table] / 2 * 3;
+    const int most = half_more < INT32_MAX ? (int)half_more : INT32_MAX, capacity = rows > most ? rows : most;
     void* grown[STORE_MAX_COMPONENTS][STORE_MAX_COLUMNS] = { { NULL } };
     bool complete = true;
     for ( int i = 1; i < s->component_count && complete; ++i )

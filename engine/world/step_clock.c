@@ -3,68 +3,87 @@
 
 #include <math.h>
 
-// The first step sets the usual length, unless it turns out to be a trial step, far shorter than the next ones.
-static void begin( step_clock* clock, float dt )
+static bool agree( float a, float b, float factor )
 {
-    if ( clock->step_count == 0 ||
-         ( clock->step_count < STEP_CLOCK_TRIALS && dt > STEP_CLOCK_MAX_RATIO * clock->usual_dt ) )
-    {
-        clock->usual_dt = clock->shortest = clock->longest = dt;
-        clock->substep = clock->remainder = 0.0;
-        clock->agreeing = 0;
-        clock->reached = 1.0f;
-    }
-    clock->step_count += clock->step_count < STEP_CLOCK_TRIALS ? 1 : 0;
+    return a < factor * b && b < factor * a;
 }
 
-// Follow the step length if it has changed for good: a window of steps agree with each other, and not with the usual length.
+static float unlikeliness( float dt )
+{
+    return dt < STEP_CLOCK_LIKELY ? STEP_CLOCK_LIKELY / dt : dt / STEP_CLOCK_LIKELY;
+}
+
+static const float AGREEMENT = 1.2f;
+
+// The first step sets the usual length, unless it is a load screen, or the next ones show that it was another exception.
+static void begin( step_clock* clock, float dt )
+{
+    const bool is_believed = dt <= STEP_CLOCK_LONGEST_FIRST || agree( dt, clock->candidate, AGREEMENT );
+    const bool is_likelier = 3.0f * unlikeliness( dt ) < unlikeliness( clock->usual_dt );
+    const bool is_repeated = agree( dt, clock->candidate, AGREEMENT ) && clock->votes >= 1.0f &&
+                             agree( dt, clock->usual_dt, 1.5f ) == false;
+    if ( clock->step_count == 0 || ( clock->step_count < STEP_CLOCK_TRIALS && ( is_likelier || is_repeated ) ) )
+    {
+        clock->usual_dt = is_believed ? dt : STEP_CLOCK_LIKELY;
+        clock->candidate = dt;
+        clock->substep = clock->remainder = 0.0;
+        clock->votes = 0.0f;
+        clock->reached = 1.0f;
+    }
+    clock->step_count += is_believed && clock->step_count < STEP_CLOCK_TRIALS ? 1 : 0;
+}
+
+// Follow the step length if it has changed for good: steps of another length have a majority (Boyer and Moore 1991, "MJRTY").
+// Short steps have a share of a vote, so that any number of tiny ones takes the time of the usual ones to change it; hitches have one.
 static void follow( step_clock* clock, float dt )
 {
-    const float AGREEMENT = 1.2f;
-    clock->shortest = fminf( clock->shortest, dt );
-    clock->longest = fmaxf( clock->longest, dt );
-    clock->agreeing += 1;
-    if ( clock->longest > AGREEMENT * clock->shortest )
+    const float vote = clock->step_count < STEP_CLOCK_TRIALS ? 1.0f : fminf( dt / clock->usual_dt, 1.0f );
+    if ( agree( dt, clock->candidate, AGREEMENT ) )
     {
-        clock->shortest = clock->longest = dt;
-        clock->agreeing = 1;
+        clock->votes = fminf( clock->votes + vote, STEP_CLOCK_MAJORITY );
     }
-    const bool is_usual = dt < AGREEMENT * clock->usual_dt && clock->usual_dt < AGREEMENT * dt;
-    if ( clock->agreeing >= STEP_CLOCK_WINDOW )
+    else if ( clock->votes < vote )
     {
-        clock->agreeing = 0;
-        clock->usual_dt = is_usual ? clock->usual_dt : dt;
+        clock->candidate = dt;
+        clock->votes = vote;
     }
+    else
+    {
+        clock->votes -= vote;
+    }
+    const bool is_new =
+        clock->votes >= STEP_CLOCK_MAJORITY && agree( clock->candidate, clock->usual_dt, AGREEMENT ) == false;
+    clock->usual_dt = is_new ? clock->candidate : clock->usual_dt;
 }
 
 // Length of a substep. A shorter substep makes projections stiffer, which adds energy to what they hold unless it comes
-// gradually; a longer one takes energy away. A step that would cost too much makes substeps longer for good, since the next
-// such step may come soon.
-static double substep_length( step_clock* clock, double time, int substeps )
+// gradually; a longer one takes energy away. A usual step has at least one.
+static double substep_length( const step_clock* clock, int substeps )
 {
-    clock->usual_dt = fmaxf( clock->usual_dt, (float)( time / STEP_CLOCK_MAX_RATIO ) );
-    return fmax( (double)clock->usual_dt / substeps, STEP_CLOCK_SHRINK * clock->substep );
+    const double usual = (double)( clock->usual_dt / (float)substeps );
+    return fmin( (double)clock->usual_dt, fmax( usual, STEP_CLOCK_SHRINK * clock->substep ) );
 }
 
-void step_clock_advance( step_clock* clock, float dt, int substeps, bool must_run, wisp_frame* frame )
+double step_clock_advance( step_clock* clock, float dt, int substeps, int longest, bool must_run, wisp_frame* frame )
 {
-    const double ROUNDING = 1e-5; // of a substep
     begin( clock, dt );
     follow( clock, dt );
     frame->reached = clock->reached;
-    const double time = clock->remainder + (double)dt;
-    double substep = substep_length( clock, time, substeps );
+    double substep = substep_length( clock, substeps );
     clock->substep = substep;
-    if ( dt == clock->usual_dt && clock->remainder == 0.0 && substep == (double)dt / substeps )
+    if ( dt == clock->usual_dt && clock->remainder == 0.0 && substep == (double)( dt / (float)substeps ) )
     {
         frame->substeps = substeps;
         frame->seconds = dt / (float)substeps;
         frame->even = dt;
         frame->progress = 0.0f;
         clock->reached = 1.0f;
-        return;
+        return 0.0;
     }
-    double count = floor( time / substep + ROUNDING );
+    const double asked = clock->remainder + (double)dt, most = longest * substep * substeps;
+    const double time = asked > most + substep ? most : asked;
+    const double rounding = 1e-5 + 2e-7 * time / substep; // of a substep
+    double count = floor( time / substep + rounding );
     if ( count < 1.0 && must_run )
     {
         count = 1.0;
@@ -74,12 +93,13 @@ void step_clock_advance( step_clock* clock, float dt, int substeps, bool must_ru
     frame->substeps = (int)count;
     frame->seconds = (float)substep;
     clock->remainder = time - count * substep;
-    clock->remainder = fabs( clock->remainder ) < ROUNDING * substep ? 0.0 : clock->remainder;
+    clock->remainder = fabs( clock->remainder ) < rounding * substep ? 0.0 : clock->remainder;
     frame->progress = clock->remainder == 0.0 ? 0.0f : (float)( substep / time );
     if ( count > 0.0 )
     {
         clock->reached = frame->progress == 0.0f ? 1.0f : fminf( 1.0f, (float)count * frame->progress );
     }
+    return asked - time;
 }
 
 static bool is_time( double time )
@@ -89,8 +109,8 @@ static bool is_time( double time )
 
 bool step_clock_check( const step_clock* clock )
 {
-    return is_time( (double)clock->usual_dt ) && is_time( (double)clock->shortest ) &&
-           is_time( (double)clock->longest ) && is_time( clock->substep ) && is_time( clock->remainder ) &&
-           is_time( clock->pending ) && clock->reached >= 0.0f && clock->reached <= 1.0f && clock->step_count >= 0 &&
-           clock->step_count <= STEP_CLOCK_TRIALS && clock->agreeing >= 0 && clock->agreeing <= STEP_CLOCK_WINDOW;
+    return is_time( (double)clock->usual_dt ) && is_time( (double)clock->candidate ) && is_time( clock->substep ) &&
+           is_time( clock->remainder ) && is_time( clock->pending ) && clock->votes >= 0.0f &&
+           clock->votes <= STEP_CLOCK_MAJORITY && clock->reached >= 0.0f && clock->reached <= 1.0f &&
+           clock->step_count >= 0 && clock->step_count <= STEP_CLOCK_TRIALS;
 }

@@ -6,34 +6,38 @@
 
 /// A substep is at least this fraction of the one before.
 #define STEP_CLOCK_SHRINK 0.998
+/// s, a longer first step is a load screen, unless the second is as long.
+#define STEP_CLOCK_LONGEST_FIRST 0.25f
+/// s, the usual length until a step is believed; far from it a step is less likely to be a usual one.
+#define STEP_CLOCK_LIKELY ( 1.0f / 60.0f )
 
 enum
 {
-    // The substep follows the step length after this many steps in a row that agree with each other.
-    STEP_CLOCK_WINDOW = 60,
-    // Among so many first steps a far shorter one is a trial step, which does not set the usual length.
-    STEP_CLOCK_TRIALS = 4,
-    // A step longer than this many usual ones makes substeps longer, so that its cost is bounded.
-    STEP_CLOCK_MAX_RATIO = 8,
+    // The usual length changes when steps of another length outnumber all others by this many,
+    STEP_CLOCK_MAJORITY = 30,
+    // or by two among so many first ones, or at once if one of those is far likelier.
+    STEP_CLOCK_TRIALS = 10,
 };
 
 /// Zero-initialised before the first step. Plain data, saved in snapshots.
 typedef struct step_clock
 {
-    float usual_dt;          // s, of the step that `substeps` substeps make up; 0: no step yet
-    float shortest, longest; // s, of the last steps that agree with each other
-    int32_t step_count;      // so far, at most STEP_CLOCK_TRIALS
-    int32_t agreeing;        // their number
-    float reached;           // fraction of the way to the targets that the last step went
-    double substep;          // s, length of the last substep
-    double pending;          // s, of wisp_world_advance(), less than one of its steps
-    double remainder;        // s, time of steps that no substep has covered yet; less than one substep
+    float usual_dt;     // s, of the step that `substeps` substeps make up; 0: no step yet
+    float candidate;    // s, the length that most of the last steps agree with, if any has a majority
+    float votes;        // steps that agree with it less those that do not, 0 to STEP_CLOCK_MAJORITY
+    int32_t step_count; // that were believed, at most STEP_CLOCK_TRIALS
+    float reached;      // fraction of the way to the targets that the last step went
+    double substep;     // s, length of the last substep
+    double pending;     // s, of wisp_world_advance(), less than one of its steps
+    double remainder;   // s, time of steps that no substep has covered yet; less than one substep
 } step_clock;
 
 /// Set substeps, their length and the progress of kinematic targets of the next step.
 /// @param substeps of a step of usual length
+/// @param longest step that is simulated as a whole, usual steps
 /// @param must_run at least one substep, which may be shorter than others
-void step_clock_advance( step_clock* clock, float dt, int substeps, bool must_run, wisp_frame* frame );
+/// @return s, what was cut from the step, 0 for most
+double step_clock_advance( step_clock* clock, float dt, int substeps, int longest, bool must_run, wisp_frame* frame );
 
 /// @return whether a clock of unknown origin is one that steps could have left
 bool step_clock_check( const step_clock* clock );

@@ -2,12 +2,13 @@
 
 #include "alloc.h"
 
+#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 
 void wisp_init_world_def( wisp_world_def* def, size_t size )
 {
-    const wisp_world_def values = { .substeps = 10, .iterations = 1 };
+    const wisp_world_def values = { .substeps = 10, .iterations = 1, .longest_step = 8 };
     wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
@@ -41,6 +42,11 @@ static wisp_status check_def( const wisp_world_def* def, wisp_error* error )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "substeps, iterations: got %d and %d, expected 1 to %d of both",
                           def->substeps, def->iterations, WORLD_MAX_SUBSTEPS );
+    }
+    if ( def->longest_step < 1 || def->longest_step > WORLD_MAX_USUAL_STEPS )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "longest_step: got %d usual steps, expected 1 to %d",
+                          def->longest_step, WORLD_MAX_USUAL_STEPS );
     }
     if ( ( def->allocator.allocate == NULL ) != ( def->allocator.release == NULL ) )
     {
@@ -104,6 +110,7 @@ static wisp_status build( wisp_world* world, const wisp_world_def* def, wisp_err
     world->frame.pool = world->pool;
     world->frame.kernels = kernels;
     world->frame.iterations = def->iterations;
+    world->longest_step = def->longest_step;
     return WISP_OK;
 }
 
@@ -212,7 +219,7 @@ static void write_profile( wisp_world* world )
             world->lines[world->line_count++] = ( wisp_profile_line ){
                 .pass = world->registry.passes[pass].name,
                 .seconds = world->frame.pass_seconds[pass],
-                .items = world->frame.pass_items[pass],
+                .items = (int)( world->frame.pass_items[pass] < INT_MAX ? world->frame.pass_items[pass] : INT_MAX ),
             };
         }
     }
@@ -230,13 +237,25 @@ static void warn_without_threads( wisp_world* world, bool has_threads )
     }
 }
 
+void world_count_cut( wisp_world* world, double seconds, double cut )
+{
+    if ( cut > 0.0 && wisp_world_counter( world, WISP_COUNT_CUT_STEPS ) == 0 )
+    {
+        base_log_write( &world->log, WISP_LOG_WARNING, "step: %g s are too long, so the last %g s are left out",
+                        seconds, cut );
+    }
+    wisp_frame_count( &world->frame, WISP_COUNT_CUT_STEPS, cut > 0.0 ? 1 : 0 );
+}
+
 // Cut a step into substeps. A plan without substeps, such as one of appearance alone, runs in every step.
 static void cut_step( wisp_world* world, float dt, bool is_new_plan )
 {
     wisp_frame* frame = &world->frame;
     if ( plan_has_substeps( &world->plan ) )
     {
-        step_clock_advance( &world->clock, dt, world->registry.substeps, is_new_plan, frame );
+        const double cut = step_clock_advance( &world->clock, dt, world->registry.substeps, world->longest_step,
+                                               is_new_plan, frame );
+        world_count_cut( world, (double)dt, cut );
         return;
     }
     frame->substeps = world->registry.substeps;
@@ -257,24 +276,10 @@ static void tell_of_nothing( wisp_world* world )
     }
 }
 
-static wisp_status step( wisp_world* world, float seconds )
+// Run a step, or a part of it.
+static void run_part( wisp_world* world )
 {
-    if ( !( seconds > 0.0f && seconds < 1e6f ) )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "step: got %g s, expected a number above 0 and below 1e6",
-                                (double)seconds );
-    }
-    world_detail_begin( world );
-    WISP_TRY( compile_if_changed( world ) );
-    world->blend.is_shown = false;
-    double begin = wisp_clock_seconds();
     wisp_frame* frame = &world->frame;
-    atomic_flag_clear( &frame->failing );
-    atomic_store( &frame->failed, false );
-    atomic_flag_clear( &frame->halting );
-    frame->halted_message[0] = '\0';
-    cut_step( world, seconds, world->plan_is_new );
-    world->plan_is_new = false;
     const bool can_sleep = plan_has_substeps( &world->plan ) && frame->substeps > 0;
     if ( can_sleep )
     {
@@ -288,6 +293,87 @@ static wisp_status step( wisp_world* world, float seconds )
     {
         world_sleep_end( world );
     }
+}
+
+// A step as it was cut.
+typedef struct step_span
+{
+    int substeps;
+    float progress, reached;
+} step_span;
+
+// Have the frame make the part of a step behind some substeps: a usual step, or what is left.
+static void set_part( wisp_world* world, step_span whole, int done )
+{
+    wisp_frame* frame = &world->frame;
+    const int usual = world->registry.substeps, left = whole.substeps - done;
+    const double each = whole.progress > 0.0f ? (double)whole.progress : 1.0 / whole.substeps, before = done - usual;
+    frame->substeps = left < usual ? left : usual;
+    frame->even =
+        left >= usual && frame->seconds == world->clock.usual_dt / (float)usual ? world->clock.usual_dt : 0.0f;
+    frame->progress = whole.progress == 0.0f && left <= usual ? 0.0f : (float)( each / ( 1.0 - done * each ) );
+    frame->reached = done > 0 ? (float)( usual * each / ( 1.0 - before * each ) ) : whole.reached;
+    frame->continues = done > 0;
+    frame->goes_on = left > usual;
+    const float end = frame->progress * (float)frame->substeps;
+    world->clock.reached = frame->progress > 0.0f && end < 1.0f ? end : 1.0f;
+}
+
+// Run a step. One of several usual ones is so many, one behind the other, towards the same targets.
+static wisp_status run_parts( wisp_world* world )
+{
+    wisp_frame* frame = &world->frame;
+    const step_span whole = { frame->substeps, frame->progress, frame->reached };
+    const bool has_parts = plan_has_substeps( &world->plan ) && whole.substeps >= 2 * world->registry.substeps;
+    int done = 0;
+    frame->continues = frame->goes_on = false;
+    do
+    {
+        if ( has_parts )
+        {
+            set_part( world, whole, done );
+        }
+        run_part( world );
+        done += frame->substeps;
+        if ( atomic_load( &frame->failed ) )
+        {
+            return wisp_world_fail( world, frame->error.status, "%s", frame->error.message );
+        }
+        WISP_TRY( plan_registry_stepped( &world->registry, world ) );
+        if ( frame->goes_on )
+        {
+            WISP_TRY( compile_if_changed( world ) );
+            world->plan_is_new = false; // this step has substeps
+        }
+    } while ( frame->goes_on );
+    return WISP_OK;
+}
+
+static wisp_status step( wisp_world* world, float seconds )
+{
+    if ( !( seconds > 0.0f && seconds < 1e6f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "step: got %g s, expected a number above 0 and below 1e6",
+                                (double)seconds );
+    }
+    world_detail_show( world, true );
+    const wisp_status compiled = compile_if_changed( world );
+    if ( compiled != WISP_OK )
+    {
+        world_detail_show( world, false );
+        return compiled;
+    }
+    world_detail_begin( world );
+    world->blend.is_shown = false;
+    double begin = wisp_clock_seconds();
+    wisp_frame* frame = &world->frame;
+    atomic_flag_clear( &frame->failing );
+    atomic_store( &frame->failed, false );
+    atomic_flag_clear( &frame->halting );
+    frame->halted_message[0] = '\0';
+    cut_step( world, seconds, world->plan_is_new );
+    world->plan_is_new = false;
+    const wisp_status status = run_parts( world );
     tell_of_nothing( world );
     write_profile( world );
     frame->step += 1;
@@ -297,11 +383,7 @@ static wisp_status step( wisp_world* world, float seconds )
     {
         base_log_write( &world->log, WISP_LOG_WARNING, "%s", frame->halted_message );
     }
-    if ( atomic_load( &frame->failed ) )
-    {
-        return wisp_world_fail( world, frame->error.status, "%s", frame->error.message );
-    }
-    return plan_registry_stepped( &world->registry, world );
+    return status;
 }
 
 wisp_status wisp_world_run( wisp_world* world, wisp_entity entity, wisp_pass_fn* run, void* user )
@@ -368,6 +450,7 @@ const char* wisp_counter_name( wisp_counter counter )
         "stretched strands",
         "limited speeds",
         "split vertices",
+        "cut steps",
         "many solves",
     };
     return counter >= 0 && counter < WISP_COUNTER_COUNT ? NAMES[counter] : "unknown";

@@ -17,6 +17,7 @@
 enum
 {
     WORLD_MAX_SUBSTEPS = 1000000, // of a step, and most iterations of a substep
+    WORLD_MAX_USUAL_STEPS = 1000, // in a step
 };
 
 /// The host's memory, counted.
@@ -56,6 +57,7 @@ struct wisp_world
     jobs_pool* pool;
     wisp_frame frame;
     step_clock clock;
+    int longest_step; // usual steps
     world_blend blend;
     world_sleep sleep;
     wisp_error error; // of the last call that failed
@@ -66,6 +68,9 @@ struct wisp_world
 
 /// For tests of tables that this processor would not select.
 void world_set_kernels( wisp_world* world, const wisp_kernels* kernels );
+
+/// Count a step of which a part is left out; tell of the first.
+void world_count_cut( wisp_world* world, double seconds, double cut );
 
 /// An entity with the same fabric and masses as a surface, at its rest shape and without effects.
 wisp_status world_add_surface_instance( wisp_world* world, wisp_entity source_entity, wisp_entity* out );
@@ -103,7 +108,9 @@ void world_forget_velocities( wisp_world* world, store_entity* e );
 
 // world_detail.c
 
-/// Advance changes of detail by a step, before the plan.
+/// Show the plan the detail of the next step, or that of the last one again.
+void world_detail_show( wisp_world* world, bool of_next_step );
+/// Advance changes of detail by the step that begins.
 void world_detail_begin( wisp_world* world );
 /// Take the detail of entities from the rows of a snapshot.
 void world_detail_from_rows( wisp_world* world );

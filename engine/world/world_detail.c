@@ -44,32 +44,15 @@ static void advance_substeps( passes_detail* d, int asked )
     }
 }
 
-static void forget_velocities( wisp_world* world, int slot )
-{
-    world_forget_velocities( world, world->store.entities + slot );
-    plan_registry_rested( &world->registry, world, store_handle( &world->store, slot ) );
-}
-
-static void change( wisp_world* world, int slot, passes_detail* d )
-{
-    const wisp_detail from = (wisp_detail)d->active, to = (wisp_detail)d->level;
-    d->active = d->level;
-    if ( to == WISP_DETAIL_NOTHING )
-    {
-        forget_velocities( world, slot );
-    }
-    plan_registry_detail_changed( &world->registry, world, store_handle( &world->store, slot ), from, to );
-}
-
-static void advance( wisp_world* world, int slot, passes_detail* d )
+// Advance a row by a step. @return whether its level changes
+static bool advance( const wisp_world* world, const store_entity* e, passes_detail* d )
 {
     const bool comes_to_rest = d->level == WISP_DETAIL_NOTHING && d->elapsed < d->blend_steps;
-    if ( d->active != d->level && comes_to_rest == false )
-    {
-        change( world, slot, d );
-    }
+    const bool changes = d->active != d->level && comes_to_rest == false;
+    d->active = changes ? d->level : d->active;
     d->elapsed += d->elapsed < d->blend_steps ? 1 : 0;
-    advance_substeps( d, asked_substeps( world, world->store.entities + slot ) );
+    advance_substeps( d, asked_substeps( world, e ) );
+    return changes;
 }
 
 static wisp_detail_frame frame_of( const passes_detail* d, int asked )
@@ -96,18 +79,44 @@ static void show( wisp_world* world, store_entity* e, const passes_detail* d )
     e->detail = detail;
 }
 
-void world_detail_begin( wisp_world* world )
+static bool is_used( const wisp_world* world )
 {
-    const bool is_used = world->store.components[world->registry.detail].entity_count > 0;
-    for ( int slot = 0; slot < world->store.entity_count && is_used; ++slot )
+    return world->store.components[world->registry.detail].entity_count > 0;
+}
+
+void world_detail_show( wisp_world* world, bool of_next_step )
+{
+    for ( int slot = 0; slot < world->store.entity_count && is_used( world ); ++slot )
     {
         store_entity* e = world->store.entities + slot;
-        passes_detail* d = state_of( world, e );
+        const passes_detail* d = state_of( world, e );
         if ( d != NULL )
         {
-            advance( world, slot, d );
-            show( world, e, d );
+            passes_detail next = *d;
+            (void)( of_next_step && advance( world, e, &next ) );
+            show( world, e, &next );
         }
+    }
+}
+
+void world_detail_begin( wisp_world* world )
+{
+    for ( int slot = 0; slot < world->store.entity_count && is_used( world ); ++slot )
+    {
+        store_entity* e = world->store.entities + slot;
+        const wisp_entity entity = store_handle( &world->store, slot );
+        passes_detail* d = state_of( world, e );
+        const wisp_detail from = d != NULL ? (wisp_detail)d->active : WISP_DETAIL_FULL;
+        if ( d == NULL || advance( world, e, d ) == false )
+        {
+            continue;
+        }
+        if ( d->active == WISP_DETAIL_NOTHING )
+        {
+            world_forget_velocities( world, e );
+            plan_registry_rested( &world->registry, world, entity );
+        }
+        plan_registry_detail_changed( &world->registry, world, entity, from, (wisp_detail)d->active );
     }
 }
 

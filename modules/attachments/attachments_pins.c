@@ -295,22 +295,30 @@ static void attach_all( wisp_world* world, wisp_entity surface, const int32_t* v
     }
 }
 
-// Have the surface the component, and a row in the list. @return WISP_NO_MEMORY nothing changed
-static wisp_status prepare( wisp_world* world, attachments_state* state, wisp_entity surface )
+// Pin vertices of a surface that has the component and a row in the list. @return WISP_NO_MEMORY nothing changed
+static wisp_status pin( wisp_world* world, attachments_state* state, wisp_entity surface, const int32_t* vertices,
+                        int count )
 {
-    if ( wisp_world_has( world, surface, state->place ) )
-    {
-        return WISP_OK;
-    }
-    if ( wisp_world_reserve( world, (void**)&state->surfaces, &state->capacity, state->count,
-                             sizeof( wisp_entity ) ) == false )
+    const bool is_new = wisp_world_has( world, surface, state->place ) == false,
+               has_targets = wisp_world_has( world, surface, WISP_PARTICLE_TARGET );
+    if ( is_new && wisp_world_reserve( world, (void**)&state->surfaces, &state->capacity, state->count,
+                                       sizeof( wisp_entity ) ) == false )
     {
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to attach pins" );
     }
-    WISP_TRY( wisp_world_attach( world, surface, WISP_PARTICLE_TARGET ) );
-    WISP_TRY( wisp_world_attach( world, surface, state->place ) );
-    state->surfaces[state->count++] = surface;
-    return WISP_OK;
+    wisp_status status = wisp_world_attach( world, surface, WISP_PARTICLE_TARGET );
+    status = status == WISP_OK ? wisp_world_attach( world, surface, state->place ) : status;
+    status = status == WISP_OK ? wisp_pin( world, surface, vertices, count ) : status;
+    if ( status != WISP_OK )
+    {
+        (void)( is_new ? wisp_world_detach( world, surface, state->place ) : WISP_OK );
+        (void)( has_targets ? WISP_OK : wisp_world_detach( world, surface, WISP_PARTICLE_TARGET ) );
+    }
+    else if ( is_new )
+    {
+        state->surfaces[state->count++] = surface;
+    }
+    return status;
 }
 
 static wisp_status begin( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count,
@@ -335,9 +343,8 @@ wisp_status wisp_attach_pins( wisp_world* world, wisp_entity surface, const int3
     wisp_collision_mesh* mesh;
     WISP_TRY( build_mesh( world, wisp_world_fabric( world, to ),
                           wisp_world_column( world, to, WISP_PARTICLE_POSITION, 0 ), &mesh ) );
-    wisp_status status = prepare( world, state, surface );
-    status = status == WISP_OK ? wisp_world_request( world, to, WISP_PARTICLE_POSITION ) : status;
-    status = status == WISP_OK ? wisp_pin( world, surface, vertices, count ) : status;
+    wisp_status status = pin( world, state, surface, vertices, count );
+    status = status == WISP_OK ? wisp_world_request( world, to, WISP_PARTICLE_POSITION ) : status; // has it
     if ( status == WISP_OK )
     {
         attach_all( world, surface, vertices, count, to, mesh, wisp_world_column( world, surface, state->place, 0 ) );

@@ -411,14 +411,15 @@ wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_c
         def->solver == WISP_SOLVER_XPBD &&
         ( def->bending == WISP_CLOTH_BENDING_DIHEDRAL || def->bending == WISP_CLOTH_BENDING_ISOMETRIC );
     const bool had_sheets = status == WISP_OK && wisp_world_has( world, surface, WISP_SURFACE_LEVELS );
+    const bool keeps_plate = status != WISP_OK || cloth_find_plate( state, surface ) >= 0;
     status = bends ? cloth_add_plate( world, state, surface ) : status;
     status = status == WISP_OK ? dress( world, surface, def, state ) : status;
+    if ( status == WISP_OK ? bends == false : keeps_plate == false )
+    {
+        cloth_remove_plate( state, surface, wisp_world_allocator( world ) );
+    }
     if ( status == WISP_OK )
     {
-        if ( bends == false )
-        {
-            cloth_remove_plate( state, surface, wisp_world_allocator( world ) );
-        }
         fill( world, surface, def, state );
         if ( def->coarse_substeps > 0 && had_sheets == false )
         {

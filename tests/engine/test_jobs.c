@@ -152,17 +152,17 @@ TEST( a_host_with_threads_runs_every_block_once_and_one_a_worker )
     assert_int_equal( wave.meetings, 0 );
 }
 
-// Waves around the largest one for which workers are used, and beyond it.
+// Waves around the largest one that is not run in parts.
 static void run_large_waves( void* context )
 {
     counted_wave* wave = context;
     enum
     {
-        SHARED = ( 1 << 20 ) - 1
+        PART = ( 1 << 20 ) - 1
     };
-    for ( int size = SHARED - 1; size <= SHARED + 1; ++size )
+    for ( int size = PART - 1; size <= PART + 1; ++size )
     {
-        memset( wave->runs, 0, ( SHARED + 1 ) * sizeof( int ) );
+        memset( wave->runs, 0, ( PART + 1 ) * sizeof( int ) );
         jobs_run_wave( wave->pool, size, count_block, wave );
         for ( int b = 0; b < size; ++b )
         {
@@ -181,12 +181,13 @@ TEST( waves_of_a_million_blocks_run_every_block_once )
     assert_int_equal( wave.wrong_counts, 0 );
 }
 
-// Two blocks that wait for each other: on one worker neither would end.
+// The first blocks wait for each other: on one worker neither would end.
 typedef struct meeting
 {
     _Atomic int arrived;
     _Atomic int given_up;
     jobs_pool* pool;
+    int blocks;
 } meeting;
 
 static void meet( void* context, int block, int worker )
@@ -204,15 +205,19 @@ static void meet( void* context, int block, int worker )
 static void run_meeting( void* context )
 {
     meeting* m = context;
-    jobs_run_wave( m->pool, 2, meet, m );
+    jobs_run_wave( m->pool, m->blocks, meet, m );
 }
 
-TEST( two_workers_run_two_blocks_at_the_same_time )
+TEST( two_workers_run_blocks_at_the_same_time )
 {
-    meeting m = { .pool = jobs_create( NULL, 2, NULL, NULL ) };
-    jobs_enter( m.pool, run_meeting, &m );
-    jobs_destroy( m.pool );
-    assert_int_equal( m.given_up, 0 );
+    const int blocks[] = { 2, 1 << 20 }; // the latter in two parts
+    for ( int i = 0; i < WISP_COUNT( blocks ); ++i )
+    {
+        meeting m = { .pool = jobs_create( NULL, 2, NULL, NULL ), .blocks = blocks[i] };
+        jobs_enter( m.pool, run_meeting, &m );
+        jobs_destroy( m.pool );
+        assert_int_equal( m.given_up, 0 );
+    }
 }
 
 // ---- waves ----
@@ -272,7 +277,7 @@ TEST( a_pool_is_entered_a_thousand_times )
     c->pool = jobs_create( NULL, 3, NULL, NULL );
     for ( int i = 0; i < 1000; ++i )
     {
-        meeting m = { .pool = c->pool, .arrived = 2 };
+        meeting m = { .pool = c->pool, .arrived = 2, .blocks = 2 };
         jobs_enter( c->pool, run_meeting, &m );
         c->values[0][0] += atomic_load( &m.arrived ) == 4 ? 1 : 0;
     }

@@ -555,6 +555,20 @@ STORE_TEST( attaching_without_memory_changes_nothing )
     assert_int_equal( refuse_every_request( *state, false, attach_shape, true ), WISP_COUNT( shape_columns ) );
 }
 
+// A table without columns asks for no memory.
+STORE_TEST( a_table_grows_by_half_up_to_what_an_int_counts )
+{
+    fixture* f = *state;
+    wisp_entity e;
+    int rows[WISP_TABLE_COUNT] = { [WISP_TABLE_POINT] = INT32_MAX / 4 * 3 };
+    assert_true( store_add( &f->s, rows, &e ) );
+    rows[WISP_TABLE_POINT] = 1;
+    assert_true( store_add( &f->s, rows, &e ) );
+    assert_int_equal( f->s.row_capacity[WISP_TABLE_POINT], INT32_MAX );
+    rows[WISP_TABLE_POINT] = INT32_MAX / 2;
+    assert_false( store_add( &f->s, rows, &e ) );
+}
+
 // ---- hash ----
 
 STORE_TEST( equal_stores_hash_equal )

@@ -550,18 +550,43 @@ WORLD_TEST( a_repeated_call_allocates_nothing )
     assert_int_equal( atomic_load( &h->host.queried ), requests );
 }
 
+// Of three steps that are due the second finds a world that cannot step, and the third call makes up for it.
+static void spoil_second( void* user, wisp_world* world )
+{
+    int* calls = user;
+    *calls += 1;
+    atomic_store( &world->is_stepping, *calls == 2 );
+}
+
+WORLD_TEST( steps_that_were_due_when_one_failed_are_made_later )
+{
+    hosted* h = *state;
+    const wisp_entity e = add_flying( h->world );
+    int calls = 0;
+    assert_int_equal( wisp_world_advance( h->world, 3.5f * DT, DT, spoil_second, &calls ), WISP_CONFLICT );
+    atomic_store( &h->world->is_stepping, false );
+    assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_STEPS ), 1 );
+    advance( h->world, 0.0 );
+    assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_STEPS ), 3 );
+    assert_near( x_of( h->world, e ), 2.5 * (double)DT, 1e-5 );
+    assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_CUT_STEPS ), 0 );
+    advance( h->world, 20.0 * (double)DT );
+    assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_CUT_STEPS ), 1 );
+}
+
 // ---- the step clock ----
 
 enum
 {
     SUBSTEPS = 8,
     SPLIT = 3,
+    LONGEST = 50, // usual steps
 };
 
 // Take a step. @return its substeps
 static int advance_clock( step_clock* clock, wisp_frame* frame, double dt )
 {
-    step_clock_advance( clock, (float)dt, SUBSTEPS, false, frame );
+    step_clock_advance( clock, (float)dt, SUBSTEPS, LONGEST, false, frame );
     assert_true( step_clock_check( clock ) );
     return frame->substeps;
 }
@@ -680,22 +705,92 @@ TEST( a_new_usual_length_is_followed )
     free( frame );
 }
 
-TEST( one_long_step_costs_at_most_eight )
+// Beyond the limit a step is cut, and what is cut is told. No step changes the substeps of others.
+TEST( one_long_step_costs_at_most_the_limit )
 {
     step_clock clock = { 0 };
     wisp_frame* frame = new_frame();
-    for ( int i = 0; i < 50; ++i )
+    for ( int i = 0; i < 200; ++i )
     {
-        advance_clock( &clock, frame, 1.0 / 60.0 );
+        const float dt = i % 30 == 29 ? 10.0f : i % 30 == 7 ? 0.1f : 1.0f / 60.0f;
+        const double cut = step_clock_advance( &clock, dt, SUBSTEPS, 8, false, frame );
+        assert_int_equal( frame->substeps, SUBSTEPS * ( dt > 1.0f ? 8 : dt > 0.05f ? 6 : 1 ) );
+        assert_true( frame->seconds == 1.0f / 60.0f / (float)SUBSTEPS );
+        assert_near( cut, dt > 1.0f ? 10.0 - 8.0 / 60.0 : 0.0, 1e-6 );
+        assert_true( clock.remainder == 0.0 );
     }
-    assert_int_equal( advance_clock( &clock, frame, 0.1 ), 6 * SUBSTEPS );
-    assert_int_equal( advance_clock( &clock, frame, 2.0 ), STEP_CLOCK_MAX_RATIO * SUBSTEPS );
-    assert_true( fabs( (double)frame->seconds * STEP_CLOCK_MAX_RATIO * SUBSTEPS - 2.0 ) < 1e-4 );
-    for ( int i = 0; i < 1500; ++i )
+    assert_near( step_clock_advance( &clock, 10.0f, SUBSTEPS, 1000, false, frame ), 0.0, 0.0 );
+    assert_int_equal( frame->substeps, 600 * SUBSTEPS );
+    free( frame );
+}
+
+// Substeps of a sequence of steps are those of 1/60 s in all of its steps behind the first ones.
+static void check_usual_length( const double* lengths, int count, int first_ones )
+{
+    step_clock clock = { 0 };
+    wisp_frame* frame = new_frame();
+    for ( int i = 0; i < 1000; ++i )
     {
-        advance_clock( &clock, frame, 1.0 / 60.0 );
+        const double dt = lengths[i < first_ones ? i : first_ones + ( i - first_ones ) % ( count - first_ones )];
+        advance_clock( &clock, frame, dt );
+        assert_true( i < first_ones || frame->seconds == 1.0f / 60.0f / (float)SUBSTEPS );
+        assert_true( i < first_ones || dt < 1.0 / 61.0 || frame->substeps >= SUBSTEPS );
     }
-    assert_true( fabs( (double)frame->seconds * SUBSTEPS * 60.0 - 1.0 ) < 1e-6 );
+    free( frame );
+}
+
+TEST( the_usual_length_is_that_of_most_steps )
+{
+    const double usual = 1.0 / 60.0;
+    check_usual_length( ( const double[] ){ usual, 10.0, usual, usual }, 4, 1 ); // a load screen after the first
+    check_usual_length( ( const double[] ){ 10.0, usual }, 2, 1 );               // and before
+    check_usual_length( ( const double[] ){ 10.0, 3.0, 1e-5, usual }, 4, 3 );    // and two of them, and a trial
+    check_usual_length( ( const double[] ){ 0.1, usual }, 2, 1 );                // a short one
+    check_usual_length( ( const double[] ){ 2.0 * usual, usual, usual, usual }, 4, 3 );
+    check_usual_length( ( const double[] ){ 1.0 / 144.0, usual, usual, usual }, 4, 3 );
+    check_usual_length( ( const double[] ){ usual, 0.1, 0.1, usual }, 4, 0 );
+    check_usual_length( ( const double[] ){ usual, 1e-5, usual }, 3, 0 );              // tiny ones in between
+    check_usual_length( ( const double[] ){ usual, 2.0 * usual }, 2, 0 );              // in turns with longer ones
+    check_usual_length( ( const double[] ){ usual, 0.8 * usual, 1.2 * usual }, 3, 0 ); // jitter
+}
+
+TEST( tiny_steps_do_not_outnumber_usual_ones )
+{
+    step_clock clock = { 0 };
+    wisp_frame* frame = new_frame();
+    for ( int i = 0; i < 20000; ++i )
+    {
+        advance_clock( &clock, frame, i < 10 || i > 18000 ? 1.0 / 60.0 : 1e-5 ); // 0.2 s of tiny ones
+        assert_true( frame->seconds == 1.0f / 60.0f / (float)SUBSTEPS );
+    }
+    free( frame );
+}
+
+TEST( hitches_do_not_keep_a_new_length_from_being_followed )
+{
+    const double lengths[] = { 1.0 / 60.0, 1.0 / 144.0, 1.0 / 30.0 };
+    step_clock clock = { 0 };
+    wisp_frame* frame = new_frame();
+    for ( int k = 0; k < 3; ++k )
+    {
+        for ( int i = 0; i < 1500; ++i )
+        {
+            advance_clock( &clock, frame, i % 10 == 9 ? 0.5 : lengths[k] );
+        }
+        assert_true( clock.usual_dt == (float)lengths[k] );
+        assert_true( frame->seconds == (float)lengths[k] / (float)SUBSTEPS );
+    }
+    free( frame );
+}
+
+// Who makes steps of a second gets them: the first alone may be a load screen.
+TEST( a_second_long_step_makes_them_usual )
+{
+    step_clock clock = { 0 };
+    wisp_frame* frame = new_frame();
+    assert_int_equal( advance_clock( &clock, frame, 0.5 ), 30 * SUBSTEPS );
+    assert_int_equal( advance_clock( &clock, frame, 0.5 ), SUBSTEPS );
+    assert_true( frame->seconds == 0.5f / (float)SUBSTEPS );
     free( frame );
 }
 
@@ -715,7 +810,7 @@ TEST( a_step_that_must_run_has_one_substep )
     wisp_frame* frame = new_frame();
     advance_clock( &clock, frame, 1.0 / 60.0 );
     assert_int_equal( advance_clock( &clock, frame, 1e-5 ), 0 );
-    step_clock_advance( &clock, 1e-5f, SUBSTEPS, true, frame );
+    step_clock_advance( &clock, 1e-5f, SUBSTEPS, LONGEST, true, frame );
     assert_int_equal( frame->substeps, 1 );
     assert_true( fabs( (double)frame->seconds - 2e-5 ) < 1e-9 && clock.remainder == 0.0 );
     free( frame );
@@ -730,7 +825,7 @@ TEST( clocks_that_no_step_leaves_are_refused )
     assert_false( step_clock_check( &( step_clock ){ .reached = 1.5f } ) );
     assert_false( step_clock_check( &( step_clock ){ .remainder = INFINITY } ) );
     assert_false( step_clock_check( &( step_clock ){ .substep = -1.0 } ) );
-    assert_false( step_clock_check( &( step_clock ){ .agreeing = STEP_CLOCK_WINDOW + 1 } ) );
+    assert_false( step_clock_check( &( step_clock ){ .votes = STEP_CLOCK_MAJORITY + 1 } ) );
     assert_false( step_clock_check( &( step_clock ){ .step_count = -1 } ) );
-    assert_false( step_clock_check( &( step_clock ){ .longest = nan } ) );
+    assert_false( step_clock_check( &( step_clock ){ .candidate = nan } ) );
 }

@@ -37,6 +37,15 @@ TEST( a_world_of_no_loops_is_refused )
     assert_no_world( &def, "and -5, expected 1 to 1000000" );
 }
 
+TEST( a_world_of_no_long_steps_is_refused )
+{
+    wisp_world_def def = wisp_default_world_def();
+    def.longest_step = 0;
+    assert_no_world( &def, "longest_step: got 0 usual steps, expected 1 to 1000" );
+    def.longest_step = 1001;
+    assert_no_world( &def, "longest_step: got 1001" );
+}
+
 TEST( half_an_allocator_is_refused )
 {
     test_host host = { 0 };
@@ -211,6 +220,37 @@ static wisp_status declare_too_many_components( wisp_registry* r )
     return WISP_OK;
 }
 
+static bool join_nothing( wisp_frame* frame, wisp_entity first, wisp_entity entity, void* user )
+{
+    (void)frame, (void)first, (void)entity, (void)user;
+    return false;
+}
+
+static uint32_t run_no_batch( wisp_frame* frame, const wisp_entity* entities, int count, int worker, double* seconds,
+                              void* user )
+{
+    (void)frame, (void)entities, (void)count, (void)worker, (void)seconds, (void)user;
+    return 0;
+}
+
+static uint32_t run_no_pass( wisp_frame* frame, const wisp_entity* entities, int count, const wisp_span* span,
+                             void* user )
+{
+    (void)frame, (void)entities, (void)count, (void)span, (void)user;
+    return 0;
+}
+
+static wisp_status declare_batch_of_a_pass_that_is_not_there( wisp_registry* r )
+{
+    return wisp_declare_batch( r, &( wisp_batch ){ .name = "test.batch",
+                                                   .required = { "test.pass" },
+                                                   .pass = "test.other",
+                                                   .lanes = 2,
+                                                   .can_join = join_nothing,
+                                                   .run = run_no_batch,
+                                                   .run_pass = run_no_pass } );
+}
+
 static wisp_status declare_nothing_and_fail( wisp_registry* r )
 {
     (void)r;
@@ -232,6 +272,7 @@ TEST( a_module_that_declares_wrongly_is_refused_by_name )
         { { "vain", declare_pass_that_writes_nothing }, "'test.vain'" },
         { { "busy", declare_too_many_passes }, "module 'busy': too many passes" },
         { { "rich", declare_too_many_components }, "module 'rich': too many components" },
+        { { "lost", declare_batch_of_a_pass_that_is_not_there }, "without declared passes: 'test.batch'" },
         { { "mute", declare_nothing_and_fail }, "module 'mute': declaration failed" },
     };
     static const wisp_module value = { "value", declare_value };

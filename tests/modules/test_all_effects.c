@@ -4,12 +4,22 @@
 // that drifts would move all of them without a test that fails.
 #include "effects_fixture.h"
 
+#include "attachments.h"
 #include "balloon.h"
 #include "boundary.h"
+#include "environment.h"
 #include "frozen_hair.h"
+#include "guide_hair.h"
 #include "implicit_cloth.h"
+#include "membrane.h"
+#include "motion_constraints.h"
+#include "seams.h"
+#include "strand_appearance.h"
+#include "tearing.h"
 
 #include "wisp/explain.h"
+#include "wisp/maps.h"
+#include "wisp/moving_frame.h"
 
 // ---- substeps ----
 
@@ -241,6 +251,218 @@ TEST( steps_of_any_length_keep_their_bits_with_any_workers )
         assert_host_memory_is_released( &h.host );
     }
     assert_true( hashes[0] == hashes[1] );
+}
+
+// ---- steps that fail ----
+
+// All members, changing their detail in the step to come, after some steps.
+static void open_changing( hosted* h, int steps )
+{
+    open_all( h, 2, 1 );
+    for ( int i = 0; i < MEMBER_COUNT; ++i )
+    {
+        const wisp_entity e = add( h->world, MEMBERS + i );
+        assert_status( h->world, wisp_set_substeps( h->world, e, MEMBERS[i].substeps ), WISP_OK );
+        wisp_detail_def detail = wisp_default_detail_def();
+        assert_status( h->world, wisp_set_detail( h->world, e, &detail ), WISP_OK );
+        take_steps( h->world, i + 1 == MEMBER_COUNT ? steps : 0, 1.0f / 60.0f );
+    }
+    for ( int slot = 0; slot < h->world->store.entity_count; ++slot )
+    {
+        const wisp_entity e = store_handle( &h->world->store, slot );
+        wisp_detail_def detail = wisp_default_detail_def();
+        detail.level = slot % 2 == 0 ? WISP_DETAIL_NOTHING : WISP_DETAIL_FEWER_SUBSTEPS;
+        detail.blend_steps = 0;
+        assert_status( h->world, wisp_set_detail( h->world, e, &detail ), WISP_OK );
+        assert_status( h->world, wisp_request( h->world, e, WISP_MOTION_STATS ), WISP_OK );
+    }
+}
+
+// Each request for memory of a step is refused in turn. A step that is not counted has changed nothing, and is made by the next call.
+TEST( a_step_that_fails_before_its_passes_changes_nothing )
+{
+    for ( int steps = 0; steps < 4; steps += 3 )
+    {
+        hosted h;
+        open_changing( &h, steps );
+        take_steps( h.world, 1, 1.0f / 60.0f );
+        const uint64_t made = wisp_world_hash( h.world );
+        close_world( &h );
+        bool was_refused = true;
+        int unchanged = 0;
+        for ( int n = 1; was_refused; ++n )
+        {
+            open_changing( &h, steps );
+            const uint64_t hash = wisp_world_hash( h.world ),
+                           counted = wisp_world_counter( h.world, WISP_COUNT_STEPS );
+            test_host_refuse( &h.host, n, true );
+            const wisp_status status = wisp_world_step( h.world, 1.0f / 60.0f );
+            was_refused = test_host_has_refused( &h.host );
+            test_host_refuse( &h.host, 0, false );
+            assert_true( status == WISP_NO_MEMORY || ( status == WISP_OK && wisp_world_hash( h.world ) == made ) );
+            if ( status != WISP_OK && wisp_world_counter( h.world, WISP_COUNT_STEPS ) == counted )
+            {
+                unchanged += 1;
+                assert_true( wisp_world_hash( h.world ) == hash );
+                take_steps( h.world, 1, 1.0f / 60.0f );
+                assert_true( wisp_world_hash( h.world ) == made );
+            }
+            close_world( &h );
+        }
+        assert_true( unchanged > 0 );
+    }
+}
+
+// ---- calls that fail ----
+
+static const wisp_module* const ALL[] = { &wisp_cloth_module,
+                                          &wisp_implicit_cloth_module,
+                                          &wisp_balloon_module,
+                                          &wisp_strands_module,
+                                          &wisp_collision_module,
+                                          &wisp_contact_module,
+                                          &wisp_attachments_module,
+                                          &wisp_boundary_module,
+                                          &wisp_environment_module,
+                                          &wisp_frozen_hair_module,
+                                          &wisp_guide_hair_module,
+                                          &wisp_membrane_module,
+                                          &wisp_motion_constraints_module,
+                                          &wisp_seams_module,
+                                          &wisp_strand_appearance_module,
+                                          &wisp_tearing_module };
+
+// Worlds have one of each, and strands that do nothing.
+typedef struct cast
+{
+    wisp_world* world;
+    wisp_entity cloth, other, ball, hair, ghosts, plain, out;
+} cast;
+
+static const float FACTORS[21 * 21] = { 1.0f, 2.0f };
+
+static wisp_status explain( wisp_world* world )
+{
+    wisp_plan_info* info = NULL;
+    const wisp_status status = wisp_world_explain( world, &info );
+    wisp_plan_info_release( info );
+    return status;
+}
+
+// DEF( name, definition d, its changes, call ) PLAIN( name, call )
+#define CALLS( DEF, PLAIN )                                                                                          \
+    DEF( contact, contact, (void)0, wisp_set_contact( w, c->cloth, &d ) )                                            \
+    DEF( collision, collision, d.features = WISP_COLLISION_ALL, wisp_set_collision( w, c->cloth, &d ) )              \
+    DEF( tearing, tearing, (void)0, wisp_set_tearing( w, c->cloth, &d ) )                                            \
+    DEF( tether, motion_constraints, d.max_distance = 0.1f, wisp_set_motion_constraints( w, c->cloth, &d ) )         \
+    DEF( frame, moving_frame, d.linear_inertia = 0.5f, wisp_set_moving_frame( w, c->ball, &d ) )                     \
+    DEF( sleep, sleep, (void)0, wisp_set_sleep( w, c->cloth, &d ) )                                                  \
+    DEF( detail, detail, (void)0, wisp_set_detail( w, c->ghosts, &d ) )                                              \
+    DEF( ghosts, ghosts, d.targets = c->hair, wisp_set_ghosts( w, c->plain, &d ) )                                   \
+    DEF( dynamics, strand_dynamics, (void)0, wisp_set_strand_dynamics( w, c->plain, &d ) )                           \
+    DEF( links, strand_dynamics, d.bending = WISP_STRAND_BEND_LINKS, wisp_set_strand_dynamics( w, c->hair, &d ) )    \
+    DEF( grid, strand_grid, (void)0, wisp_set_strand_grid( w, c->hair, &d ) )                                        \
+    DEF( appearance, strand_appearance, (void)0, wisp_set_strand_appearance( w, c->hair, &d ) )                      \
+    DEF( environment, environment, (void)0, wisp_set_environment( w, c->hair, &d ) )                                 \
+    DEF( frozen_hair, frozen_hair, (void)0, wisp_set_frozen_hair( w, c->plain, &d ) )                                \
+    DEF( boundary, boundary, (void)0, wisp_set_boundary( w, c->ball, &d ) )                                          \
+    DEF( bdf2, implicit_cloth, d.integrator = WISP_INTEGRATOR_BDF2, wisp_set_implicit_cloth( w, c->other, &d ) )     \
+    DEF( collider, collider, (void)0, wisp_add_collider( w, &d, &c->out ) )                                          \
+    DEF( seam, seam, ( d.a = c->cloth, d.b = c->other, d.within = 0.1f ), wisp_add_seam( w, &d, &c->out ) )          \
+    PLAIN( instance, wisp_add_instance( w, c->cloth, NULL, &c->out ) )                                               \
+    PLAIN( more_ghosts, wisp_add_instance( w, c->ghosts, NULL, &c->out ) )                                           \
+    PLAIN( attachment, wisp_attach_pins( w, c->cloth, ( const int32_t[] ){ 0, 20 }, 2, c->ball ) )                   \
+    PLAIN( pin, wisp_pin( w, c->cloth, ( const int32_t[] ){ 5, 7 }, 2 ) )                                            \
+    PLAIN( map, wisp_set_map( w, c->cloth, WISP_MAP_BEND_RIGIDITY, FACTORS, 21 * 21 ) )                              \
+    PLAIN( roots, wisp_root_strands( w, c->hair, c->ball ) )                                                         \
+    PLAIN( tip, wisp_hold_strand_tip( w, c->hair, 1, WISP_STRAND_TIP_CLAMPED ) )                                     \
+    PLAIN( speed, wisp_set_max_speed( w, c->hair, 3.0f ) )                                                           \
+    PLAIN( strain, wisp_set_strain_limit( w, c->cloth, 0.9f, 1.1f ) )                                                \
+    PLAIN( request, wisp_request( w, c->cloth, WISP_SURFACE_NORMALS ) )                                              \
+    PLAIN( explanation, explain( w ) )
+
+#define CALL_PLAIN( name, call )                                                                                     \
+    static wisp_status call_##name( cast* c )                                                                        \
+    {                                                                                                                \
+        wisp_world* w = c->world;                                                                                    \
+        return call;                                                                                                 \
+    }
+#define CALL_DEF( name, definition, changes, call )                                                                  \
+    static wisp_status call_##name( cast* c )                                                                        \
+    {                                                                                                                \
+        wisp_world* w = c->world;                                                                                    \
+        wisp_##definition##_def d = wisp_default_##definition##_def();                                               \
+        changes;                                                                                                     \
+        return call;                                                                                                 \
+    }
+CALLS( CALL_DEF, CALL_PLAIN )
+
+#define ROW_PLAIN( name, call ) { #name, call_##name },
+#define ROW_DEF( name, definition, changes, call ) { #name, call_##name },
+static const struct
+{
+    const char* name;
+    wisp_status ( *call )( cast* c );
+} CALL_ROWS[] = { CALLS( ROW_DEF, ROW_PLAIN ) };
+
+static cast open_cast( hosted* h )
+{
+    *h = ( hosted ){ 0 };
+    h->def = hosted_def( h );
+    h->def.modules = ALL;
+    h->def.module_count = WISP_COUNT( ALL );
+    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+    cast c = { .world = h->world };
+    c.cloth = add( h->world, &( member ){ .add = dihedral_cloth } );
+    c.other = add( h->world, &( member ){ .add = implicit_cloth } );
+    c.ball = add( h->world, &( member ){ .add = balloon } );
+    c.hair = add( h->world, &( member ){ .add = hair_of_rods } );
+    wisp_ghosts_def ghosts = wisp_default_ghosts_def();
+    ghosts.targets = c.hair;
+    wisp_entity* strands[] = { &c.ghosts, &c.plain };
+    for ( int i = 0; i < 2; ++i )
+    {
+        wisp_vec3 points[24];
+        const int32_t offsets[3] = { 0, 12, 24 };
+        for ( int v = 0; v < 24; ++v )
+        {
+            points[v] = ( wisp_vec3 ){ 0.01f * (float)( v % 12 ), 0.001f, 0.01f * (float)( v / 12 ) };
+        }
+        wisp_strands_def def = wisp_default_strands_def();
+        def.points = points, def.offsets = offsets, def.strand_count = 2;
+        assert_status( h->world, wisp_add_strands( h->world, &def, strands[i] ), WISP_OK );
+    }
+    assert_status( h->world, wisp_set_ghosts( h->world, c.ghosts, &ghosts ), WISP_OK );
+    assert_status( h->world, wisp_request( h->world, c.ghosts, WISP_STRAND_POINTS ), WISP_OK );
+    take_steps( h->world, 2, 1.0f / 60.0f );
+    return c;
+}
+
+// Each call in turn, with all requests for memory refused from one of them on. Afterwards it works.
+TEST( a_call_that_fails_changes_nothing )
+{
+    for ( int k = 0; k < WISP_COUNT( CALL_ROWS ); ++k )
+    {
+        bool was_refused = true;
+        for ( int n = 1; was_refused; ++n )
+        {
+            hosted h;
+            cast c = open_cast( &h );
+            const uint64_t hash = wisp_world_hash( h.world );
+            test_host_refuse( &h.host, n, true );
+            const wisp_status status = CALL_ROWS[k].call( &c );
+            was_refused = test_host_has_refused( &h.host );
+            test_host_refuse( &h.host, 0, false );
+            if ( status != ( was_refused ? WISP_NO_MEMORY : WISP_OK ) ||
+                 ( status != WISP_OK &&
+                   ( wisp_world_hash( h.world ) != hash || CALL_ROWS[k].call( &c ) != WISP_OK ) ) )
+            {
+                fail_msg( "%s, request %d: '%s'", CALL_ROWS[k].name, n, wisp_world_message( h.world ) );
+            }
+            take_steps( h.world, 1, 1.0f / 60.0f );
+            close_world( &h );
+        }
+    }
 }
 
 // ---- teleports ----

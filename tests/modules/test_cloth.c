@@ -475,3 +475,57 @@ WORLD_TEST( a_fabric_must_have_what_the_cloth_needs )
     def.tethers = false;
     assert_status( h->world, wisp_set_cloth( h->world, bare, &def ), WISP_OK );
 }
+
+// Bytes of plates.
+static size_t memory_of_cloth( wisp_world* world )
+{
+    wisp_memory_part parts[300];
+    const int count = wisp_world_memory_parts( world, parts, 300 );
+    size_t bytes = 0;
+    for ( int i = 0; i < count && i < 300; ++i )
+    {
+        const bool is_cloth = parts[i].kind == WISP_MEMORY_MODULE && strcmp( parts[i].name, "cloth" ) == 0;
+        bytes += is_cloth ? parts[i].bytes : 0;
+    }
+    return bytes;
+}
+
+// From one kind of cloth to one that needs all other components, with each request for memory refused in turn.
+TEST( a_change_without_memory_leaves_the_old_cloth )
+{
+    int refusals = 0;
+    for ( int64_t n = 1; n < 100; ++n )
+    {
+        hosted h;
+        open_world( &h, 1, 1 );
+        wisp_entity e = add_plain( &h, true, true, false );
+        const wisp_cloth_def old = wisp_default_cloth_def();
+        assert_status( h.world, wisp_set_cloth( h.world, e, &old ), WISP_OK );
+        wisp_cloth_def other = old;
+        other.bending = WISP_CLOTH_BENDING_DIHEDRAL; // has a plate
+        other.drag_coefficient = other.internal_damping = 1.0f;
+        uint64_t before = wisp_world_hash( h.world );
+        const size_t plates = memory_of_cloth( h.world );
+        test_host_refuse( &h.host, n, false );
+        wisp_status status = wisp_set_cloth( h.world, e, &other );
+        bool refused = test_host_has_refused( &h.host );
+        test_host_refuse( &h.host, 0, false );
+        if ( refused )
+        {
+            assert_int_equal( status, WISP_NO_MEMORY );
+            assert_int_equal( wisp_world_hash( h.world ), before );
+            assert_in_range( memory_of_cloth( h.world ), plates, plates + 64 ); // room in the list
+            assert_true( wisp_world_has( h.world, e, WISP_LINK_COMPLIANCE ) );
+            assert_false( wisp_world_has( h.world, e, WISP_HINGE_REST ) );
+            refusals += 1;
+        }
+        assert_status( h.world, wisp_set_cloth( h.world, e, &other ), WISP_OK );
+        run_steps( h.world, 2, 0.01f );
+        close_world( &h );
+        if ( refused == false )
+        {
+            break;
+        }
+    }
+    assert_in_range( refusals, 5, 98 ); // at least one per column
+}

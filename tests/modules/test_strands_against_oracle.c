@@ -410,8 +410,10 @@ TEST( only_what_breaks_the_history_is_made_by_euler )
     strand_steps( s.world, 5, FRAME );
     assert_int_equal( euler_count( &s ), 0 ); // nor is the first substep counted
 
-    // a step of so many usual ones makes longer substeps
+    // a long step keeps the length of substeps, steps that are longer for good do not
     strand_steps( s.world, 1, 10.0f * FRAME );
+    assert_int_equal( euler_count( &s ), 0 );
+    strand_steps( s.world, 50, 2.0f * FRAME );
     assert_int_equal( euler_count( &s ), HAIRS );
 
     // a jump of the head, beyond the teleport distance

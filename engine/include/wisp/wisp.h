@@ -1,7 +1,7 @@
 /// Wisp: position-based simulation of thin things. Worlds, entities, requests, steps and views.
 ///
 /// Units are SI. Worlds are opaque and independent of each other; there are no globals. No function is thread-safe on
-/// the same world; different worlds may be used on different threads. A failed call changes nothing, and prints nothing unless the
+/// the same world; different worlds may be used on different threads. A failed call changes nothing (but see wisp_world_step()), and prints nothing unless the
 /// host gave a log. Null pointers, removed entities and definitions that no function has filled are WISP_BAD_INPUT or
 /// WISP_STALE_ID. A call during a step of the same world, from a callback or another thread, is WISP_CONFLICT.
 ///
@@ -53,6 +53,7 @@ typedef struct wisp_world_def
              ///< WISP_ISA, else the best that the processor supports
     int substeps;   ///< per step of usual length, 1 .. 1000000, default 10; see wisp_world_step()
     int iterations; ///< per substep, 1 .. 1000000, default 1
+    int longest_step; ///< usual steps that one step simulates, 1 .. 1000, default 8: the rest of a longer one is left out
 } wisp_world_def;
 
 WISP_DEFINITION( world_def );
@@ -236,13 +237,17 @@ WISP_API wisp_status wisp_cancel_request( wisp_world* world, wisp_entity entity,
 
 /// Simulate one step. The plan is compiled first if components or requests changed.
 ///
-/// Substeps have a constant length: that of the first step over `substeps`. A step of another length has as many of them as
-/// fit. What is left, less than a substep of the world, is simulated with the next step, so the state may lag by it, and a step shorter
-/// than it changes nothing. If the steps change for good (60 in a row agree within a fifth), substeps follow: longer at once,
-/// shorter by 0.2 % per step, since a sudden change would set cloth at rest in motion. A step more than eight times as long
-/// as usual makes substeps longer instead of costing more.
+/// Substeps have a constant length: that of the usual step over `substeps`, whatever one step's length. A step of another length
+/// has as many of them as fit. What is left, less than a substep of the world, is simulated with the next step, so the state may
+/// lag by it, and a step shorter than it changes nothing. The usual step is the first; or 1/60 s after a load screen, a first step of
+/// more than 1/4 s, until a shorter one or a second as long comes. Of the first ten steps, two more of another length change it. If
+/// steps change for good (those that agree within a fifth outnumber others by 30, short ones counting less), substeps follow: longer
+/// at once, shorter by 0.2 % per step, since a sudden change would set cloth at rest in motion.
+/// A step of several usual ones is made as so many, towards the same targets, up to `longest_step`. The time beyond is left out and the
+/// step counted (WISP_COUNT_CUT_STEPS); pins and colliders go their whole way in what is left, so teleport what they should not throw.
 /// @param dt s, > 0
-/// @return WISP_CONFLICT a pass reads a component that nothing writes (the message names both); WISP_NO_MEMORY
+/// @return WISP_CONFLICT a pass reads a component that nothing writes (the message names both); WISP_NO_MEMORY. A step that fails and is
+///         counted (WISP_COUNT_STEPS) has begun: a pass has failed, and the others have run; one that is not has changed nothing
 WISP_API wisp_status wisp_world_step( wisp_world* world, float dt );
 
 /// Called before each step of wisp_world_advance(), to move pins, colliders and heads to where they are at its end.
@@ -251,11 +256,11 @@ typedef void wisp_before_step_fn( void* user, wisp_world* world );
 /// Advance by the time of a frame, in steps of constant length: the recommended way when frames take uneven time. Time that
 /// is no whole step is kept for the next call. Afterwards views of WISP_SURFACE_POINTS and WISP_STRAND_POINTS are
 /// interpolated between the last two steps, so they are smooth and one step late; other views are of the last step.
-/// @param seconds since the last call, >= 0. Beyond eight steps the rest is dropped, so that a slow host does not fall ever
-///        further behind
+/// @param seconds since the last call, >= 0. Beyond eight steps the rest is left out and the call counted
+///        (WISP_COUNT_CUT_STEPS), so that a slow host does not fall ever further behind
 /// @param dt s, > 0, of a step
 /// @param before_step may be null
-/// @return that of the step that failed; the steps before it were made
+/// @return that of the step that failed; the steps before it were made, and it and those behind it are due in the next call
 WISP_API wisp_status wisp_world_advance( wisp_world* world, float seconds, float dt, wisp_before_step_fn* before_step,
                                          void* user );
 
@@ -338,8 +343,9 @@ typedef enum wisp_counter
     WISP_COUNT_SPEED_LIMITED =
         16, ///< velocities of vertices above the largest speed, scaled down to it, in each substep
     WISP_COUNT_SPLIT_VERTICES = 17, ///< vertices of surfaces that became two
-    WISP_COUNT_MANY_SOLVES = 18,    ///< substeps of implicit cloth that took more than three linear solves
-    WISP_COUNTER_COUNT = 19,
+    WISP_COUNT_CUT_STEPS = 18,      ///< steps, or calls of wisp_world_advance(), too long to be simulated as a whole
+    WISP_COUNT_MANY_SOLVES = 19,    ///< substeps of implicit cloth that took more than three linear solves
+    WISP_COUNTER_COUNT = 20,
 } wisp_counter;
 
 WISP_API uint64_t wisp_world_counter( const wisp_world* world, wisp_counter counter );
