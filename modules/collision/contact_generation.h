@@ -5,3 +5,6 @@
 
 /// Add the contacts of a block with one body.
 void collision_meet( const collision_find_args* args, const collision_view* view, collision_block* block );
+
+/// Load the contacts of particles that two bodies squeeze: see squeeze.c.
+void collision_squeeze( const collision_find_args* args, const collision_block* block );
