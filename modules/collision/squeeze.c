@@ -18,6 +18,11 @@
 
 static const float SQUEEZE = 5000.0f * 9.81f; // m/s^2
 
+float collision_squeeze_load( float dt, float oppose, float depth, float both )
+{
+    return SQUEEZE * dt * dt * oppose * depth / both;
+}
+
 typedef struct squeezed_pair
 {
     int first, second;
@@ -122,7 +127,7 @@ static void squeeze_vertex( const collision_find_args* args, const collision_blo
                        ? c[k].gap
                        : collision_smaller( h[k], h[k] + start_of( c + k, h[k], collision_load( previous ) ) );
     }
-    load_pair( args, slot, &pair, axis, SQUEEZE * args->dt * args->dt * pair.oppose * pair.depth / ( h[i] + h[j] ) );
+    load_pair( args, slot, &pair, axis, collision_squeeze_load( args->dt, pair.oppose, pair.depth, h[i] + h[j] ) );
 }
 
 void collision_squeeze( const collision_find_args* args, const collision_block* block )
