@@ -44,3 +44,19 @@ static inline void collision_add_impulse( double* sum, double mass, wisp_vec3 fr
 /// Give the participants room for sums while a reaction is requested.
 wisp_status collision_update_reactions( wisp_world* world, collision_state* state );
 void collision_release_reactions( const wisp_allocator* allocator, collision_state* state );
+
+// ---- bodies with a mass ----
+
+/// Return the pose at a fraction of the step that a body has, `seconds` after its last substep, with the velocities it has.
+wisp_transform collision_coupled_pose( const collision_collider* collider, const collision_coupled* coupled,
+                                       float progress, float seconds );
+
+/// What of a correction a vertex takes, along the normal and across it: the body takes the rest.
+typedef struct collision_share
+{
+    float normal, tangential;
+} collision_share;
+
+/// Return the shares for a contact of body number `body`; 1 of a body without a mass.
+collision_share collision_share_of( wisp_frame* frame, const collision_state* state, int body, wisp_vec3 at,
+                                    wisp_vec3 normal );
