@@ -137,7 +137,11 @@ typedef struct wisp_collision_def
     float
         thickness; ///< m, the distance that vertices keep; default 0: a quarter of the mean rest length of the edges,
                    ///< of strands the mean rest length of the segments. Of a surface with an external solver: the
-                   ///< margin within which a vertex is held
+                   ///< margin within which a vertex is held.
+    ///< A surface has it on both sides. Two bodies that leave less room squeeze it: each presses on a vertex of
+    ///< mass m with k d, where d is half of what is missing and k = 5000 m 9.81 m/s^2 / thickness, N/m: at the depth of
+    ///< the thickness 5000 weights, 10 kPa on cloth of 0.2 kg/m^2. Friction and reactions are those of this force.
+    ///< Bodies that overlap by more than twice the thickness squeeze nothing
     float friction_scale; ///< factor on the friction of the collider, >= 0, default 1
     float
         max_push_out_speed; ///< m/s: speed at which a vertex that starts inside a collider is moved out. It gets no velocity

@@ -113,6 +113,11 @@ static wisp_status entity_teleported( void* memory, wisp_world* world, wisp_enti
     {
         *target = wisp_teleport_pose( teleport, *target );
     }
+    collision_coupled* coupled = wisp_world_column( world, entity, state->coupled, 0 );
+    if ( coupled != NULL )
+    {
+        coupled->before = wisp_teleport_pose( teleport, coupled->before );
+    }
     return WISP_OK;
 }
 

@@ -16,7 +16,7 @@
 // the kernel half_space, which computes the same bits.
 #include "body_queries.h"
 #include "collision_passes.h"
-#include "particle_contacts.h"
+#include "contact_generation.h"
 #include "reaction.h"
 
 #include <math.h>
@@ -188,6 +188,11 @@ static void project_reacting( wisp_frame* frame, const collision_state* state, p
     {
         share[i] = collision_share_of( frame, state, loop->contact_body[slot][i], p,
                                        collision_load( loop->contact[slot][i].normal ) );
+    }
+    int a, b;
+    if ( collision_find_loaded( loop->contact[slot], count, &a, &b ) )
+    {
+        share[a] = share[b] = ( collision_share ){ 1.0f, 1.0f };
     }
     for ( int i = 0; i < COLLISION_SWEEPS * count; ++i )
     {

@@ -445,7 +445,7 @@ static bool squeeze_pair( const find_loop* loop, const int32_t* corners, float m
     float now[2];
     float aside = 0.5f * ( gaps_of( loop, corners, c, now ) - gaps_of( loop, corners, c + 1, now + 1 ) );
     const float depth = -now[0] - now[1];
-    if ( oppose <= 0.0f || depth <= 0.0f )
+    if ( collision_is_squeezed( oppose, depth, both ) == false )
     {
         return false;
     }

@@ -3,6 +3,7 @@
 #include "reaction.h"
 
 #include "collision_passes.h"
+#include "contact_generation.h"
 #include "primitive_contacts.h"
 
 #include <string.h>
@@ -358,6 +359,13 @@ void collision_share_contacts( wisp_frame* frame, const wisp_span* span, void* u
         }
     }
     ( (collision_coupled*)wisp_frame_column( frame, span->entity, state->coupled, 0 ) )->load = (float)mass;
+    for ( int i = 0; i < state->participant_count; ++i )
+    {
+        if ( wisp_frame_strands( frame, state->participants[i] ) == NULL )
+        {
+            collision_unload( frame, state, state->participants[i], body );
+        }
+    }
 }
 
 collision_share collision_share_of( wisp_frame* frame, const collision_state* state, int body, wisp_vec3 at,

@@ -9,11 +9,13 @@
 // two contacts, F h^2 / m, begin the substep with: friction gets its cone from them, and a constraint that pulls the vertex to one body
 // unloads the other first. The middle is taken at the push-out speed, together with the previous position, as other depth is.
 //
+// Bodies that overlap by more than h1 + h2 squeeze nothing: what is inside of both is moved out of each, as without the other.
+//
 // SQUEEZE is the load of 5000 weights at the depth of the whole thickness: cloth of 0.2 kg/m^2 loses half of it under 50 gf/cm^2,
 // the pressure to which compression is measured (Kawabata 1980, "The standardization and analysis of hand evaluation").
 #include "contact_generation.h"
 
-#include "collision_vectors.h"
+#include "body_queries.h"
 #include "reaction.h"
 
 static const float SQUEEZE = 5000.0f * 9.81f; // m/s^2
@@ -21,6 +23,11 @@ static const float SQUEEZE = 5000.0f * 9.81f; // m/s^2
 float collision_squeeze_load( float dt, float oppose, float depth, float both )
 {
     return SQUEEZE * dt * dt * oppose * depth / both;
+}
+
+bool collision_is_squeezed( float oppose, float depth, float both )
+{
+    return oppose > 0.0f && depth > 0.0f && depth <= 2.0f * both;
 }
 
 typedef struct squeezed_pair
@@ -42,7 +49,7 @@ static squeezed_pair find_pair( const collision_contact* c, const float* thickne
             const float apart = collision_dot( a, collision_sub( p, collision_load( c[i].point ) ) ) +
                                 collision_dot( b, collision_sub( p, collision_load( c[j].point ) ) );
             const float depth = thickness[i] + thickness[j] - apart, oppose = -collision_dot( a, b );
-            if ( oppose > 0.0f && depth * oppose > most )
+            if ( collision_is_squeezed( oppose, depth, thickness[i] + thickness[j] ) && depth * oppose > most )
             {
                 most = depth * oppose;
                 best = ( squeezed_pair ){ i, j, depth, oppose };
@@ -74,9 +81,9 @@ static void take_back( const collision_find_args* args, const collision_block* b
         const wisp_vec3 apart =
             collision_sub( collision_load( c[pair->first].normal ), collision_load( c[pair->second].normal ) );
         const int giver = collision_dot( gained, apart ) > 0.0f ? pair->first : pair->second;
-        collision_add_reaction( args->sums[args->contact_body[slot][giver]],
-                                1.0 / ( (double)p[3] * (double)args->dt ), collision_load( p ),
-                                collision_load( previous ), to, previous_to );
+        const wisp_vec3 none = { 0.0f, 0.0f, 0.0f };
+        collision_add_impulse( args->sums[args->contact_body[slot][giver]], 1.0 / ( (double)p[3] * (double)args->dt ),
+                               none, gained, collision_load( previous ) );
     }
     collision_store( p, to );
     collision_store( previous, previous_to );
@@ -105,7 +112,7 @@ static void squeeze_vertex( const collision_find_args* args, const collision_blo
     float *p = args->position + (size_t)slot * 4, *previous = args->previous + (size_t)slot * 4;
     const squeezed_pair pair = find_pair( c, h, count, collision_load( block->was[0][slot - block->begin] ) );
     const int i = pair.first, j = pair.second;
-    if ( pair.depth <= 0.0f || !( h[i] + h[j] > 0.0f ) )
+    if ( pair.depth <= 0.0f )
     {
         return;
     }
@@ -140,5 +147,71 @@ void collision_squeeze( const collision_find_args* args, const collision_block* 
         {
             squeeze_vertex( args, block, slot, count );
         }
+    }
+}
+
+bool collision_find_loaded( const collision_contact* contacts, int count, int* first, int* second )
+{
+    for ( *second = 1; *second < count; ++*second )
+    {
+        for ( *first = 0; *first < *second; ++*first )
+        {
+            const collision_contact *a = contacts + *first, *b = contacts + *second;
+            if ( a->normal_correction > 0.0f && b->normal_correction > 0.0f &&
+                 collision_dot( collision_load( a->normal ), collision_load( b->normal ) ) < 0.0f )
+            {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+// A free body of mass M that a stiff load F = k d meets would be thrown in one substep. It gives way by w F h^2 of all vertices near it,
+// with w its inverse mass there and c their mass, so the load is that of the depth that is left:
+//
+//   d' = d - w c a,   a = K d',   K = SQUEEZE h^2 / ( h1 + h2 )   =>   a = K d / ( 1 + K w c )
+void collision_unload( wisp_frame* frame, const collision_state* state, wisp_entity e, int32_t body )
+{
+    const collision_settings* settings = wisp_frame_column( frame, e, state->settings, 0 );
+    const float* position = wisp_frame_column( frame, e, WISP_PARTICLE_POSITION, 0 );
+    const int32_t* count = wisp_frame_column( frame, e, WISP_PARTICLE_HALF_SPACES, 0 );
+    collision_contact( *contact )[WISP_COLLISION_CONTACTS] =
+        wisp_frame_column( frame, e, WISP_PARTICLE_HALF_SPACES, 2 );
+    int32_t( *of )[WISP_COLLISION_CONTACTS] = wisp_frame_column( frame, e, state->contact_body, 0 );
+    const float dt = wisp_frame_dt( frame, e );
+    const int slots = of != NULL ? wisp_frame_fabric( frame, e )->slot_count : 0;
+    for ( int slot = 0; slot < slots; ++slot )
+    {
+        int pair[2];
+        const int used = count[slot] < WISP_COLLISION_CONTACTS ? count[slot] : WISP_COLLISION_CONTACTS;
+        if ( used < 2 || collision_find_loaded( contact[slot], used, pair, pair + 1 ) == false ||
+             ( of[slot][pair[0]] != body && of[slot][pair[1]] != body ) )
+        {
+            continue;
+        }
+        float both = 2.0f * settings->thickness;
+        for ( int i = 0; i < 2; ++i )
+        {
+            const wisp_entity other = state->bodies[of[slot][pair[i]]].entity;
+            both += ( (const collision_collider*)wisp_frame_column( frame, other, state->collider, 0 ) )->thickness;
+        }
+        collision_contact* c[2] = { contact[slot] + pair[0], contact[slot] + pair[1] };
+        const wisp_vec3 p = collision_load( position + (size_t)slot * 4 );
+        const wisp_vec3 apart = collision_sub( collision_load( c[0]->normal ), collision_load( c[1]->normal ) );
+        const float share = collision_share_of( frame, state, body, p,
+                                                collision_load( c[of[slot][pair[0]] == body ? 0 : 1]->normal ) )
+                                .normal;
+        // share = 1 / ( 1 + w c )
+        const float load = c[0]->normal_correction,
+                    gives = collision_squeeze_load( dt, 1.0f, 1.0f, both ) * ( 1.0f / share - 1.0f );
+        c[0]->normal_correction = c[1]->normal_correction = load / ( 1.0f + gives );
+        const wisp_vec3 none = { 0.0f, 0.0f, 0.0f };
+        const wisp_vec3 less =
+            collision_add_scaled( none, ( load - c[0]->normal_correction ) / collision_length( apart ), apart );
+        const double rate = 1.0 / ( (double)position[(size_t)slot * 4 + 3] * (double)dt );
+        collision_impulse* sums = collision_reaction_sums( frame, e, state, slot / COLLISION_BLOCK );
+        collision_add_impulse( sums[of[slot][pair[0]]], rate, less, none, p );
+        collision_add_impulse( sums[of[slot][pair[1]]], rate, none, less, p );
     }
 }
