@@ -188,7 +188,7 @@ static int play( wisp_status ( *scene )( stage* ) )
     wisp_world_def def = wisp_default_world_def();
     def.modules = modules;
     def.module_count = WISP_COUNT( modules );
-    def.substeps = 2;
+    def.substeps = 8; // a sheet of 1000 vertices without coarse sheets stretches less
     wisp_error error = { 0 };
     stage s;
     if ( wisp_world_create( &def, &s.world, &error ) != WISP_OK )
