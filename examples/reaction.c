@@ -97,25 +97,22 @@ static wisp_status step( const stage* s, ball* b, double gravity )
     {
         b->position[k] += dt * b->velocity[k];
     }
-    const wisp_transform pose = pose_of( b );
-    b->rotation = wisp_transform_make( pose.rotation, pose.translation ).rotation;
-    wisp_status status = wisp_move_collider( s->world, s->collider, pose );
+    wisp_status status = wisp_move_collider( s->world, s->collider, pose_of( b ) );
     status = status == WISP_OK ? wisp_world_step( s->world, STEP ) : status;
     wisp_reaction r;
     status = status == WISP_OK ? wisp_read_reaction( s->world, s->collider, &r ) : status;
     if ( status == WISP_OK )
     {
+        b->rotation = r.pose.rotation;
         const float impulse[3] = { r.impulse.x, r.impulse.y, r.impulse.z };
+        const float to[3] = { r.pose.translation.x, r.pose.translation.y, r.pose.translation.z };
         const float torque[3] = { r.torque_impulse.x, r.torque_impulse.y, r.torque_impulse.z };
         for ( int k = 0; k < 3; ++k )
         {
             b->velocity[k] += impulse[k] / b->mass;
+            b->position[k] = to[k];
             b->spin[k] += torque[k] / inertia;
         }
-        b->position[0] = r.pose.translation.x;
-        b->position[1] = r.pose.translation.y;
-        b->position[2] = r.pose.translation.z;
-        b->rotation = r.pose.rotation;
     }
     return status;
 }
