@@ -51,6 +51,7 @@ void collision_begin_block( const collision_find_args* args, int begin, int end,
     block->begin = begin;
     block->end = end;
     block->is_last = false;
+    block->met = 0;
     block->count = groups != 0 ? kernels->gather_particles( &take, begin, end ) : 0;
     clear_counts( args, block, groups );
     if ( block->count > 0 )

@@ -8,6 +8,7 @@
 #include "collision_participants.h"
 #include "collision_passes.h"
 #include "collision_surface.h"
+#include "reaction.h"
 #include "collision_vectors.h"
 
 #include <math.h>
@@ -57,6 +58,10 @@ static wisp_status check_sizes( wisp_world* world, const wisp_collider_def* d )
         { "height_count_z", (float)d->height_count_z, 2.0f, 8192.0f, field },
         { "spacing", d->spacing, 1e-6f, 1e6f, field },
         { "restitution", d->restitution, 0.0f, 1.0f, true },
+        { "mass", d->mass, 0.0f, d->kind == WISP_COLLIDER_SURFACE ? 0.0f : 1e6f, true },
+        { "inertia.x", d->inertia.x, 0.0f, 1e6f, true },
+        { "inertia.y", d->inertia.y, 0.0f, 1e6f, true },
+        { "inertia.z", d->inertia.z, 0.0f, 1e6f, true },
         { "static_friction", d->static_friction, 0.0f, 1e6f, true },
         { "kinetic_friction", d->kinetic_friction, 0.0f, d->static_friction, true },
         { "thickness", d->thickness, 0.0f, 1e6f, true },
@@ -219,7 +224,7 @@ static wisp_status make_body( wisp_world* world, const wisp_collider_def* d, col
                                              [WISP_COLLIDER_TAPERED_CAPSULE] = WISP_SHAPE_TAPERED_CAPSULE };
     const bool has_mesh = d->kind == WISP_COLLIDER_MESH || d->kind == WISP_COLLIDER_SURFACE;
     *body = ( collision_body ){ .double_sided = has_mesh && d->double_sided,
-                                .tracks = has_mesh && d->tracks,
+                                .tracks = has_mesh && d->tracks && d->mass == 0.0f,
                                 .restitution = d->restitution };
     if ( d->kind == WISP_COLLIDER_SURFACE )
     {
@@ -282,6 +287,7 @@ bool collision_forget_body( collision_state* state, const wisp_allocator* alloca
         if ( wisp_entity_equal( body->entity, entity ) )
         {
             collision_release_body( allocator, body );
+            state->coupled_count -= body->is_coupled ? 1 : 0;
             state->body_count -= 1;
             memmove( body, body + 1, (size_t)( state->body_count - i ) * sizeof( *body ) );
             number_tracks( state );
@@ -295,6 +301,44 @@ static void fill_collider( collision_collider* to, const wisp_collider_def* d )
 {
     const wisp_transform pose = wisp_transform_make( d->pose.rotation, d->pose.translation );
     *to = ( collision_collider ){ pose, pose, d->static_friction, d->kinetic_friction, d->thickness, d->layers };
+}
+
+// A body that moves is where it is until the host says otherwise.
+static wisp_status give_motion( wisp_world* world, const collision_state* state, wisp_entity entity )
+{
+    if ( wisp_world_has( world, entity, state->motion ) )
+    {
+        return WISP_OK;
+    }
+    const wisp_transform now = ( (collision_collider*)wisp_world_column( world, entity, state->collider, 0 ) )->to;
+    WISP_TRY( wisp_world_attach( world, entity, state->motion ) );
+    WISP_TRY( wisp_world_request( world, entity, state->collider ) );
+    *(wisp_transform*)wisp_world_column( world, entity, state->motion, 0 ) = now;
+    return WISP_OK;
+}
+
+static float inverse_of( float x )
+{
+    return x > 0.0f ? 1.0f / x : 0.0f;
+}
+
+static wisp_status couple_body( wisp_world* world, collision_state* state, wisp_entity entity,
+                                const wisp_collider_def* d )
+{
+    state->bodies[state->body_count - 1].is_coupled = true;
+    state->coupled_count += 1;
+    WISP_TRY( give_motion( world, state, entity ) );
+    WISP_TRY( wisp_world_attach( world, entity, state->coupled ) );
+    WISP_TRY( wisp_world_request( world, entity, state->coupled ) );
+    const wisp_vec3 turns = { inverse_of( d->inertia.x ), inverse_of( d->inertia.y ), inverse_of( d->inertia.z ) };
+    *(collision_coupled*)wisp_world_column( world, entity, state->coupled, 0 ) = ( collision_coupled ){
+        .before = wisp_transform_make( d->pose.rotation, d->pose.translation ),
+        .turn = { 0.0f, 0.0f, 0.0f, 1.0f },
+        .inverse_mass = 1.0f / d->mass,
+        .inverse_inertia = turns,
+        .most_turns = fmaxf( turns.x, fmaxf( turns.y, turns.z ) ),
+    };
+    return wisp_request_reaction( world, entity, true );
 }
 
 // Add a body to the list. On failure removing its entity undoes everything.
@@ -316,6 +360,7 @@ static wisp_status append_body( wisp_world* world, collision_state* state, const
     {
         fill_collider( wisp_world_column( world, entity, state->collider, 0 ), d );
         status = follows ? collision_follow_surface( world, state, entity, d->surface ) : WISP_OK;
+        status = status == WISP_OK && d->mass > 0.0f ? couple_body( world, state, entity, d ) : status;
         status = status == WISP_OK ? collision_update_components( world, state ) : status;
     }
     if ( status != WISP_OK )
@@ -381,17 +426,8 @@ wisp_status wisp_move_collider( wisp_world* world, wisp_entity entity, wisp_tran
     {
         return wisp_world_fail( world, WISP_CONFLICT, "collider: entity %u moves with its surface", entity.index );
     }
-    const wisp_transform now = collider->to;
     status = check_pose( world, pose );
-    if ( status == WISP_OK && wisp_world_has( world, entity, state->motion ) == false )
-    {
-        status = wisp_world_attach( world, entity, state->motion );
-        status = status == WISP_OK ? wisp_world_request( world, entity, state->collider ) : status;
-        if ( status == WISP_OK )
-        {
-            *(wisp_transform*)wisp_world_column( world, entity, state->motion, 0 ) = now;
-        }
-    }
+    status = status == WISP_OK ? give_motion( world, state, entity ) : status;
     if ( status == WISP_OK )
     {
         *(wisp_transform*)wisp_world_column( world, entity, state->motion, 0 ) =
@@ -407,6 +443,17 @@ void collision_carry( wisp_frame* frame, const wisp_span* span, void* user )
     const wisp_transform* target = wisp_frame_column( frame, span->entity, state->motion, 0 );
     collider->from = wisp_frame_reached( frame, collider->from, collider->to );
     collider->to = *target;
+    collision_coupled* coupled = wisp_frame_column( frame, span->entity, state->coupled, 0 );
+    if ( coupled != NULL )
+    {
+        const wisp_vec3 none = { 0.0f, 0.0f, 0.0f };
+        collider->from = coupled->before;
+        coupled->turn = ( wisp_quat ){ 0.0f, 0.0f, 0.0f, 1.0f };
+        coupled->shift = coupled->velocity = coupled->spin = none;
+        memset( coupled->impulse, 0, sizeof( coupled->impulse ) );
+        coupled->done = 0;
+        coupled->total = wisp_frame_substeps( frame, span->entity );
+    }
 }
 
 // Compute bounds of the motion in a step. Two rotations q and r turn a point at unit distance by no more than
@@ -422,9 +469,26 @@ static void set_motion( const collision_collider* collider, collision_view* view
         rounding * collision_length( collision_sub( collider->to.translation, collider->from.translation ) );
 }
 
+// Poses of a body with a mass: what it has of the step, and where it gets with the velocity that it has. What makes its substeps
+// afterwards sees the way that the body went, and nothing is settled, because nobody knows how far it gets.
+static void set_coupled_poses( const wisp_frame* frame, const wisp_span* span, const collision_collider* collider,
+                               const collision_coupled* coupled, float progress[2], collision_view* view )
+{
+    const float far = 1e6f;
+    view->shift = far;
+    if ( coupled->done < coupled->total )
+    {
+        view->before = coupled->before;
+        view->after = collision_coupled_pose( collider, coupled, progress[1], wisp_frame_dt( frame, span->entity ) );
+        return;
+    }
+    view->before = wisp_transform_interpolate( collider->from, coupled->before, progress[0] );
+    view->after = wisp_transform_interpolate( collider->from, coupled->before, progress[1] );
+}
+
 // Compute the poses of a substep. A body that stands still keeps its pose exactly, which interpolation would not.
 static void set_poses( const wisp_frame* frame, const wisp_span* span, const collision_collider* collider,
-                       collision_view* view )
+                       const collision_coupled* coupled, collision_view* view )
 {
     view->begin = view->end = view->shift = view->turn = 0.0f;
     const float before = wisp_frame_progress( frame, span->entity, span->substep ),
@@ -434,6 +498,11 @@ static void set_poses( const wisp_frame* frame, const wisp_span* span, const col
         view->begin = before;
         view->end = after;
         view->shift = view->body->shift;
+    }
+    if ( coupled != NULL )
+    {
+        set_coupled_poses( frame, span, collider, coupled, ( float[2] ){ before, after }, view );
+        return;
     }
     if ( memcmp( &collider->from, &collider->to, sizeof( wisp_transform ) ) == 0 )
     {
@@ -458,7 +527,8 @@ bool collision_next( wisp_frame* frame, const wisp_span* span, const collision_s
         if ( ( collider->layers & settings->mask ) != 0 && is_left_out == false )
         {
             out->body = body;
-            set_poses( frame, span, collider, out );
+            set_poses( frame, span, collider,
+                       body->is_coupled ? wisp_frame_column( frame, body->entity, state->coupled, 0 ) : NULL, out );
             out->restitution = body->restitution;
             out->thickness = settings->thickness + collider->thickness;
             out->static_friction = settings->friction * collider->static_friction;

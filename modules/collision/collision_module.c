@@ -29,6 +29,7 @@
     X( float, origin, 48 * COLLISION_TRACKS )                    /* [body][x, y, z][lane] */
 #define COLLISION_FOLLOWER_COLUMNS( X ) X( int32_t, follows, 1 ) /* the body is a surface */
 #define COLLISION_REACTION_COLUMNS( X ) X( wisp_reaction, reaction, 1 )
+#define COLLISION_COUPLED_COLUMNS( X ) X( collision_coupled, coupled, 1 )
 #define COLLISION_REACTION_PART_COLUMNS( X ) X( int32_t, first, 1 )
 #define COLLISION_CONTACT_BODY_COLUMNS( X ) X( int32_t, body, WISP_COLLISION_CONTACTS )
 #define COLLISION_BOUNCE_COLUMNS( X ) X( float, bounce, WISP_COLLISION_CONTACTS )
@@ -54,6 +55,7 @@ static const wisp_column_def TRACKED_COLUMNS[] = { COLLISION_TRACKED_COLUMNS( WI
 static const wisp_column_def STRAND_TRACKED_COLUMNS[] = { COLLISION_STRAND_TRACKED_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def FOLLOWER_COLUMNS[] = { COLLISION_FOLLOWER_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def REACTION_COLUMNS[] = { COLLISION_REACTION_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def COUPLED_COLUMNS[] = { COLLISION_COUPLED_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def REACTION_PART_COLUMNS[] = { COLLISION_REACTION_PART_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def CONTACT_BODY_COLUMNS[] = { COLLISION_CONTACT_BODY_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def ALL_FEATURES_COLUMNS[] = { COLLISION_ALL_FEATURES_COLUMNS( WISP_COLUMN_DEF ) };
@@ -111,6 +113,11 @@ static wisp_status entity_teleported( void* memory, wisp_world* world, wisp_enti
     {
         *target = wisp_teleport_pose( teleport, *target );
     }
+    collision_coupled* coupled = wisp_world_column( world, entity, state->coupled, 0 );
+    if ( coupled != NULL )
+    {
+        coupled->before = wisp_teleport_pose( teleport, coupled->before );
+    }
     return WISP_OK;
 }
 
@@ -145,7 +152,9 @@ static wisp_status declare_components( wisp_registry* r, collision_state* state 
     const wisp_component_def part = { "collision.reaction_part", WISP_TABLE_ENTITY, REACTION_PART_COLUMNS, 1 };
     const wisp_component_def body = { "collision.contact_body", WISP_TABLE_PARTICLE, CONTACT_BODY_COLUMNS, 1 };
     const wisp_component_def bounce = { "collision.bounce", WISP_TABLE_PARTICLE, BOUNCE_COLUMNS, 1 };
+    const wisp_component_def coupled = { "collision.coupled", WISP_TABLE_ENTITY, COUPLED_COLUMNS, 1 };
     state->reaction = wisp_declare_component( r, &reaction );
+    state->coupled = wisp_declare_component( r, &coupled );
     state->reaction_part = wisp_declare_component( r, &part );
     state->contact_body = wisp_declare_component( r, &body );
     state->bounce = wisp_declare_component( r, &bounce );
@@ -220,6 +229,17 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .fabric = WISP_FABRIC_EDGES,
         },
         {
+            .name = "collision.share",
+            .stage = WISP_STAGE_CONTACT,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { state->collider, state->coupled },
+            .reads = { state->collider },
+            .writes = { state->coupled },
+            .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_HALF_SPACES, state->edge_contacts },
+            .among = state->settings,
+            .run = collision_share_contacts,
+        },
+        {
             .name = "collision.project",
             .stage = WISP_STAGE_PROJECT,
             .domain = WISP_DOMAIN_PARTICLE_BLOCK,
@@ -256,6 +276,18 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .required = { state->reaction_part, WISP_PARTICLE_EXTERNAL_SOLVER, WISP_PARTICLE_CONTACTS },
             .writes = { WISP_PARTICLE_CONTACT_IMPULSES },
             .run = collision_gather_impulses,
+        },
+        {
+            .name = "collision.couple",
+            .stage = WISP_STAGE_VELOCITY,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { state->collider, state->coupled },
+            .reads = { state->collider, state->coupled },
+            .writes = { state->coupled },
+            .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_HALF_SPACES,
+                         WISP_PARTICLE_CONTACTS, WISP_PARTICLE_CONTACT_IMPULSES },
+            .among = state->settings,
+            .run = collision_couple,
         },
         {
             .name = "collision.reaction",

@@ -51,7 +51,8 @@ static bool add_rigid( const collision_state* state, const wisp_world* world, co
     *hash = wisp_hash_bytes( *hash, &body->entity, sizeof( body->entity ) );
     *hash = wisp_hash_bytes( *hash, collider, sizeof( *collider ) );
     *hash = wisp_hash_bytes( *hash, &target, sizeof( target ) );
-    return memcmp( &collider->from, &collider->to, sizeof( collider->to ) ) == 0;
+    // what a body with a mass lies on carries it
+    return memcmp( &collider->from, &collider->to, sizeof( collider->to ) ) == 0 && body->is_coupled == false;
 }
 
 static bool add_surface( const collision_state* state, const wisp_world* world, const collision_body* body,

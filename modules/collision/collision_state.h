@@ -21,6 +21,7 @@ typedef struct collision_body
     wisp_collision_mesh* tree; // null for a closed form
     bool follows;              // the mesh is that of a surface, in the world: see collision_surface.c
     wisp_entity surface;       // zero once it was removed
+    bool is_coupled;           // it has a mass
     bool tracks;               // the closest triangle is tracked
     int track;                 // where participants keep it; -1: nowhere
     wisp_vec3 *start, *finish; // m, [point_count] of the surface in this step, the user's order
@@ -58,6 +59,8 @@ typedef struct collision_state
     wisp_component strand_tracked; // of rows of strands, likewise
     int track_count;               // bodies that are tracked
     wisp_component reaction;       // wisp_reaction of a body that is asked for it
+    wisp_component coupled;        // collision_coupled of a body with a mass
+    int coupled_count;             // of them
     wisp_component reaction_part;  // of participants while one is: the first of their parts in the sums
     wisp_component contact_body;   // of surfaces likewise: for each contact the place of its body in the list
     wisp_component all_features;   // a mark of surfaces whose edges and triangles collide, and how many have contacts
@@ -95,6 +98,22 @@ typedef struct collision_collider
     float thickness;
     uint32_t layers;
 } collision_collider;
+
+/// A body with a mass, within a step.
+typedef struct collision_coupled
+{
+    double impulse[6];              // of the step: N s; N m s about its origin in each substep
+    wisp_transform before;          // where the last substep ended
+    wisp_quat turn;                 // what contact has changed of the pose that the host gave for that time
+    wisp_vec3 shift;                // m, likewise
+    wisp_vec3 velocity, spin;       // m/s, 1/s: of the step, of that change
+    wisp_vec3 inverse_inertia;      // about the axes of its frame, 0: does not turn
+    float inverse_mass, most_turns; // the latter the largest of inverse_inertia
+    float load;                     // kg, of vertices near it in the substep
+    int32_t done, total;            // substeps of the step
+} collision_coupled;
+
+_Static_assert( sizeof( collision_coupled ) == 160, "no padding" );
 
 /// Find the state of the module. @return WISP_CONFLICT the module is not registered
 wisp_status collision_find_state( wisp_world* world, collision_state** out );

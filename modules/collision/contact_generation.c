@@ -295,10 +295,11 @@ static void write_motions( const found_planes* planes, int first, int end, float
     }
 }
 
-// Note the body of a contact, and the velocity of a bounce.
-static void note_contact( const collision_find_args* args, const collision_view* view, int slot, int place,
-                          const collision_contact* c )
+// Note the thickness and the body of a contact, and the velocity of a bounce.
+static void note_contact( const collision_find_args* args, const collision_view* view, collision_block* block,
+                          int slot, int place, const collision_contact* c )
 {
+    block->thickness[slot - block->begin][place] = view->thickness;
     if ( args->contact_body != NULL )
     {
         args->contact_body[slot][place] = (int32_t)( view->body - args->state->bodies );
@@ -309,14 +310,14 @@ static void note_contact( const collision_find_args* args, const collision_view*
     }
 }
 
-static void note_contacts( const collision_find_args* args, const collision_view* view, const collision_block* block,
+static void note_contacts( const collision_find_args* args, const collision_view* view, collision_block* block,
                            const found_planes* planes, int count )
 {
     for ( int m = 0; m < count; ++m )
     {
         const int row = planes->row_x16[m] / 16, slot = block->begin + row / WISP_COLLISION_CONTACTS;
         const int place = row % WISP_COLLISION_CONTACTS;
-        note_contact( args, view, slot, place, args->contact[slot] + place );
+        note_contact( args, view, block, slot, place, args->contact[slot] + place );
     }
 }
 
@@ -422,8 +423,8 @@ static void write_rows( const collision_find_args* args, const collision_view* v
 }
 
 // Of a particle that has all contacts, the farthest gives way to a nearer one.
-static void replace_farthest( const collision_find_args* args, const collision_view* view, int slot,
-                              const collision_contact* found )
+static void replace_farthest( const collision_find_args* args, const collision_view* view, collision_block* block,
+                              int slot, const collision_contact* found )
 {
     const wisp_vec3 p = collision_load( args->position + (size_t)slot * 4 );
     collision_contact* all = args->contact[slot];
@@ -435,7 +436,7 @@ static void replace_farthest( const collision_find_args* args, const collision_v
     if ( contact_gap( found, p ) < contact_gap( all + place, p ) )
     {
         all[place] = *found;
-        note_contact( args, view, slot, place, found );
+        note_contact( args, view, block, slot, place, found );
     }
 }
 
@@ -454,7 +455,7 @@ static void add_beyond( const collision_find_args* args, const collision_view* v
         write_rows( args, view, block, planes, at, n, found[0].point );
         for ( int m = 0; m < n; ++m )
         {
-            replace_farthest( args, view, block->begin + planes->particle_x4[at + m] / 4, found + m );
+            replace_farthest( args, view, block, block->begin + planes->particle_x4[at + m] / 4, found + m );
         }
     }
 }
@@ -491,10 +492,17 @@ static void add_planes( const collision_find_args* args, const collision_view* v
                         found_planes* planes )
 {
     const int room = assign_rows( args, block, planes );
+    if ( planes->count > 0 && block->met++ == 0 && args->can_squeeze )
+    {
+        const size_t quad = (size_t)block->begin * 4,
+                     bytes = (size_t)( block->end - block->begin ) * sizeof( float[4] );
+        memcpy( block->was[0], args->position + quad, bytes );
+        memcpy( block->was[1], args->previous + quad, bytes );
+    }
     if ( room > 0 )
     {
         write_rows( args, view, block, planes, 0, room, args->contact[block->begin][0].point );
-        if ( args->contact_body != NULL || args->bounce != NULL )
+        if ( args->contact_body != NULL || args->bounce != NULL || args->can_squeeze )
         {
             note_contacts( args, view, block, planes, room );
         }
@@ -564,6 +572,7 @@ void collision_find( wisp_frame* frame, const wisp_span* span, void* user )
         .contact = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 2 ),
         .recovery = settings->max_push_out_speed * wisp_frame_dt( frame, span->entity ),
         .state = state,
+        .can_squeeze = state->body_count > 1,
         .contact_body = wisp_frame_column( frame, span->entity, state->contact_body, 0 ),
         .bounce = wisp_frame_column( frame, span->entity, state->bounce, 0 ),
         .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
@@ -591,6 +600,10 @@ void collision_find( wisp_frame* frame, const wisp_span* span, void* user )
         {
             block.is_last = next >= state->body_count;
             collision_meet( &args, &view, &block );
+        }
+        if ( block.met > 1 )
+        {
+            collision_squeeze( &args, &block );
         }
         collision_end_block( &args, &block );
     }

@@ -9,23 +9,25 @@
 //   u = tangential part of (p - previous) - motion, without b
 //   b <- -u if |u| <= mu_s a, else -mu_k a u / |u|
 //
+// At a body with a mass a vertex takes a share of what both miss (reaction.h): a <- s ( a + gap - n (p - q) ), likewise b.
+//
 // They stand for the impulses m a / dt and m b / dt. So with mu_s = mu_k the two are exactly Coulomb's law over the
 // substep, and no velocity relative to the body is reversed. Particles with one contact, which are nearly all, go to
 // the kernel half_space, which computes the same bits.
 #include "body_queries.h"
 #include "collision_passes.h"
-#include "particle_contacts.h"
+#include "contact_generation.h"
 #include "reaction.h"
 
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
 
-static void project_contact( collision_contact* c, wisp_vec3* p, wisp_vec3 previous )
+static void project_contact( collision_contact* c, wisp_vec3* p, wisp_vec3 previous, collision_share share )
 {
     const wisp_vec3 n = collision_load( c->normal );
     float missing = c->gap - collision_dot( n, collision_sub( *p, collision_load( c->point ) ) );
-    float normal = collision_larger( c->normal_correction + missing, 0.0f );
+    float normal = collision_larger( share.normal * ( c->normal_correction + missing ), 0.0f );
     *p = collision_add_scaled( *p, normal - c->normal_correction, n );
     c->normal_correction = normal;
     const wisp_vec3 before = collision_load( c->tangential_correction );
@@ -33,7 +35,8 @@ static void project_contact( collision_contact* c, wisp_vec3* p, wisp_vec3 previ
     u = collision_add_scaled( u, -collision_dot( n, u ), n );
     u = collision_sub( u, before );
     float length = collision_length( u );
-    float fraction = length <= c->static_friction * normal ? 1.0f : c->kinetic_friction * normal / length;
+    const float part = share.tangential;
+    float fraction = part * length <= c->static_friction * normal ? part : c->kinetic_friction * normal / length;
     const wisp_vec3 now = { -fraction * u.x, -fraction * u.y, -fraction * u.z };
     *p = collision_add_scaled( *p, 1.0f, collision_sub( now, before ) );
     collision_store( c->tangential_correction, now );
@@ -46,7 +49,7 @@ static void project_contacts( collision_contact* contacts, int count, wisp_vec3*
     {
         for ( int i = 0; i < count; ++i )
         {
-            project_contact( contacts + i, p, previous );
+            project_contact( contacts + i, p, previous, ( collision_share ){ 1.0f, 1.0f } );
         }
     }
 }
@@ -173,40 +176,59 @@ static void project_several( project_loop* loop, int begin, int n )
     }
 }
 
-// The same sweeps contact by contact, with the reaction to each.
-static void project_reacting( project_loop* loop, int slot, int count )
+// The same sweeps contact by contact, with the reaction to each. What is squeezed is held whole: its contacts begin with a load.
+static void project_reacting( wisp_frame* frame, const collision_state* state, project_loop* loop, int slot )
 {
     float* at = loop->position + (size_t)slot * 4;
     const wisp_vec3 previous = collision_load( loop->previous + (size_t)slot * 4 );
+    const int found = loop->count[slot], count = found < WISP_COLLISION_CONTACTS ? found : WISP_COLLISION_CONTACTS;
     wisp_vec3 p = collision_load( at );
+    collision_share share[WISP_COLLISION_CONTACTS];
+    for ( int i = 0; i < count; ++i )
+    {
+        share[i] = collision_share_of( frame, state, loop->contact_body[slot][i], p,
+                                       collision_load( loop->contact[slot][i].normal ) );
+    }
+    int a, b;
+    if ( collision_find_loaded( loop->contact[slot], count, &a, &b ) )
+    {
+        share[a] = share[b] = ( collision_share ){ 1.0f, 1.0f };
+    }
     for ( int i = 0; i < COLLISION_SWEEPS * count; ++i )
     {
         const wisp_vec3 before = p;
-        project_contact( loop->contact[slot] + i % count, &p, previous );
+        project_contact( loop->contact[slot] + i % count, &p, previous, share[i % count] );
         collision_store( at, p );
         add_reaction( loop, slot, loop->contact_body[slot][i % count], before );
     }
 }
 
 // Project a block and add reactions: of a particle with one contact from its motion, of others contact by contact.
-static void project_with_reactions( const wisp_kernels* kernels, project_loop* loop, int begin, int single_count,
-                                    int several_count )
+static void project_with_reactions( wisp_frame* frame, const collision_state* state, project_loop* loop, int begin,
+                                    int single_count, int several_count )
 {
+    for ( int i = 0; i < several_count; ++i )
+    {
+        project_reacting( frame, state, loop, begin + loop->several[i] );
+    }
+    for ( int i = 0; i < single_count && state->coupled_count > 0; ++i )
+    {
+        project_reacting( frame, state, loop, begin + loop->single[i] );
+    }
+    if ( state->coupled_count > 0 )
+    {
+        return;
+    }
     float before[COLLISION_CHUNK][3];
     for ( int i = 0; i < single_count; ++i )
     {
         memcpy( before[i], loop->position + (size_t)( begin + loop->single[i] ) * 4, sizeof( before[i] ) );
     }
-    project_singles( kernels, loop, begin, single_count );
+    project_singles( wisp_frame_kernels( frame ), loop, begin, single_count );
     for ( int i = 0; i < single_count; ++i )
     {
         const int slot = begin + loop->single[i];
         add_reaction( loop, slot, loop->contact_body[slot][0], collision_load( before[i] ) );
-    }
-    for ( int i = 0; i < several_count; ++i )
-    {
-        const int slot = begin + loop->several[i], count = loop->count[slot];
-        project_reacting( loop, slot, count < WISP_COLLISION_CONTACTS ? count : WISP_COLLISION_CONTACTS );
     }
 }
 
@@ -234,7 +256,7 @@ void collision_project( wisp_frame* frame, const wisp_span* span, void* user )
         loop.sums = collision_reaction_sums( frame, span->entity, state, begin / COLLISION_CHUNK );
         if ( loop.sums != NULL )
         {
-            project_with_reactions( kernels, &loop, begin, single_count, several_count );
+            project_with_reactions( frame, state, &loop, begin, single_count, several_count );
         }
         else
         {

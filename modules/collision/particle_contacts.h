@@ -39,6 +39,9 @@ typedef struct collision_block
     float clear[COLLISION_BLOCK];       // m, within this distance there is no body without a contact
     float free_radius[COLLISION_BLOCK]; // m, within which no body finds the particle in this step
     bool is_last;                       // no other body follows, so nobody reads new positions
+    int met;                            // bodies that have given contacts
+    float thickness[COLLISION_BLOCK][WISP_COLLISION_CONTACTS]; // m, of each contact
+    float was[2][COLLISION_BLOCK][4];                          // positions and previous ones before a body moved them
     // seen from one body, in its frame
     int candidate_count;
     int32_t candidates[COLLISION_PADDED];                     // in the block: those that may be within reach
@@ -70,6 +73,7 @@ typedef struct collision_find_args
     wisp_vec3 gravity;     // m/s^2
     float dt;              // s
     collision_maps maps;
+    bool can_squeeze; // there are several bodies
     bool has_settled; // groups of an earlier substep of this step may be settled
     bool settles;     // groups may be settled until the next substep
 } collision_find_args;

@@ -16,6 +16,7 @@
 
 #include "body_queries.h"
 #include "collision_passes.h"
+#include "contact_generation.h"
 #include "feature_contacts.h"
 #include "reaction.h"
 
@@ -352,20 +353,30 @@ static void move_corners( float* to, const float* position, const int32_t* corne
     }
 }
 
+// Return a contact's distance at the start of the substep, less the thickness, and set the one now.
+static float gaps_of( const find_loop* loop, const int32_t* corners, const collision_primitive_contact* c,
+                      float* now )
+{
+    const wisp_vec3 n = collision_load( c->half_space.normal ), q = collision_load( c->half_space.point );
+    float start = c->half_space.normal_correction;
+    *now = -collision_dot( n, q ) - c->half_space.gap;
+    for ( int k = 0; k < loop->primitives.corner_count; ++k )
+    {
+        const size_t quad = (size_t)corners[k] * 4;
+        start += c->weights[k] * collision_dot( n, collision_load( loop->previous + quad ) );
+        *now += c->weights[k] * collision_dot( n, collision_load( loop->position + quad ) );
+    }
+    return start;
+}
+
 // Complete a contact: its gap, and what moves out a point that starts too near, as find_push_out() of the kernel half_space_rows
 // does for particles. @param most m, that it is moved out; negative: not at all, and it gets no nearer
 static void push_out( const find_loop* loop, const int32_t* corners, float most, collision_primitive_contact* c )
 {
     const int corner_count = loop->primitives.corner_count;
     const float shallow = COLLISION_SHALLOW * c->half_space.gap;
-    const wisp_vec3 n = collision_load( c->half_space.normal ), q = collision_load( c->half_space.point );
-    float start = c->half_space.normal_correction, now = -collision_dot( n, q ) - c->half_space.gap;
-    for ( int k = 0; k < corner_count; ++k )
-    {
-        const size_t quad = (size_t)corners[k] * 4;
-        start += c->weights[k] * collision_dot( n, collision_load( loop->previous + quad ) );
-        now += c->weights[k] * collision_dot( n, collision_load( loop->position + quad ) );
-    }
+    float now;
+    const float start = gaps_of( loop, corners, c, &now );
     c->half_space.normal_correction = 0.0f;
     if ( start >= 0.0f )
     {
@@ -403,6 +414,95 @@ static void push_out( const find_loop* loop, const int32_t* corners, float most,
     }
 }
 
+// ---- squeezed primitives: as vertices are in squeeze.c ----
+
+// Return the least gap that a squeezed corner has from the side of a contact; infinity if none is squeezed from there. Before the
+// projection only contacts that squeeze have a correction.
+static float squeezed_gap( const find_loop* loop, const int32_t* corners, const collision_contact* c )
+{
+    float least = INFINITY;
+    for ( int k = 0; k < loop->primitives.corner_count; ++k )
+    {
+        const collision_contact* of_corner = loop->particle_contacts[corners[k]];
+        for ( int i = 0; i < loop->contact_counts[corners[k]] && i < WISP_COLLISION_CONTACTS; ++i )
+        {
+            const bool loaded =
+                of_corner[i].normal_correction > 0.0f &&
+                collision_dot( collision_load( of_corner[i].normal ), collision_load( c->normal ) ) > 0.0f;
+            least = loaded ? collision_smaller( of_corner[i].gap, least ) : least;
+        }
+    }
+    return least;
+}
+
+// Hold a primitive that two bodies squeeze between its corners in the middle, and load its contacts. @return whether it is one
+static bool squeeze_pair( const find_loop* loop, const int32_t* corners, float most, collision_primitive_contact* c )
+{
+    const float dt = wisp_frame_dt( loop->frame, loop->span->entity );
+    const wisp_vec3 normals[2] = { collision_load( c[0].half_space.normal ),
+                                   collision_load( c[1].half_space.normal ) };
+    const float oppose = -collision_dot( normals[0], normals[1] ), both = c[0].half_space.gap + c[1].half_space.gap;
+    float now[2];
+    float aside = 0.5f * ( gaps_of( loop, corners, c, now ) - gaps_of( loop, corners, c + 1, now + 1 ) );
+    const float depth = -now[0] - now[1];
+    if ( collision_is_squeezed( oppose, depth, both ) == false )
+    {
+        return false;
+    }
+    const float way = collision_larger( -most, collision_smaller( -aside, most ) );
+    move_corners( loop->position, loop->position, corners, loop->primitives.corner_count, c, way );
+    move_corners( loop->previous, loop->position, corners, loop->primitives.corner_count, c, way );
+    aside = 0.5f * ( gaps_of( loop, corners, c, now ) - gaps_of( loop, corners, c + 1, now + 1 ) );
+    collision_impulse* sums = collision_reaction_sums( loop->frame, loop->span->entity, loop->state, 0 );
+    // the force is that of the mean mass of free corners; the correction that stands for it is of the point
+    float inverse_mass = 0.0f, mean_mass = 0.0f;
+    wisp_vec3 at = { 0.0f, 0.0f, 0.0f };
+    for ( int k = 0; k < loop->primitives.corner_count; ++k )
+    {
+        const float* p = loop->position + (size_t)corners[k] * 4;
+        const float b = c[0].weights[k];
+        inverse_mass += p[3] * b * b;
+        mean_mass += p[3] > 0.0f ? b / p[3] : 0.0f;
+        at = collision_add_scaled( at, b, collision_load( p ) );
+    }
+    const float load = collision_squeeze_load( dt, oppose, depth, both ) * mean_mass * inverse_mass;
+    for ( int i = 0; i < 2; ++i )
+    {
+        c[i].half_space.gap += ( i == 0 ? aside : -aside ) - 0.5f * depth;
+        c[i].half_space.normal_correction = load;
+        if ( sums != NULL )
+        {
+            const wisp_vec3 axis = collision_sub( normals[i], normals[1 - i] ), none = { 0.0f, 0.0f, 0.0f };
+            const wisp_vec3 push = collision_add_scaled( none, load / collision_length( axis ), axis );
+            collision_add_impulse( sums[c[i].body], 1.0 / ( (double)inverse_mass * (double)dt ), none, push, at );
+        }
+    }
+    return true;
+}
+
+static void complete_contacts( const find_loop* loop, int primitive, float recovery )
+{
+    const collision_primitives* p = &loop->primitives;
+    const int32_t* corners = p->corners + (size_t)primitive * (size_t)p->corner_count;
+    collision_primitive_contact* c = p->contacts[primitive];
+    const int count = collision_contacts_of( p, primitive );
+    float held[COLLISION_PRIMITIVE_CONTACTS] = { INFINITY, INFINITY };
+    for ( int k = 0; k < count && recovery >= 0.0f; ++k )
+    {
+        held[k] = squeezed_gap( loop, corners, &c[k].half_space );
+    }
+    if ( recovery >= 0.0f && count == 2 && held[0] == INFINITY && held[1] == INFINITY &&
+         squeeze_pair( loop, corners, recovery, c ) )
+    {
+        return;
+    }
+    for ( int k = 0; k < count; ++k )
+    {
+        push_out( loop, corners, held[k] < INFINITY ? -1.0f : recovery, c + k );
+        c[k].half_space.gap = collision_smaller( c[k].half_space.gap, held[k] );
+    }
+}
+
 static void list_active( const find_loop* loop, float recovery )
 {
     const collision_primitives* p = &loop->primitives;
@@ -415,11 +515,7 @@ static void list_active( const find_loop* loop, float recovery )
     *p->active_count = count;
     for ( int a = 0; a < count; ++a )
     {
-        const int i = p->active[a];
-        for ( int k = 0; k < collision_contacts_of( p, i ); ++k )
-        {
-            push_out( loop, p->corners + (size_t)i * (size_t)p->corner_count, recovery, &p->contacts[i][k] );
-        }
+        complete_contacts( loop, p->active[a], recovery );
     }
 }
 

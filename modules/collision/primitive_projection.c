@@ -31,6 +31,8 @@ typedef struct corner_quads
 
 typedef struct primitive_loop
 {
+    wisp_frame* frame;
+    const collision_state* state;
     float* position;
     const float* previous;
     collision_impulse* sums; // null without reactions
@@ -89,7 +91,8 @@ static void project_primitive( const primitive_loop* loop, const int32_t* corner
     const corner_quads quads = quads_of( loop, corners, count, contact );
     const wisp_vec3 start = point_of( &quads, contact, loop->position ), n = collision_load( c->normal );
     const float missing = c->gap - collision_dot( n, collision_sub( start, collision_load( c->point ) ) );
-    const float normal = collision_larger( c->normal_correction + missing, 0.0f );
+    const collision_share share = collision_share_of( loop->frame, loop->state, contact->body, start, n );
+    const float normal = collision_larger( share.normal * ( c->normal_correction + missing ), 0.0f );
     if ( normal == 0.0f && c->normal_correction == 0.0f )
     {
         return; // friction is 0 too
@@ -102,7 +105,9 @@ static void project_primitive( const primitive_loop* loop, const int32_t* corner
     u = collision_add_scaled( u, -collision_dot( n, u ), n );
     u = collision_sub( u, before );
     const float length = collision_length( u );
-    const float fraction = length <= c->static_friction * normal ? 1.0f : c->kinetic_friction * normal / length;
+    const float part = share.tangential;
+    const float fraction =
+        part * length <= c->static_friction * normal ? part : c->kinetic_friction * normal / length;
     const wisp_vec3 now = { -fraction * u.x, -fraction * u.y, -fraction * u.z };
     collision_store( c->tangential_correction, now );
     const wisp_vec3 p = collision_add_scaled( pushed, 1.0f, collision_sub( now, before ) );
@@ -272,6 +277,8 @@ void collision_project_primitives( wisp_frame* frame, const wisp_span* span, voi
     const collision_state* state = user;
     const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     const primitive_loop loop = {
+        .frame = frame,
+        .state = state,
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
         .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
         .sums = collision_reaction_sums( frame, span->entity, state, 0 ),

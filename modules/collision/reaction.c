@@ -3,7 +3,8 @@
 #include "reaction.h"
 
 #include "collision_passes.h"
-#include "particle_contacts.h"
+#include "contact_generation.h"
+#include "primitive_contacts.h"
 
 #include <string.h>
 
@@ -21,7 +22,7 @@ static bool is_requested( wisp_world* world, const collision_state* state )
 {
     for ( int i = 0; i < state->body_count; ++i )
     {
-        if ( wisp_world_has( world, state->bodies[i].entity, state->reaction ) )
+        if ( state->bodies[i].is_coupled || wisp_world_has( world, state->bodies[i].entity, state->reaction ) )
         {
             return true;
         }
@@ -168,35 +169,220 @@ static void add_parts( wisp_frame* frame, const collision_state* state, wisp_ent
     }
 }
 
-void collision_read_reactions( wisp_frame* frame, const wisp_span* span, void* user )
+static size_t place_of_body( const collision_state* state, wisp_entity entity )
 {
-    const collision_state* state = user;
     size_t body = 0;
-    while ( wisp_entity_equal( state->bodies[body].entity, span->entity ) == false )
+    while ( wisp_entity_equal( state->bodies[body].entity, entity ) == false )
     {
         body += 1;
     }
-    double total[6] = { 0.0 };
+    return body;
+}
+
+// Add what some participants gave to a body, surfaces or strands, and empty their sums.
+static void add_participants( wisp_frame* frame, const collision_state* state, size_t body, bool surfaces,
+                              bool strands, double* total )
+{
     for ( int i = 0; i < state->participant_count; ++i )
     {
         const wisp_entity participant = state->participants[i];
-        const wisp_strand_topology* strands = wisp_frame_strands( frame, participant );
-        const int parts =
-            strands != NULL
-                ? strands->group_count
-                : ( wisp_frame_fabric( frame, participant )->slot_count + COLLISION_BLOCK - 1 ) / COLLISION_BLOCK;
-        add_parts( frame, state, participant, body, parts, total );
+        const wisp_strand_topology* topology = wisp_frame_strands( frame, participant );
+        if ( topology != NULL ? strands : surfaces )
+        {
+            const int parts =
+                topology != NULL
+                    ? topology->group_count
+                    : ( wisp_frame_fabric( frame, participant )->slot_count + COLLISION_BLOCK - 1 ) / COLLISION_BLOCK;
+            add_parts( frame, state, participant, body, parts, total );
+        }
     }
-    const collision_collider* collider = wisp_frame_column( frame, span->entity, state->collider, 0 );
-    const wisp_vec3 o = collider->to.translation;
-    const double ox = (double)o.x, oy = (double)o.y, oz = (double)o.z;
+}
+
+// Move the torque of an impulse from the origin of the world to a point.
+static void move_torque( double* total, wisp_vec3 to )
+{
+    const double x = (double)to.x, y = (double)to.y, z = (double)to.z;
+    total[3] -= y * total[2] - z * total[1];
+    total[4] -= z * total[0] - x * total[2];
+    total[5] -= x * total[1] - y * total[0];
+}
+
+void collision_read_reactions( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const collision_state* state = user;
+    double total[6] = { 0.0 };
+    collision_coupled* coupled = wisp_frame_column( frame, span->entity, state->coupled, 0 );
+    collision_collider* collider = wisp_frame_column( frame, span->entity, state->collider, 0 );
+    add_participants( frame, state, place_of_body( state, span->entity ), coupled == NULL, true, total );
+    if ( coupled != NULL )
+    {
+        collider->to = collision_coupled_pose( collider, coupled, 1.0f, 0.0f );
+        *(wisp_transform*)wisp_frame_column( frame, span->entity, state->motion, 0 ) = collider->to;
+    }
+    move_torque( total, collider->to.translation );
+    for ( int k = 0; k < 6 && coupled != NULL; ++k )
+    {
+        total[k] += coupled->impulse[k];
+    }
     wisp_reaction* out = wisp_frame_column( frame, span->entity, state->reaction, 0 );
     *out = ( wisp_reaction ){
         { (float)total[0], (float)total[1], (float)total[2] },
-        { (float)( total[3] - ( oy * total[2] - oz * total[1] ) ),
-          (float)( total[4] - ( oz * total[0] - ox * total[2] ) ),
-          (float)( total[5] - ( ox * total[1] - oy * total[0] ) ) },
+        { (float)total[3], (float)total[4], (float)total[5] },
+        collider->to,
     };
+}
+
+// ---- bodies with a mass ----
+
+// Return a rotation after another.
+static wisp_quat turn_by( wisp_quat a, wisp_quat b )
+{
+    return (
+        wisp_quat ){ a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
+                     a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z };
+}
+
+// The first order of the exponential of half the rotation; it is given unit length.
+static wisp_quat turn_with( wisp_quat q, wisp_vec3 spin, float seconds )
+{
+    const float half = 0.5f * seconds;
+    return turn_by( ( wisp_quat ){ half * spin.x, half * spin.y, half * spin.z, 1.0f }, q );
+}
+
+wisp_transform collision_coupled_pose( const collision_collider* collider, const collision_coupled* coupled,
+                                       float progress, float seconds )
+{
+    const wisp_transform host = wisp_transform_interpolate( collider->from, collider->to, progress );
+    const wisp_vec3 moved = collision_add_scaled( coupled->shift, seconds, coupled->velocity );
+    const wisp_quat turn = turn_with( coupled->turn, coupled->spin, seconds );
+    return wisp_transform_make( turn_by( turn, host.rotation ),
+                                collision_add_scaled( host.translation, 1.0f, moved ) );
+}
+
+static wisp_vec3 turned_by_torque( const collision_coupled* coupled, wisp_quat pose, wisp_vec3 torque )
+{
+    const wisp_vec3 t = wisp_quat_inverse_rotate( pose, torque ), inverse = coupled->inverse_inertia;
+    return wisp_quat_rotate( pose, ( wisp_vec3 ){ t.x * inverse.x, t.y * inverse.y, t.z * inverse.z } );
+}
+
+void collision_couple( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const collision_state* state = user;
+    collision_coupled* c = wisp_frame_column( frame, span->entity, state->coupled, 0 );
+    const collision_collider* collider = wisp_frame_column( frame, span->entity, state->collider, 0 );
+    const float dt = wisp_frame_dt( frame, span->entity );
+    const float progress = wisp_frame_progress( frame, span->entity, span->substep + 1 );
+    const wisp_transform met = collision_coupled_pose( collider, c, progress, dt );
+    double got[6] = { 0.0 };
+    add_participants( frame, state, place_of_body( state, span->entity ), true, false, got );
+    move_torque( got, met.translation );
+    for ( int k = 0; k < 6; ++k )
+    {
+        c->impulse[k] += got[k];
+    }
+    const wisp_vec3 impulse = { (float)got[0], (float)got[1], (float)got[2] },
+                    torque = { (float)got[3], (float)got[4], (float)got[5] };
+    c->velocity = collision_add_scaled( c->velocity, c->inverse_mass, impulse );
+    c->spin = collision_add_scaled( c->spin, 1.0f, turned_by_torque( c, met.rotation, torque ) );
+    // with the velocity after the impulse
+    c->shift = collision_add_scaled( c->shift, dt, c->velocity );
+    c->turn = wisp_transform_make( turn_with( c->turn, c->spin, dt ), c->shift ).rotation;
+    c->before = collision_coupled_pose( collider, c, progress, 0.0f );
+    c->done = span->substep + 1;
+}
+
+// Does a contact count as one that the body may meet in the substep?
+static bool is_close( const collision_contact* c, wisp_vec3 p )
+{
+    return collision_dot( collision_load( c->normal ), collision_sub( p, collision_load( c->point ) ) ) <
+           2.0f * c->gap;
+}
+
+static double vertices_near( wisp_frame* frame, const collision_state* state, wisp_entity e, int32_t body )
+{
+    const float* position = wisp_frame_column( frame, e, WISP_PARTICLE_POSITION, 0 );
+    const int32_t* count = wisp_frame_column( frame, e, WISP_PARTICLE_HALF_SPACES, 0 );
+    collision_contact( *contact )[WISP_COLLISION_CONTACTS] =
+        wisp_frame_column( frame, e, WISP_PARTICLE_HALF_SPACES, 2 );
+    int32_t( *of )[WISP_COLLISION_CONTACTS] = wisp_frame_column( frame, e, state->contact_body, 0 );
+    const int slots = of != NULL ? wisp_frame_fabric( frame, e )->slot_count : 0;
+    double mass = 0.0;
+    for ( int slot = 0; slot < slots; ++slot )
+    {
+        for ( int i = 0; i < count[slot] && i < WISP_COLLISION_CONTACTS; ++i )
+        {
+            const float* p = position + (size_t)slot * 4;
+            const bool counts =
+                of[slot][i] == body && p[3] > 0.0f && is_close( contact[slot] + i, collision_load( p ) );
+            mass += counts ? 1.0 / (double)p[3] : 0.0;
+        }
+    }
+    return mass;
+}
+
+// A vertex has three edges and two triangles in the mean.
+static double primitives_near( wisp_frame* frame, const collision_state* state, wisp_entity e, int32_t body )
+{
+    const float* position = wisp_frame_column( frame, e, WISP_PARTICLE_POSITION, 0 );
+    double mass = 0.0;
+    for ( int corner_count = 2; corner_count <= 3; ++corner_count )
+    {
+        const collision_primitives p = collision_primitives_of( frame, e, state, corner_count );
+        for ( int a = 0; p.found != NULL && a < *p.active_count; ++a )
+        {
+            const int primitive = p.active[a];
+            for ( int i = 0; i < collision_contacts_of( &p, primitive ); ++i )
+            {
+                const collision_primitive_contact* c = p.contacts[primitive] + i;
+                for ( int k = 0; k < corner_count && c->body == body; ++k )
+                {
+                    const float w = position[(size_t)p.corners[primitive * corner_count + k] * 4 + 3];
+                    mass += w > 0.0f ? (double)c->weights[k] / ( 3.0 * (double)w ) : 0.0;
+                }
+            }
+        }
+    }
+    return mass;
+}
+
+void collision_share_contacts( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const collision_state* state = user;
+    const int32_t body = (int32_t)place_of_body( state, span->entity );
+    double mass = 0.0;
+    for ( int i = 0; i < state->participant_count; ++i )
+    {
+        const wisp_entity e = state->participants[i];
+        if ( wisp_frame_strands( frame, e ) == NULL )
+        {
+            mass += vertices_near( frame, state, e, body ) + primitives_near( frame, state, e, body );
+        }
+    }
+    ( (collision_coupled*)wisp_frame_column( frame, span->entity, state->coupled, 0 ) )->load = (float)mass;
+    for ( int i = 0; i < state->participant_count; ++i )
+    {
+        if ( wisp_frame_strands( frame, state->participants[i] ) == NULL )
+        {
+            collision_unload( frame, state, state->participants[i], body );
+        }
+    }
+}
+
+collision_share collision_share_of( wisp_frame* frame, const collision_state* state, int body, wisp_vec3 at,
+                                    wisp_vec3 normal )
+{
+    if ( state->bodies[body].is_coupled == false )
+    {
+        return ( collision_share ){ 1.0f, 1.0f };
+    }
+    const collision_coupled* c = wisp_frame_column( frame, state->bodies[body].entity, state->coupled, 0 );
+    const wisp_vec3 r = collision_sub( at, c->before.translation );
+    const wisp_vec3 arm = { r.y * normal.z - r.z * normal.y, r.z * normal.x - r.x * normal.z,
+                            r.x * normal.y - r.y * normal.x };
+    const float turns = collision_dot( arm, turned_by_torque( c, c->before.rotation, arm ) );
+    return (
+        collision_share ){ 1.0f / ( 1.0f + c->load * ( c->inverse_mass + turns ) ),
+                           1.0f / ( 1.0f + c->load * ( c->inverse_mass + c->most_turns * collision_dot( r, r ) ) ) };
 }
 
 // ---- requests ----
@@ -212,6 +398,11 @@ static wisp_status find_collider( wisp_world* world, wisp_entity collider, colli
 
 static wisp_status give_up( wisp_world* world, collision_state* state, wisp_entity collider )
 {
+    if ( wisp_world_has( world, collider, state->coupled ) )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "collision: entity %u has a mass, which needs its reaction",
+                                collider.index );
+    }
     WISP_TRY( wisp_world_cancel_request( world, collider, state->reaction ) );
     WISP_TRY( wisp_world_detach( world, collider, state->reaction ) );
     return collision_update_reactions( world, state );

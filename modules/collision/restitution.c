@@ -49,7 +49,16 @@ void collision_bounce_off( wisp_frame* frame, const wisp_span* span, void* user 
         {
             const wisp_vec3 n = collision_load( contact[slot][i].normal ),
                             v = collision_load( velocity + (size_t)slot * 4 );
-            const float change = bounce[slot][i] - collision_dot( n, v );
+            float change = bounce[slot][i] - collision_dot( n, v );
+            if ( state->coupled_count > 0 && body != NULL && change > 0.0f && bounce[slot][i] > -INFINITY )
+            {
+                // of the separation, the body takes the rest
+                const float surface =
+                    collision_dot( n, collision_load( contact[slot][i].motion ) ) / wisp_frame_dt( frame, e );
+                const wisp_vec3 at = collision_load( position + (size_t)slot * 4 );
+                const float share = collision_share_of( frame, state, body[slot][i], at, n ).normal;
+                change = share < 1.0f ? share * ( bounce[slot][i] - surface ) : change;
+            }
             if ( contact[slot][i].normal_correction > 0.0f && change > 0.0f )
             {
                 const wisp_vec3 now = collision_add_scaled( v, change, n ),
