@@ -165,6 +165,16 @@ void wisp_declare_map( wisp_registry* registry, wisp_component map, wisp_compone
     registry->maps[registry->map_count++] = ( plan_map ){ map, component, refusal };
 }
 
+void wisp_declare_places( wisp_registry* registry, wisp_component component, int column, wisp_place_shape shape )
+{
+    if ( registry->place_count == PLAN_MAX_PLACES )
+    {
+        fail_declaration( registry, "too many columns of places:", registry->module );
+        return;
+    }
+    registry->places[registry->place_count++] = ( plan_place_column ){ component, column, shape };
+}
+
 void* wisp_declare_state( wisp_registry* registry, size_t size )
 {
     void* memory =

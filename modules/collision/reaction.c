@@ -157,6 +157,7 @@ static void add_parts( wisp_frame* frame, const collision_state* state, wisp_ent
 {
     collision_impulse* sums = collision_reaction_sums( frame, participant, state, 0 );
     const bool counts = sums != NULL && wisp_frame_is_halted( frame, participant ) == false;
+    const double before[3] = { total[0], total[1], total[2] };
     for ( int part = 0; part < parts && sums != NULL; ++part )
     {
         double* sum = sums[(size_t)part * (size_t)state->body_count + body];
@@ -165,6 +166,13 @@ static void add_parts( wisp_frame* frame, const collision_state* state, wisp_ent
             total[k] += counts ? sum[k] : 0.0;
             sum[k] = 0.0;
         }
+    }
+    const wisp_vec3 by = wisp_frame_between( frame, participant, state->bodies[body].entity );
+    const double arm[3] = { (double)by.x, (double)by.y, (double)by.z };
+    for ( int k = 0; k < 3; ++k )
+    {
+        const int a = ( k + 1 ) % 3, b = ( k + 2 ) % 3;
+        total[3 + k] += arm[a] * ( total[b] - before[b] ) - arm[b] * ( total[a] - before[a] );
     }
 }
 

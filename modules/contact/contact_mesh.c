@@ -168,6 +168,9 @@ bool contact_may_meet( const contact_participant* a, const contact_participant* 
     {
         return ( a->settings.self & 1 ) != 0;
     }
-    return ( a->settings.layers & b->settings.mask ) != 0 && ( b->settings.layers & a->settings.mask ) != 0 &&
+    // what is apart has another origin, and meets nothing
+    const bool is_apart = a->place.x != b->place.x || a->place.y != b->place.y || a->place.z != b->place.z;
+    return is_apart == false && ( a->settings.layers & b->settings.mask ) != 0 &&
+           ( b->settings.layers & a->settings.mask ) != 0 &&
            ( a->is_strands == false || b->is_strands == false || ( a->settings.self & b->settings.self & 2 ) != 0 );
 }

@@ -259,6 +259,7 @@ void contact_gather( const contact_work* work, bool is_start )
     for ( int g = 0; g < work->participant_count; ++g )
     {
         contact_participant* participant = work->participants + g;
+        participant->place = wisp_frame_between( work->frame, participant->entity, work->participants->entity );
         participant->halted = wisp_frame_is_halted( work->frame, participant->entity );
         participant->thickness = wisp_frame_column( work->frame, participant->entity, WISP_MAP_CONTACT_THICKNESS, 0 );
         participant->friction = wisp_frame_column( work->frame, participant->entity, WISP_MAP_CONTACT_FRICTION, 0 );

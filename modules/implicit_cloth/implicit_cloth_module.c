@@ -180,6 +180,7 @@ static wisp_status declare( wisp_registry* r )
     {
         *components[i].component = wisp_declare_component( r, &components[i].def );
     }
+    wisp_declare_places( r, state->history, 0, WISP_PLACE_QUADS );
     return declare_passes( r, state );
 }
 

@@ -218,6 +218,9 @@ static wisp_status declare( wisp_registry* r )
     state->distance = wisp_declare_component( r, &distance );
     state->backstop = wisp_declare_component( r, &backstop );
     state->lambda = wisp_declare_component( r, &lambda );
+    wisp_declare_places( r, state->distance, 0, WISP_PLACE_EIGHTS );
+    wisp_declare_places( r, state->distance, 2, WISP_PLACE_EIGHTS );
+    wisp_declare_places( r, state->distance, 4, WISP_PLACE_QUADS );
     state->has_iterations = wisp_registry_iterations( r ) > 1;
     return state->lambda != 0 ? declare_passes( r, state ) : WISP_BAD_INPUT;
 }

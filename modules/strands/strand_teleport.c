@@ -12,7 +12,7 @@ static wisp_status refuse( wisp_world* world, wisp_entity strands )
 
 static void turn_frames( float* frames, int row_count, wisp_quat turn )
 {
-    const wisp_teleport_motion rotation = { { turn, { 0.0f, 0.0f, 0.0f } }, true };
+    const wisp_teleport_motion rotation = { .motion.rotation = turn, .keep_velocity = true };
     for ( int i = 0; i < row_count * WISP_LANES && frames != NULL; ++i )
     {
         const int row = i / WISP_LANES, lane = i % WISP_LANES;
@@ -30,7 +30,8 @@ static void move_columns( const strands_state* state, wisp_world* world, wisp_en
 {
     const wisp_strand_topology* t = wisp_world_strands( world, strands );
     const wisp_quat turn = teleport->motion.rotation;
-    const wisp_teleport_motion low = { teleport->motion, true }; // low parts turn like velocities
+    const wisp_teleport_motion low = { .motion = teleport->motion,
+                                       .keep_velocity = true }; // low parts turn like velocities
     wisp_teleport_lanes( teleport, wisp_world_column( world, strands, state->good, 0 ),
                          wisp_world_column( world, strands, state->good, 1 ), t->row_count );
     wisp_teleport_lanes( teleport, wisp_world_column( world, strands, state->anchor, 3 ), NULL, 3 * t->group_count );

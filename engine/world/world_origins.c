@@ -1,0 +1,419 @@
+// Origins: the place in the world that rows of an entity are relative to, so that floats keep their digits wherever it is. In: positions,
+// ties and meetings between entities. Out: rows relative to a place near them, store_entity.offset.
+//
+// Entities that are tied, or that may touch and are near each other, are a group with one origin, in whose rows passes may calculate.
+// The origin of a group moves when its middle is farther away than REACH, by whole cells: coordinates are multiples of their last
+// digit, and those of cells are multiples of it too, so rows lose nothing on the way towards 0. Groups are a function of the rows, so a
+// world that is restored makes the same ones.
+#include "sleep_bounds.h"
+
+#include "alloc.h"
+#include "wisp/module/components.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double REACH =
+    32.0;                       // m, of a middle from the origin: cloth at rest moves 1.5 times as fast there as at 0
+static const double CELL = 8.0; // m
+static const double MEETING = 8.0;   // m, between bounds: farther than anything goes in a step
+static const double OUTERMOST = 9e5; // m: beyond, rows are the host's coordinates, whose bound the state checks know
+static const double LIMITLESS = 1e7; // m: bounds of what a velocity takes out of all bounds
+
+// ---- rows ----
+
+static void shift_lane( float* row, size_t count, wisp_vec3 by )
+{
+    for ( size_t v = 0; v < count; ++v )
+    {
+        row[v * 3 * WISP_LANES] += by.x;
+        row[v * 3 * WISP_LANES + WISP_LANES] += by.y;
+        row[v * 3 * WISP_LANES + 2 * WISP_LANES] += by.z;
+    }
+}
+
+// Empty lanes stay as they are.
+static void shift_lanes( const store_entity* e, bool are_groups, float* rows, size_t count, wisp_vec3 by )
+{
+    const wisp_strand_topology* t = e->strands;
+    for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
+    {
+        const int group = i / WISP_LANES, first = are_groups ? group : t->group_row[group];
+        const int vertices = are_groups && t->lane_count[i] > 0 ? 1 : t->lane_count[i];
+        for ( int v = 0; v < vertices; ++v )
+        {
+            shift_lane( rows + (size_t)( first + v ) * count * 3 * WISP_LANES + i % WISP_LANES, count, by );
+        }
+    }
+}
+
+static void shift_rows( const store_entity* e, const wisp_component_def* def, const plan_place_column* place,
+                        float* rows, wisp_vec3 by )
+{
+    const size_t bytes = def->columns[place->column].row_size, count = (size_t)e->rows[def->table].count;
+    if ( place->shape == WISP_PLACE_LANES )
+    {
+        shift_lanes( e, def->table == WISP_TABLE_STRAND_GROUP, rows, bytes / ( 3 * WISP_LANES * sizeof( float ) ),
+                     by );
+    }
+    for ( size_t i = 0; i < count && place->shape == WISP_PLACE_QUADS; ++i )
+    {
+        rows[4 * i] += by.x;
+        rows[4 * i + 1] += by.y;
+        rows[4 * i + 2] += by.z;
+    }
+    for ( size_t i = 0; i < count && place->shape == WISP_PLACE_EIGHTS; ++i )
+    {
+        float* v = rows + 24 * ( i / 8 ) + i % 8;
+        v[0] += by.x;
+        v[8] += by.y;
+        v[16] += by.z;
+    }
+    for ( size_t i = 0; i < 3 * count && place->shape == WISP_PLACE_POSES; ++i )
+    {
+        wisp_transform* pose = (wisp_transform*)(void*)( (char*)rows + i / 3 * bytes ) + i % 3;
+        pose->translation.x += by.x;
+        pose->translation.y += by.y;
+        pose->translation.z += by.z;
+    }
+}
+
+static bool is_zero( wisp_vec3 v )
+{
+    return v.x == 0.0f && v.y == 0.0f && v.z == 0.0f;
+}
+
+static void shift( wisp_world* world, store_entity* e, wisp_vec3 by )
+{
+    const wisp_registry* r = &world->registry;
+    for ( int i = 0; i < r->place_count && is_zero( by ) == false; ++i )
+    {
+        const plan_place_column* place = r->places + i;
+        float* rows = store_column( &world->store, e, place->component, place->column );
+        if ( rows != NULL )
+        {
+            shift_rows( e, &world->store.components[place->component].def, place, rows, by );
+            store_touch( &world->store, e, place->component );
+        }
+    }
+    e->offset = ( wisp_vec3 ){ e->offset.x + by.x, e->offset.y + by.y, e->offset.z + by.z };
+}
+
+// ---- groups ----
+
+/// An entity in the search for groups.
+typedef struct origin_member
+{
+    double lower[3], upper[3]; // m, in the world
+    int32_t group;             // lowest slot
+    bool moves;                // it has bounds
+} origin_member;
+
+static bool can_move( const store_entity* e )
+{
+    return e->alive &&
+           ( e->fabric != NULL || ( e->strands != NULL && store_mask_has( &e->components, WISP_STRAND_VELOCITY ) ) );
+}
+
+static bool find_bounds( const wisp_world* world, const store_entity* e, origin_member* out )
+{
+    wisp_sleep_bounds bounds;
+    if ( can_move( e ) == false || sleep_find_bounds( world, e, 0.0f, &bounds ) == false )
+    {
+        return false;
+    }
+    double origin[3];
+    store_row_origin( e, origin );
+    bool is_bounded = true;
+    for ( int k = 0; k < 3; ++k )
+    {
+        out->lower[k] = origin[k] + (double)bounds.lower[k];
+        out->upper[k] = origin[k] + (double)bounds.upper[k];
+        is_bounded = is_bounded && (double)bounds.lower[k] > -LIMITLESS && (double)bounds.upper[k] < LIMITLESS;
+    }
+    return is_bounded;
+}
+
+static void join( origin_member* members, int count, int a, int b )
+{
+    const int32_t low = members[a].group < members[b].group ? members[a].group : members[b].group;
+    const int32_t high = members[a].group < members[b].group ? members[b].group : members[a].group;
+    for ( int i = 0; i < count && low != high; ++i )
+    {
+        members[i].group = members[i].group == high ? low : members[i].group;
+    }
+}
+
+static bool are_near( const origin_member* a, const origin_member* b )
+{
+    bool near = a->moves && b->moves;
+    for ( int k = 0; k < 3 && near; ++k )
+    {
+        near = a->lower[k] - MEETING <= b->upper[k] && b->lower[k] - MEETING <= a->upper[k];
+    }
+    return near;
+}
+
+static void find_groups( const wisp_world* world, origin_member* members )
+{
+    const store_entity* e = world->store.entities;
+    const int count = world->store.entity_count;
+    for ( int i = 0; i < count; ++i )
+    {
+        members[i].group = i;
+        members[i].moves = find_bounds( world, e + i, members + i );
+    }
+    for ( int i = 0; i < count; ++i )
+    {
+        for ( int j = i + 1; j < count && e[i].alive; ++j )
+        {
+            const bool are_tied = e[i].tie != 0 && e[i].tie == e[j].tie && e[j].alive;
+            if ( members[i].group != members[j].group &&
+                 ( are_tied || ( ( e[i].meets || e[j].meets ) && are_near( members + i, members + j ) ) ) )
+            {
+                join( members, count, i, j );
+            }
+        }
+    }
+}
+
+// ---- following ----
+
+// Find where the origin of a group goes. It stays while the middle of the group is in reach, and is that of the host beyond OUTERMOST.
+// @return false if nothing of the group moves
+static bool find_origin( const wisp_world* world, const origin_member* members, int group, double out[3] )
+{
+    const int count = world->store.entity_count;
+    double lower[3] = { INFINITY, INFINITY, INFINITY }, upper[3] = { -INFINITY, -INFINITY, -INFINITY };
+    const store_entity* first = NULL;
+    for ( int i = count - 1; i >= group; --i )
+    {
+        const bool counts = members[i].group == group && members[i].moves;
+        first = counts ? world->store.entities + i : first;
+        for ( int k = 0; k < 3 && counts; ++k )
+        {
+            lower[k] = fmin( lower[k], members[i].lower[k] );
+            upper[k] = fmax( upper[k], members[i].upper[k] );
+        }
+    }
+    if ( first == NULL )
+    {
+        return false;
+    }
+    store_row_origin( first, out );
+    bool is_beyond = false;
+    for ( int k = 0; k < 3; ++k )
+    {
+        const double middle = 0.5 * ( lower[k] + upper[k] ), away = middle - out[k];
+        out[k] += fabs( away ) > REACH + 0.5 * ( upper[k] - lower[k] ) ? CELL * rint( away / CELL ) : 0.0;
+        is_beyond = is_beyond || fabs( middle - first->origin[k] ) > OUTERMOST;
+    }
+    memcpy( out, is_beyond ? first->origin : out, 3 * sizeof( *out ) );
+    return true;
+}
+
+static void move_group( wisp_world* world, const origin_member* members, int group, const double to[3] )
+{
+    for ( int i = group; i < world->store.entity_count; ++i )
+    {
+        store_entity* e = world->store.entities + i;
+        double now[3];
+        store_row_origin( e, now );
+        if ( members[i].group == group && e->alive && ( members[i].moves || e->tie != 0 ) )
+        {
+            shift( world, e,
+                   ( wisp_vec3 ){ (float)( now[0] - to[0] ), (float)( now[1] - to[1] ), (float)( now[2] - to[2] ) } );
+        }
+    }
+}
+
+const float* world_find_vertex( const wisp_world* world, const store_entity* e, size_t* coordinate )
+{
+    *coordinate = e->fabric != NULL ? 1 : WISP_LANES;
+    return e->fabric != NULL || ( e->strands != NULL && e->strands->row_count > 0 )
+               ? store_column( &world->store, e, e->fabric != NULL ? WISP_PARTICLE_POSITION : WISP_STRAND_POSITION,
+                               0 )
+               : NULL;
+}
+
+static bool needs_search( const wisp_world* world )
+{
+    const store_entity* first = NULL; // of those that may meet
+    for ( int i = 0; i < world->store.entity_count; ++i )
+    {
+        const store_entity* e = world->store.entities + i;
+        size_t coordinate;
+        const float* p = can_move( e ) ? world_find_vertex( world, e, &coordinate ) : NULL;
+        for ( size_t k = 0; k < 3 && p != NULL; ++k )
+        {
+            if ( !( fabsf( p[k * coordinate] ) <= (float)REACH ) )
+            {
+                return true;
+            }
+        }
+        if ( p != NULL && ( e->meets || e->tie != 0 ) )
+        {
+            first = first != NULL ? first : e;
+            if ( is_zero( store_between( first, e ) ) == false )
+            {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+wisp_status world_origins_begin( wisp_world* world )
+{
+    const int count = world->store.entity_count;
+    if ( needs_search( world ) == false )
+    {
+        return WISP_OK;
+    }
+    if ( base_buffer_reserve( &world->allocator, &world->origin_members, (size_t)count * sizeof( origin_member ) ) ==
+         false )
+    {
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for the origins of %d entities", count );
+    }
+    origin_member* members = world->origin_members.data;
+    find_groups( world, members );
+    for ( int i = 0; i < count; ++i )
+    {
+        double to[3];
+        if ( members[i].group == i && find_origin( world, members, i, to ) )
+        {
+            move_group( world, members, i, to );
+        }
+    }
+    return WISP_OK;
+}
+
+// ---- modules ----
+
+wisp_vec3 wisp_world_offset( const wisp_world* world, wisp_entity entity )
+{
+    const store_entity* e = store_find( &world->store, entity );
+    return e != NULL ? e->offset : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+}
+
+wisp_vec3 wisp_world_between( const wisp_world* world, wisp_entity from, wisp_entity to )
+{
+    const store_entity *a = store_find( &world->store, from ), *b = store_find( &world->store, to );
+    return a != NULL && b != NULL ? store_between( a, b ) : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+}
+
+void wisp_world_tie( wisp_world* world, wisp_entity a, wisp_entity b )
+{
+    store_entity *to = store_find( &world->store, a ), *from = store_find( &world->store, b );
+    to->tie = to->tie != 0 ? to->tie : ++world->tie_count;
+    const uint32_t old = from->tie;
+    for ( int i = 0; i < world->store.entity_count; ++i )
+    {
+        store_entity* e = world->store.entities + i;
+        if ( e->alive && ( e == from || ( old != 0 && e->tie == old ) ) )
+        {
+            shift( world, e, store_between( e, to ) );
+            e->tie = to->tie;
+        }
+    }
+}
+
+void wisp_world_let_meet( wisp_world* world, wisp_entity entity )
+{
+    store_find( &world->store, entity )->meets = true;
+}
+
+wisp_status world_declare_places( wisp_registry* registry )
+{
+    static const struct
+    {
+        wisp_component component;
+        wisp_place_shape shape;
+    } SHARED[] = {
+        { WISP_STRAND_POSITION, WISP_PLACE_LANES },    { WISP_STRAND_PREVIOUS, WISP_PLACE_LANES },
+        { WISP_STRAND_ROOT, WISP_PLACE_LANES },        { WISP_STRAND_POSED, WISP_PLACE_LANES },
+        { WISP_PARTICLE_POSITION, WISP_PLACE_QUADS },  { WISP_PARTICLE_PREVIOUS, WISP_PLACE_QUADS },
+        { WISP_PARTICLE_TARGET, WISP_PLACE_QUADS },    { WISP_PARTICLE_LAST_VALID, WISP_PLACE_QUADS },
+        { WISP_PARTICLE_UNCARRIED, WISP_PLACE_QUADS }, { WISP_PARTICLE_FRAME, WISP_PLACE_POSES },
+    };
+    for ( int i = 0; i < WISP_COUNT( SHARED ); ++i )
+    {
+        wisp_declare_places( registry, SHARED[i].component, 0, SHARED[i].shape );
+    }
+    return registry->error.status;
+}
+
+// ---- snapshots ----
+
+size_t world_origins_size( const wisp_world* world )
+{
+    return (size_t)world->store.entity_count * sizeof( wisp_vec3 );
+}
+
+void world_origins_write( const wisp_world* world, void* out )
+{
+    for ( int i = 0; i < world->store.entity_count; ++i )
+    {
+        memcpy( (char*)out + (size_t)i * sizeof( wisp_vec3 ), &world->store.entities[i].offset, sizeof( wisp_vec3 ) );
+    }
+}
+
+bool world_origins_check( const wisp_world* world, const void* bytes )
+{
+    bool is_valid = true;
+    for ( size_t i = 0; i < 3 * (size_t)world->store.entity_count; ++i )
+    {
+        float offset;
+        memcpy( &offset, (const char*)bytes + i * sizeof( offset ), sizeof( offset ) );
+        is_valid = is_valid && fabsf( offset ) < 1e9f;
+    }
+    return is_valid;
+}
+
+void world_origins_read( wisp_world* world, const void* bytes )
+{
+    for ( int i = 0; i < world->store.entity_count; ++i )
+    {
+        memcpy( &world->store.entities[i].offset, (const char*)bytes + (size_t)i * sizeof( wisp_vec3 ),
+                sizeof( wisp_vec3 ) );
+    }
+}
+
+// ---- calls of the host ----
+
+wisp_status wisp_set_origin( wisp_world* world, wisp_entity entity, const double origin[3] )
+{
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, entity ) );
+    WISP_TRY( wisp_world_check_pointer( world, "origin", origin ) );
+    for ( int k = 0; k < 3; ++k )
+    {
+        if ( !( fabs( origin[k] ) <= 1e12 ) )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT, "origin: got (%g, %g, %g), expected at most 1e12 m",
+                                    origin[0], origin[1], origin[2] );
+        }
+    }
+    store_entity* e = store_find( &world->store, entity );
+    for ( int k = 0; k < 3; ++k )
+    {
+        e->origin[k] = origin[k] + 0.0; // -0 becomes 0
+    }
+    passes_sleep* sleep = sleep_state_of( world, e );
+    if ( sleep != NULL ) // it wakes: its surroundings are others
+    {
+        sleep->rows += 1;
+        e->is_touched = true;
+    }
+    return WISP_OK;
+}
+
+wisp_status wisp_read_origin( wisp_world* world, wisp_entity entity, double out[3] )
+{
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
+    memset( out, 0, 3 * sizeof( *out ) );
+    WISP_TRY( wisp_world_check_entity( world, entity ) );
+    memcpy( out, store_find( &world->store, entity )->origin, 3 * sizeof( *out ) );
+    return WISP_OK;
+}
