@@ -2,8 +2,8 @@
 // ties and meetings between entities. Out: rows relative to a place near them, store_entity.offset.
 //
 // Entities that are tied, or that may touch and are near each other, are a group with one origin, in whose rows passes may calculate.
-// The origin of a group moves when its middle is farther away than REACH, by whole cells: coordinates are multiples of their last
-// digit, and those of cells are multiples of it too, so rows lose nothing on the way towards 0. Groups are a function of the rows, so a
+// The origin of a group moves when its middle is farther away than REACH, by whole metres: those are multiples of the last digit
+// of coordinates, so rows lose nothing on the way towards 0. Near the host's origin that one stays. Groups are a function of the rows, so a
 // world that is restored makes the same ones.
 #include "sleep_bounds.h"
 
@@ -13,9 +13,9 @@
 #include <math.h>
 #include <string.h>
 
-static const double REACH =
-    32.0;                       // m, of a middle from the origin: cloth at rest moves 1.5 times as fast there as at 0
-static const double CELL = 8.0; // m
+static const double HOME_REACH =
+    16.0;                            // m, of a middle from the host's origin: cloth at rest is as calm there as at 0
+static const double REACH = 1.0;     // m, beyond half the size, from any other: the digits are those at 0
 static const double MEETING = 8.0;   // m, between bounds: farther than anything goes in a step
 static const double OUTERMOST = 9e5; // m: beyond, rows are the host's coordinates, whose bound the state checks know
 static const double LIMITLESS = 1e7; // m: bounds of what a velocity takes out of all bounds
@@ -99,6 +99,11 @@ static void shift( wisp_world* world, store_entity* e, wisp_vec3 by )
     e->offset = ( wisp_vec3 ){ e->offset.x + by.x, e->offset.y + by.y, e->offset.z + by.z };
 }
 
+static double reach_of( const store_entity* e )
+{
+    return is_zero( e->offset ) ? HOME_REACH : REACH;
+}
+
 // ---- groups ----
 
 /// An entity in the search for groups.
@@ -134,14 +139,20 @@ static bool find_bounds( const wisp_world* world, const store_entity* e, origin_
     return is_bounded;
 }
 
-static void join( origin_member* members, int count, int a, int b )
+static int find_root( const origin_member* members, int i )
 {
-    const int32_t low = members[a].group < members[b].group ? members[a].group : members[b].group;
-    const int32_t high = members[a].group < members[b].group ? members[b].group : members[a].group;
-    for ( int i = 0; i < count && low != high; ++i )
+    while ( members[i].group != i )
     {
-        members[i].group = members[i].group == high ? low : members[i].group;
+        i = members[i].group;
     }
+    return i;
+}
+
+// The root of a group is its lowest slot.
+static void join( origin_member* members, int i, int j )
+{
+    const int a = find_root( members, i ), b = find_root( members, j );
+    members[a > b ? a : b].group = a > b ? b : a;
 }
 
 static bool are_near( const origin_member* a, const origin_member* b )
@@ -154,6 +165,22 @@ static bool are_near( const origin_member* a, const origin_member* b )
     return near;
 }
 
+static void join_tied( const wisp_world* world, origin_member* members )
+{
+    const store_entity* e = world->store.entities;
+    for ( int i = 0; i < world->store.entity_count; ++i )
+    {
+        for ( int j = i - 1; j >= 0 && e[i].alive && e[i].tie != 0; --j )
+        {
+            if ( e[j].alive && e[j].tie == e[i].tie )
+            {
+                join( members, i, j );
+                break;
+            }
+        }
+    }
+}
+
 static void find_groups( const wisp_world* world, origin_member* members )
 {
     const store_entity* e = world->store.entities;
@@ -163,17 +190,20 @@ static void find_groups( const wisp_world* world, origin_member* members )
         members[i].group = i;
         members[i].moves = find_bounds( world, e + i, members + i );
     }
+    join_tied( world, members );
     for ( int i = 0; i < count; ++i )
     {
-        for ( int j = i + 1; j < count && e[i].alive; ++j )
+        for ( int j = 0; j < count && members[i].moves && e[i].meets; ++j )
         {
-            const bool are_tied = e[i].tie != 0 && e[i].tie == e[j].tie && e[j].alive;
-            if ( members[i].group != members[j].group &&
-                 ( are_tied || ( ( e[i].meets || e[j].meets ) && are_near( members + i, members + j ) ) ) )
+            if ( ( j > i || e[j].meets == false ) && are_near( members + i, members + j ) )
             {
-                join( members, count, i, j );
+                join( members, i, j );
             }
         }
+    }
+    for ( int i = 0; i < count; ++i )
+    {
+        members[i].group = members[members[i].group].group; // roots come first
     }
 }
 
@@ -205,7 +235,7 @@ static bool find_origin( const wisp_world* world, const origin_member* members, 
     for ( int k = 0; k < 3; ++k )
     {
         const double middle = 0.5 * ( lower[k] + upper[k] ), away = middle - out[k];
-        out[k] += fabs( away ) > REACH + 0.5 * ( upper[k] - lower[k] ) ? CELL * rint( away / CELL ) : 0.0;
+        out[k] += fabs( away ) > reach_of( first ) + 0.5 * ( upper[k] - lower[k] ) ? rint( away ) : 0.0;
         is_beyond = is_beyond || fabs( middle - first->origin[k] ) > OUTERMOST;
     }
     memcpy( out, is_beyond ? first->origin : out, 3 * sizeof( *out ) );
@@ -246,7 +276,7 @@ static bool needs_search( const wisp_world* world )
         const float* p = can_move( e ) ? world_find_vertex( world, e, &coordinate ) : NULL;
         for ( size_t k = 0; k < 3 && p != NULL; ++k )
         {
-            if ( !( fabsf( p[k * coordinate] ) <= (float)REACH ) )
+            if ( !( fabsf( p[k * coordinate] ) <= (float)reach_of( e ) ) )
             {
                 return true;
             }

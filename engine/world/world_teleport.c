@@ -253,8 +253,8 @@ static wisp_transform motion_to_host( const store_entity* e, wisp_transform moti
 
 static float far_of( float way )
 {
-    const float cell = 8.0f; // m
-    return fabsf( way ) > 4.0f * cell && fabsf( way ) <= 2.0f * FARTHEST ? cell * rintf( way / cell ) : 0.0f;
+    const float longest = 16.0f; // m, that rows go
+    return fabsf( way ) > longest && fabsf( way ) <= 2.0f * FARTHEST ? rintf( way ) : 0.0f;
 }
 
 // Return the motion of rows. On a long way their origin goes along, so that they keep their digits.

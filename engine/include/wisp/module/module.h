@@ -277,7 +277,7 @@ WISP_API void* wisp_frame_column( wisp_frame* frame, wisp_entity entity, wisp_co
 WISP_API bool wisp_frame_has( wisp_frame* frame, wisp_entity entity, wisp_component component );
 WISP_API const wisp_strand_topology* wisp_frame_strands( wisp_frame* frame, wisp_entity entity );
 WISP_API const wisp_fabric* wisp_frame_fabric( wisp_frame* frame, wisp_entity entity );
-/// Coordinates in rows are relative to a place near the entity, which changes only between steps, by whole cells.
+/// Coordinates in rows are relative to a place near the entity, which changes only between steps, by whole metres.
 /// @return m, to be added to the host's coordinates of an entity to get those of its rows
 WISP_API wisp_vec3 wisp_frame_offset( wisp_frame* frame, wisp_entity entity );
 /// @return m, to be added to coordinates in rows of one entity to get those in rows of another; zero where they touch
