@@ -133,6 +133,27 @@ static wisp_status add_strands( scene_world* out, int strands, wisp_error* error
     return WISP_OK;
 }
 
+// All places of a scene are relative to its origin.
+static wisp_status place( scene_world* world, wisp_error* error )
+{
+    const wisp_scene* scene = world->scene;
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
+    {
+        status = wisp_set_origin( world->world, world->entities[i], scene->origin );
+    }
+    for ( int i = 0; i < scene->surface_count && status == WISP_OK; ++i )
+    {
+        status = wisp_set_origin( world->world, world->surfaces[i].entity, scene->origin );
+    }
+    for ( int i = 0; i < scene->collider_count && status == WISP_OK; ++i )
+    {
+        status = wisp_set_origin( world->world, world->colliders[i].entity, scene->origin );
+    }
+    return status == WISP_OK ? WISP_OK
+                             : wisp_fail( error, status, "%s: %s", scene->name, wisp_world_message( world->world ) );
+}
+
 wisp_status scene_world_create( const wisp_scene* scene, const scene_world_options* options, scene_world* out,
                                 wisp_error* error )
 {
@@ -156,6 +177,7 @@ wisp_status scene_world_create( const wisp_scene* scene, const scene_world_optio
     status = status == WISP_OK ? scene_colliders_add( out, error ) : status;
     status = status == WISP_OK ? scene_seams_add( out, error ) : status;
     status = status == WISP_OK ? scene_motion_set( out, error ) : status;
+    status = status == WISP_OK ? place( out, error ) : status;
     if ( status != WISP_OK )
     {
         scene_world_destroy( out );
