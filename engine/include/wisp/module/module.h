@@ -373,7 +373,8 @@ WISP_API wisp_vec3 wisp_world_between( const wisp_world* world, wisp_entity from
 static inline wisp_vec3 wisp_to_rows( wisp_vec3 p, wisp_vec3 offset )
 {
     const bool is_offset = offset.x != 0.0f || offset.y != 0.0f || offset.z != 0.0f; // -0 stays -0 without
-    return is_offset ? ( wisp_vec3 ){ p.x + offset.x, p.y + offset.y, p.z + offset.z } : p;
+    wisp_vec3 moved = { p.x + offset.x, p.y + offset.y, p.z + offset.z };
+    return is_offset ? moved : p;
 }
 /// The same of a pose, normalised.
 static inline wisp_transform wisp_pose_to_rows( wisp_transform pose, wisp_vec3 offset )
