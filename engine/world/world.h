@@ -103,6 +103,16 @@ void world_sleep_from_rows( wisp_world* world );
 /// Zero the velocities of an entity that comes to rest, and of its last valid state; coarse sheets forget how they moved.
 void world_forget_velocities( wisp_world* world, store_entity* e );
 
+/// Keep an entity asleep whose rows got another origin. @return false if it is awake
+bool world_sleep_shift( wisp_world* world, store_entity* e, wisp_vec3 by );
+/// Wake all entities at the start of the next step.
+void world_sleep_disturb( wisp_world* world );
+
+// world_teleport.c
+
+/// Move the places in the rows of an entity.
+void world_move_places( wisp_world* world, store_entity* e, wisp_transform motion );
+
 // world_origins.c
 
 /// Have rows relative to places near them, before any pass.

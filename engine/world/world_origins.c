@@ -8,6 +8,7 @@
 #include "sleep_bounds.h"
 
 #include "alloc.h"
+#include "vec.h"
 #include "wisp/module/components.h"
 
 #include <math.h>
@@ -20,64 +21,6 @@ static const double MEETING = 8.0;   // m, between bounds: farther than anything
 static const double OUTERMOST = 9e5; // m: beyond, rows are the host's coordinates, whose bound the state checks know
 static const double LIMITLESS = 1e7; // m: bounds of what a velocity takes out of all bounds
 
-// ---- rows ----
-
-static void shift_lane( float* row, size_t count, wisp_vec3 by )
-{
-    for ( size_t v = 0; v < count; ++v )
-    {
-        row[v * 3 * WISP_LANES] += by.x;
-        row[v * 3 * WISP_LANES + WISP_LANES] += by.y;
-        row[v * 3 * WISP_LANES + 2 * WISP_LANES] += by.z;
-    }
-}
-
-// Empty lanes stay as they are.
-static void shift_lanes( const store_entity* e, bool are_groups, float* rows, size_t count, wisp_vec3 by )
-{
-    const wisp_strand_topology* t = e->strands;
-    for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
-    {
-        const int group = i / WISP_LANES, first = are_groups ? group : t->group_row[group];
-        const int vertices = are_groups && t->lane_count[i] > 0 ? 1 : t->lane_count[i];
-        for ( int v = 0; v < vertices; ++v )
-        {
-            shift_lane( rows + (size_t)( first + v ) * count * 3 * WISP_LANES + i % WISP_LANES, count, by );
-        }
-    }
-}
-
-static void shift_rows( const store_entity* e, const wisp_component_def* def, const plan_place_column* place,
-                        float* rows, wisp_vec3 by )
-{
-    const size_t bytes = def->columns[place->column].row_size, count = (size_t)e->rows[def->table].count;
-    if ( place->shape == WISP_PLACE_LANES )
-    {
-        shift_lanes( e, def->table == WISP_TABLE_STRAND_GROUP, rows, bytes / ( 3 * WISP_LANES * sizeof( float ) ),
-                     by );
-    }
-    for ( size_t i = 0; i < count && place->shape == WISP_PLACE_QUADS; ++i )
-    {
-        rows[4 * i] += by.x;
-        rows[4 * i + 1] += by.y;
-        rows[4 * i + 2] += by.z;
-    }
-    for ( size_t i = 0; i < count && place->shape == WISP_PLACE_EIGHTS; ++i )
-    {
-        float* v = rows + 24 * ( i / 8 ) + i % 8;
-        v[0] += by.x;
-        v[8] += by.y;
-        v[16] += by.z;
-    }
-    for ( size_t i = 0; i < 3 * count && place->shape == WISP_PLACE_POSES; ++i )
-    {
-        wisp_transform* pose = (wisp_transform*)(void*)( (char*)rows + i / 3 * bytes ) + i % 3;
-        pose->translation.x += by.x;
-        pose->translation.y += by.y;
-        pose->translation.z += by.z;
-    }
-}
-
 static bool is_zero( wisp_vec3 v )
 {
     return v.x == 0.0f && v.y == 0.0f && v.z == 0.0f;
@@ -85,18 +28,13 @@ static bool is_zero( wisp_vec3 v )
 
 static void shift( wisp_world* world, store_entity* e, wisp_vec3 by )
 {
-    const wisp_registry* r = &world->registry;
-    for ( int i = 0; i < r->place_count && is_zero( by ) == false; ++i )
+    if ( is_zero( by ) == false )
     {
-        const plan_place_column* place = r->places + i;
-        float* rows = store_column( &world->store, e, place->component, place->column );
-        if ( rows != NULL )
-        {
-            shift_rows( e, &world->store.components[place->component].def, place, rows, by );
-            store_touch( &world->store, e, place->component );
-        }
+        const bool sleeps_on = e->is_touched == false;
+        world_move_places( world, e, ( wisp_transform ){ { 0.0f, 0.0f, 0.0f, 1.0f }, by } );
+        e->offset = v3_add( e->offset, by );
+        e->is_touched = sleeps_on == false || world_sleep_shift( world, e, by ) == false;
     }
-    e->offset = ( wisp_vec3 ){ e->offset.x + by.x, e->offset.y + by.y, e->offset.z + by.z };
 }
 
 static double reach_of( const store_entity* e )
@@ -429,12 +367,7 @@ wisp_status wisp_set_origin( wisp_world* world, wisp_entity entity, const double
     {
         e->origin[k] = origin[k] + 0.0; // -0 becomes 0
     }
-    passes_sleep* sleep = sleep_state_of( world, e );
-    if ( sleep != NULL ) // it wakes: its surroundings are others
-    {
-        sleep->rows += 1;
-        e->is_touched = true;
-    }
+    world_sleep_disturb( world ); // surroundings are others
     return WISP_OK;
 }
 

@@ -82,29 +82,48 @@ void wisp_teleport_rows( const wisp_teleport_motion* teleport, float* points, fl
 
 // ---- columns that all effects share ----
 
-static void move_particles( wisp_world* world, wisp_entity entity, const wisp_teleport_motion* teleport, int count )
+static void move_poses( char* rows, int count, size_t bytes, wisp_transform motion )
 {
-    wisp_teleport_rows( teleport, wisp_world_column( world, entity, WISP_PARTICLE_POSITION, 0 ),
-                        wisp_world_column( world, entity, WISP_PARTICLE_VELOCITY, 0 ), count, 4 );
-    wisp_teleport_rows( teleport, wisp_world_column( world, entity, WISP_PARTICLE_LAST_VALID, 0 ), NULL, count, 4 );
-    wisp_teleport_rows( teleport, wisp_world_column( world, entity, WISP_PARTICLE_TARGET, 0 ), NULL, count, 4 );
-}
-
-static void move_frame( wisp_world* world, wisp_entity entity, const wisp_teleport_motion* teleport )
-{
-    wisp_transform* poses = wisp_world_column( world, entity, WISP_PARTICLE_FRAME, 0 );
-    for ( int i = 0; poses != NULL && i < 3; ++i )
+    const wisp_teleport_motion teleport = { .motion = motion };
+    for ( int i = 0; i < 3 * count; ++i )
     {
-        poses[i] = wisp_teleport_pose( teleport, poses[i] );
+        wisp_transform* pose = (wisp_transform*)(void*)( rows + (size_t)( i / 3 ) * bytes ) + i % 3;
+        *pose = wisp_teleport_pose( &teleport, *pose );
     }
 }
 
-static void move_strands( wisp_world* world, wisp_entity entity, const wisp_teleport_motion* teleport,
-                          const wisp_strand_topology* t )
+// Move the places of a column: some rows of vectors side by side, or poses.
+static void move_column( float* rows, int count, size_t bytes, wisp_place_shape shape, wisp_transform motion )
 {
-    wisp_teleport_lanes( teleport, wisp_world_column( world, entity, WISP_STRAND_POSITION, 0 ),
-                         wisp_world_column( world, entity, WISP_STRAND_VELOCITY, 0 ), t->row_count );
-    wisp_teleport_lanes( teleport, wisp_world_column( world, entity, WISP_STRAND_ROOT, 0 ), NULL, t->group_count );
+    const int side = shape == WISP_PLACE_LANES ? WISP_LANES : shape == WISP_PLACE_EIGHTS ? 8 : 1;
+    const int vectors = shape == WISP_PLACE_LANES ? (int)( bytes / ( 3 * WISP_LANES * sizeof( float ) ) ) : 1;
+    const int floats = shape == WISP_PLACE_EIGHTS ? 3 * 8 : (int)( bytes / sizeof( float ) );
+    for ( int i = 0; i < vectors * side && shape != WISP_PLACE_POSES; ++i )
+    {
+        move_points( rows + i / side * 3 * side + i % side, ( row_shape ){ (size_t)floats, (size_t)side },
+                     shape == WISP_PLACE_EIGHTS ? count / 8 : count, motion );
+    }
+    if ( shape == WISP_PLACE_POSES )
+    {
+        move_poses( (char*)rows, count, bytes, motion );
+    }
+}
+
+void world_move_places( wisp_world* world, store_entity* e, wisp_transform motion )
+{
+    const wisp_registry* r = &world->registry;
+    for ( int i = 0; i < r->place_count; ++i )
+    {
+        const plan_place_column* place = r->places + i;
+        const wisp_component_def* def = &world->store.components[place->component].def;
+        float* rows = store_column( &world->store, e, place->component, place->column );
+        if ( rows != NULL )
+        {
+            move_column( rows, e->rows[def->table].count, def->columns[place->column].row_size, place->shape,
+                         motion );
+            store_touch( &world->store, e, place->component );
+        }
+    }
 }
 
 static wisp_vec3 turned( wisp_quat q, wisp_vec3 v )
@@ -134,15 +153,17 @@ void wisp_world_move_columns( wisp_world* world, wisp_entity entity, const wisp_
     store_entity* e = store_find( &world->store, entity );
     const wisp_vec3 before = e->offset;
     e->offset = v3_sub( before, teleport->far );
-    move_frame( world, entity, teleport );
+    world_move_places( world, e, teleport->motion );
     if ( e->fabric != NULL )
     {
-        move_particles( world, entity, teleport, e->fabric->slot_count );
+        wisp_teleport_rows( teleport, NULL, wisp_world_column( world, entity, WISP_PARTICLE_VELOCITY, 0 ),
+                            e->fabric->slot_count, 4 );
         wisp_world_restart_levels( world, entity );
     }
     else if ( e->strands != NULL )
     {
-        move_strands( world, entity, teleport, e->strands );
+        wisp_teleport_lanes( teleport, NULL, wisp_world_column( world, entity, WISP_STRAND_VELOCITY, 0 ),
+                             e->strands->row_count );
     }
     move_views( world, e, teleport, before );
 }

@@ -53,7 +53,6 @@ static bool add_rigid( const collision_state* state, const wisp_world* world, co
     *hash = wisp_hash_bytes( *hash, &body->entity, sizeof( body->entity ) );
     *hash = wisp_hash_bytes( *hash, collider, sizeof( *collider ) );
     *hash = wisp_hash_bytes( *hash, &target, sizeof( target ) );
-    *hash = collision_is_apart( by ) ? wisp_hash_bytes( *hash, &by, sizeof( by ) ) : *hash;
     return memcmp( &collider->from, &collider->to, sizeof( collider->to ) ) == 0;
 }
 
