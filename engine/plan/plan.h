@@ -88,6 +88,8 @@ typedef struct plan_place_column
     wisp_component component;
     int column;
     wisp_place_shape shape;
+    wisp_component low; // 0: none
+    int low_column;
 } plan_place_column;
 
 struct wisp_registry

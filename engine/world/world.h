@@ -110,8 +110,8 @@ void world_sleep_disturb( wisp_world* world );
 
 // world_teleport.c
 
-/// Move the places in the rows of an entity.
-void world_move_places( wisp_world* world, store_entity* e, wisp_transform motion );
+/// Move places in the rows of an entity.
+void world_move_place( wisp_world* world, store_entity* e, const plan_place_column* place, wisp_transform motion );
 
 // world_origins.c
 

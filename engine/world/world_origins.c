@@ -15,8 +15,8 @@
 #include <string.h>
 
 static const double HOME_REACH =
-    16.0;                            // m, of a middle from the host's origin: cloth at rest is as calm there as at 0
-static const double REACH = 1.0;     // m, beyond half the size, from any other: the digits are those at 0
+    16.0;                            // m, and a size, from the host's origin: cloth at rest is as calm there as at 0
+static const double REACH = 1.0;     // m, and half a size, from any other: the digits are those at 0
 static const double MEETING = 8.0;   // m, between bounds: farther than anything goes in a step
 static const double OUTERMOST = 9e5; // m: beyond, rows are the host's coordinates, whose bound the state checks know
 static const double LIMITLESS = 1e7; // m: bounds of what a velocity takes out of all bounds
@@ -26,20 +26,41 @@ static bool is_zero( wisp_vec3 v )
     return v.x == 0.0f && v.y == 0.0f && v.z == 0.0f;
 }
 
+// Move places with what does not fit their digits, dividing both anew.
+static void shift_with_low( const wisp_world* world, store_entity* e, const plan_place_column* place, wisp_vec3 by )
+{
+    const wisp_component_def* def = &world->store.components[place->component].def;
+    float* rows = store_column( &world->store, e, place->component, place->column );
+    float* low = store_column( &world->store, e, place->low, place->low_column );
+    const double shift[3] = { (double)by.x, (double)by.y, (double)by.z };
+    const size_t floats = def->columns[place->column].row_size / sizeof( float ) * (size_t)e->rows[def->table].count;
+    for ( size_t i = 0; i < floats && rows != NULL && low != NULL; ++i )
+    {
+        const double sum = (double)rows[i] + (double)low[i] + shift[i / WISP_LANES % 3];
+        rows[i] = (float)sum;
+        low[i] = (float)( sum - (double)rows[i] );
+    }
+    store_touch( &world->store, e, place->component );
+}
+
 static void shift( wisp_world* world, store_entity* e, wisp_vec3 by )
 {
     if ( is_zero( by ) == false )
     {
         const bool sleeps_on = e->is_touched == false;
-        world_move_places( world, e, ( wisp_transform ){ { 0.0f, 0.0f, 0.0f, 1.0f }, by } );
+        for ( int i = 0; i < world->registry.place_count; ++i )
+        {
+            const plan_place_column* place = world->registry.places + i;
+            if ( place->low != 0 && store_mask_has( &e->components, place->low ) )
+            {
+                shift_with_low( world, e, place, by );
+                continue;
+            }
+            world_move_place( world, e, place, ( wisp_transform ){ { 0.0f, 0.0f, 0.0f, 1.0f }, by } );
+        }
         e->offset = v3_add( e->offset, by );
         e->is_touched = sleeps_on == false || world_sleep_shift( world, e, by ) == false;
     }
-}
-
-static double reach_of( const store_entity* e )
-{
-    return is_zero( e->offset ) ? HOME_REACH : REACH;
 }
 
 // ---- groups ----
@@ -58,6 +79,24 @@ static bool can_move( const store_entity* e )
            ( e->fabric != NULL || ( e->strands != NULL && store_mask_has( &e->components, WISP_STRAND_VELOCITY ) ) );
 }
 
+// Return how far poses take a point of an entity in the coming step: a head that jumps has its digits where it goes.
+static wisp_vec3 find_way( const wisp_world* world, const store_entity* e, wisp_vec3 point )
+{
+    const wisp_registry* r = &world->registry;
+    for ( int i = 0; i < r->place_count; ++i )
+    {
+        const plan_place_column* place = r->places + i;
+        const wisp_transform* pose = place->shape == WISP_PLACE_POSES
+                                         ? store_column( &world->store, e, place->component, place->column )
+                                         : NULL;
+        if ( pose != NULL && memcmp( pose + 1, pose + 2, sizeof( *pose ) ) != 0 )
+        {
+            return v3_sub( wisp_transform_to_world( pose[2], wisp_transform_to_local( pose[1], point ) ), point );
+        }
+    }
+    return ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+}
+
 static bool find_bounds( const wisp_world* world, const store_entity* e, origin_member* out )
 {
     wisp_sleep_bounds bounds;
@@ -67,11 +106,16 @@ static bool find_bounds( const wisp_world* world, const store_entity* e, origin_
     }
     double origin[3];
     store_row_origin( e, origin );
+    const wisp_vec3 middle = { 0.5f * bounds.lower[0] + 0.5f * bounds.upper[0],
+                               0.5f * bounds.lower[1] + 0.5f * bounds.upper[1],
+                               0.5f * bounds.lower[2] + 0.5f * bounds.upper[2] };
+    const wisp_vec3 way = find_way( world, e, middle );
+    const double ways[3] = { (double)way.x, (double)way.y, (double)way.z };
     bool is_bounded = true;
     for ( int k = 0; k < 3; ++k )
     {
-        out->lower[k] = origin[k] + (double)bounds.lower[k];
-        out->upper[k] = origin[k] + (double)bounds.upper[k];
+        out->lower[k] = origin[k] + (double)bounds.lower[k] + ways[k];
+        out->upper[k] = origin[k] + (double)bounds.upper[k] + ways[k];
         is_bounded = is_bounded && (double)bounds.lower[k] > -LIMITLESS && (double)bounds.upper[k] < LIMITLESS;
     }
     return is_bounded;
@@ -169,11 +213,13 @@ static bool find_origin( const wisp_world* world, const origin_member* members, 
         return false;
     }
     store_row_origin( first, out );
+    const double size = fmax( upper[0] - lower[0], fmax( upper[1] - lower[1], upper[2] - lower[2] ) );
+    const double reach = is_zero( first->offset ) ? HOME_REACH + size : REACH + 0.5 * size;
     bool is_beyond = false;
     for ( int k = 0; k < 3; ++k )
     {
         const double middle = 0.5 * ( lower[k] + upper[k] ), away = middle - out[k];
-        out[k] += fabs( away ) > reach_of( first ) + 0.5 * ( upper[k] - lower[k] ) ? rint( away ) : 0.0;
+        out[k] += fabs( away ) > reach ? rint( away ) : 0.0;
         is_beyond = is_beyond || fabs( middle - first->origin[k] ) > OUTERMOST;
     }
     memcpy( out, is_beyond ? first->origin : out, 3 * sizeof( *out ) );
@@ -204,6 +250,13 @@ const float* world_find_vertex( const wisp_world* world, const store_entity* e, 
                : NULL;
 }
 
+static bool is_out_of_reach( const wisp_world* world, const store_entity* e, wisp_vec3 vertex )
+{
+    const float reach = (float)( is_zero( e->offset ) ? HOME_REACH : REACH );
+    const wisp_vec3 p = v3_add( vertex, find_way( world, e, vertex ) );
+    return !( fabsf( p.x ) <= reach && fabsf( p.y ) <= reach && fabsf( p.z ) <= reach );
+}
+
 static bool needs_search( const wisp_world* world )
 {
     const store_entity* first = NULL; // of those that may meet
@@ -212,12 +265,9 @@ static bool needs_search( const wisp_world* world )
         const store_entity* e = world->store.entities + i;
         size_t coordinate;
         const float* p = can_move( e ) ? world_find_vertex( world, e, &coordinate ) : NULL;
-        for ( size_t k = 0; k < 3 && p != NULL; ++k )
+        if ( p != NULL && is_out_of_reach( world, e, ( wisp_vec3 ){ p[0], p[coordinate], p[2 * coordinate] } ) )
         {
-            if ( !( fabsf( p[k * coordinate] ) <= (float)reach_of( e ) ) )
-            {
-                return true;
-            }
+            return true;
         }
         if ( p != NULL && ( e->meets || e->tie != 0 ) )
         {

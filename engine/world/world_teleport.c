@@ -109,20 +109,14 @@ static void move_column( float* rows, int count, size_t bytes, wisp_place_shape 
     }
 }
 
-void world_move_places( wisp_world* world, store_entity* e, wisp_transform motion )
+void world_move_place( wisp_world* world, store_entity* e, const plan_place_column* place, wisp_transform motion )
 {
-    const wisp_registry* r = &world->registry;
-    for ( int i = 0; i < r->place_count; ++i )
+    const wisp_component_def* def = &world->store.components[place->component].def;
+    float* rows = store_column( &world->store, e, place->component, place->column );
+    if ( rows != NULL )
     {
-        const plan_place_column* place = r->places + i;
-        const wisp_component_def* def = &world->store.components[place->component].def;
-        float* rows = store_column( &world->store, e, place->component, place->column );
-        if ( rows != NULL )
-        {
-            move_column( rows, e->rows[def->table].count, def->columns[place->column].row_size, place->shape,
-                         motion );
-            store_touch( &world->store, e, place->component );
-        }
+        move_column( rows, e->rows[def->table].count, def->columns[place->column].row_size, place->shape, motion );
+        store_touch( &world->store, e, place->component );
     }
 }
 
@@ -153,7 +147,10 @@ void wisp_world_move_columns( wisp_world* world, wisp_entity entity, const wisp_
     store_entity* e = store_find( &world->store, entity );
     const wisp_vec3 before = e->offset;
     e->offset = v3_sub( before, teleport->far );
-    world_move_places( world, e, teleport->motion );
+    for ( int i = 0; i < world->registry.place_count; ++i )
+    {
+        world_move_place( world, e, world->registry.places + i, teleport->motion );
+    }
     if ( e->fabric != NULL )
     {
         wisp_teleport_rows( teleport, NULL, wisp_world_column( world, entity, WISP_PARTICLE_VELOCITY, 0 ),

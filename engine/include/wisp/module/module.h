@@ -194,6 +194,11 @@ typedef enum wisp_place_shape
 WISP_API void wisp_declare_places( wisp_registry* registry, wisp_component component, int column,
                                    wisp_place_shape shape );
 
+/// Say which column of floats of the same shape holds what does not fit the digits of declared places. With another origin it is divided
+/// anew.
+WISP_API void wisp_declare_low( wisp_registry* registry, wisp_component component, int column, wisp_component low,
+                                int low_column );
+
 /// Say what a map (maps.h) does on surfaces with a component. A map that no such row allows is refused.
 /// @param refusal null: the map acts on surfaces that have the component; else it is refused on them, with this message
 WISP_API void wisp_declare_map( wisp_registry* registry, wisp_component map, wisp_component component,
