@@ -44,7 +44,10 @@ static void move_surface( const wisp_scene* scene, wisp_scene_surface* s )
     move( scene, &s->target_pivot );
     move( scene, &s->frame_pivot );
     move( scene, &s->outlet_nearest );
-    move( scene, &s->boundary.eye );
+    if ( s->boundary.eye_angle > 0.0f )
+    {
+        move( scene, &s->boundary.eye );
+    }
 }
 
 static void move_path( const wisp_scene* scene, const wisp_scene_path* path )
@@ -69,7 +72,10 @@ static void move_strands( const wisp_scene* scene, wisp_scene_strands* s )
     }
     move( scene, &s->head_pivot );
     move( scene, &s->frame_pivot );
-    move( scene, &s->frozen_hair.cursor );
+    if ( s->has_cursor )
+    {
+        move( scene, &s->frozen_hair.cursor );
+    }
     move_path( scene, &s->head );
 }
 
