@@ -223,6 +223,13 @@ TEST( cloth_at_rest_far_away_is_as_calm_as_at_home )
         {
             fail_msg( "at (%g, %g, %g): %g m/s, at home %g", (double)at.x, (double)at.y, (double)at.z, speed, home );
         }
+        wisp_memory_part parts[160];
+        size_t bytes = 0;
+        for ( int i = wisp_world_memory_parts( h.world, parts, WISP_COUNT( parts ) ) - 1; i >= 0; --i )
+        {
+            bytes += parts[i].kind != WISP_MEMORY_OUTSIDE ? parts[i].capacity : 0;
+        }
+        assert_true( bytes == wisp_world_memory( h.world ) );
         const wisp_motion_stats stats = motion_of( h.world, e );
         assert_near( stats.centre[0], (double)at.x, 0.02 );
         assert_near( stats.centre[2], (double)at.z, 0.02 );
