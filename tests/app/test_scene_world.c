@@ -356,7 +356,7 @@ static uint64_t hash_of_stage( double x, double z, wisp_vec3* first )
         "    generate: { shape: plane, columns: 9, rows: 9, spacing: 0.05 }\n"
         "    transform: { translate: [%.9g, 0.5, %.9g] }\n"
         "    pin_nearest: [[%.9g, 0.5, %.9g]]\n"
-              "    pin_keyframes: [{ time: 0, translate: [0, 0, 0] }, { time: 1, translate: [0, 0.2, 0] }]\n"
+        "    pin_keyframes: [{ time: 0, translate: [0, 0, 0] }, { time: 1, translate: [0, 0.2, 0] }]\n"
         "    cloth: {}\n"
         "    collision: {}\n"
         "    compute: [points, motion_stats]\n"
