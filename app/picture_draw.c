@@ -26,6 +26,7 @@ typedef struct picture_fit
 typedef struct picture_survey
 {
     const picture_options* options;
+    const double* origin; ///< [3] m, of the source
     bool is_turning;
     float aspect;
     render_view view;
@@ -72,6 +73,7 @@ static picture_fit empty_fit( void )
 static picture_survey begin_survey( const picture_options* options, const picture_source* source, float aspect )
 {
     picture_survey survey = {
+        .origin = source->origin,
         .options = options,
         .is_turning = options->turntable > 0,
         .aspect = aspect,
@@ -303,6 +305,12 @@ static render_camera fitted_camera( const picture_survey* survey, const picture_
     };
 }
 
+static wisp_vec3 relative_to( const double origin[3], wisp_vec3 p )
+{
+    return ( wisp_vec3 ){ (float)( (double)p.x - origin[0] ), (float)( (double)p.y - origin[1] ),
+                          (float)( (double)p.z - origin[2] ) };
+}
+
 // The closest camera that shows everything in all frames, or the one given by the user. What travels several times its own
 // size would be a speck in it: then the camera goes along and keeps its distance.
 // @param frame bounds of the frame to be drawn, as add_to_survey() returned them
@@ -319,8 +327,8 @@ static wisp_status survey_camera( const picture_survey* survey, const picture_fi
     }
     if ( options->has_camera )
     {
-        camera->eye = options->eye;
-        camera->target = options->target;
+        camera->eye = relative_to( survey->origin, options->eye );
+        camera->target = relative_to( survey->origin, options->target );
     }
     else if ( bounds.is_filled && !survey->is_turning )
     {

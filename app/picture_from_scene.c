@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 typedef struct simulation
 {
@@ -344,6 +345,7 @@ wisp_status picture_open_scene( picture_source* source, const picture_source_def
         return status;
     }
     source->frame_count = s->scene.steps + 1;
+    memcpy( source->origin, s->scene.origin, sizeof source->origin );
     source->step = (double)s->scene.dt;
     source->has_seconds = true;
     status = add_bodies( source, s, error );

@@ -378,6 +378,7 @@ static wisp_status open_recording( picture_source* source, const picture_source_
     }
     wisp_recording_info info = wisp_recording_describe( p->recording );
     source->frame_count = info.frame_count;
+    memcpy( source->origin, info.origin, sizeof source->origin );
     source->step = info.dt;
     source->has_seconds = true;
     status =

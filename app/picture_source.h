@@ -71,6 +71,7 @@ struct picture_source
     const picture_input* input;
     picture_body* bodies; ///< [body_count]
     int body_count;
+    double origin[3];   ///< m, place in the world that points are relative to
     int frame_count;    ///< >= 1
     int frame;          ///< the loaded one, -1: none
     bool has_seconds;   ///< frames have a time

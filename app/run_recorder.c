@@ -451,6 +451,7 @@ static wisp_recorder_def def_of( const run_recorder* r, const run_recorder_def* 
         .bodies = r->bodies.list,
         .body_count = r->bodies.count,
         .dt = def->every * (double)r->world->scene->dt / r->frames_per_step,
+        .origin = { r->world->scene->origin[0], r->world->scene->origin[1], r->world->scene->origin[2] },
         .frame_count = def->steps / def->every * r->frames_per_step + 1,
     };
 }

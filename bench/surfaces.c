@@ -161,6 +161,7 @@ surface_observation surface_implementation_observe( surface_implementation* impl
     const wisp_vec3 g = implementation->generator.gravity;
     const float* x = wisp_world_column( implementation->world, implementation->entity, WISP_PARTICLE_POSITION, 0 );
     const float* v = wisp_world_column( implementation->world, implementation->entity, WISP_PARTICLE_VELOCITY, 0 );
+    const wisp_vec3 o = wisp_world_offset( implementation->world, implementation->entity );
     surface_observation observation = { .is_finite = true };
     observe_edges( fabric, x, &observation );
     for ( int i = 0; i < fabric->vertex_count; ++i )
@@ -169,7 +170,7 @@ surface_observation surface_implementation_observe( surface_implementation* impl
         if ( p[3] > 0.0f )
         {
             double mass = 1.0 / (double)p[3];
-            const wisp_vec3 rest = fabric->rest[i];
+            const wisp_vec3 r = fabric->rest[i], rest = { r.x + o.x, r.y + o.y, r.z + o.z };
             observation.kinetic +=
                 0.5 * mass *
                 ( (double)u[0] * (double)u[0] + (double)u[1] * (double)u[1] + (double)u[2] * (double)u[2] );

@@ -191,6 +191,21 @@ static void release( wisp_recorder* recorder )
     record_release( &memory );
 }
 
+static bool has_origin( const wisp_recorder* recorder )
+{
+    return recorder->origin[0] != 0.0 || recorder->origin[1] != 0.0 || recorder->origin[2] != 0.0;
+}
+
+static void reserve_moved( wisp_recorder* recorder )
+{
+    record_memory* memory = &recorder->memory;
+    recorder->moved = record_get( memory, (size_t)recorder->body_count * sizeof *recorder->moved );
+    for ( int b = 0; !memory->is_short && b < recorder->body_count; ++b )
+    {
+        recorder->moved[b] = record_get( memory, (size_t)recorder->bodies[b].vertex_count * sizeof( wisp_vec3 ) );
+    }
+}
+
 static void copy( wisp_recorder* recorder, const char* path, const wisp_recorder_def* def )
 {
     record_memory* memory = &recorder->memory;
@@ -216,6 +231,11 @@ static void copy( wisp_recorder* recorder, const char* path, const wisp_recorder
         recorder->most_vertices =
             body->vertex_count > recorder->most_vertices ? body->vertex_count : recorder->most_vertices;
     }
+    memcpy( recorder->origin, def->origin, sizeof recorder->origin );
+    if ( recorder->format->has_origin == false && has_origin( recorder ) && !memory->is_short )
+    {
+        reserve_moved( recorder );
+    }
     if ( recorder->format->has_normals )
     {
         const size_t most = (size_t)recorder->most_vertices;
@@ -237,6 +257,10 @@ wisp_status wisp_recorder_open( const char* path, wisp_record_format format, con
     if ( !isfinite( def->dt ) || def->dt <= 0.0 )
     {
         return record_wrong( error, path, "got %g seconds between two frames, expected more than 0", def->dt );
+    }
+    if ( !isfinite( def->origin[0] + def->origin[1] + def->origin[2] ) )
+    {
+        return record_wrong( error, path, "the origin is not finite" );
     }
     status = record_check_bodies( def->bodies, def->body_count, path, error );
     if ( status != WISP_OK )
@@ -319,6 +343,21 @@ static wisp_status check_frame( const wisp_recorder* recorder, double time, cons
     return status;
 }
 
+static const wisp_vec3* const* move_points( wisp_recorder* recorder, const wisp_vec3* const* points )
+{
+    const double* o = recorder->origin;
+    for ( int b = 0; b < recorder->body_count && recorder->moved != NULL; ++b )
+    {
+        for ( int v = 0; v < recorder->bodies[b].vertex_count; ++v )
+        {
+            const wisp_vec3 p = points[b][v];
+            recorder->moved[b][v] = ( wisp_vec3 ){ (float)( (double)p.x + o[0] ), (float)( (double)p.y + o[1] ),
+                                                   (float)( (double)p.z + o[2] ) };
+        }
+    }
+    return recorder->moved != NULL ? (const wisp_vec3* const*)recorder->moved : points;
+}
+
 wisp_status wisp_recorder_frame( wisp_recorder* recorder, double time, uint64_t hash, const wisp_vec3* const* points,
                                  wisp_error* error )
 {
@@ -337,7 +376,8 @@ wisp_status wisp_recorder_frame( wisp_recorder* recorder, double time, uint64_t 
                     (size_t)recorder->bodies[b].vertex_count * sizeof **points );
         }
     }
-    status = recorder->format->frame( recorder, &( record_frame ){ time, hash, points }, error );
+    status =
+        recorder->format->frame( recorder, &( record_frame ){ time, hash, move_points( recorder, points ) }, error );
     io_numbers_end( &numbers );
     if ( status == WISP_OK )
     {

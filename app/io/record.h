@@ -91,8 +91,10 @@ extern "C"
     typedef struct wisp_recorder_def
     {
         const wisp_record_body* bodies;
-        int body_count;  ///< 1 to WISP_RECORD_MAX_BODIES
-        double dt;       ///< s, > 0, between two frames; .usda counts its time codes in it
+        int body_count; ///< 1 to WISP_RECORD_MAX_BODIES
+        double dt;      ///< s, > 0, between two frames; .usda counts its time codes in it
+        double origin
+            [3]; ///< m, finite: what points are relative to. .wisp, .usda and .glb say it; others hold points in the world
         int frame_count; ///< expected; .glb refuses more than it can hold before the first one. 0: unknown
         const wisp_track_point* tracks; ///< [track_count] of WISP_RECORD_TRACKS
         int track_count;
@@ -143,6 +145,7 @@ extern "C"
     typedef struct wisp_recording_info
     {
         double dt;            ///< s, between two frames
+        double origin[3];     ///< m, place in the world that points are relative to
         int body_count;       ///< >= 1
         int frame_count;      ///< whole frames, including damaged ones
         uint64_t frame_bytes; ///< of one frame; all have the same length

@@ -255,7 +255,13 @@ static void write_nodes( const wisp_recorder* recorder )
     begin_list( file, "]}],\"nodes\":[" );
     for ( int b = 0; b < recorder->body_count; ++b )
     {
-        fprintf( next( file ), "{\"name\":\"%s\",\"mesh\":%d}", recorder->bodies[b].name, b );
+        const double* o = recorder->origin;
+        fprintf( next( file ), "{\"name\":\"%s\",\"mesh\":%d", recorder->bodies[b].name, b );
+        if ( o[0] != 0.0 || o[1] != 0.0 || o[2] != 0.0 )
+        {
+            fprintf( file->json, ",\"translation\":[%.17g,%.17g,%.17g]", o[0], o[1], o[2] );
+        }
+        fputs( "}", file->json );
     }
 }
 
@@ -557,6 +563,11 @@ static wisp_status glb_end( wisp_recorder* recorder, wisp_error* error )
 }
 
 const record_format record_format_glb = {
-    ".glb",         .has_normals = true, .file_size = sizeof( glb_file ), .begin = glb_begin, .frame = glb_frame,
+    ".glb",
+    .has_normals = true,
+    .has_origin = true,
+    .file_size = sizeof( glb_file ),
+    .begin = glb_begin,
+    .frame = glb_frame,
     .end = glb_end,
 };

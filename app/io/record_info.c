@@ -82,6 +82,11 @@ static void print_own( FILE* out, const survey* s, const char* name )
 {
     fprintf( out, "%s: recording of %d frames\n", name, s->info.frame_count );
     fprintf( out, "  %-20s %.6g s\n", "step", s->info.dt );
+    const double* o = s->info.origin;
+    if ( o[0] != 0.0 || o[1] != 0.0 || o[2] != 0.0 )
+    {
+        fprintf( out, "  %-20s %.9g, %.9g, %.9g m, which points are relative to\n", "origin", o[0], o[1], o[2] );
+    }
     if ( s->read_count > 0 )
     {
         fprintf( out, "  %-20s %.6g .. %.6g s\n", "time", s->first_time, s->last_time );

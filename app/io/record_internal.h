@@ -107,6 +107,9 @@ struct wisp_recorder
     char* beside; ///< [beside_size] room for a path beside it
     size_t beside_size;
     double dt;
+    double origin[3]; ///< m, that points are relative to
+    wisp_vec3**
+        moved; ///< [body_count][vertex_count] points in the world, of a format without an origin that is not 0; else null
     double last_time; ///< of the previous frame, if there is one
     int frame_count;
     int frames_expected;      ///< 0: unknown
@@ -131,6 +134,7 @@ struct record_format
     const char* extension;
     bool has_values;  ///< holds the values of bodies
     bool has_normals; ///< calls record_normals()
+    bool has_origin;  ///< says what points are relative to
     size_t file_size; ///< bytes of recorder->file, zeroed
     /// Check the bodies, then open files; null: nothing to do. The recorder closes them after a failure.
     wisp_status ( *begin )( wisp_recorder* recorder, wisp_error* error );
@@ -197,6 +201,7 @@ typedef struct record_start
     size_t magic_size;
     const char* what; ///< the magic in a message
     size_t size;
+    uint32_t newest; ///< version
 } record_start;
 
 /// Read it. @param bytes receives its bytes, valid until the next call of record_source_read()

@@ -149,7 +149,7 @@ static wisp_status read_counts( wisp_recording* cache, const unsigned char* byte
 
 wisp_status record_read_cache( wisp_recording* cache, wisp_error* error )
 {
-    static const record_start start = { magic, sizeof magic, "\"POINTCACHE2\" and a zero", HEADER_SIZE };
+    static const record_start start = { magic, sizeof magic, "\"POINTCACHE2\" and a zero", HEADER_SIZE, 1 };
     const unsigned char* bytes = NULL;
     const wisp_status status = record_read_start( &cache->source, &start, &bytes, error );
     return status == WISP_OK ? read_counts( cache, bytes, error ) : status;

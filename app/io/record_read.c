@@ -96,11 +96,13 @@ wisp_status record_read_start( record_source* source, const record_start* start,
     {
         return record_wrong_byte( source, size, error, "the file ends inside the header of %zu bytes", start->size );
     }
-    // Both formats have the version after the magic, and only one of it.
-    const uint32_t version = io_get_u32( *bytes + start->magic_size );
-    return version == 1
-               ? WISP_OK
-               : record_wrong_byte( source, start->magic_size, error, "got version %u, expected version 1", version );
+    // Both formats have the version after the magic.
+    const uint32_t version = io_get_u32( *bytes + start->magic_size ), newest = start->newest;
+    return version >= 1 && version <= newest ? WISP_OK
+           : newest == 1
+               ? record_wrong_byte( source, start->magic_size, error, "got version %u, expected version 1", version )
+               : record_wrong_byte( source, start->magic_size, error, "got version %u, expected version 1 or %u",
+                                    version, newest );
 }
 
 // ---- opening ---------------------------------------------------------------------------------------------------

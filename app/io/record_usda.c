@@ -375,6 +375,14 @@ static wisp_status usda_end( wisp_recorder* recorder, wisp_error* error )
              "    upAxis = \"Y\"\n"
              ")\n\ndef Xform \"Recording\"\n{",
              count > 0 ? code_of( recorder, count - 1 ) : 0.0, rate, count > 0 ? code_of( recorder, 0 ) : 0.0, rate );
+    const double* o = recorder->origin;
+    if ( o[0] != 0.0 || o[1] != 0.0 || o[2] != 0.0 )
+    {
+        fprintf( out,
+                 "\n    double3 xformOp:translate = (%.17g, %.17g, %.17g)\n"
+                 "    uniform token[] xformOpOrder = [\"xformOp:translate\"]\n",
+                 o[0], o[1], o[2] );
+    }
     for ( int b = 0; b < recorder->body_count; ++b )
     {
         write_body( recorder, b );
@@ -384,5 +392,11 @@ static wisp_status usda_end( wisp_recorder* recorder, wisp_error* error )
 }
 
 const record_format record_format_usda = {
-    ".usda", .has_values = true, .has_normals = true, .begin = usda_begin, .frame = usda_frame, .end = usda_end,
+    ".usda",
+    .has_values = true,
+    .has_normals = true,
+    .has_origin = true,
+    .begin = usda_begin,
+    .frame = usda_frame,
+    .end = usda_end,
 };

@@ -1,7 +1,7 @@
 // Our own recordings. Little-endian: a header, frames that are all equally long, the mark of the end.
 //
 //     header  "WISP\r\n\x1a\n", u32 version, u32 bodies, u64 header bytes, u64 frame bytes, f64 step seconds,
-//             bodies, u64 checksum of all before
+//             if the version is 2, because the origin is not 0, f64 origin[3], bodies, u64 checksum of all before
 //     body    u32 kind, u32 letters of the name, u32 vertices, u32 triangles or strands,
 //             name with zeros up to a multiple of 4, i32 [triangles][3] or [strands + 1]
 //     frame   "WISPFRAM", u64 frame bytes, u64 index, f64 time, u64 world hash, for each body f32 [vertices][3] and,
@@ -28,6 +28,7 @@
 enum
 {
     VERSION = 1,
+    VERSION_WITH_ORIGIN = 2,
     MAGIC_SIZE = 8,
     CHECKSUM_SIZE = 8,
 
@@ -36,7 +37,8 @@ enum
     AT_HEADER_BYTES = 16,
     AT_FRAME_BYTES = 24,
     AT_STEP_SECONDS = 32,
-    AT_BODIES = 40,
+    AT_ORIGIN = 40, // or the bodies
+    ORIGIN_SIZE = 24,
 
     BODY_SIZE = 16, // before the name
     MESH = 0,
@@ -113,9 +115,14 @@ static size_t number_count( const wisp_record_body* body )
     return body->offsets != NULL ? (size_t)body->strand_count + 1 : 3 * (size_t)body->triangle_count;
 }
 
+static bool is_placed( const wisp_recorder* recorder )
+{
+    return recorder->origin[0] != 0.0 || recorder->origin[1] != 0.0 || recorder->origin[2] != 0.0;
+}
+
 static uint64_t header_bytes( const wisp_recorder* recorder )
 {
-    uint64_t size = AT_BODIES + CHECKSUM_SIZE;
+    uint64_t size = AT_ORIGIN + ( is_placed( recorder ) ? ORIGIN_SIZE : 0 ) + CHECKSUM_SIZE;
     for ( int b = 0; b < recorder->body_count; ++b )
     {
         const wisp_record_body* body = &recorder->bodies[b];
@@ -175,12 +182,16 @@ static wisp_status own_begin( wisp_recorder* recorder, wisp_error* error )
         return record_no_memory( recorder->path, error );
     }
     memcpy( bytes, magic, MAGIC_SIZE );
-    io_put_u32( bytes + AT_VERSION, VERSION );
+    io_put_u32( bytes + AT_VERSION, is_placed( recorder ) ? VERSION_WITH_ORIGIN : VERSION );
     io_put_u32( bytes + AT_BODY_COUNT, (uint32_t)recorder->body_count );
     io_put_u64( bytes + AT_HEADER_BYTES, size );
     io_put_u64( bytes + AT_FRAME_BYTES, file->frame_bytes );
     io_put_double( bytes + AT_STEP_SECONDS, recorder->dt );
-    unsigned char* at = bytes + AT_BODIES;
+    unsigned char* at = bytes + AT_ORIGIN;
+    for ( int k = 0; k < 3 && is_placed( recorder ); ++k, at += 8 )
+    {
+        io_put_double( at, recorder->origin[k] );
+    }
     for ( int b = 0; b < recorder->body_count; ++b )
     {
         at = put_body( at, &recorder->bodies[b] );
@@ -258,7 +269,8 @@ static wisp_status own_end( wisp_recorder* recorder, wisp_error* error )
 }
 
 const record_format record_format_wisp = {
-    ".wisp", .file_size = sizeof( own_file ), .begin = own_begin, .frame = own_frame, .end = own_end,
+    ".wisp",        .has_origin = true, .file_size = sizeof( own_file ), .begin = own_begin, .frame = own_frame,
+    .end = own_end,
 };
 
 // ---- reading the header ----------------------------------------------------------------------------------------
@@ -275,7 +287,8 @@ typedef struct header_cursor
 // Length of the header, bounded by the file. The checksum is not verified yet, so nothing here is trusted.
 static wisp_status find_header( wisp_recording* recording, wisp_error* error )
 {
-    static const record_start start = { magic, MAGIC_SIZE, "the start of a recording", AT_BODIES };
+    static const record_start start = { magic, MAGIC_SIZE, "the start of a recording", AT_ORIGIN,
+                                        VERSION_WITH_ORIGIN };
     record_source* source = &recording->source;
     const unsigned char* bytes = NULL;
     const wisp_status status = record_read_start( source, &start, &bytes, error );
@@ -284,11 +297,12 @@ static wisp_status find_header( wisp_recording* recording, wisp_error* error )
         return status;
     }
     const uint64_t header = recording->info.first_byte = io_get_u64( bytes + AT_HEADER_BYTES );
-    if ( header < AT_BODIES + CHECKSUM_SIZE || header > WISP_RECORD_HEADER_CAP )
+    const int least =
+        AT_ORIGIN + ( io_get_u32( bytes + AT_VERSION ) == VERSION_WITH_ORIGIN ? ORIGIN_SIZE : 0 ) + CHECKSUM_SIZE;
+    if ( header < (uint64_t)least || header > WISP_RECORD_HEADER_CAP )
     {
         return record_wrong_byte( source, AT_HEADER_BYTES, error, "got a header of %llu bytes, expected %d .. %llu",
-                                  (unsigned long long)header, AT_BODIES + CHECKSUM_SIZE,
-                                  (unsigned long long)WISP_RECORD_HEADER_CAP );
+                                  (unsigned long long)header, least, (unsigned long long)WISP_RECORD_HEADER_CAP );
     }
     return header <= source->size
                ? WISP_OK
@@ -378,6 +392,19 @@ static wisp_status read_bodies( wisp_recording* recording, header_cursor* cursor
                : status;
 }
 
+static wisp_status read_origin( wisp_recording* recording, header_cursor* cursor )
+{
+    const bool is_there = io_get_u32( cursor->bytes + AT_VERSION ) == VERSION_WITH_ORIGIN;
+    double* origin = recording->info.origin;
+    for ( int k = 0; k < 3 && is_there; ++k, cursor->at += 8 )
+    {
+        origin[k] = io_get_double( cursor->bytes + cursor->at );
+    }
+    return isfinite( origin[0] + origin[1] + origin[2] )
+               ? WISP_OK
+               : record_wrong_byte( cursor->source, AT_ORIGIN, cursor->error, "the origin is not finite" );
+}
+
 static wisp_status read_header( wisp_recording* recording, wisp_error* error )
 {
     wisp_recording_info* info = &recording->info;
@@ -395,8 +422,9 @@ static wisp_status read_header( wisp_recording* recording, wisp_error* error )
         return record_wrong_byte( source, end, error,
                                   "the header is damaged, its checksum does not match its bytes" );
     }
-    header_cursor cursor = { source, bytes, AT_BODIES, end, error };
-    status = read_bodies( recording, &cursor );
+    header_cursor cursor = { source, bytes, AT_ORIGIN, end, error };
+    status = read_origin( recording, &cursor );
+    status = status == WISP_OK ? read_bodies( recording, &cursor ) : status;
     if ( status != WISP_OK )
     {
         return status;

@@ -119,6 +119,10 @@ static wisp_status read_root( const scene_source* source, const scene_tree* tree
     request_by_default( scene );
     status = status ? status : scene_bind_roots( &r, root );
     status = status ? status : scene_bind_pins( &r, root );
+    if ( !status )
+    {
+        scene_find_origin( scene );
+    }
     return status ? status : scene_make_copies( &r );
 }
 

@@ -451,6 +451,9 @@ extern "C"
         int workers; ///< 0 is one a core
 
         wisp_vec3 gravity; ///< m/s^2, of surfaces and of strands that move
+        double origin
+            [3]; ///< m, in the world, multiples of 8: all places of the scene are relative to it. 0 unless the first
+                 ///< surface, or else the first strands, is placed more than 16 m away along an axis
 
         bool has_contact;
         wisp_contact_settings

@@ -110,6 +110,10 @@ wisp_status scene_read_vertices( scene_reader* reader, const scene_node* node, i
 /// names are bound.
 wisp_status scene_make_copies( scene_reader* reader );
 
+// scene_origin.c
+/// Find where the scene is, and make places relative to it. Before copies are made, which share arrays.
+void scene_find_origin( wisp_scene* scene );
+
 /// Vertices of strands that are generated.
 int64_t scene_made_vertices( const wisp_scene_strands* strands );
 

@@ -402,6 +402,16 @@ static void read_lanes( const stability_reader* r, const float* column, wisp_vec
     }
 }
 
+// From coordinates in rows to those of the scene.
+static void take_offset( const stability_reader* r, wisp_vec3 o )
+{
+    for ( int i = 0; i < r->count; ++i )
+    {
+        const wisp_vec3 p = r->now[i];
+        r->now[i] = ( wisp_vec3 ){ p.x - o.x, p.y - o.y, p.z - o.z };
+    }
+}
+
 static void read_lane_weights( const stability_reader* r, const float* column )
 {
     const wisp_strand_topology* t = r->strands;
@@ -426,6 +436,7 @@ static void read_columns( const stability_reader* r, const scene_world* world )
     if ( r->strands )
     {
         read_lanes( r, wisp_world_column( w, r->entity, WISP_STRAND_POSITION, 0 ), r->now );
+        take_offset( r, wisp_world_offset( w, r->entity ) );
         read_lanes( r, wisp_world_column( w, r->entity, WISP_STRAND_VELOCITY, 0 ), r->motion );
         read_lane_weights( r, wisp_world_column( w, r->entity, WISP_STRAND_INVERSE_MASS, 0 ) );
         return;
@@ -438,6 +449,7 @@ static void read_columns( const stability_reader* r, const scene_world* world )
         r->motion[i] = ( wisp_vec3 ){ v[4 * i], v[4 * i + 1], v[4 * i + 2] };
         r->weight[i] = (double)x[4 * i + 3];
     }
+    take_offset( r, wisp_world_offset( w, r->entity ) );
 }
 
 stability_reader* stability_reader_make( const scene_world* world, int body )

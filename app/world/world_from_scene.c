@@ -134,6 +134,27 @@ static wisp_status add_strands( scene_world* out, int strands, wisp_error* error
     return WISP_OK;
 }
 
+// All places of a scene are relative to its origin.
+static wisp_status place( scene_world* world, wisp_error* error )
+{
+    const wisp_scene* scene = world->scene;
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
+    {
+        status = wisp_set_origin( world->world, world->entities[i], scene->origin );
+    }
+    for ( int i = 0; i < scene->surface_count && status == WISP_OK; ++i )
+    {
+        status = wisp_set_origin( world->world, world->surfaces[i].entity, scene->origin );
+    }
+    for ( int i = 0; i < scene->collider_count && status == WISP_OK; ++i )
+    {
+        status = wisp_set_origin( world->world, world->colliders[i].entity, scene->origin );
+    }
+    return status == WISP_OK ? WISP_OK
+                             : wisp_fail( error, status, "%s: %s", scene->name, wisp_world_message( world->world ) );
+}
+
 wisp_status scene_world_create( const wisp_scene* scene, const scene_world_options* options, scene_world* out,
                                 wisp_error* error )
 {
@@ -157,6 +178,7 @@ wisp_status scene_world_create( const wisp_scene* scene, const scene_world_optio
     status = status == WISP_OK ? scene_colliders_add( out, error ) : status;
     status = status == WISP_OK ? scene_seams_add( out, error ) : status;
     status = status == WISP_OK ? scene_motion_set( out, error ) : status;
+    status = status == WISP_OK ? place( out, error ) : status;
     if ( status != WISP_OK )
     {
         scene_world_destroy( out );
@@ -330,6 +352,33 @@ static wisp_status copy_shape( scene_world* world, int strands )
     return status;
 }
 
+// Files of a single shape hold places in the world. @param out [count], may be `points`
+static void put_in_world( const wisp_scene* scene, const wisp_vec3* points, int count, wisp_vec3* out )
+{
+    const double* o = scene->origin;
+    for ( int i = 0; i < count; ++i )
+    {
+        const wisp_vec3 p = points[i];
+        out[i] = ( wisp_vec3 ){ (float)( (double)p.x + o[0] ), (float)( (double)p.y + o[1] ),
+                                (float)( (double)p.z + o[2] ) };
+    }
+}
+
+static wisp_status write_groom( const scene_world* world, const wisp_scene_output* output, wisp_error* error )
+{
+    wisp_groom groom = world->grooms[output->strands];
+    wisp_vec3* points = malloc( (size_t)groom.vertex_count * sizeof *points + 1 );
+    if ( !points )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory to write it" );
+    }
+    put_in_world( world->scene, groom.points, groom.vertex_count, points );
+    groom.points = points;
+    const wisp_status status = wisp_groom_write( output->file, &groom, error );
+    free( points );
+    return status;
+}
+
 static wisp_status write_strands( scene_world* world, const wisp_scene_output* output, wisp_error* error )
 {
     // Before the first step no pass has written anything, and only the rest shape exists.
@@ -340,7 +389,7 @@ static wisp_status write_strands( scene_world* world, const wisp_scene_output* o
                           status == WISP_NO_MEMORY ? "out of memory to write it"
                                                    : wisp_world_message( world->world ) );
     }
-    return wisp_groom_write( output->file, &world->grooms[output->strands], error );
+    return write_groom( world, output, error );
 }
 
 static wisp_status write_surface( scene_world* world, const wisp_scene_output* output, wisp_error* error )
@@ -355,6 +404,7 @@ static wisp_status write_surface( scene_world* world, const wisp_scene_output* o
     wisp_status status = scene_world_points( world, body_number, points, error );
     if ( status == WISP_OK )
     {
+        put_in_world( world->scene, points, body.vertex_count, points );
         // The writer changes neither mesh; there is no read-only type.
         const wisp_mesh mesh = { .points = points,
                                  .triangles = (int32_t*)(uintptr_t)body.triangles,

@@ -667,6 +667,7 @@ static wisp_status hold_group( scene_world* world, int surface, int group )
     const wisp_transform pose =
         pose_at_end( world, &scene_pins_entry( &world->scene->surfaces[surface], group )->path, still, now );
     const float* x = wisp_world_column( world->world, s->entity, WISP_PARTICLE_POSITION, 0 );
+    const wisp_vec3 offset = wisp_world_offset( world->world, s->entity );
     const wisp_status status = wisp_pin( world->world, s->entity, pins->vertices, pins->count );
     for ( int i = 0; i < pins->count && pins->starts != NULL && status == WISP_OK; ++i )
     {
@@ -674,7 +675,8 @@ static wisp_status hold_group( scene_world* world, int surface, int group )
         const wisp_vec3 o = pins->pivot, d = pose.translation;
         const wisp_quat back = { -pose.rotation.x, -pose.rotation.y, -pose.rotation.z, pose.rotation.w };
         const wisp_vec3 start =
-            wisp_quat_rotate( back, ( wisp_vec3 ){ p[0] - o.x - d.x, p[1] - o.y - d.y, p[2] - o.z - d.z } );
+            wisp_quat_rotate( back, ( wisp_vec3 ){ p[0] - offset.x - o.x - d.x, p[1] - offset.y - o.y - d.y,
+                                                   p[2] - offset.z - o.z - d.z } );
         pins->starts[i] = ( wisp_vec3 ){ start.x + o.x, start.y + o.y, start.z + o.z };
     }
     pins->is_held = true;

@@ -47,13 +47,15 @@ static void restore( wisp_frame* frame, wisp_entity entity, guard_loop* loop )
 {
     int slot = atomic_load( &loop->first_bad );
     const float* p = loop->position + (size_t)slot * 4;
+    const wisp_vec3 o = wisp_frame_offset( frame, entity );
     char message[300];
     snprintf(
         message, sizeof( message ),
         "entity %u: vertex %d left its bounds in step %llu at (%g, %g, %g); the entity is halted in the state of "
         "the previous step",
         entity.index, wisp_frame_fabric( frame, entity )->slot_vertex[slot],
-        (unsigned long long)wisp_frame_step( frame ), (double)p[0], (double)p[1], (double)p[2] );
+        (unsigned long long)wisp_frame_step( frame ), (double)( p[0] - o.x ), (double)( p[1] - o.y ),
+        (double)( p[2] - o.z ) );
     // inverse masses stay: a pin set or released since the last valid step must keep its state
     for ( size_t i = 0; i < (size_t)loop->slot_count * 4; i += 4 )
     {

@@ -96,6 +96,8 @@ wisp_status passes_declare_sleep( wisp_registry* registry, passes_sleep_componen
     out->particles = wisp_declare_component( registry, &particles );
     out->strands = wisp_declare_component( registry, &strands );
     out->moved = wisp_declare_component( registry, &moved );
+    wisp_declare_places( registry, out->particles, 0, WISP_PLACE_QUADS );
+    wisp_declare_places( registry, out->strands, 0, WISP_PLACE_LANES );
     const wisp_pass passes[] = {
         {
             .name = "sleep.measure",

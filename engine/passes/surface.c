@@ -17,11 +17,12 @@ static void hand_out_points( wisp_frame* frame, const wisp_span* span, void* use
     const float* position = position_of( frame, span );
     wisp_vec3* points = wisp_frame_column( frame, span->entity, WISP_SURFACE_POINTS, 0 );
     const wisp_span s = wisp_frame_particles( frame, span );
+    const wisp_vec3 o = wisp_frame_offset( frame, span->entity );
     int end = s.end < fabric->vertex_count ? s.end : fabric->vertex_count;
     for ( int slot = s.begin; slot < end; ++slot )
     {
         const float* p = position + (size_t)slot * 4;
-        points[fabric->slot_vertex[slot]] = ( wisp_vec3 ){ p[0], p[1], p[2] };
+        points[fabric->slot_vertex[slot]] = ( wisp_vec3 ){ p[0] - o.x, p[1] - o.y, p[2] - o.z };
     }
 }
 
@@ -224,6 +225,10 @@ static void take_motion_stats( wisp_frame* frame, const wisp_span* span, void* u
     sum_angular_momentum( fabric, position, velocity, &q );
     sum_strain( fabric, position, &q );
     q.volume = sum_volume( fabric, position );
+    const wisp_vec3 o = wisp_frame_offset( frame, span->entity );
+    q.centre[0] -= (double)o.x;
+    q.centre[1] -= (double)o.y;
+    q.centre[2] -= (double)o.z;
     if ( gravity != NULL )
     {
         q.potential_energy = -q.mass * ( (double)gravity->x * q.centre[0] + (double)gravity->y * q.centre[1] +

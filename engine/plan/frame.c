@@ -20,6 +20,16 @@ bool wisp_frame_has( wisp_frame* frame, wisp_entity entity, wisp_component compo
     return store_mask_has( &entity_of( frame, entity )->components, component );
 }
 
+wisp_vec3 wisp_frame_offset( wisp_frame* frame, wisp_entity entity )
+{
+    return entity_of( frame, entity )->offset;
+}
+
+wisp_vec3 wisp_frame_between( wisp_frame* frame, wisp_entity from, wisp_entity to )
+{
+    return store_between( entity_of( frame, from ), entity_of( frame, to ) );
+}
+
 const wisp_strand_topology* wisp_frame_strands( wisp_frame* frame, wisp_entity entity )
 {
     return entity_of( frame, entity )->strands;

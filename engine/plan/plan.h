@@ -72,6 +72,7 @@ typedef struct plan_batch
 enum
 {
     PLAN_MAX_MAPS = 64,
+    PLAN_MAX_PLACES = 64,
 };
 
 /// What a map does on surfaces with a component.
@@ -80,6 +81,16 @@ typedef struct plan_map
     wisp_component map, component;
     const char* refusal; // null: it acts
 } plan_map;
+
+/// A column that holds places.
+typedef struct plan_place_column
+{
+    wisp_component component;
+    int column;
+    wisp_place_shape shape;
+    wisp_component low; // 0: none
+    int low_column;
+} plan_place_column;
 
 struct wisp_registry
 {
@@ -101,6 +112,8 @@ struct wisp_registry
     int workspace_count;
     plan_map maps[PLAN_MAX_MAPS];
     int map_count;
+    plan_place_column places[PLAN_MAX_PLACES];
+    int place_count;
     const char* module; // module whose declare() is running
     wisp_error error;   // of the first invalid declaration
 };

@@ -161,6 +161,28 @@ void wisp_declare_map( wisp_registry* registry, wisp_component map, wisp_compone
     registry->maps[registry->map_count++] = ( plan_map ){ map, component, refusal };
 }
 
+void wisp_declare_places( wisp_registry* registry, wisp_component component, int column, wisp_place_shape shape )
+{
+    if ( registry->place_count == PLAN_MAX_PLACES )
+    {
+        fail_declaration( registry, "too many columns of places:", registry->module );
+        return;
+    }
+    registry->places[registry->place_count++] = ( plan_place_column ){ component, column, shape, 0, 0 };
+}
+
+void wisp_declare_low( wisp_registry* registry, wisp_component component, int column, wisp_component low,
+                       int low_column )
+{
+    for ( int i = 0; i < registry->place_count; ++i )
+    {
+        plan_place_column* place = registry->places + i;
+        const bool is_it = place->component == component && place->column == column;
+        place->low = is_it ? low : place->low;
+        place->low_column = is_it ? low_column : place->low_column;
+    }
+}
+
 void* wisp_declare_state( wisp_registry* registry, size_t size )
 {
     void* memory =

@@ -48,6 +48,10 @@ typedef struct store_entity
     store_sleep sleep;                   // what the rows of wisp/sleep.h say
     bool is_touched;                     // rows may have changed since it fell asleep
     wisp_detail_frame detail;            // what the rows of wisp/detail.h say
+    double origin[3];                    // m, place in the world that the host's coordinates are relative to
+    wisp_vec3 offset;                    // m, from the host's coordinates to those of rows
+    uint32_t tie;                        // those of one number have one origin of rows; 0: it is on its own
+    bool meets;                          // so has what comes near it
     store_mask dirty; // bit p: pass p must run on the entity, because what it watches or writes has changed
 } store_entity;
 
@@ -76,6 +80,23 @@ wisp_component store_declare( store* s, const wisp_component_def* def );
 
 /// @return null for a stale handle
 store_entity* store_find( const store* s, wisp_entity entity );
+
+/// Find the place in the world that coordinates in rows are relative to, m.
+static inline void store_row_origin( const store_entity* e, double out[3] )
+{
+    out[0] = e->origin[0] - (double)e->offset.x;
+    out[1] = e->origin[1] - (double)e->offset.y;
+    out[2] = e->origin[2] - (double)e->offset.z;
+}
+
+/// Return the vector from coordinates in rows of one entity to those in rows of another, m.
+static inline wisp_vec3 store_between( const store_entity* from, const store_entity* to )
+{
+    double a[3], b[3];
+    store_row_origin( from, a );
+    store_row_origin( to, b );
+    return ( wisp_vec3 ){ (float)( a[0] - b[0] ), (float)( a[1] - b[1] ), (float)( a[2] - b[2] ) };
+}
 
 /// The handle of a slot.
 wisp_entity store_handle( const store* s, int slot );

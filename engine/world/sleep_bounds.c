@@ -141,6 +141,7 @@ void sleep_fill_boxes( wisp_world* world, sleep_box* boxes )
     {
         const store_entity* e = world->store.entities + slot;
         sleep_box* box = boxes + slot;
+        store_row_origin( e, box->origin );
         box->reach = e->alive && e->halted == 0
                          ? plan_registry_reach( &world->registry, world, store_handle( &world->store, slot ) )
                          : -1.0f;
@@ -276,7 +277,8 @@ void sleep_stir( sleep_box* boxes, int count, void* room )
         for ( int i = count_begun( places, still, to ) - 1; i >= 0 && places[i].end >= from; --i )
         {
             sleep_box* a = boxes + places[i].slot;
-            if ( a->is_still && wisp_bounds_touch( &a->bounds, &b->bounds, pair_reach( a, b ) ) )
+            if ( a->is_still && memcmp( a->origin, b->origin, sizeof( a->origin ) ) == 0 &&
+                 wisp_bounds_touch( &a->bounds, &b->bounds, pair_reach( a, b ) ) )
             {
                 a->is_still = false;
                 queue[queued++] = places[i].slot;

@@ -9,6 +9,7 @@ typedef struct sleep_box
     wisp_sleep_bounds bounds; // m, with its motion in a step unless it sleeps
     float reach;              // m; below 0: it acts on none, or is halted
     bool is_still;            // it sleeps, or is going to
+    double origin[3];         // m, of the bounds: those of others are not near
 } sleep_box;
 
 /// Return the row of an entity; null if it cannot sleep.

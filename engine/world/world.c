@@ -70,6 +70,7 @@ static wisp_status check_def( const wisp_world_def* def, wisp_error* error )
 static wisp_status register_modules( wisp_world* world, const wisp_world_def* def )
 {
     wisp_status status = world_declare_strands( &world->registry );
+    status = status == WISP_OK ? world_declare_places( &world->registry ) : status;
     status = status == WISP_OK ? passes_declare( &world->registry ) : status;
     status = status == WISP_OK ? passes_declare_detail( &world->registry, &world->registry.detail ) : status;
     status = status == WISP_OK ? passes_declare_sleep( &world->registry, &world->sleep.components ) : status;
@@ -170,6 +171,7 @@ void wisp_world_destroy( wisp_world* world )
     base_buffer_release( &world->allocator, &world->blend.previous );
     base_buffer_release( &world->allocator, &world->blend.points );
     base_buffer_release( &world->allocator, &world->sleep.boxes );
+    base_buffer_release( &world->allocator, &world->origin_members );
     plan_registry_release( &world->registry );
     store_release( &world->store );
     jobs_destroy( world->pool );
@@ -357,7 +359,8 @@ static wisp_status step( wisp_world* world, float seconds )
                                 (double)seconds );
     }
     world_detail_show( world, true );
-    const wisp_status compiled = compile_if_changed( world );
+    wisp_status compiled = compile_if_changed( world );
+    compiled = compiled == WISP_OK ? world_origins_begin( world ) : compiled;
     if ( compiled != WISP_OK )
     {
         world_detail_show( world, false );
@@ -533,7 +536,7 @@ uint64_t wisp_world_hash( const wisp_world* world )
 size_t wisp_world_snapshot_size( wisp_world* world )
 {
     return wisp_world_begin( world ) == WISP_OK && compile_if_changed( world ) == WISP_OK
-               ? store_snapshot_size( &world->store ) + sizeof( world->clock )
+               ? store_snapshot_size( &world->store ) + world_origins_size( world ) + sizeof( world->clock )
                : 0;
 }
 
@@ -542,16 +545,17 @@ wisp_status wisp_world_snapshot( wisp_world* world, void* out, size_t size )
     WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     WISP_TRY( compile_if_changed( world ) );
-    const size_t store_size = store_snapshot_size( &world->store );
-    if ( size < store_size + sizeof( world->clock ) )
+    const size_t store_size = store_snapshot_size( &world->store ), origins_size = world_origins_size( world );
+    if ( size < store_size + origins_size + sizeof( world->clock ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "snapshot: got room for %zu bytes, expected at least %zu",
-                                size, store_size + sizeof( world->clock ) );
+                                size, store_size + origins_size + sizeof( world->clock ) );
     }
     world_sleep_to_rows( world, false );
     store_snapshot( &world->store, out );
     world_sleep_to_rows( world, true );
-    memcpy( (char*)out + store_size, &world->clock, sizeof( world->clock ) );
+    world_origins_write( world, (char*)out + store_size );
+    memcpy( (char*)out + store_size + origins_size, &world->clock, sizeof( world->clock ) );
     return WISP_OK;
 }
 
@@ -561,19 +565,22 @@ wisp_status wisp_world_restore( wisp_world* world, const void* bytes, size_t siz
     WISP_TRY( wisp_world_check_pointer( world, "bytes", bytes ) );
     WISP_TRY( compile_if_changed( world ) );
     step_clock clock = { 0 };
-    const size_t store_size = size > sizeof( clock ) ? size - sizeof( clock ) : 0;
+    const size_t origins_size = world_origins_size( world ), behind = origins_size + sizeof( clock );
+    const size_t store_size = size > behind ? size - behind : 0;
+    const char* origins = (const char*)bytes + store_size;
     if ( store_size > 0 )
     {
-        memcpy( &clock, (const char*)bytes + store_size, sizeof( clock ) );
+        memcpy( &clock, origins + origins_size, sizeof( clock ) );
     }
     wisp_error error = { 0 };
-    wisp_status status = step_clock_check( &clock )
+    wisp_status status = step_clock_check( &clock ) && ( store_size == 0 || world_origins_check( world, origins ) )
                              ? store_restore( &world->store, bytes, store_size, &error )
                              : wisp_fail( &error, WISP_BAD_INPUT, "snapshot: the step clock is damaged" );
     if ( status != WISP_OK )
     {
         return wisp_world_fail( world, status, "%s", error.message );
     }
+    world_origins_read( world, origins );
     world_sleep_from_rows( world );
     world_detail_from_rows( world );
     world->clock = clock;

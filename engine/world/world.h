@@ -60,6 +60,8 @@ struct wisp_world
     int longest_step; // usual steps
     world_blend blend;
     world_sleep sleep;
+    wisp_buffer origin_members; // scratch of world_origins.c
+    uint32_t tie_count;
     wisp_error error; // of the last call that failed
     wisp_profile_line lines[PLAN_MAX_PASSES];
     int line_count;
@@ -105,6 +107,30 @@ void world_sleep_from_rows( wisp_world* world );
 
 /// Zero the velocities of an entity that comes to rest, and of its last valid state; coarse sheets forget how they moved.
 void world_forget_velocities( wisp_world* world, store_entity* e );
+
+/// Keep an entity asleep whose rows got another origin. @return false if it is awake
+bool world_sleep_shift( wisp_world* world, store_entity* e, wisp_vec3 by );
+/// Wake all entities at the start of the next step.
+void world_sleep_disturb( wisp_world* world );
+
+// world_teleport.c
+
+/// Move places in the rows of an entity.
+void world_move_place( wisp_world* world, store_entity* e, const plan_place_column* place, wisp_transform motion );
+
+// world_origins.c
+
+/// Have rows relative to places near them, before any pass.
+wisp_status world_origins_begin( wisp_world* world );
+/// Return a vertex of an entity in its rows; null without. @param coordinate receives the floats from x to y
+const float* world_find_vertex( const wisp_world* world, const store_entity* e, size_t* coordinate );
+/// What a snapshot holds of it.
+size_t world_origins_size( const wisp_world* world );
+void world_origins_write( const wisp_world* world, void* out );
+bool world_origins_check( const wisp_world* world, const void* bytes );
+void world_origins_read( wisp_world* world, const void* bytes );
+/// Declare which shared columns hold places.
+wisp_status world_declare_places( wisp_registry* registry );
 
 // world_detail.c
 

@@ -77,7 +77,7 @@ wisp_status wisp_set_moving_frame( wisp_world* world, wisp_entity entity, const 
     WISP_TRY( wisp_world_attach( world, entity, WISP_PARTICLE_FRAME ) );
     wisp_transform* pose = wisp_world_column( world, entity, WISP_PARTICLE_FRAME, 0 );
     float* felt = wisp_world_column( world, entity, WISP_PARTICLE_FRAME, 1 );
-    pose[0] = pose[1] = pose[2] = wisp_transform_make( def.pose.rotation, def.pose.translation );
+    pose[0] = pose[1] = pose[2] = wisp_pose_to_rows( def.pose, wisp_world_offset( world, entity ) );
     felt[0] = def.linear_inertia;
     felt[1] = def.angular_inertia;
     return WISP_OK;
@@ -91,7 +91,7 @@ wisp_status wisp_move_frame( wisp_world* world, wisp_entity entity, wisp_transfo
     wisp_transform* poses = wisp_world_column( world, entity, WISP_PARTICLE_FRAME, 0 );
     if ( poses != NULL )
     {
-        poses[2] = wisp_transform_make( pose.rotation, pose.translation );
+        poses[2] = wisp_pose_to_rows( pose, wisp_world_offset( world, entity ) );
     }
     return WISP_OK;
 }

@@ -95,6 +95,7 @@ static void add_engine( part_list* parts, const wisp_world* world )
     add_whole( parts, "plan", WISP_MEMORY_ENGINE, plan_memory( &world->plan ) );
     add_whole( parts, "blended points", WISP_MEMORY_ENGINE, world->blend.previous.size + world->blend.points.size );
     add_whole( parts, "sleep", WISP_MEMORY_ENGINE, world->sleep.boxes.size );
+    add_whole( parts, "origins", WISP_MEMORY_ENGINE, world->origin_members.size );
 }
 
 // @return sum over the parts

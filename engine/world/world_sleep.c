@@ -46,6 +46,35 @@ static bool is_disturbed( wisp_world* world, int slot )
            around != state->surroundings;
 }
 
+bool world_sleep_shift( wisp_world* world, store_entity* e, wisp_vec3 by )
+{
+    passes_sleep* state = e->sleep != STORE_AWAKE ? sleep_state_of( world, e ) : NULL;
+    const float shift[3] = { by.x, by.y, by.z };
+    for ( int k = 0; k < 3 && state != NULL; ++k )
+    {
+        state->lower[k] += shift[k];
+        state->upper[k] += shift[k];
+    }
+    if ( state != NULL )
+    {
+        state->rows = hash_rows( world, e );
+    }
+    return state != NULL;
+}
+
+void world_sleep_disturb( wisp_world* world )
+{
+    for ( int slot = 0; slot < world->store.entity_count; ++slot )
+    {
+        store_entity* e = world->store.entities + slot;
+        if ( e->alive && e->sleep != STORE_AWAKE )
+        {
+            sleep_state_of( world, e )->rows += 1;
+            e->is_touched = true;
+        }
+    }
+}
+
 static void wake_reached( wisp_world* world )
 {
     sleep_box* boxes = sleep_reserve_boxes( world );

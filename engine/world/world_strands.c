@@ -1,6 +1,7 @@
 // Strands: their definition, their rows, the pass that hands their points out; and instances of strands and surfaces.
 #include "world.h"
 
+#include "vec.h"
 #include "wisp/module/components.h"
 
 #include <math.h>
@@ -34,6 +35,15 @@ static void unpack_points( wisp_frame* frame, const wisp_span* span, void* user 
         .points = wisp_frame_column( frame, span->entity, WISP_STRAND_POINTS, 0 ),
     };
     wisp_frame_kernels( frame )->strand_unpack( &job, span->begin, span->end );
+    const wisp_vec3 o = wisp_frame_offset( frame, span->entity );
+    for ( int i = span->begin * WISP_LANES; i < span->end * WISP_LANES && v3_dot( o, o ) > 0.0f; ++i )
+    {
+        for ( int v = 0; v < t->lane_count[i]; ++v )
+        {
+            wisp_vec3* p = (wisp_vec3*)(void*)job.points + t->offsets[t->lane_strand[i]] + v;
+            *p = v3_sub( *p, o );
+        }
+    }
 }
 
 wisp_status world_declare_strands( wisp_registry* registry )

@@ -384,9 +384,10 @@ wisp_status wisp_move_pins( wisp_world* world, wisp_entity surface, const int32_
     for ( int i = 0; i < count; ++i )
     {
         float* to = target + (size_t)e->fabric->vertex_slot[vertices[i]] * 4;
-        to[0] = targets[i].x;
-        to[1] = targets[i].y;
-        to[2] = targets[i].z;
+        const wisp_vec3 p = wisp_to_rows( targets[i], e->offset );
+        to[0] = p.x;
+        to[1] = p.y;
+        to[2] = p.z;
         to[3] = 1.0f;
     }
     return WISP_OK;

@@ -4,6 +4,7 @@
 #include "world_blend.h"
 
 #include "plan.h"
+#include "vec.h"
 #include "wisp/module/components.h"
 
 #include <math.h>
@@ -81,59 +82,87 @@ void wisp_teleport_rows( const wisp_teleport_motion* teleport, float* points, fl
 
 // ---- columns that all effects share ----
 
-static void move_particles( wisp_world* world, wisp_entity entity, const wisp_teleport_motion* teleport, int count )
+static void move_poses( char* rows, int count, size_t bytes, wisp_transform motion )
 {
-    wisp_teleport_rows( teleport, wisp_world_column( world, entity, WISP_PARTICLE_POSITION, 0 ),
-                        wisp_world_column( world, entity, WISP_PARTICLE_VELOCITY, 0 ), count, 4 );
-    wisp_teleport_rows( teleport, wisp_world_column( world, entity, WISP_PARTICLE_LAST_VALID, 0 ), NULL, count, 4 );
-    wisp_teleport_rows( teleport, wisp_world_column( world, entity, WISP_PARTICLE_TARGET, 0 ), NULL, count, 4 );
-}
-
-static void move_frame( wisp_world* world, wisp_entity entity, const wisp_teleport_motion* teleport )
-{
-    wisp_transform* poses = wisp_world_column( world, entity, WISP_PARTICLE_FRAME, 0 );
-    for ( int i = 0; poses != NULL && i < 3; ++i )
+    const wisp_teleport_motion teleport = { .motion = motion };
+    for ( int i = 0; i < 3 * count; ++i )
     {
-        poses[i] = wisp_teleport_pose( teleport, poses[i] );
+        wisp_transform* pose = (wisp_transform*)(void*)( rows + (size_t)( i / 3 ) * bytes ) + i % 3;
+        *pose = wisp_teleport_pose( &teleport, *pose );
     }
 }
 
-static void move_strands( wisp_world* world, wisp_entity entity, const wisp_teleport_motion* teleport,
-                          const wisp_strand_topology* t )
+// Move the places of a column: some rows of vectors side by side, or poses.
+static void move_column( float* rows, int count, size_t bytes, wisp_place_shape shape, wisp_transform motion )
 {
-    wisp_teleport_lanes( teleport, wisp_world_column( world, entity, WISP_STRAND_POSITION, 0 ),
-                         wisp_world_column( world, entity, WISP_STRAND_VELOCITY, 0 ), t->row_count );
-    wisp_teleport_lanes( teleport, wisp_world_column( world, entity, WISP_STRAND_ROOT, 0 ), NULL, t->group_count );
+    const int side = shape == WISP_PLACE_LANES ? WISP_LANES : shape == WISP_PLACE_EIGHTS ? 8 : 1;
+    const int vectors = shape == WISP_PLACE_LANES ? (int)( bytes / ( 3 * WISP_LANES * sizeof( float ) ) ) : 1;
+    const int floats = shape == WISP_PLACE_EIGHTS ? 3 * 8 : (int)( bytes / sizeof( float ) );
+    for ( int i = 0; i < vectors * side && shape != WISP_PLACE_POSES; ++i )
+    {
+        move_points( rows + i / side * 3 * side + i % side, ( row_shape ){ (size_t)floats, (size_t)side },
+                     shape == WISP_PLACE_EIGHTS ? count / 8 : count, motion );
+    }
+    if ( shape == WISP_PLACE_POSES )
+    {
+        move_poses( (char*)rows, count, bytes, motion );
+    }
 }
 
-// Views show the new place at once, and are not interpolated across the jump.
-static void move_views( wisp_world* world, const store_entity* e, const wisp_teleport_motion* teleport )
+void world_move_place( wisp_world* world, store_entity* e, const plan_place_column* place, wisp_transform motion )
 {
+    const wisp_component_def* def = &world->store.components[place->component].def;
+    float* rows = store_column( &world->store, e, place->component, place->column );
+    if ( rows != NULL )
+    {
+        move_column( rows, e->rows[def->table].count, def->columns[place->column].row_size, place->shape, motion );
+        store_touch( &world->store, e, place->component );
+    }
+}
+
+static wisp_vec3 turned( wisp_quat q, wisp_vec3 v )
+{
+    return q.x == 0.0f && q.y == 0.0f && q.z == 0.0f ? v : wisp_quat_rotate( q, v );
+}
+
+// Views show the new place at once, and are not interpolated across the jump. @param before the offset of the rows
+static void move_views( wisp_world* world, const store_entity* e, const wisp_teleport_motion* teleport,
+                        wisp_vec3 before )
+{
+    wisp_transform motion = teleport->motion;
+    motion.translation = v3_add( motion.translation, v3_sub( turned( motion.rotation, before ), e->offset ) );
     static const wisp_component POINTS[] = { WISP_SURFACE_POINTS, WISP_STRAND_POINTS };
     const int count = e->rows[WISP_TABLE_POINT].count;
     for ( int k = 0; k < WISP_COUNT( POINTS ); ++k )
     {
-        move_points( store_column( &world->store, e, POINTS[k], 0 ), XYZ, count, teleport->motion );
-        move_points( world_kept_rows( world, e, POINTS[k] ), XYZ, count, teleport->motion );
+        move_points( store_column( &world->store, e, POINTS[k], 0 ), XYZ, count, motion );
+        move_points( world_kept_rows( world, e, POINTS[k] ), XYZ, count, motion );
     }
-    const wisp_teleport_motion turn = { teleport->motion, true };
+    const wisp_teleport_motion turn = { .motion = motion, .keep_velocity = true };
     turn_velocities( store_column( &world->store, e, WISP_SURFACE_NORMALS, 0 ), XYZ, count, &turn );
 }
 
 void wisp_world_move_columns( wisp_world* world, wisp_entity entity, const wisp_teleport_motion* teleport )
 {
-    const store_entity* e = store_find( &world->store, entity );
-    move_frame( world, entity, teleport );
+    store_entity* e = store_find( &world->store, entity );
+    const wisp_vec3 before = e->offset;
+    e->offset = v3_sub( before, teleport->far );
+    for ( int i = 0; i < world->registry.place_count; ++i )
+    {
+        world_move_place( world, e, world->registry.places + i, teleport->motion );
+    }
     if ( e->fabric != NULL )
     {
-        move_particles( world, entity, teleport, e->fabric->slot_count );
+        wisp_teleport_rows( teleport, NULL, wisp_world_column( world, entity, WISP_PARTICLE_VELOCITY, 0 ),
+                            e->fabric->slot_count, 4 );
         wisp_world_restart_levels( world, entity );
     }
     else if ( e->strands != NULL )
     {
-        move_strands( world, entity, teleport, e->strands );
+        wisp_teleport_lanes( teleport, NULL, wisp_world_column( world, entity, WISP_STRAND_VELOCITY, 0 ),
+                             e->strands->row_count );
     }
-    move_views( world, e, teleport );
+    move_views( world, e, teleport, before );
 }
 
 // ---- the calls ----
@@ -223,7 +252,7 @@ wisp_status world_check_pose( wisp_world* world, const store_entity* source, wis
 
 void world_place( wisp_world* world, wisp_entity entity, wisp_transform pose )
 {
-    const wisp_teleport_motion placed = { wisp_transform_make( pose.rotation, pose.translation ), false };
+    const wisp_teleport_motion placed = { .motion = wisp_transform_make( pose.rotation, pose.translation ) };
     const wisp_strand_topology* strands = wisp_world_strands( world, entity );
     if ( strands != NULL )
     {
@@ -233,15 +262,45 @@ void world_place( wisp_world* world, wisp_entity entity, wisp_transform pose )
     wisp_world_move_columns( world, entity, &placed );
 }
 
+// Return a motion of the host's coordinates as one from coordinates in rows to the host's.
+static wisp_transform motion_to_host( const store_entity* e, wisp_transform motion )
+{
+    const wisp_transform pose = wisp_transform_make( motion.rotation, motion.translation );
+    return ( wisp_transform ){ pose.rotation, v3_sub( pose.translation, turned( pose.rotation, e->offset ) ) };
+}
+
+static float far_of( float way )
+{
+    const float longest = 16.0f; // m, that rows go
+    return fabsf( way ) > longest && fabsf( way ) <= 2.0f * FARTHEST ? rintf( way ) : 0.0f;
+}
+
+// Return the motion of rows. On a long way their origin goes along, so that they keep their digits.
+static wisp_teleport_motion teleport_of_rows( const wisp_world* world, const store_entity* e, wisp_transform motion,
+                                              bool keep_velocity )
+{
+    const wisp_transform to = motion_to_host( e, motion );
+    wisp_teleport_motion teleport = { .motion = to, .keep_velocity = keep_velocity };
+    size_t coordinate;
+    const float* p = world_find_vertex( world, e, &coordinate );
+    if ( p != NULL )
+    {
+        const wisp_vec3 at = { p[0], p[coordinate], p[2 * coordinate] };
+        const wisp_vec3 way = v3_sub( wisp_transform_to_world( to, at ), v3_sub( at, e->offset ) );
+        teleport.far = ( wisp_vec3 ){ far_of( way.x ), far_of( way.y ), far_of( way.z ) };
+    }
+    teleport.motion.translation = v3_sub( wisp_to_rows( to.translation, e->offset ), teleport.far );
+    return teleport;
+}
+
 wisp_status wisp_teleport( wisp_world* world, wisp_entity entity, wisp_transform motion, bool keep_velocity )
 {
     WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, entity ) );
     const store_entity* e = store_find( &world->store, entity );
     wisp_status status = check_motion( world, motion, "teleport" );
-    const wisp_teleport_motion teleport = { wisp_transform_make( motion.rotation, motion.translation ),
-                                            keep_velocity };
-    status = status == WISP_OK ? check_entity( world, e, teleport.motion ) : status;
+    const wisp_teleport_motion teleport = teleport_of_rows( world, e, motion, keep_velocity );
+    status = status == WISP_OK ? check_entity( world, e, motion_to_host( e, motion ) ) : status;
     if ( status != WISP_OK )
     {
         return status;

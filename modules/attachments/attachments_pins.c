@@ -340,6 +340,7 @@ wisp_status wisp_attach_pins( wisp_world* world, wisp_entity surface, const int3
     WISP_TRY( begin( world, surface, vertices, count, &state ) );
     WISP_TRY( wisp_world_check_entity( world, to ) );
     WISP_TRY( check_pair( world, state, surface, to ) );
+    wisp_world_tie( world, to, surface );
     wisp_collision_mesh* mesh;
     WISP_TRY( build_mesh( world, wisp_world_fabric( world, to ),
                           wisp_world_column( world, to, WISP_PARTICLE_POSITION, 0 ), &mesh ) );

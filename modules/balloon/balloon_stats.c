@@ -66,6 +66,7 @@ void balloon_take_stats( wisp_frame* frame, const wisp_span* span, void* user )
     const balloon_gauge* gauge = wisp_frame_column( frame, span->entity, state->gauge, 0 );
     const balloon_outlet* outlet = wisp_frame_column( frame, span->entity, state->outlet, 0 );
     wisp_balloon_stats* f = wisp_frame_column( frame, span->entity, state->stats, 0 );
+    const wisp_vec3 o = wisp_frame_offset( frame, span->entity );
     double q[4] = { f->orientation[0], f->orientation[1], f->orientation[2], f->orientation[3] };
     q[0] = q[0] == 0.0 && q[1] == 0.0 && q[2] == 0.0 && q[3] == 0.0 ? 1.0 : q[0];
     *f = ( wisp_balloon_stats ){
@@ -73,7 +74,7 @@ void balloon_take_stats( wisp_frame* frame, const wisp_span* span, void* user )
         .target_volume = gas->target_volume,
         .volume = extent->volume,
         .pressure = gauge->pressure,
-        .centre = { body->centre[0], body->centre[1], body->centre[2] },
+        .centre = { body->centre[0] - (double)o.x, body->centre[1] - (double)o.y, body->centre[2] - (double)o.z },
     };
     take_weight( frame, span, state, extent->volume, body, f );
     if ( wisp_frame_has( frame, span->entity, state->air ) && balloon_is_last_substep( frame, span ) )

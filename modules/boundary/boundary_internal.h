@@ -6,6 +6,7 @@
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
 #include "wisp/module/sampling.h"
+#include "wisp/module/space.h"
 
 /// A layer: its elements and its points. Not in snapshots.
 typedef struct boundary_layer
@@ -16,9 +17,11 @@ typedef struct boundary_layer
     int32_t* edge_slots;    // [edge_count][2] the same as slots
     int32_t* triangle_edge; // [triangle_count][3] local edge k joins corners k and k + 1
     wisp_samples samples;
-    size_t bytes;  // of the block that this struct begins
-    bool made;     // a step was made since the layer was set
-    bool is_early; // the points are those of a read before that step, which must not change what the step does
+    wisp_samples shown; // with points in the host's coordinates, where those are not the ones of rows
+    wisp_buffer moved;  // those points
+    size_t bytes;       // of the block that this struct begins
+    bool made;          // a step was made since the layer was set
+    bool is_early;      // the points are those of a read before that step, which must not change what the step does
 } boundary_layer;
 
 typedef struct boundary_state

@@ -130,6 +130,7 @@ void boundary_layer_release( boundary_layer* layer, const wisp_allocator* alloca
     if ( layer != NULL )
     {
         wisp_samples_release( &layer->samples, allocator );
+        wisp_buffer_release( &layer->moved, allocator );
         allocator->release( allocator->user, layer, layer->bytes );
     }
 }

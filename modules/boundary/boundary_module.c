@@ -120,7 +120,8 @@ static size_t count_memory( const void* memory, size_t* outside )
     size_t bytes = (size_t)state->layer_capacity * sizeof( *state->layers );
     for ( int i = 0; i < state->layer_count; ++i )
     {
-        bytes += state->layers[i]->bytes + wisp_samples_bytes( &state->layers[i]->samples );
+        bytes +=
+            state->layers[i]->bytes + wisp_samples_bytes( &state->layers[i]->samples ) + state->layers[i]->moved.size;
     }
     return bytes;
 }
@@ -436,6 +437,33 @@ static wisp_status find_made( wisp_world* world, wisp_entity surface, boundary_l
     return status == WISP_OK && ( *out )->made == false ? make_early( world, surface, state, *out ) : status;
 }
 
+// Return the points as the host reads them; null without memory.
+static const wisp_samples* show( wisp_world* world, boundary_layer* layer )
+{
+    const wisp_vec3 o = wisp_world_offset( world, layer->entity );
+    const size_t count = (size_t)layer->samples.count;
+    if ( o.x == 0.0f && o.y == 0.0f && o.z == 0.0f )
+    {
+        return &layer->samples;
+    }
+    if ( wisp_buffer_reserve( &layer->moved, wisp_world_allocator( world ), ( count + 8 ) * 4 * sizeof( float ) ) ==
+         false )
+    {
+        return NULL;
+    }
+    float* to = layer->moved.data;
+    memcpy( to, layer->samples.xyzw, count * 4 * sizeof( float ) );
+    for ( size_t i = 0; i < count; ++i )
+    {
+        to[4 * i] -= o.x;
+        to[4 * i + 1] -= o.y;
+        to[4 * i + 2] -= o.z;
+    }
+    layer->shown = layer->samples;
+    layer->shown.xyzw = to;
+    return &layer->shown;
+}
+
 wisp_status wisp_read_boundary( wisp_world* world, wisp_entity surface, wisp_boundary_view* out )
 {
     WISP_TRY( wisp_world_begin( world ) );
@@ -444,10 +472,16 @@ wisp_status wisp_read_boundary( wisp_world* world, wisp_entity surface, wisp_bou
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     boundary_layer* layer;
     wisp_status status = find_made( world, surface, &layer );
+    const wisp_samples* samples = status == WISP_OK ? show( world, layer ) : NULL;
+    if ( status == WISP_OK && samples == NULL )
+    {
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d boundary particles",
+                                layer->samples.count );
+    }
     if ( status == WISP_OK )
     {
         *out = ( wisp_boundary_view ){
-            .samples = &layer->samples,
+            .samples = samples,
             .edge_count = layer->edge_count,
             .edges = layer->edges,
             .slot_vertex = wisp_world_fabric( world, surface )->slot_vertex,

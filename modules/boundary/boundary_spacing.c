@@ -17,6 +17,7 @@ typedef struct spacing_loop
     const wisp_fabric* fabric;
     const float *position, *normal;
     float *edge, *triangle;
+    wisp_vec3 eye; // m, in rows
 } spacing_loop;
 
 static wisp_vec3 load( const float* xyzw, int slot )
@@ -82,7 +83,7 @@ static float by_distance( const spacing_loop* loop, int a, int b )
     const boundary_settings* s = loop->settings;
     const wisp_vec3 p = load( loop->position, a ), q = load( loop->position, b );
     const wisp_vec3 middle = { 0.5f * ( p.x + q.x ), 0.5f * ( p.y + q.y ), 0.5f * ( p.z + q.z ) };
-    return s->eye_angle * distance( s->eye, middle );
+    return s->eye_angle * distance( loop->eye, middle );
 }
 
 // NaN, from an end that is not finite, changes nothing: such an edge is not sampled.
@@ -132,6 +133,7 @@ void boundary_find_spacing( wisp_frame* frame, const wisp_span* span, void* user
         .edge = wisp_frame_column( frame, e, state->edges, BOUNDARY_SPACING ),
         .triangle = wisp_frame_column( frame, e, state->triangles, BOUNDARY_SPACING ),
     };
+    loop.eye = wisp_to_rows( loop.settings->eye, wisp_frame_offset( frame, e ) );
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
     wisp_parallel_for( parallel, loop.layer->edge_count, SPACING_GRAIN, find_edge_spacing, &loop );
     wisp_parallel_for( parallel, loop.layer->triangle_count, SPACING_GRAIN, find_triangle_spacing, &loop );

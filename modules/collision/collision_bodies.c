@@ -514,6 +514,32 @@ static void set_poses( const wisp_frame* frame, const wisp_span* span, const col
     view->after = wisp_transform_interpolate( collider->from, collider->to, after );
 }
 
+// Return the poses of a body in the frame of an entity's rows. A plane that is far away is as well described by its point nearest to
+// there; one that rotates is not.
+static collision_collider place_collider( wisp_frame* frame, const collision_state* state, const collision_body* body,
+                                          wisp_entity entity )
+{
+    collision_collider c = *(const collision_collider*)wisp_frame_column( frame, body->entity, state->collider, 0 );
+    const wisp_vec3 by =
+        body->follows ? ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } : wisp_frame_between( frame, body->entity, entity );
+    if ( collision_is_apart( by ) == false )
+    {
+        return c;
+    }
+    c.from.translation = wisp_to_rows( c.from.translation, by );
+    c.to.translation = wisp_to_rows( c.to.translation, by );
+    const bool is_plane = collision_is_closed_form( body ) && body->shape.kind == WISP_SHAPE_PLANE;
+    if ( is_plane && memcmp( &c.from.rotation, &c.to.rotation, sizeof( wisp_quat ) ) == 0 )
+    {
+        const wisp_vec3 n = wisp_quat_rotate( c.to.rotation, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
+        const wisp_vec3 p = c.to.translation;
+        const double gap = (double)n.x * (double)p.x + (double)n.y * (double)p.y + (double)n.z * (double)p.z;
+        c.to.translation = collision_add_scaled( ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, (float)gap, n );
+        c.from.translation = collision_add_scaled( c.to.translation, 1.0f, collision_sub( c.from.translation, p ) );
+    }
+    return c;
+}
+
 bool collision_next( wisp_frame* frame, const wisp_span* span, const collision_state* state, int* next,
                      collision_view* out )
 {
@@ -523,12 +549,20 @@ bool collision_next( wisp_frame* frame, const wisp_span* span, const collision_s
         const collision_body* body = state->bodies + *next;
         const collision_collider* collider = wisp_frame_column( frame, body->entity, state->collider, 0 );
         const bool is_left_out =
-            body->follows && ( body->surface.index == 0 || wisp_entity_equal( body->surface, span->entity ) );
+            body->follows && ( body->surface.index == 0 || wisp_entity_equal( body->surface, span->entity ) ||
+                               collision_is_apart( wisp_frame_between( frame, body->surface, span->entity ) ) );
         if ( ( collider->layers & settings->mask ) != 0 && is_left_out == false )
         {
+            const collision_collider placed = place_collider( frame, state, body, span->entity );
             out->body = body;
-            set_poses( frame, span, collider,
-                       body->is_coupled ? wisp_frame_column( frame, body->entity, state->coupled, 0 ) : NULL, out );
+            collision_coupled coupled;
+            if ( body->is_coupled )
+            {
+                coupled = *(const collision_coupled*)wisp_frame_column( frame, body->entity, state->coupled, 0 );
+                coupled.before.translation = wisp_to_rows( coupled.before.translation,
+                                                           wisp_frame_between( frame, body->entity, span->entity ) );
+            }
+            set_poses( frame, span, &placed, body->is_coupled ? &coupled : NULL, out );
             out->restitution = body->restitution;
             out->thickness = settings->thickness + collider->thickness;
             out->static_friction = settings->friction * collider->static_friction;

@@ -37,14 +37,16 @@ static bool passes_by( const collision_body* body, wisp_transform from, wisp_tra
     return enters <= leaves;
 }
 
-// @return false if the body moves
+// @param by from the rows of the body to those of the bounds @return false if the body moves
 static bool add_rigid( const collision_state* state, const wisp_world* world, const collision_body* body,
-                       const wisp_sleep_bounds* bounds, float reach, uint64_t* hash )
+                       wisp_vec3 by, const wisp_sleep_bounds* bounds, float reach, uint64_t* hash )
 {
     const collision_collider* collider = wisp_world_rows( world, body->entity, state->collider, 0 );
     const wisp_transform* motion = wisp_world_rows( world, body->entity, state->motion, 0 );
     const wisp_transform target = motion != NULL ? *motion : collider->to;
-    if ( passes_by( body, collider->to, target, bounds, reach ) == false )
+    const wisp_transform from = { collider->to.rotation, wisp_to_rows( collider->to.translation, by ) };
+    const wisp_transform to = { target.rotation, wisp_to_rows( target.translation, by ) };
+    if ( passes_by( body, from, to, bounds, reach ) == false )
     {
         return true;
     }
@@ -81,7 +83,8 @@ bool collision_surroundings( const void* memory, wisp_world* world, wisp_entity 
         const collision_body* body = state->bodies + i;
         const collision_collider* collider = wisp_world_rows( world, body->entity, state->collider, 0 );
         const bool is_left_out =
-            body->follows && ( body->surface.index == 0 || wisp_entity_equal( body->surface, entity ) );
+            body->follows && ( body->surface.index == 0 || wisp_entity_equal( body->surface, entity ) ||
+                               collision_is_apart( wisp_world_between( world, body->surface, entity ) ) );
         if ( ( collider->layers & settings->mask ) == 0 || is_left_out )
         {
             continue;
@@ -89,7 +92,8 @@ bool collision_surroundings( const void* memory, wisp_world* world, wisp_entity 
         // what lies on a body rests a little above its thickness
         const float reach = 2.0f * ( settings->thickness + collider->thickness ) + 1e-3f * longest_side( bounds );
         rests = body->follows ? add_surface( state, world, body, bounds, reach, hash )
-                              : add_rigid( state, world, body, bounds, reach, hash );
+                              : add_rigid( state, world, body, wisp_world_between( world, body->entity, entity ),
+                                           bounds, reach, hash );
     }
     return rests;
 }

@@ -152,6 +152,7 @@ wisp_status collision_make_surface( wisp_world* world, const wisp_collider_def* 
 wisp_status collision_follow_surface( wisp_world* world, const collision_state* state, wisp_entity body,
                                       wisp_entity surface )
 {
+    wisp_world_let_meet( world, surface );
     WISP_TRY( wisp_world_attach( world, body, state->follower ) );
     WISP_TRY( wisp_world_request( world, body, state->follower ) );
     return wisp_world_request( world, surface, WISP_PARTICLE_POSITION );

@@ -38,6 +38,12 @@ static inline float collision_length( wisp_vec3 a )
     return sqrtf( collision_dot( a, a ) );
 }
 
+/// Is the way between the origins of two entities not zero? What is made of vertices is then too far apart to touch.
+static inline bool collision_is_apart( wisp_vec3 between )
+{
+    return between.x != 0.0f || between.y != 0.0f || between.z != 0.0f;
+}
+
 // For numbers that are not NaN. fminf() and fmaxf() are calls, because they handle NaN.
 static inline float collision_smaller( float a, float b )
 {

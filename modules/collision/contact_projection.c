@@ -78,6 +78,7 @@ static void stop_at_entry( const collision_view* view, float thickness, wisp_vec
 
 typedef struct project_loop
 {
+    wisp_entity entity;
     float* position;
     const float* previous;
     const int32_t* count;
@@ -186,7 +187,7 @@ static void project_reacting( wisp_frame* frame, const collision_state* state, p
     collision_share share[WISP_COLLISION_CONTACTS];
     for ( int i = 0; i < count; ++i )
     {
-        share[i] = collision_share_of( frame, state, loop->contact_body[slot][i], p,
+        share[i] = collision_share_of( frame, state, loop->contact_body[slot][i], loop->entity, p,
                                        collision_load( loop->contact[slot][i].normal ) );
     }
     int a, b;
@@ -236,6 +237,7 @@ void collision_project( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const collision_state* state = user;
     project_loop loop = {
+        .entity = span->entity,
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
         .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
         .count = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 0 ),

@@ -31,6 +31,7 @@ typedef struct corner_quads
 
 typedef struct primitive_loop
 {
+    wisp_entity entity;
     wisp_frame* frame;
     const collision_state* state;
     float* position;
@@ -91,7 +92,8 @@ static void project_primitive( const primitive_loop* loop, const int32_t* corner
     const corner_quads quads = quads_of( loop, corners, count, contact );
     const wisp_vec3 start = point_of( &quads, contact, loop->position ), n = collision_load( c->normal );
     const float missing = c->gap - collision_dot( n, collision_sub( start, collision_load( c->point ) ) );
-    const collision_share share = collision_share_of( loop->frame, loop->state, contact->body, start, n );
+    const collision_share share =
+        collision_share_of( loop->frame, loop->state, contact->body, loop->entity, start, n );
     const float normal = collision_larger( share.normal * ( c->normal_correction + missing ), 0.0f );
     if ( normal == 0.0f && c->normal_correction == 0.0f )
     {
@@ -279,6 +281,7 @@ void collision_project_primitives( wisp_frame* frame, const wisp_span* span, voi
     const primitive_loop loop = {
         .frame = frame,
         .state = state,
+        .entity = span->entity,
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
         .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
         .sums = collision_reaction_sums( frame, span->entity, state, 0 ),

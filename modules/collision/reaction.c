@@ -158,6 +158,7 @@ static void add_parts( wisp_frame* frame, const collision_state* state, wisp_ent
 {
     collision_impulse* sums = collision_reaction_sums( frame, participant, state, 0 );
     const bool counts = sums != NULL && wisp_frame_is_halted( frame, participant ) == false;
+    const double before[3] = { total[0], total[1], total[2] };
     for ( int part = 0; part < parts && sums != NULL; ++part )
     {
         double* sum = sums[(size_t)part * (size_t)state->body_count + body];
@@ -166,6 +167,13 @@ static void add_parts( wisp_frame* frame, const collision_state* state, wisp_ent
             total[k] += counts ? sum[k] : 0.0;
             sum[k] = 0.0;
         }
+    }
+    const wisp_vec3 by = wisp_frame_between( frame, participant, state->bodies[body].entity );
+    const double arm[3] = { (double)by.x, (double)by.y, (double)by.z };
+    for ( int k = 0; k < 3; ++k )
+    {
+        const int a = ( k + 1 ) % 3, b = ( k + 2 ) % 3;
+        total[3 + k] += arm[a] * ( total[b] - before[b] ) - arm[b] * ( total[a] - before[a] );
     }
 }
 
@@ -368,15 +376,16 @@ void collision_share_contacts( wisp_frame* frame, const wisp_span* span, void* u
     }
 }
 
-collision_share collision_share_of( wisp_frame* frame, const collision_state* state, int body, wisp_vec3 at,
-                                    wisp_vec3 normal )
+collision_share collision_share_of( wisp_frame* frame, const collision_state* state, int body, wisp_entity of,
+                                    wisp_vec3 at, wisp_vec3 normal )
 {
     if ( state->bodies[body].is_coupled == false )
     {
         return ( collision_share ){ 1.0f, 1.0f };
     }
     const collision_coupled* c = wisp_frame_column( frame, state->bodies[body].entity, state->coupled, 0 );
-    const wisp_vec3 r = collision_sub( at, c->before.translation );
+    const wisp_vec3 by = wisp_frame_between( frame, state->bodies[body].entity, of ),
+                    r = collision_sub( at, wisp_to_rows( c->before.translation, by ) );
     const wisp_vec3 arm = { r.y * normal.z - r.z * normal.y, r.z * normal.x - r.x * normal.z,
                             r.x * normal.y - r.y * normal.x };
     const float turns = collision_dot( arm, turned_by_torque( c, c->before.rotation, arm ) );

@@ -56,6 +56,6 @@ typedef struct collision_share
     float normal, tangential;
 } collision_share;
 
-/// Return the shares for a contact of body number `body`; 1 of a body without a mass.
-collision_share collision_share_of( wisp_frame* frame, const collision_state* state, int body, wisp_vec3 at,
-                                    wisp_vec3 normal );
+/// Return the shares for a contact of body number `body` at a place in the rows of an entity; 1 of a body without a mass.
+collision_share collision_share_of( wisp_frame* frame, const collision_state* state, int body, wisp_entity of,
+                                    wisp_vec3 at, wisp_vec3 normal );

@@ -56,7 +56,7 @@ void collision_bounce_off( wisp_frame* frame, const wisp_span* span, void* user 
                 const float surface =
                     collision_dot( n, collision_load( contact[slot][i].motion ) ) / wisp_frame_dt( frame, e );
                 const wisp_vec3 at = collision_load( position + (size_t)slot * 4 );
-                const float share = collision_share_of( frame, state, body[slot][i], at, n ).normal;
+                const float share = collision_share_of( frame, state, body[slot][i], e, at, n ).normal;
                 change = share < 1.0f ? share * ( bounce[slot][i] - surface ) : change;
             }
             if ( contact[slot][i].normal_correction > 0.0f && change > 0.0f )

@@ -199,7 +199,7 @@ void collision_unload( wisp_frame* frame, const collision_state* state, wisp_ent
         collision_contact* c[2] = { contact[slot] + pair[0], contact[slot] + pair[1] };
         const wisp_vec3 p = collision_load( position + (size_t)slot * 4 );
         const wisp_vec3 apart = collision_sub( collision_load( c[0]->normal ), collision_load( c[1]->normal ) );
-        const float share = collision_share_of( frame, state, body, p,
+        const float share = collision_share_of( frame, state, body, e, p,
                                                 collision_load( c[of[slot][pair[0]] == body ? 0 : 1]->normal ) )
                                 .normal;
         // share = 1 / ( 1 + w c )

@@ -235,6 +235,7 @@ bool contact_mark_far( const contact_work* work, bool is_start )
     {
         contact_participant* participant = work->participants + g;
         participant->settings = *settings_of( work, participant );
+        participant->place = wisp_frame_between( work->frame, participant->entity, work->participants->entity );
         may_leave =
             may_leave || participant->settings.is_far != 0 || contact_may_meet( participant, participant ) == false;
     }
@@ -411,6 +412,9 @@ bool contact_may_meet( const contact_participant* a, const contact_participant* 
     {
         return ( a->settings.self & 1 ) != 0;
     }
-    return ( a->settings.layers & b->settings.mask ) != 0 && ( b->settings.layers & a->settings.mask ) != 0 &&
+    // what is apart has another origin, and meets nothing
+    const bool is_apart = a->place.x != b->place.x || a->place.y != b->place.y || a->place.z != b->place.z;
+    return is_apart == false && ( a->settings.layers & b->settings.mask ) != 0 &&
+           ( b->settings.layers & a->settings.mask ) != 0 &&
            ( a->is_strands == false || b->is_strands == false || ( a->settings.self & b->settings.self & 2 ) != 0 );
 }

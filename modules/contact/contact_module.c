@@ -157,6 +157,8 @@ static wisp_status declare_components( wisp_registry* r, contact_state* s )
     {
         *all[i].out = wisp_declare_component( r, &all[i].def );
     }
+    wisp_declare_places( r, s->components.particle_free, 0, WISP_PLACE_QUADS );
+    wisp_declare_places( r, s->components.strand_free, 0, WISP_PLACE_LANES );
     wisp_declare_map( r, WISP_MAP_CONTACT_THICKNESS, s->components.settings, NULL );
     wisp_declare_map( r, WISP_MAP_CONTACT_FRICTION, s->components.settings, NULL );
     return s->stats != 0 ? WISP_OK : WISP_BAD_INPUT;

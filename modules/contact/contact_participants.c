@@ -226,6 +226,7 @@ static wisp_status add_participant( wisp_world* world, contact_state* state, wis
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d entities in contact",
                                 state->participant_count + 1 );
     }
+    wisp_world_let_meet( world, participant );
     wisp_status status = attach_components( world, state, participant, positions );
     status = status == WISP_OK ? add_mesh_entity( world, state, strands ) : status;
     if ( status != WISP_OK )

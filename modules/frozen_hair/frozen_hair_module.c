@@ -80,13 +80,14 @@ static void align( wisp_frame* frame, const wisp_span* span, void* user )
     const frozen_event* event = wisp_frame_column( frame, span->entity, state->event, 0 );
     const frozen_align* a = wisp_frame_column( frame, span->entity, state->align, 0 );
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
+    const wisp_vec3 cursor = { event->cursor[0], event->cursor[1], event->cursor[2] };
     const bool in_plane = t->dimension == 2 || wisp_frame_has( frame, span->entity, state->depth );
     wisp_strand_align_args args = {
         .group_row = t->group_row,
         .lane_count = t->lane_count,
         .position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
         .intensity = wisp_frame_column( frame, span->entity, state->intensity, 0 ),
-        .target = { event->cursor[0], event->cursor[1], event->cursor[2] },
+        .target = wisp_to_rows( cursor, wisp_frame_offset( frame, span->entity ) ),
         .radius = event->points ? a->reach : -1.0f,
         .nearest = a->reach_nearest != 0,
         .dimension = in_plane ? 2 : 3,

@@ -180,6 +180,8 @@ wisp_status wisp_ghosts_between( wisp_world* world, wisp_entity ghosts, float fr
         return wisp_world_fail( world, WISP_BAD_INPUT, "ghosts: fraction: got %g, expected 0 to 1",
                                 (double)fraction );
     }
+    const wisp_vec3 o = wisp_world_offset( world, ghosts );
+    const double offset[3] = { (double)o.x, (double)o.y, (double)o.z };
     const wisp_strand_topology* t = wisp_world_strands( world, ghosts );
     const float* seconds = wisp_world_column( world, ghosts, state->interval, 0 );
     const float* column[COLUMN_COUNT];
@@ -200,7 +202,8 @@ wisp_status wisp_ghosts_between( wisp_world* world, wisp_entity ghosts, float fr
                 sum[n % 3] += weight[n / 3] * (double)column[n / 3][at + (size_t)( n % 3 * WISP_LANES )];
             }
             points[t->offsets[t->lane_strand[lane]] + i] =
-                ( wisp_vec3 ){ (float)sum[0], (float)sum[1], (float)sum[2] };
+                ( wisp_vec3 ){ (float)( sum[0] - offset[0] ), (float)( sum[1] - offset[1] ),
+                               (float)( sum[2] - offset[2] ) };
         }
     }
     return WISP_OK;

@@ -409,6 +409,10 @@ wisp_status wisp_add_curves( wisp_world* world, const wisp_curves_def* given, wi
         wisp_world_remove( world, curves );
         return status;
     }
+    double origin[3];
+    (void)wisp_read_origin( world, def->source, origin );
+    (void)wisp_set_origin( world, curves, origin );
+    wisp_world_tie( world, def->source, curves );
     s->drawings[s->drawing_count++] = drawing;
     *out = curves;
     return WISP_OK;

@@ -151,6 +151,7 @@ static wisp_status attach_all( wisp_world* world, const guide_state* s, wisp_ent
     {
         wisp_world_detach( world, ghosts, s->repair );
     }
+    wisp_world_tie( world, def->targets, ghosts );
     return keep_running( world, s, ghosts, def );
 }
 

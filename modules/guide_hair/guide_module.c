@@ -211,6 +211,8 @@ static wisp_status declare( wisp_registry* r )
         r, &( wisp_component_def ){ name, table, member##_columns, WISP_COUNT( member##_columns ) } );
     GUIDE_COMPONENTS( GUIDE_DECLARE )
 #undef GUIDE_DECLARE
+    wisp_declare_places( r, s->between, 0, WISP_PLACE_LANES );
+    wisp_declare_places( r, s->between, 1, WISP_PLACE_LANES );
     wisp_status status = declare_ghosts( r, s );
     return status == WISP_OK ? declare_curves( r, s ) : status;
 }

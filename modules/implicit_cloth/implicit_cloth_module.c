@@ -71,8 +71,7 @@ static wisp_status entity_teleported( void* memory, wisp_world* world, wisp_enti
     if ( material != NULL )
     {
         const int slots = wisp_world_fabric( world, entity )->slot_count;
-        wisp_teleport_rows( teleport, wisp_world_column( world, entity, state->history, 0 ),
-                            wisp_world_column( world, entity, state->history, 1 ), slots, 4 );
+        wisp_teleport_rows( teleport, NULL, wisp_world_column( world, entity, state->history, 1 ), slots, 4 );
         wisp_teleport_rows( teleport, NULL, wisp_world_column( world, entity, state->change, 0 ), slots, 3 );
         // The two substeps before differ by a velocity that has become zero: BDF2 starts again.
         material->before = teleport->keep_velocity ? material->before : 0.0f;
@@ -180,6 +179,7 @@ static wisp_status declare( wisp_registry* r )
     {
         *components[i].component = wisp_declare_component( r, &components[i].def );
     }
+    wisp_declare_places( r, state->history, 0, WISP_PLACE_QUADS );
     return declare_passes( r, state );
 }
 

@@ -204,9 +204,10 @@ static void put_targets( wisp_world* world, wisp_entity surface, const motion_st
     const wisp_fabric* fabric = wisp_world_fabric( world, surface );
     float* next = wisp_world_column( world, surface, state->distance, 2 );
     float* next_normal = wisp_world_column( world, surface, state->backstop, 2 );
+    const wisp_vec3 offset = wisp_world_offset( world, surface );
     for ( int v = 0; points != NULL && v < fabric->vertex_count; ++v )
     {
-        put( next, fabric->vertex_slot[v], points[v] );
+        put( next, fabric->vertex_slot[v], wisp_to_rows( points[v], offset ) );
     }
     for ( int v = 0; next_normal != NULL && normals != NULL && v < fabric->vertex_count; ++v )
     {

@@ -129,14 +129,12 @@ static void project_external( wisp_frame* frame, const wisp_span* span, void* us
 
 // ---- declaration ----
 
-static void move_rows( float* rows, int slot_count, wisp_transform motion, bool are_points )
+static void turn_rows( float* rows, int slot_count, wisp_quat turn )
 {
     for ( int slot = 0; slot < slot_count; ++slot )
     {
         float* v = rows + 24 * (size_t)( slot / 8 ) + slot % 8;
-        const wisp_vec3 at = { v[0], v[8], v[16] };
-        const wisp_vec3 to =
-            are_points ? wisp_transform_to_world( motion, at ) : wisp_quat_rotate( motion.rotation, at );
+        const wisp_vec3 to = wisp_quat_rotate( turn, ( wisp_vec3 ){ v[0], v[8], v[16] } );
         v[0] = to.x;
         v[8] = to.y;
         v[16] = to.z;
@@ -149,14 +147,14 @@ static wisp_status teleported( void* memory, wisp_world* world, wisp_entity enti
     (void)is_moved;
     const motion_state* state = memory;
     motion_settings* settings = wisp_world_column( world, entity, state->settings, 0 );
-    for ( int column = 0; settings != NULL && column < 3; ++column )
+    if ( settings != NULL )
     {
         const int count = wisp_world_fabric( world, entity )->slot_count;
-        const bool are_points = column != 1;
-        move_rows( wisp_world_column( world, entity, state->distance, column ), count, teleport->motion, are_points );
-        if ( wisp_world_has( world, entity, state->backstop ) )
+        const wisp_quat turn = teleport->motion.rotation;
+        turn_rows( wisp_world_column( world, entity, state->distance, 1 ), count, turn );
+        for ( int column = 0; column < 3 && wisp_world_has( world, entity, state->backstop ); ++column )
         {
-            move_rows( wisp_world_column( world, entity, state->backstop, column ), count, teleport->motion, false );
+            turn_rows( wisp_world_column( world, entity, state->backstop, column ), count, turn );
         }
         settings->moves = MOTION_NEW;
     }
@@ -218,6 +216,9 @@ static wisp_status declare( wisp_registry* r )
     state->distance = wisp_declare_component( r, &distance );
     state->backstop = wisp_declare_component( r, &backstop );
     state->lambda = wisp_declare_component( r, &lambda );
+    wisp_declare_places( r, state->distance, 0, WISP_PLACE_EIGHTS );
+    wisp_declare_places( r, state->distance, 2, WISP_PLACE_EIGHTS );
+    wisp_declare_places( r, state->distance, 4, WISP_PLACE_QUADS );
     state->has_iterations = wisp_registry_iterations( r ) > 1;
     return state->lambda != 0 ? declare_passes( r, state ) : WISP_BAD_INPUT;
 }

@@ -114,6 +114,7 @@ static wisp_status attach_all( wisp_world* world, seams_state* state, seam_topol
     WISP_TRY( wisp_world_add_pairs( world, s->pair_count, &s->entity ) );
     WISP_TRY( wisp_world_attach( world, s->entity, state->settings ) );
     WISP_TRY( wisp_world_attach( world, s->entity, state->pairs ) );
+    wisp_world_tie( world, s->a, s->b );
     WISP_TRY( wisp_world_attach( world, s->a, state->sewn ) );
     WISP_TRY( wisp_world_attach( world, s->b, state->sewn ) );
     // positions and velocities are there from the start, but a surface that nobody looks at makes no passes without a request

@@ -272,6 +272,6 @@ wisp_status wisp_move_strand_head( wisp_world* world, wisp_entity strands, wisp_
         return wisp_world_fail( world, WISP_CONFLICT, "strands: entity %u is rooted in a surface, not in a head",
                                 strands.index );
     }
-    head->target = wisp_transform_make( pose.rotation, pose.translation );
+    head->target = wisp_pose_to_rows( pose, wisp_world_offset( world, strands ) );
     return WISP_OK;
 }

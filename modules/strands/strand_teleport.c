@@ -12,7 +12,7 @@ static wisp_status refuse( wisp_world* world, wisp_entity strands )
 
 static void turn_frames( float* frames, int row_count, wisp_quat turn )
 {
-    const wisp_teleport_motion rotation = { { turn, { 0.0f, 0.0f, 0.0f } }, true };
+    const wisp_teleport_motion rotation = { .motion.rotation = turn, .keep_velocity = true };
     for ( int i = 0; i < row_count * WISP_LANES && frames != NULL; ++i )
     {
         const int row = i / WISP_LANES, lane = i % WISP_LANES;
@@ -30,10 +30,9 @@ static void move_columns( const strands_state* state, wisp_world* world, wisp_en
 {
     const wisp_strand_topology* t = wisp_world_strands( world, strands );
     const wisp_quat turn = teleport->motion.rotation;
-    const wisp_teleport_motion low = { teleport->motion, true }; // low parts turn like velocities
-    wisp_teleport_lanes( teleport, wisp_world_column( world, strands, state->good, 0 ),
-                         wisp_world_column( world, strands, state->good, 1 ), t->row_count );
-    wisp_teleport_lanes( teleport, wisp_world_column( world, strands, state->anchor, 3 ), NULL, 3 * t->group_count );
+    const wisp_teleport_motion low = { .motion = teleport->motion,
+                                       .keep_velocity = true }; // low parts turn like velocities
+    wisp_teleport_lanes( teleport, NULL, wisp_world_column( world, strands, state->good, 1 ), t->row_count );
     wisp_teleport_lanes( &low, NULL, wisp_world_column( world, strands, state->low, 0 ), t->row_count );
     wisp_teleport_lanes( &low, NULL, wisp_world_column( world, strands, WISP_STRAND_ROOT, 2 ), t->group_count );
     wisp_teleport_lanes( teleport, NULL, wisp_world_column( world, strands, state->history, 1 ), t->row_count );
@@ -66,14 +65,10 @@ wisp_status strands_teleported( void* memory, wisp_world* world, wisp_entity ent
     {
         return WISP_OK;
     }
-    strands_head* head = wisp_world_column( world, entity, state->head, 0 );
-    if ( head == NULL )
+    if ( wisp_world_has( world, entity, state->head ) == false )
     {
         return refuse( world, entity );
     }
-    head->from = wisp_teleport_pose( teleport, head->from );
-    head->to = wisp_teleport_pose( teleport, head->to );
-    head->target = wisp_teleport_pose( teleport, head->target );
     move_columns( state, world, entity, teleport );
     *is_moved = true;
     return WISP_OK;

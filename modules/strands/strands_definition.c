@@ -251,6 +251,16 @@ static void set_rest_shape( wisp_world* world, wisp_entity strands, const strand
         strands_put( root, group, lane, strands_get( rest, t->group_row[group], lane ) );
         strands_put_quat( rotation, group, lane, origin.rotation );
     }
+    const wisp_vec3 offset = wisp_world_offset( world, strands );
+    if ( offset.x != 0.0f || offset.y != 0.0f || offset.z != 0.0f )
+    {
+        const wisp_teleport_motion rows = { .motion = { origin.rotation, offset }, .keep_velocity = true };
+        wisp_teleport_lanes( &rows, wisp_world_column( world, strands, WISP_STRAND_POSITION, 0 ), NULL,
+                             t->row_count );
+        wisp_teleport_lanes( &rows, wisp_world_column( world, strands, s->good, 0 ), NULL, t->row_count );
+        wisp_teleport_lanes( &rows, root, NULL, t->group_count );
+        *head = ( strands_head ){ .from = rows.motion, .to = rows.motion, .target = rows.motion };
+    }
 }
 
 void strands_lay_frames( wisp_world* world, wisp_entity strands, const strands_state* s )

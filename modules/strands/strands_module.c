@@ -444,6 +444,11 @@ static wisp_status declare( wisp_registry* r )
         r, &( wisp_component_def ){ name, table, member##_columns, WISP_COUNT( member##_columns ) } );
     STRANDS_COMPONENTS( STRANDS_DECLARE )
 #undef STRANDS_DECLARE
+    wisp_declare_low( r, WISP_STRAND_POSITION, 0, s->low, 0 );
+    wisp_declare_low( r, WISP_STRAND_ROOT, 0, WISP_STRAND_ROOT, 2 );
+    wisp_declare_places( r, s->head, 0, WISP_PLACE_POSES );
+    wisp_declare_places( r, s->good, 0, WISP_PLACE_LANES );
+    wisp_declare_places( r, s->anchor, 3, WISP_PLACE_LANES );
     s->workspace = wisp_declare_workspace( r, strands_grid_workspace_size(), strands_grid_workspace_release,
                                            strands_grid_workspace_bytes );
     s->lent_rows = wisp_declare_workspace( r, strands_lent_rows_size(), NULL, NULL );

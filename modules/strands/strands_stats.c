@@ -159,7 +159,10 @@ void strands_compute_motion_stats( wisp_frame* frame, const wisp_span* span, voi
     const int blocks = loop.groups > 0 ? ( t->group_count + loop.groups - 1 ) / loop.groups : 0;
     wisp_parallel_for( wisp_frame_parallel( frame, span ), blocks, 1, add_block, &loop );
     const strand_sums sums = gather( &loop, blocks );
-    *out = motion_stats_of( &sums, loop.origin, settings->gravity );
+    const wisp_vec3 o = wisp_frame_offset( frame, span->entity );
+    const double origin[3] = { loop.origin[0] - (double)o.x, loop.origin[1] - (double)o.y,
+                               loop.origin[2] - (double)o.z };
+    *out = motion_stats_of( &sums, origin, settings->gravity );
 }
 
 void strands_scatter_strain( wisp_frame* frame, const wisp_span* span, void* user )

@@ -227,6 +227,7 @@ wisp_status wisp_root_strands( wisp_world* world, wisp_entity strands, wisp_enti
     if ( status == WISP_OK )
     {
         (void)wisp_world_detach( world, strands, state->head );
+        wisp_world_tie( world, surface, strands );
         view.particles = wisp_world_column( world, surface, WISP_PARTICLE_POSITION, 0 );
         root_all( world, strands, state, &view );
         *(wisp_entity*)wisp_world_column( world, strands, state->surface, 0 ) = surface;

@@ -72,6 +72,32 @@ TEST_IN_FOLDER( bodies_come_back_with_their_names_triangles_and_offsets )
     wisp_recording_close( recording );
 }
 
+// Points stay as they are where the format says what they are relative to, and are places in the world elsewhere.
+TEST_IN_FOLDER( points_far_away_are_relative_to_an_origin )
+{
+    wisp_recorder_def def = fixture_def();
+    def.origin[0] = 20000.0;
+    def.origin[2] = -4096.5;
+    fixture_record( path_in( state, "a.wisp" ), &def, 2 );
+    wisp_recording* recording = open_good( path_in( state, "a.wisp" ) );
+    const wisp_recording_info info = wisp_recording_describe( recording );
+    assert_memory_equal( info.origin, def.origin, sizeof info.origin );
+    assert_frame_is( recording, 1 );
+    assert_string_equal( wisp_recording_body( recording, 1 )->name, "hair-2" );
+    wisp_recording_close( recording );
+
+    fixture_record( path_in( state, "a.pc2" ), &def, 1 );
+    wisp_error error = { .status = WISP_OK };
+    assert_ok( wisp_pc2_open( path_in( state, "a_cloth.pc2" ), &recording, &error ), error );
+    wisp_vec3 found[CLOTH_VERTICES];
+    wisp_vec3* points[] = { found };
+    assert_ok( wisp_recording_frame( recording, 0, points, NULL, NULL, &error ), error );
+    const fixture_frame expected = fixture_points( 0 );
+    assert_true( found[1].x == (float)( 20000.0 + (double)expected.cloth[1].x ) );
+    assert_true( found[1].z == (float)( -4096.5 + (double)expected.cloth[1].z ) );
+    wisp_recording_close( recording );
+}
+
 TEST_IN_FOLDER( a_body_that_is_not_requested_is_skipped )
 {
     wisp_recorder_def def = fixture_def();

@@ -328,6 +328,60 @@ TEST( a_surface_starts_scaled_then_turned_then_moved )
     release( &f );
 }
 
+// @param x, z m, where all of the scene is
+static uint64_t hash_of_stage( double x, double z, wisp_vec3* first )
+{
+    char text[2200];
+    snprintf(
+        text, sizeof text,
+        "wisp: 1\n"
+        "surfaces:\n"
+        "  - name: cloth\n"
+        "    generate: { shape: plane, columns: 9, rows: 9, spacing: 0.05 }\n"
+        "    transform: { translate: [%.9g, 0.5, %.9g] }\n"
+        "    pin_nearest: [[%.9g, 0.5, %.9g]]\n"
+        "    pin_keyframes: [{ time: 0, translate: [0, 0, 0] }, { time: 1, translate: [0, 0.2, 0] }]\n"
+        "    cloth: {}\n"
+        "    collision: {}\n"
+        "    compute: [points, motion_stats]\n"
+        "strands:\n"
+        "  - name: hair\n"
+        "    generate: { strands: 4, vertices: 8, length: 0.2, scalp_radius: 0.1 }\n"
+        "    transform: { translate: [%.9g, 1, %.9g] }\n"
+        "    dynamics: {}\n"
+        "    head: { keyframes: [{ time: 0, position: [%.9g, 1, %.9g] }, { time: 1, position: [%.9g, 1.5, %.9g] }] "
+        "}\n"
+        "    compute: [points]\n"
+        "colliders:\n"
+        "  - { name: ground, shape: plane }\n"
+        "  - { name: ball, shape: sphere, radius: 0.1, position: [%.9g, 0.25, %.9g],\n"
+        "      keyframes: [{ time: 0, position: [%.9g, 0.25, %.9g] }, { time: 1, position: [%.9g, 0.75, %.9g] }] }\n",
+        x, z, x + 0.25, z + 0.25, x, z, x, z, x, z, x, z, x, z, x, z );
+    fixture f;
+    build( &f, text );
+    assert_true( f.scene.origin[0] == x && f.scene.origin[1] == 0.0 && f.scene.origin[2] == z );
+    step( &f, 30 );
+    wisp_vec3 points[81];
+    assert_ok( scene_world_points( &f.world, 1, points, &f.error ), f.error );
+    *first = points[0];
+    double origin[3];
+    assert_int_equal( wisp_read_origin( f.world.world, f.world.surfaces[0].entity, origin ), WISP_OK );
+    assert_memory_equal( origin, f.scene.origin, sizeof origin );
+    const uint64_t hash = wisp_world_hash( f.world.world );
+    release( &f );
+    return hash;
+}
+
+// Places are multiples of 2 mm at 20 km, and those here of a quarter of a metre.
+TEST( a_scene_that_is_far_away_runs_bit_for_bit_as_at_home )
+{
+    wisp_vec3 home, away;
+    const uint64_t hash = hash_of_stage( 0.0, 0.0, &home );
+    assert_true( hash_of_stage( 20000.0, -20000.0, &away ) == hash );
+    assert_memory_equal( &home, &away, sizeof home );
+    assert_true( hash_of_stage( -1000.0, 0.0, &away ) == hash );
+}
+
 TEST( a_fabric_is_cooked_with_what_its_effects_need_and_nothing_else )
 {
     fixture f;

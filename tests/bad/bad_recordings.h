@@ -161,7 +161,7 @@ static const bad_file bad_sealed_wisps[] = {
     { "wrong_magic.wisp", WISP_SIZE, { { 0, 1, 'V' } }, "byte 0: expected the start of a recording" },
     { "taken_for_text.wisp", WISP_SIZE, { { 4, 2, 0x1a0a } }, "byte 0: expected the start of a recording" },
     { "version_0.wisp", WISP_SIZE, { { 8, 4, 0 } }, "byte 8: got version 0" },
-    { "version_2.wisp", WISP_SIZE, { { 8, 4, 2 } }, "byte 8: got version 2" },
+    { "version_3.wisp", WISP_SIZE, { { 8, 4, 3 } }, "byte 8: got version 3" },
     { "big_endian.wisp", WISP_SIZE, { { 8, 4, 0x01000000u } }, "byte 8: got version 16777216" },
     { "no_bodies.wisp", WISP_SIZE, { { 12, 4, 0 } }, "byte 12: got 0 bodies, expected 1 to 4096" },
     { "bodies_minus_one.wisp", WISP_SIZE, { { 12, 4, 0xffffffffu } }, "byte 12: got 4294967295 bodies" },

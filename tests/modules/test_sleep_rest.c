@@ -475,7 +475,7 @@ TEST( a_chain_is_stirred_from_its_end_in_any_order )
         for ( int i = 0; i < MOST; ++i )
         {
             const float at = (float)( way == 0 ? i : MOST - 1 - i );
-            boxes[i] = ( sleep_box ){ { { at, 0, 0 }, { at + 1.0f, 1, 1 } }, 0.0f, i > 0 };
+            boxes[i] = ( sleep_box ){ .bounds = { { at, 0, 0 }, { at + 1.0f, 1, 1 } }, .is_still = i > 0 };
         }
         boxes[MOST - 2].bounds.upper[0] = boxes[MOST - 2].bounds.lower[0] + 0.9f; // a gap on one side
         boxes[MOST - 2].bounds.lower[0] += 0.1f;

@@ -206,6 +206,15 @@ WISP_API wisp_status wisp_remove( wisp_world* world, wisp_entity entity );
 ///         rooted in a surface, that follow others or that do not move; WISP_STALE_ID. Nothing changes then
 WISP_API wisp_status wisp_teleport( wisp_world* world, wisp_entity entity, wisp_transform motion,
                                     bool keep_velocity );
+/// Put an entity to a place in the world: its coordinates, given and read, are relative to it from now on and stay as they are. Far
+/// from the place that they are relative to, floats have few digits: 2 mm at 20 km. Give an entity that is far away coordinates
+/// near 0 and its place here: cloth at a distance then moves bit for bit as near it. Whatever the place, an entity that moves away is
+/// simulated relative to where it is. Strands, what follows them and the surface that they are rooted in have one place.
+/// @param origin m, finite; default 0
+WISP_API wisp_status wisp_set_origin( wisp_world* world, wisp_entity entity, const double origin[3] );
+/// Read the place in the world that views and coordinates of an entity are relative to.
+/// @param out m
+WISP_API wisp_status wisp_read_origin( wisp_world* world, wisp_entity entity, double out[3] );
 /// @return false if the entity was removed or never existed
 WISP_API bool wisp_is_alive( const wisp_world* world, wisp_entity entity );
 

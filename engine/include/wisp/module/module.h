@@ -181,6 +181,24 @@ typedef struct wisp_batch
 /// Declare passes, declared before, that can run side by side.
 WISP_API wisp_status wisp_declare_batch( wisp_registry* registry, const wisp_batch* batch );
 
+/// How places stand in the rows of a column.
+typedef enum wisp_place_shape
+{
+    WISP_PLACE_QUADS = 0,  ///< [row][4]: x, y, z and a number
+    WISP_PLACE_EIGHTS = 1, ///< [row / 8][3][8]
+    WISP_PLACE_LANES = 2,  ///< [row][n][3][WISP_LANES] of strands
+    WISP_PLACE_POSES = 3,  ///< three wisp_transform at the start of a row, or as many as fill it
+} wisp_place_shape;
+
+/// Say that a column holds places. They go along when an entity gets another origin of its rows (wisp_frame_offset()).
+WISP_API void wisp_declare_places( wisp_registry* registry, wisp_component component, int column,
+                                   wisp_place_shape shape );
+
+/// Say which column of floats of the same shape holds what does not fit the digits of declared places. With another origin it is divided
+/// anew.
+WISP_API void wisp_declare_low( wisp_registry* registry, wisp_component component, int column, wisp_component low,
+                                int low_column );
+
 /// Say what a map (maps.h) does on surfaces with a component. A map that no such row allows is refused.
 /// @param refusal null: the map acts on surfaces that have the component; else it is refused on them, with this message
 WISP_API void wisp_declare_map( wisp_registry* registry, wisp_component map, wisp_component component,
@@ -195,6 +213,7 @@ typedef struct wisp_teleport_motion
 {
     wisp_transform motion;
     bool keep_velocity; ///< velocities turn with the motion; false: they become zero
+    wisp_vec3 far;      ///< m, of the way: what the origin of the rows goes, of which `motion` is the rest
 } wisp_teleport_motion;
 
 /// What a state must hear of. Zero-initialised members are never called.
@@ -263,6 +282,11 @@ WISP_API void* wisp_frame_column( wisp_frame* frame, wisp_entity entity, wisp_co
 WISP_API bool wisp_frame_has( wisp_frame* frame, wisp_entity entity, wisp_component component );
 WISP_API const wisp_strand_topology* wisp_frame_strands( wisp_frame* frame, wisp_entity entity );
 WISP_API const wisp_fabric* wisp_frame_fabric( wisp_frame* frame, wisp_entity entity );
+/// Coordinates in rows are relative to a place near the entity, which changes only between steps, by whole metres.
+/// @return m, to be added to the host's coordinates of an entity to get those of its rows
+WISP_API wisp_vec3 wisp_frame_offset( wisp_frame* frame, wisp_entity entity );
+/// @return m, to be added to coordinates in rows of one entity to get those in rows of another; zero where they touch
+WISP_API wisp_vec3 wisp_frame_between( wisp_frame* frame, wisp_entity from, wisp_entity to );
 /// Points that a module shares of a surface, as they were at the start of the step if the surface has the component
 /// WISP_SAMPLES_READ (sampling.h). @return null if no module does
 WISP_API const struct wisp_samples* wisp_frame_samples( wisp_frame* frame, wisp_entity surface );
@@ -347,6 +371,25 @@ WISP_API wisp_status wisp_world_run( wisp_world* world, wisp_entity entity, wisp
 /// Let other modules read the points that one keeps on a surface.
 /// @param samples must live until they are withdrawn by null, or the surface is removed
 WISP_API void wisp_world_share_samples( wisp_world* world, wisp_entity surface, const struct wisp_samples* samples );
+/// As wisp_frame_offset() and wisp_frame_between(), between steps.
+WISP_API wisp_vec3 wisp_world_offset( const wisp_world* world, wisp_entity entity );
+WISP_API wisp_vec3 wisp_world_between( const wisp_world* world, wisp_entity from, wisp_entity to );
+/// Return coordinates of the host in rows, with the offset of their entity.
+static inline wisp_vec3 wisp_to_rows( wisp_vec3 p, wisp_vec3 offset )
+{
+    const bool is_offset = offset.x != 0.0f || offset.y != 0.0f || offset.z != 0.0f; // -0 stays -0 without
+    wisp_vec3 moved = { p.x + offset.x, p.y + offset.y, p.z + offset.z };
+    return is_offset ? moved : p;
+}
+/// The same of a pose, normalised.
+static inline wisp_transform wisp_pose_to_rows( wisp_transform pose, wisp_vec3 offset )
+{
+    return wisp_transform_make( pose.rotation, wisp_to_rows( pose.translation, offset ) );
+}
+/// Give two entities, one of which reads rows of the other, one origin of their rows from now on.
+WISP_API void wisp_world_tie( wisp_world* world, wisp_entity a, wisp_entity b );
+/// Give an entity and what comes near it one origin of their rows, because it may touch them. Others are left out of its passes.
+WISP_API void wisp_world_let_meet( wisp_world* world, wisp_entity entity );
 /// Have the arrays of a lean fabric that a function between steps reads; passes name theirs in wisp_pass.fabric.
 /// @param arrays wisp_fabric_arrays or-ed @return WISP_NO_MEMORY, with a message
 WISP_API wisp_status wisp_world_need_fabric( wisp_world* world, wisp_entity surface, unsigned arrays );
