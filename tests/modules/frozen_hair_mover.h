@@ -16,7 +16,7 @@ static inline void move_rigidly( wisp_frame* frame, const wisp_span* span, void*
     float* posed = wisp_frame_column( frame, span->entity, WISP_STRAND_POSED, 0 );
     const size_t first = (size_t)t->group_row[span->begin] * 48, end = (size_t)t->group_row[span->end] * 48;
     memcpy( posed + first, rest + first, ( end - first ) * sizeof( float ) );
-    const wisp_teleport_motion motion = { *pose, false };
+    const wisp_teleport_motion motion = { .motion = *pose };
     wisp_teleport_lanes( &motion, posed + first, NULL, t->group_row[span->end] - t->group_row[span->begin] );
 }
 
