@@ -3,6 +3,7 @@
 
 #include "support.h"
 
+#include "double3.h"
 #include "kernel_tables.h"
 
 #include "wisp/base.h"
@@ -44,6 +45,14 @@ static inline const wisp_kernels* widest_table( void )
     return kernels_select( "avx512", NULL );
 }
 
+/// Every table, and NULL behind the last one.
+static inline const wisp_kernels* const* every_table( void )
+{
+    static const wisp_kernels* tables[MAX_TABLES + 1];
+    tables[usable_tables( tables )] = NULL;
+    return tables;
+}
+
 /// Fails for NaN too.
 static inline void assert_near( double found, double expected, double tolerance, const char* what, int number )
 {
@@ -52,6 +61,123 @@ static inline void assert_near( double found, double expected, double tolerance,
         fail_msg( "%s %d: %.9g, expected %.9g within %.2g", what, number, found, expected, tolerance );
     }
 }
+
+/// Each component is near.
+static inline void assert_near3( double3 found, double3 expected, double tolerance, const char* what, int number )
+{
+    assert_near( found.x, expected.x, tolerance, what, number );
+    assert_near( found.y, expected.y, tolerance, what, number );
+    assert_near( found.z, expected.z, tolerance, what, number );
+}
+
+/// The vector of a lane in rows of eight.
+static inline double3 lane_vector( float ( *rows )[8], int lane )
+{
+    return double3_make( (double)rows[0][lane], (double)rows[1][lane], (double)rows[2][lane] );
+}
+
+/// Zeros at a cache line. Free with free().
+static inline void* new_aligned( size_t size )
+{
+    void* memory = aligned_alloc( 64, ( size + 63 ) / 64 * 64 );
+    assert_non_null( memory );
+    return memset( memory, 0, ( size + 63 ) / 64 * 64 );
+}
+
+// ---- rows ----
+
+/// A case of kernels: a state with their arguments and outputs, how to run them, and what must hold afterwards.
+typedef struct kernel_row
+{
+    const char* name;
+    size_t size;                                ///< of the state, in bytes
+    int variants;                               ///< 0 is 1
+    int begin, end;                             ///< range to run
+    int grain;                                  ///< smallest range; 0: may not be cut
+    void ( *fill )( void* state, int variant ); ///< of zeros
+    void ( *run )( const wisp_kernels* kernels, void* state, int begin, int end );
+    void ( *check )( void* start, void* end ); ///< by the oracle; NULL: none
+    void ( *release )( void* start );          ///< of what a state points to; NULL: nothing
+} kernel_row;
+
+static inline void assert_same_state( const kernel_row* row, int variant, const char* how, const void* found,
+                                      const void* expected )
+{
+    for ( size_t at = 0; memcmp( found, expected, row->size ) != 0 && at + 4 <= row->size; at += 4 )
+    {
+        float numbers[2];
+        memcpy( numbers, (const char*)found + at, 4 );
+        memcpy( numbers + 1, (const char*)expected + at, 4 );
+        if ( memcmp( numbers, numbers + 1, 4 ) != 0 )
+        {
+            fail_msg( "%s, variant %d, %s: number %zu of the state is %.9g, expected %.9g", row->name, variant, how,
+                      at / 4, (double)numbers[0], (double)numbers[1] );
+        }
+    }
+}
+
+/// Cut into one, two, three, one ... grains.
+static inline void run_cut( const kernel_row* row, void* state )
+{
+    for ( int begin = row->begin, n = 0; begin < row->end; ++n )
+    {
+        const int most = begin + ( 1 + n % 3 ) * row->grain, end = most < row->end ? most : row->end;
+        row->run( widest_table(), state, begin, end );
+        begin = end;
+    }
+}
+
+/// Every table and every cut gives the same bits of the whole state, which changes and passes the check.
+static inline void check_kernel( const kernel_row* row )
+{
+    void *start = new_aligned( row->size ), *first = new_aligned( row->size ), *other = new_aligned( row->size );
+    for ( int variant = 0; variant == 0 || variant < row->variants; ++variant )
+    {
+        memset( start, 0, row->size );
+        row->fill( start, variant );
+        memcpy( first, start, row->size );
+        row->run( every_table()[0], first, row->begin, row->end );
+        assert_memory_not_equal( first, start, row->size );
+        for ( const wisp_kernels* const* k = every_table() + 1; *k != NULL; ++k )
+        {
+            memcpy( other, start, row->size );
+            row->run( *k, other, row->begin, row->end );
+            assert_same_state( row, variant, ( *k )->isa, other, first );
+        }
+        if ( row->grain > 0 )
+        {
+            memcpy( other, start, row->size );
+            run_cut( row, other );
+            assert_same_state( row, variant, "cut", other, first );
+        }
+        if ( row->check != NULL )
+        {
+            row->check( start, first );
+        }
+        if ( row->release != NULL )
+        {
+            row->release( start );
+        }
+    }
+    free( start );
+    free( first );
+    free( other );
+}
+
+/// Define the case of a row whose state is of a type.
+#define TEST_KERNEL( name_, type, variants_, begin_, end_, grain_, fill_, run_, check_ )                             \
+    TEST( name_ )                                                                                                    \
+    {                                                                                                                \
+        check_kernel( &( kernel_row ){ .name = #name_,                                                               \
+                                       .size = sizeof( type ),                                                       \
+                                       .variants = variants_,                                                        \
+                                       .begin = begin_,                                                              \
+                                       .end = end_,                                                                  \
+                                       .grain = grain_,                                                              \
+                                       .fill = fill_,                                                                \
+                                       .run = run_,                                                                  \
+                                       .check = check_ } );                                                          \
+    }
 
 // ---- constraints ----
 
