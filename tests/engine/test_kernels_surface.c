@@ -43,20 +43,17 @@ static void assert_at( constraints* s, const particles* expected, int c, double 
 
 static constraints* new_constraints( bool pins )
 {
-    constraints* s = aligned_alloc( 64, ( sizeof( constraints ) + 63 ) / 64 * 64 );
-    assert_non_null( s );
+    constraints* s = new_aligned( sizeof( constraints ) );
     make_constraints( s, pins );
     return s;
 }
 
 static constraints* copy_of( const constraints* s )
 {
-    constraints* copy = new_constraints( false );
-    memcpy( copy, s, sizeof( *s ) );
-    return copy;
+    return memcpy( new_aligned( sizeof( *s ) ), s, sizeof( *s ) );
 }
 
-// ---- every table ----
+// ---- projections ----
 
 // Constraints that are satisfied, so small that they underflow, or so large that they nearly overflow.
 static void make_odd( constraints* s, int first )
@@ -71,173 +68,142 @@ static void make_odd( constraints* s, int first )
     }
 }
 
-typedef void run_fn( const wisp_kernels* kernels, constraints* s );
-
-static void run_link_pbd( const wisp_kernels* kernels, constraints* s )
+// Constraints with particles of their own, some of them odd, or with shared ones.
+static void fill_constraints( void* state, int variant )
 {
-    wisp_link_args args = link_args( s );
-    kernels->link_pbd( &args, 0, CONSTRAINTS );
-}
-
-static void run_link_xpbd( const wisp_kernels* kernels, constraints* s )
-{
-    wisp_link_args args = link_args( s );
-    kernels->link_xpbd( &args, 0, CONSTRAINTS );
-}
-
-static void run_link_xpbd_once( const wisp_kernels* kernels, constraints* s )
-{
-    wisp_link_args args = link_args( s );
-    args.lambda = NULL;
-    kernels->link_xpbd( &args, 0, CONSTRAINTS );
-}
-
-static void run_link_limit( const wisp_kernels* kernels, constraints* s )
-{
-    wisp_link_args args = link_args( s );
-    kernels->link_limit( &args, 0, CONSTRAINTS );
-}
-
-static void run_dihedral_pbd( const wisp_kernels* kernels, constraints* s )
-{
-    wisp_hinge_args args = hinge_args( s, false, true );
-    kernels->hinge_dihedral( &args, 0, CONSTRAINTS );
-}
-
-static void run_dihedral_xpbd( const wisp_kernels* kernels, constraints* s )
-{
-    wisp_hinge_args args = hinge_args( s, false, false );
-    kernels->hinge_dihedral( &args, 0, CONSTRAINTS );
-}
-
-static void run_isometric_pbd( const wisp_kernels* kernels, constraints* s )
-{
-    wisp_hinge_args args = hinge_args( s, true, true );
-    kernels->hinge_isometric( &args, 0, CONSTRAINTS );
-}
-
-static run_fn* const PROJECTIONS[] = {
-    run_link_pbd,     run_link_xpbd,     run_link_xpbd_once, run_link_limit,
-    run_dihedral_pbd, run_dihedral_xpbd, run_isometric_pbd,
-};
-
-TEST( every_table_projects_to_the_same_bits )
-{
-    const wisp_kernels* tables[MAX_TABLES];
-    int table_count = usable_tables( tables );
-    for ( int variant = 0; variant < 4; ++variant )
+    constraints* s = state;
+    make_constraints( s, variant % 2 == 1 );
+    if ( variant >= 2 )
     {
-        constraints* start = new_constraints( variant % 2 == 1 );
-        if ( variant >= 2 )
-        {
-            tangle( start );
-        }
-        else
-        {
-            make_odd( start, 40 );
-        }
-        for ( int k = 0; k < WISP_COUNT( PROJECTIONS ); ++k )
-        {
-            constraints* reference = copy_of( start );
-            PROJECTIONS[k]( tables[0], reference );
-            assert_true( memcmp( reference, start, sizeof( *start ) ) != 0 );
-            for ( int t = 1; t < table_count; ++t )
-            {
-                constraints* s = copy_of( start );
-                PROJECTIONS[k]( tables[t], s );
-                if ( memcmp( s, reference, sizeof( *s ) ) != 0 )
-                {
-                    fail_msg( "%s differs from %s: variant %d, projection %d", tables[t]->isa, tables[0]->isa,
-                              variant, k );
-                }
-                free( s );
-            }
-            free( reference );
-        }
-        free( start );
+        tangle( s );
+    }
+    else
+    {
+        make_odd( s, 40 );
     }
 }
 
-TEST( a_range_may_be_cut_between_groups )
+// How constraints may be projected.
+typedef enum projection
 {
-    constraints *whole = new_constraints( true ), *primitives = new_constraints( true );
-    tangle( whole );
-    tangle( primitives );
-    run_link_xpbd( widest_table(), whole );
-    wisp_link_args args = link_args( primitives );
-    for ( int begin = 0, length = 8; begin < CONSTRAINTS; begin += length, length = length % 40 + 8 )
+    LINK_PBD,
+    LINK_XPBD,
+    LINK_XPBD_ONCE,
+    LINK_LIMIT,
+    DIHEDRAL_PBD,
+    DIHEDRAL_XPBD,
+    ISOMETRIC_PBD,
+    PROJECTIONS,
+} projection;
+
+static void project_range( const wisp_kernels* kernels, constraints* s, projection kind, int begin, int end )
+{
+    wisp_link_args links = link_args( s );
+    links.lambda = kind == LINK_XPBD_ONCE ? NULL : links.lambda;
+    const wisp_hinge_args hinges = hinge_args( s, kind == ISOMETRIC_PBD, kind != DIHEDRAL_XPBD );
+    switch ( kind )
     {
-        int end = begin + length < CONSTRAINTS ? begin + length : CONSTRAINTS;
-        widest_table()->link_xpbd( &args, begin, end );
+        case LINK_PBD:
+            kernels->link_pbd( &links, begin, end );
+            break;
+        case LINK_XPBD:
+        case LINK_XPBD_ONCE:
+            kernels->link_xpbd( &links, begin, end );
+            break;
+        case LINK_LIMIT:
+            kernels->link_limit( &links, begin, end );
+            break;
+        case ISOMETRIC_PBD:
+            kernels->hinge_isometric( &hinges, begin, end );
+            break;
+        default:
+            kernels->hinge_dihedral( &hinges, begin, end );
     }
-    assert_memory_equal( whole->position, primitives->position, sizeof( whole->position ) );
-    assert_memory_equal( whole->lambda, primitives->lambda, sizeof( whole->lambda ) );
-    free( whole );
-    free( primitives );
 }
 
-// ---- links ----
-
-typedef double project_fn( const constraints* s, int c, particles* all, constraint_oracle_skips* skips );
-
-static double pbd_of_oracle( const constraints* s, int c, particles* all, constraint_oracle_skips* skips )
+static void project( constraints* s, projection kind )
 {
-    constraint_oracle_term term = constraint_oracle_distance( all->p[0], all->p[1], (double)s->rest[c] );
-    constraint_oracle_project( &term, ALL, all->w, (double)s->stiffness[c], all->p, skips );
-    return 0.0;
+    project_range( widest_table(), s, kind, 0, CONSTRAINTS );
 }
 
-static double xpbd_of_oracle( const constraints* s, int c, particles* all, constraint_oracle_skips* skips )
+// The kernel's angle is positive where the oracle's is negative, so a rest angle changes its sign.
+static constraint_oracle_term dihedral_of_oracle( const constraints* s, int c, const particles* all )
 {
-    constraint_oracle_term term = constraint_oracle_distance( all->p[0], all->p[1], (double)s->rest[c] );
-    double lambda = (double)s->lambda[c], alpha = 1e4 * (double)s->compliance[c];
-    constraint_oracle_project_compliant( &term, ALL, all->w, alpha, &lambda, all->p, skips );
-    return lambda;
+    return constraint_oracle_dihedral( all->p, -(double)s->angle[c] );
 }
 
-static double xpbd_once_of_oracle( const constraints* s, int c, particles* all, constraint_oracle_skips* skips )
+static constraint_oracle_term isometric_of_oracle( constraints* s, int c, const particles* all )
 {
-    constraint_oracle_term term = constraint_oracle_distance( all->p[0], all->p[1], (double)s->rest[c] );
-    double lambda = 0.0, alpha = 1e4 * (double)s->compliance[c];
-    constraint_oracle_project_compliant( &term, ALL, all->w, alpha, &lambda, all->p, skips );
-    return (double)s->lambda[c];
+    double q[4][4];
+    for ( int i = 0; i < 16; ++i )
+    {
+        q[i / 4][i % 4] =
+            (double)s->scale[c] * (double)s->weights[c / 8][i / 4][c % 8] * (double)s->weights[c / 8][i % 4][c % 8];
+    }
+    return constraint_oracle_isometric_root( all->p, q );
 }
 
-static double limit_of_oracle( const constraints* s, int c, particles* all, constraint_oracle_skips* skips )
+// What the oracle makes of a constraint. @return its multiplier
+static double project_by_oracle( constraints* s, projection kind, int c, particles* all )
 {
-    constraint_oracle_term term =
-        constraint_oracle_strain_limit( all->p[0], all->p[1], (double)s->rest[c], (double)0.9f, (double)1.1f );
-    constraint_oracle_project( &term, ALL, all->w, 1.0, all->p, skips );
-    return 0.0;
+    constraint_oracle_skips skips = { 0 };
+    const double rest = (double)s->rest[c];
+    const bool is_dihedral = kind == DIHEDRAL_PBD || kind == DIHEDRAL_XPBD;
+    const constraint_oracle_term term =
+        is_dihedral             ? dihedral_of_oracle( s, c, all )
+        : kind == ISOMETRIC_PBD ? isometric_of_oracle( s, c, all )
+        : kind == LINK_LIMIT
+            ? constraint_oracle_strain_limit( all->p[0], all->p[1], rest, (double)0.9f, (double)1.1f )
+            : constraint_oracle_distance( all->p[0], all->p[1], rest );
+    const double sign = is_dihedral ? -1.0 : 1.0, before = (double)s->lambda[c];
+    double lambda = kind == LINK_XPBD_ONCE ? 0.0 : sign * before;
+    if ( kind == LINK_XPBD || kind == LINK_XPBD_ONCE || kind == DIHEDRAL_XPBD )
+    {
+        constraint_oracle_project_compliant( &term, ALL, all->w, 1e4 * (double)s->compliance[c], &lambda, all->p,
+                                             &skips );
+        return kind == LINK_XPBD_ONCE ? before : sign * lambda;
+    }
+    constraint_oracle_project( &term, ALL, all->w, kind == LINK_LIMIT ? 1.0 : (double)s->stiffness[c], all->p,
+                               &skips );
+    return before;
 }
 
 // Every constraint has its own particles, so the oracle may check them one by one.
-static void compare_with_oracle( run_fn* run, project_fn* oracle, bool with_lambda )
+static void expect_oracle( projection kind )
 {
-    constraints *before = new_constraints( true ), *after = new_constraints( true );
-    constraint_oracle_skips skips = { 0 };
-    run( widest_table(), after );
+    constraints *before = new_constraints( true ), *after = copy_of( before );
+    project( after, kind );
     for ( int c = 0; c < CONSTRAINTS; ++c )
     {
         particles expected = particles_of( before, c );
-        double lambda = oracle( before, c, &expected, &skips );
+        const double lambda = project_by_oracle( before, kind, c, &expected );
         assert_at( after, &expected, c, ROUNDING );
-        if ( with_lambda )
-        {
-            assert_near( (double)after->lambda[c], lambda, ROUNDING * ( 1.0 + fabs( lambda ) ), "lambda", c );
-        }
+        assert_near( (double)after->lambda[c], lambda, ROUNDING * ( 1.0 + fabs( lambda ) ), "lambda", c );
     }
     free( before );
     free( after );
 }
 
-TEST( links_move_as_the_oracle_says )
-{
-    compare_with_oracle( run_link_pbd, pbd_of_oracle, false );
-    compare_with_oracle( run_link_xpbd, xpbd_of_oracle, true );
-    compare_with_oracle( run_link_xpbd_once, xpbd_once_of_oracle, true );
-    compare_with_oracle( run_link_limit, limit_of_oracle, false );
-}
+#define TEST_PROJECTION( name, kind )                                                                                \
+    static void run_##name( const wisp_kernels* kernels, void* state, int begin, int end )                           \
+    {                                                                                                                \
+        project_range( kernels, state, kind, begin, end );                                                           \
+    }                                                                                                                \
+    TEST_KERNEL( name, constraints, 4, 0, CONSTRAINTS, 8, fill_constraints, run_##name, NULL )                       \
+    TEST( name##_as_the_oracle_says )                                                                                \
+    {                                                                                                                \
+        expect_oracle( kind );                                                                                       \
+    }
+
+TEST_PROJECTION( links_move_by_their_stiffness, LINK_PBD )
+TEST_PROJECTION( links_move_by_their_compliance, LINK_XPBD )
+TEST_PROJECTION( links_move_by_their_compliance_once, LINK_XPBD_ONCE )
+TEST_PROJECTION( links_move_to_their_limits, LINK_LIMIT )
+TEST_PROJECTION( angles_move_by_their_stiffness, DIHEDRAL_PBD )
+TEST_PROJECTION( angles_move_by_their_compliance, DIHEDRAL_XPBD )
+TEST_PROJECTION( isometric_hinges_move_by_their_stiffness, ISOMETRIC_PBD )
+
+// ---- links ----
 
 TEST( two_ends_share_a_step_as_their_inverse_masses )
 {
@@ -251,7 +217,7 @@ TEST( two_ends_share_a_step_as_their_inverse_masses )
         s->rest[c] = rest[c / 3];
         s->stiffness[c] = 1.0f;
     }
-    run_link_pbd( widest_table(), s );
+    project( s, LINK_PBD );
 
     // halves, quarters and wholes of powers of two are exact
     const float first[3] = { 0.5f, 0.25f, 0.0f }, second[3] = { 1.5f, 1.25f, 1.0f };
@@ -308,52 +274,6 @@ TEST( iterations_settle_where_compliance_balances )
 
 // ---- hinges ----
 
-// The kernel's angle is positive where the oracle's is negative, so a rest angle changes its sign.
-static constraint_oracle_term dihedral_of_oracle( const constraints* s, int c, const particles* all )
-{
-    return constraint_oracle_dihedral( all->p, -(double)s->angle[c] );
-}
-
-static constraint_oracle_term isometric_of_oracle( const constraints* s, int c, const particles* all )
-{
-    double q[4][4];
-    for ( int i = 0; i < 16; ++i )
-    {
-        q[i / 4][i % 4] =
-            (double)s->scale[c] * (double)s->weights[c / 8][i / 4][c % 8] * (double)s->weights[c / 8][i % 4][c % 8];
-    }
-    return constraint_oracle_isometric_root( all->p, q );
-}
-
-static double dihedral_pbd_of_oracle( const constraints* s, int c, particles* all, constraint_oracle_skips* skips )
-{
-    constraint_oracle_term term = dihedral_of_oracle( s, c, all );
-    constraint_oracle_project( &term, ALL, all->w, (double)s->stiffness[c], all->p, skips );
-    return 0.0;
-}
-
-static double dihedral_xpbd_of_oracle( const constraints* s, int c, particles* all, constraint_oracle_skips* skips )
-{
-    constraint_oracle_term term = dihedral_of_oracle( s, c, all );
-    double lambda = -(double)s->lambda[c], alpha = 1e4 * (double)s->compliance[c];
-    constraint_oracle_project_compliant( &term, ALL, all->w, alpha, &lambda, all->p, skips );
-    return -lambda;
-}
-
-static double isometric_pbd_of_oracle( const constraints* s, int c, particles* all, constraint_oracle_skips* skips )
-{
-    constraint_oracle_term term = isometric_of_oracle( s, c, all );
-    constraint_oracle_project( &term, ALL, all->w, (double)s->stiffness[c], all->p, skips );
-    return 0.0;
-}
-
-TEST( hinges_move_as_the_oracle_says )
-{
-    compare_with_oracle( run_dihedral_pbd, dihedral_pbd_of_oracle, false );
-    compare_with_oracle( run_dihedral_xpbd, dihedral_xpbd_of_oracle, true );
-    compare_with_oracle( run_isometric_pbd, isometric_pbd_of_oracle, false );
-}
-
 // With one free corner a projection moves it by -C / |g|^2 g, so that the gradient can be read back. Here C is small,
 // because the angle is nearly at rest, and central differences of the oracle's angle give g.
 TEST( dihedral_gradients_are_central_differences_of_the_angle )
@@ -373,7 +293,7 @@ TEST( dihedral_gradients_are_central_differences_of_the_angle )
             }
         }
         constraints* after = copy_of( s );
-        run_dihedral_pbd( widest_table(), after );
+        project( after, DIHEDRAL_PBD );
         for ( int c = 0; c < CONSTRAINTS; ++c )
         {
             particles at = particles_of( s, c );
@@ -414,11 +334,11 @@ TEST( an_angle_is_positive_where_the_opposite_vertices_are_on_the_side_of_the_no
     s->angle[0] = 2.0f * atanf( 0.2f );
     s->stiffness[0] = 1.0f;
     particles before = particles_of( s, 0 );
-    run_dihedral_pbd( widest_table(), s );
+    project( s, DIHEDRAL_PBD );
     assert_at( s, &before, 0, ROUNDING );
 
     s->angle[0] = 0.0f;
-    run_dihedral_pbd( widest_table(), s );
+    project( s, DIHEDRAL_PBD );
     assert_true( body( s, 0, 2 )[2] < 0.099f && body( s, 0, 3 )[2] < 0.099f && body( s, 0, 0 )[2] > 0.001f );
     free( s );
 }
@@ -472,7 +392,7 @@ TEST( an_isometric_hinge_knows_bending_from_moving )
             energy[c] = constraint_oracle_isometric_energy( particles_of( s, c ).p, q ).value;
         }
         constraints* after = copy_of( s );
-        run_isometric_pbd( widest_table(), after );
+        project( after, ISOMETRIC_PBD );
         for ( int c = 0; c < CONSTRAINTS; ++c )
         {
             // masses of 1 kg move by -C g / |g|^2 with |g|^2 = s |c|^2, and C^2 / 2 is the energy
@@ -517,10 +437,10 @@ static void sum_momentum( constraints* before, constraints* after, int c, int co
 TEST( projections_keep_linear_and_angular_momentum )
 {
     constraints* before = new_constraints( false );
-    for ( int k = 0; k < WISP_COUNT( PROJECTIONS ); ++k )
+    for ( int k = 0; k < PROJECTIONS; ++k )
     {
         constraints* after = copy_of( before );
-        PROJECTIONS[k]( widest_table(), after );
+        project( after, (projection)k );
         bool is_link = k < 4;
         for ( int c = 0; c < CONSTRAINTS; ++c )
         {
@@ -556,10 +476,10 @@ TEST( constraints_without_a_direction_or_a_free_end_leave_every_bit )
             }
         }
     }
-    for ( int k = 0; k < WISP_COUNT( PROJECTIONS ); ++k )
+    for ( int k = 0; k < PROJECTIONS; ++k )
     {
         constraints* after = copy_of( before );
-        PROJECTIONS[k]( widest_table(), after );
+        project( after, (projection)k );
         assert_memory_equal( after->position, before->position, sizeof( after->position ) );
         assert_memory_equal( after->lambda, before->lambda, sizeof( after->lambda ) );
         free( after );
@@ -583,10 +503,10 @@ TEST( no_projection_throws_a_particle_to_infinity )
         before->stiffness[c] = 1.0f;
         before->compliance[c] = 0.0f;
     }
-    for ( int k = 0; k < WISP_COUNT( PROJECTIONS ); ++k )
+    for ( int k = 0; k < PROJECTIONS; ++k )
     {
         constraints* after = copy_of( before );
-        PROJECTIONS[k]( widest_table(), after );
+        project( after, (projection)k );
         for ( int i = 0; i < BODIES * 4; ++i )
         {
             if ( !( fabsf( after->position[i / 4][i % 4] ) <= 1e7f ) )
@@ -606,17 +526,12 @@ enum
     EDGES = CONSTRAINTS / 2, // the rest are bend links
 };
 
-static const float* end_of( const constraints* s, int c, int end )
+static double length_of( constraints* s, int c )
 {
-    return body( (constraints*)(uintptr_t)s, c, end );
+    return double3_distance( double3_from( body( s, c, 0 ) ), double3_from( body( s, c, 1 ) ) );
 }
 
-static double length_of( const constraints* s, int c )
-{
-    return double3_distance( double3_from( end_of( s, c, 0 ) ), double3_from( end_of( s, c, 1 ) ) );
-}
-
-static bool is_folded( const constraints* s, int c )
+static bool is_folded( constraints* s, int c )
 {
     return c >= EDGES && 2.0 * length_of( s, c ) < (double)s->rest[c];
 }
@@ -624,9 +539,7 @@ static bool is_folded( const constraints* s, int c )
 // Every third link is far too short.
 static constraints* new_folds( void )
 {
-    constraints* s = aligned_alloc( 64, ( sizeof( constraints ) + 63 ) / 64 * 64 );
-    assert_non_null( s );
-    make_constraints( s, true );
+    constraints* s = new_constraints( true );
     for ( int c = 0; c < CONSTRAINTS; c += 3 )
     {
         s->rest[c] = (float)( 2.5 * length_of( s, c ) );
@@ -655,11 +568,11 @@ static void expect_folds_are_left( link_kernel* kernel, bool keeps_lambda )
     for ( int c = 0; c < CONSTRAINTS; ++c )
     {
         const bool is_left = is_folded( start, c );
-        const constraints* expected = is_left ? start : all;
+        constraints* expected = is_left ? start : all;
         assert_int_equal( folded[c / 8] >> c % 8 & 1, is_left );
         for ( int k = 0; k < 2; ++k )
         {
-            assert_memory_equal( end_of( most, c, k ), end_of( expected, c, k ), 4 * sizeof( float ) );
+            assert_memory_equal( body( most, c, k ), body( expected, c, k ), 4 * sizeof( float ) );
         }
         assert_true( most->lambda[c] == expected->lambda[c] );
         found += is_left;
@@ -672,13 +585,11 @@ static void expect_folds_are_left( link_kernel* kernel, bool keeps_lambda )
 
 TEST( short_bend_links_stay_and_are_marked )
 {
-    const wisp_kernels* tables[MAX_TABLES];
-    const int table_count = usable_tables( tables );
-    for ( int t = 0; t < table_count; ++t )
+    for ( const wisp_kernels* const* k = every_table(); *k != NULL; ++k )
     {
-        expect_folds_are_left( tables[t]->link_pbd, true );
-        expect_folds_are_left( tables[t]->link_xpbd, true );
-        expect_folds_are_left( tables[t]->link_xpbd, false );
+        expect_folds_are_left( ( *k )->link_pbd, true );
+        expect_folds_are_left( ( *k )->link_xpbd, true );
+        expect_folds_are_left( ( *k )->link_xpbd, false );
     }
 }
 
@@ -726,11 +637,9 @@ TEST( hinges_nearer_than_half_their_span_are_found )
         set_slot( s, c, 3, s->slot_x4[c / 8][2][c % 8] / 4 );
     }
     body( s, 17, 2 )[1] = NAN;
-    const wisp_kernels* tables[MAX_TABLES];
-    const int table_count = usable_tables( tables );
-    for ( int t = 0; t < table_count; ++t )
+    for ( const wisp_kernels* const* k = every_table(); *k != NULL; ++k )
     {
-        expect_hinges_are_found( tables[t], s, span2 );
+        expect_hinges_are_found( *k, s, span2 );
     }
     free( s );
 }
