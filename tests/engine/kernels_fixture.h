@@ -164,19 +164,27 @@ static inline void check_kernel( const kernel_row* row )
     free( other );
 }
 
-/// Define the case of a row whose state is of a type.
-#define TEST_KERNEL( name_, type, variants_, begin_, end_, grain_, fill_, run_, check_ )                             \
-    TEST( name_ )                                                                                                    \
+/// A row whose state is of a type; its name is that of the test.
+#define KERNEL_ROW( type, variants_, begin_, end_, grain_, fill_, run_, check_ )                                     \
+    &( kernel_row )                                                                                                  \
     {                                                                                                                \
-        check_kernel( &( kernel_row ){ .name = #name_,                                                               \
-                                       .size = sizeof( type ),                                                       \
-                                       .variants = variants_,                                                        \
-                                       .begin = begin_,                                                              \
-                                       .end = end_,                                                                  \
-                                       .grain = grain_,                                                              \
-                                       .fill = fill_,                                                                \
-                                       .run = run_,                                                                  \
-                                       .check = check_ } );                                                          \
+        .name = __func__, .size = sizeof( type ), .variants = variants_, .begin = begin_, .end = end_,               \
+        .grain = grain_, .fill = fill_, .run = run_, .check = check_                                                 \
+    }
+
+/// Define the case of such a row.
+#define TEST_KERNEL( name, ... )                                                                                     \
+    TEST( name )                                                                                                     \
+    {                                                                                                                \
+        check_kernel( KERNEL_ROW( __VA_ARGS__ ) );                                                                   \
+    }
+
+/// Define how to run one kernel, with arguments that a function makes of the state.
+#define RUN_KERNEL( name, kernel, args_type, args_of )                                                               \
+    static void name( const wisp_kernels* kernels, void* state, int begin, int end )                                 \
+    {                                                                                                                \
+        const args_type args = args_of( state );                                                                     \
+        kernels->kernel( &args, begin, end );                                                                        \
     }
 
 // ---- constraints ----

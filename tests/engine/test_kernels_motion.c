@@ -582,13 +582,7 @@ static void check_block( void* start, void* end )
 
 TEST( who_moves_is_gathered_who_is_near_is_queried_and_who_leaves_its_place_is_a_stray )
 {
-    check_kernel( &( kernel_row ){ .name = "block",
-                                   .size = sizeof( block ),
-                                   .variants = SEEDS,
-                                   .end = COUNT,
-                                   .fill = fill_block,
-                                   .run = run_block,
-                                   .check = check_block } );
+    check_kernel( KERNEL_ROW( block, SEEDS, 0, COUNT, 0, fill_block, run_block, check_block ) );
     for ( int k = 0; k < BOUNDS; ++k )
     {
         assert_true( queried_of[k] >= 50 && left_out[k] >= 100 );

@@ -241,11 +241,7 @@ static void check_fall( void* start, void* end )
 TEST_KERNEL( particles_fall_as_in_scalars_and_pinned_ones_stay, particle_batch, 1, 0, COUNT, 8, fill_batch, run_fall,
              check_fall )
 
-static void run_velocity( const wisp_kernels* kernels, void* state, int begin, int end )
-{
-    const wisp_particle_args args = particle_args( state );
-    kernels->velocity( &args, begin, end );
-}
+RUN_KERNEL( run_velocity, velocity, wisp_particle_args, particle_args )
 
 // Eq. 2 with both sides written about the prediction: the same number in exact arithmetic.
 static void check_velocity( void* start, void* end )
@@ -555,11 +551,7 @@ static wisp_ring_air_args job_of( air_scene* s )
     };
 }
 
-static void run_air( const wisp_kernels* kernels, void* state, int begin, int end )
-{
-    const wisp_ring_air_args args = job_of( state );
-    kernels->ring_air( &args, begin, end );
-}
+RUN_KERNEL( run_air, ring_air, wisp_ring_air_args, job_of )
 
 static double3 combine( double s, double3 a, double t, double3 b )
 {

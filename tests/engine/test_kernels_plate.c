@@ -96,11 +96,7 @@ static wisp_plate_move_args move_args( plate* p )
     };
 }
 
-static void run_predict( const wisp_kernels* kernels, void* state, int begin, int end )
-{
-    const wisp_plate_move_args args = move_args( state );
-    kernels->plate_predict( &args, begin, end );
-}
+RUN_KERNEL( run_predict, plate_predict, wisp_plate_move_args, move_args )
 
 static void check_predict( void* start, void* end )
 {
@@ -405,11 +401,7 @@ static double3 at( const batch* s, int row )
     return double3_from( s->position[row] );
 }
 
-static void run_band( const wisp_kernels* kernels, void* state, int begin, int end )
-{
-    const wisp_level_link_args args = level_args( state );
-    kernels->level_band( &args, begin, end );
-}
+RUN_KERNEL( run_band, level_band, wisp_level_link_args, level_args )
 
 static void check_band( void* start, void* end )
 {
