@@ -205,19 +205,15 @@ static void fill_blends( void* state, int variant )
 
 // ---- against double precision ----
 
-static double sum_of( float table[][4], const blends* b, float weights[][4], int point, double out[3] )
+static double3 sum_of( float table[][4], const blends* b, int point )
 {
-    double squared = 0.0;
-    for ( int i = 0; i < 3; ++i )
+    double3 sum = { 0.0, 0.0, 0.0 };
+    for ( int k = 0; k < 3; ++k )
     {
-        out[i] = 0.0;
-        for ( int k = 0; k < 3; ++k )
-        {
-            out[i] += (double)weights[point][k] * (double)table[b->parents[point][k] / 4][i];
-        }
-        squared += out[i] * out[i];
+        const float* p = table[b->parents[point][k] / 4];
+        sum = double3_add_scaled( sum, (double)b->weights[point][k], double3_from( p ) );
     }
-    return sqrt( squared );
+    return sum;
 }
 
 static void check_blend( void* start, void* end )
@@ -230,24 +226,15 @@ static void check_blend( void* start, void* end )
     int cancelled = 0;
     for ( int p = 0; p < POINTS; ++p )
     {
-        double y[3], n[3];
-        sum_of( b->position, b, b->weights, p, y );
-        const double length = sum_of( b->normal, b, b->weights, p, n );
+        const double3 n = sum_of( b->normal, b, p ), found = double3_from( b->normals[p] );
+        const double length = double3_length( n );
+        const bool is_lost = length < 1e-6;
         assert_true( b->xyzw[p][3] == (float)p );
-        cancelled += length < 1e-6;
-        assert_true( b->normals[p][3] == ( length < 1e-6 ? 1.0f : 0.0f ) );
-        for ( int i = 0; i < 3; ++i )
-        {
-            assert_near( (double)b->xyzw[p][i], y[i], ROUNDING, "place of point", p );
-            if ( length < 1e-6 )
-            {
-                assert_true( b->normals[p][i] == before->normals[p][i] );
-            }
-            else
-            {
-                assert_near( (double)b->normals[p][i], n[i] / length, ROUNDING / length, "normal of point", p );
-            }
-        }
+        assert_true( b->normals[p][3] == ( is_lost ? 1.0f : 0.0f ) );
+        assert_near3( double3_from( b->xyzw[p] ), sum_of( b->position, b, p ), ROUNDING, "place of point", p );
+        assert_near3( found, is_lost ? double3_from( before->normals[p] ) : double3_unit( n ),
+                      is_lost ? 0.0 : ROUNDING / length, "normal of point", p );
+        cancelled += is_lost;
     }
     assert_int_equal( b->returned, cancelled );
     assert_int_equal( cancelled, ( POINTS - 3 + 36 ) / 37 );
@@ -255,20 +242,12 @@ static void check_blend( void* start, void* end )
 
 TEST_KERNEL( blends_are_sums_over_parents, blends, 2, 0, POINTS / 2, 8, fill_blends, run_blend, check_blend )
 
-static bool add_face( const float* p, const float* a, const float* c, double sum[3] )
+static bool add_face( const float* p, const float* a, const float* c, double3* sum )
 {
-    double u[3], v[3];
-    for ( int i = 0; i < 3; ++i )
-    {
-        u[i] = (double)a[i] - (double)p[i];
-        v[i] = (double)c[i] - (double)p[i];
-    }
-    const double n[3] = { u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0] };
-    const double length = sqrt( n[0] * n[0] + n[1] * n[1] + n[2] * n[2] );
-    for ( int i = 0; i < 3 && length > 0.0; ++i )
-    {
-        sum[i] += n[i] / length;
-    }
+    const double3 at = double3_from( p );
+    const double3 n = double3_cross( double3_sub( double3_from( a ), at ), double3_sub( double3_from( c ), at ) );
+    const double length = double3_length( n );
+    *sum = length > 0.0 ? double3_add_scaled( *sum, 1.0 / length, n ) : *sum;
     return length > 0.0 && length < 0.05;
 }
 
@@ -283,21 +262,21 @@ static void check_ring( void* start, void* end )
     int known = 0;
     for ( int v = 0; v < SLOTS; ++v )
     {
-        double sum[3] = { 0.0 };
+        double3 sum = { 0.0, 0.0, 0.0 };
         bool thin = false; // a thin triangle loses the digits of its normal
         for ( int e = 0; e + 1 < RING; ++e )
         {
             const int32_t first = b->ring_x4[v / 8 * RING + e][v % 8] / 4,
                           second = b->ring_x4[v / 8 * RING + e + 1][v % 8] / 4;
-            thin = add_face( b->position[v], b->position[first], b->position[second], sum ) || thin;
+            thin = add_face( b->position[v], b->position[first], b->position[second], &sum ) || thin;
         }
-        const double length = sqrt( sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2] );
-        for ( int i = 0; i < 3 && thin == false && length > 0.05; ++i )
+        const double length = double3_length( sum );
+        if ( thin == false && length > 0.05 )
         {
             // a cross product of sides below 12 with an area above 0.05, over the length of the sum
-            assert_near( (double)b->means[v][i], sum[i] / length, 36.0 / 0.05 * 6.0 * (double)FLT_EPSILON / length,
-                         "normal of vertex", v );
-            known += i == 0;
+            assert_near3( double3_from( b->means[v] ), double3_unit( sum ),
+                          36.0 / 0.05 * 6.0 * (double)FLT_EPSILON / length, "normal of vertex", v );
+            ++known;
         }
         assert_true( b->means[v][3] == 0.0f );
     }
@@ -306,15 +285,9 @@ static void check_ring( void* start, void* end )
 
 TEST_KERNEL( vertex_normals_are_means_of_unit_normals, blends, 2, 0, SLOTS / 8, 1, fill_blends, run_ring, check_ring )
 
-static double gap( const float* a, const float* b, double out[3] )
+static bool is_held( const blends* b, int number, int e )
 {
-    double squared = 0.0;
-    for ( int i = 0; i < 3; ++i )
-    {
-        out[i] = (double)b[i] - (double)a[i];
-        squared += out[i] * out[i];
-    }
-    return sqrt( squared );
+    return ( b->held[number][e / 8] >> e % 8 & 1 ) != 0;
 }
 
 static int count_held( const blends* b, int number )
@@ -322,7 +295,7 @@ static int count_held( const blends* b, int number )
     int count = 0;
     for ( int e = 0; e < ELEMENTS; ++e )
     {
-        count += b->held[number][e / 8] >> e % 8 & 1;
+        count += is_held( b, number, e );
     }
     return count;
 }
@@ -339,27 +312,24 @@ static void check_hold( void* start, void* end )
     const double hair = 1e-5;
     for ( int e = 0; e < ELEMENTS; ++e )
     {
-        const float* p[3];
-        double ab[3], ac[3], bc[3];
+        double3 p[3];
         for ( int k = 0; k < 3; ++k )
         {
-            p[k] = b->position[b->corner_x4[e / 8][k][e % 8] / 4];
+            p[k] = double3_from( b->position[b->corner_x4[e / 8][k][e % 8] / 4] );
         }
-        const double base = gap( p[0], p[1], ab ), left = gap( p[0], p[2], ac ), right = gap( p[1], p[2], bc );
-        const double lower = (double)b->lower[e], upper = (double)b->upper[e];
-        if ( ( b->held[0][e / 8] >> e % 8 & 1 ) != 0 )
+        const double base = double3_distance( p[0], p[1] ), d = (double)b->spacing[e];
+        const double lower = (double)b->lower[e] - hair, upper = (double)b->upper[e] + hair;
+        if ( is_held( b, 0, e ) )
         {
             const double ratio = base / (double)0.2f;
-            assert_true( ratio > lower - hair && ratio < upper + hair );
+            assert_true( ratio > lower && ratio < upper );
         }
-        if ( ( b->held[1][e / 8] >> e % 8 & 1 ) != 0 )
+        if ( is_held( b, 1, e ) )
         {
-            const double d = (double)b->spacing[e],
-                         n[3] = { ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2],
-                                  ab[0] * ac[1] - ab[1] * ac[0] };
-            const double height = sqrt( n[0] * n[0] + n[1] * n[1] + n[2] * n[2] ) / ( base * d );
-            assert_true( base < left && base < right );
-            assert_true( base / d > lower - hair && base / d < upper + hair );
+            const double3 n = double3_cross( double3_sub( p[1], p[0] ), double3_sub( p[2], p[0] ) );
+            const double height = double3_length( n ) / ( base * d );
+            assert_true( base < double3_distance( p[0], p[2] ) && base < double3_distance( p[1], p[2] ) );
+            assert_true( base / d > lower && base / d < upper );
             assert_true( height >= (double)b->low_height[e] && height <= (double)b->high_height[e] );
         }
     }
