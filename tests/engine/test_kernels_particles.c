@@ -152,15 +152,9 @@ static void check_ball( void* start, void* end )
 
 TEST( volume_area_and_normals_of_a_ball_are_those_of_the_oracle_in_ranges_of_sixty_four_slices )
 {
-    check_kernel( &( kernel_row ){ .name = "ball",
-                                   .size = sizeof( ball ),
-                                   .variants = 3,
-                                   .end = BALL_SLICES,
-                                   .grain = BLOCK,
-                                   .fill = fill_ball,
-                                   .run = run_ball,
-                                   .check = check_ball,
-                                   .release = release_ball } );
+    kernel_row row = *KERNEL_ROW( ball, 3, 0, BALL_SLICES, BLOCK, fill_ball, run_ball, check_ball );
+    row.release = release_ball;
+    check_kernel( &row );
 }
 
 // ---- particles ----
