@@ -3,7 +3,7 @@
 
 #include "support.h"
 
-#include "double3.h"
+#include "oracle/double3.h"
 #include "kernel_tables.h"
 
 #include "wisp/base.h"
