@@ -70,6 +70,17 @@ static inline void assert_near3( double3 found, double3 expected, double toleran
     assert_near( found.z, expected.z, tolerance, what, number );
 }
 
+/// The distance is small.
+static inline void assert_near_vector( double3 found, double3 expected, double tolerance, const char* what,
+                                       int number )
+{
+    assert_near( double3_distance( found, expected ), 0.0, tolerance, what, number );
+}
+
+/// Clear what follows the used elements of an array, which kernels leave open.
+#define FORGET_BEHIND( array, used )                                                                                 \
+    memset( ( array ) + ( used ), 0, sizeof( array ) - (size_t)( used ) * sizeof( ( array )[0] ) )
+
 /// The vector of a lane in rows of eight.
 static inline double3 lane_vector( float ( *rows )[8], int lane )
 {

@@ -332,21 +332,9 @@ enum
 
 static const double ROUNDING = 4.0 * (double)FLT_EPSILON;
 
-// From -1 to 1, the same for the same numbers.
 static float chance( int seed, int number )
 {
-    uint32_t h = (uint32_t)seed * 2654435761u + (uint32_t)number * 40503u + 12345u;
-    h ^= h >> 15;
-    h *= 2246822519u;
-    h ^= h >> 13;
-    h *= 3266489917u;
-    h ^= h >> 16;
-    return (float)( (double)h / 2147483648.0 - 1.0 );
-}
-
-static double length( double x, double y, double z )
-{
-    return sqrt( x * x + y * y + z * z );
+    return test_random_float( seed, number, -1.0f, 1.0f );
 }
 
 // ---- displacements of points ----
@@ -399,10 +387,8 @@ RUN_KERNEL( take, measure_displacements, wisp_displacement_args, job_of )
 
 static double spare_of( const walk* w, int i )
 {
-    const float *p = w->now[i], *q = w->before[i], *c = w->common;
-    const double beside =
-        length( (double)p[0] - (double)q[0] - (double)c[0], (double)p[1] - (double)q[1] - (double)c[1],
-                (double)p[2] - (double)q[2] - (double)c[2] );
+    const double3 path = double3_sub( double3_from( w->now[i] ), double3_from( w->before[i] ) );
+    const double beside = double3_distance( path, double3_from( w->common ) );
     return 0.25 * beside + (double)0.01f;
 }
 
@@ -470,13 +456,6 @@ static void fill_wrong( void* state, int variant )
     w->now[11][variant / WISP_COUNT( WRONG ) % 3] = WRONG[variant % WISP_COUNT( WRONG )];
 }
 
-static void run_wrong( const wisp_kernels* kernels, void* state, int begin, int end )
-{
-    walk* w = state;
-    take( kernels, w, begin, end );
-    memset( w->way[11], 0, 3 * sizeof( float ) ); // bits of a NaN are left open
-}
-
 static void check_wrong( void* start, void* end )
 {
     (void)start;
@@ -485,7 +464,7 @@ static void check_wrong( void* start, void* end )
     assert_near( (double)w->way[12][3], spare_of( w, 12 ), 4.0 * ROUNDING, "spare beside what is wrong", 12 );
 }
 
-TEST_KERNEL( what_is_too_long_or_no_number_adds_nothing, walk, 15, 0, POINTS, 8, fill_wrong, run_wrong, check_wrong )
+TEST_KERNEL( what_is_too_long_or_no_number_adds_nothing, walk, 15, 0, POINTS, 8, fill_wrong, take, check_wrong )
 
 // All points keep their displacements except one, which deviates by this multiple of its limit.
 static bool leaves( const wisp_kernels* kernels, int seed, int point, float times, int end )
@@ -552,8 +531,7 @@ static void fill_standing( void* state, int variant )
 
 static double closing_of( const float* a, const float* b )
 {
-    return length( (double)a[0] - (double)b[0], (double)a[1] - (double)b[1], (double)a[2] - (double)b[2] ) +
-           (double)a[3] + (double)b[3];
+    return double3_distance( double3_from( a ), double3_from( b ) ) + (double)a[3] + (double)b[3];
 }
 
 static void count_slack( const wisp_kernels* kernels, standing* s, int begin, int end )
@@ -589,14 +567,9 @@ static void run_standing( const wisp_kernels* kernels, void* state, int begin, i
 {
     standing* s = state;
     count_slack( kernels, s, begin, s->end );
-    for ( int i = s->end; i < end; ++i )
-    {
-        s->slack[i] = 0.0f; // left open, as what follows those that are due
-    }
-    for ( int i = begin + s->due_count; i < end; ++i )
-    {
-        s->due[i] = -1;
-    }
+    assert_true( s->end <= end );
+    FORGET_BEHIND( s->slack, s->end );
+    FORGET_BEHIND( s->due, begin + s->due_count );
 }
 
 static int due;
@@ -605,7 +578,7 @@ static void check_standing( void* start, void* end )
 {
     standing *before = start, *s = end;
     assert_memory_equal( s->slack, before->slack, 8 * sizeof( float ) );
-    int next = 8;
+    int next = 8; // what follows the last one is 0, which is no pair of the range
     for ( int pair = 8; pair < s->end; ++pair )
     {
         check_pair( before, s, pair, &next );

@@ -339,34 +339,28 @@ static void run( const wisp_kernels* kernels, block* b )
     b->stray_count = kernels->find_displaced( b->previous[0], b->place[0], b->begin, b->end, b->strays );
 }
 
-static void forget( void* numbers, int begin, int end )
-{
-    memset( (char*)numbers + 4 * begin, 0, 4 * (size_t)( end - begin ) );
-}
-
 // Kernels compress whole groups: what is behind the last one is left open, and so is what is no number.
 static void run_block( const wisp_kernels* kernels, void* state, int begin, int end )
 {
     block* b = state;
     assert_true( begin <= b->begin && b->end <= end );
     run( kernels, b );
-    float* const queried[] = { b->from[0], b->from[1], b->from[2], b->to[0], b->to[1], b->to[2], b->path, b->reach };
-    for ( int k = 0; k < WISP_COUNT( queried ); ++k )
-    {
-        forget( queried[k], b->queried_count, ROOM );
-    }
     for ( int k = 0; k < 3; ++k )
     {
-        forget( b->now[k], b->count, COUNT );
-        forget( b->old[k], b->count, COUNT );
+        FORGET_BEHIND( b->now[k], b->count );
+        FORGET_BEHIND( b->old[k], b->count );
+        FORGET_BEHIND( b->from[k], b->queried_count );
+        FORGET_BEHIND( b->to[k], b->queried_count );
     }
-    forget( b->queried, b->queried_count, ROOM );
-    forget( b->strays, b->stray_count, ROOM );
-    forget( b->single, b->single_count, ROOM );
-    forget( b->several, b->several_count, ROOM );
-    forget( b->slot, b->count / LANES, COUNT / LANES );
-    memset( b->moving + b->count / LANES, 0, (size_t)( ( COUNT - b->count ) / LANES ) );
-    memset( b->pinned + b->count / LANES, 0, (size_t)( ( COUNT - b->count ) / LANES ) );
+    FORGET_BEHIND( b->path, b->queried_count );
+    FORGET_BEHIND( b->reach, b->queried_count );
+    FORGET_BEHIND( b->queried, b->queried_count );
+    FORGET_BEHIND( b->strays, b->stray_count );
+    FORGET_BEHIND( b->single, b->single_count );
+    FORGET_BEHIND( b->several, b->several_count );
+    FORGET_BEHIND( b->slot, b->count / LANES );
+    FORGET_BEHIND( b->moving, b->count / LANES );
+    FORGET_BEHIND( b->pinned, b->count / LANES );
     for ( int i = 0; i < COUNT; ++i )
     {
         const bool moves = i < b->count && ( b->moving[i / LANES] >> i % LANES & 1 ) != 0;

@@ -106,8 +106,7 @@ static void check_normal( ball* b, int slot, double3 gradient )
     const double3 normal = lane_vector( b->normal[slot / 8], slot % 8 ), none = { 0.0, 0.0, 0.0 };
     const bool is_none = b->fabric->slot_vertex[slot] < 0 || b->radius < 1e-9f;
     const double3 expected = is_none ? none : double3_unit( gradient );
-    assert_near( double3_distance( normal, expected ), 0.0, is_none ? 0.0 : 8.0 * (double)FLT_EPSILON,
-                 "normal of slot", slot );
+    assert_near_vector( normal, expected, is_none ? 0.0 : 8.0 * (double)FLT_EPSILON, "normal of slot", slot );
     const double3 out = double3_sub( double3_from( b->position[slot] ), double3_widen( b->centre ) );
     assert_true( is_none || double3_dot( normal, out ) > 0.6 );
 }
@@ -132,8 +131,8 @@ static void check_ball( void* start, void* end )
         }
         // about six products and sums per triangle, of the size of the area
         const double tolerance = 8.0 * (double)FLT_EPSILON * expected_area;
-        assert_near( double3_distance( lane_vector( b->gradient[slot / 8], slot % 8 ), expected ), 0.0, tolerance,
-                     "gradient of slot", slot );
+        assert_near_vector( lane_vector( b->gradient[slot / 8], slot % 8 ), expected, tolerance, "gradient of slot",
+                            slot );
         assert_near( (double)b->area[slot / 8][slot % 8], expected_area, tolerance, "area of slot", slot );
         weighted += (double)b->position[slot][3] * double3_dot( expected, expected );
         area_sum += expected_area;

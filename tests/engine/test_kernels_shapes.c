@@ -68,12 +68,6 @@ static void fill_query( void* state, int seed )
     place_points( q, seed );
 }
 
-// What follows the points that are near is left open.
-static void forget( void* numbers, int begin )
-{
-    memset( (char*)numbers + 4 * begin, 0, 4 * (size_t)( ROOM - begin ) );
-}
-
 static void run_query( const wisp_kernels* kernels, void* state, int begin, int end )
 {
     query* q = state;
@@ -97,14 +91,14 @@ static void run_query( const wisp_kernels* kernels, void* state, int begin, int 
     q->near_count = kernels->query_shape( &args, q->count, &q->special_count );
     for ( int k = 0; k < 3; ++k )
     {
-        forget( q->point[k], q->near_count );
-        forget( q->normal[k], q->near_count );
+        FORGET_BEHIND( q->point[k], q->near_count );
+        FORGET_BEHIND( q->normal[k], q->near_count );
     }
-    forget( q->distance, q->near_count );
-    forget( q->start, q->near_count );
-    forget( q->near, q->near_count );
-    forget( q->special, q->special_count );
-    forget( q->clearance, q->count );
+    FORGET_BEHIND( q->distance, q->near_count );
+    FORGET_BEHIND( q->start, q->near_count );
+    FORGET_BEHIND( q->near, q->near_count );
+    FORGET_BEHIND( q->special, q->special_count );
+    FORGET_BEHIND( q->clearance, q->count );
 }
 
 static bool has_bits( float found, float expected )

@@ -278,12 +278,11 @@ static void check_solve( void* start, void* end )
     for ( int row = 0; row < ROWS; ++row )
     {
         // a row of up to 30 links adds as many roundings of its partial sums, which the bound of each link has
-        assert_near( double3_distance( row_vector( s->rhs, row ), p->rhs[row] ), 0.0, p->off[row] + 1e-30,
-                     "right side of row", row );
+        assert_near_vector( row_vector( s->rhs, row ), p->rhs[row], p->off[row] + 1e-30, "right side of row", row );
         const double3 c = double3_from( s->direction[row] );
         const double rounding = EPSILON * (double)s->position[row][3] * double3_length( c );
-        assert_near( double3_distance( row_vector( s->product, row ), p->product[row] ), 0.0,
-                     p->product_off[row] + 2.0 * rounding, "product of row", row );
+        assert_near_vector( row_vector( s->product, row ), p->product[row], p->product_off[row] + 2.0 * rounding,
+                            "product of row", row );
         reference += double3_dot( c, p->product[row] );
         size += 2.0 * ( p->product_off[row] + rounding );
     }
@@ -570,21 +569,19 @@ static void check_advance( void* start, void* end )
         const double3 q = row_vector( before->product, row ), was = row_vector( before->rhs, row );
         const double3 r = double3_sub( was, double3_scale( a, q ) ), left = filtered( s, row, r );
         const double largest = double3_length( was ) + double3_length( q );
-        assert_near( double3_distance( row_vector( s->rhs, row ), r ), 0.0, EPSILON * largest, "r", row );
+        assert_near_vector( row_vector( s->rhs, row ), r, EPSILON * largest, "r", row );
         const double3 search = filtered( s, row, times_inverse( s, row, left ) );
         const int l = row % 8;
         const double scale = largest * ( (double)s->inverse[row / 8][0][l] + (double)s->inverse[row / 8][3][l] +
                                          (double)s->inverse[row / 8][5][l] );
-        assert_near( double3_distance( row_vector( s->search, row ), search ), 0.0, 16.0 * EPSILON * scale, "s",
-                     row );
+        assert_near_vector( row_vector( s->search, row ), search, 16.0 * EPSILON * scale, "s", row );
         reference += double3_dot( left, search );
         size += largest * scale;
         const double3 old = double3_from( before->direction[row] );
         const double3 c = double3_add_scaled( row_vector( s->search, row ), 0.5, old );
         assert_near3( row_vector( s->solution, row ), double3_scale( a, old ), 0.0, "dv", row );
         assert_true( s->direction[row][3] == before->position[row][3] );
-        assert_near( double3_distance( double3_from( s->direction[row] ), c ), 0.0,
-                     EPSILON * double3_length( c ) + 1e-30, "c", row );
+        assert_near_vector( double3_from( s->direction[row] ), c, EPSILON * double3_length( c ) + 1e-30, "c", row );
     }
     assert_near( s->sum[1], reference, 32.0 * EPSILON * size, "r . s", 0 );
 }
