@@ -366,52 +366,28 @@ TEST( wrong_bones_are_named_and_nothing_is_written )
     wisp_skin_release( skin );
 }
 
-typedef struct meter
-{
-    size_t bytes;
-    int calls, budget;
-} meter;
-
-static void* take_metered( void* user, size_t size, size_t alignment )
-{
-    meter* m = user;
-    if ( m->calls++ >= m->budget )
-    {
-        return NULL;
-    }
-    m->bytes += size;
-    return aligned_alloc( alignment, ( size + alignment - 1 ) / alignment * alignment );
-}
-
-static void give_back_metered( void* user, void* block, size_t size )
-{
-    ( (meter*)user )->bytes -= block != NULL ? size : 0;
-    free( block );
-}
-
 TEST( memory_is_of_the_host_and_taken_once )
 {
     bound_body b;
     make_body( &b );
-    meter m = { .budget = 2 }, none = { 0 };
-    const wisp_allocator host = { take_metered, give_back_metered, &m },
-                         mean = { take_metered, give_back_metered, &none };
+    test_host counted = { 0 }, empty = { .refuse = 1, .refuse_rest = true };
+    const wisp_allocator host = test_host_allocator( &counted ), mean = test_host_allocator( &empty );
     wisp_skin *skin = NULL, *refused = NULL;
     assert_int_equal( wisp_skin_create( &b.def, &mean, &refused, NULL ), WISP_NO_MEMORY );
     assert_null( refused );
     assert_int_equal( wisp_skin_create( &b.def, &host, &skin, NULL ), WISP_OK );
-    assert_int_equal( wisp_skin_bytes( skin ), m.bytes );
+    assert_int_equal( wisp_skin_bytes( skin ), atomic_load( &counted.bytes ) );
     wisp_skin_pose pose = { 0 };
     assert_int_equal( wisp_skin_pose_set( &pose, skin, WISP_SKIN_LINEAR, b.now, &mean, NULL ), WISP_NO_MEMORY );
     for ( int i = 0; i < 3; ++i )
     {
         assert_int_equal( wisp_skin_pose_set( &pose, skin, WISP_SKIN_LINEAR, b.now, &host, NULL ), WISP_OK );
     }
-    assert_int_equal( m.calls, 2 );
+    assert_int_equal( atomic_load( &counted.queried ), 2 );
     wisp_skin_pose_release( &pose, &host );
     wisp_skin_retain( skin );
     wisp_skin_release( skin );
-    assert_int_equal( wisp_skin_bytes( skin ), m.bytes );
+    assert_int_equal( wisp_skin_bytes( skin ), atomic_load( &counted.bytes ) );
     wisp_skin_release( skin );
-    assert_int_equal( m.bytes, 0 );
+    assert_host_memory_is_released( &counted );
 }

@@ -425,123 +425,117 @@ TEST( no_projection_throws_a_particle_to_infinity )
 
 enum
 {
-    EDGES = CONSTRAINTS / 2, // the rest are bend links
+    EDGES = CONSTRAINTS / 2,    // the rest are bend links
+    SEARCHED = CONSTRAINTS - 8, // whole groups, not all of them
+    HINGES = SEARCHED - 3,      // the last group is padded
 };
+
+typedef struct folds
+{
+    constraints s;
+    int32_t number[CONSTRAINTS];
+    uint8_t folded[GROUPS];
+    float span2[CONSTRAINTS];
+    projection kind;
+} folds;
 
 static double length_of( constraints* s, int c )
 {
     return double3_distance( double3_from( body( s, c, 0 ) ), double3_from( body( s, c, 1 ) ) );
 }
 
-static bool is_folded( constraints* s, int c )
-{
-    return c >= EDGES && 2.0 * length_of( s, c ) < (double)s->rest[c];
-}
-
 // Every third link is far too short.
-static constraints* new_folds( void )
+static void fill_folds( void* state, int variant )
 {
-    constraints* s = new_constraints( true );
-    for ( int c = 0; c < CONSTRAINTS; c += 3 )
-    {
-        s->rest[c] = (float)( 2.5 * length_of( s, c ) );
-    }
-    return s;
-}
-
-typedef void link_kernel( const wisp_link_args* args, int begin, int end );
-
-static void expect_folds_are_left( link_kernel* kernel, bool keeps_lambda )
-{
-    constraints *start = new_folds(), *all = new_folds(), *most = new_folds();
-    int32_t number[CONSTRAINTS];
-    uint8_t folded[CONSTRAINTS / 8] = { 0 };
+    folds* f = state;
+    make_constraints( &f->s, true );
+    f->kind = (projection)( LINK_PBD + variant );
     for ( int c = 0; c < CONSTRAINTS; ++c )
     {
-        number[c] = c;
+        f->number[c] = c;
+        f->s.rest[c] = c % 3 == 0 ? (float)( 2.5 * length_of( &f->s, c ) ) : f->s.rest[c];
     }
-    wisp_link_args plain = link_args( all ), args = link_args( most );
-    plain.lambda = keeps_lambda ? plain.lambda : NULL;
-    args.lambda = keeps_lambda ? args.lambda : NULL;
-    args.constraint = number, args.edge_count = EDGES, args.folded = folded;
-    kernel( &plain, 0, CONSTRAINTS );
-    kernel( &args, 0, CONSTRAINTS );
+}
+
+static void run_folds( const wisp_kernels* kernels, void* state, int begin, int end )
+{
+    folds* f = state;
+    wisp_link_args args = link_args( &f->s );
+    args.lambda = f->kind == LINK_XPBD_ONCE ? NULL : args.lambda;
+    args.constraint = f->number, args.edge_count = EDGES, args.folded = f->folded;
+    ( f->kind == LINK_PBD ? kernels->link_pbd : kernels->link_xpbd )( &args, begin, end );
+}
+
+static void check_folds( void* before, void* after )
+{
+    folds *start = before, *most = after;
+    constraints* all = copy_of( &start->s );
+    project( all, start->kind );
     int found = 0;
     for ( int c = 0; c < CONSTRAINTS; ++c )
     {
-        const bool is_left = is_folded( start, c );
-        constraints* expected = is_left ? start : all;
-        assert_int_equal( folded[c / 8] >> c % 8 & 1, is_left );
+        const bool is_left = c >= EDGES && 2.0 * length_of( &start->s, c ) < (double)start->s.rest[c];
+        constraints* expected = is_left ? &start->s : all;
+        assert_int_equal( most->folded[c / 8] >> c % 8 & 1, is_left );
         for ( int k = 0; k < 2; ++k )
         {
-            assert_memory_equal( body( most, c, k ), body( expected, c, k ), 4 * sizeof( float ) );
+            assert_memory_equal( body( &most->s, c, k ), body( expected, c, k ), 4 * sizeof( float ) );
         }
-        assert_true( most->lambda[c] == expected->lambda[c] );
+        assert_true( most->s.lambda[c] == expected->lambda[c] );
         found += is_left;
     }
     assert_true( found > CONSTRAINTS / 8 && found < CONSTRAINTS / 2 );
-    free( start );
     free( all );
-    free( most );
 }
 
-TEST( short_bend_links_stay_and_are_marked )
+TEST_KERNEL( short_bend_links_stay_and_are_marked, folds, 3, 0, CONSTRAINTS, 8, fill_folds, run_folds, check_folds )
+
+static float span2_of( constraints* s, int c )
 {
-    for ( const wisp_kernels* const* k = every_table(); *k != NULL; ++k )
-    {
-        expect_folds_are_left( ( *k )->link_pbd, true );
-        expect_folds_are_left( ( *k )->link_xpbd, true );
-        expect_folds_are_left( ( *k )->link_xpbd, false );
-    }
+    const float *k = body( s, c, 2 ), *l = body( s, c, 3 );
+    const float x = l[0] - k[0], y = l[1] - k[1], z = l[2] - k[2];
+    return x * x + y * y + z * z;
 }
 
-enum
+// A quarter of the square is a bound that many distances meet exactly; one place is not a number. The padding of the
+// last group is k and l at one place.
+static void fill_hinges( void* state, int seed )
 {
-    SEARCHED = CONSTRAINTS - 8, // whole groups, not all of them
-    HINGES = SEARCHED - 3,      // the last group is padded
-};
-
-// Groups outside the range stay as they are; the padding of the last group is k and l at one place.
-static void expect_hinges_are_found( const wisp_kernels* kernels, constraints* s, const float* span2 )
-{
-    uint8_t folded[GROUPS];
-    memset( folded, 0xa5, sizeof( folded ) );
-    const wisp_fold_args args = { s->position[0], s->slot_x4[0][0], span2, folded };
-    kernels->hinge_find_folds( &args, 8, SEARCHED );
-    int found = 0;
-    for ( int c = 8; c < SEARCHED; ++c )
+    folds* f = state;
+    make_constraints( &f->s, true );
+    memset( f->folded, 0xa5, sizeof( f->folded ) );
+    for ( int c = 0; c < HINGES; ++c )
     {
-        const float *k = body( s, c, 2 ), *l = body( s, c, 3 );
-        const float x = l[0] - k[0], y = l[1] - k[1], z = l[2] - k[2];
-        const bool near = 4.0f * ( x * x + y * y + z * z ) < span2[c];
-        assert_int_equal( folded[c / 8] >> c % 8 & 1, near );
-        found += near;
-    }
-    assert_true( found > CONSTRAINTS / 8 && found < CONSTRAINTS / 2 );
-    assert_int_equal( folded[0], 0xa5 );
-    assert_int_equal( folded[GROUPS - 1], 0xa5 );
-}
-
-// A quarter of the square is a bound that many distances meet exactly; one place is not a number.
-TEST( hinges_nearer_than_half_their_span_are_found )
-{
-    constraints* s = new_folds();
-    float span2[CONSTRAINTS] = { 0.0f };
-    for ( int c = 0; c < CONSTRAINTS; ++c )
-    {
-        const float *k = body( s, c, 2 ), *l = body( s, c, 3 );
-        const float x = l[0] - k[0], y = l[1] - k[1], z = l[2] - k[2], square = x * x + y * y + z * z;
-        span2[c] =
-            c < HINGES ? ( c % 3 == 0 ? 4.0f * square : square * test_random_float( c, 17, 3.0f, 5.0f ) ) : 0.0f;
+        f->span2[c] = span2_of( &f->s, c ) * ( c % 3 == 0 ? 4.0f : test_random_float( c, 17 + seed, 3.0f, 5.0f ) );
     }
     for ( int c = HINGES; c < CONSTRAINTS; ++c )
     {
-        set_slot( s, c, 3, s->slot_x4[c / 8][2][c % 8] / 4 );
+        set_slot( &f->s, c, 3, f->s.slot_x4[c / 8][2][c % 8] / 4 );
     }
-    body( s, 17, 2 )[1] = NAN;
-    for ( const wisp_kernels* const* k = every_table(); *k != NULL; ++k )
-    {
-        expect_hinges_are_found( *k, s, span2 );
-    }
-    free( s );
+    body( &f->s, 17, 2 )[1] = NAN;
 }
+
+static void run_hinges( const wisp_kernels* kernels, void* state, int begin, int end )
+{
+    folds* f = state;
+    const wisp_fold_args args = { f->s.position[0], f->s.slot_x4[0][0], f->span2, f->folded };
+    kernels->hinge_find_folds( &args, begin, end );
+}
+
+static void check_hinges( void* start, void* end )
+{
+    (void)start;
+    folds* f = end;
+    int found = 0;
+    for ( int c = 8; c < SEARCHED; ++c )
+    {
+        const bool near = 4.0f * span2_of( &f->s, c ) < f->span2[c];
+        assert_int_equal( f->folded[c / 8] >> c % 8 & 1, near );
+        found += near;
+    }
+    assert_true( found > CONSTRAINTS / 8 && found < CONSTRAINTS / 2 );
+    assert_true( f->folded[0] == 0xa5 && f->folded[GROUPS - 1] == 0xa5 ); // out of the range
+}
+
+TEST_KERNEL( hinges_nearer_than_half_their_span_are_found, folds, 2, 8, SEARCHED, 8, fill_hinges, run_hinges,
+             check_hinges )
