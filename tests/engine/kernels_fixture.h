@@ -18,9 +18,10 @@ enum
     MAX_TABLES = 5,
 };
 
-/// Every table of the processor, the one without intrinsics, and AVX-512 emulated. @return their number
-static inline int usable_tables( const wisp_kernels* tables[MAX_TABLES] )
+/// Every table of the processor, the one without intrinsics, and AVX-512 emulated; NULL behind the last one.
+static inline const wisp_kernels* const* every_table( void )
 {
+    static const wisp_kernels* tables[MAX_TABLES + 1];
     int count = 0;
     tables[count++] = kernels_select( "baseline", NULL );
     tables[count++] = &kernels_plain;
@@ -36,21 +37,13 @@ static inline int usable_tables( const wisp_kernels* tables[MAX_TABLES] )
             tables[count++] = k;
         }
     }
-    return count;
+    return tables;
 }
 
 /// The widest table without emulation.
 static inline const wisp_kernels* widest_table( void )
 {
     return kernels_select( "avx512", NULL );
-}
-
-/// Every table, and NULL behind the last one.
-static inline const wisp_kernels* const* every_table( void )
-{
-    static const wisp_kernels* tables[MAX_TABLES + 1];
-    tables[usable_tables( tables )] = NULL;
-    return tables;
 }
 
 /// Fails for NaN too.

@@ -300,7 +300,12 @@ static int count_held( const blends* b, int number )
     return count;
 }
 
-// Stored bounds have room for rounding; here they have none, so a rounding is allowed.
+static bool is_between( double x, float lower, float upper, double margin )
+{
+    return x > (double)lower - margin && x < (double)upper + margin;
+}
+
+// Stored bounds have room for rounding; here they have none, so a rounding is allowed on both sides.
 static void check_hold( void* start, void* end )
 {
     (void)start;
@@ -317,21 +322,17 @@ static void check_hold( void* start, void* end )
         {
             p[k] = double3_from( b->position[b->corner_x4[e / 8][k][e % 8] / 4] );
         }
-        const double base = double3_distance( p[0], p[1] ), d = (double)b->spacing[e];
-        const double lower = (double)b->lower[e] - hair, upper = (double)b->upper[e] + hair;
-        if ( is_held( b, 0, e ) )
-        {
-            const double ratio = base / (double)0.2f;
-            assert_true( ratio > lower && ratio < upper );
-        }
-        if ( is_held( b, 1, e ) )
-        {
-            const double3 n = double3_cross( double3_sub( p[1], p[0] ), double3_sub( p[2], p[0] ) );
-            const double height = double3_length( n ) / ( base * d );
-            assert_true( base < double3_distance( p[0], p[2] ) && base < double3_distance( p[1], p[2] ) );
-            assert_true( base / d > lower && base / d < upper );
-            assert_true( height >= (double)b->low_height[e] && height <= (double)b->high_height[e] );
-        }
+        const double3 n = double3_cross( double3_sub( p[1], p[0] ), double3_sub( p[2], p[0] ) );
+        const double base = double3_distance( p[0], p[1] ), d = (double)b->spacing[e], ratio = base / (double)0.2f;
+        const double others = fmin( double3_distance( p[0], p[2] ), double3_distance( p[1], p[2] ) );
+        const double height = double3_length( n ) / ( base * d );
+        const bool in_edge = is_between( ratio, b->lower[e], b->upper[e], is_held( b, 0, e ) ? hair : -hair );
+        assert_true( base == 0.0 || in_edge == is_held( b, 0, e ) );
+        const double margin = is_held( b, 1, e ) ? hair : -hair, some = is_held( b, 1, e ) ? 0.0 : -1e-3;
+        const bool in_triangle = base < others * ( 1.0 + some ) &&
+                                 is_between( base / d, b->lower[e], b->upper[e], margin ) &&
+                                 is_between( height, b->low_height[e], b->high_height[e], some );
+        assert_true( double3_length( n ) < 1e-3 || in_triangle == is_held( b, 1, e ) );
     }
     assert_in_range( count_held( b, 0 ), ELEMENTS / 8, ELEMENTS );
     assert_in_range( count_held( b, 1 ), ELEMENTS / 64, ELEMENTS );
