@@ -199,6 +199,25 @@ static inline void check_kernel( const kernel_row* row )
         kernels->kernel( &args, begin, end );                                                                        \
     }
 
+// ---- rings ----
+
+enum
+{
+    RING = 7, // entries of a slice
+    RING_SLOTS = 64,
+};
+
+/// Fans of triangles around vertices. Every third one is short: its own slot pads.
+static inline void make_rings( int32_t begin[RING_SLOTS / 8 + 1], int32_t ring_x4[RING_SLOTS / 8 * RING][8] )
+{
+    for ( int i = 0; i < RING_SLOTS * RING; ++i )
+    {
+        const int own = i / RING, e = i % RING, other = ( own + 1 + e * 7 % 5 + e ) % RING_SLOTS;
+        begin[own / 8 + 1] = ( own / 8 + 1 ) * RING;
+        ring_x4[own / 8 * RING + e][own % 8] = 4 * ( own % 3 == 0 && e > 3 ? own : other );
+    }
+}
+
 // ---- constraints ----
 
 enum

@@ -468,8 +468,7 @@ TEST_KERNEL( vertices_lose_the_velocity_of_the_formula, skin, 3, 8, DRAG_SLOTS, 
 
 enum
 {
-    AIR_SLOTS = 64,
-    RING = 7, // entries of a slice
+    AIR_SLOTS = RING_SLOTS,
 };
 
 typedef struct air_scene
@@ -509,19 +508,7 @@ static void fill_air( void* state, int variant )
         s->old_velocity[v][3] = (float)v;
     }
     memcpy( s->position[7], s->position[6], 3 * sizeof( float ) ); // triangles without area
-    for ( int slice = 0; slice < AIR_SLOTS / 8; ++slice )
-    {
-        s->ring_begin[slice + 1] = ( slice + 1 ) * RING;
-        for ( int e = 0; e < RING; ++e )
-        {
-            for ( int lane = 0; lane < 8; ++lane )
-            {
-                // every third fan is short: its own slot pads
-                const int own = slice * 8 + lane, other = ( own + 1 + e * 7 % 5 + e ) % AIR_SLOTS;
-                s->ring_x4[slice * RING + e][lane] = 4 * ( own % 3 == 0 && e > 3 ? own : other );
-            }
-        }
-    }
+    make_rings( s->ring_begin, s->ring_x4 );
     if ( s->is_strange )
     {
         make_strange( s );

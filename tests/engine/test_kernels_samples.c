@@ -4,11 +4,10 @@
 
 enum
 {
-    SLOTS = 64,
+    SLOTS = RING_SLOTS,
     POINTS = 512,
     SLICES = 64,
     ELEMENTS = 8 * SLICES,
-    RING = 7, // entries of a slice
 };
 
 // Sums of three products of numbers below 3, each rounded, and the effect on their squares.
@@ -108,19 +107,7 @@ static void make_blends( blends* b )
         memcpy( b->weights[p], halves, sizeof( halves ) );
     }
     fill_elements( b );
-    for ( int slice = 0; slice < SLOTS / 8; ++slice )
-    {
-        b->ring_begin[slice + 1] = ( slice + 1 ) * RING;
-        for ( int e = 0; e < RING; ++e )
-        {
-            for ( int lane = 0; lane < 8; ++lane )
-            {
-                // every third fan is short: its own slot pads
-                const int own = slice * 8 + lane, other = ( own + 1 + e * 7 % 5 + e ) % SLOTS;
-                b->ring_x4[slice * RING + e][lane] = 4 * ( own % 3 == 0 && e > 3 ? own : other );
-            }
-        }
-    }
+    make_rings( b->ring_begin, b->ring_x4 );
 }
 
 static wisp_blend_args blend_args( blends* b )
