@@ -252,25 +252,45 @@ TEST( an_angle_is_positive_where_the_opposite_vertices_are_on_the_side_of_the_no
     free( s );
 }
 
-// The rest data of an isometric hinge, c = sqrt( Q / s ) from a column of Q, hold all of the oracle's Q.
-TEST( weights_of_an_isometric_hinge_are_the_root_of_its_matrix )
+// Rest data of an isometric hinge are c = sqrt( Q / s ), as cooking must compute them from a column of the oracle's Q. Every
+// second hinge is flat, moved and turned, and has no energy.
+TEST( an_isometric_hinge_knows_bending_from_moving )
 {
-    for ( int n = 0; n < CONSTRAINTS; ++n )
+    constraints* s = new_constraints( false );
+    static double q[CONSTRAINTS][4][4];
+    for ( int c = 0; c < CONSTRAINTS; ++c )
     {
-        const double up = (double)test_random_float( n, 22, 0.3f, 0.7f ),
-                     down = (double)test_random_float( n, 23, 0.3f, 0.7f ), scale = 3.0 / ( 0.3 * ( up + down ) );
-        const double3 rest[4] = { { 0.0, 0.0, 0.0 }, { 0.6, 0.0, 0.0 }, { 0.1, up, 0.0 }, { 0.4, -down, 0.0 } };
-        double q[4][4], c[4];
-        assert_true( constraint_oracle_isometric_matrix( rest, q ) );
+        const float turn = test_random_float( c, 20, -3.0f, 3.0f );
+        const float fold = turn + ( c % 2 == 0 ? 0.0f : test_random_float( c, 21, 0.2f, 2.0f ) );
+        const float up = test_random_float( c, 22, 0.3f, 0.7f ), down = test_random_float( c, 23, 0.3f, 0.7f );
+        const double3 rest[4] = {
+            { 0.0, 0.0, 0.0 }, { 0.6, 0.0, 0.0 }, { 0.1, (double)up, 0.0 }, { 0.4, -(double)down, 0.0 }
+        };
+        place( s, c, 0, 1.0f, 0.5f, -1.0f, 1.0f );
+        place( s, c, 1, 1.6f, 0.5f, -1.0f, 1.0f );
+        place( s, c, 2, 1.1f, 0.5f + up * cosf( turn ), -1.0f + up * sinf( turn ), 1.0f );
+        place( s, c, 3, 1.4f, 0.5f - down * cosf( fold ), -1.0f - down * sinf( fold ), 1.0f );
+        assert_true( constraint_oracle_isometric_matrix( rest, q[c] ) );
+        s->stiffness[c] = 1.0f;
         for ( int k = 0; k < 4; ++k )
         {
-            c[k] = q[k][2] / sqrt( scale * q[2][2] );
-        }
-        for ( int i = 0; i < 16; ++i )
-        {
-            assert_near( scale * c[i / 4] * c[i % 4], q[i / 4][i % 4], 1e-12 * scale, "entry of hinge", n );
+            s->weights[c / 8][k][c % 8] =
+                (float)( q[c][k][2] / sqrt( 3.0 / ( 0.3 * (double)( up + down ) ) * q[c][2][2] ) );
         }
     }
+    constraints* after = copy_of( s );
+    project( after, ISOMETRIC_PBD );
+    for ( int c = 0; c < CONSTRAINTS; ++c )
+    {
+        particles expected = particles_of( s, c );
+        const constraint_oracle_term term = constraint_oracle_isometric_root( expected.p, q[c] );
+        constraint_oracle_skips skips = { 0 };
+        constraint_oracle_project( &term, ALL, expected.w, c % 2 == 0 ? 0.0 : 1.0, expected.p, &skips );
+        assert_at( after, &expected, c, ROUNDING );
+        assert_true( c % 2 == 0 ? term.value < 1e-5 : term.value > 0.1 );
+    }
+    free( s );
+    free( after );
 }
 
 // ---- invariants of projections ----
