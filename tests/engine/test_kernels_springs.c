@@ -94,9 +94,9 @@ TEST( an_arc_as_long_as_at_rest_or_longer_pulls_nowhere )
 typedef struct term
 {
     double3 d;
-    double pull, along, foreign;          // N; kg, with time and damping
-    double damping_along, damping_across; // kg
-    double pull_off, along_off;           // bounds
+    double pull, along, foreign; // N; kg, with time and damping
+    double damping;              // kg
+    double pull_off, along_off;  // bounds
 } term;
 
 static term term_of( const springs* s, const spring* l )
@@ -104,11 +104,9 @@ static term term_of( const springs* s, const spring* l )
     const double h = (double)STEP, damping = h * (double)l->damping, rest = (double)l->rest, load = (double)l->load;
     const double3 way = double3_sub( double3_from( s->position[l->j] ), double3_from( s->position[l->i] ) );
     const double r = double3_length( way ), y = r / rest;
-    term t = { .d = way };
+    term t = { .d = way, .along = damping, .foreign = damping, .damping = damping };
     if ( r == 0.0 )
     {
-        t.along = t.damping_along = damping;
-        t.foreign = t.damping_across = damping;
         return t;
     }
     t.d = double3_scale( 1.0 / r, way );
@@ -119,7 +117,6 @@ static term term_of( const springs* s, const spring* l )
         k1 = load;
         k2 = t.pull / r;
         t.pull_off = 4.0 * EPSILON * load * r; // r has some four roundings
-        t.along_off = 0.0;
     }
     else if ( l->bends && r < rest )
     {
@@ -130,10 +127,8 @@ static term term_of( const springs* s, const spring* l )
         t.pull_off = ramps ? 4.0 * EPSILON * (double)l->ramp * r : 16.0 * EPSILON * fabs( arc );
         t.along_off = ramps ? 0.0 : h * h * 100.0 * EPSILON * k1; // a difference over 2 s^2, above
     }
-    t.damping_along = damping;
-    t.damping_across = damping;
-    t.along = h * h * k1 + t.damping_along;
-    t.foreign = h * h * k2 + t.damping_across;
+    t.along += h * h * k1;
+    t.foreign += h * h * k2;
     return t;
 }
 
@@ -160,7 +155,6 @@ typedef struct plain_rows
     double3 product[ROWS];
     double product_off[ROWS];
     double matrix[ROWS][3][3];
-    double size[ROWS]; // kg, sums of the terms of the matrix
     int undirected;
 } plain_rows;
 
@@ -181,8 +175,8 @@ static void add_plain( plain_rows* p, const springs* s, const spring* l, int var
     const bool repeat = ( variant & REPEAT ) != 0;
     const term t = term_of( s, l );
     const bool lost = double3_length( t.d ) == 0.0;
-    const double h = (double)STEP, along = repeat ? t.damping_along : t.along;
-    const double foreign = repeat ? t.damping_across : t.foreign;
+    const double h = (double)STEP, along = repeat ? t.damping : t.along;
+    const double foreign = repeat ? t.damping : t.foreign;
     const double3 u = double3_sub( double3_from( s->velocity[l->i] ), double3_from( s->velocity[l->j] ) );
     const double3 drag = lost ? double3_scale( foreign, u ) : spread( t.d, along, foreign, u );
     const double3 push = double3_sub( double3_scale( h * t.pull, t.d ), drag );
@@ -201,7 +195,6 @@ static void add_plain( plain_rows* p, const springs* s, const spring* l, int var
         p->product_off[ends[k]] +=
             ( 16.0 * EPSILON * ( t.along + t.foreign ) + t.along_off ) * double3_length( change );
         p->off[ends[k]] += off;
-        p->size[ends[k]] += fabs( t.along ) + fabs( t.foreign );
         add_matrix( p->matrix[ends[k]], &t );
     }
     p->undirected += lost ? 2 : 0;
@@ -214,7 +207,7 @@ static plain_rows* plain_formulas( springs* s, int variant )
     {
         p->product[row] = double3_scale( (double)s->position[row][3], double3_from( s->direction[row] ) );
         const double m = (double)s->position[row][3];
-        p->matrix[row][0][0] = p->matrix[row][1][1] = p->matrix[row][2][2] = p->size[row] = m;
+        p->matrix[row][0][0] = p->matrix[row][1][1] = p->matrix[row][2][2] = m;
         if ( ( variant & REPEAT ) != 0 )
         {
             const double3 back = double3_sub( double3_from( s->start[row] ), double3_from( s->velocity[row] ) );
