@@ -65,20 +65,6 @@ static void fill_plate( void* state, int variant )
     }
 }
 
-static wisp_plate_args stage_args( plate* p )
-{
-    return ( wisp_plate_args ){
-        .rows = { SLICES, p->begin, (const int32_t( * )[8])p->other_x4, (const float( * )[8])p->weight },
-        .position = p->position,
-        .impulse = p->impulse,
-        .newer = p->newer,
-        .older = p->older,
-        .rate = 0.3f,
-        .momentum = 0.7f,
-        .gain = 0.9f,
-    };
-}
-
 static wisp_plate_move_args move_args( plate* p )
 {
     return ( wisp_plate_move_args ){
@@ -127,7 +113,16 @@ TEST_KERNEL( particles_go_where_gravity_or_targets_lead, plate, 2, BEGIN, END, 1
 static void run_stage( const wisp_kernels* kernels, void* state, int begin, int end )
 {
     plate* p = state;
-    const wisp_plate_args args = stage_args( p );
+    const wisp_plate_args args = {
+        .rows = { SLICES, p->begin, (const int32_t( * )[8])p->other_x4, (const float( * )[8])p->weight },
+        .position = p->position,
+        .impulse = p->impulse,
+        .newer = p->newer,
+        .older = p->older,
+        .rate = 0.3f,
+        .momentum = 0.7f,
+        .gain = 0.9f,
+    };
     ( p->variant == 0 ? kernels->plate_stage : kernels->plate_begin )( &args, begin, end );
 }
 
@@ -235,9 +230,10 @@ static void fill_moments( void* state, int variant )
     fill_random( m->impulse[0], 4 * BODIES, 33 );
 }
 
-static wisp_plate_angle_args angle_args( moments* m )
+static void run_moments( const wisp_kernels* kernels, void* state, int begin, int end )
 {
-    return ( wisp_plate_angle_args ){
+    moments* m = state;
+    const wisp_plate_angle_args args = {
         .turns = { m->begin, (const int32_t( * )[8])m->other, (const float( * )[8])m->weight, m->stiffness,
                    m->steepest, NULL },
         .slot_x4 = m->s.slot_x4[0][0],
@@ -247,11 +243,6 @@ static wisp_plate_angle_args angle_args( moments* m )
         .impulse = m->impulse[0],
         .rate = 0.2f,
     };
-}
-
-static void run_moments( const wisp_kernels* kernels, void* state, int begin, int end )
-{
-    const wisp_plate_angle_args args = angle_args( state );
     kernels->plate_measure_angles( &args, 0, CONSTRAINTS );
     kernels->plate_add_moments( &args, begin, end );
 }

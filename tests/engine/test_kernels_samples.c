@@ -110,25 +110,6 @@ static void make_blends( blends* b )
     make_rings( b->ring_begin, b->ring_x4 );
 }
 
-static wisp_blend_args blend_args( blends* b )
-{
-    return ( wisp_blend_args ){
-        .position = b->position[0],
-        .normal = b->normal[0],
-        .parents = (const int32_t( * )[4])b->parents,
-        .weights = (const float( * )[4])b->weights,
-        .xyzw = b->xyzw[0],
-        .normals = b->normals[0],
-    };
-}
-
-static wisp_ring_args ring_args( blends* b )
-{
-    return ( wisp_ring_args ){ .position = b->position[0],
-                               .ring_begin = b->ring_begin,
-                               .ring_x4 = (const int32_t( * )[8])b->ring_x4 };
-}
-
 static wisp_extent_args hold_args( blends* b, bool each, int number )
 {
     return ( wisp_extent_args ){
@@ -148,7 +129,14 @@ static wisp_extent_args hold_args( blends* b, bool each, int number )
 static void run_blend( const wisp_kernels* kernels, void* state, int begin, int end )
 {
     blends* b = state;
-    const wisp_blend_args args = blend_args( b );
+    const wisp_blend_args args = {
+        .position = b->position[0],
+        .normal = b->normal[0],
+        .parents = (const int32_t( * )[4])b->parents,
+        .weights = (const float( * )[4])b->weights,
+        .xyzw = b->xyzw[0],
+        .normals = b->normals[0],
+    };
     b->returned += kernels->blend_two( &args, begin, end );
     b->returned += kernels->blend_three( &args, POINTS / 2 + begin, POINTS / 2 + end );
 }
@@ -156,7 +144,9 @@ static void run_blend( const wisp_kernels* kernels, void* state, int begin, int 
 static void run_ring( const wisp_kernels* kernels, void* state, int begin, int end )
 {
     blends* b = state;
-    const wisp_ring_args args = ring_args( b );
+    const wisp_ring_args args = { .position = b->position[0],
+                                  .ring_begin = b->ring_begin,
+                                  .ring_x4 = (const int32_t( * )[8])b->ring_x4 };
     kernels->ring_mean_normal( &args, begin, end, b->means[0] );
 }
 
