@@ -400,13 +400,13 @@ TEST( damping_leaves_the_rigid_motion_alone )
     for ( int i = 0; i < STRAND_ROWS * 16; ++i )
     {
         const int row = i / 16, lane = i % 16;
-        s.velocity[row][0][lane] = 1.0f - 2.0f * s.position[row][1][lane];
-        s.velocity[row][1][lane] = 2.0f + 2.0f * s.position[row][0][lane];
+        s.velocity[row][0][lane] = 1.0f - 2.0f * ( s.position[row][1][lane] - 0.2f );
+        s.velocity[row][1][lane] = 2.0f + 2.0f * ( s.position[row][0][lane] - 0.1f );
         s.velocity[row][2][lane] = 3.0f;
     }
     before = s;
     const wisp_strand_damp_args args = { LANES_OF( &s ), .rate = 600.0f, .linear = { 1, 2, 3 },
-                                         .angular = { 0, 0, 2 } };
+                                         .angular = { 0, 0, 2 }, .centre = { 0.1f, 0.2f, 0 } };
     widest_table()->strand_damp( &args, 0, STRAND_GROUPS );
     for ( int i = 0; i < STRAND_ROWS * 48; ++i )
     {
