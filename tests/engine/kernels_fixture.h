@@ -3,6 +3,7 @@
 
 #include "support.h"
 
+#include "oracle/double3.h"
 #include "kernel_tables.h"
 
 #include "wisp/base.h"
@@ -17,9 +18,10 @@ enum
     MAX_TABLES = 5,
 };
 
-/// Every table of the processor, the one without intrinsics, and AVX-512 emulated. @return their number
-static inline int usable_tables( const wisp_kernels* tables[MAX_TABLES] )
+/// Every table of the processor, the one without intrinsics, and AVX-512 emulated; NULL behind the last one.
+static inline const wisp_kernels* const* every_table( void )
 {
+    static const wisp_kernels* tables[MAX_TABLES + 1];
     int count = 0;
     tables[count++] = kernels_select( "baseline", NULL );
     tables[count++] = &kernels_plain;
@@ -35,7 +37,7 @@ static inline int usable_tables( const wisp_kernels* tables[MAX_TABLES] )
             tables[count++] = k;
         }
     }
-    return count;
+    return tables;
 }
 
 /// The widest table without emulation.
@@ -50,6 +52,169 @@ static inline void assert_near( double found, double expected, double tolerance,
     if ( !( fabs( found - expected ) <= tolerance ) )
     {
         fail_msg( "%s %d: %.9g, expected %.9g within %.2g", what, number, found, expected, tolerance );
+    }
+}
+
+/// Each component is near.
+static inline void assert_near3( double3 found, double3 expected, double tolerance, const char* what, int number )
+{
+    assert_near( found.x, expected.x, tolerance, what, number );
+    assert_near( found.y, expected.y, tolerance, what, number );
+    assert_near( found.z, expected.z, tolerance, what, number );
+}
+
+/// The distance is small.
+static inline void assert_near_vector( double3 found, double3 expected, double tolerance, const char* what,
+                                       int number )
+{
+    assert_near( double3_distance( found, expected ), 0.0, tolerance, what, number );
+}
+
+/// Clear what follows the used elements of an array, which kernels leave open.
+#define FORGET_BEHIND( array, used )                                                                                 \
+    memset( ( array ) + ( used ), 0, sizeof( array ) - (size_t)( used ) * sizeof( ( array )[0] ) )
+
+/// The vector of a lane in rows of eight.
+static inline double3 lane_vector( float ( *rows )[8], int lane )
+{
+    return double3_make( (double)rows[0][lane], (double)rows[1][lane], (double)rows[2][lane] );
+}
+
+/// Zeros at a cache line. Free with free().
+static inline void* new_aligned( size_t size )
+{
+    void* memory = aligned_alloc( 64, ( size + 63 ) / 64 * 64 );
+    assert_non_null( memory );
+    return memset( memory, 0, ( size + 63 ) / 64 * 64 );
+}
+
+// ---- rows ----
+
+/// A case of kernels: a state with their arguments and outputs, how to run them, and what must hold afterwards.
+typedef struct kernel_row
+{
+    const char* name;
+    size_t size;                                ///< of the state, in bytes
+    int variants;                               ///< 0 is 1
+    int begin, end;                             ///< range to run
+    int grain;                                  ///< smallest range; 0: may not be cut
+    void ( *fill )( void* state, int variant ); ///< of zeros
+    void ( *run )( const wisp_kernels* kernels, void* state, int begin, int end );
+    void ( *check )( void* start, void* end ); ///< by the oracle; NULL: none
+    void ( *release )( void* start );          ///< of what a state points to; NULL: nothing
+} kernel_row;
+
+/// The same bits, but for the sign of what is no number, which arithmetic leaves open.
+static inline bool are_same_bits( uint32_t a, uint32_t b )
+{
+    const uint32_t nan = 0x7fc00000u, sign = 0x80000000u;
+    return a == b || ( ( a | sign ) == ( nan | sign ) && ( b | sign ) == ( nan | sign ) );
+}
+
+static inline void assert_same_state( const kernel_row* row, int variant, const char* how, const void* found,
+                                      const void* expected )
+{
+    const uint32_t *a = found, *b = expected;
+    for ( size_t i = 0; memcmp( found, expected, row->size ) != 0 && i < row->size / sizeof( uint32_t ); ++i )
+    {
+        if ( are_same_bits( a[i], b[i] ) == false )
+        {
+            float numbers[2];
+            memcpy( numbers, a + i, sizeof( float ) );
+            memcpy( numbers + 1, b + i, sizeof( float ) );
+            fail_msg( "%s, variant %d, %s: number %zu of the state is %.9g, expected %.9g", row->name, variant, how,
+                      i, (double)numbers[0], (double)numbers[1] );
+        }
+    }
+}
+
+/// Cut into one, two, three, one ... grains.
+static inline void run_cut( const kernel_row* row, void* state )
+{
+    for ( int begin = row->begin, n = 0; begin < row->end; ++n )
+    {
+        const int most = begin + ( 1 + n % 3 ) * row->grain, end = most < row->end ? most : row->end;
+        row->run( widest_table(), state, begin, end );
+        begin = end;
+    }
+}
+
+/// Every table and every cut gives the same bits of the whole state, which changes and passes the check.
+static inline void check_kernel( const kernel_row* row )
+{
+    void *start = new_aligned( row->size ), *first = new_aligned( row->size ), *other = new_aligned( row->size );
+    for ( int variant = 0; variant == 0 || variant < row->variants; ++variant )
+    {
+        memset( start, 0, row->size );
+        row->fill( start, variant );
+        memcpy( first, start, row->size );
+        row->run( every_table()[0], first, row->begin, row->end );
+        assert_memory_not_equal( first, start, row->size );
+        for ( const wisp_kernels* const* k = every_table() + 1; *k != NULL; ++k )
+        {
+            memcpy( other, start, row->size );
+            row->run( *k, other, row->begin, row->end );
+            assert_same_state( row, variant, ( *k )->isa, other, first );
+        }
+        if ( row->grain > 0 )
+        {
+            memcpy( other, start, row->size );
+            run_cut( row, other );
+            assert_same_state( row, variant, "cut", other, first );
+        }
+        if ( row->check != NULL )
+        {
+            row->check( start, first );
+        }
+        if ( row->release != NULL )
+        {
+            row->release( start );
+        }
+    }
+    free( start );
+    free( first );
+    free( other );
+}
+
+/// A row whose state is of a type; its name is that of the test.
+#define KERNEL_ROW( type, variants_, begin_, end_, grain_, fill_, run_, check_ )                                     \
+    &( kernel_row )                                                                                                  \
+    {                                                                                                                \
+        .name = __func__, .size = sizeof( type ), .variants = variants_, .begin = begin_, .end = end_,               \
+        .grain = grain_, .fill = fill_, .run = run_, .check = check_                                                 \
+    }
+
+/// Define the case of such a row.
+#define TEST_KERNEL( name, ... )                                                                                     \
+    TEST( name )                                                                                                     \
+    {                                                                                                                \
+        check_kernel( KERNEL_ROW( __VA_ARGS__ ) );                                                                   \
+    }
+
+/// Define how to run one kernel, with arguments that a function makes of the state.
+#define RUN_KERNEL( name, kernel, args_type, args_of )                                                               \
+    static void name( const wisp_kernels* kernels, void* state, int begin, int end )                                 \
+    {                                                                                                                \
+        const args_type args = args_of( state );                                                                     \
+        kernels->kernel( &args, begin, end );                                                                        \
+    }
+
+// ---- rings ----
+
+enum
+{
+    RING = 7, // entries of a slice
+    RING_SLOTS = 64,
+};
+
+/// Fans of triangles around vertices. Every third one is short: its own slot pads.
+static inline void make_rings( int32_t begin[RING_SLOTS / 8 + 1], int32_t ring_x4[RING_SLOTS / 8 * RING][8] )
+{
+    for ( int i = 0; i < RING_SLOTS * RING; ++i )
+    {
+        const int own = i / RING, e = i % RING, other = ( own + 1 + e * 7 % 5 + e ) % RING_SLOTS;
+        begin[own / 8 + 1] = ( own / 8 + 1 ) * RING;
+        ring_x4[own / 8 * RING + e][own % 8] = 4 * ( own % 3 == 0 && e > 3 ? own : other );
     }
 }
 

@@ -40,14 +40,13 @@ typedef struct springs
     _Alignas( 64 ) float direction[ROWS][4];
     _Alignas( 64 ) float product[SLICES][3][8], solution[SLICES][3][8], search[SLICES][3][8];
     uint8_t filtered[SLICES];
-    double sum[4];
-    int undirected;
+    double sum[2];
+    int undirected, variant;
 } springs;
 
-static inline double3 lane_vector( const float ( *vectors )[3][8], int row )
+static inline double3 row_vector( float ( *vectors )[3][8], int row )
 {
-    const float( *v )[8] = vectors[row / 8];
-    return double3_make( (double)v[0][row % 8], (double)v[1][row % 8], (double)v[2][row % 8] );
+    return lane_vector( vectors[row / 8], row % 8 );
 }
 
 // ---- random links ----
@@ -166,16 +165,20 @@ static inline void fill_springs( springs* s )
 }
 
 // They are the same at each call, and made once: the ends of ramps are searched for.
-static inline springs* new_springs( void )
+static inline void copy_springs( springs* s )
 {
     static _Alignas( 64 ) springs made;
-    springs* s = aligned_alloc( 64, ( sizeof( springs ) + 63 ) / 64 * 64 );
-    assert_non_null( s );
     if ( made.link_count == 0 )
     {
         fill_springs( &made );
     }
     memcpy( s, &made, sizeof( *s ) );
+}
+
+static inline springs* new_springs( void )
+{
+    springs* s = new_aligned( sizeof( springs ) );
+    copy_springs( s );
     return s;
 }
 

@@ -26,6 +26,7 @@ static const pair_shape SHAPES[] = { SEGMENTS, TRIANGLE };
 typedef struct pairs
 {
     pair_shape shape;
+    int kind;
     _Alignas( 64 ) float point[4 * PAIRS][4];
     int32_t point_x4[4][8 * CLOSEST_GROUPS];
     float distance[8 * CLOSEST_GROUPS];
@@ -40,8 +41,7 @@ static float* corner( pairs* s, int pair, int k )
 
 static double3 at( pairs* s, int pair, int k )
 {
-    const float* p = corner( s, pair, k );
-    return double3_make( (double)p[0], (double)p[1], (double)p[2] );
+    return double3_from( corner( s, pair, k ) );
 }
 
 static void put( pairs* s, int pair, int k, double3 p )
@@ -55,11 +55,8 @@ static double3 blend( double3 a, double t, double3 b )
     return double3_add( a, double3_scale( t, double3_sub( b, a ) ) );
 }
 
-static pairs* new_pairs( pair_shape shape )
+static void fill_random( pairs* s, pair_shape shape )
 {
-    pairs* s = aligned_alloc( 64, sizeof( pairs ) );
-    assert_non_null( s );
-    memset( s, 0, sizeof( *s ) );
     s->shape = shape;
     for ( int i = 0; i < PAIRS; ++i )
     {
@@ -70,6 +67,12 @@ static pairs* new_pairs( pair_shape shape )
             put( s, i, k, random_vector( i, k, 1.0 ) );
         }
     }
+}
+
+static pairs* new_pairs( pair_shape shape )
+{
+    pairs* s = new_aligned( sizeof( pairs ) );
+    fill_random( s, shape );
     return s;
 }
 
@@ -204,10 +207,6 @@ static void make_all_sizes( pairs* s )
     }
 }
 
-typedef void make_fn( pairs* s );
-
-static make_fn* const KINDS[] = { make_random, make_near, make_slivers, make_far, make_lattice, make_all_sizes };
-
 // NaN and infinity, in each corner in turn, and differences that are too large for a float.
 static void make_strange( pairs* s )
 {
@@ -219,57 +218,24 @@ static void make_strange( pairs* s )
     }
 }
 
+typedef void make_fn( pairs* s );
+
+static make_fn* const KINDS[] = { make_random,  make_near,      make_slivers, make_far,
+                                  make_lattice, make_all_sizes, make_strange };
+
 // ---- every table ----
 
-// The bits of a NaN that arithmetic on NaNs gives are unspecified.
-static void settle_nans( float* numbers, size_t size )
+static void fill_pairs( void* state, int variant )
 {
-    for ( size_t i = 0; i < size / sizeof( float ); ++i )
-    {
-        numbers[i] = isnan( numbers[i] ) ? NAN : numbers[i];
-    }
+    pairs* s = state;
+    fill_random( s, SHAPES[variant % WISP_COUNT( SHAPES )] );
+    s->kind = variant / WISP_COUNT( SHAPES );
+    KINDS[s->kind]( s );
 }
 
-static void settle( pairs* s )
+static void run_pairs( const wisp_kernels* kernels, void* state, int begin, int end )
 {
-    settle_nans( s->distance, sizeof( s->distance ) );
-    settle_nans( s->weight[0][0], sizeof( s->weight ) );
-    settle_nans( s->normal[0][0], sizeof( s->normal ) );
-}
-
-static void assert_same_answers( const pairs* found, const pairs* expected )
-{
-    assert_memory_equal( found->distance, expected->distance, sizeof( found->distance ) );
-    assert_memory_equal( found->weight, expected->weight, sizeof( found->weight ) );
-    assert_memory_equal( found->normal, expected->normal, sizeof( found->normal ) );
-}
-
-TEST( every_table_gives_the_same_bits_however_the_range_is_cut )
-{
-    const wisp_kernels* tables[MAX_TABLES];
-    const int count = usable_tables( tables );
-    for ( int kind = 0; kind <= WISP_COUNT( KINDS ); ++kind )
-    {
-        make_fn* make = kind < WISP_COUNT( KINDS ) ? KINDS[kind] : make_strange;
-        for ( int n = 0; n < WISP_COUNT( SHAPES ); ++n )
-        {
-            pairs* expected = new_pairs( SHAPES[n] );
-            make( expected );
-            run( tables[0], expected, true, 0, CLOSEST_GROUPS );
-            settle( expected );
-            for ( int t = 1; t < count; ++t )
-            {
-                pairs* found = new_pairs( SHAPES[n] );
-                make( found );
-                run( tables[t], found, true, 0, 77 );
-                run( tables[t], found, true, 77, CLOSEST_GROUPS );
-                settle( found );
-                assert_same_answers( found, expected );
-                free( found );
-            }
-            free( expected );
-        }
-    }
+    run( kernels, state, true, begin, end );
 }
 
 TEST( distances_alone_are_the_same_and_nothing_else_is_written )
@@ -311,7 +277,7 @@ static found_pair read_pair( pairs* s, int i )
         f.x[k] = at( s, i, k );
         f.weight[k] = s->weight[g][k][l];
     }
-    f.normal = double3_make( (double)s->normal[g][0][l], (double)s->normal[g][1][l], (double)s->normal[g][2][l] );
+    f.normal = lane_vector( s->normal[g], l );
     f.reference =
         first == 1 ? contact_oracle_point_triangle( f.x[0], f.x + 1 ) : contact_oracle_segments( f.x, f.x + 2 );
     for ( int k = 0; k < 4; ++k )
@@ -373,27 +339,22 @@ static void check_normal( const found_pair* f, int number )
     }
 }
 
-TEST( closest_points_are_those_of_the_oracle )
+static void check_pairs( void* start, void* end )
 {
-    for ( int kind = 0; kind < WISP_COUNT( KINDS ); ++kind )
+    (void)start;
+    pairs* s = end;
+    for ( int i = 0; i < PAIRS && KINDS[s->kind] != make_strange; ++i )
     {
-        for ( int n = 0; n < WISP_COUNT( SHAPES ); ++n )
-        {
-            pairs* s = new_pairs( SHAPES[n] );
-            KINDS[kind]( s );
-            run( widest_table(), s, true, 0, CLOSEST_GROUPS );
-            for ( int i = 0; i < PAIRS; ++i )
-            {
-                const int number = ( kind * 10 + n ) * 100000 + i;
-                const found_pair f = read_pair( s, i );
-                assert_near( f.distance, f.reference.distance, ROUNDING * f.size, "distance of pair", number );
-                check_weights( &f, number );
-                check_normal( &f, number );
-            }
-            free( s );
-        }
+        const int number = ( s->kind * 10 + (int)s->shape ) * 100000 + i;
+        const found_pair f = read_pair( s, i );
+        assert_near( f.distance, f.reference.distance, ROUNDING * f.size, "distance of pair", number );
+        check_weights( &f, number );
+        check_normal( &f, number );
     }
 }
+
+TEST_KERNEL( closest_points_are_those_of_the_oracle, pairs, WISP_COUNT( KINDS ) * WISP_COUNT( SHAPES ), 0,
+             CLOSEST_GROUPS, 77, fill_pairs, run_pairs, check_pairs )
 
 // ---- cases by hand ----
 

@@ -3,8 +3,6 @@
 // same bits, and results agree with plain loops in doubles.
 #include "kernels_fixture.h"
 
-#include "double3.h"
-
 // ---- moments ----
 
 enum
@@ -21,12 +19,16 @@ typedef struct body_of_particles
     _Alignas( 64 ) float position[SLOTS][4], previous[SLOTS][4], velocity[SLOTS][4];
     int32_t a_x4[LINKS], b_x4[LINKS], constraint[LINKS];
     float rest[LINKS];
+    wisp_moments sums[2];
+    double virial;
+    int kind;
 } body_of_particles;
 
 // Near the world's origin, far from it, or far from it with pinned particles. Positions are a step apart.
-static body_of_particles* new_body( int kind )
+static void fill_body( void* state, int kind )
 {
-    body_of_particles* b = checked_calloc( 1, sizeof( *b ) );
+    body_of_particles* b = state;
+    b->kind = kind;
     const float far = kind > 0 ? 300.0f : 0.0f;
     for ( int i = 0; i < SLOTS; ++i )
     {
@@ -47,7 +49,6 @@ static body_of_particles* new_body( int kind )
         b->b_x4[i] = 4 * ( pads ? SLOTS - 1 : ( i * 5 + 1 ) % COUNT );
         b->rest[i] = pads ? 0.0f : test_random_float( i, 10, 0.1f, 1.5f );
     }
-    return b;
 }
 
 static wisp_moment_args moment_args( const body_of_particles* b )
@@ -77,36 +78,18 @@ static wisp_turn_args turn_args( const body_of_particles* b, float* rows )
                                .centre = { (double)first[0] + 0.1, (double)first[1], (double)first[2] - 0.2 } };
 }
 
-TEST( every_table_gives_the_same_bits )
+static void run_body( const wisp_kernels* kernels, void* state, int begin, int end )
 {
-    const wisp_kernels* tables[MAX_TABLES];
-    const int count = usable_tables( tables );
-    for ( int i = 0; i < KINDS * count; ++i )
-    {
-        body_of_particles *found = new_body( i % KINDS ), *expected = new_body( i % KINDS );
-        wisp_moments sums[2][2];
-        double virial[2];
-        const wisp_kernels* kernels[2] = { tables[i / KINDS], tables[0] };
-        for ( int k = 0; k < 2; ++k )
-        {
-            body_of_particles* b = k == 0 ? found : expected;
-            wisp_moment_args moments = moment_args( b );
-            const wisp_link_args links = link_args_of( b );
-            const wisp_turn_args speeds = turn_args( b, b->velocity[0] ), places = turn_args( b, b->position[0] );
-            kernels[k]->moments( &moments, 8, COUNT, &sums[k][0] );
-            moments.previous = moments.position;
-            kernels[k]->moments( &moments, 8, COUNT, &sums[k][1] );
-            virial[k] = kernels[k]->link_virial( &links, 2000.0f, 20.0f, 8, LINKS );
-            kernels[k]->turn( &speeds, 8, COUNT );
-            kernels[k]->turn( &places, 8, COUNT );
-        }
-        assert_memory_equal( sums[0], sums[1], sizeof( sums[0] ) );
-        assert_memory_equal( virial, virial + 1, sizeof( double ) );
-        assert_memory_equal( found->position, expected->position, sizeof( found->position ) );
-        assert_memory_equal( found->velocity, expected->velocity, sizeof( found->velocity ) );
-        free( found );
-        free( expected );
-    }
+    body_of_particles* b = state;
+    wisp_moment_args moments = moment_args( b );
+    const wisp_link_args links = link_args_of( b );
+    const wisp_turn_args speeds = turn_args( b, b->velocity[0] ), places = turn_args( b, b->position[0] );
+    kernels->moments( &moments, begin, end, &b->sums[0] );
+    moments.previous = moments.position;
+    kernels->moments( &moments, begin, end, &b->sums[1] );
+    b->virial = kernels->link_virial( &links, 2000.0f, 20.0f, 8, LINKS );
+    kernels->turn( &speeds, begin, end );
+    kernels->turn( &places, begin, end );
 }
 
 enum
@@ -143,79 +126,77 @@ static void add_terms( const wisp_moment_args* args, int slot, double sums[SUMS]
     }
 }
 
-TEST( moments_are_those_of_a_plain_loop )
+static void check_moments( const wisp_moment_args* args, int begin, int end, const wisp_moments* found )
 {
-    const int ranges[][2] = { { 0, COUNT }, { 16, COUNT }, { 8, 64 }, { 600, COUNT }, { 0, 0 } };
-    for ( int i = 0; i < 2 * KINDS * WISP_COUNT( ranges ); ++i )
+    double sums[SUMS] = { 0.0 }, sizes[SUMS] = { 0.0 };
+    for ( int slot = begin; slot < end; ++slot )
     {
-        body_of_particles* b = new_body( i % KINDS );
-        wisp_moment_args args = moment_args( b );
-        const int* range = ranges[i / KINDS / 2];
-        args.previous = i / KINDS % 2 == 0 ? args.previous : args.position;
-        wisp_moments found;
-        double sums[SUMS] = { 0.0 }, sizes[SUMS] = { 0.0 };
-        for ( int slot = range[0]; slot < range[1]; ++slot )
-        {
-            add_terms( &args, slot, sums, sizes );
-        }
-        widest_table()->moments( &args, range[0], range[1], &found );
-        for ( int k = 0; k < SUMS; ++k )
-        {
-            // another order of as many terms; products of a cross product may be larger than their difference
-            assert_near( ( &found.mass )[k], sums[k], 1e-13 * ( sizes[k] + sizes[0] ), "moment", k );
-        }
-        assert_true( found.pinned == sums[1] );
-        free( b );
+        add_terms( args, slot, sums, sizes );
     }
+    for ( int k = 0; k < SUMS; ++k )
+    {
+        // another order of as many terms; products of a cross product may be larger than their difference
+        assert_near( ( &found->mass )[k], sums[k], 1e-13 * ( sizes[k] + sizes[0] ), "moment", k );
+    }
+    assert_true( found->pinned == sums[1] );
 }
 
 // A rotation of all positions adds angle x (p - c) to each, rounded once, and leaves the rest alone.
-TEST( a_turn_moves_what_is_not_pinned )
+static void check_turn( body_of_particles* before, float ( *old )[4], float ( *rows )[4] )
 {
-    for ( int i = 0; i < 2 * KINDS; ++i )
+    const wisp_turn_args args = turn_args( before, NULL );
+    const double3 angle = { args.angle[0], args.angle[1], args.angle[2] },
+                  centre = { args.centre[0], args.centre[1], args.centre[2] };
+    for ( int slot = 0; slot < SLOTS; ++slot )
     {
-        body_of_particles *b = new_body( i % KINDS ), *before = new_body( i % KINDS );
-        float( *rows )[4] = i < KINDS ? b->velocity : b->position;
-        float( *old )[4] = i < KINDS ? before->velocity : before->position;
-        const wisp_turn_args args = turn_args( b, rows[0] );
-        const double3 angle = { args.angle[0], args.angle[1], args.angle[2] },
-                      centre = { args.centre[0], args.centre[1], args.centre[2] };
-        widest_table()->turn( &args, 16, COUNT );
-        for ( int slot = 0; slot < SLOTS; ++slot )
-        {
-            const bool turns = slot >= 16 && before->position[slot][3] > 0.0f;
-            const double3 r = double3_sub( double3_from( before->position[slot] ), centre );
-            const double3 to = double3_add( double3_from( old[slot] ), double3_cross( angle, r ) );
-            const float expected[4] = { turns ? (float)to.x : old[slot][0], turns ? (float)to.y : old[slot][1],
-                                        turns ? (float)to.z : old[slot][2], old[slot][3] };
-            assert_memory_equal( rows[slot], expected, sizeof( expected ) );
-        }
-        free( b );
-        free( before );
+        const bool turns = slot >= 8 && before->position[slot][3] > 0.0f;
+        const double3 r = double3_sub( double3_from( before->position[slot] ), centre );
+        const double3 to = double3_add( double3_from( old[slot] ), double3_cross( angle, r ) );
+        const float expected[4] = { turns ? (float)to.x : old[slot][0], turns ? (float)to.y : old[slot][1],
+                                    turns ? (float)to.z : old[slot][2], old[slot][3] };
+        assert_memory_equal( rows[slot], expected, sizeof( expected ) );
     }
 }
 
-TEST( the_virial_is_that_of_a_plain_loop )
+static void check_virial( body_of_particles* before, double found )
 {
-    for ( int kind = 0; kind < KINDS; ++kind )
+    const wisp_link_args args = link_args_of( before );
+    double sum = 0.0, size = 0.0;
+    for ( int i = 8; i < LINKS; ++i )
     {
-        body_of_particles* b = new_body( kind );
-        const wisp_link_args args = link_args_of( b );
-        double sum = 0.0, size = 0.0;
-        for ( int i = 8; i < LINKS; ++i )
-        {
-            const double3 d = double3_sub( double3_from( args.position + args.a_x4[i] ),
-                                           double3_from( args.position + args.b_x4[i] ) );
-            const double length = double3_length( d ), stiffness = b->constraint[i] < EDGES ? 2000.0 : 20.0;
-            sum += b->constraint[i] >= 0 ? stiffness * ( length - (double)b->rest[i] ) * length : 0.0;
-            size += stiffness * ( length + (double)b->rest[i] ) * length;
-        }
-        assert_near( widest_table()->link_virial( &args, 2000.0f, 20.0f, 8, LINKS ), sum, (double)FLT_EPSILON * size,
-                     "virial", kind );
-        assert_true( widest_table()->link_virial( &args, 2000.0f, 20.0f, 8, 8 ) == 0.0 );
-        free( b );
+        const double length = double3_distance( double3_from( args.position + args.a_x4[i] ),
+                                                double3_from( args.position + args.b_x4[i] ) );
+        const double stiffness = before->constraint[i] < EDGES ? 2000.0 : 20.0, rest = (double)before->rest[i];
+        sum += before->constraint[i] >= 0 ? stiffness * ( length - rest ) * length : 0.0;
+        size += stiffness * ( length + rest ) * length;
     }
+    assert_near( found, sum, (double)FLT_EPSILON * size, "virial", before->kind );
+    assert_true( widest_table()->link_virial( &args, 2000.0f, 20.0f, 8, 8 ) == 0.0 );
 }
+
+static void check_body( void* start, void* end )
+{
+    static const int RANGES[][2] = { { 0, COUNT }, { 16, COUNT }, { 8, 64 }, { 600, COUNT }, { 0, 0 } };
+    body_of_particles *before = start, *b = end;
+    for ( int n = 0; n < 2; ++n )
+    {
+        wisp_moment_args args = moment_args( before );
+        args.previous = n == 0 ? args.previous : args.position;
+        check_moments( &args, 8, COUNT, &b->sums[n] );
+        for ( int i = 0; i < WISP_COUNT( RANGES ); ++i )
+        {
+            wisp_moments found;
+            widest_table()->moments( &args, RANGES[i][0], RANGES[i][1], &found );
+            check_moments( &args, RANGES[i][0], RANGES[i][1], &found );
+        }
+    }
+    check_virial( before, b->virial );
+    check_turn( before, before->velocity, b->velocity );
+    check_turn( before, before->position, b->position );
+}
+
+TEST_KERNEL( moments_turns_and_virials_are_those_of_plain_loops, body_of_particles, KINDS, 8, COUNT, 0, fill_body,
+             run_body, check_body )
 
 // ---- rigid motion ----
 
@@ -229,31 +210,31 @@ typedef struct crowd
 {
     _Alignas( 64 ) float position[CROWD][4], velocity[CROWD][4];
     wisp_rigid_args args;
+    wisp_rigid_sums sums;
 } crowd;
 
 // Near the world's origin or far from it, slow or fast, spread out or along a line, or so heavy that squares
 // overflow.
-static crowd make_crowd( int kind )
+static void fill_crowd( void* state, int kind )
 {
-    crowd c = { .args = { .origin = { 0.0f, 0.0f, 0.0f } } };
+    crowd* c = state;
     const float far = kind == 1 ? 300.0f : 0.0f, fast = kind == 2 ? 200.0f : 0.0f;
     for ( int i = 0; i < CROWD; ++i )
     {
         for ( int k = 0; k < 3; ++k )
         {
             const float along = test_random_float( i, 9, -1.0f, 1.0f ) * (float)( k + 1 );
-            c.position[i][k] = far + ( kind == 3 ? along : test_random_float( i, k, -1.0f, 1.0f ) );
-            c.velocity[i][k] = fast + test_random_float( i, 3 + k, -1.0f, 1.0f );
+            c->position[i][k] = far + ( kind == 3 ? along : test_random_float( i, k, -1.0f, 1.0f ) );
+            c->velocity[i][k] = fast + test_random_float( i, 3 + k, -1.0f, 1.0f );
         }
-        c.position[i][3] =
+        c->position[i][3] =
             i % 7 == 3 ? 0.0f : test_random_float( i, 6, 0.5f, 100.0f ) * ( kind == 4 ? 1e-35f : 1.0f );
     }
-    c.args.origin = ( wisp_vec3 ){ c.position[1][0], c.position[1][1], c.position[1][2] };
-    c.args.linear_velocity = ( wisp_vec3 ){ c.velocity[1][0], c.velocity[1][1], c.velocity[1][2] };
-    c.args.inverse_mass = kind == 4 ? 1e-35f : 4.0f;
-    c.args.angular_velocity = ( wisp_vec3 ){ 0.5f, -2.0f, 1.25f };
-    c.args.fraction = 0.375f;
-    return c;
+    c->args.origin = ( wisp_vec3 ){ c->position[1][0], c->position[1][1], c->position[1][2] };
+    c->args.linear_velocity = ( wisp_vec3 ){ c->velocity[1][0], c->velocity[1][1], c->velocity[1][2] };
+    c->args.inverse_mass = kind == 4 ? 1e-35f : 4.0f;
+    c->args.angular_velocity = ( wisp_vec3 ){ 0.5f, -2.0f, 1.25f };
+    c->args.fraction = 0.375f;
 }
 
 static wisp_rigid_args rigid_job_of( crowd* c )
@@ -264,22 +245,12 @@ static wisp_rigid_args rigid_job_of( crowd* c )
     return args;
 }
 
-TEST( every_table_gives_the_same_bits_of_rigid_motions )
+static void run_crowd( const wisp_kernels* kernels, void* state, int begin, int end )
 {
-    const wisp_kernels* tables[MAX_TABLES];
-    const int count = usable_tables( tables );
-    for ( int i = 0; i < CROWD_KINDS * count; ++i )
-    {
-        crowd found = make_crowd( i % CROWD_KINDS ), expected = make_crowd( i % CROWD_KINDS );
-        const wisp_rigid_args one = rigid_job_of( &found ), other = rigid_job_of( &expected );
-        wisp_rigid_sums sums, expected_sums;
-        tables[i / CROWD_KINDS]->rigid_sums( &one, 8, CROWD, &sums );
-        tables[0]->rigid_sums( &other, 8, CROWD, &expected_sums );
-        tables[i / CROWD_KINDS]->rigid_approach( &one, 8, CROWD );
-        tables[0]->rigid_approach( &other, 8, CROWD );
-        assert_memory_equal( &sums, &expected_sums, sizeof( sums ) );
-        assert_memory_equal( found.velocity, expected.velocity, sizeof( found.velocity ) );
-    }
+    crowd* c = state;
+    const wisp_rigid_args args = rigid_job_of( c );
+    kernels->rigid_sums( &args, begin, end, &c->sums );
+    kernels->rigid_approach( &args, begin, end );
 }
 
 // Sums, and those of the absolute values of their terms.
@@ -307,58 +278,49 @@ static void add_rigid_terms( const crowd* c, int i, double sums[16], double size
     }
 }
 
-TEST( sums_are_those_of_all_that_move )
+// Velocities go their share of the way.
+static void check_velocity( const crowd* before, const crowd* c, int i )
 {
-    for ( int kind = 0; kind < CROWD_KINDS; ++kind )
+    const wisp_rigid_args args = c->args;
+    const bool goes = i >= 16 && i < CROWD - 8 && c->position[i][3] > 0.0f;
+    const double3 r = double3_sub( double3_from( c->position[i] ), double3_widen( args.origin ) );
+    const double3 rigid = double3_add( double3_widen( args.linear_velocity ),
+                                       double3_cross( double3_widen( args.angular_velocity ), r ) );
+    const double to[3] = { rigid.x, rigid.y, rigid.z };
+    for ( int k = 0; k < 3; ++k )
     {
-        crowd c = make_crowd( kind );
-        const wisp_rigid_args args = rigid_job_of( &c );
-        wisp_rigid_sums found;
-        double sums[16] = { 0.0 }, sizes[16] = { 0.0 }, numbers[16];
-        for ( int i = 16; i < CROWD - 8; ++i )
-        {
-            add_rigid_terms( &c, i, sums, sizes );
-        }
-        widest_table()->rigid_sums( &args, 16, CROWD - 8, &found );
-        memcpy( numbers, &found, sizeof( numbers ) );
-        for ( int k = 0; k < 16; ++k )
-        {
-            // a product of three numbers, and 32 terms to a sum
-            assert_near( numbers[k], sums[k], 4.0 * (double)FLT_EPSILON * sizes[k], "sum", 16 * kind + k );
-        }
-        widest_table()->rigid_sums( &args, 16, 16, &found );
-        assert_true( found.mass == 0.0 && found.yz == 0.0 );
+        const double v = (double)before->velocity[i][k], there = v + (double)args.fraction * ( to[k] - v );
+        assert_near( (double)c->velocity[i][k], goes ? there : v,
+                     goes ? 4.0 * (double)FLT_EPSILON * ( 8.0 + fabs( v ) ) : 0.0, "velocity", 3 * i + k );
     }
+    assert_true( c->velocity[i][3] == 0.0f );
 }
 
-TEST( velocities_go_their_share_of_the_way )
+static void check_crowd( void* start, void* end )
 {
-    for ( int kind = 0; kind < CROWD_KINDS; ++kind )
+    crowd *before = start, *c = end;
+    double sums[16] = { 0.0 }, sizes[16] = { 0.0 }, numbers[16];
+    for ( int i = 0; i < CROWD; ++i )
     {
-        crowd c = make_crowd( kind ), before = make_crowd( kind );
-        const wisp_rigid_args args = rigid_job_of( &c );
-        widest_table()->rigid_approach( &args, 16, CROWD - 8 );
-        for ( int i = 0; i < CROWD; ++i )
+        check_velocity( before, c, i );
+        if ( i >= 16 && i < CROWD - 8 )
         {
-            const bool goes = i >= 16 && i < CROWD - 8 && c.position[i][3] > 0.0f;
-            const float* p = c.position[i];
-            const wisp_vec3 o = args.origin, w = args.angular_velocity, d = args.linear_velocity;
-            const double r[3] = { (double)p[0] - (double)o.x, (double)p[1] - (double)o.y,
-                                  (double)p[2] - (double)o.z };
-            const double rigid[3] = { (double)d.x + (double)w.y * r[2] - (double)w.z * r[1],
-                                      (double)d.y + (double)w.z * r[0] - (double)w.x * r[2],
-                                      (double)d.z + (double)w.x * r[1] - (double)w.y * r[0] };
-            for ( int k = 0; k < 3; ++k )
-            {
-                const double v = (double)before.velocity[i][k];
-                const double there = v + (double)args.fraction * ( rigid[k] - v );
-                assert_near( (double)c.velocity[i][k], goes ? there : v,
-                             goes ? 4.0 * (double)FLT_EPSILON * ( 8.0 + fabs( v ) ) : 0.0, "velocity", 3 * i + k );
-            }
-            assert_true( c.velocity[i][3] == 0.0f );
+            add_rigid_terms( before, i, sums, sizes );
         }
     }
+    memcpy( numbers, &c->sums, sizeof( numbers ) );
+    for ( int k = 0; k < 16; ++k )
+    {
+        // a product of three numbers, and 32 terms to a sum
+        assert_near( numbers[k], sums[k], 4.0 * (double)FLT_EPSILON * sizes[k], "sum", k );
+    }
+    const wisp_rigid_args args = rigid_job_of( c );
+    widest_table()->rigid_sums( &args, 16, 16, &c->sums );
+    assert_true( c->sums.mass == 0.0 && c->sums.yz == 0.0 );
 }
+
+TEST_KERNEL( velocities_approach_the_rigid_motion_of_all_that_move, crowd, CROWD_KINDS, 16, CROWD - 8, 0, fill_crowd,
+             run_crowd, check_crowd )
 
 enum
 {
@@ -370,21 +332,9 @@ enum
 
 static const double ROUNDING = 4.0 * (double)FLT_EPSILON;
 
-// From -1 to 1, the same for the same numbers.
 static float chance( int seed, int number )
 {
-    uint32_t h = (uint32_t)seed * 2654435761u + (uint32_t)number * 40503u + 12345u;
-    h ^= h >> 15;
-    h *= 2246822519u;
-    h ^= h >> 13;
-    h *= 3266489917u;
-    h ^= h >> 16;
-    return (float)( (double)h / 2147483648.0 - 1.0 );
-}
-
-static double length( double x, double y, double z )
-{
-    return sqrt( x * x + y * y + z * z );
+    return test_random_float( seed, number, -1.0f, 1.0f );
 }
 
 // ---- displacements of points ----
@@ -396,22 +346,28 @@ typedef struct walk
     float common[3];
 } walk;
 
-static walk make_walk( int seed )
+static void fill_walk( void* state, int seed )
 {
-    walk w;
+    walk* w = state;
     for ( int i = 0; i < POINTS + 8; ++i )
     {
         for ( int k = 0; k < 4; ++k )
         {
-            w.before[i][k] = chance( seed, 8 * i + k );
-            w.now[i][k] = w.before[i][k] + 0.1f * chance( seed, 8 * i + k + 4 );
-            w.way[i][k] = -7.0f;
+            w->before[i][k] = chance( seed, 8 * i + k );
+            w->now[i][k] = w->before[i][k] + 0.1f * chance( seed, 8 * i + k + 4 );
+            w->way[i][k] = -7.0f;
         }
     }
     for ( int k = 0; k < 3; ++k )
     {
-        w.common[k] = 0.05f * chance( seed, 5000 + k );
+        w->common[k] = 0.05f * chance( seed, 5000 + k );
     }
+}
+
+static walk make_walk( int seed )
+{
+    walk w;
+    fill_walk( &w, seed );
     return w;
 }
 
@@ -427,43 +383,32 @@ static wisp_displacement_args job_of( walk* w )
     };
 }
 
-static void take( const wisp_kernels* kernels, walk* w, int begin, int end )
-{
-    const wisp_displacement_args args = job_of( w );
-    kernels->measure_displacements( &args, begin, end );
-}
+RUN_KERNEL( take, measure_displacements, wisp_displacement_args, job_of )
 
 static double spare_of( const walk* w, int i )
 {
-    const float *p = w->now[i], *q = w->before[i], *c = w->common;
-    const double beside =
-        length( (double)p[0] - (double)q[0] - (double)c[0], (double)p[1] - (double)q[1] - (double)c[1],
-                (double)p[2] - (double)q[2] - (double)c[2] );
+    const double3 path = double3_sub( double3_from( w->now[i] ), double3_from( w->before[i] ) );
+    const double beside = double3_distance( path, double3_from( w->common ) );
     return 0.25 * beside + (double)0.01f;
 }
 
-TEST( a_way_leads_from_before_to_now_give_or_take_a_share_of_it )
+static void check_walk( void* start, void* end )
 {
-    const wisp_kernels* tables[MAX_TABLES];
-    const int count = usable_tables( tables );
-    for ( int i = 0; i < SEEDS * count; ++i )
+    walk *before = start, *w = end;
+    for ( int p = 0; p < POINTS + 8; ++p )
     {
-        walk found = make_walk( i % SEEDS ), expected = make_walk( i % SEEDS );
-        take( tables[i / SEEDS], &found, 8, POINTS );
-        take( tables[0], &expected, 8, POINTS );
-        assert_memory_equal( &found, &expected, sizeof( found ) );
-        for ( int p = 0; p < POINTS + 8; ++p )
+        const bool is_queried = p >= 8 && p < POINTS;
+        for ( int k = 0; k < 3; ++k )
         {
-            const bool is_queried = p >= 8 && p < POINTS;
-            for ( int k = 0; k < 3; ++k )
-            {
-                assert_true( found.way[p][k] == ( is_queried ? found.now[p][k] - found.before[p][k] : -7.0f ) );
-            }
-            assert_near( (double)found.way[p][3], is_queried ? spare_of( &found, p ) : -7.0, 4.0 * ROUNDING,
-                         "spare of", p );
+            assert_true( w->way[p][k] == ( is_queried ? w->now[p][k] - w->before[p][k] : before->way[p][k] ) );
         }
+        assert_near( (double)w->way[p][3], is_queried ? spare_of( w, p ) : (double)before->way[p][3], 4.0 * ROUNDING,
+                     "spare of", p );
     }
 }
+
+TEST_KERNEL( a_way_leads_from_before_to_now_give_or_take_a_share_of_it, walk, SEEDS, 8, POINTS, 8, fill_walk, take,
+             check_walk )
 
 // The sum over [8, 8 + count), and whether one is fixed; with an invalid number inside the range, and beyond its end.
 static void check_sum( const wisp_kernels* kernels, int seed, int count, bool has_fixed )
@@ -493,28 +438,33 @@ static void check_sum( const wisp_kernels* kernels, int seed, int count, bool ha
 
 TEST( ways_are_summed_and_who_is_fixed_is_seen )
 {
-    const wisp_kernels* tables[MAX_TABLES];
-    const int count = usable_tables( tables );
-    for ( int i = 0; i < SEEDS * count; ++i )
+    for ( const wisp_kernels* const* k = every_table(); *k != NULL; ++k )
     {
-        check_sum( tables[i / SEEDS], i % SEEDS, 3 + i % SEEDS % 29, i % 3 == 0 );
+        for ( int seed = 0; seed < SEEDS; ++seed )
+        {
+            check_sum( *k, seed, 3 + seed % 29, seed % 3 == 0 );
+            check_sum( *k, seed, 3 + seed % 29, seed % 3 != 0 );
+        }
     }
 }
 
-TEST( what_is_too_long_or_no_number_adds_nothing )
+static void fill_wrong( void* state, int variant )
 {
-    const float wrong[] = { NAN, INFINITY, -INFINITY, 3e38f, 1.1e6f };
-    const wisp_kernels* tables[MAX_TABLES];
-    const int count = usable_tables( tables );
-    for ( int i = 0; i < WISP_COUNT( wrong ) * 3 * count; ++i )
-    {
-        walk w = make_walk( i );
-        w.now[11][i / WISP_COUNT( wrong ) % 3] = wrong[i % WISP_COUNT( wrong )];
-        take( tables[i / WISP_COUNT( wrong ) / 3], &w, 0, POINTS );
-        assert_true( w.way[11][3] == 0.01f );
-        assert_near( (double)w.way[12][3], spare_of( &w, 12 ), 4.0 * ROUNDING, "spare beside what is wrong", i );
-    }
+    static const float WRONG[] = { NAN, INFINITY, -INFINITY, 3e38f, 1.1e6f };
+    walk* w = state;
+    fill_walk( w, variant );
+    w->now[11][variant / WISP_COUNT( WRONG ) % 3] = WRONG[variant % WISP_COUNT( WRONG )];
 }
+
+static void check_wrong( void* start, void* end )
+{
+    (void)start;
+    walk* w = end;
+    assert_true( w->way[11][3] == 0.01f );
+    assert_near( (double)w->way[12][3], spare_of( w, 12 ), 4.0 * ROUNDING, "spare beside what is wrong", 12 );
+}
+
+TEST_KERNEL( what_is_too_long_or_no_number_adds_nothing, walk, 15, 0, POINTS, 8, fill_wrong, take, check_wrong )
 
 // All points keep their displacements except one, which deviates by this multiple of its limit.
 static bool leaves( const wisp_kernels* kernels, int seed, int point, float times, int end )
@@ -529,18 +479,16 @@ static bool leaves( const wisp_kernels* kernels, int seed, int point, float time
 
 TEST( who_goes_farther_from_its_way_than_it_may_leaves_it )
 {
-    const wisp_kernels* tables[MAX_TABLES];
-    const int count = usable_tables( tables );
-    for ( int t = 0; t < count; ++t )
+    for ( const wisp_kernels* const* k = every_table(); *k != NULL; ++k )
     {
         for ( int p = 0; p < POINTS; ++p )
         {
-            assert_false( leaves( tables[t], p, p, 0.0f, POINTS ) );
-            assert_false( leaves( tables[t], p, p, 0.999f, POINTS ) );
-            assert_true( leaves( tables[t], p, p, 1.001f, POINTS ) );
-            assert_true( leaves( tables[t], p, p, -1.001f, p + 1 ) );
-            assert_false( leaves( tables[t], p, p, 1.001f, p ) ); // beyond the end
-            assert_false( leaves( tables[t], p, p, NAN, POINTS ) );
+            assert_false( leaves( *k, p, p, 0.0f, POINTS ) );
+            assert_false( leaves( *k, p, p, 0.999f, POINTS ) );
+            assert_true( leaves( *k, p, p, 1.001f, POINTS ) );
+            assert_true( leaves( *k, p, p, -1.001f, p + 1 ) );
+            assert_false( leaves( *k, p, p, 1.001f, p ) ); // beyond the end
+            assert_false( leaves( *k, p, p, NAN, POINTS ) );
         }
     }
 }
@@ -552,42 +500,44 @@ typedef struct standing
     _Alignas( 64 ) float gone[SIDES][4], ways[SIDES][4];
     int32_t first[PAIRS], second[PAIRS], due[PAIRS];
     float slack[PAIRS];
-    int due_count;
+    int due_count, end;
+    bool is_gone;
 } standing;
 
-static standing make_standing( int seed )
+static void fill_standing( void* state, int variant )
 {
-    standing s;
+    standing* s = state;
+    const int seed = variant / 2;
+    s->is_gone = variant % 2 == 0;
+    s->end = PAIRS - seed % 8;
     for ( int i = 0; i < SIDES; ++i )
     {
         for ( int k = 0; k < 4; ++k )
         {
-            s.gone[i][k] = 0.1f * chance( seed, 8 * i + k );
-            s.ways[i][k] = 0.1f * chance( seed, 8 * i + k + 4 );
+            s->gone[i][k] = 0.1f * chance( seed, 8 * i + k );
+            s->ways[i][k] = 0.1f * chance( seed, 8 * i + k + 4 );
         }
-        s.gone[i][3] = fabsf( s.gone[i][3] );
-        s.ways[i][3] = fabsf( s.ways[i][3] );
+        s->gone[i][3] = fabsf( s->gone[i][3] );
+        s->ways[i][3] = fabsf( s->ways[i][3] );
     }
     for ( int i = 0; i < PAIRS; ++i )
     {
-        s.first[i] = ( 7 * i + seed ) % SIDES;
-        s.second[i] = ( 5 * i + 3 * seed + i / SIDES ) % SIDES;
-        s.slack[i] = 0.4f + 0.4f * chance( seed, 1000 + i );
-        s.due[i] = -7;
+        s->first[i] = ( 7 * i + seed ) % SIDES;
+        s->second[i] = ( 5 * i + 3 * seed + i / SIDES ) % SIDES;
+        s->slack[i] = 0.4f + 0.4f * chance( seed, 1000 + i );
+        s->due[i] = -7;
     }
-    return s;
 }
 
 static double closing_of( const float* a, const float* b )
 {
-    return length( (double)a[0] - (double)b[0], (double)a[1] - (double)b[1], (double)a[2] - (double)b[2] ) +
-           (double)a[3] + (double)b[3];
+    return double3_distance( double3_from( a ), double3_from( b ) ) + (double)a[3] + (double)b[3];
 }
 
-static void count_slack( const wisp_kernels* kernels, standing* s, bool is_gone, int begin, int end )
+static void count_slack( const wisp_kernels* kernels, standing* s, int begin, int end )
 {
     const wisp_separation_args args = {
-        .moved = is_gone ? s->gone[0] : NULL,
+        .moved = s->is_gone ? s->gone[0] : NULL,
         .predicted = s->ways[0],
         .first = s->first,
         .second = s->second,
@@ -599,8 +549,9 @@ static void count_slack( const wisp_kernels* kernels, standing* s, bool is_gone,
 
 // The bound is lowered by at least the approach of the sides, and hardly more; a pair with less than the possible
 // approach is active.
-static void check_pair( const standing* before, const standing* found, int pair, bool is_gone, int* next )
+static void check_pair( const standing* before, const standing* found, int pair, int* next )
 {
+    const bool is_gone = before->is_gone;
     const int a = before->first[pair], b = before->second[pair];
     const double left =
         (double)before->slack[pair] - ( is_gone ? closing_of( before->gone[a], before->gone[b] ) : 0.0 );
@@ -612,42 +563,43 @@ static void check_pair( const standing* before, const standing* found, int pair,
     *next += is_due ? 1 : 0;
 }
 
+static void run_standing( const wisp_kernels* kernels, void* state, int begin, int end )
+{
+    standing* s = state;
+    count_slack( kernels, s, begin, s->end );
+    assert_true( s->end <= end );
+    FORGET_BEHIND( s->slack, s->end );
+    FORGET_BEHIND( s->due, begin + s->due_count );
+}
+
+static int due;
+
+static void check_standing( void* start, void* end )
+{
+    standing *before = start, *s = end;
+    assert_memory_equal( s->slack, before->slack, 8 * sizeof( float ) );
+    int next = 8; // what follows the last one is 0, which is no pair of the range
+    for ( int pair = 8; pair < s->end; ++pair )
+    {
+        check_pair( before, s, pair, &next );
+    }
+    assert_int_equal( next - 8, s->due_count );
+    due += s->due_count;
+}
+
 TEST( pairs_are_due_that_may_use_up_their_slack )
 {
-    const wisp_kernels* tables[MAX_TABLES];
-    const int count = usable_tables( tables );
-    int due = 0;
-    for ( int i = 0; i < 2 * SEEDS * count; ++i )
-    {
-        const int seed = i / 2 % SEEDS, end = PAIRS - seed % 8;
-        const bool is_gone = i % 2 == 0;
-        const standing before = make_standing( seed );
-        standing found = before, expected = before;
-        count_slack( tables[i / 2 / SEEDS], &found, is_gone, 8, end );
-        count_slack( tables[0], &expected, is_gone, 8, end );
-        assert_int_equal( found.due_count, expected.due_count );
-        assert_memory_equal( found.slack, expected.slack, (size_t)end * sizeof( float ) );
-        assert_memory_equal( found.due + 8, expected.due + 8, (size_t)found.due_count * sizeof( int32_t ) );
-        assert_memory_equal( found.slack, before.slack, 8 * sizeof( float ) );
-        found.due[8 + found.due_count] = -1; // more may follow them
-        int next = 8;
-        for ( int pair = 8; pair < end; ++pair )
-        {
-            check_pair( &before, &found, pair, is_gone, &next );
-        }
-        assert_int_equal( next - 8, found.due_count );
-        due += found.due_count;
-    }
-    assert_in_range( due, SEEDS * count * 10, 2 * SEEDS * count * ( PAIRS - 16 ) ); // some are, and not all
+    check_kernel( KERNEL_ROW( standing, 2 * SEEDS, 8, PAIRS, 0, fill_standing, run_standing, check_standing ) );
+    assert_in_range( due, SEEDS * 10, 2 * SEEDS * ( PAIRS - 16 ) ); // some are, and not all
 }
 
 TEST( who_has_a_slack_or_a_way_that_is_no_number_is_due )
 {
-    const wisp_kernels* tables[MAX_TABLES];
-    const int count = usable_tables( tables );
-    for ( int i = 0; i < 5 * count; ++i )
+    const wisp_kernels* const* k = every_table();
+    for ( int i = 0; k[i / 5] != NULL; ++i )
     {
-        standing s = make_standing( 1 );
+        standing s;
+        fill_standing( &s, 2 );
         for ( int pair = 0; pair < PAIRS; ++pair )
         {
             s.slack[pair] = 100.0f;
@@ -659,10 +611,10 @@ TEST( who_has_a_slack_or_a_way_that_is_no_number_is_due )
         s.ways[SIDES - 1][2] = i % 5 == 2 ? NAN : 0.0f;
         s.ways[SIDES - 1][3] = i % 5 == 3 ? INFINITY : 0.0f;
         s.gone[SIDES - 1][0] = i % 5 == 4 ? NAN : 0.0f;
-        count_slack( tables[i / 5], &s, true, 0, PAIRS - 3 );
+        count_slack( k[i / 5], &s, 0, PAIRS - 3 );
         assert_int_equal( s.due_count, 1 );
         assert_int_equal( s.due[0], 19 );
-        count_slack( tables[i / 5], &s, true, 0, 19 ); // it is beyond the end, but in the same group of eight
+        count_slack( k[i / 5], &s, 0, 19 ); // it is beyond the end, but in the same group of eight
         assert_int_equal( s.due_count, 0 );
     }
 }

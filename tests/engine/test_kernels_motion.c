@@ -20,6 +20,7 @@ typedef struct crowd
     _Alignas( 64 ) float normal[3 * MOVED_COUNT], change[3 * MOVED_COUNT], next_normal[3 * MOVED_COUNT];
     _Alignas( 64 ) float max_distance[MOVED_COUNT],
         backstop_distance[MOVED_COUNT], curvature[MOVED_COUNT], lambda[2 * MOVED_COUNT];
+    int kind, limited;
 } crowd;
 
 static size_t row_of( int slot )
@@ -33,9 +34,10 @@ static float pick( int i, int k, float a, float b )
 }
 
 // Particles around targets at distances of the order of their limits: inside, outside, at the target, pinned, free.
-static void fill( crowd* c, int kind )
+static void fill( void* state, int kind )
 {
-    memset( c, 0, sizeof( *c ) );
+    crowd* c = state;
+    c->kind = kind;
     for ( int i = 0; i < MOVED_COUNT; ++i )
     {
         const size_t row = row_of( i );
@@ -62,8 +64,9 @@ static void fill( crowd* c, int kind )
     }
 }
 
-static wisp_motion_constraint_args args_of( crowd* c, int kind, float left )
+static wisp_motion_constraint_args args_of( crowd* c, float left )
 {
+    const int kind = c->kind;
     wisp_motion_constraint_args args = {
         .position = c->position[0],
         .bound = c->bound[0],
@@ -85,9 +88,9 @@ static wisp_motion_constraint_args args_of( crowd* c, int kind, float left )
     return args;
 }
 
-static void begin_step( const wisp_kernels* kernels, crowd* c, int kind )
+static void begin_step( const wisp_kernels* kernels, crowd* c, int begin, int end )
 {
-    const bool behind = kind / 4 > 0;
+    const bool behind = c->kind / 4 > 0;
     const wisp_motion_target_args args = {
         .target = c->target,
         .displacement = c->displacement,
@@ -99,92 +102,91 @@ static void begin_step( const wisp_kernels* kernels, crowd* c, int kind )
         .backstop_distance = behind ? c->backstop_distance : NULL,
         .bound = c->bound[0],
     };
-    kernels->motion_targets( &args, 0, MOVED_COUNT );
+    kernels->motion_targets( &args, begin, end );
 }
 
-TEST( every_table_gives_the_same_bits_of_motion )
+static void move_all( const wisp_kernels* kernels, void* state, int begin, int end )
 {
-    const wisp_kernels* tables[MAX_TABLES];
-    const int count = usable_tables( tables );
-    static crowd found, expected;
-    for ( int i = 0; i < KINDS * count; ++i )
+    crowd* c = state;
+    begin_step( kernels, c, begin, end );
+    for ( int pass = 0; pass < 3; ++pass )
     {
-        const int kind = i % KINDS;
-        const wisp_kernels* pair[2] = { tables[i / KINDS], tables[0] };
-        crowd* crowds[2] = { &found, &expected };
-        for ( int k = 0; k < 2; ++k )
-        {
-            fill( crowds[k], kind );
-            begin_step( pair[k], crowds[k], kind );
-            for ( int pass = 0; pass < 3; ++pass )
-            {
-                wisp_motion_constraint_args args = args_of( crowds[k], kind, 0.5f * (float)( 2 - pass ) );
-                args.velocity = crowds[k]->velocity[0];
-                args.inverse_dt = 60.0f;
-                pair[k]->motion_constraint( &args, 8, MOVED_COUNT );
-            }
-            const wisp_carry_args carried = { { -0.02f, -0.2f, 0.1f, 0.2f, -0.03f, 0.01f, -0.1f, 0.02f, -0.01f },
-                                              { 1.0f, 2.0f, 3.0f },
-                                              { 0.1f, 0.0f, -0.1f } };
-            pair[k]->carry_points( &carried, crowds[k]->position[0], 8, MOVED_COUNT );
-            pair[k]->carry_vectors( &carried, crowds[k]->velocity[0], 8, MOVED_COUNT );
-            crowds[k]->lambda[0] = (float)pair[k]->limit_speed( crowds[k]->velocity[0], 0.75f, 0, MOVED_COUNT );
-        }
-        assert_memory_equal( &found, &expected, sizeof( found ) );
-        assert_true( found.lambda[0] > 10.0f );
+        wisp_motion_constraint_args args = args_of( c, 0.5f * (float)( 2 - pass ) );
+        args.velocity = c->velocity[0];
+        args.inverse_dt = 60.0f;
+        kernels->motion_constraint( &args, begin, end );
     }
+    const wisp_carry_args carried = { { -0.02f, -0.2f, 0.1f, 0.2f, -0.03f, 0.01f, -0.1f, 0.02f, -0.01f },
+                                      { 1.0f, 2.0f, 3.0f },
+                                      { 0.1f, 0.0f, -0.1f } };
+    kernels->carry_points( &carried, c->position[0], begin, end );
+    kernels->carry_vectors( &carried, c->velocity[0], begin, end );
+    c->limited += kernels->limit_speed( c->velocity[0], 0.75f, begin, end );
 }
+
+static void check_limited( void* start, void* end )
+{
+    (void)start;
+    assert_true( ( (crowd*)end )->limited > 10 );
+}
+
+TEST_KERNEL( motions_have_the_same_bits_in_any_ranges, crowd, KINDS, 0, MOVED_COUNT, 8, fill, move_all,
+             check_limited )
 
 static double3 vector_at( const float* end, const float* change, int slot, double left )
 {
-    const size_t r = row_of( slot );
-    return ( double3 ){ (double)end[r] - left * (double)change[r], (double)end[r + 8] - left * (double)change[r + 8],
-                        (double)end[r + 16] - left * (double)change[r + 16] };
+    const float *e = end + row_of( slot ), *c = change + row_of( slot );
+    return double3_make( (double)e[0] - left * (double)c[0], (double)e[8] - left * (double)c[8],
+                         (double)e[16] - left * (double)c[16] );
 }
 
-// Two iterations in the middle of a step. Groups that are well inside, and lanes that are free, keep their bits.
-TEST( positions_are_those_of_the_oracle )
+static motion_oracle oracle_at( crowd* c, int i, double left )
 {
-    const wisp_kernels* kernels = widest_table();
-    static crowd c, start;
-    for ( int kind = 0; kind < KINDS; ++kind )
-    {
-        fill( &c, kind );
-        begin_step( kernels, &c, kind );
-        start = c;
-        const wisp_motion_constraint_args args = args_of( &c, kind, 0.25f );
-        kernels->motion_constraint( &args, 0, MOVED_COUNT );
-        kernels->motion_constraint( &args, 0, MOVED_COUNT );
-        int moved = 0, kept = 0;
-        for ( int i = 0; i < MOVED_COUNT; ++i )
-        {
-            motion_oracle m = {
-                .target = vector_at( c.target, c.displacement, i, 0.25 ),
-                .max_distance = (double)c.max_distance[i],
-                .normal = kind / 4 > 0 ? vector_at( c.normal, c.change, i, 0.25 ) : ( double3 ){ 0.0, 0.0, 0.0 },
-                .backstop_distance = (double)c.backstop_distance[i],
-                .backstop_radius = kind / 4 == 2 ? 1.0 / (double)c.curvature[i] : (double)INFINITY,
-                .stiffness = { (double)args.distance.stiffness, (double)args.backstop.stiffness },
-                .alpha = { (double)args.distance.compliance, (double)args.backstop.compliance },
-            };
-            const float* p = start.position[i];
-            double3 x = { (double)p[0], (double)p[1], (double)p[2] };
-            x = motion_oracle_project( &m, x, (double)p[3], kind % 4 == 3 );
-            x = motion_oracle_project( &m, x, (double)p[3], kind % 4 == 3 );
-            const double expected[3] = { x.x, x.y, x.z };
-            for ( int k = 0; k < 3; ++k )
-            {
-                // coordinates of 2 m, a handful of operations in floats
-                assert_near( (double)c.position[i][k], expected[k], 2e-6, "coordinate of", 100 * kind + i );
-            }
-            const bool same = memcmp( p, c.position[i], sizeof( c.position[i] ) ) == 0;
-            moved += same ? 0 : 1;
-            kept += same ? 1 : 0;
-        }
-        assert_true( moved > 150 );
-        assert_true( kept > 100 );
-    }
+    const wisp_motion_constraint_args args = args_of( c, 0.0f );
+    const double3 none = { 0.0, 0.0, 0.0 };
+    return ( motion_oracle ){
+        .target = vector_at( c->target, c->displacement, i, left ),
+        .max_distance = (double)c->max_distance[i],
+        .normal = c->kind / 4 > 0 ? vector_at( c->normal, c->change, i, left ) : none,
+        .backstop_distance = (double)c->backstop_distance[i],
+        .backstop_radius = c->kind / 4 == 2 ? 1.0 / (double)c->curvature[i] : (double)INFINITY,
+        .stiffness = { (double)args.distance.stiffness, (double)args.backstop.stiffness },
+        .alpha = { (double)args.distance.compliance, (double)args.backstop.compliance },
+    };
 }
+
+// Two iterations in the middle of a step.
+static void move_twice( const wisp_kernels* kernels, void* state, int begin, int end )
+{
+    const wisp_motion_constraint_args args = args_of( state, 0.25f );
+    begin_step( kernels, state, begin, end );
+    kernels->motion_constraint( &args, begin, end );
+    kernels->motion_constraint( &args, begin, end );
+}
+
+// Groups that are well inside, and lanes that are free, keep their bits.
+static void check_twice( void* begun, void* end )
+{
+    crowd *start = begun, *c = end;
+    int moved = 0, kept = 0;
+    for ( int i = 0; i < MOVED_COUNT; ++i )
+    {
+        motion_oracle m = oracle_at( c, i, 0.25 );
+        const float* p = start->position[i];
+        double3 x = double3_from( p );
+        x = motion_oracle_project( &m, x, (double)p[3], c->kind % 4 == 3 );
+        x = motion_oracle_project( &m, x, (double)p[3], c->kind % 4 == 3 );
+        // coordinates of 2 m, a handful of operations in floats
+        assert_near3( double3_from( c->position[i] ), x, 2e-6, "position of", 1000 * c->kind + i );
+        const bool same = memcmp( p, c->position[i], sizeof( c->position[i] ) ) == 0;
+        moved += same ? 0 : 1;
+        kept += same ? 1 : 0;
+    }
+    assert_true( moved > 150 );
+    assert_true( kept > 100 );
+}
+
+TEST_KERNEL( positions_are_those_of_the_oracle, crowd, KINDS, 0, MOVED_COUNT, 8, fill, move_twice, check_twice )
 
 // The cube in which a group is left out lies within what is allowed, wherever the target is in the step.
 TEST( a_group_that_is_left_out_is_within_its_limits )
@@ -193,27 +195,18 @@ TEST( a_group_that_is_left_out_is_within_its_limits )
     int left_out = 0;
     for ( int kind = 1; kind < KINDS; kind += 4 )
     {
+        memset( &c, 0, sizeof( c ) );
         fill( &c, kind );
-        begin_step( widest_table(), &c, kind );
+        begin_step( widest_table(), &c, 0, MOVED_COUNT );
         for ( int i = 0; i < MOVED_COUNT; ++i )
         {
             const double h = (double)c.bound[i][3];
             for ( int corner = 0; h >= 0.0 && corner < 8 * 5; ++corner )
             {
-                const double left = 0.25 * (double)( corner / 8 );
-                motion_oracle m = {
-                    .target = vector_at( c.target, c.displacement, i, left ),
-                    .max_distance = (double)c.max_distance[i],
-                    .normal = kind / 4 > 0 ? vector_at( c.normal, c.change, i, left ) : ( double3 ){ 0.0, 0.0, 0.0 },
-                    .backstop_distance = (double)c.backstop_distance[i],
-                    .backstop_radius = kind / 4 == 2 ? 1.0 / (double)c.curvature[i] : (double)INFINITY,
-                    .stiffness = { 1.0, 1.0 },
-                };
-                const double3 x = { (double)c.bound[i][0] + ( corner & 1 ? h : -h ),
-                                    (double)c.bound[i][1] + ( corner & 2 ? h : -h ),
-                                    (double)c.bound[i][2] + ( corner & 4 ? h : -h ) };
-                const double3 to = motion_oracle_project( &m, x, 1.0, false );
-                assert_true( to.x == x.x && to.y == x.y && to.z == x.z );
+                motion_oracle m = oracle_at( &c, i, 0.25 * (double)( corner / 8 ) );
+                const double3 to_corner = { corner & 1 ? h : -h, corner & 2 ? h : -h, corner & 4 ? h : -h };
+                const double3 x = double3_add( double3_from( c.bound[i] ), to_corner );
+                assert_near3( motion_oracle_project( &m, x, 1.0, false ), x, 0.0, "corner", corner );
                 left_out += 1;
             }
         }
@@ -250,15 +243,14 @@ typedef struct block
     float now[3][COUNT], old[3][COUNT], from[3][ROOM], to[3][ROOM];
     float path[ROOM], reach[ROOM], clear[COUNT], free_radius[COUNT], lower[3], upper[3];
     uint32_t groups, unsettled;
-    int begin, end, count, queried_count, stray_count, single_count, several_count;
+    int seed, begin, end, count, queried_count, stray_count, single_count, several_count;
 } block;
 
 // Some are pinned, some NaN, some too far away to be particles.
-static block* new_block( int seed )
+static void fill_block( void* state, int seed )
 {
-    block* b = aligned_alloc( 64, ( sizeof( block ) + 63 ) / 64 * 64 );
-    assert_non_null( b );
-    memset( b, 0, sizeof( *b ) );
+    block* b = state;
+    b->seed = seed;
     b->begin = seed % 3 * 8;
     b->end = COUNT - seed % 5 * 8;
     for ( int i = 0; i < COUNT; ++i )
@@ -271,7 +263,6 @@ static block* new_block( int seed )
         }
         b->position[i][3] = i % 5 == seed % 5 ? 0.0f : 2.0f;
         b->previous[i][3] = NAN; // not read
-        memcpy( b->place[i], b->position[i], sizeof( b->place[i] ) );
         b->place[i][3] = INFINITY;
         b->counts[i] = test_random( key, 7, 5 );
         b->free_radius[i] = i % 7 == 0 ? 0.01f : INFINITY;
@@ -284,7 +275,6 @@ static block* new_block( int seed )
     b->previous[52][seed % 3] = -INFINITY;
     b->previous[63][seed % 3] = NAN;
     b->position[74][3] = NAN;
-    return b;
 }
 
 static wisp_particle_batch particle_batch_of( block* b )
@@ -294,8 +284,9 @@ static wisp_particle_batch particle_batch_of( block* b )
     };
 }
 
-static wisp_cull_args sight_of( block* b, int seed )
+static wisp_cull_args sight_of( block* b )
 {
+    const int seed = b->seed;
     float r[9];
     for ( int k = 0; k < 9; ++k )
     {
@@ -328,7 +319,7 @@ static wisp_cull_args sight_of( block* b, int seed )
     };
 }
 
-static void run( const wisp_kernels* kernels, block* b, int seed )
+static void run( const wisp_kernels* kernels, block* b )
 {
     const wisp_gather_args args = { .position = b->position[0],
                                     .previous = b->previous[0],
@@ -337,7 +328,7 @@ static void run( const wisp_kernels* kernels, block* b, int seed )
                                     .batch = particle_batch_of( b ),
                                     .lower = b->lower,
                                     .upper = b->upper };
-    const wisp_cull_args sight = sight_of( b, seed );
+    const wisp_cull_args sight = sight_of( b );
     b->count = kernels->gather_particles( &args, b->begin, b->end );
     b->queried_count = kernels->cull_particles( &sight, b->count );
     for ( int i = b->begin; i < b->end; ++i )
@@ -348,54 +339,33 @@ static void run( const wisp_kernels* kernels, block* b, int seed )
     b->stray_count = kernels->find_displaced( b->previous[0], b->place[0], b->begin, b->end, b->strays );
 }
 
-static void assert_same_floats( const float* found, const float* expected, int count )
+// Kernels compress whole groups: what is behind the last one is left open, and so is what is no number.
+static void run_block( const wisp_kernels* kernels, void* state, int begin, int end )
 {
-    assert_memory_equal( found, expected, (size_t)count * sizeof( float ) );
-}
-
-TEST( every_table_gives_the_same_bits )
-{
-    const wisp_kernels* tables[MAX_TABLES];
-    const int tables_count = usable_tables( tables );
-    for ( int n = 0; n < SEEDS * tables_count; ++n )
+    block* b = state;
+    assert_true( begin <= b->begin && b->end <= end );
+    run( kernels, b );
+    for ( int k = 0; k < 3; ++k )
     {
-        const int seed = n % SEEDS;
-        block *b = new_block( seed ), *expected = new_block( seed );
-        run( tables[n / SEEDS], b, seed );
-        run( tables[0], expected, seed );
-        assert_int_equal( b->count, expected->count );
-        assert_int_equal( b->queried_count, expected->queried_count );
-        assert_int_equal( b->stray_count, expected->stray_count );
-        assert_memory_equal( b->slot, expected->slot, (size_t)( b->count / LANES ) * sizeof( int32_t ) );
-        assert_memory_equal( b->moving, expected->moving, (size_t)( b->count / LANES ) );
-        assert_memory_equal( b->pinned, expected->pinned, (size_t)( b->count / LANES ) );
-        assert_memory_equal( b->queried, expected->queried, (size_t)b->queried_count * sizeof( int32_t ) );
-        assert_memory_equal( b->strays, expected->strays, (size_t)b->stray_count * sizeof( int32_t ) );
-        assert_int_equal( b->single_count, expected->single_count );
-        assert_int_equal( b->several_count, expected->several_count );
-        assert_memory_equal( b->single, expected->single, (size_t)b->single_count * sizeof( int32_t ) );
-        assert_memory_equal( b->several, expected->several, (size_t)b->several_count * sizeof( int32_t ) );
-        for ( int k = 0; k < 3; ++k )
-        {
-            assert_same_floats( b->now[k], expected->now[k], b->count );
-            assert_same_floats( b->old[k], expected->old[k], b->count );
-            assert_same_floats( b->from[k], expected->from[k], b->queried_count );
-            assert_same_floats( b->to[k], expected->to[k], b->queried_count );
-        }
-        assert_same_floats( b->path, expected->path, b->queried_count );
-        assert_same_floats( b->reach, expected->reach, b->queried_count );
-        for ( int i = 0; i < b->count; ++i )
-        {
-            // of what is no number, the bits are left open
-            const bool moves = ( b->moving[i / LANES] >> i % LANES & 1 ) != 0;
-            assert_true( moves == false || memcmp( b->clear + i, expected->clear + i, sizeof( float ) ) == 0 );
-            assert_true( moves == false ||
-                         memcmp( b->free_radius + i, expected->free_radius + i, sizeof( float ) ) == 0 );
-        }
-        assert_same_floats( b->lower, expected->lower, 3 );
-        assert_same_floats( b->upper, expected->upper, 3 );
-        free( b );
-        free( expected );
+        FORGET_BEHIND( b->now[k], b->count );
+        FORGET_BEHIND( b->old[k], b->count );
+        FORGET_BEHIND( b->from[k], b->queried_count );
+        FORGET_BEHIND( b->to[k], b->queried_count );
+    }
+    FORGET_BEHIND( b->path, b->queried_count );
+    FORGET_BEHIND( b->reach, b->queried_count );
+    FORGET_BEHIND( b->queried, b->queried_count );
+    FORGET_BEHIND( b->strays, b->stray_count );
+    FORGET_BEHIND( b->single, b->single_count );
+    FORGET_BEHIND( b->several, b->several_count );
+    FORGET_BEHIND( b->slot, b->count / LANES );
+    FORGET_BEHIND( b->moving, b->count / LANES );
+    FORGET_BEHIND( b->pinned, b->count / LANES );
+    for ( int i = 0; i < COUNT; ++i )
+    {
+        const bool moves = i < b->count && ( b->moving[i / LANES] >> i % LANES & 1 ) != 0;
+        b->clear[i] = moves ? b->clear[i] : 0.0f;
+        b->free_radius[i] = moves ? b->free_radius[i] : 0.0f;
     }
 }
 
@@ -406,59 +376,57 @@ static bool is_place( const float* p )
     return fabsf( p[0] ) <= 1e9f && fabsf( p[1] ) <= 1e9f && fabsf( p[2] ) <= 1e9f;
 }
 
+static bool moves_at( const block* b, int n )
+{
+    return ( b->moving[n / LANES] >> n % LANES & 1 ) != 0;
+}
+
 static bool is_gathered( const block* b, int slot )
 {
     return ( b->groups >> ( slot - b->begin ) / LANES & 1u ) != 0;
 }
 
-TEST( groups_are_gathered_with_who_moves )
+static void check_gathered( block* b )
 {
-    for ( int seed = 0; seed < SEEDS; ++seed )
+    int n = 0;
+    float lower[3] = { INFINITY, INFINITY, INFINITY }, upper[3] = { -INFINITY, -INFINITY, -INFINITY };
+    for ( int i = b->begin; i < b->end; ++i )
     {
-        block* b = new_block( seed );
-        memset( b->place, 0, sizeof( b->place ) );
-        run( widest_table(), b, seed );
-        int n = 0;
-        float lower[3] = { INFINITY, INFINITY, INFINITY }, upper[3] = { -INFINITY, -INFINITY, -INFINITY };
-        for ( int i = b->begin; i < b->end; ++i )
+        const float *p = b->position[i], *old = b->previous[i];
+        if ( is_gathered( b, i ) == false )
         {
-            const float *p = b->position[i], *old = b->previous[i];
-            if ( is_gathered( b, i ) == false )
-            {
-                assert_true( b->place[i][0] == 0.0f && b->place[i][2] == 0.0f );
-                continue;
-            }
-            const bool finite = is_place( p ) && is_place( old ), moves = p[3] > 0.0f && finite;
-            assert_int_equal( b->slot[n / LANES] + n % LANES, i );
-            assert_int_equal( b->moving[n / LANES] >> n % LANES & 1, moves );
-            assert_int_equal( b->pinned[n / LANES] >> n % LANES & 1, finite && p[3] == 0.0f );
-            for ( int k = 0; k < 3; ++k )
-            {
-                assert_true( moves == false || ( b->now[k][n] == p[k] && b->old[k][n] == old[k] ) );
-                lower[k] = moves ? fminf( lower[k], fminf( p[k], old[k] ) ) : lower[k];
-                upper[k] = moves ? fmaxf( upper[k], fmaxf( p[k], old[k] ) ) : upper[k];
-            }
-            assert_memory_equal( b->place[i], p, 3 * sizeof( float ) );
-            assert_true( i % 2 == 0 || b->place[i][3] == INFINITY );
-            ++n;
+            assert_true( b->place[i][0] == 0.0f && b->place[i][2] == 0.0f );
+            continue;
         }
-        assert_int_equal( b->count, n );
-        assert_memory_equal( b->lower, lower, sizeof( lower ) );
-        assert_memory_equal( b->upper, upper, sizeof( upper ) );
-        free( b );
+        const bool finite = is_place( p ) && is_place( old ), moves = p[3] > 0.0f && finite;
+        assert_int_equal( b->slot[n / LANES] + n % LANES, i );
+        assert_int_equal( moves_at( b, n ), moves );
+        assert_int_equal( b->pinned[n / LANES] >> n % LANES & 1, finite && p[3] == 0.0f );
+        for ( int k = 0; k < 3; ++k )
+        {
+            assert_true( moves == false || ( b->now[k][n] == p[k] && b->old[k][n] == old[k] ) );
+            lower[k] = moves ? fminf( lower[k], fminf( p[k], old[k] ) ) : lower[k];
+            upper[k] = moves ? fmaxf( upper[k], fmaxf( p[k], old[k] ) ) : upper[k];
+        }
+        assert_memory_equal( b->place[i], p, 3 * sizeof( float ) );
+        assert_true( i % 2 == 0 || b->place[i][3] == INFINITY );
+        ++n;
     }
+    assert_int_equal( b->count, n );
+    assert_memory_equal( b->lower, lower, sizeof( lower ) );
+    assert_memory_equal( b->upper, upper, sizeof( upper ) );
 }
 
 TEST( a_block_without_anyone_who_moves_is_nowhere )
 {
-    block* b = new_block( 0 );
+    static block b;
+    fill_block( &b, 0 );
     for ( int i = 0; i < COUNT; ++i )
     {
-        b->position[i][3] = 0.0f;
+        b.position[i][3] = 0.0f;
     }
-    run( widest_table(), b, 0 );
-    assert_true( b->count == 0 && b->queried_count == 0 && b->lower[1] == INFINITY && b->upper[1] == -INFINITY );
-    free( b );
+    run( widest_table(), &b );
+    assert_true( b.count == 0 && b.queried_count == 0 && b.lower[1] == INFINITY && b.upper[1] == -INFINITY );
 }
 
 static float length_of( float x, float y, float z )
@@ -503,111 +471,129 @@ static wisp_vec3 particle_at( float ( *from )[COUNT], int i )
     return ( wisp_vec3 ){ from[0][i], from[1][i], from[2][i] };
 }
 
-TEST( who_is_within_reach_is_queried_and_the_rest_is_clear )
+static int queried_of[BOUNDS], left_out[BOUNDS], tried, strays;
+
+static bool is_at( float ( *found )[ROOM], int n, wisp_vec3 p )
 {
-    int queried_of[BOUNDS] = { 0 }, left_out[BOUNDS] = { 0 };
-    for ( int seed = 0; seed < SEEDS; ++seed )
-    {
-        block *b = new_block( seed ), *before = new_block( seed );
-        run( widest_table(), b, seed );
-        const wisp_cull_args s = sight_of( b, seed );
-        int queried = 0, moving = 0;
-        for ( int i = 0; i < b->count; ++i )
-        {
-            if ( ( b->moving[i / LANES] >> i % LANES & 1 ) == 0 )
-            {
-                continue;
-            }
-            const wisp_vec3 from = wisp_transform_to_local( s.before, particle_at( b->old, i ) ),
-                            to = wisp_transform_to_local( s.after, particle_at( b->now, i ) );
-            const float path = length_of( to.x - from.x, to.y - from.y, to.z - from.z ), reach = s.margin + path;
-            float distance;
-            const bool is_far = is_far_from( &s, to, reach, &distance );
-            assert_true( b->clear[i] == ( is_far ? fminf( reach, before->clear[i] ) : before->clear[i] ) );
-            assert_true( is_far || b->queried[queried] == i );
-            assert_true( b->free_radius[i] <= before->free_radius[i] && ( is_far || b->free_radius[i] <= 0.0f ) );
-            assert_true( b->free_radius[i] <= 0.0f ||
-                         3.0f * b->free_radius[i] < distance - s.margin - 2.0f * s.shift );
-            if ( is_far == false )
-            {
-                assert_true( b->from[0][queried] == from.x && b->from[1][queried] == from.y &&
-                             b->from[2][queried] == from.z );
-                assert_true( b->to[0][queried] == to.x && b->to[1][queried] == to.y && b->to[2][queried] == to.z );
-                assert_true( b->path[queried] == path && b->reach[queried] == reach );
-            }
-            queried += is_far ? 0 : 1;
-            ++moving;
-        }
-        assert_int_equal( b->queried_count, queried );
-        queried_of[s.shape] += queried;
-        left_out[s.shape] += moving - queried;
-        free( b );
-        free( before );
-    }
-    for ( int k = 0; k < BOUNDS; ++k )
-    {
-        if ( queried_of[k] < 50 || left_out[k] < 100 )
-        {
-            fail_msg( "bound %d: %d queried, %d left out", k, queried_of[k], left_out[k] );
-        }
-    }
+    return found[0][n] == p.x && found[1][n] == p.y && found[2][n] == p.z;
 }
 
-// ---- settled groups ----
+// Who is within reach is queried, and the rest is clear.
+static void check_queried( block* before, block* b )
+{
+    const wisp_cull_args s = sight_of( b );
+    int queried = 0, moving = 0;
+    for ( int i = 0; i < b->count; ++i )
+    {
+        if ( moves_at( b, i ) == false )
+        {
+            continue;
+        }
+        const wisp_vec3 from = wisp_transform_to_local( s.before, particle_at( b->old, i ) ),
+                        to = wisp_transform_to_local( s.after, particle_at( b->now, i ) );
+        const float path = length_of( to.x - from.x, to.y - from.y, to.z - from.z ), reach = s.margin + path;
+        float distance;
+        const bool is_far = is_far_from( &s, to, reach, &distance );
+        assert_true( b->clear[i] == ( is_far ? fminf( reach, before->clear[i] ) : before->clear[i] ) );
+        assert_true( b->free_radius[i] <= before->free_radius[i] && ( is_far || b->free_radius[i] <= 0.0f ) );
+        assert_true( b->free_radius[i] <= 0.0f || 3.0f * b->free_radius[i] < distance - s.margin - 2.0f * s.shift );
+        assert_true( is_far ||
+                     ( b->queried[queried] == i && is_at( b->from, queried, from ) && is_at( b->to, queried, to ) &&
+                       b->path[queried] == path && b->reach[queried] == reach ) );
+        queried += is_far ? 0 : 1;
+        ++moving;
+    }
+    assert_int_equal( b->queried_count, queried );
+    queried_of[s.shape] += queried;
+    left_out[s.shape] += moving - queried;
+}
 
 // What free_radius promises: wherever a particle goes within its radius, and however the body moves within its bounds,
 // a search would find nothing.
-TEST( within_its_free_radius_no_body_finds_a_particle )
+static void check_free_radius( block* b, int i )
 {
-    int tried = 0;
-    for ( int seed = 0; seed < SEEDS; ++seed )
+    const wisp_cull_args s = sight_of( b );
+    wisp_vec3 local[2];
+    for ( int k = 0; k < 2; ++k )
     {
-        block* b = new_block( seed );
-        run( widest_table(), b, seed );
-        const wisp_cull_args s = sight_of( b, seed );
-        for ( int i = 0; i < b->count; ++i )
+        float r[9];
+        for ( int c = 0; c < 9; ++c )
         {
-            const float radius = b->free_radius[i];
-            if ( ( b->moving[i / LANES] >> i % LANES & 1 ) == 0 || !( radius > 0.0f ) || radius == INFINITY )
-            {
-                continue;
-            }
-            wisp_vec3 at[2];
-            wisp_transform pose[2];
-            for ( int k = 0; k < 2; ++k )
-            {
-                float r[9];
-                for ( int c = 0; c < 9; ++c )
-                {
-                    r[c] = test_random_float( 2 * ( seed * COUNT + i ) + k, 20 + c, -1.0f, 1.0f );
-                }
-                const float way = radius / length_of( r[0], r[1], r[2] ), shift = 0.57f * s.shift,
-                            turn = 0.14f * s.turn;
-                const wisp_vec3 p = particle_at( b->now, i ), t = s.after.translation;
-                const wisp_quat q = s.after.rotation;
-                at[k] = ( wisp_vec3 ){ p.x + way * r[0], p.y + way * r[1], p.z + way * r[2] };
-                // 2 |q - q'| is no more than the turn: four components of 0.14 each, and making it a unit
-                pose[k] = wisp_transform_make(
-                    ( wisp_quat ){ q.x + turn * r[6], q.y + turn * r[7], q.z + turn * r[8], q.w + turn * r[0] },
-                    ( wisp_vec3 ){ t.x + shift * r[3], t.y + shift * r[4], t.z + shift * r[5] } );
-            }
-            const wisp_vec3 from = wisp_transform_to_local( pose[0], at[0] ),
-                            to = wisp_transform_to_local( pose[1], at[1] );
-            float distance;
-            const float reach = s.margin + length_of( to.x - from.x, to.y - from.y, to.z - from.z );
-            assert_true( is_far_from( &s, to, reach, &distance ) && distance > reach );
-            ++tried;
+            r[c] = test_random_float( 2 * ( b->seed * COUNT + i ) + k, 20 + c, -1.0f, 1.0f );
         }
-        free( b );
+        const float way = b->free_radius[i] / length_of( r[0], r[1], r[2] ), shift = 0.57f * s.shift,
+                    turn = 0.14f * s.turn;
+        const wisp_vec3 p = particle_at( b->now, i ), t = s.after.translation;
+        const wisp_quat q = s.after.rotation;
+        // 2 |q - q'| is no more than the turn: four components of 0.14 each, and making it a unit
+        const wisp_transform pose = wisp_transform_make(
+            ( wisp_quat ){ q.x + turn * r[6], q.y + turn * r[7], q.z + turn * r[8], q.w + turn * r[0] },
+            ( wisp_vec3 ){ t.x + shift * r[3], t.y + shift * r[4], t.z + shift * r[5] } );
+        local[k] =
+            wisp_transform_to_local( pose, ( wisp_vec3 ){ p.x + way * r[0], p.y + way * r[1], p.z + way * r[2] } );
+    }
+    const wisp_vec3 from = local[0], to = local[1];
+    float distance;
+    const float reach = s.margin + length_of( to.x - from.x, to.y - from.y, to.z - from.z );
+    assert_true( is_far_from( &s, to, reach, &distance ) && distance > reach );
+    ++tried;
+}
+
+static void check_lists( block* b )
+{
+    int one = 0, more = 0, n = 0;
+    for ( int i = 0; i < b->end; ++i )
+    {
+        assert_true( b->counts[i] != 1 || b->single[one] == i );
+        assert_true( b->counts[i] < 2 || b->several[more] == i );
+        one += b->counts[i] == 1 ? 1 : 0;
+        more += b->counts[i] > 1 ? 1 : 0;
+        const float *p = b->previous[i], *q = b->place[i];
+        if ( i >= b->begin && length_of( p[0] - q[0], p[1] - q[1], p[2] - q[2] ) > fabsf( q[3] ) )
+        {
+            assert_int_equal( b->strays[n++], i );
+        }
+    }
+    assert_true( b->single_count == one && b->several_count == more && one > 10 && more > 10 );
+    assert_int_equal( b->stray_count, n );
+    strays += n;
+}
+
+static void check_block( void* start, void* end )
+{
+    block* b = end;
+    check_gathered( b );
+    check_queried( start, b );
+    check_lists( b );
+    for ( int i = 0; i < b->count; ++i )
+    {
+        if ( moves_at( b, i ) && b->free_radius[i] > 0.0f && b->free_radius[i] < INFINITY )
+        {
+            check_free_radius( b, i );
+        }
+    }
+}
+
+TEST( who_moves_is_gathered_who_is_near_is_queried_and_who_leaves_its_place_is_a_stray )
+{
+    check_kernel( KERNEL_ROW( block, SEEDS, 0, COUNT, 0, fill_block, run_block, check_block ) );
+    for ( int k = 0; k < BOUNDS; ++k )
+    {
+        assert_true( queried_of[k] >= 50 && left_out[k] >= 100 );
     }
     assert_true( tried > 500 );
+    assert_true( strays > 1000 && strays < SEEDS * COUNT / 2 );
 }
+
+// ---- settled groups ----
 
 TEST( a_group_is_settled_while_all_are_within_their_radius )
 {
     for ( int seed = 0; seed < SEEDS; ++seed )
     {
-        block* b = new_block( 1 );
+        static block made;
+        block* b = &made;
+        fill_block( b, 1 );
         for ( int i = 0; i < COUNT; ++i )
         {
             for ( int k = 0; k < 3; ++k )
@@ -627,56 +613,11 @@ TEST( a_group_is_settled_while_all_are_within_their_radius )
         b->position[72 + who][seed % 3] = INFINITY;
         b->place[88 + who][3] = 0.1f;
         b->place[8 + who][3] = b->place[24 + who][3] = -0.1f;
-        const wisp_kernels* tables[MAX_TABLES];
-        const int tables_count = usable_tables( tables );
-        for ( int t = 0; t < tables_count; ++t )
+        for ( const wisp_kernels* const* k = every_table(); *k != NULL; ++k )
         {
             const uint32_t groups =
-                tables[t]->find_unsettled( b->position[0], b->previous[0], b->place[0], 0, 13 * LANES );
+                ( *k )->find_unsettled( b->position[0], b->previous[0], b->place[0], 0, 13 * LANES );
             assert_int_equal( groups, 1u << 1 | 1u << 3 | 1u << 5 | 1u << 7 | 1u << 9 | 1u << 11 );
         }
-        free( b );
     }
-}
-
-TEST( counts_are_listed_by_one_and_more )
-{
-    for ( int seed = 0; seed < SEEDS; ++seed )
-    {
-        block* b = new_block( seed );
-        run( widest_table(), b, seed );
-        int one = 0, more = 0;
-        for ( int i = 0; i < b->end; ++i )
-        {
-            assert_true( b->counts[i] != 1 || b->single[one] == i );
-            assert_true( b->counts[i] < 2 || b->several[more] == i );
-            one += b->counts[i] == 1 ? 1 : 0;
-            more += b->counts[i] > 1 ? 1 : 0;
-        }
-        assert_true( b->single_count == one && b->several_count == more && one > 10 && more > 10 );
-        free( b );
-    }
-}
-
-TEST( who_leaves_its_place_is_a_stray )
-{
-    int all = 0;
-    for ( int seed = 0; seed < SEEDS; ++seed )
-    {
-        block* b = new_block( seed );
-        run( widest_table(), b, seed );
-        int n = 0;
-        for ( int i = b->begin; i < b->end; ++i )
-        {
-            const float *p = b->previous[i], *q = b->place[i];
-            if ( length_of( p[0] - q[0], p[1] - q[1], p[2] - q[2] ) > fabsf( q[3] ) )
-            {
-                assert_int_equal( b->strays[n++], i );
-            }
-        }
-        assert_int_equal( b->stray_count, n );
-        all += n;
-        free( b );
-    }
-    assert_true( all > 1000 && all < SEEDS * COUNT / 2 );
 }

@@ -19,14 +19,14 @@ enum
     MAX_ENTRIES = 6 * SLICES,
 };
 
-static const float UNTOUCHED = -7.0f;
-
 typedef struct plate
 {
     float position[NUMBERS], target[NUMBERS], velocity[NUMBERS], predicted[NUMBERS], impulse[NUMBERS];
     float newer[NUMBERS], older[NUMBERS], least_height[SLOTS];
     int32_t begin[SLICES + 1], other_x4[MAX_ENTRIES][8];
     float weight[MAX_ENTRIES][8];
+    float largest;
+    int variant;
 } plate;
 
 static void fill_random( float* numbers, int count, int seed )
@@ -38,10 +38,10 @@ static void fill_random( float* numbers, int count, int seed )
 }
 
 // Every third particle is pinned, and every second one has a target. Slices have one to six entries.
-static plate* new_plate( void )
+static void fill_plate( void* state, int variant )
 {
-    plate* p = calloc( 1, sizeof( plate ) );
-    assert_non_null( p );
+    plate* p = state;
+    p->variant = variant;
     float* const columns[] = { p->position, p->target, p->velocity, p->predicted, p->impulse, p->newer, p->older };
     for ( int i = 0; i < WISP_COUNT( columns ); ++i )
     {
@@ -63,28 +63,13 @@ static plate* new_plate( void )
         p->other_x4[i / 8][i % 8] = 4 * (int)( test_random_float( i, 22, 0.0f, 0.999f ) * (float)SLOTS );
         p->weight[i / 8][i % 8] = test_random_float( i, 23, -1.0f, 2.0f );
     }
-    return p;
 }
 
-static wisp_plate_args stage_args( plate* p )
-{
-    return ( wisp_plate_args ){
-        .rows = { SLICES, p->begin, (const int32_t( * )[8])p->other_x4, (const float( * )[8])p->weight },
-        .position = p->position,
-        .impulse = p->impulse,
-        .newer = p->newer,
-        .older = p->older,
-        .rate = 0.3f,
-        .momentum = 0.7f,
-        .gain = 0.9f,
-    };
-}
-
-static wisp_plate_move_args move_args( plate* p, bool with_targets )
+static wisp_plate_move_args move_args( plate* p )
 {
     return ( wisp_plate_move_args ){
         .position = p->position,
-        .target = with_targets ? p->target : p->position,
+        .target = p->variant == 0 ? p->target : p->position,
         .predicted = p->predicted,
         .impulse = p->impulse,
         .velocity = p->velocity,
@@ -97,106 +82,109 @@ static wisp_plate_move_args move_args( plate* p, bool with_targets )
     };
 }
 
-static void expect_predicted( plate* p, bool with_targets )
+RUN_KERNEL( run_predict, plate_predict, wisp_plate_move_args, move_args )
+
+static void check_predict( void* start, void* end )
 {
+    plate *before = start, *p = end;
     const float g[3] = { 0.3f, -9.81f, 0.1f };
-    for ( int i = 32 * BEGIN; i < 32 * END; ++i )
+    for ( int i = 0; i < NUMBERS; ++i )
     {
         const float *x = p->position + i / 4 * 4, *t = p->target + i / 4 * 4;
         const int k = i % 4;
-        float expected = x[k];
-        if ( k < 3 && x[3] != 0.0f )
+        const bool is_inside = i >= 32 * BEGIN && i < 32 * END;
+        float expected = is_inside ? x[k] : before->predicted[i];
+        if ( is_inside && k < 3 && x[3] != 0.0f )
         {
             expected = x[k] + 0.013f * ( p->velocity[i] + 0.013f * g[k] );
         }
-        else if ( k < 3 && with_targets && t[3] != 0.0f )
+        else if ( is_inside && k < 3 && p->variant == 0 && t[3] != 0.0f )
         {
             expected = x[k] + 0.4f * ( t[k] - x[k] );
         }
         assert_memory_equal( p->predicted + i, &expected, sizeof( float ) );
-        assert_true( p->impulse[i] == 0.0f );
+        assert_true( p->impulse[i] == ( is_inside ? 0.0f : before->impulse[i] ) );
     }
 }
 
-TEST( particles_go_where_gravity_or_targets_lead )
+TEST_KERNEL( particles_go_where_gravity_or_targets_lead, plate, 2, BEGIN, END, 1, fill_plate, run_predict,
+             check_predict )
+
+static void run_stage( const wisp_kernels* kernels, void* state, int begin, int end )
 {
-    const wisp_kernels* tables[MAX_TABLES];
-    const int table_count = usable_tables( tables );
-    for ( int n = 0; n < 2 * table_count; ++n )
-    {
-        plate* p = new_plate();
-        p->predicted[32 * BEGIN - 1] = p->predicted[32 * END] = UNTOUCHED;
-        const wisp_plate_move_args args = move_args( p, n % 2 == 0 );
-        tables[n / 2]->plate_predict( &args, BEGIN, END );
-        expect_predicted( p, n % 2 == 0 );
-        assert_true( p->predicted[32 * BEGIN - 1] == UNTOUCHED && p->predicted[32 * END] == UNTOUCHED );
-        free( p );
-    }
+    plate* p = state;
+    const wisp_plate_args args = {
+        .rows = { SLICES, p->begin, (const int32_t( * )[8])p->other_x4, (const float( * )[8])p->weight },
+        .position = p->position,
+        .impulse = p->impulse,
+        .newer = p->newer,
+        .older = p->older,
+        .rate = 0.3f,
+        .momentum = 0.7f,
+        .gain = 0.9f,
+    };
+    ( p->variant == 0 ? kernels->plate_stage : kernels->plate_begin )( &args, begin, end );
 }
 
-TEST( stages_are_those_of_a_plain_loop )
+static void check_stage( void* start, void* end )
 {
-    const wisp_kernels* tables[MAX_TABLES];
-    const int table_count = usable_tables( tables );
-    for ( int t = 0; t < table_count; ++t )
+    plate *before = start, *p = end;
+    for ( int i = 0; i < NUMBERS; ++i )
     {
-        plate *p = new_plate(), *before = new_plate(), *first = new_plate();
-        const wisp_plate_args args = stage_args( p ), begun = stage_args( first );
-        tables[t]->plate_stage( &args, BEGIN, END );
-        tables[t]->plate_begin( &begun, BEGIN, END );
-        for ( int i = 32 * BEGIN; i < 32 * END; ++i )
+        const int row = i / 4, k = i % 4, slice = row / 8;
+        float sum = 0.0f, y = before->newer[i], weight = p->position[4 * row + 3];
+        for ( int entry = p->begin[slice]; entry < p->begin[slice + 1]; ++entry )
         {
-            const int row = i / 4, k = i % 4, slice = row / 8;
-            float sum = 0.0f, y = before->newer[i];
-            for ( int entry = p->begin[slice]; entry < p->begin[slice + 1]; ++entry )
-            {
-                sum += p->weight[entry][row % 8] * ( y - before->newer[p->other_x4[entry][row % 8] + k] );
-            }
-            const float b = before->impulse[i] + -0.3f * sum, weight = p->position[4 * row + 3];
-            y = y + 0.7f * ( y - before->older[i] );
-            assert_true( p->older[i] == ( k < 3 ? y + 0.9f * weight * b : 0.0f ) );
-            assert_true( first->newer[i] == 0.9f * weight * before->impulse[i] );
-            assert_true( first->older[i] == 0.0f );
+            sum += p->weight[entry][row % 8] * ( y - before->newer[p->other_x4[entry][row % 8] + k] );
         }
-        assert_memory_equal( first->newer, before->newer, 32 * BEGIN * sizeof( float ) );
-        assert_memory_equal( first->newer + 32 * END, before->newer + 32 * END, 32 * sizeof( float ) );
-        free( p );
-        free( before );
-        free( first );
+        const float b = before->impulse[i] + -0.3f * sum, further = y + 0.7f * ( y - before->older[i] );
+        const bool is_inside = i >= 32 * BEGIN && i < 32 * END, begins = is_inside && p->variant == 1;
+        const float older = k < 3 && begins == false ? further + 0.9f * weight * b : 0.0f;
+        assert_true( p->older[i] == ( is_inside ? older : before->older[i] ) );
+        assert_true( p->newer[i] == ( begins ? 0.9f * weight * before->impulse[i] : y ) );
     }
 }
+
+TEST_KERNEL( stages_are_those_of_a_plain_loop, plate, 2, BEGIN, END, 1, fill_plate, run_stage, check_stage )
 
 // What is not a number, or lies in no triangle, does not count.
-TEST( moves_are_measured_and_become_velocities )
+static void fill_moves( void* state, int variant )
 {
-    const wisp_kernels* tables[MAX_TABLES];
-    const int table_count = usable_tables( tables );
-    for ( int t = 0; t < table_count; ++t )
+    plate* p = state;
+    fill_plate( p, variant );
+    p->newer[32 * BEGIN + 5] = variant == 0 ? NAN : 0.5f;
+    p->newer[0] = p->newer[32 * END] = 1e6f;
+}
+
+static void run_moves( const wisp_kernels* kernels, void* state, int begin, int end )
+{
+    plate* p = state;
+    const wisp_plate_move_args args = move_args( p );
+    p->largest = fmaxf( p->largest, kernels->plate_largest_move( &args, begin, end ) );
+    assert_true( kernels->plate_largest_move( &args, begin, begin ) == 0.0f );
+    if ( p->variant == 1 )
     {
-        plate *p = new_plate(), *before = new_plate();
-        p->newer[32 * BEGIN + 5] = NAN;
-        p->newer[0] = p->newer[32 * END] = 1e6f;
-        float expected = 0.0f;
-        for ( int slot = 8 * BEGIN; slot < 8 * END; ++slot )
-        {
-            const float *y = p->newer + 4 * slot, least = p->least_height[slot];
-            expected = fmaxf( expected, ( y[0] * y[0] + y[1] * y[1] + y[2] * y[2] ) / ( least * least ) );
-        }
-        const wisp_plate_move_args args = move_args( p, true );
-        assert_true( tables[t]->plate_largest_move( &args, BEGIN, END ) == expected );
-        assert_true( tables[t]->plate_largest_move( &args, BEGIN, BEGIN ) == 0.0f );
-        p->newer[32 * BEGIN + 5] = 0.5f;
-        tables[t]->plate_accelerate( &args, BEGIN, END );
-        for ( int i = 0; i < NUMBERS; ++i )
-        {
-            const bool inside = i >= 32 * BEGIN && i < 32 * END;
-            const float change = 0.6f * p->newer[i] / 0.013f;
-            assert_true( p->velocity[i] == ( inside ? before->velocity[i] + change : before->velocity[i] ) );
-        }
-        free( p );
-        free( before );
+        kernels->plate_accelerate( &args, begin, end );
     }
 }
+
+static void check_moves( void* start, void* end )
+{
+    plate *before = start, *p = end;
+    float expected = 0.0f;
+    for ( int i = 0; i < NUMBERS; ++i )
+    {
+        const float *y = p->newer + i / 4 * 4, least = p->least_height[i / 4], change = 0.6f * p->newer[i] / 0.013f;
+        const bool is_inside = i >= 32 * BEGIN && i < 32 * END;
+        const float square = ( y[0] * y[0] + y[1] * y[1] + y[2] * y[2] ) / ( least * least );
+        expected = is_inside ? fmaxf( expected, square ) : expected;
+        assert_true( p->velocity[i] ==
+                     ( is_inside && p->variant == 1 ? before->velocity[i] + change : before->velocity[i] ) );
+    }
+    assert_true( p->largest == expected );
+}
+
+TEST_KERNEL( moves_are_measured_and_become_velocities, plate, 2, BEGIN, END, 1, fill_moves, run_moves, check_moves )
 
 // ---- moments of angles ----
 
@@ -207,21 +195,24 @@ enum
 
 typedef struct moments
 {
-    constraints* s;
+    constraints s;
     int32_t begin[GROUPS + 1], other[TURN_ENTRIES][8];
     float weight[TURN_ENTRIES][8], stiffness[CONSTRAINTS], steepest[CONSTRAINTS], angle[CONSTRAINTS];
     _Alignas( 64 ) float impulse[BODIES][4];
+    bool is_tangled;
 } moments;
 
-// Groups have none to four entries. Every second hinge is steep: its moment gives way.
-static moments* new_moments( void )
+// Groups have none to four entries. Every second hinge is steep: its moment gives way. Groups that share particles add
+// up, in their order.
+static void fill_moments( void* state, int variant )
 {
-    moments* m = aligned_alloc( 64, ( sizeof( moments ) + 63 ) / 64 * 64 );
-    constraints* s = aligned_alloc( 64, ( sizeof( constraints ) + 63 ) / 64 * 64 );
-    assert_true( m != NULL && s != NULL );
-    memset( m, 0, sizeof( *m ) );
-    m->s = s;
-    make_constraints( s, true );
+    moments* m = state;
+    make_constraints( &m->s, true );
+    m->is_tangled = variant == 1;
+    if ( m->is_tangled )
+    {
+        tangle( &m->s );
+    }
     for ( int g = 0; g < GROUPS; ++g )
     {
         m->begin[g + 1] = m->begin[g] + g % 5;
@@ -237,34 +228,23 @@ static moments* new_moments( void )
         m->steepest[c] = c % 2 == 0 ? 1e6f : 0.5f;
     }
     fill_random( m->impulse[0], 4 * BODIES, 33 );
-    return m;
 }
 
-static void free_moments( moments* m )
+static void run_moments( const wisp_kernels* kernels, void* state, int begin, int end )
 {
-    free( m->s );
-    free( m );
-}
-
-static wisp_plate_angle_args angle_args( moments* m )
-{
-    return ( wisp_plate_angle_args ){
+    moments* m = state;
+    const wisp_plate_angle_args args = {
         .turns = { m->begin, (const int32_t( * )[8])m->other, (const float( * )[8])m->weight, m->stiffness,
                    m->steepest, NULL },
-        .slot_x4 = m->s->slot_x4[0][0],
-        .rest = m->s->angle,
-        .position = m->s->position[0],
+        .slot_x4 = m->s.slot_x4[0][0],
+        .rest = m->s.angle,
+        .position = m->s.position[0],
         .angle = m->angle,
         .impulse = m->impulse[0],
         .rate = 0.2f,
     };
-}
-
-static void run_moments( const wisp_kernels* kernels, moments* m )
-{
-    const wisp_plate_angle_args args = angle_args( m );
     kernels->plate_measure_angles( &args, 0, CONSTRAINTS );
-    kernels->plate_add_moments( &args, 8, CONSTRAINTS - 8 );
+    kernels->plate_add_moments( &args, begin, end );
 }
 
 // The kernel's angle is positive where the oracle's is negative.
@@ -274,10 +254,10 @@ static void expect_moment( moments* m, const moments* before, int c )
     double weight[4], moment = 0.0, steep = 0.0, sum = 0.0;
     for ( int k = 0; k < 4; ++k )
     {
-        p[k] = double3_from( body( m->s, c, k ) );
-        weight[k] = (double)body( m->s, c, k )[3];
+        p[k] = double3_from( body( &m->s, c, k ) );
+        weight[k] = (double)body( &m->s, c, k )[3];
     }
-    const constraint_oracle_term term = constraint_oracle_dihedral( p, -(double)m->s->angle[c] );
+    const constraint_oracle_term term = constraint_oracle_dihedral( p, -(double)m->s.angle[c] );
     assert_near( (double)m->angle[c], -term.value, 2e-5, "angle of hinge", c );
     for ( int k = 0; k < 4; ++k )
     {
@@ -294,55 +274,27 @@ static void expect_moment( moments* m, const moments* before, int c )
     moment /= 1.0 + 8.0 * 0.2 * (double)m->stiffness[c] * sum * ( 1.0 - within );
     for ( int k = 0; k < 4; ++k )
     {
-        const int slot = m->s->slot_x4[c / 8][k][c % 8] / 4;
+        const int slot = m->s.slot_x4[c / 8][k][c % 8] / 4;
         const bool runs = c >= 8 && c < CONSTRAINTS - 8;
         const double3 added = double3_sub( double3_from( m->impulse[slot] ), double3_from( before->impulse[slot] ) );
         const double3 expected = double3_scale( runs ? moment : 0.0, gradient[k] );
         const double tolerance = 1e-5 * ( 1.0 + double3_length( expected ) );
-        assert_near( double3_distance( added, expected ), 0.0, tolerance, "impulse of hinge", c );
+        assert_near_vector( added, expected, tolerance, "impulse of hinge", c );
         assert_true( m->impulse[slot][3] == before->impulse[slot][3] );
     }
 }
 
-TEST( moments_act_along_the_gradients_of_their_angles )
+static void check_moments( void* start, void* end )
 {
-    const wisp_kernels* tables[MAX_TABLES];
-    const int table_count = usable_tables( tables );
-    moments *before = new_moments(), *plain = new_moments();
-    run_moments( &kernels_plain, plain );
-    for ( int t = 0; t < table_count; ++t )
+    moments* m = end;
+    for ( int c = 0; c < CONSTRAINTS && m->is_tangled == false; ++c )
     {
-        moments* m = new_moments();
-        run_moments( tables[t], m );
-        assert_memory_equal( m->impulse, plain->impulse, sizeof( m->impulse ) );
-        for ( int c = 0; c < CONSTRAINTS; ++c )
-        {
-            expect_moment( m, before, c );
-        }
-        free_moments( m );
+        expect_moment( m, start, c );
     }
-    free_moments( before );
-    free_moments( plain );
 }
 
-// Groups that share particles add up, in their order.
-TEST( moments_of_shared_particles_have_the_bits_of_a_plain_table )
-{
-    const wisp_kernels* tables[MAX_TABLES];
-    const int table_count = usable_tables( tables );
-    moments* plain = new_moments();
-    tangle( plain->s );
-    run_moments( &kernels_plain, plain );
-    for ( int t = 0; t < table_count; ++t )
-    {
-        moments* m = new_moments();
-        tangle( m->s );
-        run_moments( tables[t], m );
-        assert_memory_equal( m->impulse, plain->impulse, sizeof( m->impulse ) );
-        free_moments( m );
-    }
-    free_moments( plain );
-}
+TEST_KERNEL( moments_act_along_the_gradients_of_their_angles, moments, 2, 8, CONSTRAINTS - 8, 8, fill_moments,
+             run_moments, check_moments )
 
 // ---- coarse sheets ----
 
@@ -374,24 +326,22 @@ static void put( float* quad, int item, int first, float w )
     quad[3] = w;
 }
 
-static batch* new_batch( void )
+static void fill_batch( void* state, int seed )
 {
-    batch* s = aligned_alloc( 64, ( sizeof( batch ) + 63 ) / 64 * 64 );
-    assert_non_null( s );
-    memset( s, 0, sizeof( *s ) );
+    batch* s = state;
     for ( int i = 0; i < LINKS; ++i )
     {
-        put( s->position[2 * i], i, 0, i % 7 == 0 ? 0.0f : 0.5f * (float)( i % 5 + 1 ) );
-        put( s->position[2 * i + 1], i, 3, i % 14 == 0 ? 0.0f : 1.5f );
+        put( s->position[2 * i], i + 1000 * seed, 0, i % 7 == 0 ? 0.0f : 0.5f * (float)( i % 5 + 1 ) );
+        put( s->position[2 * i + 1], i + 1000 * seed, 3, i % 14 == 0 ? 0.0f : 1.5f );
         s->a_x4[i] = 8 * i;
         s->b_x4[i] = 8 * i + 4;
-        s->rest[i] = test_random_float( i, 6, 0.3f, 2.5f );
-        s->lower[i] = s->rest[i] * test_random_float( i, 7, 0.7f, 1.0f );
+        s->rest[i] = test_random_float( i + 1000 * seed, 6, 0.3f, 2.5f );
+        s->lower[i] = s->rest[i] * test_random_float( i + 1000 * seed, 7, 0.7f, 1.0f );
         s->compliance[i] = i % 3 == 0 ? 0.0f : 1e-3f;
-        s->chain_rest[i] = s->rest[i] * test_random_float( i, 8, 1.0f, 1.3f );
+        s->chain_rest[i] = s->rest[i] * test_random_float( i + 1000 * seed, 8, 1.0f, 1.3f );
         for ( int e = 0; e < CHAIN; ++e )
         {
-            put( s->particle[CHAIN * i + e], i, 10 + 3 * e, 1.0f );
+            put( s->particle[CHAIN * i + e], i + 1000 * seed, 10 + 3 * e, 1.0f );
             for ( int k = 0; k < 3; ++k )
             {
                 s->particle[CHAIN * i + e][k] *= 0.3f;
@@ -406,7 +356,7 @@ static batch* new_batch( void )
     }
     for ( int i = 0; i < FINER; ++i )
     {
-        put( s->target[i], i, 40, i % 5 == 0 ? 0.0f : 2.0f );
+        put( s->target[i], i + 1000 * seed, 40, i % 5 == 0 ? 0.0f : 2.0f );
         for ( int k = 0; k < WISP_FABRIC_PARENTS; ++k )
         {
             s->parent_x4[i / 8][k][i % 8] = 4 * ( ( i * 5 + k * 17 ) % ROWS );
@@ -416,7 +366,6 @@ static batch* new_batch( void )
 
     // ends on each other
     memcpy( s->position[2 * 9 + 1], s->position[2 * 9], 3 * sizeof( float ) );
-    return s;
 }
 
 static wisp_level_link_args level_args( batch* s )
@@ -438,79 +387,51 @@ static wisp_level_link_args level_args( batch* s )
     };
 }
 
-static wisp_prolong_args prolong_args( batch* s )
-{
-    return ( wisp_prolong_args ){ s->target[0], s->target[0], s->value[0], s->parent_x4[0][0], s->weight[0][0] };
-}
-
-static void run_all( const wisp_kernels* kernels, batch* s )
-{
-    const wisp_level_link_args links = level_args( s );
-    const wisp_prolong_args prolong = prolong_args( s );
-    kernels->level_band( &links, 0, LINKS );
-    kernels->level_prepare( &links, 0, LINKS );
-    kernels->level_link( &links, 0, LINKS );
-    kernels->level_link( &links, 0, LINKS );
-    kernels->prolong( &prolong, 0, FINER / 8 );
-}
-
-TEST( every_table_gives_the_same_bits )
-{
-    const wisp_kernels* tables[MAX_TABLES];
-    const int count = usable_tables( tables );
-    batch *first = new_batch(), *start = new_batch();
-    run_all( tables[0], first );
-    assert_memory_not_equal( first, start, sizeof( batch ) );
-    for ( int t = 1; t < count; ++t )
-    {
-        batch* other = new_batch();
-        run_all( tables[t], other );
-        assert_memory_equal( first, other, sizeof( batch ) );
-        free( other );
-    }
-    free( first );
-    free( start );
-}
-
 static double3 at( const batch* s, int row )
 {
     return double3_from( s->position[row] );
 }
 
-TEST( a_link_pushes_no_more_than_its_chain_is_compressed )
+RUN_KERNEL( run_band, level_band, wisp_level_link_args, level_args )
+
+static void check_band( void* start, void* end )
 {
-    batch* s = new_batch();
-    const wisp_level_link_args args = level_args( s );
+    (void)start;
+    batch* s = end;
     int stretched = 0, slack = 0, pushing = 0;
-    widest_table()->level_band( &args, 0, LINKS );
     for ( int i = 0; i < LINKS; ++i )
     {
-        const double length = double3_length( double3_sub( at( s, 2 * i ), at( s, 2 * i + 1 ) ) );
+        const double length = double3_distance( at( s, 2 * i ), at( s, 2 * i + 1 ) ), rest = (double)s->rest[i];
         double chain = 0.0;
-        for ( int e = 1; e < CHAIN; ++e )
+        for ( int e = CHAIN * i + 1; e < CHAIN * ( i + 1 ); ++e )
         {
-            chain += double3_length( double3_sub( double3_from( s->particle[CHAIN * i + e] ),
-                                                  double3_from( s->particle[CHAIN * i + e - 1] ) ) );
+            chain += double3_distance( double3_from( s->particle[e] ), double3_from( s->particle[e - 1] ) );
         }
-        const double expected = coarse_oracle_lower( length, (double)s->rest[i], chain, (double)s->chain_rest[i] );
+        const double expected = coarse_oracle_lower( length, rest, chain, (double)s->chain_rest[i] );
         assert_near( (double)s->lower[i], expected, 1e-6, "lower", i );
-        stretched += length >= (double)s->rest[i] ? 1 : 0;
-        slack += length < (double)s->rest[i] && expected <= length ? 1 : 0;
-        pushing += length < (double)s->rest[i] && expected > length ? 1 : 0;
+        stretched += length >= rest ? 1 : 0;
+        slack += length < rest && expected <= length ? 1 : 0;
+        pushing += length < rest && expected > length ? 1 : 0;
     }
     assert_true( stretched > 5 && slack > 5 && pushing > 5 );
-    free( s );
 }
 
-TEST( links_move_as_the_oracle_says_with_what_they_accumulate )
+TEST_KERNEL( a_link_pushes_no_more_than_its_chain_is_compressed, batch, 3, 0, LINKS, 8, fill_batch, run_band,
+             check_band )
+
+static void run_links( const wisp_kernels* kernels, void* state, int begin, int end )
 {
-    batch *s = new_batch(), *start = new_batch();
-    const wisp_level_link_args args = level_args( s );
-    widest_table()->level_prepare( &args, 0, LINKS );
+    const wisp_level_link_args args = level_args( state );
+    kernels->level_prepare( &args, begin, end );
     for ( int pass = 0; pass < 3; ++pass )
     {
-        widest_table()->level_link( &args, 0, LINKS );
+        kernels->level_link( &args, begin, end );
     }
+}
+
+static void check_links( void* begun, void* end )
+{
+    batch *start = begun, *s = end;
     int pushes = 0, pulls = 0;
     for ( int i = 0; i < LINKS; ++i )
     {
@@ -522,39 +443,44 @@ TEST( links_move_as_the_oracle_says_with_what_they_accumulate )
                                    &a, &b );
         }
         assert_near( (double)s->lambda[i], link.lambda, 1e-5, "lambda", i );
-        assert_near( double3_length( double3_sub( a, at( s, 2 * i ) ) ), 0.0, 1e-5, "first end", i );
-        assert_near( double3_length( double3_sub( b, at( s, 2 * i + 1 ) ) ), 0.0, 1e-5, "second end", i );
+        assert_near_vector( a, at( s, 2 * i ), 1e-5, "first end", i );
+        assert_near_vector( b, at( s, 2 * i + 1 ), 1e-5, "second end", i );
         assert_true( s->position[2 * i][3] == start->position[2 * i][3] );
         pushes += link.lambda > 0.0 ? 1 : 0;
         pulls += link.lambda < 0.0 ? 1 : 0;
     }
     assert_true( pushes > 20 && pulls > 20 );
-    free( s );
-    free( start );
 }
 
-TEST( rows_follow_their_parents_unless_they_are_pinned )
+TEST_KERNEL( links_move_as_the_oracle_says_with_what_they_accumulate, batch, 3, 0, LINKS, 8, fill_batch, run_links,
+             check_links )
+
+static void run_prolong( const wisp_kernels* kernels, void* state, int begin, int end )
 {
-    batch *s = new_batch(), *start = new_batch();
-    const wisp_prolong_args args = prolong_args( s );
-    widest_table()->prolong( &args, 0, FINER / 8 );
-    for ( int i = 0; i < FINER; ++i )
-    {
-        for ( int k = 0; k < 4; ++k )
-        {
-            double expected = (double)start->target[i][k];
-            for ( int p = 0; p < WISP_FABRIC_PARENTS && start->target[i][3] > 0.0f; ++p )
-            {
-                expected +=
-                    (double)s->weight[i / 8][p][i % 8] * (double)s->value[s->parent_x4[i / 8][p][i % 8] / 4][k];
-            }
-            assert_near( (double)s->target[i][k], expected, start->target[i][3] > 0.0f ? 4.0 * FLT_EPSILON : 0.0,
-                         "row", i );
-        }
-    }
-    free( s );
-    free( start );
+    batch* s = state;
+    const wisp_prolong_args args = { s->target[0], s->target[0], s->value[0], s->parent_x4[0][0], s->weight[0][0] };
+    kernels->prolong( &args, begin, end );
 }
+
+static void check_prolong( void* begun, void* end )
+{
+    batch *start = begun, *s = end;
+    for ( int i = 0; i < 4 * FINER; ++i )
+    {
+        const int row = i / 4, k = i % 4;
+        const bool follows = start->target[row][3] > 0.0f;
+        double expected = (double)start->target[row][k];
+        for ( int p = 0; p < WISP_FABRIC_PARENTS && follows; ++p )
+        {
+            expected +=
+                (double)s->weight[row / 8][p][row % 8] * (double)s->value[s->parent_x4[row / 8][p][row % 8] / 4][k];
+        }
+        assert_near( (double)s->target[row][k], expected, follows ? 4.0 * FLT_EPSILON : 0.0, "row", row );
+    }
+}
+
+TEST_KERNEL( rows_follow_their_parents_unless_they_are_pinned, batch, 3, 0, FINER / 8, 1, fill_batch, run_prolong,
+             check_prolong )
 
 // ---- instances ----
 
@@ -576,6 +502,7 @@ typedef struct surfaces
     _Alignas( 64 ) float memory[10][PARTICLES][LANES];
     int32_t a_x4[SHEET_LINKS], b_x4[SHEET_LINKS], constraint[SHEET_LINKS];
     float rest[SHEET_LINKS], material[SHEET_LINKS];
+    bool compliant;
 } surfaces;
 
 static void place_particle( surfaces* s, int surface, int particle )
@@ -589,9 +516,10 @@ static void place_particle( surfaces* s, int surface, int particle )
     s->position[surface][particle][3] = particle == DUMMY || ( particle + surface ) % 7 == 0 ? 0.0f : 2.0f;
 }
 
-static void make_surfaces( surfaces* s )
+static void fill_surfaces( void* state, int variant )
 {
-    memset( s, 0, sizeof( *s ) );
+    surfaces* s = state;
+    s->compliant = variant == 1;
     for ( int i = 0; i < LANES * PARTICLES; ++i )
     {
         place_particle( s, i / PARTICLES, i % PARTICLES );
@@ -610,7 +538,7 @@ static void make_surfaces( surfaces* s )
     }
 }
 
-static wisp_instances_args args_of( surfaces* s, bool compliant )
+static wisp_instances_args args_of( surfaces* s )
 {
     wisp_instances_args args = {
         .slot_count = PARTICLES,
@@ -628,8 +556,8 @@ static wisp_instances_args args_of( surfaces* s, bool compliant )
         .b_x4 = s->b_x4,
         .constraint = s->constraint,
         .rest = s->rest,
-        .stiffness = compliant ? NULL : s->material,
-        .compliance = compliant ? s->material : NULL,
+        .stiffness = s->compliant ? NULL : s->material,
+        .compliance = s->compliant ? s->material : NULL,
         .inverse_dt2 = 1.0f / ( 0.004f * 0.004f ),
         .edge_count = 8,
     };
@@ -670,51 +598,48 @@ static void move_alone( surfaces* s, const wisp_kernels* k, const wisp_instances
     }
 }
 
-static void move_together( const wisp_kernels* k, const wisp_instances_args* args, uint32_t lanes )
+static const uint32_t MOVED = 0xff6fu; // two are left as they were
+
+static void move_together( const wisp_kernels* k, void* state, int begin, int end )
 {
-    k->instances_load( args );
-    for ( int i = 0; i < SUBSTEPS; ++i )
+    surfaces* s = state;
+    const wisp_instances_args args = args_of( s );
+    k->instances_load( &args );
+    for ( int i = begin; i < end; ++i )
     {
-        assert_int_equal( k->instances_advance( args, i > 0, true ), 0 );
-        k->instances_link( args, false );
+        assert_int_equal( k->instances_advance( &args, i > 0, true ), 0 );
+        k->instances_link( &args, false );
     }
-    assert_int_equal( k->instances_advance( args, true, false ), 0 );
-    k->instances_store( args, lanes );
+    assert_int_equal( k->instances_advance( &args, true, false ), 0 );
+    k->instances_store( &args, MOVED );
 }
 
-TEST( surfaces_side_by_side_have_the_bits_that_each_has_alone )
+static void check_together( void* start, void* end )
 {
-    static surfaces together, alone;
-    const uint32_t lanes = 0xff6fu; // two are left as they were
-    const wisp_kernels* tables[MAX_TABLES];
-    const int count = usable_tables( tables );
-    for ( int i = 0; i < 2 * count; ++i )
+    surfaces *alone = start, *together = end;
+    const wisp_instances_args args = args_of( alone );
+    for ( int lane = 0; lane < LANES; ++lane )
     {
-        make_surfaces( &together );
-        make_surfaces( &alone );
-        const wisp_instances_args args = args_of( &together, i % 2 == 1 );
-        move_together( tables[i / 2], &args, lanes );
-        for ( int lane = 0; lane < LANES; ++lane )
+        if ( ( MOVED >> lane & 1 ) != 0 )
         {
-            if ( ( lanes >> lane & 1 ) != 0 )
-            {
-                move_alone( &alone, tables[i / 2], &args, lane );
-            }
+            move_alone( alone, widest_table(), &args, lane );
         }
-        assert_memory_equal( together.position, alone.position, sizeof( alone.position ) );
-        assert_memory_equal( together.velocity, alone.velocity, sizeof( alone.velocity ) );
-        assert_memory_equal( together.previous, alone.previous, sizeof( alone.previous ) );
     }
+    assert_memory_equal( together->position, alone->position, sizeof( alone->position ) );
+    assert_memory_equal( together->velocity, alone->velocity, sizeof( alone->velocity ) );
+    assert_memory_equal( together->previous, alone->previous, sizeof( alone->previous ) );
 }
+
+TEST_KERNEL( surfaces_side_by_side_have_the_bits_that_each_has_alone, surfaces, 2, 0, SUBSTEPS, 0, fill_surfaces,
+             move_together, check_together )
 
 TEST( lanes_that_fold_or_lose_their_numbers_are_named )
 {
     static surfaces s;
-    const wisp_kernels* tables[MAX_TABLES];
-    const int count = usable_tables( tables );
-    for ( int i = 0; i < count; ++i )
+    for ( const wisp_kernels* const* k = every_table(); *k != NULL; ++k )
     {
-        make_surfaces( &s );
+        memset( &s, 0, sizeof( s ) );
+        fill_surfaces( &s, 0 );
         for ( int link = 0; link < SHEET_LINKS; ++link )
         {
             s.rest[link] = 1e-3f; // none is short
@@ -730,11 +655,11 @@ TEST( lanes_that_fold_or_lose_their_numbers_are_named )
         }
         s.velocity[9][2][1] = NAN;
         s.position[9][2][3] = 1.0f;
-        const wisp_instances_args args = args_of( &s, false );
-        tables[i]->instances_load( &args );
-        assert_int_equal( tables[i]->instances_link( &args, true ), 1u << 6 | 1u << 11 );
-        assert_int_equal( tables[i]->instances_link( &args, false ), 0 );
-        assert_int_equal( tables[i]->instances_advance( &args, false, true ), 0 );
-        assert_int_equal( tables[i]->instances_advance( &args, true, false ), 1u << 9 );
+        const wisp_instances_args args = args_of( &s );
+        ( *k )->instances_load( &args );
+        assert_int_equal( ( *k )->instances_link( &args, true ), 1u << 6 | 1u << 11 );
+        assert_int_equal( ( *k )->instances_link( &args, false ), 0 );
+        assert_int_equal( ( *k )->instances_advance( &args, false, true ), 0 );
+        assert_int_equal( ( *k )->instances_advance( &args, true, false ), 1u << 9 );
     }
 }

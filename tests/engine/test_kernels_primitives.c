@@ -16,31 +16,26 @@ static make_fn* kind_of( int number )
     return KINDS[number / SEEDS / SHAPES];
 }
 
-// The scene with a number below SCENES, queried.
-static scene* run_new( const wisp_kernels* kernels, int number )
+// The scene with a number below SCENES.
+static void fill_scene( void* state, int number )
 {
-    scene* s = new_scene( number / SEEDS % SHAPES == 0 ? EDGES : FACES, number % SEEDS );
-    kind_of( number )( s );
-    run( kernels, s );
-    return s;
+    place_scene( state, number / SEEDS % SHAPES == 0 ? EDGES : FACES, number % SEEDS );
+    kind_of( number )( state );
+    ( (scene*)state )->number = number;
 }
 
-// ---- every table ----
-
-TEST( every_table_finds_the_same_pairs_in_the_same_order )
+// What follows the pairs that were found is left open.
+static void run_scene( const wisp_kernels* kernels, void* state, int begin, int end )
 {
-    const wisp_kernels* tables[MAX_TABLES];
-    const int count = usable_tables( tables );
-    for ( int i = 0; i < SCENES; ++i )
+    scene* s = state;
+    run( kernels, s );
+    assert_true( begin == 0 && s->found <= end );
+    FORGET_BEHIND( s->of, s->found );
+    FORGET_BEHIND( s->first, s->found );
+    FORGET_BEHIND( s->second, s->found );
+    for ( int k = 0; k < 4; ++k )
     {
-        scene* expected = run_new( tables[0], i );
-        for ( int t = 1; t < count; ++t )
-        {
-            scene* found = run_new( tables[t], i );
-            assert_same_primitives( found, expected );
-            free( found );
-        }
-        free( expected );
+        FORGET_BEHIND( s->point_x4[k], s->found );
     }
 }
 
@@ -56,7 +51,9 @@ static void check_together( const wisp_kernels* kernels, int first, int count )
     float least[WISP_PRIMITIVE_BATCH][8];
     for ( int i = 0; i < count; ++i )
     {
-        scenes[i] = run_new( kernels, first + i );
+        scenes[i] = new_aligned( sizeof( scene ) );
+        fill_scene( scenes[i], first + i );
+        run( kernels, scenes[i] );
         batch[i] = job_of( scenes[i] );
         batch[i].min_distance = least[i];
         for ( int l = 0; l < 8; ++l )
@@ -96,14 +93,12 @@ static void check_together( const wisp_kernels* kernels, int first, int count )
 
 TEST( jobs_at_once_find_what_each_finds_alone )
 {
-    const wisp_kernels* tables[MAX_TABLES];
-    const int count = usable_tables( tables );
     for ( int i = 0; i + WISP_PRIMITIVE_BATCH <= SCENES; i += SEEDS )
     {
-        for ( int t = 0; t < count; ++t )
+        for ( const wisp_kernels* const* k = every_table(); *k != NULL; ++k )
         {
-            check_together( tables[t], i, 1 + i / SEEDS % WISP_PRIMITIVE_BATCH );
-            check_together( tables[t], i + SEEDS - WISP_PRIMITIVE_BATCH, WISP_PRIMITIVE_BATCH );
+            check_together( *k, i, 1 + i / SEEDS % WISP_PRIMITIVE_BATCH );
+            check_together( *k, i + SEEDS - WISP_PRIMITIVE_BATCH, WISP_PRIMITIVE_BATCH );
         }
     }
     assert_int_equal( widest_table()->find_near_edges( NULL, 0, &( wisp_primitive_pairs ){ .id = NULL } ), 0 );
@@ -112,22 +107,16 @@ TEST( jobs_at_once_find_what_each_finds_alone )
 
 // ---- bounds of primitives ----
 
-static double3 lane_of( const float rows[3][8], int primitive )
+static double3 lane_of( float rows[3][8], int primitive )
 {
-    const int l = primitive % 8;
-    return double3_make( (double)rows[0][l], (double)rows[1][l], (double)rows[2][l] );
-}
-
-static void assert_near_vector( double3 found, double3 expected, double tolerance, const char* what, int number )
-{
-    assert_near( double3_distance( found, expected ), 0.0, tolerance, what, number );
+    return lane_vector( rows, primitive % 8 );
 }
 
 // The plane of the edge vectors: its normal is known to a rounding over the height, and no corner is outside it
 // except for `rounded`.
 static void check_plane( scene* s, int primitive, double size )
 {
-    const wisp_primitive_pack* row = s->row[1] + primitive / 8;
+    wisp_primitive_pack* row = s->row[1] + primitive / 8;
     const double3 a = at( s, 1, primitive, 0 ), u = double3_sub( at( s, 1, primitive, 1 ), a ),
                   v = double3_sub( at( s, 1, primitive, 2 ), a ), foreign = double3_cross( u, v ),
                   normal = lane_of( row->normal, primitive );
@@ -155,11 +144,10 @@ static void check_plane( scene* s, int primitive, double size )
 
 static void check_place( scene* s, int side, int primitive )
 {
-    const wisp_primitive_pack* row = s->row[side] + primitive / 8;
+    wisp_primitive_pack* row = s->row[side] + primitive / 8;
     const int corners = s->corners[side];
     const double3 centre = lane_of( row->centre, primitive );
-    const float( *const edge_vectors[3] )[8] = { row->edge_vector, row->other_edge_vector[0],
-                                                 row->other_edge_vector[1] };
+    float( *const edge_vectors[3] )[8] = { row->edge_vector, row->other_edge_vector[0], row->other_edge_vector[1] };
     double3 sum = double3_make( 0.0, 0.0, 0.0 );
     double size = 0.0;
     for ( int k = 0; k < corners; ++k )
@@ -177,22 +165,6 @@ static void check_place( scene* s, int side, int primitive )
     if ( corners == 3 )
     {
         check_plane( s, primitive, size );
-    }
-}
-
-TEST( primitives_are_placed_where_their_points_are )
-{
-    for ( int i = 0; i < SCENES; ++i )
-    {
-        scene* s = run_new( widest_table(), i );
-        for ( int side = 0; side < 2 && kind_of( i ) != make_strange; ++side )
-        {
-            for ( int p = 0; p < s->count[side]; ++p )
-            {
-                check_place( s, side, p );
-            }
-        }
-        free( s );
     }
 }
 
@@ -265,36 +237,40 @@ static void check_near( scene* s, tally* t )
     }
 }
 
-TEST( what_is_near_is_found_and_the_rest_is_no_nearer_than_told )
+// The smallest distance is never raised.
+static void check_min( scene* s )
 {
-    for ( int begin = 0; begin < SCENES; begin += SEEDS )
+    for ( int l = 0; l < 8; ++l )
     {
-        tally t = { 0, 0 };
-        for ( int i = begin; i < begin + SEEDS; ++i )
-        {
-            scene* s = run_new( widest_table(), i );
-            check_near( s, &t );
-            free( s );
-        }
-        assert_true( t.far > 1000 && 20 * t.far_found < t.far );
+        s->least[l] = -1.0f - (float)l;
+    }
+    look( widest_table(), s );
+    for ( int l = 0; l < 8; ++l )
+    {
+        assert_true( s->least[l] == -1.0f - (float)l );
     }
 }
 
-TEST( the_min_is_never_raised )
+static tally tallies[SCENES / SEEDS];
+
+static void check_scene( void* start, void* end )
 {
-    for ( int i = 0; i < SCENES; ++i )
+    (void)start;
+    scene* s = end;
+    for ( int i = 0; i < s->count[0] + s->count[1] && kind_of( s->number ) != make_strange; ++i )
     {
-        scene* s = run_new( widest_table(), i );
-        for ( int l = 0; l < 8; ++l )
-        {
-            s->least[l] = -1.0f - (float)l;
-        }
-        look( widest_table(), s );
-        for ( int l = 0; l < 8; ++l )
-        {
-            assert_true( s->least[l] == -1.0f - (float)l );
-        }
-        free( s );
+        check_place( s, i < s->count[0] ? 0 : 1, i < s->count[0] ? i : i - s->count[0] );
+    }
+    check_near( s, tallies + s->number / SEEDS );
+    check_min( s );
+}
+
+TEST( what_is_near_is_found_and_the_rest_is_no_nearer_than_told )
+{
+    check_kernel( KERNEL_ROW( scene, SCENES, 0, ROOM, 0, fill_scene, run_scene, check_scene ) );
+    for ( int i = 0; i < WISP_COUNT( tallies ); ++i )
+    {
+        assert_true( tallies[i].far > 1000 && 20 * tallies[i].far_found < tallies[i].far );
     }
 }
 
@@ -375,13 +351,29 @@ TEST( a_triangle_is_seen_as_far_as_any_of_its_corners_reaches )
 
 // ---- sets of points ----
 
-static void find_closing( const wisp_kernels* kernels, const point_sets* s, bool are_edges, float closing[LIST] )
+typedef struct closings
 {
+    point_sets sets;
+    int split;
+    float closing[LIST];
+} closings;
+
+static void fill_closings( void* state, int variant )
+{
+    closings* c = state;
+    c->sets = make_sets( variant / 2 );
+    c->split = 1 + variant % 2;
+}
+
+static void find_closing( const wisp_kernels* kernels, void* state, int begin, int end )
+{
+    closings* c = state;
+    const point_sets* s = &c->sets;
     const wisp_approach_args args = { .predicted = s->point[0],
                                       .point_x4 = { s->point_x4[0], s->point_x4[1], s->point_x4[2], s->point_x4[3] },
-                                      .are_edges = are_edges,
-                                      .max_approach = closing };
-    kernels->max_approach( &args, 8, LIST );
+                                      .are_edges = c->split == 2,
+                                      .max_approach = c->closing };
+    kernels->max_approach( &args, begin, end );
 }
 
 static double closing_of( const point_sets* s, int pair, int split )
@@ -399,25 +391,19 @@ static double closing_of( const point_sets* s, int pair, int split )
     return most;
 }
 
-TEST( pairs_come_nearer_by_no_more_than_their_points )
+static void check_closings( void* start, void* end )
 {
-    const wisp_kernels* tables[MAX_TABLES];
-    const int count = usable_tables( tables );
-    for ( int i = 0; i < 2 * SEEDS * count; ++i )
+    (void)start;
+    closings* c = end;
+    for ( int pair = 0; pair < LIST; ++pair )
     {
-        const int split = 1 + i % 2;
-        const point_sets s = make_sets( i / 2 % SEEDS );
-        float found[LIST] = { 0 }, expected[LIST] = { 0 };
-        find_closing( tables[i / 2 / SEEDS], &s, split == 2, found );
-        find_closing( tables[0], &s, split == 2, expected );
-        assert_memory_equal( found, expected, sizeof( found ) );
-        for ( int pair = 0; pair < LIST; ++pair )
-        {
-            assert_near( (double)found[pair], pair < 8 ? 0.0 : closing_of( &s, pair, split ), ROUNDING * 4.0,
-                         "closing of pair", pair );
-        }
+        assert_near( (double)c->closing[pair], pair < 8 ? 0.0 : closing_of( &c->sets, pair, c->split ),
+                     ROUNDING * 4.0, "closing of pair", pair );
     }
 }
+
+TEST_KERNEL( pairs_come_nearer_by_no_more_than_their_points, closings, 2 * SEEDS, 8, LIST, 8, fill_closings,
+             find_closing, check_closings )
 
 // Two sets with a given distance along the first direction. Some points of the second set occur twice.
 static point_sets make_apart( int seed, float along[3][3] )
@@ -476,16 +462,15 @@ static double apart_of( const point_sets* s, float along[3][3], double* parted )
 
 TEST( sets_are_apart_as_the_best_direction_has_it )
 {
-    const wisp_kernels* tables[MAX_TABLES];
-    const int count = usable_tables( tables );
-    int apart = 0;
+    int apart = 0, all = 0;
+    const wisp_kernels* const* tables = every_table();
     for ( int seed = 0; seed < SEEDS; ++seed )
     {
         float along[3][3];
         double parted;
         const point_sets s = make_apart( seed, along );
         const double nearest = apart_of( &s, along, &parted ), tolerance = ROUNDING * ( 2.0 + 0.1 * seed );
-        for ( int turn = 0; turn < 3 * count; ++turn )
+        for ( int turn = 0; tables[turn / 3] != NULL; ++turn )
         {
             // for any order of the directions
             float turned[3][3];
@@ -497,9 +482,10 @@ TEST( sets_are_apart_as_the_best_direction_has_it )
             assert_near( (double)found, parted, tolerance, "sets, seed", seed );
             assert_true( (double)found <= nearest + tolerance );
             apart += found > 0.0f ? 1 : 0;
+            all += 1;
         }
     }
-    assert_true( apart > SEEDS * count && apart < 3 * SEEDS * count );
+    assert_true( 3 * apart > all && apart < all );
 }
 
 TEST( directions_of_no_length_tell_nothing )
@@ -524,9 +510,8 @@ TEST( directions_of_no_length_tell_nothing )
 
 TEST( ranges_are_those_of_all_numbers_that_are )
 {
-    const wisp_kernels* tables[MAX_TABLES];
-    const int count = usable_tables( tables );
-    for ( int i = 0; i < 6 * SEEDS * count; ++i )
+    const wisp_kernels* const* tables = every_table();
+    for ( int i = 0; tables[i / 6 / SEEDS] != NULL; ++i )
     {
         point_sets s = make_sets( i / 6 % SEEDS );
         const int points = 8 + 8 * ( i % 3 );

@@ -19,7 +19,7 @@ typedef struct query
     float thickness, shallow;
     float from[3][ROOM], to[3][ROOM], path[ROOM], reach[ROOM];
     float clearance[ROOM], point[3][ROOM], normal[3][ROOM], distance[ROOM], start[ROOM];
-    int32_t near[ROOM], special[ROOM], near_count, special_count;
+    int32_t near[ROOM], special[ROOM], near_count, special_count, count;
 } query;
 
 static float size_of( int seed, int salt )
@@ -53,10 +53,10 @@ static void place_points( query* q, int seed )
     }
 }
 
-static query* new_query( int seed )
+static void fill_query( void* state, int seed )
 {
-    query* q = calloc( 1, sizeof( query ) );
-    assert_non_null( q );
+    query* q = state;
+    q->count = COUNT - seed % 9;
     q->shape = ( wisp_shape ){ .kind = (wisp_shape_kind)( seed % KINDS ),
                                .radius = size_of( seed, 1 ),
                                .half_length = size_of( seed, 2 ),
@@ -66,11 +66,11 @@ static query* new_query( int seed )
     q->thickness = 0.05f;
     q->shallow = 0.1f * q->thickness;
     place_points( q, seed );
-    return q;
 }
 
-static void run( const wisp_kernels* kernels, query* q, int count )
+static void run_query( const wisp_kernels* kernels, void* state, int begin, int end )
 {
+    query* q = state;
     const wisp_shape_query_args args = {
         .shape = q->shape,
         .from = { q->from[0], q->from[1], q->from[2] },
@@ -87,7 +87,18 @@ static void run( const wisp_kernels* kernels, query* q, int count )
         .start = q->start,
         .special = q->special,
     };
-    q->near_count = kernels->query_shape( &args, count, &q->special_count );
+    assert_true( begin == 0 && q->count <= end );
+    q->near_count = kernels->query_shape( &args, q->count, &q->special_count );
+    for ( int k = 0; k < 3; ++k )
+    {
+        FORGET_BEHIND( q->point[k], q->near_count );
+        FORGET_BEHIND( q->normal[k], q->near_count );
+    }
+    FORGET_BEHIND( q->distance, q->near_count );
+    FORGET_BEHIND( q->start, q->near_count );
+    FORGET_BEHIND( q->near, q->near_count );
+    FORGET_BEHIND( q->special, q->special_count );
+    FORGET_BEHIND( q->clearance, q->count );
 }
 
 static bool has_bits( float found, float expected )
@@ -118,40 +129,36 @@ static bool check_near( const query* q, int m, int i, const wisp_surface_point* 
     return fabsf( s->distance ) <= q->path[i] || start < -q->shallow;
 }
 
-TEST( every_table_has_the_bits_of_the_scalar_query )
+static int near_of[KINDS], special_of[KINDS];
+
+static void check_query( void* start, void* end )
 {
-    const wisp_kernels* tables[MAX_TABLES];
-    const int tables_count = usable_tables( tables );
-    int near_of[KINDS] = { 0 }, special_of[KINDS] = { 0 };
-    for ( int n = 0; n < SEEDS * tables_count; ++n )
+    (void)start;
+    query* q = end;
+    int near = 0, special = 0;
+    for ( int i = 0; i < q->count; ++i )
     {
-        const int seed = n % SEEDS, count = COUNT - seed % 9;
-        query* q = new_query( seed );
-        run( tables[n / SEEDS], q, count );
-        int near = 0, special = 0;
-        for ( int i = 0; i < count; ++i )
+        wisp_surface_point s;
+        assert_true( wisp_shape_closest( &q->shape, ( wisp_vec3 ){ q->to[0][i], q->to[1][i], q->to[2][i] }, &s ) );
+        if ( s.distance > q->reach[i] )
         {
-            wisp_surface_point s;
-            assert_true(
-                wisp_shape_closest( &q->shape, ( wisp_vec3 ){ q->to[0][i], q->to[1][i], q->to[2][i] }, &s ) );
-            if ( s.distance <= q->reach[i] )
-            {
-                const bool is_special = check_near( q, near, i, &s );
-                assert_true( is_special == false || q->special[special] == near );
-                special += is_special ? 1 : 0;
-                near += 1;
-            }
-            else
-            {
-                assert_true( q->clearance[i] == q->reach[i] );
-            }
+            assert_true( q->clearance[i] == q->reach[i] );
+            continue;
         }
-        assert_int_equal( q->near_count, near );
-        assert_int_equal( q->special_count, special );
-        near_of[seed % KINDS] += near;
-        special_of[seed % KINDS] += special;
-        free( q );
+        const bool is_special = check_near( q, near, i, &s );
+        assert_true( is_special == false || q->special[special] == near );
+        special += is_special ? 1 : 0;
+        near += 1;
     }
+    assert_int_equal( q->near_count, near );
+    assert_int_equal( q->special_count, special );
+    near_of[q->shape.kind] += near;
+    special_of[q->shape.kind] += special;
+}
+
+TEST( closest_points_have_the_bits_of_the_scalar_query )
+{
+    check_kernel( KERNEL_ROW( query, SEEDS, 0, COUNT, 0, fill_query, run_query, check_query ) );
     for ( int k = 0; k < KINDS; ++k )
     {
         assert_true( near_of[k] > 500 && special_of[k] > 100 );
@@ -169,11 +176,9 @@ typedef struct rows
     bool moved;
 } rows;
 
-static rows* new_rows( int seed )
+static void fill_rows( void* state, int seed )
 {
-    rows* r = aligned_alloc( 64, ( sizeof( rows ) + 63 ) / 64 * 64 );
-    assert_non_null( r );
-    memset( r, 0, sizeof( *r ) );
+    rows* r = state;
     for ( int i = 0; i < COUNT; ++i )
     {
         const int key = seed * COUNT + i;
@@ -201,13 +206,13 @@ static rows* new_rows( int seed )
     r->after = seed % 5 < 2 ? r->before
                             : wisp_transform_make( seed % 3 == 0 ? none : ( wisp_quat ){ t, 0.2f, 0.1f, 0.8f },
                                                    ( wisp_vec3 ){ t, 0.1f, 0.2f } );
-    return r;
 }
 
 static const float THICKNESS = 0.04f, SHALLOW = 0.004f, RECOVERY = 0.01f;
 
-static void make_rows( const wisp_kernels* kernels, rows* r )
+static void run_rows( const wisp_kernels* kernels, void* state, int begin, int end )
 {
+    rows* r = state;
     const wisp_half_space_rows_args args = {
         .before = r->before,
         .after = r->after,
@@ -226,7 +231,7 @@ static void make_rows( const wisp_kernels* kernels, rows* r )
         .particle_x4 = r->particle_x4,
         .row_x16 = r->row_x16,
     };
-    r->moved = kernels->half_space_rows( &args, COUNT );
+    r->moved = kernels->half_space_rows( &args, end - begin );
 }
 
 static void make_row_alone( rows* r, int i )
@@ -269,26 +274,20 @@ static void make_row_alone( rows* r, int i )
     }
 }
 
-TEST( half_spaces_have_the_bits_of_scalar_code )
+static void check_rows( void* start, void* end )
 {
-    const wisp_kernels* tables[MAX_TABLES];
-    const int tables_count = usable_tables( tables );
-    for ( int n = 0; n < SEEDS * tables_count; ++n )
+    rows *expected = start, *r = end;
+    for ( int i = 0; i < COUNT; ++i )
     {
-        rows *r = new_rows( n % SEEDS ), *expected = new_rows( n % SEEDS );
-        make_rows( tables[n / SEEDS], r );
-        for ( int i = 0; i < COUNT; ++i )
-        {
-            make_row_alone( expected, i );
-        }
-        assert_memory_equal( r->row, expected->row, sizeof( r->row ) );
-        assert_memory_equal( r->position, expected->position, sizeof( r->position ) );
-        assert_memory_equal( r->previous, expected->previous, sizeof( r->previous ) );
-        assert_true( r->moved == expected->moved );
-        free( r );
-        free( expected );
+        make_row_alone( expected, i );
     }
+    assert_memory_equal( r->row, expected->row, sizeof( r->row ) );
+    assert_memory_equal( r->position, expected->position, sizeof( r->position ) );
+    assert_memory_equal( r->previous, expected->previous, sizeof( r->previous ) );
+    assert_true( r->moved == expected->moved );
 }
+
+TEST_KERNEL( half_spaces_have_the_bits_of_scalar_code, rows, SEEDS, 0, COUNT, 0, fill_rows, run_rows, check_rows )
 
 // ---- half spaces with friction ----
 
@@ -303,7 +302,7 @@ typedef struct half_spaces
     _Alignas( 64 ) float position[PARTICLES][4];
     float previous[PARTICLES][4];
     float rows[PARTICLES][3][16]; // each particle has the middle one of three rows
-    int32_t particle_x4[PARTICLES], row16[PARTICLES];
+    int32_t particle_x4[PARTICLES], row16[PARTICLES], count;
 } half_spaces;
 
 enum
@@ -319,10 +318,10 @@ enum
 };
 
 // Particles a few thicknesses to both sides of their planes; every fifth is exactly at the gap and at rest. Half of
-// the sums have values that a previous iteration may have left.
-static void make_half_spaces( half_spaces* h )
+// the sums have values that a previous iteration may have left. In the second variant three fill up a group.
+static void fill_half_spaces( void* state, int variant )
 {
-    memset( h, 0, sizeof( *h ) );
+    half_spaces* h = state;
     for ( int i = 0; i < PARTICLES; ++i )
     {
         float* row = h->rows[i][1];
@@ -351,11 +350,23 @@ static void make_half_spaces( half_spaces* h )
         h->particle_x4[i] = 4 * ( ( i + 5 ) % PARTICLES );
         h->row16[i] = 16 * ( 3 * ( ( i + 5 ) % PARTICLES ) + 1 );
     }
+    h->count = variant == 0 ? PARTICLES : 3;
+    for ( int k = 0; k < 8 && variant == 1; ++k )
+    {
+        const int i = k < 3 ? k : 2;
+        h->particle_x4[k] = 4 * i;
+        h->row16[k] = 16 * ( 3 * i + 1 );
+    }
 }
 
-static wisp_half_space_args job_on( half_spaces* h )
+static void sweep_half_spaces( const wisp_kernels* kernels, void* state, int begin, int end )
 {
-    return ( wisp_half_space_args ){ h->position[0], h->previous[0], h->rows[0][0], h->particle_x4, h->row16 };
+    half_spaces* h = state;
+    const wisp_half_space_args args = { h->position[0], h->previous[0], h->rows[0][0], h->particle_x4, h->row16 };
+    for ( int s = 0; s < SWEEPS; ++s )
+    {
+        kernels->half_space( &args, begin, h->count < PARTICLES ? 8 : end );
+    }
 }
 
 static float dot( const float a[3], const float b[3] )
@@ -393,58 +404,24 @@ static bool push_one( float p[4], const float previous[4], float row[16] )
     return sticks;
 }
 
-TEST( every_table_pushes_and_rubs_as_one_by_one )
+// The groups are in the order of their particles; a group that is filled up moves each particle once.
+static void check_half_spaces( void* start, void* end )
 {
-    static half_spaces expected, found;
+    half_spaces *expected = start, *found = end;
     int sticking = 0, sliding = 0, free = 0;
-    make_half_spaces( &expected );
-    for ( int s = 0; s < SWEEPS; ++s )
+    for ( int i = 0; i < SWEEPS * expected->count; ++i )
     {
-        for ( int i = 0; i < PARTICLES; ++i )
-        {
-            const bool sticks = push_one( expected.position[i], expected.previous[i], expected.rows[i][1] );
-            const bool pushed = expected.rows[i][1][PUSHED] > 0.0f;
-            sticking += pushed && sticks ? 1 : 0;
-            sliding += pushed && sticks == false ? 1 : 0;
-            free += pushed ? 0 : 1;
-        }
+        const int p = i % expected->count;
+        float* row = expected->rows[p][1];
+        const bool sticks = push_one( expected->position[p], expected->previous[p], row ),
+                   pushed = row[PUSHED] > 0.0f;
+        sticking += pushed && sticks ? 1 : 0;
+        sliding += pushed && sticks == false ? 1 : 0;
+        free += pushed ? 0 : 1;
     }
-    assert_true( sticking > 10 && sliding > 10 && free > 10 );
-    const wisp_kernels* tables[MAX_TABLES];
-    const int count = usable_tables( tables );
-    for ( int t = 0; t < count; ++t )
-    {
-        make_half_spaces( &found );
-        const wisp_half_space_args args = job_on( &found );
-        for ( int s = 0; s < SWEEPS; ++s )
-        {
-            tables[t]->half_space( &args, 0, PARTICLES );
-        }
-        assert_memory_equal( &found, &expected, sizeof( found ) );
-    }
+    assert_true( expected->count < PARTICLES || ( sticking > 10 && sliding > 10 && free > 10 ) );
+    assert_memory_equal( found, expected, sizeof( *found ) );
 }
 
-TEST( a_group_that_is_filled_up_moves_each_particle_once )
-{
-    static half_spaces expected, found;
-    const wisp_kernels* tables[MAX_TABLES];
-    const int count = usable_tables( tables );
-    for ( int t = 0; t < count; ++t )
-    {
-        make_half_spaces( &expected );
-        make_half_spaces( &found );
-        for ( int k = 0; k < 8; ++k )
-        {
-            const int i = k < 3 ? k : 2;
-            found.particle_x4[k] = expected.particle_x4[k] = 4 * i;
-            found.row16[k] = expected.row16[k] = 16 * ( 3 * i + 1 );
-        }
-        for ( int i = 0; i < 3; ++i )
-        {
-            push_one( expected.position[i], expected.previous[i], expected.rows[i][1] );
-        }
-        const wisp_half_space_args args = job_on( &found );
-        tables[t]->half_space( &args, 0, 8 );
-        assert_memory_equal( &found, &expected, sizeof( found ) );
-    }
-}
+TEST_KERNEL( half_spaces_push_and_rub_as_one_by_one, half_spaces, 2, 0, PARTICLES, 0, fill_half_spaces,
+             sweep_half_spaces, check_half_spaces )

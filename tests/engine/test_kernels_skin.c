@@ -83,11 +83,6 @@ static void compute( const bound_body* b, wisp_skin_method method, wisp_vec3* ou
     wisp_skin_release( skin );
 }
 
-static double distance_to( wisp_vec3 a, double3 b )
-{
-    return double3_distance( double3_widen( a ), b );
-}
-
 static double3 expected_point( const bound_body* b, wisp_skin_method method, int v )
 {
     skin_oracle_bone bones[4];
@@ -131,8 +126,8 @@ TEST( points_are_those_of_the_oracle )
         {
             // 5 m at most, some thirty roundings; the mean of quaternions may be as short as the largest weight, a quarter
             const double tolerance = ( method == WISP_SKIN_LINEAR ? 20.0 : 120.0 ) * (double)FLT_EPSILON;
-            assert_near( distance_to( out[v], expected_point( &b, (wisp_skin_method)method, v ) ), 0.0, tolerance,
-                         "distance from the oracle", v );
+            assert_near_vector( double3_widen( out[v] ), expected_point( &b, (wisp_skin_method)method, v ), tolerance,
+                                "distance from the oracle", v );
         }
     }
 }
@@ -141,22 +136,20 @@ TEST( every_table_gives_the_same_bits )
 {
     bound_body b;
     make_body( &b );
-    const wisp_kernels* tables[MAX_TABLES];
-    const int count = usable_tables( tables );
     wisp_skin* skin = skin_of( &b );
     for ( int method = 0; method < WISP_SKIN_METHOD_COUNT; ++method )
     {
         wisp_skin_pose pose = { 0 };
         wisp_vec3 expected[POINTS];
         assert_int_equal( wisp_skin_points( skin, &pose, (wisp_skin_method)method, b.now, expected, NULL ), WISP_OK );
-        for ( int t = 0; t < count; ++t )
+        for ( const wisp_kernels* const* t = every_table(); *t != NULL; ++t )
         {
             wisp_vec3 found[POINTS] = { { 0 } };
             for ( int k = 0; k < 4; ++k )
             {
                 const wisp_skin_args args = { skin->xyz, skin->point, skin->bones, skin->weights,
                                               pose.rows, found,       k + 1 };
-                ( method == WISP_SKIN_LINEAR ? tables[t]->skin_linear : tables[t]->skin_dual_quaternion )(
+                ( method == WISP_SKIN_LINEAR ? ( *t )->skin_linear : ( *t )->skin_dual_quaternion )(
                     &args, skin->influence_begin[k], skin->influence_begin[k + 1] );
             }
             assert_memory_equal( found, expected, sizeof( found ) );
@@ -200,7 +193,7 @@ TEST( one_motion_of_all_bones_is_that_of_the_points )
         for ( int v = 0; v < POINTS; ++v )
         {
             const double3 p = double3_widen( wisp_affine_apply( &motion, b.points[v] ) );
-            assert_near( distance_to( out[v], p ), 0.0, 40.0 * (double)FLT_EPSILON, "rigid motion", v );
+            assert_near_vector( double3_widen( out[v] ), p, 40.0 * (double)FLT_EPSILON, "rigid motion", v );
         }
     }
 }
@@ -230,7 +223,7 @@ TEST( a_point_of_one_bone_follows_it )
     for ( int v = 0; v < POINTS; ++v )
     {
         const wisp_vec3 p = wisp_affine_apply( &b.now[v % BONES], b.points[v] );
-        assert_near( distance_to( out[v], double3_widen( p ) ), 0.0, 30.0 * (double)FLT_EPSILON, "bone", v );
+        assert_near_vector( double3_widen( out[v] ), double3_widen( p ), 30.0 * (double)FLT_EPSILON, "bone", v );
     }
 }
 
@@ -256,11 +249,11 @@ TEST( a_twist_collapses_linear_blend_and_keeps_the_radius_of_dual_quaternions )
         assert_int_equal( wisp_skin_create( &def, NULL, &skin, NULL ), WISP_OK );
         assert_int_equal( wisp_skin_points( skin, &pose, WISP_SKIN_LINEAR, now, &out, NULL ), WISP_OK );
         const double shrunk = radius * cos( 0.5 * angle ), at = from + 0.5 * angle;
-        assert_near( distance_to( out, double3_make( shrunk * cos( at ), 0.5, -shrunk * sin( at ) ) ), 0.0,
-                     2.0 * (double)FLT_EPSILON, "linear blend", step );
+        assert_near_vector( double3_widen( out ), double3_make( shrunk * cos( at ), 0.5, -shrunk * sin( at ) ),
+                            2.0 * (double)FLT_EPSILON, "linear blend", step );
         assert_int_equal( wisp_skin_points( skin, &pose, WISP_SKIN_DUAL_QUATERNION, now, &out, NULL ), WISP_OK );
-        assert_near( distance_to( out, double3_make( radius * cos( at ), 0.5, -radius * sin( at ) ) ), 0.0,
-                     2.0 * (double)FLT_EPSILON, "dual quaternions", step );
+        assert_near_vector( double3_widen( out ), double3_make( radius * cos( at ), 0.5, -radius * sin( at ) ),
+                            2.0 * (double)FLT_EPSILON, "dual quaternions", step );
         wisp_skin_pose_release( &pose, NULL );
         wisp_skin_release( skin );
     }
@@ -280,8 +273,8 @@ TEST( hierarchies_compose_from_the_root )
     const wisp_vec3 p = { 0.25f, -0.5f, 1.0f };
     const wisp_vec3 step = wisp_affine_apply( &local[1], wisp_affine_apply( &local[3], p ) );
     const wisp_vec3 expected = wisp_affine_apply( &local[0], step );
-    assert_near( distance_to( wisp_affine_apply( &model[3], p ), double3_widen( expected ) ), 0.0,
-                 100.0 * (double)FLT_EPSILON, "hierarchy", 3 );
+    assert_near_vector( double3_widen( wisp_affine_apply( &model[3], p ) ), double3_widen( expected ),
+                        100.0 * (double)FLT_EPSILON, "hierarchy", 3 );
     assert_int_equal( wisp_compose_bones( 4, parents, local, local, &error ), WISP_OK );
     assert_memory_equal( local, model, sizeof( local ) );
     assert_int_equal( wisp_compose_bones( 4, wrong, local, local, &error ), WISP_BAD_INPUT );
@@ -303,7 +296,8 @@ TEST( scale_of_the_bind_pose_that_bones_undo_is_rigid )
     }
     wisp_vec3 out[POINTS];
     compute( &b, WISP_SKIN_DUAL_QUATERNION, out );
-    assert_near( distance_to( out[5], expected_point( &b, WISP_SKIN_DUAL_QUATERNION, 5 ) ), 0.0, 2e-5, "point", 5 );
+    assert_near_vector( double3_widen( out[5] ), expected_point( &b, WISP_SKIN_DUAL_QUATERNION, 5 ), 2e-5, "point",
+                        5 );
 }
 
 static void assert_refused( const bound_body* b, const char* message )
@@ -372,52 +366,28 @@ TEST( wrong_bones_are_named_and_nothing_is_written )
     wisp_skin_release( skin );
 }
 
-typedef struct meter
-{
-    size_t bytes;
-    int calls, budget;
-} meter;
-
-static void* take_metered( void* user, size_t size, size_t alignment )
-{
-    meter* m = user;
-    if ( m->calls++ >= m->budget )
-    {
-        return NULL;
-    }
-    m->bytes += size;
-    return aligned_alloc( alignment, ( size + alignment - 1 ) / alignment * alignment );
-}
-
-static void give_back_metered( void* user, void* block, size_t size )
-{
-    ( (meter*)user )->bytes -= block != NULL ? size : 0;
-    free( block );
-}
-
 TEST( memory_is_of_the_host_and_taken_once )
 {
     bound_body b;
     make_body( &b );
-    meter m = { .budget = 2 }, none = { 0 };
-    const wisp_allocator host = { take_metered, give_back_metered, &m },
-                         mean = { take_metered, give_back_metered, &none };
+    test_host counted = { 0 }, empty = { .refuse = 1, .refuse_rest = true };
+    const wisp_allocator host = test_host_allocator( &counted ), mean = test_host_allocator( &empty );
     wisp_skin *skin = NULL, *refused = NULL;
     assert_int_equal( wisp_skin_create( &b.def, &mean, &refused, NULL ), WISP_NO_MEMORY );
     assert_null( refused );
     assert_int_equal( wisp_skin_create( &b.def, &host, &skin, NULL ), WISP_OK );
-    assert_int_equal( wisp_skin_bytes( skin ), m.bytes );
+    assert_int_equal( wisp_skin_bytes( skin ), atomic_load( &counted.bytes ) );
     wisp_skin_pose pose = { 0 };
     assert_int_equal( wisp_skin_pose_set( &pose, skin, WISP_SKIN_LINEAR, b.now, &mean, NULL ), WISP_NO_MEMORY );
     for ( int i = 0; i < 3; ++i )
     {
         assert_int_equal( wisp_skin_pose_set( &pose, skin, WISP_SKIN_LINEAR, b.now, &host, NULL ), WISP_OK );
     }
-    assert_int_equal( m.calls, 2 );
+    assert_int_equal( atomic_load( &counted.queried ), 2 );
     wisp_skin_pose_release( &pose, &host );
     wisp_skin_retain( skin );
     wisp_skin_release( skin );
-    assert_int_equal( wisp_skin_bytes( skin ), m.bytes );
+    assert_int_equal( wisp_skin_bytes( skin ), atomic_load( &counted.bytes ) );
     wisp_skin_release( skin );
-    assert_int_equal( m.bytes, 0 );
+    assert_host_memory_is_released( &counted );
 }
