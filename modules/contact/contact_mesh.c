@@ -169,6 +169,17 @@ static void box_participant( const contact_work* work, contact_participant* part
     }
 }
 
+// Return whether two participants, or a participant and itself, are kept apart wherever they are.
+static bool are_to_meet( const contact_participant* a, const contact_participant* b )
+{
+    if ( a == b )
+    {
+        return ( a->settings.self & 1 ) != 0;
+    }
+    return ( a->settings.layers & b->settings.mask ) != 0 && ( b->settings.layers & a->settings.mask ) != 0 &&
+           ( a->is_strands == false || b->is_strands == false || ( a->settings.self & b->settings.self & 2 ) != 0 );
+}
+
 // Return whether two participants are within so many reaches of each other. What has no box is.
 static bool are_near( const contact_participant* a, const contact_participant* b, float reaches )
 {
@@ -183,17 +194,19 @@ static contact_settings* settings_of( const contact_work* work, const contact_pa
     return wisp_frame_column( work->frame, participant->entity, work->components->settings, 0 );
 }
 
-// Return whether a participant may meet something within so many reaches.
+// Return whether a participant may meet something within so many reaches. What may meet nobody stays while intersections
+// are counted.
 static bool reaches_any( const contact_work* work, int number, float reaches )
 {
     const contact_participant* a = work->participants + number;
-    bool found = contact_may_meet( a, a );
+    bool found = contact_may_meet( a, a ), meets = false;
     for ( int g = 0; g < work->participant_count && found == false; ++g )
     {
         const contact_participant* b = work->participants + g;
+        meets = meets || ( g != number && are_to_meet( a, b ) );
         found = g != number && contact_may_meet( a, b ) && are_near( a, b, reaches );
     }
-    return found;
+    return found || ( meets == false && work->counts_intersections );
 }
 
 static void box_all( const contact_work* work )
@@ -408,13 +421,6 @@ int contact_find_edge( const contact_contact_mesh* s, const contact_participant*
 
 bool contact_may_meet( const contact_participant* a, const contact_participant* b )
 {
-    if ( a == b )
-    {
-        return ( a->settings.self & 1 ) != 0;
-    }
     // what is apart has another origin, and meets nothing
-    const bool is_apart = a->place.x != b->place.x || a->place.y != b->place.y || a->place.z != b->place.z;
-    return is_apart == false && ( a->settings.layers & b->settings.mask ) != 0 &&
-           ( b->settings.layers & a->settings.mask ) != 0 &&
-           ( a->is_strands == false || b->is_strands == false || ( a->settings.self & b->settings.self & 2 ) != 0 );
+    return are_to_meet( a, b ) && a->place.x == b->place.x && a->place.y == b->place.y && a->place.z == b->place.z;
 }

@@ -126,6 +126,7 @@ typedef struct contact_work
     wisp_frame* frame;
     float seconds; // s, of the substep
     int worker;
+    bool counts_intersections;
 } contact_work;
 
 /// Decide which participants have something within reach, by their boxes in this substep.

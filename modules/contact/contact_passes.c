@@ -32,6 +32,7 @@ static contact_work begin_work( wisp_frame* frame, const wisp_span* span, contac
         .frame = frame,
         .seconds = wisp_frame_dt( frame, span->entity ),
         .worker = span->worker,
+        .counts_intersections = state->counts_intersections,
     };
 }
 

@@ -353,7 +353,7 @@ typedef enum wisp_counter
         16, ///< velocities of vertices above the largest speed, scaled down to it, in each substep
     WISP_COUNT_SPLIT_VERTICES = 17, ///< vertices of surfaces that became two
     WISP_COUNT_CUT_STEPS = 18,      ///< steps, or calls of wisp_world_advance(), too long to be simulated as a whole
-    WISP_COUNT_MANY_SOLVES = 19,    ///< substeps of implicit cloth that took more than three linear solves
+    WISP_COUNT_MANY_SOLVES = 19,    ///< substeps of a linear solver that took more than three solves
     WISP_COUNTER_COUNT = 20,
 } wisp_counter;
 
