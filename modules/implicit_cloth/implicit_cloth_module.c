@@ -27,7 +27,7 @@ void wisp_init_implicit_cloth_def( wisp_implicit_cloth_def* def, size_t size )
     const wisp_implicit_cloth_def values = {
         .stretch_stiffness = 200.0f,
         .bend_stiffness = 1e-6f,
-        .bend_rigidity = 2e-5f,
+        .bend_rigidity = 5e-6f,
         .link_damping = 0.02f,
         .newton_iterations = 1,
         .max_newton_iterations = 16,

@@ -5,7 +5,7 @@
 #include <jansson.h>
 
 // A cheap scene.
-#define RUN "bench accuracy --seconds 2 --scene balloon_flight --format json "
+#define RUN "bench accuracy --seconds 2 --scene strands_rest --format json "
 
 // The only keys of a row that depend on the date, and on the number of runs within the time.
 static const char* const time_keys[] = { "ms_median", "ms_p10",     "ms_p90",      "stages",
@@ -34,6 +34,9 @@ static char* row_text( const json_t* row )
         // a row without one of them has another schema, and this test would overlook something
         assert_int_equal( json_object_del( copy, time_keys[i] ), 0 );
     }
+    // workers have memory of their own
+    json_object_del( json_object_get( copy, "error" ), "memory_KiB" );
+    json_object_del( json_object_get( copy, "size" ), "bytes" );
     char* text = json_dumps( copy, JSON_SORT_KEYS | JSON_REAL_PRECISION( 17 ) );
     json_decref( copy );
     assert_non_null( text );
