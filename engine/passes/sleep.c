@@ -96,6 +96,8 @@ wisp_status passes_declare_sleep( wisp_registry* registry, passes_sleep_componen
     out->particles = wisp_declare_component( registry, &particles );
     out->strands = wisp_declare_component( registry, &strands );
     out->moved = wisp_declare_component( registry, &moved );
+    const wisp_index_range phase = WISP_MEMBER_RANGE( out->state, passes_sleep, phase, 0, 2 * PASSES_TOUCHED - 1 );
+    WISP_TRY( wisp_declare_indices( registry, &phase, 1 ) );
     const wisp_pass passes[] = {
         {
             .name = "sleep.measure",

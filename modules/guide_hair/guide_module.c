@@ -211,6 +211,11 @@ static wisp_status declare( wisp_registry* r )
         r, &( wisp_component_def ){ name, table, member##_columns, WISP_COUNT( member##_columns ) } );
     GUIDE_COMPONENTS( GUIDE_DECLARE )
 #undef GUIDE_DECLARE
+    const wisp_index_range ranges[] = {
+        WISP_MEMBER_RANGE( s->settings, guide_settings, is_elastic, 0, 1 ),
+        { .component = s->carrier, .kind = WISP_INDEX_SAME },
+    };
+    WISP_TRY( wisp_declare_indices( r, ranges, WISP_COUNT( ranges ) ) );
     wisp_status status = declare_ghosts( r, s );
     return status == WISP_OK ? declare_curves( r, s ) : status;
 }

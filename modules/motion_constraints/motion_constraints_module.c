@@ -218,6 +218,9 @@ static wisp_status declare( wisp_registry* r )
     state->distance = wisp_declare_component( r, &distance );
     state->backstop = wisp_declare_component( r, &backstop );
     state->lambda = wisp_declare_component( r, &lambda );
+    const wisp_index_range moves =
+        WISP_MEMBER_RANGE( state->settings, motion_settings, moves, MOTION_STILL, MOTION_NEW );
+    WISP_TRY( wisp_declare_indices( r, &moves, 1 ) );
     state->has_iterations = wisp_registry_iterations( r ) > 1;
     return state->lambda != 0 ? declare_passes( r, state ) : WISP_BAD_INPUT;
 }
