@@ -63,7 +63,10 @@ static participant participant_of( const wisp_scene* scene, int i )
             participant ){ s->name, s->line, s->has_collision, s->has_contact, &s->collision, &s->contact, true };
     }
     const wisp_scene_surface* s = scene->surfaces + ( i - scene->strands_count );
-    return ( participant ){ s->name, s->line, s->has_collision, s->has_contact, &s->collision, &s->contact, false };
+    // pinned vertices are not moved
+    return ( participant ){ s->name,        s->line,       s->has_collision && scene_is_driven( s ) == false,
+                            s->has_contact, &s->collision, &s->contact,
+                            false };
 }
 
 // Whether participant i collides with a body. @param surface the body is this one, which does not meet itself; -1: none
@@ -138,9 +141,11 @@ static bool finds_contact( const wisp_scene* scene, int i )
 static void note_participants( scene_world* world )
 {
     const wisp_scene* scene = world->scene;
+    bool is_used = scene->has_contact == false;
     for ( int i = 0; i < participant_count( scene ); ++i )
     {
         const participant p = participant_of( scene, i );
+        is_used = is_used || p.has_contact;
         if ( p.has_collision && p.collision->enabled && finds_body( scene, i ) == false )
         {
             say( world, p.line, p.name, "'collision' has no effect: no collider has a layer of its mask" );
@@ -150,6 +155,10 @@ static void note_participants( scene_world* world )
         {
             say( world, p.line, p.name, "'contact' has no effect: it meets neither itself nor others" );
         }
+    }
+    if ( is_used == false )
+    {
+        scene_note( world, "the scene's 'contact' has no effect: no strands and no surface have one" );
     }
 }
 
@@ -162,10 +171,16 @@ static bool is_zero( wisp_vec3 v )
 
 static void note_surface( scene_world* world, const wisp_scene_surface* s )
 {
-    if ( s->has_cloth && is_zero( s->cloth.wind ) == false && s->cloth.drag_coefficient == 0.0f &&
-         s->cloth.lift_coefficient == 0.0f )
+    const wisp_cloth_def* c = &s->cloth;
+    if ( s->has_cloth && is_zero( c->wind ) == false &&
+         ( ( c->drag_coefficient == 0.0f && c->lift_coefficient == 0.0f ) || c->air_density == 0.0f ) )
     {
-        say( world, s->line, s->name, "'wind' has no effect without drag_coefficient or lift_coefficient" );
+        say( world, s->line, s->name,
+             "'wind' has no effect without drag_coefficient or lift_coefficient, and air_density" );
+    }
+    if ( s->has_collision && scene_is_driven( s ) )
+    {
+        say( world, s->line, s->name, "'collision' has no effect: the animation moves every vertex" );
     }
     if ( s->has_tearing && isinf( s->tearing.strength ) )
     {
@@ -184,13 +199,22 @@ static void note_segments( scene_world* world, const wisp_scene_strands* s, cons
 
 static void note_strands( scene_world* world, const wisp_scene_strands* s, const wisp_groom* groom )
 {
-    if ( s->has_dynamics && is_zero( s->dynamics.wind ) == false && s->dynamics.drag_coefficient == 0.0f )
+    if ( s->has_dynamics && is_zero( s->dynamics.wind ) == false &&
+         ( s->dynamics.drag_coefficient == 0.0f || s->dynamics.air_density == 0.0f ) )
     {
-        say( world, s->line, s->name, "'wind' has no effect without drag_coefficient" );
+        say( world, s->line, s->name, "'wind' has no effect without drag_coefficient and air_density" );
     }
     if ( s->has_environment && s->has_frozen_hair == false )
     {
         say( world, s->line, s->name, "'environment' has no effect without frozen_hair" );
+    }
+    if ( s->has_frozen_hair && ( s->frozen_hair.freeze || s->frozen_hair.align || s->frozen_hair.clump ) == false )
+    {
+        say( world, s->line, s->name, "'frozen_hair' has no effect without freeze, align or clump" );
+    }
+    if ( s->has_grid && s->grid.enabled && s->grid.friction == 0.0f && s->grid.repulsion == 0.0f )
+    {
+        say( world, s->line, s->name, "'grid' has no effect without friction or repulsion" );
     }
     note_segments( world, s, groom );
 }

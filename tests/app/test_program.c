@@ -32,6 +32,13 @@ static const char vain_scene[] = "wisp: 1\n"
                                  "  - name: fine\n"
                                  "    generate: { strands: 2, vertices: 20, length: 0.0001 }\n"
                                  "    dynamics: { wind: [3, 0, 0] }\n"
+                                 "  - name: still\n"
+                                 "    generate: { strands: 2 }\n"
+                                 "    frozen_hair: {}\n"
+                                 "  - name: thick\n"
+                                 "    generate: { strands: 2 }\n"
+                                 "    dynamics: {}\n"
+                                 "    grid: { friction: 0 }\n"
                                  "surfaces:\n"
                                  "  - name: left\n"
                                  "    generate: { shape: plane, columns: 3, rows: 3 }\n"
@@ -70,11 +77,13 @@ TEST( what_has_no_effect_is_told_in_a_line_by_the_log_and_by_run_plan_and_info )
     static const char* const LINES[] = {
         "vain.yaml:4: 'fine': 'wind' has no effect",
         "vain.yaml:4: 'fine': 38 of the segments are below 10 um",
-        "vain.yaml:8: 'left': 'wind' has no effect",
-        "vain.yaml:8: 'left': 'collision' has no effect",
-        "vain.yaml:8: 'left': 'contact' has no effect",
-        "vain.yaml:19: 'floor': nothing collides with this collider",
-        "seams: 1 of 3 pairs of entity 7 join two pinned vertices",
+        "vain.yaml:7: 'still': 'frozen_hair' has no effect",
+        "vain.yaml:10: 'thick': 'grid' has no effect",
+        "vain.yaml:15: 'left': 'wind' has no effect",
+        "vain.yaml:15: 'left': 'collision' has no effect",
+        "vain.yaml:15: 'left': 'contact' has no effect",
+        "vain.yaml:26: 'floor': nothing collides with this collider",
+        "seams: 1 of 3 pairs of entity 9 join two pinned vertices",
     };
     for ( int i = 0; i < WISP_COUNT( LINES ); ++i )
     {
@@ -86,7 +95,7 @@ TEST( what_has_no_effect_is_told_in_a_line_by_the_log_and_by_run_plan_and_info )
         run( "info vain.yaml" );
         assert_told( result.out, "info", LINES[i] );
         assert_string_equal( result.err, "" );
-        assert_null( strstr( result.out, "note: vain.yaml:14" ) ); // 'right'
+        assert_null( strstr( result.out, "note: vain.yaml:21" ) ); // 'right'
         assert_null( strstr( result.out, "'picture'" ) );
     }
     run( "info good.yaml" );
