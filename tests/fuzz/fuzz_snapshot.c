@@ -26,7 +26,7 @@ typedef struct subject
 
 static void open_subject( const char* path, subject* out )
 {
-    const scene_world_options options = { .workers = 1, .is_quiet = true };
+    const scene_world_options options = { .workers = 1, .isa = "baseline", .is_quiet = true };
     demand( wisp_scene_read( path, &out->scene, NULL ) == WISP_OK );
     demand( scene_world_create( &out->scene, &options, &out->world, NULL ) == WISP_OK );
     demand( scene_world_step( &out->world, NULL ) == WISP_OK && scene_world_step( &out->world, NULL ) == WISP_OK );
