@@ -1,5 +1,5 @@
-// Snapshots of the smallest scene of every module, with words that any bytes choose, and hashes that fit: refused with a message while
-// the world stays what it was, or restored and stepped.
+// Snapshots of the smallest scene of every module and of some larger ones, with words that any bytes choose, and hashes that fit:
+// refused with a message while the world stays what it was, or restored and stepped.
 #include "fuzz.h"
 
 #include "world.h"
@@ -138,6 +138,8 @@ int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )
     if ( found.gl_pathc == 0 )
     {
         demand( glob( WISP_SOURCE_ROOT "/data/suites/scenes/effects/*.yaml", 0, NULL, &found ) == 0 );
+        demand( glob( WISP_SOURCE_ROOT "/data/scenes/{detail,hair_on_balloon,pear_jet,solids,swinging_guides}.yaml",
+                      GLOB_APPEND | GLOB_BRACE, NULL, &found ) == 0 );
         demand( found.gl_pathc <= MAX_SCENES );
     }
     if ( size < 2 )
