@@ -399,6 +399,21 @@ static wisp_status info_strands( const wisp_scene* scene, wisp_error* error )
     return status;
 }
 
+// What the log would say of the world. A scene that cannot be built has no notes: `run` tells what is wrong.
+static void print_notes( const wisp_scene* scene )
+{
+    const scene_world_options options = { .workers = 1, .is_quiet = true };
+    scene_world world;
+    if ( scene_world_create( scene, &options, &world, NULL ) == WISP_OK )
+    {
+        for ( int i = 0; i < world.note_count; ++i )
+        {
+            printf( "note: %s\n", world.notes[i] );
+        }
+        scene_world_destroy( &world );
+    }
+}
+
 static wisp_status info_scene( const char* path, wisp_error* error )
 {
     wisp_scene scene;
@@ -426,6 +441,7 @@ static wisp_status info_scene( const char* path, wisp_error* error )
         print_count( "hair events", scene.command_count );
         print_count( "events", scene.event_count );
         print_outputs( &scene );
+        print_notes( &scene );
     }
     wisp_scene_release( &scene );
     return status;

@@ -21,7 +21,7 @@ static void add_pass_times( plan_sheet* sheet, wisp_profile profile )
 
 wisp_status plan_sheet_make( scene_world* world, int steps, plan_sheet* sheet, wisp_error* error )
 {
-    *sheet = ( plan_sheet ){ .scene = world->scene->name };
+    *sheet = ( plan_sheet ){ .scene = world->scene->name, .world = world };
     wisp_status status = wisp_world_explain( world->world, &sheet->report );
     if ( status != WISP_OK )
     {
@@ -257,6 +257,10 @@ void plan_sheet_text( const plan_sheet* sheet, bool is_verbose, FILE* out )
     }
     print_modules( out, sheet->report, is_verbose );
     print_steps( out, sheet );
+    for ( int i = 0; i < sheet->world->note_count; ++i )
+    {
+        fprintf( out, "note: %s\n", sheet->world->notes[i] );
+    }
 }
 
 // ---- a graph ----

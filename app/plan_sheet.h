@@ -9,7 +9,8 @@
 
 typedef struct plan_sheet
 {
-    const char* scene;      ///< its file
+    const char* scene; ///< its file
+    const scene_world* world;
     wisp_plan_info* report; ///< of the start
     int steps;              ///< number of steps; 0: nothing is measured
     int plan_changes;       ///< number of changes of the plan within these steps

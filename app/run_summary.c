@@ -619,6 +619,10 @@ void run_summarise( const scene_world* world, run_record* record, const run_reco
         add_motion_warnings( world, out );
     }
     add_counter_table( out, world->world );
+    for ( int i = 0; i < world->note_count; ++i )
+    {
+        results_add_note( out, "%s", world->notes[i] );
+    }
     add_command_note( out, world );
     add_solver_notes( out, world );
     run_layers_report( record->layers, out );

@@ -115,6 +115,10 @@ wisp_status wisp_create_cloth( wisp_world* world, const wisp_create_cloth_def* g
     wisp_create_cloth_def def = wisp_default_create_cloth_def();
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_create_cloth_def", &def, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
+    if ( def.vertex_count == 0 )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "cloth: got no points" );
+    }
     wisp_cloth_def material = wisp_default_cloth_def();
     if ( def.material != NULL )
     {

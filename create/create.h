@@ -55,7 +55,7 @@ WISP_DEFINITION( create_cloth_def );
 
 /// Create a cloth: wisp_fabric_cook(), wisp_add_surface(), wisp_set_cloth(), wisp_set_collision() and wisp_request().
 /// @param out receives the entity, null on failure; nothing of it is left in the world then
-/// @return the status of the call that failed; wisp_world_message() has its message
+/// @return WISP_BAD_INPUT there are no points; the status of the call that failed; wisp_world_message() has its message
 WISP_API wisp_status wisp_create_cloth( wisp_world* world, const wisp_create_cloth_def* def, wisp_entity* out );
 
 /// Hair that moves. Fill from wisp_default_create_hair_def(). Copied; need not outlive the call.

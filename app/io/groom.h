@@ -130,6 +130,21 @@ extern "C"
     WISP_API wisp_status wisp_groom_generate( const wisp_groom_generator* generator, wisp_groom* out,
                                               wisp_error* error );
 
+    /// Segments thinner than a hair, below 10 um, or shorter than a hundredth of the mean of their strand: they keep their length
+    /// badly, and turn by rounding.
+    typedef struct groom_shorts
+    {
+        int count, strand,
+            segment;     ///< the latter two of the shortest one, the segment by its first vertex in the strand
+        double shortest; ///< m
+    } groom_shorts;
+
+    groom_shorts groom_find_shorts( const wisp_groom* groom );
+#define GROOM_SHORTS_FORMAT                                                                                          \
+    "%d of the segments are below 10 um or a hundredth of their strand's mean, the shortest %.3g um (strand %d, "    \
+    "vertex %d)"
+#define GROOM_SHORTS( found ) ( found ).count, 1e6 * ( found ).shortest, ( found ).strand, ( found ).segment
+
     /// Print the contents of a groom (counts, vertices per strand, bounds, lengths, thickness) and its defects, by
     /// element: segments of zero length, strands without a segment, strands that share a root, coordinates beyond
     /// WISP_GROOM_MAX_COORDINATE; the first ten of each kind and their number.

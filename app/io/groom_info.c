@@ -148,6 +148,27 @@ static finding find_zero_segments( const wisp_groom* groom )
     return f;
 }
 
+groom_shorts groom_find_shorts( const wisp_groom* groom )
+{
+    groom_shorts found = { .shortest = INFINITY };
+    for ( int s = 0; s < groom->strand_count; ++s )
+    {
+        const int begin = groom->offsets[s], last = groom->offsets[s + 1] - 1;
+        const double mean = strand_length( groom, s ) / ( last > begin ? last - begin : 1 );
+        for ( int v = begin; v < last; ++v )
+        {
+            const double length = wisp_mesh_distance( groom->points[v], groom->points[v + 1] );
+            const bool is_short = length < 1e-5 || length < 0.01 * mean;
+            found.count += is_short ? 1 : 0;
+            if ( is_short && length < found.shortest )
+            {
+                found = ( groom_shorts ){ found.count, s, v - begin, length };
+            }
+        }
+    }
+    return found;
+}
+
 static finding find_short_strands( const wisp_groom* groom )
 {
     finding f = { .count = 0 };
@@ -259,6 +280,12 @@ static void print_findings( FILE* out, const wisp_groom* groom, const finding* s
     print_finding( out, &brief, "strands without a segment", "vertices" );
     print_finding( out, shared, "strands that repeat a root", "the root of strand" );
     print_finding( out, &far, "vertices beyond 1e+06 m", "vertex" );
+
+    const groom_shorts shorts = groom_find_shorts( groom );
+    if ( shorts.count > zero.count )
+    {
+        fprintf( out, "  note: " GROOM_SHORTS_FORMAT "\n", GROOM_SHORTS( shorts ) );
+    }
 
     // The remaining checks concern one vertex only: the range of thickness, transparency and colour, and z in two
     // dimensions.

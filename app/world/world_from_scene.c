@@ -48,9 +48,9 @@ void scene_tell( const scene_world* world, wisp_log_level level, const char* mes
 static void keep_log( void* user, wisp_log_level level, const char* message )
 {
     scene_world* world = user;
-    if ( level == WISP_LOG_WARNING && !world->is_quiet )
+    if ( level == WISP_LOG_WARNING )
     {
-        scene_tell( world, level, message );
+        scene_note( world, message );
     }
     else if ( level == WISP_LOG_ERROR && !world->is_quiet )
     {
@@ -185,6 +185,7 @@ wisp_status scene_world_create( const wisp_scene* scene, const scene_world_optio
     }
     else
     {
+        scene_find_notes( out );
         print_late_error( out );
     }
     return status;
@@ -493,5 +494,6 @@ void scene_world_destroy( scene_world* world )
     free( world->entities );
     free( world->head_offsets );
     free( world->seams );
+    free( world->notes );
     *world = ( scene_world ){ 0 };
 }

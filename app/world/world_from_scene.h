@@ -11,6 +11,8 @@
 enum
 {
     SCENE_MAX_MODULES = 32,
+    SCENE_MAX_NOTES = 64,
+    SCENE_NOTE_SIZE = 300,
 };
 
 /// Options of the command line that override the scene.
@@ -84,6 +86,9 @@ typedef struct scene_world
     bool is_quiet;
     wisp_log_fn* log;
     void* log_user;
+    char ( *notes )
+        [SCENE_NOTE_SIZE]; ///< [note_count] what has no effect or another one than it looks, and warnings, a line each
+    int note_count;
     char late_error[500]; ///< logged as an error by a call that continued; printed after the call
 } scene_world;
 

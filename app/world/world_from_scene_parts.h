@@ -8,6 +8,11 @@
 /// Hand a message to the world's log, or print it to stderr. @param world may be null: stderr
 void scene_tell( const scene_world* world, wisp_log_level level, const char* message );
 
+/// Keep a line for those who ask for notes, and log it as a warning. (scene_notes.c)
+void scene_note( scene_world* world, const char* line );
+/// Note what of a scene that was built has no effect. (scene_notes.c)
+void scene_find_notes( scene_world* world );
+
 // ---- errors that name the scene's line ----
 
 /// @param what the kind of entry, such as "surface"

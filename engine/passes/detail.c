@@ -232,6 +232,17 @@ wisp_status passes_declare_detail( wisp_registry* registry, wisp_component* out 
 {
     const wisp_component_def state = { "detail.state", WISP_TABLE_ENTITY, COLUMNS, 1 };
     *out = wisp_declare_component( registry, &state );
+    const wisp_index_range ranges[] = {
+        WISP_MEMBER_RANGE( *out, passes_detail, level, 0, WISP_DETAIL_COUNT - 1 ),
+        WISP_MEMBER_RANGE( *out, passes_detail, active, 0, WISP_DETAIL_COUNT - 1 ),
+        WISP_MEMBER_RANGE( *out, passes_detail, from, 0, WISP_DETAIL_COUNT - 1 ),
+        WISP_MEMBER_RANGE( *out, passes_detail, divisor, 1, 1000000 ),
+        WISP_MEMBER_RANGE( *out, passes_detail, blend_steps, 0, 1000000 ),
+        WISP_MEMBER_RANGE( *out, passes_detail, elapsed, 0, 1000000 ),
+        WISP_MEMBER_RANGE( *out, passes_detail, substeps, 0, INT32_MAX ),
+        WISP_MEMBER_RANGE( *out, passes_detail, of_substeps, 0, INT32_MAX ),
+    };
+    WISP_TRY( wisp_declare_indices( registry, ranges, WISP_COUNT( ranges ) ) );
     const wisp_pass passes[] = {
         {
             .name = "detail.move",

@@ -1,5 +1,28 @@
 #include "passes.h"
 
+#include "levels.h"
+#include "passes_common.h"
+
+#include "wisp/module/components.h"
+
+// What may be in integers of shared components. Links and hinges of folds are counted in groups, found half spaces past those kept.
+static const wisp_index_range RANGES[] = {
+    WISP_COLUMN_RANGE( WISP_PARTICLE_EXTERNAL_SOLVER, 0, 0, 1 ),
+    WISP_COLUMN_RANGE( WISP_PARTICLE_HALF_SPACES, 0, 0, INT32_MAX ),
+    WISP_COLUMN_RANGE( WISP_PARTICLE_FRAME, 2, 0, 1 ),
+    WISP_COLUMN_RANGE( WISP_SURFACE_ELASTIC, 1, 0, 1 ),
+    WISP_COLUMN_RANGE( WISP_LINK_FOLDS, 2, 0, PASSES_BETWEEN_FOLDS ),
+    WISP_COLUMN_RANGE( WISP_HINGE_FOLDS, 2, 0, PASSES_BETWEEN_FOLDS ),
+    WISP_COLUMN_RANGE( WISP_SURFACE_LEVELS, 0, 0, 64 ),
+    WISP_COLUMN_RANGE( WISP_SURFACE_LEVELS, 1, 0, 64 ),
+    WISP_COLUMN_RANGE( WISP_SURFACE_LEVELS, 2, LEVELS_RESTARTED, LEVELS_MOVING ),
+    { .component = WISP_SURFACE_LEVELS, .column = 3, .kind = WISP_INDEX_COUNT, .table = WISP_TABLE_PARTICLE },
+    { .component = WISP_LINK_FOLDS, .column = 1, .kind = WISP_INDEX_COUNT, .table = WISP_TABLE_LINK },
+    { .component = WISP_HINGE_FOLDS, .column = 1, .kind = WISP_INDEX_COUNT, .table = WISP_TABLE_HINGE },
+    { .component = WISP_LINK_CONSTANT, .column = 1, .kind = WISP_INDEX_SAME },
+    { .component = WISP_HINGE_CONSTANT, .column = 1, .kind = WISP_INDEX_SAME },
+};
+
 wisp_status passes_declare( wisp_registry* registry )
 {
     // Order of passes in the same stage: prediction, coarse sheets, tethers, near constraints. The state check runs
@@ -9,7 +32,7 @@ wisp_status passes_declare( wisp_registry* registry )
                                        passes_declare_max_speed,   passes_declare_tethers,     passes_declare_uncarry,
                                        passes_declare_constraints, passes_declare_state_check, passes_declare_surface,
                                        passes_declare_instances };
-    wisp_status status = WISP_OK;
+    wisp_status status = wisp_declare_indices( registry, RANGES, WISP_COUNT( RANGES ) );
     for ( int i = 0; i < WISP_COUNT( ALL ) && status == WISP_OK; ++i )
     {
         status = ALL[i]( registry );

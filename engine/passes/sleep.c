@@ -98,6 +98,8 @@ wisp_status passes_declare_sleep( wisp_registry* registry, passes_sleep_componen
     out->moved = wisp_declare_component( registry, &moved );
     wisp_declare_places( registry, out->particles, 0, WISP_PLACE_QUADS );
     wisp_declare_places( registry, out->strands, 0, WISP_PLACE_LANES );
+    const wisp_index_range phase = WISP_MEMBER_RANGE( out->state, passes_sleep, phase, 0, 2 * PASSES_TOUCHED - 1 );
+    WISP_TRY( wisp_declare_indices( registry, &phase, 1 ) );
     const wisp_pass passes[] = {
         {
             .name = "sleep.measure",

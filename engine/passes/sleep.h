@@ -3,15 +3,20 @@
 
 #include "wisp/module/module.h"
 
+enum
+{
+    PASSES_TOUCHED = 3, // more than any store_sleep
+};
+
 /// A row of the component "sleep.state".
 typedef struct passes_sleep
 {
-    uint64_t rows;              // hash of the entity's own rows when it fell asleep
-    uint64_t surroundings;      // hash of what was around it
-    float lower[3], upper[3];   // m, its bounds there
-    float max_speed, seconds;   // of the definition
-    float still;                // s for which no vertex was faster
-    uint16_t phase, is_touched; // store_sleep, and store_entity.is_touched when a snapshot was taken
+    uint64_t rows;            // hash of the entity's own rows when it fell asleep
+    uint64_t surroundings;    // hash of what was around it
+    float lower[3], upper[3]; // m, its bounds there
+    float max_speed, seconds; // of the definition
+    float still;              // s for which no vertex was faster
+    int32_t phase;            // store_sleep; in a snapshot PASSES_TOUCHED more if store_entity.is_touched
 } passes_sleep;
 
 typedef struct passes_sleep_components

@@ -34,7 +34,17 @@ wisp_component wisp_declare_component( wisp_registry* registry, const wisp_compo
                                       "too many components, or declared differently by another module:", def->name );
 }
 
-wisp_status wisp_declare_pass( wisp_registry* registry, const wisp_pass* pass )
+wisp_status wisp_declare_indices( wisp_registry* registry, const wisp_index_range* ranges, int count )
+{
+    if ( store_declare_ranges( registry->store, ranges, count ) == false )
+    {
+        fail_declaration( registry, "too many ranges of", "indices" );
+        return WISP_BAD_INPUT;
+    }
+    return WISP_OK;
+}
+
+static wisp_status declare_pass( wisp_registry* registry, const wisp_pass* pass )
 {
     for ( int i = 0; i < registry->pass_count; ++i )
     {
@@ -70,7 +80,7 @@ wisp_status wisp_declare_passes( wisp_registry* registry, const wisp_pass* passe
     {
         wisp_pass pass = passes[i];
         pass.user = pass.user != NULL ? pass.user : user;
-        status = wisp_declare_pass( registry, &pass );
+        status = declare_pass( registry, &pass );
     }
     return status;
 }

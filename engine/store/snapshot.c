@@ -1,6 +1,8 @@
 // Snapshot, restore and hash walk the components' column lists, so none can forget a column.
 #include "store.h"
 
+#include "wisp/module/definition.h"
+
 #include <string.h>
 
 #define SNAPSHOT_MAGIC "WISPSNP5"
@@ -33,6 +35,17 @@ uint64_t store_hash_bytes( uint64_t seed, const void* bytes, size_t size )
     return hash;
 }
 
+static bool is_held( const store* s, const store_entity* e, int c )
+{
+    return store_mask_has( &e->components, c ) && store_mask_has( &s->transient, c ) == false;
+}
+
+static size_t column_size( const store* s, const store_entity* e, int c, int k )
+{
+    const wisp_component_def* def = &s->components[c].def;
+    return is_held( s, e, c ) ? (size_t)e->rows[def->table].count * def->columns[k].row_size : 0;
+}
+
 // Calls visit for every living entity in slot order: what waits to be done on it, whether it is halted, then every column range in
 // component and column order, without those that mean nothing between steps.
 typedef void visit_fn( void* context, void* rows, size_t bytes );
@@ -49,12 +62,9 @@ static void visit_columns( const store* s, visit_fn* visit, void* context )
         }
         for ( int c = 1; c < s->component_count && e->alive; ++c )
         {
-            const wisp_component_def* def = &s->components[c].def;
-            const bool is_held = store_mask_has( &e->components, c ) && store_mask_has( &s->transient, c ) == false;
-            for ( int k = 0; k < def->column_count && is_held; ++k )
+            for ( int k = 0; k < s->components[c].def.column_count && is_held( s, e, c ); ++k )
             {
-                visit( context, store_column( s, e, (wisp_component)c, k ),
-                       (size_t)e->rows[def->table].count * def->columns[k].row_size );
+                visit( context, store_column( s, e, (wisp_component)c, k ), column_size( s, e, c, k ) );
             }
         }
     }
@@ -90,6 +100,138 @@ static uint64_t structure_hash( const store* s )
     }
     return hash;
 }
+
+// ---- ranges ----
+
+// An entity in a snapshot. Its columns follow each other as visit_columns() has them.
+typedef struct snapshot_entity
+{
+    const store* s;
+    const store_entity* e;
+    const char* columns;
+} snapshot_entity;
+
+// @param component that the entity has; behind the last one for the end of the columns
+static const char* find_column( const snapshot_entity* in, int component, int column )
+{
+    const char* at = in->columns;
+    for ( int c = 1; c <= component && c < in->s->component_count; ++c )
+    {
+        const int count = c < component ? in->s->components[c].def.column_count : column;
+        for ( int k = 0; k < count; ++k )
+        {
+            at += column_size( in->s, in->e, c, k );
+        }
+    }
+    return at;
+}
+
+// @return null for no handle of a surface. @param is_null receives whether the handle names nothing
+static const store_entity* find_surface( const store* s, const char* handle, bool* is_null )
+{
+    wisp_entity entity;
+    memcpy( &entity, handle, sizeof( entity ) );
+    *is_null = entity.index == 0;
+    const store_entity* e = store_find( s, entity );
+    return e != NULL && e->fabric != NULL ? e : NULL;
+}
+
+// The highest number that a row may have.
+static int last_of( const snapshot_entity* in, const wisp_index_range* r, const char* row )
+{
+    if ( r->kind == WISP_INDEX_ROW || r->kind == WISP_INDEX_COUNT )
+    {
+        return in->e->rows[r->table].count - ( r->kind == WISP_INDEX_ROW ? 1 : 0 );
+    }
+    if ( r->kind == WISP_INDEX_SLOT )
+    {
+        bool is_null;
+        const char* handle = r->surface != 0 ? find_column( in, r->surface, 0 ) : row;
+        const store_entity* surface = find_surface( in->s, handle, &is_null );
+        return surface != NULL ? surface->rows[WISP_TABLE_PARTICLE].count - 1 : is_null ? INT32_MAX : -1;
+    }
+    return r->highest;
+}
+
+static wisp_status check_row( const snapshot_entity* in, const wisp_index_range* r, int row, const char* bytes,
+                              wisp_error* error )
+{
+    const wisp_component_def* def = &in->s->components[r->component].def;
+    const char* name = def->columns[r->column].name;
+    const int number = (int)( in->e - in->s->entities ) + 1;
+    if ( r->kind == WISP_INDEX_SURFACE )
+    {
+        bool is_null;
+        const store_entity* surface = find_surface( in->s, bytes + r->offset, &is_null );
+        return is_null || ( surface != NULL && surface != in->e )
+                   ? WISP_OK
+                   : wisp_fail( error, WISP_BAD_INPUT,
+                                "snapshot: entity %d, %s, column '%s', row %d: got no other surface", number,
+                                def->name, name, row );
+    }
+    int lowest = r->lowest, last = last_of( in, r, bytes );
+    const char* here = store_column( in->s, in->e, r->component, r->column );
+    here += (size_t)row * def->columns[r->column].row_size + r->offset;
+    const size_t left = ( def->columns[r->column].row_size - r->offset ) / sizeof( int32_t );
+    const size_t count = r->count > 0 ? (size_t)r->count : left;
+    for ( size_t i = 0; i < count; ++i )
+    {
+        int32_t value;
+        memcpy( &value, bytes + r->offset + i * sizeof( value ), sizeof( value ) );
+        if ( r->kind == WISP_INDEX_SAME )
+        {
+            memcpy( &lowest, here + i * sizeof( lowest ), sizeof( lowest ) );
+            last = lowest;
+        }
+        if ( value < lowest || value > last )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT,
+                              "snapshot: entity %d, %s, column '%s', row %d: got %d, expected %d to %d", number,
+                              def->name, name, row, value, lowest, last );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_entity( const snapshot_entity* in, wisp_error* error )
+{
+    for ( const wisp_index_range* r = in->s->ranges; r < in->s->ranges + in->s->range_count; ++r )
+    {
+        const size_t size = column_size( in->s, in->e, r->component, r->column );
+        const size_t row_size = in->s->components[r->component].def.columns[r->column].row_size;
+        const char* rows = size > 0 ? find_column( in, r->component, r->column ) : NULL;
+        for ( size_t row = 0; row < size / row_size; ++row )
+        {
+            WISP_TRY( check_row( in, r, (int)row, rows + row * row_size, error ) );
+        }
+    }
+    return WISP_OK;
+}
+
+// Whoever writes a snapshot can compute its hash, so what is used as an index is checked.
+static wisp_status check_ranges( const store* s, const char* content, wisp_error* error )
+{
+    for ( int i = 0; i < s->entity_count; ++i )
+    {
+        const store_entity* e = s->entities + i;
+        if ( e->alive )
+        {
+            uint64_t halted;
+            memcpy( &halted, content + sizeof( e->dirty ), sizeof( halted ) );
+            if ( halted > 1 )
+            {
+                return wisp_fail( error, WISP_BAD_INPUT, "snapshot: entity %d: got halted %llu, expected 0 or 1",
+                                  i + 1, (unsigned long long)halted );
+            }
+            const snapshot_entity in = { s, e, content + sizeof( e->dirty ) + sizeof( e->halted ) };
+            WISP_TRY( check_entity( &in, error ) );
+            content = find_column( &in, s->component_count, 0 );
+        }
+    }
+    return WISP_OK;
+}
+
+// ---- snapshots ----
 
 static void add_size( void* context, void* rows, size_t bytes )
 {
@@ -168,6 +310,7 @@ wisp_status store_restore( store* s, const void* bytes, size_t size, wisp_error*
     {
         return wisp_fail( error, WISP_BAD_INPUT, "snapshot: the hash does not match, the bytes are damaged" );
     }
+    WISP_TRY( check_ranges( s, content, error ) );
     visit_columns( s, copy_in, &content );
     return WISP_OK;
 }

@@ -71,6 +71,17 @@ wisp_component store_declare( store* s, const wisp_component_def* def )
     return (wisp_component)s->component_count++;
 }
 
+bool store_declare_ranges( store* s, const wisp_index_range* ranges, int count )
+{
+    if ( count > STORE_MAX_RANGES - s->range_count )
+    {
+        return false;
+    }
+    memcpy( s->ranges + s->range_count, ranges, (size_t)count * sizeof( *ranges ) );
+    s->range_count += count;
+    return true;
+}
+
 store_entity* store_find( const store* s, wisp_entity entity )
 {
     if ( entity.index == 0 || entity.index > (uint32_t)s->entity_count )

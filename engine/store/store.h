@@ -10,6 +10,7 @@ enum
 {
     STORE_MAX_COMPONENTS = STORE_MASK_BITS,
     STORE_MAX_COLUMNS = 16, // in one component
+    STORE_MAX_RANGES = 128,
 };
 
 typedef struct store_rows
@@ -60,6 +61,8 @@ typedef struct store
     const wisp_allocator* allocator;
     store_component components[STORE_MAX_COMPONENTS]; // [0] is null
     int component_count;
+    wisp_index_range ranges[STORE_MAX_RANGES];
+    int range_count;
     int row_count[WISP_TABLE_COUNT];
     int row_capacity[WISP_TABLE_COUNT];
     store_entity* entities;
@@ -77,6 +80,9 @@ void store_release( store* s );
 
 /// @return 0 if the registry is full, the name exists with another shape, or the definition is malformed
 wisp_component store_declare( store* s, const wisp_component_def* def );
+
+/// @return whether there is room for the ranges
+bool store_declare_ranges( store* s, const wisp_index_range* ranges, int count );
 
 /// @return null for a stale handle
 store_entity* store_find( const store* s, wisp_entity entity );

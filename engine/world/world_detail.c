@@ -120,16 +120,6 @@ void world_detail_begin( wisp_world* world )
     }
 }
 
-// Whether a row of unknown origin is one that a world could have left.
-static bool is_valid( const passes_detail* d )
-{
-    const bool has_levels = d->level >= 0 && d->level < WISP_DETAIL_COUNT && d->active >= 0 &&
-                            d->active < WISP_DETAIL_COUNT && d->from >= 0 && d->from < WISP_DETAIL_COUNT;
-    return has_levels && d->divisor >= 1 && d->divisor <= WORLD_MAX_SUBSTEPS && d->blend_steps >= 0 &&
-           d->blend_steps <= WORLD_MAX_SUBSTEPS && d->elapsed >= 0 && d->elapsed <= d->blend_steps &&
-           d->substeps >= 0 && d->of_substeps >= 0;
-}
-
 void world_detail_from_rows( wisp_world* world )
 {
     for ( int slot = 0; slot < world->store.entity_count; ++slot )
@@ -138,7 +128,7 @@ void world_detail_from_rows( wisp_world* world )
         passes_detail* d = state_of( world, e );
         if ( d != NULL )
         {
-            *d = is_valid( d ) ? *d : ( passes_detail ){ .divisor = 1 };
+            d->elapsed = d->elapsed < d->blend_steps ? d->elapsed : d->blend_steps;
             show( world, e, d );
         }
     }

@@ -232,7 +232,8 @@ void world_sleep_to_rows( wisp_world* world, bool has_snapshot )
         passes_sleep* state = e->alive ? sleep_state_of( world, e ) : NULL;
         if ( state != NULL )
         {
-            state->is_touched = has_snapshot == false && e->is_touched;
+            state->phase =
+                state->phase % PASSES_TOUCHED + ( has_snapshot == false && e->is_touched ? PASSES_TOUCHED : 0 );
         }
     }
 }
@@ -243,8 +244,8 @@ void world_sleep_from_rows( wisp_world* world )
     {
         store_entity* e = world->store.entities + slot;
         const passes_sleep* state = e->alive ? sleep_state_of( world, e ) : NULL;
-        e->sleep = state != NULL ? (store_sleep)state->phase : STORE_AWAKE;
-        e->is_touched = state != NULL && state->is_touched != 0;
+        e->sleep = state != NULL ? (store_sleep)( state->phase % PASSES_TOUCHED ) : STORE_AWAKE;
+        e->is_touched = state != NULL && state->phase >= PASSES_TOUCHED;
     }
     world_sleep_to_rows( world, true );
 }

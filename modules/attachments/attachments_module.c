@@ -78,6 +78,14 @@ static wisp_status declare( wisp_registry* r )
     wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .surroundings = find_surroundings } );
     const wisp_component_def place = { "attachments.place", WISP_TABLE_PARTICLE, PLACE_COLUMNS, 1 };
     state->place = wisp_declare_component( r, &place );
+    const wisp_index_range ranges[] = {
+        { .component = state->place, .kind = WISP_INDEX_SURFACE },
+        { .component = state->place,
+          .offset = offsetof( attachments_place, corner ),
+          .count = 3,
+          .kind = WISP_INDEX_SLOT },
+    };
+    WISP_TRY( wisp_declare_indices( r, ranges, WISP_COUNT( ranges ) ) );
     const wisp_pass passes[] = {
         {
             .name = "attachments.follow",

@@ -22,7 +22,7 @@ static const wisp_column_def BORDER_COLUMNS[] = { { "vertex", sizeof( int32_t ) 
 
 // ---- components and passes ----
 
-static void declare_components( wisp_registry* r, balloon_state* s )
+static wisp_status declare_components( wisp_registry* r, balloon_state* s )
 {
     const struct
     {
@@ -48,6 +48,20 @@ static void declare_components( wisp_registry* r, balloon_state* s )
     {
         *all[i].out = wisp_declare_component( r, &all[i].def );
     }
+    const wisp_index_range ranges[] = {
+        { .component = s->open_edge, .kind = WISP_INDEX_SAME },
+        { .component = s->open_edge, .column = 1, .kind = WISP_INDEX_SAME },
+        { .component = s->outlet,
+          .offset = offsetof( balloon_outlet, slots ),
+          .count = WISP_BALLOON_MAX_OUTLET,
+          .kind = WISP_INDEX_ROW,
+          .table = WISP_TABLE_PARTICLE },
+        WISP_MEMBER_RANGE( s->outlet, balloon_outlet, count, 0, WISP_BALLOON_MAX_OUTLET ),
+        WISP_MEMBER_RANGE( s->outlet, balloon_outlet, jet_starts, 0, INT32_MAX ),
+        WISP_MEMBER_RANGE( s->outlet, balloon_outlet, open, 0, 1 ),
+        WISP_MEMBER_RANGE( s->outlet, balloon_outlet, running, 0, 1 ),
+    };
+    return wisp_declare_indices( r, ranges, WISP_COUNT( ranges ) );
 }
 
 // In order: geometry, control, pressure and outlet, then the passes that change velocities. Statistics and drag come before all
@@ -164,7 +178,7 @@ static wisp_status declare( wisp_registry* r )
         return WISP_NO_MEMORY;
     }
     wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .surroundings = find_surroundings } );
-    declare_components( r, state );
+    WISP_TRY( declare_components( r, state ) );
     for ( wisp_component map = WISP_MAP_STRETCH_COMPLIANCE; map <= WISP_MAP_BEND_STIFFNESS; ++map )
     {
         wisp_declare_map( r, map, state->skin,

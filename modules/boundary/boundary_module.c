@@ -54,7 +54,7 @@ static void entity_removed( void* memory, wisp_world* world, wisp_entity entity 
     boundary_drop_layer( memory, wisp_world_allocator( world ), entity );
 }
 
-static void declare_components( wisp_registry* r, boundary_state* s )
+static wisp_status declare_components( wisp_registry* r, boundary_state* s )
 {
     const wisp_component_def settings = { "boundary.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS, 1 };
     const wisp_component_def normals = { "boundary.normals", WISP_TABLE_PARTICLE, NORMALS_COLUMNS, 1 };
@@ -70,6 +70,15 @@ static void declare_components( wisp_registry* r, boundary_state* s )
     s->triangles = wisp_declare_component( r, &triangles );
     s->local = wisp_declare_component( r, &local );
     s->read = wisp_declare_component( r, &read );
+    const wisp_index_range ranges[] = {
+        WISP_MEMBER_RANGE( s->settings, boundary_settings, policy, 0, WISP_SPACING_COUNT - 1 ),
+        WISP_MEMBER_RANGE( s->settings, boundary_settings, rounding, 0, WISP_ROUND_COUNT - 1 ),
+        WISP_MEMBER_RANGE( s->settings, boundary_settings, limit, 1, BOUNDARY_MAX_POINTS ),
+        WISP_COLUMN_RANGE( s->edges, BOUNDARY_POINTS, 0, BOUNDARY_MAX_POINTS ),
+        WISP_COLUMN_RANGE( s->triangles, BOUNDARY_POINTS, 0, BOUNDARY_MAX_POINTS ),
+        WISP_COLUMN_RANGE( s->triangles, BOUNDARY_AXIS, 0, 2 ),
+    };
+    return wisp_declare_indices( r, ranges, WISP_COUNT( ranges ) );
 }
 
 // No pass writes positions: a layer is passive. The points read the spacing, so its pass comes before theirs; it exists only with
@@ -135,7 +144,7 @@ static wisp_status declare( wisp_registry* r )
     }
     wisp_declare_hooks(
         r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed, .memory = count_memory } );
-    declare_components( r, state );
+    WISP_TRY( declare_components( r, state ) );
     return declare_passes( r, state );
 }
 

@@ -96,7 +96,7 @@ WISP_API wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_d
 /// Move a collider to a pose that it reaches at the end of the next step, along a straight line and the shorter rotation. It
 /// pushes and drags what it touches. Detection is continuous: it passes through no particle at any speed. Without another
 /// call it rests there.
-/// @return WISP_BAD_INPUT the pose is not finite or beyond 1e6 m; WISP_CONFLICT the entity is no collider, or one that moves
+/// @return WISP_BAD_INPUT the pose is not finite or beyond 1e6 m, or has no rotation; WISP_CONFLICT the entity is no collider, or one that moves
 ///         with its surface
 WISP_API wisp_status wisp_move_collider( wisp_world* world, wisp_entity collider, wisp_transform pose );
 

@@ -172,6 +172,28 @@ static wisp_status declare_components( wisp_registry* r, collision_state* state 
     return state->clearance != 0 ? WISP_OK : WISP_BAD_INPUT;
 }
 
+// Contacts and tracks of a substep are written before they are read, and may name bodies that are gone, but never a negative place.
+static wisp_status declare_indices( wisp_registry* r, const collision_state* s )
+{
+    const wisp_index_range ranges[] = {
+        WISP_MEMBER_RANGE( s->settings, collision_settings, enabled, 0, 1 ),
+        WISP_MEMBER_RANGE( s->settings, collision_settings, stats, 0, 1 ),
+        WISP_COLUMN_RANGE( s->active, 0, 0, 1 ),
+        WISP_COLUMN_RANGE( s->follower, 0, 0, 1 ),
+        WISP_COLUMN_RANGE( s->tracked, 0, -1, INT32_MAX ),
+        WISP_COLUMN_RANGE( s->strand_tracked, 0, -1, INT32_MAX ),
+        WISP_COLUMN_RANGE( s->contact_body, 0, 0, INT32_MAX ),
+        WISP_COLUMN_RANGE( s->edge_contacts, 0, 0, INT32_MAX ),
+        WISP_COLUMN_RANGE( s->triangle_contacts, 0, 0, INT32_MAX ),
+        { .component = s->reaction_part, .kind = WISP_INDEX_SAME },
+        { .component = s->all_features, .kind = WISP_INDEX_COUNT, .table = WISP_TABLE_EDGE },
+        { .component = s->all_features, .column = 1, .kind = WISP_INDEX_COUNT, .table = WISP_TABLE_TRIANGLE },
+        { .component = s->edge_contacts, .column = 1, .kind = WISP_INDEX_ROW, .table = WISP_TABLE_EDGE },
+        { .component = s->triangle_contacts, .column = 1, .kind = WISP_INDEX_ROW, .table = WISP_TABLE_TRIANGLE },
+    };
+    return wisp_declare_indices( r, ranges, WISP_COUNT( ranges ) );
+}
+
 static wisp_status declare_passes( wisp_registry* r, collision_state* state )
 {
     const wisp_pass contact_input = {
@@ -391,8 +413,9 @@ static wisp_status declare( wisp_registry* r )
                                                   .teleported = entity_teleported,
                                                   .memory = count_memory } );
     wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .surroundings = collision_surroundings } );
-    wisp_status status = declare_components( r, state );
-    return status == WISP_OK ? declare_passes( r, state ) : status;
+    WISP_TRY( declare_components( r, state ) );
+    WISP_TRY( declare_indices( r, state ) );
+    return declare_passes( r, state );
 }
 
 const wisp_module wisp_collision_module = { .name = "collision", .declare = declare };

@@ -161,7 +161,13 @@ static wisp_status declare_components( wisp_registry* r, contact_state* s )
     wisp_declare_places( r, s->components.strand_free, 0, WISP_PLACE_LANES );
     wisp_declare_map( r, WISP_MAP_CONTACT_THICKNESS, s->components.settings, NULL );
     wisp_declare_map( r, WISP_MAP_CONTACT_FRICTION, s->components.settings, NULL );
-    return s->stats != 0 ? WISP_OK : WISP_BAD_INPUT;
+    const wisp_index_range ranges[] = {
+        WISP_MEMBER_RANGE( s->components.settings, contact_settings, self, 0, 3 ),
+        WISP_MEMBER_RANGE( s->components.settings, contact_settings, is_new, 0, 1 ),
+        WISP_MEMBER_RANGE( s->components.settings, contact_settings, is_far, 0, 1 ),
+        WISP_MEMBER_RANGE( s->active, contact_memory, tangled, 0, 1 ),
+    };
+    return s->stats != 0 ? wisp_declare_indices( r, ranges, WISP_COUNT( ranges ) ) : WISP_BAD_INPUT;
 }
 
 // Where strands meet strands, limit displacements once more, after lengths and before velocities are computed.

@@ -106,6 +106,9 @@ static wisp_status declare( wisp_registry* r )
     state->settings =
         wisp_declare_component( r, &( wisp_component_def ){ "environment.settings", WISP_TABLE_ENTITY,
                                                             SETTINGS_COLUMNS, WISP_COUNT( SETTINGS_COLUMNS ) } );
+    const wisp_index_range points =
+        WISP_MEMBER_RANGE( state->settings, wisp_environment_def, point_count, 2, WISP_ENVIRONMENT_MAX_POINTS );
+    WISP_TRY( wisp_declare_indices( r, &points, 1 ) );
     return wisp_declare_pass( r, &( wisp_pass ){
                                      .name = "environment.stiffness",
                                      .stage = WISP_STAGE_INPUT,

@@ -220,6 +220,18 @@ static wisp_status declare( wisp_registry* r )
         r, &( wisp_component_def ){ name, table, member##_columns, WISP_COUNT( member##_columns ) } );
     FROZEN_COMPONENTS( FROZEN_DECLARE )
 #undef FROZEN_DECLARE
+    const wisp_index_range ranges[] = {
+        WISP_MEMBER_RANGE( s->settings, frozen_settings, base, 0, WISP_FROZEN_BASE_COUNT - 1 ),
+        WISP_MEMBER_RANGE( s->settings, frozen_settings, event, 0, WISP_FROZEN_UPDATE_COUNT - 1 ),
+        WISP_MEMBER_RANGE( s->settings, frozen_settings, pending, 0, 1 ),
+        WISP_MEMBER_RANGE( s->settings, frozen_settings, points, 0, 1 ),
+        WISP_MEMBER_RANGE( s->event, frozen_event, points, 0, 1 ),
+        WISP_MEMBER_RANGE( s->align, frozen_align, reach_nearest, 0, 1 ),
+        WISP_MEMBER_RANGE( s->clump, frozen_clump, iterations, 0, 1000 ),
+        WISP_MEMBER_RANGE( s->clump, frozen_clump, brakes, 0, 1 ),
+        WISP_MEMBER_RANGE( s->clump, frozen_clump, neighbour_limit, 1, 4096 ),
+    };
+    WISP_TRY( wisp_declare_indices( r, ranges, WISP_COUNT( ranges ) ) );
     s->workspace = wisp_declare_workspace( r, frozen_clump_workspace_size(), frozen_clump_workspace_release,
                                            frozen_clump_workspace_bytes );
     return s->workspace < 0 ? WISP_NO_MEMORY : declare_stages( r, s );

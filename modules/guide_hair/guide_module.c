@@ -213,6 +213,11 @@ static wisp_status declare( wisp_registry* r )
 #undef GUIDE_DECLARE
     wisp_declare_places( r, s->between, 0, WISP_PLACE_LANES );
     wisp_declare_places( r, s->between, 1, WISP_PLACE_LANES );
+    const wisp_index_range ranges[] = {
+        WISP_MEMBER_RANGE( s->settings, guide_settings, is_elastic, 0, 1 ),
+        { .component = s->carrier, .kind = WISP_INDEX_SAME },
+    };
+    WISP_TRY( wisp_declare_indices( r, ranges, WISP_COUNT( ranges ) ) );
     wisp_status status = declare_ghosts( r, s );
     return status == WISP_OK ? declare_curves( r, s ) : status;
 }

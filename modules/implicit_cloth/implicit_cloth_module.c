@@ -180,6 +180,16 @@ static wisp_status declare( wisp_registry* r )
         *components[i].component = wisp_declare_component( r, &components[i].def );
     }
     wisp_declare_places( r, state->history, 0, WISP_PLACE_QUADS );
+    const wisp_index_range ranges[] = {
+        WISP_MEMBER_RANGE( state->material, implicit_material, bdf2, 0, 1 ),
+        WISP_MEMBER_RANGE( state->material, implicit_material, newton_iterations, 1, 64 ),
+        WISP_MEMBER_RANGE( state->material, implicit_material, max_newton_iterations, 1, 64 ),
+        WISP_MEMBER_RANGE( state->material, implicit_material, max_iterations, 0, 1000000 ),
+        WISP_MEMBER_RANGE( state->material, implicit_material, requests_stats, 0, 1 ),
+        WISP_MEMBER_RANGE( state->contact, implicit_contact, slides, 0, 1 ),
+        WISP_MEMBER_RANGE( state->contact, implicit_contact, landed, 0, 1 ),
+    };
+    WISP_TRY( wisp_declare_indices( r, ranges, WISP_COUNT( ranges ) ) );
     return declare_passes( r, state );
 }
 

@@ -219,6 +219,9 @@ static wisp_status declare( wisp_registry* r )
     wisp_declare_places( r, state->distance, 0, WISP_PLACE_EIGHTS );
     wisp_declare_places( r, state->distance, 2, WISP_PLACE_EIGHTS );
     wisp_declare_places( r, state->distance, 4, WISP_PLACE_QUADS );
+    const wisp_index_range moves =
+        WISP_MEMBER_RANGE( state->settings, motion_settings, moves, MOTION_STILL, MOTION_NEW );
+    WISP_TRY( wisp_declare_indices( r, &moves, 1 ) );
     state->has_iterations = wisp_registry_iterations( r ) > 1;
     return state->lambda != 0 ? declare_passes( r, state ) : WISP_BAD_INPUT;
 }

@@ -151,6 +151,29 @@ static void fill( wisp_world* world, const seams_state* state, const seam_topolo
     }
 }
 
+// Neither vertex of such a pair moves by the seam.
+static void warn_of_pins( wisp_world* world, const seam_topology* s )
+{
+    const float *a = wisp_world_column( world, s->a, WISP_PARTICLE_POSITION, 0 ),
+                *b = wisp_world_column( world, s->b, WISP_PARTICLE_POSITION, 0 );
+    int count = 0, first = 0;
+    for ( int row = s->pair_count - 1; row >= 0; --row )
+    {
+        const bool is_pinned = a[s->ends_x4[2 * row] + 3] == 0.0f && b[s->ends_x4[2 * row + 1] + 3] == 0.0f;
+        count += is_pinned ? 1 : 0;
+        first = is_pinned ? row : first;
+    }
+    if ( count > 0 )
+    {
+        wisp_world_warn( world,
+                         "seams: %d of %d pairs of entity %u join two pinned vertices, which the seam does not move, "
+                         "the first vertex %d of a and %d of b",
+                         count, s->pair_count, s->entity.index,
+                         wisp_world_fabric( world, s->a )->slot_vertex[s->ends_x4[2 * first] / 4],
+                         wisp_world_fabric( world, s->b )->slot_vertex[s->ends_x4[2 * first + 1] / 4] );
+    }
+}
+
 static wisp_status begin( wisp_world* world, const wisp_seam_def* given, wisp_seam_def* def, seams_state** state )
 {
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_seam_def", def, given ) );
@@ -190,6 +213,7 @@ wisp_status wisp_add_seam( wisp_world* world, const wisp_seam_def* given, wisp_e
         return status;
     }
     fill( world, state, &s, &def );
+    warn_of_pins( world, &s );
     state->seams[state->count++] = s;
     *out = s.entity;
     return WISP_OK;

@@ -54,6 +54,8 @@ static wisp_status declare( wisp_registry* r )
     state->sewn = wisp_declare_component( r, &sewn );
     state->active = wisp_declare_component( r, &active );
     state->result = wisp_declare_component( r, &result );
+    const wisp_index_range broken = WISP_COLUMN_RANGE( state->pairs, 2, 0, 1 );
+    WISP_TRY( wisp_declare_indices( r, &broken, 1 ) );
     const wisp_pass passes[] = {
         {
             .name = "seams.project",

@@ -426,6 +426,27 @@ static size_t count_memory( const void* memory, size_t* outside )
     return (size_t)( (const strands_state*)memory )->rooted_capacity * sizeof( wisp_entity );
 }
 
+static wisp_status declare_indices( wisp_registry* r, const strands_state* s )
+{
+    const wisp_index_range ranges[] = {
+        WISP_MEMBER_RANGE( s->settings, strands_settings, rest, 0, WISP_STRAND_REST_COUNT - 1 ),
+        WISP_MEMBER_RANGE( s->settings, strands_settings, clamped, 0, 1 ),
+        WISP_MEMBER_RANGE( s->settings, strands_settings, is_free, 0, 1 ),
+        WISP_MEMBER_RANGE( s->head, strands_head, jumped, 0, STRANDS_STOPPED ),
+        WISP_MEMBER_RANGE( s->head, strands_head, is_still, 0, 1 ),
+        WISP_MEMBER_RANGE( s->direct, strands_direct, passes, 1, 16 ),
+        WISP_MEMBER_RANGE( s->direct, strands_direct, has_rod, 0, 1 ),
+        WISP_MEMBER_RANGE( s->links, strands_link, xpbd, 0, 1 ),
+        WISP_MEMBER_RANGE( s->bend_links, strands_link, xpbd, 0, 1 ),
+        WISP_COLUMN_RANGE( s->pins, 0, 0, INT32_MAX ),
+        WISP_COLUMN_RANGE( s->in_bounds, 0, 0, 1 ),
+        WISP_COLUMN_RANGE( s->tips, 0, 0, WISP_STRAND_TIP_COUNT - 1 ),
+        { .component = s->surface, .kind = WISP_INDEX_SURFACE },
+        { .component = s->anchor, .kind = WISP_INDEX_SLOT, .surface = s->surface },
+    };
+    return wisp_declare_indices( r, ranges, WISP_COUNT( ranges ) );
+}
+
 static wisp_status declare( wisp_registry* r )
 {
     strands_state* s = wisp_declare_state( r, sizeof( strands_state ) );
@@ -449,6 +470,7 @@ static wisp_status declare( wisp_registry* r )
     wisp_declare_places( r, s->head, 0, WISP_PLACE_POSES );
     wisp_declare_places( r, s->good, 0, WISP_PLACE_LANES );
     wisp_declare_places( r, s->anchor, 3, WISP_PLACE_LANES );
+    WISP_TRY( declare_indices( r, s ) );
     s->workspace = wisp_declare_workspace( r, strands_grid_workspace_size(), strands_grid_workspace_release,
                                            strands_grid_workspace_bytes );
     s->lent_rows = wisp_declare_workspace( r, strands_lent_rows_size(), NULL, NULL );

@@ -17,7 +17,7 @@ static wisp_status check_values( wisp_world* world, const wisp_fabric* f, const 
 {
     const wisp_number_range ranges[] = {
         { "strength", d->strength, 1e-6f, INFINITY },
-        { "max_splits", (float)d->max_splits, 1.0f, 1e6f },
+        { "max_splits", (float)d->max_splits, 1.0f, (float)TEARING_MAX_SPLITS },
     };
     WISP_TRY( wisp_world_check_ranges( world, "tearing", ranges, WISP_COUNT( ranges ) ) );
     for ( int v = 0; d->factors != NULL && v < f->vertex_count; ++v )

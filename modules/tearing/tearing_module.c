@@ -57,6 +57,13 @@ static wisp_status declare( wisp_registry* r )
     state->strength = wisp_declare_component( r, &strength );
     state->limit = wisp_declare_component( r, &limit );
     state->result = wisp_declare_component( r, &result );
+    const wisp_index_range ranges[] = {
+        WISP_MEMBER_RANGE( state->settings, tearing_settings, max_splits, 1, TEARING_MAX_SPLITS ),
+        WISP_MEMBER_RANGE( state->settings, tearing_settings, split_count, 0, INT32_MAX ),
+        WISP_MEMBER_RANGE( state->result, tearing_result, is_new, 0, 1 ),
+        { .component = state->result, .count = 1, .kind = WISP_INDEX_COUNT, .table = WISP_TABLE_LINK },
+    };
+    WISP_TRY( wisp_declare_indices( r, ranges, WISP_COUNT( ranges ) ) );
     const wisp_pass pass = {
         .name = "tearing.measure",
         .stage = WISP_STAGE_CHECK,

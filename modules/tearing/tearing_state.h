@@ -13,6 +13,11 @@
 #define TEARING_LIMIT( X ) X( float, limit, 1 ) /* N; infinite: no edge */
 #define TEARING_RESULT( X ) X( tearing_result, result, 1 )
 
+enum
+{
+    TEARING_MAX_SPLITS = 1000000,
+};
+
 typedef struct tearing_settings
 {
     int32_t max_splits;

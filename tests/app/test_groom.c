@@ -637,6 +637,19 @@ TEST( info_names_what_is_wrong_by_element )
     free( text );
 }
 
+TEST( info_tells_short_segments )
+{
+    static int offsets[] = { 0, 4, 6 };
+    static wisp_vec3 points[] = { { 0, 0, 0 },      { 0, -0.01f, 0 },   { 0, -0.010001f, 0 },
+                                  { 0, -0.02f, 0 }, { 1, -0.0001f, 0 }, { 1, 0, 0 } };
+    wisp_groom groom = { 2, 6, 2, offsets, points, NULL, NULL, NULL };
+    char* text = fixture_info( &groom, WISP_OK );
+    assert_contains(
+        text, "  note: 1 of the segments are below 10 um or a hundredth of their strand's mean, the shortest 1 um "
+              "(strand 0, vertex 1)\n" );
+    free( text );
+}
+
 TEST( info_lists_the_first_ten_and_counts_the_rest )
 {
     int offsets[14];

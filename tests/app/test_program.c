@@ -25,10 +25,81 @@ static const char good_scene[] =
     "  - { strands: hair, file: written.hair }\n"
     "  - { strands: hair, file: written.obj }\n";
 
+// Line by line what has no effect, and beside it what has one.
+static const char vain_scene[] = "wisp: 1\n"
+                                 "steps: 1\n"
+                                 "strands:\n"
+                                 "  - name: fine\n"
+                                 "    generate: { strands: 2, vertices: 20, length: 0.0001 }\n"
+                                 "    dynamics: { wind: [3, 0, 0] }\n"
+                                 "  - name: still\n"
+                                 "    generate: { strands: 2 }\n"
+                                 "    frozen_hair: {}\n"
+                                 "  - name: thick\n"
+                                 "    generate: { strands: 2 }\n"
+                                 "    dynamics: {}\n"
+                                 "    grid: { friction: 0 }\n"
+                                 "surfaces:\n"
+                                 "  - name: left\n"
+                                 "    generate: { shape: plane, columns: 3, rows: 3 }\n"
+                                 "    pins: [0, 1]\n"
+                                 "    cloth: { wind: [3, 0, 0] }\n"
+                                 "    collision: { mask: [2] }\n"
+                                 "    contact: { self: false, layers: [3] }\n"
+                                 "  - name: right\n"
+                                 "    generate: { shape: plane, columns: 3, rows: 3 }\n"
+                                 "    pins: [0, 2]\n"
+                                 "    cloth: {}\n"
+                                 "colliders:\n"
+                                 "  - { name: floor, shape: plane }\n"
+                                 "  - { name: picture, shape: plane, layers: [] }\n"
+                                 "seams:\n"
+                                 "  - { name: sewn, surfaces: [left, right], pairs: [[0, 0], [1, 1], [2, 2]] }\n";
+
 static int enter_folder( void** state )
 {
-    static const text_file files[] = { { "good.yaml", good_scene } };
+    static const text_file files[] = { { "good.yaml", good_scene }, { "vain.yaml", vain_scene } };
     return enter_folder_with( state, files, WISP_COUNT( files ) );
+}
+
+// ---- what has no effect ----
+
+static void assert_told( const char* text, const char* where, const char* line )
+{
+    if ( strstr( text, line ) == NULL )
+    {
+        fail_msg( "%s does not tell '%s', but:\n%s", where, line, text );
+    }
+}
+
+TEST( what_has_no_effect_is_told_in_a_line_by_the_log_and_by_run_plan_and_info )
+{
+    static const char* const LINES[] = {
+        "vain.yaml:4: 'fine': 'wind' has no effect",
+        "vain.yaml:4: 'fine': 38 of the segments are below 10 um",
+        "vain.yaml:7: 'still': 'frozen_hair' has no effect",
+        "vain.yaml:10: 'thick': 'grid' has no effect",
+        "vain.yaml:15: 'left': 'wind' has no effect",
+        "vain.yaml:15: 'left': 'collision' has no effect",
+        "vain.yaml:15: 'left': 'contact' has no effect",
+        "vain.yaml:26: 'floor': nothing collides with this collider",
+        "seams: 1 of 3 pairs of entity 9 join two pinned vertices",
+    };
+    for ( int i = 0; i < WISP_COUNT( LINES ); ++i )
+    {
+        run( "run vain.yaml" );
+        assert_told( result.out, "run", LINES[i] );
+        assert_told( result.err, "the log", LINES[i] );
+        run( "plan vain.yaml --steps 0" );
+        assert_told( result.out, "plan", LINES[i] );
+        run( "info vain.yaml" );
+        assert_told( result.out, "info", LINES[i] );
+        assert_string_equal( result.err, "" );
+        assert_null( strstr( result.out, "note: vain.yaml:21" ) ); // 'right'
+        assert_null( strstr( result.out, "'picture'" ) );
+    }
+    run( "info good.yaml" );
+    assert_null( strstr( result.out, "note:" ) );
 }
 
 // ---- the command line ----

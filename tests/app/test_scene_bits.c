@@ -2,6 +2,7 @@
 // snapshot in the middle change a bit of the world, and steps that are repeated ask for no memory.
 #include "scene_world_fixture.h"
 #include "support.h"
+#include "world.h"
 
 #include <glob.h>
 
@@ -117,4 +118,105 @@ TEST( scenes_of_the_project_have_the_same_bits_with_any_workers_and_behind_a_sna
 TEST( each_module_alone_has_the_same_bits_with_any_workers_and_behind_a_snapshot )
 {
     check_folder( WISP_SOURCE_ROOT "/data/suites/scenes/effects/*.yaml", 16 );
+}
+
+// ---- untrusted snapshots ----
+
+// An integer that is used as an index, a count or an enumerator, in a scene that has it.
+typedef struct index_column
+{
+    const char *scene, *component;
+    int column, word; // of the first row
+    int32_t bad;
+} index_column;
+
+// Write it into every entity that has the component. @return how many have
+static int write_word( wisp_world* world, const index_column* t, int32_t value, int32_t* was )
+{
+    const store* s = &world->store;
+    int count = 0;
+    for ( int c = 1; c < s->component_count; ++c )
+    {
+        for ( int i = 0; i < s->entity_count && strcmp( s->components[c].def.name, t->component ) == 0; ++i )
+        {
+            const store_entity* e = s->entities + i;
+            int32_t* rows = e->alive ? store_column( s, e, (wisp_component)c, t->column ) : NULL;
+            if ( rows != NULL && e->rows[s->components[c].def.table].count > 0 && count == 0 )
+            {
+                *was = rows[t->word];
+                rows[t->word] = value;
+                count += 1;
+            }
+        }
+    }
+    return count;
+}
+
+static void check_index( const index_column* t )
+{
+    fixture f = { 0 };
+    char path[512];
+    snprintf( path, sizeof path, "%s/data/%s.yaml", WISP_SOURCE_ROOT, t->scene );
+    assert_ok( wisp_scene_read( path, &f.scene, &f.error ), f.error );
+    create( &f, 1 );
+    step( &f, 2 );
+    wisp_world* world = f.world.world;
+    const size_t size = wisp_world_snapshot_size( world );
+    char *good = checked_malloc( size ), *block = checked_malloc( size + 1 ), *bad = block + 1; // aligned to nothing
+    int32_t was, ignored;
+    assert_int_equal( wisp_world_snapshot( world, good, size ), WISP_OK );
+    if ( write_word( world, t, t->bad, &was ) == 0 )
+    {
+        fail_msg( "%s has no %s", t->scene, t->component );
+    }
+    assert_int_equal( wisp_world_snapshot( world, bad, size ), WISP_OK );
+    write_word( world, t, was, &ignored );
+    const uint64_t hash = wisp_world_hash( world );
+    if ( wisp_world_restore( world, bad, size ) != WISP_BAD_INPUT ||
+         strstr( wisp_world_message( world ), t->component ) == NULL ||
+         strstr( wisp_world_message( world ), "row 0" ) == NULL )
+    {
+        fail_msg( "%s: %s, column %d, word %d: %d was restored, or refused with: %s", t->scene, t->component,
+                  t->column, t->word, t->bad, wisp_world_message( world ) );
+    }
+    assert_true( wisp_world_hash( world ) == hash );
+    assert_int_equal( wisp_world_restore( world, good, size ), WISP_OK );
+    free( good );
+    free( block );
+    release( &f );
+}
+
+TEST( a_snapshot_with_an_index_out_of_its_range_is_refused_and_changes_nothing )
+{
+    static const index_column COLUMNS[] = {
+#define EFFECT "suites/scenes/effects/"
+        { EFFECT "attachments", "attachments.place", 0, 0, 77 },
+        { EFFECT "attachments", "attachments.place", 0, 2, 1 << 28 },
+        { EFFECT "attachments", "attachments.place", 0, 4, -1 },
+        { "scenes/character", "strands.surface", 0, 0, 1000 },
+        { "scenes/character", "strands.anchor", 0, 47, 1 << 28 },
+        { "scenes/character", "strands.anchor", 0, 0, -4 },
+        { EFFECT "seams", "seams.pairs", 2, 0, 2 },
+        { EFFECT "tearing", "tearing.result", 0, 0, 1 << 28 },
+        { EFFECT "tearing", "tearing.settings", 0, 0, INT32_MAX },
+        { EFFECT "collision", "particle.half_spaces", 0, 0, -1 },
+        { "scenes/hanging_cloth", "surface.levels", 0, 0, INT32_MAX },
+        { "scenes/hanging_cloth", "surface.levels", 1, 0, 65 },
+        { "scenes/hanging_cloth", "surface.levels", 2, 0, 3 },
+        { "scenes/hanging_cloth", "surface.levels", 3, 0, -1 },
+        { "scenes/pear_jet", "balloon.outlet", 0, 21, 1 << 20 },
+        { "scenes/pear_jet", "balloon.outlet", 0, 22, 1 << 28 },
+        { EFFECT "boundary", "boundary.settings", 0, 1, 99 },
+        { EFFECT "implicit_cloth", "implicit_cloth.material", 0, 3, -1 },
+        { EFFECT "motion_constraints", "motion_constraints.settings", 0, 4, 3 },
+        { EFFECT "frozen_hair", "frozen_hair.settings", 0, 2, 9 },
+        { EFFECT "environment", "environment.settings", 0, 5, 1 << 20 },
+        { EFFECT "contact", "contact.settings", 0, 5, -1 },
+        { EFFECT "strands", "strands.settings", 0, 7, 3 },
+        { "scenes/detail", "detail.state", 0, 0, 9 },
+    };
+    for ( int i = 0; i < WISP_COUNT( COLUMNS ); ++i )
+    {
+        check_index( COLUMNS + i );
+    }
 }

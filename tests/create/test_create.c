@@ -374,6 +374,9 @@ TEST( what_cannot_be_created_leaves_nothing_behind )
     def.contact = &contact;
     expect_refusal( world, wisp_create_cloth( world, &def, &cloth ), WISP_BAD_INPUT, "friction: got nan" );
     def.contact = NULL;
+    wisp_create_cloth_def none = def;
+    none.vertex_count = none.triangle_count = 0;
+    expect_refusal( world, wisp_create_cloth( world, &none, &cloth ), WISP_BAD_INPUT, "no points" );
     g.triangles[3][1] = 5000;
     expect_refusal( world, wisp_create_cloth( world, &def, &cloth ), WISP_BAD_INPUT, "5000" );
     assert_int_equal( cloth.index, 0 );

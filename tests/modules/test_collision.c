@@ -381,6 +381,8 @@ COLLISION_TEST( calls_that_do_not_fit_are_refused_with_a_message )
     wisp_transform nowhere = plane.pose;
     nowhere.rotation.x = NAN;
     assert_int_equal( wisp_move_collider( h->world, body, nowhere ), WISP_BAD_INPUT );
+    nowhere.rotation = ( wisp_quat ){ 0.0f, 0.0f, 0.0f, 0.0f };
+    assert_int_equal( wisp_move_collider( h->world, body, nowhere ), WISP_BAD_INPUT );
     collision.thickness = -0.1f;
     assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_BAD_INPUT );
     assert_non_null( strstr( wisp_world_message( h->world ), "thickness" ) );

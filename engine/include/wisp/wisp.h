@@ -415,7 +415,7 @@ WISP_API size_t wisp_world_snapshot_size( wisp_world* world );
 /// @return WISP_BAD_INPUT `out` has fewer bytes than wisp_world_snapshot_size(), and stays as it is
 WISP_API wisp_status wisp_world_snapshot( wisp_world* world, void* out, size_t size );
 /// Restore the columns. The world must hold the same entities with the same components and shapes.
-/// @return WISP_BAD_INPUT the bytes are not a snapshot of this world (checked before anything changes)
+/// @return WISP_BAD_INPUT the bytes are not a snapshot of this world, or an index in them is out of range; nothing changes then
 WISP_API wisp_status wisp_world_restore( wisp_world* world, const void* bytes, size_t size );
 
 // ---- components ----

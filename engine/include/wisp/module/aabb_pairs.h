@@ -7,17 +7,6 @@
 
 WISP_BEGIN_C
 
-/// @return true if two AABBs overlap; touching counts. Neither may be empty or NaN
-static inline bool wisp_aabb_overlaps( const wisp_aabb* a, const wisp_aabb* b )
-{
-    bool is_apart = false;
-    for ( int k = 0; k < 3; ++k )
-    {
-        is_apart |= a->lower[k] > b->upper[k] || b->lower[k] > a->upper[k];
-    }
-    return !is_apart;
-}
-
 /// Filters the pairs of a query: moves those to keep to the front, in any order.
 /// @param items [count] boxes that overlap the query, in any order @return how many to keep
 typedef int wisp_aabb_filter_fn( const void* context, int query, int32_t* items, int count );

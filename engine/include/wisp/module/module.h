@@ -55,6 +55,47 @@ typedef struct wisp_component_def
 /// @return 0 when the registry is full or the same name is declared with another shape (the world says so)
 WISP_API wisp_component wisp_declare_component( wisp_registry* registry, const wisp_component_def* def );
 
+/// What integers of a column may be.
+typedef enum wisp_index_kind
+{
+    WISP_INDEX_NUMBER = 0,  ///< lowest .. highest
+    WISP_INDEX_ROW = 1,     ///< lowest .. the last row of the entity in `table`
+    WISP_INDEX_COUNT = 2,   ///< lowest .. the number of its rows there
+    WISP_INDEX_SURFACE = 3, ///< a wisp_entity: null, or another surface
+    WISP_INDEX_SLOT =
+        4, ///< of the surface in the first row of `surface`, or where that is 0 in this row; any if it is null
+    WISP_INDEX_SAME = 5, ///< what the world has: fixed when the component was attached
+} wisp_index_kind;
+
+/// Integers that are used as indices, counts or enumerators. Snapshots are untrusted: wisp_world_restore() refuses one with
+/// another value before anything changes.
+typedef struct wisp_index_range
+{
+    wisp_component component;
+    int column;
+    size_t offset; ///< bytes from the start of a row
+    int count;     ///< integers from there; 0: all to the end of the row
+    wisp_index_kind kind;
+    int32_t lowest, highest;
+    wisp_table table;
+    wisp_component surface; ///< a component of entities whose first column is a wisp_entity
+} wisp_index_range;
+
+/// The range of a member of the rows of a component, whose first column is this structure.
+#define WISP_MEMBER_RANGE( id, type, member, low, high )                                                             \
+    {                                                                                                                \
+        .component = ( id ), .offset = offsetof( type, member ),                                                     \
+        .count = (int)( sizeof( ( (type*)0 )->member ) / sizeof( int32_t ) ), .lowest = ( low ), .highest = ( high ) \
+    }
+/// The range of all integers of a column.
+#define WISP_COLUMN_RANGE( id, number, low, high )                                                                   \
+    {                                                                                                                \
+        .component = ( id ), .column = ( number ), .lowest = ( low ), .highest = ( high )                            \
+    }
+
+/// Declare ranges of components that were declared before. @return WISP_BAD_INPUT the registry is full
+WISP_API wisp_status wisp_declare_indices( wisp_registry* registry, const wisp_index_range* ranges, int count );
+
 /// Order of a step. Substep and iteration are loops that vanish when nothing is in them.
 typedef enum wisp_stage
 {
@@ -130,9 +171,12 @@ typedef struct wisp_pass
     unsigned detail; ///< wisp_pass_detail or-ed: at which detail it runs (module/detail.h); 0: where the entity moves
 } wisp_pass;
 
-WISP_API wisp_status wisp_declare_pass( wisp_registry* registry, const wisp_pass* pass );
 /// Declare passes in this order; the first failure ends it. @param user of every pass that has none
 WISP_API wisp_status wisp_declare_passes( wisp_registry* registry, const wisp_pass* passes, int count, void* user );
+static inline wisp_status wisp_declare_pass( wisp_registry* registry, const wisp_pass* pass )
+{
+    return wisp_declare_passes( registry, pass, 1, NULL );
+}
 
 /// Substeps [span->substep, substep_end) of a span of items.
 typedef void wisp_fused_fn( wisp_frame* frame, const wisp_span* span, int substep_end, void* user );
