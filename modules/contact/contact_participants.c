@@ -17,6 +17,14 @@ void wisp_init_contact_def( wisp_contact_def* def, size_t size )
     wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
+wisp_status contact_find_state( wisp_world* world, contact_state** out )
+{
+    *out = wisp_world_module_state( world, "contact" );
+    return *out != NULL
+               ? WISP_OK
+               : wisp_world_fail( world, WISP_CONFLICT, "the module contact is not registered in this world" );
+}
+
 int contact_find_participant( const contact_state* state, wisp_entity entity )
 {
     for ( int i = 0; i < state->participant_count; ++i )

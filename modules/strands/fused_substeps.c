@@ -2,7 +2,7 @@
 // columns of two groups stay in the first-level cache, the prediction of a substep ends the one before, and positions
 // stay at the start of a substep while velocities are solved. A fifth less time than pass by pass (bench case
 // "strands"), with the same bits.
-#include "fused_substeps.h"
+#include "strand_passes.h"
 
 #include "head_roots.h"
 #include "strand_rows.h"

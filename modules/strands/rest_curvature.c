@@ -26,7 +26,7 @@
 // (tests/modules/test_strands_curls.c). The price: such a strand falls and swings as under that fraction of gravity
 // (this helix 0.5 at 16 substeps, 0.13 at 8, 0.03 at 4), and in another pose of the head it is as soft as its
 // stiffness over that fraction. WISP_COUNT_GRAVITY_SCALED counts it. `rest: shape` feels all of its weight, and sags.
-#include "rest_curvature.h"
+#include "strand_passes.h"
 
 #include "rod_factors.h"
 #include "rod_frames.h"

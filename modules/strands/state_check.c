@@ -1,7 +1,7 @@
 // State check: an entity whose positions or velocities leave their bounds (or are NaN) is restored to its last valid
 // state and halted. In: positions and velocities at the end of a step. Out: the copy of the last valid state, or the
 // restored columns.
-#include "state_check.h"
+#include "strand_passes.h"
 
 #include "rod_frames.h"
 #include "strand_rows.h"

@@ -1,5 +1,5 @@
 // Strands come to rest relative to their roots. In and out: velocities. That of a root is what took it to where it is.
-#include "strand_detail.h"
+#include "strand_passes.h"
 
 #include "strand_rows.h"
 

@@ -2,7 +2,7 @@
 // positions, velocities, masses. Out: velocities. Corners of cells gather from the vertices around them in the order
 // of the grid, so that sums do not depend on the workers. A vertex takes from the eight corners of its cell with the
 // same weights, which keeps the momentum that friction exchanges.
-#include "strand_grid.h"
+#include "strand_passes.h"
 
 #include "strand_rows.h"
 #include "strands_definition.h"

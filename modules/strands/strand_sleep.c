@@ -1,6 +1,6 @@
 // Strands at rest. In: the surface that they are rooted in. Out: whether they can rest; the history of substeps and the velocities of the
 // last valid state, which become zero.
-#include "strand_sleep.h"
+#include "strand_passes.h"
 
 #include "strand_rows.h"
 

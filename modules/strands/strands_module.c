@@ -1,16 +1,10 @@
 // The module: components, and the passes that depend on their presence.
-#include "fused_substeps.h"
+#include "strand_passes.h"
 #include "head_roots.h"
-#include "rest_curvature.h"
 #include "rod_factors.h"
-#include "state_check.h"
 #include "strand_carry.h"
-#include "strand_detail.h"
-#include "strand_grid.h"
-#include "strand_sleep.h"
 #include "strands_state.h"
 #include "strand_tips.h"
-#include "strands_stats.h"
 #include "substep_passes.h"
 #include "surface_roots.h"
 

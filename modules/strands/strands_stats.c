@@ -1,6 +1,6 @@
 // Statistics: masses, momenta, energies, strains and speeds at the end of a step. Sums are in double precision over
 // fixed blocks of groups, so that they do not depend on the workers.
-#include "strands_stats.h"
+#include "strand_passes.h"
 
 #include "strand_rows.h"
 
