@@ -562,7 +562,8 @@ wisp_rest_lengths wisp_world_rest_lengths( wisp_world* world, wisp_entity entity
     const store_entity* e = store_find( &world->store, entity );
     if ( e->strands != NULL )
     {
-        add_segments( &s, wisp_world_strands( world, entity ), store_column( &world->store, e, WISP_STRAND_REST, 0 ) );
+        add_segments( &s, wisp_world_strands( world, entity ),
+                      store_column( &world->store, e, WISP_STRAND_REST, 0 ) );
     }
     for ( int i = 0; e->fabric != NULL && i < e->fabric->edge_count; ++i )
     {
