@@ -523,25 +523,22 @@ typedef struct length_sum
     int count;
 } length_sum;
 
-static void add_length( length_sum* s, double length )
+// Add the distance of two points whose coordinates are `stride` apart, unless they coincide.
+static void add_length( length_sum* s, const float* a, const float* b, size_t stride )
 {
+    double squared = 0.0;
+    for ( size_t k = 0; k < 3; ++k )
+    {
+        const double d = (double)a[k * stride] - (double)b[k * stride];
+        squared += d * d;
+    }
+    const double length = sqrt( squared );
     if ( length > 0.0 )
     {
         s->sum += length;
         s->shortest = s->count == 0 || length < s->shortest ? length : s->shortest;
         s->count += 1;
     }
-}
-
-static double distance_between( const float* a, const float* b, size_t stride )
-{
-    double sum = 0.0;
-    for ( size_t k = 0; k < 3; ++k )
-    {
-        const double d = (double)a[k * stride] - (double)b[k * stride];
-        sum += d * d;
-    }
-    return sqrt( sum );
 }
 
 static void add_segments( length_sum* s, const wisp_strand_topology* strands, const float* rest )
@@ -551,7 +548,7 @@ static void add_segments( length_sum* s, const wisp_strand_topology* strands, co
         const float* x = rest + (size_t)strands->group_row[lane / WISP_LANES] * 3 * WISP_LANES + lane % WISP_LANES;
         for ( int i = 1; i < strands->lane_count[lane]; ++i, x += 3 * WISP_LANES )
         {
-            add_length( s, distance_between( x, x + 3 * WISP_LANES, WISP_LANES ) );
+            add_length( s, x, x + 3 * WISP_LANES, WISP_LANES );
         }
     }
 }
@@ -568,7 +565,7 @@ wisp_rest_lengths wisp_world_rest_lengths( wisp_world* world, wisp_entity entity
     for ( int i = 0; e->fabric != NULL && i < e->fabric->edge_count; ++i )
     {
         const int32_t* ends = e->fabric->edges + 2 * (size_t)i;
-        add_length( &s, distance_between( &e->fabric->rest[ends[0]].x, &e->fabric->rest[ends[1]].x, 1 ) );
+        add_length( &s, &e->fabric->rest[ends[0]].x, &e->fabric->rest[ends[1]].x, 1 );
     }
     return ( wisp_rest_lengths ){ s.count > 0 ? (float)( s.sum / s.count ) : 0.0f, (float)s.shortest };
 }
