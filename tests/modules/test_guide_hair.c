@@ -219,7 +219,7 @@ TEST( without_weights_ghosts_of_a_target_that_is_shifted_keep_their_offset )
 {
     flock f = guide_flock( NULL, 3, 5, NODES );
     guide_follow( &f, guide_without_weights() );
-    double3 x[3 * NODES], v[3 * NODES], offset[15 * NODES];
+    double3 x[3 * NODES] = { { 0.0, 0.0, 0.0 } }, v[3 * NODES], offset[15 * NODES];
     for ( int frame = 0; frame < 20; ++frame )
     {
         const double3 shift = double3_make( 0.3 * sin( 0.2 * frame ), 0.02 * frame, -0.01 * frame );
