@@ -124,7 +124,7 @@ void world_move_place( wisp_world* world, store_entity* e, const plan_place_colu
 wisp_status world_origins_begin( wisp_world* world );
 /// Return a vertex of an entity in its rows; null without. @param coordinate receives the floats from x to y
 const float* world_find_vertex( const wisp_world* world, const store_entity* e, size_t* coordinate );
-/// What a snapshot holds of it.
+/// Size, write, check and read the offsets of rows that a snapshot holds.
 size_t world_origins_size( const wisp_world* world );
 void world_origins_write( const wisp_world* world, void* out );
 bool world_origins_check( const wisp_world* world, const void* bytes );

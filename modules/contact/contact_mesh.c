@@ -40,7 +40,7 @@ typedef struct reach_loop
     int grain; // points, or groups of strands
 } reach_loop;
 
-// Extend a box by a point's positions before and now. Positions that are no numbers extend nothing.
+// Extend a box by a point's positions before and now. NaN extends nothing.
 static void box_point( contact_reach_box* box, const float* x, const float* y, size_t stride )
 {
     float sum = 0.0f;
@@ -53,12 +53,13 @@ static void box_point( contact_reach_box* box, const float* x, const float* y, s
     box->displacement2 = contact_larger( sum, box->displacement2 );
 }
 
-// The same of a row of strands, all lanes side by side.
+// Bounds of rows of strands, lane by lane.
 typedef struct reach_lanes
 {
     float lower[3][WISP_LANES], upper[3][WISP_LANES], displacement2[WISP_LANES];
 } reach_lanes;
 
+// Extend the bounds of all lanes by a row.
 static void box_row( reach_lanes* out, const float* x, const float* y )
 {
     float sum[WISP_LANES] = { 0 };
@@ -77,7 +78,7 @@ static void box_row( reach_lanes* out, const float* x, const float* y )
     }
 }
 
-// Rows that all lanes have are taken at once, and the others lane by lane.
+// Extend a box by a group of strands: rows that all lanes have at once, and others lane by lane.
 static void box_group( const reach_loop* loop, contact_reach_box* box, int group )
 {
     const wisp_strand_topology* t = loop->strands;
@@ -180,7 +181,7 @@ static bool are_to_meet( const contact_participant* a, const contact_participant
            ( a->is_strands == false || b->is_strands == false || ( a->settings.self & b->settings.self & 2 ) != 0 );
 }
 
-// Return whether two participants are within so many reaches of each other. What has no box is.
+// Return whether two participants are within so many reaches of each other. A participant without a box always is.
 static bool are_near( const contact_participant* a, const contact_participant* b, float reaches )
 {
     const float reach =
@@ -194,8 +195,8 @@ static contact_settings* settings_of( const contact_work* work, const contact_pa
     return wisp_frame_column( work->frame, participant->entity, work->components->settings, 0 );
 }
 
-// Return whether a participant may meet something within so many reaches. What may meet nobody stays while intersections
-// are counted.
+// Return whether a participant may meet another within so many reaches. One that may meet nobody counts as near while
+// intersections are counted.
 static bool reaches_any( const contact_work* work, int number, float reaches )
 {
     const contact_participant* a = work->participants + number;
@@ -217,7 +218,7 @@ static void box_all( const contact_work* work )
     }
 }
 
-// At the start of a step.
+// Mark participants at the start of a step: they leave or join.
 static void mark_anew( const contact_work* work )
 {
     contact_contact_mesh* s = work->contact_mesh;
@@ -230,7 +231,7 @@ static void mark_anew( const contact_work* work )
     }
 }
 
-// Later in it.
+// Mark participants in later substeps: they only join.
 static void mark_joining( const contact_work* work )
 {
     for ( int g = 0; g < work->participant_count; ++g )

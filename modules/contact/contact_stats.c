@@ -103,13 +103,9 @@ void contact_fill_stats( const contact_work* work, bool counts_intersections )
 {
     const contact_contact_mesh* s = work->contact_mesh;
     wisp_contact_stats* f = &work->memory->stats;
-    if ( counts_intersections && s->point_count > 0 )
+    if ( counts_intersections )
     {
         count_intersections( work );
-    }
-    else if ( counts_intersections )
-    {
-        f->intersections = 0;
     }
     f->participants = work->participant_count;
     f->points = contact_has_samples( work ) ? s->samples->count : s->point_count;

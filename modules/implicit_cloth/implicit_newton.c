@@ -13,10 +13,10 @@ enum
 
 // Of a stiff substep, by the same case. REACH: a link this fraction shorter than its rest length still counts as stiff. At 0, slack
 // links are found stretched by the next solve, in turns; at 1, slack cloth hardly moves. SETTLED: the repeats end when a solve
-// gains less than this fraction of the motion. PAST: a step is too long if the slope at its end is more than this fraction of
+// gains less than this fraction of the motion; LOOSELY where links are less stiff. PAST: a step is too long if the slope at its end is more than this fraction of
 // the slope at its start.
 static const float REACH = 0.01f;
-static const double SETTLED = 1e-4, PAST = 0.5;
+static const double SETTLED = 1e-4, LOOSELY_SETTLED = 1e-3, PAST = 0.5;
 
 // ---- a solve ----
 
@@ -187,7 +187,7 @@ static bool is_settled( const implicit_substep* s, double slope )
     {
         motion += s->motion[block];
     }
-    return !( slope > ( s->system.looseness > 0.5 ? 10.0 : 1.0 ) * SETTLED * motion );
+    return !( slope > ( s->system.looseness > 0.5 ? LOOSELY_SETTLED : SETTLED ) * motion );
 }
 
 // Shorten the last step; forces at its end are known. @return links without direction, of the last assembly

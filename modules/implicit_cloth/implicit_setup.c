@@ -1,4 +1,4 @@
-// What a substep starts with: its integrator, the columns of its surface, and memory for its rows.
+// Set up a substep: its integrator, the columns of its surface, and memory for its rows.
 #include "implicit_substep.h"
 
 // k h^2 / m of the stiffest link and the mean mass (bench case `stability`).

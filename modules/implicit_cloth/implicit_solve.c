@@ -2,6 +2,7 @@
 // of springs. Loops are cut at the same places for any number of workers, and sums are added in order, so the bits are the same.
 #include "implicit_internal.h"
 
+// A repeated solve ends at this fraction of its own residual at the latest: the next one starts from it.
 static const double REPEAT = 0.1;
 
 typedef struct slice_loop

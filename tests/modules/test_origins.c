@@ -32,14 +32,6 @@ static void open_far( hosted* h, int workers )
     assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
 }
 
-static void steps( wisp_world* world, int count )
-{
-    for ( int i = 0; i < count; ++i )
-    {
-        assert_status( world, wisp_world_step( world, FRAME ), WISP_OK );
-    }
-}
-
 static wisp_component points_of( wisp_world* world, wisp_entity e )
 {
     return wisp_has_strands( world, e ) ? WISP_STRAND_POINTS : WISP_SURFACE_POINTS;
@@ -162,7 +154,7 @@ static void run_stage( const double origin[3], int workers, uint64_t hashes[PLAC
         };
         assert_status( h.world, wisp_move_collider( h.world, ball, pose ), WISP_OK );
         assert_status( h.world, wisp_move_strand_head( h.world, e[EFFECTS_COUNT - 1], pose ), WISP_OK );
-        steps( h.world, 1 );
+        run_steps( h.world, 1, FRAME );
     }
     for ( int i = 0; i < PLACED; ++i )
     {
@@ -211,11 +203,11 @@ TEST( cloth_at_rest_far_away_is_as_calm_as_at_home )
         const wisp_vec3 at = PLACES[k];
         const wisp_entity e = put( h.world, add_sheet( h.world, ( wisp_vec3 ){ at.x, at.y + 0.15f, at.z } ), HOME );
         (void)add_body( h.world, WISP_COLLIDER_BOX, at );
-        steps( h.world, 240 );
+        run_steps( h.world, 240, FRAME );
         double speed = 0.0;
         for ( int i = 0; i < 60; ++i )
         {
-            steps( h.world, 1 );
+            run_steps( h.world, 1, FRAME );
             speed = fmax( speed, rms_speed( h.world, e ) );
         }
         home = k == 0 ? fmax( speed, 1e-4 ) : home;
@@ -248,7 +240,7 @@ TEST( an_origin_follows_what_moves )
         const wisp_entity e = put( h.world, cloth_of_links( h.world ), HOME ),
                           hair = put( h.world, hair_of_rods( h.world ), HOME );
         wisp_view view;
-        steps( h.world, 1 );
+        run_steps( h.world, 1, FRAME );
         assert_status( h.world, wisp_world_view( h.world, e, WISP_SURFACE_POINTS, &view ), WISP_OK );
         const int32_t pins[2] = { 0, 20 };
         const wisp_vec3 from[2] = { ( (const wisp_vec3*)view.data )[0], ( (const wisp_vec3*)view.data )[20] };
@@ -261,9 +253,9 @@ TEST( an_origin_follows_what_moves )
             assert_status( h.world,
                            wisp_move_strand_head( h.world, hair, ( wisp_transform ){ STRAIGHT, { x, 0.0f, 0.0f } } ),
                            WISP_OK );
-            steps( h.world, 1 );
+            run_steps( h.world, 1, FRAME );
         }
-        steps( h.world, 600 );
+        run_steps( h.world, 600, FRAME );
         speeds[k] = rms_speed( h.world, e );
         assert_near( motion_of( h.world, hair ).centre[0], k == 0 ? 0.0 : 9600.0, 0.2 );
         assert_true( rms_speed( h.world, hair ) < 1e-3 );
@@ -293,7 +285,7 @@ TEST( what_is_apart_meets_nothing )
         {
             put( h.world, add_body( h.world, WISP_COLLIDER_BOX, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ), FAR );
         }
-        steps( h.world, 40 );
+        run_steps( h.world, 40, FRAME );
         alone = k == 0 ? hash_at( h.world, e ) : alone;
         together[0] = hash_at( h.world, e );
         together[1] = hash_at( h.world, other );
@@ -328,9 +320,9 @@ TEST( what_comes_near_is_met )
         wisp_set_velocity( h.world, upper, ( wisp_vec3 ){ 0.0f, -30.0f, 0.0f }, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ),
         WISP_OK );
     assert_status( h.world, wisp_set_damping( h.world, upper, 0.0f ), WISP_OK );
-    steps( h.world, 200 );
+    run_steps( h.world, 200, FRAME );
     assert_status( h.world, wisp_set_damping( h.world, upper, 2.0f ), WISP_OK );
-    steps( h.world, 200 );
+    run_steps( h.world, 200, FRAME );
     const float thickness = 0.25f * 0.05f; // m, the default of contact
     assert_true( lowest_of( h.world, upper ) > lowest_of( h.world, lower ) + 0.5 * (double)thickness );
     assert_true( lowest_of( h.world, upper ) < 0.2 );
@@ -367,7 +359,7 @@ TEST( what_is_tied_goes_along )
             targets[v] = ( wisp_vec3 ){ mesh.points[v].x + 16.0f * (float)i, mesh.points[v].y, mesh.points[v].z };
         }
         assert_status( h.world, wisp_move_pins( h.world, base, all, targets, 16 ), WISP_OK );
-        steps( h.world, 1 );
+        run_steps( h.world, 1, FRAME );
     }
     wisp_view view, of_base;
     assert_status( h.world, wisp_world_view( h.world, flag, WISP_SURFACE_POINTS, &view ), WISP_OK );
@@ -392,7 +384,7 @@ TEST( a_long_teleport_keeps_the_digits )
         hosted h;
         open_far( &h, 1 );
         const wisp_entity e = put( h.world, dihedral_cloth( h.world ), HOME );
-        steps( h.world, 10 );
+        run_steps( h.world, 10, FRAME );
         const double before = motion_of( h.world, e ).centre[0];
         if ( k == 1 )
         {
@@ -402,7 +394,7 @@ TEST( a_long_teleport_keeps_the_digits )
         wisp_view view;
         assert_status( h.world, wisp_world_view( h.world, e, WISP_SURFACE_POINTS, &view ), WISP_OK );
         assert_near( (double)( (const wisp_vec3*)view.data )[0].z, k == 0 ? 0.0 : -8192.0, 1.5 );
-        steps( h.world, 10 );
+        run_steps( h.world, 10, FRAME );
         assert_near( motion_of( h.world, e ).centre[0] - before, k == 0 ? 0.0 : 20480.0, 0.2 );
         bytes = (size_t)wisp_world_fabric( h.world, e )->slot_count * 4 * sizeof( float );
         velocities[k] = checked_malloc( bytes );
@@ -421,15 +413,15 @@ TEST( a_snapshot_holds_where_rows_are )
     const wisp_entity e = put( h.world, add_sheet( h.world, ( wisp_vec3 ){ 3000.0f, 0.15f, 0.0f } ), HOME );
     (void)add_body( h.world, WISP_COLLIDER_BOX, ( wisp_vec3 ){ 3000.0f, 0.0f, 0.0f } );
     saved_world at_start = save_world( h.world );
-    steps( h.world, 20 );
+    run_steps( h.world, 20, FRAME );
     saved_world saved = save_world( h.world );
-    steps( h.world, 20 );
+    run_steps( h.world, 20, FRAME );
     const uint64_t hash = hash_at( h.world, e );
     assert_status( h.world, wisp_world_restore( h.world, saved.bytes, saved.size ), WISP_OK );
-    steps( h.world, 20 );
+    run_steps( h.world, 20, FRAME );
     assert_true( hash_at( h.world, e ) == hash );
     assert_status( h.world, wisp_world_restore( h.world, at_start.bytes, at_start.size ), WISP_OK );
-    steps( h.world, 40 );
+    run_steps( h.world, 40, FRAME );
     assert_true( hash_at( h.world, e ) == hash );
     free( saved.bytes );
     free( at_start.bytes );
@@ -467,10 +459,10 @@ TEST( what_sleeps_wakes_when_it_is_placed )
     wisp_sleep_def sleep = wisp_default_sleep_def();
     sleep.max_speed = 0.1f;
     assert_status( h.world, wisp_set_sleep( h.world, e, &sleep ), WISP_OK );
-    steps( h.world, 600 );
+    run_steps( h.world, 600, FRAME );
     assert_true( wisp_is_asleep( h.world, e ) );
     assert_status( h.world, wisp_set_origin( h.world, e, HOME ), WISP_OK );
-    steps( h.world, 1 );
+    run_steps( h.world, 1, FRAME );
     assert_false( wisp_is_asleep( h.world, e ) );
     close_world( &h );
 }
@@ -489,14 +481,14 @@ TEST( what_sleeps_sleeps_on_while_its_origin_moves )
     wisp_sleep_def sleep = wisp_default_sleep_def();
     sleep.max_speed = 0.1f;
     assert_status( h.world, wisp_set_sleep( h.world, e, &sleep ), WISP_OK );
-    steps( h.world, 600 );
+    run_steps( h.world, 600, FRAME );
     assert_true( wisp_is_asleep( h.world, e ) );
     assert_status( h.world, wisp_set_velocity( h.world, other, down, none ), WISP_OK );
     const wisp_vec3 before = wisp_world_offset( h.world, e );
     bool has_moved = false;
     for ( int i = 0; i < 200; ++i )
     {
-        steps( h.world, 1 );
+        run_steps( h.world, 1, FRAME );
         has_moved = has_moved || wisp_world_offset( h.world, e ).y != before.y;
         assert_true( wisp_is_asleep( h.world, e ) );
     }
