@@ -35,6 +35,14 @@ function(wisp_folders out folder)
     set(${out} "${folders}" PARENT_SCOPE)
 endfunction()
 
+# wisp_module_names OUT FILE : the modules that modules.inc lists
+function(wisp_module_names out file)
+    wisp_read(text "${file}")
+    string(REGEX MATCHALL "WISP_MODULE\\( [a-z_]+" names "${text}")
+    list(TRANSFORM names REPLACE "WISP_MODULE\\( " "")
+    set(${out} "${names}" PARENT_SCOPE)
+endfunction()
+
 # wisp_version OUT FILE : the version in the project() of a meson.build file
 function(wisp_version out file)
     file(READ "${file}" text)

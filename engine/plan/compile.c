@@ -246,11 +246,44 @@ static void detach_rows( const plan* p, const wisp_registry* r, bool is_made )
     }
 }
 
+static int find_pose( const wisp_registry* r, const store_entity* e )
+{
+    int i = 0;
+    while ( i < r->place_count && ( r->places[i].shape != WISP_PLACE_POSES ||
+                                    store_mask_has( &e->components, r->places[i].component ) == false ) )
+    {
+        ++i;
+    }
+    return i < r->place_count ? i : -1;
+}
+
+// Find what acts between steps, so that a step asks neither modules without passes nor columns that an entity lacks.
+static void list_followers( plan* p, const wisp_registry* r )
+{
+    for ( int slot = 0; slot < r->store->entity_count; ++slot )
+    {
+        p->entities[slot].pose = (int8_t)find_pose( r, r->store->entities + slot );
+    }
+    for ( int i = 0; i < r->state_count; ++i )
+    {
+        bool is_live = false;
+        for ( int pass = 0; pass < r->pass_count && r->states[i].hooks.stepped != NULL; ++pass )
+        {
+            is_live = is_live || ( store_mask_has( &p->live, pass ) &&
+                                   strcmp( r->pass_modules[pass], r->states[i].module ) == 0 );
+        }
+        if ( is_live )
+        {
+            p->stepped[p->stepped_count++] = (uint8_t)i;
+        }
+    }
+}
+
 // ---- compilation ----
 
 static void clear( plan* p )
 {
-    p->node_count = p->pass_count = p->target_count = p->loop_count = p->entity_count = 0;
+    p->node_count = p->pass_count = p->target_count = p->loop_count = p->entity_count = p->stepped_count = 0;
     p->live = ( store_mask ){ { 0 } };
     memset( p->wave_count, 0, sizeof( p->wave_count ) );
     p->structure = 0;
@@ -319,8 +352,20 @@ wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error )
     }
     p->entity_count = s->entity_count;
     p->structure = s->structure;
+    list_followers( p, r );
     p->hash = hash_plan( p, r );
     return WISP_OK;
+}
+
+wisp_status plan_end_step( const plan* p, const wisp_registry* r, wisp_world* world )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < p->stepped_count && status == WISP_OK; ++i )
+    {
+        const plan_state* s = r->states + p->stepped[i];
+        status = s->hooks.stepped( s->memory, world );
+    }
+    return status;
 }
 
 size_t plan_memory( const plan* p )

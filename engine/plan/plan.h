@@ -124,10 +124,9 @@ void plan_registry_release( wisp_registry* r );
 /// @return status of the first invalid declaration, with its message in r->error
 wisp_status plan_registry_add( wisp_registry* r, const wisp_module* module );
 void* plan_registry_state( const wisp_registry* r, const char* module );
-/// Notify the modules of other triangles, and of the end of a step; the first failure ends it.
+/// Notify the modules of other triangles; the first failure ends it.
 wisp_status plan_registry_triangles_changed( const wisp_registry* r, wisp_world* world, wisp_entity surface,
                                              const wisp_fabric* before );
-wisp_status plan_registry_stepped( const wisp_registry* r, wisp_world* world );
 /// Notify the modules before an entity is removed.
 void plan_registry_removed( const wisp_registry* r, wisp_world* world, wisp_entity entity );
 /// Call the hooks of teleports. The first failure ends it. @param is_moved set if a module moves the entity
@@ -200,6 +199,7 @@ typedef struct plan_entity
     bool meets;      // other entities in them
     bool loops;      // it runs all its substeps before the next entity does
     bool listed;     // among the loops
+    int8_t pose;     // place column of its poses; -1: none
 } plan_entity;
 
 /// Entities with a substep loop of their own that are one block: a single one, or some that can run side by side.
@@ -240,6 +240,8 @@ typedef struct plan
     uint32_t* loop_passes; // [loop][loop_node_count] bit i: passes[i] of the node
     plan_loop_group* loop_groups;
     int loop_count, loop_slot_capacity, loop_pass_capacity, loop_group_count, loop_group_capacity;
+    uint8_t stepped[PLAN_MAX_STATES]; // states of modules with selected passes that act between steps
+    int stepped_count;
     uint32_t structure; // structure version of the store for which it was compiled
     uint64_t hash;
 } plan;
@@ -250,6 +252,8 @@ wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error );
 void plan_release( plan* p, const wisp_allocator* allocator );
 /// Return the bytes of its arrays.
 size_t plan_memory( const plan* p );
+/// Notify the modules of selected passes of the end of a step; the first failure ends it.
+wisp_status plan_end_step( const plan* p, const wisp_registry* r, wisp_world* world );
 
 /// Explain a compiled plan and the absent passes, in one block of the world's memory. @return null without memory
 wisp_plan_info* plan_explain( const plan* p, const wisp_registry* r, int substeps, int iterations );

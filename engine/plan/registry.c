@@ -355,19 +355,6 @@ wisp_status plan_registry_triangles_changed( const wisp_registry* r, wisp_world*
     return status;
 }
 
-wisp_status plan_registry_stepped( const wisp_registry* r, wisp_world* world )
-{
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < r->state_count && status == WISP_OK; ++i )
-    {
-        if ( r->states[i].hooks.stepped != NULL )
-        {
-            status = r->states[i].hooks.stepped( r->states[i].memory, world );
-        }
-    }
-    return status;
-}
-
 wisp_status plan_registry_teleported( const wisp_registry* r, wisp_world* world, wisp_entity entity,
                                       const wisp_teleport_motion* teleport, bool* is_moved )
 {

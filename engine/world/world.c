@@ -341,7 +341,7 @@ static wisp_status run_parts( wisp_world* world )
         {
             return wisp_world_fail( world, frame->error.status, "%s", frame->error.message );
         }
-        WISP_TRY( plan_registry_stepped( &world->registry, world ) );
+        WISP_TRY( plan_end_step( &world->plan, &world->registry, world ) );
         if ( frame->goes_on )
         {
             WISP_TRY( compile_if_changed( world ) );

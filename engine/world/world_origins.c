@@ -82,19 +82,13 @@ static bool can_move( const store_entity* e )
 // Return how far poses take a point of an entity in the coming step: a head that jumps has its digits where it goes.
 static wisp_vec3 find_way( const wisp_world* world, const store_entity* e, wisp_vec3 point )
 {
-    const wisp_registry* r = &world->registry;
-    for ( int i = 0; i < r->place_count; ++i )
-    {
-        const plan_place_column* place = r->places + i;
-        const wisp_transform* pose = place->shape == WISP_PLACE_POSES
-                                         ? store_column( &world->store, e, place->component, place->column )
-                                         : NULL;
-        if ( pose != NULL && memcmp( pose + 1, pose + 2, sizeof( *pose ) ) != 0 )
-        {
-            return v3_sub( wisp_transform_to_world( pose[2], wisp_transform_to_local( pose[1], point ) ), point );
-        }
-    }
-    return ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+    const int column = world->plan.entities[e - world->store.entities].pose;
+    const plan_place_column* place = world->registry.places + column;
+    const wisp_transform* pose =
+        column >= 0 ? store_column( &world->store, e, place->component, place->column ) : NULL;
+    return pose != NULL && memcmp( pose + 1, pose + 2, sizeof( *pose ) ) != 0
+               ? v3_sub( wisp_transform_to_world( pose[2], wisp_transform_to_local( pose[1], point ) ), point )
+               : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
 }
 
 static bool find_bounds( const wisp_world* world, const store_entity* e, origin_member* out )

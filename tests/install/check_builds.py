@@ -24,7 +24,8 @@ BUILDS = [
     ("debugoptimized", "", ["-Dbuildtype=debugoptimized"], ["-DCMAKE_BUILD_TYPE=RelWithDebInfo"], "-O3"),
     ("debug", "", ["-Dbuildtype=debug"], ["-DCMAKE_BUILD_TYPE=Debug"], "-O0"),
     ("debug by flags", "-g -O2 -Og", ["-Dbuildtype=plain"], ["-DCMAKE_BUILD_TYPE=None"], "-Og"),
-    ("without parts", "", ["-Dopenmp=disabled", "-Dembree=disabled"], ["-DWISP_OPENMP=OFF", "-DWISP_EMBREE=OFF"], "-O3"),
+    ("without parts", "", ["-Dopenmp=disabled", "-Dembree=disabled", "-Dmodules=cloth,collision"],
+     ["-DWISP_OPENMP=OFF", "-DWISP_EMBREE=OFF", "-DWISP_MODULES=cloth;collision"], "-O3"),
 ]
 RELEVANT = re.compile(r"-(std=|m|fno-math|fno-trapping|ffp|ffast|fvisibility|fPIC|fopenmp|fstack|DWISP|D_GNU|D_FORTIFY)")
 
