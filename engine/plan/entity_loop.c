@@ -386,6 +386,6 @@ void execute_entity_loops( wisp_frame* frame )
     if ( frame->plan->loop_count > 0 )
     {
         frame->sampled = true;
-        execute_timed( frame, frame->plan->loop_group_count, rows, run_group );
+        execute_timed( frame, frame->plan->loop_group_count, rows, 1, run_group );
     }
 }

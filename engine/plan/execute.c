@@ -241,8 +241,8 @@ static void loop_fast( wisp_frame* frame, const plan_node* node, const plan_bloc
     }
 }
 
-// One substep of one block in eight is timed, a different one in each step: reading the clock for every pass of every
-// substep took a tenth of the time of strands.
+// One substep of one block in `clocked_blocks` is timed, a different one in each step: reading the clock for every pass of
+// every substep took a tenth of the time of strands.
 int execute_timed_substep( const wisp_frame* frame, int block, int substeps )
 {
     const uint64_t turn = frame->step + (uint64_t)block, interval = (uint64_t)frame->clocked_blocks;
@@ -347,9 +347,9 @@ static void divide_time( wisp_frame* frame, double seconds )
     }
 }
 
-void execute_timed( wisp_frame* frame, int count, int64_t rows, wisp_block_fn* run )
+void execute_timed( wisp_frame* frame, int count, int64_t rows, int clocked, wisp_block_fn* run )
 {
-    frame->clocked_blocks = count < PLAN_CLOCKED_BLOCKS ? count : PLAN_CLOCKED_BLOCKS;
+    frame->clocked_blocks = clocked;
     double begin = wisp_clock_seconds();
     if ( rows < PLAN_SMALL_WAVE_ROWS )
     {
@@ -373,18 +373,16 @@ void execute_timed( wisp_frame* frame, int count, int64_t rows, wisp_block_fn* r
 static void run_narrow( wisp_frame* frame, int count, int64_t rows )
 {
     frame->sampled = has_several_passes( frame, count, &frame->only_pass );
-    execute_timed( frame, count, rows, run_block );
+    execute_timed( frame, count, rows, count < PLAN_CLOCKED_BLOCKS ? count : PLAN_CLOCKED_BLOCKS, run_block );
 }
 
+// Passes of one block that use all workers. They run one behind the other, so each is timed as a whole.
 static void run_wide( wisp_frame* frame, int index )
 {
     frame->wide = true;
-    frame->sampled = false;
-    double begin = wisp_clock_seconds();
     frame->wave += index;
-    jobs_run_inline( frame->pool, 1, run_block, frame );
+    run_narrow( frame, 1, 0 );
     frame->wave -= index;
-    frame->pass_seconds[frame->plan->nodes[frame->wave[index].node].passes[0]] += wisp_clock_seconds() - begin;
     frame->wide = false;
 }
 

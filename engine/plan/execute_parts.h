@@ -32,7 +32,8 @@ void execute_item( wisp_frame* frame, const plan_node* node, unsigned due, pass_
                    double scale );
 
 /// Run blocks that take some rows together, on all workers if that is worth it, and divide their time among passes.
-void execute_timed( wisp_frame* frame, int count, int64_t rows, wisp_block_fn* run );
+/// @param clocked one of so many blocks with a substep loop is timed
+void execute_timed( wisp_frame* frame, int count, int64_t rows, int clocked, wisp_block_fn* run );
 
 /// Which of the substeps of a block is timed, pass by pass; the number of substeps: none.
 int execute_timed_substep( const wisp_frame* frame, int block, int substeps );

@@ -435,6 +435,66 @@ TEST( a_profile_sums_to_no_more_than_its_step )
     }
 }
 
+// Each entity has a substep loop of its own, and one of them works ten times as long.
+static wisp_status declare_uneven( wisp_registry* r )
+{
+    static const wisp_column_def value[] = { { "value", 4 } };
+    wisp_component c[3];
+    static const char* const names[] = { "uneven.all", "uneven.one", "uneven.end" };
+    for ( int i = 0; i < 3; ++i )
+    {
+        c[i] = wisp_declare_component( r, &( wisp_component_def ){ names[i], WISP_TABLE_ENTITY, value, 1 } );
+    }
+    const wisp_pass passes[] = {
+        { .name = "uneven.short",
+          .stage = WISP_STAGE_PREDICT,
+          .domain = ENTITY,
+          .required = { c[0] },
+          .reads = { c[0] },
+          .writes = { c[0], c[2] },
+          .run = spin,
+          .user = (void*)(uintptr_t)&SHORT },
+        { .name = "uneven.long",
+          .stage = WISP_STAGE_VELOCITY,
+          .domain = ENTITY,
+          .required = { c[1] },
+          .reads = { c[0] },
+          .writes = { c[2] },
+          .run = spin,
+          .user = (void*)(uintptr_t)&LONG },
+    };
+    return wisp_declare_passes( r, passes, 2, NULL );
+}
+
+TEST( a_profile_tells_entities_apart )
+{
+    static const wisp_module module = { .name = "uneven", .declare = declare_uneven };
+    static const wisp_module* const modules[] = { &module };
+    wisp_world_def def = wisp_default_world_def();
+    def.substeps = 2, def.modules = modules, def.module_count = 1, def.workers = 1;
+    wisp_world* world = open_world_with( &def );
+    int told_apart = 0;
+    for ( int i = 0; i < 2; ++i )
+    {
+        const wisp_entity e = test_add_strands( world, 16, 6 );
+        const wisp_component end = (wisp_component)( world->store.component_count - 1 );
+        for ( int k = 0; k <= i; ++k )
+        {
+            assert_int_equal( wisp_world_attach( world, e, (wisp_component)( end - 2 + k ) ), WISP_OK );
+        }
+        assert_int_equal( wisp_request( world, e, end ), WISP_OK );
+    }
+    for ( int k = 0; k < 20; ++k )
+    {
+        step( world );
+        const wisp_profile p = wisp_world_profile( world );
+        assert_string_equal( p.lines[1].pass, "uneven.long" );
+        told_apart += p.lines[1].seconds > 2.0 * p.lines[0].seconds ? 1 : 0;
+    }
+    assert_true( told_apart > 15 ); // a busy machine may disturb some
+    wisp_world_destroy( world );
+}
+
 TEST( a_profile_tells_fused_passes_apart )
 {
     wisp_world* world = open_spinning( 1 );
