@@ -452,39 +452,49 @@ typedef struct late_entity
     int slot;
 } late_entity;
 
-// Run the substeps that an entity has missed, and its passes before the node that asks.
+// Run what a late entity has to run of a node: its missed substeps in the item loop, or passes of this substep.
+static void run_late( const late_entity* late, int n, int worker )
+{
+    wisp_frame* frame = late->frame;
+    const plan_node* node = frame->plan->nodes + n;
+    const store* s = frame->registry->store;
+    const int items = plan_item_count( s->entities + late->slot, node->domain );
+    const wisp_span span = {
+        .entity = store_handle( s, late->slot ), .end = items, .worker = worker, .substep = frame->substep
+    };
+    for ( int i = 0; i < node->wave_target_count; ++i )
+    {
+        const plan_target* target = frame->plan->targets + node->first_target + i;
+        const unsigned due = target->slot == late->slot ? due_passes( frame, node, target ) : 0;
+        const plan_block block = { n, due, target->join, late->slot, 0, items };
+        if ( due != 0 && node->repeats )
+        {
+            loop_fast( frame, node, &block, span, 0, frame->substep );
+        }
+        else
+        {
+            run_passes( frame, node, due, ( pass_range ){ 0, node->pass_count }, &span );
+        }
+    }
+}
+
+// Run the substeps that an entity has missed, then its passes before the node that asks.
 static void catch_up( void* context, int index, int worker )
 {
     (void)index;
     const late_entity* late = context;
-    wisp_frame* frame = late->frame;
-    const plan* p = frame->plan;
-    const plan_node* asking = p->nodes + frame->asking;
-    const store_entity* e = frame->registry->store->entities + late->slot;
-    wisp_span span = { .entity = store_handle( frame->registry->store, late->slot ),
-                       .worker = worker,
-                       .substep = frame->substep };
+    const plan* p = late->frame->plan;
+    const plan_node* asking = p->nodes + late->frame->asking;
     for ( int wave = -1; wave <= asking->wave; ++wave )
     {
         for ( int n = 0; n < p->node_count; ++n )
         {
             const plan_node* node = p->nodes + n;
             const bool precedes = node->section == asking->section && node->wave == wave &&
-                                  ( wave < asking->wave || n < frame->asking );
-            for ( int i = 0; i < node->wave_target_count && ( wave < 0 ? node->repeats : precedes ); ++i )
+                                  ( wave < asking->wave || n < late->frame->asking );
+            if ( wave < 0 ? node->repeats : precedes )
             {
-                const plan_target* target = p->targets + node->first_target + i;
-                const unsigned due = target->slot == late->slot ? due_passes( frame, node, target ) : 0;
-                span.end = plan_item_count( e, node->domain );
-                if ( due != 0 && node->repeats )
-                {
-                    const plan_block block = { n, due, target->join, late->slot, 0, span.end };
-                    loop_fast( frame, node, &block, span, 0, frame->substep );
-                }
-                else
-                {
-                    run_passes( frame, node, due, ( pass_range ){ 0, node->pass_count }, &span );
-                }
+                run_late( late, n, worker );
             }
         }
     }

@@ -251,6 +251,36 @@ static float root_displacement( const strands_head* head, const float lower[3], 
     return strands_norm( strands_sub( head->to.translation, from ) ) + 2.0f * half_sine * strands_norm( arm );
 }
 
+// Find the bounds of the roots. @return m, length of the longest strand
+static float measure_strands( wisp_frame* frame, wisp_entity entity, float lower[3], float upper[3] )
+{
+    const wisp_strand_topology* t = wisp_frame_strands( frame, entity );
+    const float* root = wisp_frame_column( frame, entity, WISP_STRAND_ROOT, 0 );
+    const float* length = wisp_frame_column( frame, entity, WISP_STRAND_LENGTH, 0 );
+    float longest = 0.0f;
+    for ( int g = 0; g < t->group_count; ++g )
+    {
+        float sum[WISP_LANES] = { 0 };
+        for ( size_t i = strands_scalar( t->group_row[g], 0 ); i < strands_scalar( t->group_row[g + 1], 0 ); ++i )
+        {
+            sum[i % WISP_LANES] += length[i];
+        }
+        for ( int i = 0; i < 4 * WISP_LANES; ++i )
+        {
+            const int lane = i / 4, k = i % 4;
+            const bool is_strand = t->lane_count[g * WISP_LANES + lane] > 0;
+            if ( is_strand && k < 3 )
+            {
+                const float at = root[strands_vector( g, 0 ) + (size_t)( k * WISP_LANES + lane )];
+                lower[k] = fminf( lower[k], at );
+                upper[k] = fmaxf( upper[k], at );
+            }
+            longest = is_strand ? fmaxf( longest, sum[lane] ) : longest;
+        }
+    }
+    return longest;
+}
+
 // Find bounds of a step: roots follow the head, and the direct solve leaves no strand longer than its tolerance allows. Pins and
 // tips can pull it longer.
 void strands_find_reach( wisp_frame* frame, const wisp_span* span, void* user )
@@ -270,32 +300,8 @@ void strands_find_reach( wisp_frame* frame, const wisp_span* span, void* user )
     {
         return;
     }
-    const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
-    const float* root = wisp_frame_column( frame, span->entity, WISP_STRAND_ROOT, 0 );
-    const float* length = wisp_frame_column( frame, span->entity, WISP_STRAND_LENGTH, 0 );
-    float lower[3] = { INFINITY, INFINITY, INFINITY }, upper[3] = { -INFINITY, -INFINITY, -INFINITY }, longest = 0.0f;
-    for ( int g = 0; g < t->group_count; ++g )
-    {
-        float sum[WISP_LANES] = { 0 };
-        for ( int row = t->group_row[g]; row < t->group_row[g + 1]; ++row )
-        {
-            for ( int lane = 0; lane < WISP_LANES; ++lane )
-            {
-                sum[lane] += length[strands_scalar( row, lane )];
-            }
-        }
-        for ( int lane = 0; lane < WISP_LANES && t->lane_count[g * WISP_LANES + lane] > 0; ++lane )
-        {
-            const wisp_vec3 at = strands_get( root, g, lane );
-            const float place[3] = { at.x, at.y, at.z };
-            longest = fmaxf( longest, sum[lane] );
-            for ( int k = 0; k < 3; ++k )
-            {
-                lower[k] = fminf( lower[k], place[k] );
-                upper[k] = fmaxf( upper[k], place[k] );
-            }
-        }
-    }
+    float lower[3] = { INFINITY, INFINITY, INFINITY }, upper[3] = { -INFINITY, -INFINITY, -INFINITY };
+    const float longest = measure_strands( frame, span->entity, lower, upper );
     const float ROUNDING = 1.001f;
     const float out = ROUNDING * ( root_displacement( head, lower, upper ) + ( 1.0f + direct->tolerance ) * longest );
     float* bounds = wisp_frame_column( frame, span->entity, WISP_STRAND_REACH, 0 );
