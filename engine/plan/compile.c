@@ -103,6 +103,31 @@ uint32_t plan_live_passes( const plan* p, const plan_node* node, int slot )
     return passes_in( node, p->entities[slot].runs );
 }
 
+// Find when an entity can run all its passes of substeps in the item loop: others that it runs spare it.
+static plan_parting parting_of( const plan* p, const wisp_registry* r, uint32_t loop, const plan_node* node,
+                                int slot )
+{
+    store_mask others = p->entities[slot].runs;
+    for ( int i = 0; i < node->pass_count; ++i )
+    {
+        if ( ( loop >> i & 1 ) != 0 )
+        {
+            store_mask_remove( &others, node->passes[i] );
+        }
+    }
+    bool can = p->entities[slot].loops == false && wisp_registry_iterations( r ) == 1, is_spared = false;
+    for ( int i = 0; i < r->pass_count; ++i )
+    {
+        const wisp_pass* pass = r->passes + i;
+        const bool runs = store_mask_has( &others, i ) && plan_is_substep( plan_section_of( pass->stage ) );
+        const bool reaches = pass->among != 0 && store_mask_has( &p->live, i ) &&
+                             store_mask_has( &r->store->entities[slot].components, pass->among );
+        can = can && ( runs == false || pass->spares );
+        is_spared = is_spared || ( pass->spares && ( runs || reaches ) );
+    }
+    return can == false ? PLAN_PARTS_NEVER : is_spared ? PLAN_PARTS_APART : PLAN_PARTS_ALWAYS;
+}
+
 // Append the targets of a node that run in waves, or those with a substep loop of their own.
 static void append_targets( plan* p, const wisp_registry* r, const plan_node* node, bool loops )
 {
@@ -110,9 +135,14 @@ static void append_targets( plan* p, const wisp_registry* r, const plan_node* no
     {
         const bool in_loop = p->entities[slot].loops && plan_is_substep( node->section );
         const uint32_t passes = in_loop == loops ? plan_live_passes( p, node, slot ) : 0;
-        if ( passes != 0 )
+        const int join = passes != 0 ? find_fusion( r, node, passes ) : -1;
+        if ( node->repeats && join >= 0 )
         {
-            p->targets[p->target_count++] = ( plan_target ){ slot, passes, find_fusion( r, node, passes ) };
+            p->entities[slot].parts = parting_of( p, r, passes, node, slot );
+        }
+        if ( passes != 0 && ( node->repeats == false || p->entities[slot].parts != PLAN_PARTS_NEVER ) )
+        {
+            p->targets[p->target_count++] = ( plan_target ){ slot, passes, join };
         }
     }
 }
@@ -196,12 +226,12 @@ static uint64_t hash_plan( const plan* p, const wisp_registry* r )
     return hash;
 }
 
-// Find the node whose targets fusions run. Null: there is none.
+// Find the node whose targets fusions run in every step. Null: there is none.
 static const plan_node* find_item_loop( const plan* p )
 {
     for ( int n = 0; n < p->node_count; ++n )
     {
-        if ( p->nodes[n].section == PLAN_ITEM_LOOP )
+        if ( p->nodes[n].section == PLAN_ITEM_LOOP && p->nodes[n].repeats == false )
         {
             return p->nodes + n;
         }

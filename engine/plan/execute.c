@@ -92,11 +92,12 @@ static void add_blocks( wisp_frame* frame, int n, const plan_target* target, uns
     size->rows += (int64_t)plan_row_count( e ) * substeps;
 }
 
-// Entities whose substeps are not those of the world have the substep loop for themselves.
-static bool takes_part( const wisp_frame* frame, plan_section section, int slot )
+// Entities whose substeps are not those of the world have the substep loop for themselves, and those that are apart the item loop.
+static bool takes_part( const wisp_frame* frame, const plan_node* node, int slot )
 {
-    return plan_is_substep( section ) == false ||
-           plan_rate( frame->plan->entities + slot, frame->registry ) == frame->rate;
+    const plan_entity* e = frame->plan->entities + slot;
+    return plan_is_substep( node->section ) ? e->is_apart == false && plan_rate( e, frame->registry ) == frame->rate
+                                            : node->repeats == false || e->is_apart;
 }
 
 static wave_size collect_blocks( wisp_frame* frame, plan_section section, int wave )
@@ -109,7 +110,8 @@ static wave_size collect_blocks( wisp_frame* frame, plan_section section, int wa
         for ( int i = 0; i < node->wave_target_count && node->section == section && node->wave == wave; ++i )
         {
             const plan_target* target = p->targets + node->first_target + i;
-            const unsigned due = takes_part( frame, section, target->slot ) ? due_passes( frame, node, target ) : 0;
+            frame->asking = n;
+            const unsigned due = takes_part( frame, node, target->slot ) ? due_passes( frame, node, target ) : 0;
             if ( due != 0 )
             {
                 add_blocks( frame, n, target, due, &size );
@@ -325,7 +327,7 @@ static void divide_time( wisp_frame* frame, double seconds )
     double totals[PLAN_MAX_PASSES], sum = 0.0;
     for ( int n = 0; n < p->node_count; ++n )
     {
-        for ( int i = 0; i < p->nodes[n].pass_count; ++i )
+        for ( int i = 0; i < p->nodes[n].pass_count && p->nodes[n].repeats == false; ++i )
         {
             int pass = p->nodes[n].passes[i];
             totals[pass] = 0.0;
@@ -339,7 +341,7 @@ static void divide_time( wisp_frame* frame, double seconds )
     }
     for ( int n = 0; n < p->node_count && sum > 0.0; ++n )
     {
-        for ( int i = 0; i < p->nodes[n].pass_count; ++i )
+        for ( int i = 0; i < p->nodes[n].pass_count && p->nodes[n].repeats == false; ++i )
         {
             int pass = p->nodes[n].passes[i];
             frame->pass_seconds[pass] += seconds * totals[pass] / sum;
@@ -421,6 +423,92 @@ static void run_substeps( wisp_frame* frame, int rate )
     }
 }
 
+// ---- entities that are apart ----
+
+// Find the entities that are apart in a step, once their bounds are known.
+static void find_apart( wisp_frame* frame )
+{
+    store* s = frame->registry->store;
+    for ( int slot = 0; slot < frame->plan->entity_count; ++slot )
+    {
+        plan_entity* e = frame->plan->entities + slot;
+        const int32_t* known = store_column( s, s->entities + slot, WISP_STRAND_REACH, 1 );
+        const int32_t* apart = store_column( s, s->entities + slot, WISP_STRAND_REACH, 2 );
+        e->is_apart = e->parts == PLAN_PARTS_ALWAYS ||
+                      ( e->parts == PLAN_PARTS_APART && known != NULL && *known != 0 && *apart != 0 );
+    }
+}
+
+bool wisp_frame_is_apart( const wisp_frame* frame, wisp_entity entity )
+{
+    return frame->plan->entities[entity.index - 1].is_apart;
+}
+
+typedef struct late_entity
+{
+    wisp_frame* frame;
+    int slot;
+} late_entity;
+
+// Run what a late entity has to run of a node: its missed substeps in the item loop, or passes of this substep.
+static void run_late( const late_entity* late, int n, int worker )
+{
+    wisp_frame* frame = late->frame;
+    const plan_node* node = frame->plan->nodes + n;
+    const store* s = frame->registry->store;
+    const int items = plan_item_count( s->entities + late->slot, node->domain );
+    const wisp_span span = {
+        .entity = store_handle( s, late->slot ), .end = items, .worker = worker, .substep = frame->substep
+    };
+    for ( int i = 0; i < node->wave_target_count; ++i )
+    {
+        const plan_target* target = frame->plan->targets + node->first_target + i;
+        const unsigned due = target->slot == late->slot ? due_passes( frame, node, target ) : 0;
+        const plan_block block = { n, due, target->join, late->slot, 0, items };
+        if ( due != 0 && node->repeats )
+        {
+            loop_fast( frame, node, &block, span, 0, frame->substep );
+        }
+        else
+        {
+            run_passes( frame, node, due, ( pass_range ){ 0, node->pass_count }, &span );
+        }
+    }
+}
+
+// Run the substeps that an entity has missed, then its passes before the node that asks.
+static void catch_up( void* context, int index, int worker )
+{
+    (void)index;
+    const late_entity* late = context;
+    const plan* p = late->frame->plan;
+    const plan_node* asking = p->nodes + late->frame->asking;
+    for ( int wave = -1; wave <= asking->wave; ++wave )
+    {
+        for ( int n = 0; n < p->node_count; ++n )
+        {
+            const plan_node* node = p->nodes + n;
+            const bool precedes = node->section == asking->section && node->wave == wave &&
+                                  ( wave < asking->wave || n < late->frame->asking );
+            if ( wave < 0 ? node->repeats : precedes )
+            {
+                run_late( late, n, worker );
+            }
+        }
+    }
+}
+
+void wisp_frame_join( wisp_frame* frame, wisp_entity entity )
+{
+    late_entity late = { frame, (int)entity.index - 1 };
+    plan_entity* e = frame->plan->entities + late.slot;
+    if ( e->is_apart )
+    {
+        e->is_apart = false;
+        jobs_run_inline( frame->pool, 1, catch_up, &late );
+    }
+}
+
 bool plan_has_substeps( const plan* p )
 {
     return p->wave_count[PLAN_SUBSTEP] > 0 || p->wave_count[PLAN_ITERATION] > 0 ||
@@ -442,6 +530,7 @@ void plan_execute( wisp_frame* frame )
 
     frame->substep = frame->iteration = 0;
     run_section( frame, PLAN_BEFORE );
+    find_apart( frame );
     for ( int rate = plan_next_rate( p, frame->registry, INT_MIN ); rate != 0;
           rate = plan_next_rate( p, frame->registry, rate ) )
     {

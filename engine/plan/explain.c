@@ -186,7 +186,8 @@ static void add_kept_in_order( writer* w, wisp_plan_info* report )
         {
             for ( int n = 0; n < p->node_count; ++n )
             {
-                const bool is_here = (int)p->nodes[n].section == section && p->nodes[n].wave == wave;
+                const bool is_here =
+                    (int)p->nodes[n].section == section && p->nodes[n].wave == wave && p->nodes[n].repeats == false;
                 for ( int i = 0; is_here && i < p->nodes[n].pass_count; ++i )
                 {
                     add_kept( w, report, n, i );

@@ -123,8 +123,21 @@ static store_mask item_loop_passes( const wisp_registry* r, store_mask live )
     return possible && count <= PLAN_MAX_FUSED ? loop : ( store_mask ){ { 0 } };
 }
 
+// Return those of some passes that touch entities that are apart.
+static store_mask unsparing( const wisp_registry* r, store_mask live )
+{
+    for ( int i = 0; i < r->pass_count; ++i )
+    {
+        if ( r->passes[i].spares )
+        {
+            store_mask_remove( &live, i );
+        }
+    }
+    return live;
+}
+
 // Add the item loop: one node, with its passes in the order of their stages.
-static void place_in_item_loop( plan* p, const wisp_registry* r, int number )
+static void place_in_item_loop( plan* p, const wisp_registry* r, int number, bool repeats )
 {
     plan_node* node = NULL;
     for ( int n = 0; n < p->node_count; ++n )
@@ -134,7 +147,9 @@ static void place_in_item_loop( plan* p, const wisp_registry* r, int number )
     if ( node == NULL )
     {
         node = p->nodes + p->node_count++;
-        *node = ( plan_node ){ .domain = WISP_DOMAIN_STRAND_GROUP, .section = PLAN_ITEM_LOOP, .grain = 4 };
+        *node = ( plan_node ){
+            .domain = WISP_DOMAIN_STRAND_GROUP, .section = PLAN_ITEM_LOOP, .grain = 4, .repeats = repeats
+        };
         p->wave_count[PLAN_ITEM_LOOP] = 1;
     }
     const int grain = r->passes[number].grain;
@@ -192,14 +207,17 @@ static void place_pass( plan* p, const wisp_registry* r, int number )
 
 void plan_place( plan* p, const wisp_registry* r, const int* order, int count )
 {
-    const store_mask loop = item_loop_passes( r, p->live );
+    store_mask loop = item_loop_passes( r, p->live );
+    const bool repeats = store_mask_any( loop ) == false;
+    loop = repeats ? item_loop_passes( r, unsparing( r, p->live ) ) : loop;
     for ( int i = 0; i < count; ++i )
     {
-        if ( store_mask_has( &loop, order[i] ) )
+        const bool loops = store_mask_has( &loop, order[i] );
+        if ( loops )
         {
-            place_in_item_loop( p, r, order[i] );
+            place_in_item_loop( p, r, order[i], repeats );
         }
-        else
+        if ( loops == false || repeats )
         {
             place_pass( p, r, order[i] );
         }

@@ -177,6 +177,7 @@ typedef struct plan_node
     int first_target, target_count;
     int wave_target_count; // that run in waves; the others have a substep loop of their own
     int grain;
+    bool repeats; // its passes run in waves too, on entities that are not apart
 } plan_node;
 
 /// An entity of a node, and its selected passes of the node.
@@ -186,6 +187,14 @@ typedef struct plan_target
     uint32_t passes; // bit i: passes[i] of the node
     int join;        // index of the fusion in the registry that can run all of them; -1: none
 } plan_target;
+
+/// Whether an entity runs its substeps in the item loop where others run in waves.
+typedef enum plan_parting
+{
+    PLAN_PARTS_NEVER,
+    PLAN_PARTS_APART, // in steps in which it is apart
+    PLAN_PARTS_ALWAYS,
+} plan_parting;
 
 /// What a slot of the store runs.
 typedef struct plan_entity
@@ -200,6 +209,8 @@ typedef struct plan_entity
     bool loops;      // it runs all its substeps before the next entity does
     bool listed;     // among the loops
     int8_t pose;     // place column of its poses; -1: none
+    plan_parting parts;
+    bool is_apart; // in this step: its passes run in the item loop, not in waves
 } plan_entity;
 
 /// Entities with a substep loop of their own that are one block: a single one, or some that can run side by side.
@@ -221,7 +232,7 @@ typedef struct plan_block
 
 typedef struct plan
 {
-    plan_node nodes[PLAN_MAX_PASSES];
+    plan_node nodes[PLAN_MAX_PASSES + 1];
     int node_count;
     int wave_count[PLAN_SECTION_COUNT];
     store_mask live; // bit p: pass p is selected
@@ -318,6 +329,7 @@ struct wisp_frame
     uint64_t step;
     int substeps, iterations; // of the world
     int substep, iteration;   // current ones
+    int asking;               // node that asks whether it is due
     int rate;                 // of the entities whose substeps run
     float seconds;            // of a substep of the world
     float even;               // s, the step if it has its usual length and nothing is left of those before; else 0

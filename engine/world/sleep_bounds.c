@@ -22,12 +22,14 @@ uint64_t wisp_hash_bytes( uint64_t seed, const void* bytes, size_t size )
     return store_hash_bytes( seed, bytes, size );
 }
 
+// NaN extends nothing.
 static void add_point( wisp_sleep_bounds* bounds, const float* p, size_t coordinate )
 {
     for ( size_t k = 0; k < 3; ++k )
     {
-        bounds->lower[k] = fminf( bounds->lower[k], p[k * coordinate] );
-        bounds->upper[k] = fmaxf( bounds->upper[k], p[k * coordinate] );
+        const float at = p[k * coordinate];
+        bounds->lower[k] = at < bounds->lower[k] ? at : bounds->lower[k];
+        bounds->upper[k] = at > bounds->upper[k] ? at : bounds->upper[k];
     }
 }
 

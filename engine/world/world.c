@@ -215,7 +215,7 @@ static void write_profile( wisp_world* world )
     world->line_count = 0;
     for ( int n = 0; n < world->plan.node_count; ++n )
     {
-        for ( int i = 0; i < world->plan.nodes[n].pass_count; ++i )
+        for ( int i = 0; i < world->plan.nodes[n].pass_count && world->plan.nodes[n].repeats == false; ++i )
         {
             int pass = world->plan.nodes[n].passes[i];
             world->lines[world->line_count++] = ( wisp_profile_line ){

@@ -5,7 +5,10 @@
 // A participant whose box is farther from those of all others that it may meet than they reach in a substep is left out:
 // it costs a pass over its positions. Its reach is its thickness and twice its largest displacement, since projections
 // add to that. It leaves at twice the reach and at the start of a step, so that the mesh is not built anew in each
-// substep. What is farther than 32 reaches is looked at once a step.
+// substep. What is farther than 32 reaches, and one for each substep, is looked at once a step.
+//
+// Strands that nothing comes near are apart in the next step: they run their substeps as if there were no contact. While they do,
+// their box is the one that no force takes them out of. What comes near that has them join before the substep goes on.
 #include "contact_mesh.h"
 
 #include "wisp/module/space.h"
@@ -30,7 +33,7 @@ enum
     REACH_GRAIN = 4096, // points of a block
 };
 
-static const float WATCHED_REACHES = 32.0f; // nothing comes from farther away within a step
+static const float WATCHED_REACHES = 32.0f; // and one for each substep
 
 typedef struct reach_loop
 {
@@ -210,11 +213,47 @@ static bool reaches_any( const contact_work* work, int number, float reaches )
     return found || ( meets == false && work->counts_intersections );
 }
 
+// Set the box of strands to the one that they do not leave in this step. @return false if there is none
+static bool box_reach( const contact_work* work, contact_participant* participant )
+{
+    const float* bounds = wisp_frame_column( work->frame, participant->entity, WISP_STRAND_REACH, 0 );
+    const int32_t* known = wisp_frame_column( work->frame, participant->entity, WISP_STRAND_REACH, 1 );
+    const bool is_known = participant->is_strands && *known != 0;
+    for ( int k = 0; k < 3 && is_known; ++k )
+    {
+        participant->box.bounds.lower[k] = bounds[k];
+        participant->box.bounds.upper[k] = bounds[3 + k];
+        participant->box.displacement2 = 0.0f;
+    }
+    return is_known;
+}
+
 static void box_all( const contact_work* work )
 {
     for ( int g = 0; g < work->participant_count; ++g )
     {
-        box_participant( work, work->participants + g );
+        contact_participant* participant = work->participants + g;
+        wisp_frame_is_apart( work->frame, participant->entity ) ? (void)box_reach( work, participant )
+                                                                : box_participant( work, participant );
+    }
+}
+
+// Mark the strands that are apart in the next step. Boxes of those that are far become their reach.
+static void mark_apart( const contact_work* work )
+{
+    for ( int g = 0; g < work->participant_count; ++g )
+    {
+        contact_participant* participant = work->participants + g;
+        participant->may_part = participant->settings.is_far != 0 && box_reach( work, participant );
+    }
+    for ( int g = 0; g < work->participant_count; ++g )
+    {
+        contact_participant* participant = work->participants + g;
+        int32_t* apart = wisp_frame_column( work->frame, participant->entity, WISP_STRAND_REACH, 2 );
+        if ( apart != NULL )
+        {
+            *apart = participant->may_part && reaches_any( work, g, 2.0f ) == false ? 1 : 0;
+        }
     }
 }
 
@@ -222,13 +261,15 @@ static void box_all( const contact_work* work )
 static void mark_anew( const contact_work* work )
 {
     contact_contact_mesh* s = work->contact_mesh;
+    const float watched = WATCHED_REACHES + (float)wisp_frame_substeps( work->frame, work->participants->entity );
     s->may_join = false;
     for ( int g = 0; g < work->participant_count; ++g )
     {
         contact_settings* settings = &work->participants[g].settings;
         settings->is_far = reaches_any( work, g, settings->is_far != 0 ? 1.0f : 2.0f ) ? 0 : 1;
-        s->may_join = s->may_join || ( settings->is_far != 0 && reaches_any( work, g, WATCHED_REACHES ) );
+        s->may_join = s->may_join || ( settings->is_far != 0 && reaches_any( work, g, watched ) );
     }
+    mark_apart( work );
 }
 
 // Mark participants in later substeps: they only join.
@@ -262,8 +303,10 @@ bool contact_mark_far( const contact_work* work, bool is_start )
     {
         contact_participant* participant = work->participants + g;
         contact_settings* settings = settings_of( work, participant );
-        const bool joins = settings->is_far != 0 && participant->settings.is_far == 0;
-        settings->is_new = joins ? 1 : settings->is_new; // it has no intersection-free positions
+        const bool is_near = participant->settings.is_far == 0;
+        participant->joins = is_near && wisp_frame_is_apart( work->frame, participant->entity );
+        // who comes has no intersection-free positions
+        settings->is_new = participant->joins || ( is_near && settings->is_far != 0 ) ? 1 : settings->is_new;
         settings->is_far = participant->settings.is_far;
         participant->settings.is_new = settings->is_new;
         is_other = is_other || ( settings->is_far != 0 ) != participant->is_left_out;

@@ -149,6 +149,7 @@ static wisp_status declare_components( wisp_registry* r, contact_state* s )
         { &s->active, { "contact.active", WISP_TABLE_ENTITY, MEMORY_COLUMNS, 1 } },
         { &s->touches, { "contact.touches_strands", WISP_TABLE_ENTITY, MARK_COLUMNS, 1 } },
         { &s->meets, { "contact.strands_meet", WISP_TABLE_ENTITY, MARK_COLUMNS, 1 } },
+        { &s->reached, { "contact.reached", WISP_TABLE_ENTITY, MARK_COLUMNS, 1 } },
         { &s->pairs, { "contact.pairs", WISP_TABLE_ENTITY, MARK_COLUMNS, 1 } },
         { &s->result, { "contact.result", WISP_TABLE_ENTITY, MARK_COLUMNS, 1 } },
         { &s->stats, { "contact.stats", WISP_TABLE_ENTITY, STATS_COLUMNS, 1 } },
@@ -182,6 +183,7 @@ static wisp_status declare_limit( wisp_registry* r, contact_state* s )
         .writes = { s->result },
         .foreign = { WISP_STRAND_POSITION, WISP_STRAND_PREVIOUS },
         .among = s->components.settings,
+        .spares = true,
         .run = contact_limit_strands,
         .user = s,
     };
@@ -195,16 +197,31 @@ static wisp_status declare_passes( wisp_registry* r, contact_state* s, bool stra
     const wisp_component beside = strands ? WISP_STRAND_POSITION : 0, before = strands ? WISP_STRAND_PREVIOUS : 0;
     const wisp_pass passes[] = {
         {
-            .name = strands ? "contact.find_strands" : "contact.find",
+            .name = strands ? "contact.reach_strands" : "contact.reach",
             .stage = WISP_STAGE_CONTACT,
             .domain = WISP_DOMAIN_ENTITY,
             .required = { s->active, strands ? s->touches : 0 },
             .excluded = { strands ? 0 : s->touches },
             .reads = { s->active },
+            .writes = { s->reached },
+            .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, beside, before },
+            .among = s->components.settings,
+            .spares = strands,
+            .run = contact_reach,
+        },
+        {
+            .name = strands ? "contact.find_strands" : "contact.find",
+            .stage = WISP_STAGE_CONTACT,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { s->active, strands ? s->touches : 0 },
+            .excluded = { strands ? 0 : s->touches },
+            .reads = { s->active, s->reached },
             .writes = { s->pairs },
             .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_HALF_SPACES, beside, before },
             .among = s->components.settings,
+            .spares = strands,
             .run = contact_find,
+            .should_run = strands ? contact_join : NULL,
         },
         {
             .name = strands ? "contact.push_strands" : "contact.push",
@@ -216,6 +233,7 @@ static wisp_status declare_passes( wisp_registry* r, contact_state* s, bool stra
             .writes = { s->result },
             .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_HALF_SPACES, beside, before },
             .among = s->components.settings,
+            .spares = strands,
             .run = contact_project,
         },
         {
@@ -226,6 +244,7 @@ static wisp_status declare_passes( wisp_registry* r, contact_state* s, bool stra
             .reads = { s->components.settings, strands ? WISP_STRAND_POSITION : WISP_PARTICLE_POSITION,
                        strands ? WISP_STRAND_PREVIOUS : WISP_PARTICLE_PREVIOUS },
             .writes = { strands ? s->components.strand_free : s->components.particle_free },
+            .spares = strands,
             .run = contact_keep,
         },
         {

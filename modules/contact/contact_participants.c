@@ -211,16 +211,28 @@ wisp_status contact_mark_participants( wisp_world* world, const contact_state* s
     return status;
 }
 
+static void detach_components( wisp_world* world, const contact_state* state, wisp_entity participant,
+                               wisp_component positions )
+{
+    const wisp_component all[] = { positions, WISP_STRAND_REACH, state->components.settings,
+                                   state->components.samples_read, state->components.corrected };
+    for ( int i = 0; i < WISP_COUNT( all ); ++i )
+    {
+        wisp_world_cancel_request( world, participant, i < 2 ? all[i] : positions );
+        wisp_world_detach( world, participant, all[i] );
+    }
+}
+
 static wisp_status attach_components( wisp_world* world, contact_state* state, wisp_entity participant,
                                       wisp_component positions )
 {
     wisp_status status = wisp_world_attach( world, participant, positions );
     status = status == WISP_OK ? wisp_world_attach( world, participant, state->components.settings ) : status;
     status = status == WISP_OK ? mark_participant( world, state, participant, state->world.primitives ) : status;
-    if ( status == WISP_OK && wisp_world_strands( world, participant ) == NULL )
-    {
-        status = wisp_world_attach( world, participant, state->components.corrected );
-    }
+    const bool is_strands = wisp_world_strands( world, participant ) != NULL;
+    const wisp_component mark = is_strands ? WISP_STRAND_REACH : state->components.corrected;
+    status = status == WISP_OK ? wisp_world_attach( world, participant, mark ) : status;
+    status = status == WISP_OK && is_strands ? wisp_world_request( world, participant, mark ) : status;
     return status == WISP_OK ? wisp_world_request( world, participant, positions ) : status;
 }
 
@@ -239,11 +251,7 @@ static wisp_status add_participant( wisp_world* world, contact_state* state, wis
     status = status == WISP_OK ? add_mesh_entity( world, state, strands ) : status;
     if ( status != WISP_OK )
     {
-        wisp_world_cancel_request( world, participant, positions );
-        wisp_world_detach( world, participant, positions );
-        wisp_world_detach( world, participant, state->components.settings );
-        wisp_world_detach( world, participant, state->components.samples_read );
-        wisp_world_detach( world, participant, state->components.corrected );
+        detach_components( world, state, participant, positions );
         remove_mesh_entity( world, state );
         return status;
     }
@@ -258,11 +266,7 @@ static void remove_participant( wisp_world* world, contact_state* state, int num
     const wisp_component positions =
         participant.is_strands ? state->components.strand_free : state->components.particle_free;
     contact_forget_participant( world, state, number );
-    wisp_world_cancel_request( world, participant.entity, positions );
-    wisp_world_detach( world, participant.entity, state->components.settings );
-    wisp_world_detach( world, participant.entity, state->components.samples_read );
-    wisp_world_detach( world, participant.entity, state->components.corrected );
-    wisp_world_detach( world, participant.entity, positions );
+    detach_components( world, state, participant.entity, positions );
 }
 
 wisp_status wisp_set_contact( wisp_world* world, wisp_entity participant, const wisp_contact_def* given )

@@ -1,5 +1,6 @@
 // The passes of contact: the order of the stages in a substep.
 //
+//   contact.reach    mark who has nothing within reach
 //   contact.find     gather; predict displacements; mark intersections after a reset; broad phase when the lists do
 //                    not hold; narrow phase; constraints; colouring
 //   contact.push     gather; project; in the last iteration recover, untangle, limit displacements; scatter
@@ -112,6 +113,30 @@ static bool part_coincident( const contact_work* work )
     return found;
 }
 
+void contact_reach( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    contact_state* state = user;
+    if ( all_sleep( frame, state ) == false )
+    {
+        const contact_work work = begin_work( frame, span, state );
+        state->changed = contact_mark_far( &work, span->substep == 0 || state->changed ) || state->changed;
+    }
+}
+
+bool contact_join( wisp_frame* frame, wisp_entity entity, void* user )
+{
+    (void)entity;
+    const contact_state* state = user;
+    for ( int g = 0; g < state->participant_count; ++g )
+    {
+        if ( state->participants[g].joins )
+        {
+            wisp_frame_join( frame, state->participants[g].entity );
+        }
+    }
+    return true;
+}
+
 void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
 {
     contact_state* state = user;
@@ -125,7 +150,6 @@ void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
     {
         begin_step( &work );
     }
-    state->changed = contact_mark_far( &work, span->substep == 0 || state->changed ) || state->changed;
     if ( state->changed && run_stage( &work, build_mesh ) == false )
     {
         return;

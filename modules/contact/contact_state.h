@@ -21,6 +21,7 @@ typedef struct contact_state
     wisp_component active;   // contact_memory, of the entity `mesh_entity`, while there are participants
     wisp_component touches;  // of `mesh_entity`: strands take part
     wisp_component meets;    // of `mesh_entity`: strands meet strands
+    wisp_component reached;  // written by contact.reach, read by contact.find
     wisp_component pairs;    // written by contact.find, read by contact.push
     wisp_component result;   // requested of `mesh_entity`
     wisp_component stats;    // wisp_contact_stats, on request
@@ -50,6 +51,8 @@ typedef struct contact_state
 wisp_status contact_find_state( wisp_world* world, contact_state** out );
 
 // contact_passes.c
+void contact_reach( wisp_frame* frame, const wisp_span* span, void* user );
+bool contact_join( wisp_frame* frame, wisp_entity entity, void* user );
 void contact_find( wisp_frame* frame, const wisp_span* span, void* user );
 void contact_project( wisp_frame* frame, const wisp_span* span, void* user );
 void contact_limit_strands( wisp_frame* frame, const wisp_span* span, void* user );

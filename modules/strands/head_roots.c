@@ -236,6 +236,82 @@ void strands_hold_pins( wisp_frame* frame, const wisp_span* span, void* user )
     }
 }
 
+// ---- bounds ----
+
+// Return how far a root goes at most in a step, whose bounds before it are these: the displacement of the head, and the chord of
+// its rotation.
+static float root_displacement( const strands_head* head, const float lower[3], const float upper[3] )
+{
+    const wisp_vec3 from = head->from.translation;
+    const wisp_vec3 arm = { fmaxf( fabsf( lower[0] - from.x ), fabsf( upper[0] - from.x ) ),
+                            fmaxf( fabsf( lower[1] - from.y ), fabsf( upper[1] - from.y ) ),
+                            fmaxf( fabsf( lower[2] - from.z ), fabsf( upper[2] - from.z ) ) };
+    const wisp_quat turn = strands_quat_multiply( head->to.rotation, strands_quat_inverse( head->from.rotation ) );
+    const float half_sine = strands_norm( ( wisp_vec3 ){ turn.x, turn.y, turn.z } );
+    return strands_norm( strands_sub( head->to.translation, from ) ) + 2.0f * half_sine * strands_norm( arm );
+}
+
+// Find the bounds of the roots. @return m, length of the longest strand
+static float measure_strands( wisp_frame* frame, wisp_entity entity, float lower[3], float upper[3] )
+{
+    const wisp_strand_topology* t = wisp_frame_strands( frame, entity );
+    const float* root = wisp_frame_column( frame, entity, WISP_STRAND_ROOT, 0 );
+    const float* length = wisp_frame_column( frame, entity, WISP_STRAND_LENGTH, 0 );
+    float longest = 0.0f;
+    for ( int g = 0; g < t->group_count; ++g )
+    {
+        float sum[WISP_LANES] = { 0 };
+        for ( size_t i = strands_scalar( t->group_row[g], 0 ); i < strands_scalar( t->group_row[g + 1], 0 ); ++i )
+        {
+            sum[i % WISP_LANES] += length[i];
+        }
+        for ( int i = 0; i < 4 * WISP_LANES; ++i )
+        {
+            const int lane = i / 4, k = i % 4;
+            const bool is_strand = t->lane_count[g * WISP_LANES + lane] > 0;
+            if ( is_strand && k < 3 )
+            {
+                const float at = root[strands_vector( g, 0 ) + (size_t)( k * WISP_LANES + lane )];
+                lower[k] = fminf( lower[k], at );
+                upper[k] = fmaxf( upper[k], at );
+            }
+            longest = is_strand ? fmaxf( longest, sum[lane] ) : longest;
+        }
+    }
+    return longest;
+}
+
+// Find bounds of a step: roots follow the head, and the direct solve leaves no strand longer than its tolerance allows. Pins and
+// tips can pull it longer.
+void strands_find_reach( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const strands_state* state = user;
+    const wisp_component pulling[] = { state->pins, state->tips, state->closed, WISP_PARTICLE_FRAME };
+    const strands_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
+    const strands_head* head = wisp_frame_column( frame, span->entity, state->head, 0 );
+    const strands_direct* direct = wisp_frame_column( frame, span->entity, state->direct, 0 );
+    int32_t* known = wisp_frame_column( frame, span->entity, WISP_STRAND_REACH, 1 );
+    *known = head != NULL && direct != NULL && settings->is_free == 0 ? 1 : 0;
+    for ( int i = 0; i < WISP_COUNT( pulling ); ++i )
+    {
+        *known = wisp_frame_has( frame, span->entity, pulling[i] ) ? 0 : *known;
+    }
+    if ( *known == 0 )
+    {
+        return;
+    }
+    float lower[3] = { INFINITY, INFINITY, INFINITY }, upper[3] = { -INFINITY, -INFINITY, -INFINITY };
+    const float longest = measure_strands( frame, span->entity, lower, upper );
+    const float ROUNDING = 1.001f;
+    const float out = ROUNDING * ( root_displacement( head, lower, upper ) + ( 1.0f + direct->tolerance ) * longest );
+    float* bounds = wisp_frame_column( frame, span->entity, WISP_STRAND_REACH, 0 );
+    for ( int k = 0; k < 3; ++k )
+    {
+        bounds[k] = lower[k] - out;
+        bounds[3 + k] = upper[k] + out;
+    }
+}
+
 wisp_status strands_check_pose( wisp_world* world, const char* what, wisp_transform pose )
 {
     const wisp_vec3 p = pose.translation;

@@ -3,7 +3,8 @@
 
 #include "strands_state.h"
 
-wisp_pass_fn strands_move_head, strands_jump, strands_jump_frames, strands_root, strands_hold_pins;
+wisp_pass_fn strands_move_head, strands_jump, strands_jump_frames, strands_root, strands_hold_pins,
+    strands_find_reach;
 
 /// Return the pose of the head after some substeps of this step.
 wisp_transform strands_head_pose( wisp_frame* frame, wisp_entity strands, const strands_head* head, int substeps );

@@ -28,6 +28,16 @@ static wisp_status declare_input( wisp_registry* r, strands_state* s )
             .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
+            .name = "strands.reach",
+            .stage = WISP_STAGE_INPUT,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { s->settings, WISP_STRAND_REACH },
+            .reads = { s->settings, WISP_STRAND_REACH, WISP_STRAND_LENGTH, WISP_STRAND_ROOT },
+            .writes = { WISP_STRAND_REACH },
+            .foreign = { s->head }, // its own, if it has one
+            .run = strands_find_reach,
+        },
+        {
             .name = "strands.tip_targets",
             .stage = WISP_STAGE_INPUT,
             .domain = WISP_DOMAIN_ENTITY,

@@ -584,3 +584,88 @@ TEST( a_heap_of_sticks_does_not_mingle )
 {
     (void)fall( 2, 120, true );
 }
+
+// ---- strands that nothing comes near ----
+
+typedef struct apart_run
+{
+    int steps_apart, contacts, through;
+    wisp_vec3 points[STRANDS * VERTICES]; // at the end
+} apart_run;
+
+// A sheet flies down to a rake of strands on a moving head, and starts so high above it. Without culling the mark that strands are
+// apart is taken back before each step.
+static apart_run fly_sheet( float height, float speed, int workers, bool has_contact, bool is_culled )
+{
+    enum
+    {
+        STEPS = 12,
+    };
+    hosted h;
+    open_contact( &h, SUBSTEPS, 1, workers );
+    const wisp_entity strands = add_rake( h.world, ( wisp_vec3 ){ -0.2f, 0.0f, 0.0f }, 0.02f );
+    test_mesh mesh = level_sheet( 21, 1.2f, ( wisp_vec3 ){ 0.013f, height, 0.017f } );
+    const wisp_entity sheet = add_draping( h.world, &mesh, NULL, 0, ( wisp_vec3 ){ 0 } );
+    wisp_contact_def def = contact_of( 0.01f );
+    def.self = false;
+    if ( has_contact )
+    {
+        set_contact( h.world, strands, &def );
+        set_contact( h.world, sheet, &def );
+        request_stats( h.world );
+    }
+    assert_status( h.world, wisp_set_velocity( h.world, sheet, ( wisp_vec3 ){ 0, -speed, 0 }, ( wisp_vec3 ){ 0 } ),
+                   WISP_OK );
+    apart_run run = { 0 };
+    for ( int s = 1; s <= STEPS; ++s )
+    {
+        const float turn = 0.02f * (float)s;
+        const wisp_transform pose =
+            wisp_transform_make( ( wisp_quat ){ 0, sinf( turn ), 0, cosf( turn ) }, ( wisp_vec3 ){ 0, 0, turn } );
+        assert_status( h.world, wisp_move_strand_head( h.world, strands, pose ), WISP_OK );
+        int32_t* apart = wisp_world_column( h.world, strands, WISP_STRAND_REACH, 2 );
+        run.steps_apart += apart != NULL ? *apart : 0;
+        if ( apart != NULL && is_culled == false )
+        {
+            *apart = 0;
+        }
+        run_steps( h.world, 1, FRAME );
+        run.contacts += has_contact ? contact_stats( h.world ).contacts : 0;
+        run.through += has_contact ? count_segments_through( h.world, strands, sheet ) : 0;
+    }
+    memcpy( run.points, view_of( h.world, strands, WISP_STRAND_POINTS ).data, sizeof( run.points ) );
+    close_world( &h );
+    return run;
+}
+
+// Strands far from everything take part in contact, and move bit for bit as if they did not.
+TEST( strands_far_from_everything_run_apart_and_move_as_without_contact )
+{
+    const apart_run without = fly_sheet( 50.0f, 0.0f, 1, false, true );
+    for ( int workers = 1; workers <= 3; workers += 2 )
+    {
+        const apart_run with = fly_sheet( 50.0f, 0.0f, workers, true, true );
+        assert_int_equal( with.steps_apart, 11 ); // the first step finds it out
+        assert_memory_equal( with.points, without.points, sizeof( with.points ) );
+    }
+}
+
+// What comes near within a step finds them where they would be without culling, at any speed, and nothing passes.
+TEST( strands_apart_join_within_the_step_in_which_something_comes_near )
+{
+    static const float SPEEDS[] = { 10.0f, 40.0f, 150.0f }; // m/s
+    for ( int i = 0; i < WISP_COUNT( SPEEDS ); ++i )
+    {
+        const float height = 0.4f + 5.3f * SPEEDS[i] * FRAME;
+        const apart_run plain = fly_sheet( height, SPEEDS[i], 1, true, false );
+        assert_true( plain.contacts > 0 );
+        for ( int workers = 1; workers <= 3; workers += 2 )
+        {
+            const apart_run culled = fly_sheet( height, SPEEDS[i], workers, true, true );
+            assert_true( culled.steps_apart > 0 );
+            assert_int_equal( culled.through, plain.through );
+            assert_int_equal( culled.contacts, plain.contacts );
+            assert_memory_equal( culled.points, plain.points, sizeof( plain.points ) );
+        }
+    }
+}

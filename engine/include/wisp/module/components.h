@@ -74,7 +74,8 @@
     X( MAP_CONTACT_FRICTION, "map.contact_friction", WISP_TABLE_PARTICLE )                                           \
     X( PARTICLE_CONTACT_IMPULSES, "particle.contact_impulses", WISP_TABLE_PARTICLE )                                 \
     X( SURFACE_ELASTIC, "surface.elastic", WISP_TABLE_ENTITY )                                                       \
-    X( SURFACE_VIRIAL, "surface.virial", WISP_TABLE_ENTITY )
+    X( SURFACE_VIRIAL, "surface.virial", WISP_TABLE_ENTITY )                                                         \
+    X( STRAND_REACH, "strand.reach", WISP_TABLE_ENTITY )
 
 #define WISP_STRAND_REST_COLUMNS( X ) X( float, rest, 48 )         /* m, [3][16] a row, as the user gave it */
 #define WISP_STRAND_POSITION_COLUMNS( X ) X( float, position, 48 ) /* m, [3][16] a row */
@@ -96,6 +97,11 @@
 /* A pass that writes it reads STRAND_POSITION too: it then runs before the appearance, which starts from it. */
 #define WISP_STRAND_POSED_COLUMNS( X )                                                                               \
     X( float, posed, 48 ) /* m, [3][16] a row: where motion has taken the rest shape, before appearance changes it */
+/// Bounds that no vertex leaves in this step, whatever the forces.
+#define WISP_STRAND_REACH_COLUMNS( X )                                                                               \
+    X( float, bounds, 6 )  /* m, lower and upper corner */                                                           \
+    X( int32_t, known, 1 ) /* 1: there are such bounds */                                                            \
+    X( int32_t, apart, 1 ) /* 1: nothing comes near them, so that the strands run their substeps on their own */
 #define WISP_STRAND_POINTS_COLUMNS( X ) X( wisp_vec3, points, 1 ) /* m, the user's order */
 #define WISP_POINT_WIDTH_COLUMNS( X ) X( float, width, 1 )        /* m, diameter */
 #define WISP_POINT_COLOUR_COLUMNS( X ) X( wisp_vec3, colour, 1 )  /* linear red, green, blue in [0, 1] */

@@ -162,6 +162,7 @@ typedef struct wisp_pass
     wisp_component on_change;
     wisp_component among; ///< entities whose components are foreign have this one; 0: they may be any
     bool follows;         ///< it reads an entity that it does not list, and in a substep waits for that one
+    bool spares;          ///< it does nothing to an entity that is apart (wisp_frame_is_apart())
     /// Null, or returns whether the pass has to run on the entity in this step. Called on the calling thread when all passes
     /// before it have run.
     bool ( *should_run )( wisp_frame* frame, wisp_entity entity, void* user );
@@ -354,6 +355,10 @@ WISP_API bool wisp_frame_find_carry( wisp_frame* frame, const wisp_span* span, w
                                      wisp_quat* turn );
 /// Move the frame of an entity to the pose that it has been given for this step.
 WISP_API void wisp_frame_move_carry( wisp_frame* frame, wisp_entity entity );
+/// Does the entity run its substeps on its own in this step, as if passes that spare it did not exist? It does if strand.reach says so.
+WISP_API bool wisp_frame_is_apart( const wisp_frame* frame, wisp_entity entity );
+/// End that: bring the entity to where the others are. Only from wisp_pass.should_run of a pass in stages FORCE to CONTACT.
+WISP_API void wisp_frame_join( wisp_frame* frame, wisp_entity entity );
 /// Iterations of a substep.
 WISP_API int wisp_frame_iterations( const wisp_frame* frame );
 /// Is the entity left out of passes?
