@@ -105,6 +105,29 @@ static void prolong( const levels_sheet* sheet, const float* value, const float*
     wisp_parallel_for( sheet->parallel, level->finer_row_count / 8, LEVEL_SLICE_GRAIN, run_prolong, &loop );
 }
 
+// Prolongs to the surface. One that nothing pins gets all but the rigid motion of it: sheets have no momentum to give. Displacements
+// have none about where the substep began, velocities about where it ends.
+// @param about [slot][4] m @param change [2][slot][4] scratch
+static void prolong_to_surface( const levels_sheet* sheet, const wisp_fabric* fabric, const float* value,
+                                const float* about, float* change, float* target )
+{
+    if ( wisp_fabric_is_pinned( fabric, about ) )
+    {
+        prolong( sheet, value, about, target );
+        return;
+    }
+    memset( change, 0, 4 * (size_t)fabric->slot_count * sizeof( float ) );
+    prolong( sheet, value, about, change );
+    float* rigid = change + 4 * (size_t)fabric->slot_count;
+    memcpy( rigid, change, 4 * (size_t)fabric->slot_count * sizeof( float ) );
+    const wisp_rigid_args args = { .position = about, .velocity = rigid, .fraction = 1.0f };
+    wisp_approach_rigid_motion( sheet->kernels, sheet->parallel, fabric, &args );
+    for ( int i = 0; i < 4 * fabric->slot_count; ++i )
+    {
+        target[i] += change[i] - rigid[i];
+    }
+}
+
 // ---- a substep ----
 
 // Scratch memory of a substep. All levels share the arrays of links, whose numbers do not overlap.
@@ -114,6 +137,7 @@ typedef struct levels_memory
     float* moved; // [row][4] of all levels: m, where the surface has been predicted, then the displacement from there
     float *start, *acceleration;    // [row][4] of the coarsest level
     float *lower, *lambda, *factor; // [link]
+    float* change;                  // [2][slot][4] of the surface
     levels_pin* pins;               // of the level that moves
 } levels_memory;
 
@@ -124,9 +148,10 @@ static bool take_level_memory( wisp_frame* frame, const wisp_span* span, levels_
     const size_t rows = 4 * (size_t)( last->first_row + last->row_count ), own = 4 * (size_t)last->row_count;
     const size_t links = (size_t)( last->first_link + last->schedule.slot_count );
     const size_t pins = (size_t)*levels_columns_of( frame, span->entity ).pins;
-    float* at =
-        wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker,
-                               ( 2 * rows + 2 * own + 3 * links ) * sizeof( float ) + pins * sizeof( levels_pin ) );
+    const size_t slots = 8 * (size_t)f->slot_count;
+    float* at = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker,
+                                       ( slots + 2 * rows + 2 * own + 3 * links ) * sizeof( float ) +
+                                           pins * sizeof( levels_pin ) );
     if ( at == NULL )
     {
         wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the coarse sheets of %d particles",
@@ -143,7 +168,8 @@ static bool take_level_memory( wisp_frame* frame, const wisp_span* span, levels_
         .lower = lower,
         .lambda = lower + links,
         .factor = lower + 2 * links,
-        .pins = (levels_pin*)( lower + 3 * links ),
+        .change = lower + 3 * links,
+        .pins = (levels_pin*)( lower + 3 * links + slots ),
     };
     return true;
 }
@@ -349,7 +375,8 @@ static void run_levels( wisp_frame* frame, const wisp_span* span, void* user )
         return;
     }
     float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
-    prolong( &sheet, m.moved, position, position );
+    const float* previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 );
+    prolong_to_surface( &sheet, wisp_frame_fabric( frame, span->entity ), m.moved, previous, m.change, position );
 }
 
 // Adds what second order adds to the velocity of the coarsest sheet, and notes the velocity of the surface for its next substep.
@@ -387,7 +414,7 @@ static void carry_velocity( wisp_frame* frame, const wisp_span* span, void* user
         }
         else
         {
-            prolong( &sheet, value, position, velocity );
+            prolong_to_surface( &sheet, f, value, position, m.change, velocity );
         }
     }
     levels_gather_rows( coarsest, velocity, motion[0] );
