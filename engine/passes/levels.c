@@ -16,6 +16,12 @@ enum
     LEVEL_SLICE_GRAIN = 128, // slices of eight rows per block
 };
 
+// Over-relaxation of a projection. Ten passes with it bring a sheet of 17 x 17 rows as far as thirteen without.
+#define RELAXATION 1.5f
+// Length of a substep, s, below which it is less, in proportion. Sheets and surface never quite agree, and would push each other with
+// a velocity that grows as substeps get shorter.
+#define LONG_SUBSTEP ( 1.0f / 120.0f )
+
 levels_columns levels_columns_of( wisp_frame* frame, wisp_entity entity )
 {
     return ( levels_columns ){
@@ -202,6 +208,7 @@ static levels_sheet sheet_of( wisp_frame* frame, const wisp_span* span, const le
 {
     const wisp_fabric_level* level = wisp_frame_fabric( frame, span->entity )->levels + number;
     const float* compliance = wisp_frame_column( frame, span->entity, WISP_LEVEL_COMPLIANCE, 0 );
+    const float dt = wisp_frame_dt( frame, span->entity );
     return ( levels_sheet ){
         .level = level,
         .parallel = wisp_frame_parallel( frame, span ),
@@ -215,6 +222,7 @@ static levels_sheet sheet_of( wisp_frame* frame, const wisp_span* span, const le
             .lower = m->lower + level->first_link,
             .lambda = m->lambda + level->first_link,
             .factor = m->factor + level->first_link,
+            .relaxation = dt < LONG_SUBSTEP ? RELAXATION * dt / LONG_SUBSTEP : RELAXATION,
             .particle = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
             .chain_begin = level->chain_begin,
             .chain_x4 = level->chain_x4,
