@@ -6,8 +6,6 @@
 // Quads of eight rows in a row.
 static const int32_t EIGHT_ROWS[8] = { 0, 4, 8, 12, 16, 20, 24, 28 };
 
-// Over-relaxation of a projection. Ten passes with it bring a sheet of 17 x 17 rows as far as thirteen without.
-#define RELAXATION 1.5f
 // Most of its rest length that a link makes up for in a substep by pushing. A collapsed sheet does not burst open.
 #define MAX_PUSHED 0.1f
 // Fraction of a push that is applied: links along a compressed line all push, so that whole pushes overshoot.
@@ -103,7 +101,7 @@ void KERNEL( level_prepare )( const wisp_level_link_args* args, int begin, int e
         const lane8 alpha = lane8_mul( lane8_loadu( mine.compliance + link ), inverse_dt2 );
         const lane8m moves = lane8_lt( zero, weight );
         const lane8 sum = lane8_select( moves, lane8_add( weight, alpha ), lane8_set1( 1.0f ) );
-        lane8_storeu( mine.factor + link, lane8_select( moves, lane8_div( lane8_set1( RELAXATION ), sum ), zero ) );
+        lane8_storeu( mine.factor + link, lane8_select( moves, lane8_div( lane8_set1( mine.relaxation ), sum ), zero ) );
         lane8_storeu( mine.lambda + link, zero );
     }
 }

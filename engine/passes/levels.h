@@ -14,6 +14,7 @@ enum
 typedef struct levels_columns
 {
     int32_t *substeps, *passes, *state, *pins;
+    float *forced, *drift;
 } levels_columns;
 
 /// Index of parent k of a row of the next finer sheet in the parents and weights of a level.
@@ -36,6 +37,9 @@ levels_columns levels_columns_of( wisp_frame* frame, wisp_entity entity );
 levels_surface levels_surface_of( wisp_frame* frame, wisp_entity entity );
 /// Copy what the vertices of a level have. @param from [slot][4] @param to [row][4]
 void levels_gather_rows( const wisp_fabric_level* level, const float* from, float* to );
+
+/// Find the mean over masses. @param inverse_mass 1/kg, one in `stride` @param value [count][4]
+void levels_find_mean( const float* inverse_mass, int stride, const float* value, int count, float mean[3] );
 
 static inline const wisp_fabric_level* levels_coarsest( const wisp_fabric* f )
 {

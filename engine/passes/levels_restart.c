@@ -85,6 +85,7 @@ void levels_restart( wisp_frame* frame, const wisp_span* span, void* user )
         levels_gather_rows( levels_coarsest( f ), velocity,
                             wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 4 ) );
         const levels_surface surface = levels_surface_of( frame, span->entity );
+        levels_find_mean( surface.position + 3, 4, velocity, f->slot_count, columns.drift );
         *columns.pins = count_pins( &surface );
         *columns.state = LEVELS_FIRST;
     }

@@ -152,7 +152,6 @@ static wisp_status declare( wisp_registry* r )
                                      .writes = { WISP_PARTICLE_VELOCITY },
                                      .run = cloth_damp,
                                      .detail = WISP_PASS_FINE,
-                                     .fabric = WISP_FABRIC_RINGS,
                                      .user = state,
                                  } );
 }

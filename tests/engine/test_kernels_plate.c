@@ -380,6 +380,7 @@ static wisp_level_link_args level_args( batch* s )
         .lambda = s->lambda,
         .factor = s->factor,
         .inverse_dt2 = 3600.0f,
+        .relaxation = 1.5f,
         .particle = s->particle[0],
         .chain_begin = s->chain_begin,
         .chain_x4 = (const int32_t( * )[8])s->chain_x4,
@@ -435,7 +436,8 @@ static void check_links( void* begun, void* end )
     int pushes = 0, pulls = 0;
     for ( int i = 0; i < LINKS; ++i )
     {
-        coarse_oracle_link link = { (double)s->rest[i], (double)s->lower[i], 3600.0 * (double)s->compliance[i], 0.0 };
+        coarse_oracle_link link = { (double)s->rest[i], (double)s->lower[i], 3600.0 * (double)s->compliance[i], 0.0,
+                                    1.5 };
         double3 a = at( start, 2 * i ), b = at( start, 2 * i + 1 );
         for ( int pass = 0; pass < 3; ++pass )
         {

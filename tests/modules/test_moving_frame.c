@@ -108,7 +108,7 @@ TEST( a_surface_that_feels_nothing_moves_as_in_a_still_frame )
         }
         assert_int_equal( count_passes_named( moved.world, "surface.levels_frame" ), coarse );
         // cloth that swings amplifies rounding, coarse sheets more so; pins go straight where the frame turns
-        assert_true( farthest_apart( &moved, &still, pose ) < ( coarse ? 2e-2 : 1e-3 ) );
+        assert_true( farthest_apart( &moved, &still, pose ) < ( coarse ? 3e-2 : 1e-3 ) );
         assert_true( farthest_apart( &felt, &still, pose ) > 0.5 );
         close_framed( &moved );
         close_framed( &still );

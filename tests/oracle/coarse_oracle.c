@@ -12,7 +12,7 @@ void coarse_oracle_project( coarse_oracle_link* link, double wa, double wb, doub
         return;
     }
     const double c = l > link->rest ? l - link->rest : l < link->lower ? l - link->lower : 0.0;
-    double next = link->lambda - 1.5 * ( c + link->alpha * link->lambda ) / ( wa + wb + link->alpha );
+    double next = link->lambda - link->relaxation * ( c + link->alpha * link->lambda ) / ( wa + wb + link->alpha );
     const double floor = fmax( link->lambda, 0.0 );
     if ( next > floor )
     {
@@ -201,8 +201,8 @@ static void project( const coarse_oracle* o, sheet* s, double* lower, double fra
             lower[i] = coarse_oracle_lower( double3_length( double3_sub( s->x[a], s->x[b] ) ), rest,
                                             chain_length( o, level, i ), (double)level->chain_rest[i] );
         }
-        links[i] =
-            ( coarse_oracle_link ){ rest, lower[i], o->compliance / (double)level->fraction[i] / ( h * h ), 0.0 };
+        const double alpha = o->compliance / (double)level->fraction[i] / ( h * h );
+        links[i] = ( coarse_oracle_link ){ rest, lower[i], alpha, 0.0, o->relaxation };
     }
     for ( int pass = 0; pass < passes; ++pass )
     {
@@ -392,6 +392,7 @@ static void project_surface( coarse_oracle* o, double h )
 
 void coarse_oracle_step( coarse_oracle* o, double h )
 {
+    o->relaxation = 1.5 * fmin( 1.0, 120.0 * h );
     const wisp_fabric* f = o->fabric;
     const int top = f->level_count - 1;
     sheet sheets[WISP_FABRIC_MAX_LEVELS];

@@ -11,9 +11,10 @@ typedef struct coarse_oracle_link
     double rest, lower; ///< m; between them the link is slack
     double alpha;       ///< compliance / dt^2, 1/kg
     double lambda;      ///< in and out
+    double relaxation;
 } coarse_oracle_link;
 
-/// Project once: C = l - rest above the rest length, l - lower below the lower one, else 0; Dlambda = -1.5 (C + alpha lambda) /
+/// Project once: C = l - rest above the rest length, l - lower below the lower one, else 0; Dlambda = -relaxation (C + alpha lambda) /
 /// (wa + wb + alpha), of which the part that raises lambda above 0 is halved; Dp = +-w Dlambda u. Without a direction, or with two
 /// pinned ends, nothing moves.
 void coarse_oracle_project( coarse_oracle_link* link, double wa, double wb, double3* a, double3* b );
@@ -31,6 +32,7 @@ typedef struct coarse_oracle
     double3 gravity; ///< m/s^2
     double compliance;
     int substeps, passes; ///< of the coarsest sheet
+    double relaxation;    ///< of this substep
     double3 *start, *change, *lag,
         *before; ///< [rows of the coarsest sheet] history; start: velocity at the substep's start
     bool has_history;

@@ -376,6 +376,12 @@ typedef void wisp_schedule_fn( const void* args, int begin, int end );
 /// Run a schedule: tile colours one after another, the tiles of a colour in parallel.
 WISP_API void wisp_run_schedule( const wisp_parallel* parallel, const wisp_schedule* schedule, wisp_schedule_fn* run,
                                  const void* args );
+/// Is a vertex of a triangle pinned? @param position [slot][4]
+WISP_API bool wisp_fabric_is_pinned( const wisp_fabric* fabric, const float* position );
+/// Bring velocities nearer to the rigid motion with their momentum and angular momentum, or to rest where a vertex is pinned.
+/// @param args position, velocity, and fraction or fractions
+WISP_API void wisp_approach_rigid_motion( const wisp_kernels* kernels, const wisp_parallel* parallel,
+                                          const wisp_fabric* fabric, const wisp_rigid_args* args );
 /// Report a failure from inside a pass; the step returns one of them and finishes its other passes. Thread-safe.
 WISP_API void wisp_frame_fail( wisp_frame* frame, wisp_status status, const char* format, ... ) WISP_PRINTF( 3, 4 );
 /// Add to a counter of the world. Thread-safe; sums are order-free.

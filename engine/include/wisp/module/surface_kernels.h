@@ -303,6 +303,7 @@ typedef struct wisp_level_link_args
     float* lambda;              ///< [link] N s^2, in and out; level_prepare makes it 0
     float* factor;              ///< [link] kg, of level_prepare
     float inverse_dt2;          ///< 1/s^2
+    float relaxation;           ///< of a projection, below 2
 
     // of level_band, which finds `lower` from the chains of mesh edges along the links
     const float* particle;          ///< [slot][4] m

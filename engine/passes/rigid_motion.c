@@ -1,0 +1,149 @@
+// The rigid motion of a surface: that with its momentum and its angular momentum.
+#include "passes_common.h"
+
+#include "wisp/module/inertia.h"
+
+enum
+{
+    MAX_BLOCKS = 64,
+    MIN_BLOCK = 1024, // slots
+};
+
+typedef struct rigid_loop
+{
+    const wisp_kernels* kernels;
+    wisp_rigid_args args;
+    int slot_count, block; // slots of a block
+    wisp_rigid_sums* sums; // [block]
+} rigid_loop;
+
+static int end_of( const rigid_loop* loop, int block )
+{
+    const int end = ( block + 1 ) * loop->block;
+    return end < loop->slot_count ? end : loop->slot_count;
+}
+
+static void sum_blocks( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    rigid_loop* loop = context;
+    for ( int b = begin; b < end; ++b )
+    {
+        loop->kernels->rigid_sums( &loop->args, b * loop->block, end_of( loop, b ), loop->sums + b );
+    }
+}
+
+// Sum the blocks in their order.
+static wisp_rigid_sums add_up( const rigid_loop* loop, int blocks )
+{
+    wisp_rigid_sums all = { 0 };
+    for ( int b = 0; b < blocks; ++b )
+    {
+        const wisp_rigid_sums* s = loop->sums + b;
+        all.mass += s->mass;
+        for ( int k = 0; k < 3; ++k )
+        {
+            all.moment[k] += s->moment[k];
+            all.momentum[k] += s->momentum[k];
+            all.angular_momentum[k] += s->angular_momentum[k];
+        }
+        all.xx += s->xx;
+        all.yy += s->yy;
+        all.zz += s->zz;
+        all.xy += s->xy;
+        all.xz += s->xz;
+        all.yz += s->yz;
+    }
+    return all;
+}
+
+// From sums about the origin to sums about the centre of mass, and to the rigid motion with the same momenta.
+static void find_motion( const wisp_rigid_sums* s, wisp_rigid_args* args )
+{
+    double centre[3], velocity[3], angular[3], turning[3], back[3];
+    for ( int k = 0; k < 3; ++k )
+    {
+        centre[k] = s->moment[k] / s->mass;
+        velocity[k] = s->momentum[k] / s->mass;
+    }
+    wisp_cross_product( s->moment, velocity, angular );
+    for ( int k = 0; k < 3; ++k )
+    {
+        angular[k] = s->angular_momentum[k] - angular[k];
+    }
+    const double xx = s->xx - s->moment[0] * centre[0], yy = s->yy - s->moment[1] * centre[1],
+                 zz = s->zz - s->moment[2] * centre[2], xy = s->xy - s->moment[0] * centre[1],
+                 xz = s->xz - s->moment[0] * centre[2], yz = s->yz - s->moment[1] * centre[2];
+    const double inertia[6] = { yy + zz, xx + zz, xx + yy, -xy, -xz, -yz };
+    wisp_solve_inertia( inertia, angular, turning );
+    wisp_cross_product( turning, centre, back );
+    args->linear_velocity.x += (float)( velocity[0] - back[0] );
+    args->linear_velocity.y += (float)( velocity[1] - back[1] );
+    args->linear_velocity.z += (float)( velocity[2] - back[2] );
+    args->angular_velocity = ( wisp_vec3 ){ (float)turning[0], (float)turning[1], (float)turning[2] };
+}
+
+static wisp_vec3 vector_at( const float* xyzw, int slot )
+{
+    const float* q = xyzw + (size_t)slot * 4;
+    return ( wisp_vec3 ){ q[0], q[1], q[2] };
+}
+
+// Measures relative to a free vertex and its mass, so that floats keep their digits far from the origin.
+static void measure( rigid_loop* loop, const wisp_parallel* parallel )
+{
+    const float* position = loop->args.position;
+    int first = 0;
+    while ( first < loop->slot_count && !( position[(size_t)first * 4 + 3] > 0.0f ) )
+    {
+        first += 1;
+    }
+    if ( first == loop->slot_count )
+    {
+        return; // nothing moves
+    }
+    wisp_rigid_sums sums[MAX_BLOCKS];
+    const int blocks = ( loop->slot_count + loop->block - 1 ) / loop->block;
+    loop->args.origin = vector_at( position, first );
+    loop->args.linear_velocity = vector_at( loop->args.velocity, first );
+    loop->args.inverse_mass = position[(size_t)first * 4 + 3];
+    loop->sums = sums;
+    wisp_parallel_for( parallel, blocks, 1, sum_blocks, loop );
+    const wisp_rigid_sums all = add_up( loop, blocks );
+    if ( all.mass > 0.0 ) // a map may leave none
+    {
+        find_motion( &all, &loop->args );
+    }
+}
+
+// An unreferenced vertex has no mass and counts as pinned, but holds nothing.
+bool wisp_fabric_is_pinned( const wisp_fabric* fabric, const float* position )
+{
+    for ( int slot = 0; slot < fabric->vertex_count; ++slot )
+    {
+        if ( position[(size_t)slot * 4 + 3] == 0.0f && fabric->area[slot] > 0.0f )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void approach_rigid( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const rigid_loop* loop = context;
+    loop->kernels->rigid_approach( &loop->args, begin, end );
+}
+
+void wisp_approach_rigid_motion( const wisp_kernels* kernels, const wisp_parallel* parallel,
+                                 const wisp_fabric* fabric, const wisp_rigid_args* args )
+{
+    const int most = ( fabric->slot_count / MAX_BLOCKS + 8 ) / 8 * 8; // whole lanes
+    rigid_loop loop = { kernels, *args, fabric->slot_count, most > MIN_BLOCK ? most : MIN_BLOCK, NULL };
+    if ( wisp_fabric_is_pinned( fabric, args->position ) == false )
+    {
+        measure( &loop, parallel );
+    }
+    wisp_parallel_for( parallel, fabric->slot_count, MIN_BLOCK, approach_rigid, &loop );
+}
