@@ -19,6 +19,11 @@
 
 #include <string.h>
 
+enum
+{
+    LENGTH_TURNS = 12, // of pushes and lengths of strands in a substep; two or three are usual
+};
+
 static contact_work begin_work( wisp_frame* frame, const wisp_span* span, contact_state* state )
 {
     return ( contact_work ){
@@ -209,7 +214,7 @@ static void end_substep( const contact_work* work, bool sums_impulses )
 }
 
 // Limit what points do in a substep, if they are limited.
-static void end_ways( const contact_work* work )
+static void end_ways( const contact_work* work, bool is_final )
 {
     if ( work->settings->displacement_limit && contact_has_samples( work ) == false )
     {
@@ -219,7 +224,10 @@ static void end_ways( const contact_work* work )
     {
         contact_measure_ways( work );
     }
-    contact_add_deviation( work );
+    if ( is_final )
+    {
+        contact_add_deviation( work );
+    }
 }
 
 void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
@@ -238,15 +246,16 @@ void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
         contact_begin_loads( &work );
     }
     contact_project_rows( &work );
-    // where strands meet strands, what they do is limited once their lengths are restored
-    const bool is_final = is_end && wisp_frame_has( frame, span->entity, state->meets ) == false;
+    // what strands do is limited once more when their lengths are restored
+    const bool is_final = is_end && wisp_frame_has( frame, span->entity, state->touches ) == false;
+    for ( int turn = 1; turn < LENGTH_TURNS && contact_restore_lengths( &work, span ); ++turn )
+    {
+        contact_project_rows( &work );
+    }
     if ( is_end )
     {
         end_substep( &work, state->requests_stats );
-    }
-    if ( is_final )
-    {
-        end_ways( &work );
+        end_ways( &work, is_final );
     }
     contact_scatter( &work, is_end, is_final );
 }
@@ -277,7 +286,7 @@ void contact_limit_strands( wisp_frame* frame, const wisp_span* span, void* user
     contact_gather( &work, false );
     memset( work.contact_mesh->shift, 0, (size_t)work.contact_mesh->point_count * 4 * sizeof( float ) );
     hold_surfaces( &work );
-    end_ways( &work );
+    end_ways( &work, true );
     contact_scatter( &work, true, true );
 }
 
