@@ -179,7 +179,7 @@ static wisp_status declare_limit( wisp_registry* r, contact_state* s )
         .required = { s->active, s->touches },
         .reads = { s->active },
         .writes = { s->result },
-        .foreign = { WISP_STRAND_POSITION, WISP_STRAND_PREVIOUS },
+        .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_STRAND_POSITION, WISP_STRAND_PREVIOUS },
         .among = s->components.settings,
         .run = contact_limit_strands,
         .user = s,

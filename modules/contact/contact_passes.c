@@ -2,8 +2,8 @@
 //
 //   contact.find     gather; predict displacements; mark intersections after a reset; broad phase when the lists do
 //                    not hold; narrow phase; constraints; colouring
-//   contact.push     gather; project; in the last iteration recover, untangle, limit displacements; scatter
-//   contact.limit_strands  where strands meet strands: limit displacements after lengths are restored, not before
+//   contact.push     gather; project, in turns with lengths of strands; in the last iteration recover, untangle, limit displacements; scatter
+//   contact.limit_strands  where strands take part: limit displacements once more, after lengths are restored
 //   contact.keep     store the intersection-free positions of a participant
 //   contact.stats  statistics, on request
 #include "contact_state.h"
