@@ -197,6 +197,27 @@ void execute_item( wisp_frame* frame, const plan_node* node, unsigned due, pass_
     }
 }
 
+void wisp_frame_project_again( wisp_frame* frame, const wisp_span* groups )
+{
+    const plan* p = frame->plan;
+    for ( int n = 0; n < p->node_count; ++n )
+    {
+        const plan_node* node = p->nodes + n;
+        const plan_target* target = p->targets + node->first_target;
+        for ( int t = 0; t < node->target_count && node->domain == WISP_DOMAIN_STRAND_GROUP && node->repeats == false;
+              ++t )
+        {
+            unsigned due = target[t].slot == (int)groups->entity.index - 1 ? target[t].passes : 0;
+            for ( int i = 0; i < node->pass_count; ++i )
+            {
+                const bool projects = frame->registry->passes[node->passes[i]].stage == WISP_STAGE_PROJECT;
+                due &= projects ? ~0u : ~( 1u << i );
+            }
+            run_passes( frame, node, due, ( pass_range ){ 0, node->pass_count }, groups );
+        }
+    }
+}
+
 // First pass at or after `from` that belongs to a later section.
 static int end_of_section( const wisp_frame* frame, const plan_node* node, int from, plan_section section )
 {

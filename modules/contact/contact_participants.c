@@ -58,7 +58,6 @@ void contact_forget_participant( wisp_world* world, contact_state* state, int nu
     if ( has_strands( state ) == false )
     {
         wisp_world_detach( world, state->mesh_entity, state->touches );
-        wisp_world_detach( world, state->mesh_entity, state->meets );
     }
     if ( state->participant_count == 0 )
     {
@@ -130,28 +129,6 @@ static wisp_status check_participant( wisp_world* world, wisp_entity participant
                : wisp_world_fail( world, WISP_CONFLICT,
                                   "contact: the strands of entity %u do not move: give them dynamics first",
                                   participant.index );
-}
-
-// Return whether strands of a participant other than this one meet strands.
-static bool others_meet( wisp_world* world, const contact_state* state, wisp_entity but )
-{
-    bool meet = false;
-    for ( int i = 0; i < state->participant_count; ++i )
-    {
-        const wisp_entity e = state->participants[i].entity;
-        const contact_settings* settings = wisp_world_column( world, e, state->components.settings, 0 );
-        meet = meet || ( wisp_entity_equal( e, but ) == false && settings != NULL && ( settings->self & 2 ) != 0 );
-    }
-    return meet;
-}
-
-// Have displacements limited after lengths while strands meet strands. Only attaching can fail.
-static wisp_status mark_meeting( wisp_world* world, const contact_state* state, wisp_entity participant, bool meets )
-{
-    const bool is_strands = wisp_world_strands( world, participant ) != NULL;
-    return ( is_strands && meets ) || others_meet( world, state, participant )
-               ? wisp_world_attach( world, state->mesh_entity, state->meets )
-               : wisp_world_detach( world, state->mesh_entity, state->meets );
 }
 
 // ---- adding and removing ----
@@ -288,7 +265,6 @@ wisp_status wisp_set_contact( wisp_world* world, wisp_entity participant, const 
         return WISP_OK;
     }
     status = status == WISP_OK && number < 0 ? add_participant( world, state, participant ) : status;
-    status = status == WISP_OK ? mark_meeting( world, state, participant, def->between_strands ) : status;
     if ( status == WISP_OK )
     {
         contact_settings* settings = wisp_world_column( world, participant, state->components.settings, 0 );

@@ -3,8 +3,8 @@
 //   contact.reach    mark who has nothing within reach
 //   contact.find     gather; predict displacements; mark intersections after a reset; broad phase when the lists do
 //                    not hold; narrow phase; constraints; colouring
-//   contact.push     gather; project; in the last iteration recover, untangle, limit displacements; scatter
-//   contact.limit_strands  where strands meet strands: limit displacements after lengths are restored, not before
+//   contact.push     gather; project, in turns with lengths of strands; in the last iteration recover, untangle, limit displacements; scatter
+//   contact.limit_strands  where strands take part: limit displacements once more, after lengths are restored
 //   contact.keep     store the intersection-free positions of a participant
 //   contact.stats  statistics, on request
 #include "contact_state.h"
@@ -19,6 +19,11 @@
 #include "wisp/module/sleep.h"
 
 #include <string.h>
+
+enum
+{
+    LENGTH_TURNS = 12, // of pushes and lengths of strands in a substep; two or three are usual
+};
 
 static contact_work begin_work( wisp_frame* frame, const wisp_span* span, contact_state* state )
 {
@@ -233,7 +238,7 @@ static void end_substep( const contact_work* work, bool sums_impulses )
 }
 
 // Limit what points do in a substep, if they are limited.
-static void end_ways( const contact_work* work )
+static void end_ways( const contact_work* work, bool is_final )
 {
     if ( work->settings->displacement_limit && contact_has_samples( work ) == false )
     {
@@ -243,7 +248,10 @@ static void end_ways( const contact_work* work )
     {
         contact_measure_ways( work );
     }
-    contact_add_deviation( work );
+    if ( is_final )
+    {
+        contact_add_deviation( work );
+    }
 }
 
 void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
@@ -262,15 +270,16 @@ void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
         contact_begin_loads( &work );
     }
     contact_project_rows( &work );
-    // where strands meet strands, what they do is limited once their lengths are restored
-    const bool is_final = is_end && wisp_frame_has( frame, span->entity, state->meets ) == false;
+    // what strands do is limited once more when their lengths are restored
+    const bool is_final = is_end && wisp_frame_has( frame, span->entity, state->touches ) == false;
+    for ( int turn = 1; turn < LENGTH_TURNS && contact_restore_lengths( &work, span ); ++turn )
+    {
+        contact_project_rows( &work );
+    }
     if ( is_end )
     {
         end_substep( &work, state->requests_stats );
-    }
-    if ( is_final )
-    {
-        end_ways( &work );
+        end_ways( &work, is_final );
     }
     contact_scatter( &work, is_end, is_final );
 }
@@ -301,7 +310,7 @@ void contact_limit_strands( wisp_frame* frame, const wisp_span* span, void* user
     contact_gather( &work, false );
     memset( work.contact_mesh->shift, 0, (size_t)work.contact_mesh->point_count * 4 * sizeof( float ) );
     hold_surfaces( &work );
-    end_ways( &work );
+    end_ways( &work, true );
     contact_scatter( &work, true, true );
 }
 

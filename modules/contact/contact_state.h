@@ -20,7 +20,6 @@ typedef struct contact_state
     contact_components components;
     wisp_component active;   // contact_memory, of the entity `mesh_entity`, while there are participants
     wisp_component touches;  // of `mesh_entity`: strands take part
-    wisp_component meets;    // of `mesh_entity`: strands meet strands
     wisp_component reached;  // written by contact.reach, read by contact.find
     wisp_component pairs;    // written by contact.find, read by contact.push
     wisp_component result;   // requested of `mesh_entity`

@@ -20,14 +20,16 @@ typedef struct strand_way
     float* column; // rows of lanes
     float* xyzw;   // [point][4]
     bool is_out;   // from the quads to the column
+    float small;   // m, what changes by no more does not count
 } strand_way;
 
-// Copy positions of strands, vertex by vertex.
-// @return whether anything changed
-static bool move_strands( const wisp_strand_topology* t, const contact_participant* participant, strand_way way )
+// Copy positions of groups of strands, vertex by vertex.
+// @return whether anything changed by more than is small
+static bool move_groups( const wisp_strand_topology* t, const contact_participant* participant, strand_way way,
+                         int begin, int end )
 {
     bool changed = false;
-    for ( int lane = 0; lane < t->group_count * WISP_LANES; ++lane )
+    for ( int lane = begin * WISP_LANES; lane < end * WISP_LANES; ++lane )
     {
         for ( int i = 0; i < t->lane_count[lane]; ++i )
         {
@@ -36,12 +38,17 @@ static bool move_strands( const wisp_strand_topology* t, const contact_participa
             for ( int k = 0; k < 3; ++k )
             {
                 float *from = way.is_out ? q + k : x + k * WISP_LANES, *to = way.is_out ? x + k * WISP_LANES : q + k;
-                changed = changed || *to != *from;
+                changed = changed || !( fabsf( *to - *from ) <= way.small );
                 *to = *from;
             }
         }
     }
     return changed;
+}
+
+static bool move_strands( const wisp_strand_topology* t, const contact_participant* participant, strand_way way )
+{
+    return move_groups( t, participant, way, 0, t->group_count );
 }
 
 static void gather_strand_weights( const wisp_strand_topology* t, const contact_participant* participant,
@@ -55,6 +62,61 @@ static void gather_strand_weights( const wisp_strand_topology* t, const contact_
                 weight[lane_of( t, lane, i, 1 )];
         }
     }
+}
+
+// Push that needs no further turn of lengths, in thicknesses.
+static const float SMALL_PUSH = 0.02f;
+
+typedef struct lengths_loop
+{
+    const contact_work* work;
+    const contact_participant* participant;
+    wisp_span span;
+    _Atomic bool has_changed;
+} lengths_loop;
+
+static void restore_groups( void* context, int begin, int end, int worker )
+{
+    lengths_loop* loop = context;
+    wisp_frame* frame = loop->work->frame;
+    const wisp_strand_topology* t = wisp_frame_strands( frame, loop->participant->entity );
+    const strand_way out = { wisp_frame_column( frame, loop->participant->entity, WISP_STRAND_POSITION, 0 ),
+                             loop->work->contact_mesh->now, true,
+                             SMALL_PUSH * loop->work->contact_mesh->min_thickness };
+    const strand_way in = { out.column, out.xyzw, false, 0.0f };
+    wisp_span span = loop->span;
+    span.worker = worker;
+    for ( int group = begin; group < end; ++group )
+    {
+        span.begin = group;
+        span.end = group + 1;
+        if ( move_groups( t, loop->participant, out, group, group + 1 ) )
+        {
+            wisp_frame_project_again( frame, &span );
+            (void)move_groups( t, loop->participant, in, group, group + 1 );
+            atomic_store( &loop->has_changed, true );
+        }
+    }
+}
+
+bool contact_restore_lengths( const contact_work* work, const wisp_span* span )
+{
+    bool changed = false;
+    for ( int g = 0; g < work->participant_count; ++g )
+    {
+        const contact_participant* participant = work->participants + g;
+        if ( participant->is_strands && participant->is_left_out == false && participant->halted == false )
+        {
+            lengths_loop loop = { .work = work, .participant = participant, .span = *span };
+            loop.span.entity = participant->entity;
+            loop.span.iteration += 1; // tensions add up
+            atomic_init( &loop.has_changed, false );
+            wisp_parallel_for( work->parallel, wisp_frame_strands( work->frame, participant->entity )->group_count, 1,
+                               restore_groups, &loop );
+            changed = changed || atomic_load( &loop.has_changed );
+        }
+    }
+    return changed;
 }
 
 // Add the shift of each vertex to its previous position, so that it gives no velocity.
@@ -188,7 +250,7 @@ static const float* find_start( const contact_work* work, const contact_particip
     {
         float* xyzw = work->contact_mesh->shift; // unused until the end of the substep
         move_strands( wisp_frame_strands( work->frame, participant->entity ), participant,
-                      ( strand_way ){ start, xyzw, false } );
+                      ( strand_way ){ start, xyzw, false, 0.0f } );
         return xyzw + (size_t)participant->first_point * 4;
     }
     return start;
@@ -200,7 +262,7 @@ static void gather_strands( gather_loop* loop, bool is_start )
     const contact_participant* participant = loop->participant;
     const wisp_strand_topology* t = wisp_frame_strands( work->frame, participant->entity );
     float* rows = wisp_frame_column( work->frame, participant->entity, WISP_STRAND_POSITION, 0 );
-    move_strands( t, participant, ( strand_way ){ rows, work->contact_mesh->now, false } );
+    move_strands( t, participant, ( strand_way ){ rows, work->contact_mesh->now, false, 0.0f } );
     gather_strand_weights( t, participant,
                            wisp_frame_column( work->frame, participant->entity, WISP_STRAND_INVERSE_MASS, 0 ),
                            work->contact_mesh->now );
@@ -211,7 +273,7 @@ static void gather_strands( gather_loop* loop, bool is_start )
         atomic_store(
             &loop->is_restored,
             move_strands( t, participant,
-                          ( strand_way ){ intersection_free, work->contact_mesh->intersection_free, false } ) );
+                          ( strand_way ){ intersection_free, work->contact_mesh->intersection_free, false, 0.0f } ) );
     }
 }
 
@@ -317,7 +379,7 @@ static void scatter_strands( const contact_work* work, const contact_participant
     {
         float* rows = wisp_frame_column( work->frame, participant->entity, WISP_STRAND_POSITION, 0 );
         move_strands( wisp_frame_strands( work->frame, participant->entity ), participant,
-                      ( strand_way ){ rows, work->contact_mesh->now, true } );
+                      ( strand_way ){ rows, work->contact_mesh->now, true, 0.0f } );
     }
     if ( is_end )
     {
@@ -365,7 +427,7 @@ void contact_keep_participant( const contact_work* work, const contact_participa
     {
         float* rows = wisp_frame_column( work->frame, participant->entity, work->components->strand_free, 0 );
         move_strands( wisp_frame_strands( work->frame, participant->entity ), participant,
-                      ( strand_way ){ rows, work->contact_mesh->intersection_free, true } );
+                      ( strand_way ){ rows, work->contact_mesh->intersection_free, true, 0.0f } );
         return;
     }
     memcpy( wisp_frame_column( work->frame, participant->entity, work->components->particle_free, 0 ),

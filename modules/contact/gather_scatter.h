@@ -13,3 +13,7 @@ void contact_scatter( const contact_work* work, bool is_end, bool is_final );
 
 /// Store the intersection-free positions of a participant in its column.
 void contact_keep_participant( const contact_work* work, const contact_participant* participant );
+
+/// Restore the lengths of strands in groups that were pushed since they were gathered, and gather them again.
+/// @return whether there are any
+bool contact_restore_lengths( const contact_work* work, const wisp_span* span );

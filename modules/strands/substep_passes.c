@@ -276,9 +276,30 @@ void strands_extrapolate( wisp_frame* frame, const wisp_span* span, void* user )
     wisp_frame_kernels( frame )->strand_extrapolate( &args, span->begin, span->end );
 }
 
+// Whether other passes move the strands, and may have their lengths solved in turns.
+static bool takes_turns( wisp_frame* frame, const wisp_span* span )
+{
+    return column_of( frame, span, WISP_STRAND_PREVIOUS, 0 ) != NULL;
+}
+
+// Clear tensions that the turns of the last substep sum. Those of rods begin by themselves.
+static void begin_tension( wisp_frame* frame, const wisp_span* span, const strands_state* state )
+{
+    const strands_direct* direct = wisp_frame_column( frame, span->entity, state->direct, 0 );
+    if ( direct != NULL && direct->has_rod == 0 && takes_turns( frame, span ) &&
+         span->substep + 1 == wisp_frame_substeps( frame, span->entity ) )
+    {
+        const int32_t* group_row = rows_of_group( frame, span );
+        const size_t begin = strands_scalar( group_row[span->begin], 0 );
+        memset( column_of( frame, span, state->tension, 0 ) + begin, 0,
+                ( strands_scalar( group_row[span->end], 0 ) - begin ) * sizeof( float ) );
+    }
+}
+
 void strands_predict( wisp_frame* frame, const wisp_span* span, void* user )
 {
     wisp_strand_motion_args args;
+    begin_tension( frame, span, user );
     if ( motion_args_between( frame, span, user, true, &args ) )
     {
         wisp_frame_kernels( frame )->strand_predict( &args, span->begin, span->end );
@@ -508,7 +529,7 @@ wisp_strand_stretch_args strands_stretch_args( wisp_frame* frame, const wisp_spa
         .inverse_mass = column_of( frame, span, WISP_STRAND_INVERSE_MASS, 0 ),
         .length = column_of( frame, span, WISP_STRAND_LENGTH, 0 ),
         .tension = tension_column( frame, span, state, direct->has_rod != 0 ),
-        .accumulates_tension = direct->has_rod != 0 || span->iteration > 0,
+        .accumulates_tension = direct->has_rod != 0 || takes_turns( frame, span ) || span->iteration > 0,
         .iterations = direct->passes,
         .tolerance = direct->tolerance,
         .dt = wisp_frame_dt( frame, span->entity ),

@@ -167,7 +167,7 @@
     X( int32_t, substeps, 1 ) /* of the coarsest sheet in a substep of the surface */                                \
     X( int32_t, passes, 1 )   /* over its links in each of them */                                                   \
     X( int32_t, state, 1 )    /* 0: masses have to be found; 1: no history, the next substep is Euler's; 2: BDF2 */  \
-    X( int32_t, pins, 1 )     /* most pins between the rows of a level; found with the masses */                   \
+    X( int32_t, pins, 1 )     /* most pins between the rows of a level; found with the masses */                     \
     X( float, forced, 3 )     /* m/s^2, within a substep: mean acceleration by the forces */                         \
     X( float, drift, 3 )      /* m/s, mean velocity when a substep ends, of a surface that nothing pins */
 #define WISP_LEVEL_MASS_COLUMNS( X ) X( float, inverse_mass, 1 )     /* 1/kg; 0: pinned */

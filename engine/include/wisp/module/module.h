@@ -361,6 +361,8 @@ WISP_API bool wisp_frame_is_apart( const wisp_frame* frame, wisp_entity entity )
 WISP_API void wisp_frame_join( wisp_frame* frame, wisp_entity entity );
 /// Iterations of a substep.
 WISP_API int wisp_frame_iterations( const wisp_frame* frame );
+/// Run the projections of a range of groups of strands once more, lengths last. Thread-safe for groups apart.
+WISP_API void wisp_frame_project_again( wisp_frame* frame, const wisp_span* groups );
 /// Is the entity left out of passes?
 WISP_API bool wisp_frame_is_halted( wisp_frame* frame, wisp_entity entity );
 /// Leave the entity out of every pass from the next step on; the world counts it and logs the message. Thread-safe.
