@@ -44,6 +44,8 @@ wisp_status gate_base_parse( const char* text, size_t size, const char* path, ga
 
 /// Replace the file as a whole, or leave it as it was.
 wisp_status gate_base_write( const gate_base* base, const char* path, wisp_error* error );
+/// Write a unified diff from the base file to a base, which `git apply` takes in the folder that the path is relative to.
+wisp_status gate_write_patch( const gate_base* base, const char* path, const char* patch, wisp_error* error );
 void gate_base_release( gate_base* base );
 
 /// Compiler and flags of this program, as a base has them.
