@@ -380,7 +380,7 @@ static void add_files( results* out, int table, const wisp_scene* scene, const r
     }
     if ( def->record )
     {
-        add_head_line( out, table, "recorded", "%s: %d frames", def->record, counts.written );
+        add_head_line( out, table, "recorded", "%s: %d frames", counts.files, counts.written );
     }
     if ( def->track_count > 0 )
     {
