@@ -5,6 +5,8 @@
  */
 import { BufferAttribute, BufferGeometry, Color, DoubleSide, GLSL3, Mesh, ShaderMaterial, Vector2 } from "three";
 import { COLOUR_MAP, LIGHT, OUTPUT, PLACES, VALUES } from "./glsl.mjs";
+import { HAIR } from "./body_colours.mjs";
+import { spreadOrder } from "./pixel_ratio.mjs";
 import { numbersTexture, triplesTexture } from "./point_textures.mjs";
 
 const VERTEX = /* glsl */ `
@@ -84,7 +86,7 @@ function ribbonsOf(offsets, vertexCount) {
     const strands = offsets.length - 1;
     const indices = new Uint32Array(6 * Math.max(0, vertexCount - strands));
     let at = 0;
-    for (let s = 0; s < strands; ++s) {
+    for (const s of spreadOrder(strands)) {
         const begin = offsets[s], end = offsets[s + 1];
         // A fixed hash of its number gives a strand its random number.
         const random = (Math.imul(s + 1, 2654435761) >>> 24) & 255;
@@ -115,7 +117,7 @@ export class StrandDrawing {
             // A model has a hundredth of the hairs of a head: the fewer there are, the more each stands for.
             width: { value: 4e-4 * Math.min(3, Math.max(1, Math.sqrt(10000 / body.strandCount))) },
             minPixels: { value: 0.9 },
-            hairColour: { value: new Color(0.20, 0.088, 0.038) }, // palette_hair()
+            hairColour: { value: new Color(...HAIR) },
         };
         this.uniforms = uniforms;
         const { attributes, indices } = ribbonsOf(body.offsets, body.vertexCount);
@@ -151,6 +153,12 @@ export class StrandDrawing {
         this.#set("colours", this.colours);
         this.#set("hasWidth", this.widths !== null);
         this.#set("hasColour", this.colours !== null);
+    }
+
+    /** @param {number} part of the strands to draw, evenly spread */
+    showPart(part) {
+        const count = this.object.geometry.index.count;
+        this.object.geometry.setDrawRange(0, part < 1 ? 6 * Math.ceil(part * count / 6) : count);
     }
 
     #set(name, value) {
