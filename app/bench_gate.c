@@ -146,15 +146,83 @@ static char* default_base( const char* suite )
     return path;
 }
 
+// ---- whether rows fit the reference, known from their scenes before any of them runs ----
+
+static double step_of( const wisp_scene* scene )
+{
+    return wisp_scene_step_time( scene, scene->steps ) / scene->steps;
+}
+
+static const char* body_name( const wisp_scene* scene, int i )
+{
+    return i < scene->strands_count ? scene->strands[i].name : scene->surfaces[i - scene->strands_count].name;
+}
+
+static bool has_common_body( const wisp_scene* a, const wisp_scene* b )
+{
+    bool has = false;
+    for ( int i = 0; i < a->strands_count + a->surface_count; ++i )
+    {
+        for ( int k = 0; k < b->strands_count + b->surface_count; ++k )
+        {
+            has = has || strcmp( body_name( a, i ), body_name( b, k ) ) == 0;
+        }
+    }
+    return has;
+}
+
+static wisp_status check_fit( const char* label, const wisp_scene* scene, const wisp_scene* reference, double longest,
+                              wisp_error* error )
+{
+    const double ratio = longest / step_of( scene );
+    if ( fabs( ratio - round( ratio ) ) > 1e-3 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "%s: steps of %.6g s do not divide the longest of the suite, %.6g s, at whose ends motions "
+                          "are compared; a dt of %.6g s or %.6g s does",
+                          label, step_of( scene ), longest, longest / floor( ratio ), longest / ceil( ratio ) );
+    }
+    return has_common_body( scene, reference )
+               ? WISP_OK
+               : wisp_fail(
+                     error, WISP_BAD_INPUT,
+                     "%s: bodies are compared by their names, and none of the reference is called '%s'; name it "
+                     "'%s'",
+                     label, body_name( scene, 0 ), body_name( reference, 0 ) );
+}
+
+static wisp_status check_fits( const wisp_suite* suite, wisp_error* error )
+{
+    wisp_scene reference, scene;
+    double longest = 0.0;
+    wisp_status status = suite_scene( &suite->reference, &reference, error );
+    for ( int pass = 0; pass < 2; ++pass )
+    {
+        for ( int i = -1; i < suite->row_count && status == WISP_OK; ++i )
+        {
+            const suite_row* row = i < 0 ? &suite->reference : suite->rows + i;
+            char label[SUITE_MAX_LABEL];
+            suite_label( row, label );
+            status = suite_scene( row, &scene, error );
+            longest = status == WISP_OK ? fmax( longest, step_of( &scene ) ) : longest;
+            status = status == WISP_OK && pass > 0 ? check_fit( label, &scene, &reference, longest, error ) : status;
+            wisp_scene_release( &scene );
+        }
+    }
+    wisp_scene_release( &reference );
+    return status;
+}
+
 // @param done receives how many rows were measured, fewer after an interruption
 static wisp_status measure_all( const wisp_suite* suite, const gate_options* o, suite_measurement* out, int* done,
                                 wisp_error* error )
 {
     const suite_count_options counts = { .has_cycles = o->has_cycles };
-    suite_reference reference;
+    suite_reference reference = { 0 };
     progress bar = progress_begin();
     progress_show( &bar, 0.0, "the reference" );
-    wisp_status status = suite_reference_make( suite, &reference, error );
+    wisp_status status = suite->reference.text ? check_fits( suite, error ) : WISP_OK;
+    status = status == WISP_OK ? suite_reference_make( suite, &reference, error ) : status;
     *done = 0;
     for ( int i = 0; i < suite->row_count && status == WISP_OK; ++i )
     {

@@ -20,6 +20,11 @@ static const char suite[] =
     "    vary: { substeps: [4, 10], \"surfaces[*].cloth.bending\": [bend_links, none] }\n"
     "  - { file: cloth.yaml, name: short, steps: 5, set: { \"surfaces[cloth].damping\": 2 } }\n";
 
+typedef struct bad_suite
+{
+    const char *text, *named;
+} bad_suite;
+
 static int enter_folder( void** state )
 {
     static const text_file files[] = { { "cloth.yaml", CLOTH( "1", "9" ) }, { "suite.yaml", suite } };
@@ -163,6 +168,29 @@ TEST_WITH( errors_are_compared, fresh, NULL )
     unsetenv( "WISP_CACHE" );
 }
 
+// The rule and the way out, before anything runs.
+TEST_WITH( rows_that_do_not_fit_the_reference_are_refused_at_once, fresh, NULL )
+{
+    static const bad_suite all[] = {
+        { "along: { dt: [0.01, 0.02, 0.012] }", "a dt of 0.02 s or 0.01 s does" },
+        { "set: { dt: 0.02, \"surfaces[0].name\": sheet }", "none of the reference is called 'sheet'; name it 'cloth'" },
+    };
+    setenv( "WISP_CACHE", "unused", 1 );
+    for ( int i = 0; i < WISP_COUNT( all ); ++i )
+    {
+        char text[400];
+        snprintf(
+            text, sizeof text,
+            "wisp_suite: 1\nseconds: 0.1\nreference: { set: { substeps: 80, dt: 0.02 }, check: { substeps: 40 } "
+            "}\nscenes: [{ file: cloth.yaml, %s }]\n",
+            all[i].text );
+        write_text( "suite.yaml", text );
+        assert_refused( "gate record suite.yaml --no-instructions", all[i].named );
+    }
+    assert_int_equal( access( "unused", F_OK ), -1 );
+    unsetenv( "WISP_CACHE" );
+}
+
 // Where valgrind is installed: the same counts in every run, and one percent more is too much.
 TEST_WITH( instructions_repeat, fresh, NULL )
 {
@@ -233,11 +261,6 @@ TEST_WITH( iterations_of_linear_solves_are_compared, fresh, NULL )
     assert_int_equal( result.status, 1 );
     assert_contains( result.out, "solver_iterations is " );
 }
-
-typedef struct bad_suite
-{
-    const char *text, *named;
-} bad_suite;
 
 TEST_WITH( bad_suites_are_refused_in_a_sentence, fresh, NULL )
 {
