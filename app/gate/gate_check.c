@@ -3,6 +3,7 @@
 #include "io_file.h"
 #include "machine.h"
 #include "report.h"
+#include "report_text.h"
 #include "results_write.h"
 #include "text_tree.h"
 
@@ -196,13 +197,6 @@ wisp_status gate_base_read( const char* path, gate_base* out, wisp_error* error 
 
 // ---- writing ----
 
-static json_t* value_of( double value )
-{
-    return !isfinite( value )                                  ? json_null()
-           : value == floor( value ) && fabs( value ) < 0x1p53 ? json_integer( (json_int_t)value )
-                                                               : json_real( value );
-}
-
 static json_t* row_of( const gate_base_row* row )
 {
     json_t *out = json_object(), *values = json_object();
@@ -212,7 +206,7 @@ static json_t* row_of( const gate_base_row* row )
     json_object_set_new( out, "hash", results_json_hash( row->measured.hash ) );
     for ( int m = 0; m < SUITE_MEASURE_COUNT; ++m )
     {
-        json_object_set_new( values, suite_measures[m].name, value_of( row->measured.values[m] ) );
+        json_object_set_new( values, suite_measures[m].name, results_json_count( row->measured.values[m] ) );
     }
     json_object_set_new( out, "values", values );
     json_t* passes = json_object();
@@ -221,7 +215,7 @@ static json_t* row_of( const gate_base_row* row )
         if ( isfinite( row->measured.passes[i].instructions ) )
         {
             json_object_set_new( passes, row->measured.passes[i].name,
-                                 value_of( row->measured.passes[i].instructions ) );
+                                 results_json_count( row->measured.passes[i].instructions ) );
         }
     }
     json_object_set_new( out, "passes", passes );
@@ -340,7 +334,6 @@ wisp_status gate_write_patch( const gate_base* base, const char* path, const cha
 // ---- the comparison ----
 
 const char* const gate_state_names[GATE_STATE_COUNT] = { "same", "moved", "worse", "new" };
-const char* const gate_verdict_names[GATE_VERDICT_COUNT] = { "pass", "inconclusive", "regression" };
 
 bool gate_counts_are_comparable( const gate_base* base )
 {
@@ -500,19 +493,6 @@ static void format_accuracy( const gate_row_check* check, char* out, size_t size
     }
 }
 
-static gate_verdict verdict_of( const wisp_suite* suite, const gate_row_check* checks )
-{
-    gate_verdict verdict = GATE_PASS;
-    for ( int i = 0; i < suite->row_count; ++i )
-    {
-        const gate_verdict one = checks[i].state == GATE_WORSE ? GATE_REGRESSION
-                                 : checks[i].state == GATE_NEW ? GATE_INCONCLUSIVE
-                                                               : GATE_PASS;
-        verdict = one > verdict ? one : verdict;
-    }
-    return verdict;
-}
-
 // A row for machines: values, the base's with `base_` before their names, and whether one is worse.
 static void add_row( const suite_row* row, const gate_row_check* check, results* out )
 {
@@ -570,58 +550,36 @@ void gate_report( const wisp_suite* suite, const gate_row_check* checks, results
             results_add_note( out, "%s: %s", name, checks[i].message );
         }
     }
-    static const struct
-    {
-        gate_state state;
-        const char* what;
-    } told[] = { { GATE_SAME, "the same" }, { GATE_MOVED, "moved" }, { GATE_WORSE, "worse" }, { GATE_NEW, "new" } };
     char line[200];
     snprintf( line, sizeof line, "gate %.80s: %s: %d rows", suite->name,
-              gate_verdict_names[verdict_of( suite, checks )], suite->row_count );
-    for ( int i = 0; i < WISP_COUNT( told ); ++i )
+              counts[GATE_WORSE] > 0 ? "regression"
+              : counts[GATE_NEW] > 0 ? "inconclusive"
+                                     : "pass",
+              suite->row_count );
+    for ( int i = 0; i < GATE_STATE_COUNT; ++i )
     {
-        results_append_count( line, sizeof line, counts[told[i].state], told[i].what );
+        results_append_count( line, sizeof line, counts[i], i == GATE_SAME ? "the same" : gate_state_names[i] );
     }
     results_add_headline( out, "%s", line );
 }
 
 // ---- JUnit ----
 
-static void write_escaped( FILE* out, const char* text )
-{
-    for ( ; *text; ++text )
-    {
-        const char* entity = *text == '<'   ? "&lt;"
-                             : *text == '>' ? "&gt;"
-                             : *text == '&' ? "&amp;"
-                             : *text == '"' ? "&quot;"
-                                            : NULL;
-        if ( entity )
-        {
-            fputs( entity, out );
-        }
-        else
-        {
-            fputc( *text, out );
-        }
-    }
-}
-
 static void write_case( FILE* out, const wisp_suite* suite, int i, const gate_row_check* check )
 {
     char name[SUITE_MAX_LABEL];
     suite_label( suite->rows + i, name );
     fputs( "    <testcase classname=\"wisp.gate.", out );
-    write_escaped( out, suite->name );
+    report_put_text( suite->name, out );
     fputs( "\" name=\"", out );
-    write_escaped( out, name );
+    report_put_text( name, out );
     if ( check->state != GATE_WORSE && check->state != GATE_NEW )
     {
         fputs( "\"/>\n", out );
         return;
     }
     fputs( check->state == GATE_WORSE ? "\">\n      <failure message=\"" : "\">\n      <skipped message=\"", out );
-    write_escaped( out, check->message );
+    report_put_text( check->message, out );
     fputs( "\"/>\n    </testcase>\n", out );
 }
 
@@ -642,7 +600,7 @@ wisp_status gate_write_junit( const wisp_suite* suite, const gate_row_check* che
     }
     FILE* out = output.stream;
     fprintf( out, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n  <testsuite name=\"wisp gate " );
-    write_escaped( out, suite->name );
+    report_put_text( suite->name, out );
     fprintf( out, "\" tests=\"%d\" failures=\"%d\" errors=\"0\" skipped=\"%d\">\n", suite->row_count, worse,
              unknown );
     for ( int i = 0; i < suite->row_count; ++i )

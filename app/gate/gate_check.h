@@ -67,17 +67,6 @@ typedef enum gate_state
 
 extern const char* const gate_state_names[GATE_STATE_COUNT];
 
-/// What all rows say together.
-typedef enum gate_verdict
-{
-    GATE_PASS,
-    GATE_INCONCLUSIVE, ///< no row is worse, and the base does not have one
-    GATE_REGRESSION,   ///< a row is worse
-    GATE_VERDICT_COUNT,
-} gate_verdict;
-
-extern const char* const gate_verdict_names[GATE_VERDICT_COUNT];
-
 /// A row compared.
 typedef struct gate_row_check
 {
