@@ -3,6 +3,7 @@
 #include "interruption.h"
 #include "io_file.h"
 #include "picture_stage.h"
+#include "stats.h"
 
 #include <errno.h>
 #include <math.h>
@@ -147,6 +148,14 @@ static float clamp( float value, float lower, float upper )
     return fminf( fmaxf( value, lower ), upper );
 }
 
+// @param limit an empty one limits nothing
+static wisp_vec3 within( wisp_vec3 p, const render_bounds* limit )
+{
+    const wisp_vec3 a = limit->lower, b = limit->upper;
+    return limit->is_filled ? ( wisp_vec3 ){ clamp( p.x, a.x, b.x ), clamp( p.y, a.y, b.y ), clamp( p.z, a.z, b.z ) }
+                            : p;
+}
+
 // A point that is cut away counts as if it was on the cut.
 static wisp_vec3 before_cut( const picture_options* options, wisp_vec3 p )
 {
@@ -162,14 +171,7 @@ static void fit_body( const picture_survey* survey, const picture_body* body, co
 {
     for ( size_t k = 0; k < corner_count( body ); ++k )
     {
-        wisp_vec3 p = corner( body, k );
-        if ( limit->is_filled )
-        {
-            p.x = clamp( p.x, limit->lower.x, limit->upper.x );
-            p.y = clamp( p.y, limit->lower.y, limit->upper.y );
-            p.z = clamp( p.z, limit->lower.z, limit->upper.z );
-        }
-        fit_point( survey, before_cut( survey->options, p ), fit );
+        fit_point( survey, before_cut( survey->options, within( corner( body, k ), limit ) ), fit );
     }
 }
 
@@ -196,12 +198,6 @@ static bool is_moving( const picture_body* body )
     return body->kind != SCENE_BODY_COLLIDER && body->kind != SCENE_BODY_PLANE;
 }
 
-static int compare_floats( const void* a, const void* b )
-{
-    const float x = *(const float*)a, y = *(const float*)b;
-    return ( x > y ) - ( x < y );
-}
-
 static render_bounds grown( render_bounds b, float by )
 {
     b.lower = ( wisp_vec3 ){ b.lower.x - by, b.lower.y - by, b.lower.z - by };
@@ -213,7 +209,7 @@ static render_bounds grown( render_bounds b, float by )
 // a speck. Empty where all is within four times the rest.
 static render_bounds bounds_of_most( const picture_source* source, const render_bounds* all )
 {
-    float places[3][MOST_SAMPLES];
+    double places[3][MOST_SAMPLES];
     size_t corners = 0, at = 0;
     int count = 0;
     for ( int i = 0; i < source->body_count; ++i )
@@ -229,37 +225,22 @@ static render_bounds bounds_of_most( const picture_source* source, const render_
             if ( at++ % step == 0 )
             {
                 const wisp_vec3 p = corner( body, k );
-                places[0][count] = p.x;
-                places[1][count] = p.y;
-                places[2][count++] = p.z;
+                places[0][count] = (double)p.x;
+                places[1][count] = (double)p.y;
+                places[2][count++] = (double)p.z;
             }
         }
     }
-    for ( int axis = 0; axis < 3; ++axis )
-    {
-        qsort( places[axis], (size_t)count, sizeof( float ), compare_floats );
-    }
-    const int low = count / 10, high = count - 1 - low;
+    const stats_summary x = stats_summarise( places[0], count ), y = stats_summarise( places[1], count ),
+                        z = stats_summarise( places[2], count );
     const render_bounds most = {
-        { places[0][low], places[1][low], places[2][low] },
-        { places[0][high], places[1][high], places[2][high] },
+        { (float)x.p10, (float)y.p10, (float)z.p10 },
+        { (float)x.p90, (float)y.p90, (float)z.p90 },
         count > 0,
     };
     return size_of( &most ) > 0.0 && size_of( all ) > 4.0 * size_of( &most )
                ? grown( most, (float)( 0.5 * size_of( &most ) ) )
                : ( render_bounds ){ .is_filled = false };
-}
-
-static render_bounds limited( render_bounds b, const render_bounds* to )
-{
-    return !to->is_filled ? b
-                          : ( render_bounds ){
-                                { fmaxf( b.lower.x, to->lower.x ), fmaxf( b.lower.y, to->lower.y ),
-                                  fmaxf( b.lower.z, to->lower.z ) },
-                                { fminf( b.upper.x, to->upper.x ), fminf( b.upper.y, to->upper.y ),
-                                  fminf( b.upper.z, to->upper.z ) },
-                                true,
-                            };
 }
 
 // What moves in the loaded frame, and the floor: a level plane that most of it is above.
@@ -272,7 +253,8 @@ static render_bounds add_moving( const picture_source* source, picture_survey* s
         moving = is_moving( body ) ? render_bounds_union( moving, bounds_of( body ) ) : moving;
     }
     const render_bounds most = bounds_of_most( source, &moving );
-    moving = limited( moving, &most );
+    moving.lower = within( moving.lower, &most );
+    moving.upper = within( moving.upper, &most );
     for ( int i = 0; i < source->body_count; ++i )
     {
         const picture_body* body = &source->bodies[i];
