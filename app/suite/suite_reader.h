@@ -16,12 +16,12 @@ typedef struct suite_reader
     scene_source source;
     scene_tree tree;
     wisp_suite* out;
-    int capacity;                              ///< rows
+    int capacity;                             ///< rows
     suite_budget budgets[SUITE_BUDGET_COUNT]; ///< of all entries
-    const scene_node* seconds;                 ///< of all entries; null: none
-    const scene_node* axes;                    ///< maps of bundles by name, for `sweep`; null: none
-    unsigned checks;                           ///< of all entries
-    stability_limits limits;                   ///< of their checks
+    const scene_node* seconds;                ///< of all entries; null: none
+    const scene_node* axes;                   ///< maps of bundles by name, for `sweep`; null: none
+    unsigned checks;                          ///< of all entries
+    stability_limits limits;                  ///< of their checks
 } suite_reader;
 
 /// Fail with the place of a node. @return WISP_BAD_INPUT
