@@ -10,6 +10,7 @@
 #include "suite_measure.h"
 #include "suite_motion.h"
 
+#include <errno.h>
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
@@ -28,8 +29,8 @@ typedef struct gate_options
 {
     bool has_action;
     gate_action action;
-    const char *suite, *base, *isa, *reason, *junit, *html, *paired;
-    bool no_instructions, has_cycles, is_strict, prints_annotations, takes_turns;
+    const char *suite, *base, *isa, *reason, *junit, *html, *patch, *paired;
+    bool no_instructions, has_cycles, is_strict, tells_github, takes_turns;
     int row, trials;
     gate_slow slow; // step: by how much it is slowed down
     double patience;
@@ -89,8 +90,11 @@ static bool take_gate_option( options_state* p, int key, const char* argument )
         case GATE_KEY_HTML:
             o->html = option_file( p, argument );
             return true;
+        case GATE_KEY_PATCH:
+            o->patch = argument;
+            return true;
         case GATE_KEY_GITHUB:
-            o->prints_annotations = true;
+            o->tells_github = true;
             return true;
         case OPTIONS_OPERAND:
             if ( o->suite )
@@ -118,6 +122,10 @@ static bool take_gate_option( options_state* p, int key, const char* argument )
             {
                 options_fail( p, "accept: expected --reason with up to %d bytes", (int)GATE_MAX_REASON - 1 );
             }
+            if ( o->patch && ( o->action != ACTION_ACCEPT || ( o->base ? o->base : o->suite )[0] == '/' ) )
+            {
+                options_fail( p, "--patch: expected accept, and a base file below this folder" );
+            }
             return true;
         default:
             return false;
@@ -138,15 +146,83 @@ static char* default_base( const char* suite )
     return path;
 }
 
+// ---- whether rows fit the reference, known from their scenes before any of them runs ----
+
+static double step_of( const wisp_scene* scene )
+{
+    return wisp_scene_step_time( scene, scene->steps ) / scene->steps;
+}
+
+static const char* body_name( const wisp_scene* scene, int i )
+{
+    return i < scene->strands_count ? scene->strands[i].name : scene->surfaces[i - scene->strands_count].name;
+}
+
+static bool has_common_body( const wisp_scene* a, const wisp_scene* b )
+{
+    bool has = false;
+    for ( int i = 0; i < a->strands_count + a->surface_count; ++i )
+    {
+        for ( int k = 0; k < b->strands_count + b->surface_count; ++k )
+        {
+            has = has || strcmp( body_name( a, i ), body_name( b, k ) ) == 0;
+        }
+    }
+    return has;
+}
+
+static wisp_status check_fit( const char* label, const wisp_scene* scene, const wisp_scene* reference, double longest,
+                              wisp_error* error )
+{
+    const double ratio = longest / step_of( scene );
+    if ( fabs( ratio - round( ratio ) ) > 1e-3 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "%s: steps of %.6g s do not divide the longest of the suite, %.6g s, at whose ends motions "
+                          "are compared; a dt of %.6g s or %.6g s does",
+                          label, step_of( scene ), longest, longest / floor( ratio ), longest / ceil( ratio ) );
+    }
+    return has_common_body( scene, reference )
+               ? WISP_OK
+               : wisp_fail(
+                     error, WISP_BAD_INPUT,
+                     "%s: bodies are compared by their names, and none of the reference is called '%s'; name it "
+                     "'%s'",
+                     label, body_name( scene, 0 ), body_name( reference, 0 ) );
+}
+
+static wisp_status check_fits( const wisp_suite* suite, wisp_error* error )
+{
+    wisp_scene reference, scene;
+    double longest = 0.0;
+    wisp_status status = suite_scene( &suite->reference, &reference, error );
+    for ( int pass = 0; pass < 2; ++pass )
+    {
+        for ( int i = -1; i < suite->row_count && status == WISP_OK; ++i )
+        {
+            const suite_row* row = i < 0 ? &suite->reference : suite->rows + i;
+            char label[SUITE_MAX_LABEL];
+            suite_label( row, label );
+            status = suite_scene( row, &scene, error );
+            longest = status == WISP_OK ? fmax( longest, step_of( &scene ) ) : longest;
+            status = status == WISP_OK && pass > 0 ? check_fit( label, &scene, &reference, longest, error ) : status;
+            wisp_scene_release( &scene );
+        }
+    }
+    wisp_scene_release( &reference );
+    return status;
+}
+
 // @param done receives how many rows were measured, fewer after an interruption
 static wisp_status measure_all( const wisp_suite* suite, const gate_options* o, suite_measurement* out, int* done,
                                 wisp_error* error )
 {
     const suite_count_options counts = { .has_cycles = o->has_cycles };
-    suite_reference reference;
+    suite_reference reference = { 0 };
     progress bar = progress_begin();
     progress_show( &bar, 0.0, "the reference" );
-    wisp_status status = suite_reference_make( suite, &reference, error );
+    wisp_status status = suite->reference.text ? check_fits( suite, error ) : WISP_OK;
+    status = status == WISP_OK ? suite_reference_make( suite, &reference, error ) : status;
     *done = 0;
     for ( int i = 0; i < suite->row_count && status == WISP_OK; ++i )
     {
@@ -218,11 +294,14 @@ static wisp_status record( const wisp_suite* suite, const gate_options* o, const
         status = status == WISP_OK ? add_reason( &base, o->reason, error ) : status;
     }
     status = status == WISP_OK ? fill_base( suite, measured, &base, error ) : status;
-    status = status == WISP_OK ? gate_base_write( &base, o->base, error ) : status;
+    const char* file = o->patch ? o->patch : o->base;
+    status = status != WISP_OK ? status
+             : o->patch        ? gate_write_patch( &base, o->base, o->patch, error )
+                               : gate_base_write( &base, o->base, error );
     if ( status == WISP_OK )
     {
-        fprintf( io_is_standard( o->base ) ? stderr : stdout, "gate %s: %s: %d rows in %s\n", suite->name,
-                 o->action == ACTION_ACCEPT ? "accepted" : "recorded", suite->row_count, o->base );
+        fprintf( io_is_standard( file ) ? stderr : stdout, "gate %s: %s: %d rows in %s\n", suite->name,
+                 o->action == ACTION_ACCEPT ? "accepted" : "recorded", suite->row_count, file );
     }
     gate_base_release( &base );
     return status;
@@ -236,6 +315,19 @@ static void note_interruption( const char* what, int done, int all, results* out
     {
         results_add_note( out, "interrupted: %s %d of %d rows", what, done, all );
     }
+}
+
+// Workflow commands are read on standard output, the summary of a step in a file that GitHub names.
+static wisp_status tell_github( const wisp_suite* suite, const gate_row_check* checks, const char* path,
+                                const results* report, wisp_error* error )
+{
+    const char* summary = getenv( "GITHUB_STEP_SUMMARY" );
+    gate_print_annotations( suite, checks, path );
+    FILE* stream = summary && summary[0] ? fopen( summary, "abe" ) : NULL;
+    const wisp_status status = stream ? results_write( report, RESULTS_MARKDOWN, stream, error ) : WISP_OK;
+    const bool is_lost = summary && summary[0] && ( stream == NULL || fclose( stream ) != 0 );
+    return status == WISP_OK && is_lost ? wisp_fail( error, WISP_IO_ERROR, "%s: %s", summary, strerror( errno ) )
+                                        : status;
 }
 
 // @param all rows of the suite, of which there are fewer after an interruption
@@ -268,11 +360,8 @@ static wisp_status report( const wisp_suite* suite, int all, const gate_options*
         *is_worse = *is_worse || o->is_strict;
     }
     gate_report( suite, checks, &out );
-    if ( o->prints_annotations )
-    {
-        gate_print_annotations( suite, checks, o->suite );
-    }
-    wisp_status status = results_write_file( &out, o->format, NULL, error );
+    wisp_status status = o->tells_github ? tell_github( suite, checks, o->suite, &out, error ) : WISP_OK;
+    status = status == WISP_OK ? results_write_file( &out, o->format, NULL, error ) : status;
     status = status == WISP_OK && o->junit ? gate_write_junit( suite, checks, o->junit, error ) : status;
     status = status == WISP_OK && o->html ? gate_write_page( suite, checks, &out, o->html, error ) : status;
     results_free( &out );
@@ -413,7 +502,7 @@ static int run_action( wisp_suite* suite, gate_options* o, wisp_error* error )
     {
         return o->action == ACTION_CHECK ? check_against_base( suite, o, error ) : step_row( suite, o, error );
     }
-    wisp_status status = command_check_writable( o->base, error );
+    wisp_status status = command_check_writable( o->patch ? o->patch : o->base, error );
     suite_measurement* measured = calloc( (size_t)suite->row_count, sizeof *measured );
     if ( status == WISP_OK )
     {

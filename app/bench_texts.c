@@ -200,6 +200,8 @@ static const option_row gate_rows[] = {
       OPTION_ANY },
     OPTION_TITLE( "Verdict:" ),
     { "reason", 'r', "TEXT", "accept: why the new values are right; it is kept in the base file", OPTION_ANY },
+    { "patch", GATE_KEY_PATCH, "FILE", "accept: leave the base file, and write a patch for 'git apply'",
+      OPTION_FILES( "*" ) },
     { "strict", GATE_KEY_STRICT, NULL, "check: rows that only the suite or only the base has fail, too", OPTION_ANY },
     OPTION_TITLE( "Output:" ),
     { "format",
@@ -210,7 +212,8 @@ static const option_row gate_rows[] = {
     { "junit", GATE_KEY_JUNIT, "FILE", "Write JUnit's XML too, a test case for each row", OPTION_FILES( ".xml" ) },
     { "html", GATE_KEY_HTML, "FILE", "Write one HTML page too, with charts of before and after",
       OPTION_FILES( ".html" ) },
-    { "github", GATE_KEY_GITHUB, NULL, "Print annotations for GitHub before the report", OPTION_ANY },
+    { "github", GATE_KEY_GITHUB, NULL, "Tell GitHub: annotations, and the table in the summary of the step",
+      OPTION_ANY },
 };
 
 const command_text gate_text = {

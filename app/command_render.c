@@ -160,6 +160,7 @@ static void parse_background( const options_state* o, const char* text, picture_
 enum
 {
     RENDER_KEY_OUTPUT = 'o',
+    RENDER_KEY_STEPS = 's',
     RENDER_KEY_WORKERS = 'w',
     RENDER_KEY_SIZE = 256,
     RENDER_KEY_SAMPLES,
@@ -193,6 +194,8 @@ static const option_row render_rows[] = {
     { "samples", RENDER_KEY_SAMPLES, "N", "Rays per pixel, 1 to 4096, default 16", OPTION_ANY },
     { "workers", RENDER_KEY_WORKERS, "N", "Use N workers, 1 to 64, default one per core", OPTION_ANY },
     OPTION_TITLE( "Frames, default the last one:" ),
+    { "steps", RENDER_KEY_STEPS, "N", "Of a scene: its last frame follows N steps, not those of the scene",
+      OPTION_ANY },
     { "frame", RENDER_KEY_FRAME, "N", "Frame N, counted from 0", OPTION_ANY },
     { "time", RENDER_KEY_TIME, "S", "The frame nearest to S seconds", OPTION_ANY },
     { "frames", RENDER_KEY_FRAMES, "A:B:STEP", "Frames A to B, both included; parts can be omitted", OPTION_ANY },
@@ -307,6 +310,9 @@ static bool parse_view( const options_state* o, int key, const char* argument )
     picture_options* options = o->input;
     switch ( key )
     {
+        case RENDER_KEY_STEPS:
+            options->source.steps = option_whole( o, argument, 1, FRAME_MAX );
+            return true;
         case RENDER_KEY_FRAME:
             choose_frames( o, options, PICTURE_FRAME );
             options->first = option_whole( o, argument, 0, FRAME_MAX );

@@ -24,7 +24,8 @@ typedef struct run_options
     run_recorder_def recorder;
     const char* boundary; ///< file of boundary points, or null
     int frames_per_step;  ///< 0: that of the scene
-    bool intersections;   ///< count those of all surfaces after each step
+    bool is_verbose;
+    bool intersections; ///< count those of all surfaces after each step
 } run_options;
 
 // ---- the command line ----
@@ -35,6 +36,7 @@ enum
     RUN_KEY_WORKERS = 'w',
     RUN_KEY_FORMAT = 'f',
     RUN_KEY_OUTPUT = 'o',
+    RUN_KEY_VERBOSE = 'v',
     RUN_KEY_ISA = 256,
     RUN_KEY_RECORD,
     RUN_KEY_RECORD_WITH,
@@ -56,6 +58,8 @@ static const option_row run_rows[] = {
     OPTION_TITLE( "Summary:" ),
     { "intersections", RUN_KEY_INTERSECTIONS, NULL,
       "Count the edges through triangles of all surfaces after each step", OPTION_ANY },
+    { "verbose", RUN_KEY_VERBOSE, NULL, "Print tables of passes, memory, counters and what the scene computes",
+      OPTION_ANY },
     OPTION_RESULTS_FORMAT( RUN_KEY_FORMAT ),
     { "output", RUN_KEY_OUTPUT, "FILE", "Write the summary to FILE; default: standard output", OPTION_FILES( "*" ) },
     OPTION_TITLE( "Recording:" ),
@@ -236,6 +240,9 @@ static bool take_run_option( options_state* o, int key, const char* argument )
         case RUN_KEY_FRAMES:
             options->frames_per_step = option_whole( o, argument, 1, 1000 );
             return true;
+        case RUN_KEY_VERBOSE:
+            options->is_verbose = true;
+            return true;
         case RUN_KEY_INTERSECTIONS:
             options->intersections = true;
             return true;
@@ -338,7 +345,8 @@ static wisp_status simulate_and_record( run_options* options, scene_world* world
     }
     if ( status == WISP_OK )
     {
-        run_summarise( world, record, &options->recorder, counts, out );
+        run_summarise( world, record, &options->recorder, counts,
+                       !options->is_verbose && options->format == RESULTS_TEXT, out );
     }
     return status;
 }

@@ -3,6 +3,7 @@
 #include "interruption.h"
 #include "io_file.h"
 #include "picture_stage.h"
+#include "stats.h"
 
 #include <errno.h>
 #include <math.h>
@@ -44,6 +45,7 @@ typedef struct picture_survey
 } picture_survey;
 
 #define DEGREE 0.017453292519943295 // radians
+#define MOST_SAMPLES 4096           // vertices that say where most of what moves is
 
 // ---- directions ----
 
@@ -146,6 +148,14 @@ static float clamp( float value, float lower, float upper )
     return fminf( fmaxf( value, lower ), upper );
 }
 
+// @param limit an empty one limits nothing
+static wisp_vec3 within( wisp_vec3 p, const render_bounds* limit )
+{
+    const wisp_vec3 a = limit->lower, b = limit->upper;
+    return limit->is_filled ? ( wisp_vec3 ){ clamp( p.x, a.x, b.x ), clamp( p.y, a.y, b.y ), clamp( p.z, a.z, b.z ) }
+                            : p;
+}
+
 // A point that is cut away counts as if it was on the cut.
 static wisp_vec3 before_cut( const picture_options* options, wisp_vec3 p )
 {
@@ -161,14 +171,7 @@ static void fit_body( const picture_survey* survey, const picture_body* body, co
 {
     for ( size_t k = 0; k < corner_count( body ); ++k )
     {
-        wisp_vec3 p = corner( body, k );
-        if ( limit->is_filled )
-        {
-            p.x = clamp( p.x, limit->lower.x, limit->upper.x );
-            p.y = clamp( p.y, limit->lower.y, limit->upper.y );
-            p.z = clamp( p.z, limit->lower.z, limit->upper.z );
-        }
-        fit_point( survey, before_cut( survey->options, p ), fit );
+        fit_point( survey, before_cut( survey->options, within( corner( body, k ), limit ) ), fit );
     }
 }
 
@@ -190,24 +193,82 @@ static double size_of( const render_bounds* bounds )
     return bounds->is_filled ? sqrt( x * x + y * y + z * z ) : 0.0;
 }
 
-// What moves in the loaded frame, and the floor.
+static bool is_moving( const picture_body* body )
+{
+    return body->kind != SCENE_BODY_COLLIDER && body->kind != SCENE_BODY_PLANE;
+}
+
+static render_bounds grown( render_bounds b, float by )
+{
+    b.lower = ( wisp_vec3 ){ b.lower.x - by, b.lower.y - by, b.lower.z - by };
+    b.upper = ( wisp_vec3 ){ b.upper.x + by, b.upper.y + by, b.upper.z + by };
+    return b;
+}
+
+// What moves without the outer tenth of its vertices on each side, and half of that around it: a scrap far away would make all else
+// a speck. Empty where all is within four times the rest.
+static render_bounds bounds_of_most( const picture_source* source, const render_bounds* all )
+{
+    double places[3][MOST_SAMPLES];
+    size_t corners = 0, at = 0;
+    int count = 0;
+    for ( int i = 0; i < source->body_count; ++i )
+    {
+        corners += is_moving( &source->bodies[i] ) ? corner_count( &source->bodies[i] ) : 0;
+    }
+    const size_t step = corners / MOST_SAMPLES + 1;
+    for ( int i = 0; i < source->body_count; ++i )
+    {
+        const picture_body* body = &source->bodies[i];
+        for ( size_t k = 0; is_moving( body ) && k < corner_count( body ); ++k )
+        {
+            if ( at++ % step == 0 )
+            {
+                const wisp_vec3 p = corner( body, k );
+                places[0][count] = (double)p.x;
+                places[1][count] = (double)p.y;
+                places[2][count++] = (double)p.z;
+            }
+        }
+    }
+    const stats_summary x = stats_summarise( places[0], count ), y = stats_summarise( places[1], count ),
+                        z = stats_summarise( places[2], count );
+    const render_bounds most = {
+        { (float)x.p10, (float)y.p10, (float)z.p10 },
+        { (float)x.p90, (float)y.p90, (float)z.p90 },
+        count > 0,
+    };
+    return size_of( &most ) > 0.0 && size_of( all ) > 4.0 * size_of( &most )
+               ? grown( most, (float)( 0.5 * size_of( &most ) ) )
+               : ( render_bounds ){ .is_filled = false };
+}
+
+// What moves in the loaded frame, and the floor: a level plane that most of it is above.
 static render_bounds add_moving( const picture_source* source, picture_survey* survey, picture_fit* fit )
 {
-    const render_bounds no_limit = { .is_filled = false };
     render_bounds moving = { .is_filled = false };
+    for ( int i = 0; i < source->body_count; ++i )
+    {
+        const picture_body* body = &source->bodies[i];
+        moving = is_moving( body ) ? render_bounds_union( moving, bounds_of( body ) ) : moving;
+    }
+    const render_bounds most = bounds_of_most( source, &moving );
+    moving.lower = within( moving.lower, &most );
+    moving.upper = within( moving.upper, &most );
     for ( int i = 0; i < source->body_count; ++i )
     {
         const picture_body* body = &source->bodies[i];
         survey->has_mesh = survey->has_mesh || body->kind != SCENE_BODY_STRANDS;
         if ( picture_is_floor( body ) )
         {
-            survey->has_floor = true;
-            survey->floor_height = body->points[0].y;
+            const float height = body->points[0].y;
+            const bool is_below = !moving.is_filled || height <= 0.5f * ( moving.lower.y + moving.upper.y );
+            survey->floor_height = is_below ? height : survey->floor_height;
+            survey->has_floor = survey->has_floor || is_below;
         }
-        else if ( body->kind != SCENE_BODY_COLLIDER && body->kind != SCENE_BODY_PLANE )
+        else if ( is_moving( body ) )
         {
-            moving = render_bounds_union( moving, bounds_of( body ) );
-            fit_body( survey, body, &no_limit, fit );
+            fit_body( survey, body, &most, fit );
             survey_values( body, survey );
         }
     }
@@ -221,9 +282,7 @@ static void add_colliders( const picture_source* source, const render_bounds* mo
 {
     const double hall = 3.0, near = 0.35; // sizes of what moves
     const float reach = (float)( near * size_of( moving ) );
-    render_bounds limit = *moving;
-    limit.lower = ( wisp_vec3 ){ limit.lower.x - reach, limit.lower.y - reach, limit.lower.z - reach };
-    limit.upper = ( wisp_vec3 ){ limit.upper.x + reach, limit.upper.y + reach, limit.upper.z + reach };
+    const render_bounds limit = grown( *moving, reach );
     for ( int i = 0; i < source->body_count; ++i )
     {
         const picture_body* body = &source->bodies[i];
@@ -418,7 +477,8 @@ typedef struct drawing
     image* sheet;         ///< [plan.count] pictures kept for their sheet, or null
     char ( *labels )[32]; ///< [plan.count] below them
     progress bar;
-    int picture; ///< the one being drawn
+    int picture;  ///< the one being drawn
+    bool is_seen; ///< a body, in any picture so far
 } drawing;
 
 // ---- choice of pictures ----
@@ -605,7 +665,16 @@ static wisp_status render_one( drawing* d, image* out, wisp_error* error )
     if ( status == WISP_OK )
     {
         wisp_error cause = { 0 };
+        bool sees_bodies = false;
+        d->render.sees_bodies = &sees_bodies;
         status = render_picture( &stage.scene, &camera, &d->render, out, &cause );
+        d->is_seen = d->is_seen || sees_bodies;
+        if ( status == WISP_OK && !d->is_seen && d->picture + 1 == d->plan.count )
+        {
+            status = wisp_fail( &cause, WISP_BAD_INPUT, "the picture is empty: no body is in it%s%s",
+                                d->options->has_camera ? ", seen from --camera" : "",
+                                dot( d->look.cut_normal, d->look.cut_normal ) > 0.0 ? ", before --cut" : "" );
+        }
         if ( status != WISP_OK )
         {
             wisp_fail( error, status, "%s: frame %d: %s", d->source.path, frame_of( &d->plan, d->picture ),

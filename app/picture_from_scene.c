@@ -338,6 +338,7 @@ wisp_status picture_open_scene( picture_source* source, const picture_source_def
     wisp_status status = wisp_scene_read( def->path, &s->scene, error );
     if ( status == WISP_OK )
     {
+        s->scene.steps = def->steps > 0 ? def->steps : s->scene.steps;
         status = start_world( s, error );
     }
     if ( status != WISP_OK )

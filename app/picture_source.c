@@ -576,6 +576,10 @@ static wisp_status open_kind( picture_source* source, file_kind kind, const pict
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: --mesh expects a point cache (.pc2)", def->path );
     }
+    if ( def->steps > 0 && kind != FILE_SCENE )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: --steps expects a scene", source->path );
+    }
     if ( def->value == PICTURE_MAP && ( kind == FILE_RECORDING || kind == FILE_POINT_CACHE ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: only surfaces of scenes have maps", source->path );

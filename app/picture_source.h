@@ -89,6 +89,7 @@ typedef struct picture_source_def
     picture_layer_look layer;
     bool has_layer_normals;    ///< normals of boundary particles are drawn as lines
     scene_world_options world; ///< for scenes
+    int steps;                 ///< of a scene, whose last frame follows them; 0: its own
 } picture_source_def;
 
 /// @param def its texts must outlive the source

@@ -16,15 +16,21 @@ enum
 };
 
 // A surface is hidden if a quarter of it would be seen but for colliders; each that hides a tenth of it is glass.
-static const double HIDDEN = 0.25, HIDES = 0.10;
+// Hair grows on what hides a part of it.
+static const double HIDDEN = 0.25, HIDES = 0.10, HIDDEN_HAIR = 0.9;
 
-/// Points of all surfaces and what is seen before them.
+/// Points of all that moves, and what is seen before them.
 typedef struct sights
 {
     wisp_vec3* points;  // [count]
     int *owner, *first; // [count] bodies of the source; first is -1 where the view is free
     int count;
 } sights;
+
+static bool is_sight( const picture_body* body )
+{
+    return picture_is_surface( body ) || body->kind == SCENE_BODY_STRANDS;
+}
 
 static wisp_status make_sights( const picture_source* source, sights* out, wisp_error* error )
 {
@@ -42,7 +48,7 @@ static wisp_status make_sights( const picture_source* source, sights* out, wisp_
     {
         const picture_body* body = &source->bodies[i];
         const int step = 1 + ( body->vertex_count - 1 ) / SIGHTS_MAX;
-        for ( int v = 0; v < body->vertex_count && picture_is_surface( body ); v += step )
+        for ( int v = 0; v < body->vertex_count && is_sight( body ); v += step )
         {
             out->owner[out->count] = i;
             out->points[out->count++] = body->points[v];
@@ -74,7 +80,7 @@ static void name_bodies( const picture_source* source, const picture_stage* stag
 
 static bool is_collider( const picture_source* source, int body )
 {
-    return body >= 0 && source->bodies[body].kind == SCENE_BODY_COLLIDER && !source->bodies[body].is_led;
+    return body >= 0 && !is_sight( &source->bodies[body] ) && !source->bodies[body].is_led;
 }
 
 // @param begin, end sights of one surface
@@ -82,6 +88,7 @@ static bool is_collider( const picture_source* source, int body )
 static void judge( const picture_source* source, const sights* s, int begin, int end, int* hides, bool* is_glass )
 {
     const double count = (double)( end - begin );
+    const bool is_hair = source->bodies[s->owner[begin]].kind == SCENE_BODY_STRANDS;
     int hidden = 0;
     for ( int k = begin; k < end; ++k )
     {
@@ -93,7 +100,8 @@ static void judge( const picture_source* source, const sights* s, int begin, int
     }
     for ( int i = 0; i < source->body_count; ++i )
     {
-        is_glass[i] = is_glass[i] || ( (double)hidden > HIDDEN * count && (double)hides[i] > HIDES * count );
+        is_glass[i] = is_glass[i] || ( (double)hidden > ( is_hair ? HIDDEN_HAIR : HIDDEN ) * count &&
+                                       (double)hides[i] > HIDES * count );
         hides[i] = 0;
     }
 }

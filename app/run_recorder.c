@@ -430,6 +430,7 @@ struct run_recorder
     run_between* between;    ///< null: one frame per step
     double last_time;        ///< s, of the last frame that is a step
     wisp_recorder* recorder; ///< or null
+    const char* record;      ///< its file
     wisp_recorder* track;    ///< or null
 
     run_bodies bodies;
@@ -692,6 +693,7 @@ wisp_status run_recorder_open( const run_recorder_def* def, scene_world* world, 
     }
     r->world = world;
     r->every = def->every;
+    r->record = def->record;
     // a run that leaves steps out, or writes nothing, has no frames between steps
     const bool is_dense = def->every == 1 && ( def->record || def->track_count > 0 );
     r->frames_per_step = is_dense && world->scene->frames_per_step > 1 ? world->scene->frames_per_step : 1;
@@ -769,10 +771,42 @@ wisp_status run_recorder_step( run_recorder* r, wisp_error* error )
     return status == WISP_OK && is_compared ? compare( r, step / r->proof_every, hash, error ) : status;
 }
 
+// Point caches are a file of each body, .obj files one of each frame.
+static void name_files( const run_recorder* r, char* out, size_t size )
+{
+    const char *path = r->record, *dot = strrchr( path, '.' );
+    const int stem = (int)( dot - path ), count = r->bodies.count;
+    size_t used = 0;
+    snprintf( out, size, "%s", path );
+    if ( io_has_extension( path, ".obj" ) && r->written > 0 )
+    {
+        snprintf( out, size, "%.*s_0001%s to %.*s_%04d%s", stem, path, dot, stem, path, r->written, dot );
+    }
+    for ( int i = 0; i < count && count > 1 && io_has_extension( path, ".pc2" ); ++i )
+    {
+        const size_t more = (size_t)stem + strlen( r->bodies.list[i].name ) + 20;
+        if ( used + more > size )
+        {
+            snprintf( out + used, size - used, " and %d more", count - i );
+            break;
+        }
+        used += (size_t)snprintf( out + used, size - used, "%s%.*s_%s%s", i > 0 ? ", " : "", stem, path,
+                                  r->bodies.list[i].name, dot );
+    }
+}
+
 run_recorder_counts run_recorder_count( const run_recorder* r )
 {
-    return r ? ( run_recorder_counts ){ r->written, r->verified, r->proof_frames - r->verified }
-             : ( run_recorder_counts ){ 0 };
+    run_recorder_counts counts = { 0 };
+    if ( r )
+    {
+        counts = ( run_recorder_counts ){ r->written, r->verified, r->proof_frames - r->verified, "" };
+    }
+    if ( r && r->record )
+    {
+        name_files( r, counts.files, sizeof counts.files );
+    }
+    return counts;
 }
 
 wisp_status run_recorder_close( run_recorder* r, wisp_error* error )

@@ -58,6 +58,7 @@ wisp_status run_recorder_step( run_recorder* recorder, wisp_error* error );
 typedef struct run_recorder_counts
 {
     int written, verified, unreached;
+    char files[280]; ///< names of the written ones, as many as fit
 } run_recorder_counts;
 
 run_recorder_counts run_recorder_count( const run_recorder* recorder );

@@ -325,6 +325,9 @@ static void add_head_line( results* out, int table, const char* label, const cha
     results_add_cells( out, table, ( const char* const[] ){ label, value } );
 }
 
+// On a quiet machine workers have processors for longer, as a part of the wall time.
+static const double IDLE_LEAST = 0.8;
+
 static void add_run_times( results* out, int table, const scene_world* world, const run_record* record,
                            stats_summary times )
 {
@@ -344,8 +347,14 @@ static void add_run_times( results* out, int table, const scene_world* world, co
     add_head_line( out, table, "ms per step", "median %.4f, p10 %.4f, p90 %.4f, max %.4f", times.median, times.p10,
                    times.p90, record->ms[record->steps - 1] );
     const int workers = wisp_world_workers( world->world );
-    add_head_line( out, table, "speed", "%.3g x real time with %d worker%s", simulated / wall, workers,
-                   workers == 1 ? "" : "s" );
+    const double busy = times.cpu_fraction / workers;
+    char processors[80] = "";
+    if ( busy < IDLE_LEAST )
+    {
+        snprintf( processors, sizeof processors, ", which had processors for %.0f %% of the time", 100.0 * busy );
+    }
+    add_head_line( out, table, "speed", "%.3g x real time with %d worker%s%s", simulated / wall, workers,
+                   workers == 1 ? "" : "s", processors );
 }
 
 static void add_sizes( results* out, int table, const scene_world* world )
@@ -371,7 +380,7 @@ static void add_files( results* out, int table, const wisp_scene* scene, const r
     }
     if ( def->record )
     {
-        add_head_line( out, table, "recorded", "%s: %d frames", def->record, counts.written );
+        add_head_line( out, table, "recorded", "%s: %d frames", counts.files, counts.written );
     }
     if ( def->track_count > 0 )
     {
@@ -488,7 +497,15 @@ static void add_pass_table( results* out, const run_record* record )
 
 // ---- counters ----
 
-static void add_counter_table( results* out, const wisp_world* world )
+// Counters of a run in which nothing went wrong.
+static bool is_usual( wisp_counter counter )
+{
+    return counter == WISP_COUNT_PLANS || counter == WISP_COUNT_NEIGHBOURS || counter == WISP_COUNT_SEARCHES ||
+           counter == WISP_COUNT_FIRST_ORDER;
+}
+
+// @param is_brief notes of what went wrong, in place of the table
+static void add_counters( results* out, const wisp_world* world, bool is_brief )
 {
     // The number of steps is a line of the result. A plan is compiled at the start of every run.
     static const char* const MEANINGS[WISP_COUNTER_COUNT] = {
@@ -519,6 +536,15 @@ static void add_counter_table( results* out, const wisp_world* world )
         const uint64_t usual = i == WISP_COUNT_PLANS ? 1 : 0;
         if ( count <= usual || MEANINGS[i] == NULL )
         {
+            continue;
+        }
+        if ( is_brief )
+        {
+            if ( !is_usual( (wisp_counter)i ) )
+            {
+                results_add_note( out, "%s: %llu %s", wisp_counter_name( (wisp_counter)i ), (unsigned long long)count,
+                                  MEANINGS[i] );
+            }
             continue;
         }
         if ( table < 0 )
@@ -597,7 +623,7 @@ static void add_run_row( results* out, const scene_world* world, run_record* rec
 }
 
 void run_summarise( const scene_world* world, run_record* record, const run_recorder_def* recorder,
-                    run_recorder_counts counts, results* out )
+                    run_recorder_counts counts, bool is_brief, results* out )
 {
     out->machine = machine_describe( wisp_world_isa( world->world ) );
     out->is_result_first = true;
@@ -605,6 +631,7 @@ void run_summarise( const scene_world* world, run_record* record, const run_reco
     times.cpu_fraction = 1e3 * record->cpu_seconds / sum( record->ms, record->steps );
     add_run_row( out, world, record, times );
     add_head( out, world, record, times, recorder, counts );
+    out->is_brief = is_brief;
     if ( record->steps > 0 )
     {
         add_motion_table( world, out );
@@ -618,7 +645,7 @@ void run_summarise( const scene_world* world, run_record* record, const run_reco
         report_memory( world->world, scene_world_vertices( world ), out );
         add_motion_warnings( world, out );
     }
-    add_counter_table( out, world->world );
+    add_counters( out, world->world, is_brief );
     for ( int i = 0; i < world->note_count; ++i )
     {
         results_add_note( out, "%s", world->notes[i] );

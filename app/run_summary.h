@@ -1,4 +1,4 @@
-/// The summary of `wisp run`: the result first, then the time of each pass, then counters that are not zero.
+/// The summary of `wisp run`: the result, tables of passes, memory and counters, and notes.
 #pragma once
 
 #include "results.h"
@@ -21,5 +21,6 @@ typedef struct run_record
 } run_record;
 
 /// Fill the results of a run that has ended. Sorts the times of the record.
+/// @param is_brief the result and notes alone, for people
 void run_summarise( const scene_world* world, run_record* record, const run_recorder_def* recorder,
-                    run_recorder_counts counts, results* out );
+                    run_recorder_counts counts, bool is_brief, results* out );

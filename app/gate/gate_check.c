@@ -3,7 +3,9 @@
 #include "io_file.h"
 #include "machine.h"
 #include "report.h"
+#include "report_text.h"
 #include "results_write.h"
+#include "text_tree.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -195,13 +197,6 @@ wisp_status gate_base_read( const char* path, gate_base* out, wisp_error* error 
 
 // ---- writing ----
 
-static json_t* value_of( double value )
-{
-    return !isfinite( value )                                  ? json_null()
-           : value == floor( value ) && fabs( value ) < 0x1p53 ? json_integer( (json_int_t)value )
-                                                               : json_real( value );
-}
-
 static json_t* row_of( const gate_base_row* row )
 {
     json_t *out = json_object(), *values = json_object();
@@ -211,7 +206,7 @@ static json_t* row_of( const gate_base_row* row )
     json_object_set_new( out, "hash", results_json_hash( row->measured.hash ) );
     for ( int m = 0; m < SUITE_MEASURE_COUNT; ++m )
     {
-        json_object_set_new( values, suite_measures[m].name, value_of( row->measured.values[m] ) );
+        json_object_set_new( values, suite_measures[m].name, results_json_count( row->measured.values[m] ) );
     }
     json_object_set_new( out, "values", values );
     json_t* passes = json_object();
@@ -220,7 +215,7 @@ static json_t* row_of( const gate_base_row* row )
         if ( isfinite( row->measured.passes[i].instructions ) )
         {
             json_object_set_new( passes, row->measured.passes[i].name,
-                                 value_of( row->measured.passes[i].instructions ) );
+                                 results_json_count( row->measured.passes[i].instructions ) );
         }
     }
     json_object_set_new( out, "passes", passes );
@@ -251,28 +246,94 @@ static json_t* root_of( const gate_base* base )
     return root;
 }
 
+// @return the file, for free()
+static char* text_of( const gate_base* base )
+{
+    json_t* root = root_of( base );
+    char* json = json_dumps( root, JSON_INDENT( 1 ) | JSON_REAL_PRECISION( 9 ) );
+    char* text = text_alloc( strlen( json ) + 1 );
+    sprintf( text, "%s\n", json );
+    free( json );
+    json_decref( root );
+    return text;
+}
+
 wisp_status gate_base_write( const gate_base* base, const char* path, wisp_error* error )
 {
     io_output output;
-    wisp_status status = io_output_open( path, &output, error );
+    const wisp_status status = io_output_open( path, &output, error );
     if ( status != WISP_OK )
     {
         return status;
     }
-    json_t* root = root_of( base );
-    if ( json_dumpf( root, output.stream, JSON_INDENT( 1 ) | JSON_REAL_PRECISION( 9 ) ) != 0 ||
-         fputc( '\n', output.stream ) == EOF )
+    char* text = text_of( base );
+    fputs( text, output.stream );
+    free( text );
+    return io_output_end( &output, WISP_OK, error );
+}
+
+// ---- patches ----
+
+// @param text moves past the line @return its length with its line break; 0: the text ends
+static int take_line( const char** text, const char* end, const char** line )
+{
+    const char* found = *text < end ? memchr( *text, '\n', (size_t)( end - *text ) ) : NULL;
+    *line = *text;
+    *text = found ? found + 1 : end;
+    return (int)( *text - *line );
+}
+
+static int count_lines( const char* text, const char* end )
+{
+    const char* line;
+    int count = 0;
+    while ( take_line( &text, end, &line ) > 0 )
     {
-        status = wisp_fail( error, WISP_IO_ERROR, "%s: cannot be written", io_short_name( path ) );
+        ++count;
     }
-    json_decref( root );
-    return io_output_end( &output, status, error );
+    return count;
+}
+
+// One hunk of the whole file: line against line, since both texts have the same keys in the same order.
+static void write_hunk( const char* was, const char* was_end, const char* now, const char* now_end, FILE* out )
+{
+    const char *a, *b;
+    fprintf( out, "@@ -1,%d +1,%d @@\n", count_lines( was, was_end ), count_lines( now, now_end ) );
+    for ( int n = 1, m = 1; n > 0 || m > 0; )
+    {
+        n = take_line( &was, was_end, &a );
+        m = take_line( &now, now_end, &b );
+        const bool is_same = n == m && memcmp( a, b, (size_t)n ) == 0;
+        fprintf( out, n == 0 ? "" : is_same ? " %.*s" : "-%.*s", n, a );
+        fprintf( out, n > 0 && a[n - 1] != '\n' ? "\n\\ No newline at end of file\n" : "" );
+        fprintf( out, m == 0 || is_same ? "" : "+%.*s", m, b );
+    }
+}
+
+wisp_status gate_write_patch( const gate_base* base, const char* path, const char* patch, wisp_error* error )
+{
+    unsigned char* bytes = NULL;
+    size_t size = 0;
+    io_output output;
+    wisp_status status = io_file_read( path, MAX_BYTES, &bytes, &size, error );
+    status = status == WISP_OK ? io_output_open( patch, &output, error ) : status;
+    if ( status == WISP_OK )
+    {
+        char* text = text_of( base );
+        const char* was = (const char*)bytes;
+        path += strncmp( path, "./", 2 ) == 0 ? 2 : 0;
+        fprintf( output.stream, "--- a/%s\n+++ b/%s\n", path, path );
+        write_hunk( was, was + size, text, text + strlen( text ), output.stream );
+        free( text );
+        status = io_output_end( &output, WISP_OK, error );
+    }
+    free( bytes );
+    return status;
 }
 
 // ---- the comparison ----
 
 const char* const gate_state_names[GATE_STATE_COUNT] = { "same", "moved", "worse", "new" };
-const char* const gate_verdict_names[GATE_VERDICT_COUNT] = { "pass", "inconclusive", "regression" };
 
 bool gate_counts_are_comparable( const gate_base* base )
 {
@@ -353,6 +414,12 @@ void gate_check_row( const suite_row* row, const gate_base* base, bool compares_
     }
     const suite_measurement* was = &out->base->measured;
     out->state = now->hash == was->hash && now->steps == was->steps ? GATE_SAME : GATE_MOVED;
+    if ( out->state == GATE_MOVED && row->budgets[SUITE_HASH].relative < 1.0 )
+    {
+        out->state = GATE_WORSE;
+        snprintf( out->message, sizeof out->message, "hash is %016llx, was %016llx, and no other bits are allowed",
+                  (unsigned long long)now->hash, (unsigned long long)was->hash );
+    }
     for ( int m = 0; m < SUITE_MEASURE_COUNT; ++m )
     {
         const double most = was->values[m] * ( 1.0 + row->budgets[m].relative ) + row->budgets[m].absolute;
@@ -426,25 +493,6 @@ static void format_accuracy( const gate_row_check* check, char* out, size_t size
     }
 }
 
-// The name and the settings of a row, as reports have them.
-static void label_row( const suite_row* row, char* out, size_t size )
-{
-    snprintf( out, size, "%s%s%s", row->name, row->variant[0] ? ", " : "", row->variant );
-}
-
-static gate_verdict verdict_of( const wisp_suite* suite, const gate_row_check* checks )
-{
-    gate_verdict verdict = GATE_PASS;
-    for ( int i = 0; i < suite->row_count; ++i )
-    {
-        const gate_verdict one = checks[i].state == GATE_WORSE ? GATE_REGRESSION
-                                 : checks[i].state == GATE_NEW ? GATE_INCONCLUSIVE
-                                                               : GATE_PASS;
-        verdict = one > verdict ? one : verdict;
-    }
-    return verdict;
-}
-
 // A row for machines: values, the base's with `base_` before their names, and whether one is worse.
 static void add_row( const suite_row* row, const gate_row_check* check, results* out )
 {
@@ -476,8 +524,8 @@ void gate_report( const wisp_suite* suite, const gate_row_check* checks, results
     const int table = results_add_table( out, "Rows", WISP_COUNT( header ), header );
     for ( int i = 0; i < suite->row_count; ++i )
     {
-        char name[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2], cells[4][40], accuracy[64];
-        label_row( suite->rows + i, name, sizeof name );
+        char name[SUITE_MAX_LABEL], cells[4][40], accuracy[64];
+        suite_label( suite->rows + i, name );
         for ( int m = SUITE_INSTRUCTIONS; m <= SUITE_ALLOCATIONS; ++m )
         {
             format_value( checks + i, (suite_measure)m, cells[m], sizeof cells[m] );
@@ -491,8 +539,8 @@ void gate_report( const wisp_suite* suite, const gate_row_check* checks, results
     }
     for ( int i = 0; i < suite->row_count; ++i )
     {
-        char name[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2];
-        label_row( suite->rows + i, name, sizeof name );
+        char name[SUITE_MAX_LABEL];
+        suite_label( suite->rows + i, name );
         if ( checks[i].state == GATE_WORSE )
         {
             results_add_failure( out, "%s: %s", name, checks[i].message );
@@ -502,58 +550,36 @@ void gate_report( const wisp_suite* suite, const gate_row_check* checks, results
             results_add_note( out, "%s: %s", name, checks[i].message );
         }
     }
-    static const struct
-    {
-        gate_state state;
-        const char* what;
-    } told[] = { { GATE_SAME, "the same" }, { GATE_MOVED, "moved" }, { GATE_WORSE, "worse" }, { GATE_NEW, "new" } };
     char line[200];
     snprintf( line, sizeof line, "gate %.80s: %s: %d rows", suite->name,
-              gate_verdict_names[verdict_of( suite, checks )], suite->row_count );
-    for ( int i = 0; i < WISP_COUNT( told ); ++i )
+              counts[GATE_WORSE] > 0 ? "regression"
+              : counts[GATE_NEW] > 0 ? "inconclusive"
+                                     : "pass",
+              suite->row_count );
+    for ( int i = 0; i < GATE_STATE_COUNT; ++i )
     {
-        results_append_count( line, sizeof line, counts[told[i].state], told[i].what );
+        results_append_count( line, sizeof line, counts[i], i == GATE_SAME ? "the same" : gate_state_names[i] );
     }
     results_add_headline( out, "%s", line );
 }
 
 // ---- JUnit ----
 
-static void write_escaped( FILE* out, const char* text )
-{
-    for ( ; *text; ++text )
-    {
-        const char* entity = *text == '<'   ? "&lt;"
-                             : *text == '>' ? "&gt;"
-                             : *text == '&' ? "&amp;"
-                             : *text == '"' ? "&quot;"
-                                            : NULL;
-        if ( entity )
-        {
-            fputs( entity, out );
-        }
-        else
-        {
-            fputc( *text, out );
-        }
-    }
-}
-
 static void write_case( FILE* out, const wisp_suite* suite, int i, const gate_row_check* check )
 {
-    char name[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2];
-    label_row( suite->rows + i, name, sizeof name );
+    char name[SUITE_MAX_LABEL];
+    suite_label( suite->rows + i, name );
     fputs( "    <testcase classname=\"wisp.gate.", out );
-    write_escaped( out, suite->name );
+    report_put_text( suite->name, out );
     fputs( "\" name=\"", out );
-    write_escaped( out, name );
+    report_put_text( name, out );
     if ( check->state != GATE_WORSE && check->state != GATE_NEW )
     {
         fputs( "\"/>\n", out );
         return;
     }
     fputs( check->state == GATE_WORSE ? "\">\n      <failure message=\"" : "\">\n      <skipped message=\"", out );
-    write_escaped( out, check->message );
+    report_put_text( check->message, out );
     fputs( "\"/>\n    </testcase>\n", out );
 }
 
@@ -574,7 +600,7 @@ wisp_status gate_write_junit( const wisp_suite* suite, const gate_row_check* che
     }
     FILE* out = output.stream;
     fprintf( out, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n  <testsuite name=\"wisp gate " );
-    write_escaped( out, suite->name );
+    report_put_text( suite->name, out );
     fprintf( out, "\" tests=\"%d\" failures=\"%d\" errors=\"0\" skipped=\"%d\">\n", suite->row_count, worse,
              unknown );
     for ( int i = 0; i < suite->row_count; ++i )
@@ -609,8 +635,8 @@ void gate_print_annotations( const wisp_suite* suite, const gate_row_check* chec
     {
         if ( checks[i].state == GATE_WORSE || checks[i].state == GATE_NEW )
         {
-            char name[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2];
-            label_row( suite->rows + i, name, sizeof name );
+            char name[SUITE_MAX_LABEL];
+            suite_label( suite->rows + i, name );
             printf( "::%s file=", checks[i].state == GATE_WORSE ? "error" : "warning" );
             print_escaped( path );
             printf( ",title=wisp gate::" );
@@ -679,8 +705,8 @@ static void add_rows_chart( const wisp_suite* suite, const gate_row_check* check
     {
         if ( is_counted( checks + i ) )
         {
-            char label[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2];
-            label_row( suite->rows + i, label, sizeof label );
+            char label[SUITE_MAX_LABEL];
+            suite_label( suite->rows + i, label );
             add_bars( out, chart, series, line++, label, checks[i].base->measured.values[SUITE_INSTRUCTIONS],
                       checks[i].now.values[SUITE_INSTRUCTIONS] );
         }
@@ -704,10 +730,10 @@ static int next_pass( const suite_measurement* now, const bool* is_done )
 
 static void add_pass_chart( const suite_row* row, const gate_row_check* check, results* out )
 {
-    char title[160], label[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2];
+    char title[160], label[SUITE_MAX_LABEL];
     bool is_done[SUITE_MAX_PASSES] = { false };
     int series[2], line = 0;
-    label_row( row, label, sizeof label );
+    suite_label( row, label );
     snprintf( title, sizeof title, "%.140s, by pass", label );
     const int chart = begin_chart( out, title, series );
     for ( int i = next_pass( &check->now, is_done ); i >= 0 && line < MAX_BARS;

@@ -44,6 +44,8 @@ wisp_status gate_base_parse( const char* text, size_t size, const char* path, ga
 
 /// Replace the file as a whole, or leave it as it was.
 wisp_status gate_base_write( const gate_base* base, const char* path, wisp_error* error );
+/// Write a unified diff from the base file to a base, which `git apply` takes in the folder that the path is relative to.
+wisp_status gate_write_patch( const gate_base* base, const char* path, const char* patch, wisp_error* error );
 void gate_base_release( gate_base* base );
 
 /// Compiler and flags of this program, as a base has them.
@@ -64,17 +66,6 @@ typedef enum gate_state
 } gate_state;
 
 extern const char* const gate_state_names[GATE_STATE_COUNT];
-
-/// What all rows say together.
-typedef enum gate_verdict
-{
-    GATE_PASS,
-    GATE_INCONCLUSIVE, ///< no row is worse, and the base does not have one
-    GATE_REGRESSION,   ///< a row is worse
-    GATE_VERDICT_COUNT,
-} gate_verdict;
-
-extern const char* const gate_verdict_names[GATE_VERDICT_COUNT];
 
 /// A row compared.
 typedef struct gate_row_check

@@ -84,6 +84,7 @@ typedef struct picture
     image target;
     int columns, tiles; // of tiles in a row, and in all
     _Atomic int done;   // tiles
+    _Atomic bool sees_bodies;
 } picture;
 
 // Width of a pixel at a metre in front of the camera.
@@ -126,13 +127,14 @@ static float ground_hit( const stage* s, const trace_ray* ray )
 }
 
 // @param panes_left of glass that the ray may still pass
-static wisp_vec3 light_along( const picture* p, const trace_ray* ray, float y, shade_sample sample, int panes_left )
+static wisp_vec3 light_along( picture* p, const trace_ray* ray, float y, shade_sample sample, int panes_left )
 {
     const stage* s = &p->stage;
     float ground = ground_hit( s, ray );
     trace_hit hit;
     if ( trace_nearest( s->tree, ray, &hit ) && hit.distance < ground )
     {
+        atomic_store_explicit( &p->sees_bodies, true, memory_order_relaxed );
         surface at = stage_surface( s, ray, &hit );
         wisp_vec3 light = shade_surface( s, ray, &at, sample );
         if ( !stage_is_glass( s, hit.body ) || panes_left == 0 )
@@ -163,7 +165,7 @@ static wisp_vec3 tamed( wisp_vec3 light )
     return largest > most ? v3_scale( light, most / largest ) : light;
 }
 
-static wisp_vec3 light_of_pixel( const picture* p, int column, int row )
+static wisp_vec3 light_of_pixel( picture* p, int column, int row )
 {
     int samples = p->options->samples;
     sampler pixel = sampler_of_pixel( p->key, column, row, samples );
@@ -274,6 +276,10 @@ wisp_status render_picture( const render_scene* scene, const render_camera* came
     {
         image_release( &p.target );
         return wisp_fail( error, WISP_CONFLICT, "the picture was cancelled" );
+    }
+    if ( options->sees_bodies != NULL )
+    {
+        *options->sees_bodies = atomic_load( &p.sees_bodies );
     }
     image_release( out );
     *out = p.target;

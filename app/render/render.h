@@ -157,8 +157,8 @@ typedef struct render_options
     void* parallel_user;                ///< for parallel_for
     render_progress_fn* progress;       ///< or null
     void* progress_user;
-    bool ( *is_cancelled )(
-        void ); ///< asked before each tile, by any thread; null: never                ///< for progress
+    bool ( *is_cancelled )( void ); ///< asked before each tile, by any thread; null: never
+    bool* sees_bodies;              ///< receives whether a body is in the picture, besides the ground; or null
 } render_options;
 
 render_options render_default_options( void );

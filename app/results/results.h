@@ -105,6 +105,7 @@ typedef struct results
     int picture_count, picture_capacity;
     char** notes; ///< messages below the tables
     int note_count, note_capacity;
+    bool is_brief;        ///< text has notes and the table without a title alone
     bool is_result_first; ///< text and Markdown end with machine and build instead of beginning with them
     int claim_count, claims_met;
     bool failed; ///< results_add_failure() was called: the run must not count as good

@@ -579,14 +579,17 @@ static void write_text( const results* all, FILE* stream )
     }
     for ( int t = 0; t < all->table_count; ++t )
     {
-        results_write_text_table( &all->tables[t], stream );
+        if ( !all->is_brief || all->tables[t].title[0] == '\0' )
+        {
+            results_write_text_table( &all->tables[t], stream );
+        }
     }
     fputs( all->note_count > 0 ? "\n" : "", stream );
     for ( int i = 0; i < all->note_count; ++i )
     {
         fprintf( stream, "%s\n", all->notes[i] ); // in one line each, so that programs find words in them
     }
-    if ( all->is_result_first )
+    if ( all->is_result_first && !all->is_brief )
     {
         fputc( '\n', stream );
         write_machine( all, stream, "" );

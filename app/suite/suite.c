@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-const suite_measure_info suite_measures[SUITE_MEASURE_COUNT] = {
+const suite_measure_info suite_measures[SUITE_BUDGET_COUNT] = {
     [SUITE_INSTRUCTIONS] = { "instructions", { 0.005, 0.0 } },
     [SUITE_CYCLES] = { "cycles", { 0.02, 0.0 } },
     [SUITE_BYTES] = { "bytes", { 0.01, 0.0 } },
@@ -26,6 +26,7 @@ const suite_measure_info suite_measures[SUITE_MEASURE_COUNT] = {
     [SUITE_RESETS] = { "resets", { 0.0, 0.0 } },
     [SUITE_NOT_CONVERGED] = { "not_converged", { 0.0, 0.0 } },
     [SUITE_HALTED] = { "halted", { 0.0, 0.0 } },
+    [SUITE_HASH] = { "hash", { 1.0, 0.0 } },
 };
 
 wisp_status suite_refuse( const suite_reader* r, const scene_node* node, const char* format, ... )
@@ -83,8 +84,8 @@ wisp_status suite_take_keys( const suite_reader* r, const scene_node* block, con
 
 wisp_status suite_read_budgets( const suite_reader* r, const scene_node* map, suite_budget* budgets )
 {
-    const char* names[SUITE_MEASURE_COUNT];
-    for ( int m = 0; m < SUITE_MEASURE_COUNT; ++m )
+    const char* names[SUITE_BUDGET_COUNT];
+    for ( int m = 0; m < SUITE_BUDGET_COUNT; ++m )
     {
         names[m] = suite_measures[m].name;
     }
@@ -95,13 +96,13 @@ wisp_status suite_read_budgets( const suite_reader* r, const scene_node* map, su
     for ( const scene_node* n = scene_first( &r->tree, map ); n; n = scene_next( &r->tree, n ) )
     {
         int m = 0;
-        while ( m < SUITE_MEASURE_COUNT && strcmp( names[m], scene_key_of( &r->tree, n ) ) != 0 )
+        while ( m < SUITE_BUDGET_COUNT && strcmp( names[m], scene_key_of( &r->tree, n ) ) != 0 )
         {
             ++m;
         }
-        if ( m == SUITE_MEASURE_COUNT )
+        if ( m == SUITE_BUDGET_COUNT )
         {
-            return refuse_key( r, n, names, SUITE_MEASURE_COUNT );
+            return refuse_key( r, n, names, SUITE_BUDGET_COUNT );
         }
         char* end = NULL;
         const char* text = n->kind == SCENE_SCALAR ? scene_text_of( &r->tree, n ) : "";
@@ -356,7 +357,7 @@ wisp_status suite_parse( const char* text, size_t size, const char* path, wisp_s
     *out = ( wisp_suite ){ 0 };
     suite_stem( path, out->name, sizeof out->name );
     suite_reader r = { .source = { .name = path, .text = text, .size = size, .error = error }, .out = out };
-    for ( int m = 0; m < SUITE_MEASURE_COUNT; ++m )
+    for ( int m = 0; m < SUITE_BUDGET_COUNT; ++m )
     {
         r.budgets[m] = suite_measures[m].budget;
     }

@@ -34,6 +34,8 @@ typedef enum suite_measure
     SUITE_NOT_CONVERGED,     ///< linear solves that reached their limit
     SUITE_HALTED,            ///< entities
     SUITE_MEASURE_COUNT,
+    SUITE_HASH = SUITE_MEASURE_COUNT, ///< other bits, 1 or 0: has a budget and no value
+    SUITE_BUDGET_COUNT,
 } suite_measure;
 
 /// A budget: how much larger than in the base a value may be.
@@ -49,7 +51,7 @@ typedef struct suite_measure_info
     suite_budget budget; ///< default
 } suite_measure_info;
 
-extern const suite_measure_info suite_measures[SUITE_MEASURE_COUNT];
+extern const suite_measure_info suite_measures[SUITE_BUDGET_COUNT];
 
 /// A scene with its settings.
 typedef struct suite_row
@@ -63,7 +65,7 @@ typedef struct suite_row
     char* path;   ///< of the scene, whose folder its files are in
     char* text;   ///< the scene
     int steps;    ///< that are made; 0: all of the scene
-    suite_budget budgets[SUITE_MEASURE_COUNT];
+    suite_budget budgets[SUITE_BUDGET_COUNT];
     unsigned checks;         ///< that must hold, as stability_bit() has them; 0: none
     stability_limits limits; ///< that checks are given
     double seconds;          ///< that are simulated; 0: `steps`

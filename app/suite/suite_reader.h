@@ -16,12 +16,12 @@ typedef struct suite_reader
     scene_source source;
     scene_tree tree;
     wisp_suite* out;
-    int capacity;                              ///< rows
-    suite_budget budgets[SUITE_MEASURE_COUNT]; ///< of all entries
-    const scene_node* seconds;                 ///< of all entries; null: none
-    const scene_node* axes;                    ///< maps of bundles by name, for `sweep`; null: none
-    unsigned checks;                           ///< of all entries
-    stability_limits limits;                   ///< of their checks
+    int capacity;                             ///< rows
+    suite_budget budgets[SUITE_BUDGET_COUNT]; ///< of all entries
+    const scene_node* seconds;                ///< of all entries; null: none
+    const scene_node* axes;                   ///< maps of bundles by name, for `sweep`; null: none
+    unsigned checks;                          ///< of all entries
+    stability_limits limits;                  ///< of their checks
 } suite_reader;
 
 /// Fail with the place of a node. @return WISP_BAD_INPUT
@@ -33,7 +33,7 @@ wisp_status suite_refuse( const suite_reader* r, const scene_node* node, const c
 wisp_status suite_take_keys( const suite_reader* r, const scene_node* block, const char* expected,
                              const char* const* keys, int count, const scene_node** values );
 
-/// @param budgets [SUITE_MEASURE_COUNT] those that the block names are changed
+/// @param budgets [SUITE_BUDGET_COUNT] those that the block names are changed
 wisp_status suite_read_budgets( const suite_reader* r, const scene_node* block, suite_budget* budgets );
 
 /// Add the rows of an entry of `scenes`.

@@ -174,7 +174,7 @@ typedef struct entry
     const scene_node* values[ENTRY_COUNT];
     char* path;
     text_node* scene;
-    suite_budget budgets[SUITE_MEASURE_COUNT];
+    suite_budget budgets[SUITE_BUDGET_COUNT];
     int along_count, rows;
     double seconds; // 0: none
     double order;   // NaN: none

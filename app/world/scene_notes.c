@@ -107,6 +107,40 @@ static void note_bodies( scene_world* world )
     }
 }
 
+static double mean_edge( const wisp_mesh* mesh )
+{
+    double sum = 0.0;
+    for ( int k = 0; k < 3 * mesh->triangle_count; ++k )
+    {
+        const int next = k % 3 == 2 ? k - 2 : k + 1;
+        sum += wisp_mesh_distance( mesh->points[mesh->triangles[k]], mesh->points[mesh->triangles[next]] );
+    }
+    return mesh->triangle_count > 0 ? sum / ( 3.0 * mesh->triangle_count ) : 0.0;
+}
+
+// An edge whose ends keep a thickness t from both sides of a right angle is at most L / 2^1.5 - t below its corner.
+static void note_box_edges( scene_world* world, int surface )
+{
+    const wisp_scene* scene = world->scene;
+    const wisp_scene_surface* s = scene->surfaces + surface;
+    const double edge = mean_edge( &world->surfaces[surface].mesh );
+    const double thickness = s->collision.thickness > 0.0f ? (double)s->collision.thickness : 0.25 * edge;
+    const double depth = edge / sqrt( 8.0 ) - thickness;
+    const bool is_cloth = s->has_cloth || s->has_implicit;
+    for ( int c = 0; c < scene->collider_count && is_cloth && s->collision.features == WISP_COLLISION_VERTICES; ++c )
+    {
+        const wisp_scene_collider* box = scene->colliders + c;
+        if ( box->def.kind == WISP_COLLIDER_BOX && depth > 0.0 &&
+             collides( scene, scene->strands_count + surface, &box->def, -1 - scene->strands_count ) )
+        {
+            say( world, s->line, s->name,
+                 "edges of %.3g mm pass up to %.2g mm through those of the box '%.40s': 'features: all' stops them",
+                 1e3 * edge, 1e3 * depth, box->name );
+            return;
+        }
+    }
+}
+
 static bool finds_body( const wisp_scene* scene, int i )
 {
     bool found = false;
@@ -229,6 +263,7 @@ void scene_find_notes( scene_world* world )
     for ( int i = 0; i < scene->surface_count; ++i )
     {
         note_surface( world, scene->surfaces + i );
+        note_box_edges( world, i );
     }
     note_participants( world );
     note_bodies( world );

@@ -15,7 +15,7 @@ typedef struct wisp_strand_appearance_def
 {
     uint32_t size;                     ///< bytes; set by wisp_default_strand_appearance_def()
     float root_width, tip_width;       ///< m, >= 0, defaults 80e-6 and 20e-6
-    wisp_vec3 root_colour, tip_colour; ///< linear, in [0, 1]; defaults dark brown and frost white
+    wisp_vec3 root_colour, tip_colour; ///< linear, in [0, 1]; defaults dark brown and brown
     float colour_bias; ///< b in (0, 1): colour weight is t / ((1/b - 2)(1 - t) + 1) (Schlick 1994), t = 0 at the root
                        ///< and 1 at the tip; default 0.5 is linear
 } wisp_strand_appearance_def;

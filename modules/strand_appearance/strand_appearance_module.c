@@ -18,7 +18,7 @@ void wisp_init_strand_appearance_def( wisp_strand_appearance_def* def, size_t si
         .root_width = 80e-6f,
         .tip_width = 20e-6f,
         .root_colour = { 0.12f, 0.07f, 0.04f },
-        .tip_colour = { 0.85f, 0.92f, 1.0f },
+        .tip_colour = { 0.30f, 0.15f, 0.07f },
         .colour_bias = 0.5f,
     };
     wisp_def_init( def, size, &values, sizeof( values ) );

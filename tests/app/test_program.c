@@ -311,7 +311,7 @@ TEST( a_run_gives_the_same_hash_on_every_worker_count_and_instruction_set )
 
 TEST( a_run_prints_passes_counters_and_hash )
 {
-    run_ok( "run good.yaml --steps 2" );
+    run_ok( "run good.yaml --steps 2 --verbose" );
     assert_string_equal( result.err, "" );
     // the search takes most of the time; passes below 1 % may be summed
     static const char* const expected[] = {
@@ -335,6 +335,13 @@ TEST( a_run_prints_passes_counters_and_hash )
 TEST( a_run_begins_with_its_result_and_leaves_out_zero_counters )
 {
     run_ok( "run good.yaml --steps 2" );
+    int lines = 0;
+    for ( const char* c = result.out; *c; ++c )
+    {
+        lines += *c == '\n' ? 1 : 0;
+    }
+    assert_int_equal( lines, 8 ); // six, and two files that the scene writes
+    run_ok( "run good.yaml --steps 2 -v" );
     assert_memory_equal( result.out, "scene ", 6 );
     char* machine = strstr( result.out, "\nmachine: " );
     assert_non_null( machine );
@@ -402,14 +409,14 @@ TEST( stretched_cloth_is_reported_and_statistics_are_printed )
     char text[600];
     snprintf( text, sizeof( text ), "wisp: 1\nsteps: 60\nsubsteps: 1\n%s", cloth );
     write_text( "soft.yaml", text );
-    run( "run soft.yaml" );
+    run( "run soft.yaml -v" );
     assert_int_equal( result.status, 0 );
     assert_non_null( strstr( result.out, "links.xpbd" ) ); // without the key compute a surface is simulated
     assert_non_null( strstr( result.out, "flag is stretched by " ) );
     assert_null( strstr( result.out, "Motion at the end" ) );
     snprintf( text, sizeof( text ), "wisp: 1\nsteps: 60\n%s    compute: [ points, motion_stats ]\n", cloth );
     write_text( "good_cloth.yaml", text );
-    run( "run good_cloth.yaml" );
+    run( "run good_cloth.yaml -v" );
     assert_int_equal( result.status, 0 );
     assert_null( strstr( result.out, "is stretched" ) );
     assert_non_null( strstr( result.out, "Motion at the end" ) );
@@ -431,16 +438,36 @@ TEST( penetration_is_printed_and_a_vertex_below_a_surface_is_told )
     char text[600];
     snprintf( text, sizeof( text ), cloth, "0.02" );
     write_text( "above.yaml", text );
-    run_ok( "run above.yaml" );
+    run_ok( "run above.yaml -v" );
     assert_non_null( strstr( result.out, "deepest mm" ) );
     assert_null( strstr( result.out, "below the surface" ) );
     snprintf( text, sizeof( text ), cloth, "-0.05" );
     write_text( "below.yaml", text );
     run_ok( "run below.yaml" );
+    assert_null( strstr( result.out, "deepest mm" ) );
     assert_non_null( strstr( result.out, "sheet: vertex " ) );
     assert_non_null( strstr( result.out, "mm below the surface of a collider in step 1\n" ) );
     run_ok( "run below.yaml --format json" );
     assert_non_null( strstr( result.out, "\"collision_penetration\": 0.0" ) );
+}
+
+// Mean edges of 56.9 mm / 2^1.5, less a quarter of that, the default thickness.
+TEST( edges_that_pass_through_those_of_a_box_are_told )
+{
+    static const char cloth[] = "wisp: 1\nsteps: 1\nsurfaces:\n"
+                                "  - { name: sheet, generate: { shape: plane, columns: 5, rows: 5, spacing: 0.05 }, "
+                                "cloth: {}, collision: { %s } }\n"
+                                "colliders: [{ name: crate, shape: box, half_extent: [1, 1, 1] }]\n";
+    static const char* const settings[] = { "", "features: all", "thickness: 0.03" };
+    for ( int i = 0; i < WISP_COUNT( settings ); ++i )
+    {
+        char text[600];
+        snprintf( text, sizeof text, cloth, settings[i] );
+        write_text( "crate.yaml", text );
+        run_ok( "run crate.yaml" );
+        assert_true( ( strstr( result.out, "pass up to 5.9 mm through those of the box 'crate'" ) != NULL ) ==
+                     ( i == 0 ) );
+    }
 }
 
 // A sheet of 0.15 kg/m^2 and 0.16 m^2 that lies on the ground weighs 0.2352 N at 9.8 m/s^2.
@@ -456,7 +483,7 @@ TEST( the_reaction_of_a_collider_is_the_weight_of_what_lies_on_it )
                                "colliders:\n"
                                "  - { name: ground, shape: plane, compute: [reaction] }\n"
                                "  - { name: aside, shape: sphere, radius: 1, position: [0, 9, 0] }\n" );
-    run_ok( "run weight.yaml" );
+    run_ok( "run weight.yaml -v" );
     const char* table = strstr( result.out, "Reaction of colliders" );
     assert_non_null( table );
     const char* row = strstr( table, "\nground" );
@@ -478,7 +505,7 @@ TEST( a_scene_without_requests_has_a_plan_without_passes )
                               "    compute: []\n" );
     run_ok( "plan empty.yaml" );
     assert_non_null( strstr( result.out, ": 0 passes" ) );
-    run_ok( "run empty.yaml --steps 2" );
+    run_ok( "run empty.yaml --steps 2 -v" );
     assert_non_null( strstr( result.out, "\ncomputed     nothing, since the scene requests nothing" ) );
     assert_null( strstr( result.out, "Time per step by pass" ) );
     run_ok( "plan good.yaml" );

@@ -99,14 +99,14 @@ TEST( a_run_tells_of_contact_where_stats_are_requested )
 
 TEST( a_run_counts_intersections_and_moves_no_vertex_by_that )
 {
-    run_well( "run two.yaml" ); // by the key of the scene
+    run_well( "run two.yaml -v" ); // by the key of the scene
     assert_non_null( strstr( result.out, "intersections  none in 3 steps" ) );
     assert_null( strstr( result.out, "Intersections" ) );
     run_well( "run plain.yaml --intersections" );
     assert_non_null( strstr( result.out, "intersections  none in 2 steps" ) );
     run_well( "run through.yaml --record alone.obj" );
     assert_null( strstr( result.out, "ntersections" ) );
-    run_well( "run through.yaml --record seen.obj --intersections" );
+    run_well( "run through.yaml --record seen.obj --intersections -v" );
     size_t size, seen_size;
     char *alone = read_bytes( "alone_0004.obj", &size ), *seen = read_bytes( "seen_0004.obj", &seen_size );
     assert_int_equal( size, seen_size );

@@ -20,6 +20,11 @@ static const char suite[] =
     "    vary: { substeps: [4, 10], \"surfaces[*].cloth.bending\": [bend_links, none] }\n"
     "  - { file: cloth.yaml, name: short, steps: 5, set: { \"surfaces[cloth].damping\": 2 } }\n";
 
+typedef struct bad_suite
+{
+    const char *text, *named;
+} bad_suite;
+
 static int enter_folder( void** state )
 {
     static const text_file files[] = { { "cloth.yaml", CLOTH( "1", "9" ) }, { "suite.yaml", suite } };
@@ -41,8 +46,8 @@ TEST_WITH( what_did_not_change_passes, fresh, NULL )
     run_ok( "gate record suite.yaml --no-instructions -o base.json" );
     assert_contains( result.out, "recorded: 5 rows in base.json" );
     run_ok( "gate check suite.yaml --no-instructions --base base.json --junit gate.xml --strict" );
-    assert_contains( result.out, "cloth, substeps=4, bending=bend_links" );
-    assert_contains( result.out, "cloth, substeps=10, bending=none" );
+    assert_contains( result.out, "cloth: substeps=4, bending=bend_links" );
+    assert_contains( result.out, "cloth: substeps=10, bending=none" );
     assert_contains( result.out, "pass: 5 rows, 5 the same\n" );
     size_t size;
     char* junit = read_bytes( "gate.xml", &size );
@@ -51,33 +56,30 @@ TEST_WITH( what_did_not_change_passes, fresh, NULL )
 }
 
 // A base beside the suite is the default.
-TEST_WITH( other_bits_without_a_worse_value_are_moved_and_pass, fresh, NULL )
+TEST_WITH( other_bits_without_a_worse_value_pass_unless_their_budget_is_0, fresh, NULL )
 {
     run_ok( "gate record suite.yaml --no-instructions" );
     write_text( "cloth.yaml", CLOTH( "1.01", "9" ) );
     run_ok( "gate check suite.yaml --no-instructions" );
     assert_contains( result.out,
                      "pass: 5 rows, 1 the same, 4 moved\n" ); // the damping of `short` is its own
+    write_text( "suite.yaml", "wisp_suite: 1\nbudgets: { hash: 0 }\nscenes: [{ file: cloth.yaml }]\n" );
+    run_ok( "gate record suite.yaml --no-instructions" );
+    run_ok( "gate check suite.yaml --no-instructions" );
+    write_text( "cloth.yaml", CLOTH( "1", "9" ) );
+    run( "gate check suite.yaml --no-instructions" );
+    assert_int_equal( result.status, 1 );
+    assert_contains( result.out, "FAILED: cloth: hash is " );
 }
 
 TEST_WITH( a_worse_value_is_status_1_with_a_sentence, fresh, NULL )
 {
     run_ok( "gate record suite.yaml --no-instructions" );
     write_text( "cloth.yaml", CLOTH( "1", "17" ) );
-    run( "gate check suite.yaml --no-instructions --github --junit gate.xml --html gate.html" );
+    run( "gate check suite.yaml --no-instructions" );
     assert_int_equal( result.status, 1 );
     assert_contains( result.out, "short: bytes is " );
-    assert_contains( result.out, "::error file=suite.yaml,title=wisp gate::short: bytes is " );
     assert_contains( result.out, "regression: 5 rows" );
-    size_t size;
-    char* junit = read_bytes( "gate.xml", &size );
-    assert_contains( junit, "failures=\"5\"" );
-    assert_contains( junit, "<failure message=\"bytes is " );
-    free( junit );
-    char* page = read_bytes( "gate.html", &size );
-    assert_contains( page, "5 failures" );
-    assert_contains( page, "<li>short: bytes is " );
-    free( page );
 
     run_ok( "gate accept suite.yaml --no-instructions --reason finer" );
     run_ok( "gate check suite.yaml --no-instructions" );
@@ -97,6 +99,25 @@ TEST_WITH( budgets_decide, fresh, NULL )
     snprintf( wide, sizeof wide, "budgets: { bytes: 100, stretch: 100, energy: 100 }\n%s", suite );
     write_text( "suite.yaml", wide );
     run_ok( "gate check suite.yaml --no-instructions" );
+}
+
+// A sheet that hangs still shows its material, as in the suite of docs/gate.md.
+TEST_WITH( links_a_tenth_too_soft_are_worse, fresh, NULL )
+{
+    static const char soft[] =
+        "wisp_suite: 1\nscenes: [{ file: cloth.yaml, set: { substeps: 20, \"surfaces[0].damping\": 5, "
+        "\"surfaces[0].cloth\": { warp_compliance: %g, weft_compliance: %g, shear_compliance: %g, bending: none } } "
+        "}]\n";
+    for ( double compliance = 0.1; compliance < 0.115; compliance += 0.01 )
+    {
+        char text[400];
+        snprintf( text, sizeof text, soft, compliance, compliance, compliance );
+        write_text( "suite.yaml", text );
+        run( compliance < 0.105 ? "gate record suite.yaml --no-instructions"
+                                : "gate check suite.yaml --no-instructions" );
+    }
+    assert_int_equal( result.status, 1 );
+    assert_contains( result.out, "stretch is " );
 }
 
 TEST_WITH( rows_that_only_one_side_has_are_told, fresh, NULL )
@@ -137,53 +158,61 @@ TEST_WITH( errors_are_compared, fresh, NULL )
     unsetenv( "WISP_CACHE" );
 }
 
-// Where valgrind is installed: the same counts in every run, and one percent more is too much.
-TEST_WITH( instructions_repeat, fresh, NULL )
+// The rule and the way out, before anything runs.
+TEST_WITH( rows_that_do_not_fit_the_reference_are_refused_at_once, fresh, NULL )
 {
-    write_text( "suite.yaml", "wisp_suite: 1\nscenes: [{ file: cloth.yaml, steps: 2 }]\n" );
-    run( "gate record suite.yaml" );
-    if ( result.status != 0 )
+    static const bad_suite all[] = {
+        { "along: { dt: [0.01, 0.02, 0.012] }", "a dt of 0.02 s or 0.01 s does" },
+        { "set: { dt: 0.02, \"surfaces[0].name\": sheet }",
+          "none of the reference is called 'sheet'; name it 'cloth'" },
+    };
+    setenv( "WISP_CACHE", "unused", 1 );
+    for ( int i = 0; i < WISP_COUNT( all ); ++i )
     {
-        assert_contains( result.err, "valgrind" );
-        SKIP( "valgrind is not here" );
+        char text[400];
+        snprintf(
+            text, sizeof text,
+            "wisp_suite: 1\nseconds: 0.1\nreference: { set: { substeps: 80, dt: 0.02 }, check: { substeps: 40 } "
+            "}\nscenes: [{ file: cloth.yaml, %s }]\n",
+            all[i].text );
+        write_text( "suite.yaml", text );
+        assert_refused( "gate record suite.yaml --no-instructions", all[i].named );
     }
-    run_ok( "gate check suite.yaml" );
-    json_t* base = json_load_file( "suite-base.json", 0, NULL );
-    json_t* values = json_object_get( json_array_get( json_object_get( base, "rows" ), 0 ), "values" );
-    const json_int_t count = json_integer_value( json_object_get( values, "instructions" ) );
-    assert_true( count > 10000 );
-    json_object_set_new( values, "instructions", json_integer( count - count / 100 ) );
-    json_dump_file( base, "suite-base.json", 0 );
-    json_decref( base );
-    run( "gate check suite.yaml" );
-    assert_int_equal( result.status, 1 );
-    assert_contains( result.out, "instructions is " );
+    assert_int_equal( access( "unused", F_OK ), -1 );
+    unsetenv( "WISP_CACHE" );
+}
+
+// Where valgrind is installed: the same counts in every run; one percent of instructions and five of cycles more are too much. A base
+// that has cycles is compared with cycles, without being asked.
+TEST_WITH( instructions_and_cycles_repeat, fresh, NULL )
+{
+    static const char* const names[] = { "instructions", "cycles" };
+    write_text( "suite.yaml", "wisp_suite: 1\nscenes: [{ file: cloth.yaml, steps: 2 }]\n" );
+    for ( int i = 0; i < WISP_COUNT( names ); ++i )
+    {
+        run( i == 0 ? "gate record suite.yaml" : "gate record suite.yaml --cycles" );
+        if ( result.status != 0 )
+        {
+            assert_contains( result.err, "valgrind" );
+            SKIP( "valgrind is not here" );
+        }
+        run_ok( "gate check suite.yaml" );
+        json_t* base = json_load_file( "suite-base.json", 0, NULL );
+        json_t* values = json_object_get( json_array_get( json_object_get( base, "rows" ), 0 ), "values" );
+        const json_int_t count = json_integer_value( json_object_get( values, names[i] ) );
+        assert_true( count > 10000 && count >= json_integer_value( json_object_get( values, "instructions" ) ) );
+        json_object_set_new( values, names[i], json_integer( count - count / ( i == 0 ? 100 : 20 ) ) );
+        json_dump_file( base, "suite-base.json", 0 );
+        json_decref( base );
+        run( "gate check suite.yaml" );
+        assert_int_equal( result.status, 1 );
+        char told[40];
+        snprintf( told, sizeof told, "%s is ", names[i] );
+        assert_contains( result.out, told );
+    }
     run_ok( "gate self-test suite.yaml --trials 1" );
     assert_contains( result.out, "0 %       +0.00 %" );
     assert_null( strstr( result.out, "5 %       +0.00 %" ) );
-}
-
-// A base that has cycles is compared with cycles, without being asked.
-TEST_WITH( cycles_repeat, fresh, NULL )
-{
-    write_text( "suite.yaml", "wisp_suite: 1\nscenes: [{ file: cloth.yaml, steps: 2 }]\n" );
-    run( "gate record suite.yaml --cycles" );
-    if ( result.status != 0 )
-    {
-        assert_contains( result.err, "valgrind" );
-        SKIP( "valgrind is not here" );
-    }
-    run_ok( "gate check suite.yaml" );
-    json_t* base = json_load_file( "suite-base.json", 0, NULL );
-    json_t* values = json_object_get( json_array_get( json_object_get( base, "rows" ), 0 ), "values" );
-    const json_int_t cycles = json_integer_value( json_object_get( values, "cycles" ) );
-    assert_true( cycles > json_integer_value( json_object_get( values, "instructions" ) ) );
-    json_object_set_new( values, "cycles", json_integer( cycles - cycles / 20 ) );
-    json_dump_file( base, "suite-base.json", 0 );
-    json_decref( base );
-    run( "gate check suite.yaml" );
-    assert_int_equal( result.status, 1 );
-    assert_contains( result.out, "cycles is " );
 }
 
 TEST_WITH( iterations_of_linear_solves_are_compared, fresh, NULL )
@@ -207,11 +236,6 @@ TEST_WITH( iterations_of_linear_solves_are_compared, fresh, NULL )
     assert_int_equal( result.status, 1 );
     assert_contains( result.out, "solver_iterations is " );
 }
-
-typedef struct bad_suite
-{
-    const char *text, *named;
-} bad_suite;
 
 TEST_WITH( bad_suites_are_refused_in_a_sentence, fresh, NULL )
 {
@@ -312,6 +336,8 @@ TEST_WITH( wrong_usage_is_64, fresh, NULL )
     assert_usage( "gate check", "expected an action and a suite" );
     assert_usage( "gate chek suite.yaml", "did you mean 'check'?" );
     assert_usage( "gate accept suite.yaml", "--reason" );
+    assert_usage( "gate check suite.yaml --patch a", "--patch" );
+    assert_usage( "gate accept /suite.yaml --patch a --reason x", "--patch" );
     assert_refused( "gate step suite.yaml --row 5", "got row 5, the suite has 5" );
 }
 

@@ -53,6 +53,8 @@ TEST( recording_does_not_change_the_hash_unless_more_is_computed )
         run_ok( command );
         read_hash( recorded );
         assert_string_equal( recorded, plain );
+        const char* named = i == 1 ? "h_cloth.pc2, h_ball.pc2: 7" : i == 3 ? "h_0001.obj to h_0007.obj: 7" : files[i];
+        assert_non_null( strstr( result.out, named ) );
     }
     assert_true( has_array( "h/cloth_0007.vtp", "Normals" ) );
     assert_false( has_array( "h/cloth_0007.vtp", "strain" ) );

@@ -149,6 +149,39 @@ TEST( cloth_and_collider_look_alike_in_a_scene_and_in_its_recording )
     assert_non_null( strstr( result.out, ": 7 frames, every bit equal" ) );
 }
 
+// Nor does a small sheet far away make the other one a speck.
+TEST( a_ceiling_does_not_hide_what_is_below_it )
+{
+    static const char sheets[] = "wisp: 1\nsteps: 1\nsurfaces:\n"
+                                 "  - { name: sheet, generate: { shape: plane, columns: 9, rows: 9 }, cloth: {} }\n"
+                                 "%s";
+    static const char* const more[] = {
+        "",
+        "colliders: [{ name: ceiling, shape: plane, position: [0, 1, 0], rotation: { axis: [1, 0, 0], degrees: 180 } "
+        "}]\n",
+        "  - { name: scrap, generate: { shape: plane, columns: 2, rows: 2 }, transform: { translate: [9, -99, 0] }, "
+        "cloth: {} }\n",
+    };
+    for ( int i = 0; i < WISP_COUNT( more ); ++i )
+    {
+        char text[800], command[160];
+        snprintf( text, sizeof text, sheets, more[i] );
+        write_text( "sheets.yaml", text );
+        snprintf( command, sizeof command,
+                  "render sheets.yaml -o sheets%d.png --steps 2 --size 64x48 --samples 1 --from 32,50 --ground none",
+                  i );
+        run( command );
+        result.err[0] = '\0'; // a ceiling that nothing collides with is told
+        picture p = assert_picture( i == 0 ? "sheets0.png" : i == 1 ? "sheets1.png" : "sheets2.png", 64, 48 );
+        assert_true( count_unlike_corner( &p ) > 64 * 48 / 8 );
+        free( p.rgb );
+    }
+    assert_true( same_file( "sheets0.png", "sheets1.png" ) );
+    run_ok( "render sheets.yaml -o longer.png --steps 9 --size 64x48 --samples 1 --from 32,50 --ground none" );
+    assert_non_null( strstr( result.out, "frame 9 of sheets.yaml" ) );
+    assert_refused( "render fly.wisp -o longer.png --steps 9", "--steps expects a scene" );
+}
+
 TEST( a_scene_shows_strain_and_speed_of_its_surfaces )
 {
     run_ok( "render cloth.yaml -o body.png --size 80x60 --samples 1 --frames 0:6:3" );
@@ -345,10 +378,12 @@ TEST( speed_is_measured_between_neighbouring_frames )
 
 TEST( the_user_places_camera_ground_and_background )
 {
-    run( "render sheet.obj -o away.png --size 40x30 --samples 1 --camera 0,0,5,0,0,10 --background #204060 --ground "
+    assert_refused( "render sheet.obj -o away.png --size 40x30 --samples 1 --camera 0,0,5,0,0,10",
+                    "the picture is empty" );
+    assert_int_equal( access( "away.png", F_OK ), -1 );
+    run( "render sheet.obj -o far.png --size 40x30 --samples 1 --camera 0,0,15,0,0,0 --background #204060 --ground "
          "none" );
-    picture p = assert_picture( "away.png", 40, 30 );
-    assert_int_equal( count_unlike_corner( &p ), 0 );
+    picture p = assert_picture( "far.png", 40, 30 );
     assert_true( pixel( &p, 0, 0 )[2] > pixel( &p, 0, 0 )[1] && pixel( &p, 0, 0 )[1] > pixel( &p, 0, 0 )[0] );
     free( p.rgb );
     run( "render sheet.obj -o near.png --size 40x30 --samples 1 --camera 0,0.2,3,0,0.2,0 --fov 20 --background "

@@ -65,13 +65,16 @@ export class AccuracyPanel {
     open(scene, parameters, usesReference) {
         const isNew = scene !== this.#scene;
         this.#scene = scene;
-        this.#parameters = scene.parameters;
+        // Off, which the engine lists last, is at the left of a slider.
+        this.#parameters = scene.parameters.map((parameter) => {
+            return parameter.values.includes(0) ? { ...parameter, values: [...parameter.values].sort((a, b) => a - b) } : parameter;
+        });
         this.element.hidden = scene.parameters.length === 0;
         if (isNew) {
             this.#buildParameters();
             this.showAnswer("");
         }
-        for (const parameter of scene.parameters) {
+        for (const parameter of this.#parameters) {
             const row = this.#sliders.get(parameter.name), value = parameters[parameter.name] ?? parameter.value;
             row.set(parameter.values.indexOf(value));
             row.element.classList.toggle("changed", value !== parameter.value);

@@ -1,34 +1,48 @@
-/** How many pixels are drawn per pixel of the page: fewer where the graphics cannot keep up. */
+/** How much is drawn: fewer pixels per pixel of the page, then fewer strands, where the graphics cannot keep up. */
 
-const SLOW_MS = 24, WINDOW = 45; // pictures that are measured before a decision
-const STEPS = [2, 1.5, 1, 0.75];
+const SLOW_MS = 24, PAUSE_MS = 5000;
+// A decision takes 45 pictures, or a second and a half of slow ones.
+const PICTURES = 45, DECISION_MS = 1500, LEAST_PICTURES = 3;
+const LEVELS = [[2, 1], [1.5, 1], [1, 1], [0.75, 1], [0.75, 1 / 4], [0.75, 1 / 16]];
 
 export class PixelRatio {
-    #last = 0;
     #slow = 0;
     #count = 0;
-    #level = STEPS.findIndex((ratio) => ratio <= devicePixelRatio);
+    #time = 0;
+    #level = LEVELS.findIndex(([ratio]) => ratio <= devicePixelRatio);
 
     constructor() {
-        if (this.#level < 0) this.#level = STEPS.length - 2;
+        if (this.#level < 0) this.#level = 3;
     }
 
     get ratio() {
-        return Math.min(devicePixelRatio, STEPS[this.#level]);
+        return Math.min(devicePixelRatio, LEVELS[this.#level][0]);
     }
 
-    /** A picture was drawn. @param {number} now ms @returns {boolean} whether the ratio has changed */
-    picture(now) {
-        const lapse = now - this.#last;
-        this.#last = now;
-        // A single long gap is a pause, not slow graphics.
-        if (lapse > 250) return false;
+    /** Part of the strands that is drawn. */
+    get strands() {
+        return LEVELS[this.#level][1];
+    }
+
+    /** A picture was drawn. @param {number} lapse ms until the browser asked for the next one @returns {boolean} whether less is drawn */
+    picture(lapse) {
+        if (lapse > PAUSE_MS) return false; // a page that was not seen
         ++this.#count;
+        this.#time += lapse;
         if (lapse > SLOW_MS) ++this.#slow;
-        if (this.#count < WINDOW) return false;
-        const isSlow = this.#slow > 0.6 * WINDOW && this.#level + 1 < STEPS.length;
-        this.#count = this.#slow = 0;
+        if (this.#count < PICTURES && (this.#time < DECISION_MS || this.#count < LEAST_PICTURES)) return false;
+        const isSlow = this.#slow > 0.6 * this.#count && this.#level + 1 < LEVELS.length;
+        this.#count = this.#slow = this.#time = 0;
         if (isSlow) ++this.#level;
         return isSlow;
     }
+}
+
+/** Numbers of all strands, so that the first of any part of them are spread evenly. */
+export function spreadOrder(count) {
+    const order = [];
+    for (let stride = 16; stride >= 1; stride /= 4) {
+        for (let s = 0; s < count; s += stride) if (stride === 16 || s % (4 * stride) !== 0) order.push(s);
+    }
+    return order;
 }

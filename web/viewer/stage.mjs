@@ -194,6 +194,11 @@ export class Stage {
         for (const { b, drawing } of this.#drawings) drawing.showLooks(frame.looks[b]);
     }
 
+    /** @param {number} part of the strands to draw */
+    showStrands(part) {
+        for (const { drawing } of this.#drawings) drawing.showPart?.(part);
+    }
+
     resize(width, height, ratio) {
         this.renderer.setPixelRatio(ratio);
         this.renderer.setSize(width, height, false);

@@ -5,6 +5,8 @@
  */
 import { BufferAttribute, BufferGeometry, Color, DoubleSide, GLSL3, Mesh, ShaderMaterial, Vector2 } from "three";
 import { COLOUR_MAP, LIGHT, OUTPUT, PLACES, VALUES } from "./glsl.mjs";
+import { HAIR } from "./body_colours.mjs";
+import { spreadOrder } from "./pixel_ratio.mjs";
 import { numbersTexture, triplesTexture } from "./point_textures.mjs";
 
 const VERTEX = /* glsl */ `
@@ -14,7 +16,7 @@ uniform highp sampler2D widths, colours;
 uniform bool hasWidth, hasColour;
 uniform float width, minPixels;
 uniform vec2 viewport;
-uniform vec3 rootColour, tipColour;
+uniform vec3 hairColour;
 out vec3 world, tangent, base;
 out float along, random, value;
 void main() {
@@ -27,7 +29,7 @@ void main() {
     tangent = size > 0.0 ? t / size : vec3(0.0, 1.0, 0.0);
     along = strand.z / 255.0;
     random = strand.w / 255.0;
-    base = hasColour ? texelFetch(colours, texelOf(i), 0).rgb : mix(rootColour, tipColour, along * along);
+    base = hasColour ? texelFetch(colours, texelOf(i), 0).rgb : hairColour;
     value = valueOf(i);
     vec4 view = viewMatrix * vec4(p, 1.0);
     vec3 viewTangent = mat3(viewMatrix) * tangent;
@@ -62,7 +64,7 @@ void main() {
     float sinTL = sqrt(max(0.0, 1.0 - dot(t, l) * dot(t, l)));
     float shift = (random - 0.5) * 0.16;
     float lit = shadowAt(world + l * 2.0 * shadowBias, 0.0015);
-    vec3 b = value >= 0.0 ? mapColour(value) : base * (0.8 + 0.4 * random);
+    vec3 b = value >= 0.0 ? mapColour(value) : base * (0.65 + 0.70 * random);
     vec3 n = normalize(v - t * dot(v, t));
     vec3 diffuse = b * (keyColour * 0.5 * sinTL * mix(0.2, 1.0, lit) + skyAt(n) * (0.5 + 0.4 * along));
     // Light from behind passes along the edge of the hair.
@@ -84,7 +86,7 @@ function ribbonsOf(offsets, vertexCount) {
     const strands = offsets.length - 1;
     const indices = new Uint32Array(6 * Math.max(0, vertexCount - strands));
     let at = 0;
-    for (let s = 0; s < strands; ++s) {
+    for (const s of spreadOrder(strands)) {
         const begin = offsets[s], end = offsets[s + 1];
         // A fixed hash of its number gives a strand its random number.
         const random = (Math.imul(s + 1, 2654435761) >>> 24) & 255;
@@ -115,7 +117,7 @@ export class StrandDrawing {
             // A model has a hundredth of the hairs of a head: the fewer there are, the more each stands for.
             width: { value: 4e-4 * Math.min(3, Math.max(1, Math.sqrt(10000 / body.strandCount))) },
             minPixels: { value: 0.9 },
-            rootColour: { value: new Color(0.17, 0.080, 0.038) }, tipColour: { value: new Color(0.46, 0.25, 0.115) },
+            hairColour: { value: new Color(...HAIR) },
         };
         this.uniforms = uniforms;
         const { attributes, indices } = ribbonsOf(body.offsets, body.vertexCount);
@@ -151,6 +153,12 @@ export class StrandDrawing {
         this.#set("colours", this.colours);
         this.#set("hasWidth", this.widths !== null);
         this.#set("hasColour", this.colours !== null);
+    }
+
+    /** @param {number} part of the strands to draw, evenly spread */
+    showPart(part) {
+        const count = this.object.geometry.index.count;
+        this.object.geometry.setDrawRange(0, part < 1 ? 6 * Math.ceil(part * count / 6) : count);
     }
 
     #set(name, value) {

@@ -4,6 +4,7 @@
  * the surface is hollow, and light along the silhouette.
  */
 import { BufferAttribute, BufferGeometry, Color, DoubleSide, GLSL3, Mesh, ShaderMaterial } from "three";
+import { colourOf } from "./body_colours.mjs";
 import { COLOUR_MAP, LIGHT, OUTPUT, PLACES, RING, VALUES } from "./glsl.mjs";
 import { numbersTexture, pairsTexture } from "./point_textures.mjs";
 import { areEqual, ringOf } from "./surface_topology.mjs";
@@ -53,19 +54,6 @@ precision highp float;
 in vec3 world, facing;
 in float hollow, value;
 void main() {}`;
-
-/** Colours in linear light, those of wisp render. */
-const PALETTE = [
-    [0.060, 0.22, 0.42], [0.66, 0.27, 0.19], [0.10, 0.36, 0.38], [0.68, 0.36, 0.060], [0.36, 0.12, 0.30], [0.090, 0.30, 0.19],
-];
-const BALLOON = [0.62, 0.050, 0.045];
-const COLLIDER = [0.40, 0.385, 0.36];
-
-function colourOf(body, number) {
-    if (body.kind === "collider") return COLLIDER;
-    if (body.kind === "balloon" && number === 0) return BALLOON;
-    return PALETTE[number % PALETTE.length];
-}
 
 export class SurfaceDrawing {
     /**

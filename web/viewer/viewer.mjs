@@ -47,6 +47,8 @@ export class Viewer {
     #refused = new Set(); // bodies that cannot be held
     #isDirty = true;
     #drawn = "";
+    #looped = 0; // ms, when the browser last asked for a picture
+    #wasDrawn = false;
     #rate = { time: 0, at: 0, value: null };
 
     constructor() {
@@ -191,7 +193,8 @@ export class Viewer {
     #describe() {
         const strands = this.bodies.reduce((sum, body) => sum + (body.hidden ? 0 : body.strandCount ?? 0), 0);
         const vertices = this.bodies.reduce((sum, body) => sum + (body.moves && !body.hidden ? body.vertexCount : 0), 0);
-        const parts = [strands > 0 ? `${count(strands)} strands` : null, `${count(vertices)} vertices`, `Wisp ${this.player.version}`];
+        const drawn = this.pixels.strands < 1 ? ` (1 in ${1 / this.pixels.strands} drawn: slow graphics)` : "";
+        const parts = [strands > 0 ? `${count(strands)} strands${drawn}` : null, `${count(vertices)} vertices`, `Wisp ${this.player.version}`];
         setText(byId("subtitle"), parts.filter(Boolean).join(", "));
     }
 
@@ -220,6 +223,7 @@ export class Viewer {
             this.shownPoints = frame.points;
             this.#commands = 0;
             this.stage.setBodies(this.bodies, frame.points, this.session?.usesReference ?? false);
+            this.stage.showStrands(this.pixels.strands);
             if (this.session) this.accuracy.open(this.session.scene, this.session.parameters, this.session.usesReference);
             this.look.restart();
         }
@@ -243,6 +247,9 @@ export class Viewer {
     #loop(now) {
         requestAnimationFrame((next) => this.#loop(next));
         const start = performance.now();
+        if (this.#wasDrawn) this.#resolution(now - this.#looped);
+        this.#wasDrawn = false;
+        this.#looped = now;
         const shown = this.player?.tick(now);
         if (shown) {
             this.shownPoints = shown.to.points;
@@ -256,7 +263,7 @@ export class Viewer {
             this.stage.render();
             this.#drawn = pictureOf(shown);
             this.#isDirty = false;
-            this.#resolution(now);
+            this.#wasDrawn = true;
         }
         if (now - this.#lastUpdate > UPDATE_MS) this.#updateNumbers(now);
         if (shown) this.frameCost.add(performance.now() - start);
@@ -432,9 +439,12 @@ export class Viewer {
         return new Vector3().fromArray(this.shownPoints[body], 3 * vertex);
     }
 
-    /** On slow graphics fewer pixels are drawn, so that motion stays smooth. */
-    #resolution(now) {
-        if (this.pixels.picture(now)) this.#resize();
+    /** On slow graphics fewer pixels and strands are drawn, so that motion stays smooth. */
+    #resolution(lapse) {
+        if (!this.pixels.picture(lapse)) return;
+        this.stage.showStrands(this.pixels.strands);
+        this.#describe();
+        this.#resize();
     }
 
     #resize() {
