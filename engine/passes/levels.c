@@ -134,11 +134,11 @@ static void prolong( const levels_sheet* sheet, const float* value, const float*
 
 // Prolongs to the surface. One that nothing pins gets it without its rigid motion, since sheets have no momentum to give, and with a
 // shift. The angular momentum of a displacement is about where the substep began, that of a velocity about where it ends.
-// @param about [slot][4] m @param change [2][slot][4] scratch
+// @param about [slot][4] m @param change [2][slot][4] scratch; null: it is pinned
 static void prolong_to_surface( const levels_sheet* sheet, const wisp_fabric* fabric, const float* value,
                                 const float* about, const float shift[3], float* change, float* target )
 {
-    if ( wisp_fabric_is_pinned( fabric, about ) )
+    if ( change == NULL )
     {
         prolong( sheet, value, about, target );
         return;
@@ -167,7 +167,7 @@ typedef struct levels_memory
     float* moved; // [row][4] of all levels: m, where the surface has been predicted, then the displacement from there
     float *start, *acceleration;    // [row][4] of the coarsest level
     float *lower, *lambda, *factor; // [link]
-    float* change;                  // [2][slot][4] of the surface
+    float* change;                  // [2][slot][4] of a surface that nothing pins; null: it is pinned
     levels_pin* pins;               // of the level that moves
 } levels_memory;
 
@@ -178,7 +178,9 @@ static bool take_level_memory( wisp_frame* frame, const wisp_span* span, levels_
     const size_t rows = 4 * (size_t)( last->first_row + last->row_count ), own = 4 * (size_t)last->row_count;
     const size_t links = (size_t)( last->first_link + last->schedule.slot_count );
     const size_t pins = (size_t)*levels_columns_of( frame, span->entity ).pins;
-    const size_t slots = 8 * (size_t)f->slot_count;
+    const bool is_pinned =
+        wisp_fabric_is_pinned( f, wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ) );
+    const size_t slots = is_pinned ? 0 : 8 * (size_t)f->slot_count;
     float* at = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker,
                                        ( slots + 2 * rows + 2 * own + 3 * links ) * sizeof( float ) +
                                            pins * sizeof( levels_pin ) );
@@ -198,7 +200,7 @@ static bool take_level_memory( wisp_frame* frame, const wisp_span* span, levels_
         .lower = lower,
         .lambda = lower + links,
         .factor = lower + 2 * links,
-        .change = lower + 3 * links,
+        .change = is_pinned ? NULL : lower + 3 * links,
         .pins = (levels_pin*)( lower + 3 * links + slots ),
     };
     return true;
@@ -460,7 +462,7 @@ static void carry_velocity( wisp_frame* frame, const wisp_span* span, void* user
     wisp_frame_count( frame, WISP_COUNT_FIRST_ORDER, is_second_order ? 0u : 1u );
     const levels_columns columns = levels_columns_of( frame, span->entity );
     float drift[3] = { 0.0f }, shift[3] = { 0.0f };
-    if ( wisp_fabric_is_pinned( f, position ) == false )
+    if ( m.change != NULL )
     {
         levels_find_mean( position + 3, 4, velocity, f->slot_count, drift );
         find_shift( &columns, wisp_frame_dt( frame, span->entity ), drift, shift );
