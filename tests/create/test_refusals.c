@@ -68,7 +68,9 @@ static int open_fixture( void** state )
     const wisp_create_hair_def hair = hair_def();
     wisp_collider_def collider = wisp_default_collider_def();
     collider.kind = WISP_COLLIDER_SPHERE;
-    assert_int_equal( wisp_create_world( &f->world, NULL ), WISP_OK );
+    wisp_world_def def = wisp_default_world_def();
+    def.modules = wisp_all_modules( &def.module_count );
+    assert_int_equal( wisp_world_create( &def, &f->world, NULL ), WISP_OK );
     assert_int_equal( wisp_create_cloth( f->world, &cloth, &f->cloth ), WISP_OK );
     assert_int_equal( wisp_create_cloth( f->world, &cloth, &f->stale ), WISP_OK );
     assert_int_equal( wisp_create_hair( f->world, &hair, &f->hair ), WISP_OK );
