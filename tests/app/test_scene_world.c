@@ -8,6 +8,7 @@
 
 #include "files.h"
 
+#include "create.h"
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
 
@@ -409,6 +410,54 @@ TEST( a_fabric_is_cooked_with_what_its_effects_need_and_nothing_else )
         assert_int_equal( fabric->tether_count > 0, cooked[i].tethers );
         assert_int_equal( fabric->level_count > 0, cooked[i].sheets );
     }
+    release( &f );
+}
+
+// A block with nothing in it and a definition with its defaults: gravity, coarse sheets, bending, collision, hair.
+TEST( what_a_scene_and_a_host_make_of_defaults_is_the_same_bits )
+{
+    fixture f;
+    build(
+        &f,
+        "wisp: 1\nstrands:\n  - { name: hair, generate: { strands: 9, vertices: 12 }, dynamics: {}, collision: {} }\n"
+        "surfaces:\n  - { name: cloth, generate: { shape: plane, columns: 33, rows: 33, spacing: 0.03 }, pins: [0, "
+        "32], "
+        "cloth: {}, collision: {} }\n"
+        "colliders:\n  - { name: ball, shape: sphere, radius: 0.2, position: [0, -0.3, 0.3] }\n" );
+    wisp_world_def world_def = wisp_default_world_def();
+    wisp_create_cloth_def cloth_def = wisp_default_create_cloth_def();
+    wisp_create_hair_def hair_def = wisp_default_create_hair_def();
+    wisp_collider_def ball_def = wisp_default_collider_def();
+    const wisp_mesh* mesh = &f.world.surfaces[0].mesh;
+    const wisp_groom* groom = &f.world.grooms[0];
+    const int32_t pins[] = { 0, 32 };
+    wisp_world* host;
+    wisp_entity cloth, hair, ball;
+    world_def.modules = wisp_all_modules( &world_def.module_count );
+    assert_ok( wisp_world_create( &world_def, &host, &f.error ), f.error );
+    hair_def.points = groom->points, hair_def.offsets = groom->offsets, hair_def.strand_count = groom->strand_count;
+    cloth_def.points = mesh->points, cloth_def.vertex_count = mesh->vertex_count;
+    cloth_def.triangles = mesh->triangles, cloth_def.triangle_count = mesh->triangle_count;
+    cloth_def.pins = pins, cloth_def.pin_count = 2;
+    ball_def.kind = WISP_COLLIDER_SPHERE, ball_def.radius = 0.2f;
+    ball_def.pose.translation = ( wisp_vec3 ){ 0.0f, -0.3f, 0.3f };
+    assert_int_equal( wisp_create_hair( host, &hair_def, &hair ), WISP_OK );
+    assert_int_equal( wisp_create_cloth( host, &cloth_def, &cloth ), WISP_OK );
+    assert_int_equal( wisp_add_collider( host, &ball_def, &ball ), WISP_OK );
+    step( &f, 60 );
+    for ( int i = 0; i < 60; ++i )
+    {
+        assert_int_equal( wisp_world_step( host, f.scene.dt ), WISP_OK );
+    }
+    uint64_t hashes[4];
+    const wisp_entity of_scene = f.world.surfaces[0].entity;
+    assert_int_equal( wisp_world_hash_column( host, cloth, WISP_SURFACE_POINTS, &hashes[0] ), WISP_OK );
+    assert_int_equal( wisp_world_hash_column( f.world.world, of_scene, WISP_SURFACE_POINTS, &hashes[1] ), WISP_OK );
+    assert_int_equal( wisp_world_hash_column( host, hair, WISP_STRAND_POINTS, &hashes[2] ), WISP_OK );
+    assert_int_equal( wisp_world_hash_column( f.world.world, f.world.entities[0], WISP_STRAND_POINTS, &hashes[3] ),
+                      WISP_OK );
+    assert_true( hashes[0] == hashes[1] && hashes[2] == hashes[3] );
+    wisp_world_destroy( host );
     release( &f );
 }
 
