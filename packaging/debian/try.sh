@@ -30,7 +30,7 @@ if grep -q libwisp <<<"$(ldd static)"; then
     echo "the static host wants libwisp.so"
     exit 1
 fi
-c++ -std=c++17 examples/cloth.cpp $(pkg-config --cflags --libs wisp) -o cpp && ./cpp
+c++ -std=c++17 examples/game.cpp $(pkg-config --cflags --libs wisp) -o cpp && ./cpp
 cat >CMakeLists.txt <<'CMAKE'
 cmake_minimum_required(VERSION 3.16)
 project(host C)
