@@ -168,6 +168,7 @@ static wisp_status play_all( game* g, uint64_t* hash, bool* repeats )
 {
     wisp_collider_def ball_def = wisp_default_collider_def();
     ball_def.kind = WISP_COLLIDER_SPHERE, ball_def.radius = 0.2f;
+    ball_def.pose.translation.y = -0.4f;
     wisp_status status = wisp_add_collider( g->world, &ball_def, &g->ball );
     for ( int second = 0; second < 5 && status == WISP_OK; ++second )
     {

@@ -33,7 +33,7 @@ int main()
     wisp::world world( error );
     const auto [status, flag] = add_flag( world );
     wisp_collider_def ball_def = wisp_default_collider_def();
-    ball_def.kind = WISP_COLLIDER_SPHERE, ball_def.radius = 0.2f;
+    ball_def.kind = WISP_COLLIDER_SPHERE, ball_def.radius = 0.2f, ball_def.pose.translation.y = -0.4f;
     const auto [ball_status, ball] = world.add( ball_def );
     if ( error || status != WISP_OK || ball_status != WISP_OK )
     {
