@@ -50,6 +50,7 @@
 #include "frozen_hair.h"
 #include "guide_hair.h"
 #include "implicit_cloth.h"
+#include "inspect.h"
 #include "motion_constraints.h"
 #include "membrane.h"
 #include "seams.h"
