@@ -10,8 +10,8 @@
 #include "frozen_hair.h"
 #include "guide_hair.h"
 #include "implicit_cloth.h"
-#include "inspect.h"
 #include "membrane.h"
+#include "pick.h"
 #include "seams.h"
 #include "strand_appearance.h"
 #include "tearing.h"
@@ -119,7 +119,7 @@ static int close_fixture( void** state )
     X( wisp_cancel_request( W, E, WISP_MOTION_STATS ) )                                                              \
     X( wisp_world_view( W, E, WISP_SURFACE_POINTS, &( wisp_view ){ 0 } ) )                                           \
     X( wisp_read_motion_stats( W, E, &( wisp_motion_stats ){ 0 } ) )                                                 \
-    X( wisp_pick_entity( W, E, points[0], points[1], 0.0f, &( wisp_pick ){ 0 } ) )                                   \
+    X( wisp_pick( W, E, points[0], points[1], 0.0f, &( wisp_hit ){ 0 } ) )                                           \
     X( wisp_world_hash_column( W, E, WISP_SURFACE_POINTS, &( uint64_t ){ 0 } ) )                                     \
     X( wisp_set_cloth_wind( W, E, points[0] ) )                                                                      \
     X( wisp_set_balloon_gas_ratio( W, E, 1.0f ) )                                                                    \

@@ -1,20 +1,18 @@
-// Lines for a host's renderer, and picking with a mouse.
+// Picking with a mouse, and the nearest place to a point.
 #include "support.h"
 
 #include "create.h"
-#include "inspect.h"
+#include "pick.h"
 #include "wisp/generate.h"
 
 enum
 {
     COLUMNS = 13,
     ROWS = 9,
-    EDGES = ( COLUMNS - 1 ) * ROWS + COLUMNS * ( ROWS - 1 ) + ( COLUMNS - 1 ) * ( ROWS - 1 ),
 };
 
 static wisp_vec3 points[WISP_GRID_VERTICES( COLUMNS, ROWS )], strand_points[4 * 5];
 static int32_t triangles[WISP_GRID_TRIANGLES( COLUMNS, ROWS )][3], offsets[5];
-static wisp_line lines[4096];
 
 typedef struct scene
 {
@@ -22,10 +20,9 @@ typedef struct scene
     wisp_entity cloth, hair, ball;
 } scene;
 
-// A grid of 1.2 m x 0.8 m in y = 0 that touches a ball, and four strands that hang 3 m aside.
-static scene new_scene( int pin_count )
+// A grid of 1.2 m x 0.8 m in y = 0, four strands that hang 3 m aside, and a ball.
+static scene new_scene( void )
 {
-    static const int32_t corners[] = { 0, COLUMNS - 1 };
     scene s;
     wisp_world_def def = wisp_default_world_def();
     wisp_create_cloth_def cloth = wisp_default_create_cloth_def();
@@ -40,9 +37,8 @@ static scene new_scene( int pin_count )
     def.modules = wisp_all_modules( &def.module_count );
     cloth.points = points, cloth.vertex_count = WISP_COUNT( points );
     cloth.triangles = &triangles[0][0], cloth.triangle_count = WISP_COUNT( triangles );
-    cloth.pins = corners, cloth.pin_count = pin_count;
     hair.points = strand_points, hair.offsets = offsets, hair.strand_count = 4;
-    ball.kind = WISP_COLLIDER_SPHERE, ball.radius = 0.5f, ball.pose.translation.y = -0.5f;
+    ball.kind = WISP_COLLIDER_SPHERE;
     assert_int_equal( wisp_world_create( &def, &s.world, NULL ), WISP_OK );
     assert_int_equal( wisp_create_cloth( s.world, &cloth, &s.cloth ), WISP_OK );
     assert_int_equal( wisp_create_hair( s.world, &hair, &s.hair ), WISP_OK );
@@ -50,53 +46,19 @@ static scene new_scene( int pin_count )
     return s;
 }
 
-// The largest strain of links is that of the statistics.
-TEST( lines_are_links_and_pins )
+static wisp_hit pick( const scene* s, wisp_entity entity, wisp_vec3 from, wisp_vec3 to, float radius )
 {
-    for ( int pin_count = 0; pin_count <= 2; pin_count += 2 )
-    {
-        scene s = new_scene( pin_count );
-        wisp_motion_stats stats;
-        int counts[2] = { 0 };
-        double strain = 0.0;
-        assert_int_equal( wisp_draw_lines( s.world, s.cloth, NULL, 0 ), EDGES + 3 * pin_count );
-        assert_int_equal( wisp_request( s.world, s.cloth, WISP_MOTION_STATS ), WISP_OK );
-        for ( int step = 0; step < 20; ++step )
-        {
-            assert_int_equal( wisp_world_step( s.world, 1.0f / 60.0f ), WISP_OK );
-        }
-        assert_int_equal( wisp_read_motion_stats( s.world, s.cloth, &stats ), WISP_OK );
-        const int count = wisp_draw_lines( s.world, s.cloth, lines, WISP_COUNT( lines ) );
-        assert_int_equal( count, EDGES + 3 * pin_count );
-        for ( int i = 0; i < count; ++i )
-        {
-            const wisp_line* l = lines + i;
-            counts[l->kind] += 1;
-            strain = l->kind == WISP_LINE_LINK ? fmax( strain, fabs( (double)l->value ) ) : strain;
-        }
-        assert_int_equal( counts[WISP_LINE_LINK], EDGES );
-        assert_int_equal( counts[WISP_LINE_PIN], 3 * pin_count );
-        assert_true( stats.strain_max > 0.0 && fabs( strain - stats.strain_max ) < 1e-5 ); // rounding of floats
-        assert_int_equal( wisp_draw_lines( s.world, s.hair, lines, WISP_COUNT( lines ) ), 4 * 4 );
-        assert_int_equal( wisp_draw_lines( s.world, s.ball, lines, WISP_COUNT( lines ) ), -1 );
-        assert_contains( wisp_world_message( s.world ), "neither a surface nor strands" );
-        wisp_world_destroy( s.world );
-    }
-}
-
-static wisp_pick pick( const scene* s, wisp_entity entity, wisp_vec3 from, wisp_vec3 to, float radius )
-{
-    wisp_pick out;
-    assert_int_equal( wisp_pick_entity( s->world, entity, from, to, radius, &out ), WISP_OK );
+    wisp_hit out;
+    assert_int_equal( wisp_pick( s->world, entity, from, to, radius, &out ), WISP_OK );
     return out;
 }
 
 TEST( a_way_meets_the_first_and_a_point_the_nearest )
 {
-    scene s = new_scene( 2 );
+    scene s = new_scene();
     const wisp_vec3 above = { 0.03f, 1.0f, 0.02f }, below = { 0.03f, -1.0f, 0.02f }, near = { 0.03f, 0.2f, 0.02f },
                     beside = { 0.7f, 0.0f, 0.0f };
-    wisp_pick hit = pick( &s, s.cloth, above, below, 0.0f );
+    wisp_hit hit = pick( &s, s.cloth, above, below, 0.0f );
     assert_int_equal( hit.vertex, ROWS / 2 * COLUMNS + COLUMNS / 2 ); // the middle
     assert_true( fabsf( hit.point.y ) < 1e-6f && fabsf( hit.distance - 1.0f ) < 1e-6f );
     bool is_corner = false;
@@ -120,10 +82,8 @@ TEST( a_way_meets_the_first_and_a_point_the_nearest )
     hit = pick( &s, s.hair, before, behind, 0.01f );
     assert_true( hit.vertex == 2 && hit.triangle == -1 && fabsf( hit.point.x - v.x ) < 1e-6f );
     assert_int_equal( pick( &s, s.hair, before, behind, 0.001f ).vertex, -1 );
-    wisp_pick out;
-    expect_refusal( s.world, wisp_pick_entity( s.world, s.cloth, above, below, -1.0f, &out ), WISP_BAD_INPUT,
-                    "radius" );
-    expect_refusal( s.world, wisp_pick_entity( s.world, s.ball, above, below, 0.0f, &out ), WISP_CONFLICT,
-                    "neither" );
+    wisp_hit out;
+    expect_refusal( s.world, wisp_pick( s.world, s.cloth, above, below, -1.0f, &out ), WISP_BAD_INPUT, "radius" );
+    expect_refusal( s.world, wisp_pick( s.world, s.ball, above, below, 0.0f, &out ), WISP_CONFLICT, "neither" );
     wisp_world_destroy( s.world );
 }
