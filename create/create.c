@@ -32,13 +32,6 @@ const wisp_module* const* wisp_all_modules( int* count )
     return ALL_MODULES;
 }
 
-wisp_status wisp_create_world( wisp_world** out, wisp_error* error )
-{
-    wisp_world_def def = wisp_default_world_def();
-    def.modules = wisp_all_modules( &def.module_count );
-    return wisp_world_create( &def, out, error );
-}
-
 // ---- what cloth and hair share ----
 
 static wisp_status add_collision( wisp_world* world, wisp_entity entity, bool collides,
@@ -95,10 +88,16 @@ static wisp_status cook( wisp_world* world, const wisp_create_cloth_def* def, co
     return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.message );
 }
 
+static bool blows( wisp_vec3 wind )
+{
+    return wind.x != 0.0f || wind.y != 0.0f || wind.z != 0.0f;
+}
+
 static wisp_status apply_material( wisp_world* world, const wisp_create_cloth_def* def,
                                    const wisp_cloth_def* material, wisp_entity cloth )
 {
     WISP_TRY( wisp_set_cloth( world, cloth, material ) );
+    WISP_TRY( blows( def->wind ) ? wisp_set_cloth_wind( world, cloth, def->wind ) : WISP_OK );
     WISP_TRY( wisp_set_damping( world, cloth, def->damping ) );
     WISP_TRY( add_collision( world, cloth, def->collides, def->collision ) );
     WISP_TRY( def->contact != NULL ? wisp_set_contact( world, cloth, def->contact ) : WISP_OK );
@@ -124,6 +123,8 @@ wisp_status wisp_create_cloth( wisp_world* world, const wisp_create_cloth_def* g
     {
         WISP_TRY( wisp_world_begin_def( world, "wisp_default_cloth_def", &material, def.material ) );
     }
+    material.drag_coefficient = def.drag_coefficient != 0.0f ? def.drag_coefficient : material.drag_coefficient;
+    material.lift_coefficient = def.lift_coefficient != 0.0f ? def.lift_coefficient : material.lift_coefficient;
     wisp_surface_def surface = wisp_default_surface_def();
     surface.area_density = def.area_density;
     surface.gravity = def.gravity;
@@ -146,8 +147,14 @@ void wisp_init_create_hair_def( wisp_create_hair_def* def, size_t size )
 
 static wisp_status apply_dynamics( wisp_world* world, const wisp_create_hair_def* def, wisp_entity hair )
 {
-    const wisp_strand_dynamics_def usual = wisp_default_strand_dynamics_def();
-    WISP_TRY( wisp_set_strand_dynamics( world, hair, def->dynamics != NULL ? def->dynamics : &usual ) );
+    wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
+    if ( def->dynamics != NULL )
+    {
+        WISP_TRY( wisp_world_begin_def( world, "wisp_default_strand_dynamics_def", &dynamics, def->dynamics ) );
+    }
+    dynamics.drag_coefficient = def->drag_coefficient != 0.0f ? def->drag_coefficient : dynamics.drag_coefficient;
+    WISP_TRY( wisp_set_strand_dynamics( world, hair, &dynamics ) );
+    WISP_TRY( blows( def->wind ) ? wisp_set_strand_wind( world, hair, def->wind ) : WISP_OK );
     WISP_TRY( add_collision( world, hair, def->collides, def->collision ) );
     return wisp_request( world, hair, WISP_STRAND_POINTS );
 }

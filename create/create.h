@@ -1,8 +1,10 @@
-/// One call for the common case: a world with every module, a cloth, hair. Each function is a thin cover over the functions that it
-/// names; what it makes can be changed with those.
+/// One call for the common case: a cloth, hair. Each function is a thin cover over the functions that it names; what it makes can be
+/// changed with those.
 ///
+///     wisp_world_def world_def = wisp_default_world_def();
+///     world_def.modules = wisp_all_modules( &world_def.module_count );
 ///     wisp_world* world;
-///     wisp_create_world( &world, NULL );
+///     wisp_world_create( &world_def, &world, NULL );
 ///     wisp_create_cloth_def def = wisp_default_create_cloth_def();
 ///     def.points = points, def.vertex_count = vertex_count;
 ///     def.triangles = triangles, def.triangle_count = triangle_count;
@@ -19,15 +21,10 @@
 
 WISP_BEGIN_C
 
-/// List the modules of the library, for wisp_world_def.modules.
+/// List the modules of the library, for wisp_world_def.modules. Those without entities cost nothing in a step.
 /// @param count receives how many; may be null
 /// @return [count] static
 WISP_API const wisp_module* const* wisp_all_modules( int* count );
-
-/// Create a world with every module of the library and defaults for the rest (wisp_world_create()). Modules without entities cost
-/// nothing in a step.
-/// @param error may be null
-WISP_API wisp_status wisp_create_world( wisp_world** out, wisp_error* error );
 
 /// A cloth of a triangle mesh. Fill from wisp_default_create_cloth_def(). Copied; need not outlive the call.
 typedef struct wisp_create_cloth_def
@@ -41,6 +38,8 @@ typedef struct wisp_create_cloth_def
     float area_density; ///< kg/m^2, default 0.15
     float damping;      ///< 1/s, of all velocities, default 0
     wisp_vec3 gravity;  ///< m/s^2, default (0, -9.81, 0)
+    wisp_vec3 wind;     ///< m/s, default 0: that of the material. Without a coefficient as with wisp_set_cloth_wind()
+    float drag_coefficient, lift_coefficient; ///< default 0: those of the material
     const wisp_cloth_def*
         material;  ///< default null: that of wisp_default_cloth_def(). The fabric is cooked with what it needs:
                    ///< hinges, tethers, and coarse sheets unless coarse_substeps is 0
@@ -65,6 +64,8 @@ typedef struct wisp_create_hair_def
     const wisp_vec3* points; ///< [offsets[strand_count]] m, roots first
     const int32_t* offsets;  ///< [strand_count + 1] first vertex of each strand
     int strand_count;
+    wisp_vec3 wind; ///< m/s, default 0: that of the dynamics. Without a coefficient as with wisp_set_strand_wind()
+    float drag_coefficient; ///< default 0: that of the dynamics
     const wisp_strand_dynamics_def*
         dynamics;                        ///< default null: wisp_default_strand_dynamics_def(), straight human hair
     bool collides;                       ///< with the colliders of the world, default true

@@ -29,7 +29,10 @@
 #include "strand_appearance.h"
 #include "strands.h"
 #include "tearing.h"
+#include "wisp/detail.h"
 #include "wisp/fabric.h"
+#include "wisp/moving_frame.h"
+#include "wisp/sleep.h"
 #include "wisp/wisp.h"
 
 #include <cstddef>
@@ -150,8 +153,10 @@ class world
   public:
     explicit world( wisp_error& error ) noexcept
     {
+        wisp_world_def def = wisp_default_world_def();
+        def.modules = wisp_all_modules( &def.module_count );
         error = wisp_error{};
-        wisp_create_world( &handle_, &error );
+        wisp_world_create( &def, &handle_, &error );
     }
     world( const wisp_world_def& def, wisp_error& error ) noexcept
     {
@@ -234,57 +239,69 @@ class world
 
     // ---- effects: one name, chosen by the definition ----
 
-    wisp_status set( wisp_entity e, const wisp_cloth_def& def ) noexcept
-    {
-        return wisp_set_cloth( handle_, e, &def );
+#define WISP_SET( name )                                                                                             \
+    wisp_status set( wisp_entity e, const wisp_##name##_def& def ) noexcept                                          \
+    {                                                                                                                \
+        return wisp_set_##name( handle_, e, &def );                                                                  \
     }
-    wisp_status set( wisp_entity e, const wisp_implicit_cloth_def& def ) noexcept
-    {
-        return wisp_set_implicit_cloth( handle_, e, &def );
-    }
-    wisp_status set( wisp_entity e, const wisp_balloon_def& def ) noexcept
-    {
-        return wisp_set_balloon( handle_, e, &def );
-    }
-    wisp_status set( wisp_entity e, const wisp_boundary_def& def ) noexcept
-    {
-        return wisp_set_boundary( handle_, e, &def );
-    }
-    wisp_status set( wisp_entity e, const wisp_collision_def& def ) noexcept
-    {
-        return wisp_set_collision( handle_, e, &def );
-    }
-    wisp_status set( wisp_entity e, const wisp_contact_def& def ) noexcept
-    {
-        return wisp_set_contact( handle_, e, &def );
-    }
-    wisp_status set( wisp_entity e, const wisp_strand_dynamics_def& def ) noexcept
-    {
-        return wisp_set_strand_dynamics( handle_, e, &def );
-    }
-    wisp_status set( wisp_entity e, const wisp_strand_grid_def& def ) noexcept
-    {
-        return wisp_set_strand_grid( handle_, e, &def );
-    }
-    wisp_status set( wisp_entity e, const wisp_ghosts_def& def ) noexcept
-    {
-        return wisp_set_ghosts( handle_, e, &def );
-    }
-    wisp_status set( wisp_entity e, const wisp_frozen_hair_def& def ) noexcept
-    {
-        return wisp_set_frozen_hair( handle_, e, &def );
-    }
-    wisp_status set( wisp_entity e, const wisp_environment_def& def ) noexcept
-    {
-        return wisp_set_environment( handle_, e, &def );
-    }
-    wisp_status set( wisp_entity e, const wisp_strand_appearance_def& def ) noexcept
-    {
-        return wisp_set_strand_appearance( handle_, e, &def );
-    }
+    WISP_SET( cloth )
+    WISP_SET( implicit_cloth )
+    WISP_SET( balloon )
+    WISP_SET( membrane )
+    WISP_SET( tearing )
+    WISP_SET( boundary )
+    WISP_SET( collision )
+    WISP_SET( contact )
+    WISP_SET( motion_constraints )
+    WISP_SET( moving_frame )
+    WISP_SET( strand_dynamics )
+    WISP_SET( strand_grid )
+    WISP_SET( ghosts )
+    WISP_SET( frozen_hair )
+    WISP_SET( environment )
+    WISP_SET( strand_appearance )
+    WISP_SET( sleep )
+    WISP_SET( detail )
+#undef WISP_SET
     wisp_status set( const wisp_contact_settings& settings ) noexcept
     {
         return wisp_set_contact_settings( handle_, &settings );
+    }
+
+    // ---- before each step ----
+
+    wisp_status pin( wisp_entity surface, const std::int32_t* vertices, int count ) noexcept
+    {
+        return wisp_pin( handle_, surface, vertices, count );
+    }
+    wisp_status unpin( wisp_entity surface, const std::int32_t* vertices, int count ) noexcept
+    {
+        return wisp_unpin( handle_, surface, vertices, count );
+    }
+    wisp_status move_pins( wisp_entity surface, const std::int32_t* vertices, const wisp_vec3* targets,
+                           int count ) noexcept
+    {
+        return wisp_move_pins( handle_, surface, vertices, targets, count );
+    }
+    /// Move a collider, or the head of strands.
+    wisp_status move( wisp_entity e, const wisp_transform& pose ) noexcept
+    {
+        return wisp_has_strands( handle_, e ) ? wisp_move_strand_head( handle_, e, pose )
+                                              : wisp_move_collider( handle_, e, pose );
+    }
+    wisp_status set_wind( wisp_entity e, wisp_vec3 wind ) noexcept
+    {
+        return wisp_has_strands( handle_, e ) ? wisp_set_strand_wind( handle_, e, wind )
+                                              : wisp_set_cloth_wind( handle_, e, wind );
+    }
+    wisp_status set_gravity( wisp_entity e, wisp_vec3 gravity ) noexcept
+    {
+        return wisp_has_strands( handle_, e ) ? wisp_set_strand_gravity( handle_, e, gravity )
+                                              : wisp_set_gravity( handle_, e, gravity );
+    }
+    wisp_status teleport( wisp_entity e, const wisp_transform& motion, bool keep_velocity ) noexcept
+    {
+        return wisp_teleport( handle_, e, motion, keep_velocity );
     }
 
     // ---- steps ----

@@ -134,7 +134,7 @@ wisp_scene scene_defaults( void )
         .substeps = 10,
         .frames_per_step = 1,
         .iterations = 1,
-        .gravity = { 0.0f, -9.8f, 0.0f },
+        .gravity = wisp_default_surface_def().gravity,
         .contact = wisp_default_contact_settings(),
     };
 }

@@ -15,7 +15,7 @@ wisp_status scene_check_surface_detail( scene_reader* r, const scene_node* node,
                                         wisp_detail level )
 {
     const bool is_known = s->instance_of < 0; // else the engine finds out
-    return level != WISP_DETAIL_COARSE || !is_known || ( s->has_cloth && s->cloth.coarse_substeps > 0 )
+    return level != WISP_DETAIL_COARSE || !is_known || ( s->has_cloth && s->cloth.coarse_substeps != 0 )
                ? WISP_OK
                : scene_refuse_node( r, node,
                                     "'coarse' needs coarse sheets, but the surface '%s' has no cloth.coarse_substeps",

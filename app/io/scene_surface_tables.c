@@ -73,7 +73,8 @@ static const scene_field CLOTH_FIELDS[] = {
       .help = "Factor of the rest distance that a tether allows." },
     { "coarse_substeps", SCENE_WHOLE, .at = CLOTH( coarse_substeps ), .range = RANGE( 0, 64 ),
       .help = "Coarse sheets carry the cloth: substeps of the coarsest one in a substep, by BDF2; 0 has none. Needs "
-              "xpbd." },
+              "xpbd.",
+      .initial = "1 of a mesh of more than about 600 vertices that can have them" },
     { "coarse_passes", SCENE_WHOLE, .at = CLOTH( coarse_passes ), .range = RANGE( 1, 64 ),
       .help = "Passes over the coarsest sheet in each of its substeps." },
 };

@@ -149,8 +149,6 @@ static wisp_status check_entry( scene_reader* r, const scene_node* node, const w
 wisp_scene_surface scene_default_surface( wisp_vec3 gravity )
 {
     const wisp_surface_def def = wisp_default_surface_def();
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    cloth.coarse_substeps = 0; // a scene asks for coarse sheets by this number alone
     return ( wisp_scene_surface ){
         .mesh = { .generator = wisp_default_mesh_generator( WISP_MESH_PLANE_REGULAR ), .scale = 1.0f },
         .copies = { .count = 1 },
@@ -163,7 +161,7 @@ wisp_scene_surface scene_default_surface( wisp_vec3 gravity )
         .vertex_mass = def.vertex_mass,
         .gravity = gravity,
         .strain_limit = { 0.0f, INFINITY },
-        .cloth = cloth,
+        .cloth = wisp_default_cloth_def(),
         .balloon = wisp_default_balloon_def(),
         .implicit = wisp_default_implicit_cloth_def(),
         .solve_order = wisp_default_fabric_def().solve_order,
@@ -193,6 +191,11 @@ static wisp_status read_entry( scene_reader* r, const scene_node* node, int inde
     surface->column = node->column;
     r->mesh = &surface->mesh;
     wisp_status status = scene_read_block( r, node, &SCENE_SURFACE_BLOCK, surface );
+    const bool has_links = surface->has_membrane == false && surface->cloth.solver == WISP_SOLVER_XPBD;
+    if ( surface->cloth.coarse_substeps < 0 && ( has_links == false || surface->has_tearing ) )
+    {
+        surface->cloth.coarse_substeps = 0;
+    }
     return status ? status : check_entry( r, node, surface );
 }
 

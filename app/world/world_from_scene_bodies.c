@@ -356,9 +356,6 @@ wisp_vec3 scene_body_colour( scene_body_kind kind, int* cloths, int* balloons )
 
 // ---- what a user does ----
 
-// Of cloth whose scene has no air, once a user makes wind.
-#define DRAG_OF_WIND 1.0f
-
 static wisp_status fail_world( const scene_world* world, wisp_status status, wisp_error* error )
 {
     return status == WISP_OK
@@ -517,22 +514,6 @@ wisp_status scene_world_set_gravity( scene_world* world, wisp_vec3 gravity, wisp
     return fail_world( world, status, error );
 }
 
-// Air is a part of the material: cloth without it is set again, which changes no vertex.
-static wisp_status blow_on_cloth( scene_world* world, int surface, wisp_vec3 wind )
-{
-    const wisp_scene_surface* entry = &world->scene->surfaces[surface];
-    const wisp_entity entity = world->surfaces[surface].entity;
-    if ( entry->cloth.drag_coefficient > 0.0f || entry->cloth.lift_coefficient > 0.0f )
-    {
-        return wisp_set_cloth_wind( world->world, entity, wind );
-    }
-    wisp_cloth_def def = entry->cloth;
-    const bool blows = wind.x != 0.0f || wind.y != 0.0f || wind.z != 0.0f;
-    def.wind = wind;
-    def.drag_coefficient = blows ? DRAG_OF_WIND : 0.0f;
-    return wisp_set_cloth( world->world, entity, &def );
-}
-
 wisp_status scene_world_set_wind( scene_world* world, wisp_vec3 wind, int* felt, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
@@ -540,7 +521,7 @@ wisp_status scene_world_set_wind( scene_world* world, wisp_vec3 wind, int* felt,
     *felt = 0;
     for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
     {
-        if ( scene->strands[i].has_dynamics && scene->strands[i].dynamics.drag_coefficient > 0.0f )
+        if ( scene->strands[i].has_dynamics )
         {
             status = wisp_set_strand_wind( world->world, world->entities[i], wind );
             ++*felt;
@@ -550,7 +531,7 @@ wisp_status scene_world_set_wind( scene_world* world, wisp_vec3 wind, int* felt,
     {
         if ( scene->surfaces[i].has_cloth )
         {
-            status = blow_on_cloth( world, i, wind );
+            status = wisp_set_cloth_wind( world->world, world->surfaces[i].entity, wind );
             ++*felt;
         }
     }

@@ -165,7 +165,7 @@ static unsigned char needs_of( const wisp_scene_surface* entry )
     {
         required |= NEEDS_HINGES;
     }
-    if ( cloth && entry->cloth.coarse_substeps > 0 )
+    if ( cloth && entry->cloth.coarse_substeps != 0 )
     {
         required |= NEEDS_COARSE_SHEETS;
     }

@@ -81,7 +81,9 @@ WISP_DEFINITION( cloth_def );
 ///         the definition requires, or it asks for coarse sheets with pbd; WISP_BAD_INPUT a value is out of range (the message names it); WISP_NO_MEMORY
 WISP_API wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def );
 
-/// Change only the wind; cheap enough for every step. @param wind m/s
+/// Change only the wind; cheap enough for every step. The first call gives cloth without drag and lift a drag coefficient of 1.
+/// @param wind m/s, at most 1e5
+/// @return WISP_BAD_INPUT it is not finite or too large; WISP_CONFLICT the surface is no cloth, or an implicit one
 WISP_API wisp_status wisp_set_cloth_wind( wisp_world* world, wisp_entity surface, wisp_vec3 wind );
 
 WISP_END_C

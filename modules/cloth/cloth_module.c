@@ -438,18 +438,27 @@ wisp_status wisp_set_cloth_wind( wisp_world* world, wisp_entity surface, wisp_ve
     {
         return status;
     }
-    cloth_air* air = wisp_world_column( world, surface, state->air, 0 );
-    if ( air == NULL )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT, "cloth: entity %u has no air: set drag or lift first",
-                                surface.index );
-    }
     if ( !( length( wind ) <= 1e5f ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,
                                 "cloth: wind: got (%g, %g, %g), expected finite numbers of at most 1e5 m/s",
                                 (double)wind.x, (double)wind.y, (double)wind.z );
     }
+    if ( wisp_world_has( world, surface, state->air ) == false )
+    {
+        const bool is_cloth = wisp_world_has( world, surface, WISP_LINK_COMPLIANCE ) ||
+                              wisp_world_has( world, surface, WISP_LINK_STIFFNESS ) ||
+                              wisp_world_has( world, surface, WISP_SURFACE_ELASTIC );
+        if ( is_cloth == false )
+        {
+            return wisp_world_fail( world, WISP_CONFLICT, "cloth: entity %u is no cloth", surface.index );
+        }
+        const wisp_cloth_def usual = wisp_default_cloth_def();
+        WISP_TRY( wisp_world_attach( world, surface, state->air ) );
+        *(cloth_air*)wisp_world_column( world, surface, state->air, 0 ) =
+            ( cloth_air ){ .density = usual.air_density, .drag = 1.0f };
+    }
+    cloth_air* air = wisp_world_column( world, surface, state->air, 0 );
     air->wind = wind;
     return WISP_OK;
 }

@@ -117,8 +117,9 @@ WISP_DEFINITION( strand_dynamics_def );
 WISP_API wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands,
                                                const wisp_strand_dynamics_def* def );
 
-/// Change only the wind; cheap enough for every step. @param wind m/s
-/// @return WISP_CONFLICT the strands have no drag
+/// Change only the wind; cheap enough for every step. The first call gives strands without drag a coefficient of 1.
+/// @param wind m/s, at most 1e5
+/// @return WISP_BAD_INPUT it is not finite or too large; WISP_CONFLICT the strands have no dynamics; WISP_NO_MEMORY
 WISP_API wisp_status wisp_set_strand_wind( wisp_world* world, wisp_entity strands, wisp_vec3 wind );
 
 /// Change only gravity. A sag-free rest shape stays that of the gravity in the definition, so strands sag under more and rise under

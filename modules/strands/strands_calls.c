@@ -15,12 +15,14 @@ wisp_status wisp_set_strand_wind( wisp_world* world, wisp_entity strands, wisp_v
     {
         return status;
     }
-    strands_air* air = wisp_world_column( world, strands, s->air, 0 );
-    if ( air == NULL )
+    if ( wisp_world_has( world, strands, s->air ) == false )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "strands: entity %u has no air: give it drag first",
-                                strands.index );
+        const wisp_strand_dynamics_def usual = wisp_default_strand_dynamics_def();
+        WISP_TRY( wisp_world_attach( world, strands, s->air ) );
+        *(strands_air*)wisp_world_column( world, strands, s->air, 0 ) =
+            ( strands_air ){ .drag = 0.5f * usual.air_density * usual.diameter };
     }
+    strands_air* air = wisp_world_column( world, strands, s->air, 0 );
     air->wind = wind;
     return WISP_OK;
 }

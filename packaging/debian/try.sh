@@ -24,18 +24,18 @@ print("Python has the same hash")
 PYTHON
 
 cp -r /usr/share/doc/wisp-data/examples .
-cc -std=c17 examples/cloth.c $(pkg-config --cflags --libs wisp) -lm -o shared && ./shared
-cc -std=c17 examples/cloth.c $(pkg-config --static --cflags --libs wisp | sed 's/-lwisp/-l:libwisp.a/') -o static && ./static
+cc -std=c17 examples/game.c $(pkg-config --cflags --libs wisp) -lm -o shared && ./shared
+cc -std=c17 examples/game.c $(pkg-config --static --cflags --libs wisp | sed 's/-lwisp/-l:libwisp.a/') -o static && ./static
 if grep -q libwisp <<<"$(ldd static)"; then
     echo "the static host wants libwisp.so"
     exit 1
 fi
-c++ -std=c++17 examples/cloth.cpp $(pkg-config --cflags --libs wisp) -o cpp && ./cpp
+c++ -std=c++17 examples/game.cpp $(pkg-config --cflags --libs wisp) -o cpp && ./cpp
 cat >CMakeLists.txt <<'CMAKE'
 cmake_minimum_required(VERSION 3.16)
 project(host C)
 find_package(wisp REQUIRED)
-add_executable(host examples/cloth.c)
+add_executable(host examples/game.c)
 target_link_libraries(host wisp::wisp m)
 CMAKE
 cmake -S . -B cmake >/dev/null && cmake --build cmake >/dev/null && ./cmake/host

@@ -45,7 +45,7 @@ def test_every_scene_of_the_tree_has_the_hash_of_the_program(scenes, program_has
 def test_a_scene_says_what_it_is(sheet):
     assert sheet.steps == 40
     assert sheet.dt == pytest.approx(1 / 60)
-    assert sheet.gravity == pytest.approx((0, -9.8, 0))
+    assert sheet.gravity == pytest.approx((0, -9.81, 0))
     substeps = sheet.parameters[0]
     assert (substeps.name, substeps.value, substeps.unordered) == ("substeps", 4, False)
     assert substeps.values == (1, 2, 4, 8, 16)

@@ -276,7 +276,7 @@ def test_colliders_gravity_and_wind_change_as_told(sheet):
         world.run(20)
         assert world.points("sheet")[:, 0].mean() > before + 0.05
     with wisp.Scene.from_dict(HAIR).create_world() as world:
-        assert world.set_wind([1, 0, 0]) is False  # strands without drag
+        assert world.set_wind([1, 0, 0]) is True  # strands without drag get it
 
 
 def test_frozen_hair_takes_commands_and_parameters(scenes):

@@ -429,7 +429,7 @@ class World:
         self._call(lib.binding_set_gravity, *vector(gravity, "gravity"))
 
     def set_wind(self, wind: npt.ArrayLike) -> bool:
-        """Of cloth, and of strands with drag, m/s. Returns whether anything feels it."""
+        """Of cloth and strands that move, m/s; those without drag get it. Returns whether anything feels it."""
         felt = ffi.new("int*")
         self._call(lib.binding_set_wind, *vector(wind, "wind"), felt)
         return bool(felt[0] > 0)

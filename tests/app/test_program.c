@@ -405,7 +405,7 @@ TEST( stretched_cloth_is_reported_and_statistics_are_printed )
                                 "  - name: flag\n"
                                 "    generate: { shape: plane, columns: 33, rows: 33, spacing: 0.03 }\n"
                                 "    pins: [0, 32]\n"
-                                "    cloth: {}\n";
+                                "    cloth: { coarse_substeps: 0 }\n";
     char text[600];
     snprintf( text, sizeof( text ), "wisp: 1\nsteps: 60\nsubsteps: 1\n%s", cloth );
     write_text( "soft.yaml", text );

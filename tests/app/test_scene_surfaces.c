@@ -43,7 +43,7 @@ TEST( a_surface_without_blocks_has_the_defaults_and_computes_points )
     assert_int_equal( s->instance_of, -1 );
     assert_true( s->pose.rotation.w == 1.0f );
     assert_true( s->area_density == wisp_default_surface_def().area_density && s->vertex_mass == 0.0f );
-    assert_vector( s->gravity, 0.0f, -9.8f, 0.0f );
+    assert_vector( s->gravity, 0.0f, -9.81f, 0.0f );
     assert_true( s->strain_limit[0] == 0.0f && isinf( s->strain_limit[1] ) );
     assert_false( s->has_cloth || s->has_balloon || s->has_collision || s->pins.has_pivot || s->has_outlet_nearest );
     assert_int_equal( s->pins.vertex_count + s->pins.box_count + s->pins.nearest_count + s->pins.path.count, 0 );

@@ -8,6 +8,7 @@
 
 #include "files.h"
 
+#include "create.h"
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
 
@@ -126,8 +127,8 @@ TEST( what_is_queried_for_is_there_after_a_step )
     assert_int_equal( scene_world_numbers( &f.world, 0, SCENE_REQUEST_SPEED, speeds, &f.error ), WISP_OK );
     assert_int_equal( scene_world_motion_stats( &f.world, 0, &motion_stats, &f.error ), WISP_OK );
     // g over 1/60 s
-    assert_true( fabsf( speeds[8] - 9.8f / 60.0f ) < 1e-6f );
-    assert_true( fabs( motion_stats.speed_max - 9.8 / 60.0 ) < 1e-6 );
+    assert_true( fabsf( speeds[8] - 9.81f / 60.0f ) < 1e-6f );
+    assert_true( fabs( motion_stats.speed_max - 9.81 / 60.0 ) < 1e-6 );
     assert_true( fabs( scene_world_time( &f.world ) - 1.0 / 60.0 ) < 1e-8 );
     wisp_vec3 points[9];
     assert_int_equal( scene_world_points( &f.world, 0, points, &f.error ), WISP_CONFLICT );
@@ -397,8 +398,8 @@ TEST( a_fabric_is_cooked_with_what_its_effects_need_and_nothing_else )
     {
         bool cross, hinges, tethers, sheets;
     } cooked[] = { { 0 },
-                   { .cross = true, .hinges = true },
-                   { .hinges = true },
+                   { .cross = true, .hinges = true, .sheets = true },
+                   { .hinges = true, .sheets = true },
                    { .tethers = true, .sheets = true },
                    { .cross = true } };
     for ( int i = 0; i < 5; ++i )
@@ -412,12 +413,61 @@ TEST( a_fabric_is_cooked_with_what_its_effects_need_and_nothing_else )
     release( &f );
 }
 
+// A block with nothing in it and a definition with its defaults: gravity, coarse sheets, bending, collision, hair.
+TEST( what_a_scene_and_a_host_make_of_defaults_is_the_same_bits )
+{
+    fixture f;
+    build(
+        &f,
+        "wisp: 1\nstrands:\n  - { name: hair, generate: { strands: 9, vertices: 12 }, dynamics: {}, collision: {} }\n"
+        "surfaces:\n  - { name: cloth, generate: { shape: plane, columns: 33, rows: 33, spacing: 0.03 }, pins: [0, "
+        "32], "
+        "cloth: {}, collision: {} }\n"
+        "colliders:\n  - { name: ball, shape: sphere, radius: 0.2, position: [0, -0.3, 0.3] }\n" );
+    wisp_world_def world_def = wisp_default_world_def();
+    wisp_create_cloth_def cloth_def = wisp_default_create_cloth_def();
+    wisp_create_hair_def hair_def = wisp_default_create_hair_def();
+    wisp_collider_def ball_def = wisp_default_collider_def();
+    const wisp_mesh* mesh = &f.world.surfaces[0].mesh;
+    const wisp_groom* groom = &f.world.grooms[0];
+    const int32_t pins[] = { 0, 32 };
+    wisp_world* host;
+    wisp_entity cloth, hair, ball;
+    world_def.modules = wisp_all_modules( &world_def.module_count );
+    assert_ok( wisp_world_create( &world_def, &host, &f.error ), f.error );
+    hair_def.points = groom->points, hair_def.offsets = groom->offsets, hair_def.strand_count = groom->strand_count;
+    cloth_def.points = mesh->points, cloth_def.vertex_count = mesh->vertex_count;
+    cloth_def.triangles = mesh->triangles, cloth_def.triangle_count = mesh->triangle_count;
+    cloth_def.pins = pins, cloth_def.pin_count = 2;
+    ball_def.kind = WISP_COLLIDER_SPHERE, ball_def.radius = 0.2f;
+    ball_def.pose.translation = ( wisp_vec3 ){ 0.0f, -0.3f, 0.3f };
+    assert_int_equal( wisp_create_hair( host, &hair_def, &hair ), WISP_OK );
+    assert_int_equal( wisp_create_cloth( host, &cloth_def, &cloth ), WISP_OK );
+    assert_int_equal( wisp_add_collider( host, &ball_def, &ball ), WISP_OK );
+    step( &f, 60 );
+    for ( int i = 0; i < 60; ++i )
+    {
+        assert_int_equal( wisp_world_step( host, f.scene.dt ), WISP_OK );
+    }
+    uint64_t hashes[4];
+    const wisp_entity of_scene = f.world.surfaces[0].entity;
+    assert_int_equal( wisp_world_hash_column( host, cloth, WISP_SURFACE_POINTS, &hashes[0] ), WISP_OK );
+    assert_int_equal( wisp_world_hash_column( f.world.world, of_scene, WISP_SURFACE_POINTS, &hashes[1] ), WISP_OK );
+    assert_int_equal( wisp_world_hash_column( host, hair, WISP_STRAND_POINTS, &hashes[2] ), WISP_OK );
+    assert_int_equal( wisp_world_hash_column( f.world.world, f.world.entities[0], WISP_STRAND_POINTS, &hashes[3] ),
+                      WISP_OK );
+    assert_true( hashes[0] == hashes[1] && hashes[2] == hashes[3] );
+    wisp_world_destroy( host );
+    release( &f );
+}
+
 TEST( an_instance_that_needs_coarse_sheets_is_enough_for_its_source_to_have_them )
 {
     fixture f;
-    build( &f, "wisp: 1\nsurfaces:\n"
-               "  - { name: plain, generate: { shape: plane, columns: 33, rows: 33 }, cloth: {} }\n"
-               "  - { name: carried, instance_of: plain, cloth: { coarse_substeps: 1, coarse_passes: 7 } }\n" );
+    build( &f,
+           "wisp: 1\nsurfaces:\n"
+           "  - { name: plain, generate: { shape: plane, columns: 33, rows: 33 }, cloth: { coarse_substeps: 0 } }\n"
+           "  - { name: carried, instance_of: plain, cloth: { coarse_substeps: 1, coarse_passes: 7 } }\n" );
     assert_true( f.world.surfaces[0].fabric->level_count > 0 );
     assert_false( wisp_world_has( f.world.world, f.world.surfaces[0].entity, WISP_SURFACE_LEVELS ) );
     const wisp_entity carried = f.world.surfaces[1].entity;
@@ -542,7 +592,7 @@ TEST( a_released_surface_falls_and_its_pins_follow_no_keyframe )
     step( &f, 50 );
     wisp_vec3 free_fall = point_of( &f, 0, 0 );
     // half g t^2, and half a step more of g t because velocities are updated first
-    assert_point_at( free_fall, held.x, -9.8f * ( 0.125f + 0.0025f ), held.z + 0.5f );
+    assert_point_at( free_fall, held.x, -9.81f * ( 0.125f + 0.0025f ), held.z + 0.5f );
     release( &f );
 }
 

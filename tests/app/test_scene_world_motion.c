@@ -630,7 +630,7 @@ TEST( gravity_acts_on_cloth_and_strands )
     release( &f );
 }
 
-TEST( wind_gives_cloth_air_and_calm_takes_it_away )
+TEST( wind_gives_cloth_air_that_slows_it_in_a_calm )
 {
     fixture f;
     int felt = 0;
@@ -643,7 +643,7 @@ TEST( wind_gives_cloth_air_and_calm_takes_it_away )
     step( &f, 20 );
     assert_true( point( &f, CLOTH, 35 ).y > -0.1f );
     assert_ok( scene_world_set_wind( &f.world, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, &felt, &f.error ), f.error );
-    assert_int_equal( wisp_world_plan_passes( f.world.world ), passes );
+    assert_true( wisp_world_plan_passes( f.world.world ) > passes );
     release( &f );
 }
 

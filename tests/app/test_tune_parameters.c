@@ -214,6 +214,9 @@ TEST( coarse_sheets_that_are_off_are_so_in_the_file )
         { NULL, 0, NULL, "substeps", "1" },
         { "surfaces", 2, "cloth", "tethers", "true" },
         { "surfaces", 0, "cloth", "coarse_substeps", "0" },
+        { "surfaces", 1, "cloth", "coarse_substeps", "0" },
+        { "surfaces", 2, "cloth", "coarse_substeps", "0" },
+        { "surfaces", 3, "cloth", "coarse_substeps", "0" },
     };
     assert_edits( cloths, ( const int[] ){ 0, 0, 0, 3 }, expected, WISP_COUNT( expected ) );
 }

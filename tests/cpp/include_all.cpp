@@ -51,6 +51,7 @@
 #include "guide_hair.h"
 #include "implicit_cloth.h"
 #include "motion_constraints.h"
+#include "pick.h"
 #include "membrane.h"
 #include "seams.h"
 #include "strand_appearance.h"

@@ -177,7 +177,9 @@ static wisp_world* new_world( void )
 {
     wisp_world* world;
     wisp_error error;
-    assert_ok( wisp_create_world( &world, &error ), error );
+    wisp_world_def def = wisp_default_world_def();
+    def.modules = wisp_all_modules( &def.module_count );
+    assert_ok( wisp_world_create( &def, &world, &error ), error );
     return world;
 }
 
@@ -355,6 +357,44 @@ TEST( a_large_cloth_hardly_stretches_by_default )
     }
     // coarse sheets carry what ten plain substeps let fall: 0.08 % against 3.1 %
     assert_true( mean[0] < 0.01 && mean[0] < 0.25 * mean[1] );
+}
+
+// Wind of a cover is that of the definition under it; without a coefficient it is that of a later call, with a drag coefficient of 1.
+TEST( what_is_created_in_wind_is_blown )
+{
+    static grid g;
+    uint64_t hashes[3];
+    wisp_vec3 points[2 * 2 * 5];
+    int32_t offsets[5];
+    assert_int_equal( wisp_generate_strand_rows( 2, 2, 0.1f, 5, 0.2f, points, offsets, NULL ), WISP_OK );
+    for ( int way = 0; way < 3; ++way )
+    {
+        wisp_world* world = new_world();
+        const wisp_vec3 wind = { 0.0f, 1.0f, 6.0f };
+        wisp_create_cloth_def cloth_def = cloth_of( &g );
+        wisp_create_hair_def hair_def = wisp_default_create_hair_def();
+        hair_def.points = points, hair_def.offsets = offsets, hair_def.strand_count = 4;
+        cloth_def.wind = hair_def.wind = way < 2 ? wind : ( wisp_vec3 ){ 0 };
+        cloth_def.drag_coefficient = hair_def.drag_coefficient = way == 0 ? 1.0f : 0.0f;
+        wisp_entity cloth, hair;
+        assert_int_equal( wisp_create_cloth( world, &cloth_def, &cloth ), WISP_OK );
+        assert_int_equal( wisp_create_hair( world, &hair_def, &hair ), WISP_OK );
+        if ( way == 2 )
+        {
+            assert_int_equal( wisp_set_cloth_wind( world, cloth, wind ), WISP_OK );
+            assert_int_equal( wisp_set_strand_wind( world, hair, wind ), WISP_OK );
+        }
+        wisp_view view;
+        for ( int step = 0; step < 20; ++step )
+        {
+            assert_int_equal( wisp_world_step( world, 1.0f / 60.0f ), WISP_OK );
+        }
+        assert_int_equal( wisp_world_view( world, hair, WISP_STRAND_POINTS, &view ), WISP_OK );
+        assert_true( ( (const wisp_vec3*)view.data )[4].z > points[4].z + 0.01f );
+        hashes[way] = wisp_world_hash( world );
+        wisp_world_destroy( world );
+    }
+    assert_true( hashes[0] == hashes[1] && hashes[1] == hashes[2] );
 }
 
 TEST( what_cannot_be_created_leaves_nothing_behind )

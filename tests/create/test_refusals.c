@@ -11,6 +11,7 @@
 #include "guide_hair.h"
 #include "implicit_cloth.h"
 #include "membrane.h"
+#include "pick.h"
 #include "seams.h"
 #include "strand_appearance.h"
 #include "tearing.h"
@@ -68,7 +69,9 @@ static int open_fixture( void** state )
     const wisp_create_hair_def hair = hair_def();
     wisp_collider_def collider = wisp_default_collider_def();
     collider.kind = WISP_COLLIDER_SPHERE;
-    assert_int_equal( wisp_create_world( &f->world, NULL ), WISP_OK );
+    wisp_world_def def = wisp_default_world_def();
+    def.modules = wisp_all_modules( &def.module_count );
+    assert_int_equal( wisp_world_create( &def, &f->world, NULL ), WISP_OK );
     assert_int_equal( wisp_create_cloth( f->world, &cloth, &f->cloth ), WISP_OK );
     assert_int_equal( wisp_create_cloth( f->world, &cloth, &f->stale ), WISP_OK );
     assert_int_equal( wisp_create_hair( f->world, &hair, &f->hair ), WISP_OK );
@@ -116,6 +119,7 @@ static int close_fixture( void** state )
     X( wisp_cancel_request( W, E, WISP_MOTION_STATS ) )                                                              \
     X( wisp_world_view( W, E, WISP_SURFACE_POINTS, &( wisp_view ){ 0 } ) )                                           \
     X( wisp_read_motion_stats( W, E, &( wisp_motion_stats ){ 0 } ) )                                                 \
+    X( wisp_pick( W, E, points[0], points[1], 0.0f, &( wisp_hit ){ 0 } ) )                                           \
     X( wisp_world_hash_column( W, E, WISP_SURFACE_POINTS, &( uint64_t ){ 0 } ) )                                     \
     X( wisp_set_cloth_wind( W, E, points[0] ) )                                                                      \
     X( wisp_set_balloon_gas_ratio( W, E, 1.0f ) )                                                                    \

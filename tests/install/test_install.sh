@@ -76,7 +76,7 @@ if [ "$(find "$root" -name wisp.1)" ]; then
     echo "manual pages and completions are those of the program"
 fi
 [ -s "$share/doc/wisp/LICENSE" ] || fail "no licence is installed"
-[ -s "$share/doc/wisp/examples/embed.c" ] || fail "no examples are installed"
+[ -s "$share/doc/wisp/examples/game.c" ] || fail "no examples are installed"
 
 # ---- data, wherever the installation is moved to ----
 
@@ -145,5 +145,6 @@ build_and_run()
 
 for example in "$source_tree"/examples/*.c; do
     name=${example##*/}
+    [ "$name" = window.c ] && continue # has a test of its own, under a virtual display
     build_and_run "${name%.c}" "$example"
 done
