@@ -76,7 +76,7 @@ static wisp_status run_suite( accuracy_arguments* a, const char* text, results* 
     return bench_keep_interrupted( out, status );
 }
 
-int bench_accuracy( int argc, char** argv )
+int command_accuracy( int argc, char** argv )
 {
     accuracy_arguments a = { .options = bench_default_options() };
     a.options.seconds = 30.0;
@@ -183,7 +183,7 @@ static wisp_status run_validation( validate_arguments* a, results* out, char* su
     return bench_keep_interrupted( out, status );
 }
 
-int bench_validate( int argc, char** argv )
+int command_validate( int argc, char** argv )
 {
     validate_arguments a = { .options = bench_default_options() };
     options_parse( &validate_text, take_validate_option, &a, argc, argv );

@@ -143,21 +143,25 @@ static wisp_status measure_all( const wisp_suite* suite, const gate_options* o, 
                                 wisp_error* error )
 {
     const suite_count_options counts = { .has_cycles = o->has_cycles };
-    suite_reference reference;
+    suite_references references;
     progress bar = progress_begin();
     progress_show( &bar, 0.0, "the reference" );
-    wisp_status status = suite_reference_make( suite, &reference, error );
+    wisp_status status = suite_references_find( suite, &references, error );
     *done = 0;
     for ( int i = 0; i < suite->row_count && status == WISP_OK; ++i )
     {
         progress_show( &bar, (double)i / suite->row_count, suite->rows[i].name );
-        status = suite_reference_run( &reference, suite->rows + i, o->isa, NULL, out + i, error );
+        const suite_reference* reference;
+        status = suite_reference_of( &references, i, &reference, error );
+        status = status == WISP_OK
+                     ? suite_reference_run( reference, suite->rows + i, o->isa, NULL, out + i, error )
+                     : status;
         status = status == WISP_OK && !o->no_instructions
                      ? suite_count_instructions( o->suite, i, &counts, out + i, error )
                      : status;
         *done += status == WISP_OK ? 1 : 0;
     }
-    suite_reference_release( &reference );
+    suite_references_release( &references );
     progress_end( &bar );
     return status;
 }
@@ -431,7 +435,7 @@ static int run_action( wisp_suite* suite, gate_options* o, wisp_error* error )
     return status == WISP_OK ? STATUS_GOOD : command_fail( error );
 }
 
-int bench_gate( int argc, char** argv )
+int command_gate( int argc, char** argv )
 {
     gate_options options = { .argc = argc, .argv = argv, .patience = 120.0 };
     options_parse( &gate_text, take_gate_option, &options, argc, argv );

@@ -1,4 +1,4 @@
-// The program wisp-bench, which `wisp bench` runs: its options, the cases in turn, the written files.
+// `wisp bench`: its options, the cases in turn, the written files.
 #include "bench_commands.h"
 
 #include "accuracy/accuracy.h"
@@ -16,7 +16,7 @@
 
 // ---- what commands share ----
 
-// Options that the commands of wisp-bench share, and what they write: results, and a page.
+// Options that commands that measure share, and what they write: results, and a page.
 
 bool bench_take_file( options_state* o, int key, const char* argument, bench_files* files )
 {
@@ -307,31 +307,8 @@ wisp_status bench_describe_machine( machine_info* out, wisp_error* error )
     return status;
 }
 
-int main( int argc, char** argv )
+int command_bench( int argc, char** argv )
 {
-    static const struct
-    {
-        const char* name;
-        int ( *run )( int argc, char** argv );
-    } others[] = {
-        { "wisp accuracy", bench_accuracy }, { "wisp validate", bench_validate }, { "wisp sweep", bench_sweep },
-        { "wisp merge", bench_merge },       { "wisp gate", bench_gate },         { "wisp torture", bench_torture },
-    };
-    // `wisp` gives the command as this program's name. The gate runs this program by its path, and the command follows.
-    const int place = strncmp( argv[0], "wisp ", 5 ) == 0 ? 0 : argc > 1 ? 1 : 0;
-    for ( int i = 0; i < WISP_COUNT( others ); ++i )
-    {
-        if ( strcmp( argv[place], others[i].name + ( place == 1 ? 5 : 0 ) ) == 0 )
-        {
-            char name[32];
-            snprintf( name, sizeof name, "%s", others[i].name );
-            argv[place] = name;
-            return others[i].run( argc - place, argv + place );
-        }
-    }
-    // users know the program as a command of wisp, also in the results
-    char program[] = "wisp bench";
-    argv[0] = program;
     bench_arguments arguments = { .options = bench_default_options() };
     options_parse( &bench_text, take_bench_option, &arguments, argc, argv );
     if ( arguments.only_list )

@@ -118,7 +118,7 @@ static void add_line( const merged* r, const table_plan* plan, const sweep_row* 
     cells_put( &line, "%s", row->variant[0] ? row->variant : "as it is" );
     for ( int v = 0; v < SWEEP_VALUE_COUNT; ++v )
     {
-        if ( plan->has_value[v] && sweep_values[v].is_error && row->values[v] < 1e3 * r->like->doubt )
+        if ( plan->has_value[v] && sweep_values[v].is_error && row->values[v] < 1e3 * row->doubt )
         {
             cells_put( &line, "below" );
         }
@@ -164,9 +164,9 @@ static void add_table( const merged* r, const char* name )
 // ---- series ----
 
 // The order between two settings of a series. @return NaN: an error is missing, or below the doubt
-static double order_between( const merged* r, const sweep_row* a, const sweep_row* b )
+static double order_between( const sweep_row* a, const sweep_row* b )
 {
-    const double e = a->values[0], f = b->values[0], doubt = fmax( 1e3 * r->like->doubt, 0.0 );
+    const double e = a->values[0], f = b->values[0], doubt = 1e3 * fmax( fmax( a->doubt, b->doubt ), 0.0 );
     const bool counts = e > doubt && f > doubt && isfinite( e ) && isfinite( f ) && a->along_value > 0.0 &&
                         b->along_value > 0.0 && a->along_value != b->along_value;
     const double order = counts ? log( e / f ) / log( b->along_value / a->along_value ) : NAN;
@@ -185,7 +185,7 @@ static void add_orders( const merged* r )
     for ( int i = 0; i + 1 < r->count; ++i )
     {
         const sweep_row *a = r->rows + i, *b = a + 1;
-        const double order = a->series[0] && strcmp( a->series, b->series ) == 0 ? order_between( r, a, b ) : NAN;
+        const double order = a->series[0] && strcmp( a->series, b->series ) == 0 ? order_between( a, b ) : NAN;
         if ( !isnan( order ) )
         {
             cells line = { .count = 0 };
@@ -323,16 +323,6 @@ static void add_notes( const merged* r )
     {
         results_add_note( r->out, "errors are root mean square distances to %s", like->reference );
     }
-    if ( like->doubt > 0.0 )
-    {
-        results_add_note( r->out, "the reference is uncertain by %.3g mm, and errors below that are not resolved",
-                          1e3 * like->doubt );
-    }
-    if ( isfinite( like->parts_at ) )
-    {
-        results_add_note( r->out, "motion is chaotic from %.3g s on, and is not compared after that",
-                          like->parts_at );
-    }
 }
 
 static void report_merged( const sweep_merge* merge, results* out )
@@ -399,7 +389,7 @@ static void describe_machines( sweep_merge* merge, results* out )
     snprintf( m->os, sizeof m->os, "%s", all->os );
 }
 
-int bench_merge( int argc, char** argv )
+int command_merge( int argc, char** argv )
 {
     merge_arguments a = { .folder = NULL };
     options_parse( &merge_text, take_merge_option, &a, argc, argv );

@@ -1,4 +1,4 @@
-// The commands of the program wisp-bench in tables, which both programs have: `wisp` lists and completes them.
+// The commands that measure, in tables.
 #include "bench_texts.h"
 
 #include "results.h"

@@ -1,4 +1,4 @@
-/// Options of the commands of the program wisp-bench.
+/// Options of the commands that measure.
 #pragma once
 
 #include "commands.h"

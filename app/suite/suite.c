@@ -136,11 +136,18 @@ enum
 static const char* const reference_keys[REFERENCE_COUNT] = { "start", "overlap",     "stored", "doubt",
                                                              "file",  "extrapolate", "set",    "check" };
 
+static void release_row( suite_row* row )
+{
+    free( row->path );
+    free( row->text );
+    row->path = row->text = NULL;
+}
+
 // A half and a quarter of the substeps of the reference.
-static wisp_status read_halves( const suite_reader* r, suite_run run, const scene_node* place )
+static wisp_status read_halves( const suite_reader* r, suite_run run, const scene_node* place, suite_runs* out )
 {
     wisp_scene scene;
-    wisp_status status = suite_scene( &r->out->reference, &scene, r->source.error );
+    wisp_status status = suite_scene( &out->fine, &scene, r->source.error );
     const int substeps = scene.substeps;
     wisp_scene_release( &scene );
     if ( status == WISP_OK && substeps % 4 != 0 )
@@ -149,16 +156,16 @@ static wisp_status read_halves( const suite_reader* r, suite_run run, const scen
                              substeps );
     }
     run.substeps = substeps / 2;
-    status = status == WISP_OK ? suite_read_run( r, &run, "reference, half", &r->out->check ) : status;
+    status = status == WISP_OK ? suite_read_run( r, &run, "reference, half", &out->check ) : status;
     run.substeps = substeps / 4;
-    return status == WISP_OK ? suite_read_run( r, &run, "reference, quarter", &r->out->coarsest ) : status;
+    return status == WISP_OK ? suite_read_run( r, &run, "reference, quarter", &out->coarsest ) : status;
 }
 
 // A reference is finer than what is measured with it, also where entities have substeps of their own.
-static wisp_status check_own_substeps( const suite_reader* r, const scene_node* place )
+static wisp_status check_own_substeps( const suite_reader* r, const suite_row* run, const scene_node* place )
 {
     wisp_scene scene;
-    wisp_status status = suite_scene( &r->out->reference, &scene, r->source.error );
+    wisp_status status = suite_scene( run, &scene, r->source.error );
     const int own = wisp_scene_own_substeps( &scene ), substeps = scene.substeps;
     wisp_scene_release( &scene );
     return status == WISP_OK && own > 0 && 4 * (int64_t)own > substeps
@@ -169,19 +176,59 @@ static wisp_status check_own_substeps( const suite_reader* r, const scene_node* 
                : status;
 }
 
-// All runs are as long as the first row.
-static wisp_status read_runs( const suite_reader* r, const scene_node* block, const scene_node* const* values )
+static wisp_status read_runs_of( const suite_reader* r, const scene_node* block, const scene_node* const* values,
+                                 const suite_row* of, suite_runs* out )
 {
-    suite_run run = { .file = values[REFERENCE_FILE], .set = values[REFERENCE_SET] };
-    wisp_status status = suite_read_run( r, &run, "reference", &r->out->reference );
-    status =
-        status == WISP_OK ? check_own_substeps( r, values[REFERENCE_SET] ? values[REFERENCE_SET] : block ) : status;
+    suite_run run = { .file = values[REFERENCE_FILE], .set = values[REFERENCE_SET], .of = of };
+    wisp_status status = out->fine.text ? WISP_OK : suite_read_run( r, &run, "reference", &out->fine );
+    status = status == WISP_OK
+                 ? check_own_substeps( r, &out->fine, values[REFERENCE_SET] ? values[REFERENCE_SET] : block )
+                 : status;
     if ( status == WISP_OK && values[REFERENCE_EXTRAPOLATE] )
     {
-        return read_halves( r, run, values[REFERENCE_EXTRAPOLATE] );
+        return read_halves( r, run, values[REFERENCE_EXTRAPOLATE], out );
     }
     run.coarser = values[REFERENCE_CHECK];
-    return status == WISP_OK ? suite_read_run( r, &run, "reference, check", &r->out->check ) : status;
+    return status == WISP_OK ? suite_read_run( r, &run, "reference, check", &out->check ) : status;
+}
+
+static int find_runs( const wisp_suite* suite, const suite_row* fine )
+{
+    int i = 0;
+    while ( i < suite->reference_count && ( suite->references[i].fine.steps != fine->steps ||
+                                            strcmp( suite->references[i].fine.text, fine->text ) != 0 ) )
+    {
+        ++i;
+    }
+    return i;
+}
+
+// The runs of the suite's file, and those of every row whose scene is another text with the fields of the reference. Whether it is another
+// scene, only its world can tell.
+static wisp_status read_runs( const suite_reader* r, const scene_node* block, const scene_node* const* values )
+{
+    wisp_suite* suite = r->out;
+    suite->references = text_alloc( ( (size_t)suite->row_count + 1 ) * sizeof *suite->references );
+    suite->reference_count = 1;
+    wisp_status status = read_runs_of( r, block, values, NULL, suite->references );
+    for ( int i = 0; i < suite->row_count && values[REFERENCE_FILE] == NULL && status == WISP_OK; ++i )
+    {
+        suite_row* row = suite->rows + i;
+        suite_runs* next = suite->references + suite->reference_count;
+        const suite_run run = { .set = values[REFERENCE_SET], .of = row };
+        status = row->is_refused ? WISP_OK : suite_read_run( r, &run, "reference", &next->fine );
+        row->reference = status == WISP_OK && !row->is_refused ? find_runs( suite, &next->fine ) : 0;
+        if ( row->reference == suite->reference_count )
+        {
+            status = read_runs_of( r, block, values, row, next );
+            ++suite->reference_count;
+        }
+        else
+        {
+            release_row( &next->fine );
+        }
+    }
+    return status;
 }
 
 // Read `reference`, after the entries.
@@ -382,21 +429,19 @@ wisp_status suite_read( const char* path, wisp_suite* out, wisp_error* error )
     return status;
 }
 
-static void release_row( suite_row* row )
-{
-    free( row->path );
-    free( row->text );
-}
-
 void suite_release( wisp_suite* suite )
 {
     for ( int i = 0; i < suite->row_count; ++i )
     {
         release_row( suite->rows + i );
     }
-    release_row( &suite->reference );
-    release_row( &suite->check );
-    release_row( &suite->coarsest );
+    for ( int i = 0; i < suite->reference_count; ++i )
+    {
+        release_row( &suite->references[i].fine );
+        release_row( &suite->references[i].check );
+        release_row( &suite->references[i].coarsest );
+    }
+    free( suite->references );
     free( suite->rows );
     free( suite->stored );
     free( suite->note );

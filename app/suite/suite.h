@@ -73,7 +73,15 @@ typedef struct suite_row
     bool is_long;            ///< only with --long
     double agree;            ///< how far rows of this name may hang from each other, in sizes; 0: any
     int known;               ///< stability_check that it is known to break; -1: it must hold
+    int reference;           ///< of the suite's `references`
 } suite_row;
+
+/// The converged run that errors are measured against, and a coarser one whose distance to it is its doubt. With `extrapolate` they
+/// have a half and a quarter of the substeps: `check` and `coarsest`, which has text then.
+typedef struct suite_runs
+{
+    suite_row fine, check, coarsest;
+} suite_runs;
 
 typedef struct wisp_suite
 {
@@ -82,9 +90,8 @@ typedef struct wisp_suite
     char* note;                ///< for readers of the tables; null: none
     suite_row* rows;
     int row_count;
-    /// The converged run that errors are measured against, and a coarser one whose distance to it is its doubt. Both have text, or
-    /// neither has. With `extrapolate` they have a half and a quarter of the substeps: `check` and `coarsest`, which has text then.
-    suite_row reference, check, coarsest;
+    suite_runs* references; ///< [reference_count] the first one of the suite's file, then those of rows that differ in text
+    int reference_count;
     double extrapolate;    ///< order of the runs that the reference is extrapolated from; 0: it is a run
     bool compares_start;   ///< errors are distances from where bodies start
     bool compares_overlap; ///< errors are how deep balloons are in each other

@@ -397,7 +397,7 @@ static wisp_status fill_report( accuracy_report* report, wisp_error* error )
     }
     for ( int i = 0; i < count; ++i )
     {
-        const double measured = report->stats[i].seen.error, doubt = report->scene->uncertainty;
+        const double measured = report->stats[i].seen.error, doubt = accuracy_doubt( report->scene, i );
         const bool is_below = accuracy_is_below( measured, doubt );
         report->error[i] = is_below ? NAN : measured;
         report->bounded[i] = is_below ? doubt : measured;
@@ -410,13 +410,17 @@ static wisp_status fill_report( accuracy_report* report, wisp_error* error )
     }
     if ( !report->scene->has_no_rivals )
     {
-        accuracy_front( report->error, report->min_ms, count, report->on_front );
+        accuracy_front( report->error, report->min_ms, report->scene->settings, count, report->on_front );
     }
     return WISP_OK;
 }
 
 static void write_report( const accuracy_report* report, results* out )
 {
+    if ( report->entry->suite )
+    {
+        accuracy_add_counts( report, out );
+    }
     accuracy_add_table( report, out );
     accuracy_add_contact( report, out );
     if ( report->entry->suite )
@@ -428,6 +432,9 @@ static void write_report( const accuracy_report* report, results* out )
     if ( !report->scene->has_no_rivals )
     {
         accuracy_add_headline( report, out );
+    }
+    if ( !report->scene->has_no_rivals && report->scene->group_count < 2 )
+    {
         accuracy_add_equal_error( report, out );
         accuracy_add_equal_time( report, out );
     }
