@@ -91,7 +91,7 @@ int command_accuracy( int argc, char** argv )
     const char* file = a.suite == NULL                 ? ( slash ? slash + 1 : a.scene )
                        : realpath( a.scene, absolute ) ? absolute
                                                        : a.scene;
-    const suite_of_scene_def def = { a.scene, file, a.length, 2.0 * a.options.seconds };
+    const suite_of_scene_def def = { a.scene, file, a.length };
     char* text = NULL;
     wisp_status status = bench_describe_machine( &out.machine, &error );
     status = status == WISP_OK ? bench_check_files( &a.files, &error ) : status;

@@ -153,9 +153,8 @@ static wisp_status measure_all( const wisp_suite* suite, const gate_options* o, 
         progress_show( &bar, (double)i / suite->row_count, suite->rows[i].name );
         const suite_reference* reference;
         status = suite_reference_of( &references, i, &reference, error );
-        status = status == WISP_OK
-                     ? suite_reference_run( reference, suite->rows + i, o->isa, NULL, out + i, error )
-                     : status;
+        status = status == WISP_OK ? suite_reference_run( reference, suite->rows + i, o->isa, NULL, out + i, error )
+                                   : status;
         status = status == WISP_OK && !o->no_instructions
                      ? suite_count_instructions( o->suite, i, &counts, out + i, error )
                      : status;

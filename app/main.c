@@ -11,14 +11,14 @@ typedef struct program_command
 } program_command;
 
 static const program_command commands[] = {
-    { &run_text, command_run },        { &render_text, command_render },
-    { &view_text, command_view },      { &info_text, command_info },
-    { &plan_text, command_plan },      { &tune_text, command_tune },
-    { &bench_text, command_bench },    { &accuracy_text, command_accuracy },
+    { &run_text, command_run },           { &render_text, command_render },
+    { &view_text, command_view },         { &info_text, command_info },
+    { &plan_text, command_plan },         { &tune_text, command_tune },
+    { &bench_text, command_bench },       { &accuracy_text, command_accuracy },
     { &validate_text, command_validate }, { &sweep_text, command_sweep },
-    { &merge_text, command_merge },      { &torture_text, command_torture },
-    { &gate_text, command_gate },        { &compare_text, command_compare },
-    { &help_text, command_help },      { &completion_text, command_completion },
+    { &merge_text, command_merge },       { &torture_text, command_torture },
+    { &gate_text, command_gate },         { &compare_text, command_compare },
+    { &help_text, command_help },         { &completion_text, command_completion },
 };
 
 static const command_text* const* list_commands( int* count )

@@ -350,7 +350,7 @@ wisp_status tune_parameters_edits( const tune_parameters* parameters, const int*
                                    const wisp_scene* scene, wisp_scene_edit** out, int* count, wisp_error* error )
 {
     const size_t entries = (size_t)scene->surface_count + (size_t)scene->strands_count + 1;
-    edit_list list = { .edits = malloc( entries * (size_t)parameters->count * sizeof *list.edits + 1 ) };
+    edit_list list = { .edits = malloc( ( entries * (size_t)parameters->count + 1 ) * sizeof *list.edits ) };
     *out = list.edits;
     *count = 0;
     if ( !list.edits )

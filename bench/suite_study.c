@@ -447,8 +447,8 @@ typedef struct study
     const wisp_suite* suite;
     suite_references references;
     double ( *doubts )[ACCURACY_MEASURES_MAX]; // [references.count] of the measures of the scene
-    double* dt; // [rows] s
-    int* steps; // [rows] that are made
+    double* dt;                                // [rows] s
+    int* steps;                                // [rows] that are made
     double longest_dt;
     bool measures[SAMPLE_COUNT]; // a suite has those columns that one of its scenes can have
     char note[480];
@@ -593,7 +593,8 @@ static void name_group( const study* own, int row, char* out, size_t size )
         for ( int i = 0; i < own->suite->row_count && is_common; ++i )
         {
             is_common = own->references.of_row[i] != own->references.of_row[row] ||
-                        strcmp( own->suite->rows[i].name, r->name ) != 0 || strstr( own->suite->rows[i].variant, text );
+                        strcmp( own->suite->rows[i].name, r->name ) != 0 ||
+                        strstr( own->suite->rows[i].variant, text );
         }
         const size_t used = strlen( out );
         snprintf( out + used, size - used, is_common ? ", %s" : "", text );
@@ -682,13 +683,22 @@ static void describe_suite( study* own, accuracy_scene* out )
         snprintf( out->error_name, sizeof out->error_name, "%s",
                   own->suite->compares_start ? "RMS drift from the start" : "RMS distance to the reference" );
     }
-    snprintf( out->error_unit, sizeof out->error_unit, "%s", is_compared || own->suite->compares_overlap ? "mm" : "" );
+    snprintf( out->error_unit, sizeof out->error_unit, "%s",
+              is_compared || own->suite->compares_overlap ? "mm" : "" );
 }
 
 // Motion that parts is a note of its scene.
 static void note_chaos( study* own, const suite_reference* reference, accuracy_scene* out )
 {
-    if ( isfinite( reference->parts_at ) )
+    const char* note = own->suite->note ? own->suite->note : "";
+    if ( isfinite( reference->parts_at ) && out->group_count > 0 )
+    {
+        snprintf( own->note, sizeof own->note,
+                  "each scene is compared up to the time in `until`. After that two runs that should have converged "
+                  "are more than 1 %% of their size apart, and distances are chance. %.200s",
+                  note );
+    }
+    else if ( isfinite( reference->parts_at ) )
     {
         const bool is_cut = reference->until < reference->parts_at;
         snprintf( own->note, sizeof own->note,
@@ -696,9 +706,9 @@ static void note_chaos( study* own, const suite_reference* reference, accuracy_s
                            "more than 1 %% of their size apart, and distances are chance. %.200s"
                          : "two runs that should have converged are more than 1 %% of their size apart from %.3g "
                            "s on: the reference is too coarse for errors to say much. %.200s",
-                  is_cut ? reference->until : reference->parts_at, own->suite->note ? own->suite->note : "" );
-        out->note = own->note;
+                  is_cut ? reference->until : reference->parts_at, note );
     }
+    out->note = own->note[0] ? own->note : out->note;
 }
 
 // References of all rows, the columns that any of them can have, and their doubts.

@@ -352,6 +352,7 @@ static json_t* row_object( const results_row* row )
     json_object_set_new( object, "ms_median", json_number( row->ms_median ) );
     json_object_set_new( object, "ms_p10", json_number( row->ms_p10 ) );
     json_object_set_new( object, "ms_p90", json_number( row->ms_p90 ) );
+    json_object_set_new( object, "fps", json_number( 1e3 / row->ms_median ) );
     json_object_set_new( object, "steps", json_integer( row->steps ) );
     json_object_set_new( object, "samples_ms", samples_array( row ) );
     json_object_set_new( object, "cpu_fraction", json_number( row->cpu_fraction ) );
@@ -552,19 +553,21 @@ static wisp_status write_github( const results* all, FILE* stream, wisp_error* e
     return dump_json( root, stream, error );
 }
 
-const char* const results_format_names[RESULTS_FORMAT_COUNT] = { "text", "markdown", "csv", "json", "github" };
+const char* const results_format_names[RESULTS_FORMAT_COUNT] = {
+    "text", "markdown", "csv", "json", "latex", "github"
+};
 
 // ---- tables for people ----
 
-static void write_machine( const results* all, FILE* stream, const char* line_end )
+static void write_machine( const results* all, FILE* stream, const char* begin, const char* end )
 {
     const machine_info* machine = &all->machine;
-    fprintf( stream, "machine: %s, %d cores, %.1f GB%s%s%s\n", machine->cpu, machine->cores,
-             machine->memory_bytes / 1e9, machine->isa[0] ? ", kernels for " : "", machine->isa, line_end );
-    fprintf( stream, "system: %s%s\n", machine->os, line_end );
-    fprintf( stream, "build: wisp %s (%s), %s, %s%s\n", machine->version, machine->commit, machine->compiler,
-             machine->build_type, line_end );
-    fprintf( stream, "flags: %s%s\n", machine->flags, line_end );
+    fprintf( stream, "%smachine: %s, %d cores, %.1f GB%s%s%s\n", begin, machine->cpu, machine->cores,
+             machine->memory_bytes / 1e9, machine->isa[0] ? ", kernels for " : "", machine->isa, end );
+    fprintf( stream, "%ssystem: %s%s\n", begin, machine->os, end );
+    fprintf( stream, "%sbuild: wisp %s (%s), %s, %s%s\n", begin, machine->version, machine->commit, machine->compiler,
+             machine->build_type, end );
+    fprintf( stream, "%sflags: %s%s\n", begin, machine->flags, end );
 }
 
 static void write_text( const results* all, FILE* stream )
@@ -575,7 +578,7 @@ static void write_text( const results* all, FILE* stream )
     }
     if ( !all->is_result_first )
     {
-        write_machine( all, stream, "" );
+        write_machine( all, stream, "", "" );
     }
     for ( int t = 0; t < all->table_count; ++t )
     {
@@ -589,7 +592,7 @@ static void write_text( const results* all, FILE* stream )
     if ( all->is_result_first )
     {
         fputc( '\n', stream );
-        write_machine( all, stream, "" );
+        write_machine( all, stream, "", "" );
     }
 }
 
@@ -616,7 +619,7 @@ static void write_markdown( const results* all, FILE* stream )
     }
     if ( !all->is_result_first )
     {
-        write_machine( all, stream, "  " );
+        write_machine( all, stream, "", "  " );
     }
     for ( int t = 0; t < all->table_count; ++t )
     {
@@ -648,7 +651,77 @@ static void write_markdown( const results* all, FILE* stream )
     if ( all->is_result_first )
     {
         fputc( '\n', stream );
-        write_machine( all, stream, "  " );
+        write_machine( all, stream, "", "  " );
+    }
+}
+
+// Characters that LaTeX reads as commands.
+static void write_latex_text( const char* text, FILE* stream )
+{
+    static const char* const spelled[][2] = { { "\\", "\\textbackslash{}" },  { "~", "\\textasciitilde{}" },
+                                              { "^", "\\textasciicircum{}" }, { "<", "\\textless{}" },
+                                              { ">", "\\textgreater{}" },     { "|", "\\textbar{}" } };
+    for ( const char* c = text; *c; ++c )
+    {
+        const char* whole = NULL;
+        for ( int i = 0; i < WISP_COUNT( spelled ); ++i )
+        {
+            whole = *c == spelled[i][0][0] ? spelled[i][1] : whole;
+        }
+        if ( whole )
+        {
+            fputs( whole, stream );
+            continue;
+        }
+        fputs( strchr( "&%$#_{}", *c ) ? "\\" : "", stream );
+        fputc( *c == '\n' ? ' ' : *c, stream );
+    }
+}
+
+static void write_latex_table( const results_table* table, FILE* stream )
+{
+    int shown[TABLE_COLUMNS_MAX];
+    const int count = find_shown( table, shown );
+    const bool is_wide = count > RESULTS_TEXT_COLUMNS;
+    fputs( "\n\\begin{table}\n\\centering\n\\caption{", stream );
+    write_latex_text( table->title, stream );
+    fprintf( stream, "}\n%s\\begin{tabular}{", is_wide ? "\\resizebox{\\textwidth}{!}{" : "" );
+    for ( int i = 0; i < count; ++i )
+    {
+        fputc( results_is_numeric_column( table, shown[i] ) ? 'r' : 'l', stream );
+    }
+    fputs( "}\n\\toprule\n", stream );
+    for ( int row = 0; row < table->row_count; ++row )
+    {
+        for ( int i = 0; i < count; ++i )
+        {
+            fputs( i > 0 ? " & " : "", stream );
+            write_latex_text( results_cell( table, row, shown[i] ), stream );
+        }
+        fputs( row == 0 ? " \\\\\n\\midrule\n" : " \\\\\n", stream );
+    }
+    fprintf( stream, "\\bottomrule\n\\end{tabular}%s\n\\end{table}\n", is_wide ? "}" : "" );
+}
+
+// Tables for a document with booktabs and graphicx; all else is a comment.
+static void write_latex( const results* all, FILE* stream )
+{
+    fputs( "% \\usepackage{booktabs, graphicx}\n", stream );
+    for ( int i = 0; i < all->headline_count; ++i )
+    {
+        fprintf( stream, "%% %s\n", all->headlines[i] );
+    }
+    write_machine( all, stream, "% ", "" );
+    for ( int t = 0; t < all->table_count; ++t )
+    {
+        if ( all->tables[t].title[0] )
+        {
+            write_latex_table( &all->tables[t], stream );
+        }
+    }
+    for ( int i = 0; i < all->note_count; ++i )
+    {
+        fprintf( stream, "%% %s\n", all->notes[i] );
     }
 }
 
@@ -745,6 +818,7 @@ static void write_csv_row( const results_row* row, const csv_columns* columns, F
     write_csv_number( row->ms_median, stream );
     write_csv_number( row->ms_p10, stream );
     write_csv_number( row->ms_p90, stream );
+    write_csv_number( 1e3 / row->ms_median, stream );
     fprintf( stream, ",%d,", row->steps );
     if ( row->has_hash )
     {
@@ -773,7 +847,7 @@ static wisp_status write_csv( const results* all, FILE* stream, wisp_error* erro
     }
     if ( gathered )
     {
-        fputs( "case,variant,workers,ms_median,ms_p10,ms_p90,steps,hash,error.against", stream );
+        fputs( "case,variant,workers,ms_median,ms_p10,ms_p90,fps,steps,hash,error.against", stream );
         for ( int group = 0; group < 3; ++group )
         {
             for ( int i = 0; i < columns[group].count; ++i )
@@ -810,6 +884,9 @@ wisp_status results_write( const results* all, results_format format, FILE* stre
     {
         case RESULTS_MARKDOWN:
             write_markdown( all, stream );
+            break;
+        case RESULTS_LATEX:
+            write_latex( all, stream );
             break;
         case RESULTS_CSV:
             status = write_csv( all, stream, error );

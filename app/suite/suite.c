@@ -499,34 +499,29 @@ static void look_at_solvers( writer* w )
     }
 }
 
-// Time the first steps of the scene as it is written. @return s per second of motion
-static wisp_status time_scene( const writer* w, double* out, wisp_error* error )
+// Estimate what a second of motion costs, s. A clock would give a scene another reference the next time.
+static wisp_status estimate_pace( const writer* w, double* out, wisp_error* error )
 {
-    const int STEPS = 5;
-    const scene_world_options options = { .is_quiet = true };
+    static const double LINK_NS = 20.0, SOLVE_NS = 2000.0, CONTACT_NS = 500.0; // of a vertex in a substep
+    const scene_world_options options = { .workers = 1, .is_quiet = true };
     scene_world world;
-    wisp_status status = scene_world_create( &w->read, &options, &world, error );
-    if ( status != WISP_OK )
+    const wisp_status status = scene_world_create( &w->read, &options, &world, error );
+    if ( status == WISP_OK )
     {
-        return status;
+        const double ns = ( w->has_links ? LINK_NS * w->iterations : 0.0 ) + ( w->has_linear ? SOLVE_NS : 0.0 ) +
+                          ( scene_has_contact( &w->read ) ? CONTACT_NS : 0.0 );
+        *out = 1e-9 * ns * scene_world_vertices( &world ) * w->substeps / (double)w->read.dt;
+        scene_world_destroy( &world );
     }
-    double begin = wisp_clock_seconds();
-    for ( int i = 0; i <= STEPS && i < w->read.steps && status == WISP_OK; ++i )
-    {
-        begin = i == 1 ? wisp_clock_seconds() : begin; // the first step makes the plan
-        status = scene_world_step( &world, error );
-    }
-    *out = ( wisp_clock_seconds() - begin ) / ( STEPS * (double)w->read.dt );
-    scene_world_destroy( &world );
     return status;
 }
 
-// As fine as there is time for. The coarser run that tells its doubt takes half of it again.
+// As fine as takes less than a minute or so. The coarser run that tells its doubt takes half of it again.
 static wisp_status choose_reference( writer* w, wisp_error* error )
 {
+    const double budget = 40.0; // s
     double pace = 0.0;
-    const wisp_status status = time_scene( w, &pace, error );
-    const double budget = w->def->seconds / 1.5;
+    const wisp_status status = estimate_pace( w, &pace, error );
     w->finest_iterations = w->has_links ? 10 * w->iterations : w->iterations;
     const int own = wisp_scene_own_substeps( &w->read ); // a reference has four times as many
     w->finest = 4 * own > SUBSTEPS_MAX ? 4 * own : SUBSTEPS_MAX;
@@ -710,7 +705,7 @@ static wisp_status read_scene_twice( writer* w, wisp_error* error )
     w->substeps = w->read.substeps;
     w->iterations = w->read.iterations;
     const double all = (double)w->read.dt * w->read.steps;
-    w->length = w->def->length > 0.0 ? w->def->length : fmin( all, LENGTH_MAX );
+    w->length = w->def->length > 0.0 ? w->def->length : all > 0.0 ? fmin( all, LENGTH_MAX ) : LENGTH_MAX;
     return w->has_links || w->has_linear
                ? WISP_OK
                : wisp_fail( error, WISP_BAD_INPUT,

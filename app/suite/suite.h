@@ -90,7 +90,8 @@ typedef struct wisp_suite
     char* note;                ///< for readers of the tables; null: none
     suite_row* rows;
     int row_count;
-    suite_runs* references; ///< [reference_count] the first one of the suite's file, then those of rows that differ in text
+    suite_runs*
+        references; ///< [reference_count] the first one of the suite's file, then those of rows that differ in text
     int reference_count;
     double extrapolate;    ///< order of the runs that the reference is extrapolated from; 0: it is a run
     bool compares_start;   ///< errors are distances from where bodies start
@@ -127,13 +128,12 @@ int suite_set_field( text_node* scene, const char* path, const text_node* value 
 
 // ---- the suite that `wisp accuracy` makes of a scene ----
 
-/// What accuracy costs, by substeps and by methods that the scene can do without being another.
+/// What accuracy costs, by substeps and by methods that the scene can do without being another. `wisp tune` has the same reference.
 typedef struct suite_of_scene_def
 {
     const char* path; ///< of the scene
     const char* file; ///< the same as the suite is to name it
     double length;    ///< s of motion that is compared; 0: all of the scene, but at most 1 s
-    double seconds;   ///< of wall time that the reference may take, about
 } suite_of_scene_def;
 
 /// Write the suite as YAML.

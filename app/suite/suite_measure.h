@@ -43,7 +43,7 @@ typedef struct suite_measurement
     suite_comparison compared;          ///< with the reference
     int steps;
     int strands, vertices, substeps; ///< of what moves or is drawn; of a step
-    char isa[16]; ///< instruction set that the kernels used
+    char isa[16];                    ///< instruction set that the kernels used
     suite_pass passes[SUITE_MAX_PASSES];
     int pass_count;
 } suite_measurement;

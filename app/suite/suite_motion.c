@@ -85,8 +85,7 @@ static void spread( const row_steps* row, double end, suite_times* out )
 }
 
 // @return WISP_BAD_INPUT a row is no scene
-static wisp_status choose_times( const suite_references* references, int number, suite_times* out,
-                                 wisp_error* error )
+static wisp_status choose_times( const suite_references* references, int number, suite_times* out, wisp_error* error )
 {
     const wisp_suite* suite = references->suite;
     double end = INFINITY;
@@ -663,7 +662,7 @@ static wisp_status find_facts( const suite_row* row, scene_facts* out, wisp_erro
 }
 
 // Blocks that move what they name, and parts of the keys of materials and loads.
-static const char* const motions[] = { "colliders", "seams",     "events", "hair_events", "keyframes", "pins",
+static const char* const motions[] = { "colliders", "seams",      "events", "hair_events", "keyframes",       "pins",
                                        "animation", "pin_groups", "tips",   "velocity",    "angular_velocity" };
 static const char* const loads[] = { "compliance", "rigidity", "damping", "density", "mass",
                                      "gravity",    "wind",     "drag",    "lift",    "friction" };
@@ -709,7 +708,8 @@ static bool has_no_other( const text_node* one, const text_node* other, bool has
 
 static bool is_same_scene( const scene_facts* row, const scene_facts* reference )
 {
-    return row->world == reference->world && fabs( row->seconds - reference->seconds ) < fmax( row->dt, reference->dt ) &&
+    return row->world == reference->world &&
+           fabs( row->seconds - reference->seconds ) < fmax( row->dt, reference->dt ) &&
            has_no_other( row->text, reference->text, true ) && has_no_other( reference->text, row->text, false );
 }
 

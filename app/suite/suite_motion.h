@@ -39,9 +39,9 @@ typedef struct suite_times
 /// kept.
 typedef struct suite_reference
 {
-    bool exists;   ///< the suite has one
+    bool exists;            ///< the suite has one
     const suite_runs* runs; ///< null: none are made
-    bool is_start; ///< it is where bodies start
+    bool is_start;          ///< it is where bodies start
     suite_times times;
     suite_motion motion;
     suite_comparison

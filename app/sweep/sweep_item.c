@@ -137,8 +137,7 @@ static wisp_status measure( const sweep_settings* s, int number, sweep_row* out,
     const suite_reference* reference;
     suite_measurement measured;
     wisp_status status = suite_reference_of( s->references, number, &reference, error );
-    status =
-        status == WISP_OK ? suite_reference_run( reference, row, NULL, NULL, &measured, error ) : status;
+    status = status == WISP_OK ? suite_reference_run( reference, row, NULL, NULL, &measured, error ) : status;
     if ( status == WISP_OK )
     {
         out->hash = measured.hash;

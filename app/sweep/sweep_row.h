@@ -58,7 +58,7 @@ typedef struct sweep_row
     bool is_known;     ///< that verdict is the one that is expected
     char failure[500]; ///< why it could not be run
 
-    int workers; ///< 0: it was not timed
+    int workers;                ///< 0: it was not timed
     sweep_time alone, together; ///< with one worker; with `workers`, if those are more
 } sweep_row;
 

@@ -20,7 +20,8 @@ typedef struct accuracy_setting
     double parameter;        ///< its value, above 0; the observed order is the slope of log error over log parameter
     double order;            ///< the order expected in theory; NaN: none
     int group;               ///< settings with one reference: they are rivals of each other, and of no others
-    double doubt, until;     ///< of that reference, in the unit of `error`; s of motion compared. 0: those of the scene; not said
+    double doubt,
+        until;   ///< of that reference, in the unit of `error`; s of motion compared. 0: those of the scene; not said
     bool is_cut; ///< motion is compared no longer because two converged runs part
     const double* measure_doubts; ///< of that reference; null: those of the scene
 } accuracy_setting;
@@ -29,8 +30,8 @@ typedef struct accuracy_setting
 typedef struct accuracy_work
 {
     double strands, vertices; ///< of all that moves or is drawn
-    double substeps; ///< of a step
-    double bytes;    ///< of world and fabrics, after all steps
+    double substeps;          ///< of a step
+    double bytes;             ///< of world and fabrics, after all steps
 } accuracy_work;
 
 /// Results of one run of a setting. The driver initialises them with NaN.
@@ -54,7 +55,8 @@ wisp_status accuracy_keep_ms( accuracy_run* run, double ms );
 typedef struct accuracy_scene
 {
     char reference[200]; ///< reference of the error: "closed form: ...", "16 times the substeps: ..."
-    double uncertainty;  ///< of the reference, in the unit of `error`, the largest of several; smaller errors are unresolved
+    double
+        uncertainty; ///< of the reference, in the unit of `error`, the largest of several; smaller errors are unresolved
     int group_count;     ///< of settings; 0: one
     const char* note;    ///< note for readers of the tables, whole sentences; static; null: none
     char error_name[48]; ///< "distance to the reference"; empty: errors are not measured, and there are no rivals

@@ -24,7 +24,8 @@ void accuracy_front( const double* error, const double* ms, const accuracy_setti
         for ( int k = 0; k < count && on_front[i]; ++k )
         {
             const bool is_rival = !settings || settings[k].group == settings[i].group;
-            const bool is_better = is_rival && error[k] <= error[i] && ms[k] <= ms[i] && ( error[k] < error[i] || ms[k] < ms[i] );
+            const bool is_better =
+                is_rival && error[k] <= error[i] && ms[k] <= ms[i] && ( error[k] < error[i] || ms[k] < ms[i] );
             on_front[i] = !is_better;
         }
     }
@@ -398,8 +399,8 @@ static void put_horizon( const accuracy_scene* scene, char* out, size_t size )
     out[0] = '\0';
     if ( most > 0.0 )
     {
-        const int used = snprintf( out, size, least < most ? "; compared until %.3g to %.3g s" : "; compared until %.3g s",
-                                   least, most );
+        const int used = snprintf(
+            out, size, least < most ? "; compared until %.3g to %.3g s" : "; compared until %.3g s", least, most );
         snprintf( out + used, size - (size_t)used, is_cut ? ", where two converged runs part" : ", the end" );
     }
 }
@@ -425,7 +426,8 @@ void accuracy_add_headline( const accuracy_report* report, results* out )
     }
     if ( scene->group_count > 1 )
     {
-        results_add_headline( out, "Accuracy `%s`: %d settings of %d scenes, each compared with its own reference%s%s",
+        results_add_headline( out,
+                              "Accuracy `%s`: %d settings of %d scenes, each compared with its own reference%s%s",
                               report->entry->name, scene->setting_count, scene->group_count, until, doubt );
         return;
     }
@@ -449,11 +451,12 @@ static void add_doubts( const accuracy_report* report, results* out )
                       scene->measure_doubts[i] );
         }
     }
-    results_add_note( out,
-                      "Accuracy `%s`: The reference is uncertain by %s%.3g %s%s. Smaller errors are `below`: they are "
-                      "not resolved, on no front and in no order.",
-                      report->entry->name, scene->group_count > 1 ? "up to " : "", scene->uncertainty,
-                      scene->error_unit, measures );
+    results_add_note(
+        out,
+        "Accuracy `%s`: The reference is uncertain by %s%.3g %s%s. Smaller errors are `below`: they are "
+        "not resolved, on no front and in no order.",
+        report->entry->name, scene->group_count > 1 ? "up to " : "", scene->uncertainty, scene->error_unit,
+        measures );
 }
 
 void accuracy_add_notes( const accuracy_report* report, results* out )

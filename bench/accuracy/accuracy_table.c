@@ -263,8 +263,8 @@ void accuracy_add_counts( const accuracy_report* report, results* out )
     {
         cells_put( &header, "front" );
     }
-    snprintf( title, sizeof title, "%s `%s`: size, time and error of a %s", accuracy_kind( scene ),
-              report->entry->name, accuracy_ms_name( scene ) );
+    snprintf( title, sizeof title, "%s `%s`: %s; size, time and error of a %s", accuracy_kind( scene ),
+              report->entry->name, report->entry->title, accuracy_ms_name( scene ) );
     const int table = cells_begin_table( &header, title, out );
     for ( int i = 0; i < scene->setting_count * report->worker_count; ++i )
     {

@@ -20,12 +20,13 @@
     "    pin_box: { min: [-1, -1, -1], max: [-0.39, 1, 1] }\n"                                                       \
     "    cloth: { warp_compliance: 1e-3, weft_compliance: 1e-3, shear_compliance: 1e-3, bending: none }\n"
 
-static const char suite[] = "wisp_suite: 1\n"
-                            "title: a sheet falls\n"
-                            "reference: { set: { substeps: 60, iterations: 4 }, check: { substeps: 30 } }\n"
-                            "scenes:\n"
-                            "  - { file: sheet.yaml, along: { substeps: [1, 2, 4, 8] }, order: 1 }\n"
-                            "  - { file: fine.yaml, name: fine, along: { substeps: [1, 8] } }\n";
+static const char suite[] =
+    "wisp_suite: 1\n"
+    "title: a sheet falls\n"
+    "reference: { file: sheet.yaml, set: { substeps: 60, iterations: 4 }, check: { substeps: 30 } }\n"
+    "scenes:\n"
+    "  - { file: sheet.yaml, along: { substeps: [1, 2, 4, 8] }, order: 1 }\n"
+    "  - { file: fine.yaml, name: fine, along: { substeps: [1, 8] } }\n";
 
 // Run the suite and read what it measured.
 static json_t* measure( const char* command )
@@ -317,9 +318,10 @@ TEST( steps_that_end_at_other_times_are_refused )
     run( "bench odd.yaml --seconds 0.1" );
     assert_int_equal( result.status, 2 );
     assert_contains( result.err, "no step ends at" );
-    write_text( "apart.yaml", "wisp_suite: 1\nreference: { set: { substeps: 20 }, check: { substeps: 10 } }\n"
-                              "scenes:\n  - { file: sheet.yaml, name: short, set: { steps: 1 } }\n"
-                              "  - { file: sheet.yaml, name: coarse, set: { dt: 0.1 } }\n" );
+    write_text( "apart.yaml",
+                "wisp_suite: 1\nreference: { file: sheet.yaml, set: { substeps: 20 }, check: { substeps: 10 } }\n"
+                "scenes:\n  - { file: sheet.yaml, name: short, set: { steps: 1 } }\n"
+                "  - { file: sheet.yaml, name: coarse, set: { dt: 0.1 } }\n" );
     run( "bench apart.yaml" );
     assert_int_equal( result.status, 2 );
     assert_contains( result.err, "no moment is common to all rows: short ends after" );

@@ -253,7 +253,7 @@ TEST( a_merge_refuses_what_is_not_one_sweep )
         { "\"version\":\"0", "\"version\":\"9", "jsonl:1: is of another version of Wisp than " },
         { "\"sweep\":\"", "\"sweep\":\"0000000000000000\",\"x\":\"", "jsonl:1: is of another suite than " },
         { "\"shards\":3", "\"shards\":4", "jsonl:1: is of another number of shards than " },
-        { "\"doubt\":", "\"doubt\":1", "jsonl:1: is of another reference than " },
+        { "\"reference\":", "\"reference\":\"x\",\"y\":", "jsonl:1: is of another reference than " },
         { "\"item\":", "\"idem\":", "jsonl:1: expected a row" },
         { "{\"item\":", "{\"item\":9999", "jsonl:1: expected a row" },
         { "{", "[", "jsonl:1: expected a row" },
