@@ -452,6 +452,7 @@ typedef struct study
     double longest_dt;
     bool measures[SAMPLE_COUNT]; // a suite has those columns that one of its scenes can have
     char note[480];
+    bool is_quick; // rows that are left out need no reference
 } study;
 
 // ---- a sampled run ----
@@ -614,6 +615,10 @@ static wisp_status add_setting( study* own, int row, accuracy_scene* out, wisp_e
         const double parameter = parameter_of( own, row, name, sizeof name );
         accuracy_join_series( setting, r->series, name, parameter, r->order );
     }
+    if ( own->is_quick && r->is_slow )
+    {
+        return WISP_OK;
+    }
     const wisp_status status = suite_reference_of( &own->references, row, &reference, error );
     if ( status == WISP_OK && reference->exists )
     {
@@ -721,9 +726,9 @@ static wisp_status make_references( study* own, accuracy_scene* out, wisp_error*
     {
         const int group = own->references.of_row[i];
         const suite_reference* reference;
-        const bool is_new = !own->references.is_made[group];
-        status = suite_reference_of( &own->references, i, &reference, error );
-        if ( status == WISP_OK && is_new )
+        const bool is_new = !own->references.is_made[group], is_left_out = own->is_quick && own->suite->rows[i].is_slow;
+        status = is_left_out ? WISP_OK : suite_reference_of( &own->references, i, &reference, error );
+        if ( status == WISP_OK && is_new && !is_left_out )
         {
             look_at_reference( own, reference, all[group] );
             note_chaos( own, reference, out );
@@ -768,7 +773,6 @@ static wisp_status fill( study* own, accuracy_scene* out, wisp_error* error )
 wisp_status suite_study_make( const wisp_suite* suite, const bench_options* options, accuracy_scene* out,
                               wisp_error* error )
 {
-    (void)options;
     study* own = calloc( 1, sizeof *own );
     *out = ( accuracy_scene ){ .context = own, .run = run_row, .destroy = destroy };
     if ( own == NULL )
@@ -776,6 +780,7 @@ wisp_status suite_study_make( const wisp_suite* suite, const bench_options* opti
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for a suite" );
     }
     own->suite = suite;
+    own->is_quick = options->quick;
     own->dt = calloc( (size_t)suite->row_count, sizeof *own->dt );
     own->steps = calloc( (size_t)suite->row_count, sizeof *own->steps );
     wisp_status status = own->dt && own->steps ? accuracy_reserve_settings( out, suite->row_count, error )
