@@ -68,11 +68,14 @@ wisp_status figures_bench( const bench_options* options, results* out, wisp_erro
 // ---- the page ----
 
 static void add_figure( figures_case* page, const char* const told[3], bool meets_target, bool is_known,
-                     const char* format, va_list arguments )
+                        const char* format, va_list arguments )
 {
     char measured[300];
     vsnprintf( measured, sizeof( measured ), format, arguments );
-    const char* const row[] = { told[0], told[1], told[2], measured, meets_target ? "yes" : is_known ? "known" : "NO" };
+    const char* const row[] = { told[0], told[1], told[2], measured,
+                                meets_target ? "yes"
+                                : is_known   ? "known"
+                                             : "NO" };
     results_add_cells( page->out, page->table, row );
     if ( !meets_target && !is_known )
     {

@@ -726,7 +726,8 @@ static wisp_status make_references( study* own, accuracy_scene* out, wisp_error*
     {
         const int group = own->references.of_row[i];
         const suite_reference* reference;
-        const bool is_new = !own->references.is_made[group], is_left_out = own->is_quick && own->suite->rows[i].is_slow;
+        const bool is_new = !own->references.is_made[group],
+                   is_left_out = own->is_quick && own->suite->rows[i].is_slow;
         status = is_left_out ? WISP_OK : suite_reference_of( &own->references, i, &reference, error );
         if ( status == WISP_OK && is_new && !is_left_out )
         {

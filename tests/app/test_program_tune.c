@@ -63,7 +63,7 @@ TEST( an_error_is_met_and_the_scene_that_is_written_has_the_choice )
 {
     run_ok( "tune cloth.yaml --error 0.02 --workers 1 --output tuned.yaml" );
     assert_string_equal( result.err, "" );
-    assert_memory_equal( result.out, "target     met: error at most 0.02 m; compared until 0.333 s, the end\n", 71 );
+    assert_memory_equal( result.out, "target     met: error at most 0.02 m; compared until 0.333 s, the end\n", 70 );
     assert_true( number_behind( result.out, "ms per step, error " ) <= 0.02 );
     assert_non_null( strstr( result.out, "chosen" ) );
     assert_non_null( strstr( result.out, "Pareto" ) );
