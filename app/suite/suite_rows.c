@@ -235,6 +235,10 @@ static void name_variant( const suite_reader* r, const scene_node* field, const 
     const size_t used = strlen( out );
     text_node* own = value_of( r, value );
     char* text = text_write( own, NULL );
+    for ( char* line = strchr( text, '\n' ); line && own->kind == TEXT_LIST; line = strchr( line, '\n' ) )
+    {
+        *line = line[1] ? ' ' : '\0'; // a list is one line, "- 0 - 16"
+    }
     text[strcspn( text, "\n" )] = '\0';
     snprintf( out + used, size - used, "%s%s=%s", used > 0 ? ", " : "", dot ? dot + 1 : path,
               text + strspn( text, " " ) );

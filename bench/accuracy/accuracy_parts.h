@@ -46,11 +46,9 @@ bool accuracy_names_quick( const wisp_suite* suite );
 void accuracy_add_table( const accuracy_report* report, results* out );
 /// What is measured of contact, if a scene has it.
 void accuracy_add_contact( const accuracy_report* report, results* out );
-/// Medians, means and longest times.
-void accuracy_add_times( const accuracy_report* report, results* out );
 /// What is measured, how large it is, and time beside error.
 void accuracy_add_counts( const accuracy_report* report, results* out );
-/// How two workers scale, and times and bytes per vertex, where a scene says what a step is made of.
+/// How two workers scale, times and bytes per vertex, where a scene says what a step is made of, and longest times.
 void accuracy_add_costs( const accuracy_report* report, results* out );
 void accuracy_add_rows( const accuracy_report* report, results* out );
 /// Passes by their time, where profiles were gathered.

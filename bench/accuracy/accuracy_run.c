@@ -426,7 +426,6 @@ static void write_report( const accuracy_report* report, results* out )
     if ( report->entry->suite )
     {
         accuracy_add_costs( report, out );
-        accuracy_add_times( report, out );
     }
     accuracy_add_rows( report, out );
     if ( !report->scene->has_no_rivals )

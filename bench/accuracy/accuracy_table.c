@@ -301,39 +301,6 @@ void accuracy_add_contact( const accuracy_report* report, results* out )
     }
 }
 
-void accuracy_add_times( const accuracy_report* report, results* out )
-{
-    const accuracy_scene* scene = report->scene;
-    cells header = { .count = 0 };
-    char title[160], workers[24];
-    cells_put( &header, "setting" );
-    for ( int w = 0; w < report->worker_count; ++w )
-    {
-        accuracy_workers_label( report->workers[w], workers, sizeof workers );
-        cells_put( &header, "%s: median", workers );
-        cells_put( &header, "mean" );
-        cells_put( &header, "longest" );
-        cells_put( &header, "mean / first" );
-    }
-    snprintf( title, sizeof title, "%s `%s`: spread of times, ms per %s", accuracy_kind( scene ), report->entry->name,
-              accuracy_ms_name( scene ) );
-    const int table = cells_begin_table( &header, title, out );
-    for ( int i = 0; i < scene->setting_count; ++i )
-    {
-        cells row = { .count = 0 };
-        cells_put( &row, "%s", scene->settings[i].name );
-        for ( int w = 0; w < report->worker_count; ++w )
-        {
-            const stats_summary* ms = &report->stats[i].ms[w];
-            accuracy_put_digits( &row, ms->median, 3 );
-            accuracy_put_digits( &row, ms->mean, 3 );
-            accuracy_put_digits( &row, ms->maximum, 3 );
-            cells_put_number( &row, ms->mean / report->stats[0].ms[w].mean, 2 );
-        }
-        cells_end_row( &row, table, out );
-    }
-}
-
 // ---- what a vertex costs ----
 
 static double ns_per_vertex( const accuracy_stats* f, int worker )
@@ -351,26 +318,33 @@ void accuracy_add_costs( const accuracy_report* report, results* out )
     cells header = { .count = 0 };
     char title[160], workers[24];
     cells_put( &header, "setting" );
+    cells_put( &header, "bytes / vertex" );
     cells_put( &header, "speed-up" );
     for ( int w = 0; w < report->worker_count; ++w )
     {
         accuracy_workers_label( report->workers[w], workers, sizeof workers );
-        cells_put( &header, "%s ns / vertex, substep", workers );
+        cells_put( &header, "%s: mean ms", workers );
+        cells_put( &header, "longest" );
+        cells_put( &header, "mean / first" );
+        cells_put( &header, "ns / vertex, substep" );
     }
-    cells_put( &header, "bytes / vertex" );
-    snprintf( title, sizeof title, "%s `%s`: cost per vertex", accuracy_kind( report->scene ), report->entry->name );
+    snprintf( title, sizeof title, "%s `%s`: cost per vertex, and spread of times", accuracy_kind( report->scene ),
+              report->entry->name );
     const int table = cells_begin_table( &header, title, out );
     for ( int i = 0; i < report->scene->setting_count; ++i )
     {
         const accuracy_stats* f = &report->stats[i];
         cells row = { .count = 0 };
         cells_put( &row, "%s", report->scene->settings[i].name );
+        cells_put_number( &row, f->work.bytes / f->work.vertices, 0 );
         cells_put_number( &row, speed_up( report, f ), 2 );
         for ( int w = 0; w < report->worker_count; ++w )
         {
+            accuracy_put_digits( &row, f->ms[w].mean, 3 );
+            accuracy_put_digits( &row, f->ms[w].maximum, 3 );
+            cells_put_number( &row, f->ms[w].mean / report->stats[0].ms[w].mean, 2 );
             accuracy_put_digits( &row, ns_per_vertex( f, w ), 3 );
         }
-        cells_put_number( &row, f->work.bytes / f->work.vertices, 0 );
         cells_end_row( &row, table, out );
     }
 }
@@ -633,7 +607,8 @@ static void make_logarithmic( const accuracy_report* report, results* out, int c
     {
         const size_t used = strlen( made->caption );
         snprintf( made->caption + used, sizeof( made->caption ) - used,
-                  " Points called `below` stand at the doubt of the reference, %.3g %s.", report->scene->uncertainty,
+                  " Points called `below` stand at the doubt of their reference, %s%.3g %s.",
+                  report->scene->group_count > 1 ? "up to " : "", report->scene->uncertainty,
                   report->scene->error_unit );
     }
 }

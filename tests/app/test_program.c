@@ -512,43 +512,6 @@ TEST( bench_lists_its_cases )
     assert_memory_equal( result.out, "paper ", 6 );
 }
 
-static void copy_program( const char* path )
-{
-    size_t size;
-    void* bytes = read_bytes( program, &size );
-    write_bytes( path, bytes, size );
-    free( bytes );
-    assert_int_equal( chmod( path, 0700 ), 0 );
-}
-
-TEST( bench_without_its_own_program_is_refused_and_other_verbs_work )
-{
-    char complete[sizeof( program )];
-    memcpy( complete, program, sizeof( program ) );
-    assert_int_equal( mkdir( "alone", 0700 ), 0 );
-    copy_program( "alone/wisp" );
-    snprintf( program, sizeof( program ), "%s/alone/wisp", (const char*)*state );
-
-    assert_refused( "bench --list", "alone/wisp-bench: No such file or directory" );
-    run( "plan good.yaml" );
-
-    memcpy( program, complete, sizeof( program ) );
-    assert_int_equal( result.status, 0 );
-}
-
-TEST( bench_is_found_through_a_symbolic_link )
-{
-    char complete[sizeof( program )];
-    memcpy( complete, program, sizeof( program ) );
-    assert_int_equal( symlink( program, "linked" ), 0 );
-    snprintf( program, sizeof( program ), "%s/linked", (const char*)*state );
-
-    run( "bench --list" );
-
-    memcpy( program, complete, sizeof( program ) );
-    assert_int_equal( result.status, 0 );
-}
-
 // ---- terminals ----
 
 TEST( progress_is_drawn_on_a_terminal_and_wiped_out_again )

@@ -322,7 +322,7 @@ TEST( a_suite_without_a_reference_is_a_table_of_times )
     run_ok( "bench times.yaml --seconds 0.1" );
     assert_contains( result.out, "Suite `times`: times, ms per step" );
     assert_contains( result.out, "sheet, iterations=2" );
-    assert_contains( result.out, "Suite `times`: spread of times" );
+    assert_contains( result.out, "Suite `times`: cost per vertex, and spread of times" );
     assert_contains( result.out, "ms of a step by pass, one worker" );
     assert_contains( result.out, "links.xpbd" );
     assert_null( strstr( result.out, "equal error" ) );

@@ -538,7 +538,7 @@ TEST( a_real_scene_comes_nearer_with_shorter_steps )
     assert_false( all.failed );
     double errors[6];
     int on_front = 0;
-    const results_table* table = find_table( &all, "Accuracy `cloth_taut`" );
+    const results_table* table = find_table( &all, "Accuracy `cloth_taut`: a few of its settings, ms per" );
     for ( int k = 0; k < 6; ++k )
     {
         errors[k] = atof( named_cell( table, 1 + k, "RMS distance to the reference, mm" ) );
