@@ -37,7 +37,6 @@ static const option_row bench_rows[] = {
       OPTION_FILES( ".html" ) },
     OPTION_TITLE( "Options of single cases:" ),
     { "pictures", BENCH_KEY_PICTURES, "FOLDER", "figures: write pictures to FOLDER", OPTION_FILES( "/" ) },
-    { "scene", BENCH_KEY_SCENE, "NAME[,NAME...]", "accuracy: only these scenes; can be repeated", OPTION_ANY },
     { "long", BENCH_KEY_LONG, NULL, "stability, suites: also rows that are long, such as a million steps at rest",
       OPTION_ANY },
 };

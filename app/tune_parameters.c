@@ -7,8 +7,8 @@
 // ---- fields ----
 
 // Keys that `wisp tune` may change. A key is listed only if its last value is that of the reference run, and if it
-// does not change the material. For strands this excludes (measured with `wisp bench accuracy --scene
-// strands_swing`):
+// does not change the material. For strands this excludes (measured with
+// `wisp bench data/suites/accuracy/strands_swing.yaml`):
 //
 // - `stretch`: links with a compliance are another strand, and without one they reach the error of the direct solve in
 //   no less time.

@@ -82,7 +82,7 @@ typedef struct accuracy_scene
 typedef wisp_status accuracy_scene_fn( const bench_options* options, double seconds, accuracy_scene* out,
                                        wisp_error* error );
 
-/// A scene as scenes.inc lists it.
+/// A scene and its name.
 typedef struct accuracy_entry
 {
     const char* name;
@@ -90,9 +90,6 @@ typedef struct accuracy_entry
     accuracy_scene_fn* make; ///< null: the rows of `suite` are the settings
     const wisp_suite* suite;
 } accuracy_entry;
-
-/// The scenes of scenes.inc in their order.
-const accuracy_entry* accuracy_entries( int* count );
 
 /// Run the rows of a suite.
 wisp_status suite_bench_rows( const wisp_suite* suite, const bench_options* options, results* out,

@@ -191,9 +191,6 @@ TEST( a_misspelt_word_of_an_option_is_answered_with_the_nearest )
     assert_usage( "bench papre", "did you mean 'paper'?" );
     assert_usage( "bench --format xml", "--format" );
     assert_usage( "bench cloth --long", "--long is an option of the case 'stability'" );
-    assert_usage( "bench accuracy --scene cloth_on_bal", "did you mean 'cloth_on_ball'?" );
-    assert_usage( "bench accuracy --scene flag,volcano", "--scene: got 'volcano', expected one of hanging_cloth, " );
-    assert_usage( "bench paper --scene flag", "--scene is an option of the case 'accuracy'" );
     assert_usage( "bench cloth --pictures here", "--pictures is an option of the case 'figures'" );
 }
 

@@ -256,7 +256,7 @@ TEST( each_scene_has_its_own_reference )
         "counts.yaml",
         "wisp_suite: 1\nreference: { set: { substeps: 8 }, check: { substeps: 4 } }\nscenes:\n"
         "  - { file: hair.yaml, vary: { \"strands[0].generate.strands\": [4, 9], "
-        "\"strands[0].generate.vertices\": [6, 8], \"strands[0].dynamics.stretch_passes\": [1, 2], "
+        "\"strands[0].generate.vertices\": [6, 8], \"strands[0].dynamics.integrator\": [euler, bdf2], "
         "substeps: [4, 8] } }\n"
         "  - { file: sheet.yaml, vary: { \"surfaces[0].generate.rows\": [5, 9], substeps: [4, 8] } }\n"
         "  - { file: sheet.yaml, name: damped, vary: { \"surfaces[0].damping\": [0.5, 2], substeps: [8] } }\n" );
@@ -264,8 +264,8 @@ TEST( each_scene_has_its_own_reference )
     json_t* root = measure( "bench counts.yaml --seconds 0.1 --workers 1 -f json -o out.json" );
     assert_int_equal( count_files(), 2 * ( 4 + 2 + 2 ) );
     static const char* const fine[] = {
-        "hair, strands=4, vertices=6, stretch_passes=1, substeps=8",
-        "hair, strands=9, vertices=8, stretch_passes=1, substeps=8",
+        "hair, strands=4, vertices=6, integrator=euler, substeps=8",
+        "hair, strands=9, vertices=8, integrator=euler, substeps=8",
         "sheet, rows=5, substeps=8",
         "sheet, rows=9, substeps=8",
         "damped, damping=0.5, substeps=8",
@@ -275,7 +275,7 @@ TEST( each_scene_has_its_own_reference )
     {
         assert_true( error_of( root, fine[i] ) == 0.0 && measure_of( root, fine[i], "until_s" ) > 0.0 );
     }
-    assert_true( error_of( root, "hair, strands=9, vertices=6, stretch_passes=2, substeps=8" ) > 0.0 );
+    assert_true( error_of( root, "hair, strands=9, vertices=6, integrator=bdf2, substeps=8" ) > 0.0 );
     assert_true( error_of( root, "sheet, rows=5, substeps=4" ) ==
                  measure_of( root, "sheet, rows=5, substeps=4", "doubt_mm" ) );
     json_decref( root );
@@ -284,14 +284,14 @@ TEST( each_scene_has_its_own_reference )
     assert_contains( result.out,
                      "setting & workers & strands & vertices & substeps & ms & ms, p90 & FPS & error, mm" );
     assert_contains( result.out, "\\toprule\nsetting" );
-    assert_contains( result.out, "hair, strands=9, vertices=8, stretch\\_passes=2, substeps=4 & 1 & 9 & 72 & 4 & " );
+    assert_contains( result.out, "hair, strands=9, vertices=8, integrator=bdf2, substeps=4 & 1 & 9 & 72 & 4 & " );
 }
 
 TEST( tuning_has_the_reference_of_accuracy )
 {
     run_ok( "accuracy sheet.yaml --suite made.yaml" );
     json_t* root = measure( "bench made.yaml --seconds 0.1 --workers 1 -f json -o out.json" );
-    const double links = error_of( root, "links alone, substeps=2" );
+    const double links = error_of( root, "as written, substeps=2" );
     json_decref( root );
     run( "tune sheet.yaml --error 1e-12 --workers 1 -f json" );
     root = json_loads( result.out, 0, NULL );

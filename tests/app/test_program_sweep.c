@@ -18,7 +18,7 @@ static const char sheet[] = "wisp: 1\n"
 // 13 x 8 x 3 rows, of which some are run by two shards, and a row of its own.
 static const char suite[] = "wisp_suite: 1\n"
                             "title: sheets\n"
-                            "reference: { set: { substeps: 40 }, check: { substeps: 20 } }\n"
+                            "reference: { file: sheet.yaml, set: { substeps: 40 }, check: { substeps: 20 } }\n"
                             "scenes:\n"
                             "  - file: sheet.yaml\n"
                             "    vary:\n"
@@ -110,7 +110,7 @@ TEST( any_number_of_shards_gives_the_same_bytes )
 TEST( errors_are_those_of_the_benchmark )
 {
     write_text( "few.yaml", "wisp_suite: 1\n"
-                            "reference: { set: { substeps: 40 }, check: { substeps: 20 } }\n"
+                            "reference: { file: sheet.yaml, set: { substeps: 40 }, check: { substeps: 20 } }\n"
                             "scenes: [ { file: sheet.yaml, along: { substeps: [1, 8] } } ]\n" );
     run_ok( "sweep few.yaml -o few" );
     run_ok( "merge few -f csv" );
