@@ -250,12 +250,12 @@ TEST( references_are_kept )
 // Rows that differ in what is simulated have references of their own; those that differ in how it is solved share one.
 TEST( each_scene_has_its_own_reference )
 {
-    write_text( "hair.yaml", "wisp: 1\nsteps: 6\nstrands:\n  - name: hair\n"
-                             "    generate: { strands: 4, vertices: 6, length: 0.2 }\n    dynamics: {}\n" );
+    write_text( "few_hairs.yaml", "wisp: 1\nsteps: 6\nstrands:\n  - name: hair\n"
+                                  "    generate: { strands: 4, vertices: 6, length: 0.2 }\n    dynamics: {}\n" );
     write_text(
         "counts.yaml",
         "wisp_suite: 1\nreference: { set: { substeps: 8 }, check: { substeps: 4 } }\nscenes:\n"
-        "  - { file: hair.yaml, vary: { \"strands[0].generate.strands\": [4, 9], "
+        "  - { file: few_hairs.yaml, vary: { \"strands[0].generate.strands\": [4, 9], "
         "\"strands[0].generate.vertices\": [6, 8], \"strands[0].dynamics.integrator\": [euler, bdf2], "
         "substeps: [4, 8] } }\n"
         "  - { file: sheet.yaml, vary: { \"surfaces[0].generate.rows\": [5, 9], substeps: [4, 8] } }\n"
@@ -264,8 +264,8 @@ TEST( each_scene_has_its_own_reference )
     json_t* root = measure( "bench counts.yaml --seconds 0.1 --workers 1 -f json -o out.json" );
     assert_int_equal( count_files(), 2 * ( 4 + 2 + 2 ) );
     static const char* const fine[] = {
-        "hair, strands=4, vertices=6, integrator=euler, substeps=8",
-        "hair, strands=9, vertices=8, integrator=euler, substeps=8",
+        "few_hairs, strands=4, vertices=6, integrator=euler, substeps=8",
+        "few_hairs, strands=9, vertices=8, integrator=euler, substeps=8",
         "sheet, rows=5, substeps=8",
         "sheet, rows=9, substeps=8",
         "damped, damping=0.5, substeps=8",
@@ -275,7 +275,7 @@ TEST( each_scene_has_its_own_reference )
     {
         assert_true( error_of( root, fine[i] ) == 0.0 && measure_of( root, fine[i], "until_s" ) > 0.0 );
     }
-    assert_true( error_of( root, "hair, strands=9, vertices=6, integrator=bdf2, substeps=8" ) > 0.0 );
+    assert_true( error_of( root, "few_hairs, strands=9, vertices=6, integrator=bdf2, substeps=8" ) > 0.0 );
     assert_true( error_of( root, "sheet, rows=5, substeps=4" ) ==
                  measure_of( root, "sheet, rows=5, substeps=4", "doubt_mm" ) );
     json_decref( root );
@@ -284,16 +284,17 @@ TEST( each_scene_has_its_own_reference )
     assert_contains( result.out,
                      "setting & workers & strands & vertices & substeps & ms & ms, p90 & FPS & error, mm" );
     assert_contains( result.out, "\\toprule\nsetting" );
-    assert_contains( result.out, "hair, strands=9, vertices=8, integrator=bdf2, substeps=4 & 1 & 9 & 72 & 4 & " );
+    assert_contains( result.out,
+                     "few\\_hairs, strands=9, vertices=8, integrator=bdf2, substeps=4 & 1 & 9 & 72 & 4 & " );
 }
 
 TEST( tuning_has_the_reference_of_accuracy )
 {
     run_ok( "accuracy sheet.yaml --suite made.yaml" );
     json_t* root = measure( "bench made.yaml --seconds 0.1 --workers 1 -f json -o out.json" );
-    const double links = error_of( root, "as written, substeps=2" );
+    const double links = error_of( root, "as written, substeps=1" );
     json_decref( root );
-    run( "tune sheet.yaml --error 1e-12 --workers 1 -f json" );
+    run( "tune sheet.yaml --error 10 --workers 1 -f json" );
     root = json_loads( result.out, 0, NULL );
     assert_non_null( root );
     size_t i;
@@ -302,7 +303,7 @@ TEST( tuning_has_the_reference_of_accuracy )
     json_array_foreach( json_object_get( root, "rows" ), i, row )
     {
         const json_t* size = json_object_get( row, "size" );
-        if ( json_number_value( json_object_get( size, "substeps" ) ) == 2.0 &&
+        if ( json_number_value( json_object_get( size, "substeps" ) ) == 1.0 &&
              json_number_value( json_object_get( size, "iterations" ) ) == 1.0 &&
              json_number_value( json_object_get( size, "cloth.tethers" ) ) == 0.0 &&
              json_number_value( json_object_get( size, "cloth.coarse_substeps" ) ) == 0.0 )
