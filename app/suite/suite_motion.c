@@ -634,7 +634,7 @@ static uint64_t hash_world( const scene_world* world, uint64_t hash )
         const scene_world_surface* surface = &world->surfaces[i];
         const wisp_fabric* fabric = surface->fabric;
         hash = suite_hash_bytes( surface->pins, (size_t)surface->pin_count * sizeof( int32_t ), hash );
-        for ( int v = 0; v < fabric->vertex_count; ++v )
+        for ( int v = 0; fabric && v < fabric->vertex_count; ++v )
         {
             hash = suite_hash_bytes( fabric->rest + fabric->vertex_slot[v], sizeof( wisp_vec3 ), hash );
         }
@@ -664,8 +664,8 @@ static wisp_status find_facts( const suite_row* row, scene_facts* out, wisp_erro
 // Blocks that move what they name, and parts of the keys of materials and loads.
 static const char* const motions[] = { "colliders", "seams",      "events", "hair_events", "keyframes",       "pins",
                                        "animation", "pin_groups", "tips",   "velocity",    "angular_velocity" };
-static const char* const loads[] = { "compliance", "rigidity", "damping", "density", "mass",
-                                     "gravity",    "wind",     "drag",    "lift",    "friction" };
+static const char* const loads[] = { "compliance", "stiffness", "rigidity", "damping", "density", "mass", "friction",
+                                     "thickness",  "gravity",   "wind",     "drag",    "lift",    "gas" };
 
 static bool is_same_text( const text_node* a, const text_node* b )
 {
