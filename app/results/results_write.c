@@ -570,32 +570,6 @@ static void write_machine( const results* all, FILE* stream, const char* begin, 
     fprintf( stream, "%sflags: %s%s\n", begin, machine->flags, end );
 }
 
-static void write_text( const results* all, FILE* stream )
-{
-    for ( int i = 0; i < all->headline_count; ++i )
-    {
-        write_text_lines( all->headlines[i], stream );
-    }
-    if ( !all->is_result_first )
-    {
-        write_machine( all, stream, "", "" );
-    }
-    for ( int t = 0; t < all->table_count; ++t )
-    {
-        results_write_text_table( &all->tables[t], stream );
-    }
-    fputs( all->note_count > 0 ? "\n" : "", stream );
-    for ( int i = 0; i < all->note_count; ++i )
-    {
-        fprintf( stream, "%s\n", all->notes[i] ); // in one line each, so that programs find words in them
-    }
-    if ( all->is_result_first )
-    {
-        fputc( '\n', stream );
-        write_machine( all, stream, "", "" );
-    }
-}
-
 // A bar ends a cell and a line ends a row, so neither may appear inside one.
 static void write_markdown_cell( const char* text, FILE* stream )
 {
@@ -611,47 +585,25 @@ static void write_markdown_cell( const char* text, FILE* stream )
     fputc( ' ', stream );
 }
 
-static void write_markdown( const results* all, FILE* stream )
+static void write_markdown_table( const results_table* table, bool is_first, FILE* stream )
 {
-    for ( int i = 0; i < all->headline_count; ++i )
+    fputs( is_first ? "" : "\n", stream );
+    if ( table->title[0] != '\0' )
     {
-        fprintf( stream, "%s  \n", all->headlines[i] );
+        fprintf( stream, "### %s\n\n", table->title );
     }
-    if ( !all->is_result_first )
+    for ( int row = 0; row < table->row_count; ++row )
     {
-        write_machine( all, stream, "", "  " );
-    }
-    for ( int t = 0; t < all->table_count; ++t )
-    {
-        const results_table* table = &all->tables[t];
-        fputs( t > 0 || !all->is_result_first ? "\n" : "", stream );
-        if ( table->title[0] != '\0' )
+        for ( int column = 0; column < table->column_count; ++column )
         {
-            fprintf( stream, "### %s\n\n", table->title );
+            write_markdown_cell( results_cell( table, row, column ), stream );
         }
-        for ( int row = 0; row < table->row_count; ++row )
+        fputs( "|\n", stream );
+        for ( int column = 0; row == 0 && column < table->column_count; ++column )
         {
-            for ( int column = 0; column < table->column_count; ++column )
-            {
-                write_markdown_cell( results_cell( table, row, column ), stream );
-            }
-            fputs( "|\n", stream );
-            for ( int column = 0; row == 0 && column < table->column_count; ++column )
-            {
-                fputs( results_is_numeric_column( table, column ) ? "|---:" : "|---", stream );
-            }
-            fputs( row == 0 ? "|\n" : "", stream );
+            fputs( results_is_numeric_column( table, column ) ? "|---:" : "|---", stream );
         }
-    }
-    fputs( all->note_count > 0 ? "\n" : "", stream );
-    for ( int i = 0; i < all->note_count; ++i )
-    {
-        fprintf( stream, "- %s\n", all->notes[i] );
-    }
-    if ( all->is_result_first )
-    {
-        fputc( '\n', stream );
-        write_machine( all, stream, "", "  " );
+        fputs( row == 0 ? "|\n" : "", stream );
     }
 }
 
@@ -678,11 +630,16 @@ static void write_latex_text( const char* text, FILE* stream )
     }
 }
 
-static void write_latex_table( const results_table* table, FILE* stream )
+static void write_latex_table( const results_table* table, bool is_first, FILE* stream )
 {
     int shown[TABLE_COLUMNS_MAX];
     const int count = find_shown( table, shown );
     const bool is_wide = count > RESULTS_TEXT_COLUMNS;
+    (void)is_first;
+    if ( table->title[0] == '\0' )
+    {
+        return;
+    }
     fputs( "\n\\begin{table}\n\\centering\n\\caption{", stream );
     write_latex_text( table->title, stream );
     fprintf( stream, "}\n%s\\begin{tabular}{", is_wide ? "\\resizebox{\\textwidth}{!}{" : "" );
@@ -703,25 +660,58 @@ static void write_latex_table( const results_table* table, FILE* stream )
     fprintf( stream, "\\bottomrule\n\\end{tabular}%s\n\\end{table}\n", is_wide ? "}" : "" );
 }
 
-// Tables for a document with booktabs and graphicx; all else is a comment.
-static void write_latex( const results* all, FILE* stream )
+static void write_text_table( const results_table* table, bool is_first, FILE* stream )
 {
-    fputs( "% \\usepackage{booktabs, graphicx}\n", stream );
+    (void)is_first;
+    results_write_text_table( table, stream );
+}
+
+// How a format for people writes its lines and tables.
+typedef struct people_format
+{
+    const char *head, *begin, *end, *note; // of the file; of lines; of notes
+    bool wraps;
+    void ( *write_table )( const results_table* table, bool is_first, FILE* stream );
+} people_format;
+
+static const people_format people_formats[RESULTS_FORMAT_COUNT] = {
+    [RESULTS_TEXT] = { "", "", "", "", true,
+                       write_text_table }, // notes in one line each, so that programs find words in them
+    [RESULTS_MARKDOWN] = { "", "", "  ", "- ", false, write_markdown_table },
+    [RESULTS_LATEX] = { "% \\usepackage{booktabs, graphicx}\n", "% ", "", "% ", false, write_latex_table },
+};
+
+static void write_people( const results* all, const people_format* format, FILE* stream )
+{
+    fputs( format->head, stream );
     for ( int i = 0; i < all->headline_count; ++i )
     {
-        fprintf( stream, "%% %s\n", all->headlines[i] );
-    }
-    write_machine( all, stream, "% ", "" );
-    for ( int t = 0; t < all->table_count; ++t )
-    {
-        if ( all->tables[t].title[0] )
+        if ( format->wraps )
         {
-            write_latex_table( &all->tables[t], stream );
+            write_text_lines( all->headlines[i], stream );
+        }
+        else
+        {
+            fprintf( stream, "%s%s%s\n", format->begin, all->headlines[i], format->end );
         }
     }
+    if ( !all->is_result_first )
+    {
+        write_machine( all, stream, format->begin, format->end );
+    }
+    for ( int t = 0; t < all->table_count; ++t )
+    {
+        format->write_table( &all->tables[t], t == 0 && all->is_result_first, stream );
+    }
+    fputs( all->note_count > 0 ? "\n" : "", stream );
     for ( int i = 0; i < all->note_count; ++i )
     {
-        fprintf( stream, "%% %s\n", all->notes[i] );
+        fprintf( stream, "%s%s\n", format->note, all->notes[i] );
+    }
+    if ( all->is_result_first )
+    {
+        fputc( '\n', stream );
+        write_machine( all, stream, format->begin, format->end );
     }
 }
 
@@ -882,12 +872,6 @@ wisp_status results_write( const results* all, results_format format, FILE* stre
     wisp_status status = WISP_OK;
     switch ( format )
     {
-        case RESULTS_MARKDOWN:
-            write_markdown( all, stream );
-            break;
-        case RESULTS_LATEX:
-            write_latex( all, stream );
-            break;
         case RESULTS_CSV:
             status = write_csv( all, stream, error );
             break;
@@ -897,9 +881,8 @@ wisp_status results_write( const results* all, results_format format, FILE* stre
         case RESULTS_GITHUB:
             status = write_github( all, stream, error );
             break;
-        case RESULTS_TEXT:
-        case RESULTS_FORMAT_COUNT:
-            write_text( all, stream );
+        default:
+            write_people( all, &people_formats[format], stream );
             break;
     }
     // Streams keep their first error, so looking once at the end is enough.
