@@ -124,7 +124,7 @@ static void put_time( cells* line, const sweep_time* time, bool is_timed )
 {
     put_number( line, is_timed ? time->median : NAN );
     put_number( line, is_timed ? time->p90 : NAN );
-    put_number( line, is_timed ? 1e3 / time->median : NAN );
+    cells_put_number( line, is_timed ? 1e3 / time->median : NAN, 1 );
 }
 
 static void add_line( const merged* r, const table_plan* plan, const sweep_row* row, int table )

@@ -598,7 +598,7 @@ static void name_group( const study* own, int row, char* out, size_t size )
                         strstr( own->suite->rows[i].variant, text );
         }
         const size_t used = strlen( out );
-        snprintf( out + used, size - used, is_common ? ", %s" : "", text );
+        snprintf( out + used, size - used, "%s%s", is_common ? ", " : "", is_common ? text : "" );
         part += length;
         part += strspn( part, ", " );
     }
