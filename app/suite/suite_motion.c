@@ -713,15 +713,19 @@ static bool is_same_scene( const scene_facts* row, const scene_facts* reference 
            has_no_other( row->text, reference->text, true ) && has_no_other( reference->text, row->text, false );
 }
 
-// Give rows of one scene the first reference that has it.
+// Give rows of one scene the first reference that has it. Where the fields of the reference make no world, as of another solver, that is the
+// suite's own.
 static wisp_status join( const wisp_suite* suite, suite_references* out, scene_facts* facts, wisp_error* error )
 {
     wisp_status status = WISP_OK;
     for ( int i = 0; i < out->count && out->count > 1 && status == WISP_OK; ++i )
     {
+        wisp_error inner = { 0 };
         int same = 0;
-        status = find_facts( &suite->references[i].fine, facts + i, error );
-        while ( status == WISP_OK && same < i && ( !facts[same].text || !is_same_scene( facts + i, facts + same ) ) )
+        status = find_facts( &suite->references[i].fine, facts + i, i > 0 ? &inner : error );
+        const bool has_world = status == WISP_OK;
+        status = status == WISP_BAD_INPUT && i > 0 ? WISP_OK : status;
+        while ( has_world && same < i && ( !facts[same].text || !is_same_scene( facts + i, facts + same ) ) )
         {
             ++same;
         }
@@ -733,6 +737,10 @@ static wisp_status join( const wisp_suite* suite, suite_references* out, scene_f
         {
             text_release( facts[i].text );
             facts[i].text = NULL;
+        }
+        if ( status != WISP_OK && i > 0 )
+        {
+            wisp_fail( error, status, "%s", inner.message );
         }
     }
     return status;
