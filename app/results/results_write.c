@@ -613,9 +613,11 @@ static void write_latex_text( const char* text, FILE* stream )
     static const char* const spelled[][2] = { { "\\", "\\textbackslash{}" },  { "~", "\\textasciitilde{}" },
                                               { "^", "\\textasciicircum{}" }, { "<", "\\textless{}" },
                                               { ">", "\\textgreater{}" },     { "|", "\\textbar{}" } };
+    bool is_quoted = false; // `like this`
     for ( const char* c = text; *c; ++c )
     {
-        const char* whole = NULL;
+        const char* whole = *c == '`' ? ( is_quoted ? "'" : "`" ) : NULL;
+        is_quoted = is_quoted != ( *c == '`' );
         for ( int i = 0; i < WISP_COUNT( spelled ); ++i )
         {
             whole = *c == spelled[i][0][0] ? spelled[i][1] : whole;
