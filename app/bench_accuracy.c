@@ -76,7 +76,7 @@ static wisp_status run_suite( accuracy_arguments* a, const char* text, results* 
     return bench_keep_interrupted( out, status );
 }
 
-int bench_accuracy( int argc, char** argv )
+int command_accuracy( int argc, char** argv )
 {
     accuracy_arguments a = { .options = bench_default_options() };
     a.options.seconds = 30.0;
@@ -91,7 +91,7 @@ int bench_accuracy( int argc, char** argv )
     const char* file = a.suite == NULL                 ? ( slash ? slash + 1 : a.scene )
                        : realpath( a.scene, absolute ) ? absolute
                                                        : a.scene;
-    const suite_of_scene_def def = { a.scene, file, a.length, 2.0 * a.options.seconds };
+    const suite_of_scene_def def = { a.scene, file, a.length };
     char* text = NULL;
     wisp_status status = bench_describe_machine( &out.machine, &error );
     status = status == WISP_OK ? bench_check_files( &a.files, &error ) : status;
@@ -183,7 +183,7 @@ static wisp_status run_validation( validate_arguments* a, results* out, char* su
     return bench_keep_interrupted( out, status );
 }
 
-int bench_validate( int argc, char** argv )
+int command_validate( int argc, char** argv )
 {
     validate_arguments a = { .options = bench_default_options() };
     options_parse( &validate_text, take_validate_option, &a, argc, argv );

@@ -1,4 +1,4 @@
-/// Shared by the commands of the program wisp-bench.
+/// Shared by the commands that measure.
 #pragma once
 
 #include "bench.h"
@@ -6,19 +6,6 @@
 #include "report.h"
 #include "results.h"
 #include "wisp/base.h"
-
-/// `wisp accuracy`. @return exit status
-int bench_accuracy( int argc, char** argv );
-/// `wisp sweep`. @return exit status
-int bench_sweep( int argc, char** argv );
-/// `wisp validate`. @return exit status
-int bench_validate( int argc, char** argv );
-/// `wisp merge`. @return exit status
-int bench_merge( int argc, char** argv );
-/// `wisp gate`. @return exit status
-int bench_gate( int argc, char** argv );
-/// `wisp torture`. @return exit status
-int bench_torture( int argc, char** argv );
 
 /// What a command writes.
 typedef struct bench_files

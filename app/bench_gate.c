@@ -191,25 +191,28 @@ static wisp_status check_fit( const char* label, const wisp_scene* scene, const 
                      label, body_name( scene, 0 ), body_name( reference, 0 ) );
 }
 
-static wisp_status check_fits( const wisp_suite* suite, wisp_error* error )
+// Every row's scene, and those of the references, in one walk that `longest` is found in and one that checks.
+static wisp_status check_fits( const suite_references* references, wisp_error* error )
 {
+    const wisp_suite* suite = references->suite;
     wisp_scene reference, scene;
     double longest = 0.0;
-    wisp_status status = suite_scene( &suite->reference, &reference, error );
-    for ( int pass = 0; pass < 2; ++pass )
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < 2 * suite->row_count && suite->reference_count > 0 && status == WISP_OK; ++i )
     {
-        for ( int i = -1; i < suite->row_count && status == WISP_OK; ++i )
+        const suite_row* row = suite->rows + i % suite->row_count;
+        char label[SUITE_MAX_LABEL];
+        suite_label( row, label );
+        status = suite_scene( &suite->references[references->of_row[i % suite->row_count]].fine, &reference, error );
+        status = status == WISP_OK ? suite_scene( row, &scene, error ) : status;
+        if ( status == WISP_OK )
         {
-            const suite_row* row = i < 0 ? &suite->reference : suite->rows + i;
-            char label[SUITE_MAX_LABEL];
-            suite_label( row, label );
-            status = suite_scene( row, &scene, error );
-            longest = status == WISP_OK ? fmax( longest, step_of( &scene ) ) : longest;
-            status = status == WISP_OK && pass > 0 ? check_fit( label, &scene, &reference, longest, error ) : status;
+            longest = fmax( longest, fmax( step_of( &scene ), step_of( &reference ) ) );
+            status = i < suite->row_count ? status : check_fit( label, &scene, &reference, longest, error );
             wisp_scene_release( &scene );
         }
+        wisp_scene_release( &reference );
     }
-    wisp_scene_release( &reference );
     return status;
 }
 
@@ -218,22 +221,25 @@ static wisp_status measure_all( const wisp_suite* suite, const gate_options* o, 
                                 wisp_error* error )
 {
     const suite_count_options counts = { .has_cycles = o->has_cycles };
-    suite_reference reference = { 0 };
+    suite_references references;
     progress bar = progress_begin();
     progress_show( &bar, 0.0, "the reference" );
-    wisp_status status = suite->reference.text ? check_fits( suite, error ) : WISP_OK;
-    status = status == WISP_OK ? suite_reference_make( suite, &reference, error ) : status;
+    wisp_status status = suite_references_find( suite, &references, error );
+    status = status == WISP_OK ? check_fits( &references, error ) : status;
     *done = 0;
     for ( int i = 0; i < suite->row_count && status == WISP_OK; ++i )
     {
         progress_show( &bar, (double)i / suite->row_count, suite->rows[i].name );
-        status = suite_reference_run( &reference, suite->rows + i, o->isa, NULL, out + i, error );
+        const suite_reference* reference;
+        status = suite_reference_of( &references, i, &reference, error );
+        status = status == WISP_OK ? suite_reference_run( reference, suite->rows + i, o->isa, NULL, out + i, error )
+                                   : status;
         status = status == WISP_OK && !o->no_instructions
                      ? suite_count_instructions( o->suite, i, &counts, out + i, error )
                      : status;
         *done += status == WISP_OK ? 1 : 0;
     }
-    suite_reference_release( &reference );
+    suite_references_release( &references );
     progress_end( &bar );
     return status;
 }
@@ -520,7 +526,7 @@ static int run_action( wisp_suite* suite, gate_options* o, wisp_error* error )
     return status == WISP_OK ? STATUS_GOOD : command_fail( error );
 }
 
-int bench_gate( int argc, char** argv )
+int command_gate( int argc, char** argv )
 {
     gate_options options = { .argc = argc, .argv = argv, .patience = 120.0 };
     options_parse( &gate_text, take_gate_option, &options, argc, argv );

@@ -1,4 +1,4 @@
-// The program wisp-bench, which `wisp bench` runs: its options, the cases in turn, the written files.
+// `wisp bench`: its options, the cases in turn, the written files.
 #include "bench_commands.h"
 
 #include "accuracy/accuracy.h"
@@ -16,7 +16,7 @@
 
 // ---- what commands share ----
 
-// Options that the commands of wisp-bench share, and what they write: results, and a page.
+// Options that commands that measure share, and what they write: results, and a page.
 
 bool bench_take_file( options_state* o, int key, const char* argument, bench_files* files )
 {
@@ -84,7 +84,6 @@ void bench_show_progress( void* user, double fraction, const char* what )
 }
 
 #define CASES_MAX 64
-#define SCENES_MAX 64 // one bit each in the options
 
 typedef struct bench_arguments
 {
@@ -119,31 +118,6 @@ static void choose_case( const options_state* o, bench_arguments* arguments, con
     arguments->chosen[arguments->chosen_count++] =
         is_path( word ) ? ( bench_case ){ .name = word }
                         : cases[option_word_of( o, word, names, count < CASES_MAX ? count : CASES_MAX )];
-}
-
-static void choose_scene( const options_state* o, bench_arguments* arguments, const char* word )
-{
-    int count;
-    const accuracy_entry* entries = accuracy_entries( &count );
-    const char* names[SCENES_MAX];
-    count = count < SCENES_MAX ? count : SCENES_MAX;
-    for ( int i = 0; i < count; ++i )
-    {
-        names[i] = entries[i].name;
-    }
-    arguments->options.scenes |= 1ull << option_word_of( o, word, names, count );
-}
-
-static void choose_scenes( const options_state* o, bench_arguments* arguments, const char* words )
-{
-    for ( const char* word = words; word; )
-    {
-        char one[64];
-        const char* comma = strchr( word, ',' );
-        snprintf( one, sizeof( one ), "%.*s", comma ? (int)( comma - word ) : (int)strlen( word ), word );
-        choose_scene( o, arguments, one );
-        word = comma ? comma + 1 : NULL;
-    }
 }
 
 // An option of some cases is an error where none of them runs. Without a CASE all of them do.
@@ -185,9 +159,6 @@ static bool take_bench_option( options_state* o, int key, const char* argument )
         case BENCH_KEY_PICTURES:
             arguments->options.pictures = option_file( o, argument );
             return true;
-        case BENCH_KEY_SCENE:
-            choose_scenes( o, arguments, argument );
-            return true;
         case BENCH_KEY_LONG:
             arguments->options.longest = true;
             return true;
@@ -195,10 +166,6 @@ static bool take_bench_option( options_state* o, int key, const char* argument )
             choose_case( o, arguments, argument );
             return true;
         case OPTIONS_END:
-            if ( arguments->options.scenes != 0 )
-            {
-                check_option( o, arguments, "--scene", " accuracy ", "case 'accuracy'" );
-            }
             if ( arguments->options.longest && !has_suite( arguments ) )
             {
                 check_option( o, arguments, "--long", " stability ", "case 'stability' and of suites" );
@@ -223,12 +190,6 @@ static int list_cases( void )
     for ( int i = 0; i < count; ++i )
     {
         printf( "%-12s %s\n", cases[i].name, cases[i].purpose );
-    }
-    const accuracy_entry* scenes = accuracy_entries( &count );
-    printf( "\nscenes of `accuracy`, for --scene:\n" );
-    for ( int i = 0; i < count; ++i )
-    {
-        printf( "%-16s %s\n", scenes[i].name, scenes[i].title );
     }
     return STATUS_GOOD;
 }
@@ -307,31 +268,8 @@ wisp_status bench_describe_machine( machine_info* out, wisp_error* error )
     return status;
 }
 
-int main( int argc, char** argv )
+int command_bench( int argc, char** argv )
 {
-    static const struct
-    {
-        const char* name;
-        int ( *run )( int argc, char** argv );
-    } others[] = {
-        { "wisp accuracy", bench_accuracy }, { "wisp validate", bench_validate }, { "wisp sweep", bench_sweep },
-        { "wisp merge", bench_merge },       { "wisp gate", bench_gate },         { "wisp torture", bench_torture },
-    };
-    // `wisp` gives the command as this program's name. The gate runs this program by its path, and the command follows.
-    const int place = strncmp( argv[0], "wisp ", 5 ) == 0 ? 0 : argc > 1 ? 1 : 0;
-    for ( int i = 0; i < WISP_COUNT( others ); ++i )
-    {
-        if ( strcmp( argv[place], others[i].name + ( place == 1 ? 5 : 0 ) ) == 0 )
-        {
-            char name[32];
-            snprintf( name, sizeof name, "%s", others[i].name );
-            argv[place] = name;
-            return others[i].run( argc - place, argv + place );
-        }
-    }
-    // users know the program as a command of wisp, also in the results
-    char program[] = "wisp bench";
-    argv[0] = program;
     bench_arguments arguments = { .options = bench_default_options() };
     options_parse( &bench_text, take_bench_option, &arguments, argc, argv );
     if ( arguments.only_list )

@@ -47,7 +47,7 @@ static bool has_several_processors( const sweep_row* rows, int count )
 
 typedef struct table_plan
 {
-    bool has_value[SWEEP_VALUE_COUNT], has_verdicts;
+    bool has_value[SWEEP_VALUE_COUNT], has_verdicts, has_counts;
     int workers; // of times; 0: there are none
 } table_plan;
 
@@ -66,6 +66,7 @@ static table_plan plan_table( const merged* r, const char* name )
         if ( is_of( row, name ) )
         {
             plan.has_verdicts = plan.has_verdicts || row->verdict[0] || row->failure[0];
+            plan.has_counts = plan.has_counts || row->vertices > 0;
             plan.workers = row->workers > plan.workers ? row->workers : plan.workers;
         }
     }
@@ -76,20 +77,27 @@ static int begin_table( const merged* r, const table_plan* plan, const char* nam
 {
     cells header = { .count = 0 };
     cells_put( &header, "setting" );
+    for ( int i = 0; i < 3 && plan->has_counts; ++i )
+    {
+        cells_put( &header, "%s", i == 0 ? "strands" : i == 1 ? "vertices" : "substeps" );
+    }
+    for ( int i = 0; i < 2 && i < plan->workers; ++i )
+    {
+        cells_put( &header, i == 0 ? "ms, 1 worker" : "ms, %d workers", plan->workers );
+        cells_put( &header, "p90" );
+        cells_put( &header, "FPS" );
+    }
     for ( int v = 0; v < SWEEP_VALUE_COUNT; ++v )
     {
         if ( plan->has_value[v] )
         {
             cells_put( &header, "%s", sweep_values[v].title );
         }
-    }
-    if ( plan->workers > 0 )
-    {
-        cells_put( &header, "ms, 1 worker" );
-    }
-    if ( plan->workers > 1 )
-    {
-        cells_put( &header, "ms, %d workers", plan->workers );
+        if ( plan->has_value[0] && v == 1 )
+        {
+            cells_put( &header, "doubt, mm" );
+            cells_put( &header, "until, s" );
+        }
     }
     if ( plan->workers > 0 && r->has_processors )
     {
@@ -112,13 +120,29 @@ static void put_number( cells* line, double value )
     cells_put( line, "%s", text );
 }
 
+static void put_time( cells* line, const sweep_time* time, bool is_timed )
+{
+    put_number( line, is_timed ? time->median : NAN );
+    put_number( line, is_timed ? time->p90 : NAN );
+    cells_put_number( line, is_timed ? 1e3 / time->median : NAN, 1 );
+}
+
 static void add_line( const merged* r, const table_plan* plan, const sweep_row* row, int table )
 {
     cells line = { .count = 0 };
+    const int counts[] = { row->strands, row->vertices, row->substeps };
     cells_put( &line, "%s", row->variant[0] ? row->variant : "as it is" );
+    for ( int i = 0; i < 3 && plan->has_counts; ++i )
+    {
+        cells_put( &line, "%d", counts[i] );
+    }
+    for ( int i = 0; i < 2 && i < plan->workers; ++i )
+    {
+        put_time( &line, i == 0 ? &row->alone : &row->together, row->workers > 0 );
+    }
     for ( int v = 0; v < SWEEP_VALUE_COUNT; ++v )
     {
-        if ( plan->has_value[v] && sweep_values[v].is_error && row->values[v] < 1e3 * r->like->doubt )
+        if ( plan->has_value[v] && sweep_values[v].is_error && row->values[v] < 1e3 * row->doubt )
         {
             cells_put( &line, "below" );
         }
@@ -126,14 +150,11 @@ static void add_line( const merged* r, const table_plan* plan, const sweep_row* 
         {
             put_number( &line, row->values[v] );
         }
-    }
-    if ( plan->workers > 0 )
-    {
-        put_number( &line, row->workers > 0 ? row->alone.median : NAN );
-    }
-    if ( plan->workers > 1 )
-    {
-        put_number( &line, row->workers > 0 ? row->together.median : NAN );
+        if ( plan->has_value[0] && v == 1 )
+        {
+            put_number( &line, 1e3 * row->doubt );
+            put_number( &line, row->until > 0.0 ? row->until : NAN );
+        }
     }
     if ( plan->workers > 0 && r->has_processors )
     {
@@ -164,9 +185,9 @@ static void add_table( const merged* r, const char* name )
 // ---- series ----
 
 // The order between two settings of a series. @return NaN: an error is missing, or below the doubt
-static double order_between( const merged* r, const sweep_row* a, const sweep_row* b )
+static double order_between( const sweep_row* a, const sweep_row* b )
 {
-    const double e = a->values[0], f = b->values[0], doubt = fmax( 1e3 * r->like->doubt, 0.0 );
+    const double e = a->values[0], f = b->values[0], doubt = 1e3 * fmax( fmax( a->doubt, b->doubt ), 0.0 );
     const bool counts = e > doubt && f > doubt && isfinite( e ) && isfinite( f ) && a->along_value > 0.0 &&
                         b->along_value > 0.0 && a->along_value != b->along_value;
     const double order = counts ? log( e / f ) / log( b->along_value / a->along_value ) : NAN;
@@ -185,7 +206,7 @@ static void add_orders( const merged* r )
     for ( int i = 0; i + 1 < r->count; ++i )
     {
         const sweep_row *a = r->rows + i, *b = a + 1;
-        const double order = a->series[0] && strcmp( a->series, b->series ) == 0 ? order_between( r, a, b ) : NAN;
+        const double order = a->series[0] && strcmp( a->series, b->series ) == 0 ? order_between( a, b ) : NAN;
         if ( !isnan( order ) )
         {
             cells line = { .count = 0 };
@@ -262,10 +283,16 @@ static void add_row( const merged* r, const sweep_row* row, int workers, const s
             results_put( &out->error, sweep_values[v].name, row->values[v] );
         }
     }
-    if ( row->workers > 0 )
+    if ( row->vertices > 0 )
     {
+        results_put( &out->size, "strands", row->strands );
         results_put( &out->size, "vertices", row->vertices );
         results_put( &out->size, "substeps", row->substeps );
+    }
+    if ( row->until > 0.0 && isfinite( row->doubt ) )
+    {
+        results_put( &out->error, "doubt_mm", 1e3 * row->doubt );
+        results_put( &out->error, "until_s", row->until );
     }
     if ( time != NULL )
     {
@@ -322,16 +349,6 @@ static void add_notes( const merged* r )
     if ( like->reference[0] != '\0' )
     {
         results_add_note( r->out, "errors are root mean square distances to %s", like->reference );
-    }
-    if ( like->doubt > 0.0 )
-    {
-        results_add_note( r->out, "the reference is uncertain by %.3g mm, and errors below that are not resolved",
-                          1e3 * like->doubt );
-    }
-    if ( isfinite( like->parts_at ) )
-    {
-        results_add_note( r->out, "motion is chaotic from %.3g s on, and is not compared after that",
-                          like->parts_at );
     }
 }
 
@@ -399,7 +416,7 @@ static void describe_machines( sweep_merge* merge, results* out )
     snprintf( m->os, sizeof m->os, "%s", all->os );
 }
 
-int bench_merge( int argc, char** argv )
+int command_merge( int argc, char** argv )
 {
     merge_arguments a = { .folder = NULL };
     options_parse( &merge_text, take_merge_option, &a, argc, argv );

@@ -75,15 +75,13 @@ static void list_items( const sweep_arguments* a, const wisp_suite* suite )
 }
 
 // What all rows of this run have.
-static void describe( const sweep_arguments* a, const wisp_suite* suite, const suite_reference* reference,
+static void describe( const sweep_arguments* a, const wisp_suite* suite, const char* reference,
                       const machine_info* machine, sweep_row* out )
 {
     *out = ( sweep_row ){ .sweep = sweep_suite_key( suite ),
                           .items = suite->row_count,
                           .shard = a->shard,
                           .shards = a->shards,
-                          .doubt = reference->doubt.distance,
-                          .parts_at = reference->parts_at,
                           .cores = machine->cores,
                           .memory_bytes = machine->memory_bytes };
     for ( int i = 0; i < suite->row_count; ++i )
@@ -91,8 +89,7 @@ static void describe( const sweep_arguments* a, const wisp_suite* suite, const s
         out->share += sweep_runs( sweep_key( suite->rows + i ), a->shard, a->shards ) ? 1 : 0;
     }
     snprintf( out->suite, sizeof out->suite, "%s", suite->title[0] ? suite->title : suite->name );
-    snprintf( out->reference, sizeof out->reference, "%s",
-              reference->is_start ? "where every vertex starts" : reference->description );
+    snprintf( out->reference, sizeof out->reference, "%s", reference );
     snprintf( out->version, sizeof out->version, "%s", machine->version );
     snprintf( out->commit, sizeof out->commit, "%s", machine->commit );
     snprintf( out->compiler, sizeof out->compiler, "%s", machine->compiler );
@@ -201,24 +198,24 @@ static bool say( const sweep_row* like, const sweep_merge* all, int found )
 static wisp_status run_shard( const sweep_arguments* a, const wisp_suite* suite, bool* is_unmet, wisp_error* error )
 {
     suite_twins twins = { 0 };
-    suite_reference reference = { 0 };
+    suite_references references = { 0 };
     sweep_merge all = { 0 };
     sweep_row like;
     machine_info machine;
     part p = { .stream = NULL };
     wisp_status status = bench_describe_machine( &machine, error );
     status = status == WISP_OK ? io_folder_make( a->folder, error ) : status;
-    status = status == WISP_OK ? suite_reference_make( suite, &reference, error ) : status;
+    status = status == WISP_OK ? suite_references_find( suite, &references, error ) : status;
     if ( status == WISP_OK )
     {
-        describe( a, suite, &reference, &machine, &like );
+        describe( a, suite, references.description, &machine, &like );
         like.workers = a->is_exclusive ? a->workers : 0;
         status = sweep_merge_begin( &like, "what is to be run; choose another folder", &all, error );
         status = status == WISP_OK ? open_part( a->folder, &like, &p, &all, error ) : status;
     }
     if ( status == WISP_OK )
     {
-        const sweep_settings settings = { suite, &reference, &twins, &like, like.workers };
+        const sweep_settings settings = { suite, &references, &twins, &like, like.workers };
         int found = 0;
         like.workers = 0;
         status = run_items( &settings, &p, &all, &found, error );
@@ -229,12 +226,12 @@ static wisp_status run_shard( const sweep_arguments* a, const wisp_suite* suite,
         fclose( p.stream );
     }
     sweep_merge_release( &all );
-    suite_reference_release( &reference );
+    suite_references_release( &references );
     suite_twins_release( &twins );
     return status;
 }
 
-int bench_sweep( int argc, char** argv )
+int command_sweep( int argc, char** argv )
 {
     sweep_arguments a = { .workers = 1, .shard = 1, .shards = 1 };
     options_parse( &sweep_text, take_sweep_option, &a, argc, argv );

@@ -1,4 +1,4 @@
-// The commands of the program wisp-bench in tables, which both programs have: `wisp` lists and completes them.
+// The commands that measure, in tables.
 #include "bench_texts.h"
 
 #include "results.h"
@@ -37,7 +37,6 @@ static const option_row bench_rows[] = {
       OPTION_FILES( ".html" ) },
     OPTION_TITLE( "Options of single cases:" ),
     { "pictures", BENCH_KEY_PICTURES, "FOLDER", "figures: write pictures to FOLDER", OPTION_FILES( "/" ) },
-    { "scene", BENCH_KEY_SCENE, "NAME[,NAME...]", "accuracy: only these scenes; can be repeated", OPTION_ANY },
     { "long", BENCH_KEY_LONG, NULL, "stability, suites: also rows that are long, such as a million steps at rest",
       OPTION_ANY },
 };
@@ -207,7 +206,7 @@ static const option_row gate_rows[] = {
     { "format",
       'f',
       "FORMAT",
-      "text (default), markdown, csv or json",
+      "text (default), markdown, csv, json or latex",
       { results_format_names, RESULTS_GITHUB, NULL } },
     { "junit", GATE_KEY_JUNIT, "FILE", "Write JUnit's XML too, a test case for each row", OPTION_FILES( ".xml" ) },
     { "html", GATE_KEY_HTML, "FILE", "Write one HTML page too, with charts of before and after",

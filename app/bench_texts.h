@@ -1,4 +1,4 @@
-/// Options of the commands of the program wisp-bench.
+/// Options of the commands that measure.
 #pragma once
 
 #include "commands.h"
@@ -13,7 +13,6 @@ enum
     BENCH_KEY_SECONDS = OPTION_KEY,
     BENCH_KEY_PICTURES,
     BENCH_KEY_REPORT,
-    BENCH_KEY_SCENE,
     BENCH_KEY_LONG,
     BENCH_KEY_LENGTH,
     BENCH_KEY_SUITE,

@@ -116,7 +116,7 @@ static int print_scene( const torture_search* search )
     return STATUS_GOOD;
 }
 
-int bench_torture( int argc, char** argv )
+int command_torture( int argc, char** argv )
 {
     static torture_options options; // too large for a stack
     options = ( torture_options ){

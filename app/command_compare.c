@@ -20,7 +20,7 @@ static const option_row compare_rows[] = {
     { "format",
       'f',
       "FORMAT",
-      "text (default), markdown, csv or json",
+      "text (default), markdown, csv, json or latex",
       { results_format_names, RESULTS_GITHUB, NULL } },
 };
 

@@ -4,10 +4,111 @@
 #include "io_file.h"
 #include "progress.h"
 #include "results.h"
-#include "tune_scene.h"
+#include "suite_motion.h"
+#include "tune_parameters.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+#define RUNS_MAX 200
+#define DEFAULT_LIMIT 300.0
+
+// ---- the search ----
+
+// What a configuration has been found to be: runs again repeat its time alone.
+typedef struct tried
+{
+    bool is_known;
+    wisp_tune_sample sample;
+} tried;
+
+// Configurations are rows of the suite that `wisp accuracy` makes of the scene, with its reference.
+typedef struct search
+{
+    const char* path;
+    double error, budget_ms; // m, ms; one of them
+    double seconds, limit;   // of simulated time, 0: as `wisp accuracy` has it; of wall time
+    int workers;
+    const wisp_scene* scene; // as it was read
+    unsigned char* bytes;    // [size] of its file
+    size_t size;
+    const tune_parameters* parameters;
+    wisp_suite suite;
+    suite_references references;
+    const suite_reference* reference;
+    suite_row row; // of the present configuration
+    tried all[WISP_TUNE_MAX_SETTINGS];
+    suite_measurement measured;
+    progress bar;
+} search;
+
+static wisp_status write_trial( search* s, const int* configuration, wisp_error* error )
+{
+    wisp_scene_edit* edits = NULL;
+    int count = 0;
+    size_t size = 0;
+    wisp_status status = tune_parameters_edits( s->parameters, configuration, s->scene, &edits, &count, error );
+    free( s->row.text );
+    s->row.text = NULL;
+    if ( status == WISP_OK && s->row.steps > s->scene->steps )
+    {
+        edits[count] = ( wisp_scene_edit ){ .key = "steps" };
+        snprintf( edits[count++].value, sizeof edits->value, "%d", s->row.steps );
+    }
+    status = status == WISP_OK ? wisp_scene_edit_text( (const char*)s->bytes, s->size, s->path, edits, count,
+                                                       &s->row.text, &size, error )
+                               : status;
+    free( edits );
+    return status;
+}
+
+static wisp_status run_trial( void* user, const int* configuration, wisp_tune_sample* out, wisp_error* error )
+{
+    search* s = user;
+    int place = 0, steps = 0;
+    double* ms = NULL;
+    uint64_t hash;
+    for ( int k = 0; k < s->parameters->count; ++k )
+    {
+        place = place * s->parameters->parameters[k].value_count + configuration[k];
+    }
+    tried* known = &s->all[place];
+    wisp_status status = write_trial( s, configuration, error );
+    if ( status == WISP_OK && !known->is_known )
+    {
+        status = suite_reference_run( s->reference, &s->row, NULL, NULL, &s->measured, error );
+        known->is_known = status == WISP_OK;
+        known->sample = ( wisp_tune_sample ){ .error = s->measured.values[SUITE_ERROR],
+                                              .largest = s->measured.compared.largest,
+                                              .is_halted = s->measured.values[SUITE_HALTED] > 0.0 };
+    }
+    status = status == WISP_OK ? suite_time_row( &s->row, s->workers, NULL, &ms, &steps, &hash, error ) : status;
+    *out = known->sample;
+    out->ms = stats_summarise( ms, status == WISP_OK ? steps : 0 ).median;
+    free( ms );
+    return status;
+}
+
+static wisp_status make_reference( search* s, wisp_error* error )
+{
+    const suite_of_scene_def def = { s->path, io_file_name( s->path ), s->seconds };
+    char* text = NULL;
+    wisp_status status = io_file_read( s->path, 1 << 20, &s->bytes, &s->size, error );
+    status = status == WISP_OK ? suite_of_scene( &def, &text, error ) : status;
+    status = status == WISP_OK ? suite_parse( text, strlen( text ), s->path, &s->suite, error ) : status;
+    free( text );
+    status = status == WISP_OK ? suite_references_find( &s->suite, &s->references, error ) : status;
+    progress_show( &s->bar, 0.0, "the reference" );
+    status = status == WISP_OK ? suite_reference_of( &s->references, 0, &s->reference, error ) : status;
+    if ( status == WISP_OK )
+    {
+        s->row = s->suite.rows[0];
+        s->row.text = NULL;
+        s->row.variant[0] = '\0';
+    }
+    return status;
+}
 
 // ---- the report ----
 
@@ -31,8 +132,8 @@ static void name_setting( const tune_parameters* parameters, const int* configur
     }
 }
 
-static void add_visit_row( results* out, const tune_scene_def* def, const tune_scene_info* info,
-                           const wisp_tune_result* found, const wisp_tune_trial* trial )
+static void add_visit_row( results* out, const search* def, const wisp_tune_result* found,
+                           const wisp_tune_trial* trial )
 {
     results_row* row = results_add_row( out, io_file_name( def->scene->name ),
                                         is_chosen( def->parameters, found, trial ) ? "chosen" : "trial" );
@@ -40,7 +141,7 @@ static void add_visit_row( results* out, const tune_scene_def* def, const tune_s
     {
         return;
     }
-    results_put( &row->size, "points", info->points );
+    results_put( &row->size, "vertices", def->measured.vertices );
     for ( int k = 0; k < def->parameters->count; ++k )
     {
         results_put( &row->size, def->parameters->parameters[k].name,
@@ -48,13 +149,12 @@ static void add_visit_row( results* out, const tune_scene_def* def, const tune_s
     }
     results_put( &row->size, "is_pareto", trial->is_pareto ? 1.0 : 0.0 );
     results_put( &row->size, "halted", trial->sample.is_halted ? 1.0 : 0.0 );
-    row->workers = info->workers;
+    row->workers = def->workers;
     row->ms_median = trial->sample.ms;
-    row->steps = info->steps * trial->run_count;
+    row->steps = def->measured.steps * trial->run_count;
     if ( !trial->sample.is_halted )
     {
-        snprintf( row->error_reference, sizeof row->error_reference, "reference: %d times the finest substeps",
-                  TUNE_REFERENCE_FACTOR );
+        snprintf( row->error_reference, sizeof row->error_reference, "%s", def->references.description );
         results_put( &row->error, "rms_m", trial->sample.error );
         results_put( &row->error, "largest_m", trial->sample.largest );
     }
@@ -92,7 +192,7 @@ static int compare_visits( const void* a, const void* b )
     return ( x->sample.ms > y->sample.ms ) - ( x->sample.ms < y->sample.ms );
 }
 
-static void add_table( results* out, const tune_scene_def* def, const wisp_tune_result* found )
+static void add_table( results* out, const search* def, const wisp_tune_result* found )
 {
     const tune_parameters* parameters = def->parameters;
     const char* header[WISP_TUNE_MAX_PARAMETERS + 4];
@@ -111,23 +211,18 @@ static void add_table( results* out, const tune_scene_def* def, const wisp_tune_
     }
 }
 
-static void add_reference( results* out, int table, const tune_scene_def* def, const tune_scene_info* info )
+static void add_reference( results* out, int table, const search* def )
 {
-    int finest[WISP_TUNE_MAX_PARAMETERS];
-    for ( int k = 0; k < def->parameters->count; ++k )
-    {
-        finest[k] = def->parameters->parameters[k].value_count - 1;
-    }
-    char setting[240], text[320];
-    name_setting( def->parameters, finest, setting, sizeof setting );
-    snprintf( text, sizeof text, "%s; %d times the substeps", setting, TUNE_REFERENCE_FACTOR );
+    char text[320];
+    snprintf( text, sizeof text, "%s; uncertain by %.3g mm", def->references.description,
+              1e3 * def->reference->doubt.distance );
     results_add_cells( out, table, ( const char* const[] ){ "reference", text } );
-    snprintf( text, sizeof text, "root mean square distance over %d points and %d steps of %g s", info->points,
-              info->steps, (double)def->scene->dt );
+    snprintf( text, sizeof text, "root mean square distance over %d vertices and %d times up to %.3g s",
+              def->measured.vertices, def->reference->frame_count, def->reference->until );
     results_add_cells( out, table, ( const char* const[] ){ "error", text } );
 }
 
-static void add_verdict( results* out, int table, const tune_scene_def* def, const wisp_tune_result* found )
+static void add_verdict( results* out, int table, const search* def, const wisp_tune_result* found )
 {
     char setting[240], text[320], target[60];
     name_setting( def->parameters, found->configuration, setting, sizeof setting );
@@ -139,7 +234,11 @@ static void add_verdict( results* out, int table, const tune_scene_def* def, con
     {
         snprintf( target, sizeof target, "at most %g ms per step", def->budget_ms );
     }
-    snprintf( text, sizeof text, "%s: %s", found->meets_target ? "met" : "not met", target );
+    snprintf( text, sizeof text, "%s: %s; compared until %.3g s, %s", found->meets_target ? "met" : "not met", target,
+              def->reference->until,
+              def->reference->until < def->reference->parts_at && isfinite( def->reference->parts_at )
+                  ? "where two converged runs part"
+                  : "the end" );
     results_add_cells( out, table, ( const char* const[] ){ "target", text } );
     if ( found->achieved.is_halted )
     {
@@ -163,31 +262,28 @@ static void add_search( results* out, int table, const wisp_tune_result* found )
 }
 
 // @param found its visits are sorted by time
-static void report_tuning( results* out, const tune_scene_def* def, const tune_scene_info* info,
-                           wisp_tune_result* found )
+static void report_tuning( results* out, const search* def, wisp_tune_result* found )
 {
-    out->machine = machine_describe( info->isa );
+    out->machine = machine_describe( def->measured.isa );
     out->is_result_first = true;
     qsort( found->trials, (size_t)found->trial_count, sizeof *found->trials, compare_visits );
     for ( int v = 0; v < found->trial_count; ++v )
     {
-        add_visit_row( out, def, info, found, &found->trials[v] );
+        add_visit_row( out, def, found, &found->trials[v] );
     }
     const int head = results_add_table( out, "", 2, ( const char* const[] ){ "", "" } );
     add_verdict( out, head, def, found );
     add_search( out, head, found );
-    add_reference( out, head, def, info );
+    add_reference( out, head, def );
     add_table( out, def, found );
 }
 
 // ---- the command ----
 
-#define DEFAULT_LIMIT 300.0
-
 typedef struct tune_options
 {
     const char* scene;
-    tune_scene_def search;
+    search search;
     results_format format;
     const char* output; ///< path of the tuned scene, or null
 } tune_options;
@@ -210,7 +306,7 @@ static const option_row tune_rows[] = {
     { "error", TUNE_KEY_ERROR, "METRES", "Cheapest configuration with at most this error", OPTION_ANY },
     { "budget", TUNE_KEY_BUDGET, "MS", "Most accurate configuration within MS ms per step", OPTION_ANY },
     OPTION_TITLE( "Search:" ),
-    { "seconds", TUNE_KEY_SECONDS, "S", "Simulate S seconds per run; default: the scene, at most 2", OPTION_ANY },
+    { "seconds", TUNE_KEY_SECONDS, "S", "Simulate S seconds per run; default: the scene, at most 1", OPTION_ANY },
     { "limit", TUNE_KEY_LIMIT, "SECONDS", "Start no run after this time, default 300", OPTION_ANY },
     { "workers", TUNE_KEY_WORKERS, "N", "Use N workers, 1 to 64; default: the scene's, or one per core", OPTION_ANY },
     OPTION_TITLE( "Output:" ),
@@ -231,10 +327,8 @@ const command_text tune_text = {
              "stretch passes of strands. Configurations are timed on this machine, which should be\n"
              "idle.\n"
              "\n"
-             "The error is a root mean square distance in metres, over all points and 12 samples\n"
-             "of time, from a reference: the same scene with 16 times the finest substeps,\n"
-             "without tethers and coarse sheets. Chaotic scenes, such as crumpling cloth, cannot\n"
-             "meet a small error.\n"
+             "The error is that of 'wisp accuracy': a root mean square distance in metres from the\n"
+             "same converged run, over all vertices and as long as two such runs do not part.\n"
              "\n"
              "--output writes the scene with the changed keys, and everything else as it was, if\n"
              "the target is met.",
@@ -272,7 +366,7 @@ static bool take_tune_option( options_state* o, int key, const char* argument )
             options->search.limit = option_positive( o, argument, 1e9 );
             return true;
         case TUNE_KEY_WORKERS:
-            options->search.world.workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
+            options->search.workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
             return true;
         case TUNE_KEY_FORMAT:
             options->format = (results_format)option_word( o, argument );
@@ -382,42 +476,49 @@ static bool show( void* user, int run_count, int max_runs )
     return !interruption_came();
 }
 
-// A trial that has begun ends: it is the last one. Without a reference there is nothing to keep.
-static bool go_on( void* user, bool is_reference )
+static wisp_status run_search( search* s, wisp_tune_result* out, wisp_error* error )
 {
-    (void)user;
-    return !( is_reference && interruption_came() );
+    wisp_tune_def job = wisp_default_tune_def();
+    job.parameters = s->parameters->parameters;
+    job.parameter_count = s->parameters->count;
+    job.error = s->error;
+    job.budget_ms = s->budget_ms;
+    job.run = run_trial;
+    job.user = s;
+    job.max_runs = RUNS_MAX;
+    job.max_seconds = s->limit;
+    job.progress = show;
+    job.progress_user = &s->bar;
+    const wisp_status status = make_reference( s, error );
+    return status == WISP_OK ? wisp_tune( &job, out, error ) : status;
 }
 
-static void show_reference( void* user, double fraction )
+static void release_search( search* s )
 {
-    progress_show( user, fraction, "of the reference run" );
+    suite_references_release( &s->references );
+    suite_release( &s->suite );
+    free( s->row.text );
+    free( s->bytes );
 }
 
-static wisp_status tune( tune_options* options, const wisp_scene* scene, const tune_parameters* parameters,
-                         results* out, bool* meets_target, wisp_error* error )
+static wisp_status tune( tune_options* options, results* out, bool* meets_target, wisp_error* error )
 {
-    wisp_tune_result found;
-    tune_scene_info info;
-    options->search.parameters = parameters;
-    wisp_status status = options->output ? check_output( options, parameters, scene, error ) : WISP_OK;
+    wisp_tune_result found = { 0 };
+    search* s = &options->search;
+    const wisp_scene* scene = s->scene;
+    wisp_status status = options->output ? check_output( options, s->parameters, scene, error ) : WISP_OK;
     status = status == WISP_OK ? command_check_writable( options->output, error ) : status;
     if ( status != WISP_OK )
     {
         return status;
     }
-    progress bar = progress_begin();
-    options->search.progress = show;
-    options->search.reference_progress = show_reference;
-    options->search.progress_user = &bar;
-    options->search.go_on = go_on;
-    status = tune_scene_search( &options->search, &found, &info, error );
-    status = status != WISP_OK && interruption_came() ? interruption_check( error ) : status;
-    progress_end( &bar );
+    s->bar = progress_begin();
+    status = run_search( s, &found, error );
+    progress_end( &s->bar );
     if ( status == WISP_OK )
     {
         *meets_target = found.meets_target;
-        report_tuning( out, &options->search, &info, &found );
+        report_tuning( out, s, &found );
         if ( interruption_came() )
         {
             results_add_note( out, "interrupted after %d runs: a better configuration may exist", found.run_count );
@@ -425,7 +526,7 @@ static wisp_status tune( tune_options* options, const wisp_scene* scene, const t
     }
     if ( status == WISP_OK && options->output && found.meets_target )
     {
-        status = write_scene( options, parameters, found.configuration, scene, error );
+        status = write_scene( options, s->parameters, found.configuration, scene, error );
         results_add_note( out, "written: %s", options->output );
     }
     else if ( status == WISP_OK && options->output )
@@ -438,28 +539,28 @@ static wisp_status tune( tune_options* options, const wisp_scene* scene, const t
 
 int command_tune( int argc, char** argv )
 {
-    tune_options options = { .search = { .limit = DEFAULT_LIMIT } };
+    static tune_options options = { .search = {
+                                        .limit = DEFAULT_LIMIT } }; // with what all configurations were found to be
     options_parse( &tune_text, take_tune_option, &options, argc, argv );
-
-    // The scene is read twice: the fields of the second copy change from run to run.
     wisp_error error = { 0 };
-    wisp_scene scene, varied = { 0 };
+    wisp_scene scene;
     wisp_status status = wisp_scene_read( options.scene, &scene, &error );
-    status = status == WISP_OK ? wisp_scene_read( options.scene, &varied, &error ) : status;
     interruption_begin(); // before that there is nothing to keep
-    options.search.scene = &varied;
     tune_parameters parameters;
     status = status == WISP_OK ? tune_parameters_find( &scene, &parameters, &error ) : status;
+    options.search.path = options.scene;
+    options.search.scene = &scene;
+    options.search.parameters = &parameters;
     results out = { 0 };
     results_put_options( &out, argc, argv );
     bool meets_target = false;
-    status = status == WISP_OK ? tune( &options, &scene, &parameters, &out, &meets_target, &error ) : status;
+    status = status == WISP_OK ? tune( &options, &out, &meets_target, &error ) : status;
     // A scene on standard output leaves the error stream for the report.
     const bool is_scene_shown = options.output != NULL && io_is_standard( options.output );
     status =
         status == WISP_OK ? results_write( &out, options.format, is_scene_shown ? stderr : stdout, &error ) : status;
     results_free( &out );
-    wisp_scene_release( &varied );
+    release_search( &options.search );
     wisp_scene_release( &scene );
     return status != WISP_OK ? command_fail( &error )
                              : interruption_status( meets_target ? STATUS_GOOD : STATUS_UNMET );

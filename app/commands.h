@@ -1,4 +1,4 @@
-/// The commands of the program, and code shared with wisp-bench: exit statuses, error lines, common options.
+/// The commands of the program, and what they share: exit statuses, error lines, common options.
 #pragma once
 
 #include "options.h"
@@ -16,7 +16,7 @@ enum
 /// The row of --format, of commands that print results.
 #define OPTION_RESULTS_FORMAT( key )                                                                                 \
     {                                                                                                                \
-        "format", ( key ), "FORMAT", "text (default), markdown, csv, json or github",                                \
+        "format", ( key ), "FORMAT", "text (default), markdown, csv, json, latex or github",                         \
             OPTION_WORDS( results_format_names )                                                                     \
     }
 
@@ -26,6 +26,12 @@ typedef int command_fn( int argc, char** argv );
 command_fn command_run;
 command_fn command_plan;
 command_fn command_bench;
+command_fn command_accuracy;
+command_fn command_validate;
+command_fn command_sweep;
+command_fn command_merge;
+command_fn command_gate;
+command_fn command_torture;
 command_fn command_info;
 command_fn command_render;
 command_fn command_view;

@@ -2,50 +2,7 @@
 
 #include "nearest.h"
 
-#include <errno.h>
-#include <limits.h>
 #include <string.h>
-#include <unistd.h>
-
-// ---- the program wisp-bench ----
-
-// `wisp bench` runs the program wisp-bench in the folder of this one, so that simulating does not require the
-// benchmark to be built.
-
-#define BENCH_PROGRAM "wisp-bench"
-
-// Write the path of wisp-bench. The link of /proc leads to this program's own file even if it was started through a
-// symbolic link or found in PATH.
-static wisp_status find_bench( char out[PATH_MAX], wisp_error* error )
-{
-    ssize_t length = readlink( "/proc/self/exe", out, PATH_MAX - 1 );
-    if ( length < 0 )
-    {
-        return wisp_fail( error, WISP_IO_ERROR, "/proc/self/exe: %s", strerror( errno ) );
-    }
-    out[length] = '\0';
-    size_t folder = (size_t)( strrchr( out, '/' ) + 1 - out );
-    if ( folder + sizeof( BENCH_PROGRAM ) > PATH_MAX )
-    {
-        return wisp_fail( error, WISP_IO_ERROR, "%s: the path of " BENCH_PROGRAM " is too long", out );
-    }
-    memcpy( out + folder, BENCH_PROGRAM, sizeof( BENCH_PROGRAM ) );
-    return WISP_OK;
-}
-
-int command_bench( int argc, char** argv )
-{
-    (void)argc;
-    char path[PATH_MAX];
-    wisp_error error = { 0 };
-    if ( find_bench( path, &error ) == WISP_OK )
-    {
-        execv( path, argv );
-        wisp_fail( &error, WISP_IO_ERROR, "%s: %s; `wisp bench` runs this program, which `./dev bench` builds", path,
-                   strerror( errno ) );
-    }
-    return command_fail( &error );
-}
 
 typedef struct program_command
 {
@@ -54,14 +11,14 @@ typedef struct program_command
 } program_command;
 
 static const program_command commands[] = {
-    { &run_text, command_run },        { &render_text, command_render },
-    { &view_text, command_view },      { &info_text, command_info },
-    { &plan_text, command_plan },      { &tune_text, command_tune },
-    { &bench_text, command_bench },    { &accuracy_text, command_bench },
-    { &validate_text, command_bench }, { &sweep_text, command_bench },
-    { &merge_text, command_bench },    { &torture_text, command_bench },
-    { &gate_text, command_bench },     { &compare_text, command_compare },
-    { &help_text, command_help },      { &completion_text, command_completion },
+    { &run_text, command_run },           { &render_text, command_render },
+    { &view_text, command_view },         { &info_text, command_info },
+    { &plan_text, command_plan },         { &tune_text, command_tune },
+    { &bench_text, command_bench },       { &accuracy_text, command_accuracy },
+    { &validate_text, command_validate }, { &sweep_text, command_sweep },
+    { &merge_text, command_merge },       { &torture_text, command_torture },
+    { &gate_text, command_gate },         { &compare_text, command_compare },
+    { &help_text, command_help },         { &completion_text, command_completion },
 };
 
 static const command_text* const* list_commands( int* count )

@@ -7,8 +7,8 @@
 // ---- fields ----
 
 // Keys that `wisp tune` may change. A key is listed only if its last value is that of the reference run, and if it
-// does not change the material. For strands this excludes (measured with `wisp bench accuracy --scene
-// strands_swing`):
+// does not change the material. For strands this excludes (measured with
+// `wisp bench data/suites/accuracy/strands_swing.yaml`):
 //
 // - `stretch`: links with a compliance are another strand, and without one they reach the error of the direct solve in
 //   no less time.
@@ -350,7 +350,7 @@ wisp_status tune_parameters_edits( const tune_parameters* parameters, const int*
                                    const wisp_scene* scene, wisp_scene_edit** out, int* count, wisp_error* error )
 {
     const size_t entries = (size_t)scene->surface_count + (size_t)scene->strands_count + 1;
-    edit_list list = { .edits = malloc( entries * (size_t)parameters->count * sizeof *list.edits + 1 ) };
+    edit_list list = { .edits = malloc( ( entries * (size_t)parameters->count + 1 ) * sizeof *list.edits ) };
     *out = list.edits;
     *count = 0;
     if ( !list.edits )

@@ -69,7 +69,7 @@ wisp_status tune_parameters_find( const wisp_scene* scene, tune_parameters* out,
 void tune_parameters_set( const tune_parameters* parameters, const int* configuration, wisp_scene* scene );
 
 /// The changes of a scene's file that give it the values of a configuration.
-/// @param scene as it was read @param out receives a block for free(), null if nothing changes
+/// @param scene as it was read @param out receives a block for free(), with room for one more
 wisp_status tune_parameters_edits( const tune_parameters* parameters, const int* configuration,
                                    const wisp_scene* scene, wisp_scene_edit** out, int* count, wisp_error* error );
 

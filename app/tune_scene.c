@@ -79,10 +79,6 @@ static wisp_status step( void* user, wisp_tune_world* world, int number, wisp_er
 {
     (void)world;
     host* h = user;
-    if ( h->is_reference && h->def->reference_progress )
-    {
-        h->def->reference_progress( h->def->progress_user, (double)number / h->info->steps );
-    }
     if ( h->def->go_on && !h->def->go_on( h->def->go_on_user, h->is_reference ) )
     {
         return wisp_fail( error, WISP_CONFLICT, "%s: the search was ended in step %d of a run", h->def->scene->name,

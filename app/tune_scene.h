@@ -1,4 +1,4 @@
-/// Tuning a scene: its worlds for wisp_tune_worlds().
+/// The search of bindings: worlds of a scene for wisp_tune_worlds().
 #pragma once
 
 #include "tune_parameters.h"
@@ -16,8 +16,6 @@ typedef struct tune_scene_def
     double seconds;                  ///< of simulated time; 0: the scene, or 2 s if that is shorter
     double limit;                    ///< s of wall time
     wisp_tune_progress_fn* progress; ///< called after every run; null: not
-    /// Called during the reference run, which takes longer than all others; null: not. @param fraction of its steps
-    void ( *reference_progress )( void* user, double fraction );
     void* progress_user;
     /// Called before every step; false ends the search with WISP_CONFLICT; null: not. A host that keeps what was found so far
     /// ends the reference run alone: there is nothing to keep before its end.

@@ -422,14 +422,14 @@ static void add_pulled_rows( figures_case* page, const sag_row* sheet, const sag
                  stiffness = (double)wisp_default_implicit_cloth_def().stretch_stiffness;
     const double strip = (double)TRIANGLE_DENSITY * (double)TRIANGLE_GRAVITY * side * side / ( 2.0 * stiffness );
     const double apart = sheet[STIFF_HELD].sag[finest] / strip - 1.0;
-    figures_add( page, "Finer meshes (extension)",
-                 "`sheet`, hung by one side, diagonals that do not give way (D 5e-2 N m)",
-                 "sags within 5 % of each other, and within 15 % of a strip's in closed form",
-                 largest_change( &sheet[STIFF_HELD] ) < 0.05 && fabs( apart ) < 0.15,
-                 "%.2f to %.2f mm, at most %.1f %% apart; strip %.2f mm, %+.1f %%; with `link` %.1f %%",
-                 1e3 * sheet[STIFF_HELD].sag[0], 1e3 * sheet[STIFF_HELD].sag[finest],
-                 100.0 * largest_change( &sheet[STIFF_HELD] ), 1e3 * strip, 100.0 * apart,
-                 100.0 * largest_change( &link[STIFF_HELD] ) );
+    figures_add_known( page, "Finer meshes (extension)",
+                       "`sheet`, hung by one side, diagonals that do not give way (D 5e-2 N m)",
+                       "sags within 5 % of each other, and within 15 % of a strip's in closed form",
+                       largest_change( &sheet[STIFF_HELD] ) < 0.05 && fabs( apart ) < 0.15,
+                       "%.2f to %.2f mm, at most %.1f %% apart; strip %.2f mm, %+.1f %%; with `link` %.1f %%",
+                       1e3 * sheet[STIFF_HELD].sag[0], 1e3 * sheet[STIFF_HELD].sag[finest],
+                       100.0 * largest_change( &sheet[STIFF_HELD] ), 1e3 * strip, 100.0 * apart,
+                       100.0 * largest_change( &link[STIFF_HELD] ) );
 }
 
 // Edges take no pressure. A cloth that is pulled one way narrows until its diagonals hold it, and a short arc holds
@@ -437,11 +437,11 @@ static void add_pulled_rows( figures_case* page, const sag_row* sheet, const sag
 static void add_narrow_rows( figures_case* page, const sag_row* sheet, const sag_row* link )
 {
     const sag_row *corners = &sheet[CORNERS_HELD], *limp = &sheet[SIDE_HELD];
-    figures_add( page, "Finer meshes (extension)", "`sheet`, hung by two corners, 1000 and 4000 vertices",
-                 "sags within 5 % of each other", fabs( change( corners, 1 ) ) < 0.05,
-                 "%.1f and %.1f mm, %+.1f %%; with `link` %.1f and %.1f mm", 1e3 * corners->sag[1],
-                 1e3 * corners->sag[2], 100.0 * change( corners, 1 ), 1e3 * link[CORNERS_HELD].sag[1],
-                 1e3 * link[CORNERS_HELD].sag[2] );
+    figures_add_known( page, "Finer meshes (extension)", "`sheet`, hung by two corners, 1000 and 4000 vertices",
+                       "sags within 5 % of each other", fabs( change( corners, 1 ) ) < 0.05,
+                       "%.1f and %.1f mm, %+.1f %%; with `link` %.1f and %.1f mm", 1e3 * corners->sag[1],
+                       1e3 * corners->sag[2], 100.0 * change( corners, 1 ), 1e3 * link[CORNERS_HELD].sag[1],
+                       1e3 * link[CORNERS_HELD].sag[2] );
     results_add_note( page->out,
                       "Finer meshes, more than a few percent from 4000 vertices: hung by two corners 250 (%+.1f %%); "
                       "hung by one side 250 and 1000 (%+.1f %%, %+.1f %%).",

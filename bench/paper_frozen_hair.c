@@ -8,7 +8,6 @@
 
 #include <float.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -586,105 +585,63 @@ wisp_status paper_frozen_hair( const bench_options* options, results* out, wisp_
 // The sizes of Kim 2026 come first.
 #define SOURCE_SIZES 3
 
-// ---- cells from left to right ----
-
-#define COLUMNS_MAX 24
-
-typedef struct cell_row
+static void small_cell( cells* row, double value )
 {
-    char text[COLUMNS_MAX][32];
-    const char* cells[COLUMNS_MAX];
-    int count;
-} cell_row;
-
-static void cell( cell_row* row, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
-
-static void cell( cell_row* row, const char* format, ... )
-{
-    WISP_ASSERT( row->count < COLUMNS_MAX );
-    char* text = row->text[row->count];
-    va_list arguments;
-    va_start( arguments, format );
-    vsnprintf( text, sizeof( row->text[0] ), format, arguments );
-    va_end( arguments );
-    row->cells[row->count++] = text;
-}
-
-static void number_cell( cell_row* row, double value, int digits )
-{
-    if ( isfinite( value ) )
-    {
-        cell( row, "%.*f", digits, value );
-    }
-    else
-    {
-        cell( row, "-" );
-    }
-}
-
-static void small_cell( cell_row* row, double value )
-{
-    if ( isfinite( value ) )
-    {
-        cell( row, "%.1e", value );
-    }
-    else
-    {
-        cell( row, "-" );
-    }
+    cells_put( row, isfinite( value ) ? "%.1e" : "-", value );
 }
 
 // ---- the table ----
 
 static int add_header( const paper_table* table, results* out )
 {
-    cell_row row = { .count = 0 };
-    cell( &row, "strands" );
-    cell( &row, "vertices" );
-    cell( &row, "Kim 2026 ms" );
-    cell( &row, "FPS" );
+    cells row = { .count = 0 };
+    cells_put( &row, "strands" );
+    cells_put( &row, "vertices" );
+    cells_put( &row, "Kim 2026 ms" );
+    cells_put( &row, "FPS" );
     for ( int v = 0; v < table->variant_count; ++v )
     {
-        cell( &row, "%d %s ms", table->workers[v], bench_workers_word( table->workers[v] ) );
+        cells_put( &row, "%d %s ms", table->workers[v], bench_workers_word( table->workers[v] ) );
+        cells_put( &row, "FPS" );
     }
-    cell( &row, "freeze %%" );
-    cell( &row, "align %%" );
-    cell( &row, "clump %%" );
-    cell( &row, "rest %%" );
-    cell( &row, "neighbours" );
-    cell( &row, "error m" );
-    cell( &row, "error/h" );
-    cell( &row, "bytes per vertex" );
-    cell( &row, "hash" );
-    return results_add_table(
-        out, "Frozen hair, Kim 2026, Table 1: 20 vertices per strand, all stages, a command in each step", row.count,
-        row.cells );
+    cells_put( &row, "freeze %%" );
+    cells_put( &row, "align %%" );
+    cells_put( &row, "clump %%" );
+    cells_put( &row, "rest %%" );
+    cells_put( &row, "neighbours" );
+    cells_put( &row, "error m" );
+    cells_put( &row, "error/h" );
+    cells_put( &row, "bytes per vertex" );
+    cells_put( &row, "hash" );
+    return cells_begin_table(
+        &row, "Frozen hair, Kim 2026, Table 1: 20 vertices per strand, all stages, a command in each step", out );
 }
 
 static void add_frozen_line( const paper_table* table, const paper_line* line, int number, results* out )
 {
     int last = table->variant_count - 1;
-    cell_row row = { .count = 0 };
-    cell( &row, "%d", line->strands );
-    cell( &row, "%d", line->vertices );
-    number_cell( &row, line->source_ms, 1 );
-    number_cell( &row, line->source_fps, 0 );
+    cells row = { .count = 0 };
+    cells_put( &row, "%d", line->strands );
+    cells_put( &row, "%d", line->vertices );
+    cells_put_number( &row, line->source_ms, 1 );
+    cells_put_number( &row, line->source_fps, 0 );
     for ( int v = 0; v < table->variant_count; ++v )
     {
-        number_cell( &row, line->ms[v].median, line->ms[v].median < 100.0 ? 3 : 1 );
+        cells_put_number( &row, line->ms[v].median, line->ms[v].median < 100.0 ? 3 : 1 );
+        cells_put_number( &row, 1e3 / line->ms[v].median, 0 );
     }
     double rest = 1.0 - line->fraction[0] - line->fraction[1] - line->fraction[2];
     for ( int stage_number = 0; stage_number < 3; ++stage_number )
     {
-        number_cell( &row, 100.0 * line->fraction[stage_number], 1 );
+        cells_put_number( &row, 100.0 * line->fraction[stage_number], 1 );
     }
-    number_cell( &row, 100.0 * fmax( rest, 0.0 ), 1 );
-    number_cell( &row, line->neighbours, 1 );
+    cells_put_number( &row, 100.0 * fmax( rest, 0.0 ), 1 );
+    cells_put_number( &row, line->neighbours, 1 );
     small_cell( &row, line->error[last] );
     small_cell( &row, line->error[last] / table->clump_radius );
-    number_cell( &row, line->bytes, 0 );
-    cell( &row, "%016llx", (unsigned long long)line->hash );
-    results_add_cells( out, number, row.cells );
+    cells_put_number( &row, line->bytes, 0 );
+    cells_put( &row, "%016llx", (unsigned long long)line->hash );
+    cells_end_row( &row, number, out );
 }
 
 // ---- the fit ----
@@ -705,20 +662,20 @@ static stats_line fit( const paper_table* table, int variant, int size_count )
 static void add_fit( const paper_table* table, int variant, int size_count, int number, results* out )
 {
     stats_line line = fit( table, variant, size_count );
-    cell_row row = { .count = 0 };
+    cells row = { .count = 0 };
     if ( variant < 0 )
     {
-        cell( &row, "Kim 2026" );
+        cells_put( &row, "Kim 2026" );
     }
     else
     {
-        cell( &row, "Wisp, %d %s", table->workers[variant], bench_workers_word( table->workers[variant] ) );
+        cells_put( &row, "Wisp, %d %s", table->workers[variant], bench_workers_word( table->workers[variant] ) );
     }
-    cell( &row, "%d .. %d", table->lines[0].vertices, table->lines[size_count - 1].vertices );
-    cell( &row, "%.3f", line.intercept );
-    cell( &row, "%.4f", line.slope );
-    cell( &row, "%.5f", line.r_squared );
-    results_add_cells( out, number, row.cells );
+    cells_put( &row, "%d .. %d", table->lines[0].vertices, table->lines[size_count - 1].vertices );
+    cells_put( &row, "%.3f", line.intercept );
+    cells_put( &row, "%.4f", line.slope );
+    cells_put( &row, "%.5f", line.r_squared );
+    cells_end_row( &row, number, out );
 }
 
 static void add_fits( const paper_table* table, results* out )
@@ -743,20 +700,16 @@ static const char* met( bool meets_target )
     return meets_target ? "met" : "MISSED";
 }
 
-// What does not depend on the speed of the machine must hold.
+// Only what does not depend on the machine must hold: that cost is linear is counted in instructions by the tests.
 static void check_contract( const paper_table* table, results* out )
 {
     for ( int v = 0; v < table->variant_count; ++v )
     {
+        char claim[160];
         const double r_squared = fit( table, v, table->size_count ).r_squared;
-        if ( !( r_squared > CONTRACT_R_SQUARED ) )
-        {
-            results_add_failure(
-                out,
-                "Kim 2026, eq. 20: time against vertices with %d %s is no line: R^2 = %.5f, expected "
-                "more than %.2f.",
-                table->workers[v], bench_workers_word( table->workers[v] ), r_squared, CONTRACT_R_SQUARED );
-        }
+        snprintf( claim, sizeof claim, "Kim 2026, eq. 20: time against vertices with %d %s is a line, R^2 above %.2f",
+                  table->workers[v], bench_workers_word( table->workers[v] ), CONTRACT_R_SQUARED );
+        results_add_claim( out, r_squared > CONTRACT_R_SQUARED, claim, r_squared, "" );
     }
     for ( int i = 0; i < table->size_count; ++i )
     {

@@ -380,6 +380,7 @@ static int begin_table( const triangle_plan* plan, results* out )
     {
         cells_put( &row, "%d %s ms mean", plan->workers[w], bench_workers_word( plan->workers[w] ) );
         cells_put( &row, "%d %s ms median", plan->workers[w], bench_workers_word( plan->workers[w] ) );
+        cells_put( &row, "FPS" );
     }
     cells_put( &row, "speedup over Noh and Jung" );
     cells_put( &row, "iterations, mean / max" );
@@ -411,6 +412,7 @@ static void add_line( const triangle_plan* plan, const triangle_line* line, int 
     {
         cells_put_number( &row, line->mean_ms[w], 3 );
         cells_put_number( &row, line->ms[w].median, 3 );
+        cells_put_number( &row, 1e3 / line->mean_ms[w], 0 );
     }
     cells_put_number( &row, line->drop->source_ms / line->mean_ms[0], 0 );
     cells_put( &row, "%.1f / %d", line->iterations_mean, line->max_iterations );

@@ -445,12 +445,14 @@ static void suite_sampler_values( const suite_sampler* s, const suite_measuremen
 typedef struct study
 {
     const wisp_suite* suite;
-    suite_reference reference;
-    double* dt; // [rows] s
-    int* steps; // [rows] that are made
+    suite_references references;
+    double ( *doubts )[ACCURACY_MEASURES_MAX]; // [references.count] of the measures of the scene
+    double* dt;                                // [rows] s
+    int* steps;                                // [rows] that are made
     double longest_dt;
     bool measures[SAMPLE_COUNT]; // a suite has those columns that one of its scenes can have
     char note[480];
+    bool is_quick; // rows that are left out need no reference
 } study;
 
 // ---- a sampled run ----
@@ -472,7 +474,7 @@ static void keep_measures( const study* own, const suite_sampler* s, const suite
     out->halted_at = measured->values[SUITE_HALTED] > 0.0 ? measured->steps : 0;
 }
 
-static wisp_status observe_row( const study* own, int row, accuracy_run* out, wisp_error* error )
+static wisp_status observe_row( study* own, int row, accuracy_run* out, wisp_error* error )
 {
     const suite_row* r = own->suite->rows + row;
     suite_sampler s = {
@@ -482,12 +484,14 @@ static wisp_status observe_row( const study* own, int row, accuracy_run* out, wi
     };
     const suite_observer observer = { suite_sampler_observe, &s, s.has_contact };
     suite_measurement measured;
-    const wisp_status status = suite_reference_run( &own->reference, r, NULL, &observer, &measured, error );
+    const suite_reference* reference;
+    wisp_status status = suite_reference_of( &own->references, row, &reference, error );
+    status = status == WISP_OK ? suite_reference_run( reference, r, NULL, &observer, &measured, error ) : status;
     if ( status == WISP_OK )
     {
         keep_measures( own, &s, &measured, out );
         out->error = own->suite->compares_overlap && s.has_overlap ? 1e3 * s.overlap_max : out->error;
-        out->error = own->reference.exists && out->halted_at == 0 ? 1e3 * measured.values[SUITE_ERROR] : out->error;
+        out->error = reference->exists && out->halted_at == 0 ? 1e3 * measured.values[SUITE_ERROR] : out->error;
     }
     return status;
 }
@@ -499,6 +503,7 @@ static wisp_status observe_step( void* user, const scene_world* world, wisp_erro
     (void)error;
     accuracy_run* out = user;
     out->work = ( accuracy_work ){
+        .strands = scene_world_strands( world ),
         .vertices = scene_world_vertices( world ),
         .substeps = world->scene->substeps,
         .bytes = (double)scene_world_bytes( world ),
@@ -534,7 +539,8 @@ static wisp_status run_row( void* context, int setting, int workers, bool is_obs
 static void destroy( void* context )
 {
     study* own = context;
-    suite_reference_release( &own->reference );
+    suite_references_release( &own->references );
+    free( own->doubts );
     free( own->dt );
     free( own->steps );
     free( own );
@@ -574,9 +580,34 @@ static double parameter_of( const study* own, int row, char* name, size_t size )
     return grows ? r->along_value : 1.0 / r->along_value;
 }
 
-static void add_setting( const study* own, int row, accuracy_scene* out )
+// What all rows of one reference vary to: the parts of their variants that are the same.
+static void name_group( const study* own, int row, char* out, size_t size )
 {
     const suite_row* r = own->suite->rows + row;
+    snprintf( out, size, "%s", r->name );
+    for ( const char* part = r->variant; *part; )
+    {
+        const int length = (int)strcspn( part, "," );
+        char text[SUITE_MAX_VARIANT];
+        snprintf( text, sizeof text, "%.*s", length, part );
+        bool is_common = true;
+        for ( int i = 0; i < own->suite->row_count && is_common; ++i )
+        {
+            is_common = own->references.of_row[i] != own->references.of_row[row] ||
+                        strcmp( own->suite->rows[i].name, r->name ) != 0 ||
+                        strstr( own->suite->rows[i].variant, text );
+        }
+        const size_t used = strlen( out );
+        snprintf( out + used, size - used, "%s%s", is_common ? ", " : "", is_common ? text : "" );
+        part += length;
+        part += strspn( part, ", " );
+    }
+}
+
+static wisp_status add_setting( study* own, int row, accuracy_scene* out, wisp_error* error )
+{
+    const suite_row* r = own->suite->rows + row;
+    const suite_reference* reference;
     char name[SUITE_MAX_NAME + 8];
     accuracy_setting* setting = accuracy_put_setting( out, "%s%s%s", r->name, r->variant[0] ? ", " : "", r->variant );
     if ( r->series[0] != '\0' )
@@ -584,45 +615,55 @@ static void add_setting( const study* own, int row, accuracy_scene* out )
         const double parameter = parameter_of( own, row, name, sizeof name );
         accuracy_join_series( setting, r->series, name, parameter, r->order );
     }
+    if ( own->is_quick && r->is_slow )
+    {
+        return WISP_OK;
+    }
+    const wisp_status status = suite_reference_of( &own->references, row, &reference, error );
+    if ( status == WISP_OK && reference->exists )
+    {
+        setting->group = own->references.of_row[row];
+        setting->doubt = 1e3 * fmax( reference->doubt.distance, 0.0 );
+        setting->until = reference->until;
+        setting->is_cut = reference->until < reference->parts_at && isfinite( reference->parts_at );
+        setting->measure_doubts = own->doubts[setting->group];
+        out->uncertainty = fmax( out->uncertainty, setting->doubt );
+        if ( out->group_count > 1 )
+        {
+            name_group( own, row, setting->method, sizeof setting->method );
+        }
+    }
+    return status;
 }
 
-// Samples of a comparison that the reference can have, and their doubts.
-static void look_at_reference( study* own, double doubts[SAMPLE_COUNT] )
+// Samples of a comparison that a reference can have, and their doubts.
+static void look_at_reference( study* own, const suite_reference* reference, double doubts[SAMPLE_COUNT] )
 {
     for ( int m = 0; m < SAMPLE_COUNT; ++m )
     {
         doubts[m] = NAN;
     }
-    const bool is_motion = own->suite->reference.text || own->suite->stored;
-    if ( !is_motion )
+    if ( !reference->exists || reference->is_start )
     {
         return;
     }
-    suite_sampler_comparison( &own->reference.doubt, doubts );
+    suite_sampler_comparison( &reference->doubt, doubts );
     own->measures[SAMPLE_LARGEST_DISTANCE] = true;
     for ( int i = 0; i < SUITE_MOMENT_COUNT; ++i )
     {
-        own->measures[SAMPLE_ERROR_FIRST + i] = isfinite( own->reference.doubt.at[i] );
+        own->measures[SAMPLE_ERROR_FIRST + i] =
+            own->measures[SAMPLE_ERROR_FIRST + i] || isfinite( reference->doubt.at[i] );
     }
-    own->measures[SAMPLE_DETAIL] = isfinite( own->reference.doubt.detail );
-    own->measures[SAMPLE_ENERGY_COMPARED] = isfinite( own->reference.doubt.energy );
+    own->measures[SAMPLE_DETAIL] = own->measures[SAMPLE_DETAIL] || isfinite( reference->doubt.detail );
+    own->measures[SAMPLE_ENERGY_COMPARED] =
+        own->measures[SAMPLE_ENERGY_COMPARED] || isfinite( reference->doubt.energy );
     // it is near 1, and no error that could be below a doubt
     doubts[SAMPLE_DETAIL] = NAN;
 }
 
 static void describe_suite( study* own, accuracy_scene* out )
 {
-    double doubts[SAMPLE_COUNT];
-    look_at_reference( own, doubts );
-    for ( int m = 0; m < SAMPLE_COUNT; ++m )
-    {
-        if ( own->measures[m] )
-        {
-            out->measure_doubts[out->measure_count] = isfinite( doubts[m] ) ? fabs( doubts[m] ) : 0.0;
-            out->measure_names[out->measure_count++] = suite_sample_names[m];
-            out->contact_measures += m >= SAMPLE_CONTACT_FIRST ? 1 : 0;
-        }
-    }
+    const bool is_compared = own->references.description[0] != '\0';
     bool is_uniform = true;
     for ( int i = 0; i < own->suite->row_count; ++i )
     {
@@ -633,40 +674,84 @@ static void describe_suite( study* own, accuracy_scene* out )
         snprintf( out->ms_name, sizeof out->ms_name, "%.4g s of motion", own->longest_dt );
     }
     out->note = own->suite->note;
-    out->has_no_rivals = !own->reference.exists && !own->suite->compares_overlap;
+    out->has_no_rivals = !is_compared && !own->suite->compares_overlap;
     if ( own->suite->compares_overlap )
     {
         snprintf(
             out->reference, sizeof out->reference,
             "balloons keep their thickness from each other; by signed distances, which contact has no part in" );
         snprintf( out->error_name, sizeof out->error_name, "overlap at most" );
-        snprintf( out->error_unit, sizeof out->error_unit, "mm" );
     }
-    else if ( own->reference.is_start )
+    else if ( is_compared )
     {
-        snprintf( out->reference, sizeof out->reference, "where every vertex starts" );
-        snprintf( out->error_name, sizeof out->error_name, "RMS drift from the start" );
-        snprintf( out->error_unit, sizeof out->error_unit, "mm" );
+        snprintf( out->reference, sizeof out->reference, "%s", own->references.description );
+        snprintf( out->error_name, sizeof out->error_name, "%s",
+                  own->suite->compares_start ? "RMS drift from the start" : "RMS distance to the reference" );
     }
-    else if ( own->reference.exists )
+    snprintf( out->error_unit, sizeof out->error_unit, "%s",
+              is_compared || own->suite->compares_overlap ? "mm" : "" );
+}
+
+// Motion that parts is a note of its scene.
+static void note_chaos( study* own, const suite_reference* reference, accuracy_scene* out )
+{
+    const char* note = own->suite->note ? own->suite->note : "";
+    if ( isfinite( reference->parts_at ) && out->group_count > 0 )
     {
-        snprintf( out->reference, sizeof out->reference, "%s", own->reference.description );
-        snprintf( out->error_name, sizeof out->error_name, "RMS distance to the reference" );
-        snprintf( out->error_unit, sizeof out->error_unit, "mm" );
-        out->uncertainty = 1e3 * own->reference.doubt.distance;
-        if ( isfinite( own->reference.parts_at ) )
+        snprintf( own->note, sizeof own->note,
+                  "each scene is compared up to the time in `until`. After that two runs that should have converged "
+                  "are more than 1 %% of their size apart, and distances are chance. %.200s",
+                  note );
+    }
+    else if ( isfinite( reference->parts_at ) )
+    {
+        const bool is_cut = reference->until < reference->parts_at;
+        snprintf( own->note, sizeof own->note,
+                  is_cut ? "motion is compared up to %.3g s. After that two runs that should have converged are "
+                           "more than 1 %% of their size apart, and distances are chance. %.200s"
+                         : "two runs that should have converged are more than 1 %% of their size apart from %.3g "
+                           "s on: the reference is too coarse for errors to say much. %.200s",
+                  is_cut ? reference->until : reference->parts_at, note );
+    }
+    out->note = own->note[0] ? own->note : out->note;
+}
+
+// References of all rows, the columns that any of them can have, and their doubts.
+static wisp_status make_references( study* own, accuracy_scene* out, wisp_error* error )
+{
+    double( *all )[SAMPLE_COUNT] = calloc( (size_t)own->references.count, sizeof *all );
+    own->doubts = calloc( (size_t)own->references.count, sizeof *own->doubts );
+    wisp_status status = all && own->doubts ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for a suite" );
+    for ( int i = 0; i < own->suite->row_count && status == WISP_OK; ++i )
+    {
+        const int group = own->references.of_row[i];
+        const suite_reference* reference;
+        const bool is_new = !own->references.is_made[group],
+                   is_left_out = own->is_quick && own->suite->rows[i].is_slow;
+        status = is_left_out ? WISP_OK : suite_reference_of( &own->references, i, &reference, error );
+        if ( status == WISP_OK && is_new && !is_left_out )
         {
-            const double until = own->reference.motion.times[own->reference.frame_count - 1];
-            const bool is_cut = until < own->reference.parts_at;
-            snprintf( own->note, sizeof own->note,
-                      is_cut ? "motion is compared up to %.3g s. After that two runs that should have converged are "
-                               "more than 1 %% of their size apart, and distances are chance. %.200s"
-                             : "two runs that should have converged are more than 1 %% of their size apart from %.3g "
-                               "s on: the reference is too coarse for errors to say much. %.200s",
-                      is_cut ? until : own->reference.parts_at, own->suite->note ? own->suite->note : "" );
-            out->note = own->note;
+            look_at_reference( own, reference, all[group] );
+            note_chaos( own, reference, out );
+            ++out->group_count;
         }
     }
+    for ( int m = 0; m < SAMPLE_COUNT && status == WISP_OK; ++m )
+    {
+        for ( int g = 0; g < own->references.count && own->measures[m]; ++g )
+        {
+            own->doubts[g][out->measure_count] = isfinite( all[g][m] ) ? fabs( all[g][m] ) : 0.0;
+            out->measure_doubts[out->measure_count] =
+                fmax( out->measure_doubts[out->measure_count], own->doubts[g][out->measure_count] );
+        }
+        if ( own->measures[m] )
+        {
+            out->measure_names[out->measure_count++] = suite_sample_names[m];
+            out->contact_measures += m >= SAMPLE_CONTACT_FIRST ? 1 : 0;
+        }
+    }
+    free( all );
+    return status;
 }
 
 static wisp_status fill( study* own, accuracy_scene* out, wisp_error* error )
@@ -676,19 +761,19 @@ static wisp_status fill( study* own, accuracy_scene* out, wisp_error* error )
     {
         status = look_at_row( own, i, error );
     }
-    status = status == WISP_OK ? suite_reference_make( own->suite, &own->reference, error ) : status;
+    status = status == WISP_OK ? suite_references_find( own->suite, &own->references, error ) : status;
+    describe_suite( own, out );
+    status = status == WISP_OK ? make_references( own, out, error ) : status;
     for ( int i = 0; i < own->suite->row_count && status == WISP_OK; ++i )
     {
-        add_setting( own, i, out );
+        status = add_setting( own, i, out, error );
     }
-    describe_suite( own, out );
     return status;
 }
 
 wisp_status suite_study_make( const wisp_suite* suite, const bench_options* options, accuracy_scene* out,
                               wisp_error* error )
 {
-    (void)options;
     study* own = calloc( 1, sizeof *own );
     *out = ( accuracy_scene ){ .context = own, .run = run_row, .destroy = destroy };
     if ( own == NULL )
@@ -696,6 +781,7 @@ wisp_status suite_study_make( const wisp_suite* suite, const bench_options* opti
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for a suite" );
     }
     own->suite = suite;
+    own->is_quick = options->quick;
     own->dt = calloc( (size_t)suite->row_count, sizeof *own->dt );
     own->steps = calloc( (size_t)suite->row_count, sizeof *own->steps );
     wisp_status status = own->dt && own->steps ? accuracy_reserve_settings( out, suite->row_count, error )

@@ -352,6 +352,7 @@ static json_t* row_object( const results_row* row )
     json_object_set_new( object, "ms_median", json_number( row->ms_median ) );
     json_object_set_new( object, "ms_p10", json_number( row->ms_p10 ) );
     json_object_set_new( object, "ms_p90", json_number( row->ms_p90 ) );
+    json_object_set_new( object, "fps", json_number( 1e3 / row->ms_median ) );
     json_object_set_new( object, "steps", json_integer( row->steps ) );
     json_object_set_new( object, "samples_ms", samples_array( row ) );
     json_object_set_new( object, "cpu_fraction", json_number( row->cpu_fraction ) );
@@ -552,48 +553,21 @@ static wisp_status write_github( const results* all, FILE* stream, wisp_error* e
     return dump_json( root, stream, error );
 }
 
-const char* const results_format_names[RESULTS_FORMAT_COUNT] = { "text", "markdown", "csv", "json", "github" };
+const char* const results_format_names[RESULTS_FORMAT_COUNT] = {
+    "text", "markdown", "csv", "json", "latex", "github"
+};
 
 // ---- tables for people ----
 
-static void write_machine( const results* all, FILE* stream, const char* line_end )
+static void write_machine( const results* all, FILE* stream, const char* begin, const char* end )
 {
     const machine_info* machine = &all->machine;
-    fprintf( stream, "machine: %s, %d cores, %.1f GB%s%s%s\n", machine->cpu, machine->cores,
-             machine->memory_bytes / 1e9, machine->isa[0] ? ", kernels for " : "", machine->isa, line_end );
-    fprintf( stream, "system: %s%s\n", machine->os, line_end );
-    fprintf( stream, "build: wisp %s (%s), %s, %s%s\n", machine->version, machine->commit, machine->compiler,
-             machine->build_type, line_end );
-    fprintf( stream, "flags: %s%s\n", machine->flags, line_end );
-}
-
-static void write_text( const results* all, FILE* stream )
-{
-    for ( int i = 0; i < all->headline_count; ++i )
-    {
-        write_text_lines( all->headlines[i], stream );
-    }
-    if ( !all->is_result_first )
-    {
-        write_machine( all, stream, "" );
-    }
-    for ( int t = 0; t < all->table_count; ++t )
-    {
-        if ( !all->is_brief || all->tables[t].title[0] == '\0' )
-        {
-            results_write_text_table( &all->tables[t], stream );
-        }
-    }
-    fputs( all->note_count > 0 ? "\n" : "", stream );
-    for ( int i = 0; i < all->note_count; ++i )
-    {
-        fprintf( stream, "%s\n", all->notes[i] ); // in one line each, so that programs find words in them
-    }
-    if ( all->is_result_first && !all->is_brief )
-    {
-        fputc( '\n', stream );
-        write_machine( all, stream, "" );
-    }
+    fprintf( stream, "%smachine: %s, %d cores, %.1f GB%s%s%s\n", begin, machine->cpu, machine->cores,
+             machine->memory_bytes / 1e9, machine->isa[0] ? ", kernels for " : "", machine->isa, end );
+    fprintf( stream, "%ssystem: %s%s\n", begin, machine->os, end );
+    fprintf( stream, "%sbuild: wisp %s (%s), %s, %s%s\n", begin, machine->version, machine->commit, machine->compiler,
+             machine->build_type, end );
+    fprintf( stream, "%sflags: %s%s\n", begin, machine->flags, end );
 }
 
 // A bar ends a cell and a line ends a row, so neither may appear inside one.
@@ -611,47 +585,139 @@ static void write_markdown_cell( const char* text, FILE* stream )
     fputc( ' ', stream );
 }
 
-static void write_markdown( const results* all, FILE* stream )
+static void write_markdown_table( const results_table* table, bool is_first, FILE* stream )
 {
+    fputs( is_first ? "" : "\n", stream );
+    if ( table->title[0] != '\0' )
+    {
+        fprintf( stream, "### %s\n\n", table->title );
+    }
+    for ( int row = 0; row < table->row_count; ++row )
+    {
+        for ( int column = 0; column < table->column_count; ++column )
+        {
+            write_markdown_cell( results_cell( table, row, column ), stream );
+        }
+        fputs( "|\n", stream );
+        for ( int column = 0; row == 0 && column < table->column_count; ++column )
+        {
+            fputs( results_is_numeric_column( table, column ) ? "|---:" : "|---", stream );
+        }
+        fputs( row == 0 ? "|\n" : "", stream );
+    }
+}
+
+// Characters that LaTeX reads as commands.
+static void write_latex_text( const char* text, FILE* stream )
+{
+    static const char* const spelled[][2] = { { "\\", "\\textbackslash{}" },  { "~", "\\textasciitilde{}" },
+                                              { "^", "\\textasciicircum{}" }, { "<", "\\textless{}" },
+                                              { ">", "\\textgreater{}" },     { "|", "\\textbar{}" } };
+    bool is_quoted = false; // `like this`
+    for ( const char* c = text; *c; ++c )
+    {
+        const char* whole = *c == '`' ? ( is_quoted ? "'" : "`" ) : NULL;
+        is_quoted = is_quoted != ( *c == '`' );
+        for ( int i = 0; i < WISP_COUNT( spelled ); ++i )
+        {
+            whole = *c == spelled[i][0][0] ? spelled[i][1] : whole;
+        }
+        if ( whole )
+        {
+            fputs( whole, stream );
+            continue;
+        }
+        fputs( strchr( "&%$#_{}", *c ) ? "\\" : "", stream );
+        fputc( *c == '\n' ? ' ' : *c, stream );
+    }
+}
+
+static void write_latex_table( const results_table* table, bool is_first, FILE* stream )
+{
+    int shown[TABLE_COLUMNS_MAX];
+    const int count = find_shown( table, shown );
+    const bool is_wide = count > RESULTS_TEXT_COLUMNS;
+    (void)is_first;
+    if ( table->title[0] == '\0' )
+    {
+        return;
+    }
+    fputs( "\n\\begin{table}\n\\centering\n\\caption{", stream );
+    write_latex_text( table->title, stream );
+    fprintf( stream, "}\n%s\\begin{tabular}{", is_wide ? "\\resizebox{\\textwidth}{!}{" : "" );
+    for ( int i = 0; i < count; ++i )
+    {
+        fputc( results_is_numeric_column( table, shown[i] ) ? 'r' : 'l', stream );
+    }
+    fputs( "}\n\\toprule\n", stream );
+    for ( int row = 0; row < table->row_count; ++row )
+    {
+        for ( int i = 0; i < count; ++i )
+        {
+            fputs( i > 0 ? " & " : "", stream );
+            write_latex_text( results_cell( table, row, shown[i] ), stream );
+        }
+        fputs( row == 0 ? " \\\\\n\\midrule\n" : " \\\\\n", stream );
+    }
+    fprintf( stream, "\\bottomrule\n\\end{tabular}%s\n\\end{table}\n", is_wide ? "}" : "" );
+}
+
+static void write_text_table( const results_table* table, bool is_first, FILE* stream )
+{
+    (void)is_first;
+    results_write_text_table( table, stream );
+}
+
+// How a format for people writes its lines and tables.
+typedef struct people_format
+{
+    const char *head, *begin, *end, *note; // of the file; of lines; of notes
+    bool wraps;
+    void ( *write_table )( const results_table* table, bool is_first, FILE* stream );
+} people_format;
+
+static const people_format people_formats[RESULTS_FORMAT_COUNT] = {
+    [RESULTS_TEXT] = { "", "", "", "", true,
+                       write_text_table }, // notes in one line each, so that programs find words in them
+    [RESULTS_MARKDOWN] = { "", "", "  ", "- ", false, write_markdown_table },
+    [RESULTS_LATEX] = { "% \\usepackage{booktabs, graphicx}\n", "% ", "", "% ", false, write_latex_table },
+};
+
+static void write_people( const results* all, const people_format* format, FILE* stream )
+{
+    const bool is_brief = all->is_brief && format->wraps;
+    fputs( format->head, stream );
     for ( int i = 0; i < all->headline_count; ++i )
     {
-        fprintf( stream, "%s  \n", all->headlines[i] );
+        if ( format->wraps )
+        {
+            write_text_lines( all->headlines[i], stream );
+        }
+        else
+        {
+            fprintf( stream, "%s%s%s\n", format->begin, all->headlines[i], format->end );
+        }
     }
     if ( !all->is_result_first )
     {
-        write_machine( all, stream, "  " );
+        write_machine( all, stream, format->begin, format->end );
     }
     for ( int t = 0; t < all->table_count; ++t )
     {
-        const results_table* table = &all->tables[t];
-        fputs( t > 0 || !all->is_result_first ? "\n" : "", stream );
-        if ( table->title[0] != '\0' )
+        if ( !is_brief || all->tables[t].title[0] == '\0' )
         {
-            fprintf( stream, "### %s\n\n", table->title );
-        }
-        for ( int row = 0; row < table->row_count; ++row )
-        {
-            for ( int column = 0; column < table->column_count; ++column )
-            {
-                write_markdown_cell( results_cell( table, row, column ), stream );
-            }
-            fputs( "|\n", stream );
-            for ( int column = 0; row == 0 && column < table->column_count; ++column )
-            {
-                fputs( results_is_numeric_column( table, column ) ? "|---:" : "|---", stream );
-            }
-            fputs( row == 0 ? "|\n" : "", stream );
+            format->write_table( &all->tables[t], t == 0 && all->is_result_first, stream );
         }
     }
     fputs( all->note_count > 0 ? "\n" : "", stream );
     for ( int i = 0; i < all->note_count; ++i )
     {
-        fprintf( stream, "- %s\n", all->notes[i] );
+        fprintf( stream, "%s%s\n", format->note, all->notes[i] );
     }
-    if ( all->is_result_first )
+    if ( all->is_result_first && !is_brief )
     {
         fputc( '\n', stream );
-        write_machine( all, stream, "  " );
+        write_machine( all, stream, format->begin, format->end );
     }
 }
 
@@ -748,6 +814,7 @@ static void write_csv_row( const results_row* row, const csv_columns* columns, F
     write_csv_number( row->ms_median, stream );
     write_csv_number( row->ms_p10, stream );
     write_csv_number( row->ms_p90, stream );
+    write_csv_number( 1e3 / row->ms_median, stream );
     fprintf( stream, ",%d,", row->steps );
     if ( row->has_hash )
     {
@@ -776,7 +843,7 @@ static wisp_status write_csv( const results* all, FILE* stream, wisp_error* erro
     }
     if ( gathered )
     {
-        fputs( "case,variant,workers,ms_median,ms_p10,ms_p90,steps,hash,error.against", stream );
+        fputs( "case,variant,workers,ms_median,ms_p10,ms_p90,fps,steps,hash,error.against", stream );
         for ( int group = 0; group < 3; ++group )
         {
             for ( int i = 0; i < columns[group].count; ++i )
@@ -811,9 +878,6 @@ wisp_status results_write( const results* all, results_format format, FILE* stre
     wisp_status status = WISP_OK;
     switch ( format )
     {
-        case RESULTS_MARKDOWN:
-            write_markdown( all, stream );
-            break;
         case RESULTS_CSV:
             status = write_csv( all, stream, error );
             break;
@@ -823,9 +887,8 @@ wisp_status results_write( const results* all, results_format format, FILE* stre
         case RESULTS_GITHUB:
             status = write_github( all, stream, error );
             break;
-        case RESULTS_TEXT:
-        case RESULTS_FORMAT_COUNT:
-            write_text( all, stream );
+        default:
+            write_people( all, &people_formats[format], stream );
             break;
     }
     // Streams keep their first error, so looking once at the end is enough.

@@ -137,11 +137,25 @@ enum
 static const char* const reference_keys[REFERENCE_COUNT] = { "start", "overlap",     "stored", "doubt",
                                                              "file",  "extrapolate", "set",    "check" };
 
+static void release_row( suite_row* row )
+{
+    free( row->path );
+    free( row->text );
+}
+
+static void release_runs( suite_runs* runs )
+{
+    release_row( &runs->fine );
+    release_row( &runs->check );
+    release_row( &runs->coarsest );
+    *runs = ( suite_runs ){ 0 };
+}
+
 // A half and a quarter of the substeps of the reference.
-static wisp_status read_halves( const suite_reader* r, suite_run run, const scene_node* place )
+static wisp_status read_halves( const suite_reader* r, suite_run run, const scene_node* place, suite_runs* out )
 {
     wisp_scene scene;
-    wisp_status status = suite_scene( &r->out->reference, &scene, r->source.error );
+    wisp_status status = suite_scene( &out->fine, &scene, r->source.error );
     const int substeps = scene.substeps;
     wisp_scene_release( &scene );
     if ( status == WISP_OK && substeps % 4 != 0 )
@@ -150,16 +164,16 @@ static wisp_status read_halves( const suite_reader* r, suite_run run, const scen
                              substeps );
     }
     run.substeps = substeps / 2;
-    status = status == WISP_OK ? suite_read_run( r, &run, "reference, half", &r->out->check ) : status;
+    status = status == WISP_OK ? suite_read_run( r, &run, "reference, half", &out->check ) : status;
     run.substeps = substeps / 4;
-    return status == WISP_OK ? suite_read_run( r, &run, "reference, quarter", &r->out->coarsest ) : status;
+    return status == WISP_OK ? suite_read_run( r, &run, "reference, quarter", &out->coarsest ) : status;
 }
 
 // A reference is finer than what is measured with it, also where entities have substeps of their own.
-static wisp_status check_own_substeps( const suite_reader* r, const scene_node* place )
+static wisp_status check_own_substeps( const suite_reader* r, const suite_row* run, const scene_node* place )
 {
     wisp_scene scene;
-    wisp_status status = suite_scene( &r->out->reference, &scene, r->source.error );
+    wisp_status status = suite_scene( run, &scene, r->source.error );
     const int own = wisp_scene_own_substeps( &scene ), substeps = scene.substeps;
     wisp_scene_release( &scene );
     return status == WISP_OK && own > 0 && 4 * (int64_t)own > substeps
@@ -170,19 +184,66 @@ static wisp_status check_own_substeps( const suite_reader* r, const scene_node* 
                : status;
 }
 
-// All runs are as long as the first row.
-static wisp_status read_runs( const suite_reader* r, const scene_node* block, const scene_node* const* values )
+static wisp_status read_runs_of( const suite_reader* r, const scene_node* block, const scene_node* const* values,
+                                 const suite_row* of, suite_runs* out )
 {
-    suite_run run = { .file = values[REFERENCE_FILE], .set = values[REFERENCE_SET] };
-    wisp_status status = suite_read_run( r, &run, "reference", &r->out->reference );
-    status =
-        status == WISP_OK ? check_own_substeps( r, values[REFERENCE_SET] ? values[REFERENCE_SET] : block ) : status;
+    suite_run run = { .file = values[REFERENCE_FILE], .set = values[REFERENCE_SET], .of = of };
+    wisp_status status = out->fine.text ? WISP_OK : suite_read_run( r, &run, "reference", &out->fine );
+    status = status == WISP_OK
+                 ? check_own_substeps( r, &out->fine, values[REFERENCE_SET] ? values[REFERENCE_SET] : block )
+                 : status;
     if ( status == WISP_OK && values[REFERENCE_EXTRAPOLATE] )
     {
-        return read_halves( r, run, values[REFERENCE_EXTRAPOLATE] );
+        return read_halves( r, run, values[REFERENCE_EXTRAPOLATE], out );
     }
     run.coarser = values[REFERENCE_CHECK];
-    return status == WISP_OK ? suite_read_run( r, &run, "reference, check", &r->out->check ) : status;
+    return status == WISP_OK ? suite_read_run( r, &run, "reference, check", &out->check ) : status;
+}
+
+static int find_runs( const wisp_suite* suite, const suite_row* fine )
+{
+    int i = 0;
+    while ( i < suite->reference_count && ( suite->references[i].fine.steps != fine->steps ||
+                                            strcmp( suite->references[i].fine.text, fine->text ) != 0 ) )
+    {
+        ++i;
+    }
+    return i;
+}
+
+// The runs of the suite's file, and those of every row whose scene is another text with the fields of the reference. Whether it is another
+// scene, only its world can tell; where the fields are not of such a scene, as of another solver, the row has the first runs.
+static wisp_status read_runs( const suite_reader* r, const scene_node* block, const scene_node* const* values )
+{
+    wisp_suite* suite = r->out;
+    suite->references = text_alloc( ( (size_t)suite->row_count + 1 ) * sizeof *suite->references );
+    suite->reference_count = 1;
+    wisp_status status = read_runs_of( r, block, values, NULL, suite->references );
+    for ( int i = 0; i < suite->row_count && values[REFERENCE_FILE] == NULL && status == WISP_OK; ++i )
+    {
+        suite_row* row = suite->rows + i;
+        suite_runs* next = suite->references + suite->reference_count;
+        const suite_run run = { .set = values[REFERENCE_SET], .of = row };
+        wisp_error inner = { 0 };
+        suite_reader quiet = *r;
+        quiet.source.error = &inner;
+        if ( row->is_refused || suite_read_run( &quiet, &run, "reference", &next->fine ) != WISP_OK )
+        {
+            release_runs( next );
+            continue;
+        }
+        row->reference = find_runs( suite, &next->fine );
+        if ( row->reference == suite->reference_count )
+        {
+            status = read_runs_of( r, block, values, row, next );
+            ++suite->reference_count;
+        }
+        else
+        {
+            release_runs( next );
+        }
+    }
+    return status;
 }
 
 // Read `reference`, after the entries.
@@ -383,21 +444,17 @@ wisp_status suite_read( const char* path, wisp_suite* out, wisp_error* error )
     return status;
 }
 
-static void release_row( suite_row* row )
-{
-    free( row->path );
-    free( row->text );
-}
-
 void suite_release( wisp_suite* suite )
 {
     for ( int i = 0; i < suite->row_count; ++i )
     {
         release_row( suite->rows + i );
     }
-    release_row( &suite->reference );
-    release_row( &suite->check );
-    release_row( &suite->coarsest );
+    for ( int i = 0; i < suite->reference_count; ++i )
+    {
+        release_runs( suite->references + i );
+    }
+    free( suite->references );
     free( suite->rows );
     free( suite->stored );
     free( suite->note );
@@ -455,34 +512,29 @@ static void look_at_solvers( writer* w )
     }
 }
 
-// Time the first steps of the scene as it is written. @return s per second of motion
-static wisp_status time_scene( const writer* w, double* out, wisp_error* error )
+// Estimate what a second of motion costs, s. A clock would give a scene another reference the next time.
+static wisp_status estimate_pace( const writer* w, double* out, wisp_error* error )
 {
-    const int STEPS = 5;
-    const scene_world_options options = { .is_quiet = true };
+    static const double LINK_NS = 20.0, SOLVE_NS = 2000.0, CONTACT_NS = 500.0; // of a vertex in a substep
+    const scene_world_options options = { .workers = 1 }; // the first world of the scene has its warnings
     scene_world world;
-    wisp_status status = scene_world_create( &w->read, &options, &world, error );
-    if ( status != WISP_OK )
+    const wisp_status status = scene_world_create( &w->read, &options, &world, error );
+    if ( status == WISP_OK )
     {
-        return status;
+        const double ns = ( w->has_links ? LINK_NS * w->iterations : 0.0 ) + ( w->has_linear ? SOLVE_NS : 0.0 ) +
+                          ( scene_has_contact( &w->read ) ? CONTACT_NS : 0.0 );
+        *out = 1e-9 * ns * scene_world_vertices( &world ) * w->substeps / (double)w->read.dt;
+        scene_world_destroy( &world );
     }
-    double begin = wisp_clock_seconds();
-    for ( int i = 0; i <= STEPS && i < w->read.steps && status == WISP_OK; ++i )
-    {
-        begin = i == 1 ? wisp_clock_seconds() : begin; // the first step makes the plan
-        status = scene_world_step( &world, error );
-    }
-    *out = ( wisp_clock_seconds() - begin ) / ( STEPS * (double)w->read.dt );
-    scene_world_destroy( &world );
     return status;
 }
 
-// As fine as there is time for. The coarser run that tells its doubt takes half of it again.
+// As fine as takes less than a minute or so. The coarser run that tells its doubt takes half of it again.
 static wisp_status choose_reference( writer* w, wisp_error* error )
 {
+    const double budget = 40.0; // s
     double pace = 0.0;
-    const wisp_status status = time_scene( w, &pace, error );
-    const double budget = w->def->seconds / 1.5;
+    const wisp_status status = estimate_pace( w, &pace, error );
     w->finest_iterations = w->has_links ? 10 * w->iterations : w->iterations;
     const int own = wisp_scene_own_substeps( &w->read ); // a reference has four times as many
     w->finest = 4 * own > SUBSTEPS_MAX ? 4 * own : SUBSTEPS_MAX;
@@ -666,7 +718,7 @@ static wisp_status read_scene_twice( writer* w, wisp_error* error )
     w->substeps = w->read.substeps;
     w->iterations = w->read.iterations;
     const double all = (double)w->read.dt * w->read.steps;
-    w->length = w->def->length > 0.0 ? w->def->length : fmin( all, LENGTH_MAX );
+    w->length = w->def->length > 0.0 ? w->def->length : all > 0.0 ? fmin( all, LENGTH_MAX ) : LENGTH_MAX;
     return w->has_links || w->has_linear
                ? WISP_OK
                : wisp_fail( error, WISP_BAD_INPUT,

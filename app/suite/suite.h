@@ -75,7 +75,15 @@ typedef struct suite_row
     bool is_long;            ///< only with --long
     double agree;            ///< how far rows of this name may hang from each other, in sizes; 0: any
     int known;               ///< stability_check that it is known to break; -1: it must hold
+    int reference;           ///< of the suite's `references`
 } suite_row;
+
+/// The converged run that errors are measured against, and a coarser one whose distance to it is its doubt. With `extrapolate` they
+/// have a half and a quarter of the substeps: `check` and `coarsest`, which has text then.
+typedef struct suite_runs
+{
+    suite_row fine, check, coarsest;
+} suite_runs;
 
 typedef struct wisp_suite
 {
@@ -84,9 +92,9 @@ typedef struct wisp_suite
     char* note;                ///< for readers of the tables; null: none
     suite_row* rows;
     int row_count;
-    /// The converged run that errors are measured against, and a coarser one whose distance to it is its doubt. Both have text, or
-    /// neither has. With `extrapolate` they have a half and a quarter of the substeps: `check` and `coarsest`, which has text then.
-    suite_row reference, check, coarsest;
+    suite_runs*
+        references; ///< [reference_count] the first one of the suite's file, then those of rows that differ in text
+    int reference_count;
     double extrapolate;    ///< order of the runs that the reference is extrapolated from; 0: it is a run
     bool compares_start;   ///< errors are distances from where bodies start
     bool compares_overlap; ///< errors are how deep balloons are in each other
@@ -122,13 +130,12 @@ int suite_set_field( text_node* scene, const char* path, const text_node* value 
 
 // ---- the suite that `wisp accuracy` makes of a scene ----
 
-/// What accuracy costs, by substeps and by methods that the scene can do without being another.
+/// What accuracy costs, by substeps and by methods that the scene can do without being another. `wisp tune` has the same reference.
 typedef struct suite_of_scene_def
 {
     const char* path; ///< of the scene
     const char* file; ///< the same as the suite is to name it
     double length;    ///< s of motion that is compared; 0: all of the scene, but at most 1 s
-    double seconds;   ///< of wall time that the reference may take, about
 } suite_of_scene_def;
 
 /// Write the suite as YAML.

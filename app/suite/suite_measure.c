@@ -312,6 +312,9 @@ static void watch_step( const scene_world* world, watch* w, suite_measurement* o
 static void finish( const scene_world* world, suite_measurement* out )
 {
     wisp_contact_stats contact;
+    out->strands = scene_world_strands( world );
+    out->vertices = scene_world_vertices( world );
+    out->substeps = world->scene->substeps;
     out->values[SUITE_BYTES] = (double)wisp_world_memory( world->world );
     out->values[SUITE_RESETS] = (double)wisp_world_counter( world->world, WISP_COUNT_STRAND_RESET );
     out->values[SUITE_NOT_CONVERGED] = (double)wisp_world_counter( world->world, WISP_COUNT_NOT_CONVERGED );

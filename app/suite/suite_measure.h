@@ -42,7 +42,8 @@ typedef struct suite_measurement
     double values[SUITE_MEASURE_COUNT]; ///< NaN: not measured
     suite_comparison compared;          ///< with the reference
     int steps;
-    char isa[16]; ///< instruction set that the kernels used
+    int strands, vertices, substeps; ///< of what moves or is drawn; of a step
+    char isa[16];                    ///< instruction set that the kernels used
     suite_pass passes[SUITE_MAX_PASSES];
     int pass_count;
 } suite_measurement;

@@ -85,8 +85,9 @@ static void spread( const row_steps* row, double end, suite_times* out )
 }
 
 // @return WISP_BAD_INPUT a row is no scene
-static wisp_status choose_times( const wisp_suite* suite, suite_times* out, wisp_error* error )
+static wisp_status choose_times( const suite_references* references, int number, suite_times* out, wisp_error* error )
 {
+    const wisp_suite* suite = references->suite;
     double end = INFINITY;
     row_steps longest = { .count = 0 };
     const char *longest_name = "", *first_to_end = "";
@@ -94,8 +95,11 @@ static wisp_status choose_times( const wisp_suite* suite, suite_times* out, wisp
     for ( int i = -1; i < suite->row_count && status == WISP_OK; ++i )
     {
         row_steps next = { .count = 0 };
-        const suite_row* row = i < 0 ? &suite->reference : suite->rows + i;
-        status = row->text ? steps_of( row, &next, error ) : WISP_OK;
+        const suite_row* row = i >= 0                       ? suite->rows + i
+                               : suite->reference_count > 0 ? &suite->references[number].fine
+                                                            : NULL;
+        const bool is_of = row != NULL && ( i < 0 || references->of_row[i] == number ) && !row->is_refused;
+        status = is_of ? steps_of( row, &next, error ) : WISP_OK;
         if ( status != WISP_OK || next.count == 0 )
         {
             wisp_scene_release( &next.scene );
@@ -436,11 +440,6 @@ enum
 // Distance between two runs that should be one, as part of their size, at which their motion is chaotic.
 static const double APART = 0.01;
 
-void suite_reference_release( suite_reference* reference )
-{
-    release_motion( &reference->motion );
-}
-
 // ---- the cache ----
 
 // `$WISP_CACHE`, else `$XDG_CACHE_HOME/wisp`, else `$HOME/.cache/wisp`. @return false: none of them is set
@@ -538,7 +537,6 @@ static wisp_status find_run( const wisp_suite* suite, const suite_row* row, cons
 
 static wisp_status read_stored( const wisp_suite* suite, suite_reference* out, wisp_error* error )
 {
-    snprintf( out->description, sizeof out->description, "the stored motion %s", io_short_name( suite->stored ) );
     wisp_status status = read_motion( suite->stored, &out->times, &out->motion, error );
     out->frame_count = out->motion.frame_count;
     status = status == WISP_OK
@@ -566,24 +564,25 @@ static wisp_status extrapolate( const wisp_suite* suite, suite_motion* half, sui
 {
     const double part = 1.0 / ( pow( 2.0, suite->extrapolate ) - 1.0 );
     suite_motion quarter = { 0 };
-    wisp_status status = find_run( suite, &suite->coarsest, &out->times, &quarter, error );
+    wisp_status status = find_run( suite, &out->runs->coarsest, &out->times, &quarter, error );
     status = status == WISP_OK ? extrapolate_motion( &out->motion, half, part, error ) : status;
     status = status == WISP_OK ? extrapolate_motion( half, &quarter, part, error ) : status;
     release_motion( &quarter );
     return status;
 }
 
-static void describe( const wisp_suite* suite, suite_reference* out )
+static void describe( const wisp_suite* suite, char* out, size_t size )
 {
-    if ( suite->extrapolate > 0.0 )
+    const char* set = suite->reference_count > 0 ? suite->references[0].fine.variant : "";
+    if ( suite->compares_start || suite->stored )
     {
-        snprintf( out->description, sizeof out->description,
-                  "the same scene with %.80s and half of its substeps, extrapolated to infinitely many",
-                  suite->reference.variant );
+        snprintf( out, size, "%s%s", suite->compares_start ? "where every vertex starts" : "the stored motion ",
+                  suite->stored ? io_short_name( suite->stored ) : "" );
     }
-    else
+    else if ( suite->reference_count > 0 )
     {
-        snprintf( out->description, sizeof out->description, "the same scene with %.150s", suite->reference.variant );
+        snprintf( out, size, "the same scene with %.*s%s", suite->extrapolate > 0.0 ? 80 : 150, set,
+                  suite->extrapolate > 0.0 ? " and half of its substeps, extrapolated to infinitely many" : "" );
     }
 }
 
@@ -592,30 +591,221 @@ static wisp_status make_runs( const wisp_suite* suite, suite_reference* out, wis
     const char name[] = "the coarser reference";
     suite_motion coarser = { 0 };
     suite_match match = { 0 };
-    wisp_status status = find_run( suite, &suite->reference, &out->times, &out->motion, error );
-    status = status == WISP_OK ? find_run( suite, &suite->check, &out->times, &coarser, error ) : status;
+    wisp_status status = find_run( suite, &out->runs->fine, &out->times, &out->motion, error );
+    status = status == WISP_OK ? find_run( suite, &out->runs->check, &out->times, &coarser, error ) : status;
     status = status == WISP_OK && suite->extrapolate > 0.0 ? extrapolate( suite, &coarser, out, error ) : status;
     status = status == WISP_OK ? suite_match_motions( &coarser, &out->motion, name, &match, error ) : status;
     if ( status == WISP_OK )
     {
         find_chaos( &match, &coarser, out );
         status = suite_compare( &coarser, &out->motion, out->frame_count, name, &out->doubt, error );
-        describe( suite, out );
     }
     suite_match_release( &match );
     release_motion( &coarser );
     return status;
 }
 
-wisp_status suite_reference_make( const wisp_suite* suite, suite_reference* out, wisp_error* error )
+// ---- which rows have one ----
+
+// What a scene is, whatever solves it.
+typedef struct scene_facts
 {
-    *out =
+    uint64_t world; // hash of bodies and pins
+    text_node* text;
+    double seconds, dt;
+} scene_facts;
+
+static uint64_t hash_world( const scene_world* world, uint64_t hash )
+{
+    for ( int i = 0; i < scene_world_body_count( world ); ++i )
+    {
+        const scene_body body = scene_world_body( world, i );
+        const size_t corners = 3 * (size_t)body.triangle_count, strands = (size_t)body.strand_count;
+        hash = suite_hash_bytes( body.name, strlen( body.name ) + 1, hash );
+        hash = suite_hash_bytes( body.triangles, body.triangles ? corners * sizeof( int32_t ) : 0, hash );
+        hash = suite_hash_bytes( body.offsets, body.offsets ? ( strands + 1 ) * sizeof( int32_t ) : 0, hash );
+        wisp_vec3* points = text_alloc( (size_t)body.vertex_count * sizeof *points );
+        (void)scene_world_points( world, i, points, NULL );
+        hash = suite_hash_bytes( points, (size_t)body.vertex_count * sizeof *points, hash );
+        free( points );
+    }
+    for ( int i = 0; i < world->scene->surface_count; ++i )
+    {
+        const scene_world_surface* surface = &world->surfaces[i];
+        const wisp_fabric* fabric = surface->fabric;
+        hash = suite_hash_bytes( surface->pins, (size_t)surface->pin_count * sizeof( int32_t ), hash );
+        for ( int v = 0; fabric && v < fabric->vertex_count; ++v )
+        {
+            hash = suite_hash_bytes( fabric->rest + fabric->vertex_slot[v], sizeof( wisp_vec3 ), hash );
+        }
+    }
+    return hash;
+}
+
+static wisp_status find_facts( const suite_row* row, scene_facts* out, wisp_error* error )
+{
+    const scene_world_options options = { .workers = 1, .is_quiet = true };
+    scene_world world;
+    row_steps steps = { .count = 0 };
+    wisp_status status = steps_of( row, &steps, error );
+    status = status == WISP_OK ? text_parse( row->text, strlen( row->text ), row->path, &out->text, error ) : status;
+    status = status == WISP_OK ? scene_world_create( &steps.scene, &options, &world, error ) : status;
+    if ( status == WISP_OK )
+    {
+        out->world = hash_world( &world, SUITE_HASH_BEGIN );
+        out->seconds = steps.seconds;
+        out->dt = (double)steps.scene.dt;
+        scene_world_destroy( &world );
+    }
+    wisp_scene_release( &steps.scene );
+    return status;
+}
+
+// Blocks that move what they name, and parts of the keys of materials and loads.
+static const char* const motions[] = { "colliders", "seams",      "events", "hair_events", "keyframes",       "pins",
+                                       "animation", "pin_groups", "tips",   "velocity",    "angular_velocity" };
+static const char* const loads[] = { "compliance", "stiffness", "rigidity", "damping", "density", "mass", "friction",
+                                     "thickness",  "gravity",   "wind",     "drag",    "lift",    "gas" };
+
+static bool is_same_text( const text_node* a, const text_node* b )
+{
+    double x, y;
+    if ( a == NULL || b == NULL || ( text_is_number( a, &x ) && text_is_number( b, &y ) ) )
+    {
+        return a == b || ( a && b && x == y );
+    }
+    char *one = text_write( a, NULL ), *other = text_write( b, NULL );
+    const bool is_same = strcmp( one, other ) == 0;
+    free( one );
+    free( other );
+    return is_same;
+}
+
+// Whether one scene says nothing of motions, and of loads, that the other one does not say too. What a scene does not say is a load only if
+// another one says it: solvers differ in the materials that they know.
+static bool has_no_other( const text_node* one, const text_node* other, bool has_loads )
+{
+    bool is_same = true;
+    for ( int i = 0; i < one->count && i < ( one->kind == TEXT_MAP ? one->count : other->count ) && is_same; ++i )
+    {
+        const text_node* child = one->children[i];
+        const text_node* its = one->kind == TEXT_MAP ? text_find( other, child->key ) : other->children[i];
+        bool counts = false;
+        for ( int k = 0; k < WISP_COUNT( motions ) && child->key; ++k )
+        {
+            counts = counts || strcmp( child->key, motions[k] ) == 0;
+        }
+        for ( int k = 0; k < WISP_COUNT( loads ) && child->key && has_loads; ++k )
+        {
+            counts = counts || strstr( child->key, loads[k] ) != NULL;
+        }
+        is_same = counts ? is_same_text( child, its )
+                         : its == NULL || its->kind != child->kind || child->kind == TEXT_SCALAR ||
+                               has_no_other( child, its, has_loads );
+    }
+    return is_same;
+}
+
+static bool is_same_scene( const scene_facts* row, const scene_facts* reference )
+{
+    return row->world == reference->world &&
+           fabs( row->seconds - reference->seconds ) < fmax( row->dt, reference->dt ) &&
+           has_no_other( row->text, reference->text, true ) && has_no_other( reference->text, row->text, false );
+}
+
+// Give rows of one scene the first reference that has it. Where the fields of the reference make no world, as of another solver, that is the
+// suite's own.
+static wisp_status join( const wisp_suite* suite, suite_references* out, scene_facts* facts, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < out->count && out->count > 1 && status == WISP_OK; ++i )
+    {
+        wisp_error inner = { 0 };
+        int same = 0;
+        status = find_facts( &suite->references[i].fine, facts + i, i > 0 ? &inner : error );
+        const bool has_world = status == WISP_OK;
+        status = status == WISP_BAD_INPUT && i > 0 ? WISP_OK : status;
+        while ( has_world && same < i && ( !facts[same].text || !is_same_scene( facts + i, facts + same ) ) )
+        {
+            ++same;
+        }
+        for ( int row = 0; row < suite->row_count && same < i; ++row )
+        {
+            out->of_row[row] = out->of_row[row] == i ? same : out->of_row[row];
+        }
+        if ( same < i )
+        {
+            text_release( facts[i].text );
+            facts[i].text = NULL;
+        }
+        if ( status != WISP_OK && i > 0 )
+        {
+            wisp_fail( error, status, "%s", inner.message );
+        }
+    }
+    return status;
+}
+
+wisp_status suite_references_find( const wisp_suite* suite, suite_references* out, wisp_error* error )
+{
+    const size_t count = suite->reference_count > 0 ? (size_t)suite->reference_count : 1;
+    *out = ( suite_references ){ .suite = suite, .count = (int)count };
+    describe( suite, out->description, sizeof out->description );
+    out->list = calloc( count, sizeof *out->list );
+    out->is_made = calloc( count, sizeof *out->is_made );
+    out->of_row = calloc( (size_t)suite->row_count + 1, sizeof *out->of_row );
+    scene_facts* facts = calloc( count, sizeof *facts );
+    wisp_status status = out->list && out->is_made && out->of_row && facts
+                             ? WISP_OK
+                             : wisp_fail( error, WISP_NO_MEMORY, "no memory for the references of a suite" );
+    for ( int i = 0; i < suite->row_count && status == WISP_OK; ++i )
+    {
+        out->of_row[i] = suite->rows[i].reference;
+    }
+    status = status == WISP_OK ? join( suite, out, facts, error ) : status;
+    for ( size_t i = 0; facts && i < count; ++i )
+    {
+        text_release( facts[i].text );
+    }
+    free( facts );
+    return status;
+}
+
+void suite_references_release( suite_references* references )
+{
+    for ( int i = 0; references->list && i < references->count; ++i )
+    {
+        release_motion( &references->list[i].motion );
+    }
+    free( references->list );
+    free( references->is_made );
+    free( references->of_row );
+    *references = ( suite_references ){ 0 };
+}
+
+wisp_status suite_reference_of( suite_references* references, int row, const suite_reference** out,
+                                wisp_error* error )
+{
+    const wisp_suite* suite = references->suite;
+    const int number = references->of_row[row];
+    suite_reference* own = references->list + number;
+    *out = own;
+    if ( references->is_made[number] )
+    {
+        return WISP_OK;
+    }
+    *own =
         ( suite_reference ){ .doubt = suite_not_compared, .parts_at = INFINITY, .is_start = suite->compares_start };
-    out->exists = suite->reference.text != NULL || suite->stored != NULL || suite->compares_start;
-    const wisp_status status = out->exists ? choose_times( suite, &out->times, error ) : WISP_OK;
-    return status != WISP_OK || !out->exists || out->is_start ? status
-           : suite->stored                                    ? read_stored( suite, out, error )
-                                                              : make_runs( suite, out, error );
+    own->runs = suite->reference_count > 0 ? suite->references + number : NULL;
+    own->exists = own->runs || suite->stored || suite->compares_start;
+    wisp_status status = own->exists ? choose_times( references, number, &own->times, error ) : WISP_OK;
+    status = status != WISP_OK || !own->exists || own->is_start ? status
+             : suite->stored                                    ? read_stored( suite, own, error )
+                                                                : make_runs( suite, own, error );
+    const int compared = own->is_start ? own->times.count : own->frame_count;
+    own->until = status == WISP_OK && compared > 0 ? own->times.at[compared - 1] : 0.0;
+    references->is_made[number] = status == WISP_OK;
+    return status;
 }
 
 // ---- errors ----

@@ -39,8 +39,9 @@ typedef struct suite_times
 /// kept.
 typedef struct suite_reference
 {
-    bool exists;   ///< the suite has one
-    bool is_start; ///< it is where bodies start
+    bool exists;            ///< the suite has one
+    const suite_runs* runs; ///< null: none are made
+    bool is_start;          ///< it is where bodies start
     suite_times times;
     suite_motion motion;
     suite_comparison
@@ -48,14 +49,30 @@ typedef struct suite_reference
                ///< distance that the suite says. NaN: rows have no such value
     double parts_at; ///< s, when both are one percent of their size apart; INFINITY: they never are
     int frame_count; ///< that are compared: those before, or all if there is none
-    char description[200];
+    double until;    ///< s, when the last one of these is; 0: there is none
 } suite_reference;
 
-/// Read or make the reference of a suite, if it has one. Runs are kept under the hash of their scene and settings, and found there the
-/// next time: in `$WISP_CACHE`, else `$XDG_CACHE_HOME/wisp`, else `$HOME/.cache/wisp`.
-/// @param out to be released, after a failure too
-wisp_status suite_reference_make( const wisp_suite* suite, suite_reference* out, wisp_error* error );
-void suite_reference_release( suite_reference* reference );
+/// The references of a suite: one for all rows whose worlds are one scene, and differ in how it is solved.
+typedef struct suite_references
+{
+    const wisp_suite* suite;
+    suite_reference* list; ///< [count]
+    bool* is_made;         ///< [count]
+    int* of_row;           ///< [rows of the suite]
+    int count;             ///< more than rows need: of what is made, rows ask
+    char description[200]; ///< of all of them; empty: there is none
+} suite_references;
+
+/// Find out which rows have one reference. Worlds are one scene if they have the same bodies at the same places, at rest and at the
+/// start, the same pins and colliders, events, materials that the row names, and duration.
+/// @param suite must outlive the references @param out to be released, after a failure too
+wisp_status suite_references_find( const wisp_suite* suite, suite_references* out, wisp_error* error );
+/// The reference of a row; read or made if no row has asked for it before. Runs are kept under the hash of their scene and settings, and
+/// found there the next time: in `$WISP_CACHE`, else `$XDG_CACHE_HOME/wisp`, else `$HOME/.cache/wisp`.
+/// @param out receives a part of the references
+wisp_status suite_reference_of( suite_references* references, int row, const suite_reference** out,
+                                wisp_error* error );
+void suite_references_release( suite_references* references );
 
 /// Run a row in this process, and measure its error too. Instructions are not counted.
 /// @param observer may be null

@@ -48,9 +48,10 @@ typedef struct suite_run
     const scene_node* file;          ///< of the scene; null: that of the first row
     const scene_node *set, *coarser; ///< fields, and those of a coarser run; null: none
     int substeps;                    ///< 0: those of the scene
+    const suite_row* of;             ///< row whose scene and length it has, in place of a file's; null: none
 } suite_run;
 
-/// Read a run, as long as the first row unless the suite has `seconds`.
+/// Read a run. That of a file is as long as the first row unless the suite has `seconds`.
 wisp_status suite_read_run( const suite_reader* r, const suite_run* run, const char* name, suite_row* out );
 
 /// The path of a file that a suite names; for free().

@@ -235,6 +235,10 @@ static void name_variant( const suite_reader* r, const scene_node* field, const 
     const size_t used = strlen( out );
     text_node* own = value_of( r, value );
     char* text = text_write( own, NULL );
+    for ( char* line = strchr( text, '\n' ); line && own->kind == TEXT_LIST; line = strchr( line, '\n' ) )
+    {
+        *line = line[1] ? ' ' : '\0'; // a list is one line, "- 0 - 16"
+    }
     text[strcspn( text, "\n" )] = '\0';
     snprintf( out + used, size - used, "%s%s=%s", used > 0 ? ", " : "", dot ? dot + 1 : path,
               text + strspn( text, " " ) );
@@ -670,14 +674,19 @@ wisp_status suite_read_entry( suite_reader* r, const scene_node* block )
 
 wisp_status suite_read_run( const suite_reader* r, const suite_run* run, const char* name, suite_row* out )
 {
-    const suite_row* first = r->out->rows;
+    const suite_row* like = run->of ? run->of : r->out->rows;
     const scene_node* place = run->file ? run->file : run->set;
-    entry e = { .seconds = r->seconds ? suite_number_of( r, r->seconds ) : 0.0, .order = NAN };
+    entry e = { .seconds = run->of      ? run->of->seconds
+                           : r->seconds ? suite_number_of( r, r->seconds )
+                                        : 0.0,
+                .order = NAN };
     e.path = run->file ? suite_resolve( r, scene_text_of( &r->tree, run->file ) )
-                       : strcpy( text_alloc( strlen( first->path ) ), first->path );
+                       : strcpy( text_alloc( strlen( like->path ) ), like->path );
     e.values[ENTRY_SET] = run->set;
     e.values[ENTRY_FILE] = place;
-    wisp_status status = read_scene_text( r, place, e.path, &e.scene );
+    wisp_status status =
+        run->of ? text_parse( run->of->text, strlen( run->of->text ), run->of->path, &e.scene, r->source.error )
+                : read_scene_text( r, place, e.path, &e.scene );
     if ( status == WISP_OK )
     {
         begin_row( r, &e, out );
@@ -696,7 +705,7 @@ wisp_status suite_read_run( const suite_reader* r, const suite_run* run, const c
     status = status == WISP_OK ? finish_row( r, &e, e.scene, out ) : status;
     if ( e.seconds == 0.0 )
     {
-        out->steps = first->steps;
+        out->steps = like->steps;
     }
     release_entry( &e );
     return status;

@@ -38,7 +38,6 @@ uint64_t sweep_key( const suite_row* row )
 
 uint64_t sweep_suite_key( const wisp_suite* suite )
 {
-    const suite_row* references[] = { &suite->reference, &suite->check, &suite->coarsest };
     const double numbers[] = { suite->extrapolate, suite->stored_doubt, suite->compares_start,
                                suite->compares_overlap };
     uint64_t hash = add_text( SUITE_HASH_BEGIN, suite->stored != NULL ? io_file_name( suite->stored ) : "" );
@@ -47,9 +46,11 @@ uint64_t sweep_suite_key( const wisp_suite* suite )
         const uint64_t key = sweep_key( suite->rows + i );
         hash = suite_hash_bytes( &key, sizeof key, hash );
     }
-    for ( int i = 0; i < WISP_COUNT( references ); ++i )
+    for ( int i = 0; i < 3 * suite->reference_count; ++i )
     {
-        const uint64_t key = references[i]->text != NULL ? sweep_key( references[i] ) : 0;
+        const suite_runs* runs = suite->references + i / 3;
+        const suite_row* run = i % 3 == 0 ? &runs->fine : i % 3 == 1 ? &runs->check : &runs->coarsest;
+        const uint64_t key = run->text != NULL ? sweep_key( run ) : 0;
         hash = suite_hash_bytes( &key, sizeof key, hash );
     }
     return wisp_random_mix( suite_hash_bytes( numbers, sizeof numbers, hash ) );
@@ -84,22 +85,12 @@ bool sweep_runs( uint64_t key, int shard, int shards )
 
 // ---- times ----
 
-static wisp_status observe_size( void* user, const scene_world* world, wisp_error* error )
-{
-    (void)error;
-    sweep_row* out = user;
-    out->vertices = scene_world_vertices( world );
-    out->substeps = world->scene->substeps;
-    return WISP_OK;
-}
-
 static wisp_status time_row( const suite_row* row, int workers, sweep_row* out, sweep_time* time, wisp_error* error )
 {
-    const suite_observer observer = { .observe = observe_size, .user = out };
     double* ms = NULL;
     int steps = 0;
     uint64_t hash = 0;
-    wisp_status status = suite_time_row( row, workers, &observer, &ms, &steps, &hash, error );
+    wisp_status status = suite_time_row( row, workers, NULL, &ms, &steps, &hash, error );
     if ( status == WISP_OK && hash != out->hash )
     {
         status = wisp_fail( error, WISP_CONFLICT, "a timed run with %d worker%s has other bits", workers,
@@ -140,18 +131,26 @@ static wisp_status judge( const sweep_settings* s, const suite_row* row, sweep_r
     return status;
 }
 
-static wisp_status measure( const sweep_settings* s, const suite_row* row, sweep_row* out, wisp_error* error )
+static wisp_status measure( const sweep_settings* s, int number, sweep_row* out, wisp_error* error )
 {
+    const suite_row* row = s->suite->rows + number;
+    const suite_reference* reference;
     suite_measurement measured;
-    wisp_status status = suite_reference_run( s->reference, row, NULL, NULL, &measured, error );
+    wisp_status status = suite_reference_of( s->references, number, &reference, error );
+    status = status == WISP_OK ? suite_reference_run( reference, row, NULL, NULL, &measured, error ) : status;
     if ( status == WISP_OK )
     {
         out->hash = measured.hash;
         out->steps = measured.steps;
+        out->strands = measured.strands;
+        out->vertices = measured.vertices;
+        out->substeps = measured.substeps;
+        out->doubt = reference->doubt.distance;
+        out->until = reference->until;
         for ( int v = 0; v < SWEEP_VALUE_COUNT; ++v )
         {
-            const double* number = (const double*)( (const char*)&measured + sweep_values[v].offset );
-            out->values[v] = sweep_values[v].scale * *number;
+            const double* value = (const double*)( (const char*)&measured + sweep_values[v].offset );
+            out->values[v] = sweep_values[v].scale * *value;
         }
         status = s->workers > 0 ? time_item( row, s->workers, out, error ) : status;
     }
@@ -177,7 +176,7 @@ wisp_status sweep_run_item( const sweep_settings* s, int number, sweep_row* out,
     }
     wisp_error inner = { 0 };
     const wisp_status status =
-        row->checks != 0 || row->is_refused ? judge( s, row, out, &inner ) : measure( s, row, out, &inner );
+        row->checks != 0 || row->is_refused ? judge( s, row, out, &inner ) : measure( s, number, out, &inner );
     if ( interruption_came() )
     {
         return interruption_check( error );

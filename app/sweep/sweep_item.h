@@ -20,7 +20,7 @@ bool sweep_runs( uint64_t key, int shard, int shards );
 typedef struct sweep_settings
 {
     const wisp_suite* suite;
-    const suite_reference* reference;
+    suite_references* references;
     suite_twins* twins;
     const sweep_row* like; ///< what all rows have: of the sweep, the share and the machine
     int workers;           ///< of timed runs; 0: no times

@@ -37,7 +37,6 @@ typedef struct sweep_row
     uint64_t sweep;  ///< hash of all items, and of what their errors are measured against
     int items, shards;
     char reference[200];
-    double doubt, parts_at; ///< m; s: of the reference. Infinity: never
     char version[32], commit[64];
 
     int shard, share; ///< the share that ran it, and how many items that has
@@ -51,15 +50,15 @@ typedef struct sweep_row
     char name[SUITE_MAX_NAME], variant[SUITE_MAX_VARIANT];
     char series[192], along[SUITE_MAX_NAME]; ///< as in a row of a suite
     double along_value, order;
-    int steps;
+    int steps, strands, vertices, substeps;
+    double doubt, until; ///< m; s: of the reference, and how long motion is compared with it
     uint64_t hash;
     double values[SWEEP_VALUE_COUNT];
     char verdict[32];  ///< of a row with checks: "holds", "refused" or the check that breaks
     bool is_known;     ///< that verdict is the one that is expected
     char failure[500]; ///< why it could not be run
 
-    int workers; ///< 0: it was not timed
-    int vertices, substeps;
+    int workers;                ///< 0: it was not timed
     sweep_time alone, together; ///< with one worker; with `workers`, if those are more
 } sweep_row;
 

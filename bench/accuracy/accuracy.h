@@ -19,14 +19,19 @@ typedef struct accuracy_setting
     char parameter_name[48]; ///< of a series: what tends to 0, with its unit: "substep, s", "spacing, m"
     double parameter;        ///< its value, above 0; the observed order is the slope of log error over log parameter
     double order;            ///< the order expected in theory; NaN: none
+    int group;               ///< settings with one reference: they are rivals of each other, and of no others
+    double doubt,
+        until;   ///< of that reference, in the unit of `error`; s of motion compared. 0: those of the scene; not said
+    bool is_cut; ///< motion is compared no longer because two converged runs part
+    const double* measure_doubts; ///< of that reference; null: those of the scene
 } accuracy_setting;
 
 /// What a step is made of. The driver initialises it with 0: unknown.
 typedef struct accuracy_work
 {
-    double vertices; ///< of all that moves or is drawn
-    double substeps; ///< of a step
-    double bytes;    ///< of world and fabrics, after all steps
+    double strands, vertices; ///< of all that moves or is drawn
+    double substeps;          ///< of a step
+    double bytes;             ///< of world and fabrics, after all steps
 } accuracy_work;
 
 /// Results of one run of a setting. The driver initialises them with NaN.
@@ -50,7 +55,9 @@ wisp_status accuracy_keep_ms( accuracy_run* run, double ms );
 typedef struct accuracy_scene
 {
     char reference[200]; ///< reference of the error: "closed form: ...", "16 times the substeps: ..."
-    double uncertainty;  ///< uncertainty of the reference, in the unit of `error`; smaller errors are unresolved
+    double
+        uncertainty; ///< of the reference, in the unit of `error`, the largest of several; smaller errors are unresolved
+    int group_count;     ///< of settings; 0: one
     const char* note;    ///< note for readers of the tables, whole sentences; static; null: none
     char error_name[48]; ///< "distance to the reference"; empty: errors are not measured, and there are no rivals
     char error_unit[16]; ///< "mm", "%": of `error` as printed
@@ -75,7 +82,7 @@ typedef struct accuracy_scene
 typedef wisp_status accuracy_scene_fn( const bench_options* options, double seconds, accuracy_scene* out,
                                        wisp_error* error );
 
-/// A scene as scenes.inc lists it.
+/// A scene and its name.
 typedef struct accuracy_entry
 {
     const char* name;
@@ -83,9 +90,6 @@ typedef struct accuracy_entry
     accuracy_scene_fn* make; ///< null: the rows of `suite` are the settings
     const wisp_suite* suite;
 } accuracy_entry;
-
-/// The scenes of scenes.inc in their order.
-const accuracy_entry* accuracy_entries( int* count );
 
 /// Run the rows of a suite.
 wisp_status suite_bench_rows( const wisp_suite* suite, const bench_options* options, results* out,

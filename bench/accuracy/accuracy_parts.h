@@ -46,9 +46,9 @@ bool accuracy_names_quick( const wisp_suite* suite );
 void accuracy_add_table( const accuracy_report* report, results* out );
 /// What is measured of contact, if a scene has it.
 void accuracy_add_contact( const accuracy_report* report, results* out );
-/// Medians, means and longest times.
-void accuracy_add_times( const accuracy_report* report, results* out );
-/// How two workers scale, and times and bytes per vertex, where a scene says what a step is made of.
+/// What is measured, how large it is, and time beside error.
+void accuracy_add_counts( const accuracy_report* report, results* out );
+/// How two workers scale, times and bytes per vertex, where a scene says what a step is made of, and longest times.
 void accuracy_add_costs( const accuracy_report* report, results* out );
 void accuracy_add_rows( const accuracy_report* report, results* out );
 /// Passes by their time, where profiles were gathered.
@@ -68,8 +68,10 @@ void accuracy_add_charts( const accuracy_report* report, results* out );
 
 /// The Pareto front: an item is on it unless another is as accurate and as fast, and better in one of the two. Items
 /// that tie in both are on it together. NaN is never on it and excludes nothing.
+/// @param settings [count] of several groups, in which items exclude each other; null: all do
 /// @param on_front [count] receives the result
-void accuracy_front( const double* error, const double* ms, int count, bool* on_front );
+void accuracy_front( const double* error, const double* ms, const accuracy_setting* settings, int count,
+                     bool* on_front );
 
 /// How an error decreases with its parameter.
 typedef struct accuracy_order
@@ -108,6 +110,9 @@ void accuracy_error_label( const accuracy_scene* scene, char* text, int size );
 /// Format a number with the given significant digits, without an exponent as long as that is readable; "-" if it is
 /// not finite.
 void accuracy_put_digits( cells* row, double value, int digits );
+/// The doubt of a setting's reference, and that of one of its measures.
+double accuracy_doubt( const accuracy_scene* scene, int setting );
+double accuracy_measure_doubt( const accuracy_scene* scene, int setting, int measure );
 /// Whether an error is below the doubt of its reference, so that its value says nothing. 0: there is no doubt
 bool accuracy_is_below( double error, double doubt );
 /// The same for an error: the word `below` where it is.

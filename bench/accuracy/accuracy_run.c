@@ -1,7 +1,6 @@
 // The case `accuracy`: scenes, the settings of quick runs, and runs.
 #include "accuracy/accuracy_parts.h"
 #include "interruption.h"
-#include "program_data.h"
 #include "stability/stability_bench.h"
 #include "suite_study.h"
 
@@ -342,26 +341,11 @@ static wisp_status accuracy_run_settings( const accuracy_report* report, double 
 
 // ---- the case ----
 
-// The case `accuracy`: its scenes one after another, each with a fraction of the time.
-
-#define ACCURACY_SUITE( name, title ) { name, title, NULL, NULL },
-static const accuracy_entry all_entries[] = {
-#include "scenes.inc"
-};
-#undef ACCURACY_SUITE
-
-// Time of a scene unless the command line limits the case.
+// Time of a suite unless the command line limits it. A quick run divides the time of the case, less what expensive scenes take beyond
+// their fraction because every setting runs once.
 #define SCENE_SECONDS 24.0
-// A quick run divides the time of the case, less what expensive scenes take beyond their fraction because every
-// setting runs once. A scene that is chosen alone is limited to the second number.
 #define QUICK_FRACTION 0.75
 #define SCENE_SECONDS_QUICK 7.0
-
-const accuracy_entry* accuracy_entries( int* count )
-{
-    *count = WISP_COUNT( all_entries );
-    return all_entries;
-}
 
 // ---- a scene ----
 
@@ -397,7 +381,7 @@ static wisp_status fill_report( accuracy_report* report, wisp_error* error )
     }
     for ( int i = 0; i < count; ++i )
     {
-        const double measured = report->stats[i].seen.error, doubt = report->scene->uncertainty;
+        const double measured = report->stats[i].seen.error, doubt = accuracy_doubt( report->scene, i );
         const bool is_below = accuracy_is_below( measured, doubt );
         report->error[i] = is_below ? NAN : measured;
         report->bounded[i] = is_below ? doubt : measured;
@@ -410,24 +394,30 @@ static wisp_status fill_report( accuracy_report* report, wisp_error* error )
     }
     if ( !report->scene->has_no_rivals )
     {
-        accuracy_front( report->error, report->min_ms, count, report->on_front );
+        accuracy_front( report->error, report->min_ms, report->scene->settings, count, report->on_front );
     }
     return WISP_OK;
 }
 
 static void write_report( const accuracy_report* report, results* out )
 {
+    if ( report->entry->suite )
+    {
+        accuracy_add_counts( report, out );
+    }
     accuracy_add_table( report, out );
     accuracy_add_contact( report, out );
     if ( report->entry->suite )
     {
         accuracy_add_costs( report, out );
-        accuracy_add_times( report, out );
     }
     accuracy_add_rows( report, out );
     if ( !report->scene->has_no_rivals )
     {
         accuracy_add_headline( report, out );
+    }
+    if ( !report->scene->has_no_rivals && report->scene->group_count < 2 )
+    {
         accuracy_add_equal_error( report, out );
         accuracy_add_equal_time( report, out );
     }
@@ -524,25 +514,6 @@ static wisp_status make_and_run( const accuracy_entry* entry, double seconds, co
     return status;
 }
 
-// A scene without a function is a suite among the project's data.
-static wisp_status run_entry( const accuracy_entry* entry, double seconds, const bench_options* options,
-                              const double fraction[2], results* out, wisp_error* error )
-{
-    if ( entry->make || entry->suite )
-    {
-        return make_and_run( entry, seconds, options, fraction, out, error );
-    }
-    char inner[128], path[1024];
-    wisp_suite suite;
-    snprintf( inner, sizeof inner, "suites/accuracy/%s.yaml", entry->name );
-    program_data_path( inner, path, sizeof path );
-    wisp_status status = suite_read( path, &suite, error );
-    const accuracy_entry read = { entry->name, entry->title, NULL, &suite };
-    status = status == WISP_OK ? make_and_run( &read, seconds, options, fraction, out, error ) : status;
-    suite_release( &suite );
-    return status;
-}
-
 wisp_status accuracy_bench_run( const accuracy_entry* entries, int count, double seconds,
                                 const bench_options* options, results* out, wisp_error* error )
 {
@@ -550,7 +521,7 @@ wisp_status accuracy_bench_run( const accuracy_entry* entries, int count, double
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {
         const double fraction[2] = { (double)i / count, 1.0 / count };
-        status = run_entry( &entries[i], seconds, options, fraction, out, error );
+        status = make_and_run( &entries[i], seconds, options, fraction, out, error );
     }
     return status;
 }
@@ -584,19 +555,8 @@ wisp_status suite_bench( const char* path, const bench_options* options, results
 
 wisp_status accuracy_bench( const bench_options* options, results* out, wisp_error* error )
 {
-    accuracy_entry chosen[WISP_COUNT( all_entries )];
-    int count, chosen_count = 0;
-    const accuracy_entry* entries = accuracy_entries( &count );
-    for ( int i = 0; i < count; ++i )
-    {
-        if ( options->scenes == 0 || ( options->scenes >> i & 1 ) )
-        {
-            chosen[chosen_count++] = entries[i];
-        }
-    }
-    const double fraction = bench_seconds( options ) / ( chosen_count > 0 ? chosen_count : 1 );
-    const double each = options->seconds > 0.0 ? fraction
-                        : options->quick       ? fmin( QUICK_FRACTION * fraction, SCENE_SECONDS_QUICK )
-                                               : SCENE_SECONDS;
-    return accuracy_bench_run( chosen, chosen_count, each, options, out, error );
+    const double seconds = options->seconds > 0.0 ? options->seconds
+                           : options->quick       ? QUICK_FRACTION * bench_seconds( options )
+                                                  : 0.0; // of each suite
+    return suite_bench_folder( "accuracy", seconds, options, out, error );
 }

@@ -15,14 +15,17 @@
 // Limit of points per series.
 #define SERIES_POINTS_MAX 64
 
-void accuracy_front( const double* error, const double* ms, int count, bool* on_front )
+void accuracy_front( const double* error, const double* ms, const accuracy_setting* settings, int count,
+                     bool* on_front )
 {
     for ( int i = 0; i < count; ++i )
     {
         on_front[i] = isfinite( error[i] ) && isfinite( ms[i] );
         for ( int k = 0; k < count && on_front[i]; ++k )
         {
-            const bool is_better = error[k] <= error[i] && ms[k] <= ms[i] && ( error[k] < error[i] || ms[k] < ms[i] );
+            const bool is_rival = !settings || settings[k].group == settings[i].group;
+            const bool is_better =
+                is_rival && error[k] <= error[i] && ms[k] <= ms[i] && ( error[k] < error[i] || ms[k] < ms[i] );
             on_front[i] = !is_better;
         }
     }
@@ -253,7 +256,7 @@ static void add_level( const summary* s, double level, double tighter, int table
         cells_put( &row, "%g", level );
         cells_put( &row, "%s", accuracy_method_of( &s->report->scene->settings[setting] ) );
         cells_put( &row, "%s", s->report->scene->settings[setting].name );
-        const double doubt = s->report->scene->uncertainty;
+        const double doubt = accuracy_doubt( s->report->scene, setting );
         accuracy_put_error( &row, s->cost[setting], s->is_by_error ? 0.0 : doubt, 3 );
         const double least = s->cost[s->best[0]];
         const bool is_known = least > 0.0 && ( s->is_by_error || !accuracy_is_below( least, doubt ) );
@@ -381,6 +384,27 @@ static int front_count( const accuracy_report* report )
     return count;
 }
 
+// Until when motion is compared, and why no longer.
+static void put_horizon( const accuracy_scene* scene, char* out, size_t size )
+{
+    double least = INFINITY, most = 0.0;
+    bool is_cut = false;
+    for ( int i = 0; i < scene->setting_count; ++i )
+    {
+        const accuracy_setting* s = &scene->settings[i];
+        least = s->until > 0.0 ? fmin( least, s->until ) : least;
+        most = fmax( most, s->until );
+        is_cut = is_cut || s->is_cut;
+    }
+    out[0] = '\0';
+    if ( most > 0.0 )
+    {
+        const int used = snprintf(
+            out, size, least < most ? "; compared until %.3g to %.3g s" : "; compared until %.3g s", least, most );
+        snprintf( out + used, size - (size_t)used, is_cut ? ", where two converged runs part" : ", the end" );
+    }
+}
+
 // The ends of the front in a line above all tables.
 void accuracy_add_headline( const accuracy_report* report, results* out )
 {
@@ -389,19 +413,28 @@ void accuracy_add_headline( const accuracy_report* report, results* out )
         accuracy_best_within( report->min_ms, report->error, INFINITY, report->on_front, scene->setting_count );
     const int best =
         accuracy_best_within( report->error, report->min_ms, INFINITY, report->on_front, scene->setting_count );
-    if ( fastest >= 0 && best >= 0 && out->headline_count < RESULTS_MAX_HEADLINES )
+    char doubt[64] = "", until[100];
+    put_horizon( scene, until, sizeof until );
+    if ( scene->uncertainty > 0.0 )
     {
-        char doubt[64] = "";
-        if ( scene->uncertainty > 0.0 )
-        {
-            snprintf( doubt, sizeof doubt, "; the reference is uncertain by %.2g %s", scene->uncertainty,
-                      scene->error_unit );
-        }
-        results_add_headline( out, "Accuracy `%s`: from %.3g %s in %.3g ms (%s) to %.3g %s in %.3g ms (%s)%s",
-                              report->entry->name, report->error[fastest], scene->error_unit, report->min_ms[fastest],
-                              scene->settings[fastest].name, report->error[best], scene->error_unit,
-                              report->min_ms[best], scene->settings[best].name, doubt );
+        snprintf( doubt, sizeof doubt, "; the reference is uncertain by %s%.2g %s",
+                  scene->group_count > 1 ? "up to " : "", scene->uncertainty, scene->error_unit );
     }
+    if ( out->headline_count == RESULTS_MAX_HEADLINES || fastest < 0 || best < 0 )
+    {
+        return;
+    }
+    if ( scene->group_count > 1 )
+    {
+        results_add_headline( out,
+                              "Accuracy `%s`: %d settings of %d scenes, each compared with its own reference%s%s",
+                              report->entry->name, scene->setting_count, scene->group_count, until, doubt );
+        return;
+    }
+    results_add_headline( out, "Accuracy `%s`: from %.3g %s in %.3g ms (%s) to %.3g %s in %.3g ms (%s)%s%s",
+                          report->entry->name, report->error[fastest], scene->error_unit, report->min_ms[fastest],
+                          scene->settings[fastest].name, report->error[best], scene->error_unit, report->min_ms[best],
+                          scene->settings[best].name, until, doubt );
 }
 
 // The doubts of all errors beside each other.
@@ -418,10 +451,12 @@ static void add_doubts( const accuracy_report* report, results* out )
                       scene->measure_doubts[i] );
         }
     }
-    results_add_note( out,
-                      "Accuracy `%s`: The reference is uncertain by %.3g %s%s. Smaller errors are `below`: they are "
-                      "not resolved, on no front and in no order.",
-                      report->entry->name, scene->uncertainty, scene->error_unit, measures );
+    results_add_note(
+        out,
+        "Accuracy `%s`: The reference is uncertain by %s%.3g %s%s. Smaller errors are `below`: they are "
+        "not resolved, on no front and in no order.",
+        report->entry->name, scene->group_count > 1 ? "up to " : "", scene->uncertainty, scene->error_unit,
+        measures );
 }
 
 void accuracy_add_notes( const accuracy_report* report, results* out )

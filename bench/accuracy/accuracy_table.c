@@ -46,6 +46,18 @@ void accuracy_put_digits( cells* row, double value, int digits )
     }
 }
 
+double accuracy_doubt( const accuracy_scene* scene, int setting )
+{
+    const double own = scene->settings[setting].doubt;
+    return own > 0.0 ? own : scene->uncertainty;
+}
+
+double accuracy_measure_doubt( const accuracy_scene* scene, int setting, int measure )
+{
+    const double* own = scene->settings[setting].measure_doubts;
+    return ( own ? own : scene->measure_doubts )[measure];
+}
+
 bool accuracy_is_below( double error, double doubt )
 {
     return doubt > 0.0 && fabs( error ) <= doubt;
@@ -147,11 +159,11 @@ static void add_line( const accuracy_report* report, int setting, int table, res
     put_times( report, f, &row );
     if ( report->scene->error_name[0] != '\0' )
     {
-        accuracy_put_error( &row, f->seen.error, report->scene->uncertainty, 4 );
+        accuracy_put_error( &row, f->seen.error, accuracy_doubt( report->scene, setting ), 4 );
     }
     for ( int i = 0; i < report->scene->measure_count - report->scene->contact_measures; ++i )
     {
-        accuracy_put_error( &row, f->seen.measures[i], report->scene->measure_doubts[i], 4 );
+        accuracy_put_error( &row, f->seen.measures[i], accuracy_measure_doubt( report->scene, setting, i ), 4 );
     }
     cells_put( &row, "%d", timed_steps( report, f ) );
     if ( !report->scene->has_no_rivals )
@@ -168,6 +180,95 @@ void accuracy_add_table( const accuracy_report* report, results* out )
     for ( int i = 0; i < report->scene->setting_count; ++i )
     {
         add_line( report, i, table, out );
+    }
+}
+
+// @return -1: the scene does not measure it
+static int find_measure( const accuracy_scene* scene, const char* name )
+{
+    int i = scene->measure_count - 1;
+    while ( i >= 0 && strcmp( scene->measure_names[i], name ) != 0 )
+    {
+        --i;
+    }
+    return i;
+}
+
+static void put_measure( const accuracy_report* report, int setting, const char* name, cells* row )
+{
+    const int m = find_measure( report->scene, name );
+    if ( m >= 0 )
+    {
+        accuracy_put_error( row, report->stats[setting].seen.measures[m],
+                            accuracy_measure_doubt( report->scene, setting, m ), 4 );
+    }
+}
+
+static void add_count( const accuracy_report* report, int setting, int worker, int table, results* out )
+{
+    const accuracy_scene* scene = report->scene;
+    const accuracy_stats* f = &report->stats[setting];
+    cells row = { .count = 0 };
+    cells_put( &row, "%s", scene->settings[setting].name );
+    cells_put( &row, "%d", report->workers[worker] );
+    cells_put( &row, "%.0f", f->work.strands );
+    cells_put( &row, "%.0f", f->work.vertices );
+    cells_put( &row, "%.0f", f->work.substeps );
+    accuracy_put_digits( &row, f->ms[worker].median, 3 );
+    accuracy_put_digits( &row, f->ms[worker].p90, 3 );
+    accuracy_put_digits( &row, 1e3 / f->ms[worker].median, 3 );
+    if ( scene->error_name[0] )
+    {
+        accuracy_put_error( &row, f->seen.error, accuracy_doubt( scene, setting ), 4 );
+        put_measure( report, setting, "largest distance, mm", &row );
+        accuracy_put_digits( &row, accuracy_doubt( scene, setting ), 3 );
+        accuracy_put_digits( &row, scene->settings[setting].until, 3 );
+    }
+    put_measure( report, setting, "stretch max, %", &row );
+    cells_put( &row, "%.0f", f->work.bytes );
+    if ( !scene->has_no_rivals )
+    {
+        cells_put( &row, "%s", report->on_front[setting] ? "front" : "" );
+    }
+    cells_end_row( &row, table, out );
+}
+
+void accuracy_add_counts( const accuracy_report* report, results* out )
+{
+    const accuracy_scene* scene = report->scene;
+    static const char* const names[] = { "setting",  "workers", "strands", "vertices",
+                                         "substeps", "ms",      "ms, p90", "FPS" };
+    cells header = { .count = 0 };
+    char title[160];
+    for ( int i = 0; i < WISP_COUNT( names ); ++i )
+    {
+        cells_put( &header, "%s", names[i] );
+    }
+    if ( scene->error_name[0] )
+    {
+        cells_put( &header, "error, %s", scene->error_unit );
+        if ( find_measure( scene, "largest distance, mm" ) >= 0 )
+        {
+            cells_put( &header, "largest, mm" );
+        }
+        cells_put( &header, "doubt, %s", scene->error_unit );
+        cells_put( &header, "until, s" );
+    }
+    if ( find_measure( scene, "stretch max, %" ) >= 0 )
+    {
+        cells_put( &header, "stretch max, %%" );
+    }
+    cells_put( &header, "bytes" );
+    if ( !scene->has_no_rivals )
+    {
+        cells_put( &header, "front" );
+    }
+    snprintf( title, sizeof title, "%s `%s`: %s; size, time and error of a %s", accuracy_kind( scene ),
+              report->entry->name, report->entry->title, accuracy_ms_name( scene ) );
+    const int table = cells_begin_table( &header, title, out );
+    for ( int i = 0; i < scene->setting_count * report->worker_count; ++i )
+    {
+        add_count( report, i / report->worker_count, i % report->worker_count, table, out );
     }
 }
 
@@ -200,39 +301,6 @@ void accuracy_add_contact( const accuracy_report* report, results* out )
     }
 }
 
-void accuracy_add_times( const accuracy_report* report, results* out )
-{
-    const accuracy_scene* scene = report->scene;
-    cells header = { .count = 0 };
-    char title[160], workers[24];
-    cells_put( &header, "setting" );
-    for ( int w = 0; w < report->worker_count; ++w )
-    {
-        accuracy_workers_label( report->workers[w], workers, sizeof workers );
-        cells_put( &header, "%s: median", workers );
-        cells_put( &header, "mean" );
-        cells_put( &header, "longest" );
-        cells_put( &header, "mean / first" );
-    }
-    snprintf( title, sizeof title, "%s `%s`: spread of times, ms per %s", accuracy_kind( scene ), report->entry->name,
-              accuracy_ms_name( scene ) );
-    const int table = cells_begin_table( &header, title, out );
-    for ( int i = 0; i < scene->setting_count; ++i )
-    {
-        cells row = { .count = 0 };
-        cells_put( &row, "%s", scene->settings[i].name );
-        for ( int w = 0; w < report->worker_count; ++w )
-        {
-            const stats_summary* ms = &report->stats[i].ms[w];
-            accuracy_put_digits( &row, ms->median, 3 );
-            accuracy_put_digits( &row, ms->mean, 3 );
-            accuracy_put_digits( &row, ms->maximum, 3 );
-            cells_put_number( &row, ms->mean / report->stats[0].ms[w].mean, 2 );
-        }
-        cells_end_row( &row, table, out );
-    }
-}
-
 // ---- what a vertex costs ----
 
 static double ns_per_vertex( const accuracy_stats* f, int worker )
@@ -250,38 +318,33 @@ void accuracy_add_costs( const accuracy_report* report, results* out )
     cells header = { .count = 0 };
     char title[160], workers[24];
     cells_put( &header, "setting" );
-    cells_put( &header, "vertices" );
-    cells_put( &header, "substeps" );
-    for ( int w = 0; w < report->worker_count; ++w )
-    {
-        accuracy_workers_label( report->workers[w], workers, sizeof workers );
-        cells_put( &header, "%s ms", workers );
-    }
+    cells_put( &header, "bytes / vertex" );
     cells_put( &header, "speed-up" );
     for ( int w = 0; w < report->worker_count; ++w )
     {
         accuracy_workers_label( report->workers[w], workers, sizeof workers );
-        cells_put( &header, "%s ns / vertex, substep", workers );
+        cells_put( &header, "%s: mean ms", workers );
+        cells_put( &header, "longest" );
+        cells_put( &header, "mean / first" );
+        cells_put( &header, "ns / vertex, substep" );
     }
-    cells_put( &header, "bytes / vertex" );
-    cells_put( &header, "hash" );
-    snprintf( title, sizeof title, "%s `%s`: cost per vertex", accuracy_kind( report->scene ), report->entry->name );
+    snprintf( title, sizeof title, "%s `%s`: cost per vertex, and spread of times", accuracy_kind( report->scene ),
+              report->entry->name );
     const int table = cells_begin_table( &header, title, out );
     for ( int i = 0; i < report->scene->setting_count; ++i )
     {
         const accuracy_stats* f = &report->stats[i];
         cells row = { .count = 0 };
         cells_put( &row, "%s", report->scene->settings[i].name );
-        cells_put( &row, "%.0f", f->work.vertices );
-        cells_put( &row, "%.0f", f->work.substeps );
-        put_times( report, f, &row );
+        cells_put_number( &row, f->work.bytes / f->work.vertices, 0 );
         cells_put_number( &row, speed_up( report, f ), 2 );
         for ( int w = 0; w < report->worker_count; ++w )
         {
+            accuracy_put_digits( &row, f->ms[w].mean, 3 );
+            accuracy_put_digits( &row, f->ms[w].maximum, 3 );
+            cells_put_number( &row, f->ms[w].mean / report->stats[0].ms[w].mean, 2 );
             accuracy_put_digits( &row, ns_per_vertex( f, w ), 3 );
         }
-        cells_put_number( &row, f->work.bytes / f->work.vertices, 0 );
-        cells_put_hash( &row, f->seen.hash );
         cells_end_row( &row, table, out );
     }
 }
@@ -351,6 +414,7 @@ static void add_row( const accuracy_report* report, int setting, int worker, res
     }
     if ( f->work.vertices > 0.0 )
     {
+        results_put( &row->size, "strands", f->work.strands );
         results_put( &row->size, "vertices", f->work.vertices );
         results_put( &row->size, "substeps", f->work.substeps );
         results_put( &row->size, "bytes", f->work.bytes );
@@ -361,11 +425,18 @@ static void add_row( const accuracy_report* report, int setting, int worker, res
     accuracy_error_label( scene, text, sizeof( text ) );
     if ( scene->error_name[0] != '\0' )
     {
-        put_error( &row->error, text, f->seen.error, scene->uncertainty );
+        put_error( &row->error, text, f->seen.error, accuracy_doubt( scene, setting ) );
+    }
+    if ( what->until > 0.0 )
+    {
+        snprintf( text, sizeof text, "doubt, %s", scene->error_unit );
+        put_finite( &row->error, text, accuracy_doubt( scene, setting ) );
+        results_put( &row->error, "until_s", what->until );
     }
     for ( int i = 0; i < scene->measure_count; ++i )
     {
-        put_error( &row->error, scene->measure_names[i], f->seen.measures[i], scene->measure_doubts[i] );
+        put_error( &row->error, scene->measure_names[i], f->seen.measures[i],
+                   accuracy_measure_doubt( scene, setting, i ) );
     }
     if ( f->seen.halted_at > 0 )
     {
@@ -516,7 +587,7 @@ void accuracy_add_passes( const accuracy_report* report, results* out )
 
 static void add_point( const accuracy_report* report, int setting, double x, int chart, int series, results* out )
 {
-    const bool is_below = accuracy_is_below( report->bounded[setting], report->scene->uncertainty );
+    const bool is_below = accuracy_is_below( report->bounded[setting], accuracy_doubt( report->scene, setting ) );
     results_point point = { .x = x, .y = report->bounded[setting] };
     point.is_marked = report->on_front[setting];
     snprintf( point.label, sizeof( point.label ), is_below ? "%.180s: below" : "%.191s",
@@ -536,35 +607,39 @@ static void make_logarithmic( const accuracy_report* report, results* out, int c
     {
         const size_t used = strlen( made->caption );
         snprintf( made->caption + used, sizeof( made->caption ) - used,
-                  " Points called `below` stand at the doubt of the reference, %.3g %s.", report->scene->uncertainty,
+                  " Points called `below` stand at the doubt of their reference, %s%.3g %s.",
+                  report->scene->group_count > 1 ? "up to " : "", report->scene->uncertainty,
                   report->scene->error_unit );
     }
 }
 
 // ---- error against time ----
 
-// Settings of a name in their order; the empty name stands for settings outside any series.
-static void add_times_of( const accuracy_report* report, const char* series_name, int chart, int series,
-                          results* out )
+// The line that a setting is on: its series, its scene if there are several, or that of all others.
+static const char* line_of( const accuracy_scene* scene, int setting )
 {
-    const double* ms = report->min_ms;
-    for ( int i = 0; i < report->scene->setting_count; ++i )
-    {
-        if ( strcmp( report->scene->settings[i].series, series_name ) == 0 )
-        {
-            add_point( report, i, ms[i], chart, series, out );
-        }
-    }
+    const accuracy_setting* s = &scene->settings[setting];
+    return s->series[0] ? s->series : scene->group_count > 1 ? s->method : "other settings";
 }
 
-static bool has_loner( const accuracy_scene* scene )
+static void add_line_from( const accuracy_report* report, int first, int chart, results* out )
 {
-    bool has = false;
-    for ( int i = 0; i < scene->setting_count; ++i )
+    const accuracy_scene* scene = report->scene;
+    const char* name = line_of( scene, first );
+    bool begins = true;
+    for ( int i = 0; i < first; ++i )
     {
-        has = has || scene->settings[i].series[0] == '\0';
+        begins = begins && strcmp( line_of( scene, i ), name ) != 0;
     }
-    return has;
+    const bool is_joined = scene->settings[first].series[0] || scene->group_count > 1;
+    const int series = begins ? results_add_series( out, chart, name, is_joined ) : -1;
+    for ( int i = first; i < scene->setting_count && begins; ++i )
+    {
+        if ( strcmp( line_of( scene, i ), name ) == 0 )
+        {
+            add_point( report, i, report->min_ms[i], chart, series, out );
+        }
+    }
 }
 
 static void add_time_chart( const accuracy_report* report, results* out )
@@ -580,15 +655,7 @@ static void add_time_chart( const accuracy_report* report, results* out )
                       "Marked: the Pareto front, where no other setting is both faster and more accurate." );
     for ( int i = 0; i < scene->setting_count; ++i )
     {
-        if ( accuracy_begins_series( scene, i ) )
-        {
-            const char* name = scene->settings[i].series;
-            add_times_of( report, name, chart, results_add_series( out, chart, name, true ), out );
-        }
-    }
-    if ( has_loner( scene ) )
-    {
-        add_times_of( report, "", chart, results_add_series( out, chart, "other settings", false ), out );
+        add_line_from( report, i, chart, out );
     }
 }
 

@@ -32,7 +32,7 @@ class Reference:
     """The converged run of a scene, to measure others against.
 
     It has the finest parameters with `factor` times their substeps. Compared are the points of surfaces and of strands with dynamics,
-    at 12 times that are spread evenly, as `wisp tune` does.
+    at 12 times that are spread evenly, as tune() does. `wisp tune` and `wisp accuracy` have a reference of their own.
 
     seconds: of simulated time; 0: the scene, at most 2
     """

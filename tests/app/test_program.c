@@ -191,9 +191,6 @@ TEST( a_misspelt_word_of_an_option_is_answered_with_the_nearest )
     assert_usage( "bench papre", "did you mean 'paper'?" );
     assert_usage( "bench --format xml", "--format" );
     assert_usage( "bench cloth --long", "--long is an option of the case 'stability'" );
-    assert_usage( "bench accuracy --scene cloth_on_bal", "did you mean 'cloth_on_ball'?" );
-    assert_usage( "bench accuracy --scene flag,volcano", "--scene: got 'volcano', expected one of hanging_cloth, " );
-    assert_usage( "bench paper --scene flag", "--scene is an option of the case 'accuracy'" );
     assert_usage( "bench cloth --pictures here", "--pictures is an option of the case 'figures'" );
 }
 
@@ -537,43 +534,6 @@ TEST( bench_lists_its_cases )
 {
     run_ok( "bench --list" );
     assert_memory_equal( result.out, "paper ", 6 );
-}
-
-static void copy_program( const char* path )
-{
-    size_t size;
-    void* bytes = read_bytes( program, &size );
-    write_bytes( path, bytes, size );
-    free( bytes );
-    assert_int_equal( chmod( path, 0700 ), 0 );
-}
-
-TEST( bench_without_its_own_program_is_refused_and_other_verbs_work )
-{
-    char complete[sizeof( program )];
-    memcpy( complete, program, sizeof( program ) );
-    assert_int_equal( mkdir( "alone", 0700 ), 0 );
-    copy_program( "alone/wisp" );
-    snprintf( program, sizeof( program ), "%s/alone/wisp", (const char*)*state );
-
-    assert_refused( "bench --list", "alone/wisp-bench: No such file or directory" );
-    run( "plan good.yaml" );
-
-    memcpy( program, complete, sizeof( program ) );
-    assert_int_equal( result.status, 0 );
-}
-
-TEST( bench_is_found_through_a_symbolic_link )
-{
-    char complete[sizeof( program )];
-    memcpy( complete, program, sizeof( program ) );
-    assert_int_equal( symlink( program, "linked" ), 0 );
-    snprintf( program, sizeof( program ), "%s/linked", (const char*)*state );
-
-    run( "bench --list" );
-
-    memcpy( program, complete, sizeof( program ) );
-    assert_int_equal( result.status, 0 );
 }
 
 // ---- terminals ----

@@ -20,12 +20,13 @@
     "    pin_box: { min: [-1, -1, -1], max: [-0.39, 1, 1] }\n"                                                       \
     "    cloth: { warp_compliance: 1e-3, weft_compliance: 1e-3, shear_compliance: 1e-3, bending: none }\n"
 
-static const char suite[] = "wisp_suite: 1\n"
-                            "title: a sheet falls\n"
-                            "reference: { set: { substeps: 60, iterations: 4 }, check: { substeps: 30 } }\n"
-                            "scenes:\n"
-                            "  - { file: sheet.yaml, along: { substeps: [1, 2, 4, 8] }, order: 1 }\n"
-                            "  - { file: fine.yaml, name: fine, along: { substeps: [1, 8] } }\n";
+static const char suite[] =
+    "wisp_suite: 1\n"
+    "title: a sheet falls\n"
+    "reference: { file: sheet.yaml, set: { substeps: 60, iterations: 4 }, check: { substeps: 30 } }\n"
+    "scenes:\n"
+    "  - { file: sheet.yaml, along: { substeps: [1, 2, 4, 8] }, order: 1 }\n"
+    "  - { file: fine.yaml, name: fine, along: { substeps: [1, 8] } }\n";
 
 // Run the suite and read what it measured.
 static json_t* measure( const char* command )
@@ -246,13 +247,83 @@ TEST( references_are_kept )
     write_text( "sheet.yaml", FALLING( "9", "0.1" ) );
 }
 
+// Rows that differ in what is simulated have references of their own; those that differ in how it is solved share one.
+TEST( each_scene_has_its_own_reference )
+{
+    write_text( "few_hairs.yaml", "wisp: 1\nsteps: 6\nstrands:\n  - name: hair\n"
+                                  "    generate: { strands: 4, vertices: 6, length: 0.2 }\n    dynamics: {}\n" );
+    write_text(
+        "counts.yaml",
+        "wisp_suite: 1\nreference: { set: { substeps: 8 }, check: { substeps: 4 } }\nscenes:\n"
+        "  - { file: few_hairs.yaml, vary: { \"strands[0].generate.strands\": [4, 9], "
+        "\"strands[0].generate.vertices\": [6, 8], \"strands[0].dynamics.integrator\": [euler, bdf2], "
+        "substeps: [4, 8] } }\n"
+        "  - { file: sheet.yaml, vary: { \"surfaces[0].generate.rows\": [5, 9], substeps: [4, 8] } }\n"
+        "  - { file: sheet.yaml, name: damped, vary: { \"surfaces[0].damping\": [0.5, 2], substeps: [8] } }\n" );
+    assert_int_equal( system( "rm -rf cache" ), 0 );
+    json_t* root = measure( "bench counts.yaml --seconds 0.1 --workers 1 -f json -o out.json" );
+    assert_int_equal( count_files(), 2 * ( 4 + 2 + 2 ) );
+    static const char* const fine[] = {
+        "few_hairs, strands=4, vertices=6, integrator=euler, substeps=8",
+        "few_hairs, strands=9, vertices=8, integrator=euler, substeps=8",
+        "sheet, rows=5, substeps=8",
+        "sheet, rows=9, substeps=8",
+        "damped, damping=0.5, substeps=8",
+        "damped, damping=2, substeps=8",
+    };
+    for ( int i = 0; i < WISP_COUNT( fine ); ++i )
+    {
+        assert_true( error_of( root, fine[i] ) == 0.0 && measure_of( root, fine[i], "until_s" ) > 0.0 );
+    }
+    assert_true( error_of( root, "few_hairs, strands=9, vertices=6, integrator=bdf2, substeps=8" ) > 0.0 );
+    assert_true( error_of( root, "sheet, rows=5, substeps=4" ) ==
+                 measure_of( root, "sheet, rows=5, substeps=4", "doubt_mm" ) );
+    json_decref( root );
+    run_ok( "bench counts.yaml --seconds 0.1 --workers 1 -f latex" );
+    assert_contains( result.out, "22 settings of 8 scenes, each compared with its own reference" );
+    assert_contains( result.out,
+                     "setting & workers & strands & vertices & substeps & ms & ms, p90 & FPS & error, mm" );
+    assert_contains( result.out, "\\toprule\nsetting" );
+    assert_contains( result.out,
+                     "few\\_hairs, strands=9, vertices=8, integrator=bdf2, substeps=4 & 1 & 9 & 72 & 4 & " );
+}
+
+TEST( tuning_has_the_reference_of_accuracy )
+{
+    run_ok( "accuracy sheet.yaml --suite made.yaml" );
+    json_t* root = measure( "bench made.yaml --seconds 0.1 --workers 1 -f json -o out.json" );
+    const double links = error_of( root, "as written, substeps=1" );
+    json_decref( root );
+    run( "tune sheet.yaml --error 10 --workers 1 -f json" );
+    root = json_loads( result.out, 0, NULL );
+    assert_non_null( root );
+    size_t i;
+    int found = 0;
+    json_t* row;
+    json_array_foreach( json_object_get( root, "rows" ), i, row )
+    {
+        const json_t* size = json_object_get( row, "size" );
+        if ( json_number_value( json_object_get( size, "substeps" ) ) == 1.0 &&
+             json_number_value( json_object_get( size, "iterations" ) ) == 1.0 &&
+             json_number_value( json_object_get( size, "cloth.tethers" ) ) == 0.0 &&
+             json_number_value( json_object_get( size, "cloth.coarse_substeps" ) ) == 0.0 )
+        {
+            const double rms = json_number_value( json_object_get( json_object_get( row, "error" ), "rms_m" ) );
+            assert_true( fabs( 1e3 * rms - links ) < 1e-6 * links );
+            ++found;
+        }
+    }
+    assert_int_equal( found, 1 );
+    json_decref( root );
+}
+
 TEST( a_suite_without_a_reference_is_a_table_of_times )
 {
     write_text( "times.yaml", "wisp_suite: 1\nscenes:\n  - { file: sheet.yaml, vary: { iterations: [1, 2] } }\n" );
     run_ok( "bench times.yaml --seconds 0.1" );
     assert_contains( result.out, "Suite `times`: times, ms per step" );
     assert_contains( result.out, "sheet, iterations=2" );
-    assert_contains( result.out, "Suite `times`: spread of times" );
+    assert_contains( result.out, "Suite `times`: cost per vertex, and spread of times" );
     assert_contains( result.out, "ms of a step by pass, one worker" );
     assert_contains( result.out, "links.xpbd" );
     assert_null( strstr( result.out, "equal error" ) );
@@ -317,9 +388,10 @@ TEST( steps_that_end_at_other_times_are_refused )
     run( "bench odd.yaml --seconds 0.1" );
     assert_int_equal( result.status, 2 );
     assert_contains( result.err, "no step ends at" );
-    write_text( "apart.yaml", "wisp_suite: 1\nreference: { set: { substeps: 20 }, check: { substeps: 10 } }\n"
-                              "scenes:\n  - { file: sheet.yaml, name: short, set: { steps: 1 } }\n"
-                              "  - { file: sheet.yaml, name: coarse, set: { dt: 0.1 } }\n" );
+    write_text( "apart.yaml",
+                "wisp_suite: 1\nreference: { file: sheet.yaml, set: { substeps: 20 }, check: { substeps: 10 } }\n"
+                "scenes:\n  - { file: sheet.yaml, name: short, set: { steps: 1 } }\n"
+                "  - { file: sheet.yaml, name: coarse, set: { dt: 0.1 } }\n" );
     run( "bench apart.yaml" );
     assert_int_equal( result.status, 2 );
     assert_contains( result.err, "no moment is common to all rows: short ends after" );

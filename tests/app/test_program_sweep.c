@@ -18,7 +18,7 @@ static const char sheet[] = "wisp: 1\n"
 // 13 x 8 x 3 rows, of which some are run by two shards, and a row of its own.
 static const char suite[] = "wisp_suite: 1\n"
                             "title: sheets\n"
-                            "reference: { set: { substeps: 40 }, check: { substeps: 20 } }\n"
+                            "reference: { file: sheet.yaml, set: { substeps: 40 }, check: { substeps: 20 } }\n"
                             "scenes:\n"
                             "  - file: sheet.yaml\n"
                             "    vary:\n"
@@ -110,7 +110,7 @@ TEST( any_number_of_shards_gives_the_same_bytes )
 TEST( errors_are_those_of_the_benchmark )
 {
     write_text( "few.yaml", "wisp_suite: 1\n"
-                            "reference: { set: { substeps: 40 }, check: { substeps: 20 } }\n"
+                            "reference: { file: sheet.yaml, set: { substeps: 40 }, check: { substeps: 20 } }\n"
                             "scenes: [ { file: sheet.yaml, along: { substeps: [1, 8] } } ]\n" );
     run_ok( "sweep few.yaml -o few" );
     run_ok( "merge few -f csv" );
@@ -253,7 +253,7 @@ TEST( a_merge_refuses_what_is_not_one_sweep )
         { "\"version\":\"0", "\"version\":\"9", "jsonl:1: is of another version of Wisp than " },
         { "\"sweep\":\"", "\"sweep\":\"0000000000000000\",\"x\":\"", "jsonl:1: is of another suite than " },
         { "\"shards\":3", "\"shards\":4", "jsonl:1: is of another number of shards than " },
-        { "\"doubt\":", "\"doubt\":1", "jsonl:1: is of another reference than " },
+        { "\"reference\":", "\"reference\":\"x\",\"y\":", "jsonl:1: is of another reference than " },
         { "\"item\":", "\"idem\":", "jsonl:1: expected a row" },
         { "{\"item\":", "{\"item\":9999", "jsonl:1: expected a row" },
         { "{", "[", "jsonl:1: expected a row" },

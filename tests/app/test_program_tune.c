@@ -63,7 +63,7 @@ TEST( an_error_is_met_and_the_scene_that_is_written_has_the_choice )
 {
     run_ok( "tune cloth.yaml --error 0.02 --workers 1 --output tuned.yaml" );
     assert_string_equal( result.err, "" );
-    assert_memory_equal( result.out, "target     met: error at most 0.02 m\n", 37 );
+    assert_memory_equal( result.out, "target     met: error at most 0.02 m; compared until 0.333 s, the end\n", 70 );
     assert_true( number_behind( result.out, "ms per step, error " ) <= 0.02 );
     assert_non_null( strstr( result.out, "chosen" ) );
     assert_non_null( strstr( result.out, "Pareto" ) );
@@ -122,11 +122,11 @@ TEST( a_budget_is_met_or_it_is_told_that_it_is_not )
 {
     run_ok( "tune cloth.yaml --budget 1000 --workers 1 --seconds 0.1" );
     assert_non_null( strstr( result.out, "target     met: at most 1000 ms per step" ) );
-    assert_non_null( strstr( result.out, "81 points and 6 steps" ) );
+    assert_non_null( strstr( result.out, "81 vertices and 6 times up to 0.1 s" ) );
     run( "tune cloth.yaml --budget 1e-9 --workers 1 --seconds 0.1 -o unmet.yaml" );
     assert_int_equal( result.status, 1 );
-    assert_non_null( strstr(
-        result.out, "target     not met: at most 1e-09 ms per step\nnearest    substeps: 1, iterations: 1" ) );
+    assert_non_null( strstr( result.out, "target     not met: at most 1e-09 ms per step; compared until 0.1 s, the "
+                                         "end\nnearest    substeps: 1, iterations: 1" ) );
     assert_non_null( strstr( result.out, "not written: unmet.yaml" ) );
     assert_int_equal( access( "unmet.yaml", F_OK ), -1 );
 }
@@ -136,7 +136,8 @@ TEST( an_error_out_of_reach_ends_with_1_and_the_best )
     run( "tune cloth.yaml --error 1e-12 --workers 1 --seconds 0.1" );
     assert_int_equal( result.status, 1 );
     assert_string_equal( result.err, "" );
-    assert_non_null( strstr( result.out, "target     not met: error at most 1e-12 m\nnearest    substeps: 16" ) );
+    assert_non_null( strstr(
+        result.out, "target     not met: error at most 1e-12 m; compared until 0.1 s, the end\nnearest    " ) );
 }
 
 TEST( a_report_in_json_has_a_row_for_every_setting )

@@ -78,9 +78,9 @@ TEST( json_has_the_keys_of_its_schema )
     assert_int_equal( json_integer_value( json_object_get( root, "wisp_results" ) ), 2 );
     static const char* const machine[] = { "cpu", "cores", "memory_bytes", "os", "isa", "cpu_flags" };
     static const char* const build[] = { "version", "commit", "compiler", "flags", "type" };
-    static const char* const row_keys[] = { "case",   "variant",    "size",        "workers", "ms_median",
-                                            "ms_p10", "ms_p90",     "steps",       "stages",  "error",
-                                            "hash",   "samples_ms", "cpu_fraction" };
+    static const char* const row_keys[] = { "case",   "variant", "size",       "workers",     "ms_median",
+                                            "ms_p10", "ms_p90",  "fps",        "steps",       "stages",
+                                            "error",  "hash",    "samples_ms", "cpu_fraction" };
     for ( int i = 0; i < WISP_COUNT( machine ); ++i )
     {
         assert_non_null( json_object_get( json_object_get( root, "machine" ), machine[i] ) );
@@ -341,7 +341,7 @@ TEST( info_names_what_is_wrong_with_a_result )
 #define HEAD "{\"wisp_results\":1,\"machine\":{},\"build\":{},\"rows\":["
 #define ROW( median, workers, hash )                                                                                 \
     "{\"case\":\"a\",\"variant\":\"b\",\"size\":{},\"workers\":" workers ",\"ms_median\":" median                    \
-    ",\"ms_p10\":null,\"ms_p90\":null,\"steps\":1,\"stages\":{},\"error\":null,\"hash\":" hash "}"
+    ",\"ms_p10\":null,\"ms_p90\":null,\"fps\":null,\"steps\":1,\"stages\":{},\"error\":null,\"hash\":" hash "}"
     static const struct
     {
         const char *text, *named;

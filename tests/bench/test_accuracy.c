@@ -13,7 +13,7 @@ TEST( the_front_is_what_nobody_beats )
     const double ms[] = { 4.0, 2.0, 1.0, 3.0, 9.0, 1.5 };
     const bool expected[] = { true, true, true, false, true, false };
     bool front[6];
-    accuracy_front( error, ms, 6, front );
+    accuracy_front( error, ms, NULL, 6, front );
     assert_memory_equal( front, expected, sizeof( front ) );
 }
 
@@ -23,7 +23,7 @@ TEST( those_that_tie_are_on_the_front_together )
     const double error[] = { 1.0, 1.0, 1.0, 2.0 }, ms[] = { 2.0, 2.0, 3.0, 2.0 };
     const bool expected[] = { true, true, false, false };
     bool front[4];
-    accuracy_front( error, ms, 4, front );
+    accuracy_front( error, ms, NULL, 4, front );
     assert_memory_equal( front, expected, sizeof( front ) );
 }
 
@@ -32,7 +32,7 @@ TEST( what_has_no_error_or_no_time_is_not_on_the_front )
     const double error[] = { NAN, 1.0, 0.0, 5.0 }, ms[] = { 1.0, 2.0, NAN, 1.5 };
     const bool expected[] = { false, true, false, true };
     bool front[4];
-    accuracy_front( error, ms, 4, front );
+    accuracy_front( error, ms, NULL, 4, front );
     assert_memory_equal( front, expected, sizeof( front ) );
 }
 
@@ -538,7 +538,7 @@ TEST( a_real_scene_comes_nearer_with_shorter_steps )
     assert_false( all.failed );
     double errors[6];
     int on_front = 0;
-    const results_table* table = find_table( &all, "Accuracy `cloth_taut`" );
+    const results_table* table = find_table( &all, "Accuracy `cloth_taut`: a few of its settings, ms per" );
     for ( int k = 0; k < 6; ++k )
     {
         errors[k] = atof( named_cell( table, 1 + k, "RMS distance to the reference, mm" ) );

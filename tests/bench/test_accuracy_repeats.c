@@ -5,11 +5,11 @@
 #include <jansson.h>
 
 // A cheap scene.
-#define RUN "bench accuracy --seconds 2 --scene strands_rest --format json "
+#define RUN "bench " WISP_SOURCE_ROOT "/data/suites/accuracy/strands_rest.yaml --seconds 2 --format json "
 
 // The only keys of a row that depend on the date, and on the number of runs within the time.
-static const char* const time_keys[] = { "ms_median", "ms_p10",     "ms_p90",      "stages",
-                                         "steps",     "samples_ms", "cpu_fraction" };
+static const char* const time_keys[] = { "ms_median", "ms_p10", "ms_p90",     "fps",
+                                         "stages",    "steps",  "samples_ms", "cpu_fraction" };
 
 static json_t* results_of( const char* command, const char* path )
 {

@@ -48,13 +48,14 @@ TEST( a_line_passes_however_slow_it_is )
     results_free( &all );
 }
 
-TEST( time_that_is_no_line_fails )
+// How times grow depends on what else runs: it is told, and fails nothing.
+TEST( time_that_is_no_line_is_a_claim_that_is_not_met )
 {
     results all = { .failed = false };
     const paper_table table = made_table( 2.0, 0.05 );
     paper_report( &table, &all );
-    assert_true( all.failed );
-    assert_true( has_note( &all, "Kim 2026, eq. 20: time against vertices with 2 workers is no line: R^2 = 0.9" ) );
+    assert_true( !all.failed && all.claim_count == 2 && all.claims_met == 0 );
+    assert_true( has_note( &all, "with 2 workers is a line, R^2 above 0.98. Measured 0.9" ) );
     results_free( &all );
 }
 

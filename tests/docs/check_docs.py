@@ -167,7 +167,7 @@ def check_scenes(page, text, folder):
 
 def known_words():
     help_text = subprocess.run([f"{source}/dev", "help"], capture_output=True, text=True).stdout
-    cases = subprocess.run([f"{build}/app/wisp-bench", "--list"], capture_output=True, text=True).stdout
+    cases = subprocess.run([f"{build}/app/wisp", "bench", "--list"], capture_output=True, text=True).stdout
     verbs = subprocess.run([f"{build}/app/wisp", "--help"], capture_output=True, text=True).stdout
     return {"./dev": set(re.findall(r"(?m)^  (\w+)", help_text)), "wisp": set(re.findall(r"(?m)^  (?:wisp )?(\w+)", verbs)),
             "bench": set(re.findall(r"(?m)^\s*(\w+)", cases)) | {"instructions"}}
