@@ -281,6 +281,14 @@ static void add_hold_note( const scene_world* world, int b, const char* name, re
     }
 }
 
+// Cloth that hangs from pins is kept short by tethers whatever its mesh. Substeps do not help where triangles get coarse away from pins.
+static bool can_have_tethers( const wisp_scene* scene, int body )
+{
+    const wisp_scene_surface* surface =
+        body >= scene->strands_count ? scene->surfaces + ( body - scene->strands_count ) : NULL;
+    return surface != NULL && surface->has_cloth && surface->cloth.tethers == false && wisp_scene_has_pins( surface );
+}
+
 // A note for each body whose segments or edges are longer than at rest by more than a tenth in the mean.
 static void add_motion_warnings( const scene_world* world, results* out )
 {
@@ -290,7 +298,12 @@ static void add_motion_warnings( const scene_world* world, results* out )
         const scene_body body = scene_world_body( world, b );
         add_hold_note( world, b, body.name, out );
         const double stretch = find_stretch( world, b, &body );
-        if ( stretch > TOO_LONG )
+        if ( stretch > TOO_LONG && can_have_tethers( world->scene, b ) )
+        {
+            results_add_note( out, "%s is stretched by %.0f %%; tethers: true of its cloth keeps lengths", body.name,
+                              100.0 * stretch );
+        }
+        else if ( stretch > TOO_LONG )
         {
             results_add_note( out, "%s is stretched by %.0f %%; more than %d substeps keep lengths better", body.name,
                               100.0 * stretch, scene_world_substeps( world, b ) );

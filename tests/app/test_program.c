@@ -410,6 +410,7 @@ TEST( stretched_cloth_is_reported_and_statistics_are_printed )
     assert_int_equal( result.status, 0 );
     assert_non_null( strstr( result.out, "links.xpbd" ) ); // without the key compute a surface is simulated
     assert_non_null( strstr( result.out, "flag is stretched by " ) );
+    assert_non_null( strstr( result.out, "tethers: true of its cloth keeps lengths" ) );
     assert_null( strstr( result.out, "Motion at the end" ) );
     snprintf( text, sizeof( text ), "wisp: 1\nsteps: 60\n%s    compute: [ points, motion_stats ]\n", cloth );
     write_text( "good_cloth.yaml", text );

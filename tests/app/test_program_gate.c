@@ -172,7 +172,7 @@ TEST_WITH( rows_that_do_not_fit_the_reference_are_refused_at_once, fresh, NULL )
         char text[400];
         snprintf(
             text, sizeof text,
-            "wisp_suite: 1\nseconds: 0.1\nreference: { set: { substeps: 80, dt: 0.02 }, check: { substeps: 40 } "
+            "wisp_suite: 1\nseconds: 0.1\nreference: { file: cloth.yaml, set: { substeps: 80, dt: 0.02 }, check: { substeps: 40 } "
             "}\nscenes: [{ file: cloth.yaml, %s }]\n",
             all[i].text );
         write_text( "suite.yaml", text );
