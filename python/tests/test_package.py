@@ -88,11 +88,11 @@ PAGES = ["docs/python.md", "python/README.md"]
 
 @plain
 @pytest.mark.parametrize("page", PAGES)
-def test_the_code_of_a_page_runs_from_top_to_bottom(page, tmp_path, monkeypatch):
+def test_the_code_of_a_page_runs_from_top_to_bottom(page, tmp_path, monkeypatch, capsys):
     """In an empty folder with the data of the tree; a block may use what the blocks before it made. `>>>` blocks show what is printed."""
     import doctest
 
-    pytest.importorskip("matplotlib").use("Agg")
+    monkeypatch.setenv("MPLBACKEND", "Agg")
     text = (TREE / page).read_text()
     monkeypatch.chdir(tmp_path)
     (tmp_path / "data").symlink_to(TREE / "data")
