@@ -110,3 +110,7 @@ def test_the_code_of_a_page_runs_from_top_to_bottom(page, tmp_path, monkeypatch,
             exec(compile("\n" * line + code, page, "exec"), names)
         count += 1
     assert count > 0
+    if page == "docs/python.md":
+        rows = re.findall(r"(?m)^(.+?) +(\d+) substeps +[\d.]+ ms +\d+ FPS +([\d.]+) mm$", capsys.readouterr().out)
+        errors = {(name, int(substeps)): float(error) for name, substeps, error in rows}
+        assert len(errors) == 20 and all(errors[name, 1] > 10 * errors[name, 20] > 0 for name, _ in errors)

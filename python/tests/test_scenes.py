@@ -251,10 +251,10 @@ def test_any_value_of_a_scene_is_a_path_as_suites_have_it(sheet):
         ({"surfaces[1].damping": 1}, "'surfaces[1].damping' names nothing of the scene, such as surfaces[0].cloth.bending"),
         ({"surfaces[0].cloth.bending": "springs"}, "bending: got 'springs', expected"),
         ({"surfaces[0].cloth.wobble": 1}, "wobble"),
-        ({"substeps": 0}, "substeps: got 0, expected 1 .. 10000"),
-        ({"substeps": 2.5}, "substeps: got 2.5"),
+        ({"substeps": 0}, "substeps: got 0"),
+        ({"substeps": 2.5}, "substeps: got '2.5', expected a whole number"),
         ({"substeps": float("nan")}, "substeps: got"),
-        ({"substeps": "many"}, "many"),
+        ({"substeps": "many"}, "substeps: got 'many', expected a whole number"),
         ({"dt": {1, 2}}, "dt: got set, expected a number"),
     ],
 )

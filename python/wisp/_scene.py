@@ -170,8 +170,11 @@ class Scene:
         """
         wanted = {**(changes or {}), **more}
         out, size, error = ffi.new("char**"), ffi.new("size_t*"), ffi.new("wisp_error*")
-        known = {parameter.name: float(wanted.pop(parameter.name, parameter.value)) for parameter in self.parameters}
-        check(lib.binding_scene_edit(self._handle, list(known.values()), out, size, error), error)
+        values = []
+        for parameter in self.parameters:
+            is_number = isinstance(wanted.get(parameter.name), (int, float, np.number))
+            values.append(float(wanted.pop(parameter.name)) if is_number else parameter.value)
+        check(lib.binding_scene_edit(self._handle, values, out, size, error), error)
         scene = self._edited(out[0], size[0])
         if wanted:
             fields = json.dumps(_plain(wanted, self.name)).encode()
