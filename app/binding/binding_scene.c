@@ -181,8 +181,30 @@ double binding_parameter_value( const binding_scene* s, int parameter )
     return own;
 }
 
-wisp_status binding_scene_edit( const binding_scene* s, const double* values, char** out, size_t* size,
-                                wisp_error* error )
+static wisp_status set_fields( const char* name, const char* fields, char** text, size_t* size, wisp_error* error )
+{
+    text_node *scene = NULL, *values = NULL;
+    wisp_status status = text_parse( fields, strlen( fields ), name, &values, error );
+    status = status == WISP_OK ? text_parse( *text, *size, name, &scene, error ) : status;
+    for ( int i = 0; status == WISP_OK && i < values->count; ++i )
+    {
+        const char* path = values->children[i]->key;
+        status = text_set_path( scene, path, values->children[i] ) > 0
+                     ? WISP_OK
+                     : wisp_fail( error, WISP_BAD_INPUT,
+                                  "%s: '%s' names nothing of the scene, such as surfaces[0].cloth.bending", name,
+                                  scene_shorten( path ).text );
+    }
+    free( *text );
+    *text = status == WISP_OK ? text_write( scene, NULL ) : NULL;
+    *size = *text ? strlen( *text ) : 0;
+    text_release( scene );
+    text_release( values );
+    return status;
+}
+
+wisp_status binding_scene_edit( const binding_scene* s, const double* values, const char* fields, char** out,
+                                size_t* size, wisp_error* error )
 {
     const int first[WISP_TUNE_MAX_PARAMETERS] = { 0 };
     tune_parameters changed = s->parameters;
@@ -197,33 +219,7 @@ wisp_status binding_scene_edit( const binding_scene* s, const double* values, ch
     status = status == WISP_OK ? wisp_scene_edit_text( s->text, s->size, s->name, edits, count, out, size, error )
                                : status;
     free( edits );
-    return status;
-}
-
-wisp_status binding_scene_set( const binding_scene* s, const char* fields, char** out, size_t* size,
-                               wisp_error* error )
-{
-    text_node *scene = NULL, *values = NULL;
-    *out = NULL;
-    wisp_status status = text_parse( fields, strlen( fields ), s->name, &values, error );
-    status = status == WISP_OK ? text_parse( s->text, s->size, s->name, &scene, error ) : status;
-    for ( int i = 0; status == WISP_OK && i < values->count; ++i )
-    {
-        const char* path = values->children[i]->key;
-        status = text_set_path( scene, path, values->children[i] ) > 0
-                     ? WISP_OK
-                     : wisp_fail( error, WISP_BAD_INPUT,
-                                  "%s: '%s' names nothing of the scene, such as surfaces[0].cloth.bending", s->name,
-                                  scene_shorten( path ).text );
-    }
-    if ( status == WISP_OK )
-    {
-        *out = text_write( scene, NULL );
-        *size = strlen( *out );
-    }
-    text_release( scene );
-    text_release( values );
-    return status;
+    return status == WISP_OK && fields ? set_fields( s->name, fields, out, size, error ) : status;
 }
 
 wisp_status binding_scene_edit_file( const binding_scene* s, const char* from, const int* configuration,

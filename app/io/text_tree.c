@@ -220,66 +220,37 @@ static int remove_entries( text_node* list, const char* index )
     return count;
 }
 
-// Find the node that a path leads to and that is to be set: `dt`, `surfaces[0].cloth.bending`, `surfaces[*].damping`.
-// @param rest the path, changed @return how many fields were set
-static int set_path( text_node* at, char* rest, const text_node* value )
-{
-    char* dot = strchr( rest, '.' );
-    char* next = dot ? dot + 1 : NULL;
-    if ( dot )
-    {
-        *dot = '\0';
-    }
-    char* bracket = strchr( rest, '[' );
-    char index[80] = "";
-    if ( bracket )
-    {
-        snprintf( index, sizeof index, "%.*s", (int)strcspn( bracket + 1, "]" ), bracket + 1 );
-        *bracket = '\0';
-    }
-    const bool is_removal = value->kind == TEXT_SCALAR && strcmp( value->text, "null" ) == 0;
-    int count = 0;
-    if ( next == NULL && bracket == NULL )
-    {
-        if ( is_removal )
-        {
-            text_remove_key( at, rest );
-        }
-        else
-        {
-            text_put( at, rest, text_copy( value ) );
-        }
-        count = 1;
-    }
-    else
-    {
-        text_node* list = text_find( at, rest );
-        text_node* block = bracket ? NULL : list ? list : text_put( at, rest, text_map() );
-        for ( int i = 0; bracket && next && list && list->kind == TEXT_LIST && i < list->count; ++i )
-        {
-            char* copy = text_alloc( strlen( next ) );
-            strcpy( copy, next );
-            count += is_entry_meant( list, i, index ) && list->children[i]->kind == TEXT_MAP
-                         ? set_path( list->children[i], copy, value )
-                         : 0;
-            free( copy );
-        }
-        if ( bracket && next == NULL && list && list->kind == TEXT_LIST && is_removal )
-        {
-            count += remove_entries( list, index );
-        }
-        count += block && next && block->kind == TEXT_MAP ? set_path( block, next, value ) : 0;
-    }
-    return count;
-}
-
 int text_set_path( text_node* scene, const char* path, const text_node* value )
 {
-    char* copy = text_alloc( strlen( path ) );
-    strcpy( copy, path );
-    const int count = set_path( scene, copy, value );
-    free( copy );
-    return count;
+    char key[80] = "", index[80] = "";
+    const bool is_entry = sscanf( path, "%79[^.[][%79[^]]", key, index ) == 2;
+    const bool is_removal = value->kind == TEXT_SCALAR && strcmp( value->text, "null" ) == 0;
+    const char* dot = strchr( path + strlen( key ) + strlen( index ), '.' );
+    text_node* child = text_find( scene, key );
+    if ( scene->kind != TEXT_MAP || ( is_entry && ( child == NULL || child->kind != TEXT_LIST ) ) )
+    {
+        return 0;
+    }
+    if ( is_entry )
+    {
+        int count = dot == NULL && is_removal ? remove_entries( child, index ) : 0;
+        for ( int i = 0; dot && i < child->count; ++i )
+        {
+            count += is_entry_meant( child, i, index ) ? text_set_path( child->children[i], dot + 1, value ) : 0;
+        }
+        return count;
+    }
+    if ( dot )
+    {
+        return text_set_path( child ? child : text_put( scene, key, text_map() ), dot + 1, value );
+    }
+    if ( is_removal )
+    {
+        text_remove_key( scene, key );
+        return 1;
+    }
+    text_put( scene, key, text_copy( value ) );
+    return 1;
 }
 
 // ---- reading ----

@@ -169,22 +169,15 @@ class Scene:
         Raises BadInput for a path that names nothing, and for what the scene's reader refuses.
         """
         wanted = {**(changes or {}), **more}
-        out, size, error = ffi.new("char**"), ffi.new("size_t*"), ffi.new("wisp_error*")
         values = []
         for parameter in self.parameters:
             is_number = isinstance(wanted.get(parameter.name), (int, float, np.number))
             values.append(float(wanted.pop(parameter.name)) if is_number else parameter.value)
-        check(lib.binding_scene_edit(self._handle, values, out, size, error), error)
-        scene = self._edited(out[0], size[0])
-        if wanted:
-            fields = json.dumps(_plain(wanted, self.name)).encode()
-            check(lib.binding_scene_set(scene._handle, fields, out, size, error), error)
-            scene = scene._edited(out[0], size[0])
-        return scene
-
-    def _edited(self, block: Any, size: int) -> Scene:
-        content = bytes(ffi.buffer(block, size))
-        lib.binding_free(block)
+        fields = json.dumps(_plain(wanted, self.name)).encode() if wanted else ffi.NULL
+        out, size, error = ffi.new("char**"), ffi.new("size_t*"), ffi.new("wisp_error*")
+        check(lib.binding_scene_edit(self._handle, values, fields, out, size, error), error)
+        content = bytes(ffi.buffer(out[0], size[0]))
+        lib.binding_free(out[0])
         return self._parse(content, self.name, self._arrays)
 
     def with_text(self, text: str) -> Scene:
