@@ -41,12 +41,14 @@ bool binding_parameter_is_unordered( const binding_scene* scene, int parameter )
 int binding_parameter_values( const binding_scene* scene, int parameter, double* out );
 /// The scene's own value.
 double binding_parameter_value( const binding_scene* scene, int parameter );
-/// The text of the scene with other parameters; every other byte stays.
-/// @param configuration [parameter count] index of a value for each parameter
-/// @param out receives a block for binding_free()
-wisp_status binding_scene_edit( const binding_scene* scene, const int* configuration, char** out, size_t* size,
-                                wisp_error* error );
-/// The same from a file to a file.
+/// The text of the scene with other parameters, where every other byte stays, and other values of any fields, which comments do not survive.
+/// @param values [parameter count] of the parameters
+/// @param fields a mapping of paths, as suites have them, and values, in YAML or JSON; `null` removes a field. May be null
+/// @param out receives a block for binding_free() @return WISP_BAD_INPUT a path names nothing of the scene
+wisp_status binding_scene_edit( const binding_scene* scene, const double* values, const char* fields, char** out,
+                                size_t* size, wisp_error* error );
+/// The parameters that a search has found, from a file to a file.
+/// @param configuration [parameter count] index of a value for each
 wisp_status binding_scene_edit_file( const binding_scene* scene, const char* from, const int* configuration,
                                      const char* to, wisp_error* error );
 void binding_free( void* block );

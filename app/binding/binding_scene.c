@@ -2,6 +2,8 @@
 #include "binding_internal.h"
 
 #include "io_file.h"
+#include "scene_text.h"
+#include "text_tree.h"
 #include "tune_parameters.h"
 #include "tune_scene.h"
 
@@ -179,17 +181,45 @@ double binding_parameter_value( const binding_scene* s, int parameter )
     return own;
 }
 
-wisp_status binding_scene_edit( const binding_scene* s, const int* configuration, char** out, size_t* size,
-                                wisp_error* error )
+static wisp_status set_fields( const char* name, const char* fields, char** text, size_t* size, wisp_error* error )
 {
+    text_node *scene = NULL, *values = NULL;
+    wisp_status status = text_parse( fields, strlen( fields ), name, &values, error );
+    status = status == WISP_OK ? text_parse( *text, *size, name, &scene, error ) : status;
+    for ( int i = 0; status == WISP_OK && i < values->count; ++i )
+    {
+        const char* path = values->children[i]->key;
+        status = text_set_path( scene, path, values->children[i] ) > 0
+                     ? WISP_OK
+                     : wisp_fail( error, WISP_BAD_INPUT,
+                                  "%s: '%s' names nothing of the scene, such as surfaces[0].cloth.bending", name,
+                                  scene_shorten( path ).text );
+    }
+    free( *text );
+    *text = status == WISP_OK ? text_write( scene, NULL ) : NULL;
+    *size = *text ? strlen( *text ) : 0;
+    text_release( scene );
+    text_release( values );
+    return status;
+}
+
+wisp_status binding_scene_edit( const binding_scene* s, const double* values, const char* fields, char** out,
+                                size_t* size, wisp_error* error )
+{
+    const int first[WISP_TUNE_MAX_PARAMETERS] = { 0 };
+    tune_parameters changed = s->parameters;
     wisp_scene_edit* edits = NULL;
     int count = 0;
     *out = NULL;
-    wisp_status status = tune_parameters_edits( &s->parameters, configuration, &s->scene, &edits, &count, error );
+    for ( int k = 0; k < changed.count; ++k )
+    {
+        changed.values[k][0] = values[k];
+    }
+    wisp_status status = tune_parameters_edits( &changed, first, &s->scene, &edits, &count, error );
     status = status == WISP_OK ? wisp_scene_edit_text( s->text, s->size, s->name, edits, count, out, size, error )
                                : status;
     free( edits );
-    return status;
+    return status == WISP_OK && fields ? set_fields( s->name, fields, out, size, error ) : status;
 }
 
 wisp_status binding_scene_edit_file( const binding_scene* s, const char* from, const int* configuration,
@@ -209,8 +239,6 @@ void binding_free( void* block )
 }
 
 // ---- the search of `wisp tune` ----
-
-// The search of `wisp tune`.
 
 wisp_status binding_tune( const binding_scene* scene, const binding_tune_def* def, wisp_tune_result* out,
                           wisp_error* error )

@@ -194,6 +194,65 @@ int text_size( const text_node* node )
     return size;
 }
 
+// ---- fields by path ----
+
+// Whether an index, which is a number, a name or `*`, means an entry of a list.
+static bool is_entry_meant( const text_node* list, int i, const char* index )
+{
+    char number[16];
+    snprintf( number, sizeof number, "%d", i );
+    return strcmp( index, "*" ) == 0 || strcmp( index, number ) == 0 ||
+           strcmp( index, text_at( list->children[i], "name" ) ) == 0;
+}
+
+// From the end, so that numbers stay. @return how many were removed
+static int remove_entries( text_node* list, const char* index )
+{
+    int count = 0;
+    for ( int i = list->count - 1; i >= 0; --i )
+    {
+        if ( is_entry_meant( list, i, index ) )
+        {
+            text_remove( list, i );
+            ++count;
+        }
+    }
+    return count;
+}
+
+int text_set_path( text_node* scene, const char* path, const text_node* value )
+{
+    char key[80] = "", index[80] = "";
+    const bool is_entry = sscanf( path, "%79[^.[][%79[^]]", key, index ) == 2;
+    const bool is_removal = value->kind == TEXT_SCALAR && strcmp( value->text, "null" ) == 0;
+    const char* dot = strchr( path + strlen( key ) + strlen( index ), '.' );
+    text_node* child = text_find( scene, key );
+    if ( scene->kind != TEXT_MAP || ( is_entry && ( child == NULL || child->kind != TEXT_LIST ) ) )
+    {
+        return 0;
+    }
+    if ( is_entry )
+    {
+        int count = dot == NULL && is_removal ? remove_entries( child, index ) : 0;
+        for ( int i = 0; dot && i < child->count; ++i )
+        {
+            count += is_entry_meant( child, i, index ) ? text_set_path( child->children[i], dot + 1, value ) : 0;
+        }
+        return count;
+    }
+    if ( dot )
+    {
+        return text_set_path( child ? child : text_put( scene, key, text_map() ), dot + 1, value );
+    }
+    if ( is_removal )
+    {
+        text_remove_key( scene, key );
+        return 1;
+    }
+    text_put( scene, key, text_copy( value ) );
+    return 1;
+}
+
 // ---- reading ----
 
 static text_node* convert( const scene_tree* tree, const scene_node* from )

@@ -47,6 +47,12 @@ bool text_is_number( const text_node* node, double* value );
 /// Replace the text by that of a number, with up to nine digits.
 void text_set_number( text_node* scalar, double value );
 
+/// A path is such as `substeps`, `surfaces[0].cloth.bending`, `surfaces[sheet].damping`, `strands[*].damping`.
+/// Give every field that the path names a copy of a value. Blocks on the way that are absent are added, entries of lists are not. The
+/// value `null` removes a field.
+/// @return how many fields were set; 0: the path names nothing of the scene
+int text_set_path( text_node* scene, const char* path, const text_node* value );
+
 /// Number of nodes below and including this one.
 int text_size( const text_node* node );
 

@@ -120,14 +120,6 @@ bool suite_error_grows( const char* along );
 /// Read the scene of a row. @param out to be released
 wisp_status suite_scene( const suite_row* row, wisp_scene* out, wisp_error* error );
 
-// ---- fields of a scene by path ----
-
-/// A path is such as `substeps`, `surfaces[0].cloth.bending`, `surfaces[sheet].damping`, `strands[*].damping`.
-/// Give every field that the path names a copy of a value. Blocks on the way that are absent are added, entries of lists are not. The
-/// value `null` removes a field.
-/// @return how many fields were set; 0: the path names nothing of the scene
-int suite_set_field( text_node* scene, const char* path, const text_node* value );
-
 // ---- the suite that `wisp accuracy` makes of a scene ----
 
 /// What accuracy costs, by substeps and by methods that the scene can do without being another. `wisp tune` has the same reference.

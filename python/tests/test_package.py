@@ -83,21 +83,17 @@ def test_an_example_runs_and_its_result_holds(path, tmp_path):
     assert result.stdout and result.stderr == ""
 
 
-PAGES = ["docs/python.md", "python/README.md"]
-
-
 @plain
-@pytest.mark.parametrize("page", PAGES)
-def test_the_code_of_a_page_runs_from_top_to_bottom(page, tmp_path, monkeypatch):
+def test_the_code_of_the_guide_runs_from_top_to_bottom(tmp_path, monkeypatch, capsys):
     """In an empty folder with the data of the tree; a block may use what the blocks before it made. `>>>` blocks show what is printed."""
     import doctest
 
-    pytest.importorskip("matplotlib").use("Agg")
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    page = "docs/python.md"
     text = (TREE / page).read_text()
     monkeypatch.chdir(tmp_path)
     (tmp_path / "data").symlink_to(TREE / "data")
     names = {"__name__": "__main__"}
-    count = 0
     for match in re.finditer(r"(?ms)^```python\n(.*?)^```$", text):
         line, code = text[: match.start()].count("\n") + 1, match.group(1)
         if code.startswith(">>>"):
@@ -108,5 +104,6 @@ def test_the_code_of_a_page_runs_from_top_to_bottom(page, tmp_path, monkeypatch)
             names.update(test.globs)
         else:
             exec(compile("\n" * line + code, page, "exec"), names)
-        count += 1
-    assert count > 0
+    rows = re.findall(r"(?m)^(.+?) +(\d+) substeps +[\d.]+ ms +\d+ FPS +([\d.]+) mm$", capsys.readouterr().out)
+    errors = {(name, int(substeps)): float(error) for name, substeps, error in rows}
+    assert len(errors) == 20 and all(errors[name, 1] > 10 * errors[name, 20] > 0 for name, _ in errors)

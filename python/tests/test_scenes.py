@@ -232,13 +232,36 @@ def test_a_missing_scene_or_mesh_is_an_error_of_the_system(tmp_path):
     assert "none.obj" in str(caught.value)
 
 
-def test_unknown_parameters_and_values_are_refused(sheet):
-    with pytest.raises(wisp.BadInput, match="got parameter 'colour', expected one of substeps, iterations"):
-        sheet.with_parameters(colour=3)
-    with pytest.raises(wisp.BadInput, match="substeps: got 5, expected one of 1, 2, 4, 8, 16"):
-        sheet.with_parameters(substeps=5)
-    with pytest.raises(wisp.BadInput, match="substeps: got nan"):
-        sheet.with_parameters(substeps=float("nan"))
+def test_any_value_of_a_scene_is_a_path_as_suites_have_it(sheet):
+    finer = {"surfaces[0].generate.columns": np.int64(17), "surfaces[sheet].cloth": {"bending": "dihedral"}, "surfaces[*].pins": np.array([0, 16]),
+             "colliders[ball]": None, "surfaces[0].collision": None, "substeps": 5}
+    expected = copy.deepcopy(SHEET)
+    expected["surfaces"][0].update(cloth={"bending": "dihedral"}, pins=[0, 16])
+    expected["surfaces"][0]["generate"]["columns"] = 17
+    expected.update(substeps=5, colliders=expected["colliders"][1:])
+    del expected["surfaces"][0]["collision"]
+    assert run_hash(sheet.with_parameters(finer)) == run_hash(wisp.Scene.from_dict(expected)) != run_hash(sheet)
+    assert sheet.with_parameters(substeps=5).parameters[0].value == 5
+
+
+@pytest.mark.parametrize(
+    "changes, message",
+    [
+        ({"colour": 3}, "colour"),
+        ({"surfaces[1].damping": 1}, "'surfaces[1].damping' names nothing of the scene, such as surfaces[0].cloth.bending"),
+        ({"surfaces[0].cloth.bending": "springs"}, "bending: got 'springs', expected"),
+        ({"surfaces[0].cloth.wobble": 1}, "wobble"),
+        ({"substeps": 0}, "substeps: got 0"),
+        ({"substeps": 2.5}, "substeps: got '2.5', expected a whole number"),
+        ({"substeps": float("nan")}, "substeps: got"),
+        ({"substeps": "many"}, "substeps: got 'many', expected a whole number"),
+        ({"dt": {1, 2}}, "dt: got set, expected a number"),
+    ],
+)
+def test_paths_and_values_are_refused_by_the_reader(sheet, changes, message):
+    with pytest.raises(wisp.BadInput) as caught:
+        sheet.with_parameters(changes)
+    assert message in str(caught.value)
 
 
 @pytest.mark.parametrize(

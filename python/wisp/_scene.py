@@ -160,31 +160,25 @@ class Scene:
             lib.binding_parameter_is_unordered(self._handle, k),
         )
 
-    def with_parameters(self, changes: Optional[Mapping[str, float]] = None, /, **more: float) -> Scene:
-        """The same scene with other parameters. Comments and order of its text stay.
+    def with_parameters(self, changes: Optional[Mapping[str, Any]] = None, /, **more: Any) -> Scene:
+        """The same scene with other values: `scene.with_parameters({"surfaces[sheet].cloth.bending": "dihedral"}, substeps=5)`.
 
-        Names with a dot go into a mapping: `scene.with_parameters({"cloth.tethers": 1}, substeps=4)`.
-        Raises BadInput for an unknown name or a value that is not one of the parameter's values.
+        A name of `parameters` means all bodies that have it; comments and order of the text stay.
+        Any other name is a path to a field, as suites have it. An entry of a list is meant by its number, by its name, or all are by `*`.
+        A path writes the text anew, without comments. None removes a field.
+        Raises BadInput for a path that names nothing, and for what the scene's reader refuses.
         """
         wanted = {**(changes or {}), **more}
-        parameters = self.parameters
-        known = [parameter.name for parameter in parameters]
-        for name in wanted:
-            if name not in known:
-                raise BadInput(f"{self.name}: got parameter {name!r}, expected one of {', '.join(known) or 'none'}")
-        configuration = [self._index(parameter, wanted.get(parameter.name, parameter.value)) for parameter in parameters]
+        values = []
+        for parameter in self.parameters:
+            is_number = isinstance(wanted.get(parameter.name), (int, float, np.number))
+            values.append(float(wanted.pop(parameter.name)) if is_number else parameter.value)
+        fields = json.dumps(_plain(wanted, self.name)).encode() if wanted else ffi.NULL
         out, size, error = ffi.new("char**"), ffi.new("size_t*"), ffi.new("wisp_error*")
-        check(lib.binding_scene_edit(self._handle, configuration, out, size, error), error)
+        check(lib.binding_scene_edit(self._handle, values, fields, out, size, error), error)
         content = bytes(ffi.buffer(out[0], size[0]))
         lib.binding_free(out[0])
         return self._parse(content, self.name, self._arrays)
-
-    def _index(self, parameter: Parameter, value: float) -> int:
-        nearest = min(range(len(parameter.values)), key=lambda k: abs(parameter.values[k] - value))
-        if not abs(parameter.values[nearest] - value) <= 1e-6 * abs(value):
-            expected = ", ".join(f"{v:g}" for v in parameter.values)
-            raise BadInput(f"{self.name}: {parameter.name}: got {value:g}, expected one of {expected}")
-        return nearest
 
     def with_text(self, text: str) -> Scene:
         """Another text in place of this one, with the same name and arrays."""
