@@ -11,7 +11,9 @@
 // The remaining depth comes from other constraints. It is corrected with velocity, otherwise a strand under tension
 // would sink into the body. Friction follows, on the motion relative to the body's surface:
 //
-//   u = tangential part of (p - previous) - motion,   p -= u if |u| <= mu_s push, else p -= mu_k push u / |u|
+//   u = tangential part of f + (p - previous) - motion,   f' = u if |u| <= mu_s N, else mu_k N u / |u|,   p -= f' - f
+//
+// with the sums N of pushes and f of friction in the substep, so that friction in turns with lengths feels their tension.
 #include "kernel_isa.h"
 
 #include "taper.h"
@@ -200,13 +202,18 @@ static contact_correction find_correction( const contact_body* body, lane16 star
     return correction;
 }
 
-// Computes the part of the tangential motion `u` that friction removes.
+// Computes the friction of the substep, from the tangential motion that it would have to remove.
 static lane16v find_friction( const contact_body* body, lane16v u, lane16 push )
 {
     lane16 length = lane16v_length( u );
     lane16m sticks = lane16_le( length, lane16_mul( body->static_friction, push ) );
     lane16 fraction = lane16_div( lane16_mul( body->kinetic_friction, push ), length );
     return lane16v_scale( u, lane16_select( sticks, lane16_set1( 1.0f ), fraction ) );
+}
+
+static lane16v tangential( lane16v u, lane16v normal )
+{
+    return lane16v_mul_add( u, lane16_neg( lane16v_dot( normal, u ) ), normal );
 }
 
 // Computes the motion of the body's surface below the vertex in the substep.
@@ -239,14 +246,16 @@ static void touch_row( const wisp_strand_contact_args* args, const contact_body*
     lane16v moved = lane16v_mul_add( previous, lane16_add( correction.recovered, correction.damped ), normal );
 
     lane16 push = lane16_max( lane16_sub( correction.out, correction.recovered ), lane16_zero() );
-    lane16v u = lane16v_sub( lane16v_sub( out, moved ), surface_motion( body, local, &s ) );
-    u = lane16v_mul_add( u, lane16_neg( lane16v_dot( normal, u ) ), normal );
-    out = lane16v_sub( out, find_friction( body, u, push ) );
+    lane16 sum = lane16_load( normal_sum ), deepest = lane16_load( remaining ), total = lane16_add( sum, push );
+    lane16v rubbed = lane16v_load( args->friction + row * STRIDE ), before = tangential( rubbed, normal );
+    lane16v u = tangential( lane16v_sub( lane16v_sub( out, moved ), surface_motion( body, local, &s ) ), normal );
+    lane16v friction = find_friction( body, lane16v_add( before, u ), total );
+    out = lane16v_sub( out, lane16v_sub( friction, before ) );
 
     lane16v_store( at, lane16v_select( touches, out, p ) );
     lane16v_store( from, lane16v_select( touches, moved, previous ) );
-    lane16 sum = lane16_load( normal_sum ), deepest = lane16_load( remaining );
-    lane16_store( normal_sum, lane16_select( touches, lane16_add( sum, push ), sum ) );
+    lane16v_store( args->friction + row * STRIDE, lane16v_select( touches, friction, rubbed ) );
+    lane16_store( normal_sum, lane16_select( touches, total, sum ) );
     lane16_store( remaining, lane16_select( touches, lane16_max( deepest, correction.remaining ), deepest ) );
 }
 
@@ -274,6 +283,10 @@ static void begin_row( const wisp_strand_contact_args* args, size_t row, bool fi
     if ( first_iteration )
     {
         lane16_store( normal_sum, lane16_zero() );
+    }
+    if ( first_iteration && lane16m_any( lane16_gt( sum, lane16_zero() ) ) )
+    {
+        lane16v_store( args->friction + row * STRIDE, lane16v_set1( ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ) );
     }
 }
 

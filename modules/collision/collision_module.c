@@ -10,9 +10,10 @@
 #define COLLISION_SETTINGS_COLUMNS( X ) X( collision_settings, settings, 1 )
 #define COLLISION_ACTIVE_COLUMNS( X ) X( int32_t, active, 1 ) /* there is a body, and it is enabled */
 #define COLLISION_STRAND_CONTACT_COLUMNS( X )                                                                        \
-    X( float, pushed, 16 ) /* m, normal correction of this substep */                                                \
-    X( float, depth, 16 )  /* m, depth that a vertex may keep in this iteration */                                   \
-    X( float, left, 16 )   /* m, depth that it kept */
+    X( float, pushed, 16 )   /* m, normal correction of this substep */                                              \
+    X( float, depth, 16 )    /* m, depth that a vertex may keep in this iteration */                                 \
+    X( float, left, 16 )     /* m, depth that it kept */                                                             \
+    X( float, friction, 48 ) /* m, sum of what friction removed in this substep */
 #define COLLISION_CARRIED_COLUMNS( X ) X( uint32_t, moved, 1 ) /* a bit for each lane of the row, in this step */
 #define COLLISION_STATS_COLUMNS( X ) X( wisp_collision_stats, stats, 1 )
 #define COLLISION_COLLIDER_COLUMNS( X ) X( collision_collider, collider, 1 )
@@ -350,6 +351,16 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
                        WISP_STRAND_PREVIOUS },
             .writes = { state->strand_contact, WISP_STRAND_POSITION, WISP_STRAND_PREVIOUS },
             .run = collision_touch_strands,
+        },
+        {
+            .name = "collision.settle_strands",
+            .stage = WISP_STAGE_VELOCITY,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .required = { state->settings, state->strand_contact, WISP_STRAND_INVERSE_MASS },
+            .reads = { state->settings, state->strand_contact, WISP_STRAND_INVERSE_MASS, WISP_STRAND_POSITION,
+                       WISP_STRAND_PREVIOUS, WISP_STRAND_VELOCITY },
+            .writes = { state->strand_contact, WISP_STRAND_POSITION, WISP_STRAND_PREVIOUS, WISP_STRAND_VELOCITY },
+            .run = collision_settle_strands,
         },
         {
             .name = "collision.strand_stats",

@@ -16,6 +16,7 @@ void collision_share_contacts( wisp_frame* frame, const wisp_span* span, void* u
 void collision_couple( wisp_frame* frame, const wisp_span* span, void* user );             // reaction.c
 void collision_read_reactions( wisp_frame* frame, const wisp_span* span, void* user );     // reaction.c
 void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* user );      // strand_contacts.c
+void collision_settle_strands( wisp_frame* frame, const wisp_span* span, void* user );     // strand_contacts.c
 void collision_keep_out( wisp_frame* frame, const wisp_span* span, void* user );           // posed_strands.c
 void collision_measure( wisp_frame* frame, const wisp_span* span, void* user );            // collision_stats.c
 void collision_measure_touch( wisp_frame* frame, const wisp_span* span, void* user );      // collision_stats.c

@@ -13,7 +13,7 @@ enum
 typedef struct contact_rows
 {
     _Alignas( 64 ) float position[ROWS * 48];
-    float previous[ROWS * 48];
+    float previous[ROWS * 48], friction[ROWS * 48];
     float weight[LANES], depth[LANES], pushed[LANES], left[LANES];
     int variant; // two a shape: at rest or moving, and from the sixth shape on with a vertex in the middle of the body
 } contact_rows;
@@ -38,6 +38,7 @@ static void make_rows( contact_rows* r )
         {
             const size_t at = (size_t)( i / WISP_LANES * 48 + k * WISP_LANES + i % WISP_LANES );
             r->position[at] = test_random_float( i, k, -1.0f, 1.0f );
+            r->friction[at] = test_random_float( i, 7 + k, -0.1f, 0.1f );
             r->previous[at] = r->position[at] + test_random_float( i, 3 + k, -0.1f, 0.1f );
         }
         r->weight[i] = i % 5 == 0 ? 0.0f : 1.0f;
@@ -60,6 +61,7 @@ static wisp_strand_contact_args job_on( contact_rows* r )
         .inverse_mass = r->weight,
         .allowed_depth = r->depth,
         .normal_correction = r->pushed,
+        .friction = r->friction,
         .remaining_depth = r->left,
         .shape = SHAPES[r->variant / 2 % WISP_COUNT( SHAPES )],
         .before = r->variant % 2 == 1 ? before : after,
@@ -75,7 +77,7 @@ static wisp_strand_contact_args job_on( contact_rows* r )
 
 typedef struct contact_vertex
 {
-    double3 p, previous;
+    double3 p, previous, friction;
     double pushed, left;
     bool touches, near_edge; // near a discontinuity of the result
 } contact_vertex;
@@ -86,14 +88,17 @@ static wisp_vec3 lane_of( const float* rows, int i )
     return ( wisp_vec3 ){ x[0], x[WISP_LANES], x[2 * WISP_LANES] };
 }
 
-static void rub( const wisp_strand_contact_args* args, contact_vertex* v, double3 n, double3 motion, double push )
+static void rub( const wisp_strand_contact_args* args, contact_vertex* v, double3 n, double3 motion )
 {
     double3 u = double3_sub( double3_sub( v->p, v->previous ), motion );
     u = double3_add_scaled( u, -double3_dot( u, n ), n );
-    const double length = double3_length( u ), cone = (double)args->static_friction * push;
+    v->friction = double3_add_scaled( v->friction, -double3_dot( v->friction, n ), n );
+    const double3 all = double3_add_scaled( v->friction, 1.0, u );
+    const double length = double3_length( all ), cone = (double)args->static_friction * v->pushed;
     v->near_edge = v->near_edge || fabs( length - cone ) < 1e-5;
-    const double fraction = length <= cone ? 1.0 : (double)args->kinetic_friction * push / length;
-    v->p = double3_add_scaled( v->p, -fraction, u );
+    const double fraction = length <= cone ? 1.0 : (double)args->kinetic_friction * v->pushed / length;
+    v->p = double3_add_scaled( double3_add_scaled( v->p, -fraction, all ), 1.0, v->friction );
+    v->friction = double3_add_scaled( ( double3 ){ 0 }, fraction, all );
 }
 
 static contact_vertex expected_at( const wisp_strand_contact_args* args, int i )
@@ -102,6 +107,7 @@ static contact_vertex expected_at( const wisp_strand_contact_args* args, int i )
     const wisp_vec3 p = lane_of( args->position, i ), previous = lane_of( args->previous, i );
     v.p = double3_widen( p );
     v.previous = double3_widen( previous );
+    v.friction = double3_widen( lane_of( args->friction, i ) );
     wisp_surface_point s, first;
     assert_true( wisp_shape_closest( &args->shape, wisp_transform_to_local( args->after, p ), &s ) );
     assert_true( wisp_shape_closest( &args->shape, wisp_transform_to_local( args->before, previous ), &first ) );
@@ -124,8 +130,8 @@ static contact_vertex expected_at( const wisp_strand_contact_args* args, int i )
     v.p = double3_add_scaled( v.p, out, n );
     v.previous = double3_add_scaled( v.previous, healed + ( may > 0.1 * h ? outward : 0.0 ), n );
     v.near_edge = v.near_edge || fabs( may - 0.1 * h ) < 1e-5;
-    rub( args, &v, n, double3_sub( a, b ), push );
     v.pushed += push;
+    rub( args, &v, n, double3_sub( a, b ) );
     v.left = fmax( v.left, free - healed );
     return v;
 }
@@ -136,6 +142,7 @@ static void assert_vertex( const contact_rows* r, int i, const contact_vertex* v
     const double rounding = 2e-6;
     assert_near3( double3_widen( lane_of( r->position, i ) ), v->p, rounding, "lane", i );
     assert_near3( double3_widen( lane_of( r->previous, i ) ), v->previous, rounding, "start of lane", i );
+    assert_near3( double3_widen( lane_of( r->friction, i ) ), v->friction, rounding, "friction of lane", i );
     assert_near( (double)r->pushed[i], v->pushed, rounding, "push of lane", i );
     assert_near( (double)r->left[i], v->left, rounding, "depth of lane", i );
 }

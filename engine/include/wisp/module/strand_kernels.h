@@ -254,6 +254,7 @@ typedef struct wisp_strand_contact_args
     float* allowed_depth; ///< [row][16] m, depth below the thickness that is tolerated; infinite: set to the depth at
                           ///< the start
     float* normal_correction; ///< [row][16] m, incremented by the push of the body; represents the normal impulse
+    float* friction;          ///< [row][3][16] m, sum of the displacements that friction removed
     float* remaining_depth;   ///< [row][16] m, raised to the depth below the thickness at which the vertex remains
     wisp_shape shape;
     wisp_transform before, after; ///< pose of the body at the start and at the end of the substep
