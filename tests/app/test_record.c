@@ -551,9 +551,8 @@ TEST_IN_FOLDER( numbers_have_points_in_a_locale_with_commas )
     setlocale( LC_NUMERIC, "C" );
     assert_int_equal( status, WISP_OK );
     size_t size = 0;
-    char* text = read_bytes( path_in( state, "a.csv" ), &size );
+    SCOPED( free_local ) char* text = read_bytes( path_in( state, "a.csv" ), &size );
     assert_contains( text, "\n0.0166666" );
-    free( text );
 }
 
 TEST_IN_FOLDER( a_vertex_that_does_not_exist_is_refused_by_its_place )
@@ -609,14 +608,13 @@ TEST_IN_FOLDER( a_number_that_is_not_finite_writes_no_line )
     assert_int_equal( wisp_recorder_frame( track, 0.0, 0, points, NULL ), WISP_OK );
     assert_int_equal( wisp_recorder_close( track, NULL ), WISP_OK );
     size_t size = 0;
-    char* text = read_bytes( path_in( state, "a.csv" ), &size );
+    SCOPED( free_local ) char* text = read_bytes( path_in( state, "a.csv" ), &size );
     int lines = 0;
     for ( size_t i = 0; i < size; ++i )
     {
         lines += text[i] == '\n';
     }
     assert_int_equal( lines, 2 );
-    free( text );
 }
 
 // ---- wisp info ----
@@ -660,7 +658,7 @@ TEST_IN_FOLDER( info_tells_what_is_in_a_recording )
     char* path = path_in( state, "sail.wisp" );
     wisp_error error = { .status = WISP_OK };
     record_plain( path, 3 );
-    char* text = print_recording( path, WISP_OK, &error );
+    SCOPED( free_local ) char* text = print_recording( path, WISP_OK, &error );
     assert_string_equal( text, "sail.wisp: recording of 3 frames\n"
                                "  step                 0.5 s\n"
                                "  time                 0 .. 1 s\n"
@@ -669,7 +667,6 @@ TEST_IN_FOLDER( info_tells_what_is_in_a_recording )
                                "  bodies               1\n"
                                "    sail               1 triangles, 3 vertices, x 0 .. 1, y 0 .. 4, z -0.5 .. 0 m\n"
                                "  no defects\n" );
-    free( text );
 }
 
 TEST_IN_FOLDER( info_tells_a_cut_and_does_not_refuse_it )
@@ -678,7 +675,7 @@ TEST_IN_FOLDER( info_tells_a_cut_and_does_not_refuse_it )
     wisp_error error = { .status = WISP_OK };
     record_plain( path, 3 );
     assert_int_equal( truncate( path, 80 + 84 + 30 ), 0 );
-    char* text = print_recording( path, WISP_OK, &error );
+    SCOPED( free_local ) char* text = print_recording( path, WISP_OK, &error );
     assert_contains( text, "recording of 1 frames" );
     assert_contains( text, "  wrong: the recording was cut: 30 bytes from byte 164 on are not a whole frame\n" );
     assert_null( strstr( text, "nothing is wrong" ) );
@@ -687,7 +684,6 @@ TEST_IN_FOLDER( info_tells_a_cut_and_does_not_refuse_it )
     text = print_recording( path, WISP_OK, &error );
     assert_contains( text, "recording of 0 frames" );
     assert_contains( text, "  wrong: the recording was not finished: the mark of the end is missing at byte 80\n" );
-    free( text );
 }
 
 TEST_IN_FOLDER( info_names_the_first_ten_damaged_frames_and_counts_the_rest )
@@ -703,13 +699,12 @@ TEST_IN_FOLDER( info_names_the_first_ten_damaged_frames_and_counts_the_rest )
     }
     write_bytes( path, bytes, size );
     free( bytes );
-    char* text = print_recording( path, WISP_BAD_INPUT, &error );
+    SCOPED( free_local ) char* text = print_recording( path, WISP_BAD_INPUT, &error );
     assert_one_message( &error, WISP_BAD_INPUT, "sail.wisp: frame 1 at byte 164 is damaged" );
     assert_contains( text, "  time                 0 .. 0 s\n" );
     assert_contains( text, "sail.wisp: frame 10 at byte 920 is damaged" );
     assert_null( strstr( text, "frame 11 at" ) );
     assert_contains( text, "  wrong: and 3 more frames\n" );
-    free( text );
 }
 
 TEST_IN_FOLDER( info_tells_what_is_in_a_point_cache )
@@ -717,7 +712,7 @@ TEST_IN_FOLDER( info_tells_what_is_in_a_point_cache )
     record_plain( path_in( state, "sail.pc2" ), 2 );
     wisp_recording* cache = NULL;
     assert_int_equal( wisp_pc2_open( path_in( state, "sail.pc2" ), &cache, NULL ), WISP_OK );
-    char* text = NULL;
+    SCOPED( free_local ) char* text = NULL;
     size_t length = 0;
     FILE* stream = open_memstream( &text, &length );
     assert_non_null( stream );
@@ -728,5 +723,4 @@ TEST_IN_FOLDER( info_tells_what_is_in_a_point_cache )
                                "  frames               from 0, every 1\n"
                                "  points               3, x 0 .. 1, y 0 .. 3, z -0.5 .. 0 m\n"
                                "  no defects\n" );
-    free( text );
 }

@@ -201,10 +201,9 @@ static void assert_right( const wisp_aabb_pairs* pairs, const wisp_aabb_args* ar
 
 static void find_right( finder* f, const wisp_aabb_args* args )
 {
-    right_pairs right = find_right_pairs( args );
+    SCOPED( free_right_pairs ) right_pairs right = find_right_pairs( args );
     assert_int_equal( find( f, args ), WISP_OK );
     assert_right( &f->pairs, args, &right );
-    free_right_pairs( &right );
 }
 
 static int list_tables( const wisp_kernels* tables[4] )
@@ -232,14 +231,13 @@ static void check_everything( finder* f, const wisp_aabb* queries, int query_cou
     const wisp_kernels* tables[4];
     const int table_count = list_tables( tables );
     wisp_aabb_args args = { .queries = queries, .query_count = query_count, .boxes = boxes, .box_count = count };
-    right_pairs right = find_right_pairs( &args );
+    SCOPED( free_right_pairs ) right_pairs right = find_right_pairs( &args );
     for ( int t = 0; t < table_count; ++t )
     {
         args.kernels = tables[t];
         assert_int_equal( find( f, &args ), WISP_OK );
         assert_right( &f->pairs, &args, &right );
     }
-    free_right_pairs( &right );
 }
 
 TEST( grids_find_the_pairs_of_a_double_loop )
@@ -332,10 +330,9 @@ TEST( a_filter_keeps_what_it_requests_in_order )
                 .filter = keep_thirds,
                 .filter_context = &offset,
             };
-            right_pairs right = find_right_thirds( &args, offset );
+            SCOPED( free_right_pairs ) right_pairs right = find_right_thirds( &args, offset );
             assert_int_equal( find( f, &args ), WISP_OK );
             assert_right( &f->pairs, &args, &right );
-            free_right_pairs( &right );
         }
     }
     finder_close( f );
@@ -375,7 +372,7 @@ TEST( the_number_of_workers_does_not_show )
         }
         make_boxes( boxes, (box_shape)shape, count, 20 );
         const wisp_aabb_args args = { .boxes = boxes, .box_count = count, .kernels = kernels_select( NULL, NULL ) };
-        right_pairs right = find_right_pairs( &args );
+        SCOPED( free_right_pairs ) right_pairs right = find_right_pairs( &args );
         uint64_t tested = 0;
         for ( int w = 0; w < WISP_COUNT( workers ); ++w )
         {
@@ -386,7 +383,6 @@ TEST( the_number_of_workers_does_not_show )
             assert_int_equal( f->pairs.tested, tested );
             finder_close( f );
         }
-        free_right_pairs( &right );
     }
 }
 

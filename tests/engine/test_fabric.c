@@ -125,7 +125,7 @@ TEST( spans_of_hinges_are_squared_distances )
 
 TEST( shuffled_meshes_hold_as_well )
 {
-    test_mesh mesh = test_mesh_sphere( 20, 30 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_sphere( 20, 30 );
     test_mesh_shuffle( &mesh );
     wisp_fabric_def def = test_fabric_def( &mesh );
     def.hinges = true;
@@ -133,12 +133,11 @@ TEST( shuffled_meshes_hold_as_well )
     wisp_fabric* fabric = test_fabric_cook( &def );
     assert_fabric_holds( fabric, &def );
     wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 TEST( a_plane_has_the_edges_that_counting_gives )
 {
-    test_mesh mesh = test_mesh_plane( 30, 20 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_plane( 30, 20 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     wisp_fabric* fabric = test_fabric_cook( &def );
 
@@ -148,24 +147,22 @@ TEST( a_plane_has_the_edges_that_counting_gives )
     assert_int_equal( fabric->nonmanifold_edge_count, 0 );
     assert_int_equal( fabric->link_count, fabric->edge_count + fabric->hinge_count );
     wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 TEST( a_sphere_has_no_border_and_eulers_number_two )
 {
-    test_mesh mesh = test_mesh_sphere( 12, 17 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_sphere( 12, 17 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     wisp_fabric* fabric = test_fabric_cook( &def );
     assert_int_equal( fabric->open_edge_count, 0 );
     assert_int_equal( fabric->hinge_count, fabric->edge_count );
     assert_int_equal( fabric->vertex_count - fabric->edge_count + fabric->triangle_count, 2 );
     wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 TEST( a_moebius_strip_is_wild_only_along_its_seam )
 {
-    test_mesh mesh = test_mesh_moebius( 41, 4 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_moebius( 41, 4 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     wisp_fabric* fabric = test_fabric_cook( &def );
 
@@ -173,12 +170,11 @@ TEST( a_moebius_strip_is_wild_only_along_its_seam )
     assert_int_equal( fabric->nonmanifold_edge_count, 3 );
     assert_int_equal( fabric->open_edge_count, 2 * 41 );
     wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 TEST( the_spine_of_a_book_is_wild_and_has_no_hinge )
 {
-    test_mesh mesh = test_mesh_book( 3 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_book( 3 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     wisp_fabric* fabric = test_fabric_cook( &def );
     assert_int_equal( fabric->edge_count, 7 );
@@ -186,12 +182,11 @@ TEST( the_spine_of_a_book_is_wild_and_has_no_hinge )
     assert_int_equal( fabric->hinge_count, 0 );
     assert_int_equal( fabric->open_edge_count, 6 );
     wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 TEST( two_triangles_back_to_back_have_hinges_but_no_bend_links )
 {
-    test_mesh mesh = test_mesh_make( 3, 2 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_make( 3, 2 );
     int next = 0;
     mesh.points[1].x = mesh.points[2].y = 1.0f;
     test_mesh_triangle( &mesh, &next, 0, 1, 2 );
@@ -203,12 +198,11 @@ TEST( two_triangles_back_to_back_have_hinges_but_no_bend_links )
     assert_int_equal( fabric->link_count, 3 );
     assert_fabric_holds( fabric, &def );
     wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 TEST( loose_vertices_stand_at_the_end_even_when_attached )
 {
-    test_mesh mesh = test_mesh_make( 10, 1 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_make( 10, 1 );
     int next = 0;
     mesh.points[4].x = mesh.points[8].y = 1.0f;
     test_mesh_triangle( &mesh, &next, 2, 4, 8 );
@@ -223,7 +217,6 @@ TEST( loose_vertices_stand_at_the_end_even_when_attached )
     assert_int_equal( fabric->attachments[0], fabric->vertex_slot[1] );
     assert_int_equal( fabric->attachments[1], 0 );
     wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 // Steps along edges from the attachments, by relaxing all edges until nothing changes.
@@ -252,7 +245,7 @@ static void measure_steps( const wisp_fabric* f, int* steps )
 
 TEST( the_order_sweeps_away_from_the_attachments )
 {
-    test_mesh mesh = test_mesh_plane( 30, 25 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_plane( 30, 25 );
     test_mesh_shuffle( &mesh );
     wisp_fabric_def def = test_fabric_def( &mesh );
     int32_t attachments[] = { 17, 400, 3, 17 };
@@ -272,12 +265,11 @@ TEST( the_order_sweeps_away_from_the_attachments )
     }
     free( steps );
     wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 TEST( components_come_one_after_another_attached_ones_first )
 {
-    test_mesh mesh = test_mesh_make( 3 * 200, 3 * 200 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_make( 3 * 200, 3 * 200 );
     for ( int v = 0; v < 600; ++v )
     {
         mesh.points[v].x = (float)test_random( v, 0, 1000 );
@@ -304,7 +296,6 @@ TEST( components_come_one_after_another_attached_ones_first )
     }
     assert_int_equal( fabric->vertex_slot[599], 0 );
     wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 // Neighbours around one of the user's vertices, in the user's numbering.
@@ -321,7 +312,7 @@ static void assert_fan( const wisp_fabric* f, int vertex, const int* expected, i
 TEST( fans_begin_at_borders_or_with_the_users_first_triangle )
 {
     // around vertex 0 a closed fan, and an open one whose triangles come in the wrong order
-    test_mesh mesh = test_mesh_make( 7, 5 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_make( 7, 5 );
     static const int corners[5][3] = { { 0, 2, 3 }, { 0, 5, 6 }, { 0, 1, 2 }, { 3, 1, 0 }, { 4, 5, 0 } };
     int next = 0;
     for ( int t = 0; t < 5; ++t )
@@ -334,12 +325,11 @@ TEST( fans_begin_at_borders_or_with_the_users_first_triangle )
     assert_fan( fabric, 1, ( const int[] ){ 2, 0, 3 }, 3 );
     assert_fan( fabric, 5, ( const int[] ){ 6, 0, 4 }, 3 );
     wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 TEST( a_shuffled_plane_is_ordered_as_narrow_as_its_rings )
 {
-    test_mesh mesh = test_mesh_plane( 40, 40 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_plane( 40, 40 );
     test_mesh_shuffle( &mesh );
     wisp_fabric_def def = test_fabric_def( &mesh );
     wisp_fabric* fabric = test_fabric_cook( &def );
@@ -355,12 +345,11 @@ TEST( a_shuffled_plane_is_ordered_as_narrow_as_its_rings )
     assert_true( test_bandwidth( fabric ) <= 2 * ( 40 + 40 ) );
     assert_true( test_bandwidth( fabric ) < shuffled / 8 );
     wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 TEST( the_same_mesh_has_the_same_hash_and_another_has_another )
 {
-    test_mesh mesh = test_mesh_sphere( 20, 30 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_sphere( 20, 30 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     def.hinges = true;
     wisp_fabric* first = test_fabric_cook( &def );
@@ -376,7 +365,6 @@ TEST( the_same_mesh_has_the_same_hash_and_another_has_another )
     wisp_fabric_release( second );
     wisp_fabric_release( moved );
     wisp_fabric_release( swept );
-    test_mesh_free( &mesh );
 }
 
 TEST( there_are_at_least_four_tiles_unless_they_would_be_smaller_than_256 )
@@ -389,19 +377,18 @@ TEST( there_are_at_least_four_tiles_unless_they_would_be_smaller_than_256 )
     };
     for ( int i = 0; i < WISP_COUNT( cases ); ++i )
     {
-        test_mesh mesh = test_mesh_make( cases[i].vertices, 0 );
+        SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_make( cases[i].vertices, 0 );
         wisp_fabric_def def = test_fabric_def( &mesh );
         wisp_fabric* fabric = test_fabric_cook( &def );
         assert_int_equal( fabric->tile_size, cases[i].tile_size );
         assert_int_equal( fabric->tile_count, cases[i].tiles );
         wisp_fabric_release( fabric );
-        test_mesh_free( &mesh );
     }
 }
 
 TEST( what_hangs_on_an_attachment_comes_last_in_its_tile )
 {
-    test_mesh mesh = test_mesh_plane( 20, 20 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_plane( 20, 20 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     const int32_t corners[2] = { 0, 19 };
     def.attachments = corners;
@@ -424,7 +411,6 @@ TEST( what_hangs_on_an_attachment_comes_last_in_its_tile )
         }
     }
     wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 TEST( cloth_wastes_few_lanes_and_crowded_poles_few_more )
@@ -449,7 +435,7 @@ TEST( cloth_wastes_few_lanes_and_crowded_poles_few_more )
 
 TEST( without_tiles_a_colour_is_a_tile_that_shares_no_vertex )
 {
-    test_mesh mesh = test_mesh_sphere( 9, 200 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_sphere( 9, 200 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     wisp_fabric* fabric = test_fabric_cook( &def );
     fabric_pool keep = { 0 };
@@ -478,12 +464,11 @@ TEST( without_tiles_a_colour_is_a_tile_that_shares_no_vertex )
     free( colour );
     fabric_pool_release( &keep );
     wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 TEST( triangles_without_area_keep_their_edges )
 {
-    test_mesh mesh = test_mesh_make( 3, 1 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_make( 3, 1 );
     int next = 0;
     test_mesh_triangle( &mesh, &next, 0, 1, 2 );
     wisp_fabric_def def = test_fabric_def( &mesh );
@@ -491,7 +476,6 @@ TEST( triangles_without_area_keep_their_edges )
     assert_int_equal( fabric->edge_count, 3 );
     assert_true( fabric->area[0] == 0.0f && fabric->area[1] == 0.0f && fabric->area[2] == 0.0f );
     wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 static void expect_fabric_refusal( const wisp_fabric_def* def, const char* part )
@@ -506,7 +490,7 @@ static void expect_fabric_refusal( const wisp_fabric_def* def, const char* part 
 
 TEST( bad_input_is_refused_by_a_message_that_names_it )
 {
-    test_mesh mesh = test_mesh_plane( 4, 4 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_plane( 4, 4 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     int32_t kept = mesh.triangles[7], attachment = 16;
     mesh.triangles[7] = 16;
@@ -547,12 +531,11 @@ TEST( bad_input_is_refused_by_a_message_that_names_it )
         def.tile_size = tiles[i];
         expect_fabric_refusal( &def, "tiles" );
     }
-    test_mesh_free( &mesh );
 }
 
 TEST( cooking_without_memory_says_so_and_leaks_nothing )
 {
-    test_mesh mesh = test_mesh_sphere( 5, 8 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_sphere( 5, 8 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     int32_t attachment = 3;
     def.hinges = def.tethers = true;
@@ -577,14 +560,13 @@ TEST( cooking_without_memory_says_so_and_leaks_nothing )
         assert_host_memory_is_released( &host );
     }
     assert_true( failures > 50 );
-    test_mesh_free( &mesh );
 }
 
 TEST( a_fabric_dies_with_its_last_owner )
 {
     test_host host = { 0 };
     wisp_allocator allocator = test_host_allocator( &host );
-    test_mesh mesh = test_mesh_plane( 9, 9 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_plane( 9, 9 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     wisp_fabric* fabric = NULL;
     assert_int_equal( wisp_fabric_cook( &def, &allocator, &fabric, NULL ), WISP_OK );
@@ -597,5 +579,4 @@ TEST( a_fabric_dies_with_its_last_owner )
     wisp_fabric_release( fabric );
     wisp_fabric_release( NULL );
     assert_host_memory_is_released( &host );
-    test_mesh_free( &mesh );
 }

@@ -7,26 +7,24 @@
 
 TEST( numbers_that_are_none_are_counted_and_answered_with_nothing )
 {
-    test_mesh m = test_mesh_ball( 4, false );
+    SCOPED( test_mesh_free ) test_mesh m = test_mesh_ball( 4, false );
     for ( int deforms = 0; deforms < 2; ++deforms )
     {
         wisp_collision_mesh* tree = test_collision_mesh( &m, deforms == 1 );
         assert_refuses_bad_numbers( tree );
         wisp_collision_mesh_release( tree );
     }
-    test_mesh_free( &m );
 }
 
 TEST( the_ends_of_the_reach_are_answered )
 {
-    test_mesh m = test_mesh_ball( 4, false );
+    SCOPED( test_mesh_free ) test_mesh m = test_mesh_ball( 4, false );
     for ( int deforms = 0; deforms < 2; ++deforms )
     {
         wisp_collision_mesh* tree = test_collision_mesh( &m, deforms == 1 );
         assert_answers_the_ends_of_the_reach( tree );
         wisp_collision_mesh_release( tree );
     }
-    test_mesh_free( &m );
 }
 
 TEST( a_wrong_mesh_is_refused_with_its_first_fault )
@@ -65,7 +63,7 @@ TEST( a_wrong_mesh_is_refused_with_its_first_fault )
 
 TEST( every_refused_block_is_a_message_and_leaves_nothing )
 {
-    test_mesh m = test_mesh_ball( 4, false );
+    SCOPED( test_mesh_free ) test_mesh m = test_mesh_ball( 4, false );
     for ( int deforms = 0; deforms < 2; ++deforms )
     {
         wisp_collision_mesh_def def = test_mesh_def( &m, deforms == 1 );
@@ -74,7 +72,6 @@ TEST( every_refused_block_is_a_message_and_leaves_nothing )
         const bool is_own = deforms == 1 || embree_tree_exists() == false;
         assert_true( is_own ? bytes[0] == bytes[1] : bytes[0] > bytes[1] ); // Embree has memory of its own
     }
-    test_mesh_free( &m );
 }
 
 TEST( a_limit_of_memory_is_kept_by_embree )
@@ -83,7 +80,7 @@ TEST( a_limit_of_memory_is_kept_by_embree )
     {
         skip();
     }
-    test_mesh m = test_mesh_bumpy( 40 );
+    SCOPED( test_mesh_free ) test_mesh m = test_mesh_bumpy( 40 );
     wisp_collision_mesh_def def = test_mesh_def( &m, false );
     wisp_collision_mesh* tree;
     wisp_error error = { 0 };
@@ -94,12 +91,11 @@ TEST( a_limit_of_memory_is_kept_by_embree )
     def.memory_limit = (size_t)1 << 30;
     assert_int_equal( wisp_collision_mesh_create( &def, NULL, &tree, &error ), WISP_OK );
     wisp_collision_mesh_release( tree );
-    test_mesh_free( &m );
 }
 
 TEST( denormal_numbers_keep_their_meaning_for_the_host )
 {
-    test_mesh m = test_mesh_ball( 4, false );
+    SCOPED( test_mesh_free ) test_mesh m = test_mesh_ball( 4, false );
     wisp_collision_mesh* tree = test_collision_mesh( &m, true );
     assert_int_equal( wisp_collision_mesh_update( tree, NULL, m.points, NULL, NULL ), WISP_OK );
     closest( tree, m.points[0], 1.0f );
@@ -108,5 +104,4 @@ TEST( denormal_numbers_keep_their_meaning_for_the_host )
     volatile float half = 0.5f * least; // zero where a library has changed the processor's mode
     assert_true( half > 0.0f );
     wisp_collision_mesh_release( tree );
-    test_mesh_free( &m );
 }

@@ -300,7 +300,7 @@ static float* quads_by_slot( const wisp_grid* g, const cloud* c )
 static int64_t check_cloud( space* s, const cloud* c, float radius, float skin, int limit )
 {
     assert_int_equal( build_grid( s, c, skin > radius ? skin : radius ), WISP_OK );
-    float* xyzw = quads_by_slot( &s->grid, c );
+    SCOPED( free_local ) float* xyzw = quads_by_slot( &s->grid, c );
     wisp_neighbour_query query = {
         .xyzw = xyzw,
         .query_count = c->count,
@@ -309,9 +309,7 @@ static int64_t check_cloud( space* s, const cloud* c, float radius, float skin, 
         .limit = limit,
     };
     assert_int_equal( search( s, &query ), WISP_OK );
-    int64_t found = assert_found_by_brute_force( s, &query );
-    free( xyzw );
-    return found;
+    return assert_found_by_brute_force( s, &query );
 }
 
 static void check_every_cloud( space* s, int first_count, int last_count )

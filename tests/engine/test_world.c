@@ -13,7 +13,7 @@ WORLD_TEST( points_come_out_in_the_users_order )
 {
     hosted* h = *state;
     static const int lengths[] = { 3, 0, 7, 1, 7, 2, 0, 12 };
-    test_strands s = test_strands_make( lengths, WISP_COUNT( lengths ) );
+    SCOPED( test_strands_free ) test_strands s = test_strands_make( lengths, WISP_COUNT( lengths ) );
     wisp_strands_def def = test_strands_def( &s );
     wisp_entity e;
     assert_int_equal( wisp_add_strands( h->world, &def, &e ), WISP_OK );
@@ -23,7 +23,6 @@ WORLD_TEST( points_come_out_in_the_users_order )
     assert_int_equal( view.count, s.vertex_count );
     assert_int_equal( view.stride, sizeof( wisp_vec3 ) );
     assert_memory_equal( view.data, s.points, (size_t)s.vertex_count * sizeof( wisp_vec3 ) );
-    test_strands_free( &s );
 }
 
 WORLD_TEST( a_view_of_what_nobody_requests_is_a_conflict )
@@ -214,7 +213,7 @@ WORLD_TEST( a_snapshot_needs_room_and_brings_the_state_back )
     wisp_entity e = add_frozen( h->world, 20, 6 );
     step( h->world );
     size_t size = wisp_world_snapshot_size( h->world );
-    void* bytes = checked_malloc( size );
+    SCOPED( free_local ) void* bytes = checked_malloc( size );
     assert_int_equal( wisp_world_snapshot( h->world, bytes, size - 1 ), WISP_BAD_INPUT );
     assert_int_equal( wisp_world_snapshot( h->world, bytes, size ), WISP_OK );
     uint64_t hash = wisp_world_hash( h->world );
@@ -225,7 +224,6 @@ WORLD_TEST( a_snapshot_needs_room_and_brings_the_state_back )
     assert_int_equal( wisp_world_hash( h->world ), hash );
     assert_int_equal( wisp_world_restore( h->world, bytes, size - 1 ), WISP_BAD_INPUT );
     assert_one_message( wisp_world_message( h->world ) );
-    free( bytes );
 }
 
 // Snapshot, a step, restore, the same step again: both must end alike. @return the two hashes
@@ -429,14 +427,13 @@ static const float DT = 1.0f / 64.0f; // exact, as are its sums
 // A sheet that flies along x at 1 m/s.
 static wisp_entity add_flying( wisp_world* world )
 {
-    test_mesh mesh = test_plane( SIDE, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( SIDE, 0.1f );
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
     const wisp_entity e = test_surface_of( world, &fabric, support_weightless_surface_def() );
     const wisp_cloth_def cloth = wisp_default_cloth_def();
     assert_status( world, wisp_set_cloth( world, e, &cloth ), WISP_OK );
     assert_status( world, wisp_set_velocity( world, e, ( wisp_vec3 ){ 1, 0, 0 }, ( wisp_vec3 ){ 0 } ), WISP_OK );
     assert_status( world, wisp_request( world, e, WISP_SURFACE_POINTS ), WISP_OK );
-    test_mesh_free( &mesh );
     return e;
 }
 
@@ -504,7 +501,7 @@ WORLD_TEST( hashes_and_restored_points_are_those_of_the_step )
     hosted* h = *state;
     const wisp_entity e = add_flying( h->world );
     const size_t capacity = wisp_world_snapshot_size( h->world ) + 100000;
-    char* bytes = malloc( capacity );
+    SCOPED( free_local ) char* bytes = malloc( capacity );
     assert_non_null( bytes );
     advance( h->world, 2.0 * (double)DT );
     const uint64_t hash = hash_of( h->world, e, WISP_SURFACE_POINTS );
@@ -517,7 +514,6 @@ WORLD_TEST( hashes_and_restored_points_are_those_of_the_step )
     advance( h->world, 3.0 * (double)DT );
     assert_status( h->world, wisp_world_restore( h->world, bytes, size ), WISP_OK );
     assert_true( fabs( x_of( h->world, e ) - 2.0 * (double)DT ) < 1e-5 );
-    free( bytes );
 }
 
 WORLD_TEST( entities_may_come_and_go )
@@ -614,7 +610,7 @@ static double random_dt( int number )
 TEST( constant_steps_have_the_same_substeps_exactly )
 {
     step_clock clock = { 0 };
-    wisp_frame* frame = new_frame();
+    SCOPED( free_local ) wisp_frame* frame = new_frame();
     for ( int i = 0; i < 1500; ++i )
     {
         assert_int_equal( advance_clock( &clock, frame, 1.0 / 60.0 ), SUBSTEPS );
@@ -627,14 +623,13 @@ TEST( constant_steps_have_the_same_substeps_exactly )
         assert_true( wisp_frame_progress_left( frame, FINER, SUBSTEPS * SPLIT - 1 ) == 1.0f );
         assert_true( frame->reached == 1.0f && clock.remainder == 0.0 );
     }
-    free( frame );
 }
 
 // Substeps never shrink by more than 0.2 % from step to step, and their sum follows that of the steps within one substep.
 TEST( steps_of_any_length_have_substeps_that_barely_change )
 {
     step_clock clock = { 0 };
-    wisp_frame* frame = new_frame();
+    SCOPED( free_local ) wisp_frame* frame = new_frame();
     double asked = 0.0, simulated = 0.0, last = 0.0;
     int changes = 0;
     for ( int i = 0; i < 5000; ++i )
@@ -649,7 +644,6 @@ TEST( steps_of_any_length_have_substeps_that_barely_change )
         assert_true( clock.remainder >= 0.0 && clock.remainder < last );
     }
     assert_true( changes <= 3 ); // up to what the longest steps need
-    free( frame );
 }
 
 // A pin with a target for the end of each step moves at constant speed over all substeps.
@@ -691,7 +685,7 @@ TEST( a_steady_target_is_followed_at_a_steady_speed )
 TEST( a_new_usual_length_is_followed )
 {
     step_clock clock = { 0 };
-    wisp_frame* frame = new_frame();
+    SCOPED( free_local ) wisp_frame* frame = new_frame();
     const double lengths[] = { 1.0 / 60.0, 1.0 / 120.0, 1.0 / 30.0 };
     for ( int k = 0; k < 3; ++k )
     {
@@ -702,14 +696,13 @@ TEST( a_new_usual_length_is_followed )
         assert_true( clock.usual_dt == (float)lengths[k] );
         assert_true( fabs( (double)frame->seconds * SUBSTEPS / lengths[k] - 1.0 ) < 1e-6 );
     }
-    free( frame );
 }
 
 // Beyond the limit a step is cut, and what is cut is told. No step changes the substeps of others.
 TEST( one_long_step_costs_at_most_the_limit )
 {
     step_clock clock = { 0 };
-    wisp_frame* frame = new_frame();
+    SCOPED( free_local ) wisp_frame* frame = new_frame();
     for ( int i = 0; i < 200; ++i )
     {
         const float dt = i % 30 == 29 ? 10.0f : i % 30 == 7 ? 0.1f : 1.0f / 60.0f;
@@ -721,14 +714,13 @@ TEST( one_long_step_costs_at_most_the_limit )
     }
     assert_near( step_clock_advance( &clock, 10.0f, SUBSTEPS, 1000, false, frame ), 0.0, 0.0 );
     assert_int_equal( frame->substeps, 600 * SUBSTEPS );
-    free( frame );
 }
 
 // Substeps of a sequence of steps are those of 1/60 s in all of its steps behind the first ones.
 static void check_usual_length( const double* lengths, int count, int first_ones )
 {
     step_clock clock = { 0 };
-    wisp_frame* frame = new_frame();
+    SCOPED( free_local ) wisp_frame* frame = new_frame();
     for ( int i = 0; i < 1000; ++i )
     {
         const double dt = lengths[i < first_ones ? i : first_ones + ( i - first_ones ) % ( count - first_ones )];
@@ -736,7 +728,6 @@ static void check_usual_length( const double* lengths, int count, int first_ones
         assert_true( i < first_ones || frame->seconds == 1.0f / 60.0f / (float)SUBSTEPS );
         assert_true( i < first_ones || dt < 1.0 / 61.0 || frame->substeps >= SUBSTEPS );
     }
-    free( frame );
 }
 
 TEST( the_usual_length_is_that_of_most_steps )
@@ -757,20 +748,19 @@ TEST( the_usual_length_is_that_of_most_steps )
 TEST( tiny_steps_do_not_outnumber_usual_ones )
 {
     step_clock clock = { 0 };
-    wisp_frame* frame = new_frame();
+    SCOPED( free_local ) wisp_frame* frame = new_frame();
     for ( int i = 0; i < 20000; ++i )
     {
         advance_clock( &clock, frame, i < 10 || i > 18000 ? 1.0 / 60.0 : 1e-5 ); // 0.2 s of tiny ones
         assert_true( frame->seconds == 1.0f / 60.0f / (float)SUBSTEPS );
     }
-    free( frame );
 }
 
 TEST( hitches_do_not_keep_a_new_length_from_being_followed )
 {
     const double lengths[] = { 1.0 / 60.0, 1.0 / 144.0, 1.0 / 30.0 };
     step_clock clock = { 0 };
-    wisp_frame* frame = new_frame();
+    SCOPED( free_local ) wisp_frame* frame = new_frame();
     for ( int k = 0; k < 3; ++k )
     {
         for ( int i = 0; i < 1500; ++i )
@@ -780,40 +770,36 @@ TEST( hitches_do_not_keep_a_new_length_from_being_followed )
         assert_true( clock.usual_dt == (float)lengths[k] );
         assert_true( frame->seconds == (float)lengths[k] / (float)SUBSTEPS );
     }
-    free( frame );
 }
 
 // Who makes steps of a second gets them: the first alone may be a load screen.
 TEST( a_second_long_step_makes_them_usual )
 {
     step_clock clock = { 0 };
-    wisp_frame* frame = new_frame();
+    SCOPED( free_local ) wisp_frame* frame = new_frame();
     assert_int_equal( advance_clock( &clock, frame, 0.5 ), 30 * SUBSTEPS );
     assert_int_equal( advance_clock( &clock, frame, 0.5 ), SUBSTEPS );
     assert_true( frame->seconds == 0.5f / (float)SUBSTEPS );
-    free( frame );
 }
 
 TEST( a_trial_step_at_the_start_does_not_set_the_usual_length )
 {
     step_clock clock = { 0 };
-    wisp_frame* frame = new_frame();
+    SCOPED( free_local ) wisp_frame* frame = new_frame();
     advance_clock( &clock, frame, 1e-6 );
     assert_int_equal( advance_clock( &clock, frame, 1.0 / 60.0 ), SUBSTEPS );
     assert_true( frame->seconds == (float)( 1.0 / 60.0 ) / (float)SUBSTEPS );
-    free( frame );
 }
 
 TEST( a_step_that_must_run_has_one_substep )
 {
     step_clock clock = { 0 };
-    wisp_frame* frame = new_frame();
+    SCOPED( free_local ) wisp_frame* frame = new_frame();
     advance_clock( &clock, frame, 1.0 / 60.0 );
     assert_int_equal( advance_clock( &clock, frame, 1e-5 ), 0 );
     step_clock_advance( &clock, 1e-5f, SUBSTEPS, LONGEST, true, frame );
     assert_int_equal( frame->substeps, 1 );
     assert_true( fabs( (double)frame->seconds - 2e-5 ) < 1e-9 && clock.remainder == 0.0 );
-    free( frame );
 }
 
 TEST( clocks_that_no_step_leaves_are_refused )

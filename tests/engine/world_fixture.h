@@ -59,11 +59,17 @@ static inline int open_hosted( void** state )
 
 static inline int close_hosted( void** state )
 {
-    hosted* h = *state;
+    SCOPED( free_local ) hosted* h = *state;
     wisp_world_destroy( h->world );
     assert_host_memory_is_released( &h->host );
-    free( h );
     return 0;
+}
+
+/// For locals that point to such a world.
+static inline void close_local( hosted** h )
+{
+    void* state = *h;
+    close_hosted( &state );
 }
 
 /// Frozen hair that clumps: neighbours are within its radius.

@@ -85,6 +85,7 @@ static inline void move_to( sheet* s, float height )
 
 static inline void add_skin( sheet* s )
 {
+    SCOPED( test_mesh_free )
     test_mesh placed =
         new_mesh( s->collider.points, s->collider.vertex_count, s->collider.triangles, s->collider.triangle_count );
     int32_t all[8];
@@ -98,7 +99,6 @@ static inline void add_skin( sheet* s )
     def.pins = all;
     def.pin_count = placed.vertex_count;
     s->skin = test_surface_of( s->h->world, &fabric, def );
-    test_mesh_free( &placed );
 }
 
 // A sheet of cells of 2 cm in the plane y = 0, held at its border or free, and a mesh whose highest point is at a height.

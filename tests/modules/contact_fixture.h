@@ -106,14 +106,12 @@ static inline wisp_entity add_mesh( wisp_world* world, test_mesh* mesh, const in
 /// The same, every vertex pinned.
 static inline wisp_entity add_pinned( wisp_world* world, test_mesh* mesh )
 {
-    int32_t* all = checked_calloc( (uint32_t)mesh->vertex_count, sizeof( int32_t ) );
+    SCOPED( free_local ) int32_t* all = checked_calloc( (uint32_t)mesh->vertex_count, sizeof( int32_t ) );
     for ( int v = 0; v < mesh->vertex_count; ++v )
     {
         all[v] = v;
     }
-    const wisp_entity e = add_mesh( world, mesh, all, mesh->vertex_count, 0.15f );
-    free( all );
-    return e;
+    return add_mesh( world, mesh, all, mesh->vertex_count, 0.15f );
 }
 
 /// Add cloth of a mesh. Frees the mesh.

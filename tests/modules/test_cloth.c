@@ -70,7 +70,7 @@ static double relaxed_extension( const test_mesh* mesh, const wisp_cloth_def* cl
 
 static double hung_extension( const test_mesh* mesh, const wisp_cloth_def* cloth, double weight )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, 8, 64 );
     const int32_t pins[2] = { 0, 1 };
     wisp_fabric_def fabric = test_fabric_def( mesh );
@@ -83,13 +83,12 @@ static double hung_extension( const test_mesh* mesh, const wisp_cloth_def* cloth
     assert_status( h.world, wisp_set_damping( h.world, e, 20.0f ), WISP_OK );
     run_steps( h.world, 180, 1.0f / 60.0f );
     double ends = (double)point_of( h.world, e, COUNT - 1 ).y + (double)point_of( h.world, e, COUNT - 2 ).y;
-    close_world( &h );
     return -0.5 * ends - ( ROWS - 1 ) * 0.05;
 }
 
 TEST( strips_along_warp_weft_and_between_stretch_by_their_compliances )
 {
-    test_mesh mesh = hanging_mesh( 2, ROWS, 0.05f, 0.05f );
+    SCOPED( test_mesh_free ) test_mesh mesh = hanging_mesh( 2, ROWS, 0.05f, 0.05f );
     const wisp_vec3 warps[] = { { 0.0f, 1.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 1.0f, 1.0f, 0.0f } };
     const char* const names[] = { "warp", "weft", "45 degrees" };
     double extension[3];
@@ -109,7 +108,6 @@ TEST( strips_along_warp_weft_and_between_stretch_by_their_compliances )
     }
     assert_true( extension[0] < 0.5 * extension[1] );
     assert_true( extension[2] > extension[0] );
-    test_mesh_free( &mesh );
 }
 
 // ---- stretch of a hanging cloth ----
@@ -135,10 +133,11 @@ typedef struct stretch
 
 static stretch hang( const hanging* c, double time )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, c->substeps, c->iterations );
     const int n = c->n;
     const float spacing = (float)( c->side / ( n - 1 ) );
+    SCOPED( test_mesh_free )
     test_mesh mesh = c->still ? hanging_mesh( n, n, spacing, spacing ) : test_plane( n, spacing );
     int32_t pins[128];
     int pin_count = 0;
@@ -183,8 +182,6 @@ static stretch hang( const hanging* c, double time )
     s.sag = -c->side - (double)point_of( h.world, e, n * ( n - 1 ) + n / 2 ).y;
     assert_int_equal( count_passes_named( h.world, "surface.levels" ),
                       wisp_world_fabric( h.world, e )->level_count > 0 && c->coarse ? 1 : 0 );
-    test_mesh_free( &mesh );
-    close_world( &h );
     return s;
 }
 
@@ -256,7 +253,7 @@ TEST( coarse_sheets_do_in_one_substep_what_ten_cannot )
 WORLD_TEST( a_pin_that_jumps_a_hundred_metres_takes_its_cloth_along )
 {
     hosted* h = *state;
-    test_mesh mesh = test_plane( 9, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 9, 0.1f );
     const int32_t pin = 0;
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_surface_def surface = support_weightless_surface_def();
@@ -274,7 +271,6 @@ WORLD_TEST( a_pin_that_jumps_a_hundred_metres_takes_its_cloth_along )
     assert_true( at.x == 100.0f );
     // a diagonal of 1.13 m hangs from it, with as much stretch as one pass per step leaves
     assert_true( vec_distance( at, other ) < 1.5 );
-    test_mesh_free( &mesh );
 }
 
 WORLD_TEST( bad_meshes_are_cloth_all_the_same )
@@ -310,6 +306,7 @@ WORLD_TEST( bad_meshes_are_cloth_all_the_same )
 WORLD_TEST( a_mesh_too_small_for_coarse_sheets_has_none )
 {
     hosted* h = *state;
+    SCOPED( test_mesh_free )
     test_mesh mesh = triangle_mesh( ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 0, 0, 1 }, ( wisp_vec3 ){ 1, 0, 0 } );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.coarse_sheets = true;
@@ -322,13 +319,12 @@ WORLD_TEST( a_mesh_too_small_for_coarse_sheets_has_none )
     step( h->world );
     assert_int_equal( count_passes_named( h->world, "surface.levels" ), 0 );
     assert_int_equal( count_passes_named( h->world, "cloth.bending" ), 0 );
-    test_mesh_free( &mesh );
 }
 
 WORLD_TEST( who_asks_for_coarse_sheets_in_vain_is_told_once )
 {
     hosted* h = *state;
-    test_mesh mesh = test_plane( 30, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 30, 0.1f );
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_cloth_def cloth = wisp_default_cloth_def();
     wisp_entity e = add_cloth( h->world, &fabric, support_weightless_surface_def(), &cloth, EARTH );
@@ -341,23 +337,20 @@ WORLD_TEST( who_asks_for_coarse_sheets_in_vain_is_told_once )
         assert_int_equal( h->log.count, before + 1 );
         assert_contains( h->log.last, "the fabric has no coarse sheets" );
     }
-    test_mesh_free( &mesh );
 }
 
 // ---- refusals ----
 
 static wisp_entity add_plain( hosted* h, bool cross, bool hinges, bool attached )
 {
-    test_mesh mesh = test_plane( 4, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 4, 0.1f );
     const int32_t pin = 0;
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.bend_links = cross;
     fabric.hinges = hinges;
     fabric.attachments = &pin;
     fabric.attachment_count = attached ? 1 : 0;
-    wisp_entity e = test_surface_of( h->world, &fabric, support_weightless_surface_def() );
-    test_mesh_free( &mesh );
-    return e;
+    return test_surface_of( h->world, &fabric, support_weightless_surface_def() );
 }
 
 static void assert_refused( hosted* h, wisp_entity e, const wisp_cloth_def* def, wisp_status expected,

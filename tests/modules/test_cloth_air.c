@@ -12,6 +12,7 @@ static const float DENSITY = 1.225f; // kg/m^3, at 15 degrees
 // A triangle of 0.08 m^2 in the plane y = 0, its normal up; every vertex weighs 10 g.
 static wisp_entity add_triangle( wisp_world* world, wisp_vec3 wind, float drag, float lift )
 {
+    SCOPED( test_mesh_free )
     test_mesh mesh = triangle_mesh( ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, ( wisp_vec3 ){ 0.0f, 0.0f, 0.4f },
                                     ( wisp_vec3 ){ 0.4f, 0.0f, 0.0f } );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
@@ -22,9 +23,7 @@ static wisp_entity add_triangle( wisp_world* world, wisp_vec3 wind, float drag, 
     cloth.wind = wind;
     cloth.drag_coefficient = drag;
     cloth.lift_coefficient = lift;
-    wisp_entity e = add_cloth( world, &fabric, surface, &cloth, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
-    test_mesh_free( &mesh );
-    return e;
+    return add_cloth( world, &fabric, surface, &cloth, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
 }
 
 // The force of a wind of 3 m/s at an angle to the plane, from the momentum of one short step, N.
@@ -72,9 +71,9 @@ TEST( a_plate_falls_broadside_at_its_terminal_velocity )
     double error[2];
     for ( int i = 0; i < 2; ++i )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_world( &h, 4 << i, 1 );
-        test_mesh mesh = test_plane( 9, 0.1f );
+        SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 9, 0.1f );
         wisp_fabric_def fabric = test_fabric_def( &mesh );
         wisp_cloth_def cloth = wisp_default_cloth_def();
         cloth.drag_coefficient = 1.28f;
@@ -87,8 +86,6 @@ TEST( a_plate_falls_broadside_at_its_terminal_velocity )
         run_steps( h.world, 174, 1.0f / 60.0f );
         wisp_motion_stats q = motion_stats_of( h.world, e );
         error[i] = -q.momentum[1] / q.mass - terminal;
-        test_mesh_free( &mesh );
-        close_world( &h );
     }
     print_message( "           %.5f m/s, error %+.5f and %+.5f with half the step\n", terminal, error[0], error[1] );
     assert_near( terminal, 1.37, 0.001 );
@@ -115,7 +112,7 @@ WORLD_TEST( air_moves_a_feather_to_the_winds_speed_and_never_beyond )
 WORLD_TEST( lift_adds_no_energy_to_what_is_light )
 {
     hosted* h = *state;
-    test_mesh mesh = test_plane( 9, 0.05f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 9, 0.05f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_surface_def surface = support_weightless_surface_def();
     surface.area_density = 1e-4f;
@@ -130,7 +127,6 @@ WORLD_TEST( lift_adds_no_energy_to_what_is_light )
         assert_true( motion_stats_of( h->world, e ).kinetic_energy <
                      1.05 * 0.5 * motion_stats_of( h->world, e ).mass * fallen * fallen );
     }
-    test_mesh_free( &mesh );
 }
 
 WORLD_TEST( wind_that_only_slides_along_does_nothing )
@@ -174,7 +170,7 @@ WORLD_TEST( drag_knows_no_axis )
     double speed[2];
     for ( int i = 0; i < 2; ++i )
     {
-        test_mesh mesh = test_plane( 5, 0.1f );
+        SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 5, 0.1f );
         for ( int v = 0; v < mesh.vertex_count && i == 1; ++v )
         {
             mesh.points[v] = ( wisp_vec3 ){ mesh.points[v].x, mesh.points[v].z, 0.0f };
@@ -188,7 +184,6 @@ WORLD_TEST( drag_knows_no_axis )
         run_steps( h->world, 10, 0.01f );
         wisp_motion_stats q = motion_stats_of( h->world, e );
         speed[i] = ( i == 0 ? q.momentum[1] : q.momentum[2] ) / q.mass;
-        test_mesh_free( &mesh );
     }
     // positions of 0.3 m in 0.01 s
     assert_near( speed[0] / speed[1], 1.0, 1e-4 );
@@ -242,7 +237,7 @@ WORLD_TEST( shaking_dies_at_the_given_rate_and_momentum_stays )
 {
     hosted* h = *state;
     const float rate = 5.0f;
-    test_mesh mesh = test_plane( 9, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 9, 0.1f );
     wisp_entity e = add_damped( h->world, &mesh, rate, NULL, 0 );
     unlink_all( h->world, e, rate );
     assert_status( h->world,
@@ -271,7 +266,6 @@ WORLD_TEST( shaking_dies_at_the_given_rate_and_momentum_stays )
     print_message( "           %.4f of the energy of shaking is left, 1 / (1 + rate dt)^2n is %.4f\n", kept,
                    expected );
     assert_near( kept, expected, 0.05 );
-    test_mesh_free( &mesh );
 }
 
 // A sheet of 0.8 m, whose sums run over one block, over two, or over the maximum number.
@@ -286,7 +280,7 @@ static test_mesh sheet_of( int side )
 // same.
 static void check_turning( hosted* h, int side )
 {
-    test_mesh mesh = sheet_of( side );
+    SCOPED( test_mesh_free ) test_mesh mesh = sheet_of( side );
     wisp_entity damped = add_damped( h->world, &mesh, 50.0f, NULL, 0 ),
                 free = add_damped( h->world, &mesh, 0.0f, NULL, 0 );
     unlink_all( h->world, damped, 50.0f );
@@ -313,7 +307,6 @@ static void check_turning( hosted* h, int side )
         assert_near( q[0].momentum[k], q[1].momentum[k], 2e-8 );
     }
     assert_true( q[0].kinetic_energy < q[1].kinetic_energy );
-    test_mesh_free( &mesh );
 }
 
 WORLD_TEST( damping_takes_no_turning )
@@ -327,7 +320,7 @@ WORLD_TEST( damping_takes_no_turning )
 // Ten turns a second, with damping so strong that only the rigid motion remains after a step.
 static void check_rigid_turn( hosted* h, int side )
 {
-    test_mesh mesh = sheet_of( side );
+    SCOPED( test_mesh_free ) test_mesh mesh = sheet_of( side );
     wisp_entity e = add_damped( h->world, &mesh, 1e6f, NULL, 0 );
     unlink_all( h->world, e, 1e6f );
     assert_status(
@@ -341,7 +334,6 @@ static void check_rigid_turn( hosted* h, int side )
     // positions turn along a chord in a step: their moment of inertia grows by (w dt)^2 = 1e-6
     assert_near( second.angular_momentum[1] / first.angular_momentum[1], 1.0, 1e-4 );
     assert_near( second.kinetic_energy / first.kinetic_energy, 1.0, 1e-4 );
-    test_mesh_free( &mesh );
 }
 
 WORLD_TEST( a_rigid_turn_lives_through_any_damping )
@@ -356,7 +348,7 @@ WORLD_TEST( a_rigid_turn_lives_through_any_damping )
 static void check_line( hosted* h, wisp_vec3 along, wisp_vec3 foreign, float width, wisp_vec3 turning,
                         double tolerance )
 {
-    test_mesh mesh = test_plane( 5, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 5, 0.1f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_vec3 line[25];
     for ( int v = 0; v < 25; ++v )
@@ -385,7 +377,6 @@ static void check_line( hosted* h, wisp_vec3 along, wisp_vec3 foreign, float wid
     assert_true( before > 0.0 );
     assert_near( after / before, 1.0, tolerance );
     assert_true( last.kinetic_energy <= first.kinetic_energy * ( 1.0 + tolerance ) );
-    test_mesh_free( &mesh );
 }
 
 // A body with all mass on a line has no moment of inertia about it, and still turns about the others.
@@ -415,7 +406,7 @@ WORLD_TEST( a_ribbon_keeps_its_spin )
 WORLD_TEST( a_pinned_cloth_comes_to_rest_and_a_loose_vertex_is_no_pin )
 {
     hosted* h = *state;
-    test_mesh mesh = test_plane( 5, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 5, 0.1f );
     const int32_t pin = 0;
     wisp_entity pinned = add_damped( h->world, &mesh, 100.0f, &pin, 1 );
     // the same mesh with an unreferenced vertex: it has no mass, so it is pinned
@@ -440,13 +431,12 @@ WORLD_TEST( a_pinned_cloth_comes_to_rest_and_a_loose_vertex_is_no_pin )
     assert_true( motion_stats_of( h->world, pinned ).speed_max < 1e-3 );
     const wisp_vec3 at = point_of( h->world, loose, 25 );
     assert_true( at.x == 5.0f && at.y == 5.0f && at.z == 5.0f );
-    test_mesh_free( &mesh );
 }
 
 WORLD_TEST( damping_of_zero_has_no_pass )
 {
     hosted* h = *state;
-    test_mesh mesh = test_plane( 3, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 3, 0.1f );
     wisp_entity e = add_damped( h->world, &mesh, 1.0f, NULL, 0 );
     step( h->world );
     assert_int_equal( count_passes_named( h->world, "cloth.damping" ), 1 );
@@ -454,7 +444,6 @@ WORLD_TEST( damping_of_zero_has_no_pass )
     assert_status( h->world, wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
     step( h->world );
     assert_int_equal( count_passes_named( h->world, "cloth.damping" ), 0 );
-    test_mesh_free( &mesh );
 }
 
 // ---- gusts ----

@@ -259,14 +259,13 @@ TEST( frozen_hair_starts_from_where_ghosts_were_pushed )
         {
             pushed[n] = guide_ghost( &bare, n / NODES, n % NODES );
         }
-        wisp_world* still = new_world( 1 );
+        SCOPED( destroy_local ) wisp_world* still = new_world( 1 );
         const wisp_entity hair = guide_add( still, pushed, GHOSTS, NODES );
         guide_ok( still, wisp_request( still, hair, WISP_STRAND_POINTS ) );
         guide_ok( still, wisp_set_frozen_hair( still, hair, &look ) );
         guide_step( still );
         assert_memory_equal( guide_points( f.world, f.ghosts ), guide_points( still, hair ),
                              POINTS * sizeof( wisp_vec3 ) );
-        wisp_world_destroy( still );
     }
     wisp_world_destroy( bare.world );
     wisp_world_destroy( f.world );
@@ -294,7 +293,7 @@ TEST( still_strands_leave_every_kind_of_body_and_then_rest )
 {
     for ( int kind = WISP_COLLIDER_PLANE; kind < WISP_COLLIDER_MESH; ++kind )
     {
-        wisp_world* world = new_world( 1 );
+        SCOPED( destroy_local ) wisp_world* world = new_world( 1 );
         const wisp_entity hair = add_uneven( world );
         wisp_collider_def def = wisp_default_collider_def();
         def.kind = (wisp_collider_kind)kind;
@@ -311,7 +310,7 @@ TEST( still_strands_leave_every_kind_of_body_and_then_rest )
         // vertices that were moved are at their distance
         assert_true( (double)stats.penetration <= ROUNDED );
         const int count = wisp_world_strands( world, hair )->vertex_count;
-        wisp_vec3* before = checked_calloc( (size_t)count, sizeof( wisp_vec3 ) );
+        SCOPED( free_local ) wisp_vec3* before = checked_calloc( (size_t)count, sizeof( wisp_vec3 ) );
         memcpy( before, guide_points( world, hair ), (size_t)count * sizeof( wisp_vec3 ) );
         guide_step( world );
         for ( int n = 0; n < count; ++n )
@@ -320,15 +319,13 @@ TEST( still_strands_leave_every_kind_of_body_and_then_rest )
             assert_at( double3_make( (double)a.x, (double)a.y, (double)a.z ),
                        double3_make( (double)b.x, (double)b.y, (double)b.z ), ROUNDED );
         }
-        free( before );
-        wisp_world_destroy( world );
     }
 }
 
 // Strands for four ghosts over a floor, with dynamics added later: after the next request they fall on it.
 TEST( strands_that_move_later_collide_as_such_when_queried_again )
 {
-    wisp_world* world = new_world( 1 );
+    SCOPED( destroy_local ) wisp_world* world = new_world( 1 );
     const wisp_entity hair = add_uneven( world );
     wisp_collider_def floor = wisp_default_collider_def();
     floor.pose = at( ( wisp_vec3 ){ 0.0f, -0.105f, 0.0f } );
@@ -343,7 +340,6 @@ TEST( strands_that_move_later_collide_as_such_when_queried_again )
         guide_step( world );
     }
     assert_true( stats_of( world, hair ).penetration < THICKNESS );
-    wisp_world_destroy( world );
 }
 
 TEST( strands_that_move_in_a_way_without_weights_are_refused )

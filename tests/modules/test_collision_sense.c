@@ -168,14 +168,13 @@ static bool is_planned( wisp_world* world, const char* pass )
 // A ball of radius 0.3, or a square of side 2 in the plane y = 0.
 static void add_mesh( wisp_world* world, bool double_sided, wisp_transform pose )
 {
-    test_mesh mesh = double_sided ? test_plane( 3, 1.0f ) : test_ball( 4 );
+    SCOPED( test_mesh_free ) test_mesh mesh = double_sided ? test_plane( 3, 1.0f ) : test_ball( 4 );
     move_mesh( &mesh, double_sided ? 1.0f : 0.3f,
                ( wisp_vec3 ){ double_sided ? -1.0f : 0.0f, 0.0f, double_sided ? -1.0f : 0.0f } );
     wisp_collider_def def = mesh_body( &mesh );
     def.double_sided = double_sided;
     def.pose = pose;
     add_collider( world, &def );
-    test_mesh_free( &mesh );
 }
 
 static const wisp_transform AT_ORIGIN = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
@@ -197,7 +196,7 @@ TEST( each_closed_form_is_sensed_where_it_stands )
     const double c = cos( 1.2 ), s = sin( 1.2 );
     for ( int kind = 0; kind < WISP_COLLIDER_MESH; ++kind )
     {
-        hosted* h = new_world( 1, 1 );
+        SCOPED( close_local ) hosted* h = new_world( 1, 1 );
         wisp_collider_def body = body_of( (wisp_collider_kind)kind );
         body.pose = ( wisp_transform ){ about_z( 1.2 ), { 0.1f, 0.5f, -0.1f } };
         add_collider( h->world, &body );
@@ -212,7 +211,6 @@ TEST( each_closed_form_is_sensed_where_it_stands )
         assert_vector( t.normal, c * (double)n.x - s * (double)n.y, s * (double)n.x + c * (double)n.y, n.z, 5e-6 );
         assert_true( t.motion.x == 0.0f && t.motion.y == 0.0f && t.motion.z == 0.0f );
         assert_int_equal( touch_of( h->world, e, 0, 1 ).body, 0 );
-        free_colliding( h );
     }
 }
 
@@ -308,7 +306,7 @@ TEST( what_starts_inside_is_told_how_deep_it_is )
     };
     for ( int kind = 0; kind < WISP_COLLIDER_MESH; ++kind )
     {
-        hosted* h = new_world( 1, 1 );
+        SCOPED( close_local ) hosted* h = new_world( 1, 1 );
         wisp_collider_def body = body_of( (wisp_collider_kind)kind );
         add_collider( h->world, &body );
         const wisp_entity e = add_probe( h->world, cases[kind].at );
@@ -320,7 +318,6 @@ TEST( what_starts_inside_is_told_how_deep_it_is )
         assert_near( t.gap, cases[kind].gap, 1e-6 );
         assert_vector( t.normal, n.x, n.y, n.z, 1e-6 );
         assert_true( t.recovery == 0.7f );
-        free_colliding( h );
     }
 }
 
@@ -330,7 +327,7 @@ TEST( the_surface_of_a_body_moves_as_a_rigid_body_does )
 {
     const int substeps = 4;
     const double v[3] = { 0.3, -0.2, 0.1 }, omega = 0.6; // about z
-    hosted* h = new_world( substeps, 1 );
+    SCOPED( close_local ) hosted* h = new_world( substeps, 1 );
     wisp_collider_def box = body_of( WISP_COLLIDER_BOX );
     wisp_entity body = add_collider( h->world, &box );
     wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 0.1f, 0.215f, 0.05f } );
@@ -354,7 +351,6 @@ TEST( the_surface_of_a_body_moves_as_a_rigid_body_does )
     const sensed rest = sense( h->world, e );
     assert_true( rest.motion.x == 0.0f && rest.motion.y == 0.0f && rest.motion.z == 0.0f );
     assert_int_equal( rest.body, t.body );
-    free_colliding( h );
 }
 
 SENSE_TEST( a_body_at_100_m_s_is_sensed_before_it_arrives )
@@ -428,7 +424,7 @@ TEST( a_path_that_passes_by_is_not_stopped )
     };
     for ( int k = 0; k < WISP_COUNT( cases ); ++k )
     {
-        hosted* h = new_world( 1, 1 );
+        SCOPED( close_local ) hosted* h = new_world( 1, 1 );
         wisp_collider_def body = body_of( cases[k].kind );
         add_collider( h->world, &body );
         const wisp_vec3 from = cases[k].from, way = cases[k].way;
@@ -451,7 +447,6 @@ TEST( a_path_that_passes_by_is_not_stopped )
             body.radius + ( body.kind == WISP_COLLIDER_CAPSULE ? fabsf( n.y ) * body.half_length : 0.0f );
         const float flat = fabsf( n.x ) * half.x + fabsf( n.y ) * half.y + fabsf( n.z ) * half.z;
         assert_true( middle >= ( body.kind == WISP_COLLIDER_BOX ? flat : round ) - slack );
-        free_colliding( h );
     }
 }
 
@@ -494,7 +489,7 @@ TEST( the_two_nearest_bodies_are_kept_in_whatever_order_they_came )
     const int orders[6][3] = { { 0, 1, 2 }, { 0, 2, 1 }, { 1, 0, 2 }, { 1, 2, 0 }, { 2, 0, 1 }, { 2, 1, 0 } };
     for ( int k = 0; k < 6; ++k )
     {
-        hosted* h = new_world( 1, 1 );
+        SCOPED( close_local ) hosted* h = new_world( 1, 1 );
         for ( int i = 0; i < 3; ++i )
         {
             add_wall( h->world, 2.0 * orders[k][i], gaps[orders[k][i]] );
@@ -505,7 +500,6 @@ TEST( the_two_nearest_bodies_are_kept_in_whatever_order_they_came )
         assert_near( b.gap, gaps[1], 1e-7 );
         assert_vector( b.normal, -sin( 2.0 ), cos( 2.0 ), 0.0, 1e-6 );
         assert_true( a.body != b.body );
-        free_colliding( h );
     }
 }
 
@@ -755,7 +749,7 @@ TEST( any_number_of_workers_gives_the_same_bits )
     uint64_t expected[20];
     for ( int k = 0; k < WISP_COUNT( workers ); ++k )
     {
-        hosted* h = new_world( 2, workers[k] );
+        SCOPED( close_local ) hosted* h = new_world( 2, workers[k] );
         wisp_entity ball;
         wisp_entity e = busy_scene( h->world, &ball );
         int most = 0;
@@ -769,7 +763,6 @@ TEST( any_number_of_workers_gives_the_same_bits )
             most = contacts > most ? contacts : most;
         }
         assert_true( most > 100 );
-        free_colliding( h );
     }
 }
 

@@ -131,7 +131,7 @@ TEST( ghosts_follow_the_target_that_equation_1_names_and_ties_the_lowest )
         const double3 near = targets[n / 5 % 24 * 3 + n % 3];
         ghosts[n] = guide_round( double3_add( near, double3_scale( 0.5, random_vector( 5000 + n, 0 ) ) ) );
     }
-    wisp_world* world = guide_world( NULL );
+    SCOPED( destroy_local ) wisp_world* world = guide_world( NULL );
     wisp_ghosts_def def = wisp_default_ghosts_def();
     def.resample = true;
     def.targets = guide_add( world, targets, 24, 3 );
@@ -154,7 +154,6 @@ TEST( ghosts_follow_the_target_that_equation_1_names_and_ties_the_lowest )
         ties += best == 7 ? 1 : 0;
     }
     assert_true( ties > 0 );
-    wisp_world_destroy( world );
 }
 
 TEST( permuting_the_ghosts_permutes_the_result )
@@ -435,7 +434,7 @@ TEST( strands_of_several_lengths_do_not_meet )
                 all_ghosts[ghost_total++] = ghosts[s * lengths[k] + i];
             }
         }
-        wisp_world* world = guide_world( NULL );
+        SCOPED( destroy_local ) wisp_world* world = guide_world( NULL );
         def.targets = guide_add( world, targets, 3, lengths[k] );
         const wisp_entity e = guide_add( world, ghosts, EACH, lengths[k] );
         guide_ok( world, wisp_world_attach( world, def.targets, WISP_STRAND_VELOCITY ) );
@@ -444,9 +443,8 @@ TEST( strands_of_several_lengths_do_not_meet )
         guide_ok( world, wisp_set_ghosts( world, e, &def ) );
         guide_step( world );
         memcpy( alone + first_ghost, guide_points( world, e ), (size_t)( EACH * lengths[k] ) * sizeof( wisp_vec3 ) );
-        wisp_world_destroy( world );
     }
-    wisp_world* world = guide_world( NULL );
+    SCOPED( destroy_local ) wisp_world* world = guide_world( NULL );
     def.targets = guide_add_mixed( world, all_targets, KINDS * 3, target_counts );
     const wisp_entity e = guide_add_mixed( world, all_ghosts, KINDS * EACH, ghost_counts );
     guide_ok( world, wisp_world_attach( world, def.targets, WISP_STRAND_VELOCITY ) );
@@ -455,5 +453,4 @@ TEST( strands_of_several_lengths_do_not_meet )
     guide_ok( world, wisp_set_ghosts( world, e, &def ) );
     guide_step( world );
     assert_memory_equal( guide_points( world, e ), alone, (size_t)ghost_total * sizeof( wisp_vec3 ) );
-    wisp_world_destroy( world );
 }

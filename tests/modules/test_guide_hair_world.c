@@ -249,14 +249,13 @@ TEST( frozen_hair_starts_from_where_the_ghosts_are_carried )
             {
                 posed[n] = guide_ghost( &plain, n / NODES, n % NODES );
             }
-            wisp_world* still = guide_world( NULL );
+            SCOPED( destroy_local ) wisp_world* still = guide_world( NULL );
             const wisp_entity hair = guide_add( still, posed, 36, NODES );
             guide_ok( still, wisp_request( still, hair, WISP_STRAND_POINTS ) );
             guide_ok( still, wisp_set_frozen_hair( still, hair, &look ) );
             guide_step( still );
             assert_memory_equal( guide_points( f.world, f.ghosts ), guide_points( still, hair ),
                                  36 * NODES * sizeof( wisp_vec3 ) );
-            wisp_world_destroy( still );
         }
         wisp_world_destroy( plain.world );
         wisp_world_destroy( f.world );
@@ -316,7 +315,7 @@ TEST( ghosts_are_finite_whatever_their_targets_do )
         world_def.modules = modules;
         world_def.module_count = WISP_COUNT( modules );
         world_def.log = guide_forget;
-        wisp_world* world;
+        SCOPED( destroy_local ) wisp_world* world;
         guide_ok( NULL, wisp_world_create( &world_def, &world, NULL ) );
         const double3 nodes[] = { { 0.0, 0.0, 0.0 }, { 0.1, 0.0, 0.0 }, { 0.2, 0.0, 0.0 } };
         const wisp_entity targets = guide_add( world, nodes, 1, 3 ), ghosts = guide_add( world, nodes, 1, 3 );
@@ -335,6 +334,5 @@ TEST( ghosts_are_finite_whatever_their_targets_do )
             guide_step( world );
             assert_finite( world, ghosts, 3 );
         }
-        wisp_world_destroy( world );
     }
 }

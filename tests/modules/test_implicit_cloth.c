@@ -39,11 +39,10 @@ IMPLICIT_TEST( edges_stretch_and_opposite_vertices_bend )
     test_mesh_free( &two );
     // 3 x 3: 12 sides and 4 diagonals of squares; a diagonal link over each of its 8 inner edges, 4 of which are diagonals of
     // squares, and the other 4 meet in the middle or around it
-    test_mesh nine = test_plane( 3, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh nine = test_plane( 3, 0.1f );
     f = links_of( h->world, &nine, &def );
     assert_int_equal( f.stretch_links, 16 );
     assert_int_equal( f.bend_links, 8 );
-    test_mesh_free( &nine );
 }
 
 // Each edge of an octahedron has two neighbouring faces whose far corners are poles of one of three axes, and each axis is found
@@ -52,10 +51,9 @@ IMPLICIT_TEST( a_diagonal_found_twice_is_one_link )
 {
     hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
-    test_mesh octahedron = test_ball( 0 );
+    SCOPED( test_mesh_free ) test_mesh octahedron = test_ball( 0 );
     const wisp_implicit_cloth_stats f = links_of( h->world, &octahedron, &def );
     assert_links( &f, 12, 3, 5 );
-    test_mesh_free( &octahedron );
 }
 
 IMPLICIT_TEST( an_edge_that_is_a_diagonal_too_is_two_links_and_one_neighbour )
@@ -76,14 +74,13 @@ IMPLICIT_TEST( pairs_by_hand_take_the_place_of_the_mesh )
     const int32_t stretch[] = { 0, 1, 1, 0, 1, 3 }, bend[] = { 0, 3, 2, 3, 3, 2, 0, 1 };
     def.stretch_pairs = stretch;
     def.stretch_pair_count = 3;
-    test_mesh mesh = test_plane( 2, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 2, 0.1f );
     wisp_implicit_cloth_stats f = links_of( h->world, &mesh, &def );
     assert_links( &f, 2, 0, 2 );
     def.bend_pairs = bend;
     def.bend_pair_count = 4;
     f = links_of( h->world, &mesh, &def );
     assert_links( &f, 2, 3, 3 );
-    test_mesh_free( &mesh );
 }
 
 // ---- falling ----
@@ -252,7 +249,7 @@ TEST( pins_stay_and_go_where_they_are_told_to_the_last_bit )
 {
     for ( int variant = 0; variant < 4; ++variant )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_implicit( &h, 1 + 2 * ( variant % 2 ) );
         wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
         def.integrator = variant < 2 ? WISP_INTEGRATOR_EULER : WISP_INTEGRATOR_BDF2;
@@ -271,7 +268,6 @@ TEST( pins_stay_and_go_where_they_are_told_to_the_last_bit )
         }
         // the cloth below them has moved, too
         assert_true( fabsf( point_of( h.world, e, 30 ).y ) > 1e-3f );
-        close_world( &h );
     }
 }
 
@@ -337,7 +333,7 @@ TEST( repeats_come_to_the_nonlinear_step )
     double left[2];
     for ( int n = 0; n < 2; ++n )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_implicit( &h, 1 );
         wisp_implicit_cloth_def def = exact_def();
         def.newton_iterations = n == 0 ? 1 : 6;
@@ -348,7 +344,6 @@ TEST( repeats_come_to_the_nonlinear_step )
         assert_int_equal( f.newton_iterations, def.newton_iterations );
         assert_int_equal( count_of( h.world, WISP_COUNT_NOT_CONVERGED ), 0 );
         left[n] = f.newton_residual;
-        close_world( &h );
     }
     assert_true( left[0] > 1.0 );
     assert_true( left[1] < 0.016 );
@@ -361,7 +356,7 @@ TEST( stiff_substeps_are_solved_for_as_often_as_they_may_be )
     int least[4], most[4];
     for ( int n = 0; n < 4; ++n )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_implicit( &h, 1 );
         wisp_implicit_cloth_def def = exact_def();
         def.stretch_stiffness = 2e4f;
@@ -377,7 +372,6 @@ TEST( stiff_substeps_are_solved_for_as_often_as_they_may_be )
             least[n] = now < least[n] ? now : least[n];
             most[n] = now > most[n] ? now : most[n];
         }
-        close_world( &h );
     }
     assert_int_equal( most[0], 1 );
     assert_int_equal( most[1], 3 );
@@ -488,7 +482,7 @@ TEST( cloth_stays_finite_whatever_it_is_made_of )
 {
     for ( int n = 0; n < 48; ++n )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_implicit( &h, 1 );
         wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
         def.stretch_stiffness = n % 3 == 0 ? 1e9f : n % 3 == 1 ? 200.0f : 0.0f;
@@ -506,6 +500,5 @@ TEST( cloth_stays_finite_whatever_it_is_made_of )
         {
             fail_msg( "variant %d is halted or not finite", n );
         }
-        close_world( &h );
     }
 }

@@ -7,15 +7,13 @@ static const float DT = 1.0f / 64.0f; // s
 
 static wisp_entity add_plain( hosted* h )
 {
-    test_mesh mesh = test_plane( 4, 0.125f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 4, 0.125f );
     const int32_t pin = 0;
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_surface_def surface = support_weightless_surface_def();
     surface.pins = &pin;
     surface.pin_count = 1;
-    wisp_entity e = test_surface_of( h->world, &fabric, surface );
-    test_mesh_free( &mesh );
-    return e;
+    return test_surface_of( h->world, &fabric, surface );
 }
 
 static void assert_refused( hosted* h, wisp_entity e, const wisp_implicit_cloth_def* def, wisp_status expected,
@@ -240,13 +238,11 @@ IMPLICIT_TEST( stats_are_there_from_the_step_after_asking )
 
 static uint64_t alone( const wisp_implicit_cloth_def* def, int n, int steps )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_implicit( &h, 1 );
     wisp_entity e = add_sheet( h.world, def, n, true );
     run_steps( h.world, steps, DT );
-    const uint64_t hash = hash_of( h.world, e, WISP_SURFACE_POINTS );
-    close_world( &h );
-    return hash;
+    return hash_of( h.world, e, WISP_SURFACE_POINTS );
 }
 
 // A step without memory for its system reports it and can be repeated; one that finds another way gives the same
@@ -259,7 +255,7 @@ TEST( a_step_without_memory_is_refused_and_made_later )
     bool refused = true;
     for ( int64_t n = 1; n < 100 && refused; ++n )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_implicit( &h, 1 );
         wisp_entity e = add_sheet( h.world, &def, 9, true );
         test_host_refuse( &h.host, n, false );
@@ -273,7 +269,6 @@ TEST( a_step_without_memory_is_refused_and_made_later )
         }
         run_steps( h.world, status == WISP_OK ? 1 : 2, DT );
         assert_int_equal( hash_of( h.world, e, WISP_SURFACE_POINTS ), reference );
-        close_world( &h );
     }
     assert_false( refused );
     assert_in_range( refusals, 2, 98 ); // of the plan and of the system at least

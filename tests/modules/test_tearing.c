@@ -40,7 +40,7 @@ static strip open_strip( int substeps, int iterations, int workers )
 {
     strip s = { .h = open_tearing( substeps, iterations, workers ) };
     s.world = s.h->world;
-    test_mesh mesh = hanging_mesh( COLUMNS, ROWS, SPACING, SPACING );
+    SCOPED( test_mesh_free ) test_mesh mesh = hanging_mesh( COLUMNS, ROWS, SPACING, SPACING );
     s.triangle_count = mesh.triangle_count;
     add_spares( &mesh, STRIP_SPARES );
     s.vertex_count = mesh.vertex_count;
@@ -64,7 +64,6 @@ static strip open_strip( int substeps, int iterations, int workers )
         factors[v] = v < STRIP_VERTICES ? row * share / ( f->area[f->vertex_slot[v]] * surface.area_density ) : 1.0f;
     }
     assert_status( s.world, wisp_set_map( s.world, s.e, WISP_MAP_AREA_DENSITY, factors, s.vertex_count ), WISP_OK );
-    test_mesh_free( &mesh );
     return s;
 }
 
@@ -257,7 +256,7 @@ static pulled_sheet* open_pulled_sheet( int seed )
     s->h = open_tearing( 2, 4, 1 );
     s->world = s->h->world;
     s->inverse_dt2 = 120.0 * 120.0;
-    test_mesh mesh = hanging_mesh( PULLED_SIDE, PULLED_SIDE, 0.1f, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = hanging_mesh( PULLED_SIDE, PULLED_SIDE, 0.1f, 0.1f );
     int32_t pins[2 * PULLED_SIDE];
     for ( int v = 0; v < PULLED_SIDE * PULLED_SIDE; ++v )
     {
@@ -278,7 +277,6 @@ static pulled_sheet* open_pulled_sheet( int seed )
     s->e = add_cloth( s->world, &fabric, surface, &cloth, EARTH );
     s->hook = ( pass_hook ){ .after = read_forces, .user = s };
     pass_hook_set( s->world, "tearing.measure", &s->hook );
-    test_mesh_free( &mesh );
     return s;
 }
 
@@ -342,7 +340,7 @@ static int compare_step( pulled_sheet* s, int max_splits, bool* is_torn )
     wisp_tearing_def def = wisp_default_tearing_def();
     def.strength = (float)PULLED_STRENGTH, def.max_splits = max_splits;
     assert_status( s->world, wisp_set_tearing( s->world, s->e, &def ), WISP_OK );
-    int32_t* before = read_triangles( s->world, s->e, PULLED_TRIANGLES );
+    SCOPED( free_local ) int32_t* before = read_triangles( s->world, s->e, PULLED_TRIANGLES );
     const wisp_fabric* f = wisp_world_fabric( s->world, s->e );
     double rest[PULLED_VERTICES][2];
     for ( int v = 0; v < PULLED_VERTICES; ++v )
@@ -368,7 +366,7 @@ static int compare_step( pulled_sheet* s, int max_splits, bool* is_torn )
     int vertex = -1, moved = 0;
     bool leaves[PULLED_TRIANGLES];
     const bool tears = predict( s, &mesh, s->edges, max_splits, &vertex, leaves );
-    int32_t* after = read_triangles( s->world, s->e, PULLED_TRIANGLES );
+    SCOPED( free_local ) int32_t* after = read_triangles( s->world, s->e, PULLED_TRIANGLES );
     for ( int i = 0; i < 3 * PULLED_TRIANGLES; ++i )
     {
         moved += after[i] != before[i] ? 1 : 0;
@@ -380,8 +378,6 @@ static int compare_step( pulled_sheet* s, int max_splits, bool* is_torn )
     }
     assert_int_equal( moved > 0, tears );
     *is_torn = *is_torn || tears;
-    free( before );
-    free( after );
     return tears ? 1 : 0;
 }
 
@@ -401,7 +397,7 @@ TEST( splits_are_those_of_the_oracle )
     int compared = 0;
     for ( int seed = 1; seed <= 10; ++seed )
     {
-        pulled_sheet* s = open_pulled_sheet( seed );
+        SCOPED( free_local ) pulled_sheet* s = open_pulled_sheet( seed );
         bool is_torn = false;
         for ( int step = 0; step < PULLED_STEPS && count_spares( s ) >= 3; ++step )
         {
@@ -420,7 +416,6 @@ TEST( splits_are_those_of_the_oracle )
         assert_true( is_torn );
         assert_sound_fabric( s->world, s->e );
         close_tearing( s->h );
-        free( s );
     }
     printf( "%d splits compared\n", compared );
     assert_true( compared > 60 );
@@ -745,9 +740,11 @@ TEST( pins_and_roots_go_with_their_triangles )
         MORE = 40,
         COUNT = N * N,
     };
-    hosted* h = new_hosted( MODULES, WISP_COUNT( MODULES ), 2, 2, 1 );
+    SCOPED( close_local ) hosted* h = new_hosted( MODULES, WISP_COUNT( MODULES ), 2, 2, 1 );
     wisp_world* w = h->world;
-    test_mesh mesh = hanging_mesh( N, N, 0.05f, 0.05f ), upper = hanging_mesh( N, N, 0.045f, 0.045f );
+    SCOPED( test_mesh_free )
+    test_mesh mesh = hanging_mesh( N, N, 0.05f, 0.05f ),
+              upper = hanging_mesh( N, N, 0.045f, 0.045f );
     int32_t top[N], all[COUNT];
     wisp_vec3 points[2 * COUNT];
     int32_t offsets[COUNT + 1];
@@ -805,9 +802,6 @@ TEST( pins_and_roots_go_with_their_triangles )
                        : 0;
     }
     assert_true( changed > 5 );
-    test_mesh_free( &mesh );
-    test_mesh_free( &upper );
-    close_tearing( h );
 }
 
 // ---- refusals ----
@@ -821,7 +815,7 @@ static void assert_refused( wisp_world* world, wisp_entity e, wisp_tearing_def d
 
 static wisp_entity add_sheet( wisp_world* world, const wisp_cloth_def* cloth, float vertex_mass, bool coarse )
 {
-    test_mesh mesh = test_plane( 30, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 30, 0.1f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     static const int32_t PINS[1] = { 0 };
     fabric.coarse_sheets = coarse, fabric.tethers = true, fabric.attachments = PINS, fabric.attachment_count = 1;
@@ -829,7 +823,6 @@ static wisp_entity add_sheet( wisp_world* world, const wisp_cloth_def* cloth, fl
     surface.vertex_mass = vertex_mass;
     const wisp_entity e = test_surface_of( world, &fabric, surface );
     assert_status( world, cloth != NULL ? wisp_set_cloth( world, e, cloth ) : WISP_OK, WISP_OK );
-    test_mesh_free( &mesh );
     return e;
 }
 
@@ -837,7 +830,7 @@ TEST( what_does_not_tear_is_refused_with_its_reason )
 {
     static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_motion_constraints_module,
                                                   &wisp_boundary_module, &wisp_tearing_module };
-    hosted* h = new_hosted( MODULES, WISP_COUNT( MODULES ), 1, 1, 1 );
+    SCOPED( close_local ) hosted* h = new_hosted( MODULES, WISP_COUNT( MODULES ), 1, 1, 1 );
     wisp_world* w = h->world;
     wisp_tearing_def def = wisp_default_tearing_def(), bad;
     def.strength = 10.0f;
@@ -871,5 +864,4 @@ TEST( what_does_not_tear_is_refused_with_its_reason )
     assert_refused( w, ( wisp_entity ){ 99, 1 }, def, WISP_STALE_ID, "99" );
     int32_t few[3];
     assert_status( w, wisp_read_triangles( w, e, few, 1 ), WISP_BAD_INPUT );
-    close_tearing( h );
 }
