@@ -202,6 +202,11 @@ typedef struct flock
     wisp_entity targets, ghosts;
 } flock;
 
+static inline void guide_end( flock* f )
+{
+    wisp_world_destroy( f->world );
+}
+
 // A point of a polyline at a fraction of its segments.
 static inline double3 guide_along( const double3* nodes, int count, double fraction )
 {

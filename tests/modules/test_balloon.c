@@ -408,7 +408,7 @@ static settled settled_pressures( const balloon_mesh* mesh, int substeps, int it
     const balloon_state* s = wisp_world_module_state( flight.world, "balloon" );
     const balloon_gas* gas = wisp_world_column( flight.world, flight.entity, s->gas, 0 );
     const double dt = (double)scene.dt / substeps;
-    return { f.pressure, gas->lambda / ( dt * dt ), 101325.0 * ( f.target_volume - f.volume ) / f.volume };
+    return ( settled ){ f.pressure, gas->lambda / ( dt * dt ), 101325.0 * ( f.target_volume - f.volume ) / f.volume };
 }
 
 // Pressures of a static sphere, computed in double and in another order of links. Its virial agrees within 1 % and

@@ -140,7 +140,7 @@ static golden_hash run_case( int number, const void* context )
     };
     (void)context;
     SCOPED( free_local ) trace* t = run( cases[number] );
-    return { cases[number].name, t->hash };
+    return ( golden_hash ){ cases[number].name, t->hash };
 }
 
 TEST( cloth_on_meshes_has_the_bits_on_record_with_embree_and_without )

@@ -28,7 +28,7 @@ static pair_groom make_pairs( int side, float lower, float upper )
         points[4 * n + 3] = ( wisp_vec3 ){ x + half, 0.0f, z };
         counts[2 * n] = counts[2 * n + 1] = 2;
     }
-    return { hair_groom_from( 3, 2 * count, counts, points ), count };
+    return ( pair_groom ){ hair_groom_from( 3, 2 * count, counts, points ), count };
 }
 
 static wisp_frozen_hair_def one_wet_step( void )
@@ -224,12 +224,10 @@ TEST( stages_run_in_the_printed_order_and_each_can_be_left_out )
         def.align = strchr( orders[n], 'a' ) != NULL;
         def.clump = strchr( orders[n], 'c' ) != NULL;
         SCOPED( free_local )
-        wisp_vec3 *whole = hair_run( NULL, &groom, &def ),
-                  *parts = run_in_order( &groom, &def, orders[n] );
+        wisp_vec3 *whole = hair_run( NULL, &groom, &def ), *parts = run_in_order( &groom, &def, orders[n] );
         assert_true( hair_same_bits( whole, parts, groom.vertex_count ) );
     }
     SCOPED( free_local )
-    wisp_vec3 *printed = run_in_order( &groom, &def, "fac" ),
-              *other = run_in_order( &groom, &def, "cfa" );
+    wisp_vec3 *printed = run_in_order( &groom, &def, "fac" ), *other = run_in_order( &groom, &def, "cfa" );
     assert_false( hair_same_bits( printed, other, groom.vertex_count ) );
 }

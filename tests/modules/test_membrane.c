@@ -22,12 +22,6 @@ static hosted* open_membranes( int substeps, int iterations, int workers )
     return new_hosted( MODULES, WISP_COUNT( MODULES ), substeps, iterations, workers );
 }
 
-static void close_membranes( hosted* h )
-{
-    void* state = h;
-    close_hosted( &state );
-}
-
 static wisp_membrane_def rubber( float stiffness, bool tension_field )
 {
     wisp_membrane_def def = wisp_default_membrane_def();
