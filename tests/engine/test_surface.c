@@ -32,10 +32,8 @@ static wisp_vec3 point( hosted* h, wisp_entity e, int vertex )
 
 WORLD_TEST( a_surface_in_free_fall_gains_g_t_and_no_strain )
 {
-    hosted* h = *state;
     wisp_entity e = add_plane( h, 9, NULL, 0 );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_int_equal( wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
+    SET_DEFAULT( h->world, e, cloth );
     assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f } ), WISP_OK );
     run( h->world, 100 );
     wisp_motion_stats q = motion_stats_of( h->world, e );
@@ -49,7 +47,6 @@ WORLD_TEST( a_surface_in_free_fall_gains_g_t_and_no_strain )
 
 WORLD_TEST( mass_is_area_times_density_whatever_the_mesh )
 {
-    hosted* h = *state;
     for ( int n = 3; n <= 33; n = 2 * n - 1 )
     {
         wisp_entity e = add_plane( h, n, NULL, 0 );
@@ -62,11 +59,9 @@ WORLD_TEST( mass_is_area_times_density_whatever_the_mesh )
 
 WORLD_TEST( pinned_vertices_stay_and_carried_ones_arrive_with_the_step )
 {
-    hosted* h = *state;
     const int32_t pins[2] = { 0, 8 };
     wisp_entity e = add_plane( h, 9, pins, 2 );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_int_equal( wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
+    SET_DEFAULT( h->world, e, cloth );
     assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f } ), WISP_OK );
     run( h->world, 10 );
     wisp_vec3 at = point( h, e, 8 );
@@ -80,7 +75,6 @@ WORLD_TEST( pinned_vertices_stay_and_carried_ones_arrive_with_the_step )
 
 WORLD_TEST( a_vertex_that_is_let_go_falls_again )
 {
-    hosted* h = *state;
     const int32_t all[4] = { 0, 1, 2, 3 };
     wisp_entity e = add_plane( h, 2, all, 4 );
     assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f } ), WISP_OK );
@@ -95,7 +89,6 @@ WORLD_TEST( a_vertex_that_is_let_go_falls_again )
 // Two grippers of one vertex each; one lets go, and its vertex flies on as the host says.
 WORLD_TEST( a_vertex_that_is_let_go_has_the_velocity_that_it_is_given )
 {
-    hosted* h = *state;
     const int32_t pins[2] = { 0, 3 };
     const wisp_vec3 velocities[2] = { { 1.0f, 0.0f, 0.0f }, { 0.0f, 2.0f, 0.0f } };
     wisp_entity e = add_plane( h, 2, pins, 2 );
@@ -117,7 +110,6 @@ WORLD_TEST( a_vertex_that_is_let_go_has_the_velocity_that_it_is_given )
 
 WORLD_TEST( velocities_that_cannot_be_change_nothing )
 {
-    hosted* h = *state;
     const int32_t vertices[2] = { 1, 4 }, beyond[2] = { 1, 9 };
     const wisp_vec3 velocities[2] = { { 1, 0, 0 }, { 0, 1, 0 } }, fast[2] = { { 1, 0, 0 }, { 0, 2e6f, 0 } },
                     nan[2] = { { 1, 0, 0 }, { NAN, 0, 0 } };
@@ -136,7 +128,6 @@ WORLD_TEST( velocities_that_cannot_be_change_nothing )
 
 WORLD_TEST( only_pinned_vertices_can_be_carried )
 {
-    hosted* h = *state;
     const int32_t pin = 4;
     wisp_entity e = add_plane( h, 3, &pin, 1 );
     const int32_t other = 5;
@@ -149,7 +140,6 @@ WORLD_TEST( only_pinned_vertices_can_be_carried )
 
 WORLD_TEST( a_nan_halts_its_entity_alone )
 {
-    hosted* h = *state;
     wisp_entity bad = add_plane( h, 5, NULL, 0 ), good = add_plane( h, 5, NULL, 0 );
     const wisp_vec3 gravity = { 0.0f, -9.8f, 0.0f };
     wisp_cloth_def cloth = wisp_default_cloth_def();
@@ -187,7 +177,6 @@ WORLD_TEST( a_nan_halts_its_entity_alone )
 
 WORLD_TEST( a_resumed_entity_goes_on_from_its_last_good_state )
 {
-    hosted* h = *state;
     wisp_entity e = add_plane( h, 4, NULL, 0 );
     assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f } ), WISP_OK );
     run( h->world, 2 );
@@ -210,7 +199,6 @@ WORLD_TEST( rigid_motion_keeps_momentum_energy_and_shape )
     {
         STARTS = 25,
     };
-    hosted* h = *state;
     wisp_entity e[STARTS];
     wisp_motion_stats first[STARTS];
     wisp_cloth_def cloth = wisp_default_cloth_def();
@@ -247,7 +235,6 @@ WORLD_TEST( rigid_motion_keeps_momentum_energy_and_shape )
 
 WORLD_TEST( speed_strain_and_normals_are_in_the_users_order )
 {
-    hosted* h = *state;
     wisp_entity e = add_plane( h, 6, NULL, 0 );
     assert_int_equal( wisp_request( h->world, e, WISP_POINT_SPEED ), WISP_OK );
     assert_int_equal( wisp_request( h->world, e, WISP_POINT_STRAIN ), WISP_OK );
@@ -269,7 +256,6 @@ WORLD_TEST( speed_strain_and_normals_are_in_the_users_order )
 
 WORLD_TEST( an_instance_starts_at_rest_with_the_same_masses )
 {
-    hosted* h = *state;
     wisp_entity e = add_plane( h, 5, NULL, 0 );
     run( h->world, 1 );
     wisp_entity copy;
@@ -282,7 +268,6 @@ WORLD_TEST( an_instance_starts_at_rest_with_the_same_masses )
 
 WORLD_TEST( an_instance_starts_in_its_pose )
 {
-    hosted* h = *state;
     const wisp_entity e = add_plane( h, 5, NULL, 0 );
     const wisp_transform pose = { { 0.0f, 0.0f, 1.0f, 0.0f }, { 3.0f, 1.0f, 0.0f } }; // half a turn about z
     wisp_entity copy;
@@ -302,7 +287,6 @@ WORLD_TEST( an_instance_starts_in_its_pose )
 
 WORLD_TEST( impossible_surfaces_are_refused )
 {
-    hosted* h = *state;
     SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 3, 0.1f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_surface_def def = support_weightless_surface_def();
@@ -321,7 +305,6 @@ WORLD_TEST( impossible_surfaces_are_refused )
 
 WORLD_TEST( gravity_that_is_taken_away_takes_its_pass_along )
 {
-    hosted* h = *state;
     wisp_entity e = add_plane( h, 3, NULL, 0 );
     int bare = wisp_world_plan_passes( h->world );
     assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f } ), WISP_OK );
@@ -578,7 +561,6 @@ TEST( a_carried_pin_goes_its_way_in_equal_parts )
 
 WORLD_TEST( what_leaves_the_bounds_is_halted_with_its_lowest_vertex_named )
 {
-    hosted* h = *state;
     wisp_entity e = add_far( h, 5, 1.0f );
     run( h->world, 2 );
     const wisp_fabric* f = wisp_world_fabric( h->world, e );
@@ -593,7 +575,6 @@ WORLD_TEST( what_leaves_the_bounds_is_halted_with_its_lowest_vertex_named )
 
 WORLD_TEST( a_vertex_that_was_pinned_stays_pinned_when_its_entity_is_put_back )
 {
-    hosted* h = *state;
     wisp_entity e = add_far( h, 5, 1.0f );
     assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f } ), WISP_OK );
     run( h->world, 2 );
@@ -615,7 +596,6 @@ WORLD_TEST( a_vertex_that_was_pinned_stays_pinned_when_its_entity_is_put_back )
 
 WORLD_TEST( stats_of_a_turning_ball_are_those_of_the_mesh )
 {
-    hosted* h = *state;
     SCOPED( test_mesh_free ) test_mesh ball = test_ball( 3 );
     wisp_fabric_def fabric = test_fabric_def( &ball );
     wisp_surface_def def = support_weightless_surface_def();
@@ -663,7 +643,6 @@ WORLD_TEST( stats_of_a_turning_ball_are_those_of_the_mesh )
 
 WORLD_TEST( potential_energy_falls_by_what_kinetic_energy_gains )
 {
-    hosted* h = *state;
     wisp_entity e = add_far( h, 5, 1.0f );
     const int32_t pin = 0;
     assert_int_equal( wisp_unpin( h->world, e, &pin, 1 ), WISP_OK );
@@ -688,7 +667,6 @@ static void collect( void* user, const char* line )
 
 WORLD_TEST( nobody_asks_so_nobody_runs )
 {
-    hosted* h = *state;
     wisp_entity e = add_far( h, 5, 1.0f );
     run( h->world, 1 );
     const char* const absent[] = { "particles.gravity", "particles.targets", "particles.damping", "surface.tethers",
@@ -712,7 +690,6 @@ WORLD_TEST( nobody_asks_so_nobody_runs )
 // A pass that touches only its own particles runs on a block of them while it is in the cache.
 WORLD_TEST( gravity_and_prediction_share_a_node )
 {
-    hosted* h = *state;
     wisp_entity e = add_far( h, 5, 1.0f );
     assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f } ), WISP_OK );
     assert_int_equal( wisp_set_damping( h->world, e, 1.0f ), WISP_OK );

@@ -11,7 +11,6 @@
 
 WORLD_TEST( points_come_out_in_the_users_order )
 {
-    hosted* h = *state;
     static const int lengths[] = { 3, 0, 7, 1, 7, 2, 0, 12 };
     SCOPED( test_strands_free ) test_strands s = test_strands_make( lengths, WISP_COUNT( lengths ) );
     wisp_strands_def def = test_strands_def( &s );
@@ -27,7 +26,6 @@ WORLD_TEST( points_come_out_in_the_users_order )
 
 WORLD_TEST( a_view_of_what_nobody_requests_is_a_conflict )
 {
-    hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 3, 3 );
     const wisp_component wrong[] = { WISP_STRAND_POINTS, WISP_POINT_WIDTH, WISP_STRAND_POSITION, 0, 200 };
     for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
@@ -41,7 +39,6 @@ WORLD_TEST( a_view_of_what_nobody_requests_is_a_conflict )
 
 WORLD_TEST( a_request_for_a_component_that_no_module_knows_is_a_conflict )
 {
-    hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 3, 3 );
     assert_int_equal( wisp_request( h->world, e, 0 ), WISP_CONFLICT );
     assert_int_equal( wisp_request( h->world, e, 250 ), WISP_CONFLICT );
@@ -52,7 +49,6 @@ WORLD_TEST( a_request_for_a_component_that_no_module_knows_is_a_conflict )
 
 WORLD_TEST( a_request_brings_a_pass_and_taking_it_back_takes_it_away )
 {
-    hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 3, 3 );
     assert_int_equal( wisp_world_plan_passes( h->world ), 0 );
     assert_int_equal( wisp_request( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
@@ -65,7 +61,6 @@ WORLD_TEST( a_request_brings_a_pass_and_taking_it_back_takes_it_away )
 
 WORLD_TEST( a_request_taken_back_keeps_rows_that_the_user_gave )
 {
-    hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 3, 3 );
     assert_int_equal( wisp_world_attach( h->world, e, WISP_POINT_WIDTH ), WISP_OK );
     float* width = wisp_world_column( h->world, e, WISP_POINT_WIDTH, 0 );
@@ -78,7 +73,6 @@ WORLD_TEST( a_request_taken_back_keeps_rows_that_the_user_gave )
 
 WORLD_TEST( points_requested_again_are_there_again )
 {
-    hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 3, 3 );
     assert_int_equal( wisp_request( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
     step( h->world );
@@ -92,7 +86,6 @@ WORLD_TEST( points_requested_again_are_there_again )
 
 WORLD_TEST( strands_without_strands_step_and_show_nothing )
 {
-    hosted* h = *state;
     wisp_entity none = add_frozen( h->world, 0, 0 ), empty = add_frozen( h->world, 20, 0 );
     step( h->world );
     assert_int_equal( view_of( h->world, none, WISP_STRAND_POINTS ).count, 0 );
@@ -103,7 +96,6 @@ WORLD_TEST( strands_without_strands_step_and_show_nothing )
 
 WORLD_TEST( an_instance_shares_its_sources_topology_and_starts_at_rest )
 {
-    hosted* h = *state;
     wisp_entity source = add_frozen( h->world, 20, 6 ), instance;
     uint64_t at_rest = hash_of( h->world, source, WISP_STRAND_POINTS );
     step( h->world );
@@ -119,7 +111,6 @@ WORLD_TEST( an_instance_shares_its_sources_topology_and_starts_at_rest )
 
 WORLD_TEST( an_instance_starts_in_its_pose )
 {
-    hosted* h = *state;
     const wisp_entity source = add_frozen( h->world, 20, 6 );
     const wisp_transform pose = { { 0.0f, 0.0f, 2.0f, 0.0f }, { 3.0f, 0.0f, -2.0f } }; // half a turn about z
     wisp_entity instance, none;
@@ -161,7 +152,6 @@ WORLD_TEST( an_instance_starts_in_its_pose )
 
 WORLD_TEST( an_instance_survives_its_source )
 {
-    hosted* h = *state;
     wisp_entity source = add_frozen( h->world, 20, 6 ), instance, second;
     step( h->world );
     uint64_t hash = hash_of( h->world, source, WISP_STRAND_POINTS );
@@ -179,7 +169,6 @@ WORLD_TEST( an_instance_survives_its_source )
 
 WORLD_TEST( removing_an_entity_leaves_the_others_as_they_are )
 {
-    hosted* h = *state;
     wisp_entity entities[5];
     uint64_t hashes[5];
     for ( int i = 0; i < 5; ++i )
@@ -209,7 +198,6 @@ WORLD_TEST( removing_an_entity_leaves_the_others_as_they_are )
 
 WORLD_TEST( a_snapshot_needs_room_and_brings_the_state_back )
 {
-    hosted* h = *state;
     wisp_entity e = add_frozen( h->world, 20, 6 );
     step( h->world );
     size_t size = wisp_world_snapshot_size( h->world );
@@ -247,20 +235,19 @@ static void step_twice_from_a_snapshot( hosted* h, wisp_frozen_base base, uint64
 WORLD_TEST( a_restored_world_goes_on_as_the_one_that_was_taken )
 {
     uint64_t hashes[2];
-    step_twice_from_a_snapshot( *state, WISP_FROZEN_BASE_REST, hashes );
+    step_twice_from_a_snapshot( h, WISP_FROZEN_BASE_REST, hashes );
     assert_int_equal( hashes[0], hashes[1] );
 }
 
 WORLD_TEST( a_restored_world_in_a_stroke_goes_on_the_same_way )
 {
     uint64_t hashes[2];
-    step_twice_from_a_snapshot( *state, WISP_FROZEN_BASE_STROKE, hashes );
+    step_twice_from_a_snapshot( h, WISP_FROZEN_BASE_STROKE, hashes );
     assert_int_equal( hashes[0], hashes[1] );
 }
 
 WORLD_TEST( a_snapshot_of_strands_cut_differently_is_refused )
 {
-    hosted* h = *state;
     // as many strands, vertices, groups and rows, but vertex 6 belongs to another strand
     static const int first[] = { 4, 2, 2 }, second[] = { 4, 3, 1 };
     test_strands a = test_strands_make( first, 3 ), b = test_strands_make( second, 3 );
@@ -318,7 +305,6 @@ TEST( a_snapshot_of_a_world_with_other_modules_goes_on_alike_or_is_refused )
 
 WORLD_TEST( a_snapshot_of_flat_strands_is_refused_by_deep_ones )
 {
-    hosted* h = *state;
     static const wisp_vec3 points[] = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 1.0f, 0.0f } };
     static const int32_t offsets[] = { 0, 2 };
     wisp_strands_def def = wisp_default_strands_def();
@@ -342,7 +328,6 @@ WORLD_TEST( a_snapshot_of_flat_strands_is_refused_by_deep_ones )
 
 WORLD_TEST( counters_have_names_and_start_at_zero )
 {
-    hosted* h = *state;
     for ( int i = 0; i < WISP_COUNTER_COUNT; ++i )
     {
         assert_int_equal( wisp_world_counter( h->world, (wisp_counter)i ), 0 );
@@ -353,7 +338,6 @@ WORLD_TEST( counters_have_names_and_start_at_zero )
 
 WORLD_TEST( counters_count_what_a_scene_met )
 {
-    hosted* h = *state;
     wisp_entity e = add_frozen( h->world, 40, 6 );
     for ( int i = 0; i < 3; ++i )
     {
@@ -373,7 +357,6 @@ WORLD_TEST( counters_count_what_a_scene_met )
 
 WORLD_TEST( a_neighbour_limit_that_bites_is_counted )
 {
-    hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 40, 6 );
     wisp_frozen_hair_def def = clumping_def();
     def.max_neighbours = 1;
@@ -387,7 +370,6 @@ WORLD_TEST( a_neighbour_limit_that_bites_is_counted )
 
 WORLD_TEST( a_hundred_worlds_live_side_by_side_and_agree )
 {
-    hosted* h = *state;
     wisp_world* worlds[100];
     wisp_entity entities[100];
     for ( int i = 0; i < WISP_COUNT( worlds ); ++i )
@@ -430,8 +412,7 @@ static wisp_entity add_flying( wisp_world* world )
     SCOPED( test_mesh_free ) test_mesh mesh = test_plane( SIDE, 0.1f );
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
     const wisp_entity e = test_surface_of( world, &fabric, support_weightless_surface_def() );
-    const wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_status( world, wisp_set_cloth( world, e, &cloth ), WISP_OK );
+    SET_DEFAULT( world, e, cloth );
     assert_status( world, wisp_set_velocity( world, e, ( wisp_vec3 ){ 1, 0, 0 }, ( wisp_vec3 ){ 0 } ), WISP_OK );
     assert_status( world, wisp_request( world, e, WISP_SURFACE_POINTS ), WISP_OK );
     return e;
@@ -449,7 +430,6 @@ static void advance( wisp_world* world, double seconds )
 
 WORLD_TEST( points_are_one_step_late_and_smooth )
 {
-    hosted* h = *state;
     const wisp_entity e = add_flying( h->world );
     advance( h->world, (double)DT );
     double time = (double)DT;
@@ -471,7 +451,6 @@ static void count_call( void* user, wisp_world* world )
 
 WORLD_TEST( each_step_is_announced_and_eight_are_the_most )
 {
-    hosted* h = *state;
     add_flying( h->world );
     int calls = 0;
     const double frames[] = { 0.25, 0.5, 0.5, 3.0, 100.0, 0.75 };
@@ -487,7 +466,6 @@ WORLD_TEST( each_step_is_announced_and_eight_are_the_most )
 
 WORLD_TEST( a_step_of_its_own_shows_its_own_points )
 {
-    hosted* h = *state;
     const wisp_entity e = add_flying( h->world );
     advance( h->world, 2.5 * (double)DT );
     assert_true( fabs( x_of( h->world, e ) - 1.5 * (double)DT ) < 1e-5 );
@@ -498,7 +476,6 @@ WORLD_TEST( a_step_of_its_own_shows_its_own_points )
 // Interpolation is for display: a hash is that of the step, and a restored state is shown without interpolation.
 WORLD_TEST( hashes_and_restored_points_are_those_of_the_step )
 {
-    hosted* h = *state;
     const wisp_entity e = add_flying( h->world );
     const size_t capacity = wisp_world_snapshot_size( h->world ) + 100000;
     SCOPED( free_local ) char* bytes = malloc( capacity );
@@ -518,7 +495,6 @@ WORLD_TEST( hashes_and_restored_points_are_those_of_the_step )
 
 WORLD_TEST( entities_may_come_and_go )
 {
-    hosted* h = *state;
     const wisp_entity first = add_flying( h->world );
     advance( h->world, 1.5 * (double)DT );
     const wisp_entity second = add_flying( h->world );
@@ -535,7 +511,6 @@ WORLD_TEST( entities_may_come_and_go )
 
 WORLD_TEST( a_repeated_call_allocates_nothing )
 {
-    hosted* h = *state;
     add_flying( h->world );
     advance( h->world, 2.5 * (double)DT );
     const int64_t requests = atomic_load( &h->host.queried );
@@ -556,7 +531,6 @@ static void spoil_second( void* user, wisp_world* world )
 
 WORLD_TEST( steps_that_were_due_when_one_failed_are_made_later )
 {
-    hosted* h = *state;
     const wisp_entity e = add_flying( h->world );
     int calls = 0;
     assert_int_equal( wisp_world_advance( h->world, 3.5f * DT, DT, spoil_second, &calls ), WISP_CONFLICT );

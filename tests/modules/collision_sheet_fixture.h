@@ -138,8 +138,7 @@ static inline sheet new_sheet( test_mesh collider, float height, setting with )
     collision.thickness = THICKNESS;
     collision.features = with.features;
     s.surface = add_colliding( s.h->world, &s.mesh, &collision );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_int_equal( wisp_set_cloth( s.h->world, s.surface, &cloth ), WISP_OK );
+    SET_DEFAULT( s.h->world, s.surface, cloth );
     give_gravity( s.h->world, s.surface, with.gravity );
     for ( int32_t v = 0; with.is_held && v < s.mesh.vertex_count; ++v )
     {

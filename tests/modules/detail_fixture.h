@@ -101,10 +101,7 @@ static inline float step_and_measure( wisp_world* world, wisp_entity e )
 
 static inline void set_level_at_once( wisp_world* world, wisp_entity e, wisp_detail level )
 {
-    wisp_detail_def def = wisp_default_detail_def();
-    def.level = level;
-    def.blend_steps = 0;
-    assert_status( world, wisp_set_detail( world, e, &def ), WISP_OK );
+    SET( world, e, detail, d.level = level, d.blend_steps = 0 );
 }
 
 static inline wisp_entity add_effect( wisp_world* world, effect_setup* setup )

@@ -69,9 +69,7 @@ static inline wisp_entity balloon( wisp_world* world )
     }
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
     const wisp_entity e = test_surface_of( world, &fabric, support_weightless_surface_def() );
-    wisp_balloon_def def = wisp_default_balloon_def();
-    def.gas_ratio = 1.5f;
-    assert_status( world, wisp_set_balloon( world, e, &def ), WISP_OK );
+    SET( world, e, balloon, d.gas_ratio = 1.5f );
     assert_status( world, wisp_set_damping( world, e, 3.0f ), WISP_OK );
     return e;
 }
@@ -94,11 +92,9 @@ static inline wisp_entity hair( wisp_world* world, wisp_strand_stretch stretch )
     def.strand_count = 4;
     wisp_entity e;
     assert_status( world, wisp_add_strands( world, &def, &e ), WISP_OK );
-    wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
-    dynamics.stretch = stretch;
-    dynamics.bending = stretch == WISP_STRAND_STRETCH_LINKS ? WISP_STRAND_BEND_LINKS : WISP_STRAND_BEND_ROD;
-    dynamics.damping = 3.0f;
-    assert_status( world, wisp_set_strand_dynamics( world, e, &dynamics ), WISP_OK );
+    SET( world, e, strand_dynamics, d.stretch = stretch,
+         d.bending = stretch == WISP_STRAND_STRETCH_LINKS ? WISP_STRAND_BEND_LINKS : WISP_STRAND_BEND_ROD,
+         d.damping = 3.0f );
     return e;
 }
 

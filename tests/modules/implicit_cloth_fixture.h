@@ -36,7 +36,7 @@ static inline int open_implicit_world( void** state )
     return 0;
 }
 
-#define IMPLICIT_TEST( test ) TEST_WITH( test, open_implicit_world, close_hosted )
+#define IMPLICIT_TEST( test ) HOSTED_TEST( test, open_implicit_world )
 
 /// Solved to the limit of single precision.
 static inline wisp_implicit_cloth_def exact_def( void )

@@ -198,8 +198,7 @@ TEST( hair_in_contact_leaves_the_others_alone )
     open_all( &h, 2, 1 );
     const wisp_entity touching = add( h.world, MEMBERS + MEMBER_COUNT - 1 ), cloth = add( h.world, MEMBERS ),
                       other = add( h.world, MEMBERS + MEMBER_COUNT - 1 );
-    const wisp_contact_def contact = wisp_default_contact_def();
-    assert_status( h.world, wisp_set_contact( h.world, touching, &contact ), WISP_OK );
+    SET_DEFAULT( h.world, touching, contact );
     assert_status( h.world, wisp_set_substeps( h.world, other, 16 ), WISP_OK );
     assert_int_equal( substeps_of( h.world, touching ), 2 );
     assert_int_equal( substeps_of( h.world, cloth ), 2 );
@@ -267,10 +266,8 @@ static void open_changing( hosted* h, int steps )
     for ( int slot = 0; slot < h->world->store.entity_count; ++slot )
     {
         const wisp_entity e = store_handle( &h->world->store, slot );
-        wisp_detail_def detail = wisp_default_detail_def();
-        detail.level = slot % 2 == 0 ? WISP_DETAIL_NOTHING : WISP_DETAIL_FEWER_SUBSTEPS;
-        detail.blend_steps = 0;
-        assert_status( h->world, wisp_set_detail( h->world, e, &detail ), WISP_OK );
+        SET( h->world, e, detail, d.level = slot % 2 == 0 ? WISP_DETAIL_NOTHING : WISP_DETAIL_FEWER_SUBSTEPS,
+             d.blend_steps = 0 );
         assert_status( h->world, wisp_request( h->world, e, WISP_MOTION_STATS ), WISP_OK );
     }
 }
@@ -525,9 +522,7 @@ static double distance_to_twin( hosted* h, wisp_entity e, hosted* twin, wisp_ent
 static wisp_entity second_order_cloth( wisp_world* world )
 {
     const wisp_entity e = implicit_cloth( world );
-    wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
-    def.integrator = WISP_INTEGRATOR_BDF2;
-    assert_status( world, wisp_set_implicit_cloth( world, e, &def ), WISP_OK );
+    SET( world, e, implicit_cloth, d.integrator = WISP_INTEGRATOR_BDF2 );
     return e;
 }
 
@@ -668,8 +663,7 @@ TEST( a_collider_meets_nothing_on_its_way )
     SCOPED( close_world ) hosted h;
     open_effects( &h, 1 );
     const wisp_entity e = cloth_of_links( h.world );
-    const wisp_collision_def collision = wisp_default_collision_def();
-    assert_status( h.world, wisp_set_collision( h.world, e, &collision ), WISP_OK );
+    SET_DEFAULT( h.world, e, collision );
     wisp_collider_def def = wisp_default_collider_def();
     def.kind = WISP_COLLIDER_SPHERE;
     def.radius = 0.1f;

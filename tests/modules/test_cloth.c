@@ -252,7 +252,6 @@ TEST( coarse_sheets_do_in_one_substep_what_ten_cannot )
 
 WORLD_TEST( a_pin_that_jumps_a_hundred_metres_takes_its_cloth_along )
 {
-    hosted* h = *state;
     SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 9, 0.1f );
     const int32_t pin = 0;
     wisp_fabric_def fabric = test_fabric_def( &mesh );
@@ -275,7 +274,6 @@ WORLD_TEST( a_pin_that_jumps_a_hundred_metres_takes_its_cloth_along )
 
 WORLD_TEST( bad_meshes_are_cloth_all_the_same )
 {
-    hosted* h = *state;
     // a square, its first triangle twice and once reversed, one without area, an unreferenced vertex
     const wisp_vec3 points[] = { { 0, 0, 0 },    { 0.1f, 0, 0 }, { 0.1f, 0, 0.1f },
                                  { 0, 0, 0.1f }, { 0.2f, 0, 0 }, { 1, 1, 1 } };
@@ -305,7 +303,6 @@ WORLD_TEST( bad_meshes_are_cloth_all_the_same )
 
 WORLD_TEST( a_mesh_too_small_for_coarse_sheets_has_none )
 {
-    hosted* h = *state;
     SCOPED( test_mesh_free )
     test_mesh mesh = triangle_mesh( ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 0, 0, 1 }, ( wisp_vec3 ){ 1, 0, 0 } );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
@@ -323,7 +320,6 @@ WORLD_TEST( a_mesh_too_small_for_coarse_sheets_has_none )
 
 WORLD_TEST( who_asks_for_coarse_sheets_in_vain_is_told_once )
 {
-    hosted* h = *state;
     SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 30, 0.1f );
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_cloth_def cloth = wisp_default_cloth_def();
@@ -365,7 +361,6 @@ static void assert_refused( hosted* h, wisp_entity e, const wisp_cloth_def* def,
 
 WORLD_TEST( every_number_has_its_range )
 {
-    hosted* h = *state;
     wisp_entity e = add_plain( h, true, true, false );
     const wisp_cloth_def good = wisp_default_cloth_def();
     assert_status( h->world, wisp_set_cloth( h->world, e, &good ), WISP_OK );
@@ -402,7 +397,6 @@ WORLD_TEST( every_number_has_its_range )
 
 WORLD_TEST( every_choice_is_one_of_the_list )
 {
-    hosted* h = *state;
     wisp_entity e = add_plain( h, true, true, false );
     wisp_cloth_def def = wisp_default_cloth_def();
     def.solver = WISP_SOLVER_COUNT;
@@ -428,7 +422,6 @@ WORLD_TEST( every_choice_is_one_of_the_list )
 
 WORLD_TEST( directions_and_winds_are_finite )
 {
-    hosted* h = *state;
     wisp_entity e = add_plain( h, true, true, false );
     const wisp_vec3 warps[] = { { 0 }, { NAN, 0.0f, 1.0f }, { 0.0f, INFINITY, 0.0f }, { 1e-7f, 0.0f, 0.0f } };
     for ( int i = 0; i < WISP_COUNT( warps ); ++i )
@@ -453,7 +446,6 @@ WORLD_TEST( directions_and_winds_are_finite )
 
 WORLD_TEST( a_fabric_must_have_what_the_cloth_needs )
 {
-    hosted* h = *state;
     wisp_entity bare = add_plain( h, false, false, true ), loose = add_plain( h, true, true, false );
     wisp_cloth_def def = wisp_default_cloth_def();
     assert_refused( h, bare, &def, WISP_CONFLICT, "bend links" );

@@ -43,7 +43,6 @@ static wisp_vec3 force_at( wisp_world* world, double degrees, float drag, float 
 // 1/2 rho A |u . n| ( C_d u + C_l ( |u| n' - (u . n') u / |u| ) ) with |u . n| = |u| sin a.
 WORLD_TEST( force_on_a_triangle_is_that_of_the_formula )
 {
-    hosted* h = *state;
     const double degrees[] = { 0.0, 30.0, 90.0, -30.0 };
     for ( int i = 0; i < WISP_COUNT( degrees ); ++i )
     {
@@ -96,7 +95,6 @@ TEST( a_plate_falls_broadside_at_its_terminal_velocity )
 
 WORLD_TEST( air_moves_a_feather_to_the_winds_speed_and_never_beyond )
 {
-    hosted* h = *state;
     const wisp_vec3 wind = { 0.0f, 20.0f, 0.0f };
     wisp_entity e = add_triangle( h->world, wind, 1000.0f, 0.0f );
     for ( int i = 0; i < 50; ++i )
@@ -111,7 +109,6 @@ WORLD_TEST( air_moves_a_feather_to_the_winds_speed_and_never_beyond )
 // Lift does no work in the frame of the wind, so nothing becomes faster than its weight makes it, however light it is.
 WORLD_TEST( lift_adds_no_energy_to_what_is_light )
 {
-    hosted* h = *state;
     SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 9, 0.05f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_surface_def surface = support_weightless_surface_def();
@@ -131,7 +128,6 @@ WORLD_TEST( lift_adds_no_energy_to_what_is_light )
 
 WORLD_TEST( wind_that_only_slides_along_does_nothing )
 {
-    hosted* h = *state;
     wisp_entity e = add_triangle( h->world, ( wisp_vec3 ){ 5.0f, 0.0f, -3.0f }, 1.0f, 1.0f );
     run_steps( h->world, 10, 0.01f );
     assert_true( motion_stats_of( h->world, e ).speed_max == 0.0 );
@@ -139,7 +135,6 @@ WORLD_TEST( wind_that_only_slides_along_does_nothing )
 
 WORLD_TEST( wind_can_change_every_step )
 {
-    hosted* h = *state;
     wisp_entity e = add_triangle( h->world, ( wisp_vec3 ){ 0 }, 1.0f, 0.0f );
     run_steps( h->world, 1, 0.01f );
     assert_true( motion_stats_of( h->world, e ).speed_max == 0.0 );
@@ -155,7 +150,6 @@ WORLD_TEST( wind_can_change_every_step )
 
 WORLD_TEST( a_cloth_without_coefficients_has_no_air )
 {
-    hosted* h = *state;
     wisp_entity e = add_triangle( h->world, ( wisp_vec3 ){ 0.0f, 5.0f, 0.0f }, 0.0f, 0.0f );
     step( h->world );
     assert_int_equal( count_passes_named( h->world, "cloth.air" ), 0 );
@@ -166,7 +160,6 @@ WORLD_TEST( a_cloth_without_coefficients_has_no_air )
 // Air on a rotated mesh gives the rotated force: the same plate broadside along z.
 WORLD_TEST( drag_knows_no_axis )
 {
-    hosted* h = *state;
     double speed[2];
     for ( int i = 0; i < 2; ++i )
     {
@@ -209,11 +202,8 @@ static wisp_entity add_damped( wisp_world* world, const test_mesh* mesh, float r
 // All links as soft as possible: only damping acts on the velocities.
 static void unlink_all( wisp_world* world, wisp_entity e, float rate )
 {
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    cloth.warp_compliance = cloth.weft_compliance = 1e12f;
-    cloth.bending = WISP_CLOTH_BENDING_NONE;
-    cloth.internal_damping = rate;
-    assert_status( world, wisp_set_cloth( world, e, &cloth ), WISP_OK );
+    SET( world, e, cloth, d.warp_compliance = d.weft_compliance = 1e12f, d.bending = WISP_CLOTH_BENDING_NONE,
+         d.internal_damping = rate );
 }
 
 static void shake( wisp_world* world, wisp_entity e, int vertex_count, float speed )
@@ -235,7 +225,6 @@ static double energy_of_shaking( wisp_motion_stats q, double rigid )
 
 WORLD_TEST( shaking_dies_at_the_given_rate_and_momentum_stays )
 {
-    hosted* h = *state;
     const float rate = 5.0f;
     SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 9, 0.1f );
     wisp_entity e = add_damped( h->world, &mesh, rate, NULL, 0 );
@@ -313,7 +302,7 @@ WORLD_TEST( damping_takes_no_turning )
 {
     for ( int i = 0; i < WISP_COUNT( SIDES ); ++i )
     {
-        check_turning( *state, SIDES[i] );
+        check_turning( h, SIDES[i] );
     }
 }
 
@@ -340,7 +329,7 @@ WORLD_TEST( a_rigid_turn_lives_through_any_damping )
 {
     for ( int i = 0; i < WISP_COUNT( SIDES ); ++i )
     {
-        check_rigid_turn( *state, SIDES[i] );
+        check_rigid_turn( h, SIDES[i] );
     }
 }
 
@@ -385,14 +374,14 @@ WORLD_TEST( a_body_that_is_a_line_keeps_turning )
     const wisp_vec3 x = { 1.0f, 0.0f, 0.0f }, y = { 0.0f, 1.0f, 0.0f }, slanted = { 0.6f, 0.48f, 0.64f },
                     aside = { -0.8f, 0.36f, 0.48f };
     // positions of 0.5 m are rounded to 3e-8 m of 5e-5 m per step at the ends
-    check_line( *state, x, y, 0.0f, y, 2e-3 );
-    check_line( *state, slanted, aside, 0.0f, aside, 2e-3 );
-    check_line( *state, slanted, aside, 1e-7f, aside, 2e-3 );
+    check_line( h, x, y, 0.0f, y, 2e-3 );
+    check_line( h, slanted, aside, 0.0f, aside, 2e-3 );
+    check_line( h, slanted, aside, 1e-7f, aside, 2e-3 );
     // its moment about its own axis is lost in the rounding of the sums
     const wisp_vec3 both = { slanted.x + aside.x, slanted.y + aside.y, slanted.z + aside.z };
     for ( float width = 1e-3f; width > 1e-8f; width *= 0.5f )
     {
-        check_line( *state, slanted, aside, width, both, 2e-3 );
+        check_line( h, slanted, aside, width, both, 2e-3 );
     }
 }
 
@@ -400,12 +389,11 @@ WORLD_TEST( a_body_that_is_a_line_keeps_turning )
 WORLD_TEST( a_ribbon_keeps_its_spin )
 {
     const wisp_vec3 slanted = { 0.6f, 0.48f, 0.64f }, aside = { -0.8f, 0.36f, 0.48f };
-    check_line( *state, slanted, aside, 5e-3f, slanted, 0.05 );
+    check_line( h, slanted, aside, 5e-3f, slanted, 0.05 );
 }
 
 WORLD_TEST( a_pinned_cloth_comes_to_rest_and_a_loose_vertex_is_no_pin )
 {
-    hosted* h = *state;
     SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 5, 0.1f );
     const int32_t pin = 0;
     wisp_entity pinned = add_damped( h->world, &mesh, 100.0f, &pin, 1 );
@@ -435,7 +423,6 @@ WORLD_TEST( a_pinned_cloth_comes_to_rest_and_a_loose_vertex_is_no_pin )
 
 WORLD_TEST( damping_of_zero_has_no_pass )
 {
-    hosted* h = *state;
     SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 3, 0.1f );
     wisp_entity e = add_damped( h->world, &mesh, 1.0f, NULL, 0 );
     step( h->world );

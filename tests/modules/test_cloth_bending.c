@@ -165,7 +165,6 @@ TEST( a_crease_of_the_rest_shape_stays_and_another_opens )
 
 WORLD_TEST( bending_that_is_chosen_brings_its_pass_and_no_other )
 {
-    hosted* h = *state;
     SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 5, 0.1f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.hinges = true;
@@ -334,10 +333,8 @@ static void set_material( wisp_world* world, wisp_entity e, solver_kind kind, fl
         assert_status( world, wisp_set_implicit_cloth( world, e, &cloth ), WISP_OK );
         return;
     }
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    cloth.bending = kind == BY_ANGLE ? WISP_CLOTH_BENDING_DIHEDRAL : WISP_CLOTH_BENDING_ISOMETRIC;
-    cloth.bend_rigidity = rigidity;
-    assert_status( world, wisp_set_cloth( world, e, &cloth ), WISP_OK );
+    SET( world, e, cloth, d.bending = kind == BY_ANGLE ? WISP_CLOTH_BENDING_DIHEDRAL : WISP_CLOTH_BENDING_ISOMETRIC,
+         d.bend_rigidity = rigidity );
 }
 
 static wisp_entity clamped_strip( hosted* h, solver_kind kind, bool irregular, double load, int substeps )

@@ -40,7 +40,6 @@ static double nearest( wisp_world* world, wisp_entity e, const wisp_collider_def
 
 COLLISION_TEST( what_falls_on_a_plane_comes_to_rest_and_does_not_jitter )
 {
-    hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
     add_collider( h->world, &plane );
     wisp_entity e = add_cloth( h->world, 9, 0.8f, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, GRAVITY );
@@ -58,7 +57,6 @@ COLLISION_TEST( what_falls_on_a_plane_comes_to_rest_and_does_not_jitter )
 
 COLLISION_TEST( contact_never_adds_energy )
 {
-    hosted* h = *state;
     wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
     add_collider( h->world, &ball );
     wisp_collision_def collision = wisp_default_collision_def();
@@ -163,7 +161,6 @@ TEST( what_starts_inside_leaves_without_flying_off )
 
 COLLISION_TEST( a_body_at_100_m_s_sweeps_a_cloth_along )
 {
-    hosted* h = *state;
     const wisp_collider_kind kinds[] = { WISP_COLLIDER_BOX, WISP_COLLIDER_SPHERE, WISP_COLLIDER_CAPSULE };
     for ( int k = 0; k < 3; ++k )
     {
@@ -195,7 +192,6 @@ COLLISION_TEST( a_body_at_100_m_s_sweeps_a_cloth_along )
 
 COLLISION_TEST( a_particle_at_100_m_s_stops_at_a_thin_plate )
 {
-    hosted* h = *state;
     wisp_collider_def plate = body_of( WISP_COLLIDER_BOX );
     plate.half_extent = ( wisp_vec3 ){ 1.0f, 0.001f, 1.0f };
     plate.static_friction = plate.kinetic_friction = 0.0f;
@@ -218,7 +214,6 @@ COLLISION_TEST( a_particle_at_100_m_s_stops_at_a_thin_plate )
 
 COLLISION_TEST( a_body_stands_still_when_it_is_not_moved_again )
 {
-    hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
     wisp_entity collider = add_collider( h->world, &plane );
     wisp_entity e = add_cloth( h->world, 5, 0.4f, ( wisp_vec3 ){ 0.0f, 0.03f, 0.0f }, GRAVITY );
@@ -234,7 +229,6 @@ COLLISION_TEST( a_body_stands_still_when_it_is_not_moved_again )
 
 COLLISION_TEST( pinned_vertices_are_not_moved )
 {
-    hosted* h = *state;
     wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
     add_collider( h->world, &ball );
     wisp_entity e = add_cloth( h->world, 5, 0.4f, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, GRAVITY );
@@ -247,7 +241,6 @@ COLLISION_TEST( pinned_vertices_are_not_moved )
 
 COLLISION_TEST( layers_say_who_collides_with_whom )
 {
-    hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
     plane.layers = 4;
     add_collider( h->world, &plane );
@@ -267,7 +260,6 @@ COLLISION_TEST( layers_say_who_collides_with_whom )
 
 COLLISION_TEST( removed_bodies_and_surfaces_are_forgotten )
 {
-    hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
     wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
     wisp_entity first = add_collider( h->world, &plane );
@@ -305,7 +297,6 @@ static wisp_entity busy_scene( wisp_world* world, wisp_entity* ball )
 
 COLLISION_TEST( a_snapshot_brings_moving_bodies_back )
 {
-    hosted* h = *state;
     wisp_entity ball;
     busy_scene( h->world, &ball );
     run_busy( h->world, ball, 0, 20 );
@@ -336,7 +327,6 @@ static void assert_refused( wisp_world* world, const wisp_collider_def* def, con
 
 COLLISION_TEST( impossible_bodies_are_refused )
 {
-    hosted* h = *state;
     wisp_collider_def def = body_of( WISP_COLLIDER_SPHERE );
     def.radius = -1.0f;
     assert_refused( h->world, &def, "radius" );
@@ -368,7 +358,6 @@ COLLISION_TEST( impossible_bodies_are_refused )
 
 COLLISION_TEST( calls_that_do_not_fit_are_refused_with_a_message )
 {
-    hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
     wisp_entity body = add_collider( h->world, &plane );
     wisp_entity e = add_cloth( h->world, 3, 0.2f, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, GRAVITY );
@@ -695,7 +684,6 @@ TEST( a_body_that_moves_throws_what_it_meets )
 
 COLLISION_TEST( a_restitution_above_one_is_refused )
 {
-    hosted* h = *state;
     const float bad[] = { -0.1f, 1.1f, NAN };
     for ( int i = 0; i < 3; ++i )
     {

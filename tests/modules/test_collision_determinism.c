@@ -79,8 +79,7 @@ static trace* run( setting how )
     collision.features = how.features;
     wisp_entity e = add_colliding( h->world, &mesh, &collision );
     test_mesh_free( &mesh );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_int_equal( wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
+    SET_DEFAULT( h->world, e, cloth );
     give_gravity( h->world, e, 9.8f );
 
     for ( int n = 0; n < STEPS; ++n )

@@ -45,8 +45,7 @@ static sheet new_sheet( wisp_collision_features features, const wisp_collider_de
     collision.thickness = THICKNESS;
     collision.features = features;
     s.surface = add_colliding( s.h->world, &s.mesh, &collision );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_int_equal( wisp_set_cloth( s.h->world, s.surface, &cloth ), WISP_OK );
+    SET_DEFAULT( s.h->world, s.surface, cloth );
     give_gravity( s.h->world, s.surface, gravity );
     for ( int32_t v = 0; is_held && v < s.mesh.vertex_count; ++v )
     {
@@ -337,8 +336,7 @@ static slide new_slide( double angle, float mu, wisp_collision_features features
     collision.features = features;
     s.surface = add_colliding( s.h->world, &mesh, &collision );
     test_mesh_free( &mesh );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_int_equal( wisp_set_cloth( s.h->world, s.surface, &cloth ), WISP_OK );
+    SET_DEFAULT( s.h->world, s.surface, cloth );
     run_for( s.h->world, DT, 1 );
     s.start = along_slope( &s );
     give_gravity( s.h->world, s.surface, gravity );
@@ -424,9 +422,7 @@ TEST( without_the_option_there_is_no_pass_and_no_other_bit )
     const int without = wisp_world_plan_passes( s.h->world );
     assert_int_equal( wisp_world_plan_passes( t.h->world ), without + 2 );
     // and it goes again
-    wisp_collision_def collision = wisp_default_collision_def();
-    collision.thickness = THICKNESS;
-    assert_int_equal( wisp_set_collision( t.h->world, t.surface, &collision ), WISP_OK );
+    SET( t.h->world, t.surface, collision, d.thickness = THICKNESS );
     assert_int_equal( wisp_world_plan_passes( t.h->world ), without );
     free_sheet( &t );
     // what never comes near a body moves as without it
@@ -455,7 +451,6 @@ TEST( steps_ask_for_no_memory )
 
 COLLISION_TEST( impossible_features_are_refused )
 {
-    hosted* h = *state;
     wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
     add_collider( h->world, &ball );
     wisp_entity e = add_cloth( h->world, 3, 0.2f, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, GRAVITY );

@@ -45,8 +45,7 @@ static incline new_incline( double angle, float mu_static, float mu_kinetic, int
     collision.thickness = THICKNESS;
     i.surface = add_colliding( i.h->world, &mesh, &collision );
     test_mesh_free( &mesh );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_int_equal( wisp_set_cloth( i.h->world, i.surface, &cloth ), WISP_OK );
+    SET_DEFAULT( i.h->world, i.surface, cloth );
     run_for( i.h->world, 1.0f / 60.0f, 1 );
     i.start = along( &i );
     give_gravity( i.h->world, i.surface, GRAVITY );
@@ -123,10 +122,7 @@ TEST( static_friction_holds_what_kinetic_friction_would_not )
 TEST( friction_scales_with_the_surfaces_own_factor )
 {
     incline i = new_incline( 26.0 * DEGREE, 0.5f, 0.5f, 1, 1 );
-    wisp_collision_def collision = wisp_default_collision_def();
-    collision.thickness = THICKNESS;
-    collision.friction_scale = 0.0f;
-    assert_int_equal( wisp_set_collision( i.h->world, i.surface, &collision ), WISP_OK );
+    SET( i.h->world, i.surface, collision, d.thickness = THICKNESS, d.friction_scale = 0.0f );
     run_for( i.h->world, 1.0f / 60.0f, 60 );
     assert_near( motion_stats_of( i.h->world, i.surface ).speed_max, 9.8 * sin( i.angle ), 5e-3 );
     free_colliding( i.h );
@@ -157,7 +153,6 @@ TEST( a_belt_carries_what_lies_on_it_and_lets_it_slip_when_it_starts_too_fast )
 
 COLLISION_TEST( a_turning_roller_drags_what_lies_on_it )
 {
-    hosted* h = *state;
     wisp_collider_def roller = wisp_default_collider_def();
     roller.kind = WISP_COLLIDER_SPHERE;
     roller.radius = 1.0f;
@@ -264,9 +259,7 @@ static double tension_ratio( float mu, double ratio )
     wisp_entity e = test_surface_of( h->world, &fabric, surface );
     test_mesh_free( &mesh );
     assert_int_equal( wisp_request( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    cloth.bending = WISP_CLOTH_BENDING_NONE;
-    assert_int_equal( wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
+    SET( h->world, e, cloth, d.bending = WISP_CLOTH_BENDING_NONE );
     assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_OK );
     give_gravity( h->world, e, GRAVITY );
     for ( int side = 0; side < 2; ++side )
@@ -329,8 +322,7 @@ static float sideways_after_12_steps( bool has_floor )
     collision.thickness = THICKNESS;
     wisp_entity e = add_colliding( h->world, &mesh, &collision );
     test_mesh_free( &mesh );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_int_equal( wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
+    SET_DEFAULT( h->world, e, cloth );
     const int32_t top[4] = { 12, 13, 14, 15 };
     assert_int_equal( wisp_pin( h->world, e, top, 4 ), WISP_OK );
     assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -GRAVITY, 1.0f } ), WISP_OK );
@@ -704,9 +696,7 @@ static uint64_t meet_freely( wisp_collider_kind kind, float mass, wisp_collision
 {
     SCOPED( close_local ) hosted* h = new_colliding( substeps, 1, workers );
     const wisp_entity e = add_cloth( h->world, 17, 0.8f, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, 0.0f );
-    wisp_collision_def collision = wisp_default_collision_def();
-    collision.features = features;
-    assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_OK );
+    SET( h->world, e, collision, d.features = features );
     wisp_collider_def def = body_of( kind );
     const float inertia = 0.04f * mass;
     def.mass = mass;
@@ -822,10 +812,8 @@ static void carry_strands( float mass )
     def.strand_count = 2;
     wisp_entity hair;
     assert_int_equal( wisp_add_strands( h->world, &def, &hair ), WISP_OK );
-    const wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
-    assert_int_equal( wisp_set_strand_dynamics( h->world, hair, &dynamics ), WISP_OK );
-    const wisp_collision_def collision = wisp_default_collision_def();
-    assert_int_equal( wisp_set_collision( h->world, hair, &collision ), WISP_OK );
+    SET_DEFAULT( h->world, hair, strand_dynamics );
+    SET_DEFAULT( h->world, hair, collision );
     assert_int_equal( wisp_request( h->world, hair, WISP_MOTION_STATS ), WISP_OK );
     assert_int_equal( wisp_request_reaction( h->world, floor, true ), WISP_OK );
     run_for( h->world, DT, 60 );

@@ -84,7 +84,6 @@ TEST( results_on_a_mesh_scale_with_the_scene )
 
 COLLISION_TEST( a_sheet_at_100_m_s_sweeps_particles_along )
 {
-    hosted* h = *state;
     wisp_collider_def def;
     wisp_entity double_sided = add_sheet( h->world, &def );
     wisp_entity e = add_cloth( h->world, 7, 0.6f, ( wisp_vec3 ){ 0.03f, 0.7f, 0.02f }, 0.0f );
@@ -164,7 +163,6 @@ TEST( a_mesh_that_moves_is_answered_in_its_own_frame )
 
 COLLISION_TEST( trees_go_with_their_bodies )
 {
-    hosted* h = *state;
     wisp_entity e = add_cloth( h->world, 5, 0.4f, ( wisp_vec3 ){ 0.0f, 0.4f, 0.0f }, GRAVITY );
     run_for( h->world, DT, 1 );
     wisp_entity first = add_ball( h->world, true, 1.0f );
@@ -195,7 +193,6 @@ static void assert_refused( wisp_world* world, const wisp_collider_def* def, con
 
 COLLISION_TEST( impossible_meshes_are_refused )
 {
-    hosted* h = *state;
     wisp_entity unused;
     wisp_collider_def plane = wisp_default_collider_def();
     assert_int_equal( wisp_add_collider( h->world, &plane, &unused ), WISP_OK ); // the list of bodies exists now
@@ -386,11 +383,8 @@ TEST( hair_stays_out )
         strands.strand_count = 17;
         wisp_entity hair;
         assert_int_equal( wisp_add_strands( h->world, &strands, &hair ), WISP_OK );
-        const wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
-        assert_int_equal( wisp_set_strand_dynamics( h->world, hair, &dynamics ), WISP_OK );
-        wisp_collision_def collision = wisp_default_collision_def();
-        collision.thickness = 0.01f;
-        assert_int_equal( wisp_set_collision( h->world, hair, &collision ), WISP_OK );
+        SET_DEFAULT( h->world, hair, strand_dynamics );
+        SET( h->world, hair, collision, d.thickness = 0.01f );
         assert_int_equal( wisp_request_collision_stats( h->world, hair, true ), WISP_OK );
         int contacts = 0;
         for ( int n = 0; n < 90; ++n )
@@ -406,7 +400,6 @@ TEST( hair_stays_out )
 
 COLLISION_TEST( a_wrong_solid_is_refused_and_costs_nothing )
 {
-    hosted* h = *state;
     static const float bad_heights[4] = { 0.0f, 0.0f, NAN, 0.0f };
     wisp_collider_def rows[8];
     const char* words[8] = { "top_radius", "bottom_radius",  "half_length", "lie in a plane",

@@ -388,7 +388,6 @@ TEST( any_number_of_workers_gives_the_same_bits )
 
 COLLISION_TEST( wrong_surfaces_are_refused )
 {
-    hosted* h = *state;
     SCOPED( free_skin ) skin s = add_skin( h->world, test_plane( 3, 0.5f ), true );
     wisp_collider_def def = wisp_default_collider_def();
     def.kind = WISP_COLLIDER_SURFACE;

@@ -428,8 +428,7 @@ TEST( instances_meet_like_all_others )
     open_resting( &h, sheets );
     assert_status( h.world, wisp_add_instance( h.world, sheets[1], NULL, sheets + 2 ), WISP_OK );
     const wisp_contact_def def = contact_of( THICK );
-    const wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_status( h.world, wisp_set_cloth( h.world, sheets[2], &cloth ), WISP_OK );
+    SET_DEFAULT( h.world, sheets[2], cloth );
     assert_status( h.world, wisp_set_gravity( h.world, sheets[2], EARTH ), WISP_OK );
     float* column = wisp_world_column( h.world, sheets[2], WISP_PARTICLE_POSITION, 0 );
     for ( int v = 0; v < 16; ++v )
@@ -520,7 +519,7 @@ static int open_refusing( void** state )
     return 0;
 }
 
-#define CONTACT_TEST( test ) TEST_WITH( test, open_refusing, close_hosted )
+#define CONTACT_TEST( test ) HOSTED_TEST( test, open_refusing )
 
 static wisp_entity add_small( wisp_world* world, float height )
 {
@@ -540,7 +539,6 @@ static void assert_participant_refused( hosted* h, wisp_entity e, const wisp_con
 
 CONTACT_TEST( every_number_of_a_participant_has_its_range )
 {
-    hosted* h = *state;
     const wisp_entity e = add_small( h->world, 0.0f );
     const wisp_contact_def good = wisp_default_contact_def();
     const struct
@@ -570,7 +568,6 @@ CONTACT_TEST( every_number_of_a_participant_has_its_range )
 
 CONTACT_TEST( every_number_of_the_settings_has_its_range )
 {
-    hosted* h = *state;
     const wisp_entity e = add_small( h->world, 0.0f );
     const wisp_contact_def participant = wisp_default_contact_def();
     set_contact( h->world, e, &participant );
@@ -599,7 +596,6 @@ CONTACT_TEST( every_number_of_the_settings_has_its_range )
 
 CONTACT_TEST( who_cannot_take_part_is_told )
 {
-    hosted* h = *state;
     const wisp_contact_def def = wisp_default_contact_def();
     const wisp_entity solved = add_small( h->world, 0.0f ), gone = add_small( h->world, 1.0f );
     const wisp_entity still = test_add_strands( h->world, 3, 4 );
@@ -617,7 +613,6 @@ CONTACT_TEST( who_cannot_take_part_is_told )
 
 CONTACT_TEST( stats_that_were_not_requested_are_not_there )
 {
-    hosted* h = *state;
     wisp_contact_stats f;
     double impulse[3];
     const wisp_entity e = add_small( h->world, 0.0f ), other = add_small( h->world, 1.0f );

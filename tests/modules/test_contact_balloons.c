@@ -36,10 +36,7 @@ static void open_pressed( pressed* p, int start, float gravity, int level )
                                                  test_random_float( start, 2 * k + 1, -off, off ) } );
         p->b[k] = add_balloon( p->h.world, &mesh, ( wisp_vec3 ){ -side * gravity, 0.0f, 0.0f } );
         assert_status( p->h.world, wisp_set_damping( p->h.world, p->b[k], 20.0f ), WISP_OK );
-        wisp_collision_def smooth = wisp_default_collision_def();
-        smooth.friction_scale = 0.0f;
-        smooth.thickness = 0.001f;
-        assert_status( p->h.world, wisp_set_collision( p->h.world, p->b[k], &smooth ), WISP_OK );
+        SET( p->h.world, p->b[k], collision, d.friction_scale = 0.0f, d.thickness = 0.001f );
         wisp_contact_def def = wisp_default_contact_def();
         def.thickness = 0.05f * RADIUS;
         set_contact( p->h.world, p->b[k], &def );

@@ -126,11 +126,8 @@ static int crumple( int n, int start, bool displacement_limit, int substeps, int
     const int32_t pins[2] = { 0, n - 1 };
     const wisp_vec3 corners[2] = { mesh.points[0], mesh.points[n - 1] };
     const wisp_entity e = add_mesh( h.world, &mesh, pins, 2, 0.15f );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    cloth.drag_coefficient = 1.0f;
-    cloth.lift_coefficient = 0.5f;
-    cloth.wind = ( wisp_vec3 ){ 2.0f, 1.0f, 3.5f };
-    assert_status( h.world, wisp_set_cloth( h.world, e, &cloth ), WISP_OK );
+    SET( h.world, e, cloth, d.drag_coefficient = 1.0f, d.lift_coefficient = 0.5f,
+         d.wind = ( wisp_vec3 ){ 2.0f, 1.0f, 3.5f } );
     assert_status( h.world, wisp_set_gravity( h.world, e, EARTH ), WISP_OK );
     wisp_contact_settings settings = wisp_default_contact_settings();
     settings.displacement_limit = displacement_limit;

@@ -28,9 +28,7 @@ static void open_layers( hosted* h, int workers, float particle_spacing )
 
 static void set_layer( wisp_world* world, wisp_entity e, float spacing )
 {
-    wisp_boundary_def def = wisp_default_boundary_def();
-    def.spacing = spacing;
-    assert_status( world, wisp_set_boundary( world, e, &def ), WISP_OK );
+    SET( world, e, boundary, d.spacing = spacing );
 }
 
 static int layer_points( wisp_world* world, wisp_entity e )
@@ -186,9 +184,7 @@ static void open_stretching( stretching* s, int workers )
               above = level_sheet( 7, 1.0f, ( wisp_vec3 ){ 0.02f, 0.06f, 0.01f } );
     const wisp_entity pinned = add_pinned( s->h.world, &floor );
     s->sheet = add_draping( s->h.world, &above, NULL, 0, EARTH );
-    wisp_cloth_def soft = wisp_default_cloth_def();
-    soft.warp_compliance = soft.weft_compliance = soft.shear_compliance = 0.05f;
-    assert_status( s->h.world, wisp_set_cloth( s->h.world, s->sheet, &soft ), WISP_OK );
+    SET( s->h.world, s->sheet, cloth, d.warp_compliance = d.weft_compliance = d.shear_compliance = 0.05f );
     const wisp_contact_def def = contact_alone();
     set_contact( s->h.world, pinned, &def );
     set_contact( s->h.world, s->sheet, &def );
@@ -403,10 +399,7 @@ static wisp_entity add_folding( wisp_world* world )
 {
     test_mesh mesh = level_sheet( 48, 1.0f, ( wisp_vec3 ){ 0.0f, 0.6f, 0.0f } );
     const wisp_entity e = add_draping( world, &mesh, NULL, 0, EARTH );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    cloth.bend_compliance = 0.5f;
-    cloth.internal_damping = 1.0f;
-    assert_status( world, wisp_set_cloth( world, e, &cloth ), WISP_OK );
+    SET( world, e, cloth, d.bend_compliance = 0.5f, d.internal_damping = 1.0f );
     wisp_collider_def ball = wisp_default_collider_def();
     ball.kind = WISP_COLLIDER_SPHERE;
     ball.radius = 0.15f;

@@ -46,10 +46,7 @@ static wisp_entity add_loose( wisp_world* world, float height, wisp_vec3 gravity
 
 static void collide( wisp_world* world, wisp_entity e, float thickness, wisp_collision_features features )
 {
-    wisp_collision_def def = wisp_default_collision_def();
-    def.thickness = thickness;
-    def.features = features;
-    assert_status( world, wisp_set_collision( world, e, &def ), WISP_OK );
+    SET( world, e, collision, d.thickness = thickness, d.features = features );
     assert_status( world, wisp_request_collision_stats( world, e, true ), WISP_OK );
 }
 

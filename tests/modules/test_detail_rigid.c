@@ -78,8 +78,7 @@ TEST( what_is_solved_again_goes_on_with_the_velocity_that_it_was_carried_with )
             set_level_at_once( h.world, strands, WISP_DETAIL_FULL );
         }
         SCOPED( free_local )
-        wisp_vec3 *before = copy_points( h.world, e, &count ),
-                  *hair = copy_points( h.world, strands, &strand_count );
+        wisp_vec3 *before = copy_points( h.world, e, &count ), *hair = copy_points( h.world, strands, &strand_count );
         run_steps( h.world, 1, FRAME );
         const wisp_vec3 *now = points_now( h.world, e, &count ), *hair_now = points_now( h.world, strands, &count );
         for ( int v = 0; v < SIDE * SIDE; v += 37 )
@@ -100,9 +99,7 @@ TEST( a_surface_without_pins_goes_along_with_its_frame )
     const wisp_entity e = add_sheet( h.world, true );
     const int32_t pins[2] = { 0, SIDE - 1 };
     assert_status( h.world, wisp_unpin( h.world, e, pins, 2 ), WISP_OK );
-    wisp_moving_frame_def frame = wisp_default_moving_frame_def();
-    frame.linear_inertia = 0.3f;
-    assert_status( h.world, wisp_set_moving_frame( h.world, e, &frame ), WISP_OK );
+    SET( h.world, e, moving_frame, d.linear_inertia = 0.3f );
     run_steps( h.world, 10, FRAME );
     int count;
     set_level_at_once( h.world, e, WISP_DETAIL_NOTHING );
@@ -322,9 +319,7 @@ static void grow( grown* g, int workers, bool has_head )
     g->guides = has_head ? add_moving( g->h.world, 20, 12, straight_out, 0.12f, &dynamics )
                          : add_strands( g->h.world, counts, 20, straight_out, 0.12f );
     g->ghosts = add_strands( g->h.world, counts, 80, beside, 0.12f );
-    wisp_ghosts_def def = wisp_default_ghosts_def();
-    def.targets = g->guides;
-    assert_status( g->h.world, wisp_set_ghosts( g->h.world, g->ghosts, &def ), WISP_OK );
+    SET( g->h.world, g->ghosts, ghosts, d.targets = g->guides );
     assert_status( g->h.world, wisp_request( g->h.world, g->ghosts, WISP_STRAND_POINTS ), WISP_OK );
 }
 

@@ -27,7 +27,6 @@ static void assert_links( const wisp_implicit_cloth_stats* f, int stretch, int b
 
 IMPLICIT_TEST( edges_stretch_and_opposite_vertices_bend )
 {
-    hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
     test_mesh lone = triangle_mesh( ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 1, 0, 0 }, ( wisp_vec3 ){ 0, 0, 1 } );
     wisp_implicit_cloth_stats f = links_of( h->world, &lone, &def );
@@ -49,7 +48,6 @@ IMPLICIT_TEST( edges_stretch_and_opposite_vertices_bend )
 // by four edges.
 IMPLICIT_TEST( a_diagonal_found_twice_is_one_link )
 {
-    hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
     SCOPED( test_mesh_free ) test_mesh octahedron = test_ball( 0 );
     const wisp_implicit_cloth_stats f = links_of( h->world, &octahedron, &def );
@@ -58,7 +56,6 @@ IMPLICIT_TEST( a_diagonal_found_twice_is_one_link )
 
 IMPLICIT_TEST( an_edge_that_is_a_diagonal_too_is_two_links_and_one_neighbour )
 {
-    hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
     wisp_vec3 points[4] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
     int32_t triangles[12] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3 };
@@ -69,7 +66,6 @@ IMPLICIT_TEST( an_edge_that_is_a_diagonal_too_is_two_links_and_one_neighbour )
 
 IMPLICIT_TEST( pairs_by_hand_take_the_place_of_the_mesh )
 {
-    hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
     const int32_t stretch[] = { 0, 1, 1, 0, 1, 3 }, bend[] = { 0, 3, 2, 3, 3, 2, 0, 1 };
     def.stretch_pairs = stretch;
@@ -88,7 +84,6 @@ IMPLICIT_TEST( pairs_by_hand_take_the_place_of_the_mesh )
 // Without a difference of velocities or a deformed link, the right side is 0 and so is its solution.
 IMPLICIT_TEST( a_free_sheet_falls_like_a_stone_to_the_last_bit )
 {
-    hosted* h = *state;
     const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
     wisp_entity e = add_sheet( h->world, &def, 9, false );
     float y = 0.0f, v = 0.0f;
@@ -109,7 +104,6 @@ IMPLICIT_TEST( a_free_sheet_falls_like_a_stone_to_the_last_bit )
 
 IMPLICIT_TEST( damping_of_the_surface_brakes_all_velocity )
 {
-    hosted* h = *state;
     const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
     wisp_entity e = add_sheet( h->world, &def, 3, false );
     assert_status( h->world, wisp_set_damping( h->world, e, 2.0f ), WISP_OK );
@@ -137,7 +131,6 @@ static const double HANGING_ROUNDING = 1e-7;
 
 IMPLICIT_TEST( a_link_that_hangs_is_longer_by_weight_over_stiffness )
 {
-    hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
     wisp_entity e = add_chain( h->world, &def, 1, 0.01f, NULL );
     static const int32_t UNLINKED[2] = { 2, 3 };
@@ -155,7 +148,6 @@ IMPLICIT_TEST( a_link_that_hangs_is_longer_by_weight_over_stiffness )
 // vertex.
 IMPLICIT_TEST( weights_are_those_of_neighbours )
 {
-    hosted* h = *state;
     const struct
     {
         wisp_implicit_weights weights;
@@ -184,7 +176,6 @@ IMPLICIT_TEST( weights_are_those_of_neighbours )
 // rounded by 7e-9 m, with swings of 5 mm at first and half of that at last.
 IMPLICIT_TEST( an_oscillator_loses_what_implicit_euler_takes )
 {
-    hosted* h = *state;
     const double mass = 0.01, stiffness = 10.0, rest = mass * 9.81 / stiffness, dt = 1.0 / 128.0;
     wisp_implicit_cloth_def def = exact_def();
     def.stretch_stiffness = (float)stiffness;
@@ -216,7 +207,6 @@ IMPLICIT_TEST( an_oscillator_loses_what_implicit_euler_takes )
 // A pair that spins about its middle, with a weak spring, is slowed by 2 k_d / m.
 IMPLICIT_TEST( damping_of_links_slows_all_relative_velocity )
 {
-    hosted* h = *state;
     wisp_world* world = h->world;
     static const int32_t PAIR[2] = { 0, 1 };
     wisp_implicit_cloth_def def = exact_def();
@@ -274,7 +264,6 @@ TEST( pins_stay_and_go_where_they_are_told_to_the_last_bit )
 // In the middle of a step a pin is on its way, and the cloth below it reacts one substep earlier.
 IMPLICIT_TEST( a_pin_pulls_with_the_velocity_it_is_moved_with )
 {
-    hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
     def.link_damping = 1.0f;
     wisp_entity e = add_chain( h->world, &def, 3, 0.01f, NULL );
@@ -299,7 +288,6 @@ IMPLICIT_TEST( a_pin_pulls_with_the_velocity_it_is_moved_with )
 // beyond the ramp.
 IMPLICIT_TEST( stats_hold_the_energy_of_bending )
 {
-    hosted* h = *state;
     static const int32_t PAIR[2] = { 0, 1 };
     wisp_implicit_cloth_def def = exact_def();
     def.bend_pairs = PAIR;
@@ -384,7 +372,6 @@ TEST( stiff_substeps_are_solved_for_as_often_as_they_may_be )
 
 IMPLICIT_TEST( a_solve_that_ends_at_its_limit_is_counted )
 {
-    hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
     def.max_iterations = 1;
     wisp_entity e = add_sheet( h->world, &def, 6, true );
@@ -403,7 +390,6 @@ IMPLICIT_TEST( a_solve_that_ends_at_its_limit_is_counted )
 // Diagonals half as long as at rest push with k_b/L^2 F, about 16, sideways: far more than masses and edges resist.
 IMPLICIT_TEST( sheets_that_push_sideways_meet_no_negative_curvature )
 {
-    hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
     def.bend_stiffness = 1e-3f;
     def.link_damping = 0.0f;
@@ -424,7 +410,6 @@ IMPLICIT_TEST( sheets_that_push_sideways_meet_no_negative_curvature )
 
 IMPLICIT_TEST( links_between_coincident_vertices_are_counted )
 {
-    hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
     test_mesh mesh = chain_mesh();
     mesh.points[2] = mesh.points[1];
@@ -442,7 +427,6 @@ IMPLICIT_TEST( links_between_coincident_vertices_are_counted )
 // g dt^2, 3 mm.
 IMPLICIT_TEST( a_light_chain_of_stiff_links_keeps_its_length )
 {
-    hosted* h = *state;
     static const int32_t PAIRS[6] = { 0, 1, 1, 2, 2, 3 }, PINS[2] = { 0, 4 };
     wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
     def.stretch_stiffness = 2e4f;

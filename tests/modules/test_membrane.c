@@ -117,10 +117,7 @@ TEST( a_balloon_holds_the_pressure_of_rubber )
         wisp_surface_def surface = support_weightless_surface_def();
         surface.area_density = 2.0f; // heavy, so that few substeps are enough
         const wisp_entity e = add_membrane( h->world, &mesh, surface, rubber( 80.0f, size == 1 ) );
-        wisp_balloon_def balloon = wisp_default_balloon_def();
-        balloon.buoyancy = false;
-        balloon.drag_coefficient = 0.0f;
-        assert_status( h->world, wisp_set_balloon( h->world, e, &balloon ), WISP_OK );
+        SET( h->world, e, balloon, d.buoyancy = false, d.drag_coefficient = 0.0f );
         assert_status( h->world, wisp_request_balloon_stats( h->world, e, true ), WISP_OK );
         assert_status( h->world, wisp_set_damping( h->world, e, 20.0f ), WISP_OK );
         const float gas = size == 0 ? 1.8f : 8.0f;

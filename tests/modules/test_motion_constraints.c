@@ -171,8 +171,7 @@ TEST( an_infinite_distance_changes_no_bit_of_the_motion )
     const wisp_cloth_def cloth = wisp_default_cloth_def();
     const wisp_motion_constraints_def def = wisp_default_motion_constraints_def();
     SCOPED( close_held )
-    held with = open_held( 4, 1, 1, &cloth, EARTH ),
-         without = open_held( 4, 1, 1, &cloth, EARTH );
+    held with = open_held( 4, 1, 1, &cloth, EARTH ), without = open_held( 4, 1, 1, &cloth, EARTH );
     constrain( &with, &def );
     for ( int i = 0; i < 20; ++i )
     {
@@ -253,8 +252,7 @@ static uint64_t walk( int workers, const char* isa, bool restored )
     ball.pose.translation = ( wisp_vec3 ){ 0.2f, 0.85f, 0.2f };
     wisp_entity body;
     assert_status( s.world, wisp_add_collider( s.world, &ball, &body ), WISP_OK );
-    const wisp_collision_def collision = wisp_default_collision_def();
-    assert_status( s.world, wisp_set_collision( s.world, s.e, &collision ), WISP_OK );
+    SET_DEFAULT( s.world, s.e, collision );
     void* saved = NULL;
     size_t size = 0;
     for ( int i = 0; i < 40; ++i )

@@ -53,10 +53,7 @@ static void close_framed( framed* s )
 
 static void give_frame( framed* s, float linear, float angular )
 {
-    wisp_moving_frame_def def = wisp_default_moving_frame_def();
-    def.linear_inertia = linear;
-    def.angular_inertia = angular;
-    assert_status( s->world, wisp_set_moving_frame( s->world, s->e, &def ), WISP_OK );
+    SET( s->world, s->e, moving_frame, d.linear_inertia = linear, d.angular_inertia = angular );
 }
 
 // Move frame and pins to where they are at the end of a step, and make it.
@@ -95,8 +92,8 @@ TEST( a_surface_that_feels_nothing_moves_as_in_a_still_frame )
         cloth.internal_damping = 2.0f;
         cloth.coarse_substeps = coarse * 2;
         SCOPED( close_framed )
-        framed moved = open_framed( &cloth, true, EARTH, 1 ),
-               still = open_framed( &cloth, true, EARTH, 1 ), felt = open_framed( &cloth, true, EARTH, 1 );
+        framed moved = open_framed( &cloth, true, EARTH, 1 ), still = open_framed( &cloth, true, EARTH, 1 ),
+               felt = open_framed( &cloth, true, EARTH, 1 );
         give_frame( &moved, 0.0f, 0.0f );
         wisp_transform pose = walked_pose( 0, 0.0f, 0.0f );
         for ( int i = 1; i <= STEPS; ++i )
@@ -117,8 +114,7 @@ TEST( a_frame_that_is_felt_changes_no_bit_and_has_no_pass )
 {
     const wisp_cloth_def cloth = wisp_default_cloth_def();
     SCOPED( close_framed )
-    framed with = open_framed( &cloth, true, EARTH, 1 ),
-           without = open_framed( &cloth, true, EARTH, 1 );
+    framed with = open_framed( &cloth, true, EARTH, 1 ), without = open_framed( &cloth, true, EARTH, 1 );
     give_frame( &with, 0.5f, 0.5f );
     give_frame( &with, 1.0f, 1.0f );
     for ( int i = 1; i <= STEPS; ++i )
@@ -135,8 +131,7 @@ TEST( a_frame_at_rest_changes_no_bit_of_the_motion )
 {
     const wisp_cloth_def cloth = wisp_default_cloth_def();
     SCOPED( close_framed )
-    framed with = open_framed( &cloth, true, EARTH, 1 ),
-           without = open_framed( &cloth, true, EARTH, 1 );
+    framed with = open_framed( &cloth, true, EARTH, 1 ), without = open_framed( &cloth, true, EARTH, 1 );
     give_frame( &with, 0.0f, 0.0f );
     for ( int i = 1; i <= STEPS; ++i )
     {
@@ -161,8 +156,7 @@ TEST( what_is_felt_is_linear_in_the_fraction )
     {
         const float felt = 0.25f + 0.25f * (float)i;
         SCOPED( close_framed )
-        framed s = open_framed( &cloth, false, NONE, 1 ),
-               pulled = open_framed( &cloth, true, NONE, 1 );
+        framed s = open_framed( &cloth, false, NONE, 1 ), pulled = open_framed( &cloth, true, NONE, 1 );
         give_frame( &s, felt, 1.0f );
         give_frame( &pulled, felt, 1.0f );
         for ( int k = 1; k <= 10; ++k )
@@ -230,8 +224,7 @@ TEST( a_teleport_takes_the_frame_along )
     cloth.coarse_substeps = 0; // they forget their history
     const wisp_transform motion = { { 0.0f, 1.0f, 0.0f, 0.0f }, { 4.0f, 0.0f, 8.0f } };
     SCOPED( close_framed )
-    framed here = open_framed( &cloth, false, EARTH, 1 ),
-           there = open_framed( &cloth, false, EARTH, 1 );
+    framed here = open_framed( &cloth, false, EARTH, 1 ), there = open_framed( &cloth, false, EARTH, 1 );
     give_frame( &here, 0.0f, 0.0f );
     give_frame( &there, 0.0f, 0.0f );
     follow( &here, walked_pose( 1, 0.1f, 0.05f ), false );

@@ -126,8 +126,7 @@ static void run_stage( const double origin[3], int workers, uint64_t hashes[PLAC
     for ( int i = 0; i < EFFECTS_COUNT; ++i )
     {
         e[i] = put( h.world, ADD[i]( h.world ), origin );
-        const wisp_collision_def collision = wisp_default_collision_def();
-        assert_status( h.world, wisp_set_collision( h.world, e[i], &collision ), WISP_OK );
+        SET_DEFAULT( h.world, e[i], collision );
     }
     for ( int i = 0; i < SHEETS; ++i )
     {
@@ -445,9 +444,7 @@ TEST( what_sleeps_wakes_when_it_is_placed )
     open_far( &h, 1 );
     const wisp_entity e = put( h.world, add_sheet( h.world, ( wisp_vec3 ){ 0.0f, 0.15f, 0.0f } ), FAR );
     put( h.world, add_body( h.world, WISP_COLLIDER_BOX, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ), FAR );
-    wisp_sleep_def sleep = wisp_default_sleep_def();
-    sleep.max_speed = 0.1f;
-    assert_status( h.world, wisp_set_sleep( h.world, e, &sleep ), WISP_OK );
+    SET( h.world, e, sleep, d.max_speed = 0.1f );
     run_steps( h.world, 600, FRAME );
     assert_true( wisp_is_asleep( h.world, e ) );
     assert_status( h.world, wisp_set_origin( h.world, e, HOME ), WISP_OK );
@@ -466,9 +463,7 @@ TEST( what_sleeps_sleeps_on_while_its_origin_moves )
     assert_status( h.world, wisp_set_damping( h.world, other, 0.0f ), WISP_OK );
     const wisp_entity e = put( h.world, add_sheet( h.world, ( wisp_vec3 ){ 500.0f, 0.15f, 0.0f } ), HOME );
     (void)add_body( h.world, WISP_COLLIDER_BOX, ( wisp_vec3 ){ 500.0f, 0.0f, 0.0f } );
-    wisp_sleep_def sleep = wisp_default_sleep_def();
-    sleep.max_speed = 0.1f;
-    assert_status( h.world, wisp_set_sleep( h.world, e, &sleep ), WISP_OK );
+    SET( h.world, e, sleep, d.max_speed = 0.1f );
     run_steps( h.world, 600, FRAME );
     assert_true( wisp_is_asleep( h.world, e ) );
     assert_status( h.world, wisp_set_velocity( h.world, other, down, none ), WISP_OK );

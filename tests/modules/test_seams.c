@@ -717,8 +717,7 @@ TEST( implicit_cloth_is_sewn_too )
 {
     sheets s = open_sheets( 4, 0.05f );
     const wisp_entity other = add_sheet( s.world, SHEET_SIDE, -0.35f, false );
-    const wisp_implicit_cloth_def implicit = wisp_default_implicit_cloth_def();
-    assert_status( s.world, wisp_set_implicit_cloth( s.world, other, &implicit ), WISP_OK );
+    SET_DEFAULT( s.world, other, implicit_cloth );
     wisp_seam_def def = edge_seam( &s );
     def.a = other, def.b = s.a;
     const wisp_entity seam = sew( s.world, &def );

@@ -189,11 +189,7 @@ typedef void change_fn( bed* b );
 
 static void set_wind( bed* b )
 {
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    cloth.internal_damping = 1.0f;
-    cloth.drag_coefficient = 1.0f;
-    cloth.wind.y = 3.0f;
-    assert_status( b->world, wisp_set_cloth( b->world, b->sheet, &cloth ), WISP_OK );
+    SET( b->world, b->sheet, cloth, d.internal_damping = 1.0f, d.drag_coefficient = 1.0f, d.wind.y = 3.0f );
 }
 
 static void teleport( bed* b )
@@ -222,9 +218,7 @@ static void request_normals( bed* b )
 
 static void no_longer_sleep( bed* b )
 {
-    wisp_sleep_def def = wisp_default_sleep_def();
-    def.enabled = false;
-    assert_status( b->world, wisp_set_sleep( b->world, b->sheet, &def ), WISP_OK );
+    SET( b->world, b->sheet, sleep, d.enabled = false );
 }
 
 TEST( every_call_that_changes_an_entity_wakes_it )
@@ -355,10 +349,7 @@ static wisp_entity add_hair( wisp_world* world, int strands )
     def.strand_count = strands;
     wisp_entity e;
     assert_status( world, wisp_add_strands( world, &def, &e ), WISP_OK );
-    wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
-    dynamics.damping = 5.0f;
-    dynamics.drag_coefficient = 1.0f;
-    assert_status( world, wisp_set_strand_dynamics( world, e, &dynamics ), WISP_OK );
+    SET( world, e, strand_dynamics, d.damping = 5.0f, d.drag_coefficient = 1.0f );
     assert_status( world, wisp_request( world, e, WISP_STRAND_POINTS ), WISP_OK );
     return e;
 }
@@ -395,8 +386,7 @@ TEST( a_pendulum_does_not_sleep_where_it_turns )
     test_mesh mesh = triangle_mesh( a, ( wisp_vec3 ){ 0.5f, 2.0f, -0.01f }, ( wisp_vec3 ){ 0.5f, 2.0f, 0.01f } );
     const int32_t pinned[] = { 0 };
     const wisp_entity e = add_mesh( h.world, &mesh, pinned, 1, 0.15f );
-    const wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_status( h.world, wisp_set_cloth( h.world, e, &cloth ), WISP_OK );
+    SET_DEFAULT( h.world, e, cloth );
     assert_status( h.world, wisp_set_gravity( h.world, e, EARTH ), WISP_OK );
     wisp_sleep_def sleep = wisp_default_sleep_def();
     sleep.max_speed = 0.3f; // it is slower than that for about 0.06 s at each end
@@ -416,10 +406,7 @@ TEST( a_pendulum_does_not_sleep_where_it_turns )
 
 static void set_level( wisp_world* world, wisp_entity e, wisp_detail level )
 {
-    wisp_detail_def def = wisp_default_detail_def();
-    def.level = level;
-    def.blend_steps = 0;
-    assert_status( world, wisp_set_detail( world, e, &def ), WISP_OK );
+    SET( world, e, detail, d.level = level, d.blend_steps = 0 );
 }
 
 static const wisp_vec3* points_now( wisp_world* world, wisp_entity e )

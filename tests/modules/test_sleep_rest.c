@@ -28,9 +28,7 @@ TEST( a_surface_at_rest_falls_asleep_in_the_step_in_which_its_seconds_have_passe
         const wisp_vec3 a = { 2.0f, 1.0f, (float)i }, b = { 2.5f, 1.0f, (float)i }, c = { 2.0f, 1.5f, (float)i };
         test_mesh mesh = triangle_mesh( a, b, c );
         surfaces[i] = add_mesh( h.world, &mesh, NULL, 0, 0.15f );
-        wisp_sleep_def sleep = wisp_default_sleep_def();
-        sleep.seconds = (float)( i + 1 ) * FRAME;
-        assert_status( h.world, wisp_set_sleep( h.world, surfaces[i], &sleep ), WISP_OK );
+        SET( h.world, surfaces[i], sleep, d.seconds = (float)( i + 1 ) * FRAME );
     }
     for ( int step = 1; step <= SURFACES; ++step )
     {
@@ -47,9 +45,7 @@ TEST( what_falls_does_not_sleep_even_within_no_seconds )
     SCOPED( close_world ) hosted h;
     open_stage( &h, 1 );
     const wisp_entity sheet = add_sheet( h.world, ( wisp_vec3 ){ 0.0f, 2.0f, 0.0f }, false );
-    wisp_sleep_def sleep = wisp_default_sleep_def();
-    sleep.seconds = 0.0f;
-    assert_status( h.world, wisp_set_sleep( h.world, sheet, &sleep ), WISP_OK );
+    SET( h.world, sheet, sleep, d.seconds = 0.0f );
     for ( int i = 0; i < 10; ++i )
     {
         assert_wakes( h.world, sheet );
@@ -83,10 +79,7 @@ TEST( what_is_halted_does_not_fall_asleep )
 // Any speed is slow enough: it falls asleep on its way, after ten steps.
 static void sleep_on_the_way( wisp_world* world, wisp_entity e )
 {
-    wisp_sleep_def sleep = wisp_default_sleep_def();
-    sleep.max_speed = 1e3f;
-    sleep.seconds = TEN_FRAMES;
-    assert_status( world, wisp_set_sleep( world, e, &sleep ), WISP_OK );
+    SET( world, e, sleep, d.max_speed = 1e3f, d.seconds = TEN_FRAMES );
     run_steps( world, 9, FRAME );
     assert_false( wisp_is_asleep( world, e ) );
     run_steps( world, 4, FRAME );
@@ -132,10 +125,7 @@ static wisp_entity add_strand( wisp_world* world )
     def.strand_count = 1;
     wisp_entity hair;
     assert_status( world, wisp_add_strands( world, &def, &hair ), WISP_OK );
-    wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
-    dynamics.integrator = WISP_INTEGRATOR_BDF2;
-    dynamics.bending = WISP_STRAND_BEND_NONE;
-    assert_status( world, wisp_set_strand_dynamics( world, hair, &dynamics ), WISP_OK );
+    SET( world, hair, strand_dynamics, d.integrator = WISP_INTEGRATOR_BDF2, d.bending = WISP_STRAND_BEND_NONE );
     assert_status( world, wisp_request( world, hair, WISP_STRAND_POINTS ), WISP_OK );
     return hair;
 }

@@ -77,9 +77,7 @@ static void step_strip( strip* s, int count )
 
 static void let_tear( strip* s, float strength )
 {
-    wisp_tearing_def def = wisp_default_tearing_def();
-    def.strength = strength;
-    assert_status( s->world, wisp_set_tearing( s->world, s->e, &def ), WISP_OK );
+    SET( s->world, s->e, tearing, d.strength = strength );
 }
 
 // N/m, of all that hangs from the first row, on the width of the strip
@@ -337,9 +335,7 @@ static bool predict( const pulled_sheet* s, const tearing_oracle_mesh* mesh, pul
 // @return splits that were compared
 static int compare_step( pulled_sheet* s, int max_splits, bool* is_torn )
 {
-    wisp_tearing_def def = wisp_default_tearing_def();
-    def.strength = (float)PULLED_STRENGTH, def.max_splits = max_splits;
-    assert_status( s->world, wisp_set_tearing( s->world, s->e, &def ), WISP_OK );
+    SET( s->world, s->e, tearing, d.strength = (float)PULLED_STRENGTH, d.max_splits = max_splits );
     SCOPED( free_local ) int32_t* before = read_triangles( s->world, s->e, PULLED_TRIANGLES );
     const wisp_fabric* f = wisp_world_fabric( s->world, s->e );
     double rest[PULLED_VERTICES][2];
@@ -517,14 +513,11 @@ static sheet* open_sheet( const sheet_case* c, int workers, const char* isa, flo
     wisp_entity body;
     ball.kind = WISP_COLLIDER_SPHERE, ball.radius = 0.12f;
     assert_status( world, wisp_add_collider( world, &ball, &body ), WISP_OK );
-    const wisp_collision_def collision = wisp_default_collision_def();
-    assert_status( world, wisp_set_collision( world, s->e, &collision ), WISP_OK );
+    SET_DEFAULT( world, s->e, collision );
     wisp_contact_def contact = wisp_default_contact_def();
     contact.thickness = 0.006f;
     assert_status( world, c->has_contact ? wisp_set_contact( world, s->e, &contact ) : WISP_OK, WISP_OK );
-    wisp_tearing_def def = wisp_default_tearing_def();
-    def.strength = strength, def.max_splits = 16;
-    assert_status( world, wisp_set_tearing( world, s->e, &def ), WISP_OK );
+    SET( world, s->e, tearing, d.strength = strength, d.max_splits = 16 );
     s->h.host.refuse = 0;
     return s;
 }
@@ -640,9 +633,7 @@ TEST( a_snapshot_holds_a_torn_sheet_and_is_refused_by_another )
     run_sheet( s, 0, STEPS - 8 );
     const saved_world saved = save_world( s->h.world );
     const int splits = tearing_stats_of( s->h.world, s->e ).split_count;
-    wisp_tearing_def def = wisp_default_tearing_def();
-    def.strength = 1e6f;
-    assert_status( s->h.world, wisp_set_tearing( s->h.world, s->e, &def ), WISP_OK );
+    SET( s->h.world, s->e, tearing, d.strength = 1e6f );
     const saved_world strong = save_world( s->h.world );
     run_sheet( s, STEPS - 8, STEPS );
     const uint64_t hash = wisp_world_hash( s->h.world );
@@ -671,9 +662,7 @@ TEST( a_step_without_memory_fails_and_the_next_one_goes_on )
     {
         sheet* s = open_sheet( CASES + 3, 1, NULL, 1e6f );
         run_sheet( s, 0, first );
-        wisp_tearing_def def = wisp_default_tearing_def();
-        def.strength = 5.0f;
-        assert_status( s->h.world, wisp_set_tearing( s->h.world, s->e, &def ), WISP_OK );
+        SET( s->h.world, s->e, tearing, d.strength = 5.0f );
         s->h.host.refuse = atomic_load( &s->h.host.queried ) + n;
         const wisp_status status = step_sheet( s, first );
         is_refused = atomic_load( &s->h.host.queried ) >= s->h.host.refuse;
@@ -697,9 +686,7 @@ TEST( a_map_of_factors_decides_where_it_tears )
     {
         factors[v] = v % SIDE < SIDE / 2 ? 1.0f : 1000.0f;
     }
-    wisp_tearing_def def = wisp_default_tearing_def();
-    def.strength = STRENGTH, def.factors = factors;
-    assert_status( s->h.world, wisp_set_tearing( s->h.world, s->e, &def ), WISP_OK );
+    SET( s->h.world, s->e, tearing, d.strength = STRENGTH, d.factors = factors );
     run_sheet( s, 0, STEPS );
     const wisp_fabric* f = wisp_world_fabric( s->h.world, s->e );
     int copies = 0;
@@ -743,8 +730,7 @@ TEST( pins_and_roots_go_with_their_triangles )
     SCOPED( close_local ) hosted* h = new_hosted( MODULES, WISP_COUNT( MODULES ), 2, 2, 1 );
     wisp_world* w = h->world;
     SCOPED( test_mesh_free )
-    test_mesh mesh = hanging_mesh( N, N, 0.05f, 0.05f ),
-              upper = hanging_mesh( N, N, 0.045f, 0.045f );
+    test_mesh mesh = hanging_mesh( N, N, 0.05f, 0.05f ), upper = hanging_mesh( N, N, 0.045f, 0.045f );
     int32_t top[N], all[COUNT];
     wisp_vec3 points[2 * COUNT];
     int32_t offsets[COUNT + 1];
@@ -776,9 +762,7 @@ TEST( pins_and_roots_go_with_their_triangles )
     assert_status( w, wisp_set_strand_dynamics( w, hair, &dynamics ), WISP_OK );
     assert_status( w, wisp_root_strands( w, hair, e ), WISP_OK );
     assert_status( w, wisp_request( w, hair, WISP_STRAND_POINTS ), WISP_OK );
-    wisp_tearing_def def = wisp_default_tearing_def();
-    def.strength = 0.3f;
-    assert_status( w, wisp_set_tearing( w, e, &def ), WISP_OK );
+    SET( w, e, tearing, d.strength = 0.3f );
     for ( int step = 0; step < 10; ++step )
     {
         assert_status( w, wisp_world_step( w, 1.0f / 60.0f ), WISP_OK );
