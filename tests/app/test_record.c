@@ -56,7 +56,7 @@ TEST_IN_FOLDER( bodies_come_back_with_their_names_triangles_and_offsets )
 {
     wisp_recorder_def def = fixture_def();
     fixture_record( path_in( state, "a.wisp" ), &def, 0 );
-    wisp_recording* recording = open_good( path_in( state, "a.wisp" ) );
+    SCOPED( recording_local ) wisp_recording* recording = open_good( path_in( state, "a.wisp" ) );
     const wisp_record_body* cloth = wisp_recording_body( recording, 0 );
     const wisp_record_body* hair = wisp_recording_body( recording, 1 );
     assert_string_equal( cloth->name, "cloth" );
@@ -69,7 +69,6 @@ TEST_IN_FOLDER( bodies_come_back_with_their_names_triangles_and_offsets )
     assert_int_equal( hair->strand_count, 2 );
     assert_null( hair->triangles );
     assert_memory_equal( hair->offsets, fixture_offsets, sizeof fixture_offsets );
-    wisp_recording_close( recording );
 }
 
 // Points stay as they are where the format says what they are relative to, and are places in the world elsewhere.
@@ -79,7 +78,7 @@ TEST_IN_FOLDER( points_far_away_are_relative_to_an_origin )
     def.origin[0] = 20000.0;
     def.origin[2] = -4096.5;
     fixture_record( path_in( state, "a.wisp" ), &def, 2 );
-    wisp_recording* recording = open_good( path_in( state, "a.wisp" ) );
+    SCOPED( recording_local ) wisp_recording* recording = open_good( path_in( state, "a.wisp" ) );
     const wisp_recording_info info = wisp_recording_describe( recording );
     assert_memory_equal( info.origin, def.origin, sizeof info.origin );
     assert_frame_is( recording, 1 );
@@ -95,31 +94,28 @@ TEST_IN_FOLDER( points_far_away_are_relative_to_an_origin )
     const fixture_frame expected = fixture_points( 0 );
     assert_true( found[1].x == (float)( 20000.0 + (double)expected.cloth[1].x ) );
     assert_true( found[1].z == (float)( -4096.5 + (double)expected.cloth[1].z ) );
-    wisp_recording_close( recording );
 }
 
 TEST_IN_FOLDER( a_body_that_is_not_requested_is_skipped )
 {
     wisp_recorder_def def = fixture_def();
     fixture_record( path_in( state, "a.wisp" ), &def, 1 );
-    wisp_recording* recording = open_good( path_in( state, "a.wisp" ) );
+    SCOPED( recording_local ) wisp_recording* recording = open_good( path_in( state, "a.wisp" ) );
     fixture_frame found, expected = fixture_points( 0 );
     wisp_vec3* points[] = { NULL, found.hair };
     assert_int_equal( wisp_recording_frame( recording, 0, points, NULL, NULL, NULL ), WISP_OK );
     assert_memory_equal( found.hair, expected.hair, sizeof expected.hair );
-    wisp_recording_close( recording );
 }
 
 TEST_IN_FOLDER( a_frame_that_is_not_there_is_refused_by_its_number )
 {
     wisp_recorder_def def = fixture_def();
     fixture_record( path_in( state, "a.wisp" ), &def, 2 );
-    wisp_recording* recording = open_good( path_in( state, "a.wisp" ) );
+    SCOPED( recording_local ) wisp_recording* recording = open_good( path_in( state, "a.wisp" ) );
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_recording_frame( recording, 2, NULL, NULL, NULL, &error ), WISP_BAD_INPUT );
     assert_one_message( &error, WISP_BAD_INPUT, "a.wisp: got frame 2, the recording has 2" );
     assert_int_equal( wisp_recording_frame( recording, -1, NULL, NULL, NULL, NULL ), WISP_BAD_INPUT );
-    wisp_recording_close( recording );
 }
 
 // ---- crashes, cuts and damage ----
@@ -133,13 +129,12 @@ TEST_IN_FOLDER( a_frame_is_in_the_file_when_the_call_returns )
     for ( int f = 0; f < 3; ++f )
     {
         assert_int_equal( fixture_add_frame( recorder, f, NULL ), WISP_OK );
-        wisp_recording* recording = open_good( path );
+        SCOPED( recording_local ) wisp_recording* recording = open_good( path );
         wisp_recording_info info = wisp_recording_describe( recording );
         assert_int_equal( info.frame_count, f + 1 );
         assert_int_equal( info.tail_bytes, 0 );
         assert_false( info.complete );
         assert_frame_is( recording, f );
-        wisp_recording_close( recording );
     }
     assert_int_equal( wisp_recorder_close( recorder, NULL ), WISP_OK );
 }
@@ -185,10 +180,9 @@ static sample make_sample( void** state )
     char* path = path_in( state, "sample.wisp" );
     fixture_record( path, &def, s.count );
     s.bytes = read_bytes( path, &s.size );
-    wisp_recording* recording = open_good( path );
+    SCOPED( recording_local ) wisp_recording* recording = open_good( path );
     s.header = (size_t)wisp_recording_describe( recording ).first_byte;
     s.frame = (size_t)wisp_recording_describe( recording ).frame_bytes;
-    wisp_recording_close( recording );
     return s;
 }
 
@@ -418,10 +412,9 @@ TEST_IN_FOLDER( a_frame_that_is_refused_does_not_end_the_recording )
 
     assert_int_equal( fixture_add_frame( recorder, 1, NULL ), WISP_OK );
     assert_int_equal( wisp_recorder_close( recorder, NULL ), WISP_OK );
-    wisp_recording* recording = open_good( path );
+    SCOPED( recording_local ) wisp_recording* recording = open_good( path );
     assert_int_equal( wisp_recording_describe( recording ).frame_count, 2 );
     assert_frame_is( recording, 1 );
-    wisp_recording_close( recording );
 }
 
 // ---- failures of the operating system ----
@@ -455,11 +448,10 @@ TEST_IN_FOLDER( a_frame_that_the_disk_refuses_is_taken_back_and_may_be_repeated 
 
     assert_int_equal( fixture_add_frame( recorder, 1, NULL ), WISP_OK );
     assert_int_equal( wisp_recorder_close( recorder, NULL ), WISP_OK );
-    wisp_recording* recording = open_good( path );
+    SCOPED( recording_local ) wisp_recording* recording = open_good( path );
     assert_true( wisp_recording_describe( recording ).complete );
     assert_frame_is( recording, 0 );
     assert_frame_is( recording, 1 );
-    wisp_recording_close( recording );
 }
 
 TEST_IN_FOLDER( a_path_that_cannot_be_written_or_read_is_a_message )
@@ -488,12 +480,11 @@ TEST_IN_FOLDER( a_file_that_shrinks_while_it_is_read_is_an_error )
     wisp_recorder_def def = fixture_def();
     char* path = path_in( state, "a.wisp" );
     fixture_record( path, &def, 2 );
-    wisp_recording* recording = open_good( path );
+    SCOPED( recording_local ) wisp_recording* recording = open_good( path );
     assert_int_equal( truncate( path, (off_t)wisp_recording_describe( recording ).first_byte + 20 ), 0 );
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_recording_frame( recording, 0, NULL, NULL, NULL, &error ), WISP_IO_ERROR );
     assert_one_message( &error, WISP_IO_ERROR, "the file became shorter while it was read" );
-    wisp_recording_close( recording );
 }
 
 // ---- tracks ----
@@ -640,7 +631,7 @@ static void record_plain( const char* path, int frame_count )
 
 static char* print_recording( const char* path, wisp_status expected, wisp_error* error )
 {
-    wisp_recording* recording = NULL;
+    SCOPED( recording_local ) wisp_recording* recording = NULL;
     assert_ok( wisp_recording_open( path, &recording, error ), *error );
     char* text = NULL;
     size_t length = 0;
@@ -648,7 +639,6 @@ static char* print_recording( const char* path, wisp_status expected, wisp_error
     assert_non_null( stream );
     assert_int_equal( wisp_recording_print( stream, recording, "sail.wisp", error ), expected );
     fclose( stream );
-    wisp_recording_close( recording );
     return text;
 }
 

@@ -40,7 +40,7 @@ TEST_IN_FOLDER( several_bodies_are_a_point_cache_each_and_come_back )
     wisp_recorder_def def = fixture_def();
     fixture_record( path_in( state, "a.pc2" ), &def, 2 );
     assert_int_equal( count_files( state ), 2 );
-    wisp_recording* cache = NULL;
+    SCOPED( recording_local ) wisp_recording* cache = NULL;
     wisp_error error = { .status = WISP_OK };
     assert_ok( wisp_pc2_open( path_in( state, "a_hair-2.pc2" ), &cache, &error ), error );
     assert_int_equal( wisp_recording_body( cache, 0 )->vertex_count, HAIR_VERTICES );
@@ -59,7 +59,6 @@ TEST_IN_FOLDER( several_bodies_are_a_point_cache_each_and_come_back )
     assert_one_message( &error, WISP_BAD_INPUT, "a_hair-2.pc2: got frame 2, the cache has 2" );
     wisp_recording_close( cache );
     assert_ok( wisp_pc2_open( path_in( state, "a_cloth.pc2" ), &cache, &error ), error );
-    wisp_recording_close( cache );
 }
 
 // ---- .pvd and .vtp ----
@@ -597,14 +596,13 @@ static int frames_in( void** state, const char* name )
     const bool is_own = strcmp( name, "a.wisp" ) == 0;
     if ( is_own || strcmp( name, "a_cloth.pc2" ) == 0 )
     {
-        wisp_recording* recording = NULL;
+        SCOPED( recording_local ) wisp_recording* recording = NULL;
         const char* path = path_in( state, name );
         assert_int_equal( is_own ? wisp_recording_open( path, &recording, NULL )
                                  : wisp_pc2_open( path, &recording, NULL ),
                           WISP_OK );
         assert_true( wisp_recording_describe( recording ).complete );
         count = wisp_recording_describe( recording ).frame_count;
-        wisp_recording_close( recording );
     }
     else if ( strcmp( name, "a.pvd" ) == 0 )
     {

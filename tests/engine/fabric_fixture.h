@@ -6,6 +6,12 @@
 #include "fabric.h"
 #include "test_mesh.h"
 
+/// For locals that point to a fabric.
+static inline void fabric_local( wisp_fabric** local )
+{
+    wisp_fabric_release( *local );
+}
+
 // ---- meshes ----
 
 static inline void test_mesh_triangle( test_mesh* mesh, int* next, int32_t a, int32_t b, int32_t c )

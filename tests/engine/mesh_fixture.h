@@ -7,6 +7,12 @@
 
 #include "wisp/module/collision_mesh.h"
 
+/// For locals that point to a mesh of collision.
+static inline void tree_local( wisp_collision_mesh** local )
+{
+    wisp_collision_mesh_release( *local );
+}
+
 typedef struct test_mesh
 {
     int point_count, triangle_count;

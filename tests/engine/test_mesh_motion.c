@@ -72,7 +72,7 @@ TEST( closest_points_at_a_time_are_those_of_the_mesh_as_it_is_then )
     for ( int k = 0; k <= 4; ++k )
     {
         const float time = 0.25f * (float)k;
-        wisp_collision_mesh* frozen = frozen_at( &m, time );
+        SCOPED( tree_local ) wisp_collision_mesh* frozen = frozen_at( &m, time );
         for ( int i = 0; i < QUERIES; ++i )
         {
             const wisp_vec3 p = test_point( i, k, 1.6f );
@@ -80,7 +80,6 @@ TEST( closest_points_at_a_time_are_those_of_the_mesh_as_it_is_then )
             // corners of the one at rest are rounded to float
             assert_true( fabsf( a.distance - b.distance ) < 1e-6f );
         }
-        wisp_collision_mesh_release( frozen );
     }
 }
 

@@ -266,7 +266,7 @@ TEST( the_middle_of_a_ball_finds_the_lowest_of_what_is_equally_far )
     SCOPED( free_local ) float* xyzw = test_mesh_quads( &m );
     for ( int deforms = 0; deforms < 2; ++deforms )
     {
-        wisp_collision_mesh* tree = test_collision_mesh( &m, deforms == 1 );
+        SCOPED( tree_local ) wisp_collision_mesh* tree = test_collision_mesh( &m, deforms == 1 );
         for ( int i = 0; i < 200; ++i )
         {
             wisp_vec3 p = test_point( i, 3, i < 100 ? 1e-3f : 0.5f );
@@ -274,7 +274,6 @@ TEST( the_middle_of_a_ball_finds_the_lowest_of_what_is_equally_far )
             assert_closest_is_naive( &m, xyzw, tree, p, 0.9f );
         }
         assert_closest_is_naive( &m, xyzw, tree, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, INFINITY );
-        wisp_collision_mesh_release( tree );
     }
 }
 
@@ -283,7 +282,7 @@ TEST( few_triangles_are_looked_at_near_the_surface )
     test_mesh m = test_mesh_ball( 40, false ); // 19 200 triangles
     for ( int deforms = 0; deforms < 2; ++deforms )
     {
-        wisp_collision_mesh* tree = test_collision_mesh( &m, deforms == 1 );
+        SCOPED( tree_local ) wisp_collision_mesh* tree = test_collision_mesh( &m, deforms == 1 );
         wisp_collision_mesh_query_stats work = { 0 };
         for ( int i = 0; i < 1000; ++i )
         {
@@ -298,7 +297,6 @@ TEST( few_triangles_are_looked_at_near_the_surface )
         assert_true( work.tested < 40 * work.queried );
         assert_int_equal( work.queried, 2000 );
         assert_int_equal( work.refused, 0 );
-        wisp_collision_mesh_release( tree );
     }
     test_mesh_free( &m );
 }

@@ -47,8 +47,9 @@ static inline ball_world* ball_open( int level, int workers, const char* isa )
     return b;
 }
 
-static inline void ball_close( ball_world* b )
+static inline void ball_close( ball_world** local )
 {
+    ball_world* b = *local;
     wisp_world_destroy( b->world );
     assert_host_memory_is_released( &b->host );
     test_mesh_free( &b->mesh );

@@ -454,7 +454,7 @@ TEST( a_gust_is_that_of_the_oracle )
 {
     for ( int per_triangle = 0; per_triangle < 2; ++per_triangle )
     {
-        ball_world* b = fallen_ball();
+        SCOPED( ball_close ) ball_world* b = fallen_ball();
         const wisp_fabric* f = wisp_world_fabric( b->world, b->ball );
         const float *x = column_of( b, WISP_PARTICLE_POSITION ), *v = column_of( b, WISP_PARTICLE_VELOCITY );
         const size_t count = (size_t)f->vertex_count;
@@ -469,6 +469,7 @@ TEST( a_gust_is_that_of_the_oracle )
             expected[i] = double3_from( v + slot );
             w[i] = (double)x[slot + 3];
         }
+        SCOPED( balloon_mesh_destroy )
         balloon_mesh mesh = mesh_of( points, f->vertex_count, b->mesh.triangles, b->mesh.triangle_count );
         const int sum = boundary_oracle_gust( &mesh, w, double3_widen( GUST ), per_triangle == 1, expected, hits );
         assert_int_equal( wisp_apply_gust( b->world, b->ball, GUST, per_triangle == 1 ), WISP_OK );
@@ -490,8 +491,6 @@ TEST( a_gust_is_that_of_the_oracle )
         {
             free( blocks[k] );
         }
-        balloon_mesh_destroy( &mesh );
-        ball_close( b );
     }
 }
 
@@ -503,8 +502,8 @@ TEST( a_gust_does_not_depend_on_the_step_and_meets_one_side_of_a_sheet )
     for ( int n = 0; n < 4; ++n )
     {
         const bool from_the_front = n < 2;
-        ball_world* b = ball_open( 1, 1, NULL );
-        test_mesh sheet = test_plane( 5, 0.1f );
+        SCOPED( ball_close ) ball_world* b = ball_open( 1, 1, NULL );
+        SCOPED( test_mesh_free ) test_mesh sheet = test_plane( 5, 0.1f );
         const wisp_fabric_def fabric = test_fabric_def( &sheet );
         const wisp_entity e = test_surface_of( b->world, &fabric, support_weightless_surface_def() );
         // normals of the sheet are along +y
@@ -521,14 +520,12 @@ TEST( a_gust_does_not_depend_on_the_step_and_meets_one_side_of_a_sheet )
             assert_close( (double)p.x - (double)start.x, fraction * (double)gust.x, 0x1p-24 );
             assert_close( (double)p.y - (double)start.y, fraction * (double)gust.y, 0x1p-24 );
         }
-        test_mesh_free( &sheet );
-        ball_close( b );
     }
 }
 
 TEST( a_gust_that_cannot_be_is_refused_by_name )
 {
-    ball_world* b = fallen_ball();
+    SCOPED( ball_close ) ball_world* b = fallen_ball();
     const uint64_t before = wisp_world_hash( b->world );
     expect_refusal( b->world, wisp_apply_gust( b->world, b->ball, ( wisp_vec3 ){ 0.0f, NAN, 0.0f }, false ),
                     WISP_BAD_INPUT, "gust: got (0, nan, 0) m/s" );
@@ -543,12 +540,11 @@ TEST( a_gust_that_cannot_be_is_refused_by_name )
     assert_true( wisp_world_hash( b->world ) == before );
     assert_int_equal( wisp_apply_gust( b->world, b->ball, GUST, false ), WISP_OK );
     assert_true( wisp_world_hash( b->world ) != before );
-    ball_close( b );
 }
 
 TEST( no_gust_changes_no_bit_and_gusts_that_add_up_have_a_limit )
 {
-    ball_world* b = fallen_ball();
+    SCOPED( ball_close ) ball_world* b = fallen_ball();
     const uint64_t before = wisp_world_hash( b->world );
     assert_int_equal( wisp_apply_gust( b->world, b->ball, ( wisp_vec3 ){ 0.0f, -0.0f, 0.0f }, true ), WISP_OK );
     assert_true( wisp_world_hash( b->world ) == before );
@@ -560,5 +556,4 @@ TEST( no_gust_changes_no_bit_and_gusts_that_add_up_have_a_limit )
     assert_int_equal( wisp_apply_gust( b->world, b->ball, storm, false ), WISP_OK );
     expect_refusal( b->world, wisp_apply_gust( b->world, b->ball, storm, false ), WISP_BAD_INPUT,
                     "would be faster than 1e6 m/s" );
-    ball_close( b );
 }
