@@ -228,8 +228,7 @@ TEST( painted_cloth_is_the_same_from_both_sides )
 {
     const int32_t front[] = { 0, 1, 2 }, back[] = { 0, 2, 1 };
     SCOPED( image_release )
-    image a = picture_of_triangle( front, RENDER_CLOTH, true ),
-          b = picture_of_triangle( back, RENDER_CLOTH, true );
+    image a = picture_of_triangle( front, RENDER_CLOTH, true ), b = picture_of_triangle( back, RENDER_CLOTH, true );
     SCOPED( image_release ) image none = picture_of_triangle( NULL, RENDER_CLOTH, true );
     assert_true( fixture_differs( &a, &none, 48, 40 ) );
     // They differ only by the order of two additions.
@@ -240,8 +239,7 @@ TEST( the_back_of_cloth_is_paler )
 {
     const int32_t front[] = { 0, 1, 2 }, back[] = { 0, 2, 1 };
     SCOPED( image_release )
-    image a = picture_of_triangle( front, RENDER_CLOTH, false ),
-          b = picture_of_triangle( back, RENDER_CLOTH, false );
+    image a = picture_of_triangle( front, RENDER_CLOTH, false ), b = picture_of_triangle( back, RENDER_CLOTH, false );
     const uint8_t *blue = fixture_pixel( &a, 48, 40 ), *pale = fixture_pixel( &b, 48, 40 );
     assert_true( blue[2] > 2 * blue[0] );
     assert_true( 2 * pale[2] < 3 * pale[0] );
@@ -588,8 +586,7 @@ TEST( a_cut_leaves_the_side_behind_it )
     SCOPED( fixture_ball_free ) fixture_ball ball = make_ball();
     const render_mesh mesh = fixture_mesh( &ball, RENDER_SOLID );
     SCOPED( image_release )
-    image none = draw( NULL, 0, NULL, uncut, 0.0f ),
-          whole = draw( &mesh, 1, NULL, uncut, 0.0f );
+    image none = draw( NULL, 0, NULL, uncut, 0.0f ), whole = draw( &mesh, 1, NULL, uncut, 0.0f );
     SCOPED( image_release ) image left = draw( &mesh, 1, NULL, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f }, 0.0f );
     SCOPED( image_release ) image longer = draw( &mesh, 1, NULL, ( wisp_vec3 ){ 4.0f, 0.0f, 0.0f }, 0.0f );
     const int covered = count_differing( &whole, &none, 0, 96 );
@@ -603,8 +600,7 @@ TEST( a_cut_leaves_the_side_behind_it )
 TEST( a_cut_shows_what_was_inside )
 {
     SCOPED( fixture_ball_free )
-    fixture_ball ball = make_ball(),
-                 seed = fixture_ball_make( ( wisp_vec3 ){ 0.0f, 1.0f, -0.1f }, 0.15f );
+    fixture_ball ball = make_ball(), seed = fixture_ball_make( ( wisp_vec3 ){ 0.0f, 1.0f, -0.1f }, 0.15f );
     render_mesh meshes[] = { fixture_mesh( &ball, RENDER_SOLID ), fixture_mesh( &seed, RENDER_SOLID ) };
     meshes[1].colour = ( wisp_vec3 ){ 0.8f, 0.0f, 0.0f };
     SCOPED( image_release ) image whole = draw( meshes, 2, NULL, uncut, 0.0f );
@@ -634,8 +630,7 @@ TEST( a_cut_that_is_not_a_number_is_refused )
 TEST( a_body_is_seen_through_glass_and_not_through_a_wall )
 {
     SCOPED( fixture_ball_free )
-    fixture_ball ball = make_ball(),
-                 shell = fixture_ball_make( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, 0.9f );
+    fixture_ball ball = make_ball(), shell = fixture_ball_make( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, 0.9f );
     render_mesh meshes[] = { fixture_mesh( &ball, RENDER_SOLID ), fixture_mesh( &shell, RENDER_SOLID ) };
     meshes[0].colour = ( wisp_vec3 ){ 0.8f, 0.0f, 0.0f };
     SCOPED( image_release ) image wall = draw( meshes, 2, NULL, uncut, 0.0f );
@@ -654,8 +649,7 @@ TEST( a_body_is_seen_through_glass_and_not_through_a_wall )
 TEST( the_first_body_before_a_point_is_named )
 {
     SCOPED( fixture_ball_free )
-    fixture_ball near = fixture_ball_make( ( wisp_vec3 ){ 0.0f, 1.0f, 2.0f }, 0.2f ),
-                 far = make_ball();
+    fixture_ball near = fixture_ball_make( ( wisp_vec3 ){ 0.0f, 1.0f, 2.0f }, 0.2f ), far = make_ball();
     const render_mesh meshes[] = { fixture_mesh( &far, RENDER_SOLID ), fixture_mesh( &near, RENDER_SOLID ) };
     render_scene scene = render_default_scene();
     scene.meshes = meshes;
@@ -710,8 +704,7 @@ TEST( hair_bends_between_its_points_and_other_curves_do_not )
     const render_curves straight = make_bow( false ), hair = make_bow( true );
     SCOPED( image_release ) image none = draw( NULL, 0, NULL, uncut, 0.0f );
     SCOPED( image_release )
-    image segments = draw( NULL, 0, &straight, uncut, 0.0f ),
-          smooth = draw( NULL, 0, &hair, uncut, 0.0f );
+    image segments = draw( NULL, 0, &straight, uncut, 0.0f ), smooth = draw( NULL, 0, &hair, uncut, 0.0f );
     // The middle of Hermite's curve: the mean of its ends and an eighth of the difference of its tangents. The tangents
     // are as long as the segment: along the segment at the root, level in the middle.
     const float length = sqrtf( 0.9f * 0.9f + 1.1f * 1.1f );
@@ -739,8 +732,7 @@ TEST( strands_far_shorter_than_their_radius_draw_no_strokes )
     curves.strand_count = 1;
     curves.radius = 0.01f;
     SCOPED( image_release )
-    image none = draw( NULL, 0, NULL, uncut, 0.0f ),
-          dot = draw( NULL, 0, &curves, uncut, 0.0f );
+    image none = draw( NULL, 0, NULL, uncut, 0.0f ), dot = draw( NULL, 0, &curves, uncut, 0.0f );
     assert_int_equal( count_differing( &dot, &none, 0, 96 ), 0 );
     curves.strand_count = 2;
     SCOPED( image_release ) image both = draw( NULL, 0, &curves, uncut, 0.0f );
@@ -813,8 +805,7 @@ TEST( hair_is_pointed_and_its_strands_differ )
 {
     SCOPED( image_release ) image none = { 0 }, other = { 0 };
     SCOPED( image_release )
-    image rods = picture_of_rows( false, 0.09f, &none ),
-          hair = picture_of_rows( true, 0.09f, &other );
+    image rods = picture_of_rows( false, 0.09f, &none ), hair = picture_of_rows( true, 0.09f, &other );
     int roots = 0, tips = 0, rod_roots = 0, rod_tips = 0;
     for ( int s = 0; s < STRANDS; ++s )
     {

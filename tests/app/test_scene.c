@@ -299,8 +299,7 @@ TEST( the_scenes_of_the_project_are_read )
 TEST( a_scene_in_json_says_the_same_as_in_yaml )
 {
     SCOPED( wisp_scene_release )
-    wisp_scene yaml = read_good( "freeze_only.yaml" ),
-               json = read_good( "freeze_only.json" );
+    wisp_scene yaml = read_good( "freeze_only.yaml" ), json = read_good( "freeze_only.json" );
     const wisp_scene_strands *a = yaml.strands, *b = json.strands;
     assert_string_equal( a->name, b->name );
     assert_int_equal( a->stretch_count, 8 );

@@ -356,9 +356,8 @@ TEST( a_surface_without_the_key_is_no_implicit_cloth )
 TEST( every_key_of_an_implicit_cloth_reaches_its_place )
 {
     SCOPED( wisp_scene_release )
-    wisp_scene scene =
-        with_block( "implicit",
-                    "{ stiffness_model: material, stretch_stiffness: 350, bend_stiffness: 2e-6, bend_rigidity: 3e-6, "
+    wisp_scene scene = with_block(
+        "implicit", "{ stiffness_model: material, stretch_stiffness: 350, bend_stiffness: 2e-6, bend_rigidity: 3e-6, "
                     "compression_stiffness: "
                     "150, link_damping: 0.5, weights: none, integrator: bdf2, "
                     "newton_iterations: 3, "

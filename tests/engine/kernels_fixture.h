@@ -143,8 +143,7 @@ static inline void run_cut( const kernel_row* row, void* state )
 static inline void check_kernel( const kernel_row* row )
 {
     SCOPED( free_local )
-    void *start = new_aligned( row->size ),
-         *first = new_aligned( row->size ), *other = new_aligned( row->size );
+    void *start = new_aligned( row->size ), *first = new_aligned( row->size ), *other = new_aligned( row->size );
     for ( int variant = 0; variant == 0 || variant < row->variants; ++variant )
     {
         memset( start, 0, row->size );

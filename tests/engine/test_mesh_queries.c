@@ -106,8 +106,7 @@ TEST( the_sign_tells_inside_from_outside )
         SCOPED( test_mesh_free ) test_mesh m = make_mesh( closed[c] );
         SCOPED( free_local ) float* xyzw = test_mesh_quads( &m );
         SCOPED( tree_local )
-        wisp_collision_mesh *rigid = test_collision_mesh( &m, false ),
-                            *soft = test_collision_mesh( &m, true );
+        wisp_collision_mesh *rigid = test_collision_mesh( &m, false ), *soft = test_collision_mesh( &m, true );
         assert_int_equal( wisp_collision_mesh_get_stats( rigid ).open_edge_count, 0 );
         int inside = 0;
         for ( int i = 0; i < QUERIES; ++i )

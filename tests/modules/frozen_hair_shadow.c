@@ -169,11 +169,9 @@ void hair_compare_pipeline( const hair_groom* groom, const wisp_frozen_hair_def*
     const int count = groom->vertex_count;
     SCOPED( hair_oracle_destroy ) hair_oracle oracle = hair_oracle_create( groom, def, 0 );
     SCOPED( free_local )
-    double3 *frozen = hair_widen_all( groom->points, count ),
-            *scratch = hair_new_points( count );
+    double3 *frozen = hair_widen_all( groom->points, count ), *scratch = hair_new_points( count );
     SCOPED( free_local )
-    double3 *expected = hair_new_points( count ),
-            *moved = hair_new_points( count ), *out = hair_new_points( count );
+    double3 *expected = hair_new_points( count ), *moved = hair_new_points( count ), *out = hair_new_points( count );
     SCOPED( free_local ) double* bound = checked_calloc( 2 * (size_t)count + 1, sizeof( double ) );
     const double* exact = bound + count;
     double amount = 0.0;

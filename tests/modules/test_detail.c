@@ -294,8 +294,7 @@ TEST( a_surface_at_rest_is_at_rest_after_a_pause )
     {
         int count;
         SCOPED( free_local )
-        wisp_vec3 *a = copy_points( h.world, e, &count ),
-                  *b = copy_points( h.world, ball, &count );
+        wisp_vec3 *a = copy_points( h.world, e, &count ), *b = copy_points( h.world, ball, &count );
         assert_true( step_and_measure( h.world, e ) < 2e-3f );
         assert_true( largest_distance_to_turned( h.world, ball, b, 0.0f, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ) <
                      1e-3f );

@@ -124,8 +124,7 @@ TEST( a_layer_freezes_and_aligns_as_hair_in_the_plane_bit_for_bit )
     for ( int n = 0; n < 12; ++n )
     {
         SCOPED( hair_groom_destroy )
-        hair_groom flat = layered( (hair_shape)( n % 3 ), 2, -1 ),
-                   deep = layered( (hair_shape)( n % 3 ), 3, -1 );
+        hair_groom flat = layered( (hair_shape)( n % 3 ), 2, -1 ), deep = layered( (hair_shape)( n % 3 ), 3, -1 );
         wisp_frozen_hair_def def = soft_def( 0.0f );
         def.clump = false;
         def.reach = 0.1f;
@@ -163,8 +162,7 @@ TEST( layers_further_apart_than_the_clump_radius_clump_each_as_if_alone )
     for ( int n = 0; n < 9; ++n )
     {
         SCOPED( hair_groom_destroy )
-        hair_groom deep = layered( (hair_shape)( n / 3 ), 3, -1 ),
-                   flat = layered( (hair_shape)( n / 3 ), 2, n % 3 );
+        hair_groom deep = layered( (hair_shape)( n / 3 ), 3, -1 ), flat = layered( (hair_shape)( n / 3 ), 2, n % 3 );
         wisp_frozen_hair_def def = soft_def( 0.0f );
         SCOPED( free_local ) wisp_vec3* b = hair_run( NULL, &deep, &def );
         def.max_depth_change = -1.0f;

@@ -72,8 +72,7 @@ TEST( an_instance_shares_the_rest_shape_and_lives_its_own_life )
     print_message( "           an instance of %d vertices takes %zu bytes\n", groom.vertex_count,
                    wisp_world_memory( world ) - before );
     SCOPED( free_local )
-    wisp_vec3 *first = hair_run( NULL, &groom, &def ),
-              *second = hair_run( NULL, &groom, &other );
+    wisp_vec3 *first = hair_run( NULL, &groom, &def ), *second = hair_run( NULL, &groom, &other );
 
     // it starts at rest, not at the shape of its source
     hair_step( world );
