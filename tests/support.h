@@ -17,6 +17,12 @@ static inline wisp_surface_def support_weightless_surface_def( void )
     return def;
 }
 
+/// For locals that point to a world.
+static inline void destroy_local( wisp_world** world )
+{
+    wisp_world_destroy( *world );
+}
+
 // ---- memory ----
 
 /// A host that counts its allocations, fills them with a pattern, checks releases, and can refuse one request or all

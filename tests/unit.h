@@ -85,6 +85,20 @@ void unit_set_obstacle( unit_obstacle_fn* find );
 
 #define TEST_BEFORE_MAIN( name ) __attribute__( ( constructor ) ) static void register_##name( void )
 
+// ---- what a case gives back ----
+
+/// Release a local at the end of its block, in the reverse order of declarations: SCOPED( close_world ) hosted h;
+/// The function takes a pointer to the local. A case that fails releases nothing.
+#define SCOPED( release ) __attribute__( ( cleanup( release ) ) )
+
+/// For locals that point to a block. @param local address of the pointer
+static inline void free_local( void* local )
+{
+    void* block;
+    memcpy( &block, local, sizeof( block ) );
+    free( block );
+}
+
 // ---- checked allocation ----
 
 static inline void* checked_malloc( size_t size )

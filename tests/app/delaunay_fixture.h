@@ -89,7 +89,7 @@ static inline int fixture_compare_edges( const void* left, const void* right )
 static inline void assert_joined_and_delaunay( const fixture_net* n )
 {
     size_t halves = 3 * (size_t)n->triangle_count;
-    fixture_edge* edges = checked_malloc( halves * sizeof *edges );
+    SCOPED( free_local ) fixture_edge* edges = checked_malloc( halves * sizeof *edges );
     for ( int h = 0; h < (int)halves; ++h )
     {
         int32_t p = n->triangles[h], q = n->triangles[h - h % 3 + ( h + 1 ) % 3];
@@ -119,7 +119,6 @@ static inline void assert_joined_and_delaunay( const fixture_net* n )
     }
     assert_int_equal( border_count, n->outline_count );
     assert_int_equal( n->count - edge_count + n->triangle_count, 1 );
-    free( edges );
 }
 
 /// Whether the outline separates a triangle's centre from a point. Scaled by three, the centre has integer

@@ -5,6 +5,12 @@
 
 #include "record.h"
 
+/// For locals that point to a recording.
+static inline void recording_local( wisp_recording** local )
+{
+    wisp_recording_close( *local );
+}
+
 enum
 {
     FIXTURE_BODIES = 2,

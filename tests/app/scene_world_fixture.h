@@ -71,14 +71,13 @@ static inline void demand_refusal( const char* text, const char* message )
 
 static inline wisp_vec3 point_of( fixture* f, int body, int vertex )
 {
+    SCOPED( free_local )
     wisp_vec3* points = checked_calloc( (size_t)scene_world_body( &f->world, body ).vertex_count, sizeof *points );
     if ( scene_world_points( &f->world, body, points, &f->error ) != WISP_OK )
     {
         fail_msg( "no points: %s", f->error.message );
     }
-    wisp_vec3 point = points[vertex];
-    free( points );
-    return point;
+    return points[vertex];
 }
 
 // Turns are made of a sine within 1e-7, and lengths here are below 10 m.

@@ -37,11 +37,10 @@ TEST( the_committed_files_are_those_that_the_generator_writes )
 TEST( the_file_they_were_made_from_is_good )
 {
     unsigned char bytes[BAD_FILE_MAX];
-    wisp_groom groom;
+    SCOPED( wisp_groom_release ) wisp_groom groom;
     bad_groom_good_hair( bytes );
     assert_int_equal( wisp_groom_read_hair( bytes, HAIR_SIZE, "good.hair", &groom, NULL ), WISP_OK );
     assert_int_equal( wisp_groom_check( &groom, NULL ), WISP_OK );
-    wisp_groom_release( &groom );
 }
 
 // Truncated by any number of bytes it is always invalid; the block is exactly as long, so that a sanitizer detects a

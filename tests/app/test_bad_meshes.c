@@ -19,11 +19,10 @@ static bool is_ply( const char* name )
 static wisp_status read_exactly( const char* name, const char* bytes, size_t size, wisp_mesh* mesh,
                                  wisp_error* error )
 {
-    char* exact = checked_malloc( size + ( size == 0 ) );
+    SCOPED( free_local ) char* exact = checked_malloc( size + ( size == 0 ) );
     memcpy( exact, bytes, size );
     wisp_status status = is_ply( name ) ? wisp_mesh_read_ply( exact, size, name, mesh, error )
                                         : wisp_mesh_read_obj( exact, size, name, mesh, error );
-    free( exact );
     return status;
 }
 
@@ -67,18 +66,17 @@ TEST( the_files_that_are_cut_and_damaged_are_good )
 {
     for ( int i = 0; i < WISP_COUNT( good_meshes ); ++i )
     {
-        wisp_mesh mesh;
+        SCOPED( wisp_mesh_release ) wisp_mesh mesh;
         wisp_error error = { .status = WISP_OK };
         const bad_mesh* good = &good_meshes[i];
         assert_ok( read_exactly( good->name, good->bytes, good->size, &mesh, &error ), error );
-        wisp_mesh_release( &mesh );
     }
 }
 
 // A damaged file may be accepted or rejected, with everything that belongs to it.
 static void demand_answer( const char* name, const char* bytes, size_t size )
 {
-    wisp_mesh mesh;
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh;
     wisp_mesh_diagnostics report;
     wisp_error error = { .status = WISP_OK };
     wisp_status status = read_exactly( name, bytes, size, &mesh, &error );
@@ -93,7 +91,6 @@ static void demand_answer( const char* name, const char* bytes, size_t size )
         assert_null( mesh.points );
         assert_null( mesh.triangles );
     }
-    wisp_mesh_release( &mesh );
 }
 
 TEST( every_shorter_beginning_of_a_good_file_gets_an_answer )
@@ -150,12 +147,11 @@ TEST( a_face_of_more_corners_than_the_cap_is_refused )
     {
         memcpy( text + 10 + 2 * i, "1 ", 2 );
     }
-    wisp_mesh mesh;
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh;
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( read_exactly( "wide.obj", text, 10 + 2 * CORNERS, &mesh, &error ), WISP_BAD_INPUT );
     assert_non_null( strstr( error.message, "line 2: expected a face of at most 65536 corners" ) );
     // one fewer is a fan
     assert_int_equal( read_exactly( "wide.obj", text, 10 + 2 * ( CORNERS - 1 ), &mesh, &error ), WISP_OK );
     assert_int_equal( mesh.triangle_count, WISP_MESH_CORNER_CAP - 2 );
-    wisp_mesh_release( &mesh );
 }

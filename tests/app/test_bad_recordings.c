@@ -11,7 +11,7 @@ static const char* const bad_folder = WISP_SOURCE_ROOT "/tests/bad/recording";
 // The first rejection: of the file, or of a frame.
 static wisp_status read_recording( const char* path, bool is_cache, wisp_error* error )
 {
-    wisp_recording* recording = NULL;
+    SCOPED( recording_local ) wisp_recording* recording = NULL;
     wisp_status status =
         is_cache ? wisp_pc2_open( path, &recording, error ) : wisp_recording_open( path, &recording, error );
     assert_int_equal( recording == NULL, status != WISP_OK );
@@ -19,7 +19,6 @@ static wisp_status read_recording( const char* path, bool is_cache, wisp_error* 
     {
         status = wisp_recording_frame( recording, f, NULL, NULL, NULL, error );
     }
-    wisp_recording_close( recording );
     return status;
 }
 
@@ -57,7 +56,7 @@ TEST( the_files_they_were_made_from_are_good )
 {
     unsigned char bytes[BAD_FILE_MAX];
     wisp_error error = { .status = WISP_OK };
-    wisp_recording* recording = NULL;
+    SCOPED( recording_local ) wisp_recording* recording = NULL;
     bad_recording_good_wisp( bytes );
     assert_ok( wisp_recording_open_memory( bytes, WISP_SIZE, "good.wisp", &recording, &error ), error );
     assert_true( wisp_recording_describe( recording ).complete );
@@ -74,7 +73,6 @@ TEST( the_files_they_were_made_from_are_good )
     assert_int_equal( wisp_recording_body( recording, 0 )->vertex_count, WISP_COUNT( points ) );
     assert_ok( wisp_recording_frame( recording, 0, all, NULL, NULL, &error ), error );
     assert_ok( wisp_recording_frame( recording, 1, all, NULL, NULL, &error ), error );
-    wisp_recording_close( recording );
 }
 
 // The valid file is built from the description of the format, so it also tests the writer.

@@ -42,7 +42,7 @@ static void assert_matrix( const double* got, const double expected[12] )
 
 TEST( primitives_are_joined_and_split_vertices_merged_where_place_and_weights_agree )
 {
-    gltf_model model = read_strip( 0 );
+    SCOPED( gltf_release ) gltf_model model = read_strip( 0 );
     const gltf_mesh* strip_mesh = &model.meshes[0];
     const int32_t triangles[] = { 0, 1, 2, 0, 2, 3, 1, 4, 5, 1, 5, 2 };
     assert_int_equal( strip_mesh->primitive_count, 2 );
@@ -61,7 +61,6 @@ TEST( primitives_are_joined_and_split_vertices_merged_where_place_and_weights_ag
     model = read_strip( GLTF_KEEP_SEAMS );
     assert_int_equal( model.meshes[0].mesh.vertex_count, 8 );
     assert_int_equal( model.meshes[0].merged_count, 0 );
-    gltf_release( &model );
 }
 
 TEST( vertices_of_equal_place_and_other_weights_stay_apart )
@@ -73,35 +72,32 @@ TEST( vertices_of_equal_place_and_other_weights_stay_apart )
     const float weights[4] = { 0.25f, 0.75f, 0.0f, 0.0f };
     memcpy( binary.data + STRIP_WEIGHTS + 4 * 16, weights, sizeof weights );
     const gltf_bytes file = gltf_binary_file( json, &binary );
-    gltf_model model;
+    SCOPED( gltf_release ) gltf_model model;
     assert_int_equal( gltf_read_bytes( file.data, file.size, NULL, "s.glb", 0, &model, NULL ), WISP_OK );
     assert_int_equal( model.meshes[0].merged_count, 1 );
-    gltf_release( &model );
 }
 
 TEST( a_skinned_mesh_at_rest_is_placed_by_its_joints_and_not_by_its_node )
 {
-    gltf_model model = read_strip( 0 );
-    wisp_mesh mesh;
+    SCOPED( gltf_release ) gltf_model model = read_strip( 0 );
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh;
     int node = -1;
     assert_int_equal( gltf_find_mesh( &model, NULL, "s.glb", &node, NULL ), WISP_OK );
     assert_int_equal( node, 0 );
     assert_int_equal( gltf_mesh_at_rest( &model, node, "s.glb", &mesh, NULL ), WISP_OK );
     const wisp_vec3 points[] = { { 0, 0, 1 }, { 1, 0, 1 }, { 1, 1, 1 }, { 0, 1, 1 }, { 2, 0, 1 }, { 2, 1, 1 } };
     assert_memory_equal( mesh.points, points, sizeof points );
-    wisp_mesh_release( &mesh );
-    gltf_release( &model );
 }
 
 // ---- poses ----
 
 TEST( poses_equal_those_computed_by_hand )
 {
-    gltf_model model = read_strip( 0 );
+    SCOPED( gltf_release ) gltf_model model = read_strip( 0 );
     assert_int_equal( gltf_find_animation( &model, "bend" ), 0 );
     assert_int_equal( gltf_find_animation( &model, "none" ), -1 );
     assert_true( model.animations[0].duration == 1.5 );
-    double* work = malloc( gltf_pose_work( &model ) * sizeof *work );
+    SCOPED( free_local ) double* work = malloc( gltf_pose_work( &model ) * sizeof *work );
     double m[24];
     // rest: both joints are shifted along z by the root
     gltf_pose( &model, 0, -1, 0.0, work, m );
@@ -125,8 +121,6 @@ TEST( poses_equal_those_computed_by_hand )
                  after[12] = { 0, -1, 0, 1, 1, 0, 0, 1, 0, 0, 1, 0 };
     assert_matrix( m, moved );
     assert_matrix( m + 12, after );
-    free( work );
-    gltf_release( &model );
 }
 
 TEST( rotations_take_the_shorter_way )
@@ -139,15 +133,13 @@ TEST( rotations_take_the_shorter_way )
     q[2] = -q[2];
     q[3] = -q[3];
     const gltf_bytes file = gltf_binary_file( json, &binary );
-    gltf_model model;
+    SCOPED( gltf_release ) gltf_model model;
     assert_int_equal( gltf_read_bytes( file.data, file.size, NULL, "s.glb", 0, &model, NULL ), WISP_OK );
-    double* work = malloc( gltf_pose_work( &model ) * sizeof *work );
+    SCOPED( free_local ) double* work = malloc( gltf_pose_work( &model ) * sizeof *work );
     double m[24];
     gltf_pose( &model, 0, 0, 1.0, work, m );
     const double c = sqrt( 0.5 ), middle[12] = { c, -c, 0, 0.875 - c, c, c, 0, -c, 0, 0, 1, 0 };
     assert_matrix( m + 12, middle );
-    free( work );
-    gltf_release( &model );
 }
 
 // ---- files ----
@@ -206,8 +198,8 @@ TEST( a_gltf_text_reads_the_buffer_beside_it_and_no_other )
 
 TEST( the_description_names_skins_joints_animations_and_merged_vertices )
 {
-    gltf_model model = read_strip( 0 );
-    char* text = NULL;
+    SCOPED( gltf_release ) gltf_model model = read_strip( 0 );
+    SCOPED( free_local ) char* text = NULL;
     size_t size = 0;
     FILE* stream = open_memstream( &text, &size );
     assert_int_equal( gltf_info( stream, &model, "strip.glb" ), WISP_OK );
@@ -218,8 +210,6 @@ TEST( the_description_names_skins_joints_animations_and_merged_vertices )
     assert_contains( text, "strip.glb#body: open mesh of triangles\n" );
     assert_contains( text, "colours              red 0 .. 0.4" );
     assert_contains( text, "note: vertices of equal position and weights, merged: 2\n" );
-    free( text );
-    gltf_release( &model );
 }
 
 // ---- bad files ----
@@ -432,13 +422,11 @@ TEST( every_frame_of_a_recording_is_read_back_by_name_and_by_time )
     {
         char path[100];
         snprintf( path, sizeof path, "%s#sheet@%g", TAKE, time_of( f ) );
-        wisp_mesh at_time = read_good( path );
+        SCOPED( wisp_mesh_release ) wisp_mesh at_time = read_good( path );
         assert_frame( &at_time, f, f, 0.0 );
         snprintf( path, sizeof path, f == 0 ? "%s#sheet" : "%s#sheet@frame_%04d", TAKE, f + 1 );
-        wisp_mesh by_name = read_good( path );
+        SCOPED( wisp_mesh_release ) wisp_mesh by_name = read_good( path );
         assert_same_mesh( &at_time, &by_name );
-        wisp_mesh_release( &at_time );
-        wisp_mesh_release( &by_name );
     }
     wisp_mesh between = read_good( "morph_take.glb#sheet@0.8125" );
     assert_frame( &between, 3, 4, 0.25 );
@@ -450,14 +438,13 @@ TEST( every_frame_of_a_recording_is_read_back_by_name_and_by_time )
     wisp_mesh twin = read_good( "morph_take.glb#twin@0.5" );
     assert_true( fabsf( twin.points[9].z - recorded( 4, 9 ).z ) < 2.5e-7f );
     wisp_mesh_release( &twin );
-    wisp_mesh still = read_good( "morph_take.glb#ground@1" );
+    SCOPED( wisp_mesh_release ) wisp_mesh still = read_good( "morph_take.glb#ground@1" );
     assert_int_equal( still.vertex_count, 3 );
-    wisp_mesh_release( &still );
 }
 
 TEST( the_description_lists_targets_and_their_frames )
 {
-    gltf_model model;
+    SCOPED( gltf_release ) gltf_model model;
     wisp_error error = { 0 };
     char text[8000] = "";
     FILE* stream = fmemopen( text, sizeof text, "w" );
@@ -469,7 +456,6 @@ TEST( the_description_lists_targets_and_their_frames )
     assert_contains( text, "    target 5, frame_0007, at 1.5 s\n" );
     assert_contains( text, "animation recording: 1.5 s, 2 channels\n" );
     assert_true( model.animations[0].weights[1].is_shared && !model.animations[0].weights[0].is_shared );
-    gltf_release( &model );
 }
 
 #define ZEROS "00000000000000000000000000000000"
@@ -570,12 +556,10 @@ static wisp_status read_quad( const char* from, const char* to, gltf_model* mode
 
 static wisp_vec3 place_of( const gltf_model* model, gltf_moment moment, int v )
 {
-    wisp_mesh mesh;
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh;
     wisp_error error = { 0 };
     assert_ok( gltf_mesh_at( model, 0, moment, "quad", &mesh, &error ), error );
-    const wisp_vec3 p = mesh.points[v];
-    wisp_mesh_release( &mesh );
-    return p;
+    return mesh.points[v];
 }
 
 static void assert_place( wisp_vec3 p, double x, double y, double z )
@@ -585,7 +569,7 @@ static void assert_place( wisp_vec3 p, double x, double y, double z )
 
 TEST( displacements_are_added_by_weights_and_placed_by_the_node )
 {
-    gltf_model model;
+    SCOPED( gltf_release ) gltf_model model;
     wisp_error error = { 0 };
     assert_ok( read_quad( NULL, NULL, &model, &error ), error );
     assert_string_equal( model.meshes[0].target_names[0], "lift" );
@@ -611,12 +595,11 @@ TEST( displacements_are_added_by_weights_and_placed_by_the_node )
                error );
     // Hermite at the middle: dt / 8 of the first slope, half of the last value
     assert_place( place_of( &model, ( gltf_moment ){ 0, 2.0, -1 }, 1 ), 11, 0, 2 * ( 2.0 / 8.0 + 0.5 ) );
-    gltf_release( &model );
 }
 
 TEST( an_animation_moves_the_weights_of_its_node_alone )
 {
-    gltf_model model;
+    SCOPED( gltf_release ) gltf_model model;
     wisp_error error = { 0 };
     assert_ok( read_quad( "\"nodes\":[", "\"nodes\":[{\"name\":\"other\",\"mesh\":0},", &model, &error ), error );
     const gltf_moment then = { 0, 1.5, -1 };
@@ -629,12 +612,11 @@ TEST( an_animation_moves_the_weights_of_its_node_alone )
     // one target alone is shown whatever the time
     gltf_weights_at( &model, 0, ( gltf_moment ){ 0, 1.5, 0 }, weights[0] );
     assert_true( weights[0][0] == 1.0 && weights[0][1] == 0.0 );
-    gltf_release( &model );
 }
 
 TEST( a_frame_of_a_target_shows_it_alone )
 {
-    gltf_model model;
+    SCOPED( gltf_release ) gltf_model model;
     wisp_error error = { 0 };
     // weights (1, 1) and (0, 0)
     assert_ok( read_quad( "\"byteOffset\":116", "\"byteOffset\":120", &model, &error ), error );
@@ -645,19 +627,17 @@ TEST( a_frame_of_a_target_shows_it_alone )
                           "\"output\":6,\"interpolation\":\"CUBICSPLINE\"", &model, &error ),
                error );
     assert_true( gltf_target_time( &model, 0, 0, 0 ) == 3.0 && gltf_target_time( &model, 0, 0, 1 ) == -1.0 );
-    gltf_release( &model );
 }
 
 TEST( weights_that_throw_vertices_out_of_all_numbers_are_refused )
 {
-    gltf_model model;
+    SCOPED( gltf_release ) gltf_model model;
     wisp_mesh mesh;
     wisp_error error = { 0 };
     assert_ok( read_quad( "[0.5,0]", "[3e38,0]", &model, &error ), error );
     assert_int_equal( gltf_mesh_at_rest( &model, 0, "quad.glb", &mesh, &error ), WISP_BAD_INPUT );
     assert_contains( error.message, "vertex 1: z is infinite" );
     assert_null( mesh.points );
-    gltf_release( &model );
 }
 
 // A name may have an @.

@@ -76,7 +76,7 @@ TEST( a_hand_made_hair_file_gives_its_strands_and_arrays )
     put_floats( &row, 3, 0.0f, 0.5f );
     put_floats( &row, 9, 0.0f, 0.125f );
 
-    wisp_groom groom = read_hair_row( &row );
+    SCOPED( wisp_groom_release ) wisp_groom groom = read_hair_row( &row );
 
     assert_int_equal( groom.strand_count, 2 );
     assert_int_equal( groom.vertex_count, 3 );
@@ -86,7 +86,6 @@ TEST( a_hand_made_hair_file_gives_its_strands_and_arrays )
     assert_memory_equal( groom.thickness, ( ( float[] ){ 0.5f, 0.75f, 1.0f } ), 3 * sizeof( float ) );
     assert_memory_equal( groom.transparency, ( ( float[] ){ 0.0f, 0.5f, 1.0f } ), 3 * sizeof( float ) );
     assert_float_equal( groom.colour[2].z, 1.0f, 0.0f );
-    wisp_groom_release( &groom );
 }
 
 TEST( default_segments_apply_and_missing_arrays_stay_null )
@@ -99,14 +98,13 @@ TEST( default_segments_apply_and_missing_arrays_stay_null )
         put_float( &row, -0.0f );
     }
 
-    wisp_groom groom = read_hair_row( &row );
+    SCOPED( wisp_groom_release ) wisp_groom groom = read_hair_row( &row );
 
     assert_memory_equal( groom.offsets, ( ( int[] ){ 0, 3, 6 } ), 3 * sizeof( int ) );
     assert_null( groom.thickness );
     assert_null( groom.transparency );
     assert_null( groom.colour );
     assert_int_equal( groom.dimension, 2 ); // a z of -0 is a z of 0
-    wisp_groom_release( &groom );
 }
 
 TEST( a_message_keeps_its_reason_when_the_name_is_very_long )
@@ -132,12 +130,10 @@ TEST( a_hair_file_comes_back_bit_for_bit )
         some.transparency = ( columns & 2 ) != 0 ? groom.transparency : NULL;
         some.colour = ( columns & 4 ) != 0 ? groom.colour : NULL;
         size_t size = 0;
-        char* bytes = fixture_written( wisp_groom_write_hair, &some, &size );
-        wisp_groom again;
+        SCOPED( free_local ) char* bytes = fixture_written( wisp_groom_write_hair, &some, &size );
+        SCOPED( wisp_groom_release ) wisp_groom again;
         assert_int_equal( wisp_groom_read_hair( bytes, size, "again", &again, NULL ), WISP_OK );
         assert_same_groom( &some, &again );
-        wisp_groom_release( &again );
-        free( bytes );
     }
 }
 
@@ -145,14 +141,13 @@ TEST( the_header_of_a_hair_file_is_what_other_readers_expect )
 {
     wisp_groom groom = fixture_groom();
     size_t size = 0;
-    char* bytes = fixture_written( wisp_groom_write_hair, &groom, &size );
+    SCOPED( free_local ) char* bytes = fixture_written( wisp_groom_write_hair, &groom, &size );
     static const unsigned char start[] = { 'H', 'A', 'I', 'R', 3, 0, 0, 0, 6, 0, 0, 0, 31, 0, 0, 0, 2, 0, 0, 0 };
     assert_memory_equal( bytes, start, sizeof start );
     // segments 2, 0, 1 follow the header of 128 bytes, then six vertices of 12 + 4 + 4 + 12 bytes
     static const unsigned char segments[] = { 2, 0, 0, 0, 1, 0 };
     assert_memory_equal( bytes + 128, segments, sizeof segments );
     assert_int_equal( size, 128 + 6 + 6 * 32 );
-    free( bytes );
 }
 
 static wisp_groom long_strand( int vertex_count )
@@ -169,7 +164,7 @@ static wisp_groom long_strand( int vertex_count )
 
 TEST( a_strand_may_have_65536_vertices_in_a_hair_file_and_no_more )
 {
-    wisp_groom groom = long_strand( 65536 );
+    SCOPED( wisp_groom_release ) wisp_groom groom = long_strand( 65536 );
     size_t size = 0;
     char* bytes = fixture_written( wisp_groom_write_hair, &groom, &size );
     wisp_groom again;
@@ -184,7 +179,6 @@ TEST( a_strand_may_have_65536_vertices_in_a_hair_file_and_no_more )
     assert_int_equal( wisp_groom_write_hair( stdout, &groom, "long.hair", &error ), WISP_BAD_INPUT );
     assert_string_equal( error.message,
                          "long.hair: strand 0 has 65537 vertices; a .hair file holds 1 to 65536 a strand" );
-    wisp_groom_release( &groom );
 }
 
 TEST( strands_that_a_format_cannot_hold_are_refused_by_number )
@@ -252,7 +246,7 @@ static void assert_interpolated( const char* usda, const char* declaration )
 TEST( a_usda_file_holds_the_same_curves_widths_and_colours )
 {
     wisp_groom groom = fixture_curves();
-    char* text = fixture_written( wisp_groom_write_usda, &groom, NULL );
+    SCOPED( free_local ) char* text = fixture_written( wisp_groom_write_usda, &groom, NULL );
     assert_int_equal( strncmp( text, "#usda 1.0\n", 10 ), 0 );
     assert_contains( text, "uniform token type = \"linear\"" );
     assert_contains( text, "metersPerUnit = 1\n" );
@@ -269,7 +263,6 @@ TEST( a_usda_file_holds_the_same_curves_widths_and_colours )
     assert_interpolated( text, "float[] widths" );
     assert_interpolated( text, "color3f[] primvars:displayColor" );
     assert_interpolated( text, "float[] primvars:displayOpacity" );
-    free( text );
 }
 
 TEST( the_extent_of_a_usda_file_holds_the_curves_with_their_widths )
@@ -278,18 +271,17 @@ TEST( the_extent_of_a_usda_file_holds_the_curves_with_their_widths )
     static wisp_vec3 points[] = { { 1.0f, 2.0f, 3.0f }, { -1.0f, 5.0f, 3.0f } };
     static float thickness[] = { 0.5f, 0.25f };
     wisp_groom groom = { 1, 2, 3, offsets, points, thickness, NULL, NULL };
-    char* text = fixture_written( wisp_groom_write_usda, &groom, NULL );
+    SCOPED( free_local ) char* text = fixture_written( wisp_groom_write_usda, &groom, NULL );
     assert_attribute( text, "float3[] extent", ( ( float[] ){ -1.25f, 1.75f, 2.75f, 1.25f, 5.25f, 3.25f } ), 6 );
     assert_null( strstr( text, "displayColor" ) );
     assert_null( strstr( text, "displayOpacity" ) );
-    free( text );
 }
 
 TEST( an_obj_file_holds_the_same_points_and_only_lines_of_two_vertices )
 {
     static const int segments[][2] = { { 1, 2 }, { 2, 3 }, { 5, 6 } };
     wisp_groom groom = fixture_groom();
-    char* text = fixture_written( wisp_groom_write_obj, &groom, NULL );
+    SCOPED( free_local ) char* text = fixture_written( wisp_groom_write_obj, &groom, NULL );
     int vertices = 0;
     int lines = 0;
     char* rest = text;
@@ -316,7 +308,6 @@ TEST( an_obj_file_holds_the_same_points_and_only_lines_of_two_vertices )
     }
     assert_int_equal( vertices, 6 );
     assert_int_equal( lines, 3 );
-    free( text );
 }
 
 TEST( text_has_decimal_points_where_the_locale_has_commas )
@@ -437,10 +428,9 @@ TEST( a_check_refuses_offsets_that_do_not_partition_the_vertices )
 static void assert_file_is( const char* path, const char* text )
 {
     size_t length = 0;
-    char* found = read_bytes( path, &length );
+    SCOPED( free_local ) char* found = read_bytes( path, &length );
     assert_int_equal( length, strlen( text ) );
     assert_string_equal( found, text );
-    free( found );
 }
 
 // ---- reading and writing files ----
@@ -459,14 +449,13 @@ TEST_IN_FOLDER( a_hair_file_on_disk_comes_back_bit_for_bit )
 TEST_IN_FOLDER( a_file_that_starts_with_HAIR_is_a_hair_file_whatever_it_is_called )
 {
     wisp_groom groom = fixture_groom();
-    wisp_groom again;
+    SCOPED( wisp_groom_release ) wisp_groom again;
     size_t size = 0;
     char* bytes = fixture_written( wisp_groom_write_hair, &groom, &size );
     write_bytes( path_in( state, "a.bin" ), bytes, size );
     free( bytes );
     assert_int_equal( wisp_groom_read( path_in( state, "a.bin" ), &again, NULL ), WISP_OK );
     assert_same_groom( &groom, &again );
-    wisp_groom_release( &again );
 }
 
 TEST_IN_FOLDER( a_large_groom_on_disk_comes_back_bit_for_bit )
@@ -488,13 +477,12 @@ TEST_IN_FOLDER( a_large_groom_on_disk_comes_back_bit_for_bit )
 
 TEST_IN_FOLDER( a_path_that_cannot_be_read_is_an_error_that_names_it )
 {
-    wisp_groom groom;
+    SCOPED( wisp_groom_release ) wisp_groom groom;
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_groom_read( path_in( state, "none.hair" ), &groom, &error ), WISP_IO_ERROR );
     assert_contains( error.message, "none.hair: cannot open: " );
     assert_int_equal( wisp_groom_read( path_in( state, "." ), &groom, &error ), WISP_BAD_INPUT );
     assert_contains( error.message, "got a folder" );
-    wisp_groom_release( &groom );
 }
 
 TEST_IN_FOLDER( an_unknown_extension_is_refused_before_anything_is_written )
@@ -532,7 +520,7 @@ TEST_IN_FOLDER( a_groom_that_cannot_be_written_leaves_the_old_file )
 TEST_IN_FOLDER( a_disk_without_room_leaves_the_old_file )
 {
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_WAVY, 3 );
-    wisp_groom groom;
+    SCOPED( wisp_groom_release ) wisp_groom groom;
     assert_int_equal( wisp_groom_generate( &generator, &groom, NULL ), WISP_OK );
     char* path = path_in( state, "a.hair" );
     write_bytes( path, "precious", 8 );
@@ -552,7 +540,6 @@ TEST_IN_FOLDER( a_disk_without_room_leaves_the_old_file )
     assert_contains( error.message, "a.hair: cannot write" );
     assert_file_is( path, "precious" );
     assert_int_equal( count_files( state ), 1 );
-    wisp_groom_release( &groom );
 }
 
 TEST_IN_FOLDER( a_device_is_written_in_place_and_survives_a_failed_write )
@@ -590,10 +577,9 @@ TEST_IN_FOLDER( a_symbolic_link_and_the_permissions_of_its_file_survive_a_write 
     assert_true( S_ISLNK( info.st_mode ) );
     assert_int_equal( stat( file, &info ), 0 );
     assert_int_equal( info.st_mode & 0777, 0640 );
-    wisp_groom again;
+    SCOPED( wisp_groom_release ) wisp_groom again;
     assert_int_equal( wisp_groom_read( file, &again, NULL ), WISP_OK );
     assert_same_groom( &groom, &again );
-    wisp_groom_release( &again );
 }
 
 // ---- wisp info ----
@@ -604,7 +590,7 @@ TEST( info_prints_counts_bounds_and_lengths )
     static wisp_vec3 points[] = { { 0, 0, 0 }, { 0, -1, 0 }, { 0, -2, 0 }, { 3, 0, 0 }, { 3, 0, 4 } };
     static float thickness[] = { 0.5f, 0.5f, 0.5f, 0.25f, 0.25f };
     wisp_groom groom = { 2, 5, 3, offsets, points, thickness, NULL, NULL };
-    char* text = fixture_info( &groom, WISP_OK );
+    SCOPED( free_local ) char* text = fixture_info( &groom, WISP_OK );
     assert_string_equal( text, "head.hair: groom in 3 dimensions\n"
                                "  strands              2\n"
                                "  vertices             5\n"
@@ -614,7 +600,6 @@ TEST( info_prints_counts_bounds_and_lengths )
                                "  thickness            min 0.25, mean 0.4, max 0.5 m\n"
                                "  colour               none\n"
                                "  no defects\n" );
-    free( text );
 }
 
 TEST( info_names_what_is_wrong_by_element )
@@ -627,14 +612,13 @@ TEST( info_names_what_is_wrong_by_element )
         { 7, 0, 0 }, { 0, -2e6f, 0 },              // strand 4, with impossible coordinates
     };
     wisp_groom groom = { 5, 8, 2, offsets, points, NULL, NULL, NULL };
-    char* text = fixture_info( &groom, WISP_OK );
+    SCOPED( free_local ) char* text = fixture_info( &groom, WISP_OK );
     assert_contains( text, "  wrong: segments of zero length: 1\n    strand 3, from vertex 1\n" );
     assert_contains( text,
                      "  wrong: strands without a segment: 2\n    strand 1, vertices 0\n    strand 2, vertices 1\n" );
     assert_contains( text, "  wrong: strands that repeat a root: 1\n    strand 3, the root of strand 0\n" );
     assert_contains( text, "  wrong: vertices beyond 1e+06 m: 1\n    strand 4, vertex 1\n" );
     assert_null( strstr( text, "nothing is wrong" ) );
-    free( text );
 }
 
 TEST( info_tells_short_segments )
@@ -643,11 +627,10 @@ TEST( info_tells_short_segments )
     static wisp_vec3 points[] = { { 0, 0, 0 },      { 0, -0.01f, 0 },   { 0, -0.010001f, 0 },
                                   { 0, -0.02f, 0 }, { 1, -0.0001f, 0 }, { 1, 0, 0 } };
     wisp_groom groom = { 2, 6, 2, offsets, points, NULL, NULL, NULL };
-    char* text = fixture_info( &groom, WISP_OK );
+    SCOPED( free_local ) char* text = fixture_info( &groom, WISP_OK );
     assert_contains(
         text, "  note: 1 of the segments are below 10 um or a hundredth of their strand's mean, the shortest 1 um "
               "(strand 0, vertex 1)\n" );
-    free( text );
 }
 
 TEST( info_lists_the_first_ten_and_counts_the_rest )
@@ -663,14 +646,13 @@ TEST( info_lists_the_first_ten_and_counts_the_rest )
         points[v] = ( wisp_vec3 ){ 0.5f, 0.25f, 0.0f };
     }
     wisp_groom groom = { 13, 26, 2, offsets, points, NULL, NULL, NULL };
-    char* text = fixture_info( &groom, WISP_OK );
+    SCOPED( free_local ) char* text = fixture_info( &groom, WISP_OK );
     assert_contains( text, "segments of zero length: 13\n    strand 0, from vertex 0\n" );
     assert_contains( text, "    strand 9, from vertex 0\n    and 3 more\n" );
     assert_null( strstr( text, "strand 10, from vertex" ) );
     // the first of the thirteen does not repeat a root, the others repeat its
     assert_contains( text, "repeat a root: 12\n    strand 1, the root of strand 0\n" );
     assert_contains( text, "    strand 10, the root of strand 0\n    and 2 more\n" );
-    free( text );
 }
 
 TEST( info_says_which_number_is_out_of_its_range )
@@ -679,9 +661,8 @@ TEST( info_says_which_number_is_out_of_its_range )
     static wisp_vec3 points[] = { { 0, 0, 0 }, { 0, -1, 0 } };
     static float transparency[] = { 0.0f, 7.0f };
     wisp_groom groom = { 1, 2, 2, offsets, points, NULL, transparency, NULL };
-    char* text = fixture_info( &groom, WISP_OK );
+    SCOPED( free_local ) char* text = fixture_info( &groom, WISP_OK );
     assert_contains( text, "  wrong: groom: strand 0, vertex 1: transparency: got 7, expected 0 .. 1\n" );
-    free( text );
 }
 
 TEST( info_of_a_malformed_groom_is_one_message )
@@ -689,7 +670,6 @@ TEST( info_of_a_malformed_groom_is_one_message )
     static int offsets[] = { 0, 9 };
     static wisp_vec3 points[] = { { 0, 0, 0 }, { 0, -1, 0 } };
     wisp_groom groom = { 1, 2, 2, offsets, points, NULL, NULL, NULL };
-    char* text = fixture_info( &groom, WISP_BAD_INPUT );
+    SCOPED( free_local ) char* text = fixture_info( &groom, WISP_BAD_INPUT );
     assert_string_equal( text, "head.hair: strand 0 runs from vertex 0 to 9 of 2\n" );
-    free( text );
 }

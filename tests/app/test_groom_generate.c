@@ -41,15 +41,13 @@ TEST( every_default_generator_makes_a_groom_that_nothing_is_wrong_with )
         for ( int shape = WISP_GROOM_STRAIGHT; shape <= WISP_GROOM_CURLY; ++shape )
         {
             wisp_groom_generator generator = wisp_default_groom_generator( (wisp_groom_shape)shape, dimension );
-            wisp_groom groom = make( &generator );
+            SCOPED( wisp_groom_release ) wisp_groom groom = make( &generator );
             assert_int_equal( groom.strand_count, generator.strand_count );
             assert_int_equal( groom.vertex_count, generator.strand_count * generator.vertices_per_strand );
             assert_int_equal( groom.dimension, dimension );
             assert_int_equal( wisp_groom_check( &groom, NULL ), WISP_OK );
-            char* text = fixture_info( &groom, WISP_OK );
+            SCOPED( free_local ) char* text = fixture_info( &groom, WISP_OK );
             assert_contains( text, "  no defects\n" );
-            free( text );
-            wisp_groom_release( &groom );
         }
     }
 }
@@ -83,13 +81,12 @@ TEST( every_generator_gives_the_bits_it_always_gave )
         for ( int shape = WISP_GROOM_STRAIGHT; shape <= WISP_GROOM_CURLY; ++shape )
         {
             wisp_groom_generator generator = wisp_default_groom_generator( (wisp_groom_shape)shape, dimension );
-            wisp_groom groom = make( &generator );
+            SCOPED( wisp_groom_release ) wisp_groom groom = make( &generator );
             uint64_t hash = hash_points( &groom );
             if ( hash != recorded[dimension - 2][shape] )
             {
                 fail_msg( "dimension %d, shape %d: 0x%016llxu", dimension, shape, (unsigned long long)hash );
             }
-            wisp_groom_release( &groom );
         }
     }
 }
@@ -99,12 +96,10 @@ TEST( another_seed_makes_another_groom )
     for ( int dimension = 2; dimension <= 3; ++dimension )
     {
         wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_WAVY, dimension );
-        wisp_groom first = make( &generator );
+        SCOPED( wisp_groom_release ) wisp_groom first = make( &generator );
         generator.seed = 2;
-        wisp_groom second = make( &generator );
+        SCOPED( wisp_groom_release ) wisp_groom second = make( &generator );
         assert_true( hash_points( &first ) != hash_points( &second ) );
-        wisp_groom_release( &first );
-        wisp_groom_release( &second );
     }
 }
 
@@ -113,7 +108,7 @@ TEST( straight_flat_hair_has_one_x_a_strand_and_roots_on_a_line )
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_STRAIGHT, 2 );
     generator.spacing = 0.25f; // a power of two, so that every root is exact
     generator.strand_count = 5;
-    wisp_groom groom = make( &generator );
+    SCOPED( wisp_groom_release ) wisp_groom groom = make( &generator );
     for ( int s = 0; s < 5; ++s )
     {
         const wisp_vec3* strand = groom.points + groom.offsets[s];
@@ -126,7 +121,6 @@ TEST( straight_flat_hair_has_one_x_a_strand_and_roots_on_a_line )
             assert_float_equal( strand[k].z, 0.0f, 0.0f );
         }
     }
-    wisp_groom_release( &groom );
 }
 
 TEST( rings_end_where_they_begin_and_have_equal_segments )
@@ -135,7 +129,7 @@ TEST( rings_end_where_they_begin_and_have_equal_segments )
     {
         wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_RING, dimension );
         generator.length_variation = 0.0f;
-        wisp_groom groom = make( &generator );
+        SCOPED( wisp_groom_release ) wisp_groom groom = make( &generator );
         const int n = generator.vertices_per_strand;
         for ( int v = 0; v < groom.vertex_count; ++v )
         {
@@ -144,7 +138,6 @@ TEST( rings_end_where_they_begin_and_have_equal_segments )
             const double segment = v % n == 0 ? 0.0 : (double)generator.length / ( n - 1 );
             assert_true( fabs( sqrt( x * x + y * y + z * z ) - segment ) < ( v % n == 0 ? 1e-9 : 2e-7 ) );
         }
-        wisp_groom_release( &groom );
     }
 }
 
@@ -156,7 +149,7 @@ TEST( lengths_stay_within_their_variation_and_use_it )
         generator.strand_count = 1000;
         generator.length = 1.0f;
         generator.length_variation = 0.2f;
-        wisp_groom groom = make( &generator );
+        SCOPED( wisp_groom_release ) wisp_groom groom = make( &generator );
         double least = INFINITY;
         double most = 0.0;
         for ( int s = 0; s < groom.strand_count; ++s )
@@ -170,7 +163,6 @@ TEST( lengths_stay_within_their_variation_and_use_it )
         // of 1000 uniform draws some are in the last hundredth at either end, with a probability of failure of 1 in
         // 10000
         assert_true( least < 0.804 && most > 1.196 );
-        wisp_groom_release( &groom );
     }
 }
 
@@ -183,7 +175,7 @@ TEST( waves_swing_by_their_amplitude_and_come_back_after_their_length )
     generator.length_variation = 0.0f;
     generator.wave_length = 0.1f;
     generator.wave_amplitude = 0.01f;
-    wisp_groom groom = make( &generator );
+    SCOPED( wisp_groom_release ) wisp_groom groom = make( &generator );
     float least = 0.0f;
     float most = 0.0f;
     for ( int v = 100; v < 401; ++v )
@@ -197,7 +189,6 @@ TEST( waves_swing_by_their_amplitude_and_come_back_after_their_length )
     // sine of a phase rounded to 24 bits: a few 1e-7 of the amplitude
     assert_float_equal( groom.points[150].x, groom.points[250].x, 1e-8f );
     assert_float_equal( groom.points[0].x, 0.0f, 0.0f );
-    wisp_groom_release( &groom );
 }
 
 TEST( curls_wind_around_their_centre_line )
@@ -208,7 +199,7 @@ TEST( curls_wind_around_their_centre_line )
     generator.vertices_per_strand = 2001;
     generator.length = 1.0f;
     generator.length_variation = 0.0f;
-    wisp_groom groom = make( &generator );
+    SCOPED( wisp_groom_release ) wisp_groom groom = make( &generator );
     double x = 0.0;
     double z = 0.0;
     int first = 1000;
@@ -224,21 +215,19 @@ TEST( curls_wind_around_their_centre_line )
         // coordinates of about 0.1 m are rounded to 4e-9 m and places are sums of 2000 of them
         assert_float_equal( (float)r, 0.008f, 1e-6f );
     }
-    wisp_groom_release( &groom );
 }
 
 TEST( curls_in_the_plane_run_back_up )
 {
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_CURLY, 2 );
     generator.vertices_per_strand = 200;
-    wisp_groom groom = make( &generator );
+    SCOPED( wisp_groom_release ) wisp_groom groom = make( &generator );
     int upwards = 0;
     for ( int v = groom.offsets[0]; v + 1 < groom.offsets[1]; ++v )
     {
         upwards += groom.points[v + 1].y > groom.points[v].y;
     }
     assert_true( upwards > 0 );
-    wisp_groom_release( &groom );
 }
 
 TEST( roots_lie_on_the_upper_cap_and_no_strand_enters_the_scalp )
@@ -246,7 +235,7 @@ TEST( roots_lie_on_the_upper_cap_and_no_strand_enters_the_scalp )
     for ( int shape = WISP_GROOM_STRAIGHT; shape <= WISP_GROOM_CURLY; ++shape )
     {
         wisp_groom_generator generator = wisp_default_groom_generator( (wisp_groom_shape)shape, 3 );
-        wisp_groom groom = make( &generator );
+        SCOPED( wisp_groom_release ) wisp_groom groom = make( &generator );
         for ( int s = 0; s < groom.strand_count; ++s )
         {
             wisp_vec3 root = groom.points[groom.offsets[s]];
@@ -260,7 +249,6 @@ TEST( roots_lie_on_the_upper_cap_and_no_strand_enters_the_scalp )
                 assert_true( radius( groom.points[v] ) > 0.1 - 2e-8 );
             }
         }
-        wisp_groom_release( &groom );
     }
 }
 
@@ -269,7 +257,7 @@ TEST( roots_are_spread_evenly_over_the_cap )
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_STRAIGHT, 3 );
     generator.vertices_per_strand = 2;
     generator.scalp_radius = 1.0f;
-    wisp_groom groom = make( &generator );
+    SCOPED( wisp_groom_release ) wisp_groom groom = make( &generator );
     // If all had the same area a = 2 pi 0.8 / n in hexagons, neighbours would be 1.07 sqrt( a ) apart. A Fibonacci
     // lattice keeps within a factor of two of that; random roots would come closer than a tenth.
     double ideal = 1.07 * sqrt( 6.283185 * 0.8 / groom.strand_count );
@@ -285,20 +273,18 @@ TEST( roots_are_spread_evenly_over_the_cap )
         }
         assert_true( nearest > 0.5 * ideal && nearest < 1.5 * ideal );
     }
-    wisp_groom_release( &groom );
 }
 
 TEST( thickness_is_a_column_only_when_queried_for )
 {
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_STRAIGHT, 2 );
-    wisp_groom groom = make( &generator );
+    SCOPED( wisp_groom_release ) wisp_groom groom = make( &generator );
     assert_non_null( groom.thickness );
     assert_float_equal( groom.thickness[groom.vertex_count - 1], 8e-5f, 0.0f );
     wisp_groom_release( &groom );
     generator.thickness = 0.0f;
     groom = make( &generator );
     assert_null( groom.thickness );
-    wisp_groom_release( &groom );
 }
 
 static void assert_refused( const wisp_groom_generator* generator, const char* words )
@@ -348,6 +334,5 @@ TEST( values_that_a_generator_does_not_use_are_not_queried_for )
     generator.wave_length = 0.0f;
     generator.wave_amplitude = NAN;
     generator.scalp_radius = 0.0f;
-    wisp_groom groom = make( &generator );
-    wisp_groom_release( &groom );
+    SCOPED( wisp_groom_release ) wisp_groom groom = make( &generator );
 }

@@ -38,44 +38,45 @@ static void assert_triangles( const wisp_mesh* mesh, const int32_t* triangles, i
 TEST( vertices_and_faces_keep_the_order_of_the_obj_file )
 {
     // the second vertex is unreferenced, the third repeats the first, and faces come between vertices
+    SCOPED( wisp_mesh_release )
     wisp_mesh mesh = read_obj_text( "v 1 2 3\nv 9 9 9\nv 1 2 3\nf 4 1 3\nv 4 5 6\nf 1 3 4\n" );
     const wisp_vec3 points[] = { { 1, 2, 3 }, { 9, 9, 9 }, { 1, 2, 3 }, { 4, 5, 6 } };
     const int32_t triangles[] = { 3, 0, 2, 0, 2, 3 };
     assert_int_equal( mesh.vertex_count, 4 );
     assert_memory_equal( mesh.points, points, sizeof points );
     assert_triangles( &mesh, triangles, 2 );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( a_polygon_becomes_a_fan_around_its_first_corner )
 {
+    SCOPED( wisp_mesh_release )
     wisp_mesh mesh = read_obj_text( "v 0 0 0\nv 1 0 0\nv 2 1 0\nv 1 2 0\nv 0 1 0\nf 2 3 4 5 1\n" );
     const int32_t fan[] = { 1, 2, 3, 1, 3, 4, 1, 4, 0 };
     assert_triangles( &mesh, fan, 3 );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( every_way_to_write_a_corner_means_the_same_vertex )
 {
+    SCOPED( wisp_mesh_release )
     wisp_mesh mesh = read_obj_text( "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\n"
                                     "f 1 2 3\nf 1/1 2/1 3/1\nf 1//1 2//1 3//1\nf 1/1/1 2/1/1 3/1/1\nf +1 +2 +3\n"
                                     "f -3/-1/-1 -2/-1/-1 -1/-1/-1\nv 5 5 5\nf -4 -3 -2\n" );
     const int32_t same[] = { 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2 };
     assert_triangles( &mesh, same, 7 );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( only_the_first_three_numbers_of_a_vertex_count )
 {
+    SCOPED( wisp_mesh_release )
     wisp_mesh mesh = read_obj_text( "v 1 2 3 0.5\nv -1e-3 +.5 2.e1 1 0 0\nv 1 1 1 1 1 1 1\nf 1 2 3\n" );
     const wisp_vec3 points[] = { { 1, 2, 3 }, { -1e-3f, 0.5f, 20 }, { 1, 1, 1 } };
     assert_memory_equal( mesh.points, points, sizeof points );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( every_other_line_of_an_obj_file_is_passed_over )
 {
     // the exponent of the normal would overflow an int inside the library, which therefore never gets it
+    SCOPED( wisp_mesh_release )
     wisp_mesh mesh =
         read_obj_text( "# free text, 100 % \xc3\xa9\xff\nmtllib none.mtl\no thing\ng a b\ng \n  v 0 0 0 # here\r\n"
                        "\tv 1 0 0\rv 0 1 0\nvn 1e2147483649 0 0\nusemtl red\ns off\nl 1 2\nt x 1/2/3\n\n"
@@ -83,7 +84,6 @@ TEST( every_other_line_of_an_obj_file_is_passed_over )
     const int32_t triangles[] = { 0, 1, 2 };
     assert_int_equal( mesh.vertex_count, 3 );
     assert_triangles( &mesh, triangles, 1 );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( a_locale_with_a_decimal_comma_changes_nothing )
@@ -101,13 +101,11 @@ TEST( a_locale_with_a_decimal_comma_changes_nothing )
     const char* ply =
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
         "element face 1\nproperty list uchar int vertex_index\nend_header\n0.5 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
-    wisp_mesh a = read_obj_text( "v 0.5 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n" );
-    wisp_mesh b = read_ply_bytes( ply, strlen( ply ) );
+    SCOPED( wisp_mesh_release ) wisp_mesh a = read_obj_text( "v 0.5 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n" );
+    SCOPED( wisp_mesh_release ) wisp_mesh b = read_ply_bytes( ply, strlen( ply ) );
     setlocale( LC_ALL, "C" );
     assert_true( a.points[0].x == 0.5f );
     assert_same_mesh( &a, &b );
-    wisp_mesh_release( &a );
-    wisp_mesh_release( &b );
 }
 
 // ---- PLY ----
@@ -217,7 +215,7 @@ static const int32_t odd_triangles[] = { 3, 1, 0, 2, 3, 0, 1, 1, 2 };
 TEST( both_formats_bring_every_float_back_bit_for_bit )
 {
     static const char* const names[] = { "round-trip.obj", "round-trip.ply" };
-    wisp_mesh mesh = fixture_mesh( odd_points, 4, odd_triangles, 3 );
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_mesh( odd_points, 4, odd_triangles, 3 );
     for ( int i = 0; i < 2; ++i )
     {
         wisp_mesh again;
@@ -227,7 +225,6 @@ TEST( both_formats_bring_every_float_back_bit_for_bit )
         wisp_mesh_release( &again );
         remove( names[i] );
     }
-    wisp_mesh_release( &mesh );
 }
 
 TEST( a_sphere_survives_both_formats_one_after_the_other )
@@ -282,7 +279,7 @@ TEST( a_malformed_mesh_is_not_written_and_the_old_file_stays )
 
 TEST( the_bunny_is_one_closed_sound_shell )
 {
-    wisp_mesh mesh;
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh;
     wisp_error error = { .status = WISP_OK };
     assert_ok( wisp_mesh_read( WISP_SOURCE_ROOT "/data/bunny.obj", &mesh, &error ), error );
     wisp_mesh_diagnostics report = fixture_report( &mesh );
@@ -298,7 +295,6 @@ TEST( the_bunny_is_one_closed_sound_shell )
     assert_true( mesh.points[0].x == 1.301895f && mesh.points[1838].z == 1.192950f );
     const int32_t first[] = { 2, 1661, 3 };
     assert_memory_equal( mesh.triangles, first, sizeof first );
-    wisp_mesh_release( &mesh );
 }
 
 static void refuse_obj( const char* text, const char* part )
@@ -330,6 +326,7 @@ static void assert_attributes( const wisp_mesh* a, const wisp_mesh* b )
 TEST( colours_stand_behind_the_position_of_an_obj_vertex )
 {
     // without weight, with weight, and none: white
+    SCOPED( wisp_mesh_release )
     wisp_mesh mesh = read_obj_text( "v 0 0 0 0.25 .5 1e-1\nv 1 0 0 1 0.75 0 0.125\nv 0 1 0\nf 1 2 3\n" );
     const wisp_vec3 colours[] = { { 0.25f, 0.5f, 0.1f }, { 0.75f, 0.0f, 0.125f }, { 1, 1, 1 } };
     assert_memory_equal( mesh.colours, colours, sizeof colours );
@@ -338,25 +335,24 @@ TEST( colours_stand_behind_the_position_of_an_obj_vertex )
     wisp_mesh_release( &mesh );
     mesh = read_obj_text( "v 0 0 0\nv 1 0 0 1\nv 0 1 0\nf 1 2 3\n" );
     assert_null( mesh.colours );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( a_vertex_keeps_the_first_texture_coordinates_of_its_corners )
 {
     // Faces come before their `vt` lines, count backwards from what came before, repeat an equal pair (no seam) and
     // name another (a seam); the fourth vertex has none.
+    SCOPED( wisp_mesh_release )
     wisp_mesh mesh = read_obj_text( "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 9 9 9\nvt 0.5 0.25\nf 1/1 2/-1 3/3\nvt 0.5 0.25 7\n"
                                     "vt 2\nvt .1 .9\nf 1/2 2/-1 3/3\n" );
     const float uvs[] = { 0.5f, 0.25f, 0.5f, 0.25f, 2.0f, 0.0f, 0.0f, 0.0f };
     assert_memory_equal( mesh.uvs, uvs, sizeof uvs );
     assert_int_equal( mesh.uv_seam_count, 1 );
     assert_int_equal( mesh.uv_missing_count, 1 );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( an_index_without_a_line_of_texture_coordinates_gives_none )
 {
-    wisp_mesh mesh = read_obj_text( "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/2 3/9\n" );
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = read_obj_text( "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/2 3/9\n" );
     assert_null( mesh.uvs );
     assert_int_equal( mesh.uv_missing_count, 0 );
     wisp_mesh_release( &mesh );
@@ -367,7 +363,6 @@ TEST( an_index_without_a_line_of_texture_coordinates_gives_none )
     // lines that no face names
     mesh = read_obj_text( "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 1 1\nf 1 2 3\n" );
     assert_null( mesh.uvs );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( damaged_colours_and_texture_coordinates_are_refused_by_their_line )
@@ -400,11 +395,10 @@ TEST( ply_colours_of_every_type_become_fractions )
                   "property %s green\nproperty float z\nproperty %s blue\nproperty uchar alpha\n" PLY_FACE
                   "%s 0 0 0 0 0 1\n0 1 0 %s 0 0 2\n0 0 1 0 0 %s 3\n3 0 1 2\n",
                   t, t, t, f, f, f );
-        wisp_mesh mesh = read_ply_bytes( text, strlen( text ) );
+        SCOPED( wisp_mesh_release ) wisp_mesh mesh = read_ply_bytes( text, strlen( text ) );
         const wisp_vec3 colours[] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
         assert_memory_equal( mesh.colours, colours, sizeof colours );
         assert_true( mesh.points[1].x == 1.0f && mesh.points[2].y == 1.0f );
-        wisp_mesh_release( &mesh );
     }
 }
 
@@ -419,11 +413,10 @@ TEST( ply_texture_coordinates_have_three_spellings_and_the_first_counts )
                   "property float %s\nproperty float %s\nproperty float u\nproperty list uchar int v\n" PLY_FACE
                   "0 0 0 .5 .25 9 0\n1 0 0 1 2 9 1 9\n0 1 0 3 4 9 0\n3 0 1 2\n",
                   names[i][0], names[i][1] );
-        wisp_mesh mesh = read_ply_bytes( text, strlen( text ) );
+        SCOPED( wisp_mesh_release ) wisp_mesh mesh = read_ply_bytes( text, strlen( text ) );
         const float uvs[] = { 0.5f, 0.25f, 1, 2, 3, 4 };
         assert_memory_equal( mesh.uvs, uvs, sizeof uvs );
         assert_null( mesh.colours );
-        wisp_mesh_release( &mesh );
     }
 }
 
@@ -433,9 +426,8 @@ TEST( a_lone_channel_or_coordinate_of_ply_is_skipped )
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
         "property float s\nproperty uchar red\nproperty uchar blue\n" PLY_FACE
         "0 0 0 1 1 1\n1 0 0 1 1 1\n0 1 0 1 1 1\n3 0 1 2\n";
-    wisp_mesh mesh = read_ply_bytes( text, strlen( text ) );
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = read_ply_bytes( text, strlen( text ) );
     assert_true( mesh.colours == NULL && mesh.uvs == NULL );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( a_ply_colour_that_is_nan_is_refused )
@@ -464,11 +456,10 @@ TEST( a_ply_colour_that_is_nan_is_refused )
 
 static void round_trip( const wisp_mesh* mesh, const char* name )
 {
-    wisp_mesh again;
+    SCOPED( wisp_mesh_release ) wisp_mesh again;
     assert_int_equal( wisp_mesh_write( name, mesh, NULL ), WISP_OK );
     assert_int_equal( wisp_mesh_read( name, &again, NULL ), WISP_OK );
     assert_attributes( mesh, &again );
-    wisp_mesh_release( &again );
 }
 
 TEST( both_formats_restore_colours_and_coordinates_bit_for_bit )
@@ -512,6 +503,7 @@ TEST( ply_colours_are_bytes_where_bytes_lose_nothing )
 
 TEST( values_that_are_not_finite_are_not_written )
 {
+    SCOPED( wisp_mesh_release )
     wisp_mesh mesh = read_obj_text( "v 0 0 0 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n" );
     wisp_error error = { .status = WISP_OK };
     mesh.uvs[3] = INFINITY;
@@ -521,31 +513,30 @@ TEST( values_that_are_not_finite_are_not_written )
     mesh.colours[2].z = NAN;
     assert_int_equal( wisp_mesh_write( "never.obj", &mesh, &error ), WISP_BAD_INPUT );
     assert_contains( error.message, "vertex 2: its colour is not finite" );
-    wisp_mesh_release( &mesh );
 }
 
 // ---- repaired and described ----
 
 TEST( a_repair_that_removes_vertices_keeps_what_belongs_to_the_others )
 {
+    SCOPED( wisp_mesh_release )
     wisp_mesh mesh = read_obj_text( "v 9 9 9 .9 .9 .9\nv 0 0 0 .1 .1 .1\nv 1 0 0 .2 .2 .2\nv 0 1 0 .3 .3 .3\n"
                                     "vt 1 1\nvt 2 2\nvt 3 3\nf 2/1 3/2 4/3\n" );
-    wisp_mesh_repairs repairs;
+    SCOPED( wisp_mesh_repairs_release ) wisp_mesh_repairs repairs;
     assert_int_equal( wisp_mesh_repair( &mesh, WISP_MESH_DROP_UNREFERENCED, &repairs, NULL ), WISP_OK );
     const wisp_vec3 colours[] = { { .1f, .1f, .1f }, { .2f, .2f, .2f }, { .3f, .3f, .3f } };
     const float uvs[] = { 1, 1, 2, 2, 3, 3 };
     assert_int_equal( mesh.vertex_count, 3 );
     assert_memory_equal( mesh.colours, colours, sizeof colours );
     assert_memory_equal( mesh.uvs, uvs, sizeof uvs );
-    wisp_mesh_repairs_release( &repairs );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( the_description_names_their_ranges_and_what_was_missing )
 {
+    SCOPED( wisp_mesh_release )
     wisp_mesh mesh =
         read_obj_text( "v 0 0 0 .25 0 1\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 .5\nvt 2 3\nf 1/1 2/1 3/2\nf 1/2 2/1 4\n" );
-    char* text = NULL;
+    SCOPED( free_local ) char* text = NULL;
     size_t size = 0;
     FILE* stream = open_memstream( &text, &size );
     assert_int_equal( wisp_mesh_info( stream, &mesh, "thing" ), WISP_OK );
@@ -555,8 +546,6 @@ TEST( the_description_names_their_ranges_and_what_was_missing )
     assert_contains( text, "note: vertices without a colour, which are white: 3\n" );
     assert_contains( text, "note: vertices with several texture coordinates, of which the first are kept: 1\n" );
     assert_contains( text, "note: vertices without texture coordinates, which are at (0, 0): 1\n" );
-    free( text );
-    wisp_mesh_release( &mesh );
 }
 
 // ---- points on a mesh ----

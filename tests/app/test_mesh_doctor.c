@@ -10,7 +10,7 @@
 
 TEST( a_sound_tetrahedron_has_its_stats_and_no_finding )
 {
-    wisp_mesh mesh = fixture_tetrahedron();
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_tetrahedron();
     wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_int_equal( r.edge_count, 6 );
     assert_int_equal( r.euler_characteristic, 2 );
@@ -24,12 +24,11 @@ TEST( a_sound_tetrahedron_has_its_stats_and_no_finding )
     assert_true( r.lowest.x == 0.0f && r.highest.z == 1.0f );
     int all = WISP_MESH_CLOSED | WISP_MESH_ORIENTED | WISP_MESH_MANIFOLD | WISP_MESH_CLEAN | WISP_MESH_ONE_COMPONENT;
     assert_int_equal( wisp_mesh_require( &r, all, "tetrahedron", NULL ), WISP_OK );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( volume_and_area_do_not_depend_on_the_distance_from_the_origin )
 {
-    wisp_mesh mesh = fixture_tetrahedron();
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_tetrahedron();
     for ( int v = 0; v < 4; ++v )
     {
         mesh.points[v].x += 1048576.0f;
@@ -38,12 +37,11 @@ TEST( volume_and_area_do_not_depend_on_the_distance_from_the_origin )
     wisp_mesh_diagnostics r = fixture_report( &mesh );
     // powers of two: the shifted floats are exact
     assert_true( fabs( r.volume - 1.0 / 6.0 ) < 1e-15 );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( a_missing_triangle_leaves_three_border_edges_in_one_loop )
 {
-    wisp_mesh mesh = fixture_tetrahedron();
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_tetrahedron();
     mesh.triangle_count = 3;
     wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_finding( &r.open_edges, 3, 1, 2 );
@@ -55,7 +53,6 @@ TEST( a_missing_triangle_leaves_three_border_edges_in_one_loop )
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_mesh_require( &r, WISP_MESH_CLOSED, "hole.obj", &error ), WISP_BAD_INPUT );
     assert_string_equal( error.message, "hole.obj: open edges: 3, the first is edge of vertices 1 and 2" );
-    wisp_mesh_release( &mesh );
 }
 
 static void swap_corners( wisp_mesh* mesh, int t )
@@ -68,18 +65,17 @@ static void swap_corners( wisp_mesh* mesh, int t )
 
 TEST( a_turned_triangle_disagrees_along_its_three_edges )
 {
-    wisp_mesh mesh = fixture_tetrahedron();
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_tetrahedron();
     swap_corners( &mesh, 1 );
     wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_finding( &r.windings, 3, 0, 1 );
     assert_true( r.components[0].closed && !r.components[0].consistent );
     assert_int_equal( r.inside_out.count, 0 );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( a_shell_turned_inside_out_is_named )
 {
-    wisp_mesh mesh = fixture_tetrahedron();
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_tetrahedron();
     for ( int t = 0; t < 4; ++t )
     {
         swap_corners( &mesh, t );
@@ -88,20 +84,18 @@ TEST( a_shell_turned_inside_out_is_named )
     assert_finding( &r.inside_out, 1, 0, 0 );
     assert_int_equal( r.windings.count, 0 );
     assert_true( fabs( r.volume + 1.0 / 6.0 ) < 1e-15 );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( an_edge_of_three_triangles_is_named )
 {
     const int32_t triangles[] = { 0, 1, 2, 1, 0, 3, 0, 1, 4 };
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 0, 1, 0 }, { 1, 0, 0 }, { 0, 0, 1 }, { -1, 0, 0 } };
-    wisp_mesh mesh = fixture_mesh( points, 5, triangles, 3 );
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_mesh( points, 5, triangles, 3 );
     wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_finding( &r.nonmanifold_edges, 1, 0, 1 );
     assert_int_equal( r.nonmanifold_vertices.count, 0 );
     assert_int_equal( r.open_edges.count, 6 );
     assert_int_equal( r.component_count, 1 );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( two_tetrahedra_that_touch_in_a_vertex_are_two_shells_and_two_fans )
@@ -109,7 +103,7 @@ TEST( two_tetrahedra_that_touch_in_a_vertex_are_two_shells_and_two_fans )
     const int32_t triangles[] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3, 3, 5, 4, 3, 4, 6, 3, 6, 5, 4, 5, 6 };
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 },
                                  { 2, 0, 1 }, { 0, 2, 1 }, { 0, 0, 3 } };
-    wisp_mesh mesh = fixture_mesh( points, 7, triangles, 8 );
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_mesh( points, 7, triangles, 8 );
     wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_finding( &r.nonmanifold_vertices, 1, 3, 2 );
     assert_int_equal( r.nonmanifold_edges.count, 0 );
@@ -123,18 +117,16 @@ TEST( two_tetrahedra_that_touch_in_a_vertex_are_two_shells_and_two_fans )
     assert_contains( error.message, "two: got 2 components, expected one; the second starts with triangle 4" );
     assert_int_equal( wisp_mesh_require( &r, WISP_MESH_MANIFOLD, "two", &error ), WISP_BAD_INPUT );
     assert_contains( error.message, "the first is vertex 3, fans 2" );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( duplicates_are_found_whatever_their_first_corner_and_winding )
 {
     const int32_t triangles[] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3, 3, 1, 0, 2, 0, 1 };
-    wisp_mesh mesh = fixture_mesh( fixture_corners, 4, triangles, 6 );
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_mesh( fixture_corners, 4, triangles, 6 );
     wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_finding( &r.duplicates, 2, 4, 1 );
     assert_int_equal( r.duplicates.first[1], 5 );
     assert_int_equal( r.duplicates.second[1], 0 );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( triangles_without_area_and_vertices_without_triangle_are_named )
@@ -143,7 +135,7 @@ TEST( triangles_without_area_and_vertices_without_triangle_are_named )
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 2, 0, 0 },       { 0, 1, 0 },       { 1, 0, 0 },
                                  { 5, 5, 5 }, { 3, 0.3f, 0.9f }, { 1, 0.1f, 0.3f }, { 7, 0.7f, 2.1f } };
     const int32_t triangles[] = { 0, 1, 2, 0, 3, 1, 2, 2, 1, 5, 6, 7 };
-    wisp_mesh mesh = fixture_mesh( points, 8, triangles, 4 );
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_mesh( points, 8, triangles, 4 );
     wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_finding( &r.degenerates, 3, 1, 0 );
     assert_int_equal( r.degenerates.first[1], 2 );
@@ -151,12 +143,11 @@ TEST( triangles_without_area_and_vertices_without_triangle_are_named )
     assert_finding( &r.unreferenced, 1, 4, 0 );
     // a triangle with a repeated vertex belongs to no shell
     assert_int_equal( r.component_count, 2 );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( a_report_lists_the_first_and_counts_the_rest )
 {
-    wisp_mesh mesh = fixture_tetrahedron();
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_tetrahedron();
     wisp_vec3* more = realloc( mesh.points, 104 * sizeof *more );
     assert_non_null( more );
     memset( more + 4, 0, 100 * sizeof *more );
@@ -166,7 +157,6 @@ TEST( a_report_lists_the_first_and_counts_the_rest )
     assert_finding( &r.unreferenced, 100, 4, 0 );
     assert_int_equal( r.unreferenced.first[WISP_MESH_LISTED - 1], 4 + WISP_MESH_LISTED - 1 );
     assert_int_equal( r.euler_characteristic, 2 );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( a_malformed_mesh_is_refused_and_reports_nothing )
@@ -190,7 +180,7 @@ TEST( a_malformed_mesh_is_refused_and_reports_nothing )
 
 TEST( the_largest_floats_do_not_overflow_the_stats )
 {
-    wisp_mesh mesh = fixture_tetrahedron();
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_tetrahedron();
     for ( int v = 0; v < 4; ++v )
     {
         wisp_vec3 p = fixture_corners[v];
@@ -200,7 +190,6 @@ TEST( the_largest_floats_do_not_overflow_the_stats )
     wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_int_equal( r.degenerates.count, 0 );
     assert_true( isfinite( r.volume ) && isfinite( r.area ) && isfinite( r.edge_mean ) && r.volume > 0.0 );
-    wisp_mesh_release( &mesh );
 }
 
 // ---- hostile sizes ----
@@ -212,6 +201,7 @@ TEST( a_hundred_thousand_triangles_around_one_edge_are_examined_and_repaired )
     {
         COUNT = 100000
     };
+    SCOPED( wisp_mesh_release )
     wisp_mesh mesh = { .points = calloc( COUNT + 2, sizeof( wisp_vec3 ) ),
                        .triangles = calloc( 3 * COUNT, sizeof( int32_t ) ),
                        .vertex_count = COUNT + 2,
@@ -229,11 +219,9 @@ TEST( a_hundred_thousand_triangles_around_one_edge_are_examined_and_repaired )
     assert_finding( &r.nonmanifold_edges, 1, 0, 1 );
     assert_int_equal( r.open_edges.count, 2 * COUNT );
     assert_int_equal( r.open_loop_count, 1 );
-    wisp_mesh_repairs repairs;
+    SCOPED( wisp_mesh_repairs_release ) wisp_mesh_repairs repairs;
     assert_int_equal( wisp_mesh_repair( &mesh, WISP_MESH_REPAIR_ALL, &repairs, NULL ), WISP_OK );
     assert_int_equal( repairs.kept_count, COUNT + 2 );
-    wisp_mesh_repairs_release( &repairs );
-    wisp_mesh_release( &mesh );
 }
 
 // ---- repairs ----
@@ -248,21 +236,18 @@ static wisp_mesh_repairs repaired( wisp_mesh* mesh, int what )
 
 TEST( a_sound_mesh_is_not_changed_by_any_repair )
 {
-    wisp_mesh mesh = fixture_tetrahedron(), before = fixture_tetrahedron();
-    wisp_mesh_repairs repairs = repaired( &mesh, WISP_MESH_REPAIR_ALL );
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_tetrahedron(), before = fixture_tetrahedron();
+    SCOPED( wisp_mesh_repairs_release ) wisp_mesh_repairs repairs = repaired( &mesh, WISP_MESH_REPAIR_ALL );
     assert_same_mesh( &mesh, &before );
     assert_int_equal( repairs.degenerates_dropped + repairs.duplicates_dropped + repairs.triangles_turned, 0 );
     assert_int_equal( repairs.unreferenced_dropped, 0 );
     assert_int_equal( repairs.kept_count, 4 );
-    wisp_mesh_repairs_release( &repairs );
-    wisp_mesh_release( &mesh );
-    wisp_mesh_release( &before );
 }
 
 TEST( winding_is_repaired_outwards_whatever_was_turned )
 {
     wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_TORUS );
-    wisp_mesh sound = fixture_made( &generator ), mesh = fixture_made( &generator );
+    SCOPED( wisp_mesh_release ) wisp_mesh sound = fixture_made( &generator ), mesh = fixture_made( &generator );
     for ( int seed = 1; seed < 4; ++seed )
     {
         int turned = 0;
@@ -273,30 +258,24 @@ TEST( winding_is_repaired_outwards_whatever_was_turned )
             turn ? swap_corners( &mesh, t ) : (void)0;
             turned += turn;
         }
-        wisp_mesh_repairs repairs = repaired( &mesh, WISP_MESH_TURN_TRIANGLES );
+        SCOPED( wisp_mesh_repairs_release ) wisp_mesh_repairs repairs = repaired( &mesh, WISP_MESH_TURN_TRIANGLES );
         assert_int_equal( repairs.triangles_turned, turned );
         assert_same_mesh( &mesh, &sound );
-        wisp_mesh_repairs_release( &repairs );
     }
-    wisp_mesh_release( &mesh );
-    wisp_mesh_release( &sound );
 }
 
 TEST( an_open_mesh_keeps_the_winding_of_most_of_its_triangles )
 {
     wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PLANE_ALTERNATING );
-    wisp_mesh sound = fixture_made( &generator ), mesh = fixture_made( &generator );
+    SCOPED( wisp_mesh_release ) wisp_mesh sound = fixture_made( &generator ), mesh = fixture_made( &generator );
     // the flood starts with triangle 0, which is one of the reversed ones
     for ( int t = 0; t < 700; ++t )
     {
         swap_corners( &mesh, t );
     }
-    wisp_mesh_repairs repairs = repaired( &mesh, WISP_MESH_TURN_TRIANGLES );
+    SCOPED( wisp_mesh_repairs_release ) wisp_mesh_repairs repairs = repaired( &mesh, WISP_MESH_TURN_TRIANGLES );
     assert_int_equal( repairs.triangles_turned, 700 );
     assert_same_mesh( &mesh, &sound );
-    wisp_mesh_repairs_release( &repairs );
-    wisp_mesh_release( &mesh );
-    wisp_mesh_release( &sound );
 }
 
 TEST( shells_that_share_an_edge_are_turned_outwards_one_by_one )
@@ -304,16 +283,14 @@ TEST( shells_that_share_an_edge_are_turned_outwards_one_by_one )
     // two tetrahedra on the edge 0-1, the second one reversed
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }, { 0, -1, 0 }, { 0, 0, -1 } };
     const int32_t triangles[] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3, 0, 1, 4, 0, 5, 1, 0, 4, 5, 1, 5, 4 };
-    wisp_mesh mesh = fixture_mesh( points, 6, triangles, 8 );
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_mesh( points, 6, triangles, 8 );
     wisp_mesh_diagnostics before = fixture_report( &mesh );
-    wisp_mesh_repairs repairs = repaired( &mesh, WISP_MESH_TURN_TRIANGLES );
+    SCOPED( wisp_mesh_repairs_release ) wisp_mesh_repairs repairs = repaired( &mesh, WISP_MESH_TURN_TRIANGLES );
     wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_finding( &r.nonmanifold_edges, 1, 0, 1 );
     assert_true( fabs( before.volume ) < 1e-15 );
     assert_int_equal( repairs.triangles_turned, 4 );
     assert_true( fabs( r.volume - 2.0 / 6.0 ) < 1e-15 );
-    wisp_mesh_repairs_release( &repairs );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( a_moebius_strip_is_refused_by_an_edge_and_stays_as_it_was )
@@ -333,7 +310,7 @@ TEST( a_moebius_strip_is_refused_by_an_edge_and_stays_as_it_was )
         const int32_t two[] = { 2 * i, next, above, 2 * i, above, 2 * i + 1 };
         memcpy( triangles + 6 * i, two, sizeof two );
     }
-    wisp_mesh mesh = fixture_mesh( points, 2 * PARTS, triangles, 2 * PARTS );
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_mesh( points, 2 * PARTS, triangles, 2 * PARTS );
     wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_finding( &r.windings, 1, 0, 1 );
     assert_int_equal( r.open_loop_count, 1 );
@@ -346,7 +323,6 @@ TEST( a_moebius_strip_is_refused_by_an_edge_and_stays_as_it_was )
     assert_null( repairs.kept );
     assert_memory_equal( mesh.triangles, triangles, sizeof triangles );
     assert_memory_equal( mesh.points, points, sizeof points );
-    wisp_mesh_release( &mesh );
 }
 
 static wisp_mesh ill_mesh( void )
@@ -372,37 +348,33 @@ TEST( what_is_not_queried_for_is_not_repaired )
     };
     for ( int i = 0; i < WISP_COUNT( cases ); ++i )
     {
-        wisp_mesh mesh = ill_mesh();
-        wisp_mesh_repairs repairs = repaired( &mesh, cases[i].what );
+        SCOPED( wisp_mesh_release ) wisp_mesh mesh = ill_mesh();
+        SCOPED( wisp_mesh_repairs_release ) wisp_mesh_repairs repairs = repaired( &mesh, cases[i].what );
         assert_int_equal( repairs.degenerates_dropped, cases[i].degenerates );
         assert_int_equal( repairs.duplicates_dropped, cases[i].duplicates );
         assert_int_equal( repairs.triangles_turned, cases[i].turned );
         assert_int_equal( repairs.unreferenced_dropped, cases[i].unreferenced );
         assert_int_equal( mesh.triangle_count, 6 - cases[i].degenerates - cases[i].duplicates );
         assert_int_equal( mesh.vertex_count, 6 - cases[i].unreferenced );
-        wisp_mesh_repairs_release( &repairs );
-        wisp_mesh_release( &mesh );
     }
 }
 
 TEST( everything_repaired_keeps_its_order_and_tells_where_vertices_went )
 {
-    wisp_mesh mesh = ill_mesh();
-    wisp_mesh_repairs repairs = repaired( &mesh, WISP_MESH_REPAIR_ALL );
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = ill_mesh();
+    SCOPED( wisp_mesh_repairs_release ) wisp_mesh_repairs repairs = repaired( &mesh, WISP_MESH_REPAIR_ALL );
     const int32_t kept[] = { 1, 2, 3, 4 };
     const int32_t triangles[] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3 };
     assert_int_equal( repairs.kept_count, 4 );
     assert_memory_equal( repairs.kept, kept, sizeof kept );
     assert_memory_equal( mesh.points, fixture_corners, sizeof fixture_corners );
     assert_memory_equal( mesh.triangles, triangles, sizeof triangles );
-    wisp_mesh_repairs_release( &repairs );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( a_mesh_of_nothing_but_faults_is_refused )
 {
     const int32_t triangles[] = { 0, 0, 1, 2, 2, 2 };
-    wisp_mesh mesh = fixture_mesh( fixture_corners, 4, triangles, 2 );
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_mesh( fixture_corners, 4, triangles, 2 );
     wisp_mesh_repairs repairs;
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_mesh_repair( &mesh, WISP_MESH_REPAIR_ALL, &repairs, &error ), WISP_BAD_INPUT );
@@ -412,7 +384,6 @@ TEST( a_mesh_of_nothing_but_faults_is_refused )
     assert_int_equal( r.degenerates.count, 2 );
     assert_int_equal( r.component_count, 0 );
     assert_false( r.closed );
-    wisp_mesh_release( &mesh );
 }
 
 // ---- words ----
@@ -432,7 +403,7 @@ static void begin_printing( printed* p )
 
 TEST( a_sound_mesh_is_described_in_few_lines )
 {
-    wisp_mesh mesh = fixture_tetrahedron();
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_tetrahedron();
     printed p;
     begin_printing( &p );
     assert_int_equal( wisp_mesh_info( p.stream, &mesh, "four.obj" ), WISP_OK );
@@ -449,12 +420,11 @@ TEST( a_sound_mesh_is_described_in_few_lines )
                                  "  components           1\n"
                                  "  no defects\n" );
     free( p.text );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( every_defect_is_printed_by_its_number )
 {
-    wisp_mesh mesh = ill_mesh();
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = ill_mesh();
     mesh.triangle_count = 5;
     printed p;
     begin_printing( &p );
@@ -467,7 +437,6 @@ TEST( every_defect_is_printed_by_its_number )
     assert_contains( p.text, "  wrong: unreferenced vertices: 2\n    vertex 0\n    vertex 5\n" );
     assert_null( strstr( p.text, "nothing is wrong" ) );
     free( p.text );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( a_mesh_that_cannot_be_examined_prints_one_message )
@@ -519,13 +488,11 @@ TEST( sheets_that_share_their_border_are_open )
         points[top] = ( wisp_vec3 ){ 0.3f, 0.3f, 1.0f + (float)f };
         memcpy( triangles + 9 * f, tent, sizeof tent );
     }
-    wisp_mesh mesh = fixture_mesh( points, 7, triangles, 12 );
-    wisp_mesh_repairs repairs;
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_mesh( points, 7, triangles, 12 );
+    SCOPED( wisp_mesh_repairs_release ) wisp_mesh_repairs repairs;
     assert_int_equal( wisp_mesh_repair( &mesh, WISP_MESH_TURN_TRIANGLES, &repairs, NULL ), WISP_OK );
     assert_int_equal( repairs.triangles_turned, 0 );
     assert_memory_equal( mesh.triangles, triangles, sizeof triangles );
-    wisp_mesh_repairs_release( &repairs );
-    wisp_mesh_release( &mesh );
 }
 
 // ---- welding and flipping ----
@@ -576,8 +543,9 @@ static wisp_mesh random_mesh( uint64_t seed, float stretch )
 static void assert_welded_as_by_the_oracle( const wisp_mesh* before, float distance )
 {
     static int32_t became[MANY], number[MANY];
+    SCOPED( wisp_mesh_release )
     wisp_mesh mesh = fixture_mesh( before->points, before->vertex_count, before->triangles, before->triangle_count );
-    wisp_mesh_repairs repairs;
+    SCOPED( wisp_mesh_repairs_release ) wisp_mesh_repairs repairs;
     wisp_error error = { 0 };
     oracle( before->points, before->vertex_count, (double)distance, became );
     assert_ok( wisp_mesh_repair_within( &mesh, WISP_MESH_WELD, distance, &repairs, &error ), error );
@@ -611,8 +579,6 @@ static void assert_welded_as_by_the_oracle( const wisp_mesh* before, float dista
     assert_int_equal( mesh.triangle_count, triangles );
     assert_int_equal( repairs.collapsed_dropped, before->triangle_count - triangles );
     assert_int_equal( repairs.unreferenced_dropped + repairs.degenerates_dropped + repairs.duplicates_dropped, 0 );
-    wisp_mesh_repairs_release( &repairs );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( near_vertices_become_the_lowest_that_stays )
@@ -624,9 +590,8 @@ TEST( near_vertices_become_the_lowest_that_stays )
     } cases[] = { { 0.02f, 1.0f }, { 0.1f, 1.0f }, { 0.4f, 1.0f }, { 0.01f, 0.0f }, { 0.05f, 100.0f } };
     for ( int i = 0; i < WISP_COUNT( cases ); ++i )
     {
-        wisp_mesh mesh = random_mesh( (uint64_t)i + 1, cases[i].stretch );
+        SCOPED( wisp_mesh_release ) wisp_mesh mesh = random_mesh( (uint64_t)i + 1, cases[i].stretch );
         assert_welded_as_by_the_oracle( &mesh, cases[i].distance );
-        wisp_mesh_release( &mesh );
     }
 }
 
@@ -635,27 +600,23 @@ TEST( a_chain_does_not_drift_together )
     // Each is near the one before; every other one stays.
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 0.8f, 0, 0 }, { 1.6f, 0, 0 }, { 2.4f, 0, 0 }, { 0, 5, 0 } };
     const int32_t triangles[] = { 0, 2, 4, 1, 3, 4, 0, 1, 4 }, expected[] = { 0, 0, 1, 1, 2 };
-    wisp_mesh mesh = fixture_mesh( points, 5, triangles, 3 );
-    wisp_mesh_repairs repairs;
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_mesh( points, 5, triangles, 3 );
+    SCOPED( wisp_mesh_repairs_release ) wisp_mesh_repairs repairs;
     assert_int_equal( wisp_mesh_repair_within( &mesh, WISP_MESH_WELD, 1.0f, &repairs, NULL ), WISP_OK );
     assert_memory_equal( repairs.became, expected, sizeof expected );
     assert_int_equal( repairs.vertices_welded, 2 );
     assert_int_equal( repairs.collapsed_dropped, 1 );
     assert_int_equal( mesh.triangle_count, 2 );
-    wisp_mesh_repairs_release( &repairs );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( what_is_as_far_as_the_distance_is_near )
 {
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 0.5f, 0, 0 }, { 1, 0, 0 }, { 0, 5, 0 } };
     const int32_t triangles[] = { 0, 2, 3, 1, 2, 3 }, expected[] = { 0, 0, 1, 2 };
-    wisp_mesh mesh = fixture_mesh( points, 4, triangles, 2 );
-    wisp_mesh_repairs repairs;
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_mesh( points, 4, triangles, 2 );
+    SCOPED( wisp_mesh_repairs_release ) wisp_mesh_repairs repairs;
     assert_int_equal( wisp_mesh_repair_within( &mesh, WISP_MESH_WELD, 0.5f, &repairs, NULL ), WISP_OK );
     assert_memory_equal( repairs.became, expected, sizeof expected );
-    wisp_mesh_repairs_release( &repairs );
-    wisp_mesh_release( &mesh );
 }
 
 // Four triangles with corners of their own, as a renderer has them, and rounded.
@@ -674,7 +635,7 @@ static wisp_mesh split_tetrahedron( float noise )
 
 TEST( a_split_mesh_is_closed_again )
 {
-    wisp_mesh mesh = split_tetrahedron( 1e-6f );
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = split_tetrahedron( 1e-6f );
     wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_false( r.closed );
     char text[4000] = "";
@@ -683,7 +644,7 @@ TEST( a_split_mesh_is_closed_again )
     assert_int_equal( wisp_mesh_info( stream, &mesh, "split" ), WISP_OK );
     fclose( stream );
     assert_contains( text, "  note: vertices that the repair `weld` merges into others: 8\n" );
-    wisp_mesh_repairs repairs;
+    SCOPED( wisp_mesh_repairs_release ) wisp_mesh_repairs repairs;
     assert_int_equal( wisp_mesh_repair( &mesh, WISP_MESH_WELD, &repairs, NULL ), WISP_OK );
     assert_int_equal( repairs.vertices_welded, 8 );
     r = fixture_report( &mesh );
@@ -695,8 +656,6 @@ TEST( a_split_mesh_is_closed_again )
     assert_int_equal( wisp_mesh_repair( &mesh, WISP_MESH_WELD, &repairs, NULL ), WISP_OK );
     r = fixture_report( &mesh );
     assert_false( r.closed );
-    wisp_mesh_repairs_release( &repairs );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( other_repairs_find_the_welded_mesh )
@@ -705,8 +664,8 @@ TEST( other_repairs_find_the_welded_mesh )
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 0 },
                                  { 1, 0, 0 }, { 0, 1, 0 }, { 7, 7, 7 }, { 1, 1, 0 } };
     const int32_t triangles[] = { 0, 1, 2, 3, 4, 5, 1, 1, 7, 1, 7, 2 };
-    wisp_mesh mesh = fixture_mesh( points, 8, triangles, 4 );
-    wisp_mesh_repairs repairs;
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_mesh( points, 8, triangles, 4 );
+    SCOPED( wisp_mesh_repairs_release ) wisp_mesh_repairs repairs;
     const int what = WISP_MESH_WELD | WISP_MESH_REPAIR_ALL;
     const int32_t became[] = { 0, 1, 2, 0, 1, 2, -1, 3 };
     assert_int_equal( wisp_mesh_repair( &mesh, what, &repairs, NULL ), WISP_OK );
@@ -716,14 +675,12 @@ TEST( other_repairs_find_the_welded_mesh )
     assert_int_equal( repairs.duplicates_dropped, 1 );
     assert_int_equal( repairs.unreferenced_dropped, 1 );
     assert_memory_equal( repairs.became, became, sizeof became );
-    wisp_mesh_repairs_release( &repairs );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( a_flipped_mesh_is_inside_out_and_flipping_twice_changes_nothing )
 {
-    wisp_mesh before = fixture_tetrahedron(), mesh = fixture_tetrahedron();
-    wisp_mesh_repairs repairs;
+    SCOPED( wisp_mesh_release ) wisp_mesh before = fixture_tetrahedron(), mesh = fixture_tetrahedron();
+    SCOPED( wisp_mesh_repairs_release ) wisp_mesh_repairs repairs;
     assert_int_equal( wisp_mesh_repair( &mesh, WISP_MESH_FLIP, &repairs, NULL ), WISP_OK );
     assert_int_equal( repairs.triangles_flipped, 4 );
     assert_int_equal( repairs.triangles_turned, 0 );
@@ -732,9 +689,6 @@ TEST( a_flipped_mesh_is_inside_out_and_flipping_twice_changes_nothing )
     wisp_mesh_repairs_release( &repairs );
     assert_int_equal( wisp_mesh_repair( &mesh, WISP_MESH_FLIP, &repairs, NULL ), WISP_OK );
     assert_same_mesh( &before, &mesh );
-    wisp_mesh_repairs_release( &repairs );
-    wisp_mesh_release( &mesh );
-    wisp_mesh_release( &before );
 }
 
 TEST( attributes_are_those_of_the_vertex_that_stays )
@@ -742,17 +696,15 @@ TEST( attributes_are_those_of_the_vertex_that_stays )
     static const char text[] =
         "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nv 1 0 0 1 1 1\nv 1 1 0 0 0 0\nv 0 1 0 1 1 1\n"
         "vt 0 0\nvt 1 0\nvt 0 1\nvt 1 0.5\nf 1/1 2/2 3/3\nf 4/4 5/1 6/3\n";
-    wisp_mesh mesh;
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh;
     wisp_error error = { 0 };
-    wisp_mesh_repairs repairs;
+    SCOPED( wisp_mesh_repairs_release ) wisp_mesh_repairs repairs;
     assert_ok( wisp_mesh_read_obj( text, strlen( text ), "two.obj", &mesh, &error ), error );
     assert_ok( wisp_mesh_repair( &mesh, WISP_MESH_WELD, &repairs, &error ), error );
     assert_int_equal( mesh.vertex_count, 4 );
     assert_true( mesh.colours[1].x == 0.0f && mesh.colours[1].y == 1.0f );
     assert_true( mesh.uvs[2] == 1.0f && mesh.uvs[5] == 1.0f && mesh.uvs[6] == 0.0f );
     assert_int_equal( mesh.uv_seam_count, 1 );
-    wisp_mesh_repairs_release( &repairs );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( what_cannot_be_welded_is_refused )
@@ -770,7 +722,7 @@ TEST( what_cannot_be_welded_is_refused )
     };
     for ( int i = 0; i < WISP_COUNT( cases ); ++i )
     {
-        wisp_mesh mesh = fixture_tetrahedron();
+        SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_tetrahedron();
         wisp_error error = { 0 };
         wisp_mesh_repairs repairs;
         assert_int_equal( wisp_mesh_repair_within( &mesh, WISP_MESH_WELD, cases[i].distance, &repairs, &error ),
@@ -778,7 +730,6 @@ TEST( what_cannot_be_welded_is_refused )
         assert_string_equal( error.message, cases[i].message );
         assert_null( repairs.became );
         assert_int_equal( mesh.triangle_count, 4 );
-        wisp_mesh_release( &mesh );
     }
 }
 
@@ -786,7 +737,7 @@ TEST( the_largest_and_the_smallest_floats_are_welded )
 {
     const wisp_vec3 points[] = { { -FLT_MAX, 0, 0 }, { FLT_MAX, 0, 0 }, { 0, FLT_MAX, 0 }, { 0, FLT_MAX, 0 } };
     const int32_t triangles[] = { 0, 1, 2, 1, 0, 3 };
-    wisp_mesh mesh = fixture_mesh( points, 4, triangles, 2 );
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_mesh( points, 4, triangles, 2 );
     wisp_mesh_repairs repairs;
     assert_int_equal( wisp_mesh_repair( &mesh, WISP_MESH_WELD, &repairs, NULL ), WISP_OK );
     assert_int_equal( repairs.vertices_welded, 1 );
@@ -796,5 +747,4 @@ TEST( the_largest_and_the_smallest_floats_are_welded )
     const wisp_vec3 dot[] = { { 1, 1, 1 }, { 1, 1, 1 }, { 1, 1, 1 } };
     mesh = fixture_mesh( dot, 3, triangles, 1 );
     assert_int_equal( wisp_mesh_repair( &mesh, WISP_MESH_WELD, &repairs, NULL ), WISP_BAD_INPUT );
-    wisp_mesh_release( &mesh );
 }

@@ -13,14 +13,13 @@ enum
 // Generate, examine and check; the mesh is freed afterwards.
 static wisp_mesh_diagnostics sound_report( const wisp_mesh_generator* generator, int demands )
 {
-    wisp_mesh mesh = fixture_made( generator );
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_made( generator );
     wisp_mesh_diagnostics report = fixture_report( &mesh );
     wisp_error error = { .status = WISP_OK };
     if ( wisp_mesh_require( &report, demands, "made", &error ) != WISP_OK )
     {
         fail_msg( "shape %d: %s", (int)generator->shape, error.message );
     }
-    wisp_mesh_release( &mesh );
     return report;
 }
 
@@ -46,7 +45,7 @@ TEST( an_icosphere_has_the_vertices_of_its_level_all_on_the_sphere )
         wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_ICOSPHERE );
         generator.level = level;
         generator.radius = 2.0f;
-        wisp_mesh mesh = fixture_made( &generator );
+        SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_made( &generator );
         assert_int_equal( mesh.vertex_count, counts[level] );
         assert_int_equal( mesh.triangle_count, 2 * counts[level] - 4 );
         for ( int v = 0; v < mesh.vertex_count; ++v )
@@ -56,7 +55,6 @@ TEST( an_icosphere_has_the_vertices_of_its_level_all_on_the_sphere )
             // each coordinate is rounded to a float once
             assert_true( fabs( sqrt( x * x + y * y + z * z ) - 2.0 ) < 2.0 * (double)FLT_EPSILON );
         }
-        wisp_mesh_release( &mesh );
     }
 }
 
@@ -136,25 +134,23 @@ TEST( a_regular_plane_is_numbered_row_by_row_and_looks_up )
 {
     wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PLANE_REGULAR );
     generator.columns = 3, generator.rows = 2, generator.spacing = 2.0f;
-    wisp_mesh mesh = fixture_made( &generator );
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_made( &generator );
     const wisp_vec3 points[] = { { -2, 0, -1 }, { 0, 0, -1 }, { 2, 0, -1 }, { -2, 0, 1 }, { 0, 0, 1 }, { 2, 0, 1 } };
     const int32_t triangles[] = { 0, 3, 4, 0, 4, 1, 1, 4, 5, 1, 5, 2 };
     assert_int_equal( mesh.vertex_count, 6 );
     assert_memory_equal( mesh.points, points, sizeof points );
     assert_int_equal( mesh.triangle_count, 4 );
     assert_memory_equal( mesh.triangles, triangles, sizeof triangles );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( an_alternating_plane_turns_every_other_diagonal )
 {
     wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PLANE_ALTERNATING );
     generator.columns = generator.rows = 3;
-    wisp_mesh mesh = fixture_made( &generator );
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_made( &generator );
     const int32_t triangles[] = { 0, 3, 4, 0, 4, 1, 1, 4, 2, 2, 4, 5, 3, 6, 4, 4, 6, 7, 4, 7, 8, 4, 8, 5 };
     assert_int_equal( mesh.triangle_count, 8 );
     assert_memory_equal( mesh.triangles, triangles, sizeof triangles );
-    wisp_mesh_release( &mesh );
 }
 
 // Twice the area in the plane, seen from above.
@@ -196,7 +192,7 @@ static bool circle_holds( const wisp_mesh* mesh, int t, int v )
 
 static void assert_irregular_is_sound( const wisp_mesh_generator* generator )
 {
-    wisp_mesh mesh = fixture_made( generator );
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_made( generator );
     wisp_mesh_diagnostics report = fixture_report( &mesh );
     assert_int_equal( wisp_mesh_require( &report, SOUND, "plane", NULL ), WISP_OK );
     assert_int_equal( report.euler_characteristic, 1 );
@@ -210,7 +206,6 @@ static void assert_irregular_is_sound( const wisp_mesh_generator* generator )
     }
     // no triangle is reversed and the areas sum to that of the rectangle: they cover it once
     assert_true( fabs( area / ( width * depth ) - 1.0 ) < 1e-5 );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( an_irregular_plane_covers_its_rectangle_once_for_many_seeds_and_counts )
@@ -241,7 +236,7 @@ TEST( an_irregular_plane_of_958_vertices_is_delaunay_and_well_shaped )
     wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PLANE_IRREGULAR );
     generator.columns = generator.rows = 31;
     generator.vertex_count = 958;
-    wisp_mesh mesh = fixture_made( &generator );
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_made( &generator );
     assert_int_equal( mesh.vertex_count, 958 );
     double least = 180.0, sum = 0.0;
     for ( int t = 0; t < mesh.triangle_count; ++t )
@@ -257,13 +252,12 @@ TEST( an_irregular_plane_of_958_vertices_is_delaunay_and_well_shaped )
     // a square cut in two has 45 degrees; shifts of a fifth on both ends of an edge leave at least half of that
     assert_true( least > 20.0 );
     assert_true( sum / mesh.triangle_count > 38.0 );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( an_irregular_plane_keeps_a_straight_border )
 {
     wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PLANE_IRREGULAR );
-    wisp_mesh mesh = fixture_made( &generator );
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_made( &generator );
     wisp_mesh_diagnostics report = fixture_report( &mesh );
     assert_int_equal( report.open_edges.count, 4 * 31 );
     for ( int k = 0; k < 32; ++k )
@@ -271,20 +265,17 @@ TEST( an_irregular_plane_keeps_a_straight_border )
         assert_true( mesh.points[k].z == mesh.points[0].z && mesh.points[31 * 32 + k].z == -mesh.points[0].z );
         assert_true( mesh.points[32 * k].x == mesh.points[0].x && mesh.points[32 * k + 31].x == -mesh.points[0].x );
     }
-    wisp_mesh_release( &mesh );
 }
 
 TEST( a_seed_decides_an_irregular_plane_and_nothing_else_does )
 {
     wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PLANE_IRREGULAR );
-    wisp_mesh first = fixture_made( &generator ), second = fixture_made( &generator );
+    SCOPED( wisp_mesh_release ) wisp_mesh first = fixture_made( &generator ), second = fixture_made( &generator );
     assert_same_mesh( &first, &second );
     wisp_mesh_release( &second );
     generator.seed = 2;
     second = fixture_made( &generator );
     assert_memory_not_equal( first.points, second.points, (size_t)first.vertex_count * sizeof *first.points );
-    wisp_mesh_release( &first );
-    wisp_mesh_release( &second );
 }
 
 // ---- refusals ----
@@ -348,7 +339,7 @@ static wisp_mesh made( wisp_mesh_shape shape, int vertex_count, uint64_t seed )
 // The positions of a mesh's vertices; the plane's first coordinate is z, so that y points at the viewer. To be freed.
 static delaunay_point* places_of( const wisp_mesh* mesh )
 {
-    double* coordinates = malloc( (size_t)mesh->vertex_count * 2 * sizeof *coordinates );
+    SCOPED( free_local ) double* coordinates = malloc( (size_t)mesh->vertex_count * 2 * sizeof *coordinates );
     delaunay_point* places = malloc( (size_t)mesh->vertex_count * sizeof *places );
     assert_true( coordinates != NULL && places != NULL );
     for ( int v = 0; v < mesh->vertex_count; ++v )
@@ -358,7 +349,6 @@ static delaunay_point* places_of( const wisp_mesh* mesh )
         coordinates[2 * v + 1] = (double)mesh->points[v].x;
     }
     assert_int_equal( delaunay_snap( coordinates, mesh->vertex_count, places, "mesh", NULL ), WISP_OK );
-    free( coordinates );
     return places;
 }
 
@@ -373,7 +363,7 @@ static void assert_mesh_sound( const wisp_mesh* mesh, bool every_circle )
     }
     assert_int_equal( report.euler_characteristic, 1 );
     assert_int_equal( report.open_loop_count, 1 );
-    delaunay_point* places = places_of( mesh );
+    SCOPED( free_local ) delaunay_point* places = places_of( mesh );
     fixture_net net = { places, mesh->vertex_count, report.open_edges.count, mesh->triangles, mesh->triangle_count };
     assert_int_equal( net.triangle_count, delaunay_triangle_count( net.count, net.outline_count ) );
     assert_covers( &net );
@@ -382,7 +372,6 @@ static void assert_mesh_sound( const wisp_mesh* mesh, bool every_circle )
     {
         assert_empty_circles( &net );
     }
-    free( places );
 }
 
 // FNV-1a over points and triangles.
@@ -408,7 +397,7 @@ TEST( a_square_of_958_vertices_is_delaunay_for_many_seeds )
 {
     for ( uint64_t seed = 0; seed < 8; ++seed )
     {
-        wisp_mesh mesh = made( WISP_MESH_DELAUNAY, PAPER_COUNT, seed );
+        SCOPED( wisp_mesh_release ) wisp_mesh mesh = made( WISP_MESH_DELAUNAY, PAPER_COUNT, seed );
         assert_int_equal( mesh.vertex_count, PAPER_COUNT );
         assert_mesh_sound( &mesh, true );
         wisp_mesh_diagnostics report = fixture_report( &mesh );
@@ -416,7 +405,6 @@ TEST( a_square_of_958_vertices_is_delaunay_for_many_seeds )
         assert_true( report.highest.x == 0.5f && report.highest.z == 0.5f );
         // every triangle's area was compared with the square's in integers; these are floats of it
         assert_true( fabs( report.area - 1.0 ) < 1e-6 );
-        wisp_mesh_release( &mesh );
     }
 }
 
@@ -445,10 +433,10 @@ TEST( ten_thousand_and_a_hundred_thousand_vertices_are_delaunay_too )
     static const int counts[] = { 10000, 100000 };
     for ( int i = 0; i < 2 * WISP_COUNT( counts ); ++i )
     {
+        SCOPED( wisp_mesh_release )
         wisp_mesh mesh = made( i % 2 ? WISP_MESH_GARMENT : WISP_MESH_DELAUNAY, counts[i / 2], 5 );
         assert_int_equal( mesh.vertex_count, counts[i / 2] );
         assert_mesh_sound( &mesh, false );
-        wisp_mesh_release( &mesh );
     }
 }
 
@@ -456,13 +444,12 @@ TEST( the_longest_strips_are_made )
 {
     wisp_mesh_generator generator = generator_of( WISP_MESH_DELAUNAY, 20000, 1 );
     generator.width = 1e-3f;
-    wisp_mesh mesh = fixture_made( &generator );
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_made( &generator );
     assert_mesh_sound( &mesh, false );
     wisp_mesh_release( &mesh );
     generator.width = 1e6f, generator.depth = 1e3f, generator.vertex_count = 101;
     mesh = fixture_made( &generator );
     assert_mesh_sound( &mesh, true );
-    wisp_mesh_release( &mesh );
 }
 
 static double smallest_angle( const wisp_mesh* mesh )
@@ -483,20 +470,19 @@ TEST( triangles_of_a_square_are_neither_thin_nor_of_very_different_size )
 {
     for ( uint64_t seed = 0; seed < 20; ++seed )
     {
-        wisp_mesh mesh = made( WISP_MESH_DELAUNAY, PAPER_COUNT, seed );
+        SCOPED( wisp_mesh_release ) wisp_mesh mesh = made( WISP_MESH_DELAUNAY, PAPER_COUNT, seed );
         wisp_mesh_diagnostics report = fixture_report( &mesh );
         // Edges are at least as long as the darts' distance d, or on the border as most of the spacing h, and a
         // circle wider than h would have accepted another dart: an angle is at least asin( d / 2 h ), and d ends
         // between 0.75 and 0.8 h.
         assert_true( smallest_angle( &mesh ) > 20.0 * PI / 180.0 );
         assert_true( report.min_edge > 0.5 * report.edge_mean && report.max_edge < 2.0 * report.edge_mean );
-        wisp_mesh_release( &mesh );
     }
 }
 
 TEST( the_border_of_a_square_is_even_and_comes_first )
 {
-    wisp_mesh mesh = made( WISP_MESH_DELAUNAY, PAPER_COUNT, 1 );
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = made( WISP_MESH_DELAUNAY, PAPER_COUNT, 1 );
     int border = fixture_report( &mesh ).open_edges.count;
     assert_true( border % 4 == 0 );
     for ( int v = 0; v < border; ++v )
@@ -511,7 +497,6 @@ TEST( the_border_of_a_square_is_even_and_comes_first )
         assert_true( fabsf( mesh.points[v].x - expected.x ) < 2e-7f );
         assert_true( fabsf( mesh.points[v].z - expected.z ) < 2e-7f );
     }
-    wisp_mesh_release( &mesh );
 }
 
 TEST( a_seed_decides_the_inside_and_nothing_else_does )
@@ -520,7 +505,7 @@ TEST( a_seed_decides_the_inside_and_nothing_else_does )
     assert_same_mesh( &first, &again );
     // the same on every machine and with every compiler
     assert_true( hash_of( &first ) == HASH_SQUARE );
-    wisp_mesh other = made( WISP_MESH_DELAUNAY, PAPER_COUNT, 2 );
+    SCOPED( wisp_mesh_release ) wisp_mesh other = made( WISP_MESH_DELAUNAY, PAPER_COUNT, 2 );
     assert_true( hash_of( &other ) != HASH_SQUARE );
     int border = fixture_report( &first ).open_edges.count;
     assert_memory_equal( first.points, other.points, (size_t)border * sizeof *first.points );
@@ -529,7 +514,6 @@ TEST( a_seed_decides_the_inside_and_nothing_else_does )
     wisp_mesh_release( &other );
     other = made( WISP_MESH_GARMENT, PAPER_COUNT, 1 );
     assert_true( hash_of( &other ) == HASH_GARMENT );
-    wisp_mesh_release( &other );
 }
 
 // ---- the garment ----
@@ -538,7 +522,7 @@ TEST( a_garment_has_vertices_of_valence_5_7_and_8_inside )
 {
     for ( uint64_t seed = 1; seed <= 5; ++seed )
     {
-        wisp_mesh mesh = made( WISP_MESH_GARMENT, PAPER_COUNT, seed );
+        SCOPED( wisp_mesh_release ) wisp_mesh mesh = made( WISP_MESH_GARMENT, PAPER_COUNT, seed );
         int valences[PAPER_COUNT] = { 0 }, counts[64] = { 0 };
         int border = fixture_report( &mesh ).open_edges.count;
         for ( int h = 0; h < 3 * mesh.triangle_count; ++h )
@@ -551,7 +535,6 @@ TEST( a_garment_has_vertices_of_valence_5_7_and_8_inside )
             ++counts[valences[v]];
         }
         assert_true( counts[5] > 50 && counts[6] > 100 && counts[7] > 50 && counts[8] > 10 );
-        wisp_mesh_release( &mesh );
     }
 }
 
@@ -563,7 +546,7 @@ static double border_edge( const wisp_mesh* mesh, int border, int v )
 
 TEST( the_curves_of_a_garment_are_denser_than_its_hem )
 {
-    wisp_mesh mesh = made( WISP_MESH_GARMENT, PAPER_COUNT, 1 );
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh = made( WISP_MESH_GARMENT, PAPER_COUNT, 1 );
     assert_mesh_sound( &mesh, true );
     int border = fixture_report( &mesh ).open_edges.count;
     double hem = 0.0, curve = 0.0;
@@ -580,7 +563,6 @@ TEST( the_curves_of_a_garment_are_denser_than_its_hem )
     assert_true( hem > 0.0 && curve > 0.0 && curve < 0.5 * hem );
     wisp_mesh_diagnostics report = fixture_report( &mesh );
     assert_true( report.highest.x == -report.lowest.x && report.highest.z == -report.lowest.z );
-    wisp_mesh_release( &mesh );
 }
 
 TEST( a_written_garment_is_read_back_without_a_fault )
@@ -603,7 +585,7 @@ static const wisp_mesh_corner L_SHAPE[] = { { 0, 0, 1 }, { 0, 3, 1 }, { 1, 3, 1 
 
 TEST( an_outline_with_a_notch_is_filled_and_keeps_its_corners )
 {
-    wisp_mesh mesh;
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh;
     assert_int_equal( wisp_mesh_generate_flat( L_SHAPE, WISP_COUNT( L_SHAPE ), 700, 1, &mesh, NULL ), WISP_OK );
     assert_int_equal( mesh.vertex_count, 700 );
     assert_mesh_sound( &mesh, true );
@@ -617,7 +599,6 @@ TEST( an_outline_with_a_notch_is_filled_and_keeps_its_corners )
         }
         assert_int_equal( found, 1 );
     }
-    wisp_mesh_release( &mesh );
 }
 
 TEST( a_border_may_take_all_vertices )
@@ -630,11 +611,10 @@ TEST( a_border_may_take_all_vertices )
     }
     for ( int count = WISP_COUNT( corners ); count < 120; ++count )
     {
-        wisp_mesh mesh;
+        SCOPED( wisp_mesh_release ) wisp_mesh mesh;
         assert_int_equal( wisp_mesh_generate_flat( corners, WISP_COUNT( corners ), count, 1, &mesh, NULL ), WISP_OK );
         assert_int_equal( mesh.vertex_count, count );
         assert_mesh_sound( &mesh, true );
-        wisp_mesh_release( &mesh );
     }
 }
 

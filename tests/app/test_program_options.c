@@ -181,7 +181,7 @@ static const char square[] = "# two triangles\nv 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 
 static void run_with_input( const char* file, const char* command )
 {
     size_t size;
-    char* bytes = read_bytes( file, &size );
+    SCOPED( free_local ) char* bytes = read_bytes( file, &size );
     int ends[2];
     assert_int_equal( pipe( ends ), 0 );
     const pid_t writer = fork();
@@ -207,7 +207,6 @@ static void run_with_input( const char* file, const char* command )
     dup2( before, STDIN_FILENO );
     close( before );
     waitpid( writer, NULL, 0 );
-    free( bytes );
 }
 
 static void assert_reads( const char* file, const char* command, const char* expected )

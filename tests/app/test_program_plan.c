@@ -321,7 +321,7 @@ static const char square[] = "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nf 1 2 3\nf 1 3
 static json_t* data_of( const char* path )
 {
     size_t size;
-    char* page = read_bytes( path, &size );
+    SCOPED( free_local ) char* page = read_bytes( path, &size );
     const char* begin = strstr( page, PLACE );
     assert_non_null( begin );
     begin += sizeof PLACE - 1;
@@ -334,7 +334,6 @@ static json_t* data_of( const char* path )
     {
         fail_msg( "%s", error.text );
     }
-    free( page );
     return data;
 }
 

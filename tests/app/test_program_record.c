@@ -33,11 +33,9 @@ static bool has_array( const char* path, const char* name )
 {
     char words[60];
     size_t size;
-    char* text = read_bytes( path, &size );
+    SCOPED( free_local ) char* text = read_bytes( path, &size );
     snprintf( words, sizeof( words ), "Name=\"%s\"", name );
-    const bool found = strstr( text, words ) != NULL;
-    free( text );
-    return found;
+    return strstr( text, words ) != NULL;
 }
 
 TEST( recording_does_not_change_the_hash_unless_more_is_computed )
@@ -77,10 +75,9 @@ TEST( values_that_are_asked_for_are_computed_and_move_no_vertex )
     assert_string_equal( points, same );
     free( plain );
     free( with );
-    char* text = read_bytes( "with.usda", &size );
+    SCOPED( free_local ) char* text = read_bytes( "with.usda", &size );
     assert_non_null( strstr( text, "primvars:strain.timeSamples" ) );
     assert_non_null( strstr( text, "primvars:speed.timeSamples" ) );
-    free( text );
 }
 
 TEST( what_the_scene_computes_is_recorded_without_asking )

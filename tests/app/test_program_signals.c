@@ -260,9 +260,8 @@ TEST( a_page_has_the_hashes_until_then )
     assert_ended_with( 143 );
     assert_non_null( strstr( result.err, "wisp: interrupted at step " ) );
     size_t size;
-    char* page = read_bytes( "page.html", &size );
+    SCOPED( free_local ) char* page = read_bytes( "page.html", &size );
     assert_non_null( strstr( page, "\"hashes\":{\"every\":60" ) );
-    free( page );
 }
 
 TEST( a_search_that_has_only_begun_has_nothing_to_keep )

@@ -111,11 +111,10 @@ TEST( passes_of_strands_are_tuned_and_their_choice_is_written )
                                 "    dynamics: { stretch_passes: 3, rest: straight }\n";
     write_text( "strands.yaml", scene );
     run_ok( "tune strands.yaml --error 0.01 --workers 1 -o passes.yaml" );
-    wisp_scene tuned;
+    SCOPED( wisp_scene_release ) wisp_scene tuned;
     assert_int_equal( wisp_scene_read( "passes.yaml", &tuned, NULL ), WISP_OK );
     assert_int_equal( tuned.strands[0].dynamics.stretch_passes,
                       (int)number_behind( chosen_line(), ", dynamics.stretch_passes: " ) );
-    wisp_scene_release( &tuned );
 }
 
 TEST( a_budget_is_met_or_it_is_told_that_it_is_not )

@@ -56,7 +56,7 @@ TEST_IN_FOLDER( bodies_come_back_with_their_names_triangles_and_offsets )
 {
     wisp_recorder_def def = fixture_def();
     fixture_record( path_in( state, "a.wisp" ), &def, 0 );
-    wisp_recording* recording = open_good( path_in( state, "a.wisp" ) );
+    SCOPED( recording_local ) wisp_recording* recording = open_good( path_in( state, "a.wisp" ) );
     const wisp_record_body* cloth = wisp_recording_body( recording, 0 );
     const wisp_record_body* hair = wisp_recording_body( recording, 1 );
     assert_string_equal( cloth->name, "cloth" );
@@ -69,7 +69,6 @@ TEST_IN_FOLDER( bodies_come_back_with_their_names_triangles_and_offsets )
     assert_int_equal( hair->strand_count, 2 );
     assert_null( hair->triangles );
     assert_memory_equal( hair->offsets, fixture_offsets, sizeof fixture_offsets );
-    wisp_recording_close( recording );
 }
 
 // Points stay as they are where the format says what they are relative to, and are places in the world elsewhere.
@@ -79,7 +78,7 @@ TEST_IN_FOLDER( points_far_away_are_relative_to_an_origin )
     def.origin[0] = 20000.0;
     def.origin[2] = -4096.5;
     fixture_record( path_in( state, "a.wisp" ), &def, 2 );
-    wisp_recording* recording = open_good( path_in( state, "a.wisp" ) );
+    SCOPED( recording_local ) wisp_recording* recording = open_good( path_in( state, "a.wisp" ) );
     const wisp_recording_info info = wisp_recording_describe( recording );
     assert_memory_equal( info.origin, def.origin, sizeof info.origin );
     assert_frame_is( recording, 1 );
@@ -95,31 +94,28 @@ TEST_IN_FOLDER( points_far_away_are_relative_to_an_origin )
     const fixture_frame expected = fixture_points( 0 );
     assert_true( found[1].x == (float)( 20000.0 + (double)expected.cloth[1].x ) );
     assert_true( found[1].z == (float)( -4096.5 + (double)expected.cloth[1].z ) );
-    wisp_recording_close( recording );
 }
 
 TEST_IN_FOLDER( a_body_that_is_not_requested_is_skipped )
 {
     wisp_recorder_def def = fixture_def();
     fixture_record( path_in( state, "a.wisp" ), &def, 1 );
-    wisp_recording* recording = open_good( path_in( state, "a.wisp" ) );
+    SCOPED( recording_local ) wisp_recording* recording = open_good( path_in( state, "a.wisp" ) );
     fixture_frame found, expected = fixture_points( 0 );
     wisp_vec3* points[] = { NULL, found.hair };
     assert_int_equal( wisp_recording_frame( recording, 0, points, NULL, NULL, NULL ), WISP_OK );
     assert_memory_equal( found.hair, expected.hair, sizeof expected.hair );
-    wisp_recording_close( recording );
 }
 
 TEST_IN_FOLDER( a_frame_that_is_not_there_is_refused_by_its_number )
 {
     wisp_recorder_def def = fixture_def();
     fixture_record( path_in( state, "a.wisp" ), &def, 2 );
-    wisp_recording* recording = open_good( path_in( state, "a.wisp" ) );
+    SCOPED( recording_local ) wisp_recording* recording = open_good( path_in( state, "a.wisp" ) );
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_recording_frame( recording, 2, NULL, NULL, NULL, &error ), WISP_BAD_INPUT );
     assert_one_message( &error, WISP_BAD_INPUT, "a.wisp: got frame 2, the recording has 2" );
     assert_int_equal( wisp_recording_frame( recording, -1, NULL, NULL, NULL, NULL ), WISP_BAD_INPUT );
-    wisp_recording_close( recording );
 }
 
 // ---- crashes, cuts and damage ----
@@ -133,13 +129,12 @@ TEST_IN_FOLDER( a_frame_is_in_the_file_when_the_call_returns )
     for ( int f = 0; f < 3; ++f )
     {
         assert_int_equal( fixture_add_frame( recorder, f, NULL ), WISP_OK );
-        wisp_recording* recording = open_good( path );
+        SCOPED( recording_local ) wisp_recording* recording = open_good( path );
         wisp_recording_info info = wisp_recording_describe( recording );
         assert_int_equal( info.frame_count, f + 1 );
         assert_int_equal( info.tail_bytes, 0 );
         assert_false( info.complete );
         assert_frame_is( recording, f );
-        wisp_recording_close( recording );
     }
     assert_int_equal( wisp_recorder_close( recorder, NULL ), WISP_OK );
 }
@@ -185,10 +180,9 @@ static sample make_sample( void** state )
     char* path = path_in( state, "sample.wisp" );
     fixture_record( path, &def, s.count );
     s.bytes = read_bytes( path, &s.size );
-    wisp_recording* recording = open_good( path );
+    SCOPED( recording_local ) wisp_recording* recording = open_good( path );
     s.header = (size_t)wisp_recording_describe( recording ).first_byte;
     s.frame = (size_t)wisp_recording_describe( recording ).frame_bytes;
-    wisp_recording_close( recording );
     return s;
 }
 
@@ -418,10 +412,9 @@ TEST_IN_FOLDER( a_frame_that_is_refused_does_not_end_the_recording )
 
     assert_int_equal( fixture_add_frame( recorder, 1, NULL ), WISP_OK );
     assert_int_equal( wisp_recorder_close( recorder, NULL ), WISP_OK );
-    wisp_recording* recording = open_good( path );
+    SCOPED( recording_local ) wisp_recording* recording = open_good( path );
     assert_int_equal( wisp_recording_describe( recording ).frame_count, 2 );
     assert_frame_is( recording, 1 );
-    wisp_recording_close( recording );
 }
 
 // ---- failures of the operating system ----
@@ -455,11 +448,10 @@ TEST_IN_FOLDER( a_frame_that_the_disk_refuses_is_taken_back_and_may_be_repeated 
 
     assert_int_equal( fixture_add_frame( recorder, 1, NULL ), WISP_OK );
     assert_int_equal( wisp_recorder_close( recorder, NULL ), WISP_OK );
-    wisp_recording* recording = open_good( path );
+    SCOPED( recording_local ) wisp_recording* recording = open_good( path );
     assert_true( wisp_recording_describe( recording ).complete );
     assert_frame_is( recording, 0 );
     assert_frame_is( recording, 1 );
-    wisp_recording_close( recording );
 }
 
 TEST_IN_FOLDER( a_path_that_cannot_be_written_or_read_is_a_message )
@@ -488,12 +480,11 @@ TEST_IN_FOLDER( a_file_that_shrinks_while_it_is_read_is_an_error )
     wisp_recorder_def def = fixture_def();
     char* path = path_in( state, "a.wisp" );
     fixture_record( path, &def, 2 );
-    wisp_recording* recording = open_good( path );
+    SCOPED( recording_local ) wisp_recording* recording = open_good( path );
     assert_int_equal( truncate( path, (off_t)wisp_recording_describe( recording ).first_byte + 20 ), 0 );
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_recording_frame( recording, 0, NULL, NULL, NULL, &error ), WISP_IO_ERROR );
     assert_one_message( &error, WISP_IO_ERROR, "the file became shorter while it was read" );
-    wisp_recording_close( recording );
 }
 
 // ---- tracks ----
@@ -551,9 +542,8 @@ TEST_IN_FOLDER( numbers_have_points_in_a_locale_with_commas )
     setlocale( LC_NUMERIC, "C" );
     assert_int_equal( status, WISP_OK );
     size_t size = 0;
-    char* text = read_bytes( path_in( state, "a.csv" ), &size );
+    SCOPED( free_local ) char* text = read_bytes( path_in( state, "a.csv" ), &size );
     assert_contains( text, "\n0.0166666" );
-    free( text );
 }
 
 TEST_IN_FOLDER( a_vertex_that_does_not_exist_is_refused_by_its_place )
@@ -609,14 +599,13 @@ TEST_IN_FOLDER( a_number_that_is_not_finite_writes_no_line )
     assert_int_equal( wisp_recorder_frame( track, 0.0, 0, points, NULL ), WISP_OK );
     assert_int_equal( wisp_recorder_close( track, NULL ), WISP_OK );
     size_t size = 0;
-    char* text = read_bytes( path_in( state, "a.csv" ), &size );
+    SCOPED( free_local ) char* text = read_bytes( path_in( state, "a.csv" ), &size );
     int lines = 0;
     for ( size_t i = 0; i < size; ++i )
     {
         lines += text[i] == '\n';
     }
     assert_int_equal( lines, 2 );
-    free( text );
 }
 
 // ---- wisp info ----
@@ -642,7 +631,7 @@ static void record_plain( const char* path, int frame_count )
 
 static char* print_recording( const char* path, wisp_status expected, wisp_error* error )
 {
-    wisp_recording* recording = NULL;
+    SCOPED( recording_local ) wisp_recording* recording = NULL;
     assert_ok( wisp_recording_open( path, &recording, error ), *error );
     char* text = NULL;
     size_t length = 0;
@@ -650,7 +639,6 @@ static char* print_recording( const char* path, wisp_status expected, wisp_error
     assert_non_null( stream );
     assert_int_equal( wisp_recording_print( stream, recording, "sail.wisp", error ), expected );
     fclose( stream );
-    wisp_recording_close( recording );
     return text;
 }
 
@@ -660,7 +648,7 @@ TEST_IN_FOLDER( info_tells_what_is_in_a_recording )
     char* path = path_in( state, "sail.wisp" );
     wisp_error error = { .status = WISP_OK };
     record_plain( path, 3 );
-    char* text = print_recording( path, WISP_OK, &error );
+    SCOPED( free_local ) char* text = print_recording( path, WISP_OK, &error );
     assert_string_equal( text, "sail.wisp: recording of 3 frames\n"
                                "  step                 0.5 s\n"
                                "  time                 0 .. 1 s\n"
@@ -669,7 +657,6 @@ TEST_IN_FOLDER( info_tells_what_is_in_a_recording )
                                "  bodies               1\n"
                                "    sail               1 triangles, 3 vertices, x 0 .. 1, y 0 .. 4, z -0.5 .. 0 m\n"
                                "  no defects\n" );
-    free( text );
 }
 
 TEST_IN_FOLDER( info_tells_a_cut_and_does_not_refuse_it )
@@ -678,7 +665,7 @@ TEST_IN_FOLDER( info_tells_a_cut_and_does_not_refuse_it )
     wisp_error error = { .status = WISP_OK };
     record_plain( path, 3 );
     assert_int_equal( truncate( path, 80 + 84 + 30 ), 0 );
-    char* text = print_recording( path, WISP_OK, &error );
+    SCOPED( free_local ) char* text = print_recording( path, WISP_OK, &error );
     assert_contains( text, "recording of 1 frames" );
     assert_contains( text, "  wrong: the recording was cut: 30 bytes from byte 164 on are not a whole frame\n" );
     assert_null( strstr( text, "nothing is wrong" ) );
@@ -687,7 +674,6 @@ TEST_IN_FOLDER( info_tells_a_cut_and_does_not_refuse_it )
     text = print_recording( path, WISP_OK, &error );
     assert_contains( text, "recording of 0 frames" );
     assert_contains( text, "  wrong: the recording was not finished: the mark of the end is missing at byte 80\n" );
-    free( text );
 }
 
 TEST_IN_FOLDER( info_names_the_first_ten_damaged_frames_and_counts_the_rest )
@@ -703,13 +689,12 @@ TEST_IN_FOLDER( info_names_the_first_ten_damaged_frames_and_counts_the_rest )
     }
     write_bytes( path, bytes, size );
     free( bytes );
-    char* text = print_recording( path, WISP_BAD_INPUT, &error );
+    SCOPED( free_local ) char* text = print_recording( path, WISP_BAD_INPUT, &error );
     assert_one_message( &error, WISP_BAD_INPUT, "sail.wisp: frame 1 at byte 164 is damaged" );
     assert_contains( text, "  time                 0 .. 0 s\n" );
     assert_contains( text, "sail.wisp: frame 10 at byte 920 is damaged" );
     assert_null( strstr( text, "frame 11 at" ) );
     assert_contains( text, "  wrong: and 3 more frames\n" );
-    free( text );
 }
 
 TEST_IN_FOLDER( info_tells_what_is_in_a_point_cache )
@@ -717,7 +702,7 @@ TEST_IN_FOLDER( info_tells_what_is_in_a_point_cache )
     record_plain( path_in( state, "sail.pc2" ), 2 );
     wisp_recording* cache = NULL;
     assert_int_equal( wisp_pc2_open( path_in( state, "sail.pc2" ), &cache, NULL ), WISP_OK );
-    char* text = NULL;
+    SCOPED( free_local ) char* text = NULL;
     size_t length = 0;
     FILE* stream = open_memstream( &text, &length );
     assert_non_null( stream );
@@ -728,5 +713,4 @@ TEST_IN_FOLDER( info_tells_what_is_in_a_point_cache )
                                "  frames               from 0, every 1\n"
                                "  points               3, x 0 .. 1, y 0 .. 3, z -0.5 .. 0 m\n"
                                "  no defects\n" );
-    free( text );
 }

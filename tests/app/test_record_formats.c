@@ -40,7 +40,7 @@ TEST_IN_FOLDER( several_bodies_are_a_point_cache_each_and_come_back )
     wisp_recorder_def def = fixture_def();
     fixture_record( path_in( state, "a.pc2" ), &def, 2 );
     assert_int_equal( count_files( state ), 2 );
-    wisp_recording* cache = NULL;
+    SCOPED( recording_local ) wisp_recording* cache = NULL;
     wisp_error error = { .status = WISP_OK };
     assert_ok( wisp_pc2_open( path_in( state, "a_hair-2.pc2" ), &cache, &error ), error );
     assert_int_equal( wisp_recording_body( cache, 0 )->vertex_count, HAIR_VERTICES );
@@ -59,7 +59,6 @@ TEST_IN_FOLDER( several_bodies_are_a_point_cache_each_and_come_back )
     assert_one_message( &error, WISP_BAD_INPUT, "a_hair-2.pc2: got frame 2, the cache has 2" );
     wisp_recording_close( cache );
     assert_ok( wisp_pc2_open( path_in( state, "a_cloth.pc2" ), &cache, &error ), error );
-    wisp_recording_close( cache );
 }
 
 // ---- .pvd and .vtp ----
@@ -75,6 +74,7 @@ TEST_IN_FOLDER( paraview_finds_triangles_lines_and_points_in_every_frame )
     {
         fixture_frame expected = fixture_points( f );
         size_t size = 0;
+        SCOPED( free_local )
         char* text = read_bytes( path_in( state, f == 0 ? "a/cloth_0001.vtp" : "a/cloth_0002.vtp" ), &size );
         assert_xml( text );
         assert_contains( text, "NumberOfPoints=\"4\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" "
@@ -89,7 +89,6 @@ TEST_IN_FOLDER( paraview_finds_triangles_lines_and_points_in_every_frame )
         assert_vtp_points( text, expected.hair, HAIR_VERTICES );
         assert_numbers( text, "connectivity", line, 5 );
         assert_numbers( text, "offsets", line_ends, 2 );
-        free( text );
     }
 }
 
@@ -98,7 +97,7 @@ TEST_IN_FOLDER( the_list_of_frames_has_their_times_and_paths_beside_it )
     wisp_recorder_def def = fixture_def();
     fixture_record( path_in( state, "a&b.pvd" ), &def, 2 );
     size_t size = 0;
-    char* text = read_bytes( path_in( state, "a&b.pvd" ), &size );
+    SCOPED( free_local ) char* text = read_bytes( path_in( state, "a&b.pvd" ), &size );
     assert_xml( text );
     assert_int_equal( count_of( text, "<DataSet " ), 4 );
     for ( int f = 0; f < 2; ++f )
@@ -109,7 +108,6 @@ TEST_IN_FOLDER( the_list_of_frames_has_their_times_and_paths_beside_it )
                   fixture_time( f ), f + 1 );
         assert_contains( text, words );
     }
-    free( text );
 }
 
 TEST_IN_FOLDER( a_strand_without_a_segment_is_no_line )
@@ -171,9 +169,8 @@ TEST_IN_FOLDER( obj_frames_are_numbered_from_1_and_come_back )
     for ( int f = 0; f < 2; ++f )
     {
         size_t size = 0;
-        char* text = read_bytes( path_in( state, f == 0 ? "a_0001.obj" : "a_0002.obj" ), &size );
+        SCOPED( free_local ) char* text = read_bytes( path_in( state, f == 0 ? "a_0001.obj" : "a_0002.obj" ), &size );
         assert_obj( text, f );
-        free( text );
     }
 }
 
@@ -229,7 +226,7 @@ TEST_IN_FOLDER( usd_has_every_frame_of_every_body_as_a_time_sample )
     fixture_record( path_in( state, "a.usda" ), &def, 3 );
     assert_int_equal( count_files( state ), 1 );
     size_t size = 0;
-    char* text = read_bytes( path_in( state, "a.usda" ), &size );
+    SCOPED( free_local ) char* text = read_bytes( path_in( state, "a.usda" ), &size );
     assert_int_equal( strncmp( text, "#usda 1.0\n", 10 ), 0 );
     assert_balanced( text );
     assert_contains( text, "    startTimeCode = 1\n    timeCodesPerSecond = 60\n" );
@@ -240,7 +237,6 @@ TEST_IN_FOLDER( usd_has_every_frame_of_every_body_as_a_time_sample )
     assert_int_equal( count_of( text, "float3[] extent.timeSamples" ), 2 );
     assert_samples( text, "def Mesh \"cloth\"", 0, 3 );
     assert_samples( text, "def BasisCurves \"hair_2\"", 1, 3 );
-    free( text );
 }
 
 // 1/60 as a float is not exact, and USD needs a standard rate. Some readers refuse an empty list of samples.
@@ -250,11 +246,10 @@ TEST_IN_FOLDER( usd_without_frames_has_a_rate_and_no_samples )
     def.dt = (double)( 1.0f / 60.0f );
     fixture_record( path_in( state, "a.usda" ), &def, 0 );
     size_t size = 0;
-    char* text = read_bytes( path_in( state, "a.usda" ), &size );
+    SCOPED( free_local ) char* text = read_bytes( path_in( state, "a.usda" ), &size );
     assert_balanced( text );
     assert_contains( text, "timeCodesPerSecond = 60\n" );
     assert_null( strstr( text, "timeSamples" ) );
-    free( text );
 }
 
 TEST_IN_FOLDER( names_that_usd_cannot_tell_apart_are_refused )
@@ -287,13 +282,12 @@ TEST_IN_FOLDER( files_that_cannot_be_read_half_written_appear_when_they_are_fini
         assert_int_equal( fixture_open( path, &def, &recorder, NULL ), WISP_OK );
         assert_int_equal( fixture_add_frame( recorder, 0, NULL ), WISP_OK );
         size_t size = 0;
-        char* text = read_bytes( path, &size );
+        SCOPED( free_local ) char* text = read_bytes( path, &size );
         assert_string_equal( text, "precious" );
         free( text );
         assert_int_equal( wisp_recorder_close( recorder, NULL ), WISP_OK );
         text = read_bytes( path, &size );
         assert_true( size > 8 );
-        free( text );
     }
 }
 
@@ -470,7 +464,7 @@ TEST_IN_FOLDER( values_of_each_frame_are_arrays_of_points )
         size_t size = 0;
         float strain[CLOTH_VERTICES], speed[CLOTH_VERTICES];
         snprintf( name, sizeof name, "a/cloth_%04d.vtp", f + 1 );
-        char* text = read_bytes( path_in( state, name ), &size );
+        SCOPED( free_local ) char* text = read_bytes( path_in( state, name ), &size );
         assert_xml( text );
         assert_contains( text, "<PointData Scalars=\"strain\" Normals=\"Normals\">" );
         read_floats( text, "strain", strain, CLOTH_VERTICES );
@@ -478,7 +472,6 @@ TEST_IN_FOLDER( values_of_each_frame_are_arrays_of_points )
         fill( &x, f );
         assert_memory_equal( strain, x.strain, sizeof strain );
         assert_memory_equal( speed, x.speed, sizeof speed );
-        free( text );
     }
 }
 
@@ -517,7 +510,7 @@ TEST_IN_FOLDER( strands_have_widths_and_colours_for_a_display )
     size_t size = 0;
     float widths[HAIR_VERTICES];
     unsigned char bytes[512];
-    char* text = read_bytes( path_in( state, "a/hair-2_0001.vtp" ), &size );
+    SCOPED( free_local ) char* text = read_bytes( path_in( state, "a/hair-2_0001.vtp" ), &size );
     assert_xml( text );
     assert_contains( text, "<PointData Scalars=\"width\">" );
     assert_null( strstr( text, "Normals" ) );
@@ -528,7 +521,6 @@ TEST_IN_FOLDER( strands_have_widths_and_colours_for_a_display )
     // IEC 61966-2-1: 12.92 c up to 0.0031308, 1.055 c^(1/2.4) - 0.055 above, times 255
     static const unsigned char expected[] = { 0, 0, 0, 255, 188, 137, 255, 255, 255, 7, 124, 0, 0, 0, 255 };
     assert_memory_equal( bytes, expected, sizeof expected );
-    free( text );
 }
 
 TEST_IN_FOLDER( a_static_body_is_one_file_that_all_frames_name )
@@ -538,13 +530,12 @@ TEST_IN_FOLDER( a_static_body_is_one_file_that_all_frames_name )
     assert_true( exists( path_in( state, "a/ground_0001.vtp" ) ) );
     assert_false( exists( path_in( state, "a/ground_0002.vtp" ) ) );
     size_t size = 0;
-    char* text = read_bytes( path_in( state, "a.pvd" ), &size );
+    SCOPED( free_local ) char* text = read_bytes( path_in( state, "a.pvd" ), &size );
     assert_xml( text );
     assert_int_equal( count_of( text, "name=\"ground\" file=\"a/ground_0001.vtp\"" ), 3 );
     free( text );
     text = read_bytes( path_in( state, "a/ground_0001.vtp" ), &size );
     assert_null( strstr( text, "TimeValue" ) );
-    free( text );
 }
 
 // ---- .usda ----
@@ -554,7 +545,7 @@ TEST_IN_FOLDER( usd_prims_have_normals_velocities_colours_and_widths )
     values_fixture x;
     record( path_in( state, "a.usda" ), &x, 3 );
     size_t size = 0;
-    char* text = read_bytes( path_in( state, "a.usda" ), &size );
+    SCOPED( free_local ) char* text = read_bytes( path_in( state, "a.usda" ), &size );
     assert_balanced( text );
     assert_contains( text, "    framesPerSecond = 2\n" );
     char* hair = strstr( text, "def BasisCurves \"hair_2\"" );
@@ -579,7 +570,6 @@ TEST_IN_FOLDER( usd_prims_have_normals_velocities_colours_and_widths )
     assert_contains( hair, "float[] widths = [0.00100000005, 0.00079999998, 9.99999975e-05, 0.00100000005, "
                            "0.000500000024] (\n            interpolation = \"vertex\"" );
     assert_contains( hair, "color3f[] primvars:displayColor = [(0, 0, 0), (1, 0.5, 0.25), " );
-    free( text );
 }
 
 TEST_IN_FOLDER( a_static_body_has_no_time_samples_in_usd )
@@ -587,14 +577,13 @@ TEST_IN_FOLDER( a_static_body_has_no_time_samples_in_usd )
     values_fixture x;
     record( path_in( state, "a.usda" ), &x, 3 );
     size_t size = 0;
-    char* text = read_bytes( path_in( state, "a.usda" ), &size );
+    SCOPED( free_local ) char* text = read_bytes( path_in( state, "a.usda" ), &size );
     const char* ground = strstr( text, "def Mesh \"ground\"" );
     assert_non_null( ground );
     assert_null( strstr( ground, "timeSamples" ) );
     assert_null( strstr( ground, "velocities" ) );
     assert_contains( ground, "point3f[] points = [(-1, 0, -1), (1, 0, -1), (0, 0, 1)]\n" );
     assert_contains( ground, "float3[] extent = [(-1, 0, -1), (1, 0, 1)]\n" );
-    free( text );
 }
 
 // ---- recordings that end early ----
@@ -603,18 +592,17 @@ static int frames_in( void** state, const char* name )
 {
     size_t size = 0;
     int count = 0;
-    char* text = read_bytes( path_in( state, name ), &size );
+    SCOPED( free_local ) char* text = read_bytes( path_in( state, name ), &size );
     const bool is_own = strcmp( name, "a.wisp" ) == 0;
     if ( is_own || strcmp( name, "a_cloth.pc2" ) == 0 )
     {
-        wisp_recording* recording = NULL;
+        SCOPED( recording_local ) wisp_recording* recording = NULL;
         const char* path = path_in( state, name );
         assert_int_equal( is_own ? wisp_recording_open( path, &recording, NULL )
                                  : wisp_pc2_open( path, &recording, NULL ),
                           WISP_OK );
         assert_true( wisp_recording_describe( recording ).complete );
         count = wisp_recording_describe( recording ).frame_count;
-        wisp_recording_close( recording );
     }
     else if ( strcmp( name, "a.pvd" ) == 0 )
     {
@@ -634,7 +622,6 @@ static int frames_in( void** state, const char* name )
         count = count_of( text + 20, "{\"POSITION\":" );
         count = count > 0 ? ( count - 3 ) / 2 + 1 : 0;
     }
-    free( text );
     return count;
 }
 

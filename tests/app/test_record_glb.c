@@ -224,7 +224,7 @@ static void assert_sum( wisp_vec3 base, wisp_vec3 moved, wisp_vec3 expected )
 
 TEST_IN_FOLDER( points_plus_targets_are_the_points_of_every_frame )
 {
-    glb g = record( path_in( state, "a.glb" ), FRAMES );
+    SCOPED( close_glb ) glb g = record( path_in( state, "a.glb" ), FRAMES );
     assert_int_equal( count_files( state ), 1 );
     for ( int body = 0; body < 2; ++body )
     {
@@ -252,7 +252,6 @@ TEST_IN_FOLDER( points_plus_targets_are_the_points_of_every_frame )
             }
         }
     }
-    close_glb( &g );
 }
 
 static wisp_vec3 normal_of_corner( const wisp_vec3* points, const int32_t* corner )
@@ -264,7 +263,7 @@ static wisp_vec3 normal_of_corner( const wisp_vec3* points, const int32_t* corne
 
 TEST_IN_FOLDER( normals_have_targets_too )
 {
-    glb g = record( path_in( state, "a.glb" ), FRAMES );
+    SCOPED( close_glb ) glb g = record( path_in( state, "a.glb" ), FRAMES );
     json_t* p = primitive( &g, 0 );
     wisp_vec3 base[SHEET_VERTICES], turned[SHEET_VERTICES];
     read_vectors( &g, number( json_object_get( p, "attributes" ), "NORMAL" ), SHEET_VERTICES, base );
@@ -289,12 +288,11 @@ TEST_IN_FOLDER( normals_have_targets_too )
         assert_float_equal( base[v].y + turned[v].y, sum.y / length, 2e-6 );
         assert_float_equal( base[v].z + turned[v].z, sum.z / length, 2e-6 );
     }
-    close_glb( &g );
 }
 
 TEST_IN_FOLDER( one_weight_after_the_other_is_1_at_the_times_of_the_frames )
 {
-    glb g = record( path_in( state, "a.glb" ), FRAMES );
+    SCOPED( close_glb ) glb g = record( path_in( state, "a.glb" ), FRAMES );
     json_t* animation = item( g.json, "animations", 0 );
     json_t* sampler = item( animation, "samplers", 0 );
     assert_int_equal( json_array_size( json_object_get( animation, "channels" ) ), 2 );
@@ -313,13 +311,12 @@ TEST_IN_FOLDER( one_weight_after_the_other_is_1_at_the_times_of_the_frames )
     }
     json_t* a = item( g.json, "accessors", number( sampler, "input" ) );
     assert_true( (float)json_number_value( item( a, "max", 0 ) ) == (float)( ( FRAMES - 1 ) / 60.0 ) );
-    close_glb( &g );
 }
 
 TEST_IN_FOLDER( strands_are_lines_with_colours_and_a_static_body_has_no_targets )
 {
     static const int ends[] = { 0, 1, 1, 2, 4, 5 };
-    glb g = record( path_in( state, "a.glb" ), FRAMES );
+    SCOPED( close_glb ) glb g = record( path_in( state, "a.glb" ), FRAMES );
     json_t *hair = primitive( &g, 1 ), *ground = primitive( &g, 2 ), *sheet = primitive( &g, 0 );
     assert_int_equal( number( sheet, "mode" ), 4 );
     assert_int_equal( number( hair, "mode" ), 1 );
@@ -340,12 +337,11 @@ TEST_IN_FOLDER( strands_are_lines_with_colours_and_a_static_body_has_no_targets 
     {
         assert_true( json_number_value( item( material, "baseColorFactor", k ) ) == colour[k] );
     }
-    close_glb( &g );
 }
 
 TEST_IN_FOLDER( one_frame_has_no_animation_and_none_no_meshes )
 {
-    glb g = record( path_in( state, "a.glb" ), 1 );
+    SCOPED( close_glb ) glb g = record( path_in( state, "a.glb" ), 1 );
     assert_null( json_object_get( g.json, "animations" ) );
     assert_int_equal( json_array_size( json_object_get( g.json, "meshes" ) ), 3 );
     close_glb( &g );
@@ -353,7 +349,6 @@ TEST_IN_FOLDER( one_frame_has_no_animation_and_none_no_meshes )
     assert_null( json_object_get( g.json, "meshes" ) );
     assert_null( g.binary );
     assert_non_null( json_object_get( g.json, "asset" ) );
-    close_glb( &g );
 }
 
 TEST_IN_FOLDER( vertices_whose_triangles_cancel_have_a_unit_normal )
@@ -368,11 +363,10 @@ TEST_IN_FOLDER( vertices_whose_triangles_cancel_have_a_unit_normal )
     assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, NULL ), WISP_OK );
     assert_int_equal( wisp_recorder_frame( recorder, 0.0, 0, points, NULL ), WISP_OK );
     assert_int_equal( wisp_recorder_close( recorder, NULL ), WISP_OK );
-    glb g = open_glb( path );
+    SCOPED( close_glb ) glb g = open_glb( path );
     wisp_vec3 normals[3];
     read_vectors( &g, number( json_object_get( primitive( &g, 0 ), "attributes" ), "NORMAL" ), 3, normals );
     assert_true( normals[1].x == 0.0f && normals[1].y == 1.0f && normals[1].z == 0.0f );
-    close_glb( &g );
 }
 
 // ---- limits ----
@@ -403,9 +397,8 @@ TEST_IN_FOLDER( more_frames_than_fit_are_refused_before_the_first )
     assert_one_message( &error, WISP_BAD_INPUT, "a.glb: got 21 frames, expected at most 10, because" );
     assert_contains( error.message, "one in 3 of these frames would fit" );
     size_t size = 0;
-    char* kept = read_bytes( path, &size );
+    SCOPED( free_local ) char* kept = read_bytes( path, &size );
     assert_string_equal( kept, "precious" );
-    free( kept );
 }
 
 TEST_IN_FOLDER( a_frame_beyond_the_limit_is_refused_and_those_before_are_kept )
@@ -424,9 +417,8 @@ TEST_IN_FOLDER( a_frame_beyond_the_limit_is_refused_and_those_before_are_kept )
     assert_int_equal( add( recorder, WISP_RECORD_GLB_MAX_FRAMES, &error ), WISP_BAD_INPUT );
     assert_one_message( &error, WISP_BAD_INPUT, "a.glb: a .glb file of these bodies ends after 1000 frames" );
     assert_ok( wisp_recorder_close( recorder, &error ), error );
-    glb g = open_glb( path );
+    SCOPED( close_glb ) glb g = open_glb( path );
     assert_int_equal( json_array_size( json_object_get( primitive( &g, 0 ), "targets" ) ), 999 );
-    close_glb( &g );
 }
 
 TEST_IN_FOLDER( times_and_points_that_the_format_cannot_hold_are_refused )
@@ -572,18 +564,17 @@ TEST_WITH( a_vertex_that_a_frame_does_not_have_is_refused_and_changes_nothing, m
 TEST_WITH( obj_files_have_the_triangles_of_their_frames, make_folder, remove_folder )
 {
     record_tear( state, "x.obj" );
-    char* text = text_of( path_in( state, "x_0002.obj" ) );
+    SCOPED( free_local ) char* text = text_of( path_in( state, "x_0002.obj" ) );
     assert_non_null( strstr( text, "f 1 3 4\n" ) );
     free( text );
     text = text_of( path_in( state, "x_0003.obj" ) );
     assert_non_null( strstr( text, "f 5 3 4\n" ) );
-    free( text );
 }
 
 // Vertex 4 was where vertex 0 was in the frame before: it rose by 1 m and went 1.75 m sideways in half a second.
 TEST_WITH( usd_has_a_sample_of_the_triangles_per_frame, make_folder, remove_folder )
 {
-    char* text = text_of( record_tear( state, "x.usda" ) );
+    SCOPED( free_local ) char* text = text_of( record_tear( state, "x.usda" ) );
     assert_non_null( strstr( text, "        int[] faceVertexIndices.timeSamples = {\n"
                                    "            0: [0, 1, 2, 0, 2, 3],\n"
                                    "            1: [0, 1, 2, 0, 2, 3],\n"
@@ -595,14 +586,13 @@ TEST_WITH( usd_has_a_sample_of_the_triangles_per_frame, make_folder, remove_fold
         strstr( text, "            2: [(0, 2, 0), (0, 2, 0), (0, 2, 0), (0, 2, 0), (-3.5, 2, 0), (0, 0, 0)],\n" ) );
     assert_non_null(
         strstr( text, "            3: [(0, 2, 0), (0, 2, 0), (0, 2, 0), (0, 2, 0), (-2, 2, 0), (0, 0, 0)],\n" ) );
-    free( text );
 }
 
 // Unit normals of a level triangle point up or down; split off, the second one is level too.
 TEST_WITH( glb_has_all_corners_in_their_places_with_the_triangles_of_the_last_frame, make_folder, remove_folder )
 {
     const char* path = record_tear( state, "x.glb" );
-    gltf_model model = { 0 };
+    SCOPED( gltf_release ) gltf_model model = { 0 };
     wisp_error error = { 0 };
     int node = 0;
     char named[600];
@@ -613,7 +603,7 @@ TEST_WITH( glb_has_all_corners_in_their_places_with_the_triangles_of_the_last_fr
     assert_int_not_equal( mesh->triangles[0], mesh->triangles[3] );
     for ( int f = 0; f < FRAMES; ++f )
     {
-        wisp_mesh frame = { 0 };
+        SCOPED( wisp_mesh_release ) wisp_mesh frame = { 0 };
         wisp_vec3 points[VERTICES];
         place( f, points );
         snprintf( named, sizeof named, "%s#sheet@%g", path, 0.5 * f );
@@ -623,7 +613,5 @@ TEST_WITH( glb_has_all_corners_in_their_places_with_the_triangles_of_the_last_fr
             const wisp_vec3 p = frame.points[frame.triangles[i]], q = points[triangles_of( f )[i]];
             assert_true( fabsf( p.x - q.x ) + fabsf( p.y - q.y ) + fabsf( p.z - q.z ) < 1e-6f );
         }
-        wisp_mesh_release( &frame );
     }
-    gltf_release( &model );
 }

@@ -58,20 +58,17 @@ static void assert_same_picture( const image* a, const image* b )
 
 TEST( the_number_of_threads_changes_no_byte )
 {
-    everything e;
+    SCOPED( free_everything ) everything e;
     make_everything( &e );
     render_camera camera = fixture_camera();
     render_options options = fixture_options();
-    image one = fixture_picture( &e.scene, &camera, &options );
+    SCOPED( image_release ) image one = fixture_picture( &e.scene, &camera, &options );
     for ( int threads = 2; threads <= 3; ++threads )
     {
         options.threads = threads;
-        image many = fixture_picture( &e.scene, &camera, &options );
+        SCOPED( image_release ) image many = fixture_picture( &e.scene, &camera, &options );
         assert_same_picture( &one, &many );
-        image_release( &many );
     }
-    image_release( &one );
-    free_everything( &e );
 }
 
 static void backwards( void* user, int block_count, wisp_block_fn* run, void* context )
@@ -86,35 +83,29 @@ static void backwards( void* user, int block_count, wisp_block_fn* run, void* co
 
 TEST( a_host_that_draws_backwards_gets_the_same_bytes )
 {
-    everything e;
+    SCOPED( free_everything ) everything e;
     make_everything( &e );
     render_camera camera = fixture_camera();
     render_options options = fixture_options();
-    image ours = fixture_picture( &e.scene, &camera, &options );
+    SCOPED( image_release ) image ours = fixture_picture( &e.scene, &camera, &options );
     int calls = 0;
     options.parallel_for = backwards;
     options.parallel_user = &calls;
-    image theirs = fixture_picture( &e.scene, &camera, &options );
+    SCOPED( image_release ) image theirs = fixture_picture( &e.scene, &camera, &options );
     assert_int_equal( calls, 1 );
     assert_same_picture( &ours, &theirs );
-    image_release( &ours );
-    image_release( &theirs );
-    free_everything( &e );
 }
 
 TEST( another_seed_has_other_noise )
 {
-    everything e;
+    SCOPED( free_everything ) everything e;
     make_everything( &e );
     render_camera camera = fixture_camera();
     render_options options = fixture_options();
-    image first = fixture_picture( &e.scene, &camera, &options );
+    SCOPED( image_release ) image first = fixture_picture( &e.scene, &camera, &options );
     options.seed = 2;
-    image second = fixture_picture( &e.scene, &camera, &options );
+    SCOPED( image_release ) image second = fixture_picture( &e.scene, &camera, &options );
     assert_true( fixture_count_differing( &first, &second ) > 0 );
-    image_release( &first );
-    image_release( &second );
-    free_everything( &e );
 }
 
 // ---- the background ----
@@ -125,7 +116,7 @@ TEST( an_empty_scene_is_its_background )
     render_camera camera = fixture_camera();
     render_options options = fixture_options();
     options.tone = RENDER_TONE_SRGB;
-    image picture = fixture_picture( &scene, &camera, &options );
+    SCOPED( image_release ) image picture = fixture_picture( &scene, &camera, &options );
     for ( int y = 0; y < picture.height; ++y )
     {
         for ( int x = 1; x < picture.width; ++x )
@@ -139,27 +130,23 @@ TEST( an_empty_scene_is_its_background )
     assert_in_range( top[2] + 1 - image_byte_of_linear( scene.background_top.z ), 0, 2 );
     assert_in_range( bottom[0] + 1 - image_byte_of_linear( scene.background_bottom.x ), 0, 2 );
     assert_in_range( bottom[2] + 1 - image_byte_of_linear( scene.background_bottom.z ), 0, 2 );
-    image_release( &picture );
 }
 
 TEST( the_ground_runs_out_into_the_background )
 {
-    everything e;
+    SCOPED( free_everything ) everything e;
     make_everything( &e );
     render_camera camera = fixture_camera();
     render_options options = fixture_options();
-    image with = fixture_picture( &e.scene, &camera, &options );
+    SCOPED( image_release ) image with = fixture_picture( &e.scene, &camera, &options );
     e.scene.has_ground = false;
-    image without = fixture_picture( &e.scene, &camera, &options );
+    SCOPED( image_release ) image without = fixture_picture( &e.scene, &camera, &options );
 
     // The camera is level, so the horizon is at half height; the bodies leave the left edge free.
     int horizon = options.height / 2;
     assert_false( fixture_differs( &with, &without, 0, horizon - 1 ) );
     assert_false( fixture_differs( &with, &without, 0, horizon + 1 ) );
     assert_true( fixture_count_differing( &with, &without ) > options.width );
-    image_release( &with );
-    image_release( &without );
-    free_everything( &e );
 }
 
 // ---- positions ----
@@ -171,7 +158,7 @@ typedef struct ball_view
 
 static ball_view view_ball( wisp_vec3 centre, float radius, const render_options* options )
 {
-    fixture_ball ball = fixture_ball_make( centre, radius );
+    SCOPED( fixture_ball_free ) fixture_ball ball = fixture_ball_make( centre, radius );
     render_mesh mesh = fixture_mesh( &ball, RENDER_SOLID );
     render_scene scene = render_default_scene();
     render_camera camera = fixture_camera();
@@ -179,7 +166,6 @@ static ball_view view_ball( wisp_vec3 centre, float radius, const render_options
     scene.meshes = &mesh;
     scene.mesh_count = 1;
     out.with = fixture_picture( &scene, &camera, options );
-    fixture_ball_free( &ball );
     return out;
 }
 
@@ -193,7 +179,7 @@ TEST( a_ball_covers_the_disc_that_the_camera_says )
 {
     render_options options = fixture_options();
     const float radius = 0.8f, away = 5.0f;
-    ball_view v = view_ball( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, radius, &options );
+    SCOPED( release_view ) ball_view v = view_ball( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, radius, &options );
     assert_true( fixture_differs( &v.with, &v.without, 48, 36 ) );
     assert_false( fixture_differs( &v.with, &v.without, 0, 0 ) );
     assert_false( fixture_differs( &v.with, &v.without, 95, 71 ) );
@@ -205,7 +191,6 @@ TEST( a_ball_covers_the_disc_that_the_camera_says )
     // the pixels that the ball touches are up to 1.5 pixels outside.
     assert_true( count > 3.14159265 * edge * edge * 0.98 );
     assert_true( count < 3.14159265 * ( edge + 1.5 ) * ( edge + 1.5 ) );
-    release_view( &v );
 }
 
 TEST( right_is_right_and_up_is_up )
@@ -213,13 +198,12 @@ TEST( right_is_right_and_up_is_up )
     render_options options = fixture_options();
     render_camera camera = fixture_camera();
     wisp_vec3 centre = { 1.2f, 1.9f, -0.5f };
-    ball_view v = view_ball( centre, 0.15f, &options );
+    SCOPED( release_view ) ball_view v = view_ball( centre, 0.15f, &options );
     fixture_place place = fixture_project( &camera, &options, centre );
     assert_true( place.x > 48.0 && place.y < 36.0 );
     assert_true( fixture_differs( &v.with, &v.without, (int)place.x, (int)place.y ) );
     assert_false( fixture_differs( &v.with, &v.without, (int)place.x, 71 - (int)place.y ) );
     assert_false( fixture_differs( &v.with, &v.without, 95 - (int)place.x, (int)place.y ) );
-    release_view( &v );
 }
 
 static image picture_of_triangle( const int32_t* triangle, render_material material, bool is_painted )
@@ -243,37 +227,33 @@ static image picture_of_triangle( const int32_t* triangle, render_material mater
 TEST( painted_cloth_is_the_same_from_both_sides )
 {
     const int32_t front[] = { 0, 1, 2 }, back[] = { 0, 2, 1 };
+    SCOPED( image_release )
     image a = picture_of_triangle( front, RENDER_CLOTH, true ), b = picture_of_triangle( back, RENDER_CLOTH, true );
-    image none = picture_of_triangle( NULL, RENDER_CLOTH, true );
+    SCOPED( image_release ) image none = picture_of_triangle( NULL, RENDER_CLOTH, true );
     assert_true( fixture_differs( &a, &none, 48, 40 ) );
     // They differ only by the order of two additions.
     assert_int_equal( fixture_count_differing( &a, &b ), 0 );
-    image_release( &a );
-    image_release( &b );
-    image_release( &none );
 }
 
 TEST( the_back_of_cloth_is_paler )
 {
     const int32_t front[] = { 0, 1, 2 }, back[] = { 0, 2, 1 };
+    SCOPED( image_release )
     image a = picture_of_triangle( front, RENDER_CLOTH, false ), b = picture_of_triangle( back, RENDER_CLOTH, false );
     const uint8_t *blue = fixture_pixel( &a, 48, 40 ), *pale = fixture_pixel( &b, 48, 40 );
     assert_true( blue[2] > 2 * blue[0] );
     assert_true( 2 * pale[2] < 3 * pale[0] );
-    image_release( &a );
-    image_release( &b );
 }
 
 TEST( colours_of_vertices_run_into_each_other )
 {
     const int32_t front[] = { 0, 1, 2 };
-    image picture = picture_of_triangle( front, RENDER_SOLID, true );
+    SCOPED( image_release ) image picture = picture_of_triangle( front, RENDER_SOLID, true );
     const uint8_t *left = fixture_pixel( &picture, 36, 50 ), *right = fixture_pixel( &picture, 60, 50 );
     const uint8_t *middle = fixture_pixel( &picture, 48, 50 ), *top = fixture_pixel( &picture, 48, 20 );
     assert_true( left[0] > left[2] + 40 && right[2] > right[0] + 40 );
     assert_true( top[1] > top[0] + 40 && top[1] > top[2] + 40 );
     assert_true( middle[0] < left[0] && middle[2] < right[2] && middle[0] > right[0] );
-    image_release( &picture );
 }
 
 // ---- strands ----
@@ -300,8 +280,8 @@ static image picture_of_strand( float radius, float min_pixels )
 
 TEST( a_strand_is_seen_along_its_whole_length )
 {
-    image none = picture_of_strand( 0.0f, 0.0f );
-    image thick = picture_of_strand( 0.04f, 0.0f );
+    SCOPED( image_release ) image none = picture_of_strand( 0.0f, 0.0f );
+    SCOPED( image_release ) image thick = picture_of_strand( 0.04f, 0.0f );
     render_camera camera = fixture_camera();
     render_options options = fixture_options();
     options.height = 73;
@@ -314,20 +294,15 @@ TEST( a_strand_is_seen_along_its_whole_length )
     assert_false( fixture_differs( &thick, &none, begin - 4, 36 ) );
     assert_false( fixture_differs( &thick, &none, end + 4, 36 ) );
     assert_false( fixture_differs( &thick, &none, 48, 30 ) );
-    image_release( &none );
-    image_release( &thick );
 }
 
 TEST( a_hair_thinner_than_a_pixel_is_widened )
 {
-    image none = picture_of_strand( 0.0f, 0.0f );
-    image thin = picture_of_strand( 4e-5f, 0.0f );
-    image widened = picture_of_strand( 4e-5f, 1.0f );
+    SCOPED( image_release ) image none = picture_of_strand( 0.0f, 0.0f );
+    SCOPED( image_release ) image thin = picture_of_strand( 4e-5f, 0.0f );
+    SCOPED( image_release ) image widened = picture_of_strand( 4e-5f, 1.0f );
     assert_true( fixture_count_differing( &widened, &none ) >= 40 );
     assert_true( fixture_count_differing( &thin, &none ) * 4 < fixture_count_differing( &widened, &none ) );
-    image_release( &none );
-    image_release( &thin );
-    image_release( &widened );
 }
 
 // ---- light ----
@@ -336,7 +311,7 @@ TEST( a_hair_thinner_than_a_pixel_is_widened )
 static image picture_with_shadow( render_material material, const render_camera* camera,
                                   const render_options* options )
 {
-    fixture_ball ball = fixture_ball_make( ( wisp_vec3 ){ 0.0f, 1.5f, 0.0f }, 0.5f );
+    SCOPED( fixture_ball_free ) fixture_ball ball = fixture_ball_make( ( wisp_vec3 ){ 0.0f, 1.5f, 0.0f }, 0.5f );
     render_mesh mesh = fixture_mesh( &ball, material );
     mesh.colour = ( wisp_vec3 ){ 0.7f, 0.05f, 0.05f };
     render_scene scene = render_default_scene();
@@ -344,9 +319,7 @@ static image picture_with_shadow( render_material material, const render_camera*
     scene.has_ground = true;
     scene.meshes = &mesh;
     scene.mesh_count = 1;
-    image out = fixture_picture( &scene, camera, options );
-    fixture_ball_free( &ball );
-    return out;
+    return fixture_picture( &scene, camera, options );
 }
 
 static const render_camera above = { { 0.0f, 2.0f, 6.0f }, { 0.0f, 0.7f, 0.0f }, { 0.0f, 1.0f, 0.0f }, 40.0f };
@@ -362,7 +335,7 @@ static render_options under_a_lamp( void )
 TEST( the_ground_under_a_ball_is_darker_than_beside_it )
 {
     render_options options = under_a_lamp();
-    image picture = picture_with_shadow( RENDER_SOLID, &above, &options );
+    SCOPED( image_release ) image picture = picture_with_shadow( RENDER_SOLID, &above, &options );
     fixture_place under = fixture_project( &above, &options, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
     fixture_place left = fixture_project( &above, &options, ( wisp_vec3 ){ -1.5f, 0.0f, 0.0f } );
     fixture_place right = fixture_project( &above, &options, ( wisp_vec3 ){ 1.5f, 0.0f, 0.0f } );
@@ -370,7 +343,6 @@ TEST( the_ground_under_a_ball_is_darker_than_beside_it )
     // The squares of the ground differ by a twentieth, a shadow takes more than half.
     assert_true( dark * 10 < 8 * fixture_brightness( &picture, (int)left.x, (int)left.y ) );
     assert_true( dark * 10 < 8 * fixture_brightness( &picture, (int)right.x, (int)right.y ) );
-    image_release( &picture );
 }
 
 // The brightness of the ground at a distance from under the ball, along a diagonal, where all squares are alike.
@@ -386,7 +358,7 @@ TEST( a_shadow_has_a_soft_edge )
     render_options options = under_a_lamp();
     options.width = 320;
     options.height = 240;
-    image picture = picture_with_shadow( RENDER_SOLID, &above, &options );
+    SCOPED( image_release ) image picture = picture_with_shadow( RENDER_SOLID, &above, &options );
     int whole = ground_at( &picture, &options, 0.75f ) - ground_at( &picture, &options, 0.25f );
     int edge = ground_at( &picture, &options, 0.55f ) - ground_at( &picture, &options, 0.45f );
 
@@ -394,30 +366,26 @@ TEST( a_shadow_has_a_soft_edge )
     // spans 0.32 .. 0.68 m. A hard edge would be crossed whole between 0.45 and 0.55 m.
     assert_true( whole > 100 );
     assert_true( edge > 0 && edge * 10 < whole * 6 );
-    image_release( &picture );
 }
 
 TEST( latex_colours_its_shadow )
 {
     render_options options = under_a_lamp();
-    image latex = picture_with_shadow( RENDER_LATEX, &above, &options );
-    image solid = picture_with_shadow( RENDER_SOLID, &above, &options );
+    SCOPED( image_release ) image latex = picture_with_shadow( RENDER_LATEX, &above, &options );
+    SCOPED( image_release ) image solid = picture_with_shadow( RENDER_SOLID, &above, &options );
     fixture_place under = fixture_project( &above, &options, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
     const uint8_t* red = fixture_pixel( &latex, (int)under.x, (int)under.y );
     const uint8_t* grey = fixture_pixel( &solid, (int)under.x, (int)under.y );
     assert_true( red[0] > grey[0] + 20 );
     assert_true( red[0] - red[1] > grey[0] - grey[1] + 20 );
-    image_release( &latex );
-    image_release( &solid );
 }
 
 TEST( light_from_the_left_lights_the_left )
 {
     render_options options = fixture_options();
     options.light = ( wisp_vec3 ){ -1.0f, 0.2f, 0.5f };
-    ball_view v = view_ball( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, 0.8f, &options );
+    SCOPED( release_view ) ball_view v = view_ball( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, 0.8f, &options );
     assert_true( fixture_brightness( &v.with, 38, 36 ) > fixture_brightness( &v.with, 58, 36 ) + 60 );
-    release_view( &v );
 }
 
 TEST( film_rolls_off_what_plain_output_cuts )
@@ -426,7 +394,7 @@ TEST( film_rolls_off_what_plain_output_cuts )
     scene.background_top = scene.background_bottom = ( wisp_vec3 ){ 1.5f, 0.3f, 0.3f };
     render_camera camera = fixture_camera();
     render_options options = fixture_options();
-    image film = fixture_picture( &scene, &camera, &options );
+    SCOPED( image_release ) image film = fixture_picture( &scene, &camera, &options );
     options.tone = RENDER_TONE_SRGB;
     image plain = fixture_picture( &scene, &camera, &options );
     assert_int_equal( fixture_pixel( &plain, 5, 5 )[0], 255 );
@@ -440,7 +408,6 @@ TEST( film_rolls_off_what_plain_output_cuts )
     film = fixture_picture( &scene, &camera, &options );
     assert_int_equal( fixture_pixel( &film, 5, 5 )[0], image_byte_of_linear( 0.7f ) );
     assert_int_equal( fixture_pixel( &film, 5, 5 )[2], image_byte_of_linear( 0.1f ) );
-    image_release( &film );
 }
 
 // ---- the automatic camera ----
@@ -499,13 +466,12 @@ TEST( an_empty_box_still_has_a_camera )
     render_options options = fixture_options();
     render_camera camera;
     assert_int_equal( render_frame_camera( &none, &view, 1.0f, &camera, NULL ), WISP_OK );
-    image picture = fixture_picture( &scene, &camera, &options );
-    image_release( &picture );
+    SCOPED( image_release ) image picture = fixture_picture( &scene, &camera, &options );
 }
 
 TEST( bounds_hold_what_is_drawn_and_join )
 {
-    everything e;
+    SCOPED( free_everything ) everything e;
     make_everything( &e );
     render_bounds bounds;
     assert_int_equal( render_scene_bounds( &e.scene, &bounds, NULL ), WISP_OK );
@@ -517,7 +483,6 @@ TEST( bounds_hold_what_is_drawn_and_join )
     assert_memory_equal( &both.lower, &bounds.lower, sizeof( both.lower ) );
     both = render_bounds_union( bounds, ( render_bounds ){ { 0.0f, -3.0f, 0.0f }, { 0.0f, 0.0f, 9.0f }, true } );
     assert_true( both.lower.y == -3.0f && both.upper.z == 9.0f && both.lower.x == bounds.lower.x );
-    free_everything( &e );
 }
 
 // ---- progress ----
@@ -547,10 +512,9 @@ TEST( progress_rises_to_one )
         options.threads = threads;
         options.progress = listen;
         options.progress_user = &l;
-        image picture = fixture_picture( &scene, &camera, &options );
+        SCOPED( image_release ) image picture = fixture_picture( &scene, &camera, &options );
         assert_true( l.last == 1.0 );
         assert_true( threads > 1 || l.calls > 20 ); // 30 tiles
-        image_release( &picture );
     }
 }
 
@@ -619,38 +583,31 @@ static int count_differing( const image* a, const image* b, int begin, int end )
 
 TEST( a_cut_leaves_the_side_behind_it )
 {
-    fixture_ball ball = make_ball();
+    SCOPED( fixture_ball_free ) fixture_ball ball = make_ball();
     const render_mesh mesh = fixture_mesh( &ball, RENDER_SOLID );
+    SCOPED( image_release )
     image none = draw( NULL, 0, NULL, uncut, 0.0f ), whole = draw( &mesh, 1, NULL, uncut, 0.0f );
-    image left = draw( &mesh, 1, NULL, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f }, 0.0f );
-    image longer = draw( &mesh, 1, NULL, ( wisp_vec3 ){ 4.0f, 0.0f, 0.0f }, 0.0f );
+    SCOPED( image_release ) image left = draw( &mesh, 1, NULL, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f }, 0.0f );
+    SCOPED( image_release ) image longer = draw( &mesh, 1, NULL, ( wisp_vec3 ){ 4.0f, 0.0f, 0.0f }, 0.0f );
     const int covered = count_differing( &whole, &none, 0, 96 );
     assert_true( covered > 300 );
     // the camera stands on the plane of the cut: nothing of the right half is left, not even its inside
     assert_int_equal( count_differing( &left, &none, 50, 96 ), 0 );
     assert_true( 2 * count_differing( &left, &none, 0, 48 ) > covered - 40 );
     assert_memory_equal( left.rgb, longer.rgb, 3 * (size_t)left.width * (size_t)left.height );
-    image_release( &none );
-    image_release( &whole );
-    image_release( &left );
-    image_release( &longer );
-    fixture_ball_free( &ball );
 }
 
 TEST( a_cut_shows_what_was_inside )
 {
+    SCOPED( fixture_ball_free )
     fixture_ball ball = make_ball(), seed = fixture_ball_make( ( wisp_vec3 ){ 0.0f, 1.0f, -0.1f }, 0.15f );
     render_mesh meshes[] = { fixture_mesh( &ball, RENDER_SOLID ), fixture_mesh( &seed, RENDER_SOLID ) };
     meshes[1].colour = ( wisp_vec3 ){ 0.8f, 0.0f, 0.0f };
-    image whole = draw( meshes, 2, NULL, uncut, 0.0f );
-    image open = draw( meshes, 2, NULL, ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f }, 0.1f );
+    SCOPED( image_release ) image whole = draw( meshes, 2, NULL, uncut, 0.0f );
+    SCOPED( image_release ) image open = draw( meshes, 2, NULL, ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f }, 0.1f );
     const uint8_t *before = fixture_pixel( &whole, 48, 36 ), *after = fixture_pixel( &open, 48, 36 );
     assert_true( before[0] < before[1] + 40 );
     assert_true( after[0] > 2 * after[1] );
-    image_release( &whole );
-    image_release( &open );
-    fixture_ball_free( &ball );
-    fixture_ball_free( &seed );
 }
 
 TEST( a_cut_that_is_not_a_number_is_refused )
@@ -672,29 +629,26 @@ TEST( a_cut_that_is_not_a_number_is_refused )
 
 TEST( a_body_is_seen_through_glass_and_not_through_a_wall )
 {
+    SCOPED( fixture_ball_free )
     fixture_ball ball = make_ball(), shell = fixture_ball_make( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, 0.9f );
     render_mesh meshes[] = { fixture_mesh( &ball, RENDER_SOLID ), fixture_mesh( &shell, RENDER_SOLID ) };
     meshes[0].colour = ( wisp_vec3 ){ 0.8f, 0.0f, 0.0f };
-    image wall = draw( meshes, 2, NULL, uncut, 0.0f );
+    SCOPED( image_release ) image wall = draw( meshes, 2, NULL, uncut, 0.0f );
     meshes[1].material = RENDER_GLASS;
-    image glass = draw( meshes, 2, NULL, uncut, 0.0f );
-    image none = draw( meshes, 1, NULL, uncut, 0.0f );
+    SCOPED( image_release ) image glass = draw( meshes, 2, NULL, uncut, 0.0f );
+    SCOPED( image_release ) image none = draw( meshes, 1, NULL, uncut, 0.0f );
     const uint8_t *hidden = fixture_pixel( &wall, 48, 36 ), *seen = fixture_pixel( &glass, 48, 36 );
     assert_true( hidden[0] < hidden[1] + 40 );
     assert_true( seen[0] > 2 * seen[1] );
     // the glass itself is there, too
     assert_true( count_differing( &glass, &none, 0, 96 ) > 500 );
-    image_release( &wall );
-    image_release( &glass );
-    image_release( &none );
-    fixture_ball_free( &ball );
-    fixture_ball_free( &shell );
 }
 
 // ---- what hides a point ----
 
 TEST( the_first_body_before_a_point_is_named )
 {
+    SCOPED( fixture_ball_free )
     fixture_ball near = fixture_ball_make( ( wisp_vec3 ){ 0.0f, 1.0f, 2.0f }, 0.2f ), far = make_ball();
     const render_mesh meshes[] = { fixture_mesh( &far, RENDER_SOLID ), fixture_mesh( &near, RENDER_SOLID ) };
     render_scene scene = render_default_scene();
@@ -719,8 +673,6 @@ TEST( the_first_body_before_a_point_is_named )
     assert_int_equal( bodies[0], 0 );
     const wisp_vec3 lost = { NAN, 0.0f, 0.0f };
     assert_int_equal( render_find_hiding( &scene, &camera, &lost, 1, bodies, &error ), WISP_BAD_INPUT );
-    fixture_ball_free( &near );
-    fixture_ball_free( &far );
 }
 
 // ---- hair ----
@@ -750,7 +702,8 @@ static bool is_covered( const image* picture, const image* none, wisp_vec3 point
 TEST( hair_bends_between_its_points_and_other_curves_do_not )
 {
     const render_curves straight = make_bow( false ), hair = make_bow( true );
-    image none = draw( NULL, 0, NULL, uncut, 0.0f );
+    SCOPED( image_release ) image none = draw( NULL, 0, NULL, uncut, 0.0f );
+    SCOPED( image_release )
     image segments = draw( NULL, 0, &straight, uncut, 0.0f ), smooth = draw( NULL, 0, &hair, uncut, 0.0f );
     // The middle of Hermite's curve: the mean of its ends and an eighth of the difference of its tangents. The tangents
     // are as long as the segment: along the segment at the root, level in the middle.
@@ -760,9 +713,6 @@ TEST( hair_bends_between_its_points_and_other_curves_do_not )
     assert_true( is_covered( &segments, &none, chord ) && !is_covered( &segments, &none, curve ) );
     assert_true( is_covered( &smooth, &none, curve ) && !is_covered( &smooth, &none, chord ) );
     assert_true( is_covered( &segments, &none, bow[1] ) && is_covered( &smooth, &none, bow[1] ) );
-    image_release( &none );
-    image_release( &segments );
-    image_release( &smooth );
 }
 
 // A strand of four points that are nearer to each other than floats can tell, or than is seen, and one that is not.
@@ -781,15 +731,13 @@ TEST( strands_far_shorter_than_their_radius_draw_no_strokes )
     curves.offsets = offsets;
     curves.strand_count = 1;
     curves.radius = 0.01f;
+    SCOPED( image_release )
     image none = draw( NULL, 0, NULL, uncut, 0.0f ), dot = draw( NULL, 0, &curves, uncut, 0.0f );
     assert_int_equal( count_differing( &dot, &none, 0, 96 ), 0 );
     curves.strand_count = 2;
-    image both = draw( NULL, 0, &curves, uncut, 0.0f );
+    SCOPED( image_release ) image both = draw( NULL, 0, &curves, uncut, 0.0f );
     assert_true( count_differing( &both, &none, 0, 48 ) >= 10 );
     assert_int_equal( count_differing( &both, &none, 50, 96 ), 0 );
-    image_release( &none );
-    image_release( &dot );
-    image_release( &both );
 }
 
 enum
@@ -855,7 +803,8 @@ static int range_of_brightness( const image* picture )
 
 TEST( hair_is_pointed_and_its_strands_differ )
 {
-    image none = { 0 }, other = { 0 };
+    SCOPED( image_release ) image none = { 0 }, other = { 0 };
+    SCOPED( image_release )
     image rods = picture_of_rows( false, 0.09f, &none ), hair = picture_of_rows( true, 0.09f, &other );
     int roots = 0, tips = 0, rod_roots = 0, rod_tips = 0;
     for ( int s = 0; s < STRANDS; ++s )
@@ -868,8 +817,4 @@ TEST( hair_is_pointed_and_its_strands_differ )
     assert_int_equal( rod_roots, rod_tips );
     assert_true( 5 * tips < 4 * roots );
     assert_true( 2 * range_of_brightness( &hair ) > 3 * range_of_brightness( &rods ) );
-    image_release( &none );
-    image_release( &other );
-    image_release( &rods );
-    image_release( &hair );
 }

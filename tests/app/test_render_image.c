@@ -60,7 +60,7 @@ TEST( a_linear_value_becomes_its_srgb_byte )
 
 TEST( filling_stays_inside_the_picture )
 {
-    image picture = make( 8, 6, WHITE );
+    SCOPED( image_release ) image picture = make( 8, 6, WHITE );
     image_fill( &picture, -5, -5, 7, 7, BLACK, 1.0f );
     image_fill( &picture, 6, 4, 2147483647, 2147483647, BLACK, 0.5f );
     assert_colour( &picture, 0, 0, BLACK );
@@ -68,7 +68,6 @@ TEST( filling_stays_inside_the_picture )
     assert_colour( &picture, 2, 1, WHITE );
     assert_colour( &picture, 7, 5, ( image_colour ){ 128, 128, 128 } );
     assert_colour( &picture, 5, 5, WHITE );
-    image_release( &picture );
 }
 
 // ---- files ----
@@ -80,10 +79,9 @@ static void assert_file_holds( const char* path, const image* picture )
     assert_int_equal( (int)png.width, picture->width );
     assert_int_equal( (int)png.height, picture->height );
     png.format = PNG_FORMAT_RGB;
-    uint8_t* pixels = checked_calloc( PNG_IMAGE_SIZE( png ), 1 );
+    SCOPED( free_local ) uint8_t* pixels = checked_calloc( PNG_IMAGE_SIZE( png ), 1 );
     assert_int_equal( png_image_finish_read( &png, NULL, pixels, 0, NULL ), 1 );
     assert_memory_equal( pixels, picture->rgb, 3 * (size_t)picture->width * (size_t)picture->height );
-    free( pixels );
 }
 
 static image noise( int width, int height )
@@ -102,11 +100,10 @@ TEST( a_file_holds_the_pixels_of_the_picture )
     const int sizes[][2] = { { 1, 1 }, { 33, 17 }, { 3, 400 } };
     for ( int i = 0; i < WISP_COUNT( sizes ); ++i )
     {
-        image picture = noise( sizes[i][0], sizes[i][1] );
+        SCOPED( image_release ) image picture = noise( sizes[i][0], sizes[i][1] );
         wisp_error error = { .status = WISP_OK };
         assert_int_equal( image_write_png( "test_render_image.png", &picture, &error ), WISP_OK );
         assert_file_holds( "test_render_image.png", &picture );
-        image_release( &picture );
     }
     unlink( "test_render_image.png" );
 }
@@ -141,7 +138,7 @@ TEST( a_sheet_shows_each_picture_in_its_cell )
     {
         pictures[i] = make( 20, 10, ( image_colour ){ (uint8_t)( 10 + 40 * i ), 0, 200 } );
     }
-    image sheet = { 0 };
+    SCOPED( image_release ) image sheet = { 0 };
     assert_int_equal( image_sheet( pictures, 5, 3, NULL, &sheet, NULL ), WISP_OK );
     const int gap = 4; // the least
     assert_int_equal( sheet.width, 3 * 20 + 4 * gap );
@@ -159,7 +156,6 @@ TEST( a_sheet_shows_each_picture_in_its_cell )
     // The sixth cell is empty.
     assert_memory_equal( fixture_pixel( &sheet, sheet.width - gap - 1, sheet.height - gap - 1 ),
                          fixture_pixel( &sheet, 0, 0 ), 3 );
-    image_release( &sheet );
 }
 
 TEST( a_smaller_picture_stands_in_the_middle_of_its_cell )
@@ -248,7 +244,7 @@ TEST( letters_are_their_squares )
 {
     static const char* const drawing[7] = { ".###.#####", "#...#..#..", "#......#..", "#......#..",
                                             "#......#..", "#...#..#..", ".###...#.." };
-    image picture = make( 24, 16, WHITE );
+    SCOPED( image_release ) image picture = make( 24, 16, WHITE );
     image_text( &picture, 2, 2, 2, BLACK, "C" );
     image_text( &picture, 12, 2, 2, BLACK, "T" );
     for ( int y = 0; y < 14; ++y )
@@ -261,7 +257,6 @@ TEST( letters_are_their_squares )
     }
     assert_int_equal( image_text_width( "CT", 2 ), 22 );
     assert_int_equal( image_text_width( "", 2 ), 0 );
-    image_release( &picture );
 }
 
 TEST( every_character_has_a_drawing_of_its_own )
@@ -288,11 +283,10 @@ TEST( every_character_has_a_drawing_of_its_own )
 
 TEST( text_that_leaves_the_picture_is_cut )
 {
-    image picture = make( 10, 5, WHITE );
+    SCOPED( image_release ) image picture = make( 10, 5, WHITE );
     image_text( &picture, -3, -2, 1, BLACK, "MMMMMMMM" );
     image_text( &picture, 1000, 1000, 3, BLACK, "M" );
     assert_true( dark_pixels( &picture, 0, 0, 10, 5 ) > 5 );
-    image_release( &picture );
 }
 
 // ---- colours of numbers ----
@@ -378,7 +372,7 @@ static bool has_colour( const image* picture, image_colour c )
 
 TEST( a_legend_has_both_ends_of_its_map_and_stays_in_its_corner )
 {
-    image picture = make( 320, 240, BLACK );
+    SCOPED( image_release ) image picture = make( 320, 240, BLACK );
     image_legend( &picture, COLOUR_MAP_RISING, 0.0, 0.25, "strain" );
     for ( int end = 0; end <= 1; ++end )
     {
@@ -395,7 +389,6 @@ TEST( a_legend_has_both_ends_of_its_map_and_stays_in_its_corner )
     // Too small for a legend: the part that fits is drawn, and nothing is written outside.
     picture = make( 5, 4, BLACK );
     image_legend( &picture, COLOUR_MAP_DIVERGING, -1e300, 1e300, "a long title" );
-    image_release( &picture );
 }
 
 // ---- points ----
@@ -426,7 +419,7 @@ static image picture_of( const render_points* points )
 TEST( points_are_balls_where_the_camera_says )
 {
     render_points points = two_points( 0.2f );
-    image none = picture_of( NULL ), picture = picture_of( &points );
+    SCOPED( image_release ) image none = picture_of( NULL ), picture = picture_of( &points );
     render_camera camera = fixture_camera();
     render_options options = fixture_options();
     double covered = 0.0;
@@ -443,14 +436,12 @@ TEST( points_are_balls_where_the_camera_says )
     // a pixel on the rim counts as a whole: at most one ring of pixels, half of it too many
     const double count = fixture_count_differing( &picture, &none );
     assert_true( count > covered && count < 1.5 * covered );
-    image_release( &none );
-    image_release( &picture );
 }
 
 TEST( every_point_has_its_colour )
 {
     render_points points = two_points( 0.2f );
-    image picture = picture_of( &points );
+    SCOPED( image_release ) image picture = picture_of( &points );
     render_camera camera = fixture_camera();
     render_options options = fixture_options();
     for ( int i = 0; i < 2; ++i )
@@ -470,7 +461,6 @@ TEST( every_point_has_its_colour )
         const uint8_t* p = fixture_pixel( &picture, (int)at.x, (int)at.y );
         assert_true( p[2] > 2 * p[0] && p[2] > 2 * p[1] );
     }
-    image_release( &picture );
 }
 
 // ---- next to other bodies ----
@@ -624,10 +614,8 @@ TEST( points_that_cannot_be_are_refused_by_name )
 TEST( no_points_are_nothing )
 {
     render_points points = render_default_points();
-    image none = picture_of( NULL ), empty = picture_of( &points );
+    SCOPED( image_release ) image none = picture_of( NULL ), empty = picture_of( &points );
     assert_int_equal( fixture_count_differing( &none, &empty ), 0 );
-    image_release( &none );
-    image_release( &empty );
 }
 
 // ---- what is rejected ----
@@ -687,24 +675,22 @@ static wisp_status draw( const spoilt* s, image* out, wisp_error* error )
 // Rejected with these words, and the previous picture is still there.
 static void assert_refused( const spoilt* s, const char* words )
 {
-    image old = { 0 };
+    SCOPED( image_release ) image old = { 0 };
     assert_int_equal( image_make( 3, 2, ( image_colour ){ 1, 2, 3 }, &old, NULL ), WISP_OK );
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( draw( s, &old, &error ), WISP_BAD_INPUT );
     assert_contains( error.message, words );
     assert_int_equal( old.width, 3 );
     assert_int_equal( fixture_pixel( &old, 2, 1 )[2], 3 );
-    image_release( &old );
 }
 
 TEST( the_unspoilt_scene_is_drawn )
 {
     spoilt s;
     make_good( &s );
-    image picture = { 0 };
+    SCOPED( image_release ) image picture = { 0 };
     assert_int_equal( draw( &s, &picture, NULL ), WISP_OK );
     assert_int_equal( picture.width, s.options.width );
-    image_release( &picture );
 }
 
 TEST( a_vertex_that_is_not_finite_is_named )
@@ -870,12 +856,11 @@ TEST( strange_scenes_are_drawn )
         render_view view = render_default_view();
         assert_int_equal( render_scene_bounds( &s.scene, &bounds, NULL ), WISP_OK );
         assert_int_equal( render_frame_camera( &bounds, &view, 4.0f / 3.0f, &s.camera, NULL ), WISP_OK );
-        image picture = { 0 };
+        SCOPED( image_release ) image picture = { 0 };
         wisp_error error = { .status = WISP_OK };
         if ( draw( &s, &picture, &error ) != WISP_OK )
         {
             fail_msg( "scale %g, shift %g: %s", (double)scale, (double)shift, error.message );
         }
-        image_release( &picture );
     }
 }

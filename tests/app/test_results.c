@@ -53,20 +53,18 @@ static char* written( const results* all, results_format format )
 
 static char* written_example( results_format format )
 {
-    results all;
+    SCOPED( results_free ) results all;
     fill( &all );
     char* text = written( &all, format );
-    results_free( &all );
     return text;
 }
 
 static json_t* parsed( results_format format )
 {
-    char* text = written_example( format );
+    SCOPED( free_local ) char* text = written_example( format );
     json_error_t error;
     json_t* root = json_loads( text, JSON_REJECT_DUPLICATES, &error );
     assert_non_null( root );
-    free( text );
     return root;
 }
 
@@ -105,14 +103,12 @@ TEST( json_has_the_keys_of_its_schema )
 
 TEST( a_list_of_numbers_is_one_line_of_json )
 {
-    results all;
+    SCOPED( results_free ) results all;
     fill( &all );
     results_add_note( &all, "a \"quoted [1,2]\" note" );
-    char* text = written( &all, RESULTS_JSON );
+    SCOPED( free_local ) char* text = written( &all, RESULTS_JSON );
     assert_contains( text, "\"samples_ms\": [0.75, 0.5, 1.25, 0.625, 1.0],\n" );
     assert_contains( text, "\"a \\\"quoted [1,2]\\\" note\"\n" );
-    free( text );
-    results_free( &all );
 }
 
 TEST( json_keeps_every_number_of_a_row )
@@ -150,15 +146,13 @@ TEST( json_says_null_where_nothing_is_known )
 
 TEST( text_that_is_not_utf8_does_not_break_json )
 {
-    results all = { 0 };
+    SCOPED( results_free ) results all = { 0 };
     results_add_row( &all, "\xff\xfe", "run" );
     all.machine = machine_describe( "baseline" );
-    char* text = written( &all, RESULTS_JSON );
+    SCOPED( free_local ) char* text = written( &all, RESULTS_JSON );
     json_t* root = json_loads( text, 0, NULL );
     assert_non_null( root );
     json_decref( root );
-    free( text );
-    results_free( &all );
 }
 
 // ---- github-action-benchmark ----
@@ -220,7 +214,7 @@ static const char* csv_field( char* header[CSV_COLUMNS], char* row[CSV_COLUMNS],
 
 TEST( csv_has_one_line_a_row_and_the_same_columns_in_each )
 {
-    char* text = written_example( RESULTS_CSV );
+    SCOPED( free_local ) char* text = written_example( RESULTS_CSV );
     char *lines[4] = { NULL }, *header[CSV_COLUMNS], *source[CSV_COLUMNS], *wisp[CSV_COLUMNS];
     int line_count = 0;
     for ( char* line = text; *line && line_count < 4; ++line_count )
@@ -247,41 +241,37 @@ TEST( csv_has_one_line_a_row_and_the_same_columns_in_each )
     assert_string_equal( csv_field( header, source, columns, "ms_p10" ), "" );
     assert_string_equal( csv_field( header, source, columns, "size.bytes_a_vertex" ), "" );
     assert_true( strtod( csv_field( header, source, columns, "ms_median" ), NULL ) == 6.8 );
-    free( text );
 }
 
 // ---- text and Markdown ----
 
 TEST( text_aligns_numbers_to_the_right_and_names_to_the_left )
 {
-    char* text = written_example( RESULTS_TEXT );
+    SCOPED( free_local ) char* text = written_example( RESULTS_TEXT );
     assert_non_null( strstr( text, "\nwho              ms  note\n" ) );
     assert_non_null( strstr( text, "\nwisp           0.75  a|b\n" ) );
     assert_non_null( strstr( text, "\na longer name     -\n" ) );
     assert_non_null( strstr( text, "\n1 notes\n" ) );
     assert_null( strchr( text, '\033' ) );
-    free( text );
 }
 
 TEST( markdown_escapes_the_bar_that_would_end_a_cell )
 {
-    char* text = written_example( RESULTS_MARKDOWN );
+    SCOPED( free_local ) char* text = written_example( RESULTS_MARKDOWN );
     assert_non_null( strstr( text, "\n| who | ms | note |\n|---|---:|---|\n" ) );
     assert_non_null( strstr( text, "| wisp | 0.75 | a\\|b |\n" ) );
     assert_non_null( strstr( text, "\n- 1 notes\n" ) );
-    free( text );
 }
 
 // ---- failures ----
 
 TEST( a_failure_marks_the_results_and_says_so )
 {
-    results all = { 0 };
+    SCOPED( results_free ) results all = { 0 };
     assert_false( all.failed );
     results_add_failure( &all, "hash %d", 3 );
     assert_true( all.failed );
     assert_string_equal( all.notes[0], "FAILED: hash 3" );
-    results_free( &all );
 }
 
 TEST( a_full_disk_is_an_error_in_every_format )
@@ -290,7 +280,7 @@ TEST( a_full_disk_is_an_error_in_every_format )
     {
         SKIP( "there is no /dev/full" );
     }
-    results all;
+    SCOPED( results_free ) results all;
     fill( &all );
     for ( int format = 0; format < RESULTS_FORMAT_COUNT; ++format )
     {
@@ -298,7 +288,6 @@ TEST( a_full_disk_is_an_error_in_every_format )
         assert_int_equal( results_write_file( &all, (results_format)format, "/dev/full", &error ), WISP_IO_ERROR );
         assert_true( strlen( error.message ) > 0 );
     }
-    results_free( &all );
 }
 
 TEST( a_folder_that_is_not_there_is_an_error_that_names_the_file )
@@ -329,11 +318,10 @@ static wisp_status info_on( const char* text, wisp_error* error )
 
 TEST( info_accepts_what_the_writer_writes )
 {
-    char* text = written_example( RESULTS_JSON );
+    SCOPED( free_local ) char* text = written_example( RESULTS_JSON );
     wisp_error error = { 0 };
     assert_true( info_is_results( text, strlen( text ) ) );
     assert_int_equal( info_on( text, &error ), WISP_OK );
-    free( text );
 }
 
 TEST( info_names_what_is_wrong_with_a_result )
@@ -378,7 +366,7 @@ TEST( info_names_what_is_wrong_with_a_result )
 // A file of one timed row with errors and a row without samples. @param factor of times @param error_m of the error
 static void write_file( char* path, double factor, double error_m, uint64_t hash, const char* cpu )
 {
-    results all = { .machine = machine_describe( "avx2" ) };
+    SCOPED( results_free ) results all = { .machine = machine_describe( "avx2" ) };
     snprintf( all.machine.cpu, sizeof all.machine.cpu, "%s", cpu );
     results_row* row = results_add_row( &all, "flag", "run" );
     double samples[SAMPLES];
@@ -400,7 +388,6 @@ static void write_file( char* path, double factor, double error_m, uint64_t hash
     assert_true( file >= 0 );
     close( file );
     assert_int_equal( results_write_file( &all, RESULTS_JSON, path, NULL ), WISP_OK );
-    results_free( &all );
 }
 
 static void compare( double factor, double error_m, uint64_t hash, const char* cpu, double least, results* out )
@@ -431,17 +418,16 @@ static double number( const results* out, int row, const char* name )
 
 TEST( equal_files_have_no_difference )
 {
-    results out;
+    SCOPED( results_free ) results out;
     compare( 1.0, 0.01, 1, "A", 0.25, &out );
     assert_true( number( &out, 0, "is_slower" ) == 0.0 && number( &out, 0, "is_faster" ) == 0.0 );
     assert_true( number( &out, 0, "bits_differ" ) == 0.0 );
     assert_int_equal( out.table_count, 1 ); // no number differs
-    results_free( &out );
 }
 
 TEST( a_time_counts_if_it_is_large_and_certain )
 {
-    results out;
+    SCOPED( results_free ) results out;
     compare( 1.5, 0.01, 1, "A", 0.25, &out );
     assert_true( number( &out, 0, "is_slower" ) == 1.0 && number( &out, 0, "p" ) < 0.01 );
     assert_true( number( &out, 1, "is_slower" ) == 1.0 ); // by its median alone
@@ -454,27 +440,24 @@ TEST( a_time_counts_if_it_is_large_and_certain )
     results_free( &out );
     compare( 1.002, 0.01, 1, "A", 0.001, &out ); // large enough and not certain
     assert_true( number( &out, 0, "is_slower" ) == 0.0 );
-    results_free( &out );
 }
 
 TEST( times_of_another_processor_are_not_judged )
 {
-    results out;
+    SCOPED( results_free ) results out;
     compare( 3.0, 0.01, 1, "B", 0.25, &out );
     assert_true( number( &out, 0, "is_slower" ) == 0.0 && number( &out, 0, "ratio" ) > 2.9 );
     assert_non_null( strstr( out.notes[0], "not judged" ) );
-    results_free( &out );
 }
 
 TEST( errors_and_bits_are_compared_as_they_stand )
 {
-    results out;
+    SCOPED( results_free ) results out;
     compare( 1.0, 0.0102, 2, "A", 0.25, &out );
     assert_true( number( &out, 0, "bits_differ" ) == 1.0 );
     assert_int_equal( out.table_count, 2 );
     assert_string_equal( results_cell( &out.tables[1], 1, 1 ), "error.rms_m" );
     assert_string_equal( results_cell( &out.tables[1], 1, 4 ), "+2.00 %" );
-    results_free( &out );
 }
 
 TEST( a_file_that_is_none_is_named )

@@ -15,11 +15,9 @@
 // The text in a block exactly as long, so that a sanitizer detects a read beyond its end.
 static wisp_status parse( const char* text, size_t size, wisp_scene* scene, wisp_error* error )
 {
-    char* exact = checked_malloc( size + ( size == 0 ) );
+    SCOPED( free_local ) char* exact = checked_malloc( size + ( size == 0 ) );
     memcpy( exact, text, size );
-    wisp_status status = wisp_scene_parse( exact, size, "scenes/test.yaml", scene, error );
-    free( exact );
-    return status;
+    return wisp_scene_parse( exact, size, "scenes/test.yaml", scene, error );
 }
 
 static wisp_scene good( const char* text )
@@ -42,7 +40,7 @@ static void demand_refusal( const char* text, const char* message )
 
 TEST( a_scene_of_one_key_has_the_defaults )
 {
-    wisp_scene scene = good( "wisp: 1\n" );
+    SCOPED( wisp_scene_release ) wisp_scene scene = good( "wisp: 1\n" );
     assert_string_equal( scene.name, "scenes/test.yaml" );
     assert_true( scene.dt == 1.0f / 60.0f );
     assert_int_equal( scene.steps, 1 );
@@ -50,12 +48,11 @@ TEST( a_scene_of_one_key_has_the_defaults )
     assert_int_equal( scene.iterations, 1 );
     assert_int_equal( scene.workers, 0 );
     assert_int_equal( scene.strands_count + scene.command_count + scene.output_count, 0 );
-    wisp_scene_release( &scene );
 }
 
 TEST( strands_without_blocks_have_the_defaults_and_compute_points )
 {
-    wisp_scene scene = good( "wisp: 1\nstrands:\n  - { name: hair, generate: {} }\n" );
+    SCOPED( wisp_scene_release ) wisp_scene scene = good( "wisp: 1\nstrands:\n  - { name: hair, generate: {} }\n" );
     const wisp_scene_strands* s = &scene.strands[0];
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_STRAIGHT, 3 );
     assert_true( s->is_generated );
@@ -72,11 +69,11 @@ TEST( strands_without_blocks_have_the_defaults_and_compute_points )
     assert_int_equal( s->frozen_hair.size, wisp_default_frozen_hair_def().size );
     assert_true( s->environment.stiffness[1] == wisp_default_environment_def().stiffness[1] );
     assert_true( s->appearance.root_width == wisp_default_strand_appearance_def().root_width );
-    wisp_scene_release( &scene );
 }
 
 TEST( a_stage_is_queried_for_by_its_key_alone )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene = good( "wisp: 1\nstrands:\n"
                              "  - { name: a, generate: {}, frozen_hair: { freeze: {} } }\n"
                              "  - { name: b, generate: {}, frozen_hair: { align: {} } }\n"
@@ -92,11 +89,11 @@ TEST( a_stage_is_queried_for_by_its_key_alone )
     }
     // Lengths that follow the radius stay unset, so that the module computes them from it.
     assert_true( scene.strands[2].frozen_hair.clump_step_length == wisp_default_frozen_hair_def().clump_step_length );
-    wisp_scene_release( &scene );
 }
 
 TEST( a_generator_takes_the_defaults_of_its_shape_wherever_the_shape_stands )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene = good( "wisp: 1\nstrands:\n"
                              "  - { name: a, generate: { length: 0.5, dimension: 2, shape: curly } }\n" );
     wisp_groom_generator expected = wisp_default_groom_generator( WISP_GROOM_CURLY, 2 );
@@ -107,7 +104,6 @@ TEST( a_generator_takes_the_defaults_of_its_shape_wherever_the_shape_stands )
     assert_int_equal( generator->vertices_per_strand, expected.vertices_per_strand );
     assert_true( generator->wave_length == expected.wave_length );
     assert_true( generator->length == 0.5f );
-    wisp_scene_release( &scene );
 }
 
 // ---- given keys ----
@@ -175,7 +171,7 @@ static void assert_generator( const wisp_groom_generator* generator )
 
 TEST( every_key_reaches_its_place )
 {
-    wisp_scene scene = good( EVERY_KEY );
+    SCOPED( wisp_scene_release ) wisp_scene scene = good( EVERY_KEY );
     assert_true( scene.dt == 0.25f );
     assert_int_equal( scene.steps, 5 );
     assert_int_equal( scene.substeps, 2 );
@@ -208,11 +204,11 @@ TEST( every_key_reaches_its_place )
     assert_string_equal( scene.outputs[0].file, "out/a.usda" );
     assert_int_equal( scene.outputs[0].strands, 0 );
     assert_int_equal( scene.outputs[0].line, 7 );
-    wisp_scene_release( &scene );
 }
 
 TEST( points_are_requested_unless_the_scene_says_what_to_compute )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene =
         good( "wisp: 1\nstrands: [ { name: a, generate: {}, compute: [] }, { name: b, generate: {}, compute: [] }, "
               "{ name: c, generate: {} }, { name: d, generate: {}, show: false } ]\n"
@@ -221,11 +217,11 @@ TEST( points_are_requested_unless_the_scene_says_what_to_compute )
     assert_true( scene.strands[1].request_points );
     assert_true( scene.strands[2].request_points );
     assert_false( scene.strands[3].request_points );
-    wisp_scene_release( &scene );
 }
 
 TEST( commands_come_in_the_order_of_their_steps )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene = good( "wisp: 1\nsteps: 9\n"
                              "strands:\n"
                              "  - { name: b, generate: {}, frozen_hair: {} }\n"
@@ -243,11 +239,11 @@ TEST( commands_come_in_the_order_of_their_steps )
         assert_true( scene.commands[i].cursor.x == cursors[i] );
         assert_int_equal( scene.commands[i].line, lines[i] );
     }
-    wisp_scene_release( &scene );
 }
 
 TEST( hair_events_change_parameters_from_then_on )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene = good( "wisp: 1\nsteps: 9\n"
                              "strands:\n"
                              "  - name: a\n    generate: {}\n"
@@ -269,11 +265,11 @@ TEST( hair_events_change_parameters_from_then_on )
     assert_true( e[2].has_bend_stiffness && e[2].bend_stiffness == 6.0f && !e[2].has_intensity );
     assert_true( e[3].begin_stroke && !e[3].changes && !e[3].has_cursor && e[3].intensity == 0.5f );
     assert_true( e[4].changes && e[4].clump_radius == 0.02f && e[4].bend_stiffness == 5.0f );
-    wisp_scene_release( &scene );
 }
 
 TEST( files_are_looked_for_beside_the_scene )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene = good( "wisp: 1\nstrands:\n"
                              "  - { name: a, file: ../grooms/hair.hair, frozen_hair: { freeze: "
                              "{ bend_stiffness: [1, 2, 3, 4, 5] } } }\n"
@@ -282,7 +278,6 @@ TEST( files_are_looked_for_beside_the_scene )
     assert_false( scene.strands[0].is_generated );
     assert_int_equal( scene.strands[0].bend_count, 5 );
     assert_string_equal( scene.strands[1].file, "/grooms/hair.hair" );
-    wisp_scene_release( &scene );
 }
 
 // ---- files ----
@@ -294,16 +289,16 @@ TEST( the_scenes_of_the_project_are_read )
                                          "frozen_stroke.yaml" };
     for ( int i = 0; i < WISP_COUNT( files ); ++i )
     {
-        wisp_scene scene = read_good( files[i] );
+        SCOPED( wisp_scene_release ) wisp_scene scene = read_good( files[i] );
         assert_int_equal( scene.strands_count, 1 );
         // All but the first request an output.
         assert_int_equal( scene.strands[0].request_points, i > 0 );
-        wisp_scene_release( &scene );
     }
 }
 
 TEST( a_scene_in_json_says_the_same_as_in_yaml )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene yaml = read_good( "freeze_only.yaml" ), json = read_good( "freeze_only.json" );
     const wisp_scene_strands *a = yaml.strands, *b = json.strands;
     assert_string_equal( a->name, b->name );
@@ -316,13 +311,11 @@ TEST( a_scene_in_json_says_the_same_as_in_yaml )
     assert_int_equal( a->generator.shape, b->generator.shape );
     assert_int_equal( a->generator.strand_count, b->generator.strand_count );
     assert_true( a->generator.seed == b->generator.seed );
-    wisp_scene_release( &yaml );
-    wisp_scene_release( &json );
 }
 
 TEST( a_scene_with_keys_of_every_block_is_read )
 {
-    wisp_scene scene;
+    SCOPED( wisp_scene_release ) wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
     assert_ok( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/every_key.yaml", &scene, &error ), error );
     assert_int_equal( scene.strands_count, 1 );
@@ -333,7 +326,6 @@ TEST( a_scene_with_keys_of_every_block_is_read )
     assert_int_equal( scene.seam_count, 2 );
     assert_int_equal( scene.event_count, 4 );
     assert_int_equal( scene.output_count, 2 );
-    wisp_scene_release( &scene );
 }
 
 TEST( a_missing_file_is_an_error_of_the_system )
@@ -360,9 +352,8 @@ TEST( line_ends_byte_order_marks_and_comments_do_not_matter )
     };
     for ( int i = 0; i < WISP_COUNT( texts ); ++i )
     {
-        wisp_scene scene = good( texts[i] );
+        SCOPED( wisp_scene_release ) wisp_scene scene = good( texts[i] );
         assert_int_equal( scene.steps, 7 );
-        wisp_scene_release( &scene );
     }
 }
 
@@ -418,7 +409,7 @@ TEST( numbers_have_points_whatever_the_locale_of_the_host )
 
 TEST( factors_of_steps_repeat )
 {
-    wisp_scene scene = good( "wisp: 1\ndt: 0.25\ndt_factors: [1, 2, 0.5]\nsteps: 7\n" );
+    SCOPED( wisp_scene_release ) wisp_scene scene = good( "wisp: 1\ndt: 0.25\ndt_factors: [1, 2, 0.5]\nsteps: 7\n" );
     static const float lengths[] = { 0.25f, 0.5f, 0.125f, 0.25f, 0.5f, 0.125f, 0.25f };
     double time = 0.0; // sums of powers of two are exact
     for ( int step = 0; step < scene.steps; ++step )
@@ -428,18 +419,17 @@ TEST( factors_of_steps_repeat )
         assert_true( wisp_scene_step_at( &scene, (float)time ) == step );
         time += (double)lengths[step];
     }
-    wisp_scene_release( &scene );
 }
 
 TEST( an_event_at_a_time_comes_before_the_step_that_begins_then_or_later )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene = good( "wisp: 1\ndt: 0.25\ndt_factors: [1, 2, 0.5]\nsteps: 7\n"
                              "surfaces:\n  - { name: a, generate: { shape: plane } }\n"
                              "events:\n  - { time: 0.8, surface: a, velocity: [1, 0, 0] }\n"
                              "  - { time: 1.125, surface: a, velocity: [1, 0, 0] }\n" );
     assert_int_equal( scene.events[0].step, 3 ); // steps begin at 0, 0.25, 0.75, 0.875, 1.125
     assert_int_equal( scene.events[1].step, 4 );
-    wisp_scene_release( &scene );
 }
 
 // ---- limits ----
@@ -474,19 +464,16 @@ TEST( what_is_too_much_is_refused_where_it_becomes_too_much )
     };
     for ( int i = 0; i < WISP_COUNT( hostile ); ++i )
     {
-        char* text = repeat( hostile[i].head, hostile[i].part, most + hostile[i].over );
+        SCOPED( free_local ) char* text = repeat( hostile[i].head, hostile[i].part, most + hostile[i].over );
         demand_refusal( text, hostile[i].message );
-        free( text );
     }
 }
 
 TEST( a_scene_of_16_mebibytes_and_not_one_more_is_read )
 {
-    char* text = repeat( "wisp: 1\n", "\n", (size_t)16 << 20 );
-    wisp_scene scene = good( text );
+    SCOPED( free_local ) char* text = repeat( "wisp: 1\n", "\n", (size_t)16 << 20 );
+    SCOPED( wisp_scene_release ) wisp_scene scene = good( text );
     assert_int_equal( scene.steps, 1 );
-    wisp_scene_release( &scene );
-    free( text );
 }
 
 TEST( a_list_of_32_levels_is_only_refused_for_what_it_is )
@@ -511,12 +498,12 @@ TEST( a_long_name_keeps_its_end_in_the_message )
 TEST( numbers_are_checked_as_the_module_sees_them )
 {
     // 3.14159265358979 rounds up to the float above pi, which is the float that the module compares with.
+    SCOPED( wisp_scene_release )
     wisp_scene scene =
         good( "wisp: 1\nstrands:\n  - { name: a, generate: {}, frozen_hair: { freeze: { max_bend_angle: "
               "3.14159265358979 }, align: { intensity: 1.00000000001 } } }\n" );
     assert_true( scene.strands[0].frozen_hair.max_bend_angle == 3.14159274f );
     assert_true( scene.strands[0].frozen_hair.intensity == 1.0f );
-    wisp_scene_release( &scene );
 }
 
 // ---- nearest.h ----
@@ -560,7 +547,7 @@ TEST( of_words_equally_near_the_first_is_taken )
 
 TEST( a_word_longer_than_any_key_is_near_nothing )
 {
-    char* word = repeat( "", "h", 1 << 20 );
+    SCOPED( free_local ) char* word = repeat( "", "h", 1 << 20 );
     char almost[66];
     memset( almost, 'h', 64 );
     almost[64] = 0;
@@ -568,7 +555,6 @@ TEST( a_word_longer_than_any_key_is_near_nothing )
     assert_null( nearest_word( word, words, 1 ) );
     word[63] = 0;
     assert_ptr_equal( nearest_word( word, words, 1 ), almost );
-    free( word );
 }
 
 static const char DOCUMENT[] = WISP_SOURCE_ROOT "/docs/scenes.md";
@@ -598,7 +584,7 @@ TEST( the_document_has_the_keys_of_the_tables )
 {
     static const char begin_mark[] = "<!-- keys: begin -->\n", end_mark[] = "<!-- keys: end -->\n";
     int count = 0;
-    char *document = read_document(), *keys = keys_of( NULL, &count );
+    SCOPED( free_local ) char *document = read_document(), *keys = keys_of( NULL, &count );
     char* begin = strstr( document, begin_mark );
     assert_non_null( begin );
     begin += strlen( begin_mark );
@@ -609,14 +595,12 @@ TEST( the_document_has_the_keys_of_the_tables )
     {
         fail_msg( "docs/scenes.md differs from the tables of the reader; run ./dev docs" );
     }
-    free( keys );
-    free( document );
 }
 
 TEST( every_example_of_the_document_is_a_scene )
 {
     static const char fence[] = "```yaml\n";
-    char* document = read_document();
+    SCOPED( free_local ) char* document = read_document();
     int examples = 0;
     for ( char* at = strstr( document, fence ); at; at = strstr( at, fence ) )
     {
@@ -634,7 +618,6 @@ TEST( every_example_of_the_document_is_a_scene )
         at = end + 3;
     }
     assert_true( examples >= 5 );
-    free( document );
 }
 
 // ---- the text ----
@@ -642,7 +625,7 @@ TEST( every_example_of_the_document_is_a_scene )
 TEST( every_key_has_a_message )
 {
     int count = 0, keys = 0;
-    char* text = keys_of( NULL, &count );
+    SCOPED( free_local ) char* text = keys_of( NULL, &count );
     assert_true( count > 30 );
     assert_null( strstr( text, "(null)" ) );
     for ( char* line = strtok( text, "\n" ); line; line = strtok( NULL, "\n" ) )
@@ -656,13 +639,12 @@ TEST( every_key_has_a_message )
         }
     }
     assert_true( keys > 250 );
-    free( text );
 }
 
 TEST( a_block_is_written_with_the_blocks_in_it )
 {
     int count = 0;
-    char* text = keys_of( "frozen_hair", &count );
+    SCOPED( free_local ) char* text = keys_of( "frozen_hair", &count );
     assert_int_equal( count, 4 );
     assert_non_null( strstr( text, "### `strands[].frozen_hair`\n" ) );
     assert_non_null( strstr( text, "### `strands[].frozen_hair.clump`\n" ) );
@@ -673,16 +655,14 @@ TEST( a_block_is_written_with_the_blocks_in_it )
     free( text );
     text = keys_of( "scene", &count );
     assert_int_equal( count, 1 );
-    free( text );
 }
 
 TEST( an_unknown_block_writes_nothing )
 {
     int count = 1;
-    char* text = keys_of( "clot", &count );
+    SCOPED( free_local ) char* text = keys_of( "clot", &count );
     assert_int_equal( count, 0 );
     assert_string_equal( text, "" );
-    free( text );
 }
 
 TEST( a_default_is_that_of_the_module )

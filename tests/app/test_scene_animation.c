@@ -29,8 +29,8 @@ static gltf_model strip( void )
 
 TEST( joints_of_a_file_are_where_its_poses_in_double_precision_have_them )
 {
-    gltf_model model = strip();
-    wisp_skeleton skeleton;
+    SCOPED( gltf_release ) gltf_model model = strip();
+    SCOPED( wisp_skeleton_release ) wisp_skeleton skeleton;
     wisp_skin* skin;
     wisp_animation clip;
     wisp_error error = { .status = WISP_OK };
@@ -56,8 +56,6 @@ TEST( joints_of_a_file_are_where_its_poses_in_double_precision_have_them )
     free( work );
     wisp_animation_release( &clip );
     wisp_skin_release( skin );
-    wisp_skeleton_release( &skeleton );
-    gltf_release( &model );
 }
 
 // A matrix of rotation, scale and mirror comes apart into what multiplies to the same matrix; one with shear is refused.
@@ -71,7 +69,7 @@ TEST( nodes_with_a_matrix_are_split_or_refused )
     };
     for ( int i = 0; i < WISP_COUNT( matrices ); ++i )
     {
-        gltf_model model = strip();
+        SCOPED( gltf_release ) gltf_model model = strip();
         wisp_skeleton skeleton;
         wisp_skin* skin;
         wisp_error error = { .status = WISP_OK };
@@ -92,7 +90,6 @@ TEST( nodes_with_a_matrix_are_split_or_refused )
         model.nodes[2].matrix[2] += 0.4;
         assert_int_equal( gltf_rig( &model, 0, "strip.glb", &skeleton, &skin, &error ), WISP_BAD_INPUT );
         assert_contains( error.message, "node 'tip' has a matrix that is not a scale and a rotation" );
-        gltf_release( &model );
     }
 }
 
@@ -115,10 +112,9 @@ static wisp_rig load( const char* clip_name )
 
 static wisp_animation read_clip( const char* name )
 {
-    wisp_rig rig = load( name );
+    SCOPED( wisp_rig_release ) wisp_rig rig = load( name );
     wisp_animation out = rig.animation;
     rig.animation = ( wisp_animation ){ 0 };
-    wisp_rig_release( &rig );
     return out;
 }
 
@@ -156,20 +152,18 @@ static double pose_difference( const wisp_animation* a, float time_a, const wisp
 
 TEST( one_clip_from_the_start_is_the_clip_itself )
 {
-    wisp_animation walk = read_clip( "walk" ), joined;
+    SCOPED( wisp_animation_release ) wisp_animation walk = read_clip( "walk" ), joined;
     const wisp_clip clip = { &walk, 0.0f, 10.0f, 1.0f };
     assert_int_equal( wisp_animation_join( &clip, 1, &bones, &joined, NULL ), WISP_OK );
     for ( int i = 0; i < 40; ++i )
     {
         assert_true( pose_difference( &walk, 0.13f * (float)i, &joined, 0.13f * (float)i ) == 0.0 );
     }
-    wisp_animation_release( &walk );
-    wisp_animation_release( &joined );
 }
 
 TEST( clips_follow_each_other_from_rest_without_a_jump )
 {
-    wisp_animation walk = read_clip( "walk" ), jump = read_clip( "jump" ), joined;
+    SCOPED( wisp_animation_release ) wisp_animation walk = read_clip( "walk" ), jump = read_clip( "jump" ), joined;
     const wisp_clip clips[] = { { &walk, 0.5f, 3.5f, 1.0f }, { &jump, 4.0f, 5.0f, 2.0f } };
     wisp_error error = { .status = WISP_OK };
     assert_ok( wisp_animation_join( clips, 2, &bones, &joined, &error ), error );
@@ -187,9 +181,6 @@ TEST( clips_follow_each_other_from_rest_without_a_jump )
         const float time = (float)i / 240.0f;
         assert_true( pose_difference( &joined, time, &joined, time + 1.0f / 240.0f ) < 0.1 ); // at most 24 m/s
     }
-    wisp_animation_release( &walk );
-    wisp_animation_release( &jump );
-    wisp_animation_release( &joined );
 }
 
 // ---- the figure of the tree ----
@@ -220,7 +211,7 @@ TEST( the_figure_is_closed_and_at_rest_its_skin_is_the_mesh )
                                   WISP_MESH_CLOSED | WISP_MESH_ORIENTED | WISP_MESH_MANIFOLD | WISP_MESH_CLEAN,
                                   "figure", &error ),
                error );
-    wisp_vec3* points = calloc( (size_t)figure.vertex_count, sizeof *points );
+    SCOPED( free_local ) wisp_vec3* points = calloc( (size_t)figure.vertex_count, sizeof *points );
     wisp_affine joints[64];
     wisp_skin_pose pose = { 0 };
     wisp_skeleton_pose( &bones, NULL, 0.0f, joints );
@@ -233,19 +224,18 @@ TEST( the_figure_is_closed_and_at_rest_its_skin_is_the_mesh )
         }
     }
     wisp_skin_pose_release( &pose, NULL );
-    free( points );
 }
 
 // A vertex that follows a wrong joint leaves its neighbours behind.
 TEST( the_figure_stays_whole_and_on_the_ground_in_all_clips )
 {
     static const char* const names[] = { "walk", "turn", "jump" };
-    wisp_vec3* points = calloc( (size_t)figure.vertex_count, sizeof *points );
+    SCOPED( free_local ) wisp_vec3* points = calloc( (size_t)figure.vertex_count, sizeof *points );
     wisp_affine joints[64];
     wisp_skin_pose pose = { 0 };
     for ( int c = 0; c < WISP_COUNT( names ); ++c )
     {
-        wisp_animation clip = read_clip( names[c] );
+        SCOPED( wisp_animation_release ) wisp_animation clip = read_clip( names[c] );
         const bool jumps = c == 2;
         double highest = -1.0;
         for ( int i = 0; i < 2 * 20; ++i )
@@ -263,10 +253,8 @@ TEST( the_figure_stays_whole_and_on_the_ground_in_all_clips )
             highest = fmax( highest, lowest );
         }
         assert_true( !jumps || highest > 0.15 );
-        wisp_animation_release( &clip );
     }
     wisp_skin_pose_release( &pose, NULL );
-    free( points );
 }
 
 // ---- scenes ----
@@ -287,9 +275,9 @@ static const wisp_vec3* points_of( fixture* f, int surface )
 
 TEST( vertices_are_where_the_clip_has_them )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, BODY );
-    wisp_animation walk = read_clip( "walk" ), joined;
+    SCOPED( wisp_animation_release ) wisp_animation walk = read_clip( "walk" ), joined;
     const wisp_clip clip = { &walk, 0.25f, 1.0f + walk.duration, 1.0f };
     assert_int_equal( wisp_animation_join( &clip, 1, &bones, &joined, NULL ), WISP_OK );
     wisp_vec3* expected = calloc( (size_t)figure.vertex_count, sizeof *expected );
@@ -313,15 +301,12 @@ TEST( vertices_are_where_the_clip_has_them )
     assert_true( moved > 0.2 );
     free( expected );
     wisp_skin_pose_release( &pose, NULL );
-    wisp_animation_release( &walk );
-    wisp_animation_release( &joined );
-    release( &f );
 }
 
 // Cloth that is held by motion constraints of length 0 alone, and cloth that is pinned.
 TEST( targets_and_pins_of_cloth_go_along )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, BODY "    cloth: {}\n    gravity: [0, 0, 0]\n    motion_constraints: { max_distance: 0 }\n"
                     "  - name: other\n    instance_of: body\n    transform: { translate: [3, 0, 0] }\n"
                     "    animation: { clips: [ { clip: walk, time: 0.25 } ] }\n" );
@@ -334,7 +319,6 @@ TEST( targets_and_pins_of_cloth_go_along )
         assert_true( fabsf( held[v].x - pinned[v].x ) < 1e-4f && fabsf( held[v].y - pinned[v].y ) < 1e-4f &&
                      fabsf( held[v].z - pinned[v].z ) < 1e-4f );
     }
-    release( &f );
 }
 
 TEST( a_file_without_the_clip_is_refused_with_the_line_of_the_surface )
@@ -377,7 +361,7 @@ TEST( a_sleeve_on_an_arm_that_falls_stays_free_of_intersections )
     {
         char text[4000];
         snprintf( text, sizeof text, SLEEVE, SUBSTEPS[k] );
-        fixture f = { .scene = parsed( text ) };
+        SCOPED( release ) fixture f = { .scene = parsed( text ) };
         create( &f, 2 );
         assert_int_equal( wisp_request_contact_stats( f.world.world, true, true ), WISP_OK );
         int limited = 0;
@@ -390,7 +374,6 @@ TEST( a_sleeve_on_an_arm_that_falls_stays_free_of_intersections )
             limited += stats.displacement_limited;
         }
         assert_true( limited > 100 );
-        release( &f );
     }
 }
 

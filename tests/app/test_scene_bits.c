@@ -63,7 +63,7 @@ static bool check_scene( const char* path )
     const scene_world_options others[] = { { .workers = 2, .is_quiet = true, .allocator = &counted },
                                            { .workers = 5, .isa = "avx2", .is_quiet = true, .allocator = &counted } };
     const scene_world_options one = { .workers = 1, .isa = "baseline", .is_quiet = true };
-    fixture f = { 0 };
+    SCOPED( release ) fixture f = { 0 };
     assert_ok( wisp_scene_read( path, &f.scene, &f.error ), f.error );
     assert_ok( scene_world_create( &f.scene, &one, &f.world, &f.error ), f.error );
     step( &f, MIDDLE );
@@ -92,13 +92,12 @@ static bool check_scene( const char* path )
         assert_host_memory_is_released( &host );
     }
     free( middle.bytes );
-    release( &f );
     return is_restored;
 }
 
 static void check_folder( const char* pattern, size_t least )
 {
-    glob_t found;
+    SCOPED( globfree ) glob_t found;
     size_t restored = 0;
     assert_int_equal( glob( pattern, 0, NULL, &found ), 0 );
     assert_true( found.gl_pathc >= least );
@@ -107,7 +106,6 @@ static void check_folder( const char* pattern, size_t least )
         restored += check_scene( found.gl_pathv[i] ) ? 1 : 0;
     }
     assert_true( restored + 1 >= found.gl_pathc );
-    globfree( &found );
 }
 
 TEST( scenes_of_the_project_have_the_same_bits_with_any_workers_and_behind_a_snapshot )
@@ -154,7 +152,7 @@ static int write_word( wisp_world* world, const index_column* t, int32_t value, 
 
 static void check_index( const index_column* t )
 {
-    fixture f = { 0 };
+    SCOPED( release ) fixture f = { 0 };
     char path[512];
     snprintf( path, sizeof path, "%s/data/%s.yaml", WISP_SOURCE_ROOT, t->scene );
     assert_ok( wisp_scene_read( path, &f.scene, &f.error ), f.error );
@@ -183,7 +181,6 @@ static void check_index( const index_column* t )
     assert_int_equal( wisp_world_restore( world, good, size ), WISP_OK );
     free( good );
     free( block );
-    release( &f );
 }
 
 TEST( a_snapshot_with_an_index_out_of_its_range_is_refused_and_changes_nothing )

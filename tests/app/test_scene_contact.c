@@ -16,7 +16,7 @@ static wisp_scene with_settings( const char* mapping )
 
 TEST( a_layer_without_keys_has_the_defaults_of_its_module )
 {
-    wisp_scene scene = with_block( "boundary", "{}" );
+    SCOPED( wisp_scene_release ) wisp_scene scene = with_block( "boundary", "{}" );
     const wisp_scene_surface* s = &scene.surfaces[0];
     const wisp_boundary_def *b = &s->boundary, def = wisp_default_boundary_def();
     assert_true( s->has_boundary && !s->has_contact );
@@ -26,12 +26,11 @@ TEST( a_layer_without_keys_has_the_defaults_of_its_module )
     assert_true( b->max_spacing == def.max_spacing && b->curvature_gain == def.curvature_gain );
     assert_true( b->strain_gain == def.strain_gain && b->eye_angle == def.eye_angle );
     assert_int_equal( b->size, def.size );
-    wisp_scene_release( &scene );
 }
 
 TEST( a_participant_without_keys_has_the_defaults_of_its_module )
 {
-    wisp_scene scene = with_block( "contact", "{}" );
+    SCOPED( wisp_scene_release ) wisp_scene scene = with_block( "contact", "{}" );
     const wisp_scene_surface* s = &scene.surfaces[0];
     const wisp_contact_def *c = &s->contact, def = wisp_default_contact_def();
     assert_true( s->has_contact && !s->has_boundary && !scene.has_contact );
@@ -39,7 +38,6 @@ TEST( a_participant_without_keys_has_the_defaults_of_its_module )
     assert_true( c->max_push_out_speed == def.max_push_out_speed && c->enabled == def.enabled );
     assert_true( c->layers == def.layers && c->mask == def.mask );
     assert_int_equal( c->size, def.size );
-    wisp_scene_release( &scene );
 }
 
 TEST( contact_of_a_scene_has_the_defaults_of_its_module )
@@ -48,14 +46,13 @@ TEST( contact_of_a_scene_has_the_defaults_of_its_module )
     const char* const texts[] = { "wisp: 1\n", "wisp: 1\ncontact: {}\n" };
     for ( int i = 0; i < WISP_COUNT( texts ); ++i )
     {
-        wisp_scene scene = parsed( texts[i] );
+        SCOPED( wisp_scene_release ) wisp_scene scene = parsed( texts[i] );
         assert_int_equal( scene.has_contact, i );
         assert_true( scene.contact.primitives == def.primitives );
         assert_true( scene.contact.particle_spacing == def.particle_spacing && scene.contact.margin == def.margin );
         assert_true( scene.contact.displacement_limit == def.displacement_limit );
         assert_int_equal( scene.contact.size, def.size );
         assert_false( scene.request_contact_stats || scene.request_intersections );
-        wisp_scene_release( &scene );
     }
 }
 
@@ -63,6 +60,7 @@ TEST( contact_of_a_scene_has_the_defaults_of_its_module )
 
 TEST( every_key_of_a_layer_reaches_its_place )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene = with_block( "boundary", "{ spacing: 0.02, policy: exact, rounding: up, "
                                                "hysteresis: 0.25, max_points: 1000, min_spacing: 0.01, max_spacing: "
                                                "0.03, curvature_gain: 2, strain_gain: -0.5, eye: [1, 2, 3], "
@@ -74,11 +72,11 @@ TEST( every_key_of_a_layer_reaches_its_place )
     assert_true( b->min_spacing == 0.01f && b->max_spacing == 0.03f );
     assert_true( b->curvature_gain == 2.0f && b->strain_gain == -0.5f && b->eye_angle == 0.016f );
     assert_true( b->eye.x == 1.0f && b->eye.y == 2.0f && b->eye.z == 3.0f );
-    wisp_scene_release( &scene );
 }
 
 TEST( every_key_of_a_participant_reaches_its_place )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene = parsed( "wisp: 1\n"
                                "surfaces:\n"
                                "  - name: cloth\n"
@@ -98,11 +96,11 @@ TEST( every_key_of_a_participant_reaches_its_place )
     assert_true( scene.strands[0].has_contact );
     assert_true( c->thickness == 0.02f && c->friction == 0.1f && c->max_push_out_speed == 3.0f );
     assert_true( c->layers == 1u << 2 && c->mask == 0u && !c->enabled );
-    wisp_scene_release( &scene );
 }
 
 TEST( every_key_of_the_contact_of_a_scene_reaches_its_place )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene = with_settings( "{ primitives: particles, particle_spacing: 0.004, margin: 0.5, "
                                       "compute: [intersections] }" );
     assert_int_equal( scene.contact.primitives, WISP_CONTACT_PARTICLES );
@@ -113,7 +111,6 @@ TEST( every_key_of_the_contact_of_a_scene_reaches_its_place )
     scene = with_settings( "{ displacement_limit: false, compute: [stats] }" );
     assert_true( scene.has_contact && !scene.contact.displacement_limit && scene.request_contact_stats &&
                  !scene.request_intersections );
-    wisp_scene_release( &scene );
 }
 
 TEST( every_word_is_the_enumerator_of_its_name )
@@ -129,22 +126,21 @@ TEST( every_word_is_the_enumerator_of_its_name )
     for ( int i = 0; i < WISP_ROUND_COUNT; ++i )
     {
         snprintf( mapping, sizeof mapping, "{ policy: %s, rounding: %s }", policies[i % 2], roundings[i] );
-        wisp_scene scene = with_block( "boundary", mapping );
+        SCOPED( wisp_scene_release ) wisp_scene scene = with_block( "boundary", mapping );
         assert_int_equal( scene.surfaces[0].boundary.policy, i % 2 );
         assert_int_equal( scene.surfaces[0].boundary.rounding, i );
-        wisp_scene_release( &scene );
     }
     for ( int i = 0; i < WISP_CONTACT_PRIMITIVES_COUNT; ++i )
     {
         snprintf( mapping, sizeof mapping, "{ primitives: %s }", primitives[i] );
-        wisp_scene scene = with_settings( mapping );
+        SCOPED( wisp_scene_release ) wisp_scene scene = with_settings( mapping );
         assert_int_equal( scene.contact.primitives, i );
-        wisp_scene_release( &scene );
     }
 }
 
 TEST( an_instance_has_a_layer_and_a_contact_of_its_own )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene =
         parsed( "wisp: 1\nsurfaces:\n"
                 "  - { name: a, generate: { shape: icosphere, level: 1 }, boundary: { spacing: 0.1 } }\n"
@@ -152,12 +148,11 @@ TEST( an_instance_has_a_layer_and_a_contact_of_its_own )
     assert_true( scene.surfaces[0].has_boundary && !scene.surfaces[1].has_boundary );
     assert_true( !scene.surfaces[0].has_contact && scene.surfaces[1].has_contact );
     assert_true( scene.surfaces[1].contact.friction == 0.9f );
-    wisp_scene_release( &scene );
 }
 
 TEST( a_scene_with_every_key_of_boundary_and_contact_is_read )
 {
-    wisp_scene scene;
+    SCOPED( wisp_scene_release ) wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
     if ( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/boundary_and_contact.yaml", &scene, &error ) !=
          WISP_OK )
@@ -167,7 +162,6 @@ TEST( a_scene_with_every_key_of_boundary_and_contact_is_read )
     assert_true( scene.has_contact && scene.request_contact_stats && scene.request_intersections );
     assert_true( scene.surfaces[0].has_boundary && scene.surfaces[0].has_contact && scene.surfaces[1].has_contact );
     assert_true( scene.strands[0].has_contact );
-    wisp_scene_release( &scene );
 }
 
 // ---- worlds ----
@@ -179,17 +173,16 @@ TEST( a_scene_with_every_key_of_boundary_and_contact_is_read )
 
 TEST( a_surface_without_a_layer_is_named )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, BALL );
     wisp_boundary_view view;
     assert_int_equal( scene_world_layer( &f.world, 0, &view, &f.error ), WISP_CONFLICT );
     assert_non_null( strstr( f.error.message, "test.yaml: 'ball': " ) );
-    release( &f );
 }
 
 TEST( a_layer_is_there_from_the_start_and_lies_on_its_surface )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, BALL "    boundary: { spacing: 0.02 }\n" );
     wisp_boundary_view view;
     assert_int_equal( scene_world_layer( &f.world, 0, &view, &f.error ), WISP_OK );
@@ -220,12 +213,11 @@ TEST( a_layer_is_there_from_the_start_and_lies_on_its_surface )
         const wisp_vec3 n = normals[v];
         assert_true( fabsf( n.x * n.x + n.y * n.y + n.z * n.z - 1.0f ) < 1e-5f );
     }
-    release( &f );
 }
 
 TEST( a_layer_changes_no_bit_of_its_surface )
 {
-    fixture with, without;
+    SCOPED( release ) fixture with, without;
     build( &with, BALL "    boundary: { spacing: 0.02, curvature_gain: 1, hysteresis: 0.2 }\n" );
     build( &without, BALL );
     step( &with, 5 );
@@ -234,18 +226,15 @@ TEST( a_layer_changes_no_bit_of_its_surface )
     assert_int_equal( scene_world_points( &with.world, 0, a, &with.error ), WISP_OK );
     assert_int_equal( scene_world_points( &without.world, 0, b, &without.error ), WISP_OK );
     assert_memory_equal( a, b, sizeof a );
-    release( &with );
-    release( &without );
 }
 
 TEST( a_surface_without_a_layer_has_none )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, BALL );
     step( &f, 1 );
     wisp_boundary_view view;
     assert_int_equal( scene_world_layer( &f.world, 0, &view, &f.error ), WISP_CONFLICT );
-    release( &f );
 }
 
 // ---- contact in worlds ----
@@ -258,7 +247,7 @@ TEST( a_surface_without_a_layer_has_none )
 
 TEST( stats_of_contact_are_there_where_they_are_requested )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     wisp_contact_stats stats;
     build( &f, "wisp: 1\nsubsteps: 4\n" TWO_SHEETS );
     step( &f, 1 );
@@ -276,19 +265,17 @@ TEST( stats_of_contact_are_there_where_they_are_requested )
     step( &f, 1 );
     assert_int_equal( wisp_read_contact_stats( f.world.world, &stats ), WISP_OK );
     assert_int_equal( stats.intersections, 0 );
-    release( &f );
 }
 
 TEST( implicit_cloth_takes_part_in_contact )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, "wisp: 1\ncontact: { compute: [stats] }\nsurfaces:\n"
                "  - { name: cloth, generate: { shape: plane }, implicit: {}, contact: {} }\n" );
     step( &f, 1 );
     wisp_contact_stats stats;
     assert_int_equal( wisp_read_contact_stats( f.world.world, &stats ), WISP_OK );
     assert_int_equal( stats.participants, 1 );
-    release( &f );
 }
 
 TEST( the_ends_of_all_ranges_are_taken_by_the_modules )
@@ -303,14 +290,13 @@ TEST( the_ends_of_all_ranges_are_taken_by_the_modules )
     };
     for ( int i = 0; i < WISP_COUNT( blocks ); ++i )
     {
-        fixture f = { .scene = { 0 } };
+        SCOPED( release ) fixture f = { .scene = { 0 } };
         char text[512];
         snprintf( text, sizeof text,
                   "wisp: 1\nsurfaces:\n  - name: cloth\n    generate: { shape: plane, columns: 3, rows: 3 }\n"
                   "    cloth: {}\n    %s\n",
                   blocks[i] );
         build( &f, text );
-        release( &f );
     }
     static const char* const settings[] = {
         "{ primitives: particles, particle_spacing: 1e-6, margin: 0.01 }",
@@ -320,11 +306,10 @@ TEST( the_ends_of_all_ranges_are_taken_by_the_modules )
     };
     for ( int i = 0; i < WISP_COUNT( settings ); ++i )
     {
-        fixture f;
+        SCOPED( release ) fixture f;
         char text[128];
         snprintf( text, sizeof text, "wisp: 1\ncontact: %s\n", settings[i] );
         build( &f, text );
-        release( &f );
     }
 }
 
@@ -344,7 +329,7 @@ TEST( what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface )
 
 TEST( an_implicit_cloth_without_keys_has_the_defaults_of_its_module )
 {
-    wisp_scene scene = with_block( "implicit", "{}" );
+    SCOPED( wisp_scene_release ) wisp_scene scene = with_block( "implicit", "{}" );
     const wisp_scene_surface* s = &scene.surfaces[0];
     const wisp_implicit_cloth_def *d = &s->implicit, def = wisp_default_implicit_cloth_def();
     assert_true( s->has_implicit && !s->has_cloth && !s->has_balloon && !s->has_quad_links );
@@ -357,20 +342,20 @@ TEST( an_implicit_cloth_without_keys_has_the_defaults_of_its_module )
     assert_int_equal( d->max_newton_iterations, def.max_newton_iterations );
     assert_int_equal( d->max_iterations, def.max_iterations );
     assert_int_equal( d->size, def.size );
-    wisp_scene_release( &scene );
 }
 
 TEST( a_surface_without_the_key_is_no_implicit_cloth )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene = parsed( "wisp: 1\nsurfaces:\n  - { name: cloth, generate: { shape: plane }, cloth: {} }\n" );
     assert_false( scene.surfaces[0].has_implicit || scene.surfaces[0].has_quad_links );
-    wisp_scene_release( &scene );
 }
 
 // ---- given keys ----
 
 TEST( every_key_of_an_implicit_cloth_reaches_its_place )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene = with_block(
         "implicit", "{ stiffness_model: material, stretch_stiffness: 350, bend_stiffness: 2e-6, bend_rigidity: 3e-6, "
                     "compression_stiffness: "
@@ -389,7 +374,6 @@ TEST( every_key_of_an_implicit_cloth_reaches_its_place )
     assert_int_equal( d->max_newton_iterations, 5 );
     assert_int_equal( d->max_iterations, 77 );
     assert_true( d->tolerance == 1e-6f && !s->has_quad_links );
-    wisp_scene_release( &scene );
 }
 
 TEST( every_word_of_implicit_cloth_is_the_enumerator_of_its_name )
@@ -415,16 +399,16 @@ TEST( every_word_of_implicit_cloth_is_the_enumerator_of_its_name )
                       WISP_IMPLICIT_STIFFNESS_COUNT + WISP_IMPLICIT_WEIGHTS_COUNT + WISP_INTEGRATOR_COUNT );
     for ( int i = 0; i < WISP_COUNT( words ); ++i )
     {
-        wisp_scene scene = with_block( "implicit", words[i].mapping );
+        SCOPED( wisp_scene_release ) wisp_scene scene = with_block( "implicit", words[i].mapping );
         int value = -1;
         memcpy( &value, (const char*)&scene.surfaces[0].implicit + words[i].at, sizeof value );
         assert_int_equal( value, words[i].value );
-        wisp_scene_release( &scene );
     }
 }
 
 TEST( quad_links_are_taken_of_a_plane_and_of_its_instances )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene =
         parsed( "wisp: 1\nsurfaces:\n"
                 "  - { name: a, generate: { shape: plane }, implicit: { links: quad } }\n"
@@ -432,18 +416,16 @@ TEST( quad_links_are_taken_of_a_plane_and_of_its_instances )
     assert_true( scene.surfaces[0].has_quad_links && scene.surfaces[1].has_quad_links );
     assert_true( scene.surfaces[1].request_stats && !scene.surfaces[0].request_stats );
     assert_null( scene.surfaces[0].implicit.stretch_pairs );
-    wisp_scene_release( &scene );
 }
 
 TEST( a_scene_with_every_key_of_implicit_cloth_is_read )
 {
-    wisp_scene scene;
+    SCOPED( wisp_scene_release ) wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
     assert_ok( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/implicit_cloth.yaml", &scene, &error ), error );
     assert_int_equal( scene.surface_count, 2 );
     assert_true( scene.surfaces[0].has_implicit && scene.surfaces[1].has_implicit );
     assert_true( !scene.surfaces[0].has_quad_links && scene.surfaces[1].has_quad_links );
-    wisp_scene_release( &scene );
 }
 
 // ---- pairs ----
@@ -497,7 +479,7 @@ TEST( pairs_of_a_grid_are_first_and_second_neighbours_each_once )
     for ( int k = 0; k < WISP_COUNT( sizes ); ++k )
     {
         const int columns = sizes[k][0], count = columns * sizes[k][1];
-        wisp_quad_pairs pairs;
+        SCOPED( wisp_quad_pairs_release ) wisp_quad_pairs pairs;
         wisp_error error = { .status = WISP_OK };
         assert_int_equal( wisp_quad_pairs_make( columns, sizes[k][1], &pairs, &error ), WISP_OK );
         int stretch = 0, bend = 0;
@@ -515,7 +497,6 @@ TEST( pairs_of_a_grid_are_first_and_second_neighbours_each_once )
         }
         assert_int_equal( pairs.stretch_count, stretch );
         assert_int_equal( pairs.bend_count, bend );
-        wisp_quad_pairs_release( &pairs );
     }
 }
 
@@ -545,16 +526,14 @@ static wisp_implicit_cloth_stats stats_of( fixture* f, int surface )
 static wisp_vec3 first_point( fixture* f )
 {
     const int count = scene_world_body( &f->world, 0 ).vertex_count;
-    wisp_vec3* points = checked_calloc( (size_t)count, sizeof *points );
+    SCOPED( free_local ) wisp_vec3* points = checked_calloc( (size_t)count, sizeof *points );
     assert_int_equal( scene_world_points( &f->world, 0, points, &f->error ), WISP_OK );
-    wisp_vec3 point = points[0];
-    free( points );
-    return point;
+    return points[0];
 }
 
 TEST( a_plane_with_quad_links_has_the_links_of_the_quad_reference )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, "wisp: 1\ndt: 0.01\nsurfaces:\n"
                "  - { name: a, generate: { shape: plane, columns: 25, rows: 25 }, pins: [0], compute: [points, "
                "effect_stats], "
@@ -568,12 +547,11 @@ TEST( a_plane_with_quad_links_has_the_links_of_the_quad_reference )
         assert_int_equal( stats.bend_links, 2208 );
         assert_int_equal( stats.max_neighbours, 16 );
     }
-    release( &f );
 }
 
 TEST( a_mesh_with_its_own_links_stretches_along_edges_and_bends_across_them )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build(
         &f,
         "wisp: 1\ndt: 0.01\nsurfaces:\n"
@@ -586,12 +564,11 @@ TEST( a_mesh_with_its_own_links_stretches_along_edges_and_bends_across_them )
     assert_int_equal( stats.stretch_links, 43 );
     assert_int_equal( stats.bend_links, 43 - 14 );
     assert_int_equal( scene_world_body( &f.world, 0 ).kind, SCENE_BODY_CLOTH );
-    release( &f );
 }
 
 TEST( a_hung_cloth_keeps_its_pin_and_falls )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build(
         &f,
         "wisp: 1\ndt: 0.01\nsurfaces:\n"
@@ -601,13 +578,11 @@ TEST( a_hung_cloth_keeps_its_pin_and_falls )
     step( &f, 20 );
     wisp_vec3 end = first_point( &f );
     assert_true( start.x == end.x && start.y == end.y && start.z == end.z );
-    wisp_vec3* points = checked_calloc( 81, sizeof *points );
+    SCOPED( free_local ) wisp_vec3* points = checked_calloc( 81, sizeof *points );
     assert_int_equal( scene_world_points( &f.world, 0, points, &f.error ), WISP_OK );
     // in 0.2 s a free vertex falls 0.2 m, and so does the far corner of a stiff plate 0.16 m wide that turns about its
     // pin; cloth bends on the way
     assert_true( points[80].y < -0.05f );
-    free( points );
-    release( &f );
 }
 
 // Without a restart, BDF2 would use the velocity before the event in the step: x + 2/3 h v instead of x + h v.
@@ -625,14 +600,13 @@ TEST( a_velocity_of_an_event_counts_from_its_step_on_whatever_the_integrator )
                   "%s } }\n"
                   "events:\n  - { step: 4, surface: a, %s: [0, -1, 0] }\n",
                   integrators[i % 2], keys[i / 2] );
-        fixture f;
+        SCOPED( release ) fixture f;
         build( &f, text );
         step( &f, 4 );
         assert_true( fabsf( first_point( &f ).y ) < 1e-7f );
         step( &f, 1 );
         // nothing but rounding of numbers near 0.03 m
         assert_true( fabsf( first_point( &f ).y + 0.01f ) < 1e-7f );
-        release( &f );
     }
 }
 
@@ -650,8 +624,7 @@ TEST( the_ends_of_all_ranges_are_taken_by_the_module )
     };
     for ( int i = 0; i < WISP_COUNT( mappings ); ++i )
     {
-        fixture f = { .scene = with_block( "implicit", mappings[i] ) };
+        SCOPED( release ) fixture f = { .scene = with_block( "implicit", mappings[i] ) };
         create( &f, 1 );
-        release( &f );
     }
 }

@@ -44,9 +44,9 @@ TEST( arrays_stand_for_the_files_that_entries_and_their_copies_name )
 {
     const wisp_scene_arrays both[] = { MESH, STRANDS };
     // the name of the scene has a folder, to which its files are relative
-    wisp_scene scene = scene_in( SHEET TUFT, "some/folder/test.yaml", both, 2 );
+    SCOPED( wisp_scene_release ) wisp_scene scene = scene_in( SHEET TUFT, "some/folder/test.yaml", both, 2 );
     const scene_world_options options = { .workers = 1 };
-    scene_world world;
+    SCOPED( scene_world_destroy ) scene_world world;
     wisp_error error = { 0 };
     assert_ok( scene_world_create( &scene, &options, &world, &error ), error );
     assert_int_equal( scene_world_body_count( &world ), 3 );
@@ -56,19 +56,16 @@ TEST( arrays_stand_for_the_files_that_entries_and_their_copies_name )
     assert_int_equal( sheet.vertex_count, 4 );
     assert_memory_equal( sheet.triangles, TRIANGLES, 6 * sizeof *TRIANGLES );
     assert_ok( scene_world_step( &world, &error ), error );
-    scene_world_destroy( &world );
-    wisp_scene_release( &scene );
 }
 
 static void demand_no_world( const char* text, wisp_scene_arrays arrays, const char* words )
 {
-    wisp_scene scene = scene_in( text, "test.yaml", &arrays, 1 );
+    SCOPED( wisp_scene_release ) wisp_scene scene = scene_in( text, "test.yaml", &arrays, 1 );
     const scene_world_options options = { .workers = 1 };
     scene_world world;
     wisp_error error = { 0 };
     assert_int_equal( scene_world_create( &scene, &options, &world, &error ), WISP_BAD_INPUT );
     assert_contains( error.message, words );
-    wisp_scene_release( &scene );
 }
 
 TEST( wrong_arrays_are_refused_as_wrong_files_are )
@@ -96,11 +93,10 @@ TEST( wrong_arrays_are_refused_as_wrong_files_are )
 
 TEST( arrays_that_no_entry_names_are_refused )
 {
-    wisp_scene scene = parsed( SHEET );
+    SCOPED( wisp_scene_release ) wisp_scene scene = parsed( SHEET );
     wisp_error error = { 0 };
     assert_int_equal( wisp_scene_set_arrays( &scene, &STRANDS, 1, &error ), WISP_BAD_INPUT );
     assert_contains( error.message, "got strands for 'memory', but no entry has that file" );
-    wisp_scene_release( &scene );
 }
 
 TEST( an_edited_text_keeps_its_other_bytes_and_is_checked )
@@ -134,6 +130,7 @@ TEST( warnings_of_a_world_go_to_the_log_of_its_host )
     wisp_scene_arrays a = MESH;
     a.triangle_count = 3;
     char kept[1000] = "";
+    SCOPED( wisp_scene_release )
     wisp_scene scene =
         scene_in( "wisp: 1\nsurfaces:\n  - { name: sheet, file: memory, repair: [duplicates], cloth: {} }\n",
                   "test.yaml", &a, 1 );
@@ -142,14 +139,12 @@ TEST( warnings_of_a_world_go_to_the_log_of_its_host )
         const scene_world_options options = {
             .workers = 1, .is_quiet = quiet, .log = keep_message, .log_user = kept
         };
-        scene_world world;
+        SCOPED( scene_world_destroy ) scene_world world;
         wisp_error error = { 0 };
         assert_ok( scene_world_create( &scene, &options, &world, &error ), error );
-        scene_world_destroy( &world );
     }
     // once: the second world was quiet
     assert_string_equal( kept, "1 test.yaml:3:5: surface 'sheet': 1 duplicate triangle was removed\n" );
-    wisp_scene_release( &scene );
 }
 
 // ---- frames of any length ----
@@ -160,9 +155,9 @@ TEST( warnings_of_a_world_go_to_the_log_of_its_host )
 
 TEST( frames_of_any_length_make_the_steps_of_the_scene )
 {
-    wisp_scene scene = scene_in( MOVED, "test.yaml", &MESH, 1 );
+    SCOPED( wisp_scene_release ) wisp_scene scene = scene_in( MOVED, "test.yaml", &MESH, 1 );
     const scene_world_options options = { .workers = 1 };
-    scene_world frames, steps;
+    SCOPED( scene_world_destroy ) scene_world frames, steps;
     wisp_error error = { 0 };
     assert_ok( scene_world_create( &scene, &options, &frames, &error ), error );
     assert_ok( scene_world_create( &scene, &options, &steps, &error ), error );
@@ -179,23 +174,18 @@ TEST( frames_of_any_length_make_the_steps_of_the_scene )
     assert_true( wisp_world_hash( frames.world ) == wisp_world_hash( steps.world ) );
     assert_int_equal( scene_world_advance( &frames, -1.0f, &error ), WISP_BAD_INPUT );
     assert_contains( error.message, "test.yaml: step 7: advance: got -1 s" );
-    scene_world_destroy( &frames );
-    scene_world_destroy( &steps );
-    wisp_scene_release( &scene );
 }
 
 TEST( a_scene_with_steps_of_several_lengths_has_no_frames )
 {
-    wisp_scene scene = scene_in( SHEET "dt_factors: [1, 2]\n", "test.yaml", &MESH, 1 );
+    SCOPED( wisp_scene_release ) wisp_scene scene = scene_in( SHEET "dt_factors: [1, 2]\n", "test.yaml", &MESH, 1 );
     const scene_world_options options = { .workers = 1 };
-    scene_world world;
+    SCOPED( scene_world_destroy ) scene_world world;
     wisp_error error = { 0 };
     assert_ok( scene_world_create( &scene, &options, &world, &error ), error );
     assert_int_equal( scene_world_advance( &world, 0.1f, &error ), WISP_CONFLICT );
     assert_contains( error.message, "dt_factors" );
     assert_int_equal( world.next_step, 0 );
-    scene_world_destroy( &world );
-    wisp_scene_release( &scene );
 }
 
 #define FROM "scene_edit_from.yaml"
@@ -503,7 +493,7 @@ static void run_scene( const char* file, int workers )
     _Atomic size_t lent = 0;
     const wisp_allocator allocator = { lend, take_back, &lent };
     const scene_world_options options = { .workers = workers, .is_quiet = true, .allocator = &allocator };
-    wisp_scene scene = read_good( file );
+    SCOPED( wisp_scene_release ) wisp_scene scene = read_good( file );
     scene_world world;
     wisp_error error = { 0 };
     assert_ok( scene_world_create( &scene, &options, &world, &error ), error );
@@ -515,7 +505,6 @@ static void run_scene( const char* file, int workers )
     }
     scene_world_destroy( &world );
     assert_int_equal( atomic_load( &lent ), 0 );
-    wisp_scene_release( &scene );
 }
 
 TEST( parts_of_every_scene_add_up_to_what_the_host_lent )
@@ -549,9 +538,9 @@ TEST( what_one_iteration_does_not_read_has_no_rows )
                   "wisp: 1\niterations: %d\nsurfaces:\n"
                   "  - { name: a, generate: { shape: plane, columns: 9, rows: 9 }, pins: [0], cloth: {} }\n",
                   iterations );
-        wisp_scene scene = parsed( text );
+        SCOPED( wisp_scene_release ) wisp_scene scene = parsed( text );
         const scene_world_options options = { .workers = 1, .is_quiet = true };
-        scene_world world;
+        SCOPED( scene_world_destroy ) scene_world world;
         wisp_error error = { 0 };
         assert_ok( scene_world_create( &scene, &options, &world, &error ), error );
         assert_ok( scene_world_step( &world, &error ), error );
@@ -566,7 +555,5 @@ TEST( what_one_iteration_does_not_read_has_no_rows )
         assert_non_null( fabrics );
         assert_int_equal( fabrics->kind, WISP_MEMORY_OUTSIDE );
         assert_int_equal( fabrics->bytes, wisp_fabric_bytes( world.surfaces[0].fabric ) );
-        scene_world_destroy( &world );
-        wisp_scene_release( &scene );
     }
 }

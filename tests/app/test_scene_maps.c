@@ -68,7 +68,7 @@ static float factor_of( fixture* f, wisp_component map, int vertex )
 TEST( numbers_of_a_text_file_are_values_of_vertices )
 {
     write_map( "0.1, 0.2 0.3\n0.4;0.5\n\n0.6\n" );
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, scene_with( "area_density: { map: %s/map.txt }" ) );
     for ( int v = 0; v < 6; ++v )
     {
@@ -79,13 +79,12 @@ TEST( numbers_of_a_text_file_are_values_of_vertices )
     const int slot = fabric->vertex_slot[5];
     const float w = column_of( &f, WISP_PARTICLE_POSITION )[4 * slot + 3];
     assert_float_equal( 1.0f / w, 0.6f * fabric->area[slot], 1e-6f * 0.6f * fabric->area[slot] );
-    release( &f );
 }
 
 TEST( from_and_to_are_the_values_of_zero_and_one )
 {
     write_map( "0 1 0.5 0.25 0 1" );
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, scene_with( "damping: { map: %s/map.txt, from: 4, to: 2 }" ) );
     const float expected[] = { 4.0f, 2.0f, 3.0f, 3.5f, 4.0f, 2.0f };
     const float rate = *column_of( &f, WISP_PARTICLE_DAMPING );
@@ -93,7 +92,6 @@ TEST( from_and_to_are_the_values_of_zero_and_one )
     {
         assert_float_equal( rate * factor_of( &f, WISP_MAP_DAMPING, v ), expected[v], 1e-6f );
     }
-    release( &f );
 }
 
 TEST( an_image_is_sampled_from_left_to_right_along_x_and_from_top_to_bottom_along_z )
@@ -106,7 +104,7 @@ TEST( an_image_is_sampled_from_left_to_right_along_x_and_from_top_to_bottom_alon
               "wisp: 1\nsurfaces:\n  - { name: sheet, generate: { shape: plane, columns: 101, rows: 101, spacing: "
               "0.01 }, %s }\n",
               path );
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, text );
     // the flower of embroidery.png: r = 0.2 + 0.1 cos 6a about the middle is white, the middle and the corners are black
     assert_float_equal( factor_of( &f, WISP_MAP_AREA_DENSITY, 50 * 101 + 80 ), 1.0f, 1e-3f ); // r 0.3, a 0
@@ -114,7 +112,6 @@ TEST( an_image_is_sampled_from_left_to_right_along_x_and_from_top_to_bottom_alon
     assert_float_equal( factor_of( &f, WISP_MAP_AREA_DENSITY, 0 ), 0.5f, 1e-3f );
     assert_float_equal( factor_of( &f, WISP_MAP_AREA_DENSITY, 60 * 101 + 50 ), 1.0f, 1e-3f ); // r 0.1, a 90 degrees
     assert_float_equal( factor_of( &f, WISP_MAP_AREA_DENSITY, 50 * 101 + 60 ), 0.5f, 1e-3f ); // r 0.1, a 0
-    release( &f );
 }
 
 // ---- attributes of files ----
@@ -174,7 +171,7 @@ TEST( colours_of_vertices_are_values_also_of_an_instance )
                   "repair: [weld, unreferenced], area_density: { map: colours, channel: %s, from: 1, to: 3 } }\n"
                   "  - { name: twin, instance_of: sheet, damping: { map: colours, channel: %s, to: 2 }",
                   cases[i].channel, cases[i].channel );
-        fixture f;
+        SCOPED( release ) fixture f;
         build( &f, scene_of_mesh( keys ) );
         for ( int v = 0; v < 3; ++v )
         {
@@ -184,7 +181,6 @@ TEST( colours_of_vertices_are_values_also_of_an_instance )
             const float* column = wisp_world_column( f.world.world, twin, WISP_MAP_DAMPING, 0 );
             assert_float_equal( column[wisp_world_fabric( f.world.world, twin )->vertex_slot[v]], value, 1e-6f );
         }
-        release( &f );
     }
     remove_file( "mesh.obj" );
 }
@@ -227,7 +223,7 @@ TEST( an_image_is_sampled_at_texture_coordinates_and_repeats )
 TEST( thickness_and_friction_are_maps_of_vertices )
 {
     write_map( "0 0.5 1 1 0.5 0" );
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, scene_with( "collision: { thickness: { map: %1$s/map.txt, from: 0.01, to: 0.02 },"
                            " friction_scale: { map: %1$s/map.txt, to: 3 } },"
                            " contact: { thickness: { map: %1$s/map.txt, from: 0.004, to: 0.001 },"
@@ -240,7 +236,6 @@ TEST( thickness_and_friction_are_maps_of_vertices )
         assert_float_equal( factor_of( &f, WISP_MAP_CONTACT_THICKNESS, v ), 1.0f - 0.75f * values[v], 1e-6f );
         assert_float_equal( factor_of( &f, WISP_MAP_CONTACT_FRICTION, v ), values[v], 1e-6f );
     }
-    release( &f );
 }
 
 // The message ends with these words.
@@ -364,7 +359,7 @@ TEST( a_start_has_the_vertices_of_the_file_or_of_the_repaired_mesh )
                   "  - { name: b, instance_of: a, start: { file: %s }, cloth: {} }\n"
                   "  - { name: c, instance_of: a, cloth: {} }\n",
                   FILES[i], FILES[1 - i] );
-        fixture f;
+        SCOPED( release ) fixture f;
         build( &f, text );
         assert_starts( &f, 0, 2.0f, 4.0f );
         assert_starts( &f, 1, 2.0f, 0.0f );
@@ -374,20 +369,18 @@ TEST( a_start_has_the_vertices_of_the_file_or_of_the_repaired_mesh )
         assert_int_equal( scene_world_points( &f.world, 0, points, &f.error ), WISP_OK );
         // The pin holds where the file has it.
         assert_true( points[3].x == 6.0f && points[3].y == 4.0f && points[3].z == 6.0f );
-        release( &f );
     }
 }
 
 TEST( scale_and_shake_come_after_the_file )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, "wisp: 1\nsurfaces:\n  - { name: a, file: " REST ", repair: [weld, unreferenced],"
                " start: { file: " SHORT ", scale: [2, 1, 0] } }\n" );
     // About the middle of the file's bounds: x 0 .. 1, z 0 .. 3.
     const wisp_vec3* p = f.world.surfaces[0].mesh.points;
     assert_true( p[0].x == -0.5f && p[1].x == 0.5f && p[3].x == 1.5f );
     assert_true( p[0].z == 1.5f && p[3].z == 1.5f && p[3].y == 2.0f );
-    release( &f );
 }
 
 TEST( a_host_gives_a_start_as_arrays )
@@ -396,12 +389,12 @@ TEST( a_host_gives_a_start_as_arrays )
     const wisp_scene_arrays arrays = {
         .file = "memory", .points = PLACES, .point_count = 4, .triangles = triangles, .triangle_count = 1
     };
+    SCOPED( release )
     fixture f = { .scene = parsed( "wisp: 1\nsurfaces:\n  - { name: a, start: { file: memory },"
                                    " generate: { shape: plane, columns: 2, rows: 2, spacing: 1 } }\n" ) };
     assert_ok( wisp_scene_set_arrays( &f.scene, &arrays, 1, &f.error ), f.error );
     create( &f, 1 );
     assert_starts( &f, 0, 1.0f, 0.0f );
-    release( &f );
 }
 
 static wisp_status list_file( void* user, const char* file, wisp_error* error )
@@ -412,6 +405,7 @@ static wisp_status list_file( void* user, const char* file, wisp_error* error )
 
 TEST( all_files_of_a_scene_are_listed_without_names_of_meshes )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene = parsed( "wisp: 1\nsurfaces:\n  - { name: a, file: a.glb#skin, start: { file: 'b#1.obj' }, "
                                "area_density: { map: m.txt },"
                                " animation: { file: motion.glb, clips: [{ clip: walk }] } }\n"
@@ -423,7 +417,6 @@ TEST( all_files_of_a_scene_are_listed_without_names_of_meshes )
     assert_int_equal( wisp_scene_files( &scene, list_file, names, &error ), WISP_CONFLICT );
     assert_string_equal( names, "s.hair a.glb b#1.obj motion.glb m.txt stop.glb " );
     assert_string_equal( error.message, "stopped" );
-    wisp_scene_release( &scene );
 }
 
 TEST( a_start_that_does_not_fit_is_refused )

@@ -41,11 +41,10 @@ typedef struct point
 
 static wisp_vec3 at( fixture* f, int body, int vertex )
 {
+    SCOPED( free_local )
     wisp_vec3* points = checked_calloc( (size_t)scene_world_body( &f->world, body ).vertex_count, sizeof *points );
     assert_ok( scene_world_points( &f->world, body, points, &f->error ), f->error );
-    const wisp_vec3 out = points[vertex];
-    free( points );
-    return out;
+    return points[vertex];
 }
 
 static double speed_of( fixture* f, int vertex )
@@ -91,7 +90,7 @@ static point right_at( double time, int row )
 
 TEST( each_group_is_where_its_own_keyframes_take_it_after_every_step )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, GRIPPERS );
     for ( int k = 1; k <= STEPS; ++k )
     {
@@ -102,13 +101,12 @@ TEST( each_group_is_where_its_own_keyframes_take_it_after_every_step )
             assert_at( at( &f, 0, row * COLUMNS + COLUMNS - 1 ), right_at( 0.02 * k, row ), 1e-6 );
         }
     }
-    release( &f );
 }
 
 // Without cloth and gravity a vertex that is let go flies on in a straight line.
 TEST( one_group_lets_go_with_its_velocity_and_the_other_holds_on )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, SHEET "    gravity: [0, 0, 0]\n    pin_groups:\n"
                      "      - { name: a, pins: [0, 1], pin_keyframes: [ { time: 1, translate: [0, 0.5, 0] } ] }\n"
                      "      - { name: b, pins: [2], pin_keyframes: [ { time: 1, translate: [1, 0, 0] } ] }\n"
@@ -121,12 +119,11 @@ TEST( one_group_lets_go_with_its_velocity_and_the_other_holds_on )
         assert_at( at( &f, 0, 2 ), ( point ){ -0.1 + time, 0, -0.2 }, 1e-6 );
         assert_true( k <= 10 || fabs( speed_of( &f, 1 ) - 0.5 ) < 1e-4 ); // friction sees it
     }
-    release( &f );
 }
 
 TEST( a_group_that_starts_free_falls_until_it_is_held_and_goes_on_from_there )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, SHEET "    pin_groups:\n"
                      "      - name: grip\n        starts_free: true\n        pins: [0, 8]\n"
                      "        pin_pivot: [0, 0, -0.2]\n"
@@ -154,12 +151,11 @@ TEST( a_group_that_starts_free_falls_until_it_is_held_and_goes_on_from_there )
                2e-6 );
     step( &f, 25 );
     assert_at( at( &f, 0, 8 ), ( point ){ -start.y + 0.4, start.x + 0.2, -0.2 }, 2e-6 );
-    release( &f );
 }
 
 TEST( an_event_attaches_a_group_to_a_surface_and_another_detaches_it )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, SHEET "    pins: [72]\n    pin_groups:\n      - { name: grip, pins: [0, 8] }\n"
                      "  - name: tray\n    generate: { shape: plane, columns: 2, rows: 2, spacing: 1 }\n"
                      "    pin_box: { min: [-2, -2, -2], max: [2, 2, 2] }\n"
@@ -177,12 +173,11 @@ TEST( an_event_attaches_a_group_to_a_surface_and_another_detaches_it )
     step( &f, 10 );
     assert_true( at( &f, 0, 8 ).y < 0.3f );
     assert_at( at( &f, 0, 72 ), ( point ){ -0.2, 0, 0.2 }, 1e-6 );
-    release( &f );
 }
 
 TEST( an_event_without_a_group_is_for_all_pins )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, SHEET "    pins: [4]\n    pin_groups:\n      - { name: a, pins: [0] }\n"
                      "      - { name: b, pins: [8], starts_free: true }\n"
                      "events:\n  - { step: 5, surface: cloth, hold: true }\n"
@@ -194,19 +189,17 @@ TEST( an_event_without_a_group_is_for_all_pins )
     assert_true( at( &f, 0, 8 ).y == height && at( &f, 0, 0 ).y == 0.0f && at( &f, 0, 4 ).y == 0.0f );
     step( &f, 5 );
     assert_true( at( &f, 0, 8 ).y < height && at( &f, 0, 0 ).y < -0.01f && at( &f, 0, 4 ).y < -0.01f );
-    release( &f );
 }
 
 TEST( copies_have_groups_of_their_own )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, SHEET "    copies: { count: 2, spacing: [2, 0, 0] }\n    pin_groups:\n"
                      "      - { name: a, pin_nearest: [[0.2, 0, -0.2]],\n"
                      "          pin_keyframes: [ { time: 0.2, translate: [0, 0.1, 0] } ] }\n" );
     step( &f, 10 );
     assert_at( at( &f, 0, 8 ), ( point ){ 0.2, 0.1, -0.2 }, 1e-6 );
     assert_at( at( &f, 1, 8 ), ( point ){ 2.2, 0.1, -0.2 }, 1e-6 );
-    release( &f );
 }
 
 // The surface jumps by a metre before step 10; what is let go then or in the step behind does not fly on at 50 m/s. A jump of pins that
@@ -221,19 +214,18 @@ TEST( a_jump_gives_no_velocity_to_what_is_let_go )
                         "    pin_keyframes: [ { time: 0.2, translate: [1, 0, 0], jump: true } ]\n"
                         "events:\n  - { step: %d, surface: cloth, release: true }\n",
                   release_at );
-        fixture f;
+        SCOPED( release ) fixture f;
         build( &f, text );
         step( &f, 30 );
         const double way = release_at < 10 ? 0.0 : 1.0;
         assert_at( at( &f, 0, 0 ), ( point ){ -0.2 + way, 0, -0.2 }, 1e-6 );
         assert_at( at( &f, 0, 80 ), ( point ){ 0.2 + way, 0, 0.2 }, 1e-6 );
-        release( &f );
     }
 }
 
 TEST( what_nothing_holds_gets_no_velocity_when_it_is_let_go )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, SHEET "    gravity: [0, 0, 0]\n    pin_groups:\n"
                      "      - { name: a, pins: [0], pin_keyframes: [ { time: 1, translate: [0, 1, 0] } ] }\n"
                      "      - { name: b, pins: [8], starts_free: true,\n"
@@ -243,13 +235,12 @@ TEST( what_nothing_holds_gets_no_velocity_when_it_is_let_go )
     step( &f, 20 );
     assert_at( at( &f, 0, 0 ), ( point ){ -0.2, 0, -0.2 }, 1e-7 ); // before the first step nothing moves
     assert_at( at( &f, 0, 8 ), ( point ){ 0.2, 0, -0.2 }, 1e-7 );
-    release( &f );
 }
 
 // All vertices are pins that go at 0.5 m/s, so that nothing is strained when they are let go. It is soft enough for BDF2.
 TEST( implicit_cloth_by_bdf2_goes_on_with_the_velocity_of_its_pins )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, SHEET "    gravity: [0, 0, 0]\n    implicit: { integrator: bdf2, stretch_stiffness: 1 }\n"
                      "    pin_box: { min: [-1, -1, -1], max: [1, 1, 1] }\n"
                      "    pin_keyframes: [ { time: 1, translate: [0, 0.5, 0] } ]\n"
@@ -261,19 +252,17 @@ TEST( implicit_cloth_by_bdf2_goes_on_with_the_velocity_of_its_pins )
         const double height = 0.5 * 0.02 * fmin( k, 20 ) + 0.3 * 0.02 * fmax( k - 20, 0 );
         assert_at( at( &f, 0, 40 ), ( point ){ 0, height, 0 }, 2e-6 );
     }
-    release( &f );
 }
 
 TEST( a_pivot_is_what_the_pins_of_a_group_turn_about )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, SHEET "    pin_groups:\n      - { name: a, pins: [0, 8], pin_pivot: [0.2, 0, -0.2],\n"
                      "          pin_keyframes: [ { time: 0.2, translate: [0, 0, 0],\n"
                      "            rotate: { axis: [0, 0, 1], degrees: -90 } } ] }\n" );
     step( &f, 10 );
     assert_at( at( &f, 0, 0 ), ( point ){ 0.2, 0.4, -0.2 }, 1e-6 );
     assert_at( at( &f, 0, 8 ), ( point ){ 0.2, 0, -0.2 }, 1e-6 );
-    release( &f );
 }
 
 // Of what is held already, and of what an event has attached.
@@ -287,14 +276,13 @@ TEST( holding_again_changes_no_bit )
                   GRIPPERS "      - { name: third, pins: [40], starts_free: true }\n"
                            "events:\n  - { step: 20, surface: cloth, %s hold: true }\n",
                   k == 0 ? "pin_group: third," : "" );
-        fixture f = { .scene = parsed( text ) };
+        SCOPED( release ) fixture f = { .scene = parsed( text ) };
         create( &f, 1 );
         step( &f, 40 );
         hashes[k] = wisp_world_hash( f.world.world );
-        release( &f );
     }
     assert_true( hashes[0] == hashes[1] );
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, SHEET "    pin_groups:\n      - { name: grip, pins: [0], starts_free: true }\n"
                      "  - name: tray\n    generate: { shape: plane, columns: 2, rows: 2, spacing: 1 }\n"
                      "    pin_box: { min: [-2, -2, -2], max: [2, 2, 2] }\n"
@@ -302,12 +290,12 @@ TEST( holding_again_changes_no_bit )
     assert_int_equal( scene_pins_holding( &f.world.surfaces[0], 0 ), -1 );
     step( &f, 3 );
     assert_int_equal( scene_pins_holding( &f.world.surfaces[0], 0 ), 1 );
-    release( &f );
 }
 
 // @param restore_at step after which the world goes on in another one; 0: never
 static uint64_t hash_after( int workers, int steps, int restore_at )
 {
+    SCOPED( release )
     fixture f = { .scene =
                       parsed( GRIPPERS "events:\n  - { step: 20, surface: cloth, pin_group: right, release: true }\n"
                                        "  - { step: 25, surface: cloth, pin_group: right, hold: true }\n" ) };
@@ -333,9 +321,7 @@ static uint64_t hash_after( int workers, int steps, int restore_at )
         f.world = g.world;
         step( &f, steps - restore_at );
     }
-    const uint64_t hash = wisp_world_hash( f.world.world );
-    release( &f );
-    return hash;
+    return wisp_world_hash( f.world.world );
 }
 
 TEST( workers_and_snapshots_change_no_bit )
@@ -381,7 +367,7 @@ static void build_sewn( fixture* f, const char* seam )
 
 TEST( every_key_of_a_seam_reaches_its_place )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build_sewn( &f, "{ name: s, surfaces: [b, a], pairs: [[4, 7], [8, 11]], distance: 0.01, closing_speed: 0.2, "
                     "compliance: 0.03, strength: 4 }\n"
                     "  - { name: t, surfaces: [a, b], within: 0.06 }" );
@@ -396,13 +382,12 @@ TEST( every_key_of_a_seam_reaches_its_place )
     assert_true( s[1].def.within == 0.06f && s[1].def.strength == INFINITY && s[1].def.closing_speed == 1.0f );
     assert_int_equal( wisp_count_seam_pairs( f.world.world, f.world.seams[0] ), 2 );
     assert_int_equal( wisp_count_seam_pairs( f.world.world, f.world.seams[1] ), 4 );
-    release( &f );
 }
 
 // Panels of a scene close by the speed of their seam.
 TEST( a_scene_closes_its_seam )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build_sewn( &f, "{ name: s, surfaces: [a, b], within: 0.06, closing_speed: 0.2 }" );
     step( &f, 30 );
     for ( int i = 0; i < 4; ++i )
@@ -410,7 +395,6 @@ TEST( a_scene_closes_its_seam )
         const wisp_vec3 a = point_of( &f, 0, 4 * i + 3 ), b = point_of( &f, 1, 4 * i );
         assert_true( fabsf( a.x - b.x ) < 1e-4f && fabsf( a.y - b.y ) < 1e-4f && fabsf( a.z - b.z ) < 1e-4f );
     }
-    release( &f );
 }
 
 // The file has a vertex that no triangle names, which a repair removes; scenes keep the numbers of the file.
@@ -429,7 +413,7 @@ TEST( vertices_are_numbered_as_in_the_file )
                   "wisp: 1\nsurfaces:\n  - { name: a, file: tri.obj, repair: [unreferenced] }\n"
                   "seams:\n  - { name: s, surfaces: [a, a], pairs: %s }\n",
                   PAIRS[i] );
-        wisp_scene scene;
+        SCOPED( wisp_scene_release ) wisp_scene scene;
         wisp_error error = { 0 };
         scene_world world;
         assert_ok( wisp_scene_parse( text, strlen( text ), "test", &scene, &error ), error );
@@ -454,7 +438,6 @@ TEST( vertices_are_numbered_as_in_the_file )
             assert_int_equal( status, WISP_BAD_INPUT );
             assert_contains( error.message, "test:5:5: seam 's': pairs[0]: got vertex 1 of 'a'" );
         }
-        wisp_scene_release( &scene );
     }
 }
 
@@ -467,7 +450,7 @@ TEST( what_only_the_world_knows_is_refused_with_its_line )
     for ( int i = 0; i < WISP_COUNT( BAD ); ++i )
     {
         char text[1500];
-        wisp_scene scene;
+        SCOPED( wisp_scene_release ) wisp_scene scene;
         wisp_error error = { 0 };
         scene_world world;
         snprintf( text, sizeof text, "%s  - %s\n", TWO_PANELS, BAD[i][0] );
@@ -475,21 +458,19 @@ TEST( what_only_the_world_knows_is_refused_with_its_line )
         const scene_world_options options = { .is_quiet = true };
         assert_int_equal( scene_world_create( &scene, &options, &world, &error ), WISP_BAD_INPUT );
         assert_contains( error.message, BAD[i][1] );
-        wisp_scene_release( &scene );
     }
 }
 
 TEST( only_a_scene_with_seams_has_the_module )
 {
     const wisp_module* used[SCENE_MAX_MODULES];
-    fixture f;
+    SCOPED( release ) fixture f;
     build_sewn( &f, "{ name: s, surfaces: [a, b], within: 0.06 }" );
     const int with = scene_world_used_modules( &f.scene, used );
     f.scene.seam_count = 0;
     const int without = scene_world_used_modules( &f.scene, used );
     f.scene.seam_count = 1;
     assert_int_equal( with, without + 1 );
-    release( &f );
 }
 
 // ---- tearing ----
@@ -528,7 +509,7 @@ static void build_sheets( fixture* f, const char* a, const char* b )
 
 TEST( every_key_reaches_its_place_and_meshes_have_spare_vertices )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build_sheets( &f, "80", "90" );
     const wisp_scene_surface* s = f.scene.surfaces;
     assert_true( s->has_tearing && s->tearing.strength == 80.0f && s->tearing.max_splits == 7 );
@@ -544,12 +525,11 @@ TEST( every_key_reaches_its_place_and_meshes_have_spare_vertices )
     // spare vertices are not pinned, although they lie where a pin is
     assert_int_equal( f.world.surfaces[0].pin_count, SIDE );
     assert_int_equal( f.world.surfaces[1].pin_count, OWN );
-    release( &f );
 }
 
 TEST( an_instance_tears_on_its_own_and_bodies_show_it )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build_sheets( &f, "0.01", "1e6" );
     int32_t before[3 * TRIANGLES];
     const scene_body a = scene_world_body( &f.world, 0 ), b = scene_world_body( &f.world, 1 );
@@ -567,13 +547,12 @@ TEST( an_instance_tears_on_its_own_and_bodies_show_it )
         largest = a.triangles[i] > largest ? a.triangles[i] : largest;
     }
     assert_int_equal( largest, OWN + f.world.surfaces[0].split_count - 1 );
-    release( &f );
 }
 
 // The strength grows from left to right: only the left tears.
 TEST_WITH( a_map_of_the_strength_is_one_number_per_vertex_of_the_mesh, make_folder, remove_folder )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     const char* path = path_in( state, "strength.txt" );
     FILE* file = fopen( path, "w" );
     assert_non_null( file );
@@ -596,7 +575,6 @@ TEST_WITH( a_map_of_the_strength_is_one_number_per_vertex_of_the_mesh, make_fold
             assert_true( a.triangles[3 * t + k] < OWN );
         }
     }
-    release( &f );
 }
 
 // ---- copies ----
@@ -614,6 +592,7 @@ static void demand_parse_refusal( const char* text, const char* part )
 
 TEST( copies_stand_in_rows_and_share_the_fabric )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene =
         parsed( "wisp: 1\nsurfaces:\n"
                 "  - name: sheet\n    generate: { shape: plane, columns: 3, rows: 3 }\n"
@@ -643,11 +622,11 @@ TEST( copies_stand_in_rows_and_share_the_fabric )
     assert_vector( scene.surfaces[5].pins.boxes[0].upper, 11, 22, 33 );
     assert_vector( scene.surfaces[5].pins.nearest[0], 10, 21, 30 );
     assert_vector( scene.surfaces[0].pins.boxes[0].lower, -1, 0, 0 );
-    wisp_scene_release( &scene );
 }
 
 TEST( without_columns_the_grid_is_as_wide_as_the_root )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene = parsed(
         "wisp: 1\nstrands:\n"
         "  - { name: tuft, generate: { strands: 2, vertices: 3 }, copies: { count: 7, spacing: [1, 0, 1] } }\n" );
@@ -655,7 +634,6 @@ TEST( without_columns_the_grid_is_as_wide_as_the_root )
     assert_vector( scene.strands[2].pose.translation, 2, 0, 0 );
     assert_vector( scene.strands[3].pose.translation, 0, 0, 1 );
     assert_vector( scene.strands[6].pose.translation, 0, 0, 2 );
-    wisp_scene_release( &scene );
 }
 
 // A copy is what the scene would be with the entry written again.
@@ -678,8 +656,8 @@ TEST( copies_move_as_entries_that_are_written_out )
     for ( int i = 0; i < 2; ++i )
     {
         const scene_world_options options = { .workers = 1, .is_quiet = true };
-        wisp_scene scene = parsed( texts[i] );
-        scene_world world;
+        SCOPED( wisp_scene_release ) wisp_scene scene = parsed( texts[i] );
+        SCOPED( scene_world_destroy ) scene_world world;
         wisp_error error = { 0 };
         assert_ok( scene_world_create( &scene, &options, &world, &error ), error );
         for ( int step = 0; step < scene.steps; ++step )
@@ -687,8 +665,6 @@ TEST( copies_move_as_entries_that_are_written_out )
             assert_ok( scene_world_step( &world, &error ), error );
         }
         hashes[i] = wisp_world_hash( world.world );
-        scene_world_destroy( &world );
-        wisp_scene_release( &scene );
     }
     assert_true( hashes[0] == hashes[1] );
 }

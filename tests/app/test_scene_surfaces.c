@@ -32,6 +32,7 @@ static void assert_near( wisp_vec3 v, float x, float y, float z )
 
 TEST( a_surface_without_blocks_has_the_defaults_and_computes_points )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene = good( "wisp: 1\nsurfaces:\n  - { name: cloth, generate: { shape: plane } }\n" );
     const wisp_scene_surface* s = &scene.surfaces[0];
     assert_int_equal( scene.surface_count, 1 );
@@ -52,18 +53,17 @@ TEST( a_surface_without_blocks_has_the_defaults_and_computes_points )
     assert_int_equal( s->cloth.size, wisp_default_cloth_def().size );
     assert_int_equal( s->balloon.size, wisp_default_balloon_def().size );
     assert_int_equal( s->collision.size, wisp_default_collision_def().size );
-    wisp_scene_release( &scene );
 }
 
 TEST( a_surface_takes_the_gravity_of_the_scene_wherever_that_stands )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene = good( "wisp: 1\nsurfaces:\n"
                              "  - { name: a, generate: { shape: plane } }\n"
                              "  - { name: b, generate: { shape: plane }, gravity: [1, 0, 0] }\n"
                              "gravity: [0, 0, -1.62]\n" );
     assert_vector( scene.surfaces[0].gravity, 0.0f, 0.0f, -1.62f );
     assert_vector( scene.surfaces[1].gravity, 1.0f, 0.0f, 0.0f );
-    wisp_scene_release( &scene );
 }
 
 // ---- given keys ----
@@ -119,7 +119,7 @@ static void assert_pins( const wisp_scene_surface* s )
 
 TEST( every_key_of_a_cloth_reaches_its_place )
 {
-    wisp_scene scene = good( CLOTH_KEYS );
+    SCOPED( wisp_scene_release ) wisp_scene scene = good( CLOTH_KEYS );
     const wisp_scene_surface* s = &scene.surfaces[0];
     assert_string_equal( s->mesh.file, "scenes/meshes/cloth.ply" );
     assert_int_equal( s->mesh.repairs, WISP_MESH_DROP_UNREFERENCED | WISP_MESH_TURN_TRIANGLES );
@@ -142,11 +142,11 @@ TEST( every_key_of_a_cloth_reaches_its_place )
     assert_true( s->has_cloth && !s->has_balloon );
     assert_cloth( &s->cloth );
     assert_pins( s );
-    wisp_scene_release( &scene );
 }
 
 TEST( every_key_of_a_balloon_reaches_its_place )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene =
         good( "wisp: 1\nsurfaces:\n"
               "  - name: a\n    generate: { shape: icosphere, level: 2 }\n    compute: [effect_stats]\n"
@@ -178,11 +178,11 @@ TEST( every_key_of_a_balloon_reaches_its_place )
                  s->gas_ratio_keyframes[1].gas_ratio == 3.0f );
     assert_true( scene.surfaces[1].has_outlet_nearest && scene.surfaces[1].outlet_radius == 0.5f );
     assert_vector( scene.surfaces[1].outlet_nearest, 0.0f, 1.0f, 2.0f );
-    wisp_scene_release( &scene );
 }
 
 TEST( colliders_have_the_sizes_of_their_shape )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene = good(
         "wisp: 1\ncolliders:\n"
         "  - { name: p, shape: plane, position: [0, -1, 0], friction: 0.25, thickness: 0.5, layers: [1] }\n"
@@ -207,11 +207,11 @@ TEST( colliders_have_the_sizes_of_their_shape )
     assert_near( wisp_transform_to_world( c[3].path.poses[0].pose, ( wisp_vec3 ){ 1, 0, 0 } ), 4.0f, 6.0f, 6.0f );
     assert_string_equal( c[4].mesh.file, "scenes/rock.obj" );
     assert_true( c[4].def.double_sided && c[4].mesh.scale == 2.0f && c[4].mesh.demands == WISP_MESH_MANIFOLD );
-    wisp_scene_release( &scene );
 }
 
 TEST( an_instance_knows_its_source_and_has_effects_of_its_own )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene =
         good( "wisp: 1\nsurfaces:\n"
               "  - { name: ball, generate: { shape: icosphere }, balloon: {} }\n"
@@ -219,13 +219,13 @@ TEST( an_instance_knows_its_source_and_has_effects_of_its_own )
     assert_int_equal( scene.surfaces[0].instance_of, -1 );
     assert_int_equal( scene.surfaces[1].instance_of, 0 );
     assert_true( scene.surfaces[1].has_cloth && !scene.surfaces[1].has_balloon );
-    wisp_scene_release( &scene );
 }
 
 // ---- turns ----
 
 TEST( three_angles_turn_about_x_then_y_then_z )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene = good( "wisp: 1\ncolliders:\n"
                              "  - { name: a, shape: plane, rotation: { degrees: [90, 90, 0] } }\n"
                              "  - { name: b, shape: plane, rotation: { degrees: [0, 90, 90] } }\n"
@@ -235,7 +235,6 @@ TEST( three_angles_turn_about_x_then_y_then_z )
     assert_near( wisp_quat_rotate( scene.colliders[1].def.pose.rotation, ( wisp_vec3 ){ 1, 0, 0 } ), 0, 0, -1 );
     // a third of a turn about the diagonal takes each axis to the next
     assert_near( wisp_quat_rotate( scene.colliders[2].def.pose.rotation, ( wisp_vec3 ){ 1, 0, 0 } ), 0, 1, 0 );
-    wisp_scene_release( &scene );
 }
 
 // ---- generators ----
@@ -251,11 +250,10 @@ TEST( vertices_are_counted_as_the_maker_makes_them )
         generator.segments = 11;
         generator.rings = 5;
         generator.length_segments = 3;
-        wisp_mesh mesh;
+        SCOPED( wisp_mesh_release ) wisp_mesh mesh;
         assert_int_equal( wisp_mesh_generate( &generator, &mesh, NULL ), WISP_OK );
         const int count = (int)scene_generator_vertices( &generator );
         assert_int_equal( count, mesh.vertex_count );
-        wisp_mesh_release( &mesh );
     }
 }
 
@@ -263,6 +261,7 @@ TEST( vertices_are_counted_as_the_maker_makes_them )
 
 TEST( events_come_in_the_order_of_their_steps )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene =
         good( "wisp: 1\nsteps: 100\n"
               "surfaces:\n"
@@ -287,28 +286,27 @@ TEST( events_come_in_the_order_of_their_steps )
     assert_true( scene.events[3].has_open && scene.events[3].open && scene.events[3].gas_ratio == 1.5f );
     assert_true( scene.events[3].has_inflation_rate && scene.events[3].inflation_rate == 0.25f );
     assert_int_equal( scene.events[3].surface, 1 );
-    wisp_scene_release( &scene );
 }
 
 TEST( a_fill_after_its_keyframes_is_taken )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene =
         good( "wisp: 1\nsteps: 100\n"
               "surfaces:\n"
               "  - { name: b, generate: { shape: icosphere }, balloon: { gas_ratio_keyframes: [[0, 1], [1, 2]] } }\n"
               "events: [ { step: 61, surface: b, gas_ratio: 1 } ]\n" );
     assert_int_equal( scene.event_count, 1 );
-    wisp_scene_release( &scene );
 }
 
 TEST( points_are_requested_where_an_output_writes_a_surface )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene = good( "wisp: 1\nsurfaces: [ { name: a, generate: { shape: plane } } ]\n"
                              "output: [ { surface: a, file: a.ply } ]\n" );
     assert_true( scene.surfaces[0].request_points );
     assert_int_equal( scene.outputs[0].surface, 0 );
     assert_int_equal( scene.outputs[0].strands, -1 );
-    wisp_scene_release( &scene );
 }
 
 // ---- limits ----
@@ -327,24 +325,23 @@ static char* repeat( const char* head, const char* part, int count )
 
 TEST( lists_of_surfaces_and_colliders_have_an_end )
 {
-    char* text = repeat( "wisp: 1\nsurfaces:\n", "  - 0\n", WISP_SCENE_MAX_SURFACES + 1 );
+    SCOPED( free_local ) char* text = repeat( "wisp: 1\nsurfaces:\n", "  - 0\n", WISP_SCENE_MAX_SURFACES + 1 );
     demand_refusal( text, "scenes/test.yaml:3:3: surfaces: got 10001 entries, expected at most 10000" );
     free( text );
     text = repeat( "wisp: 1\ncolliders:\n", "  - 0\n", WISP_SCENE_MAX_COLLIDERS + 1 );
     demand_refusal( text, "scenes/test.yaml:3:3: colliders: got 1001 entries, expected at most 1000" );
-    free( text );
 }
 
 TEST( a_long_list_of_keyframes_is_read_in_one_walk )
 {
     // Times that do not increase are found at the second entry, so a long list of equal ones costs nothing.
+    SCOPED( free_local )
     char* text = repeat( "wisp: 1\nsurfaces:\n  - name: b\n    generate: { shape: icosphere }\n    balloon:\n"
                          "      gas_ratio_keyframes:\n",
                          "        - [1, 1]\n", 200000 );
     demand_refusal( text,
                     "scenes/test.yaml:8:12: surfaces[0].balloon.gas_ratio_keyframes[1]: got time 1, expected more "
                     "than the time before, 1" );
-    free( text );
 }
 
 // ---- files ----
@@ -361,12 +358,11 @@ TEST( the_scenes_of_the_project_with_surfaces_are_read )
     };
     for ( int i = 0; i < WISP_COUNT( files ); ++i )
     {
-        wisp_scene scene = read_good( files[i].file );
+        SCOPED( wisp_scene_release ) wisp_scene scene = read_good( files[i].file );
         assert_int_equal( scene.surface_count, files[i].surfaces );
         assert_int_equal( scene.collider_count, files[i].colliders );
         assert_int_equal( scene.event_count, files[i].events );
         assert_true( scene.surfaces[0].request_points );
-        wisp_scene_release( &scene );
     }
 }
 
@@ -376,7 +372,7 @@ TEST( the_scenes_of_the_project_with_surfaces_are_read )
 
 TEST( strands_stand_still_and_are_shown_unless_they_say_otherwise )
 {
-    wisp_scene scene = parsed( "wisp: 1\nstrands:\n  - { name: hair, generate: {} }\n" );
+    SCOPED( wisp_scene_release ) wisp_scene scene = parsed( "wisp: 1\nstrands:\n  - { name: hair, generate: {} }\n" );
     const wisp_scene_strands* s = &scene.strands[0];
     assert_false( s->has_dynamics || s->has_head || s->has_grid || s->has_ghosts || s->is_scattered || s->is_curves );
     assert_int_equal( s->on_surface, -1 );
@@ -386,11 +382,11 @@ TEST( strands_stand_still_and_are_shown_unless_they_say_otherwise )
     assert_int_equal( s->scatter.count, 4 ); // ghosts per target
     assert_true( s->is_shown );
     assert_true( s->scale == 1.0f );
-    wisp_scene_release( &scene );
 }
 
 TEST( dynamics_without_keys_are_the_modules_defaults_under_the_gravity_of_the_scene )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene =
         parsed( "wisp: 1\nstrands:\n  - { name: hair, generate: {}, dynamics: {} }\ngravity: [0, -1, 2]\n" );
     const wisp_strand_dynamics_def* def = &scene.strands[0].dynamics;
@@ -404,11 +400,11 @@ TEST( dynamics_without_keys_are_the_modules_defaults_under_the_gravity_of_the_sc
     assert_int_equal( def->size, expected.size );
     assert_null( def->pins );
     assert_null( def->vertex_masses );
-    wisp_scene_release( &scene );
 }
 
 TEST( ghosts_and_curves_without_keys_are_the_modules_defaults )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene = parsed( "wisp: 1\nstrands:\n  - { name: guides, generate: {}, dynamics: {}, grid: {} }\n"
                                "  - { name: ghosts, generate: {}, ghosts: { targets: guides } }\n"
                                "  - { name: drawn, curves: { of: ghosts } }\n" );
@@ -424,7 +420,6 @@ TEST( ghosts_and_curves_without_keys_are_the_modules_defaults )
     assert_int_equal( scene.strands[2].curves.kind, curves.kind );
     assert_int_equal( scene.strands[2].curves.samples, curves.samples );
     assert_int_equal( scene.strands[2].curves.size, curves.size );
-    wisp_scene_release( &scene );
 }
 
 // ---- given keys ----
@@ -495,7 +490,7 @@ static void assert_ghosts( const wisp_ghosts_def* g )
 
 TEST( every_key_of_motion_reaches_its_place )
 {
-    wisp_scene scene = parsed( EVERY_KEY );
+    SCOPED( wisp_scene_release ) wisp_scene scene = parsed( EVERY_KEY );
     const wisp_scene_strands *hair = &scene.strands[0], *ghosts = &scene.strands[1], *drawn = &scene.strands[2];
     assert_dynamics( &hair->dynamics );
     assert_int_equal( hair->mass_count, 6 );
@@ -523,33 +518,31 @@ TEST( every_key_of_motion_reaches_its_place )
     assert_int_equal( drawn->curves.samples, 6 );
     assert_int_equal( scene.strands[3].on_surface, 1 );
     assert_true( scene.strands[3].dynamics.vertex_mass == 13.0f );
-    wisp_scene_release( &scene );
 }
 
 TEST( what_others_draw_is_hidden_unless_it_says_that_it_is_shown )
 {
-    wisp_scene scene = parsed( EVERY_KEY );
+    SCOPED( wisp_scene_release ) wisp_scene scene = parsed( EVERY_KEY );
     assert_true( scene.strands[0].is_shown );  // it has ghosts, but sets the key
     assert_false( scene.strands[1].is_shown ); // curves run through it
     assert_false( scene.strands[2].is_shown ); // it sets the key
     assert_true( scene.strands[3].is_shown );
-    wisp_scene_release( &scene );
 }
 
 TEST( events_are_for_strands_as_well_as_for_surfaces )
 {
-    wisp_scene scene = parsed( EVERY_KEY );
+    SCOPED( wisp_scene_release ) wisp_scene scene = parsed( EVERY_KEY );
     assert_int_equal( scene.event_count, 2 );
     assert_int_equal( scene.events[0].strands, -1 );
     assert_int_equal( scene.events[0].surface, 1 );
     assert_int_equal( scene.events[1].strands, 0 );
     assert_int_equal( scene.events[1].surface, -1 );
     assert_vector( scene.events[1].wind, 7, 8, 9 );
-    wisp_scene_release( &scene );
 }
 
 TEST( scattered_ghosts_follow_what_they_are_scattered_around )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene =
         parsed( "wisp: 1\nstrands:\n  - { name: a, generate: {}, dynamics: {} }\n"
                 "  - { name: b, generate: {}, dynamics: {} }\n"
@@ -559,11 +552,11 @@ TEST( scattered_ghosts_follow_what_they_are_scattered_around )
     assert_int_equal( scene.strands[2].targets, 1 );
     assert_int_equal( scene.strands[3].targets, 0 );
     assert_int_equal( scene.strands[4].targets, -1 );
-    wisp_scene_release( &scene );
 }
 
 TEST( frozen_hair_on_ghosts_is_new_in_every_frame_unless_it_says_otherwise )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene =
         parsed( "wisp: 1\nstrands:\n  - { name: a, generate: {}, dynamics: {} }\n"
                 "  - { name: b, frozen_hair: {}, generate: {}, ghosts: { targets: a } }\n"
@@ -572,19 +565,17 @@ TEST( frozen_hair_on_ghosts_is_new_in_every_frame_unless_it_says_otherwise )
     assert_int_equal( scene.strands[1].frozen_hair.update_on, WISP_FROZEN_UPDATE_FRAME );
     assert_int_equal( scene.strands[2].frozen_hair.update_on, WISP_FROZEN_UPDATE_HAIR_EVENT );
     assert_int_equal( scene.strands[3].frozen_hair.update_on, WISP_FROZEN_UPDATE_HAIR_EVENT );
-    wisp_scene_release( &scene );
 }
 
 TEST( a_scene_with_every_key_of_moving_strands_is_read )
 {
-    wisp_scene scene;
+    SCOPED( wisp_scene_release ) wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
     assert_ok( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/moving_strands.yaml", &scene, &error ), error );
     assert_int_equal( scene.strands_count, 3 );
     assert_true( scene.strands[0].has_dynamics && scene.strands[0].has_head && scene.strands[0].has_grid );
     assert_true( scene.strands[1].has_ghosts && scene.strands[2].is_curves );
     assert_int_equal( scene.events[0].step, 30 );
-    wisp_scene_release( &scene );
 }
 
 // ---- scattered strands ----
@@ -615,7 +606,7 @@ TEST( scattered_strands_are_their_targets_moved_across_the_root_within_the_radiu
     const wisp_scene_scatter scatter = { .around = 0, .count = 200, .radius = 0.01f, .seed = 3 };
     for ( int dimension = 2; dimension <= 3; ++dimension )
     {
-        wisp_groom source = straight_groom( dimension ), out;
+        SCOPED( wisp_groom_release ) wisp_groom source = straight_groom( dimension ), out;
         wisp_error error = { .status = WISP_OK };
         assert_int_equal( wisp_scene_make_scatter( &scatter, &source, &out, &error ), WISP_OK );
         assert_int_equal( out.strand_count, 1000 );
@@ -639,14 +630,12 @@ TEST( scattered_strands_are_their_targets_moved_across_the_root_within_the_radiu
         }
         // Half of a disc lies beyond radius / sqrt 2, and 1 - 1 / sqrt 2 of a line; five sigma of 1000 draws are 79.
         assert_true( abs( outer - ( dimension == 3 ? 500 : 293 ) ) < 79 );
-        wisp_groom_release( &out );
-        wisp_groom_release( &source );
     }
 }
 
 TEST( scattering_more_strands_around_each_keeps_those_that_there_were )
 {
-    wisp_groom source = straight_groom( 3 ), few, many;
+    SCOPED( wisp_groom_release ) wisp_groom source = straight_groom( 3 ), few, many;
     wisp_error error = { .status = WISP_OK };
     wisp_scene_scatter scatter = { .around = 0, .count = 2, .radius = 0.01f, .seed = 3 };
     assert_int_equal( wisp_scene_make_scatter( &scatter, &source, &few, &error ), WISP_OK );
@@ -657,9 +646,6 @@ TEST( scattering_more_strands_around_each_keeps_those_that_there_were )
         const int same = g / 2 * 7 + g % 2;
         assert_memory_equal( few.points + few.offsets[g], many.points + many.offsets[same], 4 * sizeof( wisp_vec3 ) );
     }
-    wisp_groom_release( &few );
-    wisp_groom_release( &many );
-    wisp_groom_release( &source );
 }
 
 TEST( scattering_too_many_strands_is_refused_before_memory_is_queried_for )
@@ -697,7 +683,7 @@ TEST( curves_begin_and_end_where_their_strands_do_and_pass_through_what_they_pro
         wisp_curves_def def = wisp_default_curves_def();
         def.kind = (wisp_curve_kind)kind;
         def.samples = 4;
-        wisp_groom out;
+        SCOPED( wisp_groom_release ) wisp_groom out;
         wisp_error error = { .status = WISP_OK };
         assert_int_equal( wisp_scene_make_curves( &def, &source, &out, &error ), WISP_OK );
         assert_int_equal( out.strand_count, 5 );
@@ -714,6 +700,5 @@ TEST( curves_begin_and_end_where_their_strands_do_and_pass_through_what_they_pro
                 assert_true( dot( slip, slip ) == 0.0f ); // weights at the ends are 0 and 1
             }
         }
-        wisp_groom_release( &out );
     }
 }

@@ -18,7 +18,7 @@
 
 TEST( bodies_are_strands_then_surfaces_then_colliders )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, "wisp: 1\n"
                "colliders:\n  - { name: ground, shape: plane, position: [0, -1, 0] }\n"
                "  - { name: crate, shape: box, half_extent: [1, 2, 3] }\n"
@@ -43,7 +43,6 @@ TEST( bodies_are_strands_then_surfaces_then_colliders )
     assert_ptr_equal( scene_world_body( &f.world, 2 ).triangles, scene_world_body( &f.world, 1 ).triangles );
     assert_int_equal( scene_world_vertices( &f.world ), 99 );
     assert_int_equal( scene_world_triangles( &f.world ), 160 );
-    release( &f );
 }
 
 // Volume of a closed mesh, m^3: positive if its triangles look outwards.
@@ -62,7 +61,7 @@ static double volume_of( const scene_body* body, const wisp_vec3* p )
 
 TEST( meshes_of_colliders_look_outwards_and_have_their_size )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, "wisp: 1\ncolliders:\n"
                "  - { name: box, shape: box, half_extent: [1, 2, 3] }\n"
                "  - { name: ball, shape: sphere, radius: 0.5 }\n"
@@ -73,18 +72,16 @@ TEST( meshes_of_colliders_look_outwards_and_have_their_size )
     for ( int i = 0; i < 4; ++i )
     {
         scene_body body = scene_world_body( &f.world, i );
-        wisp_vec3* points = checked_calloc( (size_t)body.vertex_count, sizeof *points );
+        SCOPED( free_local ) wisp_vec3* points = checked_calloc( (size_t)body.vertex_count, sizeof *points );
         assert_int_equal( scene_world_points( &f.world, i, points, &f.error ), WISP_OK );
         // an icosphere of level 4 lacks 0.2 % of the ball's volume, a capsule of 48 segments 0.4 %
         assert_true( fabs( volume_of( &body, points ) / volumes[i] - 1.0 ) < 0.006 );
-        free( points );
     }
-    release( &f );
 }
 
 TEST( a_plane_is_shown_as_a_square_that_looks_up )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f,
            "wisp: 1\ncolliders:\n"
            "  - { name: wall, shape: plane, position: [0, 1, 0], rotation: { axis: [0, 0, 1], degrees: 90 } }\n" );
@@ -93,14 +90,13 @@ TEST( a_plane_is_shown_as_a_square_that_looks_up )
     wisp_vec3 e = { b.x - a.x, b.y - a.y, b.z - a.z }, d = { c.x - a.x, c.y - a.y, c.z - a.z };
     // up, turned by 90 degrees about z, is -x; the triangle is half of a square of 2 m
     assert_point_at( ( wisp_vec3 ){ e.y * d.z - e.z * d.y, e.z * d.x - e.x * d.z, e.x * d.y - e.y * d.x }, -4, 0, 0 );
-    release( &f );
 }
 
 // ---- requests ----
 
 TEST( what_a_body_does_not_have_cannot_be_queried_for )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, "wisp: 1\nstrands:\n  - { name: hair, generate: { strands: 2 } }\n"
                "surfaces:\n  - { name: cloth, generate: { shape: plane } }\n"
                "colliders:\n  - { name: ground, shape: plane }\n" );
@@ -109,12 +105,11 @@ TEST( what_a_body_does_not_have_cannot_be_queried_for )
     assert_int_equal( scene_world_request( &f.world, 0, SCENE_REQUEST_WIDTH, &f.error ), WISP_BAD_INPUT );
     assert_int_equal( scene_world_request( &f.world, 1, SCENE_REQUEST_COLOUR, &f.error ), WISP_BAD_INPUT );
     assert_int_equal( scene_world_request( &f.world, 2, SCENE_REQUEST_POINTS, &f.error ), WISP_BAD_INPUT );
-    release( &f );
 }
 
 TEST( what_is_queried_for_is_there_after_a_step )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, "wisp: 1\nsteps: 5\nsurfaces:\n  - { name: cloth, generate: { shape: plane, columns: 3, rows: 3 }, "
                "compute: [] }\n" );
     float speeds[9] = { 1.0f };
@@ -133,14 +128,13 @@ TEST( what_is_queried_for_is_there_after_a_step )
     wisp_vec3 points[9];
     assert_int_equal( scene_world_points( &f.world, 0, points, &f.error ), WISP_CONFLICT );
     assert_non_null( strstr( f.error.message, "'cloth'" ) );
-    release( &f );
 }
 
 // ---- outputs ----
 
 TEST( a_written_surface_is_read_back_where_it_was )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, "wisp: 1\nsteps: 5\nsurfaces:\n  - { name: cloth, generate: { shape: plane, columns: 3, rows: 3 } }\n"
                "output: [{ surface: cloth, file: scene_world_out.ply }]\n" );
     step( &f, 3 );
@@ -154,7 +148,6 @@ TEST( a_written_surface_is_read_back_where_it_was )
     assert_true( now.y < 0.0f );
     wisp_mesh_release( &mesh );
     remove( "scene_world_out.ply" );
-    release( &f );
 }
 
 // ---- rejected scenes ----
@@ -223,7 +216,7 @@ TEST( a_surface_starts_away_from_rest_and_its_pins_are_only_scaled )
     };
     for ( int i = 0; i < WISP_COUNT( rows ); ++i )
     {
-        fixture f;
+        SCOPED( release ) fixture f;
         build_start( &f, rows[i].start );
         assert_point_at( point_of( &f, 0, 0 ), rows[i].pin[0], rows[i].pin[1], rows[i].pin[2] );
         assert_point_at( point_of( &f, 0, 14 ), rows[i].corner[0], rows[i].corner[1], rows[i].corner[2] );
@@ -232,7 +225,6 @@ TEST( a_surface_starts_away_from_rest_and_its_pins_are_only_scaled )
         assert_int_equal( wisp_fabric_need( fabric, WISP_FABRIC_EDGES ), WISP_OK );
         const wisp_vec3 a = fabric->rest[fabric->edges[0]], b = fabric->rest[fabric->edges[1]];
         assert_true( fabsf( hypotf( hypotf( a.x - b.x, a.y - b.y ), a.z - b.z ) - 1.0f ) < 1e-5f );
-        release( &f );
     }
 }
 
@@ -241,12 +233,11 @@ TEST( a_random_start_belongs_to_its_seed )
     wisp_vec3 corners[3];
     for ( int i = 0; i < 3; ++i )
     {
-        fixture f;
+        SCOPED( release ) fixture f;
         build_start( &f, i < 2 ? "shape: random, seed: 7" : "shape: random, seed: 8" );
         corners[i] = point_of( &f, 0, 14 );
         assert_true( fabsf( corners[i].x ) <= 2.0f && fabsf( corners[i].y - 1.0f ) <= 2.0f &&
                      fabsf( corners[i].z ) <= 2.0f );
-        release( &f );
     }
     assert_memory_equal( &corners[0], &corners[1], sizeof corners[0] );
     assert_memory_not_equal( &corners[0], &corners[2], sizeof corners[0] );
@@ -257,19 +248,18 @@ TEST( a_shaken_start_is_near_and_belongs_to_its_seed )
     wisp_vec3 corners[2];
     for ( int i = 0; i < 2; ++i )
     {
-        fixture f;
+        SCOPED( release ) fixture f;
         build_start( &f, i == 0 ? "shake: 0.01, seed: 1" : "shake: 0.01, seed: 2" );
         corners[i] = point_of( &f, 0, 14 );
         assert_true( fabsf( corners[i].x - 1.0f ) <= 0.0101f && fabsf( corners[i].y + 1.0f ) <= 0.0101f );
         assert_point_at( point_of( &f, 0, 0 ), -1.0f, 3.0f, 0.0f ); // a pin
-        release( &f );
     }
     assert_memory_not_equal( &corners[0], &corners[1], sizeof corners[0] );
 }
 
 TEST( masses_of_a_surface_grow_downwards_by_its_ratio )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, "wisp: 1\nsurfaces:\n"
                "  - name: sheet\n    generate: { shape: plane, columns: 2, rows: 3, spacing: 1 }\n"
                "    transform: { rotate: { degrees: [90, 0, 0] } }\n    vertex_mass: 2\n    mass_ratio: 100\n"
@@ -281,7 +271,6 @@ TEST( masses_of_a_surface_grow_downwards_by_its_ratio )
         const float mass = 2.0f * powf( 10.0f, (float)( v / 2 ) );
         assert_true( fabsf( weight * mass - 1.0f ) < 1e-4f );
     }
-    release( &f );
 }
 
 TEST( strands_start_away_from_rest_and_their_roots_are_only_scaled )
@@ -301,7 +290,7 @@ TEST( strands_start_away_from_rest_and_their_roots_are_only_scaled )
             "wisp: 1\nstrands:\n  - name: hair\n    generate: { dimension: 2, strands: 1, vertices: 3, length: 2, "
             "length_variation: 0 }\n    start: { %s }\n    dynamics: { rest: straight, mass_ratio: 4 }\n",
             rows[i].start );
-        fixture f;
+        SCOPED( release ) fixture f;
         build( &f, text );
         wisp_vec3 points[3];
         assert_ok( scene_world_points( &f.world, 0, points, &f.error ), f.error );
@@ -311,13 +300,12 @@ TEST( strands_start_away_from_rest_and_their_roots_are_only_scaled )
         const float* w = wisp_world_column( f.world.world, f.world.entities[0], WISP_STRAND_INVERSE_MASS, 0 );
         assert_true( fabsf( x[( 2 * 3 + 1 ) * 16] - rows[i].tip[1] ) < 1e-5f );
         assert_true( fabsf( w[16] / w[2 * 16] - 1.0f ) < 1e-4f );
-        release( &f );
     }
 }
 
 TEST( a_surface_starts_scaled_then_turned_then_moved )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, "wisp: 1\nsurfaces:\n"
                "  - name: a\n    generate: { shape: plane, columns: 3, rows: 3, spacing: 1 }\n"
                "    transform: { scale: 2, rotate: { axis: [0, 1, 0], degrees: 90 }, translate: [10, 0, 0] }\n"
@@ -326,7 +314,6 @@ TEST( a_surface_starts_scaled_then_turned_then_moved )
     assert_point_at( point_of( &f, 0, 0 ), 8.0f, 0.0f, 2.0f );
     assert_point_at( point_of( &f, 1, 0 ), -2.0f, 5.0f, -2.0f );
     assert_ptr_equal( f.world.surfaces[0].fabric, f.world.surfaces[1].fabric );
-    release( &f );
 }
 
 // @param x, z m, where all of the scene is
@@ -358,7 +345,7 @@ static uint64_t hash_of_stage( double x, double z, wisp_vec3* first )
         "  - { name: ball, shape: sphere, radius: 0.1, position: [%.9g, 0.25, %.9g],\n"
         "      keyframes: [{ time: 0, position: [%.9g, 0.25, %.9g] }, { time: 1, position: [%.9g, 0.75, %.9g] }] }\n",
         x, z, x + 0.25, z + 0.25, x, z, x, z, x, z, x, z, x, z, x, z );
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, text );
     assert_true( f.scene.origin[0] == x && f.scene.origin[1] == 0.0 && f.scene.origin[2] == z );
     step( &f, 30 );
@@ -368,9 +355,7 @@ static uint64_t hash_of_stage( double x, double z, wisp_vec3* first )
     double origin[3];
     assert_int_equal( wisp_read_origin( f.world.world, f.world.surfaces[0].entity, origin ), WISP_OK );
     assert_memory_equal( origin, f.scene.origin, sizeof origin );
-    const uint64_t hash = wisp_world_hash( f.world.world );
-    release( &f );
-    return hash;
+    return wisp_world_hash( f.world.world );
 }
 
 // Places are multiples of 2 mm at 20 km, and those here of a quarter of a metre.
@@ -385,7 +370,7 @@ TEST( a_scene_that_is_far_away_runs_bit_for_bit_as_at_home )
 
 TEST( a_fabric_is_cooked_with_what_its_effects_need_and_nothing_else )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, "wisp: 1\nsurfaces:\n"
                "  - { name: free, generate: { shape: plane } }\n"
                "  - { name: cross, generate: { shape: plane }, cloth: {} }\n"
@@ -410,7 +395,6 @@ TEST( a_fabric_is_cooked_with_what_its_effects_need_and_nothing_else )
         assert_int_equal( fabric->tether_count > 0, cooked[i].tethers );
         assert_int_equal( fabric->level_count > 0, cooked[i].sheets );
     }
-    release( &f );
 }
 
 // A block with nothing in it and a definition with its defaults: gravity, coarse sheets, bending, collision, hair.
@@ -463,7 +447,7 @@ TEST( what_a_scene_and_a_host_make_of_defaults_is_the_same_bits )
 
 TEST( an_instance_that_needs_coarse_sheets_is_enough_for_its_source_to_have_them )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f,
            "wisp: 1\nsurfaces:\n"
            "  - { name: plain, generate: { shape: plane, columns: 33, rows: 33 }, cloth: { coarse_substeps: 0 } }\n"
@@ -473,12 +457,11 @@ TEST( an_instance_that_needs_coarse_sheets_is_enough_for_its_source_to_have_them
     const wisp_entity carried = f.world.surfaces[1].entity;
     assert_int_equal( *(const int32_t*)wisp_world_column( f.world.world, carried, WISP_SURFACE_LEVELS, 0 ), 1 );
     assert_int_equal( *(const int32_t*)wisp_world_column( f.world.world, carried, WISP_SURFACE_LEVELS, 1 ), 7 );
-    release( &f );
 }
 
 TEST( pins_are_named_by_number_by_place_and_by_box )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f,
            "wisp: 1\nsurfaces:\n"
            "  - name: a\n    generate: { shape: plane, columns: 3, rows: 3, spacing: 1 }\n"
@@ -488,7 +471,6 @@ TEST( pins_are_named_by_number_by_place_and_by_box )
     static const int32_t pins[] = { 0, 2, 4, 8 };
     assert_int_equal( f.world.surfaces[0].pin_count, 4 );
     assert_memory_equal( f.world.surfaces[0].pins, pins, sizeof pins );
-    release( &f );
 }
 
 // A file whose first vertex belongs to no triangle: a repair drops it and renumbers the others.
@@ -515,7 +497,7 @@ TEST( numbers_of_vertices_are_those_of_the_file_also_after_a_repair )
 
 TEST( an_outlet_near_a_point_has_the_vertices_within_its_radius )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f,
            "wisp: 1\ndt: 0.001\nsteps: 3\nsurfaces:\n"
            "  - { name: a, generate: { shape: icosphere, level: 3, radius: 1 }, compute: [effect_stats], gravity: "
@@ -526,7 +508,6 @@ TEST( an_outlet_near_a_point_has_the_vertices_within_its_radius )
     assert_int_equal( wisp_read_balloon_stats( f.world.world, f.world.surfaces[0].entity, &stats ), WISP_OK );
     // the jet leaves upwards through the top, so it pushes down
     assert_true( stats.jet[1] < 0.0 && fabs( stats.jet[0] ) < 0.1 * fabs( stats.jet[1] ) );
-    release( &f );
 }
 
 // Two triangles with corners of their own: those that are merged keep both of their numbers.
@@ -561,7 +542,7 @@ TEST( a_merged_vertex_is_named_by_each_of_its_numbers )
 
 TEST( pins_follow_their_keyframes_and_stay_at_the_last )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f,
            "wisp: 1\ndt: 0.1\nsteps: 100\nsurfaces:\n"
            "  - name: a\n    generate: { shape: plane, columns: 2, rows: 2, spacing: 2 }\n    pins: [0, 1, 2, 3]\n"
@@ -576,12 +557,11 @@ TEST( pins_follow_their_keyframes_and_stay_at_the_last )
     assert_point_at( point_of( &f, 0, 0 ), -1.0f, 1.0f, 1.0f );
     step( &f, 5 );
     assert_point_at( point_of( &f, 0, 0 ), -1.0f, 1.0f, 1.0f );
-    release( &f );
 }
 
 TEST( a_released_surface_falls_and_its_pins_follow_no_keyframe )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, "wisp: 1\ndt: 0.01\nsteps: 100\nsubsteps: 1\nsurfaces:\n"
                "  - name: a\n    generate: { shape: plane, columns: 2, rows: 2 }\n    pins: [0, 1, 2, 3]\n"
                "    compute: [points]\n    pin_keyframes: [{ time: 10, translate: [5, 0, 0] }]\n"
@@ -593,7 +573,6 @@ TEST( a_released_surface_falls_and_its_pins_follow_no_keyframe )
     wisp_vec3 free_fall = point_of( &f, 0, 0 );
     // half g t^2, and half a step more of g t because velocities are updated first
     assert_point_at( free_fall, held.x, -9.81f * ( 0.125f + 0.0025f ), held.z + 0.5f );
-    release( &f );
 }
 
 // Two triangles over four vertices: the ends of the diagonal belong to both. A gust comes on top of a velocity that is set.
@@ -601,7 +580,7 @@ TEST( a_gust_is_added_once_or_for_each_triangle )
 {
     for ( int per_triangle = 0; per_triangle < 2; ++per_triangle )
     {
-        fixture f;
+        SCOPED( release ) fixture f;
         char text[512];
         snprintf( text, sizeof text,
                   "wisp: 1\ndt: 0.01\nsteps: 100\nsubsteps: 1\ngravity: [0, 0, 0]\nsurfaces:\n"
@@ -629,13 +608,12 @@ TEST( a_gust_is_added_once_or_for_each_triangle )
         // the pinned vertex is an end of the diagonal, or not
         assert_true( per_triangle == 1 ? twice == 1 || twice == 2 : twice == 0 );
         assert_point_at( point_of( &f, 0, 3 ), start[3].x, start[3].y, start[3].z );
-        release( &f );
     }
 }
 
 TEST( keyframes_tell_the_fill_and_leave_the_gas_alone_afterwards )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, "wisp: 1\ndt: 0.1\nsteps: 40\nsubsteps: 4\nsurfaces:\n"
                "  - { name: a, generate: { shape: icosphere, level: 1 }, compute: [effect_stats], "
                "balloon: { gas_ratio: 1.5, gas_ratio_keyframes: [[1, 1], [2, 2]] } }\n"
@@ -653,12 +631,11 @@ TEST( keyframes_tell_the_fill_and_leave_the_gas_alone_afterwards )
         // times and fills are floats
         assert_true( fabs( stats.target_volume / stats.rest_volume - story[i].gas_ratio ) < 1e-5 );
     }
-    release( &f );
 }
 
 TEST( the_outlet_opens_and_closes_when_an_event_says )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, "wisp: 1\ndt: 0.01\nsteps: 40\nsubsteps: 4\nsurfaces:\n"
                "  - { name: a, generate: { shape: icosphere, level: 2, radius: 0.2 }, compute: [effect_stats], "
                "balloon: { gas_ratio: 1.5, outlet: [0] } }\n"
@@ -673,12 +650,11 @@ TEST( the_outlet_opens_and_closes_when_an_event_says )
         lost[i] = stats.gas_lost;
     }
     assert_true( lost[0] == 0.0 && lost[1] > 0.0 && lost[2] == lost[1] );
-    release( &f );
 }
 
 TEST( wind_of_an_event_blows_from_its_step_on )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f,
            "wisp: 1\ndt: 0.01\nsteps: 40\nsurfaces:\n"
            "  - { name: a, generate: { shape: plane, columns: 4, rows: 4 }, gravity: [0, 0, 0], compute: [points], "
@@ -688,12 +664,11 @@ TEST( wind_of_an_event_blows_from_its_step_on )
     assert_point_at( point_of( &f, 0, 0 ), -0.03f, 0.0f, -0.03f );
     step( &f, 5 );
     assert_true( point_of( &f, 0, 0 ).y > 1e-3f );
-    release( &f );
 }
 
 TEST( colliders_follow_their_keyframes )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f,
            "wisp: 1\ndt: 0.1\nsteps: 40\ncolliders:\n"
            "  - { name: a, shape: box, half_extent: [1, 1, 1], position: [1, 0, 0], keyframes: "
@@ -706,12 +681,11 @@ TEST( colliders_follow_their_keyframes )
     assert_point_at( point_of( &f, 0, 7 ), 2.0f, 1.0f, -1.0f );
     step( &f, 2 );
     assert_point_at( point_of( &f, 0, 7 ), 2.0f, 1.0f, -1.0f );
-    release( &f );
 }
 
 TEST( a_surface_with_collision_rests_on_the_ground_and_one_without_falls_through )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f,
            "wisp: 1\nsteps: 60\nsubsteps: 4\nsurfaces:\n"
            "  - { name: a, generate: { shape: plane, columns: 4, rows: 4 }, compute: [points], cloth: {}, "
@@ -722,7 +696,6 @@ TEST( a_surface_with_collision_rests_on_the_ground_and_one_without_falls_through
     // a contact is solved exactly in a step; float rounding of 0.2 m remains
     assert_true( fabsf( point_of( &f, 0, 5 ).y - 0.01f ) < 1e-3f );
     assert_true( point_of( &f, 1, 5 ).y < -4.0f );
-    release( &f );
 }
 
 // ---- frozen hair ----
@@ -771,7 +744,7 @@ TEST( a_scene_repeats_the_strokes_of_a_host_bit_for_bit )
                                 "    frozen_hair: { base: stroke, freeze: {}, align: {}, clump: {} }\n";
     char text[16384];
     size_t used = (size_t)snprintf( text, sizeof text, "%shair_events:\n", begin );
-    fixture host, scene;
+    SCOPED( release ) fixture host, scene;
     build( &host, begin );
     wisp_world* world = host.world.world;
     const wisp_entity hair = host.world.entities[0];
@@ -807,6 +780,4 @@ TEST( a_scene_repeats_the_strokes_of_a_host_bit_for_bit )
             fail_msg( "step %d of the scene differs from what the host saw", n );
         }
     }
-    release( &scene );
-    release( &host );
 }

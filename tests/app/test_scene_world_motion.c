@@ -47,7 +47,7 @@ static float largest_way( const wisp_vec3* before, const wisp_vec3* after, int c
 
 TEST( strands_start_scaled_then_turned_then_moved )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f,
            "wisp: 1\nstrands:\n"
            "  - name: hair\n    generate: { dimension: 2, strands: 1, vertices: 3, length: 1, length_variation: 0 }\n"
@@ -57,12 +57,11 @@ TEST( strands_start_scaled_then_turned_then_moved )
     assert_near( point_of( &f, 0, 2 ), ( wisp_vec3 ){ 0, 5, -2 }, 1e-6f );
     assert_near( point_of( &f, 1, 2 ), ( wisp_vec3 ){ 0, 5, -2 }, 1e-6f );
     assert_int_equal( f.world.grooms[0].dimension, 3 ); // the turn has taken it out of the plane
-    release( &f );
 }
 
 TEST( curves_are_bodies_wherever_their_source_stands )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, "wisp: 1\nsteps: 2\nstrands:\n"
                "  - { name: drawn, curves: { of: hair, samples: 3 }, compute: [points] }\n"
                "  - { name: hair, generate: { strands: 4, vertices: 6 } }\n" );
@@ -72,7 +71,6 @@ TEST( curves_are_bodies_wherever_their_source_stands )
     assert_int_equal( body.strand_count, 4 );
     assert_int_equal( body.offsets[1], 16 );
     assert_int_equal( scene_world_strands( &f.world ), 8 );
-    release( &f );
 }
 
 // Curves drawn before the first step are the same as those of the engine for static strands.
@@ -87,17 +85,14 @@ TEST( the_first_frame_of_curves_is_what_the_engine_draws )
                   "  - { name: hair, generate: { shape: curly, strands: 5, vertices: 12 } }\n"
                   "  - { name: drawn, curves: { of: hair, kind: %s, samples: 5 }, compute: [points] }\n",
                   kinds[kind] );
-        fixture f;
+        SCOPED( release ) fixture f;
         build( &f, text );
         const int count = scene_world_body( &f.world, 1 ).vertex_count;
-        wisp_vec3* before = points_of( &f, 1 );
+        SCOPED( free_local ) wisp_vec3* before = points_of( &f, 1 );
         step( &f, 1 );
-        wisp_vec3* after = points_of( &f, 1 );
+        SCOPED( free_local ) wisp_vec3* after = points_of( &f, 1 );
         // coordinates are below 0.5 m; a point is a sum of a dozen products
         assert_true( largest_way( before, after, count ) <= 4e-7f );
-        free( before );
-        free( after );
-        release( &f );
     }
 }
 
@@ -118,13 +113,13 @@ static const char TURNING_HEAD[] =
 
 TEST( roots_go_with_a_collider_of_the_same_keyframes )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, TURNING_HEAD );
-    wisp_vec3* start = points_of( &f, 0 );
+    SCOPED( free_local ) wisp_vec3* start = points_of( &f, 0 );
     for ( int i = 0; i < 20; ++i )
     {
         step( &f, 1 );
-        wisp_vec3* now = points_of( &f, 0 );
+        SCOPED( free_local ) wisp_vec3* now = points_of( &f, 0 );
         for ( int s = 0; s < 20; ++s )
         {
             const wisp_vec3 p = start[5 * s], own = { p.x - 1.0f, p.y - 2.0f, p.z - 3.0f };
@@ -132,17 +127,14 @@ TEST( roots_go_with_a_collider_of_the_same_keyframes )
             // coordinates are below 4 m, where a float is within 2.4e-7, and a pose is a few sums of them
             assert_near( now[5 * s], held, 2e-6f );
         }
-        free( now );
     }
     const wisp_vec3 first = start[0], end = { 2.0f - ( first.y - 2.0f ), 2.0f + ( first.x - 1.0f ), first.z };
     assert_near( point_of( &f, 0, 0 ), end, 2e-6f );
-    free( start );
-    release( &f );
 }
 
 TEST( a_pivot_is_what_a_head_turns_about )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f,
            "wisp: 1\nsteps: 12\ndt: 0.1\nstrands:\n"
            "  - name: hair\n    generate: { dimension: 2, strands: 1, vertices: 4 }\n    dynamics: {}\n    compute: "
@@ -152,12 +144,11 @@ TEST( a_pivot_is_what_a_head_turns_about )
     step( &f, 12 );
     // the root starts at the origin, 1 m below the pivot
     assert_near( point_of( &f, 0, 0 ), ( wisp_vec3 ){ 1, 1, 0 }, 1e-6f );
-    release( &f );
 }
 
 TEST( roots_stay_on_the_surface_that_is_named_below_them )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, "wisp: 1\nsteps: 20\ndt: 0.05\nstrands:\n"
                "  - { name: hair, generate: { dimension: 2, strands: 3, vertices: 4, spacing: 0.01 }, dynamics: {}, "
                "on_surface: "
@@ -166,18 +157,15 @@ TEST( roots_stay_on_the_surface_that_is_named_below_them )
                "  - name: board\n    generate: { shape: plane, columns: 4, rows: 4, spacing: 0.1 }\n"
                "    pin_box: { min: [-1, -1, -1], max: [1, 1, 1] }\n"
                "    pin_keyframes: [ { time: 0.5, translate: [0.25, 0.5, 0] } ]\n" );
-    wisp_vec3* start = points_of( &f, 0 );
+    SCOPED( free_local ) wisp_vec3* start = points_of( &f, 0 );
     step( &f, 20 );
-    wisp_vec3* now = points_of( &f, 0 );
+    SCOPED( free_local ) wisp_vec3* now = points_of( &f, 0 );
     for ( int s = 0; s < 3; ++s )
     {
         const wisp_vec3 p = start[4 * s];
         // three barycentric weights, each within half an ulp of a value below 1
         assert_near( now[4 * s], ( wisp_vec3 ){ p.x + 0.25f, p.y + 0.5f, p.z }, 1e-6f );
     }
-    free( start );
-    free( now );
-    release( &f );
 }
 
 // ---- ghosts ----
@@ -199,13 +187,13 @@ static wisp_vec3 middle_root( const wisp_vec3* points )
 
 TEST( roots_of_ghosts_stand_around_that_of_their_target_with_and_without_frozen_hair )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, FOLLOWED );
-    wisp_vec3 *guides = points_of( &f, 0 ), *start = points_of( &f, 1 );
+    SCOPED( free_local ) wisp_vec3 *guides = points_of( &f, 0 ), *start = points_of( &f, 1 );
     step( &f, 10 );
     for ( int body = 1; body < 3; ++body )
     {
-        wisp_vec3* now = points_of( &f, body );
+        SCOPED( free_local ) wisp_vec3* now = points_of( &f, body );
         for ( int g = 0; g < 18; ++g )
         {
             // The mean of a group is its target, which the head has raised by 0.05 m. A root is out of the sway of eq. 5,
@@ -214,25 +202,18 @@ TEST( roots_of_ghosts_stand_around_that_of_their_target_with_and_without_frozen_
             const wisp_vec3 expected = { x.x + p.x - mean.x, x.y + p.y - mean.y + 0.05f, x.z + p.z - mean.z };
             assert_near( now[8 * g], expected, 1e-6f );
         }
-        free( now );
     }
-    free( guides );
-    free( start );
-    release( &f );
 }
 
 TEST( frozen_hair_changes_what_ghosts_look_like_and_not_where_they_are_carried )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, FOLLOWED );
     step( &f, 10 );
-    wisp_vec3 *ghosts = points_of( &f, 1 ), *frozen = points_of( &f, 2 );
+    SCOPED( free_local ) wisp_vec3 *ghosts = points_of( &f, 1 ), *frozen = points_of( &f, 2 );
     assert_true( largest_way( ghosts, frozen, 8 * 18 ) > 1e-4f );
     // A frozen vertex may differ from its position by part of its strand's length, 0.1 m, but not by more.
     assert_true( largest_way( ghosts, frozen, 8 * 18 ) < 0.1f );
-    free( ghosts );
-    free( frozen );
-    release( &f );
 }
 
 TEST( ghosts_of_other_lengths_are_refused_at_their_line )
@@ -251,7 +232,7 @@ TEST( ghosts_of_other_lengths_are_refused_at_their_line )
 
 TEST( ghosts_of_other_lengths_follow_if_they_are_resampled )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, "wisp: 1\nsteps: 2\nstrands:\n"
                "  - { name: guides, generate: { strands: 2, vertices: 8 }, dynamics: {} }\n"
                "  - { name: ghosts, generate: { strands: 5, vertices: 9 }, ghosts: { targets: guides, resample: true "
@@ -259,7 +240,6 @@ TEST( ghosts_of_other_lengths_follow_if_they_are_resampled )
                "[points] }\n" );
     step( &f, 2 );
     assert_true( isfinite( point_of( &f, 1, 44 ).x ) );
-    release( &f );
 }
 
 TEST( masses_of_scattered_strands_are_counted_once_there_are_any )
@@ -276,7 +256,7 @@ TEST( masses_of_scattered_strands_are_counted_once_there_are_any )
 
 TEST( strands_that_move_tell_strain_speed_and_motion_stats_and_others_do_not )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build(
         &f,
         "wisp: 1\nsteps: 3\nstrands:\n"
@@ -297,12 +277,11 @@ TEST( strands_that_move_tell_strain_speed_and_motion_stats_and_others_do_not )
     assert_true( fabs( motion_stats.speed_max - (double)speed[5] ) < 0.2 );
     assert_int_equal( scene_world_request( &f.world, 1, SCENE_REQUEST_SPEED, &f.error ), WISP_BAD_INPUT );
     assert_string_equal( f.error.message, "test.yaml: 'still' has no speed" );
-    release( &f );
 }
 
 TEST( an_event_blows_on_strands )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, "wisp: 1\nsteps: 20\nsubsteps: 2\ngravity: [0, 0, 0]\nstrands:\n"
                "  - name: hair\n    generate: { dimension: 2, strands: 1, vertices: 8, length: 0.1 }\n"
                "    dynamics: { drag_coefficient: 1, bending: none }\n    compute: [points]\n"
@@ -312,7 +291,6 @@ TEST( an_event_blows_on_strands )
     assert_near( point_of( &f, 0, 7 ), start, 1e-6f ); // neither weight nor wind: rounding alone
     step( &f, 10 );
     assert_true( point_of( &f, 0, 7 ).x > start.x + 1e-3f );
-    release( &f );
 }
 
 // ---- the scenes of the project ----
@@ -341,7 +319,7 @@ TEST( balanced_curls_stay_where_those_beside_them_sag )
 
 TEST( links_stretch_where_the_direct_solve_does_not )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     open_scene( &f, "chain_links.yaml", 1 );
     step( &f, 40 );
     double strain[2];
@@ -353,7 +331,6 @@ TEST( links_stretch_where_the_direct_solve_does_not )
     }
     assert_true( strain[0] <= 1e-3 ); // the tolerance of the direct solve
     assert_true( strain[1] > 10.0 * strain[0] && strain[1] > 1e-3 );
-    release( &f );
 }
 
 // ---- jumps ----
@@ -385,7 +362,7 @@ static const char JUMPS[] =
 // Bodies are strands, surfaces and colliders, in this order.
 TEST( keyframes_that_jump_and_events_teleport )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, JUMPS );
     run_until( &f, 30 );
     wisp_vec3* before[4] = { points_of( &f, 0 ), points_of( &f, 1 ), points_of( &f, 2 ), points_of( &f, 3 ) };
@@ -413,13 +390,12 @@ TEST( keyframes_that_jump_and_events_teleport )
     assert_near( point_of( &f, 1, 0 ), ( wisp_vec3 ){ 3, 7, 0 }, 1e-5f );
     run_until( &f, 90 );
     assert_near( point_of( &f, 1, 8 ), ( wisp_vec3 ){ 3, 7, -0.4f }, 1e-5f );
-    release( &f );
 }
 
 // A collider whose last keyframe jumps is drawn where it is.
 TEST( a_collider_stays_where_its_last_jump_has_taken_it )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f,
            "wisp: 1\nsteps: 20\ndt: 0.01\ncolliders:\n"
            "  - name: body\n    shape: sphere\n    radius: 0.1\n"
@@ -427,12 +403,11 @@ TEST( a_collider_stays_where_its_last_jump_has_taken_it )
     run_until( &f, 20 );
     const wisp_vec3 p = f.world.colliders[0].pose.translation;
     assert_near( p, ( wisp_vec3 ){ 5, 2, 0 }, 1e-6f );
-    release( &f );
 }
 
 TEST( levels_of_detail_are_set_and_changed_by_events )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build(
         &f,
         "wisp: 1\nsteps: 20\nsubsteps: 8\nstrands:\n"
@@ -458,7 +433,6 @@ TEST( levels_of_detail_are_set_and_changed_by_events )
     assert_int_equal( wisp_detail_of( world, sheet ), WISP_DETAIL_COARSE );
     assert_int_equal( scene_world_substeps( &f.world, 2 ), 4 );
     assert_int_equal( wisp_detail_of( world, guides ), WISP_DETAIL_NOTHING );
-    release( &f );
 }
 
 // ---- input of a user ----
@@ -516,7 +490,7 @@ static void assert_at( wisp_vec3 p, float x, float y, float z )
 
 TEST( a_held_vertex_goes_where_it_is_dragged_and_is_free_afterwards )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, hanging );
     scene_hold hold;
     assert_ok( scene_world_grab( &f.world, CLOTH, 35, &hold, &f.error ), f.error );
@@ -528,12 +502,11 @@ TEST( a_held_vertex_goes_where_it_is_dragged_and_is_free_afterwards )
     assert_ok( scene_world_let_go( &f.world, &hold, &f.error ), f.error );
     step( &f, 20 );
     assert_true( point( &f, CLOTH, 35 ).y < 0.0f );
-    release( &f );
 }
 
 TEST( a_vertex_that_the_scene_pins_stays_where_it_was_left )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, hanging );
     scene_hold hold;
     assert_ok( scene_world_grab( &f.world, CLOTH, 5, &hold, &f.error ), f.error );
@@ -543,12 +516,11 @@ TEST( a_vertex_that_the_scene_pins_stays_where_it_was_left )
     assert_ok( scene_world_let_go( &f.world, &hold, &f.error ), f.error );
     step( &f, 20 );
     assert_at( point( &f, CLOTH, 5 ), 0.4f, 0.2f, 0.0f );
-    release( &f );
 }
 
 TEST( strands_come_along_with_their_head_and_a_second_drag_starts_from_there )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, hanging );
     const wisp_vec3 root = point( &f, HAIR, 0 );
     for ( int turn = 1; turn <= 2; ++turn )
@@ -563,12 +535,11 @@ TEST( strands_come_along_with_their_head_and_a_second_drag_starts_from_there )
         assert_ok( scene_world_let_go( &f.world, &hold, &f.error ), f.error );
         step( &f, 3 );
     }
-    release( &f );
 }
 
 TEST( what_keyframes_move_or_what_stands_still_is_refused_with_its_name )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, hanging );
     scene_hold hold;
     const wisp_vec3 away = { 0.0f, 0.0f, 0.0f };
@@ -594,12 +565,11 @@ TEST( what_keyframes_move_or_what_stands_still_is_refused_with_its_name )
     assert_string_equal( f.error.message, "collider 'led' follows its keyframes" );
     assert_int_equal( scene_world_move_collider( &f.world, CLOTH, away, &f.error ), WISP_CONFLICT );
     assert_int_equal( scene_world_move_collider( &f.world, 6, away, &f.error ), WISP_BAD_INPUT );
-    release( &f );
 }
 
 TEST( a_collider_is_where_it_was_moved )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, hanging );
     const wisp_vec3 before = point( &f, BALL, 0 );
     wisp_vec3 place = { 0.0f, 0.0f, -0.05f };
@@ -613,12 +583,11 @@ TEST( a_collider_is_where_it_was_moved )
     const wisp_vec3 p = point( &f, CLOTH, 14 ); // carried by it, where it would have fallen by 20 cm
     assert_true( p.y > -0.05f );
     assert_true( hypotf( hypotf( p.x - place.x, p.y - place.y ), p.z - place.z ) > 0.099f );
-    release( &f );
 }
 
 TEST( gravity_acts_on_cloth_and_strands )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     build( &f, hanging );
     const wisp_vec3 tip = point( &f, HAIR, 5 );
     assert_ok( scene_world_set_gravity( &f.world, ( wisp_vec3 ){ 5.0f, 0.0f, 0.0f }, &f.error ), f.error );
@@ -627,12 +596,11 @@ TEST( gravity_acts_on_cloth_and_strands )
     assert_true( point( &f, CLOTH, 35 ).x > 0.255f && fabsf( point( &f, CLOTH, 35 ).y ) < 1e-3f );
     assert_int_equal( scene_world_set_gravity( &f.world, ( wisp_vec3 ){ NAN, 0.0f, 0.0f }, &f.error ),
                       WISP_BAD_INPUT );
-    release( &f );
 }
 
 TEST( wind_gives_cloth_air_that_slows_it_in_a_calm )
 {
-    fixture f;
+    SCOPED( release ) fixture f;
     int felt = 0;
     build( &f, hanging );
     step( &f, 1 ); // which has passes of its own
@@ -644,12 +612,11 @@ TEST( wind_gives_cloth_air_that_slows_it_in_a_calm )
     assert_true( point( &f, CLOTH, 35 ).y > -0.1f );
     assert_ok( scene_world_set_wind( &f.world, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, &felt, &f.error ), f.error );
     assert_true( wisp_world_plan_passes( f.world.world ) > passes );
-    release( &f );
 }
 
 static uint64_t hash_of_a_drag( int workers )
 {
-    fixture f = { .scene = parsed( hanging ) };
+    SCOPED( release ) fixture f = { .scene = parsed( hanging ) };
     create( &f, workers );
     scene_hold hold;
     int felt;
@@ -660,9 +627,7 @@ static uint64_t hash_of_a_drag( int workers )
     step( &f, 5 );
     assert_ok( scene_world_let_go( &f.world, &hold, &f.error ), f.error );
     step( &f, 5 );
-    const uint64_t hash = wisp_world_hash( f.world.world );
-    release( &f );
-    return hash;
+    return wisp_world_hash( f.world.world );
 }
 
 TEST( equal_input_gives_equal_bits )

@@ -68,7 +68,7 @@ static void assert_parameter( const tune_parameters* parameters, int k, const ch
 
 TEST( a_scene_of_cloth_has_its_parameters_with_its_own_values_among_them )
 {
-    wisp_scene scene = parse( cloths );
+    SCOPED( wisp_scene_release ) wisp_scene scene = parse( cloths );
     tune_parameters parameters;
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
     assert_int_equal( parameters.count, 4 );
@@ -78,24 +78,22 @@ TEST( a_scene_of_cloth_has_its_parameters_with_its_own_values_among_them )
     assert_parameter( &parameters, 3, "cloth.coarse_substeps", ( const double[] ){ 1, 2, 3, 0 }, 4 );
     assert_true( parameters.parameters[2].is_unordered && parameters.parameters[3].is_unordered );
     assert_false( parameters.parameters[0].is_unordered || parameters.parameters[1].is_unordered );
-    wisp_scene_release( &scene );
 }
 
 TEST( a_scene_of_implicit_cloth_has_other_parameters )
 {
-    wisp_scene scene = parse( implicit );
+    SCOPED( wisp_scene_release ) wisp_scene scene = parse( implicit );
     tune_parameters parameters;
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
     assert_int_equal( parameters.count, 3 );
     assert_parameter( &parameters, 1, "implicit.tolerance", ( const double[] ){ 0.1, 0.01, 0.003, 0.001, 0.0001 },
                       5 );
     assert_parameter( &parameters, 2, "implicit.newton_iterations", ( const double[] ){ 1, 2, 3, 4 }, 4 );
-    wisp_scene_release( &scene );
 }
 
 TEST( strands_with_the_direct_solve_have_their_passes )
 {
-    wisp_scene scene = parse( strands );
+    SCOPED( wisp_scene_release ) wisp_scene scene = parse( strands );
     tune_parameters parameters;
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
     assert_int_equal( parameters.count, 3 );
@@ -106,12 +104,11 @@ TEST( strands_with_the_direct_solve_have_their_passes )
     assert_int_equal( scene.strands[1].dynamics.stretch_passes, links );
     assert_int_equal( scene.strands[2].dynamics.stretch_passes, 2 );
     assert_int_equal( scene.strands[3].dynamics.stretch_passes, 2 );
-    wisp_scene_release( &scene );
 }
 
 TEST( a_scene_of_everything_keeps_ends_and_its_own_values_and_can_be_searched )
 {
-    wisp_scene scene = parse( everything );
+    SCOPED( wisp_scene_release ) wisp_scene scene = parse( everything );
     tune_parameters parameters;
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
     assert_int_equal( parameters.count, 7 );
@@ -132,12 +129,11 @@ TEST( a_scene_of_everything_keeps_ends_and_its_own_values_and_can_be_searched )
         assert_true( has_own );
     }
     assert_in_range( settings, WISP_TUNE_MAX_SETTINGS / 2, WISP_TUNE_MAX_SETTINGS );
-    wisp_scene_release( &scene );
 }
 
 TEST( a_choice_is_set_on_every_surface_that_has_the_field )
 {
-    wisp_scene scene = parse( cloths );
+    SCOPED( wisp_scene_release ) wisp_scene scene = parse( cloths );
     tune_parameters parameters;
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
     tune_parameters_set( &parameters, ( const int[] ){ 2, 1, 1, 3 }, &scene );
@@ -164,7 +160,6 @@ TEST( a_choice_is_set_on_every_surface_that_has_the_field )
         assert_true( scene.surfaces[i].implicit.tolerance == 0.01f );
         assert_int_equal( scene.surfaces[i].implicit.newton_iterations, 4 );
     }
-    wisp_scene_release( &scene );
 }
 
 // ---- the file ----
@@ -172,7 +167,7 @@ TEST( a_choice_is_set_on_every_surface_that_has_the_field )
 static void assert_edits( const char* text, const int* configuration, const wisp_scene_edit* expected,
                           int expected_count )
 {
-    wisp_scene scene = parse( text );
+    SCOPED( wisp_scene_release ) wisp_scene scene = parse( text );
     tune_parameters parameters;
     wisp_scene_edit* edits;
     int count;
@@ -191,7 +186,6 @@ static void assert_edits( const char* text, const int* configuration, const wisp
     assert_int_equal( tune_parameters_agree( &parameters, configuration, &scene ), count == 0 );
     tune_parameters_set( &parameters, configuration, &scene );
     assert_true( tune_parameters_agree( &parameters, configuration, &scene ) );
-    wisp_scene_release( &scene );
 }
 
 TEST( only_what_differs_is_edited )
@@ -225,9 +219,9 @@ TEST( coarse_sheets_that_are_off_are_so_in_the_file )
 /// file
 static void write_choice( const char* text, int parameter, int value, char* out, size_t size )
 {
-    wisp_scene scene = parse( text ), written;
+    SCOPED( wisp_scene_release ) wisp_scene scene = parse( text ), written;
     tune_parameters parameters;
-    wisp_scene_edit* edits;
+    SCOPED( free_local ) wisp_scene_edit* edits;
     int count, configuration[WISP_TUNE_MAX_PARAMETERS] = { 0 };
     wisp_error error = { 0 };
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
@@ -241,9 +235,6 @@ static void write_choice( const char* text, int parameter, int value, char* out,
     read_text( "tune_parameters_to.yaml", out, size );
     remove( "tune_parameters_from.yaml" );
     remove( "tune_parameters_to.yaml" );
-    free( edits );
-    wisp_scene_release( &written );
-    wisp_scene_release( &scene );
 }
 
 TEST( whatever_coarse_substeps_are_chosen_the_file_can_say_it )
@@ -259,6 +250,7 @@ TEST( whatever_coarse_substeps_are_chosen_the_file_can_say_it )
 
 TEST( cloth_by_pbd_has_no_coarse_substeps_to_tune )
 {
+    SCOPED( wisp_scene_release )
     wisp_scene scene = parse( "wisp: 1\nsurfaces:\n  - name: a\n" MAKE "    cloth: { solver: pbd }\n" );
     tune_parameters parameters;
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
@@ -274,12 +266,11 @@ TEST( cloth_by_pbd_has_no_coarse_substeps_to_tune )
     tune_parameters_set( &parameters, ( const int[] ){ 0, 0, 1 }, &scene );
     assert_int_equal( scene.surfaces[0].cloth.coarse_substeps, 0 );
     assert_int_equal( scene.surfaces[1].cloth.coarse_substeps, 2 );
-    wisp_scene_release( &scene );
 }
 
 TEST( values_are_reported_as_the_file_has_them )
 {
-    wisp_scene scene = parse( cloths );
+    SCOPED( wisp_scene_release ) wisp_scene scene = parse( cloths );
     tune_parameters parameters;
     char text[32];
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
@@ -289,15 +280,13 @@ TEST( values_are_reported_as_the_file_has_them )
     assert_string_equal( text, "2" );
     tune_parameters_text( &parameters, 2, 1.0, text, sizeof text );
     assert_string_equal( text, "true" );
-    wisp_scene_release( &scene );
 }
 
 TEST( a_scene_where_nothing_moves_has_no_parameters )
 {
-    wisp_scene scene = parse( "wisp: 1\n" );
+    SCOPED( wisp_scene_release ) wisp_scene scene = parse( "wisp: 1\n" );
     tune_parameters parameters;
     wisp_error error = { 0 };
     assert_int_equal( tune_parameters_find( &scene, &parameters, &error ), WISP_BAD_INPUT );
     assert_non_null( strstr( error.message, "scene.yaml: nothing in the scene moves" ) );
-    wisp_scene_release( &scene );
 }

@@ -6,6 +6,12 @@
 #include "fabric.h"
 #include "test_mesh.h"
 
+/// For locals that point to a fabric.
+static inline void fabric_local( wisp_fabric** local )
+{
+    wisp_fabric_release( *local );
+}
+
 // ---- meshes ----
 
 static inline void test_mesh_triangle( test_mesh* mesh, int* next, int32_t a, int32_t b, int32_t c )
@@ -211,9 +217,9 @@ static inline void assert_schedule_is_safe( const wisp_fabric* f, const wisp_sch
                                             test_slot4_fn* slot_x4 )
 {
     size_t bytes = (size_t)f->slot_count * sizeof( int32_t );
-    int32_t* tile_of_slot = malloc( bytes + 1 );
-    int32_t* lane_of_slot = malloc( bytes + 1 );
-    bool* seen = calloc( (size_t)count + 1, sizeof( bool ) );
+    SCOPED( free_local ) int32_t* tile_of_slot = malloc( bytes + 1 );
+    SCOPED( free_local ) int32_t* lane_of_slot = malloc( bytes + 1 );
+    SCOPED( free_local ) bool* seen = calloc( (size_t)count + 1, sizeof( bool ) );
     int found = 0;
     for ( int i = 0; i < f->slot_count; ++i )
     {
@@ -243,9 +249,6 @@ static inline void assert_schedule_is_safe( const wisp_fabric* f, const wisp_sch
         }
     }
     assert_int_equal( found, count );
-    free( tile_of_slot );
-    free( lane_of_slot );
-    free( seen );
 }
 
 /// No two links of a level that run in parallel share a row; parents and chains stay within their arrays.
@@ -314,7 +317,7 @@ static inline int64_t test_pair( int32_t a, int32_t b )
 static inline void assert_edges_are_those_of_the_triangles( const wisp_fabric* f )
 {
     int sides = 3 * f->triangle_count, edge = 0, hinges = 0, borders = 0, nonmanifold = 0;
-    int64_t* side = calloc( (size_t)sides + 1, sizeof( int64_t ) );
+    SCOPED( free_local ) int64_t* side = calloc( (size_t)sides + 1, sizeof( int64_t ) );
     for ( int i = 0; i < sides; ++i )
     {
         side[i] = test_pair( f->triangles[i], f->triangles[i - i % 3 + ( i + 1 ) % 3] );
@@ -339,7 +342,6 @@ static inline void assert_edges_are_those_of_the_triangles( const wisp_fabric* f
     assert_int_equal( hinges, f->hinge_count );
     assert_int_equal( borders, f->open_edge_count );
     assert_int_equal( nonmanifold, f->nonmanifold_edge_count );
-    free( side );
 }
 
 static inline bool test_has_triangle( const wisp_fabric* f, int32_t a, int32_t b, int32_t c )
@@ -424,7 +426,7 @@ static inline int32_t test_ring_slot( const wisp_fabric* f, int32_t slot, int32_
 /// @return the entries up to the last neighbour
 static inline int32_t assert_fans_draw( const wisp_fabric* f, int32_t slot, int64_t* expected, int32_t count )
 {
-    int64_t* drawn = calloc( (size_t)count + 1, sizeof( int64_t ) );
+    SCOPED( free_local ) int64_t* drawn = calloc( (size_t)count + 1, sizeof( int64_t ) );
     int32_t length = f->ring_begin[slot / 8 + 1] - f->ring_begin[slot / 8], found = 0, used = 0;
     for ( int32_t e = 0; e < length; ++e )
     {
@@ -446,7 +448,6 @@ static inline int32_t assert_fans_draw( const wisp_fabric* f, int32_t slot, int6
     qsort( drawn, (size_t)count, sizeof( int64_t ), test_compare_longs );
     qsort( expected, (size_t)count, sizeof( int64_t ), test_compare_longs );
     assert_memory_equal( drawn, expected, (size_t)count * sizeof( int64_t ) );
-    free( drawn );
     return used;
 }
 
@@ -454,8 +455,8 @@ static inline int32_t assert_fans_draw( const wisp_fabric* f, int32_t slot, int6
 /// entries are the own slot, and a slice is as long as its longest lane.
 static inline void assert_rings_are_those_of_the_triangles( const wisp_fabric* f )
 {
-    int32_t* begin = calloc( (size_t)f->slot_count + 2, sizeof( int32_t ) );
-    int64_t* arrows = calloc( 3 * (size_t)f->triangle_count + 1, sizeof( int64_t ) );
+    SCOPED( free_local ) int32_t* begin = calloc( (size_t)f->slot_count + 2, sizeof( int32_t ) );
+    SCOPED( free_local ) int64_t* arrows = calloc( 3 * (size_t)f->triangle_count + 1, sizeof( int64_t ) );
     for ( int i = 0; i < 3 * f->triangle_count; ++i )
     {
         begin[f->triangles[i] + 2] += 1;
@@ -479,8 +480,6 @@ static inline void assert_rings_are_those_of_the_triangles( const wisp_fabric* f
         }
         assert_int_equal( f->ring_begin[slice + 1] - f->ring_begin[slice], longest );
     }
-    free( begin );
-    free( arrows );
 }
 
 static inline void assert_slots_are_the_users_vertices( const wisp_fabric* f, const wisp_fabric_def* def )
@@ -511,7 +510,7 @@ static inline void assert_slots_are_the_users_vertices( const wisp_fabric* f, co
 /// By Heron's formula, which the cooking does not use.
 static inline void assert_areas_are_thirds_of_triangles( const wisp_fabric* f )
 {
-    double* area = calloc( (size_t)f->slot_count + 1, sizeof( double ) );
+    SCOPED( free_local ) double* area = calloc( (size_t)f->slot_count + 1, sizeof( double ) );
     double largest = 0.0;
     for ( int t = 0; t < f->triangle_count; ++t )
     {
@@ -531,7 +530,6 @@ static inline void assert_areas_are_thirds_of_triangles( const wisp_fabric* f )
         double tolerance = FLT_EPSILON * area[slot] + 1e-7 * largest;
         assert_true( fabs( (double)f->area[slot] - area[slot] ) <= tolerance );
     }
-    free( area );
 }
 
 /// All properties of a fabric of a mesh.

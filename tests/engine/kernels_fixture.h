@@ -142,6 +142,7 @@ static inline void run_cut( const kernel_row* row, void* state )
 /// Every table and every cut gives the same bits of the whole state, which changes and passes the check.
 static inline void check_kernel( const kernel_row* row )
 {
+    SCOPED( free_local )
     void *start = new_aligned( row->size ), *first = new_aligned( row->size ), *other = new_aligned( row->size );
     for ( int variant = 0; variant == 0 || variant < row->variants; ++variant )
     {
@@ -171,9 +172,6 @@ static inline void check_kernel( const kernel_row* row )
             row->release( start );
         }
     }
-    free( start );
-    free( first );
-    free( other );
 }
 
 /// A row whose state is of a type; its name is that of the test.

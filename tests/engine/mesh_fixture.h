@@ -7,6 +7,12 @@
 
 #include "wisp/module/collision_mesh.h"
 
+/// For locals that point to a mesh of collision.
+static inline void tree_local( wisp_collision_mesh** local )
+{
+    wisp_collision_mesh_release( *local );
+}
+
 typedef struct test_mesh
 {
     int point_count, triangle_count;
@@ -63,7 +69,7 @@ static inline test_mesh test_mesh_ball( int n, bool is_cube )
 {
     test_mesh m = test_mesh_reserve( 6 * ( n + 1 ) * ( n + 1 ), 12 * n * n );
     int side = n + 1, lattice = side * side * side;
-    int32_t* number = checked_malloc( (size_t)lattice * sizeof( int32_t ) );
+    SCOPED( free_local ) int32_t* number = checked_malloc( (size_t)lattice * sizeof( int32_t ) );
     memset( number, -1, (size_t)lattice * sizeof( int32_t ) );
     for ( int face = 0; face < 6; ++face )
     {
@@ -96,7 +102,6 @@ static inline test_mesh test_mesh_ball( int n, bool is_cube )
             test_mesh_add_triangle( &m, corner[0], corner[is_up ? 2 : 3], corner[is_up ? 3 : 2] );
         }
     }
-    free( number );
     return m;
 }
 

@@ -61,8 +61,8 @@ static inline test_mesh test_ball( int level )
     }
     test_mesh m = { calloc( (size_t)triangles, sizeof( wisp_vec3 ) ),
                     calloc( (size_t)triangles * 3, sizeof( int32_t ) ), 6, 8 };
-    int32_t* next = calloc( (size_t)triangles * 3, sizeof( int32_t ) );
-    int32_t* made = calloc( (size_t)triangles * 9, sizeof( int32_t ) );
+    SCOPED( free_local ) int32_t* next = calloc( (size_t)triangles * 3, sizeof( int32_t ) );
+    SCOPED( free_local ) int32_t* made = calloc( (size_t)triangles * 9, sizeof( int32_t ) );
     static const wisp_vec3 CORNERS[6] = { { 1, 0, 0 },  { -1, 0, 0 }, { 0, 1, 0 },
                                           { 0, -1, 0 }, { 0, 0, 1 },  { 0, 0, -1 } };
     static const int32_t FACES[24] = { 0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5 };
@@ -84,8 +84,6 @@ static inline test_mesh test_ball( int level )
         m.triangle_count = count;
         memcpy( m.triangles, next, (size_t)count * 3 * sizeof( int32_t ) );
     }
-    free( next );
-    free( made );
     return m;
 }
 

@@ -166,8 +166,9 @@ static finder* finder_open( int workers )
     return f;
 }
 
-static void finder_close( finder* f )
+static void finder_close( finder** local )
 {
+    finder* f = *local;
     wisp_aabb_pairs_release( &f->pairs, &f->allocator );
     jobs_destroy( f->pool );
     assert_host_memory_is_released( &f->host );
@@ -201,10 +202,9 @@ static void assert_right( const wisp_aabb_pairs* pairs, const wisp_aabb_args* ar
 
 static void find_right( finder* f, const wisp_aabb_args* args )
 {
-    right_pairs right = find_right_pairs( args );
+    SCOPED( free_right_pairs ) right_pairs right = find_right_pairs( args );
     assert_int_equal( find( f, args ), WISP_OK );
     assert_right( &f->pairs, args, &right );
-    free_right_pairs( &right );
 }
 
 static int list_tables( const wisp_kernels* tables[4] )
@@ -232,14 +232,13 @@ static void check_everything( finder* f, const wisp_aabb* queries, int query_cou
     const wisp_kernels* tables[4];
     const int table_count = list_tables( tables );
     wisp_aabb_args args = { .queries = queries, .query_count = query_count, .boxes = boxes, .box_count = count };
-    right_pairs right = find_right_pairs( &args );
+    SCOPED( free_right_pairs ) right_pairs right = find_right_pairs( &args );
     for ( int t = 0; t < table_count; ++t )
     {
         args.kernels = tables[t];
         assert_int_equal( find( f, &args ), WISP_OK );
         assert_right( &f->pairs, &args, &right );
     }
-    free_right_pairs( &right );
 }
 
 TEST( grids_find_the_pairs_of_a_double_loop )
@@ -249,7 +248,7 @@ TEST( grids_find_the_pairs_of_a_double_loop )
     static wisp_aabb boxes[MAX_BOXES], queries[MAX_BOXES], points[MAX_BOXES];
     for ( int w = 0; w < WISP_COUNT( workers ); ++w )
     {
-        finder* f = finder_open( workers[w] );
+        SCOPED( finder_close ) finder* f = finder_open( workers[w] );
         for ( int shape = 0; shape < BOXES_SHAPE_COUNT; ++shape )
         {
             for ( int c = 0; c < WISP_COUNT( counts ); ++c )
@@ -268,7 +267,6 @@ TEST( grids_find_the_pairs_of_a_double_loop )
                 check_everything( f, queries, count, boxes, 0 );
             }
         }
-        finder_close( f );
     }
 }
 
@@ -316,7 +314,7 @@ TEST( a_filter_keeps_what_it_requests_in_order )
 {
     static wisp_aabb boxes[MAX_BOXES], queries[MAX_BOXES];
     const int offset = 1;
-    finder* f = finder_open( 2 );
+    SCOPED( finder_close ) finder* f = finder_open( 2 );
     for ( int shape = 0; shape < BOXES_SHAPE_COUNT; ++shape )
     {
         make_boxes( boxes, (box_shape)shape, MAX_BOXES, 0 );
@@ -332,19 +330,17 @@ TEST( a_filter_keeps_what_it_requests_in_order )
                 .filter = keep_thirds,
                 .filter_context = &offset,
             };
-            right_pairs right = find_right_thirds( &args, offset );
+            SCOPED( free_right_pairs ) right_pairs right = find_right_thirds( &args, offset );
             assert_int_equal( find( f, &args ), WISP_OK );
             assert_right( &f->pairs, &args, &right );
-            free_right_pairs( &right );
         }
     }
-    finder_close( f );
 }
 
 TEST( other_queries_reuse_the_grid )
 {
     static wisp_aabb boxes[MAX_BOXES], queries[MAX_BOXES], moved[MAX_BOXES];
-    finder* f = finder_open( 2 );
+    SCOPED( finder_close ) finder* f = finder_open( 2 );
     for ( int shape = 0; shape < BOXES_SHAPE_COUNT; ++shape )
     {
         make_boxes( boxes, (box_shape)shape, MAX_BOXES, 0 );
@@ -360,7 +356,6 @@ TEST( other_queries_reuse_the_grid )
         args.query_count = MAX_BOXES;
         find_right( f, &args );
     }
-    finder_close( f );
 }
 
 TEST( the_number_of_workers_does_not_show )
@@ -375,18 +370,16 @@ TEST( the_number_of_workers_does_not_show )
         }
         make_boxes( boxes, (box_shape)shape, count, 20 );
         const wisp_aabb_args args = { .boxes = boxes, .box_count = count, .kernels = kernels_select( NULL, NULL ) };
-        right_pairs right = find_right_pairs( &args );
+        SCOPED( free_right_pairs ) right_pairs right = find_right_pairs( &args );
         uint64_t tested = 0;
         for ( int w = 0; w < WISP_COUNT( workers ); ++w )
         {
-            finder* f = finder_open( workers[w] );
+            SCOPED( finder_close ) finder* f = finder_open( workers[w] );
             assert_int_equal( find( f, &args ), WISP_OK );
             assert_right( &f->pairs, &args, &right );
             tested = w == 0 ? f->pairs.tested : tested;
             assert_int_equal( f->pairs.tested, tested );
-            finder_close( f );
         }
-        free_right_pairs( &right );
     }
 }
 
@@ -398,19 +391,18 @@ TEST( a_grid_compares_far_fewer_boxes_than_there_are )
     const uint64_t count = WISP_COUNT( boxes );
     for ( int i = 0; i < WISP_COUNT( shapes ); ++i )
     {
-        finder* f = finder_open( 1 );
+        SCOPED( finder_close ) finder* f = finder_open( 1 );
         make_boxes( boxes, shapes[i], (int)count, 30 );
         find_right( f, &( wisp_aabb_args ){ .boxes = boxes, .box_count = (int)count } );
         // in both directions, with a margin around each box: the largest boxes alone leave an eighth of all
         assert_true( f->pairs.tested < count * count / 8 + 12 * f->pairs.pair_count );
-        finder_close( f );
     }
 }
 
 TEST( nothing_is_allocated_once_warm )
 {
     static wisp_aabb boxes[MAX_BOXES];
-    finder* f = finder_open( 2 );
+    SCOPED( finder_close ) finder* f = finder_open( 2 );
     make_boxes( boxes, BOXES_UNEVEN, MAX_BOXES, 0 );
     const wisp_aabb_args args = { .boxes = boxes, .box_count = MAX_BOXES };
     find_right( f, &args );
@@ -420,7 +412,6 @@ TEST( nothing_is_allocated_once_warm )
     find_right( f, &args );
     assert_int_equal( atomic_load( &f->host.queried ), queried );
     assert_int_equal( wisp_aabb_pairs_bytes( &f->pairs ), bytes );
-    finder_close( f );
 }
 
 TEST( more_pairs_than_the_limit_are_refused_before_memory_is_taken )
@@ -428,7 +419,7 @@ TEST( more_pairs_than_the_limit_are_refused_before_memory_is_taken )
     static wisp_aabb boxes[MAX_BOXES];
     make_boxes( boxes, BOXES_COINCIDENT, MAX_BOXES, 0 );
     const size_t all = (size_t)MAX_BOXES * ( MAX_BOXES - 1 ) / 2;
-    finder* f = finder_open( 2 );
+    SCOPED( finder_close ) finder* f = finder_open( 2 );
     wisp_aabb_args args = { .boxes = boxes, .box_count = MAX_BOXES, .limit = all - 1 };
     assert_int_equal( find( f, &args ), WISP_BAD_INPUT );
     char numbers[2][32];
@@ -444,7 +435,6 @@ TEST( more_pairs_than_the_limit_are_refused_before_memory_is_taken )
     }
     args.limit = all;
     find_right( f, &args );
-    finder_close( f );
 }
 
 TEST( without_memory_it_says_so_and_works_again_with_it )
@@ -455,7 +445,7 @@ TEST( without_memory_it_says_so_and_works_again_with_it )
     bool was_refused = true;
     for ( int64_t refused = 1; was_refused; ++refused )
     {
-        finder* f = finder_open( 1 );
+        SCOPED( finder_close ) finder* f = finder_open( 1 );
         f->host.refuse = atomic_load( &f->host.queried ) + refused;
         f->host.refuse_rest = true;
         wisp_status status = find( f, &args );
@@ -463,6 +453,5 @@ TEST( without_memory_it_says_so_and_works_again_with_it )
         assert_true( status == WISP_OK || status == WISP_NO_MEMORY );
         f->host.refuse = 0;
         find_right( f, &args );
-        finder_close( f );
     }
 }

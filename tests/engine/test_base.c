@@ -551,7 +551,7 @@ TEST( an_arena_keeps_its_size_through_smaller_steps )
 {
     counting_host host = { 0 };
     wisp_allocator allocator = allocator_of( &host );
-    base_arena arena;
+    SCOPED( base_arena_release ) base_arena arena;
     base_arena_init( &arena, &allocator, 0 );
     assert_non_null( base_arena_push( &arena, 5000, 64 ) );
     base_arena_reset( &arena );
@@ -563,7 +563,6 @@ TEST( an_arena_keeps_its_size_through_smaller_steps )
 
     assert_int_equal( host.allocate_count, warm );
     assert_int_equal( arena.high_water, 5000 );
-    base_arena_release( &arena );
 }
 
 TEST( an_arena_without_memory_says_null_and_recovers )
@@ -588,7 +587,7 @@ TEST( an_absurd_push_does_not_keep_an_arena_from_growing )
 {
     counting_host host = { 0 };
     wisp_allocator allocator = allocator_of( &host );
-    base_arena arena;
+    SCOPED( base_arena_release ) base_arena arena;
     base_arena_init( &arena, &allocator, 256 );
     void* block = arena.block;
 
@@ -602,12 +601,11 @@ TEST( an_absurd_push_does_not_keep_an_arena_from_growing )
     int warm = host.allocate_count;
     run_step( &arena );
     assert_int_equal( host.allocate_count, warm );
-    base_arena_release( &arena );
 }
 
 TEST( an_arena_rewinds_to_a_mark_and_makes_the_room_it_is_told_to_expect )
 {
-    base_arena arena;
+    SCOPED( base_arena_release ) base_arena arena;
     base_arena_init( &arena, NULL, 0 );
     base_arena_expect( &arena, 1000 );
     base_arena_reset( &arena );
@@ -620,7 +618,6 @@ TEST( an_arena_rewinds_to_a_mark_and_makes_the_room_it_is_told_to_expect )
     }
     assert_null( arena.overflow );
     assert_int_equal( arena.capacity, 1000 );
-    base_arena_release( &arena );
 }
 
 // The first step of a world has a thousand blocks, one after the other, before its arena can grow.

@@ -39,14 +39,12 @@ static int length_of( mix m, int strand, int strand_count )
 
 static test_strands make_mix( mix m, int strand_count )
 {
-    int* lengths = checked_calloc( (size_t)strand_count + 1, sizeof( int ) );
+    SCOPED( free_local ) int* lengths = checked_calloc( (size_t)strand_count + 1, sizeof( int ) );
     for ( int s = 0; s < strand_count; ++s )
     {
         lengths[s] = length_of( m, s, strand_count );
     }
-    test_strands strands = test_strands_make( lengths, strand_count );
-    free( lengths );
-    return strands;
+    return test_strands_make( lengths, strand_count );
 }
 
 static int length( const test_strands* s, int strand )
@@ -118,7 +116,7 @@ TEST( the_topology_counts_what_the_user_gave )
 static void check_permutation( const test_strands* user, const wisp_strand_topology* t, const float* rows )
 {
     (void)rows;
-    int* lanes_of = checked_calloc( (size_t)user->strand_count + 1, sizeof( int ) );
+    SCOPED( free_local ) int* lanes_of = checked_calloc( (size_t)user->strand_count + 1, sizeof( int ) );
     for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
     {
         int strand = t->lane_strand[i];
@@ -130,7 +128,6 @@ static void check_permutation( const test_strands* user, const wisp_strand_topol
     {
         assert_int_equal( lanes_of[s], length( user, s ) > 0 ? 1 : 0 );
     }
-    free( lanes_of );
 }
 
 TEST( every_strand_with_vertices_has_exactly_one_lane )
@@ -193,7 +190,7 @@ TEST( a_group_has_as_many_rows_as_its_longest_strand )
 
 static void check_round_trip( const test_strands* user, const wisp_strand_topology* t, const float* rows )
 {
-    wisp_vec3* back = checked_calloc( (size_t)user->vertex_count + 1, sizeof( wisp_vec3 ) );
+    SCOPED( free_local ) wisp_vec3* back = checked_calloc( (size_t)user->vertex_count + 1, sizeof( wisp_vec3 ) );
     for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
     {
         for ( int v = 0; v < t->lane_count[i]; ++v )
@@ -203,7 +200,6 @@ static void check_round_trip( const test_strands* user, const wisp_strand_topolo
         }
     }
     assert_memory_equal( back, user->points, (size_t)user->vertex_count * sizeof( wisp_vec3 ) );
-    free( back );
 }
 
 TEST( lanes_lead_back_to_the_users_points_bit_for_bit )
@@ -234,14 +230,13 @@ TEST( strands_of_equal_length_waste_at_most_fifteen_lanes )
 {
     for ( int i = 0; i < WISP_COUNT( STRAND_COUNTS ); ++i )
     {
-        test_strands user = make_mix( MIX_EQUAL, STRAND_COUNTS[i] );
+        SCOPED( test_strands_free ) test_strands user = make_mix( MIX_EQUAL, STRAND_COUNTS[i] );
         cook_strands* cooked = cook_strands_create( NULL, user.offsets, user.strand_count, 2 );
         assert_non_null( cooked );
         assert_int_equal( cooked->topology.dimension, 2 );
         int wasted = cooked->topology.row_count * WISP_LANES - user.vertex_count;
         assert_in_range( wasted, 0, 15 * 4 );
         cook_strands_release( cooked );
-        test_strands_free( &user );
     }
 }
 
@@ -249,14 +244,13 @@ TEST( strands_of_equal_length_waste_at_most_fifteen_lanes )
 
 TEST( the_offsets_of_the_user_may_die_after_cooking )
 {
-    test_strands user = make_mix( MIX_RISING, 33 );
+    SCOPED( test_strands_free ) test_strands user = make_mix( MIX_RISING, 33 );
     cook_strands* cooked = cook_strands_create( NULL, user.offsets, user.strand_count, 3 );
     assert_non_null( cooked );
     assert_ptr_not_equal( cooked->topology.offsets, user.offsets );
     memset( user.offsets, 0xff, 34 * sizeof( int32_t ) );
     assert_int_equal( cooked->topology.offsets[33], 33 * 32 / 2 );
     cook_strands_release( cooked );
-    test_strands_free( &user );
 }
 
 TEST( a_topology_dies_with_its_last_instance )

@@ -1,6 +1,11 @@
 // The plan as data: the report on selected and absent passes, on modules, and on cost.
 #include "plan_fixture.h"
 
+static void plan_info_local( wisp_plan_info** local )
+{
+    wisp_plan_info_release( *local );
+}
+
 #define SHAPE WISP_STAGE_SHAPE
 #define GROUP WISP_DOMAIN_STRAND_GROUP
 #define ENTITY WISP_DOMAIN_ENTITY
@@ -68,8 +73,8 @@ static void assert_list( const char* const* names, const char* letters )
 
 TEST( a_kept_pass_tells_where_it_runs_and_on_what )
 {
-    wisp_world* world = open_chain();
-    wisp_plan_info* report = explain( world );
+    SCOPED( destroy_local ) wisp_world* world = open_chain();
+    SCOPED( plan_info_local ) wisp_plan_info* report = explain( world );
     assert_int_equal( report->active_count, 3 );
     const char* const in_order[] = { "make", "bend", "show" };
     const char* const loops[] = { "before", "iteration", "after" };
@@ -90,14 +95,12 @@ TEST( a_kept_pass_tells_where_it_runs_and_on_what )
     }
     assert_string_equal( report->passes[0].domain, "strand group" );
     assert_string_equal( report->passes[1].domain, "entity" );
-    wisp_plan_info_release( report );
-    wisp_world_destroy( world );
 }
 
 TEST( a_kept_pass_tells_what_it_uses_and_all_who_request_it )
 {
-    wisp_world* world = open_chain();
-    wisp_plan_info* report = explain( world );
+    SCOPED( destroy_local ) wisp_world* world = open_chain();
+    SCOPED( plan_info_local ) wisp_plan_info* report = explain( world );
     const wisp_plan_pass *make = pass_of( report, "make" ), *show = pass_of( report, "show" );
     assert_list( make->required, "N" );
     assert_list( make->reads, "" );
@@ -112,8 +115,6 @@ TEST( a_kept_pass_tells_what_it_uses_and_all_who_request_it )
     assert_string_equal( show->reasons[0].component, "fake.B" );
     assert_null( show->reasons[0].reader );
     assert_string_equal( make->because, "fake.A read by bend and show" );
-    wisp_plan_info_release( report );
-    wisp_world_destroy( world );
 }
 
 TEST( of_many_readers_words_name_three_and_the_list_has_all )
@@ -126,16 +127,14 @@ TEST( of_many_readers_words_name_three_and_the_list_has_all )
         { "r4", SHAPE, GROUP, .reads = "A", .writes = "B" },
         { "r5", SHAPE, GROUP, .reads = "A", .writes = "B" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( passes );
     request( world, add_with( world, "" ), "AB" );
-    wisp_plan_info* report = explain( world );
+    SCOPED( plan_info_local ) wisp_plan_info* report = explain( world );
     const wisp_plan_pass* make = pass_of( report, "make" );
     assert_int_equal( make->reason_count, 6 );
     assert_null( make->reasons[0].reader );
     assert_string_equal( make->reasons[5].reader, "r5" );
     assert_string_equal( make->because, "fake.A requested by the scene and read by r3, r4, r5 and 2 others" );
-    wisp_plan_info_release( report );
-    wisp_world_destroy( world );
 }
 
 TEST( an_absent_pass_tells_which_of_four_things_keeps_it_away )
@@ -151,8 +150,8 @@ TEST( an_absent_pass_tells_which_of_four_things_keeps_it_away )
         { "shy", WISP_PLAN_EXCLUDED, "", "excluded by component fake.O" },
         { "idle", WISP_PLAN_UNREQUESTED, "", "neither requested nor read: component fake.D" },
     };
-    wisp_world* world = open_chain();
-    wisp_plan_info* report = explain( world );
+    SCOPED( destroy_local ) wisp_world* world = open_chain();
+    SCOPED( plan_info_local ) wisp_plan_info* report = explain( world );
     for ( int i = 0; i < WISP_COUNT( expected ); ++i )
     {
         const wisp_plan_pass* p = pass_of( report, expected[i].pass );
@@ -164,8 +163,6 @@ TEST( an_absent_pass_tells_which_of_four_things_keeps_it_away )
         assert_int_equal( p->reason_count, 0 );
         assert_true( isnan( p->fraction ) );
     }
-    wisp_plan_info_release( report );
-    wisp_world_destroy( world );
 }
 
 // Rows that a plan creates between two passes are no component of the entity.
@@ -176,12 +173,10 @@ TEST( rows_between_passes_are_not_what_a_pass_could_need )
         { "show", SHAPE, GROUP, .reads = "A", .writes = "B" },
         { "needy", SHAPE, GROUP, .required = "A", .writes = "C" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( passes );
     request( world, add_with( world, "" ), "B" );
-    wisp_plan_info* report = explain( world );
+    SCOPED( plan_info_local ) wisp_plan_info* report = explain( world );
     assert_int_equal( pass_of( report, "needy" )->state, WISP_PLAN_MISSING );
-    wisp_plan_info_release( report );
-    wisp_world_destroy( world );
 }
 
 TEST( predicted_shares_follow_bytes_and_loops_and_sum_to_one )
@@ -191,9 +186,9 @@ TEST( predicted_shares_follow_bytes_and_loops_and_sum_to_one )
     def.workers = 1;
     def.substeps = 3;
     def.iterations = 2;
-    wisp_world* world = open_world_with( &def );
+    SCOPED( destroy_local ) wisp_world* world = open_world_with( &def );
     request( world, add_with( world, "N" ), "B" );
-    wisp_plan_info* report = explain( world );
+    SCOPED( plan_info_local ) wisp_plan_info* report = explain( world );
     const wisp_plan_pass *make = pass_of( report, "make" ), *bend = pass_of( report, "bend" ),
                          *show = pass_of( report, "show" );
     assert_int_equal( make->runs, 1 );
@@ -205,8 +200,6 @@ TEST( predicted_shares_follow_bytes_and_loops_and_sum_to_one )
     assert_true( fabs( make->fraction - 1.0 / 15.0 ) <= DBL_EPSILON );
     assert_true( fabs( bend->fraction - 12.0 / 15.0 ) <= DBL_EPSILON );
     assert_true( fabs( make->fraction + bend->fraction + show->fraction - 1.0 ) <= 3.0 * DBL_EPSILON );
-    wisp_plan_info_release( report );
-    wisp_world_destroy( world );
 }
 
 TEST( what_a_pass_touches_of_others_is_predicted_too )
@@ -214,16 +207,14 @@ TEST( what_a_pass_touches_of_others_is_predicted_too )
     static const fake_pass passes[] = {
         { "meet", SHAPE, ENTITY, .required = "N", .writes = "B", .foreign = "A" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( passes );
     request( world, add_with( world, "N" ), "B" );
     add_with( world, "A" );
     add_with( world, "A" );
-    wisp_plan_info* report = explain( world );
+    SCOPED( plan_info_local ) wisp_plan_info* report = explain( world );
     // B of its own entity is written; A of two others is read and written
     assert_int_equal( pass_of( report, "meet" )->bytes, ( 1 + 2 * 2 ) * ROWS * ROW_BYTES );
     assert_list( pass_of( report, "meet" )->foreign, "A" );
-    wisp_plan_info_release( report );
-    wisp_world_destroy( world );
 }
 
 TEST( passes_of_one_node_are_told_as_fused )
@@ -233,9 +224,9 @@ TEST( passes_of_one_node_are_told_as_fused )
         { "second", SHAPE, GROUP, .reads = "A", .writes = "B" },
         { "third", SHAPE, ENTITY, .reads = "B", .writes = "C" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( passes );
     request( world, add_with( world, "" ), "C" );
-    wisp_plan_info* report = explain( world );
+    SCOPED( plan_info_local ) wisp_plan_info* report = explain( world );
     assert_int_equal( report->node_count, 2 );
     assert_int_equal( report->wave_count, 2 );
     assert_false( report->passes[0].is_fused );
@@ -243,8 +234,6 @@ TEST( passes_of_one_node_are_told_as_fused )
     assert_int_equal( report->passes[0].node, report->passes[1].node );
     assert_false( report->passes[2].is_fused );
     assert_int_equal( report->passes[2].wave, 1 );
-    wisp_plan_info_release( report );
-    wisp_world_destroy( world );
 }
 
 static wisp_status declare_other( wisp_registry* r )
@@ -270,9 +259,9 @@ TEST( an_absent_module_tells_the_component_that_it_lacks )
     def.workers = 1;
     def.modules = modules;
     def.module_count = WISP_COUNT( modules );
-    wisp_world* world = open_world_with( &def );
+    SCOPED( destroy_local ) wisp_world* world = open_world_with( &def );
     request( world, add_with( world, "N" ), "B" );
-    wisp_plan_info* report = explain( world );
+    SCOPED( plan_info_local ) wisp_plan_info* report = explain( world );
     assert_int_equal( report->module_count, 3 ); // the engine's own passes, too
     assert_string_equal( report->modules[0].name, "wisp" );
     const wisp_plan_module *mine = module_of( report, "fake" ), *absent = module_of( report, "other" );
@@ -282,21 +271,17 @@ TEST( an_absent_module_tells_the_component_that_it_lacks )
     assert_int_equal( absent->active_count, 0 );
     assert_string_equal( absent->missing, "other.settings" );
     assert_string_equal( absent->because, "needs component other.settings, which no entity has" );
-    wisp_plan_info_release( report );
-    wisp_world_destroy( world );
 }
 
 TEST( a_module_that_nobody_requests_says_so_of_its_nearest_pass )
 {
-    wisp_world* world = OPEN_WORLD( CHAIN );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( CHAIN );
     add_with( world, "N" );
-    wisp_plan_info* report = explain( world );
+    SCOPED( plan_info_local ) wisp_plan_info* report = explain( world );
     const wisp_plan_module* m = module_of( report, "fake" );
     assert_int_equal( m->active_count, 0 );
     assert_null( m->missing );
     assert_string_equal( m->because, "make: neither requested nor read: component fake.A" );
-    wisp_plan_info_release( report );
-    wisp_world_destroy( world );
 }
 
 typedef struct line_check
@@ -323,7 +308,7 @@ static void compare_line( void* user, const char* line )
 
 TEST( the_printed_plan_is_the_report_in_lines )
 {
-    wisp_world* world = open_chain();
+    SCOPED( destroy_local ) wisp_world* world = open_chain();
     line_check check = { .report = explain( world ) };
     assert_int_equal( wisp_world_plan( world, compare_line, &check ), WISP_OK );
     assert_int_equal( check.count, 1 + check.report->pass_count );
@@ -331,12 +316,11 @@ TEST( the_printed_plan_is_the_report_in_lines )
     wisp_plan_info_text( check.report, cut, sizeof( cut ) );
     assert_int_equal( strlen( cut ), sizeof( cut ) - 1 );
     wisp_plan_info_release( (wisp_plan_info*)(uintptr_t)check.report );
-    wisp_world_destroy( world );
 }
 
 TEST( a_report_stays_as_it_is_and_gives_its_memory_back )
 {
-    wisp_world* world = OPEN_WORLD( CHAIN );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( CHAIN );
     wisp_entity e = add_with( world, "N" );
     request( world, e, "B" );
     assert_int_equal( wisp_world_plan_passes( world ), 3 );
@@ -352,18 +336,16 @@ TEST( a_report_stays_as_it_is_and_gives_its_memory_back )
     request( world, e, "B" );
     assert_int_equal( wisp_world_plan_passes( world ), 3 );
     assert_int_equal( wisp_world_memory( world ), memory );
-    wisp_world_destroy( world );
 }
 
 TEST( a_refused_plan_gives_no_report )
 {
-    wisp_world* world = OPEN_WORLD( CHAIN );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( CHAIN );
     request( world, add_with( world, "" ), "C" );
     wisp_plan_info* report = (wisp_plan_info*)(uintptr_t)1;
     assert_int_equal( wisp_world_explain( world, &report ), WISP_CONFLICT );
     assert_null( report );
     assert_non_null( strstr( wisp_world_message( world ), "fake.C" ) );
-    wisp_world_destroy( world );
 }
 
 TEST( without_memory_there_is_a_message_and_no_report )

@@ -55,10 +55,9 @@ TEST( every_mesh_becomes_the_fabric_that_brute_force_expects )
             def.attachment_count = ( variant & 2 ) != 0 && def.vertex_count > 0 ? 3 : 0;
             def.tethers = ( variant & 4 ) != 0;
             def.coarse_sheets = ( variant & 9 ) == 9;
-            wisp_fabric* fabric = test_fabric_cook( &def );
+            SCOPED( fabric_local ) wisp_fabric* fabric = test_fabric_cook( &def );
             assert_fabric_holds( fabric, &def );
             assert_true( wisp_fabric_bytes( fabric ) > sizeof( wisp_fabric ) );
-            wisp_fabric_release( fabric );
         }
     }
     free_cases( cases );
@@ -71,9 +70,9 @@ TEST( a_lean_fabric_makes_the_same_arrays_when_they_are_needed )
     for ( int i = 0; i < CASE_COUNT; ++i )
     {
         wisp_fabric_def def = test_fabric_def( &cases[i].mesh );
-        wisp_fabric* whole = test_fabric_cook( &def );
+        SCOPED( fabric_local ) wisp_fabric* whole = test_fabric_cook( &def );
         def.lean = true;
-        wisp_fabric* lean = test_fabric_cook( &def );
+        SCOPED( fabric_local ) wisp_fabric* lean = test_fabric_cook( &def );
         assert_null( lean->edges );
         assert_null( lean->ring_begin );
         assert_null( lean->ring_x4 );
@@ -91,8 +90,6 @@ TEST( a_lean_fabric_makes_the_same_arrays_when_they_are_needed )
         assert_memory_equal( lean->ring_x4, whole->ring_x4,
                              (size_t)whole->ring_begin[slices - 1] * sizeof( *whole->ring_x4 ) );
         assert_int_equal( wisp_fabric_bytes( lean ), wisp_fabric_bytes( whole ) );
-        wisp_fabric_release( lean );
-        wisp_fabric_release( whole );
     }
     free_cases( cases );
 }
@@ -106,7 +103,7 @@ TEST( spans_of_hinges_are_squared_distances )
     {
         wisp_fabric_def def = test_fabric_def( &cases[i].mesh );
         def.hinges = true;
-        wisp_fabric* f = test_fabric_cook( &def );
+        SCOPED( fabric_local ) wisp_fabric* f = test_fabric_cook( &def );
         const size_t bytes = wisp_fabric_bytes( f );
         assert_null( f->hinge_span2 );
         assert_int_equal( wisp_fabric_need( f, WISP_FABRIC_SPANS ), WISP_OK );
@@ -118,97 +115,84 @@ TEST( spans_of_hinges_are_squared_distances )
             const double span = hinge >= 0 ? vec_distance( f->rest[corner[2]], f->rest[corner[3]] ) : 0.0;
             assert_true( fabs( (double)f->hinge_span2[slot] - span * span ) <= 1e-6 * span * span );
         }
-        wisp_fabric_release( f );
     }
     free_cases( cases );
 }
 
 TEST( shuffled_meshes_hold_as_well )
 {
-    test_mesh mesh = test_mesh_sphere( 20, 30 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_sphere( 20, 30 );
     test_mesh_shuffle( &mesh );
     wisp_fabric_def def = test_fabric_def( &mesh );
     def.hinges = true;
     def.tile_size = 64;
-    wisp_fabric* fabric = test_fabric_cook( &def );
+    SCOPED( fabric_local ) wisp_fabric* fabric = test_fabric_cook( &def );
     assert_fabric_holds( fabric, &def );
-    wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 TEST( a_plane_has_the_edges_that_counting_gives )
 {
-    test_mesh mesh = test_mesh_plane( 30, 20 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_plane( 30, 20 );
     wisp_fabric_def def = test_fabric_def( &mesh );
-    wisp_fabric* fabric = test_fabric_cook( &def );
+    SCOPED( fabric_local ) wisp_fabric* fabric = test_fabric_cook( &def );
 
     // along, across, diagonal; the border is a loop around
     assert_int_equal( fabric->edge_count, 29 * 20 + 30 * 19 + 29 * 19 );
     assert_int_equal( fabric->open_edge_count, 2 * ( 29 + 19 ) );
     assert_int_equal( fabric->nonmanifold_edge_count, 0 );
     assert_int_equal( fabric->link_count, fabric->edge_count + fabric->hinge_count );
-    wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 TEST( a_sphere_has_no_border_and_eulers_number_two )
 {
-    test_mesh mesh = test_mesh_sphere( 12, 17 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_sphere( 12, 17 );
     wisp_fabric_def def = test_fabric_def( &mesh );
-    wisp_fabric* fabric = test_fabric_cook( &def );
+    SCOPED( fabric_local ) wisp_fabric* fabric = test_fabric_cook( &def );
     assert_int_equal( fabric->open_edge_count, 0 );
     assert_int_equal( fabric->hinge_count, fabric->edge_count );
     assert_int_equal( fabric->vertex_count - fabric->edge_count + fabric->triangle_count, 2 );
-    wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 TEST( a_moebius_strip_is_wild_only_along_its_seam )
 {
-    test_mesh mesh = test_mesh_moebius( 41, 4 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_moebius( 41, 4 );
     wisp_fabric_def def = test_fabric_def( &mesh );
-    wisp_fabric* fabric = test_fabric_cook( &def );
+    SCOPED( fabric_local ) wisp_fabric* fabric = test_fabric_cook( &def );
 
     // three edges across the band, where both sides run the same way; one border that goes round twice
     assert_int_equal( fabric->nonmanifold_edge_count, 3 );
     assert_int_equal( fabric->open_edge_count, 2 * 41 );
-    wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 TEST( the_spine_of_a_book_is_wild_and_has_no_hinge )
 {
-    test_mesh mesh = test_mesh_book( 3 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_book( 3 );
     wisp_fabric_def def = test_fabric_def( &mesh );
-    wisp_fabric* fabric = test_fabric_cook( &def );
+    SCOPED( fabric_local ) wisp_fabric* fabric = test_fabric_cook( &def );
     assert_int_equal( fabric->edge_count, 7 );
     assert_int_equal( fabric->nonmanifold_edge_count, 1 );
     assert_int_equal( fabric->hinge_count, 0 );
     assert_int_equal( fabric->open_edge_count, 6 );
-    wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 TEST( two_triangles_back_to_back_have_hinges_but_no_bend_links )
 {
-    test_mesh mesh = test_mesh_make( 3, 2 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_make( 3, 2 );
     int next = 0;
     mesh.points[1].x = mesh.points[2].y = 1.0f;
     test_mesh_triangle( &mesh, &next, 0, 1, 2 );
     test_mesh_triangle( &mesh, &next, 0, 2, 1 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     def.hinges = true;
-    wisp_fabric* fabric = test_fabric_cook( &def );
+    SCOPED( fabric_local ) wisp_fabric* fabric = test_fabric_cook( &def );
     assert_int_equal( fabric->hinge_count, 3 );
     assert_int_equal( fabric->link_count, 3 );
     assert_fabric_holds( fabric, &def );
-    wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 TEST( loose_vertices_stand_at_the_end_even_when_attached )
 {
-    test_mesh mesh = test_mesh_make( 10, 1 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_make( 10, 1 );
     int next = 0;
     mesh.points[4].x = mesh.points[8].y = 1.0f;
     test_mesh_triangle( &mesh, &next, 2, 4, 8 );
@@ -216,14 +200,12 @@ TEST( loose_vertices_stand_at_the_end_even_when_attached )
     int32_t attachments[] = { 1, 8 };
     def.attachments = attachments;
     def.attachment_count = 2;
-    wisp_fabric* fabric = test_fabric_cook( &def );
+    SCOPED( fabric_local ) wisp_fabric* fabric = test_fabric_cook( &def );
     assert_int_equal( fabric->vertex_slot[8], 0 );
     assert_true( fabric->vertex_slot[1] >= 3 );
     assert_int_equal( fabric->attachment_count, 2 );
     assert_int_equal( fabric->attachments[0], fabric->vertex_slot[1] );
     assert_int_equal( fabric->attachments[1], 0 );
-    wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 // Steps along edges from the attachments, by relaxing all edges until nothing changes.
@@ -252,14 +234,14 @@ static void measure_steps( const wisp_fabric* f, int* steps )
 
 TEST( the_order_sweeps_away_from_the_attachments )
 {
-    test_mesh mesh = test_mesh_plane( 30, 25 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_plane( 30, 25 );
     test_mesh_shuffle( &mesh );
     wisp_fabric_def def = test_fabric_def( &mesh );
     int32_t attachments[] = { 17, 400, 3, 17 };
     def.attachments = attachments;
     def.attachment_count = 4;
-    wisp_fabric* fabric = test_fabric_cook( &def );
-    int* steps = calloc( (size_t)fabric->vertex_count, sizeof( int ) );
+    SCOPED( fabric_local ) wisp_fabric* fabric = test_fabric_cook( &def );
+    SCOPED( free_local ) int* steps = calloc( (size_t)fabric->vertex_count, sizeof( int ) );
     measure_steps( fabric, steps );
     assert_int_equal( fabric->attachment_count, 3 );
     for ( int i = 0; i < 3; ++i )
@@ -270,14 +252,11 @@ TEST( the_order_sweeps_away_from_the_attachments )
     {
         assert_true( steps[s] >= steps[s - 1] );
     }
-    free( steps );
-    wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 TEST( components_come_one_after_another_attached_ones_first )
 {
-    test_mesh mesh = test_mesh_make( 3 * 200, 3 * 200 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_make( 3 * 200, 3 * 200 );
     for ( int v = 0; v < 600; ++v )
     {
         mesh.points[v].x = (float)test_random( v, 0, 1000 );
@@ -296,15 +275,13 @@ TEST( components_come_one_after_another_attached_ones_first )
     int32_t attachment = 599;
     def.attachments = &attachment;
     def.attachment_count = 1;
-    wisp_fabric* fabric = test_fabric_cook( &def );
+    SCOPED( fabric_local ) wisp_fabric* fabric = test_fabric_cook( &def );
     for ( int s = 0; s < 600; ++s )
     {
         static const int strip_of_part[] = { 2, 0, 1 };
         assert_int_equal( fabric->slot_vertex[s] % 3, strip_of_part[s / 200] );
     }
     assert_int_equal( fabric->vertex_slot[599], 0 );
-    wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 // Neighbours around one of the user's vertices, in the user's numbering.
@@ -321,7 +298,7 @@ static void assert_fan( const wisp_fabric* f, int vertex, const int* expected, i
 TEST( fans_begin_at_borders_or_with_the_users_first_triangle )
 {
     // around vertex 0 a closed fan, and an open one whose triangles come in the wrong order
-    test_mesh mesh = test_mesh_make( 7, 5 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_make( 7, 5 );
     static const int corners[5][3] = { { 0, 2, 3 }, { 0, 5, 6 }, { 0, 1, 2 }, { 3, 1, 0 }, { 4, 5, 0 } };
     int next = 0;
     for ( int t = 0; t < 5; ++t )
@@ -329,20 +306,18 @@ TEST( fans_begin_at_borders_or_with_the_users_first_triangle )
         test_mesh_triangle( &mesh, &next, corners[t][0], corners[t][1], corners[t][2] );
     }
     wisp_fabric_def def = test_fabric_def( &mesh );
-    wisp_fabric* fabric = test_fabric_cook( &def );
+    SCOPED( fabric_local ) wisp_fabric* fabric = test_fabric_cook( &def );
     assert_fan( fabric, 0, ( const int[] ){ 4, 5, 6, 0, 2, 3, 1, 2 }, 8 );
     assert_fan( fabric, 1, ( const int[] ){ 2, 0, 3 }, 3 );
     assert_fan( fabric, 5, ( const int[] ){ 6, 0, 4 }, 3 );
-    wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 TEST( a_shuffled_plane_is_ordered_as_narrow_as_its_rings )
 {
-    test_mesh mesh = test_mesh_plane( 40, 40 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_plane( 40, 40 );
     test_mesh_shuffle( &mesh );
     wisp_fabric_def def = test_fabric_def( &mesh );
-    wisp_fabric* fabric = test_fabric_cook( &def );
+    SCOPED( fabric_local ) wisp_fabric* fabric = test_fabric_cook( &def );
     int shuffled = 0;
     for ( int i = 0; i < 3 * mesh.triangle_count; ++i )
     {
@@ -354,29 +329,22 @@ TEST( a_shuffled_plane_is_ordered_as_narrow_as_its_rings )
     // the next ring
     assert_true( test_bandwidth( fabric ) <= 2 * ( 40 + 40 ) );
     assert_true( test_bandwidth( fabric ) < shuffled / 8 );
-    wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 TEST( the_same_mesh_has_the_same_hash_and_another_has_another )
 {
-    test_mesh mesh = test_mesh_sphere( 20, 30 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_sphere( 20, 30 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     def.hinges = true;
-    wisp_fabric* first = test_fabric_cook( &def );
-    wisp_fabric* second = test_fabric_cook( &def );
+    SCOPED( fabric_local ) wisp_fabric* first = test_fabric_cook( &def );
+    SCOPED( fabric_local ) wisp_fabric* second = test_fabric_cook( &def );
     assert_true( first->hash == second->hash );
     mesh.points[5].x += 0.25f;
-    wisp_fabric* moved = test_fabric_cook( &def );
+    SCOPED( fabric_local ) wisp_fabric* moved = test_fabric_cook( &def );
     assert_true( first->hash != moved->hash );
     def.solve_order = WISP_SOLVE_ORDER_LIST;
-    wisp_fabric* swept = test_fabric_cook( &def );
+    SCOPED( fabric_local ) wisp_fabric* swept = test_fabric_cook( &def );
     assert_true( moved->hash != swept->hash );
-    wisp_fabric_release( first );
-    wisp_fabric_release( second );
-    wisp_fabric_release( moved );
-    wisp_fabric_release( swept );
-    test_mesh_free( &mesh );
 }
 
 TEST( there_are_at_least_four_tiles_unless_they_would_be_smaller_than_256 )
@@ -389,24 +357,22 @@ TEST( there_are_at_least_four_tiles_unless_they_would_be_smaller_than_256 )
     };
     for ( int i = 0; i < WISP_COUNT( cases ); ++i )
     {
-        test_mesh mesh = test_mesh_make( cases[i].vertices, 0 );
+        SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_make( cases[i].vertices, 0 );
         wisp_fabric_def def = test_fabric_def( &mesh );
-        wisp_fabric* fabric = test_fabric_cook( &def );
+        SCOPED( fabric_local ) wisp_fabric* fabric = test_fabric_cook( &def );
         assert_int_equal( fabric->tile_size, cases[i].tile_size );
         assert_int_equal( fabric->tile_count, cases[i].tiles );
-        wisp_fabric_release( fabric );
-        test_mesh_free( &mesh );
     }
 }
 
 TEST( what_hangs_on_an_attachment_comes_last_in_its_tile )
 {
-    test_mesh mesh = test_mesh_plane( 20, 20 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_plane( 20, 20 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     const int32_t corners[2] = { 0, 19 };
     def.attachments = corners;
     def.attachment_count = 2;
-    wisp_fabric* fabric = test_fabric_cook( &def );
+    SCOPED( fabric_local ) wisp_fabric* fabric = test_fabric_cook( &def );
     const wisp_schedule* order = &fabric->link_order;
     for ( int tile = 0; tile < order->tile_count; ++tile )
     {
@@ -423,8 +389,6 @@ TEST( what_hangs_on_an_attachment_comes_last_in_its_tile )
             seen = seen || attached;
         }
     }
-    wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 TEST( cloth_wastes_few_lanes_and_crowded_poles_few_more )
@@ -436,12 +400,11 @@ TEST( cloth_wastes_few_lanes_and_crowded_poles_few_more )
         {
             wisp_fabric_def def = test_fabric_def( &meshes[i] );
             def.solve_order = (wisp_solve_order)solve_order;
-            wisp_fabric* fabric = test_fabric_cook( &def );
+            SCOPED( fabric_local ) wisp_fabric* fabric = test_fabric_cook( &def );
             double fill = (double)fabric->link_count / fabric->link_order.slot_count;
 
             // cloth requires 0.93; a list closes groups early around a pole, one spoke per group
             assert_true( fill > ( i == 2 && solve_order == WISP_SOLVE_ORDER_LIST ? 0.85 : 0.93 ) );
-            wisp_fabric_release( fabric );
         }
         test_mesh_free( &meshes[i] );
     }
@@ -449,17 +412,17 @@ TEST( cloth_wastes_few_lanes_and_crowded_poles_few_more )
 
 TEST( without_tiles_a_colour_is_a_tile_that_shares_no_vertex )
 {
-    test_mesh mesh = test_mesh_sphere( 9, 200 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_sphere( 9, 200 );
     wisp_fabric_def def = test_fabric_def( &mesh );
-    wisp_fabric* fabric = test_fabric_cook( &def );
-    fabric_pool keep = { 0 };
+    SCOPED( fabric_local ) wisp_fabric* fabric = test_fabric_cook( &def );
+    SCOPED( fabric_pool_release ) fabric_pool keep = { 0 };
     wisp_schedule schedule;
     fabric_constraints constraints = {
         .slots = fabric->edges, .count = fabric->edge_count, .arity = 2, .vertex_count = fabric->vertex_count
     };
     assert_true( fabric_schedule_build( &constraints, &keep, &schedule ) );
     assert_int_equal( schedule.colour_count, schedule.tile_count );
-    int32_t* colour = calloc( (size_t)fabric->vertex_count, sizeof( int32_t ) );
+    SCOPED( free_local ) int32_t* colour = calloc( (size_t)fabric->vertex_count, sizeof( int32_t ) );
     int found = 0;
     for ( int tile = 0; tile < schedule.tile_count; ++tile )
     {
@@ -475,23 +438,17 @@ TEST( without_tiles_a_colour_is_a_tile_that_shares_no_vertex )
         }
     }
     assert_int_equal( found, fabric->edge_count );
-    free( colour );
-    fabric_pool_release( &keep );
-    wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 TEST( triangles_without_area_keep_their_edges )
 {
-    test_mesh mesh = test_mesh_make( 3, 1 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_make( 3, 1 );
     int next = 0;
     test_mesh_triangle( &mesh, &next, 0, 1, 2 );
     wisp_fabric_def def = test_fabric_def( &mesh );
-    wisp_fabric* fabric = test_fabric_cook( &def );
+    SCOPED( fabric_local ) wisp_fabric* fabric = test_fabric_cook( &def );
     assert_int_equal( fabric->edge_count, 3 );
     assert_true( fabric->area[0] == 0.0f && fabric->area[1] == 0.0f && fabric->area[2] == 0.0f );
-    wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 static void expect_fabric_refusal( const wisp_fabric_def* def, const char* part )
@@ -506,7 +463,7 @@ static void expect_fabric_refusal( const wisp_fabric_def* def, const char* part 
 
 TEST( bad_input_is_refused_by_a_message_that_names_it )
 {
-    test_mesh mesh = test_mesh_plane( 4, 4 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_plane( 4, 4 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     int32_t kept = mesh.triangles[7], attachment = 16;
     mesh.triangles[7] = 16;
@@ -547,12 +504,11 @@ TEST( bad_input_is_refused_by_a_message_that_names_it )
         def.tile_size = tiles[i];
         expect_fabric_refusal( &def, "tiles" );
     }
-    test_mesh_free( &mesh );
 }
 
 TEST( cooking_without_memory_says_so_and_leaks_nothing )
 {
-    test_mesh mesh = test_mesh_sphere( 5, 8 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_sphere( 5, 8 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     int32_t attachment = 3;
     def.hinges = def.tethers = true;
@@ -577,14 +533,13 @@ TEST( cooking_without_memory_says_so_and_leaks_nothing )
         assert_host_memory_is_released( &host );
     }
     assert_true( failures > 50 );
-    test_mesh_free( &mesh );
 }
 
 TEST( a_fabric_dies_with_its_last_owner )
 {
     test_host host = { 0 };
     wisp_allocator allocator = test_host_allocator( &host );
-    test_mesh mesh = test_mesh_plane( 9, 9 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_mesh_plane( 9, 9 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     wisp_fabric* fabric = NULL;
     assert_int_equal( wisp_fabric_cook( &def, &allocator, &fabric, NULL ), WISP_OK );
@@ -597,5 +552,4 @@ TEST( a_fabric_dies_with_its_last_owner )
     wisp_fabric_release( fabric );
     wisp_fabric_release( NULL );
     assert_host_memory_is_released( &host );
-    test_mesh_free( &mesh );
 }

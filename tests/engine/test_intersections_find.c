@@ -271,8 +271,9 @@ static searcher* searcher_open( int workers )
     return s;
 }
 
-static void searcher_close( searcher* s )
+static void searcher_close( searcher** local )
 {
+    searcher* s = *local;
     wisp_intersections_release( &s->found, &s->allocator );
     assert_null( s->found.list );
     jobs_destroy( s->pool );
@@ -322,31 +323,27 @@ TEST( the_search_finds_what_brute_force_finds_whoever_works )
     }
     for ( int what = 0; what < SHAPES; ++what )
     {
-        contact_mesh s = contact_mesh_make( (shape)what );
+        SCOPED( contact_mesh_free ) contact_mesh s = contact_mesh_make( (shape)what );
         int count;
-        wisp_intersection* expected = contact_mesh_brute( &s, &count );
+        SCOPED( free_local ) wisp_intersection* expected = contact_mesh_brute( &s, &count );
         for ( int workers = 1; workers <= 8; ++workers )
         {
             search( searchers[workers], &s );
             assert_found( searchers[workers], expected, count );
         }
-        free( expected );
-        contact_mesh_free( &s );
     }
     for ( int workers = 1; workers <= 8; ++workers )
     {
-        searcher_close( searchers[workers] );
+        searcher_close( searchers + workers );
     }
 }
 
 static int count_of( shape what )
 {
-    contact_mesh s = contact_mesh_make( what );
-    searcher* r = searcher_open( 2 );
+    SCOPED( contact_mesh_free ) contact_mesh s = contact_mesh_make( what );
+    SCOPED( searcher_close ) searcher* r = searcher_open( 2 );
     assert_int_equal( search( r, &s ), WISP_OK );
     const int count = r->found.count;
-    searcher_close( r );
-    contact_mesh_free( &s );
     return count;
 }
 
@@ -372,10 +369,10 @@ TEST( thick_tori_and_a_sheet_through_itself_cross )
 // ring.
 TEST( a_closed_ring_crosses_a_closed_surface_an_even_number_of_times )
 {
-    contact_mesh s = contact_mesh_make( PIERCED );
-    searcher* r = searcher_open( 2 );
+    SCOPED( contact_mesh_free ) contact_mesh s = contact_mesh_make( PIERCED );
+    SCOPED( searcher_close ) searcher* r = searcher_open( 2 );
     assert_int_equal( search( r, &s ), WISP_OK );
-    int* of_ring = checked_calloc( (size_t)s.edge_count, sizeof( int ) );
+    SCOPED( free_local ) int* of_ring = checked_calloc( (size_t)s.edge_count, sizeof( int ) );
     for ( int i = 0; i < r->found.count; ++i )
     {
         const int edge = r->found.list[i].edge;
@@ -388,9 +385,6 @@ TEST( a_closed_ring_crosses_a_closed_surface_an_even_number_of_times )
         crossed += of_ring[ring] > 0 ? 1 : 0;
     }
     assert_true( crossed > 10 );
-    free( of_ring );
-    searcher_close( r );
-    contact_mesh_free( &s );
 }
 
 TEST( what_shares_a_point_does_not_count )
@@ -402,23 +396,22 @@ TEST( what_shares_a_point_does_not_count )
     const contact_mesh s = {
         .xyzw = xyzw[0], .edges = edges, .edge_count = 3, .triangles = triangles, .triangle_count = 1
     };
-    searcher* r = searcher_open( 1 );
+    SCOPED( searcher_close ) searcher* r = searcher_open( 1 );
     // the third edge begins on the corner under another number: it touches without crossing
     search( r, &s );
     assert_found( r, ( wisp_intersection[] ){ { 0, 0 } }, 1 );
-    searcher_close( r );
 }
 
 TEST( what_is_not_finite_crosses_nothing_and_hides_nothing )
 {
     static const float bad[] = { NAN, INFINITY, -INFINITY };
-    contact_mesh s = contact_mesh_make( PIERCED );
+    SCOPED( contact_mesh_free ) contact_mesh s = contact_mesh_make( PIERCED );
     for ( int i = 0; i < s.point_count; i += 11 )
     {
         s.xyzw[4 * (size_t)i + (size_t)( i % 3 )] = bad[i % 7 % 3];
     }
     int count, kept = 0;
-    wisp_intersection* expected = contact_mesh_brute( &s, &count );
+    SCOPED( free_local ) wisp_intersection* expected = contact_mesh_brute( &s, &count );
     for ( int i = 0; i < count; ++i )
     {
         bool is_finite = true;
@@ -434,18 +427,15 @@ TEST( what_is_not_finite_crosses_nothing_and_hides_nothing )
         }
     }
     assert_true( kept > 20 && kept < count );
-    searcher* r = searcher_open( 3 );
+    SCOPED( searcher_close ) searcher* r = searcher_open( 3 );
     search( r, &s );
     assert_found( r, expected, kept );
-    searcher_close( r );
-    free( expected );
-    contact_mesh_free( &s );
 }
 
 TEST( nothing_crosses_nothing )
 {
-    contact_mesh s = contact_mesh_make( HEAP );
-    searcher* r = searcher_open( 2 );
+    SCOPED( contact_mesh_free ) contact_mesh s = contact_mesh_make( HEAP );
+    SCOPED( searcher_close ) searcher* r = searcher_open( 2 );
     const int edge_count = s.edge_count, triangle_count = s.triangle_count;
     for ( int empty = 1; empty < 4; ++empty )
     {
@@ -454,35 +444,32 @@ TEST( nothing_crosses_nothing )
         search( r, &s );
         assert_found( r, NULL, 0 );
     }
-    searcher_close( r );
-    contact_mesh_free( &s );
 }
 
 // ---- memory ----
 
 TEST( nothing_is_allocated_once_warm )
 {
-    contact_mesh s = contact_mesh_make( PIERCED );
-    searcher* r = searcher_open( 2 );
+    SCOPED( contact_mesh_free ) contact_mesh s = contact_mesh_make( PIERCED );
+    SCOPED( searcher_close ) searcher* r = searcher_open( 2 );
     search( r, &s );
     search( r, &s );
     const int64_t queried = atomic_load( &r->host.queried );
     assert_int_equal( search( r, &s ), WISP_OK );
     assert_int_equal( atomic_load( &r->host.queried ), queried );
-    searcher_close( r );
-    contact_mesh_free( &s );
 }
 
 // Whichever request is refused, the call either reports it and keeps the previous intersections, or succeeds without.
 TEST( without_memory_the_last_intersections_stay )
 {
-    contact_mesh few = contact_mesh_make( NEEDLES ), many = contact_mesh_make( HEAP );
+    SCOPED( contact_mesh_free ) contact_mesh few = contact_mesh_make( NEEDLES ), many = contact_mesh_make( HEAP );
     int few_count, many_count, failed = 0, n = 0;
+    SCOPED( free_local )
     wisp_intersection *of_few = contact_mesh_brute( &few, &few_count ),
                       *of_many = contact_mesh_brute( &many, &many_count );
     for ( bool was_refused = true; was_refused; )
     {
-        searcher* r = searcher_open( 2 );
+        SCOPED( searcher_close ) searcher* r = searcher_open( 2 );
         search( r, &few );
         test_host_refuse( &r->host, ++n, false );
         search( r, &many );
@@ -498,11 +485,6 @@ TEST( without_memory_the_last_intersections_stay )
             ++failed;
         }
         assert_found( r, of_many, many_count );
-        searcher_close( r );
     }
     assert_true( failed >= 4 ); // boxes of edges, boxes of triangles, blocks, the list
-    free( of_few );
-    free( of_many );
-    contact_mesh_free( &few );
-    contact_mesh_free( &many );
 }

@@ -124,7 +124,7 @@ static uint64_t hash_after_a_step( int workers )
     wisp_world_def def = wisp_default_world_def();
     def.substeps = 1;
     def.workers = workers;
-    wisp_world* world = NULL;
+    SCOPED( destroy_local ) wisp_world* world = NULL;
     uint64_t hash = 0;
     if ( wisp_world_create( &def, &world, NULL ) == WISP_OK )
     {
@@ -133,7 +133,6 @@ static uint64_t hash_after_a_step( int workers )
         stepped = stepped && wisp_world_step( world, 0.01f ) == WISP_OK;
         hash = stepped ? wisp_world_hash( world ) : 0;
     }
-    wisp_world_destroy( world );
     return hash;
 }
 

@@ -51,7 +51,7 @@ static uint64_t run_pipeline( const wisp_kernels* kernels, const groom* g, int d
     world_def.modules = modules;
     world_def.module_count = 1;
     world_def.workers = 2;
-    wisp_world* world;
+    SCOPED( destroy_local ) wisp_world* world;
     assert_int_equal( wisp_world_create( &world_def, &world, NULL ), WISP_OK );
     world_set_kernels( world, kernels );
 
@@ -72,13 +72,12 @@ static uint64_t run_pipeline( const wisp_kernels* kernels, const groom* g, int d
     }
     uint64_t hash;
     assert_int_equal( wisp_world_hash_column( world, id, WISP_STRAND_POINTS, &hash ), WISP_OK );
-    wisp_world_destroy( world );
     return hash;
 }
 
 TEST( every_table_gives_the_same_bits )
 {
-    groom* g = checked_malloc( sizeof( groom ) );
+    SCOPED( free_local ) groom* g = checked_malloc( sizeof( groom ) );
     for ( int dimension = 2; dimension <= 3; ++dimension )
     {
         make_groom( g, dimension );
@@ -101,7 +100,6 @@ TEST( every_table_gives_the_same_bits )
             }
         }
     }
-    free( g );
 }
 
 // ---- the sum of eq. 15 against brute force ----

@@ -242,7 +242,7 @@ TEST( distances_alone_are_the_same_and_nothing_else_is_written )
 {
     for ( int n = 0; n < WISP_COUNT( SHAPES ); ++n )
     {
-        pairs *expected = new_pairs( SHAPES[n] ), *found = new_pairs( SHAPES[n] );
+        SCOPED( free_local ) pairs *expected = new_pairs( SHAPES[n] ), *found = new_pairs( SHAPES[n] );
         run( widest_table(), expected, true, 0, CLOSEST_GROUPS );
         run( widest_table(), found, false, 0, CLOSEST_GROUPS );
         assert_memory_equal( found->distance, expected->distance, sizeof( found->distance ) );
@@ -250,8 +250,6 @@ TEST( distances_alone_are_the_same_and_nothing_else_is_written )
         {
             assert_true( found->weight[i / 8][0][i % 8] == 0.0f && found->normal[i / 8][0][i % 8] == 0.0f );
         }
-        free( expected );
-        free( found );
     }
 }
 
@@ -382,7 +380,7 @@ TEST( points_that_coincide_have_no_distance_and_no_normal )
     };
     for ( int n = 0; n < WISP_COUNT( SHAPES ); ++n )
     {
-        pairs* s = new_pairs( SHAPES[n] );
+        SCOPED( free_local ) pairs* s = new_pairs( SHAPES[n] );
         for ( int i = 0; i < 8; ++i )
         {
             put_four( s, i, SHAPES[n] == TRIANGLE ? ON_TRIANGLE[i % 4] : SAME[i % 4] );
@@ -394,7 +392,6 @@ TEST( points_that_coincide_have_no_distance_and_no_normal )
             assert_true( f.distance == 0.0 && double3_length( f.normal ) == 0.0 );
             check_weights( &f, i );
         }
-        free( s );
     }
 }
 
@@ -448,7 +445,7 @@ TEST( what_is_not_finite_has_no_finite_distance )
 {
     for ( int n = 0; n < WISP_COUNT( SHAPES ); ++n )
     {
-        pairs *s = new_pairs( SHAPES[n] ), *clean = new_pairs( SHAPES[n] );
+        SCOPED( free_local ) pairs *s = new_pairs( SHAPES[n] ), *clean = new_pairs( SHAPES[n] );
         make_strange( s );
         make_slivers( clean );
         run( widest_table(), clean, true, 0, CLOSEST_GROUPS );
@@ -463,7 +460,5 @@ TEST( what_is_not_finite_has_no_finite_distance )
             const float found = s->distance[i];
             assert_true( i % 2 == 0 ? found == clean->distance[i] : !isfinite( found ) );
         }
-        free( s );
-        free( clean );
     }
 }

@@ -225,7 +225,7 @@ static double work_of_stress( membranes* m, int t )
 // energy where a triangle ends.
 TEST( several_iterations_agree_on_the_stress )
 {
-    membranes *m = new_membranes( 0.7f, 2.0f ), *last = new_membranes( 0.7f, 2.0f );
+    SCOPED( free_local ) membranes *m = new_membranes( 0.7f, 2.0f ), *last = new_membranes( 0.7f, 2.0f );
     wisp_elastic_triangle_args args = args_of( m );
     args.stress = m->stress[0][0];
     for ( int i = 0; i < 200; ++i )
@@ -249,14 +249,12 @@ TEST( several_iterations_agree_on_the_stress )
         }
         assert_near( work_of_stress( m, t ), expected, 5e-3 * fabs( expected ) + 1e-9, "work", t );
     }
-    free( last );
-    free( m );
 }
 
 // Flat to a line or a point, too thin at rest, or all pinned: nothing moves to NaN, and what is stretched is still drawn together.
 TEST( degenerate_triangles_stay_finite )
 {
-    membranes* m = new_membranes( 0.7f, 2.0f );
+    SCOPED( free_local ) membranes* m = new_membranes( 0.7f, 2.0f );
     for ( int k = 0; k < 3; ++k )
     {
         memset( corner_of( m, 0, k ), 0, 3 * sizeof( float ) );
@@ -290,7 +288,6 @@ TEST( degenerate_triangles_stay_finite )
         }
         assert_true( isfinite( widest_table()->elastic_triangle_virial( &args, 0, 8 ) ) );
     }
-    free( m );
 }
 
 static void run_thrice( const wisp_kernels* kernels, void* state, int begin, int end )

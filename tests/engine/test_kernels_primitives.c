@@ -282,7 +282,7 @@ static void check_over( primitive_shape shape, float away )
         { { 0.25f, 0.5f, 0 }, { -1, -1, away }, { 2, -1, away }, { -1, 2, away } },
     };
     const bool is_near = fabsf( away ) <= 0.5f;
-    scene* s = make_two( shape, points[shape], 0.5f, 4.0f );
+    SCOPED( free_local ) scene* s = make_two( shape, points[shape], 0.5f, 4.0f );
     assert_int_equal( s->found, is_near ? 1 : 0 );
     assert_true( min_of( s ) == ( is_near ? INFINITY : fabsf( away ) ) );
     free( s );
@@ -307,7 +307,6 @@ static void check_over( primitive_shape shape, float away )
     }
     run( widest_table(), s );
     assert_true( s->found == ( is_near ? 1 : 0 ) && min_of( s ) == INFINITY );
-    free( s );
 }
 
 TEST( primitives_over_each_other_are_as_far_as_the_plane_between_tells )
@@ -327,9 +326,8 @@ TEST( edges_that_are_all_but_parallel_are_found )
     for ( float skew = 1e-16f; skew > 0.0f; skew *= 0.1f )
     {
         float points[4][3] = { { -0.01f, 0, 0 }, { 0.01f, 0, 0 }, { -0.01f, 0, 0.001f }, { 0.01f, skew, 0.001f } };
-        scene* s = make_two( EDGES, points, 0.002f, 0.004f );
+        SCOPED( free_local ) scene* s = make_two( EDGES, points, 0.002f, 0.004f );
         assert_int_equal( s->found, 1 );
-        free( s );
     }
 }
 
@@ -343,9 +341,8 @@ TEST( a_triangle_is_seen_as_far_as_any_of_its_corners_reaches )
         {
             memcpy( points[1 + k], CORNER[( k + turn ) % 3], sizeof( points[0] ) );
         }
-        scene* s = make_two( FACES, points, 0.75f, 0.75f );
+        SCOPED( free_local ) scene* s = make_two( FACES, points, 0.75f, 0.75f );
         assert_int_equal( s->found, 1 );
-        free( s );
     }
 }
 

@@ -54,7 +54,7 @@ static void assert_arc( float y, double load, double slope )
 
 TEST( an_arc_has_the_load_and_slope_of_its_equation )
 {
-    arcs* a = new_aligned( sizeof( arcs ) );
+    SCOPED( free_local ) arcs* a = new_aligned( sizeof( arcs ) );
     for ( int n = 0; n < 8192; n += 8 )
     {
         float y[8];
@@ -72,12 +72,11 @@ TEST( an_arc_has_the_load_and_slope_of_its_equation )
             assert_arc( y[lane], -(double)a->rhs[0][0][lane], root * root );
         }
     }
-    free( a );
 }
 
 TEST( an_arc_as_long_as_at_rest_or_longer_pulls_nowhere )
 {
-    arcs* a = new_aligned( sizeof( arcs ) );
+    SCOPED( free_local ) arcs* a = new_aligned( sizeof( arcs ) );
     const float y[8] = { 1.0f, 1.0f + FLT_EPSILON, 1.5f, 2.0f, 10.0f, 1e3f, 1e6f, 1e9f };
     bend_arcs( y, a );
     for ( int lane = 0; lane < 8; ++lane )
@@ -85,7 +84,6 @@ TEST( an_arc_as_long_as_at_rest_or_longer_pulls_nowhere )
         assert_true( a->rhs[0][0][lane] == 0.0f && a->axis[0][0][lane] == 0.0f );
         assert_near( (double)a->inverse[0][0][lane], 1.0, 4.0 * EPSILON, "inverse of a mass of 1 kg, lane", lane );
     }
-    free( a );
 }
 
 // ---- formulas ----
@@ -264,7 +262,7 @@ static void check_solve( void* start, void* end )
     {
         assert_false( is_at_a_corner( s, s->link + k ) );
     }
-    plain_rows* p = plain_formulas( start, s->variant );
+    SCOPED( free_local ) plain_rows* p = plain_formulas( start, s->variant );
     assert_int_equal( s->undirected, p->undirected );
     assert_int_equal( s->undirected, 4 );
     double reference = 0.0, size = 0.0;
@@ -281,7 +279,6 @@ static void check_solve( void* start, void* end )
     }
     assert_near( s->sum[0], reference, size + 64.0 * EPSILON * reference, "c . q of variant", s->variant );
     check_padding( s );
-    free( p );
 }
 
 TEST_KERNEL( forces_right_sides_and_products_are_those_of_plain_formulas_in_blocks, springs, VARIANTS, 0, SLICES, 64,
@@ -300,7 +297,7 @@ static void assert_same_rows( const springs* s, const springs* expected )
 TEST( no_link_is_stiffer_than_the_stiffest )
 {
     const float stiffest = 20.0f;
-    springs *s = new_springs(), *softer = new_springs(), *whole = new_springs();
+    SCOPED( free_local ) springs *s = new_springs(), *softer = new_springs(), *whole = new_springs();
     int lowered = 0;
     for ( int part = 0; part < 2 * SLICES; ++part )
     {
@@ -322,15 +319,12 @@ TEST( no_link_is_stiffer_than_the_stiffest )
         assemble( widest_table(), whole, variant );
         assert_memory_not_equal( whole->inverse, softer->inverse, sizeof( whole->inverse ) );
     }
-    free( whole );
-    free( softer );
-    free( s );
 }
 
 // With zero velocities, places are the positions, of which no coordinate is read.
 TEST( links_span_places_where_there_are_some )
 {
-    springs *s = new_springs(), *expected = new_springs();
+    SCOPED( free_local ) springs *s = new_springs(), *expected = new_springs();
     static float place[ROWS][4];
     memcpy( place, s->position, sizeof( place ) );
     memset( s->velocity, 0, sizeof( s->velocity ) );
@@ -344,22 +338,18 @@ TEST( links_span_places_where_there_are_some )
     widest_table()->spring_assemble( &args, 0, SLICES );
     assemble( widest_table(), expected, REPEAT );
     assert_same_rows( s, expected );
-    free( expected );
-    free( s );
 }
 
 // The missing length of a slack link within its reach stiffens the matrix, and pulls nothing.
 TEST( a_reach_stiffens_and_does_not_pull )
 {
-    springs *s = new_springs(), *plain = new_springs();
+    SCOPED( free_local ) springs *s = new_springs(), *plain = new_springs();
     wisp_spring_args args = spring_args( s, REPEAT );
     args.compression_margin = 1.0f;
     widest_table()->spring_assemble( &args, 0, SLICES );
     assemble( widest_table(), plain, REPEAT );
     assert_memory_equal( s->rhs, plain->rhs, sizeof( s->rhs ) );
     assert_memory_not_equal( s->inverse, plain->inverse, sizeof( s->inverse ) );
-    free( plain );
-    free( s );
 }
 
 // ---- the inverse ----
@@ -403,7 +393,7 @@ static double condition_of( springs* s, const plain_rows* p, int row )
 // number in roundings: a sum of traces is above 9 for the identity.
 TEST( the_preconditioner_is_the_inverse_for_any_mass )
 {
-    springs* s = new_springs();
+    SCOPED( free_local ) springs* s = new_springs();
     for ( int row = 0; row < VERTICES; ++row )
     {
         s->position[row][3] = powf( 10.0f, test_random_float( row, 50, -12.0f, 12.0f ) );
@@ -415,7 +405,7 @@ TEST( the_preconditioner_is_the_inverse_for_any_mass )
     place_entries( s );
     for ( int variant = 0; variant < VARIANTS; ++variant )
     {
-        plain_rows* p = plain_formulas( s, variant );
+        SCOPED( free_local ) plain_rows* p = plain_formulas( s, variant );
         assemble( widest_table(), s, variant );
         for ( int row = 1; row < ROWS; ++row )
         {
@@ -424,16 +414,14 @@ TEST( the_preconditioner_is_the_inverse_for_any_mass )
             assert_near( error_bound_of( s, p, row ), 0.0, 4.0 * EPSILON * condition * condition, "inverse of row",
                          row );
         }
-        free( p );
     }
-    free( s );
 }
 
 // One link with k h^2 / m of 1 to 1e12 relative to the vertex at its end: conjugate gradients need r'Pr > 0 for any
 // r.
 TEST( the_preconditioner_is_positive_however_light_a_vertex_is )
 {
-    springs* s = new_springs();
+    SCOPED( free_local ) springs* s = new_springs();
     s->link_count = 0;
     memset( s->rest, 0, sizeof( s->rest ) );
     memset( s->damping, 0, sizeof( s->damping ) );
@@ -465,7 +453,6 @@ TEST( the_preconditioner_is_positive_however_light_a_vertex_is )
             }
         }
     }
-    free( s );
 }
 
 // ---- the product ----
@@ -486,7 +473,7 @@ static double product_of( springs* s, const float p[ROWS][4], const float q[ROWS
 // Both ends of a link compute the same axis from differences of opposite signs.
 TEST( the_matrix_is_symmetric_and_positive )
 {
-    springs* s = new_springs();
+    SCOPED( free_local ) springs* s = new_springs();
     static float p[ROWS][4], q[ROWS][4];
     for ( int variant = 0; variant < VARIANTS; ++variant )
     {
@@ -508,7 +495,6 @@ TEST( the_matrix_is_symmetric_and_positive )
             assert_near( pq, qp, 8.0 * EPSILON * sqrt( pp * qq ), "p'Aq of variant", variant );
         }
     }
-    free( s );
 }
 
 // ---- vectors ----

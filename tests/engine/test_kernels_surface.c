@@ -171,7 +171,7 @@ static double project_by_oracle( constraints* s, projection kind, int c, particl
 // Every constraint has its own particles, so the oracle may check them one by one.
 static void expect_oracle( projection kind )
 {
-    constraints *before = new_constraints( true ), *after = copy_of( before );
+    SCOPED( free_local ) constraints *before = new_constraints( true ), *after = copy_of( before );
     project( after, kind );
     for ( int c = 0; c < CONSTRAINTS; ++c )
     {
@@ -180,8 +180,6 @@ static void expect_oracle( projection kind )
         assert_at( after, &expected, c, ROUNDING );
         assert_near( (double)after->lambda[c], lambda, ROUNDING * ( 1.0 + fabs( lambda ) ), "lambda", c );
     }
-    free( before );
-    free( after );
 }
 
 #define TEST_PROJECTION( name, kind )                                                                                \
@@ -207,7 +205,7 @@ TEST_PROJECTION( isometric_hinges_move_by_their_stiffness, ISOMETRIC_PBD )
 
 TEST( two_ends_share_a_step_as_their_inverse_masses )
 {
-    constraints* s = new_constraints( false );
+    SCOPED( free_local ) constraints* s = new_constraints( false );
     const float weights[3][2] = { { 1.0f, 1.0f }, { 1.0f, 3.0f }, { 0.0f, 1.0f } };
     const float rest[2] = { 1.0f, 0x1p-20f }; // a metre and a micrometre
     for ( int c = 0; c < 6; ++c )
@@ -226,14 +224,13 @@ TEST( two_ends_share_a_step_as_their_inverse_masses )
         assert_true( body( s, c, 0 )[0] == first[c % 3] * rest[c / 3] );
         assert_true( body( s, c, 1 )[0] == second[c % 3] * rest[c / 3] );
     }
-    free( s );
 }
 
 // ---- hinges ----
 
 TEST( an_angle_is_positive_where_the_opposite_vertices_are_on_the_side_of_the_normals )
 {
-    constraints* s = new_constraints( false );
+    SCOPED( free_local ) constraints* s = new_constraints( false );
 
     // counter-clockwise seen from +z, so normals point up, and both wings are up by 0.1 of 0.5
     place( s, 0, 0, 0.0f, 0.0f, 0.0f, 1.0f );
@@ -249,14 +246,13 @@ TEST( an_angle_is_positive_where_the_opposite_vertices_are_on_the_side_of_the_no
     s->angle[0] = 0.0f;
     project( s, DIHEDRAL_PBD );
     assert_true( body( s, 0, 2 )[2] < 0.099f && body( s, 0, 3 )[2] < 0.099f && body( s, 0, 0 )[2] > 0.001f );
-    free( s );
 }
 
 // Rest data of an isometric hinge are c = sqrt( Q / s ), as cooking must compute them from a column of the oracle's Q. Every
 // second hinge is flat, moved and turned, and has no energy.
 TEST( an_isometric_hinge_knows_bending_from_moving )
 {
-    constraints* s = new_constraints( false );
+    SCOPED( free_local ) constraints* s = new_constraints( false );
     static double q[CONSTRAINTS][4][4];
     for ( int c = 0; c < CONSTRAINTS; ++c )
     {
@@ -278,7 +274,7 @@ TEST( an_isometric_hinge_knows_bending_from_moving )
                 (float)( q[c][k][2] / sqrt( 3.0 / ( 0.3 * (double)( up + down ) ) * q[c][2][2] ) );
         }
     }
-    constraints* after = copy_of( s );
+    SCOPED( free_local ) constraints* after = copy_of( s );
     project( after, ISOMETRIC_PBD );
     for ( int c = 0; c < CONSTRAINTS; ++c )
     {
@@ -289,8 +285,6 @@ TEST( an_isometric_hinge_knows_bending_from_moving )
         assert_at( after, &expected, c, ROUNDING );
         assert_true( c % 2 == 0 ? term.value < 1e-5 : term.value > 0.1 );
     }
-    free( s );
-    free( after );
 }
 
 // ---- invariants of projections ----
@@ -315,19 +309,17 @@ static void sum_momentum( constraints* before, constraints* after, int c, int co
 
 TEST( projections_keep_linear_and_angular_momentum )
 {
-    constraints* before = new_constraints( false );
+    SCOPED( free_local ) constraints* before = new_constraints( false );
     for ( int k = 0; k < PROJECTIONS; ++k )
     {
-        constraints* after = copy_of( before );
+        SCOPED( free_local ) constraints* after = copy_of( before );
         project( after, (projection)k );
         bool is_link = k < 4;
         for ( int c = 0; c < CONSTRAINTS; ++c )
         {
             sum_momentum( before, after, c, is_link ? 2 : 4 );
         }
-        free( after );
     }
-    free( before );
 }
 
 // Coincident, without area, pinned (some of them a thousand kilometres apart), or padding: no bit of positions or
@@ -357,11 +349,10 @@ TEST( constraints_without_a_direction_or_a_free_end_leave_every_bit )
     }
     for ( int k = 0; k < PROJECTIONS; ++k )
     {
-        constraints* after = copy_of( before );
+        SCOPED( free_local ) constraints* after = copy_of( before );
         project( after, (projection)k );
         assert_memory_equal( after->position, before->position, sizeof( after->position ) );
         assert_memory_equal( after->lambda, before->lambda, sizeof( after->lambda ) );
-        free( after );
     }
     free( before );
 }
@@ -369,7 +360,7 @@ TEST( constraints_without_a_direction_or_a_free_end_leave_every_bit )
 // Lengths and heights of all magnitudes, far from rest, and masses from a milligram to that of a mountain.
 TEST( no_projection_throws_a_particle_to_infinity )
 {
-    constraints* before = new_constraints( false );
+    SCOPED( free_local ) constraints* before = new_constraints( false );
     for ( int c = 0; c < CONSTRAINTS; ++c )
     {
         float length = ldexpf( 1000.0f, -( c % 50 ) * 3 ), height = ldexpf( length, -( c / 50 ) * 16 );
@@ -384,7 +375,7 @@ TEST( no_projection_throws_a_particle_to_infinity )
     }
     for ( int k = 0; k < PROJECTIONS; ++k )
     {
-        constraints* after = copy_of( before );
+        SCOPED( free_local ) constraints* after = copy_of( before );
         project( after, (projection)k );
         for ( int i = 0; i < BODIES * 4; ++i )
         {
@@ -393,9 +384,7 @@ TEST( no_projection_throws_a_particle_to_infinity )
                 fail_msg( "projection %d: particle %d is at %g", k, i / 4, (double)after->position[i / 4][i % 4] );
             }
         }
-        free( after );
     }
-    free( before );
 }
 
 // ---- folds ----
@@ -446,7 +435,7 @@ static void run_folds( const wisp_kernels* kernels, void* state, int begin, int 
 static void check_folds( void* before, void* after )
 {
     folds *start = before, *most = after;
-    constraints* all = copy_of( &start->s );
+    SCOPED( free_local ) constraints* all = copy_of( &start->s );
     project( all, start->kind );
     int found = 0;
     for ( int c = 0; c < CONSTRAINTS; ++c )
@@ -462,7 +451,6 @@ static void check_folds( void* before, void* after )
         found += is_left;
     }
     assert_true( found > CONSTRAINTS / 8 && found < CONSTRAINTS / 2 );
-    free( all );
 }
 
 TEST_KERNEL( short_bend_links_stay_and_are_marked, folds, 3, 0, CONSTRAINTS, 8, fill_folds, run_folds, check_folds )

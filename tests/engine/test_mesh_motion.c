@@ -68,11 +68,11 @@ static wisp_mesh_nearest closest_at( wisp_collision_mesh* tree, wisp_vec3 p, flo
 
 TEST( closest_points_at_a_time_are_those_of_the_mesh_as_it_is_then )
 {
-    motion m = new_motion( 0.4f, 0.3f );
+    SCOPED( free_motion ) motion m = new_motion( 0.4f, 0.3f );
     for ( int k = 0; k <= 4; ++k )
     {
         const float time = 0.25f * (float)k;
-        wisp_collision_mesh* frozen = frozen_at( &m, time );
+        SCOPED( tree_local ) wisp_collision_mesh* frozen = frozen_at( &m, time );
         for ( int i = 0; i < QUERIES; ++i )
         {
             const wisp_vec3 p = test_point( i, k, 1.6f );
@@ -80,15 +80,13 @@ TEST( closest_points_at_a_time_are_those_of_the_mesh_as_it_is_then )
             // corners of the one at rest are rounded to float
             assert_true( fabsf( a.distance - b.distance ) < 1e-6f );
         }
-        wisp_collision_mesh_release( frozen );
     }
-    free_motion( &m );
 }
 
 // Without a deformation the path against the motion is the relative path against the mesh at rest.
 TEST( a_path_against_a_translation_is_the_relative_path )
 {
-    motion m = new_motion( 0.4f, 0.0f );
+    SCOPED( free_motion ) motion m = new_motion( 0.4f, 0.0f );
     int hits = 0;
     for ( int i = 0; i < 4 * QUERIES; ++i )
     {
@@ -105,13 +103,12 @@ TEST( a_path_against_a_translation_is_the_relative_path )
         hits += a.triangle >= 0 ? 1 : 0;
     }
     assert_true( hits > QUERIES );
-    free_motion( &m );
 }
 
 // Who is outside at the start and inside at the end has entered somewhere: rounding opens no gap between triangles.
 TEST( whoever_gets_in_has_crossed )
 {
-    motion m = new_motion( 0.5f, 0.4f );
+    SCOPED( free_motion ) motion m = new_motion( 0.5f, 0.4f );
     int entered = 0;
     for ( int i = 0; i < 20 * QUERIES; ++i )
     {
@@ -127,13 +124,12 @@ TEST( whoever_gets_in_has_crossed )
         }
     }
     assert_true( entered > QUERIES );
-    free_motion( &m );
 }
 
 // Aimed at the corners of triangles, where two planes meet.
 TEST( paths_to_corners_do_not_slip_through )
 {
-    motion m = new_motion( 0.3f, 0.2f );
+    SCOPED( free_motion ) motion m = new_motion( 0.3f, 0.2f );
     for ( int v = 0; v < m.mesh.point_count; ++v )
     {
         const wisp_vec3 a = m.start[v], b = m.end[v];
@@ -147,12 +143,11 @@ TEST( paths_to_corners_do_not_slip_through )
         assert_true( hit.triangle >= 0 );
         assert_true( fabsf( hit.time - 0.5f ) < 0.05f );
     }
-    free_motion( &m );
 }
 
 TEST( a_point_of_a_triangle_goes_where_its_corners_go )
 {
-    motion m = new_motion( 0.4f, 0.3f );
+    SCOPED( free_motion ) motion m = new_motion( 0.4f, 0.3f );
     for ( int i = 0; i < QUERIES; ++i )
     {
         const wisp_mesh_nearest n = closest_at( m.tree, test_point( i, 0, 1.2f ), 0.3f );
@@ -165,13 +160,12 @@ TEST( a_point_of_a_triangle_goes_where_its_corners_go )
         const wisp_vec3 u = then.normal;
         assert_true( fabsf( u.x * u.x + u.y * u.y + u.z * u.z - 1.0f ) < 1e-5f );
     }
-    free_motion( &m );
 }
 
 // From where the point was 0.1 m before, as from one substep to the next.
 TEST( tracking_follows_the_closest_point_along_a_round_mesh )
 {
-    motion m = new_motion( 0.4f, 0.1f );
+    SCOPED( free_motion ) motion m = new_motion( 0.4f, 0.1f );
     int moved = 0, same = 0, count = 0;
     for ( int i = 0; i < QUERIES; ++i )
     {
@@ -192,7 +186,6 @@ TEST( tracking_follows_the_closest_point_along_a_round_mesh )
     }
     assert_true( moved > QUERIES / 4 );
     assert_true( same > 0.95 * count );
-    free_motion( &m );
 }
 
 // The smallest distance from the surface from a time to the end of the motion, with its sign.
@@ -211,7 +204,7 @@ static float least_distance( wisp_collision_mesh* tree, wisp_vec3 p, float begin
 // Points all around, and points just above the surface as it is at the start or at the end.
 TEST( cells_know_who_stays_outside_and_at_what_distance )
 {
-    motion m = new_motion( 0.3f, 0.2f );
+    SCOPED( free_motion ) motion m = new_motion( 0.3f, 0.2f );
     int outside = 0, apart = 0, inside = 0;
     const wisp_vec3 far = { 4.0f, 0.0f, 0.0f };
     assert_true( wisp_collision_mesh_clearance( m.tree, far, 0.1f ) == -1.0f );
@@ -233,13 +226,12 @@ TEST( cells_know_who_stays_outside_and_at_what_distance )
         assert_true( least < 0.2f + near || near > 0.1f || clear == near );
     }
     assert_true( outside > 4 * QUERIES && apart > QUERIES && inside > QUERIES );
-    free_motion( &m );
 }
 
 // Nothing comes nearer than the clearance for the rest of the motion, whatever triangle the search begins at.
 TEST( an_approach_finds_the_closest_point_and_how_long_it_is_enough )
 {
-    motion m = new_motion( 0.3f, 0.2f );
+    SCOPED( free_motion ) motion m = new_motion( 0.3f, 0.2f );
     int found = 0, clear_count = 0;
     for ( int i = 0; i < 10 * QUERIES; ++i )
     {
@@ -262,12 +254,11 @@ TEST( an_approach_finds_the_closest_point_and_how_long_it_is_enough )
         }
     }
     assert_true( found > 10 * QUERIES && clear_count > 10 * QUERIES );
-    free_motion( &m );
 }
 
 TEST( an_approach_to_a_point_that_is_not_finite_finds_nothing )
 {
-    motion m = new_motion( 0.3f, 0.2f );
+    SCOPED( free_motion ) motion m = new_motion( 0.3f, 0.2f );
     const wisp_vec3 p = { NAN, 0.0f, 0.0f };
     const wisp_mesh_approach approach = { { p, INFINITY, 1.0f }, INFINITY, 0 };
     wisp_mesh_nearest nearest;
@@ -276,5 +267,4 @@ TEST( an_approach_to_a_point_that_is_not_finite_finds_nothing )
     assert_int_equal( nearest.triangle, -1 );
     assert_true( clearance == 0.0f );
     assert_true( wisp_collision_mesh_clearance( m.tree, p, 0.1f ) == -1.0f );
-    free_motion( &m );
 }

@@ -47,8 +47,8 @@ static void assert_closest( const test_mesh* m, const float* xyzw, wisp_collisio
 
 TEST( triangles_that_share_what_is_nearest_answer_with_the_lowest )
 {
-    test_mesh m = test_mesh_bumpy( 10 );
-    wisp_collision_mesh* tree = test_collision_mesh( &m, false );
+    SCOPED( test_mesh_free ) test_mesh m = test_mesh_bumpy( 10 );
+    SCOPED( tree_local ) wisp_collision_mesh* tree = test_collision_mesh( &m, false );
     int outer = 0;
     for ( int v = 0; v < m.point_count; ++v )
     {
@@ -68,14 +68,12 @@ TEST( triangles_that_share_what_is_nearest_answer_with_the_lowest )
         outer += is_corner ? 1 : 0;
     }
     assert_true( outer > m.point_count / 10 );
-    wisp_collision_mesh_release( tree );
-    test_mesh_free( &m );
 }
 
 TEST( a_range_of_queries_is_answered_like_each_alone )
 {
-    test_mesh m = test_mesh_bumpy( 10 );
-    wisp_collision_mesh* tree = test_collision_mesh( &m, false );
+    SCOPED( test_mesh_free ) test_mesh m = test_mesh_bumpy( 10 );
+    SCOPED( tree_local ) wisp_collision_mesh* tree = test_collision_mesh( &m, false );
     wisp_mesh_query queries[100];
     wisp_mesh_nearest nearest[100];
     wisp_collision_mesh_query_stats work = { 0 };
@@ -96,8 +94,6 @@ TEST( a_range_of_queries_is_answered_like_each_alone )
     assert_int_equal( work.answered, near );
     assert_int_equal( work.refused, 0 );
     assert_true( work.tested >= (uint64_t)near );
-    wisp_collision_mesh_release( tree );
-    test_mesh_free( &m );
 }
 
 // ---- signs ----
@@ -107,8 +103,9 @@ TEST( the_sign_tells_inside_from_outside )
     const int closed[] = { 0, 1, 3 };
     for ( int c = 0; c < WISP_COUNT( closed ); ++c )
     {
-        test_mesh m = make_mesh( closed[c] );
-        float* xyzw = test_mesh_quads( &m );
+        SCOPED( test_mesh_free ) test_mesh m = make_mesh( closed[c] );
+        SCOPED( free_local ) float* xyzw = test_mesh_quads( &m );
+        SCOPED( tree_local )
         wisp_collision_mesh *rigid = test_collision_mesh( &m, false ), *soft = test_collision_mesh( &m, true );
         assert_int_equal( wisp_collision_mesh_get_stats( rigid ).open_edge_count, 0 );
         int inside = 0;
@@ -125,17 +122,13 @@ TEST( the_sign_tells_inside_from_outside )
             }
         }
         assert_true( inside > QUERIES / 20 );
-        wisp_collision_mesh_release( rigid );
-        wisp_collision_mesh_release( soft );
-        free( xyzw );
-        test_mesh_free( &m );
     }
 }
 
 // A slender spike: next to its edges and its tip the nearest face alone would give the wrong side.
 TEST( signs_hold_next_to_sharp_edges_and_tips )
 {
-    test_mesh m = test_mesh_reserve( 4, 4 );
+    SCOPED( test_mesh_free ) test_mesh m = test_mesh_reserve( 4, 4 );
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 0.05f, 0, 0 }, { 0.02f, 0, 0.03f }, { 0.3f, 2.0f, 0.1f } };
     memcpy( m.points, points, sizeof( points ) );
     m.point_count = 4;
@@ -143,10 +136,10 @@ TEST( signs_hold_next_to_sharp_edges_and_tips )
     test_mesh_add_triangle( &m, 1, 0, 3 );
     test_mesh_add_triangle( &m, 2, 1, 3 );
     test_mesh_add_triangle( &m, 0, 2, 3 );
-    float* xyzw = test_mesh_quads( &m );
+    SCOPED( free_local ) float* xyzw = test_mesh_quads( &m );
     bool faces_out = winding_number( &m, xyzw, ( wisp_vec3 ){ 0.03f, 0.05f, 0.012f } ) > 0.5;
     assert_true( faces_out );
-    wisp_collision_mesh* tree = test_collision_mesh( &m, false );
+    SCOPED( tree_local ) wisp_collision_mesh* tree = test_collision_mesh( &m, false );
     int corners = 0, edges = 0, inside = 0;
     for ( int i = 0; i < 6000; ++i )
     {
@@ -166,15 +159,12 @@ TEST( signs_hold_next_to_sharp_edges_and_tips )
         }
     }
     assert_true( corners > 300 && edges > 300 && inside > 100 );
-    wisp_collision_mesh_release( tree );
-    free( xyzw );
-    test_mesh_free( &m );
 }
 
 TEST( an_open_sheet_is_signed_by_the_side_it_faces )
 {
-    test_mesh m = test_mesh_sheet( 8, 0.0f );
-    wisp_collision_mesh* tree = test_collision_mesh( &m, false );
+    SCOPED( test_mesh_free ) test_mesh m = test_mesh_sheet( 8, 0.0f );
+    SCOPED( tree_local ) wisp_collision_mesh* tree = test_collision_mesh( &m, false );
     assert_int_equal( wisp_collision_mesh_get_stats( tree ).open_edge_count, 4 * 8 );
     for ( int i = 0; i < QUERIES; ++i )
     {
@@ -185,8 +175,6 @@ TEST( an_open_sheet_is_signed_by_the_side_it_faces )
         wisp_vec3 back = test_along( found.point, found.distance, found.normal );
         assert_true( length_of( test_along( back, -1.0f, p ) ) <= 1e-6f );
     }
-    wisp_collision_mesh_release( tree );
-    test_mesh_free( &m );
 }
 
 TEST( the_normal_is_the_gradient_of_the_distance )
@@ -223,8 +211,8 @@ TEST( nothing_tunnels_through_a_thin_sheet )
 {
     for ( int waves = 0; waves < 2; ++waves )
     {
-        test_mesh m = test_mesh_sheet( 40, waves == 0 ? 0.0f : 0.2f );
-        wisp_collision_mesh* tree = test_collision_mesh( &m, true );
+        SCOPED( test_mesh_free ) test_mesh m = test_mesh_sheet( 40, waves == 0 ? 0.0f : 0.2f );
+        SCOPED( tree_local ) wisp_collision_mesh* tree = test_collision_mesh( &m, true );
         for ( int i = 0; i < 4 * QUERIES; ++i )
         {
             wisp_vec3 aim = test_point( i, 0, 0.9f );
@@ -246,15 +234,13 @@ TEST( nothing_tunnels_through_a_thin_sheet )
             int crossed = ( sweep( tree, from, stop ).triangle >= 0 ) + ( sweep( tree, stop, to ).triangle >= 0 );
             assert_true( crossed == 1 || ( waves == 1 && crossed == 2 ) );
         }
-        wisp_collision_mesh_release( tree );
-        test_mesh_free( &m );
     }
 }
 
 TEST( steps_of_single_roundings_cross_just_once )
 {
-    test_mesh m = test_mesh_sheet( 8, 0.0f );
-    wisp_collision_mesh* tree = test_collision_mesh( &m, false );
+    SCOPED( test_mesh_free ) test_mesh m = test_mesh_sheet( 8, 0.0f );
+    SCOPED( tree_local ) wisp_collision_mesh* tree = test_collision_mesh( &m, false );
     for ( int i = 0; i < 200; ++i )
     {
         wisp_vec3 p = test_point( i, 0, 0.9f );
@@ -267,23 +253,21 @@ TEST( steps_of_single_roundings_cross_just_once )
         assert_int_equal( intersections, 1 );
         assert_int_equal( sweep( tree, p, p ).triangle, -1 );
     }
-    wisp_collision_mesh_release( tree );
-    test_mesh_free( &m );
 }
 
 // ---- meshes that deform ----
 
 TEST( refitted_trees_answer_like_new_ones )
 {
-    test_mesh m = test_mesh_sheet( 30, 0.1f );
-    wisp_vec3* rest = checked_malloc( (size_t)m.point_count * sizeof( wisp_vec3 ) );
+    SCOPED( test_mesh_free ) test_mesh m = test_mesh_sheet( 30, 0.1f );
+    SCOPED( free_local ) wisp_vec3* rest = checked_malloc( (size_t)m.point_count * sizeof( wisp_vec3 ) );
     memcpy( rest, m.points, (size_t)m.point_count * sizeof( wisp_vec3 ) );
-    wisp_collision_mesh* tree = test_collision_mesh( &m, true );
+    SCOPED( tree_local ) wisp_collision_mesh* tree = test_collision_mesh( &m, true );
     for ( int step = 0; step < 12; ++step )
     {
         crumple( &m, rest, step );
         assert_int_equal( wisp_collision_mesh_update( tree, NULL, m.points, NULL, NULL ), WISP_OK );
-        wisp_collision_mesh* fresh = test_collision_mesh( &m, true );
+        SCOPED( tree_local ) wisp_collision_mesh* fresh = test_collision_mesh( &m, true );
         for ( int i = 0; i < 400; ++i )
         {
             wisp_vec3 p = query_point( &m, i ), to = test_sum( p, test_point( i, 30, 1.0f ) );
@@ -292,22 +276,18 @@ TEST( refitted_trees_answer_like_new_ones )
             assert_memory_equal( &a, &b, sizeof( a ) );
             assert_memory_equal( &c, &d, sizeof( c ) );
         }
-        wisp_collision_mesh_release( fresh );
     }
     wisp_collision_mesh_stats info = wisp_collision_mesh_get_stats( tree );
     assert_int_equal( info.refit_count, 12 );
-    wisp_collision_mesh_release( tree );
-    free( rest );
-    test_mesh_free( &m );
 }
 
 TEST( a_wrong_point_is_refused_and_its_neighbours_stay )
 {
-    test_mesh m = test_mesh_sheet( 12, 0.1f );
-    float* xyzw = test_mesh_quads( &m );
-    wisp_collision_mesh* tree = test_collision_mesh( &m, true );
+    SCOPED( test_mesh_free ) test_mesh m = test_mesh_sheet( 12, 0.1f );
+    SCOPED( free_local ) float* xyzw = test_mesh_quads( &m );
+    SCOPED( tree_local ) wisp_collision_mesh* tree = test_collision_mesh( &m, true );
     const float bad[] = { NAN, INFINITY, -INFINITY, 2e9f };
-    wisp_vec3* points = checked_malloc( (size_t)m.point_count * sizeof( wisp_vec3 ) );
+    SCOPED( free_local ) wisp_vec3* points = checked_malloc( (size_t)m.point_count * sizeof( wisp_vec3 ) );
     for ( int k = 0; k < WISP_COUNT( bad ); ++k )
     {
         memcpy( points, m.points, (size_t)m.point_count * sizeof( wisp_vec3 ) );
@@ -322,21 +302,15 @@ TEST( a_wrong_point_is_refused_and_its_neighbours_stay )
             assert_closest( &m, xyzw, tree, query_point( &m, i ), INFINITY );
         }
     }
-    wisp_collision_mesh_release( tree );
-    free( points );
-    free( xyzw );
-    test_mesh_free( &m );
 }
 
 TEST( a_rigid_mesh_cannot_be_updated )
 {
-    test_mesh m = test_mesh_sheet( 2, 0.0f );
-    wisp_collision_mesh* tree = test_collision_mesh( &m, false );
+    SCOPED( test_mesh_free ) test_mesh m = test_mesh_sheet( 2, 0.0f );
+    SCOPED( tree_local ) wisp_collision_mesh* tree = test_collision_mesh( &m, false );
     wisp_error error = { 0 };
     assert_int_equal( wisp_collision_mesh_update( tree, NULL, m.points, NULL, &error ), WISP_CONFLICT );
     assert_one_message( error.message );
-    wisp_collision_mesh_release( tree );
-    test_mesh_free( &m );
 }
 
 // ---- triangles without area ----
@@ -346,8 +320,8 @@ TEST( triangles_without_area_are_found_and_never_crossed )
     static wisp_vec3 points[] = { { 0, 0, 0 }, { 2, 0, 0 }, { 1, 0, 0 }, { 5, 5, 5 } };
     static int32_t triangles[] = { 0, 2, 1, 3, 3, 3, 0, 0, 1 };
     test_mesh m = { 4, 3, points, triangles };
-    float* xyzw = test_mesh_quads( &m );
-    wisp_collision_mesh* tree = test_collision_mesh( &m, false );
+    SCOPED( free_local ) float* xyzw = test_mesh_quads( &m );
+    SCOPED( tree_local ) wisp_collision_mesh* tree = test_collision_mesh( &m, false );
     assert_int_equal( wisp_collision_mesh_get_stats( tree ).flat_triangle_count, 3 );
     for ( int i = 0; i < 500; ++i )
     {
@@ -359,8 +333,6 @@ TEST( triangles_without_area_are_found_and_never_crossed )
     wisp_mesh_nearest on = closest( tree, points[3], 0.1f );
     assert_int_equal( on.triangle, 1 );
     assert_float_equal( on.normal.y, 1.0f, 0.0f );
-    wisp_collision_mesh_release( tree );
-    free( xyzw );
 }
 
 // ---- threads ----
@@ -394,7 +366,7 @@ TEST( two_threads_get_the_answers_of_one )
     {
         COUNT = 4000
     };
-    test_mesh m = test_mesh_bumpy( 20 );
+    SCOPED( test_mesh_free ) test_mesh m = test_mesh_bumpy( 20 );
     query whole = { .mesh = &m, .tree = test_collision_mesh( &m, true ), .end = COUNT };
     whole.queries = calloc( COUNT, sizeof( wisp_mesh_query ) );
     whole.paths = calloc( COUNT, sizeof( wisp_mesh_path ) );
@@ -433,5 +405,4 @@ TEST( two_threads_get_the_answers_of_one )
     free( whole.paths );
     free( whole.nearest );
     free( whole.hits );
-    test_mesh_free( &m );
 }

@@ -7,26 +7,22 @@
 
 TEST( numbers_that_are_none_are_counted_and_answered_with_nothing )
 {
-    test_mesh m = test_mesh_ball( 4, false );
+    SCOPED( test_mesh_free ) test_mesh m = test_mesh_ball( 4, false );
     for ( int deforms = 0; deforms < 2; ++deforms )
     {
-        wisp_collision_mesh* tree = test_collision_mesh( &m, deforms == 1 );
+        SCOPED( tree_local ) wisp_collision_mesh* tree = test_collision_mesh( &m, deforms == 1 );
         assert_refuses_bad_numbers( tree );
-        wisp_collision_mesh_release( tree );
     }
-    test_mesh_free( &m );
 }
 
 TEST( the_ends_of_the_reach_are_answered )
 {
-    test_mesh m = test_mesh_ball( 4, false );
+    SCOPED( test_mesh_free ) test_mesh m = test_mesh_ball( 4, false );
     for ( int deforms = 0; deforms < 2; ++deforms )
     {
-        wisp_collision_mesh* tree = test_collision_mesh( &m, deforms == 1 );
+        SCOPED( tree_local ) wisp_collision_mesh* tree = test_collision_mesh( &m, deforms == 1 );
         assert_answers_the_ends_of_the_reach( tree );
-        wisp_collision_mesh_release( tree );
     }
-    test_mesh_free( &m );
 }
 
 TEST( a_wrong_mesh_is_refused_with_its_first_fault )
@@ -65,7 +61,7 @@ TEST( a_wrong_mesh_is_refused_with_its_first_fault )
 
 TEST( every_refused_block_is_a_message_and_leaves_nothing )
 {
-    test_mesh m = test_mesh_ball( 4, false );
+    SCOPED( test_mesh_free ) test_mesh m = test_mesh_ball( 4, false );
     for ( int deforms = 0; deforms < 2; ++deforms )
     {
         wisp_collision_mesh_def def = test_mesh_def( &m, deforms == 1 );
@@ -74,7 +70,6 @@ TEST( every_refused_block_is_a_message_and_leaves_nothing )
         const bool is_own = deforms == 1 || embree_tree_exists() == false;
         assert_true( is_own ? bytes[0] == bytes[1] : bytes[0] > bytes[1] ); // Embree has memory of its own
     }
-    test_mesh_free( &m );
 }
 
 TEST( a_limit_of_memory_is_kept_by_embree )
@@ -83,9 +78,9 @@ TEST( a_limit_of_memory_is_kept_by_embree )
     {
         skip();
     }
-    test_mesh m = test_mesh_bumpy( 40 );
+    SCOPED( test_mesh_free ) test_mesh m = test_mesh_bumpy( 40 );
     wisp_collision_mesh_def def = test_mesh_def( &m, false );
-    wisp_collision_mesh* tree;
+    SCOPED( tree_local ) wisp_collision_mesh* tree;
     wisp_error error = { 0 };
     def.memory_limit = 20000; // of about 50 bytes per triangle
     assert_int_equal( wisp_collision_mesh_create( &def, NULL, &tree, &error ), WISP_NO_MEMORY );
@@ -93,20 +88,16 @@ TEST( a_limit_of_memory_is_kept_by_embree )
     assert_one_message( error.message );
     def.memory_limit = (size_t)1 << 30;
     assert_int_equal( wisp_collision_mesh_create( &def, NULL, &tree, &error ), WISP_OK );
-    wisp_collision_mesh_release( tree );
-    test_mesh_free( &m );
 }
 
 TEST( denormal_numbers_keep_their_meaning_for_the_host )
 {
-    test_mesh m = test_mesh_ball( 4, false );
-    wisp_collision_mesh* tree = test_collision_mesh( &m, true );
+    SCOPED( test_mesh_free ) test_mesh m = test_mesh_ball( 4, false );
+    SCOPED( tree_local ) wisp_collision_mesh* tree = test_collision_mesh( &m, true );
     assert_int_equal( wisp_collision_mesh_update( tree, NULL, m.points, NULL, NULL ), WISP_OK );
     closest( tree, m.points[0], 1.0f );
     sweep( tree, m.points[0], m.points[1] );
     volatile float least = FLT_MIN;
     volatile float half = 0.5f * least; // zero where a library has changed the processor's mode
     assert_true( half > 0.0f );
-    wisp_collision_mesh_release( tree );
-    test_mesh_free( &m );
 }

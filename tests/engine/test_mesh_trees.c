@@ -53,7 +53,7 @@ static test_mesh make_degenerate( void )
 // A few triangles through the whole mesh among many small ones.
 static test_mesh make_mixed( void )
 {
-    test_mesh sheet = test_mesh_sheet( 30, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh sheet = test_mesh_sheet( 30, 0.1f );
     test_mesh m = test_mesh_reserve( sheet.point_count + 30, sheet.triangle_count + 10 );
     memcpy( m.points, sheet.points, (size_t)sheet.point_count * sizeof( wisp_vec3 ) );
     memcpy( m.triangles, sheet.triangles, 3 * (size_t)sheet.triangle_count * sizeof( int32_t ) );
@@ -67,7 +67,6 @@ static test_mesh make_mixed( void )
         }
         test_mesh_add_triangle( &m, m.point_count - 3, m.point_count - 2, m.point_count - 1 );
     }
-    test_mesh_free( &sheet );
     return m;
 }
 
@@ -197,8 +196,8 @@ TEST( answers_are_those_of_brute_force_by_both_trees_bit_for_bit )
 {
     for ( int which = 0; which < MESHES; ++which )
     {
-        test_mesh m = make_mesh( which );
-        float* xyzw = test_mesh_quads( &m );
+        SCOPED( test_mesh_free ) test_mesh m = make_mesh( which );
+        SCOPED( free_local ) float* xyzw = test_mesh_quads( &m );
         float size;
         centre_of( &m, &size );
         const float radii[] = { INFINITY, 0.1f * size, 1e-3f * size, 0.0f, 2.0f * size };
@@ -214,8 +213,6 @@ TEST( answers_are_those_of_brute_force_by_both_trees_bit_for_bit )
         assert_true( t.crossed > 10 || which == POINT_LIKE );
         wisp_collision_mesh_release( trees[0] );
         wisp_collision_mesh_release( trees[1] );
-        free( xyzw );
-        test_mesh_free( &m );
     }
 }
 
@@ -224,6 +221,7 @@ TEST( meshes_of_any_scale_are_answered_alike )
     const float scales[] = { 1e-6f, 1e-3f, 1e5f, 3e8f };
     for ( int k = 0; k < WISP_COUNT( scales ); ++k )
     {
+        SCOPED( test_mesh_free )
         test_mesh m = move_mesh( test_mesh_bumpy( 8 ), scales[k], ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
         wisp_collision_mesh* trees[2] = { test_collision_mesh( &m, false ), test_collision_mesh( &m, true ) };
         float* xyzw = test_mesh_quads( &m );
@@ -238,7 +236,6 @@ TEST( meshes_of_any_scale_are_answered_alike )
         free( xyzw );
         wisp_collision_mesh_release( trees[0] );
         wisp_collision_mesh_release( trees[1] );
-        test_mesh_free( &m );
     }
 }
 
@@ -246,7 +243,7 @@ TEST( meshes_of_any_scale_are_answered_alike )
 // longer tells which triangle comes first.
 TEST( paths_from_far_away_meet_a_small_mesh )
 {
-    test_mesh m = test_mesh_bumpy( 8 );
+    SCOPED( test_mesh_free ) test_mesh m = test_mesh_bumpy( 8 );
     wisp_collision_mesh* trees[2] = { test_collision_mesh( &m, false ), test_collision_mesh( &m, true ) };
     float* xyzw = test_mesh_quads( &m );
     tally t = { 0, 0 };
@@ -261,16 +258,15 @@ TEST( paths_from_far_away_meet_a_small_mesh )
     free( xyzw );
     wisp_collision_mesh_release( trees[0] );
     wisp_collision_mesh_release( trees[1] );
-    test_mesh_free( &m );
 }
 
 TEST( the_middle_of_a_ball_finds_the_lowest_of_what_is_equally_far )
 {
-    test_mesh m = test_mesh_ball( 16, false );
-    float* xyzw = test_mesh_quads( &m );
+    SCOPED( test_mesh_free ) test_mesh m = test_mesh_ball( 16, false );
+    SCOPED( free_local ) float* xyzw = test_mesh_quads( &m );
     for ( int deforms = 0; deforms < 2; ++deforms )
     {
-        wisp_collision_mesh* tree = test_collision_mesh( &m, deforms == 1 );
+        SCOPED( tree_local ) wisp_collision_mesh* tree = test_collision_mesh( &m, deforms == 1 );
         for ( int i = 0; i < 200; ++i )
         {
             wisp_vec3 p = test_point( i, 3, i < 100 ? 1e-3f : 0.5f );
@@ -278,10 +274,7 @@ TEST( the_middle_of_a_ball_finds_the_lowest_of_what_is_equally_far )
             assert_closest_is_naive( &m, xyzw, tree, p, 0.9f );
         }
         assert_closest_is_naive( &m, xyzw, tree, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, INFINITY );
-        wisp_collision_mesh_release( tree );
     }
-    free( xyzw );
-    test_mesh_free( &m );
 }
 
 TEST( few_triangles_are_looked_at_near_the_surface )
@@ -289,7 +282,7 @@ TEST( few_triangles_are_looked_at_near_the_surface )
     test_mesh m = test_mesh_ball( 40, false ); // 19 200 triangles
     for ( int deforms = 0; deforms < 2; ++deforms )
     {
-        wisp_collision_mesh* tree = test_collision_mesh( &m, deforms == 1 );
+        SCOPED( tree_local ) wisp_collision_mesh* tree = test_collision_mesh( &m, deforms == 1 );
         wisp_collision_mesh_query_stats work = { 0 };
         for ( int i = 0; i < 1000; ++i )
         {
@@ -304,7 +297,6 @@ TEST( few_triangles_are_looked_at_near_the_surface )
         assert_true( work.tested < 40 * work.queried );
         assert_int_equal( work.queried, 2000 );
         assert_int_equal( work.refused, 0 );
-        wisp_collision_mesh_release( tree );
     }
     test_mesh_free( &m );
 }

@@ -15,12 +15,11 @@ static const fake_pass LONE[] = { { "a", SHAPE, GROUP, .required = "N", .writes 
 
 TEST( an_empty_world_has_no_pass )
 {
-    wisp_world* world = OPEN_WORLD( LONE );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( LONE );
     assert_int_equal( wisp_world_plan_passes( world ), 0 );
     step( world );
     assert_string_equal( trace_text(), "" );
     assert_int_equal( wisp_world_profile( world ).count, 0 );
-    wisp_world_destroy( world );
 }
 
 TEST( a_pass_that_has_what_it_needs_and_is_requested_exists )
@@ -30,18 +29,16 @@ TEST( a_pass_that_has_what_it_needs_and_is_requested_exists )
 
 TEST( a_pass_whose_writes_nobody_requests_is_absent )
 {
-    wisp_world* world = OPEN_WORLD( LONE );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( LONE );
     add_with( world, "NA" );
     assert_string_equal( plan_text( world ), "" );
-    wisp_world_destroy( world );
 }
 
 TEST( a_pass_without_what_it_needs_is_absent )
 {
-    wisp_world* world = OPEN_WORLD( LONE );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( LONE );
     request( world, add_with( world, "A" ), "A" ); // the user's own rows satisfy the request
     assert_string_equal( plan_text( world ), "" );
-    wisp_world_destroy( world );
 }
 
 TEST( a_request_is_no_component_that_a_pass_could_need )
@@ -50,11 +47,10 @@ TEST( a_request_is_no_component_that_a_pass_could_need )
         { "a", SHAPE, GROUP, .writes = "A" },
         { "b", SHAPE, GROUP, .required = "A", .writes = "B" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( passes );
     wisp_entity e = add_with( world, "B" );
     request( world, e, "AB" );
     assert_string_equal( plan_text( world ), "[after] a" );
-    wisp_world_destroy( world );
 }
 
 static const fake_pass CHAIN[] = {
@@ -89,18 +85,17 @@ TEST( demand_grows_to_a_fixed_point_in_any_order_of_declaration )
 
 TEST( each_entity_gets_only_what_it_requests )
 {
-    wisp_world* world = OPEN_WORLD( CHAIN );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( CHAIN );
     add_with( world, "" );
     request( world, add_with( world, "" ), "A" );
     request( world, add_with( world, "" ), "B" );
     step( world );
     assert_string_equal( trace_text(), "a2.0 a2.1 a2.2 a3.0 b3.0 a3.1 b3.1 a3.2 b3.2" );
-    wisp_world_destroy( world );
 }
 
 TEST( a_removed_entity_takes_its_requests_along )
 {
-    wisp_world* world = OPEN_WORLD( LONE );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( LONE );
     wisp_entity e = add_with( world, "N" );
     request( world, e, "A" );
     assert_string_equal( plan_text( world ), "[after] a" );
@@ -108,7 +103,6 @@ TEST( a_removed_entity_takes_its_requests_along )
     assert_string_equal( plan_text( world ), "" );
     add_with( world, "N" ); // in the same slot
     assert_string_equal( plan_text( world ), "" );
-    wisp_world_destroy( world );
 }
 
 // ---- rejected plans ----
@@ -131,11 +125,10 @@ TEST( a_read_that_nobody_supplies_names_pass_component_and_entity )
 {
     static const fake_pass passes[] = { { "reader", SHAPE, GROUP, .reads = "M", .writes = "B" } };
     static const char* const words[] = { "'reader'", "'fake.M'", "entity 2" };
-    wisp_world* world = OPEN_WORLD( passes );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( passes );
     request( world, add_with( world, "M" ), "B" );
     request( world, add_with( world, "" ), "B" );
     assert_refused( world, words, WISP_COUNT( words ) );
-    wisp_world_destroy( world );
 }
 
 TEST( a_pass_that_another_entity_keeps_alive_supplies_nothing_here )
@@ -145,29 +138,26 @@ TEST( a_pass_that_another_entity_keeps_alive_supplies_nothing_here )
         { "reader", SHAPE, GROUP, .reads = "M", .writes = "B" },
     };
     static const char* const words[] = { "'reader'", "'fake.M'", "entity 1" };
-    wisp_world* world = OPEN_WORLD( passes );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( passes );
     request( world, add_with( world, "" ), "B" );
     request( world, add_with( world, "N" ), "B" );
     assert_refused( world, words, WISP_COUNT( words ) );
-    wisp_world_destroy( world );
 }
 
 TEST( a_requested_component_that_no_pass_writes_is_refused )
 {
     static const char* const words[] = { "'fake.C'", "entity 1" };
-    wisp_world* world = OPEN_WORLD( LONE );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( LONE );
     request( world, add_with( world, "N" ), "C" );
     assert_refused( world, words, WISP_COUNT( words ) );
-    wisp_world_destroy( world );
 }
 
 TEST( a_requested_component_whose_writer_lacks_its_needs_is_refused )
 {
     static const char* const words[] = { "'fake.A'", "entity 1" };
-    wisp_world* world = OPEN_WORLD( LONE );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( LONE );
     request( world, add_with( world, "" ), "A" );
     assert_refused( world, words, WISP_COUNT( words ) );
-    wisp_world_destroy( world );
 }
 
 TEST( passes_of_a_stage_that_wait_for_each_other_are_refused )
@@ -178,10 +168,9 @@ TEST( passes_of_a_stage_that_wait_for_each_other_are_refused )
         { "c", SHAPE, GROUP, .reads = "B", .writes = "C" },
     };
     static const char* const words[] = { "cycle", "'a'" };
-    wisp_world* world = OPEN_WORLD( passes );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( passes );
     request( world, add_with( world, "" ), "A" );
     assert_refused( world, words, WISP_COUNT( words ) );
-    wisp_world_destroy( world );
 }
 
 TEST( a_circle_through_two_stages_is_last_steps_data )
@@ -195,14 +184,13 @@ TEST( a_circle_through_two_stages_is_last_steps_data )
 
 TEST( a_refused_world_steps_again_once_the_request_is_gone )
 {
-    wisp_world* world = OPEN_WORLD( LONE );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( LONE );
     wisp_entity e = add_with( world, "N" );
     request( world, e, "AC" );
     assert_string_equal( plan_text( world ), "refused" );
     cancel_request( world, e, "C" );
     step( world );
     assert_string_equal( plan_text( world ), "[after] a" );
-    wisp_world_destroy( world );
 }
 
 // ---- order ----
@@ -266,7 +254,7 @@ static uint64_t plans_of_a_step( wisp_world* world )
 
 TEST( a_plan_is_compiled_again_when_the_structure_changed_and_only_then )
 {
-    wisp_world* world = OPEN_WORLD( LONE );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( LONE );
     wisp_entity e = add_with( world, "N" );
     request( world, e, "A" );
     assert_int_equal( plans_of_a_step( world ), 1 );
@@ -289,7 +277,6 @@ TEST( a_plan_is_compiled_again_when_the_structure_changed_and_only_then )
     assert_int_equal( plans_of_a_step( world ), 1 );
     cancel_request( world, e, "A" );
     assert_int_equal( plans_of_a_step( world ), 1 );
-    wisp_world_destroy( world );
 }
 
 TEST( taking_back_a_request_that_nobody_had_compiles_nothing )
@@ -344,7 +331,7 @@ TEST( equal_plans_hash_equal_and_others_differ )
 
 TEST( a_plan_hashes_as_before_when_a_request_came_and_went )
 {
-    wisp_world* world = OPEN_WORLD( CHAIN );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( CHAIN );
     wisp_entity e = add_with( world, "" );
     request( world, e, "B" );
     assert_int_equal( wisp_world_plan_passes( world ), 2 );
@@ -354,7 +341,6 @@ TEST( a_plan_hashes_as_before_when_a_request_came_and_went )
     cancel_request( world, e, "D" );
     assert_int_equal( wisp_world_plan_passes( world ), 2 );
     assert_int_equal( world->plan.hash, hash );
-    wisp_world_destroy( world );
 }
 
 typedef struct printed
@@ -396,7 +382,7 @@ TEST( a_printed_plan_says_why_a_pass_is_there_and_what_another_lacks )
         { "needy", SHAPE, GROUP, .required = "NM", .writes = "C" },
         { "idle", SHAPE, GROUP, .required = "N", .writes = "D" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( passes );
     request( world, add_with( world, "N" ), "B" );
     printed p = { 0 };
     assert_int_equal( wisp_world_plan( world, keep_line, &p ), WISP_OK );
@@ -413,27 +399,24 @@ TEST( a_printed_plan_says_why_a_pass_is_there_and_what_another_lacks )
     assert_printed( &p, "after", "show", "fake.B requested by the scene" );
     assert_printed( &p, "absent", "needy", "needs component fake.M, which no entity has" );
     assert_printed( &p, "absent", "idle", "neither requested nor read: component fake.D" );
-    wisp_world_destroy( world );
 }
 
 TEST( a_plan_without_a_loop_says_so )
 {
-    wisp_world* world = OPEN_WORLD( LONE );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( LONE );
     printed p = { 0 };
     assert_int_equal( wisp_world_plan( world, keep_line, &p ), WISP_OK );
     assert_non_null( strstr( p.lines[0], "0 passes" ) );
     assert_non_null( strstr( p.lines[0], "no substep loop" ) );
-    wisp_world_destroy( world );
 }
 
 TEST( a_refused_plan_prints_nothing )
 {
-    wisp_world* world = OPEN_WORLD( LONE );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( LONE );
     request( world, add_with( world, "" ), "A" );
     printed p = { 0 };
     assert_int_equal( wisp_world_plan( world, keep_line, &p ), WISP_CONFLICT );
     assert_int_equal( p.count, 0 );
-    wisp_world_destroy( world );
 }
 
 // ---- passes that exclude components ----
@@ -449,13 +432,12 @@ TEST( a_pass_exists_for_what_lacks_the_component )
 
 TEST( a_pass_is_absent_for_what_has_the_component )
 {
-    wisp_world* world = OPEN_WORLD( SHY );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( SHY );
     wisp_entity e = add_with( world, "NLA" );
     request( world, e, "A" );
     assert_string_equal( plan_text( world ), "" );
     step( world );
     assert_string_equal( trace_text(), "" );
-    wisp_world_destroy( world );
 }
 
 TEST( each_entity_of_a_mixed_world_is_queried_for_itself )
@@ -465,7 +447,7 @@ TEST( each_entity_of_a_mixed_world_is_queried_for_itself )
         { "b", SHAPE, GROUP, .required = "NL", .writes = "A" },
         { "c", SHAPE, GROUP, .required = "N", .excluded = "LM", .writes = "A" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( passes );
     static const char* const KINDS[] = { "N", "NL", "NM", "NLM", "N" };
     for ( int i = 0; i < WISP_COUNT( KINDS ); ++i )
     {
@@ -474,12 +456,11 @@ TEST( each_entity_of_a_mixed_world_is_queried_for_itself )
     step( world );
     assert_string_equal( trace_text(), "a1.0 c1.0 a1.1 c1.1 a1.2 c1.2 b2.0 b2.1 b2.2 a3.0 a3.1 a3.2 b4.0 b4.1 b4.2 "
                                        "a5.0 c5.0 a5.1 c5.1 a5.2 c5.2" );
-    wisp_world_destroy( world );
 }
 
 TEST( a_pass_comes_and_goes_with_the_component )
 {
-    wisp_world* world = OPEN_WORLD( SHY );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( SHY );
     wisp_entity e = add_with( world, "NA" );
     request( world, e, "A" );
     assert_int_equal( wisp_world_plan_passes( world ), 1 );
@@ -487,7 +468,6 @@ TEST( a_pass_comes_and_goes_with_the_component )
     assert_int_equal( wisp_world_plan_passes( world ), 0 );
     assert_int_equal( wisp_world_detach( world, e, letter( 'L' ) ), WISP_OK );
     assert_int_equal( wisp_world_plan_passes( world ), 1 );
-    wisp_world_destroy( world );
 }
 
 TEST( a_request_for_the_component_keeps_nobody_out )
@@ -505,13 +485,12 @@ TEST( what_a_pass_kept_out_would_have_written_is_missed_by_its_reader )
         { "shy", SHAPE, GROUP, .excluded = "L", .writes = "A" },
         { "reader", SHAPE, GROUP, .reads = "A", .writes = "B" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( passes );
     request( world, add_with( world, "" ), "B" );
     assert_string_equal( plan_text( world ), "[after] shy+reader" );
     request( world, add_with( world, "L" ), "B" );
     assert_string_equal( plan_text( world ), "refused" );
     assert_non_null( strstr( wisp_world_message( world ), "fake.A" ) );
-    wisp_world_destroy( world );
 }
 
 // ---- print ----
@@ -546,7 +525,7 @@ static void assert_line( wisp_world* world, const char* pass, const char* word, 
 
 TEST( a_printed_plan_says_what_keeps_a_pass_away )
 {
-    wisp_world* world = OPEN_WORLD( SHY );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( SHY );
     assert_line( world, "shy", "absent", "needs component fake.N, which no entity has" );
     wisp_entity kept_out = add_with( world, "NL" );
     assert_line( world, "shy", "absent", "excluded by component fake.L" );
@@ -560,7 +539,6 @@ TEST( a_printed_plan_says_what_keeps_a_pass_away )
     assert_line( world, "shy", "wave", "fake.A requested by the scene" );
     assert_int_equal( wisp_remove( world, free ), WISP_OK );
     assert_line( world, "shy", "absent", "excluded by component fake.L" );
-    wisp_world_destroy( world );
 }
 
 // ---- surfaces with an external solver ----
@@ -596,7 +574,7 @@ static const char* const MOVERS[] = { "particles.gravity", "particles.targets", 
 
 TEST( a_solved_surface_is_moved_by_no_pass_of_the_engine )
 {
-    wisp_world* world = OPEN_WORLD( SHY );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( SHY );
     wisp_entity e = add_surface( world );
     for ( int i = 0; i < WISP_COUNT( MOVERS ); ++i )
     {
@@ -612,12 +590,11 @@ TEST( a_solved_surface_is_moved_by_no_pass_of_the_engine )
     assert_int_equal( wisp_world_view( world, e, WISP_SURFACE_POINTS, &view ), WISP_OK );
     const wisp_vec3* points = view.data;
     assert_true( points[0].x == 0.0f && points[1].y == 0.0f && points[2].y == 0.0f );
-    wisp_world_destroy( world );
 }
 
 TEST( a_surface_beside_a_solved_one_goes_on_falling )
 {
-    wisp_world* world = OPEN_WORLD( SHY );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( SHY );
     wisp_entity solved = add_surface( world ), other = add_surface( world );
     assert_int_equal( wisp_world_attach( world, solved, WISP_PARTICLE_EXTERNAL_SOLVER ), WISP_OK );
     step( world );
@@ -627,12 +604,11 @@ TEST( a_surface_beside_a_solved_one_goes_on_falling )
     assert_int_equal( wisp_world_view( world, other, WISP_SURFACE_POINTS, &view ), WISP_OK );
     assert_true( ( (const wisp_vec3*)view.data )[1].y < -1e-4f );
     assert_true( ( (const wisp_vec3*)view.data )[0].x == 0.5f );
-    wisp_world_destroy( world );
 }
 
 TEST( strain_limits_of_a_solved_surface_are_refused )
 {
-    wisp_world* world = OPEN_WORLD( SHY );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( SHY );
     wisp_entity e = add_surface( world );
     assert_int_equal( wisp_world_attach( world, e, WISP_PARTICLE_EXTERNAL_SOLVER ), WISP_OK );
     uint64_t before = wisp_world_hash( world );
@@ -642,5 +618,4 @@ TEST( strain_limits_of_a_solved_surface_are_refused )
     assert_int_equal( wisp_set_strain_limit( world, e, 0.0f, INFINITY ), WISP_OK ); // there is none to remove
     assert_int_equal( wisp_world_detach( world, e, WISP_PARTICLE_EXTERNAL_SOLVER ), WISP_OK );
     assert_int_equal( wisp_set_strain_limit( world, e, 0.9f, 1.1f ), WISP_OK );
-    wisp_world_destroy( world );
 }

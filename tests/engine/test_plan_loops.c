@@ -60,12 +60,11 @@ TEST( a_pass_moves_into_the_first_wave_behind_its_conflicts )
 
 TEST( local_passes_over_the_same_groups_are_fused )
 {
-    wisp_world* world = OPEN_WORLD( CHAIN );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( CHAIN );
     request( world, add_with( world, "" ), "C" );
     assert_string_equal( plan_text( world ), "[after] a+b+c" );
     step( world );
     assert_string_equal( trace_text(), "a1.0 b1.0 c1.0 a1.1 b1.1 c1.1 a1.2 b1.2 c1.2" );
-    wisp_world_destroy( world );
 }
 
 TEST( an_entity_pass_in_between_keeps_local_passes_apart )
@@ -128,11 +127,10 @@ TEST( groups_run_their_substeps_item_by_item_behind_the_other_loops )
         { "project", WISP_STAGE_PROJECT, GROUP, .reads = "A", .writes = "A" },
         { "shape", WISP_STAGE_SHAPE, GROUP, .reads = "A", .writes = "B" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( passes );
     request( world, add_with( world, "CD" ), "BC" );
     assert_string_equal( plan_text( world ),
                          "[substep] particles [item loop] predict+project+velocity [after] shape" );
-    wisp_world_destroy( world );
 }
 
 TEST( groups_stay_in_the_substep_loop_if_another_pass_there_reads_what_they_write )
@@ -173,10 +171,9 @@ TEST( a_node_takes_only_so_many_passes )
         passes[i] = ( fake_pass ){ names[i], SHAPE, GROUP, .reads = "A", .writes = "A" };
         strcat( strcat( expected, i == 0 ? "" : i < PLAN_MAX_FUSED ? "+" : " " ), names[i] );
     }
-    wisp_world* world = OPEN_WORLD( passes );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( passes );
     request( world, add_with( world, "A" ), "A" );
     assert_string_equal( plan_text( world ), expected );
-    wisp_world_destroy( world );
 }
 
 // ---- loops ----
@@ -218,15 +215,14 @@ static const fake_pass LOOP[] = {
 
 TEST( small_entities_run_one_after_another )
 {
-    wisp_world* world = OPEN_STEPS( LOOP, 1 );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_STEPS( LOOP, 1 );
     add_pair( world );
     assert_string_equal( trace_of_step( world ), "a1 b1 c1 a1 b1 c1 a2 b2 c2 a2 b2 c2" );
-    wisp_world_destroy( world );
 }
 
 TEST( iterations_run_inside_a_substep )
 {
-    wisp_world* world = OPEN_STEPS( LOOP, 2 );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_STEPS( LOOP, 2 );
     add_pair( world );
     step( world );
     static const struct
@@ -241,13 +237,12 @@ TEST( iterations_run_inside_a_substep )
         assert_int_equal( fake.runs[i].span.substep, expected[i].substep );
         assert_int_equal( fake.runs[i].span.iteration, expected[i].iteration );
     }
-    wisp_world_destroy( world );
 }
 
 // With two substeps of the world, 3 are rounded up to 4.
 TEST( an_entity_has_the_substeps_that_it_asks_for )
 {
-    wisp_world* world = OPEN_STEPS( LOOP, 1 );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_STEPS( LOOP, 1 );
     wisp_entity pair[2];
     for ( int i = 0; i < 2; ++i )
     {
@@ -261,7 +256,6 @@ TEST( an_entity_has_the_substeps_that_it_asks_for )
     assert_int_equal( wisp_set_substeps( world, pair[1], -1 ), WISP_BAD_INPUT );
     assert_non_null( strstr( wisp_world_message( world ), "substeps: got -1, expected 0 to 1000000" ) );
     assert_int_equal( wisp_set_substeps( world, ( wisp_entity ){ 9, 9 }, 1 ), WISP_STALE_ID );
-    wisp_world_destroy( world );
 }
 
 // Waves of the one, then those of the other: iterations keep a single entity without a loop of its own in waves.
@@ -271,7 +265,7 @@ TEST( waves_of_entities_with_other_substeps_run_one_after_another )
         { "a", PREDICT, ENTITY, .required = "A", .reads = "A", .writes = "A", .asks = true },
         { "c", VELOCITY, ENTITY, .required = "A", .reads = "A", .writes = "C" },
     };
-    wisp_world* world = OPEN_STEPS( passes, 1 );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_STEPS( passes, 1 );
     const wisp_entity fine = add_with( world, "A" ), coarse = add_with( world, "A" );
     request( world, fine, "C" );
     request( world, coarse, "C" );
@@ -283,7 +277,6 @@ TEST( waves_of_entities_with_other_substeps_run_one_after_another )
     assert_int_equal( info->passes[0].runs, 4 );
     assert_int_equal( info->passes[0].fewest_runs, 2 );
     wisp_plan_info_release( info );
-    wisp_world_destroy( world );
 }
 
 // They follow surfaces from substep to substep.
@@ -295,11 +288,10 @@ TEST( a_follower_in_the_substep_loop_keeps_all_in_waves )
           .grain = 2 },
         { "c", VELOCITY, ENTITY, .required = "A", .reads = "A", .writes = "C" },
     };
-    wisp_world* world = OPEN_STEPS( passes, 1 );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_STEPS( passes, 1 );
     add_pair( world );
     assert_string_equal( trace_of_step( world ), "whole1 whole2 part1.0-2 part1.2 part2.0-2 part2.2 c1 c2 "
                                                  "whole1 whole2 part1.0-2 part1.2 part2.0-2 part2.2 c1 c2" );
-    wisp_world_destroy( world );
 }
 
 TEST( a_pass_over_several_entities_keeps_those_it_touches_together )
@@ -310,7 +302,7 @@ TEST( a_pass_over_several_entities_keeps_those_it_touches_together )
         { "c", VELOCITY, ENTITY, .required = "A", .reads = "A", .writes = "C" },
         { "e", VELOCITY, ENTITY, .required = "E", .reads = "E", .writes = "F" },
     };
-    wisp_world* world = OPEN_STEPS( passes, 1 );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_STEPS( passes, 1 );
     add_pair( world );
     request( world, add_with( world, "M" ), "D" );
     request( world, add_with( world, "E" ), "F" );
@@ -320,7 +312,6 @@ TEST( a_pass_over_several_entities_keeps_those_it_touches_together )
     assert_int_equal( wisp_set_substeps( world, ( wisp_entity ){ 1, 1 }, 4 ), WISP_OK );
     assert_string_equal( trace_of_step( world ), "a1 a2 meet3 c1 c2 a1 a2 meet3 c1 c2 a1 a2 meet3 c1 c2 "
                                                  "a1 a2 meet3 c1 c2 e4 e4 e5 e5" );
-    wisp_world_destroy( world );
 }
 
 // Entities without the component are left alone: they keep their loops and their substeps.
@@ -332,7 +323,7 @@ TEST( a_pass_keeps_together_only_those_among_which_it_works )
           .among = 'P' },
         { "c", VELOCITY, ENTITY, .required = "A", .reads = "A", .writes = "C" },
     };
-    wisp_world* world = OPEN_STEPS( passes, 1 );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_STEPS( passes, 1 );
     const wisp_entity guest = add_with( world, "AP" );
     request( world, guest, "C" );
     add_pair( world );
@@ -340,7 +331,6 @@ TEST( a_pass_keeps_together_only_those_among_which_it_works )
     assert_int_equal( wisp_set_substeps( world, guest, 4 ), WISP_OK );
     assert_string_equal( trace_of_step( world ), "a1 meet4 c1 a1 meet4 c1 a1 meet4 c1 a1 meet4 c1 "
                                                  "a2 c2 a2 c2 a3 c3 a3 c3" );
-    wisp_world_destroy( world );
 }
 
 TEST( a_pass_that_is_asked_in_every_substep_keeps_its_entities_together )
@@ -349,10 +339,9 @@ TEST( a_pass_that_is_asked_in_every_substep_keeps_its_entities_together )
         { "a", PREDICT, ENTITY, .required = "A", .reads = "A", .writes = "A", .asks = true },
         { "c", VELOCITY, ENTITY, .required = "A", .reads = "A", .writes = "C" },
     };
-    wisp_world* world = OPEN_STEPS( passes, 1 );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_STEPS( passes, 1 );
     add_pair( world );
     assert_string_equal( trace_of_step( world ), "a1 a2 c1 c2 a1 a2 c1 c2" );
-    wisp_world_destroy( world );
 }
 
 TEST( what_watches_a_loop_runs_behind_it )
@@ -361,17 +350,16 @@ TEST( what_watches_a_loop_runs_behind_it )
         { "a", PREDICT, ENTITY, .required = "A", .reads = "A", .writes = "B" },
         { "watch", WISP_STAGE_OBSERVE, ENTITY, .reads = "B", .writes = "C", .on_change = 'B' },
     };
-    wisp_world* world = OPEN_STEPS( passes, 1 );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_STEPS( passes, 1 );
     add_pair( world );
     const char* expected = "a1 a1 a2 a2 watch1 watch2";
     assert_string_equal( trace_of_step( world ), expected );
     assert_string_equal( trace_of_step( world ), expected );
-    wisp_world_destroy( world );
 }
 
 TEST( a_profile_counts_all_items )
 {
-    wisp_world* world = OPEN_STEPS( LOOP, 3 );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_STEPS( LOOP, 3 );
     add_pair( world );
     step( world );
     const wisp_profile profile = wisp_world_profile( world );
@@ -381,7 +369,6 @@ TEST( a_profile_counts_all_items )
         const bool iterated = strcmp( profile.lines[i].pass, "b" ) == 0;
         assert_int_equal( profile.lines[i].items, 2 * 2 * ( iterated ? 3 : 1 ) );
     }
-    wisp_world_destroy( world );
 }
 
 // ---- passes that touch other entities ----
@@ -395,13 +382,12 @@ static const fake_pass ACROSS[] = {
 
 TEST( it_runs_between_those_before_and_those_behind_it )
 {
-    wisp_world* world = OPEN_WORLD( ACROSS );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( ACROSS );
     request( world, add_with( world, "N" ), "C" );
     request( world, add_with( world, "M" ), "B" );
     assert_string_equal( plan_text( world ), "[after] first meet last" );
     step( world );
     assert_string_equal( trace_text(), "first1.0-3 meet2 last1.0-3" );
-    wisp_world_destroy( world );
 }
 
 TEST( without_it_the_same_passes_share_waves )
@@ -411,20 +397,18 @@ TEST( without_it_the_same_passes_share_waves )
         { "meet", SHAPE, ENTITY, .required = "M", .writes = "B" },
         { "last", SHAPE, GROUP, .required = "N", .reads = "A", .writes = "C" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( passes );
     request( world, add_with( world, "N" ), "C" );
     request( world, add_with( world, "M" ), "B" );
     assert_string_equal( plan_text( world ), "[after] first+last,meet" );
-    wisp_world_destroy( world );
 }
 
 TEST( it_makes_no_pass_of_another_entity_exist )
 {
-    wisp_world* world = OPEN_WORLD( ACROSS );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( ACROSS );
     add_with( world, "N" ); // nothing requests a component of it
     request( world, add_with( world, "M" ), "B" );
     assert_string_equal( plan_text( world ), "[after] meet" );
-    wisp_world_destroy( world );
 }
 
 TEST( it_supplies_nothing )
@@ -433,11 +417,10 @@ TEST( it_supplies_nothing )
         { "meet", SHAPE, ENTITY, .required = "M", .writes = "B", .foreign = "A" },
         { "last", SHAPE, GROUP, .required = "N", .reads = "A", .writes = "C" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( passes );
     request( world, add_with( world, "M" ), "B" );
     request( world, add_with( world, "N" ), "C" );
     assert_string_equal( plan_text( world ), "refused" );
-    wisp_world_destroy( world );
 }
 
 TEST( two_of_them_never_share_a_wave )
@@ -455,10 +438,9 @@ TEST( groups_that_it_touches_stay_in_the_substep_loop )
         { "move", FORCE, GROUP, .required = "N", .reads = "A", .writes = "A" },
         { "meet", WISP_STAGE_CONTACT, ENTITY, .required = "M", .writes = "B", .foreign = "A" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( passes );
     request( world, add_with( world, "NA" ), "A" );
     assert_string_equal( plan_text( world ), "[item loop] move" );
     request( world, add_with( world, "M" ), "B" );
     assert_string_equal( plan_text( world ), "[substep] move meet" );
-    wisp_world_destroy( world );
 }

@@ -15,11 +15,10 @@ TEST( a_fused_node_runs_its_passes_item_by_item )
         { "a", SHAPE, GROUP, .writes = "A" },
         { "b", SHAPE, GROUP, .reads = "A", .writes = "B" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( passes );
     request( world, add_with( world, "" ), "B" );
     step( world );
     assert_string_equal( trace_text(), "a1.0 b1.0 a1.1 b1.1 a1.2 b1.2" );
-    wisp_world_destroy( world );
 }
 
 TEST( a_lone_pass_runs_over_blocks_of_its_grain )
@@ -32,25 +31,23 @@ TEST( a_lone_pass_runs_over_blocks_of_its_grain )
     for ( int i = 0; i < WISP_COUNT( cuts ); ++i )
     {
         const fake_pass passes[] = { { "a", SHAPE, GROUP, .writes = "A", .grain = cuts[i].grain } };
-        wisp_world* world = OPEN_WORLD( passes );
+        SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( passes );
         request( world, add_with( world, "" ), "A" );
         step( world );
         assert_string_equal( trace_text(), cuts[i].trace );
-        wisp_world_destroy( world );
     }
 }
 
 TEST( an_entity_pass_runs_once_an_entity )
 {
     static const fake_pass passes[] = { { "a", SHAPE, ENTITY, .writes = "A" } };
-    wisp_world* world = OPEN_WORLD( passes );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( passes );
     for ( int i = 0; i < 3; ++i )
     {
         request( world, add_with( world, "" ), "A" );
     }
     step( world );
     assert_string_equal( trace_text(), "a1 a2 a3" );
-    wisp_world_destroy( world );
 }
 
 TEST( an_entity_without_strands_has_no_group_to_run_over )
@@ -59,12 +56,11 @@ TEST( an_entity_without_strands_has_no_group_to_run_over )
         { "a", SHAPE, GROUP, .writes = "A" },
         { "b", SHAPE, ENTITY, .reads = "A", .writes = "B" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( passes );
     request( world, test_add_strands( world, 0, 0 ), "B" );
     request( world, test_add_strands( world, 5, 0 ), "B" );
     step( world );
     assert_string_equal( trace_text(), "b1 b2" );
-    wisp_world_destroy( world );
 }
 
 // ---- loops ----
@@ -89,12 +85,11 @@ static wisp_world* open_looping( const fake_pass* passes, int count, int substep
 
 TEST( loops_run_substeps_times_iterations )
 {
-    wisp_world* world = open_looping( LOOPS, WISP_COUNT( LOOPS ), 2, 3 );
+    SCOPED( destroy_local ) wisp_world* world = open_looping( LOOPS, WISP_COUNT( LOOPS ), 2, 3 );
     request( world, add_with( world, "FP" ), "B" );
     step( world );
     assert_string_equal( trace_text(), "input1 force1 project1 project1 project1 velocity1 "
                                        "force1 project1 project1 project1 velocity1 observe1" );
-    wisp_world_destroy( world );
 }
 
 TEST( a_loop_without_a_pass_vanishes )
@@ -103,14 +98,13 @@ TEST( a_loop_without_a_pass_vanishes )
         { "input", WISP_STAGE_INPUT, ENTITY, .writes = "A" },
         { "observe", WISP_STAGE_OBSERVE, ENTITY, .reads = "A", .writes = "B" },
     };
-    wisp_world* world = open_looping( still, WISP_COUNT( still ), 50, 50 );
+    SCOPED( destroy_local ) wisp_world* world = open_looping( still, WISP_COUNT( still ), 50, 50 );
     request( world, add_with( world, "" ), "B" );
     step( world );
     assert_string_equal( trace_text(), "input1 observe1" );
     assert_int_equal( world->plan.wave_count[PLAN_SUBSTEP], 0 );
     assert_int_equal( world->plan.wave_count[PLAN_ITERATION], 0 );
     assert_int_equal( world->plan.wave_count[PLAN_AFTER_ITERATION], 0 );
-    wisp_world_destroy( world );
 }
 
 TEST( each_loop_runs_also_where_the_others_are_empty )
@@ -127,11 +121,10 @@ TEST( each_loop_runs_also_where_the_others_are_empty )
     for ( int i = 0; i < WISP_COUNT( lone ); ++i )
     {
         const fake_pass passes[] = { { "lone", lone[i].stage, ENTITY, .writes = "A" } };
-        wisp_world* world = open_looping( passes, WISP_COUNT( passes ), 4, 5 );
+        SCOPED( destroy_local ) wisp_world* world = open_looping( passes, WISP_COUNT( passes ), 4, 5 );
         request( world, add_with( world, "" ), "A" );
         step( world );
         assert_int_equal( runs_of( "lone" ), lone[i].runs );
-        wisp_world_destroy( world );
     }
 }
 
@@ -143,7 +136,7 @@ static const fake_pass WATCHING[] = {
 
 TEST( a_pass_on_change_runs_first_and_then_only_when_rows_were_written )
 {
-    wisp_world* world = OPEN_WORLD( WATCHING );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( WATCHING );
     wisp_entity e = add_with( world, "NM" );
     request( world, e, "A" );
     step( world );
@@ -157,12 +150,11 @@ TEST( a_pass_on_change_runs_first_and_then_only_when_rows_were_written )
     wisp_world_column( world, e, letter( 'M' ), 0 );
     step( world );
     assert_string_equal( trace_text(), "" );
-    wisp_world_destroy( world );
 }
 
 TEST( a_change_of_one_entity_wakes_no_other )
 {
-    wisp_world* world = OPEN_WORLD( WATCHING );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( WATCHING );
     wisp_entity first = add_with( world, "N" ), second = add_with( world, "N" );
     request( world, first, "A" );
     request( world, second, "A" );
@@ -171,12 +163,11 @@ TEST( a_change_of_one_entity_wakes_no_other )
     wisp_world_column( world, second, letter( 'N' ), 0 );
     step( world );
     assert_string_equal( trace_text(), "watch2" );
-    wisp_world_destroy( world );
 }
 
 TEST( a_new_entity_in_a_reused_slot_is_a_change )
 {
-    wisp_world* world = OPEN_WORLD( WATCHING );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( WATCHING );
     wisp_entity e = add_with( world, "N" );
     request( world, e, "A" );
     step( world );
@@ -186,13 +177,12 @@ TEST( a_new_entity_in_a_reused_slot_is_a_change )
     trace_text();
     step( world );
     assert_string_equal( trace_text(), "watch1" );
-    wisp_world_destroy( world );
 }
 
 TEST( a_pass_that_writes_what_it_watches_does_not_wake_itself )
 {
     static const fake_pass passes[] = { { "self", SHAPE, ENTITY, .reads = "A", .writes = "A", .on_change = 'A' } };
-    wisp_world* world = OPEN_WORLD( passes );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( passes );
     wisp_entity e = add_with( world, "A" );
     request( world, e, "A" );
     for ( int i = 0; i < 3; ++i )
@@ -203,7 +193,6 @@ TEST( a_pass_that_writes_what_it_watches_does_not_wake_itself )
     wisp_world_column( world, e, letter( 'A' ), 0 );
     step( world );
     assert_string_equal( trace_text(), "self1" );
-    wisp_world_destroy( world );
 }
 
 TEST( what_a_pass_writes_wakes_the_passes_behind_it_in_the_same_step )
@@ -213,7 +202,7 @@ TEST( what_a_pass_writes_wakes_the_passes_behind_it_in_the_same_step )
         { "fused", SHAPE, GROUP, .reads = "A", .writes = "B", .on_change = 'A' },
         { "later", SHAPE, ENTITY, .reads = "B", .writes = "C", .on_change = 'B' },
     };
-    wisp_world* world = OPEN_WORLD( passes );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( passes );
     wisp_entity e = add_with( world, "N" );
     request( world, e, "C" );
     for ( int i = 0; i < 2; ++i )
@@ -224,7 +213,6 @@ TEST( what_a_pass_writes_wakes_the_passes_behind_it_in_the_same_step )
         assert_string_equal( trace_text(), "" );
         wisp_world_column( world, e, letter( 'N' ), 0 );
     }
-    wisp_world_destroy( world );
 }
 
 TEST( a_request_taken_back_and_made_again_is_answered_again )
@@ -251,7 +239,7 @@ static const fake_pass ASKING[] = {
 
 TEST( a_pass_that_is_not_due_neither_runs_nor_wakes_others )
 {
-    wisp_world* world = OPEN_WORLD( ASKING );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( ASKING );
     request( world, add_with( world, "N" ), "B" );
     step( world );
     assert_string_equal( trace_text(), "ask1 then1" );
@@ -261,18 +249,16 @@ TEST( a_pass_that_is_not_due_neither_runs_nor_wakes_others )
     fake.due = true;
     step( world );
     assert_string_equal( trace_text(), "ask1 then1" );
-    wisp_world_destroy( world );
 }
 
 TEST( a_pass_is_queried_once_a_step_and_entity )
 {
-    wisp_world* world = OPEN_WORLD( ASKING );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( ASKING );
     request( world, add_with( world, "N" ), "B" );
     request( world, add_with( world, "N" ), "B" );
     step( world );
     step( world );
     assert_int_equal( fake.queried, 4 );
-    wisp_world_destroy( world );
 }
 
 TEST( a_pass_is_queried_when_the_passes_before_it_have_run )
@@ -294,7 +280,7 @@ TEST( a_change_waits_for_a_pass_that_is_not_due )
     static const fake_pass passes[] = {
         { "both", SHAPE, ENTITY, .required = "N", .reads = "N", .writes = "A", .on_change = 'N', .asks = true },
     };
-    wisp_world* world = OPEN_WORLD( passes );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( passes );
     wisp_entity e = add_with( world, "N" );
     request( world, e, "A" );
     step( world );
@@ -308,12 +294,11 @@ TEST( a_change_waits_for_a_pass_that_is_not_due )
     assert_string_equal( trace_text(), "both1" );
     step( world );
     assert_string_equal( trace_text(), "" );
-    wisp_world_destroy( world );
 }
 
 TEST( passes_that_were_not_due_took_no_time )
 {
-    wisp_world* world = OPEN_WORLD( WATCHING );
+    SCOPED( destroy_local ) wisp_world* world = OPEN_WORLD( WATCHING );
     request( world, add_with( world, "N" ), "A" );
     step( world );
     assert_int_equal( wisp_world_profile( world ).lines[0].items, 1 );
@@ -322,7 +307,6 @@ TEST( passes_that_were_not_due_took_no_time )
     assert_int_equal( p.count, 1 );
     assert_int_equal( p.lines[0].items, 0 );
     assert_true( p.lines[0].seconds == 0.0 );
-    wisp_world_destroy( world );
 }
 
 // ---- fused passes ----
@@ -398,7 +382,7 @@ static bool is_ever_together( const tally* t )
 
 TEST( every_substep_of_every_group_runs_once_and_most_of_them_together )
 {
-    wisp_world* world = open_joined( 1 );
+    SCOPED( destroy_local ) wisp_world* world = open_joined( 1 );
     const wisp_entity e = add_with( world, "APH" );
     request( world, e, "C" );
     int together = 0, timed[SUBSTEPS] = { 0 };
@@ -420,12 +404,11 @@ TEST( every_substep_of_every_group_runs_once_and_most_of_them_together )
     }
     // its one block is timed in every step, in one substep
     assert_int_equal( together, 3 * STEPS * ( SUBSTEPS - 1 ) );
-    wisp_world_destroy( world );
 }
 
 TEST( substeps_of_a_block_stay_in_order )
 {
-    wisp_world* world = open_joined( 1 );
+    SCOPED( destroy_local ) wisp_world* world = open_joined( 1 );
     const wisp_entity e = add_with( world, "AP" );
     request( world, e, "C" );
     for ( int i = 0; i < SUBSTEPS; ++i )
@@ -443,12 +426,11 @@ TEST( substeps_of_a_block_stay_in_order )
         assert_int_equal( next, SUBSTEPS );
         assert_int_equal( passes, 3 );
     }
-    wisp_world_destroy( world );
 }
 
 TEST( one_block_in_eight_is_timed )
 {
-    wisp_world* world = open_joined( 1 );
+    SCOPED( destroy_local ) wisp_world* world = open_joined( 1 );
     const wisp_entity e = test_add_strands( world, 16 * 4 * 32, 2 ); // 32 blocks
     assert_int_equal( wisp_world_attach( world, e, letter( 'A' ) ), WISP_OK );
     assert_int_equal( wisp_world_attach( world, e, letter( 'P' ) ), WISP_OK );
@@ -473,12 +455,11 @@ TEST( one_block_in_eight_is_timed )
             assert_int_equal( profile.lines[line].items, 4 * 32 * SUBSTEPS );
         }
     }
-    wisp_world_destroy( world );
 }
 
 TEST( an_entity_with_a_pass_that_the_join_does_not_know_runs_apart_and_its_neighbour_does_not )
 {
-    wisp_world* world = open_joined( 1 );
+    SCOPED( destroy_local ) wisp_world* world = open_joined( 1 );
     const wisp_entity spoilt = add_with( world, "APK" ), sound = add_with( world, "AP" );
     request( world, spoilt, "C" );
     request( world, sound, "C" );
@@ -487,21 +468,19 @@ TEST( an_entity_with_a_pass_that_the_join_does_not_know_runs_apart_and_its_neigh
     assert_false( is_ever_together( &other ) );
     assert_int_equal( other.apart[0], 3 );
     assert_true( is_ever_together( &own ) );
-    wisp_world_destroy( world );
 }
 
 TEST( without_a_pass_that_the_join_needs_and_with_more_iterations_passes_run_apart )
 {
     for ( int iterations = 1; iterations <= 2; ++iterations )
     {
-        wisp_world* world = open_joined( iterations );
+        SCOPED( destroy_local ) wisp_world* world = open_joined( iterations );
         const wisp_entity e = add_with( world, iterations == 1 ? "A" : "AP" );
         request( world, e, "C" );
         step( world );
         const tally t = tally_of_entity( e );
         assert_false( is_ever_together( &t ) );
         assert_int_equal( t.apart[SUBSTEPS - 1], 3 );
-        wisp_world_destroy( world );
     }
 }
 
@@ -509,7 +488,7 @@ TEST( the_plan_tells_what_runs_together )
 {
     for ( int iterations = 1; iterations <= 2; ++iterations )
     {
-        wisp_world* world = open_joined( iterations );
+        SCOPED( destroy_local ) wisp_world* world = open_joined( iterations );
         const wisp_entity e = add_with( world, "AP" );
         request( world, e, "C" );
         wisp_plan_info* report = NULL;
@@ -529,7 +508,6 @@ TEST( the_plan_tells_what_runs_together )
         }
         assert_null( pass_of( report, "spoil" )->fusion );
         wisp_plan_info_release( report );
-        wisp_world_destroy( world );
     }
 }
 
@@ -645,32 +623,30 @@ static int32_t* value_of( wisp_world* world, wisp_entity e, int i )
 TEST( passes_and_components_beyond_two_words_run_in_the_order_of_their_data )
 {
     wisp_entity e;
-    wisp_world* world = open_chain( false, &e );
+    SCOPED( destroy_local ) wisp_world* world = open_chain( false, &e );
     *value_of( world, e, 0 ) = 5;
     step( world );
     assert_int_equal( wisp_world_plan_passes( world ), MANY );
     assert_int_equal( *value_of( world, e, MANY ), 5 + MANY );
     assert_int_equal( wisp_world_profile( world ).count, MANY );
-    wisp_world_destroy( world );
 }
 
 TEST( a_pass_that_nobody_requests_is_absent_beyond_two_words )
 {
     wisp_entity e;
-    wisp_world* world = open_chain( false, &e );
+    SCOPED( destroy_local ) wisp_world* world = open_chain( false, &e );
     assert_int_equal( wisp_cancel_request( world, e, many.values[MANY] ), WISP_OK );
     assert_int_equal( wisp_request( world, e, many.values[BEYOND] ), WISP_OK );
     step( world );
     assert_int_equal( wisp_world_plan_passes( world ), BEYOND );
     assert_false( wisp_world_has( world, e, many.values[MANY] ) );
     assert_null( value_of( world, e, MANY ) );
-    wisp_world_destroy( world );
 }
 
 TEST( a_write_beyond_two_words_wakes_the_passes_behind_it_alone )
 {
     wisp_entity e;
-    wisp_world* world = open_chain( true, &e );
+    SCOPED( destroy_local ) wisp_world* world = open_chain( true, &e );
     step( world );
     step( world );
     assert_int_equal( many.runs[0], 1 );
@@ -681,13 +657,12 @@ TEST( a_write_beyond_two_words_wakes_the_passes_behind_it_alone )
     assert_int_equal( many.runs[BEYOND], 2 );
     assert_int_equal( many.runs[MANY - 1], 2 );
     assert_int_equal( *value_of( world, e, MANY ), 1000 + MANY - BEYOND );
-    wisp_world_destroy( world );
 }
 
 TEST( what_waits_beyond_two_words_is_restored )
 {
     wisp_entity e;
-    wisp_world* world = open_chain( true, &e );
+    SCOPED( destroy_local ) wisp_world* world = open_chain( true, &e );
     step( world );
     *value_of( world, e, BEYOND ) = 1000;
     const size_t size = store_snapshot_size( &world->store );
@@ -700,7 +675,6 @@ TEST( what_waits_beyond_two_words_is_restored )
     step( world );
     assert_int_equal( many.runs[BEYOND - 1], 1 );
     assert_int_equal( many.runs[MANY - 1], 3 );
-    wisp_world_destroy( world );
 }
 
 // ---- the limits ----

@@ -30,7 +30,7 @@ static int samples_compare_edges( const void* a, const void* b )
 /// Edges of the triangles, each once, lower end first, rising.
 static void samples_find_edges( samples_mesh* m )
 {
-    int32_t* all = samples_array( (size_t)m->triangle_count * 3, 2 * sizeof( int32_t ) );
+    SCOPED( free_local ) int32_t* all = samples_array( (size_t)m->triangle_count * 3, 2 * sizeof( int32_t ) );
     for ( int side = 0; side < 3 * m->triangle_count; ++side )
     {
         const int32_t a = m->triangles[side], b = m->triangles[side / 3 * 3 + ( side + 1 ) % 3];
@@ -46,7 +46,6 @@ static void samples_find_edges( samples_mesh* m )
             memcpy( m->edges + 2 * m->edge_count++, all + 2 * side, 2 * sizeof( int32_t ) );
         }
     }
-    free( all );
 }
 
 static samples_mesh samples_mesh_of( const wisp_vec3* points, int vertex_count, const int32_t* triangles,
@@ -72,8 +71,8 @@ static samples_mesh samples_sphere( int slices, int stacks, double radius )
 {
     const double pi = 3.14159265358979323846;
     const int vertex_count = slices * ( stacks - 1 ) + 2, top = vertex_count - 2, bottom = vertex_count - 1;
-    wisp_vec3* points = samples_array( (size_t)vertex_count, sizeof( wisp_vec3 ) );
-    int32_t* triangles = samples_array( (size_t)slices * (size_t)stacks * 6, sizeof( int32_t ) );
+    SCOPED( free_local ) wisp_vec3* points = samples_array( (size_t)vertex_count, sizeof( wisp_vec3 ) );
+    SCOPED( free_local ) int32_t* triangles = samples_array( (size_t)slices * (size_t)stacks * 6, sizeof( int32_t ) );
     int count = 0;
     for ( int v = 0; v < vertex_count - 2; ++v )
     {
@@ -105,8 +104,6 @@ static samples_mesh samples_sphere( int slices, int stacks, double radius )
             m.normal[4 * v + k] = m.position[4 * v + k] / (float)radius;
         }
     }
-    free( points );
-    free( triangles );
     return m;
 }
 
@@ -154,8 +151,9 @@ static layer* layer_open( const samples_mesh* m, float spacing, int workers )
     return l;
 }
 
-static void layer_close( layer* l )
+static void layer_close( layer** local )
 {
+    layer* l = *local;
     free( l->args.edge_length );
     free( l->args.edge_points );
     free( l->args.triangle_extent );
@@ -211,19 +209,17 @@ TEST( edges_have_the_counts_of_their_lengths )
     for ( int i = 0; i < WISP_COUNT( lengths ); ++i )
     {
         const wisp_vec3 points[3] = { { 0.0f, 0.0f, 0.0f }, { lengths[i], 0.0f, 0.0f }, { 0.0f, 1e-3f, 0.0f } };
-        samples_mesh m = samples_mesh_of( points, 3, ( const int32_t[3] ){ 0, 1, 2 }, 1 );
+        SCOPED( samples_mesh_free ) samples_mesh m = samples_mesh_of( points, 3, ( const int32_t[3] ){ 0, 1, 2 }, 1 );
         const int* expected[] = { even, exact, up, near };
         for ( int k = 0; k < WISP_COUNT( expected ); ++k )
         {
-            layer* l = layer_open( &m, 0.5f, 1 );
+            SCOPED( layer_close ) layer* l = layer_open( &m, 0.5f, 1 );
             l->args.policy = k == 1 ? WISP_SPACING_EXACT : WISP_SPACING_EVEN;
             l->args.rounding = k == 2 ? WISP_ROUND_UP : ( k == 3 ? WISP_ROUND_NEAREST : WISP_ROUND_DOWN );
             layer_update( l );
             assert_int_equal( l->args.edge_points[0], expected[k][i] );
             assert_int_equal( l->samples.begin[1] - l->samples.begin[0], expected[k][i] );
-            layer_close( l );
         }
-        samples_mesh_free( &m );
     }
 }
 
@@ -262,8 +258,8 @@ static float* copy_of_positions( const samples_mesh* m )
 
 TEST( only_what_changes_is_resampled )
 {
-    samples_mesh m = samples_sphere( 30, 30, 2.5 );
-    layer* l = layer_open( &m, 0.05f, 1 );
+    SCOPED( samples_mesh_free ) samples_mesh m = samples_sphere( 30, 30, 2.5 );
+    SCOPED( layer_close ) layer* l = layer_open( &m, 0.05f, 1 );
     layer_update( l );
     const int before = l->samples.count;
     layer_update( l );
@@ -272,8 +268,6 @@ TEST( only_what_changes_is_resampled )
     layer_update( l );
     assert_in_range( l->samples.changed_elements, 1, 12 );
     assert_int_not_equal( l->samples.count, before );
-    layer_close( l );
-    samples_mesh_free( &m );
 }
 
 // ---- memory of counts ----
@@ -286,8 +280,8 @@ static samples_mesh one_triangle( float length )
 
 TEST( hysteresis_keeps_counts_until_lengths_are_well_beyond )
 {
-    samples_mesh m = one_triangle( 2.1f );
-    layer* l = layer_open( &m, 1.0f, 1 );
+    SCOPED( samples_mesh_free ) samples_mesh m = one_triangle( 2.1f );
+    SCOPED( layer_close ) layer* l = layer_open( &m, 1.0f, 1 );
     l->args.hysteresis = 0.2f;
     const float lengths[] = { 2.1f, 1.9f, 1.81f, 1.79f, 1.95f, 2.1f, 2.19f, 2.21f, 1.95f };
     const int expected[] = { 1, 1, 1, 0, 0, 0, 0, 1, 1 };
@@ -298,15 +292,13 @@ TEST( hysteresis_keeps_counts_until_lengths_are_well_beyond )
         layer_update( l );
         assert_int_equal( l->args.edge_points[0], expected[i] );
     }
-    layer_close( l );
-    samples_mesh_free( &m );
 }
 
 TEST( a_state_put_back_brings_its_points_back )
 {
-    samples_mesh m = samples_sphere( 14, 13, 1.0 );
-    float* rest = copy_of_positions( &m );
-    layer *through = layer_open( &m, 0.05f, 1 ), *back = layer_open( &m, 0.05f, 1 );
+    SCOPED( samples_mesh_free ) samples_mesh m = samples_sphere( 14, 13, 1.0 );
+    SCOPED( free_local ) float* rest = copy_of_positions( &m );
+    SCOPED( layer_close ) layer *through = layer_open( &m, 0.05f, 1 ), *back = layer_open( &m, 0.05f, 1 );
     through->args.hysteresis = back->args.hysteresis = 0.4f;
     for ( int step = 0; step < 4; ++step )
     {
@@ -332,18 +324,14 @@ TEST( a_state_put_back_brings_its_points_back )
         assert_memory_equal( through->args.triangle_extent, back->args.triangle_extent, 2 * triangles );
         assert_memory_equal( through->args.edge_points, back->args.edge_points, edges );
     }
-    layer_close( through );
-    layer_close( back );
-    free( rest );
-    samples_mesh_free( &m );
 }
 
 // ---- limits ----
 
 TEST( a_layer_beyond_its_limit_stays_as_it_was_and_follows )
 {
-    samples_mesh m = samples_sphere( 14, 13, 1.0 );
-    layer* l = layer_open( &m, 0.05f, 1 );
+    SCOPED( samples_mesh_free ) samples_mesh m = samples_sphere( 14, 13, 1.0 );
+    SCOPED( layer_close ) layer* l = layer_open( &m, 0.05f, 1 );
     layer_update( l );
     const int count = l->samples.count;
     const int64_t bytes = atomic_load( &l->host.bytes );
@@ -365,14 +353,12 @@ TEST( a_layer_beyond_its_limit_stays_as_it_was_and_follows )
     layer_update( l );
     assert_false( l->samples.refused );
     assert_true( l->samples.count < count );
-    layer_close( l );
-    samples_mesh_free( &m );
 }
 
 TEST( without_memory_points_are_those_of_the_last_call )
 {
-    samples_mesh m = samples_sphere( 14, 13, 1.0 );
-    layer* l = layer_open( &m, 0.05f, 1 );
+    SCOPED( samples_mesh_free ) samples_mesh m = samples_sphere( 14, 13, 1.0 );
+    SCOPED( layer_close ) layer* l = layer_open( &m, 0.05f, 1 );
     test_host_refuse( &l->host, 1, true );
     assert_int_equal( layer_try( l ), WISP_NO_MEMORY );
     test_host_refuse( &l->host, 2, true );
@@ -389,15 +375,13 @@ TEST( without_memory_points_are_those_of_the_last_call )
     test_host_refuse( &l->host, 0, false );
     layer_update( l );
     assert_true( l->samples.count > 4 * count );
-    layer_close( l );
-    samples_mesh_free( &m );
 }
 
 TEST( a_warm_layer_asks_for_no_memory )
 {
-    samples_mesh m = samples_sphere( 30, 30, 2.5 );
-    float* rest = copy_of_positions( &m );
-    layer* l = layer_open( &m, 0.06f, 3 );
+    SCOPED( samples_mesh_free ) samples_mesh m = samples_sphere( 30, 30, 2.5 );
+    SCOPED( free_local ) float* rest = copy_of_positions( &m );
+    SCOPED( layer_close ) layer* l = layer_open( &m, 0.06f, 3 );
     for ( int step = 0; step < 18; ++step )
     {
         deform( rest, &m, step );
@@ -410,9 +394,6 @@ TEST( a_warm_layer_asks_for_no_memory )
         layer_update( l );
     }
     assert_int_equal( atomic_load( &l->host.queried ), queried );
-    layer_close( l );
-    free( rest );
-    samples_mesh_free( &m );
 }
 
 // ---- degenerate meshes ----
@@ -427,8 +408,9 @@ TEST( triangles_without_area_and_edges_without_length_have_no_points )
     {
         for ( int policy = 0; policy < WISP_SPACING_COUNT; ++policy )
         {
+            SCOPED( samples_mesh_free )
             samples_mesh m = samples_mesh_of( shapes[i], 3, ( const int32_t[3] ){ 0, 1, 2 }, 1 );
-            layer* l = layer_open( &m, 0.1f * ( 1.0f - 1e-6f ), 1 );
+            SCOPED( layer_close ) layer* l = layer_open( &m, 0.1f * ( 1.0f - 1e-6f ), 1 );
             l->args.policy = (wisp_spacing)policy;
             for ( int step = 0; step < 2; ++step )
             {
@@ -441,8 +423,6 @@ TEST( triangles_without_area_and_edges_without_length_have_no_points )
                     assert_int_equal( l->args.edge_points[e], points );
                 }
             }
-            layer_close( l );
-            samples_mesh_free( &m );
         }
     }
 }
@@ -455,21 +435,19 @@ TEST( the_lowest_of_equally_short_sides_is_the_axis )
     const int axis[3] = { 0, 1, 0 };
     for ( int i = 0; i < 3; ++i )
     {
-        samples_mesh m = samples_mesh_of( points, 3, corners[i], 1 );
-        layer* l = layer_open( &m, 0.25f, 1 );
+        SCOPED( samples_mesh_free ) samples_mesh m = samples_mesh_of( points, 3, corners[i], 1 );
+        SCOPED( layer_close ) layer* l = layer_open( &m, 0.25f, 1 );
         layer_update( l );
         assert_int_equal( l->args.triangle_axis[0], axis[i] );
         // lines at 1/4, 1/2 and 3/4 of the height, of 3, 2 and 1 spacings
         assert_int_equal( l->args.triangle_points[0], 2 + 1 );
-        layer_close( l );
-        samples_mesh_free( &m );
     }
 }
 
 TEST( a_layer_without_normals_has_places_alone )
 {
-    samples_mesh m = samples_sphere( 14, 13, 1.0 );
-    layer *with = layer_open( &m, 0.05f, 1 ), *without = layer_open( &m, 0.05f, 1 );
+    SCOPED( samples_mesh_free ) samples_mesh m = samples_sphere( 14, 13, 1.0 );
+    SCOPED( layer_close ) layer *with = layer_open( &m, 0.05f, 1 ), *without = layer_open( &m, 0.05f, 1 );
     without->args.normal = NULL;
     layer_update( with );
     layer_update( without );
@@ -479,7 +457,4 @@ TEST( a_layer_without_normals_has_places_alone )
     without->args.normal = m.normal;
     layer_update( without );
     assert_same_points( &with->samples, &without->samples, m.edge_count + m.triangle_count );
-    layer_close( with );
-    layer_close( without );
-    samples_mesh_free( &m );
 }

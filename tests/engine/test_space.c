@@ -124,8 +124,9 @@ static space* space_open( int workers, const wisp_kernels* kernels )
     return s;
 }
 
-static void space_close( space* s )
+static void space_close( space** local )
 {
+    space* s = *local;
     wisp_grid_release( &s->grid, &s->allocator );
     wisp_neighbours_release( &s->found, &s->allocator );
     jobs_destroy( s->pool );
@@ -300,7 +301,7 @@ static float* quads_by_slot( const wisp_grid* g, const cloud* c )
 static int64_t check_cloud( space* s, const cloud* c, float radius, float skin, int limit )
 {
     assert_int_equal( build_grid( s, c, skin > radius ? skin : radius ), WISP_OK );
-    float* xyzw = quads_by_slot( &s->grid, c );
+    SCOPED( free_local ) float* xyzw = quads_by_slot( &s->grid, c );
     wisp_neighbour_query query = {
         .xyzw = xyzw,
         .query_count = c->count,
@@ -309,9 +310,7 @@ static int64_t check_cloud( space* s, const cloud* c, float radius, float skin, 
         .limit = limit,
     };
     assert_int_equal( search( s, &query ), WISP_OK );
-    int64_t found = assert_found_by_brute_force( s, &query );
-    free( xyzw );
-    return found;
+    return assert_found_by_brute_force( s, &query );
 }
 
 static void check_every_cloud( space* s, int first_count, int last_count )
@@ -338,9 +337,8 @@ static void check_every_cloud( space* s, int first_count, int last_count )
 
 TEST( baseline_finds_what_brute_force_finds )
 {
-    space* s = space_open( 1, baseline() );
+    SCOPED( space_close ) space* s = space_open( 1, baseline() );
     check_every_cloud( s, 0, WISP_COUNT( COUNTS ) - 1 );
-    space_close( s );
 }
 
 TEST( every_instruction_set_finds_what_brute_force_finds )
@@ -351,9 +349,8 @@ TEST( every_instruction_set_finds_what_brute_force_finds )
         const wisp_kernels* kernels = kernels_select( ISAS[i], NULL );
         if ( strcmp( kernels->isa, ISAS[i] ) == 0 )
         {
-            space* s = space_open( 1, kernels );
+            SCOPED( space_close ) space* s = space_open( 1, kernels );
             check_every_cloud( s, 0, WISP_COUNT( COUNTS ) - 1 );
-            space_close( s );
         }
     }
 }
@@ -362,9 +359,8 @@ TEST( any_number_of_workers_finds_what_brute_force_finds )
 {
     for ( int w = 1; w < WISP_COUNT( WORKER_COUNTS ); ++w )
     {
-        space* s = space_open( WORKER_COUNTS[w], kernels_select( NULL, NULL ) );
+        SCOPED( space_close ) space* s = space_open( WORKER_COUNTS[w], kernels_select( NULL, NULL ) );
         check_every_cloud( s, 5, 6 );
-        space_close( s );
     }
 }
 
@@ -377,12 +373,11 @@ TEST( an_item_at_exactly_the_radius_is_outside_and_one_just_nearer_is_inside )
         memcpy( xyzw + 4 * i + 3, &i, sizeof( i ) );
     }
     cloud c = { 3, xyzw };
-    space* s = space_open( 1, baseline() );
+    SCOPED( space_close ) space* s = space_open( 1, baseline() );
     assert_int_equal( check_cloud( s, &c, 1.25f, 0.0f, NO_LIMIT ), 2 );
     assert_int_equal( check_cloud( s, &c, 1.25f, 1.5f, NO_LIMIT ), 4 );
     assert_int_equal( s->found.near.length[0], 1 );
     assert_int_equal( s->found.all.length[0], 2 );
-    space_close( s );
 }
 
 enum
@@ -423,7 +418,7 @@ TEST( items_on_the_borders_of_cells_find_each_other )
         c.xyzw[4 * i] = i % 2 == 0 ? first : last;
         memcpy( c.xyzw + 4 * i + 3, &i, sizeof( i ) );
     }
-    space* s = space_open( 1, baseline() );
+    SCOPED( space_close ) space* s = space_open( 1, baseline() );
     // the ends determine the cells, so that they stay the same when the others move
     for ( s->fine = 1; s->fine <= 4; ++s->fine )
     {
@@ -432,7 +427,6 @@ TEST( items_on_the_borders_of_cells_find_each_other )
         assert_true( check_cloud( s, &c, radius, 0.0f, NO_LIMIT ) >= BORDER_ITEMS - 2 );
     }
     free( c.xyzw );
-    space_close( s );
 }
 
 TEST( items_of_the_querys_owner_are_left_out )
@@ -442,11 +436,10 @@ TEST( items_of_the_querys_owner_are_left_out )
     {
         memcpy( c.xyzw + 4 * i + 3, &owner, sizeof( owner ) );
     }
-    space* s = space_open( 1, baseline() );
+    SCOPED( space_close ) space* s = space_open( 1, baseline() );
     assert_int_equal( check_cloud( s, &c, 1.0f, 2.0f, NO_LIMIT ), 0 );
     assert_int_equal( s->found.entries, 0 );
     free( c.xyzw );
-    space_close( s );
 }
 
 TEST( a_limit_keeps_the_first_in_order_and_counts_the_queries_that_meet_it )
@@ -455,12 +448,11 @@ TEST( a_limit_keeps_the_first_in_order_and_counts_the_queries_that_meet_it )
     cloud c = make_cloud( CLOUD_BALL, 1000 );
     for ( int i = 0; i < WISP_COUNT( LIMITS ); ++i )
     {
-        space* s = space_open( 2, kernels_select( NULL, NULL ) );
+        SCOPED( space_close ) space* s = space_open( 2, kernels_select( NULL, NULL ) );
         check_cloud( s, &c, 0.35f, 0.0f, LIMITS[i] );
         assert_true( s->found.capped > 0 );
         check_cloud( s, &c, 0.25f, 0.35f, LIMITS[i] );
         assert_true( s->found.capped > 0 );
-        space_close( s );
     }
     free( c.xyzw );
 }
@@ -472,19 +464,18 @@ TEST( a_list_that_just_fits_its_limit_is_not_counted )
     {
         memcpy( c.xyzw + 4 * i + 3, &i, sizeof( i ) );
     }
-    space* s = space_open( 1, baseline() );
+    SCOPED( space_close ) space* s = space_open( 1, baseline() );
     check_cloud( s, &c, 1.0f, 0.0f, 16 );
     assert_int_equal( s->found.capped, 0 );
     check_cloud( s, &c, 1.0f, 0.0f, 15 );
     assert_int_equal( s->found.capped, 17 );
     free( c.xyzw );
-    space_close( s );
 }
 
 TEST( slots_are_reported_under_their_new_names )
 {
     cloud c = make_cloud( CLOUD_BALL, 1000 );
-    space* s = space_open( 2, kernels_select( NULL, NULL ) );
+    SCOPED( space_close ) space* s = space_open( 2, kernels_select( NULL, NULL ) );
     assert_int_equal( build_grid( s, &c, 0.2f ), WISP_OK );
     wisp_neighbour_query query = {
         .xyzw = c.xyzw, // in the items' order
@@ -497,13 +488,12 @@ TEST( slots_are_reported_under_their_new_names )
     assert_int_equal( search( s, &query ), WISP_OK );
     assert_true( assert_found_by_brute_force( s, &query ) > 1000 );
     free( c.xyzw );
-    space_close( s );
 }
 
 TEST( a_radius_wider_or_narrower_than_the_cells_finds_the_same )
 {
     cloud c = make_cloud( CLOUD_BALL, 500 );
-    space* s = space_open( 2, kernels_select( NULL, NULL ) );
+    SCOPED( space_close ) space* s = space_open( 2, kernels_select( NULL, NULL ) );
     static const float CELLS[] = { 0.01f, 0.06f, 0.3f, 0.9f, 50.0f };
     for ( int i = 0; i < WISP_COUNT( CELLS ); ++i )
     {
@@ -514,7 +504,6 @@ TEST( a_radius_wider_or_narrower_than_the_cells_finds_the_same )
         assert_true( assert_found_by_brute_force( s, &query ) > 500 );
     }
     free( c.xyzw );
-    space_close( s );
 }
 
 // Queries that are no items of the grid: inside, outside, far away, on the other side of the origin.
@@ -536,7 +525,7 @@ static void assert_strangers_find_their_neighbours( cloud_shape shape )
     int64_t found = assert_found_by_brute_force( s, &query );
     free( c.xyzw );
     free( strangers.xyzw );
-    space_close( s );
+    space_close( &s );
     assert_true( found > 0 );
 }
 
@@ -553,7 +542,7 @@ TEST( queries_beside_a_flat_cloud_find_their_neighbours )
 TEST( no_query_and_no_item_find_nothing )
 {
     cloud none = make_cloud( CLOUD_BALL, 0 ), some = make_cloud( CLOUD_BALL, 20 );
-    space* s = space_open( 2, baseline() );
+    SCOPED( space_close ) space* s = space_open( 2, baseline() );
     assert_int_equal( build_grid( s, &none, 0.1f ), WISP_OK );
     wisp_neighbour_query query = { some.xyzw, some.count, 1.0f, 2.0f, NO_LIMIT, NULL };
     assert_int_equal( search( s, &query ), WISP_OK );
@@ -566,7 +555,6 @@ TEST( no_query_and_no_item_find_nothing )
     assert_int_equal( s->found.entries, 0 );
     free( none.xyzw );
     free( some.xyzw );
-    space_close( s );
 }
 
 // ---- memory ----
@@ -574,13 +562,12 @@ TEST( no_query_and_no_item_find_nothing )
 TEST( a_second_build_of_the_same_asks_for_no_memory )
 {
     cloud c = make_cloud( CLOUD_BALL, 1000 );
-    space* s = space_open( 2, kernels_select( NULL, NULL ) );
+    SCOPED( space_close ) space* s = space_open( 2, kernels_select( NULL, NULL ) );
     check_cloud( s, &c, 0.2f, 0.25f, NO_LIMIT );
     int64_t queried = atomic_load( &s->host.queried );
     check_cloud( s, &c, 0.2f, 0.25f, NO_LIMIT );
     assert_int_equal( atomic_load( &s->host.queried ), queried );
     free( c.xyzw );
-    space_close( s );
 }
 
 // A large cloud after a small one, so that warm buffers must grow too. @return the first status that is not OK
@@ -604,7 +591,7 @@ TEST( a_build_without_memory_says_so_and_the_next_one_works )
     bool refused = true;
     for ( int n = 1; refused; ++n )
     {
-        space* s = space_open( 2, baseline() );
+        SCOPED( space_close ) space* s = space_open( 2, baseline() );
         test_host_refuse( &s->host, n, false );
         wisp_status status = build_two( s, &small, &large );
         refused = test_host_has_refused( &s->host );
@@ -612,7 +599,6 @@ TEST( a_build_without_memory_says_so_and_the_next_one_works )
         assert_true( status == WISP_OK || ( refused && status == WISP_NO_MEMORY ) );
         failures += status == WISP_NO_MEMORY ? 1 : 0;
         assert_true( check_cloud( s, &large, 0.2f, 0.25f, NO_LIMIT ) > 0 );
-        space_close( s );
     }
     assert_true( failures >= 7 ); // four buffers of the grid and three of the lists, and their growth
     free( small.xyzw );
@@ -675,7 +661,7 @@ TEST( slots_are_the_items_sorted_by_cell_and_number )
 {
     for ( int w = 0; w < WISP_COUNT( WORKER_COUNTS ); ++w )
     {
-        space* s = space_open( WORKER_COUNTS[w], baseline() );
+        SCOPED( space_close ) space* s = space_open( WORKER_COUNTS[w], baseline() );
         for ( int shape = 0; shape < CLOUD_SHAPE_COUNT; ++shape )
         {
             for ( int i = 0; i < WISP_COUNT( COUNTS ); ++i )
@@ -686,7 +672,6 @@ TEST( slots_are_the_items_sorted_by_cell_and_number )
                 free( c.xyzw );
             }
         }
-        space_close( s );
     }
 }
 
@@ -695,11 +680,10 @@ TEST( many_blocks_of_items_are_sorted_alike )
     cloud c = make_cloud( CLOUD_BALL, 30000 );
     for ( int w = 0; w < WISP_COUNT( WORKER_COUNTS ); ++w )
     {
-        space* s = space_open( WORKER_COUNTS[w], baseline() );
+        SCOPED( space_close ) space* s = space_open( WORKER_COUNTS[w], baseline() );
         s->fine = 1 + w % 4;
         assert_int_equal( build_grid( s, &c, 0.05f ), WISP_OK );
         assert_sorted_naively( &s->grid, &c );
-        space_close( s );
     }
     free( c.xyzw );
 }
@@ -722,7 +706,7 @@ static double outside_cell( const wisp_grid* g, const float* quad )
 
 TEST( an_item_lies_in_its_cell_or_no_further_off_than_the_slack )
 {
-    space* s = space_open( 2, baseline() );
+    SCOPED( space_close ) space* s = space_open( 2, baseline() );
     for ( int shape = 0; shape < CLOUD_SHAPE_COUNT; ++shape )
     {
         cloud c = make_cloud( (cloud_shape)shape, 5000 );
@@ -736,12 +720,11 @@ TEST( an_item_lies_in_its_cell_or_no_further_off_than_the_slack )
         assert_true( most <= (double)s->grid.rounding_margin );
         free( c.xyzw );
     }
-    space_close( s );
 }
 
 TEST( cells_are_as_wide_as_requested_unless_there_would_be_too_many )
 {
-    space* s = space_open( 1, baseline() );
+    SCOPED( space_close ) space* s = space_open( 1, baseline() );
     for ( int shape = 0; shape < CLOUD_SHAPE_COUNT; ++shape )
     {
         cloud c = make_cloud( (cloud_shape)shape, 5000 );
@@ -755,7 +738,6 @@ TEST( cells_are_as_wide_as_requested_unless_there_would_be_too_many )
         assert_int_equal( g->is_widened, sparse );
         free( c.xyzw );
     }
-    space_close( s );
 }
 
 // Axes with more than one cell come first, the fewest cells fastest.
@@ -767,7 +749,7 @@ static int cells_of_rank( const wisp_grid* g, int i )
 
 TEST( the_axis_with_the_fewest_cells_is_the_fastest )
 {
-    space* s = space_open( 1, baseline() );
+    SCOPED( space_close ) space* s = space_open( 1, baseline() );
     for ( int shape = 0; shape < CLOUD_SHAPE_COUNT; ++shape )
     {
         cloud c = make_cloud( (cloud_shape)shape, 1000 );
@@ -778,12 +760,11 @@ TEST( the_axis_with_the_fewest_cells_is_the_fastest )
                      cells_of_rank( g, 1 ) <= cells_of_rank( g, 2 ) );
         free( c.xyzw );
     }
-    space_close( s );
 }
 
 TEST( cells_along_the_fastest_axis_are_cut_unless_there_would_be_too_many )
 {
-    space* s = space_open( 1, baseline() );
+    SCOPED( space_close ) space* s = space_open( 1, baseline() );
     for ( int shape = 0; shape < CLOUD_SHAPE_COUNT; ++shape )
     {
         cloud c = make_cloud( (cloud_shape)shape, 5000 );
@@ -805,12 +786,11 @@ TEST( cells_along_the_fastest_axis_are_cut_unless_there_would_be_too_many )
         assert_true( g->subdivisions == 4 || rows * ( g->subdivisions + 1 ) * whole > most );
         free( c.xyzw );
     }
-    space_close( s );
 }
 
 TEST( slots_behind_the_last_may_be_read )
 {
-    space* s = space_open( 1, baseline() );
+    SCOPED( space_close ) space* s = space_open( 1, baseline() );
     cloud c = make_cloud( CLOUD_BALL, 33 );
     assert_int_equal( build_grid( s, &c, 0.1f ), WISP_OK );
     float sum = 0.0f;
@@ -821,5 +801,4 @@ TEST( slots_behind_the_last_may_be_read )
     }
     assert_true( sum == 0.0f ); // and they are never left to chance
     free( c.xyzw );
-    space_close( s );
 }

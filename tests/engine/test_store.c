@@ -54,10 +54,9 @@ static int set_up( void** state )
 
 static int tear_down( void** state )
 {
-    fixture* f = *state;
+    SCOPED( free_local ) fixture* f = *state;
     store_release( &f->s );
     assert_host_memory_is_released( &f->host );
-    free( f );
     return 0;
 }
 

@@ -14,7 +14,7 @@ static void run( wisp_world* world, int steps )
 // A plane of n x n vertices whose points and statistics are requested.
 static wisp_entity add_plane( hosted* h, int n, const int32_t* pins, int pin_count )
 {
-    test_mesh mesh = test_plane( n, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( n, 0.1f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_surface_def def = support_weightless_surface_def();
     def.pins = pins;
@@ -22,7 +22,6 @@ static wisp_entity add_plane( hosted* h, int n, const int32_t* pins, int pin_cou
     wisp_entity e = test_surface_of( h->world, &fabric, def );
     assert_int_equal( wisp_request( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
     assert_int_equal( wisp_request( h->world, e, WISP_MOTION_STATS ), WISP_OK );
-    test_mesh_free( &mesh );
     return e;
 }
 
@@ -33,10 +32,8 @@ static wisp_vec3 point( hosted* h, wisp_entity e, int vertex )
 
 WORLD_TEST( a_surface_in_free_fall_gains_g_t_and_no_strain )
 {
-    hosted* h = *state;
     wisp_entity e = add_plane( h, 9, NULL, 0 );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_int_equal( wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
+    SET_DEFAULT( h->world, e, cloth );
     assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f } ), WISP_OK );
     run( h->world, 100 );
     wisp_motion_stats q = motion_stats_of( h->world, e );
@@ -50,7 +47,6 @@ WORLD_TEST( a_surface_in_free_fall_gains_g_t_and_no_strain )
 
 WORLD_TEST( mass_is_area_times_density_whatever_the_mesh )
 {
-    hosted* h = *state;
     for ( int n = 3; n <= 33; n = 2 * n - 1 )
     {
         wisp_entity e = add_plane( h, n, NULL, 0 );
@@ -63,11 +59,9 @@ WORLD_TEST( mass_is_area_times_density_whatever_the_mesh )
 
 WORLD_TEST( pinned_vertices_stay_and_carried_ones_arrive_with_the_step )
 {
-    hosted* h = *state;
     const int32_t pins[2] = { 0, 8 };
     wisp_entity e = add_plane( h, 9, pins, 2 );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_int_equal( wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
+    SET_DEFAULT( h->world, e, cloth );
     assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f } ), WISP_OK );
     run( h->world, 10 );
     wisp_vec3 at = point( h, e, 8 );
@@ -81,7 +75,6 @@ WORLD_TEST( pinned_vertices_stay_and_carried_ones_arrive_with_the_step )
 
 WORLD_TEST( a_vertex_that_is_let_go_falls_again )
 {
-    hosted* h = *state;
     const int32_t all[4] = { 0, 1, 2, 3 };
     wisp_entity e = add_plane( h, 2, all, 4 );
     assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f } ), WISP_OK );
@@ -96,7 +89,6 @@ WORLD_TEST( a_vertex_that_is_let_go_falls_again )
 // Two grippers of one vertex each; one lets go, and its vertex flies on as the host says.
 WORLD_TEST( a_vertex_that_is_let_go_has_the_velocity_that_it_is_given )
 {
-    hosted* h = *state;
     const int32_t pins[2] = { 0, 3 };
     const wisp_vec3 velocities[2] = { { 1.0f, 0.0f, 0.0f }, { 0.0f, 2.0f, 0.0f } };
     wisp_entity e = add_plane( h, 2, pins, 2 );
@@ -118,7 +110,6 @@ WORLD_TEST( a_vertex_that_is_let_go_has_the_velocity_that_it_is_given )
 
 WORLD_TEST( velocities_that_cannot_be_change_nothing )
 {
-    hosted* h = *state;
     const int32_t vertices[2] = { 1, 4 }, beyond[2] = { 1, 9 };
     const wisp_vec3 velocities[2] = { { 1, 0, 0 }, { 0, 1, 0 } }, fast[2] = { { 1, 0, 0 }, { 0, 2e6f, 0 } },
                     nan[2] = { { 1, 0, 0 }, { NAN, 0, 0 } };
@@ -137,7 +128,6 @@ WORLD_TEST( velocities_that_cannot_be_change_nothing )
 
 WORLD_TEST( only_pinned_vertices_can_be_carried )
 {
-    hosted* h = *state;
     const int32_t pin = 4;
     wisp_entity e = add_plane( h, 3, &pin, 1 );
     const int32_t other = 5;
@@ -150,7 +140,6 @@ WORLD_TEST( only_pinned_vertices_can_be_carried )
 
 WORLD_TEST( a_nan_halts_its_entity_alone )
 {
-    hosted* h = *state;
     wisp_entity bad = add_plane( h, 5, NULL, 0 ), good = add_plane( h, 5, NULL, 0 );
     const wisp_vec3 gravity = { 0.0f, -9.8f, 0.0f };
     wisp_cloth_def cloth = wisp_default_cloth_def();
@@ -188,7 +177,6 @@ WORLD_TEST( a_nan_halts_its_entity_alone )
 
 WORLD_TEST( a_resumed_entity_goes_on_from_its_last_good_state )
 {
-    hosted* h = *state;
     wisp_entity e = add_plane( h, 4, NULL, 0 );
     assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f } ), WISP_OK );
     run( h->world, 2 );
@@ -211,7 +199,6 @@ WORLD_TEST( rigid_motion_keeps_momentum_energy_and_shape )
     {
         STARTS = 25,
     };
-    hosted* h = *state;
     wisp_entity e[STARTS];
     wisp_motion_stats first[STARTS];
     wisp_cloth_def cloth = wisp_default_cloth_def();
@@ -248,7 +235,6 @@ WORLD_TEST( rigid_motion_keeps_momentum_energy_and_shape )
 
 WORLD_TEST( speed_strain_and_normals_are_in_the_users_order )
 {
-    hosted* h = *state;
     wisp_entity e = add_plane( h, 6, NULL, 0 );
     assert_int_equal( wisp_request( h->world, e, WISP_POINT_SPEED ), WISP_OK );
     assert_int_equal( wisp_request( h->world, e, WISP_POINT_STRAIN ), WISP_OK );
@@ -270,7 +256,6 @@ WORLD_TEST( speed_strain_and_normals_are_in_the_users_order )
 
 WORLD_TEST( an_instance_starts_at_rest_with_the_same_masses )
 {
-    hosted* h = *state;
     wisp_entity e = add_plane( h, 5, NULL, 0 );
     run( h->world, 1 );
     wisp_entity copy;
@@ -283,7 +268,6 @@ WORLD_TEST( an_instance_starts_at_rest_with_the_same_masses )
 
 WORLD_TEST( an_instance_starts_in_its_pose )
 {
-    hosted* h = *state;
     const wisp_entity e = add_plane( h, 5, NULL, 0 );
     const wisp_transform pose = { { 0.0f, 0.0f, 1.0f, 0.0f }, { 3.0f, 1.0f, 0.0f } }; // half a turn about z
     wisp_entity copy;
@@ -303,8 +287,7 @@ WORLD_TEST( an_instance_starts_in_its_pose )
 
 WORLD_TEST( impossible_surfaces_are_refused )
 {
-    hosted* h = *state;
-    test_mesh mesh = test_plane( 3, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 3, 0.1f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_surface_def def = support_weightless_surface_def();
     wisp_entity e;
@@ -318,12 +301,10 @@ WORLD_TEST( impossible_surfaces_are_refused )
     assert_int_equal( wisp_add_surface( h->world, &def, &e ), WISP_BAD_INPUT );
     assert_non_null( strstr( wisp_world_message( h->world ), "vertex 7" ) );
     wisp_fabric_release( def.fabric );
-    test_mesh_free( &mesh );
 }
 
 WORLD_TEST( gravity_that_is_taken_away_takes_its_pass_along )
 {
-    hosted* h = *state;
     wisp_entity e = add_plane( h, 3, NULL, 0 );
     int bare = wisp_world_plan_passes( h->world );
     assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f } ), WISP_OK );
@@ -381,13 +362,12 @@ TEST( a_pbd_link_keeps_its_share_of_the_error_each_iteration )
 {
     for ( int iterations = 1; iterations <= 4; ++iterations )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_world( &h, 1, iterations );
         wisp_entity e = add_link( &h, 1.5f, WISP_LINK_STIFFNESS, 0.25f );
         run( h.world, 1 );
         // a few roundings of positions near 1.5 m, 1.2e-7 m each
         assert_near( (double)point_of( h.world, e, 2 ).x, 1.0 + 0.5 * pow( 0.75, iterations ), 5e-7 );
-        close_world( &h );
     }
 }
 
@@ -398,7 +378,7 @@ TEST( an_xpbd_link_answers_alike_with_any_number_of_iterations )
     const double expected = 1.5 - 0.5 * w / ( w + alpha );
     for ( int iterations = 1; iterations <= 8; iterations *= 2 )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_world( &h, 1, iterations );
         wisp_entity e = add_link( &h, 1.5f, WISP_LINK_COMPLIANCE, 1e-3f );
         run( h.world, 1 );
@@ -412,7 +392,6 @@ TEST( an_xpbd_link_answers_alike_with_any_number_of_iterations )
         }
         // the final lambda is -C / (w + a); one iteration need not keep it
         assert_near( largest, iterations == 1 ? 0.0 : 0.5 / ( w + alpha ), 1e-6 );
-        close_world( &h );
     }
 }
 
@@ -422,12 +401,11 @@ TEST( lambda_starts_at_nothing_in_every_substep )
     double x[2];
     for ( int i = 0; i < 2; ++i )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_world( &h, 3, i == 0 ? 1 : 5 );
         wisp_entity e = add_link( &h, 1.5f, WISP_LINK_COMPLIANCE, 1e-3f );
         run( h.world, 4 );
         x[i] = (double)point_of( h.world, e, 2 ).x;
-        close_world( &h );
     }
     assert_near( x[0], x[1], 5e-6 );
 }
@@ -441,7 +419,7 @@ TEST( a_strain_limit_brings_a_length_back_from_both_sides )
     } links[] = { { 2.0f, 1.1 }, { 0.5f, 0.9 }, { 1.05f, 1.05 }, { 0.95f, 0.95 } };
     for ( int i = 0; i < WISP_COUNT( links ); ++i )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_world( &h, 1, 60 );
         // the free vertex hangs on another link with limits, so its length ends within 1 % of the exceeded limit
         wisp_entity e = add_link( &h, links[i].start, WISP_LINK_STIFFNESS, 0.0f );
@@ -456,7 +434,6 @@ TEST( a_strain_limit_brings_a_length_back_from_both_sides )
         assert_int_equal( wisp_set_strain_limit( h.world, e, 0.0f, INFINITY ), WISP_OK );
         run( h.world, 1 );
         assert_false( has_pass( h.world, "links.limit" ) );
-        close_world( &h );
     }
 }
 
@@ -465,14 +442,14 @@ TEST( a_strain_limit_brings_a_length_back_from_both_sides )
 // A plane that hangs at vertex 0, with tethers, its points scaled by `scale`.
 static wisp_entity add_far( hosted* h, int n, float scale )
 {
-    test_mesh mesh = test_plane( n, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( n, 0.1f );
     const int32_t pin = 0;
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.attachments = &pin;
     fabric.attachment_count = 1;
     fabric.tethers = true;
     wisp_surface_def def = support_weightless_surface_def();
-    wisp_vec3* start = checked_calloc( (size_t)mesh.vertex_count, sizeof( wisp_vec3 ) );
+    SCOPED( free_local ) wisp_vec3* start = checked_calloc( (size_t)mesh.vertex_count, sizeof( wisp_vec3 ) );
     for ( int v = 0; v < mesh.vertex_count; ++v )
     {
         start[v] = ( wisp_vec3 ){ mesh.points[v].x * scale, 0.0f, mesh.points[v].z * scale };
@@ -483,8 +460,6 @@ static wisp_entity add_far( hosted* h, int n, float scale )
     wisp_entity e = test_surface_of( h->world, &fabric, def );
     assert_int_equal( wisp_request( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
     assert_int_equal( wisp_request( h->world, e, WISP_MOTION_STATS ), WISP_OK );
-    free( start );
-    test_mesh_free( &mesh );
     return e;
 }
 
@@ -493,7 +468,7 @@ TEST( a_tether_holds_at_its_distance_and_lets_go_within )
     const float slacks[] = { 1.0f, 1.25f };
     for ( int i = 0; i < WISP_COUNT( slacks ); ++i )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_world( &h, 1, 1 );
         wisp_entity e = add_far( &h, 9, 2.0f ), loose = add_far( &h, 9, 0.5f );
         const wisp_entity both[2] = { e, loose };
@@ -511,7 +486,6 @@ TEST( a_tether_holds_at_its_distance_and_lets_go_within )
             assert_near( hypot( (double)p.x, (double)p.z ), limit, 2e-6 );
             assert_true( q.x == 0.5f * 0.1f * (float)( v % 9 ) && q.z == 0.5f * 0.1f * (float)( v / 9 ) );
         }
-        close_world( &h );
     }
 }
 
@@ -561,7 +535,7 @@ static const wisp_module probe_module = { .name = "probe", .declare = declare_pr
 TEST( a_carried_pin_goes_its_way_in_equal_parts )
 {
     static const wisp_module* const MODULES[] = { &probe_module };
-    hosted h = { 0 };
+    SCOPED( close_world ) hosted h = { 0 };
     h.def = hosted_def( &h );
     h.def.modules = MODULES;
     h.def.module_count = 1;
@@ -581,14 +555,12 @@ TEST( a_carried_pin_goes_its_way_in_equal_parts )
         assert_near( (double)seen->pin[i].y, fraction * -0.7, 1e-6 );
     }
     assert_memory_equal( seen->pin + SUBSTEPS - 1, &target, sizeof( target ) );
-    close_world( &h );
 }
 
 // ---- the guard ----
 
 WORLD_TEST( what_leaves_the_bounds_is_halted_with_its_lowest_vertex_named )
 {
-    hosted* h = *state;
     wisp_entity e = add_far( h, 5, 1.0f );
     run( h->world, 2 );
     const wisp_fabric* f = wisp_world_fabric( h->world, e );
@@ -603,7 +575,6 @@ WORLD_TEST( what_leaves_the_bounds_is_halted_with_its_lowest_vertex_named )
 
 WORLD_TEST( a_vertex_that_was_pinned_stays_pinned_when_its_entity_is_put_back )
 {
-    hosted* h = *state;
     wisp_entity e = add_far( h, 5, 1.0f );
     assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f } ), WISP_OK );
     run( h->world, 2 );
@@ -625,8 +596,7 @@ WORLD_TEST( a_vertex_that_was_pinned_stays_pinned_when_its_entity_is_put_back )
 
 WORLD_TEST( stats_of_a_turning_ball_are_those_of_the_mesh )
 {
-    hosted* h = *state;
-    test_mesh ball = test_ball( 3 );
+    SCOPED( test_mesh_free ) test_mesh ball = test_ball( 3 );
     wisp_fabric_def fabric = test_fabric_def( &ball );
     wisp_surface_def def = support_weightless_surface_def();
     def.vertex_mass = 0.01f;
@@ -669,12 +639,10 @@ WORLD_TEST( stats_of_a_turning_ball_are_those_of_the_mesh )
         assert_true( p.x * n.x + p.y * n.y + p.z * n.z > 0.996f );
         assert_near( sqrt( (double)( n.x * n.x + n.y * n.y + n.z * n.z ) ), 1.0, 1e-6 );
     }
-    test_mesh_free( &ball );
 }
 
 WORLD_TEST( potential_energy_falls_by_what_kinetic_energy_gains )
 {
-    hosted* h = *state;
     wisp_entity e = add_far( h, 5, 1.0f );
     const int32_t pin = 0;
     assert_int_equal( wisp_unpin( h->world, e, &pin, 1 ), WISP_OK );
@@ -699,7 +667,6 @@ static void collect( void* user, const char* line )
 
 WORLD_TEST( nobody_asks_so_nobody_runs )
 {
-    hosted* h = *state;
     wisp_entity e = add_far( h, 5, 1.0f );
     run( h->world, 1 );
     const char* const absent[] = { "particles.gravity", "particles.targets", "particles.damping", "surface.tethers",
@@ -723,7 +690,6 @@ WORLD_TEST( nobody_asks_so_nobody_runs )
 // A pass that touches only its own particles runs on a block of them while it is in the cache.
 WORLD_TEST( gravity_and_prediction_share_a_node )
 {
-    hosted* h = *state;
     wisp_entity e = add_far( h, 5, 1.0f );
     assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f } ), WISP_OK );
     assert_int_equal( wisp_set_damping( h->world, e, 1.0f ), WISP_OK );

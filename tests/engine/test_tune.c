@@ -45,7 +45,7 @@ TEST( the_cheapest_choice_that_meets_an_error_is_found_without_running_all )
         surface s = make_surface( seed, 6, 5, 4 );
         const double target = between( s.error, size_of( &s ), random_unit( seed, 30, 0 ) );
         searched args = search_of( &s, target, 0.0 );
-        wisp_tune_result found = find( &args );
+        SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
         const int best = best_by_error( &s, target );
         assert_true( found.meets_target );
         assert_false( found.stopped_early );
@@ -55,7 +55,6 @@ TEST( the_cheapest_choice_that_meets_an_error_is_found_without_running_all )
         assert_true( found.values[1] == VALUES[found.configuration[1]] );
         runs += found.run_count;
         configurations += size_of( &s );
-        wisp_tune_release( &found );
     }
     assert_true( 4 * runs < configurations ); // it needs a fifth of them
 }
@@ -68,12 +67,11 @@ TEST( the_most_accurate_choice_within_a_budget_is_found_without_running_all )
         surface s = make_surface( seed, 6, 5, 4 );
         const double budget = between( s.ms, size_of( &s ), random_unit( seed, 31, 0 ) );
         searched args = search_of( &s, 0.0, budget );
-        wisp_tune_result found = find( &args );
+        SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
         assert_true( found.meets_target );
         assert_int_equal( number_of( &s, found.configuration ), best_by_budget( &s, budget ) );
         runs += found.run_count;
         configurations += size_of( &s );
-        wisp_tune_release( &found );
     }
     assert_true( 4 * runs < configurations );
 }
@@ -86,10 +84,9 @@ TEST( values_out_of_order_cost_a_tenth_at_most )
         make_bumpy( &s, seed, 0.15 );
         const double target = between( s.error, size_of( &s ), 0.2 + 0.6 * random_unit( seed, 30, 0 ) );
         searched args = search_of( &s, target, 0.0 );
-        wisp_tune_result found = find( &args );
+        SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
         assert_true( found.meets_target && found.achieved.error <= target );
         assert_true( found.achieved.ms <= 1.1 * s.ms[best_by_error( &s, target )] );
-        wisp_tune_release( &found );
     }
 }
 
@@ -97,9 +94,8 @@ TEST( a_finer_value_that_is_cheaper_is_found_beside_the_best )
 {
     surface s = { .counts = { 5, 1, 1 }, .ms = { 1.0, 2.0, 3.0, 2.9, 2.8 }, .error = { 0.5, 0.4, 0.3, 0.2, 0.1 } };
     searched by_error = search_of( &s, 0.3, 0.0 );
-    wisp_tune_result cheap = find( &by_error );
+    SCOPED( wisp_tune_release ) wisp_tune_result cheap = find( &by_error );
     assert_int_equal( cheap.configuration[0], 4 );
-    wisp_tune_release( &cheap );
 }
 
 TEST( nothing_is_concluded_across_values_without_order )
@@ -116,9 +112,8 @@ TEST( nothing_is_concluded_across_values_without_order )
         const double target = between( s.error, size_of( &s ), random_unit( seed, 30, 0 ) );
         searched args = search_of( &s, target, 0.0 );
         args.parameters[2].is_unordered = true;
-        wisp_tune_result found = find( &args );
+        SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
         assert_int_equal( number_of( &s, found.configuration ), best_by_error( &s, target ) );
-        wisp_tune_release( &found );
     }
 }
 
@@ -131,13 +126,12 @@ TEST( noise_of_times_never_lets_an_error_pass )
         const double target = between( s.error, size_of( &s ), random_unit( seed, 30, 0 ) );
         searched args = search_of( &s, target, 0.0 );
         args.args.repeats = 5;
-        wisp_tune_result found = find( &args );
+        SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
         const int chosen = number_of( &s, found.configuration );
         assert_true( found.meets_target );
         assert_true( s.error[chosen] <= target );
         // Two times with errors of a tenth each, of opposite signs, differ by 1.1 / 0.9.
         assert_true( s.ms[chosen] <= 1.23 * s.ms[best_by_error( &s, target )] );
-        wisp_tune_release( &found );
     }
 }
 
@@ -156,7 +150,7 @@ TEST( choices_that_halt_are_never_chosen_and_hide_no_other )
         const double target = between( s.error, size_of( &s ), 0.2 + 0.8 * random_unit( seed, 30, 0 ) );
         const double budget = between( s.ms, size_of( &s ), 0.3 + 0.7 * random_unit( seed, 31, 0 ) );
         searched by_error = search_of( &s, target, 0.0 ), by_budget = search_of( &s, 0.0, budget );
-        wisp_tune_result cheap = find( &by_error ), accurate = find( &by_budget );
+        SCOPED( wisp_tune_release ) wisp_tune_result cheap = find( &by_error ), accurate = find( &by_budget );
         const int best = best_by_error( &s, target );
         if ( best >= 0 )
         {
@@ -164,8 +158,6 @@ TEST( choices_that_halt_are_never_chosen_and_hide_no_other )
         }
         assert_false( cheap.achieved.is_halted );
         assert_int_equal( number_of( &s, accurate.configuration ), best_by_budget( &s, budget ) );
-        wisp_tune_release( &cheap );
-        wisp_tune_release( &accurate );
     }
 }
 
@@ -175,21 +167,19 @@ TEST( an_error_out_of_reach_gives_the_most_accurate_choice_and_says_so )
 {
     surface s = make_surface( 3, 6, 5, 4 );
     searched args = search_of( &s, 1e-30, 0.0 );
-    wisp_tune_result found = find( &args );
+    SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
     assert_false( found.meets_target );
     assert_false( found.stopped_early );
     assert_int_equal( number_of( &s, found.configuration ), size_of( &s ) - 1 );
-    wisp_tune_release( &found );
 }
 
 TEST( a_budget_out_of_reach_gives_the_fastest_choice_and_says_so )
 {
     surface s = make_surface( 3, 6, 5, 4 );
     searched args = search_of( &s, 0.0, 1e-30 );
-    wisp_tune_result found = find( &args );
+    SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
     assert_false( found.meets_target );
     assert_int_equal( number_of( &s, found.configuration ), 0 );
-    wisp_tune_release( &found );
 }
 
 TEST( where_every_choice_halts_nothing_is_met )
@@ -200,7 +190,7 @@ TEST( where_every_choice_halts_nothing_is_met )
         s.is_halted[i] = true;
     }
     searched args = search_of( &s, 1.0, 0.0 );
-    wisp_tune_result found = find( &args );
+    SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
     assert_false( found.meets_target );
     assert_true( found.achieved.is_halted );
     assert_int_equal( found.trial_count, size_of( &s ) );
@@ -208,7 +198,6 @@ TEST( where_every_choice_halts_nothing_is_met )
     {
         assert_false( found.trials[v].is_pareto );
     }
-    wisp_tune_release( &found );
 }
 
 // ---- use of the runs ----
@@ -219,7 +208,7 @@ TEST( no_choice_is_run_twice_but_to_measure_it_again )
     s.noise = 0.05;
     searched args = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
     args.args.repeats = 3;
-    wisp_tune_result found = find( &args );
+    SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
     int again = 0, queried = 0;
     for ( int v = 0; v < found.trial_count; ++v )
     {
@@ -233,7 +222,6 @@ TEST( no_choice_is_run_twice_but_to_measure_it_again )
     assert_int_equal( queried, found.run_count );
     assert_int_equal( s.run_count, found.run_count );
     assert_int_equal( s.queried[number_of( &s, found.configuration )], 3 );
-    wisp_tune_release( &found );
 }
 
 TEST( a_limit_of_runs_is_kept_and_told )
@@ -244,12 +232,11 @@ TEST( a_limit_of_runs_is_kept_and_told )
         searched args = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
         args.args.max_runs = limit;
         args.args.repeats = 3;
-        wisp_tune_result found = find( &args );
+        SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
         assert_true( s.run_count <= limit && found.run_count == s.run_count );
         assert_true( found.stopped_early );
         assert_true( found.trial_count >= 1 );
         assert_true( found.meets_target == ( found.achieved.error <= args.args.error ) );
-        wisp_tune_release( &found );
     }
 }
 
@@ -332,11 +319,10 @@ TEST( a_limit_of_runs_leaves_enough_to_look_beside_the_best )
         args.user = &s;
         args.max_runs = 60;
         args.repeats = 1;
-        wisp_tune_result result;
+        SCOPED( wisp_tune_release ) wisp_tune_result result;
         assert_int_equal( wisp_tune( &args, &result, NULL ), WISP_OK );
         assert_true( result.meets_target && result.run_count <= 60 );
         sum += result.achieved.ms / best_of_many( &s, 0.02 ) - 1.0;
-        wisp_tune_release( &result );
     }
     // 0.18 by this search; 0.85 where ruling out takes all runs
     assert_true( sum / 10.0 <= 0.5 );
@@ -347,10 +333,9 @@ TEST( time_that_is_up_leaves_one_run )
     surface s = make_surface( 5, 6, 5, 4 );
     searched args = search_of( &s, 0.01, 0.0 );
     args.args.max_seconds = 1e-300;
-    wisp_tune_result found = find( &args );
+    SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
     assert_int_equal( s.run_count, 1 );
     assert_true( found.stopped_early );
-    wisp_tune_release( &found );
 }
 
 static bool stop_after_five( void* user, int run_count, int max_runs )
@@ -366,22 +351,20 @@ TEST( the_host_may_stop_a_search )
     int told = 0;
     args.args.progress = stop_after_five;
     args.args.progress_user = &told;
-    wisp_tune_result found = find( &args );
+    SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
     assert_int_equal( s.run_count, 5 );
     assert_int_equal( told, 5 );
     assert_true( found.stopped_early );
-    wisp_tune_release( &found );
 }
 
 TEST( a_parameter_of_one_value_is_left_alone )
 {
     surface s = make_surface( 5, 1, 1, 1 );
     searched args = search_of( &s, 1.0, 0.0 );
-    wisp_tune_result found = find( &args );
+    SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
     assert_int_equal( found.run_count, 1 );
     assert_true( found.meets_target );
     assert_false( found.stopped_early );
-    wisp_tune_release( &found );
 }
 
 TEST( the_same_samples_lead_to_the_same_result )
@@ -391,19 +374,17 @@ TEST( the_same_samples_lead_to_the_same_result )
     const double target = between( first.error, size_of( &first ), 0.5 );
     searched a = search_of( &first, target, 0.0 ), b = search_of( &second, target, 0.0 );
     a.args.repeats = b.args.repeats = 3;
-    wisp_tune_result x = find( &a ), y = find( &b );
+    SCOPED( wisp_tune_release ) wisp_tune_result x = find( &a ), y = find( &b );
     assert_memory_equal( x.configuration, y.configuration, sizeof( x.configuration ) );
     assert_int_equal( x.trial_count, y.trial_count );
     assert_memory_equal( first.queried, second.queried, sizeof( first.queried ) );
-    wisp_tune_release( &x );
-    wisp_tune_release( &y );
 }
 
 TEST( the_front_is_what_nothing_beats )
 {
     surface s = make_surface( 9, 6, 5, 4 );
     searched args = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
-    wisp_tune_result found = find( &args );
+    SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
     int fronts = 0;
     for ( int v = 0; v < found.trial_count; ++v )
     {
@@ -417,7 +398,6 @@ TEST( the_front_is_what_nothing_beats )
         fronts += found.trials[v].is_pareto;
     }
     assert_true( fronts > 1 && fronts < found.trial_count );
-    wisp_tune_release( &found );
 }
 
 // ---- invalid input, and failures ----
@@ -650,9 +630,10 @@ static wisp_tune_def job_of( cloth_host* host, double error, double budget_ms )
 static void measure_errors( const int* configuration, double* rms, double* largest )
 {
     wisp_entity a, b;
+    SCOPED( destroy_local )
     wisp_world* rough =
         make_world( (int)SUBSTEPS[configuration[0]], (int)ITERATIONS[configuration[1]], SIDE, 9.81f, &a );
-    wisp_world* reference = make_world( 4 * 8, 3, SIDE, 9.81f, &b );
+    SCOPED( destroy_local ) wisp_world* reference = make_world( 4 * 8, 3, SIDE, 9.81f, &b );
     assert_int_equal( wisp_request( rough, a, WISP_SURFACE_POINTS ), WISP_OK );
     assert_int_equal( wisp_request( reference, b, WISP_SURFACE_POINTS ), WISP_OK );
     double sum = 0.0, count = 0.0;
@@ -676,8 +657,6 @@ static void measure_errors( const int* configuration, double* rms, double* large
         }
     }
     *rms = sqrt( sum / count );
-    wisp_world_destroy( rough );
-    wisp_world_destroy( reference );
 }
 
 static wisp_tune_result find_for_cloth( cloth_host* host, const wisp_tune_def* args )
@@ -724,13 +703,12 @@ TEST( a_generous_budget_gives_the_most_accurate_of_what_was_run )
 {
     cloth_host host = { .gravity = 9.81f };
     const wisp_tune_def args = job_of( &host, 0.0, 1e6 );
-    wisp_tune_result found = find_for_cloth( &host, &args );
+    SCOPED( wisp_tune_release ) wisp_tune_result found = find_for_cloth( &host, &args );
     assert_true( found.meets_target );
     for ( int v = 0; v < found.trial_count; ++v )
     {
         assert_true( found.trials[v].sample.error >= found.achieved.error );
     }
-    wisp_tune_release( &found );
 }
 
 static wisp_status own_step( void* user, wisp_tune_world* world, int step, wisp_error* error )
@@ -746,15 +724,13 @@ TEST( a_host_may_step_worlds_itself )
 {
     cloth_host ours = { .gravity = 9.81f }, theirs = ours;
     wisp_tune_def args = job_of( &ours, 1e-9, 0.0 );
-    wisp_tune_result plain = find_for_cloth( &ours, &args ), stepped;
+    SCOPED( wisp_tune_release ) wisp_tune_result plain = find_for_cloth( &ours, &args ), stepped;
     wisp_tune_worlds_def def = worlds_def( &theirs );
     def.step = own_step;
     assert_int_equal( wisp_tune_worlds( &args, &def, &stepped, NULL ), WISP_OK );
     assert_int_equal( theirs.stepped, STEPS * theirs.built );
     assert_true( plain.trials[0].sample.error == stepped.trials[0].sample.error );
     assert_false( plain.meets_target || stepped.meets_target );
-    wisp_tune_release( &plain );
-    wisp_tune_release( &stepped );
 }
 
 // ---- rejected input ----

@@ -11,9 +11,8 @@
 
 WORLD_TEST( points_come_out_in_the_users_order )
 {
-    hosted* h = *state;
     static const int lengths[] = { 3, 0, 7, 1, 7, 2, 0, 12 };
-    test_strands s = test_strands_make( lengths, WISP_COUNT( lengths ) );
+    SCOPED( test_strands_free ) test_strands s = test_strands_make( lengths, WISP_COUNT( lengths ) );
     wisp_strands_def def = test_strands_def( &s );
     wisp_entity e;
     assert_int_equal( wisp_add_strands( h->world, &def, &e ), WISP_OK );
@@ -23,12 +22,10 @@ WORLD_TEST( points_come_out_in_the_users_order )
     assert_int_equal( view.count, s.vertex_count );
     assert_int_equal( view.stride, sizeof( wisp_vec3 ) );
     assert_memory_equal( view.data, s.points, (size_t)s.vertex_count * sizeof( wisp_vec3 ) );
-    test_strands_free( &s );
 }
 
 WORLD_TEST( a_view_of_what_nobody_requests_is_a_conflict )
 {
-    hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 3, 3 );
     const wisp_component wrong[] = { WISP_STRAND_POINTS, WISP_POINT_WIDTH, WISP_STRAND_POSITION, 0, 200 };
     for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
@@ -42,7 +39,6 @@ WORLD_TEST( a_view_of_what_nobody_requests_is_a_conflict )
 
 WORLD_TEST( a_request_for_a_component_that_no_module_knows_is_a_conflict )
 {
-    hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 3, 3 );
     assert_int_equal( wisp_request( h->world, e, 0 ), WISP_CONFLICT );
     assert_int_equal( wisp_request( h->world, e, 250 ), WISP_CONFLICT );
@@ -53,7 +49,6 @@ WORLD_TEST( a_request_for_a_component_that_no_module_knows_is_a_conflict )
 
 WORLD_TEST( a_request_brings_a_pass_and_taking_it_back_takes_it_away )
 {
-    hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 3, 3 );
     assert_int_equal( wisp_world_plan_passes( h->world ), 0 );
     assert_int_equal( wisp_request( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
@@ -66,7 +61,6 @@ WORLD_TEST( a_request_brings_a_pass_and_taking_it_back_takes_it_away )
 
 WORLD_TEST( a_request_taken_back_keeps_rows_that_the_user_gave )
 {
-    hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 3, 3 );
     assert_int_equal( wisp_world_attach( h->world, e, WISP_POINT_WIDTH ), WISP_OK );
     float* width = wisp_world_column( h->world, e, WISP_POINT_WIDTH, 0 );
@@ -79,7 +73,6 @@ WORLD_TEST( a_request_taken_back_keeps_rows_that_the_user_gave )
 
 WORLD_TEST( points_requested_again_are_there_again )
 {
-    hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 3, 3 );
     assert_int_equal( wisp_request( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
     step( h->world );
@@ -93,7 +86,6 @@ WORLD_TEST( points_requested_again_are_there_again )
 
 WORLD_TEST( strands_without_strands_step_and_show_nothing )
 {
-    hosted* h = *state;
     wisp_entity none = add_frozen( h->world, 0, 0 ), empty = add_frozen( h->world, 20, 0 );
     step( h->world );
     assert_int_equal( view_of( h->world, none, WISP_STRAND_POINTS ).count, 0 );
@@ -104,7 +96,6 @@ WORLD_TEST( strands_without_strands_step_and_show_nothing )
 
 WORLD_TEST( an_instance_shares_its_sources_topology_and_starts_at_rest )
 {
-    hosted* h = *state;
     wisp_entity source = add_frozen( h->world, 20, 6 ), instance;
     uint64_t at_rest = hash_of( h->world, source, WISP_STRAND_POINTS );
     step( h->world );
@@ -120,7 +111,6 @@ WORLD_TEST( an_instance_shares_its_sources_topology_and_starts_at_rest )
 
 WORLD_TEST( an_instance_starts_in_its_pose )
 {
-    hosted* h = *state;
     const wisp_entity source = add_frozen( h->world, 20, 6 );
     const wisp_transform pose = { { 0.0f, 0.0f, 2.0f, 0.0f }, { 3.0f, 0.0f, -2.0f } }; // half a turn about z
     wisp_entity instance, none;
@@ -162,7 +152,6 @@ WORLD_TEST( an_instance_starts_in_its_pose )
 
 WORLD_TEST( an_instance_survives_its_source )
 {
-    hosted* h = *state;
     wisp_entity source = add_frozen( h->world, 20, 6 ), instance, second;
     step( h->world );
     uint64_t hash = hash_of( h->world, source, WISP_STRAND_POINTS );
@@ -180,7 +169,6 @@ WORLD_TEST( an_instance_survives_its_source )
 
 WORLD_TEST( removing_an_entity_leaves_the_others_as_they_are )
 {
-    hosted* h = *state;
     wisp_entity entities[5];
     uint64_t hashes[5];
     for ( int i = 0; i < 5; ++i )
@@ -210,11 +198,10 @@ WORLD_TEST( removing_an_entity_leaves_the_others_as_they_are )
 
 WORLD_TEST( a_snapshot_needs_room_and_brings_the_state_back )
 {
-    hosted* h = *state;
     wisp_entity e = add_frozen( h->world, 20, 6 );
     step( h->world );
     size_t size = wisp_world_snapshot_size( h->world );
-    void* bytes = checked_malloc( size );
+    SCOPED( free_local ) void* bytes = checked_malloc( size );
     assert_int_equal( wisp_world_snapshot( h->world, bytes, size - 1 ), WISP_BAD_INPUT );
     assert_int_equal( wisp_world_snapshot( h->world, bytes, size ), WISP_OK );
     uint64_t hash = wisp_world_hash( h->world );
@@ -225,7 +212,6 @@ WORLD_TEST( a_snapshot_needs_room_and_brings_the_state_back )
     assert_int_equal( wisp_world_hash( h->world ), hash );
     assert_int_equal( wisp_world_restore( h->world, bytes, size - 1 ), WISP_BAD_INPUT );
     assert_one_message( wisp_world_message( h->world ) );
-    free( bytes );
 }
 
 // Snapshot, a step, restore, the same step again: both must end alike. @return the two hashes
@@ -249,20 +235,19 @@ static void step_twice_from_a_snapshot( hosted* h, wisp_frozen_base base, uint64
 WORLD_TEST( a_restored_world_goes_on_as_the_one_that_was_taken )
 {
     uint64_t hashes[2];
-    step_twice_from_a_snapshot( *state, WISP_FROZEN_BASE_REST, hashes );
+    step_twice_from_a_snapshot( h, WISP_FROZEN_BASE_REST, hashes );
     assert_int_equal( hashes[0], hashes[1] );
 }
 
 WORLD_TEST( a_restored_world_in_a_stroke_goes_on_the_same_way )
 {
     uint64_t hashes[2];
-    step_twice_from_a_snapshot( *state, WISP_FROZEN_BASE_STROKE, hashes );
+    step_twice_from_a_snapshot( h, WISP_FROZEN_BASE_STROKE, hashes );
     assert_int_equal( hashes[0], hashes[1] );
 }
 
 WORLD_TEST( a_snapshot_of_strands_cut_differently_is_refused )
 {
-    hosted* h = *state;
     // as many strands, vertices, groups and rows, but vertex 6 belongs to another strand
     static const int first[] = { 4, 2, 2 }, second[] = { 4, 3, 1 };
     test_strands a = test_strands_make( first, 3 ), b = test_strands_make( second, 3 );
@@ -320,7 +305,6 @@ TEST( a_snapshot_of_a_world_with_other_modules_goes_on_alike_or_is_refused )
 
 WORLD_TEST( a_snapshot_of_flat_strands_is_refused_by_deep_ones )
 {
-    hosted* h = *state;
     static const wisp_vec3 points[] = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 1.0f, 0.0f } };
     static const int32_t offsets[] = { 0, 2 };
     wisp_strands_def def = wisp_default_strands_def();
@@ -344,7 +328,6 @@ WORLD_TEST( a_snapshot_of_flat_strands_is_refused_by_deep_ones )
 
 WORLD_TEST( counters_have_names_and_start_at_zero )
 {
-    hosted* h = *state;
     for ( int i = 0; i < WISP_COUNTER_COUNT; ++i )
     {
         assert_int_equal( wisp_world_counter( h->world, (wisp_counter)i ), 0 );
@@ -355,7 +338,6 @@ WORLD_TEST( counters_have_names_and_start_at_zero )
 
 WORLD_TEST( counters_count_what_a_scene_met )
 {
-    hosted* h = *state;
     wisp_entity e = add_frozen( h->world, 40, 6 );
     for ( int i = 0; i < 3; ++i )
     {
@@ -375,7 +357,6 @@ WORLD_TEST( counters_count_what_a_scene_met )
 
 WORLD_TEST( a_neighbour_limit_that_bites_is_counted )
 {
-    hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 40, 6 );
     wisp_frozen_hair_def def = clumping_def();
     def.max_neighbours = 1;
@@ -389,7 +370,6 @@ WORLD_TEST( a_neighbour_limit_that_bites_is_counted )
 
 WORLD_TEST( a_hundred_worlds_live_side_by_side_and_agree )
 {
-    hosted* h = *state;
     wisp_world* worlds[100];
     wisp_entity entities[100];
     for ( int i = 0; i < WISP_COUNT( worlds ); ++i )
@@ -429,14 +409,12 @@ static const float DT = 1.0f / 64.0f; // exact, as are its sums
 // A sheet that flies along x at 1 m/s.
 static wisp_entity add_flying( wisp_world* world )
 {
-    test_mesh mesh = test_plane( SIDE, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( SIDE, 0.1f );
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
     const wisp_entity e = test_surface_of( world, &fabric, support_weightless_surface_def() );
-    const wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_status( world, wisp_set_cloth( world, e, &cloth ), WISP_OK );
+    SET_DEFAULT( world, e, cloth );
     assert_status( world, wisp_set_velocity( world, e, ( wisp_vec3 ){ 1, 0, 0 }, ( wisp_vec3 ){ 0 } ), WISP_OK );
     assert_status( world, wisp_request( world, e, WISP_SURFACE_POINTS ), WISP_OK );
-    test_mesh_free( &mesh );
     return e;
 }
 
@@ -452,7 +430,6 @@ static void advance( wisp_world* world, double seconds )
 
 WORLD_TEST( points_are_one_step_late_and_smooth )
 {
-    hosted* h = *state;
     const wisp_entity e = add_flying( h->world );
     advance( h->world, (double)DT );
     double time = (double)DT;
@@ -474,7 +451,6 @@ static void count_call( void* user, wisp_world* world )
 
 WORLD_TEST( each_step_is_announced_and_eight_are_the_most )
 {
-    hosted* h = *state;
     add_flying( h->world );
     int calls = 0;
     const double frames[] = { 0.25, 0.5, 0.5, 3.0, 100.0, 0.75 };
@@ -490,7 +466,6 @@ WORLD_TEST( each_step_is_announced_and_eight_are_the_most )
 
 WORLD_TEST( a_step_of_its_own_shows_its_own_points )
 {
-    hosted* h = *state;
     const wisp_entity e = add_flying( h->world );
     advance( h->world, 2.5 * (double)DT );
     assert_true( fabs( x_of( h->world, e ) - 1.5 * (double)DT ) < 1e-5 );
@@ -501,10 +476,9 @@ WORLD_TEST( a_step_of_its_own_shows_its_own_points )
 // Interpolation is for display: a hash is that of the step, and a restored state is shown without interpolation.
 WORLD_TEST( hashes_and_restored_points_are_those_of_the_step )
 {
-    hosted* h = *state;
     const wisp_entity e = add_flying( h->world );
     const size_t capacity = wisp_world_snapshot_size( h->world ) + 100000;
-    char* bytes = malloc( capacity );
+    SCOPED( free_local ) char* bytes = malloc( capacity );
     assert_non_null( bytes );
     advance( h->world, 2.0 * (double)DT );
     const uint64_t hash = hash_of( h->world, e, WISP_SURFACE_POINTS );
@@ -517,12 +491,10 @@ WORLD_TEST( hashes_and_restored_points_are_those_of_the_step )
     advance( h->world, 3.0 * (double)DT );
     assert_status( h->world, wisp_world_restore( h->world, bytes, size ), WISP_OK );
     assert_true( fabs( x_of( h->world, e ) - 2.0 * (double)DT ) < 1e-5 );
-    free( bytes );
 }
 
 WORLD_TEST( entities_may_come_and_go )
 {
-    hosted* h = *state;
     const wisp_entity first = add_flying( h->world );
     advance( h->world, 1.5 * (double)DT );
     const wisp_entity second = add_flying( h->world );
@@ -539,7 +511,6 @@ WORLD_TEST( entities_may_come_and_go )
 
 WORLD_TEST( a_repeated_call_allocates_nothing )
 {
-    hosted* h = *state;
     add_flying( h->world );
     advance( h->world, 2.5 * (double)DT );
     const int64_t requests = atomic_load( &h->host.queried );
@@ -560,7 +531,6 @@ static void spoil_second( void* user, wisp_world* world )
 
 WORLD_TEST( steps_that_were_due_when_one_failed_are_made_later )
 {
-    hosted* h = *state;
     const wisp_entity e = add_flying( h->world );
     int calls = 0;
     assert_int_equal( wisp_world_advance( h->world, 3.5f * DT, DT, spoil_second, &calls ), WISP_CONFLICT );
@@ -614,7 +584,7 @@ static double random_dt( int number )
 TEST( constant_steps_have_the_same_substeps_exactly )
 {
     step_clock clock = { 0 };
-    wisp_frame* frame = new_frame();
+    SCOPED( free_local ) wisp_frame* frame = new_frame();
     for ( int i = 0; i < 1500; ++i )
     {
         assert_int_equal( advance_clock( &clock, frame, 1.0 / 60.0 ), SUBSTEPS );
@@ -627,14 +597,13 @@ TEST( constant_steps_have_the_same_substeps_exactly )
         assert_true( wisp_frame_progress_left( frame, FINER, SUBSTEPS * SPLIT - 1 ) == 1.0f );
         assert_true( frame->reached == 1.0f && clock.remainder == 0.0 );
     }
-    free( frame );
 }
 
 // Substeps never shrink by more than 0.2 % from step to step, and their sum follows that of the steps within one substep.
 TEST( steps_of_any_length_have_substeps_that_barely_change )
 {
     step_clock clock = { 0 };
-    wisp_frame* frame = new_frame();
+    SCOPED( free_local ) wisp_frame* frame = new_frame();
     double asked = 0.0, simulated = 0.0, last = 0.0;
     int changes = 0;
     for ( int i = 0; i < 5000; ++i )
@@ -649,7 +618,6 @@ TEST( steps_of_any_length_have_substeps_that_barely_change )
         assert_true( clock.remainder >= 0.0 && clock.remainder < last );
     }
     assert_true( changes <= 3 ); // up to what the longest steps need
-    free( frame );
 }
 
 // A pin with a target for the end of each step moves at constant speed over all substeps.
@@ -691,7 +659,7 @@ TEST( a_steady_target_is_followed_at_a_steady_speed )
 TEST( a_new_usual_length_is_followed )
 {
     step_clock clock = { 0 };
-    wisp_frame* frame = new_frame();
+    SCOPED( free_local ) wisp_frame* frame = new_frame();
     const double lengths[] = { 1.0 / 60.0, 1.0 / 120.0, 1.0 / 30.0 };
     for ( int k = 0; k < 3; ++k )
     {
@@ -702,14 +670,13 @@ TEST( a_new_usual_length_is_followed )
         assert_true( clock.usual_dt == (float)lengths[k] );
         assert_true( fabs( (double)frame->seconds * SUBSTEPS / lengths[k] - 1.0 ) < 1e-6 );
     }
-    free( frame );
 }
 
 // Beyond the limit a step is cut, and what is cut is told. No step changes the substeps of others.
 TEST( one_long_step_costs_at_most_the_limit )
 {
     step_clock clock = { 0 };
-    wisp_frame* frame = new_frame();
+    SCOPED( free_local ) wisp_frame* frame = new_frame();
     for ( int i = 0; i < 200; ++i )
     {
         const float dt = i % 30 == 29 ? 10.0f : i % 30 == 7 ? 0.1f : 1.0f / 60.0f;
@@ -721,14 +688,13 @@ TEST( one_long_step_costs_at_most_the_limit )
     }
     assert_near( step_clock_advance( &clock, 10.0f, SUBSTEPS, 1000, false, frame ), 0.0, 0.0 );
     assert_int_equal( frame->substeps, 600 * SUBSTEPS );
-    free( frame );
 }
 
 // Substeps of a sequence of steps are those of 1/60 s in all of its steps behind the first ones.
 static void check_usual_length( const double* lengths, int count, int first_ones )
 {
     step_clock clock = { 0 };
-    wisp_frame* frame = new_frame();
+    SCOPED( free_local ) wisp_frame* frame = new_frame();
     for ( int i = 0; i < 1000; ++i )
     {
         const double dt = lengths[i < first_ones ? i : first_ones + ( i - first_ones ) % ( count - first_ones )];
@@ -736,7 +702,6 @@ static void check_usual_length( const double* lengths, int count, int first_ones
         assert_true( i < first_ones || frame->seconds == 1.0f / 60.0f / (float)SUBSTEPS );
         assert_true( i < first_ones || dt < 1.0 / 61.0 || frame->substeps >= SUBSTEPS );
     }
-    free( frame );
 }
 
 TEST( the_usual_length_is_that_of_most_steps )
@@ -757,20 +722,19 @@ TEST( the_usual_length_is_that_of_most_steps )
 TEST( tiny_steps_do_not_outnumber_usual_ones )
 {
     step_clock clock = { 0 };
-    wisp_frame* frame = new_frame();
+    SCOPED( free_local ) wisp_frame* frame = new_frame();
     for ( int i = 0; i < 20000; ++i )
     {
         advance_clock( &clock, frame, i < 10 || i > 18000 ? 1.0 / 60.0 : 1e-5 ); // 0.2 s of tiny ones
         assert_true( frame->seconds == 1.0f / 60.0f / (float)SUBSTEPS );
     }
-    free( frame );
 }
 
 TEST( hitches_do_not_keep_a_new_length_from_being_followed )
 {
     const double lengths[] = { 1.0 / 60.0, 1.0 / 144.0, 1.0 / 30.0 };
     step_clock clock = { 0 };
-    wisp_frame* frame = new_frame();
+    SCOPED( free_local ) wisp_frame* frame = new_frame();
     for ( int k = 0; k < 3; ++k )
     {
         for ( int i = 0; i < 1500; ++i )
@@ -780,40 +744,36 @@ TEST( hitches_do_not_keep_a_new_length_from_being_followed )
         assert_true( clock.usual_dt == (float)lengths[k] );
         assert_true( frame->seconds == (float)lengths[k] / (float)SUBSTEPS );
     }
-    free( frame );
 }
 
 // Who makes steps of a second gets them: the first alone may be a load screen.
 TEST( a_second_long_step_makes_them_usual )
 {
     step_clock clock = { 0 };
-    wisp_frame* frame = new_frame();
+    SCOPED( free_local ) wisp_frame* frame = new_frame();
     assert_int_equal( advance_clock( &clock, frame, 0.5 ), 30 * SUBSTEPS );
     assert_int_equal( advance_clock( &clock, frame, 0.5 ), SUBSTEPS );
     assert_true( frame->seconds == 0.5f / (float)SUBSTEPS );
-    free( frame );
 }
 
 TEST( a_trial_step_at_the_start_does_not_set_the_usual_length )
 {
     step_clock clock = { 0 };
-    wisp_frame* frame = new_frame();
+    SCOPED( free_local ) wisp_frame* frame = new_frame();
     advance_clock( &clock, frame, 1e-6 );
     assert_int_equal( advance_clock( &clock, frame, 1.0 / 60.0 ), SUBSTEPS );
     assert_true( frame->seconds == (float)( 1.0 / 60.0 ) / (float)SUBSTEPS );
-    free( frame );
 }
 
 TEST( a_step_that_must_run_has_one_substep )
 {
     step_clock clock = { 0 };
-    wisp_frame* frame = new_frame();
+    SCOPED( free_local ) wisp_frame* frame = new_frame();
     advance_clock( &clock, frame, 1.0 / 60.0 );
     assert_int_equal( advance_clock( &clock, frame, 1e-5 ), 0 );
     step_clock_advance( &clock, 1e-5f, SUBSTEPS, LONGEST, true, frame );
     assert_int_equal( frame->substeps, 1 );
     assert_true( fabs( (double)frame->seconds - 2e-5 ) < 1e-9 && clock.remainder == 0.0 );
-    free( frame );
 }
 
 TEST( clocks_that_no_step_leaves_are_refused )

@@ -324,7 +324,6 @@ static void assert_no_strands( hosted* h, const wisp_strands_def* def, const cha
 
 WORLD_TEST( strands_with_wrong_counts_are_refused )
 {
-    hosted* h = *state;
     wisp_strands_def def = two_strands();
     def.strand_count = -1;
     assert_no_strands( h, &def, "strand_count: got -1" );
@@ -344,7 +343,6 @@ WORLD_TEST( strands_with_wrong_counts_are_refused )
 
 WORLD_TEST( strands_with_wrong_offsets_are_refused_by_number )
 {
-    hosted* h = *state;
     wisp_strands_def def = two_strands();
     def.offsets = ( const int32_t[] ){ 1, 2, 4 };
     assert_no_strands( h, &def, "offsets: got 1 as the first" );
@@ -358,7 +356,6 @@ WORLD_TEST( strands_with_wrong_offsets_are_refused_by_number )
 
 WORLD_TEST( points_that_are_no_places_are_refused_by_strand_and_vertex )
 {
-    hosted* h = *state;
     const float wrong[] = { NAN, INFINITY, -INFINITY, 1.1e6f, -1.1e6f };
     for ( int i = 0; i < WISP_COUNT( wrong ) * 3; ++i )
     {
@@ -373,7 +370,6 @@ WORLD_TEST( points_that_are_no_places_are_refused_by_strand_and_vertex )
 
 WORLD_TEST( flat_strands_with_depth_are_refused )
 {
-    hosted* h = *state;
     wisp_vec3 points[WISP_COUNT( POINTS )];
     memcpy( points, POINTS, sizeof( points ) );
     points[2].z = 0.5f;
@@ -387,7 +383,6 @@ WORLD_TEST( flat_strands_with_depth_are_refused )
 
 WORLD_TEST( a_world_knows_every_byte_it_was_lent )
 {
-    hosted* h = *state;
     assert_int_equal( wisp_world_memory( h->world ), atomic_load( &h->host.bytes ) );
     wisp_entity e = add_frozen( h->world, 50, 7 );
     assert_int_equal( wisp_world_memory( h->world ), atomic_load( &h->host.bytes ) );
@@ -415,7 +410,6 @@ static void add_and_remove_everything( wisp_world* world )
 
 WORLD_TEST( removing_everything_frees_all_columns_and_topologies )
 {
-    hosted* h = *state;
     int64_t blocks = atomic_load( &h->host.blocks );
     for ( int i = 0; i < 5; ++i )
     {
@@ -432,7 +426,6 @@ WORLD_TEST( removing_everything_frees_all_columns_and_topologies )
 
 WORLD_TEST( coming_and_going_again_and_again_holds_no_more_memory )
 {
-    hosted* h = *state;
     add_and_remove_everything( h->world );
     size_t memory = wisp_world_memory( h->world );
     for ( int i = 0; i < 10; ++i )

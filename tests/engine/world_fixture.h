@@ -59,11 +59,17 @@ static inline int open_hosted( void** state )
 
 static inline int close_hosted( void** state )
 {
-    hosted* h = *state;
+    SCOPED( free_local ) hosted* h = *state;
     wisp_world_destroy( h->world );
     assert_host_memory_is_released( &h->host );
-    free( h );
     return 0;
+}
+
+/// For locals that point to such a world.
+static inline void close_local( hosted** h )
+{
+    void* state = *h;
+    close_hosted( &state );
 }
 
 /// Frozen hair that clumps: neighbours are within its radius.
@@ -100,6 +106,16 @@ static inline void assert_status( wisp_world* world, wisp_status status, wisp_st
                   wisp_world_message( world ) );
     }
 }
+
+/// Give an entity an effect: its default definition `d`, changed by the last arguments. The call must succeed.
+#define SET( world, entity, effect, ... )                                                                            \
+    do                                                                                                               \
+    {                                                                                                                \
+        wisp_##effect##_def d = wisp_default_##effect##_def();                                                       \
+        __VA_ARGS__;                                                                                                 \
+        assert_status( world, wisp_set_##effect( world, entity, &d ), WISP_OK );                                     \
+    } while ( 0 )
+#define SET_DEFAULT( world, entity, effect ) SET( world, entity, effect, (void)0 )
 
 static inline uint64_t hash_of( wisp_world* world, wisp_entity e, wisp_component component )
 {
@@ -156,4 +172,13 @@ static inline wisp_transform walked_pose( int step, float way, float angle )
                                 ( wisp_vec3 ){ way * t, 0.01f * way * t * t, -0.5f * way * t } );
 }
 
-#define WORLD_TEST( test ) TEST_WITH( test, open_hosted, close_hosted )
+/// Define a case in a world that `open` makes: HOSTED_TEST( name, open_hosted ) { ... h->world ... }
+#define HOSTED_TEST( name, open )                                                                                    \
+    static void name##_in( hosted* h );                                                                              \
+    TEST_WITH( name, open, close_hosted )                                                                            \
+    {                                                                                                                \
+        name##_in( *state );                                                                                         \
+    }                                                                                                                \
+    static void name##_in( __attribute__( ( unused ) ) hosted* h )
+
+#define WORLD_TEST( test ) HOSTED_TEST( test, open_hosted )

@@ -122,7 +122,7 @@ static wisp_vec3* rounded_points( const balloon_scene* scene, double scale, wisp
 
 static wisp_fabric* cook( const balloon_scene* scene )
 {
-    wisp_vec3* points = rounded_points( scene, 1.0, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
+    SCOPED( free_local ) wisp_vec3* points = rounded_points( scene, 1.0, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
     wisp_fabric_def def = wisp_default_fabric_def();
     def.points = points;
     def.triangles = scene->mesh->triangles;
@@ -135,7 +135,6 @@ static wisp_fabric* cook( const balloon_scene* scene )
     {
         fail_msg( "no fabric: %s", error.message );
     }
-    free( points );
     return fabric;
 }
 

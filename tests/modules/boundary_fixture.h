@@ -22,8 +22,7 @@ static inline wisp_entity add_ball( ball_world* b, const test_mesh* mesh )
     surface.pins = PINS;
     surface.pin_count = WISP_COUNT( PINS );
     const wisp_entity e = test_surface_of( b->world, &fabric, surface );
-    const wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_int_equal( wisp_set_cloth( b->world, e, &cloth ), WISP_OK );
+    SET_DEFAULT( b->world, e, cloth );
     assert_int_equal( wisp_set_gravity( b->world, e, ( wisp_vec3 ){ 0.0f, -9.81f, 0.0f } ), WISP_OK );
     assert_int_equal( wisp_request( b->world, e, WISP_SURFACE_POINTS ), WISP_OK );
     return e;
@@ -48,8 +47,9 @@ static inline ball_world* ball_open( int level, int workers, const char* isa )
     return b;
 }
 
-static inline void ball_close( ball_world* b )
+static inline void ball_close( ball_world** local )
 {
+    ball_world* b = *local;
     wisp_world_destroy( b->world );
     assert_host_memory_is_released( &b->host );
     test_mesh_free( &b->mesh );

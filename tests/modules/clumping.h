@@ -41,7 +41,7 @@ static inline bool runs_along( const double3* strand, const double3* other, int 
 
 static inline int count_locks( const double3* p, int strand_count, int length, double spacing )
 {
-    int* parent = checked_malloc( (size_t)strand_count * sizeof( int ) );
+    SCOPED( free_local ) int* parent = checked_malloc( (size_t)strand_count * sizeof( int ) );
     int locks = 0;
     for ( int s = 0; s < strand_count; ++s )
     {
@@ -59,7 +59,6 @@ static inline int count_locks( const double3* p, int strand_count, int length, d
     {
         locks += root_of( parent, s ) == s;
     }
-    free( parent );
     return locks;
 }
 

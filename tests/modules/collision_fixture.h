@@ -37,7 +37,7 @@ static inline void free_colliding( hosted* h )
     close_hosted( &state );
 }
 
-#define COLLISION_TEST( test ) TEST_WITH( test, open_colliding, close_hosted )
+#define COLLISION_TEST( test ) HOSTED_TEST( test, open_colliding )
 
 static inline void run_for( wisp_world* world, float dt, int steps )
 {
@@ -115,8 +115,7 @@ static inline wisp_entity add_cloth( wisp_world* world, int n, float side, wisp_
     wisp_collision_def collision = wisp_default_collision_def();
     wisp_entity e = add_colliding( world, &mesh, &collision );
     test_mesh_free( &mesh );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_int_equal( wisp_set_cloth( world, e, &cloth ), WISP_OK );
+    SET_DEFAULT( world, e, cloth );
     give_gravity( world, e, gravity );
     return e;
 }

@@ -85,6 +85,7 @@ static inline void move_to( sheet* s, float height )
 
 static inline void add_skin( sheet* s )
 {
+    SCOPED( test_mesh_free )
     test_mesh placed =
         new_mesh( s->collider.points, s->collider.vertex_count, s->collider.triangles, s->collider.triangle_count );
     int32_t all[8];
@@ -98,7 +99,6 @@ static inline void add_skin( sheet* s )
     def.pins = all;
     def.pin_count = placed.vertex_count;
     s->skin = test_surface_of( s->h->world, &fabric, def );
-    test_mesh_free( &placed );
 }
 
 // A sheet of cells of 2 cm in the plane y = 0, held at its border or free, and a mesh whose highest point is at a height.
@@ -138,8 +138,7 @@ static inline sheet new_sheet( test_mesh collider, float height, setting with )
     collision.thickness = THICKNESS;
     collision.features = with.features;
     s.surface = add_colliding( s.h->world, &s.mesh, &collision );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_int_equal( wisp_set_cloth( s.h->world, s.surface, &cloth ), WISP_OK );
+    SET_DEFAULT( s.h->world, s.surface, cloth );
     give_gravity( s.h->world, s.surface, with.gravity );
     for ( int32_t v = 0; with.is_held && v < s.mesh.vertex_count; ++v )
     {

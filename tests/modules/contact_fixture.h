@@ -106,14 +106,12 @@ static inline wisp_entity add_mesh( wisp_world* world, test_mesh* mesh, const in
 /// The same, every vertex pinned.
 static inline wisp_entity add_pinned( wisp_world* world, test_mesh* mesh )
 {
-    int32_t* all = checked_calloc( (uint32_t)mesh->vertex_count, sizeof( int32_t ) );
+    SCOPED( free_local ) int32_t* all = checked_calloc( (uint32_t)mesh->vertex_count, sizeof( int32_t ) );
     for ( int v = 0; v < mesh->vertex_count; ++v )
     {
         all[v] = v;
     }
-    const wisp_entity e = add_mesh( world, mesh, all, mesh->vertex_count, 0.15f );
-    free( all );
-    return e;
+    return add_mesh( world, mesh, all, mesh->vertex_count, 0.15f );
 }
 
 /// Add cloth of a mesh. Frees the mesh.
@@ -121,9 +119,7 @@ static inline wisp_entity add_draping( wisp_world* world, test_mesh* mesh, const
                                        wisp_vec3 gravity )
 {
     const wisp_entity e = add_mesh( world, mesh, pins, pin_count, 0.15f );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    cloth.internal_damping = 1.0f;
-    assert_status( world, wisp_set_cloth( world, e, &cloth ), WISP_OK );
+    SET( world, e, cloth, d.internal_damping = 1.0f );
     assert_status( world, wisp_set_gravity( world, e, gravity ), WISP_OK );
     return e;
 }
@@ -132,10 +128,7 @@ static inline wisp_entity add_draping( wisp_world* world, test_mesh* mesh, const
 static inline wisp_entity add_balloon( wisp_world* world, test_mesh* mesh, wisp_vec3 gravity )
 {
     const wisp_entity e = add_mesh( world, mesh, NULL, 0, 0.1f );
-    wisp_balloon_def def = wisp_default_balloon_def();
-    def.gas_ratio = 1.3f;
-    def.buoyancy = false;
-    assert_status( world, wisp_set_balloon( world, e, &def ), WISP_OK );
+    SET( world, e, balloon, d.gas_ratio = 1.3f, d.buoyancy = false );
     assert_status( world, wisp_set_gravity( world, e, gravity ), WISP_OK );
     return e;
 }
@@ -161,8 +154,7 @@ static inline void add_floor( wisp_world* world, wisp_vec3 at, wisp_vec3 up )
 
 static inline void set_collision( wisp_world* world, wisp_entity e )
 {
-    const wisp_collision_def def = wisp_default_collision_def();
-    assert_status( world, wisp_set_collision( world, e, &def ), WISP_OK );
+    SET_DEFAULT( world, e, collision );
 }
 
 // ---- intersections ----

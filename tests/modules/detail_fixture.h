@@ -27,7 +27,7 @@ static inline void open_levels( hosted* h, int substeps, int workers )
 /// A level sheet that falls about two of its corners.
 static inline wisp_entity add_sheet( wisp_world* world, bool has_coarse_sheets )
 {
-    test_mesh mesh = test_plane( SIDE, 1.0f / (float)( SIDE - 1 ) );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( SIDE, 1.0f / (float)( SIDE - 1 ) );
     const int32_t pins[2] = { 0, SIDE - 1 };
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.bend_links = true;
@@ -41,7 +41,6 @@ static inline wisp_entity add_sheet( wisp_world* world, bool has_coarse_sheets )
     const wisp_cloth_def cloth = wisp_default_cloth_def();
     const wisp_entity e = add_cloth( world, &fabric, surface, &cloth, EARTH );
     assert_status( world, wisp_set_damping( world, e, 0.5f ), WISP_OK );
-    test_mesh_free( &mesh );
     return e;
 }
 
@@ -87,7 +86,7 @@ static inline float step_and_measure( wisp_world* world, wisp_entity e )
 {
     int count;
     const wisp_vec3* now = points_now( world, e, &count );
-    wisp_vec3* before = checked_calloc( (size_t)count, sizeof( *before ) );
+    SCOPED( free_local ) wisp_vec3* before = checked_calloc( (size_t)count, sizeof( *before ) );
     memcpy( before, now, (size_t)count * sizeof( *before ) );
     run_steps( world, 1, FRAME );
     now = points_now( world, e, &count );
@@ -97,16 +96,12 @@ static inline float step_and_measure( wisp_world* world, wisp_entity e )
         const float moved = distance( before[v], now[v] );
         most = moved <= most ? most : moved;
     }
-    free( before );
     return most;
 }
 
 static inline void set_level_at_once( wisp_world* world, wisp_entity e, wisp_detail level )
 {
-    wisp_detail_def def = wisp_default_detail_def();
-    def.level = level;
-    def.blend_steps = 0;
-    assert_status( world, wisp_set_detail( world, e, &def ), WISP_OK );
+    SET( world, e, detail, d.level = level, d.blend_steps = 0 );
 }
 
 static inline wisp_entity add_effect( wisp_world* world, effect_setup* setup )

@@ -20,7 +20,7 @@ typedef wisp_entity effect_setup( wisp_world* world );
 
 static inline wisp_entity hang( wisp_world* world, wisp_cloth_bending bending, bool is_implicit )
 {
-    test_mesh mesh = test_plane( 21, 0.05f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 21, 0.05f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.hinges = bending != WISP_CLOTH_BENDING_LINKS;
     wisp_surface_def surface = support_weightless_surface_def();
@@ -36,7 +36,6 @@ static inline wisp_entity hang( wisp_world* world, wisp_cloth_bending bending, b
                    WISP_OK );
     assert_status( world, wisp_set_gravity( world, e, EARTH ), WISP_OK );
     assert_status( world, wisp_set_damping( world, e, 3.0f ), WISP_OK );
-    test_mesh_free( &mesh );
     return e;
 }
 
@@ -63,18 +62,15 @@ static inline wisp_entity implicit_cloth( wisp_world* world )
 // Without gravity, so that it stays: it swells and comes to rest.
 static inline wisp_entity balloon( wisp_world* world )
 {
-    test_mesh mesh = test_ball( 3 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_ball( 3 );
     for ( int v = 0; v < mesh.vertex_count; ++v )
     {
         mesh.points[v] = ( wisp_vec3 ){ 0.2f * mesh.points[v].x, 0.2f * mesh.points[v].y, 0.2f * mesh.points[v].z };
     }
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
     const wisp_entity e = test_surface_of( world, &fabric, support_weightless_surface_def() );
-    wisp_balloon_def def = wisp_default_balloon_def();
-    def.gas_ratio = 1.5f;
-    assert_status( world, wisp_set_balloon( world, e, &def ), WISP_OK );
+    SET( world, e, balloon, d.gas_ratio = 1.5f );
     assert_status( world, wisp_set_damping( world, e, 3.0f ), WISP_OK );
-    test_mesh_free( &mesh );
     return e;
 }
 
@@ -96,11 +92,9 @@ static inline wisp_entity hair( wisp_world* world, wisp_strand_stretch stretch )
     def.strand_count = 4;
     wisp_entity e;
     assert_status( world, wisp_add_strands( world, &def, &e ), WISP_OK );
-    wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
-    dynamics.stretch = stretch;
-    dynamics.bending = stretch == WISP_STRAND_STRETCH_LINKS ? WISP_STRAND_BEND_LINKS : WISP_STRAND_BEND_ROD;
-    dynamics.damping = 3.0f;
-    assert_status( world, wisp_set_strand_dynamics( world, e, &dynamics ), WISP_OK );
+    SET( world, e, strand_dynamics, d.stretch = stretch,
+         d.bending = stretch == WISP_STRAND_STRETCH_LINKS ? WISP_STRAND_BEND_LINKS : WISP_STRAND_BEND_ROD,
+         d.damping = 3.0f );
     return e;
 }
 

@@ -213,11 +213,10 @@ wisp_frozen_hair_stats hair_stats( wisp_world* world, wisp_entity entity )
 
 wisp_vec3* hair_run( const hair_host* host, const hair_groom* groom, const wisp_frozen_hair_def* def )
 {
-    wisp_world* world = hair_world_create( host );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( host );
     wisp_entity entity = hair_add_frozen( world, groom, def );
     hair_step( world );
     wisp_vec3* points = hair_points( world, entity, groom->vertex_count );
-    wisp_world_destroy( world );
     return points;
 }
 

@@ -2,7 +2,7 @@
 /// exactly the engine's floats.
 #pragma once
 
-#include "unit.h"
+#include "support.h"
 
 #include "environment.h"
 #include "frozen_hair.h"

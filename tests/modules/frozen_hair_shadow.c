@@ -12,7 +12,7 @@ typedef struct partial_run
 static wisp_vec3* run_partly( const partial_run* run, const wisp_frozen_hair_def* part,
                               wisp_frozen_hair_stats* report )
 {
-    wisp_world* world = hair_world_create( run->host );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( run->host );
     wisp_entity entity = hair_add( world, run->groom );
     for ( int i = 0; i < run->commands; ++i )
     {
@@ -27,7 +27,6 @@ static wisp_vec3* run_partly( const partial_run* run, const wisp_frozen_hair_def
     {
         *report = hair_stats( world, entity );
     }
-    wisp_world_destroy( world );
     return points;
 }
 
@@ -66,15 +65,15 @@ static void follow_clump( hair_shadow* shadow, const partial_run* run, hair_orac
 {
     const int count = run->groom->vertex_count;
     wisp_frozen_hair_def part = *run->whole;
-    double3 *reference = hair_widen_all( *current, count ), *out = hair_new_points( count );
-    double* bound = checked_calloc( 3 * (size_t)count + 1, sizeof( double ) );
+    SCOPED( free_local ) double3 *reference = hair_widen_all( *current, count ), *out = hair_new_points( count );
+    SCOPED( free_local ) double* bound = checked_calloc( 3 * (size_t)count + 1, sizeof( double ) );
     double *in_bound = bound + count, *exact = in_bound + count;
     for ( int k = 0; k < run->whole->clump_iterations; ++k )
     {
         wisp_frozen_hair_stats report;
         part.clump_iterations = k + 1;
         wisp_vec3* next = run_partly( run, &part, &report );
-        double3* in = hair_widen_all( *current, count );
+        SCOPED( free_local ) double3* in = hair_widen_all( *current, count );
         assert_int_equal(
             frozen_oracle_clump_step( &oracle->hair, &oracle->options, k, reference, in, NULL, NULL, NULL, out ),
             WISP_OK );
@@ -91,11 +90,7 @@ static void follow_clump( hair_shadow* shadow, const partial_run* run, hair_orac
         shadow->capped = report.capped;
         shadow->searches = report.searches;
         shadow->late = report.missed;
-        free( in );
     }
-    free( reference );
-    free( out );
-    free( bound );
 }
 
 hair_shadow hair_follow( const hair_host* host, const hair_groom* groom, const wisp_frozen_hair_def* def,
@@ -104,10 +99,10 @@ hair_shadow hair_follow( const hair_host* host, const hair_groom* groom, const w
     const partial_run run = { host, groom, def, commands };
     const int count = groom->vertex_count;
     hair_shadow shadow = { 0 };
-    hair_oracle oracle = hair_oracle_create( groom, def, (uint64_t)commands );
-    wisp_vec3* current = copy_rest( groom );
-    double3 *base = hair_widen_all( current, count ), *out = hair_new_points( count );
-    double* bound = checked_calloc( (size_t)count + 1, sizeof( double ) );
+    SCOPED( hair_oracle_destroy ) hair_oracle oracle = hair_oracle_create( groom, def, (uint64_t)commands );
+    SCOPED( free_local ) wisp_vec3* current = copy_rest( groom );
+    SCOPED( free_local ) double3 *base = hair_widen_all( current, count ), *out = hair_new_points( count );
+    SCOPED( free_local ) double* bound = checked_calloc( (size_t)count + 1, sizeof( double ) );
 
     wisp_frozen_hair_def part = *def;
     part.align = part.clump = false;
@@ -120,24 +115,17 @@ hair_shadow hair_follow( const hair_host* host, const hair_groom* groom, const w
     part.align = def->align;
     if ( def->align )
     {
-        double3* in = hair_widen_all( current, count );
+        SCOPED( free_local ) double3* in = hair_widen_all( current, count );
         frozen_oracle_align( &oracle.hair, &oracle.options, in, out );
         hair_bound_align( &oracle, in, bound );
         advance( &shadow, "align", 0, out, bound, &current, run_partly( &run, &part, NULL ), count );
-        free( in );
     }
     if ( def->clump )
     {
         follow_clump( &shadow, &run, &oracle, &current );
     }
-    wisp_vec3* whole = run_partly( &run, def, NULL );
+    SCOPED( free_local ) wisp_vec3* whole = run_partly( &run, def, NULL );
     assert_true( hair_same_bits( whole, current, count ) );
-    free( whole );
-    free( current );
-    free( base );
-    free( out );
-    free( bound );
-    hair_oracle_destroy( &oracle );
     return shadow;
 }
 
@@ -179,10 +167,12 @@ static void run_after_freeze( const hair_oracle* oracle, const double3* p, doubl
 void hair_compare_pipeline( const hair_groom* groom, const wisp_frozen_hair_def* def )
 {
     const int count = groom->vertex_count;
-    hair_oracle oracle = hair_oracle_create( groom, def, 0 );
+    SCOPED( hair_oracle_destroy ) hair_oracle oracle = hair_oracle_create( groom, def, 0 );
+    SCOPED( free_local )
     double3 *frozen = hair_widen_all( groom->points, count ), *scratch = hair_new_points( count );
+    SCOPED( free_local )
     double3 *expected = hair_new_points( count ), *moved = hair_new_points( count ), *out = hair_new_points( count );
-    double* bound = checked_calloc( 2 * (size_t)count + 1, sizeof( double ) );
+    SCOPED( free_local ) double* bound = checked_calloc( 2 * (size_t)count + 1, sizeof( double ) );
     const double* exact = bound + count;
     double amount = 0.0;
     if ( def->freeze )
@@ -216,7 +206,7 @@ void hair_compare_pipeline( const hair_groom* groom, const wisp_frozen_hair_def*
             tolerance = fmax( tolerance, double3_distance( out[v], expected[v] ) );
         }
     }
-    wisp_vec3* actual = hair_run( NULL, groom, def );
+    SCOPED( free_local ) wisp_vec3* actual = hair_run( NULL, groom, def );
     double offset = 0.0;
     for ( int v = 0; v < count; ++v )
     {
@@ -226,12 +216,4 @@ void hair_compare_pipeline( const hair_groom* groom, const wisp_frozen_hair_def*
     }
     print_message( "           pipeline: %.2g m off, %.2g allowed\n", offset, tolerance );
     assert_true( offset <= tolerance );
-    free( actual );
-    free( frozen );
-    free( scratch );
-    free( expected );
-    free( moved );
-    free( out );
-    free( bound );
-    hair_oracle_destroy( &oracle );
 }

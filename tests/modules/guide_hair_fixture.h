@@ -116,12 +116,12 @@ static inline double3 guide_round( double3 p )
 /// Add strands of given lengths, back to back.
 static inline wisp_entity guide_add_mixed( wisp_world* world, const double3* nodes, int strands, const int* counts )
 {
-    int32_t* offsets = checked_calloc( (size_t)strands + 1, sizeof( int32_t ) );
+    SCOPED( free_local ) int32_t* offsets = checked_calloc( (size_t)strands + 1, sizeof( int32_t ) );
     for ( int s = 0; s < strands; ++s )
     {
         offsets[s + 1] = offsets[s] + counts[s];
     }
-    wisp_vec3* points = checked_calloc( (size_t)offsets[strands] + 1, sizeof( wisp_vec3 ) );
+    SCOPED( free_local ) wisp_vec3* points = checked_calloc( (size_t)offsets[strands] + 1, sizeof( wisp_vec3 ) );
     for ( int n = 0; n < offsets[strands]; ++n )
     {
         points[n] = guide_narrow( nodes[n] );
@@ -132,8 +132,6 @@ static inline wisp_entity guide_add_mixed( wisp_world* world, const double3* nod
     def.strand_count = strands;
     wisp_entity entity;
     guide_ok( world, wisp_add_strands( world, &def, &entity ) );
-    free( points );
-    free( offsets );
     return entity;
 }
 
@@ -203,6 +201,11 @@ typedef struct flock
     wisp_world* world;
     wisp_entity targets, ghosts;
 } flock;
+
+static inline void guide_end( flock* f )
+{
+    wisp_world_destroy( f->world );
+}
 
 // A point of a polyline at a fraction of its segments.
 static inline double3 guide_along( const double3* nodes, int count, double fraction )

@@ -36,7 +36,7 @@ static inline int open_implicit_world( void** state )
     return 0;
 }
 
-#define IMPLICIT_TEST( test ) TEST_WITH( test, open_implicit_world, close_hosted )
+#define IMPLICIT_TEST( test ) HOSTED_TEST( test, open_implicit_world )
 
 /// Solved to the limit of single precision.
 static inline wisp_implicit_cloth_def exact_def( void )
@@ -99,7 +99,7 @@ static inline wisp_entity add_chain( wisp_world* world, wisp_implicit_cloth_def*
                                      const wisp_vec3* points )
 {
     static const int32_t PAIRS[6] = { 0, 1, 1, 2, 2, 3 }, PINS[2] = { 0, 4 };
-    test_mesh mesh = chain_mesh();
+    SCOPED( test_mesh_free ) test_mesh mesh = chain_mesh();
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_surface_def surface = support_weightless_surface_def();
     surface.points = points;
@@ -110,7 +110,6 @@ static inline wisp_entity add_chain( wisp_world* world, wisp_implicit_cloth_def*
     def->stretch_pair_count = links;
     wisp_entity e = test_surface_of( world, &fabric, surface );
     set_implicit( world, e, def );
-    test_mesh_free( &mesh );
     return e;
 }
 
@@ -120,7 +119,7 @@ static inline wisp_entity add_chain( wisp_world* world, wisp_implicit_cloth_def*
 /// requested.
 static inline wisp_entity add_sheet( wisp_world* world, const wisp_implicit_cloth_def* def, int n, bool pinned )
 {
-    test_mesh mesh = test_plane( n, 0.03125f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( n, 0.03125f );
     const int32_t pins[2] = { 0, n - 1 };
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_surface_def surface = support_weightless_surface_def();
@@ -129,7 +128,6 @@ static inline wisp_entity add_sheet( wisp_world* world, const wisp_implicit_clot
     wisp_entity e = test_surface_of( world, &fabric, surface );
     set_implicit( world, e, def );
     assert_status( world, wisp_set_gravity( world, e, EARTH ), WISP_OK );
-    test_mesh_free( &mesh );
     return e;
 }
 

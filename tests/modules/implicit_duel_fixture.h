@@ -150,7 +150,7 @@ static inline match* open_match( const duel* rules )
     match* m = checked_calloc( 1, sizeof( match ) );
     m->rules = rules;
     open_implicit( &m->h, 1 );
-    test_mesh mesh = test_plane( DUEL_SIDE, 0.03125f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( DUEL_SIDE, 0.03125f );
     for ( int v = 0; v < DUEL_VERTICES; ++v )
     {
         mesh.points[v].x += test_random_float( v, 200, -1.5e-3f, 1.5e-3f );
@@ -167,7 +167,6 @@ static inline match* open_match( const duel* rules )
     assert_status( m->h.world, wisp_set_gravity( m->h.world, m->cloth, EARTH ), WISP_OK );
     crumple_sheet( m->h.world, m->cloth, 2e-3f, 0.2f );
     start_oracle( m, &mesh, &def );
-    test_mesh_free( &mesh );
     return m;
 }
 

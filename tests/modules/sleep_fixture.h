@@ -32,8 +32,7 @@ static inline void open_stage( hosted* h, int workers )
 
 static inline void let_sleep( wisp_world* world, wisp_entity e )
 {
-    const wisp_sleep_def def = wisp_default_sleep_def();
-    assert_status( world, wisp_set_sleep( world, e, &def ), WISP_OK );
+    SET_DEFAULT( world, e, sleep );
 }
 
 /// A damped sheet that falls on the floor.

@@ -77,7 +77,7 @@ static inline int count_uses( const int32_t* t, int count, int from, int to )
 // Triangles at a vertex that no chain of edges at the vertex leads to from the first one, by union of neighbours.
 static inline int count_fans_at( const int32_t* t, int count, int vertex, int vertex_count )
 {
-    int* parent = calloc( (size_t)vertex_count, sizeof( int ) );
+    SCOPED( free_local ) int* parent = calloc( (size_t)vertex_count, sizeof( int ) );
     int neighbours = 0, joined = 0;
     assert_non_null( parent );
     for ( int v = 0; v < vertex_count; ++v )
@@ -100,7 +100,6 @@ static inline int count_fans_at( const int32_t* t, int count, int vertex, int ve
             parent[a] = b;
         }
     }
-    free( parent );
     return neighbours - joined;
 }
 
@@ -110,7 +109,7 @@ static inline mesh_report report_mesh( const int32_t* t, int count, int vertex_c
     const wisp_fabric* f = wisp_world_fabric( world, e );
     const float* position = wisp_world_column( world, e, WISP_PARTICLE_POSITION, 0 );
     mesh_report r = { 0 };
-    int* parent = calloc( (size_t)vertex_count, sizeof( int ) );
+    SCOPED( free_local ) int* parent = calloc( (size_t)vertex_count, sizeof( int ) );
     assert_non_null( parent );
     for ( int v = 0; v < vertex_count; ++v )
     {
@@ -129,7 +128,6 @@ static inline mesh_report report_mesh( const int32_t* t, int count, int vertex_c
         r.nonmanifold_vertices += fans > 1 && position[4 * (size_t)f->vertex_slot[v] + 3] > 0.0f ? 1 : 0;
         r.pieces += fans > 0 && root_of( parent, v ) == v ? 1 : 0;
     }
-    free( parent );
     return r;
 }
 

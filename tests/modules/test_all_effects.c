@@ -165,7 +165,7 @@ static int runs_of( wisp_world* world, const char* pass, int* fewest )
 
 TEST( the_plan_shows_the_substeps_of_both )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     int fewest = 0;
     open_all( &h, 1, 1 );
     add( h.world, MEMBERS );
@@ -182,7 +182,6 @@ TEST( the_plan_shows_the_substeps_of_both )
     assert_int_equal( substeps, 3 );
     assert_status( h.world, wisp_read_substeps( h.world, ( wisp_entity ){ 99, 1 }, &substeps ), WISP_STALE_ID );
     assert_int_equal( substeps, 0 );
-    close_world( &h );
 }
 
 static int substeps_of( wisp_world* world, wisp_entity e )
@@ -195,23 +194,21 @@ static int substeps_of( wisp_world* world, wisp_entity e )
 // Hair with contact leaves its own loop, and no one else.
 TEST( hair_in_contact_leaves_the_others_alone )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_all( &h, 2, 1 );
     const wisp_entity touching = add( h.world, MEMBERS + MEMBER_COUNT - 1 ), cloth = add( h.world, MEMBERS ),
                       other = add( h.world, MEMBERS + MEMBER_COUNT - 1 );
-    const wisp_contact_def contact = wisp_default_contact_def();
-    assert_status( h.world, wisp_set_contact( h.world, touching, &contact ), WISP_OK );
+    SET_DEFAULT( h.world, touching, contact );
     assert_status( h.world, wisp_set_substeps( h.world, other, 16 ), WISP_OK );
     assert_int_equal( substeps_of( h.world, touching ), 2 );
     assert_int_equal( substeps_of( h.world, cloth ), 2 );
     assert_int_equal( substeps_of( h.world, other ), 16 );
     take_steps( h.world, 4, 1.0f / 60.0f );
-    close_world( &h );
 }
 
 TEST( surfaces_in_contact_share_the_largest_number )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     int fewest = 0;
     open_all( &h, 2, 1 );
     for ( int i = 0; i < 2; ++i )
@@ -225,7 +222,6 @@ TEST( surfaces_in_contact_share_the_largest_number )
     assert_int_equal( runs_of( h.world, "particles.predict", &fewest ), 6 );
     assert_int_equal( fewest, 6 );
     take_steps( h.world, 4, 1.0f / 60.0f );
-    close_world( &h );
 }
 
 TEST( steps_of_any_length_keep_their_bits_with_any_workers )
@@ -270,10 +266,8 @@ static void open_changing( hosted* h, int steps )
     for ( int slot = 0; slot < h->world->store.entity_count; ++slot )
     {
         const wisp_entity e = store_handle( &h->world->store, slot );
-        wisp_detail_def detail = wisp_default_detail_def();
-        detail.level = slot % 2 == 0 ? WISP_DETAIL_NOTHING : WISP_DETAIL_FEWER_SUBSTEPS;
-        detail.blend_steps = 0;
-        assert_status( h->world, wisp_set_detail( h->world, e, &detail ), WISP_OK );
+        SET( h->world, e, detail, d.level = slot % 2 == 0 ? WISP_DETAIL_NOTHING : WISP_DETAIL_FEWER_SUBSTEPS,
+             d.blend_steps = 0 );
         assert_status( h->world, wisp_request( h->world, e, WISP_MOTION_STATS ), WISP_OK );
     }
 }
@@ -446,7 +440,7 @@ TEST( a_call_that_fails_changes_nothing )
         bool was_refused = true;
         for ( int n = 1; was_refused; ++n )
         {
-            hosted h;
+            SCOPED( close_world ) hosted h;
             cast c = open_cast( &h );
             const uint64_t hash = wisp_world_hash( h.world );
             test_host_refuse( &h.host, n, true );
@@ -460,7 +454,6 @@ TEST( a_call_that_fails_changes_nothing )
                 fail_msg( "%s, request %d: '%s'", CALL_ROWS[k].name, n, wisp_world_message( h.world ) );
             }
             take_steps( h.world, 1, 1.0f / 60.0f );
-            close_world( &h );
         }
     }
 }
@@ -529,9 +522,7 @@ static double distance_to_twin( hosted* h, wisp_entity e, hosted* twin, wisp_ent
 static wisp_entity second_order_cloth( wisp_world* world )
 {
     const wisp_entity e = implicit_cloth( world );
-    wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
-    def.integrator = WISP_INTEGRATOR_BDF2;
-    assert_status( world, wisp_set_implicit_cloth( world, e, &def ), WISP_OK );
+    SET( world, e, implicit_cloth, d.integrator = WISP_INTEGRATOR_BDF2 );
     return e;
 }
 
@@ -553,7 +544,7 @@ TEST( an_entity_goes_on_as_if_it_had_been_there )
 {
     for ( int k = 0; k < WISP_COUNT( KINDS ); ++k )
     {
-        hosted twin, h;
+        SCOPED( close_world ) hosted twin, h;
         open_effects( &twin, 1 );
         open_effects( &h, 1 );
         const wisp_entity original = KINDS[k].add( twin.world ), e = KINDS[k].add( h.world );
@@ -572,8 +563,6 @@ TEST( an_entity_goes_on_as_if_it_had_been_there )
             fail_msg( "%s: %.3g m from its twin at once, %.3g m after %d steps", KINDS[k].name, at_once, later,
                       AFTER );
         }
-        close_world( &h );
-        close_world( &twin );
     }
 }
 
@@ -596,7 +585,7 @@ TEST( velocities_can_end )
 {
     for ( int k = 0; k < WISP_COUNT( KINDS ); ++k )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_effects( &h, 1 );
         const wisp_entity e = KINDS[k].add( h.world );
         request_points( &h, e );
@@ -610,7 +599,6 @@ TEST( velocities_can_end )
         {
             fail_msg( "%s: sum of speeds %.3g m/s before, %.3g m/s after a step", KINDS[k].name, before, after );
         }
-        close_world( &h );
     }
 }
 
@@ -649,7 +637,7 @@ static wisp_entity lay_on_ball( wisp_world* world, wisp_entity* ball, wisp_entit
 
 TEST( bodies_and_what_lies_on_them_go_together )
 {
-    hosted twin, h;
+    SCOPED( close_world ) hosted twin, h;
     open_effects( &twin, 1 );
     open_effects( &h, 1 );
     wisp_entity balls[2], uppers[2], lowers[2];
@@ -667,18 +655,15 @@ TEST( bodies_and_what_lies_on_them_go_together )
     make_steps( &twin, 5 );
     make_steps( &h, 5 );
     assert_true( distance_to_twin( &h, lowers[1], &twin, lowers[0] ) < 2e-3 );
-    close_world( &h );
-    close_world( &twin );
 }
 
 // A collider that passes through a sheet in a teleport does not touch it, and gives it no velocity.
 TEST( a_collider_meets_nothing_on_its_way )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_effects( &h, 1 );
     const wisp_entity e = cloth_of_links( h.world );
-    const wisp_collision_def collision = wisp_default_collision_def();
-    assert_status( h.world, wisp_set_collision( h.world, e, &collision ), WISP_OK );
+    SET_DEFAULT( h.world, e, collision );
     wisp_collider_def def = wisp_default_collider_def();
     def.kind = WISP_COLLIDER_SPHERE;
     def.radius = 0.1f;
@@ -692,7 +677,6 @@ TEST( a_collider_meets_nothing_on_its_way )
     assert_status( h.world, wisp_teleport( h.world, ball, across, true ), WISP_OK );
     make_steps( &h, 2 );
     assert_true( motion_stats_of( h.world, e ).speed_max < rest + 1e-3 );
-    close_world( &h );
 }
 
 static wisp_entity root_on( wisp_world* world, wisp_entity surface )
@@ -717,7 +701,7 @@ static wisp_entity root_on( wisp_world* world, wisp_entity surface )
 
 TEST( strands_on_a_surface_go_along )
 {
-    hosted twin, h;
+    SCOPED( close_world ) hosted twin, h;
     open_effects( &twin, 1 );
     open_effects( &h, 1 );
     const wisp_entity on[2] = { cloth_of_links( twin.world ), cloth_of_links( h.world ) };
@@ -732,14 +716,12 @@ TEST( strands_on_a_surface_go_along )
     make_steps( &twin, AFTER );
     make_steps( &h, AFTER );
     assert_true( distance_to_twin( &h, hairs[1], &twin, hairs[0] ) < 1e-3 );
-    close_world( &h );
-    close_world( &twin );
 }
 
 // Views between two steps are on neither side of the gap.
 TEST( views_are_not_interpolated_across_a_teleport )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_effects( &h, 1 );
     const wisp_entity e = cloth_of_links( h.world );
     request_points( &h, e );
@@ -748,12 +730,11 @@ TEST( views_are_not_interpolated_across_a_teleport )
     assert_status( h.world, wisp_world_advance( h.world, 0.1f / 60.0f, 1.0f / 60.0f, NULL, NULL ), WISP_OK );
     assert_true( vec_distance( point_of( h.world, e, 0 ),
                                wisp_transform_to_world( MOTION, ( wisp_vec3 ){ 0, 0, 0 } ) ) < 1e-5 );
-    close_world( &h );
 }
 
 TEST( wrong_teleports_change_nothing )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_effects( &h, 1 );
     const wisp_entity e = cloth_of_links( h.world );
     wisp_vec3 points[2] = { { 0, 0, 0 }, { 0, -0.1f, 0 } };
@@ -778,7 +759,6 @@ TEST( wrong_teleports_change_nothing )
     expect_refusal( h.world, wisp_teleport( h.world, ( wisp_entity ){ 99, 1 }, MOTION, true ), WISP_STALE_ID,
                     "does not exist" );
     assert_true( wisp_world_hash( h.world ) == hash );
-    close_world( &h );
 }
 
 // ---- defaults ----

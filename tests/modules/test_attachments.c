@@ -73,12 +73,11 @@ static void pose_base( wisp_world* world, base* b, wisp_transform pose, float st
 // A triangle whose first vertex is 5 cm above the base.
 static wisp_entity add_pinned( wisp_world* world, wisp_vec3 at )
 {
-    test_mesh mesh = test_triangle( at, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_triangle( at, 0.1f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_surface_def def = support_weightless_surface_def();
     wisp_entity e = test_surface_of( world, &fabric, def );
     assert_int_equal( wisp_request( world, e, WISP_SURFACE_POINTS ), WISP_OK );
-    test_mesh_free( &mesh );
     return e;
 }
 
@@ -102,7 +101,7 @@ static const int32_t FIRST[] = { 0 };
 
 TEST( a_pin_goes_along_with_a_rigid_motion )
 {
-    hosted* h = open_attached( 4, 1 );
+    SCOPED( close_local ) hosted* h = open_attached( 4, 1 );
     base b = add_base( h->world );
     wisp_entity e = add_pinned( h->world, PIN );
     assert_int_equal( wisp_attach_pins( h->world, e, FIRST, 1, b.surface ), WISP_OK );
@@ -115,13 +114,12 @@ TEST( a_pin_goes_along_with_a_rigid_motion )
         assert_at( h->world, e, wisp_transform_to_world( pose, PIN ) );
     }
     test_mesh_free( &b.mesh );
-    free_colliding( h );
 }
 
 // Barycentric coordinates follow the stretch, the offset along the normal stays.
 TEST( a_pin_goes_along_with_a_stretch )
 {
-    hosted* h = open_attached( 3, 1 );
+    SCOPED( close_local ) hosted* h = open_attached( 3, 1 );
     base b = add_base( h->world );
     wisp_entity e = add_pinned( h->world, PIN );
     assert_int_equal( wisp_attach_pins( h->world, e, FIRST, 1, b.surface ), WISP_OK );
@@ -133,14 +131,13 @@ TEST( a_pin_goes_along_with_a_stretch )
     run_for( h->world, DT, 5 );
     assert_at( h->world, e, ( wisp_vec3 ){ 2.0f * PIN.x, PIN.y, PIN.z } );
     test_mesh_free( &b.mesh );
-    free_colliding( h );
 }
 
 // Vertices that are free count as moving on: in free flight that is where they go.
 TEST( a_pin_goes_along_with_a_surface_that_flies )
 {
-    hosted* h = open_attached( 5, 1 );
-    test_mesh mesh = test_plane( SIDE, 0.1f );
+    SCOPED( close_local ) hosted* h = open_attached( 5, 1 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( SIDE, 0.1f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_entity flying = test_surface_of( h->world, &fabric, support_weightless_surface_def() );
     wisp_entity e = add_pinned( h->world, PIN );
@@ -149,13 +146,11 @@ TEST( a_pin_goes_along_with_a_surface_that_flies )
     assert_int_equal( wisp_attach_pins( h->world, e, FIRST, 1, flying ), WISP_OK );
     run_for( h->world, DT, 30 );
     assert_at( h->world, e, ( wisp_vec3 ){ PIN.x + 0.15f, PIN.y + 0.3f, PIN.z } );
-    test_mesh_free( &mesh );
-    free_colliding( h );
 }
 
 TEST( detached_and_unpinned_vertices_stay_behind )
 {
-    hosted* h = open_attached( 2, 1 );
+    SCOPED( close_local ) hosted* h = open_attached( 2, 1 );
     base b = add_base( h->world );
     wisp_entity e = add_pinned( h->world, PIN );
     const int32_t two[] = { 0, 1 };
@@ -170,12 +165,11 @@ TEST( detached_and_unpinned_vertices_stay_behind )
     run_for( h->world, DT, 1 );
     assert_int_equal( count_attached( h->world, e ), 0 );
     test_mesh_free( &b.mesh );
-    free_colliding( h );
 }
 
 TEST( pins_stay_when_the_other_surface_is_removed )
 {
-    hosted* h = open_attached( 2, 1 );
+    SCOPED( close_local ) hosted* h = open_attached( 2, 1 );
     base b = add_base( h->world );
     wisp_entity e = add_pinned( h->world, PIN );
     assert_int_equal( wisp_attach_pins( h->world, e, FIRST, 1, b.surface ), WISP_OK );
@@ -187,12 +181,11 @@ TEST( pins_stay_when_the_other_surface_is_removed )
     assert_int_equal( wisp_remove( h->world, e ), WISP_OK );
     run_for( h->world, DT, 1 );
     test_mesh_free( &b.mesh );
-    free_colliding( h );
 }
 
 TEST( a_snapshot_holds_attachments )
 {
-    hosted* h = open_attached( 2, 1 );
+    SCOPED( close_local ) hosted* h = open_attached( 2, 1 );
     base b = add_base( h->world );
     wisp_entity e = add_pinned( h->world, PIN );
     assert_int_equal( wisp_attach_pins( h->world, e, FIRST, 1, b.surface ), WISP_OK );
@@ -208,12 +201,11 @@ TEST( a_snapshot_holds_attachments )
     assert_at( h->world, e, wisp_transform_to_world( up, PIN ) );
     free( bytes );
     test_mesh_free( &b.mesh );
-    free_colliding( h );
 }
 
 TEST( wrong_attachments_are_refused )
 {
-    hosted* h = open_attached( 2, 1 );
+    SCOPED( close_local ) hosted* h = open_attached( 2, 1 );
     base b = add_base( h->world ), c = add_base( h->world );
     wisp_entity e = add_pinned( h->world, PIN );
     const int32_t beyond[] = { 3 };
@@ -232,5 +224,4 @@ TEST( wrong_attachments_are_refused )
     run_for( h->world, DT, 1 );
     test_mesh_free( &b.mesh );
     test_mesh_free( &c.mesh );
-    free_colliding( h );
 }

@@ -29,7 +29,7 @@ static const double ROUNDING = 3e-7;
 
 TEST( one_substep_is_the_oracles_with_both_solvers )
 {
-    balloon_mesh mesh = balloon_pear( 2 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 2 );
     double worst = 0.0;
     for ( int solver = 0; solver < WISP_SOLVER_COUNT; ++solver )
     {
@@ -37,9 +37,9 @@ TEST( one_substep_is_the_oracles_with_both_solvers )
         scene.dt = 1.0f / 600.0f;
         scene.substeps = 1;
         scene.def.solver = scene.def.volume = (wisp_solver)solver;
-        balloon_flight flight = balloon_start( &scene );
+        SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
         balloon_stir( &flight, 0.5f );
-        balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_ENGINE );
+        SCOPED( balloon_oracle_destroy ) balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_ENGINE );
         for ( int step = 0; step < 2; ++step )
         {
             balloon_steps( &flight, 1 );
@@ -48,18 +48,15 @@ TEST( one_substep_is_the_oracles_with_both_solvers )
         double distance = balloon_distance( &flight, &oracle );
         worst = distance > worst ? distance : worst;
         balloon_assert_close( distance, 0.0, ROUNDING );
-        balloon_oracle_destroy( &oracle );
-        balloon_end( &flight );
     }
     print_message( "           engine and oracle are %.2g m apart at most\n", worst );
-    balloon_mesh_destroy( &mesh );
 }
 
 static void compare_stats( const balloon_scene* scene )
 {
-    balloon_flight flight = balloon_start( scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( scene );
     balloon_stir( &flight, 0.5f );
-    balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_ENGINE );
+    SCOPED( balloon_oracle_destroy ) balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_ENGINE );
     balloon_steps( &flight, 1 );
     balloon_oracle_step( &oracle );
     wisp_balloon_stats f = balloon_read( &flight );
@@ -83,14 +80,12 @@ static void compare_stats( const balloon_scene* scene )
     balloon_assert_close( double3_distance( balloon_from( f.torque ), torque ) / double3_length( torque ), 0.0,
                           1e-5 );
     assert_true( f.jet_starts == 1.0 );
-    balloon_oracle_destroy( &oracle );
-    balloon_end( &flight );
 }
 
 // In the climate of the paper, and in that of 5 km height with hydrogen: every density is another one.
 TEST( the_stats_of_a_substep_are_the_oracles_in_two_climates )
 {
-    balloon_mesh mesh = balloon_pear( 2 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = busy_scene( &mesh );
     scene.dt = 1.0f / 600.0f;
     scene.substeps = 1;
@@ -99,7 +94,6 @@ TEST( the_stats_of_a_substep_are_the_oracles_in_two_climates )
     scene.def.atmospheric_pressure = 54020.0f;
     scene.def.gas_molar_mass = 2.016e-3f;
     compare_stats( &scene );
-    balloon_mesh_destroy( &mesh );
 }
 
 // Differences between engine and oracle.
@@ -174,7 +168,7 @@ static void fly_both( const balloon_flight* flight, balloon_oracle* oracle, int 
 // cross links, as in the paper, both agree only as closely as the solver has converged.
 TEST( a_second_of_a_held_an_inflating_and_a_flying_balloon_is_the_oracles )
 {
-    balloon_mesh mesh = balloon_pear( 2 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 2 );
     // three vertices, because two let it swing
     const int32_t pins[3] = { balloon_mesh_farthest( &mesh, double3_make( 0.0, -1.0, 0.0 ) ),
                               balloon_mesh_farthest( &mesh, double3_make( 0.0, 0.0, 1.0 ) ),
@@ -190,8 +184,8 @@ TEST( a_second_of_a_held_an_inflating_and_a_flying_balloon_is_the_oracles )
         {
             scene.def.bend_link_stiffness = scene.def.edge_stiffness;
         }
-        balloon_flight flight = balloon_start( &scene );
-        balloon_oracle oracle = balloon_oracle_of( &flight, order );
+        SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
+        SCOPED( balloon_oracle_destroy ) balloon_oracle oracle = balloon_oracle_of( &flight, order );
         double3 impulse;
         fly_both( &flight, &oracle, 600, &impulse );
         quantities d = differences( &flight, &oracle, impulse );
@@ -208,10 +202,7 @@ TEST( a_second_of_a_held_an_inflating_and_a_flying_balloon_is_the_oracles )
         // after moving 1.5 m at 2 m/s; a pear that turns in the air amplifies small differences
         balloon_assert_close( d.centre, 0.0, same ? 2e-4 : 0.1 );
         balloon_assert_close( d.velocity, 0.0, same ? 2e-3 : 0.3 );
-        balloon_oracle_destroy( &oracle );
-        balloon_end( &flight );
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 // ---- skin ----
@@ -296,32 +287,30 @@ static double figure_volume( const balloon_mesh* mesh, wisp_vec3 place )
 {
     balloon_scene scene = balloon_scene_of( mesh );
     scene.place = place;
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 1 );
     double volume = balloon_read( &flight ).volume;
-    balloon_end( &flight );
     return volume;
 }
 
 // Eq. 7: whole numbers, so that not even floats round
 TEST( the_volume_of_a_cube_is_its_edge_cubed_wherever_it_is )
 {
-    balloon_mesh mesh;
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh;
     assert_true( balloon_mesh_cube( &mesh, 1.0 ) );
     assert_true( figure_volume( &mesh, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ) == 1.0 );
     balloon_assert_fraction( figure_volume( &mesh, ( wisp_vec3 ){ 1e3f, -1e3f, 1e3f } ), 1.0, 1e-9 );
-    balloon_mesh_destroy( &mesh );
 }
 
 // Eq. 8: the area vectors that drag, outlet and volume use
 TEST( area_vectors_are_the_gradient_of_the_volume )
 {
-    balloon_mesh mesh = balloon_pear( 2 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.dt = 1e-6f;
     scene.substeps = scene.iterations = 1;
-    balloon_flight flight = balloon_start( &scene );
-    balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_PARTED );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_oracle_destroy ) balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_PARTED );
     balloon_steps( &flight, 1 );
     const balloon_state* s = wisp_world_module_state( flight.world, "balloon" );
     const float* vectors = wisp_world_column( flight.world, flight.entity, s->rings, 0 );
@@ -351,9 +340,6 @@ TEST( area_vectors_are_the_gradient_of_the_volume )
     }
     balloon_assert_close( double3_length( sum ) / size, 0.0, 1e-6 );
     balloon_assert_fraction( dot, 3.0 * oracle.rest_volume, 1e-6 );
-    balloon_oracle_destroy( &oracle );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 // ---- volume and gas ----
@@ -361,12 +347,12 @@ TEST( area_vectors_are_the_gradient_of_the_volume )
 // Section III.2
 TEST( the_volume_follows_a_ramp_of_its_gas )
 {
-    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.damping = 30.0f;
     scene.def.edge_stiffness = 200.0f;
     scene.def.bend_link_stiffness = 2.0f;
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 10 );
     double rest = balloon_read( &flight ).rest_volume;
     for ( int half = 0; half < 2; ++half )
@@ -386,23 +372,19 @@ TEST( the_volume_follows_a_ramp_of_its_gas )
     assert_int_equal( wisp_set_balloon_inflation( flight.world, flight.entity, (float)-rest ), WISP_OK );
     balloon_steps( &flight, 10 );
     assert_true( balloon_read( &flight ).target_volume == rest );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 // Eq. 9. That the pressure is that of the gas is held by the pressures below.
 TEST( the_gas_has_the_densities_of_the_source )
 {
-    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     balloon_scene scene = balloon_scene_of( &mesh );
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     const balloon_state* s = wisp_world_module_state( flight.world, "balloon" );
     const balloon_gas* gas = wisp_world_column( flight.world, flight.entity, s->gas, 0 );
     // printed digits
     balloon_assert_close( gas->gas_density, 0.16639, 5e-6 );
     balloon_assert_close( gas->air_density, 1.20410, 5e-6 );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 // P - P_atm of a static sphere in the three ways of section III.2
@@ -420,15 +402,13 @@ static settled settled_pressures( const balloon_mesh* mesh, int substeps, int it
     scene.iterations = iterations;
     scene.bend_links = false;
     scene.def.gas_ratio = 1.2f;
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 30 );
     const wisp_balloon_stats f = balloon_read( &flight );
     const balloon_state* s = wisp_world_module_state( flight.world, "balloon" );
     const balloon_gas* gas = wisp_world_column( flight.world, flight.entity, s->gas, 0 );
     const double dt = (double)scene.dt / substeps;
-    const settled p = { f.pressure, gas->lambda / ( dt * dt ), 101325.0 * ( f.target_volume - f.volume ) / f.volume };
-    balloon_end( &flight );
-    return p;
+    return ( settled ){ f.pressure, gas->lambda / ( dt * dt ), 101325.0 * ( f.target_volume - f.volume ) / f.volume };
 }
 
 // Pressures of a static sphere, computed in double and in another order of links. Its virial agrees within 1 % and
@@ -444,7 +424,7 @@ TEST( the_pressure_readings_agree_where_substeps_make_them )
                 { 50, 1, { 2593, 1331, 1253 } },
                 { 100, 1, { 2475, 2007, 2033 } },
                 { 400, 1, { 2417, 2383, 2440 } } };
-    balloon_mesh mesh = balloon_sphere( 1, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 1, 0.15 );
     for ( int n = 0; n < WISP_COUNT( row ); ++n )
     {
         const settled p = settled_pressures( &mesh, row[n].substeps, row[n].iterations );
@@ -461,13 +441,12 @@ TEST( the_pressure_readings_agree_where_substeps_make_them )
             balloon_assert_fraction( p.gas, p.multiplier, 0.05 );
         }
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 // References, section 1: exact for a mesh whose every length is scaled by s, with a peak at s = 2
 TEST( a_scaled_spring_mesh_presses_as_its_closed_form_says )
 {
-    balloon_mesh mesh = balloon_sphere( 4, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 4, 0.15 );
     double peak = 0.0;
     for ( int n = 0; n < 5; ++n )
     {
@@ -475,8 +454,8 @@ TEST( a_scaled_spring_mesh_presses_as_its_closed_form_says )
         balloon_scene scene = balloon_scene_of( &mesh );
         scene.scale = scale[n];
         scene.substeps = 1;
-        balloon_flight flight = balloon_start( &scene );
-        balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_PARTED );
+        SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
+        SCOPED( balloon_oracle_destroy ) balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_PARTED );
         balloon_steps( &flight, 1 );
         double sum = 0.0, edges = 0.0;
         for ( int e = 0; e < oracle.structural_count; ++e )
@@ -498,22 +477,17 @@ TEST( a_scaled_spring_mesh_presses_as_its_closed_form_says )
                                  0.05 );
         assert_true( n != 3 || pressure == peak );
         assert_true( n != 4 || pressure < peak );
-        balloon_oracle_destroy( &oracle );
-        balloon_end( &flight );
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 // A slack skin has no pressure, however much smaller than its rest shape.
 TEST( a_slack_skin_reads_no_pressure )
 {
-    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.scale = 0.9;
     scene.substeps = 1;
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 1 );
     assert_true( balloon_read( &flight ).pressure == 0.0 );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }

@@ -67,10 +67,9 @@ static determinism_run* open_case( int number, const place_to_run* place, int* c
 
 static void close_case( determinism_run* base )
 {
-    running* r = (running*)base;
+    SCOPED( free_local ) running* r = (running*)base;
     balloon_end( &r->flight );
     assert_host_memory_is_released( &r->host );
-    free( r );
 }
 
 static void run_case_steps( determinism_run* base, int steps )

@@ -10,13 +10,13 @@ static const double AIR = 1.20410, HELIUM = 0.16639; // kg/m^3, printed digits
 // Eq. 1-2, gravity
 TEST( a_balloon_in_a_vacuum_falls_as_a_stone )
 {
-    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     for ( int substeps = 1; substeps <= 10; substeps += 9 )
     {
         balloon_scene scene = balloon_scene_of( &mesh );
         scene.gravity = ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f };
         scene.substeps = substeps;
-        balloon_flight flight = balloon_start( &scene );
+        SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
         double h = 1.0 / ( 60.0 * substeps ), worst = 0.0;
         for ( int n = 1; n <= 60; ++n )
         {
@@ -33,48 +33,41 @@ TEST( a_balloon_in_a_vacuum_falls_as_a_stone )
             balloon_assert_close( q.strain_max, 0.0, 1e-4 );
         }
         print_message( "           %d substeps: speed within %.1e of %.1f m/s\n", substeps, worst, 9.8 );
-        balloon_end( &flight );
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 // Eq. 1: w = 0
 TEST( a_pinned_vertex_stays_whatever_pulls )
 {
-    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     const int32_t pin = 0;
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.def.gas_ratio = 1.2f;
     scene.pins = &pin;
     scene.pin_count = 1;
     balloon_scene_give_outlet( &scene, 5, true );
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     const float* x =
         balloon_positions( &flight ) + 4 * wisp_world_fabric( flight.world, flight.entity )->vertex_slot[0];
     const float before[3] = { x[0], x[1], x[2] };
     balloon_steps( &flight, 30 );
     x = balloon_positions( &flight ) + 4 * wisp_world_fabric( flight.world, flight.entity )->vertex_slot[0];
     assert_memory_equal( x, before, sizeof( before ) );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 static double height_of_three_grams( double radius )
 {
-    balloon_mesh mesh = balloon_sphere( 4, radius );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 4, radius );
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.substeps = 1;
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 1 );
     double area = balloon_motion_stats( &flight ).mass / (double)scene.area_density;
     balloon_end( &flight );
     scene.area_density = (float)( 0.003 / area );
     flight = balloon_start( &scene );
     balloon_steps( &flight, 30 );
-    double height = balloon_motion_stats( &flight ).centre[1];
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
-    return height;
+    return balloon_motion_stats( &flight ).centre[1];
 }
 
 // Eq. 10
@@ -90,10 +83,10 @@ TEST( three_grams_lift_off_at_the_radius_of_the_source )
 // Distributed by mass, it does not turn the body
 TEST( buoyancy_is_g_times_the_difference_of_the_gases_and_turns_nothing )
 {
-    balloon_mesh mesh = balloon_pear( 3 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 3 );
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.def.drag_coefficient = 0.0f;
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 20 );
     wisp_balloon_stats f = balloon_read( &flight );
     wisp_motion_stats q = balloon_motion_stats( &flight );
@@ -103,8 +96,6 @@ TEST( buoyancy_is_g_times_the_difference_of_the_gases_and_turns_nothing )
     // the volume swings by 1e-4 while the skin settles
     balloon_assert_fraction( q.momentum[1] / q.mass, gain, 1e-3 );
     balloon_assert_close( double3_length( balloon_from( f.angular_velocity ) ), 0.0, 1e-3 );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 // Densities of the standard atmosphere at 5 km (255.65 K, 540.2 hPa): air 0.7361 kg/m^3, printed. Helium has 4.0026 /
@@ -112,7 +103,7 @@ TEST( buoyancy_is_g_times_the_difference_of_the_gases_and_turns_nothing )
 TEST( another_temperature_and_pressure_give_other_densities_lift_speed_and_drag )
 {
     const double air = 0.7361, helium = air * 4.0026 / 28.9644;
-    balloon_mesh mesh = balloon_sphere( 4, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 4, 0.15 );
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.def.temperature = 255.65f;
     scene.def.atmospheric_pressure = 54020.0f;
@@ -122,7 +113,7 @@ TEST( another_temperature_and_pressure_give_other_densities_lift_speed_and_drag 
     scene.substeps = 1;
     scene.area_density = 1.0f;
     balloon_scene_give_outlet( &scene, 0, true );
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     balloon_throw( &flight, ( wisp_vec3 ){ 0.0f, 0.0f, 2.0f } );
     balloon_steps( &flight, 1 );
     wisp_balloon_stats f = balloon_read( &flight );
@@ -134,8 +125,6 @@ TEST( another_temperature_and_pressure_give_other_densities_lift_speed_and_drag 
     // a mesh of 5120 faces has 0.9987 of the sphere's drag
     double full = 0.5 * air * 0.5 * PI * pow( 0.15 * 1.02, 2.0 ) * 4.0;
     balloon_assert_fraction( -f.drag[2], 0.9987 * full, 2e-3 );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 // ---- drag ----
@@ -143,14 +132,14 @@ TEST( another_temperature_and_pressure_give_other_densities_lift_speed_and_drag 
 // Eq. 11: 5120 faces; the measured factor depends in the fourth digit on the direction of flight
 TEST( the_drag_of_a_rigid_sphere_is_that_of_its_frontal_area )
 {
-    balloon_mesh mesh = balloon_sphere( 4, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 4, 0.15 );
     assert_int_equal( mesh.triangle_count, 5120 );
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.dt = 1e-6f; // so short that the limit of drag takes 1e-4
     scene.substeps = 1;
     scene.area_density = 1.0f;
     scene.def.drag_coefficient = 0.5f;
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     const wisp_vec3 v = { 1.2f, -0.9f, 2.0f };
     balloon_throw( &flight, v );
     balloon_steps( &flight, 1 );
@@ -161,8 +150,6 @@ TEST( the_drag_of_a_rigid_sphere_is_that_of_its_frontal_area )
     // nothing sideways
     balloon_assert_close( double3_length( double3_cross( f, u ) ) / speed / full, 0.0, 1e-3 );
     balloon_assert_fraction( -double3_dot( f, u ) / speed, full, 0.01 ); // within 1 %
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 static void keep_rigid( const balloon_flight* flight )
@@ -178,12 +165,12 @@ TEST( a_rigid_sphere_rises_at_its_terminal_speed )
 {
     double reference = balloon_oracle_true_terminal_speed( 0.15, 0.003, 9.8, AIR, HELIUM, 0.5 );
     balloon_assert_close( reference, 2.32, 5e-3 );
-    balloon_mesh mesh = balloon_sphere( 4, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 4, 0.15 );
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.area_density = (float)( 0.003 / ( 4.0 * PI * 0.15 * 0.15 ) );
     scene.dt = 1.0f / 1200.0f;
     scene.substeps = 1;
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     for ( int n = 0; n < 480; ++n )
     {
         balloon_steps( &flight, 1 );
@@ -193,24 +180,20 @@ TEST( a_rigid_sphere_rises_at_its_terminal_speed )
     print_message( "           terminal speed %.4f m/s in 480 substeps of 1/1200 s, reference %.4f\n", reached,
                    reference );
     balloon_assert_fraction( reached, reference, 0.02 );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 TEST( drag_stops_a_thrown_balloon_and_does_not_throw_it_back )
 {
-    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.substeps = 1;
     scene.def.drag_coefficient = 0.5f;
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     balloon_throw( &flight, ( wisp_vec3 ){ 0.0f, 300.0f, 0.0f } );
     double before = balloon_momentum( &flight ).y;
     balloon_steps( &flight, 1 );
     double after = balloon_momentum( &flight ).y;
     assert_true( balloon_is_finite( &flight ) && after > 0.0 && after < 0.95 * before );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 // ---- jet ----
@@ -224,8 +207,8 @@ static balloon_scene pressed_scene( const balloon_mesh* mesh, double gauge )
     scene.def.gas_ratio = 1.331f;
     scene.dt = 1e-4f;
     scene.substeps = 1;
-    balloon_flight flight = balloon_start( &scene );
-    balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_ENGINE );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_oracle_destroy ) balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_ENGINE );
     double sum = 0.0;
     for ( int e = 0; e < oracle.structural_count; ++e )
     {
@@ -233,8 +216,6 @@ static balloon_scene pressed_scene( const balloon_mesh* mesh, double gauge )
     }
     scene.def.edge_stiffness =
         (float)( gauge / balloon_oracle_true_scaled_pressure( sum, oracle.rest_volume, scene.scale ) );
-    balloon_oracle_destroy( &oracle );
-    balloon_end( &flight );
     return scene;
 }
 
@@ -243,12 +224,12 @@ TEST( the_outlet_has_the_speed_flow_and_thrust_of_the_specification )
 {
     const double gauge[] = { 1000.0, 2500.0, 7500.0 }, speed[] = { 109.6, 173.3, 300.0 };
     const double flow[] = { 1.82e-3, 2.88e-3, 4.996e-3 }, force[] = { 0.2, 0.5, 1.5 };
-    balloon_mesh mesh = balloon_pear( 2 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 2 );
     for ( int n = 0; n < WISP_COUNT( gauge ); ++n )
     {
         balloon_scene scene = pressed_scene( &mesh, gauge[n] );
         balloon_scene_give_outlet( &scene, 17, true );
-        balloon_flight flight = balloon_start( &scene );
+        SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
         balloon_steps( &flight, 1 );
         wisp_balloon_stats f = balloon_read( &flight );
         balloon_assert_fraction( f.pressure, gauge[n], 1e-5 );
@@ -258,21 +239,19 @@ TEST( the_outlet_has_the_speed_flow_and_thrust_of_the_specification )
         // F = 2 A_h (P - P_atm) = mdot v_e, in double; the area is a float
         balloon_assert_fraction( double3_length( balloon_from( f.jet ) ), 2.0 * (double)1e-4f * f.pressure, 1e-12 );
         balloon_assert_fraction( double3_length( balloon_from( f.jet ) ), f.mass_flow * f.outlet_speed, 1e-12 );
-        balloon_end( &flight );
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 // Reaction (section III.3) at constant pressure: the shape is restored in every step
 TEST( a_jet_at_constant_pressure_has_the_impulse_of_its_closed_form )
 {
-    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     balloon_scene scene = pressed_scene( &mesh, 2500.0 );
     balloon_scene_give_outlet( &scene, 0, true );
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     const wisp_fabric* fabric = wisp_world_fabric( flight.world, flight.entity );
     size_t bytes = (size_t)fabric->slot_count * 4 * sizeof( float );
-    float* shape = checked_malloc( bytes );
+    SCOPED( free_local ) float* shape = checked_malloc( bytes );
     memcpy( shape, balloon_positions( &flight ), bytes );
     double gained = 0.0, mass = 0.0;
     for ( int n = 0; n < 100; ++n )
@@ -289,21 +268,18 @@ TEST( a_jet_at_constant_pressure_has_the_impulse_of_its_closed_form )
     double allowed = 100.0 * mass * 1.5e-8 / 1e-4 / sqrt( 162.0 * 100.0 ) / ( 0.5 * 0.01 );
     balloon_assert_fraction( gained, balloon_oracle_true_jet_impulse( 1e-4, 2500.0, 0.01 ), 4.0 * allowed );
     assert_true( 4.0 * allowed < 0.01 );
-    free( shape );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 // Sections III.2 and III.3: M dv = -sum mdot v_e n dt, and the lost gas is the gas that flowed out
 TEST( what_leaves_the_outlet_is_what_the_body_gains )
 {
-    balloon_mesh mesh = balloon_pear( 2 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.dt = 1.0f / 600.0f;
     scene.substeps = 1;
     scene.def.gas_ratio = 1.2f;
     balloon_scene_give_outlet( &scene, balloon_mesh_farthest( &mesh, double3_make( 0.4, 1.0, 0.2 ) ), true );
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     double3 given = { 0.0, 0.0, 0.0 };
     double blown = 0.0;
     for ( int n = 0; n < 600; ++n )
@@ -323,8 +299,6 @@ TEST( what_leaves_the_outlet_is_what_the_body_gains )
     // each substep rounds positions of up to a metre to 3e-8 m, so a velocity to 2e-5 m/s, and 600 errors add as a
     // random walk
     balloon_assert_close( double3_distance( balloon_momentum( &flight ), given ) / size, 0.0, 1e-3 );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 // Section III.2: 10 Pa and 50 Pa. The scale of the skin sets its pressure, which is read in the next step.
@@ -332,12 +306,12 @@ TEST( the_jet_ends_at_ten_pascal_and_starts_again_only_above_fifty )
 {
     const double gauge[] = { 40.0, 50.0, 51.0, 30.0, 11.0, 10.0, 30.0, 50.0, 60.0, 0.0 };
     const bool expected[] = { false, false, true, true, true, false, false, false, true, false };
-    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     balloon_scene scene = pressed_scene( &mesh, 1000.0 );
     scene.def.gas_ratio = 2.0f;
     scene.def.outlet_area = 1e-8f;
     balloon_scene_give_outlet( &scene, 3, true );
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     const wisp_fabric* fabric = wisp_world_fabric( flight.world, flight.entity );
     double per = 1000.0 / ( 0.1 / 1.21 ); // P = per (s - 1) / s^2
     for ( int n = 0; n < WISP_COUNT( gauge ); ++n )
@@ -364,17 +338,15 @@ TEST( the_jet_ends_at_ten_pascal_and_starts_again_only_above_fifty )
         assert_int_equal( f.outlet_speed > 0.0, expected[n] );
     }
     assert_true( balloon_read( &flight ).jet_starts == 2.0 );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 TEST( a_shut_outlet_blows_nothing_and_an_opened_one_does )
 {
-    balloon_mesh mesh = balloon_pear( 2 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.def.gas_ratio = 1.2f;
     balloon_scene_give_outlet( &scene, 0, false );
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 10 );
     wisp_balloon_stats shut = balloon_read( &flight );
     assert_true( shut.pressure > 1000.0 && shut.gas_lost == 0.0 && shut.outlet_speed == 0.0 );
@@ -386,17 +358,15 @@ TEST( a_shut_outlet_blows_nothing_and_an_opened_one_does )
     wisp_balloon_stats again = balloon_read( &flight );
     balloon_steps( &flight, 5 );
     assert_true( balloon_read( &flight ).gas_lost == again.gas_lost );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 // Eq. 12 with the present pressure as constant
 TEST( a_jet_slows_down_as_the_balloon_empties )
 {
-    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     balloon_scene scene = pressed_scene( &mesh, 2500.0 );
     balloon_scene_give_outlet( &scene, 0, true );
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     const wisp_fabric* fabric = wisp_world_fabric( flight.world, flight.entity );
     double last = 1e9;
     for ( int n = 0; n < 5; ++n )
@@ -415,14 +385,12 @@ TEST( a_jet_slows_down_as_the_balloon_empties )
         balloon_assert_close( f.outlet_speed, sqrt( 2.0 * f.pressure / HELIUM ), 1.0 );
         last = f.outlet_speed;
     }
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 // Several vertices: the outlet is at their mean and has the direction of their area vectors.
 TEST( an_outlet_of_several_vertices_points_along_their_common_normal )
 {
-    balloon_mesh mesh = balloon_sphere( 3, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 3, 0.15 );
     balloon_scene scene = pressed_scene( &mesh, 1000.0 );
     double3 mean = { 0.0, 0.0, 0.0 };
     for ( int v = 0; v < mesh.vertex_count && scene.def.outlet_count < 20; ++v )
@@ -435,26 +403,24 @@ TEST( an_outlet_of_several_vertices_points_along_their_common_normal )
     }
     assert_true( scene.def.outlet_count > 5 );
     scene.def.outlet_open = true;
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 1 );
     double3 jet = balloon_from( balloon_read( &flight ).jet );
     balloon_assert_fraction( double3_length( jet ), 0.2, 1e-5 );
     // area vectors differ in size: within a tenth of a vertex's distance
     balloon_assert_close( -double3_dot( jet, mean ) / double3_length( jet ) / double3_length( mean ), 1.0, 1e-3 );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 // Fig. 4
 TEST( the_four_external_forces_point_where_they_should )
 {
-    balloon_mesh mesh = balloon_sphere( 3, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 3, 0.15 );
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.substeps = 1;
     scene.scale = 1.05;
     scene.def.gas_ratio = 1.2f;
     balloon_scene_give_outlet( &scene, 0, true );
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     balloon_throw( &flight, ( wisp_vec3 ){ 1.0f, 2.0f, -0.5f } );
     balloon_steps( &flight, 1 );
     wisp_balloon_stats f = balloon_read( &flight );
@@ -471,14 +437,12 @@ TEST( the_four_external_forces_point_where_they_should )
     double3 outlet = mesh.positions[0];
     balloon_assert_close( double3_dot( jet, outlet ) / double3_length( jet ) / double3_length( outlet ), -1.0, 1e-6 );
     assert_true( f.pressure > 1000.0 );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 // The reported drag is the one that acted: of the velocity before the other forces.
 TEST( the_forces_shown_are_the_momentum_gained )
 {
-    balloon_mesh mesh = balloon_pear( 2 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.dt = 1.0f / 240.0f;
     scene.substeps = 1;
@@ -486,7 +450,7 @@ TEST( the_forces_shown_are_the_momentum_gained )
     scene.scale = 1.05;
     scene.def.gas_ratio = 1.2f;
     balloon_scene_give_outlet( &scene, 0, true );
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     balloon_throw( &flight, ( wisp_vec3 ){ 4.0f, 2.0f, -3.0f } );
     for ( int n = 0; n < 10; ++n )
     {
@@ -502,6 +466,4 @@ TEST( the_forces_shown_are_the_momentum_gained )
         balloon_assert_close( double3_distance( gained, given ), 0.0, 1e-7 );
         assert_true( double3_length( balloon_from( f.drag ) ) > 0.05 && double3_length( given ) > 1e-3 );
     }
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }

@@ -47,9 +47,9 @@ static balloon_scene loose_pear( const balloon_mesh* mesh )
 // Eq. 13: vertex 0 of an icosphere has five equal neighbours, so its normal is radial
 TEST( a_radial_jet_has_no_torque_and_turns_nothing )
 {
-    balloon_mesh mesh = balloon_sphere( 3, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 3, 0.15 );
     balloon_scene scene = loose_body( &mesh, 0 );
-    balloon_flight flight = start_loose( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = start_loose( &scene );
     balloon_steps( &flight, 1 );
     wisp_balloon_stats f = balloon_read( &flight );
     double force = double3_length( balloon_from( f.jet ) ), arm = 0.15 * force;
@@ -59,17 +59,15 @@ TEST( a_radial_jet_has_no_torque_and_turns_nothing )
     balloon_assert_close( double3_length( balloon_angular_momentum( &flight ) ) / ( arm * (double)scene.dt ), 0.0,
                           1e-4 );
     balloon_assert_fraction( double3_length( balloon_momentum( &flight ) ), force * (double)scene.dt, 1e-4 );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 // Eq. 13-14. L = sum m x x v is independent of displacements of x along v.
 TEST( a_jet_beside_the_centre_adds_dt_r_cross_f_to_the_angular_momentum )
 {
-    balloon_mesh mesh = balloon_pear( 2 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = loose_pear( &mesh );
     scene.dt = 1.0f / 600.0f;
-    balloon_flight flight = start_loose( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = start_loose( &scene );
     balloon_stir( &flight, 0.1f );
     double3 place = vertex_of( &flight, scene.def.outlet[0] );
     double3 before = balloon_angular_momentum( &flight ), momentum = balloon_momentum( &flight );
@@ -87,20 +85,18 @@ TEST( a_jet_beside_the_centre_adds_dt_r_cross_f_to_the_angular_momentum )
     double3 pushed = double3_sub( balloon_momentum( &flight ), momentum );
     double3 jet = double3_scale( (double)scene.dt, balloon_from( f.jet ) );
     balloon_assert_close( double3_distance( pushed, jet ) / double3_length( jet ), 0.0, 1e-4 );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 // The same with an outlet of several vertices: F acts at their mean, which no vertex of the pear has.
 TEST( a_jet_of_several_vertices_acts_at_their_centre )
 {
-    balloon_mesh mesh = balloon_pear( 3 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 3 );
     balloon_scene scene = loose_pear( &mesh );
     scene.dt = 1.0f / 600.0f;
     balloon_scene_give_outlet_around( &scene, scene.def.outlet[0], 0.04 );
     const int count = scene.def.outlet_count;
     assert_in_range( count, 6, WISP_BALLOON_MAX_OUTLET );
-    balloon_flight flight = start_loose( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = start_loose( &scene );
     double3 centre = { 0.0, 0.0, 0.0 };
     for ( int i = 0; i < count; ++i )
     {
@@ -121,8 +117,6 @@ TEST( a_jet_of_several_vertices_acts_at_their_centre )
     double3 gained = balloon_angular_momentum( &flight ), given = double3_scale( (double)scene.dt, torque );
     // velocities read back from positions: 1.5e-8 m over 1/600 s each
     balloon_assert_close( double3_distance( gained, given ) / double3_length( given ), 0.0, 1e-4 );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 // Of all edges, since the positions [slot][4] before.
@@ -144,14 +138,14 @@ static double largest_strain( const balloon_flight* flight, const float* before 
 // Section III.4: a kick and its displacement are both proportional to dt, so lengths change by dt^4
 TEST( a_kick_leaves_the_edges_as_long_as_they_are )
 {
-    balloon_mesh mesh = balloon_pear( 2 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 2 );
     double strain[2];
     for ( int n = 0; n < 2; ++n )
     {
         balloon_scene scene = loose_pear( &mesh );
         scene.dt = n == 0 ? 0.04f : 0.02f;
         scene.def.outlet_area = 5e-5f;
-        balloon_flight flight = start_loose( &scene );
+        SCOPED( balloon_end ) balloon_flight flight = start_loose( &scene );
         const size_t bytes = (size_t)( 4 * mesh.vertex_count ) * sizeof( float );
         float* before = memcpy( checked_calloc( 1, bytes ), balloon_positions( &flight ), bytes );
         balloon_steps( &flight, 1 );
@@ -165,12 +159,10 @@ TEST( a_kick_leaves_the_edges_as_long_as_they_are )
         double most = 0.5 * pow( dt * dt * double3_length( balloon_from( w ) ), 2.0 );
         assert_true( strain[n] <= most + 2e-6 );
         assert_true( strain[n] > 0.5 * most );
-        balloon_end( &flight );
     }
     // lengths of floats: 1e-6 of the smaller one, which is 1e-4 at least
     assert_true( strain[1] > 1e-4 );
     balloon_assert_fraction( strain[0] / strain[1], 16.0, 0.05 );
-    balloon_mesh_destroy( &mesh );
 }
 
 // ---- inertia ----
@@ -216,13 +208,13 @@ TEST( the_inertia_is_the_brute_sum_and_that_of_a_shell )
 // "rebuilt every step": a balloon of twice the size is four times as hard to turn
 TEST( the_inertia_follows_the_shape )
 {
-    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     double inverse[2];
     for ( int n = 0; n < 2; ++n )
     {
         balloon_scene scene = balloon_scene_of( &mesh );
         scene.substeps = 1;
-        balloon_flight flight = balloon_start( &scene );
+        SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
         balloon_steps( &flight, 1 );
         float* x = balloon_positions( &flight );
         for ( int i = 0; i < 4 * mesh.vertex_count; ++i )
@@ -233,10 +225,8 @@ TEST( the_inertia_follows_the_shape )
         const balloon_state* s = wisp_world_module_state( flight.world, "balloon" );
         const balloon_body* body = wisp_world_column( flight.world, flight.entity, s->body, 0 );
         inverse[n] = body->inverse_inertia[0];
-        balloon_end( &flight );
     }
     balloon_assert_fraction( inverse[0], 4.0 * inverse[1], 1e-5 );
-    balloon_mesh_destroy( &mesh );
 }
 
 // ---- orientation ----
@@ -244,13 +234,13 @@ TEST( the_inertia_follows_the_shape )
 // Eq. 15: a step turns by 2 atan( omega dt / 2 ) = omega dt (1 - (omega dt)^2 / 12)
 TEST( an_orientation_stays_of_unit_length_and_its_error_falls_with_dt_squared )
 {
-    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     for ( int steps = 50; steps <= 200; steps *= 2 )
     {
         balloon_scene scene = balloon_scene_of( &mesh );
         scene.dt = 1.0f / (float)steps;
         scene.substeps = 1;
-        balloon_flight flight = balloon_start( &scene );
+        SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
         const wisp_vec3 still = { 0.0f, 0.0f, 0.0f }, spin = { 0.0f, 0.0f, 2.0f };
         assert_int_equal( wisp_set_velocity( flight.world, flight.entity, still, spin ), WISP_OK );
         const double dt = (double)scene.dt;
@@ -269,9 +259,7 @@ TEST( an_orientation_stays_of_unit_length_and_its_error_falls_with_dt_squared )
         assert_true( angle > 1.5 && angle < 2.1 );
         balloon_assert_close( norm, 1.0, 1e-14 );
         balloon_assert_fraction( error, lost, 0.02 );
-        balloon_end( &flight );
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 // ---- conservation ----
@@ -279,7 +267,7 @@ TEST( an_orientation_stays_of_unit_length_and_its_error_falls_with_dt_squared )
 // Eq. 4, momentum: sum m Dp = 0
 TEST( internal_constraints_keep_the_momentum_in_every_step )
 {
-    balloon_mesh mesh = balloon_pear( 2 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 2 );
     for ( int n = 0; n < 4; ++n )
     {
         balloon_scene scene = balloon_scene_of( &mesh );
@@ -287,7 +275,7 @@ TEST( internal_constraints_keep_the_momentum_in_every_step )
         scene.def.volume = n / 2 == 0 ? WISP_SOLVER_XPBD : WISP_SOLVER_PBD;
         scene.def.gas_ratio = 1.1f;
         scene.substeps = 1;
-        balloon_flight flight = balloon_start( &scene );
+        SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
         balloon_stir( &flight, 1.0f );
         double worst = 0.0, mass = 0.0;
         for ( int k = 0; k < 50; ++k )
@@ -301,38 +289,34 @@ TEST( internal_constraints_keep_the_momentum_in_every_step )
         // walk, in the mean of 162: 5e-7 m/s, and the largest of 50 such values
         print_message( "           largest change of mean velocity in a step: %.1e m/s\n", worst );
         balloon_assert_close( worst, 0.0, 3e-6 );
-        balloon_end( &flight );
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 // What the pass balloon.angular removes: nothing acts on a balloon at rest, so it must not turn, however full it is
 // and whatever the order of the sweep. The remainder is float rounding of positions, divided by a substep.
 TEST( a_full_balloon_at_rest_does_not_turn_when_its_angular_momentum_is_kept )
 {
-    balloon_mesh mesh = balloon_pear( 2 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 2 );
     for ( int substeps = 1; substeps <= 100; substeps *= 10 )
     {
         balloon_scene scene = balloon_scene_of( &mesh );
         scene.def.gas_ratio = 1.5f;
         scene.substeps = substeps;
         scene.iterations = 2;
-        balloon_flight flight = balloon_start( &scene );
+        SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
         balloon_steps( &flight, 120 );
         double spin = double3_length( balloon_from( balloon_read( &flight ).angular_velocity ) );
         print_message( "           %3d substeps: %.4f rad/s after two seconds\n", substeps, spin );
         balloon_assert_close( spin, 0.0, 0.2 ); // without the pass it is several tens
-        balloon_end( &flight );
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 // The pass removes what projections add and nothing else: an existing spin is kept.
 TEST( a_spinning_balloon_keeps_its_spin_when_its_angular_momentum_is_kept )
 {
-    balloon_mesh mesh = balloon_sphere( 3, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 3, 0.15 );
     balloon_scene scene = balloon_scene_of( &mesh );
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     const wisp_vec3 still = { 0.0f, 0.0f, 0.0f }, spin = { 0.0f, 3.0f, 0.0f };
     assert_int_equal( wisp_set_velocity( flight.world, flight.entity, still, spin ), WISP_OK );
     balloon_steps( &flight, 60 );
@@ -340,8 +324,6 @@ TEST( a_spinning_balloon_keeps_its_spin_when_its_angular_momentum_is_kept )
     // the spin stretches the skin by about a thousandth, and with it the inertia
     balloon_assert_close( turning.y, 3.0, 0.02 );
     balloon_assert_close( turning.x, 0.0, 0.005 );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 // A pin has a place of its own, and moments about the centre of mass are not those of what may move: a body with a pin is left
@@ -349,31 +331,28 @@ TEST( a_spinning_balloon_keeps_its_spin_when_its_angular_momentum_is_kept )
 TEST( a_pinned_balloon_is_not_turned_back )
 {
     static const int32_t pin = 3;
-    balloon_mesh mesh = balloon_pear( 2 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.def.gas_ratio = 1.5f;
     scene.def.bend_link_stiffness = scene.def.edge_stiffness;
     scene.gravity = ( wisp_vec3 ){ 1.0f, -9.8f, 0.0f };
     scene.pins = &pin;
     scene.pin_count = 1;
-    balloon_flight flight = balloon_start( &scene );
-    balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_ENGINE );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_oracle_destroy ) balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_ENGINE );
     const double3 place = vertex_of( &flight, pin );
     balloon_steps( &flight, 1 );
     balloon_oracle_step( &oracle );
     balloon_assert_close( balloon_distance( &flight, &oracle ), 0.0, 3e-6 ); // ten substeps of floats
     balloon_steps( &flight, 29 );
     balloon_assert_close( double3_distance( vertex_of( &flight, pin ), place ), 0.0, 0.0 );
-    balloon_oracle_destroy( &oracle );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 TEST( stats_turn_with_a_body_that_spins )
 {
-    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     balloon_scene scene = balloon_scene_of( &mesh );
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     const wisp_vec3 still = { 0.0f, 0.0f, 0.0f }, spin = { 0.0f, 0.0f, 1.0f };
     assert_int_equal( wisp_set_velocity( flight.world, flight.entity, still, spin ), WISP_OK );
     balloon_steps( &flight, 1 );
@@ -386,6 +365,4 @@ TEST( stats_turn_with_a_body_that_spins )
     // a radian per second, reduced a little by losses of the projections; body and quaternion agree
     balloon_assert_close( told, 1.0, 0.02 );
     balloon_assert_close( seen, told, 5e-3 );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }

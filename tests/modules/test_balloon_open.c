@@ -13,7 +13,7 @@ static balloon_mesh cut( const balloon_mesh* whole, double3 normal, double above
 {
     balloon_mesh mesh = { .positions = calloc( (size_t)whole->vertex_count, sizeof( double3 ) ),
                           .triangles = calloc( 3 * (size_t)whole->triangle_count, sizeof( int ) ) };
-    int* number = calloc( (size_t)whole->vertex_count, sizeof( int ) );
+    SCOPED( free_local ) int* number = calloc( (size_t)whole->vertex_count, sizeof( int ) );
     assert_true( mesh.positions != NULL && mesh.triangles != NULL && number != NULL );
     for ( int t = 0; t < whole->triangle_count; ++t )
     {
@@ -35,7 +35,6 @@ static balloon_mesh cut( const balloon_mesh* whole, double3 normal, double above
         }
         mesh.triangle_count += stays ? 1 : 0;
     }
-    free( number );
     return mesh;
 }
 
@@ -69,21 +68,19 @@ static balloon_scene open_scene( const balloon_mesh* mesh )
 
 static wisp_balloon_stats first_stats( const balloon_scene* scene )
 {
-    balloon_flight flight = balloon_start( scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( scene );
     balloon_steps( &flight, 1 );
-    wisp_balloon_stats stats = balloon_read( &flight );
-    balloon_end( &flight );
-    return stats;
+    return balloon_read( &flight );
 }
 
 // ---- the oracle ----
 
 TEST( the_oracles_gradient_is_that_of_the_capped_volume )
 {
-    balloon_mesh mesh = pear_with_two_holes( 2 );
-    balloon_oracle_caps caps = caps_of( &mesh );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = pear_with_two_holes( 2 );
+    SCOPED( balloon_oracle_destroy_caps ) balloon_oracle_caps caps = caps_of( &mesh );
     assert_int_equal( caps.hub_count, 2 );
-    double3* gradient = checked_calloc( (size_t)mesh.vertex_count, sizeof( double3 ) );
+    SCOPED( free_local ) double3* gradient = checked_calloc( (size_t)mesh.vertex_count, sizeof( double3 ) );
     double volume = balloon_oracle_capped_volume( &caps, mesh.positions ), other, largest = 0.0, dot = 0.0;
     assert_true( balloon_mesh_capped_volume( &mesh, &other ) );
     balloon_assert_fraction( volume, other, 1e-13 );
@@ -113,9 +110,6 @@ TEST( the_oracles_gradient_is_that_of_the_capped_volume )
     // V does not depend on the position, and is of the third degree
     balloon_assert_close( double3_length( sum ) / largest, 0.0, 1e-12 );
     balloon_assert_fraction( dot, 3.0 * volume, 1e-12 );
-    free( gradient );
-    balloon_oracle_destroy_caps( &caps );
-    balloon_mesh_destroy( &mesh );
 }
 
 // ---- the engine against the oracle ----
@@ -140,15 +134,15 @@ static const double ROUNDING = 1e-6;
 
 TEST( a_step_of_an_open_skin_is_the_oracles )
 {
-    balloon_mesh mesh = pear_with_two_holes( 2 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = pear_with_two_holes( 2 );
     for ( int solver = 0; solver < WISP_SOLVER_COUNT; ++solver )
     {
         balloon_scene scene = busy_scene( &mesh, (wisp_solver)solver );
         scene.dt = 1.0f / 600.0f;
         scene.substeps = 1;
-        balloon_flight flight = balloon_start( &scene );
+        SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
         balloon_stir( &flight, 0.5f );
-        balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_ENGINE );
+        SCOPED( balloon_oracle_destroy ) balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_ENGINE );
         balloon_steps( &flight, 2 );
         balloon_oracle_step( &oracle );
         balloon_oracle_step( &oracle );
@@ -165,20 +159,17 @@ TEST( a_step_of_an_open_skin_is_the_oracles )
         assert_true( double3_length( oracle.forces.drag ) > 0.0 );
         balloon_assert_close( double3_length( drag ) / double3_length( oracle.forces.drag ), 0.0, 1e-3 );
         balloon_assert_close( double3_length( lift ) / double3_length( oracle.forces.buoyancy ), 0.0, 1e-5 );
-        balloon_oracle_destroy( &oracle );
-        balloon_end( &flight );
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 TEST( half_a_second_of_an_open_skin_is_the_oracles )
 {
-    balloon_mesh mesh = pear_with_two_holes( 2 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = pear_with_two_holes( 2 );
     balloon_scene scene = busy_scene( &mesh, WISP_SOLVER_XPBD );
     scene.dt = 1.0f / 600.0f;
     scene.substeps = 1;
-    balloon_flight flight = balloon_start( &scene );
-    balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_ENGINE );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_oracle_destroy ) balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_ENGINE );
     balloon_steps( &flight, 300 );
     for ( int step = 0; step < 300; ++step )
     {
@@ -191,19 +182,16 @@ TEST( half_a_second_of_an_open_skin_is_the_oracles )
     balloon_assert_fraction( f.volume, oracle.volume, 1e-5 );
     balloon_assert_close( double3_distance( balloon_from( f.centre ), oracle.centre ), 0.0, 1e-4 );
     assert_true( double3_distance( centre, oracle.centre ) > 1e-4 ); // one step later it has moved
-    balloon_oracle_destroy( &oracle );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 // ---- references ----
 
 TEST( a_flat_fan_restores_the_volume_of_the_closed_mesh )
 {
-    balloon_mesh mesh = balloon_pear( 2 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene closed = balloon_scene_of( &mesh ), scene = open_scene( &mesh );
     const wisp_balloon_stats whole = first_stats( &closed );
-    int* kept = checked_calloc( 3 * (size_t)mesh.triangle_count, sizeof( int ) );
+    SCOPED( free_local ) int* kept = checked_calloc( 3 * (size_t)mesh.triangle_count, sizeof( int ) );
     memcpy( kept, mesh.triangles, 3 * (size_t)mesh.triangle_count * sizeof( int ) );
     for ( int t = 0; t < mesh.triangle_count; t += 23 )
     {
@@ -216,15 +204,13 @@ TEST( a_flat_fan_restores_the_volume_of_the_closed_mesh )
         mesh.triangle_count += 1;
         memcpy( mesh.triangles + 3 * t, kept + 3 * t, 3 * sizeof( int ) );
     }
-    free( kept );
-    balloon_mesh_destroy( &mesh );
 }
 
 // Whole numbers, wherever the cube is. Only the sixth of each area vector rounds, and their sum of up to 3, whose
 // float has steps of 2.4e-7, before a third of it is taken.
 TEST( a_cube_without_a_face_has_the_volume_of_the_cube )
 {
-    balloon_mesh mesh;
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh;
     assert_true( balloon_mesh_cube( &mesh, 1.0 ) );
     mesh.triangle_count -= 2;
     balloon_scene scene = open_scene( &mesh );
@@ -235,17 +221,16 @@ TEST( a_cube_without_a_face_has_the_volume_of_the_cube )
     balloon_assert_close( near.rest_volume, 1.0, 1e-15 );
     balloon_assert_close( near.volume, 1.0, 2.4e-7 );
     balloon_assert_close( far.volume, 1.0, 2.4e-7 );
-    balloon_mesh_destroy( &mesh );
 }
 
 // Pressure on skin and fans together exerts no force: the gradients sum to zero. Without the fans' part the two
 // mouths of different size would drive this pear along its axis.
 TEST( gas_behind_fans_moves_no_centre_of_mass )
 {
-    balloon_mesh mesh = pear_with_two_holes( 3 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = pear_with_two_holes( 3 );
     balloon_scene scene = open_scene( &mesh );
     scene.def.gas_ratio = 1.3f;
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 30 );
     const wisp_balloon_stats f = balloon_read( &flight );
     const balloon_state* s = wisp_world_module_state( flight.world, "balloon" );
@@ -267,13 +252,11 @@ TEST( gas_behind_fans_moves_no_centre_of_mass )
     print_message( "           %.2g m/s, and %.2g m/s if the skin were pushed alone\n", speed, alone );
     assert_true( alone > 10.0 );
     balloon_assert_close( speed, 0.0, 1e-4 );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 TEST( an_open_skin_takes_the_volume_it_is_queried_for )
 {
-    balloon_mesh mesh = pear_with_two_holes( 2 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = pear_with_two_holes( 2 );
     for ( int solver = 0; solver < WISP_SOLVER_COUNT; ++solver )
     {
         balloon_scene scene = open_scene( &mesh );
@@ -282,43 +265,38 @@ TEST( an_open_skin_takes_the_volume_it_is_queried_for )
         scene.def.stretch_stiffness = scene.def.bend_stiffness = 1e-3f;
         scene.def.gas_ratio = 1.5f;
         scene.damping = 20.0f;
-        balloon_flight flight = balloon_start( &scene );
+        SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
         balloon_steps( &flight, 120 );
         wisp_balloon_stats f = balloon_read( &flight );
         balloon_assert_fraction( f.volume, 1.5 * f.rest_volume, 0.01 ); // Fig. 3 demands 1 % of a closed skin
-        balloon_end( &flight );
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 // ---- switches, bits ----
 
 static uint64_t hash_of( const balloon_scene* scene, int steps )
 {
-    balloon_flight flight = balloon_start( scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( scene );
     balloon_steps( &flight, steps );
     assert_true( balloon_is_finite( &flight ) );
-    uint64_t hash = balloon_hash( &flight );
-    balloon_end( &flight );
-    return hash;
+    return balloon_hash( &flight );
 }
 
 TEST( a_closed_skin_is_the_same_to_a_bit_whether_it_may_be_open_or_not )
 {
-    balloon_mesh mesh = balloon_pear( 2 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.def.gas_ratio = 1.2f;
     uint64_t refused = hash_of( &scene, 10 );
     scene.def.allow_open = true;
     assert_true( hash_of( &scene, 10 ) == refused );
-    balloon_mesh_destroy( &mesh );
 }
 
 TEST( a_lost_border_vertex_halts_its_balloon_and_what_is_kept_stays_a_number )
 {
-    balloon_mesh mesh = pear_with_two_holes( 2 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = pear_with_two_holes( 2 );
     balloon_scene scene = busy_scene( &mesh, WISP_SOLVER_XPBD );
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 3 );
     uint64_t before = balloon_hash( &flight );
     const balloon_state* s = wisp_world_module_state( flight.world, "balloon" );
@@ -332,8 +310,6 @@ TEST( a_lost_border_vertex_halts_its_balloon_and_what_is_kept_stays_a_number )
     balloon_steps( &flight, 5 );
     wisp_balloon_stats f = balloon_read( &flight );
     assert_true( balloon_is_finite( &flight ) && isfinite( f.volume ) && isfinite( f.target_volume ) );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 // ---- refusals ----
@@ -348,17 +324,16 @@ static void refuse_mesh( const balloon_mesh* mesh, bool allow_open, const char* 
 {
     balloon_scene scene = balloon_scene_of( mesh );
     scene.def.allow_open = allow_open;
-    wisp_world* world = balloon_world_create( &scene );
+    SCOPED( destroy_local ) wisp_world* world = balloon_world_create( &scene );
     wisp_entity entity = balloon_surface_add( world, &scene );
     uint64_t hash = wisp_world_hash( world );
     expect_message( world, wisp_set_balloon( world, entity, &scene.def ), message );
     assert_true( wisp_world_hash( world ) == hash );
-    wisp_world_destroy( world );
 }
 
 TEST( an_open_mesh_without_leave_is_refused_with_its_first_open_edge )
 {
-    balloon_mesh mesh;
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh;
     assert_true( balloon_mesh_cube( &mesh, 1.0 ) );
     // the last triangle is removed: its first edge in the user's order is that of the first neighbour
     const int* gone = mesh.triangles + 33;
@@ -382,7 +357,6 @@ TEST( an_open_mesh_without_leave_is_refused_with_its_first_open_edge )
               "allow_open closes holes",
               from, to );
     refuse_mesh( &mesh, false, message );
-    balloon_mesh_destroy( &mesh );
 }
 
 TEST( holes_that_meet_at_a_vertex_are_refused )
@@ -415,19 +389,18 @@ TEST( holes_that_meet_at_a_vertex_are_refused )
 
 TEST( a_sheet_encloses_nothing )
 {
-    balloon_mesh mesh;
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh;
     assert_true( balloon_mesh_two_triangles( &mesh, 1.0 ) );
     refuse_mesh(
         &mesh, true,
         "balloon: got an enclosed volume of 0 m^3, expected triangles that are counter-clockwise seen from outside" );
-    balloon_mesh_destroy( &mesh );
 }
 
 TEST( an_open_balloon_cannot_become_one_that_must_be_closed )
 {
-    balloon_mesh mesh = pear_with_two_holes( 1 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = pear_with_two_holes( 1 );
     balloon_scene scene = open_scene( &mesh );
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 1 );
     uint64_t hash = wisp_world_hash( flight.world );
     wisp_balloon_def def = scene.def;
@@ -438,6 +411,4 @@ TEST( an_open_balloon_cannot_become_one_that_must_be_closed )
     def.allow_open = true;
     assert_int_equal( wisp_set_balloon( flight.world, flight.entity, &def ), WISP_OK );
     balloon_steps( &flight, 1 );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }

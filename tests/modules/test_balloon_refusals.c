@@ -39,13 +39,13 @@
 
 TEST( a_value_out_of_range_is_named_and_changes_nothing )
 {
-    balloon_mesh mesh = balloon_sphere( 1, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 1, 0.15 );
     assert_int_equal( mesh.vertex_count, 42 );
     // a surface that is no balloon yet, and one that is
     for ( int balloon = 0; balloon <= 1; ++balloon )
     {
         balloon_scene scene = balloon_scene_in_air( &mesh );
-        wisp_world* world = balloon_world_create( &scene );
+        SCOPED( destroy_local ) wisp_world* world = balloon_world_create( &scene );
         wisp_entity entity = balloon == 1 ? balloon_add( world, &scene ) : balloon_surface_add( world, &scene );
         assert_int_equal( wisp_world_step( world, scene.dt ), WISP_OK );
         uint64_t hash = wisp_world_hash( world );
@@ -58,14 +58,12 @@ TEST( a_value_out_of_range_is_named_and_changes_nothing )
             assert_true( wisp_world_hash( world ) == hash );
             assert_int_equal( wisp_world_plan_passes( world ), passes );
         }
-        wisp_world_destroy( world );
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 TEST( the_ends_of_every_range_are_accepted_and_give_numbers )
 {
-    balloon_mesh mesh = balloon_sphere( 1, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 1, 0.15 );
     for ( int upper = 0; upper <= 1; ++upper )
     {
         balloon_scene scene = balloon_scene_in_air( &mesh );
@@ -86,13 +84,11 @@ TEST( the_ends_of_every_range_are_accepted_and_give_numbers )
         for ( int solver = 0; solver < WISP_SOLVER_COUNT; ++solver )
         {
             d->solver = d->volume = (wisp_solver)solver;
-            balloon_flight flight = balloon_start( &scene );
+            SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
             balloon_steps( &flight, 5 );
             assert_true( balloon_is_finite( &flight ) );
-            balloon_end( &flight );
         }
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 // ---- meshes ----
@@ -100,14 +96,13 @@ TEST( the_ends_of_every_range_are_accepted_and_give_numbers )
 static void refuse_mesh( const balloon_mesh* mesh, const char* named )
 {
     balloon_scene scene = balloon_scene_of( mesh );
-    wisp_world* world = balloon_world_create( &scene );
+    SCOPED( destroy_local ) wisp_world* world = balloon_world_create( &scene );
     wisp_entity entity = balloon_surface_add( world, &scene );
     uint64_t hash = wisp_world_hash( world );
     expect_refusal( world, wisp_set_balloon( world, entity, &scene.def ), WISP_BAD_INPUT, named );
     assert_true( wisp_world_hash( world ) == hash );
     expect_refusal( world, wisp_request_balloon_stats( world, entity, true ), WISP_CONFLICT, "is not a balloon" );
     assert_int_equal( wisp_world_step( world, scene.dt ), WISP_OK );
-    wisp_world_destroy( world );
 }
 
 // A strip of three triangles turned once: one-sided, with a border; and a closed one-sided shell, in which two
@@ -144,16 +139,14 @@ TEST( an_edge_of_four_triangles_is_no_skin )
 
 TEST( two_shells_are_two_balloons )
 {
-    balloon_mesh one = balloon_sphere( 1, 0.15 ), both;
+    SCOPED( balloon_mesh_destroy ) balloon_mesh one = balloon_sphere( 1, 0.15 ), both;
     assert_true( balloon_mesh_join( &both, &one, &one, double3_make( 1.0, 0.0, 0.0 ) ) );
     refuse_mesh( &both, "got 2 components" );
-    balloon_mesh_destroy( &both );
-    balloon_mesh_destroy( &one );
 }
 
 TEST( an_inside_out_mesh_is_told_which_way_to_run )
 {
-    balloon_mesh mesh = balloon_sphere( 1, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 1, 0.15 );
     for ( int t = 0; t < mesh.triangle_count; ++t )
     {
         int kept = mesh.triangles[3 * t + 1];
@@ -161,27 +154,25 @@ TEST( an_inside_out_mesh_is_told_which_way_to_run )
         mesh.triangles[3 * t + 2] = kept;
     }
     refuse_mesh( &mesh, "counter-clockwise" );
-    balloon_mesh_destroy( &mesh );
 }
 
 TEST( a_flattened_mesh_encloses_nothing )
 {
-    balloon_mesh mesh = balloon_sphere( 1, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 1, 0.15 );
     for ( int v = 0; v < mesh.vertex_count; ++v )
     {
         mesh.positions[v].z = 0.0;
     }
     refuse_mesh( &mesh, "enclosed volume of 0 m^3" );
-    balloon_mesh_destroy( &mesh );
 }
 
 // ---- calls ----
 
 TEST( calls_that_a_balloon_is_not_ready_for_are_refused )
 {
-    balloon_mesh mesh = balloon_sphere( 1, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 1, 0.15 );
     balloon_scene scene = balloon_scene_of( &mesh );
-    wisp_world* world = balloon_world_create( &scene );
+    SCOPED( destroy_local ) wisp_world* world = balloon_world_create( &scene );
     wisp_entity surface = balloon_surface_add( world, &scene );
     wisp_balloon_stats stats;
     assert_int_equal( wisp_set_balloon( world, surface, &scene.def ), WISP_OK );
@@ -193,6 +184,4 @@ TEST( calls_that_a_balloon_is_not_ready_for_are_refused )
                     "gas_ratio: got 0.5," );
     expect_refusal( world, wisp_set_balloon_gas_ratio( world, surface, NAN ), WISP_BAD_INPUT, "gas_ratio: got" );
     expect_refusal( world, wisp_set_balloon_inflation( world, surface, NAN ), WISP_BAD_INPUT, "inflation_rate: got" );
-    wisp_world_destroy( world );
-    balloon_mesh_destroy( &mesh );
 }

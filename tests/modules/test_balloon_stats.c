@@ -34,8 +34,8 @@ static double rest_volume_of( const balloon_flight* flight )
 // The vertex whose jet has the longest lever: a body with an outlet there must turn.
 static int max_offset_vertex( const balloon_mesh* mesh )
 {
-    double3* normal = calloc( (size_t)mesh->vertex_count, sizeof( double3 ) );
-    double* area = calloc( (size_t)mesh->vertex_count, sizeof( double ) );
+    SCOPED( free_local ) double3* normal = calloc( (size_t)mesh->vertex_count, sizeof( double3 ) );
+    SCOPED( free_local ) double* area = calloc( (size_t)mesh->vertex_count, sizeof( double ) );
     assert_non_null( normal );
     assert_non_null( area );
     balloon_oracle_skin( mesh->positions, mesh->vertex_count, mesh->triangles, mesh->triangle_count, normal, area );
@@ -48,15 +48,13 @@ static int max_offset_vertex( const balloon_mesh* mesh )
         best = lever > longest ? v : best;
         longest = fmax( longest, lever );
     }
-    free( normal );
-    free( area );
     return best;
 }
 
 // Fig. 5; section III.2: one start of the jet, no chatter
 TEST( an_asymmetric_balloon_swells_empties_and_has_turned )
 {
-    balloon_mesh mesh = balloon_pear( 2 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.damping = 0.5f;
     // held while it is inflated
@@ -66,7 +64,7 @@ TEST( an_asymmetric_balloon_swells_empties_and_has_turned )
     scene.pins = pins;
     scene.pin_count = WISP_COUNT( pins );
     balloon_scene_give_outlet( &scene, outlet, false );
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     double rest = rest_volume_of( &flight ), last = 0.0;
     for ( int n = 0; n < 3; ++n )
     {
@@ -97,8 +95,6 @@ TEST( an_asymmetric_balloon_swells_empties_and_has_turned )
     assert_true( before < 0.2 && spin > 5.0 );
     assert_true( fabs( angle_of( &flight ) - angle ) > 1.0 );
     assert_true( f.jet_starts == 1.0 );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 static double3 tagged_vertex( const balloon_flight* flight, int vertex )
@@ -113,7 +109,7 @@ static double3 tagged_vertex( const balloon_flight* flight, int vertex )
 TEST( four_tagged_vertices_leave_tracks_and_the_spin_grows_with_the_outflow )
 {
     const int tagged[4] = { 0, 40, 80, 120 };
-    balloon_mesh mesh = balloon_pear( 2 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 2 );
     double last_peak = 0.0, last_track[4] = { 0.0, 0.0, 0.0, 0.0 };
     for ( int n = 0; n < 4; ++n )
     {
@@ -121,7 +117,7 @@ TEST( four_tagged_vertices_leave_tracks_and_the_spin_grows_with_the_outflow )
         scene.def.gas_ratio = 1.2f;
         scene.def.outlet_area = 0.25e-4f * (float)( 1 << n );
         balloon_scene_give_outlet( &scene, max_offset_vertex( &mesh ), false );
-        balloon_flight flight = balloon_start( &scene );
+        SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
         assert_int_equal( wisp_set_damping( flight.world, flight.entity, 30.0f ), WISP_OK );
         balloon_steps( &flight, 20 );
         assert_int_equal( wisp_set_damping( flight.world, flight.entity, 0.0f ), WISP_OK );
@@ -151,9 +147,7 @@ TEST( four_tagged_vertices_leave_tracks_and_the_spin_grows_with_the_outflow )
             last_track[t] = track[t];
         }
         last_peak = peak;
-        balloon_end( &flight );
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 typedef struct release
@@ -174,7 +168,7 @@ static release rise_and_open( const balloon_mesh* mesh, float gas_ratio )
     scene.def.gas_ratio = gas_ratio;
     scene.def.outlet_area = 2e-4f;
     balloon_scene_give_outlet_around( &scene, balloon_mesh_farthest( mesh, double3_make( 0.3, 1.0, 0.0 ) ), 0.03 );
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 60 );
     wisp_motion_stats q = balloon_motion_stats( &flight );
     release r = { .rising = q.momentum[1] / q.mass, .height = q.centre[1], .strain = q.strain_max };
@@ -193,7 +187,6 @@ static release rise_and_open( const balloon_mesh* mesh, float gas_ratio )
     }
     r.left = q.strain_max;
     assert_true( balloon_is_finite( &flight ) );
-    balloon_end( &flight );
     return r;
 }
 
@@ -201,7 +194,7 @@ static release rise_and_open( const balloon_mesh* mesh, float gas_ratio )
 TEST( a_balloon_rises_until_it_is_released_and_turns_back_the_faster_the_fuller )
 {
     const float fills[] = { 1.3f, 1.6f, 2.0f };
-    balloon_mesh mesh = balloon_pear( 2 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 2 );
     release last = { 0 };
     for ( int n = 0; n < WISP_COUNT( fills ); ++n )
     {
@@ -219,17 +212,16 @@ TEST( a_balloon_rises_until_it_is_released_and_turns_back_the_faster_the_fuller 
         assert_true( r.strain_max < 1.05 * r.strain && r.left < 0.02 );
         last = r;
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 // V_min below V_rest allows a limp final shape
 TEST( a_guard_below_the_rest_volume_lets_a_balloon_go_limp )
 {
-    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.damping = 5.0f;
     scene.def.min_gas_ratio = 0.6f;
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     double rest = rest_volume_of( &flight );
     inflate( &flight, -rest, 60 );
     wisp_balloon_stats f = balloon_read( &flight );
@@ -237,15 +229,13 @@ TEST( a_guard_below_the_rest_volume_lets_a_balloon_go_limp )
     // up to 2 kN/m can be crumpled
     assert_true( balloon_motion_stats( &flight ).volume < 0.7 * rest );
     assert_true( balloon_is_finite( &flight ) );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 // Memory, at sizes of 642 to 40962 vertices
 // Without an outlet, pressure and drag are measured in the last substep of a step only.
 TEST( a_closed_outlet_changes_no_reading )
 {
-    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     wisp_balloon_stats stats[2];
     for ( int k = 0; k < 2; ++k )
     {
@@ -255,15 +245,13 @@ TEST( a_closed_outlet_changes_no_reading )
         {
             balloon_scene_give_outlet( &scene, 0, false );
         }
-        balloon_flight flight = balloon_start( &scene );
+        SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
         balloon_steps( &flight, 20 );
         stats[k] = balloon_read( &flight );
-        balloon_end( &flight );
     }
     assert_true( stats[0].pressure > 0.0 && stats[0].drag[1] != 0.0 );
     assert_true( stats[0].pressure == stats[1].pressure );
     assert_memory_equal( stats[0].drag, stats[1].drag, sizeof( stats[0].drag ) );
-    balloon_mesh_destroy( &mesh );
 }
 
 TEST( memory_is_proportional_to_the_vertices )
@@ -271,14 +259,14 @@ TEST( memory_is_proportional_to_the_vertices )
     double first = 0.0;
     for ( int level = 3; level <= 6; ++level )
     {
-        balloon_mesh mesh = balloon_sphere( level, 0.15 );
+        SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( level, 0.15 );
         balloon_scene scene = balloon_scene_in_air( &mesh );
         scene.def.gas_ratio = 1.2f;
         scene.substeps = 1;
         balloon_scene_give_outlet( &scene, 0, true );
-        balloon_flight flight = balloon_start( &scene );
+        SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
         balloon_steps( &flight, 2 );
-        wisp_world* empty = balloon_world_create( &scene );
+        SCOPED( destroy_local ) wisp_world* empty = balloon_world_create( &scene );
         double bytes = (double)( wisp_world_memory( flight.world ) - wisp_world_memory( empty ) ) +
                        (double)wisp_fabric_bytes( wisp_world_fabric( flight.world, flight.entity ) );
         double each = bytes / mesh.vertex_count;
@@ -286,8 +274,5 @@ TEST( memory_is_proportional_to_the_vertices )
         first = level == 3 ? each : first;
         // small meshes need more for pages and padding; nothing grows with the volume
         assert_true( each < 1.5 * first && each > 100.0 && each < 2000.0 );
-        wisp_world_destroy( empty );
-        balloon_end( &flight );
-        balloon_mesh_destroy( &mesh );
     }
 }

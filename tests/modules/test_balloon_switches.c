@@ -6,7 +6,7 @@
 
 TEST( both_solvers_of_skin_and_volume_fly_for_half_a_second )
 {
-    balloon_mesh mesh = balloon_pear( 1 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 1 );
     for ( int n = 0; n < 4; ++n )
     {
         balloon_scene scene = balloon_scene_in_air( &mesh );
@@ -15,16 +15,14 @@ TEST( both_solvers_of_skin_and_volume_fly_for_half_a_second )
         scene.def.gas_ratio = 1.2f;
         scene.damping = 1.0f;
         balloon_scene_give_outlet( &scene, 7, true );
-        balloon_flight flight = balloon_start( &scene );
+        SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
         balloon_steps( &flight, 30 );
         assert_true( balloon_is_finite( &flight ) );
         wisp_balloon_stats f = balloon_read( &flight );
         // half a second after its release a balloon has volume and is less than a hundred metres away
         assert_true( f.volume > 0.5 * f.rest_volume && f.volume < 2.0 * f.rest_volume );
         assert_true( double3_length( balloon_from( f.centre ) ) < 100.0 );
-        balloon_end( &flight );
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 // The name of a pass, and the flags of the scenes below in which it runs.
@@ -56,11 +54,11 @@ static balloon_scene lettered_scene( const balloon_mesh* mesh, char letter )
 
 TEST( a_pass_exists_only_where_something_asks_for_it )
 {
-    balloon_mesh mesh = balloon_pear( 1 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 1 );
     for ( const char* letter = "baord"; *letter != 0; ++letter )
     {
         balloon_scene scene = lettered_scene( &mesh, *letter );
-        wisp_world* world = balloon_world_create( &scene );
+        SCOPED( destroy_local ) wisp_world* world = balloon_world_create( &scene );
         wisp_entity entity = balloon_surface_add( world, &scene );
         assert_int_equal( wisp_set_balloon( world, entity, &scene.def ), WISP_OK );
         assert_int_equal( wisp_request( world, entity, WISP_SURFACE_POINTS ), WISP_OK );
@@ -73,18 +71,16 @@ TEST( a_pass_exists_only_where_something_asks_for_it )
             }
         }
         assert_int_equal( wisp_world_step( world, scene.dt ), WISP_OK );
-        wisp_world_destroy( world );
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 TEST( switches_may_be_changed_in_flight_and_passes_go_with_them )
 {
-    balloon_mesh mesh = balloon_pear( 1 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 1 );
     balloon_scene scene = balloon_scene_in_air( &mesh ), still = balloon_scene_of( &mesh );
     scene.def.gas_ratio = 1.2f;
     balloon_scene_give_outlet( &scene, 3, true );
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 5 );
     wisp_balloon_stats f = balloon_read( &flight );
     assert_true( f.gas_lost > 0.0 && double3_length( balloon_from( f.drag ) ) > 0.0 );
@@ -108,15 +104,13 @@ TEST( switches_may_be_changed_in_flight_and_passes_go_with_them )
     balloon_steps( &flight, 1 );
     f = balloon_read( &flight );
     balloon_assert_fraction( f.target_volume, 1.5 * f.rest_volume, 1e-12 );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 // ---- guards ----
 
 TEST( a_collapsed_balloon_stays_finite_and_its_outlet_silent )
 {
-    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     const int32_t pin = 7;
     for ( int n = 0; n < 2; ++n )
     {
@@ -125,7 +119,7 @@ TEST( a_collapsed_balloon_stays_finite_and_its_outlet_silent )
         scene.pins = &pin;
         scene.pin_count = 1;
         balloon_scene_give_outlet( &scene, 3, true );
-        balloon_flight flight = balloon_start( &scene );
+        SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
         float* x = balloon_positions( &flight );
         for ( int i = 0; i < 4 * mesh.vertex_count; ++i )
         {
@@ -138,31 +132,27 @@ TEST( a_collapsed_balloon_stays_finite_and_its_outlet_silent )
         balloon_assert_fraction( f.volume, 1e-3 * f.rest_volume, 1e-12 );
         assert_true( f.mass_flow == 0.0 && f.outlet_speed == 0.0 && f.gas_lost == 0.0 );
         assert_true( isfinite( f.pressure ) );
-        balloon_end( &flight );
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 // Two vertices at one position: an edge without length, two triangles without area.
 TEST( edges_without_length_and_triangles_without_area_do_no_harm )
 {
-    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     mesh.positions[mesh.triangles[1]] = mesh.positions[mesh.triangles[0]];
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.def.gas_ratio = 1.2f;
     balloon_scene_give_outlet( &scene, mesh.triangles[1], true );
-    balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 1 );
     assert_true( balloon_read( &flight ).rest_volume > 0.01 );
     balloon_steps( &flight, 30 );
     assert_true( balloon_is_finite( &flight ) );
-    balloon_end( &flight );
-    balloon_mesh_destroy( &mesh );
 }
 
 TEST( a_balloon_pinned_all_over_stays_where_it_is )
 {
-    balloon_mesh mesh = balloon_sphere( 1, 0.15 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 1, 0.15 );
     int32_t pins[42];
     for ( int i = 0; i < 42; ++i )
     {
@@ -176,15 +166,13 @@ TEST( a_balloon_pinned_all_over_stays_where_it_is )
         scene.def.gas_ratio = 1.5f;
         scene.def.solver = scene.def.volume = (wisp_solver)solver;
         balloon_scene_give_outlet( &scene, 0, true );
-        balloon_flight flight = balloon_start( &scene );
+        SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
         balloon_steps( &flight, 1 );
         uint64_t hash = balloon_hash( &flight );
         balloon_steps( &flight, 10 );
         assert_true( balloon_hash( &flight ) == hash && balloon_is_finite( &flight ) );
         assert_true( balloon_momentum( &flight ).y == 0.0 );
-        balloon_end( &flight );
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 // ---- several, and one that breaks ----
@@ -207,7 +195,7 @@ TEST( balloons_in_one_world_fly_as_if_they_were_alone )
     for ( int workers = 1; workers <= 3; workers += 2 )
     {
         scenes[0].workers = workers;
-        wisp_world* world = balloon_world_create( scenes );
+        SCOPED( destroy_local ) wisp_world* world = balloon_world_create( scenes );
         for ( int n = 0; n < 3; ++n )
         {
             together[n] = balloon_add( world, scenes + n );
@@ -219,13 +207,11 @@ TEST( balloons_in_one_world_fly_as_if_they_were_alone )
         for ( int n = 0; n < 3; ++n )
         {
             const balloon_flight flight = { world, together[n], scenes + n };
-            balloon_flight alone = balloon_start( scenes + n );
+            SCOPED( balloon_end ) balloon_flight alone = balloon_start( scenes + n );
             balloon_steps( &alone, 10 );
             assert_true( balloon_hash( &alone ) == balloon_hash( &flight ) );
             assert_true( balloon_read( &alone ).gas_lost == balloon_read( &flight ).gas_lost );
-            balloon_end( &alone );
         }
-        wisp_world_destroy( world );
     }
     for ( int n = 0; n < 3; ++n )
     {
@@ -235,7 +221,7 @@ TEST( balloons_in_one_world_fly_as_if_they_were_alone )
 
 TEST( a_nan_halts_its_balloon_alone_and_what_is_kept_of_it_stays_a_number )
 {
-    balloon_mesh mesh = balloon_pear( 2 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 2 );
     for ( int n = 0; n < 2; ++n )
     {
         balloon_scene scene = balloon_scene_in_air( &mesh );
@@ -274,5 +260,4 @@ TEST( a_nan_halts_its_balloon_alone_and_what_is_kept_of_it_stays_a_number )
         }
         balloon_end( &bad );
     }
-    balloon_mesh_destroy( &mesh );
 }

@@ -11,7 +11,7 @@ static uint64_t points_hash( ball_world* b, wisp_entity e )
 
 TEST( a_surface_moves_the_same_with_and_without_a_layer )
 {
-    ball_world *with = ball_open( 3, 2, NULL ), *without = ball_open( 3, 2, NULL );
+    SCOPED( ball_close ) ball_world *with = ball_open( 3, 2, NULL ), *without = ball_open( 3, 2, NULL );
     wisp_boundary_def def = ball_layer( 0.05f );
     def.strain_gain = 5.0f;
     set_layer( with, with->ball, &def );
@@ -21,15 +21,13 @@ TEST( a_surface_moves_the_same_with_and_without_a_layer )
         ball_steps( without, 1 );
         assert_true( points_hash( with, with->ball ) == points_hash( without, without->ball ) );
     }
-    ball_close( with );
-    ball_close( without );
 }
 
 // ---- outputs ----
 
 TEST( elements_are_in_the_users_numbers )
 {
-    ball_world* b = ball_open( 2, 1, NULL );
+    SCOPED( ball_close ) ball_world* b = ball_open( 2, 1, NULL );
     const wisp_boundary_def def = ball_layer( 0.1f );
     set_layer( b, b->ball, &def );
     ball_steps( b, 3 );
@@ -67,7 +65,6 @@ TEST( elements_are_in_the_users_numbers )
     assert_int_equal( f.elements, view.edge_count + b->mesh.triangle_count );
     assert_true( f.bytes > (size_t)f.points * 64 );
     assert_true( f.requested == (double)f.points );
-    ball_close( b );
 }
 
 TEST( normals_of_a_ball_point_away_from_its_centre )
@@ -77,7 +74,7 @@ TEST( normals_of_a_ball_point_away_from_its_centre )
     double largest[2] = { 0.0, 0.0 };
     for ( int i = 0; i < 2; ++i )
     {
-        ball_world* b = ball_open( 3 + i, 1, NULL );
+        SCOPED( ball_close ) ball_world* b = ball_open( 3 + i, 1, NULL );
         const wisp_boundary_def def = ball_layer( 0.02f );
         assert_int_equal( wisp_set_gravity( b->world, b->ball, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ), WISP_OK );
         set_layer( b, b->ball, &def );
@@ -94,7 +91,6 @@ TEST( normals_of_a_ball_point_away_from_its_centre )
             }
             largest[i] = fmax( largest[i], sqrt( gap ) );
         }
-        ball_close( b );
     }
     assert_true( largest[0] < 0.035 );
     assert_true( largest[1] < 0.6 * largest[0] );
@@ -102,7 +98,7 @@ TEST( normals_of_a_ball_point_away_from_its_centre )
 
 TEST( the_default_spacing_is_half_of_the_mean_edge )
 {
-    ball_world *by_default = ball_open( 2, 1, NULL ), *by_value = ball_open( 2, 1, NULL );
+    SCOPED( ball_close ) ball_world *by_default = ball_open( 2, 1, NULL ), *by_value = ball_open( 2, 1, NULL );
     const wisp_fabric* f = wisp_world_fabric( by_value->world, by_value->ball );
     double sum = 0.0;
     for ( int e = 0; e < f->edge_count; ++e )
@@ -119,15 +115,13 @@ TEST( the_default_spacing_is_half_of_the_mean_edge )
     ball_steps( by_value, 1 );
     assert_true( stats_of( by_value, by_value->ball ).edge_points > 50 );
     assert_true( layer_hash( by_default, by_default->ball ) == layer_hash( by_value, by_value->ball ) );
-    ball_close( by_default );
-    ball_close( by_value );
 }
 
 // ---- changes of the surface ----
 
 TEST( instances_have_layers_of_their_own )
 {
-    ball_world* b = ball_open( 2, 2, NULL );
+    SCOPED( ball_close ) ball_world* b = ball_open( 2, 2, NULL );
     wisp_entity twin, bare;
     assert_int_equal( wisp_add_instance( b->world, b->ball, NULL, &twin ), WISP_OK );
     assert_int_equal( wisp_add_instance( b->world, b->ball, NULL, &bare ), WISP_OK );
@@ -141,7 +135,7 @@ TEST( instances_have_layers_of_their_own )
     assert_one_message( wisp_world_message( b->world ) );
 
     // rows close up over removed ones, and the rest stays correct
-    ball_world* alone = ball_open( 2, 1, NULL );
+    SCOPED( ball_close ) ball_world* alone = ball_open( 2, 1, NULL );
     wisp_entity only;
     assert_int_equal( wisp_add_instance( alone->world, alone->ball, NULL, &only ), WISP_OK );
     set_layer( alone, only, &fine );
@@ -151,8 +145,6 @@ TEST( instances_have_layers_of_their_own )
     ball_steps( alone, 1 );
     assert_true( layer_hash( b, twin ) == layer_hash( alone, only ) );
     assert_int_equal( wisp_read_boundary( b->world, b->ball, &view ), WISP_STALE_ID );
-    ball_close( alone );
-    ball_close( b );
 }
 
 // Frame 0 of a film. What is read does not change what the steps do.
@@ -190,8 +182,8 @@ TEST( a_layer_can_be_read_before_the_first_step )
         // without forces the ball stays, so its points are those of the start
         assert_int_equal( stats_of( b[0], b[0]->ball ).points, points );
     }
-    ball_close( b[0] );
-    ball_close( b[1] );
+    ball_close( b );
+    ball_close( b + 1 );
 }
 
 // With hysteresis the counts of a layer depend on those before, which a restored world has and a read must not lose.
@@ -221,8 +213,8 @@ TEST( a_read_after_a_restore_into_a_new_world_keeps_the_counts )
         assert_true( wisp_world_hash( b[0]->world ) == wisp_world_hash( b[1]->world ) );
     }
     free( saved.bytes );
-    ball_close( b[0] );
-    ball_close( b[1] );
+    ball_close( b );
+    ball_close( b + 1 );
 }
 
 // ---- refusals ----
@@ -248,7 +240,7 @@ TEST( a_read_after_a_restore_into_a_new_world_keeps_the_counts )
 
 TEST( what_a_layer_cannot_be_is_refused_by_name )
 {
-    ball_world* b = ball_open( 2, 1, NULL );
+    SCOPED( ball_close ) ball_world* b = ball_open( 2, 1, NULL );
     const int passes = wisp_world_plan_passes( b->world );
 #define REFUSE_ONE( message, statement )                                                                             \
     {                                                                                                                \
@@ -259,5 +251,4 @@ TEST( what_a_layer_cannot_be_is_refused_by_name )
     BROKEN_DEFS( REFUSE_ONE )
 #undef REFUSE_ONE
     assert_int_equal( wisp_world_plan_passes( b->world ), passes );
-    ball_close( b );
 }

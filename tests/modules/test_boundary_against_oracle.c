@@ -145,18 +145,15 @@ static balloon_mesh torus( void )
 
 static balloon_mesh bunny( void )
 {
-    wisp_mesh read = { 0 };
+    SCOPED( wisp_mesh_release ) wisp_mesh read = { 0 };
     wisp_error error = { 0 };
     assert_ok( wisp_mesh_read( WISP_SOURCE_ROOT "/data/bunny.obj", &read, &error ), error );
-    double3* points = checked_calloc( (size_t)read.vertex_count, sizeof( double3 ) );
+    SCOPED( free_local ) double3* points = checked_calloc( (size_t)read.vertex_count, sizeof( double3 ) );
     for ( int i = 0; i < read.vertex_count; ++i )
     {
         points[i] = double3_make( (double)read.points[i].x, (double)read.points[i].y, (double)read.points[i].z );
     }
-    balloon_mesh mesh = mesh_of( points, read.vertex_count, read.triangles, read.triangle_count );
-    free( points );
-    wisp_mesh_release( &read );
-    return mesh;
+    return mesh_of( points, read.vertex_count, read.triangles, read.triangle_count );
 }
 
 enum
@@ -247,7 +244,7 @@ TEST( every_point_of_every_mesh_is_where_the_oracle_has_it )
 {
     for ( int n = 0; n < WISP_COUNT( MESHES ); ++n )
     {
-        balloon_mesh mesh = MESHES[n].make();
+        SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = MESHES[n].make();
         for ( int c = 0; c < 6; ++c )
         {
             const duel_def def = { .spacing = spacing_of( MESHES + n, &mesh ),
@@ -265,7 +262,6 @@ TEST( every_point_of_every_mesh_is_where_the_oracle_has_it )
             }
             duel_close( d );
         }
-        balloon_mesh_destroy( &mesh );
     }
 }
 
@@ -274,7 +270,7 @@ TEST( table_b5_holds_for_the_engine )
     const float spacing[4] = { 0.2f, 0.1f, 0.05f, 0.025f };
     const int requested[2][4][2] = { { { 930, 0 }, { 5160, 300 }, { 14730, 11640 }, { 32670, 79320 } },
                                      { { 3360, 0 }, { 7710, 3480 }, { 17340, 21360 }, { 35280, 103560 } } };
-    balloon_mesh mesh = reference_sphere();
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = reference_sphere();
     for ( int n = 0; n < 8; ++n )
     {
         const duel_def def = { .spacing = (double)spacing[n % 4], .policy = (wisp_spacing)( n / 4 ) };
@@ -284,15 +280,14 @@ TEST( table_b5_holds_for_the_engine )
         assert_int_equal( d->samples.count - d->samples.edge_count, requested[n / 4][n % 4][1] );
         duel_close( d );
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 TEST( points_follow_a_pulsation_as_those_of_the_oracle )
 {
     for ( int n = 0; n < WISP_COUNT( MESHES ); ++n )
     {
-        balloon_mesh mesh = MESHES[n].make();
-        double3* x = checked_calloc( (size_t)mesh.vertex_count, sizeof( double3 ) );
+        SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = MESHES[n].make();
+        SCOPED( free_local ) double3* x = checked_calloc( (size_t)mesh.vertex_count, sizeof( double3 ) );
         for ( int c = 0; c < 6; ++c )
         {
             const duel_def def = { .spacing = spacing_of( MESHES + n, &mesh ),
@@ -312,8 +307,6 @@ TEST( points_follow_a_pulsation_as_those_of_the_oracle )
             assert_true( changed > 0 && changed < 19 * d->oracle.element_count );
             duel_close( d );
         }
-        free( x );
-        balloon_mesh_destroy( &mesh );
     }
 }
 
@@ -329,8 +322,8 @@ static void scale_all( double3* x, const balloon_mesh* mesh, double factor )
 TEST( more_pulsation_puts_more_elements_into_case_b_and_hysteresis_fewer )
 {
     static const double AMPLITUDES[] = { 0.0, 0.001, 0.01, 0.1 }, HYSTERESIS[] = { 0.0, 0.25 };
-    balloon_mesh mesh = reference_sphere();
-    double3* x = checked_calloc( (size_t)mesh.vertex_count, sizeof( double3 ) );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = reference_sphere();
+    SCOPED( free_local ) double3* x = checked_calloc( (size_t)mesh.vertex_count, sizeof( double3 ) );
     int changed[WISP_COUNT( AMPLITUDES )][WISP_COUNT( HYSTERESIS )] = { 0 };
     for ( int n = 0; n < WISP_COUNT( AMPLITUDES ) * WISP_COUNT( HYSTERESIS ); ++n )
     {
@@ -353,8 +346,6 @@ TEST( more_pulsation_puts_more_elements_into_case_b_and_hysteresis_fewer )
         assert_true( changed[a - 1][0] < changed[a][0] );
         assert_true( changed[a][1] <= changed[a][0] );
     }
-    free( x );
-    balloon_mesh_destroy( &mesh );
 }
 
 // Bits of a row of four, without the padding.
@@ -375,7 +366,7 @@ static void assert_same_bits( const wisp_samples* a, const wisp_samples* b )
 
 TEST( what_followed_in_place_has_the_bits_of_what_is_resampled )
 {
-    balloon_mesh mesh = reference_sphere();
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = reference_sphere();
     double3 x[872];
     for ( int c = 0; c < 6; ++c )
     {
@@ -398,12 +389,12 @@ TEST( what_followed_in_place_has_the_bits_of_what_is_resampled )
         }
         duel_close( followed );
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 // The number of lines changes and no number of points on them does: all points move.
 TEST( a_line_more_without_points_moves_the_lines_below_it )
 {
+    SCOPED( balloon_mesh_destroy )
     balloon_mesh mesh =
         one_triangle( double3_make( 0, 0, 0 ), double3_make( 3.25, 0, 0 ), double3_make( 1.5, 3.875, 0 ) );
     for ( int c = 0; c < 2; ++c )
@@ -422,12 +413,11 @@ TEST( a_line_more_without_points_moves_the_lines_below_it )
         }
         duel_close( d );
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 TEST( each_element_may_have_its_own_spacing )
 {
-    balloon_mesh mesh = torus();
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = torus();
     static double edge[936], triangle[624];
     for ( int e = 0; e < 936; ++e )
     {
@@ -452,12 +442,11 @@ TEST( each_element_may_have_its_own_spacing )
         }
         duel_close( d );
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 TEST( a_corner_that_is_not_finite_takes_its_elements_away_and_gives_them_back )
 {
-    balloon_mesh mesh = reference_sphere();
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = reference_sphere();
     for ( int c = 0; c < 4; ++c )
     {
         const duel_def def = { .spacing = 0.0703125, .policy = (wisp_spacing)( c % 2 ), .hysteresis = c / 2 * 0.125 };
@@ -482,14 +471,13 @@ TEST( a_corner_that_is_not_finite_takes_its_elements_away_and_gives_them_back )
         assert_resampled( d );
         duel_close( d );
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 // With barycentric normals. Along lines the engine's normals also keep the weights of the last step, and differ by
 // some 1e-6 rad here.
 TEST( a_refused_layer_follows_with_the_weights_it_had )
 {
-    balloon_mesh mesh = reference_sphere();
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = reference_sphere();
     double3 x[872];
     for ( int c = 0; c < 2; ++c )
     {
@@ -516,7 +504,6 @@ TEST( a_refused_layer_follows_with_the_weights_it_had )
         assert_agree( d );
         duel_close( d );
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 TEST( normals_that_cancel_are_those_of_the_faces_or_of_the_last_step )
@@ -525,7 +512,7 @@ TEST( normals_that_cancel_are_those_of_the_faces_or_of_the_last_step )
     const double3 points[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1.25, 0 } };
     const int triangles[] = { 0, 1, 2, 0, 2, 1 };
     const duel_def def = { .spacing = 0.1875 };
-    balloon_mesh mesh = mesh_of( points, 3, triangles, 2 );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = mesh_of( points, 3, triangles, 2 );
     duel* d = duel_open( &mesh, &def );
     duel_update( d, mesh.positions );
     assert_int_equal( d->oracle.fallback_normals, d->oracle.point_count );
@@ -544,5 +531,4 @@ TEST( normals_that_cancel_are_those_of_the_faces_or_of_the_last_step )
     assert_agree( d );
     assert_true( d->oracle.points[0].normal.z == 1.0 );
     duel_close( d );
-    balloon_mesh_destroy( &mesh );
 }

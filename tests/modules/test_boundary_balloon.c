@@ -42,7 +42,7 @@ static int32_t top_of( const balloon_mesh* mesh )
 
 static wisp_entity add_sphere( balloon* b, const setting* s )
 {
-    wisp_vec3* points = checked_calloc( (size_t)b->mesh.vertex_count, sizeof( wisp_vec3 ) );
+    SCOPED( free_local ) wisp_vec3* points = checked_calloc( (size_t)b->mesh.vertex_count, sizeof( wisp_vec3 ) );
     for ( int i = 0; i < b->mesh.vertex_count; ++i )
     {
         const double3 p = b->mesh.positions[i];
@@ -61,9 +61,7 @@ static wisp_entity add_sphere( balloon* b, const setting* s )
     surface.gravity = ( wisp_vec3 ){ 0.0f, -s->gravity, 0.0f };
     surface.pins = &top;
     surface.pin_count = s->is_hung ? 1 : 0;
-    const wisp_entity e = test_surface_of( b->world, &fabric, surface );
-    free( points );
-    return e;
+    return test_surface_of( b->world, &fabric, surface );
 }
 
 static void fill( balloon* b, const setting* s )

@@ -28,7 +28,7 @@ static const golden_case CASES[] = {
 
 static uint64_t hash_case( const golden_case* c, int workers, const char* isa )
 {
-    ball_world* b = ball_open( c->level, workers, isa );
+    SCOPED( ball_close ) ball_world* b = ball_open( c->level, workers, isa );
     wisp_boundary_def def = ball_layer( c->spacing );
     def.policy = c->policy;
     def.rounding = c->rounding;
@@ -44,7 +44,6 @@ static uint64_t hash_case( const golden_case* c, int workers, const char* isa )
         ball_steps( b, 1 );
         hash = hash * 31u + layer_hash( b, b->ball );
     }
-    ball_close( b );
     return hash;
 }
 

@@ -33,12 +33,13 @@ TEST( a_triangle_has_the_lines_and_points_of_a_count_by_hand )
 {
     // base 3, height 4.5. Even: 4 parts, lines at shares 1/4, 2/4, 3/4 of lengths 2.25, 1.5, 0.75: 1, 0, 0 points.
     // Exact: lines at 1, 2, 3, 4 of lengths 2.333, 1.667, 1, 0.333: 2, 1, 0, 0 points.
+    SCOPED( balloon_mesh_destroy )
     balloon_mesh mesh = one_triangle( double3_make( 0, 0, 0 ), double3_make( 3, 0, 0 ), double3_make( 1, 4.5, 0 ) );
     for ( int policy = 0; policy < BOUNDARY_ORACLE_POLICY_COUNT; ++policy )
     {
         const bool even = policy == BOUNDARY_ORACLE_EVEN;
         boundary_oracle_options options = { .spacing = 1.0, .cap = 1e6, .policy = (boundary_oracle_policy)policy };
-        boundary_oracle_layer layer = layer_on( &mesh, &options );
+        SCOPED( boundary_oracle_destroy ) boundary_oracle_layer layer = layer_on( &mesh, &options );
         const boundary_oracle_memory* memory = layer.memory + layer.edge_count;
         assert_int_equal( memory->line_count, 4 );
         assert_int_equal( memory->points[0], even ? 1 : 2 );
@@ -49,9 +50,7 @@ TEST( a_triangle_has_the_lines_and_points_of_a_count_by_hand )
         const double3 requested =
             even ? double3_make( 0.25 + 1.125, 1.125, 0.0 ) : double3_make( 1.0 / 4.5 + 1.0, 1.0, 0.0 );
         assert_close( double3_distance( first, requested ), 0.0, 1e-14 );
-        boundary_oracle_destroy( &layer );
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 // Section 5.2

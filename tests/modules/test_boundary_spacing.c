@@ -159,15 +159,15 @@ static void assert_effective( const spacing_case* c, const spacings* s )
 
 static void compare( const spacing_case* c )
 {
-    ball_world* b = ball_open( LEVEL, 2, NULL );
+    SCOPED( ball_close ) ball_world* b = ball_open( LEVEL, 2, NULL );
     const wisp_boundary_def def = def_of( c );
     set_layer( b, b->ball, &def );
     ball_steps( b, 12 );
     const wisp_boundary_view view = layer_of( b, b->ball );
     assert_int_equal( view.edge_count, EDGES );
-    balloon_mesh mesh = mesh_now( b, &view );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = mesh_now( b, &view );
     const boundary_oracle_options options = { .spacing = (double)0.05f, .cap = 1e6 };
-    boundary_oracle_layer layer = layer_on( &mesh, &options );
+    SCOPED( boundary_oracle_destroy ) boundary_oracle_layer layer = layer_on( &mesh, &options );
     const boundary_oracle_criteria criteria = criteria_of( c );
     static spacings expected;
     find_spacings( &mesh, b->mesh.points, &layer, &criteria, &expected );
@@ -180,9 +180,6 @@ static void compare( const spacing_case* c )
     must_update( &layer, mesh.positions );
     assert_true( layer.edge_point_count > EDGES && inner_points( &layer ) > TRIANGLES / 4 );
     assert_counts( c, view.samples, &layer );
-    boundary_oracle_destroy( &layer );
-    balloon_mesh_destroy( &mesh );
-    ball_close( b );
 }
 
 TEST( spacing_by_curvature_is_that_of_the_oracle )

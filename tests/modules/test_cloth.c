@@ -70,7 +70,7 @@ static double relaxed_extension( const test_mesh* mesh, const wisp_cloth_def* cl
 
 static double hung_extension( const test_mesh* mesh, const wisp_cloth_def* cloth, double weight )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, 8, 64 );
     const int32_t pins[2] = { 0, 1 };
     wisp_fabric_def fabric = test_fabric_def( mesh );
@@ -83,13 +83,12 @@ static double hung_extension( const test_mesh* mesh, const wisp_cloth_def* cloth
     assert_status( h.world, wisp_set_damping( h.world, e, 20.0f ), WISP_OK );
     run_steps( h.world, 180, 1.0f / 60.0f );
     double ends = (double)point_of( h.world, e, COUNT - 1 ).y + (double)point_of( h.world, e, COUNT - 2 ).y;
-    close_world( &h );
     return -0.5 * ends - ( ROWS - 1 ) * 0.05;
 }
 
 TEST( strips_along_warp_weft_and_between_stretch_by_their_compliances )
 {
-    test_mesh mesh = hanging_mesh( 2, ROWS, 0.05f, 0.05f );
+    SCOPED( test_mesh_free ) test_mesh mesh = hanging_mesh( 2, ROWS, 0.05f, 0.05f );
     const wisp_vec3 warps[] = { { 0.0f, 1.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 1.0f, 1.0f, 0.0f } };
     const char* const names[] = { "warp", "weft", "45 degrees" };
     double extension[3];
@@ -109,7 +108,6 @@ TEST( strips_along_warp_weft_and_between_stretch_by_their_compliances )
     }
     assert_true( extension[0] < 0.5 * extension[1] );
     assert_true( extension[2] > extension[0] );
-    test_mesh_free( &mesh );
 }
 
 // ---- stretch of a hanging cloth ----
@@ -135,10 +133,11 @@ typedef struct stretch
 
 static stretch hang( const hanging* c, double time )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, c->substeps, c->iterations );
     const int n = c->n;
     const float spacing = (float)( c->side / ( n - 1 ) );
+    SCOPED( test_mesh_free )
     test_mesh mesh = c->still ? hanging_mesh( n, n, spacing, spacing ) : test_plane( n, spacing );
     int32_t pins[128];
     int pin_count = 0;
@@ -183,8 +182,6 @@ static stretch hang( const hanging* c, double time )
     s.sag = -c->side - (double)point_of( h.world, e, n * ( n - 1 ) + n / 2 ).y;
     assert_int_equal( count_passes_named( h.world, "surface.levels" ),
                       wisp_world_fabric( h.world, e )->level_count > 0 && c->coarse ? 1 : 0 );
-    test_mesh_free( &mesh );
-    close_world( &h );
     return s;
 }
 
@@ -255,8 +252,7 @@ TEST( coarse_sheets_do_in_one_substep_what_ten_cannot )
 
 WORLD_TEST( a_pin_that_jumps_a_hundred_metres_takes_its_cloth_along )
 {
-    hosted* h = *state;
-    test_mesh mesh = test_plane( 9, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 9, 0.1f );
     const int32_t pin = 0;
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_surface_def surface = support_weightless_surface_def();
@@ -274,12 +270,10 @@ WORLD_TEST( a_pin_that_jumps_a_hundred_metres_takes_its_cloth_along )
     assert_true( at.x == 100.0f );
     // a diagonal of 1.13 m hangs from it, with as much stretch as one pass per step leaves
     assert_true( vec_distance( at, other ) < 1.5 );
-    test_mesh_free( &mesh );
 }
 
 WORLD_TEST( bad_meshes_are_cloth_all_the_same )
 {
-    hosted* h = *state;
     // a square, its first triangle twice and once reversed, one without area, an unreferenced vertex
     const wisp_vec3 points[] = { { 0, 0, 0 },    { 0.1f, 0, 0 }, { 0.1f, 0, 0.1f },
                                  { 0, 0, 0.1f }, { 0.2f, 0, 0 }, { 1, 1, 1 } };
@@ -309,7 +303,7 @@ WORLD_TEST( bad_meshes_are_cloth_all_the_same )
 
 WORLD_TEST( a_mesh_too_small_for_coarse_sheets_has_none )
 {
-    hosted* h = *state;
+    SCOPED( test_mesh_free )
     test_mesh mesh = triangle_mesh( ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 0, 0, 1 }, ( wisp_vec3 ){ 1, 0, 0 } );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.coarse_sheets = true;
@@ -322,13 +316,11 @@ WORLD_TEST( a_mesh_too_small_for_coarse_sheets_has_none )
     step( h->world );
     assert_int_equal( count_passes_named( h->world, "surface.levels" ), 0 );
     assert_int_equal( count_passes_named( h->world, "cloth.bending" ), 0 );
-    test_mesh_free( &mesh );
 }
 
 WORLD_TEST( who_asks_for_coarse_sheets_in_vain_is_told_once )
 {
-    hosted* h = *state;
-    test_mesh mesh = test_plane( 30, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 30, 0.1f );
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_cloth_def cloth = wisp_default_cloth_def();
     wisp_entity e = add_cloth( h->world, &fabric, support_weightless_surface_def(), &cloth, EARTH );
@@ -341,23 +333,20 @@ WORLD_TEST( who_asks_for_coarse_sheets_in_vain_is_told_once )
         assert_int_equal( h->log.count, before + 1 );
         assert_contains( h->log.last, "the fabric has no coarse sheets" );
     }
-    test_mesh_free( &mesh );
 }
 
 // ---- refusals ----
 
 static wisp_entity add_plain( hosted* h, bool cross, bool hinges, bool attached )
 {
-    test_mesh mesh = test_plane( 4, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 4, 0.1f );
     const int32_t pin = 0;
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.bend_links = cross;
     fabric.hinges = hinges;
     fabric.attachments = &pin;
     fabric.attachment_count = attached ? 1 : 0;
-    wisp_entity e = test_surface_of( h->world, &fabric, support_weightless_surface_def() );
-    test_mesh_free( &mesh );
-    return e;
+    return test_surface_of( h->world, &fabric, support_weightless_surface_def() );
 }
 
 static void assert_refused( hosted* h, wisp_entity e, const wisp_cloth_def* def, wisp_status expected,
@@ -372,7 +361,6 @@ static void assert_refused( hosted* h, wisp_entity e, const wisp_cloth_def* def,
 
 WORLD_TEST( every_number_has_its_range )
 {
-    hosted* h = *state;
     wisp_entity e = add_plain( h, true, true, false );
     const wisp_cloth_def good = wisp_default_cloth_def();
     assert_status( h->world, wisp_set_cloth( h->world, e, &good ), WISP_OK );
@@ -409,7 +397,6 @@ WORLD_TEST( every_number_has_its_range )
 
 WORLD_TEST( every_choice_is_one_of_the_list )
 {
-    hosted* h = *state;
     wisp_entity e = add_plain( h, true, true, false );
     wisp_cloth_def def = wisp_default_cloth_def();
     def.solver = WISP_SOLVER_COUNT;
@@ -435,7 +422,6 @@ WORLD_TEST( every_choice_is_one_of_the_list )
 
 WORLD_TEST( directions_and_winds_are_finite )
 {
-    hosted* h = *state;
     wisp_entity e = add_plain( h, true, true, false );
     const wisp_vec3 warps[] = { { 0 }, { NAN, 0.0f, 1.0f }, { 0.0f, INFINITY, 0.0f }, { 1e-7f, 0.0f, 0.0f } };
     for ( int i = 0; i < WISP_COUNT( warps ); ++i )
@@ -460,7 +446,6 @@ WORLD_TEST( directions_and_winds_are_finite )
 
 WORLD_TEST( a_fabric_must_have_what_the_cloth_needs )
 {
-    hosted* h = *state;
     wisp_entity bare = add_plain( h, false, false, true ), loose = add_plain( h, true, true, false );
     wisp_cloth_def def = wisp_default_cloth_def();
     assert_refused( h, bare, &def, WISP_CONFLICT, "bend links" );

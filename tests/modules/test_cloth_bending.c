@@ -55,9 +55,9 @@ static wisp_cloth_def cloth_of( const beam* b )
 
 static double hang_out( const beam* b )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, 32, 64 );
-    test_mesh mesh = strip_of( b );
+    SCOPED( test_mesh_free ) test_mesh mesh = strip_of( b );
     const int columns = b->cells + 2;
     const int32_t pins[4] = { 0, 1, columns, columns + 1 };
     wisp_fabric_def fabric = test_fabric_def( &mesh );
@@ -75,8 +75,6 @@ static double hang_out( const beam* b )
     run_steps( h.world, (int)( 12.0 / slowest / (double)seconds ), seconds );
     assert_false( wisp_is_halted( h.world, e ) );
     const wisp_vec3 p = point_of( h.world, e, columns - 1 ), q = point_of( h.world, e, 2 * columns - 1 );
-    test_mesh_free( &mesh );
-    close_world( &h );
     return -0.5 * ( (double)p.y + (double)q.y ) / b->length;
 }
 
@@ -131,9 +129,9 @@ static test_mesh creased_mesh( void )
 // Distance of the flap's end from the other end after two seconds without gravity, m.
 static double span_in_the_end( const wisp_cloth_def* cloth, bool born_creased )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, 4, 4 );
-    test_mesh flat = test_plane( 4, 0.1f ), creased = creased_mesh();
+    SCOPED( test_mesh_free ) test_mesh flat = test_plane( 4, 0.1f ), creased = creased_mesh();
     wisp_fabric_def fabric = test_fabric_def( born_creased ? &creased : &flat );
     fabric.hinges = true;
     fabric.bend_links = false;
@@ -142,11 +140,7 @@ static double span_in_the_end( const wisp_cloth_def* cloth, bool born_creased )
     wisp_entity e = add_cloth( h.world, &fabric, surface, cloth, ( wisp_vec3 ){ 0 } );
     assert_status( h.world, wisp_set_damping( h.world, e, 20.0f ), WISP_OK );
     run_steps( h.world, 120, 1.0f / 60.0f );
-    double span = vec_distance( point_of( h.world, e, 4 ), point_of( h.world, e, 7 ) );
-    test_mesh_free( &flat );
-    test_mesh_free( &creased );
-    close_world( &h );
-    return span;
+    return vec_distance( point_of( h.world, e, 4 ), point_of( h.world, e, 7 ) );
 }
 
 TEST( a_crease_of_the_rest_shape_stays_and_another_opens )
@@ -171,8 +165,7 @@ TEST( a_crease_of_the_rest_shape_stays_and_another_opens )
 
 WORLD_TEST( bending_that_is_chosen_brings_its_pass_and_no_other )
 {
-    hosted* h = *state;
-    test_mesh mesh = test_plane( 5, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 5, 0.1f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.hinges = true;
     wisp_cloth_def cloth = wisp_default_cloth_def();
@@ -194,15 +187,14 @@ WORLD_TEST( bending_that_is_chosen_brings_its_pass_and_no_other )
             assert_int_equal( count_passes_named( h->world, "hinges.folds" ), 1 );
         }
     }
-    test_mesh_free( &mesh );
 }
 
 // A closed rough ball, or a blade of two close sheets, hangs from a vertex for two seconds. @return the mean strain
 static double strain_of_solid( float size, float flatness, const wisp_cloth_def* cloth, float density, float gravity )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, 10, 1 );
-    test_mesh mesh = test_ball( 3 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_ball( 3 );
     for ( int v = 0; v < mesh.vertex_count; ++v )
     {
         const wisp_vec3 p = mesh.points[v];
@@ -220,8 +212,6 @@ static double strain_of_solid( float size, float flatness, const wisp_cloth_def*
     run_steps( h.world, 120, 1.0f / 60.0f );
     const double strain = motion_stats_of( h.world, e ).strain_mean;
     assert_false( wisp_is_halted( h.world, e ) );
-    test_mesh_free( &mesh );
-    close_world( &h );
     return strain;
 }
 
@@ -343,17 +333,15 @@ static void set_material( wisp_world* world, wisp_entity e, solver_kind kind, fl
         assert_status( world, wisp_set_implicit_cloth( world, e, &cloth ), WISP_OK );
         return;
     }
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    cloth.bending = kind == BY_ANGLE ? WISP_CLOTH_BENDING_DIHEDRAL : WISP_CLOTH_BENDING_ISOMETRIC;
-    cloth.bend_rigidity = rigidity;
-    assert_status( world, wisp_set_cloth( world, e, &cloth ), WISP_OK );
+    SET( world, e, cloth, d.bending = kind == BY_ANGLE ? WISP_CLOTH_BENDING_DIHEDRAL : WISP_CLOTH_BENDING_ISOMETRIC,
+         d.bend_rigidity = rigidity );
 }
 
 static wisp_entity clamped_strip( hosted* h, solver_kind kind, bool irregular, double load, int substeps )
 {
     open_implicit( h, substeps );
     int32_t pins[2 * ROWS];
-    test_mesh mesh = clamped_mesh( irregular, pins );
+    SCOPED( test_mesh_free ) test_mesh mesh = clamped_mesh( irregular, pins );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.hinges = true;
     fabric.bend_links = false;
@@ -363,14 +351,13 @@ static wisp_entity clamped_strip( hosted* h, solver_kind kind, bool irregular, d
     wisp_entity e = test_surface_of( h->world, &fabric, surface );
     set_material( h->world, e, kind, (float)( 0.15 * 9.81 / load ) );
     assert_status( h->world, wisp_request( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
-    test_mesh_free( &mesh );
     return e;
 }
 
 // Drop of the tip at rest, in m.
 static double hang_out_clamped( solver_kind kind, bool irregular, double load, int substeps )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     const wisp_entity e = clamped_strip( &h, kind, irregular, load, substeps );
     assert_status( h.world, wisp_set_gravity( h.world, e, EARTH ), WISP_OK );
     // the first mode of a stiff strip, and the swing of a soft one; damped critically, with twelve of its times to settle
@@ -383,7 +370,6 @@ static double hang_out_clamped( solver_kind kind, bool irregular, double load, i
     {
         drop -= (double)point_of( h.world, e, j * COLUMNS + COLUMNS - 1 ).y / ROWS;
     }
-    close_world( &h );
     return drop;
 }
 
@@ -421,7 +407,7 @@ TEST( a_strip_hangs_out_as_the_elastica_once_converged )
 // Ten seconds of a strip on edge, which gravity bends in its plane. @return how often the tip's way out of the plane becomes larger
 static double grow_sideways( solver_kind kind, bool irregular, double load )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     const wisp_entity e = clamped_strip( &h, kind, irregular, load, 40 );
     const int tip = WIDE / 2 * COLUMNS + COLUMNS - 1;
     assert_status( h.world, wisp_set_damping( h.world, e, 2.0f ), WISP_OK );
@@ -432,7 +418,6 @@ static double grow_sideways( solver_kind kind, bool irregular, double load )
     const double start = (double)point_of( h.world, e, tip ).y;
     run_steps( h.world, 600, 1.0f / 60.0f );
     const double end = (double)point_of( h.world, e, tip ).y;
-    close_world( &h );
     return end / start;
 }
 
@@ -462,10 +447,10 @@ TEST( pins_that_come_later_clamp_too )
     double tip[2];
     for ( int later = 0; later < 2; ++later )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_implicit( &h, 4 );
         int32_t pins[2 * ROWS];
-        test_mesh mesh = clamped_mesh( true, pins );
+        SCOPED( test_mesh_free ) test_mesh mesh = clamped_mesh( true, pins );
         wisp_fabric_def fabric = test_fabric_def( &mesh );
         fabric.hinges = true;
         fabric.bend_links = false;
@@ -482,8 +467,6 @@ TEST( pins_that_come_later_clamp_too )
         assert_status( h.world, wisp_set_gravity( h.world, e, EARTH ), WISP_OK );
         run_steps( h.world, 60, 1.0f / 60.0f );
         tip[later] = (double)point_of( h.world, e, COLUMNS - 1 ).y;
-        test_mesh_free( &mesh );
-        close_world( &h );
     }
     assert_true( tip[0] < -0.1 );
     assert_near( tip[1], tip[0], 1e-5 );

@@ -21,8 +21,9 @@ static wisp_cloth_def threads_alone( float compliance )
 // Displacement of a vertex of 0.1 kg on one spring of 100 N/m, m. The third corner only completes the triangle.
 static double spring_extension( int substeps, int iterations, float seconds )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, substeps, iterations );
+    SCOPED( test_mesh_free )
     test_mesh mesh = triangle_mesh( ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, ( wisp_vec3 ){ 0.1f, -0.1f, 0.0f },
                                     ( wisp_vec3 ){ 0.0f, -0.1f, 0.0f } );
     const int32_t pins[2] = { 0, 1 };
@@ -35,10 +36,7 @@ static double spring_extension( int substeps, int iterations, float seconds )
     wisp_entity e = add_cloth( h.world, &fabric, surface, &cloth, EARTH );
     assert_status( h.world, wisp_set_damping( h.world, e, 60.0f ), WISP_OK );
     run_steps( h.world, (int)( 3.0f / seconds ), seconds );
-    double extension = -0.1 - (double)point_of( h.world, e, 2 ).y;
-    test_mesh_free( &mesh );
-    close_world( &h );
-    return extension;
+    return -0.1 - (double)point_of( h.world, e, 2 ).y;
 }
 
 TEST( a_spring_stretches_by_m_g_over_k_at_any_step_and_iteration_count )
@@ -64,10 +62,10 @@ enum
 // Relative error of the length of two chains of 16 links that hang under their weight: dL = c m g n (n + 1) / 2.
 static double chain_error( int substeps, int iterations )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, substeps, iterations );
     const float link = 0.05f, mass = 1e-3f, compliance = 0.04f;
-    test_mesh mesh = hanging_mesh( 2, CHAIN_LINKS + 1, link, link );
+    SCOPED( test_mesh_free ) test_mesh mesh = hanging_mesh( 2, CHAIN_LINKS + 1, link, link );
     const int32_t pins[2] = { 0, 1 };
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.bend_links = false;
@@ -81,8 +79,6 @@ static double chain_error( int substeps, int iterations )
     assert_status( h.world, wisp_set_damping( h.world, e, 30.0f ), WISP_OK );
     run_steps( h.world, 120, 1.0f / 60.0f );
     double extension = -(double)CHAIN_LINKS * (double)link - (double)point_of( h.world, e, 2 * CHAIN_LINKS ).y;
-    test_mesh_free( &mesh );
-    close_world( &h );
     return extension / ( (double)compliance * (double)mass * 9.81 * CHAIN_LINKS * ( CHAIN_LINKS + 1 ) / 2.0 ) - 1.0;
 }
 
@@ -107,11 +103,11 @@ TEST( a_bar_stretches_by_its_compliance_whatever_iterations_and_step )
 // Sag of a strip of length 1 m between pins 0.8 m apart, m.
 static double sag_of_strip( int columns, int substeps )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, substeps, 1 );
     const float spacing = 1.0f / (float)( columns - 1 );
-    test_mesh mesh = hanging_mesh( columns, 2, spacing, spacing );
-    wisp_vec3* start = checked_calloc( (size_t)mesh.vertex_count, sizeof( wisp_vec3 ) );
+    SCOPED( test_mesh_free ) test_mesh mesh = hanging_mesh( columns, 2, spacing, spacing );
+    SCOPED( free_local ) wisp_vec3* start = checked_calloc( (size_t)mesh.vertex_count, sizeof( wisp_vec3 ) );
     for ( int v = 0; v < mesh.vertex_count; ++v )
     {
         // the rest shape is flat; the strip starts as a V of its own length between the pins, 0.3 m deep
@@ -132,11 +128,7 @@ static double sag_of_strip( int columns, int substeps )
     wisp_entity e = add_cloth( h.world, &fabric, surface, &cloth, EARTH );
     assert_status( h.world, wisp_set_damping( h.world, e, 6.0f ), WISP_OK );
     run_steps( h.world, 240, 1.0f / 60.0f );
-    double sag = -(double)point_of( h.world, e, columns / 2 ).y;
-    free( start );
-    test_mesh_free( &mesh );
-    close_world( &h );
-    return sag;
+    return -(double)point_of( h.world, e, columns / 2 ).y;
 }
 
 // A chain of 40 links is within 0.05 % of the curve. One pass per substep leaves a stretch of the order of dt^2:
@@ -160,9 +152,10 @@ TEST( a_pinned_strip_hangs_in_a_catenary )
 // swings.
 static double pendulum_period( double degrees, int substeps )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, substeps, 1 );
     const double length = 0.5, angle = degrees * 3.14159265358979 / 180.0;
+    SCOPED( test_mesh_free )
     test_mesh mesh = triangle_mesh( ( wisp_vec3 ){ 0.0f, 0.0f, -0.2f }, ( wisp_vec3 ){ 0.0f, 0.0f, 0.2f },
                                     ( wisp_vec3 ){ 0.0f, (float)-length, 0.0f } );
     const wisp_vec3 start[3] = { mesh.points[0],
@@ -189,8 +182,6 @@ static double pendulum_period( double degrees, int substeps )
         last = x;
     }
     assert_int_equal( count, 9 );
-    test_mesh_free( &mesh );
-    close_world( &h );
     return ( intersections[8] - intersections[0] ) / 4.0 / sqrt( length / 9.81 );
 }
 
@@ -233,9 +224,9 @@ static double norm( const double v[3] )
 // A creased cloth that turns, flies and wobbles for a second without gravity.
 static drift drift_of( wisp_cloth_bending bending, int substeps )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, substeps, 2 );
-    test_mesh mesh = test_plane( 9, 0.05f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 9, 0.05f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.hinges = true;
     wisp_cloth_def cloth = wisp_default_cloth_def();
@@ -264,8 +255,6 @@ static drift drift_of( wisp_cloth_bending bending, int substeps )
         change[k] = after.momentum[k] - before.momentum[k];
         turn[k] = after.angular_momentum[k] - before.angular_momentum[k];
     }
-    test_mesh_free( &mesh );
-    close_world( &h );
     return ( drift ){ norm( change ) / norm( before.momentum ), norm( turn ) / norm( before.angular_momentum ) };
 }
 
@@ -294,7 +283,7 @@ typedef struct sheet_setting
 
 static wisp_entity add_sheet( hosted* h, const sheet_setting* s )
 {
-    test_mesh mesh = test_plane( s->n, 1.0f / (float)( s->n - 1 ) );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( s->n, 1.0f / (float)( s->n - 1 ) );
     const int32_t pins[2] = { 0, s->n - 1 };
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.bend_links = s->bends;
@@ -312,7 +301,6 @@ static wisp_entity add_sheet( hosted* h, const sheet_setting* s )
     cloth.coarse_substeps = s->coarse_substeps;
     wisp_entity e = add_cloth( h->world, &fabric, surface, &cloth, EARTH );
     assert_status( h->world, wisp_set_damping( h->world, e, s->damping ), WISP_OK );
-    test_mesh_free( &mesh );
     return e;
 }
 
@@ -337,7 +325,7 @@ TEST( a_step_is_that_of_the_oracle )
     const int32_t between[] = { 1, 5 * 53 + 18, 5 * 53 + 19, 27 * 53 + 40 };
     for ( int i = 0; i < WISP_COUNT( settings ); ++i )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_world( &h, settings[i].substeps, 1 );
         wisp_entity e = add_sheet( &h, &settings[i] );
         const wisp_fabric* f = wisp_world_fabric( h.world, e );
@@ -346,7 +334,7 @@ TEST( a_step_is_that_of_the_oracle )
         {
             assert_status( h.world, wisp_pin( h.world, e, between, WISP_COUNT( between ) ), WISP_OK );
         }
-        coarse_oracle oracle;
+        SCOPED( coarse_oracle_free ) coarse_oracle oracle;
         coarse_oracle_make( f, positions_of( h.world, e ), &oracle );
         oracle.gravity = double3_widen( EARTH );
         oracle.compliance = (double)settings[i].compliance;
@@ -371,8 +359,6 @@ TEST( a_step_is_that_of_the_oracle )
 
         // it has fallen by 0.2 m; without the limit, the last one would be millimetres off
         assert_true( worst < 1e-5 );
-        coarse_oracle_free( &oracle );
-        close_world( &h );
     }
 }
 
@@ -380,7 +366,7 @@ TEST( a_step_is_that_of_the_oracle )
 
 static wisp_vec3* run_for( const sheet_setting* s, int steps, int* count )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, s->substeps, 1 );
     wisp_entity e = add_sheet( &h, s );
     run_steps( h.world, steps, 1.0f / 60.0f );
@@ -388,21 +374,19 @@ static wisp_vec3* run_for( const sheet_setting* s, int steps, int* count )
     wisp_vec3* points = checked_calloc( (size_t)view.count, sizeof( wisp_vec3 ) );
     memcpy( points, view.data, (size_t)view.count * sizeof( wisp_vec3 ) );
     *count = (int)view.count;
-    close_world( &h );
     return points;
 }
 
 static double distance_of( const sheet_setting* s, const wisp_vec3* reference, int steps )
 {
     int count;
-    wisp_vec3* points = run_for( s, steps, &count );
+    SCOPED( free_local ) wisp_vec3* points = run_for( s, steps, &count );
     double sum = 0.0;
     for ( int v = 0; v < count; ++v )
     {
         const double d = vec_distance( points[v], reference[v] );
         sum += d * d;
     }
-    free( points );
     return sqrt( sum / count );
 }
 
@@ -413,13 +397,12 @@ TEST( one_substep_is_nearer_to_the_converged_motion_than_forty )
     const sheet_setting carried = { 65, 1, 2, false, 1e-3f, 0.0f, false },
                         twice = { 65, 2, 1, false, 1e-3f, 0.0f, false };
     int count;
-    wisp_vec3* reference = run_for( &converged, 20, &count );
+    SCOPED( free_local ) wisp_vec3* reference = run_for( &converged, 20, &count );
     const double plain = distance_of( &forty, reference, 20 ), one = distance_of( &carried, reference, 20 ),
                  two = distance_of( &twice, reference, 20 );
     print_message( "           40 plain substeps %.1f mm, 1 x 2 %.1f mm, 2 x 1 %.1f mm\n", 1e3 * plain, 1e3 * one,
                    1e3 * two );
     assert_true( one < 0.5 * plain && two < 0.5 * plain );
-    free( reference );
 }
 
 // Without links that act, second order is exact for a constant acceleration.
@@ -428,7 +411,7 @@ TEST( a_sheet_that_falls_freely_follows_the_parabola )
     for ( int coarse = 1; coarse <= 4; coarse *= 2 )
     {
         const sheet_setting falling = { 33, 1, coarse, true, 1e-3f, 0.0f, false };
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_world( &h, 1, 1 );
         wisp_entity e = add_sheet( &h, &falling );
         run_steps( h.world, 60, 1.0f / 60.0f );
@@ -436,7 +419,6 @@ TEST( a_sheet_that_falls_freely_follows_the_parabola )
         print_message( "           %d: fallen by %.4f m after 1 s, and 4.905 expected\n", coarse, fallen );
         assert_true( fabs( fallen - 4.905 ) < 1e-3 );
         assert_true( fabs( (double)velocity_of( h.world, e, 5 )[1] + 9.81 ) < 0.01 );
-        close_world( &h );
     }
 }
 
@@ -494,7 +476,7 @@ TEST( a_swing_of_fifteen_seconds_gains_no_energy )
                                        { 33, 2, 1, false, 0.0f, 0.0f, false } };
     for ( int i = 0; i < WISP_COUNT( settings ); ++i )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_world( &h, settings[i].substeps, 1 );
         wisp_entity e = add_sheet( &h, &settings[i] );
         const double start = energy_of( h.world, e );
@@ -506,7 +488,6 @@ TEST( a_swing_of_fifteen_seconds_gains_no_energy )
         }
         assert_true( most <= start + 0.002 ); // 0.2 kg fall by 0.5 m: 1 J
         assert_false( wisp_is_halted( h.world, e ) );
-        close_world( &h );
     }
 }
 
@@ -545,7 +526,7 @@ TEST( corners_do_not_flutter_in_short_substeps )
 TEST( pins_that_move_take_the_sheet_along )
 {
     const sheet_setting carried = { 33, 1, 2, false, 1e-4f, 2.0f, false };
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, 1, 1 );
     wisp_entity e = add_sheet( &h, &carried );
     const int32_t pins[2] = { 0, 32 };
@@ -561,7 +542,6 @@ TEST( pins_that_move_take_the_sheet_along )
     const wisp_vec3 tip = point_of( h.world, e, 32 * 33 + 16 );
     assert_true( tip.x > 1.2f && tip.y < -0.5f );
     assert_true( (double)motion_stats_of( h.world, e ).strain_mean < 0.02 );
-    close_world( &h );
 }
 
 // Pins that no row of a coarse sheet stands on, as copies of a fabric have: the sheet is held by them, and moves with them.
@@ -569,7 +549,7 @@ TEST( pins_between_rows_hold_the_sheet )
 {
     const sheet_setting carried = { 49, 1, 2, true, 1e-4f, 2.0f, false };
     const int32_t pins[2] = { 12 * 49 + 13, 12 * 49 + 35 };
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, 1, 1 );
     wisp_entity e = add_sheet( &h, &carried );
     assert_status( h.world, wisp_pin( h.world, e, pins, 2 ), WISP_OK );
@@ -587,14 +567,13 @@ TEST( pins_between_rows_hold_the_sheet )
     print_message( "           at rest: %.2g m/s, strain %.3f %%\n", (double)rest.speed_max,
                    100.0 * (double)rest.strain_mean );
     assert_true( (double)rest.speed_max < 0.4 && (double)rest.strain_mean < 0.02 );
-    close_world( &h );
 }
 
 // What changes a sheet from outside: it goes on from there, without a jump of its own.
 TEST( teleports_velocities_pins_and_other_steps_leave_no_kick )
 {
     const sheet_setting carried = { 33, 1, 2, true, 1e-4f, 0.0f, false };
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, 1, 1 );
     wisp_entity e = add_sheet( &h, &carried );
     assert_status( h.world, wisp_set_gravity( h.world, e, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ), WISP_OK );
@@ -616,5 +595,4 @@ TEST( teleports_velocities_pins_and_other_steps_leave_no_kick )
     run_steps( h.world, 60, 1.0f / 60.0f );
     assert_true( is_finite( h.world, e ) );
     assert_true( (double)motion_stats_of( h.world, e ).speed_max < 10.0 );
-    close_world( &h );
 }

@@ -43,7 +43,7 @@ static void open_place( hosted* h, const golden_case* c, const place_to_run* pla
 
 static wisp_entity add_case( wisp_world* world, const golden_case* c, int n )
 {
-    test_mesh mesh = test_plane( n, 0.03125f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( n, 0.03125f );
     const int32_t pins[2] = { 0, n - 1 };
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.hinges = true;
@@ -67,7 +67,6 @@ static wisp_entity add_case( wisp_world* world, const golden_case* c, int n )
     cloth.coarse_substeps = c->far ? 2 : 0;
     wisp_entity e = add_cloth( world, &fabric, surface, &cloth, EARTH );
     assert_status( world, wisp_request( world, e, WISP_SURFACE_NORMALS ), WISP_OK );
-    test_mesh_free( &mesh );
     return e;
 }
 
@@ -134,7 +133,7 @@ TEST( many_small_cloths_are_what_each_is_alone )
     for ( int workers = 1; workers <= 3; workers += 2 )
     {
         const place_to_run place = { workers, NULL, NULL };
-        hosted together;
+        SCOPED( close_world ) hosted together;
         open_place( &together, &one_iteration, &place, NULL );
         wisp_entity all[CLOTHS];
         for ( int i = 0; i < CLOTHS; ++i )
@@ -144,7 +143,7 @@ TEST( many_small_cloths_are_what_each_is_alone )
         run_steps( together.world, STEPS, 1.0f / 64.0f );
         for ( int i = 0; i < CLOTHS; ++i )
         {
-            hosted alone;
+            SCOPED( close_world ) hosted alone;
             open_place( &alone, &one_iteration, &PLAIN, NULL );
             wisp_entity e = add_case( alone.world, cases + i % WISP_COUNT( cases ), 5 + i % 7 );
             run_steps( alone.world, STEPS, 1.0f / 64.0f );
@@ -152,9 +151,7 @@ TEST( many_small_cloths_are_what_each_is_alone )
                               hash_of( alone.world, e, WISP_SURFACE_POINTS ) );
             assert_int_equal( hash_of( together.world, all[i], WISP_SURFACE_NORMALS ),
                               hash_of( alone.world, e, WISP_SURFACE_NORMALS ) );
-            close_world( &alone );
         }
-        close_world( &together );
     }
 }
 

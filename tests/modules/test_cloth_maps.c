@@ -72,9 +72,9 @@ static double hung_by( hosted* h, wisp_entity e )
 
 TEST( a_strip_with_a_soft_lower_half_stretches_by_the_sum_of_both_halves )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, 8, 40 );
-    test_mesh mesh = hanging_mesh( 2, ROWS, 0.05f, 0.05f );
+    SCOPED( test_mesh_free ) test_mesh mesh = hanging_mesh( 2, ROWS, 0.05f, 0.05f );
     const wisp_cloth_def cloth = vertical_threads( 1e-2f );
     const wisp_entity e = hang_strip( &h, &mesh, cloth, 1e-3f );
     float factors[COUNT];
@@ -88,15 +88,13 @@ TEST( a_strip_with_a_soft_lower_half_stretches_by_the_sum_of_both_halves )
     assert_status( h.world, wisp_set_map( h.world, e, WISP_MAP_STRETCH_COMPLIANCE, factors, COUNT ), WISP_OK );
     const double expected = closed_extension( 1e-2, rows, masses ), found = hung_by( &h, e );
     assert_within( found, expected, 3e-3 * expected ); // links not converged, rounding
-    test_mesh_free( &mesh );
-    close_world( &h );
 }
 
 TEST( heavier_vertices_stretch_what_is_above_them )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, 8, 40 );
-    test_mesh mesh = hanging_mesh( 2, ROWS, 0.05f, 0.05f );
+    SCOPED( test_mesh_free ) test_mesh mesh = hanging_mesh( 2, ROWS, 0.05f, 0.05f );
     const wisp_entity e = hang_strip( &h, &mesh, vertical_threads( 1e-2f ), 1e-3f );
     float factors[COUNT];
     double rows[ROWS], masses[ROWS];
@@ -109,15 +107,13 @@ TEST( heavier_vertices_stretch_what_is_above_them )
     assert_status( h.world, wisp_set_map( h.world, e, WISP_MAP_AREA_DENSITY, factors, COUNT ), WISP_OK );
     const double expected = closed_extension( 1e-2, rows, masses ), found = hung_by( &h, e );
     assert_within( found, expected, 3e-3 * expected );
-    test_mesh_free( &mesh );
-    close_world( &h );
 }
 
 TEST( each_link_has_the_mean_of_its_ends_and_null_takes_it_back )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, 1, 1 );
-    test_mesh mesh = hanging_mesh( 4, 5, 0.05f, 0.05f );
+    SCOPED( test_mesh_free ) test_mesh mesh = hanging_mesh( 4, 5, 0.05f, 0.05f );
     wisp_cloth_def cloth = vertical_threads( 1e-2f );
     cloth.bending = WISP_CLOTH_BENDING_LINKS;
     const wisp_entity e = hang_strip( &h, &mesh, cloth, 1e-3f );
@@ -157,15 +153,13 @@ TEST( each_link_has_the_mean_of_its_ends_and_null_takes_it_back )
     assert_memory_equal( column, before, (size_t)slots * sizeof( float ) );
     assert_true( wisp_world_hash( h.world ) == hash ); // nothing is left of a map
     free( before );
-    test_mesh_free( &mesh );
-    close_world( &h );
 }
 
 TEST( damping_decays_at_the_rate_of_each_vertex )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, 100, 1 );
-    test_mesh mesh = hanging_mesh( 4, 4, 0.1f, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = hanging_mesh( 4, 4, 0.1f, 0.1f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     const wisp_entity e = test_surface_of( h.world, &fabric, support_weightless_surface_def() );
     float factors[16];
@@ -184,15 +178,13 @@ TEST( damping_decays_at_the_rate_of_each_vertex )
         const double rate = 2.0 * (double)factors[v], expected = exp( -rate * 0.5 );
         assert_within( (double)velocity_of( h.world, e, v )[0], expected, expected * rate * rate / 6000.0 + 1e-5 );
     }
-    test_mesh_free( &mesh );
-    close_world( &h );
 }
 
 TEST( mapped_internal_damping_keeps_momentum_and_angular_momentum )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, 10, 1 );
-    test_mesh mesh = hanging_mesh( 6, 6, 0.1f, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = hanging_mesh( 6, 6, 0.1f, 0.1f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_cloth_def cloth = wisp_default_cloth_def();
     cloth.warp_compliance = cloth.weft_compliance = cloth.shear_compliance = 1e6f;
@@ -223,15 +215,13 @@ TEST( mapped_internal_damping_keeps_momentum_and_angular_momentum )
         assert_within( (double)velocity_of( h.world, e, 3 )[k], (double)free_one[k], 1e-3 ); // factor 0
     }
     assert_true( after.kinetic_energy < 0.8 * before.kinetic_energy );
-    test_mesh_free( &mesh );
-    close_world( &h );
 }
 
 static double terminal_speed( float factor )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, 20, 1 );
-    test_mesh mesh = test_plane( 6, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 6, 0.1f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_surface_def surface = wisp_default_surface_def();
     surface.area_density = 0.15f;
@@ -243,8 +233,6 @@ static double terminal_speed( float factor )
     assert_status( h.world, wisp_set_map( h.world, e, WISP_MAP_DRAG, factors, 36 ), WISP_OK );
     run_steps( h.world, 240, 1.0f / 60.0f );
     const wisp_motion_stats q = motion_stats_of( h.world, e );
-    test_mesh_free( &mesh );
-    close_world( &h );
     return -q.momentum[1] / q.mass;
 }
 
@@ -267,8 +255,9 @@ static double droop( float rigidity, float first_half, float second_half )
     {
         N = 17
     };
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, 20, 1 );
+    SCOPED( test_mesh_free )
     test_mesh mesh = { calloc( 3 * N, sizeof( wisp_vec3 ) ), calloc( 12 * N, 3 * sizeof( int32_t ) ), 3 * N, 0 };
     float factors[3 * N];
     for ( int v = 0; v < 3 * N; ++v )
@@ -299,8 +288,6 @@ static double droop( float rigidity, float first_half, float second_half )
     assert_status( h.world, wisp_set_map( h.world, e, WISP_MAP_BEND_RIGIDITY, factors, 3 * N ), WISP_OK );
     run_steps( h.world, 200, 1.0f / 60.0f );
     const double y = (double)point_of( h.world, e, 3 * N - 2 ).y;
-    test_mesh_free( &mesh );
-    close_world( &h );
     return -y;
 }
 
@@ -322,9 +309,9 @@ TEST( maps_of_ones_change_no_bit_of_masses_links_and_damping )
     uint64_t hash[2];
     for ( int mapped = 0; mapped < 2; ++mapped )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_world( &h, 4, 1 );
-        test_mesh mesh = hanging_mesh( 8, 8, 0.05f, 0.05f );
+        SCOPED( test_mesh_free ) test_mesh mesh = hanging_mesh( 8, 8, 0.05f, 0.05f );
         wisp_cloth_def cloth = vertical_threads( 1e-3f );
         cloth.bending = WISP_CLOTH_BENDING_LINKS;
         cloth.internal_damping = 0.0f;
@@ -340,17 +327,15 @@ TEST( maps_of_ones_change_no_bit_of_masses_links_and_damping )
         }
         run_steps( h.world, 20, 1.0f / 60.0f );
         assert_status( h.world, wisp_world_hash_column( h.world, e, WISP_SURFACE_POINTS, hash + mapped ), WISP_OK );
-        test_mesh_free( &mesh );
-        close_world( &h );
     }
     assert_true( hash[0] == hash[1] );
 }
 
 TEST( pins_snapshots_and_instances_keep_mapped_masses )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, 4, 1 );
-    test_mesh mesh = hanging_mesh( 4, 4, 0.1f, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = hanging_mesh( 4, 4, 0.1f, 0.1f );
     wisp_cloth_def cloth = vertical_threads( 1e-3f );
     const wisp_entity e = hang_strip( &h, &mesh, cloth, 0.0f );
     const wisp_fabric* f = wisp_world_fabric( h.world, e );
@@ -361,7 +346,7 @@ TEST( pins_snapshots_and_instances_keep_mapped_masses )
     const float plain = ( (float*)wisp_world_column( h.world, e, WISP_PARTICLE_POSITION, 0 ) )[4 * slot + 3];
     assert_status( h.world, wisp_set_map( h.world, e, WISP_MAP_AREA_DENSITY, factors, 16 ), WISP_OK );
     const size_t size = wisp_world_snapshot_size( h.world );
-    void* bytes = calloc( 1, size );
+    SCOPED( free_local ) void* bytes = calloc( 1, size );
     assert_status( h.world, wisp_world_snapshot( h.world, bytes, size ), WISP_OK );
     factors[9] = 7.0f;
     assert_status( h.world, wisp_set_map( h.world, e, WISP_MAP_AREA_DENSITY, factors, 16 ), WISP_OK );
@@ -377,16 +362,13 @@ TEST( pins_snapshots_and_instances_keep_mapped_masses )
         const float* position = wisp_world_column( h.world, both[i], WISP_PARTICLE_POSITION, 0 );
         assert_within( (double)position[4 * slot + 3], (double)plain / 5.0, 1e-6 * (double)plain );
     }
-    free( bytes );
-    test_mesh_free( &mesh );
-    close_world( &h );
 }
 
 TEST( wrong_maps_are_refused_with_one_message )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, 4, 1 );
-    test_mesh mesh = hanging_mesh( 4, 4, 0.1f, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = hanging_mesh( 4, 4, 0.1f, 0.1f );
     const wisp_entity e = hang_strip( &h, &mesh, vertical_threads( 1e-3f ), 0.0f );
     float factors[16];
     fill( factors, 16, 1.0f );
@@ -407,8 +389,6 @@ TEST( wrong_maps_are_refused_with_one_message )
                         "vertex 11: got the factor" );
     }
     assert_true( wisp_world_hash( h.world ) == hash );
-    test_mesh_free( &mesh );
-    close_world( &h );
 }
 
 // ---- instances ----
@@ -490,7 +470,7 @@ static void open_crowd( crowd* c, const crowd_case* how )
     c->h.def.isa = how->isa;
     assert_int_equal( wisp_world_create( &c->h.def, &c->h.world, NULL ), WISP_OK );
     c->h.world->registry.batch_count = how->apart ? 0 : c->h.world->registry.batch_count;
-    test_mesh mesh = test_plane( SIDE, 0.05f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( SIDE, 0.05f );
     wisp_fabric_def def = test_fabric_def( &mesh );
     def.tile_size = 64; // two tiles
     wisp_fabric* fabric = NULL;
@@ -500,7 +480,6 @@ static void open_crowd( crowd* c, const crowd_case* how )
         c->cloths[i] = add_instance( c, fabric, &mesh, how, i );
     }
     wisp_fabric_release( fabric );
-    test_mesh_free( &mesh );
 }
 
 // Lay one half of a cloth over the other.

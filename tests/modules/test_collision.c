@@ -40,7 +40,6 @@ static double nearest( wisp_world* world, wisp_entity e, const wisp_collider_def
 
 COLLISION_TEST( what_falls_on_a_plane_comes_to_rest_and_does_not_jitter )
 {
-    hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
     add_collider( h->world, &plane );
     wisp_entity e = add_cloth( h->world, 9, 0.8f, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, GRAVITY );
@@ -58,7 +57,6 @@ COLLISION_TEST( what_falls_on_a_plane_comes_to_rest_and_does_not_jitter )
 
 COLLISION_TEST( contact_never_adds_energy )
 {
-    hosted* h = *state;
     wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
     add_collider( h->world, &ball );
     wisp_collision_def collision = wisp_default_collision_def();
@@ -88,7 +86,7 @@ TEST( cloth_comes_to_rest_around_each_closed_form_at_its_thickness )
 {
     for ( int kind = 0; kind < WISP_COLLIDER_MESH; ++kind )
     {
-        hosted* h = new_colliding( 4, 4, 1 );
+        SCOPED( close_local ) hosted* h = new_colliding( 4, 4, 1 );
         wisp_collider_def body = body_of( (wisp_collider_kind)kind );
         body.pose = ( wisp_transform ){ about_z( kind == WISP_COLLIDER_PLANE ? 0.1 : 1.2 ), { 0.1f, 0.5f, -0.1f } };
         add_collider( h->world, &body );
@@ -102,7 +100,6 @@ TEST( cloth_comes_to_rest_around_each_closed_form_at_its_thickness )
         assert_true( nearest( h->world, e, &body, body.pose ) >= 0.94 * (double)thickness );
         assert_true( nearest( h->world, e, &body, body.pose ) <= 1.06 * (double)thickness );
         assert_int_equal( stats.dropped, 0 );
-        free_colliding( h );
     }
 }
 
@@ -112,7 +109,7 @@ TEST( results_scale_with_the_scene )
     wisp_vec3 at[3];
     for ( int k = 0; k < 3; ++k )
     {
-        hosted* h = new_colliding( 4, 4, 1 );
+        SCOPED( close_local ) hosted* h = new_colliding( 4, 4, 1 );
         float s = scales[k];
         wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
         ball.radius *= s;
@@ -124,7 +121,6 @@ TEST( results_scale_with_the_scene )
         assert_true( stats.penetration <= 0.01f * 0.0145f * s );
         const wisp_motion_stats q = motion_stats_of( h->world, e );
         at[k] = ( wisp_vec3 ){ (float)q.centre[0] / s, (float)q.centre[1] / s, (float)q.centre[2] / s };
-        free_colliding( h );
     }
     for ( int k = 1; k < 3; ++k )
     {
@@ -139,7 +135,7 @@ TEST( what_starts_inside_leaves_without_flying_off )
 {
     for ( int kind = WISP_COLLIDER_SPHERE; kind < WISP_COLLIDER_MESH; ++kind )
     {
-        hosted* h = new_colliding( 1, 8, 1 );
+        SCOPED( close_local ) hosted* h = new_colliding( 1, 8, 1 );
         wisp_collider_def body = body_of( (wisp_collider_kind)kind );
         add_collider( h->world, &body );
         wisp_entity e = add_cloth( h->world, 9, 0.24f, ( wisp_vec3 ){ 0.0f, 0.1f, 0.0f }, 0.0f );
@@ -158,7 +154,6 @@ TEST( what_starts_inside_leaves_without_flying_off )
         double momentum =
             sqrt( q.momentum[0] * q.momentum[0] + q.momentum[1] * q.momentum[1] + q.momentum[2] * q.momentum[2] );
         assert_true( momentum / q.mass < 10.0 * (double)edge );
-        free_colliding( h );
     }
 }
 
@@ -166,7 +161,6 @@ TEST( what_starts_inside_leaves_without_flying_off )
 
 COLLISION_TEST( a_body_at_100_m_s_sweeps_a_cloth_along )
 {
-    hosted* h = *state;
     const wisp_collider_kind kinds[] = { WISP_COLLIDER_BOX, WISP_COLLIDER_SPHERE, WISP_COLLIDER_CAPSULE };
     for ( int k = 0; k < 3; ++k )
     {
@@ -198,7 +192,6 @@ COLLISION_TEST( a_body_at_100_m_s_sweeps_a_cloth_along )
 
 COLLISION_TEST( a_particle_at_100_m_s_stops_at_a_thin_plate )
 {
-    hosted* h = *state;
     wisp_collider_def plate = body_of( WISP_COLLIDER_BOX );
     plate.half_extent = ( wisp_vec3 ){ 1.0f, 0.001f, 1.0f };
     plate.static_friction = plate.kinetic_friction = 0.0f;
@@ -221,7 +214,6 @@ COLLISION_TEST( a_particle_at_100_m_s_stops_at_a_thin_plate )
 
 COLLISION_TEST( a_body_stands_still_when_it_is_not_moved_again )
 {
-    hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
     wisp_entity collider = add_collider( h->world, &plane );
     wisp_entity e = add_cloth( h->world, 5, 0.4f, ( wisp_vec3 ){ 0.0f, 0.03f, 0.0f }, GRAVITY );
@@ -237,7 +229,6 @@ COLLISION_TEST( a_body_stands_still_when_it_is_not_moved_again )
 
 COLLISION_TEST( pinned_vertices_are_not_moved )
 {
-    hosted* h = *state;
     wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
     add_collider( h->world, &ball );
     wisp_entity e = add_cloth( h->world, 5, 0.4f, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, GRAVITY );
@@ -250,7 +241,6 @@ COLLISION_TEST( pinned_vertices_are_not_moved )
 
 COLLISION_TEST( layers_say_who_collides_with_whom )
 {
-    hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
     plane.layers = 4;
     add_collider( h->world, &plane );
@@ -270,7 +260,6 @@ COLLISION_TEST( layers_say_who_collides_with_whom )
 
 COLLISION_TEST( removed_bodies_and_surfaces_are_forgotten )
 {
-    hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
     wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
     wisp_entity first = add_collider( h->world, &plane );
@@ -308,7 +297,6 @@ static wisp_entity busy_scene( wisp_world* world, wisp_entity* ball )
 
 COLLISION_TEST( a_snapshot_brings_moving_bodies_back )
 {
-    hosted* h = *state;
     wisp_entity ball;
     busy_scene( h->world, &ball );
     run_busy( h->world, ball, 0, 20 );
@@ -339,7 +327,6 @@ static void assert_refused( wisp_world* world, const wisp_collider_def* def, con
 
 COLLISION_TEST( impossible_bodies_are_refused )
 {
-    hosted* h = *state;
     wisp_collider_def def = body_of( WISP_COLLIDER_SPHERE );
     def.radius = -1.0f;
     assert_refused( h->world, &def, "radius" );
@@ -371,7 +358,6 @@ COLLISION_TEST( impossible_bodies_are_refused )
 
 COLLISION_TEST( calls_that_do_not_fit_are_refused_with_a_message )
 {
-    hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
     wisp_entity body = add_collider( h->world, &plane );
     wisp_entity e = add_cloth( h->world, 3, 0.2f, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, GRAVITY );
@@ -609,7 +595,7 @@ TEST( what_is_dropped_returns_to_the_square_of_the_restitution )
     for ( int i = 0; i < WISP_COUNT( values ); ++i )
     {
         const float e = values[i], height = 1.0f;
-        hosted* h = new_colliding( substeps, 1, 1 );
+        SCOPED( close_local ) hosted* h = new_colliding( substeps, 1, 1 );
         wisp_collider_def floor = wisp_default_collider_def();
         floor.restitution = e;
         add_collider( h->world, &floor );
@@ -631,13 +617,12 @@ TEST( what_is_dropped_returns_to_the_square_of_the_restitution )
         const double lost = 9.8 * dt / 4.4 * ( 3.0 + 1.0 / (double)e );
         assert_true( top <= expected * ( 1.0 + 1e-4 ) );
         assert_near( top, expected, expected * lost + 1e-4 );
-        free_colliding( h );
     }
 }
 
 TEST( what_rests_on_a_bouncy_floor_does_not_jitter )
 {
-    hosted* h = new_colliding( 8, 1, 1 );
+    SCOPED( close_local ) hosted* h = new_colliding( 8, 1, 1 );
     wisp_collider_def floor = wisp_default_collider_def();
     floor.restitution = 1.0f;
     add_collider( h->world, &floor );
@@ -649,12 +634,11 @@ TEST( what_rests_on_a_bouncy_floor_does_not_jitter )
         run_for( h->world, DT, 1 );
         assert_true( motion_stats_of( h->world, patch ).speed_max < 1e-4 );
     }
-    free_colliding( h );
 }
 
 TEST( a_bouncing_cloth_gains_no_energy )
 {
-    hosted* h = new_colliding( 8, 1, 1 );
+    SCOPED( close_local ) hosted* h = new_colliding( 8, 1, 1 );
     wisp_collider_def floor = wisp_default_collider_def(), ball = body_of( WISP_COLLIDER_SPHERE );
     floor.restitution = ball.restitution = 1.0f;
     floor.static_friction = floor.kinetic_friction = ball.static_friction = ball.kinetic_friction = 0.0f;
@@ -675,12 +659,11 @@ TEST( a_bouncing_cloth_gains_no_energy )
         energy = fmin( energy, now );
     }
     assert_true( fastest_up > 0.5 );
-    free_colliding( h );
 }
 
 TEST( a_body_that_moves_throws_what_it_meets )
 {
-    hosted* h = new_colliding( 10, 1, 1 );
+    SCOPED( close_local ) hosted* h = new_colliding( 10, 1, 1 );
     wisp_collider_def plate = body_of( WISP_COLLIDER_BOX );
     plate.half_extent = ( wisp_vec3 ){ 1.0f, 0.1f, 1.0f };
     plate.restitution = 0.5f;
@@ -697,12 +680,10 @@ TEST( a_body_that_moves_throws_what_it_meets )
     // at rest, met at 1.2 m/s: ( 1 + e ) of it
     const wisp_motion_stats q = motion_stats_of( h->world, patch );
     assert_near( q.momentum[1] / q.mass, 1.5 * 0.02 * 60.0, 1e-3 );
-    free_colliding( h );
 }
 
 COLLISION_TEST( a_restitution_above_one_is_refused )
 {
-    hosted* h = *state;
     const float bad[] = { -0.1f, 1.1f, NAN };
     for ( int i = 0; i < 3; ++i )
     {

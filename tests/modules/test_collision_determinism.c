@@ -61,7 +61,7 @@ static void replace_tree( wisp_world* world, const test_mesh* mesh )
 static trace* run( setting how )
 {
     trace* t = checked_calloc( 1, sizeof( trace ) );
-    hosted* h = new_colliding( 2, 2, how.workers );
+    SCOPED( close_local ) hosted* h = new_colliding( 2, 2, how.workers );
     test_mesh ball = make_bumpy_ball();
     wisp_collider_def body = mesh_body( &ball );
     body.double_sided = how.double_sided;
@@ -79,8 +79,7 @@ static trace* run( setting how )
     collision.features = how.features;
     wisp_entity e = add_colliding( h->world, &mesh, &collision );
     test_mesh_free( &mesh );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_int_equal( wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
+    SET_DEFAULT( h->world, e, cloth );
     give_gravity( h->world, e, 9.8f );
 
     for ( int n = 0; n < STEPS; ++n )
@@ -94,7 +93,6 @@ static trace* run( setting how )
     assert_int_equal( view.count, WISP_COUNT( t->points ) );
     memcpy( t->points, view.data, sizeof( t->points ) );
     assert_int_equal( wisp_world_hash_column( h->world, e, WISP_SURFACE_POINTS, &t->hash ), WISP_OK );
-    free_colliding( h );
     return t;
 }
 
@@ -120,7 +118,7 @@ TEST( cloth_on_the_engines_own_tree_has_the_contacts_and_the_bits_of_embrees )
         setting how = { .double_sided = variant == 1, .workers = 1 };
         how.tracks = variant == 2;
         how.features = variant == 2 ? WISP_COLLISION_ALL : WISP_COLLISION_VERTICES;
-        trace* expected = run( how );
+        SCOPED( free_local ) trace* expected = run( how );
         for ( how.workers = 1; how.workers < 6; how.workers += 2 )
         {
             how.is_own = false;
@@ -128,7 +126,6 @@ TEST( cloth_on_the_engines_own_tree_has_the_contacts_and_the_bits_of_embrees )
             how.is_own = variant < 2; // edges are cooked with the tree
             assert_same( expected, run( how ) );
         }
-        free( expected );
     }
 }
 
@@ -141,10 +138,8 @@ static golden_hash run_case( int number, const void* context )
         { "features", .tracks = true, .features = WISP_COLLISION_ALL, .workers = 2 },
     };
     (void)context;
-    trace* t = run( cases[number] );
-    const golden_hash now = { cases[number].name, t->hash };
-    free( t );
-    return now;
+    SCOPED( free_local ) trace* t = run( cases[number] );
+    return ( golden_hash ){ cases[number].name, t->hash };
 }
 
 TEST( cloth_on_meshes_has_the_bits_on_record_with_embree_and_without )

@@ -45,8 +45,7 @@ static sheet new_sheet( wisp_collision_features features, const wisp_collider_de
     collision.thickness = THICKNESS;
     collision.features = features;
     s.surface = add_colliding( s.h->world, &s.mesh, &collision );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_int_equal( wisp_set_cloth( s.h->world, s.surface, &cloth ), WISP_OK );
+    SET_DEFAULT( s.h->world, s.surface, cloth );
     give_gravity( s.h->world, s.surface, gravity );
     for ( int32_t v = 0; is_held && v < s.mesh.vertex_count; ++v )
     {
@@ -176,7 +175,7 @@ TEST( a_needle_at_rest_carries_a_loaded_sheet )
     {
         // the sheet is held 3 cm below the top of the needle would be; the needle rises, then ten times gravity loads the sheet
         const wisp_collider_def needle = standing ? standing_needle( -0.008f ) : lying_needle( -0.008f );
-        sheet s = new_sheet( WISP_COLLISION_ALL, &needle, true, 10.0f * GRAVITY, 10, 1 );
+        SCOPED( free_sheet ) sheet s = new_sheet( WISP_COLLISION_ALL, &needle, true, 10.0f * GRAVITY, 10, 1 );
         double least = INFINITY, above = INFINITY;
         for ( int n = 1; n <= 60; ++n )
         {
@@ -189,14 +188,13 @@ TEST( a_needle_at_rest_carries_a_loaded_sheet )
         }
         assert_true( above > 0.0 );
         assert_true( least >= 0.9 * (double)THICKNESS - 1e-4 );
-        free_sheet( &s );
     }
 }
 
 TEST( a_needle_passes_between_vertices_that_alone_collide )
 {
     const wisp_collider_def needle = standing_needle( -0.008f );
-    sheet s = new_sheet( WISP_COLLISION_VERTICES, &needle, true, 10.0f * GRAVITY, 10, 1 );
+    SCOPED( free_sheet ) sheet s = new_sheet( WISP_COLLISION_VERTICES, &needle, true, 10.0f * GRAVITY, 10, 1 );
     for ( int n = 1; n <= 60; ++n )
     {
         wisp_transform pose = needle.pose;
@@ -205,7 +203,6 @@ TEST( a_needle_passes_between_vertices_that_alone_collide )
         run_for( s.h->world, DT, 1 );
     }
     assert_true( height_above_needle( &s ) < 0.0 );
-    free_sheet( &s );
 }
 
 TEST( a_needle_that_moves_does_not_pass )
@@ -218,7 +215,7 @@ TEST( a_needle_that_moves_does_not_pass )
         const float start = speed < 1.0f ? -0.02f : -0.1f, rise = speed < 1.0f ? 0.06f : speed < 10.0f ? 0.2f : 0.34f;
         const wisp_collider_def needle = standing ? standing_needle( start ) : lying_needle( start );
         // free, so that it can be carried along
-        sheet s = new_sheet( WISP_COLLISION_ALL, &needle, false, 0.0f, 10, 1 );
+        SCOPED( free_sheet ) sheet s = new_sheet( WISP_COLLISION_ALL, &needle, false, 0.0f, 10, 1 );
         double above = INFINITY, least = INFINITY;
         const int steps = (int)ceilf( rise / ( speed * DT ) );
         for ( int n = 1; n <= steps + 5; ++n )
@@ -232,7 +229,6 @@ TEST( a_needle_that_moves_does_not_pass )
         }
         assert_true( above > 0.0 );
         assert_true( least > 0.7 * (double)THICKNESS );
-        free_sheet( &s );
     }
 }
 
@@ -251,7 +247,7 @@ static wisp_collider_def box_under_sheet( void )
 static double draped_distance( wisp_collision_features features )
 {
     const wisp_collider_def box = box_under_sheet();
-    sheet s = new_sheet( features, &box, false, GRAVITY, 10, 1 );
+    SCOPED( free_sheet ) sheet s = new_sheet( features, &box, false, GRAVITY, 10, 1 );
     assert_int_equal( wisp_set_damping( s.h->world, s.surface, 2.0f ), WISP_OK );
     double least = INFINITY;
     for ( int n = 1; n <= 60; ++n )
@@ -259,7 +255,6 @@ static double draped_distance( wisp_collision_features features )
         run_for( s.h->world, DT, 1 );
         least = n > 30 && n % 10 == 0 ? fmin( least, least_distance( &s ) ) : least;
     }
-    free_sheet( &s );
     return least;
 }
 
@@ -279,7 +274,7 @@ TEST( a_small_ball_is_held_by_a_sheet_that_is_held_at_its_border )
     ball.pose.translation = ( wisp_vec3 ){ m.x + 0.005f, 0.02f, m.z + 0.012f };
     for ( int features = 0; features < 2; ++features )
     {
-        sheet s = new_sheet( (wisp_collision_features)features, &ball, true, 0.0f, 10, 1 );
+        SCOPED( free_sheet ) sheet s = new_sheet( (wisp_collision_features)features, &ball, true, 0.0f, 10, 1 );
         double least = INFINITY;
         for ( int n = 1; n <= 60; ++n )
         {
@@ -293,7 +288,6 @@ TEST( a_small_ball_is_held_by_a_sheet_that_is_held_at_its_border )
         const double above = height_above( &s, s.pose.translation );
         assert_true( features == 0 ? least < 0.0 : above < -0.9 * (double)( THICKNESS + ball.radius ) );
         assert_true( features == 0 || least >= 0.9 * (double)THICKNESS - 1e-4 );
-        free_sheet( &s );
     }
 }
 
@@ -342,8 +336,7 @@ static slide new_slide( double angle, float mu, wisp_collision_features features
     collision.features = features;
     s.surface = add_colliding( s.h->world, &mesh, &collision );
     test_mesh_free( &mesh );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_int_equal( wisp_set_cloth( s.h->world, s.surface, &cloth ), WISP_OK );
+    SET_DEFAULT( s.h->world, s.surface, cloth );
     run_for( s.h->world, DT, 1 );
     s.start = along_slope( &s );
     give_gravity( s.h->world, s.surface, gravity );
@@ -407,7 +400,7 @@ static void run_needles( sheet* s, int steps )
 TEST( a_snapshot_brings_edges_and_triangles_back )
 {
     const wisp_collider_def needle = lying_needle( -0.03f );
-    sheet s = new_sheet( WISP_COLLISION_ALL, &needle, false, GRAVITY, 5, 1 );
+    SCOPED( free_sheet ) sheet s = new_sheet( WISP_COLLISION_ALL, &needle, false, GRAVITY, 5, 1 );
     run_needles( &s, 8 );
     const saved_world saved = save_world( s.h->world );
     run_for( s.h->world, DT, 5 );
@@ -416,12 +409,12 @@ TEST( a_snapshot_brings_edges_and_triangles_back )
     free( saved.bytes );
     run_for( s.h->world, DT, 5 );
     assert_int_equal( wisp_world_hash( s.h->world ), after );
-    free_sheet( &s );
 }
 
 TEST( without_the_option_there_is_no_pass_and_no_other_bit )
 {
     const wisp_collider_def needle = lying_needle( -0.008f );
+    SCOPED( free_sheet )
     sheet s = new_sheet( WISP_COLLISION_VERTICES, &needle, true, GRAVITY, 2, 1 ),
           t = new_sheet( WISP_COLLISION_ALL, &needle, true, GRAVITY, 2, 1 );
     run_for( s.h->world, DT, 1 );
@@ -429,9 +422,7 @@ TEST( without_the_option_there_is_no_pass_and_no_other_bit )
     const int without = wisp_world_plan_passes( s.h->world );
     assert_int_equal( wisp_world_plan_passes( t.h->world ), without + 2 );
     // and it goes again
-    wisp_collision_def collision = wisp_default_collision_def();
-    collision.thickness = THICKNESS;
-    assert_int_equal( wisp_set_collision( t.h->world, t.surface, &collision ), WISP_OK );
+    SET( t.h->world, t.surface, collision, d.thickness = THICKNESS );
     assert_int_equal( wisp_world_plan_passes( t.h->world ), without );
     free_sheet( &t );
     // what never comes near a body moves as without it
@@ -446,24 +437,20 @@ TEST( without_the_option_there_is_no_pass_and_no_other_bit )
         const wisp_vec3 a = point_of( s.h->world, s.surface, v ), b = point_of( t.h->world, t.surface, v );
         assert_memory_equal( &a, &b, sizeof( a ) );
     }
-    free_sheet( &s );
-    free_sheet( &t );
 }
 
 TEST( steps_ask_for_no_memory )
 {
     const wisp_collider_def needle = lying_needle( -0.03f );
-    sheet s = new_sheet( WISP_COLLISION_ALL, &needle, false, GRAVITY, 5, 2 );
+    SCOPED( free_sheet ) sheet s = new_sheet( WISP_COLLISION_ALL, &needle, false, GRAVITY, 5, 2 );
     run_needles( &s, 5 );
     const int64_t queried = atomic_load( &s.h->host.queried );
     run_needles( &s, 10 );
     assert_int_equal( atomic_load( &s.h->host.queried ), queried );
-    free_sheet( &s );
 }
 
 COLLISION_TEST( impossible_features_are_refused )
 {
-    hosted* h = *state;
     wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
     add_collider( h->world, &ball );
     wisp_entity e = add_cloth( h->world, 3, 0.2f, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, GRAVITY );

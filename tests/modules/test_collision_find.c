@@ -621,7 +621,7 @@ TEST( the_deepest_point_is_that_of_samples_in_each_closed_form )
 TEST( the_deepest_point_is_that_of_samples_in_a_convex_polyhedron )
 {
     seed = 11;
-    test_mesh ball = test_ball( 0 );
+    SCOPED( test_mesh_free ) test_mesh ball = test_ball( 0 );
     for ( int v = 0; v < ball.vertex_count; ++v )
     {
         const wisp_vec3 p = ball.points[v];
@@ -636,7 +636,6 @@ TEST( the_deepest_point_is_that_of_samples_in_a_convex_polyhedron )
                                        .triangle_count = ball.triangle_count };
     compare_many( &shape, &body, 60 );
     wisp_convex_release( convex );
-    test_mesh_free( &ball );
 }
 
 // The hard cases: parallel to an axis or a face, through the middle, degenerate.

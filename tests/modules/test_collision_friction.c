@@ -45,8 +45,7 @@ static incline new_incline( double angle, float mu_static, float mu_kinetic, int
     collision.thickness = THICKNESS;
     i.surface = add_colliding( i.h->world, &mesh, &collision );
     test_mesh_free( &mesh );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_int_equal( wisp_set_cloth( i.h->world, i.surface, &cloth ), WISP_OK );
+    SET_DEFAULT( i.h->world, i.surface, cloth );
     run_for( i.h->world, 1.0f / 60.0f, 1 );
     i.start = along( &i );
     give_gravity( i.h->world, i.surface, GRAVITY );
@@ -123,10 +122,7 @@ TEST( static_friction_holds_what_kinetic_friction_would_not )
 TEST( friction_scales_with_the_surfaces_own_factor )
 {
     incline i = new_incline( 26.0 * DEGREE, 0.5f, 0.5f, 1, 1 );
-    wisp_collision_def collision = wisp_default_collision_def();
-    collision.thickness = THICKNESS;
-    collision.friction_scale = 0.0f;
-    assert_int_equal( wisp_set_collision( i.h->world, i.surface, &collision ), WISP_OK );
+    SET( i.h->world, i.surface, collision, d.thickness = THICKNESS, d.friction_scale = 0.0f );
     run_for( i.h->world, 1.0f / 60.0f, 60 );
     assert_near( motion_stats_of( i.h->world, i.surface ).speed_max, 9.8 * sin( i.angle ), 5e-3 );
     free_colliding( i.h );
@@ -157,7 +153,6 @@ TEST( a_belt_carries_what_lies_on_it_and_lets_it_slip_when_it_starts_too_fast )
 
 COLLISION_TEST( a_turning_roller_drags_what_lies_on_it )
 {
-    hosted* h = *state;
     wisp_collider_def roller = wisp_default_collider_def();
     roller.kind = WISP_COLLIDER_SPHERE;
     roller.radius = 1.0f;
@@ -264,9 +259,7 @@ static double tension_ratio( float mu, double ratio )
     wisp_entity e = test_surface_of( h->world, &fabric, surface );
     test_mesh_free( &mesh );
     assert_int_equal( wisp_request( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    cloth.bending = WISP_CLOTH_BENDING_NONE;
-    assert_int_equal( wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
+    SET( h->world, e, cloth, d.bending = WISP_CLOTH_BENDING_NONE );
     assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_OK );
     give_gravity( h->world, e, GRAVITY );
     for ( int side = 0; side < 2; ++side )
@@ -314,7 +307,7 @@ TEST( a_cord_that_slides_around_a_post_pulls_with_the_ratio_of_a_capstan )
 // A strip that hangs by its upper edge and nearly touches the floor, while gravity pulls it sideways a little.
 static float sideways_after_12_steps( bool has_floor )
 {
-    hosted* h = new_colliding( 1, 64, 1 );
+    SCOPED( close_local ) hosted* h = new_colliding( 1, 64, 1 );
     wisp_collider_def floor = wisp_default_collider_def();
     if ( has_floor )
     {
@@ -329,15 +322,12 @@ static float sideways_after_12_steps( bool has_floor )
     collision.thickness = THICKNESS;
     wisp_entity e = add_colliding( h->world, &mesh, &collision );
     test_mesh_free( &mesh );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_int_equal( wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
+    SET_DEFAULT( h->world, e, cloth );
     const int32_t top[4] = { 12, 13, 14, 15 };
     assert_int_equal( wisp_pin( h->world, e, top, 4 ), WISP_OK );
     assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -GRAVITY, 1.0f } ), WISP_OK );
     run_for( h->world, 1.0f / 60.0f, 12 );
-    float sideways = point_of( h->world, e, 1 ).z;
-    free_colliding( h );
-    return sideways;
+    return point_of( h->world, e, 1 ).z;
 }
 
 TEST( a_push_that_later_iterations_undo_gives_no_friction )
@@ -514,7 +504,7 @@ TEST( a_request_changes_no_bit_of_the_motion_and_workers_none_of_the_reaction )
 
 TEST( each_body_gets_what_it_pushed )
 {
-    hosted* h = new_colliding( 4, 1, 1 );
+    SCOPED( close_local ) hosted* h = new_colliding( 4, 1, 1 );
     wisp_collider_def floor = wisp_default_collider_def(), wall = floor;
     floor.static_friction = floor.kinetic_friction = wall.static_friction = wall.kinetic_friction = 0.0f;
     wall.pose.rotation = about_z( -1.5707963267948966 ); // its normal is +x
@@ -548,12 +538,11 @@ TEST( each_body_gets_what_it_pushed )
     assert_near( (double)sum[0].x, 0.0, 1e-5 * m );
     assert_near( (double)sum[1].x, -m, 1e-5 * m );
     assert_near( (double)sum[1].y, 0.0, 1e-5 * m );
-    free_colliding( h );
 }
 
 TEST( what_leaves_the_inside_of_a_body_gives_it_the_velocity_that_it_loses )
 {
-    hosted* h = new_colliding( 2, 1, 1 );
+    SCOPED( close_local ) hosted* h = new_colliding( 2, 1, 1 );
     const wisp_collider_def floor = wisp_default_collider_def();
     const wisp_entity body = add_collider( h->world, &floor );
     test_mesh mesh = test_plane( 2, 0.1f );
@@ -569,7 +558,6 @@ TEST( what_leaves_the_inside_of_a_body_gives_it_the_velocity_that_it_loses )
     const wisp_motion_stats q = motion_stats_of( h->world, patch );
     assert_near( q.momentum[1], 0.0, 1e-5 * q.mass );
     assert_near( (double)reaction_of( h->world, body ).impulse.y, 0.5 * q.mass, 1e-5 * q.mass );
-    free_colliding( h );
 }
 
 // ---- squeezed ----
@@ -585,7 +573,7 @@ static const int32_t BOX_TRIANGLES[12][3] = { { 0, 2, 1 }, { 1, 2, 3 }, { 4, 5, 
 // Vertices without links between two bodies that stand `gap` apart. @return m/s, how fast they fall after half a second of gravity
 static float squeeze( wisp_collider_kind kind, float gap, float mu, int substeps, double* pressed, double* carried )
 {
-    hosted* h = new_colliding( substeps, 1, 1 );
+    SCOPED( close_local ) hosted* h = new_colliding( substeps, 1, 1 );
     test_mesh mesh = test_plane( 9, 0.01f );
     for ( int v = 0; v < mesh.vertex_count; ++v )
     {
@@ -621,7 +609,6 @@ static float squeeze( wisp_collider_kind kind, float gap, float mu, int substeps
     const float speed = -(float)( q.momentum[1] / q.mass );
     // one digit of a position of 1e-3 m in a substep of 1/300 s
     assert_true( fabs( q.momentum[2] ) < 5e-5 * q.mass );
-    free_colliding( h );
     return speed;
 }
 
@@ -657,7 +644,7 @@ TEST( what_two_bodies_squeeze_is_pressed_in_proportion_to_its_depth_and_held_by_
 static void bounce_on_trampoline( float mass, int rate, int bounces )
 {
     const float height = 0.5f, radius = 0.12f, dt = 1.0f / (float)rate;
-    hosted* h = new_colliding( 20, 1, 1 );
+    SCOPED( close_local ) hosted* h = new_colliding( 20, 1, 1 );
     const wisp_entity sheet = add_cloth( h->world, 21, 1.6f, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, GRAVITY );
     for ( int32_t v = 0; v < 21 * 21; ++v )
     {
@@ -690,7 +677,6 @@ static void bounce_on_trampoline( float mass, int rate, int bounces )
         }
     }
     assert_int_equal( bounces, 0 );
-    free_colliding( h );
 }
 
 TEST( a_body_with_a_mass_gains_nothing_from_a_trampoline )
@@ -708,11 +694,9 @@ TEST( a_body_with_a_mass_gains_nothing_from_a_trampoline )
 static uint64_t meet_freely( wisp_collider_kind kind, float mass, wisp_collision_features features, float restitution,
                              int substeps, int workers )
 {
-    hosted* h = new_colliding( substeps, 1, workers );
+    SCOPED( close_local ) hosted* h = new_colliding( substeps, 1, workers );
     const wisp_entity e = add_cloth( h->world, 17, 0.8f, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, 0.0f );
-    wisp_collision_def collision = wisp_default_collision_def();
-    collision.features = features;
-    assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_OK );
+    SET( h->world, e, collision, d.features = features );
     wisp_collider_def def = body_of( kind );
     const float inertia = 0.04f * mass;
     def.mass = mass;
@@ -753,9 +737,7 @@ static uint64_t meet_freely( wisp_collider_kind kind, float mass, wisp_collision
         assert_true( m.kinetic_energy + 0.5 * ( mine * squared + turns ) < 1.001 * 0.5 * mine * 4.09 );
     }
     assert_true( v[1] > -1.99 );
-    const uint64_t hash = wisp_world_hash( h->world );
-    free_colliding( h );
-    return hash;
+    return wisp_world_hash( h->world );
 }
 
 TEST( a_free_body_and_a_cloth_keep_their_momentum_and_gain_no_energy )
@@ -777,7 +759,7 @@ TEST( a_body_with_a_mass_lies_on_cloth_on_a_floor )
     const float masses[] = { 0.02f, 0.5f };
     for ( int k = 0; k < 2; ++k )
     {
-        hosted* h = new_colliding( 4, 1, 1 );
+        SCOPED( close_local ) hosted* h = new_colliding( 4, 1, 1 );
         const wisp_collider_def floor = wisp_default_collider_def();
         add_collider( h->world, &floor );
         add_cloth( h->world, 17, 0.4f, ( wisp_vec3 ){ 0.0f, 0.01f, 0.0f }, GRAVITY );
@@ -802,7 +784,6 @@ TEST( a_body_with_a_mass_lies_on_cloth_on_a_floor )
             assert_true( n < 60 || fabsf( pose.translation.y - rest ) < 1e-5f );
             rest = pose.translation.y;
         }
-        free_colliding( h );
     }
 }
 
@@ -810,7 +791,7 @@ TEST( a_body_with_a_mass_lies_on_cloth_on_a_floor )
 static void carry_strands( float mass )
 {
     static const wisp_module* const MODULES[] = { &wisp_strands_module, &wisp_collision_module };
-    hosted* h = checked_calloc( 1, sizeof( hosted ) );
+    SCOPED( close_local ) hosted* h = checked_calloc( 1, sizeof( hosted ) );
     h->def = hosted_def( h );
     h->def.modules = MODULES;
     h->def.module_count = WISP_COUNT( MODULES );
@@ -831,10 +812,8 @@ static void carry_strands( float mass )
     def.strand_count = 2;
     wisp_entity hair;
     assert_int_equal( wisp_add_strands( h->world, &def, &hair ), WISP_OK );
-    const wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
-    assert_int_equal( wisp_set_strand_dynamics( h->world, hair, &dynamics ), WISP_OK );
-    const wisp_collision_def collision = wisp_default_collision_def();
-    assert_int_equal( wisp_set_collision( h->world, hair, &collision ), WISP_OK );
+    SET_DEFAULT( h->world, hair, strand_dynamics );
+    SET_DEFAULT( h->world, hair, collision );
     assert_int_equal( wisp_request( h->world, hair, WISP_MOTION_STATS ), WISP_OK );
     assert_int_equal( wisp_request_reaction( h->world, floor, true ), WISP_OK );
     run_for( h->world, DT, 60 );
@@ -847,7 +826,6 @@ static void carry_strands( float mass )
     const wisp_motion_stats q = motion_stats_of( h->world, hair );
     // bending passes 15 % to the roots
     assert_true( -sum > 0.8 * q.mass * 9.81 && -sum < q.mass * 9.81 );
-    free_colliding( h );
 }
 
 TEST( a_floor_carries_the_weight_of_strands )

@@ -95,7 +95,7 @@ static double gap_to( wisp_vec3 centre, wisp_vec3 p )
 
 TEST( ghosts_keep_the_thickness_where_they_would_be_in_a_body )
 {
-    flock f = new_flock( 1 ), plain = new_flock( 1 );
+    SCOPED( guide_end ) flock f = new_flock( 1 ), plain = new_flock( 1 );
     add_body( f.world, sphere_at( CENTRE ) );
     collide( f.world, f.ghosts );
     int inside = 0;
@@ -134,14 +134,12 @@ TEST( ghosts_keep_the_thickness_where_they_would_be_in_a_body )
         assert_true( (double)stats.penetration <= ROUNDED );
     }
     assert_true( inside > 100 );
-    wisp_world_destroy( plain.world );
-    wisp_world_destroy( f.world );
 }
 
 TEST( roots_stay_in_the_body_that_they_grow_from )
 {
     const wisp_vec3 head = { 0.05f, 1.0f, 0.0f };
-    flock f = new_flock( 1 ), plain = new_flock( 1 );
+    SCOPED( guide_end ) flock f = new_flock( 1 ), plain = new_flock( 1 );
     add_body( f.world, sphere_at( head ) );
     collide( f.world, f.ghosts );
     int roots = 0, moved = 0;
@@ -166,14 +164,12 @@ TEST( roots_stay_in_the_body_that_they_grow_from )
         }
     }
     assert_true( roots > 20 && moved > 20 );
-    wisp_world_destroy( plain.world );
-    wisp_world_destroy( f.world );
 }
 
 // The world has four substeps, of which only the last one's end counts.
 TEST( ghosts_keep_out_of_where_a_body_is_at_the_end_of_the_step )
 {
-    flock f = new_flock( 1 );
+    SCOPED( guide_end ) flock f = new_flock( 1 );
     const wisp_entity body = add_body( f.world, sphere_at( CENTRE ) );
     collide( f.world, f.ghosts );
     int touched = 0;
@@ -190,12 +186,11 @@ TEST( ghosts_keep_out_of_where_a_body_is_at_the_end_of_the_step )
         touched += stats_of( f.world, f.ghosts ).contacts;
     }
     assert_true( touched > 100 );
-    wisp_world_destroy( f.world );
 }
 
 TEST( nothing_is_left_of_a_body_that_is_gone )
 {
-    flock f = new_flock( 1 ), plain = new_flock( 1 );
+    SCOPED( guide_end ) flock f = new_flock( 1 ), plain = new_flock( 1 );
     const wisp_entity body = add_body( f.world, sphere_at( CENTRE ) );
     collide( f.world, f.ghosts );
     for ( int frame = 0; frame < 20; ++frame )
@@ -210,8 +205,6 @@ TEST( nothing_is_left_of_a_body_that_is_gone )
     guide_swing( &plain );
     assert_memory_equal( guide_points( f.world, f.ghosts ), guide_points( plain.world, plain.ghosts ),
                          POINTS * sizeof( wisp_vec3 ) );
-    wisp_world_destroy( plain.world );
-    wisp_world_destroy( f.world );
 }
 
 TEST( bits_do_not_depend_on_workers )
@@ -219,7 +212,7 @@ TEST( bits_do_not_depend_on_workers )
     uint64_t hashes[6];
     for ( int workers = 1; workers < 6; ++workers )
     {
-        flock f = new_flock( workers );
+        SCOPED( guide_end ) flock f = new_flock( workers );
         add_body( f.world, sphere_at( CENTRE ) );
         collide( f.world, f.ghosts );
         for ( int frame = 0; frame < 30; ++frame )
@@ -229,7 +222,6 @@ TEST( bits_do_not_depend_on_workers )
         assert_true( stats_of( f.world, f.ghosts ).contacts > 0 );
         hashes[workers] = wisp_world_hash( f.world );
         assert_int_equal( hashes[workers], hashes[1] );
-        wisp_world_destroy( f.world );
     }
 }
 
@@ -237,7 +229,7 @@ TEST( bits_do_not_depend_on_workers )
 // pushed.
 TEST( frozen_hair_starts_from_where_ghosts_were_pushed )
 {
-    flock f = new_flock( 2 ), bare = new_flock( 1 );
+    SCOPED( guide_end ) flock f = new_flock( 2 ), bare = new_flock( 1 );
     wisp_frozen_hair_def look = wisp_default_frozen_hair_def();
     look.freeze = look.clump = false;
     look.update_on = WISP_FROZEN_UPDATE_FRAME;
@@ -259,17 +251,14 @@ TEST( frozen_hair_starts_from_where_ghosts_were_pushed )
         {
             pushed[n] = guide_ghost( &bare, n / NODES, n % NODES );
         }
-        wisp_world* still = new_world( 1 );
+        SCOPED( destroy_local ) wisp_world* still = new_world( 1 );
         const wisp_entity hair = guide_add( still, pushed, GHOSTS, NODES );
         guide_ok( still, wisp_request( still, hair, WISP_STRAND_POINTS ) );
         guide_ok( still, wisp_set_frozen_hair( still, hair, &look ) );
         guide_step( still );
         assert_memory_equal( guide_points( f.world, f.ghosts ), guide_points( still, hair ),
                              POINTS * sizeof( wisp_vec3 ) );
-        wisp_world_destroy( still );
     }
-    wisp_world_destroy( bare.world );
-    wisp_world_destroy( f.world );
 }
 
 // Strands of two to ten vertices, so that some lanes end early and some are empty.
@@ -294,7 +283,7 @@ TEST( still_strands_leave_every_kind_of_body_and_then_rest )
 {
     for ( int kind = WISP_COLLIDER_PLANE; kind < WISP_COLLIDER_MESH; ++kind )
     {
-        wisp_world* world = new_world( 1 );
+        SCOPED( destroy_local ) wisp_world* world = new_world( 1 );
         const wisp_entity hair = add_uneven( world );
         wisp_collider_def def = wisp_default_collider_def();
         def.kind = (wisp_collider_kind)kind;
@@ -311,7 +300,7 @@ TEST( still_strands_leave_every_kind_of_body_and_then_rest )
         // vertices that were moved are at their distance
         assert_true( (double)stats.penetration <= ROUNDED );
         const int count = wisp_world_strands( world, hair )->vertex_count;
-        wisp_vec3* before = checked_calloc( (size_t)count, sizeof( wisp_vec3 ) );
+        SCOPED( free_local ) wisp_vec3* before = checked_calloc( (size_t)count, sizeof( wisp_vec3 ) );
         memcpy( before, guide_points( world, hair ), (size_t)count * sizeof( wisp_vec3 ) );
         guide_step( world );
         for ( int n = 0; n < count; ++n )
@@ -320,15 +309,13 @@ TEST( still_strands_leave_every_kind_of_body_and_then_rest )
             assert_at( double3_make( (double)a.x, (double)a.y, (double)a.z ),
                        double3_make( (double)b.x, (double)b.y, (double)b.z ), ROUNDED );
         }
-        free( before );
-        wisp_world_destroy( world );
     }
 }
 
 // Strands for four ghosts over a floor, with dynamics added later: after the next request they fall on it.
 TEST( strands_that_move_later_collide_as_such_when_queried_again )
 {
-    wisp_world* world = new_world( 1 );
+    SCOPED( destroy_local ) wisp_world* world = new_world( 1 );
     const wisp_entity hair = add_uneven( world );
     wisp_collider_def floor = wisp_default_collider_def();
     floor.pose = at( ( wisp_vec3 ){ 0.0f, -0.105f, 0.0f } );
@@ -343,16 +330,14 @@ TEST( strands_that_move_later_collide_as_such_when_queried_again )
         guide_step( world );
     }
     assert_true( stats_of( world, hair ).penetration < THICKNESS );
-    wisp_world_destroy( world );
 }
 
 TEST( strands_that_move_in_a_way_without_weights_are_refused )
 {
-    flock f = new_flock( 1 );
+    SCOPED( guide_end ) flock f = new_flock( 1 );
     const wisp_collision_def def = wisp_default_collision_def();
     const uint64_t before = wisp_world_hash( f.world );
     assert_int_equal( wisp_set_collision( f.world, f.targets, &def ), WISP_CONFLICT );
     assert_non_null( strstr( wisp_world_message( f.world ), "dynamics" ) );
     assert_int_equal( wisp_world_hash( f.world ), before );
-    wisp_world_destroy( f.world );
 }

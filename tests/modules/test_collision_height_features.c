@@ -43,7 +43,7 @@ TEST( a_height_field_has_the_edges_and_corners_of_its_triangles )
         heights[v] = v % 5 == 0 ? 0.05f : 0.2f * random_point( v ).x;
     }
     const wisp_height_field field = { heights, 9, 7, 0.1f };
-    test_mesh m = mesh_of_field( &field );
+    SCOPED( test_mesh_free ) test_mesh m = mesh_of_field( &field );
     const wisp_collision_mesh_def def = { .points = m.points,
                                           .triangles = m.triangles,
                                           .point_count = m.vertex_count,
@@ -86,7 +86,6 @@ TEST( a_height_field_has_the_edges_and_corners_of_its_triangles )
         assert_int_equal( wisp_height_field_find_features( &field, lower, upper, corners == 1, own, 3 ), 3 );
     }
     wisp_collision_mesh_release( mesh );
-    test_mesh_free( &m );
 }
 
 // ---- a sheet and a ground ----

@@ -22,24 +22,20 @@ static wisp_entity add_ball( wisp_world* world, bool as_mesh, float scale )
     {
         return add_collider( world, &def );
     }
-    test_mesh mesh = test_ball( 4 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_ball( 4 );
     move_mesh( &mesh, 0.3f * scale, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
     def = mesh_body( &mesh );
-    wisp_entity e = add_collider( world, &def );
-    test_mesh_free( &mesh );
-    return e;
+    return add_collider( world, &def );
 }
 
 // A square sheet of side 2 in the plane y = 0 of its frame.
 static wisp_entity add_sheet( wisp_world* world, wisp_collider_def* def )
 {
-    test_mesh mesh = test_plane( 3, 1.0f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 3, 1.0f );
     move_mesh( &mesh, 1.0f, ( wisp_vec3 ){ -1.0f, 0.0f, -1.0f } );
     *def = mesh_body( &mesh );
     def->double_sided = true;
-    wisp_entity e = add_collider( world, def );
-    test_mesh_free( &mesh );
-    return e;
+    return add_collider( world, def );
 }
 
 TEST( cloth_lies_on_a_mesh_as_on_the_closed_form )
@@ -47,7 +43,7 @@ TEST( cloth_lies_on_a_mesh_as_on_the_closed_form )
     wisp_motion_stats result[2];
     for ( int k = 0; k < 2; ++k )
     {
-        hosted* h = new_colliding( 4, 4, 1 );
+        SCOPED( close_local ) hosted* h = new_colliding( 4, 4, 1 );
         add_ball( h->world, k == 1, 1.0f );
         wisp_entity e = add_cloth( h->world, 13, 0.7f, ( wisp_vec3 ){ 0.0f, 0.4f, 0.0f }, GRAVITY );
         for ( int n = 0; n < 300; ++n )
@@ -60,7 +56,6 @@ TEST( cloth_lies_on_a_mesh_as_on_the_closed_form )
         assert_true( collision_of( h->world, e ).penetration <= 0.01f * 0.0166f );
         assert_true( collision_of( h->world, e ).contacts > 30 );
         result[k] = motion_stats_of( h->world, e );
-        free_colliding( h );
     }
     // faces of the mesh lie up to 0.3 (1 - cos( 90 / 32 degrees )), 4e-4 m, inside the ball; cloth folds freely
     assert_near( result[0].centre[1], result[1].centre[1], 0.02 );
@@ -74,7 +69,7 @@ TEST( results_on_a_mesh_scale_with_the_scene )
     double height[3];
     for ( int k = 0; k < 3; ++k )
     {
-        hosted* h = new_colliding( 4, 4, 1 );
+        SCOPED( close_local ) hosted* h = new_colliding( 4, 4, 1 );
         add_ball( h->world, true, scales[k] );
         wisp_entity e = add_cloth( h->world, 9, 0.5f * scales[k], ( wisp_vec3 ){ 0.0f, 0.4f * scales[k], 0.0f },
                                    GRAVITY * scales[k] );
@@ -82,7 +77,6 @@ TEST( results_on_a_mesh_scale_with_the_scene )
         assert_true( collision_of( h->world, e ).contacts > 20 );
         assert_true( collision_of( h->world, e ).penetration <= 0.01f * 0.0178f * scales[k] );
         height[k] = motion_stats_of( h->world, e ).centre[1] / (double)scales[k];
-        free_colliding( h );
     }
     assert_near( height[1], height[0], 0.01 );
     assert_near( height[2], height[0], 0.01 );
@@ -90,7 +84,6 @@ TEST( results_on_a_mesh_scale_with_the_scene )
 
 COLLISION_TEST( a_sheet_at_100_m_s_sweeps_particles_along )
 {
-    hosted* h = *state;
     wisp_collider_def def;
     wisp_entity double_sided = add_sheet( h->world, &def );
     wisp_entity e = add_cloth( h->world, 7, 0.6f, ( wisp_vec3 ){ 0.03f, 0.7f, 0.02f }, 0.0f );
@@ -111,7 +104,7 @@ COLLISION_TEST( a_sheet_at_100_m_s_sweeps_particles_along )
 // Constraints move particles after the search for contacts; those that they pull through a sheet are caught.
 TEST( cloth_that_is_torn_through_a_sheet_by_its_pins_stays_on_its_side )
 {
-    hosted* h = new_colliding( 1, 20, 1 );
+    SCOPED( close_local ) hosted* h = new_colliding( 1, 20, 1 );
     wisp_collider_def def;
     add_sheet( h->world, &def );
     wisp_entity e = add_cloth( h->world, 7, 0.6f, ( wisp_vec3 ){ 0.03f, 0.2f, 0.02f }, GRAVITY );
@@ -131,12 +124,11 @@ TEST( cloth_that_is_torn_through_a_sheet_by_its_pins_stays_on_its_side )
             assert_true( v == pin || p.y > 0.0f || fabsf( p.x ) > 1.0f || fabsf( p.z ) > 1.0f );
         }
     }
-    free_colliding( h );
 }
 
 TEST( what_starts_inside_a_mesh_leaves_without_flying_off )
 {
-    hosted* h = new_colliding( 1, 8, 1 );
+    SCOPED( close_local ) hosted* h = new_colliding( 1, 8, 1 );
     add_ball( h->world, true, 1.0f );
     wisp_entity e = add_cloth( h->world, 9, 0.24f, ( wisp_vec3 ){ 0.0f, 0.1f, 0.0f }, 0.0f );
     float edge = 0.03f * ( 2.0f + sqrtf( 2.0f ) ) / 3.0f;
@@ -146,7 +138,6 @@ TEST( what_starts_inside_a_mesh_leaves_without_flying_off )
     // at most at the limit of ten edges a second
     assert_true( fabs( q.momentum[1] ) / q.mass < 10.0 * (double)edge );
     assert_true( q.centre[1] > 0.2 && q.centre[1] < 2.0 );
-    free_colliding( h );
 }
 
 TEST( a_mesh_that_moves_is_answered_in_its_own_frame )
@@ -154,7 +145,7 @@ TEST( a_mesh_that_moves_is_answered_in_its_own_frame )
     double height[2];
     for ( int k = 0; k < 2; ++k )
     {
-        hosted* h = new_colliding( 2, 4, 1 );
+        SCOPED( close_local ) hosted* h = new_colliding( 2, 4, 1 );
         wisp_entity ball = add_ball( h->world, k == 1, 1.0f );
         wisp_entity e = add_cloth( h->world, 9, 0.4f, ( wisp_vec3 ){ 0.0f, 0.35f, 0.0f }, GRAVITY );
         for ( int n = 1; n <= 60; ++n )
@@ -166,14 +157,12 @@ TEST( a_mesh_that_moves_is_answered_in_its_own_frame )
         }
         height[k] = motion_stats_of( h->world, e ).centre[1];
         assert_true( height[k] > 1.2 );
-        free_colliding( h );
     }
     assert_near( height[0], height[1], 0.02 );
 }
 
 COLLISION_TEST( trees_go_with_their_bodies )
 {
-    hosted* h = *state;
     wisp_entity e = add_cloth( h->world, 5, 0.4f, ( wisp_vec3 ){ 0.0f, 0.4f, 0.0f }, GRAVITY );
     run_for( h->world, DT, 1 );
     wisp_entity first = add_ball( h->world, true, 1.0f );
@@ -204,11 +193,10 @@ static void assert_refused( wisp_world* world, const wisp_collider_def* def, con
 
 COLLISION_TEST( impossible_meshes_are_refused )
 {
-    hosted* h = *state;
     wisp_entity unused;
     wisp_collider_def plane = wisp_default_collider_def();
     assert_int_equal( wisp_add_collider( h->world, &plane, &unused ), WISP_OK ); // the list of bodies exists now
-    test_mesh ball = test_ball( 1 );
+    SCOPED( test_mesh_free ) test_mesh ball = test_ball( 1 );
     wisp_collider_def def = mesh_body( &ball );
     def.triangle_count -= 1;
     assert_refused( h->world, &def, "3 open edges" );
@@ -236,7 +224,6 @@ COLLISION_TEST( impossible_meshes_are_refused )
         corners[1] = first;
     }
     assert_refused( h->world, &def, "inwards" );
-    test_mesh_free( &ball );
 }
 
 // ---- solids ----
@@ -291,7 +278,7 @@ TEST( nothing_passes_at_any_speed )
     for ( int n = 0; n < 3 * WISP_COUNT( speeds ); ++n )
     {
         const float speed = speeds[n / 3];
-        hosted* h = new_colliding( 2, 1, 1 );
+        SCOPED( close_local ) hosted* h = new_colliding( 2, 1, 1 );
         const wisp_collider_def def = solid_of( KINDS[n % 3] );
         wisp_convex* convex;
         const wisp_shape shape = shape_of( &def, &convex );
@@ -325,7 +312,6 @@ TEST( nothing_passes_at_any_speed )
         }
         assert_true( contacts > 20 );
         wisp_convex_release( convex );
-        free_colliding( h );
     }
 }
 
@@ -375,7 +361,7 @@ TEST( hair_stays_out )
     static const wisp_module* const MODULES[] = { &wisp_strands_module, &wisp_collision_module };
     for ( int k = 0; k < WISP_COUNT( KINDS ); ++k )
     {
-        hosted* h = checked_calloc( 1, sizeof( hosted ) );
+        SCOPED( close_local ) hosted* h = checked_calloc( 1, sizeof( hosted ) );
         h->def = hosted_def( h );
         h->def.modules = MODULES;
         h->def.module_count = WISP_COUNT( MODULES );
@@ -397,11 +383,8 @@ TEST( hair_stays_out )
         strands.strand_count = 17;
         wisp_entity hair;
         assert_int_equal( wisp_add_strands( h->world, &strands, &hair ), WISP_OK );
-        const wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
-        assert_int_equal( wisp_set_strand_dynamics( h->world, hair, &dynamics ), WISP_OK );
-        wisp_collision_def collision = wisp_default_collision_def();
-        collision.thickness = 0.01f;
-        assert_int_equal( wisp_set_collision( h->world, hair, &collision ), WISP_OK );
+        SET_DEFAULT( h->world, hair, strand_dynamics );
+        SET( h->world, hair, collision, d.thickness = 0.01f );
         assert_int_equal( wisp_request_collision_stats( h->world, hair, true ), WISP_OK );
         int contacts = 0;
         for ( int n = 0; n < 90; ++n )
@@ -412,13 +395,11 @@ TEST( hair_stays_out )
             assert_true( s.penetration < 0.01f ); // less than the thickness: outside
         }
         assert_true( contacts > 17 );
-        free_colliding( h );
     }
 }
 
 COLLISION_TEST( a_wrong_solid_is_refused_and_costs_nothing )
 {
-    hosted* h = *state;
     static const float bad_heights[4] = { 0.0f, 0.0f, NAN, 0.0f };
     wisp_collider_def rows[8];
     const char* words[8] = { "top_radius", "bottom_radius",  "half_length", "lie in a plane",

@@ -80,7 +80,7 @@ static test_mesh blade( float half, float depth )
 
 TEST( each_edge_of_a_box_is_found_once_and_no_diagonal_of_its_faces )
 {
-    test_mesh m = box( ( wisp_vec3 ){ 1.0f, 2.0f, 3.0f } );
+    SCOPED( test_mesh_free ) test_mesh m = box( ( wisp_vec3 ){ 1.0f, 2.0f, 3.0f } );
     const float all[2] = { -9.0f, 9.0f }, lower[3] = { all[0], all[0], all[0] },
                 upper[3] = { all[1], all[1], all[1] }, above[3] = { all[0], 1.9f, all[0] };
     for ( int deforms = 0; deforms < 2; ++deforms )
@@ -118,7 +118,6 @@ TEST( each_edge_of_a_box_is_found_once_and_no_diagonal_of_its_faces )
         assert_true( upper_edges >= 4 && upper_edges < edges + 1 );
         wisp_collision_mesh_release( mesh );
     }
-    test_mesh_free( &m );
 }
 
 // ---- one edge and a mesh ----
@@ -165,7 +164,7 @@ static test_mesh roofs( const float* heights, int count )
 TEST( the_two_nearest_ridges_are_met_and_no_valley )
 {
     static const float heights[4] = { 0.011f, 0.018f, 0.005f, 0.014f };
-    test_mesh m = roofs( heights, 4 );
+    SCOPED( test_mesh_free ) test_mesh m = roofs( heights, 4 );
     collision_meeting out[COLLISION_PRIMITIVE_CONTACTS];
     assert_int_equal( meet( &m, true, 0.025f, 0.03f, out ), 2 );
     assert_float_equal( out[0].deepest.surface.distance, 0.025f - 0.018f, 1e-6f );
@@ -184,19 +183,17 @@ TEST( the_two_nearest_ridges_are_met_and_no_valley )
     {
         assert_true( fabsf( out[i].deepest.surface.point.x ) > 0.05f );
     }
-    test_mesh_free( &m );
 }
 
 TEST( a_closed_mesh_is_met_from_outside_alone )
 {
-    test_mesh m = box( ( wisp_vec3 ){ 0.3f, 0.1f, 0.1f } );
+    SCOPED( test_mesh_free ) test_mesh m = box( ( wisp_vec3 ){ 0.3f, 0.1f, 0.1f } );
     collision_meeting out[COLLISION_PRIMITIVE_CONTACTS];
     // across the edges at x = 0.3 and x = -0.3 it would lie in the face: above it both are met, below it none
     assert_int_equal( meet( &m, false, 0.11f, 0.02f, out ), 2 );
     assert_float_equal( out[0].deepest.surface.distance, 0.01f, 1e-6f );
     assert_int_equal( meet( &m, false, 0.09f, 0.02f, out ), 0 );
     assert_int_equal( meet( &m, true, 0.09f, 0.02f, out ), 0 ); // from behind they are valleys
-    test_mesh_free( &m );
 }
 
 // ---- a sheet and a mesh ----
@@ -204,10 +201,8 @@ TEST( a_closed_mesh_is_met_from_outside_alone )
 static double spike_gap( setting with, float speed, float by )
 {
     const float from = speed < 1.0f ? -0.02f : -0.1f;
-    sheet s = new_sheet( spike( 0.001f, 0.3f ), from, with );
-    const double least = rise( &s, from, by, speed, 10 );
-    free_sheet( &s );
-    return least;
+    SCOPED( free_sheet ) sheet s = new_sheet( spike( 0.001f, 0.3f ), from, with );
+    return rise( &s, from, by, speed, 10 );
 }
 
 TEST( a_spike_of_a_millimetre_does_not_pass_a_held_sheet_under_load )
@@ -246,11 +241,10 @@ TEST( a_bar_of_a_millimetre_does_not_pass_at_any_speed )
         const float length = sqrtf( q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w );
         scaled.rotation = ( wisp_quat ){ q.x / length, q.y / length, q.z / length, q.w / length };
         const float from = -0.1f;
-        sheet s = new_sheet( spike( 0.001f, 0.15f ), from, scaled );
+        SCOPED( free_sheet ) sheet s = new_sheet( spike( 0.001f, 0.15f ), from, scaled );
         const double gap = rise( &s, from, k == 0 ? 0.14f : k == 1 ? 0.2f : 0.34f, speeds[k], 10 );
 
         assert_true( gap > 0.5 * (double)THICKNESS );
-        free_sheet( &s );
     }
 }
 
@@ -258,17 +252,16 @@ TEST( a_blade_with_two_sides_does_not_cut )
 {
     const setting with = { WISP_COLLISION_ALL, .is_held = true, .double_sided = true, .gravity = 10.0f * GRAVITY,
                            .rotation = TURNED };
-    sheet s = new_sheet( blade( 0.055f, 0.1f ), -0.02f, with );
+    SCOPED( free_sheet ) sheet s = new_sheet( blade( 0.055f, 0.1f ), -0.02f, with );
     const double gap = rise( &s, -0.02f, 0.04f, 0.06f, 10 );
 
     assert_true( gap > 0.5 * (double)THICKNESS );
-    free_sheet( &s );
 }
 
 static double drape( wisp_collision_features features )
 {
     const setting with = { features, .gravity = GRAVITY, .rotation = { 0.0f, 0.149438f, 0.0f, 0.988771f } };
-    sheet s = new_sheet( box( ( wisp_vec3 ){ 0.1f, 0.05f, 0.08f } ), -0.06f, with );
+    SCOPED( free_sheet ) sheet s = new_sheet( box( ( wisp_vec3 ){ 0.1f, 0.05f, 0.08f } ), -0.06f, with );
     assert_int_equal( wisp_set_damping( s.h->world, s.surface, 2.0f ), WISP_OK );
     double least = INFINITY;
     for ( int n = 1; n <= 60; ++n )
@@ -276,7 +269,6 @@ static double drape( wisp_collision_features features )
         run_for( s.h->world, DT, 1 );
         least = n > 20 && n % 10 == 0 ? fmin( least, gap_of( &s ) ) : least;
     }
-    free_sheet( &s );
     return least;
 }
 
@@ -314,7 +306,7 @@ TEST( the_edge_of_a_blade_drags_a_sheet_along )
     {
         const setting with = { WISP_COLLISION_ALL, .double_sided = true, .follows = follows == 1,
                                .rotation = TURNED };
-        sheet s = new_sheet( blade( 0.15f, 0.1f ), -0.02f, with );
+        SCOPED( free_sheet ) sheet s = new_sheet( blade( 0.15f, 0.1f ), -0.02f, with );
         for ( int n = 1; n <= 12; ++n )
         {
             s.place.x += 0.25f * DT;
@@ -324,7 +316,6 @@ TEST( the_edge_of_a_blade_drags_a_sheet_along )
         const wisp_motion_stats q = motion_stats_of( s.h->world, s.surface );
         assert_true( q.momentum[1] > 0.0 );
         assert_true( q.momentum[0] > 0.3 * q.momentum[1] && q.momentum[0] < 0.6 * q.momentum[1] );
-        free_sheet( &s );
     }
 }
 
@@ -333,7 +324,7 @@ TEST( the_edge_of_a_blade_drags_a_sheet_along )
 TEST( without_memory_for_edges_nothing_changes )
 {
     const setting with = { WISP_COLLISION_VERTICES, .rotation = TURNED };
-    sheet s = new_sheet( box( ( wisp_vec3 ){ 0.06f, 0.05f, 0.06f } ), -0.06f, with );
+    SCOPED( free_sheet ) sheet s = new_sheet( box( ( wisp_vec3 ){ 0.06f, 0.05f, 0.06f } ), -0.06f, with );
     run_for( s.h->world, DT, 1 );
     const int passes = wisp_world_plan_passes( s.h->world );
     wisp_collision_def collision = wisp_default_collision_def();
@@ -352,5 +343,4 @@ TEST( without_memory_for_edges_nothing_changes )
     const int64_t queried = atomic_load( &s.h->host.queried );
     run_for( s.h->world, DT, 5 );
     assert_int_equal( atomic_load( &s.h->host.queried ), queried );
-    free_sheet( &s );
 }

@@ -55,7 +55,7 @@ static int open_sense( void** state )
     return 0;
 }
 
-#define SENSE_TEST( test ) TEST_WITH( test, open_sense, close_hosted )
+#define SENSE_TEST( test ) HOSTED_TEST( test, open_sense )
 
 static wisp_entity add_surface( wisp_world* world, const test_mesh* mesh )
 {
@@ -168,14 +168,13 @@ static bool is_planned( wisp_world* world, const char* pass )
 // A ball of radius 0.3, or a square of side 2 in the plane y = 0.
 static void add_mesh( wisp_world* world, bool double_sided, wisp_transform pose )
 {
-    test_mesh mesh = double_sided ? test_plane( 3, 1.0f ) : test_ball( 4 );
+    SCOPED( test_mesh_free ) test_mesh mesh = double_sided ? test_plane( 3, 1.0f ) : test_ball( 4 );
     move_mesh( &mesh, double_sided ? 1.0f : 0.3f,
                ( wisp_vec3 ){ double_sided ? -1.0f : 0.0f, 0.0f, double_sided ? -1.0f : 0.0f } );
     wisp_collider_def def = mesh_body( &mesh );
     def.double_sided = double_sided;
     def.pose = pose;
     add_collider( world, &def );
-    test_mesh_free( &mesh );
 }
 
 static const wisp_transform AT_ORIGIN = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
@@ -197,7 +196,7 @@ TEST( each_closed_form_is_sensed_where_it_stands )
     const double c = cos( 1.2 ), s = sin( 1.2 );
     for ( int kind = 0; kind < WISP_COLLIDER_MESH; ++kind )
     {
-        hosted* h = new_world( 1, 1 );
+        SCOPED( close_local ) hosted* h = new_world( 1, 1 );
         wisp_collider_def body = body_of( (wisp_collider_kind)kind );
         body.pose = ( wisp_transform ){ about_z( 1.2 ), { 0.1f, 0.5f, -0.1f } };
         add_collider( h->world, &body );
@@ -212,13 +211,11 @@ TEST( each_closed_form_is_sensed_where_it_stands )
         assert_vector( t.normal, c * (double)n.x - s * (double)n.y, s * (double)n.x + c * (double)n.y, n.z, 5e-6 );
         assert_true( t.motion.x == 0.0f && t.motion.y == 0.0f && t.motion.z == 0.0f );
         assert_int_equal( touch_of( h->world, e, 0, 1 ).body, 0 );
-        free_colliding( h );
     }
 }
 
 SENSE_TEST( margin_and_friction_are_those_of_participant_and_body )
 {
-    hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
     plane.thickness = 0.01f;
     plane.static_friction = 0.8f;
@@ -237,7 +234,6 @@ SENSE_TEST( margin_and_friction_are_those_of_participant_and_body )
 
 SENSE_TEST( what_is_beyond_margin_and_path_is_not_sensed )
 {
-    hosted* h = *state;
     wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
     add_collider( h->world, &ball );
     wisp_entity near = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.3f + 0.99f * MARGIN, 0.0f } );
@@ -257,7 +253,6 @@ SENSE_TEST( what_is_beyond_margin_and_path_is_not_sensed )
 // At a corner a box reaches as far as the ball around it, so the test of blocks is tight.
 SENSE_TEST( what_parts_from_a_corner_is_sensed_as_far_as_its_path )
 {
-    hosted* h = *state;
     wisp_collider_def box = body_of( WISP_COLLIDER_BOX );
     wisp_entity body = add_collider( h->world, &box );
     const wisp_vec3 half = box.half_extent;
@@ -281,7 +276,6 @@ SENSE_TEST( what_parts_from_a_corner_is_sensed_as_far_as_its_path )
 
 SENSE_TEST( gravity_counts_in_the_path )
 {
-    hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
     add_collider( h->world, &plane );
     wisp_entity floats = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.03f, 0.0f } );
@@ -308,7 +302,7 @@ TEST( what_starts_inside_is_told_how_deep_it_is )
     };
     for ( int kind = 0; kind < WISP_COLLIDER_MESH; ++kind )
     {
-        hosted* h = new_world( 1, 1 );
+        SCOPED( close_local ) hosted* h = new_world( 1, 1 );
         wisp_collider_def body = body_of( (wisp_collider_kind)kind );
         add_collider( h->world, &body );
         const wisp_entity e = add_probe( h->world, cases[kind].at );
@@ -320,7 +314,6 @@ TEST( what_starts_inside_is_told_how_deep_it_is )
         assert_near( t.gap, cases[kind].gap, 1e-6 );
         assert_vector( t.normal, n.x, n.y, n.z, 1e-6 );
         assert_true( t.recovery == 0.7f );
-        free_colliding( h );
     }
 }
 
@@ -330,7 +323,7 @@ TEST( the_surface_of_a_body_moves_as_a_rigid_body_does )
 {
     const int substeps = 4;
     const double v[3] = { 0.3, -0.2, 0.1 }, omega = 0.6; // about z
-    hosted* h = new_world( substeps, 1 );
+    SCOPED( close_local ) hosted* h = new_world( substeps, 1 );
     wisp_collider_def box = body_of( WISP_COLLIDER_BOX );
     wisp_entity body = add_collider( h->world, &box );
     wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 0.1f, 0.215f, 0.05f } );
@@ -354,12 +347,10 @@ TEST( the_surface_of_a_body_moves_as_a_rigid_body_does )
     const sensed rest = sense( h->world, e );
     assert_true( rest.motion.x == 0.0f && rest.motion.y == 0.0f && rest.motion.z == 0.0f );
     assert_int_equal( rest.body, t.body );
-    free_colliding( h );
 }
 
 SENSE_TEST( a_body_at_100_m_s_is_sensed_before_it_arrives )
 {
-    hosted* h = *state;
     wisp_collider_def plate = body_of( WISP_COLLIDER_BOX );
     plate.half_extent = ( wisp_vec3 ){ 1.0f, 0.002f, 1.0f };
     plate.pose.translation.y = -1.0f;
@@ -378,7 +369,6 @@ SENSE_TEST( a_body_at_100_m_s_is_sensed_before_it_arrives )
 
 SENSE_TEST( a_particle_at_100_m_s_is_told_where_its_path_enters )
 {
-    hosted* h = *state;
     wisp_collider_def plate = body_of( WISP_COLLIDER_BOX );
     plate.half_extent = ( wisp_vec3 ){ 1.0f, 0.001f, 1.0f };
     add_collider( h->world, &plate );
@@ -394,7 +384,6 @@ SENSE_TEST( a_particle_at_100_m_s_is_told_where_its_path_enters )
 // the margin, and not held.
 SENSE_TEST( a_flat_path_is_not_held_before_it_arrives )
 {
-    hosted* h = *state;
     wisp_collider_def plate = body_of( WISP_COLLIDER_BOX );
     plate.half_extent = ( wisp_vec3 ){ 1.0f, 0.1f, 1.0f };
     add_collider( h->world, &plate );
@@ -428,7 +417,7 @@ TEST( a_path_that_passes_by_is_not_stopped )
     };
     for ( int k = 0; k < WISP_COUNT( cases ); ++k )
     {
-        hosted* h = new_world( 1, 1 );
+        SCOPED( close_local ) hosted* h = new_world( 1, 1 );
         wisp_collider_def body = body_of( cases[k].kind );
         add_collider( h->world, &body );
         const wisp_vec3 from = cases[k].from, way = cases[k].way;
@@ -451,13 +440,11 @@ TEST( a_path_that_passes_by_is_not_stopped )
             body.radius + ( body.kind == WISP_COLLIDER_CAPSULE ? fabsf( n.y ) * body.half_length : 0.0f );
         const float flat = fabsf( n.x ) * half.x + fabsf( n.y ) * half.y + fabsf( n.z ) * half.z;
         assert_true( middle >= ( body.kind == WISP_COLLIDER_BOX ? flat : round ) - slack );
-        free_colliding( h );
     }
 }
 
 SENSE_TEST( pinned_particles_and_those_that_are_no_numbers_sense_nothing )
 {
-    hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
     add_collider( h->world, &plane );
     wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.01f, 0.0f } );
@@ -494,7 +481,7 @@ TEST( the_two_nearest_bodies_are_kept_in_whatever_order_they_came )
     const int orders[6][3] = { { 0, 1, 2 }, { 0, 2, 1 }, { 1, 0, 2 }, { 1, 2, 0 }, { 2, 0, 1 }, { 2, 1, 0 } };
     for ( int k = 0; k < 6; ++k )
     {
-        hosted* h = new_world( 1, 1 );
+        SCOPED( close_local ) hosted* h = new_world( 1, 1 );
         for ( int i = 0; i < 3; ++i )
         {
             add_wall( h->world, 2.0 * orders[k][i], gaps[orders[k][i]] );
@@ -505,13 +492,11 @@ TEST( the_two_nearest_bodies_are_kept_in_whatever_order_they_came )
         assert_near( b.gap, gaps[1], 1e-7 );
         assert_vector( b.normal, -sin( 2.0 ), cos( 2.0 ), 0.0, 1e-6 );
         assert_true( a.body != b.body );
-        free_colliding( h );
     }
 }
 
 SENSE_TEST( of_bodies_that_are_equally_near_the_first_count )
 {
-    hosted* h = *state;
     const float side[3] = { 1.0f, -1.0f, 1.0f };
     for ( int i = 0; i < 3; ++i )
     {
@@ -529,7 +514,6 @@ SENSE_TEST( of_bodies_that_are_equally_near_the_first_count )
 // Two walls are left behind; the particle would hit the third.
 SENSE_TEST( what_the_path_enters_counts_before_what_it_leaves )
 {
-    hosted* h = *state;
     add_wall( h->world, 0.0, 0.001f );
     add_wall( h->world, 0.5, 0.002f );
     add_wall( h->world, 3.0, 0.1f );
@@ -542,7 +526,6 @@ SENSE_TEST( what_the_path_enters_counts_before_what_it_leaves )
 
 SENSE_TEST( a_thick_body_that_touches_counts_before_a_thin_one_that_is_nearer )
 {
-    hosted* h = *state;
     add_wall( h->world, 0.0, 0.010f );
     add_wall( h->world, 1.0, 0.012f );
     wisp_collider_def thick = body_of( WISP_COLLIDER_PLANE );
@@ -556,7 +539,6 @@ SENSE_TEST( a_thick_body_that_touches_counts_before_a_thin_one_that_is_nearer )
 
 SENSE_TEST( layers_say_who_senses_whom )
 {
-    hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
     plane.layers = 4;
     add_collider( h->world, &plane );
@@ -574,7 +556,6 @@ SENSE_TEST( layers_say_who_senses_whom )
 
 SENSE_TEST( a_body_in_the_place_of_a_removed_one_has_another_name )
 {
-    hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
     wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.01f, 0.0f } );
     wisp_entity first = add_collider( h->world, &plane );
@@ -590,7 +571,6 @@ SENSE_TEST( a_body_in_the_place_of_a_removed_one_has_another_name )
 
 SENSE_TEST( a_mesh_is_sensed_as_the_ball_it_stands_for )
 {
-    hosted* h = *state;
     add_mesh( h->world, false, ( wisp_transform ){ about_z( 1.2 ), { 0.5f, 0.0f, 0.0f } } );
     wisp_entity outside = add_probe( h->world, ( wisp_vec3 ){ 0.5f, 0.31f, 0.0f } );
     wisp_entity deep = add_probe( h->world, ( wisp_vec3 ){ 0.55f, 0.0f, 0.0f } );
@@ -610,7 +590,6 @@ SENSE_TEST( a_mesh_is_sensed_as_the_ball_it_stands_for )
 
 SENSE_TEST( a_sheet_turns_its_normal_to_where_the_particle_comes_from )
 {
-    hosted* h = *state;
     add_mesh( h->world, true, AT_ORIGIN );
     const float heights[4] = { 0.01f, -0.01f, 0.8f, -0.8f };
     for ( int k = 0; k < 4; ++k )
@@ -629,7 +608,6 @@ SENSE_TEST( a_sheet_turns_its_normal_to_where_the_particle_comes_from )
 
 SENSE_TEST( stats_tell_depth_behind_the_surface_and_count_within_the_margin )
 {
-    hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
     plane.thickness = 0.01f;
     add_collider( h->world, &plane );
@@ -666,7 +644,6 @@ SENSE_TEST( stats_tell_depth_behind_the_surface_and_count_within_the_margin )
 
 SENSE_TEST( calls_in_either_order_give_the_same_plan )
 {
-    hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
     add_collider( h->world, &plane );
     test_mesh mesh = test_triangle( ( wisp_vec3 ){ 0.0f, 0.01f, 0.0f }, 0.01f );
@@ -697,7 +674,6 @@ SENSE_TEST( calls_in_either_order_give_the_same_plan )
 
 SENSE_TEST( nothing_to_touch_leaves_no_pass_and_no_memory_of_bodies )
 {
-    hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
     wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.01f, 0.0f } );
     assert_int_equal( wisp_request_collision_stats( h->world, e, true ), WISP_OK );
@@ -755,7 +731,7 @@ TEST( any_number_of_workers_gives_the_same_bits )
     uint64_t expected[20];
     for ( int k = 0; k < WISP_COUNT( workers ); ++k )
     {
-        hosted* h = new_world( 2, workers[k] );
+        SCOPED( close_local ) hosted* h = new_world( 2, workers[k] );
         wisp_entity ball;
         wisp_entity e = busy_scene( h->world, &ball );
         int most = 0;
@@ -769,14 +745,12 @@ TEST( any_number_of_workers_gives_the_same_bits )
             most = contacts > most ? contacts : most;
         }
         assert_true( most > 100 );
-        free_colliding( h );
     }
 }
 
 // The same surface, moved as a whole: particles share blocks differently, and the result must not show it.
 SENSE_TEST( a_particle_senses_the_same_alone_and_among_others )
 {
-    hosted* h = *state;
     wisp_entity ball;
     wisp_entity many = busy_scene( h->world, &ball );
     test_mesh mesh = test_plane( 40, 0.035f );
@@ -808,7 +782,6 @@ SENSE_TEST( a_particle_senses_the_same_alone_and_among_others )
 
 SENSE_TEST( a_warm_step_allocates_nothing )
 {
-    hosted* h = *state;
     wisp_entity ball;
     busy_scene( h->world, &ball );
     run_busy( h->world, ball, 0, 5 );

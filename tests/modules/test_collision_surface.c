@@ -140,11 +140,11 @@ static wisp_vec3 rising_floor( wisp_vec3 p, float time )
 // 0.5 m in a step of one substep, from below and from above, through a thickness of 1 mm.
 TEST( a_sheet_at_30_m_s_takes_cloth_along )
 {
-    hosted* h = new_colliding( 1, 1, 1 );
+    SCOPED( close_local ) hosted* h = new_colliding( 1, 1, 1 );
     test_mesh mesh = test_plane( 7, 0.4f );
     move_mesh( &mesh, 1.0f, ( wisp_vec3 ){ -1.2f, 0.0f, -1.2f } );
-    skin s = add_skin( h->world, mesh, true );
-    test_mesh triangle = test_triangle( ( wisp_vec3 ){ 0.03f, 0.2f, 0.07f }, 0.1f );
+    SCOPED( free_skin ) skin s = add_skin( h->world, mesh, true );
+    SCOPED( test_mesh_free ) test_mesh triangle = test_triangle( ( wisp_vec3 ){ 0.03f, 0.2f, 0.07f }, 0.1f );
     wisp_collision_def collision = wisp_default_collision_def();
     collision.thickness = 0.001f;
     wisp_entity e = add_colliding( h->world, &triangle, &collision );
@@ -157,9 +157,6 @@ TEST( a_sheet_at_30_m_s_takes_cloth_along )
         // the last step left it no faster than the floor
         assert_true( stats.centre[1] <= 30.0 * ( n + 1 ) * (double)DT + 0.01 );
     }
-    test_mesh_free( &triangle );
-    free_colliding( h );
-    free_skin( &s );
 }
 
 // ---- motions that no rigid body makes ----
@@ -173,8 +170,8 @@ static wisp_vec3 breathing( wisp_vec3 p, float time )
 // A ball that grows from 0.3 to 0.42 m lifts the cloth on its top by 0.12 m.
 TEST( a_ball_that_grows_lifts_cloth )
 {
-    hosted* h = new_colliding( 8, 2, 1 );
-    skin s = add_skin( h->world, ball_mesh( 3 ), false );
+    SCOPED( close_local ) hosted* h = new_colliding( 8, 2, 1 );
+    SCOPED( free_skin ) skin s = add_skin( h->world, ball_mesh( 3 ), false );
     wisp_entity e = add_cloth( h->world, 9, 0.2f, ( wisp_vec3 ){ 0.0f, 0.31f, 0.0f }, 9.8f );
     run_for( h->world, DT, 20 );
     const double before = motion_stats_of( h->world, e ).centre[1];
@@ -186,8 +183,6 @@ TEST( a_ball_that_grows_lifts_cloth )
     }
     // a cap of a larger ball is flatter, so its middle rises by a little more than the top
     assert_near( motion_stats_of( h->world, e ).centre[1] - before, 0.12, 0.01 );
-    free_colliding( h );
-    free_skin( &s );
 }
 
 // A belt: the upper side runs along x, and takes what lies on it along by friction.
@@ -198,8 +193,8 @@ static wisp_vec3 sheared( wisp_vec3 p, float time )
 
 TEST( the_velocity_of_the_surface_drags_by_friction )
 {
-    hosted* h = new_colliding( 8, 2, 1 );
-    skin s = add_skin( h->world, ball_mesh( 3 ), false );
+    SCOPED( close_local ) hosted* h = new_colliding( 8, 2, 1 );
+    SCOPED( free_skin ) skin s = add_skin( h->world, ball_mesh( 3 ), false );
     wisp_entity e = add_cloth( h->world, 5, 0.06f, ( wisp_vec3 ){ 0.0f, 0.302f, 0.0f }, 9.8f );
     for ( int n = 1; n <= 30; ++n )
     {
@@ -210,8 +205,6 @@ TEST( the_velocity_of_the_surface_drags_by_friction )
     assert_near( stats.momentum[0] / stats.mass, 0.5, 0.05 );
     // sliding for the first 0.5 m/s / (0.5 * 9.8 m/s^2)
     assert_near( stats.centre[0], 0.25 - 0.5 * 0.5 * 0.102, 0.01 );
-    free_colliding( h );
-    free_skin( &s );
 }
 
 // ---- what is kept within a step ----
@@ -267,13 +260,13 @@ TEST( hair_that_is_tracked_lies_where_hair_that_is_searched_in_each_substep_does
     wisp_collision_stats stats[2];
     for ( int tracks = 0; tracks < 2; ++tracks )
     {
-        hosted* h = checked_calloc( 1, sizeof( hosted ) );
+        SCOPED( close_local ) hosted* h = checked_calloc( 1, sizeof( hosted ) );
         h->def = hosted_def( h );
         h->def.modules = MODULES;
         h->def.module_count = WISP_COUNT( MODULES );
         h->def.substeps = 6;
         assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
-        skin s = add_skin_that( h->world, ball_mesh( 4 ), false, tracks == 1 );
+        SCOPED( free_skin ) skin s = add_skin_that( h->world, ball_mesh( 4 ), false, tracks == 1 );
         const wisp_entity e = add_hair( h->world );
         float deepest = 0.0f;
         for ( int n = 1; n <= 60; ++n )
@@ -286,8 +279,6 @@ TEST( hair_that_is_tracked_lies_where_hair_that_is_searched_in_each_substep_does
         stats[tracks].penetration = deepest;
         const wisp_view view = view_of( h->world, e, WISP_STRAND_POINTS );
         memcpy( points[tracks], view.data, sizeof( points[tracks] ) );
-        free_colliding( h );
-        free_skin( &s );
     }
     double most = 0.0;
     for ( int i = 0; i < STRANDS * VERTICES; ++i )
@@ -306,7 +297,7 @@ TEST( hair_that_is_tracked_lies_where_hair_that_is_searched_in_each_substep_does
 // A cloth that falls on the floor is a body for a second one, which lies on it and not in it.
 TEST( cloth_lies_on_cloth_that_moves_by_itself )
 {
-    hosted* h = new_colliding( 10, 2, 1 );
+    SCOPED( close_local ) hosted* h = new_colliding( 10, 2, 1 );
     wisp_collider_def def = wisp_default_collider_def();
     add_collider( h->world, &def );
     wisp_entity lower = add_cloth( h->world, 9, 0.8f, ( wisp_vec3 ){ 0.0f, 0.2f, 0.0f }, 9.8f );
@@ -320,15 +311,14 @@ TEST( cloth_lies_on_cloth_that_moves_by_itself )
     const double rest = 0.25 * ( 2.0 + sqrt( 2.0 ) ) / 3.0;
     assert_near( motion_stats_of( h->world, lower ).centre[1], 0.1 * rest, 0.002 );
     assert_near( motion_stats_of( h->world, upper ).centre[1], 0.15 * rest, 0.002 );
-    free_colliding( h );
 }
 
 // ---- life ----
 
 TEST( nothing_collides_with_a_surface_that_was_removed )
 {
-    hosted* h = new_colliding( 4, 1, 1 );
-    skin s = add_skin( h->world, ball_mesh( 2 ), false );
+    SCOPED( close_local ) hosted* h = new_colliding( 4, 1, 1 );
+    SCOPED( free_skin ) skin s = add_skin( h->world, ball_mesh( 2 ), false );
     wisp_entity e = add_cloth( h->world, 5, 0.2f, ( wisp_vec3 ){ 0.0f, 0.35f, 0.0f }, 9.8f );
     run_for( h->world, DT, 30 );
     assert_true( motion_stats_of( h->world, e ).centre[1] > 0.25 );
@@ -337,8 +327,6 @@ TEST( nothing_collides_with_a_surface_that_was_removed )
     assert_true( motion_stats_of( h->world, e ).centre[1] < -0.5 );
     assert_int_equal( wisp_remove( h->world, s.collider ), WISP_OK );
     run_for( h->world, DT, 1 );
-    free_colliding( h );
-    free_skin( &s );
 }
 
 TEST( a_snapshot_restores_the_motion_of_a_surface )
@@ -383,8 +371,8 @@ TEST( any_number_of_workers_gives_the_same_bits )
     uint64_t first = 0;
     for ( int workers = 1; workers <= 3; ++workers )
     {
-        hosted* h = new_colliding( 4, 1, workers );
-        skin s = add_skin( h->world, ball_mesh( 4 ), false );
+        SCOPED( close_local ) hosted* h = new_colliding( 4, 1, workers );
+        SCOPED( free_skin ) skin s = add_skin( h->world, ball_mesh( 4 ), false );
         wisp_entity e = add_cloth( h->world, 25, 0.6f, ( wisp_vec3 ){ 0.0f, 0.33f, 0.0f }, 9.8f );
         for ( int n = 1; n <= 20; ++n )
         {
@@ -395,15 +383,12 @@ TEST( any_number_of_workers_gives_the_same_bits )
         assert_int_equal( wisp_world_hash_column( h->world, e, WISP_SURFACE_POINTS, &hash ), WISP_OK );
         first = workers == 1 ? hash : first;
         assert_true( hash == first );
-        free_colliding( h );
-        free_skin( &s );
     }
 }
 
 COLLISION_TEST( wrong_surfaces_are_refused )
 {
-    hosted* h = *state;
-    skin s = add_skin( h->world, test_plane( 3, 0.5f ), true );
+    SCOPED( free_skin ) skin s = add_skin( h->world, test_plane( 3, 0.5f ), true );
     wisp_collider_def def = wisp_default_collider_def();
     def.kind = WISP_COLLIDER_SURFACE;
     wisp_entity e;
@@ -419,5 +404,4 @@ COLLISION_TEST( wrong_surfaces_are_refused )
     assert_non_null( strstr( wisp_world_message( h->world ), "moves with its surface" ) );
     assert_int_equal( wisp_teleport( h->world, s.collider, pose, false ), WISP_CONFLICT );
     run_for( h->world, DT, 1 );
-    free_skin( &s );
 }

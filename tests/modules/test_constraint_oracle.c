@@ -188,9 +188,9 @@ static bool is_deep( int v )
 TEST( every_quadratic_surface_has_its_energy_and_is_in_balance )
 {
     static const double CURVATURES[][3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }, { 1, 1, 0 }, { 1, -1, 0.5 } };
-    test_mesh m = square_of( 0.1, 0.33f );
+    SCOPED( test_mesh_free ) test_mesh m = square_of( 0.1, 0.33f );
     double3 rest[COUNT], x[COUNT], force[COUNT];
-    plate_oracle plate = oracle_of( &m, NULL, rest );
+    SCOPED( plate_oracle_destroy ) plate_oracle plate = oracle_of( &m, NULL, rest );
     for ( int n = 0; n < WISP_COUNT( CURVATURES ); ++n )
     {
         const double *k = CURVATURES[n], square = k[0] * k[0] + k[1] * k[1] + 2.0 * k[2] * k[2];
@@ -217,14 +217,12 @@ TEST( every_quadratic_surface_has_its_energy_and_is_in_balance )
             }
         }
     }
-    plate_oracle_destroy( &plate );
-    test_mesh_free( &m );
 }
 
 // Weights that a plate had without pins leave no trace.
 static void update_plate( wisp_plate* plate, const wisp_fabric* f, const float* position )
 {
-    float* unpinned = malloc( 4 * (size_t)f->slot_count * sizeof( float ) );
+    SCOPED( free_local ) float* unpinned = malloc( 4 * (size_t)f->slot_count * sizeof( float ) );
     assert_non_null( unpinned );
     for ( int i = 0; i < 4 * f->slot_count; ++i )
     {
@@ -232,15 +230,14 @@ static void update_plate( wisp_plate* plate, const wisp_fabric* f, const float* 
     }
     assert_int_equal( wisp_plate_update( plate, f, unpinned, INFINITY ), 0 );
     assert_int_equal( wisp_plate_update( plate, f, position, INFINITY ), 0 );
-    free( unpinned );
 }
 
 // The engine drops shares below 1e-5 and stores floats.
 static void compare_with_oracle( float off, bool with_pins )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_implicit( &h, 1 );
-    test_mesh m = square_of( 0.1, off );
+    SCOPED( test_mesh_free ) test_mesh m = square_of( 0.1, off );
     bool pinned[COUNT] = { false };
     int32_t pins[3 * SIDE];
     for ( int n = 0; n < 3 * SIDE; ++n )
@@ -285,8 +282,6 @@ static void compare_with_oracle( float off, bool with_pins )
     }
     plate_oracle_destroy( &oracle );
     wisp_plate_release( plate, wisp_world_allocator( h.world ) );
-    test_mesh_free( &m );
-    close_world( &h );
 }
 
 TEST( the_engine_has_the_matrix_of_the_oracle )

@@ -194,7 +194,7 @@ TEST( friction_is_that_of_coulomb )
     const double mu = 0.4, g = 9.81, seconds = 0.5;
     for ( int i = 0; i < WISP_COUNT( SHARES ); ++i )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         wisp_entity sheets[2];
         wisp_contact_def rough = contact_of( THICK ), half = rough;
         rough.friction = 0.8f; // the geometric mean is 0.4
@@ -210,13 +210,12 @@ TEST( friction_is_that_of_coulomb )
         const double pull = fmax( 0.0, g * ( sin( angle ) - mu * cos( angle ) ) );
         // one substep more or less of acceleration, and the slip before it came to rest
         assert_near( slid, 0.5 * pull * seconds * seconds, 0.03 * pull * seconds * seconds + 1e-4 );
-        close_world( &h );
     }
 }
 
 TEST( what_is_too_near_is_parted_slowly_and_gets_no_velocity )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     wisp_entity sheets[2];
     wisp_contact_def def = contact_of( THICK );
     def.max_push_out_speed = 0.125f;
@@ -228,7 +227,6 @@ TEST( what_is_too_near_is_parted_slowly_and_gets_no_velocity )
         assert_near( mean_of( h.world, sheets[1], 1 ), expected, 1e-5 );
         assert_true( motion_stats_of( h.world, sheets[1] ).speed_max < 1e-4 ); // roundings over a substep
     }
-    close_world( &h );
 }
 
 TEST( resting_sheets_keep_half_of_the_sum_of_their_thicknesses_and_lie_still )
@@ -236,7 +234,7 @@ TEST( resting_sheets_keep_half_of_the_sum_of_their_thicknesses_and_lie_still )
     static const float PAIRS[][2] = { { 1.0f, 1.0f }, { 0.5f, 1.5f }, { 2.0f, 1.0f } };
     for ( int i = 0; i < WISP_COUNT( PAIRS ); ++i )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         wisp_entity sheets[2];
         const wisp_contact_def lower = contact_of( PAIRS[i][0] * THICK ), upper = contact_of( PAIRS[i][1] * THICK );
         open_sheets( &h, sheets, 4.0f * THICK, &lower, &upper );
@@ -256,20 +254,17 @@ TEST( resting_sheets_keep_half_of_the_sum_of_their_thicknesses_and_lie_still )
         const double weight = motion_stats_of( h.world, sheets[1] ).mass * 9.81;
         assert_status( h.world, wisp_read_contact_impulse( h.world, sheets[1], impulse ), WISP_OK );
         assert_near( impulse[1], weight * (double)DT, 0.01 * weight * (double)DT );
-        close_world( &h );
     }
 }
 
 static bool falls_through( const wisp_contact_def* lower, const wisp_contact_def* upper )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     wisp_entity sheets[2];
     open_sheets( &h, sheets, 2.0f * THICK, lower, upper );
     assert_status( h.world, wisp_set_gravity( h.world, sheets[1], EARTH ), WISP_OK );
     run_steps( h.world, 30, DT );
-    const bool through = mean_of( h.world, sheets[1], 1 ) < 0.0;
-    close_world( &h );
-    return through;
+    return mean_of( h.world, sheets[1], 1 ) < 0.0;
 }
 
 TEST( layers_and_masks_say_who_meets )
@@ -306,7 +301,7 @@ TEST( layers_and_masks_say_who_meets )
 // Two primitives of one surface, the upper one moving down.
 static bool passes_itself( bool self )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_contact( &h, 4, 1, 1 );
     test_mesh m = level_sheet( 4, 0.3f, ( wisp_vec3 ){ 0 } ),
               two = { calloc( 32, sizeof( wisp_vec3 ) ), calloc( 108, sizeof( int32_t ) ), 32, 36 };
@@ -330,7 +325,6 @@ static bool passes_itself( bool self )
     }
     run_steps( h.world, 20, DT );
     const float lower = place_of( h.world, e, 5 )[1], upper = place_of( h.world, e, 21 )[1];
-    close_world( &h );
     return upper < lower;
 }
 
@@ -342,7 +336,7 @@ TEST( a_surface_meets_itself_unless_told_not_to )
 
 TEST( pins_push_and_are_not_pushed )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     wisp_entity sheets[2];
     const wisp_contact_def def = contact_of( THICK );
     open_sheets( &h, sheets, 1.5f * THICK, &def, &def );
@@ -366,7 +360,6 @@ TEST( pins_push_and_are_not_pushed )
     // it keeps the velocity of the push: nothing bounces
     assert_near( motion_stats_of( h.world, sheets[1] ).momentum[1] / motion_stats_of( h.world, sheets[1] ).mass, 0.5,
                  0.01 );
-    close_world( &h );
 }
 
 // ---- participants are added and removed ----
@@ -393,7 +386,7 @@ TEST( what_lay_on_a_participant_falls_when_that_is_removed_or_leaves )
 {
     for ( int way = 0; way < 3; ++way )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         wisp_entity sheets[2];
         open_resting( &h, sheets );
         wisp_contact_def off = contact_of( THICK );
@@ -409,13 +402,12 @@ TEST( what_lay_on_a_participant_falls_when_that_is_removed_or_leaves )
         run_steps( h.world, 1, DT );
         assert_int_equal( count_passes_named( h.world, "contact.push" ), 0 );
         assert_int_equal( count_passes_named( h.world, "contact.find" ), 0 );
-        close_world( &h );
     }
 }
 
 TEST( a_participant_that_comes_later_is_met )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     wisp_entity sheets[2];
     open_resting( &h, sheets );
     test_mesh mesh = level_sheet( 5, 0.25f, ( wisp_vec3 ){ 0.1f, 3.0f * THICK, 0.05f } );
@@ -427,18 +419,16 @@ TEST( a_participant_that_comes_later_is_met )
     assert_near( mean_of( h.world, sheets[1], 1 ), (double)THICK, 0.01 * (double)THICK );
     assert_near( mean_of( h.world, third, 1 ), 2.0 * (double)THICK, 0.02 * (double)THICK );
     assert_int_equal( contact_stats( h.world ).participants, 3 );
-    close_world( &h );
 }
 
 TEST( instances_meet_like_all_others )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     wisp_entity sheets[3];
     open_resting( &h, sheets );
     assert_status( h.world, wisp_add_instance( h.world, sheets[1], NULL, sheets + 2 ), WISP_OK );
     const wisp_contact_def def = contact_of( THICK );
-    const wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_status( h.world, wisp_set_cloth( h.world, sheets[2], &cloth ), WISP_OK );
+    SET_DEFAULT( h.world, sheets[2], cloth );
     assert_status( h.world, wisp_set_gravity( h.world, sheets[2], EARTH ), WISP_OK );
     float* column = wisp_world_column( h.world, sheets[2], WISP_PARTICLE_POSITION, 0 );
     for ( int v = 0; v < 16; ++v )
@@ -449,14 +439,13 @@ TEST( instances_meet_like_all_others )
     run_steps( h.world, 100, DT );
     assert_near( mean_of( h.world, sheets[1], 1 ), (double)THICK, 0.01 * (double)THICK );
     assert_near( mean_of( h.world, sheets[2], 1 ), 2.0 * (double)THICK, 0.02 * (double)THICK );
-    close_world( &h );
 }
 
 // The middle one of three falling sheets is halted; the one above lands on it. After the halt ends the middle one
 // falls itself.
 TEST( a_halted_participant_stands_and_is_met_again_when_it_is_resumed )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     wisp_entity sheets[2];
     open_resting( &h, sheets );
     test_mesh middle_mesh = level_sheet( 4, 0.3f, ( wisp_vec3 ){ 0.11f, 20.0f * THICK, 0.07f } ),
@@ -479,7 +468,6 @@ TEST( a_halted_participant_stands_and_is_met_again_when_it_is_resumed )
     run_steps( h.world, 60, DT ); // longer, and a smaller sheet slides off
     assert_near( mean_of( h.world, middle, 1 ), 2.0 * (double)THICK, 0.02 * (double)THICK );
     assert_near( mean_of( h.world, upper, 1 ), 3.0 * (double)THICK, 0.03 * (double)THICK );
-    close_world( &h );
 }
 
 // If the thickness exceeds its edges, a sheet is not pushed apart anywhere: it keeps its rest distances. When bent
@@ -488,7 +476,7 @@ TEST( a_participant_that_is_thinner_at_rest_than_its_thickness_lies_still )
 {
     for ( int bent = 0; bent < 2; ++bent )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_contact( &h, 2, 1, 1 );
         test_mesh sheet = level_sheet( 9, 0.4f, ( wisp_vec3 ){ 0 } );
         const wisp_entity e = add_draping( h.world, &sheet, NULL, 0, ( wisp_vec3 ){ 0 } );
@@ -518,7 +506,6 @@ TEST( a_participant_that_is_thinner_at_rest_than_its_thickness_lies_still )
             most = fmax( most, fabs( (double)( at[1] - before[v][1] ) ) );
         }
         assert_true( bent == 0 ? most < 1e-6 && contact_stats( h.world ).contacts == 0 : most > 0.01 );
-        close_world( &h );
     }
 }
 
@@ -532,7 +519,7 @@ static int open_refusing( void** state )
     return 0;
 }
 
-#define CONTACT_TEST( test ) TEST_WITH( test, open_refusing, close_hosted )
+#define CONTACT_TEST( test ) HOSTED_TEST( test, open_refusing )
 
 static wisp_entity add_small( wisp_world* world, float height )
 {
@@ -552,7 +539,6 @@ static void assert_participant_refused( hosted* h, wisp_entity e, const wisp_con
 
 CONTACT_TEST( every_number_of_a_participant_has_its_range )
 {
-    hosted* h = *state;
     const wisp_entity e = add_small( h->world, 0.0f );
     const wisp_contact_def good = wisp_default_contact_def();
     const struct
@@ -582,7 +568,6 @@ CONTACT_TEST( every_number_of_a_participant_has_its_range )
 
 CONTACT_TEST( every_number_of_the_settings_has_its_range )
 {
-    hosted* h = *state;
     const wisp_entity e = add_small( h->world, 0.0f );
     const wisp_contact_def participant = wisp_default_contact_def();
     set_contact( h->world, e, &participant );
@@ -611,7 +596,6 @@ CONTACT_TEST( every_number_of_the_settings_has_its_range )
 
 CONTACT_TEST( who_cannot_take_part_is_told )
 {
-    hosted* h = *state;
     const wisp_contact_def def = wisp_default_contact_def();
     const wisp_entity solved = add_small( h->world, 0.0f ), gone = add_small( h->world, 1.0f );
     const wisp_entity still = test_add_strands( h->world, 3, 4 );
@@ -629,7 +613,6 @@ CONTACT_TEST( who_cannot_take_part_is_told )
 
 CONTACT_TEST( stats_that_were_not_requested_are_not_there )
 {
-    hosted* h = *state;
     wisp_contact_stats f;
     double impulse[3];
     const wisp_entity e = add_small( h->world, 0.0f ), other = add_small( h->world, 1.0f );
@@ -661,7 +644,7 @@ CONTACT_TEST( stats_that_were_not_requested_are_not_there )
 
 TEST( a_world_without_the_module_says_so )
 {
-    hosted h = { 0 };
+    SCOPED( close_world ) hosted h = { 0 };
     h.def = hosted_def( &h );
     assert_int_equal( wisp_world_create( &h.def, &h.world, NULL ), WISP_OK );
     const wisp_entity e = add_small( h.world, 0.0f );
@@ -678,7 +661,6 @@ TEST( a_world_without_the_module_says_so )
     int count;
     expect_refusal( h.world, wisp_read_contact_intersections( h.world, e, e, &count ), WISP_CONFLICT,
                     "not registered" );
-    close_world( &h );
 }
 
 // One vertex of one of three stacked sheets becomes NaN, in its position or its velocity: that sheet is halted, and
@@ -688,7 +670,7 @@ TEST( a_participant_that_goes_wrong_takes_nobody_along )
     static const float WRONG[] = { NAN, INFINITY, -INFINITY, 3e38f };
     for ( int n = 0; n < 2 * WISP_COUNT( WRONG ); ++n )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_contact( &h, 4, 2, 1 );
         test_mesh floor = level_sheet( 3, 1.0f, ( wisp_vec3 ){ 0 } );
         const wisp_entity e[4] = { add_pinned( h.world, &floor ), add_small( h.world, 0.03f ),
@@ -713,7 +695,6 @@ TEST( a_participant_that_goes_wrong_takes_nobody_along )
             assert_true( motion_stats_of( h.world, e[1] ).speed_max < 5.0 &&
                          motion_stats_of( h.world, e[3] ).speed_max < 5.0 );
         }
-        close_world( &h );
     }
 }
 
@@ -722,7 +703,7 @@ TEST( a_participant_that_goes_wrong_takes_nobody_along )
 // Return the thickness that a sheet gets by default, m. Its first columns are `narrow` m apart and the others 5 cm.
 static double default_thickness_of( float narrow, double* mean_edge, int* warnings )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_contact( &h, 4, 1, 1 );
     test_mesh mesh = level_sheet( 11, 0.5f, ( wisp_vec3 ){ 0 } );
     for ( int v = 0; v < mesh.vertex_count; ++v )
@@ -745,7 +726,6 @@ static double default_thickness_of( float narrow, double* mean_edge, int* warnin
         wisp_world_column( h.world, e, wisp_world_find_component( h.world, "contact.settings" ), 0 );
     const double thickness = (double)settings->thickness;
     *warnings = h.log.count;
-    close_world( &h );
     return thickness;
 }
 

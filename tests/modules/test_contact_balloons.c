@@ -36,10 +36,7 @@ static void open_pressed( pressed* p, int start, float gravity, int level )
                                                  test_random_float( start, 2 * k + 1, -off, off ) } );
         p->b[k] = add_balloon( p->h.world, &mesh, ( wisp_vec3 ){ -side * gravity, 0.0f, 0.0f } );
         assert_status( p->h.world, wisp_set_damping( p->h.world, p->b[k], 20.0f ), WISP_OK );
-        wisp_collision_def smooth = wisp_default_collision_def();
-        smooth.friction_scale = 0.0f;
-        smooth.thickness = 0.001f;
-        assert_status( p->h.world, wisp_set_collision( p->h.world, p->b[k], &smooth ), WISP_OK );
+        SET( p->h.world, p->b[k], collision, d.friction_scale = 0.0f, d.thickness = 0.001f );
         wisp_contact_def def = wisp_default_contact_def();
         def.thickness = 0.05f * RADIUS;
         set_contact( p->h.world, p->b[k], &def );
@@ -171,7 +168,7 @@ TEST( forces_of_a_pressed_pair_are_opposite_and_carry_the_load )
 // After a long time the contact force is constant, without jitter.
 TEST( a_balloon_that_rests_on_a_sheet_does_not_tremble )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_contact( &h, SUBSTEPS, 1, 1 );
     test_mesh ball = ball_of( 2, RADIUS, ( wisp_vec3 ){ 0.01f, 1.06f * RADIUS, 0.02f } ),
               double_sided = level_sheet( 11, 1.0f, ( wisp_vec3 ){ 0 } );
@@ -193,7 +190,6 @@ TEST( a_balloon_that_rests_on_a_sheet_does_not_tremble )
         assert_true( sqrt( 2.0 * q.kinetic_energy / q.mass ) < 0.0016 );
         assert_near( impulse[1], q.mass * 9.81 * (double)FRAME, 0.01 * q.mass * 9.81 * (double)FRAME );
     }
-    close_world( &h );
 }
 
 // ---- floor and box ----

@@ -120,17 +120,14 @@ TEST( no_jittered_start_crosses )
 // A cloth that hangs by two corners, which are shaken at 2 m/s, while wind pushes it with several times its weight.
 static int crumple( int n, int start, bool displacement_limit, int substeps, int steps )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_contact( &h, substeps, 1, 1 );
     test_mesh mesh = hanging_mesh( n, n, 0.6f / (float)( n - 1 ), 0.6f / (float)( n - 1 ) );
     const int32_t pins[2] = { 0, n - 1 };
     const wisp_vec3 corners[2] = { mesh.points[0], mesh.points[n - 1] };
     const wisp_entity e = add_mesh( h.world, &mesh, pins, 2, 0.15f );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    cloth.drag_coefficient = 1.0f;
-    cloth.lift_coefficient = 0.5f;
-    cloth.wind = ( wisp_vec3 ){ 2.0f, 1.0f, 3.5f };
-    assert_status( h.world, wisp_set_cloth( h.world, e, &cloth ), WISP_OK );
+    SET( h.world, e, cloth, d.drag_coefficient = 1.0f, d.lift_coefficient = 0.5f,
+         d.wind = ( wisp_vec3 ){ 2.0f, 1.0f, 3.5f } );
     assert_status( h.world, wisp_set_gravity( h.world, e, EARTH ), WISP_OK );
     wisp_contact_settings settings = wisp_default_contact_settings();
     settings.displacement_limit = displacement_limit;
@@ -161,7 +158,6 @@ static int crumple( int n, int start, bool displacement_limit, int substeps, int
         }
     }
     assert_true( is_finite( h.world, e ) );
-    close_world( &h );
     return most;
 }
 
@@ -178,7 +174,7 @@ TEST( cloth_that_is_crumpled_by_wind_and_shaken_pins_does_not_cross )
 // A ball of 0.1 m flies into a sheet that is held along its border. It moves up to 1.7 m per step.
 static void shoot( float speed )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_contact( &h, SUBSTEPS, 2, 1 );
     enum
     {
@@ -217,7 +213,6 @@ static void shoot( float speed )
     assert_true( pressed > 0 );
     const wisp_entity both[2] = { cloth, shot };
     assert_int_equal( count_all_passing( h.world, both, 2 ), 0 );
-    close_world( &h );
 }
 
 TEST( what_is_fast_does_not_pass_through )
@@ -355,7 +350,7 @@ typedef struct pile
 static void add_sheet( pile* p, float density, wisp_vec3 gravity, float friction )
 {
     const int number = p->count++;
-    test_mesh mesh = test_plane( SIDE, SPACING );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( SIDE, SPACING );
     for ( int v = 0; v < mesh.vertex_count; ++v )
     {
         // Meshes that lie on each other vertex by vertex would be a special case.
@@ -377,7 +372,6 @@ static void add_sheet( pile* p, float density, wisp_vec3 gravity, float friction
     set_collision( p->h.world, e );
     assert_status( p->h.world, wisp_request_collision_stats( p->h.world, e, true ), WISP_OK );
     set_contact( p->h.world, e, &contact );
-    test_mesh_free( &mesh );
 }
 
 // A pile whose layers have these densities, the lowest first. @param slope tangent of the angle of the floor

@@ -59,7 +59,7 @@ typedef struct fold_def
 // A sheet that stands on the ground, a little bent, falls into folds. @return intersections at the end
 static int drop_folds( const fold_def* d )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_contact( &h, 4, 1, 1 );
     wisp_world* w = h.world;
     const sheet_def sheet = { .n = 13,
@@ -99,7 +99,6 @@ static int drop_folds( const fold_def* d )
     }
     assert_true( d->touches == false || contacts > 30 );
     assert_true( is_finite( w, e ) );
-    close_world( &h );
     return crossings;
 }
 
@@ -133,7 +132,7 @@ typedef struct pair_def
 // A sheet flies into one that stands still.
 static void fly( const pair_def* d )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_contact( &h, 4, 1, 1 );
     wisp_world* w = h.world;
     // the error of a solve is the only one in the momentum
@@ -179,7 +178,6 @@ static void fly( const pair_def* d )
     }
     assert_true( contacts > 10 );
     assert_int_equal( count_all_passing( w, both, 2 ), 0 );
-    close_world( &h );
 }
 
 // Positions are rounded to 1e-8 m, which is 2e-6 m/s in a substep: it matters more in slow flight.
@@ -209,7 +207,7 @@ TEST( at_ten_metres_per_second_nothing_crosses_or_gains_energy )
 // @return m/s, mean speed after half a second
 static double slide( float tangent )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_contact( &h, 4, 1, 1 );
     wisp_world* w = h.world;
     const float size = sqrtf( 1.0f + tangent * tangent );
@@ -227,7 +225,6 @@ static double slide( float tangent )
     set_contact( w, e, &rough );
     run_steps( w, 30, FRAME );
     const wisp_motion_stats stats = motion_stats_of( w, e );
-    close_world( &h );
     return stats.momentum[0] / stats.mass;
 }
 
@@ -256,7 +253,7 @@ typedef struct pile_end
 
 static pile_end pile_up( const pile_def* d )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_contact( &h, 4, 1, 1 );
     wisp_world* w = h.world;
     add_floor( w, ( wisp_vec3 ){ 0 }, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
@@ -291,7 +288,6 @@ static pile_end pile_up( const pile_def* d )
             end.lowest = fmin( end.lowest, (double)place_of( w, e[0], v )[1] );
         }
     }
-    close_world( &h );
     return end;
 }
 
@@ -315,7 +311,7 @@ TEST( no_vertex_of_implicit_cloth_is_faster_than_the_largest_speed )
 {
     for ( int i = 0; i < 4; ++i )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_contact( &h, 4, 1, 1 );
         wisp_world* w = h.world;
         const sheet_def sheet = { .n = 9,
@@ -343,6 +339,5 @@ TEST( no_vertex_of_implicit_cloth_is_faster_than_the_largest_speed )
         }
         assert_true( fastest < 0.5001 && fastest > 0.49 );
         assert_true( wisp_world_counter( w, WISP_COUNT_SPEED_LIMITED ) > 0 );
-        close_world( &h );
     }
 }

@@ -28,9 +28,7 @@ static void open_layers( hosted* h, int workers, float particle_spacing )
 
 static void set_layer( wisp_world* world, wisp_entity e, float spacing )
 {
-    wisp_boundary_def def = wisp_default_boundary_def();
-    def.spacing = spacing;
-    assert_status( world, wisp_set_boundary( world, e, &def ), WISP_OK );
+    SET( world, e, boundary, d.spacing = spacing );
 }
 
 static int layer_points( wisp_world* world, wisp_entity e )
@@ -136,9 +134,9 @@ TEST( a_point_of_a_layer_moves_its_parents_by_their_weights_off_a_plane )
 {
     const double3 corner[3] = { double3_widen( FALLING[0] ), double3_widen( FALLING[1] ),
                                 double3_widen( FALLING[2] ) };
-    balloon_mesh mesh = one_triangle( corner[0], corner[1], corner[2] );
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = one_triangle( corner[0], corner[1], corner[2] );
     const boundary_oracle_options options = { .spacing = (double)LAYER_SPACING, .cap = 1e6 };
-    boundary_oracle_layer layer = layer_on( &mesh, &options );
+    SCOPED( boundary_oracle_destroy ) boundary_oracle_layer layer = layer_on( &mesh, &options );
     assert_true( layer.edge_point_count == 10 && inner_points( &layer ) == 3 );
     for ( int n = 0; n < 2 * layer.point_count; ++n )
     {
@@ -168,8 +166,6 @@ TEST( a_point_of_a_layer_moves_its_parents_by_their_weights_off_a_plane )
         assert_true( largest_move( &t ) < 5e-7 );
         close_world( &t.h );
     }
-    boundary_oracle_destroy( &layer );
-    balloon_mesh_destroy( &mesh );
 }
 
 // ---- a layer that changes ----
@@ -188,9 +184,7 @@ static void open_stretching( stretching* s, int workers )
               above = level_sheet( 7, 1.0f, ( wisp_vec3 ){ 0.02f, 0.06f, 0.01f } );
     const wisp_entity pinned = add_pinned( s->h.world, &floor );
     s->sheet = add_draping( s->h.world, &above, NULL, 0, EARTH );
-    wisp_cloth_def soft = wisp_default_cloth_def();
-    soft.warp_compliance = soft.weft_compliance = soft.shear_compliance = 0.05f;
-    assert_status( s->h.world, wisp_set_cloth( s->h.world, s->sheet, &soft ), WISP_OK );
+    SET( s->h.world, s->sheet, cloth, d.warp_compliance = d.weft_compliance = d.shear_compliance = 0.05f );
     const wisp_contact_def def = contact_alone();
     set_contact( s->h.world, pinned, &def );
     set_contact( s->h.world, s->sheet, &def );
@@ -314,7 +308,7 @@ TEST( each_fabric_has_the_particles_of_its_own_elements )
                                      { 2, 4 }, { 3, 4 }, { 3, 5 }, { 4, 5 } };
     for ( int n = 0; n < 9; ++n )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_layers( &h, 1, 0.7f );
         const wisp_contact_def def = contact_alone();
         // the fan's vertices 1 and 4 are no edge
@@ -331,7 +325,6 @@ TEST( each_fabric_has_the_particles_of_its_own_elements )
         velocity_of( h.world, falling, 0 )[1] = -4.0f;
         run_steps( h.world, 1, DT );
         assert_close( (double)place_of( h.world, falling, 0 )[1], (double)THICK, 1e-6 );
-        close_world( &h );
     }
 }
 
@@ -362,7 +355,7 @@ static void add_heap( wisp_world* world )
 // @return the hash of all state
 static uint64_t run_scene( wisp_contact_primitives primitives, float margin, scene_counts* counts )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     *counts = ( scene_counts ){ 0 };
     open_contact( &h, 8, 1, 1 );
     wisp_contact_settings settings = wisp_default_contact_settings();
@@ -379,9 +372,7 @@ static uint64_t run_scene( wisp_contact_primitives primitives, float margin, sce
         counts->searches += f.searches;
     }
     assert_true( contact_stats( h.world ).contacts > 0 );
-    const uint64_t hash = wisp_world_hash( h.world );
-    close_world( &h );
-    return hash;
+    return wisp_world_hash( h.world );
 }
 
 TEST( how_far_pairs_are_looked_for_does_not_change_a_bit )
@@ -408,10 +399,7 @@ static wisp_entity add_folding( wisp_world* world )
 {
     test_mesh mesh = level_sheet( 48, 1.0f, ( wisp_vec3 ){ 0.0f, 0.6f, 0.0f } );
     const wisp_entity e = add_draping( world, &mesh, NULL, 0, EARTH );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    cloth.bend_compliance = 0.5f;
-    cloth.internal_damping = 1.0f;
-    assert_status( world, wisp_set_cloth( world, e, &cloth ), WISP_OK );
+    SET( world, e, cloth, d.bend_compliance = 0.5f, d.internal_damping = 1.0f );
     wisp_collider_def ball = wisp_default_collider_def();
     ball.kind = WISP_COLLIDER_SPHERE;
     ball.radius = 0.15f;
@@ -439,7 +427,7 @@ static void swing( wisp_world* world, wisp_entity ball, float t )
 // bounds. The smaller the margin, the more pairs are new in a list.
 static void check_remembered( bool folds, int steps, float seconds )
 {
-    hosted h, other;
+    SCOPED( close_world ) hosted h, other;
     hosted* const both[2] = { &h, &other };
     wisp_entity ball = { 0 }; // the same in both worlds
     wisp_contact_settings settings = wisp_default_contact_settings();
@@ -460,7 +448,7 @@ static void check_remembered( bool folds, int steps, float seconds )
         run_steps( both[w]->world, 1, seconds );
     }
     const size_t size = wisp_world_snapshot_size( h.world );
-    void* bytes = checked_malloc( size );
+    SCOPED( free_local ) void* bytes = checked_malloc( size );
     int contacts = 0, searches = 0;
     for ( int step = 0; step < steps; ++step )
     {
@@ -481,9 +469,6 @@ static void check_remembered( bool folds, int steps, float seconds )
         contacts += contact_stats( h.world ).contacts;
     }
     assert_true( contacts > steps && searches > 0 && 2 * searches < steps );
-    free( bytes );
-    close_world( &h );
-    close_world( &other );
 }
 
 TEST( what_is_remembered_does_not_change_a_bit )
@@ -497,7 +482,7 @@ TEST( what_is_remembered_does_not_change_a_bit )
 TEST( a_pair_that_is_new_in_a_list_has_nothing_of_the_next )
 {
     static const float TURN = 20.0f, FALL = 0.4f, SUBSTEP = 0.01f, GAP = 0.01f; // rad/s, m/s, s, m
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_contact( &h, 1, 1, 1 );
     test_mesh floor = level_sheet( 3, 0.3f, ( wisp_vec3 ){ 0 } ),
               falling = level_sheet( 3, 0.2f, ( wisp_vec3 ){ 0.0f, 0.1f, 0.0f } ),
@@ -520,7 +505,6 @@ TEST( a_pair_that_is_new_in_a_list_has_nothing_of_the_next )
     }
     run_steps( h.world, 50, SUBSTEP );
     assert_true( mean_of( h.world, e[1], 1 ) > 0.99 * (double)GAP );
-    close_world( &h );
 }
 
 // ---- boundary particles ----
@@ -656,7 +640,7 @@ TEST( a_boundary_particle_moves_its_parents_by_their_weights )
 // closer.
 static bool needle_passes( wisp_contact_primitives primitives, float spacing )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_contact( &h, 4, 1, 1 );
     wisp_contact_settings settings = wisp_default_contact_settings();
     settings.primitives = primitives;
@@ -672,9 +656,7 @@ static bool needle_passes( wisp_contact_primitives primitives, float spacing )
     request_stats( h.world );
     run_steps( h.world, 30, DT );
     assert_int_equal( contact_stats( h.world ).participants, 2 );
-    const bool passed = mean_of( h.world, b, 1 ) < 0.0;
-    close_world( &h );
-    return passed;
+    return mean_of( h.world, b, 1 ) < 0.0;
 }
 
 TEST( what_is_finer_than_the_spacing_passes )
@@ -689,7 +671,7 @@ TEST( more_particles_stand_on_a_finer_spacing )
     int points[3];
     for ( int i = 0; i < 3; ++i )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_contact( &h, 1, 1, 1 );
         wisp_contact_settings settings = wisp_default_contact_settings();
         settings.primitives = WISP_CONTACT_PARTICLES;
@@ -702,7 +684,6 @@ TEST( more_particles_stand_on_a_finer_spacing )
         request_stats( h.world );
         run_steps( h.world, 1, DT );
         points[i] = contact_stats( h.world ).points;
-        close_world( &h );
     }
     assert_true( points[0] > 9 && points[1] > 2 * points[0] && points[2] > 2 * points[1] );
 }
@@ -712,7 +693,7 @@ TEST( what_has_stopped_is_not_looked_for_far_around )
 {
     static const float SPEED = 2.6f, GAP = 0.02f;             // m/s, m
     const float START = 0.12f + 8.0f * ( SPEED - 0.8f ) * DT; // m
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_contact( &h, 1, 1, 1 );
     wisp_contact_settings settings = wisp_default_contact_settings();
     settings.primitives = WISP_CONTACT_PARTICLES;
@@ -745,7 +726,6 @@ TEST( what_has_stopped_is_not_looked_for_far_around )
     assert_true( candidates[0] > 1000 );
     assert_int_equal( candidates[1], 0 );
     assert_int_equal( searches, 1 );
-    close_world( &h );
 }
 
 // Candidates grow with the square of the search margin, and the search repeats as soon as it is used up.
@@ -755,7 +735,7 @@ TEST( fast_particles_have_few_candidates )
     {
         MAX_PER_PARTICLE = 50, // 27 are found; a margin of four substeps gives 217
     };
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_contact( &h, 10, 1, 1 );
     wisp_contact_settings settings = wisp_default_contact_settings();
     settings.primitives = WISP_CONTACT_PARTICLES;
@@ -779,5 +759,4 @@ TEST( fast_particles_have_few_candidates )
             fail_msg( "%d candidates of %d particles", (int)stats.candidates, stats.points );
         }
     }
-    close_world( &h );
 }

@@ -46,10 +46,7 @@ static wisp_entity add_loose( wisp_world* world, float height, wisp_vec3 gravity
 
 static void collide( wisp_world* world, wisp_entity e, float thickness, wisp_collision_features features )
 {
-    wisp_collision_def def = wisp_default_collision_def();
-    def.thickness = thickness;
-    def.features = features;
-    assert_status( world, wisp_set_collision( world, e, &def ), WISP_OK );
+    SET( world, e, collision, d.thickness = thickness, d.features = features );
     assert_status( world, wisp_request_collision_stats( world, e, true ), WISP_OK );
 }
 
@@ -76,7 +73,7 @@ TEST( each_vertex_rests_at_its_own_thickness_and_that_of_the_body )
     static const wisp_collider_kind KINDS[] = { WISP_COLLIDER_PLANE, WISP_COLLIDER_BOX };
     for ( int i = 0; i < WISP_COUNT( KINDS ); ++i )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_contact( &h, 4, 1, 1 );
         add_body( h.world, KINDS[i], 1.0f );
         const wisp_entity e = add_loose( h.world, 0.03f, EARTH );
@@ -92,14 +89,13 @@ TEST( each_vertex_rests_at_its_own_thickness_and_that_of_the_body )
         assert_status( h.world, wisp_read_collision_stats( h.world, e, &stats ), WISP_OK );
         assert_within( (double)stats.penetration, 0.0, 1e-6 );
         assert_int_equal( stats.contacts, COUNT );
-        close_world( &h );
     }
 }
 
 // What starts inside is moved out to its own thickness, at the push-out speed, and gets no velocity by that.
 TEST( what_starts_inside_is_moved_out_to_its_own_thickness )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_contact( &h, 2, 1, 1 );
     add_body( h.world, WISP_COLLIDER_PLANE, 1.0f );
     const wisp_entity e = add_loose( h.world, -0.01f, ( wisp_vec3 ){ 0 } );
@@ -110,7 +106,6 @@ TEST( what_starts_inside_is_moved_out_to_its_own_thickness )
     {
         assert_within( (double)place_of( h.world, e, v )[1], (double)H * v / ( COUNT - 1 ) + 0.004, 1e-5 );
     }
-    close_world( &h );
 }
 
 // What leaves from inside gets its velocity only beyond a fraction of its thickness: mapped as if that were the constant.
@@ -119,7 +114,7 @@ TEST( what_leaves_from_inside_does_as_with_that_thickness )
     float height[WAYS], speed[WAYS];
     for ( int w = 0; w < WAYS; ++w )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_contact( &h, 2, 1, 1 );
         add_body( h.world, WISP_COLLIDER_PLANE, 1.0f );
         const wisp_entity e = add_loose( h.world, -0.01f, ( wisp_vec3 ){ 0 } );
@@ -133,7 +128,6 @@ TEST( what_leaves_from_inside_does_as_with_that_thickness )
         run_steps( h.world, 1, FRAME );
         height[w] = place_of( h.world, e, 3 )[1];
         speed[w] = velocity_of( h.world, e, 3 )[1];
-        close_world( &h );
     }
     assert_within( (double)speed[MAPPED], (double)speed[CONSTANT], 0.03 ); // a tenth of the thickness is not the same
     assert_within( (double)height[MAPPED], (double)height[CONSTANT], 1e-3 );
@@ -143,7 +137,7 @@ TEST( what_leaves_from_inside_does_as_with_that_thickness )
 // Coulomb: the velocity falls by mu g t.
 TEST( each_vertex_slows_down_by_its_own_friction )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_contact( &h, 4, 1, 1 );
     add_body( h.world, WISP_COLLIDER_PLANE, 1.0f ); // of friction 0.5
     const wisp_entity e = add_loose( h.world, H + 0.004f, EARTH );
@@ -159,7 +153,6 @@ TEST( each_vertex_slows_down_by_its_own_friction )
         const double mu = 0.5 * 2.0 * v / ( COUNT - 1 );
         assert_within( (double)velocity_of( h.world, e, v )[0], 3.0 - mu * 9.81 * steps / 60.0, 2e-4 );
     }
-    close_world( &h );
 }
 
 // A sheet over a rail: one map of a half everywhere is half of the constant.
@@ -169,7 +162,7 @@ static void assert_same_rest( bool is_implicit, wisp_collision_features features
     float height[WAYS][COUNT];
     for ( int w = 0; w < WAYS; ++w )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_contact( &h, 8, 2, 1 );
         add_body( h.world, kind, size );
         test_mesh mesh = level_sheet( N, 0.4f, ( wisp_vec3 ){ 0.0f, 0.02f, 0.03f } );
@@ -191,7 +184,6 @@ static void assert_same_rest( bool is_implicit, wisp_collision_features features
         {
             height[w][v] = place_of( h.world, e, v )[1];
         }
-        close_world( &h );
     }
     for ( int v = 0; v < COUNT; ++v )
     {
@@ -229,7 +221,7 @@ TEST( each_point_keeps_half_the_sum_of_both_thicknesses )
     static const wisp_contact_primitives PRIMITIVES[] = { WISP_CONTACT_TRIANGLES, WISP_CONTACT_PARTICLES };
     for ( int i = 0; i < WISP_COUNT( PRIMITIVES ); ++i )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_contact( &h, 8, 2, 1 );
         wisp_contact_settings settings = wisp_default_contact_settings();
         settings.primitives = PRIMITIVES[i];
@@ -256,7 +248,6 @@ TEST( each_point_keeps_half_the_sum_of_both_thicknesses )
                            is_between ? 0.5 * ( thick - thin ) + 1e-4 : 1e-4 );
         }
         assert_true( contact_stats( h.world ).min_gap > 0.98f );
-        close_world( &h );
     }
 }
 
@@ -266,7 +257,7 @@ TEST( a_map_of_friction_slows_as_the_constant_does )
     double velocity[WAYS + 1];
     for ( int w = 0; w <= WAYS; ++w )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_contact( &h, 8, 2, 1 );
         const wisp_entity ground = add_ground( h.world ), e = add_loose( h.world, H, EARTH );
         give_contact( h.world, ground, H, 0.3f );
@@ -285,7 +276,6 @@ TEST( a_map_of_friction_slows_as_the_constant_does )
         {
             velocity[w] += (double)velocity_of( h.world, e, v )[0] / COUNT;
         }
-        close_world( &h );
     }
     assert_within( velocity[MAPPED], velocity[CONSTANT], 1e-4 );
     assert_within( velocity[CONSTANT], 0.6 - 0.15 * 9.81 * 8.0 / 60.0, 0.02 );
@@ -296,7 +286,7 @@ TEST( a_map_of_friction_slows_as_the_constant_does )
 
 static uint64_t hash_of_run( int workers, const char* isa, bool saves )
 {
-    hosted h = { 0 };
+    SCOPED( close_world ) hosted h = { 0 };
     h.def = contact_world_def( &h );
     h.def.substeps = 4;
     h.def.workers = workers;
@@ -320,17 +310,14 @@ static uint64_t hash_of_run( int workers, const char* isa, bool saves )
     if ( saves )
     {
         const size_t size = wisp_world_snapshot_size( h.world );
-        void* bytes = checked_calloc( 1, size );
+        SCOPED( free_local ) void* bytes = checked_calloc( 1, size );
         assert_status( h.world, wisp_world_snapshot( h.world, bytes, size ), WISP_OK );
         set_map( h.world, sheets[0], WISP_MAP_CONTACT_THICKNESS, 0.5f, 0.5f );
         run_steps( h.world, 3, FRAME );
         assert_status( h.world, wisp_world_restore( h.world, bytes, size ), WISP_OK );
-        free( bytes );
     }
     run_steps( h.world, 15, FRAME );
-    const uint64_t hash = wisp_world_hash( h.world );
-    close_world( &h );
-    return hash;
+    return wisp_world_hash( h.world );
 }
 
 TEST( the_same_bits_for_any_workers_and_kernels_and_after_a_snapshot )
@@ -346,7 +333,7 @@ TEST( the_same_bits_for_any_workers_and_kernels_and_after_a_snapshot )
 
 TEST( wrong_maps_are_refused )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_contact( &h, 2, 1, 1 );
     const wisp_entity e = add_loose( h.world, 0.1f, EARTH );
     float factors[COUNT];
@@ -370,5 +357,4 @@ TEST( wrong_maps_are_refused )
     expect_refusal( h.world, wisp_set_map( h.world, e, WISP_MAP_CONTACT_FRICTION, factors, COUNT ), WISP_BAD_INPUT,
                     "vertex 7: got the factor -1, expected 0 to 1e+06" );
     assert_true( wisp_world_hash( h.world ) == hash );
-    close_world( &h );
 }

@@ -187,9 +187,7 @@ TEST( a_corner_is_not_thrown_where_its_pinned_side_is_pressed_on_what_lies_on_th
         open_lever( &l, WEIGHTS[i], -1.2f * THICKNESS, false, 1000.0f );
         add_floor( l.h.world, ( wisp_vec3 ){ 0.0f, -2.4f * THICKNESS - 1e-4f, 0.0f },
                    ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
-        wisp_collision_def collision = wisp_default_collision_def();
-        collision.thickness = 1e-4f;
-        assert_status( l.h.world, wisp_set_collision( l.h.world, l.other, &collision ), WISP_OK );
+        SET( l.h.world, l.other, collision, d.thickness = 1e-4f );
         assert_status( l.h.world, wisp_set_gravity( l.h.world, l.other, EARTH ), WISP_OK );
         assert_true( press( &l, l.held, l.side, 2 ) < TOO_FAST );
         close_world( &l.h );

@@ -147,7 +147,7 @@ TEST( what_pins_drive_through_is_drawn_apart_when_they_return )
 // Separation adds no momentum: two free sheets that start intersecting, at rest, stay slow, and their centre stays.
 TEST( untangling_gives_neither_momentum_nor_speed )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_contact( &h, SUBSTEPS, 2, 1 );
     wisp_entity e[2];
     for ( int k = 0; k < 2; ++k )
@@ -180,7 +180,6 @@ TEST( untangling_gives_neither_momentum_nor_speed )
         assert_true( sqrt( 2.0 * energy_of( h.world, e, 2 ) / mass ) < 1.5 );
     }
     assert_int_equal( contact_stats( h.world ).intersections, 0 );
-    close_world( &h );
 }
 
 static int intersections_between( wisp_world* world, wisp_entity a, wisp_entity b )
@@ -265,7 +264,7 @@ typedef struct plies
 static plies part( bool same, int pinned, int workers )
 {
     static const int sides[SHEETS] = { 9, 12, 9, 7, 14 };
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_contact( &h, 10, 1, workers );
     const int32_t pin = 0;
     wisp_entity sheets[SHEETS];
@@ -288,7 +287,6 @@ static plies part( bool same, int pinned, int workers )
     }
     end.min_gap = (double)contact_stats( h.world ).min_gap;
     end.intersections = contact_stats( h.world ).intersections;
-    close_world( &h );
     return end;
 }
 
@@ -326,7 +324,7 @@ typedef struct hurled
 // Hurl three tilted sheets onto a plate that is pinned, by a few thicknesses per substep.
 static hurled hurl( float speed, bool displacement_limit )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_contact( &h, 10, 1, 1 );
     wisp_contact_settings settings = wisp_default_contact_settings();
     settings.displacement_limit = displacement_limit;
@@ -362,7 +360,6 @@ static hurled hurl( float speed, bool displacement_limit )
         out.min_gap = fminf( out.min_gap, stats.min_gap );
     }
     assert_int_equal( count_all_passing( h.world, all, 4 ), contact_stats( h.world ).intersections );
-    close_world( &h );
     return out;
 }
 
@@ -393,7 +390,7 @@ TEST( a_sheet_that_bursts_does_not_pass_through_itself )
     uint64_t hashes[2];
     for ( int i = 0; i < 2; ++i )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_contact( &h, 1, 1, 1 + 2 * i );
         test_mesh mesh = level_sheet( BURST_SIDE, 0.67f, ( wisp_vec3 ){ 0 } );
         const wisp_entity e = add_draping( h.world, &mesh, NULL, 0, ( wisp_vec3 ){ 0 } );
@@ -414,7 +411,6 @@ TEST( a_sheet_that_bursts_does_not_pass_through_itself )
             fail_msg( "%d intersections, a gap of %.3g thicknesses", stats.intersections, (double)stats.min_gap );
         }
         hashes[i] = wisp_world_hash( h.world );
-        close_world( &h );
     }
     assert_true( hashes[0] == hashes[1] );
 }
@@ -469,7 +465,7 @@ static void add_work( wisp_world* world, work_done* work, double* all_pairs, dou
 
 TEST( a_cloth_that_a_jump_collapsed_unfolds_and_has_few_pairs )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     wisp_entity e;
     collapse( &h, &e );
     work_done work = { 0 };
@@ -485,5 +481,4 @@ TEST( a_cloth_that_a_jump_collapsed_unfolds_and_has_few_pairs )
     }
     assert_true( motion_stats_of( h.world, e ).strain_max < 0.2 );
     assert_int_equal( contact_stats( h.world ).intersections, 0 );
-    close_world( &h );
 }

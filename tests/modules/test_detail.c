@@ -7,7 +7,7 @@
 
 static uint64_t run_effect( effect_setup* setup, int substeps, wisp_detail level, int workers )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_levels( &h, substeps, workers );
     const wisp_entity other = add_effect( h.world, hair_of_rods ), e = add_effect( h.world, setup );
     if ( level != WISP_DETAIL_FULL )
@@ -17,7 +17,6 @@ static uint64_t run_effect( effect_setup* setup, int substeps, wisp_detail level
     run_steps( h.world, 40, FRAME );
     const uint64_t hash = hash_of( h.world, e, points_of( h.world, e ) );
     assert_true( hash_of( h.world, other, WISP_STRAND_POINTS ) != 0 );
-    close_world( &h );
     return hash;
 }
 
@@ -56,7 +55,7 @@ static void check_ramp( wisp_world* world, wisp_entity e, wisp_detail level, int
 
 TEST( substeps_change_step_by_step )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = add_sheet( h.world, false ), other = add_sheet( h.world, false );
     run_steps( h.world, 1, FRAME );
@@ -70,13 +69,12 @@ TEST( substeps_change_step_by_step )
     set_level( h.world, e, WISP_DETAIL_FEWER_SUBSTEPS );
     run_steps( h.world, 15, FRAME );
     assert_int_equal( substeps_of( h.world, e ), 10 );
-    close_world( &h );
 }
 
 // Steps of any length cover all of the time: a body in free fall is where it would be.
 TEST( fewer_substeps_cover_all_of_the_time )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = add_sheet( h.world, false ), other = add_sheet( h.world, false );
     const int32_t pins[2] = { 0, SIDE - 1 };
@@ -100,7 +98,6 @@ TEST( fewer_substeps_cover_all_of_the_time )
         const wisp_vec3 a = points_now( h.world, e, &count )[40], b = points_now( h.world, other, &count )[40];
         assert_float_equal( a.x, b.x, 1e-5f );
     }
-    close_world( &h );
 }
 
 // ---- coarse sheets alone ----
@@ -155,7 +152,7 @@ static double rms_distance( wisp_world* world, wisp_entity a, wisp_entity b )
 
 TEST( coarse_sheets_alone_carry_a_surface )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = add_sheet( h.world, true ), full = add_sheet( h.world, true );
     assert_true( wisp_world_fabric( h.world, e )->level_count > 0 );
@@ -177,7 +174,6 @@ TEST( coarse_sheets_alone_carry_a_surface )
     // the passes of the other sheet alone: ten substeps of it
     assert_int_equal( items_of( h.world, "links.xpbd" ), 10 );
     assert_int_equal( items_of( h.world, "surface.levels" ), 10 + 3 );
-    close_world( &h );
 }
 
 // ---- changes ----
@@ -190,7 +186,7 @@ typedef struct peaks
 // Run to a change, and through it.
 static peaks run_through( effect_setup* setup, wisp_detail from, wisp_detail to, int at )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = setup != NULL ? add_effect( h.world, setup ) : add_sheet( h.world, true );
     wisp_detail_def def = wisp_default_detail_def();
@@ -209,7 +205,6 @@ static peaks run_through( effect_setup* setup, wisp_detail from, wisp_detail to,
         p.changed = fmaxf( p.changed, fabsf( moved - last ) );
         last = moved;
     }
-    close_world( &h );
     return p;
 }
 
@@ -258,7 +253,7 @@ TEST( what_comes_to_rest_becomes_slower )
     effect_setup* const setups[] = { NULL, cloth_of_links, implicit_cloth, hair_of_links };
     for ( int k = 0; k < WISP_COUNT( setups ); ++k )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_levels( &h, 10, 1 );
         wisp_entity e[2];
         for ( int i = 0; i < 2; ++i )
@@ -269,7 +264,7 @@ TEST( what_comes_to_rest_becomes_slower )
         set_level( h.world, e[1], WISP_DETAIL_NOTHING );
         run_steps( h.world, 12, FRAME );
         int count;
-        wisp_vec3* before = copy_points( h.world, e[0], &count );
+        SCOPED( free_local ) wisp_vec3* before = copy_points( h.world, e[0], &count );
         const float slow = step_and_measure( h.world, e[1] );
         const wisp_vec3* now = points_now( h.world, e[0], &count );
         float fast = 0.0f;
@@ -280,15 +275,13 @@ TEST( what_comes_to_rest_becomes_slower )
         assert_true( slow < 0.5f * fast );
         run_steps( h.world, 2, FRAME );
         assert_float_equal( step_and_measure( h.world, e[1] ), 0.0f, 0.0f );
-        free( before );
-        close_world( &h );
     }
 }
 
 // What rests, and is solved again, goes on resting.
 TEST( a_surface_at_rest_is_at_rest_after_a_pause )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = add_effect( h.world, cloth_of_links ), ball = add_effect( h.world, balloon );
     run_steps( h.world, 300, FRAME );
@@ -300,14 +293,12 @@ TEST( a_surface_at_rest_is_at_rest_after_a_pause )
     for ( int i = 0; i < 40; ++i )
     {
         int count;
+        SCOPED( free_local )
         wisp_vec3 *a = copy_points( h.world, e, &count ), *b = copy_points( h.world, ball, &count );
         assert_true( step_and_measure( h.world, e ) < 2e-3f );
         assert_true( largest_distance_to_turned( h.world, ball, b, 0.0f, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ) <
                      1e-3f );
-        free( a );
-        free( b );
     }
-    close_world( &h );
 }
 
 // ---- bits ----
@@ -320,7 +311,7 @@ enum
 // Levels change all the time, in the middle of changes too.
 static uint64_t run_bits( int workers, const char* isa, int snapshot_at )
 {
-    hosted h = { 0 };
+    SCOPED( close_world ) hosted h = { 0 };
     h.def = hosted_def( &h );
     h.def.modules = EFFECTS;
     h.def.module_count = WISP_COUNT( EFFECTS );
@@ -347,9 +338,7 @@ static uint64_t run_bits( int workers, const char* isa, int snapshot_at )
             // steps are numbered on, which no state depends on
         }
     }
-    const uint64_t hash = wisp_world_hash( h.world );
-    close_world( &h );
-    return hash;
+    return wisp_world_hash( h.world );
 }
 
 TEST( bits_do_not_depend_on_workers_instruction_sets_nor_snapshots )
@@ -367,7 +356,7 @@ TEST( bits_do_not_depend_on_workers_instruction_sets_nor_snapshots )
 
 TEST( a_snapshot_holds_the_level_and_its_change )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = add_sheet( h.world, false );
     set_level( h.world, e, WISP_DETAIL_FEWER_SUBSTEPS );
@@ -384,14 +373,13 @@ TEST( a_snapshot_holds_the_level_and_its_change )
     assert_int_equal( wisp_detail_of( h.world, e ), WISP_DETAIL_FULL );
     assert_true( is_blending( h.world, e ) );
     assert_int_equal( substeps_of( h.world, e ), 3 + 7 * 5 / 15 );
-    close_world( &h );
 }
 
 // What falls at 3 m/s and is not solved for a while starts from rest: BDF2 does not look back on the substep before the pause.
 TEST( bdf2_starts_again_after_a_pause )
 {
     const int32_t corners[2] = { 0, 20 };
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_levels( &h, 4, 1 );
     const wisp_entity e = add_effect( h.world, implicit_cloth );
     wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
@@ -407,12 +395,11 @@ TEST( bdf2_starts_again_after_a_pause )
     set_level_at_once( h.world, e, WISP_DETAIL_FULL );
     const float fallen = step_and_measure( h.world, e ), expected = 0.625f * 9.81f * FRAME * FRAME; // by Euler
     assert_true( fallen > 0.8f * expected && fallen < 1.1f * expected );
-    close_world( &h );
 }
 
 TEST( a_damaged_row_is_refused )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = add_sheet( h.world, true );
     set_level( h.world, e, WISP_DETAIL_NOTHING );
@@ -432,13 +419,12 @@ TEST( a_damaged_row_is_refused )
         assert_int_equal( wisp_detail_of( h.world, e ), WISP_DETAIL_NOTHING );
         run_steps( h.world, 1, FRAME );
     }
-    close_world( &h );
 }
 
 // A change that is set again with fewer steps ends with them, and a snapshot of it is one that a world could have left.
 TEST( a_change_that_is_set_again_with_fewer_steps_ends_earlier )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = add_sheet( h.world, true );
     run_steps( h.world, 5, FRAME );
@@ -451,7 +437,6 @@ TEST( a_change_that_is_set_again_with_fewer_steps_ends_earlier )
     assert_status( h.world, wisp_world_restore( h.world, saved.bytes, saved.size ), WISP_OK );
     free( saved.bytes );
     assert_int_equal( wisp_detail_of( h.world, e ), WISP_DETAIL_FEWER_SUBSTEPS );
-    close_world( &h );
 }
 
 TEST( full_detail_has_the_bits_of_none )
@@ -459,7 +444,7 @@ TEST( full_detail_has_the_bits_of_none )
     uint64_t hashes[2];
     for ( int k = 0; k < 2; ++k )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_levels( &h, 10, 1 );
         const wisp_entity e = add_sheet( h.world, true );
         if ( k == 1 )
@@ -469,7 +454,6 @@ TEST( full_detail_has_the_bits_of_none )
         run_steps( h.world, 30, FRAME );
         assert_int_equal( count_passes_named( h.world, "detail.move" ), k );
         hashes[k] = hash_of( h.world, e, WISP_SURFACE_POINTS );
-        close_world( &h );
     }
     assert_true( hashes[0] == hashes[1] );
 }
@@ -478,7 +462,7 @@ TEST( full_detail_has_the_bits_of_none )
 
 TEST( what_has_no_detail_is_refused )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = add_sheet( h.world, false ), strands = add_effect( h.world, hair_of_rods );
     wisp_collider_def ball_def = wisp_default_collider_def();
@@ -510,5 +494,4 @@ TEST( what_has_no_detail_is_refused )
     assert_int_equal( wisp_detail_of( h.world, ( wisp_entity ){ 99, 1 } ), WISP_DETAIL_FULL );
     set_level( h.world, e, WISP_DETAIL_NOTHING );
     assert_int_equal( wisp_detail_of( h.world, e ), WISP_DETAIL_NOTHING );
-    close_world( &h );
 }

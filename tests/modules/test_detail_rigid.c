@@ -14,14 +14,14 @@
 // Two pins leave the rotation about their line open, and none is added to it.
 TEST( a_surface_that_is_not_solved_goes_along_with_its_pins )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = add_sheet( h.world, true );
     const int32_t pins[2] = { 0, SIDE - 1 };
     run_steps( h.world, 20, FRAME );
     int count;
     set_level_at_once( h.world, e, WISP_DETAIL_NOTHING );
-    wisp_vec3* from = copy_points( h.world, e, &count );
+    SCOPED( free_local ) wisp_vec3* from = copy_points( h.world, e, &count );
     for ( int i = 1; i <= 60; ++i )
     {
         const float angle = 0.05f * (float)i;
@@ -47,14 +47,12 @@ TEST( a_surface_that_is_not_solved_goes_along_with_its_pins )
     run_steps( h.world, 5, FRAME );
     assert_true( hash_of( h.world, e, WISP_SURFACE_POINTS ) == hash );
     assert_float_equal( velocity_of( h.world, e, 500 )[1], 0.0f, 0.0f );
-    free( from );
-    close_world( &h );
 }
 
 // A body that moves along when it is solved again: it has the velocity of the pins.
 TEST( what_is_solved_again_goes_on_with_the_velocity_that_it_was_carried_with )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = add_sheet( h.world, true ), strands = add_effect( h.world, hair_of_rods );
     const int32_t pins[2] = { 0, SIDE - 1 };
@@ -79,6 +77,7 @@ TEST( what_is_solved_again_goes_on_with_the_velocity_that_it_was_carried_with )
             set_level_at_once( h.world, e, WISP_DETAIL_FULL );
             set_level_at_once( h.world, strands, WISP_DETAIL_FULL );
         }
+        SCOPED( free_local )
         wisp_vec3 *before = copy_points( h.world, e, &count ), *hair = copy_points( h.world, strands, &strand_count );
         run_steps( h.world, 1, FRAME );
         const wisp_vec3 *now = points_now( h.world, e, &count ), *hair_now = points_now( h.world, strands, &count );
@@ -90,26 +89,21 @@ TEST( what_is_solved_again_goes_on_with_the_velocity_that_it_was_carried_with )
         {
             assert_float_equal( hair_now[v].x - hair[v].x, 0.05f, i == 20 ? 5e-4f : 1e-5f );
         }
-        free( before );
-        free( hair );
     }
-    close_world( &h );
 }
 
 TEST( a_surface_without_pins_goes_along_with_its_frame )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = add_sheet( h.world, true );
     const int32_t pins[2] = { 0, SIDE - 1 };
     assert_status( h.world, wisp_unpin( h.world, e, pins, 2 ), WISP_OK );
-    wisp_moving_frame_def frame = wisp_default_moving_frame_def();
-    frame.linear_inertia = 0.3f;
-    assert_status( h.world, wisp_set_moving_frame( h.world, e, &frame ), WISP_OK );
+    SET( h.world, e, moving_frame, d.linear_inertia = 0.3f );
     run_steps( h.world, 10, FRAME );
     int count;
     set_level_at_once( h.world, e, WISP_DETAIL_NOTHING );
-    wisp_vec3* from = copy_points( h.world, e, &count );
+    SCOPED( free_local ) wisp_vec3* from = copy_points( h.world, e, &count );
     for ( int i = 1; i <= 40; ++i )
     {
         const float angle = 0.04f * (float)i;
@@ -119,8 +113,6 @@ TEST( a_surface_without_pins_goes_along_with_its_frame )
         run_steps( h.world, 1, FRAME );
         assert_true( largest_distance_to_turned( h.world, e, from, angle, shift ) < 1e-5f );
     }
-    free( from );
-    close_world( &h );
 }
 
 // A sheet at rest, pinned at some vertices, of which nothing is solved from the first step on.
@@ -157,15 +149,13 @@ TEST( pins_may_turn_by_much_in_a_step )
     const int32_t pins[3] = { 0, SIDE - 1, SIDE * SIDE - 1 };
     for ( int i = 0; i < 2 * WISP_COUNT( angles ); ++i )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         const int pin_count = 2 + i % 2;
         const wisp_entity e = open_still( &h, pins, pin_count );
         int count;
-        wisp_vec3* from = copy_points( h.world, e, &count );
+        SCOPED( free_local ) wisp_vec3* from = copy_points( h.world, e, &count );
         move_to_turned( h.world, e, pins, pin_count, from, angles[i / 2] );
         assert_true( largest_distance_to_turned( h.world, e, from, angles[i / 2], ( wisp_vec3 ){ 0 } ) < 2e-6f );
-        free( from );
-        close_world( &h );
     }
 }
 
@@ -173,10 +163,10 @@ TEST( pins_may_turn_by_much_in_a_step )
 TEST( pins_that_rest_move_nothing )
 {
     const int32_t pins[3] = { 7, SIDE - 2, SIDE * SIDE - 5 };
-    hosted h;
+    SCOPED( close_world ) hosted h;
     const wisp_entity e = open_still( &h, pins, 3 );
     int count;
-    wisp_vec3* from = copy_points( h.world, e, &count );
+    SCOPED( free_local ) wisp_vec3* from = copy_points( h.world, e, &count );
     move_to_turned( h.world, e, pins, 3, from, 0.7f );
     run_steps( h.world, 1, FRAME );
     const uint64_t hash = hash_of( h.world, e, WISP_SURFACE_POINTS );
@@ -187,17 +177,15 @@ TEST( pins_that_rest_move_nothing )
         const float* velocity = velocity_of( h.world, e, v );
         assert_true( velocity[0] == 0.0f && velocity[1] == 0.0f && velocity[2] == 0.0f );
     }
-    free( from );
-    close_world( &h );
 }
 
 TEST( pins_that_go_apart_are_at_their_targets )
 {
     const int32_t pins[2] = { 0, SIDE - 1 };
-    hosted h;
+    SCOPED( close_world ) hosted h;
     const wisp_entity e = open_still( &h, pins, 2 );
     int count;
-    wisp_vec3* from = copy_points( h.world, e, &count );
+    SCOPED( free_local ) wisp_vec3* from = copy_points( h.world, e, &count );
     const wisp_vec3 targets[2] = { { from[0].x - 0.1f, from[0].y, from[0].z },
                                    { from[SIDE - 1].x + 0.1f, from[SIDE - 1].y + 0.2f, from[SIDE - 1].z } };
     assert_status( h.world, wisp_move_pins( h.world, e, pins, targets, 2 ), WISP_OK );
@@ -209,21 +197,19 @@ TEST( pins_that_go_apart_are_at_their_targets )
         assert_float_equal( velocity_of( h.world, e, pins[k] )[1], 0.0f, 0.0f ); // as where it is solved
     }
     assert_true( velocity_of( h.world, e, SIDE * SIDE - 1 )[1] != 0.0f );
-    free( from );
-    close_world( &h );
 }
 
 // The pins tell where it is, the frame how it is turned where they leave that open.
 TEST( a_frame_turns_what_hangs_on_a_pin )
 {
     const int32_t pin[1] = { 0 };
-    hosted h;
+    SCOPED( close_world ) hosted h;
     const wisp_entity e = open_still( &h, pin, 1 );
     wisp_moving_frame_def frame = wisp_default_moving_frame_def();
     frame.angular_inertia = 0.3f;
     assert_status( h.world, wisp_set_moving_frame( h.world, e, &frame ), WISP_OK );
     int count;
-    wisp_vec3* from = copy_points( h.world, e, &count );
+    SCOPED( free_local ) wisp_vec3* from = copy_points( h.world, e, &count );
     move_to_turned( h.world, e, pin, 1, from, 0.0f );
     const wisp_quat turn = { 0.0f, sinf( 0.2f ), 0.0f, cosf( 0.2f ) };
     assert_status( h.world,
@@ -246,20 +232,18 @@ TEST( a_frame_turns_what_hangs_on_a_pin )
         const float* velocity = velocity_of( h.world, e, v );
         assert_true( velocity[0] == 0.0f && velocity[1] == 0.0f && velocity[2] == 0.0f );
     }
-    free( from );
-    close_world( &h );
 }
 
 // On the way to a motion of 3 m/s, velocities come to that of the motion and not to none.
 TEST( what_comes_to_rest_relative_to_pins_has_their_velocity )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = add_sheet( h.world, true );
     const int32_t pins[2] = { 0, SIDE - 1 };
     int count;
     run_steps( h.world, 1, FRAME );
-    wisp_vec3* from = copy_points( h.world, e, &count );
+    SCOPED( free_local ) wisp_vec3* from = copy_points( h.world, e, &count );
     for ( int i = 1; i <= 45; ++i )
     {
         const wisp_vec3 targets[2] = { { from[0].x + 0.05f * (float)i, from[0].y, from[0].z },
@@ -276,8 +260,6 @@ TEST( what_comes_to_rest_relative_to_pins_has_their_velocity )
     {
         assert_float_equal( velocity_of( h.world, e, v )[0], 3.0f, 0.5f );
     }
-    free( from );
-    close_world( &h );
 }
 
 TEST( strands_that_are_not_solved_go_along_with_their_head )
@@ -285,13 +267,13 @@ TEST( strands_that_are_not_solved_go_along_with_their_head )
     effect_setup* const setups[] = { hair_of_links, hair_of_rods };
     for ( int k = 0; k < WISP_COUNT( setups ); ++k )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_levels( &h, 10, 1 );
         const wisp_entity e = add_effect( h.world, setups[k] );
         run_steps( h.world, 20, FRAME );
         set_level_at_once( h.world, e, WISP_DETAIL_NOTHING );
         int count;
-        wisp_vec3* from = copy_points( h.world, e, &count );
+        SCOPED( free_local ) wisp_vec3* from = copy_points( h.world, e, &count );
         for ( int i = 1; i <= 40; ++i )
         {
             const float angle = 0.05f * (float)i;
@@ -303,8 +285,6 @@ TEST( strands_that_are_not_solved_go_along_with_their_head )
             assert_true( largest_distance_to_turned( h.world, e, from, angle, shift ) < 1e-5f );
         }
         assert_int_equal( items_of( h.world, "strands.predict" ), 0 );
-        free( from );
-        close_world( &h );
     }
 }
 
@@ -339,9 +319,7 @@ static void grow( grown* g, int workers, bool has_head )
     g->guides = has_head ? add_moving( g->h.world, 20, 12, straight_out, 0.12f, &dynamics )
                          : add_strands( g->h.world, counts, 20, straight_out, 0.12f );
     g->ghosts = add_strands( g->h.world, counts, 80, beside, 0.12f );
-    wisp_ghosts_def def = wisp_default_ghosts_def();
-    def.targets = g->guides;
-    assert_status( g->h.world, wisp_set_ghosts( g->h.world, g->ghosts, &def ), WISP_OK );
+    SET( g->h.world, g->ghosts, ghosts, d.targets = g->guides );
     assert_status( g->h.world, wisp_request( g->h.world, g->ghosts, WISP_STRAND_POINTS ), WISP_OK );
 }
 

@@ -40,6 +40,7 @@ static void follow_gap( wisp_gap gap )
     hair_shadow worst = { 0 };
     for ( int n = 0; n < 8; ++n )
     {
+        SCOPED( hair_groom_destroy )
         hair_groom groom = dense( ( n & 1 ) != 0 ? HAIR_CURLY : HAIR_WAVY, ( n & 2 ) != 0 ? 3 : 2 );
         wisp_frozen_hair_def def = hair_clump_only();
         def.gap = gap;
@@ -51,7 +52,6 @@ static void follow_gap( wisp_gap gap )
         worst.fraction = fmax( worst.fraction, shadow.fraction );
         worst.neighbours += shadow.neighbours;
         worst.searches += shadow.searches;
-        hair_groom_destroy( &groom );
     }
     say( gap == WISP_GAP_NONE ? "no brake" : "brake", worst );
 }
@@ -69,7 +69,7 @@ TEST( hair_without_a_brake_follows_the_oracle )
 // The switches have an effect: each gives another shape.
 TEST( every_switch_of_the_stage_changes_the_result )
 {
-    hair_groom groom = dense( HAIR_CURLY, 3 );
+    SCOPED( hair_groom_destroy ) hair_groom groom = dense( HAIR_CURLY, 3 );
     wisp_frozen_hair_def plain = hair_clump_only(), other[5];
     plain.clump_step_length = 0.01f;
     for ( int n = 0; n < WISP_COUNT( other ); ++n )
@@ -81,15 +81,12 @@ TEST( every_switch_of_the_stage_changes_the_result )
     other[2].clump_step_length = 0.005f;
     other[3].clump_radius = 0.012f;
     other[4].min_distance = 0.001f;
-    wisp_vec3* points = hair_run( NULL, &groom, &plain );
+    SCOPED( free_local ) wisp_vec3* points = hair_run( NULL, &groom, &plain );
     for ( int n = 0; n < WISP_COUNT( other ); ++n )
     {
-        wisp_vec3* others = hair_run( NULL, &groom, &other[n] );
+        SCOPED( free_local ) wisp_vec3* others = hair_run( NULL, &groom, &other[n] );
         assert_false( hair_same_bits( points, others, groom.vertex_count ) );
-        free( others );
     }
-    free( points );
-    hair_groom_destroy( &groom );
 }
 
 // ---- iterations and searches ----
@@ -98,16 +95,14 @@ TEST( up_to_twelve_iterations_follow_the_oracle )
 {
     for ( int n = 0; n < 4; ++n )
     {
-        hair_groom groom = dense( n < 2 ? HAIR_WAVY : HAIR_STRAIGHT, 2 + n % 2 );
+        SCOPED( hair_groom_destroy ) hair_groom groom = dense( n < 2 ? HAIR_WAVY : HAIR_STRAIGHT, 2 + n % 2 );
         wisp_frozen_hair_def def = hair_clump_only();
         def.clump_iterations = 12;
         def.clump_step_length = 0.002f;
         say( n % 2 == 0 ? "2D" : "3D", hair_follow( NULL, &groom, &def, 0 ) );
         def.clump_iterations = 0;
-        wisp_vec3* points = hair_run( NULL, &groom, &def );
+        SCOPED( free_local ) wisp_vec3* points = hair_run( NULL, &groom, &def );
         assert_true( hair_same_bits( points, groom.points, groom.vertex_count ) );
-        free( points );
-        hair_groom_destroy( &groom );
     }
 }
 
@@ -116,7 +111,7 @@ TEST( a_strong_pull_searches_again_and_still_follows_the_oracle )
 {
     for ( int n = 0; n < 8; ++n )
     {
-        hair_groom groom = dense( HAIR_CURLY, 2 + n % 2 );
+        SCOPED( hair_groom_destroy ) hair_groom groom = dense( HAIR_CURLY, 2 + n % 2 );
         wisp_frozen_hair_def def = hair_clump_only();
         def.min_distance = 0.0f;
         def.clump_radius = 0.02f;
@@ -128,7 +123,6 @@ TEST( a_strong_pull_searches_again_and_still_follows_the_oracle )
         say( n < 4 ? "brake" : "no brake", shadow );
         assert_in_range( shadow.searches, 2, 8 );
         assert_int_equal( shadow.capped, 0 );
-        hair_groom_destroy( &groom );
     }
 }
 
@@ -137,7 +131,7 @@ TEST( pairs_that_come_near_from_beyond_the_lists_are_found_one_by_one )
 {
     for ( int n = 0; n < 2; ++n )
     {
-        hair_groom groom = hair_groom_create( HAIR_CURLY, 2, 60, 12, 0.004f );
+        SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_CURLY, 2, 60, 12, 0.004f );
         wisp_frozen_hair_def def = hair_clump_only();
         def.min_distance = 0.0f;
         def.clump_radius = 0.02f;
@@ -146,19 +140,17 @@ TEST( pairs_that_come_near_from_beyond_the_lists_are_found_one_by_one )
         hair_shadow shadow = hair_follow( NULL, &groom, &def, 0 );
         say( "from beyond the lists", shadow );
         assert_in_range( shadow.late, 2, 200 );
-        hair_groom_destroy( &groom );
     }
 }
 
 TEST( lists_of_slow_hair_outlive_an_iteration )
 {
-    hair_groom groom = dense( HAIR_WAVY, 3 );
+    SCOPED( hair_groom_destroy ) hair_groom groom = dense( HAIR_WAVY, 3 );
     wisp_frozen_hair_def def = hair_clump_only();
     def.clump_step_length = 1e-6f;
     def.clump_iterations = 6;
     hair_shadow shadow = hair_follow( NULL, &groom, &def, 0 );
     assert_in_range( shadow.searches, 1, 5 );
-    hair_groom_destroy( &groom );
 }
 
 // ---- radius ----
@@ -168,7 +160,7 @@ TEST( radii_from_nothing_near_to_everything_near_follow_the_oracle )
     const float radius[] = { 0.001f, 0.0039f, 0.025f, 0.08f, 3.0f };
     for ( int n = 0; n < 2 * WISP_COUNT( radius ); ++n )
     {
-        hair_groom groom = dense( HAIR_WAVY, 2 + n % 2 );
+        SCOPED( hair_groom_destroy ) hair_groom groom = dense( HAIR_WAVY, 2 + n % 2 );
         wisp_frozen_hair_def def = hair_clump_only();
         def.clump_radius = radius[n / 2];
         def.clump_step_length = 0.0005f;
@@ -176,7 +168,6 @@ TEST( radii_from_nothing_near_to_everything_near_follow_the_oracle )
         hair_shadow shadow = hair_follow( NULL, &groom, &def, 0 );
         say( "radius", shadow );
         assert_int_equal( shadow.capped, 0 );
-        hair_groom_destroy( &groom );
     }
 }
 
@@ -187,10 +178,11 @@ TEST( the_report_counts_exactly_the_pairs_within_the_radius )
     for ( int n = 0; n < 2 * 8 * WISP_COUNT( radius ); ++n )
     {
         int vertices = 17 + n / 2 % 8;
+        SCOPED( hair_groom_destroy )
         hair_groom groom = hair_groom_create( HAIR_CURLY, 2 + n % 2, 9, vertices, 0.004f );
         wisp_frozen_hair_def def = hair_clump_only();
         def.clump_radius = radius[n / 16];
-        wisp_world* world = hair_world_create( NULL );
+        SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
         wisp_entity entity = hair_add_frozen( world, &groom, &def );
         hair_step( world );
         uint64_t expected = count_neighbours( &groom, groom.points, def.clump_radius );
@@ -200,15 +192,13 @@ TEST( the_report_counts_exactly_the_pairs_within_the_radius )
         }
         assert_int_equal( hair_stats( world, entity ).neighbours, expected );
         assert_int_equal( wisp_world_counter( world, WISP_COUNT_NEIGHBOURS ), expected );
-        wisp_world_destroy( world );
-        hair_groom_destroy( &groom );
     }
 }
 
 // Far from the origin a float is coarse: 2^-15 m at half a kilometre. The tolerance includes that.
 TEST( hair_far_from_the_origin_follows_the_oracle )
 {
-    hair_groom groom = dense( HAIR_CURLY, 3 );
+    SCOPED( hair_groom_destroy ) hair_groom groom = dense( HAIR_CURLY, 3 );
     for ( int v = 0; v < groom.vertex_count; ++v )
     {
         groom.points[v].x += 500.0f;
@@ -217,14 +207,13 @@ TEST( hair_far_from_the_origin_follows_the_oracle )
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
     def.cursor = ( wisp_vec3 ){ 500.09f, -0.05f, -299.9f };
     say( "half a kilometre away", hair_follow( NULL, &groom, &def, 0 ) );
-    hair_groom_destroy( &groom );
 }
 
 TEST( hair_too_sparse_for_its_radius_is_reported_and_stays )
 {
-    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 64, 10, 5.0f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 64, 10, 5.0f );
     wisp_frozen_hair_def def = hair_clump_only();
-    wisp_world* world = hair_world_create( NULL );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
     wisp_entity entity = hair_add_frozen( world, &groom, &def );
     hair_step( world );
     wisp_frozen_hair_stats report = hair_stats( world, entity );
@@ -232,18 +221,16 @@ TEST( hair_too_sparse_for_its_radius_is_reported_and_stays )
     assert_int_equal( report.neighbours, 0 );
     assert_int_equal( wisp_world_counter( world, WISP_COUNT_COARSE_GRIDS ), 1 );
     assert_true( hair_same_bits( hair_view( world, entity, 640 ), groom.points, 640 ) );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
 }
 
 // ---- limits and degenerate places ----
 
 TEST( a_neighbour_limit_that_is_reached_is_counted_and_reported )
 {
-    hair_groom groom = dense( HAIR_WAVY, 3 );
+    SCOPED( hair_groom_destroy ) hair_groom groom = dense( HAIR_WAVY, 3 );
     wisp_frozen_hair_def def = hair_clump_only();
     def.max_neighbours = 5;
-    wisp_world* world = hair_world_create( NULL );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
     wisp_entity entity = hair_add_frozen( world, &groom, &def );
     hair_step( world );
     wisp_frozen_hair_stats report = hair_stats( world, entity );
@@ -263,8 +250,6 @@ TEST( a_neighbour_limit_that_is_reached_is_counted_and_reported )
     report = hair_stats( world, entity );
     assert_int_equal( report.capped, 0 );
     assert_int_equal( report.neighbours, all );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
 }
 
 TEST( strands_in_one_place_have_no_direction_and_stay )
@@ -274,7 +259,7 @@ TEST( strands_in_one_place_have_no_direction_and_stay )
         copies = 9,
         vertices = 12
     };
-    hair_groom one = hair_groom_create( HAIR_CURLY, 3, 1, vertices, 0.0f );
+    SCOPED( hair_groom_destroy ) hair_groom one = hair_groom_create( HAIR_CURLY, 3, 1, vertices, 0.0f );
     wisp_vec3 points[copies * vertices];
     int counts[copies];
     for ( int n = 0; n < copies; ++n )
@@ -282,54 +267,45 @@ TEST( strands_in_one_place_have_no_direction_and_stay )
         memcpy( points + n * vertices, one.points, sizeof( wisp_vec3 ) * vertices );
         counts[n] = vertices;
     }
-    hair_groom groom = hair_groom_from( 3, copies, counts, points );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_from( 3, copies, counts, points );
     wisp_frozen_hair_def def = hair_clump_only();
     def.clump_radius = 0.003f; // less than a segment: only coincident vertices are near
     for ( int gap = WISP_GAP_ABSOLUTE; gap < WISP_GAP_COUNT; ++gap )
     {
         def.gap = (wisp_gap)gap;
-        wisp_vec3* out = hair_run( NULL, &groom, &def );
+        SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
         assert_true( hair_same_bits( out, points, copies * vertices ) );
-        free( out );
     }
 
     // with the neighbours of a neighbour within reach they move, all together, as the oracle does
     def.clump_radius = 0.009f;
     say( "nine in one place", hair_follow( NULL, &groom, &def, 0 ) );
-    hair_groom_destroy( &groom );
-    hair_groom_destroy( &one );
 }
 
 TEST( a_strand_does_not_attract_itself )
 {
-    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 1, 40, 0.0f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 1, 40, 0.0f );
     wisp_frozen_hair_def def = hair_clump_only();
     def.clump_radius = 0.5f;
-    wisp_vec3* points = hair_run( NULL, &groom, &def );
+    SCOPED( free_local ) wisp_vec3* points = hair_run( NULL, &groom, &def );
     assert_true( hair_same_bits( points, groom.points, 40 ) );
-    free( points );
-    hair_groom_destroy( &groom );
 }
 
 TEST( a_step_of_zero_leaves_every_vertex )
 {
-    hair_groom groom = dense( HAIR_WAVY, 3 );
+    SCOPED( hair_groom_destroy ) hair_groom groom = dense( HAIR_WAVY, 3 );
     wisp_frozen_hair_def def = hair_clump_only();
     def.clump_step_length = 0.0f;
-    wisp_vec3* points = hair_run( NULL, &groom, &def );
+    SCOPED( free_local ) wisp_vec3* points = hair_run( NULL, &groom, &def );
     assert_true( hair_same_bits( points, groom.points, groom.vertex_count ) );
-    free( points );
-    hair_groom_destroy( &groom );
 }
 
 // A guard distance above every distance allows no motion.
 TEST( a_guard_distance_beyond_the_radius_stops_everything )
 {
-    hair_groom groom = dense( HAIR_WAVY, 3 );
+    SCOPED( hair_groom_destroy ) hair_groom groom = dense( HAIR_WAVY, 3 );
     wisp_frozen_hair_def def = hair_clump_only();
     def.min_distance = 0.02f;
-    wisp_vec3* points = hair_run( NULL, &groom, &def );
+    SCOPED( free_local ) wisp_vec3* points = hair_run( NULL, &groom, &def );
     assert_true( hair_same_bits( points, groom.points, groom.vertex_count ) );
-    free( points );
-    hair_groom_destroy( &groom );
 }

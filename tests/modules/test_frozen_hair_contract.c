@@ -22,21 +22,18 @@ TEST( strands_come_back_in_the_users_order_and_roots_stay )
     {
         counts[s] = lengths[s * s % WISP_COUNT( lengths )];
     }
-    hair_groom groom = hair_groom_create_mixed( HAIR_CURLY, 3, 50, counts, 0.004f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create_mixed( HAIR_CURLY, 3, 50, counts, 0.004f );
     wisp_frozen_hair_def def = hair_no_stages();
-    wisp_vec3* still = hair_run( NULL, &groom, &def );
+    SCOPED( free_local ) wisp_vec3* still = hair_run( NULL, &groom, &def );
     assert_true( hair_same_bits( still, groom.points, groom.vertex_count ) );
     def = wisp_default_frozen_hair_def();
-    wisp_vec3* moved = hair_run( NULL, &groom, &def );
+    SCOPED( free_local ) wisp_vec3* moved = hair_run( NULL, &groom, &def );
     for ( int s = 0; s < 50; ++s )
     {
         int root = groom.offsets[s], count = counts[s];
         assert_true( count == 0 || hair_same_bits( moved + root, groom.points + root, 1 ) );
         assert_true( count < 2 || !hair_same_bits( moved + root, groom.points + root, count ) );
     }
-    free( still );
-    free( moved );
-    hair_groom_destroy( &groom );
 }
 
 // Eq. 2: without random changes a segment is its length times its tangent, so the output tests both.
@@ -60,18 +57,16 @@ TEST( tangent_and_length_of_any_segment_multiply_to_the_segment )
         points[2 * s + 1] = ( wisp_vec3 ){ c[0], c[1], c[2] };
         counts[s] = 2;
     }
-    hair_groom groom = hair_groom_from( 3, strands, counts, points );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_from( 3, strands, counts, points );
     wisp_frozen_hair_def def = hair_freeze_only();
     def.stretch_stiffness = def.bend_stiffness = 1e12f;
-    wisp_vec3* out = hair_run( NULL, &groom, &def );
+    SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
     for ( int s = 0; s < strands; ++s )
     {
         // two lengths of 4 u each, a division, a product
         double length = double3_length( double3_widen( points[2 * s + 1] ) );
         hair_assert_close( hair_distance( out[2 * s + 1], points[2 * s + 1] ) / length, 0.0, 10.0 * u );
     }
-    free( out );
-    hair_groom_destroy( &groom );
 }
 
 // Eq. 3 and 7: the drawn length of a segment is its actual length
@@ -113,12 +108,12 @@ TEST( segments_have_the_length_that_was_drawn_for_them )
 TEST( relative_lengths_spread_as_the_printed_percentages_say )
 {
     const double stiffness[] = { 7.0, 3.0 }, printed_mean[] = { 0.071, 0.167 };
-    hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 3, 500, 20, 0.008f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 3, 500, 20, 0.008f );
     for ( int n = 0; n < 2; ++n )
     {
         wisp_frozen_hair_def def = hair_freeze_only();
         def.stretch_stiffness = (float)stiffness[n];
-        wisp_vec3* out = hair_run( NULL, &groom, &def );
+        SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
         double mean = 0.0, square = 0.0, count = 500.0 * 19.0, alpha = 1.0 / stiffness[n];
         for ( int v = 0; v < groom.vertex_count; ++v )
         {
@@ -133,9 +128,7 @@ TEST( relative_lengths_spread_as_the_printed_percentages_say )
         hair_assert_close( mean, printed_mean[n], 3.0 * alpha / sqrt( 12.0 * count ) + 0.0005 );
         hair_assert_close( sqrt( square ), alpha / sqrt( 3.0 ),
                            3.0 * alpha / sqrt( 3.0 ) * sqrt( 0.8 / count ) / 2.0 );
-        free( out );
     }
-    hair_groom_destroy( &groom );
 }
 
 // Eq. 4: an axis that were not a unit vector perpendicular to the segment would turn it by less
@@ -143,12 +136,13 @@ TEST( segments_turn_by_exactly_the_angle_that_was_drawn )
 {
     for ( int n = 0; n < 6; ++n )
     {
+        SCOPED( hair_groom_destroy )
         hair_groom groom = hair_groom_create( (hair_shape)( n / 2 ), 2 + n % 2, 100, 20, 0.008f );
         wisp_frozen_hair_def def = hair_freeze_only();
         def.bend_stiffness = 2.0f;
         def.stretch_stiffness = 1e9f;
         const double most = (double)def.max_bend_angle / 2.0;
-        wisp_vec3* out = hair_run( NULL, &groom, &def );
+        SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
         double ends = 4.0 * u * extent( out, groom.vertex_count );
         for ( int v = 0; v < groom.vertex_count; ++v )
         {
@@ -161,8 +155,6 @@ TEST( segments_turn_by_exactly_the_angle_that_was_drawn )
                 assert_true( turned <= most + ends / double3_length( after ) + 30.0 * u );
             }
         }
-        free( out );
-        hair_groom_destroy( &groom );
     }
 }
 
@@ -208,18 +200,17 @@ TEST( infinitely_stiff_hair_returns_to_rest )
 {
     for ( int n = 0; n < 6; ++n )
     {
+        SCOPED( hair_groom_destroy )
         hair_groom groom = hair_groom_create( (hair_shape)( n / 2 ), 2 + n % 2, 50, 20, 0.008f );
         wisp_frozen_hair_def def = hair_freeze_only();
         def.stretch_stiffness = def.bend_stiffness = 1e9f;
-        wisp_vec3* out = hair_run( NULL, &groom, &def );
+        SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
         for ( int v = 0; v < groom.vertex_count; ++v )
         {
             // every vertex adds a rounded coordinate and a step with the roundings of Eq. 2
             double tolerance = 20.0 * u * ( extent( groom.points, groom.vertex_count ) + 10.0 * 0.0075 );
             hair_assert_close( hair_distance( out[v], groom.points[v] ), 0.0, tolerance );
         }
-        free( out );
-        hair_groom_destroy( &groom );
     }
 }
 
@@ -228,10 +219,10 @@ TEST( infinitely_stiff_hair_returns_to_rest )
 // Eq. 5: a rotation keeps all distances and the handedness of a curl
 TEST( a_whole_turn_is_rigid_and_keeps_a_curls_handedness )
 {
-    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 40, 20, 0.008f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 40, 20, 0.008f );
     wisp_frozen_hair_def def = hair_align_only( ( wisp_vec3 ){ 0.11f, 0.03f, -0.05f } );
     def.intensity = 1.0f;
-    wisp_vec3* out = hair_run( NULL, &groom, &def );
+    SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
 
     // 34 roundings of a rotation of an arm of 0.09 m, and two rounded coordinates, at each end
     double ends = 2.0 * u * ( 34.0 * 0.09 + 2.0 * extent( out, groom.vertex_count ) );
@@ -251,17 +242,15 @@ TEST( a_whole_turn_is_rigid_and_keeps_a_curls_handedness )
         hair_assert_close( after, before, 3.0 * ends * segment * segment * 1.1 );
         assert_true( fabs( before ) > 0.05 * segment * segment * segment );
     }
-    free( out );
-    hair_groom_destroy( &groom );
 }
 
 // Eq. 8-9
 TEST( a_straight_strand_turns_its_tip_to_the_cursor_and_a_hook_its_direction_from_its_mean )
 {
-    hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 3, 20, 20, 0.008f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 3, 20, 20, 0.008f );
     wisp_frozen_hair_def def = hair_align_only( ( wisp_vec3 ){ -0.1f, -0.02f, 0.09f } );
     def.intensity = 1.0f;
-    wisp_vec3* out = hair_run( NULL, &groom, &def );
+    SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
     for ( int s = 0; s < 20; ++s )
     {
         // a mean of 20 coordinates rounds 14 times; half a strand of 0.07 m is the arm of its direction
@@ -281,8 +270,6 @@ TEST( a_straight_strand_turns_its_tip_to_the_cursor_and_a_hook_its_direction_fro
     out = hair_run( NULL, &groom, &def );
     double turn = double3_angle( arm_of( hook, 0, 1 ), arm_of( out, 0, 1 ) );
     hair_assert_close( turn, pi / 2.0 + atan2( 1.0, 2.0 ), 40.0 * u );
-    free( out );
-    hair_groom_destroy( &groom );
 }
 
 // Eq. 10
@@ -290,11 +277,11 @@ TEST( strands_out_of_reach_keep_their_bits )
 {
     for ( int nearest = 0; nearest <= 1; ++nearest )
     {
-        hair_groom groom = hair_groom_create( HAIR_WAVY, 2, 60, 20, 0.008f );
+        SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_WAVY, 2, 60, 20, 0.008f );
         wisp_frozen_hair_def def = hair_align_only( ( wisp_vec3 ){ 0.2f, -0.07f, 0.0f } );
         def.reach = 0.1f;
         def.reach_nearest = nearest != 0;
-        wisp_vec3* out = hair_run( NULL, &groom, &def );
+        SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
         int moved = 0;
         for ( int s = 0; s < 60; ++s )
         {
@@ -308,8 +295,6 @@ TEST( strands_out_of_reach_keep_their_bits )
             moved += same ? 0 : 1;
         }
         assert_in_range( moved, 10, 50 );
-        free( out );
-        hair_groom_destroy( &groom );
     }
 }
 
@@ -318,6 +303,7 @@ TEST( a_whole_turn_points_at_the_cursor_even_from_the_opposite )
 {
     for ( int n = 0; n < 24; ++n )
     {
+        SCOPED( hair_groom_destroy )
         hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 2 + n / 3 % 2, 12, 20, 0.01f );
         const double z = groom.dimension == 2 ? 0.0 : 0.4 * sin( 3.0 * n );
         wisp_frozen_hair_def def = hair_align_only( ( wisp_vec3 ){ (float)sin( n ), (float)cos( n ), (float)z } );
@@ -327,11 +313,11 @@ TEST( a_whole_turn_points_at_the_cursor_even_from_the_opposite )
         {
             def.cursor = ( wisp_vec3 ){ -tip.x, -tip.y, -tip.z }; // from the first root, behind it
         }
-        wisp_vec3* out = hair_run( NULL, &groom, &def );
+        SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
         for ( int s = 0; s < 12; ++s )
         {
             const wisp_vec3* p = out + 20 * s;
-            double3* wide = hair_widen_all( p, 20 );
+            SCOPED( free_local ) double3* wide = hair_widen_all( p, 20 );
             double3 v = frozen_oracle_representative( wide, 20, FROZEN_ORACLE_DIRECTION_MEAN );
             double3 t = double3_sub( double3_widen( def.cursor ), wide[0] );
 
@@ -339,10 +325,7 @@ TEST( a_whole_turn_points_at_the_cursor_even_from_the_opposite )
             // almost opposite strand is less accurate, but a turn by pi about it ends opposite all the same
             double error = 48.0 * u * extent( out, groom.vertex_count ) / double3_length( v ) + 40.0 * u;
             hair_assert_close( double3_angle( v, t ), 0.0, error );
-            free( wide );
         }
-        free( out );
-        hair_groom_destroy( &groom );
     }
 }
 
@@ -363,19 +346,17 @@ TEST( a_turn_from_the_rounded_opposite_ends_at_the_cursor )
         }
         const wisp_vec3 points[] = { { 0, 0, 0 }, { c[0], c[1], n % 2 == 0 ? 0.0f : c[2] } };
         const float back = -( 0.3f + 0.01f * (float)n );
-        hair_groom groom = hair_groom_from( 2 + n % 2, 1, &( int ){ 2 }, points );
+        SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_from( 2 + n % 2, 1, &( int ){ 2 }, points );
         wisp_frozen_hair_def def =
             hair_align_only( ( wisp_vec3 ){ back * points[1].x, back * points[1].y, back * points[1].z } );
         def.intensity = 1.0f;
-        wisp_vec3* out = hair_run( NULL, &groom, &def );
+        SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
 
         // three rounded products are off the opposite by u each; the turn by pi has 40 u
         const double off = double3_angle( double3_widen( out[1] ), double3_widen( def.cursor ) );
         hair_assert_close( off, 0.0, 44.0 * u );
         hair_assert_close( double3_length( double3_widen( out[1] ) ) / double3_length( double3_widen( points[1] ) ),
                            1.0, 40.0 * u );
-        free( out );
-        hair_groom_destroy( &groom );
     }
 }
 
@@ -386,41 +367,38 @@ TEST( the_turn_grows_linearly_from_the_intensity_to_one )
     for ( int n = 0; n < 2 * WISP_COUNT( intensity ); ++n )
     {
         const float x = intensity[n / 2];
-        hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 2 + n % 2, 1, 20, 0.0f );
+        SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 2 + n % 2, 1, 20, 0.0f );
 
         // (0, 1, 2) is perpendicular to (2, -6, 3), (1, 0, 0) to (0, -7, 0)
         wisp_frozen_hair_def def =
             hair_align_only( n % 2 == 0 ? ( wisp_vec3 ){ 1, 0, 0 } : ( wisp_vec3 ){ 0, 1, 2 } );
         def.intensity = x;
-        wisp_vec3* out = hair_run( NULL, &groom, &def );
+        SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
         for ( int i = 1; i < 20; ++i )
         {
             double w = (double)x + ( 1.0 - (double)x ) * i / 19.0;
             double turn = double3_angle( arm_of( groom.points, 0, i ), arm_of( out, 0, i ) );
             hair_assert_close( turn, w * pi / 2.0, 60.0 * u );
         }
-        free( out );
-        hair_groom_destroy( &groom );
     }
     const wisp_vec3 lone[] = { { 0.01f, 0.02f, 0.03f } };
     const int counts[] = { 1 };
-    hair_groom groom = hair_groom_from( 3, 1, counts, lone );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_from( 3, 1, counts, lone );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
-    wisp_vec3* out = hair_run( NULL, &groom, &def );
+    SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
     assert_true( hair_same_bits( out, lone, 1 ) );
-    free( out );
-    hair_groom_destroy( &groom );
 }
 
 // Eq. 12: a strand ends at its own N - 1, whatever the length of those beside it; it keeps its turn until the next command
 TEST( a_short_strand_among_long_ones_turns_as_if_alone_at_every_command )
 {
+    SCOPED( hair_groom_destroy )
     hair_groom both = hair_groom_create_mixed( HAIR_CURLY, 3, 2, ( const int[] ){ 4, 20 }, 0.0f );
-    hair_groom alone = hair_groom_from( 3, 1, ( const int[] ){ 4 }, both.points );
+    SCOPED( hair_groom_destroy ) hair_groom alone = hair_groom_from( 3, 1, ( const int[] ){ 4 }, both.points );
     wisp_frozen_hair_def def = hair_align_only( ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
     def.base = WISP_FROZEN_BASE_STROKE;
     def.intensity = 0.3f;
-    wisp_world* world = hair_world_create( NULL );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
     const wisp_entity a = hair_add_frozen( world, &both, &def ), b = hair_add_frozen( world, &alone, &def );
     for ( int n = 0; n < 5; ++n )
     {
@@ -431,9 +409,6 @@ TEST( a_short_strand_among_long_ones_turns_as_if_alone_at_every_command )
         assert_true( hair_same_bits( hair_view( world, a, 24 ), hair_view( world, b, 4 ), 4 ) );
     }
     assert_true( hair_distance( hair_view( world, b, 4 )[3], alone.points[3] ) > 1e-3 );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &both );
-    hair_groom_destroy( &alone );
 }
 
 // Eq. 13 by an arc; the printed chord shortens
@@ -442,17 +417,15 @@ TEST( an_arc_keeps_distances_to_the_root )
     const float angles[] = { 0.4f, 1.5707964f, 2.9f };
     for ( int n = 0; n < WISP_COUNT( angles ); ++n )
     {
-        hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 2, 1, 20, 0.0f );
+        SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 2, 1, 20, 0.0f );
         wisp_frozen_hair_def def =
             hair_align_only( ( wisp_vec3 ){ (float)sin( angles[n] ), (float)-cos( angles[n] ), 0.0f } );
         def.intensity = 0.2f;
-        wisp_vec3* out = hair_run( NULL, &groom, &def );
+        SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
         for ( int i = 1; i < 20; ++i )
         {
             double ratio = double3_length( arm_of( out, 0, i ) ) / double3_length( arm_of( groom.points, 0, i ) );
             hair_assert_close( ratio, 1.0, 60.0 * u );
         }
-        free( out );
-        hair_groom_destroy( &groom );
     }
 }

@@ -15,8 +15,8 @@ typedef struct pair_groom
 static pair_groom make_pairs( int side, float lower, float upper )
 {
     int count = side * side;
-    wisp_vec3* points = calloc( 4 * (size_t)count, sizeof( wisp_vec3 ) );
-    int* counts = calloc( 2 * (size_t)count, sizeof( int ) );
+    SCOPED( free_local ) wisp_vec3* points = calloc( 4 * (size_t)count, sizeof( wisp_vec3 ) );
+    SCOPED( free_local ) int* counts = calloc( 2 * (size_t)count, sizeof( int ) );
     assert_true( points != NULL && counts != NULL );
     for ( int n = 0; n < count; ++n )
     {
@@ -28,10 +28,7 @@ static pair_groom make_pairs( int side, float lower, float upper )
         points[4 * n + 3] = ( wisp_vec3 ){ x + half, 0.0f, z };
         counts[2 * n] = counts[2 * n + 1] = 2;
     }
-    pair_groom pairs = { hair_groom_from( 3, 2 * count, counts, points ), count };
-    free( points );
-    free( counts );
-    return pairs;
+    return ( pair_groom ){ hair_groom_from( 3, 2 * count, counts, points ), count };
 }
 
 static wisp_frozen_hair_def one_wet_step( void )
@@ -114,7 +111,7 @@ TEST( lambda_obeys_the_law_of_the_gap )
     for ( int n = 0; n < 2; ++n )
     {
         def.min_lambda = n == 1 ? 0.6f : 0.0f;
-        wisp_vec3* out = hair_run( NULL, &pairs.groom, &def );
+        SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &pairs.groom, &def );
         double mean = 0.0, expected_mean = 0.0;
         for ( int v = 1; v < 4 * pairs.count; v += 2 )
         {
@@ -132,7 +129,6 @@ TEST( lambda_obeys_the_law_of_the_gap )
         }
         // three deviations of the mean of 512 uniform numbers
         hair_assert_close( mean, expected_mean, 3.0 / sqrt( 12.0 * 2.0 * pairs.count ) );
-        free( out );
     }
     free( wet );
     hair_groom_destroy( &pairs.groom );
@@ -159,6 +155,7 @@ TEST( under_the_guard_no_pair_comes_closer_than_allowed_and_none_swaps )
 {
     for ( int n = 0; n < 4; ++n )
     {
+        SCOPED( hair_groom_destroy )
         hair_groom groom = hair_groom_create( n % 2 == 0 ? HAIR_WAVY : HAIR_CURLY, 2 + n / 2, 36, 12, 0.003f );
         wisp_frozen_hair_def def = hair_clump_only();
         def.gap = WISP_GAP_NONE;
@@ -168,14 +165,12 @@ TEST( under_the_guard_no_pair_comes_closer_than_allowed_and_none_swaps )
         for ( int k = 1; k <= 12; ++k )
         {
             def.clump_iterations = k;
-            wisp_vec3* out = hair_run( NULL, &groom, &def );
+            SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
 
             // an iteration may round each of the two coordinates once more
             double slack = 4.0 * u * k * extent( out, groom.vertex_count );
             assert_true( nearest_of_all( &groom, out ) >= fmin( start, (double)def.min_distance ) - slack );
-            free( out );
         }
-        hair_groom_destroy( &groom );
     }
 
     // a step of fifty times the distance: the pair stops at r_min in its order
@@ -195,7 +190,7 @@ TEST( under_the_guard_no_pair_comes_closer_than_allowed_and_none_swaps )
 // order.
 static wisp_vec3* run_in_order( const hair_groom* groom, const wisp_frozen_hair_def* def, const char* order )
 {
-    int* counts = checked_calloc( (size_t)groom->strand_count, sizeof( int ) );
+    SCOPED( free_local ) int* counts = checked_calloc( (size_t)groom->strand_count, sizeof( int ) );
     for ( int s = 0; s < groom->strand_count; ++s )
     {
         counts[s] = groom->offsets[s + 1] - groom->offsets[s];
@@ -204,6 +199,7 @@ static wisp_vec3* run_in_order( const hair_groom* groom, const wisp_frozen_hair_
     memcpy( points, groom->points, (size_t)groom->vertex_count * sizeof( wisp_vec3 ) );
     for ( ; *order != 0; ++order )
     {
+        SCOPED( hair_groom_destroy )
         hair_groom now = hair_groom_from( groom->dimension, groom->strand_count, counts, points );
         wisp_frozen_hair_def part = *def;
         part.freeze = *order == 'f';
@@ -211,9 +207,7 @@ static wisp_vec3* run_in_order( const hair_groom* groom, const wisp_frozen_hair_
         part.clump = *order == 'c';
         free( points );
         points = hair_run( NULL, &now, &part );
-        hair_groom_destroy( &now );
     }
-    free( counts );
     return points;
 }
 
@@ -221,7 +215,7 @@ static wisp_vec3* run_in_order( const hair_groom* groom, const wisp_frozen_hair_
 TEST( stages_run_in_the_printed_order_and_each_can_be_left_out )
 {
     const char* const orders[] = { "", "f", "a", "c", "fa", "fc", "ac", "fac" };
-    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 49, 20, 0.005f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 49, 20, 0.005f );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
     def.cursor = ( wisp_vec3 ){ 0.08f, -0.1f, 0.05f };
     for ( int n = 0; n < WISP_COUNT( orders ); ++n )
@@ -229,14 +223,11 @@ TEST( stages_run_in_the_printed_order_and_each_can_be_left_out )
         def.freeze = strchr( orders[n], 'f' ) != NULL;
         def.align = strchr( orders[n], 'a' ) != NULL;
         def.clump = strchr( orders[n], 'c' ) != NULL;
+        SCOPED( free_local )
         wisp_vec3 *whole = hair_run( NULL, &groom, &def ), *parts = run_in_order( &groom, &def, orders[n] );
         assert_true( hair_same_bits( whole, parts, groom.vertex_count ) );
-        free( whole );
-        free( parts );
     }
+    SCOPED( free_local )
     wisp_vec3 *printed = run_in_order( &groom, &def, "fac" ), *other = run_in_order( &groom, &def, "cfa" );
     assert_false( hair_same_bits( printed, other, groom.vertex_count ) );
-    free( printed );
-    free( other );
-    hair_groom_destroy( &groom );
 }

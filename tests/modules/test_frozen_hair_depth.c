@@ -19,7 +19,7 @@ static wisp_frozen_hair_def soft_def( float limit )
 // After some commands.
 static wisp_vec3* run_commands( const hair_groom* groom, const wisp_frozen_hair_def* def, int commands )
 {
-    wisp_world* world = hair_world_create( NULL );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
     const wisp_entity hair = hair_add_frozen( world, groom, def );
     for ( int n = 0; n < commands; ++n )
     {
@@ -27,7 +27,6 @@ static wisp_vec3* run_commands( const hair_groom* groom, const wisp_frozen_hair_
         hair_step( world );
     }
     wisp_vec3* points = hair_points( world, hair, groom->vertex_count );
-    wisp_world_destroy( world );
     return points;
 }
 
@@ -55,10 +54,10 @@ TEST( vertices_move_along_z_by_no_more_than_the_limit )
     for ( int n = 0; n < 3 * 3 * WISP_COUNT( limits ); ++n )
     {
         const float limit = limits[n / 9];
-        hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 3, 49, 20, 0.004f );
+        SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 3, 49, 20, 0.004f );
         wisp_frozen_hair_def def = soft_def( limit );
         def.base = (wisp_frozen_base)( n / 3 % WISP_FROZEN_BASE_COUNT );
-        wisp_vec3* out = run_commands( &groom, &def, 3 );
+        SCOPED( free_local ) wisp_vec3* out = run_commands( &groom, &def, 3 );
 
         // both ends of the range are rounded, of coordinates below 0.1 m
         const depth_change kept = measure_depth( groom.points, out, groom.vertex_count, (double)limit );
@@ -68,8 +67,6 @@ TEST( vertices_move_along_z_by_no_more_than_the_limit )
         def.max_depth_change = -1.0f;
         out = run_commands( &groom, &def, 3 );
         assert_true( measure_depth( groom.points, out, groom.vertex_count, 0.0 ).most > 0.01 );
-        free( out );
-        hair_groom_destroy( &groom );
     }
 }
 
@@ -90,16 +87,14 @@ static int count_swapped( const hair_groom* groom, const wisp_vec3* out, double 
 
 TEST( layers_further_apart_than_twice_the_limit_keep_their_order )
 {
-    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 49, 20, 0.004f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 49, 20, 0.004f );
     for ( int n = 0; n < 2; ++n )
     {
         wisp_frozen_hair_def def = soft_def( n == 0 ? 1e-3f : -1.0f );
-        wisp_vec3* out = hair_run( NULL, &groom, &def );
+        SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
         const int swapped = count_swapped( &groom, out, 0.002 + 1e-7 );
         assert_true( n == 0 ? swapped == 0 : swapped > 1000 );
-        free( out );
     }
-    hair_groom_destroy( &groom );
 }
 
 // ---- a layer is a plane ----
@@ -128,15 +123,16 @@ TEST( a_layer_freezes_and_aligns_as_hair_in_the_plane_bit_for_bit )
 {
     for ( int n = 0; n < 12; ++n )
     {
+        SCOPED( hair_groom_destroy )
         hair_groom flat = layered( (hair_shape)( n % 3 ), 2, -1 ), deep = layered( (hair_shape)( n % 3 ), 3, -1 );
         wisp_frozen_hair_def def = soft_def( 0.0f );
         def.clump = false;
         def.reach = 0.1f;
         def.reach_nearest = n / 3 % 2 == 1;
         def.base = n / 6 == 1 ? WISP_FROZEN_BASE_STROKE : WISP_FROZEN_BASE_REST;
-        wisp_vec3* b = run_commands( &deep, &def, 2 );
+        SCOPED( free_local ) wisp_vec3* b = run_commands( &deep, &def, 2 );
         def.max_depth_change = n / 3 % 2 == 0 ? -1.0f : 0.0f; // in the plane a limit changes nothing
-        wisp_vec3* a = run_commands( &flat, &def, 2 );
+        SCOPED( free_local ) wisp_vec3* a = run_commands( &flat, &def, 2 );
         int turned = 0;
         for ( int v = 0; v < flat.vertex_count; ++v )
         {
@@ -144,10 +140,6 @@ TEST( a_layer_freezes_and_aligns_as_hair_in_the_plane_bit_for_bit )
             turned += hair_distance( a[v], flat.points[v] ) > 0.01;
         }
         assert_true( turned > 60 );
-        free( a );
-        free( b );
-        hair_groom_destroy( &flat );
-        hair_groom_destroy( &deep );
     }
 }
 
@@ -156,30 +148,29 @@ TEST( a_strand_that_points_away_turns_within_its_layer )
 {
     const int counts[] = { 3 };
     const wisp_vec3 points[] = { { 0, 0, 0.2f }, { 0, -0.1f, 0.2f }, { 0, -0.2f, 0.2f } };
-    hair_groom groom = hair_groom_from( 3, 1, counts, points );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_from( 3, 1, counts, points );
     wisp_frozen_hair_def def = hair_align_only( ( wisp_vec3 ){ 0.0f, 0.3f, -0.7f } );
     def.intensity = 0.5f;
     def.max_depth_change = 0.0f;
-    wisp_vec3* out = hair_run( NULL, &groom, &def );
+    SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
     hair_assert_close( hair_distance( out[2], ( wisp_vec3 ){ 0.0f, 0.2f, 0.2f } ), 0.0, 60.0 * u * 0.2 );
     assert_true( fabs( (double)out[1].x ) > 0.05 && out[1].z == 0.2f && out[2].z == 0.2f );
-    free( out );
-    hair_groom_destroy( &groom );
 }
 
 TEST( layers_further_apart_than_the_clump_radius_clump_each_as_if_alone )
 {
     for ( int n = 0; n < 9; ++n )
     {
+        SCOPED( hair_groom_destroy )
         hair_groom deep = layered( (hair_shape)( n / 3 ), 3, -1 ), flat = layered( (hair_shape)( n / 3 ), 2, n % 3 );
         wisp_frozen_hair_def def = soft_def( 0.0f );
-        wisp_vec3* b = hair_run( NULL, &deep, &def );
+        SCOPED( free_local ) wisp_vec3* b = hair_run( NULL, &deep, &def );
         def.max_depth_change = -1.0f;
-        wisp_vec3* a = hair_run( NULL, &flat, &def );
+        SCOPED( free_local ) wisp_vec3* a = hair_run( NULL, &flat, &def );
         int moved = 0;
         def.max_depth_change = 0.0f;
         def.clump = false;
-        wisp_vec3* aligned = hair_run( NULL, &deep, &def );
+        SCOPED( free_local ) wisp_vec3* aligned = hair_run( NULL, &deep, &def );
         for ( int s = n % 3; s < 60; s += 3 )
         {
             for ( int i = 0; i < 20; ++i )
@@ -191,11 +182,6 @@ TEST( layers_further_apart_than_the_clump_radius_clump_each_as_if_alone )
             }
         }
         assert_true( moved > 50 );
-        free( a );
-        free( b );
-        free( aligned );
-        hair_groom_destroy( &flat );
-        hair_groom_destroy( &deep );
     }
 }
 
@@ -205,10 +191,10 @@ TEST( frozen_segments_keep_their_drawn_lengths_at_their_depth )
 {
     for ( int shape = HAIR_STRAIGHT; shape <= HAIR_CURLY; ++shape )
     {
-        hair_groom groom = hair_groom_create( (hair_shape)shape, 3, 60, 20, 0.008f );
+        SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( (hair_shape)shape, 3, 60, 20, 0.008f );
         wisp_frozen_hair_def def = hair_freeze_only();
         def.max_depth_change = 0.0f;
-        wisp_vec3* out = hair_run( NULL, &groom, &def );
+        SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
         const wisp_random_key key = wisp_random_make_key( def.seed, 1, 0 );
         for ( int v = 0; v < groom.vertex_count; ++v )
         {
@@ -221,8 +207,6 @@ TEST( frozen_segments_keep_their_drawn_lengths_at_their_depth )
             }
             assert_true( out[v].z == groom.points[v].z );
         }
-        free( out );
-        hair_groom_destroy( &groom );
     }
 }
 
@@ -240,14 +224,14 @@ TEST( segments_along_z_stay_finite_and_are_as_long_as_their_depth )
         points[v] = ( wisp_vec3 ){ 0.01f * (float)( v / 3 ), 0.0f, 0.01f * (float)( v % 3 ) };
         counts[v / 3] = 3;
     }
-    hair_groom groom = hair_groom_from( 3, strands, counts, points );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_from( 3, strands, counts, points );
     for ( int bends = 0; bends <= 1; ++bends )
     {
         wisp_frozen_hair_def def = hair_freeze_only();
         def.stretch_stiffness = 2.0f;
         def.bend_stiffness = bends ? 20.0f : 1e12f;
         def.max_depth_change = 0.0f;
-        wisp_vec3* out = hair_run( NULL, &groom, &def );
+        SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
         hair_assert_finite( out, 3 * strands );
         int shorter = 0;
         for ( int v = 0; v < 3 * strands; ++v )
@@ -256,9 +240,7 @@ TEST( segments_along_z_stay_finite_and_are_as_long_as_their_depth )
             shorter += v % 3 == 1 && hair_distance( out[v], out[v - 1] ) < 0.01 + 1e-8;
         }
         assert_true( bends ? shorter > 10 && shorter < strands : shorter == strands );
-        free( out );
     }
-    hair_groom_destroy( &groom );
 }
 
 TEST( freezing_and_aligning_with_a_limit_follow_the_oracle )
@@ -267,23 +249,19 @@ TEST( freezing_and_aligning_with_a_limit_follow_the_oracle )
     for ( int n = 0; n < 3 * 3 * 2; ++n )
     {
         const float limits[] = { 0.0f, 5e-4f, 3e-3f };
-        hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 3, 30, 20, 0.008f );
+        SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 3, 30, 20, 0.008f );
         wisp_frozen_hair_def def = soft_def( limits[n / 3 % 3] );
         def.stretch_stiffness = def.bend_stiffness = 7.0f;
         def.clump = false;
         def.reach = n / 9 == 1 ? 0.12f : 1.0f;
-        wisp_vec3* out = hair_run( NULL, &groom, &def );
-        hair_oracle oracle = hair_oracle_create( &groom, &def, 0 );
-        double3* expected = hair_new_points( groom.vertex_count );
+        SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
+        SCOPED( hair_oracle_destroy ) hair_oracle oracle = hair_oracle_create( &groom, &def, 0 );
+        SCOPED( free_local ) double3* expected = hair_new_points( groom.vertex_count );
         assert_int_equal( frozen_oracle_run( &oracle.hair, &oracle.options, NULL, expected ), WISP_OK );
         for ( int v = 0; v < groom.vertex_count; ++v )
         {
             most = fmax( most, double3_distance( expected[v], double3_widen( out[v] ) ) );
         }
-        free( expected );
-        free( out );
-        hair_oracle_destroy( &oracle );
-        hair_groom_destroy( &groom );
     }
     // an angle within 1e-6 rad on strands of 0.14 m, coordinates of 0.5 m, and roots of differences of squares
     print_message( "           %.2g m off\n", most );
@@ -295,6 +273,7 @@ TEST( clumping_with_a_limit_follows_the_oracle )
     double fraction = 0.0;
     for ( int n = 0; n < 6; ++n )
     {
+        SCOPED( hair_groom_destroy )
         hair_groom groom = hair_groom_create( n % 3 == 0 ? HAIR_WAVY : HAIR_CURLY, 3, 25, 10, 0.004f );
         wisp_frozen_hair_def def = hair_clump_only();
         def.gap = (wisp_gap)( n / 3 );
@@ -302,7 +281,6 @@ TEST( clumping_with_a_limit_follows_the_oracle )
         const hair_shadow shadow = hair_follow( NULL, &groom, &def, 0 );
         assert_true( shadow.neighbours > 1000 );
         fraction = fmax( fraction, shadow.fraction );
-        hair_groom_destroy( &groom );
     }
     print_message( "           %.0f %% of the tolerance\n", 100.0 * fraction );
     assert_true( fraction > 0.0 );
@@ -313,13 +291,13 @@ TEST( clumping_with_a_limit_follows_the_oracle )
 TEST( depth_is_counted_from_where_a_head_moved_the_strands )
 {
     const wisp_transform pose = { { 0.70710678f, 0.0f, 0.0f, 0.70710678f }, { 0.1f, 0.0f, 0.5f } };
-    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 49, 20, 0.004f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 49, 20, 0.004f );
     wisp_frozen_hair_def def = soft_def( 1e-3f );
     def.update_on = WISP_FROZEN_UPDATE_FRAME;
-    wisp_world* world;
+    SCOPED( destroy_local ) wisp_world* world;
     const wisp_entity hair = moved_hair( &world, &groom, &def, pose );
     hair_step( world );
-    wisp_vec3* moved = checked_calloc( (size_t)groom.vertex_count, sizeof( wisp_vec3 ) );
+    SCOPED( free_local ) wisp_vec3* moved = checked_calloc( (size_t)groom.vertex_count, sizeof( wisp_vec3 ) );
     for ( int v = 0; v < groom.vertex_count; ++v )
     {
         moved[v] = wisp_transform_to_world( pose, groom.points[v] );
@@ -328,16 +306,13 @@ TEST( depth_is_counted_from_where_a_head_moved_the_strands )
     const depth_change c = measure_depth( moved, out, groom.vertex_count, 1e-3 );
     assert_true( c.most < 1e-3 + 8.0 * u && c.at_limit > 49 );
     assert_true( measure_depth( groom.points, out, groom.vertex_count, 0.0 ).most > 0.3 );
-    free( moved );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
 }
 
 TEST( a_limit_that_is_taken_away_leaves_no_pass_and_no_bit )
 {
-    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 30, 20, 0.005f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 30, 20, 0.005f );
     wisp_frozen_hair_def def = soft_def( -1.0f );
-    wisp_world* world = hair_world_create( NULL );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
     const wisp_entity hair = hair_add_frozen( world, &groom, &def );
     hair_step( world );
     const uint64_t hash = wisp_world_hash( world );
@@ -353,6 +328,4 @@ TEST( a_limit_that_is_taken_away_leaves_no_pass_and_no_bit )
     assert_int_equal( wisp_replay_frozen_hair( world, hair, def.cursor, 0 ), WISP_OK );
     hair_step( world );
     assert_int_equal( wisp_world_hash( world ), hash );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
 }

@@ -93,11 +93,11 @@ static hair_groom make_groom( const golden_case* c )
 // Two commands, the second from the first one's numbers and a different cursor; a stroke goes on from there.
 static uint64_t hash_case( const golden_case* c, const hair_host* host )
 {
-    hair_groom groom = make_groom( c );
+    SCOPED( hair_groom_destroy ) hair_groom groom = make_groom( c );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
     def.cursor = ( wisp_vec3 ){ 0.05f, -0.1f, 0.0f };
     c->change( &def );
-    wisp_world* world = hair_world_create( host );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( host );
     wisp_entity entity = hair_add_frozen( world, &groom, &def );
     hair_step( world );
     uint64_t first, second;
@@ -110,8 +110,6 @@ static uint64_t hash_case( const golden_case* c, const hair_host* host )
         hair_step( world );
     }
     assert_int_equal( wisp_world_hash_column( world, entity, WISP_STRAND_POINTS, &second ), WISP_OK );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
     return first ^ ( second << 1 | second >> 63 );
 }
 
@@ -125,12 +123,11 @@ static int list_isas( const char* isas[3] )
     for ( int n = 0; n < WISP_COUNT( names ); ++n )
     {
         const hair_host host = { .isa = names[n] };
-        wisp_world* world = hair_world_create( &host );
+        SCOPED( destroy_local ) wisp_world* world = hair_world_create( &host );
         if ( strcmp( wisp_world_isa( world ), names[n] ) == 0 )
         {
             isas[count++] = names[n];
         }
-        wisp_world_destroy( world );
     }
     return count;
 }
@@ -289,7 +286,7 @@ TEST( a_hash_tells_cases_and_single_bits_apart )
             assert_true( hashes[n] != hashes[k] );
         }
     }
-    hair_groom groom = make_groom( cases + 2 );
+    SCOPED( hair_groom_destroy ) hair_groom groom = make_groom( cases + 2 );
     uint64_t before, after;
     for ( int n = 0; n < 2; ++n )
     {
@@ -306,5 +303,4 @@ TEST( a_hash_tells_cases_and_single_bits_apart )
         memcpy( &groom.points[groom.vertex_count - 1].z, &bits, sizeof( bits ) );
     }
     assert_true( before != after );
-    hair_groom_destroy( &groom );
 }

@@ -120,11 +120,10 @@ static void clump_aligned_hair( const frozen_scene* scene, int dimension, double
         options.clump = n > 0;
         options.gap = rules[n];
         options.min_distance_clamp = guarded;
-        double3* out = run( scene, &options );
+        SCOPED( free_local ) double3* out = run( scene, &options );
         c[n] = measure_clumping( out, scene->vertex_count, scene->offsets[1], spacing );
         // 1e-15 m is the rounding of coordinates below one metre
         assert_true( !guarded || c[n].nearest_gap >= fmin( c[0].nearest_gap, options.min_distance ) - 1e-15 );
-        free( out );
     }
 }
 
@@ -134,11 +133,11 @@ TEST( locks_form_and_gaps_stay_as_the_prose_says )
     {
         const bool flat = n < 3;
         const double spacing = flat ? 0.004 : 0.008;
+        SCOPED( frozen_scene_destroy )
         frozen_scene scene = new_scene( (frozen_scene_shape)( n % 3 ), flat ? 2 : 3, flat ? 40 : 49, 20, spacing );
         clumping c[4];
         clump_aligned_hair( &scene, flat ? 2 : 3, spacing, true, c );
         assert_true( c[1].locks < c[0].locks && c[2].locks < c[0].locks && c[3].locks < c[0].locks );
         assert_true( c[3].mean_gap > c[2].mean_gap && c[2].mean_gap > c[1].mean_gap );
-        frozen_scene_destroy( &scene );
     }
 }

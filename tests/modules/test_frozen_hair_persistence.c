@@ -46,17 +46,17 @@ static int count_changed( const wisp_vec3* a, const wisp_vec3* b, int first, int
 
 TEST( frames_without_a_command_change_no_bit_after_any_command )
 {
-    hair_groom groom = wide_groom();
+    SCOPED( hair_groom_destroy ) hair_groom groom = wide_groom();
     for ( int base = WISP_FROZEN_BASE_REST; base < WISP_FROZEN_BASE_COUNT; ++base )
     {
         wisp_frozen_hair_def def = stroke_def();
         def.base = (wisp_frozen_base)base;
-        wisp_world* world = hair_world_create( NULL );
+        SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
         const wisp_entity hair = hair_add_frozen( world, &groom, &def );
         for ( int command = 0; command < 4; ++command )
         {
             sweep( world, hair, &groom, 20 * command, 20 * command + 20 );
-            wisp_vec3* shaped = hair_points( world, hair, COUNT );
+            SCOPED( free_local ) wisp_vec3* shaped = hair_points( world, hair, COUNT );
             const uint64_t hash = wisp_world_hash( world );
             for ( int frame = 0; frame < 30; ++frame )
             {
@@ -64,23 +64,20 @@ TEST( frames_without_a_command_change_no_bit_after_any_command )
                 assert_true( hair_same_bits( hair_view( world, hair, COUNT ), shaped, COUNT ) );
             }
             assert_int_equal( wisp_world_hash( world ), hash );
-            free( shaped );
         }
-        wisp_world_destroy( world );
     }
-    hair_groom_destroy( &groom );
 }
 
 TEST( a_second_stroke_elsewhere_leaves_what_the_first_shaped )
 {
-    hair_groom groom = wide_groom();
+    SCOPED( hair_groom_destroy ) hair_groom groom = wide_groom();
     wisp_frozen_hair_def def = stroke_def();
-    wisp_world* world = hair_world_create( NULL );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
     const wisp_entity hair = hair_add_frozen( world, &groom, &def );
     hair_step( world );
-    wisp_vec3* before = hair_points( world, hair, COUNT );
+    SCOPED( free_local ) wisp_vec3* before = hair_points( world, hair, COUNT );
     sweep( world, hair, &groom, 0, 20 );
-    wisp_vec3* first = hair_points( world, hair, COUNT );
+    SCOPED( free_local ) wisp_vec3* first = hair_points( world, hair, COUNT );
     assert_true( count_changed( before, first, 0, 20 ) == 20 );
     for ( int frame = 0; frame < 10; ++frame )
     {
@@ -98,17 +95,13 @@ TEST( a_second_stroke_elsewhere_leaves_what_the_first_shaped )
     hair_set( world, hair, &def );
     sweep( world, hair, &groom, 60, 80 );
     assert_int_equal( count_changed( first, hair_view( world, hair, COUNT ), 0, 20 ), 20 );
-    free( before );
-    free( first );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
 }
 
 // Parameters of strands decide during a stroke, and stay what they were for strands that a later command does not reach.
 TEST( each_strand_keeps_the_stiffness_and_intensity_of_its_own )
 {
     float stiffness[STRANDS], intensity[STRANDS];
-    hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 2, STRANDS, VERTICES, 0.004f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 2, STRANDS, VERTICES, 0.004f );
     for ( int s = 0; s < STRANDS; ++s )
     {
         stiffness[s] = s % 3 == 0 ? 1e9f : 3.0f;
@@ -119,11 +112,11 @@ TEST( each_strand_keeps_the_stiffness_and_intensity_of_its_own )
     def.reach = 10.0f;
     def.strand_stretch_stiffness = def.strand_bend_stiffness = stiffness;
     def.strand_intensity = intensity;
-    wisp_world* world = hair_world_create( NULL );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
     const wisp_entity hair = hair_add_frozen( world, &groom, &def );
     hair_command( world, hair, ( wisp_vec3 ){ 5.0f, -0.1f, 0.0f } );
     hair_step( world );
-    wisp_vec3* shaped = hair_points( world, hair, COUNT );
+    SCOPED( free_local ) wisp_vec3* shaped = hair_points( world, hair, COUNT );
     for ( int s = 0; s < STRANDS; ++s )
     {
         const double3 root = double3_widen( shaped[s * VERTICES] ), down = { 0.0, -1.0, 0.0 };
@@ -159,9 +152,6 @@ TEST( each_strand_keeps_the_stiffness_and_intensity_of_its_own )
     const wisp_vec3* now = hair_view( world, hair, COUNT );
     assert_int_equal( count_changed( shaped, now, 0, 40 ) + count_changed( shaped, now, 41, STRANDS ), 0 );
     assert_int_equal( count_changed( shaped, now, 40, 41 ), 1 );
-    free( shaped );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
 }
 
 // ---- a head that moves ----
@@ -188,16 +178,16 @@ static wisp_transform pose_at( int frame )
 // leaves the first one.
 TEST( a_shape_follows_a_moving_head_and_is_the_same_when_it_is_back )
 {
-    hair_groom groom = wide_groom();
+    SCOPED( hair_groom_destroy ) hair_groom groom = wide_groom();
     groom.dimension = 3;
     wisp_frozen_hair_def def = stroke_def();
     def.bend_stiffness = 1e9f;                // first segments bend about random axes in the world
     def.update_on = WISP_FROZEN_UPDATE_FRAME; // as for all strands that another module moves
     def.clump = false;                        // its neighbours are added by cells of the world
-    wisp_world* world;
+    SCOPED( destroy_local ) wisp_world* world;
     const wisp_entity hair = moved_hair( &world, &groom, &def, pose_at( 0 ) );
     sweep( world, hair, &groom, 0, 20 );
-    wisp_vec3* shaped = hair_points( world, hair, COUNT );
+    SCOPED( free_local ) wisp_vec3* shaped = hair_points( world, hair, COUNT );
     assert_true( most_apart( groom.points, shaped, pose_at( 0 ) ) > 0.05 );
     double moved = 0.0;
     for ( int frame = 1; frame <= 30; ++frame )
@@ -226,7 +216,4 @@ TEST( a_shape_follows_a_moving_head_and_is_the_same_when_it_is_back )
     const wisp_vec3* both = hair_view( world, hair, COUNT );
     assert_int_equal( count_changed( shaped, both, 0, 40 ), 0 );
     assert_int_equal( count_changed( shaped, both, 60, 80 ), 20 );
-    free( shaped );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
 }

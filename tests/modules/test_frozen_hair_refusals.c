@@ -45,9 +45,9 @@ static const float with_a_zero[] = { 5.0f, 5.0f, 5.0f, 0.0f, 5.0f };
 
 TEST( a_parameter_out_of_range_is_named_and_changes_nothing )
 {
-    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 5, 10, 0.004f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 5, 10, 0.004f );
     wisp_frozen_hair_def good = wisp_default_frozen_hair_def();
-    wisp_world* world = hair_world_create( NULL );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
     wisp_entity entity = hair_add_frozen( world, &groom, &good );
     hair_step( world );
     uint64_t hash = wisp_world_hash( world );
@@ -60,13 +60,11 @@ TEST( a_parameter_out_of_range_is_named_and_changes_nothing )
         hair_step( world );
         assert_int_equal( wisp_world_hash( world ), hash );
     }
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
 }
 
 TEST( the_ends_of_every_range_are_accepted_and_give_numbers )
 {
-    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 20, 10, 0.004f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 20, 10, 0.004f );
     for ( int upper = 0; upper <= 1; ++upper )
     {
         wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
@@ -81,19 +79,17 @@ TEST( the_ends_of_every_range_are_accepted_and_give_numbers )
         def.min_lambda = upper ? 1.0f : 0.0f;
         def.max_neighbours = upper ? 4096 : 1;
         def.max_depth_change = upper ? 1e6f : 0.0f;
-        wisp_vec3* out = hair_run( NULL, &groom, &def );
+        SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
         hair_assert_finite( out, groom.vertex_count );
-        free( out );
     }
-    hair_groom_destroy( &groom );
 }
 
 TEST( a_cursor_that_is_no_place_is_refused_and_no_command_waits )
 {
     const wisp_vec3 nowhere[] = { { NAN, 0, 0 }, { 0, INFINITY, 0 }, { 0, 0, -1.5e6f } };
-    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 5, 10, 0.004f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 5, 10, 0.004f );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
-    wisp_world* world = hair_world_create( NULL );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
     wisp_entity entity = hair_add_frozen( world, &groom, &def );
     hair_step( world );
     uint64_t hash = wisp_world_hash( world );
@@ -105,6 +101,4 @@ TEST( a_cursor_that_is_no_place_is_refused_and_no_command_waits )
         hair_step( world );
         assert_int_equal( wisp_world_hash( world ), hash );
     }
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
 }

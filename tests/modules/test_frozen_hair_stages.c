@@ -41,12 +41,12 @@ TEST( freezing_follows_the_oracle_for_every_shape_stiffness_and_angle )
         hair_shadow worst = { 0 };
         for ( int n = 0; n < 3 * WISP_COUNT( stiffness ) * WISP_COUNT( angle ); ++n )
         {
+            SCOPED( hair_groom_destroy )
             hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), dimension, 37, 20, 0.008f );
             wisp_frozen_hair_def def = hair_freeze_only();
             def.stretch_stiffness = def.bend_stiffness = stiffness[n / 3 % WISP_COUNT( stiffness )];
             def.max_bend_angle = angle[n / 3 / WISP_COUNT( stiffness )];
             worst = worse( worst, hair_follow( NULL, &groom, &def, 0 ) );
-            hair_groom_destroy( &groom );
         }
         say( dimension == 2 ? "2D" : "3D", worst );
     }
@@ -54,7 +54,7 @@ TEST( freezing_follows_the_oracle_for_every_shape_stiffness_and_angle )
 
 TEST( stretching_and_bending_stiffness_are_told_apart )
 {
-    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 33, 20, 0.008f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 33, 20, 0.008f );
     float stretch[33], bend[33];
     spread( stretch, 33, 0.01, 1e6 );
     spread( bend, 33, 1e9, 0.2 );
@@ -66,12 +66,11 @@ TEST( stretching_and_bending_stiffness_are_told_apart )
     say( "one a strand for bends", hair_follow( NULL, &groom, &def, 0 ) );
     def.strand_stretch_stiffness = stretch;
     say( "one a strand for both", hair_follow( NULL, &groom, &def, 0 ) );
-    hair_groom_destroy( &groom );
 }
 
 TEST( every_event_and_every_seed_draws_the_numbers_of_the_oracle )
 {
-    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 20, 20, 0.008f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 20, 20, 0.008f );
     wisp_frozen_hair_def def = hair_freeze_only();
     hair_shadow worst = { 0 };
     for ( int command = 0; command < 4; ++command )
@@ -81,7 +80,6 @@ TEST( every_event_and_every_seed_draws_the_numbers_of_the_oracle )
     def.seed = 0xfedcba9876543210u;
     worst = worse( worst, hair_follow( NULL, &groom, &def, 1 ) );
     say( "events 0 to 3, a large seed", worst );
-    hair_groom_destroy( &groom );
 }
 
 // ---- align ----
@@ -94,13 +92,13 @@ TEST( aligning_follows_the_oracle_for_every_reach_and_intensity )
         hair_shadow worst = { 0 };
         for ( int n = 0; n < 3 * 2 * WISP_COUNT( intensity ); ++n )
         {
+            SCOPED( hair_groom_destroy )
             hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), dimension, 37, 20, 0.008f );
             wisp_frozen_hair_def def = hair_align_only( aside( dimension ) );
             def.reach_nearest = n / 3 % 2 == 1;
             def.intensity = intensity[n / 6];
             def.reach = 0.11f;
             worst = worse( worst, hair_follow( NULL, &groom, &def, 0 ) );
-            hair_groom_destroy( &groom );
         }
         say( dimension == 2 ? "2D" : "3D", worst );
         assert_true( worst.offset > 0.0 );
@@ -109,7 +107,7 @@ TEST( aligning_follows_the_oracle_for_every_reach_and_intensity )
 
 TEST( every_strand_may_have_its_own_intensity )
 {
-    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 40, 20, 0.008f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 40, 20, 0.008f );
     float intensity[40];
     for ( int s = 0; s < 40; ++s )
     {
@@ -118,7 +116,6 @@ TEST( every_strand_may_have_its_own_intensity )
     wisp_frozen_hair_def def = hair_align_only( aside_3d );
     def.strand_intensity = intensity;
     say( "one a strand", hair_follow( NULL, &groom, &def, 0 ) );
-    hair_groom_destroy( &groom );
 }
 
 TEST( cursors_all_around_a_strand_turn_it_as_the_oracle_does )
@@ -127,6 +124,7 @@ TEST( cursors_all_around_a_strand_turn_it_as_the_oracle_does )
     hair_shadow worst = { 0 };
     for ( int n = 0; n < 60; ++n )
     {
+        SCOPED( hair_groom_destroy )
         hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 2 + n % 2, 3, 20, 0.05f );
         float c[3];
         for ( int axis = 0; axis < 3; ++axis )
@@ -135,7 +133,6 @@ TEST( cursors_all_around_a_strand_turn_it_as_the_oracle_does )
         }
         wisp_frozen_hair_def def = hair_align_only( ( wisp_vec3 ){ c[0], c[1], n % 2 == 0 ? 0.0f : c[2] } );
         worst = worse( worst, hair_follow( NULL, &groom, &def, 0 ) );
-        hair_groom_destroy( &groom );
     }
     say( "60 cursors", worst );
 }
@@ -145,13 +142,13 @@ TEST( special_cursors_turn_a_strand_as_the_oracle_does )
 {
     for ( int n = 0; n < 2; ++n )
     {
-        hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 2 + n, 1, 17, 0.0f );
+        SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 2 + n, 1, 17, 0.0f );
         const wisp_vec3 tip = groom.points[16], behind = { -tip.x, -tip.y, -tip.z }, root = groom.points[0];
         wisp_frozen_hair_def def = hair_align_only( behind );
         def.intensity = 1.0f;
 
         // a straight strand turned by pi about any perpendicular is its reflection in its root
-        wisp_vec3* points = hair_run( NULL, &groom, &def );
+        SCOPED( free_local ) wisp_vec3* points = hair_run( NULL, &groom, &def );
         hair_assert_close( hair_distance( points[16], behind ), 0.0, 20.0 * HAIR_ROUNDING * 0.11 );
         free( points );
 
@@ -167,24 +164,20 @@ TEST( special_cursors_turn_a_strand_as_the_oracle_does )
         def.reach = 0.0f;
         points = hair_run( NULL, &groom, &def );
         assert_true( hair_same_bits( points, groom.points, 17 ) );
-        free( points );
-        hair_groom_destroy( &groom );
     }
 }
 
 TEST( a_reach_of_zero_takes_only_the_strand_whose_tip_is_the_cursor )
 {
-    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 30, 20, 0.008f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 30, 20, 0.008f );
     wisp_frozen_hair_def def = hair_align_only( groom.points[20 * 11 + 19] );
     def.reach = 0.0f;
     hair_follow( NULL, &groom, &def, 0 );
-    wisp_vec3* points = hair_run( NULL, &groom, &def );
+    SCOPED( free_local ) wisp_vec3* points = hair_run( NULL, &groom, &def );
     for ( int s = 0; s < 30; ++s )
     {
         assert_int_equal( hair_same_bits( points + 20 * s, groom.points + 20 * s, 20 ), s != 11 );
     }
-    free( points );
-    hair_groom_destroy( &groom );
 }
 
 // ---- degenerate strands ----
@@ -199,6 +192,7 @@ TEST( strands_of_mixed_lengths_follow_the_oracle )
     }
     for ( int n = 0; n < 6; ++n )
     {
+        SCOPED( hair_groom_destroy )
         hair_groom groom = hair_groom_create_mixed( (hair_shape)( n / 2 ), 2 + n % 2, 41, counts, 0.005f );
         wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
         def.cursor = aside( groom.dimension );
@@ -208,7 +202,6 @@ TEST( strands_of_mixed_lengths_follow_the_oracle )
         def.reach_nearest = n % 3 == 0;
         def.clump_step_length = 0.003f;
         say( "third command", hair_follow( NULL, &groom, &def, 2 ) );
-        hair_groom_destroy( &groom );
     }
 }
 
@@ -225,7 +218,7 @@ TEST( segments_without_length_stay_without_length )
     const int counts[] = { 4, 4, 4, 4, 4 };
     for ( int dimension = 2; dimension <= 3; ++dimension )
     {
-        hair_groom groom = hair_groom_from( dimension, 5, counts, points );
+        SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_from( dimension, 5, counts, points );
         wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
         def.cursor = aside( dimension );
         for ( int n = 0; n < 4; ++n )
@@ -234,15 +227,13 @@ TEST( segments_without_length_stay_without_length )
             say( "all stages", hair_follow( NULL, &groom, &def, n ) );
         }
         def = hair_freeze_only();
-        wisp_vec3* frozen = hair_run( NULL, &groom, &def );
+        SCOPED( free_local ) wisp_vec3* frozen = hair_run( NULL, &groom, &def );
         hair_assert_finite( frozen, groom.vertex_count );
         const int second[] = { 1, 6, 11, 13, 14, 15, 19 };
         for ( int n = 0; n < WISP_COUNT( second ); ++n )
         {
             assert_true( hair_same_bits( frozen + second[n], frozen + second[n] - 1, 1 ) );
         }
-        free( frozen );
-        hair_groom_destroy( &groom );
     }
 }
 
@@ -252,6 +243,7 @@ TEST( every_combination_of_stages_follows_the_oracle )
 {
     for ( int n = 0; n < 48; ++n )
     {
+        SCOPED( hair_groom_destroy )
         hair_groom groom = hair_groom_create( (hair_shape)( n / 16 ), 2 + n / 8 % 2, 16, 12, 0.005f );
         wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
         def.freeze = ( n & 1 ) != 0;
@@ -261,11 +253,9 @@ TEST( every_combination_of_stages_follows_the_oracle )
         hair_follow( NULL, &groom, &def, n % 3 );
         if ( n % 8 == 0 )
         {
-            wisp_vec3* points = hair_run( NULL, &groom, &def );
+            SCOPED( free_local ) wisp_vec3* points = hair_run( NULL, &groom, &def );
             assert_true( hair_same_bits( points, groom.points, groom.vertex_count ) );
-            free( points );
         }
-        hair_groom_destroy( &groom );
     }
 }
 
@@ -273,11 +263,11 @@ TEST( the_pipeline_as_a_whole_agrees_with_the_oracle )
 {
     for ( int n = 0; n < 18; ++n )
     {
+        SCOPED( hair_groom_destroy )
         hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 2 + n / 9, 25, 20, 0.005f );
         wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
         def.cursor = aside( groom.dimension );
         def.clump_iterations = n / 3 % 3 * 4;
         hair_compare_pipeline( &groom, &def );
-        hair_groom_destroy( &groom );
     }
 }

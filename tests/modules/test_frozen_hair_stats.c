@@ -42,17 +42,16 @@ TEST( neighbours_and_memory_grow_linearly_with_the_vertices )
     double vertices[sizes], neighbours[sizes], memory[sizes];
     for ( int n = 0; n < sizes; ++n )
     {
+        SCOPED( hair_groom_destroy )
         hair_groom groom = hair_groom_create( HAIR_WAVY, 2, 400 * ( n + 1 ), 20, 0.004f );
         wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
-        wisp_world* world = hair_world_create( NULL );
+        SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
         wisp_entity entity = hair_add_frozen( world, &groom, &def );
         hair_step( world );
         vertices[n] = groom.vertex_count;
         neighbours[n] = (double)hair_stats( world, entity ).neighbours;
         memory[n] = (double)wisp_world_memory( world );
         assert_int_equal( hair_stats( world, entity ).searches, 1 );
-        hair_groom_destroy( &groom );
-        wisp_world_destroy( world );
     }
     print_message( "           R^2 of neighbours %.6f, of memory %.6f\n",
                    fit_motion_stats( vertices, neighbours, sizes ), fit_motion_stats( vertices, memory, sizes ) );
@@ -68,9 +67,9 @@ TEST( the_sizes_of_the_printed_table_run_and_are_profiled_pass_by_pass )
     {
         const hair_host host = { .workers = 1 + n / WISP_COUNT( strands ) };
         const int size = n % WISP_COUNT( strands );
-        hair_groom groom = hair_groom_create( HAIR_WAVY, 2, strands[size], 20, 0.004f );
+        SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_WAVY, 2, strands[size], 20, 0.004f );
         wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
-        wisp_world* world = hair_world_create( &host );
+        SCOPED( destroy_local ) wisp_world* world = hair_world_create( &host );
         wisp_entity entity = hair_add_frozen( world, &groom, &def );
         hair_step( world );
 
@@ -85,8 +84,6 @@ TEST( the_sizes_of_the_printed_table_run_and_are_profiled_pass_by_pass )
         assert_int_equal( profile.count, 6 );
         assert_true( sum > 0.0 && sum <= profile.seconds * 1.0001 );
         hair_assert_finite( hair_view( world, entity, groom.vertex_count ), groom.vertex_count );
-        wisp_world_destroy( world );
-        hair_groom_destroy( &groom );
     }
 }
 
@@ -95,7 +92,7 @@ TEST( the_sizes_of_the_printed_table_run_and_are_profiled_pass_by_pass )
 // The mean turn of every vertex about its root.
 static void turn_profile( const hair_groom* groom, const wisp_frozen_hair_def* def, double turn[20] )
 {
-    wisp_vec3* out = hair_run( NULL, groom, def );
+    SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, groom, def );
     memset( turn, 0, 20 * sizeof( double ) );
     for ( int s = 0; s < groom->strand_count; ++s )
     {
@@ -105,13 +102,13 @@ static void turn_profile( const hair_groom* groom, const wisp_frozen_hair_def* d
             turn[i] += double3_angle( before, after ) / groom->strand_count;
         }
     }
-    free( out );
 }
 
 TEST( a_high_intensity_turns_whole_strands_and_a_low_one_their_tips )
 {
     for ( int n = 0; n < 4; ++n )
     {
+        SCOPED( hair_groom_destroy )
         hair_groom groom = hair_groom_create( n < 2 ? HAIR_STRAIGHT : HAIR_WAVY, 2 + n % 2, 30, 20, 0.006f );
         wisp_frozen_hair_def def = hair_align_only( ( wisp_vec3 ){ 0.5f, -0.1f, 0.0f } );
         double upper[20], lower[20];
@@ -133,7 +130,6 @@ TEST( a_high_intensity_turns_whole_strands_and_a_low_one_their_tips )
             double line = lower[1] + ( lower[19] - lower[1] ) * ( i - 1 ) / 18.0;
             hair_assert_close( lower[i], line, n < 2 ? 100.0 * u : 0.01 );
         }
-        hair_groom_destroy( &groom );
     }
 }
 
@@ -175,13 +171,13 @@ static waviness measure_waviness( const hair_groom* groom, const wisp_vec3* out 
 TEST( stiffness_seven_stays_closer_to_the_original_than_three )
 {
     const double stiffness[] = { 1e9, 7.0, 3.0 }, printed_degrees[] = { 0.0, 4.29, 10.0 };
-    hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 2, 1000, 20, 0.004f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 2, 1000, 20, 0.004f );
     waviness w[3];
     for ( int n = 0; n < 3; ++n )
     {
         wisp_frozen_hair_def def = hair_freeze_only();
         def.stretch_stiffness = def.bend_stiffness = (float)stiffness[n];
-        wisp_vec3* out = hair_run( NULL, &groom, &def );
+        SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
         w[n] = measure_waviness( &groom, out );
 
         // |a - b| of independent U(-1,1) has mean 2/3 and variance 2/9; neighbours share a segment and are correlated
@@ -190,11 +186,9 @@ TEST( stiffness_seven_stays_closer_to_the_original_than_three )
         double sampling = 3.0 * step * sqrt( 1.2 * 2.0 / 9.0 / ( 1000.0 * 18.0 ) ) + 16.0 * u * 4.0 / 0.007;
         hair_assert_close( w[n].change, step * 2.0 / 3.0, sampling );
         hair_assert_close( w[n].change * 180.0 / pi, printed_degrees[n], sampling * 180.0 / pi + 0.005 );
-        free( out );
     }
     assert_true( w[0].change < w[1].change && w[1].change < w[2].change );
     assert_true( w[0].spread < w[1].spread && w[1].spread < w[2].spread );
-    hair_groom_destroy( &groom );
 }
 
 // ---- Fig. 3 ----
@@ -209,16 +203,13 @@ static clumping clump_aligned( const hair_groom* groom, double spacing, int rule
     def.gap = rule >= 0 ? (wisp_gap)rule : WISP_GAP_NONE;
     def.clump_iterations = iterations;
     def.seed = seed;
-    wisp_vec3* out = hair_run( NULL, groom, &def );
+    SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, groom, &def );
     for ( int s = 0; s < groom->strand_count; ++s )
     {
         assert_true( hair_same_bits( out + 20 * s, groom->points + 20 * s, 1 ) );
     }
-    double3* points = hair_widen_all( out, groom->vertex_count );
-    const clumping c = measure_clumping( points, groom->vertex_count, 20, spacing );
-    free( points );
-    free( out );
-    return c;
+    SCOPED( free_local ) double3* points = hair_widen_all( out, groom->vertex_count );
+    return measure_clumping( points, groom->vertex_count, 20, spacing );
 }
 
 static const wisp_gap gap_rules[] = { WISP_GAP_NONE, WISP_GAP_ABSOLUTE };
@@ -243,6 +234,7 @@ TEST( clumping_gathers_aligned_hair_and_the_brake_leaves_gaps )
         const density* d = &densities[n / 6];
         const uint64_t seed = 1 + (uint64_t)( n / 3 % 2 );
         const double spacing = (double)d->spacing;
+        SCOPED( hair_groom_destroy )
         hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), d->dimension, d->strands, 20, d->spacing );
         const clumping before = clump_aligned( &groom, spacing, -1, 4, seed );
         clumping few[2], many[2];
@@ -259,7 +251,6 @@ TEST( clumping_gathers_aligned_hair_and_the_brake_leaves_gaps )
             assert_true( few[r].mean_gap < before.mean_gap );
         }
         assert_true( few[1].mean_gap > few[0].mean_gap && many[1].mean_gap > many[0].mean_gap );
-        hair_groom_destroy( &groom );
     }
 }
 
@@ -269,7 +260,7 @@ TEST( dense_hair_in_space_takes_more_iterations_to_gather )
 {
     for ( int shape = HAIR_STRAIGHT; shape <= HAIR_CURLY; ++shape )
     {
-        hair_groom groom = hair_groom_create( (hair_shape)shape, 3, 64, 20, 0.002f );
+        SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( (hair_shape)shape, 3, 64, 20, 0.002f );
         const clumping before = clump_aligned( &groom, 0.002, -1, 4, 1 );
         for ( int r = 0; r < 2; ++r )
         {
@@ -278,7 +269,6 @@ TEST( dense_hair_in_space_takes_more_iterations_to_gather )
             assert_true( r == 0 || few.locks > 0.85 * before.locks );
             assert_true( many.locks < 0.6 * before.locks );
         }
-        hair_groom_destroy( &groom );
     }
 }
 
@@ -286,13 +276,13 @@ TEST( dense_hair_in_space_takes_more_iterations_to_gather )
 
 TEST( an_event_a_frame_changes_every_step_like_a_command_each )
 {
-    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 30, 20, 0.005f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 30, 20, 0.005f );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
-    wisp_world *commanded = hair_world_create( NULL ), *framed = hair_world_create( NULL );
+    SCOPED( destroy_local ) wisp_world *commanded = hair_world_create( NULL ), *framed = hair_world_create( NULL );
     wisp_entity a = hair_add_frozen( commanded, &groom, &def );
     def.update_on = WISP_FROZEN_UPDATE_FRAME;
     wisp_entity b = hair_add_frozen( framed, &groom, &def );
-    wisp_vec3* before = hair_points( framed, b, groom.vertex_count );
+    SCOPED( free_local ) wisp_vec3* before = hair_points( framed, b, groom.vertex_count );
     for ( int n = 0; n < 5; ++n )
     {
         hair_step( commanded );
@@ -304,10 +294,6 @@ TEST( an_event_a_frame_changes_every_step_like_a_command_each )
         memcpy( before, look, (size_t)groom.vertex_count * sizeof( wisp_vec3 ) );
         hair_command( commanded, a, def.cursor );
     }
-    free( before );
-    wisp_world_destroy( commanded );
-    wisp_world_destroy( framed );
-    hair_groom_destroy( &groom );
 }
 
 // Discussion, 2D and 3D
@@ -315,22 +301,20 @@ TEST( flat_hair_stays_flat_to_the_bit_and_refuses_depth )
 {
     for ( int n = 0; n < 12; ++n )
     {
-        hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 2, 40, 20, 0.004f );
+        SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 2, 40, 20, 0.004f );
         wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
         def.gap = (wisp_gap)( n / 3 % 2 );
         def.bend_stiffness = 1.0f;
         def.cursor = ( wisp_vec3 ){ 0.08f, n % 2 == 0 ? -0.1f : 0.1f, n / 6 % 2 == 0 ? 0.0f : 0.05f };
-        wisp_vec3* out = hair_run( NULL, &groom, &def );
+        SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
         for ( int v = 0; v < groom.vertex_count; ++v )
         {
             assert_true( out[v].z == 0.0f );
         }
-        free( out );
-        hair_groom_destroy( &groom );
     }
 
     // the same straight hair leaves the plane in three dimensions
-    hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 2, 10, 20, 0.004f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 2, 10, 20, 0.004f );
     groom.dimension = 3;
     wisp_frozen_hair_def def = hair_freeze_only();
     wisp_vec3* out = hair_run( NULL, &groom, &def );
@@ -343,7 +327,7 @@ TEST( flat_hair_stays_flat_to_the_bit_and_refuses_depth )
     free( out );
 
     groom.points[47].z = 0.25f;
-    wisp_world* world = hair_world_create( NULL );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
     wisp_strands_def strands = wisp_default_strands_def();
     strands.points = groom.points;
     strands.offsets = groom.offsets;
@@ -352,6 +336,4 @@ TEST( flat_hair_stays_flat_to_the_bit_and_refuses_depth )
     wisp_entity entity;
     assert_int_equal( wisp_add_strands( world, &strands, &entity ), WISP_BAD_INPUT );
     assert_non_null( strstr( wisp_world_message( world ), "strand 2, vertex 7" ) );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
 }

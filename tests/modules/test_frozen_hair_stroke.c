@@ -25,7 +25,7 @@ static wisp_vec3 path( const hair_groom* groom, int command, int commands )
 
 static wisp_vec3* run_stroke( const hair_groom* groom, const wisp_frozen_hair_def* def, int commands )
 {
-    wisp_world* world = hair_world_create( NULL );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
     const wisp_entity hair = hair_add_frozen( world, groom, def );
     for ( int n = 0; n < commands; ++n )
     {
@@ -33,7 +33,6 @@ static wisp_vec3* run_stroke( const hair_groom* groom, const wisp_frozen_hair_de
         hair_step( world );
     }
     wisp_vec3* points = hair_points( world, hair, groom->vertex_count );
-    wisp_world_destroy( world );
     return points;
 }
 
@@ -65,7 +64,7 @@ static void free_stroke( oracle_stroke* s )
 // Freeze and align of one update in double precision. @param seen the engine's points before it
 static void oracle_update( hair_oracle* o, oracle_stroke* s, bool sweeps, const wisp_vec3* seen, double3* out )
 {
-    double3* p = hair_new_points( o->vertex_count );
+    SCOPED( free_local ) double3* p = hair_new_points( o->vertex_count );
     frozen_oracle_deform( &o->hair, &o->options, p );
     for ( int strand = 0; strand < o->hair.strand_count; ++strand )
     {
@@ -76,7 +75,6 @@ static void oracle_update( hair_oracle* o, oracle_stroke* s, bool sweeps, const 
         }
         frozen_oracle_align_in_stroke( &o->hair, &o->options, &s->kept, sweeps, strand, p, out );
     }
-    free( p );
 }
 
 // Parameters of update n: all that a user may change in a stroke, and updates that are no commands.
@@ -96,12 +94,13 @@ TEST( a_stroke_with_changing_parameters_follows_the_oracle )
 {
     for ( int variant = 0; variant < 12; ++variant )
     {
+        SCOPED( hair_groom_destroy )
         hair_groom groom = hair_groom_create( (hair_shape)( variant % 3 ), 2 + variant / 6, 60, 20, 0.004f );
         wisp_frozen_hair_def def = changed_def( 0, variant );
-        wisp_world* world = hair_world_create( NULL );
+        SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
         const wisp_entity hair = hair_add_frozen( world, &groom, &def );
         hair_step( world );
-        oracle_stroke s = new_stroke( 60 );
+        SCOPED( free_stroke ) oracle_stroke s = new_stroke( 60 );
         int reached = 0, unsure = 0;
         for ( int n = 0; n < 30; ++n )
         {
@@ -109,15 +108,15 @@ TEST( a_stroke_with_changing_parameters_follows_the_oracle )
             const bool sweeps = n % 6 != 5;
             hair_set( world, hair, &def );
             hair_step( world ); // the shape that the cursor meets
-            wisp_vec3* seen = hair_points( world, hair, groom.vertex_count );
+            SCOPED( free_local ) wisp_vec3* seen = hair_points( world, hair, groom.vertex_count );
             def.cursor = path( &groom, n, 30 );
             if ( sweeps )
             {
                 hair_command( world, hair, def.cursor );
             }
             hair_step( world );
-            hair_oracle o = hair_oracle_create( &groom, &def, 0 );
-            double3* expected = hair_new_points( groom.vertex_count );
+            SCOPED( hair_oracle_destroy ) hair_oracle o = hair_oracle_create( &groom, &def, 0 );
+            SCOPED( free_local ) double3* expected = hair_new_points( groom.vertex_count );
             oracle_update( &o, &s, sweeps, seen, expected );
             const wisp_vec3* points = hair_view( world, hair, groom.vertex_count );
             for ( int v = 0; v < groom.vertex_count; ++v )
@@ -128,9 +127,6 @@ TEST( a_stroke_with_changing_parameters_follows_the_oracle )
                     hair_assert_close( double3_distance( double3_widen( points[v] ), expected[v] ), 0.0, 1e-6 );
                 }
             }
-            free( seen );
-            free( expected );
-            hair_oracle_destroy( &o );
         }
         for ( int strand = 0; strand < 60; ++strand )
         {
@@ -138,9 +134,6 @@ TEST( a_stroke_with_changing_parameters_follows_the_oracle )
             unsure += s.unsure[strand];
         }
         assert_true( reached == 60 && unsure < 20 );
-        free_stroke( &s );
-        wisp_world_destroy( world );
-        hair_groom_destroy( &groom );
     }
 }
 
@@ -241,17 +234,17 @@ TEST( a_hundred_commands_leave_all_swept_strands_aligned_and_the_noise_where_it_
 
 TEST( new_parameters_keep_the_alignment )
 {
-    hair_groom groom = hair_groom_create( HAIR_WAVY, 2, 60, 20, 0.004f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_WAVY, 2, 60, 20, 0.004f );
     wisp_frozen_hair_def def = stroke_def();
     def.clump = false;
-    wisp_world* world = hair_world_create( NULL );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
     const wisp_entity hair = hair_add_frozen( world, &groom, &def );
     for ( int n = 0; n < 20; ++n )
     {
         hair_command( world, hair, path( &groom, n, 20 ) );
         hair_step( world );
     }
-    wisp_vec3* before = hair_points( world, hair, 1200 );
+    SCOPED( free_local ) wisp_vec3* before = hair_points( world, hair, 1200 );
 
     // intensity, reach and cursor act on later commands alone
     def.intensity = 0.1f;
@@ -283,17 +276,14 @@ TEST( new_parameters_keep_the_alignment )
     hair_set( world, hair, &def );
     hair_step( world );
     assert_true( hair_same_bits( hair_view( world, hair, 1200 ), before, 1200 ) );
-    free( before );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
 }
 
 TEST( clumping_is_on_the_result_and_is_not_fed_back )
 {
-    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 60, 20, 0.004f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 60, 20, 0.004f );
     wisp_frozen_hair_def def = stroke_def();
-    wisp_vec3* always = run_stroke( &groom, &def, 30 );
-    wisp_world* world = hair_world_create( NULL );
+    SCOPED( free_local ) wisp_vec3* always = run_stroke( &groom, &def, 30 );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
     def.clump = false;
     const wisp_entity hair = hair_add_frozen( world, &groom, &def );
     for ( int n = 0; n < 30; ++n )
@@ -301,35 +291,31 @@ TEST( clumping_is_on_the_result_and_is_not_fed_back )
         hair_command( world, hair, path( &groom, n, 30 ) );
         hair_step( world );
     }
-    wisp_vec3* unclumped = hair_points( world, hair, 1200 );
+    SCOPED( free_local ) wisp_vec3* unclumped = hair_points( world, hair, 1200 );
     def.clump = true;
     hair_set( world, hair, &def );
     hair_step( world );
     assert_true( hair_same_bits( hair_view( world, hair, 1200 ), always, 1200 ) );
     assert_false( hair_same_bits( unclumped, always, 1200 ) );
-    free( always );
-    free( unclumped );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
 }
 
 // ---- beginning, repeating, undoing ----
 
 TEST( a_new_stroke_forgets_alignment_and_draws_other_noise )
 {
-    hair_groom groom = hair_groom_create( HAIR_WAVY, 2, 40, 20, 0.004f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_WAVY, 2, 40, 20, 0.004f );
     wisp_frozen_hair_def def = stroke_def();
     def.reach = 1.0f;
-    wisp_world* world = hair_world_create( NULL );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
     const wisp_entity hair = hair_add_frozen( world, &groom, &def );
     hair_step( world );
-    wisp_vec3* unswept = hair_points( world, hair, 800 );
+    SCOPED( free_local ) wisp_vec3* unswept = hair_points( world, hair, 800 );
     hair_command( world, hair, ( wisp_vec3 ){ 0.2f, 0.0f, 0.0f } );
     hair_step( world );
-    wisp_vec3* swept = hair_points( world, hair, 800 );
+    SCOPED( free_local ) wisp_vec3* swept = hair_points( world, hair, 800 );
     assert_int_equal( wisp_begin_frozen_hair_stroke( world, hair ), WISP_OK );
     hair_step( world );
-    wisp_vec3* again = hair_points( world, hair, 800 );
+    SCOPED( free_local ) wisp_vec3* again = hair_points( world, hair, 800 );
     int same_noise = 0;
     for ( int v = 0; v < 800; ++v )
     {
@@ -355,11 +341,6 @@ TEST( a_new_stroke_forgets_alignment_and_draws_other_noise )
     {
         assert_true( hair_distance( hair_view( world, hair, 800 )[v], unswept[v] ) < 0.04 );
     }
-    free( unswept );
-    free( swept );
-    free( again );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
 }
 
 TEST( undo_and_redo_by_snapshots_are_bit_for_bit )
@@ -368,9 +349,9 @@ TEST( undo_and_redo_by_snapshots_are_bit_for_bit )
     {
         commands = 12
     };
-    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 50, 20, 0.004f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 50, 20, 0.004f );
     wisp_frozen_hair_def def = stroke_def();
-    wisp_world* world = hair_world_create( NULL );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
     const wisp_entity hair = hair_add_frozen( world, &groom, &def );
     hair_step( world );
     saved_world saved[commands + 1];
@@ -398,15 +379,13 @@ TEST( undo_and_redo_by_snapshots_are_bit_for_bit )
     {
         free( saved[n].bytes );
     }
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
 }
 
 TEST( a_stroke_that_is_none_is_refused )
 {
-    hair_groom groom = hair_groom_create( HAIR_WAVY, 2, 10, 20, 0.004f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_WAVY, 2, 10, 20, 0.004f );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
-    wisp_world* world = hair_world_create( NULL );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
     const wisp_entity bare = hair_add( world, &groom ), hair = hair_add_frozen( world, &groom, &def );
     const wisp_entity none = { 0, 0 };
     hair_step( world );
@@ -418,8 +397,6 @@ TEST( a_stroke_that_is_none_is_refused )
     assert_int_equal( wisp_begin_frozen_hair_stroke( world, none ), WISP_STALE_ID );
     hair_step( world );
     assert_int_equal( wisp_world_hash( world ), hash );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
 }
 
 // ---- strands that another module moves ----
@@ -446,12 +423,13 @@ TEST( a_stroke_turns_along_with_the_head )
         {
             continue;
         }
+        SCOPED( hair_groom_destroy )
         hair_groom groom = hair_groom_create( n / 2 % 2 ? HAIR_WAVY : HAIR_STRAIGHT, dimension, 49, 20, 0.008f );
         wisp_frozen_hair_def def = stroke_def();
         def.update_on = WISP_FROZEN_UPDATE_FRAME;
         def.clump = false;
         def.bend_stiffness = 1e9f;
-        wisp_world *still, *moved;
+        SCOPED( destroy_local ) wisp_world *still, *moved;
         const wisp_entity a = moved_hair( &still, &groom, &def, poses[0] ),
                           b = moved_hair( &moved, &groom, &def, poses[0] );
         for ( int k = 0; k < 12; ++k )
@@ -473,8 +451,5 @@ TEST( a_stroke_turns_along_with_the_head )
             turned += hair_distance( hair_view( still, a, groom.vertex_count )[v], groom.points[v] ) > 0.04;
         }
         assert_true( turned > 20 );
-        wisp_world_destroy( still );
-        wisp_world_destroy( moved );
-        hair_groom_destroy( &groom );
     }
 }

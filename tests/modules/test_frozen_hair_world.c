@@ -28,29 +28,25 @@ static wisp_frozen_hair_def def_of( int n )
 
 static void assert_alike_in_company( int first, int count, const hair_host* host )
 {
-    wisp_world* world = hair_world_create( host );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( host );
     wisp_entity entities[64];
     for ( int n = 0; n < count; ++n )
     {
-        hair_groom groom = groom_of( first + n );
+        SCOPED( hair_groom_destroy ) hair_groom groom = groom_of( first + n );
         wisp_frozen_hair_def def = def_of( first + n );
         entities[n] = hair_add_frozen( world, &groom, &def );
-        hair_groom_destroy( &groom );
     }
     hair_step( world );
     for ( int n = 0; n < count; ++n )
     {
-        hair_groom groom = groom_of( first + n );
+        SCOPED( hair_groom_destroy ) hair_groom groom = groom_of( first + n );
         wisp_frozen_hair_def def = def_of( first + n );
-        wisp_vec3* alone = hair_run( NULL, &groom, &def );
+        SCOPED( free_local ) wisp_vec3* alone = hair_run( NULL, &groom, &def );
         if ( !hair_same_bits( alone, hair_view( world, entities[n], groom.vertex_count ), groom.vertex_count ) )
         {
             fail_msg( "groom %d of %d with %d workers is not what it is alone", n, count, host->workers );
         }
-        free( alone );
-        hair_groom_destroy( &groom );
     }
-    wisp_world_destroy( world );
 }
 
 TEST( fifty_small_grooms_are_what_each_is_alone_for_any_workers )
@@ -64,10 +60,10 @@ TEST( fifty_small_grooms_are_what_each_is_alone_for_any_workers )
 
 TEST( an_instance_shares_the_rest_shape_and_lives_its_own_life )
 {
-    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 40, 20, 0.005f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 40, 20, 0.005f );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def(), other = def;
     other.seed = 77;
-    wisp_world* world = hair_world_create( NULL );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
     wisp_entity source = hair_add_frozen( world, &groom, &def ), instance;
     hair_step( world );
     size_t before = wisp_world_memory( world );
@@ -75,6 +71,7 @@ TEST( an_instance_shares_the_rest_shape_and_lives_its_own_life )
     assert_int_equal( wisp_request( world, instance, WISP_STRAND_POINTS ), WISP_OK );
     print_message( "           an instance of %d vertices takes %zu bytes\n", groom.vertex_count,
                    wisp_world_memory( world ) - before );
+    SCOPED( free_local )
     wisp_vec3 *first = hair_run( NULL, &groom, &def ), *second = hair_run( NULL, &groom, &other );
 
     // it starts at rest, not at the shape of its source
@@ -91,10 +88,6 @@ TEST( an_instance_shares_the_rest_shape_and_lives_its_own_life )
     hair_step( world );
     assert_true( hair_same_bits( hair_view( world, instance, 800 ), second, 800 ) );
     assert_int_equal( wisp_command_frozen_hair( world, source, def.cursor ), WISP_STALE_ID );
-    free( first );
-    free( second );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
 }
 
 TEST( empty_hair_is_no_work_and_no_failure )
@@ -102,9 +95,10 @@ TEST( empty_hair_is_no_work_and_no_failure )
     const int none[] = { 0, 0, 0 };
     for ( int strands = 0; strands <= 3; strands += 3 )
     {
+        SCOPED( hair_groom_destroy )
         hair_groom groom = hair_groom_from( 3, strands, none, &( wisp_vec3 ){ 0, 0, 0 } );
         wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
-        wisp_world* world = hair_world_create( NULL );
+        SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
         wisp_entity entity = hair_add_frozen( world, &groom, &def );
         for ( int n = 0; n < 3; ++n )
         {
@@ -114,8 +108,6 @@ TEST( empty_hair_is_no_work_and_no_failure )
             assert_int_equal( hair_stats( world, entity ).neighbours, 0 );
             assert_int_equal( hair_stats( world, entity ).event, n );
         }
-        wisp_world_destroy( world );
-        hair_groom_destroy( &groom );
     }
 }
 
@@ -153,7 +145,7 @@ static bool keeps( wisp_world* world, const char* pass )
 
 TEST( a_stage_that_is_not_queried_for_does_not_exist )
 {
-    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 20, 10, 0.005f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 20, 10, 0.005f );
     for ( int n = 0; n < 16; ++n )
     {
         wisp_frozen_hair_def def = hair_no_stages();
@@ -162,7 +154,7 @@ TEST( a_stage_that_is_not_queried_for_does_not_exist )
         def.clump = ( n & 4 ) != 0;
         def.clump_iterations = ( n & 8 ) != 0 ? 0 : 4;
         const bool clumps = def.clump && def.clump_iterations > 0;
-        wisp_world* world = hair_world_create( NULL );
+        SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
         wisp_entity entity = hair_add_frozen( world, &groom, &def );
         hair_step( world );
 
@@ -184,21 +176,18 @@ TEST( a_stage_that_is_not_queried_for_does_not_exist )
         hair_step( world );
         assert_int_equal( wisp_world_plan_passes( world ), 4 );
         assert_true( wisp_world_counter( world, WISP_COUNT_PLANS ) <= plans + 1 );
-        wisp_vec3* fresh = hair_run( NULL, &groom, &def );
+        SCOPED( free_local ) wisp_vec3* fresh = hair_run( NULL, &groom, &def );
         assert_int_equal( wisp_replay_frozen_hair( world, entity, def.cursor, 0 ), WISP_OK );
         hair_step( world );
         assert_true( hair_same_bits( fresh, hair_view( world, entity, 200 ), 200 ) );
-        free( fresh );
-        wisp_world_destroy( world );
     }
-    hair_groom_destroy( &groom );
 }
 
 TEST( a_scene_that_asks_for_nothing_has_no_passes )
 {
-    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 20, 10, 0.005f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 20, 10, 0.005f );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
-    wisp_world* world = hair_world_create( NULL );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
     assert_int_equal( wisp_world_plan_passes( world ), 0 );
     wisp_entity entity = hair_add_frozen( world, &groom, &def );
     assert_int_equal( wisp_world_plan_passes( world ), 6 );
@@ -211,11 +200,8 @@ TEST( a_scene_that_asks_for_nothing_has_no_passes )
     // after the next request, the pending command runs
     assert_int_equal( wisp_request( world, entity, WISP_STRAND_POINTS ), WISP_OK );
     hair_step( world );
-    wisp_vec3* alone = hair_run( NULL, &groom, &def );
+    SCOPED( free_local ) wisp_vec3* alone = hair_run( NULL, &groom, &def );
     assert_true( hair_same_bits( alone, hair_view( world, entity, 200 ), 200 ) );
-    free( alone );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
 }
 
 // ---- snapshots ----
@@ -223,12 +209,12 @@ TEST( a_scene_that_asks_for_nothing_has_no_passes )
 // A restore is no command: the step after a restore keeps the restored shape.
 TEST( a_step_after_a_restore_changes_nothing )
 {
-    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 30, 20, 0.005f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 30, 20, 0.005f );
     for ( int base = WISP_FROZEN_BASE_REST; base < WISP_FROZEN_BASE_COUNT; ++base )
     {
         wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
         def.base = (wisp_frozen_base)base;
-        wisp_world* world = hair_world_create( NULL );
+        SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
         wisp_entity entity = hair_add_frozen( world, &groom, &def );
         hair_step( world );
         wisp_vec3* first = hair_points( world, entity, 600 );
@@ -244,7 +230,5 @@ TEST( a_step_after_a_restore_changes_nothing )
         }
         free( first );
         free( saved.bytes );
-        wisp_world_destroy( world );
     }
-    hair_groom_destroy( &groom );
 }

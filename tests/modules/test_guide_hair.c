@@ -73,10 +73,10 @@ static void turn( flock* f, int frame, guide_oracle_rotation* rotations )
 
 static double run_variant( const variant* c )
 {
-    flock f = guide_flock( NULL, 6, c->ghosts_a_target, c->ghost_nodes );
+    SCOPED( guide_end ) flock f = guide_flock( NULL, 6, c->ghosts_a_target, c->ghost_nodes );
     guide_follow( &f, def_of_variant( c ) );
     const wisp_ghosts_def ghosts = def_of_variant( c );
-    guide_oracle hair = guide_oracle_of( &f, &ghosts );
+    SCOPED( guide_oracle_destroy ) guide_oracle hair = guide_oracle_of( &f, &ghosts );
     guide_oracle_rotation rotations[MAX_TARGETS];
     double largest = 0.0;
     for ( int frame = 0; frame < 45; ++frame )
@@ -94,8 +94,6 @@ static double run_variant( const variant* c )
             largest = fmax( largest, double3_distance( y, hair.y[n] ) );
         }
     }
-    guide_oracle_destroy( &hair );
-    wisp_world_destroy( f.world );
     return largest;
 }
 
@@ -131,7 +129,7 @@ TEST( ghosts_follow_the_target_that_equation_1_names_and_ties_the_lowest )
         const double3 near = targets[n / 5 % 24 * 3 + n % 3];
         ghosts[n] = guide_round( double3_add( near, double3_scale( 0.5, random_vector( 5000 + n, 0 ) ) ) );
     }
-    wisp_world* world = guide_world( NULL );
+    SCOPED( destroy_local ) wisp_world* world = guide_world( NULL );
     wisp_ghosts_def def = wisp_default_ghosts_def();
     def.resample = true;
     def.targets = guide_add( world, targets, 24, 3 );
@@ -154,12 +152,11 @@ TEST( ghosts_follow_the_target_that_equation_1_names_and_ties_the_lowest )
         ties += best == 7 ? 1 : 0;
     }
     assert_true( ties > 0 );
-    wisp_world_destroy( world );
 }
 
 TEST( permuting_the_ghosts_permutes_the_result )
 {
-    flock f = guide_flock( NULL, 4, 5, NODES );
+    SCOPED( guide_end ) flock f = guide_flock( NULL, 4, 5, NODES );
     double3 turned[MAX_GHOSTS * NODES];
     for ( int n = 0; n < 20 * NODES; ++n )
     {
@@ -184,14 +181,13 @@ TEST( permuting_the_ghosts_permutes_the_result )
             assert_float_equal( p.z, q.z, 2e-7f );
         }
     }
-    wisp_world_destroy( f.world );
 }
 
 // ---- Fig. 1: the centre follows, the block keeps its shape ----
 
 TEST( the_mean_of_a_group_is_its_target_and_without_weights_ghosts_keep_their_distance )
 {
-    flock f = guide_flock( NULL, 3, 5, NODES );
+    SCOPED( guide_end ) flock f = guide_flock( NULL, 3, 5, NODES );
     guide_follow( &f, guide_without_weights() );
     double distance[15 * NODES];
     for ( int frame = 0; frame < 60; ++frame )
@@ -212,12 +208,11 @@ TEST( the_mean_of_a_group_is_its_target_and_without_weights_ghosts_keep_their_di
             assert_at( mean, f.x[n], 2e-7 );
         }
     }
-    wisp_world_destroy( f.world );
 }
 
 TEST( without_weights_ghosts_of_a_target_that_is_shifted_keep_their_offset )
 {
-    flock f = guide_flock( NULL, 3, 5, NODES );
+    SCOPED( guide_end ) flock f = guide_flock( NULL, 3, 5, NODES );
     guide_follow( &f, guide_without_weights() );
     double3 x[3 * NODES] = { { 0.0, 0.0, 0.0 } }, v[3 * NODES], offset[15 * NODES];
     for ( int frame = 0; frame < 20; ++frame )
@@ -240,14 +235,13 @@ TEST( without_weights_ghosts_of_a_target_that_is_shifted_keep_their_offset )
             assert_at( o, offset[n], 1e-6 );
         }
     }
-    wisp_world_destroy( f.world );
 }
 
 // ---- Eq. 5, Fig. 2a: at rest ----
 
 TEST( at_rest_the_weights_change_no_bit )
 {
-    flock with = guide_flock( NULL, 3, 4, NODES ), without = guide_flock( NULL, 3, 4, NODES );
+    SCOPED( guide_end ) flock with = guide_flock( NULL, 3, 4, NODES ), without = guide_flock( NULL, 3, 4, NODES );
     guide_follow( &with, wisp_default_ghosts_def() );
     guide_follow( &without, guide_without_weights() );
     double3 still[MAX_TARGETS * NODES];
@@ -265,8 +259,6 @@ TEST( at_rest_the_weights_change_no_bit )
         assert_memory_equal( guide_points( with.world, with.ghosts ), guide_points( without.world, without.ghosts ),
                              12 * NODES * sizeof( wisp_vec3 ) );
     }
-    wisp_world_destroy( with.world );
-    wisp_world_destroy( without.world );
 }
 
 // ---- Eq. 4, section III.2, Fig. 2: the weights ----
@@ -299,7 +291,7 @@ static double weight_of( flock* f, wisp_ghosts_def def, double3 v0, double3 v, i
 // the sway is 1e-2 m there, of which a float at a metre keeps 1e-7: a weight is within 2e-5
 TEST( the_elastic_weight_is_none_when_steady_and_one_when_reversed )
 {
-    flock f = guide_flock( NULL, 1, 4, NODES );
+    SCOPED( guide_end ) flock f = guide_flock( NULL, 1, 4, NODES );
     const double3 right = double3_make( 0.6, 0.0, 0.0 ), left = double3_make( -0.6, 0.0, 0.0 );
     wisp_ghosts_def def = guide_without_weights();
     def.elastic = WISP_GHOST_ELASTIC_CHANGE;
@@ -312,12 +304,11 @@ TEST( the_elastic_weight_is_none_when_steady_and_one_when_reversed )
         const double cosine = double3_dot( v0, v ) / ( double3_length( v0 ) * double3_length( v ) );
         assert_close( weight_of( &f, def, v0, v, 2, 5 ), 0.5 - 0.5 * cosine, 6e-5 );
     }
-    wisp_world_destroy( f.world );
 }
 
 TEST( the_tip_weight_is_linear_and_the_root_stays )
 {
-    flock f = guide_flock( NULL, 1, 4, NODES );
+    SCOPED( guide_end ) flock f = guide_flock( NULL, 1, 4, NODES );
     const double3 v = double3_make( 0.6, 0.0, 0.0 );
     wisp_ghosts_def def = guide_without_weights();
     def.tip_gain = 0.8f;
@@ -328,12 +319,11 @@ TEST( the_tip_weight_is_linear_and_the_root_stays )
     def.elastic = WISP_GHOST_ELASTIC_CHANGE;
     def.centre_gain = 0.9f;
     assert_true( weight_of( &f, def, double3_scale( -1.0, v ), v, 1, 0 ) == 0.0 );
-    wisp_world_destroy( f.world );
 }
 
 TEST( with_elastic_alone_a_group_moves_as_a_block_and_with_the_centre_weight_far_ghosts_sway_more )
 {
-    flock f = guide_flock( NULL, 1, 5, NODES );
+    SCOPED( guide_end ) flock f = guide_flock( NULL, 1, 5, NODES );
     const double3 left = double3_make( -0.6, 0.0, 0.0 ), v = double3_make( 0.6, 0.0, 0.0 );
     wisp_ghosts_def elastic = guide_without_weights(), centre = guide_without_weights();
     elastic.elastic = WISP_GHOST_ELASTIC_CHANGE;
@@ -363,7 +353,6 @@ TEST( with_elastic_alone_a_group_moves_as_a_block_and_with_the_centre_weight_far
     }
     assert_true( most <= 0.7 + 2e-5 );
     assert_true( most >= 0.65 ); // the farthest node of all may be a root
-    wisp_world_destroy( f.world );
 }
 
 // ---- Eq. 2-3: spread ----
@@ -373,7 +362,7 @@ TEST( spread_scales_the_offsets_of_a_group_about_a_centre_that_stays )
     const float ratios[] = { 0.25f, 1.0f, 2.5f };
     for ( int r = 0; r < 3; ++r )
     {
-        flock f = guide_flock( NULL, 2, 4, NODES );
+        SCOPED( guide_end ) flock f = guide_flock( NULL, 2, 4, NODES );
         wisp_ghosts_def def = guide_without_weights();
         def.spread = ratios[r];
         guide_follow( &f, def );
@@ -391,7 +380,6 @@ TEST( spread_scales_the_offsets_of_a_group_about_a_centre_that_stays )
             assert_close( guide_oracle_spread( now, 4 ) / requested, 1.0, 1e-4 );
             assert_at( guide_oracle_mean( now, 4 ), f.x[n], 2e-7 );
         }
-        wisp_world_destroy( f.world );
     }
 }
 
@@ -435,7 +423,7 @@ TEST( strands_of_several_lengths_do_not_meet )
                 all_ghosts[ghost_total++] = ghosts[s * lengths[k] + i];
             }
         }
-        wisp_world* world = guide_world( NULL );
+        SCOPED( destroy_local ) wisp_world* world = guide_world( NULL );
         def.targets = guide_add( world, targets, 3, lengths[k] );
         const wisp_entity e = guide_add( world, ghosts, EACH, lengths[k] );
         guide_ok( world, wisp_world_attach( world, def.targets, WISP_STRAND_VELOCITY ) );
@@ -444,9 +432,8 @@ TEST( strands_of_several_lengths_do_not_meet )
         guide_ok( world, wisp_set_ghosts( world, e, &def ) );
         guide_step( world );
         memcpy( alone + first_ghost, guide_points( world, e ), (size_t)( EACH * lengths[k] ) * sizeof( wisp_vec3 ) );
-        wisp_world_destroy( world );
     }
-    wisp_world* world = guide_world( NULL );
+    SCOPED( destroy_local ) wisp_world* world = guide_world( NULL );
     def.targets = guide_add_mixed( world, all_targets, KINDS * 3, target_counts );
     const wisp_entity e = guide_add_mixed( world, all_ghosts, KINDS * EACH, ghost_counts );
     guide_ok( world, wisp_world_attach( world, def.targets, WISP_STRAND_VELOCITY ) );
@@ -455,5 +442,4 @@ TEST( strands_of_several_lengths_do_not_meet )
     guide_ok( world, wisp_set_ghosts( world, e, &def ) );
     guide_step( world );
     assert_memory_equal( guide_points( world, e ), alone, (size_t)ghost_total * sizeof( wisp_vec3 ) );
-    wisp_world_destroy( world );
 }

@@ -7,7 +7,7 @@ static const double tolerance = 1e-6; // m
 
 TEST( a_restored_world_goes_on_with_the_same_bits )
 {
-    flock f = guide_flock( NULL, 3, 4, NODES );
+    SCOPED( guide_end ) flock f = guide_flock( NULL, 3, 4, NODES );
     wisp_ghosts_def def = wisp_default_ghosts_def();
     def.between = true;
     guide_follow( &f, def );
@@ -29,12 +29,11 @@ TEST( a_restored_world_goes_on_with_the_same_bits )
     guide_ok( f.world, wisp_ghosts_between( f.world, f.ghosts, 0.3f, again ) );
     assert_memory_equal( first, again, sizeof( first ) );
     free( saved.bytes );
-    wisp_world_destroy( f.world );
 }
 
 TEST( places_that_are_no_longer_kept_leave_nothing_behind )
 {
-    flock f = guide_flock( NULL, 3, 4, NODES ), plain = guide_flock( NULL, 3, 4, NODES );
+    SCOPED( guide_end ) flock f = guide_flock( NULL, 3, 4, NODES ), plain = guide_flock( NULL, 3, 4, NODES );
     wisp_ghosts_def def = wisp_default_ghosts_def();
     def.between = true;
     guide_follow( &f, def );
@@ -50,8 +49,6 @@ TEST( places_that_are_no_longer_kept_leave_nothing_behind )
     assert_memory_equal( guide_points( f.world, f.ghosts ), guide_points( plain.world, plain.ghosts ),
                          12 * NODES * sizeof( wisp_vec3 ) );
     assert_int_equal( wisp_world_plan_passes( f.world ), wisp_world_plan_passes( plain.world ) );
-    wisp_world_destroy( plain.world );
-    wisp_world_destroy( f.world );
 }
 
 // ---- between steps ----
@@ -65,12 +62,12 @@ TEST( places_between_steps_follow_the_oracle_and_meet_both_steps )
 {
     for ( int nodes = 7; nodes <= NODES; nodes += NODES - 7 )
     {
-        flock f = guide_flock( NULL, 3, 4, nodes );
+        SCOPED( guide_end ) flock f = guide_flock( NULL, 3, 4, nodes );
         wisp_ghosts_def def = wisp_default_ghosts_def();
         def.between = true;
         def.resample = nodes != NODES;
         guide_follow( &f, def );
-        guide_oracle hair = guide_oracle_of( &f, &def );
+        SCOPED( guide_oracle_destroy ) guide_oracle hair = guide_oracle_of( &f, &def );
         wisp_vec3 before[12 * NODES], points[12 * NODES];
         double3 y[12 * NODES], v[3 * NODES];
         const size_t bytes = (size_t)( 12 * nodes ) * sizeof( wisp_vec3 );
@@ -101,8 +98,6 @@ TEST( places_between_steps_follow_the_oracle_and_meet_both_steps )
                 }
             }
         }
-        guide_oracle_destroy( &hair );
-        wisp_world_destroy( f.world );
     }
 }
 
@@ -128,7 +123,7 @@ static double3 velocity_at( const flock* f, int end, int vertex )
 // Section II.2.2: once continuously differentiable. Both sides of a step have the velocity of the target's node.
 TEST( the_velocity_between_steps_is_that_of_the_target_at_both_sides_of_a_step )
 {
-    flock f = guide_flock( NULL, 3, 4, NODES );
+    SCOPED( guide_end ) flock f = guide_flock( NULL, 3, 4, NODES );
     wisp_ghosts_def def = wisp_default_ghosts_def();
     def.between = true;
     guide_follow( &f, def );
@@ -151,12 +146,11 @@ TEST( the_velocity_between_steps_is_that_of_the_target_at_both_sides_of_a_step )
         }
     }
     assert_true( fastest > 0.1 );
-    wisp_world_destroy( f.world );
 }
 
 TEST( places_between_steps_are_refused_by_name_and_nothing_is_written )
 {
-    flock f = guide_flock( NULL, 3, 4, NODES );
+    SCOPED( guide_end ) flock f = guide_flock( NULL, 3, 4, NODES );
     wisp_vec3 points[12 * NODES] = { { 0.0f, 0.0f, 0.0f } }, untouched[12 * NODES] = { { 0.0f, 0.0f, 0.0f } };
     assert_int_equal( wisp_ghosts_between( f.world, f.ghosts, 0.5f, points ), WISP_CONFLICT );
     guide_follow( &f, wisp_default_ghosts_def() );
@@ -171,5 +165,4 @@ TEST( places_between_steps_are_refused_by_name_and_nothing_is_written )
         assert_non_null( strstr( wisp_world_message( f.world ), "fraction" ) );
     }
     assert_memory_equal( points, untouched, sizeof( points ) );
-    wisp_world_destroy( f.world );
 }

@@ -113,7 +113,7 @@ TEST( targets_keep_their_lengths_in_motion_and_their_shape_without_load )
         world_def.modules = modules;
         world_def.module_count = WISP_COUNT( modules );
         world_def.iterations = 20;
-        wisp_world* world = NULL;
+        SCOPED( destroy_local ) wisp_world* world = NULL;
         guide_ok( NULL, wisp_world_create( &world_def, &world, NULL ) );
         wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
         def.stretch = kind / 2 == 0 ? def.stretch : WISP_STRAND_STRETCH_LINKS;
@@ -136,7 +136,6 @@ TEST( targets_keep_their_lengths_in_motion_and_their_shape_without_load )
         {
             assert_at( double3_widen( guide_points( world, h.targets )[n] ), s.target[n], 2e-6 );
         }
-        wisp_world_destroy( world );
     }
 }
 

@@ -22,7 +22,7 @@ TEST( ghosts_stand_where_this_step_has_taken_their_targets )
     for ( int workers = 1; workers <= 2; ++workers )
     {
         const guide_host host = { .workers = workers };
-        flock f = guide_flock( &host, 6, 6, NODES );
+        SCOPED( guide_end ) flock f = guide_flock( &host, 6, 6, NODES );
         guide_ok( f.world, wisp_world_attach( f.world, f.targets, guide_mover_speed ) );
         *(float*)wisp_world_column( f.world, f.targets, guide_mover_speed, 0 ) = 6.0f;
         guide_follow( &f, guide_without_weights() );
@@ -36,7 +36,6 @@ TEST( ghosts_stand_where_this_step_has_taken_their_targets )
                 assert_at( group_mean( &f, n / NODES, 6, n % NODES ), there, 5e-6 );
             }
         }
-        wisp_world_destroy( f.world );
     }
 }
 
@@ -44,7 +43,7 @@ TEST( ghosts_stand_where_this_step_has_taken_their_targets )
 
 static uint64_t hash_of_swing( const guide_host* host, int links, int ghost_nodes )
 {
-    flock f = guide_flock( host, 6, 6, ghost_nodes );
+    SCOPED( guide_end ) flock f = guide_flock( host, 6, 6, ghost_nodes );
     wisp_ghosts_def def = wisp_default_ghosts_def();
     def.target_count = links;
     def.resample = ghost_nodes != NODES;
@@ -59,9 +58,7 @@ static uint64_t hash_of_swing( const guide_host* host, int links, int ghost_node
     {
         guide_swing( &f );
     }
-    const uint64_t hash = wisp_world_hash( f.world );
-    wisp_world_destroy( f.world );
-    return hash;
+    return wisp_world_hash( f.world );
 }
 
 TEST( bits_do_not_depend_on_workers_or_the_instruction_set )
@@ -89,7 +86,7 @@ TEST( bits_do_not_depend_on_workers_or_the_instruction_set )
 
 TEST( when_targets_go_their_ghosts_stay_and_when_ghosts_go_nothing_runs_for_them )
 {
-    flock f = guide_flock( NULL, 3, 4, NODES );
+    SCOPED( guide_end ) flock f = guide_flock( NULL, 3, 4, NODES );
     guide_follow( &f, wisp_default_ghosts_def() );
     guide_swing( &f );
     wisp_vec3 last[12 * NODES];
@@ -107,12 +104,11 @@ TEST( when_targets_go_their_ghosts_stay_and_when_ghosts_go_nothing_runs_for_them
     guide_ok( f.world, wisp_remove( f.world, f.ghosts ) );
     assert_int_equal( wisp_world_plan_passes( f.world ), 0 );
     guide_step( f.world );
-    wisp_world_destroy( f.world );
 }
 
 TEST( two_herds_may_follow_the_same_targets_each_in_its_way )
 {
-    flock f = guide_flock( NULL, 3, 4, NODES ), alone = guide_flock( NULL, 3, 4, NODES );
+    SCOPED( guide_end ) flock f = guide_flock( NULL, 3, 4, NODES ), alone = guide_flock( NULL, 3, 4, NODES );
     const wisp_entity other = guide_add( f.world, f.ghost, 12, NODES );
     guide_ok( f.world, wisp_request( f.world, other, WISP_STRAND_POINTS ) );
     guide_follow( &f, wisp_default_ghosts_def() );
@@ -128,8 +124,6 @@ TEST( two_herds_may_follow_the_same_targets_each_in_its_way )
     const wisp_vec3 *a = guide_points( f.world, f.ghosts ), *b = guide_points( alone.world, alone.ghosts );
     assert_memory_equal( a, b, 12 * NODES * sizeof( wisp_vec3 ) );
     assert_memory_not_equal( guide_points( f.world, other ), b, 12 * NODES * sizeof( wisp_vec3 ) );
-    wisp_world_destroy( alone.world );
-    wisp_world_destroy( f.world );
 }
 
 // ---- refusals ----
@@ -145,18 +139,17 @@ static void refuse( flock* f, wisp_ghosts_def def, wisp_status status, const cha
 // Unequal node counts (conclusion)
 TEST( unequal_node_counts_are_refused_by_name_unless_resampled )
 {
-    flock f = guide_flock( NULL, 3, 4, 7 );
+    SCOPED( guide_end ) flock f = guide_flock( NULL, 3, 4, 7 );
     wisp_ghosts_def def = wisp_default_ghosts_def();
     def.targets = f.targets;
     refuse( &f, def, WISP_BAD_INPUT, "ghost 0: got 7 vertices, but its target 0 has 10" );
     def.resample = true;
     guide_ok( f.world, wisp_set_ghosts( f.world, f.ghosts, &def ) );
-    wisp_world_destroy( f.world );
 }
 
 TEST( values_out_of_range_are_refused_by_name )
 {
-    flock f = guide_flock( NULL, 3, 4, NODES );
+    SCOPED( guide_end ) flock f = guide_flock( NULL, 3, 4, NODES );
     wisp_ghosts_def good = wisp_default_ghosts_def(), def;
     good.targets = f.targets;
 #define REFUSE( member, value )                                                                                      \
@@ -173,12 +166,11 @@ TEST( values_out_of_range_are_refused_by_name )
     REFUSE( spread, INFINITY );
     REFUSE( elastic, WISP_GHOST_ELASTIC_COUNT );
 #undef REFUSE
-    wisp_world_destroy( f.world );
 }
 
 TEST( who_cannot_follow_or_be_followed_is_refused )
 {
-    flock f = guide_flock( NULL, 3, 4, NODES );
+    SCOPED( guide_end ) flock f = guide_flock( NULL, 3, 4, NODES );
     wisp_ghosts_def def = wisp_default_ghosts_def();
     refuse( &f, def, WISP_CONFLICT, "does not exist" );
     def.targets = f.ghosts;
@@ -200,7 +192,6 @@ TEST( who_cannot_follow_or_be_followed_is_refused )
     const wisp_entity more = guide_add( f.world, f.ghost, 12, NODES );
     assert_int_equal( wisp_set_ghosts( f.world, more, &def ), WISP_CONFLICT );
     assert_non_null( strstr( wisp_world_message( f.world ), "are ghosts themselves" ) );
-    wisp_world_destroy( f.world );
 }
 
 // ---- an appearance effect on ghosts ----
@@ -249,23 +240,22 @@ TEST( frozen_hair_starts_from_where_the_ghosts_are_carried )
             {
                 posed[n] = guide_ghost( &plain, n / NODES, n % NODES );
             }
-            wisp_world* still = guide_world( NULL );
+            SCOPED( destroy_local ) wisp_world* still = guide_world( NULL );
             const wisp_entity hair = guide_add( still, posed, 36, NODES );
             guide_ok( still, wisp_request( still, hair, WISP_STRAND_POINTS ) );
             guide_ok( still, wisp_set_frozen_hair( still, hair, &look ) );
             guide_step( still );
             assert_memory_equal( guide_points( f.world, f.ghosts ), guide_points( still, hair ),
                                  36 * NODES * sizeof( wisp_vec3 ) );
-            wisp_world_destroy( still );
         }
-        wisp_world_destroy( plain.world );
-        wisp_world_destroy( f.world );
+        guide_end( &plain );
+        guide_end( &f );
     }
 }
 
 TEST( frozen_lengths_stay_those_at_rest )
 {
-    flock f = guide_flock( NULL, 6, 6, NODES );
+    SCOPED( guide_end ) flock f = guide_flock( NULL, 6, 6, NODES );
     wisp_frozen_hair_def look = wisp_default_frozen_hair_def();
     look.align = look.clump = false;
     look.update_on = WISP_FROZEN_UPDATE_FRAME;
@@ -289,7 +279,6 @@ TEST( frozen_lengths_stay_those_at_rest )
             assert_close( now / double3_distance( f.ghost[n], f.ghost[n - 1] ), 1.0, 2e-5 );
         }
     }
-    wisp_world_destroy( f.world );
 }
 
 // ---- targets that leave their bounds ----
@@ -316,7 +305,7 @@ TEST( ghosts_are_finite_whatever_their_targets_do )
         world_def.modules = modules;
         world_def.module_count = WISP_COUNT( modules );
         world_def.log = guide_forget;
-        wisp_world* world;
+        SCOPED( destroy_local ) wisp_world* world;
         guide_ok( NULL, wisp_world_create( &world_def, &world, NULL ) );
         const double3 nodes[] = { { 0.0, 0.0, 0.0 }, { 0.1, 0.0, 0.0 }, { 0.2, 0.0, 0.0 } };
         const wisp_entity targets = guide_add( world, nodes, 1, 3 ), ghosts = guide_add( world, nodes, 1, 3 );
@@ -335,6 +324,5 @@ TEST( ghosts_are_finite_whatever_their_targets_do )
             guide_step( world );
             assert_finite( world, ghosts, 3 );
         }
-        wisp_world_destroy( world );
     }
 }

@@ -196,7 +196,7 @@ TEST( ghosts_of_a_turned_head_stay_on_their_side_only_with_frames )
     {
         guide_oracle_options options = options_without_weights();
         options.frame = (guide_oracle_frame)frame;
-        guide_oracle hair = make_hair( &s, &options );
+        SCOPED( guide_oracle_destroy ) guide_oracle hair = make_hair( &s, &options );
         double3 start[8 * NODES];
         memcpy( start, hair.y, sizeof( start ) );
         guide_oracle_motion motion = { s.x, s.v, frame == GUIDE_ORACLE_FRAME_GIVEN ? given : heads };
@@ -213,6 +213,5 @@ TEST( ghosts_of_a_turned_head_stay_on_their_side_only_with_frames )
         }
         // without frames the farthest offset, 9 mm and its noise, ends on the other side
         assert_true( frame == GUIDE_ORACLE_FRAME_OFF ? farthest > 0.012 : farthest < 1e-14 );
-        guide_oracle_destroy( &hair );
     }
 }

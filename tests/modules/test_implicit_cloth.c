@@ -27,7 +27,6 @@ static void assert_links( const wisp_implicit_cloth_stats* f, int stretch, int b
 
 IMPLICIT_TEST( edges_stretch_and_opposite_vertices_bend )
 {
-    hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
     test_mesh lone = triangle_mesh( ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 1, 0, 0 }, ( wisp_vec3 ){ 0, 0, 1 } );
     wisp_implicit_cloth_stats f = links_of( h->world, &lone, &def );
@@ -39,28 +38,24 @@ IMPLICIT_TEST( edges_stretch_and_opposite_vertices_bend )
     test_mesh_free( &two );
     // 3 x 3: 12 sides and 4 diagonals of squares; a diagonal link over each of its 8 inner edges, 4 of which are diagonals of
     // squares, and the other 4 meet in the middle or around it
-    test_mesh nine = test_plane( 3, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh nine = test_plane( 3, 0.1f );
     f = links_of( h->world, &nine, &def );
     assert_int_equal( f.stretch_links, 16 );
     assert_int_equal( f.bend_links, 8 );
-    test_mesh_free( &nine );
 }
 
 // Each edge of an octahedron has two neighbouring faces whose far corners are poles of one of three axes, and each axis is found
 // by four edges.
 IMPLICIT_TEST( a_diagonal_found_twice_is_one_link )
 {
-    hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
-    test_mesh octahedron = test_ball( 0 );
+    SCOPED( test_mesh_free ) test_mesh octahedron = test_ball( 0 );
     const wisp_implicit_cloth_stats f = links_of( h->world, &octahedron, &def );
     assert_links( &f, 12, 3, 5 );
-    test_mesh_free( &octahedron );
 }
 
 IMPLICIT_TEST( an_edge_that_is_a_diagonal_too_is_two_links_and_one_neighbour )
 {
-    hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
     wisp_vec3 points[4] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
     int32_t triangles[12] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3 };
@@ -71,19 +66,17 @@ IMPLICIT_TEST( an_edge_that_is_a_diagonal_too_is_two_links_and_one_neighbour )
 
 IMPLICIT_TEST( pairs_by_hand_take_the_place_of_the_mesh )
 {
-    hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
     const int32_t stretch[] = { 0, 1, 1, 0, 1, 3 }, bend[] = { 0, 3, 2, 3, 3, 2, 0, 1 };
     def.stretch_pairs = stretch;
     def.stretch_pair_count = 3;
-    test_mesh mesh = test_plane( 2, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 2, 0.1f );
     wisp_implicit_cloth_stats f = links_of( h->world, &mesh, &def );
     assert_links( &f, 2, 0, 2 );
     def.bend_pairs = bend;
     def.bend_pair_count = 4;
     f = links_of( h->world, &mesh, &def );
     assert_links( &f, 2, 3, 3 );
-    test_mesh_free( &mesh );
 }
 
 // ---- falling ----
@@ -91,7 +84,6 @@ IMPLICIT_TEST( pairs_by_hand_take_the_place_of_the_mesh )
 // Without a difference of velocities or a deformed link, the right side is 0 and so is its solution.
 IMPLICIT_TEST( a_free_sheet_falls_like_a_stone_to_the_last_bit )
 {
-    hosted* h = *state;
     const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
     wisp_entity e = add_sheet( h->world, &def, 9, false );
     float y = 0.0f, v = 0.0f;
@@ -112,7 +104,6 @@ IMPLICIT_TEST( a_free_sheet_falls_like_a_stone_to_the_last_bit )
 
 IMPLICIT_TEST( damping_of_the_surface_brakes_all_velocity )
 {
-    hosted* h = *state;
     const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
     wisp_entity e = add_sheet( h->world, &def, 3, false );
     assert_status( h->world, wisp_set_damping( h->world, e, 2.0f ), WISP_OK );
@@ -140,7 +131,6 @@ static const double HANGING_ROUNDING = 1e-7;
 
 IMPLICIT_TEST( a_link_that_hangs_is_longer_by_weight_over_stiffness )
 {
-    hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
     wisp_entity e = add_chain( h->world, &def, 1, 0.01f, NULL );
     static const int32_t UNLINKED[2] = { 2, 3 };
@@ -158,7 +148,6 @@ IMPLICIT_TEST( a_link_that_hangs_is_longer_by_weight_over_stiffness )
 // vertex.
 IMPLICIT_TEST( weights_are_those_of_neighbours )
 {
-    hosted* h = *state;
     const struct
     {
         wisp_implicit_weights weights;
@@ -187,7 +176,6 @@ IMPLICIT_TEST( weights_are_those_of_neighbours )
 // rounded by 7e-9 m, with swings of 5 mm at first and half of that at last.
 IMPLICIT_TEST( an_oscillator_loses_what_implicit_euler_takes )
 {
-    hosted* h = *state;
     const double mass = 0.01, stiffness = 10.0, rest = mass * 9.81 / stiffness, dt = 1.0 / 128.0;
     wisp_implicit_cloth_def def = exact_def();
     def.stretch_stiffness = (float)stiffness;
@@ -219,7 +207,6 @@ IMPLICIT_TEST( an_oscillator_loses_what_implicit_euler_takes )
 // A pair that spins about its middle, with a weak spring, is slowed by 2 k_d / m.
 IMPLICIT_TEST( damping_of_links_slows_all_relative_velocity )
 {
-    hosted* h = *state;
     wisp_world* world = h->world;
     static const int32_t PAIR[2] = { 0, 1 };
     wisp_implicit_cloth_def def = exact_def();
@@ -252,7 +239,7 @@ TEST( pins_stay_and_go_where_they_are_told_to_the_last_bit )
 {
     for ( int variant = 0; variant < 4; ++variant )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_implicit( &h, 1 + 2 * ( variant % 2 ) );
         wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
         def.integrator = variant < 2 ? WISP_INTEGRATOR_EULER : WISP_INTEGRATOR_BDF2;
@@ -271,14 +258,12 @@ TEST( pins_stay_and_go_where_they_are_told_to_the_last_bit )
         }
         // the cloth below them has moved, too
         assert_true( fabsf( point_of( h.world, e, 30 ).y ) > 1e-3f );
-        close_world( &h );
     }
 }
 
 // In the middle of a step a pin is on its way, and the cloth below it reacts one substep earlier.
 IMPLICIT_TEST( a_pin_pulls_with_the_velocity_it_is_moved_with )
 {
-    hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
     def.link_damping = 1.0f;
     wisp_entity e = add_chain( h->world, &def, 3, 0.01f, NULL );
@@ -303,7 +288,6 @@ IMPLICIT_TEST( a_pin_pulls_with_the_velocity_it_is_moved_with )
 // beyond the ramp.
 IMPLICIT_TEST( stats_hold_the_energy_of_bending )
 {
-    hosted* h = *state;
     static const int32_t PAIR[2] = { 0, 1 };
     wisp_implicit_cloth_def def = exact_def();
     def.bend_pairs = PAIR;
@@ -337,7 +321,7 @@ TEST( repeats_come_to_the_nonlinear_step )
     double left[2];
     for ( int n = 0; n < 2; ++n )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_implicit( &h, 1 );
         wisp_implicit_cloth_def def = exact_def();
         def.newton_iterations = n == 0 ? 1 : 6;
@@ -348,7 +332,6 @@ TEST( repeats_come_to_the_nonlinear_step )
         assert_int_equal( f.newton_iterations, def.newton_iterations );
         assert_int_equal( count_of( h.world, WISP_COUNT_NOT_CONVERGED ), 0 );
         left[n] = f.newton_residual;
-        close_world( &h );
     }
     assert_true( left[0] > 1.0 );
     assert_true( left[1] < 0.016 );
@@ -361,7 +344,7 @@ TEST( stiff_substeps_are_solved_for_as_often_as_they_may_be )
     int least[4], most[4];
     for ( int n = 0; n < 4; ++n )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_implicit( &h, 1 );
         wisp_implicit_cloth_def def = exact_def();
         def.stretch_stiffness = 2e4f;
@@ -377,7 +360,6 @@ TEST( stiff_substeps_are_solved_for_as_often_as_they_may_be )
             least[n] = now < least[n] ? now : least[n];
             most[n] = now > most[n] ? now : most[n];
         }
-        close_world( &h );
     }
     assert_int_equal( most[0], 1 );
     assert_int_equal( most[1], 3 );
@@ -390,7 +372,6 @@ TEST( stiff_substeps_are_solved_for_as_often_as_they_may_be )
 
 IMPLICIT_TEST( a_solve_that_ends_at_its_limit_is_counted )
 {
-    hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
     def.max_iterations = 1;
     wisp_entity e = add_sheet( h->world, &def, 6, true );
@@ -409,7 +390,6 @@ IMPLICIT_TEST( a_solve_that_ends_at_its_limit_is_counted )
 // Diagonals half as long as at rest push with k_b/L^2 F, about 16, sideways: far more than masses and edges resist.
 IMPLICIT_TEST( sheets_that_push_sideways_meet_no_negative_curvature )
 {
-    hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
     def.bend_stiffness = 1e-3f;
     def.link_damping = 0.0f;
@@ -430,7 +410,6 @@ IMPLICIT_TEST( sheets_that_push_sideways_meet_no_negative_curvature )
 
 IMPLICIT_TEST( links_between_coincident_vertices_are_counted )
 {
-    hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
     test_mesh mesh = chain_mesh();
     mesh.points[2] = mesh.points[1];
@@ -448,7 +427,6 @@ IMPLICIT_TEST( links_between_coincident_vertices_are_counted )
 // g dt^2, 3 mm.
 IMPLICIT_TEST( a_light_chain_of_stiff_links_keeps_its_length )
 {
-    hosted* h = *state;
     static const int32_t PAIRS[6] = { 0, 1, 1, 2, 2, 3 }, PINS[2] = { 0, 4 };
     wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
     def.stretch_stiffness = 2e4f;
@@ -488,7 +466,7 @@ TEST( cloth_stays_finite_whatever_it_is_made_of )
 {
     for ( int n = 0; n < 48; ++n )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_implicit( &h, 1 );
         wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
         def.stretch_stiffness = n % 3 == 0 ? 1e9f : n % 3 == 1 ? 200.0f : 0.0f;
@@ -506,6 +484,5 @@ TEST( cloth_stays_finite_whatever_it_is_made_of )
         {
             fail_msg( "variant %d is halted or not finite", n );
         }
-        close_world( &h );
     }
 }

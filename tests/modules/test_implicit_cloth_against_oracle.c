@@ -260,10 +260,7 @@ static int add_bodies( match* m, const scene* s, double friction[WISP_MAX_PARTIC
         friction[count++] = (double)( s->friction + 0.1f );
         add_body( m, WISP_COLLIDER_SPHERE, ( wisp_vec3 ){ 0.11f, -0.112f, 0.1f }, s->friction + 0.1f );
     }
-    wisp_collision_def collision = wisp_default_collision_def();
-    collision.thickness = 0.01f;
-    collision.max_push_out_speed = 1.0f;
-    assert_status( m->h.world, wisp_set_collision( m->h.world, m->cloth, &collision ), WISP_OK );
+    SET( m->h.world, m->cloth, collision, d.thickness = 0.01f, d.max_push_out_speed = 1.0f );
     return count;
 }
 

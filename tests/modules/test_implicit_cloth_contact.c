@@ -147,7 +147,7 @@ TEST( friction_stops_what_slides_and_never_turns_it_round )
 
 TEST( a_cloth_follows_a_floor_that_moves )
 {
-    hosted* h = new_solved( 1, 1 );
+    SCOPED( close_local ) hosted* h = new_solved( 1, 1 );
     wisp_collider_def floor = wisp_default_collider_def();
     const wisp_entity body = add_collider( h->world, &floor );
     test_mesh mesh = square( 6, 0.5f, ( wisp_vec3 ){ 0.0f, 0.4f * MARGIN, 0.0f } );
@@ -171,12 +171,11 @@ TEST( a_cloth_follows_a_floor_that_moves )
         assert_near( q.momentum[2] / q.mass, (double)velocity.z, 3e-6 );
     }
     assert_int_equal( stats_of( h->world, e ).sticking, 36 );
-    free_colliding( h );
 }
 
 TEST( a_floor_does_not_pull )
 {
-    hosted* h = new_solved( 1, 1 );
+    SCOPED( close_local ) hosted* h = new_solved( 1, 1 );
     wisp_collider_def floor = wisp_default_collider_def();
     const wisp_entity body = add_collider( h->world, &floor );
     test_mesh mesh = square( 6, 0.5f, ( wisp_vec3 ){ 0.0f, 0.4f * MARGIN, 0.0f } );
@@ -194,7 +193,6 @@ TEST( a_floor_does_not_pull )
     assert_int_equal( stats_of( h->world, e ).sticking, 0 );
     const double later = motion_stats_of( h->world, e ).momentum[1] / motion_stats_of( h->world, e ).mass;
     assert_near( later - speed, -9.8 * (double)DT, 1e-3 );
-    free_colliding( h );
 }
 
 // Gravity along the floor, but for a part of 5e-7: between the hysteresis of 1e-9 of the weight and a thousand times that. The
@@ -203,7 +201,7 @@ TEST( a_pull_of_a_millionth_of_the_weight_releases_and_a_push_as_small_keeps )
 {
     for ( int pushes = 0; pushes < 2; ++pushes )
     {
-        hosted* h = new_solved( 1, 1 );
+        SCOPED( close_local ) hosted* h = new_solved( 1, 1 );
         wisp_collider_def floor = wisp_default_collider_def();
         add_collider( h->world, &floor );
         test_mesh mesh = square( 6, 0.5f, ( wisp_vec3 ){ 0.0f, 0.4f * MARGIN, 0.0f } );
@@ -218,16 +216,15 @@ TEST( a_pull_of_a_millionth_of_the_weight_releases_and_a_push_as_small_keeps )
         const wisp_implicit_cloth_stats stats = stats_of( h->world, e );
         assert_int_equal( stats.released, pushes == 1 ? 0 : 36 );
         assert_int_equal( stats.sticking + stats.sliding, pushes == 1 ? 36 : 0 );
-        free_colliding( h );
     }
 }
 
 TEST( a_corner_that_is_lifted_leaves_while_the_rest_stays )
 {
-    hosted* h = new_solved( 1, 1 );
+    SCOPED( close_local ) hosted* h = new_solved( 1, 1 );
     wisp_collider_def floor = wisp_default_collider_def();
     add_collider( h->world, &floor );
-    test_mesh mesh = square( 9, 0.8f, ( wisp_vec3 ){ 0.0f, 0.4f * MARGIN, 0.0f } );
+    SCOPED( test_mesh_free ) test_mesh mesh = square( 9, 0.8f, ( wisp_vec3 ){ 0.0f, 0.4f * MARGIN, 0.0f } );
     const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
     const wisp_entity e = add_solved( h->world, &mesh, &def, 0.0f );
     give_gravity( h->world, e, GRAVITY );
@@ -245,15 +242,13 @@ TEST( a_corner_that_is_lifted_leaves_while_the_rest_stays )
     assert_true( (double)point_of( h->world, e, 1 ).y > 0.03 );
     assert_near( (double)point_of( h->world, e, 80 ).x, (double)mesh.points[80].x, 1e-3 );
     assert_true( stats_of( h->world, e ).sticking + stats_of( h->world, e ).sliding > 40 );
-    test_mesh_free( &mesh );
-    free_colliding( h );
 }
 
 // ---- depth ----
 
 TEST( what_begins_inside_is_outside_after_one_step_without_a_cap )
 {
-    hosted* h = new_solved( 1, 1 );
+    SCOPED( close_local ) hosted* h = new_solved( 1, 1 );
     wisp_collider_def floor = wisp_default_collider_def();
     add_collider( h->world, &floor );
     test_mesh mesh = square( 4, 0.3f, ( wisp_vec3 ){ 0.0f, -0.02f, 0.0f } );
@@ -268,12 +263,11 @@ TEST( what_begins_inside_is_outside_after_one_step_without_a_cap )
     }
     run_for( h->world, DT, 1 );
     assert_near( motion_stats_of( h->world, e ).speed_max, 0.0, 1e-5 ); // and nothing gains velocity
-    free_colliding( h );
 }
 
 TEST( a_capped_recovery_takes_its_time )
 {
-    hosted* h = new_solved( 1, 1 );
+    SCOPED( close_local ) hosted* h = new_solved( 1, 1 );
     wisp_collider_def floor = wisp_default_collider_def();
     add_collider( h->world, &floor );
     test_mesh mesh = square( 4, 0.3f, ( wisp_vec3 ){ 0.0f, -0.02f, 0.0f } );
@@ -284,7 +278,6 @@ TEST( a_capped_recovery_takes_its_time )
     assert_near( (double)point_of( h->world, e, 5 ).y, -0.01, 1e-5 );
     run_for( h->world, DT, 15 );
     assert_near( (double)point_of( h->world, e, 5 ).y, 0.0, 1e-5 );
-    free_colliding( h );
 }
 
 static double lowest( wisp_world* world, wisp_entity e )
@@ -300,7 +293,7 @@ static double lowest( wisp_world* world, wisp_entity e )
 
 TEST( what_falls_fast_lands )
 {
-    hosted* h = new_solved( 1, 1 );
+    SCOPED( close_local ) hosted* h = new_solved( 1, 1 );
     wisp_collider_def floor = wisp_default_collider_def();
     add_collider( h->world, &floor );
     test_mesh mesh = square( 6, 0.5f, ( wisp_vec3 ){ 0.0f, 0.33f, 0.0f } );
@@ -316,7 +309,6 @@ TEST( what_falls_fast_lands )
         assert_true( lowest( h->world, e ) >= 0.0 );
     }
     assert_true( motion_stats_of( h->world, e ).speed_max < 1e-3 );
-    free_colliding( h );
 }
 
 // ---- drapes ----
@@ -329,7 +321,7 @@ typedef struct drape
 static drape drape_on( const wisp_collider_def* body, float height, float seconds_a_step, float stiffness,
                        double time )
 {
-    hosted* h = new_solved( 1, 1 );
+    SCOPED( close_local ) hosted* h = new_solved( 1, 1 );
     add_collider( h->world, body );
     test_mesh mesh = square( 21, 1.0f, ( wisp_vec3 ){ 0.03f, height, 0.02f } );
     wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
@@ -348,7 +340,6 @@ static drape drape_on( const wisp_collider_def* body, float height, float second
     assert_false( wisp_is_halted( h->world, e ) );
     assert_true( stats_of( h->world, e ).sticking > 0 );
     d.deepest = fmax( d.deepest, 0.0 );
-    free_colliding( h );
     return d;
 }
 
@@ -405,7 +396,7 @@ TEST( steps_of_a_thirtieth_of_a_second_settle_at_the_stiff_end )
 
 TEST( a_ball_is_driven_through_a_hanging_cloth_without_passing_a_vertex )
 {
-    hosted* h = new_solved( 2, 1 );
+    SCOPED( close_local ) hosted* h = new_solved( 2, 1 );
     wisp_collider_def ball = wisp_default_collider_def();
     ball.kind = WISP_COLLIDER_SPHERE;
     ball.radius = 0.15f;
@@ -430,12 +421,11 @@ TEST( a_ball_is_driven_through_a_hanging_cloth_without_passing_a_vertex )
     assert_false( wisp_is_halted( h->world, e ) );
     assert_true( lowest( h->world, e ) < -0.45 );
     assert_true( deepest < 1e-3 );
-    free_colliding( h );
 }
 
 TEST( a_groove_of_two_planes_holds_what_lies_in_it )
 {
-    hosted* h = new_solved( 1, 1 );
+    SCOPED( close_local ) hosted* h = new_solved( 1, 1 );
     for ( int side = -1; side <= 1; side += 2 )
     {
         wisp_collider_def plane = wisp_default_collider_def();
@@ -452,7 +442,6 @@ TEST( a_groove_of_two_planes_holds_what_lies_in_it )
     assert_true( (double)collision_of( h->world, e ).penetration < 1e-3 );
     assert_true( motion_stats_of( h->world, e ).kinetic_energy < 1e-6 );
     assert_near( motion_stats_of( h->world, e ).centre[0], 0.0, 0.05 );
-    free_colliding( h );
 }
 
 TEST( collision_may_be_queried_for_before_or_after )
@@ -460,7 +449,7 @@ TEST( collision_may_be_queried_for_before_or_after )
     uint64_t hash[2];
     for ( int order = 0; order < 2; ++order )
     {
-        hosted* h = new_solved( 1, 1 );
+        SCOPED( close_local ) hosted* h = new_solved( 1, 1 );
         wisp_collider_def floor = wisp_default_collider_def();
         add_collider( h->world, &floor );
         test_mesh mesh = square( 6, 0.5f, ( wisp_vec3 ){ 0.0f, 0.1f, 0.0f } );
@@ -476,7 +465,6 @@ TEST( collision_may_be_queried_for_before_or_after )
         give_gravity( h->world, e, GRAVITY );
         run_for( h->world, DT, 50 );
         assert_int_equal( wisp_world_hash_column( h->world, e, WISP_SURFACE_POINTS, &hash[order] ), WISP_OK );
-        free_colliding( h );
     }
     assert_true( hash[0] == hash[1] );
 }

@@ -75,7 +75,7 @@ TEST( stiff_links_hang_at_their_length )
     static const float STIFFNESSES[] = { 1e4f, 1e6f, 1e8f };
     for ( int n = 0; n < 2 * WISP_COUNT( STIFFNESSES ); ++n )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_implicit( &h, 2 );
         const wisp_integrator integrator = n % 2 == 0 ? WISP_INTEGRATOR_EULER : WISP_INTEGRATOR_BDF2;
         const wisp_entity e = add_hard_sheet( h.world, STIFFNESSES[n / 2], integrator );
@@ -86,7 +86,6 @@ TEST( stiff_links_hang_at_their_length )
             fail_msg( "%g N/m, integrator %d: a strain of %g", (double)STIFFNESSES[n / 2], (int)integrator, strain );
         }
         assert_int_equal( count_of( h.world, WISP_COUNT_HALTED ), 0 );
-        close_world( &h );
     }
 }
 
@@ -96,7 +95,7 @@ TEST( stiff_links_give_no_more_than_they_had )
     static const float STIFFNESSES[] = { 1e4f, 1e6f, 1e8f };
     for ( int n = 0; n < WISP_COUNT( STIFFNESSES ); ++n )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_implicit( &h, 2 );
         const wisp_entity e = add_hard_sheet( h.world, STIFFNESSES[n], WISP_INTEGRATOR_EULER );
         crumple_sheet( h.world, e, 0.01f, 0.5f );
@@ -113,7 +112,6 @@ TEST( stiff_links_give_no_more_than_they_had )
         {
             fail_msg( "%g N/m: %g J, %g J at first", (double)STIFFNESSES[n], most, first );
         }
-        close_world( &h );
     }
 }
 
@@ -121,14 +119,13 @@ TEST( what_floats_carry_is_left_as_it_is )
 {
     for ( int n = 0; n < 2; ++n )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_implicit( &h, 2 );
         const wisp_entity e = add_hard_sheet( h.world, n == 0 ? 200.0f : 1e8f, WISP_INTEGRATOR_BDF2 );
         run_steps( h.world, 10, FRAME );
         assert_int_equal( count_of( h.world, WISP_COUNT_STIFFNESS_CLAMPED ), n == 0 ? 0 : 20 );
         assert_int_equal( count_of( h.world, WISP_COUNT_FIRST_ORDER ), n == 0 ? 0 : 20 );
         assert_int_equal( stats_of( h.world, e ).newton_iterations > 1, n == 1 );
-        close_world( &h );
     }
 }
 
@@ -139,7 +136,7 @@ TEST( bdf2_hangs_in_long_steps )
     static const float STEPS[] = { 1.0f / 15.0f, 0.2f };
     for ( int n = 0; n < WISP_COUNT( STEPS ); ++n )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_implicit( &h, 2 );
         const wisp_entity e = add_hard_sheet( h.world, 200.0f, WISP_INTEGRATOR_BDF2 );
         run_steps( h.world, (int)( 5.0f / STEPS[n] ), STEPS[n] );
@@ -148,14 +145,13 @@ TEST( bdf2_hangs_in_long_steps )
         {
             fail_msg( "steps of %g s: a strain of %g", (double)STEPS[n], strain );
         }
-        close_world( &h );
     }
 }
 
 // A mass on a link that is always taut, behind a quarter of a second.
 static double oscillator_error( int steps )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_implicit( &h, 1 );
     const double mass = 0.01, stiffness = 10.0, rest = mass * 9.81 / stiffness, seconds = 0.25;
     wisp_implicit_cloth_def def = exact_def();
@@ -171,7 +167,6 @@ static double oscillator_error( int steps )
     const double y = (double)point_of( h.world, e, 1 ).y;
     const double exact = -(double)CHAIN_LINK - rest - 0.5 * rest * cos( sqrt( stiffness / mass ) * seconds );
     assert_int_equal( count_of( h.world, WISP_COUNT_FIRST_ORDER ), 0 );
-    close_world( &h );
     return fabs( y - exact );
 }
 

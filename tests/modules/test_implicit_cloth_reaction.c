@@ -55,7 +55,7 @@ TEST( a_floor_carries_the_weight )
 {
     for ( int k = 0; k < 4; ++k )
     {
-        hosted* h = new_solved( 2, 1 );
+        SCOPED( close_local ) hosted* h = new_solved( 2, 1 );
         wisp_collider_def plane = wisp_default_collider_def();
         plane.mass = k < 2 ? 0.0f : 1e6f; // it moves less than a digit
         const wisp_entity floor = add_collider( h->world, &plane );
@@ -83,7 +83,6 @@ TEST( a_floor_carries_the_weight )
         assert_near( torque[0] / seconds, q.centre[2] * weight, near );
         assert_near( torque[1] / seconds, 0.0, near );
         assert_near( torque[2] / seconds, -q.centre[0] * weight, near );
-        free_colliding( h );
     }
 }
 
@@ -93,7 +92,7 @@ TEST( bodies_get_what_the_cloth_loses )
 {
     for ( int k = 0; k < 2; ++k )
     {
-        hosted* h = new_solved( 2, 1 );
+        SCOPED( close_local ) hosted* h = new_solved( 2, 1 );
         wisp_collider_def plane = wisp_default_collider_def(), round = body_of( WISP_COLLIDER_SPHERE );
         plane.pose.translation.y = -0.1f;
         round.radius = 0.2f;
@@ -145,7 +144,6 @@ TEST( bodies_get_what_the_cloth_loses )
             assert_near( total[j] + last[j], j == 1 ? -begun : 0.0, ( k == 0 ? 1e-4 : 2e-3 ) * mass );
         }
         assert_true( got[0] > 0.1 * mass && got[1] > 0.1 * mass );
-        free_colliding( h );
     }
 }
 
@@ -154,7 +152,7 @@ TEST( each_body_gets_what_it_stopped )
 {
     for ( int k = 0; k < 2; ++k )
     {
-        hosted* h = new_solved( 1, 1 );
+        SCOPED( close_local ) hosted* h = new_solved( 1, 1 );
         wisp_collider_def floor = wisp_default_collider_def();
         floor.static_friction = floor.kinetic_friction = 0.0f;
         wisp_collider_def wall = floor;
@@ -184,7 +182,6 @@ TEST( each_body_gets_what_it_stopped )
         assert_near( impulse[1][1], -a * cos( 1.0 ) * mass, 1e-4 * mass );
         assert_near( impulse[0][0], 0.0, 1e-4 * mass );
         assert_near( impulse[0][1], -b * mass, 1e-4 * mass );
-        free_colliding( h );
     }
 }
 

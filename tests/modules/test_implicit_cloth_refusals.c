@@ -7,15 +7,13 @@ static const float DT = 1.0f / 64.0f; // s
 
 static wisp_entity add_plain( hosted* h )
 {
-    test_mesh mesh = test_plane( 4, 0.125f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 4, 0.125f );
     const int32_t pin = 0;
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_surface_def surface = support_weightless_surface_def();
     surface.pins = &pin;
     surface.pin_count = 1;
-    wisp_entity e = test_surface_of( h->world, &fabric, surface );
-    test_mesh_free( &mesh );
-    return e;
+    return test_surface_of( h->world, &fabric, surface );
 }
 
 static void assert_refused( hosted* h, wisp_entity e, const wisp_implicit_cloth_def* def, wisp_status expected,
@@ -38,7 +36,6 @@ static void assert_refused( hosted* h, wisp_entity e, const wisp_implicit_cloth_
 
 IMPLICIT_TEST( every_number_has_its_range )
 {
-    hosted* h = *state;
     wisp_entity e = add_plain( h );
     const wisp_implicit_cloth_def good = wisp_default_implicit_cloth_def();
     set_implicit( h->world, e, &good );
@@ -71,7 +68,6 @@ IMPLICIT_TEST( every_number_has_its_range )
 
 IMPLICIT_TEST( every_count_and_choice_has_its_range )
 {
-    hosted* h = *state;
     wisp_entity e = add_plain( h );
 #define FIELD( name, ... )                                                                                           \
     {                                                                                                                \
@@ -110,7 +106,6 @@ IMPLICIT_TEST( every_count_and_choice_has_its_range )
 
 IMPLICIT_TEST( a_pair_is_two_vertices_of_the_surface )
 {
-    hosted* h = *state;
     wisp_entity e = add_plain( h );
     const int32_t bad[][2] = { { 3, 3 }, { -1, 0 }, { 0, 16 }, { INT32_MAX, 0 }, { 0, INT32_MIN } };
     for ( int i = 0; i < WISP_COUNT( bad ); ++i )
@@ -130,7 +125,6 @@ IMPLICIT_TEST( a_pair_is_two_vertices_of_the_surface )
 
 IMPLICIT_TEST( a_count_of_pairs_needs_a_list )
 {
-    hosted* h = *state;
     wisp_entity e = add_plain( h );
     wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
     def.stretch_pair_count = 3;
@@ -142,7 +136,6 @@ IMPLICIT_TEST( a_count_of_pairs_needs_a_list )
 
 IMPLICIT_TEST( pairs_by_hand_have_no_area )
 {
-    hosted* h = *state;
     static const int32_t PAIR[2] = { 0, 1 };
     wisp_entity e = add_plain( h );
     wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
@@ -158,7 +151,6 @@ IMPLICIT_TEST( pairs_by_hand_have_no_area )
 // Two vertices of two triangles that lie on each other at rest.
 IMPLICIT_TEST( a_link_without_a_length_is_named )
 {
-    hosted* h = *state;
     static const int32_t PAIR[2] = { 0, 3 };
     wisp_vec3 points[6] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 0, 1 }, { 0, 0, 0 }, { 1, 0, 0 }, { 0, 0, 1 } };
     int32_t triangles[6] = { 0, 1, 2, 3, 4, 5 };
@@ -175,7 +167,6 @@ IMPLICIT_TEST( a_link_without_a_length_is_named )
 
 IMPLICIT_TEST( two_solvers_do_not_move_one_surface )
 {
-    hosted* h = *state;
     const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
     wisp_cloth_def cloth = wisp_default_cloth_def();
     cloth.bending = WISP_CLOTH_BENDING_NONE;
@@ -196,7 +187,6 @@ IMPLICIT_TEST( two_solvers_do_not_move_one_surface )
 
 IMPLICIT_TEST( an_implicit_cloth_becomes_no_other_cloth_and_no_balloon )
 {
-    hosted* h = *state;
     test_mesh mesh = test_ball( 1 );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.bend_links = true;
@@ -219,7 +209,6 @@ IMPLICIT_TEST( an_implicit_cloth_becomes_no_other_cloth_and_no_balloon )
 
 IMPLICIT_TEST( stats_are_there_from_the_step_after_asking )
 {
-    hosted* h = *state;
     const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
     wisp_implicit_cloth_stats stats;
     wisp_entity e = add_plain( h );
@@ -240,13 +229,11 @@ IMPLICIT_TEST( stats_are_there_from_the_step_after_asking )
 
 static uint64_t alone( const wisp_implicit_cloth_def* def, int n, int steps )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_implicit( &h, 1 );
     wisp_entity e = add_sheet( h.world, def, n, true );
     run_steps( h.world, steps, DT );
-    const uint64_t hash = hash_of( h.world, e, WISP_SURFACE_POINTS );
-    close_world( &h );
-    return hash;
+    return hash_of( h.world, e, WISP_SURFACE_POINTS );
 }
 
 // A step without memory for its system reports it and can be repeated; one that finds another way gives the same
@@ -259,7 +246,7 @@ TEST( a_step_without_memory_is_refused_and_made_later )
     bool refused = true;
     for ( int64_t n = 1; n < 100 && refused; ++n )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_implicit( &h, 1 );
         wisp_entity e = add_sheet( h.world, &def, 9, true );
         test_host_refuse( &h.host, n, false );
@@ -273,7 +260,6 @@ TEST( a_step_without_memory_is_refused_and_made_later )
         }
         run_steps( h.world, status == WISP_OK ? 1 : 2, DT );
         assert_int_equal( hash_of( h.world, e, WISP_SURFACE_POINTS ), reference );
-        close_world( &h );
     }
     assert_false( refused );
     assert_in_range( refusals, 2, 98 ); // of the plan and of the system at least
@@ -281,7 +267,6 @@ TEST( a_step_without_memory_is_refused_and_made_later )
 
 IMPLICIT_TEST( a_removed_cloth_gives_its_memory_back )
 {
-    hosted* h = *state;
     const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
     wisp_entity stays = add_sheet( h->world, &def, 6, true );
     wisp_entity first = add_sheet( h->world, &def, 12, true ), second = add_sheet( h->world, &def, 12, true );
@@ -306,7 +291,6 @@ IMPLICIT_TEST( a_removed_cloth_gives_its_memory_back )
 
 IMPLICIT_TEST( cloths_of_one_world_do_not_know_of_each_other )
 {
-    hosted* h = *state;
     wisp_implicit_cloth_def soft = wisp_default_implicit_cloth_def(), stiff = soft;
     stiff.stretch_stiffness = 2000.0f;
     stiff.weights = WISP_IMPLICIT_WEIGHTS_NONE;
@@ -323,7 +307,6 @@ IMPLICIT_TEST( cloths_of_one_world_do_not_know_of_each_other )
 // An instance has the mesh of its source and parameters of its own.
 IMPLICIT_TEST( an_instance_is_a_cloth_of_its_own )
 {
-    hosted* h = *state;
     wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
     wisp_entity source = add_sheet( h->world, &def, 9, true ), twin;
     const int32_t pins[2] = { 0, 8 };
@@ -341,7 +324,6 @@ IMPLICIT_TEST( an_instance_is_a_cloth_of_its_own )
 
 IMPLICIT_TEST( a_cloth_can_be_changed_while_it_moves )
 {
-    hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
     def.link_damping = 0.2f;
     wisp_entity e = add_chain( h->world, &def, 3, 0.01f, NULL );

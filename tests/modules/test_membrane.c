@@ -22,12 +22,6 @@ static hosted* open_membranes( int substeps, int iterations, int workers )
     return new_hosted( MODULES, WISP_COUNT( MODULES ), substeps, iterations, workers );
 }
 
-static void close_membranes( hosted* h )
-{
-    void* state = h;
-    close_hosted( &state );
-}
-
 static wisp_membrane_def rubber( float stiffness, bool tension_field )
 {
     wisp_membrane_def def = wisp_default_membrane_def();
@@ -94,8 +88,8 @@ TEST( a_strip_hangs_as_long_as_its_weight_pulls )
     {
         for ( int field = 0; field < 2; ++field )
         {
-            hosted* h = open_membranes( 40 / iterations, iterations, 1 );
-            test_mesh mesh = make_strip();
+            SCOPED( close_local ) hosted* h = open_membranes( 40 / iterations, iterations, 1 );
+            SCOPED( test_mesh_free ) test_mesh mesh = make_strip();
             wisp_surface_def surface = support_weightless_surface_def();
             surface.area_density = 0.2f;
             surface.gravity = ( wisp_vec3 ){ 0.0f, -9.81f, 0.0f };
@@ -109,8 +103,6 @@ TEST( a_strip_hangs_as_long_as_its_weight_pulls )
             // 0.57 m from 0.4 m; the top cannot narrow
             assert_true( expected > 0.5 );
             assert_true( fabs( length / expected - 1.0 ) < 0.01 );
-            test_mesh_free( &mesh );
-            close_membranes( h );
         }
     }
 }
@@ -120,15 +112,12 @@ TEST( a_balloon_holds_the_pressure_of_rubber )
 {
     for ( int size = 0; size < 2; ++size )
     {
-        hosted* h = open_membranes( 40, 1, 1 );
-        test_mesh mesh = make_sphere( 4, 0.05f );
+        SCOPED( close_local ) hosted* h = open_membranes( 40, 1, 1 );
+        SCOPED( test_mesh_free ) test_mesh mesh = make_sphere( 4, 0.05f );
         wisp_surface_def surface = support_weightless_surface_def();
         surface.area_density = 2.0f; // heavy, so that few substeps are enough
         const wisp_entity e = add_membrane( h->world, &mesh, surface, rubber( 80.0f, size == 1 ) );
-        wisp_balloon_def balloon = wisp_default_balloon_def();
-        balloon.buoyancy = false;
-        balloon.drag_coefficient = 0.0f;
-        assert_status( h->world, wisp_set_balloon( h->world, e, &balloon ), WISP_OK );
+        SET( h->world, e, balloon, d.buoyancy = false, d.drag_coefficient = 0.0f );
         assert_status( h->world, wisp_request_balloon_stats( h->world, e, true ), WISP_OK );
         assert_status( h->world, wisp_set_damping( h->world, e, 20.0f ), WISP_OK );
         const float gas = size == 0 ? 1.8f : 8.0f;
@@ -147,8 +136,6 @@ TEST( a_balloon_holds_the_pressure_of_rubber )
         assert_true( size == 0 ? s > 1.15 && s < 1.25 : s > 1.9 && s < 2.05 );
         const double expected = membrane_oracle_sphere_pressure( 80.0, radius, s );
         assert_true( fabs( seen.pressure / expected - 1.0 ) < 0.02 );
-        test_mesh_free( &mesh );
-        close_membranes( h );
     }
 }
 
@@ -160,8 +147,8 @@ TEST( a_tension_field_holds_no_compression )
     static const int32_t PINS[] = { 0, 1, 2, 3 * CELLS, 3 * CELLS + 1, 3 * CELLS + 2 };
     for ( int field = 0; field < 2; ++field )
     {
-        hosted* h = open_membranes( 4, 1, 1 );
-        test_mesh mesh = make_strip();
+        SCOPED( close_local ) hosted* h = open_membranes( 4, 1, 1 );
+        SCOPED( test_mesh_free ) test_mesh mesh = make_strip();
         wisp_vec3 near[3 * ROWS];
         for ( int v = 0; v < mesh.vertex_count; ++v )
         {
@@ -180,8 +167,6 @@ TEST( a_tension_field_holds_no_compression )
             largest = fmaxf( largest, fabsf( point_of( h->world, e, v ).x - near[v].x ) );
         }
         assert_true( field == 1 ? largest == 0.0f : largest > 1e-4f );
-        test_mesh_free( &mesh );
-        close_membranes( h );
     }
 }
 
@@ -190,8 +175,8 @@ TEST( a_tension_field_holds_no_compression )
 // Substeps of 1/600 s take (5/s h)^2 / 2 of the angular momentum each, as of any body that turns.
 TEST( a_free_membrane_keeps_its_momenta )
 {
-    hosted* h = open_membranes( 10, 1, 2 );
-    test_mesh mesh = make_sphere( 3, 0.1f );
+    SCOPED( close_local ) hosted* h = open_membranes( 10, 1, 2 );
+    SCOPED( test_mesh_free ) test_mesh mesh = make_sphere( 3, 0.1f );
     wisp_surface_def surface = support_weightless_surface_def();
     surface.area_density = 0.2f;
     const wisp_entity e = add_membrane( h->world, &mesh, surface, rubber( 100.0f, false ) );
@@ -209,15 +194,13 @@ TEST( a_free_membrane_keeps_its_momenta )
         assert_true( fabs( last.angular_momentum[i] - first.angular_momentum[i] ) <
                      0.03 * fabs( first.angular_momentum[1] ) );
     }
-    test_mesh_free( &mesh );
-    close_membranes( h );
 }
 
 TEST( what_cannot_be_is_refused )
 {
-    hosted* h = open_membranes( 2, 1, 1 );
+    SCOPED( close_local ) hosted* h = open_membranes( 2, 1, 1 );
     wisp_world* w = h->world;
-    test_mesh mesh = make_sphere( 1, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = make_sphere( 1, 0.1f );
     const wisp_surface_def surface = support_weightless_surface_def();
     const wisp_entity e = add_membrane( w, &mesh, surface, rubber( 10.0f, false ) );
     wisp_membrane_def def = wisp_default_membrane_def();
@@ -241,6 +224,4 @@ TEST( what_cannot_be_is_refused )
     assert_status( w, wisp_set_membrane( w, e, NULL ), WISP_OK );
     assert_status( w, wisp_set_cloth( w, e, &cloth ), WISP_OK );
     run_steps( w, 1, FRAME );
-    test_mesh_free( &mesh );
-    close_membranes( h );
 }

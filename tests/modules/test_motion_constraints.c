@@ -32,7 +32,7 @@ static held open_held( int substeps, int iterations, int workers, const wisp_clo
 {
     held s = { .h = new_hosted( MODULES, WISP_COUNT( MODULES ), substeps, iterations, workers ) };
     s.world = s.h->world;
-    test_mesh mesh = test_plane( SIDE, 0.05f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( SIDE, 0.05f );
     for ( int v = 0; v < VERTICES; ++v )
     {
         mesh.points[v].y = 1.0f;
@@ -48,7 +48,6 @@ static held open_held( int substeps, int iterations, int workers, const wisp_clo
         assert_status( s.world, wisp_set_cloth( s.world, s.e, cloth ), WISP_OK );
     }
     assert_status( s.world, wisp_request( s.world, s.e, WISP_SURFACE_POINTS ), WISP_OK );
-    test_mesh_free( &mesh );
     return s;
 }
 
@@ -86,7 +85,7 @@ TEST( a_vertex_in_gravity_hangs_at_its_largest_distance )
     }
     wisp_motion_constraints_def def = wisp_default_motion_constraints_def();
     def.max_distances = distances;
-    held s = open_held( 4, 1, 1, NULL, EARTH );
+    SCOPED( close_held ) held s = open_held( 4, 1, 1, NULL, EARTH );
     constrain( &s, &def );
     steps( &s, 60 );
     for ( int v = 0; v < VERTICES; ++v )
@@ -97,7 +96,6 @@ TEST( a_vertex_in_gravity_hangs_at_its_largest_distance )
         assert_near( distance_to( &s, v, s.start[v] ), expected, v % 4 == 0 ? 1e-3 : 2e-7 );
         assert_true( point_of( s.world, s.e, v ).y <= s.start[v].y );
     }
-    close_held( &s );
 }
 
 // By xpbd m g = (|x - t| - d) / compliance, whatever the iterations and the substeps.
@@ -109,7 +107,7 @@ TEST( a_compliant_distance_is_exceeded_by_the_weight )
         wisp_motion_constraints_def def = wisp_default_motion_constraints_def();
         def.max_distance = 0.02f;
         def.distance_compliance = 5.0f;
-        held s = open_held( NUMBERS[i][0], NUMBERS[i][1], 1, NULL, EARTH );
+        SCOPED( close_held ) held s = open_held( NUMBERS[i][0], NUMBERS[i][1], 1, NULL, EARTH );
         assert_status( s.world, wisp_set_damping( s.world, s.e, 8.0f ), WISP_OK );
         constrain( &s, &def );
         steps( &s, 300 );
@@ -118,7 +116,6 @@ TEST( a_compliant_distance_is_exceeded_by_the_weight )
         const float* position = wisp_world_column( s.world, s.e, WISP_PARTICLE_POSITION, 0 );
         const double mass = 1.0 / (double)position[4 * slot + 3];
         assert_near( distance_to( &s, middle, s.start[middle] ), 0.02 + 5.0 * mass * 9.81, 2e-5 );
-        close_held( &s );
     }
 }
 
@@ -139,7 +136,7 @@ TEST( a_backstop_holds_against_what_pushes )
         def.backstop_distance = 0.03f;
         def.backstop_radius = sphere ? 0.5f : INFINITY;
         def.normals = normals;
-        held s = open_held( 8, 1, 1, &cloth, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
+        SCOPED( close_held ) held s = open_held( 8, 1, 1, &cloth, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
         constrain( &s, &def );
         double deepest = 0.0;
         for ( int i = 0; i < 30; ++i )
@@ -156,7 +153,6 @@ TEST( a_backstop_holds_against_what_pushes )
             }
         }
         assert_true( deepest > 0.0299 );
-        close_held( &s );
     }
 }
 
@@ -174,6 +170,7 @@ TEST( an_infinite_distance_changes_no_bit_of_the_motion )
 {
     const wisp_cloth_def cloth = wisp_default_cloth_def();
     const wisp_motion_constraints_def def = wisp_default_motion_constraints_def();
+    SCOPED( close_held )
     held with = open_held( 4, 1, 1, &cloth, EARTH ), without = open_held( 4, 1, 1, &cloth, EARTH );
     constrain( &with, &def );
     for ( int i = 0; i < 20; ++i )
@@ -190,8 +187,6 @@ TEST( an_infinite_distance_changes_no_bit_of_the_motion )
     // targets that rest cost nothing at the start of a step
     steps( &with, 2 );
     assert_int_equal( wisp_world_hash( with.world ) == 0, 0 );
-    close_held( &with );
-    close_held( &without );
 }
 
 // With distance 0 a vertex goes with its target: its velocity in each substep is that of a straight path.
@@ -199,7 +194,7 @@ TEST( targets_move_in_a_straight_line_over_the_substeps )
 {
     wisp_motion_constraints_def def = wisp_default_motion_constraints_def();
     def.max_distance = 0.0f;
-    held s = open_held( 5, 1, 1, NULL, EARTH );
+    SCOPED( close_held ) held s = open_held( 5, 1, 1, NULL, EARTH );
     constrain( &s, &def );
     for ( int i = 1; i <= 4; ++i )
     {
@@ -215,7 +210,6 @@ TEST( targets_move_in_a_straight_line_over_the_substeps )
     }
     steps( &s, 2 );
     assert_near( (double)velocity_of( s.world, s.e, 3 )[0], 0.0, 4e-5 ); // a digit of 1 m over a substep
-    close_held( &s );
 }
 
 // Steps of uneven length leave a part of a substep: the targets are then on their way, and vertices with them.
@@ -223,7 +217,7 @@ TEST( uneven_steps_arrive_where_even_ones_do )
 {
     wisp_motion_constraints_def def = wisp_default_motion_constraints_def();
     def.max_distance = 0.0f;
-    held s = open_held( 4, 1, 1, NULL, EARTH );
+    SCOPED( close_held ) held s = open_held( 4, 1, 1, NULL, EARTH );
     constrain( &s, &def );
     steps( &s, 1 );
     double before = (double)s.start[0].x;
@@ -237,7 +231,6 @@ TEST( uneven_steps_arrive_where_even_ones_do )
     }
     steps( &s, 3 );
     assert_near( (double)point_of( s.world, s.e, 0 ).x, (double)s.start[0].x + 0.12, 1e-6 );
-    close_held( &s );
 }
 
 // A sheet is held between the targets of a garment that walks, with all that may go along.
@@ -246,7 +239,7 @@ static uint64_t walk( int workers, const char* isa, bool restored )
     (void)isa;
     wisp_cloth_def cloth = wisp_default_cloth_def();
     cloth.coarse_substeps = 2;
-    held s = open_held( 4, 2, workers, &cloth, EARTH );
+    SCOPED( close_held ) held s = open_held( 4, 2, workers, &cloth, EARTH );
     wisp_motion_constraints_def def = wisp_default_motion_constraints_def();
     def.max_distance = 0.04f;
     def.distance_compliance = 1e-3f;
@@ -259,8 +252,7 @@ static uint64_t walk( int workers, const char* isa, bool restored )
     ball.pose.translation = ( wisp_vec3 ){ 0.2f, 0.85f, 0.2f };
     wisp_entity body;
     assert_status( s.world, wisp_add_collider( s.world, &ball, &body ), WISP_OK );
-    const wisp_collision_def collision = wisp_default_collision_def();
-    assert_status( s.world, wisp_set_collision( s.world, s.e, &collision ), WISP_OK );
+    SET_DEFAULT( s.world, s.e, collision );
     void* saved = NULL;
     size_t size = 0;
     for ( int i = 0; i < 40; ++i )
@@ -285,9 +277,7 @@ static uint64_t walk( int workers, const char* isa, bool restored )
         }
         free( saved );
     }
-    const uint64_t hash = wisp_world_hash( s.world );
-    close_held( &s );
-    return hash;
+    return wisp_world_hash( s.world );
 }
 
 TEST( bits_do_not_depend_on_workers_nor_on_a_snapshot )
@@ -299,7 +289,7 @@ TEST( bits_do_not_depend_on_workers_nor_on_a_snapshot )
 
 TEST( a_teleport_takes_targets_and_backstops_along )
 {
-    held here = open_held( 4, 1, 1, NULL, EARTH ), there = open_held( 4, 1, 1, NULL, EARTH );
+    SCOPED( close_held ) held here = open_held( 4, 1, 1, NULL, EARTH ), there = open_held( 4, 1, 1, NULL, EARTH );
     const wisp_transform motion = { { 0.0f, 1.0f, 0.0f, 0.0f }, { 4.0f, 0.0f, 8.0f } }; // half a turn about gravity
     wisp_motion_constraints_def def = wisp_default_motion_constraints_def();
     def.max_distance = 0.03f;
@@ -317,8 +307,6 @@ TEST( a_teleport_takes_targets_and_backstops_along )
         const wisp_vec3 p = wisp_transform_to_world( motion, point_of( here.world, here.e, v ) );
         assert_near( distance_to( &there, v, p ), 0.0, 5e-6 );
     }
-    close_held( &here );
-    close_held( &there );
 }
 
 TEST( balloons_and_implicit_cloth_are_held_too )
@@ -327,7 +315,7 @@ TEST( balloons_and_implicit_cloth_are_held_too )
     wisp_motion_constraints_def def = wisp_default_motion_constraints_def();
     def.max_distance = 0.05f;
     def.backstop_distance = 0.0f;
-    held s = open_held( 4, 1, 1, NULL, EARTH );
+    SCOPED( close_held ) held s = open_held( 4, 1, 1, NULL, EARTH );
     constrain( &s, &def );
     assert_status( s.world, wisp_set_implicit_cloth( s.world, s.e, &implicit ), WISP_OK );
     float speed = 0.0f;
@@ -343,12 +331,11 @@ TEST( balloons_and_implicit_cloth_are_held_too )
         }
     }
     assert_true( speed > 1.0f && speed < 2.5f ); // the targets go at 1.2 m/s
-    close_held( &s );
 }
 
 TEST( what_cannot_be_is_refused_by_vertex )
 {
-    held s = open_held( 4, 1, 1, NULL, EARTH );
+    SCOPED( close_held ) held s = open_held( 4, 1, 1, NULL, EARTH );
     wisp_vec3 points[VERTICES];
     float map[VERTICES] = { 0.0f };
     memcpy( points, s.start, sizeof( points ) );
@@ -385,5 +372,4 @@ TEST( what_cannot_be_is_refused_by_vertex )
     constrain( &s, &def );
     steps( &s, 1 );
     assert_int_equal( count_passes_named( s.world, "motion_constraints.project" ), 0 );
-    close_held( &s );
 }

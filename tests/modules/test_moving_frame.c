@@ -29,7 +29,7 @@ static framed open_framed( const wisp_cloth_def* cloth, bool pinned, wisp_vec3 g
     static const int32_t CORNERS[2] = { 0, SIDE - 1 };
     framed s = { .h = new_hosted( MODULES, WISP_COUNT( MODULES ), 4, 1, workers ) };
     s.world = s.h->world;
-    test_mesh mesh = hanging_mesh( SIDE, SIDE, 0.03f, 0.03f );
+    SCOPED( test_mesh_free ) test_mesh mesh = hanging_mesh( SIDE, SIDE, 0.03f, 0.03f );
     for ( int v = 0; v < VERTICES; ++v )
     {
         // curved: a plane would buckle by rounding, each time another way
@@ -42,7 +42,6 @@ static framed open_framed( const wisp_cloth_def* cloth, bool pinned, wisp_vec3 g
     surface.pins = CORNERS;
     surface.pin_count = pinned ? 2 : 0;
     s.e = add_cloth( s.world, &fabric, surface, cloth, gravity );
-    test_mesh_free( &mesh );
     return s;
 }
 
@@ -54,10 +53,7 @@ static void close_framed( framed* s )
 
 static void give_frame( framed* s, float linear, float angular )
 {
-    wisp_moving_frame_def def = wisp_default_moving_frame_def();
-    def.linear_inertia = linear;
-    def.angular_inertia = angular;
-    assert_status( s->world, wisp_set_moving_frame( s->world, s->e, &def ), WISP_OK );
+    SET( s->world, s->e, moving_frame, d.linear_inertia = linear, d.angular_inertia = angular );
 }
 
 // Move frame and pins to where they are at the end of a step, and make it.
@@ -95,6 +91,7 @@ TEST( a_surface_that_feels_nothing_moves_as_in_a_still_frame )
         cloth.drag_coefficient = 1.0f;
         cloth.internal_damping = 2.0f;
         cloth.coarse_substeps = coarse * 2;
+        SCOPED( close_framed )
         framed moved = open_framed( &cloth, true, EARTH, 1 ), still = open_framed( &cloth, true, EARTH, 1 ),
                felt = open_framed( &cloth, true, EARTH, 1 );
         give_frame( &moved, 0.0f, 0.0f );
@@ -110,15 +107,13 @@ TEST( a_surface_that_feels_nothing_moves_as_in_a_still_frame )
         // cloth that swings amplifies rounding, coarse sheets more so; pins go straight where the frame turns
         assert_true( farthest_apart( &moved, &still, pose ) < ( coarse ? 3e-2 : 1e-3 ) );
         assert_true( farthest_apart( &felt, &still, pose ) > 0.5 );
-        close_framed( &moved );
-        close_framed( &still );
-        close_framed( &felt );
     }
 }
 
 TEST( a_frame_that_is_felt_changes_no_bit_and_has_no_pass )
 {
     const wisp_cloth_def cloth = wisp_default_cloth_def();
+    SCOPED( close_framed )
     framed with = open_framed( &cloth, true, EARTH, 1 ), without = open_framed( &cloth, true, EARTH, 1 );
     give_frame( &with, 0.5f, 0.5f );
     give_frame( &with, 1.0f, 1.0f );
@@ -129,14 +124,13 @@ TEST( a_frame_that_is_felt_changes_no_bit_and_has_no_pass )
     }
     assert_true( wisp_world_hash( with.world ) == wisp_world_hash( without.world ) );
     assert_int_equal( count_passes_named( with.world, "particles.carry" ), 0 );
-    close_framed( &with );
-    close_framed( &without );
 }
 
 // A frame at rest has passes, and changes no bit of positions and velocities.
 TEST( a_frame_at_rest_changes_no_bit_of_the_motion )
 {
     const wisp_cloth_def cloth = wisp_default_cloth_def();
+    SCOPED( close_framed )
     framed with = open_framed( &cloth, true, EARTH, 1 ), without = open_framed( &cloth, true, EARTH, 1 );
     give_frame( &with, 0.0f, 0.0f );
     for ( int i = 1; i <= STEPS; ++i )
@@ -148,8 +142,6 @@ TEST( a_frame_at_rest_changes_no_bit_of_the_motion )
                     b = view_of( without.world, without.e, WISP_SURFACE_POINTS );
     assert_memory_equal( a.data, b.data, sizeof( wisp_vec3 ) * VERTICES );
     assert_int_equal( count_passes_named( with.world, "particles.carry" ), 1 );
-    close_framed( &with );
-    close_framed( &without );
 }
 
 // A free cloth is carried by the fraction that it does not feel, and gains no momentum of it; one that is pulled along by pins gains
@@ -163,6 +155,7 @@ TEST( what_is_felt_is_linear_in_the_fraction )
     for ( int i = 0; i < 3; ++i )
     {
         const float felt = 0.25f + 0.25f * (float)i;
+        SCOPED( close_framed )
         framed s = open_framed( &cloth, false, NONE, 1 ), pulled = open_framed( &cloth, true, NONE, 1 );
         give_frame( &s, felt, 1.0f );
         give_frame( &pulled, felt, 1.0f );
@@ -178,8 +171,6 @@ TEST( what_is_felt_is_linear_in_the_fraction )
         assert_near( motion_stats_of( s.world, s.e ).momentum[0], 0.0, 2e-5 ); // rounding of positions
         follow( &pulled, walked_pose( 1, 1e-4f, 0.0f ), true ); // so little that the cloth answers linearly
         momentum[i] = motion_stats_of( pulled.world, pulled.e ).momentum[0];
-        close_framed( &s );
-        close_framed( &pulled );
     }
     assert_true( momentum[0] > 1e-6 );
     assert_near( momentum[1] / momentum[0], 2.0, 4e-2 ); // links that go slack answer by a few percent less
@@ -232,6 +223,7 @@ TEST( a_teleport_takes_the_frame_along )
     wisp_cloth_def cloth = wisp_default_cloth_def();
     cloth.coarse_substeps = 0; // they forget their history
     const wisp_transform motion = { { 0.0f, 1.0f, 0.0f, 0.0f }, { 4.0f, 0.0f, 8.0f } };
+    SCOPED( close_framed )
     framed here = open_framed( &cloth, false, EARTH, 1 ), there = open_framed( &cloth, false, EARTH, 1 );
     give_frame( &here, 0.0f, 0.0f );
     give_frame( &there, 0.0f, 0.0f );
@@ -244,14 +236,12 @@ TEST( a_teleport_takes_the_frame_along )
         assert_status( there.world, wisp_world_step( there.world, DT ), WISP_OK );
     }
     assert_true( farthest_apart( &there, &here, motion ) < 1e-4 );
-    close_framed( &here );
-    close_framed( &there );
 }
 
 TEST( a_largest_speed_holds_and_is_counted )
 {
     const wisp_cloth_def cloth = wisp_default_cloth_def();
-    framed s = open_framed( &cloth, false, EARTH, 1 );
+    SCOPED( close_framed ) framed s = open_framed( &cloth, false, EARTH, 1 );
     assert_status( s.world, wisp_set_max_speed( s.world, s.e, 2.0f ), WISP_OK );
     for ( int i = 0; i < 60; ++i )
     {
@@ -264,13 +254,12 @@ TEST( a_largest_speed_holds_and_is_counted )
     assert_status( s.world, wisp_world_step( s.world, DT ), WISP_OK );
     assert_int_equal( count_passes_named( s.world, "particles.max_speed" ), 0 );
     assert_true( motion_stats_of( s.world, s.e ).speed_max > 2.1 );
-    close_framed( &s );
 }
 
 TEST( what_cannot_be_is_refused )
 {
     const wisp_cloth_def cloth = wisp_default_cloth_def();
-    framed s = open_framed( &cloth, false, EARTH, 1 );
+    SCOPED( close_framed ) framed s = open_framed( &cloth, false, EARTH, 1 );
     wisp_moving_frame_def def = wisp_default_moving_frame_def();
     const uint64_t before = wisp_world_hash( s.world );
     def.linear_inertia = -0.5f;
@@ -286,5 +275,4 @@ TEST( what_cannot_be_is_refused )
     expect_refusal( s.world, wisp_set_max_speed( s.world, s.e, 0.0f ), WISP_BAD_INPUT, "max_speed: got 0 m/s" );
     expect_refusal( s.world, wisp_set_max_speed( s.world, s.e, NAN ), WISP_BAD_INPUT, "max_speed: got nan m/s" );
     assert_true( wisp_world_hash( s.world ) == before );
-    close_framed( &s );
 }

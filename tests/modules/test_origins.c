@@ -51,7 +51,7 @@ static wisp_entity put( wisp_world* world, wisp_entity e, const double origin[3]
 // A sheet of cloth that collides, is in contact and damped.
 static wisp_entity add_sheet( wisp_world* world, wisp_vec3 middle )
 {
-    test_mesh mesh = test_plane( SIDE, 0.05f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( SIDE, 0.05f );
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_vec3 points[SIDE * SIDE];
     for ( int v = 0; v < SIDE * SIDE; ++v )
@@ -70,7 +70,6 @@ static wisp_entity add_sheet( wisp_world* world, wisp_vec3 middle )
     assert_status( world, wisp_set_damping( world, e, 1.0f ), WISP_OK );
     assert_status( world, wisp_set_collision( world, e, &collision ), WISP_OK );
     assert_status( world, wisp_set_contact( world, e, &contact ), WISP_OK );
-    test_mesh_free( &mesh );
     return e;
 }
 
@@ -121,14 +120,13 @@ static void run_stage( const double origin[3], int workers, uint64_t hashes[PLAC
 {
     static effect_setup* const ADD[EFFECTS_COUNT] = { cloth_of_links, dihedral_cloth, isometric_cloth, implicit_cloth,
                                                       balloon,        hair_of_links,  hair_of_rods };
-    hosted h;
+    SCOPED( close_world ) hosted h;
     wisp_entity e[PLACED];
     open_far( &h, workers );
     for ( int i = 0; i < EFFECTS_COUNT; ++i )
     {
         e[i] = put( h.world, ADD[i]( h.world ), origin );
-        const wisp_collision_def collision = wisp_default_collision_def();
-        assert_status( h.world, wisp_set_collision( h.world, e[i], &collision ), WISP_OK );
+        SET_DEFAULT( h.world, e[i], collision );
     }
     for ( int i = 0; i < SHEETS; ++i )
     {
@@ -161,7 +159,6 @@ static void run_stage( const double origin[3], int workers, uint64_t hashes[PLAC
         hashes[i] = hash_at( h.world, e[i] );
     }
     assert_status( h.world, wisp_read_reaction( h.world, ball, reaction ), WISP_OK );
-    close_world( &h );
 }
 
 TEST( what_is_placed_far_away_moves_bit_for_bit_as_at_home )
@@ -198,7 +195,7 @@ TEST( cloth_at_rest_far_away_is_as_calm_as_at_home )
                                         { 0.0f, 9000.0f, 77.0f } };
     for ( int k = 0; k < WISP_COUNT( PLACES ); ++k )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_far( &h, 1 );
         const wisp_vec3 at = PLACES[k];
         const wisp_entity e = put( h.world, add_sheet( h.world, ( wisp_vec3 ){ at.x, at.y + 0.15f, at.z } ), HOME );
@@ -225,7 +222,6 @@ TEST( cloth_at_rest_far_away_is_as_calm_as_at_home )
         const wisp_motion_stats stats = motion_of( h.world, e );
         assert_near( stats.centre[0], (double)at.x, 0.02 );
         assert_near( stats.centre[2], (double)at.z, 0.02 );
-        close_world( &h );
     }
 }
 
@@ -235,7 +231,7 @@ TEST( an_origin_follows_what_moves )
     double speeds[2];
     for ( int k = 0; k < 2; ++k )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_far( &h, 1 );
         const wisp_entity e = put( h.world, cloth_of_links( h.world ), HOME ),
                           hair = put( h.world, hair_of_rods( h.world ), HOME );
@@ -259,7 +255,6 @@ TEST( an_origin_follows_what_moves )
         speeds[k] = rms_speed( h.world, e );
         assert_near( motion_of( h.world, hair ).centre[0], k == 0 ? 0.0 : 9600.0, 0.2 );
         assert_true( rms_speed( h.world, hair ) < 1e-3 );
-        close_world( &h );
     }
     if ( !( speeds[1] <= 2.0 * fmax( speeds[0], 1e-5 ) ) ) // m/s: less than that is rounding
     {
@@ -275,7 +270,7 @@ TEST( what_is_apart_meets_nothing )
     uint64_t alone = 0, together[2];
     for ( int k = 0; k < 2; ++k )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_far( &h, 1 );
         const wisp_entity e = put( h.world, add_sheet( h.world, ( wisp_vec3 ){ 0.0f, 0.15f, 0.0f } ), HOME );
         (void)add_body( h.world, WISP_COLLIDER_BOX, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
@@ -289,7 +284,6 @@ TEST( what_is_apart_meets_nothing )
         alone = k == 0 ? hash_at( h.world, e ) : alone;
         together[0] = hash_at( h.world, e );
         together[1] = hash_at( h.world, other );
-        close_world( &h );
     }
     assert_true( together[0] == alone && together[1] == alone );
 }
@@ -309,7 +303,7 @@ static double lowest_of( wisp_world* world, wisp_entity e )
 // The host gives one sheet by its place and the other by coordinates; the upper one comes down from where their origins differ.
 TEST( what_comes_near_is_met )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_far( &h, 2 );
     (void)add_body( h.world, WISP_COLLIDER_PLANE, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
     const double place[3] = { 4000.0, 0.0, 0.0 };
@@ -326,15 +320,14 @@ TEST( what_comes_near_is_met )
     const float thickness = 0.25f * 0.05f; // m, the default of contact
     assert_true( lowest_of( h.world, upper ) > lowest_of( h.world, lower ) + 0.5 * (double)thickness );
     assert_true( lowest_of( h.world, upper ) < 0.2 );
-    close_world( &h );
 }
 
 // A moving surface that is a collider carries a sheet along, and so it does what is attached to it, for kilometres.
 TEST( what_is_tied_goes_along )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_far( &h, 1 );
-    test_mesh mesh = test_plane( 4, 0.2f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 4, 0.2f );
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
     int32_t all[16];
     wisp_vec3 targets[16];
@@ -368,8 +361,6 @@ TEST( what_is_tied_goes_along )
     // a float at 1600 m has digits of 1.2e-4 m
     assert_near( (double)pin.x - (double)corner.x, 0.3, 4e-4 );
     assert_near( (double)pin.y, 0.05, 4e-4 );
-    test_mesh_free( &mesh );
-    close_world( &h );
 }
 
 // ---- what a world says ----
@@ -381,7 +372,7 @@ TEST( a_long_teleport_keeps_the_digits )
     size_t bytes = 0;
     for ( int k = 0; k < 2; ++k )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_far( &h, 1 );
         const wisp_entity e = put( h.world, dihedral_cloth( h.world ), HOME );
         run_steps( h.world, 10, FRAME );
@@ -399,7 +390,6 @@ TEST( a_long_teleport_keeps_the_digits )
         bytes = (size_t)wisp_world_fabric( h.world, e )->slot_count * 4 * sizeof( float );
         velocities[k] = checked_malloc( bytes );
         memcpy( velocities[k], wisp_world_column( h.world, e, WISP_PARTICLE_VELOCITY, 0 ), bytes );
-        close_world( &h );
     }
     assert_memory_equal( velocities[0], velocities[1], bytes );
     free( velocities[0] );
@@ -408,7 +398,7 @@ TEST( a_long_teleport_keeps_the_digits )
 
 TEST( a_snapshot_holds_where_rows_are )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_far( &h, 1 );
     const wisp_entity e = put( h.world, add_sheet( h.world, ( wisp_vec3 ){ 3000.0f, 0.15f, 0.0f } ), HOME );
     (void)add_body( h.world, WISP_COLLIDER_BOX, ( wisp_vec3 ){ 3000.0f, 0.0f, 0.0f } );
@@ -425,12 +415,11 @@ TEST( a_snapshot_holds_where_rows_are )
     assert_true( hash_at( h.world, e ) == hash );
     free( saved.bytes );
     free( at_start.bytes );
-    close_world( &h );
 }
 
 TEST( a_place_is_checked_and_read_back )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_far( &h, 1 );
     const wisp_entity e = cloth_of_links( h.world );
     double place[3] = { 1.0, 1.0, 1.0 };
@@ -446,31 +435,27 @@ TEST( a_place_is_checked_and_read_back )
     assert_status( h.world, wisp_set_origin( h.world, ( wisp_entity ){ 99, 1 }, FAR ), WISP_STALE_ID );
     assert_status( h.world, wisp_read_origin( h.world, ( wisp_entity ){ 99, 1 }, place ), WISP_STALE_ID );
     assert_memory_equal( place, HOME, sizeof( place ) );
-    close_world( &h );
 }
 
 // What sleeps on a body wakes when one of them is put elsewhere.
 TEST( what_sleeps_wakes_when_it_is_placed )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_far( &h, 1 );
     const wisp_entity e = put( h.world, add_sheet( h.world, ( wisp_vec3 ){ 0.0f, 0.15f, 0.0f } ), FAR );
     put( h.world, add_body( h.world, WISP_COLLIDER_BOX, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ), FAR );
-    wisp_sleep_def sleep = wisp_default_sleep_def();
-    sleep.max_speed = 0.1f;
-    assert_status( h.world, wisp_set_sleep( h.world, e, &sleep ), WISP_OK );
+    SET( h.world, e, sleep, d.max_speed = 0.1f );
     run_steps( h.world, 600, FRAME );
     assert_true( wisp_is_asleep( h.world, e ) );
     assert_status( h.world, wisp_set_origin( h.world, e, HOME ), WISP_OK );
     run_steps( h.world, 1, FRAME );
     assert_false( wisp_is_asleep( h.world, e ) );
-    close_world( &h );
 }
 
 // What flies past a sheet at rest takes the origin of both along and does not wake it.
 TEST( what_sleeps_sleeps_on_while_its_origin_moves )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_far( &h, 1 );
     const wisp_vec3 none = { 0.0f, 0.0f, 0.0f }, down = { 0.0f, -30.0f, 0.0f };
     const wisp_entity other = put( h.world, add_sheet( h.world, ( wisp_vec3 ){ 500.0f, 60.0f, 2.0f } ), HOME );
@@ -478,9 +463,7 @@ TEST( what_sleeps_sleeps_on_while_its_origin_moves )
     assert_status( h.world, wisp_set_damping( h.world, other, 0.0f ), WISP_OK );
     const wisp_entity e = put( h.world, add_sheet( h.world, ( wisp_vec3 ){ 500.0f, 0.15f, 0.0f } ), HOME );
     (void)add_body( h.world, WISP_COLLIDER_BOX, ( wisp_vec3 ){ 500.0f, 0.0f, 0.0f } );
-    wisp_sleep_def sleep = wisp_default_sleep_def();
-    sleep.max_speed = 0.1f;
-    assert_status( h.world, wisp_set_sleep( h.world, e, &sleep ), WISP_OK );
+    SET( h.world, e, sleep, d.max_speed = 0.1f );
     run_steps( h.world, 600, FRAME );
     assert_true( wisp_is_asleep( h.world, e ) );
     assert_status( h.world, wisp_set_velocity( h.world, other, down, none ), WISP_OK );
@@ -494,5 +477,4 @@ TEST( what_sleeps_sleeps_on_while_its_origin_moves )
     }
     assert_true( has_moved );
     assert_true( motion_of( h.world, other ).centre[1] < -30.0 );
-    close_world( &h );
 }

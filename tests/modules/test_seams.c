@@ -177,8 +177,8 @@ TEST( a_vertex_in_many_pairs_is_that_of_the_oracle )
     {
         MANY = 81,
     };
-    hosted* h = open_sewing( 1, 1, 3 );
-    test_mesh mesh = test_plane( 9, 0.1f );
+    SCOPED( close_local ) hosted* h = open_sewing( 1, 1, 3 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 9, 0.1f );
     int32_t pairs[2 * MANY] = { 0 };
     double3 at[MANY], centre;
     double w[MANY];
@@ -206,8 +206,6 @@ TEST( a_vertex_in_many_pairs_is_that_of_the_oracle )
         assert_true( double3_distance( at[p], double3_widen( point_of( h->world, def.b, p ) ) ) < 2e-6 );
     }
     assert_true( double3_distance( centre, double3_widen( point_of( h->world, def.a, 0 ) ) ) < 2e-6 );
-    test_mesh_free( &mesh );
-    close_sewing( h );
 }
 
 static double3 momentum_of( wisp_world* world, wisp_entity e, double* size )
@@ -258,10 +256,12 @@ static hanging open_hanging( int substeps, int iterations, float compliance, flo
     hanging s = { .h = open_sewing( substeps, iterations, 1 ) };
     s.world = s.h->world;
     static const int32_t ALL[] = { 0, 1, 2 }, PAIR[] = { 0, 0 };
+    SCOPED( test_mesh_free )
     test_mesh upper =
         triangle_mesh( ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 0.1f, 0, 0 }, ( wisp_vec3 ){ 0, 0, 0.1f } );
     wisp_surface_def surface = wisp_default_surface_def();
     surface.gravity = EARTH;
+    SCOPED( test_mesh_free )
     test_mesh lower =
         triangle_mesh( ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 0.1f, 0, 0 }, ( wisp_vec3 ){ 0, 0, 0.1f } );
     s.lower = add_panel( s.world, &lower, surface, NULL );
@@ -275,8 +275,6 @@ static hanging open_hanging( int substeps, int iterations, float compliance, flo
     def.strength = strength;
     s.seam = sew( s.world, &def );
     s.weight = 9.81 / (double)row_of( s.world, s.lower, WISP_PARTICLE_POSITION, 0 )[3];
-    test_mesh_free( &upper );
-    test_mesh_free( &lower );
     return s;
 }
 
@@ -324,8 +322,8 @@ TEST( the_pairs_of_two_hanging_sheets_carry_the_lower_one )
         COLUMNS = 9,
         ROWS = 5,
     };
-    hosted* h = open_sewing( 8, 1, 1 );
-    test_mesh mesh = hanging_mesh( COLUMNS, ROWS, 0.05f, 0.05f );
+    SCOPED( close_local ) hosted* h = open_sewing( 8, 1, 1 );
+    SCOPED( test_mesh_free ) test_mesh mesh = hanging_mesh( COLUMNS, ROWS, 0.05f, 0.05f );
     int32_t top[COLUMNS], pairs[2 * COLUMNS];
     for ( int i = 0; i < COLUMNS; ++i )
     {
@@ -365,8 +363,6 @@ TEST( the_pairs_of_two_hanging_sheets_carry_the_lower_one )
     }
     assert_near( force, weight, 2e-3 * weight ); // what still swings
     assert_near( opening, 0.2 * weight, 2e-3 * 0.2 * weight );
-    test_mesh_free( &mesh );
-    close_sewing( h );
 }
 
 // ---- garments ----
@@ -382,7 +378,7 @@ static sewn open_strip( void )
 {
     sewn s = { .h = open_sewing( 8, 2, 1 ) };
     s.world = s.h->world;
-    test_mesh mesh = hanging_mesh( AROUND, ALONG, 0.02f, 0.02f );
+    SCOPED( test_mesh_free ) test_mesh mesh = hanging_mesh( AROUND, ALONG, 0.02f, 0.02f );
     for ( int v = 0; v < mesh.vertex_count; ++v )
     {
         const float x = mesh.points[v].x / 0.48f;
@@ -402,7 +398,6 @@ static sewn open_strip( void )
     def.a = s.a, def.b = s.b, def.pairs = s.pairs, def.pair_count = ALONG;
     def.closing_speed = 0.3f;
     s.seam = sew( s.world, &def );
-    test_mesh_free( &mesh );
     return s;
 }
 
@@ -484,8 +479,8 @@ TEST( bits_of_a_long_seam_do_not_depend_on_workers )
     }
     for ( int i = 0; i < 3; ++i )
     {
-        hosted* h = open_sewing( 2, 2, 1 + 2 * i );
-        test_mesh mesh = test_plane( LONG_SIDE, 0.02f );
+        SCOPED( close_local ) hosted* h = open_sewing( 2, 2, 1 + 2 * i );
+        SCOPED( test_mesh_free ) test_mesh mesh = test_plane( LONG_SIDE, 0.02f );
         wisp_seam_def def = wisp_default_seam_def();
         def.a = add_panel( h->world, &mesh, support_weightless_surface_def(), NULL );
         def.b = add_panel( h->world, &mesh, support_weightless_surface_def(), NULL );
@@ -495,8 +490,6 @@ TEST( bits_of_a_long_seam_do_not_depend_on_workers )
         step_for( h->world, 20 );
         hashes[i] = wisp_world_hash( h->world );
         broken[i] = wisp_count_broken_seam_pairs( h->world, seam );
-        test_mesh_free( &mesh );
-        close_sewing( h );
     }
     free( pairs );
     assert_true( hashes[0] == hashes[1] && hashes[0] == hashes[2] );
@@ -521,15 +514,13 @@ typedef struct sheets
 
 static wisp_entity add_sheet( wisp_world* world, int n, float x, bool is_cloth )
 {
-    test_mesh mesh = test_plane( n, 0.3f / (float)( n - 1 ) );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( n, 0.3f / (float)( n - 1 ) );
     for ( int v = 0; v < mesh.vertex_count; ++v )
     {
         mesh.points[v].x += x;
     }
     const wisp_cloth_def cloth = wisp_default_cloth_def();
-    const wisp_entity e = add_panel( world, &mesh, support_weightless_surface_def(), is_cloth ? &cloth : NULL );
-    test_mesh_free( &mesh );
-    return e;
+    return add_panel( world, &mesh, support_weightless_surface_def(), is_cloth ? &cloth : NULL );
 }
 
 static sheets open_sheets( int substeps, float gap )
@@ -726,8 +717,7 @@ TEST( implicit_cloth_is_sewn_too )
 {
     sheets s = open_sheets( 4, 0.05f );
     const wisp_entity other = add_sheet( s.world, SHEET_SIDE, -0.35f, false );
-    const wisp_implicit_cloth_def implicit = wisp_default_implicit_cloth_def();
-    assert_status( s.world, wisp_set_implicit_cloth( s.world, other, &implicit ), WISP_OK );
+    SET_DEFAULT( s.world, other, implicit_cloth );
     wisp_seam_def def = edge_seam( &s );
     def.a = other, def.b = s.a;
     const wisp_entity seam = sew( s.world, &def );

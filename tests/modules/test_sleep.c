@@ -67,7 +67,7 @@ TEST( a_body_that_appears_or_disappears_wakes_what_touches_it )
 
 TEST( a_sheet_that_falls_on_another_wakes_it_and_both_fall_asleep_together )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_stage( &h, 1 );
     wisp_world* world = h.world;
     const wisp_entity lower = add_sheet( world, ( wisp_vec3 ){ 0.0f, 0.02f, 0.0f }, true );
@@ -96,12 +96,11 @@ TEST( a_sheet_that_falls_on_another_wakes_it_and_both_fall_asleep_together )
     assert_status( world, wisp_set_gravity( world, lower, NONE ), WISP_OK );
     assert_wakes( world, lower );
     assert_false( wisp_is_asleep( world, upper ) ); // what touches it wakes in the same step
-    close_world( &h );
 }
 
 TEST( an_entity_that_moves_keeps_awake_what_it_touches )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_stage( &h, 1 );
     const wisp_entity lower = add_sheet( h.world, ( wisp_vec3 ){ 0.0f, 0.02f, 0.0f }, true );
     const wisp_entity upper = add_sheet( h.world, ( wisp_vec3 ){ 0.05f, 0.04f, 0.02f }, false ); // never sleeps
@@ -113,7 +112,6 @@ TEST( an_entity_that_moves_keeps_awake_what_it_touches )
         run_steps( h.world, 1, FRAME );
         assert_false( wisp_is_asleep( h.world, lower ) );
     }
-    close_world( &h );
 }
 
 typedef struct pile
@@ -191,11 +189,7 @@ typedef void change_fn( bed* b );
 
 static void set_wind( bed* b )
 {
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    cloth.internal_damping = 1.0f;
-    cloth.drag_coefficient = 1.0f;
-    cloth.wind.y = 3.0f;
-    assert_status( b->world, wisp_set_cloth( b->world, b->sheet, &cloth ), WISP_OK );
+    SET( b->world, b->sheet, cloth, d.internal_damping = 1.0f, d.drag_coefficient = 1.0f, d.wind.y = 3.0f );
 }
 
 static void teleport( bed* b )
@@ -224,9 +218,7 @@ static void request_normals( bed* b )
 
 static void no_longer_sleep( bed* b )
 {
-    wisp_sleep_def def = wisp_default_sleep_def();
-    def.enabled = false;
-    assert_status( b->world, wisp_set_sleep( b->world, b->sheet, &def ), WISP_OK );
+    SET( b->world, b->sheet, sleep, d.enabled = false );
 }
 
 TEST( every_call_that_changes_an_entity_wakes_it )
@@ -257,7 +249,7 @@ TEST( a_call_that_changes_nothing_wakes_nobody )
 
 TEST( pins_that_are_moved_wake_a_sheet_and_pins_that_rest_let_it_sleep )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_stage( &h, 1 );
     const int32_t corners[] = { 0, SIDE - 1 };
     const float half = 0.2f;
@@ -285,14 +277,13 @@ TEST( pins_that_are_moved_wake_a_sheet_and_pins_that_rest_let_it_sleep )
     assert_status( h.world, wisp_move_pins( h.world, e, corners, targets, 2 ), WISP_OK );
     assert_wakes( h.world, e );
     assert_near( (double)place_of( h.world, e, 0 )[1], 0.61, 1e-6 );
-    close_world( &h );
 }
 
 // ---- what other entities hold ----
 
 TEST( attached_cloth_sleeps_and_wakes_with_what_it_is_attached_to )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_stage( &h, 1 );
     wisp_world* world = h.world;
     test_mesh mesh = level_sheet( 4, 0.4f, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
@@ -315,12 +306,11 @@ TEST( attached_cloth_sleeps_and_wakes_with_what_it_is_attached_to )
     assert_status( world, wisp_move_pins( world, base, first, target, 1 ), WISP_OK );
     assert_wakes( world, base );
     assert_false( wisp_is_asleep( world, flag ) );
-    close_world( &h );
 }
 
 TEST( a_balloon_that_is_filled_does_not_sleep )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_stage( &h, 1 );
     test_mesh mesh = ball_of( 2, 0.1f, ( wisp_vec3 ){ 0.0f, 0.5f, 0.0f } );
     const wisp_entity e = add_balloon( h.world, &mesh, NONE );
@@ -333,7 +323,6 @@ TEST( a_balloon_that_is_filled_does_not_sleep )
     }
     assert_status( h.world, wisp_set_balloon_inflation( h.world, e, 0.0f ), WISP_OK );
     run_to_sleep( h.world, e );
-    close_world( &h );
 }
 
 static wisp_vec3 hanging( int strand, int i, int count, float length )
@@ -360,17 +349,14 @@ static wisp_entity add_hair( wisp_world* world, int strands )
     def.strand_count = strands;
     wisp_entity e;
     assert_status( world, wisp_add_strands( world, &def, &e ), WISP_OK );
-    wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
-    dynamics.damping = 5.0f;
-    dynamics.drag_coefficient = 1.0f;
-    assert_status( world, wisp_set_strand_dynamics( world, e, &dynamics ), WISP_OK );
+    SET( world, e, strand_dynamics, d.damping = 5.0f, d.drag_coefficient = 1.0f );
     assert_status( world, wisp_request( world, e, WISP_STRAND_POINTS ), WISP_OK );
     return e;
 }
 
 TEST( hair_falls_asleep_and_wakes_by_its_head_and_by_wind )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_stage( &h, 1 );
     const wisp_entity hair = add_hair( h.world, 8 );
     let_sleep( h.world, hair );
@@ -390,19 +376,17 @@ TEST( hair_falls_asleep_and_wakes_by_its_head_and_by_wind )
     run_to_sleep( h.world, hair );
     assert_status( h.world, wisp_set_strand_wind( h.world, hair, ( wisp_vec3 ){ 2.0f, 0.0f, 0.0f } ), WISP_OK );
     assert_wakes( h.world, hair );
-    close_world( &h );
 }
 
 TEST( a_pendulum_does_not_sleep_where_it_turns )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_stage( &h, 1 );
     const wisp_vec3 a = { 0.0f, 2.0f, 0.0f };
     test_mesh mesh = triangle_mesh( a, ( wisp_vec3 ){ 0.5f, 2.0f, -0.01f }, ( wisp_vec3 ){ 0.5f, 2.0f, 0.01f } );
     const int32_t pinned[] = { 0 };
     const wisp_entity e = add_mesh( h.world, &mesh, pinned, 1, 0.15f );
-    const wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_status( h.world, wisp_set_cloth( h.world, e, &cloth ), WISP_OK );
+    SET_DEFAULT( h.world, e, cloth );
     assert_status( h.world, wisp_set_gravity( h.world, e, EARTH ), WISP_OK );
     wisp_sleep_def sleep = wisp_default_sleep_def();
     sleep.max_speed = 0.3f; // it is slower than that for about 0.06 s at each end
@@ -416,17 +400,13 @@ TEST( a_pendulum_does_not_sleep_where_it_turns )
         assert_false( wisp_is_asleep( h.world, e ) );
     }
     assert_true( slow > 5 ); // it has turned several times
-    close_world( &h );
 }
 
 // ---- detail ----
 
 static void set_level( wisp_world* world, wisp_entity e, wisp_detail level )
 {
-    wisp_detail_def def = wisp_default_detail_def();
-    def.level = level;
-    def.blend_steps = 0;
-    assert_status( world, wisp_set_detail( world, e, &def ), WISP_OK );
+    SET( world, e, detail, d.level = level, d.blend_steps = 0 );
 }
 
 static const wisp_vec3* points_now( wisp_world* world, wisp_entity e )
@@ -451,7 +431,7 @@ TEST( attached_cloth_that_is_not_solved_goes_along )
 {
     for ( int k = 0; k < 2; ++k )
     {
-        hosted h;
+        SCOPED( close_world ) hosted h;
         open_stage( &h, 1 );
         wisp_world* world = h.world;
         test_mesh mesh = level_sheet( 4, 0.4f, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
@@ -486,14 +466,13 @@ TEST( attached_cloth_that_is_not_solved_goes_along )
                 assert_true( distance( points_now( world, flag )[v], to ) < 1e-5f );
             }
         }
-        close_world( &h );
     }
 }
 
 // A sheet that falls on one that is not solved comes to lie on it, and does not move it.
 TEST( a_sheet_that_is_not_solved_holds_what_falls_on_it )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_stage( &h, 1 );
     wisp_world* world = h.world;
     const wisp_contact_def contact = contact_of( 0.01f );
@@ -512,7 +491,6 @@ TEST( a_sheet_that_is_not_solved_holds_what_falls_on_it )
     set_level( world, lower, WISP_DETAIL_FULL ); // both fall
     run_steps( world, 60, FRAME );
     assert_true( lowest( world, lower ).y < 0.05f );
-    close_world( &h );
 }
 
 // A sheet that sleeps on the floor wakes when its level lets it go along with its pins, and one that is not solved can be woken.

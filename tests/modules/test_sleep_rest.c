@@ -19,7 +19,7 @@ TEST( a_surface_at_rest_falls_asleep_in_the_step_in_which_its_seconds_have_passe
     {
         SURFACES = 40,
     };
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_stage( &h, 1 );
     wisp_entity surfaces[SURFACES];
     for ( int i = 0; i < SURFACES; ++i )
@@ -28,9 +28,7 @@ TEST( a_surface_at_rest_falls_asleep_in_the_step_in_which_its_seconds_have_passe
         const wisp_vec3 a = { 2.0f, 1.0f, (float)i }, b = { 2.5f, 1.0f, (float)i }, c = { 2.0f, 1.5f, (float)i };
         test_mesh mesh = triangle_mesh( a, b, c );
         surfaces[i] = add_mesh( h.world, &mesh, NULL, 0, 0.15f );
-        wisp_sleep_def sleep = wisp_default_sleep_def();
-        sleep.seconds = (float)( i + 1 ) * FRAME;
-        assert_status( h.world, wisp_set_sleep( h.world, surfaces[i], &sleep ), WISP_OK );
+        SET( h.world, surfaces[i], sleep, d.seconds = (float)( i + 1 ) * FRAME );
     }
     for ( int step = 1; step <= SURFACES; ++step )
     {
@@ -40,27 +38,23 @@ TEST( a_surface_at_rest_falls_asleep_in_the_step_in_which_its_seconds_have_passe
             assert_int_equal( wisp_is_asleep( h.world, surfaces[i] ), i < step );
         }
     }
-    close_world( &h );
 }
 
 TEST( what_falls_does_not_sleep_even_within_no_seconds )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_stage( &h, 1 );
     const wisp_entity sheet = add_sheet( h.world, ( wisp_vec3 ){ 0.0f, 2.0f, 0.0f }, false );
-    wisp_sleep_def sleep = wisp_default_sleep_def();
-    sleep.seconds = 0.0f;
-    assert_status( h.world, wisp_set_sleep( h.world, sheet, &sleep ), WISP_OK );
+    SET( h.world, sheet, sleep, d.seconds = 0.0f );
     for ( int i = 0; i < 10; ++i )
     {
         assert_wakes( h.world, sheet );
     }
-    close_world( &h );
 }
 
 TEST( what_is_halted_does_not_fall_asleep )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_stage( &h, 1 );
     const wisp_entity lower = add_sheet( h.world, ( wisp_vec3 ){ 0.0f, 0.02f, 0.0f }, true );
     const wisp_entity upper = add_sheet( h.world, ( wisp_vec3 ){ 0.05f, 0.04f, 0.02f }, false ); // keeps it awake
@@ -78,7 +72,6 @@ TEST( what_is_halted_does_not_fall_asleep )
         assert_true( wisp_is_halted( h.world, lower ) );
         assert_false( wisp_is_asleep( h.world, lower ) );
     }
-    close_world( &h );
 }
 
 // ---- what they forget ----
@@ -86,10 +79,7 @@ TEST( what_is_halted_does_not_fall_asleep )
 // Any speed is slow enough: it falls asleep on its way, after ten steps.
 static void sleep_on_the_way( wisp_world* world, wisp_entity e )
 {
-    wisp_sleep_def sleep = wisp_default_sleep_def();
-    sleep.max_speed = 1e3f;
-    sleep.seconds = TEN_FRAMES;
-    assert_status( world, wisp_set_sleep( world, e, &sleep ), WISP_OK );
+    SET( world, e, sleep, d.max_speed = 1e3f, d.seconds = TEN_FRAMES );
     run_steps( world, 9, FRAME );
     assert_false( wisp_is_asleep( world, e ) );
     run_steps( world, 4, FRAME );
@@ -101,7 +91,7 @@ static const double FROM_REST = 9.81 / 3600.0;
 
 TEST( implicit_cloth_wakes_without_the_velocities_that_it_had )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_stage( &h, 1 );
     test_mesh mesh = level_sheet( 6, 0.2f, ( wisp_vec3 ){ 0.0f, 3.0f, 0.0f } );
     const wisp_entity sheet = add_mesh( h.world, &mesh, NULL, 0, 0.15f );
@@ -118,7 +108,6 @@ TEST( implicit_cloth_wakes_without_the_velocities_that_it_had )
     assert_wakes( h.world, sheet );
     const double fallen = before - (double)place_of( h.world, sheet, 0 )[1];
     assert_true( fallen > 0.5 * FROM_REST && fallen < 0.7 * FROM_REST ); // 5 / 8 of it in four substeps of Euler
-    close_world( &h );
 }
 
 // A strand that starts level and swings down.
@@ -136,17 +125,14 @@ static wisp_entity add_strand( wisp_world* world )
     def.strand_count = 1;
     wisp_entity hair;
     assert_status( world, wisp_add_strands( world, &def, &hair ), WISP_OK );
-    wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
-    dynamics.integrator = WISP_INTEGRATOR_BDF2;
-    dynamics.bending = WISP_STRAND_BEND_NONE;
-    assert_status( world, wisp_set_strand_dynamics( world, hair, &dynamics ), WISP_OK );
+    SET( world, hair, strand_dynamics, d.integrator = WISP_INTEGRATOR_BDF2, d.bending = WISP_STRAND_BEND_NONE );
     assert_status( world, wisp_request( world, hair, WISP_STRAND_POINTS ), WISP_OK );
     return hair;
 }
 
 TEST( hair_wakes_without_the_velocities_that_it_had )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_stage( &h, 1 );
     const wisp_entity hair = add_strand( h.world );
     sleep_on_the_way( h.world, hair );
@@ -156,13 +142,12 @@ TEST( hair_wakes_without_the_velocities_that_it_had )
     assert_wakes( h.world, hair );
     const wisp_vec3 after = ( (const wisp_vec3*)view_of( h.world, hair, WISP_STRAND_POINTS ).data )[5];
     assert_true( hypot( (double)( after.x - before.x ), (double)( after.y - before.y ) ) < FROM_REST );
-    close_world( &h );
 }
 
 // What fails before the step that ends its fall asleep is restored to what the host saw last: without a velocity.
 TEST( what_fails_as_it_wakes_is_restored_at_rest )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_stage( &h, 1 );
     const wisp_entity sheet = add_sheet( h.world, ( wisp_vec3 ){ 0.0f, 3.0f, 0.0f }, false ),
                       hair = add_strand( h.world );
@@ -195,7 +180,6 @@ TEST( what_fails_as_it_wakes_is_restored_at_rest )
             assert_true( failing[i].velocity[k] == 0.0f );
         }
     }
-    close_world( &h );
 }
 
 // ---- snapshots ----
@@ -215,7 +199,7 @@ TEST( a_snapshot_leaves_the_hash_of_what_sleeps )
 
 static uint64_t run_pile( int workers, bool sleeps, bool restores, bool* slept )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_stage( &h, workers );
     wisp_world* world = h.world;
     const wisp_contact_def contact = contact_of( 0.01f );
@@ -248,7 +232,6 @@ static uint64_t run_pile( int workers, bool sleeps, bool restores, bool* slept )
     {
         hash = 3 * hash + hash_of( world, sheets[i], WISP_SURFACE_POINTS );
     }
-    close_world( &h );
     return hash;
 }
 
@@ -293,7 +276,7 @@ enum
 // Sheets that hang from a pin and come to rest one after another. Several have substep loops of their own.
 static void run_crowd( int first, int count, int workers, uint64_t hashes[CROWD], int asleep[CROWD] )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_stage( &h, workers );
     wisp_entity sheets[CROWD];
     for ( int i = first; i < first + count; ++i )
@@ -314,7 +297,6 @@ static void run_crowd( int first, int count, int workers, uint64_t hashes[CROWD]
         hashes[i] = hash_of( h.world, sheets[i], WISP_SURFACE_POINTS );
         asleep[i] = wisp_is_asleep( h.world, sheets[i] ) ? 1 : 0;
     }
-    close_world( &h );
 }
 
 TEST( a_crowd_of_which_some_sleep_has_the_bits_of_each_alone )
@@ -339,14 +321,13 @@ TEST( a_crowd_of_which_some_sleep_has_the_bits_of_each_alone )
 
 static uint64_t fall_for( int steps, bool sleeps, int* passes )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_stage( &h, 1 );
     const wisp_entity e = add_sheet( h.world, ( wisp_vec3 ){ 0.0f, 0.3f, 0.0f }, sleeps );
     run_steps( h.world, steps, FRAME );
     assert_false( wisp_is_asleep( h.world, e ) );
     const uint64_t hash = hash_of( h.world, e, WISP_SURFACE_POINTS );
     *passes = wisp_world_plan_passes( h.world );
-    close_world( &h );
     return hash;
 }
 
@@ -442,7 +423,7 @@ static void make_boxes( uint64_t seed, int count, float room, sleep_box* out )
 TEST( a_search_along_an_axis_stirs_whom_all_pairs_stir )
 {
     static sleep_box found[MOST], expected[MOST];
-    void* room = checked_calloc( sleep_stir_bytes( MOST ), 1 );
+    SCOPED( free_local ) void* room = checked_calloc( sleep_stir_bytes( MOST ), 1 );
     int stirred = 0, left = 0;
     for ( uint64_t seed = 0; seed < 60; ++seed )
     {
@@ -463,13 +444,12 @@ TEST( a_search_along_an_axis_stirs_whom_all_pairs_stir )
         }
     }
     assert_true( stirred > 1000 && left > 1000 );
-    free( room );
 }
 
 TEST( a_chain_is_stirred_from_its_end_in_any_order )
 {
     static sleep_box boxes[MOST];
-    void* room = checked_calloc( sleep_stir_bytes( MOST ), 1 );
+    SCOPED( free_local ) void* room = checked_calloc( sleep_stir_bytes( MOST ), 1 );
     for ( int way = 0; way < 2; ++way )
     {
         for ( int i = 0; i < MOST; ++i )
@@ -485,5 +465,4 @@ TEST( a_chain_is_stirred_from_its_end_in_any_order )
             assert_int_equal( boxes[i].is_still, i >= MOST - 2 );
         }
     }
-    free( room );
 }

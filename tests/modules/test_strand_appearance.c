@@ -65,14 +65,14 @@ static void check_vertex( const wisp_strand_appearance_def* d, double t, float w
 TEST( width_and_colour_run_from_root_to_tip_of_every_strand )
 {
     const float biases[] = { 0.5f, 0.2f, 0.8f, 0.001f, 0.999f };
-    hair_groom groom = mixed_groom();
+    SCOPED( hair_groom_destroy ) hair_groom groom = mixed_groom();
     for ( int n = 0; n < WISP_COUNT( biases ); ++n )
     {
         wisp_strand_appearance_def appearance = wisp_default_strand_appearance_def();
         appearance.colour_bias = biases[n];
         appearance.root_width = n == 2 ? 0.0f : appearance.root_width;
         wisp_entity entity;
-        wisp_world* world = painted( &groom, &appearance, &entity );
+        SCOPED( destroy_local ) wisp_world* world = painted( &groom, &appearance, &entity );
         const float* width = view( world, entity, WISP_POINT_WIDTH, groom.vertex_count, sizeof( float ) );
         const wisp_vec3* colour = view( world, entity, WISP_POINT_COLOUR, groom.vertex_count, sizeof( wisp_vec3 ) );
         for ( int s = 0; s < groom.strand_count; ++s )
@@ -85,14 +85,12 @@ TEST( width_and_colour_run_from_root_to_tip_of_every_strand )
                 check_vertex( &appearance, t, width[first + i], colour[first + i] );
             }
         }
-        wisp_world_destroy( world );
     }
-    hair_groom_destroy( &groom );
 }
 
 TEST( the_bias_moves_the_colour_and_one_half_leaves_it_linear )
 {
-    hair_groom groom = hair_groom_create( HAIR_WAVY, 2, 1, 21, 0.005f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_WAVY, 2, 1, 21, 0.005f );
     double middle[3];
     const float biases[] = { 0.25f, 0.5f, 0.75f };
     for ( int n = 0; n < 3; ++n )
@@ -110,14 +108,13 @@ TEST( the_bias_moves_the_colour_and_one_half_leaves_it_linear )
         // by definition the bias is the weight half way up
         hair_assert_close( middle[n], (double)biases[n], 8.0 * u );
     }
-    hair_groom_destroy( &groom );
 }
 
 static int passes_with( wisp_component first, wisp_component second )
 {
-    hair_groom groom = mixed_groom();
+    SCOPED( hair_groom_destroy ) hair_groom groom = mixed_groom();
     wisp_strand_appearance_def appearance = wisp_default_strand_appearance_def();
-    wisp_world* world = hair_world_create( NULL );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
     wisp_entity entity = hair_add( world, &groom );
     set_look( world, entity, &appearance );
     assert_int_equal( wisp_cancel_request( world, entity, WISP_STRAND_POINTS ), WISP_OK );
@@ -128,8 +125,6 @@ static int passes_with( wisp_component first, wisp_component second )
     hair_step( world );
     assert_int_equal( wisp_world_view( world, entity, WISP_POINT_WIDTH, &unused ) == WISP_OK,
                       first == WISP_POINT_WIDTH || second == WISP_POINT_WIDTH );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
     return passes;
 }
 
@@ -143,8 +138,8 @@ TEST( an_attribute_that_nobody_requests_is_not_written )
 
 TEST( a_request_without_a_look_is_a_conflict_that_names_it )
 {
-    hair_groom groom = mixed_groom();
-    wisp_world* world = hair_world_create( NULL );
+    SCOPED( hair_groom_destroy ) hair_groom groom = mixed_groom();
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
     wisp_entity entity = hair_add( world, &groom );
     assert_int_equal( wisp_request( world, entity, WISP_POINT_WIDTH ), WISP_OK );
     assert_int_equal( wisp_world_step( world, 0.01f ), WISP_CONFLICT );
@@ -152,16 +147,14 @@ TEST( a_request_without_a_look_is_a_conflict_that_names_it )
     wisp_strand_appearance_def appearance = wisp_default_strand_appearance_def();
     set_look( world, entity, &appearance );
     hair_step( world );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
 }
 
 TEST( a_new_look_is_painted_at_the_next_step_and_hair_may_move_meanwhile )
 {
-    hair_groom groom = mixed_groom();
+    SCOPED( hair_groom_destroy ) hair_groom groom = mixed_groom();
     wisp_strand_appearance_def appearance = wisp_default_strand_appearance_def();
     wisp_entity entity;
-    wisp_world* world = painted( &groom, &appearance, &entity );
+    SCOPED( destroy_local ) wisp_world* world = painted( &groom, &appearance, &entity );
     appearance.root_width = 1e-3f;
     appearance.tip_colour = ( wisp_vec3 ){ 0.25f, 0.5f, 0.75f };
     set_look( world, entity, &appearance );
@@ -173,24 +166,21 @@ TEST( a_new_look_is_painted_at_the_next_step_and_hair_may_move_meanwhile )
     check_vertex( &appearance, 1.0, width[tip], colour[tip] );
 
     // frozen hair on the same strands: appearance does not affect their shape, nor the other way round
+    SCOPED( free_local )
     wisp_vec3* painted_colour = checked_calloc( (size_t)groom.vertex_count, sizeof( wisp_vec3 ) );
     memcpy( painted_colour, colour, (size_t)groom.vertex_count * sizeof( wisp_vec3 ) );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
     hair_set( world, entity, &def );
     hair_step( world );
-    wisp_vec3* alone = hair_run( NULL, &groom, &def );
+    SCOPED( free_local ) wisp_vec3* alone = hair_run( NULL, &groom, &def );
     assert_true( hair_same_bits( hair_view( world, entity, groom.vertex_count ), alone, groom.vertex_count ) );
     colour = view( world, entity, WISP_POINT_COLOUR, groom.vertex_count, sizeof( wisp_vec3 ) );
     assert_true( hair_same_bits( colour, painted_colour, groom.vertex_count ) );
-    free( painted_colour );
-    free( alone );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
 }
 
 TEST( a_look_that_cannot_be_is_refused )
 {
-    hair_groom groom = mixed_groom();
+    SCOPED( hair_groom_destroy ) hair_groom groom = mixed_groom();
     wisp_strand_appearance_def good = wisp_default_strand_appearance_def(), bad[8];
     const char* const messages[] = { "widths",      "widths",      "widths",     "colour_bias",
                                      "colour_bias", "root_colour", "tip_colour", "tip_colour" };
@@ -207,7 +197,7 @@ TEST( a_look_that_cannot_be_is_refused )
     bad[6].tip_colour.z = -0.1f;
     bad[7].tip_colour.x = NAN;
     wisp_entity entity;
-    wisp_world* world = painted( &groom, &good, &entity );
+    SCOPED( destroy_local ) wisp_world* world = painted( &groom, &good, &entity );
     uint64_t hash = wisp_world_hash( world );
     for ( int n = 0; n < WISP_COUNT( bad ); ++n )
     {
@@ -218,8 +208,6 @@ TEST( a_look_that_cannot_be_is_refused )
     }
     const wisp_entity nobody = { 99, 0 };
     assert_int_equal( wisp_set_strand_appearance( world, nobody, &good ), WISP_STALE_ID );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
 }
 
 // ---- environment ----
@@ -340,41 +328,38 @@ static void expect_stiffness( wisp_world* world, wisp_entity entity, const hair_
 {
     wisp_frozen_hair_def def = hair_freeze_only();
     def.stretch_stiffness = def.bend_stiffness = stiffness;
-    wisp_vec3* expected = hair_run( NULL, groom, &def );
+    SCOPED( free_local ) wisp_vec3* expected = hair_run( NULL, groom, &def );
     assert_true( hair_same_bits( hair_view( world, entity, groom->vertex_count ), expected, groom->vertex_count ) );
-    free( expected );
 }
 
 TEST( hair_in_a_environment_looks_like_hair_of_that_stiffness )
 {
-    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 37, 20, 0.005f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 37, 20, 0.005f );
     for ( int n = 0; n <= 10; ++n )
     {
         wisp_environment_def environment = wisp_default_environment_def();
         environment.temperature_celsius = 1.0f - 1.3f * (float)n;
         environment.wetness = 0.3f + 0.07f * (float)n;
-        wisp_world* world = hair_world_create( NULL );
+        SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
         wisp_entity entity = hair_in( world, &groom, &environment );
         hair_step( world );
         expect_stiffness(
             world, entity, &groom,
             wisp_environment_stiffness( &environment, environment.temperature_celsius, environment.wetness ) );
-        wisp_world_destroy( world );
     }
-    hair_groom_destroy( &groom );
 }
 
 // The environment alone moves no hair.
 TEST( weather_changes_a_look_only_with_the_next_command )
 {
-    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 37, 20, 0.005f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 37, 20, 0.005f );
     wisp_environment_def mild = wisp_default_environment_def(), cold = mild;
     mild.temperature_celsius = -2.0f;
     cold.temperature_celsius = -9.0f;
-    wisp_world* world = hair_world_create( NULL );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
     wisp_entity entity = hair_in( world, &groom, &mild );
     hair_step( world );
-    wisp_vec3* look = hair_points( world, entity, groom.vertex_count );
+    SCOPED( free_local ) wisp_vec3* look = hair_points( world, entity, groom.vertex_count );
     assert_int_equal( wisp_set_environment( world, entity, &cold ), WISP_OK );
     for ( int n = 0; n < 3; ++n )
     {
@@ -395,9 +380,6 @@ TEST( weather_changes_a_look_only_with_the_next_command )
     hair_step( world );
     expect_stiffness( world, entity, &groom,
                       wisp_environment_stiffness( &cold, cold.temperature_celsius, cold.wetness ) );
-    free( look );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
 }
 
 static bool ran( wisp_world* world, const char* pass )
@@ -415,9 +397,9 @@ static bool ran( wisp_world* world, const char* pass )
 
 TEST( without_a_environment_there_is_no_pass_and_with_one_it_runs_once )
 {
-    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 20, 10, 0.005f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 20, 10, 0.005f );
     wisp_frozen_hair_def def = hair_freeze_only();
-    wisp_world* world = hair_world_create( NULL );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
     wisp_entity entity = hair_add_frozen( world, &groom, &def );
     assert_int_equal( wisp_world_plan_passes( world ), 4 );
     wisp_environment_def environment = wisp_default_environment_def();
@@ -435,24 +417,20 @@ TEST( without_a_environment_there_is_no_pass_and_with_one_it_runs_once )
     entity = hair_add_frozen( world, &groom, &def );
     assert_int_equal( wisp_set_environment( world, entity, &environment ), WISP_OK );
     assert_int_equal( wisp_world_plan_passes( world ), 4 );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
 }
 
 TEST( a_environment_belongs_to_one_groom )
 {
-    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 20, 10, 0.005f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 20, 10, 0.005f );
     wisp_environment_def environment = wisp_default_environment_def();
     wisp_frozen_hair_def def = hair_freeze_only();
-    wisp_world* world = hair_world_create( NULL );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
     wisp_entity frosty = hair_in( world, &groom, &environment ), plain = hair_add_frozen( world, &groom, &def );
     hair_step( world );
     expect_stiffness(
         world, frosty, &groom,
         wisp_environment_stiffness( &environment, environment.temperature_celsius, environment.wetness ) );
     expect_stiffness( world, plain, &groom, 7.0f );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
 }
 
 TEST( an_environment_that_cannot_be_is_refused )
@@ -477,9 +455,9 @@ TEST( an_environment_that_cannot_be_is_refused )
         { "ice of curve point 2", { .wetness = 1, .span = 10, .ice = { 0, 0.5f, 0.9f } } },
         { "ice of curve point 0", { .wetness = 1, .span = 10, .ice = { 0.1f, 0.5f, 1 } } },
     };
-    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 5, 10, 0.005f );
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 5, 10, 0.005f );
     wisp_frozen_hair_def hair = hair_freeze_only();
-    wisp_world* world = hair_world_create( NULL );
+    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
     wisp_entity entity = hair_add_frozen( world, &groom, &hair );
     hair_step( world );
     uint64_t hash = wisp_world_hash( world );
@@ -504,6 +482,4 @@ TEST( an_environment_that_cannot_be_is_refused )
     const wisp_entity nobody = { 99, 0 };
     wisp_environment_def good = wisp_default_environment_def();
     assert_int_equal( wisp_set_environment( world, nobody, &good ), WISP_STALE_ID );
-    wisp_world_destroy( world );
-    hair_groom_destroy( &groom );
 }

@@ -15,7 +15,7 @@ static wisp_strand_dynamics_def default_def( void )
 
 TEST( a_strand_hangs_and_stays_at_rest_length )
 {
-    hosted s;
+    SCOPED( close_world ) hosted s;
     open_strands( &s, 1, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
     const wisp_entity e = add_moving( s.world, 17, 20, straight_down, 0.1f, &def );
@@ -24,13 +24,12 @@ TEST( a_strand_hangs_and_stays_at_rest_length )
     // a hanging strand is in balance; the remainder is rounding of the positions, 1e-8 m
     assert_true( drift_from( s.world, e, 17, 20, straight_down, 0.1f ) < 1e-6 );
     assert_true( motion_stats_of( s.world, e ).strain_max < 1e-5 );
-    close_world( &s );
 }
 
 TEST( falling_strands_of_different_lengths_keep_them )
 {
     const int counts[] = { 20, 3, 1, 0, 12, 2, 20 };
-    hosted s;
+    SCOPED( close_world ) hosted s;
     open_strands( &s, 4, 1, 1 );
     wisp_strand_dynamics_def def = default_def();
     def.bending = WISP_STRAND_BEND_NONE;
@@ -45,26 +44,24 @@ TEST( falling_strands_of_different_lengths_keep_them )
     }
     // half a metre per second at least: they do fall
     assert_true( motion_stats_of( s.world, e ).speed_max > 0.5 );
-    close_world( &s );
 }
 
 TEST( curls_that_are_not_balanced_sag )
 {
-    hosted s;
+    SCOPED( close_world ) hosted s;
     open_strands( &s, 8, 1, 1 );
     wisp_strand_dynamics_def def = default_def();
     def.rest = WISP_STRAND_REST_SHAPE;
     const wisp_entity e = add_moving( s.world, 20, 20, curl_down, 0.1f, &def );
     strand_steps( s.world, 60, FRAME );
     assert_true( drift_from( s.world, e, 20, 20, curl_down, 0.1f ) > 1e-3 );
-    close_world( &s );
 }
 
 TEST( every_way_to_stretch_and_bend_steps_and_hangs )
 {
     for ( int k = 0; k < WISP_STRAND_STRETCH_COUNT * WISP_STRAND_BEND_COUNT * 4; ++k )
     {
-        hosted s;
+        SCOPED( close_world ) hosted s;
         open_strands( &s, 4, 1 + k / 6 % 2, 1 );
         wisp_strand_dynamics_def def = default_def();
         def.stretch = (wisp_strand_stretch)( k % 2 );
@@ -78,13 +75,12 @@ TEST( every_way_to_stretch_and_bend_steps_and_hangs )
         // one sweep of links leaves 2 % at most on four segments: g dt^2 / l per substep, not quite removed
         assert_true( drift_from( s.world, e, 18, 5, straight_down, 0.1f ) < 0.02 * 0.1 );
         assert_false( wisp_is_halted( s.world, e ) );
-        close_world( &s );
     }
 }
 
 TEST( tension_at_the_root_is_the_weight )
 {
-    hosted s;
+    SCOPED( close_world ) hosted s;
     open_strands( &s, 4, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
     const wisp_entity e = add_moving( s.world, 3, 20, straight_down, 0.1f, &def );
@@ -97,7 +93,6 @@ TEST( tension_at_the_root_is_the_weight )
     // stretched in the first step of 1/60 s would carry a part of it
     assert_true( fabs( (double)tension[0] / weight - 1.0 ) < 1e-2 );
     assert_true( tension[19] == 0.0f );
-    close_world( &s );
 }
 
 // A falling strand has another tension in every substep: that of the last one is read, as if each were a step.
@@ -108,7 +103,7 @@ TEST( tension_is_that_of_the_last_substep )
         float tension[2][18 * 8];
         for ( int k = 0; k < 2; ++k )
         {
-            hosted s;
+            SCOPED( close_world ) hosted s;
             open_strands( &s, k == 0 ? 4 : 1, iterations, 1 );
             wisp_strand_dynamics_def def = default_def();
             def.bending = WISP_STRAND_BEND_LINKS;
@@ -116,7 +111,6 @@ TEST( tension_is_that_of_the_last_substep )
             const wisp_entity e = add_moving( s.world, 18, 8, straight_out, 0.1f, &def );
             strand_steps( s.world, k == 0 ? 5 : 20, k == 0 ? 1.0f / 64.0f : 1.0f / 256.0f );
             assert_int_equal( wisp_read_strand_tension( s.world, e, tension[k] ), WISP_OK );
-            close_world( &s );
         }
         assert_true( tension[0][0] > 0.0f );
         assert_memory_equal( tension[0], tension[1], sizeof( tension[0] ) );
@@ -126,7 +120,7 @@ TEST( tension_is_that_of_the_last_substep )
 // Groups run all their substeps at once; in each step another one of them is timed.
 TEST( every_pass_of_strands_has_its_time_in_every_step )
 {
-    hosted s;
+    SCOPED( close_world ) hosted s;
     open_strands( &s, 3, 2, 1 );
     const wisp_strand_dynamics_def def = default_def();
     add_moving( s.world, 160, 20, straight_out, 0.1f, &def );
@@ -142,7 +136,6 @@ TEST( every_pass_of_strands_has_its_time_in_every_step )
         }
         assert_true( p.count > 4 && sum <= p.seconds * ( 1.0 + 1e-12 ) );
     }
-    close_world( &s );
 }
 
 static wisp_vec3 doubled_out( int strand, int i, int count, float length )
@@ -154,7 +147,7 @@ static wisp_vec3 doubled_out( int strand, int i, int count, float length )
 
 TEST( vertices_on_top_of_each_other_and_strands_without_length_are_no_trouble )
 {
-    hosted s;
+    SCOPED( close_world ) hosted s;
     open_strands( &s, 4, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
     const wisp_entity e = add_moving( s.world, 3, 12, doubled_out, 0.1f, &def );
@@ -172,12 +165,11 @@ TEST( vertices_on_top_of_each_other_and_strands_without_length_are_no_trouble )
     }
     // segments without a length get a thousandth of the mean one, two of them here
     assert_true( fabs( length / ( 0.1 * 9.0 / 11.0 ) - 1.0 ) < 5e-3 );
-    close_world( &s );
 }
 
 TEST( changing_how_strands_move_leaves_them_where_they_are )
 {
-    hosted s;
+    SCOPED( close_world ) hosted s;
     open_strands( &s, 4, 2, 1 );
     wisp_strand_dynamics_def def = default_def();
     const wisp_entity e = add_moving( s.world, 5, 10, straight_out, 0.1f, &def );
@@ -202,12 +194,11 @@ TEST( changing_how_strands_move_leaves_them_where_they_are )
         assert_int_equal( wisp_set_strand_dynamics( s.world, e, &def ), WISP_OK );
     }
     assert_false( wisp_is_halted( s.world, e ) );
-    close_world( &s );
 }
 
 TEST( strands_of_no_and_of_one_vertex_step )
 {
-    hosted s;
+    SCOPED( close_world ) hosted s;
     open_strands( &s, 2, 1, 1 );
     const int ones[] = { 1, 1, 0 }, none = 0;
     const wisp_strand_dynamics_def def = default_def();
@@ -226,14 +217,13 @@ TEST( strands_of_no_and_of_one_vertex_step )
     strand_steps( s.world, 2, FRAME );
     assert_true( strand_points( s.world, e[0] )[1].y == 2.0f );
     assert_true( motion_stats_of( s.world, e[1] ).mass == 0.0 );
-    close_world( &s );
 }
 
 // ---- heads and surfaces ----
 
 TEST( a_head_carries_its_roots_and_pins )
 {
-    hosted s;
+    SCOPED( close_world ) hosted s;
     open_strands( &s, 4, 1, 1 );
     wisp_strand_dynamics_def def = default_def();
     const int32_t pins[] = { 5, 26 };
@@ -252,12 +242,11 @@ TEST( a_head_carries_its_roots_and_pins )
         // a few roundings of numbers of 0.1 m
         assert_true( vec_distance( p[held[k]], at ) < 1e-7 );
     }
-    close_world( &s );
 }
 
 TEST( a_head_that_jumps_takes_its_strands_along_without_a_velocity )
 {
-    hosted s;
+    SCOPED( close_world ) hosted s;
     open_strands( &s, 16, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
     const wisp_entity e = add_moving( s.world, 5, 20, curl_down, 0.1f, &def );
@@ -273,14 +262,13 @@ TEST( a_head_that_jumps_takes_its_strands_along_without_a_velocity )
         assert_true( vec_distance( p[v], at ) < 1e-4 );
     }
     assert_true( motion_stats_of( s.world, e ).speed_max < 0.05 );
-    close_world( &s );
 }
 
 TEST( roots_stay_on_the_triangles_of_a_surface_and_remain_when_it_goes )
 {
-    hosted s;
+    SCOPED( close_world ) hosted s;
     open_strands( &s, 2, 1, 1 );
-    test_mesh mesh = test_plane( 5, 0.05f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 5, 0.05f );
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_surface_def surface_def = support_weightless_surface_def();
     const wisp_entity surface = test_surface_of( s.world, &fabric, surface_def );
@@ -303,8 +291,6 @@ TEST( roots_stay_on_the_triangles_of_a_surface_and_remain_when_it_goes )
     assert_int_equal( wisp_remove( s.world, surface ), WISP_OK );
     strand_steps( s.world, 3, FRAME );
     assert_memory_equal( strand_points( s.world, e ) + 10, &root, sizeof( root ) );
-    test_mesh_free( &mesh );
-    close_world( &s );
 }
 
 TEST( a_finer_tolerance_has_more_passes_and_smaller_errors )
@@ -312,7 +298,7 @@ TEST( a_finer_tolerance_has_more_passes_and_smaller_errors )
     double worst[2] = { 0.0, 0.0 };
     for ( int k = 0; k < 2; ++k )
     {
-        hosted s;
+        SCOPED( close_world ) hosted s;
         open_strands( &s, 4, 1, 1 );
         wisp_strand_dynamics_def def = default_def();
         def.bending = WISP_STRAND_BEND_NONE;
@@ -324,14 +310,13 @@ TEST( a_finer_tolerance_has_more_passes_and_smaller_errors )
             strand_steps( s.world, 1, FRAME );
             worst[k] = fmax( worst[k], motion_stats_of( s.world, e ).strain_max );
         }
-        close_world( &s );
     }
     assert_true( worst[0] < 2e-5 && worst[1] < 2e-6 );
 }
 
 TEST( friction_on_the_grid_keeps_momentum_and_takes_relative_motion )
 {
-    hosted s;
+    SCOPED( close_world ) hosted s;
     open_strands( &s, 1, 1, 1 );
     wisp_strand_dynamics_def def = default_def();
     def.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
@@ -353,7 +338,6 @@ TEST( friction_on_the_grid_keeps_momentum_and_takes_relative_motion )
     grid.enabled = false;
     assert_int_equal( wisp_set_strand_grid( s.world, e, &grid ), WISP_OK );
     assert_true( plan_says( s.world, "strands.grid", "absent" ) );
-    close_world( &s );
 }
 
 // ---- the plan ----
@@ -364,7 +348,7 @@ TEST( points_alone_keep_the_whole_chain_in_the_item_loop )
         "strands.roots",   "strands.pins",       "strands.damping", "strands.air",
         "strands.predict", "strands.rod_curved", "strands.stretch", "strands.velocity"
     };
-    hosted s;
+    SCOPED( close_world ) hosted s;
     open_strands( &s, 2, 1, 1 );
     wisp_strand_dynamics_def def = default_def();
     const int32_t pin = 3;
@@ -382,14 +366,13 @@ TEST( points_alone_keep_the_whole_chain_in_the_item_loop )
     }
     assert_true( plan_says( s.world, "strands.state_check", "after" ) );
     assert_true( plan_says( s.world, "strands.factor", "before" ) );
-    close_world( &s );
 }
 
 // ---- invalid states ----
 
 TEST( wrong_definitions_are_refused_and_change_nothing )
 {
-    hosted s;
+    SCOPED( close_world ) hosted s;
     open_strands( &s, 1, 1, 1 );
     const wisp_strand_dynamics_def good = default_def();
     const wisp_entity e = add_moving( s.world, 2, 5, straight_out, 0.1f, &good );
@@ -424,7 +407,6 @@ TEST( wrong_definitions_are_refused_and_change_nothing )
     const int count = 3;
     const wisp_entity still = add_strands( s.world, &count, 1, straight_out, 0.1f );
     assert_int_equal( wisp_read_strand_tension( s.world, still, tension ), WISP_CONFLICT );
-    close_world( &s );
 }
 
 TEST( a_nan_in_one_position_halts_that_entity_alone )
@@ -432,7 +414,7 @@ TEST( a_nan_in_one_position_halts_that_entity_alone )
     uint64_t hashes[2][4];
     for ( int k = 0; k < 2; ++k )
     {
-        hosted s;
+        SCOPED( close_world ) hosted s;
         open_strands( &s, 4, 1, 1 );
         const wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
         // more than one group each
@@ -457,7 +439,6 @@ TEST( a_nan_in_one_position_halts_that_entity_alone )
         {
             assert_true( isfinite( p[v].x + p[v].y + p[v].z ) );
         }
-        close_world( &s );
     }
     assert_memory_equal( hashes[0], hashes[1], sizeof( hashes[0] ) );
 }

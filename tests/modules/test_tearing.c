@@ -40,7 +40,7 @@ static strip open_strip( int substeps, int iterations, int workers )
 {
     strip s = { .h = open_tearing( substeps, iterations, workers ) };
     s.world = s.h->world;
-    test_mesh mesh = hanging_mesh( COLUMNS, ROWS, SPACING, SPACING );
+    SCOPED( test_mesh_free ) test_mesh mesh = hanging_mesh( COLUMNS, ROWS, SPACING, SPACING );
     s.triangle_count = mesh.triangle_count;
     add_spares( &mesh, STRIP_SPARES );
     s.vertex_count = mesh.vertex_count;
@@ -64,7 +64,6 @@ static strip open_strip( int substeps, int iterations, int workers )
         factors[v] = v < STRIP_VERTICES ? row * share / ( f->area[f->vertex_slot[v]] * surface.area_density ) : 1.0f;
     }
     assert_status( s.world, wisp_set_map( s.world, s.e, WISP_MAP_AREA_DENSITY, factors, s.vertex_count ), WISP_OK );
-    test_mesh_free( &mesh );
     return s;
 }
 
@@ -78,9 +77,7 @@ static void step_strip( strip* s, int count )
 
 static void let_tear( strip* s, float strength )
 {
-    wisp_tearing_def def = wisp_default_tearing_def();
-    def.strength = strength;
-    assert_status( s->world, wisp_set_tearing( s->world, s->e, &def ), WISP_OK );
+    SET( s->world, s->e, tearing, d.strength = strength );
 }
 
 // N/m, of all that hangs from the first row, on the width of the strip
@@ -257,7 +254,7 @@ static pulled_sheet* open_pulled_sheet( int seed )
     s->h = open_tearing( 2, 4, 1 );
     s->world = s->h->world;
     s->inverse_dt2 = 120.0 * 120.0;
-    test_mesh mesh = hanging_mesh( PULLED_SIDE, PULLED_SIDE, 0.1f, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = hanging_mesh( PULLED_SIDE, PULLED_SIDE, 0.1f, 0.1f );
     int32_t pins[2 * PULLED_SIDE];
     for ( int v = 0; v < PULLED_SIDE * PULLED_SIDE; ++v )
     {
@@ -278,7 +275,6 @@ static pulled_sheet* open_pulled_sheet( int seed )
     s->e = add_cloth( s->world, &fabric, surface, &cloth, EARTH );
     s->hook = ( pass_hook ){ .after = read_forces, .user = s };
     pass_hook_set( s->world, "tearing.measure", &s->hook );
-    test_mesh_free( &mesh );
     return s;
 }
 
@@ -339,10 +335,8 @@ static bool predict( const pulled_sheet* s, const tearing_oracle_mesh* mesh, pul
 // @return splits that were compared
 static int compare_step( pulled_sheet* s, int max_splits, bool* is_torn )
 {
-    wisp_tearing_def def = wisp_default_tearing_def();
-    def.strength = (float)PULLED_STRENGTH, def.max_splits = max_splits;
-    assert_status( s->world, wisp_set_tearing( s->world, s->e, &def ), WISP_OK );
-    int32_t* before = read_triangles( s->world, s->e, PULLED_TRIANGLES );
+    SET( s->world, s->e, tearing, d.strength = (float)PULLED_STRENGTH, d.max_splits = max_splits );
+    SCOPED( free_local ) int32_t* before = read_triangles( s->world, s->e, PULLED_TRIANGLES );
     const wisp_fabric* f = wisp_world_fabric( s->world, s->e );
     double rest[PULLED_VERTICES][2];
     for ( int v = 0; v < PULLED_VERTICES; ++v )
@@ -368,7 +362,7 @@ static int compare_step( pulled_sheet* s, int max_splits, bool* is_torn )
     int vertex = -1, moved = 0;
     bool leaves[PULLED_TRIANGLES];
     const bool tears = predict( s, &mesh, s->edges, max_splits, &vertex, leaves );
-    int32_t* after = read_triangles( s->world, s->e, PULLED_TRIANGLES );
+    SCOPED( free_local ) int32_t* after = read_triangles( s->world, s->e, PULLED_TRIANGLES );
     for ( int i = 0; i < 3 * PULLED_TRIANGLES; ++i )
     {
         moved += after[i] != before[i] ? 1 : 0;
@@ -380,8 +374,6 @@ static int compare_step( pulled_sheet* s, int max_splits, bool* is_torn )
     }
     assert_int_equal( moved > 0, tears );
     *is_torn = *is_torn || tears;
-    free( before );
-    free( after );
     return tears ? 1 : 0;
 }
 
@@ -401,7 +393,7 @@ TEST( splits_are_those_of_the_oracle )
     int compared = 0;
     for ( int seed = 1; seed <= 10; ++seed )
     {
-        pulled_sheet* s = open_pulled_sheet( seed );
+        SCOPED( free_local ) pulled_sheet* s = open_pulled_sheet( seed );
         bool is_torn = false;
         for ( int step = 0; step < PULLED_STEPS && count_spares( s ) >= 3; ++step )
         {
@@ -420,7 +412,6 @@ TEST( splits_are_those_of_the_oracle )
         assert_true( is_torn );
         assert_sound_fabric( s->world, s->e );
         close_tearing( s->h );
-        free( s );
     }
     printf( "%d splits compared\n", compared );
     assert_true( compared > 60 );
@@ -522,14 +513,11 @@ static sheet* open_sheet( const sheet_case* c, int workers, const char* isa, flo
     wisp_entity body;
     ball.kind = WISP_COLLIDER_SPHERE, ball.radius = 0.12f;
     assert_status( world, wisp_add_collider( world, &ball, &body ), WISP_OK );
-    const wisp_collision_def collision = wisp_default_collision_def();
-    assert_status( world, wisp_set_collision( world, s->e, &collision ), WISP_OK );
+    SET_DEFAULT( world, s->e, collision );
     wisp_contact_def contact = wisp_default_contact_def();
     contact.thickness = 0.006f;
     assert_status( world, c->has_contact ? wisp_set_contact( world, s->e, &contact ) : WISP_OK, WISP_OK );
-    wisp_tearing_def def = wisp_default_tearing_def();
-    def.strength = strength, def.max_splits = 16;
-    assert_status( world, wisp_set_tearing( world, s->e, &def ), WISP_OK );
+    SET( world, s->e, tearing, d.strength = strength, d.max_splits = 16 );
     s->h.host.refuse = 0;
     return s;
 }
@@ -645,9 +633,7 @@ TEST( a_snapshot_holds_a_torn_sheet_and_is_refused_by_another )
     run_sheet( s, 0, STEPS - 8 );
     const saved_world saved = save_world( s->h.world );
     const int splits = tearing_stats_of( s->h.world, s->e ).split_count;
-    wisp_tearing_def def = wisp_default_tearing_def();
-    def.strength = 1e6f;
-    assert_status( s->h.world, wisp_set_tearing( s->h.world, s->e, &def ), WISP_OK );
+    SET( s->h.world, s->e, tearing, d.strength = 1e6f );
     const saved_world strong = save_world( s->h.world );
     run_sheet( s, STEPS - 8, STEPS );
     const uint64_t hash = wisp_world_hash( s->h.world );
@@ -676,9 +662,7 @@ TEST( a_step_without_memory_fails_and_the_next_one_goes_on )
     {
         sheet* s = open_sheet( CASES + 3, 1, NULL, 1e6f );
         run_sheet( s, 0, first );
-        wisp_tearing_def def = wisp_default_tearing_def();
-        def.strength = 5.0f;
-        assert_status( s->h.world, wisp_set_tearing( s->h.world, s->e, &def ), WISP_OK );
+        SET( s->h.world, s->e, tearing, d.strength = 5.0f );
         s->h.host.refuse = atomic_load( &s->h.host.queried ) + n;
         const wisp_status status = step_sheet( s, first );
         is_refused = atomic_load( &s->h.host.queried ) >= s->h.host.refuse;
@@ -702,9 +686,7 @@ TEST( a_map_of_factors_decides_where_it_tears )
     {
         factors[v] = v % SIDE < SIDE / 2 ? 1.0f : 1000.0f;
     }
-    wisp_tearing_def def = wisp_default_tearing_def();
-    def.strength = STRENGTH, def.factors = factors;
-    assert_status( s->h.world, wisp_set_tearing( s->h.world, s->e, &def ), WISP_OK );
+    SET( s->h.world, s->e, tearing, d.strength = STRENGTH, d.factors = factors );
     run_sheet( s, 0, STEPS );
     const wisp_fabric* f = wisp_world_fabric( s->h.world, s->e );
     int copies = 0;
@@ -745,8 +727,9 @@ TEST( pins_and_roots_go_with_their_triangles )
         MORE = 40,
         COUNT = N * N,
     };
-    hosted* h = new_hosted( MODULES, WISP_COUNT( MODULES ), 2, 2, 1 );
+    SCOPED( close_local ) hosted* h = new_hosted( MODULES, WISP_COUNT( MODULES ), 2, 2, 1 );
     wisp_world* w = h->world;
+    SCOPED( test_mesh_free )
     test_mesh mesh = hanging_mesh( N, N, 0.05f, 0.05f ), upper = hanging_mesh( N, N, 0.045f, 0.045f );
     int32_t top[N], all[COUNT];
     wisp_vec3 points[2 * COUNT];
@@ -779,9 +762,7 @@ TEST( pins_and_roots_go_with_their_triangles )
     assert_status( w, wisp_set_strand_dynamics( w, hair, &dynamics ), WISP_OK );
     assert_status( w, wisp_root_strands( w, hair, e ), WISP_OK );
     assert_status( w, wisp_request( w, hair, WISP_STRAND_POINTS ), WISP_OK );
-    wisp_tearing_def def = wisp_default_tearing_def();
-    def.strength = 0.3f;
-    assert_status( w, wisp_set_tearing( w, e, &def ), WISP_OK );
+    SET( w, e, tearing, d.strength = 0.3f );
     for ( int step = 0; step < 10; ++step )
     {
         assert_status( w, wisp_world_step( w, 1.0f / 60.0f ), WISP_OK );
@@ -805,9 +786,6 @@ TEST( pins_and_roots_go_with_their_triangles )
                        : 0;
     }
     assert_true( changed > 5 );
-    test_mesh_free( &mesh );
-    test_mesh_free( &upper );
-    close_tearing( h );
 }
 
 // ---- refusals ----
@@ -821,7 +799,7 @@ static void assert_refused( wisp_world* world, wisp_entity e, wisp_tearing_def d
 
 static wisp_entity add_sheet( wisp_world* world, const wisp_cloth_def* cloth, float vertex_mass, bool coarse )
 {
-    test_mesh mesh = test_plane( 30, 0.1f );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 30, 0.1f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     static const int32_t PINS[1] = { 0 };
     fabric.coarse_sheets = coarse, fabric.tethers = true, fabric.attachments = PINS, fabric.attachment_count = 1;
@@ -829,7 +807,6 @@ static wisp_entity add_sheet( wisp_world* world, const wisp_cloth_def* cloth, fl
     surface.vertex_mass = vertex_mass;
     const wisp_entity e = test_surface_of( world, &fabric, surface );
     assert_status( world, cloth != NULL ? wisp_set_cloth( world, e, cloth ) : WISP_OK, WISP_OK );
-    test_mesh_free( &mesh );
     return e;
 }
 
@@ -837,7 +814,7 @@ TEST( what_does_not_tear_is_refused_with_its_reason )
 {
     static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_motion_constraints_module,
                                                   &wisp_boundary_module, &wisp_tearing_module };
-    hosted* h = new_hosted( MODULES, WISP_COUNT( MODULES ), 1, 1, 1 );
+    SCOPED( close_local ) hosted* h = new_hosted( MODULES, WISP_COUNT( MODULES ), 1, 1, 1 );
     wisp_world* w = h->world;
     wisp_tearing_def def = wisp_default_tearing_def(), bad;
     def.strength = 10.0f;
@@ -871,5 +848,4 @@ TEST( what_does_not_tear_is_refused_with_its_reason )
     assert_refused( w, ( wisp_entity ){ 99, 1 }, def, WISP_STALE_ID, "99" );
     int32_t few[3];
     assert_status( w, wisp_read_triangles( w, e, few, 1 ), WISP_BAD_INPUT );
-    close_tearing( h );
 }

@@ -95,7 +95,7 @@ static void crumple( triangle_oracle* cloth, int key, double by, double speed )
 TEST( the_rewrite_is_equation_3_as_printed )
 {
     const triangle_oracle_params params = triangle_oracle_default_params();
-    triangle_oracle cloth = make_sheet( &params );
+    SCOPED( triangle_oracle_destroy ) triangle_oracle cloth = make_sheet( &params );
     double3 printed[SHEET_COUNT], force[SHEET_COUNT], damping[SHEET_COUNT];
     crumple( &cloth, 10, 0.01, 1.0 );
     triangle_oracle_printed( &cloth, cloth.x, cloth.v, printed );
@@ -110,7 +110,6 @@ TEST( the_rewrite_is_equation_3_as_printed )
         // one weight for each neighbour
         assert_ratio( cloth.weight[i] * cloth.neighbours[i], cloth.max_neighbours, 1e-15 );
     }
-    triangle_oracle_destroy( &cloth );
 }
 
 // Of the whole sheet, so that it holds for sums too: force against the gradient of energy, in units of the largest.
@@ -144,10 +143,9 @@ static double worst_force( triangle_oracle* cloth, bool bends )
 TEST( stretch_is_the_gradient_of_its_energy )
 {
     const triangle_oracle_params params = still_params();
-    triangle_oracle cloth = make_sheet( &params );
+    SCOPED( triangle_oracle_destroy ) triangle_oracle cloth = make_sheet( &params );
     crumple( &cloth, 10, 0.01, 0.0 );
     assert_true( worst_force( &cloth, false ) < 1e-6 );
-    triangle_oracle_destroy( &cloth );
 }
 
 TEST( bending_is_the_gradient_of_its_energy )
@@ -155,7 +153,7 @@ TEST( bending_is_the_gradient_of_its_energy )
     triangle_oracle_params params = still_params();
     params.bend_stiffness = 3e-4;
     params.compression_stiffness = 150.0; // both branches of (12) are there
-    triangle_oracle cloth = make_sheet( &params );
+    SCOPED( triangle_oracle_destroy ) triangle_oracle cloth = make_sheet( &params );
     crumple( &cloth, 10, 0.01, 0.0 );
     int ramps = 0, arcs = 0;
     for ( int k = cloth.stretch_count; k < cloth.link_count; ++k )
@@ -167,7 +165,6 @@ TEST( bending_is_the_gradient_of_its_energy )
     print_message( "%d links on the ramp, %d arcs\n", ramps, arcs );
     assert_true( ramps > 4 && arcs > 4 );
     assert_true( worst_force( &cloth, true ) < 1e-6 );
-    triangle_oracle_destroy( &cloth );
 }
 
 // What a link's Jacobian differs by from differences of its force, in units of its k1.
@@ -195,7 +192,7 @@ static double worst_jacobian( const triangle_oracle* cloth, const double3* x )
 TEST( the_jacobian_of_stretch_is_its_derivative )
 {
     const triangle_oracle_params params = still_params();
-    triangle_oracle cloth = make_pair_of( &params, false, 1.0, 1.0 );
+    SCOPED( triangle_oracle_destroy ) triangle_oracle cloth = make_pair_of( &params, false, 1.0, 1.0 );
     for ( int n = 0; n < 20; ++n )
     {
         const double3 way = random_vector( 20, n );
@@ -204,16 +201,15 @@ TEST( the_jacobian_of_stretch_is_its_derivative )
         const triangle_oracle_term term = triangle_oracle_term_at( &cloth, 0, cloth.x );
         assert_true( term.k1 > 0.0 && term.k2 >= 0.0 ); // semidefinite
     }
-    triangle_oracle_destroy( &cloth );
 }
 
 TEST( the_jacobian_of_bending_is_its_derivative_and_drops_one_term )
 {
     triangle_oracle_params params = still_params();
     params.bend_stiffness = 1.0;
-    triangle_oracle dropped = make_pair_of( &params, true, 1.0, 1.0 );
+    SCOPED( triangle_oracle_destroy ) triangle_oracle dropped = make_pair_of( &params, true, 1.0, 1.0 );
     params.jacobian = TRIANGLE_ORACLE_JACOBIAN_FULL;
-    triangle_oracle full = make_pair_of( &params, true, 1.0, 1.0 );
+    SCOPED( triangle_oracle_destroy ) triangle_oracle full = make_pair_of( &params, true, 1.0, 1.0 );
     for ( int n = 0; n < 40; ++n )
     {
         const double3 way = random_vector( 20, n );
@@ -225,8 +221,6 @@ TEST( the_jacobian_of_bending_is_its_derivative_and_drops_one_term )
         assert_true( b.k2 == 0.0 && a.k1 == b.k1 && a.force == b.force );
         assert_close( a.k2, a.force / a.length, 0.0 );
     }
-    triangle_oracle_destroy( &full );
-    triangle_oracle_destroy( &dropped );
 }
 
 static triangle_oracle_matrix without_direction( double3 n )
@@ -275,7 +269,7 @@ TEST( conjugate_gradients_equal_elimination )
         params.weights = (triangle_oracle_weights)form;
         double3 b[SHEET_COUNT], z[SHEET_COUNT], dv[SHEET_COUNT] = { { 0.0, 0.0, 0.0 } }, other[SHEET_COUNT];
         double3 impulse[SHEET_COUNT];
-        triangle_oracle cloth = make_constrained( &params, b, z );
+        SCOPED( triangle_oracle_destroy ) triangle_oracle cloth = make_constrained( &params, b, z );
         triangle_oracle_solve( &cloth, b, z, dv );
         memcpy( impulse, cloth.impulse, sizeof( impulse ) );
         triangle_oracle_solve_dense( &cloth, b, z, other );
@@ -285,7 +279,6 @@ TEST( conjugate_gradients_equal_elimination )
             assert_close( double3_distance( dv[i], other[i] ), 0.0, 1e-9 );
             assert_close( double3_distance( impulse[i], cloth.impulse[i] ), 0.0, 1e-10 );
         }
-        triangle_oracle_destroy( &cloth );
     }
 }
 
@@ -297,7 +290,7 @@ TEST( momentum_of_the_rows_is_kept )
         params.weights = (triangle_oracle_weights)( form % 3 );
         params.integrator = (triangle_oracle_integrator)( form / 3 );
         params.gravity = zero;
-        triangle_oracle cloth = make_sheet( &params );
+        SCOPED( triangle_oracle_destroy ) triangle_oracle cloth = make_sheet( &params );
         crumple( &cloth, 10, 0.01, 1.0 );
         const double3 before = triangle_oracle_momentum( &cloth );
         for ( int k = 0; k < 50; ++k )
@@ -306,6 +299,5 @@ TEST( momentum_of_the_rows_is_kept )
         }
         const double3 after = triangle_oracle_momentum( &cloth );
         assert_close( double3_distance( before, after ), 0.0, 1e-10 * double3_length( before ) );
-        triangle_oracle_destroy( &cloth );
     }
 }

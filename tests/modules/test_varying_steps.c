@@ -235,7 +235,7 @@ TEST( a_long_step_moves_pins_and_colliders_as_many_usual_ones_do )
 // A snapshot between two uneven steps holds the time that no substep has covered yet.
 TEST( a_snapshot_goes_on_at_varying_steps )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, 4, 1 );
     const wisp_entity e = cloth_of_links( h.world );
     assert_status( h.world, wisp_request( h.world, e, WISP_SURFACE_POINTS ), WISP_OK );
@@ -245,7 +245,7 @@ TEST( a_snapshot_goes_on_at_varying_steps )
     {
         assert_status( h.world, wisp_world_step( h.world, (float)from_20_to_1000_hz( i ) ), WISP_OK );
     }
-    char* bytes = malloc( wisp_world_snapshot_size( h.world ) );
+    SCOPED( free_local ) char* bytes = malloc( wisp_world_snapshot_size( h.world ) );
     const size_t full = wisp_world_snapshot_size( h.world );
     assert_true( bytes != NULL && full >= size );
     assert_status( h.world, wisp_world_snapshot( h.world, bytes, full ), WISP_OK );
@@ -262,14 +262,12 @@ TEST( a_snapshot_goes_on_at_varying_steps )
     memset( bytes + full - sizeof( step_clock ), 0xff, sizeof( step_clock ) );
     assert_status( h.world, wisp_world_restore( h.world, bytes, full ), WISP_BAD_INPUT );
     assert_true( wisp_world_hash( h.world ) == hashes[1] );
-    free( bytes );
-    close_world( &h );
 }
 
 // Pins that are moved at 1 m/s are at most a substep behind their targets, and their cloth with them.
 TEST( pins_keep_up_at_varying_steps )
 {
-    hosted h;
+    SCOPED( close_world ) hosted h;
     open_world( &h, 8, 1 );
     const wisp_entity e = cloth_of_links( h.world );
     assert_status( h.world, wisp_request( h.world, e, WISP_SURFACE_POINTS ), WISP_OK );
@@ -285,5 +283,4 @@ TEST( pins_keep_up_at_varying_steps )
         assert_near( (double)point_of( h.world, e, 0 ).x, time, 5e-3 );
         assert_true( fabs( (double)velocity_of( h.world, e, 20 )[0] ) < 1.2 );
     }
-    close_world( &h );
 }
