@@ -197,23 +197,40 @@ void execute_item( wisp_frame* frame, const plan_node* node, unsigned due, pass_
     }
 }
 
+typedef struct pass_run
+{
+    wisp_frame* frame;
+    const wisp_span* span;
+} pass_run;
+
+static void run_pass( void* context, int number, int worker )
+{
+    (void)worker;
+    const pass_run* run = context;
+    const wisp_pass* pass = run->frame->registry->passes + number;
+    pass->run( run->frame, run->span, pass->user );
+}
+
+// Each pass releases its scratch memory, so that what a step needs does not depend on how often this is called.
 void wisp_frame_project_again( wisp_frame* frame, const wisp_span* groups )
 {
     const plan* p = frame->plan;
+    pass_run run = { frame, groups };
     for ( int n = 0; n < p->node_count; ++n )
     {
         const plan_node* node = p->nodes + n;
         const plan_target* target = p->targets + node->first_target;
-        for ( int t = 0; t < node->target_count && node->domain == WISP_DOMAIN_STRAND_GROUP && node->repeats == false;
-              ++t )
+        const bool projects = node->domain == WISP_DOMAIN_STRAND_GROUP && node->repeats == false;
+        for ( int t = 0; t < node->target_count && projects; ++t )
         {
-            unsigned due = target[t].slot == (int)groups->entity.index - 1 ? target[t].passes : 0;
-            for ( int i = 0; i < node->pass_count; ++i )
+            for ( int i = 0; i < node->pass_count && target[t].slot == (int)groups->entity.index - 1; ++i )
             {
-                const bool projects = frame->registry->passes[node->passes[i]].stage == WISP_STAGE_PROJECT;
-                due &= projects ? ~0u : ~( 1u << i );
+                if ( ( target[t].passes >> i & 1 ) != 0 &&
+                     frame->registry->passes[node->passes[i]].stage == WISP_STAGE_PROJECT )
+                {
+                    jobs_run_within( frame->pool, node->passes[i], run_pass, &run, groups->worker );
+                }
             }
-            run_passes( frame, node, due, ( pass_range ){ 0, node->pass_count }, groups );
         }
     }
 }

@@ -467,42 +467,25 @@ static float sum_pushes( wisp_frame* frame, const wisp_span* group, const collis
     return is_inside ? 0.0f : sum;
 }
 
-typedef struct settle_loop
-{
-    wisp_frame* frame;
-    wisp_span span;
-} settle_loop;
-
-// A block of its own for each turn, so that the scratch memory of one serves the next.
-static void take_turn( void* context, int begin, int end, int worker )
-{
-    settle_loop* loop = context;
-    (void)begin;
-    (void)end;
-    loop->span.worker = worker;
-    wisp_frame_project_again( loop->frame, &loop->span );
-}
-
 void collision_settle_strands( wisp_frame* frame, const wisp_span* span, void* user )
 {
-    const collision_settings* settings =
-        wisp_frame_column( frame, span->entity, ( (collision_state*)user )->settings, 0 );
-    settle_loop loop = { frame, *span };
-    for ( int group = span->begin; group < span->end; ++group )
+    const collision_state* state = user;
+    const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
+    wisp_span group = *span;
+    group.iteration = wisp_frame_iterations( frame );
+    for ( group.begin = span->begin; group.begin < span->end; ++group.begin )
     {
-        loop.span.begin = group;
-        loop.span.end = group + 1;
-        loop.span.iteration = wisp_frame_iterations( frame );
-        float before = 0.0f, sum = sum_pushes( frame, &loop.span, user );
+        group.end = group.begin + 1;
+        float before = 0.0f, sum = sum_pushes( frame, &group, state );
         for ( int turn = 0; turn < LENGTH_TURNS && sum - before > SMALL_PUSH * settings->thickness; ++turn )
         {
             before = sum;
-            wisp_parallel_for( wisp_frame_parallel( frame, span ), 1, 1, take_turn, &loop );
-            sum = sum_pushes( frame, &loop.span, user );
+            wisp_frame_project_again( frame, &group );
+            sum = sum_pushes( frame, &group, state );
         }
         if ( sum > 0.0f )
         {
-            collision_touch_strands( frame, &loop.span, user );
+            collision_touch_strands( frame, &group, user );
         }
     }
 }

@@ -282,12 +282,12 @@ static void nudge( determinism_run* base )
 }
 
 // Each worker has a grid of its own, and the assignment of workers to passes is not determined. A grid covers the
-// reach of all strands, and is warm where they have been before.
+// reach of all strands, and is warm where they have been before. Strands over a ball take turns with their lengths where they touch it.
 static determinism_case describe( int number )
 {
-    const bool mixed = cases[number].mixed;
+    const bool mixed = cases[number].mixed, turns = mixed || cases[number].ball;
     return ( determinism_case ){ cases[number].name, STEPS, .warm_workers = mixed ? 1 : 2,
-                                 .rehearsal = mixed ? STEPS : 0 };
+                                 .rehearsal = turns ? STEPS : 0 };
 }
 
 static const determinism subject = { WISP_SOURCE_ROOT "/data/golden/strands.hash",
