@@ -14,6 +14,7 @@
 #define FALLING( columns, spacing )                                                                                  \
     "wisp: 1\n"                                                                                                      \
     "steps: 12\n"                                                                                                    \
+    "gravity: [0, -9.8, 0]\n"                                                                                        \
     "surfaces:\n"                                                                                                    \
     "  - name: sheet\n"                                                                                              \
     "    generate: { shape: plane, columns: " columns ", rows: " columns ", spacing: " spacing " }\n"                \
