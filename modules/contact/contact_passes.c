@@ -18,11 +18,13 @@
 
 #include "wisp/module/sleep.h"
 
+#include <math.h>
 #include <string.h>
 
 enum
 {
-    LENGTH_TURNS = 12, // of pushes and lengths of strands in a substep; two or three are usual
+    LENGTH_TURNS = 12, // of pushes and lengths of strands in a substep, at most
+    USUAL_TURNS = 4,   // behind these a turn that pushes farther than the one before leads nowhere
 };
 
 static contact_work begin_work( wisp_frame* frame, const wisp_span* span, contact_state* state )
@@ -272,9 +274,12 @@ void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
     contact_project_rows( &work );
     // what strands do is limited once more when their lengths are restored
     const bool is_final = is_end && wisp_frame_has( frame, span->entity, state->touches ) == false;
-    for ( int turn = 1; turn < LENGTH_TURNS && contact_restore_lengths( &work, span ); ++turn )
+    float before = INFINITY, pushed = contact_restore_lengths( &work, span );
+    for ( int turn = 1; turn < LENGTH_TURNS && pushed > 0.0f && ( turn < USUAL_TURNS || pushed < before ); ++turn )
     {
         contact_project_rows( &work );
+        before = pushed;
+        pushed = contact_restore_lengths( &work, span );
     }
     if ( is_end )
     {

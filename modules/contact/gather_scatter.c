@@ -24,11 +24,11 @@ typedef struct strand_way
 } strand_way;
 
 // Copy positions of groups of strands, vertex by vertex.
-// @return whether anything changed by more than is small
-static bool move_groups( const wisp_strand_topology* t, const contact_participant* participant, strand_way way,
-                         int begin, int end )
+// @return m, most that a coordinate changed by, or 0 if all is small
+static float move_groups( const wisp_strand_topology* t, const contact_participant* participant, strand_way way,
+                          int begin, int end )
 {
-    bool changed = false;
+    float most = 0.0f;
     for ( int lane = begin * WISP_LANES; lane < end * WISP_LANES; ++lane )
     {
         for ( int i = 0; i < t->lane_count[lane]; ++i )
@@ -38,17 +38,18 @@ static bool move_groups( const wisp_strand_topology* t, const contact_participan
             for ( int k = 0; k < 3; ++k )
             {
                 float *from = way.is_out ? q + k : x + k * WISP_LANES, *to = way.is_out ? x + k * WISP_LANES : q + k;
-                changed = changed || !( fabsf( *to - *from ) <= way.small );
+                const float change = fabsf( *to - *from );
+                most = change <= way.small || change <= most ? most : isnan( change ) ? INFINITY : change;
                 *to = *from;
             }
         }
     }
-    return changed;
+    return most;
 }
 
 static bool move_strands( const wisp_strand_topology* t, const contact_participant* participant, strand_way way )
 {
-    return move_groups( t, participant, way, 0, t->group_count );
+    return move_groups( t, participant, way, 0, t->group_count ) > 0.0f;
 }
 
 static void gather_strand_weights( const wisp_strand_topology* t, const contact_participant* participant,
@@ -72,8 +73,17 @@ typedef struct lengths_loop
     const contact_work* work;
     const contact_participant* participant;
     wisp_span span;
-    _Atomic bool has_changed;
+    _Atomic uint32_t pushed; // bits of a float, m: those of numbers from 0 on have their order
 } lengths_loop;
+
+static void raise_push( _Atomic uint32_t* most, float value )
+{
+    uint32_t bits, now = atomic_load( most );
+    memcpy( &bits, &value, sizeof( bits ) );
+    while ( now < bits && atomic_compare_exchange_weak( most, &now, bits ) == false )
+    {
+    }
+}
 
 static void restore_groups( void* context, int begin, int end, int worker )
 {
@@ -90,18 +100,19 @@ static void restore_groups( void* context, int begin, int end, int worker )
     {
         span.begin = group;
         span.end = group + 1;
-        if ( move_groups( t, loop->participant, out, group, group + 1 ) )
+        const float pushed = move_groups( t, loop->participant, out, group, group + 1 );
+        if ( pushed > 0.0f )
         {
             wisp_frame_project_again( frame, &span );
             (void)move_groups( t, loop->participant, in, group, group + 1 );
-            atomic_store( &loop->has_changed, true );
+            raise_push( &loop->pushed, pushed );
         }
     }
 }
 
-bool contact_restore_lengths( const contact_work* work, const wisp_span* span )
+float contact_restore_lengths( const contact_work* work, const wisp_span* span )
 {
-    bool changed = false;
+    uint32_t bits = 0;
     for ( int g = 0; g < work->participant_count; ++g )
     {
         const contact_participant* participant = work->participants + g;
@@ -110,13 +121,15 @@ bool contact_restore_lengths( const contact_work* work, const wisp_span* span )
             lengths_loop loop = { .work = work, .participant = participant, .span = *span };
             loop.span.entity = participant->entity;
             loop.span.iteration += 1; // tensions add up
-            atomic_init( &loop.has_changed, false );
+            atomic_init( &loop.pushed, bits );
             wisp_parallel_for( work->parallel, wisp_frame_strands( work->frame, participant->entity )->group_count, 1,
                                restore_groups, &loop );
-            changed = changed || atomic_load( &loop.has_changed );
+            bits = atomic_load( &loop.pushed );
         }
     }
-    return changed;
+    float pushed;
+    memcpy( &pushed, &bits, sizeof( pushed ) );
+    return pushed;
 }
 
 // Add the shift of each vertex to its previous position, so that it gives no velocity.

@@ -15,5 +15,5 @@ void contact_scatter( const contact_work* work, bool is_end, bool is_final );
 void contact_keep_participant( const contact_work* work, const contact_participant* participant );
 
 /// Restore the lengths of strands in groups that were pushed since they were gathered, and gather them again.
-/// @return whether there are any
-bool contact_restore_lengths( const contact_work* work, const wisp_span* span );
+/// @return m, farthest push along an axis, or 0 if all are small
+float contact_restore_lengths( const contact_work* work, const wisp_span* span );

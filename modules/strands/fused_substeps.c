@@ -261,6 +261,7 @@ void strands_substeps( wisp_frame* frame, const wisp_span* span, int substep_end
     const parts has = parts_of( frame, span->entity, state );
     pair_args all = { .motion = strands_motion_args( frame, span, state ),
                       .stretch = strands_stretch_args( frame, span, state ) };
+    all.stretch.accumulates_tension = all.stretch.accumulates_tension && has.has_rod; // fused loops take no turns
     if ( has.has_links )
     {
         all.link = strands_bend_link_args( frame, span, state );

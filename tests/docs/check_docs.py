@@ -176,7 +176,7 @@ def known_words():
 def check_names(page, text, known):
     """Commands in a sentence name what exists."""
     for number, line in enumerate(text.split("\n"), 1):
-        for program, verb, word in re.findall(r"`(\./dev|wisp) ([a-z]\w*)(?: ([a-z]\w*))?[^`]*`", line):
+        for program, verb, word in re.findall(r"`(\./dev|wisp) ([a-z]\w*)(?: ([a-z]\w*)(?![\w./]))?[^`]*`", line):
             if verb not in known[program]:
                 fail(page, number, f"{program} has no command '{verb}'")
             elif verb == "bench" and word and word not in known["bench"]:
