@@ -350,9 +350,12 @@ static bool move_coarsest( wisp_frame* frame, const wisp_span* span, const level
         .dt = dt,
         .columns = levels_columns_of( frame, span->entity ),
     };
-    const float* inverse_mass = wisp_frame_column( frame, span->entity, WISP_LEVEL_MASS, 0 );
-    levels_find_mean( inverse_mass + level->first_row, 1, m->acceleration, level->vertex_count,
-                      carrier.columns.forced );
+    if ( m->change != NULL )
+    {
+        const float* inverse_mass = wisp_frame_column( frame, span->entity, WISP_LEVEL_MASS, 0 );
+        levels_find_mean( inverse_mass + level->first_row, 1, m->acceleration, level->vertex_count,
+                          carrier.columns.forced );
+    }
     if ( levels_move_carrier( &carrier ) == false )
     {
         *carrier.columns.state = LEVELS_FIRST;

@@ -276,23 +276,18 @@ static void detach_rows( const plan* p, const wisp_registry* r, bool is_made )
     }
 }
 
-static int find_pose( const wisp_registry* r, const store_entity* e )
-{
-    int i = 0;
-    while ( i < r->place_count && ( r->places[i].shape != WISP_PLACE_POSES ||
-                                    store_mask_has( &e->components, r->places[i].component ) == false ) )
-    {
-        ++i;
-    }
-    return i < r->place_count ? i : -1;
-}
-
 // Find what acts between steps, so that a step asks neither modules without passes nor columns that an entity lacks.
 static void list_followers( plan* p, const wisp_registry* r )
 {
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {
-        p->entities[slot].pose = (int8_t)find_pose( r, r->store->entities + slot );
+        p->entities[slot].pose = -1;
+        for ( int i = r->place_count - 1; i >= 0; --i )
+        {
+            const bool is_pose = r->places[i].shape == WISP_PLACE_POSES &&
+                                 store_mask_has( &r->store->entities[slot].components, r->places[i].component );
+            p->entities[slot].pose = is_pose ? (int8_t)i : p->entities[slot].pose;
+        }
     }
     for ( int i = 0; i < r->state_count; ++i )
     {
