@@ -519,7 +519,7 @@ wisp_status wisp_world_need_fabric( wisp_world* world, wisp_entity surface, unsi
 
 typedef struct length_sum
 {
-    double sum, shortest; // m
+    double sum, shortest, longest; // m
     int count;
 } length_sum;
 
@@ -537,6 +537,7 @@ static void add_length( length_sum* s, const float* a, const float* b, size_t st
     {
         s->sum += length;
         s->shortest = s->count == 0 || length < s->shortest ? length : s->shortest;
+        s->longest = length > s->longest ? length : s->longest;
         s->count += 1;
     }
 }
@@ -567,5 +568,6 @@ wisp_rest_lengths wisp_world_rest_lengths( wisp_world* world, wisp_entity entity
         const int32_t* ends = e->fabric->edges + 2 * (size_t)i;
         add_length( &s, &e->fabric->rest[ends[0]].x, &e->fabric->rest[ends[1]].x, 1 );
     }
-    return ( wisp_rest_lengths ){ s.count > 0 ? (float)( s.sum / s.count ) : 0.0f, (float)s.shortest };
+    return ( wisp_rest_lengths ){ s.count > 0 ? (float)( s.sum / s.count ) : 0.0f, (float)s.shortest,
+                                  (float)s.longest };
 }

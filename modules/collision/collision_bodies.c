@@ -112,14 +112,13 @@ wisp_status collision_check_points( wisp_world* world, const wisp_collider_def* 
 
 // ---- meshes ----
 
-// Return six times the volume, relative to the first point.
-double collision_signed_volume( const wisp_vec3* points, const int32_t* triangles, int count )
+float collision_bluntness( const wisp_vec3* points, const int32_t* triangles, int count )
 {
     const wisp_vec3 o = points[triangles[0]];
-    double sum = 0.0;
+    double volume = 0.0, area = 0.0;
     for ( int t = 0; t < count; ++t )
     {
-        double e[3][3];
+        double e[3][3], n[3];
         for ( int corner = 0; corner < 3; ++corner )
         {
             const wisp_vec3 p = points[triangles[3 * (size_t)t + (size_t)corner]];
@@ -127,11 +126,15 @@ double collision_signed_volume( const wisp_vec3* points, const int32_t* triangle
             e[corner][1] = (double)p.y - (double)o.y;
             e[corner][2] = (double)p.z - (double)o.z;
         }
-        sum += e[0][0] * ( e[1][1] * e[2][2] - e[1][2] * e[2][1] ) +
-               e[0][1] * ( e[1][2] * e[2][0] - e[1][0] * e[2][2] ) +
-               e[0][2] * ( e[1][0] * e[2][1] - e[1][1] * e[2][0] );
+        for ( int k = 0; k < 3; ++k )
+        {
+            const int y = ( k + 1 ) % 3, z = ( k + 2 ) % 3;
+            volume += e[0][k] * ( e[1][y] * e[2][z] - e[1][z] * e[2][y] ) / 6.0;
+            n[k] = ( e[1][y] - e[0][y] ) * ( e[2][z] - e[0][z] ) - ( e[1][z] - e[0][z] ) * ( e[2][y] - e[0][y] );
+        }
+        area += 0.5 * sqrt( n[0] * n[0] + n[1] * n[1] + n[2] * n[2] );
     }
-    return sum;
+    return area > 0.0 ? (float)( volume / area ) : 0.0f;
 }
 
 void collision_measure_points( const wisp_collider_def* d, collision_body* body )
@@ -185,8 +188,8 @@ static wisp_status make_mesh( wisp_world* world, const wisp_collider_def* d, col
                                   "sheet",
                                   open );
     }
-    else if ( d->double_sided == false &&
-              !( collision_signed_volume( d->points, d->triangles, d->triangle_count ) > 0.0 ) )
+    body->bluntness = d->double_sided ? 0.0f : collision_bluntness( d->points, d->triangles, d->triangle_count );
+    if ( status == WISP_OK && d->double_sided == false && !( body->bluntness > 0.0f ) )
     {
         status = wisp_world_fail( world, WISP_BAD_INPUT, "collider: the triangles of the mesh face inwards" );
     }
@@ -212,7 +215,7 @@ static void measure_tapered( collision_body* body )
     body->centre = ( wisp_vec3 ){ 0.0f, 0.5f * ( lower + upper ), 0.0f };
     // slightly larger, against rounding of the sums
     body->half = ( wisp_vec3 ){ r, 0.50001f * ( upper - lower ), r };
-    body->inner = fminf( s->top_radius, s->bottom_radius );
+    body->inner = body->bluntness = fminf( s->top_radius, s->bottom_radius );
 }
 
 static wisp_status make_body( wisp_world* world, const wisp_collider_def* d, collision_body* body )
@@ -263,6 +266,7 @@ static wisp_status make_body( wisp_world* world, const wisp_collider_def* d, col
     const wisp_vec3 h = d->half_extent;
     const float inner[] = { all, r, r, fminf( h.x, fminf( h.y, h.z ) ) };
     body->inner = inner[d->kind];
+    body->bluntness = d->kind == WISP_COLLIDER_BOX ? 0.0f : body->inner;
     return WISP_OK;
 }
 

@@ -128,6 +128,8 @@ static wisp_status declare_components( wisp_registry* r, collision_state* state 
     const wisp_component_def active = { "collision.active", WISP_TABLE_ENTITY, ACTIVE_COLUMNS, 1 };
     const wisp_component_def strand_contact = { "collision.strand_contact", WISP_TABLE_STRAND_ROW,
                                                 STRAND_CONTACT_COLUMNS, WISP_COUNT( STRAND_CONTACT_COLUMNS ) };
+    wisp_component_def segment_contact = strand_contact;
+    segment_contact.name = "collision.segment_contact";
     const wisp_component_def carried = { "collision.carried", WISP_TABLE_STRAND_ROW, CARRIED_COLUMNS, 1 };
     const wisp_component_def stats = { "collision.stats", WISP_TABLE_ENTITY, STATS_COLUMNS, 1 };
     const wisp_component_def collider = { "collision.collider", WISP_TABLE_ENTITY, COLLIDER_COLUMNS, 1 };
@@ -142,6 +144,7 @@ static wisp_status declare_components( wisp_registry* r, collision_state* state 
     wisp_declare_map( r, WISP_MAP_COLLISION_FRICTION, state->settings, NULL );
     state->active = wisp_declare_component( r, &active );
     state->strand_contact = wisp_declare_component( r, &strand_contact );
+    state->segment_contact = wisp_declare_component( r, &segment_contact );
     state->carried = wisp_declare_component( r, &carried );
     state->stats = wisp_declare_component( r, &stats );
     state->collider = wisp_declare_component( r, &collider );

@@ -67,6 +67,30 @@ static wisp_status update_surface( wisp_world* world, const collision_state* sta
     return status;
 }
 
+// Whether the segments of strands that move meet a body.
+static bool meets_segments( wisp_world* world, const collision_state* state, wisp_entity strands, int body )
+{
+    const collision_settings* settings = wisp_world_column( world, strands, state->settings, 0 );
+    const collision_collider* collider =
+        wisp_world_column( world, state->bodies[body].entity, state->collider, 0 );
+    const bool is_all = wisp_world_has( world, strands, state->all_features );
+    return ( collider->layers & settings->mask ) != 0 &&
+           collision_meets_segments( state->bodies + body, settings->thickness + collider->thickness,
+                                     is_all ? INFINITY : wisp_world_rest_lengths( world, strands ).longest );
+}
+
+static wisp_status update_segments( wisp_world* world, const collision_state* state, wisp_entity participant,
+                                    bool moves )
+{
+    bool any = false;
+    for ( int i = 0; i < state->body_count && moves; ++i )
+    {
+        any = any || meets_segments( world, state, participant, i );
+    }
+    return any ? wisp_world_attach( world, participant, state->segment_contact )
+               : wisp_world_detach( world, participant, state->segment_contact );
+}
+
 // Strands that got dynamics since they were added change their component.
 static wisp_status update_strands( wisp_world* world, const collision_state* state, wisp_entity participant,
                                    bool active )
@@ -81,6 +105,7 @@ static wisp_status update_strands( wisp_world* world, const collision_state* sta
                      ? wisp_world_attach( world, participant, state->strand_tracked )
                      : wisp_world_detach( world, participant, state->strand_tracked );
     }
+    status = status == WISP_OK ? update_segments( world, state, participant, active && moves ) : status;
     if ( status == WISP_OK && moves && wisp_world_has( world, participant, state->carried ) )
     {
         return wisp_world_detach( world, participant, state->carried );
@@ -89,13 +114,16 @@ static wisp_status update_strands( wisp_world* world, const collision_state* sta
 }
 
 // Edges and corners of meshes are found once something collides with them.
-static wisp_status prepare_meshes( wisp_world* world, const collision_state* state, bool is_wanted )
+static wisp_status prepare_meshes( wisp_world* world, const collision_state* state, wisp_entity participant )
 {
-    for ( int i = 0; i < state->body_count && is_wanted; ++i )
+    const bool is_surface = wisp_world_strands( world, participant ) == NULL;
+    for ( int i = 0; i < state->body_count; ++i )
     {
         wisp_error error = { 0 };
         wisp_collision_mesh* tree = state->bodies[i].tree;
-        if ( tree != NULL && wisp_collision_mesh_prepare_features( tree, &error ) != WISP_OK )
+        const bool is_wanted = is_surface ? wisp_world_has( world, participant, state->all_features )
+                                          : meets_segments( world, state, participant, i );
+        if ( is_wanted && tree != NULL && wisp_collision_mesh_prepare_features( tree, &error ) != WISP_OK )
         {
             return wisp_world_fail( world, error.status, "%s", error.message );
         }
@@ -107,8 +135,7 @@ static wisp_status update( wisp_world* world, const collision_state* state, wisp
 {
     const collision_settings* settings = wisp_world_column( world, participant, state->settings, 0 );
     const bool active = state->body_count > 0 && settings->enabled != 0, stats = active && settings->stats != 0;
-    wisp_status status =
-        prepare_meshes( world, state, active && wisp_world_has( world, participant, state->all_features ) );
+    wisp_status status = active ? prepare_meshes( world, state, participant ) : WISP_OK;
     if ( status == WISP_OK && stats == false )
     {
         status = wisp_world_cancel_request( world, participant, state->stats );
@@ -220,11 +247,6 @@ static wisp_status check_features( wisp_world* world, wisp_entity participant, w
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "collision: features is %d, it must be 0 to %d", (int)features,
                                 WISP_COLLISION_FEATURES_COUNT - 1 );
-    }
-    if ( features == WISP_COLLISION_ALL && wisp_world_strands( world, participant ) != NULL )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT,
-                                "collision: the strands of entity %u collide by vertices alone", participant.index );
     }
     if ( features == WISP_COLLISION_ALL && wisp_world_has( world, participant, WISP_PARTICLE_EXTERNAL_SOLVER ) )
     {

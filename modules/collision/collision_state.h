@@ -35,6 +35,7 @@ typedef struct collision_body
     float ball_radius;  // m, of a ball around the box
     float tight_radius; // m, of a ball around the points of a mesh, with the same centre
     float inner;        // m, of a closed form: the smallest of its half sizes; infinite for a plane, 0 for a mesh
+    float bluntness;    // m, the least radius of a closed form, 0 with edges; volume over area of a solid mesh
 } collision_body;
 
 /// Return whether kernels compute the closest points of the body.
@@ -50,6 +51,7 @@ typedef struct collision_state
     wisp_component settings; // collision_settings: the surface, or the strands, collide
     wisp_component active;   // a mark on surfaces, while there is a body: also on those that an external solver moves
     wisp_component strand_contact; // rows of strands, likewise
+    wisp_component segment_contact; // the same of the segments behind their vertices, while there is a body that they meet
     wisp_component carried;        // rows of strands without dynamics, likewise
     wisp_component stats;          // wisp_collision_stats
     wisp_component collider;       // collision_collider

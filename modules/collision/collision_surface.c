@@ -82,7 +82,8 @@ static wisp_status build_mesh( wisp_world* world, const wisp_fabric* fabric, col
                                  "it double-sided",
                                  open );
         }
-        else if ( !( collision_signed_volume( body->finish, triangles, fabric->triangle_count ) > 0.0 ) )
+        body->bluntness = collision_bluntness( body->finish, triangles, fabric->triangle_count );
+        if ( status == WISP_OK && !( body->bluntness > 0.0f ) )
         {
             status = wisp_world_fail( world, WISP_BAD_INPUT, "collider: the triangles of the surface face inwards" );
         }

@@ -4,25 +4,6 @@
 #include "body_queries.h"
 #include "primitive_contacts.h"
 
-/// The path of a primitive in the frame of a body.
-typedef struct primitive_path
-{
-    int corner_count;
-    wisp_vec3 from[3], to[3];
-    float displacement; // m, of the fastest corner
-    // half spaces of the corners' own contacts, of a mesh: normals in the frame of the body, and distances of the corners, m
-    int plane_count;
-    wisp_vec3 normals[3 * WISP_COLLISION_CONTACTS];
-    float distances[3 * WISP_COLLISION_CONTACTS];
-} primitive_path;
-
-/// Where a primitive meets a body.
-typedef struct collision_meeting
-{
-    collision_deepest deepest; // its surface point is that at the end of the substep
-    wisp_vec3 motion;          // m, of that point in the substep; zero of a rigid mesh
-} collision_meeting;
-
 /// Return whether a body has edges and corners of its own: a mesh, a surface or a height field.
 static inline bool collision_has_features( const collision_body* body )
 {

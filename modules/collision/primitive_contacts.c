@@ -166,8 +166,7 @@ static bool is_on_border( const collision_deepest* d )
     return d->weights[0] < COLLISION_BORDER || d->weights[1] < COLLISION_BORDER || d->weights[2] < COLLISION_BORDER;
 }
 
-// Return the signed distance less the thickness at which the point of a contact starts.
-static float start_gap( const collision_view* view, const primitive_path* path, const collision_meeting* m )
+float collision_meeting_gap( const collision_view* view, const primitive_path* path, const collision_meeting* m )
 {
     const collision_deepest* d = &m->deepest;
     wisp_vec3 start = { 0.0f, 0.0f, 0.0f };
@@ -202,7 +201,7 @@ static void write_contact( const find_loop* loop, const collision_view* view, co
     {
         along += d->weights[k] * collision_dot( normal, collision_load( loop->previous + (size_t)corners[k] * 4 ) );
     }
-    out->half_space.normal_correction = start_gap( view, path, m ) - along;
+    out->half_space.normal_correction = collision_meeting_gap( view, path, m ) - along;
 }
 
 static bool is_pinned( const find_loop* loop, const int32_t* corners, const collision_deepest* d )
@@ -215,9 +214,12 @@ static bool is_pinned( const find_loop* loop, const int32_t* corners, const coll
     return !( sum > 0.0f );
 }
 
-// @return how many meetings there are, 1 at most
-static int meet_convex( const collision_view* view, const primitive_path* path, collision_meeting* out )
+int collision_meet_body( const collision_view* view, const primitive_path* path, collision_meeting* out )
 {
+    if ( collision_has_features( view->body ) )
+    {
+        return collision_meet_features( view, path, out );
+    }
     *out = ( collision_meeting ){ .motion = { 0.0f, 0.0f, 0.0f } };
     const bool meets = find_meeting( view, path, &out->deepest );
     return meets && ( path->corner_count == 2 || is_on_border( &out->deepest ) == false ) ? 1 : 0;
@@ -241,13 +243,11 @@ static void meet_body( const find_loop* loop, const collision_view* of_all, int 
     {
         return;
     }
-    const bool has_features = collision_has_features( view->body );
-    if ( has_features )
+    if ( collision_has_features( view->body ) )
     {
         load_planes( loop, view, corners, &path );
     }
-    const int count =
-        has_features ? collision_meet_features( view, &path, meetings ) : meet_convex( view, &path, &meetings[0] );
+    const int count = collision_meet_body( view, &path, meetings );
     for ( int i = 0; i < count; ++i )
     {
         if ( is_pinned( loop, corners, &meetings[i].deepest ) )

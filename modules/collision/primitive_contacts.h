@@ -19,6 +19,25 @@ typedef struct collision_primitive_contact
 
 _Static_assert( sizeof( collision_primitive_contact ) == 20 * sizeof( float ), "no padding" );
 
+/// The path of a primitive in the frame of a body.
+typedef struct primitive_path
+{
+    int corner_count;
+    wisp_vec3 from[3], to[3];
+    float displacement; // m, of the fastest corner
+    // half spaces of the corners' own contacts, of a mesh: normals in the frame of the body, and distances of the corners, m
+    int plane_count;
+    wisp_vec3 normals[3 * WISP_COLLISION_CONTACTS];
+    float distances[3 * WISP_COLLISION_CONTACTS];
+} primitive_path;
+
+/// Where a primitive meets a body.
+typedef struct collision_meeting
+{
+    collision_deepest deepest; // its surface point is that at the end of the substep
+    wisp_vec3 motion;          // m, of that point in the substep; zero of a rigid mesh
+} collision_meeting;
+
 /// Edges or triangles of a participant, and their contacts.
 typedef struct collision_primitives
 {
@@ -44,6 +63,13 @@ static inline int collision_contacts_of( const collision_primitives* p, int prim
 /// @param recovery m, by which what starts too near is moved out; negative: not at all
 void collision_search_primitives( wisp_frame* frame, const wisp_span* span, const collision_state* state,
                                   float recovery );
+
+/// Find where an edge or a triangle meets a body: up to two edges or corners of a mesh, or a point of a convex body.
+/// @param out [COLLISION_PRIMITIVE_CONTACTS] @return how many
+int collision_meet_body( const collision_view* view, const primitive_path* path, collision_meeting* out );
+
+/// Return the signed distance less the thickness at which the point of a meeting starts.
+float collision_meeting_gap( const collision_view* view, const primitive_path* path, const collision_meeting* m );
 
 /// Return whether edges and triangles collide with a body. A plane needs no more than vertices.
 static inline bool collision_meets_primitives( const collision_body* body )

@@ -56,6 +56,7 @@ wisp_status collision_make_height_field( wisp_world* world, const wisp_collider_
     body->centre = ( wisp_vec3 ){ 0.0f, top, 0.0f };
     body->half = ( wisp_vec3 ){ INFINITY, INFINITY, INFINITY };
     body->ball_radius = INFINITY;
+    body->bluntness = 1e6f; // most terrain is wide
     return WISP_OK;
 }
 

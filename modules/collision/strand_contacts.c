@@ -19,6 +19,7 @@
 //   ns on a closed form, 3 ns away from all bodies.
 #include "body_queries.h"
 #include "collision_passes.h"
+#include "primitive_contacts.h"
 #include "reaction.h"
 
 #include <math.h>
@@ -40,6 +41,10 @@ typedef struct strand_loop
     bool is_first;    // pass of the step
     int substeps_left;
     wisp_strand_contact_args args; // without the body
+    bool has_segments;
+    wisp_strand_contact_args segments; // the same with the sums of segments
+    const int32_t* lane_count;         // [lane] vertices
+    float longest;                     // m, of the segments of the group; infinite: all of them meet bodies
     int group;
     wisp_strand_bounds reach; // of the group
     // for reactions, else null
@@ -98,14 +103,14 @@ typedef struct strand_way
 } strand_way;
 
 // Compute the displacement of a vertex, as the kernel strand_contact does.
-static strand_way find_way( const strand_loop* loop, float thickness, float start, float now, float depth )
+static strand_way find_way( const wisp_strand_contact_args* sums, float thickness, float start, float now, float depth )
 {
     const float began = fmaxf( 0.0f, thickness - start );
     const float may = began > depth + thickness ? began : fminf( depth, began );
     const float outward = fmaxf( 0.0f, now - start - ( began - may ) );
     const float left = fmaxf( 0.0f, may - outward );
     strand_way way;
-    way.recovered = fminf( left, fmaxf( 0.0f, loop->args.max_push_out - outward ) );
+    way.recovered = fminf( left, fmaxf( 0.0f, sums->max_push_out - outward ) );
     way.left = left - way.recovered;
     way.out = fmaxf( 0.0f, thickness - way.left - now );
     way.absorbed = may > COLLISION_SHALLOW * thickness ? outward : 0.0f;
@@ -125,6 +130,62 @@ static wisp_vec3 friction_of( const collision_view* view, wisp_vec3 u, float pus
     return ( wisp_vec3 ){ fraction * u.x, fraction * u.y, fraction * u.z };
 }
 
+// A point of a strand: a vertex, or a point between two.
+typedef struct strand_point
+{
+    const wisp_strand_contact_args* sums;
+    size_t i;         // its place in them
+    int count;        // vertices
+    size_t corner[2]; // their places in rows of vectors
+    float weight[2];
+    float part[2]; // displacement of a vertex per displacement of the point
+} strand_point;
+
+static wisp_vec3 place_of( const strand_point* q, const float* rows )
+{
+    wisp_vec3 p = { 0.0f, 0.0f, 0.0f };
+    for ( int k = 0; k < q->count; ++k )
+    {
+        p = collision_add_scaled( p, q->weight[k], collision_load_lane( rows + q->corner[k] ) );
+    }
+    return p;
+}
+
+static void move_by( const strand_point* q, float* rows, float distance, wisp_vec3 along )
+{
+    for ( int k = 0; k < q->count; ++k )
+    {
+        float* at = rows + q->corner[k];
+        collision_store_lane( at,
+                              collision_add_scaled( collision_load_lane( at ), q->part[k] * distance, along ) );
+    }
+}
+
+// Keep a point a thickness away from a plane. @param start m, distance from the plane at the start of the substep
+// @param now m, the same now @param carried of the plane in the substep
+static void push_point( const collision_view* view, const strand_point* q, const wisp_surface_point* plane,
+                        float start, float now, wisp_vec3 carried )
+{
+    const wisp_strand_contact_args* sums = q->sums;
+    const strand_way way = find_way( sums, view->thickness, start, now, sums->allowed_depth[q->i] );
+    const wisp_vec3 normal = wisp_quat_rotate( view->after.rotation, plane->normal );
+    move_by( q, sums->position, way.out, normal );
+    move_by( q, sums->previous, way.recovered + way.absorbed, normal );
+    const wisp_vec3 turned = collision_sub( wisp_transform_to_world( view->after, plane->point ),
+                                            wisp_transform_to_world( view->before, plane->point ) );
+    const wisp_vec3 motion = collision_add_scaled( turned, 1.0f, carried );
+    sums->normal_correction[q->i] += fmaxf( 0.0f, way.out - way.recovered );
+    float* rubbed = sums->friction + q->i / WISP_LANES * COLLISION_ROW + q->i % WISP_LANES;
+    const wisp_vec3 before = tangential( collision_load_lane( rubbed ), normal );
+    const wisp_vec3 moved = collision_sub( place_of( q, sums->position ), place_of( q, sums->previous ) );
+    const wisp_vec3 u = tangential( collision_sub( moved, motion ), normal );
+    const wisp_vec3 friction =
+        friction_of( view, collision_add_scaled( before, 1.0f, u ), sums->normal_correction[q->i] );
+    move_by( q, sums->position, -1.0f, collision_sub( friction, before ) );
+    collision_store_lane( rubbed, friction );
+    sums->remaining_depth[q->i] = fmaxf( sums->remaining_depth[q->i], way.left );
+}
+
 static void push_vertex( strand_loop* loop, const collision_view* view, int row, int lane, wisp_vec3 from,
                          wisp_vec3 to, const wisp_surface_point* nearest, wisp_vec3 carried, int32_t seed )
 {
@@ -138,33 +199,17 @@ static void push_vertex( strand_loop* loop, const collision_view* view, int row,
     carried = swept ? swept_motion : carried;
     plane = swept ? plane : *nearest;
     const float now = swept ? collision_dot( plane.normal, collision_sub( to, plane.point ) ) : nearest->distance;
-    if ( !( now < view->thickness ) )
+    if ( now < view->thickness )
     {
-        return;
+        const float start = collision_start_gap( view, &plane, from, carried, swept, seed ) + view->thickness;
+        const strand_point point = { .sums = &loop->args,
+                                     .i = (size_t)row * WISP_LANES + (size_t)lane,
+                                     .count = 1,
+                                     .corner = { (size_t)row * COLLISION_ROW + (size_t)lane },
+                                     .weight = { 1.0f },
+                                     .part = { 1.0f } };
+        push_point( view, &point, &plane, start, now, carried );
     }
-    const size_t i = (size_t)row * WISP_LANES + (size_t)lane;
-    float *at = loop->args.position + (size_t)row * COLLISION_ROW + lane,
-          *was = loop->args.previous + (size_t)row * COLLISION_ROW + lane;
-    const float start = collision_start_gap( view, &plane, from, carried, swept, seed ) + view->thickness;
-    const strand_way way = find_way( loop, view->thickness, start, now, loop->args.allowed_depth[i] );
-    const wisp_vec3 normal = wisp_quat_rotate( view->after.rotation, plane.normal );
-    const wisp_vec3 p = collision_add_scaled( collision_load_lane( at ), way.out, normal );
-    const wisp_vec3 previous =
-        collision_add_scaled( collision_load_lane( was ), way.recovered + way.absorbed, normal );
-    const wisp_vec3 turned = collision_sub( wisp_transform_to_world( view->after, plane.point ),
-                                            wisp_transform_to_world( view->before, plane.point ) );
-    const wisp_vec3 motion = collision_add_scaled( turned, 1.0f, carried );
-    const float push = fmaxf( 0.0f, way.out - way.recovered );
-    loop->args.normal_correction[i] += push;
-    float* rubbed = loop->args.friction + (size_t)row * COLLISION_ROW + lane;
-    const wisp_vec3 before = tangential( collision_load_lane( rubbed ), normal );
-    const wisp_vec3 u = tangential( collision_sub( collision_sub( p, previous ), motion ), normal );
-    const wisp_vec3 friction =
-        friction_of( view, collision_add_scaled( before, 1.0f, u ), loop->args.normal_correction[i] );
-    collision_store_lane( at, collision_sub( p, collision_sub( friction, before ) ) );
-    collision_store_lane( was, previous );
-    collision_store_lane( rubbed, friction );
-    loop->args.remaining_depth[i] = fmaxf( loop->args.remaining_depth[i], way.left );
 }
 
 static bool has_strand_tracks( const strand_loop* loop, const collision_view* view )
@@ -306,6 +351,165 @@ static void push_strand_row( strand_loop* loop, const collision_view* view, int 
     }
 }
 
+// ---- segments ----
+
+// A box in the world around a body on its way through the substep, wider by the thickness and by what chords cut off.
+typedef struct body_box
+{
+    float lower[3], upper[3];
+} body_box;
+
+static body_box box_around( const strand_loop* loop, const collision_view* view )
+{
+    const wisp_transform poses[2] = { view->before, view->after };
+    const wisp_vec3 half = view->body->half;
+    const float more = view->thickness + 0.5f * path_seen( loop, view );
+    body_box box = { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } };
+    for ( int pose = 0; pose < 2; ++pose )
+    {
+        float centre[3], extent[3] = { more, more, more };
+        collision_store( centre, wisp_transform_to_world( poses[pose], view->body->centre ) );
+        const wisp_vec3 sides[3] = { { half.x, 0.0f, 0.0f }, { 0.0f, half.y, 0.0f }, { 0.0f, 0.0f, half.z } };
+        for ( int side = 0; side < 3; ++side )
+        {
+            float turned[3];
+            collision_store( turned, wisp_quat_rotate( poses[pose].rotation, sides[side] ) );
+            for ( int k = 0; k < 3; ++k )
+            {
+                extent[k] += fabsf( turned[k] );
+            }
+        }
+        for ( int k = 0; k < 3; ++k )
+        {
+            box.lower[k] = fminf( box.lower[k], centre[k] - extent[k] );
+            box.upper[k] = fmaxf( box.upper[k], centre[k] + extent[k] );
+        }
+    }
+    return box;
+}
+
+// Find the segments behind the vertices of a row whose path may come near. NaN is not near. @return how many
+static int find_near_segments( const strand_loop* loop, const body_box* box, int row, int lanes[WISP_LANES] )
+{
+    const float *at = loop->args.position + (size_t)row * COLLISION_ROW,
+                *was = loop->args.previous + (size_t)row * COLLISION_ROW;
+    const float* inverse_mass = loop->args.inverse_mass + (size_t)row * WISP_LANES;
+    const int next = row + 1 - loop->args.group_row[loop->group];
+    bool near[WISP_LANES];
+    for ( int l = 0; l < WISP_LANES; ++l )
+    {
+        near[l] = inverse_mass[l] + inverse_mass[WISP_LANES + l] > 0.0f;
+    }
+    for ( int k = 0; k < 3; ++k, at += WISP_LANES, was += WISP_LANES )
+    {
+        for ( int l = 0; l < WISP_LANES; ++l )
+        {
+            const float a = collision_smaller( at[l], was[l] ), b = collision_larger( at[l], was[l] );
+            const float c = collision_smaller( at[COLLISION_ROW + l], was[COLLISION_ROW + l] ),
+                        d = collision_larger( at[COLLISION_ROW + l], was[COLLISION_ROW + l] );
+            near[l] =
+                near[l] & ( collision_smaller( a, c ) <= box->upper[k] && collision_larger( b, d ) >= box->lower[k] );
+        }
+    }
+    int n = 0;
+    for ( int l = 0; l < WISP_LANES; ++l )
+    {
+        lanes[n] = l;
+        n += near[l] && next < loop->lane_count[loop->group * WISP_LANES + l] ? 1 : 0;
+    }
+    return n;
+}
+
+static strand_point point_between( const strand_loop* loop, int row, int lane, const float weights[2] )
+{
+    const size_t i = (size_t)row * WISP_LANES + (size_t)lane;
+    strand_point q = { .sums = &loop->segments, .i = i, .count = 2 };
+    float sum = 0.0f;
+    for ( int k = 0; k < 2; ++k )
+    {
+        q.corner[k] = (size_t)( row + k ) * COLLISION_ROW + (size_t)lane;
+        q.weight[k] = weights[k];
+        q.part[k] = loop->args.inverse_mass[i + (size_t)k * WISP_LANES] * weights[k];
+        sum += q.part[k] * weights[k];
+    }
+    for ( int k = 0; k < 2; ++k )
+    {
+        q.part[k] = sum > 0.0f ? q.part[k] / sum : 0.0f; // 0: the point is at a root
+    }
+    return q;
+}
+
+static void push_segment( const strand_loop* loop, const collision_view* view, int row, int lane, double* sum )
+{
+    primitive_path path = { .corner_count = 2 };
+    wisp_vec3 before[2][2];
+    bool is_finite = true;
+    for ( int k = 0; k < 2; ++k )
+    {
+        const size_t corner = (size_t)( row + k ) * COLLISION_ROW + (size_t)lane;
+        before[k][0] = collision_load_lane( loop->args.position + corner );
+        before[k][1] = collision_load_lane( loop->args.previous + corner );
+        path.to[k] = wisp_transform_to_local( view->after, before[k][0] );
+        path.from[k] = wisp_transform_to_local( view->before, before[k][1] );
+        is_finite = is_finite && collision_is_finite( path.from[k] ) && collision_is_finite( path.to[k] );
+        path.displacement =
+            collision_larger( path.displacement, collision_length( collision_sub( path.to[k], path.from[k] ) ) );
+    }
+    collision_meeting meetings[COLLISION_PRIMITIVE_CONTACTS];
+    const int count = is_finite ? collision_meet_body( view, &path, meetings ) : 0;
+    for ( int m = 0; m < count; ++m )
+    {
+        const wisp_surface_point* plane = &meetings[m].deepest.surface;
+        const strand_point q = point_between( loop, row, lane, meetings[m].deepest.weights );
+        const wisp_vec3 p = wisp_transform_to_local( view->after, place_of( &q, loop->args.position ) );
+        const float now = collision_dot( plane->normal, collision_sub( p, plane->point ) );
+        if ( now < view->thickness )
+        {
+            const float start = collision_meeting_gap( view, &path, &meetings[m] ) + view->thickness;
+            push_point( view, &q, plane, start, now, meetings[m].motion );
+        }
+    }
+    for ( int k = 0; k < 2 && count > 0 && sum != NULL; ++k )
+    {
+        const size_t i = (size_t)( row + k ) * WISP_LANES + (size_t)lane;
+        const size_t corner = (size_t)( row + k ) * COLLISION_ROW + (size_t)lane;
+        if ( loop->args.inverse_mass[i] > 0.0f )
+        {
+            collision_add_reaction( sum, 1.0 / ( (double)loop->args.inverse_mass[i] * (double)loop->dt ),
+                                    before[k][0], before[k][1], collision_load_lane( loop->args.position + corner ),
+                                    collision_load_lane( loop->args.previous + corner ) );
+        }
+    }
+}
+
+// Push the segments of a group, from the roots on.
+static void push_segments( const strand_loop* loop, const collision_view* view, double* sum )
+{
+    const body_box box = box_around( loop, view );
+    for ( int row = loop->args.group_row[loop->group]; row + 1 < loop->args.group_row[loop->group + 1]; ++row )
+    {
+        int lanes[WISP_LANES];
+        const int n = find_near_segments( loop, &box, row, lanes );
+        for ( int i = 0; i < n; ++i )
+        {
+            push_segment( loop, view, row, lanes[i], sum );
+        }
+    }
+}
+
+// Return the length of the longest segment of a group, m; infinite where all of them meet bodies.
+static float longest_of( wisp_frame* frame, const wisp_span* span, const collision_state* state, int group )
+{
+    const int32_t* group_row = wisp_frame_strands( frame, span->entity )->group_row;
+    const float* length = wisp_frame_column( frame, span->entity, WISP_STRAND_LENGTH, 0 );
+    float longest = wisp_frame_has( frame, span->entity, state->all_features ) ? INFINITY : 0.0f;
+    for ( int i = group_row[group] * WISP_LANES; i < group_row[group + 1] * WISP_LANES; ++i )
+    {
+        longest = collision_larger( longest, length[i] );
+    }
+    return longest;
+}
+
 // ---- the pass ----
 
 static void add_row_reaction( const strand_loop* loop, int row, double* sum, float ( *before )[3 * WISP_LANES] )
@@ -373,7 +577,7 @@ static void forget_group( strand_loop* loop, const collision_view* view )
     }
 }
 
-static void push_strand_group( wisp_frame* frame, strand_loop* loop, const collision_view* view, double* sum )
+static void push_vertices( wisp_frame* frame, strand_loop* loop, const collision_view* view, double* sum )
 {
     const collision_body* body = view->body;
     const bool round_about = body->inner < INFINITY;
@@ -411,6 +615,28 @@ static void push_strand_group( wisp_frame* frame, strand_loop* loop, const colli
     }
 }
 
+static void push_strand_group( wisp_frame* frame, strand_loop* loop, const collision_view* view, double* sum )
+{
+    push_vertices( frame, loop, view, sum );
+    if ( loop->has_segments && collision_meets_segments( view->body, view->thickness, loop->longest ) )
+    {
+        push_segments( loop, view, sum );
+    }
+}
+
+// Have segments take part, with sums of their own.
+static void begin_segments( wisp_frame* frame, const wisp_span* span, const collision_state* state,
+                            strand_loop* loop )
+{
+    loop->has_segments = wisp_frame_has( frame, span->entity, state->segment_contact );
+    loop->lane_count = wisp_frame_strands( frame, span->entity )->lane_count;
+    loop->segments = loop->args;
+    loop->segments.normal_correction = wisp_frame_column( frame, span->entity, state->segment_contact, 0 );
+    loop->segments.allowed_depth = wisp_frame_column( frame, span->entity, state->segment_contact, 1 );
+    loop->segments.remaining_depth = wisp_frame_column( frame, span->entity, state->segment_contact, 2 );
+    loop->segments.friction = wisp_frame_column( frame, span->entity, state->segment_contact, 3 );
+}
+
 void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const collision_state* state = user;
@@ -434,9 +660,15 @@ void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* us
     loop.is_first = span->substep == 0 && span->iteration == 0;
     loop.substeps_left = wisp_frame_substeps( frame, span->entity ) - 1 - span->substep;
     loop.dt = wisp_frame_dt( frame, span->entity );
+    begin_segments( frame, span, state, &loop );
     const wisp_kernels* kernels = wisp_frame_kernels( frame );
     for ( loop.group = span->begin; loop.group < span->end; ++loop.group )
     {
+        if ( loop.has_segments )
+        {
+            kernels->strand_contact_begin( &loop.segments, loop.group, span->iteration == 0, &loop.reach );
+            loop.longest = longest_of( frame, span, state, loop.group );
+        }
         loop.sums = collision_reaction_sums( frame, span->entity, state, loop.group );
         kernels->strand_contact_begin( &loop.args, loop.group, span->iteration == 0, &loop.reach );
         const bool moves = loop.reach.lower.x <= loop.reach.upper.x;
@@ -455,14 +687,18 @@ static float sum_pushes( wisp_frame* frame, const wisp_span* group, const collis
 {
     const collision_settings* settings = wisp_frame_column( frame, group->entity, state->settings, 0 );
     const int32_t* group_row = wisp_frame_strands( frame, group->entity )->group_row;
-    const float *push = wisp_frame_column( frame, group->entity, state->strand_contact, 0 ),
-                *left = wisp_frame_column( frame, group->entity, state->strand_contact, 2 );
+    const wisp_component parts[2] = { state->strand_contact, state->segment_contact };
     float sum = 0.0f;
     bool is_inside = false;
-    for ( int i = group_row[group->begin] * WISP_LANES; i < group_row[group->end] * WISP_LANES; ++i )
+    for ( int part = 0; part < 2 && wisp_frame_has( frame, group->entity, parts[part] ); ++part )
     {
-        sum += push[i];
-        is_inside = is_inside || left[i] > COLLISION_SHALLOW * settings->thickness;
+        const float *push = wisp_frame_column( frame, group->entity, parts[part], 0 ),
+                    *left = wisp_frame_column( frame, group->entity, parts[part], 2 );
+        for ( int i = group_row[group->begin] * WISP_LANES; i < group_row[group->end] * WISP_LANES; ++i )
+        {
+            sum += push[i];
+            is_inside = is_inside || left[i] > COLLISION_SHALLOW * settings->thickness;
+        }
     }
     return is_inside ? 0.0f : sum;
 }

@@ -467,7 +467,7 @@ WISP_API const wisp_fabric* wisp_world_fabric( wisp_world* world, wisp_entity en
 
 typedef struct wisp_rest_lengths
 {
-    float mean, shortest; ///< m, 0 without an edge or segment of a length above 0, which are not counted
+    float mean, shortest, longest; ///< m, 0 without an edge or segment of a length above 0, which are not counted
 } wisp_rest_lengths;
 
 /// Measure the edges of a surface, whose fabric must have them, or the segments of strands.
