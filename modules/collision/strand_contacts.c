@@ -201,7 +201,7 @@ static void push_vertex( strand_loop* loop, const collision_view* view, int row,
     const float now = swept ? collision_dot( plane.normal, collision_sub( to, plane.point ) ) : nearest->distance;
     if ( now < view->thickness )
     {
-        const float start = collision_start_gap( view, &plane, from, carried, swept, seed ) + view->thickness;
+        const float start = collision_start_gap( view, &plane, from, carried, false, seed ) + view->thickness;
         const strand_point point = { .sums = &loop->args,
                                      .i = (size_t)row * WISP_LANES + (size_t)lane,
                                      .count = 1,
