@@ -10,10 +10,14 @@
 #define COLLISION_SETTINGS_COLUMNS( X ) X( collision_settings, settings, 1 )
 #define COLLISION_ACTIVE_COLUMNS( X ) X( int32_t, active, 1 ) /* there is a body, and it is enabled */
 #define COLLISION_STRAND_CONTACT_COLUMNS( X )                                                                        \
-    X( float, pushed, 16 )   /* m, normal correction of this substep */                                              \
+    X( float, pushed, 16 )   /* m, normal correction of this substep; below 0: of the last one */                    \
     X( float, depth, 16 )    /* m, depth that a vertex may keep in this iteration */                                 \
     X( float, left, 16 )     /* m, depth that it kept */                                                             \
-    X( float, friction, 48 ) /* m, sum of what friction removed in this substep */
+    X( float, friction, 48 ) /* m, sum of what friction removed in this substep */                                   \
+    X( float, body, 16 )     /* number of the body that pushed; -1: several */
+#define COLLISION_SEGMENT_CONTACT_COLUMNS( X )                                                                       \
+    COLLISION_STRAND_CONTACT_COLUMNS( X )                                                                            \
+    X( float, last, 16 )                                       /* m, push of the last iteration */
 #define COLLISION_CARRIED_COLUMNS( X ) X( uint32_t, moved, 1 ) /* a bit for each lane of the row, in this step */
 #define COLLISION_STATS_COLUMNS( X ) X( wisp_collision_stats, stats, 1 )
 #define COLLISION_COLLIDER_COLUMNS( X ) X( collision_collider, collider, 1 )
@@ -48,6 +52,7 @@
 static const wisp_column_def SETTINGS_COLUMNS[] = { COLLISION_SETTINGS_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def ACTIVE_COLUMNS[] = { COLLISION_ACTIVE_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def STRAND_CONTACT_COLUMNS[] = { COLLISION_STRAND_CONTACT_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def SEGMENT_CONTACT_COLUMNS[] = { COLLISION_SEGMENT_CONTACT_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def CARRIED_COLUMNS[] = { COLLISION_CARRIED_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def STATS_COLUMNS[] = { COLLISION_STATS_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def COLLIDER_COLUMNS[] = { COLLISION_COLLIDER_COLUMNS( WISP_COLUMN_DEF ) };
@@ -128,8 +133,8 @@ static wisp_status declare_components( wisp_registry* r, collision_state* state 
     const wisp_component_def active = { "collision.active", WISP_TABLE_ENTITY, ACTIVE_COLUMNS, 1 };
     const wisp_component_def strand_contact = { "collision.strand_contact", WISP_TABLE_STRAND_ROW,
                                                 STRAND_CONTACT_COLUMNS, WISP_COUNT( STRAND_CONTACT_COLUMNS ) };
-    wisp_component_def segment_contact = strand_contact;
-    segment_contact.name = "collision.segment_contact";
+    const wisp_component_def segment_contact = { "collision.segment_contact", WISP_TABLE_STRAND_ROW,
+                                                 SEGMENT_CONTACT_COLUMNS, WISP_COUNT( SEGMENT_CONTACT_COLUMNS ) };
     const wisp_component_def carried = { "collision.carried", WISP_TABLE_STRAND_ROW, CARRIED_COLUMNS, 1 };
     const wisp_component_def stats = { "collision.stats", WISP_TABLE_ENTITY, STATS_COLUMNS, 1 };
     const wisp_component_def collider = { "collision.collider", WISP_TABLE_ENTITY, COLLIDER_COLUMNS, 1 };

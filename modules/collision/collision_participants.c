@@ -71,8 +71,7 @@ static wisp_status update_surface( wisp_world* world, const collision_state* sta
 static bool meets_segments( wisp_world* world, const collision_state* state, wisp_entity strands, int body )
 {
     const collision_settings* settings = wisp_world_column( world, strands, state->settings, 0 );
-    const collision_collider* collider =
-        wisp_world_column( world, state->bodies[body].entity, state->collider, 0 );
+    const collision_collider* collider = wisp_world_column( world, state->bodies[body].entity, state->collider, 0 );
     const bool is_all = wisp_world_has( world, strands, state->all_features );
     return ( collider->layers & settings->mask ) != 0 &&
            collision_meets_segments( state->bodies + body, settings->thickness + collider->thickness,

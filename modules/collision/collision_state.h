@@ -51,13 +51,14 @@ typedef struct collision_state
     wisp_component settings; // collision_settings: the surface, or the strands, collide
     wisp_component active;   // a mark on surfaces, while there is a body: also on those that an external solver moves
     wisp_component strand_contact; // rows of strands, likewise
-    wisp_component segment_contact; // the same of the segments behind their vertices, while there is a body that they meet
-    wisp_component carried;        // rows of strands without dynamics, likewise
-    wisp_component stats;          // wisp_collision_stats
-    wisp_component collider;       // collision_collider
-    wisp_component motion;         // a pose: the body is moved
-    wisp_component follower;       // a mark: the body is a surface
-    wisp_component tracked;        // of particles, while there is a body that is tracked
+    wisp_component
+        segment_contact;     // the same of the segments behind their vertices, while there is a body that they meet
+    wisp_component carried;  // rows of strands without dynamics, likewise
+    wisp_component stats;    // wisp_collision_stats
+    wisp_component collider; // collision_collider
+    wisp_component motion;   // a pose: the body is moved
+    wisp_component follower; // a mark: the body is a surface
+    wisp_component tracked;  // of particles, while there is a body that is tracked
     wisp_component strand_tracked; // of rows of strands, likewise
     int track_count;               // bodies that are tracked
     wisp_component reaction;       // wisp_reaction of a body that is asked for it

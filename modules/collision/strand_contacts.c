@@ -11,7 +11,8 @@
 //   velocity that undoes the pull: else a strand under tension sinks into a head faster than it recovers (links on a
 //   shaking head: 0.37 of a segment, now 0.08). A depth of more than one thickness counts as a start inside.
 // - Friction is Coulomb's for the sum of the pushes of the substep, of a vertex. Strands that are pushed take
-//   turns with their lengths, so that friction feels their tension: a rope over a rod holds.
+//   turns with their lengths, so that friction feels their tension: a rope over a rod holds. Turns start with pushes and
+//   friction of the last substep, and may take back what a body has pushed, never more.
 // - A push comes last, so lengths may end too long: on a rope of 1.3 m by 0.02 % with 10 substeps, 0.1 % with 4.
 // - The nearest face decides. A strand put right through a box, whose ends have different nearest faces, stays
 //   speared. Vertices near a sharp edge creep by 0.02 of the thickness per substep.
@@ -27,11 +28,15 @@
 
 enum
 {
-    LENGTH_TURNS = 8, // of pushes and lengths in a substep
+    LENGTH_TURNS = 8,   // of pushes and lengths in a substep
+    SEGMENT_TURNS = 16, // the same of segments
 };
 
-// Sum of the pushes of a group that needs no further turn, in thicknesses.
-static const float SMALL_PUSH = 0.02f;
+// Change of the pushes of a group by a turn that needs no further one, thicknesses/s. More lets ropes creep by 0.1 mm/s.
+static const float SMALL_PUSH = 1.5f;
+
+// Most that the push of a segment in a turn is multiplied by. More converges faster, and may throw hair that is hit at 5 m/s.
+static const float MAX_FACTOR = 4.0f;
 
 typedef struct strand_loop
 {
@@ -41,10 +46,12 @@ typedef struct strand_loop
     bool is_first;    // pass of the step
     int substeps_left;
     wisp_strand_contact_args args; // without the body
-    bool has_segments;
+    bool has_segments, is_turn;
+    float* segment_push;               // [row][lane] m, of the last call
     wisp_strand_contact_args segments; // the same with the sums of segments
     const int32_t* lane_count;         // [lane] vertices
     float longest;                     // m, of the segments of the group; infinite: all of them meet bodies
+    const collision_body* bodies;
     int group;
     wisp_strand_bounds reach; // of the group
     // for reactions, else null
@@ -96,23 +103,24 @@ static float apart_at( const strand_loop* loop, const collision_body* body, wisp
 
 typedef struct strand_way
 {
-    float out;       // m, outward displacement of the position
+    float out;       // m, outward displacement of the position; below 0: taken back
     float recovered; // m, the part of it that gives no velocity
     float absorbed;  // m, own outward displacement that gives none either
     float left;      // m, depth that stays
 } strand_way;
 
 // Compute the displacement of a vertex, as the kernel strand_contact does.
-static strand_way find_way( const wisp_strand_contact_args* sums, float thickness, float start, float now, float depth )
+static strand_way find_way( const strand_loop* loop, float thickness, float start, float now, float depth,
+                            float least )
 {
     const float began = fmaxf( 0.0f, thickness - start );
     const float may = began > depth + thickness ? began : fminf( depth, began );
     const float outward = fmaxf( 0.0f, now - start - ( began - may ) );
     const float left = fmaxf( 0.0f, may - outward );
     strand_way way;
-    way.recovered = fminf( left, fmaxf( 0.0f, sums->max_push_out - outward ) );
+    way.recovered = fminf( left, fmaxf( 0.0f, loop->args.max_push_out - outward ) );
     way.left = left - way.recovered;
-    way.out = fmaxf( 0.0f, thickness - way.left - now );
+    way.out = fmaxf( least, thickness - way.left - now );
     way.absorbed = may > COLLISION_SHALLOW * thickness ? outward : 0.0f;
     return way;
 }
@@ -139,6 +147,7 @@ typedef struct strand_point
     size_t corner[2]; // their places in rows of vectors
     float weight[2];
     float part[2]; // displacement of a vertex per displacement of the point
+    float factor;  // on corrections
 } strand_point;
 
 static wisp_vec3 place_of( const strand_point* q, const float* rows )
@@ -156,31 +165,57 @@ static void move_by( const strand_point* q, float* rows, float distance, wisp_ve
     for ( int k = 0; k < q->count; ++k )
     {
         float* at = rows + q->corner[k];
-        collision_store_lane( at,
-                              collision_add_scaled( collision_load_lane( at ), q->part[k] * distance, along ) );
+        collision_store_lane( at, collision_add_scaled( collision_load_lane( at ), q->part[k] * distance, along ) );
     }
+}
+
+static float number_of( const strand_loop* loop, const collision_view* view )
+{
+    return (float)( view->body - loop->bodies );
+}
+
+// What a body has done to a point so far.
+typedef struct strand_sum
+{
+    float sum; // m, of pushes
+    bool is_held, is_own, starts;
+    float least; // m, push, below 0: what may be taken back, or the last substep's
+    float reach; // m, at which the body acts
+} strand_sum;
+
+static strand_sum sum_of( const strand_loop* loop, const collision_view* view, const strand_point* q )
+{
+    const float sum = q->sums->normal_correction[q->i];
+    const bool is_held = sum > 0.0f, is_own = q->sums->body[q->i] == number_of( loop, view );
+    const bool starts = q->sums->starts && is_own && sum < 0.0f, gives = q->sums->gives_back && is_own && is_held;
+    const float least = starts || gives ? -sum : 0.0f;
+    return ( strand_sum ){ sum, is_held, is_own, starts, least, gives ? INFINITY : view->thickness + least };
 }
 
 // Keep a point a thickness away from a plane. @param start m, distance from the plane at the start of the substep
 // @param now m, the same now @param carried of the plane in the substep
-static void push_point( const collision_view* view, const strand_point* q, const wisp_surface_point* plane,
-                        float start, float now, wisp_vec3 carried )
+static void push_point( const strand_loop* loop, const collision_view* view, const strand_point* q,
+                        const wisp_surface_point* plane, float start, float now, wisp_vec3 carried )
 {
     const wisp_strand_contact_args* sums = q->sums;
-    const strand_way way = find_way( sums, view->thickness, start, now, sums->allowed_depth[q->i] );
+    const strand_sum s = sum_of( loop, view, q );
+    strand_way way = find_way( loop, view->thickness, start, now, sums->allowed_depth[q->i], s.least );
+    way.out *= q->factor;
     const wisp_vec3 normal = wisp_quat_rotate( view->after.rotation, plane->normal );
     move_by( q, sums->position, way.out, normal );
     move_by( q, sums->previous, way.recovered + way.absorbed, normal );
     const wisp_vec3 turned = collision_sub( wisp_transform_to_world( view->after, plane->point ),
                                             wisp_transform_to_world( view->before, plane->point ) );
     const wisp_vec3 motion = collision_add_scaled( turned, 1.0f, carried );
-    sums->normal_correction[q->i] += fmaxf( 0.0f, way.out - way.recovered );
+    sums->normal_correction[q->i] = fmaxf( 0.0f, s.sum ) + fmaxf( s.least, way.out - way.recovered );
+    sums->body[q->i] = s.is_held && s.is_own == false ? -1.0f : number_of( loop, view );
     float* rubbed = sums->friction + q->i / WISP_LANES * COLLISION_ROW + q->i % WISP_LANES;
-    const wisp_vec3 before = tangential( collision_load_lane( rubbed ), normal );
+    const wisp_vec3 last = tangential( collision_load_lane( rubbed ), normal ),
+                    before = s.is_held ? last : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
     const wisp_vec3 moved = collision_sub( place_of( q, sums->position ), place_of( q, sums->previous ) );
     const wisp_vec3 u = tangential( collision_sub( moved, motion ), normal );
-    const wisp_vec3 friction =
-        friction_of( view, collision_add_scaled( before, 1.0f, u ), sums->normal_correction[q->i] );
+    const wisp_vec3 friction = friction_of( view, s.starts ? last : collision_add_scaled( before, q->factor, u ),
+                                            sums->normal_correction[q->i] );
     move_by( q, sums->position, -1.0f, collision_sub( friction, before ) );
     collision_store_lane( rubbed, friction );
     sums->remaining_depth[q->i] = fmaxf( sums->remaining_depth[q->i], way.left );
@@ -199,16 +234,17 @@ static void push_vertex( strand_loop* loop, const collision_view* view, int row,
     carried = swept ? swept_motion : carried;
     plane = swept ? plane : *nearest;
     const float now = swept ? collision_dot( plane.normal, collision_sub( to, plane.point ) ) : nearest->distance;
-    if ( now < view->thickness )
+    const strand_point point = { .sums = &loop->args,
+                                 .i = (size_t)row * WISP_LANES + (size_t)lane,
+                                 .count = 1,
+                                 .corner = { (size_t)row * COLLISION_ROW + (size_t)lane },
+                                 .weight = { 1.0f },
+                                 .part = { 1.0f },
+                                 .factor = 1.0f };
+    if ( now < sum_of( loop, view, &point ).reach )
     {
         const float start = collision_start_gap( view, &plane, from, carried, false, seed ) + view->thickness;
-        const strand_point point = { .sums = &loop->args,
-                                     .i = (size_t)row * WISP_LANES + (size_t)lane,
-                                     .count = 1,
-                                     .corner = { (size_t)row * COLLISION_ROW + (size_t)lane },
-                                     .weight = { 1.0f },
-                                     .part = { 1.0f } };
-        push_point( view, &point, &plane, start, now, carried );
+        push_point( loop, view, &point, &plane, start, now, carried );
     }
 }
 
@@ -423,7 +459,7 @@ static int find_near_segments( const strand_loop* loop, const body_box* box, int
 static strand_point point_between( const strand_loop* loop, int row, int lane, const float weights[2] )
 {
     const size_t i = (size_t)row * WISP_LANES + (size_t)lane;
-    strand_point q = { .sums = &loop->segments, .i = i, .count = 2 };
+    strand_point q = { .sums = &loop->segments, .i = i, .count = 2, .factor = 1.0f };
     float sum = 0.0f;
     for ( int k = 0; k < 2; ++k )
     {
@@ -437,6 +473,21 @@ static strand_point point_between( const strand_loop* loop, int row, int lane, c
         q.part[k] = sum > 0.0f ? q.part[k] / sum : 0.0f; // 0: the point is at a root
     }
     return q;
+}
+
+// Push a segment. In turns lengths take back nearly all of a push where it has to move a whole tail. From the part that they
+// took of the last one follows what is missing (a secant).
+static void push_again( const strand_loop* loop, const collision_view* view, strand_point* q,
+                        const wisp_surface_point* plane, float start, float now, wisp_vec3 carried )
+{
+    float* last = loop->segment_push + q->i;
+    const float before = fmaxf( 0.0f, q->sums->normal_correction[q->i] ), missing = view->thickness - now;
+    if ( loop->is_turn && *last > 0.0f )
+    {
+        q->factor = missing < *last ? fminf( *last / ( *last - missing ), MAX_FACTOR ) : MAX_FACTOR;
+    }
+    push_point( loop, view, q, plane, start, now, carried );
+    *last = q->sums->normal_correction[q->i] - before;
 }
 
 static void push_segment( const strand_loop* loop, const collision_view* view, int row, int lane, double* sum )
@@ -460,13 +511,13 @@ static void push_segment( const strand_loop* loop, const collision_view* view, i
     for ( int m = 0; m < count; ++m )
     {
         const wisp_surface_point* plane = &meetings[m].deepest.surface;
-        const strand_point q = point_between( loop, row, lane, meetings[m].deepest.weights );
+        strand_point q = point_between( loop, row, lane, meetings[m].deepest.weights );
         const wisp_vec3 p = wisp_transform_to_local( view->after, place_of( &q, loop->args.position ) );
         const float now = collision_dot( plane->normal, collision_sub( p, plane->point ) );
-        if ( now < view->thickness )
+        if ( now < sum_of( loop, view, &q ).reach )
         {
             const float start = collision_meeting_gap( view, &path, &meetings[m] ) + view->thickness;
-            push_point( view, &q, plane, start, now, meetings[m].motion );
+            push_again( loop, view, &q, plane, start, now, meetings[m].motion );
         }
     }
     for ( int k = 0; k < 2 && count > 0 && sum != NULL; ++k )
@@ -548,6 +599,7 @@ static void push_lanes_reacting( wisp_frame* frame, const strand_loop* loop, wis
 static void push_lanes( wisp_frame* frame, const strand_loop* loop, const collision_view* view, double* sum )
 {
     wisp_strand_contact_args args = loop->args;
+    args.body_number = number_of( loop, view );
     args.shape = view->body->shape;
     args.before = view->before;
     args.after = view->after;
@@ -631,10 +683,15 @@ static void begin_segments( wisp_frame* frame, const wisp_span* span, const coll
     loop->has_segments = wisp_frame_has( frame, span->entity, state->segment_contact );
     loop->lane_count = wisp_frame_strands( frame, span->entity )->lane_count;
     loop->segments = loop->args;
+    loop->segments.starts = loop->segments.gives_back =
+        false; // what slides along a segment is at another place of it
+    loop->is_turn = span->iteration == wisp_frame_iterations( frame ) + 1;
     loop->segments.normal_correction = wisp_frame_column( frame, span->entity, state->segment_contact, 0 );
     loop->segments.allowed_depth = wisp_frame_column( frame, span->entity, state->segment_contact, 1 );
     loop->segments.remaining_depth = wisp_frame_column( frame, span->entity, state->segment_contact, 2 );
     loop->segments.friction = wisp_frame_column( frame, span->entity, state->segment_contact, 3 );
+    loop->segment_push = wisp_frame_column( frame, span->entity, state->segment_contact, 5 );
+    loop->segments.body = wisp_frame_column( frame, span->entity, state->segment_contact, 4 );
 }
 
 void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* user )
@@ -651,12 +708,16 @@ void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* us
         .allowed_depth = wisp_frame_column( frame, span->entity, state->strand_contact, 1 ),
         .friction = wisp_frame_column( frame, span->entity, state->strand_contact, 3 ),
         .remaining_depth = wisp_frame_column( frame, span->entity, state->strand_contact, 2 ),
+        .body = wisp_frame_column( frame, span->entity, state->strand_contact, 4 ),
+        .starts = span->iteration == 0,
+        .gives_back = span->iteration > wisp_frame_iterations( frame ),
         .max_push_out =
             span->iteration == 0 ? settings->max_push_out_speed * wisp_frame_dt( frame, span->entity ) : 0.0f,
     };
     loop.tracked = wisp_frame_column( frame, span->entity, state->strand_tracked, 0 );
     loop.free = wisp_frame_column( frame, span->entity, state->strand_tracked, 1 );
     loop.origin = wisp_frame_column( frame, span->entity, state->strand_tracked, 2 );
+    loop.bodies = state->bodies;
     loop.is_first = span->substep == 0 && span->iteration == 0;
     loop.substeps_left = wisp_frame_substeps( frame, span->entity ) - 1 - span->substep;
     loop.dt = wisp_frame_dt( frame, span->entity );
@@ -696,7 +757,7 @@ static float sum_pushes( wisp_frame* frame, const wisp_span* group, const collis
                     *left = wisp_frame_column( frame, group->entity, parts[part], 2 );
         for ( int i = group_row[group->begin] * WISP_LANES; i < group_row[group->end] * WISP_LANES; ++i )
         {
-            sum += push[i];
+            sum += fmaxf( 0.0f, push[i] );
             is_inside = is_inside || left[i] > COLLISION_SHALLOW * settings->thickness;
         }
     }
@@ -708,17 +769,20 @@ void collision_settle_strands( wisp_frame* frame, const wisp_span* span, void* u
     const collision_state* state = user;
     const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     wisp_span group = *span;
-    group.iteration = wisp_frame_iterations( frame );
+    const int turns = wisp_frame_has( frame, span->entity, state->segment_contact ) ? SEGMENT_TURNS : LENGTH_TURNS;
+    const float small = SMALL_PUSH * settings->thickness * wisp_frame_dt( frame, span->entity );
     for ( group.begin = span->begin; group.begin < span->end; ++group.begin )
     {
         group.end = group.begin + 1;
+        group.iteration = wisp_frame_iterations( frame ) + 1; // those of contact take nothing back
         float before = 0.0f, sum = sum_pushes( frame, &group, state );
-        for ( int turn = 0; turn < LENGTH_TURNS && sum - before > SMALL_PUSH * settings->thickness; ++turn )
+        for ( int turn = 0; turn < turns && fabsf( sum - before ) > small; ++turn )
         {
             before = sum;
             wisp_frame_project_again( frame, &group );
             sum = sum_pushes( frame, &group, state );
         }
+        group.iteration += 1; // the last push is exact
         if ( sum > 0.0f )
         {
             collision_touch_strands( frame, &group, user );
