@@ -134,7 +134,7 @@ float collision_bluntness( const wisp_vec3* points, const int32_t* triangles, in
         }
         area += 0.5 * sqrt( n[0] * n[0] + n[1] * n[1] + n[2] * n[2] );
     }
-    return area > 0.0 ? (float)( volume / area ) : 0.0f;
+    return area > 0.0 ? (float)( 2.0 * volume / area ) : 0.0f;
 }
 
 void collision_measure_points( const wisp_collider_def* d, collision_body* body )

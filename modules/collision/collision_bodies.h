@@ -28,12 +28,13 @@ typedef struct collision_view
 bool collision_next( wisp_frame* frame, const wisp_span* span, const collision_state* state, int* next,
                      collision_view* out );
 
-/// Return whether segments of strands meet a body, or their vertices, a thickness away from its surface, keep them out of it.
+/// Return whether segments of strands meet a body. They do not where vertices at the thickness h from a surface of radius r keep
+/// segments at 3/4 of it or more: ( r + h )^2 - L^2 / 4 >= ( r + 3 h / 4 )^2.
 /// @param longest m, of the segments; infinite: they meet it in any case
 static inline bool collision_meets_segments( const collision_body* body, float thickness, float longest )
 {
     const bool has_sides = body->tree != NULL || body->shape.kind != WISP_SHAPE_PLANE;
-    return has_sides && longest * longest > 4.0f * thickness * ( 2.0f * body->bluntness + thickness );
+    return has_sides && longest * longest > thickness * ( 2.0f * body->bluntness + 1.75f * thickness );
 }
 
 /// Return the most that a point of a surface moves in the substep, m; 0 for a rigid body, whose points move with their frame.
@@ -58,5 +59,5 @@ size_t collision_body_bytes( const collision_body* body );
 /// Remove a body from the list and free what it owns. @return whether it was there
 bool collision_forget_body( collision_state* state, const wisp_allocator* allocator, wisp_entity entity );
 
-/// Return the volume within a mesh over its area, m: half the width of a plate or a rod, a third of the radius of a ball.
+/// Return twice the volume within a mesh over its area, m: the radius of a rod, the width of a plate, two thirds of the radius of a ball.
 float collision_bluntness( const wisp_vec3* points, const int32_t* triangles, int count );

@@ -35,7 +35,7 @@ typedef struct collision_body
     float ball_radius;  // m, of a ball around the box
     float tight_radius; // m, of a ball around the points of a mesh, with the same centre
     float inner;        // m, of a closed form: the smallest of its half sizes; infinite for a plane, 0 for a mesh
-    float bluntness;    // m, the least radius of a closed form, 0 with edges; volume over area of a solid mesh
+    float bluntness;    // m, the least radius of a closed form, 0 with edges; twice volume over area of a solid mesh
 } collision_body;
 
 /// Return whether kernels compute the closest points of the body.
