@@ -76,8 +76,9 @@ WISP_DEFINITION( collider_def );
 /// What of a surface collides.
 typedef enum wisp_collision_features
 {
-    WISP_COLLISION_VERTICES = 0, ///< its vertices: what is thinner than its cells passes between them
-    WISP_COLLISION_ALL = 1,      ///< its vertices, edges and triangles
+    WISP_COLLISION_VERTICES =
+        0, ///< its vertices: what is thinner than its cells passes between them; segments see wisp_set_collision()
+    WISP_COLLISION_ALL = 1, ///< its vertices, edges and triangles; of strands all segments
     WISP_COLLISION_FEATURES_COUNT = 2,
 } wisp_collision_features;
 
@@ -158,8 +159,10 @@ typedef struct wisp_collision_def
 WISP_DEFINITION( collision_def );
 
 /// Make a surface or strands collide with the colliders of the world, or replace their definition. Pinned vertices are not
-/// moved. Strands collide vertex by vertex before their lengths are restored, which may pull a vertex back by part of the
-/// thickness: see wisp_read_collision_stats().
+/// moved. Vertices of strands collide, and their segments with bodies that are too thin for vertices: where those would let a
+/// segment nearer than 3/4 of the thickness. That is told by the radius of round bodies, and of a mesh by twice its volume over its area;
+/// boxes and convex bodies have edges. With WISP_COLLISION_ALL segments meet every body but planes. Strands without dynamics
+/// collide by vertices alone.
 ///
 /// Strands without dynamics (ghosts, still strands) are corrected once per step: vertices nearer than the thickness to a
 /// collider at the end of the step move out along its normal, without friction, push-out speed or restored lengths. If this

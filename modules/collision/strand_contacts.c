@@ -6,6 +6,9 @@
 //   away from the ball around a body costs one test.
 // - Meshes are queried vertex by vertex with the whole path, and so are closed forms that move so fast (more than the
 //   smallest of their half sizes in a substep) that the end of a path may lie behind the middle of the body.
+// - Segments meet bodies that are too thin for vertices, in the points that primitive_contacts.c finds for edges of cloth on the path of
+//   the substep, which a body passes at no speed. A push moves both vertices, dx_k = w_k b_k d / sum w_j b_j^2. Sums are kept for each
+//   segment, from zero in each substep, and nothing is taken back: the next substep, or meeting, may be with another plane.
 // - The depth of a vertex is kept from substep to substep. A vertex that starts inside is moved out at the recovery
 //   speed with its previous position. A vertex that restored lengths pulled in is pushed out at once, with the
 //   velocity that undoes the pull: else a strand under tension sinks into a head faster than it recovers (links on a
