@@ -536,7 +536,8 @@ static void add_counters( results* out, const wisp_world* world, bool is_brief )
         [WISP_COUNT_FIRST_ORDER] = "substeps of BDF2 (of cloth, of each strand) that were made by implicit Euler",
         [WISP_COUNT_GRAVITY_SCALED] = "strands with reduced gravity: substeps too long for their curls",
         [WISP_COUNT_SAGGING] = "strands too soft to hold their shape under gravity: they sag",
-        [WISP_COUNT_STRETCHED] = "strands over 5 % too long in a step: use stretch: direct",
+        [WISP_COUNT_STRETCHED] =
+            "strands over 5 % too long in a step: links need stretch: direct, contact more substeps",
         [WISP_COUNT_SPEED_LIMITED] = "velocities of vertices scaled down to the largest speed, in each substep",
         [WISP_COUNT_MANY_SOLVES] = "substeps of implicit cloth with over three solves: more substeps cost less",
         [WISP_COUNT_SPLIT_VERTICES] = "vertices that tearing has split",

@@ -314,6 +314,44 @@ void strands_count_first_order( wisp_frame* frame, int strands )
     }
 }
 
+// Count strands of exact lengths that end a step with a segment too long, because contact had the last word.
+static void count_pulled( wisp_frame* frame, const wisp_span* span, const strands_state* state )
+{
+    if ( wisp_frame_has( frame, span->entity, state->direct ) == false || takes_turns( frame, span ) == false ||
+         span->substep + 1 < wisp_frame_substeps( frame, span->entity ) )
+    {
+        return;
+    }
+    const int32_t* group_row = rows_of_group( frame, span );
+    const float *position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
+                *length = column_of( frame, span, WISP_STRAND_LENGTH, 0 );
+    uint64_t count = 0;
+    for ( int g = span->begin; g < span->end; ++g )
+    {
+        float longest[WISP_LANES] = { 0 }; // square of length over length at rest
+        for ( int row = group_row[g]; row + 1 < group_row[g + 1]; ++row )
+        {
+            const float *a = position + strands_vector( row, 0 ), *b = position + strands_vector( row + 1, 0 );
+            for ( int l = 0; l < WISP_LANES; ++l )
+            {
+                const float x = b[l] - a[l], y = b[WISP_LANES + l] - a[WISP_LANES + l],
+                            z = b[2 * WISP_LANES + l] - a[2 * WISP_LANES + l],
+                            rest = length[strands_scalar( row, l )];
+                const float ratio = rest > 0.0f ? ( x * x + y * y + z * z ) / ( rest * rest ) : 0.0f;
+                longest[l] = ratio > longest[l] ? ratio : longest[l];
+            }
+        }
+        for ( int l = 0; l < WISP_LANES; ++l )
+        {
+            count += longest[l] > ( 1.0f + MAX_STRETCH ) * ( 1.0f + MAX_STRETCH ) ? 1 : 0;
+        }
+    }
+    if ( count > 0 )
+    {
+        wisp_frame_count( frame, WISP_COUNT_STRETCHED, count );
+    }
+}
+
 void strands_read_velocity( wisp_frame* frame, const wisp_span* span, void* user )
 {
     wisp_strand_motion_args args;
@@ -321,6 +359,7 @@ void strands_read_velocity( wisp_frame* frame, const wisp_span* span, void* user
     {
         strands_count_first_order( frame,
                                    wisp_frame_kernels( frame )->strand_velocity( &args, span->begin, span->end ) );
+        count_pulled( frame, span, user );
     }
 }
 

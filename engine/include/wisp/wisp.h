@@ -348,7 +348,7 @@ typedef enum wisp_counter
     WISP_COUNT_SAGGING = 14, ///< strands too soft to hold their shape under gravity, which sag
     WISP_COUNT_STRETCHED =
         15, ///< strands of inextensible links that end a step more than 5 % too long, in each step: too few
-            ///< sweeps for their masses
+            ///< sweeps for their masses; and those of exact lengths with a segment that contact has left so
     WISP_COUNT_SPEED_LIMITED =
         16, ///< velocities of vertices above the largest speed, scaled down to it, in each substep
     WISP_COUNT_SPLIT_VERTICES = 17, ///< vertices of surfaces that became two
