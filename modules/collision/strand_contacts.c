@@ -42,6 +42,7 @@ typedef struct strand_loop
     int substeps_left;
     wisp_strand_contact_args args; // without the body
     const collision_body* bodies;
+    bool is_shared; // in turns with contact
     int group;
     wisp_strand_bounds reach; // of the group
     // for reactions, else null
@@ -128,9 +129,10 @@ static wisp_vec3 friction_of( const collision_view* view, wisp_vec3 u, float pus
     return ( wisp_vec3 ){ fraction * u.x, fraction * u.y, fraction * u.z };
 }
 
+// Pushes in turns with contact are no start for the next substep: contact takes nothing back.
 static float number_of( const strand_loop* loop, const collision_view* view )
 {
-    return (float)( view->body - loop->bodies );
+    return loop->is_shared ? -1.0f : (float)( view->body - loop->bodies );
 }
 
 static void push_vertex( strand_loop* loop, const collision_view* view, int row, int lane, wisp_vec3 from,
@@ -440,6 +442,7 @@ void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* us
         .friction = wisp_frame_column( frame, span->entity, state->strand_contact, 3 ),
         .remaining_depth = wisp_frame_column( frame, span->entity, state->strand_contact, 2 ),
         .body = wisp_frame_column( frame, span->entity, state->strand_contact, 4 ),
+        .last_correction = wisp_frame_column( frame, span->entity, state->strand_contact, 5 ),
         .starts = span->iteration == 0,
         .gives_back = span->iteration > wisp_frame_iterations( frame ),
         .max_push_out =
@@ -449,6 +452,7 @@ void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* us
     loop.free = wisp_frame_column( frame, span->entity, state->strand_tracked, 1 );
     loop.origin = wisp_frame_column( frame, span->entity, state->strand_tracked, 2 );
     loop.bodies = state->bodies;
+    loop.is_shared = span->iteration == wisp_frame_iterations( frame );
     loop.is_first = span->substep == 0 && span->iteration == 0;
     loop.substeps_left = wisp_frame_substeps( frame, span->entity ) - 1 - span->substep;
     loop.dt = wisp_frame_dt( frame, span->entity );
@@ -468,21 +472,22 @@ void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* us
 
 // ---- turns with lengths ----
 
-// Return the sum of the pushes of a group in this substep, m. 0 if a vertex is inside: turns would make speed of depth.
-static float sum_pushes( wisp_frame* frame, const wisp_span* group, const collision_state* state )
+// Return the sum of the pushes of a group in this substep, m.
+// @param inside receives whether a vertex is inside: turns would make speed of depth
+static float sum_pushes( wisp_frame* frame, const wisp_span* group, const collision_state* state, bool* inside )
 {
     const collision_settings* settings = wisp_frame_column( frame, group->entity, state->settings, 0 );
     const int32_t* group_row = wisp_frame_strands( frame, group->entity )->group_row;
     const float *push = wisp_frame_column( frame, group->entity, state->strand_contact, 0 ),
                 *left = wisp_frame_column( frame, group->entity, state->strand_contact, 2 );
     float sum = 0.0f;
-    bool is_inside = false;
+    *inside = false;
     for ( int i = group_row[group->begin] * WISP_LANES; i < group_row[group->end] * WISP_LANES; ++i )
     {
         sum += fmaxf( 0.0f, push[i] );
-        is_inside = is_inside || left[i] > COLLISION_SHALLOW * settings->thickness;
+        *inside = *inside || left[i] > COLLISION_SHALLOW * settings->thickness;
     }
-    return is_inside ? 0.0f : sum;
+    return sum;
 }
 
 void collision_settle_strands( wisp_frame* frame, const wisp_span* span, void* user )
@@ -495,12 +500,13 @@ void collision_settle_strands( wisp_frame* frame, const wisp_span* span, void* u
     for ( group.begin = span->begin; group.begin < span->end; ++group.begin )
     {
         group.end = group.begin + 1;
-        float before = 0.0f, sum = sum_pushes( frame, &group, state );
-        for ( int turn = 0; turn < LENGTH_TURNS && fabsf( sum - before ) > small; ++turn )
+        bool inside;
+        float before = 0.0f, sum = sum_pushes( frame, &group, state, &inside );
+        for ( int turn = 0; turn < LENGTH_TURNS && inside == false && fabsf( sum - before ) > small; ++turn )
         {
             before = sum;
             wisp_frame_project_again( frame, &group );
-            sum = sum_pushes( frame, &group, state );
+            sum = sum_pushes( frame, &group, state, &inside );
         }
         if ( sum > 0.0f )
         {
