@@ -266,7 +266,7 @@ static const validate_case all_cases[] = {
             "friction with which one stays is the measured one; what then still moves is its creep",
         .left_out = "rods that turn, ropes that are stiff or stretch, more than half a turn around the rod",
         .formula = "T' = R cos a + mu (T + R sin a), T in lengths of rope: heavy = light e^(pi mu) + 2 mu R (1 + "
-                   "e^(pi mu)) / (1 + mu^2), which is mu = 0.1018, 0.2092 and 0.3312",
+                   "e^(pi mu)) / (1 + mu^2), which is mu = 0.1018, 0.2093 and 0.3306",
         .source = "Euler 1769, Eytelwein 1808; here with the weight of the part on the rod, without which mu is log( "
                   "heavy / light ) / pi",
     },

@@ -297,7 +297,10 @@ static void begin_row( const wisp_strand_contact_args* args, size_t row, bool fi
     lane16_store( remaining, lane16_zero() );
     if ( first_iteration )
     {
-        lane16_store( normal_sum, lane16_min( lane16_neg( sum ), lane16_zero() ) );
+        float* last = args->last_correction + row * WISP_LANES;
+        lane16 now = lane16_max( sum, lane16_zero() );
+        lane16_store( normal_sum, lane16_neg( lane16_min( now, lane16_load( last ) ) ) );
+        lane16_store( last, now );
     }
 }
 

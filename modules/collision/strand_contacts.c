@@ -55,6 +55,7 @@ typedef struct strand_loop
     const int32_t* lane_count;         // [lane] vertices
     float longest;                     // m, of the segments of the group; infinite: all of them meet bodies
     const collision_body* bodies;
+    bool is_shared; // in turns with contact
     int group;
     wisp_strand_bounds reach; // of the group
     // for reactions, else null
@@ -172,9 +173,10 @@ static void move_by( const strand_point* q, float* rows, float distance, wisp_ve
     }
 }
 
+// Pushes in turns with contact are no start for the next substep: contact takes nothing back.
 static float number_of( const strand_loop* loop, const collision_view* view )
 {
-    return (float)( view->body - loop->bodies );
+    return loop->is_shared ? -1.0f : (float)( view->body - loop->bodies );
 }
 
 // What a body has done to a point so far.
@@ -693,7 +695,8 @@ static void begin_segments( wisp_frame* frame, const wisp_span* span, const coll
     loop->segments.allowed_depth = wisp_frame_column( frame, span->entity, state->segment_contact, 1 );
     loop->segments.remaining_depth = wisp_frame_column( frame, span->entity, state->segment_contact, 2 );
     loop->segments.friction = wisp_frame_column( frame, span->entity, state->segment_contact, 3 );
-    loop->segment_push = wisp_frame_column( frame, span->entity, state->segment_contact, 5 );
+    loop->segment_push = wisp_frame_column( frame, span->entity, state->segment_contact, 6 );
+    loop->segments.last_correction = wisp_frame_column( frame, span->entity, state->segment_contact, 5 );
     loop->segments.body = wisp_frame_column( frame, span->entity, state->segment_contact, 4 );
 }
 
@@ -712,6 +715,7 @@ void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* us
         .friction = wisp_frame_column( frame, span->entity, state->strand_contact, 3 ),
         .remaining_depth = wisp_frame_column( frame, span->entity, state->strand_contact, 2 ),
         .body = wisp_frame_column( frame, span->entity, state->strand_contact, 4 ),
+        .last_correction = wisp_frame_column( frame, span->entity, state->strand_contact, 5 ),
         .starts = span->iteration == 0,
         .gives_back = span->iteration > wisp_frame_iterations( frame ),
         .max_push_out =
@@ -721,6 +725,7 @@ void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* us
     loop.free = wisp_frame_column( frame, span->entity, state->strand_tracked, 1 );
     loop.origin = wisp_frame_column( frame, span->entity, state->strand_tracked, 2 );
     loop.bodies = state->bodies;
+    loop.is_shared = span->iteration == wisp_frame_iterations( frame );
     loop.is_first = span->substep == 0 && span->iteration == 0;
     loop.substeps_left = wisp_frame_substeps( frame, span->entity ) - 1 - span->substep;
     loop.dt = wisp_frame_dt( frame, span->entity );
@@ -746,14 +751,15 @@ void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* us
 
 // ---- turns with lengths ----
 
-// Return the sum of the pushes of a group in this substep, m. 0 if a vertex is inside: turns would make speed of depth.
-static float sum_pushes( wisp_frame* frame, const wisp_span* group, const collision_state* state )
+// Return the sum of the pushes of a group in this substep, m.
+// @param inside receives whether a vertex is inside: turns would make speed of depth
+static float sum_pushes( wisp_frame* frame, const wisp_span* group, const collision_state* state, bool* inside )
 {
     const collision_settings* settings = wisp_frame_column( frame, group->entity, state->settings, 0 );
     const int32_t* group_row = wisp_frame_strands( frame, group->entity )->group_row;
     const wisp_component parts[2] = { state->strand_contact, state->segment_contact };
     float sum = 0.0f;
-    bool is_inside = false;
+    *inside = false;
     for ( int part = 0; part < 2 && wisp_frame_has( frame, group->entity, parts[part] ); ++part )
     {
         const float *push = wisp_frame_column( frame, group->entity, parts[part], 0 ),
@@ -761,10 +767,10 @@ static float sum_pushes( wisp_frame* frame, const wisp_span* group, const collis
         for ( int i = group_row[group->begin] * WISP_LANES; i < group_row[group->end] * WISP_LANES; ++i )
         {
             sum += fmaxf( 0.0f, push[i] );
-            is_inside = is_inside || left[i] > COLLISION_SHALLOW * settings->thickness;
+            *inside = *inside || left[i] > COLLISION_SHALLOW * settings->thickness;
         }
     }
-    return is_inside ? 0.0f : sum;
+    return sum;
 }
 
 void collision_settle_strands( wisp_frame* frame, const wisp_span* span, void* user )
@@ -778,12 +784,13 @@ void collision_settle_strands( wisp_frame* frame, const wisp_span* span, void* u
     {
         group.end = group.begin + 1;
         group.iteration = wisp_frame_iterations( frame ) + 1; // those of contact take nothing back
-        float before = 0.0f, sum = sum_pushes( frame, &group, state );
-        for ( int turn = 0; turn < turns && fabsf( sum - before ) > small; ++turn )
+        bool inside;
+        float before = 0.0f, sum = sum_pushes( frame, &group, state, &inside );
+        for ( int turn = 0; turn < turns && inside == false && fabsf( sum - before ) > small; ++turn )
         {
             before = sum;
             wisp_frame_project_again( frame, &group );
-            sum = sum_pushes( frame, &group, state );
+            sum = sum_pushes( frame, &group, state, &inside );
         }
         group.iteration += 1; // the last push is exact
         if ( sum > 0.0f )

@@ -363,64 +363,6 @@ TEST( what_starts_inside_leaves_without_being_thrown )
     }
 }
 
-// ---- friction ----
-
-// Return the speed after two seconds of a rope of 1.32 m over a rod, of which 0.6 m hang on one side and 0.4 m on the other.
-static double rope_speed( int substeps, float friction )
-{
-    enum
-    {
-        VERTICES = 68
-    };
-    hosted* h = new_hair_world( ( hair_world ){ substeps, 1, 1, NULL } );
-    wisp_collider_def rod = small_body( WISP_COLLIDER_CAPSULE );
-    rod.static_friction = rod.kinetic_friction = friction;
-    add_collider( h->world, &rod );
-    const double pi = acos( -1.0 ), radius = 0.103, length = 1.0 + pi * radius;
-    test_strands s = test_strands_of( 1, VERTICES );
-    for ( int i = 0; i < VERTICES; ++i )
-    {
-        const double along = length * i / ( VERTICES - 1 ) - 0.6;
-        const double turn = pi - fmin( fmax( along / radius, 0.0 ), pi );
-        const double hanging = fmin( along, 0.0 ) - fmax( along - pi * radius, 0.0 );
-        s.points[i] =
-            ( wisp_vec3 ){ (float)( radius * cos( turn ) ), (float)( hanging + radius * sin( turn ) ), 0.0f };
-    }
-    wisp_strands_def def = test_strands_def( &s );
-    wisp_entity e;
-    assert_int_equal( wisp_add_strands( h->world, &def, &e ), WISP_OK );
-    test_strands_free( &s );
-    wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
-    dynamics.bending = WISP_STRAND_BEND_NONE;
-    dynamics.rest = WISP_STRAND_REST_SHAPE;
-    dynamics.free_roots = true;
-    dynamics.line_density = 0.05f;
-    dynamics.damping = 1.0f;
-    assert_int_equal( wisp_set_strand_dynamics( h->world, e, &dynamics ), WISP_OK );
-    wisp_collision_def collision = wisp_default_collision_def();
-    collision.thickness = 0.003f;
-    assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_OK );
-    assert_int_equal( wisp_request( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
-    run_for( h->world, DT, 120 );
-    const double speed = fastest( h->world, e );
-    free_colliding( h );
-    return speed;
-}
-
-// The law of the capstan, with the weight of the part on the rod: dT/da = R cos a + mu (T + R sin a), so mu > 0.102 holds.
-// Without that weight it is 0.129.
-TEST( a_rope_over_a_rod_holds_by_its_own_tension )
-{
-    const int substeps[] = { 10, 4 };
-    for ( int i = 0; i < 2; ++i )
-    {
-        const double slides = rope_speed( substeps[i], 0.095f ), holds = rope_speed( substeps[i], 0.14f );
-        print_message( "%d substeps: %.6f m/s with less friction, %.6f with more\n", substeps[i], slides, holds );
-        assert_true( slides > 0.1 );
-        assert_true( holds < 0.01 );
-    }
-}
-
 // ---- bodies that are thinner than segments ----
 
 // A bar of 6 mm along z.

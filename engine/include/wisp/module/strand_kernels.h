@@ -255,6 +255,7 @@ typedef struct wisp_strand_contact_args
                           ///< the start
     float* normal_correction; ///< [row][16] m, incremented by the push of the body; represents the normal impulse.
                               ///< Below 0: that of the last substep, negated, where no body has pushed in this one
+    float* last_correction;   ///< [row][16] m, that of the last substep
     float* friction;          ///< [row][3][16] m, sum of the displacements that friction removed
     float* body;              ///< [row][16] number of the body that pushed; -1: several
     float* remaining_depth;   ///< [row][16] m, raised to the depth below the thickness at which the vertex remains
