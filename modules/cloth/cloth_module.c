@@ -1,5 +1,7 @@
 #include "cloth_bending.h"
 
+#include "wisp/module/vec.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -184,19 +186,14 @@ static wisp_status check_ranges( wisp_world* world, const wisp_cloth_def* d )
     return wisp_world_check_ranges( world, "cloth", ranges, WISP_COUNT( ranges ) );
 }
 
-static float length( wisp_vec3 v )
-{
-    return sqrtf( v.x * v.x + v.y * v.y + v.z * v.z );
-}
-
 static wisp_status check_vectors( wisp_world* world, const wisp_cloth_def* d )
 {
-    if ( !( length( d->warp ) >= 1e-6f && length( d->warp ) <= 1e6f ) )
+    if ( !( wisp_v3_length( d->warp ) >= 1e-6f && wisp_v3_length( d->warp ) <= 1e6f ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "cloth: warp: got (%g, %g, %g), expected a direction",
                                 (double)d->warp.x, (double)d->warp.y, (double)d->warp.z );
     }
-    if ( !( length( d->wind ) <= 1e5f ) )
+    if ( !( wisp_v3_length( d->wind ) <= 1e5f ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,
                                 "cloth: wind: got (%g, %g, %g), expected finite numbers of at most 1e5 m/s",
@@ -438,7 +435,7 @@ wisp_status wisp_set_cloth_wind( wisp_world* world, wisp_entity surface, wisp_ve
     {
         return status;
     }
-    if ( !( length( wind ) <= 1e5f ) )
+    if ( !( wisp_v3_length( wind ) <= 1e5f ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,
                                 "cloth: wind: got (%g, %g, %g), expected finite numbers of at most 1e5 m/s",

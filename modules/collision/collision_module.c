@@ -422,7 +422,8 @@ static wisp_status declare( wisp_registry* r )
     wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state,
                                                   .removed = entity_removed,
                                                   .teleported = entity_teleported,
-                                                  .memory = count_memory } );
+                                                  .memory = count_memory,
+                                                  .lines = collision_add_lines } );
     wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .surroundings = collision_surroundings } );
     WISP_TRY( declare_components( r, state ) );
     WISP_TRY( declare_indices( r, state ) );

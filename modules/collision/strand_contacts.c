@@ -67,7 +67,7 @@ static float path_seen( const strand_loop* loop, const collision_view* view )
             ( corner & 4 ) != 0 ? loop->reach.upper.z : loop->reach.lower.z,
         };
         const wisp_vec3 carried = wisp_transform_to_world( view->after, wisp_transform_to_local( view->before, c ) );
-        most = fmaxf( most, collision_length( collision_sub( carried, c ) ) );
+        most = fmaxf( most, wisp_v3_length( wisp_v3_sub( carried, c ) ) );
     }
     return most + loop->reach.max_path + collision_surface_shift( view );
 }
@@ -84,7 +84,7 @@ static float apart_at( const strand_loop* loop, const collision_body* body, wisp
     const wisp_vec3 d = { beside( c.x, loop->reach.lower.x, loop->reach.upper.x ),
                           beside( c.y, loop->reach.lower.y, loop->reach.upper.y ),
                           beside( c.z, loop->reach.lower.z, loop->reach.upper.z ) };
-    return collision_length( d ) - body->ball_radius;
+    return wisp_v3_length( d ) - body->ball_radius;
 }
 
 // ---- one vertex ----
@@ -114,13 +114,13 @@ static strand_way find_way( const strand_loop* loop, float thickness, float star
 
 static wisp_vec3 tangential( wisp_vec3 u, wisp_vec3 normal )
 {
-    return collision_add_scaled( u, -collision_dot( normal, u ), normal );
+    return wisp_v3_mul_add( u, -wisp_v3_dot( normal, u ), normal );
 }
 
 // Return the friction of the substep. @param u what it would have to remove, push the sum of the substep
 static wisp_vec3 friction_of( const collision_view* view, wisp_vec3 u, float push )
 {
-    const float length = collision_length( u );
+    const float length = wisp_v3_length( u );
     const float fraction = length <= view->static_friction * push ? 1.0f : view->kinetic_friction * push / length;
     return ( wisp_vec3 ){ fraction * u.x, fraction * u.y, fraction * u.z };
 }
@@ -130,14 +130,14 @@ static void push_vertex( strand_loop* loop, const collision_view* view, int row,
 {
     // as path_along() of contact_generation.c
     const bool is_solid = view->body->follows && view->body->double_sided == false;
-    const wisp_vec3 along = collision_sub( to, is_solid ? collision_add_scaled( from, 1.0f, carried ) : from );
-    const float path = collision_length( along ) + ( is_solid ? 0.0f : collision_surface_shift( view ) );
+    const wisp_vec3 along = wisp_v3_sub( to, is_solid ? wisp_v3_mul_add( from, 1.0f, carried ) : from );
+    const float path = wisp_v3_length( along ) + ( is_solid ? 0.0f : collision_surface_shift( view ) );
     wisp_vec3 swept_motion;
     wisp_surface_point plane;
     const bool swept = fabsf( nearest->distance ) <= path && collision_cast( view, from, to, &plane, &swept_motion );
     carried = swept ? swept_motion : carried;
     plane = swept ? plane : *nearest;
-    const float now = swept ? collision_dot( plane.normal, collision_sub( to, plane.point ) ) : nearest->distance;
+    const float now = swept ? wisp_v3_dot( plane.normal, wisp_v3_sub( to, plane.point ) ) : nearest->distance;
     if ( !( now < view->thickness ) )
     {
         return;
@@ -148,20 +148,19 @@ static void push_vertex( strand_loop* loop, const collision_view* view, int row,
     const float start = collision_start_gap( view, &plane, from, carried, swept, seed ) + view->thickness;
     const strand_way way = find_way( loop, view->thickness, start, now, loop->args.allowed_depth[i] );
     const wisp_vec3 normal = wisp_quat_rotate( view->after.rotation, plane.normal );
-    const wisp_vec3 p = collision_add_scaled( collision_load_lane( at ), way.out, normal );
-    const wisp_vec3 previous =
-        collision_add_scaled( collision_load_lane( was ), way.recovered + way.absorbed, normal );
-    const wisp_vec3 turned = collision_sub( wisp_transform_to_world( view->after, plane.point ),
-                                            wisp_transform_to_world( view->before, plane.point ) );
-    const wisp_vec3 motion = collision_add_scaled( turned, 1.0f, carried );
+    const wisp_vec3 p = wisp_v3_mul_add( collision_load_lane( at ), way.out, normal );
+    const wisp_vec3 previous = wisp_v3_mul_add( collision_load_lane( was ), way.recovered + way.absorbed, normal );
+    const wisp_vec3 turned = wisp_v3_sub( wisp_transform_to_world( view->after, plane.point ),
+                                          wisp_transform_to_world( view->before, plane.point ) );
+    const wisp_vec3 motion = wisp_v3_mul_add( turned, 1.0f, carried );
     const float push = fmaxf( 0.0f, way.out - way.recovered );
     loop->args.normal_correction[i] += push;
     float* rubbed = loop->args.friction + (size_t)row * COLLISION_ROW + lane;
     const wisp_vec3 before = tangential( collision_load_lane( rubbed ), normal );
-    const wisp_vec3 u = tangential( collision_sub( collision_sub( p, previous ), motion ), normal );
+    const wisp_vec3 u = tangential( wisp_v3_sub( wisp_v3_sub( p, previous ), motion ), normal );
     const wisp_vec3 friction =
-        friction_of( view, collision_add_scaled( before, 1.0f, u ), loop->args.normal_correction[i] );
-    collision_store_lane( at, collision_sub( p, collision_sub( friction, before ) ) );
+        friction_of( view, wisp_v3_mul_add( before, 1.0f, u ), loop->args.normal_correction[i] );
+    collision_store_lane( at, wisp_v3_sub( p, wisp_v3_sub( friction, before ) ) );
     collision_store_lane( was, previous );
     collision_store_lane( rubbed, friction );
     loop->args.remaining_depth[i] = fmaxf( loop->args.remaining_depth[i], way.left );

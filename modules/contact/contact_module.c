@@ -126,6 +126,37 @@ static wisp_status triangles_changed( void* memory, wisp_world* world, wisp_enti
     return WISP_OK;
 }
 
+// Pairs that pressed on each other, with the entity whose passes work on all of them.
+static void add_lines( const void* memory, wisp_world* world, wisp_entity entity, wisp_line_kind kind,
+                       wisp_line_list* list )
+{
+    (void)world;
+    const contact_state* state = memory;
+    const contact_contact_mesh* s = &state->contact_mesh;
+    const bool is_known = wisp_entity_equal( entity, state->mesh_entity ) && state->changed == false && s->is_listed;
+    for ( int r = 0;
+          kind == WISP_LINES_CONTACTS && is_known && s->point_count > 0 && r < state->constraints.row_count; ++r )
+    {
+        const contact_row* row = state->constraints.rows + r;
+        float from[3] = { 0.0f, 0.0f, 0.0f }; // on the second side
+        for ( int i = row->split; i < row->count; ++i )
+        {
+            for ( int k = 0; k < 3; ++k )
+            {
+                from[k] -= row->weight[i] * s->now[(size_t)row->point[i] * 4 + (size_t)k];
+            }
+        }
+        if ( row->normal_correction > 0.0f )
+        {
+            wisp_add_line( list, state->participants[0].entity, ( wisp_vec3 ){ from[0], from[1], from[2] },
+                           ( wisp_vec3 ){ from[0] + row->requested * row->normal[0],
+                                          from[1] + row->requested * row->normal[1],
+                                          from[2] + row->requested * row->normal[2] },
+                           ( wisp_vec3 ){ 1.0f, 1.0f, 0.0f } );
+        }
+    }
+}
+
 // As wisp_sleep_hooks.reach.
 static float participant_reach( const void* memory, wisp_world* world, wisp_entity entity )
 {
@@ -287,7 +318,8 @@ static wisp_status declare( wisp_registry* r )
     wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state,
                                                   .removed = entity_removed,
                                                   .triangles_changed = triangles_changed,
-                                                  .memory = count_memory } );
+                                                  .memory = count_memory,
+                                                  .lines = add_lines } );
     wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .reach = participant_reach } );
     wisp_status status = declare_components( r, state );
     status = status == WISP_OK ? declare_limit( r, state ) : status;

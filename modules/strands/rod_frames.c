@@ -60,6 +60,8 @@
 
 #include "strand_rows.h"
 
+#include "wisp/module/sleep.h"
+
 // Return the smallest rotation from the z axis to a direction.
 wisp_quat strands_rotation_to( wisp_vec3 d )
 {
@@ -74,7 +76,7 @@ wisp_quat strands_rotation_to( wisp_vec3 d )
 
 wisp_quat strands_carry_frame( wisp_quat q, wisp_vec3 e )
 {
-    if ( strands_norm( e ) == 0.0f )
+    if ( wisp_v3_length( e ) == 0.0f )
     {
         return q;
     }
@@ -109,11 +111,40 @@ void strands_lay_group( const wisp_strand_topology* t, const float* position, co
             if ( row - first + 1 < count )
             {
                 const wisp_vec3 to = strands_get( position, row + 1, lane );
-                q = strands_carry_frame( q, strands_sub( to, strands_get( position, row, lane ) ) );
+                q = strands_carry_frame( q, wisp_v3_sub( to, strands_get( position, row, lane ) ) );
                 q = strands_twist_frame(
                     q, strands_natural_twist( length, first, row - first, count, lane, (double)twist ) );
             }
             strands_put_quat( frame, row, lane, q );
+        }
+    }
+}
+
+void strands_add_frames( const void* state, wisp_world* world, wisp_entity entity, wisp_line_kind kind,
+                         wisp_line_list* list )
+{
+    const strands_state* s = state;
+    const wisp_strand_topology* t = wisp_world_strands( world, entity );
+    const float* position = wisp_world_rows( world, entity, WISP_STRAND_POSITION, 0 );
+    const float* root = wisp_world_rows( world, entity, WISP_STRAND_ROOT, 1 );
+    const float* clamp = wisp_world_rows( world, entity, s->clamp, 0 );
+    const float* frame = wisp_world_rows( world, entity, s->curve, 0 );
+    for ( int i = 0; kind == WISP_LINES_FRAMES && clamp != NULL && i < WISP_LANES * t->group_count; ++i )
+    {
+        const int group = i / WISP_LANES, lane = i % WISP_LANES, first = t->group_row[group];
+        for ( int k = 0; k + 1 < t->lane_count[i] && ( k == 0 || frame != NULL ); ++k )
+        {
+            const wisp_vec3 at = strands_get( position, first + k, lane );
+            const float size =
+                0.5f * wisp_v3_length( wisp_v3_sub( strands_get( position, first + k + 1, lane ), at ) );
+            const wisp_quat q = frame != NULL ? strands_get_quat( frame, first + k, lane )
+                                              : strands_quat_multiply( strands_get_quat( root, group, lane ),
+                                                                       strands_get_quat( clamp, group, lane ) );
+            const wisp_vec3 x = { size, 0.0f, 0.0f }, y = { 0.0f, size, 0.0f };
+            wisp_add_line( list, entity, at, wisp_v3_add( at, wisp_quat_rotate( q, x ) ),
+                           ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } );
+            wisp_add_line( list, entity, at, wisp_v3_add( at, wisp_quat_rotate( q, y ) ),
+                           ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
         }
     }
 }

@@ -100,19 +100,19 @@ void strands_hold_tips( wisp_frame* frame, const wisp_span* span, void* user )
         }
         const int group = i / WISP_LANES, lane = i % WISP_LANES, row = tip_row( c.topology, i );
         const wisp_vec3 at_rest =
-            strands_sub( strands_get( rest, row, lane ), strands_get( rest, c.topology->group_row[group], lane ) );
+            wisp_v3_sub( strands_get( rest, row, lane ), strands_get( rest, c.topology->group_row[group], lane ) );
         const wisp_vec3 turned = wisp_quat_rotate( strands_get_quat( c.root_turn, group, lane ),
-                                                   strands_add( at_rest, pose_of( &c, i ).translation ) );
+                                                   wisp_v3_add( at_rest, pose_of( &c, i ).translation ) );
         const wisp_vec3 from = strands_get( c.root, group, lane );
-        const wisp_vec3 arm = strands_add( turned, strands_get( c.root_low, group, lane ) );
-        const wisp_vec3 to = strands_add( from, arm ), to_low = strands_low_vector( from, arm, to );
-        const wisp_vec3 way = strands_add( strands_sub( to, strands_get( position, row, lane ) ),
-                                           strands_sub( to_low, strands_get( low, row, lane ) ) );
+        const wisp_vec3 arm = wisp_v3_add( turned, strands_get( c.root_low, group, lane ) );
+        const wisp_vec3 to = wisp_v3_add( from, arm ), to_low = strands_low_vector( from, arm, to );
+        const wisp_vec3 way = wisp_v3_add( wisp_v3_sub( to, strands_get( position, row, lane ) ),
+                                           wisp_v3_sub( to_low, strands_get( low, row, lane ) ) );
         strands_put( velocity, row, lane,
                      ( wisp_vec3 ){ inverse_dt * way.x, inverse_dt * way.y, inverse_dt * way.z } );
         strands_put( position, row, lane, to );
         strands_put( low, row, lane, to_low );
-        stretched += is_last && strands_norm( turned ) > 1.001f * reach[i] ? 1 : 0;
+        stretched += is_last && wisp_v3_length( turned ) > 1.001f * reach[i] ? 1 : 0;
     }
     if ( stretched > 0 )
     {
@@ -184,7 +184,7 @@ static wisp_quat rest_frame( wisp_world* world, wisp_entity strands, const stran
     {
         if ( v + 1 < rows.topology->lane_count[i] )
         {
-            q = strands_carry_frame( q, strands_sub( strands_get( rows.rest, first + v + 1, lane ),
+            q = strands_carry_frame( q, wisp_v3_sub( strands_get( rows.rest, first + v + 1, lane ),
                                                      strands_get( rows.rest, first + v, lane ) ) );
         }
         q = strands_twist_frame( q, natural_twist_at( world, strands, state, i, v ) );
@@ -275,11 +275,11 @@ static wisp_transform present_pose( wisp_world* world, wisp_entity strands, cons
         return AT_REST;
     }
     const wisp_vec3 at_rest =
-        strands_sub( strands_get( rows.rest, last, lane ), strands_get( rows.rest, first, lane ) );
+        wisp_v3_sub( strands_get( rows.rest, last, lane ), strands_get( rows.rest, first, lane ) );
     const wisp_vec3 now =
-        strands_sub( strands_get( position, last, lane ),
+        wisp_v3_sub( strands_get( position, last, lane ),
                      strands_get( wisp_world_column( world, strands, WISP_STRAND_ROOT, 0 ), group, lane ) );
-    const wisp_vec3 way = strands_sub( wisp_quat_rotate( back, now ), at_rest );
+    const wisp_vec3 way = wisp_v3_sub( wisp_quat_rotate( back, now ), at_rest );
     if ( frames == NULL )
     {
         return wisp_transform_make( AT_REST.rotation, way );

@@ -81,7 +81,7 @@ static bool holds_vertices( const wisp_strand_topology* t, const float* rest, co
         for ( int v = 1; v < t->lane_count[i]; ++v )
         {
             whole +=
-                strands_norm( strands_sub( strands_get( rest, row + v, lane ), strands_get( rest, row, lane ) ) );
+                wisp_v3_length( wisp_v3_sub( strands_get( rest, row + v, lane ), strands_get( rest, row, lane ) ) );
         }
         holds = t->lane_count[i] > 1 && whole == 0.0f;
     }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "wisp/fabric.h"
+#include "wisp/lines.h"
 #include "wisp/module/definition.h"
 #include "wisp/module/detail.h"
 #include "wisp/module/jobs.h"
@@ -261,6 +262,11 @@ typedef struct wisp_teleport_motion
     wisp_vec3 far;      ///< m, of the way: what the origin of the rows goes, of which `motion` is the rest
 } wisp_teleport_motion;
 
+typedef struct wisp_line_list wisp_line_list;
+/// Add a line between two points in the rows of an entity.
+WISP_API void wisp_add_line( wisp_line_list* list, wisp_entity entity, wisp_vec3 from, wisp_vec3 to,
+                             wisp_vec3 colour );
+
 /// What a state must hear of. Zero-initialised members are never called.
 typedef struct wisp_state_hooks
 {
@@ -285,6 +291,9 @@ typedef struct wisp_state_hooks
     /// @param outside add bytes to it that are not of the world's allocator, such as those of Embree
     /// @return bytes of the world's allocator, without the state itself
     size_t ( *memory )( const void* state, size_t* outside );
+    /// Add lines of an entity for wisp_debug_lines(), from what is stored. Nothing of the world may change.
+    void ( *lines )( const void* state, wisp_world* world, wisp_entity entity, wisp_line_kind kind,
+                     wisp_line_list* list );
 } wisp_state_hooks;
 
 /// Give the module's state its hooks. Call once in declare(), behind wisp_declare_state().
