@@ -142,6 +142,7 @@ wisp_status wisp_debug_lines( wisp_world* world, unsigned kinds, const double or
 {
     WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_pointer( world, "count", count ) );
+    *count = 0;
     WISP_TRY( wisp_world_check_list( world, "lines", lines, capacity ) );
     wisp_line_list list = { .world = world, .lines = lines, .capacity = capacity };
     bool is_place = true;
