@@ -6,6 +6,12 @@
 
 // ---- compilation ----
 
+enum
+{
+    // With fewer rows of sixteen lanes, waves take a single cloth as long as they save (cloths of 25 to 63 vertices a side).
+    PLAN_LONE_ENTITY_ROWS = 96,
+};
+
 // A large entity runs on all workers. `should_run` and `on_change` are evaluated on the calling thread.
 static bool can_loop( const plan* p, const wisp_registry* r, int slot )
 {
@@ -50,17 +56,16 @@ void plan_find_entity_loops( plan* p, const wisp_registry* r )
 {
     list_nodes( p );
     p->loop_count = 0;
+    int last = -1;
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {
         p->entities[slot].loops = can_loop( p, r, slot );
         p->loop_count += p->entities[slot].loops ? 1 : 0;
+        last = p->entities[slot].loops ? slot : last;
     }
-    if ( p->loop_count < 2 || p->loop_count < r->workers ) // few have all workers, one after another
+    if ( p->loop_count == 1 && plan_row_count( r->store->entities + last ) >= PLAN_LONE_ENTITY_ROWS )
     {
-        for ( int slot = 0; slot < r->store->entity_count; ++slot )
-        {
-            p->entities[slot].loops = false;
-        }
+        p->entities[last].loops = false; // it has all workers
         p->loop_count = 0;
     }
 }
@@ -136,6 +141,12 @@ static void append_group( plan* p, const wisp_registry* r, int slot, int entitie
         {
             append_loop( p, other );
         }
+    }
+    // too few to run side by side run one by one, on any worker
+    while ( batch >= 0 && p->loop_count - group->first > 1 &&
+            p->loop_count - group->first < fewest_lanes( r->batches[batch].lanes ) )
+    {
+        p->entities[p->loop_slots[--p->loop_count]].listed = false;
     }
     group->count = p->loop_count - group->first;
 }
