@@ -4,6 +4,7 @@
 #include "wisp/module/corrected.h"
 #include "wisp/module/sampling.h"
 #include "wisp/module/sleep.h"
+#include "wisp/module/vec.h"
 
 #include <string.h>
 
@@ -133,26 +134,21 @@ static void add_lines( const void* memory, wisp_world* world, wisp_entity entity
     (void)world;
     const contact_state* state = memory;
     const contact_contact_mesh* s = &state->contact_mesh;
-    const bool is_known = wisp_entity_equal( entity, state->mesh_entity ) && state->changed == false && s->is_listed;
-    for ( int r = 0;
-          kind == WISP_LINES_CONTACTS && is_known && s->point_count > 0 && r < state->constraints.row_count; ++r )
+    const bool is_known = kind == WISP_LINES_CONTACTS && wisp_entity_equal( entity, state->mesh_entity ) &&
+                          state->changed == false && s->is_listed && s->point_count > 0;
+    for ( int r = 0; is_known && r < state->constraints.row_count; ++r )
     {
         const contact_row* row = state->constraints.rows + r;
-        float from[3] = { 0.0f, 0.0f, 0.0f }; // on the second side
+        wisp_vec3 from = { 0.0f, 0.0f, 0.0f }; // on the second side
         for ( int i = row->split; i < row->count; ++i )
         {
-            for ( int k = 0; k < 3; ++k )
-            {
-                from[k] -= row->weight[i] * s->now[(size_t)row->point[i] * 4 + (size_t)k];
-            }
+            from = wisp_v3_mul_add( from, -row->weight[i], wisp_v3_load( s->now + (size_t)row->point[i] * 4 ) );
         }
         if ( row->normal_correction > 0.0f )
         {
-            wisp_add_line( list, state->participants[0].entity, ( wisp_vec3 ){ from[0], from[1], from[2] },
-                           ( wisp_vec3 ){ from[0] + row->requested * row->normal[0],
-                                          from[1] + row->requested * row->normal[1],
-                                          from[2] + row->requested * row->normal[2] },
-                           ( wisp_vec3 ){ 1.0f, 1.0f, 0.0f } );
+            wisp_add_line( list, state->participants[0].entity, from,
+                           wisp_v3_mul_add( from, row->requested, wisp_v3_load( row->normal ) ),
+                           wisp_v3( 1.0f, 1.0f, 0.0f ) );
         }
     }
 }

@@ -140,11 +140,11 @@ void strands_add_frames( const void* state, wisp_world* world, wisp_entity entit
             const wisp_quat q = frame != NULL ? strands_get_quat( frame, first + k, lane )
                                               : strands_quat_multiply( strands_get_quat( root, group, lane ),
                                                                        strands_get_quat( clamp, group, lane ) );
-            const wisp_vec3 x = { size, 0.0f, 0.0f }, y = { 0.0f, size, 0.0f };
-            wisp_add_line( list, entity, at, wisp_v3_add( at, wisp_quat_rotate( q, x ) ),
-                           ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } );
-            wisp_add_line( list, entity, at, wisp_v3_add( at, wisp_quat_rotate( q, y ) ),
-                           ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
+            for ( int axis = 0; axis < 2; ++axis ) // the first one red, the second one green
+            {
+                const wisp_vec3 unit = wisp_v3( axis == 0 ? 1.0f : 0.0f, axis == 0 ? 0.0f : 1.0f, 0.0f );
+                wisp_add_line( list, entity, at, wisp_v3_mul_add( at, size, wisp_quat_rotate( q, unit ) ), unit );
+            }
         }
     }
 }
