@@ -13,14 +13,8 @@ static const float FARTHEST = 1e6f; // m from the origin
 
 wisp_transform wisp_teleport_pose( const wisp_teleport_motion* teleport, wisp_transform pose )
 {
-    const wisp_quat a = teleport->motion.rotation, b = pose.rotation;
-    const wisp_quat turned = {
-        a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-        a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-        a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
-        a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
-    };
-    return wisp_transform_make( turned, wisp_transform_to_world( teleport->motion, pose.translation ) );
+    return wisp_transform_make( wisp_quat_multiply( teleport->motion.rotation, pose.rotation ),
+                                wisp_transform_to_world( teleport->motion, pose.translation ) );
 }
 
 // Where the coordinates of a row are: one after another, or a lane of sixteen vectors.

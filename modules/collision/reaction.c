@@ -242,19 +242,11 @@ void collision_read_reactions( wisp_frame* frame, const wisp_span* span, void* u
 
 // ---- bodies with a mass ----
 
-// Return a rotation after another.
-static wisp_quat turn_by( wisp_quat a, wisp_quat b )
-{
-    return (
-        wisp_quat ){ a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-                     a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z };
-}
-
 // The first order of the exponential of half the rotation; it is given unit length.
 static wisp_quat turn_with( wisp_quat q, wisp_vec3 spin, float seconds )
 {
     const float half = 0.5f * seconds;
-    return turn_by( ( wisp_quat ){ half * spin.x, half * spin.y, half * spin.z, 1.0f }, q );
+    return wisp_quat_multiply( ( wisp_quat ){ half * spin.x, half * spin.y, half * spin.z, 1.0f }, q );
 }
 
 wisp_transform collision_coupled_pose( const collision_collider* collider, const collision_coupled* coupled,
@@ -263,7 +255,8 @@ wisp_transform collision_coupled_pose( const collision_collider* collider, const
     const wisp_transform host = wisp_transform_interpolate( collider->from, collider->to, progress );
     const wisp_vec3 moved = wisp_v3_mul_add( coupled->shift, seconds, coupled->velocity );
     const wisp_quat turn = turn_with( coupled->turn, coupled->spin, seconds );
-    return wisp_transform_make( turn_by( turn, host.rotation ), wisp_v3_mul_add( host.translation, 1.0f, moved ) );
+    return wisp_transform_make( wisp_quat_multiply( turn, host.rotation ),
+                                wisp_v3_mul_add( host.translation, 1.0f, moved ) );
 }
 
 static wisp_vec3 turned_by_torque( const collision_coupled* coupled, wisp_quat pose, wisp_vec3 torque )

@@ -88,13 +88,13 @@ void strands_turn_frames( wisp_frame* frame, wisp_entity entity, wisp_component 
     for ( int v = 0; v < t->lane_count[group * WISP_LANES + lane]; ++v )
     {
         const int row = t->group_row[group] + v;
-        strands_put_quat( frames, row, lane, strands_quat_multiply( turn, strands_get_quat( frames, row, lane ) ) );
+        strands_put_quat( frames, row, lane, wisp_quat_multiply( turn, strands_get_quat( frames, row, lane ) ) );
     }
 }
 
 static wisp_quat turn_of( const strands_head* head )
 {
-    return strands_quat_multiply( head->to.rotation, strands_quat_inverse( head->from.rotation ) );
+    return wisp_quat_multiply( head->to.rotation, strands_quat_inverse( head->from.rotation ) );
 }
 
 void strands_jump( wisp_frame* frame, const wisp_span* span, void* user )
@@ -246,7 +246,7 @@ static float root_displacement( const strands_head* head, const float lower[3], 
     const wisp_vec3 arm = { fmaxf( fabsf( lower[0] - from.x ), fabsf( upper[0] - from.x ) ),
                             fmaxf( fabsf( lower[1] - from.y ), fabsf( upper[1] - from.y ) ),
                             fmaxf( fabsf( lower[2] - from.z ), fabsf( upper[2] - from.z ) ) };
-    const wisp_quat turn = strands_quat_multiply( head->to.rotation, strands_quat_inverse( head->from.rotation ) );
+    const wisp_quat turn = wisp_quat_multiply( head->to.rotation, strands_quat_inverse( head->from.rotation ) );
     const float half_sine = wisp_v3_length( ( wisp_vec3 ){ turn.x, turn.y, turn.z } );
     return wisp_v3_length( wisp_v3_sub( head->to.translation, from ) ) + 2.0f * half_sine * wisp_v3_length( arm );
 }

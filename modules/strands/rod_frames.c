@@ -80,14 +80,14 @@ wisp_quat strands_carry_frame( wisp_quat q, wisp_vec3 e )
     {
         return q;
     }
-    const wisp_quat carried = strands_quat_multiply( q, strands_rotation_to( wisp_quat_inverse_rotate( q, e ) ) );
+    const wisp_quat carried = wisp_quat_multiply( q, strands_rotation_to( wisp_quat_inverse_rotate( q, e ) ) );
     return wisp_transform_make( carried, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
 }
 
 wisp_quat strands_twist_frame( wisp_quat q, double angle )
 {
     const wisp_quat turn = { 0.0f, 0.0f, (float)sin( 0.5 * angle ), (float)cos( 0.5 * angle ) };
-    return angle == 0.0 ? q : strands_quat_multiply( q, turn );
+    return angle == 0.0 ? q : wisp_quat_multiply( q, turn );
 }
 
 double strands_natural_twist( const float* length, int row, int i, int count, int lane, double twist )
@@ -104,7 +104,7 @@ void strands_lay_group( const wisp_strand_topology* t, const float* position, co
     for ( int lane = 0; lane < WISP_LANES; ++lane )
     {
         wisp_quat q =
-            strands_quat_multiply( strands_get_quat( root, group, lane ), strands_get_quat( clamp, group, lane ) );
+            wisp_quat_multiply( strands_get_quat( root, group, lane ), strands_get_quat( clamp, group, lane ) );
         const int count = t->lane_count[group * WISP_LANES + lane];
         for ( int row = first; row < t->group_row[group + 1]; ++row )
         {
@@ -138,8 +138,8 @@ void strands_add_frames( const void* state, wisp_world* world, wisp_entity entit
             const float size =
                 0.5f * wisp_v3_length( wisp_v3_sub( strands_get( position, first + k + 1, lane ), at ) );
             const wisp_quat q = frame != NULL ? strands_get_quat( frame, first + k, lane )
-                                              : strands_quat_multiply( strands_get_quat( root, group, lane ),
-                                                                       strands_get_quat( clamp, group, lane ) );
+                                              : wisp_quat_multiply( strands_get_quat( root, group, lane ),
+                                                                    strands_get_quat( clamp, group, lane ) );
             for ( int axis = 0; axis < 2; ++axis ) // the first one red, the second one green
             {
                 const wisp_vec3 unit = wisp_v3( axis == 0 ? 1.0f : 0.0f, axis == 0 ? 0.0f : 1.0f, 0.0f );

@@ -60,14 +60,6 @@ static inline void strands_put_quat( float* rows, int row, int lane, wisp_quat q
     p[3 * WISP_LANES] = q.w;
 }
 
-/// Return the rotation a after b.
-static inline wisp_quat strands_quat_multiply( wisp_quat a, wisp_quat b )
-{
-    return (
-        wisp_quat ){ a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-                     a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z };
-}
-
 static inline wisp_quat strands_quat_inverse( wisp_quat q )
 {
     return ( wisp_quat ){ -q.x, -q.y, -q.z, q.w };

@@ -134,9 +134,8 @@ void strands_turn_tips( wisp_frame* frame, const wisp_span* span, void* user )
             continue;
         }
         const int group = i / WISP_LANES, lane = i % WISP_LANES, row = tip_row( c.topology, i );
-        const wisp_quat own =
-            strands_quat_multiply( pose_of( &c, i ).rotation, strands_get_quat( rest, group, lane ) );
-        const wisp_quat q = strands_quat_multiply( strands_get_quat( c.root_turn, group, lane ), own );
+        const wisp_quat own = wisp_quat_multiply( pose_of( &c, i ).rotation, strands_get_quat( rest, group, lane ) );
+        const wisp_quat q = wisp_quat_multiply( strands_get_quat( c.root_turn, group, lane ), own );
         strands_put_quat( frames, row, lane, q );
         strands_put( direction, row, lane, wisp_quat_rotate( q, ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f } ) );
     }
@@ -288,7 +287,7 @@ static wisp_transform present_pose( wisp_world* world, wisp_entity strands, cons
     const wisp_quat own =
         strands_twist_frame( strands_get_quat( frames, last - 1, lane ),
                              natural_twist_at( world, strands, state, i, rows.topology->lane_count[i] - 1 ) );
-    const wisp_quat turn = strands_quat_multiply( back, strands_quat_multiply( own, strands_quat_inverse( rest ) ) );
+    const wisp_quat turn = wisp_quat_multiply( back, wisp_quat_multiply( own, strands_quat_inverse( rest ) ) );
     return wisp_transform_make( turn, way );
 }
 

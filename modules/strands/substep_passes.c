@@ -147,7 +147,7 @@ static wisp_strand_damp_args damp_args( wisp_frame* frame, const wisp_span* span
 // Return the angular velocity of the rotation from a to b in dt.
 static wisp_vec3 angular_velocity( wisp_quat a, wisp_quat b, float dt )
 {
-    wisp_quat turn = strands_quat_multiply( b, strands_quat_inverse( a ) );
+    wisp_quat turn = wisp_quat_multiply( b, strands_quat_inverse( a ) );
     const float sign = turn.w < 0.0f ? -1.0f : 1.0f;
     const wisp_vec3 axis = { sign * turn.x, sign * turn.y, sign * turn.z };
     const float half_sine = wisp_v3_length( axis );

@@ -146,7 +146,7 @@ static void root_lane( wisp_world* world, wisp_entity strands, const strands_sta
     (void)strands_triangle_frame( &t, &frame ); // roots on a triangle without area do not turn
     strands_put_quat(
         wisp_world_column( world, strands, state->anchor, 2 ), group, lane,
-        strands_quat_multiply( strands_quat_inverse( frame ), strands_get_quat( rotation, group, lane ) ) );
+        wisp_quat_multiply( strands_quat_inverse( frame ), strands_get_quat( rotation, group, lane ) ) );
     strands_put_corners( wisp_world_column( world, strands, state->anchor, 3 ), group, lane, &t );
     strands_put( wisp_world_column( world, strands, WISP_STRAND_ROOT, 2 ), group, lane,
                  ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ); // a surface has no digits beyond those of its positions

@@ -116,7 +116,7 @@ static wisp_transform pose_on( const root_columns* c, const strands_triangle* t,
     wisp_transform pose = { strands_get_quat( c->rotation, group, lane ), strands_point_of( t, weights ) };
     if ( strands_triangle_frame( t, &frame ) )
     {
-        pose.rotation = strands_quat_multiply( frame, strands_get_quat( c->turn, group, lane ) );
+        pose.rotation = wisp_quat_multiply( frame, strands_get_quat( c->turn, group, lane ) );
     }
     return pose;
 }
@@ -156,7 +156,7 @@ static void jump( wisp_frame* frame, const wisp_span* span, const strands_state*
     }
     else if ( wisp_v3_length( wisp_v3_sub( end.translation, root ) ) > teleport || ( is_carried && moves ) )
     {
-        turn = strands_quat_multiply( end.rotation, strands_quat_inverse( before ) );
+        turn = wisp_quat_multiply( end.rotation, strands_quat_inverse( before ) );
         strands_turn( frame, span->entity, state, group, lane, root, end.translation, turn );
         strands_put_corners( c->corner, group, lane, now );
     }

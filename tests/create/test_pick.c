@@ -5,6 +5,7 @@
 #include "pick.h"
 #include "wisp/generate.h"
 #include "wisp/lines.h"
+#include "wisp/module/shapes.h"
 #include "wisp/module/vec.h"
 
 enum
@@ -171,7 +172,7 @@ TEST( lines_show_links_pins_and_what_touches_a_collider )
     wisp_world_destroy( unseen.world );
 }
 
-// Every kind of collider has all of its lines on its surface, and they reach as far as it does.
+// Lines of every kind of collider reach as far as it does, and end on what has a closed form.
 TEST( lines_show_colliders )
 {
     static const wisp_vec3 hull[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
@@ -205,11 +206,22 @@ TEST( lines_show_colliders )
         assert_int_equal( wisp_remove( s.world, s.ball ), WISP_OK );
         assert_int_equal( wisp_add_collider( s.world, &def, &body ), WISP_OK );
         const int count = list( s.world, WISP_LINES_COLLIDERS );
+        const bool is_closed_form = kind <= WISP_COLLIDER_BOX || kind == WISP_COLLIDER_TAPERED_CAPSULE;
+        const wisp_shape shape = { .kind =
+                                       kind <= WISP_COLLIDER_BOX ? (wisp_shape_kind)kind : WISP_SHAPE_TAPERED_CAPSULE,
+                                   .radius = 0.5f,
+                                   .half_length = 1.0f,
+                                   .half_extent = { 1, 1, 1 },
+                                   .top_radius = 0.25f,
+                                   .bottom_radius = 0.75f };
         float lower = INFINITY, upper = -INFINITY;
         for ( int i = 0; i < 2 * count; ++i )
         {
-            const float y = lines[i / 2].ends[i % 2].point.y - def.pose.translation.y;
-            lower = fminf( lower, y ), upper = fmaxf( upper, y );
+            const wisp_vec3 at = wisp_v3_sub( lines[i / 2].ends[i % 2].point, def.pose.translation );
+            wisp_surface_point on = { .distance = 0.0f };
+            assert_true( is_closed_form == false || wisp_shape_closest( &shape, at, &on ) );
+            assert_true( fabsf( on.distance ) < 1e-5f );
+            lower = fminf( lower, at.y ), upper = fmaxf( upper, at.y );
         }
         assert_int_equal( count, expected[kind].count );
         assert_true( fabsf( lower - expected[kind].lower ) < 1e-5f && fabsf( upper - expected[kind].upper ) < 1e-5f );
