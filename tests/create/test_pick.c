@@ -198,7 +198,8 @@ TEST( lines_show_colliders )
         scene s = new_scene();
         wisp_collider_def def = wisp_default_collider_def();
         wisp_entity body;
-        def.kind = kind, def.radius = 0.5f, def.bottom_radius = 0.75f, def.top_radius = 0.25f, def.spacing = 0.5f;
+        def.kind = (wisp_collider_kind)kind, def.radius = 0.5f, def.bottom_radius = 0.75f, def.top_radius = 0.25f,
+        def.spacing = 0.5f;
         def.points = hull, def.point_count = 4, def.triangles = faces, def.triangle_count = 4;
         def.heights = heights, def.height_count_x = 4, def.height_count_z = 3;
         def.surface = s.cloth, def.double_sided = kind == WISP_COLLIDER_SURFACE;
