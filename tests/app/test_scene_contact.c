@@ -412,7 +412,8 @@ TEST( quad_links_are_taken_of_a_plane_and_of_its_instances )
     wisp_scene scene =
         parsed( "wisp: 1\nsurfaces:\n"
                 "  - { name: a, generate: { shape: plane }, implicit: { stiffness_model: link, links: quad } }\n"
-                "  - { name: b, instance_of: a, implicit: { stiffness_model: link, links: quad }, compute: [effect_stats] }\n" );
+                "  - { name: b, instance_of: a, implicit: { stiffness_model: link, links: quad }, compute: "
+                "[effect_stats] }\n" );
     assert_true( scene.surfaces[0].has_quad_links && scene.surfaces[1].has_quad_links );
     assert_true( scene.surfaces[1].request_stats && !scene.surfaces[0].request_stats );
     assert_null( scene.surfaces[0].implicit.stretch_pairs );
@@ -538,7 +539,8 @@ TEST( a_plane_with_quad_links_has_the_links_of_the_quad_reference )
                "  - { name: a, generate: { shape: plane, columns: 25, rows: 25 }, pins: [0], compute: [points, "
                "effect_stats], "
                "implicit: { stiffness_model: link, links: quad } }\n"
-               "  - { name: b, instance_of: a, compute: [points, effect_stats], implicit: { stiffness_model: link, links: quad } }\n" );
+               "  - { name: b, instance_of: a, compute: [points, effect_stats], implicit: { stiffness_model: link, "
+               "links: quad } }\n" );
     step( &f, 1 );
     for ( int i = 0; i < 2; ++i )
     {
