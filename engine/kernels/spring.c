@@ -142,18 +142,17 @@ LANE_INLINE lane8 clamp_stiffness( const wisp_spring_args* args, lane8 stiffness
     return lane8_min( stiffness, lane8_set1( args->max_stiffness > 0.0f ? args->max_stiffness : FLT_MAX ) );
 }
 
-// Adds tension above the rest length (Noh and Jung, eq. 6 and 8), and pressure below it where an edge bears that.
+// Adds tension, only above the rest length (Noh and Jung, eq. 6 and 8).
 LANE_INLINE void stretch( const wisp_spring_args* args, row_lanes* row, int entry )
 {
     const link_lanes l = load_link( args, row, entry );
+    const lane8m taut = lane8m_and( lane8_ge( l.length, l.rest ), l.directed );
     const lane8 stiffness = clamp_stiffness( args, l.load ), zero = lane8_zero();
-    const lane8 slack = clamp_stiffness( args, lane8_load( args->links.ramp_stiffness[entry] ) );
     const lane8 near = lane8_mul( l.rest, lane8_set1( 1.0f - args->compression_margin ) );
-    const lane8 along = lane8_select( lane8_ge( l.length, near ), stiffness, slack );
-    const lane8 slope = lane8_select( lane8_ge( l.length, l.rest ), stiffness, slack );
-    const lane8 pull = lane8_select( l.directed, lane8_mul( slope, lane8_sub( l.length, l.rest ) ), zero );
-    add_link( args, row, entry, &l, pull, lane8_select( l.directed, along, zero ),
-              lane8_mul( lane8_max( pull, zero ), l.inverse_length ) );
+    const lane8m resists = lane8m_and( lane8_ge( l.length, near ), l.directed );
+    const lane8 along = lane8_select( resists, stiffness, zero );
+    const lane8 pull = lane8_mul( lane8_select( taut, stiffness, zero ), lane8_sub( l.length, l.rest ) );
+    add_link( args, row, entry, &l, pull, along, lane8_mul( pull, l.inverse_length ) );
 }
 
 // Adds compression, only below the rest length: the load of an arc, blended in by a ramp (Noh and Jung, eq. 11-13). The
@@ -323,8 +322,6 @@ LANE_INLINE void gain_stretch( const wisp_spring_args* args, gain_lanes* row, in
     const lane8 zero = lane8_zero(), rest = lane8_load( args->links.rest[entry] );
     add_squares( row, lane8_load( args->links.stiffness[entry] ), lane8_max( lane8_sub( l.before, rest ), zero ),
                  lane8_max( lane8_sub( l.after, rest ), zero ) );
-    add_squares( row, lane8_load( args->links.ramp_stiffness[entry] ), lane8_max( lane8_sub( rest, l.before ), zero ),
-                 lane8_max( lane8_sub( rest, l.after ), zero ) );
 }
 
 // The integral of eq. 12: along the ramp as far as where it meets the arc, then 2 k_b / L ( u^2 - u_meet^2 ).

@@ -37,11 +37,11 @@ typedef struct wisp_implicit_cloth_def
     float
         stretch_stiffness; ///< k_s, N/m, >= 0, default 200: of a link, or of the material (force per width and strain)
     float bend_stiffness;  ///< k_b, N m^2, >= 0, default 1e-6: of a diagonal link; not used with material stiffness
-    /// D, N m, >= 0, default 2e-5, of firm cotton: flexural rigidity, used with material stiffness only. A strip has D times its
-    /// width on any mesh; the rest shape bends to a plane
+    /// D, N m, >= 0, default 5e-5, of heavy cotton: flexural rigidity, used with material stiffness only. A strip has D times its
+    /// width on any mesh; the rest shape bends to a plane. Edges buckle under D as well: softer cloth needs edges below 20 mm
     float bend_rigidity;
-    /// c_b, N/m, >= 0; default 0: stretch_stiffness. Of a link: initial slope of bending (eq. 12). Of a material: of edges against
-    /// compression
+    /// c_b, N/m, >= 0; default 0: stretch_stiffness. Of a link: initial slope of bending (eq. 12). Of a material: against
+    /// compression, until an edge buckles
     float compression_stiffness;
     float link_damping; ///< k_d of a link, N s/m, >= 0, default 0.02: of all relative velocity (eq. 14)
 

@@ -28,7 +28,7 @@ void wisp_init_implicit_cloth_def( wisp_implicit_cloth_def* def, size_t size )
         .stiffness_model = WISP_IMPLICIT_STIFFNESS_MATERIAL,
         .stretch_stiffness = 200.0f,
         .bend_stiffness = 1e-6f,
-        .bend_rigidity = 2e-5f,
+        .bend_rigidity = 5e-5f,
         .link_damping = 0.02f,
         .weights = WISP_IMPLICIT_WEIGHTS_NONE,
         .newton_iterations = 1,

@@ -253,8 +253,20 @@ static float weight_of( const implicit_cook* cook, int32_t slot )
     return n > 0 ? (float)cook->max_neighbours / (float)n : 1.0f;
 }
 
-// A material bends as a plate. Its edges, not the diagonals, take pressure: a plate that bends keeps the lengths of edges, while
-// diagonals shorten. An edge does not buckle by itself: the mesh folds under that load.
+// A material bends as a plate. Its edges, not the diagonals, take pressure, up to that under which the strip around an edge buckles:
+// a plate that bends keeps the lengths of edges, while diagonals shorten. Neighbours have been counted with diagonals.
+static bool press_edges( implicit_cook* cook )
+{
+    cook->bend = implicit_cook_push( cook, (size_t)cook->stretch_count, sizeof( implicit_pair ) );
+    if ( cook->bend == NULL )
+    {
+        return false;
+    }
+    memcpy( cook->bend, cook->stretch, (size_t)cook->stretch_count * sizeof( implicit_pair ) );
+    cook->bend_count = cook->stretch_count;
+    return true;
+}
+
 static void set_coefficients( const implicit_cook* cook, const wisp_implicit_cloth_def* d )
 {
     const bool sheet = d->stiffness_model == WISP_IMPLICIT_STIFFNESS_MATERIAL;
@@ -268,8 +280,9 @@ static void set_coefficients( const implicit_cook* cook, const wisp_implicit_clo
             implicit_pair* p = pairs + i;
             const float inverse = 1.0f / p->rest;
             const float fraction = sheet ? p->area * inverse * inverse : 1.0f;
-            p->load = bends ? d->bend_stiffness * inverse * inverse : fraction * d->stretch_stiffness;
-            p->ramp = bends || sheet ? fraction * compression : 0.0f;
+            const float arc = sheet ? d->bend_rigidity * p->area * inverse : d->bend_stiffness;
+            p->load = bends ? arc * inverse * inverse : fraction * d->stretch_stiffness;
+            p->ramp = bends ? fraction * compression : 0.0f;
             p->ramp_end =
                 bends ? (float)implicit_ramp_end( (double)p->load, (double)p->ramp, (double)p->rest ) : 0.0f;
             p->damping = fraction * d->link_damping;
@@ -308,7 +321,11 @@ wisp_status implicit_list_pairs( implicit_cook* cook, const wisp_implicit_cloth_
     if ( status == WISP_OK )
     {
         count_neighbours( cook );
-        cook->bend_count = d->stiffness_model == WISP_IMPLICIT_STIFFNESS_MATERIAL ? 0 : cook->bend_count;
+        if ( d->stiffness_model == WISP_IMPLICIT_STIFFNESS_MATERIAL && press_edges( cook ) == false )
+        {
+            return wisp_world_fail( cook->world, WISP_NO_MEMORY, "implicit cloth: out of memory for %d edges",
+                                    cook->stretch_count );
+        }
         set_coefficients( cook, d );
     }
     return status;

@@ -93,8 +93,8 @@ static void add_entry( const implicit_links* links, const float* position, float
         const double rest = (double)links->springs.rest[entry][lane],
                      load = (double)links->springs.stiffness[entry][lane];
         const double ramp = (double)fminf( links->springs.ramp_stiffness[entry][lane], most );
-        const double over = length - rest, slope = over > 0.0 ? fmin( load, (double)most ) : ramp;
-        out->stretch_energy += bends ? 0.0 : 0.5 * slope * over * over;
+        const double over = fmax( 0.0, length - rest );
+        out->stretch_energy += bends ? 0.0 : 0.5 * fmin( load, (double)most ) * over * over;
         out->bend_energy += bends ? bend_energy( load, ramp, rest, length ) : 0.0;
     }
 }

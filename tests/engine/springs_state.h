@@ -127,7 +127,7 @@ static inline void add_spring( springs* s, int i, int j, bool bends )
         .bends = bends,
         .rest = length > 0.0f ? length * test_random_float( n, 20, 0.6f, 1.6f ) : 0.03f,
         .load = bends ? test_random_float( n, 21, 0.5f, 2.0f ) * 1e-3f : test_random_float( n, 22, 50.0f, 400.0f ),
-        .ramp = bends ? ( n % 3 == 0 ? 0.2f : 40.0f ) : ( n % 8 == 0 ? 60.0f : 0.0f ),
+        .ramp = bends ? ( n % 3 == 0 ? 0.2f : 40.0f ) : 0.0f,
         .damping = n % 4 == 0 ? 0.0f : test_random_float( n, 23, 0.0f, 0.1f ),
     };
     spring* l = s->link + n;

@@ -139,7 +139,7 @@ double triangle_oracle_ramped_energy( double y, double ramp )
 
 // ---- forces ----
 
-// (5) to (8): a link that is shorter than at rest has no stretch, and bears pressure if it is of a material.
+// (5) to (8): a link that is shorter than at rest has no stretch.
 static void stretch_term( const triangle_oracle_link* link, triangle_oracle_term* term )
 {
     const double beyond = term->length - link->length;
@@ -148,11 +148,6 @@ static void stretch_term( const triangle_oracle_link* link, triangle_oracle_term
         term->force = link->stretch * beyond;
         term->k1 = link->stretch;
         term->k2 = link->stretch * ( 1.0 - link->length / term->length );
-    }
-    else
-    {
-        term->force = link->ramp * beyond;
-        term->k1 = link->ramp;
     }
 }
 
@@ -249,10 +244,10 @@ void triangle_oracle_printed( const triangle_oracle* cloth, const double3* x, co
 double triangle_oracle_energy_at( const triangle_oracle* cloth, int link, const double3* x )
 {
     const triangle_oracle_link* l = cloth->link + link;
-    const double r = double3_distance( x[l->i], x[l->j] ), beyond = r - l->length;
+    const double r = double3_distance( x[l->i], x[l->j] ), beyond = fmax( r - l->length, 0.0 );
     if ( !l->bends )
     {
-        return l->scale * 0.5 * ( beyond > 0.0 ? l->stretch : l->ramp ) * beyond * beyond;
+        return l->scale * 0.5 * l->stretch * beyond * beyond;
     }
     if ( !( l->bend > 0.0 ) )
     {

@@ -154,6 +154,7 @@ static triangle_oracle_link make_link( const triangle_oracle_params* p, pair of,
     const bool sheet = p->stiffness == TRIANGLE_ORACLE_STIFFNESS_MATERIAL;
     const double fraction = sheet ? of.area / ( length * length ) : 1.0;
     const double compression = p->compression_stiffness > 0.0 ? p->compression_stiffness : p->stretch_stiffness;
+    const double bend = sheet ? p->bend_rigidity * of.area / length : p->bend_stiffness;
     return ( triangle_oracle_link ){
         .i = of.i,
         .j = of.j,
@@ -161,8 +162,8 @@ static triangle_oracle_link make_link( const triangle_oracle_params* p, pair of,
         .area = of.area,
         .length = length,
         .stretch = bends ? 0.0 : fraction * p->stretch_stiffness,
-        .bend = bends ? p->bend_stiffness : 0.0,
-        .ramp = bends || sheet ? fraction * compression : 0.0,
+        .bend = bends ? bend : 0.0,
+        .ramp = bends ? fraction * compression : 0.0,
         .damping = fraction * p->damping,
         .scale = 1.0,
     };
@@ -248,12 +249,21 @@ static void make_plate( triangle_oracle* cloth )
         plate_oracle_create( cloth->rest, cloth->count, cloth->triangles, cloth->triangle_count, cloth->pinned );
 }
 
-// A material bends as a plate, and its edges bear pressure; neighbours have been counted with diagonals.
+// A material bends as a plate, and its edges bear pressure as arcs as wide as the triangles around them.
 static void become_material( triangle_oracle* cloth, const triangle_oracle_def* def )
 {
-    const size_t corners = 3 * (size_t)def->triangle_count;
-    cloth->bend_count = 0;
-    cloth->link_count = cloth->stretch_count;
+    const size_t edges = (size_t)cloth->stretch_count, corners = 3 * (size_t)def->triangle_count;
+    cloth->link = realloc( cloth->link, ( 2 * edges + 1 ) * sizeof( triangle_oracle_link ) );
+    cloth->term = realloc( cloth->term, ( 2 * edges + 1 ) * sizeof( triangle_oracle_term ) );
+    for ( size_t k = 0; k < edges; ++k )
+    {
+        const triangle_oracle_link* edge = cloth->link + k;
+        const pair of = { edge->i, edge->j, 0, edge->area };
+        cloth->link[edges + k] = make_link( &cloth->params, of, true, edge->length );
+        cloth->link[edges + k].scale = edge->scale;
+    }
+    cloth->bend_count = cloth->stretch_count;
+    cloth->link_count = 2 * cloth->stretch_count;
     cloth->rest = calloc( (size_t)cloth->count, sizeof( double3 ) );
     cloth->triangles = calloc( corners + 1, sizeof( int ) );
     cloth->triangle_count = def->triangle_count;

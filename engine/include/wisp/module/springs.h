@@ -19,9 +19,8 @@ typedef struct wisp_spring_links
     const float ( *rest )[8];       ///< [entry] m, > 0; 0 pads
     const float (
         *stiffness )[8]; ///< [entry] k of a link that stretches, N/m; k_b / L^2 of one that bends, N; 0 pads
-    const float (
-        *ramp_stiffness )[8];    ///< [entry] c of a link that bends, or of one that stretches and bears pressure, N/m
-    const float ( *damping )[8]; ///< [entry] k_d, N s/m
+    const float ( *ramp_stiffness )[8]; ///< [entry] c of a link that bends, N/m
+    const float ( *damping )[8];        ///< [entry] k_d, N s/m
     const float ( *ramp_end )[8]; ///< [entry] length, over that at rest, from which a link that bends is an arc; for
                                   ///< spring_gain only
 } wisp_spring_links;
