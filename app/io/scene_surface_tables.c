@@ -166,7 +166,7 @@ static const scene_field IMPLICIT_FIELDS[] = {
     { "bend_stiffness", SCENE_NUMBER, .at = IMPLICIT( bend_stiffness ), .range = ANY_STIFFNESS,
       .unit = ROD_RIGIDITIES, .help = "Bending stiffness of a diagonal, with `stiffness_model: link`." },
     { "bend_rigidity", SCENE_NUMBER, .at = IMPLICIT( bend_rigidity ), .range = ANY_STIFFNESS, .unit = RIGIDITIES,
-      .help = "Bending rigidity of the cloth, with `stiffness_model: material`." },
+      .help = "Bending rigidity of the cloth, with `stiffness_model: material`; edges of 20 mm crumple below 5e-5." },
     { "compression_stiffness", SCENE_NUMBER, .at = IMPLICIT( compression_stiffness ), .range = ANY_STIFFNESS,
       .unit = STIFFNESSES,
       .help = "Slope of the force where a compressed link starts to bend; 0 takes `stretch_stiffness`." },
@@ -181,7 +181,7 @@ static const scene_field IMPLICIT_FIELDS[] = {
       .help = "Linear solves of a stiff substep at most; 1 makes as many as in other substeps, which is cheaper and "
               "can gain energy." },
     { "tolerance", SCENE_NUMBER, .at = IMPLICIT( tolerance ), .range = RANGE( 1e-7, 0.1 ),
-      .help = "Residual at which a solve ends, relative to that of standing still." },
+      .help = "Residual at which a solve ends, relative to that of standing still; stiff links get 1e-4 at least." },
     { "max_iterations", SCENE_WHOLE, .at = IMPLICIT( max_iterations ), .range = RANGE( 0, 1000000 ),
       .help = "Iterations of a solve at most; 0 takes three per vertex." },
     { "links", SCENE_EITHER, .at = AT( has_quad_links ), .choices = LINKS, .help = "Which links the cloth has." },

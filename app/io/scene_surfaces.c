@@ -108,7 +108,7 @@ static wisp_status check_implicit( scene_reader* r, const scene_node* node, cons
     }
     if ( s->has_quad_links && s->implicit.stiffness_model == WISP_IMPLICIT_STIFFNESS_MATERIAL )
     {
-        return scene_refuse_node( r, node, "implicit.stiffness_model 'material' needs implicit.links 'mesh'" );
+        return scene_refuse_node( r, node, "implicit.links 'quad' needs 'stiffness_model: link'" );
     }
     return s->has_quad_links && !instance ? check_quad_links( r, node, &s->mesh ) : WISP_OK;
 }
