@@ -70,6 +70,7 @@ accuracy_scene_fn validate_drape;
 // Cases of sheets and strands whose motion or rest has a closed form.
 accuracy_scene_fn validate_catenary; ///< a strip hung between two supports against the catenary
 accuracy_scene_fn validate_incline;  ///< sheets on inclines against the law of Coulomb
+accuracy_scene_fn validate_capstan;  ///< ropes over a rod against the law of the capstan
 accuracy_scene_fn validate_terminal; ///< sheets and balloons in air against their terminal speed
 
 // Cases of balloons: a filled sphere, the pressure of rubber, the shape of a foil, the impulse of a jet, lift, and the speed of ascent.

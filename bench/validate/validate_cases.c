@@ -257,6 +257,20 @@ static const validate_case all_cases[] = {
         .source = "Coulomb 1785",
     },
     {
+        .name = "capstan",
+        .title = "ropes over a rod stick by their own tension, or slide",
+        .make = validate_capstan,
+        .tests =
+            "tension, contact and friction together: 13 ropes of 1.32 m hang over a round rod of 0.2 m, of which "
+            "60, 70 or 80 % of what hangs is on one side, with 0.7 to 1.3 of the critical friction. The least "
+            "friction with which one stays is the measured one; what then still moves is its creep",
+        .left_out = "rods that turn, ropes that are stiff or stretch, more than half a turn around the rod",
+        .formula = "T' = R cos a + mu (T + R sin a), T in lengths of rope: heavy = light e^(pi mu) + 2 mu R (1 + "
+                   "e^(pi mu)) / (1 + mu^2), which is mu = 0.1018, 0.2093 and 0.3306",
+        .source = "Euler 1769, Eytelwein 1808; here with the weight of the part on the rod, without which mu is log( "
+                  "heavy / light ) / pi",
+    },
+    {
         .name = "terminal_velocity",
         .title = "sheets and strands fall, and a balloon rises, through air",
         .make = validate_terminal,

@@ -14,6 +14,8 @@
 //   u = tangential part of f + (p - previous) - motion,   f' = u if |u| <= mu_s N, else mu_k N u / |u|,   p -= f' - f
 //
 // with the sums N of pushes and f of friction in the substep, so that friction in turns with lengths feels their tension.
+// Turns converge slowly, so a vertex that one body pushes starts with N and f of the last substep, out = max( N, .. ), and
+// turns may take back what they or this gave, out >= -N, so that N stays >= 0.
 #include "kernel_isa.h"
 
 #include "taper.h"
@@ -179,13 +181,14 @@ static contact_surface closest( const contact_body* body, lane16v p )
 // Correction of a vertex along the normal, and its parts.
 typedef struct contact_correction
 {
-    lane16 out;       // m, along the normal
+    lane16 out;       // m, along the normal; below 0: taken back
     lane16 recovered; // m of `out` by which the previous position moves too
     lane16 damped;    // m by which the previous position moves in addition
     lane16 remaining; // m of depth that remains
 } contact_correction;
 
-static contact_correction find_correction( const contact_body* body, lane16 start, lane16 now, lane16 depth )
+static contact_correction find_correction( const contact_body* body, lane16 start, lane16 now, lane16 depth,
+                                           lane16 least )
 {
     lane16 zero = lane16_zero();
     lane16 start_depth = lane16_max( lane16_sub( body->thickness, start ), zero );
@@ -197,7 +200,7 @@ static contact_correction find_correction( const contact_body* body, lane16 star
     contact_correction correction;
     correction.recovered = lane16_min( remaining, lane16_max( lane16_sub( body->recovery, outward ), zero ) );
     correction.remaining = lane16_sub( remaining, correction.recovered );
-    correction.out = lane16_max( lane16_sub( lane16_sub( body->thickness, correction.remaining ), now ), zero );
+    correction.out = lane16_max( lane16_sub( lane16_sub( body->thickness, correction.remaining ), now ), least );
     correction.damped = lane16_select( lane16_gt( allowed, body->shallow ), outward, zero );
     return correction;
 }
@@ -226,30 +229,39 @@ static lane16v surface_motion( const contact_body* body, lane16v local, const co
 static void touch_row( const wisp_strand_contact_args* args, const contact_body* body, size_t row )
 {
     float *at = args->position + row * STRIDE, *from = args->previous + row * STRIDE;
+    float *normal_sum = args->normal_correction + row * WISP_LANES,
+          *remaining = args->remaining_depth + row * WISP_LANES, *numbers = args->body + row * WISP_LANES;
+    lane16 zero = lane16_zero(), sum = lane16_load( normal_sum ), held = lane16_max( sum, zero );
+    lane16 number = lane16_load( numbers ), own = lane16_set1( args->body_number );
+    lane16m is_held = lane16_gt( sum, zero ), is_own = lane16_eq( number, own );
+    lane16m starts =
+        lane16m_and( lane16m_first( args->starts ? WISP_LANES : 0 ), lane16m_and( is_own, lane16_lt( sum, zero ) ) );
+    lane16m gives = lane16m_and( lane16m_first( args->gives_back ? WISP_LANES : 0 ), lane16m_and( is_own, is_held ) );
+    lane16 least = lane16_select( lane16m_or( starts, gives ), lane16_neg( sum ), zero );
+    lane16 reach = lane16_select( gives, lane16_set1( INFINITY ), lane16_add( body->thickness, least ) );
     lane16v p = lane16v_load( at );
     lane16v local = to_body( &body->after, p );
     const contact_surface s = closest( body, local );
-    lane16m moves = lane16_gt( lane16_load( args->inverse_mass + row * WISP_LANES ), lane16_zero() );
-    lane16m touches = lane16m_and( moves, lane16_lt( s.distance, body->thickness ) );
+    lane16m moves = lane16_gt( lane16_load( args->inverse_mass + row * WISP_LANES ), zero );
+    lane16m touches = lane16m_and( moves, lane16_lt( s.distance, reach ) );
     if ( lane16m_any( touches ) == false )
     {
         return;
     }
-    float *normal_sum = args->normal_correction + row * WISP_LANES,
-          *remaining = args->remaining_depth + row * WISP_LANES;
     lane16v previous = lane16v_load( from );
     lane16 start = closest( body, to_body( &body->before, previous ) ).distance;
     const contact_correction correction =
-        find_correction( body, start, s.distance, lane16_load( args->allowed_depth + row * WISP_LANES ) );
+        find_correction( body, start, s.distance, lane16_load( args->allowed_depth + row * WISP_LANES ), least );
     lane16v normal = turn( body->after.axis, body->after.w, s.normal );
     lane16v out = lane16v_mul_add( p, correction.out, normal );
     lane16v moved = lane16v_mul_add( previous, lane16_add( correction.recovered, correction.damped ), normal );
 
-    lane16 push = lane16_max( lane16_sub( correction.out, correction.recovered ), lane16_zero() );
-    lane16 sum = lane16_load( normal_sum ), deepest = lane16_load( remaining ), total = lane16_add( sum, push );
-    lane16v rubbed = lane16v_load( args->friction + row * STRIDE ), before = tangential( rubbed, normal );
+    lane16 push = lane16_max( lane16_sub( correction.out, correction.recovered ), least );
+    lane16 deepest = lane16_load( remaining ), total = lane16_add( held, push );
+    lane16v rubbed = lane16v_load( args->friction + row * STRIDE ), last = tangential( rubbed, normal );
+    lane16v before = lane16v_select( is_held, last, lane16v_set1( ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ) );
     lane16v u = tangential( lane16v_sub( lane16v_sub( out, moved ), surface_motion( body, local, &s ) ), normal );
-    lane16v friction = find_friction( body, lane16v_add( before, u ), total );
+    lane16v friction = find_friction( body, lane16v_select( starts, last, lane16v_add( before, u ) ), total );
     out = lane16v_sub( out, lane16v_sub( friction, before ) );
 
     lane16v_store( at, lane16v_select( touches, out, p ) );
@@ -257,6 +269,8 @@ static void touch_row( const wisp_strand_contact_args* args, const contact_body*
     lane16v_store( args->friction + row * STRIDE, lane16v_select( touches, friction, rubbed ) );
     lane16_store( normal_sum, lane16_select( touches, total, sum ) );
     lane16_store( remaining, lane16_select( touches, lane16_max( deepest, correction.remaining ), deepest ) );
+    lane16 pusher = lane16_select( lane16m_and_not( is_held, is_own ), lane16_set1( -1.0f ), own );
+    lane16_store( numbers, lane16_select( touches, pusher, number ) );
 }
 
 // ---- before the first body ----
@@ -271,7 +285,8 @@ static lane16v larger( lane16v a, lane16v b )
     return ( lane16v ){ lane16_max( a.x, b.x ), lane16_max( a.y, b.y ), lane16_max( a.z, b.z ) };
 }
 
-// Sets the depths; a vertex without contact in the last iteration is allowed the depth that it has.
+// Sets the depths; a vertex without contact in the last iteration is allowed the depth that it has. Sums of the last
+// substep become negative: not applied yet.
 static void begin_row( const wisp_strand_contact_args* args, size_t row, bool first_iteration )
 {
     float *normal_sum = args->normal_correction + row * WISP_LANES,
@@ -282,11 +297,10 @@ static void begin_row( const wisp_strand_contact_args* args, size_t row, bool fi
     lane16_store( remaining, lane16_zero() );
     if ( first_iteration )
     {
-        lane16_store( normal_sum, lane16_zero() );
-    }
-    if ( first_iteration && lane16m_any( lane16_gt( sum, lane16_zero() ) ) )
-    {
-        lane16v_store( args->friction + row * STRIDE, lane16v_set1( ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ) );
+        float* last = args->last_correction + row * WISP_LANES;
+        lane16 now = lane16_max( sum, lane16_zero() );
+        lane16_store( normal_sum, lane16_neg( lane16_min( now, lane16_load( last ) ) ) );
+        lane16_store( last, now );
     }
 }
 

@@ -10,10 +10,12 @@
 #define COLLISION_SETTINGS_COLUMNS( X ) X( collision_settings, settings, 1 )
 #define COLLISION_ACTIVE_COLUMNS( X ) X( int32_t, active, 1 ) /* there is a body, and it is enabled */
 #define COLLISION_STRAND_CONTACT_COLUMNS( X )                                                                        \
-    X( float, pushed, 16 )   /* m, normal correction of this substep */                                              \
+    X( float, pushed, 16 )   /* m, normal correction of this substep; below 0: of the last one */                    \
     X( float, depth, 16 )    /* m, depth that a vertex may keep in this iteration */                                 \
     X( float, left, 16 )     /* m, depth that it kept */                                                             \
-    X( float, friction, 48 ) /* m, sum of what friction removed in this substep */
+    X( float, friction, 48 ) /* m, sum of what friction removed in this substep */                                   \
+    X( float, body, 16 )     /* number of the body that pushed; -1: several */                                       \
+    X( float, last, 16 )     /* m, pushed in the last substep */
 #define COLLISION_CARRIED_COLUMNS( X ) X( uint32_t, moved, 1 ) /* a bit for each lane of the row, in this step */
 #define COLLISION_STATS_COLUMNS( X ) X( wisp_collision_stats, stats, 1 )
 #define COLLISION_COLLIDER_COLUMNS( X ) X( collision_collider, collider, 1 )

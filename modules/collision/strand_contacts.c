@@ -11,7 +11,8 @@
 //   velocity that undoes the pull: else a strand under tension sinks into a head faster than it recovers (links on a
 //   shaking head: 0.37 of a segment, now 0.08). A depth of more than one thickness counts as a start inside.
 // - Friction is Coulomb's for the sum of the pushes of the substep, of a vertex. Strands that are pushed take
-//   turns with their lengths, so that friction feels their tension: a rope over a rod holds.
+//   turns with their lengths, so that friction feels their tension: a rope over a rod holds. Turns start with pushes and
+//   friction of the last substep, and may take back what a body has pushed, never more.
 // - A push comes last, so lengths may end too long: on a rope of 1.3 m by 0.02 % with 10 substeps, 0.1 % with 4.
 // - The nearest face decides. A strand put right through a box, whose ends have different nearest faces, stays
 //   speared. Vertices near a sharp edge creep by 0.02 of the thickness per substep.
@@ -29,8 +30,8 @@ enum
     LENGTH_TURNS = 8, // of pushes and lengths in a substep
 };
 
-// Sum of the pushes of a group that needs no further turn, in thicknesses.
-static const float SMALL_PUSH = 0.02f;
+// Change of the pushes of a group by a turn that needs no further one, thicknesses/s. More lets ropes creep by 0.1 mm/s.
+static const float SMALL_PUSH = 1.5f;
 
 typedef struct strand_loop
 {
@@ -40,6 +41,8 @@ typedef struct strand_loop
     bool is_first;    // pass of the step
     int substeps_left;
     wisp_strand_contact_args args; // without the body
+    const collision_body* bodies;
+    bool is_shared; // in turns with contact
     int group;
     wisp_strand_bounds reach; // of the group
     // for reactions, else null
@@ -91,14 +94,15 @@ static float apart_at( const strand_loop* loop, const collision_body* body, wisp
 
 typedef struct strand_way
 {
-    float out;       // m, outward displacement of the position
+    float out;       // m, outward displacement of the position; below 0: taken back
     float recovered; // m, the part of it that gives no velocity
     float absorbed;  // m, own outward displacement that gives none either
     float left;      // m, depth that stays
 } strand_way;
 
 // Compute the displacement of a vertex, as the kernel strand_contact does.
-static strand_way find_way( const strand_loop* loop, float thickness, float start, float now, float depth )
+static strand_way find_way( const strand_loop* loop, float thickness, float start, float now, float depth,
+                            float least )
 {
     const float began = fmaxf( 0.0f, thickness - start );
     const float may = began > depth + thickness ? began : fminf( depth, began );
@@ -107,7 +111,7 @@ static strand_way find_way( const strand_loop* loop, float thickness, float star
     strand_way way;
     way.recovered = fminf( left, fmaxf( 0.0f, loop->args.max_push_out - outward ) );
     way.left = left - way.recovered;
-    way.out = fmaxf( 0.0f, thickness - way.left - now );
+    way.out = fmaxf( least, thickness - way.left - now );
     way.absorbed = may > COLLISION_SHALLOW * thickness ? outward : 0.0f;
     return way;
 }
@@ -125,6 +129,12 @@ static wisp_vec3 friction_of( const collision_view* view, wisp_vec3 u, float pus
     return ( wisp_vec3 ){ fraction * u.x, fraction * u.y, fraction * u.z };
 }
 
+// Pushes in turns with contact are no start for the next substep: contact takes nothing back.
+static float number_of( const strand_loop* loop, const collision_view* view )
+{
+    return loop->is_shared ? -1.0f : (float)( view->body - loop->bodies );
+}
+
 static void push_vertex( strand_loop* loop, const collision_view* view, int row, int lane, wisp_vec3 from,
                          wisp_vec3 to, const wisp_surface_point* nearest, wisp_vec3 carried, int32_t seed )
 {
@@ -138,28 +148,34 @@ static void push_vertex( strand_loop* loop, const collision_view* view, int row,
     carried = swept ? swept_motion : carried;
     plane = swept ? plane : *nearest;
     const float now = swept ? wisp_v3_dot( plane.normal, wisp_v3_sub( to, plane.point ) ) : nearest->distance;
-    if ( !( now < view->thickness ) )
+    const size_t i = (size_t)row * WISP_LANES + (size_t)lane;
+    const float sum = loop->args.normal_correction[i], number = number_of( loop, view );
+    const bool is_held = sum > 0.0f, is_own = loop->args.body[i] == number;
+    const bool starts = loop->args.starts && is_own && sum < 0.0f, gives = loop->args.gives_back && is_own && is_held;
+    const float least = starts || gives ? -sum : 0.0f;
+    // what gives back is as near as it was pushed and went
+    if ( !( now < view->thickness + ( gives ? fminf( sum, path ) : least ) ) )
     {
         return;
     }
-    const size_t i = (size_t)row * WISP_LANES + (size_t)lane;
     float *at = loop->args.position + (size_t)row * COLLISION_ROW + lane,
           *was = loop->args.previous + (size_t)row * COLLISION_ROW + lane;
     const float start = collision_start_gap( view, &plane, from, carried, swept, seed ) + view->thickness;
-    const strand_way way = find_way( loop, view->thickness, start, now, loop->args.allowed_depth[i] );
+    const strand_way way = find_way( loop, view->thickness, start, now, loop->args.allowed_depth[i], least );
     const wisp_vec3 normal = wisp_quat_rotate( view->after.rotation, plane.normal );
     const wisp_vec3 p = wisp_v3_mul_add( collision_load_lane( at ), way.out, normal );
     const wisp_vec3 previous = wisp_v3_mul_add( collision_load_lane( was ), way.recovered + way.absorbed, normal );
     const wisp_vec3 turned = wisp_v3_sub( wisp_transform_to_world( view->after, plane.point ),
                                           wisp_transform_to_world( view->before, plane.point ) );
     const wisp_vec3 motion = wisp_v3_mul_add( turned, 1.0f, carried );
-    const float push = fmaxf( 0.0f, way.out - way.recovered );
-    loop->args.normal_correction[i] += push;
+    loop->args.normal_correction[i] = fmaxf( 0.0f, sum ) + fmaxf( least, way.out - way.recovered );
+    loop->args.body[i] = is_held && is_own == false ? -1.0f : number;
     float* rubbed = loop->args.friction + (size_t)row * COLLISION_ROW + lane;
-    const wisp_vec3 before = tangential( collision_load_lane( rubbed ), normal );
+    const wisp_vec3 last = tangential( collision_load_lane( rubbed ), normal ),
+                    before = is_held ? last : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
     const wisp_vec3 u = tangential( wisp_v3_sub( wisp_v3_sub( p, previous ), motion ), normal );
     const wisp_vec3 friction =
-        friction_of( view, wisp_v3_mul_add( before, 1.0f, u ), loop->args.normal_correction[i] );
+        friction_of( view, starts ? last : wisp_v3_mul_add( before, 1.0f, u ), loop->args.normal_correction[i] );
     collision_store_lane( at, wisp_v3_sub( p, wisp_v3_sub( friction, before ) ) );
     collision_store_lane( was, previous );
     collision_store_lane( rubbed, friction );
@@ -343,6 +359,7 @@ static void push_lanes_reacting( wisp_frame* frame, const strand_loop* loop, wis
 static void push_lanes( wisp_frame* frame, const strand_loop* loop, const collision_view* view, double* sum )
 {
     wisp_strand_contact_args args = loop->args;
+    args.body_number = number_of( loop, view );
     args.shape = view->body->shape;
     args.before = view->before;
     args.after = view->after;
@@ -424,12 +441,18 @@ void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* us
         .allowed_depth = wisp_frame_column( frame, span->entity, state->strand_contact, 1 ),
         .friction = wisp_frame_column( frame, span->entity, state->strand_contact, 3 ),
         .remaining_depth = wisp_frame_column( frame, span->entity, state->strand_contact, 2 ),
+        .body = wisp_frame_column( frame, span->entity, state->strand_contact, 4 ),
+        .last_correction = wisp_frame_column( frame, span->entity, state->strand_contact, 5 ),
+        .starts = span->iteration == 0,
+        .gives_back = span->iteration > wisp_frame_iterations( frame ),
         .max_push_out =
             span->iteration == 0 ? settings->max_push_out_speed * wisp_frame_dt( frame, span->entity ) : 0.0f,
     };
     loop.tracked = wisp_frame_column( frame, span->entity, state->strand_tracked, 0 );
     loop.free = wisp_frame_column( frame, span->entity, state->strand_tracked, 1 );
     loop.origin = wisp_frame_column( frame, span->entity, state->strand_tracked, 2 );
+    loop.bodies = state->bodies;
+    loop.is_shared = span->iteration == wisp_frame_iterations( frame );
     loop.is_first = span->substep == 0 && span->iteration == 0;
     loop.substeps_left = wisp_frame_substeps( frame, span->entity ) - 1 - span->substep;
     loop.dt = wisp_frame_dt( frame, span->entity );
@@ -449,21 +472,22 @@ void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* us
 
 // ---- turns with lengths ----
 
-// Return the sum of the pushes of a group in this substep, m. 0 if a vertex is inside: turns would make speed of depth.
-static float sum_pushes( wisp_frame* frame, const wisp_span* group, const collision_state* state )
+// Return the sum of the pushes of a group in this substep, m.
+// @param inside receives whether a vertex is inside: turns would make speed of depth
+static float sum_pushes( wisp_frame* frame, const wisp_span* group, const collision_state* state, bool* inside )
 {
     const collision_settings* settings = wisp_frame_column( frame, group->entity, state->settings, 0 );
     const int32_t* group_row = wisp_frame_strands( frame, group->entity )->group_row;
     const float *push = wisp_frame_column( frame, group->entity, state->strand_contact, 0 ),
                 *left = wisp_frame_column( frame, group->entity, state->strand_contact, 2 );
     float sum = 0.0f;
-    bool is_inside = false;
+    *inside = false;
     for ( int i = group_row[group->begin] * WISP_LANES; i < group_row[group->end] * WISP_LANES; ++i )
     {
-        sum += push[i];
-        is_inside = is_inside || left[i] > COLLISION_SHALLOW * settings->thickness;
+        sum += fmaxf( 0.0f, push[i] );
+        *inside = *inside || left[i] > COLLISION_SHALLOW * settings->thickness;
     }
-    return is_inside ? 0.0f : sum;
+    return sum;
 }
 
 void collision_settle_strands( wisp_frame* frame, const wisp_span* span, void* user )
@@ -471,18 +495,20 @@ void collision_settle_strands( wisp_frame* frame, const wisp_span* span, void* u
     const collision_state* state = user;
     const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     wisp_span group = *span;
-    group.iteration = wisp_frame_iterations( frame );
+    group.iteration = wisp_frame_iterations( frame ) + 1; // those of contact take nothing back
+    const float small = SMALL_PUSH * settings->thickness * wisp_frame_dt( frame, span->entity );
     for ( group.begin = span->begin; group.begin < span->end; ++group.begin )
     {
         group.end = group.begin + 1;
-        float before = 0.0f, sum = sum_pushes( frame, &group, state );
-        for ( int turn = 0; turn < LENGTH_TURNS && sum - before > SMALL_PUSH * settings->thickness; ++turn )
+        bool inside;
+        float before = 0.0f, sum = sum_pushes( frame, &group, state, &inside );
+        for ( int turn = 0; turn < LENGTH_TURNS && inside == false && fabsf( sum - before ) > small; ++turn )
         {
             before = sum;
             wisp_frame_project_again( frame, &group );
-            sum = sum_pushes( frame, &group, state );
+            sum = sum_pushes( frame, &group, state, &inside );
         }
-        if ( sum > 0.0f )
+        if ( sum > 0.0f && inside == false )
         {
             collision_touch_strands( frame, &group, user );
         }

@@ -14,8 +14,8 @@ typedef struct contact_rows
 {
     _Alignas( 64 ) float position[ROWS * 48];
     float previous[ROWS * 48], friction[ROWS * 48];
-    float weight[LANES], depth[LANES], pushed[LANES], left[LANES];
-    int variant; // two a shape: at rest or moving, and from the sixth shape on with a vertex in the middle of the body
+    float weight[LANES], depth[LANES], pushed[LANES], left[LANES], body[LANES], last[LANES];
+    int variant; // two a shape: at rest or moving, of which the latter takes back; from the sixth on with a vertex in the middle
 } contact_rows;
 
 static const int32_t GROUP_ROW[] = { 0, 17, 17, ROWS };
@@ -43,7 +43,9 @@ static void make_rows( contact_rows* r )
         }
         r->weight[i] = i % 5 == 0 ? 0.0f : 1.0f;
         r->depth[i] = i % 3 == 0 ? test_random_float( i, 6, 0.0f, 0.2f ) : INFINITY;
-        r->pushed[i] = i % 2 == 0 ? 0.25f : 0.0f;
+        r->pushed[i] = i % 2 == 0 ? 0.25f : i % 3 == 0 ? -0.05f : 0.0f;
+        r->last[i] = 0.1f * (float)( i % 4 );
+        r->body[i] = (float)( i / 4 % 3 - 1 );
         r->left[i] = i % 7 == 0 ? 0.03f : 0.0f;
     }
 }
@@ -63,6 +65,11 @@ static wisp_strand_contact_args job_on( contact_rows* r )
         .normal_correction = r->pushed,
         .friction = r->friction,
         .remaining_depth = r->left,
+        .body = r->body,
+        .last_correction = r->last,
+        .body_number = 1.0f,
+        .starts = r->variant % 2 == 0,
+        .gives_back = r->variant % 2 == 1,
         .shape = SHAPES[r->variant / 2 % WISP_COUNT( SHAPES )],
         .before = r->variant % 2 == 1 ? before : after,
         .after = after,
@@ -78,7 +85,7 @@ static wisp_strand_contact_args job_on( contact_rows* r )
 typedef struct contact_vertex
 {
     double3 p, previous, friction;
-    double pushed, left;
+    double pushed, left, body;
     bool touches, near_edge; // near a discontinuity of the result
 } contact_vertex;
 
@@ -88,12 +95,14 @@ static wisp_vec3 lane_of( const float* rows, int i )
     return ( wisp_vec3 ){ x[0], x[WISP_LANES], x[2 * WISP_LANES] };
 }
 
-static void rub( const wisp_strand_contact_args* args, contact_vertex* v, double3 n, double3 motion )
+static void rub( const wisp_strand_contact_args* args, contact_vertex* v, double3 n, double3 motion, bool is_held,
+                 bool starts )
 {
     double3 u = double3_sub( double3_sub( v->p, v->previous ), motion );
     u = double3_add_scaled( u, -double3_dot( u, n ), n );
-    v->friction = double3_add_scaled( v->friction, -double3_dot( v->friction, n ), n );
-    const double3 all = double3_add_scaled( v->friction, 1.0, u );
+    const double3 last = double3_add_scaled( v->friction, -double3_dot( v->friction, n ), n );
+    v->friction = is_held ? last : ( double3 ){ 0 };
+    const double3 all = starts ? last : double3_add_scaled( v->friction, 1.0, u );
     const double length = double3_length( all ), cone = (double)args->static_friction * v->pushed;
     v->near_edge = v->near_edge || fabs( length - cone ) < 1e-5;
     const double fraction = length <= cone ? 1.0 : (double)args->kinetic_friction * v->pushed / length;
@@ -103,7 +112,13 @@ static void rub( const wisp_strand_contact_args* args, contact_vertex* v, double
 
 static contact_vertex expected_at( const wisp_strand_contact_args* args, int i )
 {
-    contact_vertex v = { .pushed = (double)args->normal_correction[i], .left = (double)args->remaining_depth[i] };
+    contact_vertex v = { .pushed = (double)args->normal_correction[i],
+                         .left = (double)args->remaining_depth[i],
+                         .body = (double)args->body[i] };
+    const double sum = v.pushed;
+    const bool is_held = sum > 0.0, is_own = args->body[i] == args->body_number;
+    const bool starts = args->starts && is_own && sum < 0.0, gives = args->gives_back && is_own && is_held;
+    const double least = starts || gives ? -sum : 0.0;
     const wisp_vec3 p = lane_of( args->position, i ), previous = lane_of( args->previous, i );
     v.p = double3_widen( p );
     v.previous = double3_widen( previous );
@@ -113,8 +128,8 @@ static contact_vertex expected_at( const wisp_strand_contact_args* args, int i )
     assert_true( wisp_shape_closest( &args->shape, wisp_transform_to_local( args->before, previous ), &first ) );
     const double h = (double)args->thickness, now = (double)s.distance, start = (double)first.distance;
     const double began = fmax( 0.0, h - start ), depth = (double)args->allowed_depth[i];
-    v.touches = args->inverse_mass[i] > 0.0f && now < h;
-    v.near_edge = fabs( now - h ) < 1e-5 || fabs( began - depth - h ) < 1e-5;
+    v.touches = args->inverse_mass[i] > 0.0f && ( gives || now < h + least );
+    v.near_edge = ( !gives && fabs( now - h - least ) < 1e-5 ) || fabs( began - depth - h ) < 1e-5;
     if ( v.touches == false )
     {
         return v;
@@ -123,15 +138,16 @@ static contact_vertex expected_at( const wisp_strand_contact_args* args, int i )
     const double outward = fmax( 0.0, now - start - ( began - may ) );
     const double free = fmax( 0.0, may - outward );
     const double healed = fmin( free, fmax( 0.0, (double)args->max_push_out - outward ) );
-    const double out = fmax( 0.0, h - ( free - healed ) - now ), push = fmax( 0.0, out - healed );
+    const double out = fmax( least, h - ( free - healed ) - now ), push = fmax( least, out - healed );
     const double3 n = double3_widen( wisp_quat_rotate( args->after.rotation, s.normal ) ),
                   a = double3_widen( wisp_transform_to_world( args->after, s.point ) ),
                   b = double3_widen( wisp_transform_to_world( args->before, s.point ) );
     v.p = double3_add_scaled( v.p, out, n );
     v.previous = double3_add_scaled( v.previous, healed + ( may > 0.1 * h ? outward : 0.0 ), n );
     v.near_edge = v.near_edge || fabs( may - 0.1 * h ) < 1e-5;
-    v.pushed += push;
-    rub( args, &v, n, double3_sub( a, b ) );
+    v.pushed = fmax( 0.0, sum ) + push;
+    v.body = is_held && !is_own ? -1.0 : (double)args->body_number;
+    rub( args, &v, n, double3_sub( a, b ), is_held, starts );
     v.left = fmax( v.left, free - healed );
     return v;
 }
@@ -145,6 +161,7 @@ static void assert_vertex( const contact_rows* r, int i, const contact_vertex* v
     assert_near3( double3_widen( lane_of( r->friction, i ) ), v->friction, rounding, "friction of lane", i );
     assert_near( (double)r->pushed[i], v->pushed, rounding, "push of lane", i );
     assert_near( (double)r->left[i], v->left, rounding, "depth of lane", i );
+    assert_near( (double)r->body[i], v->body, 0.0, "body of lane", i );
 }
 
 // In the middle of a body, no direction is the nearest.
@@ -202,6 +219,7 @@ TEST( what_is_pinned_away_or_no_number_is_left_alone )
     rows = made;
     wisp_strand_contact_args args = job_on( &rows );
     args.thickness = 0.0f;
+    args.gives_back = false;
     widest_table()->strand_contact( &args, 0, 3 );
     for ( int i = 0; i < LANES; ++i )
     {
@@ -245,7 +263,10 @@ TEST( a_group_tells_how_far_it_reaches_and_what_it_remembers )
             const float depth = held ? made.left[i] : INFINITY;
             assert_true( rows.depth[i] == ( inside ? depth : made.depth[i] ) );
             assert_true( rows.left[i] == ( inside ? 0.0f : made.left[i] ) );
-            assert_true( rows.pushed[i] == ( inside && t % 2 == 0 ? 0.0f : made.pushed[i] ) );
+            assert_true(
+                rows.pushed[i] ==
+                ( inside && t % 2 == 0 ? -fminf( fmaxf( made.pushed[i], 0.0f ), made.last[i] ) : made.pushed[i] ) );
+            assert_true( rows.last[i] == ( inside && t % 2 == 0 ? fmaxf( made.pushed[i], 0.0f ) : made.last[i] ) );
         }
         assert_true( reach.lower.x == lower.x && reach.lower.y == lower.y && reach.lower.z == lower.z );
         assert_near( (double)reach.max_path, path, 1e-7, "path", t );

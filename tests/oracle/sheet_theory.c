@@ -31,6 +31,20 @@ double sheet_slide( double gravity, double angle, double friction )
     return gravity * fmax( 0.0, sin( angle ) - friction * cos( angle ) );
 }
 
+// T( pi ) = light e^(pi mu) + 2 mu R ( 1 + e^(pi mu) ) / ( 1 + mu^2 ) rises with mu.
+double sheet_capstan( double light, double heavy, double radius )
+{
+    const double pi = acos( -1.0 );
+    double lower = 0.0, upper = log( heavy / light ) / pi;
+    for ( int i = 0; i < 60; ++i )
+    {
+        const double mu = 0.5 * ( lower + upper ), gain = exp( pi * mu );
+        const double held = light * gain + 2.0 * mu * radius * ( 1.0 + gain ) / ( 1.0 + mu * mu );
+        *( held < heavy ? &lower : &upper ) = mu;
+    }
+    return 0.5 * ( lower + upper );
+}
+
 double sheet_terminal_speed( double force, double air_density, double drag_coefficient, double area )
 {
     return sqrt( 2.0 * force / ( air_density * drag_coefficient * area ) );

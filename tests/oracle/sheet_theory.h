@@ -11,6 +11,12 @@ void sheet_catenary( double span, double s, double out[2] );
 /// Acceleration along an incline (Coulomb 1785), m/s^2: g ( sin a - mu cos a ), and 0 where friction holds.
 double sheet_slide( double gravity, double angle, double friction );
 
+/// The friction from which a rope on a fixed level cylinder does not slide (Euler 1769, with the weight of the part on it): with a from the
+/// light side, T' = R cos a + mu ( T + R sin a ), T( 0 ) = light, T( pi ) = heavy, in lengths of rope.
+/// @param light,heavy what hangs on both sides, heavy > light > 0
+/// @param radius R of the middle of the rope, >= 0; 0: the friction without that weight, log( heavy / light ) / pi
+double sheet_capstan( double light, double heavy, double radius );
+
 /// Terminal speed where drag 1/2 rho C A v^2 carries a force (Newton 1687, book II), m/s.
 double sheet_terminal_speed( double force, double air_density, double drag_coefficient, double area );
 /// Speed after a time from rest, m/s: v = w tanh( a t / w ) with w the terminal speed and a the acceleration without air.

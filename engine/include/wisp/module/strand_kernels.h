@@ -253,13 +253,19 @@ typedef struct wisp_strand_contact_args
     const float* inverse_mass; ///< [row][16] 1/kg
     float* allowed_depth; ///< [row][16] m, depth below the thickness that is tolerated; infinite: set to the depth at
                           ///< the start
-    float* normal_correction; ///< [row][16] m, incremented by the push of the body; represents the normal impulse
+    float* normal_correction; ///< [row][16] m, incremented by the push of the body; represents the normal impulse.
+                              ///< Below 0: that of the last substep, negated, where no body has pushed in this one
+    float* last_correction;   ///< [row][16] m, that of the last substep
     float* friction;          ///< [row][3][16] m, sum of the displacements that friction removed
+    float* body;              ///< [row][16] number of the body that pushed; -1: several
     float* remaining_depth;   ///< [row][16] m, raised to the depth below the thickness at which the vertex remains
     wisp_shape shape;
     wisp_transform before, after; ///< pose of the body at the start and at the end of the substep
     float thickness;              ///< m
     float static_friction, kinetic_friction;
+    float body_number;  ///< >= 0
+    bool starts;        ///< push by that of the last substep at least, with its friction
+    bool gives_back;    ///< pushes may be taken back until their sum is 0
     float max_push_out; ///< m, maximum distance by which tolerated depth is reduced in this call
 } wisp_strand_contact_args;
 
