@@ -67,7 +67,6 @@ static void release_stages( contact_state* s, const wisp_allocator* allocator )
     wisp_buffer_release( &s->constraints.row_buffer, allocator );
     wisp_buffer_release( &s->constraints.missed_buffer, allocator );
     wisp_buffer_release( &s->constraints.spare_buffer, allocator );
-    wisp_buffer_release( &s->constraints.side_buffer, allocator );
     wisp_buffer_release( &s->colouring.point_buffer, allocator );
     wisp_buffer_release( &s->untangling.buffer, allocator );
 }
@@ -90,8 +89,7 @@ static size_t count_memory( const void* memory, size_t* outside )
     const wisp_buffer single[] = { s->broad_phase.box_buffer,    s->intersections.buffer,
                                    s->samples.candidate_buffer,  s->constraints.row_buffer,
                                    s->constraints.missed_buffer, s->constraints.spare_buffer,
-                                   s->constraints.side_buffer,   s->colouring.point_buffer,
-                                   s->untangling.buffer };
+                                   s->colouring.point_buffer,    s->untangling.buffer };
     size_t bytes = (size_t)s->participant_capacity * sizeof( contact_participant ) +
                    wisp_buffer_bytes( single, WISP_COUNT( single ) ) + wisp_samples_bytes( &s->samples.sampler ) +
                    wisp_aabb_pairs_bytes( &s->broad_phase.overlaps ) + wisp_aabb_pairs_bytes( &s->samples.overlaps ) +
