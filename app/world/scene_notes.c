@@ -64,7 +64,7 @@ static participant participant_of( const wisp_scene* scene, int i )
     }
     const wisp_scene_surface* s = scene->surfaces + ( i - scene->strands_count );
     // pinned vertices are not moved
-    return ( participant ){ s->name,        s->line,       s->has_collision && scene_is_driven( s ) == false,
+    return ( participant ){ s->name,        s->line,       s->has_collision && wisp_scene_is_driven( s ) == false,
                             s->has_contact, &s->collision, &s->contact,
                             false };
 }
@@ -212,7 +212,7 @@ static void note_surface( scene_world* world, const wisp_scene_surface* s )
         say( world, s->line, s->name,
              "'wind' has no effect without drag_coefficient or lift_coefficient, and air_density" );
     }
-    if ( s->has_collision && scene_is_driven( s ) )
+    if ( s->has_collision && wisp_scene_is_driven( s ) )
     {
         say( world, s->line, s->name, "'collision' has no effect: the animation moves every vertex" );
     }
