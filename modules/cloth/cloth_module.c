@@ -22,6 +22,7 @@ void wisp_init_cloth_def( wisp_cloth_def* def, size_t size )
         .bend_stiffness = 0.2f,
         .bend_compliance = 0.1f,
         .bend_rigidity = 5e-6f,
+        .internal_damping = 3.0f,
         .air_density = 1.204f,
         .tether_slack = 1.0f,
         .coarse_passes = 10,

@@ -26,6 +26,7 @@ void wisp_init_strand_dynamics_def( wisp_strand_dynamics_def* def, size_t size )
         .bend_stiffness = 0.2f,
         .line_density = 6.5e-6f,
         .gravity = { 0.0f, -9.81f, 0.0f },
+        .damping = 3.0f,
         .air_density = 1.204f,
         .diameter = 8e-5f,
         .teleport = 5.0f,

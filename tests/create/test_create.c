@@ -263,6 +263,39 @@ TEST( gravity_pulls_cloth_and_hair_unless_it_is_zero )
     wisp_world_destroy( world );
 }
 
+TEST( what_is_created_comes_to_rest )
+{
+    static grid g;
+    wisp_world* world = new_world();
+    const wisp_create_cloth_def cloth_def = cloth_of( &g );
+    wisp_create_hair_def hair_def = wisp_default_create_hair_def();
+    wisp_vec3 points[16];
+    int32_t offsets[3];
+    wisp_entity moving[2];
+    assert_int_equal( wisp_generate_strand_rows( 2, 1, 0.1f, 8, 0.2f, points, offsets, NULL ), WISP_OK );
+    hair_def.points = points, hair_def.offsets = offsets, hair_def.strand_count = 2;
+    assert_int_equal( wisp_create_cloth( world, &cloth_def, &moving[0] ), WISP_OK );
+    assert_int_equal( wisp_create_hair( world, &hair_def, &moving[1] ), WISP_OK );
+    for ( int step = 0; step < 300; ++step )
+    {
+        const float aside = 0.02f * (float)( step < 10 ? step : 10 );
+        const wisp_transform head = { { 0.0f, 0.0f, 0.0f, 1.0f }, { aside, 0.0f, 0.0f } };
+        assert_int_equal( wisp_move_strand_head( world, moving[1], head ), WISP_OK );
+        for ( int i = 0; i < 2; ++i )
+        {
+            assert_int_equal( wisp_request( world, moving[i], WISP_MOTION_STATS ), WISP_OK );
+        }
+        assert_int_equal( wisp_world_step( world, 1.0f / 60.0f ), WISP_OK );
+        for ( int i = 0; i < 2 && ( step == 20 || step == 299 ); ++i )
+        {
+            wisp_motion_stats stats;
+            assert_int_equal( wisp_read_motion_stats( world, moving[i], &stats ), WISP_OK );
+            assert_true( step == 20 ? stats.speed_max > 0.3 : stats.speed_max < 0.01 ); // m/s
+        }
+    }
+    wisp_world_destroy( world );
+}
+
 TEST( an_instance_has_the_gravity_of_its_source )
 {
     static grid g;

@@ -331,7 +331,7 @@ TEST( the_pairs_of_two_hanging_sheets_carry_the_lower_one )
         pairs[2 * i] = ( ROWS - 1 ) * COLUMNS + i;
         pairs[2 * i + 1] = i;
     }
-    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    const wisp_cloth_def cloth = undamped_cloth();
     wisp_surface_def surface = wisp_default_surface_def();
     surface.gravity = EARTH;
     surface.pins = top, surface.pin_count = COLUMNS;
@@ -384,7 +384,7 @@ static sewn open_strip( void )
         const float x = mesh.points[v].x / 0.48f;
         mesh.points[v].z = 0.2f * x * ( 1.0f - x );
     }
-    wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_cloth_def cloth = undamped_cloth();
     cloth.bend_compliance = 0.02f;
     s.a = s.b = add_panel( s.world, &mesh, support_weightless_surface_def(), &cloth );
     assert_status( s.world, wisp_set_damping( s.world, s.a, 2.0f ), WISP_OK );
@@ -519,7 +519,7 @@ static wisp_entity add_sheet( wisp_world* world, int n, float x, bool is_cloth )
     {
         mesh.points[v].x += x;
     }
-    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    const wisp_cloth_def cloth = undamped_cloth();
     return add_panel( world, &mesh, support_weightless_surface_def(), is_cloth ? &cloth : NULL );
 }
 
