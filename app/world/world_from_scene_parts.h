@@ -10,6 +10,8 @@ void scene_tell( const scene_world* world, wisp_log_level level, const char* mes
 
 /// Keep a line for those who ask for notes, and log it as a warning. (scene_notes.c)
 void scene_note( scene_world* world, const char* line );
+/// Note a warning of the world, an entity by the name of its entry. (scene_notes.c)
+void scene_note_warning( scene_world* world, const char* message );
 /// Note what of a scene that was built has no effect. (scene_notes.c)
 void scene_find_notes( scene_world* world );
 

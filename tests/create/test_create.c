@@ -430,6 +430,42 @@ TEST( what_is_created_in_wind_is_blown )
     assert_true( hashes[0] == hashes[1] && hashes[1] == hashes[2] );
 }
 
+// Set twice and stepped twice, by another plan each; what meets or blows is not told of.
+TEST( what_has_no_effect_is_told_once )
+{
+    static grid g;
+    test_log log = { 0 };
+    wisp_world_def world_def = wisp_default_world_def();
+    world_def.modules = wisp_all_modules( &world_def.module_count );
+    world_def.log = test_log_write, world_def.log_user = &log;
+    wisp_world* world;
+    assert_int_equal( wisp_world_create( &world_def, &world, NULL ), WISP_OK );
+    wisp_create_cloth_def def = cloth_of( &g );
+    wisp_cloth_def material = wisp_default_cloth_def();
+    wisp_contact_def contact = wisp_default_contact_def();
+    wisp_collider_def ball = wisp_default_collider_def();
+    wisp_entity cloth, body;
+    material.wind.x = 3.0f, contact.self = false, ball.layers = 2, ball.pose.translation.y = 5.0f;
+    wisp_collision_def collision = wisp_default_collision_def();
+    collision.mask = 1;
+    def.material = &material, def.contact = &contact, def.collision = &collision;
+    assert_int_equal( wisp_create_cloth( world, &def, &cloth ), WISP_OK );
+    assert_int_equal( wisp_set_cloth( world, cloth, &material ), WISP_OK );
+    assert_int_equal( wisp_add_collider( world, &ball, &body ), WISP_OK );
+    for ( int step = 0; step < 2; ++step )
+    {
+        assert_int_equal( wisp_world_step( world, 1.0f / 60.0f ), WISP_OK );
+        assert_int_equal( wisp_request( world, cloth, WISP_MOTION_STATS ), WISP_OK );
+    }
+    assert_int_equal( log.count, 3 ); // wind, contact, collider
+    ball.layers = 1, material.drag_coefficient = 1.0f, contact.self = true;
+    assert_int_equal( wisp_create_cloth( world, &def, &cloth ), WISP_OK );
+    assert_int_equal( wisp_add_collider( world, &ball, &body ), WISP_OK );
+    assert_int_equal( wisp_world_step( world, 1.0f / 60.0f ), WISP_OK );
+    assert_int_equal( log.count, 3 );
+    wisp_world_destroy( world );
+}
+
 TEST( what_cannot_be_created_leaves_nothing_behind )
 {
     static grid g;
