@@ -528,6 +528,7 @@ TEST( info_refuses_what_it_does_not_know_or_cannot_trust )
 {
     write_text( "other.txt", "a letter\n" );
     assert_refused( "info other.txt", "unknown kind of file, expected a groom" );
+    assert_refused( "info --host vain.yaml", "vain.yaml:1: got 'seams', which --host does not print" );
     write_text( "cut.hair", "HAIR" );
     assert_refused( "info cut.hair", "cut.hair" );
     write_text( "result.json", "{\"wisp_results\":1,\"machine\":{},\"build\":{},\"rows\":[{}]}" );
