@@ -207,7 +207,8 @@ static void suite_samples_of( const wisp_scene* scene, bool has[SAMPLE_COUNT] )
     has[SAMPLE_FIRST_ORDER] = has[SAMPLE_FIRST_ORDER] || has[SAMPLE_ITERATIONS];
     for ( int i = 0; i < scene->surface_count && has[SAMPLE_INTERSECTIONS]; ++i )
     {
-        has[SAMPLE_INTERSECTIONS_DRIVEN] = has[SAMPLE_INTERSECTIONS_DRIVEN] || wisp_scene_is_driven( &scene->surfaces[i] );
+        has[SAMPLE_INTERSECTIONS_DRIVEN] =
+            has[SAMPLE_INTERSECTIONS_DRIVEN] || wisp_scene_is_driven( &scene->surfaces[i] );
     }
     has[SAMPLE_MEMORY] = true;
     has[SAMPLE_CANDIDATES] = has[SAMPLE_CANDIDATES] || has[SAMPLE_INTERSECTIONS];

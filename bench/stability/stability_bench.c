@@ -287,7 +287,8 @@ static wisp_status run_copies( int more, costs* out, wisp_error* error )
     for ( int i = 0; i < more; ++i )
     {
         const size_t used = strlen( text );
-        snprintf( text + used, sizeof text - used, "  - { name: copy%d, instance_of: cloth, cloth: { internal_damping: 0 } }\n", i );
+        snprintf( text + used, sizeof text - used,
+                  "  - { name: copy%d, instance_of: cloth, cloth: { internal_damping: 0 } }\n", i );
     }
     wisp_scene scene;
     scene_world world;

@@ -685,13 +685,12 @@ TEST( colliders_follow_their_keyframes )
 TEST( a_surface_rests_on_the_ground_and_one_without_collision_falls_through )
 {
     SCOPED( release ) fixture f;
-    build( &f,
-           "wisp: 1\nsteps: 60\nsubsteps: 4\nsurfaces:\n"
-           "  - { name: a, generate: { shape: plane, columns: 4, rows: 4 }, compute: [points], cloth: {}, "
-           "transform: { translate: [0, 0.2, 0] }, collision: { thickness: 0.01 } }\n"
-           "  - { name: b, instance_of: a, compute: [points], cloth: {}, collision: false, "
-           "transform: { translate: [0, 0.2, 0] } }\n"
-           "colliders: [{ name: ground, shape: plane }]\n" );
+    build( &f, "wisp: 1\nsteps: 60\nsubsteps: 4\nsurfaces:\n"
+               "  - { name: a, generate: { shape: plane, columns: 4, rows: 4 }, compute: [points], cloth: {}, "
+               "transform: { translate: [0, 0.2, 0] }, collision: { thickness: 0.01 } }\n"
+               "  - { name: b, instance_of: a, compute: [points], cloth: {}, collision: false, "
+               "transform: { translate: [0, 0.2, 0] } }\n"
+               "colliders: [{ name: ground, shape: plane }]\n" );
     step( &f, 60 );
     // a contact is solved exactly in a step; float rounding of 0.2 m remains
     assert_true( fabsf( point_of( &f, 0, 5 ).y - 0.01f ) < 1e-3f );
