@@ -312,7 +312,7 @@ static const scene_field SURFACE_FIELDS[] = {
     { "tile_size", SCENE_CUSTOM, .at = AT( tile_size ), .read = scene_read_tile_size,
       .help = "Number of vertices of a tile; 0 lets the engine choose.",
       .form = "0, or a multiple of 8 in 64 .. 65536", .initial = "0" },
-    { "collision", SCENE_BLOCK, .at = AT( has_collision ), .block = &COLLISION_BLOCK,
+    { "collision", SCENE_USUAL, .at = AT( has_collision ), .block = &COLLISION_BLOCK, .initial = SCENE_COLLIDES,
       .help = "Collision with colliders." },
     { "collider", SCENE_BLOCK, .at = AT( has_collider ), .block = &SCENE_SURFACE_COLLIDER_BLOCK,
       .help = "Makes the surface a collider for others; it deforms, and they do not push it back." },

@@ -24,6 +24,7 @@ void wisp_init_cloth_def( wisp_cloth_def* def, size_t size )
         .bend_stiffness = 0.2f,
         .bend_compliance = 0.1f,
         .bend_rigidity = 5e-6f,
+        .internal_damping = 3.0f,
         .air_density = 1.204f,
         .tether_slack = 1.0f,
         .coarse_passes = 10,
@@ -417,6 +418,10 @@ wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_c
     if ( status == WISP_OK )
     {
         fill( world, surface, def, state );
+        const bool is_airless =
+            ( def->drag_coefficient == 0.0f && def->lift_coefficient == 0.0f ) || def->air_density == 0.0f;
+        wisp_world_tell( world, surface, is_airless && length( def->wind ) > 0.0f,
+                         "'wind' has no effect without drag_coefficient or lift_coefficient, and air_density" );
         if ( def->coarse_substeps > 0 && had_sheets == false )
         {
             warn_of_sheets( world, surface );

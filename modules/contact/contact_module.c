@@ -159,6 +159,33 @@ static float participant_reach( const void* memory, wisp_world* world, wisp_enti
     return settings != NULL ? settings->thickness : -1.0f;
 }
 
+static bool are_for_each_other( const contact_participant* a, const contact_settings* of_a,
+                                const contact_participant* b, const contact_settings* of_b )
+{
+    return ( of_a->layers & of_b->mask ) != 0 && ( of_b->layers & of_a->mask ) != 0 &&
+           ( a->is_strands == false || b->is_strands == false || ( of_a->self & of_b->self & 2 ) != 0 );
+}
+
+// As wisp_state_hooks.planned. A mask of nothing is one to count intersections with.
+static void tell_of_lonely( const void* memory, wisp_world* world )
+{
+    const contact_state* s = memory;
+    for ( int i = 0; i < s->participant_count; ++i )
+    {
+        const contact_participant* a = s->participants + i;
+        const contact_settings* own = wisp_world_rows( world, a->entity, s->components.settings, 0 );
+        bool meets = own->mask == 0 || ( own->self & 1 ) != 0;
+        for ( int k = 0; k < s->participant_count && meets == false; ++k )
+        {
+            const contact_participant* b = s->participants + k;
+            meets = k != i &&
+                    are_for_each_other( a, own, b, wisp_world_rows( world, b->entity, s->components.settings, 0 ) );
+        }
+        wisp_world_tell( world, a->entity, meets == false,
+                         "'contact' has no effect: it meets neither itself nor others" );
+    }
+}
+
 static wisp_status declare_components( wisp_registry* r, contact_state* s )
 {
     const struct
@@ -312,6 +339,7 @@ static wisp_status declare( wisp_registry* r )
     wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state,
                                                   .removed = entity_removed,
                                                   .triangles_changed = triangles_changed,
+                                                  .planned = tell_of_lonely,
                                                   .memory = count_memory,
                                                   .lines = add_lines } );
     wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .reach = participant_reach } );

@@ -287,6 +287,8 @@ typedef struct wisp_state_hooks
     /// A step has run all of its passes. Entities and their topology may change here, and what the host must not do in a step may
     /// not be called.
     wisp_status ( *stepped )( void* state, wisp_world* world );
+    /// The plan was made anew: tell what now has no effect (wisp_world_tell()).
+    void ( *planned )( const void* state, wisp_world* world );
     /// Count what the state points to, for wisp_world_memory_parts().
     /// @param outside add bytes to it that are not of the world's allocator, such as those of Embree
     /// @return bytes of the world's allocator, without the state itself
@@ -521,5 +523,8 @@ WISP_API wisp_status wisp_world_fail( wisp_world* world, wisp_status status, con
     WISP_PRINTF( 3, 4 );
 /// Log a warning: what was asked for is done, but not in full.
 WISP_API void wisp_world_warn( wisp_world* world, const char* format, ... ) WISP_PRINTF( 2, 3 );
+/// Warn that a setting has no effect: once for an entity and a sentence, and of 32 at most.
+/// @param sentence static
+WISP_API void wisp_world_tell( wisp_world* world, wisp_entity entity, bool is_so, const char* sentence );
 
 WISP_END_C
