@@ -420,7 +420,7 @@ wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_c
         fill( world, surface, def, state );
         const bool is_airless =
             ( def->drag_coefficient == 0.0f && def->lift_coefficient == 0.0f ) || def->air_density == 0.0f;
-        wisp_world_tell( world, surface, is_airless && length( def->wind ) > 0.0f,
+        wisp_world_tell( world, surface, is_airless && wisp_v3_length( def->wind ) > 0.0f,
                          "'wind' has no effect without drag_coefficient or lift_coefficient, and air_density" );
         if ( def->coarse_substeps > 0 && had_sheets == false )
         {
