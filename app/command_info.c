@@ -2,6 +2,7 @@
 
 #include "file_kind.h"
 #include "gltf.h"
+#include "host_source.h"
 #include "io_file.h"
 #include "record.h"
 #include "results_read.h"
@@ -13,10 +14,11 @@
 typedef struct info_options
 {
     const char* argument; // a file, or a block of keys
-    bool keys;
+    bool keys, host;
 } info_options;
 
 static const option_row info_rows[] = {
+    { "host", OPTION_KEY, NULL, "Print the C of a host that makes the world of a scene", OPTION_ANY },
     { "keys", 'k', NULL, "Print every key of a scene, or those of a BLOCK such as surfaces.cloth", OPTION_ANY },
 };
 
@@ -33,7 +35,8 @@ const command_text info_text = {
              "components, degenerate triangles and more; each finding names the elements. Such\n"
              "findings are no failure (status 0). A file that cannot be read is (status 2).",
     .examples = "wisp info data/bunny.obj\n"
-                "wisp info data/scenes/flag.yaml",
+                "wisp info data/scenes/flag.yaml\n"
+                "wisp info --host data/scenes/cloth_on_ball.yaml > host.c",
     .rows = info_rows,
     .row_count = WISP_COUNT( info_rows ),
     .values = OPTION_FILES( ".yaml .yml .json .wisp .pc2 .obj .ply .glb .gltf .hair" ),
@@ -46,6 +49,9 @@ static bool take_info_option( options_state* o, int key, const char* argument )
     {
         case 'k':
             given->keys = true;
+            return true;
+        case OPTION_KEY:
+            given->host = true;
             return true;
         case OPTIONS_OPERAND:
             if ( given->argument )
@@ -481,6 +487,19 @@ static wisp_status info_file( const char* path, wisp_error* error )
                       io_input_name( path ) );
 }
 
+static wisp_status info_host( const char* path, wisp_error* error )
+{
+    wisp_scene scene;
+    wisp_status status = path != NULL ? wisp_scene_read( path, &scene, error )
+                                      : wisp_fail( error, WISP_BAD_INPUT, "--host: expected a scene" );
+    if ( status == WISP_OK )
+    {
+        status = host_source_write( stdout, &scene, error );
+        wisp_scene_release( &scene );
+    }
+    return status;
+}
+
 static wisp_status info_keys( const char* block, wisp_error* error )
 {
     return wisp_scene_write_keys( stdout, block ) > 0
@@ -495,7 +514,9 @@ int command_info( int argc, char** argv )
     options_parse( &info_text, take_info_option, &given, argc, argv );
 
     wisp_error error = { 0 };
-    wisp_status status = given.keys ? info_keys( given.argument, &error ) : info_file( given.argument, &error );
+    wisp_status status = given.host   ? info_host( given.argument, &error )
+                         : given.keys ? info_keys( given.argument, &error )
+                                      : info_file( given.argument, &error );
     if ( ( fflush( stdout ) != 0 || ferror( stdout ) ) && status == WISP_OK )
     {
         status = wisp_fail( &error, WISP_IO_ERROR, "standard output: the description could not be written" );

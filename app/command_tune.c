@@ -11,7 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define RUNS_MAX 200
 #define DEFAULT_LIMIT 300.0
 
 // ---- the search ----
@@ -478,15 +477,9 @@ static bool show( void* user, int run_count, int max_runs )
 
 static wisp_status run_search( search* s, wisp_tune_result* out, wisp_error* error )
 {
-    wisp_tune_def job = wisp_default_tune_def();
-    job.parameters = s->parameters->parameters;
-    job.parameter_count = s->parameters->count;
-    job.error = s->error;
-    job.budget_ms = s->budget_ms;
+    wisp_tune_def job = tune_parameters_job( s->parameters, s->error, s->budget_ms, s->limit );
     job.run = run_trial;
     job.user = s;
-    job.max_runs = RUNS_MAX;
-    job.max_seconds = s->limit;
     job.progress = show;
     job.progress_user = &s->bar;
     const wisp_status status = make_reference( s, error );

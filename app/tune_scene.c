@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define RUNS_MAX 200
 #define OBSERVATIONS 12
 #define SECONDS_MAX 2.0
 #define TUNE_STEPS_MAX 1000000
@@ -109,13 +108,7 @@ static int steps_of( const tune_scene_def* def )
 static wisp_status search( host* h, wisp_tune_result* out, wisp_error* error )
 {
     const tune_scene_def* def = h->def;
-    wisp_tune_def job = wisp_default_tune_def();
-    job.parameters = def->parameters->parameters;
-    job.parameter_count = def->parameters->count;
-    job.error = def->error;
-    job.budget_ms = def->budget_ms;
-    job.max_runs = RUNS_MAX;
-    job.max_seconds = def->limit;
+    wisp_tune_def job = tune_parameters_job( def->parameters, def->error, def->budget_ms, def->limit );
     job.progress = def->progress;
     job.progress_user = def->progress_user;
     wisp_tune_worlds_def worlds = wisp_default_tune_worlds_def();

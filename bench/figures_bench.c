@@ -373,6 +373,7 @@ static wisp_status project_pair( float w0, float w1, double* error_out, wisp_err
     {
         wisp_cloth_def cloth = wisp_default_cloth_def();
         cloth.solver = WISP_SOLVER_PBD;
+        cloth.internal_damping = 0.0f;
         status = wisp_set_cloth( implementation.world, implementation.entity, &cloth );
         status = status == WISP_OK ? WISP_OK : bench_world_fail( implementation.world, status, error );
     }

@@ -1,6 +1,8 @@
 // The figures of Park and Kim 2024 about ghosts: how they stand around their targets and how they sway.
 #include "figures_hair.h"
 
+#include "wisp/module/vec.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -114,11 +116,6 @@ static wisp_vec3 tuft_mean( const wisp_vec3* points, int ghost_count, int node )
 
 #define LINE_RADIUS 0.0004f
 
-static wisp_vec3 plus( wisp_vec3 a, float factor, wisp_vec3 b )
-{
-    return ( wisp_vec3 ){ a.x + factor * b.x, a.y + factor * b.y, a.z + factor * b.z };
-}
-
 // Ends of the lines of a shot, and of its bar. @return how many lines
 static int collect_lines( const tuft* t, const tuft_seen* s, const tuft_lines* lines, wisp_vec3* out )
 {
@@ -126,8 +123,9 @@ static int collect_lines( const tuft* t, const tuft_seen* s, const tuft_lines* l
     int count = 0;
     for ( int i = 0; i < strands_shape_size( &t->ghosts ); ++i )
     {
-        const wisp_vec3 end = lines->to_centre ? tuft_mean( s->swaying, t->ghosts.strand_count, i % TUFT_NODES )
-                                               : plus( s->base[i], times, tuft_minus( s->swaying[i], s->base[i] ) );
+        const wisp_vec3 end = lines->to_centre
+                                  ? tuft_mean( s->swaying, t->ghosts.strand_count, i % TUFT_NODES )
+                                  : wisp_v3_mul_add( s->base[i], times, tuft_minus( s->swaying[i], s->base[i] ) );
         const wisp_vec3 begin = lines->to_centre ? s->swaying[i] : s->base[i];
         if ( tuft_length( tuft_minus( end, begin ) ) > (double)LINE_RADIUS )
         {
@@ -138,8 +136,8 @@ static int collect_lines( const tuft* t, const tuft_seen* s, const tuft_lines* l
     if ( lines->bar > 0.0f )
     {
         const wisp_vec3 under = { 0.0f, -0.02f, 0.0f }, along = { times * lines->bar, 0.0f, 0.0f };
-        out[2 * count] = plus( s->target[0], 1.0f, under );
-        out[2 * count + 1] = plus( out[2 * count], 1.0f, along );
+        out[2 * count] = wisp_v3_mul_add( s->target[0], 1.0f, under );
+        out[2 * count + 1] = wisp_v3_mul_add( out[2 * count], 1.0f, along );
         count += 1;
     }
     return count;

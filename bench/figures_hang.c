@@ -324,7 +324,7 @@ static wisp_status hang_all( const triangle_scene* scenes, int count, int which,
         hang_plan plan = {
             .form = form,
             .is_upright = form != HANG_ROUND,
-            .cloth = wisp_default_implicit_cloth_def(),
+            .cloth = triangle_default_setting().cloth,
             .seconds = 0.01f,
             .steps = SAG_STEPS,
         };

@@ -41,7 +41,7 @@ int strands_shape_size( const strands_shape* shape )
 
 strands_generator strands_default_generator( const strands_shape* shape )
 {
-    return ( strands_generator ){
+    strands_generator generator = {
         .shape = shape,
         .dynamics = wisp_default_strand_dynamics_def(),
         .substeps = 10,
@@ -49,6 +49,8 @@ strands_generator strands_default_generator( const strands_shape* shape )
         .iterations = 1,
         .seconds = STRANDS_STEP,
     };
+    generator.dynamics.damping = 0.0f;
+    return generator;
 }
 
 static wisp_status add_strands( strands_implementation* implementation )
@@ -142,11 +144,13 @@ double strands_measure_stretch( const strands_shape* rest, const wisp_vec3* poin
 
 hair_head_generator hair_head_default_generator( const strands_shape* moving )
 {
-    return ( hair_head_generator ){
+    hair_head_generator generator = {
         .moving = moving,
         .follow = wisp_default_ghosts_def(),
         .dynamics = wisp_default_strand_dynamics_def(),
     };
+    generator.dynamics.damping = 0.0f;
+    return generator;
 }
 
 static wisp_status add( wisp_world* world, const strands_shape* shape, wisp_entity* out )

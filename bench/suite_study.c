@@ -207,7 +207,8 @@ static void suite_samples_of( const wisp_scene* scene, bool has[SAMPLE_COUNT] )
     has[SAMPLE_FIRST_ORDER] = has[SAMPLE_FIRST_ORDER] || has[SAMPLE_ITERATIONS];
     for ( int i = 0; i < scene->surface_count && has[SAMPLE_INTERSECTIONS]; ++i )
     {
-        has[SAMPLE_INTERSECTIONS_DRIVEN] = has[SAMPLE_INTERSECTIONS_DRIVEN] || scene_is_driven( &scene->surfaces[i] );
+        has[SAMPLE_INTERSECTIONS_DRIVEN] =
+            has[SAMPLE_INTERSECTIONS_DRIVEN] || wisp_scene_is_driven( &scene->surfaces[i] );
     }
     has[SAMPLE_MEMORY] = true;
     has[SAMPLE_CANDIDATES] = has[SAMPLE_CANDIDATES] || has[SAMPLE_INTERSECTIONS];
@@ -314,10 +315,10 @@ static int count_driven_intersections( const scene_world* world )
     int sum = 0;
     for ( int a = 0; a < scene->surface_count; ++a )
     {
-        for ( int b = 0; b < scene->surface_count && scene_is_driven( &scene->surfaces[a] ); ++b )
+        for ( int b = 0; b < scene->surface_count && wisp_scene_is_driven( &scene->surfaces[a] ); ++b )
         {
             int count = 0;
-            const bool is_pair = !scene_is_driven( &scene->surfaces[b] );
+            const bool is_pair = !wisp_scene_is_driven( &scene->surfaces[b] );
             const wisp_entity one = world->surfaces[a].entity, other = world->surfaces[b].entity;
             sum +=
                 is_pair && wisp_read_contact_intersections( world->world, one, other, &count ) == WISP_OK ? count : 0;

@@ -458,8 +458,12 @@ void triangle_scene_free( triangle_scene* scene )
 
 triangle_setting triangle_default_setting( void )
 {
+    wisp_implicit_cloth_def cloth = wisp_default_implicit_cloth_def();
+    cloth.stiffness_model = WISP_IMPLICIT_STIFFNESS_LINK;
+    cloth.weights = WISP_IMPLICIT_WEIGHTS_EFFECTIVE;
+    cloth.tolerance = 1e-4f;
     return ( triangle_setting ){
-        .cloth = wisp_default_implicit_cloth_def(),
+        .cloth = cloth,
         .seconds = 0.01f,
         .workers = 1,
         .has_ball = true,

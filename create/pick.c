@@ -3,33 +3,7 @@
 
 #include "wisp/fabric.h"
 #include "wisp/module/module.h"
-
-#include <math.h>
-
-static wisp_vec3 add_scaled( wisp_vec3 a, wisp_vec3 b, float s )
-{
-    return ( wisp_vec3 ){ a.x + s * b.x, a.y + s * b.y, a.z + s * b.z };
-}
-
-static wisp_vec3 minus( wisp_vec3 a, wisp_vec3 b )
-{
-    return add_scaled( a, b, -1.0f );
-}
-
-static float dot( wisp_vec3 a, wisp_vec3 b )
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-static wisp_vec3 cross( wisp_vec3 a, wisp_vec3 b )
-{
-    return ( wisp_vec3 ){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
-}
-
-static float length( wisp_vec3 a )
-{
-    return sqrtf( dot( a, a ) );
-}
+#include "wisp/module/vec.h"
 
 static float clamp( float x )
 {
@@ -47,20 +21,20 @@ typedef struct search
 static void keep( search* s, float measure, wisp_vec3 point, int32_t vertex, int32_t triangle )
 {
     s->nearest = measure;
-    *s->out = ( wisp_hit ){ vertex, triangle, point, length( minus( point, s->from ) ) };
+    *s->out = ( wisp_hit ){ vertex, triangle, point, wisp_v3_length( wisp_v3_sub( point, s->from ) ) };
 }
 
 // The closest points of the way and a segment, clamped to both (Ericson 2004, section 5.1.9).
 static void meet_segment( search* s, wisp_vec3 p, wisp_vec3 q, int32_t p_vertex, int32_t q_vertex, int32_t triangle )
 {
-    const wisp_vec3 along = minus( q, p ), r = minus( s->from, p );
-    const float a = dot( s->way, s->way ), e = dot( along, along ), f = dot( along, r ), b = dot( s->way, along ),
-                c = dot( s->way, r ), d = a * e - b * b;
+    const wisp_vec3 along = wisp_v3_sub( q, p ), r = wisp_v3_sub( s->from, p );
+    const float a = wisp_v3_dot( s->way, s->way ), e = wisp_v3_dot( along, along ), f = wisp_v3_dot( along, r ),
+                b = wisp_v3_dot( s->way, along ), c = wisp_v3_dot( s->way, r ), d = a * e - b * b;
     float way = d > 0.0f ? clamp( ( b * f - c * e ) / d ) : 0.0f;
     const float t = e > 0.0f ? clamp( ( b * way + f ) / e ) : 0.0f;
     way = a > 0.0f ? clamp( ( b * t - c ) / a ) : 0.0f;
-    const wisp_vec3 point = add_scaled( p, along, t );
-    const float distance = length( minus( point, add_scaled( s->from, s->way, way ) ) );
+    const wisp_vec3 point = wisp_v3_mul_add( p, t, along );
+    const float distance = wisp_v3_length( wisp_v3_sub( point, wisp_v3_mul_add( s->from, way, s->way ) ) );
     const float measure = a > 0.0f ? way : distance;
     if ( distance <= s->radius && measure < s->nearest )
     {
@@ -71,14 +45,15 @@ static void meet_segment( search* s, wisp_vec3 p, wisp_vec3 q, int32_t p_vertex,
 // Where the way crosses a triangle (Moeller and Trumbore 1997), or the foot of a point on it; else its edges may be nearest.
 static void meet_triangle( search* s, const wisp_vec3 p[3], const int32_t vertices[3], int32_t triangle )
 {
-    const wisp_vec3 u = minus( p[1], p[0] ), v = minus( p[2], p[0] ), normal = cross( u, v ),
-                    r = minus( s->from, p[0] );
-    const bool is_point = dot( s->way, s->way ) == 0.0f;
-    const wisp_vec3 way = is_point ? normal : s->way, q = cross( r, way );
-    const float d = dot( way, normal ), t = -dot( r, normal ) / d; // not a number where the way is in the plane
-    const float second = dot( v, q ) / -d, third = dot( u, q ) / d, first = 1.0f - second - third;
-    const wisp_vec3 point = add_scaled( s->from, way, t );
-    const float measure = is_point ? length( minus( point, s->from ) ) : t;
+    const wisp_vec3 u = wisp_v3_sub( p[1], p[0] ), v = wisp_v3_sub( p[2], p[0] ), normal = wisp_v3_cross( u, v ),
+                    r = wisp_v3_sub( s->from, p[0] );
+    const bool is_point = wisp_v3_dot( s->way, s->way ) == 0.0f;
+    const wisp_vec3 way = is_point ? normal : s->way, q = wisp_v3_cross( r, way );
+    const float d = wisp_v3_dot( way, normal ),
+                t = -wisp_v3_dot( r, normal ) / d; // not a number where the way is in the plane
+    const float second = wisp_v3_dot( v, q ) / -d, third = wisp_v3_dot( u, q ) / d, first = 1.0f - second - third;
+    const wisp_vec3 point = wisp_v3_mul_add( s->from, t, way );
+    const float measure = is_point ? wisp_v3_length( wisp_v3_sub( point, s->from ) ) : t;
     if ( first >= 0.0f && second >= 0.0f && third >= 0.0f && measure >= 0.0f && measure < s->nearest &&
          measure <= ( is_point ? s->radius : 1.0f ) )
     {
@@ -101,7 +76,7 @@ static void walk_triangles( search* s, const float* rows, wisp_vec3 offset, cons
         {
             const int32_t slot = f->triangles[3 * t + c];
             const float* x = rows + 4 * (size_t)slot;
-            p[c] = minus( ( wisp_vec3 ){ x[0], x[1], x[2] }, offset );
+            p[c] = wisp_v3_sub( wisp_v3_load( x ), offset );
             vertices[c] = f->slot_vertex[slot];
         }
         meet_triangle( s, p, vertices, t );
@@ -116,7 +91,7 @@ static void walk_strands( search* s, const float* rows, wisp_vec3 offset, const 
         for ( int k = 0; k < t->lane_count[i]; ++k )
         {
             const float* x = rows + (size_t)( t->group_row[i / 16] + k ) * 48 + i % 16;
-            const wisp_vec3 p = minus( ( wisp_vec3 ){ x[0], x[16], x[32] }, offset );
+            const wisp_vec3 p = wisp_v3_sub( ( wisp_vec3 ){ x[0], x[16], x[32] }, offset );
             const int32_t vertex = t->offsets[t->lane_strand[i]] + k;
             meet_segment( s, k > 0 ? last : p, p, k > 0 ? vertex - 1 : vertex, vertex, -1 );
             last = p;
@@ -131,8 +106,8 @@ wisp_status wisp_pick( wisp_world* world, wisp_entity entity, wisp_vec3 from, wi
     WISP_TRY( wisp_world_check_entity( world, entity ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     *out = ( wisp_hit ){ .vertex = -1, .triangle = -1 };
-    search s = { from, minus( to, from ), radius, INFINITY, out };
-    if ( !( radius >= 0.0f ) || !isfinite( dot( from, from ) + dot( s.way, s.way ) ) )
+    search s = { from, wisp_v3_sub( to, from ), radius, INFINITY, out };
+    if ( !( radius >= 0.0f ) || !isfinite( wisp_v3_dot( from, from ) + wisp_v3_dot( s.way, s.way ) ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "pick: expected finite points and a radius of at least 0" );
     }

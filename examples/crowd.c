@@ -175,24 +175,28 @@ static double seconds( void )
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+static void start( pthread_t* thread, void* ( *run )( void* user ), void* user )
+{
+    if ( pthread_create( thread, NULL, run, user ) != 0 )
+    {
+        fprintf( stderr, "a thread could not be started\n" );
+        exit( 1 );
+    }
+}
+
 // @return s
 static double run( crowd* c )
 {
     pthread_t threads[MOST_THREADS];
     const double begin = seconds();
-    int started = 1;
     c->next = 0;
     pthread_barrier_init( &c->step_done, NULL, (unsigned)c->threads );
-    for ( ; started < c->threads && pthread_create( threads + started, NULL, work, c ) == 0; ++started )
+    for ( int i = 1; i < c->threads; ++i )
     {
-    }
-    if ( started < c->threads )
-    {
-        fprintf( stderr, "%d threads could not be started\n", c->threads );
-        exit( 1 );
+        start( threads + i, work, c );
     }
     work( c );
-    for ( int i = 1; i < started; ++i )
+    for ( int i = 1; i < c->threads; ++i )
     {
         pthread_join( threads[i], NULL );
     }
@@ -274,21 +278,15 @@ static bool write_film( const crowd* c, const char* folder )
     char path[1024];
     shard shards[MOST_THREADS];
     pthread_t threads[MOST_THREADS];
-    bool is_started[MOST_THREADS];
     bool good = mkdir( folder, 0777 ) == 0 || access( folder, W_OK ) == 0;
     for ( int i = 0; i < c->threads && good; ++i )
     {
         shards[i] = ( shard ){ c, folder, i, false };
-        is_started[i] = pthread_create( threads + i, NULL, write_shard, shards + i ) == 0;
-        if ( is_started[i] == false )
-        {
-            write_shard( shards + i );
-        }
+        start( threads + i, write_shard, shards + i );
     }
     for ( int i = 0, count = good ? c->threads : 0; i < count; ++i )
     {
-        good =
-            ( is_started[i] == false || pthread_join( threads[i], NULL ) == 0 ) && shards[i].failed == false && good;
+        good = pthread_join( threads[i], NULL ) == 0 && shards[i].failed == false && good;
     }
     snprintf( path, sizeof path, "%s/crowd.usda", folder );
     FILE* file = good ? fopen( path, "w" ) : NULL;

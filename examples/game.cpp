@@ -69,7 +69,7 @@ int main()
     {
         world.restore( { kept.data(), kept.size() } );
         step = then;
-        for ( int i = 0; i < 120; ++i )
+        for ( int i = 0; i < 60; ++i )
         {
             before_step( world );
             world.step( STEP );

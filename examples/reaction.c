@@ -56,6 +56,7 @@ static wisp_status add_sheet( stage* s, bool is_held )
     status = wisp_add_surface( s->world, &surface, &s->sheet );
     wisp_fabric_release( fabric );
     wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.internal_damping = 0.0f; // it would round the momentum that is compared
     status = status == WISP_OK ? wisp_set_cloth( s->world, s->sheet, &cloth ) : status;
     const wisp_collision_def collision = wisp_default_collision_def();
     status = status == WISP_OK ? wisp_set_collision( s->world, s->sheet, &collision ) : status;

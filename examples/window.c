@@ -2,9 +2,12 @@
 //
 //     cc -std=c17 window.c $(pkg-config --cflags --libs wisp sdl2 glesv2) -lm -o window && ./window
 //
+// The key L shows lines of what is simulated: links by their stretch, pins, contacts, the collider, frames of hair.
+//
 // `window 150 frame.ppm` draws 150 frames, writes the last one as a picture, and ends with status 0 if all three are in it.
 #include <wisp/create.h>
 #include <wisp/generate.h>
+#include <wisp/lines.h>
 
 #include <GLES2/gl2.h>
 #include <SDL.h>
@@ -31,6 +34,7 @@ typedef struct stage
     wisp_entity cloth, hair, ball;
     wisp_vec3 place; // of the ball, m
     float time;      // s
+    int shows_lines;
 } stage;
 
 // ---- what moves ----
@@ -77,13 +81,14 @@ static void before_step( void* user, wisp_world* world )
 
 // ---- what is drawn ----
 
-static const char* const VERTEX = "attribute vec3 point, normal; uniform vec3 place; varying vec3 n;"
-                                  "void main() { vec3 p = point + place - vec3( 0.0, 0.0, 2.4 ); n = normal;"
-                                  "gl_Position = vec4( p.x * 1.35, p.y * 1.8, -1.02 * p.z - 0.2, -p.z ); }";
+static const char* const VERTEX =
+    "attribute vec3 point, normal, tint; uniform vec3 place; varying vec3 n, t;"
+    "void main() { vec3 p = point + place - vec3( 0.0, 0.0, 2.4 ); n = normal; t = tint;"
+    "gl_Position = vec4( p.x * 1.35, p.y * 1.8, -1.02 * p.z - 0.2, -p.z ); }";
 static const char* const FRAGMENT =
-    "precision mediump float; uniform vec3 colour; varying vec3 n;"
+    "precision mediump float; uniform vec3 colour; varying vec3 n, t;"
     "void main() { float light = dot( n, n ) > 0.0 ? abs( dot( normalize( n ), vec3( 0.48, 0.36, 0.8 ) ) ) : 1.0;"
-    "gl_FragColor = vec4( colour * ( 0.3 + 0.7 * light ), 1.0 ); }";
+    "gl_FragColor = vec4( ( colour + t ) * ( 0.3 + 0.7 * light ), 1.0 ); }";
 static GLint place_at, colour_at;
 
 static void open_program( void )
@@ -98,11 +103,13 @@ static void open_program( void )
     }
     glBindAttribLocation( program, 0, "point" );
     glBindAttribLocation( program, 1, "normal" );
+    glBindAttribLocation( program, 2, "tint" );
     glLinkProgram( program );
     glUseProgram( program );
     place_at = glGetUniformLocation( program, "place" );
     colour_at = glGetUniformLocation( program, "colour" );
     glEnable( GL_DEPTH_TEST );
+    glEnableVertexAttribArray( 0 );
     glClearColor( 0.05f, 0.06f, 0.08f, 1.0f );
 }
 
@@ -114,12 +121,28 @@ static void draw_mesh( const void* points, const void* normals, const int32_t* t
     {
         indices[i] = (GLushort)triangles[i];
     }
-    glEnableVertexAttribArray( 0 );
     glEnableVertexAttribArray( 1 );
     glVertexAttribPointer( 0, 3, GL_FLOAT, GL_FALSE, 0, points );
     glVertexAttribPointer( 1, 3, GL_FLOAT, GL_FALSE, 0, normals );
     glDrawElements( GL_TRIANGLES, index_count, GL_UNSIGNED_SHORT, indices );
     glDisableVertexAttribArray( 1 );
+}
+
+static wisp_status draw_lines( const stage* s )
+{
+    static wisp_line lines[30000];
+    int count; // may be more than there is room for
+    const wisp_status status = wisp_debug_lines( s->world, WISP_LINES_ALL, NULL, lines, WISP_COUNT( lines ), &count );
+    glUniform3f( place_at, 0.0f, 0.0f, 0.0f );
+    glUniform3f( colour_at, 0.0f, 0.0f, 0.0f );
+    glVertexAttribPointer( 0, 3, GL_FLOAT, GL_FALSE, sizeof( wisp_line_end ), &lines[0].ends[0].point );
+    glVertexAttribPointer( 2, 3, GL_FLOAT, GL_FALSE, sizeof( wisp_line_end ), &lines[0].ends[0].colour );
+    glVertexAttrib3f( 1, 0.0f, 0.0f, 0.0f );
+    glEnableVertexAttribArray( 2 );
+    glDrawArrays( GL_LINES, 0, 2 * ( count < WISP_COUNT( lines ) ? count : WISP_COUNT( lines ) ) );
+    glDisableVertexAttribArray( 2 );
+    glVertexAttrib3f( 2, 0.0f, 0.0f, 0.0f );
+    return status;
 }
 
 static wisp_status draw( const stage* s )
@@ -133,6 +156,10 @@ static wisp_status draw( const stage* s )
         return status;
     }
     glClear( GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT );
+    if ( s->shows_lines )
+    {
+        return draw_lines( s );
+    }
     glUniform3f( place_at, 0.0f, 0.0f, 0.0f );
     glUniform3f( colour_at, 0.9f, 0.1f, 0.1f );
     draw_mesh( points.data, normals.data, &cloth_triangles[0][0], 3 * WISP_COUNT( cloth_triangles ) );
@@ -184,6 +211,7 @@ static wisp_status show( stage* s, SDL_Window* window, int frame_count )
             {
                 return WISP_OK;
             }
+            s->shows_lines ^= event.type == SDL_KEYDOWN && event.key.keysym.sym == SDLK_l;
         }
         const Uint64 now = SDL_GetPerformanceCounter();
         const float seconds = (float)( now - last ) / (float)SDL_GetPerformanceFrequency();

@@ -97,6 +97,18 @@ static void request_by_default( wisp_scene* scene )
     }
 }
 
+static int count_bodies( const scene_reader* r, const scene_node* root )
+{
+    const scene_node *colliders = scene_child( r, root, "colliders" ), *surfaces = scene_child( r, root, "surfaces" );
+    int count = colliders != NULL ? colliders->count : 0;
+    for ( const scene_node* s = surfaces != NULL ? scene_first( r->tree, surfaces ) : NULL; s != NULL;
+          s = scene_next( r->tree, s ) )
+    {
+        count += scene_child( r, s, "collider" ) != NULL;
+    }
+    return count;
+}
+
 static wisp_status read_root( const scene_source* source, const scene_tree* tree, wisp_scene* scene )
 {
     scene_reader r = { .source = source, .tree = tree, .scene = scene };
@@ -114,6 +126,7 @@ static wisp_status read_root( const scene_source* source, const scene_tree* tree
     {
         return scene_refuse_kind( &r, root, "a mapping with the key 'wisp'" );
     }
+    r.body_count = count_bodies( &r, root );
     wisp_status status = check_version( &r, root );
     status = status ? status : scene_read_block( &r, root, &SCENE_BLOCK_OF_ALL, scene );
     request_by_default( scene );

@@ -527,6 +527,9 @@ extern "C"
     WISP_API wisp_status wisp_scene_make_curves( const wisp_curves_def* def, const wisp_groom* source,
                                                  wisp_groom* out, wisp_error* error );
 
+    /// @return whether an animation moves every vertex of a surface, as of the skin of a character: nothing is solved for it
+    bool wisp_scene_is_driven( const wisp_scene_surface* surface );
+
     /// @return whether a surface starts with pins of its own keys or of a group; those of an animation do not count
     WISP_API bool wisp_scene_has_pins( const wisp_scene_surface* surface );
 

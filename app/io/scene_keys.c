@@ -89,6 +89,8 @@ static const char* name_of_type( const scene_field* field )
             return "text";
         case SCENE_BLOCK:
             return "block";
+        case SCENE_USUAL:
+            return "block or false";
         case SCENE_CUSTOM:
             break;
     }
@@ -160,6 +162,7 @@ static void add_value( writer* w, const scene_field* field, const void* base )
             break;
         case SCENE_TEXT:
         case SCENE_BLOCK:
+        case SCENE_USUAL:
         case SCENE_CUSTOM:
             WISP_ASSERT( false );
     }
@@ -291,7 +294,7 @@ static int write_section( FILE* out, const section* s, const char* only )
     for ( int i = 0; s->count == 1 && i < s->blocks->field_count; ++i )
     {
         const scene_field* field = &s->blocks->fields[i];
-        if ( field->type == SCENE_BLOCK )
+        if ( field->block )
         {
             char path[120];
             snprintf( path, sizeof path, "%s%s%s", s->path, s->path[0] ? "." : "", field->key );

@@ -360,21 +360,15 @@ static wisp_quat turn_about( wisp_vec3 axis, float degrees )
     return wisp_transform_make( q, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
 }
 
-// First b, then a.
-static wisp_quat turn_after( wisp_quat a, wisp_quat b )
-{
-    return (
-        wisp_quat ){ a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-                     a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z };
-}
-
 // About the fixed axes x, then y, then z.
 static wisp_quat quat_of_degrees( wisp_vec3 degrees )
 {
     wisp_quat x = turn_about( ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f }, degrees.x );
     wisp_quat y = turn_about( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, degrees.y );
     wisp_quat z = turn_about( ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f }, degrees.z );
-    return wisp_transform_make( turn_after( z, turn_after( y, x ) ), ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
+    return wisp_transform_make( wisp_quat_multiply( z, wisp_quat_multiply( y, x ) ),
+                                ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } )
+        .rotation;
 }
 
 wisp_status scene_read_rotation( scene_reader* r, const scene_node* node, void* at )

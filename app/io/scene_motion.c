@@ -84,8 +84,8 @@ static wisp_status check_still( scene_reader* r, const scene_node* node, const w
     for ( int i = 0; i < WISP_COUNT( keys ); ++i )
     {
         const scene_node* child = scene_child( r, node, keys[i] );
-        const bool follows = s->has_ghosts && strcmp( keys[i], "collision" ) == 0;
-        if ( child && !follows )
+        const bool is_free = ( s->has_ghosts || !s->has_collision ) && strcmp( keys[i], "collision" ) == 0;
+        if ( child && !is_free )
         {
             return scene_refuse_node( r, child, "'%s' needs the key 'dynamics'", keys[i] );
         }

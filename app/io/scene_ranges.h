@@ -47,3 +47,6 @@
 #define RIGIDITIES "N m"
 #define LINK_DAMPINGS "N s/m"
 #define ROD_RIGIDITIES "N m^2"
+
+// What is said more than once.
+#define SCENE_COLLIDES "{} where the scene has colliders, else false"

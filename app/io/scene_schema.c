@@ -104,6 +104,7 @@ wisp_status scene_read_field( scene_reader* r, const scene_node* node, const sce
 {
     void* out = (char*)base + field->at;
     wisp_status status = WISP_OK;
+    bool is_off = false;
     switch ( field->type )
     {
         case SCENE_NUMBER:
@@ -124,11 +125,14 @@ wisp_status scene_read_field( scene_reader* r, const scene_node* node, const sce
             return scene_read_vector( r, node, field, out );
         case SCENE_TEXT:
             return scene_read_text( r, node, out );
+        case SCENE_USUAL:
         case SCENE_BLOCK:
-            status = scene_read_block( r, node, field->block, base );
+            is_off = field->type == SCENE_USUAL && node->kind == SCENE_SCALAR && node->plain &&
+                     strcmp( scene_text_of( r->tree, node ), "false" ) == 0;
+            status = is_off ? WISP_OK : scene_read_block( r, node, field->block, base );
             if ( field->at )
             {
-                *(bool*)out = status == WISP_OK;
+                *(bool*)out = status == WISP_OK && is_off == false;
             }
             return status;
         case SCENE_CUSTOM:

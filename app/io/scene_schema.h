@@ -20,6 +20,7 @@ typedef enum scene_type
     SCENE_VECTOR,  // wisp_vec3
     SCENE_TEXT,    // const char*, not empty
     SCENE_BLOCK,   // a mapping of its own over the same struct; its presence sets the bool at `at`, if that is not 0
+    SCENE_USUAL,   // such a block that is there by default, and can be `false`
     SCENE_CUSTOM,
 } scene_type;
 

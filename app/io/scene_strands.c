@@ -53,7 +53,12 @@ static wisp_status read_entry( scene_reader* r, const scene_node* node, int inde
     {
         strands->frozen_hair.update_on = WISP_FROZEN_UPDATE_FRAME;
     }
+    strands->has_collision = r->body_count > 0;
     wisp_status status = scene_read_block( r, node, &SCENE_STRANDS_BLOCK, strands );
+    if ( strands->has_dynamics == false && scene_child( r, node, "collision" ) == NULL )
+    {
+        strands->has_collision = false;
+    }
     return status ? status : scene_check_strands( r, node, strands );
 }
 

@@ -108,7 +108,7 @@ static wisp_status check_implicit( scene_reader* r, const scene_node* node, cons
     }
     if ( s->has_quad_links && s->implicit.stiffness_model == WISP_IMPLICIT_STIFFNESS_MATERIAL )
     {
-        return scene_refuse_node( r, node, "implicit.stiffness_model 'material' needs implicit.links 'mesh'" );
+        return scene_refuse_node( r, node, "implicit.links 'quad' needs 'stiffness_model: link'" );
     }
     return s->has_quad_links && !instance ? check_quad_links( r, node, &s->mesh ) : WISP_OK;
 }
@@ -181,6 +181,12 @@ wisp_scene_surface scene_default_surface( wisp_vec3 gravity )
     };
 }
 
+bool wisp_scene_is_driven( const wisp_scene_surface* surface )
+{
+    return surface->has_animation &&
+           !( surface->has_cloth || surface->has_balloon || surface->has_implicit || surface->has_membrane );
+}
+
 static wisp_status read_entry( scene_reader* r, const scene_node* node, int index, void* context )
 {
     wisp_scene* scene = context;
@@ -189,8 +195,13 @@ static wisp_status read_entry( scene_reader* r, const scene_node* node, int inde
     *surface = scene_default_surface( r->scene->gravity );
     surface->line = node->line;
     surface->column = node->column;
+    surface->has_collision = r->body_count > ( scene_child( r, node, "collider" ) != NULL );
     r->mesh = &surface->mesh;
     wisp_status status = scene_read_block( r, node, &SCENE_SURFACE_BLOCK, surface );
+    if ( wisp_scene_is_driven( surface ) && scene_child( r, node, "collision" ) == NULL )
+    {
+        surface->has_collision = false;
+    }
     const bool has_links = surface->has_membrane == false && surface->cloth.solver == WISP_SOLVER_XPBD;
     if ( surface->cloth.coarse_substeps < 0 && ( has_links == false || surface->has_tearing ) )
     {

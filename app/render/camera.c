@@ -3,7 +3,7 @@
 
 #include "check.h"
 #include "trace.h"
-#include "vec.h"
+#include "wisp/module/vec.h"
 
 static const float DEGREE = 0.01745329252f; // radians
 
@@ -145,7 +145,7 @@ static view_frame frame_of( const render_view* view )
 // Bounds of the content, around the middle of the box: its corners, or two circles if it will turn.
 static int outline( const render_bounds* box, bool is_turntable, wisp_vec3* points )
 {
-    wisp_vec3 half = v3_scale( v3_sub( box->upper, box->lower ), 0.5f );
+    wisp_vec3 half = wisp_v3_scale( wisp_v3_sub( box->upper, box->lower ), 0.5f );
     if ( !is_turntable )
     {
         for ( int k = 0; k < 8; ++k )
@@ -177,7 +177,7 @@ static axis_fit fit_axis( const wisp_vec3* points, int count, wisp_vec3 aside, w
     float a = -INFINITY, b = -INFINITY;
     for ( int k = 0; k < count; ++k )
     {
-        float x = v3_dot( points[k], aside ) / tangent, z = v3_dot( points[k], back );
+        float x = wisp_v3_dot( points[k], aside ) / tangent, z = wisp_v3_dot( points[k], back );
         a = fmaxf( a, x + z );
         b = fmaxf( b, z - x );
     }
@@ -206,10 +206,11 @@ wisp_status render_frame_camera( const render_bounds* bounds, const render_view*
 
     // A single point has no size; the camera keeps a distance all the same.
     float distance = fmaxf( fmaxf( across.distance, along.distance ), 1e-3f );
-    wisp_vec3 middle = v3_scale( v3_add( box.lower, box.upper ), 0.5f );
-    wisp_vec3 target = v3_mul_add( v3_mul_add( middle, across.centre, frame.right ), along.centre, frame.up );
+    wisp_vec3 middle = wisp_v3_scale( wisp_v3_add( box.lower, box.upper ), 0.5f );
+    wisp_vec3 target =
+        wisp_v3_mul_add( wisp_v3_mul_add( middle, across.centre, frame.right ), along.centre, frame.up );
     *camera = ( render_camera ){
-        .eye = v3_mul_add( target, distance, frame.back ),
+        .eye = wisp_v3_mul_add( target, distance, frame.back ),
         .target = target,
         .up = { 0.0f, 1.0f, 0.0f },
         .fov_degrees = view->fov_degrees,
@@ -233,9 +234,10 @@ wisp_status render_find_hiding( const render_scene* scene, const render_camera* 
     {
         // A little shorter than the line, so that the surface the point lies on does not hide it.
         const float almost = 0.999f;
-        wisp_vec3 line = v3_sub( points[i], camera->eye );
-        float length = v3_length( line );
-        trace_ray ray = { camera->eye, v3_normalize_or( line, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ), almost * length };
+        wisp_vec3 line = wisp_v3_sub( points[i], camera->eye );
+        float length = wisp_v3_length( line );
+        trace_ray ray = { camera->eye, wisp_v3_normalize_or( line, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ),
+                          almost * length };
         trace_hit hit;
         if ( !isfinite( length ) )
         {

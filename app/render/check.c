@@ -2,7 +2,7 @@
 
 #include "palette.h"
 #include "render.h"
-#include "vec.h"
+#include "wisp/module/vec.h"
 
 #include <stdio.h>
 
@@ -280,7 +280,7 @@ static wisp_status check_surroundings( const render_scene* scene, wisp_error* er
         return wisp_fail( error, WISP_BAD_INPUT, "ground: height %g is not in -%g .. %g",
                           (double)scene->ground_height, (double)RENDER_FARTHEST, (double)RENDER_FARTHEST );
     }
-    const float steep = v3_length( scene->cut_normal );
+    const float steep = wisp_v3_length( scene->cut_normal );
     const bool is_whole = scene->cut_normal.x == 0.0f && scene->cut_normal.y == 0.0f && scene->cut_normal.z == 0.0f;
     if ( status == WISP_OK && !( ( is_whole || steep >= 1e-6f ) && steep <= RENDER_FARTHEST &&
                                  fabsf( scene->cut_offset ) <= RENDER_FARTHEST ) )
@@ -329,7 +329,7 @@ wisp_status check_camera( const render_camera* camera, wisp_error* error )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "camera: eye, target or up is not finite" );
     }
-    if ( !is_near( v3_scale( camera->eye, 1e-3f ) ) || !is_near( v3_scale( camera->target, 1e-3f ) ) )
+    if ( !is_near( wisp_v3_scale( camera->eye, 1e-3f ) ) || !is_near( wisp_v3_scale( camera->target, 1e-3f ) ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "camera: eye or target is more than %g m from the origin",
                           1e3 * (double)RENDER_FARTHEST );
@@ -340,13 +340,13 @@ wisp_status check_camera( const render_camera* camera, wisp_error* error )
                           (double)camera->fov_degrees );
     }
     wisp_vec3 none = { 0.0f, 0.0f, 0.0f };
-    wisp_vec3 forward = v3_normalize_or( v3_sub( camera->target, camera->eye ), none );
-    wisp_vec3 up = v3_normalize_or( camera->up, none );
-    if ( v3_length( forward ) == 0.0f )
+    wisp_vec3 forward = wisp_v3_normalize_or( wisp_v3_sub( camera->target, camera->eye ), none );
+    wisp_vec3 up = wisp_v3_normalize_or( camera->up, none );
+    if ( wisp_v3_length( forward ) == 0.0f )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "camera: eye and target are the same point" );
     }
-    if ( v3_length( v3_cross( forward, up ) ) < 1e-4f )
+    if ( wisp_v3_length( wisp_v3_cross( forward, up ) ) < 1e-4f )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "camera: up has no length or lies along the view" );
     }

@@ -97,16 +97,17 @@ static float pixel_size( const render_camera* camera, int height )
 static lens make_lens( const render_camera* camera, const render_options* options )
 {
     wisp_vec3 ahead = { 0.0f, 0.0f, -1.0f };
-    wisp_vec3 forward = v3_normalize_or( v3_sub( camera->target, camera->eye ), ahead );
-    wisp_vec3 right = v3_normalize_or( v3_cross( forward, v3_normalize_or( camera->up, ahead ) ), ahead );
+    wisp_vec3 forward = wisp_v3_normalize_or( wisp_v3_sub( camera->target, camera->eye ), ahead );
+    wisp_vec3 right =
+        wisp_v3_normalize_or( wisp_v3_cross( forward, wisp_v3_normalize_or( camera->up, ahead ) ), ahead );
     float size = pixel_size( camera, options->height );
     lens out = {
         .eye = camera->eye,
-        .right = v3_scale( right, size ),
-        .down = v3_scale( v3_cross( forward, right ), size ),
+        .right = wisp_v3_scale( right, size ),
+        .down = wisp_v3_scale( wisp_v3_cross( forward, right ), size ),
     };
-    out.corner = v3_mul_add( forward, -0.5f * (float)options->width, out.right );
-    out.corner = v3_mul_add( out.corner, -0.5f * (float)options->height, out.down );
+    out.corner = wisp_v3_mul_add( forward, -0.5f * (float)options->width, out.right );
+    out.corner = wisp_v3_mul_add( out.corner, -0.5f * (float)options->height, out.down );
     return out;
 }
 
@@ -142,9 +143,9 @@ static wisp_vec3 light_along( picture* p, const trace_ray* ray, float y, shade_s
             return light;
         }
         trace_ray behind = *ray;
-        behind.origin = v3_mul_add( ray->origin, hit.distance + s->lift, ray->direction );
+        behind.origin = wisp_v3_mul_add( ray->origin, hit.distance + s->lift, ray->direction );
         wisp_vec3 through = stage_passage( s, hit.body, at.colour );
-        return v3_add( light, rgb_mul( through, light_along( p, &behind, y, sample, panes_left - 1 ) ) );
+        return wisp_v3_add( light, rgb_mul( through, light_along( p, &behind, y, sample, panes_left - 1 ) ) );
     }
     wisp_vec3 background = background_at( p, y );
     return isfinite( ground ) ? shade_ground( s, ray, ground, background, sample ) : background;
@@ -162,7 +163,7 @@ static wisp_vec3 tamed( wisp_vec3 light )
 {
     const float most = 6.0f;
     float largest = rgb_largest( light );
-    return largest > most ? v3_scale( light, most / largest ) : light;
+    return largest > most ? wisp_v3_scale( light, most / largest ) : light;
 }
 
 static wisp_vec3 light_of_pixel( picture* p, int column, int row )
@@ -174,12 +175,12 @@ static wisp_vec3 light_of_pixel( picture* p, int column, int row )
     {
         sampler_point at = sampler_at( &pixel, k, SAMPLER_PIXEL );
         float x = (float)column + tent( at.x ), y = (float)row + tent( at.y );
-        wisp_vec3 aim = v3_mul_add( v3_mul_add( p->lens.corner, x, p->lens.right ), y, p->lens.down );
-        trace_ray ray = { p->lens.eye, v3_normalize_or( aim, aim ), INFINITY };
-        sum = v3_add(
+        wisp_vec3 aim = wisp_v3_mul_add( wisp_v3_mul_add( p->lens.corner, x, p->lens.right ), y, p->lens.down );
+        trace_ray ray = { p->lens.eye, wisp_v3_normalize_or( aim, aim ), INFINITY };
+        sum = wisp_v3_add(
             sum, tamed( light_along( p, &ray, (float)row + 0.5f, ( shade_sample ){ &pixel, k }, SHADE_PANES_MAX ) ) );
     }
-    return v3_scale( sum, 1.0f / (float)samples );
+    return wisp_v3_scale( sum, 1.0f / (float)samples );
 }
 
 // ---- bytes -----------------------------------------------------------------------------------------------------
@@ -196,12 +197,12 @@ static wisp_vec3 rolled_off( wisp_vec3 light )
     }
     float pressed = 1.0f - room * room / ( peak + room - start );
     float left = 1.0f / ( whitening * ( peak - pressed ) + 1.0f );
-    return rgb_mix( rgb_grey( pressed ), v3_scale( light, pressed / peak ), left );
+    return rgb_mix( rgb_grey( pressed ), wisp_v3_scale( light, pressed / peak ), left );
 }
 
 static void store( picture* p, int column, int row, wisp_vec3 light )
 {
-    light = v3_scale( light, p->options->exposure );
+    light = wisp_v3_scale( light, p->options->exposure );
     wisp_vec3 shown = p->options->tone == RENDER_TONE_FILMIC ? rolled_off( light ) : light;
     uint8_t* rgb = p->target.rgb + 3 * ( (size_t)row * (size_t)p->options->width + (size_t)column );
     rgb[0] = image_byte_of_linear( shown.x );

@@ -22,10 +22,10 @@ static void sum_normals( const render_mesh* mesh, wisp_vec3* normals )
     {
         const int32_t* t = mesh->triangles + k;
         wisp_vec3 a = mesh->points[t[0]];
-        wisp_vec3 n = v3_cross( v3_sub( mesh->points[t[1]], a ), v3_sub( mesh->points[t[2]], a ) );
+        wisp_vec3 n = wisp_v3_cross( wisp_v3_sub( mesh->points[t[1]], a ), wisp_v3_sub( mesh->points[t[2]], a ) );
         for ( int corner = 0; corner < 3; ++corner )
         {
-            normals[t[corner]] = v3_add( normals[t[corner]], n );
+            normals[t[corner]] = wisp_v3_add( normals[t[corner]], n );
         }
     }
 }
@@ -35,7 +35,7 @@ static wisp_vec3 direction_of_sum( wisp_vec3 sum )
 {
     float largest = fmaxf( fabsf( sum.x ), fmaxf( fabsf( sum.y ), fabsf( sum.z ) ) );
     wisp_vec3 none = { 0.0f, 0.0f, 0.0f };
-    return largest > 0.0f ? v3_normalize_or( v3_scale( sum, 1.0f / largest ), none ) : none;
+    return largest > 0.0f ? wisp_v3_normalize_or( wisp_v3_scale( sum, 1.0f / largest ), none ) : none;
 }
 
 static wisp_status add_normals( stage* out, const render_scene* scene, wisp_error* error )
@@ -69,26 +69,26 @@ static wisp_status add_normals( stage* out, const render_scene* scene, wisp_erro
 static void span_across( wisp_vec3 axis, wisp_vec3* x, wisp_vec3* y )
 {
     wisp_vec3 other = fabsf( axis.y ) > 0.99f ? ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } : UP;
-    *x = v3_normalize_or( v3_cross( other, axis ), ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } );
-    *y = v3_cross( axis, *x );
+    *x = wisp_v3_normalize_or( wisp_v3_cross( other, axis ), ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } );
+    *y = wisp_v3_cross( axis, *x );
 }
 
 // Lamps follow the camera around the vertical axis, as on a turntable, but not its height.
 static wisp_vec3 lamp_direction( wisp_vec3 towards_eye, float azimuth, float height )
 {
-    wisp_vec3 turned = v3_rotate( UP, sinf( azimuth ), cosf( azimuth ), towards_eye );
+    wisp_vec3 turned = wisp_v3_rotate( UP, sinf( azimuth ), cosf( azimuth ), towards_eye );
     turned.y = height;
-    return v3_normalize_or( turned, UP );
+    return wisp_v3_normalize_or( turned, UP );
 }
 
 static void set_lamps( stage* out, const render_camera* camera, const render_options* options )
 {
-    wisp_vec3 level = v3_sub( camera->eye, camera->target );
+    wisp_vec3 level = wisp_v3_sub( camera->eye, camera->target );
     level.y = 0.0f;
-    wisp_vec3 towards_eye = v3_normalize_or( level, ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f } );
+    wisp_vec3 towards_eye = wisp_v3_normalize_or( level, ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f } );
     stage_lamps* lamps = &out->lamps;
     lamps->key = lamp_direction( towards_eye, KEY_AZIMUTH, KEY_HEIGHT );
-    lamps->key = v3_normalize_or( options->light, lamps->key );
+    lamps->key = wisp_v3_normalize_or( options->light, lamps->key );
     lamps->rim = lamp_direction( towards_eye, RIM_AZIMUTH, RIM_HEIGHT );
     span_across( lamps->key, &lamps->key_x, &lamps->key_y );
     span_across( lamps->rim, &lamps->rim_x, &lamps->rim_y );
@@ -105,8 +105,8 @@ static float round_length( float limit )
 static void set_lengths( stage* out, const render_scene* scene, const render_bounds* bounds )
 {
     wisp_vec3 none = { 0.0f, scene->has_ground ? scene->ground_height : 0.0f, 0.0f };
-    out->middle = bounds->is_filled ? v3_scale( v3_add( bounds->lower, bounds->upper ), 0.5f ) : none;
-    out->size = bounds->is_filled ? 0.5f * v3_length( v3_sub( bounds->upper, bounds->lower ) ) : 1.0f;
+    out->middle = bounds->is_filled ? wisp_v3_scale( wisp_v3_add( bounds->lower, bounds->upper ), 0.5f ) : none;
+    out->size = bounds->is_filled ? 0.5f * wisp_v3_length( wisp_v3_sub( bounds->upper, bounds->lower ) ) : 1.0f;
     out->size = fmaxf( out->size, 1e-4f );
 
     // Offset of a ray's start: the step of floats far from the origin, a fraction of the bodies' size near it.
@@ -222,7 +222,7 @@ static wisp_vec3 curve_colour( const render_curves* curves, const trace_hit* hit
     }
     wisp_random_key key = wisp_random_make_key( 0, 0, 0 );
     float fraction = wisp_random_unit_float( key, (uint32_t)strand_of( curves, v ), 0, 0 );
-    return v3_scale( colour, 0.65f + 0.70f * fraction );
+    return wisp_v3_scale( colour, 0.65f + 0.70f * fraction );
 }
 
 wisp_vec3 stage_colour( const stage* s, const trace_hit* hit )
@@ -241,9 +241,9 @@ wisp_vec3 stage_colour( const stage* s, const trace_hit* hit )
         return mesh->colour;
     }
     const int32_t* t = mesh->triangles + 3 * (size_t)hit->primitive;
-    wisp_vec3 colour = v3_scale( mesh->colours[t[0]], 1.0f - hit->u - hit->v );
-    colour = v3_mul_add( colour, hit->u, mesh->colours[t[1]] );
-    return v3_mul_add( colour, hit->v, mesh->colours[t[2]] );
+    wisp_vec3 colour = wisp_v3_scale( mesh->colours[t[0]], 1.0f - hit->u - hit->v );
+    colour = wisp_v3_mul_add( colour, hit->u, mesh->colours[t[1]] );
+    return wisp_v3_mul_add( colour, hit->v, mesh->colours[t[2]] );
 }
 
 wisp_vec3 stage_passage( const stage* s, int body, wisp_vec3 colour )
@@ -261,7 +261,7 @@ wisp_vec3 stage_passage( const stage* s, int body, wisp_vec3 colour )
     switch ( s->scene->meshes[body].material )
     {
         case RENDER_CLOTH:
-            return v3_scale( colour, 0.10f );
+            return wisp_v3_scale( colour, 0.10f );
         case RENDER_LATEX:
             return ( wisp_vec3 ){ 0.62f * sqrtf( colour.x ), 0.62f * sqrtf( colour.y ), 0.62f * sqrtf( colour.z ) };
         case RENDER_GLASS:
@@ -279,7 +279,7 @@ bool stage_is_glass( const stage* s, int body )
 
 static float away( wisp_vec3 place, wisp_vec3 vertex, wisp_vec3 normal )
 {
-    return fminf( 0.0f, v3_dot( v3_sub( place, vertex ), normal ) );
+    return fminf( 0.0f, wisp_v3_dot( wisp_v3_sub( place, vertex ), normal ) );
 }
 
 // A coarse round body has flat triangles, and with smooth normals a lamp is above the horizon before it is above the
@@ -293,8 +293,8 @@ static wisp_vec3 lift_to_round( const render_mesh* mesh, const wisp_vec3* normal
     wisp_vec3 lifted = place;
     for ( int k = 0; k < 3; ++k )
     {
-        wisp_vec3 normal = v3_scale( normals[t[k]], side );
-        lifted = v3_mul_add( lifted, -weights[k] * away( place, mesh->points[t[k]], normal ), normal );
+        wisp_vec3 normal = wisp_v3_scale( normals[t[k]], side );
+        lifted = wisp_v3_mul_add( lifted, -weights[k] * away( place, mesh->points[t[k]], normal ), normal );
     }
     return lifted;
 }
@@ -310,10 +310,10 @@ static void shape_mesh( const stage* s, const trace_hit* hit, surface* out )
         return;
     }
     const int32_t* t = mesh->triangles + 3 * (size_t)hit->primitive;
-    wisp_vec3 sum = v3_scale( normals[t[0]], 1.0f - hit->u - hit->v );
-    sum = v3_mul_add( v3_mul_add( sum, hit->u, normals[t[1]] ), hit->v, normals[t[2]] );
-    float side = v3_dot( sum, out->face ) < 0.0f ? -1.0f : 1.0f;
-    out->normal = v3_normalize_or( v3_scale( sum, side ), out->face );
+    wisp_vec3 sum = wisp_v3_scale( normals[t[0]], 1.0f - hit->u - hit->v );
+    sum = wisp_v3_mul_add( wisp_v3_mul_add( sum, hit->u, normals[t[1]] ), hit->v, normals[t[2]] );
+    float side = wisp_v3_dot( sum, out->face ) < 0.0f ? -1.0f : 1.0f;
+    out->normal = wisp_v3_normalize_or( wisp_v3_scale( sum, side ), out->face );
     out->lifted = lift_to_round( mesh, normals, hit, side, out->lifted );
 }
 
@@ -325,22 +325,22 @@ static void shape_curve( const stage* s, const trace_ray* ray, const trace_hit* 
     wisp_vec3 tangent = rgb_mix( trace_tangent( curves, strand, hit->primitive ),
                                  trace_tangent( curves, strand, hit->primitive + 1 ), hit->u );
     out->is_curve = true;
-    out->tangent = v3_normalize_or( tangent, UP );
+    out->tangent = wisp_v3_normalize_or( tangent, UP );
     out->radius = trace_radius( &s->widening, curves, hit->primitive );
 
     // A strand is thinner than a pixel, so its own round normal would only be noise: it faces the camera.
-    wisp_vec3 across = v3_mul_add( ray->direction, -v3_dot( ray->direction, out->tangent ), out->tangent );
-    out->normal = v3_normalize_or( v3_scale( across, -1.0f ), out->face );
+    wisp_vec3 across = wisp_v3_mul_add( ray->direction, -wisp_v3_dot( ray->direction, out->tangent ), out->tangent );
+    out->normal = wisp_v3_normalize_or( wisp_v3_scale( across, -1.0f ), out->face );
 }
 
 surface stage_surface( const stage* s, const trace_ray* ray, const trace_hit* hit )
 {
     surface out = { .body = hit->body, .colour = stage_colour( s, hit ) };
-    out.place = v3_mul_add( ray->origin, hit->distance, ray->direction );
-    out.face = v3_dot( hit->normal, ray->direction ) > 0.0f ? v3_scale( hit->normal, -1.0f ) : hit->normal;
+    out.place = wisp_v3_mul_add( ray->origin, hit->distance, ray->direction );
+    out.face = wisp_v3_dot( hit->normal, ray->direction ) > 0.0f ? wisp_v3_scale( hit->normal, -1.0f ) : hit->normal;
     out.normal = out.face;
-    out.is_back = v3_dot( hit->normal, ray->direction ) > 0.0f;
-    out.lifted = v3_mul_add( out.place, s->lift, out.face );
+    out.is_back = wisp_v3_dot( hit->normal, ray->direction ) > 0.0f;
+    out.lifted = wisp_v3_mul_add( out.place, s->lift, out.face );
     // A ball has its exact normal, and is solid like an empty surface.
     if ( stage_is_curve( s, hit->body ) )
     {

@@ -3,7 +3,7 @@
 
 #include "sampler.h"
 #include "trace.h"
-#include "vec.h"
+#include "wisp/module/vec.h"
 
 // ---- colours: vectors with a componentwise product ----
 
@@ -20,7 +20,7 @@ static inline wisp_vec3 rgb_grey( float level )
 /// a at share 0, b at share 1.
 static inline wisp_vec3 rgb_mix( wisp_vec3 a, wisp_vec3 b, float fraction )
 {
-    return v3_mul_add( v3_scale( a, 1.0f - fraction ), fraction, b );
+    return wisp_v3_mul_add( wisp_v3_scale( a, 1.0f - fraction ), fraction, b );
 }
 
 static inline float rgb_largest( wisp_vec3 a )

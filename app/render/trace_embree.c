@@ -1,7 +1,7 @@
 #include "trace.h"
 
 #include "embree_compat.h"
-#include "vec.h"
+#include "wisp/module/vec.h"
 #include "wisp/module/random.h"
 
 #include <math.h>
@@ -23,7 +23,7 @@ static int curves_pieces( const render_curves* curves )
 // The least radius that is seen at a vertex.
 static float seen_radius( const trace_widening* widening, const render_curves* curves, int vertex )
 {
-    return widening->radius_fraction * v3_length( v3_sub( curves->points[vertex], widening->eye ) );
+    return widening->radius_fraction * wisp_v3_length( wisp_v3_sub( curves->points[vertex], widening->eye ) );
 }
 
 float trace_radius( const trace_widening* widening, const render_curves* curves, int vertex )
@@ -52,19 +52,19 @@ wisp_vec3 trace_tangent( const render_curves* curves, int strand, int vertex )
     const wisp_vec3 up = { 0.0f, 1.0f, 0.0f };
     int before = vertex > curves->offsets[strand] ? vertex - 1 : vertex;
     int behind = vertex + 1 < curves->offsets[strand + 1] ? vertex + 1 : vertex;
-    return v3_normalize_or( v3_sub( curves->points[behind], curves->points[before] ), up );
+    return wisp_v3_normalize_or( wisp_v3_sub( curves->points[behind], curves->points[before] ), up );
 }
 
 // Hermite's curve with tangents as long as the segment: it never swings out, however unequal neighbours are.
 static wisp_vec3 point_between( const render_curves* curves, int strand, int vertex, float t )
 {
     wisp_vec3 a = curves->points[vertex], b = curves->points[vertex + 1];
-    float length = v3_length( v3_sub( b, a ) );
+    float length = wisp_v3_length( wisp_v3_sub( b, a ) );
     float s = 1.0f - t;
-    wisp_vec3 sum = v3_scale( a, s * s * ( 1.0f + 2.0f * t ) );
-    sum = v3_mul_add( sum, t * t * ( 1.0f + 2.0f * s ), b );
-    sum = v3_mul_add( sum, length * s * s * t, trace_tangent( curves, strand, vertex ) );
-    return v3_mul_add( sum, -length * t * t * s, trace_tangent( curves, strand, vertex + 1 ) );
+    wisp_vec3 sum = wisp_v3_scale( a, s * s * ( 1.0f + 2.0f * t ) );
+    sum = wisp_v3_mul_add( sum, t * t * ( 1.0f + 2.0f * s ), b );
+    sum = wisp_v3_mul_add( sum, length * s * s * t, trace_tangent( curves, strand, vertex ) );
+    return wisp_v3_mul_add( sum, -length * t * t * s, trace_tangent( curves, strand, vertex + 1 ) );
 }
 
 static void put_vertex( float* out, wisp_vec3 point, float radius )
@@ -221,7 +221,7 @@ static bool is_drawn( const curve_buffers* buffers, int piece )
     const float* a = buffers->points + 4 * (size_t)piece;
     const float* b = a + 4;
     const wisp_vec3 along = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
-    return v3_length( along ) > 1e-2f * fmaxf( a[3], b[3] );
+    return wisp_v3_length( along ) > 1e-2f * fmaxf( a[3], b[3] );
 }
 
 // Pieces that are not drawn are another one drawn twice, since the buffers have a place for each.
@@ -385,10 +385,10 @@ wisp_status trace_build( const render_scene* scene, const trace_widening* wideni
     }
     tree->segments = segments;
     tree->pieces = pieces;
-    float steep = v3_length( scene->cut_normal );
+    float steep = wisp_v3_length( scene->cut_normal );
     if ( steep > 0.0f )
     {
-        tree->cut_normal = v3_scale( scene->cut_normal, 1.0f / steep );
+        tree->cut_normal = wisp_v3_scale( scene->cut_normal, 1.0f / steep );
         tree->cut_offset = scene->cut_offset / steep;
     }
     tree->mesh_count = scene->mesh_count;
@@ -439,11 +439,11 @@ static bool is_a_ray( const trace_ray* ray )
 static bool keep_uncut( const trace_tree* tree, struct RTCRay* ray )
 {
     wisp_vec3 origin = { ray->org_x, ray->org_y, ray->org_z }, direction = { ray->dir_x, ray->dir_y, ray->dir_z };
-    float outside = v3_dot( tree->cut_normal, origin ) - tree->cut_offset;
-    float rise = v3_dot( tree->cut_normal, direction );
+    float outside = wisp_v3_dot( tree->cut_normal, origin ) - tree->cut_offset;
+    float rise = wisp_v3_dot( tree->cut_normal, direction );
     if ( rise == 0.0f )
     {
-        return outside <= 0.0f || v3_dot( tree->cut_normal, tree->cut_normal ) == 0.0f;
+        return outside <= 0.0f || wisp_v3_dot( tree->cut_normal, tree->cut_normal ) == 0.0f;
     }
     float crossing = -outside / rise;
     ray->tfar = rise > 0.0f ? fminf( ray->tfar, crossing ) : ray->tfar;
@@ -503,8 +503,8 @@ bool trace_nearest( const trace_tree* tree, const trace_ray* ray, trace_hit* hit
         .primitive = (int)found.hit.primID,
         .u = found.hit.u,
         .v = found.hit.v,
-        .normal = v3_normalize_or( ( wisp_vec3 ){ found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z },
-                                   v3_scale( ray->direction, -1.0f ) ),
+        .normal = wisp_v3_normalize_or( ( wisp_vec3 ){ found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z },
+                                        wisp_v3_scale( ray->direction, -1.0f ) ),
     };
     place_on_segment( tree, hit );
     return true;

@@ -3,6 +3,7 @@
 #include "text_tree.h"
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
+#include "wisp/module/vec.h"
 
 #include <float.h>
 #include <math.h>
@@ -266,11 +267,6 @@ static double stored_energy( const stability_reader* r, const scene_world* world
     return sum + ( r->surface->has_balloon ? energy_of_gas( r, h ) : 0.0 );
 }
 
-static wisp_vec3 cross( wisp_vec3 a, wisp_vec3 b )
-{
-    return ( wisp_vec3 ){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
-}
-
 static wisp_vec3 apart( wisp_vec3 a, wisp_vec3 b )
 {
     return ( wisp_vec3 ){ b.x - a.x, b.y - a.y, b.z - a.z };
@@ -282,9 +278,9 @@ static double energy_of_hinge( const stability_reader* r, const int32_t* hinge )
     static const wisp_vec3 zero = { 0.0f, 0.0f, 0.0f };
     const wisp_vec3 *x = r->now, i = x[hinge[0]], e = apart( i, x[hinge[1]] );
     const wisp_vec3 *rest = r->rest, p = rest[hinge[0]], f = apart( p, rest[hinge[1]] );
-    const wisp_vec3 m = cross( e, apart( i, x[hinge[2]] ) ), n = cross( apart( i, x[hinge[3]] ), e );
-    const double areas = 0.5 * ( wisp_mesh_distance( zero, cross( f, apart( p, rest[hinge[2]] ) ) ) +
-                                 wisp_mesh_distance( zero, cross( f, apart( p, rest[hinge[3]] ) ) ) );
+    const wisp_vec3 m = wisp_v3_cross( e, apart( i, x[hinge[2]] ) ), n = wisp_v3_cross( apart( i, x[hinge[3]] ), e );
+    const double areas = 0.5 * ( wisp_mesh_distance( zero, wisp_v3_cross( f, apart( p, rest[hinge[2]] ) ) ) +
+                                 wisp_mesh_distance( zero, wisp_v3_cross( f, apart( p, rest[hinge[3]] ) ) ) );
     const double sizes = wisp_mesh_distance( zero, m ) * wisp_mesh_distance( zero, n );
     const double cosine =
         sizes > 0.0 ? ( (double)m.x * (double)n.x + (double)m.y * (double)n.y + (double)m.z * (double)n.z ) / sizes

@@ -282,7 +282,7 @@ static double count_iterations( const scene_world* world )
 bool suite_motion_stats( const scene_world* world, int body, wisp_motion_stats* out )
 {
     const int surface = body - world->scene->strands_count;
-    return ( surface < 0 || !scene_is_driven( &world->scene->surfaces[surface] ) ) &&
+    return ( surface < 0 || !wisp_scene_is_driven( &world->scene->surfaces[surface] ) ) &&
            scene_world_motion_stats( world, body, out, NULL ) == WISP_OK;
 }
 

@@ -132,7 +132,7 @@ static void put_implicit( surface_maker* m, const text_node* source )
 {
     text_node* implicit = torture_put_block( m->b, m->block, m->entry, "implicit", 30 );
     const bool is_plane = strcmp( text_at( text_find( source, "generate" ), "shape" ), "plane" ) == 0;
-    if ( !is_plane || strcmp( text_at( implicit, "stiffness_model" ), "material" ) == 0 )
+    if ( !is_plane || strcmp( text_at( implicit, "stiffness_model" ), "link" ) != 0 )
     {
         text_remove_key( implicit, "links" );
     }

@@ -187,7 +187,7 @@ torture_block torture_block_below( torture_block block, const char* key, const t
         return block_of_scene_key( key, value );
     }
     const scene_field* field = block.table ? find_field( block.table, key ) : NULL;
-    if ( field == NULL || field->type == SCENE_BLOCK )
+    if ( field == NULL || field->block != NULL )
     {
         return ( torture_block ){ field ? field->block : NULL, block.base };
     }
@@ -436,6 +436,7 @@ static bool draw_key( torture_random* random, const scene_field* field, const vo
             return true;
         case SCENE_TEXT:
         case SCENE_BLOCK:
+        case SCENE_USUAL:
         case SCENE_CUSTOM:
             return false;
     }

@@ -45,8 +45,6 @@ typedef struct participant
     int line;
     bool has_collision, has_contact;
     const wisp_collision_def* collision;
-    const wisp_contact_def* contact;
-    bool is_strands;
 } participant;
 
 static int participant_count( const wisp_scene* scene )
@@ -59,14 +57,40 @@ static participant participant_of( const wisp_scene* scene, int i )
     if ( i < scene->strands_count )
     {
         const wisp_scene_strands* s = scene->strands + i;
-        return (
-            participant ){ s->name, s->line, s->has_collision, s->has_contact, &s->collision, &s->contact, true };
+        return ( participant ){ s->name, s->line, s->has_collision, s->has_contact, &s->collision };
     }
     const wisp_scene_surface* s = scene->surfaces + ( i - scene->strands_count );
     // pinned vertices are not moved
-    return ( participant ){ s->name,        s->line,       s->has_collision && scene_is_driven( s ) == false,
-                            s->has_contact, &s->collision, &s->contact,
-                            false };
+    return ( participant ){ s->name, s->line, s->has_collision && wisp_scene_is_driven( s ) == false, s->has_contact,
+                            &s->collision };
+}
+
+void scene_note_warning( scene_world* world, const char* message )
+{
+    const wisp_scene* scene = world->scene;
+    const int strands = scene->strands_count, bodies = participant_count( scene );
+    unsigned index;
+    int head = 0;
+    bool is_named = false;
+    for ( int i = 0; sscanf( message, "entity %u: %n", &index, &head ) == 1 && i < bodies + scene->collider_count;
+          ++i )
+    {
+        const wisp_scene_collider* c = scene->colliders + ( i - bodies );
+        const wisp_entity none = { 0, 0 },
+                          e = i < strands  ? world->entities[i]
+                              : i < bodies ? ( world->surfaces ? world->surfaces[i - strands].entity : none )
+                                           : ( world->colliders ? world->colliders[i - bodies].entity : none );
+        if ( e.generation != 0 && e.index == index )
+        {
+            say( world, i < bodies ? participant_of( scene, i ).line : c->line,
+                 i < bodies ? participant_of( scene, i ).name : c->name, "%s", message + head );
+            is_named = true;
+        }
+    }
+    if ( is_named == false )
+    {
+        scene_note( world, message );
+    }
 }
 
 // Whether participant i collides with a body. @param surface the body is this one, which does not meet itself; -1: none
@@ -83,28 +107,6 @@ static const wisp_collider_def* body_of( const wisp_scene* scene, int i )
     return i >= scene->surface_count         ? &scene->colliders[i - scene->surface_count].def
            : scene->surfaces[i].has_collider ? &scene->surfaces[i].collider
                                              : NULL;
-}
-
-static void note_bodies( scene_world* world )
-{
-    const wisp_scene* scene = world->scene;
-    for ( int b = 0; b < scene->surface_count + scene->collider_count; ++b )
-    {
-        const wisp_collider_def* body = body_of( scene, b );
-        const bool is_surface = b < scene->surface_count;
-        bool is_met = body == NULL || body->layers == 0; // the latter says so itself
-        for ( int i = 0; i < participant_count( scene ) && is_met == false; ++i )
-        {
-            is_met = collides( scene, i, body, is_surface ? b : -1 - scene->strands_count );
-        }
-        if ( is_met == false )
-        {
-            const wisp_scene_collider* c = is_surface ? NULL : scene->colliders + ( b - scene->surface_count );
-            say( world, is_surface ? scene->surfaces[b].line : c->line,
-                 is_surface ? scene->surfaces[b].name : c->name,
-                 "nothing collides with this collider: no 'collision' has one of its layers" );
-        }
-    }
 }
 
 static double mean_edge( const wisp_mesh* mesh )
@@ -152,26 +154,6 @@ static bool finds_body( const wisp_scene* scene, int i )
     return found;
 }
 
-static bool meets( const participant* a, const participant* b )
-{
-    return b->has_contact && b->contact->enabled && ( a->contact->layers & b->contact->mask ) != 0 &&
-           ( b->contact->layers & a->contact->mask ) != 0 &&
-           ( ( a->is_strands && b->is_strands ) == false ||
-             ( a->contact->between_strands && b->contact->between_strands ) );
-}
-
-static bool finds_contact( const wisp_scene* scene, int i )
-{
-    const participant a = participant_of( scene, i );
-    bool found = a.contact->self && ( a.is_strands == false || a.contact->between_strands );
-    for ( int k = 0; k < participant_count( scene ) && found == false; ++k )
-    {
-        const participant b = participant_of( scene, k );
-        found = k != i && meets( &a, &b );
-    }
-    return found;
-}
-
 static void note_participants( scene_world* world )
 {
     const wisp_scene* scene = world->scene;
@@ -184,11 +166,6 @@ static void note_participants( scene_world* world )
         {
             say( world, p.line, p.name, "'collision' has no effect: no collider has a layer of its mask" );
         }
-        // a mask of nothing is one to count intersections with
-        if ( p.has_contact && p.contact->enabled && p.contact->mask != 0 && finds_contact( scene, i ) == false )
-        {
-            say( world, p.line, p.name, "'contact' has no effect: it meets neither itself nor others" );
-        }
     }
     if ( is_used == false )
     {
@@ -198,27 +175,11 @@ static void note_participants( scene_world* world )
 
 // ---- entries ----
 
-static bool is_zero( wisp_vec3 v )
-{
-    return v.x == 0.0f && v.y == 0.0f && v.z == 0.0f;
-}
-
 static void note_surface( scene_world* world, const wisp_scene_surface* s )
 {
-    const wisp_cloth_def* c = &s->cloth;
-    if ( s->has_cloth && is_zero( c->wind ) == false &&
-         ( ( c->drag_coefficient == 0.0f && c->lift_coefficient == 0.0f ) || c->air_density == 0.0f ) )
-    {
-        say( world, s->line, s->name,
-             "'wind' has no effect without drag_coefficient or lift_coefficient, and air_density" );
-    }
-    if ( s->has_collision && scene_is_driven( s ) )
+    if ( s->has_collision && wisp_scene_is_driven( s ) )
     {
         say( world, s->line, s->name, "'collision' has no effect: the animation moves every vertex" );
-    }
-    if ( s->has_tearing && isinf( s->tearing.strength ) )
-    {
-        say( world, s->line, s->name, "'tearing' has no effect without a strength" );
     }
 }
 
@@ -233,22 +194,9 @@ static void note_segments( scene_world* world, const wisp_scene_strands* s, cons
 
 static void note_strands( scene_world* world, const wisp_scene_strands* s, const wisp_groom* groom )
 {
-    if ( s->has_dynamics && is_zero( s->dynamics.wind ) == false &&
-         ( s->dynamics.drag_coefficient == 0.0f || s->dynamics.air_density == 0.0f ) )
-    {
-        say( world, s->line, s->name, "'wind' has no effect without drag_coefficient and air_density" );
-    }
     if ( s->has_environment && s->has_frozen_hair == false )
     {
         say( world, s->line, s->name, "'environment' has no effect without frozen_hair" );
-    }
-    if ( s->has_frozen_hair && ( s->frozen_hair.freeze || s->frozen_hair.align || s->frozen_hair.clump ) == false )
-    {
-        say( world, s->line, s->name, "'frozen_hair' has no effect without freeze, align or clump" );
-    }
-    if ( s->has_grid && s->grid.enabled && s->grid.friction == 0.0f && s->grid.repulsion == 0.0f )
-    {
-        say( world, s->line, s->name, "'grid' has no effect without friction or repulsion" );
     }
     note_segments( world, s, groom );
 }
@@ -266,5 +214,5 @@ void scene_find_notes( scene_world* world )
         note_box_edges( world, i );
     }
     note_participants( world );
-    note_bodies( world );
+    wisp_world_plan_passes( world->world ); // the plan tells the rest
 }

@@ -50,7 +50,7 @@ static void keep_log( void* user, wisp_log_level level, const char* message )
     scene_world* world = user;
     if ( level == WISP_LOG_WARNING )
     {
-        scene_note( world, message );
+        scene_note_warning( world, message );
     }
     else if ( level == WISP_LOG_ERROR && !world->is_quiet )
     {

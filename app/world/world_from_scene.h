@@ -145,8 +145,6 @@ void scene_request_statistics( wisp_scene* scene );
 /// Have a scene count intersections after every step. Surfaces without contact have theirs counted too, and meet nothing; implicit
 /// cloth without contact is left out. No bit changes.
 void scene_request_intersections( wisp_scene* scene );
-/// Whether an animation moves every vertex of a surface, as of the skin of a character: nothing is solved for it.
-bool scene_is_driven( const wisp_scene_surface* surface );
 /// Whether a surface takes part in contact.
 bool scene_has_contact( const wisp_scene* scene );
 

@@ -350,18 +350,12 @@ static bool is_moving( const scene_world* world, const wisp_scene_path* path, st
 
 // ---- jumps ----
 
-static wisp_quat multiply( wisp_quat a, wisp_quat b )
-{
-    return (
-        wisp_quat ){ a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-                     a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z };
-}
-
 // The motion of the world that takes one pose about a pivot to another.
 static wisp_transform motion_between( wisp_transform from, wisp_transform to, wisp_vec3 pivot )
 {
     const wisp_quat back = { -from.rotation.x, -from.rotation.y, -from.rotation.z, from.rotation.w };
-    wisp_transform motion = wisp_transform_make( multiply( to.rotation, back ), ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
+    wisp_transform motion =
+        wisp_transform_make( wisp_quat_multiply( to.rotation, back ), ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
     const wisp_vec3 a = from.translation, b = to.translation;
     const wisp_vec3 turned =
         wisp_quat_rotate( motion.rotation, ( wisp_vec3 ){ a.x + pivot.x, a.y + pivot.y, a.z + pivot.z } );

@@ -8,8 +8,12 @@
 /// Hand a message to the world's log, or print it to stderr. @param world may be null: stderr
 void scene_tell( const scene_world* world, wisp_log_level level, const char* message );
 
+/// What the fabric of a surface that is no instance is cooked from: all that its instances need. (world_from_scene_surfaces.c)
+wisp_fabric_def scene_fabric_def( const scene_world* world, int surface, const wisp_vec3* rest );
 /// Keep a line for those who ask for notes, and log it as a warning. (scene_notes.c)
 void scene_note( scene_world* world, const char* line );
+/// Note a warning of the world, an entity by the name of its entry. (scene_notes.c)
+void scene_note_warning( scene_world* world, const char* message );
 /// Note what of a scene that was built has no effect. (scene_notes.c)
 void scene_find_notes( scene_world* world );
 

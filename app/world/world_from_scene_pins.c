@@ -135,7 +135,7 @@ static wisp_status mark_pins( const vertex_finder* f, const wisp_scene_pins* pin
     {
         marks[nearest_vertex( f->mesh, pins->nearest[i] )] |= IN_GROUP;
     }
-    if ( scene_is_driven( f->entry ) && pins == &f->entry->pins )
+    if ( wisp_scene_is_driven( f->entry ) && pins == &f->entry->pins )
     {
         memset( marks, IN_GROUP, (size_t)f->mesh->vertex_count );
     }

@@ -392,12 +392,6 @@ void scene_request_intersections( wisp_scene* scene )
     }
 }
 
-bool scene_is_driven( const wisp_scene_surface* surface )
-{
-    return surface->has_animation &&
-           !( surface->has_cloth || surface->has_balloon || surface->has_implicit || surface->has_membrane );
-}
-
 bool scene_has_contact( const wisp_scene* scene )
 {
     bool any = false;

@@ -172,11 +172,17 @@ static unsigned char needs_of( const wisp_scene_surface* entry )
     return cloth && entry->cloth.tethers ? required | NEEDS_TETHERS : required;
 }
 
-// Cooked in the mesh's own frame, so that instances do not depend on the start of their source.
-static wisp_status cook( const wisp_scene* scene, int surface, unsigned char required, const wisp_vec3* rest,
-                         scene_world_surface* out, wisp_error* error )
+wisp_fabric_def scene_fabric_def( const scene_world* world, int surface, const wisp_vec3* rest )
 {
+    const wisp_scene* scene = world->scene;
     const wisp_scene_surface* entry = &scene->surfaces[surface];
+    const scene_world_surface* out = &world->surfaces[surface];
+    unsigned char required = 0;
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        const bool shares = i == surface || scene->surfaces[i].instance_of == surface;
+        required |= shares ? needs_of( &scene->surfaces[i] ) : 0;
+    }
     wisp_fabric_def def = wisp_default_fabric_def();
     def.points = rest;
     def.triangles = out->mesh.triangles;
@@ -191,9 +197,16 @@ static wisp_status cook( const wisp_scene* scene, int surface, unsigned char req
     def.lean = true;
     def.solve_order = entry->solve_order;
     def.tile_size = entry->tile_size;
+    return def;
+}
+
+// Cooked in the mesh's own frame, so that instances do not depend on the start of their source.
+static wisp_status cook( scene_world* world, int surface, const wisp_vec3* rest, wisp_error* error )
+{
+    const wisp_fabric_def def = scene_fabric_def( world, surface, rest );
     wisp_error cause = { 0 };
-    wisp_status status = wisp_fabric_cook( &def, NULL, &out->fabric, &cause );
-    return status == WISP_OK ? WISP_OK : fail_at_surface( scene, surface, status, cause.message, error );
+    wisp_status status = wisp_fabric_cook( &def, NULL, &world->surfaces[surface].fabric, &cause );
+    return status == WISP_OK ? WISP_OK : fail_at_surface( world->scene, surface, status, cause.message, error );
 }
 
 static wisp_status copy_points( const wisp_vec3* from, int count, wisp_vec3** out, wisp_error* error )
@@ -220,7 +233,7 @@ static wisp_status without_spares( vertices_fn* run, const wisp_scene* scene, in
     return status;
 }
 
-static wisp_status make_source( scene_world* world, int surface, unsigned char required, wisp_error* error )
+static wisp_status make_source( scene_world* world, int surface, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
     scene_world_surface* s = &world->surfaces[surface];
@@ -233,7 +246,7 @@ static wisp_status make_source( scene_world* world, int surface, unsigned char r
         place_points( s->mesh.points, s->mesh.vertex_count, scene->surfaces[surface].pose );
         status = without_spares( scene_pins_find, scene, surface, &s->repairs, s, error );
     }
-    status = status == WISP_OK ? cook( scene, surface, required, rest, s, error ) : status;
+    status = status == WISP_OK ? cook( world, surface, rest, error ) : status;
     status = status == WISP_OK ? without_spares( scene_start_load, scene, surface, &s->repairs, s, error ) : status;
     if ( status == WISP_OK )
     {
@@ -442,15 +455,6 @@ static wisp_status count_vertices( const scene_world* world, int surface, int64_
     return fail_at_surface( world->scene, surface, WISP_BAD_INPUT, message, error );
 }
 
-static void find_needs( const wisp_scene* scene, unsigned char* required )
-{
-    for ( int i = 0; i < scene->surface_count; ++i )
-    {
-        const wisp_scene_surface* entry = &scene->surfaces[i];
-        required[entry->instance_of >= 0 ? entry->instance_of : i] |= needs_of( entry );
-    }
-}
-
 // What needs other surfaces: they all exist by now.
 static wisp_status connect( scene_world* world, int surface, wisp_error* error )
 {
@@ -481,20 +485,17 @@ static wisp_status connect( scene_world* world, int surface, wisp_error* error )
 wisp_status scene_surfaces_add( scene_world* world, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
-    unsigned char* required = calloc( (size_t)scene->surface_count + 1, 1 );
     world->surfaces = calloc( (size_t)scene->surface_count + 1, sizeof *world->surfaces );
-    if ( !required || !world->surfaces )
+    if ( !world->surfaces )
     {
-        free( required );
         return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its surfaces", scene->name );
     }
-    find_needs( scene, required );
     int64_t sum = 0;
     wisp_status status = WISP_OK;
     for ( int i = 0; i < scene->surface_count && status == WISP_OK; ++i )
     {
-        status = scene->surfaces[i].instance_of >= 0 ? make_instance( world, i, error )
-                                                     : make_source( world, i, required[i], error );
+        status =
+            scene->surfaces[i].instance_of >= 0 ? make_instance( world, i, error ) : make_source( world, i, error );
         status = status == WISP_OK ? count_vertices( world, i, &sum, error ) : status;
         status = status == WISP_OK ? add_effects( world, i, error ) : status;
     }
@@ -502,7 +503,6 @@ wisp_status scene_surfaces_add( scene_world* world, wisp_error* error )
     {
         status = connect( world, i, error );
     }
-    free( required );
     return status;
 }
 

@@ -271,7 +271,7 @@ static const char* const scene_head = "wisp: 1\n"
                                       "  - name: cloth\n"
                                       "    generate: { shape: alternating_plane, columns: 12, rows: 12 }\n"
                                       "    pins: [0, 11]\n"
-                                      "    cloth: {}\n";
+                                      "    cloth: { internal_damping: 0 }\n";
 
 typedef struct costs
 {
@@ -287,7 +287,8 @@ static wisp_status run_copies( int more, costs* out, wisp_error* error )
     for ( int i = 0; i < more; ++i )
     {
         const size_t used = strlen( text );
-        snprintf( text + used, sizeof text - used, "  - { name: copy%d, instance_of: cloth, cloth: {} }\n", i );
+        snprintf( text + used, sizeof text - used,
+                  "  - { name: copy%d, instance_of: cloth, cloth: { internal_damping: 0 } }\n", i );
     }
     wisp_scene scene;
     scene_world world;

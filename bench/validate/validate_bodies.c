@@ -206,6 +206,7 @@ static wisp_implicit_cloth_def validate_implicit_material( double rigidity, doub
 static wisp_cloth_def validate_cloth_material( wisp_cloth_bending bending, double rigidity, double stiffness )
 {
     wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.internal_damping = 0.0f;
     cloth.bending = bending;
     if ( rigidity > 0.0 )
     {

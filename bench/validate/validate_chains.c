@@ -403,6 +403,7 @@ static wisp_status add_chain( validate_bodies* b, chain_method method, wisp_erro
         points[i] = ( wisp_vec3 ){ (float)start[i][0], (float)start[i][1], 0.0f };
     }
     wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
+    dynamics.damping = 0.0f;
     dynamics.bending = WISP_STRAND_BEND_NONE;
     dynamics.stretch = method == LINKS ? WISP_STRAND_STRETCH_LINKS : WISP_STRAND_STRETCH_DIRECT;
     dynamics.integrator = method == DIRECT_BDF2 ? WISP_INTEGRATOR_BDF2 : WISP_INTEGRATOR_EULER;

@@ -24,6 +24,7 @@ enum
 static wisp_strand_dynamics_def validate_rod_dynamics( int method )
 {
     wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+    def.damping = 0.0f;
     def.rest = WISP_STRAND_REST_STRAIGHT;
     def.bend_rigidity = def.twist_rigidity = 1.0f;
     def.line_density = 1.0f; // kg/m

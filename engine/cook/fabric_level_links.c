@@ -1,7 +1,7 @@
 // Links between neighbours of a coarse level, and the net of triangles over them.
 #include "fabric.h"
 #include "fabric_levels.h"
-#include "vec.h"
+#include "wisp/module/vec.h"
 
 #include <math.h>
 
@@ -125,8 +125,8 @@ static void exclude_point( empty_circle* circle, double d, double to_a, double t
 static double fraction_of( const level_maker* m, int32_t a, int32_t b, double d )
 {
     const wisp_vec3* rest = m->fabric->rest;
-    const wisp_vec3 at = rest[m->fine[a]], along = v3_sub( rest[m->fine[b]], at );
-    const wisp_vec3 side = v3_cross( m->normal[m->fine[a]], along );
+    const wisp_vec3 at = rest[m->fine[a]], along = wisp_v3_sub( rest[m->fine[b]], at );
+    const wisp_vec3 side = wisp_v3_cross( m->normal[m->fine[a]], along );
     empty_circle circle = { -INFINITY, INFINITY };
     for ( int end = 0; end < 2; ++end )
     {
@@ -138,7 +138,7 @@ static double fraction_of( const level_maker* m, int32_t a, int32_t b, double d 
             if ( c != to )
             {
                 const double here = (double)near[i].distance, there = level_distance_or_straight( m, to, c );
-                const bool left = v3_dot( v3_sub( rest[m->fine[c]], at ), side ) > 0.0f;
+                const bool left = wisp_v3_dot( wisp_v3_sub( rest[m->fine[c]], at ), side ) > 0.0f;
                 exclude_point( &circle, d, end == 0 ? here : there, end == 0 ? there : here, left );
             }
         }

@@ -3,7 +3,7 @@
 // and its children.
 #include "fabric.h"
 #include "fabric_levels.h"
-#include "vec.h"
+#include "wisp/module/vec.h"
 
 #include <math.h>
 #include <string.h>
@@ -245,8 +245,8 @@ static double mean_edge( const wisp_fabric* f )
 // Tests whether the angle between two open edges at a vertex is below about 135 degrees.
 static bool is_corner( wisp_vec3 at, wisp_vec3 before, wisp_vec3 after )
 {
-    wisp_vec3 a = v3_sub( before, at ), b = v3_sub( after, at );
-    return v3_dot( a, b ) > -0.7f * v3_length( a ) * v3_length( b );
+    wisp_vec3 a = wisp_v3_sub( before, at ), b = wisp_v3_sub( after, at );
+    return wisp_v3_dot( a, b ) > -0.7f * wisp_v3_length( a ) * wisp_v3_length( b );
 }
 
 // Assigns the order of selection. Attachments come first, so that a level has those that are not near another one. Corners and
@@ -293,10 +293,10 @@ static void sum_normals( const wisp_fabric* f, wisp_vec3* normal )
     {
         const int32_t* v = f->triangles + 3 * (size_t)t;
         const wisp_vec3 n =
-            v3_cross( v3_sub( f->rest[v[1]], f->rest[v[0]] ), v3_sub( f->rest[v[2]], f->rest[v[0]] ) );
+            wisp_v3_cross( wisp_v3_sub( f->rest[v[1]], f->rest[v[0]] ), wisp_v3_sub( f->rest[v[2]], f->rest[v[0]] ) );
         for ( int k = 0; k < 3; ++k )
         {
-            normal[v[k]] = v3_add( normal[v[k]], n );
+            normal[v[k]] = wisp_v3_add( normal[v[k]], n );
         }
     }
 }

@@ -1,4 +1,4 @@
-/// vec.h in lanes of doubles: eight vectors, one a lane, operation by operation as there.
+/// wisp/module/vec.h in lanes of doubles: eight vectors, one a lane, operation by operation as there.
 ///
 ///   lane8dv_set1( const double[3] )
 ///   lane8dv_widen( lane8v ) lane8dv_narrow( a )   exact; round to nearest

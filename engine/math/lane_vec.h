@@ -1,4 +1,4 @@
-/// vec.h in lanes: eight or sixteen vectors of three floats, one a lane, operation by operation as there.
+/// wisp/module/vec.h in lanes: eight or sixteen vectors of three floats, one a lane, operation by operation as there.
 ///
 ///   Pv_set1( v )  Pv_load( rows ) Pv_store( rows, v )     rows: all x, all y, all z, aligned as P_load
 ///   Pv_add Pv_sub Pv_scale Pv_mul_add Pv_dot Pv_cross Pv_length Pv_select

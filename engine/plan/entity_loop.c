@@ -6,6 +6,12 @@
 
 // ---- compilation ----
 
+enum
+{
+    // With fewer rows of sixteen lanes, waves take a single cloth as long as they save (cloths of 25 to 63 vertices a side).
+    PLAN_LONE_ENTITY_ROWS = 96,
+};
+
 // A large entity runs on all workers. `should_run` and `on_change` are evaluated on the calling thread.
 static bool can_loop( const plan* p, const wisp_registry* r, int slot )
 {
@@ -50,17 +56,16 @@ void plan_find_entity_loops( plan* p, const wisp_registry* r )
 {
     list_nodes( p );
     p->loop_count = 0;
+    int last = -1;
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {
         p->entities[slot].loops = can_loop( p, r, slot );
         p->loop_count += p->entities[slot].loops ? 1 : 0;
+        last = p->entities[slot].loops ? slot : last;
     }
-    if ( p->loop_count < 2 || p->loop_count < r->workers ) // few have all workers, one after another
+    if ( p->loop_count == 1 && plan_row_count( r->store->entities + last ) >= PLAN_LONE_ENTITY_ROWS )
     {
-        for ( int slot = 0; slot < r->store->entity_count; ++slot )
-        {
-            p->entities[slot].loops = false;
-        }
+        p->entities[last].loops = false; // it has all workers
         p->loop_count = 0;
     }
 }
@@ -136,6 +141,12 @@ static void append_group( plan* p, const wisp_registry* r, int slot, int entitie
         {
             append_loop( p, other );
         }
+    }
+    // too few to run side by side run one by one, on any worker
+    while ( batch >= 0 && p->loop_count - group->first > 1 &&
+            p->loop_count - group->first < fewest_lanes( r->batches[batch].lanes ) )
+    {
+        p->entities[p->loop_slots[--p->loop_count]].listed = false;
     }
     group->count = p->loop_count - group->first;
 }
@@ -223,8 +234,11 @@ static uint32_t run_side_by_side( const loop_substep* loop, const wisp_span* spa
     return done;
 }
 
-static void run_node( const loop_substep* loop, int n, const wisp_span* span )
+static void run_node( void* context, int n, int worker )
 {
+    (void)worker;
+    const loop_substep* loop = context;
+    const wisp_span* span = &loop->span;
     const plan_node* node = loop->frame->plan->nodes + loop->frame->plan->loop_nodes[n];
     const bool is_batch = loop->joined_count > 0 && node->passes[0] == loop->batch->pass;
     const uint32_t done = is_batch ? run_side_by_side( loop, span ) : 0;
@@ -237,23 +251,21 @@ static void run_node( const loop_substep* loop, int n, const wisp_span* span )
     }
 }
 
-// Run the nodes of a section. @return the node behind them
-static int run_entity_section( const loop_substep* loop, int first, plan_section section, int iteration )
+// Run the nodes of a section, each of which releases its scratch memory. @return the node behind them
+static int run_entity_section( loop_substep* loop, int first, plan_section section, int iteration )
 {
     const plan* p = loop->frame->plan;
-    wisp_span span = loop->span;
-    span.iteration = iteration;
+    loop->span.iteration = iteration;
     int n = first;
     for ( ; n < p->loop_node_count && p->nodes[p->loop_nodes[n]].section == section; ++n )
     {
-        run_node( loop, n, &span );
+        jobs_run_within( loop->frame->pool, n, run_node, loop, loop->span.worker );
     }
     return n;
 }
 
-static void run_substep( void* context, int substep, int worker )
+static void run_substep( loop_substep* loop, int substep, int worker )
 {
-    loop_substep* loop = context;
     loop->span.substep = substep;
     loop->span.worker = worker;
     const int first = run_entity_section( loop, 0, PLAN_SUBSTEP, 0 );
@@ -274,7 +286,7 @@ static void run_entity_substeps( loop_substep* loop, int index, int worker )
     for ( int substep = 0; substep < substeps; ++substep )
     {
         loop->scale = substep == timed ? substeps * frame->clocked_blocks : 0.0;
-        jobs_run_within( frame->pool, substep, run_substep, loop, worker );
+        run_substep( loop, substep, worker );
     }
 }
 

@@ -330,6 +330,17 @@ size_t plan_registry_memory( const wisp_registry* r, int state, size_t* held, si
     return bytes + *held;
 }
 
+void plan_registry_planned( const wisp_registry* r, wisp_world* world )
+{
+    for ( int i = 0; i < r->state_count; ++i )
+    {
+        if ( r->states[i].hooks.planned != NULL )
+        {
+            r->states[i].hooks.planned( r->states[i].memory, world );
+        }
+    }
+}
+
 void plan_registry_removed( const wisp_registry* r, wisp_world* world, wisp_entity entity )
 {
     for ( int i = 0; i < r->state_count; ++i )

@@ -87,6 +87,7 @@ wisp_collision_mesh_stats wisp_collision_mesh_get_stats( const wisp_collision_me
 {
     return ( wisp_collision_mesh_stats ){ .open_edge_count = tree->open_edge_count,
                                           .flat_triangle_count = tree->flat_triangle_count,
+                                          .triangle_count = tree->surface.triangle_count,
                                           .refit_count = tree->bvh.refit_count };
 }
 

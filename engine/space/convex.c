@@ -275,6 +275,11 @@ int wisp_convex_triangles( const wisp_convex* convex, const int32_t** triangles 
     return convex->face_count;
 }
 
+wisp_vec3 wisp_convex_corner( const wisp_convex* convex, int triangle, int corner )
+{
+    return double3_narrow( convex->faces[triangle].corner[corner] );
+}
+
 // ---- closest points ----
 
 double3 closest_on_triangle( double3 p, double3 a, double3 b, double3 c )

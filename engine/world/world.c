@@ -202,6 +202,7 @@ static wisp_status compile_if_changed( wisp_world* world )
     }
     world->plan_is_stale = false;
     world->plan_is_new = world->plan_is_new || has_other_rows;
+    plan_registry_planned( &world->registry, world );
     return WISP_OK;
 }
 

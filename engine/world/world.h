@@ -42,12 +42,21 @@ typedef struct world_sleep
     wisp_buffer boxes; // scratch of a step
 } world_sleep;
 
+/// What wisp_world_tell() has told.
+typedef struct world_told
+{
+    wisp_entity entity;
+    const char* sentence;
+} world_told;
+
 struct wisp_world
 {
     world_memory memory;
     wisp_allocator allocator; // counts, then calls the host
     base_log log;
     bool has_warned_of_threads, has_warned_of_nothing;
+    world_told told[32];
+    int told_count;
     _Atomic bool is_stepping;
     store store;
     wisp_registry registry;

@@ -88,6 +88,21 @@ void wisp_world_warn( wisp_world* world, const char* format, ... )
     base_log_write( &world->log, WISP_LOG_WARNING, "%s", message );
 }
 
+void wisp_world_tell( wisp_world* world, wisp_entity entity, bool is_so, const char* sentence )
+{
+    bool is_told = is_so == false || world->told_count == WISP_COUNT( world->told );
+    for ( int i = 0; i < world->told_count; ++i )
+    {
+        is_told = is_told || ( world->told[i].sentence == sentence && world->told[i].entity.index == entity.index &&
+                               world->told[i].entity.generation == entity.generation );
+    }
+    if ( is_told == false )
+    {
+        world->told[world->told_count++] = ( world_told ){ entity, sentence };
+        wisp_world_warn( world, "entity %u: %s", entity.index, sentence );
+    }
+}
+
 wisp_status world_stale( wisp_world* world, wisp_entity entity )
 {
     return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u: does not exist or was removed",

@@ -2,7 +2,7 @@
 // or a constant changes; those of damping and air are read in each substep.
 #include "world.h"
 
-#include "vec.h"
+#include "wisp/module/vec.h"
 #include "wisp/maps.h"
 #include "wisp/module/components.h"
 
@@ -104,7 +104,7 @@ static float mean_along( const wisp_fabric* f, const wisp_fabric_level* level, i
         const int32_t a = level->chain_x4[e][lane] / 4, b = level->chain_x4[e + 1][lane] / 4;
         if ( a != b )
         {
-            const double part = (double)v3_length( v3_sub( f->rest[a], f->rest[b] ) );
+            const double part = (double)wisp_v3_length( wisp_v3_sub( f->rest[a], f->rest[b] ) );
             sum += part * (double)map[wisp_fabric_find_edge( f, a, b )];
             length += part;
         }

@@ -8,7 +8,7 @@
 #include "sleep_bounds.h"
 
 #include "alloc.h"
-#include "vec.h"
+#include "wisp/module/vec.h"
 #include "wisp/module/components.h"
 
 #include <math.h>
@@ -58,7 +58,7 @@ static void shift( wisp_world* world, store_entity* e, wisp_vec3 by )
             }
             world_move_place( world, e, place, ( wisp_transform ){ { 0.0f, 0.0f, 0.0f, 1.0f }, by } );
         }
-        e->offset = v3_add( e->offset, by );
+        e->offset = wisp_v3_add( e->offset, by );
         e->is_touched = sleeps_on == false || world_sleep_shift( world, e, by ) == false;
     }
 }
@@ -87,7 +87,7 @@ static wisp_vec3 find_way( const wisp_world* world, const store_entity* e, wisp_
     const wisp_transform* pose =
         column >= 0 ? store_column( &world->store, e, place->component, place->column ) : NULL;
     return pose != NULL && memcmp( pose + 1, pose + 2, sizeof( *pose ) ) != 0
-               ? v3_sub( wisp_transform_to_world( pose[2], wisp_transform_to_local( pose[1], point ) ), point )
+               ? wisp_v3_sub( wisp_transform_to_world( pose[2], wisp_transform_to_local( pose[1], point ) ), point )
                : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
 }
 
@@ -247,7 +247,7 @@ const float* world_find_vertex( const wisp_world* world, const store_entity* e, 
 static bool is_out_of_reach( const wisp_world* world, const store_entity* e, wisp_vec3 vertex )
 {
     const float reach = (float)( is_zero( e->offset ) ? HOME_REACH : REACH );
-    const wisp_vec3 p = v3_add( vertex, find_way( world, e, vertex ) );
+    const wisp_vec3 p = wisp_v3_add( vertex, find_way( world, e, vertex ) );
     return !( fabsf( p.x ) <= reach && fabsf( p.y ) <= reach && fabsf( p.z ) <= reach );
 }
 

@@ -1,7 +1,7 @@
 // Strands: their definition, their rows, the pass that hands their points out; and instances of strands and surfaces.
 #include "world.h"
 
-#include "vec.h"
+#include "wisp/module/vec.h"
 #include "wisp/module/components.h"
 
 #include <math.h>
@@ -36,12 +36,12 @@ static void unpack_points( wisp_frame* frame, const wisp_span* span, void* user 
     };
     wisp_frame_kernels( frame )->strand_unpack( &job, span->begin, span->end );
     const wisp_vec3 o = wisp_frame_offset( frame, span->entity );
-    for ( int i = span->begin * WISP_LANES; i < span->end * WISP_LANES && v3_dot( o, o ) > 0.0f; ++i )
+    for ( int i = span->begin * WISP_LANES; i < span->end * WISP_LANES && wisp_v3_dot( o, o ) > 0.0f; ++i )
     {
         for ( int v = 0; v < t->lane_count[i]; ++v )
         {
             wisp_vec3* p = (wisp_vec3*)(void*)job.points + t->offsets[t->lane_strand[i]] + v;
-            *p = v3_sub( *p, o );
+            *p = wisp_v3_sub( *p, o );
         }
     }
 }

@@ -1,7 +1,7 @@
 // Surfaces: the particles of a triangle mesh, their pins, and properties that all effects share.
 #include "world.h"
 
-#include "vec.h"
+#include "wisp/module/vec.h"
 #include "wisp/module/components.h"
 
 #include <math.h>
@@ -30,7 +30,7 @@ static wisp_status check_masses( wisp_world* world, const wisp_surface_def* def 
 
 static wisp_status check_gravity( wisp_world* world, wisp_vec3 gravity )
 {
-    const float length = v3_length( gravity );
+    const float length = wisp_v3_length( gravity );
     return length <= 1e6f
                ? WISP_OK
                : wisp_world_fail( world, WISP_BAD_INPUT,
@@ -115,7 +115,7 @@ static bool attach_all( store* s, wisp_entity entity, bool has_gravity )
 static wisp_status add_surface_entity( wisp_world* world, const wisp_surface_def* def, wisp_entity* out )
 {
     wisp_fabric* fabric = def->fabric;
-    const bool has_gravity = v3_length( def->gravity ) > 0.0f;
+    const bool has_gravity = wisp_v3_length( def->gravity ) > 0.0f;
     const wisp_fabric_level none = { 0 };
     const wisp_fabric_level* coarsest = fabric->level_count > 0 ? fabric->levels + fabric->level_count - 1 : &none;
     const int rows[WISP_TABLE_COUNT] = {
@@ -413,7 +413,7 @@ wisp_status wisp_set_gravity( wisp_world* world, wisp_entity surface, wisp_vec3 
     WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     WISP_TRY( check_gravity( world, gravity ) );
-    wisp_status status = set_component( world, surface, WISP_PARTICLE_GRAVITY, v3_length( gravity ) > 0.0f );
+    wisp_status status = set_component( world, surface, WISP_PARTICLE_GRAVITY, wisp_v3_length( gravity ) > 0.0f );
     wisp_vec3* column = wisp_world_column( world, surface, WISP_PARTICLE_GRAVITY, 0 );
     if ( status == WISP_OK && column != NULL )
     {

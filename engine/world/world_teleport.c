@@ -4,7 +4,7 @@
 #include "world_blend.h"
 
 #include "plan.h"
-#include "vec.h"
+#include "wisp/module/vec.h"
 #include "wisp/module/components.h"
 
 #include <math.h>
@@ -13,14 +13,8 @@ static const float FARTHEST = 1e6f; // m from the origin
 
 wisp_transform wisp_teleport_pose( const wisp_teleport_motion* teleport, wisp_transform pose )
 {
-    const wisp_quat a = teleport->motion.rotation, b = pose.rotation;
-    const wisp_quat turned = {
-        a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-        a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-        a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
-        a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
-    };
-    return wisp_transform_make( turned, wisp_transform_to_world( teleport->motion, pose.translation ) );
+    return wisp_transform_make( wisp_quat_multiply( teleport->motion.rotation, pose.rotation ),
+                                wisp_transform_to_world( teleport->motion, pose.translation ) );
 }
 
 // Where the coordinates of a row are: one after another, or a lane of sixteen vectors.
@@ -130,7 +124,8 @@ static void move_views( wisp_world* world, const store_entity* e, const wisp_tel
                         wisp_vec3 before )
 {
     wisp_transform motion = teleport->motion;
-    motion.translation = v3_add( motion.translation, v3_sub( turned( motion.rotation, before ), e->offset ) );
+    motion.translation =
+        wisp_v3_add( motion.translation, wisp_v3_sub( turned( motion.rotation, before ), e->offset ) );
     static const wisp_component POINTS[] = { WISP_SURFACE_POINTS, WISP_STRAND_POINTS };
     const int count = e->rows[WISP_TABLE_POINT].count;
     for ( int k = 0; k < WISP_COUNT( POINTS ); ++k )
@@ -146,7 +141,7 @@ void wisp_world_move_columns( wisp_world* world, wisp_entity entity, const wisp_
 {
     store_entity* e = store_find( &world->store, entity );
     const wisp_vec3 before = e->offset;
-    e->offset = v3_sub( before, teleport->far );
+    e->offset = wisp_v3_sub( before, teleport->far );
     for ( int i = 0; i < world->registry.place_count; ++i )
     {
         world_move_place( world, e, world->registry.places + i, teleport->motion );
@@ -266,7 +261,7 @@ void world_place( wisp_world* world, wisp_entity entity, wisp_transform pose )
 static wisp_transform motion_to_host( const store_entity* e, wisp_transform motion )
 {
     const wisp_transform pose = wisp_transform_make( motion.rotation, motion.translation );
-    return ( wisp_transform ){ pose.rotation, v3_sub( pose.translation, turned( pose.rotation, e->offset ) ) };
+    return ( wisp_transform ){ pose.rotation, wisp_v3_sub( pose.translation, turned( pose.rotation, e->offset ) ) };
 }
 
 static float far_of( float way )
@@ -286,10 +281,10 @@ static wisp_teleport_motion teleport_of_rows( const wisp_world* world, const sto
     if ( p != NULL )
     {
         const wisp_vec3 at = { p[0], p[coordinate], p[2 * coordinate] };
-        const wisp_vec3 way = v3_sub( wisp_transform_to_world( to, at ), v3_sub( at, e->offset ) );
+        const wisp_vec3 way = wisp_v3_sub( wisp_transform_to_world( to, at ), wisp_v3_sub( at, e->offset ) );
         teleport.far = ( wisp_vec3 ){ far_of( way.x ), far_of( way.y ), far_of( way.z ) };
     }
-    teleport.motion.translation = v3_sub( wisp_to_rows( to.translation, e->offset ), teleport.far );
+    teleport.motion.translation = wisp_v3_sub( wisp_to_rows( to.translation, e->offset ), teleport.far );
     return teleport;
 }
 

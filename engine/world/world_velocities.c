@@ -1,7 +1,7 @@
 // Velocities that the host gives a surface: those of a rigid motion, and gusts.
 #include "world.h"
 
-#include "vec.h"
+#include "wisp/module/vec.h"
 #include "wisp/module/components.h"
 
 #include <string.h>
@@ -31,7 +31,7 @@ wisp_status wisp_set_velocity( wisp_world* world, wisp_entity surface, wisp_vec3
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     store_entity* e;
     WISP_TRY( world_find_surface( world, surface, &e ) );
-    if ( !( v3_length( linear ) <= 1e6f && v3_length( angular ) <= 1e6f ) )
+    if ( !( wisp_v3_length( linear ) <= 1e6f && wisp_v3_length( angular ) <= 1e6f ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,
                                 "velocity: expected finite numbers of at most 1e6 m/s and 1e6 rad/s" );
@@ -42,8 +42,9 @@ wisp_status wisp_set_velocity( wisp_world* world, wisp_entity surface, wisp_vec3
     for ( int slot = 0; slot < e->fabric->vertex_count; ++slot )
     {
         const float* p = position + (size_t)slot * 4;
-        wisp_vec3 r = v3_sub( ( wisp_vec3 ){ p[0], p[1], p[2] }, centre );
-        wisp_vec3 v = p[3] > 0.0f ? v3_add( linear, v3_cross( angular, r ) ) : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+        wisp_vec3 r = wisp_v3_sub( ( wisp_vec3 ){ p[0], p[1], p[2] }, centre );
+        wisp_vec3 v =
+            p[3] > 0.0f ? wisp_v3_add( linear, wisp_v3_cross( angular, r ) ) : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
         memcpy( velocity + (size_t)slot * 4, &v, sizeof( v ) );
     }
     wisp_world_restart_levels( world, surface );
@@ -62,7 +63,7 @@ static wisp_status check_velocities( wisp_world* world, const wisp_fabric* fabri
             return wisp_world_fail( world, WISP_BAD_INPUT, "vertices: got %d, expected 0 .. %d", vertices[i],
                                     fabric->vertex_count - 1 );
         }
-        if ( !( v3_length( velocities[i] ) <= 1e6f ) )
+        if ( !( wisp_v3_length( velocities[i] ) <= 1e6f ) )
         {
             return wisp_world_fail( world, WISP_BAD_INPUT,
                                     "velocities: got (%g, %g, %g) m/s for vertex %d, expected finite numbers of at "
@@ -134,7 +135,7 @@ static int find_too_fast( const wisp_fabric* fabric, const float* position, wisp
         hits[slot] = !is_free ? 0 : per_triangle ? hits[slot] : hits[slot] > 0;
         const float times = (float)hits[slot];
         const wisp_vec3 sum = { v[0] + times * gust.x, v[1] + times * gust.y, v[2] + times * gust.z };
-        if ( times > 0.0f && !( v3_length( sum ) <= 1e6f ) )
+        if ( times > 0.0f && !( wisp_v3_length( sum ) <= 1e6f ) )
         {
             return fabric->slot_vertex[slot];
         }
@@ -163,13 +164,13 @@ wisp_status wisp_apply_gust( wisp_world* world, wisp_entity surface, wisp_vec3 g
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     store_entity* e;
     WISP_TRY( world_find_surface( world, surface, &e ) );
-    if ( !( v3_length( gust ) <= 1e6f ) )
+    if ( !( wisp_v3_length( gust ) <= 1e6f ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,
                                 "gust: got (%g, %g, %g) m/s, expected finite numbers of at most 1e6 m/s",
                                 (double)gust.x, (double)gust.y, (double)gust.z );
     }
-    if ( v3_dot( gust, gust ) == 0.0f )
+    if ( wisp_v3_dot( gust, gust ) == 0.0f )
     {
         return WISP_OK;
     }

@@ -7,6 +7,7 @@
 #include "attachments_state.h"
 
 #include "wisp/module/collision_mesh.h"
+#include "wisp/module/vec.h"
 
 #include <math.h>
 #include <string.h>
@@ -21,26 +22,6 @@ typedef struct axes
     wisp_vec3 x, y, z;
 } axes;
 
-static wisp_vec3 load( const float* quad )
-{
-    return ( wisp_vec3 ){ quad[0], quad[1], quad[2] };
-}
-
-static wisp_vec3 add_scaled( wisp_vec3 a, float s, wisp_vec3 b )
-{
-    return ( wisp_vec3 ){ a.x + s * b.x, a.y + s * b.y, a.z + s * b.z };
-}
-
-static float dot( wisp_vec3 a, wisp_vec3 b )
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-static wisp_vec3 cross( wisp_vec3 a, wisp_vec3 b )
-{
-    return ( wisp_vec3 ){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
-}
-
 static bool is_in_range( wisp_vec3 p )
 {
     return fabsf( p.x ) <= 1e6f && fabsf( p.y ) <= 1e6f && fabsf( p.z ) <= 1e6f; // false for NaN
@@ -49,17 +30,17 @@ static bool is_in_range( wisp_vec3 p )
 // @return false for a triangle without area
 static bool find_axes( const corners* t, axes* out )
 {
-    const wisp_vec3 edge = add_scaled( t->at[1], -1.0f, t->at[0] );
-    const wisp_vec3 normal = cross( edge, add_scaled( t->at[2], -1.0f, t->at[0] ) );
-    const float length = sqrtf( dot( edge, edge ) ), area = sqrtf( dot( normal, normal ) );
+    const wisp_vec3 edge = wisp_v3_mul_add( t->at[1], -1.0f, t->at[0] );
+    const wisp_vec3 normal = wisp_v3_cross( edge, wisp_v3_mul_add( t->at[2], -1.0f, t->at[0] ) );
+    const float length = sqrtf( wisp_v3_dot( edge, edge ) ), area = sqrtf( wisp_v3_dot( normal, normal ) );
     if ( !( length > 0.0f && area > 0.0f ) )
     {
         return false;
     }
     const wisp_vec3 none = { 0.0f, 0.0f, 0.0f };
-    out->x = add_scaled( none, 1.0f / length, edge );
-    out->z = add_scaled( none, 1.0f / area, normal );
-    out->y = cross( out->z, out->x );
+    out->x = wisp_v3_mul_add( none, 1.0f / length, edge );
+    out->z = wisp_v3_mul_add( none, 1.0f / area, normal );
+    out->y = wisp_v3_cross( out->z, out->x );
     return true;
 }
 
@@ -68,7 +49,7 @@ static wisp_vec3 point_of( const corners* t, const float weights[3] )
     wisp_vec3 p = { 0.0f, 0.0f, 0.0f };
     for ( int k = 0; k < 3; ++k )
     {
-        p = add_scaled( p, weights[k], t->at[k] );
+        p = wisp_v3_mul_add( p, weights[k], t->at[k] );
     }
     return p;
 }
@@ -98,12 +79,12 @@ static source open_source( wisp_frame* frame, wisp_entity to )
 static wisp_vec3 end_of( const source* s, int32_t slot, float seconds )
 {
     const size_t quad = (size_t)slot * 4;
-    const wisp_vec3 at = load( s->position + quad );
+    const wisp_vec3 at = wisp_v3_load( s->position + quad );
     if ( s->position[quad + 3] > 0.0f )
     {
-        return s->velocity != NULL ? add_scaled( at, seconds, load( s->velocity + quad ) ) : at;
+        return s->velocity != NULL ? wisp_v3_mul_add( at, seconds, wisp_v3_load( s->velocity + quad ) ) : at;
     }
-    return s->target != NULL && s->target[quad + 3] != 0.0f ? load( s->target + quad ) : at;
+    return s->target != NULL && s->target[quad + 3] != 0.0f ? wisp_v3_load( s->target + quad ) : at;
 }
 
 static void follow( const source* s, const attachments_place* place, float seconds, float* target )
@@ -119,9 +100,9 @@ static void follow( const source* s, const attachments_place* place, float secon
         return;
     }
     wisp_vec3 p = point_of( &t, place->weights );
-    p = add_scaled( p, place->offset.x, r.x );
-    p = add_scaled( p, place->offset.y, r.y );
-    p = add_scaled( p, place->offset.z, r.z );
+    p = wisp_v3_mul_add( p, place->offset.x, r.x );
+    p = wisp_v3_mul_add( p, place->offset.y, r.y );
+    p = wisp_v3_mul_add( p, place->offset.z, r.z );
     if ( is_in_range( p ) )
     {
         target[0] = p.x;
@@ -241,11 +222,12 @@ static void set_place( const wisp_fabric* fabric, const float* particles, const 
     {
         place->corner[k] = fabric->triangles[3 * (size_t)nearest->triangle + (size_t)k];
         place->weights[k] = nearest->weights[k];
-        t.at[k] = load( particles + (size_t)place->corner[k] * 4 );
+        t.at[k] = wisp_v3_load( particles + (size_t)place->corner[k] * 4 );
     }
-    const wisp_vec3 away = add_scaled( pin, -1.0f, point_of( &t, place->weights ) );
-    place->offset =
-        find_axes( &t, &r ) ? ( wisp_vec3 ){ dot( away, r.x ), dot( away, r.y ), dot( away, r.z ) } : away;
+    const wisp_vec3 away = wisp_v3_mul_add( pin, -1.0f, point_of( &t, place->weights ) );
+    place->offset = find_axes( &t, &r ) ? ( wisp_vec3 ){ wisp_v3_dot( away, r.x ), wisp_v3_dot( away, r.y ),
+                                                         wisp_v3_dot( away, r.z ) }
+                                        : away;
 }
 
 // Build the mesh of a surface as it is, for queries.
@@ -261,7 +243,7 @@ static wisp_status build_mesh( wisp_world* world, const wisp_fabric* fabric, con
     }
     for ( int slot = 0; slot < fabric->slot_count; ++slot )
     {
-        points[slot] = load( particles + (size_t)slot * 4 );
+        points[slot] = wisp_v3_load( particles + (size_t)slot * 4 );
     }
     // a mesh that deforms needs no Embree
     const wisp_collision_mesh_def def = { .points = points,
@@ -284,7 +266,7 @@ static void attach_all( wisp_world* world, wisp_entity surface, const int32_t* v
     for ( int i = 0; i < count; ++i )
     {
         const int slot = mine->vertex_slot[vertices[i]];
-        const wisp_mesh_query query = { .point = load( position + (size_t)slot * 4 ), .radius = INFINITY };
+        const wisp_mesh_query query = { .point = wisp_v3_load( position + (size_t)slot * 4 ), .radius = INFINITY };
         wisp_mesh_nearest nearest;
         wisp_collision_mesh_closest( mesh, &query, 1, &nearest, NULL );
         if ( nearest.triangle >= 0 )

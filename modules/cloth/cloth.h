@@ -56,7 +56,7 @@ typedef struct wisp_cloth_def
 
     float
         internal_damping; ///< 1/s, >= 0: decay rate of relative velocities. Momentum and angular momentum are kept, unless
-                          ///< the cloth is pinned: then all velocities decay. Default 0
+                          ///< the cloth is pinned: then all velocities decay. Default 3: at rest within 5 s
     wisp_vec3 wind;       ///< m/s, velocity of the air, default 0
     float air_density;      ///< kg/m^3, default 1.204
     float drag_coefficient; ///< coefficient along the relative wind, >= 0, default 0: no air

@@ -1,5 +1,7 @@
 #include "cloth_bending.h"
 
+#include "wisp/module/vec.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -22,6 +24,7 @@ void wisp_init_cloth_def( wisp_cloth_def* def, size_t size )
         .bend_stiffness = 0.2f,
         .bend_compliance = 0.1f,
         .bend_rigidity = 5e-6f,
+        .internal_damping = 3.0f,
         .air_density = 1.204f,
         .tether_slack = 1.0f,
         .coarse_passes = 10,
@@ -184,19 +187,14 @@ static wisp_status check_ranges( wisp_world* world, const wisp_cloth_def* d )
     return wisp_world_check_ranges( world, "cloth", ranges, WISP_COUNT( ranges ) );
 }
 
-static float length( wisp_vec3 v )
-{
-    return sqrtf( v.x * v.x + v.y * v.y + v.z * v.z );
-}
-
 static wisp_status check_vectors( wisp_world* world, const wisp_cloth_def* d )
 {
-    if ( !( length( d->warp ) >= 1e-6f && length( d->warp ) <= 1e6f ) )
+    if ( !( wisp_v3_length( d->warp ) >= 1e-6f && wisp_v3_length( d->warp ) <= 1e6f ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "cloth: warp: got (%g, %g, %g), expected a direction",
                                 (double)d->warp.x, (double)d->warp.y, (double)d->warp.z );
     }
-    if ( !( length( d->wind ) <= 1e5f ) )
+    if ( !( wisp_v3_length( d->wind ) <= 1e5f ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,
                                 "cloth: wind: got (%g, %g, %g), expected finite numbers of at most 1e5 m/s",
@@ -420,6 +418,10 @@ wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_c
     if ( status == WISP_OK )
     {
         fill( world, surface, def, state );
+        const bool is_airless =
+            ( def->drag_coefficient == 0.0f && def->lift_coefficient == 0.0f ) || def->air_density == 0.0f;
+        wisp_world_tell( world, surface, is_airless && wisp_v3_length( def->wind ) > 0.0f,
+                         "'wind' has no effect without drag_coefficient or lift_coefficient, and air_density" );
         if ( def->coarse_substeps > 0 && had_sheets == false )
         {
             warn_of_sheets( world, surface );
@@ -438,7 +440,7 @@ wisp_status wisp_set_cloth_wind( wisp_world* world, wisp_entity surface, wisp_ve
     {
         return status;
     }
-    if ( !( length( wind ) <= 1e5f ) )
+    if ( !( wisp_v3_length( wind ) <= 1e5f ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,
                                 "cloth: wind: got (%g, %g, %g), expected finite numbers of at most 1e5 m/s",

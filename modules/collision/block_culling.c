@@ -56,8 +56,8 @@ void collision_begin_block( const collision_find_args* args, int begin, int end,
     clear_counts( args, block, groups );
     if ( block->count > 0 )
     {
-        block->lower = collision_load( lower );
-        block->upper = collision_load( upper );
+        block->lower = wisp_v3_load( lower );
+        block->upper = wisp_v3_load( upper );
     }
     for ( int i = 0; i < block->count; ++i )
     {

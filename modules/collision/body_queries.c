@@ -33,7 +33,7 @@ float collision_ball_distance( const collision_view* view, wisp_vec3 lower, wisp
         apart( lower.y, upper.y, fminf( a.y, b.y ), fmaxf( a.y, b.y ) ),
         apart( lower.z, upper.z, fminf( a.z, b.z ), fmaxf( a.z, b.z ) ),
     };
-    return collision_length( d ) - view->body->ball_radius;
+    return wisp_v3_length( d ) - view->body->ball_radius;
 }
 
 // Cast a ray out of the box: from inside, the first triangle is hit from behind. A ray costs a tenth of an unbounded

@@ -40,7 +40,7 @@ typedef struct collision_track
 /// Return whether a vertex has stayed away from the body since it was searched.
 static inline bool collision_is_free( const collision_track* track, wisp_vec3 point, float near )
 {
-    return track->free - collision_length( collision_sub( point, track->origin ) ) > near;
+    return track->free - wisp_v3_length( wisp_v3_sub( point, track->origin ) ) > near;
 }
 
 /// A query of a vertex that is tracked.
@@ -72,7 +72,7 @@ float collision_exact_gap( const collision_view* view, wisp_vec3 from, int32_t s
 /// Return the signed distance of the start of a path from a plane, less the thickness.
 static inline float collision_plane_gap( const collision_view* view, const wisp_surface_point* plane, wisp_vec3 from )
 {
-    return collision_dot( plane->normal, collision_sub( from, plane->point ) ) - view->thickness;
+    return wisp_v3_dot( plane->normal, wisp_v3_sub( from, plane->point ) ) - view->thickness;
 }
 
 /// Return the signed distance at the start of a path whose end meets a plane, less the thickness. Near the surface
@@ -81,7 +81,7 @@ static inline float collision_plane_gap( const collision_view* view, const wisp_
 static inline float collision_start_gap( const collision_view* view, const wisp_surface_point* plane, wisp_vec3 from,
                                          wisp_vec3 motion, bool swept, int32_t seed )
 {
-    const float gap = collision_plane_gap( view, plane, collision_add_scaled( from, 1.0f, motion ) );
+    const float gap = collision_plane_gap( view, plane, wisp_v3_mul_add( from, 1.0f, motion ) );
     const bool is_exact = swept || gap >= -COLLISION_SHALLOW * view->thickness;
     return is_exact ? gap : collision_exact_gap( view, from, seed, gap );
 }
@@ -94,7 +94,7 @@ static inline float collision_outside( float distance, float half )
 /// Return the distance of a point from the box around the body, m; 0 inside.
 static inline float collision_box_distance( const collision_body* body, wisp_vec3 p )
 {
-    const wisp_vec3 d = collision_sub( p, body->centre ), half = body->half;
-    return collision_length( ( wisp_vec3 ){ collision_outside( d.x, half.x ), collision_outside( d.y, half.y ),
-                                            collision_outside( d.z, half.z ) } );
+    const wisp_vec3 d = wisp_v3_sub( p, body->centre ), half = body->half;
+    return wisp_v3_length( ( wisp_vec3 ){ collision_outside( d.x, half.x ), collision_outside( d.y, half.y ),
+                                          collision_outside( d.z, half.z ) } );
 }

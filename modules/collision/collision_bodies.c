@@ -152,11 +152,11 @@ void collision_measure_points( const wisp_collider_def* d, collision_body* body 
         ( wisp_vec3 ){ most * ( upper.x - lower.x ), most * ( upper.y - lower.y ), most * ( upper.z - lower.z ) };
     body->centre =
         ( wisp_vec3 ){ 0.5f * ( lower.x + upper.x ), 0.5f * ( lower.y + upper.y ), 0.5f * ( lower.z + upper.z ) };
-    body->ball_radius = collision_length( body->half );
+    body->ball_radius = wisp_v3_length( body->half );
     float farthest = 0.0f;
     for ( int v = 0; v < d->point_count; ++v )
     {
-        farthest = fmaxf( farthest, collision_length( collision_sub( d->points[v], body->centre ) ) );
+        farthest = fmaxf( farthest, wisp_v3_length( wisp_v3_sub( d->points[v], body->centre ) ) );
     }
     body->tight_radius = 2.0f * most * farthest;
 }
@@ -256,13 +256,13 @@ static wisp_status make_body( wisp_world* world, const wisp_collider_def* d, col
     if ( d->kind == WISP_COLLIDER_TAPERED_CAPSULE )
     {
         measure_tapered( body );
-        body->ball_radius = collision_length( body->half );
+        body->ball_radius = wisp_v3_length( body->half );
         return WISP_OK;
     }
     const float r = d->radius, all = INFINITY;
     const wisp_vec3 halves[] = { { all, all, all }, { r, r, r }, { r, r + d->half_length, r }, d->half_extent };
     body->half = halves[d->kind];
-    body->ball_radius = collision_length( body->half );
+    body->ball_radius = wisp_v3_length( body->half );
     const wisp_vec3 h = d->half_extent;
     const float inner[] = { all, r, r, fminf( h.x, fminf( h.y, h.z ) ) };
     body->inner = inner[d->kind];
@@ -469,8 +469,7 @@ static void set_motion( const collision_collider* collider, collision_view* view
     const float d[4] = { q.x - sign * r.x, q.y - sign * r.y, q.z - sign * r.z, q.w - sign * r.w };
     const float rounding = 1.001f; // and that of interpolated poses
     view->turn = 2.0f * rounding * sqrtf( d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + d[3] * d[3] );
-    view->shift =
-        rounding * collision_length( collision_sub( collider->to.translation, collider->from.translation ) );
+    view->shift = rounding * wisp_v3_length( wisp_v3_sub( collider->to.translation, collider->from.translation ) );
 }
 
 // Poses of a body with a mass: what it has of the step, and where it gets with the velocity that it has. What makes its substeps
@@ -538,8 +537,8 @@ static collision_collider place_collider( wisp_frame* frame, const collision_sta
         const wisp_vec3 n = wisp_quat_rotate( c.to.rotation, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
         const wisp_vec3 p = c.to.translation;
         const double gap = (double)n.x * (double)p.x + (double)n.y * (double)p.y + (double)n.z * (double)p.z;
-        c.to.translation = collision_add_scaled( ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, (float)gap, n );
-        c.from.translation = collision_add_scaled( c.to.translation, 1.0f, collision_sub( c.from.translation, p ) );
+        c.to.translation = wisp_v3_mul_add( ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, (float)gap, n );
+        c.from.translation = wisp_v3_mul_add( c.to.translation, 1.0f, wisp_v3_sub( c.from.translation, p ) );
     }
     return c;
 }

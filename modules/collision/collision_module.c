@@ -128,6 +128,27 @@ static wisp_status entity_teleported( void* memory, wisp_world* world, wisp_enti
     return WISP_OK;
 }
 
+// As wisp_state_hooks.planned. A body without layers is one to be met later.
+static void tell_of_bodies( const void* memory, wisp_world* world )
+{
+    const collision_state* s = memory;
+    for ( int b = 0; b < s->body_count; ++b )
+    {
+        const collision_body* body = s->bodies + b;
+        const collision_collider* own = wisp_world_rows( world, body->entity, s->collider, 0 );
+        bool is_met = own->layers == 0;
+        for ( int i = 0; i < s->participant_count && is_met == false; ++i )
+        {
+            const wisp_entity e = s->participants[i];
+            const collision_settings* settings = wisp_world_rows( world, e, s->settings, 0 );
+            is_met = settings->enabled != 0 && ( settings->mask & own->layers ) != 0 &&
+                     ( body->follows == false || e.index != body->surface.index );
+        }
+        wisp_world_tell( world, body->follows ? body->surface : body->entity, is_met == false,
+                         "nothing collides with this collider: no 'collision' has one of its layers" );
+    }
+}
+
 static wisp_status declare_components( wisp_registry* r, collision_state* state )
 {
     const wisp_component_def settings = { "collision.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS, 1 };
@@ -431,7 +452,9 @@ static wisp_status declare( wisp_registry* r )
     wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state,
                                                   .removed = entity_removed,
                                                   .teleported = entity_teleported,
-                                                  .memory = count_memory } );
+                                                  .planned = tell_of_bodies,
+                                                  .memory = count_memory,
+                                                  .lines = collision_add_lines } );
     wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .surroundings = collision_surroundings } );
     WISP_TRY( declare_components( r, state ) );
     WISP_TRY( declare_indices( r, state ) );

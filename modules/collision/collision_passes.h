@@ -22,3 +22,7 @@ void collision_measure( wisp_frame* frame, const wisp_span* span, void* user ); 
 void collision_measure_touch( wisp_frame* frame, const wisp_span* span, void* user );      // collision_stats.c
 void collision_measure_strands( wisp_frame* frame, const wisp_span* span, void* user );    // collision_stats.c
 void collision_measure_carried( wisp_frame* frame, const wisp_span* span, void* user );    // collision_stats.c
+
+/// As wisp_state_hooks.lines, collision_lines.c.
+void collision_add_lines( const void* state, wisp_world* world, wisp_entity entity, wisp_line_kind kind,
+                          wisp_line_list* list );

@@ -20,7 +20,7 @@ static bool passes_by( const collision_body* body, wisp_transform from, wisp_tra
     const wisp_vec3 p = wisp_transform_to_world( from, body->centre ),
                     q = wisp_transform_to_world( to, body->centre );
     const float start[3] = { p.x, p.y, p.z }, way[3] = { q.x - p.x, q.y - p.y, q.z - p.z };
-    const float radius = body->ball_radius + ( turns ? collision_length( body->centre ) : 0.0f ) + reach;
+    const float radius = body->ball_radius + ( turns ? wisp_v3_length( body->centre ) : 0.0f ) + reach;
     float enters = 0.0f, leaves = 1.0f; // fractions of the way
     for ( int k = 0; k < 3; ++k )
     {

@@ -95,7 +95,7 @@ static void add_free_slots( measure_batch* batch, const collision_view* view, co
         if ( quad[3] > 0.0f )
         {
             add_vertex( batch, view, fabric->slot_vertex[slot], collision_thinner( maps, slot ),
-                        collision_load( quad ) );
+                        wisp_v3_load( quad ) );
         }
     }
 }

@@ -100,8 +100,8 @@ static void find_bounds( collision_body* body )
     {
         collision_widen( &lower, &upper, body->start[v] );
         collision_widen( &lower, &upper, body->finish[v] );
-        const wisp_vec3 way = collision_sub( body->finish[v], body->start[v] );
-        shift = collision_larger( shift, collision_dot( way, way ) );
+        const wisp_vec3 way = wisp_v3_sub( body->finish[v], body->start[v] );
+        shift = collision_larger( shift, wisp_v3_dot( way, way ) );
     }
     // slightly larger, against rounding
     const float most = 0.50001f;
@@ -110,7 +110,7 @@ static void find_bounds( collision_body* body )
         ( wisp_vec3 ){ most * ( upper.x - lower.x ), most * ( upper.y - lower.y ), most * ( upper.z - lower.z ) };
     body->centre =
         ( wisp_vec3 ){ 0.5f * ( lower.x + upper.x ), 0.5f * ( lower.y + upper.y ), 0.5f * ( lower.z + upper.z ) };
-    body->ball_radius = body->tight_radius = collision_length( body->half );
+    body->ball_radius = body->tight_radius = wisp_v3_length( body->half );
 }
 
 wisp_status collision_make_surface( wisp_world* world, const wisp_collider_def* d, collision_body* body )
@@ -139,7 +139,7 @@ wisp_status collision_make_surface( wisp_world* world, const wisp_collider_def* 
         const float* position = wisp_world_column( world, d->surface, WISP_PARTICLE_POSITION, 0 );
         for ( int v = 0; v < body->point_count; ++v )
         {
-            body->start[v] = body->finish[v] = collision_load( position + (size_t)fabric->vertex_slot[v] * 4 );
+            body->start[v] = body->finish[v] = wisp_v3_load( position + (size_t)fabric->vertex_slot[v] * 4 );
         }
         status = build_mesh( world, fabric, body );
     }
@@ -177,17 +177,16 @@ static void follow_range( void* context, int begin, int end, int worker )
     for ( int v = begin; v < end; ++v )
     {
         const size_t quad = (size_t)loop->vertex_slot[v] * 4;
-        const wisp_vec3 at = collision_load( loop->position + quad );
+        const wisp_vec3 at = wisp_v3_load( loop->position + quad );
         wisp_vec3 to = at;
         if ( loop->position[quad + 3] > 0.0f )
         {
-            to = loop->velocity != NULL
-                     ? collision_add_scaled( at, loop->seconds, collision_load( loop->velocity + quad ) )
-                     : at;
+            to = loop->velocity != NULL ? wisp_v3_mul_add( at, loop->seconds, wisp_v3_load( loop->velocity + quad ) )
+                                        : at;
         }
         else if ( loop->target != NULL && loop->target[quad + 3] != 0.0f )
         {
-            to = collision_load( loop->target + quad );
+            to = wisp_v3_load( loop->target + quad );
         }
         const bool is_valid = collision_is_in_range( at );
         loop->body->start[v] = is_valid ? at : loop->body->finish[v];

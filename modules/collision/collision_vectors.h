@@ -2,40 +2,15 @@
 #pragma once
 
 #include "wisp/module/module.h"
+#include "wisp/module/vec.h"
 
 #include <math.h>
-
-static inline wisp_vec3 collision_load( const float* p )
-{
-    return ( wisp_vec3 ){ p[0], p[1], p[2] };
-}
 
 static inline void collision_store( float* to, wisp_vec3 v )
 {
     to[0] = v.x;
     to[1] = v.y;
     to[2] = v.z;
-}
-
-static inline wisp_vec3 collision_sub( wisp_vec3 a, wisp_vec3 b )
-{
-    return ( wisp_vec3 ){ a.x - b.x, a.y - b.y, a.z - b.z };
-}
-
-/// a + s b
-static inline wisp_vec3 collision_add_scaled( wisp_vec3 a, float s, wisp_vec3 b )
-{
-    return ( wisp_vec3 ){ a.x + s * b.x, a.y + s * b.y, a.z + s * b.z };
-}
-
-static inline float collision_dot( wisp_vec3 a, wisp_vec3 b )
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-static inline float collision_length( wisp_vec3 a )
-{
-    return sqrtf( collision_dot( a, a ) );
 }
 
 /// Is the way between the origins of two entities not zero? What is made of vertices is then too far apart to touch.

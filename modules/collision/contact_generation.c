@@ -96,7 +96,7 @@ static void query_shape( const collision_find_args* args, const collision_view* 
 static float path_along( const collision_view* view, const collision_block* block, int n, wisp_vec3 start )
 {
     const bool is_solid = view->body->follows && view->body->double_sided == false;
-    return is_solid ? collision_length( collision_sub( load_candidate( block, true, n ), start ) ) : block->path[n];
+    return is_solid ? wisp_v3_length( wisp_v3_sub( load_candidate( block, true, n ), start ) ) : block->path[n];
 }
 
 static bool has_tracks( const collision_find_args* args, const collision_view* view )
@@ -182,7 +182,7 @@ static void query_mesh( const collision_find_args* args, const collision_view* v
         if ( is_near[n] )
         {
             const int m = planes->count++;
-            const wisp_vec3 from = collision_add_scaled( load_candidate( block, false, n ), 1.0f, motion[n] );
+            const wisp_vec3 from = wisp_v3_mul_add( load_candidate( block, false, n ), 1.0f, motion[n] );
             const float start = collision_plane_gap( view, s, from );
             planes->motion[m] = motion[n];
             planes->near[m] = n;
@@ -217,7 +217,7 @@ static bool sweep_one( const collision_find_args* args, const collision_view* vi
     wisp_surface_point plane = { load_one( planes->point, m ), load_one( planes->normal, m ), planes->now[m] };
     wisp_surface_point entry;
     wisp_vec3 motion = view->body->follows ? planes->motion[m] : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, carried;
-    const wisp_vec3 start = collision_add_scaled( from, 1.0f, motion );
+    const wisp_vec3 start = wisp_v3_mul_add( from, 1.0f, motion );
     const bool swept = fabsf( plane.distance ) <= path_along( view, block, n, start ) &&
                        collision_cast( view, from, to, &entry, &carried );
     if ( swept )
@@ -227,7 +227,7 @@ static bool sweep_one( const collision_find_args* args, const collision_view* vi
         store_one( planes->point, m, plane.point );
         store_one( planes->normal, m, plane.normal );
         planes->clear[n] = 0.0f;
-        planes->now[m] = collision_dot( plane.normal, collision_sub( to, plane.point ) );
+        planes->now[m] = wisp_v3_dot( plane.normal, wisp_v3_sub( to, plane.point ) );
         if ( planes->now[m] > block->reach[n] )
         {
             return false;
@@ -280,7 +280,7 @@ static void sweep_special( const collision_find_args* args, const collision_view
 
 static float contact_gap( const collision_contact* c, wisp_vec3 p )
 {
-    return collision_dot( collision_load( c->normal ), collision_sub( p, collision_load( c->point ) ) ) - c->gap;
+    return wisp_v3_dot( wisp_v3_load( c->normal ), wisp_v3_sub( p, wisp_v3_load( c->point ) ) ) - c->gap;
 }
 
 // The frame of a surface is that of the world, so what its points move is added to what the frame does.
@@ -330,9 +330,9 @@ static void add_recovery( const collision_find_args* args, const collision_view*
     {
         const size_t quad = (size_t)block->begin * 4 + (size_t)planes->particle_x4[m];
         const double mass = 1.0 / (double)args->position[quad + 3];
-        collision_add_reaction( sum, mass / (double)args->dt, collision_load( before[m] ),
-                                collision_load( before[m] + 3 ), collision_load( args->position + quad ),
-                                collision_load( args->previous + quad ) );
+        collision_add_reaction( sum, mass / (double)args->dt, wisp_v3_load( before[m] ),
+                                wisp_v3_load( before[m] + 3 ), wisp_v3_load( args->position + quad ),
+                                wisp_v3_load( args->previous + quad ) );
     }
 }
 
@@ -356,7 +356,7 @@ static void move_planes_inside( const collision_find_args* args, const collision
         const float inside =
             collision_thinner( &args->maps, collision_slot( block, block->candidates[planes->near[m]] ) );
         const wisp_vec3 point = load_one( planes->point, m ), normal = load_one( planes->normal, m );
-        store_one( planes->point, m, collision_add_scaled( point, -inside, normal ) );
+        store_one( planes->point, m, wisp_v3_mul_add( point, -inside, normal ) );
         planes->now[m] += inside;
         planes->start[m] += inside;
     }
@@ -426,7 +426,7 @@ static void write_rows( const collision_find_args* args, const collision_view* v
 static void replace_farthest( const collision_find_args* args, const collision_view* view, collision_block* block,
                               int slot, const collision_contact* found )
 {
-    const wisp_vec3 p = collision_load( args->position + (size_t)slot * 4 );
+    const wisp_vec3 p = wisp_v3_load( args->position + (size_t)slot * 4 );
     collision_contact* all = args->contact[slot];
     int place = 0;
     for ( int i = 1; i < WISP_COLLISION_CONTACTS; ++i )

@@ -73,16 +73,16 @@ static void begin_chunk( input_loop* loop, int begin, int end )
     for ( int slot = begin; slot < end; ++slot )
     {
         const float* quad = loop->position + (size_t)slot * 4;
-        const wisp_vec3 p = collision_load( quad );
+        const wisp_vec3 p = wisp_v3_load( quad );
         const wisp_vec3 v =
-            collision_add_scaled( collision_load( loop->velocity + (size_t)slot * 4 ), loop->seconds, loop->gravity );
-        const wisp_vec3 after = collision_add_scaled( p, loop->seconds, v );
+            wisp_v3_mul_add( wisp_v3_load( loop->velocity + (size_t)slot * 4 ), loop->seconds, loop->gravity );
+        const wisp_vec3 after = wisp_v3_mul_add( p, loop->seconds, v );
         if ( quad[3] > 0.0f && collision_is_finite( p ) && collision_is_finite( after ) )
         {
             loop->start[loop->slot_count] = p;
             loop->end[loop->slot_count] = after;
             loop->slots[loop->slot_count++] = slot;
-            loop->longest = collision_larger( loop->longest, collision_length( collision_sub( after, p ) ) );
+            loop->longest = collision_larger( loop->longest, wisp_v3_length( wisp_v3_sub( after, p ) ) );
             collision_widen( &loop->lower, &loop->upper, p );
             collision_widen( &loop->lower, &loop->upper, after );
         }
@@ -94,10 +94,9 @@ static void begin_chunk( input_loop* loop, int begin, int end )
 // Return whether the body is beyond the margin and path of every particle, in its own frame.
 static bool is_far( const input_loop* loop, const collision_view* view )
 {
-    const wisp_vec3 carried = collision_sub( wisp_transform_to_world( view->after, view->body->centre ),
-                                             wisp_transform_to_world( view->before, view->body->centre ) );
-    const float reach =
-        view->thickness + loop->longest + collision_length( carried ) + collision_surface_shift( view );
+    const wisp_vec3 carried = wisp_v3_sub( wisp_transform_to_world( view->after, view->body->centre ),
+                                           wisp_transform_to_world( view->before, view->body->centre ) );
+    const float reach = view->thickness + loop->longest + wisp_v3_length( carried ) + collision_surface_shift( view );
     return collision_ball_distance( view, loop->lower, loop->upper ) > reach;
 }
 
@@ -109,7 +108,7 @@ static void query_candidates( input_loop* loop, const collision_view* view )
         const wisp_vec3 from = wisp_transform_to_local( view->before, loop->start[i] );
         const wisp_vec3 to = wisp_transform_to_local( view->after, loop->end[i] );
         const float reach =
-            view->thickness + collision_length( collision_sub( to, from ) ) + collision_surface_shift( view );
+            view->thickness + wisp_v3_length( wisp_v3_sub( to, from ) ) + collision_surface_shift( view );
         if ( collision_box_distance( view->body, from ) <= reach )
         {
             const int n = loop->candidate_count++;
@@ -126,7 +125,7 @@ static void query_candidates( input_loop* loop, const collision_view* view )
 // Return the signed distance of a point from a plane.
 static float in_front( const wisp_surface_point* plane, wisp_vec3 p )
 {
-    return collision_dot( plane->normal, collision_sub( p, plane->point ) );
+    return wisp_v3_dot( plane->normal, wisp_v3_sub( p, plane->point ) );
 }
 
 // Find a plane between a path and a body. The plane of the closest point to the place where the path is nearest to
@@ -139,14 +138,14 @@ static bool pass_by( const collision_view* view, wisp_vec3 from, wisp_vec3 to, w
     {
         HALVINGS = 12, // closer than 2^-12 of the path is left to the next substep
     };
-    const wisp_vec3 way = collision_sub( to, from );
-    const float radius = plane->distance + collision_length( way );
+    const wisp_vec3 way = wisp_v3_sub( to, from );
+    const float radius = plane->distance + wisp_v3_length( way );
     float before = 0.0f, behind = 1.0f;
     bool is_between = in_front( plane, to ) >= 0.0f;
     for ( int i = 0; i <= HALVINGS && is_between == false; ++i )
     {
         const float time = i == 0 ? 1.0f : 0.5f * ( before + behind );
-        const wisp_mesh_query query = { .point = collision_add_scaled( from, time, way ),
+        const wisp_mesh_query query = { .point = wisp_v3_mul_add( from, time, way ),
                                         .radius = radius,
                                         .time = view->begin };
         bool is_near;
@@ -155,7 +154,7 @@ static bool pass_by( const collision_view* view, wisp_vec3 from, wisp_vec3 to, w
         {
             return false;
         }
-        const bool falls = collision_dot( plane->normal, way ) < 0.0f;
+        const bool falls = wisp_v3_dot( plane->normal, way ) < 0.0f;
         before = falls ? time : before;
         behind = falls ? behind : time;
         is_between = in_front( plane, from ) >= 0.0f && in_front( plane, to ) >= 0.0f;
@@ -168,11 +167,11 @@ static bool pass_by( const collision_view* view, wisp_vec3 from, wisp_vec3 to, w
 // the margin from that point.
 static void tilt( wisp_surface_point* plane, wisp_vec3 from, float margin )
 {
-    const wisp_vec3 way = collision_sub( from, plane->point );
-    const float length = collision_length( way ), fraction = collision_smaller( 1.0f, margin / length );
+    const wisp_vec3 way = wisp_v3_sub( from, plane->point );
+    const float length = wisp_v3_length( way ), fraction = collision_smaller( 1.0f, margin / length );
     const wisp_vec3 w = { way.x / length, way.y / length, way.z / length };
-    const wisp_vec3 foreign = collision_add_scaled( plane->normal, -collision_dot( plane->normal, w ), w );
-    const float rest = sqrtf( 1.0f - fraction * fraction ) / collision_larger( collision_length( foreign ), FLT_MIN );
+    const wisp_vec3 foreign = wisp_v3_mul_add( plane->normal, -wisp_v3_dot( plane->normal, w ), w );
+    const float rest = sqrtf( 1.0f - fraction * fraction ) / collision_larger( wisp_v3_length( foreign ), FLT_MIN );
     plane->normal = ( wisp_vec3 ){ fraction * w.x + rest * foreign.x, fraction * w.y + rest * foreign.y,
                                    fraction * w.z + rest * foreign.z };
     plane->distance = margin;
@@ -181,7 +180,7 @@ static void tilt( wisp_surface_point* plane, wisp_vec3 from, float margin )
 // @param plane the closest point to `from`, with its distance; receives the plane, with the gap
 static bool find_plane( const collision_view* view, wisp_vec3 from, wisp_vec3 to, wisp_surface_point* plane )
 {
-    const float path = collision_length( collision_sub( to, from ) );
+    const float path = wisp_v3_length( wisp_v3_sub( to, from ) );
     const bool touches = plane->distance < view->thickness;
     wisp_surface_point hit;
     wisp_vec3 motion;
@@ -235,13 +234,13 @@ static void add_touch( input_loop* loop, const collision_view* of_all, int i )
         view = &of_this;
     }
     const wisp_vec3 carried = loop->carried[i], from = loop->queries[i].point,
-                    to = collision_add_scaled( loop->to[i], -1.0f, carried );
+                    to = wisp_v3_mul_add( loop->to[i], -1.0f, carried );
     wisp_surface_point plane = loop->nearest[i];
     if ( find_plane( view, from, to, &plane ) == false )
     {
         return;
     }
-    const float end = plane.distance + collision_dot( plane.normal, collision_sub( to, from ) );
+    const float end = plane.distance + wisp_v3_dot( plane.normal, wisp_v3_sub( to, from ) );
     input_touch found = {
         .rank = collision_smaller( plane.distance, end ) - view->thickness,
         .body = collision_body_name( view->body->entity ),
@@ -251,7 +250,7 @@ static void add_touch( input_loop* loop, const collision_view* of_all, int i )
     found.plane[3] = plane.distance;
     const wisp_vec3 velocity = wisp_transform_velocity( view->before, view->after, loop->seconds, plane.point );
     const float rate = loop->seconds > 0.0f ? 1.0f / loop->seconds : 0.0f;
-    collision_store( found.motion, collision_add_scaled( velocity, rate, carried ) );
+    collision_store( found.motion, wisp_v3_mul_add( velocity, rate, carried ) );
     found.motion[3] = view->thickness;
     insert( loop, loop->candidates[i], &found );
 }

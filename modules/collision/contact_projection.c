@@ -25,20 +25,20 @@
 
 static void project_contact( collision_contact* c, wisp_vec3* p, wisp_vec3 previous, collision_share share )
 {
-    const wisp_vec3 n = collision_load( c->normal );
-    float missing = c->gap - collision_dot( n, collision_sub( *p, collision_load( c->point ) ) );
+    const wisp_vec3 n = wisp_v3_load( c->normal );
+    float missing = c->gap - wisp_v3_dot( n, wisp_v3_sub( *p, wisp_v3_load( c->point ) ) );
     float normal = collision_larger( share.normal * ( c->normal_correction + missing ), 0.0f );
-    *p = collision_add_scaled( *p, normal - c->normal_correction, n );
+    *p = wisp_v3_mul_add( *p, normal - c->normal_correction, n );
     c->normal_correction = normal;
-    const wisp_vec3 before = collision_load( c->tangential_correction );
-    wisp_vec3 u = collision_sub( collision_sub( *p, previous ), collision_load( c->motion ) );
-    u = collision_add_scaled( u, -collision_dot( n, u ), n );
-    u = collision_sub( u, before );
-    float length = collision_length( u );
+    const wisp_vec3 before = wisp_v3_load( c->tangential_correction );
+    wisp_vec3 u = wisp_v3_sub( wisp_v3_sub( *p, previous ), wisp_v3_load( c->motion ) );
+    u = wisp_v3_mul_add( u, -wisp_v3_dot( n, u ), n );
+    u = wisp_v3_sub( u, before );
+    float length = wisp_v3_length( u );
     const float part = share.tangential;
     float fraction = part * length <= c->static_friction * normal ? part : c->kinetic_friction * normal / length;
     const wisp_vec3 now = { -fraction * u.x, -fraction * u.y, -fraction * u.z };
-    *p = collision_add_scaled( *p, 1.0f, collision_sub( now, before ) );
+    *p = wisp_v3_mul_add( *p, 1.0f, wisp_v3_sub( now, before ) );
     collision_store( c->tangential_correction, now );
 }
 
@@ -69,9 +69,9 @@ static void stop_at_entry( const collision_view* view, float thickness, wisp_vec
         return;
     }
     // no farther from the body than it was: an approach must not become a separation
-    const wisp_vec3 carried = collision_add_scaled( from, 1.0f, motion );
-    float height = collision_dot( hit.normal, collision_sub( carried, hit.point ) );
-    to = collision_add_scaled( hit.point, fminf( thickness, fmaxf( 0.0f, height ) ), hit.normal );
+    const wisp_vec3 carried = wisp_v3_mul_add( from, 1.0f, motion );
+    float height = wisp_v3_dot( hit.normal, wisp_v3_sub( carried, hit.point ) );
+    to = wisp_v3_mul_add( hit.point, fminf( thickness, fmaxf( 0.0f, height ) ), hit.normal );
     to = collision_cast( view, from, to, &hit, &motion ) ? carried : to;
     *p = wisp_transform_to_world( view->after, to );
 }
@@ -97,9 +97,9 @@ typedef struct project_loop
 static void add_reaction( const project_loop* loop, int slot, int64_t body, wisp_vec3 before )
 {
     const float* p = loop->position + (size_t)slot * 4;
-    const wisp_vec3 previous = collision_load( loop->previous + (size_t)slot * 4 );
+    const wisp_vec3 previous = wisp_v3_load( loop->previous + (size_t)slot * 4 );
     collision_add_reaction( loop->sums[body], 1.0 / ( (double)p[3] * (double)loop->dt ), before, previous,
-                            collision_load( p ), previous );
+                            wisp_v3_load( p ), previous );
 }
 
 static void stop_displaced( wisp_frame* frame, const wisp_span* span, const collision_state* state,
@@ -110,8 +110,8 @@ static void stop_displaced( wisp_frame* frame, const wisp_span* span, const coll
     for ( int i = 0; i < loop->displaced_count; ++i )
     {
         size_t quad = (size_t)loop->displaced[i] * 4;
-        collision_widen( &lower, &upper, collision_load( loop->position + quad ) );
-        collision_widen( &lower, &upper, collision_load( loop->previous + quad ) );
+        collision_widen( &lower, &upper, wisp_v3_load( loop->position + quad ) );
+        collision_widen( &lower, &upper, wisp_v3_load( loop->previous + quad ) );
     }
     collision_view view;
     for ( int next = 0; loop->displaced_count > 0 && collision_next( frame, span, state, &next, &view ); )
@@ -121,10 +121,10 @@ static void stop_displaced( wisp_frame* frame, const wisp_span* span, const coll
         for ( int i = 0; i < loop->displaced_count && near; ++i )
         {
             size_t quad = (size_t)loop->displaced[i] * 4;
-            wisp_vec3 p = collision_load( loop->position + quad );
+            wisp_vec3 p = wisp_v3_load( loop->position + quad );
             const wisp_vec3 before = p;
             const float thickness = view.thickness - collision_thinner( &maps, loop->displaced[i] );
-            stop_at_entry( &view, thickness, &p, collision_load( loop->previous + quad ) );
+            stop_at_entry( &view, thickness, &p, wisp_v3_load( loop->previous + quad ) );
             collision_store( loop->position + quad, p );
             if ( loop->sums != NULL && loop->position[quad + 3] > 0.0f )
             {
@@ -170,9 +170,9 @@ static void project_several( project_loop* loop, int begin, int n )
     {
         const int slot = begin + loop->several[i], count = loop->count[slot];
         size_t quad = (size_t)slot * 4;
-        wisp_vec3 p = collision_load( loop->position + quad );
+        wisp_vec3 p = wisp_v3_load( loop->position + quad );
         int used = count < WISP_COLLISION_CONTACTS ? count : WISP_COLLISION_CONTACTS;
-        project_contacts( loop->contact[slot], used, &p, collision_load( loop->previous + quad ) );
+        project_contacts( loop->contact[slot], used, &p, wisp_v3_load( loop->previous + quad ) );
         collision_store( loop->position + quad, p );
     }
 }
@@ -181,14 +181,14 @@ static void project_several( project_loop* loop, int begin, int n )
 static void project_reacting( wisp_frame* frame, const collision_state* state, project_loop* loop, int slot )
 {
     float* at = loop->position + (size_t)slot * 4;
-    const wisp_vec3 previous = collision_load( loop->previous + (size_t)slot * 4 );
+    const wisp_vec3 previous = wisp_v3_load( loop->previous + (size_t)slot * 4 );
     const int found = loop->count[slot], count = found < WISP_COLLISION_CONTACTS ? found : WISP_COLLISION_CONTACTS;
-    wisp_vec3 p = collision_load( at );
+    wisp_vec3 p = wisp_v3_load( at );
     collision_share share[WISP_COLLISION_CONTACTS];
     for ( int i = 0; i < count; ++i )
     {
         share[i] = collision_share_of( frame, state, loop->contact_body[slot][i], loop->entity, p,
-                                       collision_load( loop->contact[slot][i].normal ) );
+                                       wisp_v3_load( loop->contact[slot][i].normal ) );
     }
     int a, b;
     if ( collision_find_loaded( loop->contact[slot], count, &a, &b ) )
@@ -229,7 +229,7 @@ static void project_with_reactions( wisp_frame* frame, const collision_state* st
     for ( int i = 0; i < single_count; ++i )
     {
         const int slot = begin + loop->single[i];
-        add_reaction( loop, slot, loop->contact_body[slot][0], collision_load( before[i] ) );
+        add_reaction( loop, slot, loop->contact_body[slot][0], wisp_v3_load( before[i] ) );
     }
 }
 

@@ -61,12 +61,12 @@ static bool closest( const wisp_shape* shape, wisp_vec3 p, wisp_surface_point* o
     wisp_vec3 core = { 0.0f, 0.0f, 0.0f };
     core = is_capsule ? ( wisp_vec3 ){ 0.0f, clamped( p.y, shape->half_length ), 0.0f } : core;
     core = is_box ? ( wisp_vec3 ){ clamped( p.x, h.x ), clamped( p.y, h.y ), clamped( p.z, h.z ) } : core;
-    const wisp_vec3 away = collision_sub( p, core );
-    const float length = collision_length( away ), radius = is_box ? 0.0f : shape->radius;
+    const wisp_vec3 away = wisp_v3_sub( p, core );
+    const float length = wisp_v3_length( away ), radius = is_box ? 0.0f : shape->radius;
     if ( ( is_box || is_capsule || shape->kind == WISP_SHAPE_SPHERE ) && length > 1e-12f && length < 1e9f )
     {
         const wisp_vec3 n = times( 1.0f / length, away );
-        *out = ( wisp_surface_point ){ collision_add_scaled( core, radius, n ), n, length - radius };
+        *out = ( wisp_surface_point ){ wisp_v3_mul_add( core, radius, n ), n, length - radius };
         return true;
     }
     return wisp_shape_closest( shape, p, out );
@@ -76,13 +76,13 @@ static bool evaluate( const line* l, float at, tangent* out )
 {
     out->at = at;
     out->inner = 0.0f;
-    if ( closest( l->shape, collision_add_scaled( l->from, at, l->along ), &out->surface ) == false )
+    if ( closest( l->shape, wisp_v3_mul_add( l->from, at, l->along ), &out->surface ) == false )
     {
         return false;
     }
     out->bound = out->surface.distance;
     out->normal = out->surface.normal;
-    out->slope = collision_dot( out->normal, l->along );
+    out->slope = wisp_v3_dot( out->normal, l->along );
     return true;
 }
 
@@ -159,13 +159,13 @@ static bool minimise_across( const line* l, float at, tangent* out )
     {
         // the apex: the way down is the steeper of both sides
         const bool found = evaluate( l, 0.0f, out );
-        const float side = collision_dot( out->normal, l->across );
+        const float side = wisp_v3_dot( out->normal, l->across );
         out->slope += side < 0.0f ? side : 0.0f;
         out->inner = side < 0.0f ? 1.0f : 0.0f;
         return found;
     }
     const line segment = { l->shape,
-                           collision_add_scaled( l->from, at, l->along ),
+                           wisp_v3_mul_add( l->from, at, l->along ),
                            { at * l->across.x, at * l->across.y, at * l->across.z },
                            { 0.0f, 0.0f, 0.0f },
                            0.5f * l->tolerance };
@@ -175,7 +175,7 @@ static bool minimise_across( const line* l, float at, tangent* out )
     }
     out->inner = out->at;
     out->at = at;
-    out->slope = collision_dot( out->normal, collision_add_scaled( l->along, out->inner, l->across ) );
+    out->slope = wisp_v3_dot( out->normal, wisp_v3_mul_add( l->along, out->inner, l->across ) );
     return true;
 }
 
@@ -193,7 +193,7 @@ float collision_bound_deepest( const wisp_shape* shape, const wisp_vec3* corners
         float fall = 0.0f;
         for ( int j = 0; j < corner_count; ++j )
         {
-            fall = collision_smaller( fall, collision_dot( s.normal, collision_sub( corners[j], corners[k] ) ) );
+            fall = collision_smaller( fall, wisp_v3_dot( s.normal, wisp_v3_sub( corners[j], corners[k] ) ) );
         }
         bound = collision_larger( bound, s.distance + fall );
         *corner = collision_smaller( *corner, s.distance );
@@ -205,8 +205,8 @@ bool collision_find_deepest( const wisp_shape* shape, const wisp_vec3* corners, 
                              collision_deepest* out )
 {
     tangent best;
-    const line l = { shape, corners[0], collision_sub( corners[1], corners[0] ),
-                     corner_count == 3 ? collision_sub( corners[2], corners[1] ) : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f },
+    const line l = { shape, corners[0], wisp_v3_sub( corners[1], corners[0] ),
+                     corner_count == 3 ? wisp_v3_sub( corners[2], corners[1] ) : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f },
                      tolerance };
     const bool is_triangle = corner_count == 3;
     if ( minimise( &l, is_triangle ? minimise_across : evaluate, &best ) == false )

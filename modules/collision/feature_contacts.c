@@ -140,7 +140,7 @@ typedef struct approach
 
 static wisp_vec3 between( wisp_vec3 a, wisp_vec3 b, float s )
 {
-    return collision_add_scaled( a, s, collision_sub( b, a ) );
+    return wisp_v3_mul_add( a, s, wisp_v3_sub( b, a ) );
 }
 
 static void measure_approach( const primitive_path* path, const wisp_mesh_feature* f, double time, approach* out )
@@ -164,20 +164,20 @@ static void find_normal( const primitive_path* path, const wisp_mesh_feature* f,
     const float time = (float)a->time;
     for ( int k = 0; k < path->corner_count; ++k )
     {
-        p = collision_add_scaled( p, a->weights[k], between( path->from[k], path->to[k], time ) );
+        p = wisp_v3_mul_add( p, a->weights[k], between( path->from[k], path->to[k], time ) );
     }
     const wisp_vec3 q =
         between( between( f->from[0], f->to[0], time ), between( f->from[1], f->to[1], time ), a->along );
-    const wisp_vec3 away = collision_sub( p, q );
-    const float length = collision_length( away );
+    const wisp_vec3 away = wisp_v3_sub( p, q );
+    const float length = wisp_v3_length( away );
     a->normal = length > 0.0f ? ( wisp_vec3 ){ away.x / length, away.y / length, away.z / length }
                               : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
 }
 
 static double feature_displacement( const wisp_mesh_feature* f )
 {
-    return (double)collision_larger( collision_length( collision_sub( f->to[0], f->from[0] ) ),
-                                     collision_length( collision_sub( f->to[1], f->from[1] ) ) );
+    return (double)collision_larger( wisp_v3_length( wisp_v3_sub( f->to[0], f->from[0] ) ),
+                                     wisp_v3_length( wisp_v3_sub( f->to[1], f->from[1] ) ) );
 }
 
 // Find where a path is stopped, or its end if that is near. The distance changes by no more than what both move.
@@ -219,7 +219,7 @@ static bool is_approach_on_border( const primitive_path* path, const approach* a
 // Whether a feature sticks out to the side that a primitive comes from. What is closed has one side.
 static bool faces( const collision_body* body, const wisp_mesh_sides* f, wisp_vec3 normal )
 {
-    const float side = collision_dot( normal, f->normal );
+    const float side = wisp_v3_dot( normal, f->normal );
     return body->double_sided ? ( side >= 0.0f ? f->in_front : f->behind ) : side > 0.0f && f->in_front;
 }
 
@@ -230,7 +230,7 @@ static bool is_left_to_corner( const collision_view* view, const primitive_path*
     const float left = FEATURE_LEFT_TO_CORNERS * view->thickness;
     for ( int k = 0; k < path->plane_count; ++k )
     {
-        any = any || ( collision_dot( a->normal, path->normals[k] ) > ALIKE &&
+        any = any || ( wisp_v3_dot( a->normal, path->normals[k] ) > ALIKE &&
                        (float)a->distance >= path->distances[k] - left );
     }
     return any && a->time >= 1.0;
@@ -247,8 +247,8 @@ static bool is_before( const approach* a, const approach* b )
 static bool is_same( const collision_view* view, const collision_meeting* a, const collision_meeting* b )
 {
     const float within = (float)SAME * view->thickness;
-    return collision_length( collision_sub( a->deepest.surface.point, b->deepest.surface.point ) ) < within &&
-           collision_dot( a->deepest.surface.normal, b->deepest.surface.normal ) > 0.99f;
+    return wisp_v3_length( wisp_v3_sub( a->deepest.surface.point, b->deepest.surface.point ) ) < within &&
+           wisp_v3_dot( a->deepest.surface.normal, b->deepest.surface.normal ) > 0.99f;
 }
 
 static collision_meeting meeting_of( const wisp_mesh_feature* f, const approach* a )
@@ -257,7 +257,7 @@ static collision_meeting meeting_of( const wisp_mesh_feature* f, const approach*
     return ( collision_meeting ){
         .deepest = { .weights = { a->weights[0], a->weights[1], a->weights[2] },
                      .surface = { point, a->normal, (float)a->distance } },
-        .motion = collision_sub( point, between( f->from[0], f->from[1], a->along ) ),
+        .motion = wisp_v3_sub( point, between( f->from[0], f->from[1], a->along ) ),
     };
 }
 

@@ -149,7 +149,7 @@ static bool push_row( const carried_group* g, const collision_view* view, const 
             float* at = g->position + (size_t)row * COLLISION_ROW + lanes[i];
             const wisp_vec3 normal = wisp_quat_rotate( view->after.rotation, nearest[i].normal );
             const float out = view->thickness - nearest[i].distance;
-            collision_store_lane( at, collision_add_scaled( collision_load_lane( at ), out, normal ) );
+            collision_store_lane( at, wisp_v3_mul_add( collision_load_lane( at ), out, normal ) );
             moved |= 1u << lanes[i];
         }
     }

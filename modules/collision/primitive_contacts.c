@@ -73,11 +73,11 @@ static bool load_path( const find_loop* loop, const collision_view* view, const 
     for ( int k = 0; k < path->corner_count; ++k )
     {
         const size_t quad = (size_t)corners[k] * 4;
-        path->from[k] = wisp_transform_to_local( view->before, collision_load( loop->previous + quad ) );
-        path->to[k] = wisp_transform_to_local( view->after, collision_load( loop->position + quad ) );
+        path->from[k] = wisp_transform_to_local( view->before, wisp_v3_load( loop->previous + quad ) );
+        path->to[k] = wisp_transform_to_local( view->after, wisp_v3_load( loop->position + quad ) );
         is_finite = is_finite && collision_is_finite( path->from[k] ) && collision_is_finite( path->to[k] );
         path->displacement =
-            collision_larger( path->displacement, collision_length( collision_sub( path->to[k], path->from[k] ) ) );
+            collision_larger( path->displacement, wisp_v3_length( wisp_v3_sub( path->to[k], path->from[k] ) ) );
     }
     return is_finite;
 }
@@ -90,13 +90,13 @@ static void load_planes( const find_loop* loop, const collision_view* view, cons
     path->plane_count = 0;
     for ( int k = 0; k < path->corner_count; ++k )
     {
-        const wisp_vec3 p = collision_load( loop->position + (size_t)corners[k] * 4 );
+        const wisp_vec3 p = wisp_v3_load( loop->position + (size_t)corners[k] * 4 );
         for ( int i = 0; i < loop->contact_counts[corners[k]] && i < WISP_COLLISION_CONTACTS; ++i )
         {
             const collision_contact* c = &loop->particle_contacts[corners[k]][i];
-            const wisp_vec3 n = collision_load( c->normal );
+            const wisp_vec3 n = wisp_v3_load( c->normal );
             path->normals[path->plane_count] = wisp_quat_rotate( back, n );
-            path->distances[path->plane_count++] = collision_dot( n, collision_sub( p, collision_load( c->point ) ) );
+            path->distances[path->plane_count++] = wisp_v3_dot( n, wisp_v3_sub( p, wisp_v3_load( c->point ) ) );
         }
     }
 }
@@ -105,8 +105,8 @@ static void corners_at( const primitive_path* path, float time, wisp_vec3* corne
 {
     for ( int k = 0; k < path->corner_count; ++k )
     {
-        const wisp_vec3 way = collision_sub( path->to[k], path->from[k] );
-        corners[k] = collision_add_scaled( path->from[k], time, way );
+        const wisp_vec3 way = wisp_v3_sub( path->to[k], path->from[k] );
+        corners[k] = wisp_v3_mul_add( path->from[k], time, way );
     }
 }
 
@@ -172,9 +172,9 @@ float collision_meeting_gap( const collision_view* view, const primitive_path* p
     wisp_vec3 start = { 0.0f, 0.0f, 0.0f };
     for ( int k = 0; k < path->corner_count; ++k )
     {
-        start = collision_add_scaled( start, d->weights[k], path->from[k] );
+        start = wisp_v3_mul_add( start, d->weights[k], path->from[k] );
     }
-    const float gap = collision_plane_gap( view, &d->surface, collision_add_scaled( start, 1.0f, m->motion ) );
+    const float gap = collision_plane_gap( view, &d->surface, wisp_v3_mul_add( start, 1.0f, m->motion ) );
     return gap >= -COLLISION_SHALLOW * view->thickness ? gap : collision_exact_gap( view, start, -1, gap );
 }
 
@@ -193,13 +193,13 @@ static void write_contact( const find_loop* loop, const collision_view* view, co
     };
     collision_store( out->half_space.point, point );
     collision_store( out->half_space.normal, normal );
-    const wisp_vec3 old = collision_sub( d->surface.point, m->motion );
-    collision_store( out->half_space.motion, collision_sub( point, wisp_transform_to_world( view->before, old ) ) );
+    const wisp_vec3 old = wisp_v3_sub( d->surface.point, m->motion );
+    collision_store( out->half_space.motion, wisp_v3_sub( point, wisp_transform_to_world( view->before, old ) ) );
     // the start is measured again when other contacts have moved the corners: here what is not in the plane
     float along = 0.0f;
     for ( int k = 0; k < path->corner_count; ++k )
     {
-        along += d->weights[k] * collision_dot( normal, collision_load( loop->previous + (size_t)corners[k] * 4 ) );
+        along += d->weights[k] * wisp_v3_dot( normal, wisp_v3_load( loop->previous + (size_t)corners[k] * 4 ) );
     }
     out->half_space.normal_correction = collision_meeting_gap( view, path, m ) - along;
 }
@@ -279,10 +279,10 @@ static void measure_corners( void* context, int begin, int end, int worker )
         for ( int slot = begin; collision_meets_primitives( view.body ) && slot < end; ++slot )
         {
             const size_t quad = (size_t)slot * 4;
-            const wisp_vec3 from = wisp_transform_to_local( view.before, collision_load( loop->previous + quad ) ),
-                            to = wisp_transform_to_local( view.after, collision_load( loop->position + quad ) );
-            const float apart = collision_box_distance( view.body, to ) -
-                                collision_length( collision_sub( to, from ) ) - 2.0f * view.thickness;
+            const wisp_vec3 from = wisp_transform_to_local( view.before, wisp_v3_load( loop->previous + quad ) ),
+                            to = wisp_transform_to_local( view.after, wisp_v3_load( loop->position + quad ) );
+            const float apart = collision_box_distance( view.body, to ) - wisp_v3_length( wisp_v3_sub( to, from ) ) -
+                                2.0f * view.thickness;
             loop->clearance[slot] = collision_smaller( apart, loop->clearance[slot] );
         }
     }
@@ -297,13 +297,13 @@ static bool may_meet( const find_loop* loop, const int32_t* corners )
     for ( int k = 0; k < count; ++k )
     {
         const size_t a = (size_t)corners[k], b = (size_t)corners[k + 1 < count ? k + 1 : 0];
-        const wisp_vec3 now = collision_sub( collision_load( loop->position + 4 * b ),
-                                             collision_load( loop->position + 4 * a ) ),
-                        old = collision_sub( collision_load( loop->previous + 4 * b ),
-                                             collision_load( loop->previous + 4 * a ) );
+        const wisp_vec3 now = wisp_v3_sub( wisp_v3_load( loop->position + 4 * b ),
+                                           wisp_v3_load( loop->position + 4 * a ) ),
+                        old = wisp_v3_sub( wisp_v3_load( loop->previous + 4 * b ),
+                                           wisp_v3_load( loop->previous + 4 * a ) );
         least = collision_smaller( loop->clearance[a], least );
-        longest = collision_larger( collision_dot( now, now ), longest );
-        longest = collision_larger( collision_dot( old, old ), longest );
+        longest = collision_larger( wisp_v3_dot( now, now ), longest );
+        longest = collision_larger( wisp_v3_dot( old, old ), longest );
     }
     // 1 / sqrt 3 of the longest side of a triangle, half of a segment
     return least <= 0.0f || least * least <= ( count == 2 ? 0.251f : 0.334f ) * longest;
@@ -348,8 +348,8 @@ static void move_corners( float* to, const float* position, const int32_t* corne
     {
         const size_t quad = (size_t)corners[k] * 4;
         const float part = position[quad + 3] * c->weights[k] / sum;
-        collision_store( to + quad, collision_add_scaled( collision_load( to + quad ), part * distance,
-                                                          collision_load( c->half_space.normal ) ) );
+        collision_store( to + quad, wisp_v3_mul_add( wisp_v3_load( to + quad ), part * distance,
+                                                     wisp_v3_load( c->half_space.normal ) ) );
     }
 }
 
@@ -357,14 +357,14 @@ static void move_corners( float* to, const float* position, const int32_t* corne
 static float gaps_of( const find_loop* loop, const int32_t* corners, const collision_primitive_contact* c,
                       float* now )
 {
-    const wisp_vec3 n = collision_load( c->half_space.normal ), q = collision_load( c->half_space.point );
+    const wisp_vec3 n = wisp_v3_load( c->half_space.normal ), q = wisp_v3_load( c->half_space.point );
     float start = c->half_space.normal_correction;
-    *now = -collision_dot( n, q ) - c->half_space.gap;
+    *now = -wisp_v3_dot( n, q ) - c->half_space.gap;
     for ( int k = 0; k < loop->primitives.corner_count; ++k )
     {
         const size_t quad = (size_t)corners[k] * 4;
-        start += c->weights[k] * collision_dot( n, collision_load( loop->previous + quad ) );
-        *now += c->weights[k] * collision_dot( n, collision_load( loop->position + quad ) );
+        start += c->weights[k] * wisp_v3_dot( n, wisp_v3_load( loop->previous + quad ) );
+        *now += c->weights[k] * wisp_v3_dot( n, wisp_v3_load( loop->position + quad ) );
     }
     return start;
 }
@@ -407,9 +407,9 @@ static void push_out( const find_loop* loop, const int32_t* corners, float most,
         {
             const double mass = 1.0 / (double)loop->position[quad + 3];
             const double dt = (double)wisp_frame_dt( loop->frame, loop->span->entity );
-            collision_add_reaction( sums[c->body], mass / dt, collision_load( before[k] ),
-                                    collision_load( before[k] + 3 ), collision_load( loop->position + quad ),
-                                    collision_load( loop->previous + quad ) );
+            collision_add_reaction( sums[c->body], mass / dt, wisp_v3_load( before[k] ),
+                                    wisp_v3_load( before[k] + 3 ), wisp_v3_load( loop->position + quad ),
+                                    wisp_v3_load( loop->previous + quad ) );
         }
     }
 }
@@ -426,9 +426,8 @@ static float squeezed_gap( const find_loop* loop, const int32_t* corners, const 
         const collision_contact* of_corner = loop->particle_contacts[corners[k]];
         for ( int i = 0; i < loop->contact_counts[corners[k]] && i < WISP_COLLISION_CONTACTS; ++i )
         {
-            const bool loaded =
-                of_corner[i].normal_correction > 0.0f &&
-                collision_dot( collision_load( of_corner[i].normal ), collision_load( c->normal ) ) > 0.0f;
+            const bool loaded = of_corner[i].normal_correction > 0.0f &&
+                                wisp_v3_dot( wisp_v3_load( of_corner[i].normal ), wisp_v3_load( c->normal ) ) > 0.0f;
             least = loaded ? collision_smaller( of_corner[i].gap, least ) : least;
         }
     }
@@ -439,9 +438,8 @@ static float squeezed_gap( const find_loop* loop, const int32_t* corners, const 
 static bool squeeze_pair( const find_loop* loop, const int32_t* corners, float most, collision_primitive_contact* c )
 {
     const float dt = wisp_frame_dt( loop->frame, loop->span->entity );
-    const wisp_vec3 normals[2] = { collision_load( c[0].half_space.normal ),
-                                   collision_load( c[1].half_space.normal ) };
-    const float oppose = -collision_dot( normals[0], normals[1] ), both = c[0].half_space.gap + c[1].half_space.gap;
+    const wisp_vec3 normals[2] = { wisp_v3_load( c[0].half_space.normal ), wisp_v3_load( c[1].half_space.normal ) };
+    const float oppose = -wisp_v3_dot( normals[0], normals[1] ), both = c[0].half_space.gap + c[1].half_space.gap;
     float now[2];
     float aside = 0.5f * ( gaps_of( loop, corners, c, now ) - gaps_of( loop, corners, c + 1, now + 1 ) );
     const float depth = -now[0] - now[1];
@@ -463,7 +461,7 @@ static bool squeeze_pair( const find_loop* loop, const int32_t* corners, float m
         const float b = c[0].weights[k];
         inverse_mass += p[3] * b * b;
         mean_mass += p[3] > 0.0f ? b / p[3] : 0.0f;
-        at = collision_add_scaled( at, b, collision_load( p ) );
+        at = wisp_v3_mul_add( at, b, wisp_v3_load( p ) );
     }
     const float load = collision_squeeze_load( dt, oppose, depth, both ) * mean_mass * inverse_mass;
     for ( int i = 0; i < 2; ++i )
@@ -472,8 +470,8 @@ static bool squeeze_pair( const find_loop* loop, const int32_t* corners, float m
         c[i].half_space.normal_correction = load;
         if ( sums != NULL )
         {
-            const wisp_vec3 axis = collision_sub( normals[i], normals[1 - i] ), none = { 0.0f, 0.0f, 0.0f };
-            const wisp_vec3 push = collision_add_scaled( none, load / collision_length( axis ), axis );
+            const wisp_vec3 axis = wisp_v3_sub( normals[i], normals[1 - i] ), none = { 0.0f, 0.0f, 0.0f };
+            const wisp_vec3 push = wisp_v3_mul_add( none, load / wisp_v3_length( axis ), axis );
             collision_add_impulse( sums[c[i].body], 1.0 / ( (double)inverse_mass * (double)dt ), none, push, at );
         }
     }

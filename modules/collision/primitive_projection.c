@@ -63,7 +63,7 @@ static wisp_vec3 point_of( const corner_quads* q, const collision_primitive_cont
     wisp_vec3 p = { 0.0f, 0.0f, 0.0f };
     for ( int k = 0; k < q->count; ++k )
     {
-        p = collision_add_scaled( p, c->weights[k], collision_load( rows + q->quad[k] ) );
+        p = wisp_v3_mul_add( p, c->weights[k], wisp_v3_load( rows + q->quad[k] ) );
     }
     return p;
 }
@@ -74,11 +74,11 @@ static void move_point( const primitive_loop* loop, const corner_quads* q, const
     for ( int k = 0; k < q->count; ++k )
     {
         float* at = loop->position + q->quad[k];
-        const wisp_vec3 before = collision_load( at ), now = collision_add_scaled( before, q->part[k], by );
+        const wisp_vec3 before = wisp_v3_load( at ), now = wisp_v3_mul_add( before, q->part[k], by );
         collision_store( at, now );
         if ( loop->sums != NULL && at[3] > 0.0f )
         {
-            const wisp_vec3 previous = collision_load( loop->previous + q->quad[k] );
+            const wisp_vec3 previous = wisp_v3_load( loop->previous + q->quad[k] );
             collision_add_reaction( loop->sums[c->body], 1.0 / ( (double)at[3] * (double)loop->dt ), before, previous,
                                     now, previous );
         }
@@ -90,8 +90,8 @@ static void project_primitive( const primitive_loop* loop, const int32_t* corner
 {
     collision_contact* c = &contact->half_space;
     const corner_quads quads = quads_of( loop, corners, count, contact );
-    const wisp_vec3 start = point_of( &quads, contact, loop->position ), n = collision_load( c->normal );
-    const float missing = c->gap - collision_dot( n, collision_sub( start, collision_load( c->point ) ) );
+    const wisp_vec3 start = point_of( &quads, contact, loop->position ), n = wisp_v3_load( c->normal );
+    const float missing = c->gap - wisp_v3_dot( n, wisp_v3_sub( start, wisp_v3_load( c->point ) ) );
     const collision_share share =
         collision_share_of( loop->frame, loop->state, contact->body, loop->entity, start, n );
     const float normal = collision_larger( share.normal * ( c->normal_correction + missing ), 0.0f );
@@ -99,21 +99,21 @@ static void project_primitive( const primitive_loop* loop, const int32_t* corner
     {
         return; // friction is 0 too
     }
-    const wisp_vec3 pushed = collision_add_scaled( start, normal - c->normal_correction, n ),
-                    before = collision_load( c->tangential_correction );
+    const wisp_vec3 pushed = wisp_v3_mul_add( start, normal - c->normal_correction, n ),
+                    before = wisp_v3_load( c->tangential_correction );
     c->normal_correction = normal;
-    wisp_vec3 u = collision_sub( pushed, point_of( &quads, contact, loop->previous ) );
-    u = collision_sub( u, collision_load( c->motion ) );
-    u = collision_add_scaled( u, -collision_dot( n, u ), n );
-    u = collision_sub( u, before );
-    const float length = collision_length( u );
+    wisp_vec3 u = wisp_v3_sub( pushed, point_of( &quads, contact, loop->previous ) );
+    u = wisp_v3_sub( u, wisp_v3_load( c->motion ) );
+    u = wisp_v3_mul_add( u, -wisp_v3_dot( n, u ), n );
+    u = wisp_v3_sub( u, before );
+    const float length = wisp_v3_length( u );
     const float part = share.tangential;
     const float fraction =
         part * length <= c->static_friction * normal ? part : c->kinetic_friction * normal / length;
     const wisp_vec3 now = { -fraction * u.x, -fraction * u.y, -fraction * u.z };
     collision_store( c->tangential_correction, now );
-    const wisp_vec3 p = collision_add_scaled( pushed, 1.0f, collision_sub( now, before ) );
-    move_point( loop, &quads, contact, collision_sub( p, start ) );
+    const wisp_vec3 p = wisp_v3_mul_add( pushed, 1.0f, wisp_v3_sub( now, before ) );
+    move_point( loop, &quads, contact, wisp_v3_sub( p, start ) );
 }
 
 typedef struct primitive_lists
@@ -172,8 +172,8 @@ static float distance_of( const primitive_loop* loop, const contact_place* c )
 {
     const corner_quads quads = quads_of( loop, c->corners, c->corner_count, c->contact );
     const collision_contact* h = &c->contact->half_space;
-    return collision_dot( collision_load( h->normal ), collision_sub( point_of( &quads, c->contact, loop->position ),
-                                                                      collision_load( h->point ) ) );
+    return wisp_v3_dot( wisp_v3_load( h->normal ),
+                        wisp_v3_sub( point_of( &quads, c->contact, loop->position ), wisp_v3_load( h->point ) ) );
 }
 
 // Return whether a corner with contact moved so far against a body that another part of a primitive may have got through.
@@ -186,9 +186,9 @@ static bool is_fast( const primitive_loop* loop, const primitive_lists* lists, c
         {
             const size_t quad = (size_t)c.corners[k] * 4;
             wisp_vec3 way =
-                collision_sub( collision_load( loop->position + quad ), collision_load( loop->previous + quad ) );
-            way = collision_sub( way, collision_load( c.contact->half_space.motion ) );
-            if ( collision_length( way ) > FAST * settings->thickness )
+                wisp_v3_sub( wisp_v3_load( loop->position + quad ), wisp_v3_load( loop->previous + quad ) );
+            way = wisp_v3_sub( way, wisp_v3_load( c.contact->half_space.motion ) );
+            if ( wisp_v3_length( way ) > FAST * settings->thickness )
             {
                 return true;
             }
@@ -227,12 +227,12 @@ static bool carry_along( wisp_frame* frame, const wisp_span* span, const collisi
         for ( int k = 0; k < c.corner_count; ++k )
         {
             float* at = loop->position + (size_t)c.corners[k] * 4;
-            const wisp_vec3 before = collision_load( at ),
-                            previous = collision_load( loop->previous + (size_t)c.corners[k] * 4 );
+            const wisp_vec3 before = wisp_v3_load( at ),
+                            previous = wisp_v3_load( loop->previous + (size_t)c.corners[k] * 4 );
             // a surface moves in the world
             const wisp_vec3 now =
                 view.body->follows
-                    ? collision_add_scaled( previous, 1.0f, collision_load( c.contact->half_space.motion ) )
+                    ? wisp_v3_mul_add( previous, 1.0f, wisp_v3_load( c.contact->half_space.motion ) )
                     : wisp_transform_to_world( view.after, wisp_transform_to_local( view.before, previous ) );
             if ( at[3] > 0.0f )
             {

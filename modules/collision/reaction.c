@@ -242,29 +242,21 @@ void collision_read_reactions( wisp_frame* frame, const wisp_span* span, void* u
 
 // ---- bodies with a mass ----
 
-// Return a rotation after another.
-static wisp_quat turn_by( wisp_quat a, wisp_quat b )
-{
-    return (
-        wisp_quat ){ a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-                     a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z };
-}
-
 // The first order of the exponential of half the rotation; it is given unit length.
 static wisp_quat turn_with( wisp_quat q, wisp_vec3 spin, float seconds )
 {
     const float half = 0.5f * seconds;
-    return turn_by( ( wisp_quat ){ half * spin.x, half * spin.y, half * spin.z, 1.0f }, q );
+    return wisp_quat_multiply( ( wisp_quat ){ half * spin.x, half * spin.y, half * spin.z, 1.0f }, q );
 }
 
 wisp_transform collision_coupled_pose( const collision_collider* collider, const collision_coupled* coupled,
                                        float progress, float seconds )
 {
     const wisp_transform host = wisp_transform_interpolate( collider->from, collider->to, progress );
-    const wisp_vec3 moved = collision_add_scaled( coupled->shift, seconds, coupled->velocity );
+    const wisp_vec3 moved = wisp_v3_mul_add( coupled->shift, seconds, coupled->velocity );
     const wisp_quat turn = turn_with( coupled->turn, coupled->spin, seconds );
-    return wisp_transform_make( turn_by( turn, host.rotation ),
-                                collision_add_scaled( host.translation, 1.0f, moved ) );
+    return wisp_transform_make( wisp_quat_multiply( turn, host.rotation ),
+                                wisp_v3_mul_add( host.translation, 1.0f, moved ) );
 }
 
 static wisp_vec3 turned_by_torque( const collision_coupled* coupled, wisp_quat pose, wisp_vec3 torque )
@@ -290,10 +282,10 @@ void collision_couple( wisp_frame* frame, const wisp_span* span, void* user )
     }
     const wisp_vec3 impulse = { (float)got[0], (float)got[1], (float)got[2] },
                     torque = { (float)got[3], (float)got[4], (float)got[5] };
-    c->velocity = collision_add_scaled( c->velocity, c->inverse_mass, impulse );
-    c->spin = collision_add_scaled( c->spin, 1.0f, turned_by_torque( c, met.rotation, torque ) );
+    c->velocity = wisp_v3_mul_add( c->velocity, c->inverse_mass, impulse );
+    c->spin = wisp_v3_mul_add( c->spin, 1.0f, turned_by_torque( c, met.rotation, torque ) );
     // with the velocity after the impulse
-    c->shift = collision_add_scaled( c->shift, dt, c->velocity );
+    c->shift = wisp_v3_mul_add( c->shift, dt, c->velocity );
     c->turn = wisp_transform_make( turn_with( c->turn, c->spin, dt ), c->shift ).rotation;
     c->before = collision_coupled_pose( collider, c, progress, 0.0f );
     c->done = span->substep + 1;
@@ -302,8 +294,7 @@ void collision_couple( wisp_frame* frame, const wisp_span* span, void* user )
 // Does a contact count as one that the body may meet in the substep?
 static bool is_close( const collision_contact* c, wisp_vec3 p )
 {
-    return collision_dot( collision_load( c->normal ), collision_sub( p, collision_load( c->point ) ) ) <
-           2.0f * c->gap;
+    return wisp_v3_dot( wisp_v3_load( c->normal ), wisp_v3_sub( p, wisp_v3_load( c->point ) ) ) < 2.0f * c->gap;
 }
 
 static double vertices_near( wisp_frame* frame, const collision_state* state, wisp_entity e, int32_t body )
@@ -321,7 +312,7 @@ static double vertices_near( wisp_frame* frame, const collision_state* state, wi
         {
             const float* p = position + (size_t)slot * 4;
             const bool counts =
-                of[slot][i] == body && p[3] > 0.0f && is_close( contact[slot] + i, collision_load( p ) );
+                of[slot][i] == body && p[3] > 0.0f && is_close( contact[slot] + i, wisp_v3_load( p ) );
             mass += counts ? 1.0 / (double)p[3] : 0.0;
         }
     }
@@ -385,13 +376,13 @@ collision_share collision_share_of( wisp_frame* frame, const collision_state* st
     }
     const collision_coupled* c = wisp_frame_column( frame, state->bodies[body].entity, state->coupled, 0 );
     const wisp_vec3 by = wisp_frame_between( frame, state->bodies[body].entity, of ),
-                    r = collision_sub( at, wisp_to_rows( c->before.translation, by ) );
+                    r = wisp_v3_sub( at, wisp_to_rows( c->before.translation, by ) );
     const wisp_vec3 arm = { r.y * normal.z - r.z * normal.y, r.z * normal.x - r.x * normal.z,
                             r.x * normal.y - r.y * normal.x };
-    const float turns = collision_dot( arm, turned_by_torque( c, c->before.rotation, arm ) );
-    return (
-        collision_share ){ 1.0f / ( 1.0f + c->load * ( c->inverse_mass + turns ) ),
-                           1.0f / ( 1.0f + c->load * ( c->inverse_mass + c->most_turns * collision_dot( r, r ) ) ) };
+    const float turns = wisp_v3_dot( arm, turned_by_torque( c, c->before.rotation, arm ) );
+    return ( collision_share ){ 1.0f / ( 1.0f + c->load * ( c->inverse_mass + turns ) ),
+                                1.0f /
+                                    ( 1.0f + c->load * ( c->inverse_mass + c->most_turns * wisp_v3_dot( r, r ) ) ) };
 }
 
 // ---- requests ----

@@ -20,11 +20,11 @@ float collision_bounce( const collision_find_args* args, const collision_view* v
     {
         return -INFINITY;
     }
-    const wisp_vec3 n = collision_load( c->normal ), motion = collision_load( c->motion );
+    const wisp_vec3 n = wisp_v3_load( c->normal ), motion = wisp_v3_load( c->motion );
     const wisp_vec3 v =
-        collision_add_scaled( collision_load( args->velocity + (size_t)slot * 4 ), -args->dt, args->gravity );
-    const float surface = collision_dot( n, motion ) / args->dt, approach_speed = surface - collision_dot( n, v );
-    const bool bounces = approach_speed > 2.0f * collision_length( args->gravity ) * args->dt;
+        wisp_v3_mul_add( wisp_v3_load( args->velocity + (size_t)slot * 4 ), -args->dt, args->gravity );
+    const float surface = wisp_v3_dot( n, motion ) / args->dt, approach_speed = surface - wisp_v3_dot( n, v );
+    const bool bounces = approach_speed > 2.0f * wisp_v3_length( args->gravity ) * args->dt;
     return bounces ? surface + view->restitution * approach_speed : -INFINITY;
 }
 
@@ -47,22 +47,22 @@ void collision_bounce_off( wisp_frame* frame, const wisp_span* span, void* user 
         const int used = count[slot] < WISP_COLLISION_CONTACTS ? count[slot] : WISP_COLLISION_CONTACTS;
         for ( int i = 0; i < used; ++i )
         {
-            const wisp_vec3 n = collision_load( contact[slot][i].normal ),
-                            v = collision_load( velocity + (size_t)slot * 4 );
-            float change = bounce[slot][i] - collision_dot( n, v );
+            const wisp_vec3 n = wisp_v3_load( contact[slot][i].normal ),
+                            v = wisp_v3_load( velocity + (size_t)slot * 4 );
+            float change = bounce[slot][i] - wisp_v3_dot( n, v );
             if ( state->coupled_count > 0 && body != NULL && change > 0.0f && bounce[slot][i] > -INFINITY )
             {
                 // of the separation, the body takes the rest
                 const float surface =
-                    collision_dot( n, collision_load( contact[slot][i].motion ) ) / wisp_frame_dt( frame, e );
-                const wisp_vec3 at = collision_load( position + (size_t)slot * 4 );
+                    wisp_v3_dot( n, wisp_v3_load( contact[slot][i].motion ) ) / wisp_frame_dt( frame, e );
+                const wisp_vec3 at = wisp_v3_load( position + (size_t)slot * 4 );
                 const float share = collision_share_of( frame, state, body[slot][i], e, at, n ).normal;
                 change = share < 1.0f ? share * ( bounce[slot][i] - surface ) : change;
             }
             if ( contact[slot][i].normal_correction > 0.0f && change > 0.0f )
             {
-                const wisp_vec3 now = collision_add_scaled( v, change, n ),
-                                x = collision_load( position + (size_t)slot * 4 );
+                const wisp_vec3 now = wisp_v3_mul_add( v, change, n ),
+                                x = wisp_v3_load( position + (size_t)slot * 4 );
                 collision_store( velocity + (size_t)slot * 4, now );
                 if ( sums != NULL )
                 {

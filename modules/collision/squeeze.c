@@ -45,10 +45,10 @@ static squeezed_pair find_pair( const collision_contact* c, const float* thickne
     {
         for ( int i = 0; i < j; ++i )
         {
-            const wisp_vec3 a = collision_load( c[i].normal ), b = collision_load( c[j].normal );
-            const float apart = collision_dot( a, collision_sub( p, collision_load( c[i].point ) ) ) +
-                                collision_dot( b, collision_sub( p, collision_load( c[j].point ) ) );
-            const float depth = thickness[i] + thickness[j] - apart, oppose = -collision_dot( a, b );
+            const wisp_vec3 a = wisp_v3_load( c[i].normal ), b = wisp_v3_load( c[j].normal );
+            const float apart = wisp_v3_dot( a, wisp_v3_sub( p, wisp_v3_load( c[i].point ) ) ) +
+                                wisp_v3_dot( b, wisp_v3_sub( p, wisp_v3_load( c[j].point ) ) );
+            const float depth = thickness[i] + thickness[j] - apart, oppose = -wisp_v3_dot( a, b );
             if ( collision_is_squeezed( oppose, depth, thickness[i] + thickness[j] ) && depth * oppose > most )
             {
                 most = depth * oppose;
@@ -62,8 +62,8 @@ static squeezed_pair find_pair( const collision_contact* c, const float* thickne
 // Return the distance at the start of the substep, less the thickness.
 static float start_of( const collision_contact* c, float thickness, wisp_vec3 previous )
 {
-    const wisp_vec3 point = collision_sub( collision_load( c->point ), collision_load( c->motion ) );
-    return collision_dot( collision_load( c->normal ), collision_sub( previous, point ) ) - thickness;
+    const wisp_vec3 point = wisp_v3_sub( wisp_v3_load( c->point ), wisp_v3_load( c->motion ) );
+    return wisp_v3_dot( wisp_v3_load( c->normal ), wisp_v3_sub( previous, point ) ) - thickness;
 }
 
 // What moved the vertex out of one body after the other is taken back. The body that took its outward motion gives it again.
@@ -71,19 +71,19 @@ static void take_back( const collision_find_args* args, const collision_block* b
                        const squeezed_pair* pair )
 {
     float *p = args->position + (size_t)slot * 4, *previous = args->previous + (size_t)slot * 4;
-    const wisp_vec3 to = collision_load( block->was[0][slot - block->begin] ),
-                    previous_to = collision_load( block->was[1][slot - block->begin] );
+    const wisp_vec3 to = wisp_v3_load( block->was[0][slot - block->begin] ),
+                    previous_to = wisp_v3_load( block->was[1][slot - block->begin] );
     if ( args->sums != NULL )
     {
-        const wisp_vec3 gained = collision_sub( collision_sub( to, collision_load( p ) ),
-                                                collision_sub( previous_to, collision_load( previous ) ) );
+        const wisp_vec3 gained =
+            wisp_v3_sub( wisp_v3_sub( to, wisp_v3_load( p ) ), wisp_v3_sub( previous_to, wisp_v3_load( previous ) ) );
         const collision_contact* c = args->contact[slot];
         const wisp_vec3 apart =
-            collision_sub( collision_load( c[pair->first].normal ), collision_load( c[pair->second].normal ) );
-        const int giver = collision_dot( gained, apart ) > 0.0f ? pair->first : pair->second;
+            wisp_v3_sub( wisp_v3_load( c[pair->first].normal ), wisp_v3_load( c[pair->second].normal ) );
+        const int giver = wisp_v3_dot( gained, apart ) > 0.0f ? pair->first : pair->second;
         const wisp_vec3 none = { 0.0f, 0.0f, 0.0f };
         collision_add_impulse( args->sums[args->contact_body[slot][giver]], 1.0 / ( (double)p[3] * (double)args->dt ),
-                               none, gained, collision_load( previous ) );
+                               none, gained, wisp_v3_load( previous ) );
     }
     collision_store( p, to );
     collision_store( previous, previous_to );
@@ -98,10 +98,10 @@ static void load_pair( const collision_find_args* args, int slot, const squeezed
     {
         const float* p = args->position + (size_t)slot * 4;
         const double rate = 1.0 / ( (double)p[3] * (double)args->dt );
-        const wisp_vec3 none = { 0.0f, 0.0f, 0.0f }, push = collision_add_scaled( none, load, axis );
+        const wisp_vec3 none = { 0.0f, 0.0f, 0.0f }, push = wisp_v3_mul_add( none, load, axis );
         const int32_t* body = args->contact_body[slot];
-        collision_add_impulse( args->sums[body[pair->first]], rate, none, push, collision_load( p ) );
-        collision_add_impulse( args->sums[body[pair->second]], rate, push, none, collision_load( p ) );
+        collision_add_impulse( args->sums[body[pair->first]], rate, none, push, wisp_v3_load( p ) );
+        collision_add_impulse( args->sums[body[pair->second]], rate, push, none, wisp_v3_load( p ) );
     }
 }
 
@@ -110,7 +110,7 @@ static void squeeze_vertex( const collision_find_args* args, const collision_blo
     collision_contact* c = args->contact[slot];
     const float* h = block->thickness[slot - block->begin];
     float *p = args->position + (size_t)slot * 4, *previous = args->previous + (size_t)slot * 4;
-    const squeezed_pair pair = find_pair( c, h, count, collision_load( block->was[0][slot - block->begin] ) );
+    const squeezed_pair pair = find_pair( c, h, count, wisp_v3_load( block->was[0][slot - block->begin] ) );
     const int i = pair.first, j = pair.second;
     if ( pair.depth <= 0.0f )
     {
@@ -119,20 +119,20 @@ static void squeeze_vertex( const collision_find_args* args, const collision_blo
     take_back( args, block, slot, &pair );
     // to the middle
     const float along = sqrtf( 0.5f + 0.5f * pair.oppose );
-    const wisp_vec3 both = collision_sub( collision_load( c[i].normal ), collision_load( c[j].normal ) ),
-                    none = { 0 }, axis = collision_add_scaled( none, 0.5f / along, both );
-    const wisp_vec3 old = collision_load( previous );
+    const wisp_vec3 both = wisp_v3_sub( wisp_v3_load( c[i].normal ), wisp_v3_load( c[j].normal ) ), none = { 0 },
+                    axis = wisp_v3_mul_add( none, 0.5f / along, both );
+    const wisp_vec3 old = wisp_v3_load( previous );
     const float aside = 0.5f * ( start_of( c + i, h[i], old ) - start_of( c + j, h[j], old ) );
     const float way = collision_larger( -args->recovery, collision_smaller( -aside / along, args->recovery ) );
-    collision_store( p, collision_add_scaled( collision_load( p ), way, axis ) );
-    collision_store( previous, collision_add_scaled( old, way, axis ) );
+    collision_store( p, wisp_v3_mul_add( wisp_v3_load( p ), way, axis ) );
+    collision_store( previous, wisp_v3_mul_add( old, way, axis ) );
     c[i].gap = h[i] - 0.5f * pair.depth + ( aside + along * way );
     c[j].gap = h[j] - 0.5f * pair.depth - ( aside + along * way );
     for ( int k = 0; k < count; ++k )
     {
         c[k].gap = k == i || k == j
                        ? c[k].gap
-                       : collision_smaller( h[k], h[k] + start_of( c + k, h[k], collision_load( previous ) ) );
+                       : collision_smaller( h[k], h[k] + start_of( c + k, h[k], wisp_v3_load( previous ) ) );
     }
     load_pair( args, slot, &pair, axis, collision_squeeze_load( args->dt, pair.oppose, pair.depth, h[i] + h[j] ) );
 }
@@ -158,7 +158,7 @@ bool collision_find_loaded( const collision_contact* contacts, int count, int* f
         {
             const collision_contact *a = contacts + *first, *b = contacts + *second;
             if ( a->normal_correction > 0.0f && b->normal_correction > 0.0f &&
-                 collision_dot( collision_load( a->normal ), collision_load( b->normal ) ) < 0.0f )
+                 wisp_v3_dot( wisp_v3_load( a->normal ), wisp_v3_load( b->normal ) ) < 0.0f )
             {
                 return true;
             }
@@ -197,10 +197,10 @@ void collision_unload( wisp_frame* frame, const collision_state* state, wisp_ent
             both += ( (const collision_collider*)wisp_frame_column( frame, other, state->collider, 0 ) )->thickness;
         }
         collision_contact* c[2] = { contact[slot] + pair[0], contact[slot] + pair[1] };
-        const wisp_vec3 p = collision_load( position + (size_t)slot * 4 );
-        const wisp_vec3 apart = collision_sub( collision_load( c[0]->normal ), collision_load( c[1]->normal ) );
+        const wisp_vec3 p = wisp_v3_load( position + (size_t)slot * 4 );
+        const wisp_vec3 apart = wisp_v3_sub( wisp_v3_load( c[0]->normal ), wisp_v3_load( c[1]->normal ) );
         const float share = collision_share_of( frame, state, body, e, p,
-                                                collision_load( c[of[slot][pair[0]] == body ? 0 : 1]->normal ) )
+                                                wisp_v3_load( c[of[slot][pair[0]] == body ? 0 : 1]->normal ) )
                                 .normal;
         // share = 1 / ( 1 + w c )
         const float load = c[0]->normal_correction,
@@ -208,7 +208,7 @@ void collision_unload( wisp_frame* frame, const collision_state* state, wisp_ent
         c[0]->normal_correction = c[1]->normal_correction = load / ( 1.0f + gives );
         const wisp_vec3 none = { 0.0f, 0.0f, 0.0f };
         const wisp_vec3 less =
-            collision_add_scaled( none, ( load - c[0]->normal_correction ) / collision_length( apart ), apart );
+            wisp_v3_mul_add( none, ( load - c[0]->normal_correction ) / wisp_v3_length( apart ), apart );
         const double rate = 1.0 / ( (double)position[(size_t)slot * 4 + 3] * (double)dt );
         collision_impulse* sums = collision_reaction_sums( frame, e, state, slot / COLLISION_BLOCK );
         collision_add_impulse( sums[of[slot][pair[0]]], rate, less, none, p );

@@ -83,7 +83,7 @@ static float path_seen( const strand_loop* loop, const collision_view* view )
             ( corner & 4 ) != 0 ? loop->reach.upper.z : loop->reach.lower.z,
         };
         const wisp_vec3 carried = wisp_transform_to_world( view->after, wisp_transform_to_local( view->before, c ) );
-        most = fmaxf( most, collision_length( collision_sub( carried, c ) ) );
+        most = fmaxf( most, wisp_v3_length( wisp_v3_sub( carried, c ) ) );
     }
     return most + loop->reach.max_path + collision_surface_shift( view );
 }
@@ -100,7 +100,7 @@ static float apart_at( const strand_loop* loop, const collision_body* body, wisp
     const wisp_vec3 d = { beside( c.x, loop->reach.lower.x, loop->reach.upper.x ),
                           beside( c.y, loop->reach.lower.y, loop->reach.upper.y ),
                           beside( c.z, loop->reach.lower.z, loop->reach.upper.z ) };
-    return collision_length( d ) - body->ball_radius;
+    return wisp_v3_length( d ) - body->ball_radius;
 }
 
 // ---- one vertex ----
@@ -131,13 +131,13 @@ static strand_way find_way( const strand_loop* loop, float thickness, float star
 
 static wisp_vec3 tangential( wisp_vec3 u, wisp_vec3 normal )
 {
-    return collision_add_scaled( u, -collision_dot( normal, u ), normal );
+    return wisp_v3_mul_add( u, -wisp_v3_dot( normal, u ), normal );
 }
 
 // Return the friction of the substep. @param u what it would have to remove, push the sum of the substep
 static wisp_vec3 friction_of( const collision_view* view, wisp_vec3 u, float push )
 {
-    const float length = collision_length( u );
+    const float length = wisp_v3_length( u );
     const float fraction = length <= view->static_friction * push ? 1.0f : view->kinetic_friction * push / length;
     return ( wisp_vec3 ){ fraction * u.x, fraction * u.y, fraction * u.z };
 }
@@ -159,7 +159,7 @@ static wisp_vec3 place_of( const strand_point* q, const float* rows )
     wisp_vec3 p = { 0.0f, 0.0f, 0.0f };
     for ( int k = 0; k < q->count; ++k )
     {
-        p = collision_add_scaled( p, q->weight[k], collision_load_lane( rows + q->corner[k] ) );
+        p = wisp_v3_mul_add( p, q->weight[k], collision_load_lane( rows + q->corner[k] ) );
     }
     return p;
 }
@@ -169,7 +169,7 @@ static void move_by( const strand_point* q, float* rows, float distance, wisp_ve
     for ( int k = 0; k < q->count; ++k )
     {
         float* at = rows + q->corner[k];
-        collision_store_lane( at, collision_add_scaled( collision_load_lane( at ), q->part[k] * distance, along ) );
+        collision_store_lane( at, wisp_v3_mul_add( collision_load_lane( at ), q->part[k] * distance, along ) );
     }
 }
 
@@ -188,13 +188,15 @@ typedef struct strand_sum
     float reach; // m, at which the body acts
 } strand_sum;
 
-static strand_sum sum_of( const strand_loop* loop, const collision_view* view, const strand_point* q )
+// @param path of the point in the substep, m: what gives back is as near as it was pushed and went
+static strand_sum sum_of( const strand_loop* loop, const collision_view* view, const strand_point* q, float path )
 {
     const float sum = q->sums->normal_correction[q->i];
     const bool is_held = sum > 0.0f, is_own = q->sums->body[q->i] == number_of( loop, view );
     const bool starts = q->sums->starts && is_own && sum < 0.0f, gives = q->sums->gives_back && is_own && is_held;
     const float least = starts || gives ? -sum : 0.0f;
-    return ( strand_sum ){ sum, is_held, is_own, starts, least, gives ? INFINITY : view->thickness + least };
+    return ( strand_sum ){ sum,    is_held, is_own,
+                           starts, least,   view->thickness + ( gives ? fminf( sum, path ) : least ) };
 }
 
 // Keep a point a thickness away from a plane. @param start m, distance from the plane at the start of the substep
@@ -203,25 +205,25 @@ static void push_point( const strand_loop* loop, const collision_view* view, con
                         const wisp_surface_point* plane, float start, float now, wisp_vec3 carried )
 {
     const wisp_strand_contact_args* sums = q->sums;
-    const strand_sum s = sum_of( loop, view, q );
+    const strand_sum s = sum_of( loop, view, q, 0.0f );
     strand_way way = find_way( loop, view->thickness, start, now, sums->allowed_depth[q->i], s.least );
     way.out *= q->factor;
     const wisp_vec3 normal = wisp_quat_rotate( view->after.rotation, plane->normal );
     move_by( q, sums->position, way.out, normal );
     move_by( q, sums->previous, way.recovered + way.absorbed, normal );
-    const wisp_vec3 turned = collision_sub( wisp_transform_to_world( view->after, plane->point ),
-                                            wisp_transform_to_world( view->before, plane->point ) );
-    const wisp_vec3 motion = collision_add_scaled( turned, 1.0f, carried );
+    const wisp_vec3 turned = wisp_v3_sub( wisp_transform_to_world( view->after, plane->point ),
+                                          wisp_transform_to_world( view->before, plane->point ) );
+    const wisp_vec3 motion = wisp_v3_mul_add( turned, 1.0f, carried );
     sums->normal_correction[q->i] = fmaxf( 0.0f, s.sum ) + fmaxf( s.least, way.out - way.recovered );
     sums->body[q->i] = s.is_held && s.is_own == false ? -1.0f : number_of( loop, view );
     float* rubbed = sums->friction + q->i / WISP_LANES * COLLISION_ROW + q->i % WISP_LANES;
     const wisp_vec3 last = tangential( collision_load_lane( rubbed ), normal ),
                     before = s.is_held ? last : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
-    const wisp_vec3 moved = collision_sub( place_of( q, sums->position ), place_of( q, sums->previous ) );
-    const wisp_vec3 u = tangential( collision_sub( moved, motion ), normal );
-    const wisp_vec3 friction = friction_of( view, s.starts ? last : collision_add_scaled( before, q->factor, u ),
-                                            sums->normal_correction[q->i] );
-    move_by( q, sums->position, -1.0f, collision_sub( friction, before ) );
+    const wisp_vec3 moved = wisp_v3_sub( place_of( q, sums->position ), place_of( q, sums->previous ) );
+    const wisp_vec3 u = tangential( wisp_v3_sub( moved, motion ), normal );
+    const wisp_vec3 friction =
+        friction_of( view, s.starts ? last : wisp_v3_mul_add( before, q->factor, u ), sums->normal_correction[q->i] );
+    move_by( q, sums->position, -1.0f, wisp_v3_sub( friction, before ) );
     collision_store_lane( rubbed, friction );
     sums->remaining_depth[q->i] = fmaxf( sums->remaining_depth[q->i], way.left );
 }
@@ -231,14 +233,14 @@ static void push_vertex( strand_loop* loop, const collision_view* view, int row,
 {
     // as path_along() of contact_generation.c
     const bool is_solid = view->body->follows && view->body->double_sided == false;
-    const wisp_vec3 along = collision_sub( to, is_solid ? collision_add_scaled( from, 1.0f, carried ) : from );
-    const float path = collision_length( along ) + ( is_solid ? 0.0f : collision_surface_shift( view ) );
+    const wisp_vec3 along = wisp_v3_sub( to, is_solid ? wisp_v3_mul_add( from, 1.0f, carried ) : from );
+    const float path = wisp_v3_length( along ) + ( is_solid ? 0.0f : collision_surface_shift( view ) );
     wisp_vec3 swept_motion;
     wisp_surface_point plane;
     const bool swept = fabsf( nearest->distance ) <= path && collision_cast( view, from, to, &plane, &swept_motion );
     carried = swept ? swept_motion : carried;
     plane = swept ? plane : *nearest;
-    const float now = swept ? collision_dot( plane.normal, collision_sub( to, plane.point ) ) : nearest->distance;
+    const float now = swept ? wisp_v3_dot( plane.normal, wisp_v3_sub( to, plane.point ) ) : nearest->distance;
     const strand_point point = { .sums = &loop->args,
                                  .i = (size_t)row * WISP_LANES + (size_t)lane,
                                  .count = 1,
@@ -246,7 +248,7 @@ static void push_vertex( strand_loop* loop, const collision_view* view, int row,
                                  .weight = { 1.0f },
                                  .part = { 1.0f },
                                  .factor = 1.0f };
-    if ( now < sum_of( loop, view, &point ).reach )
+    if ( now < sum_of( loop, view, &point, path ).reach )
     {
         const float start = collision_start_gap( view, &plane, from, carried, false, seed ) + view->thickness;
         push_point( loop, view, &point, &plane, start, now, carried );
@@ -509,7 +511,7 @@ static void push_segment( const strand_loop* loop, const collision_view* view, i
         path.from[k] = wisp_transform_to_local( view->before, before[k][1] );
         is_finite = is_finite && collision_is_finite( path.from[k] ) && collision_is_finite( path.to[k] );
         path.displacement =
-            collision_larger( path.displacement, collision_length( collision_sub( path.to[k], path.from[k] ) ) );
+            collision_larger( path.displacement, wisp_v3_length( wisp_v3_sub( path.to[k], path.from[k] ) ) );
     }
     collision_meeting meetings[COLLISION_PRIMITIVE_CONTACTS];
     const int count = is_finite ? collision_meet_body( view, &path, meetings ) : 0;
@@ -518,8 +520,8 @@ static void push_segment( const strand_loop* loop, const collision_view* view, i
         const wisp_surface_point* plane = &meetings[m].deepest.surface;
         strand_point q = point_between( loop, row, lane, meetings[m].deepest.weights );
         const wisp_vec3 p = wisp_transform_to_local( view->after, place_of( &q, loop->args.position ) );
-        const float now = collision_dot( plane->normal, collision_sub( p, plane->point ) );
-        if ( now < sum_of( loop, view, &q ).reach )
+        const float now = wisp_v3_dot( plane->normal, wisp_v3_sub( p, plane->point ) );
+        if ( now < sum_of( loop, view, &q, path.displacement ).reach )
         {
             const float start = collision_meeting_gap( view, &path, &meetings[m] ) + view->thickness;
             push_again( loop, view, &q, plane, start, now, meetings[m].motion );
@@ -793,7 +795,7 @@ void collision_settle_strands( wisp_frame* frame, const wisp_span* span, void* u
             sum = sum_pushes( frame, &group, state, &inside );
         }
         group.iteration += 1; // the last push is exact
-        if ( sum > 0.0f )
+        if ( sum > 0.0f && inside == false )
         {
             collision_touch_strands( frame, &group, user );
         }

@@ -23,6 +23,8 @@
 enum
 {
     ROW_GRAIN = 256,
+    DIGIT_BITS = 11, // of a number that pairs are sorted by
+    DIGITS = 1 << DIGIT_BITS,
 };
 
 // Set the points of a pair.
@@ -152,68 +154,61 @@ static int order_of( const contact_pair* c, int32_t a, int32_t b )
     return first != 0 ? first : ( c->b > b ) - ( c->b < b );
 }
 
-// Move pairs to the order of one of their sides; those with the same one stay in their order.
-// @param count of sides @param begin [count + 1] scratch
-static void sort_by( const contact_pair* from, contact_pair* to, int pairs, bool by_a, int count, int32_t* begin )
+// Sort pairs by a digit of one of their sides; those with the same one stay in their order.
+static void sort_by( const contact_pair* from, contact_pair* to, int pairs, bool by_a, int shift )
 {
-    memset( begin, 0, (size_t)( count + 1 ) * sizeof( *begin ) );
+    int32_t begin[DIGITS + 1] = { 0 };
     for ( int i = 0; i < pairs; ++i )
     {
-        begin[( by_a ? from[i].a : from[i].b ) + 1] += 1;
+        begin[( ( by_a ? from[i].a : from[i].b ) >> shift ) % DIGITS + 1] += 1;
     }
-    for ( int side = 0; side < count; ++side )
+    for ( int digit = 0; digit < DIGITS; ++digit )
     {
-        begin[side + 1] += begin[side];
+        begin[digit + 1] += begin[digit];
     }
     for ( int i = 0; i < pairs; ++i )
     {
-        to[begin[by_a ? from[i].a : from[i].b]++] = from[i];
+        to[begin[( ( by_a ? from[i].a : from[i].b ) >> shift ) % DIGITS]++] = from[i];
     }
 }
 
-// Sort pairs by their first side, then by their second. No two are equal. @param counts of first and of second sides
-// @param spare [near->count] scratch @param begin [larger count + 1] scratch
-static void sort_pairs( contact_near* near, const int counts[2], contact_pair* spare, int32_t* begin )
+// Sort pairs by their first side, then by their second. No two are equal. @param most index of a side
+// @param spare [near->count] scratch
+static void sort_pairs( contact_near* near, int most, contact_pair* spare )
 {
-    sort_by( near->items, spare, near->count, false, counts[1], begin );
-    sort_by( spare, near->items, near->count, true, counts[0], begin );
-}
-
-static int larger( int a, int b )
-{
-    return a > b ? a : b;
+    contact_pair *from = near->items, *to = spare;
+    for ( int by_a = 0; by_a < 2; ++by_a )
+    {
+        for ( int shift = 0; most >> shift > 0; shift += DIGIT_BITS )
+        {
+            contact_pair* sorted = to;
+            sort_by( from, to, near->count, by_a != 0, shift );
+            to = from;
+            from = sorted;
+        }
+    }
 }
 
 static wisp_status find_sorted( const contact_work* work, bool missed_only, wisp_error* error )
 {
     contact_contact_mesh* s = work->contact_mesh;
-    const bool are_samples = contact_has_samples( work );
-    const wisp_status status = are_samples ? contact_find_near_samples( work, missed_only, error )
-                                           : contact_find_near( work, missed_only, error );
+    const wisp_status status = contact_has_samples( work ) ? contact_find_near_samples( work, missed_only, error )
+                                                           : contact_find_near( work, missed_only, error );
     if ( status != WISP_OK )
     {
         return status;
     }
-    // points, or particles; then edges
-    const int samples = s->samples->count;
-    const int sides[CONTACT_KIND_COUNT][2] = {
-        { are_samples ? samples : s->point_count, are_samples ? samples : s->triangle_count },
-        { s->edge_count, s->edge_count },
-    };
-    const int most = larger( larger( sides[0][0], sides[0][1] ), s->edge_count );
-    const int pairs = larger( s->primitives->near[0].count, s->primitives->near[1].count );
+    contact_near* near = s->primitives->near;
+    const int pairs = near[0].count > near[1].count ? near[0].count : near[1].count;
     contact_pair* spare;
-    int32_t* begin;
     if ( contact_reserve( work, &s->constraints->spare_buffer, (size_t)pairs * sizeof( *spare ), (void**)&spare ) ==
-             false ||
-         contact_reserve( work, &s->constraints->side_buffer, ( (size_t)most + 1 ) * sizeof( *begin ),
-                          (void**)&begin ) == false )
+         false )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d contact pairs", pairs );
     }
     for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
     {
-        sort_pairs( s->primitives->near + kind, sides[kind], spare, begin );
+        sort_pairs( near + kind, s->point_count + s->edge_count + s->triangle_count + s->samples->count, spare );
     }
     return WISP_OK;
 }

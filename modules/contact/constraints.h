@@ -29,7 +29,7 @@ typedef struct contact_constraints
     int row_count;
     contact_row* missed_rows; // limit displacements, but are not projected
     int missed_row_count;
-    wisp_buffer row_buffer, missed_buffer, spare_buffer, side_buffer;
+    wisp_buffer row_buffer, missed_buffer, spare_buffer;
 } contact_constraints;
 
 /// Build the constraints of all active pairs, in an order that does not depend on the search.

@@ -4,6 +4,7 @@
 #include "wisp/module/corrected.h"
 #include "wisp/module/sampling.h"
 #include "wisp/module/sleep.h"
+#include "wisp/module/vec.h"
 
 #include <string.h>
 
@@ -66,7 +67,6 @@ static void release_stages( contact_state* s, const wisp_allocator* allocator )
     wisp_buffer_release( &s->constraints.row_buffer, allocator );
     wisp_buffer_release( &s->constraints.missed_buffer, allocator );
     wisp_buffer_release( &s->constraints.spare_buffer, allocator );
-    wisp_buffer_release( &s->constraints.side_buffer, allocator );
     wisp_buffer_release( &s->colouring.point_buffer, allocator );
     wisp_buffer_release( &s->untangling.buffer, allocator );
 }
@@ -89,8 +89,7 @@ static size_t count_memory( const void* memory, size_t* outside )
     const wisp_buffer single[] = { s->broad_phase.box_buffer,    s->intersections.buffer,
                                    s->samples.candidate_buffer,  s->constraints.row_buffer,
                                    s->constraints.missed_buffer, s->constraints.spare_buffer,
-                                   s->constraints.side_buffer,   s->colouring.point_buffer,
-                                   s->untangling.buffer };
+                                   s->colouring.point_buffer,    s->untangling.buffer };
     size_t bytes = (size_t)s->participant_capacity * sizeof( contact_participant ) +
                    wisp_buffer_bytes( single, WISP_COUNT( single ) ) + wisp_samples_bytes( &s->samples.sampler ) +
                    wisp_aabb_pairs_bytes( &s->broad_phase.overlaps ) + wisp_aabb_pairs_bytes( &s->samples.overlaps ) +
@@ -126,12 +125,65 @@ static wisp_status triangles_changed( void* memory, wisp_world* world, wisp_enti
     return WISP_OK;
 }
 
+// Pairs that pressed on each other, with the entity whose passes work on all of them.
+static void add_lines( const void* memory, wisp_world* world, wisp_entity entity, wisp_line_kind kind,
+                       wisp_line_list* list )
+{
+    (void)world;
+    const contact_state* state = memory;
+    const contact_contact_mesh* s = &state->contact_mesh;
+    const bool is_known = kind == WISP_LINES_CONTACTS && wisp_entity_equal( entity, state->mesh_entity ) &&
+                          state->changed == false && s->is_listed && s->point_count > 0;
+    for ( int r = 0; is_known && r < state->constraints.row_count; ++r )
+    {
+        const contact_row* row = state->constraints.rows + r;
+        wisp_vec3 from = { 0.0f, 0.0f, 0.0f }; // on the second side
+        for ( int i = row->split; i < row->count; ++i )
+        {
+            from = wisp_v3_mul_add( from, -row->weight[i], wisp_v3_load( s->now + (size_t)row->point[i] * 4 ) );
+        }
+        if ( row->normal_correction > 0.0f )
+        {
+            wisp_add_line( list, state->participants[0].entity, from,
+                           wisp_v3_mul_add( from, row->requested, wisp_v3_load( row->normal ) ),
+                           wisp_v3( 1.0f, 1.0f, 0.0f ) );
+        }
+    }
+}
+
 // As wisp_sleep_hooks.reach.
 static float participant_reach( const void* memory, wisp_world* world, wisp_entity entity )
 {
     const contact_state* state = memory;
     const contact_settings* settings = wisp_world_rows( world, entity, state->components.settings, 0 );
     return settings != NULL ? settings->thickness : -1.0f;
+}
+
+static bool are_for_each_other( const contact_participant* a, const contact_settings* of_a,
+                                const contact_participant* b, const contact_settings* of_b )
+{
+    return ( of_a->layers & of_b->mask ) != 0 && ( of_b->layers & of_a->mask ) != 0 &&
+           ( a->is_strands == false || b->is_strands == false || ( of_a->self & of_b->self & 2 ) != 0 );
+}
+
+// As wisp_state_hooks.planned. A mask of nothing is one to count intersections with.
+static void tell_of_lonely( const void* memory, wisp_world* world )
+{
+    const contact_state* s = memory;
+    for ( int i = 0; i < s->participant_count; ++i )
+    {
+        const contact_participant* a = s->participants + i;
+        const contact_settings* own = wisp_world_rows( world, a->entity, s->components.settings, 0 );
+        bool meets = own->mask == 0 || ( own->self & 1 ) != 0;
+        for ( int k = 0; k < s->participant_count && meets == false; ++k )
+        {
+            const contact_participant* b = s->participants + k;
+            meets = k != i &&
+                    are_for_each_other( a, own, b, wisp_world_rows( world, b->entity, s->components.settings, 0 ) );
+        }
+        wisp_world_tell( world, a->entity, meets == false,
+                         "'contact' has no effect: it meets neither itself nor others" );
+    }
 }
 
 static wisp_status declare_components( wisp_registry* r, contact_state* s )
@@ -287,7 +339,9 @@ static wisp_status declare( wisp_registry* r )
     wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state,
                                                   .removed = entity_removed,
                                                   .triangles_changed = triangles_changed,
-                                                  .memory = count_memory } );
+                                                  .planned = tell_of_lonely,
+                                                  .memory = count_memory,
+                                                  .lines = add_lines } );
     wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .reach = participant_reach } );
     wisp_status status = declare_components( r, state );
     status = status == WISP_OK ? declare_limit( r, state ) : status;

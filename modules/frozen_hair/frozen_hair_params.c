@@ -248,6 +248,8 @@ wisp_status wisp_set_frozen_hair( wisp_world* world, wisp_entity strands, const 
         .cursor = { def->cursor.x, def->cursor.y, def->cursor.z },
     };
     write_stages( world, strands, s, def );
+    wisp_world_tell( world, strands, ( def->freeze || def->align || def->clump ) == false,
+                     "'frozen_hair' has no effect without freeze, align or clump" );
     if ( def->base == WISP_FROZEN_BASE_STROKE && goes_on == false )
     {
         begin_stroke( world, strands, s, settings->next );

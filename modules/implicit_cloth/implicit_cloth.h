@@ -2,8 +2,7 @@
 /// Forces are in SI units, and contact is part of the solve. It is the reference to compare position-based cloth with.
 ///
 ///     wisp_implicit_cloth_def cloth = wisp_default_implicit_cloth_def();
-///     cloth.stiffness_model = WISP_IMPLICIT_STIFFNESS_MATERIAL;   // the same cloth at every resolution
-///     cloth.stretch_stiffness = 500.0f;                          // N/m
+///     cloth.stretch_stiffness = 500.0f; // N/m
 ///     wisp_set_implicit_cloth( world, surface, &cloth );
 #pragma once
 
@@ -34,19 +33,19 @@ typedef enum wisp_implicit_stiffness
 typedef struct wisp_implicit_cloth_def
 {
     uint32_t size;                           ///< bytes; set by wisp_default_implicit_cloth_def()
-    wisp_implicit_stiffness stiffness_model; ///< default link
+    wisp_implicit_stiffness stiffness_model; ///< default material, the same cloth at every resolution
     float
         stretch_stiffness; ///< k_s, N/m, >= 0, default 200: of a link, or of the material (force per width and strain)
     float bend_stiffness;  ///< k_b, N m^2, >= 0, default 1e-6: of a diagonal link; not used with material stiffness
-    /// D, N m, >= 0, default 5e-6: flexural rigidity, used with material stiffness only. A strip has D times its width on any
-    /// mesh; the rest shape bends to a plane
+    /// D, N m, >= 0, default 5e-5, of heavy cotton: flexural rigidity, used with material stiffness only. A strip has D times its
+    /// width on any mesh; the rest shape bends to a plane. Edges buckle under D as well: softer cloth needs edges below 20 mm
     float bend_rigidity;
     /// c_b, N/m, >= 0; default 0: stretch_stiffness. Of a link: initial slope of bending (eq. 12). Of a material: against
     /// compression, until an edge buckles
     float compression_stiffness;
     float link_damping; ///< k_d of a link, N s/m, >= 0, default 0.02: of all relative velocity (eq. 14)
 
-    wisp_implicit_weights weights; ///< default effective
+    wisp_implicit_weights weights; ///< default none
     /// Default Euler (eq. 16-17), which damps oscillation. BDF2 makes its first substep by Euler, and those with k h^2 / m above 512 or
     /// after a correction by contact of surfaces (WISP_COUNT_FIRST_ORDER).
     wisp_integrator integrator;
@@ -57,8 +56,10 @@ typedef struct wisp_implicit_cloth_def
     /// 1024, or one that gained energy, which is made again (by Euler, WISP_COUNT_FIRST_ORDER if it was BDF2).
     /// 1: all substeps make newton_iterations, and may gain energy. Substeps of more than three are counted (WISP_COUNT_MANY_SOLVES).
     int max_newton_iterations;
-    float tolerance; ///< of a solve: residual relative to that of zero velocity change, in [1e-7, 0.1], default 1e-4.
-                     ///< Repeated solves of a substep end where its first did
+    /// Of a solve: residual relative to that of zero velocity change, in [1e-7, 0.1], default 1e-2: the length of a substep adds ten
+    /// times its error. Repeated solves of a substep end where its first did. Where k h^2 / m is above 8192 it falls with that, to
+    /// 1e-4 at the least
+    float tolerance;
     int max_iterations; ///< of a solve, 0 .. 1000000; default 0: three per vertex
 
     /// Links given by the host instead of those of the mesh (edges stretch, diagonals bend), for a quad mesh or seams.

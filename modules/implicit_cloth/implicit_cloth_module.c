@@ -25,13 +25,15 @@ static const wisp_column_def STATS_COLUMNS[] = { STATS_COLUMNS_LIST( WISP_COLUMN
 void wisp_init_implicit_cloth_def( wisp_implicit_cloth_def* def, size_t size )
 {
     const wisp_implicit_cloth_def values = {
+        .stiffness_model = WISP_IMPLICIT_STIFFNESS_MATERIAL,
         .stretch_stiffness = 200.0f,
         .bend_stiffness = 1e-6f,
-        .bend_rigidity = 5e-6f,
+        .bend_rigidity = 5e-5f,
         .link_damping = 0.02f,
+        .weights = WISP_IMPLICIT_WEIGHTS_NONE,
         .newton_iterations = 1,
         .max_newton_iterations = 16,
-        .tolerance = 1e-4f,
+        .tolerance = 1e-2f,
     };
     wisp_def_init( def, size, &values, sizeof( values ) );
 }

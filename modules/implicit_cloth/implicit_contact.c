@@ -2,6 +2,8 @@
 // or slide, and which motion a row keeps.
 #include "implicit_internal.h"
 
+#include "wisp/module/vec.h"
+
 #include <string.h>
 
 // An active contact of this substep.
@@ -13,36 +15,6 @@ typedef struct touch
     bool held, is_new; // not held: it lands
     float pressed;     // kg m/s, of the last solve
 } touch;
-
-static wisp_vec3 load( const float* p )
-{
-    return ( wisp_vec3 ){ p[0], p[1], p[2] };
-}
-
-static wisp_vec3 subtract( wisp_vec3 a, wisp_vec3 b )
-{
-    return ( wisp_vec3 ){ a.x - b.x, a.y - b.y, a.z - b.z };
-}
-
-static wisp_vec3 add_scaled( wisp_vec3 a, float s, wisp_vec3 b )
-{
-    return ( wisp_vec3 ){ a.x + s * b.x, a.y + s * b.y, a.z + s * b.z };
-}
-
-static float dot( wisp_vec3 a, wisp_vec3 b )
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-static float length( wisp_vec3 a )
-{
-    return sqrtf( dot( a, a ) );
-}
-
-static wisp_vec3 cross( wisp_vec3 a, wisp_vec3 b )
-{
-    return ( wisp_vec3 ){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
-}
 
 // ---- filters ----
 
@@ -104,14 +76,15 @@ static const float NOTHING[6] = { 0.0f };
 
 static void hold_pin( const implicit_system* s, const implicit_contact_input* f, int row, int slot )
 {
-    const wisp_vec3 x = load( f->position + (size_t)slot * 4 );
+    const wisp_vec3 x = wisp_v3_load( f->position + (size_t)slot * 4 );
     wisp_vec3 there = x;
     if ( f->target != NULL && f->target[(size_t)slot * 4 + 3] != 0.0f )
     {
-        const wisp_vec3 target = load( f->target + (size_t)slot * 4 );
-        there = f->target_fraction >= 1.0f ? target : add_scaled( x, f->target_fraction, subtract( target, x ) );
+        const wisp_vec3 target = wisp_v3_load( f->target + (size_t)slot * 4 );
+        there =
+            f->target_fraction >= 1.0f ? target : wisp_v3_mul_add( x, f->target_fraction, wisp_v3_sub( target, x ) );
     }
-    const wisp_vec3 way = subtract( there, load( s->place + (size_t)row * 4 ) );
+    const wisp_vec3 way = wisp_v3_sub( there, wisp_v3_load( s->place + (size_t)row * 4 ) );
     const float rate = 1.0f / s->spring.dt;
     hold_row( s, row, NOTHING, ( wisp_vec3 ){ rate * way.x, rate * way.y, rate * way.z } );
     f->contact[slot] = ( implicit_contact ){ .slides = 0 };
@@ -125,8 +98,8 @@ static touch read_touch( const implicit_contact_input* f, int slot, int place )
     const float *plane = f->plane + 4 * at, *motion = f->motion + 4 * at, *friction = f->friction + 3 * at;
     return ( touch ){
         .place = place,
-        .normal = load( plane ),
-        .motion = load( motion ),
+        .normal = wisp_v3_load( plane ),
+        .motion = wisp_v3_load( motion ),
         .gap = plane[3],
         .margin = motion[3],
         .static_friction = friction[0],
@@ -154,8 +127,8 @@ static bool judge( const implicit_system* s, const implicit_contact_input* f, in
                    implicit_tally* tally )
 {
     const float mass = s->place[(size_t)row * 4 + 3];
-    const wisp_vec3 v = load( f->velocity + (size_t)slot * 4 );
-    const float leaving = dot( subtract( v, t->motion ), t->normal );
+    const wisp_vec3 v = wisp_v3_load( f->velocity + (size_t)slot * 4 );
+    const float leaving = wisp_v3_dot( wisp_v3_sub( v, t->motion ), t->normal );
     const bool known = was_held( f->contact + slot,
                                  f->body[(size_t)slot * WISP_MAX_PARTICLE_CONTACTS + (size_t)t->place], &t->pressed );
     // a vertex that moves out of a body must be stopped before it is released
@@ -170,10 +143,11 @@ static bool judge( const implicit_system* s, const implicit_contact_input* f, in
     {
         return true;
     }
-    const wisp_vec3 x = load( f->position + (size_t)slot * 4 ), place = load( s->place + (size_t)row * 4 );
-    const wisp_vec3 there = add_scaled( place, s->spring.dt, load( s->start + (size_t)row * 4 ) );
-    const wisp_vec3 way = add_scaled( subtract( there, x ), -f->seconds, t->motion );
-    return t->gap >= 0.5f * t->margin && t->gap + dot( way, t->normal ) < 0.0f;
+    const wisp_vec3 x = wisp_v3_load( f->position + (size_t)slot * 4 ),
+                    place = wisp_v3_load( s->place + (size_t)row * 4 );
+    const wisp_vec3 there = wisp_v3_mul_add( place, s->spring.dt, wisp_v3_load( s->start + (size_t)row * 4 ) );
+    const wisp_vec3 way = wisp_v3_mul_add( wisp_v3_sub( there, x ), -f->seconds, t->motion );
+    return t->gap >= 0.5f * t->margin && t->gap + wisp_v3_dot( way, t->normal ) < 0.0f;
 }
 
 // ---- the normals of a row ----
@@ -185,8 +159,8 @@ static int merge( touch* touches, int count )
     {
         return count;
     }
-    const wisp_vec3 t = cross( touches[0].normal, touches[1].normal );
-    const bool is_one = dot( t, t ) < IMPLICIT_SAME_NORMALS,
+    const wisp_vec3 t = wisp_v3_cross( touches[0].normal, touches[1].normal );
+    const bool is_one = wisp_v3_dot( t, t ) < IMPLICIT_SAME_NORMALS,
                alike = is_one == false || touches[0].held == touches[1].held;
     const bool second = alike ? touches[1].gap < touches[0].gap : touches[1].held;
     if ( second )
@@ -204,19 +178,19 @@ static wisp_vec3 spanned( const touch* touches, int count, const float products[
     const wisp_vec3 none = { 0.0f, 0.0f, 0.0f }, n = touches[0].normal;
     if ( count == 1 )
     {
-        return add_scaled( none, products[0], n );
+        return wisp_v3_mul_add( none, products[0], n );
     }
-    const wisp_vec3 m = touches[1].normal, t = cross( n, m );
-    const float cosine = dot( n, m ), sine2 = dot( t, t );
-    const wisp_vec3 first = add_scaled( none, ( products[0] - cosine * products[1] ) / sine2, n );
-    return add_scaled( first, ( products[1] - cosine * products[0] ) / sine2, m );
+    const wisp_vec3 m = touches[1].normal, t = wisp_v3_cross( n, m );
+    const float cosine = wisp_v3_dot( n, m ), sine2 = wisp_v3_dot( t, t );
+    const wisp_vec3 first = wisp_v3_mul_add( none, ( products[0] - cosine * products[1] ) / sine2, n );
+    return wisp_v3_mul_add( first, ( products[1] - cosine * products[0] ) / sine2, m );
 }
 
 static wisp_vec3 foreign( const touch* touches, int count, wisp_vec3 v )
 {
-    const float products[WISP_MAX_PARTICLE_CONTACTS] = { dot( v, touches[0].normal ),
-                                                         dot( v, touches[count - 1].normal ) };
-    return subtract( v, spanned( touches, count, products ) );
+    const float products[WISP_MAX_PARTICLE_CONTACTS] = { wisp_v3_dot( v, touches[0].normal ),
+                                                         wisp_v3_dot( v, touches[count - 1].normal ) };
+    return wisp_v3_sub( v, spanned( touches, count, products ) );
 }
 
 // Filter of a row that slides.
@@ -227,8 +201,8 @@ static void free_across( const touch* touches, int count, float filter[6] )
     memcpy( filter, one, sizeof( one ) );
     if ( count == 2 )
     {
-        const wisp_vec3 t = cross( n, touches[1].normal );
-        const float scale = 1.0f / dot( t, t );
+        const wisp_vec3 t = wisp_v3_cross( n, touches[1].normal );
+        const float scale = 1.0f / wisp_v3_dot( t, t );
         const float two[6] = { scale * t.x * t.x, scale * t.x * t.y, scale * t.x * t.z,
                                scale * t.y * t.y, scale * t.y * t.z, scale * t.z * t.z };
         memcpy( filter, two, sizeof( two ) );
@@ -241,9 +215,11 @@ static void free_across( const touch* touches, int count, float filter[6] )
 static wisp_vec3 velocity_with( const implicit_system* s, const implicit_contact_input* f, int row, int slot,
                                 wisp_vec3 motion )
 {
-    const wisp_vec3 back = subtract( load( f->position + (size_t)slot * 4 ), load( s->place + (size_t)row * 4 ) );
+    const wisp_vec3 back =
+        wisp_v3_sub( wisp_v3_load( f->position + (size_t)slot * 4 ), wisp_v3_load( s->place + (size_t)row * 4 ) );
     const float rate = 1.0f / s->spring.dt;
-    return add_scaled( add_scaled( ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, rate, back ), rate * f->seconds, motion );
+    return wisp_v3_mul_add( wisp_v3_mul_add( ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, rate, back ), rate * f->seconds,
+                            motion );
 }
 
 // Rules 3 and 5: distance that the contact moves the particle out of the body, m.
@@ -259,13 +235,13 @@ static void prescribe( const implicit_system* s, const implicit_contact_input* f
     for ( int i = 0; i < count; ++i )
     {
         const wisp_vec3 v = velocity_with( s, f, row, slot, touches[i].motion );
-        products[i] = dot( v, touches[i].normal ) + way_out( f, touches + i ) / s->spring.dt;
+        products[i] = wisp_v3_dot( v, touches[i].normal ) + way_out( f, touches + i ) / s->spring.dt;
     }
     wisp_vec3 goal = spanned( touches, count, products );
     if ( sticks )
     {
         const wisp_vec3 v = velocity_with( s, f, row, slot, touches[0].motion );
-        goal = add_scaled( goal, 1.0f, foreign( touches, count, v ) );
+        goal = wisp_v3_mul_add( goal, 1.0f, foreign( touches, count, v ) );
     }
     else
     {
@@ -277,7 +253,7 @@ static void prescribe( const implicit_system* s, const implicit_contact_input* f
 // Apply friction against the sliding, without reversing it.
 static void rub( const implicit_system* s, int row, wisp_vec3 slip, float impulse )
 {
-    const float speed = length( slip ), mass = s->place[(size_t)row * 4 + 3];
+    const float speed = wisp_v3_length( slip ), mass = s->place[(size_t)row * 4 + 3];
     float* to = s->rubbing + (size_t)row * 4;
     if ( speed > 0.0f )
     {
@@ -321,8 +297,8 @@ static void answer( const implicit_system* s, const implicit_contact_input* f, i
     count = merge( touches, count );
     const grip g = grip_of( touches, count );
     const wisp_vec3 slip =
-        foreign( touches, count, subtract( load( s->start + (size_t)row * 4 ), touches[0].motion ) );
-    const float momentum = s->place[(size_t)row * 4 + 3] * length( slip );
+        foreign( touches, count, wisp_v3_sub( wisp_v3_load( s->start + (size_t)row * 4 ), touches[0].motion ) );
+    const float momentum = s->place[(size_t)row * 4 + 3] * wisp_v3_length( slip );
     const bool grips = before.slides != 0 ? momentum <= g.brakes : before.rubbed <= g.holds;
     const bool sticks = g.lands == false && ( g.is_new || grips );
     prescribe( s, f, row, slot, touches, count, sticks );
@@ -390,7 +366,7 @@ static int held_touches( const implicit_contact_input* f, int slot, touch touche
 wisp_vec3 implicit_impulse( const implicit_system* s, int row )
 {
     const wisp_vec3 left = read_lanes( (const float( * )[3][WISP_SLICE])s->conjugate.residual, row );
-    return subtract( filtered( s, row, left ), left );
+    return wisp_v3_sub( filtered( s, row, left ), left );
 }
 
 // Split J by the normals. Merged contacts have all of it each.
@@ -408,16 +384,17 @@ void implicit_press_row( const implicit_system* s, const implicit_contact_input*
     const int count = merge( touches, found );
     for ( int i = 0; i < found; ++i )
     {
-        contact->pressed[touches[i].place] = dot( impulse, touches[i].normal );
+        contact->pressed[touches[i].place] = wisp_v3_dot( impulse, touches[i].normal );
     }
     if ( count == 2 )
     {
-        const wisp_vec3 n = touches[0].normal, m = touches[1].normal, t = cross( n, m );
-        const float along = dot( impulse, n ), other = dot( impulse, m ), cosine = dot( n, m ), sine2 = dot( t, t );
+        const wisp_vec3 n = touches[0].normal, m = touches[1].normal, t = wisp_v3_cross( n, m );
+        const float along = wisp_v3_dot( impulse, n ), other = wisp_v3_dot( impulse, m ),
+                    cosine = wisp_v3_dot( n, m ), sine2 = wisp_v3_dot( t, t );
         contact->pressed[touches[0].place] = ( along - cosine * other ) / sine2;
         contact->pressed[touches[1].place] = ( other - cosine * along ) / sine2;
     }
-    contact->rubbed = length( foreign( touches, count, impulse ) );
+    contact->rubbed = wisp_v3_length( foreign( touches, count, impulse ) );
     // A vertex that would have arrived more slowly was pulled to its landing, with a velocity into the body. It must be stopped
     // there and is released later if at all.
     for ( int place = 0; place < WISP_MAX_PARTICLE_CONTACTS && contact->landed != 0; ++place )
@@ -437,18 +414,19 @@ void implicit_settle_row( const implicit_contact_input* f, int slot, float* x, f
         return;
     }
     count = merge( touches, count );
-    const wisp_vec3 surface = touches[0].motion, now = load( x ), was = load( x_before );
+    const wisp_vec3 surface = touches[0].motion, now = wisp_v3_load( x ), was = wisp_v3_load( x_before );
     const float products[WISP_MAX_PARTICLE_CONTACTS] = {
-        dot( surface, touches[0].normal ), dot( touches[count - 1].motion, touches[count - 1].normal )
+        wisp_v3_dot( surface, touches[0].normal ), wisp_v3_dot( touches[count - 1].motion, touches[count - 1].normal )
     };
     const bool sticks = f->contact[slot].slides == 0;
     const wisp_vec3 along = spanned( touches, count, products ), none = { 0.0f, 0.0f, 0.0f };
-    const wisp_vec3 gone = sticks ? add_scaled( none, f->seconds, surface ) : subtract( now, was );
-    const wisp_vec3 speed = sticks ? surface : load( v ), speed_before = sticks ? surface : load( v_before );
-    const wisp_vec3 way = add_scaled( foreign( touches, count, gone ), f->seconds, along );
-    const wisp_vec3 from = subtract( now, way );
-    const wisp_vec3 to = add_scaled( along, 1.0f, foreign( touches, count, speed ) );
-    const wisp_vec3 to_before = add_scaled( along, 1.0f, foreign( touches, count, speed_before ) );
+    const wisp_vec3 gone = sticks ? wisp_v3_mul_add( none, f->seconds, surface ) : wisp_v3_sub( now, was );
+    const wisp_vec3 speed = sticks ? surface : wisp_v3_load( v ),
+                    speed_before = sticks ? surface : wisp_v3_load( v_before );
+    const wisp_vec3 way = wisp_v3_mul_add( foreign( touches, count, gone ), f->seconds, along );
+    const wisp_vec3 from = wisp_v3_sub( now, way );
+    const wisp_vec3 to = wisp_v3_mul_add( along, 1.0f, foreign( touches, count, speed ) );
+    const wisp_vec3 to_before = wisp_v3_mul_add( along, 1.0f, foreign( touches, count, speed_before ) );
     memcpy( x_before, &from, sizeof( from ) );
     memcpy( v, &to, sizeof( to ) );
     memcpy( v_before, &to_before, sizeof( to_before ) );

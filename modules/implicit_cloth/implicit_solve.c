@@ -4,6 +4,8 @@
 
 // A repeated solve ends at this fraction of its own residual at the latest: the next one starts from it.
 static const double REPEAT = 0.1;
+// Very stiff links store what a solve leaves, so they get a tolerance of this at least.
+static const double TIGHT = 1e-4;
 
 typedef struct slice_loop
 {
@@ -82,7 +84,9 @@ implicit_outcome implicit_solve( implicit_system* s )
         delta_0 = delta_0 > 0.0 ? delta_0 : delta;
     }
     // a repeat ends where the first solve did, and at a tenth of its own residual if that is less
-    const double tolerance = (double)s->material->tolerance, own = tolerance * tolerance * delta_0;
+    const double queried = (double)s->material->tolerance,
+                 tolerance = fmin( queried, fmax( queried * sqrt( s->looseness ), TIGHT ) ),
+                 own = tolerance * tolerance * delta_0;
     s->first = s->spring.is_repeat ? s->first : own;
     const double repeat = s->spring.is_repeat ? s->looseness * fmin( s->first, REPEAT * REPEAT * delta_0 ) : 0.0;
     const double least = fmax( fmax( own, repeat ), s->floor );

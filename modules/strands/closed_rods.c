@@ -39,7 +39,7 @@ static double ring_mass_at( const ring* r, int i )
 static wisp_vec3 direction_at( const ring* r, int s )
 {
     const int row = r->row + around( r, s );
-    const wisp_vec3 e = strands_sub( strands_get( r->args->rows->rest, row + 1, r->lane ),
+    const wisp_vec3 e = wisp_v3_sub( strands_get( r->args->rows->rest, row + 1, r->lane ),
                                      strands_get( r->args->rows->rest, row, r->lane ) );
     const float scale = 1.0f / (float)length_at( r, s );
     return ( wisp_vec3 ){ scale * e.x, scale * e.y, scale * e.z };
@@ -47,7 +47,7 @@ static wisp_vec3 direction_at( const ring* r, int s )
 
 static double turn_at( const ring* r, int i )
 {
-    return (double)strands_norm( strands_sub( direction_at( r, i ), direction_at( r, i - 1 ) ) );
+    return (double)wisp_v3_length( wisp_v3_sub( direction_at( r, i ), direction_at( r, i - 1 ) ) );
 }
 
 static double ring_stiffness( const ring* r, int i )

@@ -19,7 +19,7 @@ void strands_move_head( wisp_frame* frame, const wisp_span* span, void* user )
     const int32_t jumped = head->jumped;
     head->from = jumped != 0 ? head->to : wisp_frame_reached( frame, head->from, head->to );
     head->to = head->target;
-    const float way = strands_norm( strands_sub( head->to.translation, head->from.translation ) );
+    const float way = wisp_v3_length( wisp_v3_sub( head->to.translation, head->from.translation ) );
     const bool moves = memcmp( &head->from, &head->to, sizeof( wisp_transform ) ) != 0;
     const int32_t carried = moves ? STRANDS_CARRIED : jumped == STRANDS_CARRIED ? STRANDS_STOPPED : 0;
     const bool is_solved = wisp_frame_detail( frame, span->entity ).level != WISP_DETAIL_NOTHING;
@@ -46,10 +46,10 @@ static void turn_vertex( const turned_columns* c, int row, int lane, wisp_vec3 f
 {
     const wisp_vec3 old = strands_get( c->position, row, lane );
     const wisp_vec3 low = strands_get( c->low, row, lane );
-    const wisp_vec3 arm = strands_add( strands_sub( strands_get( c->position, row, lane ), from ), low );
-    const wisp_vec3 turned = wisp_quat_rotate( turn, arm ), put = strands_add( to, turned );
+    const wisp_vec3 arm = wisp_v3_add( wisp_v3_sub( strands_get( c->position, row, lane ), from ), low );
+    const wisp_vec3 turned = wisp_quat_rotate( turn, arm ), put = wisp_v3_add( to, turned );
     strands_put( c->position, row, lane, put );
-    const wisp_vec3 way = strands_sub( put, old );
+    const wisp_vec3 way = wisp_v3_sub( put, old );
     const wisp_vec3 speed = { c->inverse_seconds * way.x, c->inverse_seconds * way.y, c->inverse_seconds * way.z };
     strands_put( c->velocity, row, lane,
                  c->inverse_seconds > 0.0f ? speed
@@ -88,13 +88,13 @@ void strands_turn_frames( wisp_frame* frame, wisp_entity entity, wisp_component 
     for ( int v = 0; v < t->lane_count[group * WISP_LANES + lane]; ++v )
     {
         const int row = t->group_row[group] + v;
-        strands_put_quat( frames, row, lane, strands_quat_multiply( turn, strands_get_quat( frames, row, lane ) ) );
+        strands_put_quat( frames, row, lane, wisp_quat_multiply( turn, strands_get_quat( frames, row, lane ) ) );
     }
 }
 
 static wisp_quat turn_of( const strands_head* head )
 {
-    return strands_quat_multiply( head->to.rotation, strands_quat_inverse( head->from.rotation ) );
+    return wisp_quat_multiply( head->to.rotation, strands_quat_inverse( head->from.rotation ) );
 }
 
 void strands_jump( wisp_frame* frame, const wisp_span* span, void* user )
@@ -133,7 +133,7 @@ static void make_pose_rows( const strands_head* head, wisp_transform pose, float
     const wisp_vec3 x = wisp_quat_rotate( pose.rotation, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } );
     const wisp_vec3 y = wisp_quat_rotate( pose.rotation, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
     const wisp_vec3 z = wisp_quat_rotate( pose.rotation, ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f } );
-    const wisp_vec3 to = head->to.translation, way = strands_sub( to, head->from.translation );
+    const wisp_vec3 to = head->to.translation, way = wisp_v3_sub( to, head->from.translation );
     rows[0] = ( pose_row ){ x.x, y.x, z.x, to.x, -left * way.x };
     rows[1] = ( pose_row ){ x.y, y.y, z.y, to.y, -left * way.y };
     rows[2] = ( pose_row ){ x.z, y.z, z.z, to.z, -left * way.z };
@@ -222,12 +222,12 @@ void strands_hold_pins( wisp_frame* frame, const wisp_span* span, void* user )
             {
                 continue;
             }
-            const wisp_vec3 at_rest = strands_sub( strands_get( rest, row, lane ), strands_get( rest, first, lane ) );
-            const wisp_vec3 arm = strands_add( wisp_quat_rotate( strands_get_quat( rotation, group, lane ), at_rest ),
+            const wisp_vec3 at_rest = wisp_v3_sub( strands_get( rest, row, lane ), strands_get( rest, first, lane ) );
+            const wisp_vec3 arm = wisp_v3_add( wisp_quat_rotate( strands_get_quat( rotation, group, lane ), at_rest ),
                                                strands_get( root_low, group, lane ) );
-            const wisp_vec3 to = strands_add( from, arm ), to_low = strands_low_vector( from, arm, to );
-            const wisp_vec3 way = strands_add( strands_sub( to, strands_get( position, row, lane ) ),
-                                               strands_sub( to_low, strands_get( low, row, lane ) ) );
+            const wisp_vec3 to = wisp_v3_add( from, arm ), to_low = strands_low_vector( from, arm, to );
+            const wisp_vec3 way = wisp_v3_add( wisp_v3_sub( to, strands_get( position, row, lane ) ),
+                                               wisp_v3_sub( to_low, strands_get( low, row, lane ) ) );
             strands_put( velocity, row, lane,
                          ( wisp_vec3 ){ inverse_dt * way.x, inverse_dt * way.y, inverse_dt * way.z } );
             strands_put( position, row, lane, to );
@@ -246,9 +246,9 @@ static float root_displacement( const strands_head* head, const float lower[3], 
     const wisp_vec3 arm = { fmaxf( fabsf( lower[0] - from.x ), fabsf( upper[0] - from.x ) ),
                             fmaxf( fabsf( lower[1] - from.y ), fabsf( upper[1] - from.y ) ),
                             fmaxf( fabsf( lower[2] - from.z ), fabsf( upper[2] - from.z ) ) };
-    const wisp_quat turn = strands_quat_multiply( head->to.rotation, strands_quat_inverse( head->from.rotation ) );
-    const float half_sine = strands_norm( ( wisp_vec3 ){ turn.x, turn.y, turn.z } );
-    return strands_norm( strands_sub( head->to.translation, from ) ) + 2.0f * half_sine * strands_norm( arm );
+    const wisp_quat turn = wisp_quat_multiply( head->to.rotation, strands_quat_inverse( head->from.rotation ) );
+    const float half_sine = wisp_v3_length( ( wisp_vec3 ){ turn.x, turn.y, turn.z } );
+    return wisp_v3_length( wisp_v3_sub( head->to.translation, from ) ) + 2.0f * half_sine * wisp_v3_length( arm );
 }
 
 // Find the bounds of the roots. @return m, length of the longest strand

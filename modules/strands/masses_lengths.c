@@ -14,7 +14,7 @@ static const float MIN_MASS = 1e-6f;
 
 static float segment_at_rest( const float* rest, int row, int lane )
 {
-    return strands_norm( strands_sub( strands_get( rest, row + 1, lane ), strands_get( rest, row, lane ) ) );
+    return wisp_v3_length( wisp_v3_sub( strands_get( rest, row + 1, lane ), strands_get( rest, row, lane ) ) );
 }
 
 static double length_at_rest( const float* rest, int row, int count, int lane )
@@ -42,9 +42,9 @@ static const double LOOP = 1e-3;
 
 bool strands_is_loop( const float* rest, int row, int count, int lane )
 {
-    const wisp_vec3 gap = strands_sub( strands_get( rest, row + count - 1, lane ), strands_get( rest, row, lane ) );
+    const wisp_vec3 gap = wisp_v3_sub( strands_get( rest, row + count - 1, lane ), strands_get( rest, row, lane ) );
     const double whole = count > 3 ? length_at_rest( rest, row, count, lane ) : 0.0;
-    return whole > 0.0 && (double)strands_norm( gap ) <= LOOP * whole / ( count - 1 );
+    return whole > 0.0 && (double)wisp_v3_length( gap ) <= LOOP * whole / ( count - 1 );
 }
 
 // Return half the mass of both segments, unless the definition gives masses.
@@ -184,9 +184,9 @@ static void cook_link( const strands_rows* rows, int stride, float* rest )
         {
             const int row = t->group_row[i / WISP_LANES] + v;
             const wisp_vec3 along =
-                strands_sub( strands_get( rows->rest, row + stride, lane ), strands_get( rows->rest, row, lane ) );
+                wisp_v3_sub( strands_get( rows->rest, row + stride, lane ), strands_get( rows->rest, row, lane ) );
             const size_t at = strands_scalar( row, lane );
-            rest[at] = stride == 1 ? rows->length[at] : strands_norm( along );
+            rest[at] = stride == 1 ? rows->length[at] : wisp_v3_length( along );
         }
     }
 }

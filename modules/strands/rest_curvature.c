@@ -348,7 +348,7 @@ static double curve_vertices( const curve_args* args, const strand_shape* shape,
 // Return the frame of segment s at rest from the one before it.
 static wisp_quat next_frame( const curve_args* args, const strand_shape* shape, int s, wisp_quat before )
 {
-    const wisp_vec3 e = strands_sub( strands_get( args->rows->rest, shape->row + s + 1, shape->lane ),
+    const wisp_vec3 e = wisp_v3_sub( strands_get( args->rows->rest, shape->row + s + 1, shape->lane ),
                                      strands_get( args->rows->rest, shape->row + s, shape->lane ) );
     return strands_twist_frame( strands_carry_frame( before, e ),
                                 strands_natural_twist( args->rows->length, shape->row, s, shape->count, shape->lane,
@@ -374,9 +374,9 @@ static void rest_tip( const curve_args* args, const strand_shape* shape, wisp_qu
 {
     const int i = shape->count - 1, row = shape->row + i;
     const wisp_vec3 z = { 0.0f, 0.0f, 1.0f };
-    const wisp_quat r = strands_quat_multiply( strands_quat_inverse( last ), tip );
+    const wisp_quat r = wisp_quat_multiply( strands_quat_inverse( last ), tip );
     const bool is_straight = args->settings->rest == WISP_STRAND_REST_STRAIGHT;
-    const wisp_vec3 bend = strands_sub( wisp_quat_rotate( tip, z ), wisp_quat_rotate( last, z ) );
+    const wisp_vec3 bend = wisp_v3_sub( wisp_quat_rotate( tip, z ), wisp_quat_rotate( last, z ) );
     const double natural = strands_natural_twist( args->rows->length, shape->row, i, shape->count, shape->lane,
                                                   (double)args->section.twist );
     const double half_twist = is_straight ? 0.5 * natural : atan2( (double)r.z, (double)r.w );
@@ -391,7 +391,7 @@ static void rest_joint( const curve_args* args, const strand_shape* shape, wisp_
                         wisp_vec3 k )
 {
     const wisp_quat first = next_frame( args, shape, 0, clamp );
-    const wisp_quat r = strands_quat_multiply( strands_quat_inverse( last ), first );
+    const wisp_quat r = wisp_quat_multiply( strands_quat_inverse( last ), first );
     const double sign = r.w < 0.0f ? -1.0 : 1.0; // of the two quaternions the smaller rotation
     const double given = atan2( sign * (double)r.z, sign * (double)r.w );
     put_vertex( args, shape->row, shape->lane, wisp_quat_inverse_rotate( middle_frame( last, first ), k ),

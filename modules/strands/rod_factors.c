@@ -34,8 +34,8 @@ static wisp_quat clamp_of( const float* rest, int row, int count, int lane )
 {
     for ( int i = 0; i + 1 < count; ++i )
     {
-        const wisp_vec3 e = strands_sub( strands_get( rest, row + i + 1, lane ), strands_get( rest, row + i, lane ) );
-        if ( strands_norm( e ) > 0.0f )
+        const wisp_vec3 e = wisp_v3_sub( strands_get( rest, row + i + 1, lane ), strands_get( rest, row + i, lane ) );
+        if ( wisp_v3_length( e ) > 0.0f )
         {
             return strands_rotation_to( e );
         }
@@ -48,7 +48,7 @@ static wisp_quat turn_section( wisp_quat clamp, wisp_vec3 normal )
 {
     const wisp_vec3 local = wisp_quat_inverse_rotate( clamp, normal );
     const double x = (double)local.x, y = (double)local.y;
-    return x * x + y * y > 1e-12 * (double)( strands_norm( local ) * strands_norm( local ) )
+    return x * x + y * y > 1e-12 * (double)( wisp_v3_length( local ) * wisp_v3_length( local ) )
                ? strands_twist_frame( clamp, atan2( y, x ) )
                : clamp;
 }
@@ -97,7 +97,7 @@ void strands_cook_rods( wisp_world* world, wisp_entity strands, const strands_st
         const int group = i / WISP_LANES, lane = i % WISP_LANES;
         const wisp_quat q = clamp_of( rows.rest, t->group_row[group], t->lane_count[i], lane );
         strands_put_quat( clamp, group, lane, section != NULL ? turn_section( q, section->normal ) : q );
-        cook_max_tension( &rows, (double)strands_norm( settings->gravity ), t->group_row[group], t->lane_count[i],
+        cook_max_tension( &rows, (double)wisp_v3_length( settings->gravity ), t->group_row[group], t->lane_count[i],
                           lane, most );
         factored[group] = 0.0f;
     }
@@ -124,7 +124,7 @@ void strands_refactor( wisp_world* world, wisp_entity strands, const strands_sta
         return;
     }
     factored[0] = 0.0f; // the pass looks at the first group and computes all
-    cook_max_tension( &rows, (double)strands_norm( settings->gravity ), row, count, lane % WISP_LANES, most );
+    cook_max_tension( &rows, (double)wisp_v3_length( settings->gravity ), row, count, lane % WISP_LANES, most );
     for ( int i = row; i < row + count && has_balance; ++i )
     {
         most[strands_scalar( i, lane % WISP_LANES )] = FLT_MAX;
@@ -205,12 +205,12 @@ static double turn_at_rest( const strands_rows* rows, int row, int i, int count,
         return 0.0;
     }
     const wisp_vec3 a =
-        strands_sub( strands_get( rows->rest, row + i, lane ), strands_get( rows->rest, row + i - 1, lane ) );
+        wisp_v3_sub( strands_get( rows->rest, row + i, lane ), strands_get( rows->rest, row + i - 1, lane ) );
     const wisp_vec3 b =
-        strands_sub( strands_get( rows->rest, row + i + 1, lane ), strands_get( rows->rest, row + i, lane ) );
+        wisp_v3_sub( strands_get( rows->rest, row + i + 1, lane ), strands_get( rows->rest, row + i, lane ) );
     const float s = 1.0f / (float)length_at_row( rows, row + i - 1, lane ),
                 t = 1.0f / (float)length_at_row( rows, row + i, lane );
-    return (double)strands_norm( ( wisp_vec3 ){ t * b.x - s * a.x, t * b.y - s * a.y, t * b.z - s * a.z } );
+    return (double)wisp_v3_length( ( wisp_vec3 ){ t * b.x - s * a.x, t * b.y - s * a.y, t * b.z - s * a.z } );
 }
 
 double strands_sharpest_turn( const strands_rows* rows, int row, int i, int count, int lane )
@@ -307,7 +307,7 @@ static void stiffen_strand( const factor_args* args, const rod_strand* strand )
 // third of m l / dt^2: at 0.6, light hair whose clamped tips were moved whipped for ever in 10 substeps, and did so without twist.
 static void bound_held_tension( const factor_args* args, const rod_strand* strand, float* most )
 {
-    const double gravity = (double)strands_norm( args->settings->gravity );
+    const double gravity = (double)wisp_v3_length( args->settings->gravity );
     double whole = 0.0;
     for ( int i = 1; i < strand->count; ++i )
     {

@@ -60,6 +60,8 @@
 
 #include "strand_rows.h"
 
+#include "wisp/module/sleep.h"
+
 // Return the smallest rotation from the z axis to a direction.
 wisp_quat strands_rotation_to( wisp_vec3 d )
 {
@@ -74,18 +76,18 @@ wisp_quat strands_rotation_to( wisp_vec3 d )
 
 wisp_quat strands_carry_frame( wisp_quat q, wisp_vec3 e )
 {
-    if ( strands_norm( e ) == 0.0f )
+    if ( wisp_v3_length( e ) == 0.0f )
     {
         return q;
     }
-    const wisp_quat carried = strands_quat_multiply( q, strands_rotation_to( wisp_quat_inverse_rotate( q, e ) ) );
+    const wisp_quat carried = wisp_quat_multiply( q, strands_rotation_to( wisp_quat_inverse_rotate( q, e ) ) );
     return wisp_transform_make( carried, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
 }
 
 wisp_quat strands_twist_frame( wisp_quat q, double angle )
 {
     const wisp_quat turn = { 0.0f, 0.0f, (float)sin( 0.5 * angle ), (float)cos( 0.5 * angle ) };
-    return angle == 0.0 ? q : strands_quat_multiply( q, turn );
+    return angle == 0.0 ? q : wisp_quat_multiply( q, turn );
 }
 
 double strands_natural_twist( const float* length, int row, int i, int count, int lane, double twist )
@@ -102,18 +104,47 @@ void strands_lay_group( const wisp_strand_topology* t, const float* position, co
     for ( int lane = 0; lane < WISP_LANES; ++lane )
     {
         wisp_quat q =
-            strands_quat_multiply( strands_get_quat( root, group, lane ), strands_get_quat( clamp, group, lane ) );
+            wisp_quat_multiply( strands_get_quat( root, group, lane ), strands_get_quat( clamp, group, lane ) );
         const int count = t->lane_count[group * WISP_LANES + lane];
         for ( int row = first; row < t->group_row[group + 1]; ++row )
         {
             if ( row - first + 1 < count )
             {
                 const wisp_vec3 to = strands_get( position, row + 1, lane );
-                q = strands_carry_frame( q, strands_sub( to, strands_get( position, row, lane ) ) );
+                q = strands_carry_frame( q, wisp_v3_sub( to, strands_get( position, row, lane ) ) );
                 q = strands_twist_frame(
                     q, strands_natural_twist( length, first, row - first, count, lane, (double)twist ) );
             }
             strands_put_quat( frame, row, lane, q );
+        }
+    }
+}
+
+void strands_add_frames( const void* state, wisp_world* world, wisp_entity entity, wisp_line_kind kind,
+                         wisp_line_list* list )
+{
+    const strands_state* s = state;
+    const wisp_strand_topology* t = wisp_world_strands( world, entity );
+    const float* position = wisp_world_rows( world, entity, WISP_STRAND_POSITION, 0 );
+    const float* root = wisp_world_rows( world, entity, WISP_STRAND_ROOT, 1 );
+    const float* clamp = wisp_world_rows( world, entity, s->clamp, 0 );
+    const float* frame = wisp_world_rows( world, entity, s->curve, 0 );
+    for ( int i = 0; kind == WISP_LINES_FRAMES && clamp != NULL && i < WISP_LANES * t->group_count; ++i )
+    {
+        const int group = i / WISP_LANES, lane = i % WISP_LANES, first = t->group_row[group];
+        for ( int k = 0; k + 1 < t->lane_count[i] && ( k == 0 || frame != NULL ); ++k )
+        {
+            const wisp_vec3 at = strands_get( position, first + k, lane );
+            const float size =
+                0.5f * wisp_v3_length( wisp_v3_sub( strands_get( position, first + k + 1, lane ), at ) );
+            const wisp_quat q = frame != NULL ? strands_get_quat( frame, first + k, lane )
+                                              : wisp_quat_multiply( strands_get_quat( root, group, lane ),
+                                                                    strands_get_quat( clamp, group, lane ) );
+            for ( int axis = 0; axis < 2; ++axis ) // the first one red, the second one green
+            {
+                const wisp_vec3 unit = wisp_v3( axis == 0 ? 1.0f : 0.0f, axis == 0 ? 0.0f : 1.0f, 0.0f );
+                wisp_add_line( list, entity, at, wisp_v3_mul_add( at, size, wisp_quat_rotate( q, unit ) ), unit );
+            }
         }
     }
 }

@@ -32,7 +32,7 @@ static wisp_vec3 turned( const wisp_carry_args* args, wisp_vec3 v )
 // Return how far a point is carried.
 static wisp_vec3 way_of( const wisp_carry_args* args, wisp_vec3 place )
 {
-    return strands_add( turned( args, strands_sub( place, args->origin ) ), args->shift );
+    return wisp_v3_add( turned( args, wisp_v3_sub( place, args->origin ) ), args->shift );
 }
 
 bool strands_find_carry_velocity( wisp_frame* frame, const wisp_span* span, wisp_vec3 place, wisp_vec3* linear,
@@ -49,7 +49,7 @@ bool strands_find_carry_velocity( wisp_frame* frame, const wisp_span* span, wisp
     const float half_sine = sqrtf( q.x * q.x + q.y * q.y + q.z * q.z );
     const float rate =
         half_sine > 0.0f ? sign * 2.0f * atan2f( half_sine, sign * q.w ) * inverse_dt / half_sine : 0.0f;
-    const wisp_vec3 w = { rate * q.x, rate * q.y, rate * q.z }, arm = strands_sub( place, args.origin ),
+    const wisp_vec3 w = { rate * q.x, rate * q.y, rate * q.z }, arm = wisp_v3_sub( place, args.origin ),
                     s = args.shift;
     *angular = w;
     *linear =
@@ -69,7 +69,7 @@ void strands_move_frame( wisp_frame* frame, const wisp_span* span, void* user )
 static void turn_rows( const wisp_carry_args* args, float* rows, int row, int lane )
 {
     const wisp_vec3 v = strands_get( rows, row, lane );
-    strands_put( rows, row, lane, strands_add( v, turned( args, v ) ) );
+    strands_put( rows, row, lane, wisp_v3_add( v, turned( args, v ) ) );
 }
 
 void strands_carry( wisp_frame* frame, const wisp_span* span, void* user )
@@ -101,7 +101,7 @@ void strands_carry( wisp_frame* frame, const wisp_span* span, void* user )
             }
             const wisp_vec3 rest = strands_get( low, row, lane );
             const wisp_vec3 way = way_of( &args, strands_get( position, row, lane ) );
-            strands_put( low, row, lane, strands_add( rest, way ) );
+            strands_put( low, row, lane, wisp_v3_add( rest, way ) );
             turn_rows( &args, velocity, row, lane );
             if ( looks_back )
             {
@@ -166,7 +166,7 @@ void strands_limit_speed( wisp_frame* frame, const wisp_span* span, void* user )
         for ( int row = first; row < first + t->lane_count[i]; ++row )
         {
             const wisp_vec3 v = strands_get( velocity, row, lane );
-            const float speed = strands_norm( v );
+            const float speed = wisp_v3_length( v );
             if ( weight[strands_scalar( row, lane )] > 0.0f && speed > most )
             {
                 const float scale = most / speed;

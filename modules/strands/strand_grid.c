@@ -420,6 +420,8 @@ wisp_status wisp_set_strand_grid( wisp_world* world, wisp_entity strands, const 
             .friction = def->friction,
             .repulsion = def->repulsion,
         };
+        wisp_world_tell( world, strands, def->friction == 0.0f && def->repulsion == 0.0f,
+                         "'grid' has no effect without friction or repulsion" );
     }
     return status;
 }

@@ -3,6 +3,7 @@
 
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
+#include "wisp/module/vec.h"
 
 #include <math.h>
 
@@ -59,27 +60,9 @@ static inline void strands_put_quat( float* rows, int row, int lane, wisp_quat q
     p[3 * WISP_LANES] = q.w;
 }
 
-/// Return the rotation a after b.
-static inline wisp_quat strands_quat_multiply( wisp_quat a, wisp_quat b )
-{
-    return (
-        wisp_quat ){ a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-                     a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z };
-}
-
 static inline wisp_quat strands_quat_inverse( wisp_quat q )
 {
     return ( wisp_quat ){ -q.x, -q.y, -q.z, q.w };
-}
-
-static inline wisp_vec3 strands_sub( wisp_vec3 a, wisp_vec3 b )
-{
-    return ( wisp_vec3 ){ a.x - b.x, a.y - b.y, a.z - b.z };
-}
-
-static inline wisp_vec3 strands_add( wisp_vec3 a, wisp_vec3 b )
-{
-    return ( wisp_vec3 ){ a.x + b.x, a.y + b.y, a.z + b.z };
 }
 
 /// Return what does not fit the rounded sum of a and b, exactly (Knuth's two-sum).
@@ -93,11 +76,6 @@ static inline wisp_vec3 strands_low_vector( wisp_vec3 a, wisp_vec3 b, wisp_vec3 
 {
     return ( wisp_vec3 ){ strands_low( a.x, b.x, sum.x ), strands_low( a.y, b.y, sum.y ),
                           strands_low( a.z, b.z, sum.z ) };
-}
-
-static inline float strands_norm( wisp_vec3 v )
-{
-    return sqrtf( v.x * v.x + v.y * v.y + v.z * v.z );
 }
 
 static inline strands_rows strands_rows_of( wisp_world* world, wisp_entity strands )

@@ -100,19 +100,19 @@ void strands_hold_tips( wisp_frame* frame, const wisp_span* span, void* user )
         }
         const int group = i / WISP_LANES, lane = i % WISP_LANES, row = tip_row( c.topology, i );
         const wisp_vec3 at_rest =
-            strands_sub( strands_get( rest, row, lane ), strands_get( rest, c.topology->group_row[group], lane ) );
+            wisp_v3_sub( strands_get( rest, row, lane ), strands_get( rest, c.topology->group_row[group], lane ) );
         const wisp_vec3 turned = wisp_quat_rotate( strands_get_quat( c.root_turn, group, lane ),
-                                                   strands_add( at_rest, pose_of( &c, i ).translation ) );
+                                                   wisp_v3_add( at_rest, pose_of( &c, i ).translation ) );
         const wisp_vec3 from = strands_get( c.root, group, lane );
-        const wisp_vec3 arm = strands_add( turned, strands_get( c.root_low, group, lane ) );
-        const wisp_vec3 to = strands_add( from, arm ), to_low = strands_low_vector( from, arm, to );
-        const wisp_vec3 way = strands_add( strands_sub( to, strands_get( position, row, lane ) ),
-                                           strands_sub( to_low, strands_get( low, row, lane ) ) );
+        const wisp_vec3 arm = wisp_v3_add( turned, strands_get( c.root_low, group, lane ) );
+        const wisp_vec3 to = wisp_v3_add( from, arm ), to_low = strands_low_vector( from, arm, to );
+        const wisp_vec3 way = wisp_v3_add( wisp_v3_sub( to, strands_get( position, row, lane ) ),
+                                           wisp_v3_sub( to_low, strands_get( low, row, lane ) ) );
         strands_put( velocity, row, lane,
                      ( wisp_vec3 ){ inverse_dt * way.x, inverse_dt * way.y, inverse_dt * way.z } );
         strands_put( position, row, lane, to );
         strands_put( low, row, lane, to_low );
-        stretched += is_last && strands_norm( turned ) > 1.001f * reach[i] ? 1 : 0;
+        stretched += is_last && wisp_v3_length( turned ) > 1.001f * reach[i] ? 1 : 0;
     }
     if ( stretched > 0 )
     {
@@ -134,9 +134,8 @@ void strands_turn_tips( wisp_frame* frame, const wisp_span* span, void* user )
             continue;
         }
         const int group = i / WISP_LANES, lane = i % WISP_LANES, row = tip_row( c.topology, i );
-        const wisp_quat own =
-            strands_quat_multiply( pose_of( &c, i ).rotation, strands_get_quat( rest, group, lane ) );
-        const wisp_quat q = strands_quat_multiply( strands_get_quat( c.root_turn, group, lane ), own );
+        const wisp_quat own = wisp_quat_multiply( pose_of( &c, i ).rotation, strands_get_quat( rest, group, lane ) );
+        const wisp_quat q = wisp_quat_multiply( strands_get_quat( c.root_turn, group, lane ), own );
         strands_put_quat( frames, row, lane, q );
         strands_put( direction, row, lane, wisp_quat_rotate( q, ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f } ) );
     }
@@ -184,7 +183,7 @@ static wisp_quat rest_frame( wisp_world* world, wisp_entity strands, const stran
     {
         if ( v + 1 < rows.topology->lane_count[i] )
         {
-            q = strands_carry_frame( q, strands_sub( strands_get( rows.rest, first + v + 1, lane ),
+            q = strands_carry_frame( q, wisp_v3_sub( strands_get( rows.rest, first + v + 1, lane ),
                                                      strands_get( rows.rest, first + v, lane ) ) );
         }
         q = strands_twist_frame( q, natural_twist_at( world, strands, state, i, v ) );
@@ -275,11 +274,11 @@ static wisp_transform present_pose( wisp_world* world, wisp_entity strands, cons
         return AT_REST;
     }
     const wisp_vec3 at_rest =
-        strands_sub( strands_get( rows.rest, last, lane ), strands_get( rows.rest, first, lane ) );
+        wisp_v3_sub( strands_get( rows.rest, last, lane ), strands_get( rows.rest, first, lane ) );
     const wisp_vec3 now =
-        strands_sub( strands_get( position, last, lane ),
+        wisp_v3_sub( strands_get( position, last, lane ),
                      strands_get( wisp_world_column( world, strands, WISP_STRAND_ROOT, 0 ), group, lane ) );
-    const wisp_vec3 way = strands_sub( wisp_quat_rotate( back, now ), at_rest );
+    const wisp_vec3 way = wisp_v3_sub( wisp_quat_rotate( back, now ), at_rest );
     if ( frames == NULL )
     {
         return wisp_transform_make( AT_REST.rotation, way );
@@ -288,7 +287,7 @@ static wisp_transform present_pose( wisp_world* world, wisp_entity strands, cons
     const wisp_quat own =
         strands_twist_frame( strands_get_quat( frames, last - 1, lane ),
                              natural_twist_at( world, strands, state, i, rows.topology->lane_count[i] - 1 ) );
-    const wisp_quat turn = strands_quat_multiply( back, strands_quat_multiply( own, strands_quat_inverse( rest ) ) );
+    const wisp_quat turn = wisp_quat_multiply( back, wisp_quat_multiply( own, strands_quat_inverse( rest ) ) );
     return wisp_transform_make( turn, way );
 }
 

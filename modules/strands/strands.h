@@ -82,7 +82,7 @@ typedef struct wisp_strand_dynamics_def
     int pin_count;
 
     wisp_vec3 gravity;      ///< m/s^2, default (0, -9.81, 0)
-    float damping;          ///< 1/s, >= 0: decay rate of motion relative to the head; default 0
+    float damping;          ///< 1/s, >= 0: decay rate of motion relative to the head; default 3: at rest within 4 s
     wisp_vec3 wind;         ///< m/s, velocity of the air, default 0
     float air_density;      ///< kg/m^3, default 1.204
     float drag_coefficient; ///< coefficient C_d across a strand, >= 0, default 0: no air

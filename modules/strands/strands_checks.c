@@ -41,7 +41,7 @@ static wisp_status check_ranges( wisp_world* world, const wisp_strand_dynamics_d
 
 wisp_status strands_check_vector( wisp_world* world, const char* name, wisp_vec3 v, float most )
 {
-    if ( !( strands_norm( v ) <= most ) )
+    if ( !( wisp_v3_length( v ) <= most ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "strands: %s (%g, %g, %g) is not finite or above %g", name,
                                 (double)v.x, (double)v.y, (double)v.z, (double)most );

@@ -26,6 +26,7 @@ void wisp_init_strand_dynamics_def( wisp_strand_dynamics_def* def, size_t size )
         .bend_stiffness = 0.2f,
         .line_density = 6.5e-6f,
         .gravity = { 0.0f, -9.81f, 0.0f },
+        .damping = 3.0f,
         .air_density = 1.204f,
         .diameter = 8e-5f,
         .teleport = 5.0f,
@@ -81,7 +82,7 @@ static bool holds_vertices( const wisp_strand_topology* t, const float* rest, co
         for ( int v = 1; v < t->lane_count[i]; ++v )
         {
             whole +=
-                strands_norm( strands_sub( strands_get( rest, row + v, lane ), strands_get( rest, row, lane ) ) );
+                wisp_v3_length( wisp_v3_sub( strands_get( rest, row + v, lane ), strands_get( rest, row, lane ) ) );
         }
         holds = t->lane_count[i] > 1 && whole == 0.0f;
     }
@@ -186,6 +187,9 @@ static void fill_materials( wisp_world* world, wisp_entity strands, const strand
     strands_section* section = wisp_world_column( world, strands, s->section, 0 );
     strands_closed* closed = wisp_world_column( world, strands, s->closed, 0 );
     const int32_t xpbd = d->solver == WISP_SOLVER_XPBD ? 1 : 0;
+    const bool is_airless = d->drag_coefficient == 0.0f || d->air_density == 0.0f;
+    wisp_world_tell( world, strands, is_airless && ( d->wind.x != 0.0f || d->wind.y != 0.0f || d->wind.z != 0.0f ),
+                     "'wind' has no effect without drag_coefficient and air_density" );
     if ( closed != NULL )
     {
         *closed = ( strands_closed ){ d->closing_twist };

@@ -462,7 +462,8 @@ static wisp_status declare( wisp_registry* r )
                                                   .removed = strands_entity_removed,
                                                   .teleported = strands_teleported,
                                                   .triangles_changed = strands_triangles_changed,
-                                                  .memory = count_memory } );
+                                                  .memory = count_memory,
+                                                  .lines = strands_add_frames } );
     wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .surroundings = strands_surroundings, .rested = strands_rested } );
 #define STRANDS_DECLARE( member, name, table, columns )                                                              \
     s->member = wisp_declare_component(                                                                              \

@@ -30,7 +30,7 @@ static float strain_of( const float* position, const float* length, int row, int
 {
     const float rest = length[strands_scalar( row, lane )];
     const float now =
-        strands_norm( strands_sub( strands_get( position, row + 1, lane ), strands_get( position, row, lane ) ) );
+        wisp_v3_length( wisp_v3_sub( strands_get( position, row + 1, lane ), strands_get( position, row, lane ) ) );
     return rest > 0.0f ? fabsf( now / rest - 1.0f ) : 0.0f;
 }
 
@@ -196,7 +196,7 @@ void strands_scatter_speed( wisp_frame* frame, const wisp_span* span, void* user
         for ( int v = 0; v < t->lane_count[i]; ++v )
         {
             speed[t->offsets[t->lane_strand[i]] + v] =
-                strands_norm( strands_get( velocity, t->group_row[i / WISP_LANES] + v, i % WISP_LANES ) );
+                wisp_v3_length( strands_get( velocity, t->group_row[i / WISP_LANES] + v, i % WISP_LANES ) );
         }
     }
 }

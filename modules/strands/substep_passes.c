@@ -147,10 +147,10 @@ static wisp_strand_damp_args damp_args( wisp_frame* frame, const wisp_span* span
 // Return the angular velocity of the rotation from a to b in dt.
 static wisp_vec3 angular_velocity( wisp_quat a, wisp_quat b, float dt )
 {
-    wisp_quat turn = strands_quat_multiply( b, strands_quat_inverse( a ) );
+    wisp_quat turn = wisp_quat_multiply( b, strands_quat_inverse( a ) );
     const float sign = turn.w < 0.0f ? -1.0f : 1.0f;
     const wisp_vec3 axis = { sign * turn.x, sign * turn.y, sign * turn.z };
-    const float half_sine = strands_norm( axis );
+    const float half_sine = wisp_v3_length( axis );
     const float scale = half_sine > 0.0f ? 2.0f * atan2f( half_sine, sign * turn.w ) / ( half_sine * dt ) : 0.0f;
     return ( wisp_vec3 ){ scale * axis.x, scale * axis.y, scale * axis.z };
 }
@@ -165,14 +165,14 @@ void strands_damp( wisp_frame* frame, const wisp_span* span, void* user )
     const wisp_transform b = strands_head_pose( frame, span->entity, head, span->substep + 1 );
     wisp_strand_damp_args args = damp_args( frame, span, state );
     args.centre = a.translation;
-    const wisp_vec3 way = strands_sub( b.translation, a.translation );
+    const wisp_vec3 way = wisp_v3_sub( b.translation, a.translation );
     args.linear = ( wisp_vec3 ){ way.x / dt, way.y / dt, way.z / dt };
     args.angular = angular_velocity( a.rotation, b.rotation, dt );
     wisp_vec3 linear, angular; // velocities are without what carries
     if ( head->jumped == 0 && strands_find_carry_velocity( frame, span, a.translation, &linear, &angular ) )
     {
-        args.linear = strands_sub( args.linear, linear );
-        args.angular = strands_sub( args.angular, angular );
+        args.linear = wisp_v3_sub( args.linear, linear );
+        args.angular = wisp_v3_sub( args.angular, angular );
     }
     wisp_frame_kernels( frame )->strand_damp( &args, span->begin, span->end );
 }
@@ -192,9 +192,9 @@ void strands_damp_anchored( wisp_frame* frame, const wisp_span* span, void* user
         {
             if ( t->lane_count[g * WISP_LANES + lane] > 0 )
             {
-                sum = strands_add( sum, strands_sub( strands_get( root, g, lane ),
+                sum = wisp_v3_add( sum, wisp_v3_sub( strands_get( root, g, lane ),
                                                      strands_get( args.position, t->group_row[g], lane ) ) );
-                place = strands_add( place, strands_get( root, g, lane ) );
+                place = wisp_v3_add( place, strands_get( root, g, lane ) );
                 count += 1;
             }
         }
@@ -205,7 +205,7 @@ void strands_damp_anchored( wisp_frame* frame, const wisp_span* span, void* user
         if ( strands_find_carry_velocity( frame, span, centre, &linear, &angular ) )
         {
             args.centre = centre;
-            args.linear = strands_sub( args.linear, linear );
+            args.linear = wisp_v3_sub( args.linear, linear );
             args.angular = ( wisp_vec3 ){ -angular.x, -angular.y, -angular.z };
         }
         wisp_frame_kernels( frame )->strand_damp( &args, g, g + 1 );

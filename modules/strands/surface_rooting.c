@@ -8,21 +8,17 @@
 
 #include <string.h>
 
-static float root_dot( wisp_vec3 a, wisp_vec3 b )
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
 // ---- the nearest triangle ----
 
 // Compute the barycentric coordinates of the point of a triangle closest to p (Ericson 2005, section 5.1.5).
 static void closest( const strands_triangle* t, wisp_vec3 p, float weights[3] )
 {
-    const wisp_vec3 ab = strands_sub( t->corner[1], t->corner[0] ), ac = strands_sub( t->corner[2], t->corner[0] );
-    const wisp_vec3 ap = strands_sub( p, t->corner[0] ), bp = strands_sub( p, t->corner[1] );
-    const wisp_vec3 cp = strands_sub( p, t->corner[2] );
-    const float d1 = root_dot( ab, ap ), d2 = root_dot( ac, ap ), d3 = root_dot( ab, bp ), d4 = root_dot( ac, bp );
-    const float d5 = root_dot( ab, cp ), d6 = root_dot( ac, cp );
+    const wisp_vec3 ab = wisp_v3_sub( t->corner[1], t->corner[0] ), ac = wisp_v3_sub( t->corner[2], t->corner[0] );
+    const wisp_vec3 ap = wisp_v3_sub( p, t->corner[0] ), bp = wisp_v3_sub( p, t->corner[1] );
+    const wisp_vec3 cp = wisp_v3_sub( p, t->corner[2] );
+    const float d1 = wisp_v3_dot( ab, ap ), d2 = wisp_v3_dot( ac, ap ), d3 = wisp_v3_dot( ab, bp ),
+                d4 = wisp_v3_dot( ac, bp );
+    const float d5 = wisp_v3_dot( ab, cp ), d6 = wisp_v3_dot( ac, cp );
     const float va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
     float v = 0.0f, w = 0.0f; // of the second and the third corner
     if ( d1 <= 0.0f && d2 <= 0.0f )
@@ -91,7 +87,7 @@ static ball ball_of( const strands_triangle* t )
     ball b = { strands_point_of( t, THIRDS ), 0.0f };
     for ( int k = 0; k < 3; ++k )
     {
-        b.radius = fmaxf( b.radius, strands_norm( strands_sub( t->corner[k], b.centre ) ) );
+        b.radius = fmaxf( b.radius, wisp_v3_length( wisp_v3_sub( t->corner[k], b.centre ) ) );
     }
     b.radius *= 1.0f + 1e-5f; // against rounding
     return b;
@@ -108,14 +104,14 @@ static int nearest( const surface_view* s, wisp_vec3 p, int begin, float weights
     {
         const int number = k < 0 ? begin : k;
         const ball b = s->balls[number];
-        if ( strands_norm( strands_sub( p, b.centre ) ) - b.radius > distance )
+        if ( wisp_v3_length( wisp_v3_sub( p, b.centre ) ) - b.radius > distance )
         {
             continue;
         }
         const strands_triangle t = triangle_of( s, number );
         float w[3];
         closest( &t, p, w );
-        const float d = strands_norm( strands_sub( p, strands_point_of( &t, w ) ) );
+        const float d = wisp_v3_length( wisp_v3_sub( p, strands_point_of( &t, w ) ) );
         if ( d < distance || ( d == distance && number < best ) )
         {
             best = number;
@@ -150,7 +146,7 @@ static void root_lane( wisp_world* world, wisp_entity strands, const strands_sta
     (void)strands_triangle_frame( &t, &frame ); // roots on a triangle without area do not turn
     strands_put_quat(
         wisp_world_column( world, strands, state->anchor, 2 ), group, lane,
-        strands_quat_multiply( strands_quat_inverse( frame ), strands_get_quat( rotation, group, lane ) ) );
+        wisp_quat_multiply( strands_quat_inverse( frame ), strands_get_quat( rotation, group, lane ) ) );
     strands_put_corners( wisp_world_column( world, strands, state->anchor, 3 ), group, lane, &t );
     strands_put( wisp_world_column( world, strands, WISP_STRAND_ROOT, 2 ), group, lane,
                  ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ); // a surface has no digits beyond those of its positions

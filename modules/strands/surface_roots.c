@@ -10,35 +10,25 @@
 
 static const wisp_quat NO_JUMP = { 0.0f, 0.0f, 0.0f, 0.0f }, IDENTITY = { 0.0f, 0.0f, 0.0f, 1.0f };
 
-static wisp_vec3 root_scale( wisp_vec3 v, float s )
-{
-    return ( wisp_vec3 ){ s * v.x, s * v.y, s * v.z };
-}
-
-static wisp_vec3 root_cross( wisp_vec3 a, wisp_vec3 b )
-{
-    return ( wisp_vec3 ){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
-}
-
 wisp_vec3 strands_point_of( const strands_triangle* t, const float weights[3] )
 {
     const wisp_vec3 ab =
-        strands_add( root_scale( t->corner[0], weights[0] ), root_scale( t->corner[1], weights[1] ) );
-    return strands_add( ab, root_scale( t->corner[2], weights[2] ) );
+        wisp_v3_add( wisp_v3_scale( t->corner[0], weights[0] ), wisp_v3_scale( t->corner[1], weights[1] ) );
+    return wisp_v3_add( ab, wisp_v3_scale( t->corner[2], weights[2] ) );
 }
 
 // Columns of the rotation: x along the first edge, z along the normal.
 bool strands_triangle_frame( const strands_triangle* t, wisp_quat* out )
 {
-    const wisp_vec3 edge = strands_sub( t->corner[1], t->corner[0] );
-    const wisp_vec3 normal = root_cross( edge, strands_sub( t->corner[2], t->corner[0] ) );
-    const float length = strands_norm( edge ), area = strands_norm( normal );
+    const wisp_vec3 edge = wisp_v3_sub( t->corner[1], t->corner[0] );
+    const wisp_vec3 normal = wisp_v3_cross( edge, wisp_v3_sub( t->corner[2], t->corner[0] ) );
+    const float length = wisp_v3_length( edge ), area = wisp_v3_length( normal );
     if ( !( length > 0.0f && area > 0.0f ) )
     {
         return false;
     }
-    const wisp_vec3 x = root_scale( edge, 1.0f / length ), z = root_scale( normal, 1.0f / area ),
-                    y = root_cross( z, x );
+    const wisp_vec3 x = wisp_v3_scale( edge, 1.0f / length ), z = wisp_v3_scale( normal, 1.0f / area ),
+                    y = wisp_v3_cross( z, x );
     // of the four formulas for a quaternion, the one with the largest divisor
     wisp_quat q = { y.z - z.y, z.x - x.z, x.y - y.x, 1.0f + x.x + y.y + z.z };
     if ( q.w < 1.0f && x.x >= y.y && x.x >= z.z )
@@ -105,7 +95,7 @@ static strands_triangle between( const strands_triangle* from, const strands_tri
     for ( int k = 0; k < 3 && time < 1.0f; ++k )
     {
         t.corner[k] =
-            strands_add( from->corner[k], root_scale( strands_sub( to->corner[k], from->corner[k] ), time ) );
+            wisp_v3_add( from->corner[k], wisp_v3_scale( wisp_v3_sub( to->corner[k], from->corner[k] ), time ) );
     }
     return t;
 }
@@ -126,7 +116,7 @@ static wisp_transform pose_on( const root_columns* c, const strands_triangle* t,
     wisp_transform pose = { strands_get_quat( c->rotation, group, lane ), strands_point_of( t, weights ) };
     if ( strands_triangle_frame( t, &frame ) )
     {
-        pose.rotation = strands_quat_multiply( frame, strands_get_quat( c->turn, group, lane ) );
+        pose.rotation = wisp_quat_multiply( frame, strands_get_quat( c->turn, group, lane ) );
     }
     return pose;
 }
@@ -164,9 +154,9 @@ static void jump( wisp_frame* frame, const wisp_span* span, const strands_state*
     {
         strands_turn( frame, span->entity, state, group, lane, root, root, IDENTITY );
     }
-    else if ( strands_norm( strands_sub( end.translation, root ) ) > teleport || ( is_carried && moves ) )
+    else if ( wisp_v3_length( wisp_v3_sub( end.translation, root ) ) > teleport || ( is_carried && moves ) )
     {
-        turn = strands_quat_multiply( end.rotation, strands_quat_inverse( before ) );
+        turn = wisp_quat_multiply( end.rotation, strands_quat_inverse( before ) );
         strands_turn( frame, span->entity, state, group, lane, root, end.translation, turn );
         strands_put_corners( c->corner, group, lane, now );
     }

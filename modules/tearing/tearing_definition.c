@@ -176,6 +176,7 @@ wisp_status wisp_set_tearing( wisp_world* world, wisp_entity surface, const wisp
         if ( given != NULL )
         {
             WISP_TRY( check_values( world, wisp_world_fabric( world, surface ), &def ) );
+            wisp_world_tell( world, surface, true, "'tearing' has no effect without a strength" );
         }
         if ( is_listed( state, surface ) )
         {

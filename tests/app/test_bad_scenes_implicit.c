@@ -36,7 +36,7 @@ const bad_scene BAD_SCENES_IMPLICIT[] = {
     { "implicit_quad_instance.yaml",
       ":5:32: surfaces[1].instance_of: implicit.links 'quad' needs 'generate: { shape: plane }'" },
     { "implicit_quad_material.yaml",
-      ":4:5: surfaces[0]: implicit.stiffness_model 'material' needs implicit.links 'mesh'" },
+      ":4:5: surfaces[0]: implicit.links 'quad' needs 'stiffness_model: link'" },
     { "implicit_rigidity_unit.yaml",
       ":6:59: surfaces[0].implicit.bend_rigidity: got '5e-6 Nm', expected a number in N m without its unit" },
     { "implicit_stiffness_near.yaml",

@@ -32,6 +32,7 @@ static const char vain_scene[] = "wisp: 1\n"
                                  "  - name: fine\n"
                                  "    generate: { strands: 2, vertices: 20, length: 0.0001 }\n"
                                  "    dynamics: { wind: [3, 0, 0] }\n"
+                                 "    collision: false\n"
                                  "  - name: still\n"
                                  "    generate: { strands: 2 }\n"
                                  "    frozen_hair: {}\n"
@@ -39,6 +40,7 @@ static const char vain_scene[] = "wisp: 1\n"
                                  "    generate: { strands: 2 }\n"
                                  "    dynamics: {}\n"
                                  "    grid: { friction: 0 }\n"
+                                 "    collision: false\n"
                                  "surfaces:\n"
                                  "  - name: left\n"
                                  "    generate: { shape: plane, columns: 3, rows: 3 }\n"
@@ -50,6 +52,7 @@ static const char vain_scene[] = "wisp: 1\n"
                                  "    generate: { shape: plane, columns: 3, rows: 3 }\n"
                                  "    pins: [0, 2]\n"
                                  "    cloth: {}\n"
+                                 "    collision: false\n"
                                  "colliders:\n"
                                  "  - { name: floor, shape: plane }\n"
                                  "  - { name: picture, shape: plane, layers: [] }\n"
@@ -77,12 +80,12 @@ TEST( what_has_no_effect_is_told_in_a_line_by_the_log_and_by_run_plan_and_info )
     static const char* const LINES[] = {
         "vain.yaml:4: 'fine': 'wind' has no effect",
         "vain.yaml:4: 'fine': 38 of the segments are below 10 um",
-        "vain.yaml:7: 'still': 'frozen_hair' has no effect",
-        "vain.yaml:10: 'thick': 'grid' has no effect",
-        "vain.yaml:15: 'left': 'wind' has no effect",
-        "vain.yaml:15: 'left': 'collision' has no effect",
-        "vain.yaml:15: 'left': 'contact' has no effect",
-        "vain.yaml:26: 'floor': nothing collides with this collider",
+        "vain.yaml:8: 'still': 'frozen_hair' has no effect",
+        "vain.yaml:11: 'thick': 'grid' has no effect",
+        "vain.yaml:17: 'left': 'wind' has no effect",
+        "vain.yaml:17: 'left': 'collision' has no effect",
+        "vain.yaml:17: 'left': 'contact' has no effect",
+        "vain.yaml:29: 'floor': nothing collides with this collider",
         "seams: 1 of 3 pairs of entity 9 join two pinned vertices",
     };
     for ( int i = 0; i < WISP_COUNT( LINES ); ++i )
@@ -525,6 +528,7 @@ TEST( info_refuses_what_it_does_not_know_or_cannot_trust )
 {
     write_text( "other.txt", "a letter\n" );
     assert_refused( "info other.txt", "unknown kind of file, expected a groom" );
+    assert_refused( "info --host vain.yaml", "vain.yaml:1: got 'seams', which --host does not print" );
     write_text( "cut.hair", "HAIR" );
     assert_refused( "info cut.hair", "cut.hair" );
     write_text( "result.json", "{\"wisp_results\":1,\"machine\":{},\"build\":{},\"rows\":[{}]}" );

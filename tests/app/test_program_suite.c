@@ -436,7 +436,7 @@ TEST( accuracy_of_a_scene )
     "    transform: { rotate: { axis: [1, 0, 0], degrees: 90 } }\n"                                                  \
     "    pins: [0, 11]\n"                                                                                            \
     "    damping: 4\n"                                                                                               \
-    "    cloth: { bending: isometric }\n"
+    "    cloth: { bending: isometric, internal_damping: 0 }\n"
 
 #define SUITE( lines ) "wisp_suite: 1\n" lines
 

@@ -349,7 +349,7 @@ static const char SLEEVE[] =
     "    area_density: 0.2\n"
     "    pin_box: { min: [0.199, 1.209, -0.2], max: [0.339, 1.319, 0.2] }\n"
     "    attach_pins: body\n"
-    "    cloth: { bending: dihedral, bend_rigidity: 1e-5 }\n"
+    "    cloth: { bending: dihedral, bend_rigidity: 1e-5, internal_damping: 0 }\n"
     "    damping: 0.5\n"
     "    contact: { thickness: 0.005, friction: 0.2 }\n";
 

@@ -411,8 +411,9 @@ TEST( quad_links_are_taken_of_a_plane_and_of_its_instances )
     SCOPED( wisp_scene_release )
     wisp_scene scene =
         parsed( "wisp: 1\nsurfaces:\n"
-                "  - { name: a, generate: { shape: plane }, implicit: { links: quad } }\n"
-                "  - { name: b, instance_of: a, implicit: { links: quad }, compute: [effect_stats] }\n" );
+                "  - { name: a, generate: { shape: plane }, implicit: { stiffness_model: link, links: quad } }\n"
+                "  - { name: b, instance_of: a, implicit: { stiffness_model: link, links: quad }, compute: "
+                "[effect_stats] }\n" );
     assert_true( scene.surfaces[0].has_quad_links && scene.surfaces[1].has_quad_links );
     assert_true( scene.surfaces[1].request_stats && !scene.surfaces[0].request_stats );
     assert_null( scene.surfaces[0].implicit.stretch_pairs );
@@ -537,8 +538,9 @@ TEST( a_plane_with_quad_links_has_the_links_of_the_quad_reference )
     build( &f, "wisp: 1\ndt: 0.01\nsurfaces:\n"
                "  - { name: a, generate: { shape: plane, columns: 25, rows: 25 }, pins: [0], compute: [points, "
                "effect_stats], "
-               "implicit: { links: quad } }\n"
-               "  - { name: b, instance_of: a, compute: [points, effect_stats], implicit: { links: quad } }\n" );
+               "implicit: { stiffness_model: link, links: quad } }\n"
+               "  - { name: b, instance_of: a, compute: [points, effect_stats], implicit: { stiffness_model: link, "
+               "links: quad } }\n" );
     step( &f, 1 );
     for ( int i = 0; i < 2; ++i )
     {
@@ -556,7 +558,7 @@ TEST( a_mesh_with_its_own_links_stretches_along_edges_and_bends_across_them )
         &f,
         "wisp: 1\ndt: 0.01\nsurfaces:\n"
         "  - { name: a, generate: { shape: plane, columns: 5, rows: 4 }, pins: [0], compute: [points, effect_stats], "
-        "implicit: {} }\n" );
+        "implicit: { stiffness_model: link } }\n" );
     step( &f, 1 );
     // 4 * 4 + 5 * 3 along the sides, 4 * 3 diagonals of cells; an edge has two triangles unless it is one of the 14
     // of the border, and no two edges of a regular plane have the same opposite vertices

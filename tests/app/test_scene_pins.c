@@ -27,7 +27,7 @@ enum
 
 // Two grippers on opposite edges, x = -0.2 and x = 0.2; one pulls, one pulls and turns about the vertical through its middle.
 #define GRIPPERS                                                                                                     \
-    SHEET "    cloth: { bending: bend_links }\n    collision: {}\n    pin_groups:\n"                                 \
+    SHEET "    cloth: { bending: bend_links }\n    pin_groups:\n"                                                    \
           "      - name: left\n        pin_box: { min: [-0.21, -1, -1], max: [-0.19, 1, 1] }\n"                      \
           "        pin_keyframes: [ { time: 0.4, translate: [-0.08, 0.02, 0] } ]\n"                                  \
           "      - name: right\n        pin_box: { min: [0.19, -1, -1], max: [0.21, 1, 1] }\n"                       \

@@ -6,6 +6,8 @@
 
 #include "scene_parts.h"
 
+#include "wisp/module/vec.h"
+
 // ---- surfaces ----
 
 static wisp_scene good( const char* text )
@@ -591,16 +593,6 @@ static wisp_groom straight_groom( int dimension )
     return groom;
 }
 
-static wisp_vec3 minus( wisp_vec3 a, wisp_vec3 b )
-{
-    return ( wisp_vec3 ){ a.x - b.x, a.y - b.y, a.z - b.z };
-}
-
-static float dot( wisp_vec3 a, wisp_vec3 b )
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
 TEST( scattered_strands_are_their_targets_moved_across_the_root_within_the_radius )
 {
     const wisp_scene_scatter scatter = { .around = 0, .count = 200, .radius = 0.01f, .seed = 3 };
@@ -617,16 +609,17 @@ TEST( scattered_strands_are_their_targets_moved_across_the_root_within_the_radiu
         for ( int g = 0; g < out.strand_count; ++g )
         {
             const wisp_vec3 *y = out.points + out.offsets[g], *x = source.points + source.offsets[g / 200];
-            const wisp_vec3 offset = minus( y[0], x[0] ), along = minus( x[1], x[0] );
+            const wisp_vec3 offset = wisp_v3_sub( y[0], x[0] ), along = wisp_v3_sub( x[1], x[0] );
             // coordinates are below 0.5 m, so that a difference of two is within 6e-8 m
-            assert_true( sqrtf( dot( offset, offset ) ) <= 0.01f + 1e-7f );
-            assert_true( fabsf( dot( offset, along ) ) <= 1e-7f * sqrtf( dot( along, along ) ) * 4.0f );
+            assert_true( sqrtf( wisp_v3_dot( offset, offset ) ) <= 0.01f + 1e-7f );
+            assert_true( fabsf( wisp_v3_dot( offset, along ) ) <=
+                         1e-7f * sqrtf( wisp_v3_dot( along, along ) ) * 4.0f );
             for ( int v = 1; v < 4; ++v )
             {
-                const wisp_vec3 slip = minus( minus( y[v], x[v] ), offset );
-                assert_true( dot( slip, slip ) <= 1e-7f * 1e-7f );
+                const wisp_vec3 slip = wisp_v3_sub( wisp_v3_sub( y[v], x[v] ), offset );
+                assert_true( wisp_v3_dot( slip, slip ) <= 1e-7f * 1e-7f );
             }
-            outer += dot( offset, offset ) > 0.5f * 0.01f * 0.01f;
+            outer += wisp_v3_dot( offset, offset ) > 0.5f * 0.01f * 0.01f;
         }
         // Half of a disc lies beyond radius / sqrt 2, and 1 - 1 / sqrt 2 of a line; five sigma of 1000 draws are 79.
         assert_true( abs( outer - ( dimension == 3 ? 500 : 293 ) ) < 79 );
@@ -696,8 +689,8 @@ TEST( curves_begin_and_end_where_their_strands_do_and_pass_through_what_they_pro
             {
                 int vertex = n / def.samples * stride;
                 vertex = vertex < counts[s] ? vertex : counts[s] - 1;
-                const wisp_vec3 slip = minus( out.points[out.offsets[s] + n], points[offsets[s] + vertex] );
-                assert_true( dot( slip, slip ) == 0.0f ); // weights at the ends are 0 and 1
+                const wisp_vec3 slip = wisp_v3_sub( out.points[out.offsets[s] + n], points[offsets[s] + vertex] );
+                assert_true( wisp_v3_dot( slip, slip ) == 0.0f ); // weights at the ends are 0 and 1
             }
         }
     }

@@ -330,7 +330,6 @@ static uint64_t hash_of_stage( double x, double z, wisp_vec3* first )
         "    pin_nearest: [[%.9g, 0.5, %.9g]]\n"
         "    pin_keyframes: [{ time: 0, translate: [0, 0, 0] }, { time: 1, translate: [0, 0.2, 0] }]\n"
         "    cloth: {}\n"
-        "    collision: {}\n"
         "    compute: [points, motion_stats]\n"
         "strands:\n"
         "  - name: hair\n"
@@ -403,10 +402,10 @@ TEST( what_a_scene_and_a_host_make_of_defaults_is_the_same_bits )
     fixture f;
     build(
         &f,
-        "wisp: 1\nstrands:\n  - { name: hair, generate: { strands: 9, vertices: 12 }, dynamics: {}, collision: {} }\n"
+        "wisp: 1\nstrands:\n  - { name: hair, generate: { strands: 9, vertices: 12 }, dynamics: {} }\n"
         "surfaces:\n  - { name: cloth, generate: { shape: plane, columns: 33, rows: 33, spacing: 0.03 }, pins: [0, "
         "32], "
-        "cloth: {}, collision: {} }\n"
+        "cloth: {} }\n"
         "colliders:\n  - { name: ball, shape: sphere, radius: 0.2, position: [0, -0.3, 0.3] }\n" );
     wisp_world_def world_def = wisp_default_world_def();
     wisp_create_cloth_def cloth_def = wisp_default_create_cloth_def();
@@ -683,15 +682,15 @@ TEST( colliders_follow_their_keyframes )
     assert_point_at( point_of( &f, 0, 7 ), 2.0f, 1.0f, -1.0f );
 }
 
-TEST( a_surface_with_collision_rests_on_the_ground_and_one_without_falls_through )
+TEST( a_surface_rests_on_the_ground_and_one_without_collision_falls_through )
 {
     SCOPED( release ) fixture f;
-    build( &f,
-           "wisp: 1\nsteps: 60\nsubsteps: 4\nsurfaces:\n"
-           "  - { name: a, generate: { shape: plane, columns: 4, rows: 4 }, compute: [points], cloth: {}, "
-           "transform: { translate: [0, 0.2, 0] }, collision: { thickness: 0.01 } }\n"
-           "  - { name: b, instance_of: a, compute: [points], cloth: {}, transform: { translate: [0, 0.2, 0] } }\n"
-           "colliders: [{ name: ground, shape: plane }]\n" );
+    build( &f, "wisp: 1\nsteps: 60\nsubsteps: 4\nsurfaces:\n"
+               "  - { name: a, generate: { shape: plane, columns: 4, rows: 4 }, compute: [points], cloth: {}, "
+               "transform: { translate: [0, 0.2, 0] }, collision: { thickness: 0.01 } }\n"
+               "  - { name: b, instance_of: a, compute: [points], cloth: {}, collision: false, "
+               "transform: { translate: [0, 0.2, 0] } }\n"
+               "colliders: [{ name: ground, shape: plane }]\n" );
     step( &f, 60 );
     // a contact is solved exactly in a step; float rounding of 0.2 m remains
     assert_true( fabsf( point_of( &f, 0, 5 ).y - 0.01f ) < 1e-3f );

@@ -3,6 +3,7 @@
 #include "wisp/explain.h"
 #include "wisp/fabric.h"
 #include "wisp/generate.h"
+#include "wisp/lines.h"
 #include "wisp/maps.h"
 #include "wisp/module/jobs.h"
 #include "wisp/module/collision_mesh.h"
@@ -38,6 +39,7 @@
 #include "wisp/module/strand_kernels.h"
 #include "wisp/module/surface_kernels.h"
 #include "wisp/module/particle_batch.h"
+#include "wisp/module/vec.h"
 
 #include "attachments.h"
 #include "balloon.h"

@@ -263,6 +263,39 @@ TEST( gravity_pulls_cloth_and_hair_unless_it_is_zero )
     wisp_world_destroy( world );
 }
 
+TEST( what_is_created_comes_to_rest )
+{
+    static grid g;
+    wisp_world* world = new_world();
+    const wisp_create_cloth_def cloth_def = cloth_of( &g );
+    wisp_create_hair_def hair_def = wisp_default_create_hair_def();
+    wisp_vec3 points[16];
+    int32_t offsets[3];
+    wisp_entity moving[2];
+    assert_int_equal( wisp_generate_strand_rows( 2, 1, 0.1f, 8, 0.2f, points, offsets, NULL ), WISP_OK );
+    hair_def.points = points, hair_def.offsets = offsets, hair_def.strand_count = 2;
+    assert_int_equal( wisp_create_cloth( world, &cloth_def, &moving[0] ), WISP_OK );
+    assert_int_equal( wisp_create_hair( world, &hair_def, &moving[1] ), WISP_OK );
+    for ( int step = 0; step < 300; ++step )
+    {
+        const float aside = 0.02f * (float)( step < 10 ? step : 10 );
+        const wisp_transform head = { { 0.0f, 0.0f, 0.0f, 1.0f }, { aside, 0.0f, 0.0f } };
+        assert_int_equal( wisp_move_strand_head( world, moving[1], head ), WISP_OK );
+        for ( int i = 0; i < 2; ++i )
+        {
+            assert_int_equal( wisp_request( world, moving[i], WISP_MOTION_STATS ), WISP_OK );
+        }
+        assert_int_equal( wisp_world_step( world, 1.0f / 60.0f ), WISP_OK );
+        for ( int i = 0; i < 2 && ( step == 20 || step == 299 ); ++i )
+        {
+            wisp_motion_stats stats;
+            assert_int_equal( wisp_read_motion_stats( world, moving[i], &stats ), WISP_OK );
+            assert_true( step == 20 ? stats.speed_max > 0.3 : stats.speed_max < 0.01 ); // m/s
+        }
+    }
+    wisp_world_destroy( world );
+}
+
 TEST( an_instance_has_the_gravity_of_its_source )
 {
     static grid g;
@@ -397,6 +430,42 @@ TEST( what_is_created_in_wind_is_blown )
     assert_true( hashes[0] == hashes[1] && hashes[1] == hashes[2] );
 }
 
+// Set twice and stepped twice, by another plan each; what meets or blows is not told of.
+TEST( what_has_no_effect_is_told_once )
+{
+    static grid g;
+    test_log log = { 0 };
+    wisp_world_def world_def = wisp_default_world_def();
+    world_def.modules = wisp_all_modules( &world_def.module_count );
+    world_def.log = test_log_write, world_def.log_user = &log;
+    wisp_world* world;
+    assert_int_equal( wisp_world_create( &world_def, &world, NULL ), WISP_OK );
+    wisp_create_cloth_def def = cloth_of( &g );
+    wisp_cloth_def material = wisp_default_cloth_def();
+    wisp_contact_def contact = wisp_default_contact_def();
+    wisp_collider_def ball = wisp_default_collider_def();
+    wisp_entity cloth, body;
+    material.wind.x = 3.0f, contact.self = false, ball.layers = 2, ball.pose.translation.y = 5.0f;
+    wisp_collision_def collision = wisp_default_collision_def();
+    collision.mask = 1;
+    def.material = &material, def.contact = &contact, def.collision = &collision;
+    assert_int_equal( wisp_create_cloth( world, &def, &cloth ), WISP_OK );
+    assert_int_equal( wisp_set_cloth( world, cloth, &material ), WISP_OK );
+    assert_int_equal( wisp_add_collider( world, &ball, &body ), WISP_OK );
+    for ( int step = 0; step < 2; ++step )
+    {
+        assert_int_equal( wisp_world_step( world, 1.0f / 60.0f ), WISP_OK );
+        assert_int_equal( wisp_request( world, cloth, WISP_MOTION_STATS ), WISP_OK );
+    }
+    assert_int_equal( log.count, 3 ); // wind, contact, collider
+    ball.layers = 1, material.drag_coefficient = 1.0f, contact.self = true;
+    assert_int_equal( wisp_create_cloth( world, &def, &cloth ), WISP_OK );
+    assert_int_equal( wisp_add_collider( world, &ball, &body ), WISP_OK );
+    assert_int_equal( wisp_world_step( world, 1.0f / 60.0f ), WISP_OK );
+    assert_int_equal( log.count, 3 );
+    wisp_world_destroy( world );
+}
+
 TEST( what_cannot_be_created_leaves_nothing_behind )
 {
     static grid g;
@@ -446,5 +515,70 @@ TEST( all_modules_are_listed_once )
         {
             assert_ptr_not_equal( modules[i], modules[j] );
         }
+    }
+}
+
+// ---- waves ----
+
+// Calls of a host's loop, and their blocks.
+typedef struct wave_count
+{
+    int waves, blocks;
+} wave_count;
+
+static void count_blocks( void* user, int block_count, wisp_block_fn* run, void* context )
+{
+    wave_count* c = user;
+    c->waves += 1, c->blocks += block_count;
+    for ( int block = 0; block < block_count; ++block )
+    {
+        run( context, block, block % 4 );
+    }
+}
+
+// Step cloths of 33 x 33 vertices twice, and count the calls of the second step. @param shared they have one fabric
+static uint64_t step_cloths( int count, bool shared, int workers, wave_count* c )
+{
+    static wisp_vec3 points[WISP_GRID_VERTICES( 33, 33 )];
+    static int32_t triangles[WISP_GRID_TRIANGLES( 33, 33 )][3];
+    wisp_create_cloth_def cloth = wisp_default_create_cloth_def();
+    const wisp_cloth_def material = wisp_default_cloth_def();
+    wisp_world_def def = wisp_default_world_def();
+    wisp_world* world = NULL;
+    wisp_entity first, other;
+    def.modules = wisp_all_modules( &def.module_count );
+    def.workers = workers, def.parallel_for = workers > 1 ? count_blocks : NULL, def.parallel_for_user = c;
+    assert_int_equal( wisp_world_create( &def, &world, NULL ), WISP_OK );
+    assert_int_equal( wisp_generate_grid( 33, 33, 0.02f, 0.02f, points, &triangles[0][0], NULL ), WISP_OK );
+    cloth.points = points, cloth.vertex_count = WISP_COUNT( points );
+    cloth.triangles = &triangles[0][0], cloth.triangle_count = WISP_COUNT( triangles );
+    assert_int_equal( wisp_create_cloth( world, &cloth, &first ), WISP_OK );
+    for ( int i = 1; i < count; ++i )
+    {
+        assert_int_equal( shared ? wisp_add_instance( world, first, NULL, &other )
+                                 : wisp_create_cloth( world, &cloth, &other ),
+                          WISP_OK );
+        assert_int_equal( wisp_set_cloth( world, other, &material ), WISP_OK );
+        assert_int_equal( wisp_request( world, other, WISP_PARTICLE_POSITION ), WISP_OK );
+    }
+    for ( int step = 0; step < 2; ++step )
+    {
+        *c = ( wave_count ){ 0, 0 };
+        assert_int_equal( wisp_world_step( world, 1.0f / 60.0f ), WISP_OK );
+    }
+    const uint64_t hash = wisp_world_hash( world );
+    wisp_world_destroy( world );
+    return hash;
+}
+
+// One for all substeps, with a block for each cloth, and those before and behind them. A lone cloth wakes nobody in its substeps.
+TEST( small_cloths_take_one_wave_a_step_for_all_substeps )
+{
+    for ( int count = 1; count <= 6; ++count )
+    {
+        wave_count c, alone;
+        const bool shared = count > 3;
+        assert_true( step_cloths( count, shared, 4, &c ) == step_cloths( count, shared, 1, &alone ) );
+        assert_true( c.waves <= 4 && c.blocks == ( shared ? 2 * count + 5 : 5 * count ) );
     }
 }

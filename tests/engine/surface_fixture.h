@@ -8,6 +8,14 @@
 #include "wisp/fabric.h"
 #include "wisp/module/components.h"
 
+/// The cloth of a test of free motion.
+static inline wisp_cloth_def undamped_cloth( void )
+{
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.internal_damping = 0.0f;
+    return cloth;
+}
+
 /// In the plane y = 0, vertex j n + i at (i, 0, j) spacing, diagonals alternating.
 static inline test_mesh test_plane( int n, float spacing )
 {

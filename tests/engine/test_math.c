@@ -9,7 +9,7 @@
 #include "lane_trig.h"
 #include "lane_vec.h"
 #include "trig.h"
-#include "vec.h"
+#include "wisp/module/vec.h"
 
 static uint32_t bits_of( float value )
 {
@@ -688,13 +688,13 @@ TEST( a_basis_is_orthonormal_and_right_handed )
     for ( int k = 0; k < DIRECTION_COUNT; ++k )
     {
         wisp_vec3 t = direction( k ), b1, b2;
-        v3_basis( t, &b1, &b2 );
-        assert_close( v3_length( b1 ), 1.0f );
-        assert_close( v3_length( b2 ), 1.0f );
-        assert_close( v3_dot( b1, b2 ), 0.0f );
-        assert_close( v3_dot( b1, t ), 0.0f );
-        assert_close( v3_dot( b2, t ), 0.0f );
-        assert_close_v3( v3_cross( b1, b2 ), t );
+        wisp_v3_basis( t, &b1, &b2 );
+        assert_close( wisp_v3_length( b1 ), 1.0f );
+        assert_close( wisp_v3_length( b2 ), 1.0f );
+        assert_close( wisp_v3_dot( b1, b2 ), 0.0f );
+        assert_close( wisp_v3_dot( b1, t ), 0.0f );
+        assert_close( wisp_v3_dot( b2, t ), 0.0f );
+        assert_close_v3( wisp_v3_cross( b1, b2 ), t );
     }
 }
 
@@ -706,36 +706,36 @@ TEST( a_rotation_keeps_lengths_and_angles )
         trig_sincos( 0.01f * (float)k, &sine, &cosine );
         wisp_vec3 axis = direction( k ), v = direction( ( k * 7 ) % DIRECTION_COUNT );
         wisp_vec3 other = direction( ( k * 13 + 5 ) % DIRECTION_COUNT );
-        wisp_vec3 turned = v3_rotate( axis, sine, cosine, v );
-        wisp_vec3 other_turned = v3_rotate( axis, sine, cosine, other );
+        wisp_vec3 turned = wisp_v3_rotate( axis, sine, cosine, v );
+        wisp_vec3 other_turned = wisp_v3_rotate( axis, sine, cosine, other );
 
-        assert_close( v3_length( turned ), 1.0f );
-        assert_close( v3_dot( turned, other_turned ), v3_dot( v, other ) );
-        assert_close( v3_dot( turned, axis ), v3_dot( v, axis ) );
-        assert_close_v3( v3_rotate( axis, -sine, cosine, turned ), v );
-        assert_close_v3( v3_rotate( axis, sine, cosine, axis ), axis );
+        assert_close( wisp_v3_length( turned ), 1.0f );
+        assert_close( wisp_v3_dot( turned, other_turned ), wisp_v3_dot( v, other ) );
+        assert_close( wisp_v3_dot( turned, axis ), wisp_v3_dot( v, axis ) );
+        assert_close_v3( wisp_v3_rotate( axis, -sine, cosine, turned ), v );
+        assert_close_v3( wisp_v3_rotate( axis, sine, cosine, axis ), axis );
     }
 }
 
 TEST( a_rotation_turns_counter_clockwise_by_its_angle )
 {
     const wisp_vec3 x = { 1.0f, 0.0f, 0.0f }, y = { 0.0f, 1.0f, 0.0f }, z = { 0.0f, 0.0f, 1.0f };
-    assert_close_v3( v3_rotate( z, 1.0f, 0.0f, x ), y );
-    assert_close_v3( v3_rotate( x, 1.0f, 0.0f, y ), z );
-    assert_close_v3( v3_rotate( y, 1.0f, 0.0f, z ), x );
-    assert_close_v3( v3_rotate( z, 0.6f, 0.8f, x ), ( wisp_vec3 ){ 0.8f, 0.6f, 0.0f } );
+    assert_close_v3( wisp_v3_rotate( z, 1.0f, 0.0f, x ), y );
+    assert_close_v3( wisp_v3_rotate( x, 1.0f, 0.0f, y ), z );
+    assert_close_v3( wisp_v3_rotate( y, 1.0f, 0.0f, z ), x );
+    assert_close_v3( wisp_v3_rotate( z, 0.6f, 0.8f, x ), ( wisp_vec3 ){ 0.8f, 0.6f, 0.0f } );
 }
 
 TEST( vectors_are_added_scaled_and_multiplied )
 {
     const wisp_vec3 a = { 1.0f, 2.0f, 3.0f }, b = { 4.0f, -5.0f, 6.0f };
-    assert_close_v3( v3_add( a, b ), ( wisp_vec3 ){ 5.0f, -3.0f, 9.0f } );
-    assert_close_v3( v3_sub( a, b ), ( wisp_vec3 ){ -3.0f, 7.0f, -3.0f } );
-    assert_close_v3( v3_scale( a, -2.0f ), ( wisp_vec3 ){ -2.0f, -4.0f, -6.0f } );
-    assert_close_v3( v3_mul_add( a, 2.0f, b ), ( wisp_vec3 ){ 9.0f, -8.0f, 15.0f } );
-    assert_close_v3( v3_cross( a, b ), ( wisp_vec3 ){ 27.0f, 6.0f, -13.0f } );
-    assert_close( v3_dot( a, b ), 12.0f );
-    assert_close( v3_length( ( wisp_vec3 ){ 3.0f, 0.0f, -4.0f } ), 5.0f );
+    assert_close_v3( wisp_v3_add( a, b ), ( wisp_vec3 ){ 5.0f, -3.0f, 9.0f } );
+    assert_close_v3( wisp_v3_sub( a, b ), ( wisp_vec3 ){ -3.0f, 7.0f, -3.0f } );
+    assert_close_v3( wisp_v3_scale( a, -2.0f ), ( wisp_vec3 ){ -2.0f, -4.0f, -6.0f } );
+    assert_close_v3( wisp_v3_mul_add( a, 2.0f, b ), ( wisp_vec3 ){ 9.0f, -8.0f, 15.0f } );
+    assert_close_v3( wisp_v3_cross( a, b ), ( wisp_vec3 ){ 27.0f, 6.0f, -13.0f } );
+    assert_close( wisp_v3_dot( a, b ), 12.0f );
+    assert_close( wisp_v3_length( ( wisp_vec3 ){ 3.0f, 0.0f, -4.0f } ), 5.0f );
 }
 
 TEST( what_has_no_direction_gets_the_fallback )
@@ -744,12 +744,12 @@ TEST( what_has_no_direction_gets_the_fallback )
     const float lost[] = { 0.0f, -0.0f, 1e-20f, 1e20f, INFINITY, NAN };
     for ( int k = 0; k < WISP_COUNT( lost ); ++k )
     {
-        assert_close_v3( v3_normalize_or( ( wisp_vec3 ){ lost[k], 0.0f, 0.0f }, fallback ), fallback );
+        assert_close_v3( wisp_v3_normalize_or( ( wisp_vec3 ){ lost[k], 0.0f, 0.0f }, fallback ), fallback );
     }
     const float kept[] = { 1.2e-19f, 1e-9f, 1.0f, 1.8e19f };
     for ( int k = 0; k < WISP_COUNT( kept ); ++k )
     {
-        assert_close_v3( v3_normalize_or( ( wisp_vec3 ){ 0.0f, -kept[k], 0.0f }, fallback ),
+        assert_close_v3( wisp_v3_normalize_or( ( wisp_vec3 ){ 0.0f, -kept[k], 0.0f }, fallback ),
                          ( wisp_vec3 ){ 0.0f, -1.0f, 0.0f } );
     }
 }

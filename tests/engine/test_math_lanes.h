@@ -249,7 +249,7 @@ static void P( v_check )( P( v ) actual, const wisp_vec3* expected, int k, int l
         wisp_vec3 a = direction( ( k + l ) % DIRECTION_COUNT ), b = direction( ( k + 7 + l ) % DIRECTION_COUNT );    \
         float s = scalar_sine( ordinary[k + l] ), c = scalar_cosine( ordinary[k + l] );                              \
         wisp_vec3 b1, b2;                                                                                            \
-        v3_basis( a, &b1, &b2 );                                                                                     \
+        wisp_v3_basis( a, &b1, &b2 );                                                                                \
         (void)b, (void)s, (void)c;                                                                                   \
         rows[l] = expected;                                                                                          \
     }                                                                                                                \
@@ -264,15 +264,15 @@ TEST( P( v_vectors_are_the_scalar_ones ) )
         LANE_P S, C;
         P( _sincos )( P( _loadu )( ordinary + k ), &S, &C );
         P( v_basis )( A, &B1, &B2 );
-        EACH_VECTOR( P( v_add )( A, B ), v3_add( a, b ) )
-        EACH_VECTOR( P( v_sub )( A, B ), v3_sub( a, b ) )
-        EACH_VECTOR( P( v_scale )( A, S ), v3_scale( a, s ) )
-        EACH_VECTOR( P( v_mul_add )( A, C, B ), v3_mul_add( a, c, b ) )
-        EACH_VECTOR( P( v_cross )( A, B ), v3_cross( a, b ) )
-        EACH_VECTOR( P( v_scale )( A, P( v_dot )( A, B ) ), v3_scale( a, v3_dot( a, b ) ) )
-        EACH_VECTOR( P( v_scale )( B, P( v_length )( A ) ), v3_scale( b, v3_length( a ) ) )
+        EACH_VECTOR( P( v_add )( A, B ), wisp_v3_add( a, b ) )
+        EACH_VECTOR( P( v_sub )( A, B ), wisp_v3_sub( a, b ) )
+        EACH_VECTOR( P( v_scale )( A, S ), wisp_v3_scale( a, s ) )
+        EACH_VECTOR( P( v_mul_add )( A, C, B ), wisp_v3_mul_add( a, c, b ) )
+        EACH_VECTOR( P( v_cross )( A, B ), wisp_v3_cross( a, b ) )
+        EACH_VECTOR( P( v_scale )( A, P( v_dot )( A, B ) ), wisp_v3_scale( a, wisp_v3_dot( a, b ) ) )
+        EACH_VECTOR( P( v_scale )( B, P( v_length )( A ) ), wisp_v3_scale( b, wisp_v3_length( a ) ) )
         EACH_VECTOR( P( v_select )( P( _lt )( S, C ), A, B ), s < c ? a : b )
-        EACH_VECTOR( P( v_rotate )( A, S, C, B ), v3_rotate( a, s, c, b ) )
+        EACH_VECTOR( P( v_rotate )( A, S, C, B ), wisp_v3_rotate( a, s, c, b ) )
         EACH_VECTOR( B1, b1 )
         EACH_VECTOR( B2, b2 )
         EACH_VECTOR( P( v_set1 )( direction( k ) ), direction( k ) )

@@ -148,3 +148,12 @@ for example in "$source_tree"/examples/*.c; do
     [ "$name" = window.c ] && continue # has a test of its own, under a virtual display
     build_and_run "${name%.c}" "$example"
 done
+
+# ---- the C of scenes ----
+
+for scene in scenes/{solids,chain_links,hair_on_balloon,balloon_under_cloth} suites/scenes/effects/{contact,collision,membrane,implicit_cloth}; do
+    "$wisp" info --host "$source_tree/data/$scene.yaml" >"$folder/scene.c" || fail "wisp info --host $scene"
+    build_and_run "${scene##*/}" "$folder/scene.c"
+    diff <(sed -n 's/^hash *//p' "$folder/shared.txt") <("$wisp" run "$source_tree/data/$scene.yaml" 2>/dev/null | sed -n 's/^hash *//p') ||
+        fail "the C of $scene has other bits"
+done

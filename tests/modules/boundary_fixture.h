@@ -22,7 +22,7 @@ static inline wisp_entity add_ball( ball_world* b, const test_mesh* mesh )
     surface.pins = PINS;
     surface.pin_count = WISP_COUNT( PINS );
     const wisp_entity e = test_surface_of( b->world, &fabric, surface );
-    SET_DEFAULT( b->world, e, cloth );
+    SET( b->world, e, cloth, d.internal_damping = 0.0f );
     assert_int_equal( wisp_set_gravity( b->world, e, ( wisp_vec3 ){ 0.0f, -9.81f, 0.0f } ), WISP_OK );
     assert_int_equal( wisp_request( b->world, e, WISP_SURFACE_POINTS ), WISP_OK );
     return e;

@@ -115,7 +115,7 @@ static inline wisp_entity add_cloth( wisp_world* world, int n, float side, wisp_
     wisp_collision_def collision = wisp_default_collision_def();
     wisp_entity e = add_colliding( world, &mesh, &collision );
     test_mesh_free( &mesh );
-    SET_DEFAULT( world, e, cloth );
+    SET( world, e, cloth, d.internal_damping = 0.0f );
     give_gravity( world, e, gravity );
     return e;
 }

@@ -38,7 +38,7 @@ static inline wisp_entity add_sheet( wisp_world* world, bool has_coarse_sheets )
     surface.area_density = 0.2f;
     surface.pins = pins;
     surface.pin_count = 2;
-    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    const wisp_cloth_def cloth = undamped_cloth();
     const wisp_entity e = add_cloth( world, &fabric, surface, &cloth, EARTH );
     assert_status( world, wisp_set_damping( world, e, 0.5f ), WISP_OK );
     return e;

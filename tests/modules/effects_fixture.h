@@ -28,7 +28,7 @@ static inline wisp_entity hang( wisp_world* world, wisp_cloth_bending bending, b
     surface.pins = pins;
     surface.pin_count = 2;
     const wisp_entity e = test_surface_of( world, &fabric, surface );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_cloth_def cloth = undamped_cloth();
     cloth.bending = bending;
     const wisp_implicit_cloth_def implicit = wisp_default_implicit_cloth_def();
     assert_status( world,

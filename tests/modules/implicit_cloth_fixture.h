@@ -5,7 +5,7 @@
 
 #include "balloon.h"
 #include "collision.h"
-#include "implicit_cloth.h"
+#include "implicit_linked.h"
 
 static const float GRAVITY = 9.81f; // m/s^2
 
@@ -41,7 +41,7 @@ static inline int open_implicit_world( void** state )
 /// Solved to the limit of single precision.
 static inline wisp_implicit_cloth_def exact_def( void )
 {
-    wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    wisp_implicit_cloth_def def = linked_def();
     def.tolerance = 1e-7f;
     def.max_iterations = 1000;
     return def;

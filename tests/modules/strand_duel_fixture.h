@@ -112,7 +112,7 @@ static inline wisp_strand_dynamics_def def_of( const duel* rules )
 {
     // in the crooked strand of nine vertices and in the curled one of twenty
     static const int32_t PINS[] = { 18 + 5, 18 + 27 + 20 + 9 };
-    wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+    wisp_strand_dynamics_def def = undamped_hair();
     def.stretch = rules->stretch;
     def.integrator = rules->bdf2 ? WISP_INTEGRATOR_BDF2 : WISP_INTEGRATOR_EULER;
     def.bending = rules->bend;

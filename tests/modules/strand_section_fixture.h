@@ -19,7 +19,7 @@ typedef struct rod_world
 /// A rod that is straight without load, 1 m long in most tests: EI and GJ in N m^2, 1 kg/m, no gravity.
 static inline wisp_strand_dynamics_def rod_def( float bend_rigidity, float twist_rigidity )
 {
-    wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+    wisp_strand_dynamics_def def = undamped_hair();
     def.rest = WISP_STRAND_REST_STRAIGHT;
     def.bend_rigidity = bend_rigidity;
     def.twist_rigidity = twist_rigidity;

@@ -7,6 +7,14 @@
 #include "collision.h"
 #include "strands.h"
 
+/// The hair of a test of free motion.
+static inline wisp_strand_dynamics_def undamped_hair( void )
+{
+    wisp_strand_dynamics_def hair = wisp_default_strand_dynamics_def();
+    hair.damping = 0.0f;
+    return hair;
+}
+
 /// A world of these modules that is not created yet: further settings go into s->def. Modules live as long as it
 /// does.
 static inline void prepare_strands( hosted* s, const wisp_module* const* modules, int module_count )

@@ -801,8 +801,10 @@ TEST( implicit_cloth_has_the_numbers_of_its_contract )
     assert_float_equal( def.stretch_stiffness, 200.0f, 0.0f );
     assert_float_equal( def.bend_stiffness, 1e-6f, 0.0f );
     assert_float_equal( def.link_damping, 0.02f, 0.0f );
-    assert_float_equal( def.tolerance, 1e-4f, 0.0f );
-    assert_int_equal( def.weights, WISP_IMPLICIT_WEIGHTS_EFFECTIVE );
+    assert_float_equal( def.bend_rigidity, 5e-5f, 0.0f );
+    assert_float_equal( def.tolerance, 1e-2f, 0.0f );
+    assert_int_equal( def.stiffness_model, WISP_IMPLICIT_STIFFNESS_MATERIAL );
+    assert_int_equal( def.weights, WISP_IMPLICIT_WEIGHTS_NONE );
     assert_int_equal( def.integrator, WISP_INTEGRATOR_EULER );
 }
 

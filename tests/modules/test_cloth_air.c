@@ -444,7 +444,7 @@ WORLD_TEST( damping_of_zero_has_no_pass )
     wisp_entity e = add_damped( h->world, &mesh, 1.0f, NULL, 0 );
     step( h->world );
     assert_int_equal( count_passes_named( h->world, "cloth.damping" ), 1 );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_cloth_def cloth = undamped_cloth();
     assert_status( h->world, wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
     step( h->world );
     assert_int_equal( count_passes_named( h->world, "cloth.damping" ), 0 );

@@ -47,7 +47,7 @@ static test_mesh strip_of( const beam* b )
 
 static wisp_cloth_def cloth_of( const beam* b )
 {
-    wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_cloth_def cloth = undamped_cloth();
     cloth.bending = b->bending;
     cloth.bend_rigidity = (float)( 0.15 * 9.81 * b->length * b->length * b->length / b->load );
     return cloth;
@@ -147,7 +147,7 @@ TEST( a_crease_of_the_rest_shape_stays_and_another_opens )
 {
     const double crease = sqrt( 0.05 + 0.04 * cos( 0.5 ) ),
                  flat = 0.3; // two sides of 0.2 and 0.1 m, and flat
-    wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_cloth_def cloth = undamped_cloth();
     cloth.bend_rigidity = 1e-3f;
     for ( int solver = 0; solver < WISP_SOLVER_COUNT; ++solver )
     {
@@ -168,7 +168,7 @@ WORLD_TEST( bending_that_is_chosen_brings_its_pass_and_no_other )
     SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 5, 0.1f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.hinges = true;
-    wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_cloth_def cloth = undamped_cloth();
     cloth.bending = WISP_CLOTH_BENDING_NONE;
     wisp_entity e = add_cloth( h->world, &fabric, support_weightless_surface_def(), &cloth, EARTH );
     const char* const names[2][2] = { { "cloth.bending", "hinges.dihedral_pbd" },
@@ -223,7 +223,7 @@ TEST( small_and_thin_solids_are_no_more_strained_with_dihedral_bending )
     for ( int k = 0; k < WISP_COUNT( sizes ) * WISP_COUNT( flatness ); ++k )
     {
         const float size = sizes[k / 2], flat = flatness[k % 2];
-        wisp_cloth_def cloth = wisp_default_cloth_def();
+        wisp_cloth_def cloth = undamped_cloth();
         cloth.bending = WISP_CLOTH_BENDING_DIHEDRAL;
         const double bent = strain_of_solid( size, flat, &cloth, 0.15f, 9.81f );
         cloth.bending = WISP_CLOTH_BENDING_NONE;
@@ -248,7 +248,7 @@ TEST( strain_is_the_same_at_all_sizes )
         for ( int n = 0; n < WISP_COUNT( strain ); ++n )
         {
             const float size = ldexpf( 1.0f, 10 * ( n - 1 ) );
-            wisp_cloth_def cloth = wisp_default_cloth_def();
+            wisp_cloth_def cloth = undamped_cloth();
             cloth.bending = kinds[k / 4];
             cloth.solver = k & 2 ? WISP_SOLVER_XPBD : WISP_SOLVER_PBD;
             cloth.bend_rigidity *= size * size;

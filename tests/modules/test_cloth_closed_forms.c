@@ -9,7 +9,7 @@
 // less than 1e-11 N.
 static wisp_cloth_def threads_alone( float compliance )
 {
-    wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_cloth_def cloth = undamped_cloth();
     cloth.warp = ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f };
     cloth.warp_compliance = compliance;
     cloth.weft_compliance = 1e12f;
@@ -123,7 +123,7 @@ static double sag_of_strip( int columns, int substeps )
     surface.points = start;
     surface.pins = pins;
     surface.pin_count = 4;
-    wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_cloth_def cloth = undamped_cloth();
     cloth.bending = WISP_CLOTH_BENDING_NONE;
     wisp_entity e = add_cloth( h.world, &fabric, surface, &cloth, EARTH );
     assert_status( h.world, wisp_set_damping( h.world, e, 6.0f ), WISP_OK );
@@ -167,7 +167,7 @@ static double pendulum_period( double degrees, int substeps )
     surface.points = start;
     surface.pins = pins;
     surface.pin_count = 2;
-    wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_cloth_def cloth = undamped_cloth();
     wisp_entity e = add_cloth( h.world, &fabric, surface, &cloth, EARTH );
     double last = (double)start[2].x, intersections[9];
     int count = 0;
@@ -229,7 +229,7 @@ static drift drift_of( wisp_cloth_bending bending, int substeps )
     SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 9, 0.05f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.hinges = true;
-    wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_cloth_def cloth = undamped_cloth();
     cloth.bending = bending;
     cloth.bend_rigidity = 1e-4f;
     cloth.warp_compliance = cloth.weft_compliance = 1e-3f;
@@ -294,7 +294,7 @@ static wisp_entity add_sheet( hosted* h, const sheet_setting* s )
     surface.area_density = 0.2f;
     surface.pins = pins;
     surface.pin_count = s->is_free ? 0 : 2;
-    wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_cloth_def cloth = undamped_cloth();
     cloth.bending = s->bends ? WISP_CLOTH_BENDING_LINKS : WISP_CLOTH_BENDING_NONE;
     cloth.warp_compliance = cloth.weft_compliance = s->compliance;
     cloth.shear_compliance = 2.0f * s->compliance;

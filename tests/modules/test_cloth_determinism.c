@@ -55,7 +55,7 @@ static wisp_entity add_case( wisp_world* world, const golden_case* c, int n )
     wisp_surface_def surface = support_weightless_surface_def();
     surface.pins = pins;
     surface.pin_count = 2;
-    wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_cloth_def cloth = undamped_cloth();
     cloth.bending = c->bending;
     cloth.solver = c->solver;
     cloth.warp_compliance = 1e-4f;

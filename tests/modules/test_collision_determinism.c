@@ -79,7 +79,7 @@ static trace* run( setting how )
     collision.features = how.features;
     wisp_entity e = add_colliding( h->world, &mesh, &collision );
     test_mesh_free( &mesh );
-    SET_DEFAULT( h->world, e, cloth );
+    SET( h->world, e, cloth, d.internal_damping = 0.0f );
     give_gravity( h->world, e, 9.8f );
 
     for ( int n = 0; n < STEPS; ++n )

@@ -33,13 +33,13 @@ static void one_lowers_clear( const find_one* one, float clear )
 
 static float one_gap( const collision_contact* c, wisp_vec3 p )
 {
-    return collision_dot( collision_load( c->normal ), collision_sub( p, collision_load( c->point ) ) ) - c->gap;
+    return wisp_v3_dot( wisp_v3_load( c->normal ), wisp_v3_sub( p, wisp_v3_load( c->point ) ) ) - c->gap;
 }
 
 static void one_keeps( const find_one* one, const collision_contact* c )
 {
     collision_contact* all = one->args->contact[one->slot];
-    const wisp_vec3 p = collision_load( one->args->position + (size_t)one->slot * 4 );
+    const wisp_vec3 p = wisp_v3_load( one->args->position + (size_t)one->slot * 4 );
     int place = one->args->count[one->slot]++;
     if ( place >= WISP_COLLISION_CONTACTS )
     {
@@ -59,8 +59,8 @@ static void one_keeps( const find_one* one, const collision_contact* c )
 static void one_moves_out( const find_one* one, wisp_vec3 normal, float recovered, float absorbed )
 {
     float *p = one->args->position + (size_t)one->slot * 4, *old = one->args->previous + (size_t)one->slot * 4;
-    collision_store( p, collision_add_scaled( collision_load( p ), recovered, normal ) );
-    collision_store( old, collision_add_scaled( collision_load( old ), recovered + absorbed, normal ) );
+    collision_store( p, wisp_v3_mul_add( wisp_v3_load( p ), recovered, normal ) );
+    collision_store( old, wisp_v3_mul_add( wisp_v3_load( old ), recovered + absorbed, normal ) );
 }
 
 static void one_touches( const find_one* one, const wisp_surface_point* nearest )
@@ -72,7 +72,7 @@ static void one_touches( const find_one* one, const wisp_surface_point* nearest 
         fabsf( nearest->distance ) <= one->path && collision_cast( view, one->from, one->to, &plane, &motion );
     plane = swept ? plane : *nearest;
     one_lowers_clear( one, swept ? 0.0f : ( nearest->distance > 0.0f ? nearest->distance : INFINITY ) );
-    float now = swept ? collision_dot( plane.normal, collision_sub( one->to, plane.point ) ) : nearest->distance;
+    float now = swept ? wisp_v3_dot( plane.normal, wisp_v3_sub( one->to, plane.point ) ) : nearest->distance;
     if ( now > 2.0f * view->thickness + one->path )
     {
         return;
@@ -92,15 +92,15 @@ static void one_touches( const find_one* one, const wisp_surface_point* nearest 
     };
     collision_store( c.point, point );
     collision_store( c.normal, normal );
-    collision_store( c.motion, collision_sub( point, wisp_transform_to_world( view->before, plane.point ) ) );
+    collision_store( c.motion, wisp_v3_sub( point, wisp_transform_to_world( view->before, plane.point ) ) );
     one_moves_out( one, normal, recovered, start < -COLLISION_SHALLOW * view->thickness ? outward : 0.0f );
     one_keeps( one, &c );
 }
 
 static float one_box_distance( const collision_body* body, wisp_vec3 p )
 {
-    const wisp_vec3 d = collision_sub( p, body->centre );
-    return collision_length( ( wisp_vec3 ){
+    const wisp_vec3 d = wisp_v3_sub( p, body->centre );
+    return wisp_v3_length( ( wisp_vec3 ){
         fmaxf( 0.0f, fabsf( d.x ) - body->half.x ),
         fmaxf( 0.0f, fabsf( d.y ) - body->half.y ),
         fmaxf( 0.0f, fabsf( d.z ) - body->half.z ),
@@ -109,13 +109,13 @@ static float one_box_distance( const collision_body* body, wisp_vec3 p )
 
 static void one_meets( const collision_find_args* args, const collision_view* view, int slot )
 {
-    const wisp_vec3 old = collision_load( args->previous + (size_t)slot * 4 );
-    const wisp_vec3 now = collision_load( args->position + (size_t)slot * 4 );
+    const wisp_vec3 old = wisp_v3_load( args->previous + (size_t)slot * 4 );
+    const wisp_vec3 now = wisp_v3_load( args->position + (size_t)slot * 4 );
     find_one one = {
         args, view, slot, wisp_transform_to_local( view->before, old ), wisp_transform_to_local( view->after, now ),
         0.0f
     };
-    one.path = collision_length( collision_sub( one.to, one.from ) );
+    one.path = wisp_v3_length( wisp_v3_sub( one.to, one.from ) );
     const wisp_mesh_query query = { .point = one.to, .radius = 2.0f * view->thickness + one.path };
     wisp_surface_point nearest;
     bool is_near = false;
@@ -136,8 +136,8 @@ static void one_meets( const collision_find_args* args, const collision_view* vi
 static bool one_moves( const collision_find_args* args, int slot )
 {
     const float *quad = args->position + (size_t)slot * 4, *old = args->previous + (size_t)slot * 4;
-    return quad[3] > 0.0f && collision_is_finite( collision_load( quad ) ) &&
-           collision_is_finite( collision_load( old ) );
+    return quad[3] > 0.0f && collision_is_finite( wisp_v3_load( quad ) ) &&
+           collision_is_finite( wisp_v3_load( old ) );
 }
 
 /// All bodies for one block of slots, in their order. The block matters: if a body is beyond reach of the whole
@@ -149,12 +149,12 @@ static void find_one_by_one( const collision_find_args* args, const collision_vi
     for ( int slot = begin; slot < end; ++slot )
     {
         args->count[slot] = 0;
-        collision_store( args->found + (size_t)slot * 4, collision_load( args->position + (size_t)slot * 4 ) );
+        collision_store( args->found + (size_t)slot * 4, wisp_v3_load( args->position + (size_t)slot * 4 ) );
         args->found[(size_t)slot * 4 + 3] = INFINITY;
         if ( one_moves( args, slot ) )
         {
-            collision_widen( &lower, &upper, collision_load( args->position + (size_t)slot * 4 ) );
-            collision_widen( &lower, &upper, collision_load( args->previous + (size_t)slot * 4 ) );
+            collision_widen( &lower, &upper, wisp_v3_load( args->position + (size_t)slot * 4 ) );
+            collision_widen( &lower, &upper, wisp_v3_load( args->previous + (size_t)slot * 4 ) );
         }
     }
     bool moves[COLLISION_BLOCK]; // before any body moved anything
@@ -303,7 +303,7 @@ static void place_bodies( meeting* m, int trial )
 // Where the closest point is at the search distance, up to the last bits.
 static bool place_at_limit( const collision_view* view, int i, wisp_vec3* old, wisp_vec3* now )
 {
-    const wisp_vec3 q = wisp_transform_to_local( view->after, *now ), way = collision_sub( *now, *old );
+    const wisp_vec3 q = wisp_transform_to_local( view->after, *now ), way = wisp_v3_sub( *now, *old );
     const wisp_mesh_query query = { .point = q, .radius = 2.0f };
     wisp_surface_point s;
     bool is_near;
@@ -313,10 +313,10 @@ static bool place_at_limit( const collision_view* view, int i, wisp_vec3* old, w
         return false;
     }
     const float bits = (float)( test_random( i, 20, 9 ) - 4 ) * FLT_EPSILON;
-    const float limit = ( 2.0f * view->thickness + collision_length( way ) ) * ( 1.0f + bits );
-    const wisp_vec3 to = collision_add_scaled( s.point, limit, s.normal );
+    const float limit = ( 2.0f * view->thickness + wisp_v3_length( way ) ) * ( 1.0f + bits );
+    const wisp_vec3 to = wisp_v3_mul_add( s.point, limit, s.normal );
     *now = wisp_transform_to_world( view->after, to );
-    *old = wisp_transform_to_world( view->before, collision_sub( to, way ) );
+    *old = wisp_transform_to_world( view->before, wisp_v3_sub( to, way ) );
     return true;
 }
 
@@ -490,7 +490,7 @@ TEST( contacts_do_not_depend_on_where_blocks_begin )
 // Queried without any bounding box or ball: the closest point of every body, and the path to it.
 static void assert_clear( const meeting* m, const particles* before, const particles* p, int i )
 {
-    const wisp_vec3 now = collision_load( before->position[i] ), old = collision_load( before->previous[i] );
+    const wisp_vec3 now = wisp_v3_load( before->position[i] ), old = wisp_v3_load( before->previous[i] );
     for ( int b = 0; b < BODIES; ++b )
     {
         const collision_view* view = m->views + b;
@@ -594,7 +594,7 @@ static void compare_many( const wisp_shape* shape, const deepest_oracle_body* bo
         wisp_vec3 corners[3];
         for ( int k = 0; k < 3; ++k )
         {
-            corners[k] = collision_add_scaled( near, 1.0f, random_point( size ) );
+            corners[k] = wisp_v3_mul_add( near, 1.0f, random_point( size ) );
         }
         compare( shape, body, corners, 2, 1e-4 );
         compare( shape, body, corners, 3, 1e-4 );

@@ -259,7 +259,7 @@ static double tension_ratio( float mu, double ratio )
     wisp_entity e = test_surface_of( h->world, &fabric, surface );
     test_mesh_free( &mesh );
     assert_int_equal( wisp_request( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
-    SET( h->world, e, cloth, d.bending = WISP_CLOTH_BENDING_NONE );
+    SET( h->world, e, cloth, d.bending = WISP_CLOTH_BENDING_NONE, d.internal_damping = 0.0f );
     assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_OK );
     give_gravity( h->world, e, GRAVITY );
     for ( int side = 0; side < 2; ++side )
@@ -380,7 +380,7 @@ static thrown new_thrown( bool is_cloth, bool requests, int substeps, int iterat
     collision.thickness = 0.01f;
     t.surface = add_colliding( world, &mesh, &collision );
     test_mesh_free( &mesh );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_cloth_def cloth = undamped_cloth();
     assert_true( is_cloth == false || wisp_set_cloth( world, t.surface, &cloth ) == WISP_OK );
     const wisp_collider_kind kinds[] = { WISP_COLLIDER_SPHERE, WISP_COLLIDER_BOX, WISP_COLLIDER_TAPERED_CAPSULE,
                                          WISP_COLLIDER_PLANE };

@@ -28,10 +28,10 @@ static test_mesh mesh_of_field( const wisp_height_field* f )
 static bool is_same_place( const wisp_mesh_feature* a, const wisp_mesh_feature* b )
 {
     const float near = 1e-5f;
-    return ( collision_length( collision_sub( a->from[0], b->from[0] ) ) < near &&
-             collision_length( collision_sub( a->from[1], b->from[1] ) ) < near ) ||
-           ( collision_length( collision_sub( a->from[0], b->from[1] ) ) < near &&
-             collision_length( collision_sub( a->from[1], b->from[0] ) ) < near );
+    return ( wisp_v3_length( wisp_v3_sub( a->from[0], b->from[0] ) ) < near &&
+             wisp_v3_length( wisp_v3_sub( a->from[1], b->from[1] ) ) < near ) ||
+           ( wisp_v3_length( wisp_v3_sub( a->from[0], b->from[1] ) ) < near &&
+             wisp_v3_length( wisp_v3_sub( a->from[1], b->from[0] ) ) < near );
 }
 
 // Within a box, the edges of a field that stick out are those that stick out of the mesh of its triangles, with the same normals.
@@ -77,7 +77,7 @@ TEST( a_height_field_has_the_edges_and_corners_of_its_triangles )
                     matched += 1;
                     assert_true( is_near && sides.in_front && mine.in_front && mine.behind == false );
                     // corners are weighted by angles there, and not here
-                    assert_true( collision_dot( mine.normal, sides.normal ) > ( corners == 1 ? 0.8f : 0.999999f ) );
+                    assert_true( wisp_v3_dot( mine.normal, sides.normal ) > ( corners == 1 ? 0.8f : 0.999999f ) );
                 }
             }
         }

@@ -17,7 +17,7 @@ TEST( closest_points_are_those_of_the_oracle )
             p[k].y *= n % 4 == 0 ? 0.0f : 1.0f; // in a plane, where they may cross
         }
         p[4] = n % 5 == 0 ? p[3] : p[4]; // a feature without length
-        p[1] = n % 7 == 0 ? collision_add_scaled( p[0], 0.5f, collision_sub( p[4], p[3] ) ) : p[1]; // parallel
+        p[1] = n % 7 == 0 ? wisp_v3_mul_add( p[0], 0.5f, wisp_v3_sub( p[4], p[3] ) ) : p[1]; // parallel
         for ( int k = 0; k < 5; ++k )
         {
             q[k] = double3_widen( p[k] );

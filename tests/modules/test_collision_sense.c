@@ -118,8 +118,8 @@ static sensed touch_of( wisp_world* world, wisp_entity e, int vertex, int k )
     motion += 4 * ( row + (size_t)k );
     friction += 3 * ( row + (size_t)k );
     return ( sensed ){ body[row + (size_t)k],
-                       collision_load( plane ),
-                       collision_load( motion ),
+                       wisp_v3_load( plane ),
+                       wisp_v3_load( motion ),
                        plane[3],
                        motion[3],
                        friction[0],
@@ -256,11 +256,11 @@ SENSE_TEST( what_parts_from_a_corner_is_sensed_as_far_as_its_path )
     wisp_collider_def box = body_of( WISP_COLLIDER_BOX );
     wisp_entity body = add_collider( h->world, &box );
     const wisp_vec3 half = box.half_extent;
-    const float reach = collision_length( half );
+    const float reach = wisp_v3_length( half );
     const wisp_vec3 out = { -half.x / reach, -half.y / reach, -half.z / reach }, none = { 0.0f, 0.0f, 0.0f };
-    wisp_entity near = add_probe( h->world, collision_add_scaled( none, reach + 0.019f, out ) );
-    wisp_entity leaves = add_probe( h->world, collision_add_scaled( none, reach + 0.05f, out ) );
-    wisp_entity stays = add_probe( h->world, collision_add_scaled( none, reach + 0.05f, out ) );
+    wisp_entity near = add_probe( h->world, wisp_v3_mul_add( none, reach + 0.019f, out ) );
+    wisp_entity leaves = add_probe( h->world, wisp_v3_mul_add( none, reach + 0.05f, out ) );
+    wisp_entity stays = add_probe( h->world, wisp_v3_mul_add( none, reach + 0.05f, out ) );
     const float speed = 0.04f / DT;
     give_velocity( h->world, leaves, speed * out.x, speed * out.y, speed * out.z );
     run_for( h->world, DT, 1 );
@@ -268,7 +268,7 @@ SENSE_TEST( what_parts_from_a_corner_is_sensed_as_far_as_its_path )
     assert_near( touch_of( h->world, near, 0, 0 ).gap, 0.019, 2e-7 );
     assert_near( touch_of( h->world, leaves, 0, 0 ).gap, 0.05, 2e-7 );
     assert_int_equal( touch_of( h->world, stays, 0, 0 ).body, 0 );
-    const wisp_transform away = { box.pose.rotation, collision_add_scaled( none, -0.04f, out ) };
+    const wisp_transform away = { box.pose.rotation, wisp_v3_mul_add( none, -0.04f, out ) };
     assert_int_equal( wisp_move_collider( h->world, body, away ), WISP_OK );
     run_for( h->world, DT, 1 );
     assert_near( touch_of( h->world, stays, 0, 0 ).gap, 0.05, 2e-7 );
@@ -394,8 +394,8 @@ SENSE_TEST( a_flat_path_is_not_held_before_it_arrives )
     assert_true( t.gap == MARGIN );
     // it lands where it would have entered, after five sixths of its path, so a fifth of the margin is left behind
     // the plane
-    assert_near( collision_length( t.normal ), 1.0, 1e-6 );
-    assert_near( t.gap + collision_dot( t.normal, way ), -0.2 * (double)MARGIN, 1e-5 );
+    assert_near( wisp_v3_length( t.normal ), 1.0, 1e-6 );
+    assert_near( t.gap + wisp_v3_dot( t.normal, way ), -0.2 * (double)MARGIN, 1e-5 );
     // the top of the plate, tilted by the ratio of the missing margin and the path to it
     assert_near( t.normal.x, 0.015 / 0.625, 1e-3 );
 }
@@ -425,16 +425,16 @@ TEST( a_path_that_passes_by_is_not_stopped )
         give_velocity( h->world, e, way.x / DT, way.y / DT, way.z / DT );
         const sensed t = sense( h->world, e );
         assert_true( t.body != 0 );
-        assert_near( collision_length( t.normal ), 1.0, 1e-6 );
+        assert_near( wisp_v3_length( t.normal ), 1.0, 1e-6 );
         // not held, because it has not arrived; both ends of the path are in front; a path of 1 m is rounded to 6e-8
         // m
         assert_true( t.gap >= MARGIN );
-        assert_true( t.gap + collision_dot( t.normal, way ) >= -1e-6f );
+        assert_true( t.gap + wisp_v3_dot( t.normal, way ) >= -1e-6f );
         // and the body is behind, except for paths that come closer than the margin, which receive the margin: the
         // plane is as far from the body's middle as the body reaches in that direction
         const float slack = t.gap > MARGIN ? 1e-6f : MARGIN;
         const wisp_vec3 n = t.normal;
-        const float middle = collision_dot( n, from ) - t.gap;
+        const float middle = wisp_v3_dot( n, from ) - t.gap;
         const wisp_vec3 half = body.half_extent;
         const float round =
             body.radius + ( body.kind == WISP_COLLIDER_CAPSULE ? fabsf( n.y ) * body.half_length : 0.0f );

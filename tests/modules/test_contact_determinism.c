@@ -107,7 +107,7 @@ static void add_threads( running* r )
     const int32_t corners[4] = { 0, 8, 72, 80 };
     r->participants[r->participant_count++] = add_draping( r->h.world, &mesh, corners, 4, EARTH );
     const wisp_entity e = test_add_strands( r->h.world, 10, 12 ); // upwards from 0.1 m, so they fall over
-    SET_DEFAULT( r->h.world, e, strand_dynamics );
+    SET( r->h.world, e, strand_dynamics, d.damping = 0.0f );
     assert_status( r->h.world, wisp_request( r->h.world, e, WISP_STRAND_POINTS ), WISP_OK );
     const wisp_transform down = { { 0.0f, 0.0f, 1.0f, 0.0f }, { 0.0f, 0.2f, 0.0f } };
     assert_status( r->h.world, wisp_move_strand_head( r->h.world, e, down ), WISP_OK );

@@ -24,7 +24,7 @@ static wisp_entity add_implicit( wisp_world* world, const sheet_def* d )
     def.stretch_stiffness = d->stretch_stiffness;
     def.integrator = d->integrator;
     def.tolerance = d->tolerance > 0.0f ? d->tolerance : def.tolerance;
-    def.weights = WISP_IMPLICIT_WEIGHTS_NONE; // true masses
+    def.stiffness_model = WISP_IMPLICIT_STIFFNESS_LINK; // rounds less than a plate
     assert_status( world, wisp_set_implicit_cloth( world, e, &def ), WISP_OK );
     assert_status( world, wisp_request_implicit_cloth_stats( world, e, true ), WISP_OK );
     assert_status( world, wisp_set_gravity( world, e, d->gravity ), WISP_OK );

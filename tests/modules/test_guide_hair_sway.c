@@ -30,7 +30,8 @@ static herd make_herd( const wisp_ghosts_def* first, const wisp_ghosts_def* seco
     world_def.workers = 1;
     wisp_error error = { WISP_OK, "" };
     assert_int_equal( wisp_world_create( &world_def, &h.world, &error ), WISP_OK );
-    const wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
+    wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
+    dynamics.damping = 0.0f;
     h.targets = guide_add( h.world, h.s.target, GROUPS, NODES );
     h.full = guide_add( h.world, h.s.ghost, GHOSTS, NODES );
     guide_ok( h.world, wisp_set_strand_dynamics( h.world, h.targets, &dynamics ) );

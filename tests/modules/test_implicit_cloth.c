@@ -84,7 +84,7 @@ IMPLICIT_TEST( pairs_by_hand_take_the_place_of_the_mesh )
 // Without a difference of velocities or a deformed link, the right side is 0 and so is its solution.
 IMPLICIT_TEST( a_free_sheet_falls_like_a_stone_to_the_last_bit )
 {
-    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    const wisp_implicit_cloth_def def = linked_def();
     wisp_entity e = add_sheet( h->world, &def, 9, false );
     float y = 0.0f, v = 0.0f;
     for ( int i = 0; i < 50; ++i )
@@ -104,7 +104,7 @@ IMPLICIT_TEST( a_free_sheet_falls_like_a_stone_to_the_last_bit )
 
 IMPLICIT_TEST( damping_of_the_surface_brakes_all_velocity )
 {
-    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    const wisp_implicit_cloth_def def = linked_def();
     wisp_entity e = add_sheet( h->world, &def, 3, false );
     assert_status( h->world, wisp_set_damping( h->world, e, 2.0f ), WISP_OK );
     const float keep = 1.0f / ( 1.0f + 2.0f * DT );
@@ -241,7 +241,7 @@ TEST( pins_stay_and_go_where_they_are_told_to_the_last_bit )
     {
         SCOPED( close_world ) hosted h;
         open_implicit( &h, 1 + 2 * ( variant % 2 ) );
-        wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+        wisp_implicit_cloth_def def = linked_def();
         def.integrator = variant < 2 ? WISP_INTEGRATOR_EULER : WISP_INTEGRATOR_BDF2;
         wisp_entity e = add_sheet( h.world, &def, 6, true );
         const int32_t moved = 5;
@@ -428,7 +428,7 @@ IMPLICIT_TEST( links_between_coincident_vertices_are_counted )
 IMPLICIT_TEST( a_light_chain_of_stiff_links_keeps_its_length )
 {
     static const int32_t PAIRS[6] = { 0, 1, 1, 2, 2, 3 }, PINS[2] = { 0, 4 };
-    wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    wisp_implicit_cloth_def def = linked_def();
     def.stretch_stiffness = 2e4f;
     def.link_damping = 0.0f;
     def.stretch_pairs = PAIRS;
@@ -468,7 +468,7 @@ TEST( cloth_stays_finite_whatever_it_is_made_of )
     {
         SCOPED( close_world ) hosted h;
         open_implicit( &h, 1 );
-        wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+        wisp_implicit_cloth_def def = linked_def();
         def.stretch_stiffness = n % 3 == 0 ? 1e9f : n % 3 == 1 ? 200.0f : 0.0f;
         def.bend_stiffness = n % 2 == 0 ? 1e-6f : 1e3f;
         def.link_damping = n % 5 == 0 ? 1e9f : n % 5 == 1 ? 0.0f : 0.02f;

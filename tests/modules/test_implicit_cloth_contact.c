@@ -1,7 +1,7 @@
 // Contact inside the solver (Noh and Jung, section 4 and Fig. 8) in the engine, on bodies of every kind, at rest and moving.
 #include "collision_fixture.h"
 
-#include "implicit_cloth.h"
+#include "implicit_linked.h"
 
 static const double DEGREE = 3.14159265358979323846 / 180.0;
 static const float GRAVITY = 9.8f;
@@ -82,7 +82,7 @@ static incline new_incline( double angle, float mu_static, float mu_kinetic, int
         mesh.points[v] = ( wisp_vec3 ){ (float)( cos( angle ) * (double)p.x - sin( angle ) * height ),
                                         (float)( sin( angle ) * (double)p.x + cos( angle ) * height ), p.z };
     }
-    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    const wisp_implicit_cloth_def def = linked_def();
     i.surface = add_solved( i.h->world, &mesh, &def, 0.0f );
     test_mesh_free( &mesh );
     give_gravity( i.h->world, i.surface, GRAVITY );
@@ -151,7 +151,7 @@ TEST( a_cloth_follows_a_floor_that_moves )
     wisp_collider_def floor = wisp_default_collider_def();
     const wisp_entity body = add_collider( h->world, &floor );
     test_mesh mesh = square( 6, 0.5f, ( wisp_vec3 ){ 0.0f, 0.4f * MARGIN, 0.0f } );
-    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    const wisp_implicit_cloth_def def = linked_def();
     const wisp_entity e = add_solved( h->world, &mesh, &def, 0.0f );
     test_mesh_free( &mesh );
     give_gravity( h->world, e, GRAVITY );
@@ -179,7 +179,7 @@ TEST( a_floor_does_not_pull )
     wisp_collider_def floor = wisp_default_collider_def();
     const wisp_entity body = add_collider( h->world, &floor );
     test_mesh mesh = square( 6, 0.5f, ( wisp_vec3 ){ 0.0f, 0.4f * MARGIN, 0.0f } );
-    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    const wisp_implicit_cloth_def def = linked_def();
     const wisp_entity e = add_solved( h->world, &mesh, &def, 0.0f );
     test_mesh_free( &mesh );
     give_gravity( h->world, e, GRAVITY );
@@ -205,7 +205,7 @@ TEST( a_pull_of_a_millionth_of_the_weight_releases_and_a_push_as_small_keeps )
         wisp_collider_def floor = wisp_default_collider_def();
         add_collider( h->world, &floor );
         test_mesh mesh = square( 6, 0.5f, ( wisp_vec3 ){ 0.0f, 0.4f * MARGIN, 0.0f } );
-        const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+        const wisp_implicit_cloth_def def = linked_def();
         const wisp_entity e = add_solved( h->world, &mesh, &def, 0.0f );
         test_mesh_free( &mesh );
         const float away = ( pushes == 1 ? -5e-7f : 5e-7f ) * GRAVITY;
@@ -225,7 +225,7 @@ TEST( a_corner_that_is_lifted_leaves_while_the_rest_stays )
     wisp_collider_def floor = wisp_default_collider_def();
     add_collider( h->world, &floor );
     SCOPED( test_mesh_free ) test_mesh mesh = square( 9, 0.8f, ( wisp_vec3 ){ 0.0f, 0.4f * MARGIN, 0.0f } );
-    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    const wisp_implicit_cloth_def def = linked_def();
     const wisp_entity e = add_solved( h->world, &mesh, &def, 0.0f );
     give_gravity( h->world, e, GRAVITY );
     run_for( h->world, DT, 5 );
@@ -252,7 +252,7 @@ TEST( what_begins_inside_is_outside_after_one_step_without_a_cap )
     wisp_collider_def floor = wisp_default_collider_def();
     add_collider( h->world, &floor );
     test_mesh mesh = square( 4, 0.3f, ( wisp_vec3 ){ 0.0f, -0.02f, 0.0f } );
-    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    const wisp_implicit_cloth_def def = linked_def();
     const wisp_entity e = add_solved( h->world, &mesh, &def, 1e5f );
     test_mesh_free( &mesh );
     give_gravity( h->world, e, GRAVITY );
@@ -271,7 +271,7 @@ TEST( a_capped_recovery_takes_its_time )
     wisp_collider_def floor = wisp_default_collider_def();
     add_collider( h->world, &floor );
     test_mesh mesh = square( 4, 0.3f, ( wisp_vec3 ){ 0.0f, -0.02f, 0.0f } );
-    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    const wisp_implicit_cloth_def def = linked_def();
     const wisp_entity e = add_solved( h->world, &mesh, &def, 0.1f );
     test_mesh_free( &mesh );
     run_for( h->world, DT, 10 );
@@ -297,7 +297,7 @@ TEST( what_falls_fast_lands )
     wisp_collider_def floor = wisp_default_collider_def();
     add_collider( h->world, &floor );
     test_mesh mesh = square( 6, 0.5f, ( wisp_vec3 ){ 0.0f, 0.33f, 0.0f } );
-    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    const wisp_implicit_cloth_def def = linked_def();
     const wisp_entity e = add_solved( h->world, &mesh, &def, 10.0f );
     test_mesh_free( &mesh );
     assert_int_equal( wisp_set_velocity( h->world, e, ( wisp_vec3 ){ 0.0f, -10.0f, 0.0f }, ( wisp_vec3 ){ 0 } ),
@@ -324,7 +324,7 @@ static drape drape_on( const wisp_collider_def* body, float height, float second
     SCOPED( close_local ) hosted* h = new_solved( 1, 1 );
     add_collider( h->world, body );
     test_mesh mesh = square( 21, 1.0f, ( wisp_vec3 ){ 0.03f, height, 0.02f } );
-    wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    wisp_implicit_cloth_def def = linked_def();
     def.stretch_stiffness = stiffness;
     const wisp_entity e = add_solved( h->world, &mesh, &def, 0.0f );
     test_mesh_free( &mesh );
@@ -403,7 +403,7 @@ TEST( a_ball_is_driven_through_a_hanging_cloth_without_passing_a_vertex )
     ball.pose.translation = ( wisp_vec3 ){ 0.0f, 0.5f, 0.0f };
     const wisp_entity body = add_collider( h->world, &ball );
     test_mesh mesh = square( 17, 1.0f, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
-    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    const wisp_implicit_cloth_def def = linked_def();
     const wisp_entity e = add_solved( h->world, &mesh, &def, 0.0f );
     test_mesh_free( &mesh );
     const int32_t corners[] = { 0, 16, 272, 288 };
@@ -434,7 +434,7 @@ TEST( a_groove_of_two_planes_holds_what_lies_in_it )
         add_collider( h->world, &plane );
     }
     test_mesh mesh = square( 13, 0.6f, ( wisp_vec3 ){ 0.01f, 0.25f, 0.0f } );
-    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    const wisp_implicit_cloth_def def = linked_def();
     const wisp_entity e = add_solved( h->world, &mesh, &def, 0.0f );
     test_mesh_free( &mesh );
     give_gravity( h->world, e, GRAVITY );
@@ -454,7 +454,7 @@ TEST( collision_may_be_queried_for_before_or_after )
         add_collider( h->world, &floor );
         test_mesh mesh = square( 6, 0.5f, ( wisp_vec3 ){ 0.0f, 0.1f, 0.0f } );
         wisp_collision_def collision = wisp_default_collision_def();
-        const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+        const wisp_implicit_cloth_def def = linked_def();
         const wisp_entity e = add_colliding( h->world, &mesh, &collision );
         assert_int_equal( wisp_set_implicit_cloth( h->world, e, &def ), WISP_OK );
         if ( order == 1 )

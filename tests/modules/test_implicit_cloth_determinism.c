@@ -63,7 +63,7 @@ static void add_bodies( running* r )
 static void add_case( running* r )
 {
     const golden_case* c = r->c;
-    wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    wisp_implicit_cloth_def def = linked_def();
     def.weights = c->weights;
     def.stiffness_model = c->stiffness;
     def.integrator = c->integrator;

@@ -1,7 +1,7 @@
 // What implicit cloth gives to bodies: the weight that rests on them, the momentum that it loses to them, by Euler and by BDF2.
 #include "collision_fixture.h"
 
-#include "implicit_cloth.h"
+#include "implicit_linked.h"
 
 static const float DT = 0.01f, MARGIN = 0.005f;
 
@@ -42,7 +42,7 @@ static void add_reaction( wisp_world* world, wisp_entity body, double impulse[3]
 
 static wisp_implicit_cloth_def tight( wisp_integrator integrator, wisp_implicit_weights weights )
 {
-    wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    wisp_implicit_cloth_def def = linked_def();
     def.integrator = integrator;
     def.weights = weights;
     def.tolerance = 1e-7f;
@@ -199,7 +199,7 @@ TEST( requests_come_and_go )
         {
             assert_int_equal( wisp_request_reaction( h[k]->world, floor[k], true ), WISP_OK );
         }
-        const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+        const wisp_implicit_cloth_def def = linked_def();
         e[k] = add_square( h[k]->world, 20, 0.5f, ( wisp_vec3 ){ 0.0f, 0.05f, 0.0f }, &def );
         give_gravity( h[k]->world, e[k], 9.81f );
         if ( k == 2 )

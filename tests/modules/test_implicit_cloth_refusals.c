@@ -37,7 +37,7 @@ static void assert_refused( hosted* h, wisp_entity e, const wisp_implicit_cloth_
 IMPLICIT_TEST( every_number_has_its_range )
 {
     wisp_entity e = add_plain( h );
-    const wisp_implicit_cloth_def good = wisp_default_implicit_cloth_def();
+    const wisp_implicit_cloth_def good = linked_def();
     set_implicit( h->world, e, &good );
 #define FIELD( name, lower, upper )                                                                                  \
     {                                                                                                                \
@@ -94,7 +94,7 @@ IMPLICIT_TEST( every_count_and_choice_has_its_range )
     {
         for ( int k = 0; k < 3; ++k )
         {
-            wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+            wisp_implicit_cloth_def def = linked_def();
             memcpy( (char*)&def + fields[i].at, fields[i].bad + k, sizeof( int ) );
             assert_refused( h, e, &def, WISP_BAD_INPUT, fields[i].name );
         }
@@ -112,11 +112,11 @@ IMPLICIT_TEST( a_pair_is_two_vertices_of_the_surface )
     {
         int32_t pairs[4] = { 0, 1 };
         memcpy( pairs + 2, bad[i], sizeof( bad[i] ) );
-        wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+        wisp_implicit_cloth_def def = linked_def();
         def.stretch_pairs = pairs;
         def.stretch_pair_count = 2;
         assert_refused( h, e, &def, WISP_BAD_INPUT, "stretch pair 1" );
-        def = wisp_default_implicit_cloth_def();
+        def = linked_def();
         def.bend_pairs = pairs;
         def.bend_pair_count = 2;
         assert_refused( h, e, &def, WISP_BAD_INPUT, "bend pair 1" );
@@ -126,7 +126,7 @@ IMPLICIT_TEST( a_pair_is_two_vertices_of_the_surface )
 IMPLICIT_TEST( a_count_of_pairs_needs_a_list )
 {
     wisp_entity e = add_plain( h );
-    wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    wisp_implicit_cloth_def def = linked_def();
     def.stretch_pair_count = 3;
     assert_refused( h, e, &def, WISP_BAD_INPUT, "3 stretch pairs" );
     def.stretch_pair_count = 0;
@@ -138,7 +138,7 @@ IMPLICIT_TEST( pairs_by_hand_have_no_area )
 {
     static const int32_t PAIR[2] = { 0, 1 };
     wisp_entity e = add_plain( h );
-    wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    wisp_implicit_cloth_def def = linked_def();
     def.stiffness_model = WISP_IMPLICIT_STIFFNESS_MATERIAL;
     def.stretch_pairs = PAIR;
     def.stretch_pair_count = 1;
@@ -157,7 +157,7 @@ IMPLICIT_TEST( a_link_without_a_length_is_named )
     const test_mesh mesh = { points, triangles, 6, 2 };
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_entity e = test_surface_of( h->world, &fabric, support_weightless_surface_def() );
-    wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    wisp_implicit_cloth_def def = linked_def();
     def.stretch_pairs = PAIR;
     def.stretch_pair_count = 1;
     assert_refused( h, e, &def, WISP_BAD_INPUT, "vertices 0 and 3" );
@@ -167,7 +167,7 @@ IMPLICIT_TEST( a_link_without_a_length_is_named )
 
 IMPLICIT_TEST( two_solvers_do_not_move_one_surface )
 {
-    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    const wisp_implicit_cloth_def def = linked_def();
     wisp_cloth_def cloth = wisp_default_cloth_def();
     cloth.bending = WISP_CLOTH_BENDING_NONE;
     wisp_entity e = add_plain( h );
@@ -193,7 +193,7 @@ IMPLICIT_TEST( an_implicit_cloth_becomes_no_other_cloth_and_no_balloon )
     wisp_entity e = test_surface_of( h->world, &fabric, support_weightless_surface_def() );
     wisp_entity blown = test_surface_of( h->world, &fabric, support_weightless_surface_def() );
     test_mesh_free( &mesh );
-    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    const wisp_implicit_cloth_def def = linked_def();
     set_implicit( h->world, e, &def );
     run_steps( h->world, 1, DT );
     const uint64_t before = wisp_world_hash( h->world );
@@ -209,7 +209,7 @@ IMPLICIT_TEST( an_implicit_cloth_becomes_no_other_cloth_and_no_balloon )
 
 IMPLICIT_TEST( stats_are_there_from_the_step_after_asking )
 {
-    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    const wisp_implicit_cloth_def def = linked_def();
     wisp_implicit_cloth_stats stats;
     wisp_entity e = add_plain( h );
     assert_status( h->world, wisp_set_implicit_cloth( h->world, e, &def ), WISP_OK );
@@ -240,7 +240,7 @@ static uint64_t alone( const wisp_implicit_cloth_def* def, int n, int steps )
 // result.
 TEST( a_step_without_memory_is_refused_and_made_later )
 {
-    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    const wisp_implicit_cloth_def def = linked_def();
     const uint64_t reference = alone( &def, 9, 2 );
     int refusals = 0;
     bool refused = true;
@@ -267,7 +267,7 @@ TEST( a_step_without_memory_is_refused_and_made_later )
 
 IMPLICIT_TEST( a_removed_cloth_gives_its_memory_back )
 {
-    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    const wisp_implicit_cloth_def def = linked_def();
     wisp_entity stays = add_sheet( h->world, &def, 6, true );
     wisp_entity first = add_sheet( h->world, &def, 12, true ), second = add_sheet( h->world, &def, 12, true );
     run_steps( h->world, 2, DT );
@@ -291,7 +291,7 @@ IMPLICIT_TEST( a_removed_cloth_gives_its_memory_back )
 
 IMPLICIT_TEST( cloths_of_one_world_do_not_know_of_each_other )
 {
-    wisp_implicit_cloth_def soft = wisp_default_implicit_cloth_def(), stiff = soft;
+    wisp_implicit_cloth_def soft = linked_def(), stiff = soft;
     stiff.stretch_stiffness = 2000.0f;
     stiff.weights = WISP_IMPLICIT_WEIGHTS_NONE;
     wisp_entity a = add_sheet( h->world, &soft, 9, true ), b = add_sheet( h->world, &stiff, 7, true );
@@ -307,7 +307,7 @@ IMPLICIT_TEST( cloths_of_one_world_do_not_know_of_each_other )
 // An instance has the mesh of its source and parameters of its own.
 IMPLICIT_TEST( an_instance_is_a_cloth_of_its_own )
 {
-    wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    wisp_implicit_cloth_def def = linked_def();
     wisp_entity source = add_sheet( h->world, &def, 9, true ), twin;
     const int32_t pins[2] = { 0, 8 };
     assert_status( h->world, wisp_add_instance( h->world, source, NULL, &twin ), WISP_OK );

@@ -87,7 +87,7 @@ TEST( a_surface_that_feels_nothing_moves_as_in_a_still_frame )
 {
     for ( int coarse = 0; coarse < 2; ++coarse )
     {
-        wisp_cloth_def cloth = wisp_default_cloth_def();
+        wisp_cloth_def cloth = undamped_cloth();
         cloth.drag_coefficient = 1.0f;
         cloth.internal_damping = 2.0f;
         cloth.coarse_substeps = coarse * 2;
@@ -112,7 +112,7 @@ TEST( a_surface_that_feels_nothing_moves_as_in_a_still_frame )
 
 TEST( a_frame_that_is_felt_changes_no_bit_and_has_no_pass )
 {
-    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    const wisp_cloth_def cloth = undamped_cloth();
     SCOPED( close_framed )
     framed with = open_framed( &cloth, true, EARTH, 1 ), without = open_framed( &cloth, true, EARTH, 1 );
     give_frame( &with, 0.5f, 0.5f );
@@ -129,7 +129,7 @@ TEST( a_frame_that_is_felt_changes_no_bit_and_has_no_pass )
 // A frame at rest has passes, and changes no bit of positions and velocities.
 TEST( a_frame_at_rest_changes_no_bit_of_the_motion )
 {
-    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    const wisp_cloth_def cloth = undamped_cloth();
     SCOPED( close_framed )
     framed with = open_framed( &cloth, true, EARTH, 1 ), without = open_framed( &cloth, true, EARTH, 1 );
     give_frame( &with, 0.0f, 0.0f );
@@ -148,7 +148,7 @@ TEST( a_frame_at_rest_changes_no_bit_of_the_motion )
 // a momentum that is linear in what it feels.
 TEST( what_is_felt_is_linear_in_the_fraction )
 {
-    wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_cloth_def cloth = undamped_cloth();
     cloth.coarse_substeps = 0;
     cloth.bending = WISP_CLOTH_BENDING_NONE;
     double momentum[3];
@@ -179,7 +179,7 @@ TEST( what_is_felt_is_linear_in_the_fraction )
 
 static uint64_t walk( int workers, bool restored )
 {
-    wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_cloth_def cloth = undamped_cloth();
     cloth.coarse_substeps = 2;
     framed s = open_framed( &cloth, true, EARTH, workers );
     give_frame( &s, 0.3f, 0.6f );
@@ -220,7 +220,7 @@ TEST( bits_do_not_depend_on_workers_nor_on_a_snapshot )
 
 TEST( a_teleport_takes_the_frame_along )
 {
-    wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_cloth_def cloth = undamped_cloth();
     cloth.coarse_substeps = 0; // they forget their history
     const wisp_transform motion = { { 0.0f, 1.0f, 0.0f, 0.0f }, { 4.0f, 0.0f, 8.0f } };
     SCOPED( close_framed )
@@ -240,7 +240,7 @@ TEST( a_teleport_takes_the_frame_along )
 
 TEST( a_largest_speed_holds_and_is_counted )
 {
-    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    const wisp_cloth_def cloth = undamped_cloth();
     SCOPED( close_framed ) framed s = open_framed( &cloth, false, EARTH, 1 );
     assert_status( s.world, wisp_set_max_speed( s.world, s.e, 2.0f ), WISP_OK );
     for ( int i = 0; i < 60; ++i )
@@ -258,7 +258,7 @@ TEST( a_largest_speed_holds_and_is_counted )
 
 TEST( what_cannot_be_is_refused )
 {
-    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    const wisp_cloth_def cloth = undamped_cloth();
     SCOPED( close_framed ) framed s = open_framed( &cloth, false, EARTH, 1 );
     wisp_moving_frame_def def = wisp_default_moving_frame_def();
     const uint64_t before = wisp_world_hash( s.world );

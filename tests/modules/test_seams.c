@@ -2,7 +2,7 @@
 // found, substeps, removal, halted surfaces, teleports, implicit cloth, refusals, memory.
 #include "seam_fixture.h"
 
-#include "implicit_cloth.h"
+#include "implicit_linked.h"
 #include "oracle/double3.h"
 #include "oracle/seam_oracle.h"
 
@@ -331,7 +331,7 @@ TEST( the_pairs_of_two_hanging_sheets_carry_the_lower_one )
         pairs[2 * i] = ( ROWS - 1 ) * COLUMNS + i;
         pairs[2 * i + 1] = i;
     }
-    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    const wisp_cloth_def cloth = undamped_cloth();
     wisp_surface_def surface = wisp_default_surface_def();
     surface.gravity = EARTH;
     surface.pins = top, surface.pin_count = COLUMNS;
@@ -384,7 +384,7 @@ static sewn open_strip( void )
         const float x = mesh.points[v].x / 0.48f;
         mesh.points[v].z = 0.2f * x * ( 1.0f - x );
     }
-    wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_cloth_def cloth = undamped_cloth();
     cloth.bend_compliance = 0.02f;
     s.a = s.b = add_panel( s.world, &mesh, support_weightless_surface_def(), &cloth );
     assert_status( s.world, wisp_set_damping( s.world, s.a, 2.0f ), WISP_OK );
@@ -519,7 +519,7 @@ static wisp_entity add_sheet( wisp_world* world, int n, float x, bool is_cloth )
     {
         mesh.points[v].x += x;
     }
-    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    const wisp_cloth_def cloth = undamped_cloth();
     return add_panel( world, &mesh, support_weightless_surface_def(), is_cloth ? &cloth : NULL );
 }
 
@@ -717,7 +717,8 @@ TEST( implicit_cloth_is_sewn_too )
 {
     sheets s = open_sheets( 4, 0.05f );
     const wisp_entity other = add_sheet( s.world, SHEET_SIDE, -0.35f, false );
-    SET_DEFAULT( s.world, other, implicit_cloth );
+    const wisp_implicit_cloth_def cloth = linked_def();
+    assert_status( s.world, wisp_set_implicit_cloth( s.world, other, &cloth ), WISP_OK );
     wisp_seam_def def = edge_seam( &s );
     def.a = other, def.b = s.a;
     const wisp_entity seam = sew( s.world, &def );

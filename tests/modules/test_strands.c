@@ -8,7 +8,7 @@ static const wisp_transform NOWHERE = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f
 
 static wisp_strand_dynamics_def default_def( void )
 {
-    return wisp_default_strand_dynamics_def();
+    return undamped_hair();
 }
 
 // ---- lengths and shapes ----
@@ -416,7 +416,7 @@ TEST( a_nan_in_one_position_halts_that_entity_alone )
     {
         SCOPED( close_world ) hosted s;
         open_strands( &s, 4, 1, 1 );
-        const wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+        const wisp_strand_dynamics_def def = undamped_hair();
         // more than one group each
         const wisp_entity sound = add_moving( s.world, 20, 12, straight_out, 0.1f, &def );
         const wisp_entity sick = add_moving( s.world, 20, 12, curl_down, 0.1f, &def );

@@ -297,7 +297,7 @@ enum
 
 static wisp_strand_dynamics_def chain_def( void )
 {
-    wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+    wisp_strand_dynamics_def def = undamped_hair();
     def.bending = WISP_STRAND_BEND_NONE;
     def.integrator = WISP_INTEGRATOR_BDF2;
     return def;
@@ -560,7 +560,7 @@ TEST( hair_on_a_head_that_shakes_comes_to_rest )
     for ( int k = 0; k < 6; ++k )
     {
         hosted s;
-        wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+        wisp_strand_dynamics_def def = undamped_hair();
         def.integrator = WISP_INTEGRATOR_BDF2;
         def.damping = 4.0f;
         def.bending = k < 3 ? WISP_STRAND_BEND_ROD : WISP_STRAND_BEND_LINKS;

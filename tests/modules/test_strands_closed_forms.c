@@ -24,7 +24,7 @@ typedef struct single
 // A chain or a rod, straight without load; a form changes the fields that it needs.
 static wisp_strand_dynamics_def plain_def( wisp_strand_bend bend )
 {
-    wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+    wisp_strand_dynamics_def def = undamped_hair();
     def.bending = bend;
     def.rest = WISP_STRAND_REST_STRAIGHT;
     return def;
@@ -343,7 +343,7 @@ static double drift_after( const fall* f )
 {
     hosted s;
     open_strands( &s, 1, 1, 1 );
-    wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+    wisp_strand_dynamics_def def = undamped_hair();
     def.bending = f->bend;
     def.rest = WISP_STRAND_REST_SHAPE;
     const wisp_entity e = add_moving( s.world, 5, 20, f->curve, 0.1f, &def );
@@ -476,7 +476,7 @@ static double wavering_of( const resting* r )
 {
     hosted s;
     open_strands( &s, r->substeps, 1, 1 );
-    wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+    wisp_strand_dynamics_def def = undamped_hair();
     def.rest = r->rest;
     def.damping = r->damping;
     const wisp_entity e = add_moving( s.world, 5, 20, r->curve, 0.1f, &def );

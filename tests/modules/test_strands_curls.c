@@ -107,7 +107,7 @@ static course run( int vertices, int substeps, const wisp_strand_dynamics_def* d
 
 TEST( balanced_curls_stay_at_any_number_of_substeps )
 {
-    const wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+    const wisp_strand_dynamics_def def = undamped_hair();
     for ( int k = 0; k < WISP_COUNT( SUBSTEPS ) * WISP_COUNT( COUNTS ); ++k )
     {
         const int vertices = COUNTS[k % WISP_COUNT( COUNTS )], substeps = SUBSTEPS[k / WISP_COUNT( COUNTS )];
@@ -126,7 +126,7 @@ TEST( balanced_curls_stay_at_any_number_of_substeps )
 
 TEST( curls_that_a_nod_has_moved_stay_slower_than_a_fall )
 {
-    wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+    wisp_strand_dynamics_def def = undamped_hair();
     def.damping = 1.0f;
     // the speed of a fall through the length of a strand; the head has moved it at 0.2 m/s
     const double fall = sqrt( 2.0 * GRAVITY * arc_length() );
@@ -145,7 +145,7 @@ TEST( curls_that_a_nod_has_moved_stay_slower_than_a_fall )
 
 TEST( curls_that_feel_less_than_their_weight_are_counted )
 {
-    wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+    wisp_strand_dynamics_def def = undamped_hair();
     // once for every length of a substep
     assert_int_equal( run( 32, 8, &def, 0 ).lightened, STRANDS );
     assert_int_equal( run( 32, 32, &def, 0 ).lightened, 0 );
@@ -176,7 +176,7 @@ TEST( hair_of_any_length_comes_to_rest )
         const int count = counts[k % WISP_COUNT( counts )];
         hosted s;
         open_strands( &s, 10, 1, 1 );
-        wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+        wisp_strand_dynamics_def def = undamped_hair();
         def.damping = 5.0f;
         const wisp_entity e = add_moving( s.world, 2, count, wave_out, length, &def );
         assert_int_equal( wisp_request( s.world, e, WISP_MOTION_STATS ), WISP_OK );
@@ -205,7 +205,7 @@ static int count_sagging( float length, float rigidity, wisp_strand_hold* hold )
 {
     hosted s;
     open_strands( &s, 10, 1, 1 );
-    wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+    wisp_strand_dynamics_def def = undamped_hair();
     def.bend_rigidity = rigidity;
     const wisp_entity e = add_moving( s.world, 1, 24, wave_out, length, &def );
     strand_steps( s.world, 1, 1.0f / 60.0f );
@@ -245,7 +245,7 @@ static double stretch_with_tip( wisp_strand_stretch stretch, wisp_solver solver,
     }
     hosted s;
     open_strands( &s, 10, 1, 1 );
-    wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+    wisp_strand_dynamics_def def = undamped_hair();
     def.stretch = stretch;
     def.solver = solver;
     def.bending = WISP_STRAND_BEND_NONE;
@@ -340,7 +340,7 @@ static void swing_at( const swing_case* c, float far, int substeps, wisp_vec3* p
 {
     hosted s;
     open_strands( &s, substeps, 1, 1 );
-    wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+    wisp_strand_dynamics_def def = undamped_hair();
     def.bending = c->bend;
     def.rest = c->rest;
     const wisp_entity e = add_moving( s.world, 1, VERTICES, straight_out, LENGTH, &def );
@@ -416,7 +416,7 @@ static double lost_energy( float far, int substeps )
     strands.strand_count = 1;
     wisp_entity e;
     assert_int_equal( wisp_add_strands( s.world, &strands, &e ), WISP_OK );
-    wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+    wisp_strand_dynamics_def def = undamped_hair();
     def.bending = WISP_STRAND_BEND_NONE;
     def.vertex_mass = 1.0f;
     assert_int_equal( wisp_set_strand_dynamics( s.world, e, &def ), WISP_OK );

@@ -120,7 +120,7 @@ typedef struct running
 
 static wisp_strand_dynamics_def def_of( const golden_case* c )
 {
-    wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+    wisp_strand_dynamics_def def = undamped_hair();
     def.stretch = c->stretch;
     def.bending = c->bend;
     def.integrator = c->bdf2 ? WISP_INTEGRATOR_BDF2 : WISP_INTEGRATOR_EULER;

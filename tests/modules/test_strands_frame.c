@@ -83,7 +83,7 @@ typedef struct kind
 
 static wisp_strand_dynamics_def def_of( const kind* k )
 {
-    wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+    wisp_strand_dynamics_def def = undamped_hair();
     def.stretch = k->stretch;
     def.bending = k->bending;
     def.rest = k->rest;

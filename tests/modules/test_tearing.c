@@ -49,7 +49,7 @@ static strip open_strip( int substeps, int iterations, int workers )
     fabric.bend_links = false;
     wisp_surface_def surface = wisp_default_surface_def();
     surface.pins = PINS, surface.pin_count = COLUMNS;
-    wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_cloth_def cloth = undamped_cloth();
     cloth.bending = WISP_CLOTH_BENDING_NONE;
     cloth.shear_compliance = 1e6f; // diagonals carry nothing
     s.e = add_cloth( s.world, &fabric, surface, &cloth, EARTH );
@@ -270,7 +270,7 @@ static pulled_sheet* open_pulled_sheet( int seed )
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_surface_def surface = wisp_default_surface_def();
     surface.pins = pins, surface.pin_count = 2 * PULLED_SIDE, surface.spare_count = PULLED_SPARES;
-    wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_cloth_def cloth = undamped_cloth();
     cloth.warp_compliance = cloth.weft_compliance = 1e-3f, cloth.shear_compliance = 2e-3f;
     s->e = add_cloth( s->world, &fabric, surface, &cloth, EARTH );
     s->hook = ( pass_hook ){ .after = read_forces, .user = s };
@@ -462,7 +462,7 @@ static void set_maps( wisp_world* world, wisp_entity e )
 
 static wisp_cloth_def cloth_of( const sheet_case* c )
 {
-    wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_cloth_def cloth = undamped_cloth();
     cloth.bending = c->bending;
     cloth.warp_compliance = cloth.weft_compliance = 2e-4f, cloth.shear_compliance = 4e-4f;
     cloth.internal_damping = 0.5f, cloth.drag_coefficient = 0.5f;
@@ -749,7 +749,7 @@ TEST( pins_and_roots_go_with_their_triangles )
     wisp_surface_def surface = wisp_default_surface_def(), loose = surface;
     surface.pins = top, surface.pin_count = N, surface.spare_count = MORE;
     loose.pins = all, loose.pin_count = COUNT;
-    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    const wisp_cloth_def cloth = undamped_cloth();
     const wisp_entity e = add_cloth( w, &fabric, surface, &cloth, EARTH ),
                       pinned = test_surface_of( w, &above, loose );
     assert_status( w, wisp_request( w, pinned, WISP_SURFACE_POINTS ), WISP_OK );
@@ -818,7 +818,7 @@ TEST( what_does_not_tear_is_refused_with_its_reason )
     wisp_world* w = h->world;
     wisp_tearing_def def = wisp_default_tearing_def(), bad;
     def.strength = 10.0f;
-    wisp_cloth_def cloth = wisp_default_cloth_def(), pbd = cloth, tethered = cloth;
+    wisp_cloth_def cloth = undamped_cloth(), pbd = cloth, tethered = cloth;
     pbd.solver = WISP_SOLVER_PBD;
     tethered.tethers = true;
     assert_refused( w, add_sheet( w, NULL, 0.0f, false ), def, WISP_CONFLICT, "is no cloth yet" );

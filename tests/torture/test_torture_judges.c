@@ -323,7 +323,6 @@ static const char QUIET[] = "wisp: 1\n"
                             "    pins: [0, 5]\n"
                             "    cloth: {}\n"
                             "    damping: 1\n"
-                            "    collision: {}\n"
                             "    contact: { thickness: 0.004 }\n"
                             "colliders:\n"
                             "  - { name: ground, shape: plane }\n";

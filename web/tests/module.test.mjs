@@ -25,7 +25,6 @@ surfaces:
     generate: { shape: plane, columns: 12, rows: 12, spacing: 0.05 }
     pins: [0, 11]
     cloth: {}
-    collision: {}
 colliders:
   - { name: ball, shape: sphere, radius: 0.1, position: [0.3, -0.3, 0.3] }
   - { name: moved, shape: sphere, radius: 0.1, position: [2, 0, 0], keyframes: [{ time: 1, position: [2, 1, 0] }] }

@@ -40,6 +40,14 @@ static inline wisp_transform wisp_transform_make( wisp_quat rotation, wisp_vec3 
     return pose;
 }
 
+/// Return the rotation a after b.
+static inline wisp_quat wisp_quat_multiply( wisp_quat a, wisp_quat b )
+{
+    wisp_quat q = { a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
+                    a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z };
+    return q;
+}
+
 /// Rotate v by a unit quaternion: v + 2 w (q x v) + 2 q x (q x v).
 static inline wisp_vec3 wisp_quat_rotate( wisp_quat q, wisp_vec3 v )
 {

@@ -85,6 +85,7 @@ typedef struct wisp_collision_mesh_stats
     int open_edge_count; ///< edges without exactly two triangles that run along them in opposite directions: with none
                          ///< the mesh is closed and has an inside
     int flat_triangle_count; ///< triangles without area
+    int triangle_count;
     int refit_count;
 } wisp_collision_mesh_stats;
 

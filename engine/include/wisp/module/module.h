@@ -2,6 +2,7 @@
 #pragma once
 
 #include "wisp/fabric.h"
+#include "wisp/lines.h"
 #include "wisp/module/definition.h"
 #include "wisp/module/detail.h"
 #include "wisp/module/jobs.h"
@@ -261,6 +262,11 @@ typedef struct wisp_teleport_motion
     wisp_vec3 far;      ///< m, of the way: what the origin of the rows goes, of which `motion` is the rest
 } wisp_teleport_motion;
 
+typedef struct wisp_line_list wisp_line_list;
+/// Add a line between two points in the rows of an entity.
+WISP_API void wisp_add_line( wisp_line_list* list, wisp_entity entity, wisp_vec3 from, wisp_vec3 to,
+                             wisp_vec3 colour );
+
 /// What a state must hear of. Zero-initialised members are never called.
 typedef struct wisp_state_hooks
 {
@@ -281,10 +287,15 @@ typedef struct wisp_state_hooks
     /// A step has run all of its passes. Entities and their topology may change here, and what the host must not do in a step may
     /// not be called.
     wisp_status ( *stepped )( void* state, wisp_world* world );
+    /// The plan was made anew: tell what now has no effect (wisp_world_tell()).
+    void ( *planned )( const void* state, wisp_world* world );
     /// Count what the state points to, for wisp_world_memory_parts().
     /// @param outside add bytes to it that are not of the world's allocator, such as those of Embree
     /// @return bytes of the world's allocator, without the state itself
     size_t ( *memory )( const void* state, size_t* outside );
+    /// Add lines of an entity for wisp_debug_lines(), from what is stored. Nothing of the world may change.
+    void ( *lines )( const void* state, wisp_world* world, wisp_entity entity, wisp_line_kind kind,
+                     wisp_line_list* list );
 } wisp_state_hooks;
 
 /// Give the module's state its hooks. Call once in declare(), behind wisp_declare_state().
@@ -512,5 +523,8 @@ WISP_API wisp_status wisp_world_fail( wisp_world* world, wisp_status status, con
     WISP_PRINTF( 3, 4 );
 /// Log a warning: what was asked for is done, but not in full.
 WISP_API void wisp_world_warn( wisp_world* world, const char* format, ... ) WISP_PRINTF( 2, 3 );
+/// Warn that a setting has no effect: once for an entity and a sentence, and of 32 at most.
+/// @param sentence static
+WISP_API void wisp_world_tell( wisp_world* world, wisp_entity entity, bool is_so, const char* sentence );
 
 WISP_END_C

@@ -36,6 +36,7 @@ WISP_API size_t wisp_convex_bytes( const wisp_convex* convex );
 ///        the hull
 /// @return number of triangles
 WISP_API int wisp_convex_triangles( const wisp_convex* convex, const int32_t** triangles );
+WISP_API wisp_vec3 wisp_convex_corner( const wisp_convex* convex, int triangle, int corner );
 
 // ---- shapes ----
 
