@@ -55,6 +55,7 @@ typedef struct determinism
     void ( *check )( determinism_run* r ); // whether the event that the case tests has happened during its steps
     void ( *nudge )( determinism_run* r ); // smallest change of the initial state of a case
     void ( *close )( determinism_run* r );
+    int most_workers; // default 0: 8
 } determinism;
 
 /// Defined by the file that includes this one.
@@ -107,7 +108,7 @@ static void assert_traces( const determinism* d, int number, const place_to_run*
 TEST( workers_instruction_sets_and_hosts_do_not_change_a_bit )
 {
     const determinism* d = &subject;
-    const int workers[] = { 1, 2, 3, 5, 8 };
+    const int workers[] = { 1, 2, 3, 5, d->most_workers > 0 ? d->most_workers : 8 };
     const char* const isas[] = { "baseline", "avx2", "avx512" };
     for ( int n = 0; n < d->case_count; ++n )
     {
