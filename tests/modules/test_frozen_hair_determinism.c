@@ -178,7 +178,8 @@ static void nudge( determinism_run* base )
 static determinism_case describe( int number )
 {
     const int steps = strstr( cases[number].name, "stroke" ) || strstr( cases[number].name, "layers" ) ? 8 : 2;
-    return ( determinism_case ){ cases[number].name, steps, .warm_workers = 1, .rehearsal = steps };
+    return ( determinism_case ){ cases[number].name, steps, .warm_workers = 1, .rehearsal = steps,
+                                 .most_workers = 64 };
 }
 
 // A host that starts its threads for each wave and lets them compete for blocks.
@@ -269,5 +270,4 @@ static const determinism subject = { WISP_SOURCE_ROOT "/data/golden/frozen_hair.
                                      traces_of,
                                      check_case,
                                      nudge,
-                                     close_case,
-                                     .most_workers = 64 };
+                                     close_case };

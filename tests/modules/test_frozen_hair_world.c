@@ -1,4 +1,4 @@
-// Frozen hair in a world: several grooms next to each other, the plan, memory, rejected input, snapshots.
+// Frozen hair in a world: several grooms next to each other, the plan, memory, rejected input.
 #include "frozen_hair_engine_fixture.h"
 
 #include <stdatomic.h>

@@ -1,4 +1,4 @@
-// Ghosts in a world: order within a step, determinism, memory, removal, rejected input, and an appearance effect on
+// Ghosts in a world: order within a step, memory, removal, rejected input, and an appearance effect on
 // them.
 #include "guide_hair_fixture.h"
 
