@@ -1,16 +1,10 @@
-// Every scene of data/scenes and the smallest scene of every module: no step halts, neither workers nor the instruction set nor a
+// Every scene of data/scenes, the smallest scene of every module and scenes of effects together: no step halts, neither workers nor the instruction set nor a
 // snapshot in the middle change a bit of the world, and steps that are repeated ask for no memory.
 #include "scene_world_fixture.h"
 #include "support.h"
 #include "world.h"
 
 #include <glob.h>
-
-enum
-{
-    STEPS = 10,
-    MIDDLE = 4,
-};
 
 // What a host saves of a scene in the middle.
 typedef struct saved_scene
@@ -56,8 +50,9 @@ static void assert_hash( const fixture* f, const char* path, const char* what, u
 }
 
 // @return whether its snapshot was restored, in three worlds
-static bool check_scene( const char* path )
+static bool check_scene( const char* path, int steps )
 {
+    const int middle_step = steps * 2 / 5, rest = steps - middle_step;
     test_host host = { 0 };
     const wisp_allocator counted = test_host_allocator( &host );
     const scene_world_options others[] = { { .workers = 2, .is_quiet = true, .allocator = &counted },
@@ -66,22 +61,22 @@ static bool check_scene( const char* path )
     SCOPED( release ) fixture f = { 0 };
     assert_ok( wisp_scene_read( path, &f.scene, &f.error ), f.error );
     assert_ok( scene_world_create( &f.scene, &one, &f.world, &f.error ), f.error );
-    step( &f, MIDDLE );
+    step( &f, middle_step );
     saved_scene middle = save( &f.world );
-    step( &f, STEPS - MIDDLE );
+    step( &f, rest );
     const uint64_t expected = wisp_world_hash( f.world.world );
     const bool is_restored = load( &f.world, &middle );
-    step( &f, is_restored ? STEPS - MIDDLE : 0 );
+    step( &f, is_restored ? rest : 0 );
     assert_hash( &f, path, "behind a snapshot", expected );
     for ( int i = 0; i < WISP_COUNT( others ); ++i )
     {
         fixture g = { .scene = f.scene };
         assert_ok( scene_world_create( &f.scene, others + i, &g.world, &g.error ), g.error );
-        step( &g, STEPS );
+        step( &g, steps );
         assert_hash( &g, path, i == 0 ? "with 2 workers" : "with 5 workers and AVX2", expected );
         assert_true( load( &g.world, &middle ) == is_restored );
         const int64_t queried = atomic_load( &host.queried );
-        step( &g, is_restored ? STEPS - MIDDLE : 0 );
+        step( &g, is_restored ? rest : 0 );
         assert_hash( &g, path, "behind a snapshot of another world", expected );
         if ( atomic_load( &host.queried ) != queried )
         {
@@ -95,7 +90,7 @@ static bool check_scene( const char* path )
     return is_restored;
 }
 
-static void check_folder( const char* pattern, size_t least )
+static void check_folder( const char* pattern, size_t least, int steps )
 {
     SCOPED( globfree ) glob_t found;
     size_t restored = 0;
@@ -103,19 +98,24 @@ static void check_folder( const char* pattern, size_t least )
     assert_true( found.gl_pathc >= least );
     for ( size_t i = 0; i < found.gl_pathc; ++i )
     {
-        restored += check_scene( found.gl_pathv[i] ) ? 1 : 0;
+        restored += check_scene( found.gl_pathv[i], steps ) ? 1 : 0;
     }
     assert_true( restored + 1 >= found.gl_pathc );
 }
 
 TEST( scenes_of_the_project_have_the_same_bits_with_any_workers_and_behind_a_snapshot )
 {
-    check_folder( WISP_SOURCE_ROOT "/data/scenes/*.yaml", 40 );
+    check_folder( WISP_SOURCE_ROOT "/data/scenes/*.yaml", 40, 10 );
 }
 
 TEST( each_module_alone_has_the_same_bits_with_any_workers_and_behind_a_snapshot )
 {
-    check_folder( WISP_SOURCE_ROOT "/data/suites/scenes/effects/*.yaml", 16 );
+    check_folder( WISP_SOURCE_ROOT "/data/suites/scenes/effects/*.yaml", 16, 10 );
+}
+
+TEST( effects_together_have_the_same_bits_with_any_workers_and_behind_a_snapshot )
+{
+    check_folder( WISP_SOURCE_ROOT "/data/suites/scenes/bits/*.yaml", 12, 30 );
 }
 
 // ---- untrusted snapshots ----

@@ -399,21 +399,6 @@ TEST( a_grid_compares_far_fewer_boxes_than_there_are )
     }
 }
 
-TEST( nothing_is_allocated_once_warm )
-{
-    static wisp_aabb boxes[MAX_BOXES];
-    SCOPED( finder_close ) finder* f = finder_open( 2 );
-    make_boxes( boxes, BOXES_UNEVEN, MAX_BOXES, 0 );
-    const wisp_aabb_args args = { .boxes = boxes, .box_count = MAX_BOXES };
-    find_right( f, &args );
-    find_right( f, &args );
-    const int64_t queried = atomic_load( &f->host.queried );
-    const size_t bytes = wisp_aabb_pairs_bytes( &f->pairs );
-    find_right( f, &args );
-    assert_int_equal( atomic_load( &f->host.queried ), queried );
-    assert_int_equal( wisp_aabb_pairs_bytes( &f->pairs ), bytes );
-}
-
 TEST( more_pairs_than_the_limit_are_refused_before_memory_is_taken )
 {
     static wisp_aabb boxes[MAX_BOXES];

@@ -448,17 +448,6 @@ TEST( nothing_crosses_nothing )
 
 // ---- memory ----
 
-TEST( nothing_is_allocated_once_warm )
-{
-    SCOPED( contact_mesh_free ) contact_mesh s = contact_mesh_make( PIERCED );
-    SCOPED( searcher_close ) searcher* r = searcher_open( 2 );
-    search( r, &s );
-    search( r, &s );
-    const int64_t queried = atomic_load( &r->host.queried );
-    assert_int_equal( search( r, &s ), WISP_OK );
-    assert_int_equal( atomic_load( &r->host.queried ), queried );
-}
-
 // Whichever request is refused, the call either reports it and keeps the previous intersections, or succeeds without.
 TEST( without_memory_the_last_intersections_stay )
 {

@@ -377,25 +377,6 @@ TEST( without_memory_points_are_those_of_the_last_call )
     assert_true( l->samples.count > 4 * count );
 }
 
-TEST( a_warm_layer_asks_for_no_memory )
-{
-    SCOPED( samples_mesh_free ) samples_mesh m = samples_sphere( 30, 30, 2.5 );
-    SCOPED( free_local ) float* rest = copy_of_positions( &m );
-    SCOPED( layer_close ) layer* l = layer_open( &m, 0.06f, 3 );
-    for ( int step = 0; step < 18; ++step )
-    {
-        deform( rest, &m, step );
-        layer_update( l );
-    }
-    const int64_t queried = atomic_load( &l->host.queried );
-    for ( int step = 0; step < 18; ++step )
-    {
-        deform( rest, &m, step );
-        layer_update( l );
-    }
-    assert_int_equal( atomic_load( &l->host.queried ), queried );
-}
-
 // ---- degenerate meshes ----
 
 TEST( triangles_without_area_and_edges_without_length_have_no_points )

@@ -559,17 +559,6 @@ TEST( no_query_and_no_item_find_nothing )
 
 // ---- memory ----
 
-TEST( a_second_build_of_the_same_asks_for_no_memory )
-{
-    cloud c = make_cloud( CLOUD_BALL, 1000 );
-    SCOPED( space_close ) space* s = space_open( 2, kernels_select( NULL, NULL ) );
-    check_cloud( s, &c, 0.2f, 0.25f, NO_LIMIT );
-    int64_t queried = atomic_load( &s->host.queried );
-    check_cloud( s, &c, 0.2f, 0.25f, NO_LIMIT );
-    assert_int_equal( atomic_load( &s->host.queried ), queried );
-    free( c.xyzw );
-}
-
 // A large cloud after a small one, so that warm buffers must grow too. @return the first status that is not OK
 static wisp_status build_two( space* s, const cloud* small, const cloud* large )
 {

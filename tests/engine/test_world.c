@@ -214,38 +214,6 @@ WORLD_TEST( a_snapshot_needs_room_and_brings_the_state_back )
     assert_one_message( wisp_world_message( h->world ) );
 }
 
-// Snapshot, a step, restore, the same step again: both must end alike. @return the two hashes
-static void step_twice_from_a_snapshot( hosted* h, wisp_frozen_base base, uint64_t hashes[2] )
-{
-    wisp_entity e = test_add_strands( h->world, 20, 6 );
-    wisp_frozen_hair_def def = clumping_def();
-    def.base = base;
-    assert_int_equal( wisp_set_frozen_hair( h->world, e, &def ), WISP_OK );
-    assert_int_equal( wisp_request( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
-    step( h->world );
-    const saved_world saved = save_world( h->world );
-    step( h->world );
-    hashes[0] = wisp_world_hash( h->world );
-    assert_int_equal( wisp_world_restore( h->world, saved.bytes, saved.size ), WISP_OK );
-    step( h->world );
-    hashes[1] = wisp_world_hash( h->world );
-    free( saved.bytes );
-}
-
-WORLD_TEST( a_restored_world_goes_on_as_the_one_that_was_taken )
-{
-    uint64_t hashes[2];
-    step_twice_from_a_snapshot( h, WISP_FROZEN_BASE_REST, hashes );
-    assert_int_equal( hashes[0], hashes[1] );
-}
-
-WORLD_TEST( a_restored_world_in_a_stroke_goes_on_the_same_way )
-{
-    uint64_t hashes[2];
-    step_twice_from_a_snapshot( h, WISP_FROZEN_BASE_STROKE, hashes );
-    assert_int_equal( hashes[0], hashes[1] );
-}
-
 WORLD_TEST( a_snapshot_of_strands_cut_differently_is_refused )
 {
     // as many strands, vertices, groups and rows, but vertex 6 belongs to another strand

@@ -224,31 +224,6 @@ TEST( surfaces_in_contact_share_the_largest_number )
     take_steps( h.world, 4, 1.0f / 60.0f );
 }
 
-TEST( steps_of_any_length_keep_their_bits_with_any_workers )
-{
-    uint64_t hashes[2];
-    for ( int k = 0; k < 2; ++k )
-    {
-        hosted h;
-        open_all( &h, 1, k == 0 ? 1 : 5 );
-        for ( int i = 0; i < MEMBER_COUNT; ++i )
-        {
-            const wisp_entity e = add( h.world, MEMBERS + i );
-            assert_status( h.world, wisp_set_substeps( h.world, e, MEMBERS[i].substeps + 4 ), WISP_OK );
-        }
-        for ( int i = 0; i < 120; ++i )
-        {
-            const float dt = test_random_float( i, 5, 0.002f, 0.04f );
-            assert_status( h.world, wisp_world_step( h.world, dt ), WISP_OK );
-        }
-        assert_int_equal( wisp_world_counter( h.world, WISP_COUNT_HALTED ), 0 );
-        hashes[k] = wisp_world_hash( h.world );
-        wisp_world_destroy( h.world );
-        assert_host_memory_is_released( &h.host );
-    }
-    assert_true( hashes[0] == hashes[1] );
-}
-
 // ---- steps that fail ----
 
 // All members, changing their detail in the step to come, after some steps.

@@ -183,26 +183,6 @@ TEST( pins_stay_when_the_other_surface_is_removed )
     test_mesh_free( &b.mesh );
 }
 
-TEST( a_snapshot_holds_attachments )
-{
-    SCOPED( close_local ) hosted* h = open_attached( 2, 1 );
-    base b = add_base( h->world );
-    wisp_entity e = add_pinned( h->world, PIN );
-    assert_int_equal( wisp_attach_pins( h->world, e, FIRST, 1, b.surface ), WISP_OK );
-    run_for( h->world, DT, 1 );
-    const size_t size = wisp_world_snapshot_size( h->world );
-    void* bytes = checked_calloc( 1, size );
-    assert_int_equal( wisp_world_snapshot( h->world, bytes, size ), WISP_OK );
-    assert_int_equal( wisp_detach_pins( h->world, e, FIRST, 1 ), WISP_OK );
-    assert_int_equal( wisp_world_restore( h->world, bytes, size ), WISP_OK );
-    const wisp_transform up = { { 0, 0, 0, 1 }, { 0, 1, 0 } };
-    pose_base( h->world, &b, up, 1.0f );
-    run_for( h->world, DT, 1 );
-    assert_at( h->world, e, wisp_transform_to_world( up, PIN ) );
-    free( bytes );
-    test_mesh_free( &b.mesh );
-}
-
 TEST( wrong_attachments_are_refused )
 {
     SCOPED( close_local ) hosted* h = open_attached( 2, 1 );

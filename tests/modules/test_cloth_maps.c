@@ -633,20 +633,3 @@ TEST( the_times_of_passes_add_up_to_most_of_a_step )
     check_times( &( crowd_case ){ .solver = WISP_SOLVER_PBD, .workers = 1 } );
     check_times( &( crowd_case ){ .solver = WISP_SOLVER_PBD, .workers = 1, .windy = true } );
 }
-
-static void check_allocations( const crowd_case* how )
-{
-    crowd c;
-    open_crowd( &c, how );
-    run_steps( c.h.world, 3, 1.0f / 60.0f );
-    const int64_t calls = c.h.host.queried;
-    run_steps( c.h.world, 5, 1.0f / 60.0f );
-    assert_true( c.h.host.queried == calls );
-    close_world( &c.h );
-}
-
-TEST( a_warm_step_allocates_nothing )
-{
-    check_allocations( &( crowd_case ){ .solver = WISP_SOLVER_PBD, .workers = 2 } );
-    check_allocations( &( crowd_case ){ .solver = WISP_SOLVER_PBD, .workers = 2, .windy = true } );
-}

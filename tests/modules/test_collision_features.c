@@ -1,5 +1,4 @@
 // Edges and triangles of surfaces against bodies: needles, box edges, small balls, friction, workers, refusals.
-#include "saved_world.h"
 #include "collision_fixture.h"
 #include "oracle/deepest_oracle.h"
 
@@ -386,31 +385,6 @@ TEST( rails_carry_the_weight_of_what_lies_on_edges_alone )
 
 // ---- the rest ----
 
-static void run_needles( sheet* s, int steps )
-{
-    for ( int n = 1; n <= steps; ++n )
-    {
-        wisp_transform pose = s->collider.pose;
-        pose.translation.y += 0.012f * (float)n;
-        move_body( s, pose );
-        run_for( s->h->world, DT, 1 );
-    }
-}
-
-TEST( a_snapshot_brings_edges_and_triangles_back )
-{
-    const wisp_collider_def needle = lying_needle( -0.03f );
-    SCOPED( free_sheet ) sheet s = new_sheet( WISP_COLLISION_ALL, &needle, false, GRAVITY, 5, 1 );
-    run_needles( &s, 8 );
-    const saved_world saved = save_world( s.h->world );
-    run_for( s.h->world, DT, 5 );
-    const uint64_t after = wisp_world_hash( s.h->world );
-    assert_int_equal( wisp_world_restore( s.h->world, saved.bytes, saved.size ), WISP_OK );
-    free( saved.bytes );
-    run_for( s.h->world, DT, 5 );
-    assert_int_equal( wisp_world_hash( s.h->world ), after );
-}
-
 TEST( without_the_option_there_is_no_pass_and_no_other_bit )
 {
     const wisp_collider_def needle = lying_needle( -0.008f );
@@ -437,16 +411,6 @@ TEST( without_the_option_there_is_no_pass_and_no_other_bit )
         const wisp_vec3 a = point_of( s.h->world, s.surface, v ), b = point_of( t.h->world, t.surface, v );
         assert_memory_equal( &a, &b, sizeof( a ) );
     }
-}
-
-TEST( steps_ask_for_no_memory )
-{
-    const wisp_collider_def needle = lying_needle( -0.03f );
-    SCOPED( free_sheet ) sheet s = new_sheet( WISP_COLLISION_ALL, &needle, false, GRAVITY, 5, 2 );
-    run_needles( &s, 5 );
-    const int64_t queried = atomic_load( &s.h->host.queried );
-    run_needles( &s, 10 );
-    assert_int_equal( atomic_load( &s.h->host.queried ), queried );
 }
 
 COLLISION_TEST( impossible_features_are_refused )

@@ -207,24 +207,6 @@ TEST( nothing_is_left_of_a_body_that_is_gone )
                          POINTS * sizeof( wisp_vec3 ) );
 }
 
-TEST( bits_do_not_depend_on_workers )
-{
-    uint64_t hashes[6];
-    for ( int workers = 1; workers < 6; ++workers )
-    {
-        SCOPED( guide_end ) flock f = new_flock( workers );
-        add_body( f.world, sphere_at( CENTRE ) );
-        collide( f.world, f.ghosts );
-        for ( int frame = 0; frame < 30; ++frame )
-        {
-            guide_swing( &f );
-        }
-        assert_true( stats_of( f.world, f.ghosts ).contacts > 0 );
-        hashes[workers] = wisp_world_hash( f.world );
-        assert_int_equal( hashes[workers], hashes[1] );
-    }
-}
-
 // Ghosts that are pushed and turn to a cursor each frame, against static hair at the positions to which they were
 // pushed.
 TEST( frozen_hair_starts_from_where_ghosts_were_pushed )

@@ -725,29 +725,6 @@ static wisp_entity busy_scene( wisp_world* world, wisp_entity* ball )
     return e;
 }
 
-TEST( any_number_of_workers_gives_the_same_bits )
-{
-    const int workers[] = { 1, 2, 3, 5 };
-    uint64_t expected[20];
-    for ( int k = 0; k < WISP_COUNT( workers ); ++k )
-    {
-        SCOPED( close_local ) hosted* h = new_world( 2, workers[k] );
-        wisp_entity ball;
-        wisp_entity e = busy_scene( h->world, &ball );
-        int most = 0;
-        for ( int n = 0; n < WISP_COUNT( expected ); ++n )
-        {
-            run_busy( h->world, ball, n, n + 1 );
-            const uint64_t hash = wisp_world_hash( h->world );
-            expected[n] = k == 0 ? hash : expected[n];
-            assert_int_equal( hash, expected[n] );
-            const int contacts = collision_of( h->world, e ).contacts;
-            most = contacts > most ? contacts : most;
-        }
-        assert_true( most > 100 );
-    }
-}
-
 // The same surface, moved as a whole: particles share blocks differently, and the result must not show it.
 SENSE_TEST( a_particle_senses_the_same_alone_and_among_others )
 {
@@ -778,14 +755,4 @@ SENSE_TEST( a_particle_senses_the_same_alone_and_among_others )
         }
     }
     assert_true( touched > 50 );
-}
-
-SENSE_TEST( a_warm_step_allocates_nothing )
-{
-    wisp_entity ball;
-    busy_scene( h->world, &ball );
-    run_busy( h->world, ball, 0, 5 );
-    const int64_t queried = atomic_load( &h->host.queried );
-    run_busy( h->world, ball, 5, 20 );
-    assert_int_equal( atomic_load( &h->host.queried ), queried );
 }

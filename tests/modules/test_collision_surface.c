@@ -332,63 +332,6 @@ TEST( nothing_collides_with_a_surface_that_was_removed )
     run_for( h->world, DT, 1 );
 }
 
-TEST( a_snapshot_restores_the_motion_of_a_surface )
-{
-    uint64_t hash[2];
-    hosted* h = new_colliding( 4, 1, 2 );
-    skin s = add_skin( h->world, ball_mesh( 3 ), false );
-    wisp_entity e = add_cloth( h->world, 9, 0.4f, ( wisp_vec3 ){ 0.0f, 0.33f, 0.0f }, 9.8f );
-    void* bytes = NULL;
-    size_t size = 0;
-    for ( int run = 0; run < 2; ++run )
-    {
-        for ( int n = 1; n <= 20; ++n )
-        {
-            if ( n == 11 && run == 0 )
-            {
-                size = wisp_world_snapshot_size( h->world );
-                bytes = checked_calloc( 1, size );
-                assert_int_equal( wisp_world_snapshot( h->world, bytes, size ), WISP_OK );
-            }
-            if ( n < 11 && run == 1 )
-            {
-                continue;
-            }
-            move_skin( h->world, &s, breathing, (float)n * DT );
-            run_for( h->world, n == 10 ? 0.7f * DT : DT, 1 ); // what is left of a substep is in the snapshot too
-        }
-        assert_int_equal( wisp_world_hash_column( h->world, e, WISP_SURFACE_POINTS, hash + run ), WISP_OK );
-        if ( run == 0 )
-        {
-            assert_int_equal( wisp_world_restore( h->world, bytes, size ), WISP_OK );
-        }
-    }
-    assert_true( hash[0] == hash[1] );
-    free( bytes );
-    free_colliding( h );
-    free_skin( &s );
-}
-
-TEST( any_number_of_workers_gives_the_same_bits )
-{
-    uint64_t first = 0;
-    for ( int workers = 1; workers <= 3; ++workers )
-    {
-        SCOPED( close_local ) hosted* h = new_colliding( 4, 1, workers );
-        SCOPED( free_skin ) skin s = add_skin( h->world, ball_mesh( 4 ), false );
-        wisp_entity e = add_cloth( h->world, 25, 0.6f, ( wisp_vec3 ){ 0.0f, 0.33f, 0.0f }, 9.8f );
-        for ( int n = 1; n <= 20; ++n )
-        {
-            move_skin( h->world, &s, sheared, (float)n * DT );
-            run_for( h->world, DT, 1 );
-        }
-        uint64_t hash;
-        assert_int_equal( wisp_world_hash_column( h->world, e, WISP_SURFACE_POINTS, &hash ), WISP_OK );
-        first = workers == 1 ? hash : first;
-        assert_true( hash == first );
-    }
-}
-
 COLLISION_TEST( wrong_surfaces_are_refused )
 {
     SCOPED( free_skin ) skin s = add_skin( h->world, test_plane( 3, 0.5f ), true );

@@ -3,7 +3,6 @@
 // as contact primitives: their contact, and what passes between them.
 #include "boundary_oracle_fixture.h"
 #include "contact_fixture.h"
-#include "saved_world.h"
 
 #include "boundary.h"
 #include "oracle/contact_oracle.h"
@@ -198,12 +197,6 @@ static void open_stretching( stretching* s, int workers )
     request_stats( s->h.world );
 }
 
-static uint64_t hash_after( stretching* s, int steps )
-{
-    run_steps( s->h.world, steps, DT );
-    return wisp_world_hash( s->h.world );
-}
-
 TEST( contact_follows_a_layer_whose_points_change )
 {
     stretching s;
@@ -225,32 +218,6 @@ TEST( contact_follows_a_layer_whose_points_change )
     }
     print_message( "%d changes of the number of points, %d contacts\n", changes, contacts );
     assert_true( first > 25 + 49 && others > first && changes > 5 && contacts > 100 );
-    close_world( &s.h );
-}
-
-TEST( workers_and_a_restore_do_not_change_a_bit )
-{
-    stretching s;
-    open_stretching( &s, 1 );
-    run_steps( s.h.world, 12, DT );
-    const saved_world saved = save_world( s.h.world );
-    const uint64_t expected = hash_after( &s, 12 );
-    run_steps( s.h.world, 5, DT );
-    assert_int_equal( wisp_world_restore( s.h.world, saved.bytes, saved.size ), WISP_OK );
-    assert_true( hash_after( &s, 12 ) == expected );
-    close_world( &s.h );
-    for ( int workers = 2; workers <= 5; workers += 3 )
-    {
-        open_stretching( &s, workers );
-        assert_true( hash_after( &s, 24 ) == expected );
-        close_world( &s.h );
-    }
-    // another world that never had the layer of those steps
-    open_stretching( &s, 1 );
-    run_steps( s.h.world, 1, DT );
-    assert_int_equal( wisp_world_restore( s.h.world, saved.bytes, saved.size ), WISP_OK );
-    assert_true( hash_after( &s, 12 ) == expected );
-    free( saved.bytes );
     close_world( &s.h );
 }
 

@@ -282,54 +282,7 @@ TEST( a_map_of_friction_slows_as_the_constant_does )
     assert_true( velocity[WAYS] < velocity[CONSTANT] - 0.1 );
 }
 
-// ---- bits, snapshots, refusals ----
-
-static uint64_t hash_of_run( int workers, const char* isa, bool saves )
-{
-    SCOPED( close_world ) hosted h = { 0 };
-    h.def = contact_world_def( &h );
-    h.def.substeps = 4;
-    h.def.workers = workers;
-    h.def.isa = isa;
-    assert_int_equal( wisp_world_create( &h.def, &h.world, NULL ), WISP_OK );
-    add_body( h.world, WISP_COLLIDER_BOX, 0.15f );
-    wisp_entity sheets[2];
-    for ( int k = 0; k < 2; ++k )
-    {
-        test_mesh mesh =
-            level_sheet( N, 0.4f + 0.03f * (float)k, ( wisp_vec3 ){ 0.01f, 0.01f + 0.03f * (float)k, 0 } );
-        sheets[k] = add_draping( h.world, &mesh, NULL, 0, EARTH );
-        collide( h.world, sheets[k], H, k == 0 ? WISP_COLLISION_ALL : WISP_COLLISION_VERTICES );
-        give_contact( h.world, sheets[k], H, 0.3f );
-        set_map( h.world, sheets[k], WISP_MAP_COLLISION_THICKNESS, 0.1f, 1.0f );
-        set_map( h.world, sheets[k], WISP_MAP_COLLISION_FRICTION, 2.0f, 0.0f );
-        set_map( h.world, sheets[k], WISP_MAP_CONTACT_THICKNESS, 1.0f, 0.1f );
-        set_map( h.world, sheets[k], WISP_MAP_CONTACT_FRICTION, 0.0f, 2.0f );
-    }
-    run_steps( h.world, 15, FRAME );
-    if ( saves )
-    {
-        const size_t size = wisp_world_snapshot_size( h.world );
-        SCOPED( free_local ) void* bytes = checked_calloc( 1, size );
-        assert_status( h.world, wisp_world_snapshot( h.world, bytes, size ), WISP_OK );
-        set_map( h.world, sheets[0], WISP_MAP_CONTACT_THICKNESS, 0.5f, 0.5f );
-        run_steps( h.world, 3, FRAME );
-        assert_status( h.world, wisp_world_restore( h.world, bytes, size ), WISP_OK );
-    }
-    run_steps( h.world, 15, FRAME );
-    return wisp_world_hash( h.world );
-}
-
-TEST( the_same_bits_for_any_workers_and_kernels_and_after_a_snapshot )
-{
-    const uint64_t hash = hash_of_run( 1, "baseline", false );
-    for ( int workers = 2; workers <= 5; ++workers )
-    {
-        assert_true( hash_of_run( workers, "baseline", false ) == hash );
-    }
-    assert_true( hash_of_run( 1, NULL, false ) == hash );
-    assert_true( hash_of_run( 2, NULL, true ) == hash );
-}
+// ---- refusals ----
 
 TEST( wrong_maps_are_refused )
 {

@@ -301,58 +301,7 @@ TEST( a_surface_at_rest_is_at_rest_after_a_pause )
     }
 }
 
-// ---- bits ----
-
-enum
-{
-    MEMBERS = 4,
-};
-
-// Levels change all the time, in the middle of changes too.
-static uint64_t run_bits( int workers, const char* isa, int snapshot_at )
-{
-    SCOPED( close_world ) hosted h = { 0 };
-    h.def = hosted_def( &h );
-    h.def.modules = EFFECTS;
-    h.def.module_count = WISP_COUNT( EFFECTS );
-    h.def.workers = workers;
-    h.def.isa = isa;
-    assert_int_equal( wisp_world_create( &h.def, &h.world, NULL ), WISP_OK );
-    const wisp_entity all[MEMBERS] = { add_sheet( h.world, true ), add_effect( h.world, cloth_of_links ),
-                                       add_effect( h.world, hair_of_rods ), add_effect( h.world, balloon ) };
-    for ( int step = 0; step < 90; ++step )
-    {
-        const int which = step % 9 == 0 ? step / 9 % MEMBERS : -1;
-        if ( which >= 0 )
-        {
-            set_level( h.world, all[which], (wisp_detail)( which == 0 ? 2 - step / 36 : step / 9 % 2 == 0 ? 3 : 1 ) );
-        }
-        run_steps( h.world, 1, step % 7 == 3 ? 1.4f * FRAME : FRAME );
-        if ( step == snapshot_at )
-        {
-            const saved_world saved = save_world( h.world );
-            set_level( h.world, all[0], WISP_DETAIL_NOTHING );
-            run_steps( h.world, 20, FRAME );
-            assert_status( h.world, wisp_world_restore( h.world, saved.bytes, saved.size ), WISP_OK );
-            free( saved.bytes );
-            // steps are numbered on, which no state depends on
-        }
-    }
-    return wisp_world_hash( h.world );
-}
-
-TEST( bits_do_not_depend_on_workers_instruction_sets_nor_snapshots )
-{
-    const uint64_t expected = run_bits( 1, "baseline", -1 );
-    for ( int workers = 2; workers <= 5; ++workers )
-    {
-        assert_true( run_bits( workers, workers % 2 == 0 ? "avx2" : "avx512", -1 ) == expected );
-    }
-    for ( int step = 3; step < 90; step += 20 )
-    {
-        assert_true( run_bits( 1, "avx2", step ) == expected );
-    }
-}
+// ---- snapshots ----
 
 TEST( a_snapshot_holds_the_level_and_its_change )
 {

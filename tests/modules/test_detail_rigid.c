@@ -1,7 +1,6 @@
 // Level of detail: what is not solved goes along with its pins, its frame or its head, as rigid motions in closed form do;
 // ghosts with the roots of their targets, and the way back.
 #include "detail_fixture.h"
-#include "saved_world.h"
 #include "strands_fixture.h"
 
 #include "guide_hair.h"
@@ -476,37 +475,4 @@ TEST( ghosts_of_strands_without_roots_stay )
     assert_status( g.h.world, wisp_remove( g.h.world, g.guides ), WISP_OK );
     strand_steps( g.h.world, 2, FRAME ); // nothing to follow
     close_world( &g.h );
-}
-
-static uint64_t run_bits( int workers, bool restores )
-{
-    grown g;
-    grow( &g, workers, true );
-    for ( int step = 1; step <= 50; ++step )
-    {
-        if ( step % 12 == 6 )
-        {
-            set_level( g.h.world, g.ghosts, (wisp_detail)( step / 12 % 4 ) );
-        }
-        move_and_step( &g, step );
-        if ( restores && step == 33 )
-        {
-            const saved_world saved = save_world( g.h.world );
-            move_and_step( &g, 40 );
-            set_level( g.h.world, g.ghosts, WISP_DETAIL_FULL );
-            move_and_step( &g, 41 );
-            assert_status( g.h.world, wisp_world_restore( g.h.world, saved.bytes, saved.size ), WISP_OK );
-            free( saved.bytes );
-        }
-    }
-    const uint64_t hash = wisp_world_hash( g.h.world );
-    close_world( &g.h );
-    return hash;
-}
-
-TEST( bits_do_not_depend_on_workers_nor_snapshots )
-{
-    const uint64_t expected = run_bits( 1, false );
-    assert_true( run_bits( 3, false ) == expected );
-    assert_true( run_bits( 5, true ) == expected );
 }

@@ -1,6 +1,5 @@
 // Strokes of frozen hair: many commands in a row, of which each strand keeps the last one that reached it.
 #include "frozen_hair_mover.h"
-#include "saved_world.h"
 
 #include <math.h>
 
@@ -340,44 +339,6 @@ TEST( a_new_stroke_forgets_alignment_and_draws_other_noise )
     for ( int v = 0; v < 800; ++v )
     {
         assert_true( hair_distance( hair_view( world, hair, 800 )[v], unswept[v] ) < 0.04 );
-    }
-}
-
-TEST( undo_and_redo_by_snapshots_are_bit_for_bit )
-{
-    enum
-    {
-        commands = 12
-    };
-    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 50, 20, 0.004f );
-    wisp_frozen_hair_def def = stroke_def();
-    SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
-    const wisp_entity hair = hair_add_frozen( world, &groom, &def );
-    hair_step( world );
-    saved_world saved[commands + 1];
-    uint64_t hash[commands + 1];
-    for ( int n = 0; n <= commands; ++n )
-    {
-        saved[n] = save_world( world );
-        hash[n] = wisp_world_hash( world );
-        def.intensity = (float)n / commands;
-        hair_set( world, hair, &def );
-        hair_command( world, hair, path( &groom, n, commands + 1 ) );
-        hair_step( world );
-    }
-    for ( int n = commands - 1; n >= 0; --n )
-    {
-        assert_int_equal( wisp_world_restore( world, saved[n].bytes, saved[n].size ), WISP_OK );
-        assert_int_equal( wisp_world_hash( world ), hash[n] );
-        def.intensity = (float)n / commands;
-        hair_set( world, hair, &def );
-        hair_command( world, hair, path( &groom, n, commands + 1 ) );
-        hair_step( world );
-        assert_int_equal( wisp_world_hash( world ), hash[n + 1] );
-    }
-    for ( int n = 0; n <= commands; ++n )
-    {
-        free( saved[n].bytes );
     }
 }
 

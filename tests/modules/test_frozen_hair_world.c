@@ -1,5 +1,4 @@
-// Frozen hair in a world: several grooms next to each other, the plan, memory, rejected input, snapshots.
-#include "saved_world.h"
+// Frozen hair in a world: several grooms next to each other, the plan, memory, rejected input.
 #include "frozen_hair_engine_fixture.h"
 
 #include <stdatomic.h>
@@ -202,33 +201,4 @@ TEST( a_scene_that_asks_for_nothing_has_no_passes )
     hair_step( world );
     SCOPED( free_local ) wisp_vec3* alone = hair_run( NULL, &groom, &def );
     assert_true( hair_same_bits( alone, hair_view( world, entity, 200 ), 200 ) );
-}
-
-// ---- snapshots ----
-
-// A restore is no command: the step after a restore keeps the restored shape.
-TEST( a_step_after_a_restore_changes_nothing )
-{
-    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 30, 20, 0.005f );
-    for ( int base = WISP_FROZEN_BASE_REST; base < WISP_FROZEN_BASE_COUNT; ++base )
-    {
-        wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
-        def.base = (wisp_frozen_base)base;
-        SCOPED( destroy_local ) wisp_world* world = hair_world_create( NULL );
-        wisp_entity entity = hair_add_frozen( world, &groom, &def );
-        hair_step( world );
-        wisp_vec3* first = hair_points( world, entity, 600 );
-        const saved_world saved = save_world( world );
-        hair_command( world, entity, def.cursor );
-        hair_step( world );
-        assert_int_equal( wisp_world_restore( world, saved.bytes, saved.size ), WISP_OK );
-        hair_step( world );
-        if ( !hair_same_bits( first, hair_view( world, entity, 600 ), 600 ) )
-        {
-            static const char* const names[] = { "rest", "stroke" };
-            fail_msg( "base %s: the look changed without a command", names[base] );
-        }
-        free( first );
-        free( saved.bytes );
-    }
 }

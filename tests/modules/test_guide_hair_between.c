@@ -1,35 +1,8 @@
 // Ghosts drawn between steps (section II.2.2), against the oracle and their specified properties.
-#include "saved_world.h"
 #include "guide_hair_fixture.h"
 
 // The scene is a metre wide, so a millionth of a metre is a relative 1e-6.
 static const double tolerance = 1e-6; // m
-
-TEST( a_restored_world_goes_on_with_the_same_bits )
-{
-    SCOPED( guide_end ) flock f = guide_flock( NULL, 3, 4, NODES );
-    wisp_ghosts_def def = wisp_default_ghosts_def();
-    def.between = true;
-    guide_follow( &f, def );
-    for ( int frame = 0; frame < 7; ++frame )
-    {
-        guide_swing( &f );
-    }
-    const saved_world saved = save_world( f.world );
-    const scene then = f.s;
-    wisp_vec3 first[12 * NODES], again[12 * NODES];
-    guide_swing( &f );
-    guide_ok( f.world, wisp_ghosts_between( f.world, f.ghosts, 0.3f, first ) );
-    const uint64_t hash = wisp_world_hash( f.world );
-    guide_swing( &f );
-    guide_ok( f.world, wisp_world_restore( f.world, saved.bytes, saved.size ) );
-    f.s = then;
-    guide_swing( &f );
-    assert_int_equal( wisp_world_hash( f.world ), hash );
-    guide_ok( f.world, wisp_ghosts_between( f.world, f.ghosts, 0.3f, again ) );
-    assert_memory_equal( first, again, sizeof( first ) );
-    free( saved.bytes );
-}
 
 TEST( places_that_are_no_longer_kept_leave_nothing_behind )
 {

@@ -1,6 +1,5 @@
-// Ghosts in a world: order within a step, determinism, memory, removal, rejected input, and an appearance effect on
+// Ghosts in a world: order within a step, memory, removal, rejected input, and an appearance effect on
 // them.
-#include "saved_world.h"
 #include "guide_hair_fixture.h"
 
 #include "strands.h"
@@ -35,49 +34,6 @@ TEST( ghosts_stand_where_this_step_has_taken_their_targets )
                 const double3 there = double3_add( f.s.target[n], double3_make( 0.1 * frame, 0.0, 0.0 ) );
                 assert_at( group_mean( &f, n / NODES, 6, n % NODES ), there, 5e-6 );
             }
-        }
-    }
-}
-
-// ---- determinism ----
-
-static uint64_t hash_of_swing( const guide_host* host, int links, int ghost_nodes )
-{
-    SCOPED( guide_end ) flock f = guide_flock( host, 6, 6, ghost_nodes );
-    wisp_ghosts_def def = wisp_default_ghosts_def();
-    def.target_count = links;
-    def.resample = ghost_nodes != NODES;
-    def.repair_length = def.between = true;
-    guide_follow( &f, def );
-    wisp_curves_def curves = wisp_default_curves_def();
-    curves.source = f.ghosts;
-    wisp_entity drawn;
-    guide_ok( f.world, wisp_add_curves( f.world, &curves, &drawn ) );
-    guide_ok( f.world, wisp_request( f.world, drawn, WISP_STRAND_POINTS ) );
-    for ( int frame = 0; frame < 10; ++frame )
-    {
-        guide_swing( &f );
-    }
-    return wisp_world_hash( f.world );
-}
-
-TEST( bits_do_not_depend_on_workers_or_the_instruction_set )
-{
-    const struct
-    {
-        int links, nodes;
-    } kinds[] = { { 1, NODES }, { 3, NODES }, { 1, 2 * NODES } };
-    for ( int k = 0; k < WISP_COUNT( kinds ); ++k )
-    {
-        const guide_host one = { .workers = 1, .isa = "baseline" };
-        const uint64_t expected = hash_of_swing( &one, kinds[k].links, kinds[k].nodes );
-        const guide_host others[] = { { .workers = 2, .isa = "baseline" },
-                                      { .workers = 5, .isa = "baseline" },
-                                      { .workers = 1, .isa = "avx2" },
-                                      { .workers = 2 } };
-        for ( int n = 0; n < WISP_COUNT( others ); ++n )
-        {
-            assert_int_equal( hash_of_swing( others + n, kinds[k].links, kinds[k].nodes ), expected );
         }
     }
 }

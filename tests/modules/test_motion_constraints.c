@@ -233,60 +233,6 @@ TEST( uneven_steps_arrive_where_even_ones_do )
     assert_near( (double)point_of( s.world, s.e, 0 ).x, (double)s.start[0].x + 0.12, 1e-6 );
 }
 
-// A sheet is held between the targets of a garment that walks, with all that may go along.
-static uint64_t walk( int workers, const char* isa, bool restored )
-{
-    (void)isa;
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    cloth.coarse_substeps = 2;
-    SCOPED( close_held ) held s = open_held( 4, 2, workers, &cloth, EARTH );
-    wisp_motion_constraints_def def = wisp_default_motion_constraints_def();
-    def.max_distance = 0.04f;
-    def.distance_compliance = 1e-3f;
-    def.backstop_distance = 0.01f;
-    def.backstop_radius = 0.4f;
-    constrain( &s, &def );
-    wisp_collider_def ball = wisp_default_collider_def();
-    ball.kind = WISP_COLLIDER_SPHERE;
-    ball.radius = 0.1f;
-    ball.pose.translation = ( wisp_vec3 ){ 0.2f, 0.85f, 0.2f };
-    wisp_entity body;
-    assert_status( s.world, wisp_add_collider( s.world, &ball, &body ), WISP_OK );
-    SET_DEFAULT( s.world, s.e, collision );
-    void* saved = NULL;
-    size_t size = 0;
-    for ( int i = 0; i < 40; ++i )
-    {
-        move_all( &s, ( wisp_vec3 ){ 0.02f * (float)( i % 13 ), 0.01f * (float)( i % 5 ), 0.0f } );
-        steps( &s, 1 );
-        if ( restored && i == 20 )
-        {
-            size = wisp_world_snapshot_size( s.world );
-            saved = checked_calloc( 1, size );
-            assert_status( s.world, wisp_world_snapshot( s.world, saved, size ), WISP_OK );
-        }
-    }
-    assert_true( is_finite( s.world, s.e ) );
-    if ( restored )
-    {
-        assert_status( s.world, wisp_world_restore( s.world, saved, size ), WISP_OK );
-        for ( int i = 21; i < 40; ++i )
-        {
-            move_all( &s, ( wisp_vec3 ){ 0.02f * (float)( i % 13 ), 0.01f * (float)( i % 5 ), 0.0f } );
-            steps( &s, 1 );
-        }
-        free( saved );
-    }
-    return wisp_world_hash( s.world );
-}
-
-TEST( bits_do_not_depend_on_workers_nor_on_a_snapshot )
-{
-    const uint64_t one = walk( 1, NULL, false );
-    assert_true( walk( 3, NULL, false ) == one );
-    assert_true( walk( 1, NULL, true ) == one );
-}
-
 TEST( a_teleport_takes_targets_and_backstops_along )
 {
     SCOPED( close_held ) held here = open_held( 4, 1, 1, NULL, EARTH ), there = open_held( 4, 1, 1, NULL, EARTH );

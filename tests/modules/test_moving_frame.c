@@ -177,47 +177,6 @@ TEST( what_is_felt_is_linear_in_the_fraction )
     assert_near( momentum[2] / momentum[0], 3.0, 6e-2 );
 }
 
-static uint64_t walk( int workers, bool restored )
-{
-    wisp_cloth_def cloth = undamped_cloth();
-    cloth.coarse_substeps = 2;
-    framed s = open_framed( &cloth, true, EARTH, workers );
-    give_frame( &s, 0.3f, 0.6f );
-    void* saved = NULL;
-    size_t size = 0;
-    for ( int i = 1; i <= 20; ++i )
-    {
-        follow( &s, walked_pose( i, 0.1f, 0.05f ), true );
-        if ( restored && i == 10 )
-        {
-            size = wisp_world_snapshot_size( s.world );
-            saved = checked_calloc( 1, size );
-            assert_status( s.world, wisp_world_snapshot( s.world, saved, size ), WISP_OK );
-        }
-    }
-    for ( int i = 10; restored && i <= 20; ++i )
-    {
-        if ( i == 10 )
-        {
-            assert_status( s.world, wisp_world_restore( s.world, saved, size ), WISP_OK );
-            continue;
-        }
-        follow( &s, walked_pose( i, 0.1f, 0.05f ), true );
-    }
-    free( saved );
-    assert_true( is_finite( s.world, s.e ) );
-    const uint64_t hash = wisp_world_hash( s.world );
-    close_framed( &s );
-    return hash;
-}
-
-TEST( bits_do_not_depend_on_workers_nor_on_a_snapshot )
-{
-    const uint64_t one = walk( 1, false );
-    assert_true( walk( 3, false ) == one );
-    assert_true( walk( 1, true ) == one );
-}
-
 TEST( a_teleport_takes_the_frame_along )
 {
     wisp_cloth_def cloth = undamped_cloth();

@@ -195,56 +195,7 @@ TEST( a_snapshot_leaves_the_hash_of_what_sleeps )
     close_world( &b.h );
 }
 
-// ---- bits ----
-
-static uint64_t run_pile( int workers, bool sleeps, bool restores, bool* slept )
-{
-    SCOPED( close_world ) hosted h;
-    open_stage( &h, workers );
-    wisp_world* world = h.world;
-    const wisp_contact_def contact = contact_of( 0.01f );
-    const wisp_entity ball = add_ball( world, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
-    wisp_entity sheets[2];
-    for ( int i = 0; i < 2; ++i )
-    {
-        sheets[i] = add_sheet( world, ( wisp_vec3 ){ 0.05f * (float)i, 0.02f + 0.03f * (float)i, 0.0f }, sleeps );
-        set_contact( world, sheets[i], &contact );
-    }
-    *slept = false;
-    for ( int i = 0; i < 200; ++i )
-    {
-        if ( i == 160 )
-        {
-            move_ball( world, ball, ( wisp_vec3 ){ 0.0f, 0.05f, 0.0f } );
-        }
-        if ( restores && i % 40 == 39 )
-        {
-            saved_world saved = save_world( world );
-            run_steps( world, 7, FRAME );
-            assert_status( world, wisp_world_restore( world, saved.bytes, saved.size ), WISP_OK );
-            free( saved.bytes );
-        }
-        run_steps( world, 1, FRAME );
-        *slept = *slept || wisp_is_asleep( world, sheets[0] );
-    }
-    uint64_t hash = 0;
-    for ( int i = 0; i < 2; ++i )
-    {
-        hash = 3 * hash + hash_of( world, sheets[i], WISP_SURFACE_POINTS );
-    }
-    return hash;
-}
-
-TEST( bits_do_not_depend_on_workers_nor_on_snapshots )
-{
-    bool slept;
-    const uint64_t expected = run_pile( 1, true, false, &slept );
-    assert_true( slept );
-    assert_true( run_pile( 3, true, false, &slept ) == expected );
-    assert_true( slept );
-    assert_true( run_pile( 1, true, true, &slept ) == expected );
-    assert_true( run_pile( 1, false, false, &slept ) != expected ); // what slept has missed some trembling
-}
+// ---- a crowd ----
 
 TEST( a_snapshot_of_sleep_goes_on_in_another_world )
 {

@@ -187,44 +187,6 @@ TEST( a_free_stick_is_carried_by_the_rest_of_the_fraction )
     close_walker( w );
 }
 
-static uint64_t walk( int workers, bool restores )
-{
-    wisp_strand_dynamics_def def = def_of( KINDS + 4 );
-    walker* w = open_walker( &def, curl_down, workers );
-    void* saved = NULL;
-    size_t bytes = 0;
-    give_frame( w, 0.3f, 0.6f );
-    assert_status( w->world, wisp_set_max_speed( w->world, w->e, 1.5f ), WISP_OK );
-    for ( int i = 1; i <= 12; ++i )
-    {
-        if ( restores && i == 5 )
-        {
-            bytes = wisp_world_snapshot_size( w->world );
-            saved = checked_calloc( bytes, 1 );
-            assert_status( w->world, wisp_world_snapshot( w->world, saved, bytes ), WISP_OK );
-        }
-        follow( w, walked_pose( i, 0.1f, 0.05f ), true );
-        if ( restores && i == 8 )
-        {
-            assert_status( w->world, wisp_world_restore( w->world, saved, bytes ), WISP_OK );
-            i = 4;
-            restores = false;
-        }
-    }
-    free( saved );
-    const uint64_t hash = wisp_world_hash( w->world );
-    close_walker( w );
-    return hash;
-}
-
-TEST( bits_do_not_depend_on_workers_nor_on_a_snapshot )
-{
-    const uint64_t one = walk( 1, false );
-    assert_true( walk( 3, false ) == one );
-    assert_true( walk( 5, false ) == one );
-    assert_true( walk( 1, true ) == one );
-}
-
 TEST( a_teleport_takes_the_frame_along )
 {
     const wisp_strand_dynamics_def def = def_of( KINDS + 2 );

@@ -470,7 +470,7 @@ static wisp_cloth_def cloth_of( const sheet_case* c )
 }
 
 // A sheet that is held at two opposite edges, and a ball on its way through it.
-static sheet* open_sheet( const sheet_case* c, int workers, const char* isa, float strength )
+static sheet* open_sheet( const sheet_case* c, float strength )
 {
     static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_collision_module, &wisp_contact_module,
                                                   &wisp_tearing_module };
@@ -478,7 +478,6 @@ static sheet* open_sheet( const sheet_case* c, int workers, const char* isa, flo
     s->h.def = hosted_def( &s->h );
     s->h.def.modules = MODULES, s->h.def.module_count = WISP_COUNT( MODULES );
     s->h.def.substeps = c->substeps, s->h.def.iterations = c->iterations;
-    s->h.def.workers = workers, s->h.def.isa = isa;
     assert_int_equal( wisp_world_create( &s->h.def, &s->h.world, NULL ), WISP_OK );
     wisp_world* world = s->h.world;
     test_mesh mesh = hanging_mesh( SIDE, SIDE, 0.03f, 0.03f );
@@ -549,27 +548,6 @@ static void run_sheet( sheet* s, int from, int to )
     }
 }
 
-TEST( workers_and_instruction_sets_do_not_change_a_bit )
-{
-    const int workers[] = { 1, 2, 5 };
-    const char* const isas[] = { "baseline", "avx2", "avx512" };
-    for ( int n = 0; n < WISP_COUNT( CASES ); ++n )
-    {
-        uint64_t expected = 0;
-        for ( int i = 0; i < WISP_COUNT( workers ); ++i )
-        {
-            sheet* s = open_sheet( CASES + n, workers[i], isas[i % 3], STRENGTH );
-            run_sheet( s, 0, STEPS );
-            assert_true( tearing_stats_of( s->h.world, s->e ).split_count > 5 );
-            assert_int_equal( wisp_world_counter( s->h.world, WISP_COUNT_HALTED ), 0 );
-            const uint64_t hash = wisp_world_hash( s->h.world );
-            expected = i == 0 ? hash : expected;
-            assert_true( hash == expected );
-            close_sheet( s );
-        }
-    }
-}
-
 // Rows of links and hinges have gone along with a split: to set the cloth again, which fills them anew, changes none.
 static void assert_rows_are_those_of_the_material( sheet* s, const sheet_case* c )
 {
@@ -602,7 +580,7 @@ TEST( torn_meshes_are_valid_and_finite_with_all_that_cloth_has )
 {
     for ( int n = 0; n < WISP_COUNT( CASES ); ++n )
     {
-        sheet* s = open_sheet( CASES + n, 1, NULL, STRENGTH );
+        sheet* s = open_sheet( CASES + n, STRENGTH );
         const double mass = sum_masses( s->h.world, s->e ).mass;
         int splits = 0;
         for ( int step = 0; step < STEPS; ++step )
@@ -629,7 +607,7 @@ TEST( torn_meshes_are_valid_and_finite_with_all_that_cloth_has )
 
 TEST( a_snapshot_holds_a_torn_sheet_and_is_refused_by_another )
 {
-    sheet *s = open_sheet( CASES, 1, NULL, STRENGTH ), *whole = open_sheet( CASES, 1, NULL, STRENGTH );
+    sheet *s = open_sheet( CASES, STRENGTH ), *whole = open_sheet( CASES, STRENGTH );
     run_sheet( s, 0, STEPS - 8 );
     const saved_world saved = save_world( s->h.world );
     const int splits = tearing_stats_of( s->h.world, s->e ).split_count;
@@ -660,7 +638,7 @@ TEST( a_step_without_memory_fails_and_the_next_one_goes_on )
     bool is_refused = true;
     for ( int64_t n = 1; is_refused; n += 1 + n / 8 )
     {
-        sheet* s = open_sheet( CASES + 3, 1, NULL, 1e6f );
+        sheet* s = open_sheet( CASES + 3, 1e6f );
         run_sheet( s, 0, first );
         SET( s->h.world, s->e, tearing, d.strength = 5.0f );
         s->h.host.refuse = atomic_load( &s->h.host.queried ) + n;
@@ -680,7 +658,7 @@ TEST( a_step_without_memory_fails_and_the_next_one_goes_on )
 // A weak half: only it tears.
 TEST( a_map_of_factors_decides_where_it_tears )
 {
-    sheet* s = open_sheet( CASES, 1, NULL, STRENGTH );
+    sheet* s = open_sheet( CASES, STRENGTH );
     float factors[SIDE * SIDE + SPARES];
     for ( int v = 0; v < SIDE * SIDE + SPARES; ++v )
     {
