@@ -75,7 +75,7 @@ static table_plan plan_table( const merged* r, const char* name )
 
 static int begin_table( const merged* r, const table_plan* plan, const char* name )
 {
-    cells header = { .count = 0 };
+    results_cells header = { .count = 0 };
     cells_put( &header, "setting" );
     for ( int i = 0; i < 3 && plan->has_counts; ++i )
     {
@@ -84,8 +84,7 @@ static int begin_table( const merged* r, const table_plan* plan, const char* nam
     for ( int i = 0; i < 2 && i < plan->workers; ++i )
     {
         cells_put( &header, i == 0 ? "ms, 1 worker" : "ms, %d workers", plan->workers );
-        cells_put( &header, "p90" );
-        cells_put( &header, "FPS" );
+        cells_put( &header, "p90\tFPS" );
     }
     for ( int v = 0; v < SWEEP_VALUE_COUNT; ++v )
     {
@@ -95,8 +94,7 @@ static int begin_table( const merged* r, const table_plan* plan, const char* nam
         }
         if ( plan->has_value[0] && v == 1 )
         {
-            cells_put( &header, "doubt, mm" );
-            cells_put( &header, "until, s" );
+            cells_put( &header, "doubt, mm\tuntil, s" );
         }
     }
     if ( plan->workers > 0 && r->has_processors )
@@ -110,7 +108,7 @@ static int begin_table( const merged* r, const table_plan* plan, const char* nam
     return cells_begin_table( &header, name, r->out );
 }
 
-static void put_number( cells* line, double value )
+static void put_number( results_cells* line, double value )
 {
     char text[32] = "";
     if ( !isnan( value ) )
@@ -120,16 +118,16 @@ static void put_number( cells* line, double value )
     cells_put( line, "%s", text );
 }
 
-static void put_time( cells* line, const sweep_time* time, bool is_timed )
+static void put_time( results_cells* line, const sweep_time* time, bool is_timed )
 {
     put_number( line, is_timed ? time->median : NAN );
     put_number( line, is_timed ? time->p90 : NAN );
-    cells_put_number( line, is_timed ? 1e3 / time->median : NAN, 1 );
+    cells_put( line, "%.1f", is_timed ? 1e3 / time->median : NAN );
 }
 
 static void add_line( const merged* r, const table_plan* plan, const sweep_row* row, int table )
 {
-    cells line = { .count = 0 };
+    results_cells line = { .count = 0 };
     const int counts[] = { row->strands, row->vertices, row->substeps };
     cells_put( &line, "%s", row->variant[0] ? row->variant : "as it is" );
     for ( int i = 0; i < 3 && plan->has_counts; ++i )
@@ -196,12 +194,6 @@ static double order_between( const sweep_row* a, const sweep_row* b )
 
 static void add_orders( const merged* r )
 {
-    cells header = { .count = 0 };
-    cells_put( &header, "series" );
-    cells_put( &header, "from" );
-    cells_put( &header, "to" );
-    cells_put( &header, "observed order" );
-    cells_put( &header, "promised" );
     int table = -1;
     for ( int i = 0; i + 1 < r->count; ++i )
     {
@@ -209,12 +201,12 @@ static void add_orders( const merged* r )
         const double order = a->series[0] && strcmp( a->series, b->series ) == 0 ? order_between( a, b ) : NAN;
         if ( !isnan( order ) )
         {
-            cells line = { .count = 0 };
-            table = table < 0 ? cells_begin_table( &header, "Observed orders", r->out ) : table;
-            cells_put( &line, "%s", a->series );
-            cells_put( &line, "%s = %.6g", a->along, a->along_value );
-            cells_put( &line, "%.6g", b->along_value );
-            cells_put( &line, "%.2f", order );
+            results_cells line = { .count = 0 };
+            table = table < 0 ? results_begin_table( r->out, "Observed orders",
+                                                     "series\tfrom\tto\tobserved order\tpromised" )
+                              : table;
+            cells_put( &line, "%s\t%s = %.6g\t%.6g\t%.2f", a->series, a->along, a->along_value, b->along_value,
+                       order );
             put_number( &line, a->order );
             cells_end_row( &line, table, r->out );
         }

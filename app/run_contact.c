@@ -545,45 +545,31 @@ static double depth_below_surface( const run_collision* collision, const body_re
 
 static void add_collision_body( const run_collision* collision, const body_record* b, int table, results* out )
 {
-    char text[6][24];
-    snprintf( text[0], sizeof text[0], "%.4g", 1e3 * (double)b->deepest.penetration );
-    snprintf( text[1], sizeof text[1], "%.4g", 1e3 * (double)b->deepest.thickness );
-    snprintf( text[2], sizeof text[2], "%d", b->deepest.vertex );
-    snprintf( text[3], sizeof text[3], "%d", b->step );
-    snprintf( text[4], sizeof text[4], "%.4g", b->last.vertex >= 0 ? 1e3 * (double)b->last.penetration : 0.0 );
-    snprintf( text[5], sizeof text[5], "%d", b->last.contacts );
-    const char* cells[] = { scene_world_body( collision->world, b->body ).name,
-                            text[0],
-                            b->step > 0 ? text[1] : "",
-                            b->step > 0 ? text[2] : "",
-                            b->step > 0 ? text[3] : "",
-                            text[4],
-                            text[5] };
-    results_add_cells( out, table, cells );
+    const char* name = scene_world_body( collision->world, b->body ).name;
+    const double deepest = 1e3 * (double)b->deepest.penetration;
+    const double last = b->last.vertex >= 0 ? 1e3 * (double)b->last.penetration : 0.0;
+    if ( b->step > 0 )
+    {
+        results_add_line( out, table, "%s\t%.4g\t%.4g\t%d\t%d\t%.4g\t%d", name, deepest,
+                          1e3 * (double)b->deepest.thickness, b->deepest.vertex, b->step, last, b->last.contacts );
+    }
+    else
+    {
+        results_add_line( out, table, "%s\t%.4g\t\t\t\t%.4g\t%d", name, deepest, last, b->last.contacts );
+    }
 }
 
 static void report_reactions( const run_collision* c, results* out )
 {
-    const int table = results_add_table(
-        out, "Reaction of colliders, mean force of the run and largest of a step", 6,
-        ( const char* const[] ){ "collider", "mean x N", "mean y N", "mean z N", "largest N", "step" } );
+    const int table = results_begin_table( out, "Reaction of colliders, mean force of the run and largest of a step",
+                                           "collider\tmean x N\tmean y N\tmean z N\tlargest N\tstep" );
     for ( int i = 0; i < c->reaction_count; ++i )
     {
         const reaction_record* r = &c->reactions[i];
-        char text[5][24];
-        for ( int k = 0; k < 3; ++k )
-        {
-            snprintf( text[k], sizeof text[k], "%.4g", r->impulse[k] / c->seconds );
-        }
-        snprintf( text[3], sizeof text[3], "%.4g", r->largest );
-        snprintf( text[4], sizeof text[4], "%d", r->step );
-        const char* cells[] = { c->world->scene->colliders[r->collider].name,
-                                text[0],
-                                text[1],
-                                text[2],
-                                text[3],
-                                r->step > 0 ? text[4] : "" };
-        results_add_cells( out, table, cells );
+        const char* name = c->world->scene->colliders[r->collider].name;
+        results_add_line( out, table, r->step > 0 ? "%s\t%.4g\t%.4g\t%.4g\t%.4g\t%d" : "%s\t%.4g\t%.4g\t%.4g\t%.4g\t",
+                          name, r->impulse[0] / c->seconds, r->impulse[1] / c->seconds, r->impulse[2] / c->seconds,
+                          r->largest, r->step );
     }
 }
 
@@ -597,9 +583,8 @@ void run_collision_report( const run_collision* collision, results* out )
     {
         return;
     }
-    const int table = results_add_table(
-        out, "Penetration into the thickness, deepest of the run and at the end", 7,
-        ( const char* const[] ){ "body", "deepest mm", "thickness mm", "vertex", "step", "end mm", "contacts" } );
+    const int table = results_begin_table( out, "Penetration into the thickness, deepest of the run and at the end",
+                                           "body\tdeepest mm\tthickness mm\tvertex\tstep\tend mm\tcontacts" );
     for ( int i = 0; i < collision->count; ++i )
     {
         const body_record* b = &collision->bodies[i];
@@ -789,23 +774,13 @@ void run_intersections_report( const run_intersections* x, results* out )
     {
         return;
     }
-    const int table =
-        results_add_table( out, "Intersections: edges through triangles at the end of a step", 6,
-                           ( const char* const[] ){ "of", "with", "steps", "most", "in step", "at the end" } );
+    const int table = results_begin_table( out, "Intersections: edges through triangles at the end of a step",
+                                           "of\twith\tsteps\tmost\tin step\tat the end" );
     for ( int i = 0; i < x->pair_count; ++i )
     {
         const tally* t = &x->pairs[i];
-        char text[4][24];
-        snprintf( text[0], sizeof text[0], "%d", t->steps );
-        snprintf( text[1], sizeof text[1], "%d", t->most );
-        snprintf( text[2], sizeof text[2], "%d", t->most_at );
-        snprintf( text[3], sizeof text[3], "%d", last_of( x, t ) );
-        const char* cells[] = { scene_world_body( x->world, t->first ).name,
-                                t->first == t->second ? "itself" : scene_world_body( x->world, t->second ).name,
-                                text[0],
-                                text[1],
-                                text[2],
-                                text[3] };
-        results_add_cells( out, table, cells );
+        results_add_line( out, table, "%s\t%s\t%d\t%d\t%d\t%d", scene_world_body( x->world, t->first ).name,
+                          t->first == t->second ? "itself" : scene_world_body( x->world, t->second ).name, t->steps,
+                          t->most, t->most_at, last_of( x, t ) );
     }
 }

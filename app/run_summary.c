@@ -7,7 +7,6 @@
 #include "world_from_scene.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -44,17 +43,13 @@ static wisp_memory_part* list_parts( const wisp_world* world, int* count, double
 static void add_memory_line( results* out, int table, const char* name, const char* kind, double bytes,
                              double percent, int vertices )
 {
-    char text[3][24];
-    snprintf( text[0], sizeof text[0], "%.1f", bytes / 1024.0 );
-    snprintf( text[1], sizeof text[1], "%.1f", vertices > 0 ? bytes / vertices : 0.0 );
-    snprintf( text[2], sizeof text[2], "%.1f", percent );
-    results_add_cells( out, table, ( const char* const[] ){ name, kind, text[0], text[1], text[2] } );
+    results_add_line( out, table, "%s\t%s\t%.1f\t%.1f\t%.1f", name, kind, bytes / 1024.0,
+                      vertices > 0 ? bytes / vertices : 0.0, percent );
 }
 
 // A table of the parts of a world's memory, of fabrics, and of Embree.
 static void report_memory( const wisp_world* world, int vertices, results* out )
 {
-    const char* const header[] = { "part", "of", "KiB", "bytes / vertex", "%" };
     double sum, small = 0.0;
     int count, small_count = 0;
     wisp_memory_part* parts = list_parts( world, &count, &sum );
@@ -62,7 +57,8 @@ static void report_memory( const wisp_world* world, int vertices, results* out )
     {
         return;
     }
-    const int table = results_add_table( out, "Memory by part (allocated, with fabrics and Embree)", 5, header );
+    const int table = results_begin_table( out, "Memory by part (allocated, with fabrics and Embree)",
+                                           "part\tof\tKiB\tbytes / vertex\t%" );
     for ( int i = 0; i < count; ++i )
     {
         const double bytes = (double)parts[i].capacity, percent = 100.0 * bytes / sum;
@@ -115,22 +111,6 @@ static bool has_motion_stats( const scene_world* world, int body )
                                        : scene->surfaces[body - scene->strands_count].request_motion_stats;
 }
 
-static void add_moving_body( results* out, int table, const char* name, const wisp_motion_stats* m )
-{
-    const double values[] = {
-        m->mass,      m->kinetic_energy, m->potential_energy, 100.0 * m->strain_mean, 100.0 * m->strain_max,
-        m->speed_max, m->volume
-    };
-    char text[WISP_COUNT( values )][24];
-    const char* cells[WISP_COUNT( values ) + 1] = { name };
-    for ( int i = 0; i < WISP_COUNT( values ); ++i )
-    {
-        snprintf( text[i], sizeof( text[i] ), "%.4g", values[i] );
-        cells[i + 1] = text[i];
-    }
-    results_add_cells( out, table, cells );
-}
-
 // One line per surface or groom whose motion_stats the scene computes: mass, energy, stretch and speed.
 static void add_motion_table( const scene_world* world, results* out )
 {
@@ -146,12 +126,13 @@ static void add_motion_table( const scene_world* world, results* out )
         }
         if ( table < 0 )
         {
-            table =
-                results_add_table( out, "Motion at the end", 8,
-                                   ( const char* const[] ){ "body", "mass kg", "kinetic J", "potential J",
-                                                            "strain % mean", "% max", "speed m/s", "volume m3" } );
+            table = results_begin_table(
+                out, "Motion at the end",
+                "body\tmass kg\tkinetic J\tpotential J\tstrain % mean\t% max\tspeed m/s\tvolume m3" );
         }
-        add_moving_body( out, table, scene_world_body( world, body ).name, &m );
+        results_add_line( out, table, "%s\t%.4g\t%.4g\t%.4g\t%.4g\t%.4g\t%.4g\t%.4g",
+                          scene_world_body( world, body ).name, m.mass, m.kinetic_energy, m.potential_energy,
+                          100.0 * m.strain_mean, 100.0 * m.strain_max, m.speed_max, m.volume );
     }
 }
 
@@ -185,18 +166,14 @@ static void add_detail_table( const scene_world* world, results* out )
         }
         if ( table < 0 )
         {
-            table = results_add_table( out, "Level of detail at the end", 3,
-                                       ( const char* const[] ){ "body", "level", "substeps" } );
+            table = results_begin_table( out, "Level of detail at the end", "body\tlevel\tsubsteps" );
         }
         const wisp_entity entity = scene_world_entity( world, body );
         int substeps;
-        char text[24];
         const bool is_known = wisp_read_substeps( world->world, entity, &substeps ) == WISP_OK;
-        snprintf( text, sizeof( text ), "%d", is_known ? substeps : 0 );
-        results_add_cells(
-            out, table,
-            ( const char* const[] ){ surface < 0 ? scene->strands[body].name : scene->surfaces[surface].name,
-                                     LEVELS[wisp_detail_of( world->world, entity )], text } );
+        results_add_line( out, table, "%s\t%s\t%d",
+                          surface < 0 ? scene->strands[body].name : scene->surfaces[surface].name,
+                          LEVELS[wisp_detail_of( world->world, entity )], is_known ? substeps : 0 );
     }
 }
 
@@ -325,19 +302,6 @@ static double sum( const double* values, int count )
     return all;
 }
 
-static void add_head_line( results* out, int table, const char* label, const char* format, ... )
-    __attribute__( ( format( printf, 4, 5 ) ) );
-
-static void add_head_line( results* out, int table, const char* label, const char* format, ... )
-{
-    char value[320];
-    va_list arguments;
-    va_start( arguments, format );
-    vsnprintf( value, sizeof( value ), format, arguments );
-    va_end( arguments );
-    results_add_cells( out, table, ( const char* const[] ){ label, value } );
-}
-
 // On a quiet machine workers have processors for longer, as a part of the wall time.
 static const double IDLE_LEAST = 0.8;
 
@@ -346,19 +310,19 @@ static void add_run_times( results* out, int table, const scene_world* world, co
 {
     if ( record->steps < record->all_steps )
     {
-        add_head_line( out, table, "interrupted", "at step %d of %d", record->steps, record->all_steps );
+        results_add_line( out, table, "interrupted\tat step %d of %d", record->steps, record->all_steps );
     }
     if ( record->steps == 0 )
     {
-        add_head_line( out, table, "steps", "none: the files hold the rest shape" );
+        results_add_line( out, table, "steps\tnone: the files hold the rest shape" );
         return;
     }
     const double wall = 1e-3 * sum( record->ms, record->steps );
     const double simulated = wisp_scene_step_time( world->scene, record->steps );
-    add_head_line( out, table, "steps", "%d of %.4g ms: %.4g s simulated in %.3g s", record->steps,
-                   1e3 * (double)world->scene->dt, simulated, wall );
-    add_head_line( out, table, "ms per step", "median %.4f, p10 %.4f, p90 %.4f, max %.4f", times.median, times.p10,
-                   times.p90, record->ms[record->steps - 1] );
+    results_add_line( out, table, "steps\t%d of %.4g ms: %.4g s simulated in %.3g s", record->steps,
+                      1e3 * (double)world->scene->dt, simulated, wall );
+    results_add_line( out, table, "ms per step\tmedian %.4f, p10 %.4f, p90 %.4f, max %.4f", times.median, times.p10,
+                      times.p90, record->ms[record->steps - 1] );
     const int workers = wisp_world_workers( world->world );
     const double busy = times.cpu_fraction / workers;
     char processors[80] = "";
@@ -366,8 +330,8 @@ static void add_run_times( results* out, int table, const scene_world* world, co
     {
         snprintf( processors, sizeof processors, ", which had processors for %.0f %% of the time", 100.0 * busy );
     }
-    add_head_line( out, table, "speed", "%.3g x real time with %d worker%s%s", simulated / wall, workers,
-                   workers == 1 ? "" : "s", processors );
+    results_add_line( out, table, "speed\t%.3g x real time with %d worker%s%s", simulated / wall, workers,
+                      workers == 1 ? "" : "s", processors );
 }
 
 static void add_sizes( results* out, int table, const scene_world* world )
@@ -379,8 +343,8 @@ static void add_sizes( results* out, int table, const scene_world* world )
     {
         snprintf( count, sizeof( count ), "%d strands, ", strands );
     }
-    add_head_line( out, table, "size", "%s%d vertices, %.2f MB, %.1f bytes per vertex", count, vertices, bytes / 1e6,
-                   vertices > 0 ? bytes / vertices : 0.0 );
+    results_add_line( out, table, "size\t%s%d vertices, %.2f MB, %.1f bytes per vertex", count, vertices, bytes / 1e6,
+                      vertices > 0 ? bytes / vertices : 0.0 );
 }
 
 static void add_files( results* out, int table, const wisp_scene* scene, const run_record* record,
@@ -388,26 +352,26 @@ static void add_files( results* out, int table, const wisp_scene* scene, const r
 {
     for ( int i = 0; i < scene->output_count; ++i )
     {
-        add_head_line( out, table, record->steps < record->all_steps ? "not written" : "written", "%s",
-                       scene->outputs[i].file );
+        results_add_line( out, table, "%s\t%s", record->steps < record->all_steps ? "not written" : "written",
+                          scene->outputs[i].file );
     }
     if ( def->record )
     {
-        add_head_line( out, table, "recorded", "%s: %d frames", counts.files, counts.written );
+        results_add_line( out, table, "recorded\t%s: %d frames", counts.files, counts.written );
     }
     if ( def->track_count > 0 )
     {
-        add_head_line( out, table, "tracked", "%s: %d vertices over %d frames", def->track_file, def->track_count,
-                       counts.written );
+        results_add_line( out, table, "tracked\t%s: %d vertices over %d frames", def->track_file, def->track_count,
+                          counts.written );
     }
     if ( def->verify )
     {
-        add_head_line( out, table, "verified", "%s: %d frames, every bit equal", def->verify, counts.verified );
+        results_add_line( out, table, "verified\t%s: %d frames, every bit equal", def->verify, counts.verified );
     }
     if ( counts.unreached > 0 )
     {
-        add_head_line( out, table, "not verified", "%s: %d frames after the last step", def->verify,
-                       counts.unreached );
+        results_add_line( out, table, "not verified\t%s: %d frames after the last step", def->verify,
+                          counts.unreached );
     }
 }
 
@@ -419,9 +383,9 @@ static void add_seams( results* out, int table, const scene_world* world )
         const wisp_scene_seam* entry = &world->scene->seams[i];
         if ( entry->def.strength < INFINITY )
         {
-            add_head_line( out, table, "seam", "%s: %d of %d pairs broken", entry->name,
-                           wisp_count_broken_seam_pairs( world->world, world->seams[i] ),
-                           wisp_count_seam_pairs( world->world, world->seams[i] ) );
+            results_add_line( out, table, "seam\t%s: %d of %d pairs broken", entry->name,
+                              wisp_count_broken_seam_pairs( world->world, world->seams[i] ),
+                              wisp_count_seam_pairs( world->world, world->seams[i] ) );
         }
     }
 }
@@ -436,8 +400,8 @@ static void add_tears( results* out, int table, const scene_world* world )
         if ( world->scene->surfaces[i].has_tearing &&
              wisp_read_tearing_stats( world->world, s->entity, &stats ) == WISP_OK )
         {
-            add_head_line( out, table, "tears", "%s: %d vertices split, %d of %d spare ones left",
-                           world->scene->surfaces[i].name, stats.split_count, stats.spare_count, s->spare_count );
+            results_add_line( out, table, "tears\t%s: %d vertices split, %d of %d spare ones left",
+                              world->scene->surfaces[i].name, stats.split_count, stats.spare_count, s->spare_count );
         }
     }
 }
@@ -447,40 +411,32 @@ static void add_head( results* out, const scene_world* world, const run_record* 
                       const run_recorder_def* def, run_recorder_counts counts )
 {
     char intersections[120];
-    const int table = results_add_table( out, "", 2, ( const char* const[] ){ "", "" } );
-    add_head_line( out, table, "scene", "%s", world->scene->name );
+    const int table = results_begin_table( out, "", "\t" );
+    results_add_line( out, table, "scene\t%s", world->scene->name );
     add_run_times( out, table, world, record, times );
     add_sizes( out, table, world );
     if ( record->steps > 0 && record->profile.pass_count == 0 )
     {
-        add_head_line( out, table, "computed", "nothing, since the scene requests nothing (key `compute`)" );
+        results_add_line( out, table, "computed\tnothing, since the scene requests nothing (key `compute`)" );
     }
     add_seams( out, table, world );
     add_tears( out, table, world );
     run_intersections_describe( record->intersections, intersections, sizeof intersections );
     if ( intersections[0] != '\0' )
     {
-        add_head_line( out, table, "intersections", "%s", intersections );
+        results_add_line( out, table, "intersections\t%s", intersections );
     }
     add_files( out, table, world->scene, record, def, counts );
-    add_head_line( out, table, "hash", "%016llx", (unsigned long long)wisp_world_hash( world->world ) );
+    results_add_line( out, table, "hash\t%016llx", (unsigned long long)wisp_world_hash( world->world ) );
 }
 
 // ---- passes ----
 
-static void add_pass( results* out, int table, const char* name, const char* items, double ms, double percent )
-{
-    char time[24], part[16];
-    snprintf( time, sizeof( time ), "%.4f", ms );
-    snprintf( part, sizeof( part ), "%.1f", percent );
-    results_add_cells( out, table, ( const char* const[] ){ name, items, time, part } );
-}
-
 // Means, not medians: they add up to the time of the run, also where a pass has work in a few steps only.
 static void add_pass_table( results* out, const run_record* record )
 {
-    const char* const header[] = { "pass", "items", "ms", "%" };
-    const int table = results_add_table( out, "Time per step by pass (mean, and percent of the run)", 4, header );
+    const int table =
+        results_begin_table( out, "Time per step by pass (mean, and percent of the run)", "pass\titems\tms\t%" );
     const double whole_ms = sum( record->ms, record->steps );
     double small_ms = 0.0;
     int small_count = 0;
@@ -495,16 +451,12 @@ static void add_pass_table( results* out, const run_record* record )
             ++small_count;
             continue;
         }
-        char items[16];
-        snprintf( items, sizeof( items ), "%d", pass->items );
-        add_pass( out, table, pass->name, items, ms / record->steps, percent );
+        results_add_line( out, table, "%s\t%d\t%.4f\t%.1f", pass->name, pass->items, ms / record->steps, percent );
     }
     if ( small_count > 0 )
     {
-        char name[48];
-        snprintf( name, sizeof( name ), "other (%d pass%s)", small_count, small_count == 1 ? "" : "es" );
-        add_pass( out, table, name, "", small_ms / record->steps,
-                  whole_ms > 0.0 ? 100.0 * small_ms / whole_ms : 0.0 );
+        results_add_line( out, table, "other (%d pass%s)\t\t%.4f\t%.1f", small_count, small_count == 1 ? "" : "es",
+                          small_ms / record->steps, whole_ms > 0.0 ? 100.0 * small_ms / whole_ms : 0.0 );
     }
 }
 
@@ -563,13 +515,10 @@ static void add_counters( results* out, const wisp_world* world, bool is_brief )
         }
         if ( table < 0 )
         {
-            table = results_add_table( out, "Counters that are not zero", 3,
-                                       ( const char* const[] ){ "counter", "value", "meaning" } );
+            table = results_begin_table( out, "Counters that are not zero", "counter\tvalue\tmeaning" );
         }
-        char value[24];
-        snprintf( value, sizeof( value ), "%llu", (unsigned long long)count );
-        results_add_cells( out, table,
-                           ( const char* const[] ){ wisp_counter_name( (wisp_counter)i ), value, MEANINGS[i] } );
+        results_add_line( out, table, "%s\t%llu\t%s", wisp_counter_name( (wisp_counter)i ), (unsigned long long)count,
+                          MEANINGS[i] );
     }
 }
 

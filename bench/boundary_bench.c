@@ -430,19 +430,16 @@ static void add_costs( const cost_run* run, const layer_cost* cost, int table, r
 {
     const int workers = run->plan->worker_count;
     const double ns = 1e6 / fmax( cost->points, 1.0 );
-    cells row = { .count = 0 };
-    cells_put( &row, "%g", (double)cost->spacing );
-    cells_put( &row, "%s", cost->law->name );
-    cells_put( &row, "%d", cost->points );
+    results_cells row = { .count = 0 };
+    cells_put( &row, "%g\t%s\t%d", (double)cost->spacing, cost->law->name, cost->points );
     for ( int i = 0; i < SAMPLINGS * BOUNDARY_WORKERS_MAX; ++i )
     {
         const int way = i / BOUNDARY_WORKERS_MAX, w = i % BOUNDARY_WORKERS_MAX;
-        cells_put_number( &row, w < workers ? ns * cost->ms[way][w].median : NAN, 2 );
+        cells_put( &row, "%.2f", w < workers ? ns * cost->ms[way][w].median : NAN );
     }
-    cells_put_number( &row, cost->ms[RESAMPLED][0].median / cost->ms[IN_PLACE][0].median, 2 );
-    cells_put_number( &row, workers > 1 ? cost->ms[IN_PLACE][0].median / cost->ms[IN_PLACE][1].median : NAN, 2 );
-    cells_put_number( &row, (double)cost->bytes / fmax( cost->points, 1.0 ), 0 );
-    cells_put_number( &row, 1e-6 * (double)cost->bytes, 2 );
+    cells_put( &row, "%.2f\t%.2f\t%.0f\t%.2f", cost->ms[RESAMPLED][0].median / cost->ms[IN_PLACE][0].median,
+               workers > 1 ? cost->ms[IN_PLACE][0].median / cost->ms[IN_PLACE][1].median : NAN,
+               (double)cost->bytes / fmax( cost->points, 1.0 ), 1e-6 * (double)cost->bytes );
     cells_end_row( &row, table, out );
 }
 
@@ -452,18 +449,11 @@ static void add_accuracy( const layer_cost* cost, int table, results* out )
     const bool covers = cost->law->rounding == WISP_ROUND_UP || cost->law->policy == WISP_SPACING_EXACT;
     // the last gap is a difference of rounded positions; even spacing rounded down has gaps below 2 d
     const bool met = cost->cover.gap <= ( covers ? 1.0 : 2.0 ) * d + 1e-5;
-    cells row = { .count = 0 };
-    cells_put( &row, "%g", d );
-    cells_put( &row, "%s", cost->law->name );
-    cells_put_number( &row, 1e3 * cost->cover.gap, 2 );
-    cells_put_number( &row, cost->cover.gap / d, 3 );
-    cells_put_number( &row, 1e3 * cost->cover.reach, 2 );
-    cells_put_number( &row, cost->cover.reach / d, 3 );
-    cells_put( &row, "%d", cost->points );
-    cells_put_number( &row, cost->ms[IN_PLACE][0].median, 4 );
-    cells_put_number( &row, cost->ms[RESAMPLED][0].median, 4 );
-    cells_put_number( &row, 1e-6 * (double)cost->bytes, 2 );
-    cells_put( &row, "%s", met ? "yes" : "NO" );
+    results_cells row = { .count = 0 };
+    cells_put( &row, "%g\t%s\t%.2f\t%.3f\t%.2f\t%.3f\t%d\t%.4f\t%.4f\t%.2f\t%s", d, cost->law->name,
+               1e3 * cost->cover.gap, cost->cover.gap / d, 1e3 * cost->cover.reach, cost->cover.reach / d,
+               cost->points, cost->ms[IN_PLACE][0].median, cost->ms[RESAMPLED][0].median, 1e-6 * (double)cost->bytes,
+               met ? "yes" : "NO" );
     cells_end_row( &row, table, out );
     if ( !met )
     {
@@ -498,23 +488,12 @@ static void write_tables( const cost_run* run, results* out )
 {
     const int first_row = out->row_count;
     const int w = run->plan->workers[run->plan->worker_count - 1];
-    char in_place[40], resampled[40], title[160];
-    snprintf( in_place, sizeof( in_place ), "in place, %d workers", w );
-    snprintf( resampled, sizeof( resampled ), "resampled, %d workers", w );
-    const char* const costs[] = { "d",
-                                  "spacing",
-                                  "points",
-                                  "in place",
-                                  in_place,
-                                  "resampled",
-                                  resampled,
-                                  "resampled / in place",
-                                  "1 worker / more",
-                                  "bytes per point",
-                                  "MB" };
-    static const char* const accuracy[] = { "d",         "spacing", "gap, mm",     "gap / d",      "cover, mm",
-                                            "cover / d", "points",  "in place ms", "resampled ms", "MB",
-                                            "met" };
+    results_cells costs = { .count = 0 };
+    char title[160];
+    cells_put( &costs,
+               "d\tspacing\tpoints\tin place\tin place, %d workers\tresampled\tresampled, %d workers\tresampled / in "
+               "place\t1 worker / more\tbytes per point\tMB",
+               w, w );
     for ( int i = 0; i < run->count; ++i )
     {
         add_cost_rows( run, run->costs + i, out );
@@ -523,15 +502,16 @@ static void write_tables( const cost_run* run, results* out )
     snprintf(
         title, sizeof( title ),
         "Cost of points: ns per point, medians of the pass that makes them, 1 worker where not stated; memory" );
-    int table = results_add_table( out, title, WISP_COUNT( costs ), costs );
+    int table = cells_begin_table( &costs, title, out );
     for ( int i = 0; i < run->count; ++i )
     {
         add_costs( run, run->costs + i, table, out );
     }
-    table = results_add_table( out,
-                               "Coverage against cost: the largest gap along edges, and the largest distance from a "
-                               "place on a triangle to its points; 1 worker",
-                               WISP_COUNT( accuracy ), accuracy );
+    table = results_begin_table(
+        out,
+        "Coverage against cost: the largest gap along edges, and the largest distance from a "
+        "place on a triangle to its points; 1 worker",
+        "d\tspacing\tgap, mm\tgap / d\tcover, mm\tcover / d\tpoints\tin place ms\tresampled ms\tMB\tmet" );
     for ( int i = 0; i < run->count; ++i )
     {
         add_accuracy( run->costs + i, table, out );

@@ -15,9 +15,9 @@
 wisp_status figures_run( figures_fn* const* experiments, int count, const bench_options* options, results* out,
                          wisp_error* error )
 {
-    static const char* const header[] = { "figure", "experiment", "expected", "measured", "met" };
     figures_case page = { .out = out, .pictures = options->pictures, .quick = options->quick };
-    page.table = results_add_table( out, "Figures of the papers as experiments", WISP_COUNT( header ), header );
+    page.table = results_begin_table( out, "Figures of the papers as experiments",
+                                      "figure\texperiment\texpected\tmeasured\tmet" );
     wisp_status status = balloon_mesh_figure( &page.figure, &page.figure_name, error );
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {
@@ -72,11 +72,10 @@ static void add_figure( figures_case* page, const char* const told[3], bool meet
 {
     char measured[300];
     vsnprintf( measured, sizeof( measured ), format, arguments );
-    const char* const row[] = { told[0], told[1], told[2], measured,
-                                meets_target ? "yes"
-                                : is_known   ? "known"
-                                             : "NO" };
-    results_add_cells( page->out, page->table, row );
+    results_add_line( page->out, page->table, "%s\t%s\t%s\t%s\t%s", told[0], told[1], told[2], measured,
+                      meets_target ? "yes"
+                      : is_known   ? "known"
+                                   : "NO" );
     if ( !meets_target && !is_known )
     {
         results_add_failure( page->out, "%s, %s: expected %s; measured %s.", told[0], told[1], told[2], measured );

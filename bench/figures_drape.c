@@ -405,24 +405,10 @@ static bool drape_is_at_rest( const drape_result* run )
 
 // ---- tables ----
 
-static int begin_drape_table( figures_case* page, const char* title, const char* const* names, int count )
+static void put_shape( results_cells* row, const drape_observation* observation )
 {
-    cells header = { .count = 0 };
-    for ( int i = 0; i < count; ++i )
-    {
-        cells_put( &header, "%s", names[i] );
-    }
-    return cells_begin_table( &header, title, page->out );
-}
-
-static void put_shape( cells* row, const drape_observation* observation )
-{
-    cells_put_number( row, 1e3 * observation->gap, 3 );
-    cells_put_number( row, 1e3 * observation->gap_between, 3 );
-    cells_put_number( row, 100.0 * observation->strain, 2 );
-    cells_put_number( row, observation->hem_mean, 4 );
-    cells_put_number( row, observation->min_hem, 4 );
-    cells_put( row, "%d", observation->folds );
+    cells_put( row, "%.3f\t%.3f\t%.2f\t%.4f\t%.4f\t%d", 1e3 * observation->gap, 1e3 * observation->gap_between,
+               100.0 * observation->strain, observation->hem_mean, observation->min_hem, observation->folds );
 }
 
 // What the words of the tables below mean.
@@ -447,17 +433,15 @@ static void drape_add_terms( figures_case* page )
 // A line for each of the first shots of a run.
 static void drape_add_sequence( figures_case* page, const char* title, int shot_count, const drape_result* run )
 {
-    static const char* const names[] = { "frame",      "kinetic J", "of the largest", "held",     "phi mm",
-                                         "between mm", "edge %",    "hem m",          "lowest m", "folds" };
-    int table = begin_drape_table( page, title, names, WISP_COUNT( names ) );
+    int table = results_begin_table(
+        page->out, title,
+        "frame\tkinetic J\tof the largest\theld\tphi mm\tbetween mm\tedge %\them m\tlowest m\tfolds" );
     for ( int i = 0; i < shot_count; ++i )
     {
         const drape_observation* observation = &run->shots[i];
-        cells row = { .count = 0 };
-        cells_put( &row, "%d", run->frames[i] );
-        cells_put( &row, "%.2e", observation->kinetic );
-        cells_put( &row, "%.1e", observation->kinetic / run->max_kinetic );
-        cells_put( &row, "%d", run->contacts[i] );
+        results_cells row = { .count = 0 };
+        cells_put( &row, "%d\t%.2e\t%.1e\t%d", run->frames[i], observation->kinetic,
+                   observation->kinetic / run->max_kinetic, run->contacts[i] );
         put_shape( &row, observation );
         cells_end_row( &row, table, page->out );
     }
@@ -467,20 +451,18 @@ static void drape_add_sequence( figures_case* page, const char* title, int shot_
 static void drape_add_runs( figures_case* page, const char* title, const float* stiffnesses, int count,
                             const drape_result* runs )
 {
-    static const char* const names[] = { "k N/m", "energy left", "least phi mm", "phi mm",     "between mm", "edge %",
-                                         "hem m", "lowest m",    "folds",        "iterations", "ms per step" };
-    int table = begin_drape_table( page, title, names, WISP_COUNT( names ) );
+    int table = results_begin_table( page->out, title,
+                                     "k N/m\tenergy left\tleast phi mm\tphi mm\tbetween mm\tedge %\them m\tlowest "
+                                     "m\tfolds\titerations\tms per step" );
     for ( int i = 0; i < count; ++i )
     {
         if ( runs[i].iterations > 0.0 )
         {
-            cells row = { .count = 0 };
-            cells_put_number( &row, (double)stiffnesses[i], 0 );
-            cells_put( &row, "%.1e", runs[i].end.kinetic / runs[i].max_kinetic );
-            cells_put_number( &row, 1e3 * runs[i].min_gap, 3 );
+            results_cells row = { .count = 0 };
+            cells_put( &row, "%.0f\t%.1e\t%.3f", (double)stiffnesses[i], runs[i].end.kinetic / runs[i].max_kinetic,
+                       1e3 * runs[i].min_gap );
             put_shape( &row, &runs[i].end );
-            cells_put_number( &row, runs[i].iterations, 1 );
-            cells_put_number( &row, runs[i].ms, 2 );
+            cells_put( &row, "%.1f\t%.2f", runs[i].iterations, runs[i].ms );
             cells_end_row( &row, table, page->out );
         }
     }
@@ -494,9 +476,6 @@ static void drape_add_runs( figures_case* page, const char* title, const float* 
 wisp_status figures_drape_steps( figures_case* page, wisp_error* error )
 {
     static const int rates[] = { 100, 60, 30 };
-    static const char* const names[] = { "step s",   "iterations", "energy left", "least phi mm",
-                                         "phi mm",   "between mm", "edge %",      "hem m",
-                                         "lowest m", "folds",      "ms per step" };
     const int seconds = page->quick ? QUICK_SECONDS : (int)DRAPE_REST_SECONDS;
     triangle_scene scene;
     drape_border border = { .count = 0 };
@@ -506,8 +485,9 @@ wisp_status figures_drape_steps( figures_case* page, wisp_error* error )
         return status;
     }
     status = drape_border_find( &scene.mesh, &border, error );
-    int table = begin_drape_table( page, "The stiffest cloth, k 350 N/m, on the ball in long steps", names,
-                                   WISP_COUNT( names ) );
+    int table = results_begin_table( page->out, "The stiffest cloth, k 350 N/m, on the ball in long steps",
+                                     "step s\titerations\tenergy left\tleast phi mm\tphi mm\tbetween mm\tedge %\them "
+                                     "m\tlowest m\tfolds\tms per step" );
     for ( int i = page->quick ? WISP_COUNT( rates ) - 1 : 0; i < WISP_COUNT( rates ) && status == WISP_OK; ++i )
     {
         drape_result run;
@@ -524,13 +504,10 @@ wisp_status figures_drape_steps( figures_case* page, wisp_error* error )
             break;
         }
         const double left = run.end.kinetic / run.max_kinetic;
-        cells row = { .count = 0 };
-        cells_put( &row, "1/%d", rates[i] );
-        cells_put_number( &row, run.iterations, 1 );
-        cells_put( &row, "%.1e", left );
-        cells_put_number( &row, 1e3 * run.min_gap, 3 );
+        results_cells row = { .count = 0 };
+        cells_put( &row, "1/%d\t%.1f\t%.1e\t%.3f", rates[i], run.iterations, left, 1e3 * run.min_gap );
         put_shape( &row, &run.end );
-        cells_put_number( &row, run.ms, 2 );
+        cells_put( &row, "%.2f", run.ms );
         cells_end_row( &row, table, page->out );
         char experiment[80], expected[120];
         snprintf( experiment, sizeof( experiment ), "958 vertices, k 350 N/m, steps of 1/%d s", rates[i] );

@@ -355,10 +355,8 @@ static double change( const sag_row* row, int from )
 
 static int begin_sag_table( figures_case* page, int count )
 {
-    cells header = { .count = 0 };
-    cells_put( &header, "held" );
-    cells_put( &header, "sag of" );
-    cells_put( &header, "stiffness" );
+    results_cells header = { .count = 0 };
+    cells_put( &header, "held\tsag of\tstiffness" );
     for ( int i = 0; i < count; ++i )
     {
         cells_put( &header, "%d mm", sag_sizes[i] );
@@ -367,8 +365,7 @@ static int begin_sag_table( figures_case* page, int count )
     {
         cells_put( &header, "%d %%", sag_sizes[i] );
     }
-    cells_put( &header, "iterations" );
-    cells_put( &header, "ms per step" );
+    cells_put( &header, "iterations\tms per step" );
     return cells_begin_table( &header,
                               "Finer meshes: the sag by number of vertices, k_s 200 N/m, D 5e-6 N m unless stated "
                               "(extension, not in Noh and Jung)",
@@ -378,20 +375,18 @@ static int begin_sag_table( figures_case* page, int count )
 static void add_sag_line( figures_case* page, int table, int form, wisp_implicit_stiffness stiffness,
                           const sag_row* row )
 {
-    cells line = { .count = 0 };
-    cells_put( &line, "%s", forms[form].name );
-    cells_put( &line, "%s", forms[form].measured );
-    cells_put( &line, "%s", stiffness == WISP_IMPLICIT_STIFFNESS_MATERIAL ? "sheet" : "link" );
+    results_cells line = { .count = 0 };
+    cells_put( &line, "%s\t%s\t%s", forms[form].name, forms[form].measured,
+               stiffness == WISP_IMPLICIT_STIFFNESS_MATERIAL ? "sheet" : "link" );
     for ( int i = 0; i < row->count; ++i )
     {
-        cells_put_number( &line, 1e3 * row->sag[i], 2 );
+        cells_put( &line, "%.2f", 1e3 * row->sag[i] );
     }
     for ( int i = 0; i + 1 < row->count; ++i )
     {
         cells_put( &line, "%+.1f", 100.0 * change( row, i ) );
     }
-    cells_put_number( &line, row->iterations, 1 );
-    cells_put_number( &line, row->ms, 2 );
+    cells_put( &line, "%.1f\t%.2f", row->iterations, row->ms );
     cells_end_row( &line, table, page->out );
 }
 
@@ -711,35 +706,26 @@ enum
 
 static int begin_energy_table( figures_case* page )
 {
-    cells header = { .count = 0 };
-    cells_put( &header, "k_d N s/m" );
-    cells_put( &header, "step s" );
-    cells_put( &header, "integrator" );
-    cells_put( &header, "first J" );
+    results_cells header = { .count = 0 };
+    cells_put( &header, "k_d N s/m\tstep s\tintegrator\tfirst J" );
     for ( int i = 1; i <= SECONDS; i += 3 )
     {
         cells_put( &header, "%d s", i );
     }
-    cells_put( &header, "growth %%" );
-    cells_put( &header, "solves" );
-    cells_put( &header, "iterations" );
+    cells_put( &header, "growth %%\tsolves\titerations" );
     return cells_begin_table( &header, "Noh and Jung 3.3: energy in free flight, J", page->out );
 }
 
 static void add_energy_line( figures_case* page, int table, const flight* f )
 {
-    cells row = { .count = 0 };
-    cells_put( &row, "%g", (double)f->damping );
-    cells_put( &row, "%g", (double)f->seconds );
-    cells_put( &row, "%s", f->integrator == WISP_INTEGRATOR_EULER ? "Euler" : "BDF2" );
-    cells_put_number( &row, f->first, 3 );
+    results_cells row = { .count = 0 };
+    cells_put( &row, "%g\t%g\t%s\t%.3f", (double)f->damping, (double)f->seconds,
+               f->integrator == WISP_INTEGRATOR_EULER ? "Euler" : "BDF2", f->first );
     for ( int i = 1; i <= SECONDS; i += 3 )
     {
         cells_put( &row, "%.2e", f->observations[i - 1] );
     }
-    cells_put_number( &row, 100.0 * f->growth, 2 );
-    cells_put_number( &row, f->solves, 2 );
-    cells_put_number( &row, f->iterations, 1 );
+    cells_put( &row, "%.2f\t%.2f\t%.1f", 100.0 * f->growth, f->solves, f->iterations );
     cells_end_row( &row, table, page->out );
 }
 

@@ -585,34 +585,17 @@ wisp_status paper_frozen_hair( const bench_options* options, results* out, wisp_
 // The sizes of Kim 2026 come first.
 #define SOURCE_SIZES 3
 
-static void small_cell( cells* row, double value )
-{
-    cells_put( row, isfinite( value ) ? "%.1e" : "-", value );
-}
-
 // ---- the table ----
 
 static int add_header( const paper_table* table, results* out )
 {
-    cells row = { .count = 0 };
-    cells_put( &row, "strands" );
-    cells_put( &row, "vertices" );
-    cells_put( &row, "Kim 2026 ms" );
-    cells_put( &row, "FPS" );
+    results_cells row = { .count = 0 };
+    cells_put( &row, "strands\tvertices\tKim 2026 ms\tFPS" );
     for ( int v = 0; v < table->variant_count; ++v )
     {
-        cells_put( &row, "%d %s ms", table->workers[v], bench_workers_word( table->workers[v] ) );
-        cells_put( &row, "FPS" );
+        cells_put( &row, "%d %s ms\tFPS", table->workers[v], bench_workers_word( table->workers[v] ) );
     }
-    cells_put( &row, "freeze %%" );
-    cells_put( &row, "align %%" );
-    cells_put( &row, "clump %%" );
-    cells_put( &row, "rest %%" );
-    cells_put( &row, "neighbours" );
-    cells_put( &row, "error m" );
-    cells_put( &row, "error/h" );
-    cells_put( &row, "bytes per vertex" );
-    cells_put( &row, "hash" );
+    cells_put( &row, "freeze %%\talign %%\tclump %%\trest %%\tneighbours\terror m\terror/h\tbytes per vertex\thash" );
     return cells_begin_table(
         &row, "Frozen hair, Kim 2026, Table 1: 20 vertices per strand, all stages, a command in each step", out );
 }
@@ -620,27 +603,21 @@ static int add_header( const paper_table* table, results* out )
 static void add_frozen_line( const paper_table* table, const paper_line* line, int number, results* out )
 {
     int last = table->variant_count - 1;
-    cells row = { .count = 0 };
-    cells_put( &row, "%d", line->strands );
-    cells_put( &row, "%d", line->vertices );
-    cells_put_number( &row, line->source_ms, 1 );
-    cells_put_number( &row, line->source_fps, 0 );
+    results_cells row = { .count = 0 };
+    cells_put( &row, "%d\t%d\t%.1f\t%.0f", line->strands, line->vertices, line->source_ms, line->source_fps );
     for ( int v = 0; v < table->variant_count; ++v )
     {
-        cells_put_number( &row, line->ms[v].median, line->ms[v].median < 100.0 ? 3 : 1 );
-        cells_put_number( &row, 1e3 / line->ms[v].median, 0 );
+        cells_put( &row, "%.*f\t%.0f", line->ms[v].median < 100.0 ? 3 : 1, line->ms[v].median,
+                   1e3 / line->ms[v].median );
     }
     double rest = 1.0 - line->fraction[0] - line->fraction[1] - line->fraction[2];
     for ( int stage_number = 0; stage_number < 3; ++stage_number )
     {
-        cells_put_number( &row, 100.0 * line->fraction[stage_number], 1 );
+        cells_put( &row, "%.1f", 100.0 * line->fraction[stage_number] );
     }
-    cells_put_number( &row, 100.0 * fmax( rest, 0.0 ), 1 );
-    cells_put_number( &row, line->neighbours, 1 );
-    small_cell( &row, line->error[last] );
-    small_cell( &row, line->error[last] / table->clump_radius );
-    cells_put_number( &row, line->bytes, 0 );
-    cells_put( &row, "%016llx", (unsigned long long)line->hash );
+    cells_put( &row, "%.1f\t%.1f\t%.1e\t%.1e\t%.0f\t%016llx", 100.0 * fmax( rest, 0.0 ), line->neighbours,
+               line->error[last], line->error[last] / table->clump_radius, line->bytes,
+               (unsigned long long)line->hash );
     cells_end_row( &row, number, out );
 }
 
@@ -662,7 +639,7 @@ static stats_line fit( const paper_table* table, int variant, int size_count )
 static void add_fit( const paper_table* table, int variant, int size_count, int number, results* out )
 {
     stats_line line = fit( table, variant, size_count );
-    cells row = { .count = 0 };
+    results_cells row = { .count = 0 };
     if ( variant < 0 )
     {
         cells_put( &row, "Kim 2026" );
@@ -671,17 +648,15 @@ static void add_fit( const paper_table* table, int variant, int size_count, int 
     {
         cells_put( &row, "Wisp, %d %s", table->workers[variant], bench_workers_word( table->workers[variant] ) );
     }
-    cells_put( &row, "%d .. %d", table->lines[0].vertices, table->lines[size_count - 1].vertices );
-    cells_put( &row, "%.3f", line.intercept );
-    cells_put( &row, "%.4f", line.slope );
-    cells_put( &row, "%.5f", line.r_squared );
+    cells_put( &row, "%d .. %d\t%.3f\t%.4f\t%.5f", table->lines[0].vertices, table->lines[size_count - 1].vertices,
+               line.intercept, line.slope, line.r_squared );
     cells_end_row( &row, number, out );
 }
 
 static void add_fits( const paper_table* table, results* out )
 {
-    const char* const header[] = { "implementation", "vertices", "ms at 0", "ms per 1000", "R^2" };
-    int number = results_add_table( out, "Time against vertices: straight lines by least squares", 5, header );
+    int number = results_begin_table( out, "Time against vertices: straight lines by least squares",
+                                      "implementation\tvertices\tms at 0\tms per 1000\tR^2" );
     add_fit( table, -1, SOURCE_SIZES, number, out );
     for ( int v = 0; v < table->variant_count; ++v )
     {

@@ -369,30 +369,19 @@ static const char* mesh_of( const triangle_line* line )
 
 static int begin_table( const triangle_plan* plan, results* out )
 {
-    cells row = { .count = 0 };
-    cells_put( &row, "mesh" );
-    cells_put( &row, "vertices" );
-    cells_put( &row, "links" );
-    cells_put( &row, "k_s N/m" );
-    cells_put( &row, "steps" );
-    cells_put( &row, "Noh and Jung s per frame" );
+    results_cells row = { .count = 0 };
+    cells_put( &row, "mesh\tvertices\tlinks\tk_s N/m\tsteps\tNoh and Jung s per frame" );
     for ( int w = 0; w < plan->worker_count; ++w )
     {
-        cells_put( &row, "%d %s ms mean", plan->workers[w], bench_workers_word( plan->workers[w] ) );
-        cells_put( &row, "%d %s ms median", plan->workers[w], bench_workers_word( plan->workers[w] ) );
-        cells_put( &row, "FPS" );
+        cells_put( &row, "%d %s ms mean\t%d %s ms median\tFPS", plan->workers[w],
+                   bench_workers_word( plan->workers[w] ), plan->workers[w], bench_workers_word( plan->workers[w] ) );
     }
-    cells_put( &row, "speedup over Noh and Jung" );
-    cells_put( &row, "iterations, mean / max" );
+    cells_put( &row, "speedup over Noh and Jung\titerations, mean / max" );
     for ( int w = 0; w < plan->worker_count; ++w )
     {
         cells_put( &row, "%d %s ns per vertex, iteration", plan->workers[w], bench_workers_word( plan->workers[w] ) );
     }
-    cells_put( &row, "us per vertex" );
-    cells_put( &row, "ns per link" );
-    cells_put( &row, "contacts at the end" );
-    cells_put( &row, "unsolved / indefinite" );
-    cells_put( &row, "hash" );
+    cells_put( &row, "us per vertex\tns per link\tcontacts at the end\tunsolved / indefinite\thash" );
     return cells_begin_table( &row,
                               "Triangle cloth, Noh and Jung, Table 1: 1 m x 1 m falls onto a ball, whole step with "
                               "collision, dt 0.01 s, one solve",
@@ -401,30 +390,22 @@ static int begin_table( const triangle_plan* plan, results* out )
 
 static void add_line( const triangle_plan* plan, const triangle_line* line, int table, results* out )
 {
-    cells row = { .count = 0 };
-    cells_put( &row, "%s", mesh_of( line ) );
-    cells_put( &row, "%d", line->vertices );
-    cells_put( &row, "%d", links_of( line ) );
-    cells_put_number( &row, (double)line->drop->stretch_stiffness, 0 );
-    cells_put( &row, "%d", line->drop->steps );
-    cells_put_number( &row, 1e-3 * line->drop->source_ms, 3 );
+    results_cells row = { .count = 0 };
+    cells_put( &row, "%s\t%d\t%d\t%.0f\t%d\t%.3f", mesh_of( line ), line->vertices, links_of( line ),
+               (double)line->drop->stretch_stiffness, line->drop->steps, 1e-3 * line->drop->source_ms );
     for ( int w = 0; w < plan->worker_count; ++w )
     {
-        cells_put_number( &row, line->mean_ms[w], 3 );
-        cells_put_number( &row, line->ms[w].median, 3 );
-        cells_put_number( &row, 1e3 / line->mean_ms[w], 0 );
+        cells_put( &row, "%.3f\t%.3f\t%.0f", line->mean_ms[w], line->ms[w].median, 1e3 / line->mean_ms[w] );
     }
-    cells_put_number( &row, line->drop->source_ms / line->mean_ms[0], 0 );
-    cells_put( &row, "%.1f / %d", line->iterations_mean, line->max_iterations );
+    cells_put( &row, "%.0f\t%.1f / %d", line->drop->source_ms / line->mean_ms[0], line->iterations_mean,
+               line->max_iterations );
     for ( int w = 0; w < plan->worker_count; ++w )
     {
-        cells_put_number( &row, line->iteration_ns[w], 1 );
+        cells_put( &row, "%.1f", line->iteration_ns[w] );
     }
-    cells_put_number( &row, 1e3 * line->mean_ms[0] / line->vertices, 3 );
-    cells_put_number( &row, 1e6 * line->mean_ms[0] / links_of( line ), 1 );
-    cells_put( &row, "%d", line->contacts );
-    cells_put( &row, "%llu / %llu", (unsigned long long)line->unsolved, (unsigned long long)line->indefinite );
-    cells_put_hash( &row, line->hash );
+    cells_put( &row, "%.3f\t%.1f\t%d\t%llu / %llu\t%016llx", 1e3 * line->mean_ms[0] / line->vertices,
+               1e6 * line->mean_ms[0] / links_of( line ), line->contacts, (unsigned long long)line->unsolved,
+               (unsigned long long)line->indefinite, (unsigned long long)line->hash );
     cells_end_row( &row, table, out );
 }
 
@@ -452,14 +433,12 @@ static void add_ratio( const triangle_plan* plan, const triangle_line* triangles
     const double a_link = 1e6 * a / links_of( triangles ), b_link = 1e6 * b / links_of( quads );
     const double source_a = triangles->drop->source_ms / triangles->vertices;
     const double source_b = quads->drop->source_ms / quads->vertices;
-    cells row = { .count = 0 };
-    cells_put_number( &row, (double)triangles->drop->stretch_stiffness, 0 );
-    cells_put( &row, "%d", plan->workers[w] );
+    results_cells row = { .count = 0 };
+    cells_put( &row, "%.0f\t%d", (double)triangles->drop->stretch_stiffness, plan->workers[w] );
     cells_put_pair( &row, a_vertex, 3, b_vertex, 3 );
-    cells_put_number( &row, a_vertex / b_vertex, 2 );
-    cells_put_number( &row, source_a / source_b, 2 );
+    cells_put( &row, "%.2f\t%.2f", a_vertex / b_vertex, source_a / source_b );
     cells_put_pair( &row, a_link, 1, b_link, 1 );
-    cells_put_number( &row, a_link / b_link, 2 );
+    cells_put( &row, "%.2f", a_link / b_link );
     cells_put_pair( &row, (double)links_of( triangles ) / triangles->vertices, 1,
                     (double)links_of( quads ) / quads->vertices, 1 );
     cells_put_pair( &row, triangles->iterations_mean, 1, quads->iterations_mean, 1 );
@@ -468,16 +447,9 @@ static void add_ratio( const triangle_plan* plan, const triangle_line* triangles
 
 static void add_ratios( const triangle_plan* plan, const triangle_line* lines, results* out )
 {
-    static const char* const names[] = {
-        "k_s N/m",     "workers", "us per vertex",    "ratio",     "ratio, Noh and Jung",
-        "ns per link", "ratio",   "links per vertex", "iterations"
-    };
-    cells header = { .count = 0 };
-    for ( int i = 0; i < WISP_COUNT( names ); ++i )
-    {
-        cells_put( &header, "%s", names[i] );
-    }
-    const int table = cells_begin_table( &header, "Triangles / quads: mean time of a step over the whole run", out );
+    const int table = results_begin_table( out, "Triangles / quads: mean time of a step over the whole run",
+                                           "k_s N/m\tworkers\tus per vertex\tratio\tratio, Noh and Jung\tns per "
+                                           "link\tratio\tlinks per vertex\titerations" );
     for ( int i = 0; i < plan->drop_count; ++i )
     {
         const triangle_line* line = &lines[i];
@@ -513,17 +485,11 @@ static void add_growth_line( const triangle_line* first, const triangle_line* be
 {
     const double grown = line->growth_mean / first->growth_mean;
     const double root = sqrt( (double)line->vertices / first->vertices );
-    cells row = { .count = 0 };
-    cells_put( &row, "%d", line->vertices );
-    cells_put_number( &row, line->growth_mean, 1 );
-    cells_put_number( &row, grown, 2 );
-    cells_put_number( &row, root, 2 );
-    cells_put_number( &row, grown / root, 2 );
-    cells_put_number( &row,
-                      before ? log( line->growth_mean / before->growth_mean ) /
-                                   log( (double)line->vertices / before->vertices )
-                             : NAN,
-                      3 );
+    results_cells row = { .count = 0 };
+    cells_put( &row, "%d\t%.1f\t%.2f\t%.2f\t%.2f\t%.3f", line->vertices, line->growth_mean, grown, root, grown / root,
+               before
+                   ? log( line->growth_mean / before->growth_mean ) / log( (double)line->vertices / before->vertices )
+                   : NAN );
     cells_end_row( &row, table, out );
 }
 
@@ -533,14 +499,8 @@ static void add_growth( const triangle_plan* plan, const triangle_line* lines, r
     snprintf( title, sizeof( title ),
               "Growth of conjugate gradients at fixed material: iterations per step, steps %d to %d of the fall",
               plan->touch_step + 1, plan->touch_step + plan->growth_steps );
-    static const char* const names[] = { "vertices",     "iterations", "iterations / first",
-                                         "sqrt of size", "of that",    "exponent here" };
-    cells header = { .count = 0 };
-    for ( int i = 0; i < WISP_COUNT( names ); ++i )
-    {
-        cells_put( &header, "%s", names[i] );
-    }
-    const int table = cells_begin_table( &header, title, out );
+    const int table = results_begin_table(
+        out, title, "vertices\titerations\titerations / first\tsqrt of size\tof that\texponent here" );
     const triangle_line *first = NULL, *before = NULL;
     for ( int i = 0; i < plan->drop_count; ++i )
     {

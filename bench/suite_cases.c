@@ -416,12 +416,12 @@ static void add_loops( loop loops[LOOPS][WORKERS], stats_summary ms[LOOPS][WORKE
 {
     for ( int i = 0; i < LOOPS; ++i )
     {
-        cells row = { .count = 0 };
+        results_cells row = { .count = 0 };
         cells_put( &row, "%s, %s", loops[i][0].name, when );
         for ( int w = 0; w < WORKERS; ++w )
         {
             char variant[64];
-            cells_put_number( &row, ms[i][w].median, 3 );
+            cells_put( &row, "%.3f", ms[i][w].median );
             snprintf( variant, sizeof variant, "%s, %s", loops[i][w].name, when );
             results_row* machine = results_add_row( out, "scenes.loop", variant );
             if ( machine )
@@ -432,7 +432,7 @@ static void add_loops( loop loops[LOOPS][WORKERS], stats_summary ms[LOOPS][WORKE
                 machine->has_hash = true;
             }
         }
-        cells_put_number( &row, ms[i][0].median / ms[i][1].median, 2 );
+        cells_put( &row, "%.2f", ms[i][0].median / ms[i][1].median );
         cells_end_row( &row, table, out );
         if ( sum_of( &loops[i][0] ) != sum_of( &loops[i][1] ) )
         {
@@ -479,7 +479,6 @@ static wisp_status measure_loops( const uint64_t* words, const char* when, int t
 wisp_status scenes_bench( const bench_options* options, results* out, wisp_error* error )
 {
     char path[1024];
-    cells header = { .count = 0 };
     uint64_t* words = malloc( BLOCKS * WORDS_EACH * sizeof *words );
     if ( words == NULL )
     {
@@ -489,11 +488,8 @@ wisp_status scenes_bench( const bench_options* options, results* out, wisp_error
     {
         words[i] = i;
     }
-    cells_put( &header, "loop" );
-    cells_put( &header, "1 worker ms" );
-    cells_put( &header, "2 workers ms" );
-    cells_put( &header, "speed-up" );
-    const int table = cells_begin_table( &header, "What two workers give to trivial loops that share nothing", out );
+    const int table = results_begin_table( out, "What two workers give to trivial loops that share nothing",
+                                           "loop\t1 worker ms\t2 workers ms\tspeed-up" );
     bench_options rest = *options;
     rest.seconds = bench_seconds( options ) - 3.0 > 0.0 ? bench_seconds( options ) - 3.0 : 1e-3;
     program_data_path( "suites/scenes.yaml", path, sizeof path );
@@ -514,14 +510,10 @@ static void add_effect_line( const results_row* row, const results_row* whole, i
 {
     const double all = rows_error( row, "intersections" ),
                  with_body = rows_error( row, "intersections_with_driven_surfaces" );
-    cells line = { .count = 0 };
-    cells_put( &line, "%s", row->variant );
-    cells_put_number( &line, rows_vertices( row ), 0 );
-    cells_put_number( &line, rows_ms( row ), 2 );
-    cells_put_number( &line, rows_ms( row ) / rows_ms( whole ), 2 );
-    cells_put_number( &line, all - ( isfinite( with_body ) ? with_body : 0.0 ), 0 );
-    cells_put_number( &line, with_body, 0 );
-    cells_put_number( &line, rows_error( row, "stretch_max_percent" ), 1 );
+    results_cells line = { .count = 0 };
+    cells_put( &line, "%s\t%.0f\t%.2f\t%.2f\t%.0f\t%.0f\t%.1f", row->variant, rows_vertices( row ), rows_ms( row ),
+               rows_ms( row ) / rows_ms( whole ), all - ( isfinite( with_body ) ? with_body : 0.0 ), with_body,
+               rows_error( row, "stretch_max_percent" ) );
     cells_end_row( &line, table, out );
 }
 
@@ -529,19 +521,13 @@ static void add_effect_line( const results_row* row, const results_row* whole, i
 static void add_effects( int first_row, int workers, results* out )
 {
     char title[160];
-    cells header = { .count = 0 };
-    cells_put( &header, "setting" );
-    cells_put( &header, "vertices" );
-    cells_put( &header, "ms per step" );
-    cells_put( &header, "/ whole" );
-    cells_put( &header, "cloth through cloth" );
-    cells_put( &header, "through the body" );
-    cells_put( &header, "largest strain, %%" );
     snprintf(
         title, sizeof title,
         "The dressed figure without each effect: median of a step with %d worker%s, and intersections at the end",
         workers, workers == 1 ? "" : "s" );
-    const int table = cells_begin_table( &header, title, out );
+    const int table = results_begin_table(
+        out, title,
+        "setting\tvertices\tms per step\t/ whole\tcloth through cloth\tthrough the body\tlargest strain, %" );
     const results_row* whole = NULL;
     for ( int i = first_row; i < out->row_count; ++i )
     {

@@ -519,9 +519,9 @@ static void add_row( const suite_row* row, const gate_row_check* check, results*
 
 void gate_report( const wisp_suite* suite, const gate_row_check* checks, results* out )
 {
-    const char* const header[] = { "row", "verdict", "instructions", "cycles", "bytes", "allocations", "accuracy" };
     int counts[GATE_STATE_COUNT] = { 0 };
-    const int table = results_add_table( out, "Rows", WISP_COUNT( header ), header );
+    const int table =
+        results_begin_table( out, "Rows", "row\tverdict\tinstructions\tcycles\tbytes\tallocations\taccuracy" );
     for ( int i = 0; i < suite->row_count; ++i )
     {
         char name[SUITE_MAX_LABEL], cells[4][40], accuracy[64];
@@ -531,9 +531,8 @@ void gate_report( const wisp_suite* suite, const gate_row_check* checks, results
             format_value( checks + i, (suite_measure)m, cells[m], sizeof cells[m] );
         }
         format_accuracy( checks + i, accuracy, sizeof accuracy );
-        results_add_cells( out, table,
-                           ( const char* const[] ){ name, gate_state_names[checks[i].state], cells[0], cells[1],
-                                                    cells[2], cells[3], checks[i].base ? accuracy : "-" } );
+        results_add_line( out, table, "%s\t%s\t%s\t%s\t%s\t%s\t%s", name, gate_state_names[checks[i].state], cells[0],
+                          cells[1], cells[2], cells[3], checks[i].base ? accuracy : "-" );
         counts[checks[i].state] += 1;
         add_row( suite->rows + i, checks + i, out );
     }

@@ -303,25 +303,16 @@ wisp_status gate_compare_programs( wisp_suite* suite, const char* old_program, g
 void gate_report_pairs( const wisp_suite* suite, const gate_pair_check* checks, results* out )
 {
     static const char* const names[PACE_COUNT] = { "as fast", "in doubt", "not measurable", "slower" };
-    const char* const header[] = { "row", "verdict", "time", "from", "to", "noise", "rounds" };
-    const int table = results_add_table( out, "Time against the other program", WISP_COUNT( header ), header );
+    const int table =
+        results_begin_table( out, "Time against the other program", "row\tverdict\ttime\tfrom\tto\tnoise\trounds" );
     int counts[PACE_COUNT] = { 0 };
     for ( int i = 0; i < suite->row_count; ++i )
     {
         const gate_pair_check* c = checks + i;
-        char name[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2], cells[5][24];
-        snprintf( name, sizeof name, "%s%s%s", suite->rows[i].name, suite->rows[i].variant[0] ? ", " : "",
-                  suite->rows[i].variant );
-        const double logs[] = { c->slower, c->lower, c->upper };
-        for ( int k = 0; k < 3; ++k )
-        {
-            snprintf( cells[k], sizeof cells[k], "%+.1f %%", 100.0 * expm1( logs[k] ) );
-        }
-        snprintf( cells[3], sizeof cells[3], "%.1f %%", 100.0 * c->noise );
-        snprintf( cells[4], sizeof cells[4], "%d", c->rounds );
-        results_add_cells(
-            out, table,
-            ( const char* const[] ){ name, names[c->pace], cells[0], cells[1], cells[2], cells[3], cells[4] } );
+        results_add_line( out, table, "%s%s%s\t%s\t%+.1f %%\t%+.1f %%\t%+.1f %%\t%.1f %%\t%d", suite->rows[i].name,
+                          suite->rows[i].variant[0] ? ", " : "", suite->rows[i].variant, names[c->pace],
+                          100.0 * expm1( c->slower ), 100.0 * expm1( c->lower ), 100.0 * expm1( c->upper ),
+                          100.0 * c->noise, c->rounds );
         counts[c->pace] += 1;
         results_row* row = results_add_row( out, suite->rows[i].name, suite->rows[i].variant );
         if ( row != NULL )
@@ -398,19 +389,12 @@ typedef struct self_test
 static void add_line( const self_test* t, int table, results* out )
 {
     double lower, upper;
-    char cells[8][24];
     bound_rate( t->found, t->trials, &lower, &upper );
-    snprintf( cells[0], sizeof cells[0], "%.0f %%", 100.0 * t->slow );
-    snprintf( cells[1], sizeof cells[1], isfinite( t->more ) ? "%+.2f %%" : "-", 100.0 * t->more );
-    snprintf( cells[2], sizeof cells[2], "%d", t->trials );
-    snprintf( cells[3], sizeof cells[3], "%d", t->found );
-    snprintf( cells[4], sizeof cells[4], "%.1f %%", 100.0 * t->found / t->trials );
-    snprintf( cells[5], sizeof cells[5], "%.1f %%", 100.0 * lower );
-    snprintf( cells[6], sizeof cells[6], "%.1f %%", 100.0 * upper );
-    snprintf( cells[7], sizeof cells[7], "%d", t->unmeasured );
-    results_add_cells(
-        out, table,
-        ( const char* const[] ){ cells[0], cells[1], cells[2], cells[3], cells[4], cells[5], cells[6], cells[7] } );
+    char more[24];
+    snprintf( more, sizeof more, isfinite( t->more ) ? "%+.2f %%" : "-", 100.0 * t->more );
+    results_add_line( out, table, "%.0f %%\t%s\t%d\t%d\t%.1f %%\t%.1f %%\t%.1f %%\t%d", 100.0 * t->slow, more,
+                      t->trials, t->found, 100.0 * t->found / t->trials, 100.0 * lower, 100.0 * upper,
+                      t->unmeasured );
 }
 
 static wisp_status run_trials( const gate_program programs[2], const gate_turns* turns, int row_count, double done,
@@ -434,9 +418,9 @@ wisp_status gate_self_test( const wisp_suite* suite, const gate_turns* turns, co
                             progress* bar, results* out, wisp_error* error )
 {
     static const double slow[] = { 0.0, 0.02, 0.03, 0.05 };
-    const char* const header[] = { "slower by", "instructions", "gates of time", "found", "rate",
-                                   "from",      "to",           "not measurable" };
-    const int table = results_add_table( out, "What the gate finds of itself", WISP_COUNT( header ), header );
+    const int table =
+        results_begin_table( out, "What the gate finds of itself",
+                             "slower by\tinstructions\tgates of time\tfound\trate\tfrom\tto\tnot measurable" );
     char own[4096];
     gate_slow twice = { 0 };
     double plain = 0.0;

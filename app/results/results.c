@@ -122,6 +122,86 @@ void results_add_cells( results* all, int number, const char* const* cells )
     }
 }
 
+// Divide a text at its tabs; a number that is not finite becomes "-". @param parts [most] @return how many there are
+static int divide( char* text, const char** parts, int most )
+{
+    int count = 0;
+    for ( char* next = text; next != NULL && count < most; )
+    {
+        const char* cell = next;
+        next = count + 1 < most ? strchr( next, '\t' ) : NULL;
+        if ( next != NULL )
+        {
+            *next++ = '\0';
+        }
+        const char* digits = cell + ( *cell == '-' );
+        parts[count++] = strcmp( digits, "nan" ) == 0 || strcmp( digits, "inf" ) == 0 ? "-" : cell;
+    }
+    return count;
+}
+
+int results_begin_table( results* all, const char* title, const char* header )
+{
+    char text[1024];
+    const char* parts[CELLS_MAX];
+    snprintf( text, sizeof text, "%s", header );
+    const int count = divide( text, parts, CELLS_MAX );
+    return results_add_table( all, title, count, parts );
+}
+
+void results_add_line( results* all, int table, const char* format, ... )
+{
+    char text[4096];
+    const char* parts[CELLS_MAX];
+    va_list arguments;
+    va_start( arguments, format );
+    vsnprintf( text, sizeof text, format, arguments );
+    va_end( arguments );
+    if ( table >= 0 )
+    {
+        const int count = divide( text, parts, all->tables[table].column_count );
+        WISP_ASSERT( count == all->tables[table].column_count );
+        results_add_cells( all, count == all->tables[table].column_count ? table : -1, parts );
+    }
+}
+
+void cells_put( results_cells* row, const char* format, ... )
+{
+    char text[sizeof row->text];
+    const char* parts[CELLS_MAX];
+    va_list arguments;
+    va_start( arguments, format );
+    vsnprintf( text, sizeof text, format, arguments );
+    va_end( arguments );
+    WISP_ASSERT( row->count < CELLS_MAX );
+    const int count = divide( text, parts, CELLS_MAX - row->count );
+    for ( int i = 0; i < count; ++i )
+    {
+        snprintf( row->text[row->count++], sizeof row->text[0], "%s", parts[i] );
+    }
+}
+
+static const char* const* point_at( const results_cells* row, const char** pointers )
+{
+    for ( int i = 0; i < row->count; ++i )
+    {
+        pointers[i] = row->text[i];
+    }
+    return pointers;
+}
+
+int cells_begin_table( const results_cells* header, const char* title, results* out )
+{
+    const char* pointers[CELLS_MAX];
+    return results_add_table( out, title, header->count, point_at( header, pointers ) );
+}
+
+void cells_end_row( const results_cells* row, int table, results* out )
+{
+    const char* pointers[CELLS_MAX];
+    results_add_cells( out, table, point_at( row, pointers ) );
+}
+
 const char* results_cell( const results_table* table, int row, int column )
 {
     const char* text = table->cells[row * table->column_count + column];

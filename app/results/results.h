@@ -127,8 +127,28 @@ void results_put( results_values* values, const char* name, double value );
 
 /// @return number of the table, -1 without memory
 int results_add_table( results* all, const char* title, int column_count, const char* const* header );
+/// @param header of cells that tabs divide
+int results_begin_table( results* all, const char* title, const char* header );
 /// @param cells [column_count], copied
 void results_add_cells( results* all, int table, const char* const* cells );
+/// Add a row of cells that tabs divide. A number that is not finite is "-".
+void results_add_line( results* all, int table, const char* format, ... ) __attribute__( ( format( printf, 3, 4 ) ) );
+
+#define CELLS_MAX 32
+
+/// A row of a table, written from left to right.
+typedef struct results_cells
+{
+    char text[CELLS_MAX][192];
+    int count;
+} results_cells;
+
+/// Put a cell, or several that tabs divide, of at most 191 bytes: longer ones are cut.
+void cells_put( results_cells* row, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
+/// A table whose header is this row. @return its number
+int cells_begin_table( const results_cells* header, const char* title, results* out );
+void cells_end_row( const results_cells* row, int table, results* out );
+
 /// @param row 0: the header @return never null
 const char* results_cell( const results_table* table, int row, int column );
 /// Whether all cells below the header begin like numbers, and there are some.

@@ -438,18 +438,14 @@ static void add_number( comparison* c, json_t* row, const char* group, const cha
 {
     if ( c->number_table < 0 )
     {
-        const char* const header[] = { "row", "number", "before", "after", "change" };
-        c->number_table = results_add_table( c->out, "Numbers that differ", WISP_COUNT( header ), header );
+        c->number_table = results_begin_table( c->out, "Numbers that differ", "row\tnumber\tbefore\tafter\tchange" );
     }
-    char name[300], names[200], cells[3][40];
+    char name[300];
     label( row, name, sizeof name );
-    snprintf( names, sizeof names, "%s.%s", group, key );
-    snprintf( cells[0], sizeof cells[0], isfinite( before ) ? "%.6g" : "-", before );
-    snprintf( cells[1], sizeof cells[1], isfinite( after ) ? "%.6g" : "-", after );
-    snprintf( cells[2], sizeof cells[2], before != 0.0 && isfinite( after / before ) ? "%+.2f %%" : "-",
-              100.0 * ( after / before - 1.0 ) );
-    results_add_cells( c->out, c->number_table,
-                       ( const char* const[] ){ name, names, cells[0], cells[1], cells[2] } );
+    results_add_line( c->out, c->number_table,
+                      before != 0.0 && isfinite( after / before ) ? "%s\t%s.%s\t%.6g\t%.6g\t%+.2f %%"
+                                                                  : "%s\t%s.%s\t%.6g\t%.6g\t-",
+                      name, group, key, before, after, 100.0 * ( after / before - 1.0 ) );
 }
 
 // Sizes may hold times and ratios of times, such as `ms_mean` and `ns_per_link`, which nobody can compare without samples.
@@ -495,21 +491,17 @@ static int compare_numbers( comparison* c, const pair* p, const char* group )
 
 static void add_time_line( comparison* c, int table, const pair* p )
 {
-    char name[300], cells[5][40];
+    char name[300], count[12], change[40];
     const double before = number_of( p->before, "ms_median" ), after = number_of( p->after, "ms_median" );
     const int workers = (int)json_integer_value( json_object_get( p->after, "workers" ) );
     label( p->after, name, sizeof name );
-    snprintf( cells[0], sizeof cells[0], workers > 0 ? "%d" : "-", workers );
-    snprintf( cells[1], sizeof cells[1], isfinite( before ) ? "%.4g" : "-", before );
-    snprintf( cells[2], sizeof cells[2], isfinite( after ) ? "%.4g" : "-", after );
-    snprintf( cells[3], sizeof cells[3], isfinite( p->ratio ) ? "%+.1f %%" : "-", 100.0 * ( p->ratio - 1.0 ) );
-    snprintf( cells[4], sizeof cells[4], isfinite( p->p ) ? "%.2g" : "-", p->p );
-    results_add_cells( c->out, table,
-                       ( const char* const[] ){ name, cells[0], cells[1], cells[2], cells[3], cells[4],
-                                                p->before ? verdict_names[p->times] : "new",
-                                                !p->before          ? "-"
-                                                : p->has_other_bits ? "differ"
-                                                                    : "same" } );
+    snprintf( count, sizeof count, workers > 0 ? "%d" : "-", workers );
+    snprintf( change, sizeof change, isfinite( p->ratio ) ? "%+.1f %%" : "-", 100.0 * ( p->ratio - 1.0 ) );
+    results_add_line( c->out, table, "%s\t%s\t%.4g\t%.4g\t%s\t%.2g\t%s\t%s", name, count, before, after, change, p->p,
+                      p->before ? verdict_names[p->times] : "new",
+                      !p->before          ? "-"
+                      : p->has_other_bits ? "differ"
+                                          : "same" );
 }
 
 static void add_row( comparison* c, const pair* p )
@@ -592,8 +584,8 @@ static wisp_status compare( comparison* c, const char* before, const char* after
     {
         return status;
     }
-    const char* const time_header[] = { "row", "workers", "ms before", "ms after", "change", "p", "times", "bits" };
-    const int times = results_add_table( c->out, "Times", WISP_COUNT( time_header ), time_header );
+    const int times =
+        results_begin_table( c->out, "Times", "row\tworkers\tms before\tms after\tchange\tp\ttimes\tbits" );
     int numbers = 0;
     for ( int i = 0; i < c->count; ++i )
     {

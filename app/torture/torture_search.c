@@ -324,33 +324,28 @@ static wisp_status finish_scene( const torture_search* search, const pending* p,
 
 static void report( const torture_found* found, results* out )
 {
-    char text[64];
+    const double per_second = found->scenes / fmax( found->seconds, 1e-9 );
     out->machine = machine_describe( "every set" );
-    const int table = results_add_table( out, "", 2, ( const char* const[] ){ "", "" } );
+    const int table = results_begin_table( out, "", "\t" );
     if ( interruption_came() )
     {
-        snprintf( text, sizeof text, "after %d scenes", found->scenes );
-        results_add_cells( out, table, ( const char* const[] ){ "interrupted", text } );
+        results_add_line( out, table, "interrupted\tafter %d scenes", found->scenes );
     }
     results_row* row = results_add_row( out, "torture", "search" );
-    snprintf( text, sizeof text, "%d, %.3g per second", found->scenes, found->scenes / fmax( found->seconds, 1e-9 ) );
-    results_add_cells( out, table, ( const char* const[] ){ "scenes", text } );
+    results_add_line( out, table, "scenes\t%d, %.3g per second", found->scenes, per_second );
     results_put( &row->size, "scenes", found->scenes );
-    results_put( &row->size, "scenes_per_second", found->scenes / fmax( found->seconds, 1e-9 ) );
-    snprintf( text, sizeof text, "%d", found->refused );
+    results_put( &row->size, "scenes_per_second", per_second );
     if ( found->refused > 0 )
     {
-        results_add_cells( out, table, ( const char* const[] ){ "refused", text } );
+        results_add_line( out, table, "refused\t%d", found->refused );
     }
     results_put( &row->size, "refused", found->refused );
-    snprintf( text, sizeof text, "%d", torture_broken_count( found ) );
-    results_add_cells( out, table, ( const char* const[] ){ "broken", text } );
+    results_add_line( out, table, "broken\t%d", torture_broken_count( found ) );
     for ( int i = 0; i < STABILITY_CHECK_COUNT; ++i )
     {
-        snprintf( text, sizeof text, "%d", found->broken[i] );
         if ( found->broken[i] > 0 )
         {
-            results_add_cells( out, table, ( const char* const[] ){ stability_check_names[i], text } );
+            results_add_line( out, table, "%s\t%d", stability_check_names[i], found->broken[i] );
         }
         results_put( &row->size, stability_check_names[i], found->broken[i] );
     }

@@ -109,14 +109,14 @@ const char* accuracy_kind( const accuracy_scene* scene );
 void accuracy_error_label( const accuracy_scene* scene, char* text, int size );
 /// Format a number with the given significant digits, without an exponent as long as that is readable; "-" if it is
 /// not finite.
-void accuracy_put_digits( cells* row, double value, int digits );
+void accuracy_put_digits( results_cells* row, double value, int digits );
 /// The doubt of a setting's reference, and that of one of its measures.
 double accuracy_doubt( const accuracy_scene* scene, int setting );
 double accuracy_measure_doubt( const accuracy_scene* scene, int setting, int measure );
 /// Whether an error is below the doubt of its reference, so that its value says nothing. 0: there is no doubt
 bool accuracy_is_below( double error, double doubt );
 /// The same for an error: the word `below` where it is.
-void accuracy_put_error( cells* row, double error, double doubt, int digits );
+void accuracy_put_error( results_cells* row, double error, double doubt, int digits );
 /// Settings that are one candidate: their method, or series, or name.
 const char* accuracy_method_of( const accuracy_setting* setting );
 /// The first setting of its series; false for one of no series.

@@ -217,14 +217,9 @@ static int begin_summary( const summary* s, results* out )
     char error[80], title[160];
     accuracy_error_label( s->report->scene, error, sizeof( error ) );
     const char* best = s->is_by_error ? "fastest" : "most accurate";
-    cells row = { .count = 0 };
-    cells_put( &row, "%s, at most", s->is_by_error ? error : "ms" );
-    cells_put( &row, "method" );
-    cells_put( &row, "%s setting", best );
-    cells_put( &row, "%s", s->is_by_error ? "ms" : error );
-    cells_put( &row, "times the %s", best );
-    cells_put( &row, "%s", s->is_by_error ? error : "ms" );
-    cells_put( &row, "workers" );
+    results_cells row = { .count = 0 };
+    cells_put( &row, "%s, at most\tmethod\t%s setting\t%s\ttimes the %s\t%s\tworkers", s->is_by_error ? error : "ms",
+               best, s->is_by_error ? "ms" : error, best, s->is_by_error ? error : "ms" );
     snprintf( title, sizeof( title ), "Accuracy `%s`, at equal %s: the %s setting of every method within it",
               s->report->entry->name, s->is_by_error ? "error" : "time", best );
     return cells_begin_table( &row, title, out );
@@ -252,15 +247,14 @@ static void add_level( const summary* s, double level, double tighter, int table
     for ( int i = 0; i < count; ++i )
     {
         const int setting = s->best[i];
-        cells row = { .count = 0 };
-        cells_put( &row, "%g", level );
-        cells_put( &row, "%s", accuracy_method_of( &s->report->scene->settings[setting] ) );
-        cells_put( &row, "%s", s->report->scene->settings[setting].name );
+        results_cells row = { .count = 0 };
+        cells_put( &row, "%g\t%s\t%s", level, accuracy_method_of( &s->report->scene->settings[setting] ),
+                   s->report->scene->settings[setting].name );
         const double doubt = accuracy_doubt( s->report->scene, setting );
         accuracy_put_error( &row, s->cost[setting], s->is_by_error ? 0.0 : doubt, 3 );
         const double least = s->cost[s->best[0]];
         const bool is_known = least > 0.0 && ( s->is_by_error || !accuracy_is_below( least, doubt ) );
-        cells_put_number( &row, is_known ? s->cost[setting] / least : NAN, 2 );
+        cells_put( &row, "%.2f", is_known ? s->cost[setting] / least : NAN );
         accuracy_put_error( &row, s->limited[setting], s->is_by_error ? doubt : 0.0, 3 );
         cells_put( &row, "%d", workers_of( s->report, setting ) );
         cells_end_row( &row, table, out );
@@ -327,10 +321,8 @@ static accuracy_order order_of( const accuracy_report* report, const char* serie
 
 static void add_order( const accuracy_setting* first, const accuracy_order* order, int table, results* out )
 {
-    cells row = { .count = 0 };
-    cells_put( &row, "%s", first->series );
-    cells_put( &row, "%s", first->parameter_name );
-    cells_put_number( &row, order->slope, 2 );
+    results_cells row = { .count = 0 };
+    cells_put( &row, "%s\t%s\t%.2f", first->series, first->parameter_name, order->slope );
     accuracy_put_digits( &row, first->order, 2 );
     cells_put( &row, "%d of %d", order->used, order->count );
     cells_end_row( &row, table, out );
@@ -338,18 +330,12 @@ static void add_order( const accuracy_setting* first, const accuracy_order* orde
 
 static int begin_orders( const accuracy_report* report, results* out )
 {
-    cells row = { .count = 0 };
-    cells_put( &row, "series" );
-    cells_put( &row, "what goes to 0" );
-    cells_put( &row, "observed order" );
-    cells_put( &row, "promised" );
-    cells_put( &row, "points used" );
     char title[160];
     snprintf(
         title, sizeof( title ),
         "Accuracy `%s`, observed order: error ~ parameter^order, without points where the error no longer falls",
         report->entry->name );
-    return cells_begin_table( &row, title, out );
+    return results_begin_table( out, title, "series\twhat goes to 0\tobserved order\tpromised\tpoints used" );
 }
 
 void accuracy_add_orders( const accuracy_report* report, results* out )

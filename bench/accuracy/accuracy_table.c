@@ -28,12 +28,12 @@ static void accuracy_workers_label( int workers, char* text, int size )
     snprintf( text, (size_t)size, "%d %s", workers, bench_workers_word( workers ) );
 }
 
-void accuracy_put_digits( cells* row, double value, int digits )
+void accuracy_put_digits( results_cells* row, double value, int digits )
 {
     const double size = fabs( value );
     if ( !isfinite( value ) || size == 0.0 )
     {
-        cells_put_number( row, value, 0 );
+        cells_put( row, "%.0f", value );
     }
     else if ( size < 1e-4 || size >= 1e7 )
     {
@@ -42,7 +42,7 @@ void accuracy_put_digits( cells* row, double value, int digits )
     else
     {
         const int behind = digits - 1 - (int)floor( log10( size ) );
-        cells_put_number( row, value, behind > 0 ? behind : 0 );
+        cells_put( row, "%.*f", behind > 0 ? behind : 0, value );
     }
 }
 
@@ -63,7 +63,7 @@ bool accuracy_is_below( double error, double doubt )
     return doubt > 0.0 && fabs( error ) <= doubt;
 }
 
-void accuracy_put_error( cells* row, double error, double doubt, int digits )
+void accuracy_put_error( results_cells* row, double error, double doubt, int digits )
 {
     if ( accuracy_is_below( error, doubt ) )
     {
@@ -100,7 +100,7 @@ bool accuracy_begins_series( const accuracy_scene* scene, int setting )
 static int begin_table( const accuracy_report* report, results* out )
 {
     const accuracy_scene* scene = report->scene;
-    cells row = { .count = 0 };
+    results_cells row = { .count = 0 };
     char label[80], workers[24];
     cells_put( &row, "setting" );
     for ( int w = 0; w < report->worker_count; ++w )
@@ -129,7 +129,7 @@ static int begin_table( const accuracy_report* report, results* out )
     return cells_begin_table( &row, title, out );
 }
 
-static void put_times( const accuracy_report* report, const accuracy_stats* f, cells* row )
+static void put_times( const accuracy_report* report, const accuracy_stats* f, results_cells* row )
 {
     for ( int w = 0; w < report->worker_count; ++w )
     {
@@ -154,7 +154,7 @@ static int timed_steps( const accuracy_report* report, const accuracy_stats* f )
 static void add_line( const accuracy_report* report, int setting, int table, results* out )
 {
     const accuracy_stats* f = &report->stats[setting];
-    cells row = { .count = 0 };
+    results_cells row = { .count = 0 };
     cells_put( &row, "%s", report->scene->settings[setting].name );
     put_times( report, f, &row );
     if ( report->scene->error_name[0] != '\0' )
@@ -170,7 +170,7 @@ static void add_line( const accuracy_report* report, int setting, int table, res
     {
         cells_put( &row, "%s", report->on_front[setting] ? "front" : "" );
     }
-    cells_put_hash( &row, f->seen.hash );
+    cells_put( &row, "%016llx", (unsigned long long)f->seen.hash );
     cells_end_row( &row, table, out );
 }
 
@@ -194,7 +194,7 @@ static int find_measure( const accuracy_scene* scene, const char* name )
     return i;
 }
 
-static void put_measure( const accuracy_report* report, int setting, const char* name, cells* row )
+static void put_measure( const accuracy_report* report, int setting, const char* name, results_cells* row )
 {
     const int m = find_measure( report->scene, name );
     if ( m >= 0 )
@@ -208,12 +208,9 @@ static void add_count( const accuracy_report* report, int setting, int worker, i
 {
     const accuracy_scene* scene = report->scene;
     const accuracy_stats* f = &report->stats[setting];
-    cells row = { .count = 0 };
-    cells_put( &row, "%s", scene->settings[setting].name );
-    cells_put( &row, "%d", report->workers[worker] );
-    cells_put( &row, "%.0f", f->work.strands );
-    cells_put( &row, "%.0f", f->work.vertices );
-    cells_put( &row, "%.0f", f->work.substeps );
+    results_cells row = { .count = 0 };
+    cells_put( &row, "%s\t%d\t%.0f\t%.0f\t%.0f", scene->settings[setting].name, report->workers[worker],
+               f->work.strands, f->work.vertices, f->work.substeps );
     accuracy_put_digits( &row, f->ms[worker].median, 3 );
     accuracy_put_digits( &row, f->ms[worker].p90, 3 );
     accuracy_put_digits( &row, 1e3 / f->ms[worker].median, 3 );
@@ -236,14 +233,9 @@ static void add_count( const accuracy_report* report, int setting, int worker, i
 void accuracy_add_counts( const accuracy_report* report, results* out )
 {
     const accuracy_scene* scene = report->scene;
-    static const char* const names[] = { "setting",  "workers", "strands", "vertices",
-                                         "substeps", "ms",      "ms, p90", "FPS" };
-    cells header = { .count = 0 };
+    results_cells header = { .count = 0 };
     char title[160];
-    for ( int i = 0; i < WISP_COUNT( names ); ++i )
-    {
-        cells_put( &header, "%s", names[i] );
-    }
+    cells_put( &header, "setting\tworkers\tstrands\tvertices\tsubsteps\tms\tms, p90\tFPS" );
     if ( scene->error_name[0] )
     {
         cells_put( &header, "error, %s", scene->error_unit );
@@ -251,8 +243,7 @@ void accuracy_add_counts( const accuracy_report* report, results* out )
         {
             cells_put( &header, "largest, mm" );
         }
-        cells_put( &header, "doubt, %s", scene->error_unit );
-        cells_put( &header, "until, s" );
+        cells_put( &header, "doubt, %s\tuntil, s", scene->error_unit );
     }
     if ( find_measure( scene, "stretch max, %" ) >= 0 )
     {
@@ -276,7 +267,7 @@ void accuracy_add_contact( const accuracy_report* report, results* out )
 {
     const accuracy_scene* scene = report->scene;
     const int first = scene->measure_count - scene->contact_measures;
-    cells header = { .count = 0 };
+    results_cells header = { .count = 0 };
     char title[160];
     if ( scene->contact_measures == 0 )
     {
@@ -291,7 +282,7 @@ void accuracy_add_contact( const accuracy_report* report, results* out )
     const int table = cells_begin_table( &header, title, out );
     for ( int i = 0; i < scene->setting_count; ++i )
     {
-        cells row = { .count = 0 };
+        results_cells row = { .count = 0 };
         cells_put( &row, "%s", scene->settings[i].name );
         for ( int m = first; m < scene->measure_count; ++m )
         {
@@ -315,18 +306,13 @@ static double speed_up( const accuracy_report* report, const accuracy_stats* f )
 
 void accuracy_add_costs( const accuracy_report* report, results* out )
 {
-    cells header = { .count = 0 };
+    results_cells header = { .count = 0 };
     char title[160], workers[24];
-    cells_put( &header, "setting" );
-    cells_put( &header, "bytes / vertex" );
-    cells_put( &header, "speed-up" );
+    cells_put( &header, "setting\tbytes / vertex\tspeed-up" );
     for ( int w = 0; w < report->worker_count; ++w )
     {
         accuracy_workers_label( report->workers[w], workers, sizeof workers );
-        cells_put( &header, "%s: mean ms", workers );
-        cells_put( &header, "longest" );
-        cells_put( &header, "mean / first" );
-        cells_put( &header, "ns / vertex, substep" );
+        cells_put( &header, "%s: mean ms\tlongest\tmean / first\tns / vertex, substep", workers );
     }
     snprintf( title, sizeof title, "%s `%s`: cost per vertex, and spread of times", accuracy_kind( report->scene ),
               report->entry->name );
@@ -334,15 +320,14 @@ void accuracy_add_costs( const accuracy_report* report, results* out )
     for ( int i = 0; i < report->scene->setting_count; ++i )
     {
         const accuracy_stats* f = &report->stats[i];
-        cells row = { .count = 0 };
-        cells_put( &row, "%s", report->scene->settings[i].name );
-        cells_put_number( &row, f->work.bytes / f->work.vertices, 0 );
-        cells_put_number( &row, speed_up( report, f ), 2 );
+        results_cells row = { .count = 0 };
+        cells_put( &row, "%s\t%.0f\t%.2f", report->scene->settings[i].name, f->work.bytes / f->work.vertices,
+                   speed_up( report, f ) );
         for ( int w = 0; w < report->worker_count; ++w )
         {
             accuracy_put_digits( &row, f->ms[w].mean, 3 );
             accuracy_put_digits( &row, f->ms[w].maximum, 3 );
-            cells_put_number( &row, f->ms[w].mean / report->stats[0].ms[w].mean, 2 );
+            cells_put( &row, "%.2f", f->ms[w].mean / report->stats[0].ms[w].mean );
             accuracy_put_digits( &row, ns_per_vertex( f, w ), 3 );
         }
         cells_end_row( &row, table, out );
@@ -530,7 +515,7 @@ static void add_passes_of( const accuracy_report* report, int setting, int worke
 {
     profile_samples profile = report->stats[setting].profile[worker];
     double all = 0.0, shown = 0.0;
-    cells row = { .count = 0 };
+    results_cells row = { .count = 0 };
     cells_put( &row, "%s", report->scene->settings[setting].name );
     for ( int k = 0; k < count; ++k )
     {
@@ -553,7 +538,7 @@ static void add_passes_of( const accuracy_report* report, int setting, int worke
 static void add_pass_table( const accuracy_report* report, const char* const* names, int count, int worker,
                             results* out )
 {
-    cells header = { .count = 0 };
+    results_cells header = { .count = 0 };
     cells_put( &header, "setting" );
     for ( int k = 0; k < count; ++k )
     {

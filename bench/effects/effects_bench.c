@@ -101,41 +101,24 @@ static bool is_same( const contest* c, int one, int other )
 
 static int begin_effects_table( results* out )
 {
-    cells header = { 0 };
-    static const char* const NAMES[] = { "effect",
-                                         "vertices",
-                                         "passes on / off",
-                                         "ms on",
-                                         "ms on, used",
-                                         "ms off",
-                                         "ms not registered",
-                                         "off / not registered",
-                                         "KiB on",
-                                         "KiB off",
-                                         "KiB not registered",
-                                         "registry KiB every / used",
-                                         "same plan, bits, bytes" };
-    for ( int i = 0; i < WISP_COUNT( NAMES ); ++i )
-    {
-        cells_put( &header, "%s", NAMES[i] );
-    }
-    return cells_begin_table( &header, "Effects: an effect that is not requested costs nothing, one worker", out );
+    return results_begin_table(
+        out, "Effects: an effect that is not requested costs nothing, one worker",
+        "effect\tvertices\tpasses on / off\tms on\tms on, used\tms off\tms not registered\t"
+        "off / not registered\tKiB on\tKiB off\tKiB not registered\tregistry KiB every / used\t"
+        "same plan, bits, bytes" );
 }
 
 static void add_effect_row( const contest* c, int table, results* out )
 {
-    cells row = { 0 };
-    cells_put( &row, "%s", c->name );
-    cells_put( &row, "%d", c->vertices );
-    cells_put( &row, "%d / %d", c->passes[ON], c->passes[OFF] );
+    results_cells row = { 0 };
+    cells_put( &row, "%s\t%d\t%d / %d", c->name, c->vertices, c->passes[ON], c->passes[OFF] );
     for ( int way = 0; way < WAYS; ++way )
     {
-        cells_put_number( &row, c->ms[way].median, 4 );
+        cells_put( &row, "%.4f", c->ms[way].median );
     }
-    cells_put_number( &row, c->ms[OFF].median / c->ms[NOT_REGISTERED].median, 3 );
-    cells_put_number( &row, (double)c->bytes[ON] / 1024.0, 1 );
-    cells_put_number( &row, (double)c->bytes[OFF] / 1024.0, 1 );
-    cells_put_number( &row, (double)c->bytes[NOT_REGISTERED] / 1024.0, 1 );
+    cells_put( &row, "%.3f\t%.1f\t%.1f\t%.1f", c->ms[OFF].median / c->ms[NOT_REGISTERED].median,
+               (double)c->bytes[ON] / 1024.0, (double)c->bytes[OFF] / 1024.0,
+               (double)c->bytes[NOT_REGISTERED] / 1024.0 );
     cells_put_pair( &row, (double)c->worlds[OFF]->world.empty_bytes / 1024.0, 1,
                     (double)c->worlds[NOT_REGISTERED]->world.empty_bytes / 1024.0, 1 );
     cells_put( &row, "%s", is_same( c, ON, ON_USED ) && is_same( c, OFF, NOT_REGISTERED ) ? "yes" : "NO" );

@@ -14,23 +14,14 @@
 
 int stability_begin_table( const char* title, results* out )
 {
-    static const char* const names[] = { "cell",       "verdict",   "strain %",   "of at most", "steps",  "energy J",
-                                         "of at most", "rest mm/s", "of at most", "without",    "engine", "hash" };
-    cells header = { .count = 0 };
-    for ( int i = 0; i < WISP_COUNT( names ); ++i )
-    {
-        cells_put( &header, "%s", names[i] );
-    }
-    return cells_begin_table( &header, title, out );
-}
-
-static void put_figure( cells* row, double value )
-{
-    cells_put( row, isfinite( value ) ? "%.3g" : "-", value );
+    return results_begin_table(
+        out, title,
+        "cell\tverdict\tstrain %\tof at most\tsteps\tenergy J\tof at most\trest mm/s\tof at most\t"
+        "without\tengine\thash" );
 }
 
 // Checks that no limit of this run is known for.
-static void put_without( const suite_outcome* o, cells* row )
+static void put_without( const suite_outcome* o, results_cells* row )
 {
     char words[80] = "";
     for ( int i = 0; i < STABILITY_CHECK_COUNT; ++i )
@@ -45,7 +36,7 @@ static void put_without( const suite_outcome* o, cells* row )
 }
 
 // Actions of the engine according to its counters.
-static void put_engine( const suite_outcome* o, cells* row )
+static void put_engine( const suite_outcome* o, results_cells* row )
 {
     if ( o->resets > 0 )
     {
@@ -65,7 +56,7 @@ static void put_engine( const suite_outcome* o, cells* row )
     }
 }
 
-static void put_verdict( const suite_outcome* o, bool is_known, cells* row )
+static void put_verdict( const suite_outcome* o, bool is_known, results_cells* row )
 {
     if ( o->verdict.check != STABILITY_HOLDS )
     {
@@ -88,19 +79,14 @@ static void put_verdict( const suite_outcome* o, bool is_known, cells* row )
 static void add_outcome_line( int table, const char* label, const suite_outcome* o, bool is_known, results* out )
 {
     const stability_figures* f = &o->figures;
-    cells row = { .count = 0 };
+    results_cells row = { .count = 0 };
     cells_put( &row, "%s", label );
     put_verdict( o, is_known, &row );
-    put_figure( &row, 100.0 * f->strain );
-    put_figure( &row, 100.0 * f->strain_limit );
-    cells_put( &row, "%d", o->steps );
-    put_figure( &row, f->energy );
-    put_figure( &row, f->energy_limit );
-    put_figure( &row, 1e3 * f->rest );
-    put_figure( &row, 1e3 * f->rest_limit );
+    cells_put( &row, "%.3g\t%.3g\t%d\t%.3g\t%.3g\t%.3g\t%.3g", 100.0 * f->strain, 100.0 * f->strain_limit, o->steps,
+               f->energy, f->energy_limit, 1e3 * f->rest, 1e3 * f->rest_limit );
     put_without( o, &row );
     put_engine( o, &row );
-    cells_put_hash( &row, o->hash );
+    cells_put( &row, "%016llx", (unsigned long long)o->hash );
     cells_end_row( &row, table, out );
 }
 

@@ -155,59 +155,13 @@ TEST( help_of_every_command_names_its_usage_and_the_exit_statuses )
     }
 }
 
-TEST( a_misspelt_command_is_answered_with_the_nearest )
-{
-    assert_usage( "rnu good.yaml", "did you mean 'run'?" );
-    assert_usage( "bnech", "did you mean 'bench'?" );
-    assert_usage( "redner", "did you mean 'render'?" );
-    assert_usage( "simulate", "got command 'simulate', expected run, " );
-    assert_int_equal( line_count( result.err ), 1 );
-}
-
-TEST( a_missing_or_second_argument_is_wrong_usage )
-{
-    assert_usage( "", "expected a command: run, " );
-    assert_usage( "run", "expected a scene" );
-    assert_usage( "plan", "expected a scene" );
-    assert_usage( "info", "expected a file" );
-    assert_usage( "run good.yaml good.yaml", "got a second scene" );
-    assert_usage( "info good.yaml good.yaml", "got a second file" );
-}
-
-TEST( a_number_out_of_its_range_is_wrong_usage )
-{
-    assert_usage( "run good.yaml --steps 0", "--steps: got '0'" );
-    assert_usage( "run good.yaml --steps -1", "--steps: got '-1'" );
-    assert_usage( "run good.yaml --steps 1.5", "--steps: got '1.5'" );
-    assert_usage( "run good.yaml --steps 99999999999999999999", "--steps" );
-    assert_usage( "run good.yaml --workers 65", "--workers: got '65', expected a whole number from 1 to 64" );
-    assert_usage( "bench --workers two", "--workers: got 'two'" );
-    assert_usage( "bench --seconds 0", "--seconds: got '0'" );
-    assert_usage( "bench --seconds nan", "--seconds: got 'nan'" );
-}
-
 TEST( a_misspelt_word_of_an_option_is_answered_with_the_nearest )
 {
-    assert_usage( "run good.yaml --format jsn", "did you mean 'json'?" );
     assert_usage( "run good.yaml --isa avx22", "did you mean 'avx2'?" );
     assert_usage( "run good.yaml --isa quantum", "expected one of baseline, avx2, avx512" );
-    assert_usage( "bench papre", "did you mean 'paper'?" );
-    assert_usage( "bench --format xml", "--format" );
-    assert_usage( "bench cloth --long", "--long is an option of the case 'stability'" );
-    assert_usage( "bench cloth --pictures here", "--pictures is an option of the case 'figures'" );
 }
 
 // ---- files ----
-
-TEST( a_file_that_is_not_there_is_named_in_one_message )
-{
-    assert_refused( "run absent.yaml", "absent.yaml" );
-    assert_refused( "plan absent.yaml", "absent.yaml" );
-    assert_refused( "info absent.hair", "absent.hair" );
-    assert_refused( "run .", "." );
-    assert_refused( "info .", "." );
-    assert_string_equal( result.out, "" );
-}
 
 TEST( a_misspelt_key_is_named_with_its_line_and_the_nearest_key )
 {
@@ -382,7 +336,6 @@ TEST( info_prints_the_keys_of_a_block )
     assert_null( strstr( result.out, "balloon" ) );
     run_ok( "info --keys" );
     assert_non_null( strstr( result.out, "### The scene" ) );
-    assert_refused( "info --keys clot", "--keys: got 'clot', expected a block" );
 }
 
 TEST( a_run_writes_the_files_of_its_scene_with_width_and_colour )

@@ -296,14 +296,6 @@ TEST( what_runs_together_is_told_in_every_form )
 #undef CHAINS
 }
 
-TEST( wrong_words_are_wrong_usage_and_a_missing_scene_is_bad_input )
-{
-    assert_usage( "plan hair.yaml --format svg", "--format: got 'svg', expected one of text, dot, json" );
-    assert_usage( "plan hair.yaml --steps -1", "--steps: got '-1'" );
-    assert_usage( "plan hair.yaml --steps many", "--steps: got 'many'" );
-    assert_refused( "plan nowhere.yaml --format json", "nowhere.yaml" );
-}
-
 // ---- view ----
 
 #define PLACE "<script type=\"application/json\" id=\"wisp-data\">"
@@ -411,10 +403,6 @@ TEST( wrong_input_is_refused_and_writes_nothing )
 {
     assert_refused( "view wrong.txt -o none.html",
                     "wrong.txt: got another kind of file, expected a scene or a recording" );
-    assert_refused( "view gone.yaml -o none.html", "gone.yaml: No such file or directory" );
-    assert_usage( "view scenes/square.yaml -o none.png", "expected a file name that ends in .html" );
-    assert_usage( "view scenes/square.yaml", "expected an output file" );
-    assert_usage( "view scenes/square.yaml -o none.html --steps -1", "--steps: got '-1'" );
     assert_refused( "view \xff.yaml -o none.html", "No such file" );
     write_text( "bad\xff.yaml", "wisp: 1\n" );
     assert_refused( "view bad\xff.yaml -o none.html", "not UTF-8" );

@@ -242,10 +242,6 @@ TEST( a_scene_has_frames_between_steps_and_an_option_has_the_last_word )
     record_ghosts( "", 4, &written );
     assert_memory_equal( asked.ghosts, written.ghosts, sizeof( asked.ghosts[0] ) * ( 4 * GHOST_STEPS + 1 ) );
     record_ghosts( "--frames-per-step 1", 1, &written );
-    assert_usage( "run ghosts.yaml --frames-per-step 4 --every 2 --record ghosts.wisp",
-                  "--frames-per-step: expected without --every" );
-    assert_usage( "run ghosts.yaml --frames-per-step 4",
-                  "--frames-per-step: expected together with --record or --track" );
 }
 
 TEST( tracks_are_the_points_of_the_recording )

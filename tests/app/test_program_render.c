@@ -393,63 +393,11 @@ TEST( the_user_places_camera_ground_and_background )
     free( p.rgb );
 }
 
-// ---- invalid arguments ----
-
-TEST( wrong_words_are_wrong_usage )
-{
-    static const char* const commands[][2] = {
-        { "render", "expected a scene, recording, mesh or groom" },
-        { "render fly.wisp", "-o FILE.png" },
-        { "render fly.wisp -o a.jpg", "expected a file name that ends in .png" },
-        { "render fly.wisp stay.wisp -o a.png", "got a second file" },
-        { "render fly.wisp -o a.png --size 640", "--size: got '640'" },
-        { "render fly.wisp -o a.png --size 0x9", "--size: got '0x9'" },
-        { "render fly.wisp -o a.png --size 20000x9", "--size" },
-        { "render fly.wisp -o a.png --samples 0", "--samples: got '0'" },
-        { "render fly.wisp -o a.png --frame -1", "--frame: got '-1'" },
-        { "render fly.wisp -o a.png --frame 1 --time 2", "got several of --frame, --time and --frames" },
-        { "render fly.wisp -o a.png --time soon", "--time: got 'soon'" },
-        { "render fly.wisp -o a.png --frames 3", "--frames: got '3'" },
-        { "render fly.wisp -o a.png --frames 3:1", "--frames: got '3:1'" },
-        { "render fly.wisp -o a.png --frames 0:3:0", "--frames: got '0:3:0'" },
-        { "render fly.wisp -o a.png --frames 0:3:1:1", "--frames" },
-        { "render fly.wisp -o a.png --frames 0:99999999999999999999", "--frames" },
-        { "render fly.wisp -o a.png --frames 0:1 --turntable 3", "--turntable" },
-        { "render fly.wisp -o a.png --sheet=0", "--sheet: got '0'" },
-        { "render fly.wisp -o a.png --colour stain", "did you mean 'strain'?" },
-        { "render fly.wisp -o a.png --range 0,1", "--range: expected together with --colour" },
-        { "render fly.wisp -o a.png --colour speed --range 1,1", "expected two rising numbers" },
-        { "render fly.wisp -o a.png --camera 0,0,0", "--camera: got '0,0,0', expected 6 numbers" },
-        { "render fly.wisp -o a.png --from 0,90", "--from: got an elevation of 90" },
-        { "render fly.wisp -o a.png --from nan,0", "--from: got 'nan,0'" },
-        { "render fly.wisp -o a.png --fov 0", "--fov: got '0'" },
-        { "render fly.wisp -o a.png --cut 0,0,0,1", "--cut: got '0,0,0,1', expected a direction" },
-        { "render fly.wisp -o a.png --cut 1,0,0", "--cut: got '1,0,0', expected 4 numbers" },
-        { "render fly.wisp -o a.png --ground floor", "--ground: got 'floor', expected one of auto, none" },
-        { "render fly.wisp -o a.png --background whit", "did you mean 'white'?" },
-        { "render fly.wisp -o a.png --background #12345", "--background: got '#12345'" },
-        { "run hair.yaml --every 0", "--every: got '0'" },
-        { "run hair.yaml --track hair:0", "--track-file" },
-        { "run hair.yaml --track-file a.csv", "--track" },
-        { "run hair.yaml --track hair --track-file a.csv", "--track: got 'hair'" },
-        { "run hair.yaml --track hair:1, --track-file a.csv", "--track: got 'hair:1,'" },
-        { "run hair.yaml --track hair:-1 --track-file a.csv", "--track: got 'hair:-1'" },
-        { "run hair.yaml --record w.wisp --verify w.wisp", "--record: got 'w.wisp', which --verify reads" },
-    };
-    for ( int i = 0; i < WISP_COUNT( commands ); ++i )
-    {
-        assert_usage( commands[i][0], commands[i][1] );
-    }
-    assert_false( exists( "a.png" ) || exists( "a.csv" ) || exists( "w.wisp" ) );
-}
-
 // ---- invalid files ----
 
 TEST( input_that_cannot_be_drawn_is_refused_in_one_message )
 {
     static const char* const commands[][2] = {
-        { "render absent.wisp -o b.png", "absent.wisp" },
-        { "render . -o b.png", "." },
         { "render other.txt -o b.png", "unknown kind of file, expected a scene" },
         { "render fly.wisp -o b.png --frame 6", "got frame 6, expected 0 to 5" },
         { "render fly.wisp -o b.png --frames 0:9", "got frame 9, expected 0 to 5" },

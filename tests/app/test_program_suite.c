@@ -603,13 +603,6 @@ TEST( a_report_that_cannot_be_written_is_refused_before_anything_is_measured )
     assert_false( exists( "nowhere" ) );
 }
 
-TEST( a_report_over_the_output_is_wrong_usage )
-{
-    assert_usage( "bench boundary --quick --seconds 0.01 --report a.html --output a.html",
-                  "--report and --output both write to 'a.html'" );
-    assert_false( exists( "a.html" ) );
-}
-
 TEST( looking_whether_a_file_can_be_written_leaves_it_as_it_was )
 {
     write_text( "kept.html", "a page of last week" );

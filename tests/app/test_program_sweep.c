@@ -232,11 +232,7 @@ TEST( wrong_shards_are_refused )
         snprintf( command, sizeof command, "sweep suite.yaml -o wrong --shard %s", wrong[i][0] );
         assert_refused( command, wrong[i][1] );
     }
-    assert_refused( "sweep missing.yaml -o wrong", "missing.yaml" );
     assert_refused( "sweep sheet.yaml -o wrong", "sheet.yaml" );
-    assert_usage( "sweep suite.yaml", "expected a folder" );
-    assert_usage( "sweep -o wrong", "suite" );
-    assert_usage( "sweep suite.yaml -o wrong --workers 2", "--exclusive" );
     assert_refused( "sweep suite.yaml -o missing/folder", "missing/folder" );
     assert_false( exists( "wrong" ) );
 }
@@ -277,8 +273,6 @@ TEST( a_merge_refuses_what_is_not_one_sweep )
     assert_string_equal( read_whole( "bad.txt" ), read_whole( "good.txt" ) );
     assert_int_equal( mkdir( "empty", 0777 ), 0 );
     assert_refused( "merge empty", "has no part of a sweep" );
-    assert_refused( "merge nowhere", "nowhere" );
-    assert_usage( "merge", "folder" );
 }
 
 // Remove the line that begins at a place.
@@ -486,13 +480,6 @@ TEST( a_scene_of_a_seed_is_printed_as_a_scene )
     run_ok( "torture --seed 3 --first 5 --print" );
     write_text( "printed.yaml", result.out );
     run_ok( "info printed.yaml" );
-}
-
-TEST( wrong_usage_and_bad_files_are_told )
-{
-    assert_usage( "torture --scenes 0", "--scenes" );
-    assert_usage( "torture --mesh none.obj", "expected a file" );
-    assert_refused( "torture none.yaml", "none.yaml" );
 }
 
 static int enter_folder( void** state )

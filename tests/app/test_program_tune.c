@@ -168,22 +168,8 @@ TEST( a_repair_is_told_once_and_not_with_every_run )
 
 // ---- rejected input ----
 
-TEST( wrong_command_lines_are_told )
-{
-    assert_usage( "tune", "expected a scene" );
-    assert_usage( "tune cloth.yaml", "expected one of --error and --budget" );
-    assert_usage( "tune cloth.yaml --error 1 --budget 1", "expected one of --error and --budget" );
-    assert_usage( "tune cloth.yaml --error 0.5mm", "got '0.5mm', expected a number above 0" );
-    assert_usage( "tune cloth.yaml --error -1", "expected a number above 0" );
-    assert_usage( "tune cloth.yaml --budget nan", "expected a number above 0" );
-    assert_usage( "tune cloth.yaml --error 1 --format tabel", "--format" );
-    assert_usage( "tune cloth.yaml --error 1 --workers 0", "--workers" );
-    assert_usage( "tune cloth.yaml --error 1 still.yaml", "got a second scene" );
-}
-
 TEST( scenes_that_cannot_be_tuned_are_refused )
 {
-    assert_refused( "tune no_such.yaml --error 1", "no_such.yaml" );
     assert_refused( "tune still.yaml --error 1", "nothing in the scene moves" );
     write_text( "bad.yaml", "wisp: 1\nsubsteps: none\n" );
     assert_refused( "tune bad.yaml --error 1", "bad.yaml:2:11" );
