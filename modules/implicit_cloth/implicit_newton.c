@@ -181,20 +181,21 @@ static double add_slopes( implicit_substep* s, float ( *right )[3][WISP_SLICE] )
     return sum;
 }
 
-static bool is_settled( const implicit_substep* s, double slope )
+// Of a step that was cut by more than half, the slope says nothing of what the next may gain.
+static bool is_settled( const implicit_substep* s, double slope, double fraction )
 {
     double motion = 0.0;
     for ( int block = 0; block < s->system.block_count; ++block )
     {
         motion += s->motion[block];
     }
-    return !( slope > ( s->system.looseness > 0.5 ? LOOSELY_SETTLED : SETTLED ) * motion );
+    return fraction > PAST && !( slope > ( s->system.looseness > 0.5 ? LOOSELY_SETTLED : SETTLED ) * motion );
 }
 
 // Shorten the last step to where the slope is small, between a place before the minimum and one past it. A link that turns stiff on
 // the way bends the slope, so whichever place stays twice gets half the weight (Illinois). Forces at the end are known.
-// @return links without direction, of the last assembly
-static int shorten( implicit_substep* s, double slope, int undirected )
+// @param undirected links without direction, of the last assembly @return the fraction that is left
+static double shorten( implicit_substep* s, double slope, int* undirected )
 {
     double from = 0.0, past = 1.0, fraction = 1.0, before = slope, after = 0.0;
     int side = 0;
@@ -222,9 +223,9 @@ static int shorten( implicit_substep* s, double slope, int undirected )
         const double nearer = from + ( past - from ) * before / ( before - after );
         move( s, nearer - fraction );
         fraction = nearer;
-        undirected = implicit_assemble( s, true );
+        *undirected = implicit_assemble( s, true );
     }
-    return undirected;
+    return fraction;
 }
 
 // Solve what has been assembled.
@@ -250,9 +251,9 @@ void implicit_iterate( wisp_frame* frame, implicit_substep* s, implicit_tally* t
     const int queried = s->system.material->newton_iterations;
     const int stiff = s->system.material->max_newton_iterations, most = s->stiff && queried < stiff ? stiff : queried;
     const int least = s->stiff && queried < 2 ? 2 : queried; // the first one also moves pins to their targets
-    double slope = 0.0;
+    double slope = 0.0, fraction = 1.0;
     int undirected = implicit_assemble( s, false );
-    for ( int k = 0; k < least || ( k < most && is_settled( s, slope ) == false ); ++k )
+    for ( int k = 0; k < least || ( k < most && is_settled( s, slope, fraction ) == false ); ++k )
     {
         const implicit_outcome outcome = solve_linear( s );
         count_outcome( frame, &outcome );
@@ -267,7 +268,7 @@ void implicit_iterate( wisp_frame* frame, implicit_substep* s, implicit_tally* t
         }
         if ( s->stiff && k > 0 )
         {
-            undirected = shorten( s, slope, undirected );
+            fraction = shorten( s, slope, &undirected );
         }
     }
     wisp_frame_count( frame, WISP_COUNT_MANY_SOLVES,
