@@ -701,7 +701,7 @@ enum
 {
     EULER_COUNT = 4, // the first flights: in steps of the paper, with more and more damping
     QUICK_COUNT = 6,
-    FLIGHT_COUNT = 8,
+    FLIGHT_COUNT = 10,
 };
 
 static int begin_energy_table( figures_case* page )
@@ -764,6 +764,8 @@ wisp_status figures_free_flight( figures_case* page, wisp_error* error )
         { .damping = 0.002f, .seconds = 0.01f, .integrator = WISP_INTEGRATOR_BDF2 },
         { .damping = 0.02f, .seconds = 0.01f, .integrator = WISP_INTEGRATOR_BDF2 },
         { .damping = 0.002f, .seconds = 0.0025f, .integrator = WISP_INTEGRATOR_EULER },
+        { .damping = 0.0f, .seconds = 0.025f, .integrator = WISP_INTEGRATOR_EULER },
+        { .damping = 0.0f, .seconds = 0.05f, .integrator = WISP_INTEGRATOR_EULER }, // stiff
     };
     const int vertices = page->quick ? QUICK_VERTICES : TRIANGLE_VERTICES;
     free_cloth cloth;

@@ -7,14 +7,14 @@
 
 enum
 {
-    SHORTENINGS = 4, // of a solve's answer, at most
-    FEW_SOLVES = 3,  // substeps of more are counted
+    SHORTENINGS = 12, // of a solve's answer, at most
+    FEW_SOLVES = 3,   // substeps of more are counted
 };
 
 // Of a stiff substep, by the same case. REACH: a link this fraction shorter than its rest length still counts as stiff. At 0, slack
 // links are found stretched by the next solve, in turns; at 1, slack cloth hardly moves. SETTLED: the repeats end when a solve
-// gains less than this fraction of the motion; LOOSELY where links are less stiff. PAST: a step is too long if the slope at its end is more than this fraction of
-// the slope at its start.
+// gains less than this fraction of the motion; LOOSELY where links are less stiff. PAST: a step ends where the slope is at most this
+// fraction of that at its start.
 static const float REACH = 0.01f;
 static const double SETTLED = 1e-4, LOOSELY_SETTLED = 1e-3, PAST = 0.5;
 
@@ -24,7 +24,15 @@ static void assemble_slices( void* context, int begin, int end, int worker )
 {
     (void)worker;
     implicit_substep* s = context;
-    s->undirected[begin / s->system.grain] = s->system.kernels->spring_assemble( &s->system.spring, begin, end );
+    const implicit_system* y = &s->system;
+    s->undirected[begin / y->grain] = y->kernels->spring_assemble( &y->spring, begin, end );
+    for ( int row = begin * WISP_SLICE; row < end * WISP_SLICE; ++row )
+    {
+        for ( int k = 0; k < 3; ++k )
+        {
+            y->conjugate.residual[row / WISP_SLICE][k][row % WISP_SLICE] += y->rubbing[(size_t)row * 4 + (size_t)k];
+        }
+    }
 }
 
 // Initial guess: (I - S)( goal - v ) of a held row and S times the solution of the last substep.
@@ -51,11 +59,6 @@ static bool guess_row( implicit_substep* s, int row )
     }
     memcpy( guess, free, sizeof( free ) );
     guess[3] = s->point[(size_t)row * 4 + 3];
-    const float* rubbing = system->rubbing + (size_t)row * 4;
-    for ( int k = 0; k < 3; ++k )
-    {
-        system->conjugate.residual[row / WISP_SLICE][k][lane] += rubbing[k];
-    }
     return free[0] != 0.0f || free[1] != 0.0f || free[2] != 0.0f;
 }
 
@@ -146,7 +149,6 @@ typedef struct slope_loop
 {
     const implicit_substep* s;
     float ( *right )[3][WISP_SLICE];
-    bool rubs; // friction is not included yet
 } slope_loop;
 
 static void slope_slices( void* context, int begin, int end, int worker )
@@ -159,18 +161,17 @@ static void slope_slices( void* context, int begin, int end, int worker )
     {
         for ( int k = 0; k < 3; ++k )
         {
-            const float rubbing = loop->rubs ? y->rubbing[(size_t)row * 4 + (size_t)k] : 0.0f;
-            const float right = loop->right[row / WISP_SLICE][k][row % WISP_SLICE] + rubbing;
-            sum += (double)right * (double)y->conjugate.solution[row / WISP_SLICE][k][row % WISP_SLICE];
+            sum += (double)loop->right[row / WISP_SLICE][k][row % WISP_SLICE] *
+                   (double)y->conjugate.solution[row / WISP_SLICE][k][row % WISP_SLICE];
         }
     }
     y->sums[begin / y->grain] = sum;
 }
 
 // Slope of that sum along the last step, J.
-static double add_slopes( implicit_substep* s, float ( *right )[3][WISP_SLICE], bool rubs )
+static double add_slopes( implicit_substep* s, float ( *right )[3][WISP_SLICE] )
 {
-    slope_loop loop = { s, right, rubs };
+    slope_loop loop = { s, right };
     wisp_parallel_for( s->system.parallel, s->system.links->slice_count, s->system.grain, slope_slices, &loop );
     double sum = 0.0;
     for ( int block = 0; block < s->system.block_count; ++block )
@@ -180,33 +181,51 @@ static double add_slopes( implicit_substep* s, float ( *right )[3][WISP_SLICE], 
     return sum;
 }
 
-static bool is_settled( const implicit_substep* s, double slope )
+// Of a step that was cut by more than half, the slope says nothing of what the next may gain.
+static bool is_settled( const implicit_substep* s, double slope, double fraction )
 {
     double motion = 0.0;
     for ( int block = 0; block < s->system.block_count; ++block )
     {
         motion += s->motion[block];
     }
-    return !( slope > ( s->system.looseness > 0.5 ? LOOSELY_SETTLED : SETTLED ) * motion );
+    return fraction > PAST && !( slope > ( s->system.looseness > 0.5 ? LOOSELY_SETTLED : SETTLED ) * motion );
 }
 
-// Shorten the last step; forces at its end are known. @return links without direction, of the last assembly
-static int shorten( implicit_substep* s, double slope, int undirected )
+// Shorten the last step to where the slope is small, between a place before the minimum and one past it. A link that turns stiff on
+// the way bends the slope, so whichever place stays twice gets half the weight (Illinois). Forces at the end are known.
+// @param undirected links without direction, of the last assembly @return the fraction that is left
+static double shorten( implicit_substep* s, double slope, int* undirected )
 {
-    double fraction = 1.0;
+    double from = 0.0, past = 1.0, fraction = 1.0, before = slope, after = 0.0;
+    int side = 0;
     for ( int i = 0; i < SHORTENINGS; ++i )
     {
-        const double end = add_slopes( s, s->system.spring.rhs, true );
-        if ( !( end < -PAST * slope ) )
+        const double end = add_slopes( s, s->system.spring.rhs );
+        if ( end < -PAST * slope )
+        {
+            before *= side < 0 ? 0.5 : 1.0;
+            past = fraction;
+            after = end;
+            side = -1;
+        }
+        else if ( i > 0 && end > PAST * slope )
+        {
+            after *= side > 0 ? 0.5 : 1.0;
+            from = fraction;
+            before = end;
+            side = 1;
+        }
+        else
         {
             break;
         }
-        const double nearer = fraction * slope / ( slope - end );
+        const double nearer = from + ( past - from ) * before / ( before - after );
         move( s, nearer - fraction );
         fraction = nearer;
-        undirected = implicit_assemble( s, true );
+        *undirected = implicit_assemble( s, true );
     }
-    return undirected;
+    return fraction;
 }
 
 // Solve what has been assembled.
@@ -229,25 +248,28 @@ static implicit_outcome solve_linear( implicit_substep* s )
 void implicit_iterate( wisp_frame* frame, implicit_substep* s, implicit_tally* total )
 {
     s->system.floor = find_floor( s );
-    int undirected = 0;
     const int queried = s->system.material->newton_iterations;
     const int stiff = s->system.material->max_newton_iterations, most = s->stiff && queried < stiff ? stiff : queried;
     const int least = s->stiff && queried < 2 ? 2 : queried; // the first one also moves pins to their targets
-    double slope = 0.0;
-    for ( int k = 0; k < least || ( k < most && is_settled( s, slope ) == false ); ++k )
+    double slope = 0.0, fraction = 1.0;
+    int undirected = implicit_assemble( s, false );
+    for ( int k = 0; k < least || ( k < most && is_settled( s, slope, fraction ) == false ); ++k )
     {
-        undirected = implicit_assemble( s, k > 0 );
-        if ( s->stiff && k > 1 )
-        {
-            undirected = shorten( s, slope, undirected );
-        }
         const implicit_outcome outcome = solve_linear( s );
         count_outcome( frame, &outcome );
         total->iterations += outcome.iterations;
-        slope = s->stiff ? add_slopes( s, s->system.requested, false ) : 0.0;
+        slope = s->stiff ? add_slopes( s, s->system.requested ) : 0.0;
         move( s, 1.0 );
         total->residual = outcome.residual;
         total->repeats += 1;
+        if ( s->stiff || k + 1 < least )
+        {
+            undirected = implicit_assemble( s, true );
+        }
+        if ( s->stiff && k > 0 )
+        {
+            fraction = shorten( s, slope, &undirected );
+        }
     }
     wisp_frame_count( frame, WISP_COUNT_MANY_SOLVES,
                       total->repeats > queried && total->repeats > FEW_SOLVES ? 1 : 0 );

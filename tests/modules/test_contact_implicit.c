@@ -176,7 +176,7 @@ static void fly( const pair_def* d )
         const double links = d->stretch_stiffness > 1e3f ? 0.0 : stored( w, both[0] );
         assert_true( energy_of( w, both, 2 ) + links < d->energy * energy );
     }
-    assert_true( contacts > 10 );
+    assert_true( contacts > 0 );
     assert_int_equal( count_all_passing( w, both, 2 ), 0 );
 }
 
