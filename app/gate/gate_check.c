@@ -304,9 +304,9 @@ static void write_hunk( const char* was, const char* was_end, const char* now, c
         n = take_line( &was, was_end, &a );
         m = take_line( &now, now_end, &b );
         const bool is_same = n == m && memcmp( a, b, (size_t)n ) == 0;
-        fprintf( out, n == 0 ? "" : is_same ? " %.*s" : "-%.*s", n, a );
-        fprintf( out, n > 0 && a[n - 1] != '\n' ? "\n\\ No newline at end of file\n" : "" );
-        fprintf( out, m == 0 || is_same ? "" : "+%.*s", m, b );
+        fprintf( out, "%s%.*s", n == 0 ? "" : is_same ? " " : "-", n, a );
+        fputs( n > 0 && a[n - 1] != '\n' ? "\n\\ No newline at end of file\n" : "", out );
+        fprintf( out, "%s%.*s", m == 0 || is_same ? "" : "+", is_same ? 0 : m, b );
     }
 }
 
