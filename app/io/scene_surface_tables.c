@@ -215,14 +215,10 @@ static const scene_block START_BLOCK = BLOCK( START_FIELDS );
 
 #define COLLISION( member ) offsetof( wisp_scene_surface, collision.member )
 
-static const scene_choice FEATURES[] = {
-    { "vertices", "vertices of a surface, which lets through what is thinner than its cells; of strands also "
-                  "segments, near bodies "
-                  "that are too thin for vertices" },
-    { "all", "vertices, edges and triangles; all segments of strands, which meet edges of wide boxes, meshes and "
-             "ground" },
-    { NULL, NULL }
-};
+static const scene_choice FEATURES[] = { { "vertices",
+                                           "vertices alone: what is thinner than the cells passes between them" },
+                                         { "all", "vertices, edges and triangles" },
+                                         { NULL, NULL } };
 
 static const scene_field COLLISION_FIELDS[] = {
     { "thickness", SCENE_NUMBER, .map = WISP_MAP_COLLISION_THICKNESS, .at = COLLISION( thickness ),

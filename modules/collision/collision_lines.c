@@ -239,8 +239,7 @@ void collision_add_lines( const void* memory, wisp_world* world, wisp_entity ent
         if ( body->follows )
         {
             to.entity = body->surface;
-            to.pose =
-                wisp_transform_make( ( wisp_quat ){ 0.0f, 0.0f, 0.0f, 1.0f }, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
+            to.pose = ( wisp_transform ){ { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
         }
         if ( kind == WISP_LINES_COLLIDERS && wisp_entity_equal( entity, body->entity ) && to.entity.index != 0 )
         {

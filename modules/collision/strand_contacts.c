@@ -202,11 +202,11 @@ static strand_sum sum_of( const strand_loop* loop, const collision_view* view, c
 // Keep a point a thickness away from a plane. @param start m, distance from the plane at the start of the substep
 // @param now m, the same now @param carried of the plane in the substep
 static void push_point( const strand_loop* loop, const collision_view* view, const strand_point* q,
-                        const wisp_surface_point* plane, float start, float now, wisp_vec3 carried )
+                        const strand_sum* s, const wisp_surface_point* plane, float start, float now,
+                        wisp_vec3 carried )
 {
     const wisp_strand_contact_args* sums = q->sums;
-    const strand_sum s = sum_of( loop, view, q, 0.0f );
-    strand_way way = find_way( loop, view->thickness, start, now, sums->allowed_depth[q->i], s.least );
+    strand_way way = find_way( loop, view->thickness, start, now, sums->allowed_depth[q->i], s->least );
     way.out *= q->factor;
     const wisp_vec3 normal = wisp_quat_rotate( view->after.rotation, plane->normal );
     move_by( q, sums->position, way.out, normal );
@@ -214,15 +214,15 @@ static void push_point( const strand_loop* loop, const collision_view* view, con
     const wisp_vec3 turned = wisp_v3_sub( wisp_transform_to_world( view->after, plane->point ),
                                           wisp_transform_to_world( view->before, plane->point ) );
     const wisp_vec3 motion = wisp_v3_mul_add( turned, 1.0f, carried );
-    sums->normal_correction[q->i] = fmaxf( 0.0f, s.sum ) + fmaxf( s.least, way.out - way.recovered );
-    sums->body[q->i] = s.is_held && s.is_own == false ? -1.0f : number_of( loop, view );
+    sums->normal_correction[q->i] = fmaxf( 0.0f, s->sum ) + fmaxf( s->least, way.out - way.recovered );
+    sums->body[q->i] = s->is_held && s->is_own == false ? -1.0f : number_of( loop, view );
     float* rubbed = sums->friction + q->i / WISP_LANES * COLLISION_ROW + q->i % WISP_LANES;
     const wisp_vec3 last = tangential( collision_load_lane( rubbed ), normal ),
-                    before = s.is_held ? last : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+                    before = s->is_held ? last : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
     const wisp_vec3 moved = wisp_v3_sub( place_of( q, sums->position ), place_of( q, sums->previous ) );
     const wisp_vec3 u = tangential( wisp_v3_sub( moved, motion ), normal );
-    const wisp_vec3 friction =
-        friction_of( view, s.starts ? last : wisp_v3_mul_add( before, q->factor, u ), sums->normal_correction[q->i] );
+    const wisp_vec3 friction = friction_of( view, s->starts ? last : wisp_v3_mul_add( before, q->factor, u ),
+                                            sums->normal_correction[q->i] );
     move_by( q, sums->position, -1.0f, wisp_v3_sub( friction, before ) );
     collision_store_lane( rubbed, friction );
     sums->remaining_depth[q->i] = fmaxf( sums->remaining_depth[q->i], way.left );
@@ -248,10 +248,11 @@ static void push_vertex( strand_loop* loop, const collision_view* view, int row,
                                  .weight = { 1.0f },
                                  .part = { 1.0f },
                                  .factor = 1.0f };
-    if ( now < sum_of( loop, view, &point, path ).reach )
+    const strand_sum s = sum_of( loop, view, &point, path );
+    if ( now < s.reach )
     {
         const float start = collision_start_gap( view, &plane, from, carried, false, seed ) + view->thickness;
-        push_point( loop, view, &point, &plane, start, now, carried );
+        push_point( loop, view, &point, &s, &plane, start, now, carried );
     }
 }
 
@@ -484,16 +485,16 @@ static strand_point point_between( const strand_loop* loop, int row, int lane, c
 
 // Push a segment. In turns lengths take back nearly all of a push where it has to move a whole tail. From the part that they
 // took of the last one follows what is missing (a secant).
-static void push_again( const strand_loop* loop, const collision_view* view, strand_point* q,
+static void push_again( const strand_loop* loop, const collision_view* view, strand_point* q, const strand_sum* s,
                         const wisp_surface_point* plane, float start, float now, wisp_vec3 carried )
 {
     float* last = loop->segment_push + q->i;
-    const float before = fmaxf( 0.0f, q->sums->normal_correction[q->i] ), missing = view->thickness - now;
+    const float before = fmaxf( 0.0f, s->sum ), missing = view->thickness - now;
     if ( loop->is_turn && *last > 0.0f )
     {
         q->factor = missing < *last ? fminf( *last / ( *last - missing ), MAX_FACTOR ) : MAX_FACTOR;
     }
-    push_point( loop, view, q, plane, start, now, carried );
+    push_point( loop, view, q, s, plane, start, now, carried );
     *last = q->sums->normal_correction[q->i] - before;
 }
 
@@ -521,10 +522,11 @@ static void push_segment( const strand_loop* loop, const collision_view* view, i
         strand_point q = point_between( loop, row, lane, meetings[m].deepest.weights );
         const wisp_vec3 p = wisp_transform_to_local( view->after, place_of( &q, loop->args.position ) );
         const float now = wisp_v3_dot( plane->normal, wisp_v3_sub( p, plane->point ) );
-        if ( now < sum_of( loop, view, &q, path.displacement ).reach )
+        const strand_sum s = sum_of( loop, view, &q, path.displacement );
+        if ( now < s.reach )
         {
             const float start = collision_meeting_gap( view, &path, &meetings[m] ) + view->thickness;
-            push_again( loop, view, &q, plane, start, now, meetings[m].motion );
+            push_again( loop, view, &q, &s, plane, start, now, meetings[m].motion );
         }
     }
     for ( int k = 0; k < 2 && count > 0 && sum != NULL; ++k )
@@ -688,10 +690,13 @@ static void begin_segments( wisp_frame* frame, const wisp_span* span, const coll
                             strand_loop* loop )
 {
     loop->has_segments = wisp_frame_has( frame, span->entity, state->segment_contact );
+    if ( loop->has_segments == false )
+    {
+        return;
+    }
     loop->lane_count = wisp_frame_strands( frame, span->entity )->lane_count;
     loop->segments = loop->args;
-    loop->segments.starts = loop->segments.gives_back =
-        false; // what slides along a segment is at another place of it
+    loop->segments.starts = loop->segments.gives_back = false; // contacts slide along a segment
     loop->is_turn = span->iteration == wisp_frame_iterations( frame ) + 1;
     loop->segments.normal_correction = wisp_frame_column( frame, span->entity, state->segment_contact, 0 );
     loop->segments.allowed_depth = wisp_frame_column( frame, span->entity, state->segment_contact, 1 );

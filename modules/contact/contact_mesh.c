@@ -176,12 +176,7 @@ static void box_participant( const contact_work* work, contact_participant* part
 // Return whether two participants, or a participant and itself, are kept apart wherever they are.
 static bool are_to_meet( const contact_participant* a, const contact_participant* b )
 {
-    if ( a == b )
-    {
-        return ( a->settings.self & 1 ) != 0;
-    }
-    return ( a->settings.layers & b->settings.mask ) != 0 && ( b->settings.layers & a->settings.mask ) != 0 &&
-           ( a->is_strands == false || b->is_strands == false || ( a->settings.self & b->settings.self & 2 ) != 0 );
+    return a == b ? ( a->settings.self & 1 ) != 0 : contact_suit( a, &a->settings, b, &b->settings );
 }
 
 // Return whether two participants are within so many reaches of each other. A participant without a box always is.

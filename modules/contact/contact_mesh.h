@@ -150,6 +150,14 @@ int contact_find_edge( const contact_contact_mesh* s, const contact_participant*
 /// Return whether two participants, or a participant and itself, are kept apart.
 bool contact_may_meet( const contact_participant* a, const contact_participant* b );
 
+/// Return whether two participants with these settings are kept apart from each other.
+static inline bool contact_suit( const contact_participant* a, const contact_settings* of_a,
+                                 const contact_participant* b, const contact_settings* of_b )
+{
+    return ( of_a->layers & of_b->mask ) != 0 && ( of_b->layers & of_a->mask ) != 0 &&
+           ( a->is_strands == false || b->is_strands == false || ( of_a->self & of_b->self & 2 ) != 0 );
+}
+
 /// Return whether particles stand for the surfaces.
 static inline bool contact_has_samples( const contact_work* work )
 {

@@ -159,13 +159,6 @@ static float participant_reach( const void* memory, wisp_world* world, wisp_enti
     return settings != NULL ? settings->thickness : -1.0f;
 }
 
-static bool are_for_each_other( const contact_participant* a, const contact_settings* of_a,
-                                const contact_participant* b, const contact_settings* of_b )
-{
-    return ( of_a->layers & of_b->mask ) != 0 && ( of_b->layers & of_a->mask ) != 0 &&
-           ( a->is_strands == false || b->is_strands == false || ( of_a->self & of_b->self & 2 ) != 0 );
-}
-
 // As wisp_state_hooks.planned. A mask of nothing is one to count intersections with.
 static void tell_of_lonely( const void* memory, wisp_world* world )
 {
@@ -178,8 +171,8 @@ static void tell_of_lonely( const void* memory, wisp_world* world )
         for ( int k = 0; k < s->participant_count && meets == false; ++k )
         {
             const contact_participant* b = s->participants + k;
-            meets = k != i &&
-                    are_for_each_other( a, own, b, wisp_world_rows( world, b->entity, s->components.settings, 0 ) );
+            meets =
+                k != i && contact_suit( a, own, b, wisp_world_rows( world, b->entity, s->components.settings, 0 ) );
         }
         wisp_world_tell( world, a->entity, meets == false,
                          "'contact' has no effect: it meets neither itself nor others" );

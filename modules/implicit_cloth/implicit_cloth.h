@@ -56,11 +56,11 @@ typedef struct wisp_implicit_cloth_def
     /// 1024, or one that gained energy, which is made again (by Euler, WISP_COUNT_FIRST_ORDER if it was BDF2).
     /// 1: all substeps make newton_iterations, and may gain energy. Substeps of more than three are counted (WISP_COUNT_MANY_SOLVES).
     int max_newton_iterations;
-    /// Of a solve: residual relative to that of zero velocity change, in [1e-7, 0.1], default 1e-2: the length of a substep adds ten
-    /// times its error. Repeated solves of a substep end where its first did. Where k h^2 / m is above 8192 it falls with that, to
-    /// 1e-4 at the least
+    /// Residual at which a solve ends, relative to that of zero velocity change: in [1e-7, 0.1], default 1e-2, as the length of a
+    /// substep adds ten times its error. Repeated solves of a substep end where its first did. Where k h^2 / m is above 8192 the
+    /// tolerance falls with that, to 1e-4 at the least
     float tolerance;
-    int max_iterations; ///< of a solve, 0 .. 1000000; default 0: three per vertex
+    int max_iterations; ///< limit of the iterations of a solve, 0 .. 1000000; default 0: three per vertex
 
     /// Links given by the host instead of those of the mesh (edges stretch, diagonals bend), for a quad mesh or seams.
     const int32_t* stretch_pairs; ///< [stretch_pair_count][2] in the user's order; null: the edges of the mesh

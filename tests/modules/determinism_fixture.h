@@ -58,6 +58,21 @@ typedef struct determinism
     void ( *close )( determinism_run* r );
 } determinism;
 
+/// Define the subject by the file's table and functions of these names.
+#define DETERMINISM( golden, every_pair )                                                                            \
+    static const determinism subject = {                                                                             \
+        WISP_SOURCE_ROOT "/data/golden/" #golden ".hash",                                                            \
+        WISP_COUNT( cases ),                                                                                         \
+        every_pair,                                                                                                  \
+        describe,                                                                                                    \
+        open_case,                                                                                                   \
+        run_case_steps,                                                                                              \
+        traces_of,                                                                                                   \
+        check_case,                                                                                                  \
+        nudge,                                                                                                       \
+        close_case,                                                                                                  \
+    }
+
 /// Defined by the file that includes this one.
 static const determinism subject;
 

@@ -15,7 +15,7 @@ typedef struct golden_case
     int steps;
 } golden_case;
 
-static const golden_case CASES[] = {
+static const golden_case cases[] = {
     { "held", 3, true, false, WISP_SOLVER_XPBD, 1.2f, 0.0f, 30 },
     { "inflating", 3, false, false, WISP_SOLVER_PBD, 1.0f, 5e-3f, 30 },
     { "flying", 3, false, true, WISP_SOLVER_XPBD, 1.2f, 0.0f, 30 },
@@ -54,7 +54,7 @@ typedef struct running
 static determinism_run* open_case( int number, const place_to_run* place, int* calls )
 {
     running* r = checked_calloc( 1, sizeof( *r ) );
-    r->scene = scene_of( CASES + number );
+    r->scene = scene_of( cases + number );
     r->scene.workers = place->workers;
     r->scene.isa = place->isa;
     r->scene.parallel_for = place->parallel_for;
@@ -101,7 +101,7 @@ static void nudge( determinism_run* base )
 
 static determinism_case describe( int number )
 {
-    const golden_case* c = CASES + number;
+    const golden_case* c = cases + number;
     return ( determinism_case ){ c->name, c->steps, .warm_workers = 3, .is_one_block = c->level < 5 };
 }
 
@@ -116,7 +116,7 @@ TEST( asking_for_stats_does_not_change_a_bit )
             determinism_run* r = open_case( n, &PLAIN, NULL );
             const wisp_entity e = ( (running*)r )->flight.entity;
             assert_status( r->world, wisp_request_balloon_stats( r->world, e, queried == 1 ), WISP_OK );
-            run_case_steps( r, CASES[n].steps );
+            run_case_steps( r, cases[n].steps );
             hashes[queried] = traces_of( r ).motion;
             close_case( r );
         }
@@ -124,16 +124,7 @@ TEST( asking_for_stats_does_not_change_a_bit )
     }
 }
 
-static const determinism subject = { WISP_SOURCE_ROOT "/data/golden/balloon.hash",
-                                     WISP_COUNT( CASES ),
-                                     true,
-                                     describe,
-                                     open_case,
-                                     run_case_steps,
-                                     traces_of,
-                                     check_case,
-                                     nudge,
-                                     close_case };
+DETERMINISM( balloon, true );
 
 static int make_meshes( void** state )
 {

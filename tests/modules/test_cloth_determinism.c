@@ -155,13 +155,4 @@ TEST( many_small_cloths_are_what_each_is_alone )
     }
 }
 
-static const determinism subject = { WISP_SOURCE_ROOT "/data/golden/cloth.hash",
-                                     WISP_COUNT( cases ),
-                                     true,
-                                     describe,
-                                     open_case,
-                                     run_case_steps,
-                                     traces_of,
-                                     check_case,
-                                     nudge,
-                                     close_case };
+DETERMINISM( cloth, true );

@@ -214,13 +214,4 @@ static determinism_case describe( int number )
     return ( determinism_case ){ cases[number].name, STEPS, .warm_workers = 1, .rehearsal = STEPS };
 }
 
-static const determinism subject = { WISP_SOURCE_ROOT "/data/golden/contact.hash",
-                                     WISP_COUNT( cases ),
-                                     false,
-                                     describe,
-                                     open_case,
-                                     run_case_steps,
-                                     traces_of,
-                                     check_case,
-                                     nudge,
-                                     close_case };
+DETERMINISM( contact, false );

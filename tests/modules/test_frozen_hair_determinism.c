@@ -261,13 +261,4 @@ TEST( threads_of_a_host_do_not_change_a_bit )
     }
 }
 
-static const determinism subject = { WISP_SOURCE_ROOT "/data/golden/frozen_hair.hash",
-                                     WISP_COUNT( cases ),
-                                     true,
-                                     describe,
-                                     open_case,
-                                     run_case_steps,
-                                     traces_of,
-                                     check_case,
-                                     nudge,
-                                     close_case };
+DETERMINISM( frozen_hair, true );

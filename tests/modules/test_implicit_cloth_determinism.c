@@ -147,13 +147,4 @@ static determinism_case describe( int number )
     return ( determinism_case ){ c->name, STEPS, .warm_workers = 2, .is_one_block = c->side < LARGE };
 }
 
-static const determinism subject = { WISP_SOURCE_ROOT "/data/golden/implicit_cloth.hash",
-                                     WISP_COUNT( cases ),
-                                     true,
-                                     describe,
-                                     open_case,
-                                     run_case_steps,
-                                     traces_of,
-                                     check_case,
-                                     nudge,
-                                     close_case };
+DETERMINISM( implicit_cloth, true );

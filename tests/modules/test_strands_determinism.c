@@ -290,13 +290,4 @@ static determinism_case describe( int number )
                                  .rehearsal = turns ? STEPS : 0 };
 }
 
-static const determinism subject = { WISP_SOURCE_ROOT "/data/golden/strands.hash",
-                                     WISP_COUNT( cases ),
-                                     true,
-                                     describe,
-                                     open_case,
-                                     run_case_steps,
-                                     traces_of,
-                                     check_case,
-                                     nudge,
-                                     close_case };
+DETERMINISM( strands, true );
