@@ -11,6 +11,8 @@
 #include "clusters.h"
 #include "predicted_motion.h"
 
+#include <string.h>
+
 enum
 {
     LIST_GRAIN = 64,
@@ -30,15 +32,19 @@ static bool reserve_pairs( const contact_work* work, contact_cluster_pairs* pair
            contact_reserve( work, list + CONTACT_BOUND_CLUSTER, most * index, (void**)&pairs->cluster ) &&
            contact_reserve( work, list + CONTACT_BOUND_OTHER, most * index, (void**)&pairs->other ) &&
            contact_reserve( work, list + CONTACT_BOUND_SLACK, most * sizeof( float ), (void**)&pairs->slack ) &&
+           contact_reserve( work, list + CONTACT_BOUND_LIST, most * sizeof( *pairs->list ), (void**)&pairs->list ) &&
            contact_reserve( work, b->buffers + CONTACT_BOUND_ACTIVE, most * index, (void**)&b->active ) &&
            contact_reserve( work, b->buffers + CONTACT_BOUND_ACTIVE_COUNT, blocks * index, (void**)&b->active_count );
 }
 
-static void put_pair( contact_cluster_pairs* pairs, int at, int32_t cluster, int32_t other, float slack )
+// @param known where a list before has the pair; -1: nowhere
+static void put_pair( contact_cluster_pairs* pairs, int at, int32_t cluster, int32_t other, int known )
 {
+    const contact_cluster_pairs* before = pairs + 1;
     pairs->cluster[at] = cluster;
     pairs->other[at] = other;
-    pairs->slack[at] = slack;
+    pairs->slack[at] = known >= 0 ? before->slack[known] : -INFINITY;
+    pairs->list[at] = known >= 0 ? before->list[known] : ( contact_list ){ 0, 0, 0, INFINITY };
 }
 
 // Bounds of a cluster's pairs in the list before, in the order of the other clusters.
@@ -48,15 +54,15 @@ typedef struct known_pairs
     int next, end;
 } known_pairs;
 
-// A pair that was listed before keeps its bound; of a new one nothing is known.
-static float bound_of( known_pairs* known, int32_t other )
+// A pair that was listed before keeps its bound and its list; of a new one nothing is known.
+static int place_of( known_pairs* known, int32_t other )
 {
     while ( known->next < known->end && known->pairs->other[known->next] < other )
     {
         known->next += 1;
     }
     const bool is_known = known->next < known->end && known->pairs->other[known->next] == other;
-    return is_known ? known->pairs->slack[known->next] : -INFINITY;
+    return is_known ? known->next : -1;
 }
 
 typedef struct list_loop
@@ -83,12 +89,12 @@ static void list_pairs_of( void* context, int begin, int end, int worker )
         int at = s->bounds->pairs[0].begin[p];
         if ( contact_clusters_may_meet( loop->work, p, p ) )
         {
-            put_pair( s->bounds->pairs, at++, p, p, bound_of( &known, p ) );
+            put_pair( s->bounds->pairs, at++, p, p, place_of( &known, p ) );
         }
         for ( int i = found->begin[p]; i < found->begin[p + 1]; ++i )
         {
             const int32_t other = found->item[i];
-            put_pair( s->bounds->pairs, at++, p, other, bound_of( &known, other ) );
+            put_pair( s->bounds->pairs, at++, p, other, place_of( &known, other ) );
         }
     }
 }
@@ -117,9 +123,45 @@ bool contact_list_cluster_pairs( const contact_work* work, const wisp_aabb_pairs
     wisp_parallel_for( work->parallel, s->clusters->count, LIST_GRAIN, list_pairs_of, &loop );
     for ( int i = 0; i < WISP_SLICE; ++i )
     {
-        put_pair( pairs, pairs->count + i, 0, 0, INFINITY );
+        put_pair( pairs, pairs->count + i, 0, 0, -1 );
+        pairs->slack[pairs->count + i] = INFINITY;
     }
     return true;
+}
+
+bool contact_make_room_for_listed( const contact_work* work, int more )
+{
+    contact_cached_bounds* b = work->contact_mesh->bounds;
+    size_t count = (size_t)more;
+    for ( int i = 0; i < b->pairs[0].count; ++i )
+    {
+        count += (size_t)( b->pairs[0].list[i].points + b->pairs[0].list[i].edges );
+    }
+    const size_t most = count > (size_t)b->listed_most ? count + count / 2 : (size_t)b->listed_most;
+    wisp_buffer* arrays = b->buffers + CONTACT_BOUND_LISTED;
+    const contact_listed* before = b->listed;
+    void* unused;
+    b->listed_turn = 1 - b->listed_turn;
+    if ( most > INT32_MAX ||
+         contact_reserve( work, arrays + b->listed_turn, most * sizeof( *b->listed ), (void**)&b->listed ) == false )
+    {
+        return false;
+    }
+    b->listed_most = (int)most;
+    b->listed_count = 0;
+    for ( int i = 0; i < b->pairs[0].count; ++i )
+    {
+        contact_list* list = b->pairs[0].list + i;
+        const int length = list->points + list->edges;
+        if ( length > 0 )
+        {
+            memcpy( b->listed + b->listed_count, before + list->first, (size_t)length * sizeof( *before ) );
+        }
+        list->first = b->listed_count;
+        b->listed_count += length;
+    }
+    // the other array is the next one: both grow at once, so that no later step asks for memory
+    return contact_reserve( work, arrays + 1 - b->listed_turn, most * sizeof( *b->listed ), &unused );
 }
 
 // ---- active pairs ----

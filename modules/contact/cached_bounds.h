@@ -5,14 +5,30 @@
 
 #include "wisp/module/aabb_pairs.h"
 
+/// A pair of primitives that was near when its clusters were searched.
+typedef struct contact_listed
+{
+    int32_t a, b; // a point and a triangle, or two edges with a < b
+    float gap;    // m, the distance to keep: never more than the pair has at rest
+    float key;    // m: its distance, less the gap, is at least this and the slack of its clusters
+} contact_listed;
+
+/// The pairs of primitives of two clusters: points and triangles, then edges.
+typedef struct contact_list
+{
+    int32_t first, points, edges; // in `listed`
+    float least;                  // m, smallest key
+} contact_list;
+
 /// Pairs of clusters that may come near each other. Those of a cluster are contiguous: itself first, then others in
 /// rising order.
 typedef struct contact_cluster_pairs
 {
-    int32_t* begin;   // [cluster + 1]
-    int32_t* cluster; // [pair], padded to a multiple of eight
-    int32_t* other;   // [pair]
-    float* slack;     // [pair] m: lower bound of the distance of any two of their primitives, less the gap
+    int32_t* begin;     // [cluster + 1]
+    int32_t* cluster;   // [pair], padded to a multiple of eight
+    int32_t* other;     // [pair]
+    float* slack;       // [pair] m: lower bound of the distance of primitives that are not listed, less the gap
+    contact_list* list; // [pair]
     int count;
 } contact_cluster_pairs;
 
@@ -22,7 +38,9 @@ enum
     CONTACT_BOUND_CLUSTER = CONTACT_BOUND_BEGIN + 2,
     CONTACT_BOUND_OTHER = CONTACT_BOUND_CLUSTER + 2,
     CONTACT_BOUND_SLACK = CONTACT_BOUND_OTHER + 2,
-    CONTACT_BOUND_ACTIVE = CONTACT_BOUND_SLACK + 2,
+    CONTACT_BOUND_LIST = CONTACT_BOUND_SLACK + 2,
+    CONTACT_BOUND_LISTED = CONTACT_BOUND_LIST + 2, // of two arrays, which take turns
+    CONTACT_BOUND_ACTIVE = CONTACT_BOUND_LISTED + 2,
     CONTACT_BOUND_ACTIVE_COUNT,
     CONTACT_BOUND_ARRAY_COUNT,
 };
@@ -31,8 +49,10 @@ typedef struct contact_cached_bounds
 {
     contact_cluster_pairs pairs[2]; // the current list, and the one before
     int turn;                       // whose buffers the current list has
-    int32_t* active;                // [pair] those that may reach their gap in this substep
-    int32_t* active_count;          // [block of pairs]
+    contact_listed* listed;         // pairs of primitives, with those of past searches between them
+    int listed_count, listed_most, listed_turn, last_length;
+    int32_t* active;       // [pair] those that may reach their gap in this substep
+    int32_t* active_count; // [block of pairs]
     wisp_buffer buffers[CONTACT_BOUND_ARRAY_COUNT];
 } contact_cached_bounds;
 
@@ -40,6 +60,10 @@ typedef struct contact_cached_bounds
 /// @param is_known the list before holds for these positions
 /// @return false without memory
 bool contact_list_cluster_pairs( const contact_work* work, const wisp_aabb_pairs* found, bool is_known );
+
+/// Copy the pairs of primitives of all lists together, with room for more.
+/// @return false without memory
+bool contact_make_room_for_listed( const contact_work* work, int more );
 
 /// Lower the bounds by the approach of the last substep, and collect the pairs that may reach their gap in this one.
 /// @param missed_only only pairs with a cluster that has a missed point; bounds stay

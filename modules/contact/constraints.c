@@ -13,7 +13,6 @@
 #include "constraints.h"
 
 #include "boundary_samples.h"
-#include "closest_points.h"
 #include "narrow_phase.h"
 #include "primitive_pairs.h"
 #include "sample_pairs.h"
@@ -63,53 +62,6 @@ static void measure_samples( const contact_contact_mesh* s, const contact_pair* 
     }
 }
 
-// Measure up to a batch of pairs of primitives whose rows have their points.
-static void measure_primitives( const contact_work* work, int count, bool are_edges, contact_row* rows )
-{
-    _Alignas( 64 ) float weight[CONTACT_BATCH / WISP_SLICE][4][WISP_SLICE];
-    _Alignas( 64 ) float normal[CONTACT_BATCH / WISP_SLICE][3][WISP_SLICE];
-    contact_primitives primitives;
-    primitives.are_edges = are_edges;
-    for ( int i = 0; i < count; ++i )
-    {
-        contact_put_primitives( &primitives, i, rows[i].point );
-    }
-    const float* distance =
-        contact_measure_primitives( work, work->contact_mesh->intersection_free, &primitives, count, weight, normal );
-    for ( int i = 0; i < count; ++i )
-    {
-        contact_row* row = rows + i;
-        row->distance = distance[i];
-        for ( int k = 0; k < 4; ++k )
-        {
-            row->weight[k] = weight[i / WISP_SLICE][k][i % WISP_SLICE];
-        }
-        for ( int k = 0; k < 3; ++k )
-        {
-            row->normal[k] = normal[i / WISP_SLICE][k][i % WISP_SLICE];
-        }
-    }
-}
-
-// Compute points, weights, normals and distances of up to a batch of pairs of one kind.
-static void measure_pairs( const contact_work* work, const contact_pair* pairs, int count, bool are_edges,
-                           contact_row* rows )
-{
-    const bool are_samples = contact_has_samples( work );
-    for ( int i = 0; i < count; ++i )
-    {
-        set_points( work, pairs + i, are_edges, rows + i );
-        if ( are_samples )
-        {
-            measure_samples( work->contact_mesh, pairs + i, rows + i );
-        }
-    }
-    if ( are_samples == false )
-    {
-        measure_primitives( work, count, are_edges, rows );
-    }
-}
-
 // Return the mean of a map over the points of one side, by their weights: 1 without a map.
 static float factor_of( const contact_participant* participant, const float* map, const contact_row* row, int begin,
                         int end )
@@ -122,8 +74,17 @@ static float factor_of( const contact_participant* participant, const float* map
     return sum;
 }
 
-static void begin_row( const contact_work* work, const contact_pair* c, contact_row* row )
+static void begin_row( const contact_work* work, const contact_active* active, bool is_edge, contact_row* row )
 {
+    const contact_pair* c = &active->pair;
+    set_points( work, c, is_edge, row );
+    row->distance = active->distance;
+    memcpy( row->weight, active->weight, sizeof( active->weight ) );
+    memcpy( row->normal, active->normal, sizeof( active->normal ) );
+    if ( contact_has_samples( work ) )
+    {
+        measure_samples( work->contact_mesh, c, row );
+    }
     const contact_participant *a = contact_participant_of( work, row->point[0] ),
                               *b = contact_participant_of( work, row->point[row->split] );
     float gap = c->gap;
@@ -155,12 +116,12 @@ static int order_of( const contact_pair* c, int32_t a, int32_t b )
 }
 
 // Sort pairs by a digit of one of their sides; those with the same one stay in their order.
-static void sort_by( const contact_pair* from, contact_pair* to, int pairs, bool by_a, int shift )
+static void sort_by( const contact_active* from, contact_active* to, int pairs, bool by_a, int shift )
 {
     int32_t begin[DIGITS + 1] = { 0 };
     for ( int i = 0; i < pairs; ++i )
     {
-        begin[( ( by_a ? from[i].a : from[i].b ) >> shift ) % DIGITS + 1] += 1;
+        begin[( ( by_a ? from[i].pair.a : from[i].pair.b ) >> shift ) % DIGITS + 1] += 1;
     }
     for ( int digit = 0; digit < DIGITS; ++digit )
     {
@@ -168,20 +129,20 @@ static void sort_by( const contact_pair* from, contact_pair* to, int pairs, bool
     }
     for ( int i = 0; i < pairs; ++i )
     {
-        to[begin[( ( by_a ? from[i].a : from[i].b ) >> shift ) % DIGITS]++] = from[i];
+        to[begin[( ( by_a ? from[i].pair.a : from[i].pair.b ) >> shift ) % DIGITS]++] = from[i];
     }
 }
 
 // Sort pairs by their first side, then by their second. No two are equal. @param most index of a side
 // @param spare [near->count] scratch
-static void sort_pairs( contact_near* near, int most, contact_pair* spare )
+static void sort_pairs( contact_near* near, int most, contact_active* spare )
 {
-    contact_pair *from = near->items, *to = spare;
+    contact_active *from = near->items, *to = spare;
     for ( int by_a = 0; by_a < 2; ++by_a )
     {
         for ( int shift = 0; most >> shift > 0; shift += DIGIT_BITS )
         {
-            contact_pair* sorted = to;
+            contact_active* sorted = to;
             sort_by( from, to, near->count, by_a != 0, shift );
             to = from;
             from = sorted;
@@ -200,7 +161,7 @@ static wisp_status find_sorted( const contact_work* work, bool missed_only, wisp
     }
     contact_near* near = s->primitives->near;
     const int pairs = near[0].count > near[1].count ? near[0].count : near[1].count;
-    contact_pair* spare;
+    contact_active* spare;
     if ( contact_reserve( work, &s->constraints->spare_buffer, (size_t)pairs * sizeof( *spare ), (void**)&spare ) ==
          false )
     {
@@ -218,7 +179,7 @@ static wisp_status find_sorted( const contact_work* work, bool missed_only, wisp
 typedef struct row_loop
 {
     const contact_work* work;
-    const contact_pair* pairs;
+    const contact_active* near;
     contact_row* rows;
     bool are_edges;
 } row_loop;
@@ -227,15 +188,9 @@ static void fill_rows( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const row_loop* loop = context;
-    for ( int first = begin; first < end; first += CONTACT_BATCH )
+    for ( int i = begin; i < end; ++i )
     {
-        const int count = end - first < CONTACT_BATCH ? end - first : CONTACT_BATCH;
-        contact_row* rows = loop->rows + first;
-        measure_pairs( loop->work, loop->pairs + first, count, loop->are_edges, rows );
-        for ( int i = 0; i < count; ++i )
-        {
-            begin_row( loop->work, loop->pairs + first + i, rows + i );
-        }
+        begin_row( loop->work, loop->near + i, loop->are_edges, loop->rows + i );
     }
 }
 
@@ -297,10 +252,10 @@ static void keep_new( contact_near* near, const contact_row* rows, int row_count
     int kept = 0, at = 0;
     for ( int i = 0; i < near->count; ++i )
     {
-        const contact_pair* pair = near->items + i;
+        const contact_pair* pair = &near->items[i].pair;
         at = skip_rows( pair, rows, at, row_count );
         const bool is_row = at < row_count && order_of( pair, rows[at].a, rows[at].b ) == 0;
-        near->items[kept] = *pair;
+        near->items[kept] = near->items[i];
         kept += is_row ? 0 : 1;
     }
     near->count = kept;

@@ -1,13 +1,14 @@
 // Narrow phase: which primitives of two clusters may reach their gap in this substep. In: active pairs of clusters.
-// Out: active pairs of primitives, and a new bound for each pair of clusters.
+// Out: active pairs of primitives, and a new bound and list for each active pair of clusters.
 //
 // - Two clusters that a plane separates widely enough need no more: a plane across the line between their boxes, or
 //   across the normal of either.
 // - Otherwise edges meet edges and points meet triangles, for eight pairs of clusters per kernel call. Planes across
-//   the line between the centres of two primitives, and across each, cull most pairs. The rest is measured exactly.
+//   the line between the centres of two primitives, and across each, cull most pairs. The rest is measured exactly,
+//   and listed with its distance where it is near. A list holds until its bound is used up (cached_bounds.c).
+// - In each substep the listed pairs that may reach their gap are measured again (primitive_pairs.c).
 // - With too many pairs, displacements are cut to the smallest thickness and the pairs are found again: a cloth that
 //   collapsed, with all of it within the displacements of a substep, would have every pair of primitives.
-// - The smallest distance or separation seen, less the gap, is the new bound (cached_bounds.c).
 #include "narrow_phase.h"
 
 #include "cached_bounds.h"
@@ -21,15 +22,16 @@
 
 enum
 {
-    PAIRS_PER_TASK = 16, // pairs of clusters
-    MAX_PER_POINT = 64,  // pairs of primitives before displacements are shortened; a stack of cloth has 10
+    SCAN_GRAIN = 256,   // pairs of clusters
+    MAX_PER_POINT = 64, // pairs of primitives before displacements are shortened; a stack of cloth has 10
     MIN_MAX_PAIRS = 1024,
 };
 
 // All in gaps beyond the gap itself. Clusters that a plane separates by APART are not split into primitives.
-// Primitives nearer than MEASURED are measured: the wider, the longer a bound holds. Farther ones have a separating
-// plane for a bound; beyond SEEN from the other cluster's box they are skipped.
-static const float APART_GAPS = 0.5f, MEASURED_GAPS = 0.6f, SEEN_GAPS = 1.5f;
+// Primitives within MEASURED are measured, and listed where their clusters approach by less than SLOW in a substep, so
+// that the list holds for some. Otherwise the list is brief: only what is active in this substep. Farther ones have a
+// separating plane for a bound; beyond SEEN from the other cluster's box they are skipped.
+static const float APART_GAPS = 0.5f, MEASURED_GAPS = 0.6f, SLOW_GAPS = 0.3f, SEEN_GAPS = 1.5f;
 
 typedef struct near_loop
 {
@@ -37,7 +39,7 @@ typedef struct near_loop
     contact_contact_mesh* contact_mesh;
     bool missed_only;
     int active_count, max_pairs;
-    _Atomic int total[CONTACT_KIND_COUNT];
+    _Atomic int total[CONTACT_KIND_COUNT], listed, brief; // pairs: active, listed, of these in brief lists
     _Atomic bool is_out_of_memory;
 } near_loop;
 
@@ -69,9 +71,10 @@ static void place_active( near_loop* loop )
 // A pair of clusters under test.
 typedef struct cluster_test
 {
-    int cluster[2];
-    float gap, closing, within;             // m
-    float bound;                            // m, of measured pairs
+    int pair, cluster[2];
+    float gap, closing; // m
+    float bound;        // m, of pairs that are not listed
+    contact_list list;
     _Alignas( 32 ) float least[WISP_SLICE]; // m, separation of pairs that a plane culled
 } cluster_test;
 
@@ -79,34 +82,55 @@ typedef struct cluster_test
 typedef struct narrow_task
 {
     near_loop* loop;
-    cluster_test tests[PAIRS_PER_TASK];
+    cluster_test tests[WISP_PRIMITIVE_BATCH];
+    float measured[WISP_PRIMITIVE_BATCH], listed[WISP_PRIMITIVE_BATCH]; // m, distances up to which pairs are
+    bool is_brief[WISP_PRIMITIVE_BATCH];
     contact_batch batches[CONTACT_KIND_COUNT];
 } narrow_task;
 
-// Measure the pairs of a batch, lower the bounds of their clusters and pass those within reach on.
+// Measure the pairs of a batch, keep those to be listed, and lower the bounds of their clusters by the others.
 static void measure( narrow_task* task, contact_kind kind )
 {
     contact_batch* batch = task->batches + kind;
-    contact_measure_batch( task->loop->work, kind, batch );
     int selected = 0;
-    for ( int i = 0; i < batch->count; )
+    contact_measure_batch( task->loop->work, kind, batch );
+    for ( int i = 0; i < batch->count; ++i )
     {
         const int number = batch->of[i];
         cluster_test* test = task->tests + number;
-        const float gap = test->gap, limit = gap + test->closing;
-        float nearest = INFINITY;
-        for ( ; i < batch->count && batch->of[i] == number; ++i )
+        const float distance = batch->distance[i];
+        const bool is_near = distance < task->listed[number];
+        batch->gap[i] = test->gap;
+        batch->selected[selected] = i;
+        selected += is_near ? 1 : 0;
+        if ( is_near == false || task->is_brief[number] )
         {
-            const float distance = batch->distance[i];
-            nearest = contact_smaller( distance, nearest );
-            batch->gap[i] = gap;
-            batch->selected[selected] = i;
-            selected += distance < limit ? 1 : 0;
+            test->bound = contact_smaller( distance - 1.001f * test->gap, test->bound );
         }
-        test->bound = contact_smaller( nearest - 1.001f * gap, test->bound );
     }
-    contact_select_active( task->loop->work, kind, batch, selected, task->loop->total + kind );
-    batch->count = 0;
+    contact_keep_near( task->loop->work, kind, batch, selected, task->is_brief );
+    for ( int i = 0; i < batch->count; ++i )
+    {
+        contact_list* list = &task->tests[batch->of[i]].list;
+        *( kind == CONTACT_POINTS ? &list->points : &list->edges ) += 1;
+    }
+}
+
+// List the pairs of a batch. @param at [test] where the next one is listed; moved on
+static void list_pairs( const narrow_task* task, contact_kind kind, int* at )
+{
+    static const float ROUNDING = 0.9999f; // of a distance
+    const contact_batch* batch = task->batches + kind;
+    contact_listed* listed = task->loop->contact_mesh->bounds->listed;
+    for ( int i = 0; i < batch->count; ++i )
+    {
+        listed[at[batch->of[i]]++] = ( contact_listed ){
+            .a = batch->first[i],
+            .b = batch->second[i],
+            .gap = batch->gap[i],
+            .key = ROUNDING * batch->distance[i] - batch->gap[i] - task->tests[batch->of[i]].bound,
+        };
+    }
 }
 
 // Test primitives of one kind in one cluster against those of another kind in the other. @param query which of the
@@ -132,8 +156,8 @@ static void find_pairs( narrow_task* task, const int* numbers, int count, int qu
             .pack_count = b->rows[kinds[1]],
             .query_aabb = s->clusters->boxes + one,
             .box = s->clusters->boxes + other,
-            .max_distance = test->within,
-            .cull_distance = test->within + SEEN_GAPS * test->gap,
+            .max_distance = task->measured[numbers[i]],
+            .cull_distance = task->measured[numbers[i]] + SEEN_GAPS * test->gap,
             .min_distance = test->least,
             .is_self = is_own,
             .cluster = numbers[i],
@@ -165,14 +189,14 @@ static float separation_of( const wisp_kernels* kernels, const contact_contact_m
     return kernels->separation( &args );
 }
 
-// Test the pairs of clusters [first, first + count) of a task.
-static void test_clusters( narrow_task* task, int first, int count )
+// Test the pairs of clusters of a task.
+static void test_clusters( narrow_task* task, int count )
 {
     static const int EDGES[2] = { 1, 1 }, POINTS[2] = { 0, 2 };
     const contact_contact_mesh* s = task->loop->contact_mesh;
     const wisp_kernels* kernels = wisp_frame_kernels( task->loop->work->frame );
     int numbers[WISP_PRIMITIVE_BATCH], near_count = 0;
-    for ( int i = first; i < first + count; ++i )
+    for ( int i = 0; i < count; ++i )
     {
         cluster_test* test = task->tests + i;
         const int a = test->cluster[0], b = test->cluster[1];
@@ -187,95 +211,174 @@ static void test_clusters( narrow_task* task, int first, int count )
     find_pairs( task, numbers, near_count, 1, POINTS, CONTACT_POINTS );
 }
 
-static void begin_test( const near_loop* loop, int pair, cluster_test* test )
+static void begin_test( narrow_task* task, int number, int pair )
 {
-    const contact_contact_mesh* s = loop->contact_mesh;
-    const contact_participant* participants = loop->work->participants;
+    const contact_contact_mesh* s = task->loop->contact_mesh;
+    const contact_participant* participants = task->loop->work->participants;
     const int a = s->bounds->pairs[0].cluster[pair], b = s->bounds->pairs[0].other[pair];
-    test->cluster[0] = a;
-    test->cluster[1] = b;
+    cluster_test* test = task->tests + number;
+    *test = ( cluster_test ){ .pair = pair, .cluster = { a, b } };
     test->gap = contact_gap_between( participants + s->clusters->items[a].participant,
                                      participants + s->clusters->items[b].participant );
     test->closing = contact_closing_of( s->motion->ways + a, s->motion->ways + b );
-    test->within = 1.001f * test->gap + test->closing + MEASURED_GAPS * test->gap;
-    test->bound = test->within + SEEN_GAPS * test->gap - 1.001f * test->gap;
+    const float needed = 1.001f * test->gap + test->closing;
+    task->measured[number] = needed + MEASURED_GAPS * test->gap;
+    task->is_brief[number] = test->closing >= SLOW_GAPS * test->gap;
+    task->listed[number] = task->is_brief[number] ? needed : task->measured[number];
+    test->bound = test->closing + MEASURED_GAPS * test->gap;
     for ( int i = 0; i < WISP_SLICE; ++i )
     {
         test->least[i] = INFINITY;
     }
 }
 
-static float bound_of_pair( const cluster_test* test )
+// Lower the bound of a pair of clusters by what planes culled.
+static void lower_bound( cluster_test* test )
 {
-    float least = test->least[0];
-    for ( int i = 1; i < WISP_SLICE; ++i )
+    for ( int i = 0; i < WISP_SLICE; ++i )
     {
-        least = contact_smaller( least, test->least[i] );
+        test->bound = contact_smaller( test->least[i] - 1.001f * test->gap, test->bound );
     }
-    return contact_smaller( test->bound, least - 1.001f * test->gap );
 }
 
 static bool is_too_long( near_loop* loop )
 {
-    return atomic_load( loop->total + CONTACT_POINTS ) > loop->max_pairs - atomic_load( loop->total + CONTACT_EDGES );
+    return atomic_load( loop->total + CONTACT_POINTS ) >
+               loop->max_pairs - atomic_load( loop->total + CONTACT_EDGES ) ||
+           atomic_load( &loop->brief ) > loop->max_pairs;
 }
 
-static void run_task( void* context, int begin, int end, int worker )
+static void search_clusters( void* context, int begin, int end, int worker )
 {
     near_loop* loop = context;
-    contact_contact_mesh* s = loop->contact_mesh;
-    if ( is_too_long( loop ) )
-    {
-        return;
-    }
+    contact_cached_bounds* bounds = loop->contact_mesh->bounds;
     narrow_task* task = wisp_parallel_scratch( loop->work->parallel, worker, sizeof( *task ) );
     if ( task == NULL )
     {
         atomic_store( &loop->is_out_of_memory, true );
         return;
     }
+    if ( is_too_long( loop ) )
+    {
+        return;
+    }
+    const int count = end - begin;
     task->loop = loop;
     task->batches[CONTACT_POINTS].count = task->batches[CONTACT_EDGES].count = 0;
-    for ( int i = begin; i < end; ++i )
+    for ( int i = 0; i < count; ++i )
     {
-        begin_test( loop, s->bounds->active[i], task->tests + ( i - begin ) );
+        begin_test( task, i, bounds->active[begin + i] );
     }
-    for ( int first = 0; first < end - begin; first += WISP_PRIMITIVE_BATCH )
-    {
-        if ( contact_has_room( task->batches + CONTACT_POINTS ) == false ||
-             contact_has_room( task->batches + CONTACT_EDGES ) == false )
-        {
-            measure( task, CONTACT_POINTS );
-            measure( task, CONTACT_EDGES );
-        }
-        const int left = end - begin - first;
-        test_clusters( task, first, left < WISP_PRIMITIVE_BATCH ? left : WISP_PRIMITIVE_BATCH );
-    }
+    test_clusters( task, count );
     measure( task, CONTACT_POINTS );
     measure( task, CONTACT_EDGES );
-    for ( int i = begin; i < end && loop->missed_only == false; ++i )
+    int length = 0, brief = 0, at[WISP_PRIMITIVE_BATCH];
+    for ( int i = 0; i < count; ++i )
     {
-        s->bounds->pairs[0].slack[s->bounds->active[i]] = bound_of_pair( task->tests + ( i - begin ) );
+        const int pairs = task->tests[i].list.points + task->tests[i].list.edges;
+        lower_bound( task->tests + i );
+        length += pairs;
+        brief += task->is_brief[i] ? pairs : 0;
+    }
+    atomic_fetch_add( &loop->brief, brief );
+    int next = bounds->listed_count + atomic_fetch_add( &loop->listed, length );
+    if ( length > bounds->listed_most - next )
+    {
+        return;
+    }
+    for ( int i = 0; i < count; ++i )
+    {
+        cluster_test* test = task->tests + i;
+        at[i] = test->list.first = next;
+        next += test->list.points + test->list.edges;
+        test->list.least = at[i] < next ? -INFINITY : INFINITY;
+        bounds->pairs[0].slack[test->pair] = test->bound;
+        bounds->pairs[0].list[test->pair] = test->list;
+    }
+    list_pairs( task, CONTACT_POINTS, at );
+    list_pairs( task, CONTACT_EDGES, at );
+}
+
+// ---- listed pairs ----
+
+static void select_listed( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    near_loop* loop = context;
+    const contact_work* work = loop->work;
+    const contact_contact_mesh* s = loop->contact_mesh;
+    const contact_cluster_pairs* pairs = s->bounds->pairs;
+    const uint8_t* is_missed = s->motion->cluster_is_missed;
+    contact_candidates candidates[CONTACT_KIND_COUNT];
+    for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
+    {
+        candidates[kind].kind = (contact_kind)kind;
+        candidates[kind].count = 0;
+    }
+    for ( int i = begin; i < end && is_too_long( loop ) == false; ++i )
+    {
+        contact_list* list = pairs->list + i;
+        const int a = pairs->cluster[i], b = pairs->other[i], length = list->points + list->edges;
+        const float closing = contact_closing_of( s->motion->ways + a, s->motion->ways + b );
+        if ( list->least + pairs->slack[i] >= closing ||
+             ( loop->missed_only && ( is_missed[a] | is_missed[b] ) == 0 ) )
+        {
+            continue;
+        }
+        list->least = INFINITY;
+        for ( int k = 0; k < length; ++k )
+        {
+            contact_listed* listed = s->bounds->listed + list->first + k;
+            const int kind = k < list->points ? CONTACT_POINTS : CONTACT_EDGES;
+            list->least = contact_smaller( listed->key, list->least );
+            if ( !( listed->key + pairs->slack[i] >= closing ) &&
+                 contact_add_candidate( work, candidates + kind, listed, pairs->slack[i] ) == false )
+            {
+                contact_select_active( work, candidates + kind, loop->total + kind );
+            }
+        }
+    }
+    for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
+    {
+        contact_select_active( work, candidates + kind, loop->total + kind );
     }
 }
 
+// Make the lists of the active pairs of clusters. @return false without memory
+static bool search_active( near_loop* loop )
+{
+    contact_cached_bounds* bounds = loop->contact_mesh->bounds;
+    const bool is_full = bounds->last_length > bounds->listed_most - bounds->listed_count;
+    bool enough = is_full == false || contact_make_room_for_listed( loop->work, 0 ), fits = false;
+    atomic_init( &loop->is_out_of_memory, false );
+    while ( enough && fits == false )
+    {
+        atomic_init( &loop->listed, 0 );
+        atomic_init( &loop->brief, 0 );
+        wisp_parallel_for( loop->work->parallel, loop->active_count, WISP_PRIMITIVE_BATCH, search_clusters, loop );
+        const int length = atomic_load( &loop->listed );
+        bounds->last_length = length;
+        fits = is_too_long( loop ) || length <= bounds->listed_most - bounds->listed_count;
+        enough = atomic_load( &loop->is_out_of_memory ) == false &&
+                 ( fits || contact_make_room_for_listed( loop->work, length ) );
+    }
+    bounds->listed_count += is_too_long( loop ) ? 0 : atomic_load( &loop->listed );
+    return enough;
+}
+
 // @return whether `near` had room for all pairs
-static bool run_tests( near_loop* loop )
+static bool select_all( near_loop* loop )
 {
     contact_near* near = loop->contact_mesh->primitives->near;
     bool fits = true;
-    atomic_init( &loop->is_out_of_memory, false );
-    for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
-    {
-        atomic_init( loop->total + kind, 0 );
-    }
-    wisp_parallel_for( loop->work->parallel, loop->active_count, PAIRS_PER_TASK, run_task, loop );
+    wisp_parallel_for( loop->work->parallel, loop->contact_mesh->bounds->pairs[0].count, SCAN_GRAIN, select_listed,
+                       loop );
     for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
     {
         near[kind].count = atomic_load( loop->total + kind );
         fits = fits && near[kind].count <= near[kind].most;
     }
-    return fits && is_too_long( loop ) == false;
+    return fits;
 }
 
 // Pairs that may be found before displacements are shortened. They are not where nothing limits them.
@@ -295,23 +398,29 @@ wisp_status contact_find_near( const contact_work* work, bool missed_only, wisp_
     loop.max_pairs = max_pairs_of( work );
     loop.active_count = contact_find_active_clusters( work, missed_only );
     place_active( &loop );
-    bool enough = true;
-    while ( enough && run_tests( &loop ) == false )
+    bool enough = true, is_done = false;
+    while ( enough && is_done == false )
     {
-        if ( is_too_long( &loop ) )
+        for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
         {
+            atomic_init( loop.total + kind, 0 );
+        }
+        enough = search_active( &loop );
+        is_done = enough && is_too_long( &loop ) == false && select_all( &loop );
+        if ( enough && is_too_long( &loop ) )
+        {
+            is_done = false;
             loop.max_pairs = INT_MAX;
             s->motion->reach = s->min_thickness;
             contact_shorten_ways( work );
             continue;
         }
-        for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
+        for ( int kind = 0; kind < CONTACT_KIND_COUNT && enough && is_done == false; ++kind )
         {
             const int count = s->primitives->near[kind].count;
             enough = enough && contact_reserve_near( work, (contact_kind)kind, count + count / 2 );
         }
     }
-    return enough && atomic_load( &loop.is_out_of_memory ) == false
-               ? WISP_OK
-               : wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d pairs of clusters", loop.active_count );
+    return enough ? WISP_OK
+                  : wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d pairs of clusters", loop.active_count );
 }

@@ -1,5 +1,5 @@
-// Active pairs: the last test before a pair of primitives becomes a constraint. In: pairs within reach, from the
-// narrow phase. Out: those that may come to their gap wherever their points go within their tolerance.
+// Active pairs: the last test before a pair of primitives becomes a constraint. In: listed pairs that may reach their
+// gap in this substep. Out: those that may come to it wherever their points go within their tolerance.
 //
 // A pair is active if its distance at the intersection-free positions is less than its gap and the most that two of
 // its points may approach each other. The test looks at the state alone, so results do not depend on what found the
@@ -7,14 +7,13 @@
 // around an intersection are dropped, because no side of their plane is right.
 #include "primitive_pairs.h"
 
-#include "closest_points.h"
 #include "intersections.h"
 #include "predicted_motion.h"
 
 #include <stdatomic.h>
 #include <string.h>
 
-// ---- distances ----
+// ---- a batch ----
 
 static void swap_where( bool swapped, int32_t* a, int32_t* b )
 {
@@ -36,13 +35,13 @@ static void put_less_first( contact_batch* batch )
 }
 
 // Repeat the last pair up to a multiple of eight.
-static int pad_to_eight( contact_batch* batch, int count )
+static int pad_to_eight( int32_t* const point_x4[4], int count )
 {
     for ( ; count % WISP_SLICE != 0; ++count )
     {
         for ( int k = 0; k < 4; ++k )
         {
-            batch->point_x4[k][count] = batch->point_x4[k][count - 1];
+            point_x4[k][count] = point_x4[k][count - 1];
         }
     }
     return count;
@@ -55,16 +54,15 @@ void contact_measure_batch( const contact_work* work, contact_kind kind, contact
     {
         put_less_first( batch );
     }
+    int32_t* const points[4] = { batch->point_x4[0], batch->point_x4[1], batch->point_x4[2], batch->point_x4[3] };
     const wisp_closest_args args = {
         .xyzw = work->contact_mesh->intersection_free,
-        .point_x4 = { batch->point_x4[0], batch->point_x4[1], batch->point_x4[2], batch->point_x4[3] },
+        .point_x4 = { points[0], points[1], points[2], points[3] },
         .distance = batch->distance,
     };
-    const int groups = pad_to_eight( batch, batch->count ) / WISP_SLICE;
+    const int groups = pad_to_eight( points, batch->count ) / WISP_SLICE;
     ( kind == CONTACT_EDGES ? kernels->closest_segments : kernels->closest_triangle )( &args, 0, groups );
 }
-
-// ---- the test ----
 
 // Move the pairs in `selected` to the front.
 static void compact( contact_batch* batch, int count )
@@ -74,43 +72,50 @@ static void compact( contact_batch* batch, int count )
         const int from = batch->selected[i];
         batch->first[i] = batch->first[from];
         batch->second[i] = batch->second[from];
+        batch->of[i] = batch->of[from];
         batch->gap[i] = batch->gap[from];
         batch->distance[i] = batch->distance[from];
+        batch->closing[i] = batch->closing[from];
         for ( int k = 0; k < 4; ++k )
         {
             batch->point_x4[k][i] = batch->point_x4[k][from];
         }
     }
+    batch->count = count;
 }
 
-// Return whether both sides have a point of an intersection.
-static bool is_tangled( const contact_contact_mesh* s, contact_kind kind, const contact_batch* batch, int i )
+// ---- the test ----
+
+// Return whether both sides of a pair of one kind have a point of an intersection.
+static bool is_tangled( const contact_work* work, contact_kind kind, const int32_t* const point_x4[4], int i )
 {
     const int split = kind == CONTACT_EDGES ? 2 : 1;
     bool sides[2] = { false, false };
-    for ( int k = 0; k < 4; ++k )
+    for ( int k = 0; k < 4 && work->memory->tangled != 0; ++k )
     {
-        sides[k >= split] = sides[k >= split] || s->intersections->is_tangled[batch->point_x4[k][i] / 4] != 0;
+        sides[k >= split] =
+            sides[k >= split] || work->contact_mesh->intersections->is_tangled[point_x4[k][i] / 4] != 0;
     }
     return sides[0] && sides[1];
 }
 
 // Compute the most that the sides of each pair may approach each other in this substep.
-static void find_closings( const contact_work* work, contact_kind kind, contact_batch* batch, int count )
+static void find_closings( const contact_work* work, contact_kind kind, int32_t* const point_x4[4], int count,
+                           float* closing )
 {
     const wisp_approach_args args = {
         .predicted = work->contact_mesh->motion->ahead,
-        .point_x4 = { batch->point_x4[0], batch->point_x4[1], batch->point_x4[2], batch->point_x4[3] },
+        .point_x4 = { point_x4[0], point_x4[1], point_x4[2], point_x4[3] },
         .are_edges = kind == CONTACT_EDGES,
-        .max_approach = batch->closing,
+        .max_approach = closing,
     };
-    wisp_frame_kernels( work->frame )->max_approach( &args, 0, pad_to_eight( batch, count ) );
+    wisp_frame_kernels( work->frame )->max_approach( &args, 0, pad_to_eight( point_x4, count ) );
 }
 
 // Pairs at no distance have no plane between them; only coincident.c can use them.
-static bool may_meet( const contact_contact_mesh* s, const contact_batch* batch, int i )
+static bool may_meet( const contact_contact_mesh* s, float distance, float gap, float closing )
 {
-    return ( batch->distance[i] > 0.0f || s->is_parting ) && batch->distance[i] < batch->gap[i] + batch->closing[i];
+    return gap > 0.0f && ( distance > 0.0f || s->is_parting ) && distance < gap + closing;
 }
 
 // ---- rest distances ----
@@ -134,24 +139,25 @@ static bool boxes_are_within( const float* xyzw, const contact_batch* batch, int
 }
 
 // Lower the gap of pairs within a participant that are closer at rest.
-static void thin_gaps( const contact_work* work, contact_kind kind, contact_batch* batch, int count )
+static void thin_gaps( const contact_work* work, contact_kind kind, contact_batch* batch )
 {
     static const float REST_FRACTION = 0.9f; // of the rest distance
     const contact_contact_mesh* s = work->contact_mesh;
     contact_primitives primitives;
     primitives.are_edges = kind == CONTACT_EDGES;
-    for ( int next = 0; next < count; )
+    for ( int next = 0; next < batch->count; )
     {
         int thin[CONTACT_BATCH], thin_count = 0;
-        for ( ; next < count && thin_count < CONTACT_BATCH; ++next )
+        for ( ; next < batch->count && thin_count < CONTACT_BATCH; ++next )
         {
             const bool is_own = s->rest[batch->point_x4[0][next] + 3] == s->rest[batch->point_x4[3][next] + 3];
             if ( is_own &&
                  boxes_are_within( s->rest, batch, next, kind == CONTACT_EDGES ? 2 : 1, 2.0f * batch->gap[next] ) )
             {
-                const int32_t points[4] = { batch->point_x4[0][next] / 4, batch->point_x4[1][next] / 4,
-                                            batch->point_x4[2][next] / 4, batch->point_x4[3][next] / 4 };
-                contact_put_primitives( &primitives, thin_count, points );
+                for ( int k = 0; k < 4; ++k )
+                {
+                    primitives.point_x4[k][thin_count] = batch->point_x4[k][next];
+                }
                 thin[thin_count++] = next;
             }
         }
@@ -163,6 +169,90 @@ static void thin_gaps( const contact_work* work, contact_kind kind, contact_batc
     }
 }
 
+void contact_keep_near( const contact_work* work, contact_kind kind, contact_batch* batch, int selected,
+                        const bool* is_brief )
+{
+    compact( batch, selected );
+    int32_t* const points[4] = { batch->point_x4[0], batch->point_x4[1], batch->point_x4[2], batch->point_x4[3] };
+    find_closings( work, kind, points, selected, batch->closing );
+    for ( int pass = 0; pass < 2; ++pass )
+    {
+        int kept = 0;
+        for ( int i = 0; i < batch->count; ++i )
+        {
+            const bool is_active =
+                may_meet( work->contact_mesh, batch->distance[i], batch->gap[i], batch->closing[i] ) &&
+                ( pass == 1 || is_tangled( work, kind, (const int32_t* const*)points, i ) == false );
+            batch->selected[kept] = i;
+            kept += is_active || ( is_brief[batch->of[i]] == false && batch->gap[i] > 0.0f ) ? 1 : 0;
+        }
+        compact( batch, kept );
+        if ( pass == 0 )
+        {
+            thin_gaps( work, kind, batch );
+        }
+    }
+}
+
+// ---- candidates ----
+
+bool contact_add_candidate( const contact_work* work, contact_candidates* candidates, contact_listed* listed,
+                            float slack )
+{
+    const contact_contact_mesh* s = work->contact_mesh;
+    const bool is_edge = candidates->kind == CONTACT_EDGES;
+    const int32_t* a = is_edge ? s->edges + 2 * (size_t)listed->a : &listed->a;
+    const int32_t* b = is_edge ? s->edges + 2 * (size_t)listed->b : s->triangles + 3 * (size_t)listed->b;
+    const int32_t points[4] = { a[0], is_edge ? a[1] : b[0], is_edge ? b[0] : b[1], is_edge ? b[1] : b[2] };
+    const int i = candidates->count++;
+    contact_put_primitives( &candidates->primitives, i, points );
+    candidates->listed[i] = listed;
+    candidates->slack[i] = slack;
+    return candidates->count < CONTACT_BATCH;
+}
+
+void contact_select_active( const contact_work* work, contact_candidates* c, _Atomic int* total )
+{
+    static const float ROUNDING = 0.9999f; // of a distance
+    _Alignas( 64 ) float weight[CONTACT_BATCH / WISP_SLICE][4][WISP_SLICE];
+    _Alignas( 64 ) float normal[CONTACT_BATCH / WISP_SLICE][3][WISP_SLICE];
+    contact_near* near = work->contact_mesh->primitives->near + c->kind;
+    contact_active found[CONTACT_BATCH];
+    int count = 0;
+    if ( c->count == 0 )
+    {
+        return;
+    }
+    int32_t* const points[4] = { c->primitives.point_x4[0], c->primitives.point_x4[1], c->primitives.point_x4[2],
+                                 c->primitives.point_x4[3] };
+    c->primitives.are_edges = c->kind == CONTACT_EDGES;
+    const float* distance = contact_measure_primitives( work, work->contact_mesh->intersection_free, &c->primitives,
+                                                        c->count, weight, normal );
+    find_closings( work, c->kind, points, c->count, c->closing );
+    for ( int i = 0; i < c->count; ++i )
+    {
+        contact_listed* listed = c->listed[i];
+        listed->key = ROUNDING * distance[i] - listed->gap - c->slack[i];
+        if ( may_meet( work->contact_mesh, distance[i], listed->gap, c->closing[i] ) &&
+             is_tangled( work, c->kind, (const int32_t* const*)points, i ) == false )
+        {
+            contact_active* active = found + count++;
+            *active = ( contact_active ){ { listed->a, listed->b, listed->gap }, distance[i], { 0.0f }, { 0.0f } };
+            for ( int k = 0; k < 4; ++k )
+            {
+                active->weight[k] = weight[i / WISP_SLICE][k][i % WISP_SLICE];
+                active->normal[k % 3] = normal[i / WISP_SLICE][k % 3][i % WISP_SLICE];
+            }
+        }
+    }
+    const int first = count > 0 ? atomic_fetch_add( total, count ) : 0;
+    if ( count > 0 && first + count <= near->most )
+    {
+        memcpy( near->items + first, found, (size_t)count * sizeof( *found ) );
+    }
+    c->count = 0;
+}
+
 // ---- output ----
 
 bool contact_reserve_near( const contact_work* work, contact_kind kind, int count )
@@ -172,37 +262,4 @@ bool contact_reserve_near( const contact_work* work, contact_kind kind, int coun
         contact_reserve( work, &near->buffer, (size_t)count * sizeof( *near->items ), (void**)&near->items );
     near->most = enough ? count : 0;
     return enough;
-}
-
-void contact_select_active( const contact_work* work, contact_kind kind, contact_batch* batch, int selected,
-                            _Atomic int* total )
-{
-    const contact_contact_mesh* s = work->contact_mesh;
-    contact_near* near = work->contact_mesh->primitives->near + kind;
-    compact( batch, selected );
-    find_closings( work, kind, batch, selected );
-    int kept = 0;
-    for ( int i = 0; i < selected; ++i )
-    {
-        batch->selected[kept] = i;
-        const bool is_dropped = work->memory->tangled != 0 && is_tangled( s, kind, batch, i );
-        kept += may_meet( s, batch, i ) && is_dropped == false ? 1 : 0;
-    }
-    for ( int i = 0; i < kept; ++i )
-    {
-        batch->closing[i] = batch->closing[batch->selected[i]];
-    }
-    compact( batch, kept );
-    thin_gaps( work, kind, batch, kept );
-    int count = 0;
-    for ( int i = 0; i < kept; ++i )
-    {
-        batch->found[count] = ( contact_pair ){ batch->first[i], batch->second[i], batch->gap[i] };
-        count += batch->gap[i] > 0.0f && may_meet( s, batch, i ) ? 1 : 0;
-    }
-    const int first = count > 0 ? atomic_fetch_add( total, count ) : 0;
-    if ( count > 0 && first + count <= near->most )
-    {
-        memcpy( near->items + first, batch->found, (size_t)count * sizeof( *batch->found ) );
-    }
 }

@@ -1,7 +1,8 @@
 // Pairs of primitives: which of those that the narrow phase measured may reach their gap in this substep.
 #pragma once
 
-#include "contact_mesh.h"
+#include "cached_bounds.h"
+#include "closest_points.h"
 
 #include "wisp/module/kernels.h"
 #include "wisp/module/primitives.h"
@@ -9,8 +10,8 @@
 enum
 {
     CONTACT_MAX_PAIRS =
-        24 * 24,         // of primitives of one kind in two clusters, or of the points of either with triangles
-    CONTACT_ROOM = 6144, // pairs in a narrow batch
+        24 * 24, // of primitives of one kind in two clusters, or of the points of either with triangles
+    CONTACT_ROOM = WISP_PRIMITIVE_BATCH * CONTACT_MAX_PAIRS + WISP_SLICE, // pairs in a batch
 };
 
 /// A point and a triangle, two edges, or two boundary particles.
@@ -19,6 +20,13 @@ typedef struct contact_pair
     int32_t a, b;
     float gap; // m, the distance to keep: never more than the pair has at rest
 } contact_pair;
+
+/// An active pair, and for primitives what was measured.
+typedef struct contact_active
+{
+    contact_pair pair;
+    float distance, weight[4], normal[3]; // as contact_row has them
+} contact_active;
 
 /// Kinds of pairs.
 typedef enum contact_kind
@@ -31,7 +39,7 @@ typedef enum contact_kind
 /// Active pairs of one kind, in any order.
 typedef struct contact_near
 {
-    contact_pair* items;
+    contact_active* items;
     int count, most;
     wisp_buffer buffer;
 } contact_near;
@@ -41,7 +49,7 @@ typedef struct contact_primitive_pairs
     contact_near near[CONTACT_KIND_COUNT];
 } contact_primitive_pairs;
 
-/// Pairs of one kind that a worker measures together.
+/// Pairs of one kind that the search of eight pairs of clusters found.
 typedef struct contact_batch
 {
     int count;
@@ -49,8 +57,18 @@ typedef struct contact_batch
     int32_t of[CONTACT_ROOM];                                               // the pair of clusters
     int32_t selected[CONTACT_ROOM];                                         // indices of those that pass a test
     float gap[CONTACT_ROOM], distance[CONTACT_ROOM], closing[CONTACT_ROOM]; // m
-    contact_pair found[CONTACT_ROOM];
 } contact_batch;
+
+/// Listed pairs of one kind that may reach their gap in this substep.
+typedef struct contact_candidates
+{
+    int count;
+    contact_kind kind;
+    contact_listed* listed[CONTACT_BATCH];
+    float slack[CONTACT_BATCH]; // m, of their pair of clusters
+    contact_primitives primitives;
+    float closing[CONTACT_BATCH]; // m
+} contact_candidates;
 
 /// Point a kernel's output behind the pairs of a batch.
 static inline void contact_take_room( contact_batch* batch, wisp_primitive_pairs* out )
@@ -64,19 +82,21 @@ static inline void contact_take_room( contact_batch* batch, wisp_primitive_pairs
     }
 }
 
-/// Return whether a batch has room for all pairs of one call of the kernel.
-static inline bool contact_has_room( const contact_batch* batch )
-{
-    return batch->count + WISP_PRIMITIVE_BATCH * CONTACT_MAX_PAIRS + WISP_SLICE <= CONTACT_ROOM;
-}
-
 /// Measure all pairs of a batch at the intersection-free positions.
 void contact_measure_batch( const contact_work* work, contact_kind kind, contact_batch* batch );
 
-/// Append the active ones of the pairs in `selected` to `near`, as far as it has room.
+/// Keep the pairs in `selected`, with gaps lowered where they are nearer at rest.
+/// @param is_brief [pair of clusters] keep only what is active in this substep
+void contact_keep_near( const contact_work* work, contact_kind kind, contact_batch* batch, int selected,
+                        const bool* is_brief );
+
+/// Add a listed pair of primitives. @return whether there is room for more
+bool contact_add_candidate( const contact_work* work, contact_candidates* candidates, contact_listed* listed,
+                            float slack );
+
+/// Measure the candidates, and append the active ones to `near`, as far as it has room. Lists keep their distances.
 /// @param total counts all of them
-void contact_select_active( const contact_work* work, contact_kind kind, contact_batch* batch, int selected,
-                            _Atomic int* total );
+void contact_select_active( const contact_work* work, contact_candidates* candidates, _Atomic int* total );
 
 /// Make room in `near`.
 /// @return false without memory

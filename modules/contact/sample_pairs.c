@@ -186,7 +186,7 @@ static void find_near( void* context, int begin, int end, int worker )
         c->active_at = min_spent( s, a ) + min_spent( s, b ) + ( distance - 1.001f * c->pair.gap );
         if ( distance > 0.0f && distance < c->pair.gap + closing_of( s, &c->pair ) )
         {
-            s->primitives->near[CONTACT_POINTS].items[atomic_fetch_add( &loop->total, 1 )] = c->pair;
+            s->primitives->near[CONTACT_POINTS].items[atomic_fetch_add( &loop->total, 1 )].pair = c->pair;
         }
     }
 }

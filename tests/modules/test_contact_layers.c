@@ -5,6 +5,7 @@
 #include "contact_fixture.h"
 
 #include "boundary.h"
+#include "contact_state.h"
 #include "oracle/contact_oracle.h"
 
 static const float DT = 0.01f, THICK = 0.05f, NO_PARTICLES = 10.0f; // s, m, m
@@ -442,6 +443,107 @@ TEST( what_is_remembered_does_not_change_a_bit )
 {
     check_remembered( false, 120, FRAME / 8.0f );
     check_remembered( true, 320, FRAME / 10.0f );
+}
+
+// ---- lists against brute force ----
+
+static double3 start_of( const contact_contact_mesh* s, int point )
+{
+    const float* p = s->intersection_free + (size_t)point * 4;
+    return ( double3 ){ (double)p[0], (double)p[1], (double)p[2] };
+}
+
+// Return the distance of a point and a triangle, or of two edges; infinity if they share a point.
+static double distance_between( const contact_contact_mesh* s, bool are_edges, int a, int b )
+{
+    const int32_t* first = are_edges ? s->edges + 2 * a : &a;
+    const int32_t* second = are_edges ? s->edges + 2 * b : s->triangles + 3 * b;
+    double3 x[2][3];
+    for ( int i = 0; i < ( are_edges ? 2 : 1 ); ++i )
+    {
+        x[0][i] = start_of( s, first[i] );
+        for ( int k = 0; k < ( are_edges ? 2 : 3 ); ++k )
+        {
+            x[1][k] = start_of( s, second[k] );
+            if ( first[i] == second[k] )
+            {
+                return INFINITY;
+            }
+        }
+    }
+    return are_edges ? contact_oracle_segments( x[0], x[1] ).distance
+                     : contact_oracle_point_triangle( x[0][0], x[1] ).distance;
+}
+
+// Return what the list of two clusters says of a pair: the least that its distance is above its gap.
+static double listed_bound( const contact_contact_mesh* s, int pair, int kind, int a, int b, double* gap )
+{
+    const contact_list* list = s->bounds->pairs[0].list + pair;
+    const int first = list->first + ( kind == CONTACT_EDGES ? list->points : 0 ),
+              count = kind == CONTACT_EDGES ? list->edges : list->points;
+    const double slack = (double)s->bounds->pairs[0].slack[pair];
+    for ( int i = first; i < first + count; ++i )
+    {
+        const contact_listed* l = s->bounds->listed + i;
+        if ( ( l->a == a && l->b == b ) || ( kind == CONTACT_EDGES && l->a == b && l->b == a ) )
+        {
+            *gap = (double)l->gap;
+            return (double)l->key + slack;
+        }
+    }
+    return slack;
+}
+
+// Check all primitives of two clusters. @return how many pairs were checked
+static int check_list( const contact_contact_mesh* s, int pair, double whole_gap )
+{
+    static const int KINDS[3][2] = { { 1, 1 }, { 0, 2 }, { 2, 0 } };
+    const int both[2] = { s->bounds->pairs[0].cluster[pair], s->bounds->pairs[0].other[pair] };
+    const double gone = (double)contact_closing_of( s->motion->gone + both[0], s->motion->gone + both[1] );
+    int count = 0;
+    for ( int k = 0; k < 3; ++k )
+    {
+        const contact_cluster *a = s->clusters->items + both[0], *b = s->clusters->items + both[1];
+        const wisp_primitive_pack *p = s->clusters->primitives + a->kind_row[KINDS[k][0]],
+                                  *q = s->clusters->primitives + b->kind_row[KINDS[k][1]];
+        for ( int n = 0; n < 64 * a->rows[KINDS[k][0]] * b->rows[KINDS[k][1]]; ++n )
+        {
+            const int i = p[n / 64 / b->rows[KINDS[k][1]]].item[n % 8],
+                      j = q[n / 64 % b->rows[KINDS[k][1]]].item[n / 8 % 8];
+            if ( i >= 0 && j >= 0 )
+            {
+                const int kind = k == 0 ? CONTACT_EDGES : CONTACT_POINTS, point = k == 2 ? j : i;
+                double gap = whole_gap;
+                const double bound = listed_bound( s, pair, kind, point, k == 2 ? i : j, &gap );
+                assert_true( distance_between( s, k == 0, point, k == 2 ? i : j ) - gap > bound - gone - 1e-6 );
+                count += 1;
+            }
+        }
+    }
+    return count;
+}
+
+// Bounds are those at the start of the last substep, in which clusters have approached since.
+TEST( no_pair_is_nearer_than_its_list_says )
+{
+    SCOPED( close_world ) hosted h;
+    open_contact( &h, 4, 1, 1 );
+    const wisp_entity ball = add_folding( h.world );
+    contact_state* found;
+    assert_status( h.world, contact_find_state( h.world, &found ), WISP_OK );
+    int count = 0, listed = 0;
+    for ( int step = 0; step < 40; ++step )
+    {
+        swing( h.world, ball, FRAME * (float)step );
+        run_steps( h.world, 1, FRAME );
+        const contact_contact_mesh* s = &found->contact_mesh;
+        for ( int pair = step % 8; pair < s->bounds->pairs[0].count && step > 20; pair += 8 )
+        {
+            count += check_list( s, pair, (double)found->participants[0].settings.thickness );
+            listed += s->bounds->pairs[0].list[pair].points + s->bounds->pairs[0].list[pair].edges;
+        }
+    }
+    assert_true( count > 100000 && listed > 1000 );
 }
 
 // Between a floor and a sheet that spins far above it, whose pair is listed from the start, another sheet descends
