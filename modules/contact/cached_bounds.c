@@ -34,6 +34,7 @@ static bool reserve_pairs( const contact_work* work, contact_cluster_pairs* pair
            contact_reserve( work, list + CONTACT_BOUND_SLACK, most * sizeof( float ), (void**)&pairs->slack ) &&
            contact_reserve( work, list + CONTACT_BOUND_LIST, most * sizeof( *pairs->list ), (void**)&pairs->list ) &&
            contact_reserve( work, b->buffers + CONTACT_BOUND_ACTIVE, most * index, (void**)&b->active ) &&
+           contact_reserve( work, b->buffers + CONTACT_BOUND_SEARCHED, most * index, (void**)&b->searched ) &&
            contact_reserve( work, b->buffers + CONTACT_BOUND_ACTIVE_COUNT, blocks * index, (void**)&b->active_count );
 }
 
@@ -44,7 +45,7 @@ static void put_pair( contact_cluster_pairs* pairs, int at, int32_t cluster, int
     pairs->cluster[at] = cluster;
     pairs->other[at] = other;
     pairs->slack[at] = known >= 0 ? before->slack[known] : -INFINITY;
-    pairs->list[at] = known >= 0 ? before->list[known] : ( contact_list ){ 0, 0, 0, INFINITY };
+    pairs->list[at] = known >= 0 ? before->list[known] : ( contact_list ){ 0, 0, 0, 0.0f };
 }
 
 // Bounds of a cluster's pairs in the list before, in the order of the other clusters.
@@ -190,20 +191,27 @@ static void find_active( void* context, int begin, int end, int worker )
         wisp_frame_kernels( loop->work->frame )->find_active_pairs( &args, begin, end );
 }
 
-// Compact the active pairs of all blocks.
+// Compact the active pairs of all blocks, and select those to be searched.
 static int gather_active( const contact_contact_mesh* s, bool missed_only )
 {
-    const contact_cluster_pairs* pairs = s->bounds->pairs;
+    contact_cached_bounds* b = s->bounds;
+    const contact_cluster_pairs* pairs = b->pairs;
     const uint8_t* is_missed = s->motion->cluster_is_missed;
-    int32_t* active = s->bounds->active;
     int count = 0;
+    b->searched_count = 0;
     for ( int first = 0; first < pairs->count; first += PAIRS_PER_BLOCK )
     {
-        for ( int i = first; i < first + s->bounds->active_count[first / PAIRS_PER_BLOCK]; ++i )
+        for ( int i = first; i < first + b->active_count[first / PAIRS_PER_BLOCK]; ++i )
         {
-            const int32_t pair = active[i];
-            active[count] = pair;
-            count += missed_only == false || ( is_missed[pairs->cluster[pair]] | is_missed[pairs->other[pair]] );
+            const int32_t pair = b->active[i], one = pairs->cluster[pair], other = pairs->other[pair];
+            if ( missed_only == false || ( is_missed[one] | is_missed[other] ) != 0 )
+            {
+                const float closing = contact_closing_of( s->motion->ways + one, s->motion->ways + other );
+                const bool holds = pairs->slack[pair] + pairs->list[pair].beyond >= closing;
+                b->active[count++] = pair;
+                b->searched[b->searched_count] = pair;
+                b->searched_count += holds ? 0 : 1;
+            }
         }
     }
     return count;

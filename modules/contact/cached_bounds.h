@@ -10,14 +10,14 @@ typedef struct contact_listed
 {
     int32_t a, b; // a point and a triangle, or two edges with a < b
     float gap;    // m, the distance to keep: never more than the pair has at rest
-    float key;    // m: its distance, less the gap, is at least this and the slack of its clusters
+    float key;    // m: its distance, less the gap, is at least this and the bound of pairs that are not listed
 } contact_listed;
 
 /// The pairs of primitives of two clusters: points and triangles, then edges.
 typedef struct contact_list
 {
     int32_t first, points, edges; // in `listed`
-    float least;                  // m, smallest key
+    float beyond;                 // m, the bound of pairs that are not listed, less that of all
 } contact_list;
 
 /// Pairs of clusters that may come near each other. Those of a cluster are contiguous: itself first, then others in
@@ -27,7 +27,7 @@ typedef struct contact_cluster_pairs
     int32_t* begin;     // [cluster + 1]
     int32_t* cluster;   // [pair], padded to a multiple of eight
     int32_t* other;     // [pair]
-    float* slack;       // [pair] m: lower bound of the distance of primitives that are not listed, less the gap
+    float* slack;       // [pair] m: lower bound of the distance of any two of their primitives, less the gap
     contact_list* list; // [pair]
     int count;
 } contact_cluster_pairs;
@@ -41,6 +41,7 @@ enum
     CONTACT_BOUND_LIST = CONTACT_BOUND_SLACK + 2,
     CONTACT_BOUND_LISTED = CONTACT_BOUND_LIST + 2, // of two arrays, which take turns
     CONTACT_BOUND_ACTIVE = CONTACT_BOUND_LISTED + 2,
+    CONTACT_BOUND_SEARCHED,
     CONTACT_BOUND_ACTIVE_COUNT,
     CONTACT_BOUND_ARRAY_COUNT,
 };
@@ -51,7 +52,9 @@ typedef struct contact_cached_bounds
     int turn;                       // whose buffers the current list has
     contact_listed* listed;         // pairs of primitives, with those of past searches between them
     int listed_count, listed_most, listed_turn, last_length;
-    int32_t* active;       // [pair] those that may reach their gap in this substep
+    int32_t* active;   // [pair] those that may reach their gap in this substep
+    int32_t* searched; // [pair] of these, those whose lists do not hold for it
+    int searched_count;
     int32_t* active_count; // [block of pairs]
     wisp_buffer buffers[CONTACT_BOUND_ARRAY_COUNT];
 } contact_cached_bounds;

@@ -127,10 +127,11 @@ static void order_triangles( cutting* c, const contact_participant* participant 
 
 // ---- points and edges ----
 
-// Assign points and edges to the first cluster with a triangle that has them.
+// Assign points and edges to the first triangle that has them, and to its cluster.
 static void assign_corners( cutting* c, const contact_participant* participant )
 {
     const contact_contact_mesh* s = c->contact_mesh;
+    uint8_t *owns = s->clusters->triangle_owns, *edge_owns = s->clusters->edge_owns;
     for ( int t = participant->first_triangle; t < participant->first_triangle + participant->triangle_count; ++t )
     {
         const int32_t* corner = s->triangles + 3 * (size_t)t;
@@ -138,6 +139,9 @@ static void assign_corners( cutting* c, const contact_participant* participant )
         {
             const int a = corner[i], b = corner[( i + 1 ) % 3];
             const int edge = contact_find_edge( s, participant, a < b ? a : b, a < b ? b : a );
+            const int corner_bit = c->cluster_of[0][a] < 0 ? 1 : 0, edge_bit = c->cluster_of[1][edge] < 0 ? 1 : 0;
+            owns[t] |= (uint8_t)( corner_bit << ( 3 + i ) | edge_bit << ( i + 2 ) % 3 );
+            edge_owns[edge] |= (uint8_t)( CONTACT_HAS_TRIANGLE | corner_bit << ( a < b ? 0 : 1 ) );
             c->cluster_of[0][a] = c->cluster_of[0][a] < 0 ? c->cluster_of[2][t] : c->cluster_of[0][a];
             c->cluster_of[1][edge] = c->cluster_of[1][edge] < 0 ? c->cluster_of[2][t] : c->cluster_of[1][edge];
         }
@@ -163,6 +167,7 @@ static void cut_strands( cutting* c, const contact_participant* participant )
         for ( int i = 0; i < 2; ++i )
         {
             int32_t* of = c->cluster_of[0] + points[i];
+            s->clusters->edge_owns[e] |= (uint8_t)( *of < 0 ? 1 << i : 0 );
             *of = *of < 0 ? c->cluster_count - 1 : *of;
         }
         last = points[1];
@@ -354,11 +359,17 @@ bool contact_make_clusters( const contact_work* work )
     cutting c = { .work = work, .contact_mesh = s };
     int32_t* scratch = wisp_parallel_scratch( work->parallel, work->worker,
                                               numbers * sizeof( int32_t ) + triangles * sizeof( *c.middle ) );
-    if ( scratch == NULL || contact_reserve( work, k->buffers + CONTACT_CLUSTER_OF_POINT,
-                                             (size_t)counts[0] * sizeof( int32_t ), (void**)&k->of_point ) == false )
+    wisp_buffer* b = k->buffers;
+    if ( scratch == NULL ||
+         contact_reserve( work, b + CONTACT_CLUSTER_OF_POINT, (size_t)counts[0] * sizeof( int32_t ),
+                          (void**)&k->of_point ) == false ||
+         contact_reserve( work, b + CONTACT_CLUSTER_EDGE_OWNS, (size_t)counts[1], (void**)&k->edge_owns ) == false ||
+         contact_reserve( work, b + CONTACT_CLUSTER_TRIANGLE_OWNS, triangles, (void**)&k->triangle_owns ) == false )
     {
         return false;
     }
+    memset( k->edge_owns, 0, (size_t)counts[1] );
+    memset( k->triangle_owns, 0, triangles );
     c.cluster_of[0] = k->of_point;
     c.cluster_of[1] = scratch;
     c.cluster_of[2] = scratch + counts[1];

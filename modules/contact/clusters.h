@@ -26,7 +26,14 @@ enum
     CONTACT_CLUSTER_TO_PLACE,
     CONTACT_CLUSTER_BOXES,
     CONTACT_CLUSTER_NORMALS,
+    CONTACT_CLUSTER_TRIANGLE_OWNS,
+    CONTACT_CLUSTER_EDGE_OWNS,
     CONTACT_CLUSTER_ARRAY_COUNT,
+};
+
+enum
+{
+    CONTACT_HAS_TRIANGLE = 4, // of `edge_owns`
 };
 
 typedef struct contact_clusters
@@ -42,6 +49,8 @@ typedef struct contact_clusters
     int32_t* to_place;               // [cluster + 1] scratch: those to be placed
     wisp_aabb* boxes;                // [cluster] around intersection-free positions, if placed
     float* normals;                  // [cluster][3] sum of the unit normals of its triangles, if placed
+    uint8_t* triangle_owns;          // [triangle] bit k: the edge across from corner k; bit 3 + k: corner k
+    uint8_t* edge_owns;              // [edge] bit k: end k; CONTACT_HAS_TRIANGLE
     wisp_buffer buffers[CONTACT_CLUSTER_ARRAY_COUNT];
 } contact_clusters;
 

@@ -109,19 +109,19 @@ static void begin_row( const contact_work* work, const contact_active* active, b
 // ---- order ----
 
 // Compare by the first side, then by the second.
-static int order_of( const contact_pair* c, int32_t a, int32_t b )
+static int order_of( const contact_place* c, int32_t a, int32_t b )
 {
     const int first = ( c->a > a ) - ( c->a < a );
     return first != 0 ? first : ( c->b > b ) - ( c->b < b );
 }
 
 // Sort pairs by a digit of one of their sides; those with the same one stay in their order.
-static void sort_by( const contact_active* from, contact_active* to, int pairs, bool by_a, int shift )
+static void sort_by( const contact_place* from, contact_place* to, int pairs, bool by_a, int shift )
 {
     int32_t begin[DIGITS + 1] = { 0 };
     for ( int i = 0; i < pairs; ++i )
     {
-        begin[( ( by_a ? from[i].pair.a : from[i].pair.b ) >> shift ) % DIGITS + 1] += 1;
+        begin[( ( by_a ? from[i].a : from[i].b ) >> shift ) % DIGITS + 1] += 1;
     }
     for ( int digit = 0; digit < DIGITS; ++digit )
     {
@@ -129,20 +129,24 @@ static void sort_by( const contact_active* from, contact_active* to, int pairs, 
     }
     for ( int i = 0; i < pairs; ++i )
     {
-        to[begin[( ( by_a ? from[i].pair.a : from[i].pair.b ) >> shift ) % DIGITS]++] = from[i];
+        to[begin[( ( by_a ? from[i].a : from[i].b ) >> shift ) % DIGITS]++] = from[i];
     }
 }
 
 // Sort pairs by their first side, then by their second. No two are equal. @param most index of a side
-// @param spare [near->count] scratch
-static void sort_pairs( contact_near* near, int most, contact_active* spare )
+// @param order [near->count] out, and spare [near->count] scratch
+static void sort_pairs( const contact_near* near, int most, contact_place* order, contact_place* spare )
 {
-    contact_active *from = near->items, *to = spare;
+    contact_place *from = order, *to = spare;
+    for ( int i = 0; i < near->count; ++i )
+    {
+        order[i] = ( contact_place ){ near->items[i].pair.a, near->items[i].pair.b, i };
+    }
     for ( int by_a = 0; by_a < 2; ++by_a )
     {
         for ( int shift = 0; most >> shift > 0; shift += DIGIT_BITS )
         {
-            contact_active* sorted = to;
+            contact_place* sorted = to;
             sort_by( from, to, near->count, by_a != 0, shift );
             to = from;
             from = sorted;
@@ -159,17 +163,22 @@ static wisp_status find_sorted( const contact_work* work, bool missed_only, wisp
     {
         return status;
     }
-    contact_near* near = s->primitives->near;
-    const int pairs = near[0].count > near[1].count ? near[0].count : near[1].count;
-    contact_active* spare;
-    if ( contact_reserve( work, &s->constraints->spare_buffer, (size_t)pairs * sizeof( *spare ), (void**)&spare ) ==
-         false )
+    contact_constraints* constraints = s->constraints;
+    const contact_near* near = s->primitives->near;
+    const size_t room[3] = { (size_t)near[0].count, (size_t)near[1].count,
+                             (size_t)( near[0].count > near[1].count ? near[0].count : near[1].count ) };
+    contact_place* order;
+    if ( contact_reserve( work, &constraints->order_buffer, ( room[0] + room[1] + room[2] ) * sizeof( *order ),
+                          (void**)&order ) == false )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d contact pairs", pairs );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %zu contact pairs", room[0] + room[1] );
     }
     for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
     {
-        sort_pairs( near + kind, s->point_count + s->edge_count + s->triangle_count + s->samples->count, spare );
+        constraints->order[kind] = order + ( kind > 0 ? room[0] : 0 );
+        constraints->order_count[kind] = near[kind].count;
+        sort_pairs( near + kind, s->point_count + s->edge_count + s->triangle_count + s->samples->count,
+                    constraints->order[kind], order + room[0] + room[1] );
     }
     return WISP_OK;
 }
@@ -180,6 +189,7 @@ typedef struct row_loop
 {
     const contact_work* work;
     const contact_active* near;
+    const contact_place* order;
     contact_row* rows;
     bool are_edges;
 } row_loop;
@@ -190,20 +200,22 @@ static void fill_rows( void* context, int begin, int end, int worker )
     const row_loop* loop = context;
     for ( int i = begin; i < end; ++i )
     {
-        begin_row( loop->work, loop->near + i, loop->are_edges, loop->rows + i );
+        begin_row( loop->work, loop->near + loop->order[i].at, loop->are_edges, loop->rows + i );
     }
 }
 
 static wisp_status fill_all( const contact_work* work, wisp_buffer* buffer, contact_row** rows, wisp_error* error )
 {
     contact_contact_mesh* s = work->contact_mesh;
-    const int split = s->primitives->near[CONTACT_POINTS].count, edges = s->primitives->near[CONTACT_EDGES].count;
+    const contact_near* near = s->primitives->near;
+    contact_place* const* order = s->constraints->order;
+    const int split = s->constraints->order_count[CONTACT_POINTS], edges = s->constraints->order_count[CONTACT_EDGES];
     if ( contact_reserve( work, buffer, (size_t)( split + edges ) * sizeof( **rows ), (void**)rows ) == false )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d contact pairs", split + edges );
     }
-    row_loop of_points = { work, s->primitives->near[CONTACT_POINTS].items, *rows, false },
-             of_edges = { work, s->primitives->near[CONTACT_EDGES].items, *rows + split, true };
+    row_loop of_points = { work, near[CONTACT_POINTS].items, order[CONTACT_POINTS], *rows, false },
+             of_edges = { work, near[CONTACT_EDGES].items, order[CONTACT_EDGES], *rows + split, true };
     wisp_parallel_for( work->parallel, split, ROW_GRAIN, fill_rows, &of_points );
     wisp_parallel_for( work->parallel, edges, ROW_GRAIN, fill_rows, &of_edges );
     return WISP_OK;
@@ -219,15 +231,15 @@ wisp_status contact_find_rows( const contact_work* work, wisp_error* error )
     {
         return status;
     }
-    s->constraints->split = s->primitives->near[CONTACT_POINTS].count;
-    s->constraints->row_count = s->constraints->split + s->primitives->near[CONTACT_EDGES].count;
+    s->constraints->split = s->constraints->order_count[CONTACT_POINTS];
+    s->constraints->row_count = s->constraints->split + s->constraints->order_count[CONTACT_EDGES];
     return WISP_OK;
 }
 
 // ---- missed rows ----
 
 // Return the first row from `at` on that is not before a pair. Rows and pairs are both in order, so the steps grow.
-static int skip_rows( const contact_pair* pair, const contact_row* rows, int at, int row_count )
+static int skip_rows( const contact_place* pair, const contact_row* rows, int at, int row_count )
 {
     int step = 1;
     while ( at + step < row_count && order_of( pair, rows[at + step].a, rows[at + step].b ) > 0 )
@@ -247,33 +259,31 @@ static int skip_rows( const contact_pair* pair, const contact_row* rows, int at,
 }
 
 // Remove pairs that are rows already.
-static void keep_new( contact_near* near, const contact_row* rows, int row_count )
+static void keep_new( contact_constraints* constraints, contact_kind kind, const contact_row* rows, int row_count )
 {
+    contact_place* order = constraints->order[kind];
     int kept = 0, at = 0;
-    for ( int i = 0; i < near->count; ++i )
+    for ( int i = 0; i < constraints->order_count[kind]; ++i )
     {
-        const contact_pair* pair = &near->items[i].pair;
-        at = skip_rows( pair, rows, at, row_count );
-        const bool is_row = at < row_count && order_of( pair, rows[at].a, rows[at].b ) == 0;
-        near->items[kept] = near->items[i];
+        at = skip_rows( order + i, rows, at, row_count );
+        const bool is_row = at < row_count && order_of( order + i, rows[at].a, rows[at].b ) == 0;
+        order[kept] = order[i];
         kept += is_row ? 0 : 1;
     }
-    near->count = kept;
+    constraints->order_count[kind] = kept;
 }
 
 wisp_status contact_find_missed_rows( const contact_work* work, wisp_error* error )
 {
-    contact_contact_mesh* s = work->contact_mesh;
-    s->constraints->missed_row_count = 0;
+    contact_constraints* c = work->contact_mesh->constraints;
+    c->missed_row_count = 0;
     wisp_status status = find_sorted( work, true, error );
     if ( status == WISP_OK )
     {
-        keep_new( s->primitives->near + CONTACT_POINTS, s->constraints->rows, s->constraints->split );
-        keep_new( s->primitives->near + CONTACT_EDGES, s->constraints->rows + s->constraints->split,
-                  s->constraints->row_count - s->constraints->split );
-        status = fill_all( work, &s->constraints->missed_buffer, &s->constraints->missed_rows, error );
+        keep_new( c, CONTACT_POINTS, c->rows, c->split );
+        keep_new( c, CONTACT_EDGES, c->rows + c->split, c->row_count - c->split );
+        status = fill_all( work, &c->missed_buffer, &c->missed_rows, error );
     }
-    s->constraints->missed_row_count =
-        status == WISP_OK ? s->primitives->near[CONTACT_POINTS].count + s->primitives->near[CONTACT_EDGES].count : 0;
+    c->missed_row_count = status == WISP_OK ? c->order_count[CONTACT_POINTS] + c->order_count[CONTACT_EDGES] : 0;
     return status;
 }

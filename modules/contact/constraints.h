@@ -1,7 +1,7 @@
 // Constraints: a separating plane for each active pair.
 #pragma once
 
-#include "contact_mesh.h"
+#include "primitive_pairs.h"
 
 /// A constraint in a substep: the plane between a pair at its intersection-free positions, and the accumulated
 /// corrections. The distance along the normal is linear in the points; the first `split` of them are one side.
@@ -22,6 +22,12 @@ typedef struct contact_row
     float cut;                      // fraction of its displacements that the displacement limit leaves, in a round
 } contact_row;
 
+/// Where an active pair is in the list of its kind.
+typedef struct contact_place
+{
+    int32_t a, b, at;
+} contact_place;
+
 typedef struct contact_constraints
 {
     contact_row* rows; // points and triangles, or particles; then edges. In the order of their primitives
@@ -29,7 +35,9 @@ typedef struct contact_constraints
     int row_count;
     contact_row* missed_rows; // limit displacements, but are not projected
     int missed_row_count;
-    wisp_buffer row_buffer, missed_buffer, spare_buffer;
+    contact_place* order[CONTACT_KIND_COUNT]; // of those that become rows
+    int order_count[CONTACT_KIND_COUNT];
+    wisp_buffer row_buffer, missed_buffer, order_buffer;
 } contact_constraints;
 
 /// Build the constraints of all active pairs, in an order that does not depend on the search.

@@ -58,10 +58,11 @@ typedef struct contact_participant
 {
     wisp_entity entity;
     bool is_strands, halted;
-    bool is_left_out; // of the contact mesh: its counts are 0
-    bool joins;       // it was apart until this substep
-    bool may_part;    // strands, far, whose reach is known
-    bool has_layer;   // its particles are those that another module shares, as they are at the start of a step
+    bool is_corrected; // another module solves for it
+    bool is_left_out;  // of the contact mesh: its counts are 0
+    bool joins;        // it was apart until this substep
+    bool may_part;     // strands, far, whose reach is known
+    bool has_layer;    // its particles are those that another module shares, as they are at the start of a step
     int first_point, point_count, first_edge, edge_count, first_triangle, triangle_count;
     contact_settings settings;
     contact_reach_box box;

@@ -66,7 +66,7 @@ static void release_stages( contact_state* s, const wisp_allocator* allocator )
     wisp_aabb_pairs_release( &s->samples.overlaps, allocator );
     wisp_buffer_release( &s->constraints.row_buffer, allocator );
     wisp_buffer_release( &s->constraints.missed_buffer, allocator );
-    wisp_buffer_release( &s->constraints.spare_buffer, allocator );
+    wisp_buffer_release( &s->constraints.order_buffer, allocator );
     wisp_buffer_release( &s->colouring.point_buffer, allocator );
     wisp_buffer_release( &s->untangling.buffer, allocator );
 }
@@ -88,7 +88,7 @@ static size_t count_memory( const void* memory, size_t* outside )
     const contact_state* s = memory;
     const wisp_buffer single[] = { s->broad_phase.box_buffer,    s->intersections.buffer,
                                    s->samples.candidate_buffer,  s->constraints.row_buffer,
-                                   s->constraints.missed_buffer, s->constraints.spare_buffer,
+                                   s->constraints.missed_buffer, s->constraints.order_buffer,
                                    s->colouring.point_buffer,    s->untangling.buffer };
     size_t bytes = (size_t)s->participant_capacity * sizeof( contact_participant ) +
                    wisp_buffer_bytes( single, WISP_COUNT( single ) ) + wisp_samples_bytes( &s->samples.sampler ) +

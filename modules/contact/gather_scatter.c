@@ -339,6 +339,7 @@ void contact_gather( const contact_work* work, bool is_start )
             continue;
         }
         participant->halted = wisp_frame_is_halted( work->frame, participant->entity );
+        participant->is_corrected = wisp_frame_has( work->frame, participant->entity, WISP_PARTICLE_EXTERNAL_SOLVER );
         participant->thickness = wisp_frame_column( work->frame, participant->entity, WISP_MAP_CONTACT_THICKNESS, 0 );
         participant->friction = wisp_frame_column( work->frame, participant->entity, WISP_MAP_CONTACT_FRICTION, 0 );
         participant->half_spaces =

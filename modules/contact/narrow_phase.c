@@ -22,7 +22,7 @@
 
 enum
 {
-    SCAN_GRAIN = 256,   // pairs of clusters
+    SELECT_GRAIN = 32,  // pairs of clusters
     MAX_PER_POINT = 64, // pairs of primitives before displacements are shortened; a stack of cloth has 10
     MIN_MAX_PAIRS = 1024,
 };
@@ -39,12 +39,13 @@ typedef struct near_loop
     contact_contact_mesh* contact_mesh;
     bool missed_only;
     int active_count, max_pairs;
-    _Atomic int total[CONTACT_KIND_COUNT], listed, brief; // pairs: active, listed, of these in brief lists
+    _Atomic int total[CONTACT_KIND_COUNT], stored[CONTACT_KIND_COUNT], listed,
+        brief; // pairs: active, listed, of these in brief lists
     _Atomic bool is_out_of_memory;
 } near_loop;
 
-// Place the clusters of active pairs, each once per substep.
-static void place_active( near_loop* loop )
+// Place the clusters of pairs to be searched, each once per substep.
+static void place_searched( near_loop* loop )
 {
     contact_contact_mesh* s = loop->contact_mesh;
     if ( loop->missed_only == false )
@@ -52,10 +53,10 @@ static void place_active( near_loop* loop )
         memset( s->clusters->is_placed, 0, (size_t)s->clusters->count );
     }
     int count = 0;
-    for ( int i = 0; i < loop->active_count; ++i )
+    for ( int i = 0; i < s->bounds->searched_count; ++i )
     {
-        const int32_t both[2] = { s->bounds->pairs[0].cluster[s->bounds->active[i]],
-                                  s->bounds->pairs[0].other[s->bounds->active[i]] };
+        const int32_t both[2] = { s->bounds->pairs[0].cluster[s->bounds->searched[i]],
+                                  s->bounds->pairs[0].other[s->bounds->searched[i]] };
         for ( int k = 0; k < 2; ++k )
         {
             s->clusters->to_place[count] = both[k];
@@ -195,7 +196,7 @@ static void test_clusters( narrow_task* task, int count )
     static const int EDGES[2] = { 1, 1 }, POINTS[2] = { 0, 2 };
     const contact_contact_mesh* s = task->loop->contact_mesh;
     const wisp_kernels* kernels = wisp_frame_kernels( task->loop->work->frame );
-    int numbers[WISP_PRIMITIVE_BATCH], near_count = 0;
+    int numbers[WISP_PRIMITIVE_BATCH] = { 0 }, near_count = 0;
     for ( int i = 0; i < count; ++i )
     {
         cluster_test* test = task->tests + i;
@@ -225,7 +226,7 @@ static void begin_test( narrow_task* task, int number, int pair )
     task->measured[number] = needed + MEASURED_GAPS * test->gap;
     task->is_brief[number] = test->closing >= SLOW_GAPS * test->gap;
     task->listed[number] = task->is_brief[number] ? needed : task->measured[number];
-    test->bound = test->closing + MEASURED_GAPS * test->gap;
+    test->bound = test->closing + ( MEASURED_GAPS + SEEN_GAPS ) * test->gap;
     for ( int i = 0; i < WISP_SLICE; ++i )
     {
         test->least[i] = INFINITY;
@@ -267,7 +268,7 @@ static void search_clusters( void* context, int begin, int end, int worker )
     task->batches[CONTACT_POINTS].count = task->batches[CONTACT_EDGES].count = 0;
     for ( int i = 0; i < count; ++i )
     {
-        begin_test( task, i, bounds->active[begin + i] );
+        begin_test( task, i, bounds->searched[begin + i] );
     }
     test_clusters( task, count );
     measure( task, CONTACT_POINTS );
@@ -291,7 +292,6 @@ static void search_clusters( void* context, int begin, int end, int worker )
         cluster_test* test = task->tests + i;
         at[i] = test->list.first = next;
         next += test->list.points + test->list.edges;
-        test->list.least = at[i] < next ? -INFINITY : INFINITY;
         bounds->pairs[0].slack[test->pair] = test->bound;
         bounds->pairs[0].list[test->pair] = test->list;
     }
@@ -301,6 +301,23 @@ static void search_clusters( void* context, int begin, int end, int worker )
 
 // ---- listed pairs ----
 
+// Describe the listed pairs of two clusters.
+static contact_listed_source source_of( const contact_work* work, int pair )
+{
+    const contact_contact_mesh* s = work->contact_mesh;
+    const contact_cluster_pairs* pairs = s->bounds->pairs;
+    const int a = pairs->cluster[pair], b = pairs->other[pair];
+    const contact_participant *of_a = work->participants + s->clusters->items[a].participant,
+                              *of_b = work->participants + s->clusters->items[b].participant;
+    return ( contact_listed_source ){
+        .list = pairs->list + pair,
+        .slack = pairs->slack[pair] + pairs->list[pair].beyond,
+        .closing = contact_closing_of( s->motion->ways + a, s->motion->ways + b ),
+        .gap = contact_gap_between( of_a, of_b ),
+        .has_owners = ( of_a->is_corrected || of_b->is_corrected ) == false,
+    };
+}
+
 static void select_listed( void* context, int begin, int end, int worker )
 {
     (void)worker;
@@ -308,7 +325,6 @@ static void select_listed( void* context, int begin, int end, int worker )
     const contact_work* work = loop->work;
     const contact_contact_mesh* s = loop->contact_mesh;
     const contact_cluster_pairs* pairs = s->bounds->pairs;
-    const uint8_t* is_missed = s->motion->cluster_is_missed;
     contact_candidates candidates[CONTACT_KIND_COUNT];
     for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
     {
@@ -317,35 +333,36 @@ static void select_listed( void* context, int begin, int end, int worker )
     }
     for ( int i = begin; i < end && is_too_long( loop ) == false; ++i )
     {
-        contact_list* list = pairs->list + i;
-        const int a = pairs->cluster[i], b = pairs->other[i], length = list->points + list->edges;
-        const float closing = contact_closing_of( s->motion->ways + a, s->motion->ways + b );
-        if ( list->least + pairs->slack[i] >= closing ||
-             ( loop->missed_only && ( is_missed[a] | is_missed[b] ) == 0 ) )
-        {
-            continue;
-        }
-        list->least = INFINITY;
-        for ( int k = 0; k < length; ++k )
+        contact_listed_source from = source_of( work, s->bounds->active[i] );
+        contact_list* list = pairs->list + s->bounds->active[i];
+        list->beyond = 0.0f;
+        for ( int k = 0; k < list->points + list->edges; ++k )
         {
             contact_listed* listed = s->bounds->listed + list->first + k;
             const int kind = k < list->points ? CONTACT_POINTS : CONTACT_EDGES;
-            list->least = contact_smaller( listed->key, list->least );
-            if ( !( listed->key + pairs->slack[i] >= closing ) &&
-                 contact_add_candidate( work, candidates + kind, listed, pairs->slack[i] ) == false )
+            if ( listed->key + from.slack >= from.closing )
             {
-                contact_select_active( work, candidates + kind, loop->total + kind );
+                list->beyond = contact_larger( -listed->key, list->beyond );
+            }
+            else if ( contact_add_candidate( work, candidates + kind, listed, &from ) == false )
+            {
+                contact_select_active( work, candidates + kind, loop->total + kind, loop->stored + kind );
             }
         }
+        pairs->slack[s->bounds->active[i]] = from.slack;
     }
     for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
     {
-        contact_select_active( work, candidates + kind, loop->total + kind );
+        contact_select_active( work, candidates + kind, loop->total + kind, loop->stored + kind );
+    }
+    for ( int i = begin; i < end; ++i )
+    {
+        pairs->slack[s->bounds->active[i]] -= pairs->list[s->bounds->active[i]].beyond;
     }
 }
 
-// Make the lists of the active pairs of clusters. @return false without memory
-static bool search_active( near_loop* loop )
+// Make the lists that do not hold. @return false without memory
+static bool make_lists( near_loop* loop )
 {
     contact_cached_bounds* bounds = loop->contact_mesh->bounds;
     const bool is_full = bounds->last_length > bounds->listed_most - bounds->listed_count;
@@ -355,7 +372,8 @@ static bool search_active( near_loop* loop )
     {
         atomic_init( &loop->listed, 0 );
         atomic_init( &loop->brief, 0 );
-        wisp_parallel_for( loop->work->parallel, loop->active_count, WISP_PRIMITIVE_BATCH, search_clusters, loop );
+        wisp_parallel_for( loop->work->parallel, bounds->searched_count, WISP_PRIMITIVE_BATCH, search_clusters,
+                           loop );
         const int length = atomic_load( &loop->listed );
         bounds->last_length = length;
         fits = is_too_long( loop ) || length <= bounds->listed_most - bounds->listed_count;
@@ -371,11 +389,10 @@ static bool select_all( near_loop* loop )
 {
     contact_near* near = loop->contact_mesh->primitives->near;
     bool fits = true;
-    wisp_parallel_for( loop->work->parallel, loop->contact_mesh->bounds->pairs[0].count, SCAN_GRAIN, select_listed,
-                       loop );
+    wisp_parallel_for( loop->work->parallel, loop->active_count, SELECT_GRAIN, select_listed, loop );
     for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
     {
-        near[kind].count = atomic_load( loop->total + kind );
+        near[kind].count = atomic_load( loop->stored + kind );
         fits = fits && near[kind].count <= near[kind].most;
     }
     return fits;
@@ -397,15 +414,16 @@ wisp_status contact_find_near( const contact_work* work, bool missed_only, wisp_
     near_loop loop = { .work = work, .contact_mesh = s, .missed_only = missed_only };
     loop.max_pairs = max_pairs_of( work );
     loop.active_count = contact_find_active_clusters( work, missed_only );
-    place_active( &loop );
+    place_searched( &loop );
     bool enough = true, is_done = false;
     while ( enough && is_done == false )
     {
         for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
         {
             atomic_init( loop.total + kind, 0 );
+            atomic_init( loop.stored + kind, 0 );
         }
-        enough = search_active( &loop );
+        enough = make_lists( &loop );
         is_done = enough && is_too_long( &loop ) == false && select_all( &loop );
         if ( enough && is_too_long( &loop ) )
         {

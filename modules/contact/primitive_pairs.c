@@ -5,8 +5,14 @@
 // its points may approach each other. The test looks at the state alone, so results do not depend on what found the
 // pair. Within a participant the gap is at most 0.9 of the distance at rest, so that nothing presses at rest. Pairs
 // around an intersection are dropped, because no side of their plane is right.
+//
+// Each closest point has one pair. On an edge or a corner it belongs to the triangle that owns this (clusters.h); the
+// pairs of its neighbours, and of edges that meet in an end, repeat it. Repeats that the substep may bring within half
+// the gap stay, so that nothing passes between the planes of the owners. Surfaces that another module solves for keep
+// all of them: with one pair each, piles of implicit cloth tremble twice as much.
 #include "primitive_pairs.h"
 
+#include "clusters.h"
 #include "intersections.h"
 #include "predicted_motion.h"
 
@@ -197,7 +203,7 @@ void contact_keep_near( const contact_work* work, contact_kind kind, contact_bat
 // ---- candidates ----
 
 bool contact_add_candidate( const contact_work* work, contact_candidates* candidates, contact_listed* listed,
-                            float slack )
+                            const contact_listed_source* from )
 {
     const contact_contact_mesh* s = work->contact_mesh;
     const bool is_edge = candidates->kind == CONTACT_EDGES;
@@ -207,18 +213,61 @@ bool contact_add_candidate( const contact_work* work, contact_candidates* candid
     const int i = candidates->count++;
     contact_put_primitives( &candidates->primitives, i, points );
     candidates->listed[i] = listed;
-    candidates->slack[i] = slack;
+    candidates->list[i] = from->list;
+    candidates->slack[i] = from->slack;
+    candidates->gap[i] = from->gap;
+    candidates->has_owners[i] = from->has_owners;
     return candidates->count < CONTACT_BATCH;
 }
 
-void contact_select_active( const contact_work* work, contact_candidates* c, _Atomic int* total )
+// ---- owners ----
+
+// Return whether a corner has no part in a closest point, within rounding.
+static bool is_zero( float weight )
 {
-    static const float ROUNDING = 0.9999f; // of a distance
+    return fabsf( weight ) < 1e-6f;
+}
+
+// Return whether a pair of edges repeats one of a point and a triangle, or another pair of edges.
+static bool repeats_edges( const contact_clusters* k, const contact_active* active )
+{
+    const int32_t edges[2] = { active->pair.a, active->pair.b };
+    bool repeats = false;
+    for ( int side = 0; side < 2; ++side )
+    {
+        const bool is_second = is_zero( active->weight[2 * side] ),
+                   is_end = is_second || is_zero( active->weight[2 * side + 1] );
+        const bool owns = ( k->edge_owns[edges[side]] >> ( is_second ? 1 : 0 ) & 1 ) != 0;
+        const bool meets_triangle = ( k->edge_owns[edges[1 - side]] & CONTACT_HAS_TRIANGLE ) != 0;
+        repeats = repeats || ( is_end && ( meets_triangle || owns == false ) );
+    }
+    return repeats;
+}
+
+// Return whether a triangle does not own the edge or corner that is nearest to a point.
+static bool repeats_point( const contact_clusters* k, const contact_active* active )
+{
+    const int owned = k->triangle_owns[active->pair.b];
+    int zeros = 0, edge = 0, corner = 0;
+    for ( int i = 0; i < 3; ++i )
+    {
+        const bool is_off = is_zero( active->weight[1 + i] );
+        zeros += is_off ? 1 : 0;
+        edge = is_off ? i : edge;
+        corner = is_off ? corner : i;
+    }
+    return ( zeros == 1 && ( owned >> edge & 1 ) == 0 ) || ( zeros == 2 && ( owned >> ( 3 + corner ) & 1 ) == 0 );
+}
+
+void contact_select_active( const contact_work* work, contact_candidates* c, _Atomic int* total, _Atomic int* stored )
+{
+    static const float REPEAT_FRACTION = 0.5f; // of the gap
+    static const float ROUNDING = 0.9999f;     // of a distance
     _Alignas( 64 ) float weight[CONTACT_BATCH / WISP_SLICE][4][WISP_SLICE];
     _Alignas( 64 ) float normal[CONTACT_BATCH / WISP_SLICE][3][WISP_SLICE];
     contact_near* near = work->contact_mesh->primitives->near + c->kind;
     contact_active found[CONTACT_BATCH];
-    int count = 0;
+    int count = 0, all = 0;
     if ( c->count == 0 )
     {
         return;
@@ -232,20 +281,32 @@ void contact_select_active( const contact_work* work, contact_candidates* c, _At
     for ( int i = 0; i < c->count; ++i )
     {
         contact_listed* listed = c->listed[i];
-        listed->key = ROUNDING * distance[i] - listed->gap - c->slack[i];
-        if ( may_meet( work->contact_mesh, distance[i], listed->gap, c->closing[i] ) &&
-             is_tangled( work, c->kind, (const int32_t* const*)points, i ) == false )
+        const float d = distance[i], gap = listed->gap;
+        listed->key = ROUNDING * d - gap - c->slack[i];
+        c->list[i]->beyond = contact_larger( -listed->key, c->list[i]->beyond );
+        if ( may_meet( work->contact_mesh, d, gap, c->closing[i] ) == false ||
+             is_tangled( work, c->kind, (const int32_t* const*)points, i ) )
         {
-            contact_active* active = found + count++;
-            *active = ( contact_active ){ { listed->a, listed->b, listed->gap }, distance[i], { 0.0f }, { 0.0f } };
-            for ( int k = 0; k < 4; ++k )
-            {
-                active->weight[k] = weight[i / WISP_SLICE][k][i % WISP_SLICE];
-                active->normal[k % 3] = normal[i / WISP_SLICE][k % 3][i % WISP_SLICE];
-            }
+            continue;
         }
+        contact_active* active = found + count;
+        *active = ( contact_active ){ { listed->a, listed->b, gap }, d, { 0.0f }, { 0.0f } };
+        for ( int k = 0; k < 4; ++k )
+        {
+            active->weight[k] = weight[i / WISP_SLICE][k][i % WISP_SLICE];
+            active->normal[k % 3] = normal[i / WISP_SLICE][k % 3][i % WISP_SLICE];
+        }
+        // what is nearer at rest shares a corner with its owner, which may be no pair
+        const bool is_far = c->has_owners[i] && gap == c->gap[i] && d >= REPEAT_FRACTION * gap + c->closing[i] &&
+                            work->contact_mesh->is_parting == false;
+        const bool repeats =
+            is_far && ( c->kind == CONTACT_EDGES ? repeats_edges( work->contact_mesh->clusters, active )
+                                                 : repeats_point( work->contact_mesh->clusters, active ) );
+        count += repeats ? 0 : 1;
+        all += 1;
     }
-    const int first = count > 0 ? atomic_fetch_add( total, count ) : 0;
+    atomic_fetch_add( total, all );
+    const int first = count > 0 ? atomic_fetch_add( stored, count ) : 0;
     if ( count > 0 && first + count <= near->most )
     {
         memcpy( near->items + first, found, (size_t)count * sizeof( *found ) );

@@ -445,7 +445,7 @@ TEST( what_is_remembered_does_not_change_a_bit )
     check_remembered( true, 320, FRAME / 10.0f );
 }
 
-// ---- lists against brute force ----
+// ---- lists and owners against brute force ----
 
 static double3 start_of( const contact_contact_mesh* s, int point )
 {
@@ -544,6 +544,44 @@ TEST( no_pair_is_nearer_than_its_list_says )
         }
     }
     assert_true( count > 100000 && listed > 1000 );
+}
+
+// Points of sheets that lie on one another, whose edges and corners meet in all ways, have one row each.
+TEST( each_closest_point_has_one_row )
+{
+    SCOPED( close_world ) hosted h;
+    open_contact( &h, 1, 1, 1 );
+    for ( int i = 0; i < 2; ++i )
+    {
+        test_mesh mesh = level_sheet( 9, 0.2f, ( wisp_vec3 ){ 0.005f * (float)i, 0.0095f * (float)i, 0.0f } );
+        const wisp_entity e = add_draping( h.world, &mesh, NULL, 0, ( wisp_vec3 ){ 0 } );
+        wisp_contact_def def = contact_of( 0.01f );
+        def.max_push_out_speed = 1e-9f; // m/s: nothing moves
+        set_contact( h.world, e, &def );
+    }
+    run_steps( h.world, 1, FRAME );
+    contact_state* found;
+    assert_status( h.world, contact_find_state( h.world, &found ), WISP_OK );
+    const contact_contact_mesh* s = &found->contact_mesh;
+    const contact_participant* sheets = found->participants;
+    int met = 0;
+    for ( int p = 0; p < sheets[0].point_count; ++p )
+    {
+        double nearest = INFINITY;
+        for ( int t = 0; t < sheets[1].triangle_count; ++t )
+        {
+            nearest = fmin( nearest, distance_between( s, false, p, sheets[1].first_triangle + t ) );
+        }
+        int rows = 0;
+        for ( int r = 0; r < s->constraints->split; ++r )
+        {
+            const contact_row* row = s->constraints->rows + r;
+            rows += row->point[0] == p && fabs( (double)row->distance - nearest ) < 1e-6 ? 1 : 0;
+        }
+        assert_true( rows == 1 || ( rows == 0 && nearest >= 0.01 ) );
+        met += rows;
+    }
+    assert_true( met > 50 );
 }
 
 // Between a floor and a sheet that spins far above it, whose pair is listed from the start, another sheet descends
