@@ -116,6 +116,7 @@ static wisp_status find_candidates( wisp_intersections* intersections, const wis
         .query_count = args->edge_count,
         .boxes = s->triangle_boxes,
         .box_count = args->triangle_count,
+        .kernels = args->kernels,
     };
     return wisp_aabb_pairs_find( &intersections->pairs, parallel, &boxes, error );
 }

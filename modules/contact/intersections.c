@@ -26,6 +26,7 @@ wisp_status contact_find_intersections( const contact_work* work, const float* x
         .edge_count = s->edge_count,
         .triangles = s->triangles,
         .triangle_count = s->triangle_count,
+        .kernels = wisp_frame_kernels( work->frame ),
     };
     return wisp_intersections_find( &s->intersections->intersections, work->parallel, &args, error );
 }

@@ -25,6 +25,7 @@ typedef struct wisp_intersection_args
     int edge_count;
     const int32_t* triangles; ///< [triangle_count][3] points
     int triangle_count;
+    const wisp_kernels* kernels; ///< null: scalar C, with the same result
 } wisp_intersection_args;
 
 /// Zero-initialised is empty.
