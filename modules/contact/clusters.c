@@ -8,7 +8,6 @@
 
 enum
 {
-    PLACE_GRAIN = 64,
     CLUSTER_PRIMITIVES = 8, // triangles, or segments, or points without either
 };
 
@@ -186,19 +185,6 @@ static void cut_strands( cutting* c, const contact_participant* participant )
 
 // ---- packs and lists ----
 
-static bool reserve_clusters( const cutting* c )
-{
-    contact_clusters* k = c->contact_mesh->clusters;
-    const size_t count = (size_t)k->count;
-    wisp_buffer* const b = k->buffers;
-    return contact_reserve( c->work, b + CONTACT_CLUSTER_ITEMS, count * sizeof( *k->items ), (void**)&k->items ) &&
-           contact_reserve( c->work, b + CONTACT_CLUSTER_IS_PLACED, count, (void**)&k->is_placed ) &&
-           contact_reserve( c->work, b + CONTACT_CLUSTER_TO_PLACE, ( count + 1 ) * sizeof( int32_t ),
-                            (void**)&k->to_place ) &&
-           contact_reserve( c->work, b + CONTACT_CLUSTER_BOXES, count * sizeof( *k->boxes ), (void**)&k->boxes ) &&
-           contact_reserve( c->work, b + CONTACT_CLUSTER_NORMALS, count * 3 * sizeof( float ), (void**)&k->normals );
-}
-
 // Count the primitives of each cluster, first one by one, then as packs of eight. @return the number of packs
 static int count_rows( const cutting* c, const int counts[3] )
 {
@@ -257,17 +243,16 @@ static void pad_points( contact_contact_mesh* s, contact_cluster* cluster )
 
 static void add_primitive( contact_contact_mesh* s, contact_cluster* cluster, int kind, int32_t primitive )
 {
-    wisp_primitive_pack* row = s->clusters->primitives + cluster->kind_row[kind];
+    contact_pack* row = s->clusters->packs + cluster->kind_row[kind];
     int lane = 0;
     for ( ; row->item[lane] >= 0; row += lane == WISP_SLICE - 1 ? 1 : 0, lane = ( lane + 1 ) % WISP_SLICE )
     {
     }
     const int32_t* points = points_of( s, kind, &primitive );
-    int32_t* const point_x4[3] = { row->point_x4[0], row->point_x4[1], row->third_x4 };
     row->item[lane] = primitive;
     for ( int k = 0; k <= kind; ++k )
     {
-        point_x4[k][lane] = points[k] * 4;
+        row->point_x4[k][lane] = points[k] * 4;
         add_point( s, cluster, points[k] );
     }
 }
@@ -317,24 +302,25 @@ static bool fill_clusters( const cutting* c, const int counts[3] )
     contact_contact_mesh* s = c->contact_mesh;
     contact_clusters* k = s->clusters;
     k->count = c->cluster_count;
-    if ( reserve_clusters( c ) == false )
+    if ( contact_reserve( c->work, k->buffers + CONTACT_CLUSTER_ITEMS, (size_t)k->count * sizeof( *k->items ),
+                          (void**)&k->items ) == false )
     {
         return false;
     }
     const size_t rows = (size_t)count_rows( c, counts );
     const size_t points =
         (size_t)counts[0] + 2 * (size_t)counts[1] + 3 * (size_t)counts[2] + (size_t)WISP_SLICE * (size_t)k->count;
-    if ( contact_reserve( c->work, k->buffers + CONTACT_CLUSTER_PRIMITIVES, rows * sizeof( *k->primitives ),
-                          (void**)&k->primitives ) == false ||
+    if ( contact_reserve( c->work, k->buffers + CONTACT_CLUSTER_PACKS, rows * sizeof( *k->packs ),
+                          (void**)&k->packs ) == false ||
          contact_reserve( c->work, k->buffers + CONTACT_CLUSTER_POINTS, points * sizeof( int32_t ),
                           (void**)&k->points ) == false )
     {
         return false;
     }
-    memset( k->primitives, 0, rows * sizeof( *k->primitives ) );
+    memset( k->packs, 0, rows * sizeof( *k->packs ) );
     for ( size_t row = 0; row < rows; ++row )
     {
-        memset( k->primitives[row].item, -1, sizeof( k->primitives[row].item ) );
+        memset( k->packs[row].item, -1, sizeof( k->packs[row].item ) );
     }
     for ( int kind = 0; kind < 3; ++kind )
     {
@@ -408,44 +394,39 @@ wisp_aabb contact_box_around( const contact_work* work, const contact_cluster* c
 }
 
 // Sum the normals of the triangles of a cluster; zero without any.
-static void sum_normals( contact_clusters* c, int p )
+static void sum_normals( const contact_cluster* cluster, contact_placed* placed )
 {
-    const contact_cluster* cluster = c->items + p;
-    const wisp_primitive_pack* row = c->primitives + cluster->kind_row[2];
-    float* normal = c->normals + 3 * (size_t)p;
-    normal[0] = normal[1] = normal[2] = 0.0f;
+    const wisp_primitive_pack* row = contact_packs_of( placed, cluster, 2 );
+    memset( placed->normal, 0, sizeof( placed->normal ) );
     for ( int lane = 0; lane < WISP_SLICE && cluster->rows[2] > 0 && row->item[lane] >= 0; ++lane )
     {
         for ( int k = 0; k < 3; ++k )
         {
-            normal[k] += row->normal[k][lane];
+            placed->normal[k] += row->normal[k][lane];
         }
     }
 }
 
-static void place_clusters( void* context, int begin, int end, int worker )
+void contact_place_cluster( const contact_work* work, int cluster, contact_placed* to )
 {
-    (void)worker;
-    const contact_work* work = context;
-    contact_clusters* c = work->contact_mesh->clusters;
+    const contact_clusters* c = work->contact_mesh->clusters;
+    const contact_cluster* from = c->items + cluster;
     const wisp_kernels* kernels = wisp_frame_kernels( work->frame );
-    for ( int i = begin; i < end; ++i )
+    to->box = contact_box_around( work, from );
+    for ( int kind = 0; kind < 3; ++kind )
     {
-        const int p = c->to_place[i];
-        c->boxes[p] = contact_box_around( work, c->items + p );
-        for ( int kind = 0; kind < 3; ++kind )
+        const int first = from->kind_row[kind] - from->kind_row[0];
+        for ( int i = first; i < first + from->rows[kind]; ++i )
         {
-            const int row = c->items[p].kind_row[kind];
-            kernels->place_primitives( work->contact_mesh->intersection_free, c->primitives, kind + 1, row,
-                                       row + c->items[p].rows[kind] );
+            const contact_pack* pack = c->packs + from->kind_row[0] + i;
+            memcpy( to->packs[i].item, pack->item, sizeof( pack->item ) );
+            memcpy( to->packs[i].point_x4, pack->point_x4, sizeof( to->packs[i].point_x4 ) );
+            memcpy( to->packs[i].third_x4, pack->point_x4[2], sizeof( to->packs[i].third_x4 ) );
         }
-        sum_normals( c, p );
+        kernels->place_primitives( work->contact_mesh->intersection_free, to->packs, kind + 1, first,
+                                   first + from->rows[kind] );
     }
-}
-
-void contact_place_clusters( const contact_work* work, int count )
-{
-    wisp_parallel_for( work->parallel, count, PLACE_GRAIN, place_clusters, (void*)(uintptr_t)work );
+    sum_normals( from, to );
 }
 
 bool contact_clusters_may_meet( const contact_work* work, int a, int b )

@@ -14,6 +14,20 @@ typedef struct contact_cluster
     int32_t kind_row[3], rows[3]; // first pack of eight primitives, and how many, of points, edges and triangles
 } contact_cluster;
 
+/// Eight primitives of one kind. As in wisp_primitive_pack.
+typedef struct contact_pack
+{
+    int32_t item[WISP_SLICE], point_x4[3][WISP_SLICE];
+} contact_pack;
+
+/// A cluster at its intersection-free positions.
+typedef struct contact_placed
+{
+    wisp_aabb box;
+    float normal[3]; // sum of the unit normals of its triangles
+    _Alignas( 64 ) wisp_primitive_pack packs[3 * WISP_PRIMITIVE_PACKS];
+} contact_placed;
+
 enum
 {
     CONTACT_CLUSTER_ITEMS,
@@ -21,11 +35,7 @@ enum
     CONTACT_CLUSTER_OF_POINT,
     CONTACT_CLUSTER_OWNERS_BEGIN,
     CONTACT_CLUSTER_OWNERS,
-    CONTACT_CLUSTER_PRIMITIVES,
-    CONTACT_CLUSTER_IS_PLACED,
-    CONTACT_CLUSTER_TO_PLACE,
-    CONTACT_CLUSTER_BOXES,
-    CONTACT_CLUSTER_NORMALS,
+    CONTACT_CLUSTER_PACKS,
     CONTACT_CLUSTER_TRIANGLE_OWNS,
     CONTACT_CLUSTER_EDGE_OWNS,
     CONTACT_CLUSTER_ARRAY_COUNT,
@@ -40,17 +50,13 @@ typedef struct contact_clusters
 {
     int count;
     contact_cluster* items;
-    int32_t* points;                 // points times 4
-    int32_t* of_point;               // [point] the cluster that counts it among its primitives
-    int32_t* owners_begin;           // [point + 1] first in `owners`
-    int32_t* owners;                 // of each point, all clusters that have it as a corner
-    wisp_primitive_pack* primitives; // [pack] of eight primitives
-    uint8_t* is_placed;              // [cluster] its packs, box and normal are those of this substep
-    int32_t* to_place;               // [cluster + 1] scratch: those to be placed
-    wisp_aabb* boxes;                // [cluster] around intersection-free positions, if placed
-    float* normals;                  // [cluster][3] sum of the unit normals of its triangles, if placed
-    uint8_t* triangle_owns;          // [triangle] bit k: the edge across from corner k; bit 3 + k: corner k
-    uint8_t* edge_owns;              // [edge] bit k: end k; CONTACT_HAS_TRIANGLE
+    int32_t* points;        // points times 4
+    int32_t* of_point;      // [point] the cluster that counts it among its primitives
+    int32_t* owners_begin;  // [point + 1] first in `owners`
+    int32_t* owners;        // of each point, all clusters that have it as a corner
+    contact_pack* packs;    // [pack] of eight primitives
+    uint8_t* triangle_owns; // [triangle] bit k: the edge across from corner k; bit 3 + k: corner k
+    uint8_t* edge_owns;     // [edge] bit k: end k; CONTACT_HAS_TRIANGLE
     wisp_buffer buffers[CONTACT_CLUSTER_ARRAY_COUNT];
 } contact_clusters;
 
@@ -61,8 +67,15 @@ bool contact_make_clusters( const contact_work* work );
 /// Compute the box around the intersection-free positions of a cluster.
 wisp_aabb contact_box_around( const contact_work* work, const contact_cluster* cluster );
 
-/// Place the packs, boxes and normals of the clusters in `to_place` at their intersection-free positions.
-void contact_place_clusters( const contact_work* work, int count );
+/// Place a cluster at its intersection-free positions.
+void contact_place_cluster( const contact_work* work, int cluster, contact_placed* to );
+
+/// Return the packs of one kind of a cluster.
+static inline const wisp_primitive_pack* contact_packs_of( const contact_placed* placed,
+                                                           const contact_cluster* cluster, int kind )
+{
+    return placed->packs + ( cluster->kind_row[kind] - cluster->kind_row[0] );
+}
 
 /// Return whether two clusters, or a cluster and itself, are kept apart.
 bool contact_clusters_may_meet( const contact_work* work, int a, int b );

@@ -22,6 +22,7 @@
 
 enum
 {
+    SEARCH_GRAIN = 16,
     SELECT_GRAIN = 32,  // pairs of clusters
     MAX_PER_POINT = 64, // pairs of primitives before displacements are shortened; a stack of cloth has 10
     MIN_MAX_PAIRS = 1024,
@@ -44,35 +45,13 @@ typedef struct near_loop
     _Atomic bool is_out_of_memory;
 } near_loop;
 
-// Place the clusters of pairs to be searched, each once per substep.
-static void place_searched( near_loop* loop )
-{
-    contact_contact_mesh* s = loop->contact_mesh;
-    if ( loop->missed_only == false )
-    {
-        memset( s->clusters->is_placed, 0, (size_t)s->clusters->count );
-    }
-    int count = 0;
-    for ( int i = 0; i < s->bounds->searched_count; ++i )
-    {
-        const int32_t both[2] = { s->bounds->pairs[0].cluster[s->bounds->searched[i]],
-                                  s->bounds->pairs[0].other[s->bounds->searched[i]] };
-        for ( int k = 0; k < 2; ++k )
-        {
-            s->clusters->to_place[count] = both[k];
-            count += s->clusters->is_placed[both[k]] == 0 ? 1 : 0;
-            s->clusters->is_placed[both[k]] = 1;
-        }
-    }
-    contact_place_clusters( loop->work, count );
-}
-
 // ---- primitives of two clusters ----
 
 // A pair of clusters under test.
 typedef struct cluster_test
 {
     int pair, cluster[2];
+    const contact_placed* placed[2];
     float gap, closing; // m
     float bound;        // m, of pairs that are not listed
     contact_list list;
@@ -83,11 +62,29 @@ typedef struct cluster_test
 typedef struct narrow_task
 {
     near_loop* loop;
+    int placed_count, placed_cluster[2 * SEARCH_GRAIN];
+    contact_placed placed[2 * SEARCH_GRAIN];
     cluster_test tests[WISP_PRIMITIVE_BATCH];
     float measured[WISP_PRIMITIVE_BATCH], listed[WISP_PRIMITIVE_BATCH]; // m, distances up to which pairs are
     bool is_brief[WISP_PRIMITIVE_BATCH];
     contact_batch batches[CONTACT_KIND_COUNT];
 } narrow_task;
+
+// Place a cluster, once in a task.
+static const contact_placed* place( narrow_task* task, int cluster )
+{
+    int i = task->placed_count - 1;
+    for ( ; i >= 0 && task->placed_cluster[i] != cluster; --i )
+    {
+    }
+    if ( i < 0 )
+    {
+        i = task->placed_count++;
+        task->placed_cluster[i] = cluster;
+        contact_place_cluster( task->loop->work, cluster, task->placed + i );
+    }
+    return task->placed + i;
+}
 
 // Measure the pairs of a batch, keep those to be listed, and lower the bounds of their clusters by the others.
 static void measure( narrow_task* task, contact_kind kind )
@@ -148,15 +145,16 @@ static void find_pairs( narrow_task* task, const int* numbers, int count, int qu
     {
         cluster_test* test = task->tests + numbers[i];
         const bool is_own = test->cluster[0] == test->cluster[1];
-        const int one = test->cluster[query], other = test->cluster[1 - query];
-        const contact_cluster *a = s->clusters->items + one, *b = s->clusters->items + other;
+        const contact_cluster *a = s->clusters->items + test->cluster[query],
+                              *b = s->clusters->items + test->cluster[1 - query];
+        const contact_placed *one = test->placed[query], *other = test->placed[1 - query];
         arg_list[job_count] = ( wisp_primitive_near_args ){
-            .queries = s->clusters->primitives + a->kind_row[kinds[0]],
-            .packs = s->clusters->primitives + b->kind_row[kinds[1]],
+            .queries = contact_packs_of( one, a, kinds[0] ),
+            .packs = contact_packs_of( other, b, kinds[1] ),
             .query_pack_count = a->rows[kinds[0]],
             .pack_count = b->rows[kinds[1]],
-            .query_aabb = s->clusters->boxes + one,
-            .box = s->clusters->boxes + other,
+            .query_aabb = &one->box,
+            .box = &other->box,
             .max_distance = task->measured[numbers[i]],
             .cull_distance = task->measured[numbers[i]] + SEEN_GAPS * test->gap,
             .min_distance = test->least,
@@ -172,19 +170,19 @@ static void find_pairs( narrow_task* task, const int* numbers, int count, int qu
 }
 
 // Return the separation of two clusters along the line between their boxes or across one of them, m.
-static float separation_of( const wisp_kernels* kernels, const contact_contact_mesh* s, int a, int b )
+static float separation_of( const wisp_kernels* kernels, const contact_contact_mesh* s, const cluster_test* test )
 {
-    const contact_cluster *pa = s->clusters->items + a, *pb = s->clusters->items + b;
+    const contact_cluster *a = s->clusters->items + test->cluster[0], *b = s->clusters->items + test->cluster[1];
     wisp_separating_axis_args args = {
         .xyzw = s->intersection_free,
-        .point_x4 = { s->clusters->points + pa->first_point, s->clusters->points + pb->first_point },
-        .count = { pa->point_count, pb->point_count },
+        .point_x4 = { s->clusters->points + a->first_point, s->clusters->points + b->first_point },
+        .count = { a->point_count, b->point_count },
     };
-    memcpy( args.axis[0], s->clusters->normals + 3 * (size_t)a, sizeof( args.axis[0] ) );
-    memcpy( args.axis[1], s->clusters->normals + 3 * (size_t)b, sizeof( args.axis[1] ) );
-    const wisp_aabb *box = s->clusters->boxes + a, *other = s->clusters->boxes + b;
+    const wisp_aabb *box = &test->placed[0]->box, *other = &test->placed[1]->box;
     for ( int k = 0; k < 3; ++k )
     {
+        args.axis[0][k] = test->placed[0]->normal[k];
+        args.axis[1][k] = test->placed[1]->normal[k];
         args.axis[2][k] = ( box->lower[k] + box->upper[k] ) - ( other->lower[k] + other->upper[k] );
     }
     return kernels->separation( &args );
@@ -200,8 +198,7 @@ static void test_clusters( narrow_task* task, int count )
     for ( int i = 0; i < count; ++i )
     {
         cluster_test* test = task->tests + i;
-        const int a = test->cluster[0], b = test->cluster[1];
-        const float apart = a == b ? 0.0f : separation_of( kernels, s, a, b );
+        const float apart = test->cluster[0] == test->cluster[1] ? 0.0f : separation_of( kernels, s, test );
         const bool is_apart = apart > 1.001f * test->gap + test->closing + APART_GAPS * test->gap;
         test->bound = is_apart ? apart - 1.001f * test->gap : test->bound;
         numbers[near_count] = i;
@@ -218,7 +215,7 @@ static void begin_test( narrow_task* task, int number, int pair )
     const contact_participant* participants = task->loop->work->participants;
     const int a = s->bounds->pairs[0].cluster[pair], b = s->bounds->pairs[0].other[pair];
     cluster_test* test = task->tests + number;
-    *test = ( cluster_test ){ .pair = pair, .cluster = { a, b } };
+    *test = ( cluster_test ){ .pair = pair, .cluster = { a, b }, .placed = { place( task, a ), place( task, b ) } };
     test->gap = contact_gap_between( participants + s->clusters->items[a].participant,
                                      participants + s->clusters->items[b].participant );
     test->closing = contact_closing_of( s->motion->ways + a, s->motion->ways + b );
@@ -249,26 +246,15 @@ static bool is_too_long( near_loop* loop )
            atomic_load( &loop->brief ) > loop->max_pairs;
 }
 
-static void search_clusters( void* context, int begin, int end, int worker )
+// Search up to a batch of pairs of clusters.
+static void search_batch( narrow_task* task, const int32_t* pairs, int count )
 {
-    near_loop* loop = context;
+    near_loop* loop = task->loop;
     contact_cached_bounds* bounds = loop->contact_mesh->bounds;
-    narrow_task* task = wisp_parallel_scratch( loop->work->parallel, worker, sizeof( *task ) );
-    if ( task == NULL )
-    {
-        atomic_store( &loop->is_out_of_memory, true );
-        return;
-    }
-    if ( is_too_long( loop ) )
-    {
-        return;
-    }
-    const int count = end - begin;
-    task->loop = loop;
     task->batches[CONTACT_POINTS].count = task->batches[CONTACT_EDGES].count = 0;
     for ( int i = 0; i < count; ++i )
     {
-        begin_test( task, i, bounds->searched[begin + i] );
+        begin_test( task, i, pairs[i] );
     }
     test_clusters( task, count );
     measure( task, CONTACT_POINTS );
@@ -276,10 +262,10 @@ static void search_clusters( void* context, int begin, int end, int worker )
     int length = 0, brief = 0, at[WISP_PRIMITIVE_BATCH];
     for ( int i = 0; i < count; ++i )
     {
-        const int pairs = task->tests[i].list.points + task->tests[i].list.edges;
+        const int listed = task->tests[i].list.points + task->tests[i].list.edges;
         lower_bound( task->tests + i );
-        length += pairs;
-        brief += task->is_brief[i] ? pairs : 0;
+        length += listed;
+        brief += task->is_brief[i] ? listed : 0;
     }
     atomic_fetch_add( &loop->brief, brief );
     int next = bounds->listed_count + atomic_fetch_add( &loop->listed, length );
@@ -297,6 +283,25 @@ static void search_clusters( void* context, int begin, int end, int worker )
     }
     list_pairs( task, CONTACT_POINTS, at );
     list_pairs( task, CONTACT_EDGES, at );
+}
+
+static void search_clusters( void* context, int begin, int end, int worker )
+{
+    near_loop* loop = context;
+    narrow_task* task = wisp_parallel_scratch( loop->work->parallel, worker, sizeof( *task ) );
+    if ( task == NULL )
+    {
+        atomic_store( &loop->is_out_of_memory, true );
+        return;
+    }
+    task->loop = loop;
+    task->placed_count = 0;
+    for ( int first = begin; first < end && is_too_long( loop ) == false; first += WISP_PRIMITIVE_BATCH )
+    {
+        const int left = end - first;
+        search_batch( task, loop->contact_mesh->bounds->searched + first,
+                      left < WISP_PRIMITIVE_BATCH ? left : WISP_PRIMITIVE_BATCH );
+    }
 }
 
 // ---- listed pairs ----
@@ -372,8 +377,7 @@ static bool make_lists( near_loop* loop )
     {
         atomic_init( &loop->listed, 0 );
         atomic_init( &loop->brief, 0 );
-        wisp_parallel_for( loop->work->parallel, bounds->searched_count, WISP_PRIMITIVE_BATCH, search_clusters,
-                           loop );
+        wisp_parallel_for( loop->work->parallel, bounds->searched_count, SEARCH_GRAIN, search_clusters, loop );
         const int length = atomic_load( &loop->listed );
         bounds->last_length = length;
         fits = is_too_long( loop ) || length <= bounds->listed_most - bounds->listed_count;
@@ -414,7 +418,6 @@ wisp_status contact_find_near( const contact_work* work, bool missed_only, wisp_
     near_loop loop = { .work = work, .contact_mesh = s, .missed_only = missed_only };
     loop.max_pairs = max_pairs_of( work );
     loop.active_count = contact_find_active_clusters( work, missed_only );
-    place_searched( &loop );
     bool enough = true, is_done = false;
     while ( enough && is_done == false )
     {

@@ -504,8 +504,8 @@ static int check_list( const contact_contact_mesh* s, int pair, double whole_gap
     for ( int k = 0; k < 3; ++k )
     {
         const contact_cluster *a = s->clusters->items + both[0], *b = s->clusters->items + both[1];
-        const wisp_primitive_pack *p = s->clusters->primitives + a->kind_row[KINDS[k][0]],
-                                  *q = s->clusters->primitives + b->kind_row[KINDS[k][1]];
+        const contact_pack *p = s->clusters->packs + a->kind_row[KINDS[k][0]],
+                           *q = s->clusters->packs + b->kind_row[KINDS[k][1]];
         for ( int n = 0; n < 64 * a->rows[KINDS[k][0]] * b->rows[KINDS[k][1]]; ++n )
         {
             const int i = p[n / 64 / b->rows[KINDS[k][1]]].item[n % 8],
