@@ -133,22 +133,18 @@ bool contact_list_cluster_pairs( const contact_work* work, const wisp_aabb_pairs
 bool contact_make_room_for_listed( const contact_work* work, int more )
 {
     contact_cached_bounds* b = work->contact_mesh->bounds;
-    size_t count = (size_t)more;
+    int64_t count = 0;
     for ( int i = 0; i < b->pairs[0].count; ++i )
     {
-        count += (size_t)( b->pairs[0].list[i].points + b->pairs[0].list[i].edges );
+        count += b->pairs[0].list[i].points + b->pairs[0].list[i].edges;
     }
-    const size_t most = count > (size_t)b->listed_most ? count + count / 2 : (size_t)b->listed_most;
-    wisp_buffer* arrays = b->buffers + CONTACT_BOUND_LISTED;
-    const contact_listed* before = b->listed;
-    void* unused;
-    b->listed_turn = 1 - b->listed_turn;
-    if ( most > INT32_MAX ||
-         contact_reserve( work, arrays + b->listed_turn, most * sizeof( *b->listed ), (void**)&b->listed ) == false )
+    const int64_t needed = count + more, most = needed > b->listed_most ? needed + needed / 2 : b->listed_most;
+    contact_listed* together =
+        wisp_parallel_scratch( work->parallel, work->worker, ( (size_t)most + 1 ) * sizeof( *together ) );
+    if ( most > INT32_MAX || together == NULL )
     {
         return false;
     }
-    b->listed_most = (int)most;
     b->listed_count = 0;
     for ( int i = 0; i < b->pairs[0].count; ++i )
     {
@@ -156,13 +152,19 @@ bool contact_make_room_for_listed( const contact_work* work, int more )
         const int length = list->points + list->edges;
         if ( length > 0 )
         {
-            memcpy( b->listed + b->listed_count, before + list->first, (size_t)length * sizeof( *before ) );
+            memcpy( together + b->listed_count, b->listed + list->first, (size_t)length * sizeof( *together ) );
         }
         list->first = b->listed_count;
         b->listed_count += length;
     }
-    // the other array is the next one: both grow at once, so that no later step asks for memory
-    return contact_reserve( work, arrays + 1 - b->listed_turn, most * sizeof( *b->listed ), &unused );
+    b->listed_most = (int)most;
+    if ( contact_reserve( work, b->buffers + CONTACT_BOUND_LISTED, (size_t)most * sizeof( *b->listed ),
+                          (void**)&b->listed ) == false )
+    {
+        return false;
+    }
+    memcpy( b->listed, together, (size_t)count * sizeof( *together ) );
+    return true;
 }
 
 // ---- active pairs ----

@@ -39,8 +39,8 @@ enum
     CONTACT_BOUND_OTHER = CONTACT_BOUND_CLUSTER + 2,
     CONTACT_BOUND_SLACK = CONTACT_BOUND_OTHER + 2,
     CONTACT_BOUND_LIST = CONTACT_BOUND_SLACK + 2,
-    CONTACT_BOUND_LISTED = CONTACT_BOUND_LIST + 2, // of two arrays, which take turns
-    CONTACT_BOUND_ACTIVE = CONTACT_BOUND_LISTED + 2,
+    CONTACT_BOUND_LISTED = CONTACT_BOUND_LIST + 2,
+    CONTACT_BOUND_ACTIVE,
     CONTACT_BOUND_SEARCHED,
     CONTACT_BOUND_ACTIVE_COUNT,
     CONTACT_BOUND_ARRAY_COUNT,
@@ -51,7 +51,7 @@ typedef struct contact_cached_bounds
     contact_cluster_pairs pairs[2]; // the current list, and the one before
     int turn;                       // whose buffers the current list has
     contact_listed* listed;         // pairs of primitives, with those of past searches between them
-    int listed_count, listed_most, listed_turn, last_length;
+    int listed_count, listed_most, last_length;
     int32_t* active;   // [pair] those that may reach their gap in this substep
     int32_t* searched; // [pair] of these, those whose lists do not hold for it
     int searched_count;

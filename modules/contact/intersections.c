@@ -102,5 +102,10 @@ wisp_status contact_mark_intersections( const contact_work* work, wisp_error* er
     }
     work->memory->stats.tangled = count;
     work->memory->tangled = status == WISP_OK && count == 0 ? 0 : 1;
+    if ( work->memory->tangled == 0 && work->counts_intersections == false )
+    {
+        // a kilobyte per vertex, not used again before positions are replaced
+        wisp_intersections_release( &s->intersections->intersections, wisp_parallel_allocator( work->parallel ) );
+    }
     return status;
 }
