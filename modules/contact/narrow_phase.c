@@ -92,19 +92,21 @@ static void measure( narrow_task* task, contact_kind kind )
     contact_batch* batch = task->batches + kind;
     int selected = 0;
     contact_measure_batch( task->loop->work, kind, batch );
-    for ( int i = 0; i < batch->count; ++i )
+    for ( int i = 0; i < batch->count; )
     {
         const int number = batch->of[i];
         cluster_test* test = task->tests + number;
-        const float distance = batch->distance[i];
-        const bool is_near = distance < task->listed[number];
-        batch->gap[i] = test->gap;
-        batch->selected[selected] = i;
-        selected += is_near ? 1 : 0;
-        if ( is_near == false || task->is_brief[number] )
+        const float listed = task->listed[number], gap = test->gap;
+        float least = INFINITY;
+        for ( ; i < batch->count && batch->of[i] == number; ++i )
         {
-            test->bound = contact_smaller( distance - 1.001f * test->gap, test->bound );
+            const float distance = batch->distance[i];
+            least = distance < listed && task->is_brief[number] == false ? least : contact_smaller( distance, least );
+            batch->gap[i] = gap;
+            batch->selected[selected] = i;
+            selected += distance < listed ? 1 : 0;
         }
+        test->bound = contact_smaller( least - 1.001f * gap, test->bound );
     }
     contact_keep_near( task->loop->work, kind, batch, selected, task->is_brief );
     for ( int i = 0; i < batch->count; ++i )

@@ -73,7 +73,11 @@ void contact_measure_batch( const contact_work* work, contact_kind kind, contact
 // Move the pairs in `selected` to the front.
 static void compact( contact_batch* batch, int count )
 {
-    for ( int i = 0; i < count; ++i )
+    int same = 0;
+    for ( ; same < count && batch->selected[same] == same; ++same )
+    {
+    }
+    for ( int i = same; i < count; ++i )
     {
         const int from = batch->selected[i];
         batch->first[i] = batch->first[from];
@@ -97,7 +101,7 @@ static bool is_tangled( const contact_work* work, contact_kind kind, const int32
 {
     const int split = kind == CONTACT_EDGES ? 2 : 1;
     bool sides[2] = { false, false };
-    for ( int k = 0; k < 4 && work->memory->tangled != 0; ++k )
+    for ( int k = 0; k < 4; ++k )
     {
         sides[k >= split] =
             sides[k >= split] || work->contact_mesh->intersections->is_tangled[point_x4[k][i] / 4] != 0;
@@ -183,12 +187,13 @@ void contact_keep_near( const contact_work* work, contact_kind kind, contact_bat
     find_closings( work, kind, points, selected, batch->closing );
     for ( int pass = 0; pass < 2; ++pass )
     {
+        const bool may_tangle = pass == 0 && work->memory->tangled != 0;
         int kept = 0;
         for ( int i = 0; i < batch->count; ++i )
         {
             const bool is_active =
                 may_meet( work->contact_mesh, batch->distance[i], batch->gap[i], batch->closing[i] ) &&
-                ( pass == 1 || is_tangled( work, kind, (const int32_t* const*)points, i ) == false );
+                ( may_tangle && is_tangled( work, kind, (const int32_t* const*)points, i ) ) == false;
             batch->selected[kept] = i;
             kept += is_active || ( is_brief[batch->of[i]] == false && batch->gap[i] > 0.0f ) ? 1 : 0;
         }
@@ -285,7 +290,7 @@ void contact_select_active( const contact_work* work, contact_candidates* c, _At
         listed->key = ROUNDING * d - gap - c->slack[i];
         c->list[i]->beyond = contact_larger( -listed->key, c->list[i]->beyond );
         if ( may_meet( work->contact_mesh, d, gap, c->closing[i] ) == false ||
-             is_tangled( work, c->kind, (const int32_t* const*)points, i ) )
+             ( work->memory->tangled != 0 && is_tangled( work, c->kind, (const int32_t* const*)points, i ) ) )
         {
             continue;
         }
