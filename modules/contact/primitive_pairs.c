@@ -8,8 +8,9 @@
 //
 // Each closest point has one pair. On an edge or a corner it belongs to the triangle that owns this (clusters.h); the
 // pairs of its neighbours, and of edges that meet in an end, repeat it. Repeats that the substep may bring within half
-// the gap stay, so that nothing passes between the planes of the owners. Surfaces that another module solves for keep
-// all of them: with one pair each, piles of implicit cloth tremble twice as much.
+// the gap stay, so that nothing passes between the planes of the owners. All of them stay where something intersects,
+// since an owner there may be dropped as tangled, and on surfaces that another module solves for: with one pair each,
+// piles of implicit cloth tremble twice as much.
 #include "primitive_pairs.h"
 
 #include "clusters.h"
