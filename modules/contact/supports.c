@@ -263,8 +263,12 @@ void contact_move_supported( const contact_work* work, contact_row* row, float c
             contact_larger( farthest, fabsf( fraction ) * sqrtf( contact_dot( directions[i], directions[i] ) ) );
     }
     left = contact_larger( left, farthest / CONTACT_MAX_LEVER );
-    row->mobility = left > 1e-6f * sum ? left : 0.0f;
-    for ( int i = 0; i < row->count && row->mobility > 0.0f; ++i )
+    const bool moves = left > 1e-6f * sum;
+    // in a second sweep the push over the sum of both impulses, whose directions may differ
+    const float before = row->mobility > 0.0f ? ( row->normal_correction - change ) / row->mobility : 0.0f;
+    const float impulse = before + ( moves ? change / left : 0.0f );
+    row->mobility = before != 0.0f && impulse > 0.0f ? row->normal_correction / impulse : moves ? left : 0.0f;
+    for ( int i = 0; i < row->count && moves; ++i )
     {
         const size_t at = (size_t)row->point[i] * 4;
         const float length = change / left * s->now[at + 3] * row->weight[i];

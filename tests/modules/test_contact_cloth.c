@@ -375,10 +375,10 @@ static void add_sheet( pile* p, float density, wisp_vec3 gravity, float friction
 }
 
 // A pile whose layers have these densities, the lowest first. @param slope tangent of the angle of the floor
-static void open_pile( pile* p, const float* densities, int count, float slope, float friction, int workers )
+static void open_pile( pile* p, const float* densities, int count, float slope, float friction, int iterations )
 {
     *p = ( pile ){ .count = 0 };
-    open_contact( &p->h, 10, 1, workers );
+    open_contact( &p->h, 10, iterations, 2 );
     const float along = 9.81f / sqrtf( 1.0f + slope * slope );
     add_floor( p->h.world, ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 0, 1, 0 } );
     for ( int i = 0; i < count; ++i )
@@ -434,7 +434,7 @@ TEST( ten_sheets_keep_their_thickness )
 {
     const float densities[MAX_SHEETS] = { 0.2f, 0.2f, 0.2f, 0.2f, 0.2f, 0.2f, 0.2f, 0.2f, 0.2f, 0.2f };
     pile p;
-    open_pile( &p, densities, MAX_SHEETS, 0.0f, 0.3f, 2 );
+    open_pile( &p, densities, MAX_SHEETS, 0.0f, 0.3f, 1 );
     run_pile( &p, 60 * SECONDS );
     assert_true( depth_of( &p, 0 ) < 0.1 * (double)THICKNESS );
     for ( int i = 1; i < MAX_SHEETS; ++i )
@@ -455,33 +455,39 @@ TEST( ten_sheets_keep_their_thickness )
 TEST( the_weight_above_holds_the_lowest_layer_on_a_slope )
 {
     const float densities[] = { 0.1f, 10.0f };
-    pile p;
-    open_pile( &p, densities, 2, 0.4f, 0.8f, 1 );
-    run_pile( &p, 60 );
-    const double before[2] = { mean_of( p.h.world, p.sheets[0], 0 ), mean_of( p.h.world, p.sheets[1], 0 ) };
-    run_pile( &p, 150 );
-    const double lower = mean_of( p.h.world, p.sheets[0], 0 ) - before[0],
-                 upper = mean_of( p.h.world, p.sheets[1], 0 ) - before[1];
-    if ( !( fabs( lower ) < 2e-3 && fabs( upper ) < 2e-3 ) )
+    for ( int iterations = 1; iterations <= 2; ++iterations )
     {
-        fail_msg( "in 2.5 s the lower sheet slid by %.3g m, the upper one by %.3g m", lower, upper );
+        pile p;
+        open_pile( &p, densities, 2, 0.4f, 0.8f, iterations );
+        run_pile( &p, 60 );
+        const double before[2] = { mean_of( p.h.world, p.sheets[0], 0 ), mean_of( p.h.world, p.sheets[1], 0 ) };
+        run_pile( &p, 150 );
+        const double lower = mean_of( p.h.world, p.sheets[0], 0 ) - before[0],
+                     upper = mean_of( p.h.world, p.sheets[1], 0 ) - before[1];
+        if ( !( fabs( lower ) < 2e-3 && fabs( upper ) < 2e-3 ) )
+        {
+            fail_msg( "in 2.5 s the lower sheet slid by %.3g m, the upper one by %.3g m", lower, upper );
+        }
+        close_world( &p.h );
     }
-    close_world( &p.h );
 }
 
 // On a slope above the angle of friction of the floor, the pile slides as the law of Coulomb says: a = g (sin - mu cos).
 TEST( a_pile_slides_where_friction_is_too_low )
 {
     const float densities[] = { 0.1f, 10.0f };
-    pile p;
-    open_pile( &p, densities, 2, 0.8f, 2.0f, 1 );
-    run_pile( &p, 30 );
-    const double cosine = 1.0 / sqrt( 1.0 + 0.64 ), start = motion_stats_of( p.h.world, p.sheets[1] ).momentum[0];
-    run_pile( &p, 30 );
-    const wisp_motion_stats stats = motion_stats_of( p.h.world, p.sheets[1] );
-    const double gained = ( stats.momentum[0] - start ) / stats.mass;
-    // Between 0.5 and 1 s, with damping of 0.5 1/s.
-    const double expected = 9.81 * cosine * ( 0.8 - 0.5 ) * ( exp( -0.25 ) - exp( -0.5 ) ) / 0.5;
-    assert_near( gained, expected, 0.05 * expected );
-    close_world( &p.h );
+    for ( int iterations = 1; iterations <= 2; ++iterations )
+    {
+        pile p;
+        open_pile( &p, densities, 2, 0.8f, 2.0f, iterations );
+        run_pile( &p, 30 );
+        const double cosine = 1.0 / sqrt( 1.0 + 0.64 ), start = motion_stats_of( p.h.world, p.sheets[1] ).momentum[0];
+        run_pile( &p, 30 );
+        const wisp_motion_stats stats = motion_stats_of( p.h.world, p.sheets[1] );
+        const double gained = ( stats.momentum[0] - start ) / stats.mass;
+        // Between 0.5 and 1 s, with damping of 0.5 1/s.
+        const double expected = 9.81 * cosine * ( 0.8 - 0.5 ) * ( exp( -0.25 ) - exp( -0.5 ) ) / 0.5;
+        assert_near( gained, expected, 0.05 * expected );
+        close_world( &p.h );
+    }
 }
