@@ -69,7 +69,7 @@ static wisp_status run_suite( accuracy_arguments* a, const char* text, results* 
     progress bar = progress_begin();
     a->options.progress = bench_show_progress;
     a->options.progress_user = &bar;
-    wisp_status status = suite_parse( text, strlen( text ), a->scene, &suite, error );
+    wisp_status status = suite_parse( text, strlen( text ), a->scene, NULL, &suite, error );
     status = status == WISP_OK ? suite_bench_rows( &suite, &a->options, out, error ) : status;
     progress_end( &bar );
     suite_release( &suite );
@@ -91,7 +91,7 @@ int command_accuracy( int argc, char** argv )
     const char* file = a.suite == NULL                 ? ( slash ? slash + 1 : a.scene )
                        : realpath( a.scene, absolute ) ? absolute
                                                        : a.scene;
-    const suite_of_scene_def def = { a.scene, file, a.length };
+    const suite_of_scene_def def = { .path = a.scene, .file = file, .length = a.length };
     char* text = NULL;
     wisp_status status = bench_describe_machine( &out.machine, &error );
     status = status == WISP_OK ? bench_check_files( &a.files, &error ) : status;

@@ -4,8 +4,7 @@
 #include "io_file.h"
 #include "progress.h"
 #include "results.h"
-#include "suite_motion.h"
-#include "tune_parameters.h"
+#include "tune_scene.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,101 +12,16 @@
 
 #define DEFAULT_LIMIT 300.0
 
-// ---- the search ----
-
-// What a configuration has been found to be: runs again repeat its time alone.
-typedef struct tried
-{
-    bool is_known;
-    wisp_tune_sample sample;
-} tried;
-
-// Configurations are rows of the suite that `wisp accuracy` makes of the scene, with its reference.
+// What is asked, and what of it is known.
 typedef struct search
 {
-    const char* path;
-    double error, budget_ms; // m, ms; one of them
-    double seconds, limit;   // of simulated time, 0: as `wisp accuracy` has it; of wall time
-    int workers;
-    const wisp_scene* scene; // as it was read
-    unsigned char* bytes;    // [size] of its file
-    size_t size;
-    const tune_parameters* parameters;
-    wisp_suite suite;
-    suite_references references;
-    const suite_reference* reference;
-    suite_row row; // of the present configuration
-    tried all[WISP_TUNE_MAX_SETTINGS];
-    suite_measurement measured;
+    tune_scene_def from;
+    unsigned char* bytes; // that its text is in
+    tune_scene scene;
+    tune_scene_search_def def;
+    suite_measurement measured; // of a run
     progress bar;
 } search;
-
-static wisp_status write_trial( search* s, const int* configuration, wisp_error* error )
-{
-    wisp_scene_edit* edits = NULL;
-    int count = 0;
-    size_t size = 0;
-    wisp_status status = tune_parameters_edits( s->parameters, configuration, s->scene, &edits, &count, error );
-    free( s->row.text );
-    s->row.text = NULL;
-    if ( status == WISP_OK && s->row.steps > s->scene->steps )
-    {
-        edits[count] = ( wisp_scene_edit ){ .key = "steps" };
-        snprintf( edits[count++].value, sizeof edits->value, "%d", s->row.steps );
-    }
-    status = status == WISP_OK ? wisp_scene_edit_text( (const char*)s->bytes, s->size, s->path, edits, count,
-                                                       &s->row.text, &size, error )
-                               : status;
-    free( edits );
-    return status;
-}
-
-static wisp_status run_trial( void* user, const int* configuration, wisp_tune_sample* out, wisp_error* error )
-{
-    search* s = user;
-    int place = 0, steps = 0;
-    double* ms = NULL;
-    uint64_t hash;
-    for ( int k = 0; k < s->parameters->count; ++k )
-    {
-        place = place * s->parameters->parameters[k].value_count + configuration[k];
-    }
-    tried* known = &s->all[place];
-    wisp_status status = write_trial( s, configuration, error );
-    if ( status == WISP_OK && !known->is_known )
-    {
-        status = suite_reference_run( s->reference, &s->row, NULL, NULL, &s->measured, error );
-        known->is_known = status == WISP_OK;
-        known->sample = ( wisp_tune_sample ){ .error = s->measured.values[SUITE_ERROR],
-                                              .largest = s->measured.compared.largest,
-                                              .is_halted = s->measured.values[SUITE_HALTED] > 0.0 };
-    }
-    status = status == WISP_OK ? suite_time_row( &s->row, s->workers, NULL, &ms, &steps, &hash, error ) : status;
-    *out = known->sample;
-    out->ms = stats_summarise( ms, status == WISP_OK ? steps : 0 ).median;
-    free( ms );
-    return status;
-}
-
-static wisp_status make_reference( search* s, wisp_error* error )
-{
-    const suite_of_scene_def def = { s->path, io_file_name( s->path ), s->seconds };
-    char* text = NULL;
-    wisp_status status = io_file_read( s->path, 1 << 20, &s->bytes, &s->size, error );
-    status = status == WISP_OK ? suite_of_scene( &def, &text, error ) : status;
-    status = status == WISP_OK ? suite_parse( text, strlen( text ), s->path, &s->suite, error ) : status;
-    free( text );
-    status = status == WISP_OK ? suite_references_find( &s->suite, &s->references, error ) : status;
-    progress_show( &s->bar, 0.0, "the reference" );
-    status = status == WISP_OK ? suite_reference_of( &s->references, 0, &s->reference, error ) : status;
-    if ( status == WISP_OK )
-    {
-        s->row = s->suite.rows[0];
-        s->row.text = NULL;
-        s->row.variant[0] = '\0';
-    }
-    return status;
-}
 
 // ---- the report ----
 
@@ -131,29 +45,28 @@ static void name_setting( const tune_parameters* parameters, const int* configur
     }
 }
 
-static void add_visit_row( results* out, const search* def, const wisp_tune_result* found,
-                           const wisp_tune_trial* trial )
+static void add_visit_row( results* out, const search* s, const wisp_tune_result* found, const wisp_tune_trial* trial )
 {
-    results_row* row = results_add_row( out, io_file_name( def->scene->name ),
-                                        is_chosen( def->parameters, found, trial ) ? "chosen" : "trial" );
+    const tune_parameters* parameters = s->def.parameters;
+    results_row* row = results_add_row( out, io_file_name( s->from.path ),
+                                        is_chosen( parameters, found, trial ) ? "chosen" : "trial" );
     if ( !row )
     {
         return;
     }
-    results_put( &row->size, "vertices", def->measured.vertices );
-    for ( int k = 0; k < def->parameters->count; ++k )
+    results_put( &row->size, "vertices", s->measured.vertices );
+    for ( int k = 0; k < parameters->count; ++k )
     {
-        results_put( &row->size, def->parameters->parameters[k].name,
-                     def->parameters->values[k][trial->configuration[k]] );
+        results_put( &row->size, parameters->parameters[k].name, parameters->values[k][trial->configuration[k]] );
     }
     results_put( &row->size, "is_pareto", trial->is_pareto ? 1.0 : 0.0 );
     results_put( &row->size, "halted", trial->sample.is_halted ? 1.0 : 0.0 );
-    row->workers = def->workers;
+    row->workers = s->def.machine.workers;
     row->ms_median = trial->sample.ms;
-    row->steps = def->measured.steps * trial->run_count;
+    row->steps = s->measured.steps * trial->run_count;
     if ( !trial->sample.is_halted )
     {
-        snprintf( row->error_reference, sizeof row->error_reference, "%s", def->references.description );
+        snprintf( row->error_reference, sizeof row->error_reference, "%s", s->scene.references.description );
         results_put( &row->error, "rms_m", trial->sample.error );
         results_put( &row->error, "largest_m", trial->sample.largest );
     }
@@ -191,9 +104,8 @@ static int compare_visits( const void* a, const void* b )
     return ( x->sample.ms > y->sample.ms ) - ( x->sample.ms < y->sample.ms );
 }
 
-static void add_table( results* out, const search* def, const wisp_tune_result* found )
+static void add_table( results* out, const tune_parameters* parameters, const wisp_tune_result* found )
 {
-    const tune_parameters* parameters = def->parameters;
     const char* header[WISP_TUNE_MAX_PARAMETERS + 4];
     for ( int k = 0; k < parameters->count; ++k )
     {
@@ -210,32 +122,33 @@ static void add_table( results* out, const search* def, const wisp_tune_result* 
     }
 }
 
-static void add_reference( results* out, int table, const search* def )
+static void add_reference( results* out, int table, const search* s )
 {
     char text[320];
-    snprintf( text, sizeof text, "%s; uncertain by %.3g mm", def->references.description,
-              1e3 * def->reference->doubt.distance );
+    snprintf( text, sizeof text, "%s; uncertain by %.3g mm", s->scene.references.description,
+              1e3 * s->scene.reference->doubt.distance );
     results_add_cells( out, table, ( const char* const[] ){ "reference", text } );
     snprintf( text, sizeof text, "root mean square distance over %d vertices and %d times up to %.3g s",
-              def->measured.vertices, def->reference->frame_count, def->reference->until );
+              s->measured.vertices, s->scene.reference->frame_count, s->scene.reference->until );
     results_add_cells( out, table, ( const char* const[] ){ "error", text } );
 }
 
-static void add_verdict( results* out, int table, const search* def, const wisp_tune_result* found )
+static void add_verdict( results* out, int table, const search* s, const wisp_tune_result* found )
 {
+    const suite_reference* reference = s->scene.reference;
     char setting[240], text[320], target[60];
-    name_setting( def->parameters, found->configuration, setting, sizeof setting );
-    if ( def->error > 0.0 )
+    name_setting( s->def.parameters, found->configuration, setting, sizeof setting );
+    if ( s->def.error > 0.0 )
     {
-        snprintf( target, sizeof target, "error at most %g m", def->error );
+        snprintf( target, sizeof target, "error at most %g m", s->def.error );
     }
     else
     {
-        snprintf( target, sizeof target, "at most %g ms per step", def->budget_ms );
+        snprintf( target, sizeof target, "at most %g ms per step", s->def.budget_ms );
     }
     snprintf( text, sizeof text, "%s: %s; compared until %.3g s, %s", found->meets_target ? "met" : "not met", target,
-              def->reference->until,
-              def->reference->until < def->reference->parts_at && isfinite( def->reference->parts_at )
+              reference->until,
+              reference->until < reference->parts_at && isfinite( reference->parts_at )
                   ? "where two converged runs part"
                   : "the end" );
     results_add_cells( out, table, ( const char* const[] ){ "target", text } );
@@ -261,20 +174,20 @@ static void add_search( results* out, int table, const wisp_tune_result* found )
 }
 
 // @param found its visits are sorted by time
-static void report_tuning( results* out, const search* def, wisp_tune_result* found )
+static void report_tuning( results* out, const search* s, wisp_tune_result* found )
 {
-    out->machine = machine_describe( def->measured.isa );
+    out->machine = machine_describe( s->measured.isa );
     out->is_result_first = true;
     qsort( found->trials, (size_t)found->trial_count, sizeof *found->trials, compare_visits );
     for ( int v = 0; v < found->trial_count; ++v )
     {
-        add_visit_row( out, def, found, &found->trials[v] );
+        add_visit_row( out, s, found, &found->trials[v] );
     }
     const int head = results_add_table( out, "", 2, ( const char* const[] ){ "", "" } );
-    add_verdict( out, head, def, found );
+    add_verdict( out, head, s, found );
     add_search( out, head, found );
-    add_reference( out, head, def );
-    add_table( out, def, found );
+    add_reference( out, head, s );
+    add_table( out, s->def.parameters, found );
 }
 
 // ---- the command ----
@@ -341,7 +254,7 @@ const command_text tune_text = {
 
 static void check_tune_options( const options_state* o, const tune_options* options )
 {
-    if ( ( options->search.error > 0.0 ) == ( options->search.budget_ms > 0.0 ) )
+    if ( ( options->search.def.error > 0.0 ) == ( options->search.def.budget_ms > 0.0 ) )
     {
         options_fail( o, "expected one of --error and --budget" );
     }
@@ -353,19 +266,19 @@ static bool take_tune_option( options_state* o, int key, const char* argument )
     switch ( key )
     {
         case TUNE_KEY_ERROR:
-            options->search.error = option_positive( o, argument, 1e6 );
+            options->search.def.error = option_positive( o, argument, 1e6 );
             return true;
         case TUNE_KEY_BUDGET:
-            options->search.budget_ms = option_positive( o, argument, 1e6 );
+            options->search.def.budget_ms = option_positive( o, argument, 1e6 );
             return true;
         case TUNE_KEY_SECONDS:
-            options->search.seconds = option_positive( o, argument, 1e6 );
+            options->search.from.seconds = option_positive( o, argument, 1e6 );
             return true;
         case TUNE_KEY_LIMIT:
-            options->search.limit = option_positive( o, argument, 1e9 );
+            options->search.def.limit = option_positive( o, argument, 1e9 );
             return true;
         case TUNE_KEY_WORKERS:
-            options->search.workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
+            options->search.def.machine.workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
             return true;
         case TUNE_KEY_FORMAT:
             options->format = (results_format)option_word( o, argument );
@@ -477,29 +390,19 @@ static bool show( void* user, int run_count, int max_runs )
 
 static wisp_status run_search( search* s, wisp_tune_result* out, wisp_error* error )
 {
-    wisp_tune_def job = tune_parameters_job( s->parameters, s->error, s->budget_ms, s->limit );
-    job.run = run_trial;
-    job.user = s;
-    job.progress = show;
-    job.progress_user = &s->bar;
-    const wisp_status status = make_reference( s, error );
-    return status == WISP_OK ? wisp_tune( &job, out, error ) : status;
-}
-
-static void release_search( search* s )
-{
-    suite_references_release( &s->references );
-    suite_release( &s->suite );
-    free( s->row.text );
-    free( s->bytes );
+    s->def.progress = show, s->def.progress_user = &s->bar;
+    progress_show( &s->bar, 0.0, "the reference" );
+    const wisp_status status = tune_scene_open( &s->from, &s->scene, error );
+    return status == WISP_OK ? tune_scene_search( &s->scene, &s->def, &s->measured, out, error ) : status;
 }
 
 static wisp_status tune( tune_options* options, results* out, bool* meets_target, wisp_error* error )
 {
     wisp_tune_result found = { 0 };
     search* s = &options->search;
-    const wisp_scene* scene = s->scene;
-    wisp_status status = options->output ? check_output( options, s->parameters, scene, error ) : WISP_OK;
+    const wisp_scene* scene = s->def.scene;
+    const tune_parameters* parameters = s->def.parameters;
+    wisp_status status = options->output ? check_output( options, parameters, scene, error ) : WISP_OK;
     status = status == WISP_OK ? command_check_writable( options->output, error ) : status;
     if ( status != WISP_OK )
     {
@@ -519,7 +422,7 @@ static wisp_status tune( tune_options* options, results* out, bool* meets_target
     }
     if ( status == WISP_OK && options->output && found.meets_target )
     {
-        status = write_scene( options, s->parameters, found.configuration, scene, error );
+        status = write_scene( options, parameters, found.configuration, scene, error );
         results_add_note( out, "written: %s", options->output );
     }
     else if ( status == WISP_OK && options->output )
@@ -532,18 +435,21 @@ static wisp_status tune( tune_options* options, results* out, bool* meets_target
 
 int command_tune( int argc, char** argv )
 {
-    static tune_options options = { .search = {
-                                        .limit = DEFAULT_LIMIT } }; // with what all configurations were found to be
+    tune_options options = { .search = { .def = { .limit = DEFAULT_LIMIT } } };
+    search* s = &options.search;
     options_parse( &tune_text, take_tune_option, &options, argc, argv );
     wisp_error error = { 0 };
-    wisp_scene scene;
-    wisp_status status = wisp_scene_read( options.scene, &scene, &error );
+    wisp_scene scene = { 0 };
+    wisp_status status = io_file_read( options.scene, 1 << 20, &s->bytes, &s->from.given.size, &error );
+    s->from.path = options.scene;
+    s->from.given.text = s->bytes ? (const char*)s->bytes : "";
+    status = status == WISP_OK
+                 ? wisp_scene_parse( s->from.given.text, s->from.given.size, s->from.path, &scene, &error )
+                 : status;
     interruption_begin(); // before that there is nothing to keep
     tune_parameters parameters;
     status = status == WISP_OK ? tune_parameters_find( &scene, &parameters, &error ) : status;
-    options.search.path = options.scene;
-    options.search.scene = &scene;
-    options.search.parameters = &parameters;
+    s->def.scene = &scene, s->def.parameters = &parameters;
     results out = { 0 };
     results_put_options( &out, argc, argv );
     bool meets_target = false;
@@ -553,8 +459,9 @@ int command_tune( int argc, char** argv )
     status =
         status == WISP_OK ? results_write( &out, options.format, is_scene_shown ? stderr : stdout, &error ) : status;
     results_free( &out );
-    release_search( &options.search );
+    tune_scene_close( &s->scene );
     wisp_scene_release( &scene );
+    free( s->bytes );
     return status != WISP_OK ? command_fail( &error )
                              : interruption_status( meets_target ? STATUS_GOOD : STATUS_UNMET );
 }

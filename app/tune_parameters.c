@@ -365,15 +365,6 @@ wisp_status tune_parameters_edits( const tune_parameters* parameters, const int*
     return WISP_OK;
 }
 
-wisp_tune_def tune_parameters_job( const tune_parameters* parameters, double error, double budget_ms, double limit )
-{
-    wisp_tune_def job = wisp_default_tune_def();
-    job.parameters = parameters->parameters, job.parameter_count = parameters->count;
-    job.error = error, job.budget_ms = budget_ms;
-    job.max_runs = 200, job.max_seconds = limit;
-    return job;
-}
-
 bool tune_parameters_agree( const tune_parameters* parameters, const int* configuration, const wisp_scene* scene )
 {
     wisp_scene_edit* edits;

@@ -64,16 +64,12 @@ typedef struct tune_parameters
 /// @return WISP_BAD_INPUT nothing of the scene moves in time
 wisp_status tune_parameters_find( const wisp_scene* scene, tune_parameters* out, wisp_error* error );
 
-/// A search over them, with what all searches of scenes share.
-/// @param error, budget_ms m, ms; one of them is above 0 @param limit s of wall time
-wisp_tune_def tune_parameters_job( const tune_parameters* parameters, double error, double budget_ms, double limit );
-
 /// Set the values of a configuration in the scene. A parameter of surfaces or strands is set on all of them that have
 /// it.
 void tune_parameters_set( const tune_parameters* parameters, const int* configuration, wisp_scene* scene );
 
 /// The changes of a scene's file that give it the values of a configuration.
-/// @param scene as it was read @param out receives a block for free(), with room for one more
+/// @param scene as it was read @param out receives a block for free()
 wisp_status tune_parameters_edits( const tune_parameters* parameters, const int* configuration,
                                    const wisp_scene* scene, wisp_scene_edit** out, int* count, wisp_error* error );
 

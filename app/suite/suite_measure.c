@@ -193,7 +193,7 @@ wisp_status suite_overlap_find( const scene_world* world, suite_overlap* out, wi
 
 const double suite_moments[SUITE_MOMENT_COUNT] = { 0.5, 1.0, 2.0 };
 
-const suite_comparison suite_not_compared = { NAN, NAN, { NAN, NAN, NAN }, NAN, NAN };
+const suite_comparison suite_not_compared = { NAN, NAN, { NAN, NAN, NAN }, NAN, NAN, NAN, NAN, NAN, NAN };
 
 // ---- in this process ----
 
@@ -413,10 +413,10 @@ static wisp_status time_steps( scene_world* world, int steps, const suite_observ
     return status;
 }
 
-wisp_status suite_time_row( const suite_row* row, int workers, const suite_observer* observer, double** ms,
-                            int* steps, uint64_t* hash, wisp_error* error )
+wisp_status suite_time_row( const suite_row* row, int workers, const char* isa, const suite_observer* observer,
+                            double** ms, int* steps, uint64_t* hash, wisp_error* error )
 {
-    const scene_world_options options = { .workers = workers, .is_quiet = true };
+    const scene_world_options options = { .workers = workers, .isa = isa, .is_quiet = true };
     wisp_scene scene;
     scene_world world;
     *ms = NULL;

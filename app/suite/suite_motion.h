@@ -50,6 +50,7 @@ typedef struct suite_reference
     double parts_at; ///< s, when both are one percent of their size apart; INFINITY: they never are
     int frame_count; ///< that are compared: those before, or all if there is none
     double until;    ///< s, when the last one of these is; 0: there is none
+    wisp_vec3 gravity; ///< m/s^2, of the row with the longest steps
 } suite_reference;
 
 /// The references of a suite: one for all rows whose worlds are one scene, and differ in how it is solved.
@@ -61,6 +62,7 @@ typedef struct suite_references
     int* of_row;           ///< [rows of the suite]
     int count;             ///< more than rows need: of what is made, rows ask
     char description[200]; ///< of all of them; empty: there is none
+    const suite_observer* observer; ///< of the runs that are made for them; null: nobody
 } suite_references;
 
 /// Find out which rows have one reference. Worlds are one scene if they have the same bodies at the same places, at rest and at the

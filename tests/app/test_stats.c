@@ -282,9 +282,9 @@ TEST( ripples_of_half_the_height_are_half_the_detail )
     const suite_motion one = { .bodies = &body, .body_count = 1, .first = first, .points = low, .frame_count = 1 };
     const suite_motion other = { .bodies = &body, .body_count = 1, .first = first, .points = high, .frame_count = 1 };
     // the square of the slope is 1e-4
-    assert_true( fabs( suite_detail( &one, &other, 1 ) - 0.5 ) < 1e-4 );
-    assert_true( fabs( suite_detail( &other, &other, 1 ) - 1.0 ) < 1e-12 );
+    assert_true( fabs( suite_detail( &one, &other, 0, 1 ) - 0.5 ) < 1e-4 );
+    assert_true( fabs( suite_detail( &other, &other, 0, 1 ) - 1.0 ) < 1e-12 );
     ripple( 0.0, low );
-    assert_true( suite_detail( &one, &other, 1 ) == 0.0 );
-    assert_true( isnan( suite_detail( &other, &one, 1 ) ) );
+    assert_true( suite_detail( &one, &other, 0, 1 ) == 0.0 );
+    assert_true( isnan( suite_detail( &other, &one, 0, 1 ) ) );
 }
