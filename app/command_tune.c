@@ -148,9 +148,7 @@ static void add_verdict( results* out, int table, const search* s, const wisp_tu
     }
     snprintf( text, sizeof text, "%s: %s; compared until %.3g s, %s", found->meets_target ? "met" : "not met", target,
               reference->until,
-              reference->until < reference->parts_at && isfinite( reference->parts_at )
-                  ? "where two converged runs part"
-                  : "the end" );
+              suite_reference_parts( reference ) ? "where two converged runs part" : "the end" );
     results_add_cells( out, table, ( const char* const[] ){ "target", text } );
     if ( found->achieved.is_halted )
     {

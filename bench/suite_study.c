@@ -638,7 +638,7 @@ static wisp_status add_setting( study* own, int row, accuracy_scene* out, wisp_e
         setting->group = own->references.of_row[row];
         setting->doubt = 1e3 * fmax( reference->doubt.distance, 0.0 );
         setting->until = reference->until;
-        setting->is_cut = reference->until < reference->parts_at && isfinite( reference->parts_at );
+        setting->is_cut = suite_reference_parts( reference );
         setting->measure_doubts = own->doubts[setting->group];
         out->uncertainty = fmax( out->uncertainty, setting->doubt );
         if ( out->group_count > 1 )

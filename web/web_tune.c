@@ -24,11 +24,11 @@ WEB_API int web_tune( const char* path, double error, double seconds, double lim
     {
         return 0;
     }
-    const binding_tune_def def = {
-        .error = error, .seconds = seconds, .limit = limit, .workers = 1, .progress = report
-    };
-    wisp_tune_result found;
-    const wisp_status status = binding_tune( scene, &def, &found, &web_error );
+    const binding_tune_def def = { .error = error, .limit = limit, .workers = 1, .progress = report };
+    wisp_tune_result found = { 0 };
+    binding_reference* reference = NULL;
+    wisp_status status = binding_reference_open( scene, seconds, NULL, NULL, &reference, &web_error );
+    status = status == WISP_OK ? binding_tune( reference, &def, &found, &web_error ) : status;
     for ( int k = 0; status == WISP_OK && k < binding_parameter_count( scene ); ++k )
     {
         configuration[k] = found.configuration[k];
@@ -39,6 +39,7 @@ WEB_API int web_tune( const char* path, double error, double seconds, double lim
     out[3] = found.run_count;
     out[4] = found.stopped_early;
     wisp_tune_release( &found );
+    binding_reference_close( reference );
     binding_scene_close( scene );
     return status == WISP_OK;
 }

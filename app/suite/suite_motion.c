@@ -812,6 +812,11 @@ wisp_status suite_reference_of( suite_references* references, int row, const sui
     return status;
 }
 
+bool suite_reference_parts( const suite_reference* reference )
+{
+    return isfinite( reference->parts_at ) && reference->until < reference->parts_at;
+}
+
 // ---- errors ----
 
 static wisp_status compare( const suite_reference* reference, const suite_row* row, const suite_motion* motion,

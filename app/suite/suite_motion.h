@@ -75,6 +75,8 @@ wisp_status suite_references_find( const wisp_suite* suite, suite_references* ou
 wisp_status suite_reference_of( suite_references* references, int row, const suite_reference** out,
                                 wisp_error* error );
 void suite_references_release( suite_references* references );
+/// Whether motion is compared no longer because two converged runs part.
+bool suite_reference_parts( const suite_reference* reference );
 
 /// Run a row in this process, and measure its error too. Instructions are not counted.
 /// @param observer may be null
