@@ -45,7 +45,8 @@ static void name_setting( const tune_parameters* parameters, const int* configur
     }
 }
 
-static void add_visit_row( results* out, const search* s, const wisp_tune_result* found, const wisp_tune_trial* trial )
+static void add_visit_row( results* out, const search* s, const wisp_tune_result* found,
+                           const wisp_tune_trial* trial )
 {
     const tune_parameters* parameters = s->def.parameters;
     results_row* row = results_add_row( out, io_file_name( s->from.path ),
@@ -147,8 +148,7 @@ static void add_verdict( results* out, int table, const search* s, const wisp_tu
         snprintf( target, sizeof target, "at most %g ms per step", s->def.budget_ms );
     }
     snprintf( text, sizeof text, "%s: %s; compared until %.3g s, %s", found->meets_target ? "met" : "not met", target,
-              reference->until,
-              suite_reference_parts( reference ) ? "where two converged runs part" : "the end" );
+              reference->until, suite_reference_parts( reference ) ? "where two converged runs part" : "the end" );
     results_add_cells( out, table, ( const char* const[] ){ "target", text } );
     if ( found->achieved.is_halted )
     {

@@ -19,9 +19,8 @@ wisp_status tune_scene_open( const tune_scene_def* def, tune_scene* out, wisp_er
                                        .log_user = def->log_user };
     char* text = NULL;
     wisp_status status = suite_of_scene( &suite, &text, error );
-    status = status == WISP_OK
-                 ? suite_parse( text, strlen( text ), def->path, &out->def.given, &out->suite, error )
-                 : status;
+    status = status == WISP_OK ? suite_parse( text, strlen( text ), def->path, &out->def.given, &out->suite, error )
+                               : status;
     free( text );
     status = status == WISP_OK ? suite_references_find( &out->suite, &out->references, error ) : status;
     out->references.observer = def->observer;
@@ -89,9 +88,8 @@ static wisp_status run_configuration( void* user, const int* configuration, wisp
     {
         place = place * parameters->parameters[k].value_count + configuration[k];
     }
-    status = status == WISP_OK
-                 ? tune_scene_run( s->scene, &edited, &s->def->machine, s->all + place, out, error )
-                 : status;
+    status = status == WISP_OK ? tune_scene_run( s->scene, &edited, &s->def->machine, s->all + place, out, error )
+                               : status;
     *s->last = s->all[place];
     free( edits );
     free( text );

@@ -531,7 +531,8 @@ static wisp_status time_row( const study* own, int row, int workers, accuracy_ru
     const double scale = own->longest_dt / own->dt[row];
     double* ms = NULL;
     int steps = 0;
-    wisp_status status = suite_time_row( own->suite->rows + row, workers, NULL, &observer, &ms, &steps, &out->hash, error );
+    wisp_status status =
+        suite_time_row( own->suite->rows + row, workers, NULL, &observer, &ms, &steps, &out->hash, error );
     for ( int i = 0; i < steps && status == WISP_OK; ++i )
     {
         status = accuracy_keep_ms( out, scale * ms[i] );

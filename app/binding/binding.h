@@ -217,7 +217,8 @@ typedef struct binding_tune_def
     double limit;            ///< s of wall time
     int workers;             ///< 0: those of the scene
     const char* isa;         ///< null: the best available
-    bool ( *progress )( void* user, int run_count, int max_runs ); ///< after every run; null: not. False ends the search
+    bool ( *progress )( void* user, int run_count,
+                        int max_runs ); ///< after every run; null: not. False ends the search
     void* user;
 } binding_tune_def;
 

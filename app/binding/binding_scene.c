@@ -251,10 +251,9 @@ struct binding_reference
 static wisp_status observe( void* user, const scene_world* world, wisp_error* error )
 {
     const binding_reference* r = user;
-    return r->go_on == NULL || r->go_on()
-               ? WISP_OK
-               : wisp_fail( error, WISP_CONFLICT, "%s: a run was ended after step %d", r->scene->name,
-                            world->next_step );
+    return r->go_on == NULL || r->go_on() ? WISP_OK
+                                          : wisp_fail( error, WISP_CONFLICT, "%s: a run was ended after step %d",
+                                                       r->scene->name, world->next_step );
 }
 
 static suite_given given_of( const binding_scene* s )

@@ -418,7 +418,9 @@ wisp_status suite_parse( const char* text, size_t size, const char* path, const 
 {
     *out = ( wisp_suite ){ 0 };
     suite_stem( path, out->name, sizeof out->name );
-    suite_reader r = { .source = { .name = path, .text = text, .size = size, .error = error }, .out = out, .given = given };
+    suite_reader r = { .source = { .name = path, .text = text, .size = size, .error = error },
+                       .out = out,
+                       .given = given };
     for ( int m = 0; m < SUITE_BUDGET_COUNT; ++m )
     {
         r.budgets[m] = suite_measures[m].budget;
@@ -715,9 +717,8 @@ static wisp_status read_scene_twice( writer* w, wisp_error* error )
     wisp_status status = given ? WISP_OK : io_file_read( w->def->path, BYTES_MAX, &bytes, &size, error );
     const char* text = given ? given->text : bytes ? (const char*)bytes : "";
     status = status == WISP_OK ? wisp_scene_parse( text, size, w->def->path, &w->read, error ) : status;
-    status = status == WISP_OK && given
-                 ? wisp_scene_set_arrays( &w->read, given->arrays, given->array_count, error )
-                 : status;
+    status = status == WISP_OK && given ? wisp_scene_set_arrays( &w->read, given->arrays, given->array_count, error )
+                                        : status;
     status = status == WISP_OK ? text_parse( text, size, w->def->path, &w->scene, error ) : status;
     free( bytes );
     if ( status != WISP_OK )

@@ -70,11 +70,11 @@ typedef struct suite_row
     char series[192];                ///< rows that differ from this one in `along` alone; empty: it is in no series
     char along[SUITE_MAX_NAME];      ///< the field that a series varies
     double along_value;
-    double order; ///< at which errors of the series should fall; NaN: none is promised
-    char* path;   ///< of the scene, whose folder its files are in
+    double order;             ///< at which errors of the series should fall; NaN: none is promised
+    char* path;               ///< of the scene, whose folder its files are in
     const suite_given* given; ///< where the scene came from; null: a file
-    char* text;   ///< the scene
-    int steps;    ///< that are made; 0: all of the scene
+    char* text;               ///< the scene
+    int steps;                ///< that are made; 0: all of the scene
     suite_budget budgets[SUITE_BUDGET_COUNT];
     unsigned checks;         ///< that must hold, as stability_bit() has them; 0: none
     stability_limits limits; ///< that checks are given
@@ -140,9 +140,9 @@ wisp_status suite_scene( const suite_row* row, wisp_scene* out, wisp_error* erro
 /// What accuracy costs, by substeps and by methods that the scene can do without being another. `wisp tune` has the same reference.
 typedef struct suite_of_scene_def
 {
-    const char* path; ///< of the scene
-    const char* file; ///< the same as the suite is to name it
-    double length;    ///< s of motion that is compared; 0: all of the scene, but at most 1 s
+    const char* path;         ///< of the scene
+    const char* file;         ///< the same as the suite is to name it
+    double length;            ///< s of motion that is compared; 0: all of the scene, but at most 1 s
     const suite_given* given; ///< the scene; null: the file has it
     wisp_log_fn* log;         ///< receives the warnings of the scene; null: stderr
     void* log_user;

@@ -447,8 +447,7 @@ double suite_detail( const suite_motion* motion, const suite_motion* reference, 
     const size_t n = (size_t)suite_motion_points( motion ) + 1;
     vertex_fan* fans = has_same_meshes( motion, reference ) ? malloc( n * sizeof *fans ) : NULL;
     const double sum = fans ? sum_curvature( reference, first_frame, frame_count, fans ) : 0.0;
-    const double detail =
-        sum > 0.0 ? sqrt( sum_curvature( motion, first_frame, frame_count, fans ) / sum ) : NAN;
+    const double detail = sum > 0.0 ? sqrt( sum_curvature( motion, first_frame, frame_count, fans ) / sum ) : NAN;
     free( fans );
     return detail;
 }

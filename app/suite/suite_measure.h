@@ -24,10 +24,11 @@ typedef struct suite_comparison
     double
         energy; ///< kinetic and potential, above the reference's in the last compared frame, in parts of what that released
     /// What is left to compare when places are chance: means over the frames after those that are compared. NaN: there are none.
-    double late_height;  ///< m, of all places, above the reference's, against gravity
-    double late_energy;  ///< as `energy`
-    double late_stretch; ///< total length of edges and segments, above the reference's in parts of it; meshes as for `detail`
-    double late_detail;  ///< as `detail`
+    double late_height; ///< m, of all places, above the reference's, against gravity
+    double late_energy; ///< as `energy`
+    double
+        late_stretch; ///< total length of edges and segments, above the reference's in parts of it; meshes as for `detail`
+    double late_detail; ///< as `detail`
 } suite_comparison;
 
 /// A pass of the engine that ran, or several that one function runs together.

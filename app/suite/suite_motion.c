@@ -523,8 +523,7 @@ static wisp_status find_run( const suite_references* references, const suite_row
     if ( status == WISP_OK && measured.values[SUITE_HALTED] > 0.0 )
     {
         return wisp_fail( error, WISP_CONFLICT,
-                          "%s: the %s was halted, it cannot be what errors are measured against", name,
-                          row->name );
+                          "%s: the %s was halted, it cannot be what errors are measured against", name, row->name );
     }
     // a folder that is full or read-only costs time the next time, and nothing else
     if ( status == WISP_OK && keeps )
@@ -540,9 +539,7 @@ static wisp_status read_stored( const wisp_suite* suite, suite_reference* out, w
 {
     wisp_status status = read_motion( suite->stored, &out->times, &out->motion, error );
     out->frame_count = out->motion.frame_count;
-    status = status == WISP_OK
-                 ? suite_compare( &out->motion, out, "the reference", &out->doubt, error )
-                 : status;
+    status = status == WISP_OK ? suite_compare( &out->motion, out, "the reference", &out->doubt, error ) : status;
     out->doubt.distance = suite->stored_doubt;
     return status;
 }

@@ -47,9 +47,9 @@ typedef struct suite_reference
     suite_comparison
         doubt; ///< the coarser reference compared with this one. A stored one is compared with itself: 0, and the
                ///< distance that the suite says. NaN: rows have no such value
-    double parts_at; ///< s, when both are one percent of their size apart; INFINITY: they never are
-    int frame_count; ///< that are compared: those before, or all if there is none
-    double until;    ///< s, when the last one of these is; 0: there is none
+    double parts_at;   ///< s, when both are one percent of their size apart; INFINITY: they never are
+    int frame_count;   ///< that are compared: those before, or all if there is none
+    double until;      ///< s, when the last one of these is; 0: there is none
     wisp_vec3 gravity; ///< m/s^2, of the row with the longest steps
 } suite_reference;
 
@@ -57,11 +57,11 @@ typedef struct suite_reference
 typedef struct suite_references
 {
     const wisp_suite* suite;
-    suite_reference* list; ///< [count]
-    bool* is_made;         ///< [count]
-    int* of_row;           ///< [rows of the suite]
-    int count;             ///< more than rows need: of what is made, rows ask
-    char description[200]; ///< of all of them; empty: there is none
+    suite_reference* list;          ///< [count]
+    bool* is_made;                  ///< [count]
+    int* of_row;                    ///< [rows of the suite]
+    int count;                      ///< more than rows need: of what is made, rows ask
+    char description[200];          ///< of all of them; empty: there is none
     const suite_observer* observer; ///< of the runs that are made for them; null: nobody
 } suite_references;
 

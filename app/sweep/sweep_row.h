@@ -9,7 +9,7 @@ enum
 {
     SWEEP_MAX_SHARDS = 9999,
     SWEEP_MAX_LINE = 1 << 16, ///< bytes
-    SWEEP_VALUE_COUNT = 15,
+    SWEEP_VALUE_COUNT = 19,
 };
 
 /// What is kept of a measurement, in the order of columns.
