@@ -96,7 +96,7 @@ TEST( what_has_no_effect_is_told_in_a_line_by_the_log_and_by_run_plan_and_info )
         "vain.yaml:17: 'left': 'contact' has no effect",
         "vain.yaml:28: 'open': 2 vertices are where others are",
         "vain.yaml:30: 'floor': nothing collides with this collider",
-        "seams: 1 of 3 pairs of entity 9 join two pinned vertices",
+        "seams: 1 of 3 pairs of entity 10 join two pinned vertices",
     };
     for ( int i = 0; i < WISP_COUNT( LINES ); ++i )
     {
