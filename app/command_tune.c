@@ -137,7 +137,10 @@ static void add_reference( results* out, int table, const search* s )
 static void add_verdict( results* out, int table, const search* s, const wisp_tune_result* found )
 {
     const suite_reference* reference = s->scene.reference;
-    char setting[240], text[320], target[60];
+    char setting[240], text[320], target[60], until[100];
+    suite_horizon horizon = { 0 };
+    suite_horizon_add( &horizon, reference->until, suite_reference_parts( reference ) );
+    suite_horizon_text( &horizon, until, sizeof until );
     name_setting( s->def.parameters, found->configuration, setting, sizeof setting );
     if ( s->def.error > 0.0 )
     {
@@ -147,8 +150,7 @@ static void add_verdict( results* out, int table, const search* s, const wisp_tu
     {
         snprintf( target, sizeof target, "at most %g ms per step", s->def.budget_ms );
     }
-    snprintf( text, sizeof text, "%s: %s; compared until %.3g s, %s", found->meets_target ? "met" : "not met", target,
-              reference->until, suite_reference_parts( reference ) ? "where two converged runs part" : "the end" );
+    snprintf( text, sizeof text, "%s: %s%s", found->meets_target ? "met" : "not met", target, until );
     results_add_cells( out, table, ( const char* const[] ){ "target", text } );
     if ( found->achieved.is_halted )
     {

@@ -710,7 +710,8 @@ static void note_chaos( study* own, const suite_reference* reference, accuracy_s
     {
         snprintf( own->note, sizeof own->note,
                   "each scene is compared up to the time in `until`. After that two runs that should have converged "
-                  "are more than 1 %% of their size apart, and distances are chance. %.200s",
+                  "are more than 1 %% of their size apart, and distances are chance: `late` columns compare means. "
+                  "%.200s",
                   note );
     }
     else if ( isfinite( reference->parts_at ) )
@@ -718,7 +719,8 @@ static void note_chaos( study* own, const suite_reference* reference, accuracy_s
         const bool is_cut = reference->until < reference->parts_at;
         snprintf( own->note, sizeof own->note,
                   is_cut ? "motion is compared up to %.3g s. After that two runs that should have converged are "
-                           "more than 1 %% of their size apart, and distances are chance. %.200s"
+                           "more than 1 %% of their size apart, and distances are chance: `late` columns compare "
+                           "means. %.200s"
                          : "two runs that should have converged are more than 1 %% of their size apart from %.3g "
                            "s on: the reference is too coarse for errors to say much. %.200s",
                   is_cut ? reference->until : reference->parts_at, note );

@@ -23,6 +23,8 @@ typedef struct suite_comparison
         detail; ///< how much of the reference's fine curvature the surfaces have: 1 is as much; their meshes must be the same
     double
         energy; ///< kinetic and potential, above the reference's in the last compared frame, in parts of what that released
+    double until; ///< s, of the last compared frame; 0: there is none
+    bool parts;   ///< motion is compared no longer because two converged runs part
     /// What is left to compare when places are chance: means over the frames after those that are compared. NaN: there are none.
     double late_height; ///< m, of all places, above the reference's, against gravity
     double late_energy; ///< as `energy`
@@ -30,6 +32,18 @@ typedef struct suite_comparison
         late_stretch; ///< total length of edges and segments, above the reference's in parts of it; meshes as for `detail`
     double late_detail; ///< as `detail`
 } suite_comparison;
+
+/// Until when rows are compared, from the first that ends to the last.
+typedef struct suite_horizon
+{
+    double least, most; ///< s; 0: none is compared
+    bool parts;         ///< of any row
+} suite_horizon;
+
+/// @param until 0: the row is not compared
+void suite_horizon_add( suite_horizon* horizon, double until, bool parts );
+/// Write "; compared until 1 s, where two converged runs part", or nothing.
+void suite_horizon_text( const suite_horizon* horizon, char* out, size_t size );
 
 /// A pass of the engine that ran, or several that one function runs together.
 typedef struct suite_pass

@@ -829,6 +829,8 @@ static wisp_status compare( const suite_reference* reference, const suite_row* r
         status = suite_compare( motion, reference, row->name, &out->compared, error );
     }
     out->values[SUITE_ERROR] = isfinite( out->compared.distance ) ? out->compared.distance : INFINITY;
+    out->compared.until = reference->until;
+    out->compared.parts = suite_reference_parts( reference );
     return status;
 }
 
