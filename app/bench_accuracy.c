@@ -87,10 +87,7 @@ int command_accuracy( int argc, char** argv )
     wisp_error error = { 0 };
     // A suite that is kept may be in another folder than the scene; one that is not is as if it were beside it.
     char absolute[PATH_MAX];
-    const char* slash = strrchr( a.scene, '/' );
-    const char* file = a.suite == NULL                 ? ( slash ? slash + 1 : a.scene )
-                       : realpath( a.scene, absolute ) ? absolute
-                                                       : a.scene;
+    const char* file = a.suite == NULL ? io_file_name( a.scene ) : realpath( a.scene, absolute ) ? absolute : a.scene;
     const suite_of_scene_def def = { .path = a.scene, .file = file, .length = a.length };
     char* text = NULL;
     wisp_status status = bench_describe_machine( &out.machine, &error );

@@ -6,7 +6,6 @@
 #include "results.h"
 #include "tune_scene.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -76,27 +75,22 @@ static void add_visit_row( results* out, const search* s, const wisp_tune_result
 static void add_visit_line( results* out, int table, const tune_parameters* parameters, const wisp_tune_result* found,
                             const wisp_tune_trial* trial )
 {
-    char texts[WISP_TUNE_MAX_PARAMETERS + 4][32];
-    const char* cells[WISP_TUNE_MAX_PARAMETERS + 4];
-    for ( int i = 0; i < parameters->count + 4; ++i )
-    {
-        cells[i] = texts[i];
-    }
+    const wisp_tune_sample* sample = &trial->sample;
+    results_cells cells = { .count = 0 };
     for ( int k = 0; k < parameters->count; ++k )
     {
-        tune_parameters_text( parameters, k, parameters->values[k][trial->configuration[k]], texts[k],
-                              sizeof texts[k] );
+        char value[32];
+        tune_parameters_text( parameters, k, parameters->values[k][trial->configuration[k]], value, sizeof value );
+        cells_put( &cells, "%s", value );
     }
-    const bool halted = trial->sample.is_halted;
-    snprintf( texts[parameters->count], sizeof texts[0], "%.4f", trial->sample.ms );
-    snprintf( texts[parameters->count + 1], sizeof texts[0], halted ? "-" : "%.3e", trial->sample.error );
-    snprintf( texts[parameters->count + 2], sizeof texts[0], halted ? "-" : "%.3e", trial->sample.largest );
-    snprintf( texts[parameters->count + 3], sizeof texts[0], "%s",
-              is_chosen( parameters, found, trial ) ? "chosen"
-              : halted                              ? "halted"
-              : trial->is_pareto                    ? "Pareto"
-                                                    : "" );
-    results_add_cells( out, table, cells );
+    cells_put( &cells, sample->is_halted ? "%.4f\t-\t-" : "%.4f\t%.3e\t%.3e", sample->ms, sample->error,
+               sample->largest );
+    cells_put( &cells, "%s",
+               is_chosen( parameters, found, trial ) ? "chosen"
+               : sample->is_halted                   ? "halted"
+               : trial->is_pareto                    ? "Pareto"
+                                                     : "" );
+    cells_end_row( &cells, table, out );
 }
 
 static int compare_visits( const void* a, const void* b )
@@ -107,70 +101,49 @@ static int compare_visits( const void* a, const void* b )
 
 static void add_table( results* out, const tune_parameters* parameters, const wisp_tune_result* found )
 {
-    const char* header[WISP_TUNE_MAX_PARAMETERS + 4];
+    results_cells header = { .count = 0 };
     for ( int k = 0; k < parameters->count; ++k )
     {
-        header[k] = parameters->parameters[k].name;
+        cells_put( &header, "%s", parameters->parameters[k].name );
     }
-    header[parameters->count] = "ms per step";
-    header[parameters->count + 1] = "error (m)";
-    header[parameters->count + 2] = "max error (m)";
-    header[parameters->count + 3] = "verdict";
-    const int table = results_add_table( out, "Configurations, fastest first", parameters->count + 4, header );
+    cells_put( &header, "ms per step\terror (m)\tmax error (m)\tverdict" );
+    const int table = cells_begin_table( &header, "Configurations, fastest first", out );
     for ( int v = 0; v < found->trial_count; ++v )
     {
         add_visit_line( out, table, parameters, found, &found->trials[v] );
     }
 }
 
-static void add_reference( results* out, int table, const search* s )
-{
-    char text[320];
-    snprintf( text, sizeof text, "%s; uncertain by %.3g mm", s->scene.references.description,
-              1e3 * s->scene.reference->doubt.distance );
-    results_add_cells( out, table, ( const char* const[] ){ "reference", text } );
-    snprintf( text, sizeof text, "root mean square distance over %d vertices and %d times up to %.3g s",
-              s->measured.vertices, s->scene.reference->frame_count, s->scene.reference->until );
-    results_add_cells( out, table, ( const char* const[] ){ "error", text } );
-}
-
 static void add_verdict( results* out, int table, const search* s, const wisp_tune_result* found )
 {
     const suite_reference* reference = s->scene.reference;
-    char setting[240], text[320], target[60], until[100];
+    const wisp_tune_sample* achieved = &found->achieved;
+    char setting[240], until[100];
     suite_horizon horizon = { 0 };
     suite_horizon_add( &horizon, reference->until, suite_reference_parts( reference ) );
     suite_horizon_text( &horizon, until, sizeof until );
     name_setting( s->def.parameters, found->configuration, setting, sizeof setting );
-    if ( s->def.error > 0.0 )
+    results_add_line(
+        out, table, s->def.error > 0.0 ? "target\t%s: error at most %g m%s" : "target\t%s: at most %g ms per step%s",
+        found->meets_target ? "met" : "not met", s->def.error > 0.0 ? s->def.error : s->def.budget_ms, until );
+    if ( achieved->is_halted )
     {
-        snprintf( target, sizeof target, "error at most %g m", s->def.error );
+        results_add_line( out, table, "nearest\tnone: every configuration became unstable" );
     }
     else
     {
-        snprintf( target, sizeof target, "at most %g ms per step", s->def.budget_ms );
+        results_add_line( out, table, "%s\t%s", found->meets_target ? "chosen" : "nearest", setting );
+        results_add_line( out, table, "reached\t%.4f ms per step, error %.3e m, maximum %.3e m", achieved->ms,
+                          achieved->error, achieved->largest );
     }
-    snprintf( text, sizeof text, "%s: %s%s", found->meets_target ? "met" : "not met", target, until );
-    results_add_cells( out, table, ( const char* const[] ){ "target", text } );
-    if ( found->achieved.is_halted )
-    {
-        results_add_cells( out, table,
-                           ( const char* const[] ){ "nearest", "none: every configuration became unstable" } );
-        return;
-    }
-    results_add_cells( out, table, ( const char* const[] ){ found->meets_target ? "chosen" : "nearest", setting } );
-    snprintf( text, sizeof text, "%.4f ms per step, error %.3e m, maximum %.3e m", found->achieved.ms,
-              found->achieved.error, found->achieved.largest );
-    results_add_cells( out, table, ( const char* const[] ){ "reached", text } );
-}
-
-static void add_search( results* out, int table, const wisp_tune_result* found )
-{
-    char text[160];
-    snprintf( text, sizeof text, "%d run%s of %d configuration%s in %.1f s%s", found->run_count,
-              found->run_count == 1 ? "" : "s", found->trial_count, found->trial_count == 1 ? "" : "s",
-              found->seconds, found->stopped_early ? "; stopped early by a limit, better ones may exist" : "" );
-    results_add_cells( out, table, ( const char* const[] ){ "search", text } );
+    results_add_line( out, table, "search\t%d run%s of %d configuration%s in %.1f s%s", found->run_count,
+                      found->run_count == 1 ? "" : "s", found->trial_count, found->trial_count == 1 ? "" : "s",
+                      found->seconds,
+                      found->stopped_early ? "; stopped early by a limit, better ones may exist" : "" );
+    results_add_line( out, table, "reference\t%s; uncertain by %.3g mm", s->scene.references.description,
+                      1e3 * reference->doubt.distance );
+    results_add_line( out, table, "error\troot mean square distance over %d vertices and %d times up to %.3g s",
+                      s->measured.vertices, reference->frame_count, reference->until );
 }
 
 // @param found its visits are sorted by time
@@ -183,10 +156,7 @@ static void report_tuning( results* out, const search* s, wisp_tune_result* foun
     {
         add_visit_row( out, s, found, &found->trials[v] );
     }
-    const int head = results_add_table( out, "", 2, ( const char* const[] ){ "", "" } );
-    add_verdict( out, head, s, found );
-    add_search( out, head, found );
-    add_reference( out, head, s );
+    add_verdict( out, results_add_table( out, "", 2, ( const char* const[] ){ "", "" } ), s, found );
     add_table( out, s->def.parameters, found );
 }
 
@@ -297,12 +267,6 @@ static bool take_tune_option( options_state* o, int key, const char* argument )
 
 // ---- the scene's file ----
 
-static int folder_length( const char* path )
-{
-    const char* slash = strrchr( path, '/' );
-    return slash ? (int)( slash - path ) + 1 : 0;
-}
-
 static wisp_status count_file( void* user, const char* file, wisp_error* error )
 {
     (void)file, (void)error;
@@ -317,25 +281,14 @@ static bool reads_files( const wisp_scene* scene )
     return count > 0;
 }
 
-static wisp_status edit_scene( const tune_options* options, const tune_parameters* parameters,
-                               const int* configuration, const wisp_scene* scene, const char* to, wisp_error* error )
-{
-    wisp_scene_edit* edits;
-    int count;
-    wisp_status status = tune_parameters_edits( parameters, configuration, scene, &edits, &count, error );
-    status = status == WISP_OK ? wisp_scene_edit_file( options->scene, edits, count, to, error ) : status;
-    free( edits );
-    return status;
-}
-
 // Fails before the search, which takes minutes, if the result could not be written. Every value of every parameter
 // occurs in one of the tested configurations.
 static wisp_status check_output( const tune_options* options, const tune_parameters* parameters,
                                  const wisp_scene* scene, wisp_error* error )
 {
-    const int length = folder_length( options->scene );
-    if ( reads_files( scene ) && ( length != folder_length( options->output ) ||
-                                   strncmp( options->scene, options->output, (size_t)length ) != 0 ) )
+    const size_t length = io_folder_length( options->scene );
+    if ( reads_files( scene ) && ( length != io_folder_length( options->output ) ||
+                                   strncmp( options->scene, options->output, length ) != 0 ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
                           "%s: reads files of its folder, so the tuned scene %s must be in the same folder",
@@ -351,7 +304,9 @@ static wisp_status check_output( const tune_options* options, const tune_paramet
             configuration[k] = value < last ? value : last;
             longest = last > longest ? last : longest;
         }
-        status = value <= longest ? edit_scene( options, parameters, configuration, scene, NULL, error ) : WISP_OK;
+        status = value <= longest
+                     ? tune_parameters_write( parameters, configuration, scene, options->scene, NULL, error )
+                     : WISP_OK;
     }
     return status;
 }
@@ -360,7 +315,8 @@ static wisp_status check_output( const tune_options* options, const tune_paramet
 static wisp_status write_scene( const tune_options* options, const tune_parameters* parameters,
                                 const int* configuration, const wisp_scene* scene, wisp_error* error )
 {
-    wisp_status status = edit_scene( options, parameters, configuration, scene, options->output, error );
+    wisp_status status =
+        tune_parameters_write( parameters, configuration, scene, options->scene, options->output, error );
     wisp_scene written;
     if ( io_is_standard( options->output ) )
     {

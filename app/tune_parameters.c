@@ -365,6 +365,31 @@ wisp_status tune_parameters_edits( const tune_parameters* parameters, const int*
     return WISP_OK;
 }
 
+wisp_status tune_parameters_write( const tune_parameters* parameters, const int* configuration,
+                                   const wisp_scene* scene, const char* from, const char* to, wisp_error* error )
+{
+    wisp_scene_edit* edits;
+    int count;
+    wisp_status status = tune_parameters_edits( parameters, configuration, scene, &edits, &count, error );
+    status = status == WISP_OK ? wisp_scene_edit_file( from, edits, count, to, error ) : status;
+    free( edits );
+    return status;
+}
+
+wisp_status tune_parameters_edit( const tune_parameters* parameters, const int* configuration,
+                                  const wisp_scene* scene, const char* text, size_t text_size, char** out,
+                                  size_t* size, wisp_error* error )
+{
+    wisp_scene_edit* edits;
+    int count;
+    *out = NULL;
+    wisp_status status = tune_parameters_edits( parameters, configuration, scene, &edits, &count, error );
+    status = status == WISP_OK ? wisp_scene_edit_text( text, text_size, scene->name, edits, count, out, size, error )
+                               : status;
+    free( edits );
+    return status;
+}
+
 bool tune_parameters_agree( const tune_parameters* parameters, const int* configuration, const wisp_scene* scene )
 {
     wisp_scene_edit* edits;

@@ -73,6 +73,14 @@ void tune_parameters_set( const tune_parameters* parameters, const int* configur
 wisp_status tune_parameters_edits( const tune_parameters* parameters, const int* configuration,
                                    const wisp_scene* scene, wisp_scene_edit** out, int* count, wisp_error* error );
 
+/// Write the scene of a file with the values of a configuration. @param to null: nothing, but the changes are checked
+wisp_status tune_parameters_write( const tune_parameters* parameters, const int* configuration,
+                                   const wisp_scene* scene, const char* from, const char* to, wisp_error* error );
+/// The same of a text. @param out receives [size] bytes and a zero for free()
+wisp_status tune_parameters_edit( const tune_parameters* parameters, const int* configuration,
+                                  const wisp_scene* scene, const char* text, size_t text_size, char** out,
+                                  size_t* size, wisp_error* error );
+
 /// Whether a scene has the values of a configuration.
 bool tune_parameters_agree( const tune_parameters* parameters, const int* configuration, const wisp_scene* scene );
 

@@ -75,14 +75,11 @@ static wisp_status run_configuration( void* user, const int* configuration, wisp
     const scene_search* s = user;
     const tune_scene_def* from = &s->scene->def;
     const tune_parameters* parameters = s->def->parameters;
-    wisp_scene_edit* edits = NULL;
-    char* text = NULL;
+    char* text;
     suite_given edited = from->given;
-    int count = 0, place = 0;
-    wisp_status status = tune_parameters_edits( parameters, configuration, s->def->scene, &edits, &count, error );
-    status = status == WISP_OK ? wisp_scene_edit_text( from->given.text, from->given.size, from->path, edits, count,
-                                                       &text, &edited.size, error )
-                               : status;
+    int place = 0;
+    wisp_status status = tune_parameters_edit( parameters, configuration, s->def->scene, from->given.text,
+                                               from->given.size, &text, &edited.size, error );
     edited.text = text;
     for ( int k = 0; k < parameters->count; ++k )
     {
@@ -91,7 +88,6 @@ static wisp_status run_configuration( void* user, const int* configuration, wisp
     status = status == WISP_OK ? tune_scene_run( s->scene, &edited, &s->def->machine, s->all + place, out, error )
                                : status;
     *s->last = s->all[place];
-    free( edits );
     free( text );
     return status;
 }

@@ -208,29 +208,18 @@ wisp_status binding_scene_edit( const binding_scene* s, const double* values, co
 {
     const int first[WISP_TUNE_MAX_PARAMETERS] = { 0 };
     tune_parameters changed = s->parameters;
-    wisp_scene_edit* edits = NULL;
-    int count = 0;
-    *out = NULL;
     for ( int k = 0; k < changed.count; ++k )
     {
         changed.values[k][0] = values[k];
     }
-    wisp_status status = tune_parameters_edits( &changed, first, &s->scene, &edits, &count, error );
-    status = status == WISP_OK ? wisp_scene_edit_text( s->text, s->size, s->name, edits, count, out, size, error )
-                               : status;
-    free( edits );
+    const wisp_status status = tune_parameters_edit( &changed, first, &s->scene, s->text, s->size, out, size, error );
     return status == WISP_OK && fields ? set_fields( s->name, fields, out, size, error ) : status;
 }
 
 wisp_status binding_scene_edit_file( const binding_scene* s, const char* from, const int* configuration,
                                      const char* to, wisp_error* error )
 {
-    wisp_scene_edit* edits = NULL;
-    int count = 0;
-    wisp_status status = tune_parameters_edits( &s->parameters, configuration, &s->scene, &edits, &count, error );
-    status = status == WISP_OK ? wisp_scene_edit_file( from, edits, count, to, error ) : status;
-    free( edits );
-    return status;
+    return tune_parameters_write( &s->parameters, configuration, &s->scene, from, to, error );
 }
 
 void binding_free( void* block )

@@ -42,6 +42,11 @@ const char* io_file_name( const char* path )
     return slash ? slash + 1 : path;
 }
 
+size_t io_folder_length( const char* path )
+{
+    return (size_t)( io_file_name( path ) - path );
+}
+
 bool io_has_extension( const char* path, const char* extension )
 {
     size_t length = strlen( path );
@@ -241,9 +246,7 @@ static wisp_status no_memory( wisp_error* error, const char* path )
 // A hidden name in the folder of `path`; short, because the folder's limit counts for it as well.
 static char* partial_name( const char* path, int attempt )
 {
-    const char* slash = strrchr( path, '/' );
-    size_t folder = slash == NULL ? 0 : (size_t)( slash - path ) + 1;
-    size_t room = folder + 64;
+    const size_t folder = io_folder_length( path ), room = folder + 64;
     char* name = malloc( room );
     if ( name != NULL )
     {

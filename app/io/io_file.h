@@ -75,6 +75,8 @@ bool io_has_extension( const char* path, const char* extension );
 
 /// The name of a file without its folders.
 const char* io_file_name( const char* path );
+/// Bytes of the path before that, with the slash.
+size_t io_folder_length( const char* path );
 
 /// The end of a long path, so that a message of 500 characters has room for the error.
 const char* io_short_name( const char* name );

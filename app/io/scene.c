@@ -235,8 +235,7 @@ static int give_arrays( wisp_scene* scene, const wisp_scene_arrays* arrays, cons
 
 wisp_status wisp_scene_set_arrays( wisp_scene* scene, const wisp_scene_arrays* arrays, int count, wisp_error* error )
 {
-    const char* slash = strrchr( scene->name, '/' );
-    const size_t folder = slash ? (size_t)( slash - scene->name ) + 1 : 0;
+    const size_t folder = io_folder_length( scene->name );
     for ( int i = 0; i < count; ++i )
     {
         char* resolved = malloc( folder + strlen( arrays[i].file ) + 1 );

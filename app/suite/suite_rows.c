@@ -88,8 +88,7 @@ typedef struct entry
 char* suite_resolve( const suite_reader* r, const char* file )
 {
     const char* suite_path = r->source.name;
-    const char* slash = strrchr( suite_path, '/' );
-    const int folder = file[0] != '/' && slash ? (int)( slash - suite_path ) + 1 : 0;
+    const int folder = file[0] != '/' ? (int)io_folder_length( suite_path ) : 0;
     char* path = text_alloc( (size_t)folder + strlen( file ) );
     sprintf( path, "%.*s%s", folder, suite_path, file );
     return path;
@@ -97,8 +96,7 @@ char* suite_resolve( const suite_reader* r, const char* file )
 
 void suite_stem( const char* path, char* out, size_t size )
 {
-    const char* slash = strrchr( path, '/' );
-    const char* name = slash ? slash + 1 : path;
+    const char* name = io_file_name( path );
     const char* dot = strrchr( name, '.' );
     snprintf( out, size, "%.*s", dot && dot != name ? (int)( dot - name ) : (int)strlen( name ), name );
 }
