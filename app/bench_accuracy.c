@@ -51,18 +51,6 @@ static bool take_accuracy_option( options_state* o, int key, const char* argumen
     }
 }
 
-static wisp_status write_text( const char* text, const char* path, wisp_error* error )
-{
-    io_output output;
-    wisp_status status = io_output_open( path, &output, error );
-    if ( status == WISP_OK )
-    {
-        fputs( text, output.stream );
-        status = io_output_commit( &output, error );
-    }
-    return status;
-}
-
 static wisp_status run_suite( accuracy_arguments* a, const char* text, results* out, wisp_error* error )
 {
     wisp_suite suite;
@@ -95,7 +83,7 @@ int command_accuracy( int argc, char** argv )
     status = status == WISP_OK ? suite_of_scene( &def, &text, &error ) : status;
     if ( status == WISP_OK && a.suite )
     {
-        status = write_text( text, a.suite, &error );
+        status = io_file_write( a.suite, text, strlen( text ), &error );
     }
     else if ( status == WISP_OK )
     {

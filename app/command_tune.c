@@ -38,7 +38,7 @@ static void name_setting( const tune_parameters* parameters, const int* configur
     for ( int k = 0; k < parameters->count; ++k )
     {
         char value[32];
-        tune_parameters_text( parameters, k, parameters->values[k][configuration[k]], value, sizeof value );
+        tune_parameters_text( parameters->fields[k], parameters->values[k][configuration[k]], value, sizeof value );
         const size_t length = strlen( out );
         snprintf( out + length, size - length, "%s%s: %s", k > 0 ? ", " : "", parameters->parameters[k].name, value );
     }
@@ -80,7 +80,8 @@ static void add_visit_line( results* out, int table, const tune_parameters* para
     for ( int k = 0; k < parameters->count; ++k )
     {
         char value[32];
-        tune_parameters_text( parameters, k, parameters->values[k][trial->configuration[k]], value, sizeof value );
+        tune_parameters_text( parameters->fields[k], parameters->values[k][trial->configuration[k]], value,
+                              sizeof value );
         cells_put( &cells, "%s", value );
     }
     cells_put( &cells, sample->is_halted ? "%.4f\t-\t-" : "%.4f\t%.3e\t%.3e", sample->ms, sample->error,

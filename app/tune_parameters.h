@@ -29,7 +29,8 @@ typedef struct tune_field
     const char* block;
     const char* key;
     tune_place place;
-    bool is_unordered, is_falling;
+    size_t offset; ///< in the scene or the entry, of an int, of a float if it is_fraction, of a bool if it is_switch
+    bool is_fraction, is_switch, is_unordered, is_falling;
     double candidates[TUNE_CANDIDATES_MAX]; ///< end with 0, unless it is full
 } tune_field;
 
@@ -85,4 +86,4 @@ wisp_status tune_parameters_edit( const tune_parameters* parameters, const int* 
 bool tune_parameters_agree( const tune_parameters* parameters, const int* configuration, const wisp_scene* scene );
 
 /// A value for reports, as in the scene's file.
-void tune_parameters_text( const tune_parameters* parameters, int parameter, double value, char* out, size_t size );
+void tune_parameters_text( int field, double value, char* out, size_t size );

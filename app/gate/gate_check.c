@@ -260,16 +260,10 @@ static char* text_of( const gate_base* base )
 
 wisp_status gate_base_write( const gate_base* base, const char* path, wisp_error* error )
 {
-    io_output output;
-    const wisp_status status = io_output_open( path, &output, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
     char* text = text_of( base );
-    fputs( text, output.stream );
+    const wisp_status status = io_file_write( path, text, strlen( text ), error );
     free( text );
-    return io_output_end( &output, WISP_OK, error );
+    return status;
 }
 
 // ---- patches ----

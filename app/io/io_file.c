@@ -489,3 +489,15 @@ void io_numbers_end( io_numbers* numbers )
     freelocale( (locale_t)numbers->plain );
     *numbers = ( io_numbers ){ 0 };
 }
+
+wisp_status io_file_write( const char* path, const void* bytes, size_t size, wisp_error* error )
+{
+    io_output output;
+    wisp_status status = io_output_open( path, &output, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    fwrite( bytes, 1, size, output.stream );
+    return io_output_commit( &output, error );
+}

@@ -55,6 +55,9 @@ void io_output_discard( io_output* output );
 /// Commit with status WISP_OK, discard with any other. @return the first failure
 wisp_status io_output_end( io_output* output, wisp_status status, wisp_error* error );
 
+/// Write a whole file. @return WISP_IO_ERROR, and the file is as before
+wisp_status io_file_write( const char* path, const void* bytes, size_t size, wisp_error* error );
+
 /// Make a folder, whose parent exists; an existing folder is accepted.
 /// @return WISP_IO_ERROR an error of the operating system
 wisp_status io_folder_make( const char* path, wisp_error* error );
