@@ -19,22 +19,22 @@
 //
 // Rods have nothing to tune: bending is one direct solve per substep.
 
-#define OF_SURFACE( member ) offsetof( wisp_scene_surface, member )
+#define IN_SURFACE( member ) offsetof( wisp_scene_surface, member )
 
 const tune_field tune_fields[FIELD_COUNT] = {
     [FIELD_SUBSTEPS] = { "substeps", NULL, NULL, "substeps", OF_SCENE, offsetof( wisp_scene, substeps ),
                          .candidates = { 1, 2, 4, 8, 16 } },
     [FIELD_ITERATIONS] = { "iterations", NULL, NULL, "iterations", OF_SCENE, offsetof( wisp_scene, iterations ),
                            .candidates = { 1, 2, 4 } },
-    [FIELD_TETHERS] = { "cloth.tethers", "surfaces", "cloth", "tethers", OF_PINNED_CLOTH, OF_SURFACE( cloth.tethers ),
+    [FIELD_TETHERS] = { "cloth.tethers", "surfaces", "cloth", "tethers", OF_PINNED_CLOTH, IN_SURFACE( cloth.tethers ),
                         .is_switch = true, .is_unordered = true, .candidates = { 1 } },
     [FIELD_COARSE] = { "cloth.coarse_substeps", "surfaces", "cloth", "coarse_substeps", OF_XPBD_CLOTH,
-                       OF_SURFACE( cloth.coarse_substeps ), .is_unordered = true, .candidates = { 1, 2 } },
+                       IN_SURFACE( cloth.coarse_substeps ), .is_unordered = true, .candidates = { 1, 2 } },
     [FIELD_TOLERANCE] = { "implicit.tolerance", "surfaces", "implicit", "tolerance", OF_IMPLICIT,
-                          OF_SURFACE( implicit.tolerance ), .is_fraction = true, .is_falling = true,
+                          IN_SURFACE( implicit.tolerance ), .is_fraction = true, .is_falling = true,
                           .candidates = { 1e-1, 1e-2, 1e-3, 1e-4 } },
     [FIELD_REPEATS] = { "implicit.newton_iterations", "surfaces", "implicit", "newton_iterations", OF_IMPLICIT,
-                        OF_SURFACE( implicit.newton_iterations ), .candidates = { 1, 2, 4 } },
+                        IN_SURFACE( implicit.newton_iterations ), .candidates = { 1, 2, 4 } },
     [FIELD_PASSES] = { "dynamics.stretch_passes", "strands", "dynamics", "stretch_passes", OF_DIRECT_STRANDS,
                        offsetof( wisp_scene_strands, dynamics.stretch_passes ), .candidates = { 1, 2, 8 } },
 };

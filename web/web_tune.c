@@ -19,15 +19,13 @@ static bool report( void* user, int run_count, int max_runs )
 /// @param out [5] 1 if the target is met, ms per step, error in m, runs, 1 if the search ended early
 WEB_API int web_tune( const char* path, double error, double seconds, double limit, int* configuration, double* out )
 {
-    binding_scene* scene = NULL;
-    if ( binding_scene_read( path, &scene, &web_error ) != WISP_OK )
-    {
-        return 0;
-    }
     const binding_tune_def def = { .error = error, .limit = limit, .workers = 1, .progress = report };
-    wisp_tune_result found = { 0 };
+    binding_scene* scene = NULL;
     binding_reference* reference = NULL;
-    wisp_status status = binding_reference_open( scene, seconds, NULL, NULL, &reference, &web_error );
+    wisp_tune_result found = { 0 };
+    wisp_status status = binding_scene_read( path, &scene, &web_error );
+    status =
+        status == WISP_OK ? binding_reference_open( scene, seconds, NULL, NULL, &reference, &web_error ) : status;
     status = status == WISP_OK ? binding_tune( reference, &def, &found, &web_error ) : status;
     for ( int k = 0; status == WISP_OK && k < binding_parameter_count( scene ); ++k )
     {

@@ -267,19 +267,16 @@ static wisp_status read_reference( suite_reader* r, const scene_node* block )
                                          : "fields and their values, such as { substeps: 320 }" );
         }
     }
-    r->out->compares_start = values[REFERENCE_START] != NULL;
-    if ( r->out->compares_start )
+    for ( int k = REFERENCE_START; k <= REFERENCE_OVERLAP; ++k )
     {
-        return strcmp( scene_text_of( &r->tree, values[REFERENCE_START] ), "true" ) == 0 && block->count == 1
-                   ? WISP_OK
-                   : suite_refuse( r, block, "expected start: true alone" );
-    }
-    r->out->compares_overlap = values[REFERENCE_OVERLAP] != NULL;
-    if ( r->out->compares_overlap )
-    {
-        return strcmp( scene_text_of( &r->tree, values[REFERENCE_OVERLAP] ), "none" ) == 0 && block->count == 1
-                   ? WISP_OK
-                   : suite_refuse( r, block, "expected overlap: none alone" );
+        const char* word = k == REFERENCE_START ? "true" : "none";
+        *( k == REFERENCE_START ? &r->out->compares_start : &r->out->compares_overlap ) = values[k] != NULL;
+        if ( values[k] )
+        {
+            return strcmp( scene_text_of( &r->tree, values[k] ), word ) == 0 && block->count == 1
+                       ? WISP_OK
+                       : suite_refuse( r, block, "expected %s: %s alone", reference_keys[k], word );
+        }
     }
     const scene_node* order = values[REFERENCE_EXTRAPOLATE];
     r->out->extrapolate = order ? suite_number_of( r, order ) : 0.0;
