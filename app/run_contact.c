@@ -1,5 +1,6 @@
 #include "run_contact.h"
 
+#include "io_file.h"
 #include "mesh.h"
 
 #include <math.h>

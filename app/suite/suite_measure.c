@@ -205,12 +205,16 @@ void suite_horizon_add( suite_horizon* horizon, double until, bool parts )
 void suite_horizon_text( const suite_horizon* horizon, char* out, size_t size )
 {
     char from[32] = "";
+    out[0] = '\0';
     if ( horizon->least < horizon->most )
     {
         snprintf( from, sizeof from, "%.3g to ", horizon->least );
     }
-    snprintf( out, size, horizon->most > 0.0 ? "; compared until %s%.3g s, %s" : "", from, horizon->most,
-              horizon->parts ? "where two converged runs part" : "the end" );
+    if ( horizon->most > 0.0 )
+    {
+        snprintf( out, size, "; compared until %s%.3g s, %s", from, horizon->most,
+                  horizon->parts ? "where two converged runs part" : "the end" );
+    }
 }
 
 // ---- in this process ----

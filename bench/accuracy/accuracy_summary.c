@@ -2,6 +2,7 @@
 #include "accuracy/accuracy_parts.h"
 
 #include "stats.h"
+#include "suite_measure.h"
 
 #include <math.h>
 #include <stdlib.h>
