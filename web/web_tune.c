@@ -22,10 +22,11 @@ WEB_API int web_tune( const char* path, double error, double seconds, double lim
     const binding_tune_def def = { .error = error, .limit = limit, .workers = 1, .progress = report };
     binding_scene* scene = NULL;
     binding_reference* reference = NULL;
+    binding_reference_info info;
     wisp_tune_result found = { 0 };
     wisp_status status = binding_scene_read( path, &scene, &web_error );
-    status =
-        status == WISP_OK ? binding_reference_open( scene, seconds, NULL, NULL, &reference, &web_error ) : status;
+    status = status == WISP_OK ? binding_reference_open( scene, seconds, NULL, NULL, &reference, &info, &web_error )
+                               : status;
     status = status == WISP_OK ? binding_tune( reference, &def, &found, &web_error ) : status;
     for ( int k = 0; status == WISP_OK && k < binding_parameter_count( scene ); ++k )
     {

@@ -222,21 +222,23 @@ typedef struct binding_tune_def
     void* user;
 } binding_tune_def;
 
+typedef struct binding_reference_info
+{
+    double doubt; ///< m, how far a coarser converged run is from it
+    double until; ///< s, how long motion is compared
+    bool parts;   ///< no longer because two converged runs part then
+} binding_reference_info;
+
 /// Read the reference of a scene, or make it.
 /// @param scene must stay open until the reference is closed
 /// @param seconds of motion that is compared; 0: the scene, at most 1 s
 /// @param go_on called after every step of all runs; null: not. False fails the call
 /// @param log receives warnings on the calling thread; null: stderr
 wisp_status binding_reference_open( const binding_scene* scene, double seconds, bool ( *go_on )( void ),
-                                    wisp_log_fn* log, binding_reference** out, wisp_error* error );
+                                    wisp_log_fn* log, binding_reference** out, binding_reference_info* info,
+                                    wisp_error* error );
 /// Null is allowed.
 void binding_reference_close( binding_reference* reference );
-/// m, how far a coarser converged run is from it
-double binding_reference_doubt( const binding_reference* reference );
-/// s, how long motion is compared
-double binding_reference_until( const binding_reference* reference );
-/// Whether motion is compared no longer because two converged runs part then.
-bool binding_reference_parts( const binding_reference* reference );
 /// Run and time a scene of the same bodies. @param workers, isa as in binding_tune_def
 wisp_status binding_reference_measure( const binding_reference* reference, const binding_scene* scene, int workers,
                                        const char* isa, wisp_tune_sample* out, wisp_error* error );

@@ -260,7 +260,8 @@ void binding_reference_close( binding_reference* r )
 }
 
 wisp_status binding_reference_open( const binding_scene* scene, double seconds, bool ( *go_on )( void ),
-                                    wisp_log_fn* log, binding_reference** out, wisp_error* error )
+                                    wisp_log_fn* log, binding_reference** out, binding_reference_info* info,
+                                    wisp_error* error )
 {
     *out = NULL;
     binding_reference* r = calloc( 1, sizeof *r );
@@ -280,23 +281,10 @@ wisp_status binding_reference_open( const binding_scene* scene, double seconds, 
         binding_reference_close( r );
         return status;
     }
+    const suite_reference* made = r->from.reference;
+    *info = ( binding_reference_info ){ made->doubt.distance, made->until, suite_reference_parts( made ) };
     *out = r;
     return WISP_OK;
-}
-
-double binding_reference_doubt( const binding_reference* r )
-{
-    return r->from.reference->doubt.distance;
-}
-
-double binding_reference_until( const binding_reference* r )
-{
-    return r->from.reference->until;
-}
-
-bool binding_reference_parts( const binding_reference* r )
-{
-    return suite_reference_parts( r->from.reference );
 }
 
 wisp_status binding_reference_measure( const binding_reference* r, const binding_scene* scene, int workers,

@@ -418,17 +418,29 @@ static bool is_same_mesh( const wisp_record_body* a, const wisp_record_body* b )
              memcmp( a->triangles, b->triangles, 3 * (size_t)a->triangle_count * sizeof *a->triangles ) == 0 );
 }
 
-static bool has_same_meshes( const suite_motion* a, const suite_motion* b )
+// The total length of a body's edges, each as often as it has triangles, and segments.
+static double lengths_of( const wisp_record_body* body, const wisp_vec3* points, vertex_fan* unused )
 {
-    bool is_same = a->body_count == b->body_count;
-    for ( int i = 0; i < a->body_count && is_same; ++i )
+    double sum = 0.0;
+    (void)unused;
+    for ( int k = 0; k < 3 * body->triangle_count; ++k )
     {
-        is_same = is_same_mesh( &a->bodies[i], &b->bodies[i] );
+        const int next = k % 3 == 2 ? k - 2 : k + 1;
+        sum += (double)distance_of( points[body->triangles[k]], points[body->triangles[next]] );
     }
-    return is_same;
+    for ( int s = 0; s < body->strand_count; ++s )
+    {
+        for ( int v = body->offsets[s] + 1; v < body->offsets[s + 1]; ++v )
+        {
+            sum += (double)distance_of( points[v - 1], points[v] );
+        }
+    }
+    return sum;
 }
 
-static double sum_curvature( const suite_motion* motion, int first, int count, vertex_fan* fans )
+typedef double of_body( const wisp_record_body* body, const wisp_vec3* points, vertex_fan* fans );
+
+static double sum_over( const suite_motion* motion, int first, int count, of_body* of, vertex_fan* fans )
 {
     const size_t n = (size_t)suite_motion_points( motion );
     double sum = 0.0;
@@ -436,54 +448,31 @@ static double sum_curvature( const suite_motion* motion, int first, int count, v
     {
         for ( int b = 0; b < motion->body_count; ++b )
         {
-            sum += curvature_of( &motion->bodies[b], motion->points + (size_t)frame * n + motion->first[b], fans );
+            sum += of( &motion->bodies[b], motion->points + (size_t)frame * n + motion->first[b], fans );
         }
     }
     return sum;
+}
+
+// @return NaN: meshes differ, or the reference has none of it
+static double ratio_of( const suite_motion* motion, const suite_motion* reference, int first, int count, of_body* of )
+{
+    bool is_same = motion->body_count == reference->body_count;
+    for ( int b = 0; b < motion->body_count && is_same; ++b )
+    {
+        is_same = is_same_mesh( &motion->bodies[b], &reference->bodies[b] );
+    }
+    const size_t n = (size_t)suite_motion_points( motion ) + 1;
+    vertex_fan* fans = is_same ? malloc( n * sizeof *fans ) : NULL;
+    const double sum = fans ? sum_over( reference, first, count, of, fans ) : 0.0;
+    const double ratio = sum > 0.0 ? sum_over( motion, first, count, of, fans ) / sum : NAN;
+    free( fans );
+    return ratio;
 }
 
 double suite_detail( const suite_motion* motion, const suite_motion* reference, int first_frame, int frame_count )
 {
-    const size_t n = (size_t)suite_motion_points( motion ) + 1;
-    vertex_fan* fans = has_same_meshes( motion, reference ) ? malloc( n * sizeof *fans ) : NULL;
-    const double sum = fans ? sum_curvature( reference, first_frame, frame_count, fans ) : 0.0;
-    const double detail = sum > 0.0 ? sqrt( sum_curvature( motion, first_frame, frame_count, fans ) / sum ) : NAN;
-    free( fans );
-    return detail;
-}
-
-// ---- stretch ----
-
-static double sum_lengths( const suite_motion* motion, int first, int count )
-{
-    const size_t n = (size_t)suite_motion_points( motion );
-    double sum = 0.0;
-    for ( int i = 0; i < count * motion->body_count; ++i )
-    {
-        const int frame = first + i / motion->body_count, b = i % motion->body_count;
-        const wisp_record_body* body = &motion->bodies[b];
-        const wisp_vec3* points = motion->points + (size_t)frame * n + motion->first[b];
-        for ( int k = 0; k < 3 * body->triangle_count; ++k )
-        {
-            const int next = k % 3 == 2 ? k - 2 : k + 1;
-            sum += (double)distance_of( points[body->triangles[k]], points[body->triangles[next]] );
-        }
-        for ( int s = 0; s < body->strand_count; ++s )
-        {
-            for ( int v = body->offsets[s] + 1; v < body->offsets[s + 1]; ++v )
-            {
-                sum += (double)distance_of( points[v - 1], points[v] );
-            }
-        }
-    }
-    return sum;
-}
-
-static double compare_stretch( const suite_motion* motion, const suite_motion* reference, int first, int count )
-{
-    return has_same_meshes( motion, reference )
-               ? sum_lengths( motion, first, count ) / sum_lengths( reference, first, count ) - 1.0
-               : NAN;
+    return sqrt( ratio_of( motion, reference, first_frame, frame_count, curvature_of ) );
 }
 
 // ---- energy ----
@@ -537,7 +526,7 @@ wisp_status suite_compare( const suite_motion* motion, const suite_reference* re
     {
         out->late_height = compare_height( &match, motion, other, reference->gravity, count, late );
         out->late_energy = compare_energy( motion, other, count, late );
-        out->late_stretch = compare_stretch( motion, other, count, late );
+        out->late_stretch = ratio_of( motion, other, count, late, lengths_of ) - 1.0;
         out->late_detail = suite_detail( motion, other, count, late );
     }
     for ( int i = 0; i < SUITE_MOMENT_COUNT && status == WISP_OK; ++i )

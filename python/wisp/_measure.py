@@ -41,14 +41,12 @@ class Reference:
         if not 0.0 <= seconds < np.inf:
             raise BadInput(f"seconds: got {seconds}, expected at least 0")
         self.scene = scene
-        out, error = ffi.new("binding_reference**"), ffi.new("wisp_error*")
-        status = lib.binding_reference_open(scene._handle, seconds, lib.wisp_python_go_on, lib.wisp_python_log, out, error)
+        out, info, error = ffi.new("binding_reference**"), ffi.new("binding_reference_info*"), ffi.new("wisp_error*")
+        status = lib.binding_reference_open(scene._handle, seconds, lib.wisp_python_go_on, lib.wisp_python_log, out, info, error)
         self._handle: Any = ffi.gc(out[0], lib.binding_reference_close)
         raise_kept()
         check(status, error)
-        self.doubt = float(lib.binding_reference_doubt(out[0]))
-        self.until = float(lib.binding_reference_until(out[0]))
-        self.parts = bool(lib.binding_reference_parts(out[0]))
+        self.doubt, self.until, self.parts = info.doubt, info.until, info.parts
 
     def measure(self, scene: Scene, *, workers: int = 0, isa: Optional[str] = None) -> Measured:
         """Run a scene of the same bodies, such as one with other parameters. Times need an idle machine.
