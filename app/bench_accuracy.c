@@ -51,25 +51,13 @@ static bool take_accuracy_option( options_state* o, int key, const char* argumen
     }
 }
 
-static wisp_status write_text( const char* text, const char* path, wisp_error* error )
-{
-    io_output output;
-    wisp_status status = io_output_open( path, &output, error );
-    if ( status == WISP_OK )
-    {
-        fputs( text, output.stream );
-        status = io_output_commit( &output, error );
-    }
-    return status;
-}
-
 static wisp_status run_suite( accuracy_arguments* a, const char* text, results* out, wisp_error* error )
 {
     wisp_suite suite;
     progress bar = progress_begin();
     a->options.progress = bench_show_progress;
     a->options.progress_user = &bar;
-    wisp_status status = suite_parse( text, strlen( text ), a->scene, &suite, error );
+    wisp_status status = suite_parse( text, strlen( text ), a->scene, NULL, &suite, error );
     status = status == WISP_OK ? suite_bench_rows( &suite, &a->options, out, error ) : status;
     progress_end( &bar );
     suite_release( &suite );
@@ -87,18 +75,15 @@ int command_accuracy( int argc, char** argv )
     wisp_error error = { 0 };
     // A suite that is kept may be in another folder than the scene; one that is not is as if it were beside it.
     char absolute[PATH_MAX];
-    const char* slash = strrchr( a.scene, '/' );
-    const char* file = a.suite == NULL                 ? ( slash ? slash + 1 : a.scene )
-                       : realpath( a.scene, absolute ) ? absolute
-                                                       : a.scene;
-    const suite_of_scene_def def = { a.scene, file, a.length };
+    const char* file = a.suite == NULL ? io_file_name( a.scene ) : realpath( a.scene, absolute ) ? absolute : a.scene;
+    const suite_of_scene_def def = { .path = a.scene, .file = file, .length = a.length };
     char* text = NULL;
     wisp_status status = bench_describe_machine( &out.machine, &error );
     status = status == WISP_OK ? bench_check_files( &a.files, &error ) : status;
     status = status == WISP_OK ? suite_of_scene( &def, &text, &error ) : status;
     if ( status == WISP_OK && a.suite )
     {
-        status = write_text( text, a.suite, &error );
+        status = io_file_write( a.suite, text, strlen( text ), &error );
     }
     else if ( status == WISP_OK )
     {

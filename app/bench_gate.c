@@ -135,8 +135,7 @@ static bool take_gate_option( options_state* p, int key, const char* argument )
 // suite.yaml has suite-base.json.
 static char* default_base( const char* suite )
 {
-    const char* slash = strrchr( suite, '/' );
-    const char* dot = strrchr( slash ? slash : suite, '.' );
+    const char* dot = strrchr( io_file_name( suite ), '.' );
     const int length = dot ? (int)( dot - suite ) : (int)strlen( suite );
     char* path = calloc( 1, (size_t)length + 16 );
     if ( path != NULL )

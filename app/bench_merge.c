@@ -312,12 +312,15 @@ static void add_rows( const merged* r, const sweep_row* row )
 static void add_failures( const merged* r )
 {
     int failures = 0, unexpected = 0;
+    suite_horizon horizon = { 0 };
     for ( int i = 0; i < r->count; ++i )
     {
         const sweep_row* row = r->rows + i;
         const bool fails = row->failure[0] != '\0', breaks = row->verdict[0] != '\0' && !row->is_known;
         failures += fails ? 1 : 0;
         unexpected += breaks ? 1 : 0;
+        suite_horizon_add( &horizon, row->until,
+                           !isnan( row->values[SWEEP_LATE_HEIGHT] ) || !isnan( row->values[SWEEP_LATE_HEIGHT + 2] ) );
         if ( ( fails || breaks ) && failures + unexpected <= MAX_FAILURES )
         {
             results_add_failure( r->out, "%s%s%s: %s", row->name, row->variant[0] ? ", " : "", row->variant,
@@ -328,11 +331,12 @@ static void add_failures( const merged* r )
     {
         results_add_failure( r->out, "and %d more", failures + unexpected - MAX_FAILURES );
     }
-    char line[200];
+    char line[200], until[100];
+    suite_horizon_text( &horizon, until, sizeof until );
     snprintf( line, sizeof line, "%s: %d item%s", r->like->suite, r->count, r->count == 1 ? "" : "s" );
     results_append_count( line, sizeof line, failures, "could not be run" );
     results_append_count( line, sizeof line, unexpected, "not as expected" );
-    results_add_headline( r->out, "%s", line );
+    results_add_headline( r->out, "%s%s", line, until );
 }
 
 static void add_notes( const merged* r )

@@ -4,110 +4,23 @@
 #include "io_file.h"
 #include "progress.h"
 #include "results.h"
-#include "suite_motion.h"
-#include "tune_parameters.h"
+#include "tune_scene.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define DEFAULT_LIMIT 300.0
 
-// ---- the search ----
-
-// What a configuration has been found to be: runs again repeat its time alone.
-typedef struct tried
-{
-    bool is_known;
-    wisp_tune_sample sample;
-} tried;
-
-// Configurations are rows of the suite that `wisp accuracy` makes of the scene, with its reference.
+// What is asked, and what of it is known.
 typedef struct search
 {
-    const char* path;
-    double error, budget_ms; // m, ms; one of them
-    double seconds, limit;   // of simulated time, 0: as `wisp accuracy` has it; of wall time
-    int workers;
-    const wisp_scene* scene; // as it was read
-    unsigned char* bytes;    // [size] of its file
-    size_t size;
-    const tune_parameters* parameters;
-    wisp_suite suite;
-    suite_references references;
-    const suite_reference* reference;
-    suite_row row; // of the present configuration
-    tried all[WISP_TUNE_MAX_SETTINGS];
-    suite_measurement measured;
+    tune_scene_def from;
+    unsigned char* bytes; // that its text is in
+    tune_scene scene;
+    tune_scene_search_def def;
+    suite_measurement measured; // of a run
     progress bar;
 } search;
-
-static wisp_status write_trial( search* s, const int* configuration, wisp_error* error )
-{
-    wisp_scene_edit* edits = NULL;
-    int count = 0;
-    size_t size = 0;
-    wisp_status status = tune_parameters_edits( s->parameters, configuration, s->scene, &edits, &count, error );
-    free( s->row.text );
-    s->row.text = NULL;
-    if ( status == WISP_OK && s->row.steps > s->scene->steps )
-    {
-        edits[count] = ( wisp_scene_edit ){ .key = "steps" };
-        snprintf( edits[count++].value, sizeof edits->value, "%d", s->row.steps );
-    }
-    status = status == WISP_OK ? wisp_scene_edit_text( (const char*)s->bytes, s->size, s->path, edits, count,
-                                                       &s->row.text, &size, error )
-                               : status;
-    free( edits );
-    return status;
-}
-
-static wisp_status run_trial( void* user, const int* configuration, wisp_tune_sample* out, wisp_error* error )
-{
-    search* s = user;
-    int place = 0, steps = 0;
-    double* ms = NULL;
-    uint64_t hash;
-    for ( int k = 0; k < s->parameters->count; ++k )
-    {
-        place = place * s->parameters->parameters[k].value_count + configuration[k];
-    }
-    tried* known = &s->all[place];
-    wisp_status status = write_trial( s, configuration, error );
-    if ( status == WISP_OK && !known->is_known )
-    {
-        status = suite_reference_run( s->reference, &s->row, NULL, NULL, &s->measured, error );
-        known->is_known = status == WISP_OK;
-        known->sample = ( wisp_tune_sample ){ .error = s->measured.values[SUITE_ERROR],
-                                              .largest = s->measured.compared.largest,
-                                              .is_halted = s->measured.values[SUITE_HALTED] > 0.0 };
-    }
-    status = status == WISP_OK ? suite_time_row( &s->row, s->workers, NULL, &ms, &steps, &hash, error ) : status;
-    *out = known->sample;
-    out->ms = stats_summarise( ms, status == WISP_OK ? steps : 0 ).median;
-    free( ms );
-    return status;
-}
-
-static wisp_status make_reference( search* s, wisp_error* error )
-{
-    const suite_of_scene_def def = { s->path, io_file_name( s->path ), s->seconds };
-    char* text = NULL;
-    wisp_status status = io_file_read( s->path, 1 << 20, &s->bytes, &s->size, error );
-    status = status == WISP_OK ? suite_of_scene( &def, &text, error ) : status;
-    status = status == WISP_OK ? suite_parse( text, strlen( text ), s->path, &s->suite, error ) : status;
-    free( text );
-    status = status == WISP_OK ? suite_references_find( &s->suite, &s->references, error ) : status;
-    progress_show( &s->bar, 0.0, "the reference" );
-    status = status == WISP_OK ? suite_reference_of( &s->references, 0, &s->reference, error ) : status;
-    if ( status == WISP_OK )
-    {
-        s->row = s->suite.rows[0];
-        s->row.text = NULL;
-        s->row.variant[0] = '\0';
-    }
-    return status;
-}
 
 // ---- the report ----
 
@@ -125,35 +38,35 @@ static void name_setting( const tune_parameters* parameters, const int* configur
     for ( int k = 0; k < parameters->count; ++k )
     {
         char value[32];
-        tune_parameters_text( parameters, k, parameters->values[k][configuration[k]], value, sizeof value );
+        tune_parameters_text( parameters->fields[k], parameters->values[k][configuration[k]], value, sizeof value );
         const size_t length = strlen( out );
         snprintf( out + length, size - length, "%s%s: %s", k > 0 ? ", " : "", parameters->parameters[k].name, value );
     }
 }
 
-static void add_visit_row( results* out, const search* def, const wisp_tune_result* found,
+static void add_visit_row( results* out, const search* s, const wisp_tune_result* found,
                            const wisp_tune_trial* trial )
 {
-    results_row* row = results_add_row( out, io_file_name( def->scene->name ),
-                                        is_chosen( def->parameters, found, trial ) ? "chosen" : "trial" );
+    const tune_parameters* parameters = s->def.parameters;
+    results_row* row = results_add_row( out, io_file_name( s->from.path ),
+                                        is_chosen( parameters, found, trial ) ? "chosen" : "trial" );
     if ( !row )
     {
         return;
     }
-    results_put( &row->size, "vertices", def->measured.vertices );
-    for ( int k = 0; k < def->parameters->count; ++k )
+    results_put( &row->size, "vertices", s->measured.vertices );
+    for ( int k = 0; k < parameters->count; ++k )
     {
-        results_put( &row->size, def->parameters->parameters[k].name,
-                     def->parameters->values[k][trial->configuration[k]] );
+        results_put( &row->size, parameters->parameters[k].name, parameters->values[k][trial->configuration[k]] );
     }
     results_put( &row->size, "is_pareto", trial->is_pareto ? 1.0 : 0.0 );
     results_put( &row->size, "halted", trial->sample.is_halted ? 1.0 : 0.0 );
-    row->workers = def->workers;
+    row->workers = s->def.machine.workers;
     row->ms_median = trial->sample.ms;
-    row->steps = def->measured.steps * trial->run_count;
+    row->steps = s->measured.steps * trial->run_count;
     if ( !trial->sample.is_halted )
     {
-        snprintf( row->error_reference, sizeof row->error_reference, "%s", def->references.description );
+        snprintf( row->error_reference, sizeof row->error_reference, "%s", s->scene.references.description );
         results_put( &row->error, "rms_m", trial->sample.error );
         results_put( &row->error, "largest_m", trial->sample.largest );
     }
@@ -162,27 +75,23 @@ static void add_visit_row( results* out, const search* def, const wisp_tune_resu
 static void add_visit_line( results* out, int table, const tune_parameters* parameters, const wisp_tune_result* found,
                             const wisp_tune_trial* trial )
 {
-    char texts[WISP_TUNE_MAX_PARAMETERS + 4][32];
-    const char* cells[WISP_TUNE_MAX_PARAMETERS + 4];
-    for ( int i = 0; i < parameters->count + 4; ++i )
-    {
-        cells[i] = texts[i];
-    }
+    const wisp_tune_sample* sample = &trial->sample;
+    results_cells cells = { .count = 0 };
     for ( int k = 0; k < parameters->count; ++k )
     {
-        tune_parameters_text( parameters, k, parameters->values[k][trial->configuration[k]], texts[k],
-                              sizeof texts[k] );
+        char value[32];
+        tune_parameters_text( parameters->fields[k], parameters->values[k][trial->configuration[k]], value,
+                              sizeof value );
+        cells_put( &cells, "%s", value );
     }
-    const bool halted = trial->sample.is_halted;
-    snprintf( texts[parameters->count], sizeof texts[0], "%.4f", trial->sample.ms );
-    snprintf( texts[parameters->count + 1], sizeof texts[0], halted ? "-" : "%.3e", trial->sample.error );
-    snprintf( texts[parameters->count + 2], sizeof texts[0], halted ? "-" : "%.3e", trial->sample.largest );
-    snprintf( texts[parameters->count + 3], sizeof texts[0], "%s",
-              is_chosen( parameters, found, trial ) ? "chosen"
-              : halted                              ? "halted"
-              : trial->is_pareto                    ? "Pareto"
-                                                    : "" );
-    results_add_cells( out, table, cells );
+    cells_put( &cells, sample->is_halted ? "%.4f\t-\t-" : "%.4f\t%.3e\t%.3e", sample->ms, sample->error,
+               sample->largest );
+    cells_put( &cells, "%s",
+               is_chosen( parameters, found, trial ) ? "chosen"
+               : sample->is_halted                   ? "halted"
+               : trial->is_pareto                    ? "Pareto"
+                                                     : "" );
+    cells_end_row( &cells, table, out );
 }
 
 static int compare_visits( const void* a, const void* b )
@@ -191,90 +100,65 @@ static int compare_visits( const void* a, const void* b )
     return ( x->sample.ms > y->sample.ms ) - ( x->sample.ms < y->sample.ms );
 }
 
-static void add_table( results* out, const search* def, const wisp_tune_result* found )
+static void add_table( results* out, const tune_parameters* parameters, const wisp_tune_result* found )
 {
-    const tune_parameters* parameters = def->parameters;
-    const char* header[WISP_TUNE_MAX_PARAMETERS + 4];
+    results_cells header = { .count = 0 };
     for ( int k = 0; k < parameters->count; ++k )
     {
-        header[k] = parameters->parameters[k].name;
+        cells_put( &header, "%s", parameters->parameters[k].name );
     }
-    header[parameters->count] = "ms per step";
-    header[parameters->count + 1] = "error (m)";
-    header[parameters->count + 2] = "max error (m)";
-    header[parameters->count + 3] = "verdict";
-    const int table = results_add_table( out, "Configurations, fastest first", parameters->count + 4, header );
+    cells_put( &header, "ms per step\terror (m)\tmax error (m)\tverdict" );
+    const int table = cells_begin_table( &header, "Configurations, fastest first", out );
     for ( int v = 0; v < found->trial_count; ++v )
     {
         add_visit_line( out, table, parameters, found, &found->trials[v] );
     }
 }
 
-static void add_reference( results* out, int table, const search* def )
+static void add_verdict( results* out, int table, const search* s, const wisp_tune_result* found )
 {
-    char text[320];
-    snprintf( text, sizeof text, "%s; uncertain by %.3g mm", def->references.description,
-              1e3 * def->reference->doubt.distance );
-    results_add_cells( out, table, ( const char* const[] ){ "reference", text } );
-    snprintf( text, sizeof text, "root mean square distance over %d vertices and %d times up to %.3g s",
-              def->measured.vertices, def->reference->frame_count, def->reference->until );
-    results_add_cells( out, table, ( const char* const[] ){ "error", text } );
-}
-
-static void add_verdict( results* out, int table, const search* def, const wisp_tune_result* found )
-{
-    char setting[240], text[320], target[60];
-    name_setting( def->parameters, found->configuration, setting, sizeof setting );
-    if ( def->error > 0.0 )
+    const suite_reference* reference = s->scene.reference;
+    const wisp_tune_sample* achieved = &found->achieved;
+    char setting[240], until[100];
+    suite_horizon horizon = { 0 };
+    suite_horizon_add( &horizon, reference->until, suite_reference_parts( reference ) );
+    suite_horizon_text( &horizon, until, sizeof until );
+    name_setting( s->def.parameters, found->configuration, setting, sizeof setting );
+    results_add_line(
+        out, table, s->def.error > 0.0 ? "target\t%s: error at most %g m%s" : "target\t%s: at most %g ms per step%s",
+        found->meets_target ? "met" : "not met", s->def.error > 0.0 ? s->def.error : s->def.budget_ms, until );
+    if ( achieved->is_halted )
     {
-        snprintf( target, sizeof target, "error at most %g m", def->error );
+        results_add_line( out, table, "nearest\tnone: every configuration became unstable" );
     }
     else
     {
-        snprintf( target, sizeof target, "at most %g ms per step", def->budget_ms );
+        results_add_line( out, table, "%s\t%s", found->meets_target ? "chosen" : "nearest", setting );
+        results_add_line( out, table, "reached\t%.4f ms per step, error %.3e m, maximum %.3e m", achieved->ms,
+                          achieved->error, achieved->largest );
     }
-    snprintf( text, sizeof text, "%s: %s; compared until %.3g s, %s", found->meets_target ? "met" : "not met", target,
-              def->reference->until,
-              def->reference->until < def->reference->parts_at && isfinite( def->reference->parts_at )
-                  ? "where two converged runs part"
-                  : "the end" );
-    results_add_cells( out, table, ( const char* const[] ){ "target", text } );
-    if ( found->achieved.is_halted )
-    {
-        results_add_cells( out, table,
-                           ( const char* const[] ){ "nearest", "none: every configuration became unstable" } );
-        return;
-    }
-    results_add_cells( out, table, ( const char* const[] ){ found->meets_target ? "chosen" : "nearest", setting } );
-    snprintf( text, sizeof text, "%.4f ms per step, error %.3e m, maximum %.3e m", found->achieved.ms,
-              found->achieved.error, found->achieved.largest );
-    results_add_cells( out, table, ( const char* const[] ){ "reached", text } );
-}
-
-static void add_search( results* out, int table, const wisp_tune_result* found )
-{
-    char text[160];
-    snprintf( text, sizeof text, "%d run%s of %d configuration%s in %.1f s%s", found->run_count,
-              found->run_count == 1 ? "" : "s", found->trial_count, found->trial_count == 1 ? "" : "s",
-              found->seconds, found->stopped_early ? "; stopped early by a limit, better ones may exist" : "" );
-    results_add_cells( out, table, ( const char* const[] ){ "search", text } );
+    results_add_line( out, table, "search\t%d run%s of %d configuration%s in %.1f s%s", found->run_count,
+                      found->run_count == 1 ? "" : "s", found->trial_count, found->trial_count == 1 ? "" : "s",
+                      found->seconds,
+                      found->stopped_early ? "; stopped early by a limit, better ones may exist" : "" );
+    results_add_line( out, table, "reference\t%s; uncertain by %.3g mm", s->scene.references.description,
+                      1e3 * reference->doubt.distance );
+    results_add_line( out, table, "error\troot mean square distance over %d vertices and %d times up to %.3g s",
+                      s->measured.vertices, reference->frame_count, reference->until );
 }
 
 // @param found its visits are sorted by time
-static void report_tuning( results* out, const search* def, wisp_tune_result* found )
+static void report_tuning( results* out, const search* s, wisp_tune_result* found )
 {
-    out->machine = machine_describe( def->measured.isa );
+    out->machine = machine_describe( s->measured.isa );
     out->is_result_first = true;
     qsort( found->trials, (size_t)found->trial_count, sizeof *found->trials, compare_visits );
     for ( int v = 0; v < found->trial_count; ++v )
     {
-        add_visit_row( out, def, found, &found->trials[v] );
+        add_visit_row( out, s, found, &found->trials[v] );
     }
-    const int head = results_add_table( out, "", 2, ( const char* const[] ){ "", "" } );
-    add_verdict( out, head, def, found );
-    add_search( out, head, found );
-    add_reference( out, head, def );
-    add_table( out, def, found );
+    add_verdict( out, results_add_table( out, "", 2, ( const char* const[] ){ "", "" } ), s, found );
+    add_table( out, s->def.parameters, found );
 }
 
 // ---- the command ----
@@ -341,7 +225,7 @@ const command_text tune_text = {
 
 static void check_tune_options( const options_state* o, const tune_options* options )
 {
-    if ( ( options->search.error > 0.0 ) == ( options->search.budget_ms > 0.0 ) )
+    if ( ( options->search.def.error > 0.0 ) == ( options->search.def.budget_ms > 0.0 ) )
     {
         options_fail( o, "expected one of --error and --budget" );
     }
@@ -353,19 +237,19 @@ static bool take_tune_option( options_state* o, int key, const char* argument )
     switch ( key )
     {
         case TUNE_KEY_ERROR:
-            options->search.error = option_positive( o, argument, 1e6 );
+            options->search.def.error = option_positive( o, argument, 1e6 );
             return true;
         case TUNE_KEY_BUDGET:
-            options->search.budget_ms = option_positive( o, argument, 1e6 );
+            options->search.def.budget_ms = option_positive( o, argument, 1e6 );
             return true;
         case TUNE_KEY_SECONDS:
-            options->search.seconds = option_positive( o, argument, 1e6 );
+            options->search.from.seconds = option_positive( o, argument, 1e6 );
             return true;
         case TUNE_KEY_LIMIT:
-            options->search.limit = option_positive( o, argument, 1e9 );
+            options->search.def.limit = option_positive( o, argument, 1e9 );
             return true;
         case TUNE_KEY_WORKERS:
-            options->search.workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
+            options->search.def.machine.workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
             return true;
         case TUNE_KEY_FORMAT:
             options->format = (results_format)option_word( o, argument );
@@ -384,12 +268,6 @@ static bool take_tune_option( options_state* o, int key, const char* argument )
 
 // ---- the scene's file ----
 
-static int folder_length( const char* path )
-{
-    const char* slash = strrchr( path, '/' );
-    return slash ? (int)( slash - path ) + 1 : 0;
-}
-
 static wisp_status count_file( void* user, const char* file, wisp_error* error )
 {
     (void)file, (void)error;
@@ -404,25 +282,14 @@ static bool reads_files( const wisp_scene* scene )
     return count > 0;
 }
 
-static wisp_status edit_scene( const tune_options* options, const tune_parameters* parameters,
-                               const int* configuration, const wisp_scene* scene, const char* to, wisp_error* error )
-{
-    wisp_scene_edit* edits;
-    int count;
-    wisp_status status = tune_parameters_edits( parameters, configuration, scene, &edits, &count, error );
-    status = status == WISP_OK ? wisp_scene_edit_file( options->scene, edits, count, to, error ) : status;
-    free( edits );
-    return status;
-}
-
 // Fails before the search, which takes minutes, if the result could not be written. Every value of every parameter
 // occurs in one of the tested configurations.
 static wisp_status check_output( const tune_options* options, const tune_parameters* parameters,
                                  const wisp_scene* scene, wisp_error* error )
 {
-    const int length = folder_length( options->scene );
-    if ( reads_files( scene ) && ( length != folder_length( options->output ) ||
-                                   strncmp( options->scene, options->output, (size_t)length ) != 0 ) )
+    const size_t length = io_folder_length( options->scene );
+    if ( reads_files( scene ) && ( length != io_folder_length( options->output ) ||
+                                   strncmp( options->scene, options->output, length ) != 0 ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
                           "%s: reads files of its folder, so the tuned scene %s must be in the same folder",
@@ -438,7 +305,9 @@ static wisp_status check_output( const tune_options* options, const tune_paramet
             configuration[k] = value < last ? value : last;
             longest = last > longest ? last : longest;
         }
-        status = value <= longest ? edit_scene( options, parameters, configuration, scene, NULL, error ) : WISP_OK;
+        status = value <= longest
+                     ? tune_parameters_write( parameters, configuration, scene, options->scene, NULL, error )
+                     : WISP_OK;
     }
     return status;
 }
@@ -447,7 +316,8 @@ static wisp_status check_output( const tune_options* options, const tune_paramet
 static wisp_status write_scene( const tune_options* options, const tune_parameters* parameters,
                                 const int* configuration, const wisp_scene* scene, wisp_error* error )
 {
-    wisp_status status = edit_scene( options, parameters, configuration, scene, options->output, error );
+    wisp_status status =
+        tune_parameters_write( parameters, configuration, scene, options->scene, options->output, error );
     wisp_scene written;
     if ( io_is_standard( options->output ) )
     {
@@ -477,29 +347,19 @@ static bool show( void* user, int run_count, int max_runs )
 
 static wisp_status run_search( search* s, wisp_tune_result* out, wisp_error* error )
 {
-    wisp_tune_def job = tune_parameters_job( s->parameters, s->error, s->budget_ms, s->limit );
-    job.run = run_trial;
-    job.user = s;
-    job.progress = show;
-    job.progress_user = &s->bar;
-    const wisp_status status = make_reference( s, error );
-    return status == WISP_OK ? wisp_tune( &job, out, error ) : status;
-}
-
-static void release_search( search* s )
-{
-    suite_references_release( &s->references );
-    suite_release( &s->suite );
-    free( s->row.text );
-    free( s->bytes );
+    s->def.progress = show, s->def.progress_user = &s->bar;
+    progress_show( &s->bar, 0.0, "the reference" );
+    const wisp_status status = tune_scene_open( &s->from, &s->scene, error );
+    return status == WISP_OK ? tune_scene_search( &s->scene, &s->def, &s->measured, out, error ) : status;
 }
 
 static wisp_status tune( tune_options* options, results* out, bool* meets_target, wisp_error* error )
 {
     wisp_tune_result found = { 0 };
     search* s = &options->search;
-    const wisp_scene* scene = s->scene;
-    wisp_status status = options->output ? check_output( options, s->parameters, scene, error ) : WISP_OK;
+    const wisp_scene* scene = s->def.scene;
+    const tune_parameters* parameters = s->def.parameters;
+    wisp_status status = options->output ? check_output( options, parameters, scene, error ) : WISP_OK;
     status = status == WISP_OK ? command_check_writable( options->output, error ) : status;
     if ( status != WISP_OK )
     {
@@ -519,7 +379,7 @@ static wisp_status tune( tune_options* options, results* out, bool* meets_target
     }
     if ( status == WISP_OK && options->output && found.meets_target )
     {
-        status = write_scene( options, s->parameters, found.configuration, scene, error );
+        status = write_scene( options, parameters, found.configuration, scene, error );
         results_add_note( out, "written: %s", options->output );
     }
     else if ( status == WISP_OK && options->output )
@@ -532,18 +392,21 @@ static wisp_status tune( tune_options* options, results* out, bool* meets_target
 
 int command_tune( int argc, char** argv )
 {
-    static tune_options options = { .search = {
-                                        .limit = DEFAULT_LIMIT } }; // with what all configurations were found to be
+    tune_options options = { .search = { .def = { .limit = DEFAULT_LIMIT } } };
+    search* s = &options.search;
     options_parse( &tune_text, take_tune_option, &options, argc, argv );
     wisp_error error = { 0 };
-    wisp_scene scene;
-    wisp_status status = wisp_scene_read( options.scene, &scene, &error );
+    wisp_scene scene = { 0 };
+    wisp_status status = io_file_read( options.scene, 1 << 20, &s->bytes, &s->from.given.size, &error );
+    s->from.path = options.scene;
+    s->from.given.text = s->bytes ? (const char*)s->bytes : "";
+    status = status == WISP_OK
+                 ? wisp_scene_parse( s->from.given.text, s->from.given.size, s->from.path, &scene, &error )
+                 : status;
     interruption_begin(); // before that there is nothing to keep
     tune_parameters parameters;
     status = status == WISP_OK ? tune_parameters_find( &scene, &parameters, &error ) : status;
-    options.search.path = options.scene;
-    options.search.scene = &scene;
-    options.search.parameters = &parameters;
+    s->def.scene = &scene, s->def.parameters = &parameters;
     results out = { 0 };
     results_put_options( &out, argc, argv );
     bool meets_target = false;
@@ -553,8 +416,9 @@ int command_tune( int argc, char** argv )
     status =
         status == WISP_OK ? results_write( &out, options.format, is_scene_shown ? stderr : stdout, &error ) : status;
     results_free( &out );
-    release_search( &options.search );
+    tune_scene_close( &s->scene );
     wisp_scene_release( &scene );
+    free( s->bytes );
     return status != WISP_OK ? command_fail( &error )
                              : interruption_status( meets_target ? STATUS_GOOD : STATUS_UNMET );
 }

@@ -174,8 +174,7 @@ static wisp_status add_scene_file( void* user, const char* path, wisp_error* err
 // Add the scene's file and all files that it reads, under names relative to its folder.
 static wisp_status add_scene_files( const wisp_scene* scene, const char* path, json_t* files, wisp_error* error )
 {
-    const char* slash = strrchr( path, '/' );
-    page_files page = { .files = files, .scene = path, .folder = slash ? (size_t)( slash - path ) + 1 : 0 };
+    page_files page = { .files = files, .scene = path, .folder = io_folder_length( path ) };
     const wisp_status status = add_scene_file( &page, path, error );
     return status == WISP_OK ? wisp_scene_files( scene, add_scene_file, &page, error ) : status;
 }

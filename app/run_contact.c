@@ -1,5 +1,6 @@
 #include "run_contact.h"
 
+#include "io_file.h"
 #include "mesh.h"
 
 #include <math.h>
@@ -359,12 +360,11 @@ void run_layers_report( const run_layers* l, results* out )
     {
         return;
     }
-    const char* slash = strrchr( l->world->scene->name, '/' );
     for ( int i = 0; i < l->sample_count; ++i )
     {
         char variant[NUMBER_ROOM];
         snprintf( variant, sizeof variant, "step %d", l->samples[i].step );
-        results_row* row = results_add_row( out, slash ? slash + 1 : l->world->scene->name, variant );
+        results_row* row = results_add_row( out, io_file_name( l->world->scene->name ), variant );
         if ( row )
         {
             row->workers = wisp_world_workers( l->world->world );

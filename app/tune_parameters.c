@@ -1,5 +1,6 @@
 #include "tune_parameters.h"
 
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,19 +19,24 @@
 //
 // Rods have nothing to tune: bending is one direct solve per substep.
 
+#define IN_SURFACE( member ) offsetof( wisp_scene_surface, member )
+
 const tune_field tune_fields[FIELD_COUNT] = {
-    [FIELD_SUBSTEPS] = { "substeps", NULL, NULL, "substeps", OF_SCENE, .candidates = { 1, 2, 4, 8, 16 } },
-    [FIELD_ITERATIONS] = { "iterations", NULL, NULL, "iterations", OF_SCENE, .candidates = { 1, 2, 4 } },
-    [FIELD_TETHERS] = { "cloth.tethers", "surfaces", "cloth", "tethers", OF_PINNED_CLOTH, .is_unordered = true,
-                        .candidates = { 1 } },
+    [FIELD_SUBSTEPS] = { "substeps", NULL, NULL, "substeps", OF_SCENE, offsetof( wisp_scene, substeps ),
+                         .candidates = { 1, 2, 4, 8, 16 } },
+    [FIELD_ITERATIONS] = { "iterations", NULL, NULL, "iterations", OF_SCENE, offsetof( wisp_scene, iterations ),
+                           .candidates = { 1, 2, 4 } },
+    [FIELD_TETHERS] = { "cloth.tethers", "surfaces", "cloth", "tethers", OF_PINNED_CLOTH, IN_SURFACE( cloth.tethers ),
+                        .is_switch = true, .is_unordered = true, .candidates = { 1 } },
     [FIELD_COARSE] = { "cloth.coarse_substeps", "surfaces", "cloth", "coarse_substeps", OF_XPBD_CLOTH,
-                       .is_unordered = true, .candidates = { 1, 2 } },
-    [FIELD_TOLERANCE] = { "implicit.tolerance", "surfaces", "implicit", "tolerance", OF_IMPLICIT, .is_falling = true,
+                       IN_SURFACE( cloth.coarse_substeps ), .is_unordered = true, .candidates = { 1, 2 } },
+    [FIELD_TOLERANCE] = { "implicit.tolerance", "surfaces", "implicit", "tolerance", OF_IMPLICIT,
+                          IN_SURFACE( implicit.tolerance ), .is_fraction = true, .is_falling = true,
                           .candidates = { 1e-1, 1e-2, 1e-3, 1e-4 } },
     [FIELD_REPEATS] = { "implicit.newton_iterations", "surfaces", "implicit", "newton_iterations", OF_IMPLICIT,
-                        .candidates = { 1, 2, 4 } },
+                        IN_SURFACE( implicit.newton_iterations ), .candidates = { 1, 2, 4 } },
     [FIELD_PASSES] = { "dynamics.stretch_passes", "strands", "dynamics", "stretch_passes", OF_DIRECT_STRANDS,
-                       .candidates = { 1, 2, 8 } },
+                       offsetof( wisp_scene_strands, dynamics.stretch_passes ), .candidates = { 1, 2, 8 } },
 };
 
 // ---- what a scene has ----
@@ -79,53 +85,35 @@ static bool field_is_in( const wisp_scene* scene, int which, int entry )
     return true;
 }
 
+static const void* field_at( const wisp_scene* scene, int which, int entry )
+{
+    const tune_place place = tune_fields[which].place;
+    const void* base = place == OF_SCENE            ? (const void*)scene
+                       : place == OF_DIRECT_STRANDS ? (const void*)&scene->strands[entry]
+                                                    : (const void*)&scene->surfaces[entry];
+    return (const char*)base + tune_fields[which].offset;
+}
+
 static double field_value( const wisp_scene* scene, int which, int entry )
 {
-    switch ( which )
-    {
-        case FIELD_SUBSTEPS:
-            return scene->substeps;
-        case FIELD_ITERATIONS:
-            return scene->iterations;
-        case FIELD_TETHERS:
-            return scene->surfaces[entry].cloth.tethers ? 1.0 : 0.0;
-        case FIELD_COARSE:
-            return scene->surfaces[entry].cloth.coarse_substeps;
-        case FIELD_TOLERANCE:
-            return (double)scene->surfaces[entry].implicit.tolerance;
-        case FIELD_REPEATS:
-            return scene->surfaces[entry].implicit.newton_iterations;
-        default:
-            return scene->strands[entry].dynamics.stretch_passes;
-    }
+    const void* at = field_at( scene, which, entry );
+    const tune_field* f = &tune_fields[which];
+    return f->is_fraction ? (double)*(const float*)at : f->is_switch ? *(const bool*)at : *(const int*)at;
 }
 
 static void set_field( wisp_scene* scene, int which, int entry, double value )
 {
-    switch ( which )
-    {
-        case FIELD_SUBSTEPS:
-            scene->substeps = (int)value;
-            break;
-        case FIELD_ITERATIONS:
-            scene->iterations = (int)value;
-            break;
-        case FIELD_TETHERS:
-            scene->surfaces[entry].cloth.tethers = value > 0.0;
-            break;
-        case FIELD_COARSE:
-            scene->surfaces[entry].cloth.coarse_substeps = (int)value;
-            break;
-        case FIELD_TOLERANCE:
-            scene->surfaces[entry].implicit.tolerance = (float)value;
-            break;
-        case FIELD_REPEATS:
-            scene->surfaces[entry].implicit.newton_iterations = (int)value;
-            break;
-        default:
-            scene->strands[entry].dynamics.stretch_passes = (int)value;
-            break;
-    }
+    const float fraction = (float)value;
+    const bool is_on = value > 0.0;
+    const int whole = (int)value;
+    const tune_field* f = &tune_fields[which];
+    memcpy( (void*)(uintptr_t)field_at( scene, which, entry ),
+            f->is_fraction ? (const void*)&fraction
+            : f->is_switch ? (const void*)&is_on
+                           : (const void*)&whole,
+            f->is_fraction ? sizeof fraction
+            : f->is_switch ? sizeof is_on
+                           : sizeof whole );
 }
 
 bool tune_field_own( const wisp_scene* scene, int which, double* out )
@@ -299,9 +287,9 @@ void tune_parameters_set( const tune_parameters* parameters, const int* configur
 
 // ---- the file ----
 
-static void value_text( int which, double value, char* out, size_t size )
+void tune_parameters_text( int field, double value, char* out, size_t size )
 {
-    if ( which == FIELD_TETHERS )
+    if ( tune_fields[field].is_switch )
     {
         snprintf( out, size, "%s", value > 0.0 ? "true" : "false" );
     }
@@ -309,11 +297,6 @@ static void value_text( int which, double value, char* out, size_t size )
     {
         snprintf( out, size, "%.7g", value );
     }
-}
-
-void tune_parameters_text( const tune_parameters* parameters, int parameter, double value, char* out, size_t size )
-{
-    value_text( parameters->fields[parameter], value, out, size );
 }
 
 /// A change to make.
@@ -341,7 +324,7 @@ static void add_edits( const tune_parameters* parameters, int parameter, double 
         if ( field_is_in( scene, which, i ) && (float)field_value( scene, which, i ) != (float)value )
         {
             wisp_scene_edit* edit = add_edit( list, which, i );
-            value_text( which, value, edit->value, sizeof edit->value );
+            tune_parameters_text( which, value, edit->value, sizeof edit->value );
         }
     }
 }
@@ -365,13 +348,29 @@ wisp_status tune_parameters_edits( const tune_parameters* parameters, const int*
     return WISP_OK;
 }
 
-wisp_tune_def tune_parameters_job( const tune_parameters* parameters, double error, double budget_ms, double limit )
+wisp_status tune_parameters_write( const tune_parameters* parameters, const int* configuration,
+                                   const wisp_scene* scene, const char* from, const char* to, wisp_error* error )
 {
-    wisp_tune_def job = wisp_default_tune_def();
-    job.parameters = parameters->parameters, job.parameter_count = parameters->count;
-    job.error = error, job.budget_ms = budget_ms;
-    job.max_runs = 200, job.max_seconds = limit;
-    return job;
+    wisp_scene_edit* edits;
+    int count;
+    wisp_status status = tune_parameters_edits( parameters, configuration, scene, &edits, &count, error );
+    status = status == WISP_OK ? wisp_scene_edit_file( from, edits, count, to, error ) : status;
+    free( edits );
+    return status;
+}
+
+wisp_status tune_parameters_edit( const tune_parameters* parameters, const int* configuration,
+                                  const wisp_scene* scene, const char* text, size_t text_size, char** out,
+                                  size_t* size, wisp_error* error )
+{
+    wisp_scene_edit* edits;
+    int count;
+    *out = NULL;
+    wisp_status status = tune_parameters_edits( parameters, configuration, scene, &edits, &count, error );
+    status = status == WISP_OK ? wisp_scene_edit_text( text, text_size, scene->name, edits, count, out, size, error )
+                               : status;
+    free( edits );
+    return status;
 }
 
 bool tune_parameters_agree( const tune_parameters* parameters, const int* configuration, const wisp_scene* scene )

@@ -29,7 +29,8 @@ typedef struct tune_field
     const char* block;
     const char* key;
     tune_place place;
-    bool is_unordered, is_falling;
+    size_t offset; ///< in the scene or the entry, of an int, of a float if it is_fraction, of a bool if it is_switch
+    bool is_fraction, is_switch, is_unordered, is_falling;
     double candidates[TUNE_CANDIDATES_MAX]; ///< end with 0, unless it is full
 } tune_field;
 
@@ -64,21 +65,25 @@ typedef struct tune_parameters
 /// @return WISP_BAD_INPUT nothing of the scene moves in time
 wisp_status tune_parameters_find( const wisp_scene* scene, tune_parameters* out, wisp_error* error );
 
-/// A search over them, with what all searches of scenes share.
-/// @param error, budget_ms m, ms; one of them is above 0 @param limit s of wall time
-wisp_tune_def tune_parameters_job( const tune_parameters* parameters, double error, double budget_ms, double limit );
-
 /// Set the values of a configuration in the scene. A parameter of surfaces or strands is set on all of them that have
 /// it.
 void tune_parameters_set( const tune_parameters* parameters, const int* configuration, wisp_scene* scene );
 
 /// The changes of a scene's file that give it the values of a configuration.
-/// @param scene as it was read @param out receives a block for free(), with room for one more
+/// @param scene as it was read @param out receives a block for free()
 wisp_status tune_parameters_edits( const tune_parameters* parameters, const int* configuration,
                                    const wisp_scene* scene, wisp_scene_edit** out, int* count, wisp_error* error );
+
+/// Write the scene of a file with the values of a configuration. @param to null: nothing, but the changes are checked
+wisp_status tune_parameters_write( const tune_parameters* parameters, const int* configuration,
+                                   const wisp_scene* scene, const char* from, const char* to, wisp_error* error );
+/// The same of a text. @param out receives [size] bytes and a zero for free()
+wisp_status tune_parameters_edit( const tune_parameters* parameters, const int* configuration,
+                                  const wisp_scene* scene, const char* text, size_t text_size, char** out,
+                                  size_t* size, wisp_error* error );
 
 /// Whether a scene has the values of a configuration.
 bool tune_parameters_agree( const tune_parameters* parameters, const int* configuration, const wisp_scene* scene );
 
 /// A value for reports, as in the scene's file.
-void tune_parameters_text( const tune_parameters* parameters, int parameter, double value, char* out, size_t size );
+void tune_parameters_text( int field, double value, char* out, size_t size );

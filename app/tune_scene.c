@@ -1,144 +1,111 @@
 #include "tune_scene.h"
 
-#include <math.h>
-#include <stdio.h>
+#include "io_file.h"
+#include "stats.h"
+
 #include <stdlib.h>
+#include <string.h>
 
-#define OBSERVATIONS 12
-#define SECONDS_MAX 2.0
-#define TUNE_STEPS_MAX 1000000
+// ---- the reference ----
 
-/// One world at a time.
-typedef struct host
+wisp_status tune_scene_open( const tune_scene_def* def, tune_scene* out, wisp_error* error )
 {
-    const tune_scene_def* def;
-    tune_scene_info* info;
-    scene_world_options options;
-    scene_world world;
-    wisp_tune_points* points; // [points of the scene]
-    bool is_reference;        // the world is that of the reference run
-} host;
-
-// ---- worlds ----
-
-// Bodies that move by themselves; a follower would count the same error twice.
-static int list_points( host* h )
-{
-    const wisp_scene* scene = h->def->scene;
-    int count = 0;
-    for ( int i = 0; i < scene->strands_count; ++i )
-    {
-        if ( scene->strands[i].has_dynamics )
-        {
-            h->points[count++] = ( wisp_tune_points ){ h->world.entities[i], WISP_STRAND_POINTS };
-        }
-    }
-    for ( int i = 0; i < scene->surface_count; ++i )
-    {
-        h->points[count++] = ( wisp_tune_points ){ h->world.surfaces[i].entity, WISP_SURFACE_POINTS };
-    }
-    return count;
+    *out = ( tune_scene ){ .def = *def };
+    const suite_of_scene_def suite = { .path = def->path,
+                                       .file = io_file_name( def->path ),
+                                       .length = def->seconds,
+                                       .given = &out->def.given,
+                                       .log = def->log,
+                                       .log_user = def->log_user };
+    char* text = NULL;
+    wisp_status status = suite_of_scene( &suite, &text, error );
+    status = status == WISP_OK ? suite_parse( text, strlen( text ), def->path, &out->def.given, &out->suite, error )
+                               : status;
+    free( text );
+    status = status == WISP_OK ? suite_references_find( &out->suite, &out->references, error ) : status;
+    out->references.observer = def->observer;
+    return status == WISP_OK ? suite_reference_of( &out->references, 0, &out->reference, error ) : status;
 }
 
-static void take_info( host* h )
+void tune_scene_close( tune_scene* scene )
 {
-    tune_scene_info* info = h->info;
-    const wisp_scene* scene = h->def->scene;
-    info->points = 0;
-    for ( int i = 0; i < scene_world_moving_count( &h->world ); ++i )
-    {
-        if ( i >= scene->strands_count || scene->strands[i].has_dynamics )
-        {
-            info->points += scene_world_body( &h->world, i ).vertex_count;
-        }
-    }
-    info->workers = wisp_world_workers( h->world.world );
-    snprintf( info->isa, sizeof info->isa, "%s", wisp_world_isa( h->world.world ) );
+    suite_references_release( &scene->references );
+    suite_release( &scene->suite );
 }
 
-static wisp_status build( void* user, const int* configuration, int substep_factor, wisp_tune_world* out,
-                          wisp_error* error )
+// ---- a run ----
+
+wisp_status tune_scene_run( const tune_scene* scene, const suite_given* given, const tune_machine* machine,
+                            suite_measurement* measured, wisp_tune_sample* out, wisp_error* error )
 {
-    host* h = user;
-    wisp_scene* scene = h->def->scene;
-    tune_parameters_set( h->def->parameters, configuration, scene );
-    h->is_reference = substep_factor > 1;
-    wisp_scene_refine( scene, substep_factor );
-    wisp_status status = scene_world_create( scene, &h->options, &h->world, error );
-    if ( status == WISP_OK )
+    const suite_observer* observer = scene->def.observer;
+    suite_row row;
+    int steps = 0;
+    double* ms = NULL;
+    uint64_t hash;
+    wisp_status status = suite_row_of( scene->suite.rows, given, &row, error );
+    if ( status == WISP_OK && measured->steps == 0 )
     {
-        h->options.is_quiet = true; // the reference run has printed the warnings
-        take_info( h );
-        *out = ( wisp_tune_world ){ .world = h->world.world, .points = h->points, .point_count = list_points( h ) };
+        status = suite_reference_run( scene->reference, &row, machine->isa, observer, measured, error );
     }
+    status = status == WISP_OK
+                 ? suite_time_row( &row, machine->workers, machine->isa, observer, &ms, &steps, &hash, error )
+                 : status;
+    *out = ( wisp_tune_sample ){ .ms = stats_summarise( ms, status == WISP_OK ? steps : 0 ).median,
+                                 .error = measured->values[SUITE_ERROR],
+                                 .largest = measured->compared.largest,
+                                 .is_halted = measured->values[SUITE_HALTED] > 0.0 };
+    free( ms );
+    free( row.text );
     return status;
-}
-
-static wisp_status step( void* user, wisp_tune_world* world, int number, wisp_error* error )
-{
-    (void)world;
-    host* h = user;
-    if ( h->def->go_on && !h->def->go_on( h->def->go_on_user, h->is_reference ) )
-    {
-        return wisp_fail( error, WISP_CONFLICT, "%s: the search was ended in step %d of a run", h->def->scene->name,
-                          number );
-    }
-    return scene_world_step( &h->world, error );
-}
-
-static void destroy_world( void* user, wisp_tune_world* world )
-{
-    (void)world;
-    scene_world_destroy( &( (host*)user )->world );
 }
 
 // ---- the search ----
 
-static int steps_of( const tune_scene_def* def )
+typedef struct scene_search
 {
-    const double dt = (double)def->scene->dt;
-    const double whole = def->scene->steps * dt;
-    const double requested = def->seconds > 0.0 ? def->seconds
-                             : whole > 0.0      ? fmin( whole, SECONDS_MAX )
-                                                : SECONDS_MAX;
-    const double steps = round( requested / dt );
-    return steps < 1.0 ? 1 : steps > TUNE_STEPS_MAX ? TUNE_STEPS_MAX : (int)steps;
-}
+    const tune_scene* scene;
+    const tune_scene_search_def* def;
+    suite_measurement* all; // [WISP_TUNE_MAX_SETTINGS] runs of a configuration again repeat its time alone
+    suite_measurement* last;
+} scene_search;
 
-static wisp_status search( host* h, wisp_tune_result* out, wisp_error* error )
+static wisp_status run_configuration( void* user, const int* configuration, wisp_tune_sample* out, wisp_error* error )
 {
-    const tune_scene_def* def = h->def;
-    wisp_tune_def job = tune_parameters_job( def->parameters, def->error, def->budget_ms, def->limit );
-    job.progress = def->progress;
-    job.progress_user = def->progress_user;
-    wisp_tune_worlds_def worlds = wisp_default_tune_worlds_def();
-    worlds.build = build;
-    worlds.step = step;
-    worlds.destroy = destroy_world;
-    worlds.user = h;
-    worlds.dt = def->scene->dt;
-    worlds.step_count = h->info->steps;
-    worlds.sample_count = h->info->steps < OBSERVATIONS ? h->info->steps : OBSERVATIONS;
-    worlds.reference_factor = TUNE_REFERENCE_FACTOR;
-    return wisp_tune_worlds( &job, &worlds, out, error );
-}
-
-wisp_status tune_scene_search( const tune_scene_def* def, wisp_tune_result* out, tune_scene_info* info,
-                               wisp_error* error )
-{
-    *out = ( wisp_tune_result ){ 0 };
-    if ( def->scene->dt_factor_count > 0 )
+    const scene_search* s = user;
+    const tune_scene_def* from = &s->scene->def;
+    const tune_parameters* parameters = s->def->parameters;
+    char* text;
+    suite_given edited = from->given;
+    int place = 0;
+    wisp_status status = tune_parameters_edit( parameters, configuration, s->def->scene, from->given.text,
+                                               from->given.size, &text, &edited.size, error );
+    edited.text = text;
+    for ( int k = 0; k < parameters->count; ++k )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: got dt_factors, but tuning needs steps of one length",
-                          def->scene->name );
+        place = place * parameters->parameters[k].value_count + configuration[k];
     }
-    *info = ( tune_scene_info ){ .steps = steps_of( def ) };
-    host h = { .def = def, .info = info, .options = def->world };
-    const size_t room = (size_t)def->scene->strands_count + (size_t)def->scene->surface_count;
-    h.points = malloc( room * sizeof *h.points + 1 );
-    wisp_status status =
-        h.points ? search( &h, out, error )
-                 : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its points", def->scene->name );
-    free( h.points );
+    status = status == WISP_OK ? tune_scene_run( s->scene, &edited, &s->def->machine, s->all + place, out, error )
+                               : status;
+    *s->last = s->all[place];
+    free( text );
+    return status;
+}
+
+wisp_status tune_scene_search( const tune_scene* scene, const tune_scene_search_def* def, suite_measurement* measured,
+                               wisp_tune_result* out, wisp_error* error )
+{
+    scene_search s = { .scene = scene, .def = def, .last = measured };
+    s.all = calloc( WISP_TUNE_MAX_SETTINGS, sizeof *s.all );
+    wisp_tune_def job = wisp_default_tune_def();
+    job.parameters = def->parameters->parameters, job.parameter_count = def->parameters->count;
+    job.error = def->error, job.budget_ms = def->budget_ms;
+    job.max_runs = 200, job.max_seconds = def->limit;
+    job.run = run_configuration, job.user = &s;
+    job.progress = def->progress, job.progress_user = def->progress_user;
+    const wisp_status status =
+        s.all ? wisp_tune( &job, out, error )
+              : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for the search", scene->def.path );
+    free( s.all );
     return status;
 }

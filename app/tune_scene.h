@@ -1,37 +1,56 @@
-/// The search of bindings: worlds of a scene for wisp_tune_worlds().
+/// The reference of a scene, which is that of `wisp accuracy`, and the search of `wisp tune`, for programs and bindings.
 #pragma once
 
+#include "suite_motion.h"
 #include "tune_parameters.h"
-#include "world_from_scene.h"
-
-/// Substeps of the reference, as a multiple of those of the finest setting.
-#define TUNE_REFERENCE_FACTOR 16
 
 typedef struct tune_scene_def
 {
-    wisp_scene* scene; ///< its fields change from run to run
-    const tune_parameters* parameters;
-    scene_world_options world;
-    double error, budget_ms;         ///< m, ms; one of them
-    double seconds;                  ///< of simulated time; 0: the scene, or 2 s if that is shorter
-    double limit;                    ///< s of wall time
-    wisp_tune_progress_fn* progress; ///< called after every run; null: not
-    void* progress_user;
-    /// Called before every step; false ends the search with WISP_CONFLICT; null: not. A host that keeps what was found so far
-    /// ends the reference run alone: there is nothing to keep before its end.
-    bool ( *go_on )( void* user, bool is_reference );
-    void* go_on_user;
+    const char* path;               ///< of the scene, as messages have it
+    suite_given given;              ///< the scene
+    double seconds;                 ///< of motion that is compared; 0: as `wisp accuracy` has it
+    const suite_observer* observer; ///< of all runs; may be null. A failure of it ends them
+    wisp_log_fn* log;               ///< receives the warnings of the scene; null: stderr
+    void* log_user;
 } tune_scene_def;
 
-/// The measurements and their settings.
-typedef struct tune_scene_info
+/// A scene and its reference. Must stay where it is.
+typedef struct tune_scene
 {
-    int steps;    ///< of each run
-    int points;   ///< compared at each sample
-    int workers;  ///< that the worlds had
-    char isa[16]; ///< instruction set that they used
-} tune_scene_info;
+    tune_scene_def def;
+    wisp_suite suite; ///< that of `wisp accuracy`
+    suite_references references;
+    const suite_reference* reference; ///< of the scene as written
+} tune_scene;
 
-/// @param out to be released
-wisp_status tune_scene_search( const tune_scene_def* def, wisp_tune_result* out, tune_scene_info* info,
-                               wisp_error* error );
+/// Read or make the reference.
+/// @param def what it points to must stay until tune_scene_close() @param out to be closed, after a failure too
+wisp_status tune_scene_open( const tune_scene_def* def, tune_scene* out, wisp_error* error );
+void tune_scene_close( tune_scene* scene );
+
+/// How a run is timed.
+typedef struct tune_machine
+{
+    int workers;     ///< 0: those of the scene
+    const char* isa; ///< null: the best available
+} tune_machine;
+
+/// Run a scene of the same bodies as long as the reference, compare and time it.
+/// @param measured the comparison is skipped if it has steps already, which leaves the time
+wisp_status tune_scene_run( const tune_scene* scene, const suite_given* given, const tune_machine* machine,
+                            suite_measurement* measured, wisp_tune_sample* out, wisp_error* error );
+
+typedef struct tune_scene_search_def
+{
+    const wisp_scene* scene; ///< as it was read
+    const tune_parameters* parameters;
+    double error, budget_ms; ///< m, ms; one of them
+    double limit;            ///< s of wall time
+    tune_machine machine;
+    wisp_tune_progress_fn* progress; ///< called after every run; null: not
+    void* progress_user;
+} tune_scene_search_def;
+
+/// @param measured receives what a run measured @param out to be released
+wisp_status tune_scene_search( const tune_scene* scene, const tune_scene_search_def* def, suite_measurement* measured,
+                               wisp_tune_result* out, wisp_error* error );

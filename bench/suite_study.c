@@ -82,6 +82,10 @@ typedef enum suite_sample
     SAMPLE_LARGEST_DISTANCE,
     SAMPLE_DETAIL,
     SAMPLE_ENERGY_COMPARED,
+    SAMPLE_LATE_HEIGHT,
+    SAMPLE_LATE_ENERGY,
+    SAMPLE_LATE_STRETCH,
+    SAMPLE_LATE_DETAIL,
     SAMPLE_ITERATIONS,
     SAMPLE_FIRST_ORDER,
     SAMPLE_NOT_CONVERGED,
@@ -152,6 +156,10 @@ const char* const suite_sample_names[SAMPLE_COUNT] = {
     [SAMPLE_LARGEST_DISTANCE] = "largest distance, mm",
     [SAMPLE_DETAIL] = "detail",
     [SAMPLE_ENERGY_COMPARED] = "energy against the reference, % of released",
+    [SAMPLE_LATE_HEIGHT] = "late height, mm",
+    [SAMPLE_LATE_ENERGY] = "late energy, % of released",
+    [SAMPLE_LATE_STRETCH] = "late stretch, %",
+    [SAMPLE_LATE_DETAIL] = "late detail",
     [SAMPLE_ITERATIONS] = "linear iterations",
     [SAMPLE_FIRST_ORDER] = "left to euler",
     [SAMPLE_NOT_CONVERGED] = "not converged",
@@ -392,6 +400,10 @@ static void suite_sampler_comparison( const suite_comparison* compared, double* 
     out[SAMPLE_LARGEST_DISTANCE] = 1e3 * compared->largest;
     out[SAMPLE_DETAIL] = compared->detail;
     out[SAMPLE_ENERGY_COMPARED] = 100.0 * compared->energy;
+    out[SAMPLE_LATE_HEIGHT] = 1e3 * compared->late_height;
+    out[SAMPLE_LATE_ENERGY] = 100.0 * compared->late_energy;
+    out[SAMPLE_LATE_STRETCH] = 100.0 * compared->late_stretch;
+    out[SAMPLE_LATE_DETAIL] = compared->late_detail;
 }
 
 // @param out [SAMPLE_COUNT] NaN: the run does not have it
@@ -519,7 +531,8 @@ static wisp_status time_row( const study* own, int row, int workers, accuracy_ru
     const double scale = own->longest_dt / own->dt[row];
     double* ms = NULL;
     int steps = 0;
-    wisp_status status = suite_time_row( own->suite->rows + row, workers, &observer, &ms, &steps, &out->hash, error );
+    wisp_status status =
+        suite_time_row( own->suite->rows + row, workers, NULL, &observer, &ms, &steps, &out->hash, error );
     for ( int i = 0; i < steps && status == WISP_OK; ++i )
     {
         status = accuracy_keep_ms( out, scale * ms[i] );
@@ -626,7 +639,7 @@ static wisp_status add_setting( study* own, int row, accuracy_scene* out, wisp_e
         setting->group = own->references.of_row[row];
         setting->doubt = 1e3 * fmax( reference->doubt.distance, 0.0 );
         setting->until = reference->until;
-        setting->is_cut = reference->until < reference->parts_at && isfinite( reference->parts_at );
+        setting->is_cut = suite_reference_parts( reference );
         setting->measure_doubts = own->doubts[setting->group];
         out->uncertainty = fmax( out->uncertainty, setting->doubt );
         if ( out->group_count > 1 )
@@ -650,16 +663,12 @@ static void look_at_reference( study* own, const suite_reference* reference, dou
     }
     suite_sampler_comparison( &reference->doubt, doubts );
     own->measures[SAMPLE_LARGEST_DISTANCE] = true;
-    for ( int i = 0; i < SUITE_MOMENT_COUNT; ++i )
+    for ( int m = SAMPLE_ERROR_FIRST; m <= SAMPLE_LATE_DETAIL; ++m )
     {
-        own->measures[SAMPLE_ERROR_FIRST + i] =
-            own->measures[SAMPLE_ERROR_FIRST + i] || isfinite( reference->doubt.at[i] );
+        own->measures[m] = own->measures[m] || isfinite( doubts[m] );
     }
-    own->measures[SAMPLE_DETAIL] = own->measures[SAMPLE_DETAIL] || isfinite( reference->doubt.detail );
-    own->measures[SAMPLE_ENERGY_COMPARED] =
-        own->measures[SAMPLE_ENERGY_COMPARED] || isfinite( reference->doubt.energy );
-    // it is near 1, and no error that could be below a doubt
-    doubts[SAMPLE_DETAIL] = NAN;
+    // these are near 1, and no errors that could be below a doubt
+    doubts[SAMPLE_DETAIL] = doubts[SAMPLE_LATE_DETAIL] = NAN;
 }
 
 static void describe_suite( study* own, accuracy_scene* out )
@@ -701,7 +710,8 @@ static void note_chaos( study* own, const suite_reference* reference, accuracy_s
     {
         snprintf( own->note, sizeof own->note,
                   "each scene is compared up to the time in `until`. After that two runs that should have converged "
-                  "are more than 1 %% of their size apart, and distances are chance. %.200s",
+                  "are more than 1 %% of their size apart, and distances are chance: `late` columns compare means. "
+                  "%.200s",
                   note );
     }
     else if ( isfinite( reference->parts_at ) )
@@ -709,7 +719,8 @@ static void note_chaos( study* own, const suite_reference* reference, accuracy_s
         const bool is_cut = reference->until < reference->parts_at;
         snprintf( own->note, sizeof own->note,
                   is_cut ? "motion is compared up to %.3g s. After that two runs that should have converged are "
-                           "more than 1 %% of their size apart, and distances are chance. %.200s"
+                           "more than 1 %% of their size apart, and distances are chance: `late` columns compare "
+                           "means. %.200s"
                          : "two runs that should have converged are more than 1 %% of their size apart from %.3g "
                            "s on: the reference is too coarse for errors to say much. %.200s",
                   is_cut ? reference->until : reference->parts_at, note );

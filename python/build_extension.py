@@ -74,7 +74,7 @@ typedef enum scene_request
 CALLBACKS = """
 extern "Python" void wisp_python_log( void* user, wisp_log_level level, const char* message );
 extern "Python" bool wisp_python_progress( void* user, int run_count, int max_runs );
-extern "Python" bool wisp_python_go_on( void* user, bool is_reference );
+extern "Python" bool wisp_python_go_on( void );
 """
 
 

@@ -19,16 +19,15 @@ static bool report( void* user, int run_count, int max_runs )
 /// @param out [5] 1 if the target is met, ms per step, error in m, runs, 1 if the search ended early
 WEB_API int web_tune( const char* path, double error, double seconds, double limit, int* configuration, double* out )
 {
+    const binding_tune_def def = { .error = error, .limit = limit, .workers = 1, .progress = report };
     binding_scene* scene = NULL;
-    if ( binding_scene_read( path, &scene, &web_error ) != WISP_OK )
-    {
-        return 0;
-    }
-    const binding_tune_def def = {
-        .error = error, .seconds = seconds, .limit = limit, .workers = 1, .progress = report
-    };
-    wisp_tune_result found;
-    const wisp_status status = binding_tune( scene, &def, &found, &web_error );
+    binding_reference* reference = NULL;
+    binding_reference_info info;
+    wisp_tune_result found = { 0 };
+    wisp_status status = binding_scene_read( path, &scene, &web_error );
+    status = status == WISP_OK ? binding_reference_open( scene, seconds, NULL, NULL, &reference, &info, &web_error )
+                               : status;
+    status = status == WISP_OK ? binding_tune( reference, &def, &found, &web_error ) : status;
     for ( int k = 0; status == WISP_OK && k < binding_parameter_count( scene ); ++k )
     {
         configuration[k] = found.configuration[k];
@@ -39,6 +38,7 @@ WEB_API int web_tune( const char* path, double error, double seconds, double lim
     out[3] = found.run_count;
     out[4] = found.stopped_early;
     wisp_tune_release( &found );
+    binding_reference_close( reference );
     binding_scene_close( scene );
     return status == WISP_OK;
 }

@@ -32,7 +32,7 @@ export interface Wisp {
 export interface TuneOptions {
   /** m, root mean square distance from a converged run */
   error: number;
-  /** s of simulated time in each run; default: the scene, at most 2 */
+  /** s of simulated time in each run; default: the scene, at most 1 */
   seconds?: number;
   /** s after which no run starts, default 60 */
   limit?: number;

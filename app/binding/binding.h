@@ -1,4 +1,4 @@
-/// What bindings to other languages share: scenes and their parameters, worlds, values, input, snapshots, tuning, recorders. Handles
+/// What bindings to other languages share: scenes and their parameters, worlds, values, input, snapshots, accuracy, recorders. Handles
 /// are opaque, arguments are plain, and nothing is printed: messages go to the log of the options. web/ and python/ build on it.
 ///
 /// python/build_extension.py hands the declarations of this file to cffi. So it has no preprocessor but the includes, and no types that
@@ -206,25 +206,45 @@ wisp_status binding_snapshot( const binding_world* world, void* out, size_t size
 /// @return WISP_BAD_INPUT the bytes are no snapshot of this world, or it has other components since then; nothing has changed then
 wisp_status binding_restore( binding_world* world, const void* bytes, size_t size, wisp_error* error );
 
-// ---- tuning ----
+// ---- what accuracy costs ----
+
+/// The converged run of a scene, which `wisp accuracy`, `wisp tune` and suites made of the scene have too.
+typedef struct binding_reference binding_reference;
 
 typedef struct binding_tune_def
 {
     double error, budget_ms; ///< m, ms; one of them, the other 0
-    double seconds;          ///< of simulated time; 0: the scene, at most 2 s
     double limit;            ///< s of wall time
     int workers;             ///< 0: those of the scene
-    const char* isa;
+    const char* isa;         ///< null: the best available
     bool ( *progress )( void* user, int run_count,
-                        int max_runs );               ///< after every run; null: not. False ends the search
-    bool ( *go_on )( void* user, bool is_reference ); ///< before every step; null: not. False fails the search
-    wisp_log_fn* log;
-    void* user; ///< of all three
+                        int max_runs ); ///< after every run; null: not. False ends the search
+    void* user;
 } binding_tune_def;
 
-/// Find the cheapest parameters of a scene within an error, or the most accurate ones within a time.
+typedef struct binding_reference_info
+{
+    double doubt; ///< m, how far a coarser converged run is from it
+    double until; ///< s, how long motion is compared
+    bool parts;   ///< no longer because two converged runs part then
+} binding_reference_info;
+
+/// Read the reference of a scene, or make it.
+/// @param scene must stay open until the reference is closed
+/// @param seconds of motion that is compared; 0: the scene, at most 1 s
+/// @param go_on called after every step of all runs; null: not. False fails the call
+/// @param log receives warnings on the calling thread; null: stderr
+wisp_status binding_reference_open( const binding_scene* scene, double seconds, bool ( *go_on )( void ),
+                                    wisp_log_fn* log, binding_reference** out, binding_reference_info* info,
+                                    wisp_error* error );
+/// Null is allowed.
+void binding_reference_close( binding_reference* reference );
+/// Run and time a scene of the same bodies. @param workers, isa as in binding_tune_def
+wisp_status binding_reference_measure( const binding_reference* reference, const binding_scene* scene, int workers,
+                                       const char* isa, wisp_tune_sample* out, wisp_error* error );
+/// Find the cheapest parameters of the scene within an error, or the most accurate ones within a time.
 /// @param out to be released with wisp_tune_release()
-wisp_status binding_tune( const binding_scene* scene, const binding_tune_def* def, wisp_tune_result* out,
+wisp_status binding_tune( const binding_reference* reference, const binding_tune_def* def, wisp_tune_result* out,
                           wisp_error* error );
 
 // ---- recorders ----

@@ -208,29 +208,18 @@ wisp_status binding_scene_edit( const binding_scene* s, const double* values, co
 {
     const int first[WISP_TUNE_MAX_PARAMETERS] = { 0 };
     tune_parameters changed = s->parameters;
-    wisp_scene_edit* edits = NULL;
-    int count = 0;
-    *out = NULL;
     for ( int k = 0; k < changed.count; ++k )
     {
         changed.values[k][0] = values[k];
     }
-    wisp_status status = tune_parameters_edits( &changed, first, &s->scene, &edits, &count, error );
-    status = status == WISP_OK ? wisp_scene_edit_text( s->text, s->size, s->name, edits, count, out, size, error )
-                               : status;
-    free( edits );
+    const wisp_status status = tune_parameters_edit( &changed, first, &s->scene, s->text, s->size, out, size, error );
     return status == WISP_OK && fields ? set_fields( s->name, fields, out, size, error ) : status;
 }
 
 wisp_status binding_scene_edit_file( const binding_scene* s, const char* from, const int* configuration,
                                      const char* to, wisp_error* error )
 {
-    wisp_scene_edit* edits = NULL;
-    int count = 0;
-    wisp_status status = tune_parameters_edits( &s->parameters, configuration, &s->scene, &edits, &count, error );
-    status = status == WISP_OK ? wisp_scene_edit_file( from, edits, count, to, error ) : status;
-    free( edits );
-    return status;
+    return tune_parameters_write( &s->parameters, configuration, &s->scene, from, to, error );
 }
 
 void binding_free( void* block )
@@ -238,35 +227,93 @@ void binding_free( void* block )
     free( block );
 }
 
-// ---- the search of `wisp tune` ----
+// ---- what accuracy costs ----
 
-wisp_status binding_tune( const binding_scene* scene, const binding_tune_def* def, wisp_tune_result* out,
-                          wisp_error* error )
+struct binding_reference
 {
-    *out = ( wisp_tune_result ){ 0 };
-    wisp_scene changing;
-    wisp_status status = binding_scene_again( scene, &changing, error );
+    const binding_scene* scene;
+    suite_observer observer;
+    bool ( *go_on )( void );
+    tune_scene from;
+};
+
+static wisp_status observe( void* user, const scene_world* world, wisp_error* error )
+{
+    const binding_reference* r = user;
+    return r->go_on == NULL || r->go_on() ? WISP_OK
+                                          : wisp_fail( error, WISP_CONFLICT, "%s: a run was ended after step %d",
+                                                       r->scene->name, world->next_step );
+}
+
+static suite_given given_of( const binding_scene* s )
+{
+    return ( suite_given ){ s->text, s->size, s->arrays, s->array_count };
+}
+
+void binding_reference_close( binding_reference* r )
+{
+    if ( r )
+    {
+        tune_scene_close( &r->from );
+        free( r );
+    }
+}
+
+wisp_status binding_reference_open( const binding_scene* scene, double seconds, bool ( *go_on )( void ),
+                                    wisp_log_fn* log, binding_reference** out, binding_reference_info* info,
+                                    wisp_error* error )
+{
+    *out = NULL;
+    binding_reference* r = calloc( 1, sizeof *r );
+    if ( r == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its reference", scene->name );
+    }
+    *r = ( binding_reference ){ .scene = scene, .observer = { .observe = observe, .user = r }, .go_on = go_on };
+    const tune_scene_def def = {
+        .path = scene->name, .given = given_of( scene ), .seconds = seconds, .observer = &r->observer, .log = log
+    };
+    tune_parameters parameters;
+    wisp_status status = tune_parameters_find( &scene->scene, &parameters, error );
+    status = status == WISP_OK ? tune_scene_open( &def, &r->from, error ) : status;
     if ( status != WISP_OK )
     {
+        binding_reference_close( r );
         return status;
     }
-    tune_parameters parameters;
-    const tune_scene_def search = {
-        .scene = &changing,
-        .parameters = &parameters,
-        .world = { .workers = def->workers, .isa = def->isa, .log = def->log, .log_user = def->user },
+    const suite_reference* made = r->from.reference;
+    *info = ( binding_reference_info ){ made->doubt.distance, made->until, suite_reference_parts( made ) };
+    *out = r;
+    return WISP_OK;
+}
+
+wisp_status binding_reference_measure( const binding_reference* r, const binding_scene* scene, int workers,
+                                       const char* isa, wisp_tune_sample* out, wisp_error* error )
+{
+    const suite_given given = given_of( scene );
+    const tune_machine machine = { workers, isa };
+    suite_measurement measured = { .steps = 0 };
+    const wisp_status status = tune_scene_run( &r->from, &given, &machine, &measured, out, error );
+    return status == WISP_OK && out->is_halted
+               ? wisp_fail( error, WISP_CONFLICT, "%s: an entity was halted, and has no error to speak of",
+                            scene->name )
+               : status;
+}
+
+wisp_status binding_tune( const binding_reference* r, const binding_tune_def* def, wisp_tune_result* out,
+                          wisp_error* error )
+{
+    const tune_scene_search_def search = {
+        .scene = &r->scene->scene,
+        .parameters = &r->scene->parameters,
         .error = def->error,
         .budget_ms = def->budget_ms,
-        .seconds = def->seconds,
         .limit = def->limit,
+        .machine = { def->workers, def->isa },
         .progress = def->progress,
         .progress_user = def->user,
-        .go_on = def->go_on,
-        .go_on_user = def->user,
     };
-    tune_scene_info info;
-    status = tune_parameters_find( &changing, &parameters, error );
-    status = status == WISP_OK ? tune_scene_search( &search, out, &info, error ) : status;
-    wisp_scene_release( &changing );
-    return status;
+    suite_measurement last;
+    *out = ( wisp_tune_result ){ 0 };
+    return tune_scene_search( &r->from, &search, &last, out, error );
 }

@@ -260,16 +260,10 @@ static char* text_of( const gate_base* base )
 
 wisp_status gate_base_write( const gate_base* base, const char* path, wisp_error* error )
 {
-    io_output output;
-    const wisp_status status = io_output_open( path, &output, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
     char* text = text_of( base );
-    fputs( text, output.stream );
+    const wisp_status status = io_file_write( path, text, strlen( text ), error );
     free( text );
-    return io_output_end( &output, WISP_OK, error );
+    return status;
 }
 
 // ---- patches ----
@@ -520,6 +514,7 @@ static void add_row( const suite_row* row, const gate_row_check* check, results*
 void gate_report( const wisp_suite* suite, const gate_row_check* checks, results* out )
 {
     int counts[GATE_STATE_COUNT] = { 0 };
+    suite_horizon horizon = { 0 };
     const int table =
         results_begin_table( out, "Rows", "row\tverdict\tinstructions\tcycles\tbytes\tallocations\taccuracy" );
     for ( int i = 0; i < suite->row_count; ++i )
@@ -534,6 +529,7 @@ void gate_report( const wisp_suite* suite, const gate_row_check* checks, results
         results_add_line( out, table, "%s\t%s\t%s\t%s\t%s\t%s\t%s", name, gate_state_names[checks[i].state], cells[0],
                           cells[1], cells[2], cells[3], checks[i].base ? accuracy : "-" );
         counts[checks[i].state] += 1;
+        suite_horizon_add( &horizon, checks[i].now.compared.until, checks[i].now.compared.parts );
         add_row( suite->rows + i, checks + i, out );
     }
     for ( int i = 0; i < suite->row_count; ++i )
@@ -549,7 +545,8 @@ void gate_report( const wisp_suite* suite, const gate_row_check* checks, results
             results_add_note( out, "%s: %s", name, checks[i].message );
         }
     }
-    char line[200];
+    char line[200], until[100];
+    suite_horizon_text( &horizon, until, sizeof until );
     snprintf( line, sizeof line, "gate %.80s: %s: %d rows", suite->name,
               counts[GATE_WORSE] > 0 ? "regression"
               : counts[GATE_NEW] > 0 ? "inconclusive"
@@ -559,7 +556,7 @@ void gate_report( const wisp_suite* suite, const gate_row_check* checks, results
     {
         results_append_count( line, sizeof line, counts[i], i == GATE_SAME ? "the same" : gate_state_names[i] );
     }
-    results_add_headline( out, "%s", line );
+    results_add_headline( out, "%s%s", line, until );
 }
 
 // ---- JUnit ----

@@ -42,6 +42,11 @@ const char* io_file_name( const char* path )
     return slash ? slash + 1 : path;
 }
 
+size_t io_folder_length( const char* path )
+{
+    return (size_t)( io_file_name( path ) - path );
+}
+
 bool io_has_extension( const char* path, const char* extension )
 {
     size_t length = strlen( path );
@@ -241,9 +246,7 @@ static wisp_status no_memory( wisp_error* error, const char* path )
 // A hidden name in the folder of `path`; short, because the folder's limit counts for it as well.
 static char* partial_name( const char* path, int attempt )
 {
-    const char* slash = strrchr( path, '/' );
-    size_t folder = slash == NULL ? 0 : (size_t)( slash - path ) + 1;
-    size_t room = folder + 64;
+    const size_t folder = io_folder_length( path ), room = folder + 64;
     char* name = malloc( room );
     if ( name != NULL )
     {
@@ -485,4 +488,16 @@ void io_numbers_end( io_numbers* numbers )
     uselocale( (locale_t)numbers->previous );
     freelocale( (locale_t)numbers->plain );
     *numbers = ( io_numbers ){ 0 };
+}
+
+wisp_status io_file_write( const char* path, const void* bytes, size_t size, wisp_error* error )
+{
+    io_output output;
+    wisp_status status = io_output_open( path, &output, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    fwrite( bytes, 1, size, output.stream );
+    return io_output_commit( &output, error );
 }

@@ -55,6 +55,9 @@ void io_output_discard( io_output* output );
 /// Commit with status WISP_OK, discard with any other. @return the first failure
 wisp_status io_output_end( io_output* output, wisp_status status, wisp_error* error );
 
+/// Write a whole file. @return WISP_IO_ERROR, and the file is as before
+wisp_status io_file_write( const char* path, const void* bytes, size_t size, wisp_error* error );
+
 /// Make a folder, whose parent exists; an existing folder is accepted.
 /// @return WISP_IO_ERROR an error of the operating system
 wisp_status io_folder_make( const char* path, wisp_error* error );
@@ -75,6 +78,8 @@ bool io_has_extension( const char* path, const char* extension );
 
 /// The name of a file without its folders.
 const char* io_file_name( const char* path );
+/// Bytes of the path before that, with the slash.
+size_t io_folder_length( const char* path );
 
 /// The end of a long path, so that a message of 500 characters has room for the error.
 const char* io_short_name( const char* name );

@@ -343,6 +343,10 @@ extern "C"
     WISP_API wisp_status wisp_mesh_repair_within( wisp_mesh* mesh, int what, float weld_distance,
                                                   wisp_mesh_repairs* repairs, wisp_error* error );
 
+    /// Count the vertices that WISP_MESH_WELD merges into others: those of a renderer are split along seams, and what looks
+    /// joined is open. @return WISP_NO_MEMORY
+    WISP_API wisp_status wisp_mesh_count_near( const wisp_mesh* mesh, int* out, wisp_error* error );
+
     // ---- text ----
 
     /// Print the text of `wisp info`: statistics, then defects, by element.

@@ -221,21 +221,16 @@ void wisp_mesh_print( FILE* out, const wisp_mesh_diagnostics* report, const char
     }
 }
 
-// Vertices of a renderer are split, and those of other programs rounded: what looks joined is open.
-static wisp_status print_near( FILE* out, const wisp_mesh* mesh, wisp_error* error )
+wisp_status wisp_mesh_count_near( const wisp_mesh* mesh, int* out, wisp_error* error )
 {
     int32_t* became = malloc( (size_t)mesh->vertex_count * sizeof *became );
     wisp_status status = became == NULL
                              ? wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d vertices", mesh->vertex_count )
                              : mesh_weld_find( mesh, 0.0f, became, error );
-    int count = 0;
+    *out = 0;
     for ( int v = 0; v < mesh->vertex_count && status == WISP_OK; ++v )
     {
-        count += became[v] != v;
-    }
-    if ( count > 0 )
-    {
-        fprintf( out, "  note: vertices that the repair `weld` merges into others: %d\n", count );
+        *out += became[v] != v;
     }
     free( became );
     return status;
@@ -245,11 +240,16 @@ wisp_status wisp_mesh_info( FILE* out, const wisp_mesh* mesh, const char* name )
 {
     wisp_mesh_diagnostics report;
     wisp_error error = { .status = WISP_OK };
+    int near = 0;
     wisp_status status = wisp_mesh_examine( mesh, &report, &error );
     if ( status == WISP_OK )
     {
         wisp_mesh_print( out, &report, name );
-        status = print_near( out, mesh, &error );
+        status = wisp_mesh_count_near( mesh, &near, &error );
+    }
+    if ( near > 0 )
+    {
+        fprintf( out, "  note: vertices that the repair `weld` merges into others: %d\n", near );
     }
     if ( status != WISP_OK )
     {

@@ -199,56 +199,44 @@ wisp_status wisp_scene_read( const char* path, wisp_scene* out, wisp_error* erro
 
 // ---- arrays in place of files ----
 
-static bool take_arrays( const char* file, const wisp_scene_arrays* arrays, const char* resolved,
+static bool take_arrays( const wisp_scene* scene, const char* file, const wisp_scene_arrays* arrays,
                          const wisp_scene_arrays** out )
 {
-    if ( file == NULL || strcmp( file, resolved ) != 0 )
-    {
-        return false;
-    }
-    *out = arrays;
-    return true;
+    const size_t folder = io_folder_length( scene->name );
+    const bool is_it =
+        file && strncmp( file, scene->name, folder ) == 0 && strcmp( file + folder, arrays->file ) == 0;
+    *out = is_it ? arrays : *out;
+    return is_it;
 }
 
-static int give_arrays( wisp_scene* scene, const wisp_scene_arrays* arrays, const char* resolved )
+static int give_arrays( wisp_scene* scene, const wisp_scene_arrays* arrays )
 {
     int found = 0;
     for ( int i = 0; i < scene->strands_count && arrays->triangles == NULL; ++i )
     {
         wisp_scene_strands* s = &scene->strands[i];
-        found += take_arrays( s->file, arrays, resolved, &s->arrays );
+        found += take_arrays( scene, s->file, arrays, &s->arrays );
     }
     for ( int i = 0; i < scene->surface_count && arrays->triangles != NULL; ++i )
     {
         wisp_scene_mesh* mesh = &scene->surfaces[i].mesh;
         wisp_scene_start* start = &scene->surfaces[i].start;
-        found += take_arrays( mesh->file, arrays, resolved, &mesh->arrays );
-        found += take_arrays( start->file, arrays, resolved, &start->arrays );
+        found += take_arrays( scene, mesh->file, arrays, &mesh->arrays );
+        found += take_arrays( scene, start->file, arrays, &start->arrays );
     }
     for ( int i = 0; i < scene->collider_count && arrays->triangles != NULL; ++i )
     {
         wisp_scene_mesh* mesh = &scene->colliders[i].mesh;
-        found += take_arrays( mesh->file, arrays, resolved, &mesh->arrays );
+        found += take_arrays( scene, mesh->file, arrays, &mesh->arrays );
     }
     return found;
 }
 
 wisp_status wisp_scene_set_arrays( wisp_scene* scene, const wisp_scene_arrays* arrays, int count, wisp_error* error )
 {
-    const char* slash = strrchr( scene->name, '/' );
-    const size_t folder = slash ? (size_t)( slash - scene->name ) + 1 : 0;
     for ( int i = 0; i < count; ++i )
     {
-        char* resolved = malloc( folder + strlen( arrays[i].file ) + 1 );
-        if ( !resolved )
-        {
-            return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for the scene", scene->name );
-        }
-        memcpy( resolved, scene->name, folder );
-        strcpy( resolved + folder, arrays[i].file );
-        const int found = give_arrays( scene, &arrays[i], resolved );
-        free( resolved );
-        if ( found == 0 )
+        if ( give_arrays( scene, &arrays[i] ) == 0 )
         {
             return wisp_fail( error, WISP_BAD_INPUT, "%s: got %s for '%s', but no entry has that file", scene->name,
                               arrays[i].triangles ? "a mesh" : "strands", arrays[i].file );

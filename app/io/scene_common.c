@@ -1,4 +1,5 @@
 // Values that strands, surfaces and colliders have: names, files, layers.
+#include "io_file.h"
 #include "scene_parts.h"
 #include "scene_ranges.h"
 
@@ -46,12 +47,11 @@ wisp_status scene_read_file( scene_reader* r, const scene_node* node, void* at )
     const char* file = NULL;
     wisp_status status = scene_read_text( r, node, &file );
     *(const char**)at = file;
-    const char* slash = strrchr( r->source->name, '/' );
-    if ( status || !slash || file[0] == '/' )
+    const size_t folder = io_folder_length( r->source->name );
+    if ( status || folder == 0 || file[0] == '/' )
     {
         return status;
     }
-    size_t folder = (size_t)( slash - r->source->name ) + 1;
     size_t length = strlen( file );
     char* path = scene_take( r->scene, folder + length + 1, 1 );
     if ( !path )

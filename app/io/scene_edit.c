@@ -488,18 +488,6 @@ wisp_status wisp_scene_edit_text( const char* text, size_t size, const char* nam
     return status;
 }
 
-static wisp_status write_text( const char* path, const char* text, size_t size, wisp_error* error )
-{
-    io_output output;
-    wisp_status status = io_output_open( path, &output, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    fwrite( text, 1, size, output.stream );
-    return io_output_commit( &output, error );
-}
-
 wisp_status wisp_scene_edit_file( const char* from, const wisp_scene_edit* edits, int count, const char* to,
                                   wisp_error* error )
 {
@@ -514,7 +502,7 @@ wisp_status wisp_scene_edit_file( const char* from, const wisp_scene_edit* edits
     size_t edited_size = 0;
     status = wisp_scene_edit_text( bytes ? (const char*)bytes : "", size, from, edits, count, &edited, &edited_size,
                                    error );
-    status = status == WISP_OK && to ? write_text( to, edited, edited_size, error ) : status;
+    status = status == WISP_OK && to ? io_file_write( to, edited, edited_size, error ) : status;
     free( edited );
     free( bytes );
     return status;

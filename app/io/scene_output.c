@@ -1,4 +1,5 @@
 // Output: files to write after the last step.
+#include "io_file.h"
 #include "scene_parts.h"
 #include "scene_ranges.h"
 
@@ -29,8 +30,7 @@ static wisp_status read_surface( scene_reader* r, const scene_node* node, void* 
 
 static bool ends_in( const char* file, const char* const* extensions )
 {
-    const char* slash = strrchr( file, '/' );
-    const char* last = slash ? slash + 1 : file;
+    const char* last = io_file_name( file );
     const char* dot = strrchr( last, '.' );
     for ( int i = 0; dot && dot > last && extensions[i]; ++i )
     {

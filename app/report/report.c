@@ -149,29 +149,17 @@ static void begin_section( const char* id, const char* title, FILE* stream )
     fprintf( stream, "<section id=\"%s\">\n<h2>%s</h2>\n", id, title );
 }
 
-static void put_charts( const results* all, FILE* stream )
+static void put_drawings( const results* all, bool pictures, FILE* stream )
 {
-    if ( all->chart_count > 0 )
+    const int count = pictures ? all->picture_count : all->chart_count;
+    if ( count > 0 )
     {
-        begin_section( "charts", "Charts", stream );
-        fputs( "<div class=\"grid\">\n", stream );
-        for ( int i = 0; i < all->chart_count; ++i )
+        begin_section( pictures ? "pictures" : "charts", pictures ? "Pictures" : "Charts", stream );
+        fprintf( stream, "<div class=\"grid%s\">\n", pictures ? " pictures" : "" );
+        for ( int i = 0; i < count; ++i )
         {
-            report_put_chart( &all->charts[i], i + 1, stream );
-        }
-        fputs( "</div>\n</section>\n", stream );
-    }
-}
-
-static void put_pictures( const results* all, FILE* stream )
-{
-    if ( all->picture_count > 0 )
-    {
-        begin_section( "pictures", "Pictures", stream );
-        fputs( "<div class=\"grid pictures\">\n", stream );
-        for ( int i = 0; i < all->picture_count; ++i )
-        {
-            report_put_picture( &all->pictures[i], i + 1, stream );
+            pictures ? report_put_picture( &all->pictures[i], i + 1, stream )
+                     : report_put_chart( &all->charts[i], i + 1, stream );
         }
         fputs( "</div>\n</section>\n", stream );
     }
@@ -234,8 +222,8 @@ wisp_status report_write( const results* all, const report_run* run, FILE* strea
     line = put_template( line, "<!-- body -->\n", stream );
     put_head( all, run, stream );
     fputs( "<main>\n", stream );
-    put_charts( all, stream );
-    put_pictures( all, stream );
+    put_drawings( all, false, stream );
+    put_drawings( all, true, stream );
     put_tables( all, stream );
     put_notes( all, stream );
     fputs( "</main>\n", stream );

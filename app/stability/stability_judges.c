@@ -235,12 +235,14 @@ static int row_at( const stability_trace* trace, double time )
     return row;
 }
 
-static double speed_between( const stability_trace* trace, int body, int from, int to )
+// @param travels by where vertices are after steps, not by their velocities
+static double speed_between( const stability_trace* trace, int body, int from, int to, bool travels )
 {
     double speed = 0.0;
     for ( int row = from; row <= to; ++row )
     {
-        speed = fmax( speed, stability_sample_of( trace, row, body )->speed );
+        const stability_sample* sample = stability_sample_of( trace, row, body );
+        speed = fmax( speed, travels ? sample->travel : sample->speed );
     }
     return speed;
 }
@@ -276,8 +278,8 @@ static bool judge_body_at_rest( const stability_trace* trace, int body, stabilit
     {
         return true;
     }
-    const double before = speed_between( trace, body, early, early_end ),
-                 after = speed_between( trace, body, late, trace->steps );
+    const double before = speed_between( trace, body, early, early_end, false ),
+                 after = speed_between( trace, body, late, trace->steps, false );
     const double slow = SLOW * sqrt( fmax( b->gravity, 1.0 ) * b->size ) + ROUNDINGS * trace->rounding;
     const double limit = fmax( UNSEEN, slow );
     const double way = distance_of( stability_sample_of( trace, late, body )->centre,
@@ -580,11 +582,9 @@ static bool goes_away( const stability_trace* trace, int body, int begin )
     const double PART = 0.5; // of the way of the fastest vertex that the centre goes
     const double *a = stability_sample_of( trace, begin, body )->centre,
                  *b = stability_sample_of( trace, trace->steps, body )->centre;
-    const double way = sqrt( ( a[0] - b[0] ) * ( a[0] - b[0] ) + ( a[1] - b[1] ) * ( a[1] - b[1] ) +
-                             ( a[2] - b[2] ) * ( a[2] - b[2] ) );
     const double time = end_of( trace ) - trace->times[begin];
     return !trace->bodies[body].is_pinned &&
-           way > PART * stability_sample_of( trace, trace->steps, body )->travel * time;
+           distance_of( a, b ) > PART * stability_sample_of( trace, trace->steps, body )->travel * time;
 }
 
 // Bodies that are stretched to four times their length bounce longer than a run.
@@ -618,23 +618,14 @@ static int first_of_last_part( const stability_trace* trace )
     return begin;
 }
 
-static double travel_between( const stability_trace* trace, int body, int from, int to )
-{
-    double speed = 0.0;
-    for ( int row = from; row <= to; ++row )
-    {
-        speed = fmax( speed, stability_sample_of( trace, row, body )->travel );
-    }
-    return speed;
-}
-
 static void put_rest( const stability_trace* trace, stability_figures* out )
 {
     const int begin = first_of_last_part( trace );
     const bool is_excused = trace->inputs.gains_energy || trace->inputs.works || trace->intersections_before > 0;
     for ( int body = 0; body < trace->body_count && !is_excused && elapsed_of( trace ) >= SETTLING; ++body )
     {
-        const double speed = travel_between( trace, body, begin, trace->steps ), limit = rest_limit( trace, body );
+        const double speed = speed_between( trace, body, begin, trace->steps, true ),
+                     limit = rest_limit( trace, body );
         if ( must_rest( trace, body ) && !goes_away( trace, body, begin ) &&
              ( out->rest_body < 0 || speed / limit > out->rest / out->rest_limit ) )
         {
@@ -660,7 +651,7 @@ static void put_what_is_shown( const stability_trace* trace, int begin, stabilit
             out->strain = strain;
             out->strain_body = body;
         }
-        const double rest = travel_between( trace, body, last_part, trace->steps );
+        const double rest = speed_between( trace, body, last_part, trace->steps, true );
         if ( !has_rest && !( rest < out->rest ) )
         {
             out->rest = rest;

@@ -267,19 +267,16 @@ static wisp_status read_reference( suite_reader* r, const scene_node* block )
                                          : "fields and their values, such as { substeps: 320 }" );
         }
     }
-    r->out->compares_start = values[REFERENCE_START] != NULL;
-    if ( r->out->compares_start )
+    for ( int k = REFERENCE_START; k <= REFERENCE_OVERLAP; ++k )
     {
-        return strcmp( scene_text_of( &r->tree, values[REFERENCE_START] ), "true" ) == 0 && block->count == 1
-                   ? WISP_OK
-                   : suite_refuse( r, block, "expected start: true alone" );
-    }
-    r->out->compares_overlap = values[REFERENCE_OVERLAP] != NULL;
-    if ( r->out->compares_overlap )
-    {
-        return strcmp( scene_text_of( &r->tree, values[REFERENCE_OVERLAP] ), "none" ) == 0 && block->count == 1
-                   ? WISP_OK
-                   : suite_refuse( r, block, "expected overlap: none alone" );
+        const char* word = k == REFERENCE_START ? "true" : "none";
+        *( k == REFERENCE_START ? &r->out->compares_start : &r->out->compares_overlap ) = values[k] != NULL;
+        if ( values[k] )
+        {
+            return strcmp( scene_text_of( &r->tree, values[k] ), word ) == 0 && block->count == 1
+                       ? WISP_OK
+                       : suite_refuse( r, block, "expected %s: %s alone", reference_keys[k], word );
+        }
     }
     const scene_node* order = values[REFERENCE_EXTRAPOLATE];
     r->out->extrapolate = order ? suite_number_of( r, order ) : 0.0;
@@ -413,11 +410,14 @@ static wisp_status check_names( const suite_reader* r )
     return WISP_OK;
 }
 
-wisp_status suite_parse( const char* text, size_t size, const char* path, wisp_suite* out, wisp_error* error )
+wisp_status suite_parse( const char* text, size_t size, const char* path, const suite_given* given, wisp_suite* out,
+                         wisp_error* error )
 {
     *out = ( wisp_suite ){ 0 };
     suite_stem( path, out->name, sizeof out->name );
-    suite_reader r = { .source = { .name = path, .text = text, .size = size, .error = error }, .out = out };
+    suite_reader r = { .source = { .name = path, .text = text, .size = size, .error = error },
+                       .out = out,
+                       .given = given };
     for ( int m = 0; m < SUITE_BUDGET_COUNT; ++m )
     {
         r.budgets[m] = suite_measures[m].budget;
@@ -438,7 +438,7 @@ wisp_status suite_read( const char* path, wisp_suite* out, wisp_error* error )
     if ( status == WISP_OK )
     {
         // an empty file has no block
-        status = suite_parse( bytes ? (const char*)bytes : "", size, path, out, error );
+        status = suite_parse( bytes ? (const char*)bytes : "", size, path, NULL, out, error );
     }
     free( bytes );
     return status;
@@ -464,9 +464,14 @@ void suite_release( wisp_suite* suite )
 wisp_status suite_scene( const suite_row* row, wisp_scene* out, wisp_error* error )
 {
     wisp_error inner = { 0 };
-    const wisp_status status = wisp_scene_parse( row->text, strlen( row->text ), row->path, out, &inner );
+    wisp_status status = wisp_scene_parse( row->text, strlen( row->text ), row->path, out, &inner );
+    if ( status == WISP_OK && row->given )
+    {
+        status = wisp_scene_set_arrays( out, row->given->arrays, row->given->array_count, &inner );
+    }
     if ( status != WISP_OK )
     {
+        wisp_scene_release( out );
         // the line is that of the text with its settings, which nobody sees
         const char* message = inner.message;
         return wisp_fail( error, status, "%s%s%s: %.300s", row->name, row->variant[0] ? ", " : "", row->variant,
@@ -516,7 +521,7 @@ static void look_at_solvers( writer* w )
 static wisp_status estimate_pace( const writer* w, double* out, wisp_error* error )
 {
     static const double LINK_NS = 20.0, SOLVE_NS = 2000.0, CONTACT_NS = 500.0; // of a vertex in a substep
-    const scene_world_options options = { .workers = 1 }; // the first world of the scene has its warnings
+    const scene_world_options options = { .workers = 1, .log = w->def->log, .log_user = w->def->log_user };
     scene_world world;
     const wisp_status status = scene_world_create( &w->read, &options, &world, error );
     if ( status == WISP_OK )
@@ -703,11 +708,14 @@ static void write_suite( const writer* w )
 
 static wisp_status read_scene_twice( writer* w, wisp_error* error )
 {
+    const suite_given* given = w->def->given;
     unsigned char* bytes = NULL;
-    size_t size = 0;
-    wisp_status status = io_file_read( w->def->path, BYTES_MAX, &bytes, &size, error );
-    const char* text = bytes ? (const char*)bytes : "";
+    size_t size = given ? given->size : 0;
+    wisp_status status = given ? WISP_OK : io_file_read( w->def->path, BYTES_MAX, &bytes, &size, error );
+    const char* text = given ? given->text : bytes ? (const char*)bytes : "";
     status = status == WISP_OK ? wisp_scene_parse( text, size, w->def->path, &w->read, error ) : status;
+    status = status == WISP_OK && given ? wisp_scene_set_arrays( &w->read, given->arrays, given->array_count, error )
+                                        : status;
     status = status == WISP_OK ? text_parse( text, size, w->def->path, &w->scene, error ) : status;
     free( bytes );
     if ( status != WISP_OK )

@@ -53,6 +53,15 @@ typedef struct suite_measure_info
 
 extern const suite_measure_info suite_measures[SUITE_BUDGET_COUNT];
 
+/// A scene in memory, which a suite has in place of its scenes' file.
+typedef struct suite_given
+{
+    const char* text; ///< [size]
+    size_t size;
+    const wisp_scene_arrays* arrays; ///< [array_count] in place of files that the scene names
+    int array_count;
+} suite_given;
+
 /// A scene with its settings.
 typedef struct suite_row
 {
@@ -61,10 +70,11 @@ typedef struct suite_row
     char series[192];                ///< rows that differ from this one in `along` alone; empty: it is in no series
     char along[SUITE_MAX_NAME];      ///< the field that a series varies
     double along_value;
-    double order; ///< at which errors of the series should fall; NaN: none is promised
-    char* path;   ///< of the scene, whose folder its files are in
-    char* text;   ///< the scene
-    int steps;    ///< that are made; 0: all of the scene
+    double order;             ///< at which errors of the series should fall; NaN: none is promised
+    char* path;               ///< of the scene, whose folder its files are in
+    const suite_given* given; ///< where the scene came from; null: a file
+    char* text;               ///< the scene
+    int steps;                ///< that are made; 0: all of the scene
     suite_budget budgets[SUITE_BUDGET_COUNT];
     unsigned checks;         ///< that must hold, as stability_bit() has them; 0: none
     stability_limits limits; ///< that checks are given
@@ -108,7 +118,9 @@ typedef struct wisp_suite
 /// @return WISP_BAD_INPUT the suite or a row is wrong (the message names file, line and path); WISP_IO_ERROR
 wisp_status suite_read( const char* path, wisp_suite* out, wisp_error* error );
 /// The same from a text. @param path of the suite, which its files are relative to and messages name
-wisp_status suite_parse( const char* text, size_t size, const char* path, wisp_suite* out, wisp_error* error );
+/// @param given all scenes are this one, which must outlive the suite; may be null
+wisp_status suite_parse( const char* text, size_t size, const char* path, const suite_given* given, wisp_suite* out,
+                         wisp_error* error );
 void suite_release( wisp_suite* suite );
 
 /// The name of a row and what varies, as tables and lists of rows have it: "cloth: random, k 1e8".
@@ -116,6 +128,9 @@ void suite_label( const suite_row* row, char out[SUITE_MAX_LABEL] );
 
 /// Whether errors grow with a field, such as `dt`, or fall, as with `substeps`. @param along path of the field
 bool suite_error_grows( const char* along );
+
+/// Make a row that runs another scene for as long as a row of a suite with `seconds`. @param out its text is for free()
+wisp_status suite_row_of( const suite_row* like, const suite_given* given, suite_row* out, wisp_error* error );
 
 /// Read the scene of a row. @param out to be released
 wisp_status suite_scene( const suite_row* row, wisp_scene* out, wisp_error* error );
@@ -125,9 +140,12 @@ wisp_status suite_scene( const suite_row* row, wisp_scene* out, wisp_error* erro
 /// What accuracy costs, by substeps and by methods that the scene can do without being another. `wisp tune` has the same reference.
 typedef struct suite_of_scene_def
 {
-    const char* path; ///< of the scene
-    const char* file; ///< the same as the suite is to name it
-    double length;    ///< s of motion that is compared; 0: all of the scene, but at most 1 s
+    const char* path;         ///< of the scene
+    const char* file;         ///< the same as the suite is to name it
+    double length;            ///< s of motion that is compared; 0: all of the scene, but at most 1 s
+    const suite_given* given; ///< the scene; null: the file has it
+    wisp_log_fn* log;         ///< receives the warnings of the scene; null: stderr
+    void* log_user;
 } suite_of_scene_def;
 
 /// Write the suite as YAML.

@@ -266,6 +266,19 @@ static void take_place( const suite_place* place, const wisp_vec3* points, doubl
     }
 }
 
+static void take_difference( const suite_match* match, int place, const suite_motion* one, const suite_motion* other,
+                             int frame, double out[3] )
+{
+    double subtracted[3];
+    take_place( match->one + place, one->points + (size_t)frame * (size_t)suite_motion_points( one ), out );
+    take_place( match->other + place, other->points + (size_t)frame * (size_t)suite_motion_points( other ),
+                subtracted );
+    for ( int k = 0; k < 3; ++k )
+    {
+        out[k] -= subtracted[k];
+    }
+}
+
 double suite_motion_size( const suite_motion* motion )
 {
     return (double)size_of( motion->start, suite_motion_points( motion ) );
@@ -274,20 +287,14 @@ double suite_motion_size( const suite_motion* motion )
 double suite_distance( const suite_match* match, const suite_motion* one, const suite_motion* other, int first_frame,
                        int frame_count, double* most )
 {
-    const size_t n = (size_t)suite_motion_points( one ), m = (size_t)suite_motion_points( other );
     double sum = 0.0, largest = 0.0;
     for ( int frame = first_frame; frame < first_frame + frame_count; ++frame )
     {
         for ( int i = 0; i < match->count; ++i )
         {
-            double a[3], b[3];
-            take_place( match->one + i, one->points + (size_t)frame * n, a );
-            take_place( match->other + i, other->points + (size_t)frame * m, b );
-            double square = 0.0;
-            for ( int k = 0; k < 3; ++k )
-            {
-                square += ( a[k] - b[k] ) * ( a[k] - b[k] );
-            }
+            double d[3];
+            take_difference( match, i, one, other, frame, d );
+            const double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
             sum += square;
             largest = fmax( largest, square );
         }
@@ -297,6 +304,21 @@ double suite_distance( const suite_match* match, const suite_motion* one, const 
         *most = sqrt( largest );
     }
     return sqrt( sum / ( (double)frame_count * match->count ) );
+}
+
+// Mean height of all places above those of another motion, against gravity.
+static double compare_height( const suite_match* match, const suite_motion* one, const suite_motion* other,
+                              wisp_vec3 gravity, int first, int count )
+{
+    const double g[3] = { (double)gravity.x, (double)gravity.y, (double)gravity.z };
+    double sum = 0.0;
+    for ( int i = 0; i < count * match->count; ++i )
+    {
+        double d[3];
+        take_difference( match, i % match->count, one, other, first + i / match->count, d );
+        sum -= d[0] * g[0] + d[1] * g[1] + d[2] * g[2];
+    }
+    return sum / ( (double)count * match->count * sqrt( g[0] * g[0] + g[1] * g[1] + g[2] * g[2] ) );
 }
 
 double suite_drift( const suite_motion* motion )
@@ -396,21 +418,44 @@ static bool is_same_mesh( const wisp_record_body* a, const wisp_record_body* b )
              memcmp( a->triangles, b->triangles, 3 * (size_t)a->triangle_count * sizeof *a->triangles ) == 0 );
 }
 
-static double sum_curvature( const suite_motion* motion, int frame_count, vertex_fan* fans )
+// The total length of a body's edges, each as often as it has triangles, and segments.
+static double lengths_of( const wisp_record_body* body, const wisp_vec3* points, vertex_fan* unused )
 {
-    const size_t n = (size_t)suite_motion_points( motion );
     double sum = 0.0;
-    for ( int frame = 0; frame < frame_count; ++frame )
+    (void)unused;
+    for ( int k = 0; k < 3 * body->triangle_count; ++k )
     {
-        for ( int b = 0; b < motion->body_count; ++b )
+        const int next = k % 3 == 2 ? k - 2 : k + 1;
+        sum += (double)distance_of( points[body->triangles[k]], points[body->triangles[next]] );
+    }
+    for ( int s = 0; s < body->strand_count; ++s )
+    {
+        for ( int v = body->offsets[s] + 1; v < body->offsets[s + 1]; ++v )
         {
-            sum += curvature_of( &motion->bodies[b], motion->points + (size_t)frame * n + motion->first[b], fans );
+            sum += (double)distance_of( points[v - 1], points[v] );
         }
     }
     return sum;
 }
 
-double suite_detail( const suite_motion* motion, const suite_motion* reference, int frame_count )
+typedef double of_body( const wisp_record_body* body, const wisp_vec3* points, vertex_fan* fans );
+
+static double sum_over( const suite_motion* motion, int first, int count, of_body* of, vertex_fan* fans )
+{
+    const size_t n = (size_t)suite_motion_points( motion );
+    double sum = 0.0;
+    for ( int frame = first; frame < first + count; ++frame )
+    {
+        for ( int b = 0; b < motion->body_count; ++b )
+        {
+            sum += of( &motion->bodies[b], motion->points + (size_t)frame * n + motion->first[b], fans );
+        }
+    }
+    return sum;
+}
+
+// @return NaN: meshes differ, or the reference has none of it
+static double ratio_of( const suite_motion* motion, const suite_motion* reference, int first, int count, of_body* of )
 {
     bool is_same = motion->body_count == reference->body_count;
     for ( int b = 0; b < motion->body_count && is_same; ++b )
@@ -419,10 +464,15 @@ double suite_detail( const suite_motion* motion, const suite_motion* reference, 
     }
     const size_t n = (size_t)suite_motion_points( motion ) + 1;
     vertex_fan* fans = is_same ? malloc( n * sizeof *fans ) : NULL;
-    const double sum = fans ? sum_curvature( reference, frame_count, fans ) : 0.0;
-    const double detail = sum > 0.0 ? sqrt( sum_curvature( motion, frame_count, fans ) / sum ) : NAN;
+    const double sum = fans ? sum_over( reference, first, count, of, fans ) : 0.0;
+    const double ratio = sum > 0.0 ? sum_over( motion, first, count, of, fans ) / sum : NAN;
     free( fans );
-    return detail;
+    return ratio;
+}
+
+double suite_detail( const suite_motion* motion, const suite_motion* reference, int first_frame, int frame_count )
+{
+    return sqrt( ratio_of( motion, reference, first_frame, frame_count, curvature_of ) );
 }
 
 // ---- energy ----
@@ -432,11 +482,16 @@ static double total( const suite_motion* motion, int frame )
     return (double)motion->energies[frame].x + (double)motion->energies[frame].y;
 }
 
-// In parts of what the reference has released since the first frame.
-static double compare_energy( const suite_motion* motion, const suite_motion* reference, int last )
+// Mean over some frames, in parts of what the reference has released there since the first frame.
+static double compare_energy( const suite_motion* motion, const suite_motion* reference, int first, int count )
 {
-    const double released = (double)reference->energies[0].y - (double)reference->energies[last].y;
-    return released > 0.0 ? ( total( motion, last ) - total( reference, last ) ) / released : NAN;
+    double released = 0.0, gained = 0.0;
+    for ( int frame = first; frame < first + count; ++frame )
+    {
+        released += (double)reference->energies[0].y - (double)reference->energies[frame].y;
+        gained += total( motion, frame ) - total( reference, frame );
+    }
+    return released > 0.0 ? gained / released : NAN;
 }
 
 // ---- all ----
@@ -453,22 +508,31 @@ static int frame_at( const suite_motion* motion, double moment, int frame_count 
     return -1;
 }
 
-wisp_status suite_compare( const suite_motion* motion, const suite_motion* reference, int frame_count,
-                           const char* name, suite_comparison* out, wisp_error* error )
+wisp_status suite_compare( const suite_motion* motion, const suite_reference* reference, const char* name,
+                           suite_comparison* out, wisp_error* error )
 {
+    const suite_motion* other = &reference->motion;
+    const int count = reference->frame_count, late = other->frame_count - count;
     suite_match match = { 0 };
     *out = suite_not_compared;
-    const wisp_status status = suite_match_motions( motion, reference, name, &match, error );
+    const wisp_status status = suite_match_motions( motion, other, name, &match, error );
     if ( status == WISP_OK )
     {
-        out->distance = suite_distance( &match, motion, reference, 0, frame_count, &out->largest );
-        out->detail = suite_detail( motion, reference, frame_count );
-        out->energy = compare_energy( motion, reference, frame_count - 1 );
+        out->distance = suite_distance( &match, motion, other, 0, count, &out->largest );
+        out->detail = suite_detail( motion, other, 0, count );
+        out->energy = compare_energy( motion, other, count - 1, 1 );
+    }
+    if ( status == WISP_OK && late > 0 )
+    {
+        out->late_height = compare_height( &match, motion, other, reference->gravity, count, late );
+        out->late_energy = compare_energy( motion, other, count, late );
+        out->late_stretch = ratio_of( motion, other, count, late, lengths_of ) - 1.0;
+        out->late_detail = suite_detail( motion, other, count, late );
     }
     for ( int i = 0; i < SUITE_MOMENT_COUNT && status == WISP_OK; ++i )
     {
-        const int frame = frame_at( reference, suite_moments[i], frame_count );
-        out->at[i] = frame >= 0 ? suite_distance( &match, motion, reference, frame, 1, NULL ) : NAN;
+        const int frame = frame_at( other, suite_moments[i], count );
+        out->at[i] = frame >= 0 ? suite_distance( &match, motion, other, frame, 1, NULL ) : NAN;
     }
     suite_match_release( &match );
     return status;

@@ -193,7 +193,29 @@ wisp_status suite_overlap_find( const scene_world* world, suite_overlap* out, wi
 
 const double suite_moments[SUITE_MOMENT_COUNT] = { 0.5, 1.0, 2.0 };
 
-const suite_comparison suite_not_compared = { NAN, NAN, { NAN, NAN, NAN }, NAN, NAN };
+const suite_comparison suite_not_compared = { NAN, NAN, { NAN, NAN, NAN }, NAN, NAN, 0.0, false, NAN, NAN, NAN, NAN };
+
+void suite_horizon_add( suite_horizon* horizon, double until, bool parts )
+{
+    horizon->least = horizon->least > 0.0 && !( until > 0.0 && until < horizon->least ) ? horizon->least : until;
+    horizon->most = fmax( horizon->most, until );
+    horizon->parts = horizon->parts || parts;
+}
+
+void suite_horizon_text( const suite_horizon* horizon, char* out, size_t size )
+{
+    char from[32] = "";
+    out[0] = '\0';
+    if ( horizon->least < horizon->most )
+    {
+        snprintf( from, sizeof from, "%.3g to ", horizon->least );
+    }
+    if ( horizon->most > 0.0 )
+    {
+        snprintf( out, size, "; compared until %s%.3g s, %s", from, horizon->most,
+                  horizon->parts ? "where two converged runs part" : "the end" );
+    }
+}
 
 // ---- in this process ----
 
@@ -413,10 +435,10 @@ static wisp_status time_steps( scene_world* world, int steps, const suite_observ
     return status;
 }
 
-wisp_status suite_time_row( const suite_row* row, int workers, const suite_observer* observer, double** ms,
-                            int* steps, uint64_t* hash, wisp_error* error )
+wisp_status suite_time_row( const suite_row* row, int workers, const char* isa, const suite_observer* observer,
+                            double** ms, int* steps, uint64_t* hash, wisp_error* error )
 {
-    const scene_world_options options = { .workers = workers, .is_quiet = true };
+    const scene_world_options options = { .workers = workers, .isa = isa, .is_quiet = true };
     wisp_scene scene;
     scene_world world;
     *ms = NULL;

@@ -23,7 +23,27 @@ typedef struct suite_comparison
         detail; ///< how much of the reference's fine curvature the surfaces have: 1 is as much; their meshes must be the same
     double
         energy; ///< kinetic and potential, above the reference's in the last compared frame, in parts of what that released
+    double until; ///< s, of the last compared frame; 0: there is none
+    bool parts;   ///< motion is compared no longer because two converged runs part
+    /// What is left to compare when places are chance: means over the frames after those that are compared. NaN: there are none.
+    double late_height; ///< m, of all places, above the reference's, against gravity
+    double late_energy; ///< as `energy`
+    double
+        late_stretch; ///< total length of edges and segments, above the reference's in parts of it; meshes as for `detail`
+    double late_detail; ///< as `detail`
 } suite_comparison;
+
+/// Until when rows are compared, from the first that ends to the last.
+typedef struct suite_horizon
+{
+    double least, most; ///< s; 0: none is compared
+    bool parts;         ///< of any row
+} suite_horizon;
+
+/// @param until 0: the row is not compared
+void suite_horizon_add( suite_horizon* horizon, double until, bool parts );
+/// Write "; compared until 1 s, where two converged runs part", or nothing.
+void suite_horizon_text( const suite_horizon* horizon, char* out, size_t size );
 
 /// A pass of the engine that ran, or several that one function runs together.
 typedef struct suite_pass
@@ -67,8 +87,8 @@ wisp_status suite_run_row( const suite_row* row, const char* isa, const suite_ob
 /// @param observer of every step, outside its time; may be null
 /// @param ms receives [steps] times, for free() in any case @param hash receives that of the states after all steps
 /// @return WISP_CONFLICT a signal has come; or as scene_world_step()
-wisp_status suite_time_row( const suite_row* row, int workers, const suite_observer* observer, double** ms,
-                            int* steps, uint64_t* hash, wisp_error* error );
+wisp_status suite_time_row( const suite_row* row, int workers, const char* isa, const suite_observer* observer,
+                            double** ms, int* steps, uint64_t* hash, wisp_error* error );
 
 /// The statistics of a body's motion, of which suites sum energy and look for the largest strain. An animation alone moves a driven
 /// surface: its strain and its energy are no result.

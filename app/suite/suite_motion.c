@@ -85,7 +85,8 @@ static void spread( const row_steps* row, double end, suite_times* out )
 }
 
 // @return WISP_BAD_INPUT a row is no scene
-static wisp_status choose_times( const suite_references* references, int number, suite_times* out, wisp_error* error )
+static wisp_status choose_times( const suite_references* references, int number, suite_reference* out,
+                                 wisp_error* error )
 {
     const wisp_suite* suite = references->suite;
     double end = INFINITY;
@@ -113,9 +114,10 @@ static wisp_status choose_times( const suite_references* references, int number,
         longest = is_longer ? next : longest;
         longest_name = is_longer ? name : longest_name;
     }
-    spread( &longest, end, out );
+    spread( &longest, end, &out->times );
+    out->gravity = longest.scene.gravity;
     wisp_scene_release( &longest.scene );
-    if ( status == WISP_OK && longest.count > 0 && out->count == 0 )
+    if ( status == WISP_OK && longest.count > 0 && out->times.count == 0 )
     {
         status = wisp_fail( error, WISP_BAD_INPUT,
                             "no moment is common to all rows: %s ends after %g s, and %s makes steps of %g s",
@@ -494,9 +496,10 @@ static wisp_status hash_row( const suite_row* row, const suite_times* times, uin
 }
 
 // Find a run in the cache, or make and keep it. A file of the cache that cannot be read is made again.
-static wisp_status find_run( const wisp_suite* suite, const suite_row* row, const suite_times* times,
+static wisp_status find_run( const suite_references* references, const suite_row* row, const suite_times* times,
                              suite_motion* out, wisp_error* error )
 {
+    const char* name = references->suite->name;
     char folder[PATH_SIZE], path[2 * PATH_SIZE];
     uint64_t hash = 0;
     wisp_status status = hash_row( row, times, &hash, error );
@@ -505,7 +508,7 @@ static wisp_status find_run( const wisp_suite* suite, const suite_row* row, cons
         return status;
     }
     const bool keeps = cache_folder( folder, sizeof folder ) && make_folders( folder );
-    snprintf( path, sizeof path, "%s/%s-%016llx.wisp", folder, suite->name, (unsigned long long)hash );
+    snprintf( path, sizeof path, "%s/%s-%016llx.wisp", folder, name, (unsigned long long)hash );
     struct stat found;
     if ( keeps && stat( path, &found ) == 0 )
     {
@@ -516,12 +519,11 @@ static wisp_status find_run( const wisp_suite* suite, const suite_row* row, cons
         release_motion( out );
     }
     suite_measurement measured;
-    status = run_motion( row, NULL, times, NULL, out, &measured, error );
+    status = run_motion( row, NULL, times, references->observer, out, &measured, error );
     if ( status == WISP_OK && measured.values[SUITE_HALTED] > 0.0 )
     {
         return wisp_fail( error, WISP_CONFLICT,
-                          "%s: the %s was halted, it cannot be what errors are measured against", suite->name,
-                          row->name );
+                          "%s: the %s was halted, it cannot be what errors are measured against", name, row->name );
     }
     // a folder that is full or read-only costs time the next time, and nothing else
     if ( status == WISP_OK && keeps )
@@ -537,9 +539,7 @@ static wisp_status read_stored( const wisp_suite* suite, suite_reference* out, w
 {
     wisp_status status = read_motion( suite->stored, &out->times, &out->motion, error );
     out->frame_count = out->motion.frame_count;
-    status = status == WISP_OK
-                 ? suite_compare( &out->motion, &out->motion, out->frame_count, "the reference", &out->doubt, error )
-                 : status;
+    status = status == WISP_OK ? suite_compare( &out->motion, out, "the reference", &out->doubt, error ) : status;
     out->doubt.distance = suite->stored_doubt;
     return status;
 }
@@ -558,11 +558,12 @@ static void find_chaos( const suite_match* match, const suite_motion* coarser, s
 }
 
 // Runs of order p that halve their substeps differ by 2^p - 1 times what the finer one lacks.
-static wisp_status extrapolate( const wisp_suite* suite, suite_motion* half, suite_reference* out, wisp_error* error )
+static wisp_status extrapolate( const suite_references* references, suite_motion* half, suite_reference* out,
+                                wisp_error* error )
 {
-    const double part = 1.0 / ( pow( 2.0, suite->extrapolate ) - 1.0 );
+    const double part = 1.0 / ( pow( 2.0, references->suite->extrapolate ) - 1.0 );
     suite_motion quarter = { 0 };
-    wisp_status status = find_run( suite, &out->runs->coarsest, &out->times, &quarter, error );
+    wisp_status status = find_run( references, &out->runs->coarsest, &out->times, &quarter, error );
     status = status == WISP_OK ? extrapolate_motion( &out->motion, half, part, error ) : status;
     status = status == WISP_OK ? extrapolate_motion( half, &quarter, part, error ) : status;
     release_motion( &quarter );
@@ -584,19 +585,21 @@ static void describe( const wisp_suite* suite, char* out, size_t size )
     }
 }
 
-static wisp_status make_runs( const wisp_suite* suite, suite_reference* out, wisp_error* error )
+static wisp_status make_runs( const suite_references* references, suite_reference* out, wisp_error* error )
 {
     const char name[] = "the coarser reference";
     suite_motion coarser = { 0 };
     suite_match match = { 0 };
-    wisp_status status = find_run( suite, &out->runs->fine, &out->times, &out->motion, error );
-    status = status == WISP_OK ? find_run( suite, &out->runs->check, &out->times, &coarser, error ) : status;
-    status = status == WISP_OK && suite->extrapolate > 0.0 ? extrapolate( suite, &coarser, out, error ) : status;
+    wisp_status status = find_run( references, &out->runs->fine, &out->times, &out->motion, error );
+    status = status == WISP_OK ? find_run( references, &out->runs->check, &out->times, &coarser, error ) : status;
+    status = status == WISP_OK && references->suite->extrapolate > 0.0
+                 ? extrapolate( references, &coarser, out, error )
+                 : status;
     status = status == WISP_OK ? suite_match_motions( &coarser, &out->motion, name, &match, error ) : status;
     if ( status == WISP_OK )
     {
         find_chaos( &match, &coarser, out );
-        status = suite_compare( &coarser, &out->motion, out->frame_count, name, &out->doubt, error );
+        status = suite_compare( &coarser, out, name, &out->doubt, error );
     }
     suite_match_release( &match );
     release_motion( &coarser );
@@ -796,14 +799,19 @@ wisp_status suite_reference_of( suite_references* references, int row, const sui
         ( suite_reference ){ .doubt = suite_not_compared, .parts_at = INFINITY, .is_start = suite->compares_start };
     own->runs = suite->reference_count > 0 ? suite->references + number : NULL;
     own->exists = own->runs || suite->stored || suite->compares_start;
-    wisp_status status = own->exists ? choose_times( references, number, &own->times, error ) : WISP_OK;
+    wisp_status status = own->exists ? choose_times( references, number, own, error ) : WISP_OK;
     status = status != WISP_OK || !own->exists || own->is_start ? status
              : suite->stored                                    ? read_stored( suite, own, error )
-                                                                : make_runs( suite, own, error );
+                                                                : make_runs( references, own, error );
     const int compared = own->is_start ? own->times.count : own->frame_count;
     own->until = status == WISP_OK && compared > 0 ? own->times.at[compared - 1] : 0.0;
     references->is_made[number] = status == WISP_OK;
     return status;
+}
+
+bool suite_reference_parts( const suite_reference* reference )
+{
+    return isfinite( reference->parts_at ) && reference->until < reference->parts_at;
 }
 
 // ---- errors ----
@@ -818,10 +826,11 @@ static wisp_status compare( const suite_reference* reference, const suite_row* r
     }
     else
     {
-        status =
-            suite_compare( motion, &reference->motion, reference->frame_count, row->name, &out->compared, error );
+        status = suite_compare( motion, reference, row->name, &out->compared, error );
     }
     out->values[SUITE_ERROR] = isfinite( out->compared.distance ) ? out->compared.distance : INFINITY;
+    out->compared.until = reference->until;
+    out->compared.parts = suite_reference_parts( reference );
     return status;
 }
 

@@ -47,20 +47,22 @@ typedef struct suite_reference
     suite_comparison
         doubt; ///< the coarser reference compared with this one. A stored one is compared with itself: 0, and the
                ///< distance that the suite says. NaN: rows have no such value
-    double parts_at; ///< s, when both are one percent of their size apart; INFINITY: they never are
-    int frame_count; ///< that are compared: those before, or all if there is none
-    double until;    ///< s, when the last one of these is; 0: there is none
+    double parts_at;   ///< s, when both are one percent of their size apart; INFINITY: they never are
+    int frame_count;   ///< that are compared: those before, or all if there is none
+    double until;      ///< s, when the last one of these is; 0: there is none
+    wisp_vec3 gravity; ///< m/s^2, of the row with the longest steps
 } suite_reference;
 
 /// The references of a suite: one for all rows whose worlds are one scene, and differ in how it is solved.
 typedef struct suite_references
 {
     const wisp_suite* suite;
-    suite_reference* list; ///< [count]
-    bool* is_made;         ///< [count]
-    int* of_row;           ///< [rows of the suite]
-    int count;             ///< more than rows need: of what is made, rows ask
-    char description[200]; ///< of all of them; empty: there is none
+    suite_reference* list;          ///< [count]
+    bool* is_made;                  ///< [count]
+    int* of_row;                    ///< [rows of the suite]
+    int count;                      ///< more than rows need: of what is made, rows ask
+    char description[200];          ///< of all of them; empty: there is none
+    const suite_observer* observer; ///< of the runs that are made for them; null: nobody
 } suite_references;
 
 /// Find out which rows have one reference. Worlds are one scene if they have the same bodies at the same places, at rest and at the
@@ -73,6 +75,8 @@ wisp_status suite_references_find( const wisp_suite* suite, suite_references* ou
 wisp_status suite_reference_of( suite_references* references, int row, const suite_reference** out,
                                 wisp_error* error );
 void suite_references_release( suite_references* references );
+/// Whether motion is compared no longer because two converged runs part.
+bool suite_reference_parts( const suite_reference* reference );
 
 /// Run a row in this process, and measure its error too. Instructions are not counted.
 /// @param observer may be null

@@ -16,6 +16,7 @@ typedef struct suite_reader
     scene_source source;
     scene_tree tree;
     wisp_suite* out;
+    const suite_given* given;                 ///< the scene of all rows; null: their files
     int capacity;                             ///< rows
     suite_budget budgets[SUITE_BUDGET_COUNT]; ///< of all entries
     const scene_node* seconds;                ///< of all entries; null: none

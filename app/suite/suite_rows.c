@@ -88,8 +88,7 @@ typedef struct entry
 char* suite_resolve( const suite_reader* r, const char* file )
 {
     const char* suite_path = r->source.name;
-    const char* slash = strrchr( suite_path, '/' );
-    const int folder = file[0] != '/' && slash ? (int)( slash - suite_path ) + 1 : 0;
+    const int folder = file[0] != '/' ? (int)io_folder_length( suite_path ) : 0;
     char* path = text_alloc( (size_t)folder + strlen( file ) );
     sprintf( path, "%.*s%s", folder, suite_path, file );
     return path;
@@ -97,8 +96,7 @@ char* suite_resolve( const suite_reader* r, const char* file )
 
 void suite_stem( const char* path, char* out, size_t size )
 {
-    const char* slash = strrchr( path, '/' );
-    const char* name = slash ? slash + 1 : path;
+    const char* name = io_file_name( path );
     const char* dot = strrchr( name, '.' );
     snprintf( out, size, "%.*s", dot && dot != name ? (int)( dot - name ) : (int)strlen( name ), name );
 }
@@ -252,6 +250,23 @@ static void set_length( text_node* scene, double seconds, suite_row* row )
     row->steps = (int)needed;
 }
 
+wisp_status suite_row_of( const suite_row* like, const suite_given* given, suite_row* out, wisp_error* error )
+{
+    text_node* scene = NULL;
+    *out = *like;
+    out->given = given;
+    out->text = NULL;
+    out->variant[0] = '\0';
+    const wisp_status status = text_parse( given->text, given->size, like->path, &scene, error );
+    if ( status == WISP_OK )
+    {
+        set_length( scene, like->seconds, out );
+        out->text = text_write( scene, NULL );
+    }
+    text_release( scene );
+    return status;
+}
+
 static wisp_status finish_row( const suite_reader* r, const entry* e, text_node* scene, suite_row* row )
 {
     if ( row->seconds > 0.0 )
@@ -285,6 +300,7 @@ static void begin_row( const suite_reader* r, const entry* e, suite_row* row )
     }
     row->path = text_alloc( strlen( e->path ) );
     strcpy( row->path, e->path );
+    row->given = r->given;
     memcpy( row->budgets, e->budgets, sizeof row->budgets );
     row->steps = e->values[ENTRY_STEPS] ? (int)suite_number_of( r, e->values[ENTRY_STEPS] ) : 0;
     row->seconds = e->seconds;
@@ -519,8 +535,10 @@ static wisp_status read_scene_text( const suite_reader* r, const scene_node* fil
     unsigned char* bytes = NULL;
     size_t size = 0;
     wisp_error inner = { 0 };
-    wisp_status status = io_file_read( path, SUITE_MAX_BYTES, &bytes, &size, &inner );
-    status = status == WISP_OK ? text_parse( (const char*)bytes, size, path, out, &inner ) : status;
+    const bool is_given = r->given != NULL;
+    wisp_status status = is_given ? WISP_OK : io_file_read( path, SUITE_MAX_BYTES, &bytes, &size, &inner );
+    const char* text = is_given ? r->given->text : (const char*)bytes;
+    status = status == WISP_OK ? text_parse( text, is_given ? r->given->size : size, path, out, &inner ) : status;
     free( bytes );
     return status == WISP_OK ? WISP_OK : suite_refuse( r, file, "%s", inner.message );
 }

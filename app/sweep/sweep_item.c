@@ -90,7 +90,7 @@ static wisp_status time_row( const suite_row* row, int workers, sweep_row* out, 
     double* ms = NULL;
     int steps = 0;
     uint64_t hash = 0;
-    wisp_status status = suite_time_row( row, workers, NULL, &ms, &steps, &hash, error );
+    wisp_status status = suite_time_row( row, workers, NULL, NULL, &ms, &steps, &hash, error );
     if ( status == WISP_OK && hash != out->hash )
     {
         status = wisp_fail( error, WISP_CONFLICT, "a timed run with %d worker%s has other bits", workers,

@@ -9,7 +9,8 @@ enum
 {
     SWEEP_MAX_SHARDS = 9999,
     SWEEP_MAX_LINE = 1 << 16, ///< bytes
-    SWEEP_VALUE_COUNT = 15,
+    SWEEP_VALUE_COUNT = 19,
+    SWEEP_LATE_HEIGHT = 6, ///< number of the value, which rows have whose motion parts
 };
 
 /// What is kept of a measurement, in the order of columns.

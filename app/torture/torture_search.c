@@ -236,13 +236,7 @@ static void name_of( const torture_search* search, char* name, size_t size, stab
 static wisp_status write_scene( const char* path, const text_node* scene, const char* comment, wisp_error* error )
 {
     char* text = text_write( scene, comment );
-    io_output output;
-    wisp_status status = io_output_open( path, &output, error );
-    if ( status == WISP_OK )
-    {
-        fputs( text, output.stream );
-        status = io_output_commit( &output, error );
-    }
+    const wisp_status status = io_file_write( path, text, strlen( text ), error );
     free( text );
     return status;
 }

@@ -143,6 +143,27 @@ static void note_box_edges( scene_world* world, int surface )
     }
 }
 
+// Cloth of a file whose vertices are split opens along all of these seams, unless the scene sews them.
+static void note_split( scene_world* world, int surface )
+{
+    const wisp_scene* scene = world->scene;
+    const wisp_scene_surface* s = scene->surfaces + surface;
+    wisp_mesh mesh = world->surfaces[surface].mesh;
+    mesh.vertex_count -= world->surfaces[surface].spare_count;
+    bool is_open = ( s->mesh.file || s->mesh.arrays ) && s->instance_of < 0 && !wisp_scene_is_driven( s );
+    for ( int i = 0; i < scene->seam_count; ++i )
+    {
+        is_open = is_open && scene->seams[i].surfaces[0] != surface && scene->seams[i].surfaces[1] != surface;
+    }
+    int count = 0;
+    if ( is_open && wisp_mesh_count_near( &mesh, &count, NULL ) == WISP_OK && count > 0 )
+    {
+        say( world, s->line, s->name,
+             "%d vertices are where others are, and nothing holds them together: 'repair: [weld]' joins them",
+             count );
+    }
+}
+
 static bool finds_body( const wisp_scene* scene, int i )
 {
     bool found = false;
@@ -212,6 +233,7 @@ void scene_find_notes( scene_world* world )
     {
         note_surface( world, scene->surfaces + i );
         note_box_edges( world, i );
+        note_split( world, i );
     }
     note_participants( world );
     wisp_world_plan_passes( world->world ); // the plan tells the rest

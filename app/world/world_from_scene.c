@@ -15,13 +15,6 @@ wisp_status scene_fail_at( const wisp_scene* scene, int line, int column, const 
     return wisp_fail( error, status, "%s:%d:%d: %s '%s': %s", scene->name, line, column, what, name, message );
 }
 
-wisp_status scene_fail_at_strands( const wisp_scene* scene, int strands, wisp_status status, const char* message,
-                                   wisp_error* error )
-{
-    const wisp_scene_strands* entry = &scene->strands[strands];
-    return scene_fail_at( scene, entry->line, entry->column, "strands", entry->name, status, message, error );
-}
-
 wisp_status scene_fail_at_line( const scene_world* world, int line, int column, wisp_status status,
                                 wisp_error* error )
 {
@@ -129,7 +122,8 @@ static wisp_status add_strands( scene_world* out, int strands, wisp_error* error
     }
     if ( status != WISP_OK )
     {
-        return scene_fail_at_strands( out->scene, strands, status, wisp_world_message( out->world ), error );
+        return SCENE_FAIL_AT( out->scene, strands, strands, "strands", status, wisp_world_message( out->world ),
+                              error );
     }
     return WISP_OK;
 }

@@ -22,14 +22,16 @@ void scene_find_notes( scene_world* world );
 /// @param what the kind of entry, such as "surface"
 wisp_status scene_fail_at( const wisp_scene* scene, int line, int column, const char* what, const char* name,
                            wisp_status status, const char* message, wisp_error* error );
+/// The same of an entry of `surfaces`, `strands` or `colliders`, by its number.
+#define SCENE_FAIL_AT( scene, list, i, what, ... )                                                                   \
+    scene_fail_at( scene, ( scene )->list[i].line, ( scene )->list[i].column, what, ( scene )->list[i].name,         \
+                   __VA_ARGS__ )
 /// The message is the last one of the world.
 wisp_status scene_fail_at_line( const scene_world* world, int line, int column, wisp_status status,
                                 wisp_error* error );
 
 // ---- strands ----
 
-wisp_status scene_fail_at_strands( const wisp_scene* scene, int strands, wisp_status status, const char* message,
-                                   wisp_error* error );
 /// Add the effects and requests of strands.
 wisp_status scene_strands_dress( scene_world* world, int strands );
 /// Where the frame of strands starts, m.

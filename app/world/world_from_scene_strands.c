@@ -20,7 +20,7 @@ static wisp_status check_list( const wisp_scene* scene, int strands, const char*
     char message[200];
     snprintf( message, sizeof( message ), "%s: got %d numbers, expected one for each of %d strands", what, listed,
               strand_count );
-    return scene_fail_at_strands( scene, strands, WISP_BAD_INPUT, message, error );
+    return SCENE_FAIL_AT( scene, strands, strands, "strands", WISP_BAD_INPUT, message, error );
 }
 
 static wisp_status read_or_make( const wisp_scene_strands* entry, const wisp_groom* source, wisp_groom* out,
@@ -87,7 +87,7 @@ static wisp_status check_lists( const wisp_scene* scene, int strands, const wisp
         snprintf( message, sizeof( message ),
                   "dynamics.vertex_masses: got %d masses, expected one for each of %d vertices", entry->mass_count,
                   groom->vertex_count );
-        status = scene_fail_at_strands( scene, strands, WISP_BAD_INPUT, message, error );
+        status = SCENE_FAIL_AT( scene, strands, strands, "strands", WISP_BAD_INPUT, message, error );
     }
     return status;
 }
@@ -101,7 +101,7 @@ wisp_status scene_groom_of( const wisp_scene* scene, int strands, const wisp_gro
     wisp_status status = read_or_make( entry, source, out, &cause );
     if ( status != WISP_OK )
     {
-        status = scene_fail_at_strands( scene, strands, status, cause.message, error );
+        status = SCENE_FAIL_AT( scene, strands, strands, "strands", status, cause.message, error );
     }
     else
     {
@@ -185,9 +185,9 @@ wisp_status scene_strands_dress( scene_world* out, int strands )
 
 static wisp_status fail_here( const scene_world* world, int strands, wisp_status status, wisp_error* error )
 {
-    return status == WISP_OK
-               ? WISP_OK
-               : scene_fail_at_strands( world->scene, strands, status, wisp_world_message( world->world ), error );
+    return status == WISP_OK ? WISP_OK
+                             : SCENE_FAIL_AT( world->scene, strands, strands, "strands", status,
+                                              wisp_world_message( world->world ), error );
 }
 
 static wisp_status set_collision( scene_world* world, int strands )

@@ -18,13 +18,6 @@ enum
     NEEDS_COARSE_SHEETS = 8,
 };
 
-static wisp_status fail_at_surface( const wisp_scene* scene, int surface, wisp_status status, const char* message,
-                                    wisp_error* error )
-{
-    const wisp_scene_surface* entry = &scene->surfaces[surface];
-    return scene_fail_at( scene, entry->line, entry->column, "surface", entry->name, status, message, error );
-}
-
 // ---- meshes ----
 
 static wisp_status tell_repairs( const scene_world* world, const wisp_mesh_repairs* repairs, const char* called,
@@ -127,7 +120,8 @@ static wisp_status load_mesh( const scene_world* world, const wisp_scene* scene,
     wisp_error cause = { 0 };
     wisp_status status =
         load_source( world, &entry->mesh, world && world->is_quiet ? NULL : called, out, repairs, &cause );
-    return status == WISP_OK ? WISP_OK : fail_at_surface( scene, surface, status, cause.message, error );
+    return status == WISP_OK ? WISP_OK
+                             : SCENE_FAIL_AT( scene, surfaces, surface, "surface", status, cause.message, error );
 }
 
 static void place_points( wisp_vec3* points, int count, wisp_transform pose )
@@ -206,7 +200,9 @@ static wisp_status cook( scene_world* world, int surface, const wisp_vec3* rest,
     const wisp_fabric_def def = scene_fabric_def( world, surface, rest );
     wisp_error cause = { 0 };
     wisp_status status = wisp_fabric_cook( &def, NULL, &world->surfaces[surface].fabric, &cause );
-    return status == WISP_OK ? WISP_OK : fail_at_surface( world->scene, surface, status, cause.message, error );
+    return status == WISP_OK
+               ? WISP_OK
+               : SCENE_FAIL_AT( world->scene, surfaces, surface, "surface", status, cause.message, error );
 }
 
 static wisp_status copy_points( const wisp_vec3* from, int count, wisp_vec3** out, wisp_error* error )
@@ -436,7 +432,8 @@ static wisp_status add_effects( scene_world* world, int surface, wisp_error* err
         return wisp_fail( error, of_map.status, "%s", of_map.message );
     }
     return status == WISP_OK ? WISP_OK
-                             : fail_at_surface( scene, surface, status, wisp_world_message( world->world ), error );
+                             : SCENE_FAIL_AT( scene, surfaces, surface, "surface", status,
+                                              wisp_world_message( world->world ), error );
 }
 
 // ---- all surfaces ----
@@ -452,7 +449,7 @@ static wisp_status count_vertices( const scene_world* world, int surface, int64_
     char message[100];
     snprintf( message, sizeof message, "got %lld vertices in the surfaces up to this one, expected at most %d",
               (long long)*sum, WISP_SCENE_MAX_VERTICES );
-    return fail_at_surface( world->scene, surface, WISP_BAD_INPUT, message, error );
+    return SCENE_FAIL_AT( world->scene, surfaces, surface, "surface", WISP_BAD_INPUT, message, error );
 }
 
 // What needs other surfaces: they all exist by now.
@@ -477,9 +474,9 @@ static wisp_status connect( scene_world* world, int surface, wisp_error* error )
         def.surface = s->entity;
         status = wisp_add_collider( world->world, &def, &collider );
     }
-    return status == WISP_OK
-               ? WISP_OK
-               : fail_at_surface( world->scene, surface, status, wisp_world_message( world->world ), error );
+    return status == WISP_OK ? WISP_OK
+                             : SCENE_FAIL_AT( world->scene, surfaces, surface, "surface", status,
+                                              wisp_world_message( world->world ), error );
 }
 
 wisp_status scene_surfaces_add( scene_world* world, wisp_error* error )
@@ -524,13 +521,6 @@ void scene_surfaces_release( scene_world* world )
 // ---- colliders ----
 
 // Colliders of a scene: bodies for the world, and meshes that pictures and recordings can show of them.
-
-static wisp_status fail_at_collider( const wisp_scene* scene, int collider, wisp_status status, const char* message,
-                                     wisp_error* error )
-{
-    const wisp_scene_collider* entry = &scene->colliders[collider];
-    return scene_fail_at( scene, entry->line, entry->column, "collider", entry->name, status, message, error );
-}
 
 // ---- meshes of shapes ----
 
@@ -732,7 +722,7 @@ static wisp_status add_collider( scene_world* world, int collider, wisp_error* e
     wisp_status status = find_mesh( world, collider, &c->mesh, &cause );
     if ( status != WISP_OK )
     {
-        return fail_at_collider( world->scene, collider, status, cause.message, error );
+        return SCENE_FAIL_AT( world->scene, colliders, collider, "collider", status, cause.message, error );
     }
     wisp_collider_def def = world->scene->colliders[collider].def;
     c->pose = def.pose;
@@ -747,9 +737,9 @@ static wisp_status add_collider( scene_world* world, int collider, wisp_error* e
     status = status == WISP_OK && world->scene->colliders[collider].request_reaction
                  ? wisp_request_reaction( world->world, c->entity, true )
                  : status;
-    return status == WISP_OK
-               ? WISP_OK
-               : fail_at_collider( world->scene, collider, status, wisp_world_message( world->world ), error );
+    return status == WISP_OK ? WISP_OK
+                             : SCENE_FAIL_AT( world->scene, colliders, collider, "collider", status,
+                                              wisp_world_message( world->world ), error );
 }
 
 wisp_status scene_colliders_add( scene_world* world, wisp_error* error )

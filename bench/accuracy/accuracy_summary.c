@@ -2,6 +2,7 @@
 #include "accuracy/accuracy_parts.h"
 
 #include "stats.h"
+#include "suite_measure.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -370,27 +371,6 @@ static int front_count( const accuracy_report* report )
     return count;
 }
 
-// Until when motion is compared, and why no longer.
-static void put_horizon( const accuracy_scene* scene, char* out, size_t size )
-{
-    double least = INFINITY, most = 0.0;
-    bool is_cut = false;
-    for ( int i = 0; i < scene->setting_count; ++i )
-    {
-        const accuracy_setting* s = &scene->settings[i];
-        least = s->until > 0.0 ? fmin( least, s->until ) : least;
-        most = fmax( most, s->until );
-        is_cut = is_cut || s->is_cut;
-    }
-    out[0] = '\0';
-    if ( most > 0.0 )
-    {
-        const int used = snprintf(
-            out, size, least < most ? "; compared until %.3g to %.3g s" : "; compared until %.3g s", least, most );
-        snprintf( out + used, size - (size_t)used, is_cut ? ", where two converged runs part" : ", the end" );
-    }
-}
-
 // The ends of the front in a line above all tables.
 void accuracy_add_headline( const accuracy_report* report, results* out )
 {
@@ -400,7 +380,12 @@ void accuracy_add_headline( const accuracy_report* report, results* out )
     const int best =
         accuracy_best_within( report->error, report->min_ms, INFINITY, report->on_front, scene->setting_count );
     char doubt[64] = "", until[100];
-    put_horizon( scene, until, sizeof until );
+    suite_horizon horizon = { 0 };
+    for ( int i = 0; i < scene->setting_count; ++i )
+    {
+        suite_horizon_add( &horizon, scene->settings[i].until, scene->settings[i].is_cut );
+    }
+    suite_horizon_text( &horizon, until, sizeof until );
     if ( scene->uncertainty > 0.0 )
     {
         snprintf( doubt, sizeof doubt, "; the reference is uncertain by %s%.2g %s",

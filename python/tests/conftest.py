@@ -13,6 +13,12 @@ TREE = pathlib.Path(__file__).resolve().parents[2]
 SCENES = TREE / "data" / "scenes"
 
 
+@pytest.fixture(autouse=True, scope="session")
+def cache(tmp_path_factory):
+    """References are not those that other runs have kept."""
+    os.environ["WISP_CACHE"] = str(tmp_path_factory.mktemp("references"))
+
+
 @pytest.fixture
 def scenes():
     return SCENES

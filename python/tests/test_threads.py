@@ -185,7 +185,7 @@ def test_an_interrupt_ends_a_search(sheet):
     threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
     start = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
-        # The reference alone takes minutes: 256 substeps of the finest parameters.
+        # The reference alone takes minutes.
         wisp.tune(wisp.Scene.from_dict(LARGE), error=1e-9, seconds=20, limit=600)
     assert time.monotonic() - start < 60
 

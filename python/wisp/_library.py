@@ -57,7 +57,7 @@ def wisp_python_progress(user: Any, run_count: int, max_runs: int) -> bool:
 
 
 @ffi.def_extern(onerror=_keep, error=False)  # type: ignore[misc]
-def wisp_python_go_on(user: Any, is_reference: bool) -> bool:
+def wisp_python_go_on() -> bool:
     """Let Python handle signals: an interrupt raises here."""
     return True
 

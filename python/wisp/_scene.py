@@ -187,7 +187,7 @@ class Scene:
     def create_world(self, *, reference: bool = False, factor: int = 4, workers: int = 0, isa: Optional[str] = None) -> World:
         """Make a world of the scene, with the points of all shown bodies requested.
 
-        reference: the converged run, with the finest parameters and `factor` times their substeps
+        reference: a finer twin, with the finest parameters and `factor` times their substeps; errors are told by Reference
         workers: 1 to 64 threads; 0: those of the scene, or one per core
         isa: "baseline", "avx2" or "avx512" limits the instruction set; the bits are the same
         """

@@ -53,15 +53,24 @@ static const char vain_scene[] = "wisp: 1\n"
                                  "    pins: [0, 2]\n"
                                  "    cloth: {}\n"
                                  "    collision: false\n"
+                                 "  - { name: open, file: split.obj, cloth: {}, collision: false }\n"
                                  "colliders:\n"
                                  "  - { name: floor, shape: plane }\n"
                                  "  - { name: picture, shape: plane, layers: [] }\n"
                                  "seams:\n"
                                  "  - { name: sewn, surfaces: [left, right], pairs: [[0, 0], [1, 1], [2, 2]] }\n";
 
+// Two triangles of a square, with vertices of their own.
+static const char split_mesh[] = "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 0\nv 1 0 1\nv 0 0 1\nf 1 2 3\nf 4 5 6\n";
+static const char joined_scene[] =
+    "wisp: 1\nsurfaces:\n  - { name: joined, file: split.obj, repair: [weld], cloth: {} }\n";
+
 static int enter_folder( void** state )
 {
-    static const text_file files[] = { { "good.yaml", good_scene }, { "vain.yaml", vain_scene } };
+    static const text_file files[] = { { "good.yaml", good_scene },
+                                       { "vain.yaml", vain_scene },
+                                       { "split.obj", split_mesh },
+                                       { "joined.yaml", joined_scene } };
     return enter_folder_with( state, files, WISP_COUNT( files ) );
 }
 
@@ -85,8 +94,9 @@ TEST( what_has_no_effect_is_told_in_a_line_by_the_log_and_by_run_plan_and_info )
         "vain.yaml:17: 'left': 'wind' has no effect",
         "vain.yaml:17: 'left': 'collision' has no effect",
         "vain.yaml:17: 'left': 'contact' has no effect",
-        "vain.yaml:29: 'floor': nothing collides with this collider",
-        "seams: 1 of 3 pairs of entity 9 join two pinned vertices",
+        "vain.yaml:28: 'open': 2 vertices are where others are",
+        "vain.yaml:30: 'floor': nothing collides with this collider",
+        "seams: 1 of 3 pairs of entity 10 join two pinned vertices",
     };
     for ( int i = 0; i < WISP_COUNT( LINES ); ++i )
     {
@@ -101,8 +111,11 @@ TEST( what_has_no_effect_is_told_in_a_line_by_the_log_and_by_run_plan_and_info )
         assert_null( strstr( result.out, "note: vain.yaml:21" ) ); // 'right'
         assert_null( strstr( result.out, "'picture'" ) );
     }
-    run( "info good.yaml" );
-    assert_null( strstr( result.out, "note:" ) );
+    for ( int i = 0; i < 2; ++i )
+    {
+        run( i == 0 ? "info good.yaml" : "info joined.yaml" );
+        assert_null( strstr( result.out, "note:" ) );
+    }
 }
 
 // ---- the command line ----

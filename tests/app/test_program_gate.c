@@ -150,6 +150,7 @@ TEST_WITH( errors_are_compared, fresh, NULL )
     snprintf( text, sizeof text, with, 20 );
     write_text( "suite.yaml", text );
     run_ok( "gate check suite.yaml --no-instructions" );
+    assert_contains( result.out, "; compared until 0.133 s, where two converged runs part\n" );
     snprintf( text, sizeof text, with, 4 );
     write_text( "suite.yaml", text );
     run( "gate check suite.yaml --no-instructions" );

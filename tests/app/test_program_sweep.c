@@ -95,6 +95,7 @@ TEST( any_number_of_shards_gives_the_same_bytes )
             assert_string_equal( merged, first[f] );
         }
         assert_true( strstr( read_whole( "merged.html" ), "Observed orders" ) != NULL );
+        assert_true( strstr( first[0], "; compared until " ) != NULL );
         int twice = 0;
         most = sscanf( result.err, "%d item", &twice ) == 1 && twice > most ? twice : most;
         assert_true( counts[k] > 1 || twice == 0 );

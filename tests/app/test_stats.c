@@ -282,9 +282,59 @@ TEST( ripples_of_half_the_height_are_half_the_detail )
     const suite_motion one = { .bodies = &body, .body_count = 1, .first = first, .points = low, .frame_count = 1 };
     const suite_motion other = { .bodies = &body, .body_count = 1, .first = first, .points = high, .frame_count = 1 };
     // the square of the slope is 1e-4
-    assert_true( fabs( suite_detail( &one, &other, 1 ) - 0.5 ) < 1e-4 );
-    assert_true( fabs( suite_detail( &other, &other, 1 ) - 1.0 ) < 1e-12 );
+    assert_true( fabs( suite_detail( &one, &other, 0, 1 ) - 0.5 ) < 1e-4 );
+    assert_true( fabs( suite_detail( &other, &other, 0, 1 ) - 1.0 ) < 1e-12 );
     ripple( 0.0, low );
-    assert_true( suite_detail( &one, &other, 1 ) == 0.0 );
-    assert_true( isnan( suite_detail( &other, &one, 1 ) ) );
+    assert_true( suite_detail( &one, &other, 0, 1 ) == 0.0 );
+    assert_true( isnan( suite_detail( &other, &one, 0, 1 ) ) );
+}
+
+// ---- beyond the horizon ----
+
+enum
+{
+    FRAMES = 3,
+};
+
+TEST( late_means_are_those_of_a_sheet_that_is_larger_and_hangs_lower )
+{
+    static wisp_vec3 points[2][FRAMES][SIDE * SIDE];
+    static int32_t triangles[6 * SIDE * SIDE];
+    static const float lower[FRAMES] = { 0.0f, 0.25f, 0.75f };
+    int first[2] = { 0, SIDE * SIDE };
+    wisp_vec3 energies[2][FRAMES] = { { { 0, 10, 0 }, { 2, 4, 0 }, { 1, 3, 0 } },
+                                      { { 0, 10, 0 }, { 2, 3, 0 }, { 0, 3, 0 } } };
+    double times[FRAMES] = { 1.0, 2.0, 3.0 };
+    wisp_record_body body = { .name = "sheet", .triangles = triangles, .vertex_count = SIDE * SIDE };
+    body.triangle_count = make_triangles( triangles );
+    suite_motion motions[2];
+    for ( int m = 0; m < 2; ++m )
+    {
+        for ( int f = 0; f < FRAMES; ++f )
+        {
+            ripple( 0.01, points[m][f] );
+            for ( int v = 0; m == 1 && f > 0 && v < SIDE * SIDE; ++v )
+            {
+                wisp_vec3* p = &points[m][f][v];
+                *p = ( wisp_vec3 ){ 1.02f * p->x, 1.02f * p->y - lower[f], 1.02f * p->z };
+            }
+        }
+        motions[m] =
+            ( suite_motion ){ &body, 1, first, points[m][0], points[m][0], times, energies[m], FRAMES, FRAMES };
+    }
+    suite_reference reference = { .motion = motions[0], .frame_count = 1, .gravity = { 0.0f, -9.81f, 0.0f } };
+    suite_comparison c;
+    assert_int_equal( suite_compare( &motions[1], &reference, "it", &c, NULL ), WISP_OK );
+    assert_true( c.distance == 0.0 );
+    assert_true( fabs( c.late_height + 0.5 ) < 1e-4 ); // sines have a mean near 0
+    assert_true( fabs( c.late_energy + 2.0 / 13.0 ) < 1e-12 );
+    assert_true( fabs( c.late_stretch - 0.02 ) < 1e-5 );
+    assert_true( fabs( c.late_detail - 1.02 ) < 1e-5 );
+    reference.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, -3.0f };
+    assert_int_equal( suite_compare( &motions[1], &reference, "it", &c, NULL ), WISP_OK );
+    assert_true( fabs( c.late_height - 0.02 * ( SIDE - 1 ) / 2 ) < 1e-5 );
+    reference.frame_count = FRAMES;
+    assert_int_equal( suite_compare( &motions[1], &reference, "it", &c, NULL ), WISP_OK );
+    assert_true( c.distance > 0.1 && isnan( c.late_height ) && isnan( c.late_energy ) && isnan( c.late_stretch ) &&
+                 isnan( c.late_detail ) );
 }

@@ -274,11 +274,11 @@ TEST( values_are_reported_as_the_file_has_them )
     tune_parameters parameters;
     char text[32];
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
-    tune_parameters_text( &parameters, 3, 0.0, text, sizeof text );
+    tune_parameters_text( parameters.fields[3], 0.0, text, sizeof text );
     assert_string_equal( text, "0" );
-    tune_parameters_text( &parameters, 3, 2.0, text, sizeof text );
+    tune_parameters_text( parameters.fields[3], 2.0, text, sizeof text );
     assert_string_equal( text, "2" );
-    tune_parameters_text( &parameters, 2, 1.0, text, sizeof text );
+    tune_parameters_text( parameters.fields[2], 1.0, text, sizeof text );
     assert_string_equal( text, "true" );
 }
 

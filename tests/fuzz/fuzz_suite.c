@@ -21,7 +21,7 @@ int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )
     wisp_suite suite;
     wisp_error error = { .status = WISP_OK };
     const wisp_status status =
-        suite_parse( (const char*)data, size, WISP_SOURCE_ROOT "/tests/bad/suite/fuzz.yaml", &suite, &error );
+        suite_parse( (const char*)data, size, WISP_SOURCE_ROOT "/tests/bad/suite/fuzz.yaml", NULL, &suite, &error );
     if ( status != WISP_OK )
     {
         demand( error.status == status && error.message[0] != 0 );

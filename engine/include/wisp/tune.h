@@ -2,24 +2,22 @@
 /// configurations on this machine.
 ///
 /// A *configuration* is one value for each *parameter*. wisp_tune() searches for any host that can run a configuration and
-/// return its time and error. wisp_tune_worlds() runs and compares worlds for hosts that can build a world of a
-/// configuration. Times are meaningful only on an idle machine.
+/// return its time and error, such as the distance of its points to those of a converged run. Times are meaningful only on
+/// an idle machine.
 ///
 ///     static const double substeps[] = { 1, 2, 4, 8, 16 };
 ///     const wisp_tune_parameter parameter = { .name = "substeps", .values = substeps, .value_count = 5 };
 ///     wisp_tune_def def = wisp_default_tune_def();
 ///     def.parameters = &parameter, def.parameter_count = 1, def.error = 1e-3;   // m
-///     wisp_tune_worlds_def worlds = wisp_default_tune_worlds_def();
-///     worlds.build = build_world;                                               // the host's
+///     def.run = run_and_compare, def.user = &host;                              // the host's
 ///     wisp_tune_result found;
 ///     wisp_error error = { 0 };
-///     if ( wisp_tune_worlds( &def, &worlds, &found, &error ) == WISP_OK )
+///     if ( wisp_tune( &def, &found, &error ) == WISP_OK )
 ///         printf( "%g substeps, %g ms per step\n", found.values[0], found.achieved.ms );
 ///     wisp_tune_release( &found );
 #pragma once
 
 #include "wisp/base.h"
-#include "wisp/wisp.h"
 
 WISP_BEGIN_C
 
@@ -65,7 +63,7 @@ typedef struct wisp_tune_def
     double
         error; ///< > 0: find the cheapest configuration with at most this error. Exactly one of error and budget_ms is above 0
     double budget_ms;      ///< > 0: find the most accurate configuration with at most this time, ms per step
-    wisp_tune_run_fn* run; ///< required by wisp_tune(); wisp_tune_worlds() has its own
+    wisp_tune_run_fn* run; ///< required
     void* user;
     int max_runs;       ///< >= 1, repeated measurements included; default 100
     double max_seconds; ///< > 0, s: no run starts later; default infinity
@@ -112,50 +110,5 @@ WISP_API wisp_status wisp_tune( const wisp_tune_def* def, wisp_tune_result* out,
 
 /// Free a result. Null and a zero result are allowed.
 WISP_API void wisp_tune_release( wisp_tune_result* result );
-
-// ---- worlds ----
-
-/// Points to compare: of one entity, in the user's order.
-typedef struct wisp_tune_points
-{
-    wisp_entity entity;
-    wisp_component component; ///< WISP_SURFACE_POINTS or WISP_STRAND_POINTS; tuning requests it
-} wisp_tune_points;
-
-/// A world of one configuration.
-typedef struct wisp_tune_world
-{
-    wisp_world* world;
-    const wisp_tune_points* points; ///< [point_count] owned by the host, valid until the world is destroyed
-    int point_count;                ///< entities, >= 1; the same for every configuration
-    void* host;                     ///< for the host's own use
-} wisp_tune_world;
-
-/// How to build and run worlds. Fill from wisp_default_tune_worlds_def().
-typedef struct wisp_tune_worlds_def
-{
-    uint32_t size; ///< bytes; set by wisp_default_tune_worlds_def()
-    /// Build the world of a configuration, with its substeps multiplied by a factor: 1, or reference_factor for the reference.
-    /// @param out zero; must be left empty on failure
-    wisp_status ( *build )( void* user, const int* configuration, int substep_factor, wisp_tune_world* out,
-                            wisp_error* error );
-    /// Make one step; null: wisp_world_step() of dt. For hosts that move pins or heads.
-    wisp_status ( *step )( void* user, wisp_tune_world* world, int step, wisp_error* error );
-    void ( *destroy )( void* user, wisp_tune_world* world ); ///< null: wisp_world_destroy()
-    void* user;
-    float dt;             ///< s, > 0, default 1/60
-    int step_count;       ///< >= 1, default 120
-    int sample_count;     ///< 1 .. step_count, comparisons of points, the last one after the last step; default 12
-    int reference_factor; ///< >= 2, default 16
-} wisp_tune_worlds_def;
-
-WISP_DEFINITION( tune_worlds_def );
-
-/// Search with worlds. The reference is the world of the last value of every parameter with reference_factor times the
-/// substeps, run once. The error of a configuration is the root mean square, over all comparisons and all points, of the
-/// distance to the reference in m; `largest` is the largest distance. Times are of the steps alone.
-/// @return also WISP_CONFLICT: the reference halts, or two worlds do not have the same points
-WISP_API wisp_status wisp_tune_worlds( const wisp_tune_def* tune, const wisp_tune_worlds_def* def,
-                                       wisp_tune_result* out, wisp_error* error );
 
 WISP_END_C
