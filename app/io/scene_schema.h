@@ -39,6 +39,10 @@ typedef struct scene_choice
 
 struct scene_block;
 
+/// Find the entries that values of this field and of those before it name. It follows the field, whether its key is there or not,
+/// so that fields behind it see what is named. @param node of the block
+typedef wisp_status scene_bind_fn( scene_reader* reader, const scene_node* node );
+
 typedef struct scene_field
 {
     const char* key;
@@ -52,6 +56,7 @@ typedef struct scene_field
     size_t given;                // bytes from the start to a bool that is set if the key is there; 0: none
     const struct scene_block* block;
     scene_read_fn* read;
+    scene_bind_fn* bind;
     wisp_component map; // of SCENE_NUMBER in a wisp_scene_surface: the value may be a map; 0: not
 
     // For the reference.
