@@ -48,10 +48,12 @@ typedef struct scene_field
     const char* key;
     scene_type type;
     bool required;
-    size_t at; // bytes from the start of the struct
+    size_t at;          // bytes from the start of the struct
+    const char* member; // its name there; null: the key
     scene_range range;
     const char* unit;            // symbol; null: the number has no unit
     const scene_choice* choices; // ends with null; of SCENE_CUSTOM too, where words are read
+    const char* constants;       // what the constants of the choices begin with in C
     size_t list, list_count;     // of SCENE_NUMBERS
     size_t given;                // bytes from the start to a bool that is set if the key is there; 0: none
     const struct scene_block* block;
