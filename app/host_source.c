@@ -214,35 +214,38 @@ static const effect STRANDS_EFFECTS[] = {
     OF_STRANDS( "tips", NULL, tips_path ),
 };
 
+static void write_outlet( FILE* out, const scene_world* world, int number, const char* name )
+{
+    const int source = world->scene->surfaces[number].instance_of;
+    wisp_balloon_def balloon;
+    const wisp_status status =
+        scene_outlet_find( world->scene, number, &world->surfaces[source >= 0 ? source : number].repairs,
+                           &world->surfaces[number].mesh, &balloon, NULL );
+    for ( int i = 0; status == WISP_OK && i < balloon.outlet_count; ++i )
+    {
+        fprintf( out, "    %s.outlet[%s.outlet_count++] = %d;\n", name, name, (int)balloon.outlet[i] );
+    }
+}
+
 // What tables do not tell of a definition.
 static void write_special( FILE* out, const scene_world* world, bool is_surface, int number, const char* name,
                            const char* key )
 {
-    const wisp_scene_surface* surface = &world->scene->surfaces[number];
-    const wisp_scene_strands* strands = &world->scene->strands[number];
     if ( strcmp( key, "frame" ) == 0 )
     {
-        const wisp_vec3 pivot =
-            is_surface ? world->surfaces[number].frame_pivot : scene_strand_frame_pivot( strands );
         fprintf( out, "    %s.pose.translation = ", name );
-        c_vector( out, pivot );
+        c_vector( out, is_surface ? world->surfaces[number].frame_pivot
+                                  : scene_strand_frame_pivot( &world->scene->strands[number] ) );
         fputs( ";\n", out );
     }
     if ( strcmp( key, "ghosts" ) == 0 )
     {
-        fprintf( out, "    %s.targets = strands%d;\n    %s.between = %s;\n", name, strands->targets, name,
-                 world->scene->frames_per_step > 1 ? "true" : "false" );
+        fprintf( out, "    %s.targets = strands%d;\n    %s.between = %s;\n", name,
+                 world->scene->strands[number].targets, name, world->scene->frames_per_step > 1 ? "true" : "false" );
     }
-    wisp_balloon_def balloon = surface->balloon;
-    if ( strcmp( key, "balloon" ) == 0 &&
-         scene_outlet_find( world->scene, number,
-                            &world->surfaces[surface->instance_of >= 0 ? surface->instance_of : number].repairs,
-                            &world->surfaces[number].mesh, &balloon, NULL ) == WISP_OK )
+    if ( strcmp( key, "balloon" ) == 0 )
     {
-        for ( int i = 0; i < balloon.outlet_count; ++i )
-        {
-            fprintf( out, "    %s.outlet[%s.outlet_count++] = %d;\n", name, name, (int)balloon.outlet[i] );
-        }
+        write_outlet( out, world, number, name );
     }
 }
 
