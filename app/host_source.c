@@ -109,7 +109,8 @@ static void write_fields( FILE* out, const char* name, const scene_block* block,
         const char *value = (const char*)d->entry + at, *initial = (const char*)d->initial + at;
         const bool is_own = at >= d->at && at + size <= d->at + d->size && strcmp( f->key, "shape" ) != 0 &&
                             strcmp( f->key, "position" ) != 0;
-        if ( size > 0 && is_own && memcmp( value, initial, size ) != 0 )
+        const bool is_stage = f->type == SCENE_BLOCK; // without its key it is off, in the library it is on
+        if ( size > 0 && is_own && ( is_stage || memcmp( value, initial, size ) != 0 ) )
         {
             if ( copy != NULL )
             {
@@ -122,7 +123,7 @@ static void write_fields( FILE* out, const char* name, const scene_block* block,
                 fputs( ";\n", out );
             }
         }
-        if ( f->type == SCENE_BLOCK && is_own )
+        if ( is_stage && is_own )
         {
             write_fields( out, name, f->block, d, copy );
         }

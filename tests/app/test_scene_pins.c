@@ -177,7 +177,7 @@ TEST( a_group_is_attached_to_a_surface_from_the_start_or_by_an_event_and_another
             assert_at( at( &f, 0, 72 ), ( point ){ -0.2, 0, 0.2 }, 1e-6 );
         }
         step( &f, 10 );
-        assert_true( at( &f, 0, 8 ).y < ( 30 - from ) * 0.02f - 0.1f );
+        assert_true( at( &f, 0, 8 ).y < 0.02f * (float)( 30 - from ) - 0.1f );
         assert_at( at( &f, 0, 72 ), ( point ){ -0.2, 0, 0.2 }, 1e-6 );
     }
 }
