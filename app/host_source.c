@@ -70,7 +70,7 @@ static void write_value( FILE* out, const scene_field* field, const void* at )
             fputs( *(const bool*)at ? "true" : "false", out );
             return;
         case SCENE_VECTOR:
-            c_vector( out, *(const wisp_vec3*)at );
+            fputs( c_vector( *(const wisp_vec3*)at ).text, out );
             return;
         case SCENE_CHOICE:
             write_constant( out, field, *(const int*)at );
@@ -235,8 +235,10 @@ static void write_special( FILE* out, const scene_world* world, bool is_surface,
     if ( strcmp( key, "frame" ) == 0 )
     {
         fprintf( out, "    %s.pose.translation = ", name );
-        c_vector( out, is_surface ? world->surfaces[number].frame_pivot
-                                  : scene_strand_frame_pivot( &world->scene->strands[number] ) );
+        fputs( c_vector( is_surface ? world->surfaces[number].frame_pivot
+                                    : scene_strand_frame_pivot( &world->scene->strands[number] ) )
+                   .text,
+               out );
         fputs( ";\n", out );
     }
     if ( strcmp( key, "ghosts" ) == 0 )
@@ -666,9 +668,9 @@ static void write_surface( FILE* out, const scene_world* world, int i )
     if ( v.x != 0.0f || v.y != 0.0f || v.z != 0.0f || w.x != 0.0f || w.y != 0.0f || w.z != 0.0f )
     {
         fprintf( out, "    TRY( wisp_set_velocity( world, surface%d, ", i );
-        c_vector( out, v );
+        fputs( c_vector( v ).text, out );
         fputs( ", ", out );
-        c_vector( out, w );
+        fputs( c_vector( w ).text, out );
         fputs( " ) );\n", out );
     }
     write_effects( out, "surface", i, SURFACE_EFFECTS, WISP_COUNT( SURFACE_EFFECTS ), &SCENE_SURFACE_BLOCK, s,
@@ -700,7 +702,7 @@ static void write_body( FILE* out, const char* name, const wisp_collider_def* d 
     }
     fprintf( out, ";\n    %s.static_friction = %s, %s.kinetic_friction = %s;\n    %s.pose = ", name,
              TEXT( d->static_friction ), name, TEXT( d->kinetic_friction ), name );
-    c_transform( out, d->pose );
+    fputs( c_transform( d->pose ).text, out );
     fputs( ";\n", out );
 }
 

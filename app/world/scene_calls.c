@@ -6,33 +6,50 @@
 
 // ---- values as C ----
 
-number_text c_number( float value )
+c_text c_number( float value )
 {
-    number_text n;
+    c_text n;
     snprintf( n.text, sizeof( n.text ), "%.9g", (double)value );
     const bool is_whole = strpbrk( n.text, ".en" ) == NULL; // inf and nan have an n
     snprintf( n.text, sizeof( n.text ), isinf( value ) ? "INFINITY" : is_whole ? "%.9g.0f" : "%.9gf", (double)value );
     return n;
 }
 
-static void write_three( FILE* out, wisp_vec3 v )
+static c_text text_of( const char* format, ... )
 {
-    fprintf( out, "{ %s, %s, %s }", c_number( v.x ).text, c_number( v.y ).text, c_number( v.z ).text );
+    c_text t;
+    va_list values;
+    va_start( values, format );
+    vsnprintf( t.text, sizeof( t.text ), format, values );
+    va_end( values );
+    return t;
 }
 
-void c_vector( FILE* out, wisp_vec3 v )
+c_text c_whole( int value )
 {
-    fputs( "( wisp_vec3 )", out );
-    write_three( out, v );
+    return text_of( "%d", value );
 }
 
-void c_transform( FILE* out, wisp_transform t )
+c_text c_switch( bool value )
+{
+    return text_of( value ? "true" : "false" );
+}
+
+static c_text three( wisp_vec3 v )
+{
+    return text_of( "{ %s, %s, %s }", c_number( v.x ).text, c_number( v.y ).text, c_number( v.z ).text );
+}
+
+c_text c_vector( wisp_vec3 v )
+{
+    return text_of( "( wisp_vec3 )%s", three( v ).text );
+}
+
+c_text c_transform( wisp_transform t )
 {
     const wisp_quat q = t.rotation;
-    fprintf( out, "( wisp_transform ){ { %s, %s, %s, %s }, ", c_number( q.x ).text, c_number( q.y ).text,
-             c_number( q.z ).text, c_number( q.w ).text );
-    write_three( out, t.translation );
-    fputs( " }", out );
+    return text_of( "( wisp_transform ){ { %s, %s, %s, %s }, %s }", c_number( q.x ).text, c_number( q.y ).text,
+                    c_number( q.z ).text, c_number( q.w ).text, three( t.translation ).text );
 }
 
 // ---- calls as C ----
@@ -83,34 +100,9 @@ void scene_call_begin( scene_world* world, const char* function, wisp_entity ent
     scene_call_entity( world, entity );
 }
 
-void scene_call_number( scene_world* world, float value )
+void scene_call_value( scene_world* world, c_text value )
 {
-    tell( world, ", %s", c_number( value ).text );
-}
-
-void scene_call_whole( scene_world* world, int value )
-{
-    tell( world, ", %d", value );
-}
-
-void scene_call_switch( scene_world* world, bool value )
-{
-    tell( world, value ? ", true" : ", false" );
-}
-
-void scene_call_vector( scene_world* world, wisp_vec3 value )
-{
-    tell( world, ", ( wisp_vec3 ){ %s, %s, %s }", c_number( value.x ).text, c_number( value.y ).text,
-          c_number( value.z ).text );
-}
-
-void scene_call_transform( scene_world* world, wisp_transform value )
-{
-    tell( world, ", " );
-    if ( world->calls != NULL )
-    {
-        c_transform( world->calls, value );
-    }
+    tell( world, ", %s", value.text );
 }
 
 void scene_call_vertices( scene_world* world, const int32_t* vertices, int count )
@@ -126,9 +118,8 @@ void scene_call_points( scene_world* world, const wisp_vec3* points, int count )
 {
     for ( int i = 0; i < count && world->calls != NULL; ++i )
     {
-        tell( world, i == 0 ? ", ( const wisp_vec3[] ){ " : ", " );
-        write_three( world->calls, points[i] );
-        tell( world, i == count - 1 ? " }" : "" );
+        tell( world, "%s%s%s", i == 0 ? ", ( const wisp_vec3[] ){ " : ", ", three( points[i] ).text,
+              i == count - 1 ? " }" : "" );
     }
 }
 

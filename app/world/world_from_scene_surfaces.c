@@ -464,7 +464,7 @@ void scene_tell_attachment( scene_world* world, int surface, int group, int to )
     {
         scene_call_begin( world, "wisp_attach_pins", s->entity );
         scene_call_vertices( world, pins->vertices, pins->count );
-        scene_call_whole( world, pins->count );
+        scene_call_value( world, c_whole( pins->count ) );
         scene_call_entity( world, world->surfaces[to].entity );
         scene_call_end( world, "" );
     }
