@@ -2,38 +2,20 @@
 // that read scenes. Keys of a table are the members of its definition.
 #include "host_source.h"
 
+#include "scene_calls.h"
 #include "scene_parts.h"
 #include "world_from_scene_parts.h"
 
 #include "wisp/fabric.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 // ---- values ----
 
-typedef struct number_text
-{
-    char text[40];
-} number_text;
-
-// Nine digits are every bit of a float.
-static number_text number_of( float value )
-{
-    number_text n;
-    snprintf( n.text, sizeof( n.text ), "%.9g", (double)value );
-    const bool is_whole = strpbrk( n.text, ".en" ) == NULL; // inf and nan have an n
-    snprintf( n.text, sizeof( n.text ), isinf( value ) ? "INFINITY" : is_whole ? "%.9g.0f" : "%.9gf", (double)value );
-    return n;
-}
-
-#define TEXT( value ) number_of( value ).text
-
-static void write_vector( FILE* out, wisp_vec3 v )
-{
-    fprintf( out, "( wisp_vec3 ){ %s, %s, %s }", TEXT( v.x ), TEXT( v.y ), TEXT( v.z ) );
-}
+#define TEXT( value ) c_number( value ).text
 
 // Write lines with a number in place of each #.
 static void write_lines( FILE* out, const char* lines, int number )
@@ -48,6 +30,7 @@ static size_t size_of_field( const scene_field* field )
 {
     switch ( field->type )
     {
+        case SCENE_BLOCK:
         case SCENE_SWITCH:
         case SCENE_EITHER:
             return sizeof( bool );
@@ -56,6 +39,7 @@ static size_t size_of_field( const scene_field* field )
         case SCENE_SEED:
             return sizeof( uint64_t );
         case SCENE_NUMBER:
+        case SCENE_NUMBERS:
         case SCENE_WHOLE:
         case SCENE_CHOICE:
             return 4;
@@ -64,22 +48,38 @@ static size_t size_of_field( const scene_field* field )
     }
 }
 
+// The constant of a choice. Where its word begins with what the constants are of, it is not said twice: WISP_CLOTH_BENDING_LINKS.
+static void write_constant( FILE* out, const scene_field* field, int value )
+{
+    const char* word = field->choices[value].word;
+    const char* of = strncmp( word, "bend_", 5 ) == 0 ? strstr( field->constants, "_BEND" ) : NULL;
+    fputs( field->constants, out );
+    for ( const char* c = of != NULL ? word + 5 : word; *c != '\0'; ++c )
+    {
+        fputc( toupper( (unsigned char)*c ), out );
+    }
+}
+
 static void write_value( FILE* out, const scene_field* field, const void* at )
 {
-    const wisp_vec3* v = at;
     switch ( field->type )
     {
+        case SCENE_BLOCK:
         case SCENE_SWITCH:
         case SCENE_EITHER:
             fputs( *(const bool*)at ? "true" : "false", out );
             return;
         case SCENE_VECTOR:
-            write_vector( out, *v );
+            fputs( c_vector( *(const wisp_vec3*)at ).text, out );
+            return;
+        case SCENE_CHOICE:
+            write_constant( out, field, *(const int*)at );
             return;
         case SCENE_SEED:
             fprintf( out, "%lluu", (unsigned long long)*(const uint64_t*)at );
             return;
         case SCENE_NUMBER:
+        case SCENE_NUMBERS:
             fputs( TEXT( *(const float*)at ), out );
             return;
         default:
@@ -97,23 +97,52 @@ typedef struct definition
     const void *entry, *initial;
 } definition;
 
-// Write the values of a definition that are not those by default. Its members outside of the table are the caller's.
-static void write_fields( FILE* out, const char* name, const scene_block* block, const definition* d )
+// Write the values of a definition that are not those by default. What readers of their own make of an entry is the caller's.
+// @param copy [d->size] the definition by default, which gets the values that are written; null: nothing keeps them
+// @param out null: only the copy gets them
+static void write_fields( FILE* out, const char* name, const scene_block* block, const definition* d, char* copy )
 {
     for ( int i = 0; i < block->field_count; ++i )
     {
         const scene_field* f = &block->fields[i];
-        const size_t size = size_of_field( f );
-        const char *value = (const char*)d->entry + f->at, *initial = (const char*)d->initial + f->at;
-        const bool is_own = f->at >= d->at && f->at + size <= d->at + d->size && strcmp( f->key, "shape" ) != 0 &&
+        const size_t at = f->at, size = size_of_field( f );
+        const char *value = (const char*)d->entry + at, *initial = (const char*)d->initial + at;
+        const bool is_own = at >= d->at && at + size <= d->at + d->size && strcmp( f->key, "shape" ) != 0 &&
                             strcmp( f->key, "position" ) != 0;
-        if ( size > 0 && is_own && memcmp( value, initial, size ) != 0 )
+        const bool is_stage = f->type == SCENE_BLOCK; // without its key it is off, in the library it is on
+        if ( size > 0 && is_own && ( is_stage || memcmp( value, initial, size ) != 0 ) )
         {
-            fprintf( out, "    %s.%s = ", name, f->key );
-            write_value( out, f, value );
-            fputs( ";\n", out );
+            if ( copy != NULL )
+            {
+                memcpy( copy + ( at - d->at ), value, size );
+            }
+            if ( out != NULL )
+            {
+                fprintf( out, "    %s.%s = ", name, f->member != NULL ? f->member : f->key );
+                write_value( out, f, value );
+                fputs( ";\n", out );
+            }
+        }
+        if ( is_stage && is_own )
+        {
+            write_fields( out, name, f->block, d, copy );
         }
     }
+}
+
+// Whether the values that tables tell are all that a definition has besides those by default.
+static bool is_told( const scene_block* block, const definition* d )
+{
+    char* copy = malloc( d->size );
+    bool is = copy != NULL;
+    if ( is )
+    {
+        memcpy( copy, (const char*)d->initial + d->at, d->size );
+        write_fields( NULL, "", block, d, copy );
+        is = memcmp( copy, (const char*)d->entry + d->at, d->size ) == 0;
+    }
+    free( copy );
+    return is;
 }
 
 // @param name of the variable
@@ -148,22 +177,84 @@ typedef struct effect
         key, type, offsetof( wisp_scene_strands, member ), sizeof( ( (wisp_scene_strands*)0 )->member )              \
     }
 static const effect SURFACE_EFFECTS[] = {
-    OF_SURFACE( "membrane", "membrane", membrane ),    OF_SURFACE( "cloth", "cloth", cloth ),
-    OF_SURFACE( "balloon", "balloon", balloon ),       OF_SURFACE( "implicit", "implicit_cloth", implicit ),
-    OF_SURFACE( "collision", "collision", collision ), OF_SURFACE( "contact", "contact", contact ),
-    OF_SURFACE( "collider", NULL, collider ),          OF_SURFACE( "start", NULL, start ),
+    OF_SURFACE( "membrane", "membrane", membrane ),
+    OF_SURFACE( "cloth", "cloth", cloth ),
+    OF_SURFACE( "balloon", "balloon", balloon ),
+    OF_SURFACE( "implicit", "implicit_cloth", implicit ),
+    OF_SURFACE( "collision", "collision", collision ),
+    OF_SURFACE( "contact", "contact", contact ),
+    OF_SURFACE( "motion_constraints", "motion_constraints", motion_constraints ),
+    OF_SURFACE( "frame", "moving_frame", frame ),
+    OF_SURFACE( "sleep", "sleep", sleep ),
+    OF_SURFACE( "detail", "detail", detail ),
+    OF_SURFACE( "boundary", "boundary", boundary ),
+    OF_SURFACE( "tearing", "tearing", tearing ),
+    OF_SURFACE( "collider", NULL, collider ),
+    OF_SURFACE( "animation", NULL, animation ),
+    OF_SURFACE( "start", NULL, start ),
+};
+enum
+{
+    LOOKS = 3,   // effects of strands that come before surfaces, as in a scene
+    DETAIL = 10, // that of all strands comes last
 };
 static const effect STRANDS_EFFECTS[] = {
+    OF_STRANDS( "frozen_hair", "frozen_hair", frozen_hair ),
+    OF_STRANDS( "environment", "environment", environment ),
     OF_STRANDS( "appearance", "strand_appearance", appearance ),
     OF_STRANDS( "dynamics", "strand_dynamics", dynamics ),
     OF_STRANDS( "grid", "strand_grid", grid ),
+    OF_STRANDS( "frame", "moving_frame", frame ),
+    OF_STRANDS( "ghosts", "ghosts", ghosts ),
     OF_STRANDS( "collision", "collision", collision ),
     OF_STRANDS( "contact", "contact", contact ),
+    OF_STRANDS( "sleep", "sleep", sleep ),
+    OF_STRANDS( "detail", "detail", detail ),
     OF_STRANDS( "scatter", NULL, scatter ),
+    OF_STRANDS( "head", NULL, head ),
+    OF_STRANDS( "tips", NULL, tips_path ),
 };
 
+static void write_outlet( FILE* out, const scene_world* world, int number, const char* name )
+{
+    const int source = world->scene->surfaces[number].instance_of;
+    wisp_balloon_def balloon;
+    const wisp_status status =
+        scene_outlet_find( world->scene, number, &world->surfaces[source >= 0 ? source : number].repairs,
+                           &world->surfaces[number].mesh, &balloon, NULL );
+    for ( int i = 0; status == WISP_OK && i < balloon.outlet_count; ++i )
+    {
+        fprintf( out, "    %s.outlet[%s.outlet_count++] = %d;\n", name, name, (int)balloon.outlet[i] );
+    }
+}
+
+// What tables do not tell of a definition.
+static void write_special( FILE* out, const scene_world* world, bool is_surface, int number, const char* name,
+                           const char* key )
+{
+    if ( strcmp( key, "frame" ) == 0 )
+    {
+        fprintf( out, "    %s.pose.translation = ", name );
+        fputs( c_vector( is_surface ? world->surfaces[number].frame_pivot
+                                    : scene_strand_frame_pivot( &world->scene->strands[number] ) )
+                   .text,
+               out );
+        fputs( ";\n", out );
+    }
+    if ( strcmp( key, "ghosts" ) == 0 )
+    {
+        fprintf( out, "    %s.targets = strands%d;\n    %s.between = %s;\n", name,
+                 world->scene->strands[number].targets, name, world->scene->frames_per_step > 1 ? "true" : "false" );
+    }
+    if ( strcmp( key, "balloon" ) == 0 )
+    {
+        write_outlet( out, world, number, name );
+    }
+}
+
 static void write_effects( FILE* out, const char* of, int number, const effect* effects, int count,
-                           const scene_block* block, const void* entry, const void* initial )
+                           const scene_block* block, const void* entry, const void* initial,
+                           const scene_world* world )
 {
     for ( int i = 0; i < count; ++i )
     {
@@ -174,7 +265,8 @@ static void write_effects( FILE* out, const char* of, int number, const effect* 
         {
             snprintf( name, sizeof( name ), "%s_%s%d", e->key, of, number );
             begin_definition( out, e->type, name );
-            write_fields( out, name, field->block, &( definition ){ e->at, e->size, entry, initial } );
+            write_fields( out, name, field->block, &( definition ){ e->at, e->size, entry, initial }, NULL );
+            write_special( out, world, block == &SCENE_SURFACE_BLOCK, number, name, e->key );
             fprintf( out, "    TRY( wisp_set_%s( world, %s%d, &%s ) );\n", e->type, of, number, name );
         }
     }
@@ -182,8 +274,9 @@ static void write_effects( FILE* out, const char* of, int number, const effect* 
 
 // ---- what it cannot express ----
 
-// A block that is none of the effects, as a key. @return null: there is none
-static const char* find_other( const scene_block* block, const void* entry, const effect* effects, int count )
+// A block that is none of the effects, or an effect with more than its table tells, as a key. @return null: there is none
+static const char* find_other( const scene_block* block, const void* entry, const void* initial,
+                               const effect* effects, int count )
 {
     const char* found = NULL;
     for ( int i = 0; i < block->field_count && found == NULL; ++i )
@@ -192,7 +285,9 @@ static const char* find_other( const scene_block* block, const void* entry, cons
         bool is_known = f->block == NULL || f->at == 0 || *( (const bool*)entry + f->at ) == false;
         for ( int k = 0; k < count && is_known == false; ++k )
         {
-            is_known = strcmp( effects[k].key, f->key ) == 0;
+            const effect* e = effects + k;
+            is_known = strcmp( e->key, f->key ) == 0 &&
+                       ( e->type == NULL || is_told( f->block, &( definition ){ e->at, e->size, entry, initial } ) );
         }
         found = is_known ? NULL : f->key;
     }
@@ -201,32 +296,34 @@ static const char* find_other( const scene_block* block, const void* entry, cons
 
 static const char* other_of_surface( const wisp_scene_surface* s )
 {
-    bool moves_pins = false;
-    for ( int g = 0; g <= s->pin_group_count; ++g )
-    {
-        const wisp_scene_pins* pins = scene_pins_entry( s, g );
-        moves_pins = moves_pins || pins->path.count > 0 || pins->attached_to >= 0;
-    }
-    const bool has_outlet = s->balloon.outlet_count > 0 || s->has_outlet_nearest || s->gas_ratio_keyframe_count > 0;
-    return moves_pins              ? "pins that move"
-           : s->map_count > 0      ? "maps"
+    const wisp_scene_surface initial = scene_default_surface( s->gravity );
+    wisp_scene_surface told = *s;
+    told.balloon.outlet_count = 0; // those are written apart
+    memset( told.balloon.outlet, 0, sizeof( told.balloon.outlet ) );
+    return s->map_count > 0        ? "maps"
            : s->mass_ratio != 1.0f ? "mass_ratio"
-           : s->has_quad_links     ? "implicit.links"
-           : has_outlet            ? "balloon.outlet"
-           : s->max_speed < INFINITY
-               ? "max_speed"
-               : find_other( &SCENE_SURFACE_BLOCK, s, SURFACE_EFFECTS, WISP_COUNT( SURFACE_EFFECTS ) );
+           : s->has_quad_links
+               ? "implicit.links"
+               : find_other( &SCENE_SURFACE_BLOCK, &told, &initial, SURFACE_EFFECTS, WISP_COUNT( SURFACE_EFFECTS ) );
 }
 
 static const char* other_of_strands( const wisp_scene_strands* s )
 {
-    return s->mass_ratio != 1.0f       ? "mass_ratio"
-           : s->mass_count > 0         ? "dynamics.vertex_masses"
-           : s->dynamics.pin_count > 0 ? "dynamics.pins"
-           : s->on_surface >= 0        ? "on_surface"
-           : s->max_speed < INFINITY
-               ? "max_speed"
-               : find_other( &SCENE_STRANDS_BLOCK, s, STRANDS_EFFECTS, WISP_COUNT( STRANDS_EFFECTS ) );
+    const wisp_scene_strands initial = scene_default_strands( wisp_default_surface_def().gravity );
+    return s->mass_ratio != 1.0f ? "mass_ratio"
+           : s->mass_count > 0   ? "dynamics.vertex_masses"
+           : s->dynamics.pin_count > 0
+               ? "dynamics.pins"
+               : find_other( &SCENE_STRANDS_BLOCK, s, &initial, STRANDS_EFFECTS, WISP_COUNT( STRANDS_EFFECTS ) );
+}
+
+// An event whose calls take a whole definition.
+static const char* other_of_event( const wisp_scene* scene, const wisp_scene_event* e )
+{
+    const wisp_scene_surface* s = e->surface >= 0 ? &scene->surfaces[e->surface] : NULL;
+    const bool restarts = e->has_velocity || e->has_angular_velocity || e->has_gust || e->release;
+    const bool looks_back = s != NULL && s->has_implicit && s->implicit.integrator == WISP_INTEGRATOR_BDF2;
+    return e->has_detail ? "detail" : restarts && looks_back ? "velocity" : NULL;
 }
 
 static wisp_status refuse( const wisp_scene* scene, int line, const char* what, wisp_error* error )
@@ -237,12 +334,17 @@ static wisp_status refuse( const wisp_scene* scene, int line, const char* what, 
 
 static wisp_status check( const wisp_scene* scene, wisp_error* error )
 {
-    const char* of_scene = scene->dt_factor_count > 0 ? "dt_factors"
-                           : scene->event_count > 0   ? "events"
-                           : scene->command_count > 0 ? "hair_events"
-                           : scene->seam_count > 0    ? "seams"
-                                                      : NULL;
-    wisp_status status = of_scene != NULL ? refuse( scene, 1, of_scene, error ) : WISP_OK;
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < scene->command_count && status == WISP_OK; ++i )
+    {
+        const wisp_scene_hair_event* e = &scene->commands[i];
+        status = e->changes ? refuse( scene, e->line, "hair_events", error ) : WISP_OK;
+    }
+    for ( int i = 0; i < scene->event_count && status == WISP_OK; ++i )
+    {
+        const char* other = other_of_event( scene, &scene->events[i] );
+        status = other != NULL ? refuse( scene, scene->events[i].line, other, error ) : WISP_OK;
+    }
     for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
     {
         const char* other = other_of_strands( &scene->strands[i] );
@@ -252,11 +354,6 @@ static wisp_status check( const wisp_scene* scene, wisp_error* error )
     {
         const char* other = other_of_surface( &scene->surfaces[i] );
         status = other != NULL ? refuse( scene, scene->surfaces[i].line, other, error ) : WISP_OK;
-    }
-    for ( int i = 0; i < scene->collider_count && status == WISP_OK; ++i )
-    {
-        const bool moves = scene->colliders[i].path.count > 0;
-        status = moves ? refuse( scene, scene->colliders[i].line, "keyframes", error ) : WISP_OK;
     }
     return status;
 }
@@ -325,6 +422,21 @@ static wisp_status write_arrays( FILE* out, const scene_world* world, wisp_error
             free( rest );
         }
     }
+    for ( int i = 0; i < scene->seam_count; ++i )
+    {
+        const int count = 2 * scene->seams[i].pair_count;
+        int32_t* pairs = malloc( (size_t)count * sizeof( *pairs ) + 1 );
+        if ( pairs == NULL || scene_seam_pairs( world, &scene->seams[i], pairs, error ) != WISP_OK )
+        {
+            free( pairs );
+            return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d vertices of a seam", count );
+        }
+        if ( count > 0 )
+        {
+            write_whole( out, "pairs", i, pairs, count );
+        }
+        free( pairs );
+    }
     for ( int i = 0; i < scene->collider_count; ++i )
     {
         const wisp_mesh* m = &world->colliders[i].mesh;
@@ -371,6 +483,14 @@ static void write_origin( FILE* out, const wisp_scene* scene, const char* of, in
     }
 }
 
+static void write_max_speed( FILE* out, const char* of, int number, float speed )
+{
+    if ( speed < INFINITY )
+    {
+        fprintf( out, "    TRY( wisp_set_max_speed( world, %s%d, %s ) );\n", of, number, TEXT( speed ) );
+    }
+}
+
 static void write_strands( FILE* out, const scene_world* world, int i )
 {
     static const char* const COMPONENTS[] = { "STRAND_POINTS", "POINT_WIDTH", "POINT_COLOUR",
@@ -387,28 +507,63 @@ static void write_strands( FILE* out, const scene_world* world, int i )
                  "    strands_def#.strand_count = COUNT( strand_offsets# ) - 1;\n",
                  i );
     fprintf( out, "    strands_def%d.dimension = %d;\n", i, world->grooms[i].dimension );
-    write_lines( out,
-                 "    wisp_entity strands#;\n"
-                 "    TRY( wisp_add_strands( world, &strands_def#, &strands# ) );\n",
-                 i );
-    write_effects( out, "strands", i, STRANDS_EFFECTS, 1, &SCENE_STRANDS_BLOCK, s, &initial );
+    write_lines( out, "    TRY( wisp_add_strands( world, &strands_def#, &strands# ) );\n", i );
+    write_effects( out, "strands", i, STRANDS_EFFECTS, LOOKS, &SCENE_STRANDS_BLOCK, s, &initial, world );
     write_requests( out, "strands", i, requested, COMPONENTS, WISP_COUNT( COMPONENTS ) );
 }
 
 // After surfaces and colliders, as in a scene.
-static void write_dynamics( FILE* out, const wisp_scene* scene, int i )
+static void write_dynamics( FILE* out, const scene_world* world, int i )
 {
-    const wisp_scene_strands* s = &scene->strands[i];
+    const wisp_scene_strands* s = &world->scene->strands[i];
     const wisp_scene_strands initial = scene_default_strands( wisp_default_surface_def().gravity );
-    write_effects( out, "strands", i, STRANDS_EFFECTS + 1, WISP_COUNT( STRANDS_EFFECTS ) - 1, &SCENE_STRANDS_BLOCK, s,
-                   &initial );
+    if ( s->has_ghosts && s->has_frozen_hair )
+    {
+        write_lines( out, "    TRY( wisp_request( world, strands#, WISP_STRAND_POSED ) );\n", i );
+    }
+    write_effects( out, "strands", i, STRANDS_EFFECTS + LOOKS, DETAIL - LOOKS, &SCENE_STRANDS_BLOCK, s, &initial,
+                   world );
     if ( s->substeps > 0 )
     {
         fprintf( out, "    TRY( wisp_set_substeps( world, strands%d, %d ) );\n", i, s->substeps );
     }
+    write_max_speed( out, "strands", i, s->max_speed );
+    if ( s->has_tips )
+    {
+        write_lines( out,
+                     "    for ( int i = 0; i < COUNT( strand_offsets# ) - 1; ++i )\n    {\n"
+                     "        TRY( wisp_hold_strand_tip( world, strands#, i, ",
+                     i );
+        write_value( out, find_field( &SCENE_TIPS_BLOCK, "hold" ), &s->tips_hold );
+        fputs( " ) );\n    }\n", out );
+    }
     if ( s->request_contacts )
     {
         write_lines( out, "    TRY( wisp_request_collision_stats( world, strands#, true ) );\n", i );
+    }
+    if ( s->on_surface >= 0 )
+    {
+        fprintf( out, "    TRY( wisp_root_strands( world, strands%d, surface%d ) );\n", i, s->on_surface );
+    }
+}
+
+static void write_motion( FILE* out, const scene_world* world )
+{
+    const wisp_scene* scene = world->scene;
+    const wisp_scene_strands initial = scene_default_strands( wisp_default_surface_def().gravity );
+    for ( int i = 0; i < 2 * scene->strands_count; ++i )
+    {
+        const wisp_scene_strands* s = &scene->strands[i % scene->strands_count];
+        if ( i < scene->strands_count ? s->has_dynamics : s->has_ghosts )
+        {
+            write_dynamics( out, world, i % scene->strands_count );
+        }
+    }
+    for ( int i = 0; i < scene->strands_count; ++i )
+    {
+        write_effects( out, "strands", i, STRANDS_EFFECTS + DETAIL, 1, &SCENE_STRANDS_BLOCK, &scene->strands[i],
+                       &initial, world );
+        write_origin( out, scene, "strands", i );
     }
 }
 
@@ -425,7 +580,6 @@ static void write_fabric( FILE* out, const scene_world* world, int i )
         { "tethers", def.tethers, initial.tethers },
         { "coarse_sheets", def.coarse_sheets, initial.coarse_sheets },
         { "lean", def.lean, initial.lean },
-        { "solve_order", (int)def.solve_order, (int)initial.solve_order },
         { "tile_size", def.tile_size, initial.tile_size },
     };
     write_lines( out,
@@ -448,6 +602,12 @@ static void write_fabric( FILE* out, const scene_world* world, int i )
         {
             fprintf( out, "    fabric_def%d.%s = %d;\n", i, members[k].name, members[k].value );
         }
+    }
+    if ( def.solve_order != initial.solve_order )
+    {
+        fprintf( out, "    fabric_def%d.solve_order = ", i );
+        write_value( out, find_field( &SCENE_SURFACE_BLOCK, "solve_order" ), &def.solve_order );
+        fputs( ";\n", out );
     }
     write_lines( out, "    TRY( wisp_fabric_cook( &fabric_def#, NULL, &fabrics[#], NULL ) );\n", i );
 }
@@ -477,6 +637,10 @@ static void write_surface( FILE* out, const scene_world* world, int i )
                      "    surface_def#.pin_count = COUNT( pins# );\n",
                      i );
     }
+    if ( world->surfaces[i].spare_count > 0 )
+    {
+        fprintf( out, "    surface_def%d.spare_count = %d;\n", i, world->surfaces[i].spare_count );
+    }
     for ( int k = 0; k < WISP_COUNT( MEMBERS ); ++k )
     {
         const scene_field* f = find_field( &SCENE_SURFACE_BLOCK, MEMBERS[k] );
@@ -487,10 +651,7 @@ static void write_surface( FILE* out, const scene_world* world, int i )
             fputs( ";\n", out );
         }
     }
-    write_lines( out,
-                 "    wisp_entity surface#;\n"
-                 "    TRY( wisp_add_surface( world, &surface_def#, &surface# ) );\n",
-                 i );
+    write_lines( out, "    TRY( wisp_add_surface( world, &surface_def#, &surface# ) );\n", i );
     if ( s->damping > 0.0f )
     {
         fprintf( out, "    TRY( wisp_set_damping( world, surface%d, %s ) );\n", i, TEXT( s->damping ) );
@@ -507,13 +668,14 @@ static void write_surface( FILE* out, const scene_world* world, int i )
     if ( v.x != 0.0f || v.y != 0.0f || v.z != 0.0f || w.x != 0.0f || w.y != 0.0f || w.z != 0.0f )
     {
         fprintf( out, "    TRY( wisp_set_velocity( world, surface%d, ", i );
-        write_vector( out, v );
+        fputs( c_vector( v ).text, out );
         fputs( ", ", out );
-        write_vector( out, w );
+        fputs( c_vector( w ).text, out );
         fputs( " ) );\n", out );
     }
     write_effects( out, "surface", i, SURFACE_EFFECTS, WISP_COUNT( SURFACE_EFFECTS ), &SCENE_SURFACE_BLOCK, s,
-                   &initial );
+                   &initial, world );
+    write_max_speed( out, "surface", i, s->max_speed );
     write_requests( out, "surface", i, requested, COMPONENTS, WISP_COUNT( COMPONENTS ) );
     if ( s->request_stats )
     {
@@ -529,13 +691,39 @@ static void write_surface( FILE* out, const scene_world* world, int i )
 // What tables of colliders leave to readers of their own.
 static void write_body( FILE* out, const char* name, const wisp_collider_def* d )
 {
-    const wisp_quat q = d->pose.rotation;
-    fprintf( out, "    %s.kind = %d;\n    %s.static_friction = %s, %s.kinetic_friction = %s;\n", name, (int)d->kind,
-             name, TEXT( d->static_friction ), name, TEXT( d->kinetic_friction ) );
-    fprintf( out, "    %s.pose = ( wisp_transform ){ { %s, %s, %s, %s }, ", name, TEXT( q.x ), TEXT( q.y ),
-             TEXT( q.z ), TEXT( q.w ) );
-    const wisp_vec3 p = d->pose.translation;
-    fprintf( out, "{ %s, %s, %s } };\n", TEXT( p.x ), TEXT( p.y ), TEXT( p.z ) );
+    fprintf( out, "    %s.kind = ", name );
+    if ( d->kind == WISP_COLLIDER_SURFACE )
+    {
+        fputs( "WISP_COLLIDER_SURFACE", out );
+    }
+    else
+    {
+        write_value( out, find_field( &SCENE_COLLIDER_BLOCKS[d->kind], "shape" ), &d->kind );
+    }
+    fprintf( out, ";\n    %s.static_friction = %s, %s.kinetic_friction = %s;\n    %s.pose = ", name,
+             TEXT( d->static_friction ), name, TEXT( d->kinetic_friction ), name );
+    fputs( c_transform( d->pose ).text, out );
+    fputs( ";\n", out );
+}
+
+static void write_seam( FILE* out, const wisp_scene* scene, int i )
+{
+    const wisp_scene_seam *s = &scene->seams[i], initial = scene_default_seam();
+    char name[40];
+    snprintf( name, sizeof( name ), "seam_def%d", i );
+    fputs( "\n", out );
+    begin_definition( out, "seam", name );
+    write_fields( out, name, &SCENE_SEAM_BLOCK,
+                  &( definition ){ offsetof( wisp_scene_seam, def ), sizeof( s->def ), s, &initial }, NULL );
+    fprintf( out, "    %s.a = surface%d, %s.b = surface%d;\n", name, s->surfaces[0], name, s->surfaces[1] );
+    if ( s->pair_count > 0 )
+    {
+        write_lines( out, "    seam_def#.pairs = pairs#;\n    seam_def#.pair_count = COUNT( pairs# ) / 2;\n", i );
+    }
+    write_lines( out,
+                 "    wisp_entity seam#;\n"
+                 "    TRY( wisp_add_seam( world, &seam_def#, &seam# ) );\n",
+                 i );
 }
 
 static void write_surface_collider( FILE* out, const wisp_scene* scene, int i )
@@ -549,7 +737,8 @@ static void write_surface_collider( FILE* out, const wisp_scene* scene, int i )
     fputs( "\n", out );
     begin_definition( out, "collider", name );
     write_fields( out, name, &SCENE_SURFACE_COLLIDER_BLOCK,
-                  &( definition ){ offsetof( wisp_scene_surface, collider ), sizeof( s->collider ), s, &initial } );
+                  &( definition ){ offsetof( wisp_scene_surface, collider ), sizeof( s->collider ), s, &initial },
+                  NULL );
     write_body( out, name, &def );
     write_lines( out,
                  "    surface_collider#.surface = surface#;\n"
@@ -567,7 +756,7 @@ static void write_collider( FILE* out, const wisp_scene* scene, int i )
     fprintf( out, "\n    // %s\n", c->name );
     begin_definition( out, "collider", name );
     write_fields( out, name, &SCENE_COLLIDER_BLOCKS[c->def.kind],
-                  &( definition ){ offsetof( wisp_scene_collider, def ), sizeof( c->def ), c, &initial } );
+                  &( definition ){ offsetof( wisp_scene_collider, def ), sizeof( c->def ), c, &initial }, NULL );
     write_body( out, name, &c->def );
     if ( c->def.kind == WISP_COLLIDER_MESH || c->def.kind == WISP_COLLIDER_CONVEX )
     {
@@ -584,10 +773,7 @@ static void write_collider( FILE* out, const wisp_scene* scene, int i )
         fprintf( out, "    collider_def%d.height_count_x = %d, collider_def%d.height_count_z = %d;\n", i,
                  c->def.height_count_x, i, c->def.height_count_z );
     }
-    write_lines( out,
-                 "    wisp_entity collider#;\n"
-                 "    TRY( wisp_add_collider( world, &collider_def#, &collider# ) );\n",
-                 i );
+    write_lines( out, "    TRY( wisp_add_collider( world, &collider_def#, &collider# ) );\n", i );
     if ( c->request_reaction )
     {
         write_lines( out, "    TRY( wisp_request_reaction( world, collider#, true ) );\n", i );
@@ -597,12 +783,24 @@ static void write_collider( FILE* out, const wisp_scene* scene, int i )
 // ---- the program ----
 
 static const char HEAD[] = "\n"
+                           "#include <wisp/attachments.h>\n"
                            "#include <wisp/balloon.h>\n"
+                           "#include <wisp/boundary.h>\n"
                            "#include <wisp/create.h>\n"
+                           "#include <wisp/detail.h>\n"
+                           "#include <wisp/environment.h>\n"
                            "#include <wisp/fabric.h>\n"
+                           "#include <wisp/frozen_hair.h>\n"
+                           "#include <wisp/guide_hair.h>\n"
                            "#include <wisp/implicit_cloth.h>\n"
                            "#include <wisp/membrane.h>\n"
+                           "#include <wisp/motion_constraints.h>\n"
+                           "#include <wisp/moving_frame.h>\n"
+                           "#include <wisp/seams.h>\n"
+                           "#include <wisp/sleep.h>\n"
                            "#include <wisp/strand_appearance.h>\n"
+                           "#include <wisp/surface_roots.h>\n"
+                           "#include <wisp/tearing.h>\n"
                            "\n"
                            "#include <math.h>\n"
                            "#include <stdio.h>\n"
@@ -617,16 +815,80 @@ static const char HEAD[] = "\n"
                            "    } while ( 0 )\n"
                            "\n";
 
-static void write_world( FILE* out, const scene_world* world )
+static void declare( FILE* out, const char* of, int count )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        fprintf( out, "%s%s%d%s", i == 0 ? "static wisp_entity " : ", ", of, i, i == count - 1 ? ";\n" : "" );
+    }
+}
+
+// What moves pins, colliders and heads, and what events change.
+static bool has_calls( const wisp_scene* scene )
+{
+    bool has = scene->event_count + scene->command_count > 0;
+    for ( int i = 0; i < scene->strands_count; ++i )
+    {
+        const wisp_scene_strands* s = &scene->strands[i];
+        has = has || s->head.count + s->frame_path.count > 0 || s->has_tips;
+    }
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        const wisp_scene_surface* s = &scene->surfaces[i];
+        has = has || s->target_path.count + s->frame_path.count + s->gas_ratio_keyframe_count > 0 || s->has_animation;
+        for ( int g = 0; g <= s->pin_group_count; ++g )
+        {
+            has = has || scene_pins_entry( s, g )->path.count > 0;
+        }
+    }
+    for ( int i = 0; i < scene->collider_count; ++i )
+    {
+        has = has || scene->colliders[i].path.count > 0;
+    }
+    return has;
+}
+
+// Run the scene, and write the calls that it makes before its steps: a function a step, and a table of them.
+static wisp_status write_calls( FILE* out, scene_world* world, wisp_error* error )
+{
+    const int steps = world->scene->steps;
+    bool* calls = calloc( (size_t)steps + 1, sizeof( *calls ) );
+    wisp_status status = calls != NULL ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "out of memory for steps" );
+    world->calls = out;
+    for ( int step = 0; step < steps && status == WISP_OK; ++step )
+    {
+        status = scene_world_step( world, error );
+        calls[step] = world->last_call == step;
+    }
+    fputs( world->last_call >= 0 ? "    return WISP_OK;\n}\n" : "", out );
+    fprintf( out, "\nstatic wisp_status ( *const BEFORE[%d] )( wisp_world* ) = {\n", steps + 1 );
+    for ( int step = 0; step < steps && status == WISP_OK; ++step )
+    {
+        if ( calls[step] )
+        {
+            fprintf( out, "    [%d] = before_%d,\n", step, step );
+        }
+    }
+    fprintf( out, "    [%d] = NULL,\n};\n", steps );
+    free( calls );
+    return status;
+}
+
+static void write_world( FILE* out, scene_world* world )
 {
     const wisp_scene *scene = world->scene, initial = scene_defaults();
+    fputs( "\n", out );
+    declare( out, "strands", scene->strands_count );
+    declare( out, "surface", scene->surface_count );
+    declare( out, "collider", scene->collider_count );
     fprintf( out, "\nstatic wisp_status make( wisp_world* world )\n{\n    wisp_fabric* fabrics[%d] = { NULL };\n",
              scene->surface_count + 1 );
     if ( scene->has_contact )
     {
         fputs( "    wisp_contact_settings settings = wisp_default_contact_settings();\n", out );
         write_fields( out, "settings", &SCENE_WORLD_CONTACT_BLOCK,
-                      &( definition ){ offsetof( wisp_scene, contact ), sizeof( scene->contact ), scene, &initial } );
+                      &( definition ){ offsetof( wisp_scene, contact ), sizeof( scene->contact ), scene, &initial },
+                      NULL );
         fputs( "    TRY( wisp_set_contact_settings( world, &settings ) );\n", out );
     }
     if ( scene->request_contact_stats || scene->request_intersections )
@@ -644,6 +906,14 @@ static void write_world( FILE* out, const scene_world* world )
     }
     for ( int i = 0; i < scene->surface_count; ++i )
     {
+        world->calls = out;
+        world->last_call = world->next_step; // these are no calls of a step
+        for ( int g = 0; g < world->surfaces[i].group_count; ++g )
+        {
+            scene_tell_attachment( world, i, g, scene_pins_entry( &scene->surfaces[i], g )->attached_to );
+        }
+        world->calls = NULL;
+        world->last_call = -1;
         if ( scene->surfaces[i].has_collider )
         {
             write_surface_collider( out, scene, i );
@@ -653,11 +923,11 @@ static void write_world( FILE* out, const scene_world* world )
     {
         write_collider( out, scene, i );
     }
-    for ( int i = 0; i < scene->strands_count; ++i )
+    for ( int i = 0; i < scene->seam_count; ++i )
     {
-        write_dynamics( out, scene, i );
-        write_origin( out, scene, "strands", i );
+        write_seam( out, scene, i );
     }
+    write_motion( out, world );
     for ( int i = 0; i < scene->surface_count; ++i )
     {
         write_origin( out, scene, "surface", i );
@@ -673,8 +943,14 @@ static void write_world( FILE* out, const scene_world* world )
 
 static void write_main( FILE* out, const wisp_scene* scene )
 {
+    const int lengths = scene->dt_factor_count > 0 ? scene->dt_factor_count : 1;
+    fprintf( out, "\nstatic const float LENGTHS[] = { // s, of steps in turn\n" );
+    for ( int i = 0; i < lengths; ++i )
+    {
+        fprintf( out, "    %s,\n", TEXT( wisp_scene_step_length( scene, i ) ) );
+    }
     fprintf( out,
-             "\nint main( void )\n{\n"
+             "};\n\nint main( void )\n{\n"
              "    wisp_error error = { 0 };\n"
              "    wisp_world* world = NULL;\n"
              "    wisp_world_def def = wisp_default_world_def();\n"
@@ -684,12 +960,14 @@ static void write_main( FILE* out, const wisp_scene* scene )
              "        fprintf( stderr, \"%%s\\n\", error.message );\n        return 1;\n    }\n"
              "    wisp_status status = make( world );\n"
              "    for ( int step = 0; step < %d && status == WISP_OK; ++step )\n    {\n"
-             "        status = wisp_world_step( world, %s );\n    }\n"
+             "%s        status = status == WISP_OK ? wisp_world_step( world, LENGTHS[step %% COUNT( LENGTHS )] ) : "
+             "status;\n    }\n"
              "    if ( status == WISP_OK )\n    {\n"
              "        printf( \"hash         %%016llx\\n\", (unsigned long long)wisp_world_hash( world ) );\n    }\n"
              "    else\n    {\n        fprintf( stderr, \"%%s\\n\", wisp_world_message( world ) );\n    }\n"
              "    wisp_world_destroy( world );\n    return status == WISP_OK ? 0 : 1;\n}\n",
-             scene->substeps, scene->iterations, scene->workers, scene->steps, TEXT( scene->dt ) );
+             scene->substeps, scene->iterations, scene->workers, scene->steps,
+             has_calls( scene ) ? "        status = BEFORE[step] != NULL ? BEFORE[step]( world ) : WISP_OK;\n" : "" );
 }
 
 wisp_status host_source_write( FILE* out, const wisp_scene* scene, wisp_error* error )
@@ -708,6 +986,10 @@ wisp_status host_source_write( FILE* out, const wisp_scene* scene, wisp_error* e
     if ( status == WISP_OK )
     {
         write_world( out, &world );
+    }
+    status = status == WISP_OK && has_calls( scene ) ? write_calls( out, &world, error ) : status;
+    if ( status == WISP_OK )
+    {
         write_main( out, scene );
     }
     scene_world_destroy( &world );

@@ -47,9 +47,9 @@ static const scene_field SCENE_FIELDS[] = {
       .help = "Gravity of surfaces and moving strands that have none of their own." },
     { "contact", SCENE_CUSTOM, .read = scene_read_contact, .help = "How contact between all participants is found.",
       .form = "block" },
-    { "strands", SCENE_CUSTOM, .read = scene_read_strands, .help = "Strands of hair.", .form = "list of blocks",
+    { "strands", SCENE_CUSTOM, .read = scene_read_strands, .bind = scene_bind_strands, .help = "Strands of hair.", .form = "list of blocks",
       .initial = "none" },
-    { "surfaces", SCENE_CUSTOM, .read = scene_read_surfaces,
+    { "surfaces", SCENE_CUSTOM, .read = scene_read_surfaces, .bind = scene_bind_to_surfaces,
       .help = "Cloths, balloons and other triangle meshes that move, with 16777216 vertices in all.",
       .form = "list of blocks", .initial = "none" },
     { "colliders", SCENE_CUSTOM, .read = scene_read_colliders, .help = "Bodies that only move as they are told.",
@@ -130,8 +130,6 @@ static wisp_status read_root( const scene_source* source, const scene_tree* tree
     wisp_status status = check_version( &r, root );
     status = status ? status : scene_read_block( &r, root, &SCENE_BLOCK_OF_ALL, scene );
     request_by_default( scene );
-    status = status ? status : scene_bind_roots( &r, root );
-    status = status ? status : scene_bind_pins( &r, root );
     if ( !status )
     {
         scene_find_origin( scene );

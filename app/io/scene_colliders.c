@@ -27,7 +27,9 @@ static const scene_choice WORDS[] = { { "reaction", "force that surfaces and str
       .read = scene_read_name,                                                                                       \
       .form = "1 to 64 of the characters A-Z a-z 0-9 _ -",                                                           \
       .help = "Unique among strands, surfaces, colliders and seams." },                                              \
-        { "shape", SCENE_CHOICE, .required = true, .at = DEF( kind ), .choices = SHAPES, .help = "Shape." },         \
+        { "shape",           SCENE_CHOICE,      .required = true,                                                    \
+          .at = DEF( kind ), .choices = SHAPES, .constants = "WISP_COLLIDER_",                                       \
+          .help = "Shape." },                                                                                        \
         { "position",          SCENE_VECTOR,   .at = DEF( pose.translation ),                                        \
           .range = COORDINATE, .unit = METRES, .help = "Where it stands." },                                         \
         { "rotation",         SCENE_CUSTOM,      .at = DEF( pose.rotation ), .read = scene_read_rotation,            \

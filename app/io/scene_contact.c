@@ -24,9 +24,9 @@ static const scene_choice ROUNDINGS[] = { { "down", "fewer points" },
 static const scene_field BOUNDARY_FIELDS[] = {
     { "spacing", SCENE_NUMBER, .at = BOUNDARY( spacing ), .range = SIZE, .unit = METRES,
       .help = "Distance between points.", .initial = "half of the mean rest length of the edges" },
-    { "policy", SCENE_CHOICE, .at = BOUNDARY( policy ), .choices = POLICIES,
+    { "policy", SCENE_CHOICE, .at = BOUNDARY( policy ), .choices = POLICIES, .constants = "WISP_SPACING_",
       .help = "Where points stand on an edge or a line." },
-    { "rounding", SCENE_CHOICE, .at = BOUNDARY( rounding ), .choices = ROUNDINGS,
+    { "rounding", SCENE_CHOICE, .at = BOUNDARY( rounding ), .choices = ROUNDINGS, .constants = "WISP_ROUND_",
       .help = "Rounding of the number of spacings in a length." },
     { "hysteresis", SCENE_NUMBER, .at = BOUNDARY( hysteresis ), .range = RANGE( 0, 0.5 ),
       .help = "Counts of points stay while a length is within this many spacings of where they would change." },
@@ -167,7 +167,8 @@ static wisp_status read_requests( scene_reader* r, const scene_node* node, void*
 }
 
 static const scene_field WORLD_FIELDS[] = {
-    { "primitives", SCENE_CHOICE, .at = CONTACT( primitives ), .choices = PRIMITIVES, .help = "What is kept apart." },
+    { "primitives", SCENE_CHOICE, .at = CONTACT( primitives ), .choices = PRIMITIVES, .constants = "WISP_CONTACT_",
+      .help = "What is kept apart." },
     { "particle_spacing", SCENE_NUMBER, .at = CONTACT( particle_spacing ), .range = SIZE, .unit = METRES,
       .help = "Spacing of particles, with `primitives: particles`, of surfaces without `boundary`.",
       .initial = "the smallest thickness of the participants" },

@@ -236,13 +236,6 @@ static wisp_status bind_all( scene_reader* r, const scene_node* list, bind_fn* b
     return WISP_OK;
 }
 
-wisp_status scene_bind_strands( scene_reader* r, const scene_node* list )
-{
-    wisp_status status = bind_all( r, list, bind_scatter );
-    status = status ? status : bind_all( r, list, bind_curves );
-    return status ? status : bind_all( r, list, bind_ghosts );
-}
-
 static wisp_status bind_list( scene_reader* r, const scene_node* root, const char* key, bind_fn* bind )
 {
     const scene_node* list = scene_child( r, root, key );
@@ -255,12 +248,15 @@ static wisp_status bind_list( scene_reader* r, const scene_node* root, const cha
     return status;
 }
 
-wisp_status scene_bind_roots( scene_reader* r, const scene_node* root )
+wisp_status scene_bind_strands( scene_reader* r, const scene_node* root )
 {
-    return bind_list( r, root, "strands", bind_root );
+    wisp_status status = bind_list( r, root, "strands", bind_scatter );
+    status = status ? status : bind_list( r, root, "strands", bind_curves );
+    return status ? status : bind_list( r, root, "strands", bind_ghosts );
 }
 
-wisp_status scene_bind_pins( scene_reader* r, const scene_node* root )
+wisp_status scene_bind_to_surfaces( scene_reader* r, const scene_node* root )
 {
-    return bind_list( r, root, "surfaces", scene_bind_attachments );
+    const wisp_status status = bind_list( r, root, "strands", bind_root );
+    return status ? status : bind_list( r, root, "surfaces", scene_bind_attachments );
 }

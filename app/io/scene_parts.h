@@ -91,12 +91,10 @@ wisp_scene_clip scene_default_clip( void );
 
 /// scene_motion.c: what an entry of strands must be besides what its tables say.
 wisp_status scene_check_strands( scene_reader* reader, const scene_node* node, const wisp_scene_strands* strands );
-/// Find the strands that entries of the list name. To be called once all strands are registered.
-wisp_status scene_bind_strands( scene_reader* reader, const scene_node* list );
-/// Find the surfaces that entries of strands name. To be called once everything is registered.
-wisp_status scene_bind_roots( scene_reader* reader, const scene_node* root );
-/// Find the surfaces that pins of surfaces are attached to, likewise.
-wisp_status scene_bind_pins( scene_reader* reader, const scene_node* root );
+/// Find the strands that entries of strands name.
+wisp_status scene_bind_strands( scene_reader* reader, const scene_node* root );
+/// Find the surfaces that entries of strands name, and those that pins are attached to.
+wisp_status scene_bind_to_surfaces( scene_reader* reader, const scene_node* root );
 
 /// scene_surface_pins.c: find the surfaces that pins of one surface are attached to.
 wisp_status scene_bind_attachments( scene_reader* reader, const scene_node* entry, int surface );

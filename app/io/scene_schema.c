@@ -277,21 +277,25 @@ wisp_status scene_read_block( scene_reader* r, const scene_node* node, const sce
         {
             return scene_refuse_node( r, node, "key '%s' is missing", field->key );
         }
-        if ( !found[i] )
+        if ( found[i] )
         {
-            continue;
+            size_t outside = scene_enter_key( r, field->key );
+            status = scene_read_field( r, found[i], field, base );
+            if ( status )
+            {
+                return status;
+            }
+            if ( field->given )
+            {
+                *( (bool*)base + field->given ) = true;
+            }
+            scene_leave( r, outside );
         }
-        size_t outside = scene_enter_key( r, field->key );
-        status = scene_read_field( r, found[i], field, base );
+        status = field->bind ? field->bind( r, node ) : WISP_OK;
         if ( status )
         {
             return status;
         }
-        if ( field->given )
-        {
-            *( (bool*)base + field->given ) = true;
-        }
-        scene_leave( r, outside );
     }
     return WISP_OK;
 }

@@ -39,19 +39,26 @@ typedef struct scene_choice
 
 struct scene_block;
 
+/// Find the entries that values of this field and of those before it name. It follows the field, whether its key is there or not,
+/// so that fields behind it see what is named. @param node of the block
+typedef wisp_status scene_bind_fn( scene_reader* reader, const scene_node* node );
+
 typedef struct scene_field
 {
     const char* key;
     scene_type type;
     bool required;
-    size_t at; // bytes from the start of the struct
+    size_t at;          // bytes from the start of the struct
+    const char* member; // its name there; null: the key
     scene_range range;
     const char* unit;            // symbol; null: the number has no unit
     const scene_choice* choices; // ends with null; of SCENE_CUSTOM too, where words are read
+    const char* constants;       // what the constants of the choices begin with in C
     size_t list, list_count;     // of SCENE_NUMBERS
     size_t given;                // bytes from the start to a bool that is set if the key is there; 0: none
     const struct scene_block* block;
     scene_read_fn* read;
+    scene_bind_fn* bind;
     wisp_component map; // of SCENE_NUMBER in a wisp_scene_surface: the value may be a map; 0: not
 
     // For the reference.

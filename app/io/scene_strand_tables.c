@@ -37,7 +37,7 @@ static const scene_field ALIGN_FIELDS[] = {
       .help = "Point that the first update turns strands towards; not with `base: stroke`." },
     { "reach", SCENE_NUMBER, .at = HAIR( reach ), .range = RANGE( 0, 1e7 ), .unit = METRES,
       .help = "Strands farther from the cursor than this do not turn." },
-    { "reach_by", SCENE_EITHER, .at = HAIR( reach_nearest ), .choices = REACHES,
+    { "reach_by", SCENE_EITHER, .at = HAIR( reach_nearest ), .member = "reach_nearest", .choices = REACHES,
       .help = "Which distance is compared with `reach`." },
 };
 static const scene_block ALIGN_BLOCK = { ALIGN_FIELDS, WISP_COUNT( ALIGN_FIELDS ) };
@@ -47,13 +47,14 @@ static const scene_choice GAPS[] = { { "absolute", "|r1 - r0|, any change brakes
                                      { NULL, NULL } };
 
 static const scene_field CLUMP_FIELDS[] = {
-    { "radius", SCENE_NUMBER, .at = HAIR( clump_radius ), .range = SIZE, .unit = METRES,
+    { "radius", SCENE_NUMBER, .at = HAIR( clump_radius ), .member = "clump_radius", .range = SIZE, .unit = METRES,
       .help = "Vertices closer than this attract each other." },
-    { "iterations", SCENE_WHOLE, .at = HAIR( clump_iterations ), .range = RANGE( 0, 1000 ),
-      .help = "Iterations of the stage; 0 switches it off." },
-    { "step_length", SCENE_NUMBER, .at = HAIR( clump_step_length ), .range = RANGE( 0, 1e3 ), .unit = METRES,
-      .help = "Length scale of the move of a vertex in an iteration.", .initial = "a tenth of the radius" },
-    { "gap", SCENE_CHOICE, .at = HAIR( gap ), .choices = GAPS,
+    { "iterations", SCENE_WHOLE, .at = HAIR( clump_iterations ), .member = "clump_iterations",
+      .range = RANGE( 0, 1000 ), .help = "Iterations of the stage; 0 switches it off." },
+    { "step_length", SCENE_NUMBER, .at = HAIR( clump_step_length ), .member = "clump_step_length",
+      .range = RANGE( 0, 1e3 ), .unit = METRES, .help = "Length scale of the move of a vertex in an iteration.",
+      .initial = "a tenth of the radius" },
+    { "gap", SCENE_CHOICE, .at = HAIR( gap ), .choices = GAPS, .constants = "WISP_GAP_",
       .help = "How a change of the distance between two vertices brakes their attraction." },
     { "min_distance", SCENE_NUMBER, .at = HAIR( min_distance ), .range = RANGE( 0, 1e6 ), .unit = METRES,
       .help = "Limits moves so that two vertices stay at least this far apart in an iteration.",
@@ -76,8 +77,9 @@ static const scene_choice EVENTS[] = { { "hair_event", "each hair event" },
 
 static const scene_field FROZEN_HAIR_FIELDS[] = {
     { "seed", SCENE_SEED, .at = HAIR( seed ), .help = "Seed of the random numbers of all stages." },
-    { "base", SCENE_CHOICE, .at = HAIR( base ), .choices = BASES, .help = "Shape that each update starts from." },
-    { "update_on", SCENE_CHOICE, .at = HAIR( update_on ), .choices = EVENTS,
+    { "base", SCENE_CHOICE, .at = HAIR( base ), .choices = BASES, .constants = "WISP_FROZEN_BASE_",
+      .help = "Shape that each update starts from." },
+    { "update_on", SCENE_CHOICE, .at = HAIR( update_on ), .choices = EVENTS, .constants = "WISP_FROZEN_UPDATE_",
       .help = "What updates the frozen shape, with new random numbers.",
       .initial = "`hair_event`; `frame` for ghosts" },
     { "max_depth_change", SCENE_NUMBER, .at = HAIR( max_depth_change ), .range = RANGE( 0, 1e6 ), .unit = METRES,

@@ -74,8 +74,6 @@ wisp_status scene_read_strands( scene_reader* r, const scene_node* node, void* b
     }
     scene->strands = items;
     status = scene_read_items( r, node, read_entry, scene );
-    status = status
-                 ? status
-                 : scene_register( r, SCENE_STRANDS, scene->strands, sizeof *scene->strands, scene->strands_count );
-    return status ? status : scene_bind_strands( r, node );
+    return status ? status
+                  : scene_register( r, SCENE_STRANDS, scene->strands, sizeof *scene->strands, scene->strands_count );
 }

@@ -30,7 +30,8 @@ static const scene_choice BENDINGS[] = {
 };
 
 static const scene_field CLOTH_FIELDS[] = {
-    { "solver", SCENE_CHOICE, .at = CLOTH( solver ), .choices = SOLVERS, .help = "Solver of links and bending." },
+    { "solver", SCENE_CHOICE, .at = CLOTH( solver ), .choices = SOLVERS, .constants = "WISP_SOLVER_",
+      .help = "Solver of links and bending." },
     { "warp_compliance", SCENE_NUMBER, .map = WISP_MAP_STRETCH_COMPLIANCE, .at = CLOTH( warp_compliance ),
       .range = COMPLIANCE, .unit = COMPLIANCES,
       .help =
@@ -48,7 +49,8 @@ static const scene_field CLOTH_FIELDS[] = {
       .help = "Stiffness of links at 45 degrees to the warp, with `solver: pbd`." },
     { "warp", SCENE_VECTOR, .at = CLOTH( warp ), .range = RANGE( -5e5, 5e5 ),
       .help = "Direction of the warp in the mesh before it is turned; not zero." },
-    { "bending", SCENE_CHOICE, .at = CLOTH( bending ), .choices = BENDINGS, .help = "How cloth resists bending." },
+    { "bending", SCENE_CHOICE, .at = CLOTH( bending ), .choices = BENDINGS, .constants = "WISP_CLOTH_BENDING_",
+      .help = "How cloth resists bending." },
     { "bend_stiffness", SCENE_NUMBER, .map = WISP_MAP_BEND_STIFFNESS, .at = CLOTH( bend_stiffness ),
       .range = UNIT_RANGE, .help = "Stiffness against bending, with `solver: pbd`." },
     { "bend_compliance", SCENE_NUMBER, .map = WISP_MAP_BEND_COMPLIANCE, .at = CLOTH( bend_compliance ),
@@ -89,7 +91,8 @@ static const scene_choice VOLUMES[] = { { "xpbd", "a gas, whose compliance follo
                                         { NULL, NULL } };
 
 static const scene_field BALLOON_FIELDS[] = {
-    { "solver", SCENE_CHOICE, .at = BALLOON( solver ), .choices = SOLVERS, .help = "Solver of the skin." },
+    { "solver", SCENE_CHOICE, .at = BALLOON( solver ), .choices = SOLVERS, .constants = "WISP_SOLVER_",
+      .help = "Solver of the skin." },
     { "edge_stiffness", SCENE_NUMBER, .at = BALLOON( edge_stiffness ), .range = RANGE( 1e-6, 1e12 ),
       .unit = STIFFNESSES, .help = "Stiffness of links along edges, with `solver: xpbd`." },
     { "bend_link_stiffness", SCENE_NUMBER, .at = BALLOON( bend_link_stiffness ), .range = RANGE( 1e-6, 1e12 ),
@@ -98,7 +101,8 @@ static const scene_field BALLOON_FIELDS[] = {
       .help = "Stiffness of links along edges, with `solver: pbd`." },
     { "bend_stiffness", SCENE_NUMBER, .at = BALLOON( bend_stiffness ), .range = UNIT_RANGE,
       .help = "Stiffness of bend links, with `solver: pbd`." },
-    { "volume", SCENE_CHOICE, .at = BALLOON( volume ), .choices = VOLUMES, .help = "How the volume is held." },
+    { "volume", SCENE_CHOICE, .at = BALLOON( volume ), .choices = VOLUMES, .constants = "WISP_SOLVER_",
+      .help = "How the volume is held." },
     { "volume_stiffness", SCENE_NUMBER, .at = BALLOON( volume_stiffness ), .range = RANGE( 1e-6, 1 ),
       .help = "Stiffness of the volume, with `volume: pbd`." },
     { "gas_ratio", SCENE_NUMBER, .at = BALLOON( gas_ratio ), .range = RANGE( 1e-3, 1e6 ),
@@ -160,7 +164,7 @@ static const scene_choice LINKS[] = {
 
 static const scene_field IMPLICIT_FIELDS[] = {
     { "stiffness_model", SCENE_CHOICE, .at = IMPLICIT( stiffness_model ), .choices = STIFFNESS_OF,
-      .help = "What a stiffness belongs to." },
+      .constants = "WISP_IMPLICIT_STIFFNESS_", .help = "What a stiffness belongs to." },
     { "stretch_stiffness", SCENE_NUMBER, .at = IMPLICIT( stretch_stiffness ), .range = ANY_STIFFNESS,
       .unit = STIFFNESSES, .help = "Stretch stiffness of a link, or of the material." },
     { "bend_stiffness", SCENE_NUMBER, .at = IMPLICIT( bend_stiffness ), .range = ANY_STIFFNESS,
@@ -172,9 +176,10 @@ static const scene_field IMPLICIT_FIELDS[] = {
       .help = "Slope of the force where a compressed link starts to bend; 0 takes `stretch_stiffness`." },
     { "link_damping", SCENE_NUMBER, .at = IMPLICIT( link_damping ), .range = ANY_STIFFNESS, .unit = LINK_DAMPINGS,
       .help = "Damping of a link." },
-    { "weights", SCENE_CHOICE, .at = IMPLICIT( weights ), .choices = WEIGHTS,
+    { "weights", SCENE_CHOICE, .at = IMPLICIT( weights ), .choices = WEIGHTS, .constants = "WISP_IMPLICIT_WEIGHTS_",
       .help = "Weight of the force of a neighbour." },
-    { "integrator", SCENE_CHOICE, .at = IMPLICIT( integrator ), .choices = INTEGRATORS, .help = "Time integration." },
+    { "integrator", SCENE_CHOICE, .at = IMPLICIT( integrator ), .choices = INTEGRATORS,
+      .constants = "WISP_INTEGRATOR_", .help = "Time integration." },
     { "newton_iterations", SCENE_WHOLE, .at = IMPLICIT( newton_iterations ), .range = RANGE( 1, 64 ),
       .help = "Linear solves of a substep." },
     { "max_newton_iterations", SCENE_WHOLE, .at = IMPLICIT( max_newton_iterations ), .range = RANGE( 1, 64 ),
@@ -231,7 +236,7 @@ static const scene_field COLLISION_FIELDS[] = {
     { "max_push_out_speed", SCENE_NUMBER, .at = COLLISION( max_push_out_speed ), .range = RANGE( 0, 1e6 ),
       .unit = SPEEDS, .help = "Speed at which a vertex that starts inside is moved out.",
       .initial = "ten mean edges per second" },
-    { "features", SCENE_CHOICE, .at = COLLISION( features ), .choices = FEATURES,
+    { "features", SCENE_CHOICE, .at = COLLISION( features ), .choices = FEATURES, .constants = "WISP_COLLISION_",
       .help = "What keeps the thickness from bodies. A plane needs no more than vertices." },
     { "mask", SCENE_CUSTOM, .at = COLLISION( mask ), .read = scene_read_layers,
       .help = "Numbers of the collider layers that stop it.", .form = "list of layers, 0 .. 31",
@@ -307,7 +312,7 @@ static const scene_field SURFACE_FIELDS[] = {
       .help = "Balloon: a closed skin filled with gas; not with `cloth`." },
     { "implicit", SCENE_BLOCK, .at = AT( has_implicit ), .block = &IMPLICIT_BLOCK,
       .help = "Cloth by an implicit solver; not with `cloth`, `balloon` or `strain_limit`." },
-    { "solve_order", SCENE_CHOICE, .at = AT( solve_order ), .choices = SWEEPS,
+    { "solve_order", SCENE_CHOICE, .at = AT( solve_order ), .choices = SWEEPS, .constants = "WISP_SOLVE_ORDER_",
       .help = "Order in which constraints are projected." },
     { "tile_size", SCENE_CUSTOM, .at = AT( tile_size ), .read = scene_read_tile_size,
       .help = "Number of vertices of a tile; 0 lets the engine choose.",

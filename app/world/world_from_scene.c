@@ -1,3 +1,4 @@
+#include "scene_calls.h"
 #include "world_from_scene_parts.h"
 
 #include "create.h"
@@ -152,9 +153,11 @@ static wisp_status place( scene_world* world, wisp_error* error )
 wisp_status scene_world_create( const wisp_scene* scene, const scene_world_options* options, scene_world* out,
                                 wisp_error* error )
 {
-    *out = ( scene_world ){
-        .scene = scene, .is_quiet = options->is_quiet, .log = options->log, .log_user = options->log_user
-    };
+    *out = ( scene_world ){ .scene = scene,
+                            .last_call = -1,
+                            .is_quiet = options->is_quiet,
+                            .log = options->log,
+                            .log_user = options->log_user };
 
     // One more than needed: an empty scene is valid, and an allocation of no bytes may return null.
     size_t count = (size_t)scene->strands_count + 1;
@@ -209,9 +212,12 @@ static wisp_status give_command( scene_world* world, const wisp_scene_hair_event
     }
     if ( status == WISP_OK && e->begin_stroke )
     {
+        scene_call_begin( world, "wisp_begin_frozen_hair_stroke", strands );
+        scene_call_end( world, "" );
         status = wisp_begin_frozen_hair_stroke( world->world, strands );
     }
-    return status == WISP_OK && e->has_cursor ? wisp_command_frozen_hair( world->world, strands, e->cursor ) : status;
+    return status == WISP_OK && e->has_cursor ? SCENE_CALL( world, wisp_command_frozen_hair, strands, e->cursor )
+                                              : status;
 }
 
 static wisp_status give_commands( scene_world* world, wisp_error* error )

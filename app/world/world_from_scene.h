@@ -8,6 +8,8 @@
 #include "wisp/fabric.h"
 #include "wisp/wisp.h"
 
+#include <stdio.h>
+
 enum
 {
     SCENE_MAX_MODULES = 32,
@@ -77,6 +79,8 @@ typedef struct scene_world
     scene_world_collider* colliders; ///< [collider_count]
     wisp_entity* seams;              ///< [seam_count]
     wisp_vec3* head_offsets;         ///< [strands_count] m, how far a user has dragged each head; null: none
+    FILE* calls;                     ///< receives the calls before steps, as C; null: nothing does
+    int last_call;                   ///< step of the last of them, -1: none yet
     int next_step;
     int next_command;
     int next_event;

@@ -1,4 +1,5 @@
 // What moves in the course of a scene.
+#include "scene_calls.h"
 #include "world_from_scene_parts.h"
 
 #include "gltf.h"
@@ -258,6 +259,9 @@ static wisp_status move_targets( scene_world* world, int surface, const wisp_vec
     {
         s->motion_targets[v] = displaced( displacement, s->target_pivot, points[v] );
     }
+    scene_call_begin( world, "wisp_move_motion_targets", s->entity );
+    scene_call_points( world, s->motion_targets, s->mesh.vertex_count );
+    scene_call_end( world, ", NULL" );
     return wisp_move_motion_targets( world->world, s->entity, s->motion_targets, NULL );
 }
 
@@ -265,7 +269,7 @@ static wisp_status move_frame( scene_world* world, int surface, wisp_transform d
 {
     const scene_world_surface* s = &world->surfaces[surface];
     const wisp_vec3 to = displaced( displacement, s->frame_pivot, s->frame_pivot );
-    return wisp_move_frame( world->world, s->entity, wisp_transform_make( displacement.rotation, to ) );
+    return SCENE_CALL( world, wisp_move_frame, s->entity, wisp_transform_make( displacement.rotation, to ) );
 }
 
 // ---- events ----
@@ -382,7 +386,7 @@ static wisp_status make_jumps( scene_world* world, wisp_entity entity, const wis
         if ( is_jump_due( world, &path->poses[i], t ) )
         {
             const wisp_transform motion = motion_between( pose_before( path, i, start ), path->poses[i].pose, pivot );
-            status = wisp_teleport( world->world, entity, motion, true );
+            status = SCENE_CALL_2( world, wisp_teleport, entity, motion, (bool)true );
         }
     }
     return status;
@@ -415,7 +419,7 @@ static wisp_status move_group( scene_world* world, int surface, int group, const
     {
         pins->targets[i] = target_of( pins, i, points, pose );
     }
-    return wisp_move_pins( world->world, s->entity, pins->vertices, pins->targets, pins->count );
+    return SCENE_CALL_POINTS( world, wisp_move_pins, s->entity, pins->vertices, pins->targets, pins->count );
 }
 
 static wisp_status follow_collider( scene_world* world, int collider, step_times t )
@@ -428,7 +432,7 @@ static wisp_status follow_collider( scene_world* world, int collider, step_times
         return status;
     }
     c->pose = pose_at_end( world, &entry->path, entry->def.pose, t );
-    return wisp_move_collider( world->world, c->entity, c->pose );
+    return SCENE_CALL( world, wisp_move_collider, c->entity, c->pose );
 }
 
 // ---- filling ----
@@ -473,7 +477,7 @@ static wisp_status follow_surface( scene_world* world, int surface, step_times t
     wisp_status status = WISP_OK;
     if ( is_filling( world, entry, t ) )
     {
-        status = wisp_set_balloon_gas_ratio( world->world, s->entity, fill_at( entry, t.end ) );
+        status = SCENE_CALL( world, wisp_set_balloon_gas_ratio, s->entity, fill_at( entry, t.end ) );
     }
     if ( status == WISP_OK && s->groups[0].is_held )
     {
@@ -521,7 +525,7 @@ static wisp_status follow_head( scene_world* world, int strands, step_times t )
         const wisp_vec3 from = scene_strand_frame_pivot( entry );
         const wisp_vec3 arm = { from.x - pivot.x, from.y - pivot.y, from.z - pivot.z };
         const wisp_transform frame = wisp_transform_make( pose.rotation, wisp_transform_to_world( pose, arm ) );
-        const wisp_status moved = wisp_move_frame( world->world, world->entities[strands], frame );
+        const wisp_status moved = SCENE_CALL( world, wisp_move_frame, world->entities[strands], frame );
         if ( moved != WISP_OK )
         {
             return moved;
@@ -530,7 +534,7 @@ static wisp_status follow_head( scene_world* world, int strands, step_times t )
     const wisp_vec3 turned = wisp_quat_rotate( pose.rotation, pivot );
     pose.translation =
         ( wisp_vec3 ){ pose.translation.x - turned.x, pose.translation.y - turned.y, pose.translation.z - turned.z };
-    return wisp_move_strand_head( world->world, world->entities[strands], pose );
+    return SCENE_CALL( world, wisp_move_strand_head, world->entities[strands], pose );
 }
 
 // Tips follow their path until they are released.
@@ -552,7 +556,7 @@ static wisp_status follow_tips( scene_world* world, int strands, step_times t )
     {
         if ( groom->offsets[i + 1] - groom->offsets[i] > 1 )
         {
-            status = wisp_move_strand_tip( world->world, world->entities[strands], i, pose );
+            status = SCENE_CALL_2( world, wisp_move_strand_tip, world->entities[strands], i, pose );
         }
     }
     return status;
@@ -569,7 +573,7 @@ static wisp_status follow_frame( scene_world* world, int strands, step_times t )
     const wisp_transform way = pose_at_end( world, &entry->frame_path, still, t );
     const wisp_vec3 from = scene_strand_frame_pivot( entry );
     const wisp_vec3 to = { from.x + way.translation.x, from.y + way.translation.y, from.z + way.translation.z };
-    return wisp_move_frame( world->world, world->entities[strands], wisp_transform_make( way.rotation, to ) );
+    return SCENE_CALL( world, wisp_move_frame, world->entities[strands], wisp_transform_make( way.rotation, to ) );
 }
 
 static wisp_status follow_heads( scene_world* world, step_times t, wisp_error* error )
@@ -615,15 +619,15 @@ static wisp_status play_gas( scene_world* world, const wisp_scene_event* e )
     wisp_status status = WISP_OK;
     if ( e->has_gas_ratio )
     {
-        status = wisp_set_balloon_gas_ratio( world->world, entity, e->gas_ratio );
+        status = SCENE_CALL( world, wisp_set_balloon_gas_ratio, entity, e->gas_ratio );
     }
     if ( status == WISP_OK && e->has_inflation_rate )
     {
-        status = wisp_set_balloon_inflation( world->world, entity, e->inflation_rate );
+        status = SCENE_CALL( world, wisp_set_balloon_inflation, entity, e->inflation_rate );
     }
     if ( status == WISP_OK && e->has_open )
     {
-        status = wisp_open_balloon( world->world, entity, e->open );
+        status = SCENE_CALL( world, wisp_open_balloon, entity, e->open );
     }
     return status;
 }
@@ -642,11 +646,11 @@ static wisp_status play_velocity( scene_world* world, const wisp_scene_event* e 
     wisp_status status = WISP_OK;
     if ( e->has_velocity || e->has_angular_velocity )
     {
-        status = wisp_set_velocity( world->world, entity, e->velocity, e->angular_velocity );
+        status = SCENE_CALL_2( world, wisp_set_velocity, entity, e->velocity, e->angular_velocity );
     }
     if ( status == WISP_OK && e->has_gust )
     {
-        status = wisp_apply_gust( world->world, entity, e->gust, e->gust_per_triangle );
+        status = SCENE_CALL_2( world, wisp_apply_gust, entity, e->gust, e->gust_per_triangle );
     }
     return status == WISP_OK && looks_back( entry ) ? scene_implicit_set( world, e->surface ) : status;
 }
@@ -662,7 +666,7 @@ static wisp_status hold_group( scene_world* world, int surface, int group )
         pose_at_end( world, &scene_pins_entry( &world->scene->surfaces[surface], group )->path, still, now );
     const float* x = wisp_world_column( world->world, s->entity, WISP_PARTICLE_POSITION, 0 );
     const wisp_vec3 offset = wisp_world_offset( world->world, s->entity );
-    const wisp_status status = wisp_pin( world->world, s->entity, pins->vertices, pins->count );
+    const wisp_status status = SCENE_CALL_VERTICES( world, wisp_pin, s->entity, pins->vertices, pins->count );
     for ( int i = 0; i < pins->count && pins->starts != NULL && status == WISP_OK; ++i )
     {
         const float* p = x + (size_t)s->fabric->vertex_slot[pins->vertices[i]] * 4;
@@ -711,7 +715,7 @@ static wisp_status pass_velocities( scene_world* world, int surface, int group )
         }
     }
     const wisp_status status =
-        wisp_set_vertex_velocities( world->world, s->entity, pins->vertices, places, pins->count );
+        SCENE_CALL_POINTS( world, wisp_set_vertex_velocities, s->entity, pins->vertices, places, pins->count );
     return status == WISP_OK && looks_back( &world->scene->surfaces[surface] ) ? scene_implicit_set( world, surface )
                                                                                : status;
 }
@@ -723,19 +727,18 @@ static wisp_status play_pins( scene_world* world, const wisp_scene_event* e, int
     if ( e->release )
     {
         const bool moves = pins->is_held && pins->targets != NULL && world->next_step > 0;
-        const wisp_status status = wisp_unpin( world->world, s->entity, pins->vertices, pins->count );
+        const wisp_status status = SCENE_CALL_VERTICES( world, wisp_unpin, s->entity, pins->vertices, pins->count );
         pins->is_held = false;
         return status == WISP_OK && moves ? pass_velocities( world, e->surface, group ) : status;
     }
     if ( e->attach_to >= 0 )
     {
         pins->is_held = true;
-        return wisp_attach_pins( world->world, s->entity, pins->vertices, pins->count,
-                                 world->surfaces[e->attach_to].entity );
+        return scene_attach_pins( world, e->surface, group, e->attach_to );
     }
     if ( e->detach )
     {
-        return wisp_detach_pins( world->world, s->entity, pins->vertices, pins->count );
+        return SCENE_CALL_VERTICES( world, wisp_detach_pins, s->entity, pins->vertices, pins->count );
     }
     return e->hold && !pins->is_held ? hold_group( world, e->surface, group ) : WISP_OK;
 }
@@ -757,7 +760,7 @@ static wisp_status play( scene_world* world, const wisp_scene_event* e )
     if ( e->strands >= 0 )
     {
         return status == WISP_OK && e->has_wind
-                   ? wisp_set_strand_wind( world->world, world->entities[e->strands], e->wind )
+                   ? SCENE_CALL( world, wisp_set_strand_wind, world->entities[e->strands], e->wind )
                    : status;
     }
     scene_world_surface* s = &world->surfaces[e->surface];
@@ -769,12 +772,12 @@ static wisp_status play( scene_world* world, const wisp_scene_event* e )
     }
     if ( status == WISP_OK && e->has_wind )
     {
-        status = wisp_set_cloth_wind( world->world, s->entity, e->wind );
+        status = SCENE_CALL( world, wisp_set_cloth_wind, s->entity, e->wind );
     }
     if ( status == WISP_OK && e->has_teleport )
     {
         const wisp_transform motion = { still.rotation, e->teleport };
-        status = wisp_teleport( world->world, s->entity, motion, true );
+        status = SCENE_CALL_2( world, wisp_teleport, s->entity, motion, (bool)true );
     }
     if ( status == WISP_OK && ( e->has_velocity || e->has_angular_velocity || e->has_gust ) )
     {

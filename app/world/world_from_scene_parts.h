@@ -74,6 +74,9 @@ wisp_status scene_tearing_prepare( scene_world* world, int surface, wisp_error* 
 wisp_status scene_tearing_set( scene_world* world, int surface, const float* factors );
 /// Read the triangles of surfaces that have torn in the last step.
 wisp_status scene_tearing_follow( scene_world* world, wisp_error* error );
+/// Pairs of a seam as numbered in the meshes. @param pairs [pair_count][2]
+wisp_status scene_seam_pairs( const scene_world* world, const wisp_scene_seam* entry, int32_t* pairs,
+                              wisp_error* error );
 /// Sew surfaces together. Call after all of them are added.
 wisp_status scene_seams_add( scene_world* world, wisp_error* error );
 wisp_status scene_colliders_add( scene_world* world, wisp_error* error );
@@ -96,6 +99,10 @@ wisp_status scene_outlet_find( const wisp_scene* scene, int surface, const wisp_
                                const wisp_mesh* mesh, wisp_balloon_def* out, wisp_error* error );
 
 // ---- before a step ----
+
+/// Write the call that attaches a group of pins to a surface, if there is one, and make it.
+void scene_tell_attachment( scene_world* world, int surface, int group, int to );
+wisp_status scene_attach_pins( scene_world* world, int surface, int group, int to );
 
 /// Hold the tips of all strands of an entry in one way.
 wisp_status scene_hold_tips( scene_world* world, int strands, wisp_strand_tip hold );

@@ -399,8 +399,8 @@ static int32_t find_vertex( const scene_world* world, int surface, int32_t numbe
     return vertex_of_number( &world->surfaces[source >= 0 ? source : surface].repairs, number );
 }
 
-static wisp_status find_pairs( const scene_world* world, const wisp_scene_seam* entry, int32_t* pairs,
-                               wisp_error* error )
+wisp_status scene_seam_pairs( const scene_world* world, const wisp_scene_seam* entry, int32_t* pairs,
+                              wisp_error* error )
 {
     for ( int i = 0; i < 2 * entry->pair_count; ++i )
     {
@@ -426,7 +426,7 @@ static wisp_status add_seam( scene_world* world, int seam, wisp_error* error )
     {
         return refuse_seam( world, entry, WISP_NO_MEMORY, "out of memory for its pairs", error );
     }
-    wisp_status status = find_pairs( world, entry, pairs, error );
+    wisp_status status = scene_seam_pairs( world, entry, pairs, error );
     if ( status == WISP_OK )
     {
         wisp_seam_def def = entry->def;

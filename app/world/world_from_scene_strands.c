@@ -1,4 +1,5 @@
 // Strands of a scene: their grooms read or generated and placed, and their effects.
+#include "scene_calls.h"
 #include "world_from_scene_parts.h"
 
 #include "wisp/module/module.h"
@@ -228,7 +229,7 @@ wisp_status scene_hold_tips( scene_world* world, int strands, wisp_strand_tip ho
     {
         if ( groom->offsets[i + 1] - groom->offsets[i] > 1 ) // a root alone has no tip
         {
-            status = wisp_hold_strand_tip( world->world, world->entities[strands], i, hold );
+            status = SCENE_CALL_2( world, wisp_hold_strand_tip, world->entities[strands], i, hold );
         }
     }
     return status;

@@ -1,5 +1,6 @@
 // Surfaces of a scene: meshes read or generated, fabrics cooked with exactly the data that their effects need,
 // effects set.
+#include "scene_calls.h"
 #include "world_from_scene_parts.h"
 
 #include "wisp/module/module.h"
@@ -452,6 +453,28 @@ static wisp_status count_vertices( const scene_world* world, int surface, int64_
     return SCENE_FAIL_AT( world->scene, surfaces, surface, "surface", WISP_BAD_INPUT, message, error );
 }
 
+void scene_tell_attachment( scene_world* world, int surface, int group, int to )
+{
+    const scene_world_surface* s = &world->surfaces[surface];
+    const scene_world_pins* pins = &s->groups[group];
+    if ( to >= 0 )
+    {
+        scene_call_begin( world, "wisp_attach_pins", s->entity );
+        scene_call_vertices( world, pins->vertices, pins->count );
+        scene_call_value( world, c_whole( pins->count ) );
+        scene_call_entity( world, world->surfaces[to].entity );
+        scene_call_end( world, "" );
+    }
+}
+
+wisp_status scene_attach_pins( scene_world* world, int surface, int group, int to )
+{
+    const scene_world_surface* s = &world->surfaces[surface];
+    const scene_world_pins* pins = &s->groups[group];
+    scene_tell_attachment( world, surface, group, to );
+    return wisp_attach_pins( world->world, s->entity, pins->vertices, pins->count, world->surfaces[to].entity );
+}
+
 // What needs other surfaces: they all exist by now.
 static wisp_status connect( scene_world* world, int surface, wisp_error* error )
 {
@@ -461,10 +484,7 @@ static wisp_status connect( scene_world* world, int surface, wisp_error* error )
     for ( int g = 0; g < s->group_count && status == WISP_OK; ++g )
     {
         const int to = scene_pins_entry( entry, g )->attached_to;
-        const scene_world_pins* pins = &s->groups[g];
-        status = to < 0 ? WISP_OK
-                        : wisp_attach_pins( world->world, s->entity, pins->vertices, pins->count,
-                                            world->surfaces[to].entity );
+        status = to < 0 ? WISP_OK : scene_attach_pins( world, surface, g, to );
     }
     if ( status == WISP_OK && entry->has_collider )
     {

@@ -15,7 +15,8 @@
 //   shaking head: 0.37 of a segment, now 0.08). A depth of more than one thickness counts as a start inside.
 // - Friction is Coulomb's for the sum of the pushes of the substep, of a vertex. Strands that are pushed take
 //   turns with their lengths, so that friction feels their tension: a rope over a rod holds. Turns start with pushes and
-//   friction of the last substep, and may take back what a body has pushed, never more.
+//   friction of the last substep, and may take back what a body has pushed, never more, however far the vertex is by then: taken
+//   back only near a mesh, four substeps held a rope from 1.28 of the critical friction on, not from 1.13 (`wisp validate capstan`).
 // - A push comes last, so lengths may end too long: on a rope of 1.3 m by 0.02 % with 10 substeps, 0.1 % with 4.
 // - The nearest face decides. A strand put right through a box, whose ends have different nearest faces, stays
 //   speared. Vertices near a sharp edge creep by 0.02 of the thickness per substep.
@@ -188,15 +189,14 @@ typedef struct strand_sum
     float reach; // m, at which the body acts
 } strand_sum;
 
-// @param path of the point in the substep, m: what gives back is as near as it was pushed and went
-static strand_sum sum_of( const strand_loop* loop, const collision_view* view, const strand_point* q, float path )
+static strand_sum sum_of( const strand_loop* loop, const collision_view* view, const wisp_strand_contact_args* sums,
+                          size_t i )
 {
-    const float sum = q->sums->normal_correction[q->i];
-    const bool is_held = sum > 0.0f, is_own = q->sums->body[q->i] == number_of( loop, view );
-    const bool starts = q->sums->starts && is_own && sum < 0.0f, gives = q->sums->gives_back && is_own && is_held;
+    const float sum = sums->normal_correction[i];
+    const bool is_held = sum > 0.0f, is_own = sums->body[i] == number_of( loop, view );
+    const bool starts = sums->starts && is_own && sum < 0.0f, gives = sums->gives_back && is_own && is_held;
     const float least = starts || gives ? -sum : 0.0f;
-    return ( strand_sum ){ sum,    is_held, is_own,
-                           starts, least,   view->thickness + ( gives ? fminf( sum, path ) : least ) };
+    return ( strand_sum ){ sum, is_held, is_own, starts, least, gives ? INFINITY : view->thickness + least };
 }
 
 // Keep a point a thickness away from a plane. @param start m, distance from the plane at the start of the substep
@@ -248,7 +248,7 @@ static void push_vertex( strand_loop* loop, const collision_view* view, int row,
                                  .weight = { 1.0f },
                                  .part = { 1.0f },
                                  .factor = 1.0f };
-    const strand_sum s = sum_of( loop, view, &point, path );
+    const strand_sum s = sum_of( loop, view, point.sums, point.i );
     if ( now < s.reach )
     {
         const float start = collision_start_gap( view, &plane, from, carried, false, seed ) + view->thickness;
@@ -265,6 +265,7 @@ static bool has_strand_tracks( const strand_loop* loop, const collision_view* vi
 typedef struct strand_row
 {
     float from[3][WISP_LANES], to[3][WISP_LANES]; // m, in its frame
+    float path[WISP_LANES];                       // m
     float near[WISP_LANES];                       // m, what comes this near to `to` in the substep counts
     bool moves[WISP_LANES];
 } strand_row;
@@ -297,7 +298,9 @@ static void load_row( const strand_loop* loop, const collision_view* view, int r
     for ( int l = 0; l < WISP_LANES; ++l )
     {
         const float x = r->to[0][l] - r->from[0][l], y = r->to[1][l] - r->from[1][l], z = r->to[2][l] - r->from[2][l];
-        r->near[l] = view->thickness + sqrtf( x * x + y * y + z * z );
+        r->path[l] = sqrtf( x * x + y * y + z * z );
+        r->near[l] = fmaxf( view->thickness + r->path[l],
+                            sum_of( loop, view, &loop->args, (size_t)row * WISP_LANES + (size_t)l ).reach );
         r->moves[l] = inverse_mass[l] > 0.0f;
     }
 }
@@ -347,7 +350,7 @@ static void push_tracked_row( strand_loop* loop, const collision_view* view, int
     {
         const int l = lanes[i];
         const wisp_vec3 to = lane_of( r.to, l );
-        const float ahead = COLLISION_MARGIN * ( r.near[l] - view->thickness ) * (float)loop->substeps_left;
+        const float ahead = COLLISION_MARGIN * r.path[l] * (float)loop->substeps_left;
         const collision_tracked_query query = { to, r.near[l] + shift, r.near[l], ahead };
         collision_track track = { t.triangle[l], t.free[l], collision_load_lane( t.origin + l ) };
         wisp_surface_point nearest;
@@ -522,7 +525,7 @@ static void push_segment( const strand_loop* loop, const collision_view* view, i
         strand_point q = point_between( loop, row, lane, meetings[m].deepest.weights );
         const wisp_vec3 p = wisp_transform_to_local( view->after, place_of( &q, loop->args.position ) );
         const float now = wisp_v3_dot( plane->normal, wisp_v3_sub( p, plane->point ) );
-        const strand_sum s = sum_of( loop, view, &q, path.displacement );
+        const strand_sum s = sum_of( loop, view, q.sums, q.i );
         if ( now < s.reach )
         {
             const float start = collision_meeting_gap( view, &path, &meetings[m] ) + view->thickness;

@@ -21,18 +21,23 @@ enum
 
 // ---- the list ----
 
-static bool reserve_pairs( const contact_work* work, contact_cluster_pairs* pairs, size_t count )
+static bool reserve_list( const contact_work* work, int turn, size_t most, contact_cluster_pairs* pairs )
 {
-    contact_cached_bounds* b = work->contact_mesh->bounds;
-    const size_t begins = (size_t)work->contact_mesh->clusters->count + 1, most = count + WISP_SLICE,
-                 index = sizeof( int32_t );
-    const size_t blocks = most / PAIRS_PER_BLOCK + 1;
-    wisp_buffer* const list = b->buffers + b->turn;
+    const size_t begins = (size_t)work->contact_mesh->clusters->count + 1, index = sizeof( int32_t );
+    wisp_buffer* const list = work->contact_mesh->bounds->buffers + turn;
     return contact_reserve( work, list + CONTACT_BOUND_BEGIN, begins * index, (void**)&pairs->begin ) &&
            contact_reserve( work, list + CONTACT_BOUND_CLUSTER, most * index, (void**)&pairs->cluster ) &&
            contact_reserve( work, list + CONTACT_BOUND_OTHER, most * index, (void**)&pairs->other ) &&
            contact_reserve( work, list + CONTACT_BOUND_SLACK, most * sizeof( float ), (void**)&pairs->slack ) &&
-           contact_reserve( work, list + CONTACT_BOUND_LIST, most * sizeof( *pairs->list ), (void**)&pairs->list ) &&
+           contact_reserve( work, list + CONTACT_BOUND_LIST, most * sizeof( *pairs->list ), (void**)&pairs->list );
+}
+
+// Both lists get the same room, so that repeated steps ask for no memory, whichever list is in turn.
+static bool reserve_pairs( const contact_work* work, size_t count )
+{
+    contact_cached_bounds* b = work->contact_mesh->bounds;
+    const size_t most = count + WISP_SLICE, index = sizeof( int32_t ), blocks = most / PAIRS_PER_BLOCK + 1;
+    return reserve_list( work, b->turn, most, b->pairs ) && reserve_list( work, 1 - b->turn, most, b->pairs + 1 ) &&
            contact_reserve( work, b->buffers + CONTACT_BOUND_ACTIVE, most * index, (void**)&b->active ) &&
            contact_reserve( work, b->buffers + CONTACT_BOUND_SEARCHED, most * index, (void**)&b->searched ) &&
            contact_reserve( work, b->buffers + CONTACT_BOUND_ACTIVE_COUNT, blocks * index, (void**)&b->active_count );
@@ -109,7 +114,7 @@ bool contact_list_cluster_pairs( const contact_work* work, const wisp_aabb_pairs
     s->bounds->pairs[1] = known;
     s->bounds->turn = 1 - s->bounds->turn;
     contact_cluster_pairs* pairs = s->bounds->pairs;
-    if ( reserve_pairs( work, pairs, found->pair_count + (size_t)s->clusters->count ) == false )
+    if ( reserve_pairs( work, found->pair_count + (size_t)s->clusters->count ) == false )
     {
         return false;
     }

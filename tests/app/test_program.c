@@ -494,7 +494,9 @@ TEST( info_refuses_what_it_does_not_know_or_cannot_trust )
 {
     write_text( "other.txt", "a letter\n" );
     assert_refused( "info other.txt", "unknown kind of file, expected a groom" );
-    assert_refused( "info --host vain.yaml", "vain.yaml:1: got 'seams', which --host does not print" );
+    write_text( "quads.yaml", "wisp: 1\nsurfaces:\n  - { name: a, generate: { shape: plane, columns: 3, rows: 3 }, "
+                              "implicit: { stiffness_model: link, links: quad } }\n" );
+    assert_refused( "info --host quads.yaml", "quads.yaml:3: got 'implicit.links', which --host does not print" );
     write_text( "cut.hair", "HAIR" );
     assert_refused( "info cut.hair", "cut.hair" );
     write_text( "result.json", "{\"wisp_results\":1,\"machine\":{},\"build\":{},\"rows\":[{}]}" );

@@ -151,7 +151,10 @@ done
 
 # ---- the C of scenes ----
 
-for scene in scenes/{solids,chain_links,hair_on_balloon,balloon_under_cloth} suites/scenes/effects/{contact,collision,membrane,implicit_cloth}; do
+# Each effect alone, effects together, and what is told before steps: pins, bodies and heads that move, and events.
+for scene in scenes/{solids,chain_links,hair_on_balloon,cloth_on_ball,flag,seams,tearing,grippers,head_shake,walking_head,frozen_2d,frozen_and_thawed,pear_jet,needle} \
+    suites/scenes/bits/{bodies,crowd,layers,meeting,needles,seams,skins,sleep,walk} $(cd "$source_tree/data" && printf '%s ' suites/scenes/effects/*.yaml); do
+    scene=${scene%.yaml}
     "$wisp" info --host "$source_tree/data/$scene.yaml" >"$folder/scene.c" || fail "wisp info --host $scene"
     build_and_run "${scene##*/}" "$folder/scene.c"
     diff <(sed -n 's/^hash *//p' "$folder/shared.txt") <("$wisp" run "$source_tree/data/$scene.yaml" 2>/dev/null | sed -n 's/^hash *//p') ||

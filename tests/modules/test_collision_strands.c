@@ -3,6 +3,7 @@
 #include "collision_fixture.h"
 
 #include "strands.h"
+#include "wisp/generate.h"
 
 static const float DT = 1.0f / 60.0f;
 static const float SEGMENT = 0.01f;
@@ -47,6 +48,23 @@ static wisp_strand_dynamics_def damped_hair( void )
     return def;
 }
 
+static wisp_entity add_strands_of( wisp_world* world, test_strands* s, const wisp_strand_dynamics_def* dynamics )
+{
+    wisp_strands_def def = test_strands_def( s );
+    wisp_entity e;
+    assert_int_equal( wisp_add_strands( world, &def, &e ), WISP_OK );
+    test_strands_free( s );
+    wisp_collision_def collision = wisp_default_collision_def();
+    if ( wisp_set_strand_dynamics( world, e, dynamics ) != WISP_OK ||
+         wisp_set_collision( world, e, &collision ) != WISP_OK )
+    {
+        fail_msg( "no hair: %s", wisp_world_message( world ) );
+    }
+    assert_int_equal( wisp_request( world, e, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request_collision_stats( world, e, true ), WISP_OK );
+    return e;
+}
+
 // Straight strands that move and collide, from `roots` along `directions`, a centimetre per segment.
 static wisp_entity add_hair( wisp_world* world, const wisp_vec3* roots, const wisp_vec3* directions, int count,
                              int vertices, const wisp_strand_dynamics_def* dynamics )
@@ -58,19 +76,7 @@ static wisp_entity add_hair( wisp_world* world, const wisp_vec3* roots, const wi
         const float t = SEGMENT * (float)( i % vertices );
         s.points[i] = ( wisp_vec3 ){ r.x + t * d.x, r.y + t * d.y, r.z + t * d.z };
     }
-    wisp_strands_def def = test_strands_def( &s );
-    wisp_entity e;
-    assert_int_equal( wisp_add_strands( world, &def, &e ), WISP_OK );
-    test_strands_free( &s );
-    wisp_collision_def collision = wisp_default_collision_def();
-    if ( wisp_set_strand_dynamics( world, e, dynamics ) != WISP_OK ||
-         wisp_set_collision( world, e, &collision ) != WISP_OK )
-    {
-        fail_msg( "no hair: %s", wisp_world_message( world ) );
-    }
-    assert_int_equal( wisp_request( world, e, WISP_STRAND_POINTS ), WISP_OK );
-    assert_int_equal( wisp_request_collision_stats( world, e, true ), WISP_OK );
-    return e;
+    return add_strands_of( world, &s, dynamics );
 }
 
 // Twenty strands side by side, level, that fall over a body at the origin.
@@ -242,6 +248,53 @@ TEST( friction_holds_a_strand_below_its_angle_alone )
     assert_near( downhill( 5.0 * DEGREE, 0.5f ), 0.0, 1e-5 );
     assert_true( downhill( 29.0 * DEGREE, 0.5f ) > 0.05 );
     assert_true( downhill( 5.0 * DEGREE, 0.0f ) > 0.05 );
+}
+
+// A rope over a rod, with four fifths of what hangs on one side, by few substeps. @return how far its heavy end sinks in two seconds, m
+static double sinks( bool is_mesh, float mu )
+{
+    enum
+    {
+        VERTICES = 67
+    };
+    static wisp_vec3 points[WISP_CAPSULE_VERTICES( 400, 1, 1 )];
+    static int32_t triangles[WISP_CAPSULE_TRIANGLES( 400, 1, 1 )][3];
+    hosted* h = new_hair_world( ( hair_world ){ 4, 1, 1, NULL } );
+    wisp_collider_def rod = small_body( is_mesh ? WISP_COLLIDER_MESH : WISP_COLLIDER_CAPSULE );
+    rod.pose.rotation = ( wisp_quat ){ sqrtf( 0.5f ), 0.0f, 0.0f, sqrtf( 0.5f ) };
+    rod.static_friction = rod.kinetic_friction = mu;
+    rod.points = points, rod.point_count = WISP_COUNT( points );
+    rod.triangles = &triangles[0][0], rod.triangle_count = WISP_COUNT( triangles );
+    assert_int_equal( wisp_generate_capsule( 400, 1, 1, 0.1f, 0.2f, points, &triangles[0][0], NULL ), WISP_OK );
+    add_collider( h->world, &rod );
+    test_strands rope = test_strands_of( 1, VERTICES );
+    const double arc = 0.101 * M_PI;
+    for ( int i = 0; i < VERTICES; ++i )
+    {
+        const double s = ( 1.0 + arc ) * i / ( VERTICES - 1 ) - 0.2, on = fmin( fmax( s, 0.0 ), arc );
+        const double below = fmax( -s, 0.0 ) + fmax( s - arc, 0.0 );
+        rope.points[i] = ( wisp_vec3 ){ (float)( -0.101 * cos( on / 0.101 ) ),
+                                        (float)( 0.101 * sin( on / 0.101 ) - below ), 0.0f };
+    }
+    wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
+    dynamics.bending = WISP_STRAND_BEND_NONE;
+    dynamics.free_roots = true;
+    const wisp_entity e = add_strands_of( h->world, &rope, &dynamics );
+    int count;
+    run_for( h->world, DT, 60 );
+    const float before = points_of( h->world, e, &count )[VERTICES - 1].y;
+    run_for( h->world, DT, 120 );
+    const double sunk = (double)( before - points_of( h->world, e, &count )[VERTICES - 1].y );
+    free_colliding( h );
+    return sunk;
+}
+
+// Pushes that a mesh takes back less of than a closed form brake the rope less, by 0.05 of 6.2 m.
+TEST( a_rope_slides_over_a_mesh_and_sticks_to_it_as_to_the_closed_form )
+{
+    assert_near( sinks( true, 0.38f ), sinks( false, 0.38f ), 0.015 );
+    assert_near( sinks( true, 0.44f ), 0.0, 5e-4 );
+    assert_near( sinks( false, 0.44f ), 0.0, 5e-4 );
 }
 
 // ---- bodies that move ----

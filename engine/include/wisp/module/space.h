@@ -74,7 +74,7 @@ WISP_API void wisp_neighbours_release( wisp_neighbours* neighbours, const wisp_a
 /// @return bytes that it holds
 WISP_API size_t wisp_neighbours_bytes( const wisp_neighbours* neighbours );
 
-/// Make room; the contents may be lost. @return false without memory: the buffer is as it was
+/// Make room; the contents stay. @return false without memory: the buffer is as it was
 WISP_API bool wisp_buffer_reserve( wisp_buffer* buffer, const wisp_allocator* allocator, size_t bytes );
 WISP_API void wisp_buffer_release( wisp_buffer* buffer, const wisp_allocator* allocator );
 /// @return bytes of some buffers
