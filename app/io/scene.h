@@ -37,7 +37,7 @@ extern "C"
 #define WISP_SCENE_VERSION 1
 #define WISP_SCENE_MAX_STRANDS 10000 ///< entries of the list `strands`
 #define WISP_SCENE_MAX_SURFACES 10000
-#define WISP_SCENE_MAX_COLLIDERS 1000
+#define WISP_SCENE_MAX_COLLIDERS 10000
 #define WISP_SCENE_MAX_SEAMS 10000
 #define WISP_SCENE_MAX_VERTICES ( 1 << 24 ) ///< of all surfaces together
 #define WISP_SCENE_MAX_PIN_GROUPS 256       ///< of a surface

@@ -23,6 +23,7 @@
 //   ns on a closed form, 3 ns away from all bodies.
 #include "body_queries.h"
 #include "collision_passes.h"
+#include "near_bodies.h"
 #include "primitive_contacts.h"
 #include "reaction.h"
 
@@ -748,8 +749,10 @@ void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* us
         loop.sums = collision_reaction_sums( frame, span->entity, state, loop.group );
         kernels->strand_contact_begin( &loop.args, loop.group, span->iteration == 0, &loop.reach );
         const bool moves = loop.reach.lower.x <= loop.reach.upper.x;
+        const float across = wisp_v3_length( wisp_v3_sub( loop.reach.upper, loop.reach.lower ) );
         collision_view view;
-        for ( int next = 0; moves && collision_next( frame, span, state, &next, &view ); )
+        collision_walk walk = collision_begin_walk( state, span->entity, loop.reach.lower, loop.reach.upper );
+        while ( moves && collision_walk_on( frame, span, state, &walk, across, &view ) )
         {
             push_strand_group( frame, &loop, &view, loop.sums != NULL ? loop.sums[view.body - state->bodies] : NULL );
         }

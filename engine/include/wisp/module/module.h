@@ -298,6 +298,8 @@ typedef struct wisp_state_hooks
     /// A step has run all of its passes. Entities and their topology may change here, and what the host must not do in a step may
     /// not be called.
     wisp_status ( *stepped )( void* state, wisp_world* world );
+    /// Passes of the stage INPUT have run, substeps begin. On the calling thread; may write nothing but the state itself.
+    void ( *begun )( void* state, wisp_frame* frame, const wisp_allocator* allocator );
     /// The plan was made anew: tell what now has no effect (wisp_world_tell()).
     void ( *planned )( const void* state, wisp_world* world );
     /// Count what the state points to, for wisp_world_memory_parts().
