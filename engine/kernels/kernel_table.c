@@ -20,6 +20,7 @@ const wisp_kernels LANE_JOIN( kernels_, WISP_KERNEL_ISA ) = {
     .instances_load = KERNEL( instances_load ),
     .instances_store = KERNEL( instances_store ),
     .instances_advance = KERNEL( instances_advance ),
+    .instances_air = KERNEL( instances_air ),
     .instances_rigid_sums = KERNEL( instances_rigid_sums ),
     .instances_rigid_approach = KERNEL( instances_rigid_approach ),
     .instances_find_lost = KERNEL( instances_find_lost ),

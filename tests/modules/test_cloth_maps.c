@@ -421,7 +421,8 @@ typedef struct crowd_case
     const char* isa;
     bool apart;  // no batches
     bool limp;   // stiffness of one that does not bend
-    bool windy;  // air and internal damping, each its own: only links run side by side
+    bool windy;  // air and internal damping, each its own
+    bool mapped; // drag by a map besides: only links run side by side
     bool damped; // internal damping alone, each its own, and some without pins
 } crowd_case;
 
@@ -459,6 +460,15 @@ static wisp_entity add_instance( crowd* c, wisp_fabric* fabric, const test_mesh*
     assert_status( world, wisp_set_gravity( world, e, ( wisp_vec3 ){ 0.1f * (float)i, -9.81f, 0.0f } ), WISP_OK );
     assert_status( world, wisp_set_damping( world, e, i >= DAMPED ? 0.1f * (float)i : 0.0f ), WISP_OK );
     assert_status( world, wisp_request( world, e, WISP_SURFACE_POINTS ), WISP_OK );
+    float factors[SIDE * SIDE];
+    for ( int v = 0; v < SIDE * SIDE; ++v )
+    {
+        factors[v] = 0.01f * (float)( v + i );
+    }
+    if ( how->mapped )
+    {
+        assert_status( world, wisp_set_map( world, e, WISP_MAP_DRAG, factors, SIDE * SIDE ), WISP_OK );
+    }
     return e;
 }
 
@@ -562,6 +572,8 @@ TEST( cloths_side_by_side_have_the_bits_that_each_has_alone )
         { .solver = WISP_SOLVER_PBD, .workers = 2, .windy = true },
         { .solver = WISP_SOLVER_XPBD, .workers = 1, .isa = "avx2", .windy = true },
         { .solver = WISP_SOLVER_PBD, .workers = 1, .limp = true, .windy = true },
+        { .solver = WISP_SOLVER_PBD, .workers = 2, .windy = true, .mapped = true },
+        { .solver = WISP_SOLVER_XPBD, .workers = 1, .isa = "baseline", .windy = true, .mapped = true },
         { .solver = WISP_SOLVER_PBD, .workers = 2, .damped = true },
         { .solver = WISP_SOLVER_XPBD, .workers = 1, .isa = "baseline", .damped = true },
         { .solver = WISP_SOLVER_XPBD, .workers = 1, .isa = "avx2", .damped = true },
@@ -614,6 +626,7 @@ TEST( folds_are_found_and_opened )
 {
     check_folds( &( crowd_case ){ .solver = WISP_SOLVER_XPBD, .workers = 1 } );
     check_folds( &( crowd_case ){ .solver = WISP_SOLVER_XPBD, .workers = 1, .windy = true } );
+    check_folds( &( crowd_case ){ .solver = WISP_SOLVER_XPBD, .workers = 1, .windy = true, .mapped = true } );
 }
 
 static void check_times( const crowd_case* how )
@@ -637,4 +650,5 @@ TEST( the_times_of_passes_add_up_to_most_of_a_step )
     check_times( &( crowd_case ){ .solver = WISP_SOLVER_PBD, .workers = 1 } );
     check_times( &( crowd_case ){ .solver = WISP_SOLVER_PBD, .workers = 1, .windy = true } );
     check_times( &( crowd_case ){ .solver = WISP_SOLVER_PBD, .workers = 1, .damped = true } );
+    check_times( &( crowd_case ){ .solver = WISP_SOLVER_PBD, .workers = 1, .windy = true, .mapped = true } );
 }

@@ -213,6 +213,7 @@ typedef struct wisp_kernels
     /// The end of a substep, as `velocity` and damping; the begin of the next one, as `accelerate` and `predict`.
     /// @return bits of lanes that do not end with finite numbers; 0 if a substep begins
     uint32_t ( *instances_advance )( const wisp_instances_args* args, bool ends, bool begins );
+    void ( *instances_air )( const wisp_instances_args* args, const wisp_instances_air_args* air ); ///< as `ring_air`
     /// As `rigid_sums` and `rigid_approach`, a surface a lane. @param rigid, sums [lane] all but positions and velocities
     void ( *instances_rigid_sums )( const wisp_instances_args* args, const wisp_rigid_args* rigid, int begin, int end,
                                     wisp_rigid_sums* sums );
