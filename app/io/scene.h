@@ -371,10 +371,11 @@ extern "C"
     {
         const char* name;
         int line, column;
-        wisp_collider_def def; ///< without the arrays of a mesh
-        wisp_scene_mesh mesh;  ///< of a mesh, or of a convex body
-        wisp_scene_path path;  ///< where it is
-        bool request_reaction; ///< what participants give it
+        wisp_collider_def def;    ///< without the arrays of a mesh
+        wisp_scene_mesh mesh;     ///< of a mesh, or of a convex body
+        wisp_scene_path path;     ///< where it is
+        wisp_scene_copies copies; ///< those are entries of their own at the end of the list
+        bool request_reaction;    ///< what participants give it
     } wisp_scene_collider;
 
     // ---- seams ----

@@ -1,5 +1,5 @@
 // Instances of one fabric side by side: up to sixteen surfaces, one per lane. A fraction of the time of single small
-// surfaces (bench case "scenes", crowds), with the same bits. Surfaces may differ in all but their stiffness. Those that have
+// surfaces (bench case "scenes", crowds), with the same bits. Surfaces may differ in all but their stiffness. Those that have only
 // passes that can run for a crowd (wisp_pass.run_crowd) make all substeps in one go. Else the links run side by side in each
 // substep, and the rest surface by surface.
 #include "passes_common.h"
