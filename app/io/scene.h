@@ -37,7 +37,7 @@ extern "C"
 #define WISP_SCENE_VERSION 1
 #define WISP_SCENE_MAX_STRANDS 10000 ///< entries of the list `strands`
 #define WISP_SCENE_MAX_SURFACES 10000
-#define WISP_SCENE_MAX_COLLIDERS 1000
+#define WISP_SCENE_MAX_COLLIDERS 10000
 #define WISP_SCENE_MAX_SEAMS 10000
 #define WISP_SCENE_MAX_VERTICES ( 1 << 24 ) ///< of all surfaces together
 #define WISP_SCENE_MAX_PIN_GROUPS 256       ///< of a surface
@@ -371,10 +371,11 @@ extern "C"
     {
         const char* name;
         int line, column;
-        wisp_collider_def def; ///< without the arrays of a mesh
-        wisp_scene_mesh mesh;  ///< of a mesh, or of a convex body
-        wisp_scene_path path;  ///< where it is
-        bool request_reaction; ///< what participants give it
+        wisp_collider_def def;    ///< without the arrays of a mesh
+        wisp_scene_mesh mesh;     ///< of a mesh, or of a convex body
+        wisp_scene_path path;     ///< where it is
+        wisp_scene_copies copies; ///< those are entries of their own at the end of the list
+        bool request_reaction;    ///< what participants give it
     } wisp_scene_collider;
 
     // ---- seams ----

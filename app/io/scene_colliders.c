@@ -1,6 +1,5 @@
 // Colliders: a table for each shape, so that a size that the shape does not have is refused as unknown.
-#include "scene_parts.h"
-#include "scene_ranges.h"
+#include "scene_copies.h"
 
 #include <stddef.h>
 
@@ -19,6 +18,9 @@ static const scene_choice SHAPES[] = { { "plane", "everything below y = 0 of its
 static const scene_choice WORDS[] = { { "reaction", "force that surfaces and strands exert on it" }, { NULL, NULL } };
 
 // The rotation stands before the keyframes, the first of which takes it over unless it has its own.
+static const scene_field COPIES_FIELDS[] = { SCENE_COPIES_FIELDS( wisp_scene_collider ) };
+static const scene_block COPIES_BLOCK = { COPIES_FIELDS, WISP_COUNT( COPIES_FIELDS ) };
+
 #define COMMON_FIELDS                                                                                                \
     { "name",                                                                                                        \
       SCENE_CUSTOM,                                                                                                  \
@@ -61,6 +63,8 @@ static const scene_choice WORDS[] = { { "reaction", "force that surfaces and str
           .form = "list of layers, 0 .. 31",                                                                         \
           .initial = "[0]",                                                                                          \
           .help = "Layers; `collision.mask` chooses among them." },                                                  \
+        { "copies", SCENE_BLOCK, .block = &COPIES_BLOCK,                                                             \
+          .help = "Makes several entries of this one, in a grid, as of a surface; they move as it does." },          \
     {                                                                                                                \
         "compute", SCENE_CUSTOM, .at = AT( request_reaction ), .read = scene_read_collider_request,                  \
                                  .choices = WORDS, .form = "list of words", .initial = "none",                       \
@@ -262,6 +266,7 @@ wisp_scene_collider scene_default_collider( void )
 {
     return ( wisp_scene_collider ){
         .def = wisp_default_collider_def(),
+        .copies = { .count = 1 },
         .mesh = { .generator = wisp_default_mesh_generator( WISP_MESH_PLANE_REGULAR ), .scale = 1.0f },
     };
 }

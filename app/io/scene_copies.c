@@ -239,8 +239,66 @@ static wisp_status copy_strands( scene_reader* r )
     return WISP_OK;
 }
 
+// ---- colliders ----
+
+static wisp_status copy_collider( scene_reader* r, const wisp_scene_collider* from, int k, wisp_scene_collider* out )
+{
+    const wisp_vec3 by = shift_of( &from->copies, k );
+    *out = *from;
+    out->name = name_copy( r, from->name, k + 1 );
+    wisp_scene_pose* poses = scene_take( r->scene, (size_t)from->path.count + 1, sizeof *poses );
+    if ( !out->name || !poses )
+    {
+        return scene_no_memory( r );
+    }
+    for ( int i = 0; i < from->path.count; ++i )
+    {
+        poses[i] = from->path.poses[i];
+        poses[i].pose.translation = moved( poses[i].pose.translation, by );
+    }
+    out->path.poses = poses;
+    out->def.pose.translation = moved( from->def.pose.translation, by );
+    return check_name( r, out->name, out->line, out->column, "colliders" );
+}
+
+static wisp_status copy_colliders( scene_reader* r )
+{
+    wisp_scene* scene = r->scene;
+    int64_t sum = 0;
+    int count = scene->collider_count;
+    for ( int i = 0; i < count; ++i )
+    {
+        const wisp_scene_collider* c = &scene->colliders[i];
+        sum += c->copies.count;
+        if ( sum > WISP_SCENE_MAX_COLLIDERS )
+        {
+            return scene_refuse( r->source, c->line, c->column, "colliders",
+                                 "got %lld entries with this one's copies, expected at most %d", (long long)sum,
+                                 WISP_SCENE_MAX_COLLIDERS );
+        }
+    }
+    wisp_scene_collider* all = sum > count ? scene_take( scene, (size_t)sum, sizeof *all ) : scene->colliders;
+    if ( !all || sum == count )
+    {
+        return all || sum == count ? WISP_OK : scene_no_memory( r );
+    }
+    memcpy( all, scene->colliders, (size_t)count * sizeof *all );
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < scene->collider_count; ++i )
+    {
+        for ( int k = 1; k < all[i].copies.count && !status; ++k )
+        {
+            status = copy_collider( r, &all[i], k, &all[count++] );
+        }
+    }
+    scene->colliders = all;
+    scene->collider_count = status ? scene->collider_count : count;
+    return status;
+}
+
 wisp_status scene_make_copies( scene_reader* r )
 {
-    const wisp_status status = copy_surfaces( r );
-    return status ? status : copy_strands( r );
+    wisp_status status = copy_surfaces( r );
+    status = status ? status : copy_strands( r );
+    return status ? status : copy_colliders( r );
 }

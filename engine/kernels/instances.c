@@ -16,8 +16,9 @@ enum
 
 // ---- columns to lanes and back ----
 
-void KERNEL( instances_load )( const wisp_instances_args* args )
+uint32_t KERNEL( instances_load )( const wisp_instances_args* args )
 {
+    uint32_t pinned = 0;
     for ( int slot = 0; slot < args->slot_count; ++slot )
     {
         lane8 low[4], high[4];
@@ -27,6 +28,10 @@ void KERNEL( instances_load )( const wisp_instances_args* args )
         for ( int k = 0; k < 4; ++k )
         {
             lane16_store( args->position + (size_t)slot * ROW + k * LANES, lane16_join( low[k], high[k] ) );
+        }
+        if ( args->area[slot] > 0.0f )
+        {
+            pinned |= lane16m_bits( lane16_eq( lane16_join( low[3], high[3] ), lane16_zero() ) );
         }
         if ( args->velocity == NULL )
         {
@@ -40,6 +45,7 @@ void KERNEL( instances_load )( const wisp_instances_args* args )
             lane16_store( args->velocity + (size_t)slot * VECTOR + k * LANES, lane16_join( low[k], high[k] ) );
         }
     }
+    return pinned;
 }
 
 // Writes rows of one slot to those of eight lanes that are selected.
@@ -167,19 +173,148 @@ uint32_t KERNEL( instances_advance )( const wisp_instances_args* args, bool ends
     return ends && begins ? advance( *args, change, true, true ) : advance( *args, change, ends, begins );
 }
 
+// ---- damping towards rigid motion, as in rigid.c ----
+
+enum
+{
+    PART = 256, // slots that are summed in floats
+    SUMS = 16,  // numbers of wisp_rigid_sums
+    EIGHTS = 8, // sums side by side of rigid.c
+};
+
+// What rigid.c has of a surface, a surface a lane.
+typedef struct rigid_lanes
+{
+    lane16v origin, drift, turning;
+    lane16 inverse_mass, fraction;
+} rigid_lanes;
+
+LANE_INLINE rigid_lanes rigid_of( const wisp_rigid_args* rigid )
+{
+    _Alignas( 64 ) float rows[11][LANES];
+    for ( int lane = 0; lane < LANES; ++lane )
+    {
+        const wisp_rigid_args* r = rigid + lane;
+        const float all[11] = { r->origin.x,
+                                r->origin.y,
+                                r->origin.z,
+                                r->linear_velocity.x,
+                                r->linear_velocity.y,
+                                r->linear_velocity.z,
+                                r->angular_velocity.x,
+                                r->angular_velocity.y,
+                                r->angular_velocity.z,
+                                r->inverse_mass,
+                                r->fraction };
+        for ( int k = 0; k < 11; ++k )
+        {
+            rows[k][lane] = all[k];
+        }
+    }
+    return ( rigid_lanes ){ lane16v_load( rows[0] ), lane16v_load( rows[3] ), lane16v_load( rows[6] ),
+                            lane16_load( rows[9] ), lane16_load( rows[10] ) };
+}
+
+LANE_INLINE void add_to( lane16* sum, lane16 term )
+{
+    *sum = lane16_add( *sum, term );
+}
+
+LANE_INLINE void add_vector( lane16 sum[3], lane16v term )
+{
+    add_to( sum, term.x );
+    add_to( sum + 1, term.y );
+    add_to( sum + 2, term.z );
+}
+
+// Each eighth slot from the first one on.
+LANE_INLINE void sum_slots( const wisp_instances_args* args, const rigid_lanes* rigid, int first, int end,
+                            lane16 sums[SUMS] )
+{
+    for ( int k = 0; k < SUMS; ++k )
+    {
+        sums[k] = lane16_zero();
+    }
+    for ( int slot = first; slot < end; slot += EIGHTS )
+    {
+        const float* row = args->position + (size_t)slot * ROW;
+        const lane16 inverse_mass = lane16_load( row + 3 * LANES ), zero = lane16_zero();
+        const lane16 mass =
+            lane16_select( lane16_gt( inverse_mass, zero ), lane16_div( rigid->inverse_mass, inverse_mass ), zero );
+        const lane16v r = lane16v_sub( lane16v_load( row ), rigid->origin ), heavy = lane16v_scale( r, mass ),
+                      u = lane16v_sub( lane16v_load( args->velocity + (size_t)slot * VECTOR ), rigid->drift );
+        add_to( sums, mass );
+        add_vector( sums + 1, heavy );
+        add_vector( sums + 4, lane16v_scale( u, mass ) );
+        add_vector( sums + 7, lane16v_cross( heavy, u ) );
+        add_vector( sums + 10, ( lane16v ){ lane16_mul( heavy.x, r.x ), lane16_mul( heavy.y, r.y ),
+                                            lane16_mul( heavy.z, r.z ) } );
+        add_vector( sums + 13, ( lane16v ){ lane16_mul( heavy.x, r.y ), lane16_mul( heavy.x, r.z ),
+                                            lane16_mul( heavy.y, r.z ) } );
+    }
+}
+
+// Adds to doubles [sum][lane].
+LANE_INLINE void add_doubles( double* total, const double* term )
+{
+    for ( int i = 0; i < SUMS * LANES; ++i )
+    {
+        total[i] += term[i];
+    }
+}
+
+void KERNEL( instances_rigid_sums )( const wisp_instances_args* args, const wisp_rigid_args* rigid, int begin,
+                                     int end, wisp_rigid_sums* sums )
+{
+    const rigid_lanes lanes = rigid_of( rigid );
+    double total[SUMS * LANES] = { 0.0 };
+    for ( int part = begin; part < end; part += PART )
+    {
+        double of_part[SUMS * LANES] = { 0.0 };
+        const int behind = end - part < PART ? end : part + PART;
+        for ( int first = part; first < part + EIGHTS; ++first )
+        {
+            lane16 terms[SUMS];
+            sum_slots( args, &lanes, first, behind, terms );
+            for ( int k = 0; k < SUMS; ++k )
+            {
+                float each[LANES];
+                lane16_storeu( each, terms[k] );
+                for ( int lane = 0; lane < LANES; ++lane )
+                {
+                    of_part[k * LANES + lane] += (double)each[lane];
+                }
+            }
+        }
+        add_doubles( total, of_part );
+    }
+    for ( int lane = 0; lane < LANES; ++lane )
+    {
+        double own[SUMS];
+        for ( int k = 0; k < SUMS; ++k )
+        {
+            own[k] = total[k * LANES + lane];
+        }
+        memcpy( sums + lane, own, sizeof( own ) );
+    }
+}
+
+void KERNEL( instances_rigid_approach )( const wisp_instances_args* args, const wisp_rigid_args* rigid )
+{
+    const rigid_lanes lanes = rigid_of( rigid );
+    for ( int slot = 0; slot < args->slot_count; ++slot )
+    {
+        const float* row = args->position + (size_t)slot * ROW;
+        float* velocity = args->velocity + (size_t)slot * VECTOR;
+        const lane16v old = lane16v_load( velocity ), at = lane16v_sub( lane16v_load( row ), lanes.origin );
+        const lane16v motion = lane16v_add( lanes.drift, lane16v_cross( lanes.turning, at ) );
+        const lane16v nearer = lane16v_mul_add( old, lanes.fraction, lane16v_sub( motion, old ) );
+        const lane16m free = lane16_gt( lane16_load( row + 3 * LANES ), lane16_zero() );
+        lane16v_store( velocity, lane16v_select( free, nearer, old ) );
+    }
+}
+
 // ---- links ----
-
-LANE_INLINE lane16v load_point( const float* row )
-{
-    return ( lane16v ){ lane16_load( row ), lane16_load( row + LANES ), lane16_load( row + 2 * LANES ) };
-}
-
-LANE_INLINE void store_point( float* row, lane16v p )
-{
-    lane16_store( row, p.x );
-    lane16_store( row + LANES, p.y );
-    lane16_store( row + 2 * LANES, p.z );
-}
 
 // The dummy particle of a tile, which pads its groups, is moved once, by nothing, as in link.c: that makes 0 of -0.
 LANE_INLINE uint32_t project( const wisp_instances_args mine, bool compliant, bool folds )
@@ -199,7 +334,7 @@ LANE_INLINE uint32_t project( const wisp_instances_args mine, bool compliant, bo
         }
         float *row_a = mine.position + (size_t)mine.a_x4[link] * LANES,
               *row_b = mine.position + (size_t)mine.b_x4[link] * LANES;
-        const lane16v a = load_point( row_a ), b = load_point( row_b );
+        const lane16v a = lane16v_load( row_a ), b = lane16v_load( row_b );
         const lane16 weight_a = lane16_load( row_a + 3 * LANES ), weight_b = lane16_load( row_b + 3 * LANES );
         const lane16v along = lane16v_sub( a, b );
         const lane16 squared = lane16v_dot( along, along ), length = lane16_sqrt( squared );
@@ -217,8 +352,8 @@ LANE_INLINE uint32_t project( const wisp_instances_args mine, bool compliant, bo
         const lane16 denominator = lane16_max( lane16_mul( squared, weight ), least );
         const lane16 step = lane16_mul( error, lane16_mul( length, lane16_div( fraction, denominator ) ) );
         const lane16v move = lane16v_scale( along, step );
-        store_point( row_a, lane16v_sub( a, lane16v_scale( move, weight_a ) ) );
-        store_point( row_b, lane16v_add( b, lane16v_scale( move, weight_b ) ) );
+        lane16v_store( row_a, lane16v_sub( a, lane16v_scale( move, weight_a ) ) );
+        lane16v_store( row_b, lane16v_add( b, lane16v_scale( move, weight_b ) ) );
         if ( folds && mine.constraint[link] >= mine.edge_count )
         {
             folded |= lane16m_bits( lane16_lt( lane16_add( length, length ), rest ) );

@@ -32,9 +32,13 @@ void KERNEL( link_pbd )( const wisp_link_args* args, int begin, int end );
 void KERNEL( link_xpbd )( const wisp_link_args* args, int begin, int end );
 double KERNEL( link_virial )( const wisp_link_args* args, float edge_stiffness, float bend_stiffness, int begin,
                               int end );
-void KERNEL( instances_load )( const wisp_instances_args* args );
+uint32_t KERNEL( instances_load )( const wisp_instances_args* args );
 void KERNEL( instances_store )( const wisp_instances_args* args, uint32_t lanes );
 uint32_t KERNEL( instances_advance )( const wisp_instances_args* args, bool ends, bool begins );
+void KERNEL( instances_air )( const wisp_instances_args* args, const wisp_instances_air_args* air );
+void KERNEL( instances_rigid_sums )( const wisp_instances_args* args, const wisp_rigid_args* rigid, int begin,
+                                     int end, wisp_rigid_sums* sums );
+void KERNEL( instances_rigid_approach )( const wisp_instances_args* args, const wisp_rigid_args* rigid );
 uint32_t KERNEL( instances_find_lost )( const wisp_instances_args* args );
 uint32_t KERNEL( instances_link )( const wisp_instances_args* args, bool folds );
 void KERNEL( link_limit )( const wisp_link_args* args, int begin, int end );

@@ -7,63 +7,13 @@
 // forces of its triangles over its ring: no scatter, and sums are in ring order.
 #include "kernel_isa.h"
 
-typedef struct air_lanes
-{
-    lane8v wind;
-    lane8 drag, lift, rate; // factors of the sums, of C_d, C_l and both
-} air_lanes;
+#define LANE_P lane8
+#include "air_text.h"
+#undef LANE_P
 
-// Sums over the triangles of a vertex, without the factors of air_lanes.
-typedef struct air_sum
-{
-    lane8v drag, lift;
-    lane8 flow; // m^3/s, the rate of drag
-} air_sum;
-
-// Adds one triangle. With c = 2 A n, a triangle of any area has 2 A |u . n| = |c . u| and the lift
-//
-//   2 A |u . n| ( |u| n' - (u . n') / |u| u ) = (c . u) / (|c| |u|) ( |u|^2 c - (c . u) u )
-//
-// so drag needs no root, and lift one root and one division. Here u is three times the relative wind. Triangles with
-// a corner that is not finite add nothing.
-LANE_INLINE void add_triangle( lane8v c, lane8v u, bool lifts, air_sum* sum )
-{
-    const lane8 one = lane8_set1( 1.0f ), zero = lane8_zero();
-    lane8 uu = lane8v_dot( u, u ), squares = lane8_mul( lane8v_dot( c, c ), uu );
-    const lane8m finite = lane8_le( squares, lane8_set1( FLT_MAX ) );
-    if ( lane8m_all( finite ) == false ) // hardly ever
-    {
-        const lane8v nothing = { zero, zero, zero };
-        c = lane8v_select( finite, c, nothing );
-        u = lane8v_select( finite, u, nothing );
-        uu = lane8_select( finite, uu, zero );
-        squares = lane8_select( finite, squares, zero );
-    }
-    const lane8 through = lane8v_dot( c, u ), flow = lane8_abs( through );
-    sum->drag = lane8v_mul_add( sum->drag, flow, u );
-    sum->flow = lane8_add( sum->flow, flow );
-    if ( lifts )
-    {
-        const lane8m flows = lane8_ge( squares, lane8_set1( FLT_MIN ) );
-        squares = lane8_select( flows, squares, one );
-        const lane8 cosine = lane8_mul( lane8_div( through, squares ), lane8_sqrt( squares ) ); // side by side
-        const lane8v across = lane8v_sub( lane8v_scale( c, uu ), lane8v_scale( u, through ) );
-        sum->lift = lane8v_mul_add( sum->lift, cosine, across );
-    }
-}
-
-// Lift is perpendicular to the relative wind and does no work in its frame. An explicit step across a velocity lengthens it all the
-// same, by the square of the step, which makes a light vertex faster and faster: take that square out of the relative speed.
-LANE_INLINE lane8v keep_energy( const air_lanes* air, lane8v velocity, lane8v step )
-{
-    const lane8 zero = lane8_zero();
-    const lane8v relative = lane8v_sub( velocity, air->wind );
-    const lane8 square = lane8v_dot( relative, relative );
-    const lane8m moves = lane8_lt( zero, square );
-    const lane8 left = lane8_max( lane8_sub( square, lane8v_dot( step, step ) ), zero );
-    const lane8 kept = lane8_sqrt( lane8_div( left, lane8_select( moves, square, lane8_set1( 1.0f ) ) ) );
-    return lane8v_add( air->wind, lane8v_scale( relative, kept ) );
-}
+#define LANE_P lane16
+#include "air_text.h"
+#undef LANE_P
 
 // A corner of a triangle next to a vertex.
 typedef struct air_corner
@@ -83,30 +33,30 @@ LANE_INLINE air_corner load_corner( const wisp_ring_air_args* args, lane8v point
 }
 
 // @param own three times the wind without the velocity of the vertex
-LANE_INLINE air_sum walk_ring( const wisp_ring_air_args* args, int slice, lane8v point, lane8v own, bool lifts )
+LANE_INLINE lane8_air_sum walk_ring( const wisp_ring_air_args* args, int slice, lane8v point, lane8v own, bool lifts )
 {
     const lane8v nothing = { lane8_zero(), lane8_zero(), lane8_zero() };
     const int begin = args->ring_begin[slice], end = args->ring_begin[slice + 1];
-    air_sum sum = { nothing, nothing, lane8_zero() };
+    lane8_air_sum sum = { nothing, nothing, lane8_zero() };
     air_corner last = begin < end ? load_corner( args, point, begin ) : ( air_corner ){ nothing, nothing };
     for ( int e = begin + 1; e < end; ++e )
     {
         const air_corner next = load_corner( args, point, e );
         const lane8v u = lane8v_sub( lane8v_sub( own, last.velocity ), next.velocity );
-        add_triangle( lane8v_cross( last.edge, next.edge ), u, lifts, &sum );
+        lane8_add_triangle( lane8v_cross( last.edge, next.edge ), u, lifts, &sum );
         last = next;
     }
     return sum;
 }
 
 // Factors of the vertices of a slice.
-LANE_INLINE air_lanes scale_air( const wisp_ring_air_args* args, const air_lanes* all, int slice )
+LANE_INLINE lane8_air scale_air( const wisp_ring_air_args* args, const lane8_air* all, int slice )
 {
     const lane8 one = lane8_set1( 1.0f );
     const lane8 drag = args->drag_factor != NULL ? lane8_loadu( args->drag_factor + (size_t)slice * 8 ) : one;
     const lane8 lift = args->lift_factor != NULL ? lane8_loadu( args->lift_factor + (size_t)slice * 8 ) : one;
     const lane8 once = lane8_set1( args->density / 36.0f );
-    air_lanes air = *all;
+    lane8_air air = *all;
     air.drag = lane8_mul( drag, air.drag );
     air.lift = lane8_mul( lift, air.lift );
     air.rate = lane8_mul(
@@ -114,36 +64,25 @@ LANE_INLINE air_lanes scale_air( const wisp_ring_air_args* args, const air_lanes
     return air;
 }
 
-// Applies the force. Explicit drag can reverse the velocity of a light vertex in one step; a factor implicit in the
-// rate keeps it below the wind's.
 // @param mapped vertices have factors of the coefficients
 LANE_INLINE void blow( const wisp_ring_air_args* args, int begin, int end, bool lifts, bool mapped )
 {
-    const lane8 one = lane8_set1( 1.0f ), zero = lane8_zero(), dt = lane8_set1( args->dt );
+    const lane8 dt = lane8_set1( args->dt );
+    const lane8m every = lane8_le( dt, dt );
     // a third of 1/2 rho, of sums with twice the area and with three times the wind, squared or once
     const float twice = args->density / 108.0f, once = args->density / 36.0f;
-    const air_lanes all = { lane8v_set1( args->wind ), lane8_set1( twice * args->drag ),
+    const lane8_air all = { lane8v_set1( args->wind ), lane8_set1( twice * args->drag ),
                             lane8_set1( twice * args->lift ), lane8_set1( once * ( args->drag + args->lift ) ) };
     const lane8v wind_x3 = lane8v_scale( all.wind, lane8_set1( 3.0f ) );
     for ( int slice = begin; slice < end; ++slice )
     {
-        const air_lanes air = mapped ? scale_air( args, &all, slice ) : all;
+        const lane8_air air = mapped ? scale_air( args, &all, slice ) : all;
         lane8v point, old;
         lane8 weight, rest;
         lane8_load_xyzw_contiguous( args->position + (size_t)slice * 32, &point.x, &point.y, &point.z, &weight );
         lane8_load_xyzw_contiguous( args->old_velocity + (size_t)slice * 32, &old.x, &old.y, &old.z, &rest );
-        const air_sum sum = walk_ring( args, slice, point, lane8v_sub( wind_x3, old ), lifts );
-        const lane8m moves = lane8_lt( zero, weight );
-        const lane8 reach = lane8_select( moves, lane8_mul( dt, weight ), zero );
-        const lane8 change =
-            lane8_div( reach, lane8_add( one, lane8_mul( reach, lane8_mul( air.rate, sum.flow ) ) ) );
-        lane8v blown = lane8v_mul_add( old, lane8_mul( change, air.drag ), sum.drag );
-        if ( lifts )
-        {
-            const lane8v step = lane8v_scale( sum.lift, lane8_mul( change, air.lift ) );
-            blown = keep_energy( &air, lane8v_add( blown, step ), step );
-        }
-        const lane8v new_velocity = lane8v_select( moves, blown, old );
+        const lane8_air_sum sum = walk_ring( args, slice, point, lane8v_sub( wind_x3, old ), lifts );
+        const lane8v new_velocity = lane8_blow( &air, old, weight, dt, &sum, lifts, every );
         lane8_store_xyzw_contiguous( args->velocity + (size_t)slice * 32, new_velocity.x, new_velocity.y,
                                      new_velocity.z, rest );
     }
@@ -164,4 +103,75 @@ void KERNEL( ring_air )( const wisp_ring_air_args* args, int begin, int end )
     {
         blow( args, begin, end, false, false );
     }
+}
+
+// ---- instances side by side ----
+
+enum
+{
+    LANES = WISP_INSTANCE_LANES,
+    ROW = 4 * LANES,
+    VECTOR = 3 * LANES,
+};
+
+// Walk the fan of a vertex. Its padding repeats the last neighbour, whose triangles would add nothing.
+LANE_INLINE lane16_air_sum walk_fan( const wisp_instances_air_args* air, const wisp_instances_args* args, int slot,
+                                     lane16v own, bool lifts )
+{
+    const lane16v nothing = { lane16_zero(), lane16_zero(), lane16_zero() };
+    const int begin = air->ring_begin[slot / 8], end = air->ring_begin[slot / 8 + 1];
+    lane16_air_sum sum = { nothing, nothing, lane16_zero() };
+    const lane16v point = lane16v_load( args->position + (size_t)slot * ROW );
+    lane16v last_edge = nothing, last_velocity = nothing;
+    for ( int e = begin; e < end; ++e )
+    {
+        const int32_t x4 = air->ring_x4[e][slot % 8];
+        if ( e > begin && x4 == air->ring_x4[e - 1][slot % 8] )
+        {
+            continue;
+        }
+        const lane16v edge = lane16v_sub( lane16v_load( args->position + (size_t)x4 * LANES ), point ),
+                      velocity = lane16v_load( air->old_velocity + (size_t)( x4 / 4 ) * VECTOR );
+        if ( e > begin )
+        {
+            const lane16v u = lane16v_sub( lane16v_sub( own, last_velocity ), velocity );
+            lane16_add_triangle( lane16v_cross( last_edge, edge ), u, lifts, &sum );
+        }
+        last_edge = edge;
+        last_velocity = velocity;
+    }
+    return sum;
+}
+
+LANE_INLINE void blow_instances( const wisp_instances_air_args* air, const wisp_instances_args* args, bool lifts )
+{
+    const lane16 dt = lane16_set1( args->dt ), density = lane16_loadu( air->density ),
+                 drag = lane16_loadu( air->drag ), lift = lane16_loadu( air->lift );
+    const lane16 twice = lane16_div( density, lane16_set1( 108.0f ) ),
+                 once = lane16_div( density, lane16_set1( 36.0f ) );
+    const lane16_air all = { { lane16_loadu( air->wind ), lane16_loadu( air->wind + LANES ),
+                               lane16_loadu( air->wind + 2 * LANES ) },
+                             lane16_mul( twice, drag ),
+                             lane16_mul( twice, lift ),
+                             lane16_mul( once, lane16_add( drag, lift ) ) };
+    const lane16m lifting = lane16_lt( lane16_zero(), lift );
+    const lane16v wind_x3 = lane16v_scale( all.wind, lane16_set1( 3.0f ) );
+    for ( int slot = 0; slot < args->slot_count; ++slot )
+    {
+        const lane16v old = lane16v_load( air->old_velocity + (size_t)slot * VECTOR );
+        const lane16 weight = lane16_load( args->position + (size_t)slot * ROW + 3 * LANES );
+        const lane16_air_sum sum = walk_fan( air, args, slot, lane16v_sub( wind_x3, old ), lifts );
+        lane16v_store( args->velocity + (size_t)slot * VECTOR,
+                       lane16_blow( &all, old, weight, dt, &sum, lifts, lifting ) );
+    }
+}
+
+void KERNEL( instances_air )( const wisp_instances_args* args, const wisp_instances_air_args* air )
+{
+    bool lifts = false;
+    for ( int lane = 0; lane < LANES; ++lane )
+    {
+        lifts = lifts || air->lift[lane] > 0.0f;
+    }
+    lifts ? blow_instances( air, args, true ) : blow_instances( air, args, false );
 }

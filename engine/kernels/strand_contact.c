@@ -42,6 +42,7 @@ typedef struct contact_body
     wisp_vec3 fallback;
     contact_pose before, after;
     lane16 thickness, shallow, recovery, static_friction, kinetic_friction;
+    lane16 ball; // m, of a ball about the origin of its frame that holds it; infinite for a plane
 } contact_body;
 
 typedef struct contact_surface
@@ -55,6 +56,25 @@ static contact_pose spread_pose( wisp_transform pose )
     const wisp_quat q = pose.rotation;
     return ( contact_pose ){ lane16v_set1( ( wisp_vec3 ){ q.x, q.y, q.z } ), lane16_set1( q.w ),
                              lane16v_set1( pose.translation ) };
+}
+
+static float ball_around( const wisp_shape* s )
+{
+    const float radius = s->top_radius > s->bottom_radius ? s->top_radius : s->bottom_radius;
+    const wisp_vec3 h = s->half_extent;
+    switch ( s->kind )
+    {
+        case WISP_SHAPE_SPHERE:
+            return s->radius;
+        case WISP_SHAPE_CAPSULE:
+            return s->radius + s->half_length;
+        case WISP_SHAPE_BOX:
+            return h.x + h.y + h.z;
+        case WISP_SHAPE_TAPERED_CAPSULE:
+            return radius + s->half_length;
+        default:
+            return INFINITY;
+    }
 }
 
 static contact_body spread_body( const wisp_strand_contact_args* args )
@@ -78,6 +98,7 @@ static contact_body spread_body( const wisp_strand_contact_args* args )
         .recovery = lane16_set1( args->max_push_out ),
         .static_friction = lane16_set1( args->static_friction ),
         .kinetic_friction = lane16_set1( args->kinetic_friction ),
+        .ball = lane16_set1( ball_around( &args->shape ) ),
     };
 }
 
@@ -226,11 +247,27 @@ static lane16v surface_motion( const contact_body* body, lane16v local, const co
     return lane16v_sub( to_world( &body->after, point ), to_world( &body->before, point ) );
 }
 
+// Return whether no vertex of a row is within reach of a ball around the body: before anything is turned into its frame.
+static bool is_beyond( const wisp_strand_contact_args* args, const contact_body* body, lane16v p, lane16 sum )
+{
+    const lane16 zero = lane16_zero(), far = lane16_set1( args->gives_back ? INFINITY : 0.0f );
+    const lane16 least = args->starts ? lane16_max( lane16_neg( sum ), zero ) : zero;
+    const lane16 reach = lane16_add( body->thickness, lane16_select( lane16_gt( sum, zero ), far, least ) );
+    const lane16v d = lane16v_sub( p, body->after.place );
+    const lane16 limit = lane16_add( reach, body->ball ), rounded = lane16_mul( lane16_set1( 1.0001f ), limit );
+    return lane16m_all( lane16_gt( lane16v_dot( d, d ), lane16_mul( rounded, limit ) ) );
+}
+
 static void touch_row( const wisp_strand_contact_args* args, const contact_body* body, size_t row )
 {
     float *at = args->position + row * STRIDE, *from = args->previous + row * STRIDE;
-    float *normal_sum = args->normal_correction + row * WISP_LANES,
-          *remaining = args->remaining_depth + row * WISP_LANES, *numbers = args->body + row * WISP_LANES;
+    float* normal_sum = args->normal_correction + row * WISP_LANES;
+    const lane16v p = lane16v_load( at );
+    if ( is_beyond( args, body, p, lane16_load( normal_sum ) ) )
+    {
+        return;
+    }
+    float *remaining = args->remaining_depth + row * WISP_LANES, *numbers = args->body + row * WISP_LANES;
     lane16 zero = lane16_zero(), sum = lane16_load( normal_sum ), held = lane16_max( sum, zero );
     lane16 number = lane16_load( numbers ), own = lane16_set1( args->body_number );
     lane16m is_held = lane16_gt( sum, zero ), is_own = lane16_eq( number, own );
@@ -239,7 +276,6 @@ static void touch_row( const wisp_strand_contact_args* args, const contact_body*
     lane16m gives = lane16m_and( lane16m_first( args->gives_back ? WISP_LANES : 0 ), lane16m_and( is_own, is_held ) );
     lane16 least = lane16_select( lane16m_or( starts, gives ), lane16_neg( sum ), zero );
     lane16 reach = lane16_select( gives, lane16_set1( INFINITY ), lane16_add( body->thickness, least ) );
-    lane16v p = lane16v_load( at );
     lane16v local = to_body( &body->after, p );
     const contact_surface s = closest( body, local );
     lane16m moves = lane16_gt( lane16_load( args->inverse_mass + row * WISP_LANES ), zero );

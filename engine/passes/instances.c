@@ -1,6 +1,6 @@
 // Instances of one fabric side by side: up to sixteen surfaces, one per lane. A fraction of the time of single small
-// surfaces (bench case "scenes", crowds), with the same bits. Surfaces may differ in all but their stiffness. Those that have
-// links alone make all substeps in one go. Where there is air, collision or bending too, the links run side by side in each
+// surfaces (bench case "scenes", crowds), with the same bits. Surfaces may differ in all but their stiffness. Those that have only
+// passes that can run for a crowd (wisp_pass.run_crowd) make all substeps in one go. Else the links run side by side in each
 // substep, and the rest surface by surface.
 #include "passes_common.h"
 
@@ -152,6 +152,7 @@ static void set_links( instances* all, wisp_frame* frame, wisp_entity first, con
     const wisp_fabric* fabric = wisp_frame_fabric( frame, first );
     wisp_instances_args* args = &all->args;
     args->slot_count = fabric->slot_count;
+    args->area = fabric->area;
     args->link_count = fabric->link_order.slot_count;
     args->constraint = fabric->link_order.constraint;
     args->a_x4 = fabric->link_a_x4;
@@ -216,22 +217,49 @@ static uint32_t lanes_to_search( instances* all )
     return lanes;
 }
 
-static void run_substeps( instances* all, const wisp_frame* frame, wisp_entity first )
+// End a substep, begin the next one, or both in one sweep where nothing comes in between.
+static void advance( instances* all, wisp_frame* frame, const wisp_crowd* crowd, wisp_span* span, int substeps )
 {
+    const bool ends = span->substep > 0, begins = span->substep < substeps;
+    const unsigned stages = wisp_frame_crowd_stages( frame, crowd->entities[0] );
+    const bool apart = ends && ( stages & ( 1u << WISP_STAGE_VELOCITY | 1u << WISP_STAGE_FORCE ) ) != 0;
     double now = wisp_clock_seconds();
-    for ( int substep = 0; substep < wisp_frame_substeps( frame, first ); ++substep )
+    if ( apart )
     {
-        all->kernels->instances_advance( &all->args, substep > 0, true );
-        move_instance_pins( all, wisp_frame_progress_left( frame, first, substep ) );
-        const double moved = wisp_clock_seconds();
+        all->left |= all->kernels->instances_advance( &all->args, true, false );
+        span->substep -= 1;
+        all->moving += wisp_clock_seconds() - now;
+        wisp_frame_run_crowd( frame, WISP_STAGE_VELOCITY, crowd, span );
+        span->substep += 1;
+    }
+    if ( begins )
+    {
+        wisp_frame_run_crowd( frame, WISP_STAGE_FORCE, crowd, span );
+    }
+    now = wisp_clock_seconds();
+    if ( begins || apart == false )
+    {
+        all->left |= all->kernels->instances_advance( &all->args, ends && apart == false, begins );
+    }
+    all->moving += wisp_clock_seconds() - now;
+}
+
+static void run_substeps( instances* all, wisp_frame* frame, const wisp_crowd* crowd, wisp_span span )
+{
+    const wisp_entity first = crowd->entities[0];
+    const int substeps = wisp_frame_substeps( frame, first );
+    for ( span.substep = 0; span.substep < substeps; ++span.substep )
+    {
+        advance( all, frame, crowd, &span, substeps );
+        double now = wisp_clock_seconds();
+        move_instance_pins( all, wisp_frame_progress_left( frame, first, span.substep ) );
+        all->moving += wisp_clock_seconds() - now;
+        now = wisp_clock_seconds();
         const uint32_t searched = lanes_to_search( all );
         all->left |= all->kernels->instances_link( &all->args, searched != 0 ) & searched;
-        all->moving += moved - now;
-        now = wisp_clock_seconds();
-        all->solving += now - moved;
+        all->solving += wisp_clock_seconds() - now;
     }
-    all->left |= all->kernels->instances_advance( &all->args, true, false );
-    all->moving += wisp_clock_seconds() - now;
+    advance( all, frame, crowd, &span, substeps );
 }
 
 static void divide_seconds( const instances* all, double* seconds )
@@ -275,8 +303,13 @@ static uint32_t run_instances( wisp_frame* frame, const wisp_entity* entities, i
         return every;
     }
     set_particles( &all, frame, entities );
-    all.kernels->instances_load( &all.args );
-    run_substeps( &all, frame, entities[0] );
+    wisp_entity lanes[LANES];
+    for ( int lane = 0; lane < LANES; ++lane )
+    {
+        lanes[lane] = entities[lane < count ? lane : 0];
+    }
+    all.args.pinned = all.kernels->instances_load( &all.args );
+    run_substeps( &all, frame, &( wisp_crowd ){ &all.args, lanes, count }, span );
     store( &all, frame, entities );
     divide_seconds( &all, seconds );
     return all.left & every;

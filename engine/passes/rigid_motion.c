@@ -17,6 +17,12 @@ typedef struct rigid_loop
     wisp_rigid_sums* sums; // [block]
 } rigid_loop;
 
+static int block_of( int slots )
+{
+    const int most = ( slots / MAX_BLOCKS + 8 ) / 8 * 8; // whole lanes
+    return most > MIN_BLOCK ? most : MIN_BLOCK;
+}
+
 static int end_of( const rigid_loop* loop, int block )
 {
     const int end = ( block + 1 ) * loop->block;
@@ -33,28 +39,21 @@ static void sum_blocks( void* context, int begin, int end, int worker )
     }
 }
 
-// Sum the blocks in their order.
-static wisp_rigid_sums add_up( const rigid_loop* loop, int blocks )
+static void add_sums( wisp_rigid_sums* all, const wisp_rigid_sums* s )
 {
-    wisp_rigid_sums all = { 0 };
-    for ( int b = 0; b < blocks; ++b )
+    all->mass += s->mass;
+    for ( int k = 0; k < 3; ++k )
     {
-        const wisp_rigid_sums* s = loop->sums + b;
-        all.mass += s->mass;
-        for ( int k = 0; k < 3; ++k )
-        {
-            all.moment[k] += s->moment[k];
-            all.momentum[k] += s->momentum[k];
-            all.angular_momentum[k] += s->angular_momentum[k];
-        }
-        all.xx += s->xx;
-        all.yy += s->yy;
-        all.zz += s->zz;
-        all.xy += s->xy;
-        all.xz += s->xz;
-        all.yz += s->yz;
+        all->moment[k] += s->moment[k];
+        all->momentum[k] += s->momentum[k];
+        all->angular_momentum[k] += s->angular_momentum[k];
     }
-    return all;
+    all->xx += s->xx;
+    all->yy += s->yy;
+    all->zz += s->zz;
+    all->xy += s->xy;
+    all->xz += s->xz;
+    all->yz += s->yz;
 }
 
 // From sums about the origin to sums about the centre of mass, and to the rigid motion with the same momenta.
@@ -109,7 +108,11 @@ static void measure( rigid_loop* loop, const wisp_parallel* parallel )
     loop->args.inverse_mass = position[(size_t)first * 4 + 3];
     loop->sums = sums;
     wisp_parallel_for( parallel, blocks, 1, sum_blocks, loop );
-    const wisp_rigid_sums all = add_up( loop, blocks );
+    wisp_rigid_sums all = { 0 };
+    for ( int b = 0; b < blocks; ++b ) // in their order
+    {
+        add_sums( &all, sums + b );
+    }
     if ( all.mass > 0.0 ) // a map may leave none
     {
         find_motion( &all, &loop->args );
@@ -119,7 +122,7 @@ static void measure( rigid_loop* loop, const wisp_parallel* parallel )
 // An unreferenced vertex has no mass and counts as pinned, but holds nothing.
 bool wisp_fabric_is_pinned( const wisp_fabric* fabric, const float* position )
 {
-    for ( int slot = 0; slot < fabric->vertex_count; ++slot )
+    for ( int slot = 0; slot < fabric->slot_count; ++slot )
     {
         if ( position[(size_t)slot * 4 + 3] == 0.0f && fabric->area[slot] > 0.0f )
         {
@@ -139,11 +142,61 @@ static void approach_rigid( void* context, int begin, int end, int worker )
 void wisp_approach_rigid_motion( const wisp_kernels* kernels, const wisp_parallel* parallel,
                                  const wisp_fabric* fabric, const wisp_rigid_args* args )
 {
-    const int most = ( fabric->slot_count / MAX_BLOCKS + 8 ) / 8 * 8; // whole lanes
-    rigid_loop loop = { kernels, *args, fabric->slot_count, most > MIN_BLOCK ? most : MIN_BLOCK, NULL };
+    rigid_loop loop = { kernels, *args, fabric->slot_count, block_of( fabric->slot_count ), NULL };
     if ( wisp_fabric_is_pinned( fabric, args->position ) == false )
     {
         measure( &loop, parallel );
     }
     wisp_parallel_for( parallel, fabric->slot_count, MIN_BLOCK, approach_rigid, &loop );
+}
+
+// Measure relative to the first free vertex, as measure() does. @return false if nothing moves
+static bool start_lane( const wisp_instances_args* lanes, int lane, wisp_rigid_args* args )
+{
+    int slot = 0;
+    const float* p = lanes->position + lane;
+    for ( ; slot < lanes->slot_count && !( p[3 * WISP_INSTANCE_LANES] > 0.0f ); ++slot )
+    {
+        p += 4 * WISP_INSTANCE_LANES;
+    }
+    if ( slot == lanes->slot_count )
+    {
+        return false;
+    }
+    const float* v = lanes->velocity + (size_t)slot * 3 * WISP_INSTANCE_LANES + lane;
+    args->origin = ( wisp_vec3 ){ p[0], p[WISP_INSTANCE_LANES], p[2 * WISP_INSTANCE_LANES] };
+    args->linear_velocity = ( wisp_vec3 ){ v[0], v[WISP_INSTANCE_LANES], v[2 * WISP_INSTANCE_LANES] };
+    args->inverse_mass = p[3 * WISP_INSTANCE_LANES];
+    return true;
+}
+
+void wisp_approach_rigid_motions( const wisp_kernels* kernels, const wisp_crowd* crowd, wisp_rigid_args* args )
+{
+    const wisp_instances_args* lanes = crowd->args;
+    uint32_t moves = 0; // lanes that are measured
+    for ( int lane = 0; lane < WISP_INSTANCE_LANES; ++lane )
+    {
+        moves |= ( lanes->pinned >> lane & 1 ) == 0 && start_lane( lanes, lane, args + lane ) ? 1u << lane : 0;
+    }
+    wisp_rigid_sums all[WISP_INSTANCE_LANES] = { 0 };
+    const int block = block_of( lanes->slot_count );
+    for ( int begin = 0; begin < lanes->slot_count && moves != 0; begin += block )
+    {
+        wisp_rigid_sums sums[WISP_INSTANCE_LANES];
+        const int left = lanes->slot_count - begin;
+        kernels->instances_rigid_sums( lanes, args, begin, begin + ( left < block ? left : block ), sums );
+        for ( int lane = 0; lane < WISP_INSTANCE_LANES; ++lane )
+        {
+            add_sums( all + lane, sums + lane );
+        }
+    }
+    for ( ; moves != 0; moves &= moves - 1 )
+    {
+        const int lane = __builtin_ctz( moves );
+        if ( all[lane].mass > 0.0 )
+        {
+            find_motion( all + lane, args + lane );
+        }
+    }
+    kernels->instances_rigid_approach( lanes, args );
 }

@@ -70,6 +70,23 @@ void plan_find_entity_loops( plan* p, const wisp_registry* r )
     }
 }
 
+// Visit the passes of a substep of an entity that can run for a crowd, in their order.
+// @param next 0 at first @return its number; -1: none is left
+static int next_crowd_pass( const plan* p, const wisp_registry* r, int slot, int* next )
+{
+    while ( *next < p->loop_node_count * WISP_MAX_FUSED )
+    {
+        const plan_node* node = p->nodes + p->loop_nodes[*next / WISP_MAX_FUSED];
+        const int i = ( *next )++ % WISP_MAX_FUSED;
+        if ( i < node->pass_count && r->passes[node->passes[i]].run_crowd != NULL &&
+             store_mask_has( &p->entities[slot].runs, node->passes[i] ) )
+        {
+            return node->passes[i];
+        }
+    }
+    return -1;
+}
+
 // Find the batch that can run all that an entity runs in its loop, or else one that can run a pass of it.
 // @return -1: there is none
 static int find_batch( const plan* p, const wisp_registry* r, int slot, bool* has_others )
@@ -86,12 +103,18 @@ static int find_batch( const plan* p, const wisp_registry* r, int slot, bool* ha
             }
         }
     }
+    store_mask beside = { { 0 } };
+    for ( int next = 0, pass; ( pass = next_crowd_pass( p, r, slot, &next ) ) >= 0; )
+    {
+        store_mask_add( &beside, pass );
+    }
     int found = -1;
     *has_others = true;
     for ( int i = 0; i < r->batch_count && wisp_registry_iterations( r ) == 1; ++i )
     {
         const plan_batch* b = r->batches + i;
-        const bool runs_all = store_mask_holds( store_mask_or( b->required, b->allowed ), live );
+        const bool runs_all =
+            store_mask_holds( store_mask_or( store_mask_or( b->required, b->allowed ), beside ), live );
         const bool fits = store_mask_holds( live, b->required ) && ( runs_all || ( b->pass >= 0 && *has_others ) );
         found = fits ? i : found;
         *has_others = *has_others && ( fits && runs_all ) == false;
@@ -298,16 +321,32 @@ static void run_alone( wisp_frame* frame, int index, int worker )
     run_entity_substeps( &loop, index, worker );
 }
 
-// Find the members that run side by side.
-static void choose_joined( loop_substep* loop, const plan_batch* batch )
+static bool joins_crowd( wisp_frame* frame, const loop_member* member )
+{
+    const wisp_registry* r = frame->registry;
+    for ( int next = 0, pass; ( pass = next_crowd_pass( frame->plan, r, member->slot, &next ) ) >= 0; )
+    {
+        const wisp_pass* p = r->passes + pass;
+        if ( p->joins_crowd != NULL && p->joins_crowd( frame, member->entity, p->user ) == false )
+        {
+            return false;
+        }
+    }
+    return true;
+}
+
+// Find the members that run side by side: in all passes, or in the one of the batch.
+static void choose_joined( loop_substep* loop, const plan_batch* batch, bool in_all )
 {
     const store* s = loop->frame->registry->store;
     loop->batch = batch;
+    loop->joined_count = 0;
     for ( int i = 0; i < loop->count; ++i )
     {
         const wisp_entity entity = loop->members[i].entity, first = loop->joined_count > 0 ? loop->joined[0] : entity;
         if ( execute_leaves_out( s->entities + loop->members[i].slot, PLAN_SUBSTEP ) == false &&
-             batch->can_join( loop->frame, first, entity, batch->user ) )
+             batch->can_join( loop->frame, first, entity, batch->user ) &&
+             ( in_all == false || joins_crowd( loop->frame, loop->members + i ) ) )
         {
             loop->joined[loop->joined_count] = entity;
             loop->joined_members[loop->joined_count++] = i;
@@ -337,6 +376,48 @@ static uint32_t run_batch( const loop_substep* loop, int worker )
     return done;
 }
 
+// A pass of a crowd in a substep.
+typedef struct crowd_pass
+{
+    wisp_frame* frame;
+    const wisp_crowd* crowd;
+    const wisp_span* span;
+} crowd_pass;
+
+static void run_crowd_pass( void* context, int number, int worker )
+{
+    const crowd_pass* c = context;
+    const double begin = wisp_clock_seconds();
+    const wisp_pass* pass = c->frame->registry->passes + number;
+    pass->run_crowd( c->frame, c->crowd, c->span, pass->user );
+    c->frame->clocks[worker].seconds[number] += wisp_clock_seconds() - begin;
+}
+
+unsigned wisp_frame_crowd_stages( wisp_frame* frame, wisp_entity entity )
+{
+    unsigned stages = 0;
+    const wisp_registry* r = frame->registry;
+    for ( int next = 0, pass; ( pass = next_crowd_pass( frame->plan, r, (int)entity.index - 1, &next ) ) >= 0; )
+    {
+        stages |= 1u << r->passes[pass].stage;
+    }
+    return stages;
+}
+
+void wisp_frame_run_crowd( wisp_frame* frame, wisp_stage stage, const wisp_crowd* crowd, const wisp_span* span )
+{
+    const wisp_registry* r = frame->registry;
+    crowd_pass context = { frame, crowd, span };
+    const int slot = (int)crowd->entities[0].index - 1;
+    for ( int next = 0, pass; ( pass = next_crowd_pass( frame->plan, r, slot, &next ) ) >= 0; )
+    {
+        if ( r->passes[pass].stage == stage )
+        {
+            jobs_run_within( frame->pool, pass, run_crowd_pass, &context, span->worker );
+        }
+    }
+}
+
 static void run_group( void* context, int index, int worker )
 {
     wisp_frame* frame = context;
@@ -346,11 +427,17 @@ static void run_group( void* context, int index, int worker )
     {
         add_member( &loop, group->first + i );
     }
+    bool in_all = group->has_others == false;
     if ( group->count > 1 )
     {
-        choose_joined( &loop, frame->registry->batches + group->batch );
+        choose_joined( &loop, frame->registry->batches + group->batch, in_all );
     }
-    if ( loop.joined_count > 0 && group->has_others )
+    if ( in_all && group->count > 1 && loop.joined_count == 0 && loop.batch->pass >= 0 )
+    {
+        choose_joined( &loop, loop.batch, false );
+        in_all = false;
+    }
+    if ( loop.joined_count > 0 && in_all == false )
     {
         run_entity_substeps( &loop, index, worker );
         return;

@@ -569,6 +569,14 @@ void plan_execute( wisp_frame* frame )
     frame->substep = frame->iteration = 0;
     run_section( frame, PLAN_BEFORE );
     find_apart( frame );
+    for ( int i = 0; i < frame->registry->state_count; ++i )
+    {
+        const plan_state* s = frame->registry->states + i;
+        if ( s->hooks.begun != NULL )
+        {
+            s->hooks.begun( s->memory, frame, frame->registry->store->allocator );
+        }
+    }
     for ( int rate = plan_next_rate( p, frame->registry, INT_MIN ); rate != 0;
           rate = plan_next_rate( p, frame->registry, rate ) )
     {

@@ -61,3 +61,38 @@ void cloth_blow( wisp_frame* frame, const wisp_span* span, void* user )
     wisp_parallel_for( parallel, fabric->ring_slice_count, GRAIN, copy_slices, &loop );
     wisp_parallel_for( parallel, fabric->ring_slice_count, GRAIN, blow_slices, &loop );
 }
+
+bool cloth_blows_evenly( wisp_frame* frame, wisp_entity entity, void* user )
+{
+    (void)user;
+    return wisp_frame_has( frame, entity, WISP_MAP_DRAG ) == false &&
+           wisp_frame_has( frame, entity, WISP_MAP_LIFT ) == false;
+}
+
+void cloth_blow_crowd( wisp_frame* frame, const wisp_crowd* crowd, const wisp_span* span, void* user )
+{
+    const cloth_state* state = user;
+    const wisp_fabric* fabric = wisp_frame_fabric( frame, crowd->entities[0] );
+    const size_t bytes = (size_t)fabric->slot_count * 3 * WISP_INSTANCE_LANES * sizeof( float );
+    float* copy = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker, bytes );
+    if ( copy == NULL )
+    {
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the air on %d particles", fabric->slot_count );
+        return;
+    }
+    memcpy( copy, crowd->args->velocity, bytes );
+    wisp_instances_air_args args = { .old_velocity = copy,
+                                     .ring_begin = fabric->ring_begin,
+                                     .ring_x4 = fabric->ring_x4 };
+    for ( int lane = 0; lane < WISP_INSTANCE_LANES; ++lane )
+    {
+        const cloth_air* air = wisp_frame_column( frame, crowd->entities[lane], state->air, 0 );
+        args.wind[lane] = air->wind.x;
+        args.wind[WISP_INSTANCE_LANES + lane] = air->wind.y;
+        args.wind[2 * WISP_INSTANCE_LANES + lane] = air->wind.z;
+        args.density[lane] = air->density;
+        args.drag[lane] = air->drag;
+        args.lift[lane] = air->lift;
+    }
+    wisp_frame_kernels( frame )->instances_air( crowd->args, &args );
+}

@@ -21,12 +21,17 @@ static const float* list_fractions( wisp_frame* frame, const wisp_span* span, fl
     return fractions;
 }
 
+static float lost_by( wisp_frame* frame, wisp_entity entity, const cloth_state* state )
+{
+    const float rate = *(float*)wisp_frame_column( frame, entity, state->damping, 0 );
+    return rate * wisp_frame_dt( frame, entity );
+}
+
 void cloth_damp( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const cloth_state* state = user;
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
-    const float rate = *(float*)wisp_frame_column( frame, span->entity, state->damping, 0 );
-    const float lost = rate * wisp_frame_dt( frame, span->entity );
+    const float lost = lost_by( frame, span->entity, state );
     wisp_rigid_args args = {
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
         .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
@@ -42,4 +47,22 @@ void cloth_damp( wisp_frame* frame, const wisp_span* span, void* user )
         }
     }
     wisp_approach_rigid_motion( wisp_frame_kernels( frame ), wisp_frame_parallel( frame, span ), fabric, &args );
+}
+
+bool cloth_damps_evenly( wisp_frame* frame, wisp_entity entity, void* user )
+{
+    (void)user;
+    return wisp_frame_has( frame, entity, WISP_MAP_INTERNAL_DAMPING ) == false;
+}
+
+void cloth_damp_crowd( wisp_frame* frame, const wisp_crowd* crowd, const wisp_span* span, void* user )
+{
+    (void)span;
+    wisp_rigid_args args[WISP_INSTANCE_LANES] = { { 0 } };
+    for ( int lane = 0; lane < WISP_INSTANCE_LANES; ++lane )
+    {
+        const float lost = lost_by( frame, crowd->entities[lane], user );
+        args[lane].fraction = lost / ( 1.0f + lost );
+    }
+    wisp_approach_rigid_motions( wisp_frame_kernels( frame ), crowd, args );
 }

@@ -33,7 +33,11 @@ typedef struct cloth_air
 
 /// Passes, one per file.
 void cloth_blow( wisp_frame* frame, const wisp_span* span, void* user );
+void cloth_blow_crowd( wisp_frame* frame, const wisp_crowd* crowd, const wisp_span* span, void* user );
+bool cloth_blows_evenly( wisp_frame* frame, wisp_entity entity, void* user );
 void cloth_damp( wisp_frame* frame, const wisp_span* span, void* user );
+void cloth_damp_crowd( wisp_frame* frame, const wisp_crowd* crowd, const wisp_span* span, void* user );
+bool cloth_damps_evenly( wisp_frame* frame, wisp_entity entity, void* user );
 
 /// Fill the columns of links and hinges from a checked definition.
 void cloth_fill_links( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def );

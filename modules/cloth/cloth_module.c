@@ -124,6 +124,8 @@ static wisp_status declare( wisp_registry* r )
                                   .reads = { state->air, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
                                   .writes = { WISP_PARTICLE_VELOCITY },
                                   .run = cloth_blow,
+                                  .run_crowd = cloth_blow_crowd,
+                                  .joins_crowd = cloth_blows_evenly,
                                   .fabric = WISP_FABRIC_RINGS,
                                   .user = state,
                               } );
@@ -154,6 +156,8 @@ static wisp_status declare( wisp_registry* r )
                                      .reads = { state->damping, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
                                      .writes = { WISP_PARTICLE_VELOCITY },
                                      .run = cloth_damp,
+                                     .run_crowd = cloth_damp_crowd,
+                                     .joins_crowd = cloth_damps_evenly,
                                      .detail = WISP_PASS_FINE,
                                      .user = state,
                                  } );

@@ -16,7 +16,7 @@ static void turn_to_point( wisp_surface_point* nearest )
 
 static float apart( float lower, float upper, float other_low, float other_high )
 {
-    return fmaxf( 0.0f, fmaxf( lower - other_high, other_low - upper ) );
+    return collision_larger( 0.0f, collision_larger( lower - other_high, other_low - upper ) );
 }
 
 float collision_ball_distance( const collision_view* view, wisp_vec3 lower, wisp_vec3 upper )
@@ -29,9 +29,9 @@ float collision_ball_distance( const collision_view* view, wisp_vec3 lower, wisp
     const wisp_vec3 a = wisp_transform_to_world( view->before, view->body->centre );
     const wisp_vec3 b = wisp_transform_to_world( view->after, view->body->centre );
     const wisp_vec3 d = {
-        apart( lower.x, upper.x, fminf( a.x, b.x ), fmaxf( a.x, b.x ) ),
-        apart( lower.y, upper.y, fminf( a.y, b.y ), fmaxf( a.y, b.y ) ),
-        apart( lower.z, upper.z, fminf( a.z, b.z ), fmaxf( a.z, b.z ) ),
+        apart( lower.x, upper.x, collision_smaller( a.x, b.x ), collision_larger( a.x, b.x ) ),
+        apart( lower.y, upper.y, collision_smaller( a.y, b.y ), collision_larger( a.y, b.y ) ),
+        apart( lower.z, upper.z, collision_smaller( a.z, b.z ), collision_larger( a.z, b.z ) ),
     };
     return wisp_v3_length( d ) - view->body->ball_radius;
 }

@@ -283,13 +283,15 @@ static void number_tracks( collision_state* state )
     }
 }
 
-bool collision_forget_body( collision_state* state, const wisp_allocator* allocator, wisp_entity entity )
+bool collision_forget_body( collision_state* state, const wisp_allocator* allocator, wisp_entity entity,
+                            collision_body* forgotten )
 {
     for ( int i = 0; i < state->body_count; ++i )
     {
         collision_body* body = state->bodies + i;
         if ( wisp_entity_equal( body->entity, entity ) )
         {
+            *forgotten = *body;
             collision_release_body( allocator, body );
             state->coupled_count -= body->is_coupled ? 1 : 0;
             state->body_count -= 1;
@@ -365,7 +367,8 @@ static wisp_status append_body( wisp_world* world, collision_state* state, const
         fill_collider( wisp_world_column( world, entity, state->collider, 0 ), d );
         status = follows ? collision_follow_surface( world, state, entity, d->surface ) : WISP_OK;
         status = status == WISP_OK && d->mass > 0.0f ? couple_body( world, state, entity, d ) : status;
-        status = status == WISP_OK ? collision_update_components( world, state ) : status;
+        status =
+            status == WISP_OK ? collision_update_for( world, state, state->bodies + state->body_count - 1 ) : status;
     }
     if ( status != WISP_OK )
     {
@@ -462,7 +465,7 @@ void collision_carry( wisp_frame* frame, const wisp_span* span, void* user )
 
 // Compute bounds of the motion in a step. Two rotations q and r turn a point at unit distance by no more than
 // 2 |q - r| away from each other, with the signs that are nearer.
-static void set_motion( const collision_collider* collider, collision_view* view )
+void collision_set_motion( const collision_collider* collider, collision_view* view )
 {
     const wisp_quat q = collider->from.rotation, r = collider->to.rotation;
     const float sign = q.x * r.x + q.y * r.y + q.z * r.z + q.w * r.w < 0.0f ? -1.0f : 1.0f;
@@ -512,7 +515,7 @@ static void set_poses( const wisp_frame* frame, const wisp_span* span, const col
         view->before = view->after = collider->to;
         return;
     }
-    set_motion( collider, view );
+    collision_set_motion( collider, view );
     view->before = wisp_transform_interpolate( collider->from, collider->to, before );
     view->after = wisp_transform_interpolate( collider->from, collider->to, after );
 }

@@ -28,6 +28,9 @@ typedef struct collision_view
 bool collision_next( wisp_frame* frame, const wisp_span* span, const collision_state* state, int* next,
                      collision_view* out );
 
+/// Compute bounds of the motion of a rigid body in a step: shift and turn of its view.
+void collision_set_motion( const collision_collider* collider, collision_view* view );
+
 /// Return whether segments of strands meet a body. They do not where vertices at the thickness h from a surface of radius r keep
 /// segments at 3/4 of it or more: ( r + h )^2 - L^2 / 4 >= ( r + 3 h / 4 )^2.
 /// @param longest m, of the segments; infinite: they meet it in any case
@@ -56,8 +59,10 @@ void collision_release_body( const wisp_allocator* allocator, collision_body* bo
 /// Return the bytes of its hull, heights or points.
 size_t collision_body_bytes( const collision_body* body );
 
-/// Remove a body from the list and free what it owns. @return whether it was there
-bool collision_forget_body( collision_state* state, const wisp_allocator* allocator, wisp_entity entity );
+/// Remove a body from the list and free what it owns.
+/// @param forgotten receives the body @return whether it was there
+bool collision_forget_body( collision_state* state, const wisp_allocator* allocator, wisp_entity entity,
+                            collision_body* forgotten );
 
 /// Return twice the volume within a mesh over its area, m: the radius of a rod, the width of a plate, two thirds of the radius of a ball.
 float collision_bluntness( const wisp_vec3* points, const int32_t* triangles, int count );

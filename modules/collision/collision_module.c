@@ -4,6 +4,7 @@
 #include "collision_passes.h"
 #include "collision_sleep.h"
 #include "collision_surface.h"
+#include "near_bodies.h"
 #include "primitive_contacts.h"
 #include "reaction.h"
 
@@ -80,6 +81,7 @@ static void release_state( void* memory, const wisp_allocator* allocator )
         collision_release_body( allocator, state->bodies + i );
     }
     collision_release_reactions( allocator, state );
+    collision_release_near( state, allocator );
     if ( state->bodies != NULL )
     {
         allocator->release( allocator->user, state->bodies, (size_t)state->body_capacity * sizeof( collision_body ) );
@@ -97,10 +99,11 @@ static void entity_removed( void* memory, wisp_world* world, wisp_entity entity 
 {
     collision_state* state = memory;
     collision_forget_surface( state, entity );
+    collision_body body;
     if ( collision_forget_participant( state, entity ) == false &&
-         collision_forget_body( state, wisp_world_allocator( world ), entity ) )
+         collision_forget_body( state, wisp_world_allocator( world ), entity, &body ) )
     {
-        collision_update_components( world, state );
+        collision_update_for( world, state, &body );
     }
 }
 
@@ -430,7 +433,7 @@ static size_t count_memory( const void* memory, size_t* outside )
     const collision_state* state = memory;
     size_t bytes = (size_t)state->body_capacity * sizeof( collision_body ) +
                    (size_t)state->participant_capacity * sizeof( wisp_entity ) +
-                   state->sum_capacity * sizeof( collision_impulse );
+                   state->sum_capacity * sizeof( collision_impulse ) + collision_near_bytes( state );
     for ( int i = 0; i < state->body_count; ++i )
     {
         const wisp_collision_mesh* mesh = state->bodies[i].tree;
@@ -453,6 +456,7 @@ static wisp_status declare( wisp_registry* r )
                                                   .removed = entity_removed,
                                                   .teleported = entity_teleported,
                                                   .planned = tell_of_bodies,
+                                                  .begun = collision_list_near,
                                                   .memory = count_memory,
                                                   .lines = collision_add_lines } );
     wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .surroundings = collision_surroundings } );

@@ -159,6 +159,23 @@ wisp_status collision_update_components( wisp_world* world, collision_state* sta
     return status == WISP_OK ? collision_update_reactions( world, state ) : status;
 }
 
+wisp_status collision_update_for( wisp_world* world, collision_state* state, const collision_body* body )
+{
+    if ( state->body_count <= 1 || body->tree != NULL || body->restitution > 0.0f || body->is_coupled ||
+         state->sums != NULL )
+    {
+        return collision_update_components( world, state );
+    }
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < state->participant_count && state->has_strands && status == WISP_OK; ++i )
+    {
+        const wisp_entity e = state->participants[i];
+        const bool moves = wisp_world_has( world, e, state->strand_contact );
+        status = moves ? update_segments( world, state, e, moves ) : WISP_OK;
+    }
+    return status;
+}
+
 // ---- definitions ----
 
 void wisp_init_collision_def( wisp_collision_def* def, size_t size )
@@ -213,6 +230,7 @@ static wisp_status add_participant( wisp_world* world, collision_state* state, w
     if ( status == WISP_OK )
     {
         state->participants[state->participant_count++] = participant;
+        state->has_strands = state->has_strands || wisp_world_strands( world, participant ) != NULL;
     }
     return status;
 }

@@ -44,6 +44,19 @@ static inline bool collision_is_closed_form( const collision_body* body )
     return body->tree == NULL && body->shape.kind <= WISP_SHAPE_TAPERED_CAPSULE;
 }
 
+/// Bodies that participants can meet in this step: see near_bodies.c. Nothing of it is state.
+typedef struct collision_nearness
+{
+    struct collision_near* near;      // [near_count] by the index of the entity; 0: all bodies count
+    struct collision_motion* motions; // [body]
+    int32_t* listed;                  // bodies
+    int32_t* interval;                // [interval_count + 1] first body in it
+    size_t near_capacity, motion_capacity, listed_capacity, interval_capacity;
+    int near_count, interval_count;
+    float first_x, per_metre;          // of the intervals
+    float widest, most_turn, thickest; // of bodies
+} collision_nearness;
+
 /// Bodies and participants in the order in which they were added. Passes walk these lists, so results depend on
 /// nothing else.
 typedef struct collision_state
@@ -77,6 +90,8 @@ typedef struct collision_state
     int body_count, body_capacity;
     wisp_entity* participants; // surfaces and strands
     int participant_count, participant_capacity;
+    bool has_strands; // there was one with strands
+    collision_nearness nearness;
     bool searches_all; // no particle is left out because a body cannot reach it in the step: for tests
 } collision_state;
 

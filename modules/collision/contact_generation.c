@@ -20,6 +20,7 @@
 #include "block_culling.h"
 #include "body_queries.h"
 #include "collision_passes.h"
+#include "near_bodies.h"
 #include "reaction.h"
 #include "restitution.h"
 
@@ -557,6 +558,40 @@ void collision_meet( const collision_find_args* args, const collision_view* view
     add_planes( args, view, block, &planes );
 }
 
+// Return the most that a moving particle of the block is clear of the bodies that it has met, m.
+static float most_clear( const collision_block* block )
+{
+    float most = 0.0f;
+    for ( int i = 0; i < block->count; ++i )
+    {
+        const bool moves = ( block->moving[i / COLLISION_GROUP] >> i % COLLISION_GROUP & 1 ) != 0;
+        most = moves ? collision_larger( block->clear[i], most ) : most;
+    }
+    return most;
+}
+
+static void meet_bodies( wisp_frame* frame, const wisp_span* span, const collision_find_args* args,
+                         collision_block* block )
+{
+    collision_view view;
+    collision_walk walk = collision_begin_walk( args->state, span->entity, block->lower, block->upper );
+    while ( collision_walk_on( frame, span, args->state, &walk, 0.0f, &view ) )
+    {
+        block->is_last = collision_walk_ends( args->state, &walk );
+        collision_meet( args, &view, block );
+    }
+    while ( walk.passed < INFINITY &&
+            collision_walk_back( frame, span, args->state, &walk, most_clear( block ), &view ) )
+    {
+        collision_meet( args, &view, block );
+    }
+    for ( int i = 0; i < block->count && walk.near != NULL; ++i )
+    {
+        block->clear[i] = collision_smaller( walk.near->beyond, block->clear[i] );
+        block->free_radius[i] = collision_smaller( walk.free, block->free_radius[i] );
+    }
+}
+
 void collision_find( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const collision_state* state = user;
@@ -595,11 +630,9 @@ void collision_find( wisp_frame* frame, const wisp_span* span, void* user )
         args.sums = collision_reaction_sums( frame, span->entity, state, begin / COLLISION_BLOCK );
         collision_begin_block( &args, begin, left < COLLISION_BLOCK ? particles.end : begin + COLLISION_BLOCK,
                                &block );
-        collision_view view;
-        for ( int next = 0; block.count > 0 && collision_next( frame, span, state, &next, &view ); )
+        if ( block.count > 0 )
         {
-            block.is_last = next >= state->body_count;
-            collision_meet( &args, &view, &block );
+            meet_bodies( frame, span, &args, &block );
         }
         if ( block.met > 1 )
         {

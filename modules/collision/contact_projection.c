@@ -17,6 +17,7 @@
 #include "body_queries.h"
 #include "collision_passes.h"
 #include "contact_generation.h"
+#include "near_bodies.h"
 #include "reaction.h"
 
 #include <math.h>
@@ -113,8 +114,13 @@ static void stop_displaced( wisp_frame* frame, const wisp_span* span, const coll
         collision_widen( &lower, &upper, wisp_v3_load( loop->position + quad ) );
         collision_widen( &lower, &upper, wisp_v3_load( loop->previous + quad ) );
     }
+    if ( loop->displaced_count == 0 )
+    {
+        return;
+    }
     collision_view view;
-    for ( int next = 0; loop->displaced_count > 0 && collision_next( frame, span, state, &next, &view ); )
+    collision_walk walk = collision_begin_walk( state, span->entity, lower, upper );
+    while ( collision_walk_on( frame, span, state, &walk, 0.0f, &view ) )
     {
         // a particle that one body moved may touch the next
         const bool near = collision_ball_distance( &view, lower, upper ) <= 2.0f * view.thickness;

@@ -24,6 +24,7 @@
 //   ns on a closed form, 3 ns away from all bodies.
 #include "body_queries.h"
 #include "collision_passes.h"
+#include "near_bodies.h"
 #include "primitive_contacts.h"
 #include "reaction.h"
 
@@ -751,8 +752,10 @@ void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* us
         loop.sums = collision_reaction_sums( frame, span->entity, state, loop.group );
         kernels->strand_contact_begin( &loop.args, loop.group, span->iteration == 0, &loop.reach );
         const bool moves = loop.reach.lower.x <= loop.reach.upper.x;
+        const float across = wisp_v3_length( wisp_v3_sub( loop.reach.upper, loop.reach.lower ) );
         collision_view view;
-        for ( int next = 0; moves && collision_next( frame, span, state, &next, &view ); )
+        collision_walk walk = collision_begin_walk( state, span->entity, loop.reach.lower, loop.reach.upper );
+        while ( moves && collision_walk_on( frame, span, state, &walk, across, &view ) )
         {
             push_strand_group( frame, &loop, &view, loop.sums != NULL ? loop.sums[view.body - state->bodies] : NULL );
         }
@@ -768,16 +771,27 @@ static float sum_pushes( wisp_frame* frame, const wisp_span* group, const collis
     const collision_settings* settings = wisp_frame_column( frame, group->entity, state->settings, 0 );
     const int32_t* group_row = wisp_frame_strands( frame, group->entity )->group_row;
     const wisp_component parts[2] = { state->strand_contact, state->segment_contact };
+    const float shallow = COLLISION_SHALLOW * settings->thickness;
     float sum = 0.0f;
     *inside = false;
     for ( int part = 0; part < 2 && wisp_frame_has( frame, group->entity, parts[part] ); ++part )
     {
         const float *push = wisp_frame_column( frame, group->entity, parts[part], 0 ),
                     *left = wisp_frame_column( frame, group->entity, parts[part], 2 );
-        for ( int i = group_row[group->begin] * WISP_LANES; i < group_row[group->end] * WISP_LANES; ++i )
+        for ( int row = group_row[group->begin]; row < group_row[group->end]; ++row )
         {
-            sum += fmaxf( 0.0f, push[i] );
-            *inside = *inside || left[i] > COLLISION_SHALLOW * settings->thickness;
+            const size_t first = (size_t)row * WISP_LANES;
+            int pushed = 0, deep = 0; // most rows have neither
+            for ( size_t i = first; i < first + WISP_LANES; ++i )
+            {
+                pushed |= push[i] > 0.0f;
+                deep |= left[i] > shallow;
+            }
+            for ( size_t i = first; pushed != 0 && i < first + WISP_LANES; ++i )
+            {
+                sum += collision_larger( push[i], 0.0f );
+            }
+            *inside = *inside || deep != 0;
         }
     }
     return sum;

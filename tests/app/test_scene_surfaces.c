@@ -331,7 +331,7 @@ TEST( lists_of_surfaces_and_colliders_have_an_end )
     demand_refusal( text, "scenes/test.yaml:3:3: surfaces: got 10001 entries, expected at most 10000" );
     free( text );
     text = repeat( "wisp: 1\ncolliders:\n", "  - 0\n", WISP_SCENE_MAX_COLLIDERS + 1 );
-    demand_refusal( text, "scenes/test.yaml:3:3: colliders: got 1001 entries, expected at most 1000" );
+    demand_refusal( text, "scenes/test.yaml:3:3: colliders: got 10001 entries, expected at most 10000" );
 }
 
 TEST( a_long_list_of_keyframes_is_read_in_one_walk )

@@ -419,9 +419,11 @@ typedef struct crowd_case
     wisp_solver solver;
     int workers;
     const char* isa;
-    bool apart; // no batches
-    bool limp;  // stiffness of one that does not bend
-    bool windy; // air and internal damping, each its own: only links run side by side
+    bool apart;  // no batches
+    bool limp;   // stiffness of one that does not bend
+    bool windy;  // air and internal damping, each its own
+    bool mapped; // drag by a map besides: only links run side by side
+    bool damped; // internal damping alone, each its own, and some without pins
 } crowd_case;
 
 static wisp_entity add_instance( crowd* c, wisp_fabric* fabric, const test_mesh* mesh, const crowd_case* how, int i )
@@ -439,7 +441,7 @@ static wisp_entity add_instance( crowd* c, wisp_fabric* fabric, const test_mesh*
     def.fabric = fabric;
     def.points = points;
     def.pins = pins;
-    def.pin_count = 1 + i % 2;
+    def.pin_count = how->damped && i < DAMPED && i % 3 == 1 ? 0 : 1 + i % 2;
     wisp_cloth_def cloth = wisp_default_cloth_def();
     cloth.solver = how->solver;
     cloth.warp_compliance = i == STIFF ? 1e-4f : 1e-3f;
@@ -450,14 +452,23 @@ static wisp_entity add_instance( crowd* c, wisp_fabric* fabric, const test_mesh*
         cloth.wind = ( wisp_vec3 ){ 3.0f, 0.1f * (float)i, 1.0f };
         cloth.drag_coefficient = 0.2f;
         cloth.lift_coefficient = i % 5 == 0 ? 0.0f : 0.7f;
-        cloth.internal_damping = 1.0f + (float)( i % 4 );
     }
+    cloth.internal_damping = how->windy || how->damped ? 1.0f + (float)( i % 4 ) : 0.0f;
     wisp_entity e;
     assert_status( world, wisp_add_surface( world, &def, &e ), WISP_OK );
     assert_status( world, wisp_set_cloth( world, e, &cloth ), WISP_OK );
     assert_status( world, wisp_set_gravity( world, e, ( wisp_vec3 ){ 0.1f * (float)i, -9.81f, 0.0f } ), WISP_OK );
     assert_status( world, wisp_set_damping( world, e, i >= DAMPED ? 0.1f * (float)i : 0.0f ), WISP_OK );
     assert_status( world, wisp_request( world, e, WISP_SURFACE_POINTS ), WISP_OK );
+    float factors[SIDE * SIDE];
+    for ( int v = 0; v < SIDE * SIDE; ++v )
+    {
+        factors[v] = 0.01f * (float)( v + i );
+    }
+    if ( how->mapped )
+    {
+        assert_status( world, wisp_set_map( world, e, WISP_MAP_DRAG, factors, SIDE * SIDE ), WISP_OK );
+    }
     return e;
 }
 
@@ -552,15 +563,20 @@ static int count_batches( const wisp_world* world )
 TEST( cloths_side_by_side_have_the_bits_that_each_has_alone )
 {
     static const crowd_case cases[] = {
-        { WISP_SOLVER_PBD, 1, "avx512", false, false, false },
-        { WISP_SOLVER_PBD, 1, "avx2", false, false, false },
-        { WISP_SOLVER_PBD, 3, NULL, false, false, false },
-        { WISP_SOLVER_XPBD, 1, "baseline", false, false, false },
-        { WISP_SOLVER_XPBD, 2, NULL, false, false, false },
-        { WISP_SOLVER_PBD, 1, NULL, false, true, false },
+        { .solver = WISP_SOLVER_PBD, .workers = 1, .isa = "avx512" },
+        { .solver = WISP_SOLVER_PBD, .workers = 1, .isa = "avx2" },
+        { .solver = WISP_SOLVER_PBD, .workers = 3 },
+        { .solver = WISP_SOLVER_XPBD, .workers = 1, .isa = "baseline" },
+        { .solver = WISP_SOLVER_XPBD, .workers = 2 },
+        { .solver = WISP_SOLVER_PBD, .workers = 1, .limp = true },
         { .solver = WISP_SOLVER_PBD, .workers = 2, .windy = true },
         { .solver = WISP_SOLVER_XPBD, .workers = 1, .isa = "avx2", .windy = true },
         { .solver = WISP_SOLVER_PBD, .workers = 1, .limp = true, .windy = true },
+        { .solver = WISP_SOLVER_PBD, .workers = 2, .windy = true, .mapped = true },
+        { .solver = WISP_SOLVER_XPBD, .workers = 1, .isa = "baseline", .windy = true, .mapped = true },
+        { .solver = WISP_SOLVER_PBD, .workers = 2, .damped = true },
+        { .solver = WISP_SOLVER_XPBD, .workers = 1, .isa = "baseline", .damped = true },
+        { .solver = WISP_SOLVER_XPBD, .workers = 1, .isa = "avx2", .damped = true },
     };
     for ( int i = 0; i < WISP_COUNT( cases ); ++i )
     {
@@ -581,7 +597,7 @@ TEST( cloths_side_by_side_have_the_bits_that_each_has_alone )
 
 TEST( a_cloth_that_halts_stops_no_neighbour )
 {
-    static const crowd_case how = { WISP_SOLVER_PBD, 2, NULL, false, false, false };
+    static const crowd_case how = { .solver = WISP_SOLVER_PBD, .workers = 2 };
     uint64_t hashes[STEPS];
     crowd c;
     open_crowd( &c, &how );
@@ -610,6 +626,7 @@ TEST( folds_are_found_and_opened )
 {
     check_folds( &( crowd_case ){ .solver = WISP_SOLVER_XPBD, .workers = 1 } );
     check_folds( &( crowd_case ){ .solver = WISP_SOLVER_XPBD, .workers = 1, .windy = true } );
+    check_folds( &( crowd_case ){ .solver = WISP_SOLVER_XPBD, .workers = 1, .windy = true, .mapped = true } );
 }
 
 static void check_times( const crowd_case* how )
@@ -632,4 +649,6 @@ TEST( the_times_of_passes_add_up_to_most_of_a_step )
 {
     check_times( &( crowd_case ){ .solver = WISP_SOLVER_PBD, .workers = 1 } );
     check_times( &( crowd_case ){ .solver = WISP_SOLVER_PBD, .workers = 1, .windy = true } );
+    check_times( &( crowd_case ){ .solver = WISP_SOLVER_PBD, .workers = 1, .damped = true } );
+    check_times( &( crowd_case ){ .solver = WISP_SOLVER_PBD, .workers = 1, .windy = true, .mapped = true } );
 }

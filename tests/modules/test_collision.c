@@ -3,6 +3,7 @@
 // step, whatever moves and how fast.
 #include "collision_fixture.h"
 #include "collision_state.h"
+#include "near_bodies.h"
 #include "saved_world.h"
 
 #include "engine/pass_hook.h"
@@ -390,7 +391,7 @@ enum
     SIDE = 24,
     SUBSTEPS = 10,
     STEPS = 40,
-    BODIES = 6,
+    BODIES = 30, // some of them far away
 };
 
 typedef struct drop
@@ -484,6 +485,16 @@ static void count_settled( void* user )
     }
 }
 
+// Rows of balls on both sides, so that the world has more bodies than each participant asks.
+static void add_far_bodies( stage* s )
+{
+    for ( int i = s->body_count; i < BODIES; ++i )
+    {
+        const float side = i % 2 == 0 ? -1.0f : 1.0f, far = 1.0f + 0.25f * (float)i;
+        add_body( s, body_of( WISP_COLLIDER_SPHERE ), ( wisp_vec3 ){ side * far, 0.1f, 0.3f * side }, 0.0f );
+    }
+}
+
 static stage* new_stage( const drop* d, bool searches_all )
 {
     stage* s = checked_calloc( 1, sizeof( stage ) );
@@ -568,6 +579,41 @@ TEST( settled_groups_change_no_bit )
             fail_msg( "cloth that %s: %d contacts and %d settled particles show nothing", d->name, contacts,
                       some->settled );
         }
+        free_stage( some );
+        free_stage( all );
+    }
+}
+
+static bool are_columns_equal( const stage* a, const stage* b, wisp_component component )
+{
+    const size_t bytes = (size_t)wisp_world_fabric( a->h->world, a->cloth )->slot_count * 4 * sizeof( float );
+    return memcmp( wisp_world_column( a->h->world, a->cloth, component, 0 ),
+                   wisp_world_column( b->h->world, b->cloth, component, 0 ), bytes ) == 0;
+}
+
+TEST( bodies_that_are_not_listed_move_nothing )
+{
+    for ( int k = 0; k < WISP_COUNT( DROPS ); ++k )
+    {
+        const drop* d = DROPS + k;
+        stage *some = new_stage( d, false ), *all = new_stage( d, true );
+        add_far_bodies( some );
+        add_far_bodies( all );
+        collision_state* module;
+        assert_int_equal( collision_find_state( some->h->world, &module ), WISP_OK );
+        int listed = 0;
+        for ( int n = 1; n <= STEPS; ++n )
+        {
+            step_stage( some, d, n );
+            step_stage( all, d, n );
+            listed += module->nearness.near[some->cloth.index].count;
+            if ( are_columns_equal( some, all, WISP_PARTICLE_POSITION ) == false ||
+                 are_columns_equal( some, all, WISP_PARTICLE_VELOCITY ) == false )
+            {
+                fail_msg( "cloth that %s: step %d depends on bodies that are listed", d->name, n );
+            }
+        }
+        assert_true( listed > 0 && listed < STEPS * BODIES );
         free_stage( some );
         free_stage( all );
     }

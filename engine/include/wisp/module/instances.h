@@ -21,6 +21,9 @@ typedef struct wisp_instances_args
     float *position_column, *velocity_column, *previous_column; ///< [slot][4]
     int32_t offset[WISP_INSTANCE_LANES];                        ///< in floats, multiples of 4
 
+    const float* area; ///< [slot] m^2
+    uint32_t pinned;   ///< bits of lanes with a pinned vertex that has an area
+
     float dt;                                    ///< s
     float acceleration[3 * WISP_INSTANCE_LANES]; ///< [3][lane] m/s^2
     float keep[WISP_INSTANCE_LANES];             ///< fraction of a velocity that damping leaves
@@ -35,5 +38,23 @@ typedef struct wisp_instances_args
     float inverse_dt2;          ///< 1/s^2
     int edge_count;             ///< constraints from this number on are bend links
 } wisp_instances_args;
+
+/// Air on instances: as of wisp_ring_air_args, a surface a lane.
+typedef struct wisp_instances_air_args
+{
+    const float* old_velocity;     ///< [slot][3][lane] m/s, velocity before the kernel
+    const int32_t* ring_begin;     ///< [slot / 8 + 1]
+    const int32_t ( *ring_x4 )[8]; ///< [entry][8]
+    float wind[3 * WISP_INSTANCE_LANES];
+    float density[WISP_INSTANCE_LANES], drag[WISP_INSTANCE_LANES], lift[WISP_INSTANCE_LANES];
+} wisp_instances_air_args;
+
+/// A crowd of instances whose rows are in lanes, for passes that run in them.
+typedef struct wisp_crowd
+{
+    const wisp_instances_args* args;
+    const wisp_entity* entities; ///< [WISP_INSTANCE_LANES]; those from `count` on repeat the first one
+    int count;
+} wisp_crowd;
 
 WISP_END_C

@@ -206,13 +206,18 @@ typedef struct wisp_kernels
     /// @return N m
     double ( *link_virial )( const wisp_link_args* args, float edge_stiffness, float bend_stiffness, int begin,
                              int end );
-    /// Positions and velocities of columns to lanes; positions alone if `velocity` is null.
-    void ( *instances_load )( const wisp_instances_args* args );
+    /// Positions and velocities of columns to lanes; positions alone if `velocity` is null. @return `pinned` of the arguments
+    uint32_t ( *instances_load )( const wisp_instances_args* args );
     /// Positions, velocities and previous positions of some lanes to columns, or positions alone. @param lanes bit l: lane l
     void ( *instances_store )( const wisp_instances_args* args, uint32_t lanes );
     /// The end of a substep, as `velocity` and damping; the begin of the next one, as `accelerate` and `predict`.
     /// @return bits of lanes that do not end with finite numbers; 0 if a substep begins
     uint32_t ( *instances_advance )( const wisp_instances_args* args, bool ends, bool begins );
+    void ( *instances_air )( const wisp_instances_args* args, const wisp_instances_air_args* air ); ///< as `ring_air`
+    /// As `rigid_sums` and `rigid_approach`, a surface a lane. @param rigid, sums [lane] all but positions and velocities
+    void ( *instances_rigid_sums )( const wisp_instances_args* args, const wisp_rigid_args* rigid, int begin, int end,
+                                    wisp_rigid_sums* sums );
+    void ( *instances_rigid_approach )( const wisp_instances_args* args, const wisp_rigid_args* rigid );
     /// @return bits of lanes with positions that are not finite
     uint32_t ( *instances_find_lost )( const wisp_instances_args* args );
     /// All links, as `link_pbd` or `link_xpbd` without multipliers.

@@ -167,6 +167,10 @@ typedef struct wisp_pass
     /// Null, or returns whether the pass has to run on the entity in this step. Called on the calling thread when all passes
     /// before it have run.
     bool ( *should_run )( wisp_frame* frame, wisp_entity entity, void* user );
+    /// Null, or runs the pass for a crowd (instances.h), in the substep of a span whose entity is left open, with the bits of `run`.
+    void ( *run_crowd )( wisp_frame* frame, const wisp_crowd* crowd, const wisp_span* span, void* user );
+    /// Null, or returns whether the entity can run in a crowd in this step.
+    bool ( *joins_crowd )( wisp_frame* frame, wisp_entity entity, void* user );
     void* user;
     int grain;       ///< items per block, 0: default of the domain
     unsigned fabric; ///< wisp_fabric_arrays that it reads of the entity's fabric, or-ed; they are there when it runs
@@ -207,7 +211,8 @@ typedef struct wisp_batch
 {
     const char* name;                     ///< "module.noun"; a static string
     const char* required[WISP_MAX_FUSED]; ///< names of passes, null-terminated: entities must have all
-    const char* allowed[WISP_MAX_FUSED];  ///< the same: they may have them, all of them the same ones, and no others
+    /// The same: they may have them, all of them the same ones, and no others but those with `run_crowd`.
+    const char* allowed[WISP_MAX_FUSED];
     const char* pass; ///< of the required ones, that can run side by side among any others; null: none
     int lanes;        ///< entities at once, at most WISP_MAX_BATCH
     /// Can the entity run beside the first one, in this step? Called for the first one too.
@@ -223,6 +228,12 @@ typedef struct wisp_batch
 } wisp_batch;
 
 #define WISP_MAX_BATCH 16
+
+/// Return the bits of stages in which an entity has passes with `run_crowd`.
+WISP_API unsigned wisp_frame_crowd_stages( wisp_frame* frame, wisp_entity entity );
+/// Run those of a stage for a crowd.
+WISP_API void wisp_frame_run_crowd( wisp_frame* frame, wisp_stage stage, const wisp_crowd* crowd,
+                                    const wisp_span* span );
 
 /// Declare passes, declared before, that can run side by side.
 WISP_API wisp_status wisp_declare_batch( wisp_registry* registry, const wisp_batch* batch );
@@ -287,6 +298,8 @@ typedef struct wisp_state_hooks
     /// A step has run all of its passes. Entities and their topology may change here, and what the host must not do in a step may
     /// not be called.
     wisp_status ( *stepped )( void* state, wisp_world* world );
+    /// Passes of the stage INPUT have run, substeps begin. On the calling thread; may write nothing but the state itself.
+    void ( *begun )( void* state, wisp_frame* frame, const wisp_allocator* allocator );
     /// The plan was made anew: tell what now has no effect (wisp_world_tell()).
     void ( *planned )( const void* state, wisp_world* world );
     /// Count what the state points to, for wisp_world_memory_parts().
@@ -395,6 +408,9 @@ WISP_API bool wisp_fabric_is_pinned( const wisp_fabric* fabric, const float* pos
 /// @param args position, velocity, and fraction or fractions
 WISP_API void wisp_approach_rigid_motion( const wisp_kernels* kernels, const wisp_parallel* parallel,
                                           const wisp_fabric* fabric, const wisp_rigid_args* args );
+/// The same for a crowd. @param args [lane]
+WISP_API void wisp_approach_rigid_motions( const wisp_kernels* kernels, const wisp_crowd* crowd,
+                                           wisp_rigid_args* args );
 /// Report a failure from inside a pass; the step returns one of them and finishes its other passes. Thread-safe.
 WISP_API void wisp_frame_fail( wisp_frame* frame, wisp_status status, const char* format, ... ) WISP_PRINTF( 3, 4 );
 /// Add to a counter of the world. Thread-safe; sums are order-free.
