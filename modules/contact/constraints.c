@@ -12,11 +12,9 @@
 // at the intersection-free positions: so contact takes away approach and adds no energy.
 #include "constraints.h"
 
-#include "boundary_samples.h"
 #include "closest_points.h"
 #include "narrow_phase.h"
 #include "primitive_pairs.h"
-#include "sample_pairs.h"
 
 #include <string.h>
 
@@ -31,36 +29,12 @@ enum
 static void set_points( const contact_work* work, const contact_pair* c, bool is_edge, contact_row* row )
 {
     const contact_contact_mesh* s = work->contact_mesh;
-    if ( contact_has_samples( work ) )
-    {
-        row->count = 6;
-        row->split = 3;
-        memcpy( row->point, s->samples->parents[c->a], 3 * sizeof( int32_t ) );
-        memcpy( row->point + 3, s->samples->parents[c->b], 3 * sizeof( int32_t ) );
-        return;
-    }
     row->count = 4;
     row->split = is_edge ? 2 : 1;
     const int32_t* a = is_edge ? s->edges + 2 * (size_t)c->a : &c->a;
     const int32_t* b = is_edge ? s->edges + 2 * (size_t)c->b : s->triangles + 3 * (size_t)c->b;
     memcpy( row->point, a, (size_t)row->split * sizeof( int32_t ) );
     memcpy( row->point + row->split, b, (size_t)( 4 - row->split ) * sizeof( int32_t ) );
-}
-
-// Measure two boundary particles: the plane across the line between them.
-static void measure_samples( const contact_contact_mesh* s, const contact_pair* pair, contact_row* row )
-{
-    float p[3], q[3];
-    contact_place_sample( s, s->intersection_free, pair->a, p );
-    contact_place_sample( s, s->intersection_free, pair->b, q );
-    const float d[3] = { p[0] - q[0], p[1] - q[1], p[2] - q[2] };
-    row->distance = sqrtf( d[0] * d[0] + d[1] * d[1] + d[2] * d[2] );
-    for ( int k = 0; k < 3; ++k )
-    {
-        row->weight[k] = s->samples->weights[pair->a][k];
-        row->weight[3 + k] = -s->samples->weights[pair->b][k];
-        row->normal[k] = row->distance > 0.0f ? d[k] / row->distance : 0.0f;
-    }
 }
 
 // Measure up to a batch of pairs of primitives whose rows have their points.
@@ -95,19 +69,11 @@ static void measure_primitives( const contact_work* work, int count, bool are_ed
 static void measure_pairs( const contact_work* work, const contact_pair* pairs, int count, bool are_edges,
                            contact_row* rows )
 {
-    const bool are_samples = contact_has_samples( work );
     for ( int i = 0; i < count; ++i )
     {
         set_points( work, pairs + i, are_edges, rows + i );
-        if ( are_samples )
-        {
-            measure_samples( work->contact_mesh, pairs + i, rows + i );
-        }
     }
-    if ( are_samples == false )
-    {
-        measure_primitives( work, count, are_edges, rows );
-    }
+    measure_primitives( work, count, are_edges, rows );
 }
 
 // Return the mean of a map over the points of one side, by their weights: 1 without a map.
@@ -192,8 +158,7 @@ static void sort_pairs( contact_near* near, int most, contact_pair* spare )
 static wisp_status find_sorted( const contact_work* work, bool missed_only, wisp_error* error )
 {
     contact_contact_mesh* s = work->contact_mesh;
-    const wisp_status status = contact_has_samples( work ) ? contact_find_near_samples( work, missed_only, error )
-                                                           : contact_find_near( work, missed_only, error );
+    const wisp_status status = contact_find_near( work, missed_only, error );
     if ( status != WISP_OK )
     {
         return status;
@@ -208,7 +173,7 @@ static wisp_status find_sorted( const contact_work* work, bool missed_only, wisp
     }
     for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
     {
-        sort_pairs( near + kind, s->point_count + s->edge_count + s->triangle_count + s->samples->count, spare );
+        sort_pairs( near + kind, s->point_count + s->edge_count + s->triangle_count, spare );
     }
     return WISP_OK;
 }

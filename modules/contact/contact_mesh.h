@@ -17,7 +17,7 @@ enum
 {
     CONTACT_BATCH = 128,        // pairs whose distances are measured together
     CONTACT_POINT_GRAIN = 1024, // points of a task
-    CONTACT_MAX_POINTS = 6      // of a pair: two boundary particles, each between three points
+    CONTACT_MAX_POINTS = 4      // of a pair
 };
 
 /// The definition of a participant with the defaults filled in.
@@ -61,7 +61,6 @@ typedef struct contact_participant
     bool is_left_out; // of the contact mesh: its counts are 0
     bool joins;       // it was apart until this substep
     bool may_part;    // strands, far, whose reach is known
-    bool has_layer;   // its particles are those that another module shares, as they are at the start of a step
     int first_point, point_count, first_edge, edge_count, first_triangle, triangle_count;
     contact_settings settings;
     contact_reach_box box;
@@ -97,7 +96,6 @@ typedef struct contact_contact_mesh
     struct contact_broad_phase* broad_phase;     // broad_phase.h
     struct contact_intersections* intersections; // intersections.h
     struct contact_primitive_pairs* primitives;  // primitive_pairs.h
-    struct contact_samples* samples;             // boundary_samples.h
     struct contact_constraints* constraints;     // constraints.h
     struct contact_supports* supports;           // supports.h
     struct contact_colouring* colouring;         // colouring.h
@@ -109,7 +107,7 @@ typedef struct contact_contact_mesh
 typedef struct contact_components
 {
     wisp_component corrected;     // mark of surfaces that take part
-    wisp_component samples_read;  // of surfaces that particles stand for
+    wisp_component samples_read;  // of surfaces whose layers spheres are made of
     wisp_component settings;      // contact_settings
     wisp_component particle_free; // intersection-free positions of particles, [4]
     wisp_component strand_free;   // the same of strands
@@ -156,12 +154,6 @@ static inline bool contact_suit( const contact_participant* a, const contact_set
 {
     return ( of_a->layers & of_b->mask ) != 0 && ( of_b->layers & of_a->mask ) != 0 &&
            ( a->is_strands == false || b->is_strands == false || ( of_a->self & of_b->self & 2 ) != 0 );
-}
-
-/// Return whether particles stand for the surfaces.
-static inline bool contact_has_samples( const contact_work* work )
-{
-    return work->settings->primitives == WISP_CONTACT_PARTICLES;
 }
 
 /// Return the participant that a point belongs to.

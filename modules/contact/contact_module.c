@@ -43,7 +43,6 @@ static void release_buffers( wisp_buffer* buffers, int count, const wisp_allocat
     X( clusters )                                                                                                    \
     X( motion )                                                                                                      \
     X( bounds )                                                                                                      \
-    X( samples )                                                                                                     \
     X( colouring )                                                                                                   \
     X( limit )                                                                                                       \
     X( supports )
@@ -61,9 +60,6 @@ static void release_stages( contact_state* s, const wisp_allocator* allocator )
     {
         wisp_buffer_release( &s->primitives.near[kind].buffer, allocator );
     }
-    wisp_buffer_release( &s->samples.candidate_buffer, allocator );
-    wisp_samples_release( &s->samples.sampler, allocator );
-    wisp_aabb_pairs_release( &s->samples.overlaps, allocator );
     wisp_buffer_release( &s->constraints.row_buffer, allocator );
     wisp_buffer_release( &s->constraints.missed_buffer, allocator );
     wisp_buffer_release( &s->constraints.spare_buffer, allocator );
@@ -86,13 +82,11 @@ static size_t count_memory( const void* memory, size_t* outside )
 {
     (void)outside;
     const contact_state* s = memory;
-    const wisp_buffer single[] = { s->broad_phase.box_buffer,    s->intersections.buffer,
-                                   s->samples.candidate_buffer,  s->constraints.row_buffer,
+    const wisp_buffer single[] = { s->broad_phase.box_buffer,    s->intersections.buffer, s->constraints.row_buffer,
                                    s->constraints.missed_buffer, s->constraints.spare_buffer,
                                    s->colouring.point_buffer,    s->untangling.buffer };
     size_t bytes = (size_t)s->participant_capacity * sizeof( contact_participant ) +
-                   wisp_buffer_bytes( single, WISP_COUNT( single ) ) + wisp_samples_bytes( &s->samples.sampler ) +
-                   wisp_aabb_pairs_bytes( &s->broad_phase.overlaps ) + wisp_aabb_pairs_bytes( &s->samples.overlaps ) +
+                   wisp_buffer_bytes( single, WISP_COUNT( single ) ) + wisp_aabb_pairs_bytes( &s->broad_phase.overlaps ) +
                    wisp_intersections_bytes( &s->intersections.intersections );
     for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
     {
@@ -322,7 +316,6 @@ static wisp_status declare( wisp_registry* r )
         .broad_phase = &state->broad_phase,
         .intersections = &state->intersections,
         .primitives = &state->primitives,
-        .samples = &state->samples,
         .constraints = &state->constraints,
         .supports = &state->supports,
         .colouring = &state->colouring,
@@ -355,14 +348,13 @@ wisp_status wisp_set_contact_settings( wisp_world* world, const wisp_contact_set
     wisp_status status = contact_find_state( world, &state );
     const wisp_number_range ranges[] = {
         { "margin", settings->margin, 0.01f, 100.0f },
-        { "particle_spacing", settings->particle_spacing, 0.0f, 1e6f },
     };
     status = status == WISP_OK ? wisp_world_check_ranges( world, "contact", ranges, WISP_COUNT( ranges ) ) : status;
-    if ( status == WISP_OK && (unsigned)settings->primitives >= WISP_CONTACT_PRIMITIVES_COUNT )
+    if ( status == WISP_OK && (unsigned)settings->level >= WISP_CONTACT_LEVEL_COUNT )
     {
-        status = wisp_world_fail( world, WISP_BAD_INPUT, "contact: unknown features %d", (int)settings->primitives );
+        status = wisp_world_fail( world, WISP_BAD_INPUT, "contact: unknown level %d", (int)settings->level );
     }
-    status = status == WISP_OK ? contact_mark_participants( world, state, settings->primitives ) : status;
+    status = status == WISP_OK ? contact_mark_participants( world, state, settings->level ) : status;
     if ( status == WISP_OK )
     {
         state->world = *settings;
@@ -420,8 +412,7 @@ wisp_status wisp_read_contact_stats( wisp_world* world, wisp_contact_stats* out 
     {
         *out = *stats;
         out->searches = state->broad_phase.searches;
-        const bool are_samples = state->world.primitives == WISP_CONTACT_PARTICLES;
-        out->candidates = are_samples ? state->samples.candidate_count : state->bounds.pairs[0].count;
+        out->candidates = state->bounds.pairs[0].count;
     }
     return status;
 }

@@ -9,7 +9,6 @@
 //   contact.stats  statistics, on request
 #include "contact_state.h"
 
-#include "boundary_samples.h"
 #include "coincident.h"
 #include "contact_stats.h"
 #include "gather_scatter.h"
@@ -80,8 +79,7 @@ static wisp_status build_mesh( const contact_work* work, wisp_error* error )
     const bool enough = contact_build_contact_mesh( work ) && contact_make_clusters( work ) &&
                         contact_reserve_motion( work ) && contact_reserve_intersections( work ) &&
                         contact_reserve_colouring( work ) && contact_reserve_limit( work ) &&
-                        contact_reserve_supports( work ) &&
-                        ( contact_has_samples( work ) == false || contact_sample_participants( work ) == WISP_OK );
+                        contact_reserve_supports( work );
     if ( enough == false )
     {
         s->point_count = s->edge_count = s->triangle_count = 0;
@@ -161,11 +159,6 @@ void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
     {
         return;
     }
-    if ( state->changed == false && span->substep == 0 && contact_has_samples( &work ) &&
-         run_stage( &work, contact_follow_layers ) == false )
-    {
-        return;
-    }
     state->changed = false;
     if ( s->point_count == 0 ) // nobody has anything within reach
     {
@@ -185,7 +178,7 @@ void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
     {
         return;
     }
-    const bool holds = is_new == false && reached != CONTACT_BEYOND && contact_margins_are_wide( &work ) == false;
+    const bool holds = is_new == false && reached != CONTACT_BEYOND;
     if ( holds || run_stage( &work, contact_search ) )
     {
         (void)( run_stage( &work, contact_find_rows ) && run_stage( &work, contact_colour_rows ) );
@@ -242,7 +235,7 @@ static void end_substep( const contact_work* work, bool sums_impulses )
 // Limit what points do in a substep, if they are limited.
 static void end_ways( const contact_work* work, bool is_final )
 {
-    if ( work->settings->displacement_limit && contact_has_samples( work ) == false )
+    if ( work->settings->displacement_limit )
     {
         limit_displacements( work );
     }

@@ -13,7 +13,7 @@ enum
     CONTACT_ROOM = 6144, // pairs in a narrow batch
 };
 
-/// A point and a triangle, two edges, or two boundary particles.
+/// A point and a triangle, or two edges.
 typedef struct contact_pair
 {
     int32_t a, b;
@@ -23,7 +23,7 @@ typedef struct contact_pair
 /// Kinds of pairs.
 typedef enum contact_kind
 {
-    CONTACT_POINTS, // a point and a triangle, or two boundary particles
+    CONTACT_POINTS, // a point and a triangle
     CONTACT_EDGES,
     CONTACT_KIND_COUNT,
 } contact_kind;
