@@ -133,7 +133,8 @@ const scene_block SCENE_STRAND_CONTACT_BLOCK = BLOCK( STRANDS_FIELDS );
 static const scene_choice LEVELS[] = {
     { "exact", "vertices keep off triangles and edges off edges, and nothing passes" },
     { "triangles", "the same pairs, found once per step; what is fast may pass" },
-    { "spheres", "points keep off points: vertices, and those of `boundary`; what is finer than their spacing passes" },
+    { "spheres",
+      "points keep off points: vertices, and those of `boundary`; what is finer than their spacing passes" },
     { NULL, NULL }
 };
 static const scene_choice WORDS[] = {
@@ -167,9 +168,11 @@ static wisp_status read_requests( scene_reader* r, const scene_node* node, void*
 }
 
 static const scene_field WORLD_FIELDS[] = {
-    { "level", SCENE_CHOICE, .at = CONTACT( level ), .choices = LEVELS, .help = "What is kept apart, and how surely." },
+    { "level", SCENE_CHOICE, .at = CONTACT( level ), .choices = LEVELS,
+      .help = "What is kept apart, and how surely." },
     { "margin", SCENE_NUMBER, .at = CONTACT( margin ), .range = RANGE( 0.01, 100 ),
-      .help = "How much farther than they keep apart pairs are searched, in such distances; with `level: exact` it changes "
+      .help = "How much farther than they keep apart pairs are searched, in such distances; with `level: exact` it "
+              "changes "
               "the time and not the result." },
     { "displacement_limit", SCENE_SWITCH, .at = CONTACT( displacement_limit ),
       .help = "Shortens displacements before primitives pass through each other, with `level: exact`." },

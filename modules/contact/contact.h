@@ -84,14 +84,15 @@ WISP_API wisp_status wisp_unset_contact( wisp_world* world, wisp_entity entity )
 typedef struct wisp_contact_stats
 {
     int participants, points, edges, triangles; ///< in contact; with spheres, points are spheres
-    int64_t candidates; ///< pairs that may touch before the next search: of spheres, of primitives, or if exact of clusters
-                        ///< of neighbouring triangles
-    int contacts;       ///< pairs that pressed on each other in the last substep
-    int searches;       ///< in this step, for all pairs
-    float min_gap;      ///< smallest distance of a pair over its thickness at the end; 1 or more: no pair is too near
+    int64_t
+        candidates; ///< pairs that may touch before the next search: of spheres, of primitives, or if exact of clusters
+                    ///< of neighbouring triangles
+    int contacts;   ///< pairs that pressed on each other in the last substep
+    int searches;   ///< in this step, for all pairs
+    float min_gap; ///< smallest distance of a pair over its thickness at the end; 1 or more: no pair is too near
     int displacement_limited; ///< vertices whose displacement was limited, summed over substeps; above 0 momentum is not conserved
-    int outran;  ///< points that left the margin of the search, summed over substeps; above 0 pairs may have been missed (not exact)
-    int tangled; ///< edges through triangles that were being untangled at the last search
+    int outran; ///< points that left the margin of the search, summed over substeps; above 0 pairs may have been missed (not exact)
+    int tangled;       ///< edges through triangles that were being untangled at the last search
     int intersections; ///< edges that intersect triangles at the end of the step, exact, of which not all five points
                        ///< are pinned; -1 unless requested
     double net_impulse

@@ -58,9 +58,12 @@ typedef struct contact_participant
 {
     wisp_entity entity;
     bool is_strands, halted;
-    bool is_left_out; // of the contact mesh: its counts are 0
-    bool joins;       // it was apart until this substep
-    bool may_part;    // strands, far, whose reach is known
+    bool is_left_out;      // of the contact mesh: its counts are 0
+    bool joins;            // it was apart until this substep
+    bool may_part;         // strands, far, whose reach is known
+    float spacing;         // m, least distance that its vertices keep as spheres
+    float cover;           // m, the same while spheres stand for it, else 0
+    float sphere_distance; // m, the same of its spheres, which layers make denser
     int first_point, point_count, first_edge, edge_count, first_triangle, triangle_count;
     contact_settings settings;
     contact_reach_box box;
@@ -97,6 +100,8 @@ typedef struct contact_contact_mesh
     struct contact_intersections* intersections; // intersections.h
     struct contact_primitive_pairs* primitives;  // primitive_pairs.h
     struct contact_constraints* constraints;     // constraints.h
+    struct contact_spheres* spheres;             // spheres.h
+    struct contact_listed_rows* listed;          // listed_rows.h
     struct contact_supports* supports;           // supports.h
     struct contact_colouring* colouring;         // colouring.h
     struct contact_limit* limit;                 // displacement_limit.h
@@ -126,7 +131,8 @@ typedef struct contact_work
     wisp_frame* frame;
     float seconds; // s, of the substep
     int worker;
-    bool counts_intersections;
+    int substeps_left; // of the step, with this one
+    bool counts_intersections, counts_impulses;
 } contact_work;
 
 /// Decide which participants have something within reach, by their boxes in this substep.
@@ -165,7 +171,9 @@ static inline contact_participant* contact_participant_of( const contact_work* w
 /// Return the distance that two participants keep, m.
 static inline float contact_gap_between( const contact_participant* a, const contact_participant* b )
 {
-    return 0.5f * ( a->settings.thickness + b->settings.thickness );
+    const float thickness = 0.5f * ( a->settings.thickness + b->settings.thickness );
+    const float cover = a->cover > b->cover ? a->cover : b->cover;
+    return cover > thickness ? cover : thickness;
 }
 
 static inline float contact_distance( const float a[3], const float b[3] )

@@ -43,6 +43,8 @@ static void release_buffers( wisp_buffer* buffers, int count, const wisp_allocat
     X( clusters )                                                                                                    \
     X( motion )                                                                                                      \
     X( bounds )                                                                                                      \
+    X( spheres )                                                                                                     \
+    X( listed )                                                                                                      \
     X( colouring )                                                                                                   \
     X( limit )                                                                                                       \
     X( supports )
@@ -82,11 +84,13 @@ static size_t count_memory( const void* memory, size_t* outside )
 {
     (void)outside;
     const contact_state* s = memory;
-    const wisp_buffer single[] = { s->broad_phase.box_buffer,    s->intersections.buffer, s->constraints.row_buffer,
-                                   s->constraints.missed_buffer, s->constraints.spare_buffer,
-                                   s->colouring.point_buffer,    s->untangling.buffer };
+    const wisp_buffer single[] = { s->broad_phase.box_buffer,   s->intersections.buffer,
+                                   s->constraints.row_buffer,   s->constraints.missed_buffer,
+                                   s->constraints.spare_buffer, s->colouring.point_buffer,
+                                   s->untangling.buffer };
     size_t bytes = (size_t)s->participant_capacity * sizeof( contact_participant ) +
-                   wisp_buffer_bytes( single, WISP_COUNT( single ) ) + wisp_aabb_pairs_bytes( &s->broad_phase.overlaps ) +
+                   wisp_buffer_bytes( single, WISP_COUNT( single ) ) +
+                   wisp_aabb_pairs_bytes( &s->broad_phase.overlaps ) +
                    wisp_intersections_bytes( &s->intersections.intersections );
     for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
     {
@@ -317,6 +321,8 @@ static wisp_status declare( wisp_registry* r )
         .intersections = &state->intersections,
         .primitives = &state->primitives,
         .constraints = &state->constraints,
+        .spheres = &state->spheres,
+        .listed = &state->listed,
         .supports = &state->supports,
         .colouring = &state->colouring,
         .limit = &state->limit,
@@ -355,6 +361,12 @@ wisp_status wisp_set_contact_settings( wisp_world* world, const wisp_contact_set
         status = wisp_world_fail( world, WISP_BAD_INPUT, "contact: unknown level %d", (int)settings->level );
     }
     status = status == WISP_OK ? contact_mark_participants( world, state, settings->level ) : status;
+    for ( int i = 0; status == WISP_OK && settings->level != state->world.level && i < state->participant_count; ++i )
+    {
+        contact_settings* own =
+            wisp_world_column( world, state->participants[i].entity, state->components.settings, 0 );
+        own->is_new = 1; // only exact contact keeps intersection-free positions
+    }
     if ( status == WISP_OK )
     {
         state->world = *settings;
@@ -412,7 +424,9 @@ wisp_status wisp_read_contact_stats( wisp_world* world, wisp_contact_stats* out 
     {
         *out = *stats;
         out->searches = state->broad_phase.searches;
-        out->candidates = state->bounds.pairs[0].count;
+        out->candidates = state->world.level == WISP_CONTACT_EXACT       ? state->bounds.pairs[0].count
+                          : state->world.level == WISP_CONTACT_TRIANGLES ? state->listed.count
+                                                                         : state->spheres.candidates / 2;
     }
     return status;
 }

@@ -104,6 +104,15 @@ static contact_settings resolve( wisp_world* world, wisp_entity participant, con
     };
 }
 
+// Return the distance at which no point slips between the vertices of a surface, spheres of that size, m. A point in the middle of a square is
+// 0.62 of the mean edge from its corners.
+static float sphere_spacing( wisp_world* world, wisp_entity participant )
+{
+    return wisp_world_strands( world, participant ) == NULL
+               ? 0.8f * wisp_world_rest_lengths( world, participant ).mean
+               : 0.0f;
+}
+
 static wisp_status check_participant( wisp_world* world, wisp_entity participant, const wisp_contact_def* d )
 {
     const wisp_number_range ranges[] = {
@@ -255,7 +264,7 @@ wisp_status wisp_set_contact( wisp_world* world, wisp_entity participant, const 
     contact_state* state;
     wisp_status status = contact_find_state( world, &state );
     status = status == WISP_OK ? check_participant( world, participant, def ) : status;
-    const int number = status == WISP_OK ? contact_find_participant( state, participant ) : -1;
+    int number = status == WISP_OK ? contact_find_participant( state, participant ) : -1;
     if ( status == WISP_OK && def->enabled == false )
     {
         if ( number >= 0 )
@@ -269,6 +278,8 @@ wisp_status wisp_set_contact( wisp_world* world, wisp_entity participant, const 
     {
         contact_settings* settings = wisp_world_column( world, participant, state->components.settings, 0 );
         *settings = resolve( world, participant, def );
+        number = number < 0 ? state->participant_count - 1 : number;
+        state->participants[number].spacing = sphere_spacing( world, participant );
         state->changed = true;
     }
     return status;

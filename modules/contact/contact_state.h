@@ -9,8 +9,10 @@
 #include "contact_mesh.h"
 #include "displacement_limit.h"
 #include "intersections.h"
+#include "listed_rows.h"
 #include "predicted_motion.h"
 #include "primitive_pairs.h"
+#include "spheres.h"
 #include "supports.h"
 #include "untangling.h"
 
@@ -38,6 +40,8 @@ typedef struct contact_state
     contact_intersections intersections;
     contact_primitive_pairs primitives;
     contact_constraints constraints;
+    contact_spheres spheres;
+    contact_listed_rows listed;
     contact_supports supports;
     contact_colouring colouring;
     contact_limit limit;

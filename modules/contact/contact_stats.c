@@ -5,6 +5,7 @@
 #include "closest_points.h"
 #include "constraints.h"
 #include "intersections.h"
+#include "spheres.h"
 
 #include <string.h>
 
@@ -95,10 +96,11 @@ void contact_fill_stats( const contact_work* work, bool counts_intersections )
         count_intersections( work );
     }
     f->participants = work->participant_count;
-    f->points = s->point_count;
+    const bool are_spheres = work->settings->level == WISP_CONTACT_SPHERES;
+    f->points = are_spheres ? s->spheres->count : s->point_count;
     f->edges = s->edge_count;
     f->triangles = s->triangle_count;
-    f->min_gap = min_gap( work );
+    f->min_gap = are_spheres ? contact_least_sphere_gap( work ) : min_gap( work );
     memset( f->net_impulse, 0, sizeof( f->net_impulse ) );
     for ( int g = 0; g < work->participant_count; ++g )
     {

@@ -335,7 +335,9 @@ static float margin_for( const contact_work* work, const contact_way* way )
 {
     const float margin = work->settings->margin * work->contact_mesh->min_thickness;
     const float length = contact_length_of_way( work->contact_mesh, way );
-    return length + contact_larger( margin, MARGIN_SUBSTEPS * way->spread );
+    return work->settings->level == WISP_CONTACT_EXACT
+               ? length + contact_larger( margin, MARGIN_SUBSTEPS * way->spread )
+               : margin + way->spread; // ways are those of a step
 }
 
 static void predict_clusters( void* context, int begin, int end, int worker )

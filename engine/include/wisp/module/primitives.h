@@ -92,4 +92,27 @@ typedef struct wisp_separation_args
     int32_t* active;               ///< [pair] out: active pairs first, whose bound may fall below zero
 } wisp_separation_args;
 
+/// Points that keep distances, in packs of sixteen. A pack has as many rows of pairs as its point with the most; a lane without a pair
+/// has any other point and the gap 0.
+typedef struct wisp_point_pair_args
+{
+    const float* start;      ///< [point][4] m, at the start of a substep; the fourth is the root of the friction coefficient
+    const float* now;        ///< [point][4] m; the fourth is 1/kg
+    const int32_t* rows;     ///< [pack] rows of pairs, from pack * capacity on
+    const int32_t* other_x4; ///< [row][16] other points, times 4
+    const float* gap;        ///< [row][16] m, to keep
+    int capacity;            ///< rows between packs
+    float recovery;          ///< m, by which pairs that start nearer than their gap may part
+    uint16_t* presses;       ///< [row] a bit for each pair that is too near
+    float* count;            ///< [point] out of find_pressing_points: pairs that are too near
+    float *push, *shift;     ///< [point][4] out of push_points, kg m: sum of corrections, and of recovery; the fourth sums lengths
+} wisp_point_pair_args;
+
+/// Points around a place. Arrays are padded by 8.
+typedef struct wisp_points_within_args
+{
+    const float *x, *y, *z; ///< m
+    float at[3], radius;    ///< m
+} wisp_points_within_args;
+
 WISP_END_C
