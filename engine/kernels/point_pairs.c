@@ -83,10 +83,40 @@ LANE_INLINE pair_row measure( const wisp_point_pair_args* args, points start, po
     p.now = lane16v_dot( p.normal, after );
     p.gap = lane16_loadu( args->gap + (size_t)row * LANES );
     p.kept = lane16_min( p.gap, p.start );
-    p.recovered = lane16_min( p.gap, lane16_add( p.start, lane16_set1( args->recovery ) ) );
+    p.recovered = lane16_min( p.gap, lane16_add( p.start, lane16_mul( lane16_set1( args->recovery ), p.gap ) ) );
     p.friction = lane16_mul( start.w, from.w );
     p.w = lane16_add( now.w, to.w );
     return p;
+}
+
+// Return the square of how near the points of a row come on straight paths.
+LANE_INLINE lane16 nearest( const pair_row* p )
+{
+    const lane16 zero = lane16_zero(), squared = lane16v_dot( p->motion, p->motion );
+    const lane16 along = lane16_mul( p->start, lane16_sub( p->start, p->now ) );
+    const lane16 part = lane16_select( lane16_gt( squared, zero ), lane16_div( along, squared ), zero );
+    const lane16 time = lane16_min( lane16_max( part, zero ), lane16_set1( 1.0f ) );
+    const lane16v least = lane16v_add( lane16v_scale( p->normal, p->start ), lane16v_scale( p->motion, time ) );
+    return lane16v_dot( least, least );
+}
+
+void KERNEL( find_near_pairs )( const wisp_point_pair_args* args, int begin, int end )
+{
+    const lane16 reach = lane16_set1( args->reach );
+    for ( int pack = begin; pack < end; ++pack )
+    {
+        const points start = load_own( args->start, pack * LANES ), now = load_own( args->now, pack * LANES );
+        const int first = args->begin[pack];
+        int count = 0;
+        for ( int row = first; row < args->begin[pack + 1]; ++row )
+        {
+            const pair_row p = measure( args, start, now, row );
+            const lane16 within = lane16_mul( reach, p.gap );
+            args->near[first + count] = row;
+            count += lane16m_any( lane16_lt( nearest( &p ), lane16_mul( within, within ) ) ) ? 1 : 0;
+        }
+        args->near_count[pack] = count;
+    }
 }
 
 void KERNEL( find_pressing_points )( const wisp_point_pair_args* args, int begin, int end )
@@ -95,19 +125,14 @@ void KERNEL( find_pressing_points )( const wisp_point_pair_args* args, int begin
     for ( int pack = begin; pack < end; ++pack )
     {
         const points start = load_own( args->start, pack * LANES ), now = load_own( args->now, pack * LANES );
+        const int32_t* near = args->near + args->begin[pack];
         lane16 count = zero;
-        for ( int row = pack * args->capacity; row < pack * args->capacity + args->rows[pack]; ++row )
+        for ( int i = 0; i < args->near_count[pack]; ++i )
         {
-            const pair_row p = measure( args, start, now, row );
-            // the nearest that they come on straight paths
-            const lane16 squared = lane16v_dot( p.motion, p.motion );
-            const lane16 along = lane16_mul( p.start, lane16_sub( p.start, p.now ) );
-            const lane16 part = lane16_select( lane16_gt( squared, zero ), lane16_div( along, squared ), zero );
-            const lane16 time = lane16_min( lane16_max( part, zero ), one );
-            const lane16v least = lane16v_add( lane16v_scale( p.normal, p.start ), lane16v_scale( p.motion, time ) );
-            const lane16m meets = lane16_le( lane16v_dot( least, least ), lane16_mul( p.gap, p.gap ) );
-            const lane16m presses = lane16m_and( meets, lane16_lt( p.now, p.recovered ) );
-            args->presses[row] = (uint16_t)lane16m_bits( presses );
+            const pair_row p = measure( args, start, now, near[i] );
+            const lane16m presses = lane16m_and( lane16_le( nearest( &p ), lane16_mul( p.gap, p.gap ) ),
+                                                 lane16_lt( p.now, p.recovered ) );
+            args->presses[near[i]] = (uint16_t)lane16m_bits( presses );
             count = lane16_add( count, lane16_select( presses, one, zero ) );
         }
         lane16_storeu( args->count + (size_t)pack * LANES, count );
@@ -123,8 +148,10 @@ void KERNEL( push_points )( const wisp_point_pair_args* args, int begin, int end
         const points start = load_own( args->start, pack * LANES ), now = load_own( args->now, pack * LANES );
         lane16v push = none, shift = none;
         lane16 sum = zero;
-        for ( int row = pack * args->capacity; row < pack * args->capacity + args->rows[pack]; ++row )
+        const int32_t* near = args->near + args->begin[pack];
+        for ( int i = 0; i < args->near_count[pack]; ++i )
         {
+            const int row = near[i];
             if ( args->presses[row] == 0 )
             {
                 continue;
@@ -151,20 +178,4 @@ void KERNEL( push_points )( const wisp_point_pair_args* args, int begin, int end
         store_own( args->push, pack * LANES, push, sum );
         store_own( args->shift, pack * LANES, shift, zero );
     }
-}
-
-int KERNEL( find_points_within )( const wisp_points_within_args* args, int begin, int end, int32_t* out )
-{
-    const lane8 x = lane8_set1( args->at[0] ), y = lane8_set1( args->at[1] ), z = lane8_set1( args->at[2] ),
-                most = lane8_set1( args->radius * args->radius );
-    int count = 0;
-    for ( int i = begin; i < end; i += 8 )
-    {
-        const lane8v d = { lane8_sub( lane8_loadu( args->x + i ), x ), lane8_sub( lane8_loadu( args->y + i ), y ),
-                           lane8_sub( lane8_loadu( args->z + i ), z ) };
-        const lane8m within = lane8m_and( lane8_le( lane8v_dot( d, d ), most ), lane8m_first( end - i ) );
-        count += lane8i_compress_store( out + count, lane8i_add( lane8i_set1( i ), lane8i_iota() ),
-                                        lane8m_bits( within ) );
-    }
-    return count;
 }

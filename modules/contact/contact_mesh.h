@@ -13,6 +13,9 @@
 
 #include <math.h>
 
+// Least distance of spheres over the longest edge around a vertex. The middle of an equilateral triangle is 0.58 edges from its corners.
+static const float CONTACT_COVER = 0.72f;
+
 enum
 {
     CONTACT_BATCH = 128,        // pairs whose distances are measured together
@@ -58,12 +61,12 @@ typedef struct contact_participant
 {
     wisp_entity entity;
     bool is_strands, halted;
-    bool is_left_out;      // of the contact mesh: its counts are 0
-    bool joins;            // it was apart until this substep
-    bool may_part;         // strands, far, whose reach is known
-    float spacing;         // m, least distance that its vertices keep as spheres
-    float cover;           // m, the same while spheres stand for it, else 0
-    float sphere_distance; // m, the same of its spheres, which layers make denser
+    bool is_left_out;  // of the contact mesh: its counts are 0
+    bool joins;        // it was apart until this substep
+    bool may_part;     // strands, far, whose reach is known
+    float spacing;     // m, most that its vertices have to keep as spheres
+    float cover;       // m, the same while spheres stand for it, else 0
+    float layer_parts; // into which its layer divides an edge
     int first_point, point_count, first_edge, edge_count, first_triangle, triangle_count;
     contact_settings settings;
     contact_reach_box box;

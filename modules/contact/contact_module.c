@@ -56,6 +56,7 @@ static void release_stages( contact_state* s, const wisp_allocator* allocator )
 #undef RELEASE
     wisp_buffer_release( &s->broad_phase.box_buffer, allocator );
     wisp_aabb_pairs_release( &s->broad_phase.overlaps, allocator );
+    wisp_aabb_pairs_release( &s->spheres.overlaps, allocator );
     wisp_buffer_release( &s->intersections.buffer, allocator );
     wisp_intersections_release( &s->intersections.intersections, allocator );
     for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
@@ -90,7 +91,7 @@ static size_t count_memory( const void* memory, size_t* outside )
                                    s->untangling.buffer };
     size_t bytes = (size_t)s->participant_capacity * sizeof( contact_participant ) +
                    wisp_buffer_bytes( single, WISP_COUNT( single ) ) +
-                   wisp_aabb_pairs_bytes( &s->broad_phase.overlaps ) +
+                   wisp_aabb_pairs_bytes( &s->broad_phase.overlaps ) + wisp_aabb_pairs_bytes( &s->spheres.overlaps ) +
                    wisp_intersections_bytes( &s->intersections.intersections );
     for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
     {
@@ -424,9 +425,10 @@ wisp_status wisp_read_contact_stats( wisp_world* world, wisp_contact_stats* out 
     {
         *out = *stats;
         out->searches = state->broad_phase.searches;
-        out->candidates = state->world.level == WISP_CONTACT_EXACT       ? state->bounds.pairs[0].count
-                          : state->world.level == WISP_CONTACT_TRIANGLES ? state->listed.count
-                                                                         : state->spheres.candidates / 2;
+        out->candidates = state->world.level == WISP_CONTACT_EXACT ? state->bounds.pairs[0].count
+                          : state->world.level == WISP_CONTACT_TRIANGLES
+                              ? state->listed.count
+                              : (int64_t)( state->spheres.overlaps.pair_count / 2 );
     }
     return status;
 }

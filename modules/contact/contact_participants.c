@@ -104,12 +104,11 @@ static contact_settings resolve( wisp_world* world, wisp_entity participant, con
     };
 }
 
-// Return the distance at which no point slips between the vertices of a surface, spheres of that size, m. A point in the middle of a square is
-// 0.62 of the mean edge from its corners.
+// Return the largest distance that spheres keep so that no point slips between vertices, m.
 static float sphere_spacing( wisp_world* world, wisp_entity participant )
 {
     return wisp_world_strands( world, participant ) == NULL
-               ? 0.8f * wisp_world_rest_lengths( world, participant ).mean
+               ? CONTACT_COVER * wisp_world_rest_lengths( world, participant ).longest
                : 0.0f;
 }
 

@@ -13,10 +13,13 @@
 #include <stdatomic.h>
 #include <string.h>
 
+// Pairs are projected that come within so many distances in a substep.
+static const float NEAR_GAPS = 1.25f;
+
 enum
 {
-    SPHERE_GRAIN = 1024,
-    PACK_GRAIN = 32,
+    SWEEPS = 4,
+
 };
 
 typedef struct sphere_loop
@@ -29,13 +32,14 @@ typedef struct sphere_loop
     _Atomic int count;
 } sphere_loop;
 
-// Return the recovery of all pairs in a substep: of the slowest participant, m.
+// Return the recovery of all pairs in a substep, that of the slowest participant, in distances.
 static float recovery_of( const contact_work* work )
 {
     float speed = INFINITY;
     for ( int g = 0; g < work->participant_count; ++g )
     {
-        speed = contact_smaller( speed, work->participants[g].settings.max_push_out_speed );
+        const contact_settings* settings = &work->participants[g].settings;
+        speed = contact_smaller( speed, settings->max_push_out_speed / settings->thickness );
     }
     return speed * work->seconds;
 }
@@ -49,12 +53,14 @@ static sphere_loop begin_loop( const contact_work* work, bool is_last )
         .spheres = s,
         .args = { .start = s->start,
                   .now = s->now,
-                  .rows = s->rows,
+                  .begin = s->begin,
                   .other_x4 = s->other_x4,
                   .gap = s->gap,
-                  .capacity = s->capacity,
                   .recovery = is_last ? recovery_of( work ) : 0.0f,
                   .presses = s->presses,
+                  .reach = NEAR_GAPS,
+                  .near = s->near,
+                  .near_count = s->near_count,
                   .count = s->count_of,
                   .push = s->push,
                   .shift = s->shift },
@@ -71,13 +77,13 @@ static void place_starts( void* context, int begin, int end, int worker )
     int outran = 0;
     for ( int i = begin; i < end; ++i )
     {
-        float now[3], squared = 0.0f;
+        float *now = s->now + (size_t)i * 4, squared = 0.0f;
         contact_place_sphere( s, loop->mesh->intersection_free, i, s->start + (size_t)i * 4 );
         s->start[(size_t)i * 4 + 3] = s->traits[i][2];
         contact_place_sphere( s, loop->mesh->now, i, now );
         for ( int k = 0; k < 3; ++k )
         {
-            const float strays = now[k] - ( s->middle[k][i] + loop->progress * s->motion[i][k] );
+            const float strays = now[k] - ( s->middle[i][k] + loop->progress * s->motion[i][k] );
             squared += strays * strays;
         }
         outran += i < s->count && squared > s->motion[i][3] * s->motion[i][3] ? 1 : 0;
@@ -88,6 +94,36 @@ static void place_starts( void* context, int begin, int end, int worker )
     }
 }
 
+static void find_near_packs( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const sphere_loop* loop = context;
+    wisp_frame_kernels( loop->work->frame )->find_near_pairs( &loop->args, begin, end );
+}
+
+// Collect the packs with a near pair, and their points. Both spheres of a pair are in one.
+static void collect_active( contact_spheres* s, int point_count )
+{
+    s->active_pack_count = s->active_point_count = 0;
+    memset( s->is_active, 0, (size_t)point_count );
+    for ( int pack = 0; pack < s->pack_count; ++pack )
+    {
+        s->active_packs[s->active_pack_count] = pack;
+        s->active_pack_count += s->near_count[pack] > 0 ? 1 : 0;
+        for ( int i = pack * CONTACT_SPHERE_PACK; s->near_count[pack] > 0 && i < ( pack + 1 ) * CONTACT_SPHERE_PACK;
+              ++i )
+        {
+            for ( int k = 0; k < 3; ++k )
+            {
+                const int point = s->parents[i][k];
+                s->active_points[s->active_point_count] = point;
+                s->active_point_count += s->is_active[point] == 0 ? 1 : 0;
+                s->is_active[point] = 1;
+            }
+        }
+    }
+}
+
 void contact_begin_spheres( const contact_work* work )
 {
     sphere_loop loop = begin_loop( work, false );
@@ -95,7 +131,10 @@ void contact_begin_spheres( const contact_work* work )
     s->done += 1;
     loop.progress = (float)s->done / (float)s->substeps - 0.5f;
     atomic_init( &loop.count, 0 );
-    wisp_parallel_for( work->parallel, s->pack_count * CONTACT_SPHERE_PACK, SPHERE_GRAIN, place_starts, &loop );
+    wisp_parallel_for( work->parallel, s->pack_count * CONTACT_SPHERE_PACK, CONTACT_POINT_GRAIN, place_starts,
+                       &loop );
+    wisp_parallel_for( work->parallel, s->pack_count, CONTACT_SPHERE_GRAIN, find_near_packs, &loop );
+    collect_active( s, loop.mesh->point_count );
     work->memory->stats.outran += atomic_load( &loop.count );
 }
 
@@ -105,9 +144,13 @@ static void place_now( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const sphere_loop* loop = context;
-    for ( int i = begin; i < end; ++i )
+    for ( int a = begin; a < end; ++a )
     {
-        contact_place_sphere( loop->spheres, loop->mesh->now, i, loop->spheres->now + (size_t)i * 4 );
+        const int first = loop->spheres->active_packs[a] * CONTACT_SPHERE_PACK;
+        for ( int i = first; i < first + CONTACT_SPHERE_PACK; ++i )
+        {
+            contact_place_sphere( loop->spheres, loop->mesh->now, i, loop->spheres->now + (size_t)i * 4 );
+        }
     }
 }
 
@@ -115,14 +158,19 @@ static void find_pressing( void* context, int begin, int end, int worker )
 {
     (void)worker;
     sphere_loop* loop = context;
-    wisp_frame_kernels( loop->work->frame )->find_pressing_points( &loop->args, begin, end );
-    for ( int i = begin * CONTACT_SPHERE_PACK; i < end * CONTACT_SPHERE_PACK; ++i )
+    bool any = false;
+    for ( int a = begin; a < end; ++a )
     {
-        if ( loop->spheres->count_of[i] > 0.0f )
+        const int pack = loop->spheres->active_packs[a];
+        wisp_frame_kernels( loop->work->frame )->find_pressing_points( &loop->args, pack, pack + 1 );
+        for ( int i = pack * CONTACT_SPHERE_PACK; i < ( pack + 1 ) * CONTACT_SPHERE_PACK; ++i )
         {
-            atomic_store_explicit( &loop->count, 1, memory_order_relaxed );
-            return;
+            any = any || loop->spheres->count_of[i] > 0.0f;
         }
+    }
+    if ( any )
+    {
+        atomic_store( &loop->count, 1 );
     }
 }
 
@@ -131,12 +179,14 @@ static void split_masses( void* context, int begin, int end, int worker )
     (void)worker;
     const sphere_loop* loop = context;
     const contact_spheres* s = loop->spheres;
-    for ( int point = begin; point < end; ++point )
+    for ( int a = begin; a < end; ++a )
     {
+        const int point = s->active_points[a];
         float pairs = 0.0f;
         for ( int i = s->share_begin[point]; i < s->share_begin[point + 1]; ++i )
         {
-            pairs += s->count_of[s->shares[i].sphere];
+            const int sphere = s->shares[i].sphere;
+            pairs += s->near_count[sphere / CONTACT_SPHERE_PACK] > 0 ? s->count_of[sphere] : 0.0f;
         }
         s->inverse_mass[point] = pairs * loop->mesh->now[(size_t)point * 4 + 3];
     }
@@ -147,14 +197,18 @@ static void weigh_spheres( void* context, int begin, int end, int worker )
     (void)worker;
     const sphere_loop* loop = context;
     const contact_spheres* s = loop->spheres;
-    for ( int i = begin; i < end; ++i )
+    for ( int a = begin; a < end; ++a )
     {
-        float sum = 0.0f;
-        for ( int k = 0; k < 3; ++k )
+        const int first = s->active_packs[a] * CONTACT_SPHERE_PACK;
+        for ( int i = first; i < first + CONTACT_SPHERE_PACK; ++i )
         {
-            sum += s->weights[i][k] * s->weights[i][k] * s->inverse_mass[s->parents[i][k]];
+            float sum = 0.0f;
+            for ( int k = 0; k < 3; ++k )
+            {
+                sum += s->weights[i][k] * s->weights[i][k] * s->inverse_mass[s->parents[i][k]];
+            }
+            s->now[(size_t)i * 4 + 3] = sum;
         }
-        s->now[(size_t)i * 4 + 3] = sum;
     }
 }
 
@@ -162,7 +216,11 @@ static void push_packs( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const sphere_loop* loop = context;
-    wisp_frame_kernels( loop->work->frame )->push_points( &loop->args, begin, end );
+    for ( int a = begin; a < end; ++a )
+    {
+        const int pack = loop->spheres->active_packs[a];
+        wisp_frame_kernels( loop->work->frame )->push_points( &loop->args, pack, pack + 1 );
+    }
 }
 
 static void move_shares( void* context, int begin, int end, int worker )
@@ -170,8 +228,9 @@ static void move_shares( void* context, int begin, int end, int worker )
     (void)worker;
     const sphere_loop* loop = context;
     const contact_spheres* s = loop->spheres;
-    for ( int point = begin; point < end; ++point )
+    for ( int a = begin; a < end; ++a )
     {
+        const int point = s->active_points[a];
         float *now = loop->mesh->now + (size_t)point * 4, *shift = loop->mesh->shift + (size_t)point * 4;
         float push[3] = { 0.0f, 0.0f, 0.0f }, recovered[3] = { 0.0f, 0.0f, 0.0f };
         if ( s->inverse_mass[point] == 0.0f )
@@ -180,7 +239,8 @@ static void move_shares( void* context, int begin, int end, int worker )
         }
         for ( int i = s->share_begin[point]; i < s->share_begin[point + 1]; ++i )
         {
-            const float fraction = now[3] * s->shares[i].weight;
+            const float fraction =
+                s->near_count[s->shares[i].sphere / CONTACT_SPHERE_PACK] > 0 ? now[3] * s->shares[i].weight : 0.0f;
             for ( size_t k = 0, at = (size_t)s->shares[i].sphere * 4; k < 3; ++k )
             {
                 push[k] += fraction * s->push[at + k];
@@ -205,6 +265,10 @@ static void add_impulses( const contact_work* work )
     double pairs = 0.0, sum = 0.0;
     for ( int i = 0; i < s->count; ++i )
     {
+        if ( s->near_count[i / CONTACT_SPHERE_PACK] == 0 )
+        {
+            continue;
+        }
         const float* push = s->push + (size_t)i * 4;
         double* impulse = work->participants[(int)s->rest[i][3]].impulse;
         for ( int k = 0; k < 3; ++k )
@@ -223,11 +287,14 @@ float contact_least_sphere_gap( const contact_work* work )
     sphere_loop loop = begin_loop( work, false );
     const contact_spheres* s = loop.spheres;
     float least = INFINITY;
-    place_now( &loop, 0, s->count, 0 );
+    for ( int i = 0; i < s->count; ++i )
+    {
+        contact_place_sphere( s, loop.mesh->now, i, loop.spheres->now + (size_t)i * 4 );
+    }
     for ( int i = 0; i < s->count; ++i )
     {
         const int pack = i / CONTACT_SPHERE_PACK;
-        for ( int row = pack * s->capacity; row < pack * s->capacity + s->rows[pack]; ++row )
+        for ( int row = s->begin[pack]; row < s->begin[pack + 1]; ++row )
         {
             const size_t at = (size_t)row * CONTACT_SPHERE_PACK + (size_t)( i % CONTACT_SPHERE_PACK );
             if ( s->gap[at] > 0.0f )
@@ -240,25 +307,37 @@ float contact_least_sphere_gap( const contact_work* work )
     return least;
 }
 
-void contact_push_spheres( const contact_work* work, bool is_last )
+// Project all pairs once. @return whether any presses
+static bool sweep( const contact_work* work, bool recovers )
 {
-    sphere_loop loop = begin_loop( work, is_last );
-    const contact_spheres* s = loop.spheres;
-    const int spheres = s->pack_count * CONTACT_SPHERE_PACK, points = loop.mesh->point_count;
+    sphere_loop loop = begin_loop( work, recovers );
+    const int packs = loop.spheres->active_pack_count, points = loop.spheres->active_point_count;
     atomic_init( &loop.count, 0 );
-    wisp_parallel_for( work->parallel, spheres, SPHERE_GRAIN, place_now, &loop );
-    wisp_parallel_for( work->parallel, s->pack_count, PACK_GRAIN, find_pressing, &loop );
-    work->memory->stats.contacts = 0;
+    wisp_parallel_for( work->parallel, packs, CONTACT_SPHERE_GRAIN, place_now, &loop );
+    wisp_parallel_for( work->parallel, packs, CONTACT_SPHERE_GRAIN, find_pressing, &loop );
     if ( atomic_load( &loop.count ) == 0 )
     {
-        return;
+        return false;
     }
-    wisp_parallel_for( work->parallel, points, SPHERE_GRAIN, split_masses, &loop );
-    wisp_parallel_for( work->parallel, spheres, SPHERE_GRAIN, weigh_spheres, &loop );
-    wisp_parallel_for( work->parallel, s->pack_count, PACK_GRAIN, push_packs, &loop );
-    wisp_parallel_for( work->parallel, points, SPHERE_GRAIN, move_shares, &loop );
+    wisp_parallel_for( work->parallel, points, CONTACT_POINT_GRAIN, split_masses, &loop );
+    wisp_parallel_for( work->parallel, packs, CONTACT_SPHERE_GRAIN, weigh_spheres, &loop );
+    wisp_parallel_for( work->parallel, packs, CONTACT_SPHERE_GRAIN, push_packs, &loop );
+    wisp_parallel_for( work->parallel, points, CONTACT_POINT_GRAIN, move_shares, &loop );
     if ( work->counts_impulses )
     {
         add_impulses( work );
+    }
+    return true;
+}
+
+void contact_push_spheres( const contact_work* work, bool is_last )
+{
+    work->memory->stats.contacts = 0;
+    for ( int i = is_last ? 1 : 0; i < SWEEPS && sweep( work, false ); ++i )
+    {
+    }
+    if ( is_last )
+    {
+        (void)sweep( work, true );
     }
 }

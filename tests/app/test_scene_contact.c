@@ -49,7 +49,7 @@ TEST( contact_of_a_scene_has_the_defaults_of_its_module )
         SCOPED( wisp_scene_release ) wisp_scene scene = parsed( texts[i] );
         assert_int_equal( scene.has_contact, i );
         assert_true( scene.contact.level == def.level );
-        assert_true( scene.contact.particle_spacing == def.particle_spacing && scene.contact.margin == def.margin );
+        assert_true( scene.contact.margin == def.margin );
         assert_true( scene.contact.displacement_limit == def.displacement_limit );
         assert_int_equal( scene.contact.size, def.size );
         assert_false( scene.request_contact_stats || scene.request_intersections );

@@ -618,3 +618,138 @@ TEST( who_has_a_slack_or_a_way_that_is_no_number_is_due )
         assert_int_equal( s.due_count, 0 );
     }
 }
+
+// ---- pairs of points ----
+
+enum
+{
+    CROWD = 32,
+    PACKS = 2,
+    ROWS = CROWD - 1, // of a pack
+};
+
+typedef struct crowd
+{
+    _Alignas( 64 ) float start[CROWD][4], now[CROWD][4], push[CROWD][4], shift[CROWD][4];
+    float gap[PACKS * ROWS][16], count[CROWD], recovery;
+    int32_t other_x4[PACKS * ROWS][16], begin[PACKS + 1], near[PACKS * ROWS], near_count[PACKS];
+    uint16_t presses[PACKS * ROWS];
+} crowd;
+
+// Each point has all others, or in odd variants one other.
+static void fill_crowd( void* state, int variant )
+{
+    crowd* c = state;
+    c->recovery = variant % 4 < 2 ? 0.0f : 0.1f;
+    for ( int i = 0; i < CROWD; ++i )
+    {
+        for ( int k = 0; k < 3; ++k )
+        {
+            c->start[i][k] = test_random_float( variant, 8 * i + k, -1.0f, 1.0f );
+            c->now[i][k] = c->start[i][k] + test_random_float( variant, 8 * i + 3 + k, -0.3f, 0.3f );
+        }
+        c->start[i][3] = test_random_float( variant, 8 * i + 6, 0.0f, 1.0f );
+        c->now[i][3] = i % 5 == 0 ? 0.0f : test_random_float( variant, 8 * i + 7, 0.5f, 9.0f );
+    }
+    const int rows = variant % 2 == 0 ? ROWS : 1;
+    for ( int row = 0; row < PACKS * rows; ++row )
+    {
+        c->begin[row / rows + 1] = ( row / rows + 1 ) * rows;
+        for ( int lane = 0; lane < 16; ++lane )
+        {
+            const int own = row / rows * 16 + lane, other = variant % 2 == 0 ? own ^ ( row % rows + 1 ) : own ^ 17;
+            c->other_x4[row][lane] = 4 * ( other % CROWD );
+            c->gap[row][lane] = variant % 3 == 0 ? 0.5f : 0.3f;
+        }
+    }
+}
+
+static void push_crowd( const wisp_kernels* kernels, void* state, int begin, int end )
+{
+    crowd* c = state;
+    const wisp_point_pair_args args = { c->start[0], c->now[0],  c->begin,      c->other_x4[0], c->gap[0],
+                                        1.25f,       c->near,    c->near_count, c->recovery,    c->presses,
+                                        c->count,    c->push[0], c->shift[0] };
+    kernels->find_near_pairs( &args, begin, end );
+    kernels->find_pressing_points( &args, begin, end );
+    kernels->push_points( &args, begin, end );
+    for ( int i = 0; i < PACKS * ROWS; ++i ) // what is not near is as it was
+    {
+        const int pack = i < c->begin[1] ? 0 : 1;
+        const bool is_near = i - c->begin[pack] < c->near_count[pack];
+        c->near[i] = is_near ? c->near[i] : 0;
+    }
+}
+
+static int pressing, at_rest;
+
+// Find the correction of a point by another, in doubles. @return whether they press
+static bool correction( const crowd* c, int a, int b, double gap, double3* push, double3* shift )
+{
+    const double3 before = double3_sub( double3_from( c->start[a] ), double3_from( c->start[b] ) ),
+                  after = double3_sub( double3_from( c->now[a] ), double3_from( c->now[b] ) ),
+                  motion = double3_sub( after, before );
+    const double start = double3_length( before ), w = (double)c->now[a][3] + (double)c->now[b][3];
+    const double3 n = double3_scale( 1.0 / start, before );
+    const double now = double3_dot( n, after ), kept = fmin( gap, start ),
+                 recovered = fmin( gap, start + (double)c->recovery * gap );
+    const double time = fmin( fmax( -double3_dot( before, motion ) / double3_dot( motion, motion ), 0.0 ), 1.0 );
+    *push = *shift = double3_make( 0.0, 0.0, 0.0 );
+    if ( double3_length( double3_add_scaled( before, time, motion ) ) > gap || now >= recovered )
+    {
+        return false;
+    }
+    const double short_by = fmax( kept - now, 0.0 ), left = recovered - fmax( now, kept );
+    const double3 slip = double3_add_scaled( motion, start - now, n );
+    const double held =
+        fmin( 1.0, (double)c->start[a][3] * (double)c->start[b][3] * short_by / double3_length( slip ) );
+    if ( w > 0.0 )
+    {
+        *push = double3_add_scaled( double3_scale( short_by / w, n ), short_by > 0.0 ? -held / w : 0.0, slip );
+        *shift = double3_scale( left / w, n );
+    }
+    return true;
+}
+
+static void check_crowd( void* start, void* end )
+{
+    const crowd *before = start, *c = end;
+    double sums[2][3] = { { 0.0 } };
+    for ( int i = 0; i < CROWD; ++i )
+    {
+        double3 push = { 0 }, shift = { 0 };
+        int count = 0;
+        for ( int row = 0; row < before->begin[1]; ++row )
+        {
+            double3 one, other;
+            const int at = before->begin[i / 16] + row;
+            count += correction( before, i, before->other_x4[at][i % 16] / 4, (double)before->gap[at][i % 16], &one,
+                                 &other );
+            push = double3_add( push, one );
+            shift = double3_add( shift, other );
+        }
+        assert_true( c->count[i] == (float)count );
+        // corrections are up to 0.5 / 0.5 in size, of places that are rounded to 1e-7, over distances of 0.1
+        assert_true( double3_distance( double3_from( c->push[i] ), push ) < 2e-5 );
+        assert_true( double3_distance( double3_from( c->shift[i] ), shift ) < 2e-5 );
+        pressing += count;
+        at_rest += count == 0 ? 1 : 0;
+        for ( int k = 0; k < 3; ++k )
+        {
+            sums[0][k] += (double)c->push[i][k];
+            sums[1][k] += (double)c->shift[i][k];
+            // of a single pair both have the same bits
+            assert_true( before->begin[1] > 1 || c->push[i][k] == -c->push[i ^ 17][k] );
+        }
+    }
+    for ( int k = 0; k < 3; ++k )
+    {
+        assert_true( fabs( sums[0][k] ) < 2e-5 && fabs( sums[1][k] ) < 2e-5 );
+    }
+}
+
+TEST( pairs_of_points_are_pushed_apart_equally )
+{
+    check_kernel( KERNEL_ROW( crowd, 4 * SEEDS, 0, PACKS, 0, fill_crowd, push_crowd, check_crowd ) );
+    assert_true( pressing > 40 * SEEDS && at_rest > SEEDS );
+}

@@ -289,13 +289,12 @@ typedef struct wisp_kernels
     /// @return number of pairs
     int ( *find_active_pairs )( const wisp_separation_args* args, int begin, int end );
     // packs of sixteen points
-    /// Find the pairs that come nearer than their gap on straight paths from start to now, and are too near along the line between
-    /// them at the start.
+    /// Find the rows with a pair that comes near on straight paths from start to now.
+    void ( *find_near_pairs )( const wisp_point_pair_args* args, int begin, int end );
+    /// Among those, find the pairs that come nearer than their gap, and are too near along the line between them at the start.
     void ( *find_pressing_points )( const wisp_point_pair_args* args, int begin, int end );
     /// Compute the corrections that part those pairs along that line, with Coulomb friction.
     void ( *push_points )( const wisp_point_pair_args* args, int begin, int end );
-    /// Find points within a radius among [begin, end). @param out room for 8 more than are found @return how many
-    int ( *find_points_within )( const wisp_points_within_args* args, int begin, int end, int32_t* out );
     /// Compute a lower bound of the distance between two sets of points.
     /// @return m, the largest gap along the given axes, at least -1; below 0 if no axis separates the sets. Points
     /// that are NaN are ignored
