@@ -25,18 +25,7 @@ LANE_INLINE points join( const lane8 low[4], const lane8 high[4] )
                   lane16_join( low[3], high[3] ) };
 }
 
-LANE_INLINE points load_own( const float* xyzw, int first )
-{
-    lane8 q[2][4];
-    for ( int half = 0; half < 2; ++half )
-    {
-        lane8_load_xyzw_contiguous( xyzw + (size_t)( first + 8 * half ) * 4, q[half], q[half] + 1, q[half] + 2,
-                                    q[half] + 3 );
-    }
-    return join( q[0], q[1] );
-}
-
-LANE_INLINE points load_others( const float* xyzw, const int32_t* index_x4 )
+LANE_INLINE points load_points( const float* xyzw, const int32_t* index_x4 )
 {
     lane8 q[2][4];
     for ( int half = 0; half < 2; ++half )
@@ -74,7 +63,7 @@ typedef struct pair_row
 LANE_INLINE pair_row measure( const wisp_point_pair_args* args, points start, points now, int row )
 {
     const int32_t* index_x4 = args->other_x4 + (size_t)row * LANES;
-    const points from = load_others( args->start, index_x4 ), to = load_others( args->now, index_x4 );
+    const points from = load_points( args->start, index_x4 ), to = load_points( args->now, index_x4 );
     const lane16v before = lane16v_sub( start.at, from.at ), after = lane16v_sub( now.at, to.at );
     pair_row p;
     p.start = lane16_sqrt( lane16v_dot( before, before ) );
@@ -105,17 +94,14 @@ void KERNEL( find_near_pairs )( const wisp_point_pair_args* args, int begin, int
     const lane16 reach = lane16_set1( args->reach );
     for ( int pack = begin; pack < end; ++pack )
     {
-        const points start = load_own( args->start, pack * LANES ), now = load_own( args->now, pack * LANES );
-        const int first = args->begin[pack];
-        int count = 0;
-        for ( int row = first; row < args->begin[pack + 1]; ++row )
+        const int32_t* own_x4 = args->own_x4 + (size_t)pack * LANES;
+        const points start = load_points( args->start, own_x4 ), now = load_points( args->now, own_x4 );
+        for ( int row = args->begin[pack]; row < args->begin[pack + 1]; ++row )
         {
             const pair_row p = measure( args, start, now, row );
             const lane16 within = lane16_mul( reach, p.gap );
-            args->near[first + count] = row;
-            count += lane16m_any( lane16_lt( nearest( &p ), lane16_mul( within, within ) ) ) ? 1 : 0;
+            args->found[row] = (uint16_t)lane16m_bits( lane16_lt( nearest( &p ), lane16_mul( within, within ) ) );
         }
-        args->near_count[pack] = count;
     }
 }
 
@@ -124,15 +110,15 @@ void KERNEL( find_pressing_points )( const wisp_point_pair_args* args, int begin
     const lane16 zero = lane16_zero(), one = lane16_set1( 1.0f );
     for ( int pack = begin; pack < end; ++pack )
     {
-        const points start = load_own( args->start, pack * LANES ), now = load_own( args->now, pack * LANES );
-        const int32_t* near = args->near + args->begin[pack];
+        const int32_t* own_x4 = args->own_x4 + (size_t)pack * LANES;
+        const points start = load_points( args->start, own_x4 ), now = load_points( args->now, own_x4 );
         lane16 count = zero;
-        for ( int i = 0; i < args->near_count[pack]; ++i )
+        for ( int row = args->begin[pack]; row < args->begin[pack + 1]; ++row )
         {
-            const pair_row p = measure( args, start, now, near[i] );
+            const pair_row p = measure( args, start, now, row );
             const lane16m presses = lane16m_and( lane16_le( nearest( &p ), lane16_mul( p.gap, p.gap ) ),
                                                  lane16_lt( p.now, p.recovered ) );
-            args->presses[near[i]] = (uint16_t)lane16m_bits( presses );
+            args->found[row] = (uint16_t)lane16m_bits( presses );
             count = lane16_add( count, lane16_select( presses, one, zero ) );
         }
         lane16_storeu( args->count + (size_t)pack * LANES, count );
@@ -145,19 +131,18 @@ void KERNEL( push_points )( const wisp_point_pair_args* args, int begin, int end
     const lane16v none = { zero, zero, zero };
     for ( int pack = begin; pack < end; ++pack )
     {
-        const points start = load_own( args->start, pack * LANES ), now = load_own( args->now, pack * LANES );
+        const int32_t* own_x4 = args->own_x4 + (size_t)pack * LANES;
+        const points start = load_points( args->start, own_x4 ), now = load_points( args->now, own_x4 );
         lane16v push = none, shift = none;
         lane16 sum = zero;
-        const int32_t* near = args->near + args->begin[pack];
-        for ( int i = 0; i < args->near_count[pack]; ++i )
+        for ( int row = args->begin[pack]; row < args->begin[pack + 1]; ++row )
         {
-            const int row = near[i];
-            if ( args->presses[row] == 0 )
+            if ( args->found[row] == 0 )
             {
                 continue;
             }
             const pair_row p = measure( args, start, now, row );
-            const lane16i bit = lane16i_and( lane16i_set1( args->presses[row] ), lane16i_load( BITS ) );
+            const lane16i bit = lane16i_and( lane16i_set1( args->found[row] ), lane16i_load( BITS ) );
             const lane16m moves = lane16m_and_not( lane16_gt( p.w, zero ), lane16i_eq( bit, lane16i_set1( 0 ) ) );
             const lane16 short_by = lane16_max( lane16_sub( p.kept, p.now ), zero );
             const lane16 left = lane16_max( lane16_sub( p.recovered, lane16_max( p.now, p.kept ) ), zero );

@@ -159,7 +159,7 @@ static void find_listed( const contact_work* work, bool is_start )
     s->is_listed = is_due == false || run_stage( work, are_spheres ? contact_list_spheres : contact_list_rows );
     if ( s->is_listed && are_spheres )
     {
-        contact_begin_spheres( work );
+        (void)run_stage( work, contact_begin_spheres );
     }
     else if ( s->is_listed )
     {

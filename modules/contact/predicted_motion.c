@@ -23,7 +23,8 @@ enum
 static const float FARTHEST = 1e6f; // m
 // Projections change the displacement that was predicted: tolerance as a fraction of it, and of the thickness. A
 // missed point has a small tolerance around where it went, so that a cut of a rounding error does not mark it again.
-static const float SPARE = 0.25f, SPARE_THICKNESS = 0.05f, SPARE_MISSED = 0.01f;
+static const float SPARE = 0.25f, SPARE_THICKNESS = 0.05f, SPARE_MISSED = 0.01f,
+                   SPARE_LISTED = 0.05f; // of what is listed once per step
 // Margin of a cluster, as a multiple of its deviation in one substep.
 static const float MARGIN_SUBSTEPS = 4.0f;
 
@@ -149,12 +150,13 @@ static void find_ways( void* context, int begin, int end, int worker )
     way_loop* loop = context;
     contact_contact_mesh* s = loop->contact_mesh;
     const wisp_kernels* kernels = wisp_frame_kernels( loop->work->frame );
+    const bool is_exact = loop->work->settings->level == WISP_CONTACT_EXACT;
     const wisp_displacement_args args = {
         .before = s->intersection_free,
         .now = s->now,
         .common_displacement = { s->motion->common[0], s->motion->common[1], s->motion->common[2] },
-        .relative_margin = SPARE,
-        .margin = SPARE_THICKNESS * s->min_thickness,
+        .relative_margin = is_exact ? SPARE : SPARE_LISTED,
+        .margin = ( is_exact ? SPARE_THICKNESS : SPARE * loop->work->settings->margin ) * s->min_thickness,
         .displacement = s->motion->ahead,
     };
     if ( loop->is_expected )

@@ -18,7 +18,7 @@ enum
 };
 
 // Pairs of one surface that are at rest within so many distances are neighbours: those of an edge are.
-static const float NEIGHBOURS = 1.1f;
+static const float NEIGHBOURS = 1.3f;
 // How far a sphere may stray from its predicted motion, as a part of it.
 static const float STRAY = 0.25f;
 
@@ -42,12 +42,14 @@ static bool reserve_spheres( const contact_work* work, int count )
         { &s->boxes, n * sizeof( *s->boxes ) },
         { &s->start, n * four },
         { &s->now, n * four },
-        { &s->push, n * four },
-        { &s->shift, n * four },
-        { &s->count_of, n * one },
+        { &s->own_x4, n * one },
         { &s->begin, ( packs + 1 ) * one },
-        { &s->near_count, packs * one },
-        { &s->active_packs, packs * one },
+        { &s->active.own_x4, n * one },
+        { &s->active.begin, ( packs + 1 ) * one },
+        { &s->active.count_of, n * one },
+        { &s->active.push, n * four },
+        { &s->active.shift, n * four },
+        { &s->slot, n * one },
         { &s->cover, points * one },
         { &s->active_points, points * one },
         { &s->is_active, points },
@@ -211,6 +213,7 @@ static void predict_spheres( void* context, int begin, int end, int worker )
                     cover =
                         contact_larger( m->spheres->cover[p[0]], contact_larger( s->cover[p[1]], s->cover[p[2]] ) );
         float from[3], to[3], squared = 0.0f;
+        s->own_x4[i] = 4 * i;
         contact_place_sphere( s, m->intersection_free, i, from );
         contact_place_sphere( s, m->now, i, to );
         contact_place_sphere( s, m->rest, i, s->rest[i] );
@@ -227,7 +230,7 @@ static void predict_spheres( void* context, int begin, int end, int worker )
                               m->now[(size_t)p[2] * 4 + 3] == 0.0f;
         const float traits[4] = { 0.5f * thickness, cover, sqrtf( friction ), is_fixed ? 1.0f : 0.0f };
         memcpy( s->traits[i], traits, sizeof( traits ) );
-        s->motion[i][3] = s->margin * ( 0.5f * work->settings->margin * keeps + STRAY * length );
+        s->motion[i][3] = s->margin * ( 0.25f * work->settings->margin * keeps + STRAY * length );
         const float reach = 0.5f * contact_larger( thickness, s->largest_cover ) + s->motion[i][3] + 0.5f * length;
         for ( int k = 0; k < 3; ++k )
         {
@@ -286,7 +289,7 @@ static bool come_within( const contact_spheres* s, int a, int b, float within )
     return least <= within * within;
 }
 
-static int keep_near( const void* context, int query, int32_t* items, int count )
+static int keep_listed( const void* context, int query, int32_t* items, int count )
 {
     const contact_work* work = context;
     const contact_spheres* s = work->contact_mesh->spheres;
@@ -343,11 +346,10 @@ static wisp_status pack_lists( const contact_work* work, wisp_error* error )
         s->begin[pack + 1] = s->begin[pack] + most;
     }
     const size_t rows = (size_t)s->begin[s->pack_count], lanes = rows * CONTACT_SPHERE_PACK;
-    wisp_buffer* b = s->buffers + CONTACT_SPHERE_ARRAY_COUNT - 4;
+    wisp_buffer* b = s->buffers + CONTACT_SPHERE_ARRAY_COUNT - 3;
     if ( contact_reserve( work, b, lanes * sizeof( int32_t ), (void**)&s->other_x4 ) == false ||
          contact_reserve( work, b + 1, lanes * sizeof( float ), (void**)&s->gap ) == false ||
-         contact_reserve( work, b + 2, rows * sizeof( int32_t ), (void**)&s->near ) == false ||
-         contact_reserve( work, b + 3, rows * sizeof( uint16_t ), (void**)&s->presses ) == false )
+         contact_reserve( work, b + 2, rows * sizeof( uint16_t ), (void**)&s->is_near ) == false )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the pairs of %d spheres", s->count );
     }
@@ -382,7 +384,7 @@ wisp_status contact_list_spheres( const contact_work* work, wisp_error* error )
             .box_count = s->count,
             .limit = (size_t)s->count * MAX_PER_SPHERE,
             .kernels = wisp_frame_kernels( work->frame ),
-            .filter = keep_near,
+            .filter = keep_listed,
             .filter_context = work,
         };
         status = wisp_aabb_pairs_find( &s->overlaps, work->parallel, &args, error );

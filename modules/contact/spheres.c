@@ -14,7 +14,7 @@
 #include <string.h>
 
 // Pairs are projected that come within so many distances in a substep.
-static const float NEAR_GAPS = 1.25f;
+static const float NEAR_GAPS = 1.1f;
 
 enum
 {
@@ -44,27 +44,9 @@ static float recovery_of( const contact_work* work )
     return speed * work->seconds;
 }
 
-static sphere_loop begin_loop( const contact_work* work, bool is_last )
+static sphere_loop begin_loop( const contact_work* work )
 {
-    contact_spheres* s = work->contact_mesh->spheres;
-    return ( sphere_loop ){
-        .work = work,
-        .mesh = work->contact_mesh,
-        .spheres = s,
-        .args = { .start = s->start,
-                  .now = s->now,
-                  .begin = s->begin,
-                  .other_x4 = s->other_x4,
-                  .gap = s->gap,
-                  .recovery = is_last ? recovery_of( work ) : 0.0f,
-                  .presses = s->presses,
-                  .reach = NEAR_GAPS,
-                  .near = s->near,
-                  .near_count = s->near_count,
-                  .count = s->count_of,
-                  .push = s->push,
-                  .shift = s->shift },
-    };
+    return ( sphere_loop ){ .work = work, .mesh = work->contact_mesh, .spheres = work->contact_mesh->spheres };
 }
 
 // ---- the start of a substep ----
@@ -101,41 +83,107 @@ static void find_near_packs( void* context, int begin, int end, int worker )
     wisp_frame_kernels( loop->work->frame )->find_near_pairs( &loop->args, begin, end );
 }
 
-// Collect the packs with a near pair, and their points. Both spheres of a pair are in one.
-static void collect_active( contact_spheres* s, int point_count )
+// Give the spheres with near pairs their slots. @return the rows of their packs
+static int choose_active( contact_spheres* s, int point_count )
 {
-    s->active_pack_count = s->active_point_count = 0;
+    contact_near_spheres* near = &s->active;
+    int counts[CONTACT_SPHERE_PACK], most = 0;
+    near->count = s->active_point_count = near->begin[0] = 0;
     memset( s->is_active, 0, (size_t)point_count );
     for ( int pack = 0; pack < s->pack_count; ++pack )
     {
-        s->active_packs[s->active_pack_count] = pack;
-        s->active_pack_count += s->near_count[pack] > 0 ? 1 : 0;
-        for ( int i = pack * CONTACT_SPHERE_PACK; s->near_count[pack] > 0 && i < ( pack + 1 ) * CONTACT_SPHERE_PACK;
-              ++i )
+        memset( counts, 0, sizeof( counts ) );
+        for ( int row = s->begin[pack]; row < s->begin[pack + 1]; ++row )
         {
-            for ( int k = 0; k < 3; ++k )
+            for ( uint32_t bits = s->is_near[row], lane = 0; bits != 0; bits >>= 1, ++lane )
+            {
+                counts[lane] += (int)( bits & 1 );
+            }
+        }
+        for ( int i = pack * CONTACT_SPHERE_PACK; i < ( pack + 1 ) * CONTACT_SPHERE_PACK; ++i )
+        {
+            const int count = counts[i % CONTACT_SPHERE_PACK];
+            s->slot[i] = count > 0 ? near->count : -1;
+            for ( int k = 0; k < 3 && count > 0; ++k )
             {
                 const int point = s->parents[i][k];
                 s->active_points[s->active_point_count] = point;
                 s->active_point_count += s->is_active[point] == 0 ? 1 : 0;
                 s->is_active[point] = 1;
             }
+            if ( count > 0 )
+            {
+                most = near->count % CONTACT_SPHERE_PACK == 0 || count > most ? count : most;
+                near->own_x4[near->count++] = 4 * i;
+                near->begin[( near->count - 1 ) / CONTACT_SPHERE_PACK + 1] =
+                    near->begin[( near->count - 1 ) / CONTACT_SPHERE_PACK] + most;
+            }
+        }
+    }
+    near->pack_count = ( near->count + CONTACT_SPHERE_PACK - 1 ) / CONTACT_SPHERE_PACK;
+    for ( int slot = near->count; slot < near->pack_count * CONTACT_SPHERE_PACK; ++slot )
+    {
+        near->own_x4[slot] = near->own_x4[near->count - 1];
+    }
+    return near->begin[near->pack_count];
+}
+
+// Copy near pairs to the slots of their spheres.
+static void fill_active( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const sphere_loop* loop = context;
+    const contact_spheres* s = loop->spheres;
+    const contact_near_spheres* near = &s->active;
+    for ( int i = begin * CONTACT_SPHERE_PACK; i < end * CONTACT_SPHERE_PACK; ++i )
+    {
+        const int slot = s->slot[i], pack = i / CONTACT_SPHERE_PACK, lane = i % CONTACT_SPHERE_PACK;
+        int to = slot >= 0 ? near->begin[slot / CONTACT_SPHERE_PACK] : 0;
+        for ( int row = s->begin[pack]; row < s->begin[pack + 1] && slot >= 0; ++row )
+        {
+            if ( ( s->is_near[row] >> lane & 1 ) != 0 )
+            {
+                const size_t from = (size_t)row * CONTACT_SPHERE_PACK + (size_t)lane,
+                             at = (size_t)to * CONTACT_SPHERE_PACK + (size_t)( slot % CONTACT_SPHERE_PACK );
+                near->other_x4[at] = s->other_x4[from];
+                near->gap[at] = s->gap[from];
+                to += 1;
+            }
         }
     }
 }
 
-void contact_begin_spheres( const contact_work* work )
+wisp_status contact_begin_spheres( const contact_work* work, wisp_error* error )
 {
-    sphere_loop loop = begin_loop( work, false );
+    sphere_loop loop = begin_loop( work );
     contact_spheres* s = loop.spheres;
     s->done += 1;
     loop.progress = (float)s->done / (float)s->substeps - 0.5f;
+    loop.args = ( wisp_point_pair_args ){ .start = s->start,
+                                          .now = s->now,
+                                          .own_x4 = s->own_x4,
+                                          .begin = s->begin,
+                                          .other_x4 = s->other_x4,
+                                          .gap = s->gap,
+                                          .reach = NEAR_GAPS,
+                                          .found = s->is_near };
     atomic_init( &loop.count, 0 );
     wisp_parallel_for( work->parallel, s->pack_count * CONTACT_SPHERE_PACK, CONTACT_POINT_GRAIN, place_starts,
                        &loop );
     wisp_parallel_for( work->parallel, s->pack_count, CONTACT_SPHERE_GRAIN, find_near_packs, &loop );
-    collect_active( s, loop.mesh->point_count );
     work->memory->stats.outran += atomic_load( &loop.count );
+    const size_t rows = (size_t)choose_active( s, loop.mesh->point_count ), lanes = rows * CONTACT_SPHERE_PACK;
+    wisp_buffer* b = s->buffers + CONTACT_SPHERE_ARRAY_COUNT - 6;
+    if ( contact_reserve( work, b, lanes * sizeof( int32_t ), (void**)&s->active.other_x4 ) == false ||
+         contact_reserve( work, b + 1, lanes * sizeof( float ), (void**)&s->active.gap ) == false ||
+         contact_reserve( work, b + 2, rows * sizeof( uint16_t ), (void**)&s->active.presses ) == false )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the near pairs of %d spheres", s->count );
+    }
+    memset( s->active.other_x4, 0, lanes * sizeof( int32_t ) );
+    memset( s->active.gap, 0, lanes * sizeof( float ) );
+    wisp_parallel_for( work->parallel, s->pack_count, CONTACT_SPHERE_GRAIN, fill_active, &loop );
+    return WISP_OK;
 }
 
 // ---- projection ----
@@ -144,13 +192,10 @@ static void place_now( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const sphere_loop* loop = context;
-    for ( int a = begin; a < end; ++a )
+    for ( int slot = begin; slot < end; ++slot )
     {
-        const int first = loop->spheres->active_packs[a] * CONTACT_SPHERE_PACK;
-        for ( int i = first; i < first + CONTACT_SPHERE_PACK; ++i )
-        {
-            contact_place_sphere( loop->spheres, loop->mesh->now, i, loop->spheres->now + (size_t)i * 4 );
-        }
+        const int at = loop->spheres->active.own_x4[slot];
+        contact_place_sphere( loop->spheres, loop->mesh->now, at / 4, loop->spheres->now + at );
     }
 }
 
@@ -158,15 +203,11 @@ static void find_pressing( void* context, int begin, int end, int worker )
 {
     (void)worker;
     sphere_loop* loop = context;
+    wisp_frame_kernels( loop->work->frame )->find_pressing_points( &loop->args, begin, end );
     bool any = false;
-    for ( int a = begin; a < end; ++a )
+    for ( int row = loop->args.begin[begin]; row < loop->args.begin[end]; ++row )
     {
-        const int pack = loop->spheres->active_packs[a];
-        wisp_frame_kernels( loop->work->frame )->find_pressing_points( &loop->args, pack, pack + 1 );
-        for ( int i = pack * CONTACT_SPHERE_PACK; i < ( pack + 1 ) * CONTACT_SPHERE_PACK; ++i )
-        {
-            any = any || loop->spheres->count_of[i] > 0.0f;
-        }
+        any = any || loop->args.found[row] != 0;
     }
     if ( any )
     {
@@ -185,8 +226,8 @@ static void split_masses( void* context, int begin, int end, int worker )
         float pairs = 0.0f;
         for ( int i = s->share_begin[point]; i < s->share_begin[point + 1]; ++i )
         {
-            const int sphere = s->shares[i].sphere;
-            pairs += s->near_count[sphere / CONTACT_SPHERE_PACK] > 0 ? s->count_of[sphere] : 0.0f;
+            const int slot = s->slot[s->shares[i].sphere];
+            pairs += slot >= 0 ? s->active.count_of[slot] : 0.0f;
         }
         s->inverse_mass[point] = pairs * loop->mesh->now[(size_t)point * 4 + 3];
     }
@@ -197,18 +238,15 @@ static void weigh_spheres( void* context, int begin, int end, int worker )
     (void)worker;
     const sphere_loop* loop = context;
     const contact_spheres* s = loop->spheres;
-    for ( int a = begin; a < end; ++a )
+    for ( int slot = begin; slot < end; ++slot )
     {
-        const int first = s->active_packs[a] * CONTACT_SPHERE_PACK;
-        for ( int i = first; i < first + CONTACT_SPHERE_PACK; ++i )
+        const int i = s->active.own_x4[slot] / 4;
+        float sum = 0.0f;
+        for ( int k = 0; k < 3; ++k )
         {
-            float sum = 0.0f;
-            for ( int k = 0; k < 3; ++k )
-            {
-                sum += s->weights[i][k] * s->weights[i][k] * s->inverse_mass[s->parents[i][k]];
-            }
-            s->now[(size_t)i * 4 + 3] = sum;
+            sum += s->weights[i][k] * s->weights[i][k] * s->inverse_mass[s->parents[i][k]];
         }
+        s->now[(size_t)i * 4 + 3] = sum;
     }
 }
 
@@ -216,11 +254,7 @@ static void push_packs( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const sphere_loop* loop = context;
-    for ( int a = begin; a < end; ++a )
-    {
-        const int pack = loop->spheres->active_packs[a];
-        wisp_frame_kernels( loop->work->frame )->push_points( &loop->args, pack, pack + 1 );
-    }
+    wisp_frame_kernels( loop->work->frame )->push_points( &loop->args, begin, end );
 }
 
 static void move_shares( void* context, int begin, int end, int worker )
@@ -232,25 +266,15 @@ static void move_shares( void* context, int begin, int end, int worker )
     {
         const int point = s->active_points[a];
         float *now = loop->mesh->now + (size_t)point * 4, *shift = loop->mesh->shift + (size_t)point * 4;
-        float push[3] = { 0.0f, 0.0f, 0.0f }, recovered[3] = { 0.0f, 0.0f, 0.0f };
-        if ( s->inverse_mass[point] == 0.0f )
+        for ( int i = s->share_begin[point]; i < s->share_begin[point + 1] && s->inverse_mass[point] > 0.0f; ++i )
         {
-            continue;
-        }
-        for ( int i = s->share_begin[point]; i < s->share_begin[point + 1]; ++i )
-        {
-            const float fraction =
-                s->near_count[s->shares[i].sphere / CONTACT_SPHERE_PACK] > 0 ? now[3] * s->shares[i].weight : 0.0f;
-            for ( size_t k = 0, at = (size_t)s->shares[i].sphere * 4; k < 3; ++k )
+            const int slot = s->slot[s->shares[i].sphere];
+            const float fraction = now[3] * s->shares[i].weight;
+            for ( size_t k = 0, at = (size_t)( slot >= 0 ? slot : 0 ) * 4; k < 3 && slot >= 0; ++k )
             {
-                push[k] += fraction * s->push[at + k];
-                recovered[k] += fraction * s->shift[at + k];
+                now[k] += fraction * ( s->active.push[at + k] + s->active.shift[at + k] );
+                shift[k] += fraction * s->active.shift[at + k];
             }
-        }
-        for ( int k = 0; k < 3; ++k )
-        {
-            now[k] += push[k] + recovered[k];
-            shift[k] += recovered[k];
         }
     }
 }
@@ -263,20 +287,16 @@ static void add_impulses( const contact_work* work )
     const contact_spheres* s = work->contact_mesh->spheres;
     wisp_contact_stats* f = &work->memory->stats;
     double pairs = 0.0, sum = 0.0;
-    for ( int i = 0; i < s->count; ++i )
+    for ( int slot = 0; slot < s->active.count; ++slot )
     {
-        if ( s->near_count[i / CONTACT_SPHERE_PACK] == 0 )
-        {
-            continue;
-        }
-        const float* push = s->push + (size_t)i * 4;
-        double* impulse = work->participants[(int)s->rest[i][3]].impulse;
+        const float* push = s->active.push + (size_t)slot * 4;
+        double* impulse = work->participants[(int)s->rest[s->active.own_x4[slot] / 4][3]].impulse;
         for ( int k = 0; k < 3; ++k )
         {
             impulse[k] += (double)push[k] / (double)work->seconds;
         }
         sum += (double)push[3];
-        pairs += (double)s->count_of[i];
+        pairs += (double)s->active.count_of[slot];
     }
     f->contacts = (int)( 0.5 * pairs );
     f->impulse += 0.5 * sum / (double)work->seconds;
@@ -284,12 +304,12 @@ static void add_impulses( const contact_work* work )
 
 float contact_least_sphere_gap( const contact_work* work )
 {
-    sphere_loop loop = begin_loop( work, false );
-    const contact_spheres* s = loop.spheres;
+    const contact_contact_mesh* m = work->contact_mesh;
+    const contact_spheres* s = m->spheres;
     float least = INFINITY;
     for ( int i = 0; i < s->count; ++i )
     {
-        contact_place_sphere( s, loop.mesh->now, i, loop.spheres->now + (size_t)i * 4 );
+        contact_place_sphere( s, m->now, i, s->now + (size_t)i * 4 );
     }
     for ( int i = 0; i < s->count; ++i )
     {
@@ -308,21 +328,33 @@ float contact_least_sphere_gap( const contact_work* work )
 }
 
 // Project all pairs once. @return whether any presses
-static bool sweep( const contact_work* work, bool recovers )
+static bool sweep( const contact_work* work, float recovery )
 {
-    sphere_loop loop = begin_loop( work, recovers );
-    const int packs = loop.spheres->active_pack_count, points = loop.spheres->active_point_count;
+    sphere_loop loop = begin_loop( work );
+    const contact_spheres* s = loop.spheres;
+    const contact_near_spheres* near = &s->active;
+    loop.args = ( wisp_point_pair_args ){ .start = s->start,
+                                          .now = s->now,
+                                          .own_x4 = near->own_x4,
+                                          .begin = near->begin,
+                                          .other_x4 = near->other_x4,
+                                          .gap = near->gap,
+                                          .recovery = recovery,
+                                          .found = near->presses,
+                                          .count = near->count_of,
+                                          .push = near->push,
+                                          .shift = near->shift };
     atomic_init( &loop.count, 0 );
-    wisp_parallel_for( work->parallel, packs, CONTACT_SPHERE_GRAIN, place_now, &loop );
-    wisp_parallel_for( work->parallel, packs, CONTACT_SPHERE_GRAIN, find_pressing, &loop );
+    wisp_parallel_for( work->parallel, near->count, CONTACT_POINT_GRAIN, place_now, &loop );
+    wisp_parallel_for( work->parallel, near->pack_count, CONTACT_SPHERE_GRAIN, find_pressing, &loop );
     if ( atomic_load( &loop.count ) == 0 )
     {
         return false;
     }
-    wisp_parallel_for( work->parallel, points, CONTACT_POINT_GRAIN, split_masses, &loop );
-    wisp_parallel_for( work->parallel, packs, CONTACT_SPHERE_GRAIN, weigh_spheres, &loop );
-    wisp_parallel_for( work->parallel, packs, CONTACT_SPHERE_GRAIN, push_packs, &loop );
-    wisp_parallel_for( work->parallel, points, CONTACT_POINT_GRAIN, move_shares, &loop );
+    wisp_parallel_for( work->parallel, s->active_point_count, CONTACT_POINT_GRAIN, split_masses, &loop );
+    wisp_parallel_for( work->parallel, near->count, CONTACT_POINT_GRAIN, weigh_spheres, &loop );
+    wisp_parallel_for( work->parallel, near->pack_count, CONTACT_SPHERE_GRAIN, push_packs, &loop );
+    wisp_parallel_for( work->parallel, s->active_point_count, CONTACT_POINT_GRAIN, move_shares, &loop );
     if ( work->counts_impulses )
     {
         add_impulses( work );
@@ -333,11 +365,11 @@ static bool sweep( const contact_work* work, bool recovers )
 void contact_push_spheres( const contact_work* work, bool is_last )
 {
     work->memory->stats.contacts = 0;
-    for ( int i = is_last ? 1 : 0; i < SWEEPS && sweep( work, false ); ++i )
+    for ( int i = is_last ? 1 : 0; i < SWEEPS && sweep( work, 0.0f ); ++i )
     {
     }
     if ( is_last )
     {
-        (void)sweep( work, true );
+        (void)sweep( work, recovery_of( work ) );
     }
 }

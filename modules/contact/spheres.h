@@ -16,8 +16,17 @@ enum
 {
     CONTACT_SPHERE_PACK = 16,  // spheres side by side
     CONTACT_SPHERE_GRAIN = 32, // packs of a task
-    CONTACT_SPHERE_ARRAY_COUNT = 25,
+    CONTACT_SPHERE_ARRAY_COUNT = 30,
 };
+
+/// Spheres with near pairs, in packs of sixteen, as wisp_point_pair_args has them.
+typedef struct contact_near_spheres
+{
+    int count, pack_count;
+    int32_t *own_x4, *begin, *other_x4;
+    float *gap, *count_of, *push, *shift;
+    uint16_t* presses;
+} contact_near_spheres;
 
 typedef struct contact_spheres
 {
@@ -35,14 +44,15 @@ typedef struct contact_spheres
     float ( *middle )[3]; // [sphere] m, in the middle of that motion
     wisp_aabb* boxes;     // [sphere] around it
     wisp_aabb_pairs overlaps;
-    float *start, *now, *push, *shift;     // [sphere][4] as wisp_point_pair_args has them
-    float* count_of;                       // [sphere] pairs that press on it
-    int32_t *begin, *near_count;           // [pack + 1], [pack] as there
-    int32_t *other_x4, *near;              // [row][16], [row] likewise
-    float* gap;                            // [row][16] likewise
-    uint16_t* presses;                     // [row] likewise
-    int32_t *active_packs, *active_points; // packs with a near pair in this substep; points in their spheres
-    int active_pack_count, active_point_count;
+    float *start, *now;          // [sphere][4] as wisp_point_pair_args has them
+    int32_t* own_x4;             // [sphere] itself, times 4, as in wisp_point_pair_args
+    int32_t *begin, *other_x4;   // as there, of all listed pairs
+    float* gap;                  // likewise
+    uint16_t* is_near;           // [row] a bit for each pair that is near in this substep
+    contact_near_spheres active; // those that have one, and their near pairs
+    int32_t* slot;               // [sphere] its place in `active`; -1: it has none
+    int32_t* active_points;      // points in active spheres
+    int active_point_count;
     uint8_t* is_active;    // [point]
     float* cover;          // [point] m, least distance that it keeps as a sphere
     float* inverse_mass;   // [point] 1/kg, times the pairs that press on it
@@ -54,8 +64,8 @@ typedef struct contact_spheres
 /// Make the spheres of all participants and list their pairs for the rest of the step.
 wisp_status contact_list_spheres( const contact_work* work, wisp_error* error );
 
-/// Place the spheres at the start of a substep, and count those that left the motion that the search assumed.
-void contact_begin_spheres( const contact_work* work );
+/// Place the spheres at the start of a substep, count those that left the motion that the search assumed, and find near pairs.
+wisp_status contact_begin_spheres( const contact_work* work, wisp_error* error );
 
 /// Push spheres apart that are too near. @param is_last of the substep: recover too
 void contact_push_spheres( const contact_work* work, bool is_last );

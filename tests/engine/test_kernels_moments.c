@@ -632,8 +632,8 @@ typedef struct crowd
 {
     _Alignas( 64 ) float start[CROWD][4], now[CROWD][4], push[CROWD][4], shift[CROWD][4];
     float gap[PACKS * ROWS][16], count[CROWD], recovery;
-    int32_t other_x4[PACKS * ROWS][16], begin[PACKS + 1], near[PACKS * ROWS], near_count[PACKS];
-    uint16_t presses[PACKS * ROWS];
+    int32_t own_x4[CROWD], other_x4[PACKS * ROWS][16], begin[PACKS + 1];
+    uint16_t near[PACKS * ROWS], presses[PACKS * ROWS];
 } crowd;
 
 // Each point has all others, or in odd variants one other.
@@ -648,6 +648,7 @@ static void fill_crowd( void* state, int variant )
             c->start[i][k] = test_random_float( variant, 8 * i + k, -1.0f, 1.0f );
             c->now[i][k] = c->start[i][k] + test_random_float( variant, 8 * i + 3 + k, -0.3f, 0.3f );
         }
+        c->own_x4[i] = 4 * i;
         c->start[i][3] = test_random_float( variant, 8 * i + 6, 0.0f, 1.0f );
         c->now[i][3] = i % 5 == 0 ? 0.0f : test_random_float( variant, 8 * i + 7, 0.5f, 9.0f );
     }
@@ -667,18 +668,12 @@ static void fill_crowd( void* state, int variant )
 static void push_crowd( const wisp_kernels* kernels, void* state, int begin, int end )
 {
     crowd* c = state;
-    const wisp_point_pair_args args = { c->start[0], c->now[0],  c->begin,      c->other_x4[0], c->gap[0],
-                                        1.25f,       c->near,    c->near_count, c->recovery,    c->presses,
-                                        c->count,    c->push[0], c->shift[0] };
+    wisp_point_pair_args args = { c->start[0], c->now[0],   c->own_x4, c->begin, c->other_x4[0], c->gap[0],
+                                  1.25f,       c->recovery, c->near,   c->count, c->push[0],     c->shift[0] };
     kernels->find_near_pairs( &args, begin, end );
+    args.found = c->presses;
     kernels->find_pressing_points( &args, begin, end );
     kernels->push_points( &args, begin, end );
-    for ( int i = 0; i < PACKS * ROWS; ++i ) // what is not near is as it was
-    {
-        const int pack = i < c->begin[1] ? 0 : 1;
-        const bool is_near = i - c->begin[pack] < c->near_count[pack];
-        c->near[i] = is_near ? c->near[i] : 0;
-    }
 }
 
 static int pressing, at_rest;
@@ -723,8 +718,11 @@ static void check_crowd( void* start, void* end )
         {
             double3 one, other;
             const int at = before->begin[i / 16] + row;
-            count += correction( before, i, before->other_x4[at][i % 16] / 4, (double)before->gap[at][i % 16], &one,
-                                 &other );
+            const bool presses = correction( before, i, before->other_x4[at][i % 16] / 4,
+                                             (double)before->gap[at][i % 16], &one, &other );
+            assert_true( presses == ( ( c->presses[at] >> i % 16 & 1 ) != 0 ) );
+            assert_true( presses == false || ( c->near[at] >> i % 16 & 1 ) != 0 );
+            count += presses ? 1 : 0;
             push = double3_add( push, one );
             shift = double3_add( shift, other );
         }

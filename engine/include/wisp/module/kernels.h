@@ -289,9 +289,9 @@ typedef struct wisp_kernels
     /// @return number of pairs
     int ( *find_active_pairs )( const wisp_separation_args* args, int begin, int end );
     // packs of sixteen points
-    /// Find the rows with a pair that comes near on straight paths from start to now.
+    /// Find the pairs that come near on straight paths from start to now.
     void ( *find_near_pairs )( const wisp_point_pair_args* args, int begin, int end );
-    /// Among those, find the pairs that come nearer than their gap, and are too near along the line between them at the start.
+    /// Find the pairs that come nearer than their gap, and are too near along the line between them at the start.
     void ( *find_pressing_points )( const wisp_point_pair_args* args, int begin, int end );
     /// Compute the corrections that part those pairs along that line, with Coulomb friction.
     void ( *push_points )( const wisp_point_pair_args* args, int begin, int end );

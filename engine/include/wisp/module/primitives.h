@@ -98,16 +98,15 @@ typedef struct wisp_point_pair_args
 {
     const float* start;      ///< [point][4] m, at the start of a substep; the fourth is the root of the friction coefficient
     const float* now;        ///< [point][4] m; the fourth is 1/kg
+    const int32_t* own_x4;   ///< [pack][16] points, times 4
     const int32_t* begin;    ///< [pack + 1] first row of pairs
-    const int32_t* other_x4; ///< [row][16] other points, times 4
+    const int32_t* other_x4; ///< [row][16] the other points, times 4
     const float* gap;        ///< [row][16] m, to keep
     float reach;             ///< of find_near_pairs: pairs within this many gaps are near
-    int32_t* near;           ///< [row] out of it: rows with a near pair, from the first row of a pack on
-    int32_t* near_count;     ///< [pack] out of it
     float recovery;          ///< gaps by which pairs that start nearer than theirs may part
-    uint16_t* presses;       ///< [row] a bit for each pair that is too near
-    float* count;            ///< [point] out of find_pressing_points: pairs that are too near
-    float *push, *shift;     ///< [point][4] out of push_points, kg m: sum of corrections, and of recovery; the fourth sums lengths
+    uint16_t* found;         ///< [row] a bit for each pair that is found
+    float* count;            ///< [pack][16] out of find_pressing_points: pairs of a point
+    float *push, *shift;     ///< [pack][16][4] out of push_points, kg m: sum of corrections, and of recovery; the fourth sums lengths
 } wisp_point_pair_args;
 
 WISP_END_C
