@@ -428,7 +428,7 @@ wisp_status wisp_read_contact_stats( wisp_world* world, wisp_contact_stats* out 
         out->candidates = state->world.level == WISP_CONTACT_EXACT ? state->bounds.pairs[0].count
                           : state->world.level == WISP_CONTACT_TRIANGLES
                               ? state->listed.count
-                              : (int64_t)( state->spheres.overlaps.pair_count / 2 );
+                              : (int64_t)state->spheres.overlaps.pair_count;
     }
     return status;
 }

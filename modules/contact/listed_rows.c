@@ -23,6 +23,7 @@ wisp_status contact_list_rows( const contact_work* work, wisp_error* error )
         const float way = i % 4 < 3 ? s->now[i] - s->intersection_free[i] : 0.0f;
         s->now[i] += (float)( work->substeps_left - 1 ) * way;
     }
+    s->is_listed = false; // bounds of the step before do not hold
     (void)contact_expect_ways( work );
     wisp_status status = contact_search( work, error );
     status = status == WISP_OK ? contact_find_rows( work, error ) : status;

@@ -172,18 +172,6 @@ static void share_points( contact_spheres* s, size_t points )
 
 // ---- predicted motion ----
 
-void contact_place_sphere( const contact_spheres* s, const float* xyzw, int sphere, float out[3] )
-{
-    const int32_t* parents = s->parents[sphere];
-    const float* weights = s->weights[sphere];
-    for ( size_t k = 0; k < 3; ++k )
-    {
-        const float o = xyzw[(size_t)parents[0] * 4 + k];
-        out[k] = o + weights[1] * ( xyzw[(size_t)parents[1] * 4 + k] - o ) +
-                 weights[2] * ( xyzw[(size_t)parents[2] * 4 + k] - o );
-    }
-}
-
 // Return the mean of a map over the parents of a sphere: 1 without a map.
 static float map_factor( const contact_spheres* s, const contact_participant* participant, const float* map,
                          int sphere )
@@ -271,77 +259,78 @@ static float gap_of( const contact_spheres* s, int a, int b )
 // Return whether the straight paths of two spheres come within a distance, m.
 static bool come_within( const contact_spheres* s, int a, int b, float within )
 {
-    float d[3], u[3], along = 0.0f, squared = 0.0f, least = 0.0f;
+    float along = 0.0f, apart = -within * within, squared = 0.0f;
     for ( int k = 0; k < 3; ++k )
     {
-        d[k] = s->middle[a][k] - s->middle[b][k];
-        u[k] = s->motion[a][k] - s->motion[b][k];
-        along -= d[k] * u[k];
-        squared += u[k] * u[k];
+        const float d = s->middle[a][k] - s->middle[b][k], u = s->motion[a][k] - s->motion[b][k];
+        apart += d * d;
+        along += d * u;
+        squared += u * u;
     }
-    const float time =
-        squared > 0.0f ? contact_smaller( contact_larger( along / squared, -0.5f ), 0.5f ) : 0.0f; // 0: the middle
-    for ( int k = 0; k < 3; ++k )
-    {
-        const float x = d[k] + time * u[k];
-        least += x * x;
-    }
-    return least <= within * within;
+    along = fabsf( along );
+    // the nearest is inside of the paths, or at an end
+    return 2.0f * along < squared ? apart * squared <= along * along : apart <= along - 0.25f * squared;
+}
+
+// Return whether two spheres that are near keep a distance.
+static bool are_pair( const contact_work* work, int a, int b, float gap )
+{
+    const contact_spheres* s = work->contact_mesh->spheres;
+    const contact_participant *one = work->participants + (int)s->rest[a][3],
+                              *other = work->participants + (int)s->rest[b][3];
+    return ( s->traits[a][3] == 0.0f || s->traits[b][3] == 0.0f ) && contact_may_meet( one, other ) &&
+           ( one != other || contact_distance( s->rest[a], s->rest[b] ) > NEIGHBOURS * gap );
 }
 
 static int keep_listed( const void* context, int query, int32_t* items, int count )
 {
     const contact_work* work = context;
     const contact_spheres* s = work->contact_mesh->spheres;
-    const contact_participant* one = work->participants + (int)s->rest[query][3];
     int kept = 0;
     for ( int i = 0; i < count; ++i )
     {
         const int32_t item = items[i];
-        const contact_participant* other = work->participants + (int)s->rest[item][3];
         const float gap = gap_of( s, query, item );
         items[kept] = item;
         kept += come_within( s, query, item, gap + s->motion[query][3] + s->motion[item][3] ) &&
-                        ( s->traits[query][3] == 0.0f || s->traits[item][3] == 0.0f ) &&
-                        ( one != other || contact_distance( s->rest[query], s->rest[item] ) > NEIGHBOURS * gap ) &&
-                        contact_may_meet( one, other )
+                        are_pair( work, query, item, gap )
                     ? 1
                     : 0;
     }
     return kept;
 }
 
-static void fill_packs( void* context, int begin, int end, int worker )
+static void put_other( contact_spheres* s, int a, int b, float gap )
 {
-    (void)worker;
-    const contact_work* work = context;
-    contact_spheres* s = work->contact_mesh->spheres;
-    for ( int i = begin * CONTACT_SPHERE_PACK; i < end * CONTACT_SPHERE_PACK; ++i )
-    {
-        const int first = i < s->count ? s->overlaps.begin[i] : 0,
-                  count = i < s->count ? s->overlaps.begin[i + 1] - first : 0;
-        const int row = s->begin[i / CONTACT_SPHERE_PACK], rows = s->begin[i / CONTACT_SPHERE_PACK + 1] - row;
-        for ( int k = 0; k < rows; ++k )
-        {
-            const size_t at = (size_t)( row + k ) * CONTACT_SPHERE_PACK + (size_t)( i % CONTACT_SPHERE_PACK );
-            s->other_x4[at] = k < count ? 4 * s->overlaps.item[first + k] : 0;
-            s->gap[at] = k < count ? gap_of( s, i, s->overlaps.item[first + k] ) : 0.0f;
-        }
-    }
+    const int row = s->begin[a / CONTACT_SPHERE_PACK] + s->slot[a]++;
+    const size_t at = (size_t)row * CONTACT_SPHERE_PACK + (size_t)( a % CONTACT_SPHERE_PACK );
+    s->other_x4[at] = 4 * b;
+    s->gap[at] = gap;
 }
 
 // Put the lists of sixteen spheres side by side.
 static wisp_status pack_lists( const contact_work* work, wisp_error* error )
 {
     contact_spheres* s = work->contact_mesh->spheres;
+    const wisp_aabb_pairs* found = &s->overlaps; // each at its lower sphere
+    int32_t* count = s->slot;                    // unused until the first substep
+    memset( count, 0, (size_t)s->pack_count * CONTACT_SPHERE_PACK * sizeof( *count ) );
+    for ( int i = 0; i < found->query_count; ++i )
+    {
+        count[i] += found->begin[i + 1] - found->begin[i];
+        for ( int k = found->begin[i]; k < found->begin[i + 1]; ++k )
+        {
+            count[found->item[k]] += 1;
+        }
+    }
     s->begin[0] = 0;
     for ( int pack = 0; pack < s->pack_count; ++pack )
     {
         int most = 0;
-        for ( int i = pack * CONTACT_SPHERE_PACK; i < ( pack + 1 ) * CONTACT_SPHERE_PACK && i < s->count; ++i )
+        for ( int i = pack * CONTACT_SPHERE_PACK; i < ( pack + 1 ) * CONTACT_SPHERE_PACK; ++i )
         {
-            const int count = s->overlaps.begin[i + 1] - s->overlaps.begin[i];
-            most = count > most ? count : most;
+            most = count[i] > most ? count[i] : most;
+            count[i] = 0;
         }
         s->begin[pack + 1] = s->begin[pack] + most;
     }
@@ -353,7 +342,17 @@ static wisp_status pack_lists( const contact_work* work, wisp_error* error )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the pairs of %d spheres", s->count );
     }
-    wisp_parallel_for( work->parallel, s->pack_count, CONTACT_SPHERE_GRAIN, fill_packs, (void*)(uintptr_t)work );
+    memset( s->other_x4, 0, lanes * sizeof( int32_t ) );
+    memset( s->gap, 0, lanes * sizeof( float ) );
+    for ( int i = 0; i < found->query_count; ++i )
+    {
+        for ( int k = found->begin[i]; k < found->begin[i + 1]; ++k )
+        {
+            const float gap = gap_of( s, i, found->item[k] );
+            put_other( s, i, found->item[k], gap );
+            put_other( s, found->item[k], i, gap );
+        }
+    }
     return WISP_OK;
 }
 
@@ -378,8 +377,6 @@ wisp_status contact_list_spheres( const contact_work* work, wisp_error* error )
         wisp_parallel_for( work->parallel, s->pack_count * CONTACT_SPHERE_PACK, CONTACT_POINT_GRAIN, predict_spheres,
                            (void*)(uintptr_t)work );
         const wisp_aabb_args args = {
-            .queries = s->boxes,
-            .query_count = s->count,
             .boxes = s->boxes,
             .box_count = s->count,
             .limit = (size_t)s->count * MAX_PER_SPHERE,

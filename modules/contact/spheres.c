@@ -14,7 +14,7 @@
 #include <string.h>
 
 // Pairs are projected that come within so many distances in a substep.
-static const float NEAR_GAPS = 1.1f;
+static const float NEAR_GAPS = 1.25f;
 
 enum
 {

@@ -5,6 +5,8 @@
 
 #include "wisp/module/aabb_pairs.h"
 
+#include <string.h>
+
 /// A vertex of the contact mesh in one of its spheres.
 typedef struct contact_share
 {
@@ -71,7 +73,18 @@ wisp_status contact_begin_spheres( const contact_work* work, wisp_error* error )
 void contact_push_spheres( const contact_work* work, bool is_last );
 
 /// Compute the position of a sphere.
-void contact_place_sphere( const contact_spheres* s, const float* xyzw, int sphere, float out[3] );
+static inline void contact_place_sphere( const contact_spheres* s, const float* xyzw, int sphere, float out[3] )
+{
+    const int32_t* parents = s->parents[sphere];
+    const float* weights = s->weights[sphere];
+    const float* at = xyzw + (size_t)parents[0] * 4;
+    memcpy( out, at, 3 * sizeof( *out ) );
+    for ( size_t k = 0; k < 3 && weights[0] != 1.0f; ++k )
+    {
+        out[k] += weights[1] * ( xyzw[(size_t)parents[1] * 4 + k] - at[k] ) +
+                  weights[2] * ( xyzw[(size_t)parents[2] * 4 + k] - at[k] );
+    }
+}
 
 /// Return the smallest distance of a pair over what it keeps.
 float contact_least_sphere_gap( const contact_work* work );

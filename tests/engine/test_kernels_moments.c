@@ -623,25 +623,25 @@ TEST( who_has_a_slack_or_a_way_that_is_no_number_is_due )
 
 enum
 {
-    CROWD = 32,
+    BALLS = 32,
     PACKS = 2,
-    ROWS = CROWD - 1, // of a pack
+    ROWS = BALLS - 1, // of a pack
 };
 
-typedef struct crowd
+typedef struct balls
 {
-    _Alignas( 64 ) float start[CROWD][4], now[CROWD][4], push[CROWD][4], shift[CROWD][4];
-    float gap[PACKS * ROWS][16], count[CROWD], recovery;
-    int32_t own_x4[CROWD], other_x4[PACKS * ROWS][16], begin[PACKS + 1];
+    _Alignas( 64 ) float start[BALLS][4], now[BALLS][4], push[BALLS][4], shift[BALLS][4];
+    float gap[PACKS * ROWS][16], count[BALLS], recovery;
+    int32_t own_x4[BALLS], other_x4[PACKS * ROWS][16], begin[PACKS + 1];
     uint16_t near[PACKS * ROWS], presses[PACKS * ROWS];
-} crowd;
+} balls;
 
 // Each point has all others, or in odd variants one other.
-static void fill_crowd( void* state, int variant )
+static void fill_balls( void* state, int variant )
 {
-    crowd* c = state;
+    balls* c = state;
     c->recovery = variant % 4 < 2 ? 0.0f : 0.1f;
-    for ( int i = 0; i < CROWD; ++i )
+    for ( int i = 0; i < BALLS; ++i )
     {
         for ( int k = 0; k < 3; ++k )
         {
@@ -659,15 +659,15 @@ static void fill_crowd( void* state, int variant )
         for ( int lane = 0; lane < 16; ++lane )
         {
             const int own = row / rows * 16 + lane, other = variant % 2 == 0 ? own ^ ( row % rows + 1 ) : own ^ 17;
-            c->other_x4[row][lane] = 4 * ( other % CROWD );
+            c->other_x4[row][lane] = 4 * ( other % BALLS );
             c->gap[row][lane] = variant % 3 == 0 ? 0.5f : 0.3f;
         }
     }
 }
 
-static void push_crowd( const wisp_kernels* kernels, void* state, int begin, int end )
+static void push_balls( const wisp_kernels* kernels, void* state, int begin, int end )
 {
-    crowd* c = state;
+    balls* c = state;
     wisp_point_pair_args args = { c->start[0], c->now[0],   c->own_x4, c->begin, c->other_x4[0], c->gap[0],
                                   1.25f,       c->recovery, c->near,   c->count, c->push[0],     c->shift[0] };
     kernels->find_near_pairs( &args, begin, end );
@@ -679,7 +679,7 @@ static void push_crowd( const wisp_kernels* kernels, void* state, int begin, int
 static int pressing, at_rest;
 
 // Find the correction of a point by another, in doubles. @return whether they press
-static bool correction( const crowd* c, int a, int b, double gap, double3* push, double3* shift )
+static bool correction( const balls* c, int a, int b, double gap, double3* push, double3* shift )
 {
     const double3 before = double3_sub( double3_from( c->start[a] ), double3_from( c->start[b] ) ),
                   after = double3_sub( double3_from( c->now[a] ), double3_from( c->now[b] ) ),
@@ -706,11 +706,11 @@ static bool correction( const crowd* c, int a, int b, double gap, double3* push,
     return true;
 }
 
-static void check_crowd( void* start, void* end )
+static void check_balls( void* start, void* end )
 {
-    const crowd *before = start, *c = end;
+    const balls *before = start, *c = end;
     double sums[2][3] = { { 0.0 } };
-    for ( int i = 0; i < CROWD; ++i )
+    for ( int i = 0; i < BALLS; ++i )
     {
         double3 push = { 0 }, shift = { 0 };
         int count = 0;
@@ -748,6 +748,6 @@ static void check_crowd( void* start, void* end )
 
 TEST( pairs_of_points_are_pushed_apart_equally )
 {
-    check_kernel( KERNEL_ROW( crowd, 4 * SEEDS, 0, PACKS, 0, fill_crowd, push_crowd, check_crowd ) );
+    check_kernel( KERNEL_ROW( balls, 4 * SEEDS, 0, PACKS, 0, fill_balls, push_balls, check_balls ) );
     assert_true( pressing > 40 * SEEDS && at_rest > SEEDS );
 }

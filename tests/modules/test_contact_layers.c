@@ -78,8 +78,8 @@ static void run_touch( touch* t, double3 at, int number, bool is_fixed )
     open_layers( &t->h, 1 );
     test_mesh falling = triangle_mesh( FALLING[0], FALLING[1], FALLING[2] );
     const float x = (float)at.x, y = (float)at.y - THICK - 0.01f, z = (float)at.z;
-    test_mesh needle = triangle_mesh( ( wisp_vec3 ){ x, y, z }, ( wisp_vec3 ){ x - 0.02f, y - 0.5f, z - 0.01f },
-                                      ( wisp_vec3 ){ x + 0.02f, y - 0.5f, z - 0.01f } );
+    test_mesh needle = triangle_mesh( ( wisp_vec3 ){ x, y, z }, ( wisp_vec3 ){ x - 0.02f, y - 0.3f, z - 0.01f },
+                                      ( wisp_vec3 ){ x + 0.02f, y - 0.3f, z - 0.01f } );
     t->body[0] = add_mesh( t->h.world, &falling, NULL, 0, 0.2f );
     t->body[1] = is_fixed ? add_pinned( t->h.world, &needle ) : add_mesh( t->h.world, &needle, NULL, 0, 20.0f );
     const wisp_contact_def def = contact_alone();
@@ -187,8 +187,8 @@ static void open_stretching( stretching* s, int workers )
     for ( int v = 0; v < 49; ++v )
     {
         float* velocity = velocity_of( s->h.world, s->sheet, v );
-        velocity[0] = test_random_float( 5, v, -3.0f, 3.0f );
-        velocity[2] = test_random_float( 6, v, -3.0f, 3.0f );
+        velocity[0] = test_random_float( 5, v, -6.0f, 6.0f );
+        velocity[2] = test_random_float( 6, v, -6.0f, 6.0f );
     }
     request_stats( s->h.world );
 }
@@ -213,7 +213,7 @@ TEST( contact_follows_a_layer_whose_points_change )
         before = points;
     }
     print_message( "%d changes of the number of points, %d contacts\n", changes, contacts );
-    assert_true( first == 25 + 49 && others > first && changes > 5 && contacts > 100 );
+    assert_true( first == 25 + 49 && others > first && changes > 2 && contacts > 100 );
     close_world( &s.h );
 }
 
@@ -478,6 +478,7 @@ TEST( levels_without_a_limit_keep_momentum )
         }
         momentum_of( m.h.world, m.body, BODIES, after );
         // the upper sheet has 0.012 kg m/s, and gives up a part of it
+        print_message( "level %d: impulse %g\n", level, impulse );
         assert_true( impulse > 2e-3 );
         for ( int k = 0; k < 3; ++k )
         {
@@ -487,24 +488,49 @@ TEST( levels_without_a_limit_keep_momentum )
     }
 }
 
-// Find the smallest distance of two vertices over what they keep, in double. Vertices of one sheet that are neighbours at rest are no pair.
-static double least_gap( const meeting* m, const double3* rest, const double keeps[BODIES] )
+enum
 {
+    VERTICES = 13 * 13 + 11 * 11,
+};
+
+// Find the smallest distance of two vertices over what they keep, in double. Vertices of one sheet that are neighbours at rest are no pair.
+static double least_gap( const meeting* m, const double3 rest[VERTICES], const double keeps[VERTICES] )
+{
+    double3 now[VERTICES];
     double least = INFINITY;
-    const int total = m->vertices[0] + m->vertices[1];
-    for ( int a = 0; a < total; ++a )
+    for ( int a = 0; a < VERTICES; ++a )
     {
+        const int one = a < m->vertices[0] ? 0 : 1;
+        now[a] = double3_from( place_of( m->h.world, m->body[one], a - one * m->vertices[0] ) );
         for ( int b = 0; b < a; ++b )
         {
-            const int one = a < m->vertices[0] ? 0 : 1, other = b < m->vertices[0] ? 0 : 1;
-            const double gap = fmax( keeps[one], keeps[other] );
-            const double3 p = double3_from( place_of( m->h.world, m->body[one], a - one * m->vertices[0] ) ),
-                          q = double3_from( place_of( m->h.world, m->body[other], b - other * m->vertices[0] ) );
-            const bool is_pair = one != other || double3_distance( rest[a], rest[b] ) > 1.6 * gap;
-            least = is_pair ? fmin( least, double3_distance( p, q ) / gap ) : least;
+            const int other = b < m->vertices[0] ? 0 : 1;
+            const double gap = fmax( keeps[a], keeps[b] );
+            const bool is_pair = one != other || double3_distance( rest[a], rest[b] ) > 1.3 * gap;
+            least = is_pair ? fmin( least, double3_distance( now[a], now[b] ) / gap ) : least;
         }
     }
     return least;
+}
+
+// Vertices keep 0.72 of their longest edge, which is more than the thickness here.
+static void find_keeps( const meeting* m, double3 rest[VERTICES], double keeps[VERTICES] )
+{
+    memset( keeps, 0, VERTICES * sizeof( *keeps ) );
+    for ( int body = 0; body < BODIES; ++body )
+    {
+        const wisp_fabric* f = wisp_world_fabric( m->h.world, m->body[body] );
+        const int first = body * m->vertices[0];
+        for ( int v = 0; v < f->vertex_count; ++v )
+        {
+            rest[first + f->slot_vertex[v]] = double3_widen( f->rest[v] );
+        }
+        for ( int i = 0; i < 2 * f->edge_count; ++i )
+        {
+            const int v = first + f->slot_vertex[f->edges[i]], other = first + f->slot_vertex[f->edges[i ^ 1]];
+            keeps[v] = fmax( keeps[v], 0.72 * double3_distance( rest[v], rest[other] ) );
+        }
+    }
 }
 
 // Where no sphere leaves its margin, the nearest of all pairs is in the lists. Where one does it is counted.
@@ -516,18 +542,9 @@ TEST( no_pair_of_spheres_that_is_near_is_missed )
     {
         meeting m;
         open_meeting( &m, WISP_CONTACT_SPHERES, SPEEDS[i] );
-        double3 rest[13 * 13 + 11 * 11];
-        double keeps[BODIES];
-        for ( int v = 0; v < m.vertices[0] + m.vertices[1]; ++v )
-        {
-            const int body = v < m.vertices[0] ? 0 : 1;
-            rest[v] = double3_from( place_of( m.h.world, m.body[body], v - body * m.vertices[0] ) );
-        }
-        for ( int body = 0; body < BODIES; ++body )
-        {
-            const wisp_rest_lengths lengths = wisp_world_rest_lengths( m.h.world, m.body[body] );
-            keeps[body] = fmax( (double)contact_of( 0.02f ).thickness, 0.8 * (double)lengths.mean );
-        }
+        double3 rest[VERTICES];
+        double keeps[VERTICES];
+        find_keeps( &m, rest, keeps );
         for ( int step = 0; step < 60; ++step )
         {
             run_steps( m.h.world, 1, FRAME );
