@@ -10,8 +10,60 @@
 
 #include <string.h>
 
+// Up to a batch of listed pairs of one kind.
+typedef struct contact_listed_batch
+{
+    int first, count; // of the listed rows
+    contact_primitives primitives;
+    float reach[CONTACT_BATCH]; // m, distance below which a pair may press in a substep
+    uint8_t is_near[CONTACT_BATCH];
+} contact_listed_batch;
+
 // Pairs are near within this part of their gap beyond it, and of their approach beyond that.
 static const float NEAR_SPARE = 0.25f;
+
+// Return how far the closest points of a pair move against each other in a substep, m.
+static float approach_of( const contact_contact_mesh* s, const contact_row* row )
+{
+    float way[3] = { 0.0f, 0.0f, 0.0f };
+    for ( int i = 0; i < row->count; ++i )
+    {
+        const size_t at = (size_t)row->point[i] * 4;
+        for ( size_t k = 0; k < 3; ++k )
+        {
+            way[k] += row->weight[i] * ( s->now[at + k] - s->intersection_free[at + k] );
+        }
+    }
+    return sqrtf( way[0] * way[0] + way[1] * way[1] + way[2] * way[2] );
+}
+
+static bool fill_batches( const contact_work* work )
+{
+    contact_listed_rows* listed = work->contact_mesh->listed;
+    const size_t most = (size_t)( listed->count / CONTACT_BATCH + 2 );
+    if ( contact_reserve( work, listed->buffers + 1, most * sizeof( *listed->batches ), (void**)&listed->batches ) ==
+         false )
+    {
+        return false;
+    }
+    listed->batch_count = 0;
+    for ( int first = 0; first < listed->count; )
+    {
+        contact_listed_batch* batch = listed->batches + listed->batch_count++;
+        const int end = first < listed->split ? listed->split : listed->count;
+        batch->first = first;
+        batch->count = end - first < CONTACT_BATCH ? end - first : CONTACT_BATCH;
+        batch->primitives.are_edges = first >= listed->split;
+        for ( int i = 0; i < batch->count; ++i )
+        {
+            const contact_row* row = listed->rows + first + i;
+            contact_put_primitives( &batch->primitives, i, row->point );
+            batch->reach[i] = ( 1.0f + NEAR_SPARE ) * ( row->requested + approach_of( work->contact_mesh, row ) );
+        }
+        first += batch->count;
+    }
+    return true;
+}
 
 wisp_status contact_list_rows( const contact_work* work, wisp_error* error )
 {
@@ -29,36 +81,36 @@ wisp_status contact_list_rows( const contact_work* work, wisp_error* error )
     status = status == WISP_OK ? contact_find_rows( work, error ) : status;
     contact_gather( work, false );
     const size_t bytes = (size_t)s->constraints->row_count * sizeof( contact_row );
-    if ( status == WISP_OK && contact_reserve( work, listed->buffers, bytes, (void**)&listed->rows ) == false )
-    {
-        status = wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d contact pairs", s->constraints->row_count );
-    }
-    if ( status == WISP_OK )
+    if ( status == WISP_OK && contact_reserve( work, listed->buffers, bytes, (void**)&listed->rows ) )
     {
         memcpy( listed->rows, s->constraints->rows, bytes );
         listed->count = s->constraints->row_count;
         listed->split = s->constraints->split;
     }
-    return status;
+    return status != WISP_OK || ( listed->count == s->constraints->row_count && fill_batches( work ) )
+               ? status
+               : wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d contact pairs", s->constraints->row_count );
 }
 
-// Return whether a pair may press on each other in this substep.
-static bool is_near( const contact_contact_mesh* s, const contact_row* row )
+// ---- in a substep ----
+
+static void find_near_listed( void* context, int begin, int end, int worker )
 {
-    float way[3] = { 0.0f, 0.0f, 0.0f };
-    for ( int i = 0; i < row->count; ++i )
+    (void)worker;
+    const contact_work* work = context;
+    for ( int b = begin; b < end; ++b )
     {
-        const size_t at = (size_t)row->point[i] * 4;
-        for ( size_t k = 0; k < 3; ++k )
+        contact_listed_batch* batch = work->contact_mesh->listed->batches + b;
+        const float* distance = contact_measure_primitives( work, work->contact_mesh->intersection_free,
+                                                            &batch->primitives, batch->count, NULL, NULL );
+        for ( int i = 0; i < batch->count; ++i )
         {
-            way[k] += row->weight[i] * ( s->now[at + k] - s->intersection_free[at + k] );
+            batch->is_near[i] = distance[i] > 0.0f && distance[i] < batch->reach[i];
         }
     }
-    const float closing = sqrtf( way[0] * way[0] + way[1] * way[1] + way[2] * way[2] );
-    return row->distance > 0.0f && row->distance < ( 1.0f + NEAR_SPARE ) * ( row->requested + closing );
 }
 
-static void measure_rows( const contact_work* work, contact_row* rows, int count )
+static void measure_listed( const contact_work* work, contact_row* rows, int count )
 {
     _Alignas( 64 ) float weight[CONTACT_BATCH / WISP_SLICE][4][WISP_SLICE];
     _Alignas( 64 ) float normal[CONTACT_BATCH / WISP_SLICE][3][WISP_SLICE];
@@ -86,16 +138,16 @@ static void measure_rows( const contact_work* work, contact_row* rows, int count
     }
 }
 
-static void measure_listed( void* context, int begin, int end, int worker )
+static void measure_taken( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const contact_work* work = context;
-    const contact_listed_rows* listed = work->contact_mesh->listed;
+    const contact_constraints* c = work->contact_mesh->constraints;
     for ( int first = begin; first < end; )
     {
-        const int kind_end = first < listed->split && listed->split < end ? listed->split : end;
+        const int kind_end = first < c->split && c->split < end ? c->split : end;
         const int count = kind_end - first < CONTACT_BATCH ? kind_end - first : CONTACT_BATCH;
-        measure_rows( work, listed->rows + first, count );
+        measure_listed( work, c->rows + first, count );
         first += count;
     }
 }
@@ -111,14 +163,19 @@ wisp_status contact_take_listed_rows( const contact_work* work, wisp_error* erro
     {
         return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d contact pairs", listed->count );
     }
-    wisp_parallel_for( work->parallel, listed->count, CONTACT_BATCH, measure_listed, (void*)(uintptr_t)work );
-    for ( int i = 0; i < listed->count; ++i )
+    wisp_parallel_for( work->parallel, listed->batch_count, 4, find_near_listed, (void*)(uintptr_t)work );
+    for ( int b = 0; b < listed->batch_count; ++b )
     {
-        if ( is_near( s, listed->rows + i ) )
+        const contact_listed_batch* batch = listed->batches + b;
+        for ( int i = 0; i < batch->count; ++i )
         {
-            c->rows[c->row_count++] = listed->rows[i];
-            c->split += i < listed->split ? 1 : 0;
+            if ( batch->is_near[i] != 0 )
+            {
+                c->rows[c->row_count++] = listed->rows[batch->first + i];
+                c->split += batch->primitives.are_edges ? 0 : 1;
+            }
         }
     }
+    wisp_parallel_for( work->parallel, c->row_count, CONTACT_BATCH, measure_taken, (void*)(uintptr_t)work );
     return WISP_OK;
 }

@@ -5,9 +5,11 @@
 
 typedef struct contact_listed_rows
 {
-    struct contact_row* rows; // constraints.h
-    int count, split;         // first row of two edges
-    wisp_buffer buffers[1];
+    struct contact_row* rows;             // constraints.h
+    int count, split;                     // first row of two edges
+    struct contact_listed_batch* batches; // of them
+    int batch_count;
+    wisp_buffer buffers[2];
 } contact_listed_rows;
 
 /// List the pairs of primitives that may press on each other in the rest of the step.
