@@ -649,6 +649,7 @@ static void fill_balls( void* state, int variant )
             c->now[i][k] = c->start[i][k] + test_random_float( variant, 8 * i + 3 + k, -0.3f, 0.3f );
         }
         c->own_x4[i] = 4 * i;
+        c->count[i] = -7.0f;
         c->start[i][3] = test_random_float( variant, 8 * i + 6, 0.0f, 1.0f );
         c->now[i][3] = i % 5 == 0 ? 0.0f : test_random_float( variant, 8 * i + 7, 0.5f, 9.0f );
     }
