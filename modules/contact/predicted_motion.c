@@ -23,8 +23,8 @@ enum
 static const float FARTHEST = 1e6f; // m
 // Projections change the displacement that was predicted: tolerance as a fraction of it, and of the thickness. A
 // missed point has a small tolerance around where it went, so that a cut of a rounding error does not mark it again.
-static const float SPARE = 0.25f, SPARE_THICKNESS = 0.05f, SPARE_MISSED = 0.01f,
-                   SPARE_LISTED = 0.05f; // of what is listed once per step
+static const float SPARE = 0.25f, SPARE_THICKNESS = 0.05f, SPARE_MISSED = 0.01f, SPARE_LISTED = 0.02f,
+                   LISTED_THICKNESS = 0.1f; // of what is listed once per step
 // Margin of a cluster, as a multiple of its deviation in one substep.
 static const float MARGIN_SUBSTEPS = 4.0f;
 
@@ -156,7 +156,7 @@ static void find_ways( void* context, int begin, int end, int worker )
         .now = s->now,
         .common_displacement = { s->motion->common[0], s->motion->common[1], s->motion->common[2] },
         .relative_margin = is_exact ? SPARE : SPARE_LISTED,
-        .margin = ( is_exact ? SPARE_THICKNESS : SPARE * loop->work->settings->margin ) * s->min_thickness,
+        .margin = ( is_exact ? SPARE_THICKNESS : LISTED_THICKNESS * loop->work->settings->margin ) * s->min_thickness,
         .displacement = s->motion->ahead,
     };
     if ( loop->is_expected )
