@@ -24,8 +24,9 @@
 
 enum
 {
-    LENGTH_TURNS = 12, // of pushes and lengths of strands in a substep, at most
-    USUAL_TURNS = 4,   // behind these a turn that pushes farther than the one before leads nowhere
+    LENGTH_TURNS = 12,  // of pushes and lengths of strands in a substep, at most
+    MOST_STRAYED = 100, // one in so many spheres
+    USUAL_TURNS = 4,    // behind these a turn that pushes farther than the one before leads nowhere
 };
 
 static contact_work begin_work( wisp_frame* frame, const wisp_span* span, contact_state* state )
@@ -149,7 +150,8 @@ bool contact_join( wisp_frame* frame, wisp_entity entity, void* user )
     return true;
 }
 
-// Search at the start of a step, or after a change, and find what is near in this substep.
+// Search at the start of a step, or after a change, and find what is near in this substep. Where many spheres left their predicted motion, as
+// in an impact, search again.
 static void find_listed( const contact_work* work, bool is_start )
 {
     contact_contact_mesh* s = work->contact_mesh;
@@ -159,7 +161,13 @@ static void find_listed( const contact_work* work, bool is_start )
     s->is_listed = is_due == false || run_stage( work, are_spheres ? contact_list_spheres : contact_list_rows );
     if ( s->is_listed && are_spheres )
     {
-        (void)run_stage( work, contact_begin_spheres );
+        const contact_spheres* spheres = s->spheres;
+        bool holds = run_stage( work, contact_begin_spheres );
+        if ( holds && is_due == false && spheres->strayed > spheres->count / MOST_STRAYED )
+        {
+            holds = run_stage( work, contact_list_spheres ) && run_stage( work, contact_begin_spheres );
+        }
+        work->memory->stats.outran += holds ? spheres->strayed : 0;
     }
     else if ( s->is_listed )
     {

@@ -171,7 +171,7 @@ wisp_status contact_begin_spheres( const contact_work* work, wisp_error* error )
     wisp_parallel_for( work->parallel, s->pack_count * CONTACT_SPHERE_PACK, CONTACT_POINT_GRAIN, place_starts,
                        &loop );
     wisp_parallel_for( work->parallel, s->pack_count, CONTACT_SPHERE_GRAIN, find_near_packs, &loop );
-    work->memory->stats.outran += atomic_load( &loop.count );
+    s->strayed = atomic_load( &loop.count );
     const size_t rows = (size_t)choose_active( s, loop.mesh->point_count ), lanes = rows * CONTACT_SPHERE_PACK;
     wisp_buffer* b = s->buffers + CONTACT_SPHERE_ARRAY_COUNT - 6;
     if ( contact_reserve( work, b, lanes * sizeof( int32_t ), (void**)&s->active.other_x4 ) == false ||

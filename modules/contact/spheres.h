@@ -33,6 +33,7 @@ typedef struct contact_near_spheres
 typedef struct contact_spheres
 {
     int count, pack_count;
+    int strayed;             // spheres beyond the motion that the search assumed, in this substep
     int substeps, done;      // of the step from the search on; those that were begun
     float common[3];         // m, mean motion of the step
     float largest_cover;     // m

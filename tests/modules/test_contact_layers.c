@@ -533,11 +533,11 @@ static void find_keeps( const meeting* m, double3 rest[VERTICES], double keeps[V
     }
 }
 
-// Where no sphere leaves its margin, the nearest of all pairs is in the lists. Where one does it is counted.
+// Where no sphere leaves its margin, the nearest of all pairs is in the lists. Where one does it is counted, and where many do lists are made again.
 TEST( no_pair_of_spheres_that_is_near_is_missed )
 {
     static const float SPEEDS[] = { 0.2f, 0.8f, 20.0f }; // m/s
-    int counted[WISP_COUNT( SPEEDS )] = { 0 }, near = 0;
+    int counted[WISP_COUNT( SPEEDS )] = { 0 }, searches[WISP_COUNT( SPEEDS )] = { 0 }, near = 0;
     for ( int i = 0; i < WISP_COUNT( SPEEDS ); ++i )
     {
         meeting m;
@@ -553,7 +553,7 @@ TEST( no_pair_of_spheres_that_is_near_is_missed )
             const wisp_contact_stats f = contact_stats( m.h.world );
             const double least = least_gap( &m, rest, keeps );
             counted[i] += f.outran;
-            assert_int_equal( f.searches, 1 );
+            searches[i] += f.searches;
             near += least < 1.0 ? 1 : 0;
             if ( f.outran == 0 && least < 1.0 )
             {
@@ -562,9 +562,10 @@ TEST( no_pair_of_spheres_that_is_near_is_missed )
         }
         close_world( &m.h );
     }
-    print_message( "%d, %d, %d outran; near in %d steps\n", counted[0], counted[1], counted[2], near );
+    print_message( "%d, %d, %d outran, %d, %d, %d searches; near in %d steps\n", counted[0], counted[1], counted[2],
+                   searches[0], searches[1], searches[2], near );
     assert_int_equal( counted[0], 0 );
-    assert_true( counted[2] > 0 && near > 40 );
+    assert_true( searches[0] == 60 && searches[2] > 60 && counted[2] > 0 && near > 40 );
 }
 
 // A needle falls on a sheet whose vertices are many thicknesses apart.
