@@ -18,7 +18,7 @@ static const float NEAR_GAPS = 1.25f;
 
 enum
 {
-    SWEEPS = 4,
+    SWEEPS = 8,
 
 };
 
@@ -215,6 +215,7 @@ static void find_pressing( void* context, int begin, int end, int worker )
     }
 }
 
+// What touches a body stays there: it is not pushed into the body, and holds what lies on it.
 static void split_masses( void* context, int begin, int end, int worker )
 {
     (void)worker;
@@ -229,7 +230,10 @@ static void split_masses( void* context, int begin, int end, int worker )
             const int slot = s->slot[s->shares[i].sphere];
             pairs += slot >= 0 ? s->active.count_of[slot] : 0.0f;
         }
-        s->inverse_mass[point] = pairs * loop->mesh->now[(size_t)point * 4 + 3];
+        const contact_participant* participant = contact_participant_of( loop->work, point );
+        const bool is_held =
+            participant->half_spaces != NULL && participant->half_spaces[point - participant->first_point] > 0;
+        s->inverse_mass[point] = is_held ? 0.0f : pairs * loop->mesh->now[(size_t)point * 4 + 3];
     }
 }
 
