@@ -42,7 +42,7 @@ struct run_layers
     int64_t elements, changed;
     int max_contacts;
     float min_gap;
-    int64_t limited;
+    int64_t limited, outran;
 
     wisp_vec3 *points, *normals; ///< of the largest surface that is written; null unless files are
     char* path;                  ///< room for the longest name
@@ -229,6 +229,7 @@ static void add_contact( run_layers* l, sample* s )
         l->max_contacts = s->contact.contacts > l->max_contacts ? s->contact.contacts : l->max_contacts;
         l->min_gap = fminf( l->min_gap, s->contact.min_gap );
         l->limited += s->contact.displacement_limited;
+        l->outran += s->contact.outran;
     }
 }
 
@@ -280,6 +281,7 @@ static void put_sample( const run_layers* l, const sample* s, results_values* va
     {
         results_put( values, "contacts", s->contact.contacts );
         results_put( values, "contact_limited", s->contact.displacement_limited );
+        results_put( values, "contact_outran", s->contact.outran );
         results_put( values, "contact_impulse", s->contact.impulse );
         // Without a near pair there is no gap, and intersections are counted on request only.
         if ( isfinite( s->contact.min_gap ) )
@@ -341,8 +343,10 @@ static void tell_contact( const run_layers* l, results* out )
     {
         snprintf( gap, sizeof gap, "min gap %.4f thicknesses", (double)l->min_gap );
     }
-    results_add_note( out, "contact: %d entities, up to %d active pairs, %s, %lld displacements limited",
-                      f->participants, l->max_contacts, gap, (long long)l->limited );
+    const bool is_exact = l->world->scene->contact.level == WISP_CONTACT_EXACT;
+    results_add_note( out, "contact: %d entities, up to %d active pairs, %s, %lld %s", f->participants,
+                      l->max_contacts, gap, (long long)( is_exact ? l->limited : l->outran ),
+                      is_exact ? "displacements limited" : "times a point left the margin of the search" );
     char intersections[60] = "";
     if ( f->intersections >= 0 )
     {

@@ -176,6 +176,9 @@ typedef struct promise
 } promise;
 
 static const promise promises[] = {
+    { "suite.levels", "fold, exact", "max_intersections", 0.0 },
+    { "suite.levels", "stack, exact", "max_intersections", 0.0 },
+    { "suite.levels", "towel, exact", "max_intersections", 0.0 },
     { "suite.cost", "exact, margin=", "max_intersections", 0.0 },
     { "suite.motion", "ball", "max_intersections", 0.0 },
     { "suite.motion", "a quarter", "max_intersections", 0.0 },
@@ -258,7 +261,7 @@ wisp_status contact_bench( const bench_options* options, results* out, wisp_erro
 {
     const int first_row = out->row_count;
     // the last one is left out where there is not enough time
-    static const char* const names[] = { "cost", "motion", "pair", "stack", "fine" };
+    static const char* const names[] = { "levels", "cost", "motion", "pair", "stack", "fine" };
     const bool is_fine = bench_seconds( options ) >= FINE_SECONDS;
     const wisp_status status = suite_bench_names( "contact", names, WISP_COUNT( names ) - ( is_fine ? 0 : 1 ),
                                                   0.6 * bench_seconds( options ), options, out, error );

@@ -130,10 +130,11 @@ const scene_block SCENE_STRAND_CONTACT_BLOCK = BLOCK( STRANDS_FIELDS );
 
 #define CONTACT( member ) offsetof( wisp_scene, contact.member )
 
-static const scene_choice PRIMITIVES[] = {
-    { "triangles", "vertices from triangles and edges from edges" },
-    { "particles", "boundary particles from each other, those of `boundary` where a surface has it; cheaper, but "
-                   "what is thinner than their spacing passes" },
+static const scene_choice LEVELS[] = {
+    { "exact", "vertices keep off triangles and edges off edges, and nothing passes" },
+    { "triangles", "the same pairs, found once per step; what is fast may pass" },
+    { "spheres",
+      "points keep off points: vertices, and those of `boundary`; what is finer than their spacing passes" },
     { NULL, NULL }
 };
 static const scene_choice WORDS[] = {
@@ -167,36 +168,26 @@ static wisp_status read_requests( scene_reader* r, const scene_node* node, void*
 }
 
 static const scene_field WORLD_FIELDS[] = {
-    { "primitives", SCENE_CHOICE, .at = CONTACT( primitives ), .choices = PRIMITIVES, .constants = "WISP_CONTACT_",
-      .help = "What is kept apart." },
-    { "particle_spacing", SCENE_NUMBER, .at = CONTACT( particle_spacing ), .range = SIZE, .unit = METRES,
-      .help = "Spacing of particles, with `primitives: particles`, of surfaces without `boundary`.",
-      .initial = "the smallest thickness of the participants" },
+    { "level", SCENE_CHOICE, .at = CONTACT( level ), .choices = LEVELS, .constants = "WISP_CONTACT_",
+      .help = "What is kept apart, and how surely." },
     { "margin", SCENE_NUMBER, .at = CONTACT( margin ), .range = RANGE( 0.01, 100 ),
-      .help = "How much farther than the thickness pairs are searched, in thicknesses; it changes the time and not "
-              "the result." },
+      .help = "How much farther than they keep apart pairs are searched, in such distances; with `level: exact` it "
+              "changes "
+              "the time and not the result." },
     { "displacement_limit", SCENE_SWITCH, .at = CONTACT( displacement_limit ),
-      .help = "Shortens displacements before primitives pass through each other, with `primitives: triangles`." },
+      .help = "Shortens displacements before primitives pass through each other, with `level: exact`." },
     { "compute", SCENE_CUSTOM, .read = read_requests, .choices = WORDS,
       .help = "Statistics that are computed and printed.", .form = "list of words", .initial = "none" },
 };
 const scene_block SCENE_WORLD_CONTACT_BLOCK = BLOCK( WORLD_FIELDS );
-
-// Refuse a key that these primitives do not use.
-static wisp_status check_primitives( scene_reader* r, const scene_node* node, const wisp_contact_settings* settings )
-{
-    const bool exact = settings->primitives == WISP_CONTACT_TRIANGLES;
-    const char* const key = exact ? "particle_spacing" : "displacement_limit";
-    const scene_node* child = scene_child( r, node, key );
-    return child
-               ? scene_refuse_node( r, child, "'%s' needs 'primitives: %s'", key, exact ? "particles" : "triangles" )
-               : WISP_OK;
-}
 
 wisp_status scene_read_contact( scene_reader* r, const scene_node* node, void* at )
 {
     wisp_scene* scene = at;
     wisp_status status = scene_read_block( r, node, &SCENE_WORLD_CONTACT_BLOCK, scene );
     scene->has_contact = status == WISP_OK;
-    return status ? status : check_primitives( r, node, &scene->contact );
+    const scene_node* limit = scene_child( r, node, "displacement_limit" );
+    return !status && limit && scene->contact.level != WISP_CONTACT_EXACT
+               ? scene_refuse_node( r, limit, "'displacement_limit' needs 'level: exact'" )
+               : status;
 }

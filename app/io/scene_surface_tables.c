@@ -325,7 +325,7 @@ static const scene_field SURFACE_FIELDS[] = {
       .help = "Contact with other participants and with itself." },
     { "boundary", SCENE_BLOCK, .at = AT( has_boundary ), .block = &SCENE_BOUNDARY_BLOCK,
       .help = "Layer of points on the surface, to draw and export; it changes the motion only with "
-              "`contact.primitives: particles`." },
+              "`contact.level: spheres`." },
     { "motion_constraints", SCENE_BLOCK, .at = AT( has_motion_constraints ), .block = &SCENE_MOTION_CONSTRAINTS_BLOCK,
       .help =
           "Keeps vertices near targets, which start where the vertices start, and out of a backstop behind them." },

@@ -382,12 +382,10 @@ static void make_world( torture_builder* b, text_node* scene )
     if ( b->has_contact && torture_chance( b, 40 ) )
     {
         text_node* contact = torture_put_block( b, torture_block_of_scene(), scene, "contact", 30 );
-        const bool are_particles = strcmp( text_at( contact, "primitives" ), "particles" ) == 0;
-        text_remove_key( contact, are_particles ? "displacement_limit" : "particle_spacing" );
-        // By default they are as far apart as the smallest thickness, which makes ten thousands of them.
-        if ( are_particles )
+        const char* level = text_at( contact, "level" );
+        if ( strcmp( level, "triangles" ) == 0 || strcmp( level, "spheres" ) == 0 )
         {
-            torture_put_linear( b, contact, "particle_spacing", 0.01, 0.03 );
+            text_remove_key( contact, "displacement_limit" );
         }
     }
 }

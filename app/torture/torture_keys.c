@@ -300,7 +300,6 @@ static const span SPANS[] = {
     { "stretch_tolerance", 1e-4, 0.1 },
     { "max_neighbours", 8, 256 },
     { "margin", 0.1, 10 },
-    { "particle_spacing", 5e-3, 0.03 },
     // air, gas and weather
     { "wind", -8, 8 },
     { "air_density", 0.1, 5 },

@@ -1,6 +1,5 @@
-// Broad phase: which clusters (or boundary particles) may come near each other before the next search. In:
-// intersection-free positions and predicted motions. Out: the list of pairs with their cached bounds, or of pairs of
-// particles.
+// Broad phase: which clusters may come near each other before the next search. In: intersection-free positions and
+// predicted motions. Out: the list of pairs with their cached bounds.
 //
 // The box of a cluster holds it as long as it keeps to its predicted motion within its margin, in a frame that moves
 // with the mean of all points. Pairs are the overlaps of such boxes, found by grids (wisp/module/aabb_pairs.h).
@@ -11,7 +10,6 @@
 #include "cached_bounds.h"
 #include "clusters.h"
 #include "predicted_motion.h"
-#include "sample_pairs.h"
 
 enum
 {
@@ -28,11 +26,12 @@ static wisp_aabb box_of_motion( const contact_work* work, int p )
     const contact_predicted_motion* predicted = s->motion->predicted + p;
     const float wide =
         0.5f * work->participants[s->clusters->items[p].participant].settings.thickness + predicted->margin;
-    const float substeps = (float)contact_drift_substeps( work );
+    // with a search per step, ways are those of the step
+    const int substeps = work->settings->level == WISP_CONTACT_EXACT ? CONTACT_SUBSTEPS_AHEAD : 1;
     wisp_aabb box = contact_box_around( work, s->clusters->items + p );
     for ( int k = 0; k < 3; ++k )
     {
-        const float way = substeps * predicted->displacement[k];
+        const float way = (float)substeps * predicted->displacement[k];
         box.lower[k] += contact_smaller( way, 0.0f ) - wide;
         box.upper[k] += contact_larger( way, 0.0f ) + wide;
     }
@@ -100,22 +99,20 @@ wisp_status contact_search( const contact_work* work, wisp_error* error )
 {
     contact_contact_mesh* s = work->contact_mesh;
     contact_broad_phase* b = s->broad_phase;
-    const bool has_samples = contact_has_samples( work );
     wisp_status status = WISP_BAD_INPUT;
     b->searches += 1;
     b->is_short = false;
     contact_predict_motion( work );
     for ( int halvings = 0; status == WISP_BAD_INPUT && halvings < MAX_HALVINGS; ++halvings )
     {
-        status = has_samples ? contact_find_sample_pairs( work, error ) : find_cluster_pairs( work, error );
+        status = find_cluster_pairs( work, error );
         if ( status == WISP_BAD_INPUT ) // more pairs than the limit
         {
             halve_margins( s );
             b->is_short = true;
         }
     }
-    if ( status == WISP_OK && has_samples == false &&
-         contact_list_cluster_pairs( work, &b->overlaps, s->is_listed ) == false )
+    if ( status == WISP_OK && contact_list_cluster_pairs( work, &b->overlaps, s->is_listed ) == false )
     {
         status = wisp_fail( error, WISP_NO_MEMORY, "out of memory for %zu pairs", b->overlaps.pair_count );
     }

@@ -1,4 +1,4 @@
-// Broad phase: pairs of clusters, or of boundary particles, that may come near each other before the next search.
+// Broad phase: pairs of clusters that may come near each other before the next search.
 #pragma once
 
 #include "contact_mesh.h"

@@ -172,7 +172,7 @@ void contact_part_coincident( const contact_work* work )
     const contact_constraints* constraints = work->contact_mesh->constraints;
     parting p = { .work = work };
     bool any = false, changes = true;
-    for ( int r = 0; r < constraints->row_count && contact_has_samples( work ) == false; ++r )
+    for ( int r = 0; r < constraints->row_count; ++r )
     {
         const contact_row* row = constraints->rows + r;
         if ( is_coincident( work, row ) )

@@ -12,10 +12,8 @@
 // at the intersection-free positions: so contact takes away approach and adds no energy.
 #include "constraints.h"
 
-#include "boundary_samples.h"
 #include "narrow_phase.h"
 #include "primitive_pairs.h"
-#include "sample_pairs.h"
 
 #include <string.h>
 
@@ -30,36 +28,12 @@ enum
 static void set_points( const contact_work* work, const contact_pair* c, bool is_edge, contact_row* row )
 {
     const contact_contact_mesh* s = work->contact_mesh;
-    if ( contact_has_samples( work ) )
-    {
-        row->count = 6;
-        row->split = 3;
-        memcpy( row->point, s->samples->parents[c->a], 3 * sizeof( int32_t ) );
-        memcpy( row->point + 3, s->samples->parents[c->b], 3 * sizeof( int32_t ) );
-        return;
-    }
     row->count = 4;
     row->split = is_edge ? 2 : 1;
     const int32_t* a = is_edge ? s->edges + 2 * (size_t)c->a : &c->a;
     const int32_t* b = is_edge ? s->edges + 2 * (size_t)c->b : s->triangles + 3 * (size_t)c->b;
     memcpy( row->point, a, (size_t)row->split * sizeof( int32_t ) );
     memcpy( row->point + row->split, b, (size_t)( 4 - row->split ) * sizeof( int32_t ) );
-}
-
-// Measure two boundary particles: the plane across the line between them.
-static void measure_samples( const contact_contact_mesh* s, const contact_pair* pair, contact_row* row )
-{
-    float p[3], q[3];
-    contact_place_sample( s, s->intersection_free, pair->a, p );
-    contact_place_sample( s, s->intersection_free, pair->b, q );
-    const float d[3] = { p[0] - q[0], p[1] - q[1], p[2] - q[2] };
-    row->distance = sqrtf( d[0] * d[0] + d[1] * d[1] + d[2] * d[2] );
-    for ( int k = 0; k < 3; ++k )
-    {
-        row->weight[k] = s->samples->weights[pair->a][k];
-        row->weight[3 + k] = -s->samples->weights[pair->b][k];
-        row->normal[k] = row->distance > 0.0f ? d[k] / row->distance : 0.0f;
-    }
 }
 
 // Return the mean of a map over the points of one side, by their weights: 1 without a map.
@@ -81,10 +55,6 @@ static void begin_row( const contact_work* work, const contact_active* active, b
     row->distance = active->distance;
     memcpy( row->weight, active->weight, sizeof( active->weight ) );
     memcpy( row->normal, active->normal, sizeof( active->normal ) );
-    if ( contact_has_samples( work ) )
-    {
-        measure_samples( work->contact_mesh, c, row );
-    }
     const contact_participant *a = contact_participant_of( work, row->point[0] ),
                               *b = contact_participant_of( work, row->point[row->split] );
     float gap = c->gap;
@@ -157,8 +127,7 @@ static void sort_pairs( const contact_near* near, int most, contact_place* order
 static wisp_status find_sorted( const contact_work* work, bool missed_only, wisp_error* error )
 {
     contact_contact_mesh* s = work->contact_mesh;
-    const wisp_status status = contact_has_samples( work ) ? contact_find_near_samples( work, missed_only, error )
-                                                           : contact_find_near( work, missed_only, error );
+    const wisp_status status = contact_find_near( work, missed_only, error );
     if ( status != WISP_OK )
     {
         return status;
@@ -177,8 +146,8 @@ static wisp_status find_sorted( const contact_work* work, bool missed_only, wisp
     {
         constraints->order[kind] = order + ( kind > 0 ? room[0] : 0 );
         constraints->order_count[kind] = near[kind].count;
-        sort_pairs( near + kind, s->point_count + s->edge_count + s->triangle_count + s->samples->count,
-                    constraints->order[kind], order + room[0] + room[1] );
+        sort_pairs( near + kind, s->point_count + s->edge_count + s->triangle_count, constraints->order[kind],
+                    order + room[0] + room[1] );
     }
     return WISP_OK;
 }

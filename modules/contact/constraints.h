@@ -30,7 +30,7 @@ typedef struct contact_place
 
 typedef struct contact_constraints
 {
-    contact_row* rows; // points and triangles, or particles; then edges. In the order of their primitives
+    contact_row* rows; // points and triangles; then edges. In the order of their primitives
     int split;         // first row of two edges
     int row_count;
     contact_row* missed_rows; // limit displacements, but are not projected

@@ -15,32 +15,31 @@ WISP_BEGIN_C
 
 WISP_API extern const wisp_module wisp_contact_module;
 
-/// Primitives that are kept apart.
-typedef enum wisp_contact_primitives
+/// What is kept apart, and how surely: the less, the faster (docs/scenes.md has a table to choose by).
+typedef enum wisp_contact_level
 {
     /// Vertices from triangles, and edges from edges. A state without intersections stays free of them: no vertex moves
     /// farther than the separating planes of its pairs allow. Pinned vertices move freely; what they pass through is
     /// untangled.
-    WISP_CONTACT_TRIANGLES = 0,
-    /// Boundary particles from each other, as spheres of the thickness: those of the layer of a surface that has one
-    /// (boundary.h), else particles at fixed places of its rest shape. Details finer than their spacing pass through, so the
-    /// spacing sets both the cost and what is missed (benchmark, case contact).
-    WISP_CONTACT_PARTICLES = 1,
-    WISP_CONTACT_PRIMITIVES_COUNT = 2,
-} wisp_contact_primitives;
+    WISP_CONTACT_EXACT = 0,
+    /// The same pairs, searched once per step, without a displacement limit: what is fast may pass through, and nothing is untangled.
+    WISP_CONTACT_TRIANGLES = 1,
+    /// Points, as spheres: the vertices of a surface, with the points of its layer if it has one (boundary.h). Pairs are searched once per
+    /// step. They keep the thickness, but at least 0.8 of the mean distance of neighbouring points of a surface, so that no point
+    /// slips between them. Details finer than that spacing pass through, and nothing is untangled.
+    WISP_CONTACT_SPHERES = 2,
+    WISP_CONTACT_LEVEL_COUNT = 3,
+} wisp_contact_level;
 
 /// Contact detection of a world. Fill from wisp_default_contact_settings(). Copied.
 typedef struct wisp_contact_settings
 {
-    uint32_t size;                      ///< bytes; set by wisp_default_contact_settings()
-    wisp_contact_primitives primitives; ///< default triangles
-    float
-        particle_spacing; ///< m, > 0, with particles, of surfaces without a layer; default 0: the smallest thickness of
-                          ///< the participants
-    /// Search margin beyond the thickness, in thicknesses, > 0, default 1. A larger one makes lists longer and searches rarer,
-    /// with the same bits.
+    uint32_t size;            ///< bytes; set by wisp_default_contact_settings()
+    wisp_contact_level level; ///< default exact; may change between steps, as a level of detail
+    /// Search margin beyond the distance to keep, in such distances, > 0, default 1. A larger one makes lists longer. With exact contact
+    /// it makes searches rarer, with the same bits; else motion has to stay within it for a step.
     float margin;
-    bool displacement_limit; ///< default true: displacements are limited before they intersect (triangles only)
+    bool displacement_limit; ///< default true: displacements are limited before they intersect (exact only)
 } wisp_contact_settings;
 
 WISP_DEFINITION( contact_settings );
@@ -84,14 +83,16 @@ WISP_API wisp_status wisp_unset_contact( wisp_world* world, wisp_entity entity )
 /// Statistics of contact in the last step, over all participants.
 typedef struct wisp_contact_stats
 {
-    int participants, points, edges, triangles; ///< in contact; with particles, points are boundary particles
-    int64_t candidates; ///< pairs that may touch before the next search: of particles, or of clusters of neighbouring
-                        ///< triangles
-    int contacts;       ///< pairs that pressed on each other in the last substep
-    int searches;       ///< in this step, for all pairs
-    float min_gap;      ///< smallest distance of a pair over its thickness at the end; 1 or more: no pair is too near
+    int participants, points, edges, triangles; ///< in contact; with spheres, points are spheres
+    int64_t
+        candidates; ///< pairs that may touch before the next search: of spheres, of primitives, or if exact of clusters
+                    ///< of neighbouring triangles
+    int contacts;   ///< pairs that pressed on each other in the last substep
+    int searches;   ///< in this step, for all pairs
+    float min_gap; ///< smallest distance of a pair over its thickness at the end; 1 or more: no pair is too near
     int displacement_limited; ///< vertices whose displacement was limited, summed over substeps; above 0 momentum is not conserved
-    int tangled;              ///< edges through triangles that were being untangled at the last search
+    int outran; ///< points that left the margin of the search, summed over substeps; above 0 pairs may have been missed (spheres)
+    int tangled;       ///< edges through triangles that were being untangled at the last search
     int intersections; ///< edges that intersect triangles at the end of the step, exact, of which not all five points
                        ///< are pinned; -1 unless requested
     double net_impulse

@@ -285,6 +285,7 @@ bool contact_mark_far( const contact_work* work, bool is_start )
     {
         contact_participant* participant = work->participants + g;
         participant->settings = *settings_of( work, participant );
+        participant->cover = work->settings->level == WISP_CONTACT_SPHERES ? participant->spacing : 0.0f;
         participant->place = wisp_frame_between( work->frame, participant->entity, work->participants->entity );
         may_leave =
             may_leave || participant->settings.is_far != 0 || contact_may_meet( participant, participant ) == false;

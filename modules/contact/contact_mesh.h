@@ -13,11 +13,14 @@
 
 #include <math.h>
 
+// Least distance of spheres over the longest edge around a vertex. The middle of an equilateral triangle is 0.58 edges from its corners.
+static const float CONTACT_COVER = 0.72f;
+
 enum
 {
     CONTACT_BATCH = 128,        // pairs whose distances are measured together
     CONTACT_POINT_GRAIN = 1024, // points of a task
-    CONTACT_MAX_POINTS = 6      // of a pair: two boundary particles, each between three points
+    CONTACT_MAX_POINTS = 4      // of a pair
 };
 
 /// The definition of a participant with the defaults filled in.
@@ -62,7 +65,9 @@ typedef struct contact_participant
     bool is_left_out;  // of the contact mesh: its counts are 0
     bool joins;        // it was apart until this substep
     bool may_part;     // strands, far, whose reach is known
-    bool has_layer;    // its particles are those that another module shares, as they are at the start of a step
+    float spacing;     // m, most that its vertices have to keep as spheres
+    float cover;       // m, the same while spheres stand for it, else 0
+    float layer_parts; // into which its layer divides an edge
     int first_point, point_count, first_edge, edge_count, first_triangle, triangle_count;
     contact_settings settings;
     contact_reach_box box;
@@ -98,8 +103,9 @@ typedef struct contact_contact_mesh
     struct contact_broad_phase* broad_phase;     // broad_phase.h
     struct contact_intersections* intersections; // intersections.h
     struct contact_primitive_pairs* primitives;  // primitive_pairs.h
-    struct contact_samples* samples;             // boundary_samples.h
     struct contact_constraints* constraints;     // constraints.h
+    struct contact_spheres* spheres;             // spheres.h
+    struct contact_listed_rows* listed;          // listed_rows.h
     struct contact_supports* supports;           // supports.h
     struct contact_colouring* colouring;         // colouring.h
     struct contact_limit* limit;                 // displacement_limit.h
@@ -110,7 +116,7 @@ typedef struct contact_contact_mesh
 typedef struct contact_components
 {
     wisp_component corrected;     // mark of surfaces that take part
-    wisp_component samples_read;  // of surfaces that particles stand for
+    wisp_component samples_read;  // of surfaces whose layers spheres are made of
     wisp_component settings;      // contact_settings
     wisp_component particle_free; // intersection-free positions of particles, [4]
     wisp_component strand_free;   // the same of strands
@@ -129,7 +135,8 @@ typedef struct contact_work
     wisp_frame* frame;
     float seconds; // s, of the substep
     int worker;
-    bool counts_intersections;
+    int substeps_left; // of the step, with this one
+    bool counts_intersections, counts_impulses;
 } contact_work;
 
 /// Decide which participants have something within reach, by their boxes in this substep.
@@ -159,12 +166,6 @@ static inline bool contact_suit( const contact_participant* a, const contact_set
            ( a->is_strands == false || b->is_strands == false || ( of_a->self & of_b->self & 2 ) != 0 );
 }
 
-/// Return whether particles stand for the surfaces.
-static inline bool contact_has_samples( const contact_work* work )
-{
-    return work->settings->primitives == WISP_CONTACT_PARTICLES;
-}
-
 /// Return the participant that a point belongs to.
 static inline contact_participant* contact_participant_of( const contact_work* work, int point )
 {
@@ -174,7 +175,9 @@ static inline contact_participant* contact_participant_of( const contact_work* w
 /// Return the distance that two participants keep, m.
 static inline float contact_gap_between( const contact_participant* a, const contact_participant* b )
 {
-    return 0.5f * ( a->settings.thickness + b->settings.thickness );
+    const float thickness = 0.5f * ( a->settings.thickness + b->settings.thickness );
+    const float cover = a->cover > b->cover ? a->cover : b->cover;
+    return cover > thickness ? cover : thickness;
 }
 
 static inline float contact_distance( const float a[3], const float b[3] )

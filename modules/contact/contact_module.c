@@ -43,7 +43,8 @@ static void release_buffers( wisp_buffer* buffers, int count, const wisp_allocat
     X( clusters )                                                                                                    \
     X( motion )                                                                                                      \
     X( bounds )                                                                                                      \
-    X( samples )                                                                                                     \
+    X( spheres )                                                                                                     \
+    X( listed )                                                                                                      \
     X( colouring )                                                                                                   \
     X( limit )                                                                                                       \
     X( supports )
@@ -55,15 +56,13 @@ static void release_stages( contact_state* s, const wisp_allocator* allocator )
 #undef RELEASE
     wisp_buffer_release( &s->broad_phase.box_buffer, allocator );
     wisp_aabb_pairs_release( &s->broad_phase.overlaps, allocator );
+    wisp_aabb_pairs_release( &s->spheres.overlaps, allocator );
     wisp_buffer_release( &s->intersections.buffer, allocator );
     wisp_intersections_release( &s->intersections.intersections, allocator );
     for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
     {
         wisp_buffer_release( &s->primitives.near[kind].buffer, allocator );
     }
-    wisp_buffer_release( &s->samples.candidate_buffer, allocator );
-    wisp_samples_release( &s->samples.sampler, allocator );
-    wisp_aabb_pairs_release( &s->samples.overlaps, allocator );
     wisp_buffer_release( &s->constraints.row_buffer, allocator );
     wisp_buffer_release( &s->constraints.missed_buffer, allocator );
     wisp_buffer_release( &s->constraints.order_buffer, allocator );
@@ -86,13 +85,13 @@ static size_t count_memory( const void* memory, size_t* outside )
 {
     (void)outside;
     const contact_state* s = memory;
-    const wisp_buffer single[] = { s->broad_phase.box_buffer,    s->intersections.buffer,
-                                   s->samples.candidate_buffer,  s->constraints.row_buffer,
-                                   s->constraints.missed_buffer, s->constraints.order_buffer,
-                                   s->colouring.point_buffer,    s->untangling.buffer };
+    const wisp_buffer single[] = { s->broad_phase.box_buffer,   s->intersections.buffer,
+                                   s->constraints.row_buffer,   s->constraints.missed_buffer,
+                                   s->constraints.order_buffer, s->colouring.point_buffer,
+                                   s->untangling.buffer };
     size_t bytes = (size_t)s->participant_capacity * sizeof( contact_participant ) +
-                   wisp_buffer_bytes( single, WISP_COUNT( single ) ) + wisp_samples_bytes( &s->samples.sampler ) +
-                   wisp_aabb_pairs_bytes( &s->broad_phase.overlaps ) + wisp_aabb_pairs_bytes( &s->samples.overlaps ) +
+                   wisp_buffer_bytes( single, WISP_COUNT( single ) ) +
+                   wisp_aabb_pairs_bytes( &s->broad_phase.overlaps ) + wisp_aabb_pairs_bytes( &s->spheres.overlaps ) +
                    wisp_intersections_bytes( &s->intersections.intersections );
     for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
     {
@@ -322,8 +321,9 @@ static wisp_status declare( wisp_registry* r )
         .broad_phase = &state->broad_phase,
         .intersections = &state->intersections,
         .primitives = &state->primitives,
-        .samples = &state->samples,
         .constraints = &state->constraints,
+        .spheres = &state->spheres,
+        .listed = &state->listed,
         .supports = &state->supports,
         .colouring = &state->colouring,
         .limit = &state->limit,
@@ -355,14 +355,19 @@ wisp_status wisp_set_contact_settings( wisp_world* world, const wisp_contact_set
     wisp_status status = contact_find_state( world, &state );
     const wisp_number_range ranges[] = {
         { "margin", settings->margin, 0.01f, 100.0f },
-        { "particle_spacing", settings->particle_spacing, 0.0f, 1e6f },
     };
     status = status == WISP_OK ? wisp_world_check_ranges( world, "contact", ranges, WISP_COUNT( ranges ) ) : status;
-    if ( status == WISP_OK && (unsigned)settings->primitives >= WISP_CONTACT_PRIMITIVES_COUNT )
+    if ( status == WISP_OK && (unsigned)settings->level >= WISP_CONTACT_LEVEL_COUNT )
     {
-        status = wisp_world_fail( world, WISP_BAD_INPUT, "contact: unknown features %d", (int)settings->primitives );
+        status = wisp_world_fail( world, WISP_BAD_INPUT, "contact: unknown level %d", (int)settings->level );
     }
-    status = status == WISP_OK ? contact_mark_participants( world, state, settings->primitives ) : status;
+    status = status == WISP_OK ? contact_mark_participants( world, state, settings->level ) : status;
+    for ( int i = 0; status == WISP_OK && settings->level != state->world.level && i < state->participant_count; ++i )
+    {
+        contact_settings* own =
+            wisp_world_column( world, state->participants[i].entity, state->components.settings, 0 );
+        own->is_new = 1; // only exact contact keeps intersection-free positions
+    }
     if ( status == WISP_OK )
     {
         state->world = *settings;
@@ -420,8 +425,10 @@ wisp_status wisp_read_contact_stats( wisp_world* world, wisp_contact_stats* out 
     {
         *out = *stats;
         out->searches = state->broad_phase.searches;
-        const bool are_samples = state->world.primitives == WISP_CONTACT_PARTICLES;
-        out->candidates = are_samples ? state->samples.candidate_count : state->bounds.pairs[0].count;
+        out->candidates = state->world.level == WISP_CONTACT_EXACT ? state->bounds.pairs[0].count
+                          : state->world.level == WISP_CONTACT_TRIANGLES
+                              ? state->listed.count
+                              : (int64_t)state->spheres.overlaps.pair_count;
     }
     return status;
 }

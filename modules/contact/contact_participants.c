@@ -104,6 +104,14 @@ static contact_settings resolve( wisp_world* world, wisp_entity participant, con
     };
 }
 
+// Return the largest distance that spheres keep so that no point slips between vertices, m.
+static float sphere_spacing( wisp_world* world, wisp_entity participant )
+{
+    return wisp_world_strands( world, participant ) == NULL
+               ? CONTACT_COVER * wisp_world_rest_lengths( world, participant ).longest
+               : 0.0f;
+}
+
 static wisp_status check_participant( wisp_world* world, wisp_entity participant, const wisp_contact_def* d )
 {
     const wisp_number_range ranges[] = {
@@ -163,27 +171,27 @@ static void remove_mesh_entity( wisp_world* world, contact_state* state )
 
 // Only attaching can fail.
 static wisp_status mark_participant( wisp_world* world, const contact_state* state, wisp_entity participant,
-                                     wisp_contact_primitives by )
+                                     wisp_contact_level level )
 {
     const wisp_component read = state->components.samples_read;
-    if ( by != WISP_CONTACT_PARTICLES || wisp_world_strands( world, participant ) != NULL )
+    if ( level != WISP_CONTACT_SPHERES || wisp_world_strands( world, participant ) != NULL )
     {
         return wisp_world_detach( world, participant, read );
     }
     return wisp_world_attach( world, participant, read );
 }
 
-wisp_status contact_mark_participants( wisp_world* world, const contact_state* state, wisp_contact_primitives by )
+wisp_status contact_mark_participants( wisp_world* world, const contact_state* state, wisp_contact_level level )
 {
     wisp_status status = WISP_OK;
     int marked = 0;
     for ( ; marked < state->participant_count && status == WISP_OK; ++marked )
     {
-        status = mark_participant( world, state, state->participants[marked].entity, by );
+        status = mark_participant( world, state, state->participants[marked].entity, level );
     }
     for ( int i = 0; i < marked && status != WISP_OK; ++i )
     {
-        (void)mark_participant( world, state, state->participants[i].entity, state->world.primitives );
+        (void)mark_participant( world, state, state->participants[i].entity, state->world.level );
     }
     return status;
 }
@@ -205,7 +213,7 @@ static wisp_status attach_components( wisp_world* world, contact_state* state, w
 {
     wisp_status status = wisp_world_attach( world, participant, positions );
     status = status == WISP_OK ? wisp_world_attach( world, participant, state->components.settings ) : status;
-    status = status == WISP_OK ? mark_participant( world, state, participant, state->world.primitives ) : status;
+    status = status == WISP_OK ? mark_participant( world, state, participant, state->world.level ) : status;
     const bool is_strands = wisp_world_strands( world, participant ) != NULL;
     const wisp_component mark = is_strands ? WISP_STRAND_REACH : state->components.corrected;
     status = status == WISP_OK ? wisp_world_attach( world, participant, mark ) : status;
@@ -255,7 +263,7 @@ wisp_status wisp_set_contact( wisp_world* world, wisp_entity participant, const 
     contact_state* state;
     wisp_status status = contact_find_state( world, &state );
     status = status == WISP_OK ? check_participant( world, participant, def ) : status;
-    const int number = status == WISP_OK ? contact_find_participant( state, participant ) : -1;
+    int number = status == WISP_OK ? contact_find_participant( state, participant ) : -1;
     if ( status == WISP_OK && def->enabled == false )
     {
         if ( number >= 0 )
@@ -269,6 +277,8 @@ wisp_status wisp_set_contact( wisp_world* world, wisp_entity participant, const 
     {
         contact_settings* settings = wisp_world_column( world, participant, state->components.settings, 0 );
         *settings = resolve( world, participant, def );
+        number = number < 0 ? state->participant_count - 1 : number;
+        state->participants[number].spacing = sphere_spacing( world, participant );
         state->changed = true;
     }
     return status;

@@ -5,11 +5,12 @@
 //                    not hold; narrow phase; constraints; colouring
 //   contact.push     gather; project, in turns with lengths of strands; in the last iteration recover, untangle, limit displacements; scatter
 //   contact.limit_strands  where strands take part: limit displacements once more, after lengths are restored
+// Without exact contact, contact.find searches once per step, contact.push projects and recovers, and nothing is limited or stored.
+//
 //   contact.keep     store the intersection-free positions of a participant
 //   contact.stats  statistics, on request
 #include "contact_state.h"
 
-#include "boundary_samples.h"
 #include "coincident.h"
 #include "contact_stats.h"
 #include "gather_scatter.h"
@@ -23,8 +24,9 @@
 
 enum
 {
-    LENGTH_TURNS = 12, // of pushes and lengths of strands in a substep, at most
-    USUAL_TURNS = 4,   // behind these a turn that pushes farther than the one before leads nowhere
+    LENGTH_TURNS = 12,  // of pushes and lengths of strands in a substep, at most
+    MOST_STRAYED = 100, // one in so many spheres
+    USUAL_TURNS = 4,    // behind these a turn that pushes farther than the one before leads nowhere
 };
 
 static contact_work begin_work( wisp_frame* frame, const wisp_span* span, contact_state* state )
@@ -40,7 +42,9 @@ static contact_work begin_work( wisp_frame* frame, const wisp_span* span, contac
         .frame = frame,
         .seconds = wisp_frame_dt( frame, span->entity ),
         .worker = span->worker,
+        .substeps_left = wisp_frame_substeps( frame, span->entity ) - span->substep,
         .counts_intersections = state->counts_intersections,
+        .counts_impulses = state->requests_stats,
     };
 }
 
@@ -77,11 +81,13 @@ static wisp_status build_mesh( const contact_work* work, wisp_error* error )
     contact_contact_mesh* s = work->contact_mesh;
     s->constraints->row_count = s->constraints->missed_row_count = 0;
     s->untangling->has_faces = false;
-    const bool enough = contact_build_contact_mesh( work ) && contact_make_clusters( work ) &&
-                        contact_reserve_motion( work ) && contact_reserve_intersections( work ) &&
-                        contact_reserve_colouring( work ) && contact_reserve_limit( work ) &&
-                        contact_reserve_supports( work ) &&
-                        ( contact_has_samples( work ) == false || contact_sample_participants( work ) == WISP_OK );
+    bool enough = contact_build_contact_mesh( work ) && contact_reserve_intersections( work );
+    if ( work->settings->level != WISP_CONTACT_SPHERES )
+    {
+        enough = enough && contact_make_clusters( work ) && contact_reserve_motion( work ) &&
+                 contact_reserve_colouring( work ) && contact_reserve_limit( work ) &&
+                 contact_reserve_supports( work );
+    }
     if ( enough == false )
     {
         s->point_count = s->edge_count = s->triangle_count = 0;
@@ -144,6 +150,31 @@ bool contact_join( wisp_frame* frame, wisp_entity entity, void* user )
     return true;
 }
 
+// Search at the start of a step, or after a change, and find what is near in this substep. Where many spheres left their predicted motion, as
+// in an impact, search again.
+static void find_listed( const contact_work* work, bool is_start )
+{
+    contact_contact_mesh* s = work->contact_mesh;
+    const bool are_spheres = work->settings->level == WISP_CONTACT_SPHERES;
+    const bool is_due = is_start || s->is_listed == false;
+    work->memory->tangled = 0;
+    s->is_listed = is_due == false || run_stage( work, are_spheres ? contact_list_spheres : contact_list_rows );
+    if ( s->is_listed && are_spheres )
+    {
+        const contact_spheres* spheres = s->spheres;
+        bool holds = run_stage( work, contact_begin_spheres );
+        if ( holds && is_due == false && spheres->strayed > spheres->count / MOST_STRAYED )
+        {
+            holds = run_stage( work, contact_list_spheres ) && run_stage( work, contact_begin_spheres );
+        }
+        work->memory->stats.outran += holds ? spheres->strayed : 0;
+    }
+    else if ( s->is_listed )
+    {
+        (void)( run_stage( work, contact_take_listed_rows ) && run_stage( work, contact_colour_rows ) );
+    }
+}
+
 void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
 {
     contact_state* state = user;
@@ -161,17 +192,17 @@ void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
     {
         return;
     }
-    if ( state->changed == false && span->substep == 0 && contact_has_samples( &work ) &&
-         run_stage( &work, contact_follow_layers ) == false )
-    {
-        return;
-    }
     state->changed = false;
     if ( s->point_count == 0 ) // nobody has anything within reach
     {
         return;
     }
     contact_gather( &work, true );
+    if ( work.settings->level != WISP_CONTACT_EXACT )
+    {
+        find_listed( &work, span->substep == 0 );
+        return;
+    }
     const contact_reached reached = contact_expect_ways( &work );
     if ( s->is_reset && part_coincident( &work ) == false )
     {
@@ -185,7 +216,7 @@ void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
     {
         return;
     }
-    const bool holds = is_new == false && reached != CONTACT_BEYOND && contact_margins_are_wide( &work ) == false;
+    const bool holds = is_new == false && reached != CONTACT_BEYOND;
     if ( holds || run_stage( &work, contact_search ) )
     {
         (void)( run_stage( &work, contact_find_rows ) && run_stage( &work, contact_colour_rows ) );
@@ -226,14 +257,12 @@ static void limit_displacements( const contact_work* work )
     contact_hold( work );
 }
 
-static void end_substep( const contact_work* work, bool sums_impulses )
+static void end_substep( const contact_work* work )
 {
-    contact_contact_mesh* s = work->contact_mesh;
-    memset( s->shift, 0, (size_t)s->point_count * 4 * sizeof( float ) );
     contact_hand_down_loads( work );
     contact_recover( work );
     contact_untangle( work );
-    if ( sums_impulses )
+    if ( work->counts_impulses )
     {
         contact_sum_impulses( work );
     }
@@ -242,7 +271,7 @@ static void end_substep( const contact_work* work, bool sums_impulses )
 // Limit what points do in a substep, if they are limited.
 static void end_ways( const contact_work* work, bool is_final )
 {
-    if ( work->settings->displacement_limit && contact_has_samples( work ) == false )
+    if ( work->settings->displacement_limit )
     {
         limit_displacements( work );
     }
@@ -256,6 +285,19 @@ static void end_ways( const contact_work* work, bool is_final )
     }
 }
 
+// Project what presses: constraints, or spheres, which recover at the same time.
+static void project( const contact_work* work, bool recovers )
+{
+    if ( work->settings->level == WISP_CONTACT_SPHERES )
+    {
+        contact_push_spheres( work, recovers );
+    }
+    else
+    {
+        contact_project_rows( work );
+    }
+}
+
 void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const contact_state* state = user;
@@ -265,25 +307,31 @@ void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
         return; // the step has failed, or there is nothing to do
     }
     const bool is_end = span->iteration + 1 == wisp_frame_iterations( frame );
+    const bool is_exact = state->world.level == WISP_CONTACT_EXACT,
+               has_rows = state->world.level != WISP_CONTACT_SPHERES;
     contact_gather( &work, false );
-    if ( span->iteration == 0 )
+    if ( span->iteration == 0 && has_rows )
     {
         contact_find_supports( &work );
         contact_begin_loads( &work );
     }
-    contact_project_rows( &work );
+    memset( work.contact_mesh->shift, 0, (size_t)work.contact_mesh->point_count * 4 * sizeof( float ) );
+    project( &work, is_end );
     // what strands do is limited once more when their lengths are restored
-    const bool is_final = is_end && wisp_frame_has( frame, span->entity, state->touches ) == false;
+    const bool is_final = is_exact && is_end && wisp_frame_has( frame, span->entity, state->touches ) == false;
     float before = INFINITY, pushed = contact_restore_lengths( &work, span );
     for ( int turn = 1; turn < LENGTH_TURNS && pushed > 0.0f && ( turn < USUAL_TURNS || pushed < before ); ++turn )
     {
-        contact_project_rows( &work );
+        project( &work, false );
         before = pushed;
         pushed = contact_restore_lengths( &work, span );
     }
-    if ( is_end )
+    if ( is_end && has_rows )
     {
-        end_substep( &work, state->requests_stats );
+        end_substep( &work );
+    }
+    if ( is_end && is_exact )
+    {
         end_ways( &work, is_final );
     }
     contact_scatter( &work, is_end, is_final );
@@ -308,7 +356,8 @@ void contact_limit_strands( wisp_frame* frame, const wisp_span* span, void* user
 {
     const contact_state* state = user;
     const contact_work work = begin_work( frame, span, user );
-    if ( work.contact_mesh->is_listed == false || all_sleep( frame, state ) )
+    if ( work.contact_mesh->is_listed == false || all_sleep( frame, state ) ||
+         state->world.level != WISP_CONTACT_EXACT )
     {
         return; // the step has failed, or there is nothing to do
     }
@@ -327,7 +376,7 @@ void contact_keep( wisp_frame* frame, const wisp_span* span, void* user )
     const contact_work work = { .contact_mesh = &state->contact_mesh,
                                 .components = &state->components,
                                 .frame = frame };
-    if ( state->contact_mesh.is_listed )
+    if ( state->contact_mesh.is_listed && state->world.level == WISP_CONTACT_EXACT )
     {
         contact_keep_participant( &work, state->participants + contact_find_participant( state, span->entity ) );
     }

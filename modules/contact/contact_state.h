@@ -1,7 +1,6 @@
 // State of the module, and its passes.
 #pragma once
 
-#include "boundary_samples.h"
 #include "broad_phase.h"
 #include "cached_bounds.h"
 #include "clusters.h"
@@ -10,8 +9,10 @@
 #include "contact_mesh.h"
 #include "displacement_limit.h"
 #include "intersections.h"
+#include "listed_rows.h"
 #include "predicted_motion.h"
 #include "primitive_pairs.h"
+#include "spheres.h"
 #include "supports.h"
 #include "untangling.h"
 
@@ -38,8 +39,9 @@ typedef struct contact_state
     contact_broad_phase broad_phase;
     contact_intersections intersections;
     contact_primitive_pairs primitives;
-    contact_samples samples;
     contact_constraints constraints;
+    contact_spheres spheres;
+    contact_listed_rows listed;
     contact_supports supports;
     contact_colouring colouring;
     contact_limit limit;
@@ -61,8 +63,8 @@ void contact_measure( wisp_frame* frame, const wisp_span* span, void* user );
 // contact_participants.c
 /// Find a participant. @return its index, or -1
 int contact_find_participant( const contact_state* state, wisp_entity entity );
-/// Mark the surfaces that particles stand for, so that modules that share points bring them up to date before the substeps.
+/// Mark the surfaces that spheres stand for, so that modules that share points bring them up to date before the substeps.
 /// @return WISP_NO_MEMORY: marks are as before
-wisp_status contact_mark_participants( wisp_world* world, const contact_state* state, wisp_contact_primitives by );
+wisp_status contact_mark_participants( wisp_world* world, const contact_state* state, wisp_contact_level level );
 /// Remove a participant. Only takes away, so it cannot fail.
 void contact_forget_participant( wisp_world* world, contact_state* state, int number );

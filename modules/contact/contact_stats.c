@@ -2,10 +2,10 @@
 // requested rarely, so these are scalar loops in double precision, in the order of the rows.
 #include "contact_stats.h"
 
-#include "boundary_samples.h"
 #include "closest_points.h"
 #include "constraints.h"
 #include "intersections.h"
+#include "spheres.h"
 
 #include <string.h>
 
@@ -51,22 +51,10 @@ void contact_sum_impulses( const contact_work* work )
 static float distance_now( const contact_work* work, const contact_row* row )
 {
     const contact_contact_mesh* s = work->contact_mesh;
-    if ( contact_has_samples( work ) == false )
-    {
-        contact_primitives primitives;
-        primitives.are_edges = row->split == 2;
-        contact_put_primitives( &primitives, 0, row->point );
-        return contact_measure_primitives( work, s->now, &primitives, 1, NULL, NULL )[0];
-    }
-    float d[3] = { 0.0f, 0.0f, 0.0f };
-    for ( int i = 0; i < row->count; ++i )
-    {
-        for ( size_t k = 0; k < 3; ++k )
-        {
-            d[k] += row->weight[i] * s->now[(size_t)row->point[i] * 4 + k];
-        }
-    }
-    return sqrtf( d[0] * d[0] + d[1] * d[1] + d[2] * d[2] );
+    contact_primitives primitives;
+    primitives.are_edges = row->split == 2;
+    contact_put_primitives( &primitives, 0, row->point );
+    return contact_measure_primitives( work, s->now, &primitives, 1, NULL, NULL )[0];
 }
 
 // Return the smallest distance at the end, in gaps, over the rows of the last substep: all other pairs are farther
@@ -108,10 +96,11 @@ void contact_fill_stats( const contact_work* work, bool counts_intersections )
         count_intersections( work );
     }
     f->participants = work->participant_count;
-    f->points = contact_has_samples( work ) ? s->samples->count : s->point_count;
+    const bool are_spheres = work->settings->level == WISP_CONTACT_SPHERES;
+    f->points = are_spheres ? s->spheres->count : s->point_count;
     f->edges = s->edge_count;
     f->triangles = s->triangle_count;
-    f->min_gap = min_gap( work );
+    f->min_gap = are_spheres ? contact_least_sphere_gap( work ) : min_gap( work );
     memset( f->net_impulse, 0, sizeof( f->net_impulse ) );
     for ( int g = 0; g < work->participant_count; ++g )
     {

@@ -85,9 +85,8 @@ wisp_status contact_mark_intersections( const contact_work* work, wisp_error* er
     contact_contact_mesh* s = work->contact_mesh;
     const wisp_intersections* intersections = &s->intersections->intersections;
     memset( s->intersections->is_tangled, 0, (size_t)s->point_count );
-    if ( work->memory->tangled == 0 || contact_has_samples( work ) )
+    if ( work->memory->tangled == 0 )
     {
-        work->memory->tangled = 0; // boundary particles have no intersections
         return WISP_OK;
     }
     const wisp_status status = contact_find_intersections( work, s->intersection_free, error );

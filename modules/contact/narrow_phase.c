@@ -321,7 +321,8 @@ static contact_listed_source source_of( const contact_work* work, int pair )
         .slack = pairs->slack[pair] + pairs->list[pair].beyond,
         .closing = contact_closing_of( s->motion->ways + a, s->motion->ways + b ),
         .gap = contact_gap_between( of_a, of_b ),
-        .has_owners = work->memory->tangled == 0 && ( of_a->is_corrected || of_b->is_corrected ) == false,
+        .has_owners = work->settings->level == WISP_CONTACT_EXACT && work->memory->tangled == 0 &&
+                      ( of_a->is_corrected || of_b->is_corrected ) == false,
     };
 }
 

@@ -17,17 +17,16 @@
 enum
 {
     CLUSTER_GRAIN = 256,
-    SUBSTEPS_AHEAD = 5,   // for which clusters are predicted to drift
-    REVIEW_SUBSTEPS = 16, // between two tests for lists that are too long
 };
 
 // Longer displacements are numerical failures, as NaN is.
 static const float FARTHEST = 1e6f; // m
 // Projections change the displacement that was predicted: tolerance as a fraction of it, and of the thickness. A
 // missed point has a small tolerance around where it went, so that a cut of a rounding error does not mark it again.
-static const float SPARE = 0.25f, SPARE_THICKNESS = 0.05f, SPARE_MISSED = 0.01f;
+static const float SPARE = 0.25f, SPARE_THICKNESS = 0.05f, SPARE_MISSED = 0.01f, SPARE_LISTED = 0.02f,
+                   LISTED_THICKNESS = 0.1f; // of what is listed once per step
 // Margin of a cluster, as a multiple of its deviation in one substep.
-static const float MARGIN_SUBSTEPS = 4.0f, PARTICLE_SUBSTEPS = 1.25f;
+static const float MARGIN_SUBSTEPS = 4.0f;
 
 typedef struct way_loop
 {
@@ -58,12 +57,6 @@ bool contact_reserve_motion( const contact_work* work )
         memset( m->gone, 0, count * sizeof( *m->gone ) );
     }
     return enough;
-}
-
-int contact_drift_substeps( const contact_work* work )
-{
-    // a boundary particle lies between points of several clusters
-    return contact_has_samples( work ) ? 0 : SUBSTEPS_AHEAD;
 }
 
 static void sum_displacements( void* context, int begin, int end, int worker )
@@ -157,12 +150,13 @@ static void find_ways( void* context, int begin, int end, int worker )
     way_loop* loop = context;
     contact_contact_mesh* s = loop->contact_mesh;
     const wisp_kernels* kernels = wisp_frame_kernels( loop->work->frame );
+    const bool is_exact = loop->work->settings->level == WISP_CONTACT_EXACT;
     const wisp_displacement_args args = {
         .before = s->intersection_free,
         .now = s->now,
         .common_displacement = { s->motion->common[0], s->motion->common[1], s->motion->common[2] },
-        .relative_margin = SPARE,
-        .margin = SPARE_THICKNESS * s->min_thickness,
+        .relative_margin = is_exact ? SPARE : SPARE_LISTED,
+        .margin = ( is_exact ? SPARE_THICKNESS : LISTED_THICKNESS * loop->work->settings->margin ) * s->min_thickness,
         .displacement = s->motion->ahead,
     };
     if ( loop->is_expected )
@@ -341,13 +335,11 @@ contact_reached contact_measure_ways( const contact_work* work )
 // Return the margin of a cluster with such displacements.
 static float margin_for( const contact_work* work, const contact_way* way )
 {
-    static const float HALF = 0.5f; // of a pair
     const float margin = work->settings->margin * work->contact_mesh->min_thickness;
     const float length = contact_length_of_way( work->contact_mesh, way );
-    // clusters are few, so that wide margins cost less than frequent searches; boundary particles are many, and their
-    // pairs grow with the square of the margin beyond the gap
-    return contact_drift_substeps( work ) > 0 ? length + contact_larger( margin, MARGIN_SUBSTEPS * way->spread )
-                                              : contact_larger( HALF * margin, PARTICLE_SUBSTEPS * length );
+    return work->settings->level == WISP_CONTACT_EXACT
+               ? length + contact_larger( margin, MARGIN_SUBSTEPS * way->spread )
+               : margin + way->spread; // ways are those of a step
 }
 
 static void predict_clusters( void* context, int begin, int end, int worker )
@@ -355,14 +347,13 @@ static void predict_clusters( void* context, int begin, int end, int worker )
     (void)worker;
     const contact_work* work = context;
     const contact_contact_mesh* s = work->contact_mesh;
-    const float drifts = contact_drift_substeps( work ) > 0 ? 1.0f : 0.0f;
     for ( int p = begin; p < end; ++p )
     {
         const contact_way* way = s->motion->ways + p;
         contact_predicted_motion* predicted = s->motion->predicted + p;
         for ( int k = 0; k < 3; ++k )
         {
-            predicted->displacement[k] = drifts * ( way->middle[k] - s->motion->common[k] );
+            predicted->displacement[k] = way->middle[k] - s->motion->common[k];
         }
         predicted->margin = margin_for( work, way );
         predicted->deviation = 0.0f;
@@ -374,24 +365,6 @@ void contact_predict_motion( const contact_work* work )
     contact_contact_mesh* s = work->contact_mesh;
     s->motion->substeps = 0;
     wisp_parallel_for( work->parallel, s->clusters->count, CLUSTER_GRAIN, predict_clusters, (void*)(uintptr_t)work );
-}
-
-bool contact_margins_are_wide( const contact_work* work )
-{
-    static const float TOO_FAR = 2.0f;
-    const contact_contact_mesh* s = work->contact_mesh;
-    if ( contact_drift_substeps( work ) > 0 || s->motion->substeps == 0 ||
-         s->motion->substeps % REVIEW_SUBSTEPS != 0 )
-    {
-        return false;
-    }
-    float reach = 0.0f, needed = 0.0f;
-    for ( int p = 0; p < s->clusters->count; ++p )
-    {
-        reach += s->motion->predicted[p].margin;
-        needed += margin_for( work, s->motion->ways + p );
-    }
-    return reach > TOO_FAR * needed;
 }
 
 static void add_deviation( void* context, int begin, int end, int worker )
@@ -416,7 +389,7 @@ void contact_add_deviation( const contact_work* work )
 {
     contact_contact_mesh* s = work->contact_mesh;
     way_loop loop = { .work = work, .contact_mesh = s };
-    loop.drifts = s->motion->substeps < contact_drift_substeps( work ) ? 1.0f : 0.0f;
+    loop.drifts = s->motion->substeps < CONTACT_SUBSTEPS_AHEAD ? 1.0f : 0.0f;
     wisp_parallel_for( work->parallel, s->clusters->count, CLUSTER_GRAIN, add_deviation, &loop );
     s->motion->substeps += 1;
 }

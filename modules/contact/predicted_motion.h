@@ -3,6 +3,11 @@
 
 #include "contact_mesh.h"
 
+enum
+{
+    CONTACT_SUBSTEPS_AHEAD = 5, // for which clusters are predicted to drift
+};
+
 /// Displacements of the points of a cluster: the centre of their bounding box, and the radius around it.
 typedef struct contact_way
 {
@@ -60,12 +65,6 @@ void contact_add_deviation( const contact_work* work );
 
 /// Return the largest displacement of a cluster's points, relative to the mean of all points, m.
 float contact_length_of_way( const contact_contact_mesh* s, const contact_way* way );
-
-/// Return whether margins of boundary particles are so much wider than needed that a new search pays.
-bool contact_margins_are_wide( const contact_work* work );
-
-/// Return the number of substeps for which clusters are predicted to drift.
-int contact_drift_substeps( const contact_work* work );
 
 /// Return the most that two clusters can approach each other in a substep, m. Rounded up.
 static inline float contact_closing_of( const contact_way* a, const contact_way* b )

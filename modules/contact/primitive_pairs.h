@@ -14,7 +14,7 @@ enum
     CONTACT_ROOM = WISP_PRIMITIVE_BATCH * CONTACT_MAX_PAIRS + WISP_SLICE, // pairs in a batch
 };
 
-/// A point and a triangle, two edges, or two boundary particles.
+/// A point and a triangle, or two edges.
 typedef struct contact_pair
 {
     int32_t a, b;
@@ -31,7 +31,7 @@ typedef struct contact_active
 /// Kinds of pairs.
 typedef enum contact_kind
 {
-    CONTACT_POINTS, // a point and a triangle, or two boundary particles
+    CONTACT_POINTS, // a point and a triangle
     CONTACT_EDGES,
     CONTACT_KIND_COUNT,
 } contact_kind;

@@ -48,8 +48,8 @@ TEST( contact_of_a_scene_has_the_defaults_of_its_module )
     {
         SCOPED( wisp_scene_release ) wisp_scene scene = parsed( texts[i] );
         assert_int_equal( scene.has_contact, i );
-        assert_true( scene.contact.primitives == def.primitives );
-        assert_true( scene.contact.particle_spacing == def.particle_spacing && scene.contact.margin == def.margin );
+        assert_true( scene.contact.level == def.level );
+        assert_true( scene.contact.margin == def.margin );
         assert_true( scene.contact.displacement_limit == def.displacement_limit );
         assert_int_equal( scene.contact.size, def.size );
         assert_false( scene.request_contact_stats || scene.request_intersections );
@@ -101,10 +101,10 @@ TEST( every_key_of_a_participant_reaches_its_place )
 TEST( every_key_of_the_contact_of_a_scene_reaches_its_place )
 {
     SCOPED( wisp_scene_release )
-    wisp_scene scene = with_settings( "{ primitives: particles, particle_spacing: 0.004, margin: 0.5, "
+    wisp_scene scene = with_settings( "{ level: spheres, margin: 0.5, "
                                       "compute: [intersections] }" );
-    assert_int_equal( scene.contact.primitives, WISP_CONTACT_PARTICLES );
-    assert_true( scene.contact.particle_spacing == 0.004f && scene.contact.margin == 0.5f );
+    assert_int_equal( scene.contact.level, WISP_CONTACT_SPHERES );
+    assert_true( scene.contact.margin == 0.5f );
     assert_true( scene.request_intersections && !scene.request_contact_stats );
     wisp_scene_release( &scene );
 
@@ -117,11 +117,11 @@ TEST( every_word_is_the_enumerator_of_its_name )
 {
     static const char* const policies[] = { "even", "exact" };
     static const char* const roundings[] = { "down", "nearest", "up" };
-    static const char* const primitives[] = { "triangles", "particles" };
+    static const char* const levels[] = { "exact", "triangles", "spheres" };
     // One word for each enumerator, in its order.
     assert_int_equal( WISP_COUNT( policies ), WISP_SPACING_COUNT );
     assert_int_equal( WISP_COUNT( roundings ), WISP_ROUND_COUNT );
-    assert_int_equal( WISP_COUNT( primitives ), WISP_CONTACT_PRIMITIVES_COUNT );
+    assert_int_equal( WISP_COUNT( levels ), WISP_CONTACT_LEVEL_COUNT );
     char mapping[64];
     for ( int i = 0; i < WISP_ROUND_COUNT; ++i )
     {
@@ -130,11 +130,11 @@ TEST( every_word_is_the_enumerator_of_its_name )
         assert_int_equal( scene.surfaces[0].boundary.policy, i % 2 );
         assert_int_equal( scene.surfaces[0].boundary.rounding, i );
     }
-    for ( int i = 0; i < WISP_CONTACT_PRIMITIVES_COUNT; ++i )
+    for ( int i = 0; i < WISP_CONTACT_LEVEL_COUNT; ++i )
     {
-        snprintf( mapping, sizeof mapping, "{ primitives: %s }", primitives[i] );
+        snprintf( mapping, sizeof mapping, "{ level: %s }", levels[i] );
         SCOPED( wisp_scene_release ) wisp_scene scene = with_settings( mapping );
-        assert_int_equal( scene.contact.primitives, i );
+        assert_int_equal( scene.contact.level, i );
     }
 }
 
@@ -299,8 +299,8 @@ TEST( the_ends_of_all_ranges_are_taken_by_the_modules )
         build( &f, text );
     }
     static const char* const settings[] = {
-        "{ primitives: particles, particle_spacing: 1e-6, margin: 0.01 }",
-        "{ primitives: particles, particle_spacing: 1e6, margin: 100 }",
+        "{ level: triangles, margin: 0.01 }",
+        "{ level: spheres, margin: 100 }",
         "{ margin: 0.01 }",
         "{ margin: 100 }",
     };

@@ -32,14 +32,13 @@ TEST( what_is_kept_apart_overlaps_less_the_closer_it_is_watched )
     open_suite( "boundary_contact", &suite, &scene );
     assert_well_formed( &scene );
     const accuracy_run nothing = run_setting( &scene, "nothing", 1, true );
-    const accuracy_run particles = run_setting( &scene, "particles, particle_spacing=0.01123", 1, true );
+    const accuracy_run spheres = run_setting( &scene, "spheres, layer", 1, true );
     const accuracy_run exact = run_setting( &scene, "exact", 1, true );
     assert_true( measure_of( &scene, &nothing, "missed vertices, %" ) > 10.0 );
     assert_true( measure_of( &scene, &nothing, "max intersections" ) > 0.0 );
-    assert_true( particles.error < 0.1 * nothing.error );
-    assert_true( exact.error < 0.1 * particles.error );
+    assert_true( spheres.error < 0.1 * nothing.error && exact.error < 0.1 * nothing.error );
     assert_true( measure_of( &scene, &exact, "max intersections" ) == 0.0 );
     assert_true( measure_of( &scene, &exact, "missed vertices, %" ) == 0.0 );
-    assert_same_hash( &scene, "particles, particle_spacing=0.02245" );
+    assert_same_hash( &scene, "spheres, layer" );
     close_suite( &suite, &scene );
 }

@@ -67,7 +67,7 @@ TEST( a_row_that_breaks_a_promise_is_a_failure )
     assert_true( is_refused( "suite.motion", "its pace, 0.54 m/s", "max_intersections", 1.0 ) );
     assert_false( is_refused( "suite.motion", "no contact, 0.54 m/s", "max_intersections", 1.0 ) );
     assert_true( is_refused( "suite.pair", "exact, margin=2", "max_overlap_mm", 1.6 ) );
-    assert_false( is_refused( "suite.pair", "particles", "max_overlap_mm", 1.6 ) );
+    assert_false( is_refused( "suite.pair", "spheres", "max_overlap_mm", 1.6 ) );
     assert_true( is_refused( "suite.stack", "none", "halted_at_step", 7.0 ) );
     assert_true( is_refused( "suite.stack", "exact, margin=2", "net_impulse_N_s", 1e-6 ) );
 }

@@ -618,3 +618,137 @@ TEST( who_has_a_slack_or_a_way_that_is_no_number_is_due )
         assert_int_equal( s.due_count, 0 );
     }
 }
+
+// ---- pairs of points ----
+
+enum
+{
+    BALLS = 32,
+    PACKS = 2,
+    ROWS = BALLS - 1, // of a pack
+};
+
+typedef struct balls
+{
+    _Alignas( 64 ) float start[BALLS][4], now[BALLS][4], push[BALLS][4], shift[BALLS][4];
+    float gap[PACKS * ROWS][16], count[BALLS], recovery;
+    int32_t own_x4[BALLS], other_x4[PACKS * ROWS][16], begin[PACKS + 1];
+    uint16_t near[PACKS * ROWS], presses[PACKS * ROWS];
+} balls;
+
+// Each point has all others, or in odd variants one other.
+static void fill_balls( void* state, int variant )
+{
+    balls* c = state;
+    c->recovery = variant % 4 < 2 ? 0.0f : 0.1f;
+    for ( int i = 0; i < BALLS; ++i )
+    {
+        for ( int k = 0; k < 3; ++k )
+        {
+            c->start[i][k] = test_random_float( variant, 8 * i + k, -1.0f, 1.0f );
+            c->now[i][k] = c->start[i][k] + test_random_float( variant, 8 * i + 3 + k, -0.3f, 0.3f );
+        }
+        c->own_x4[i] = 4 * i;
+        c->count[i] = -7.0f;
+        c->start[i][3] = test_random_float( variant, 8 * i + 6, 0.0f, 1.0f );
+        c->now[i][3] = i % 5 == 0 ? 0.0f : test_random_float( variant, 8 * i + 7, 0.5f, 9.0f );
+    }
+    const int rows = variant % 2 == 0 ? ROWS : 1;
+    for ( int row = 0; row < PACKS * rows; ++row )
+    {
+        c->begin[row / rows + 1] = ( row / rows + 1 ) * rows;
+        for ( int lane = 0; lane < 16; ++lane )
+        {
+            const int own = row / rows * 16 + lane, other = variant % 2 == 0 ? own ^ ( row % rows + 1 ) : own ^ 17;
+            c->other_x4[row][lane] = 4 * ( other % BALLS );
+            c->gap[row][lane] = variant % 3 == 0 ? 0.5f : 0.3f;
+        }
+    }
+}
+
+static void push_balls( const wisp_kernels* kernels, void* state, int begin, int end )
+{
+    balls* c = state;
+    wisp_point_pair_args args = { c->start[0], c->now[0],   c->own_x4, c->begin, c->other_x4[0], c->gap[0],
+                                  1.25f,       c->recovery, c->near,   c->count, c->push[0],     c->shift[0] };
+    kernels->find_near_pairs( &args, begin, end );
+    args.found = c->presses;
+    kernels->find_pressing_points( &args, begin, end );
+    kernels->push_points( &args, begin, end );
+}
+
+static int pressing, at_rest;
+
+// Find the correction of a point by another, in doubles. @return whether they press
+static bool correction( const balls* c, int a, int b, double gap, double3* push, double3* shift )
+{
+    const double3 before = double3_sub( double3_from( c->start[a] ), double3_from( c->start[b] ) ),
+                  after = double3_sub( double3_from( c->now[a] ), double3_from( c->now[b] ) ),
+                  motion = double3_sub( after, before );
+    const double start = double3_length( before ), w = (double)c->now[a][3] + (double)c->now[b][3];
+    const double3 n = double3_scale( 1.0 / start, before );
+    const double now = double3_dot( n, after ), kept = fmin( gap, start ),
+                 recovered = fmin( gap, start + (double)c->recovery * gap );
+    const double time = fmin( fmax( -double3_dot( before, motion ) / double3_dot( motion, motion ), 0.0 ), 1.0 );
+    *push = *shift = double3_make( 0.0, 0.0, 0.0 );
+    if ( double3_length( double3_add_scaled( before, time, motion ) ) > gap || now >= recovered )
+    {
+        return false;
+    }
+    const double short_by = fmax( kept - now, 0.0 ), left = recovered - fmax( now, kept );
+    const double3 slip = double3_add_scaled( motion, start - now, n );
+    const double held =
+        fmin( 1.0, (double)c->start[a][3] * (double)c->start[b][3] * short_by / double3_length( slip ) );
+    if ( w > 0.0 )
+    {
+        *push = double3_add_scaled( double3_scale( short_by / w, n ), short_by > 0.0 ? -held / w : 0.0, slip );
+        *shift = double3_scale( left / w, n );
+    }
+    return true;
+}
+
+static void check_balls( void* start, void* end )
+{
+    const balls *before = start, *c = end;
+    double sums[2][3] = { { 0.0 } };
+    for ( int i = 0; i < BALLS; ++i )
+    {
+        double3 push = { 0 }, shift = { 0 };
+        int count = 0;
+        for ( int row = 0; row < before->begin[1]; ++row )
+        {
+            double3 one, other;
+            const int at = before->begin[i / 16] + row;
+            const bool presses = correction( before, i, before->other_x4[at][i % 16] / 4,
+                                             (double)before->gap[at][i % 16], &one, &other );
+            assert_true( presses == ( ( c->presses[at] >> i % 16 & 1 ) != 0 ) );
+            assert_true( presses == false || ( c->near[at] >> i % 16 & 1 ) != 0 );
+            count += presses ? 1 : 0;
+            push = double3_add( push, one );
+            shift = double3_add( shift, other );
+        }
+        assert_true( c->count[i] == (float)count );
+        // corrections are up to 0.5 / 0.5 in size, of places that are rounded to 1e-7, over distances of 0.1
+        assert_true( double3_distance( double3_from( c->push[i] ), push ) < 2e-5 );
+        assert_true( double3_distance( double3_from( c->shift[i] ), shift ) < 2e-5 );
+        pressing += count;
+        at_rest += count == 0 ? 1 : 0;
+        for ( int k = 0; k < 3; ++k )
+        {
+            sums[0][k] += (double)c->push[i][k];
+            sums[1][k] += (double)c->shift[i][k];
+            // of a single pair both have the same bits
+            assert_true( before->begin[1] > 1 || c->push[i][k] == -c->push[i ^ 17][k] );
+        }
+    }
+    for ( int k = 0; k < 3; ++k )
+    {
+        assert_true( fabs( sums[0][k] ) < 2e-5 && fabs( sums[1][k] ) < 2e-5 );
+    }
+}
+
+TEST( pairs_of_points_are_pushed_apart_equally )
+{
+    check_kernel( KERNEL_ROW( balls, 4 * SEEDS, 0, PACKS, 0, fill_balls, push_balls, check_balls ) );
+    assert_true( pressing > 40 * SEEDS && at_rest > SEEDS );
+}

@@ -55,11 +55,9 @@ static void demand_contact( const wisp_contact_def* c )
 static void demand_settings( const wisp_scene* scene )
 {
     const wisp_contact_settings* c = &scene->contact;
-    demand( c->primitives >= 0 && c->primitives < WISP_CONTACT_PRIMITIVES_COUNT );
+    demand( c->level >= 0 && c->level < WISP_CONTACT_LEVEL_COUNT );
     demand( c->margin > 0.0f && isfinite( c->margin ) );
-    demand( c->particle_spacing == 0.0f ||
-            ( c->primitives == WISP_CONTACT_PARTICLES && isfinite( c->particle_spacing ) ) );
-    demand( c->displacement_limit || c->primitives == WISP_CONTACT_TRIANGLES );
+    demand( c->displacement_limit || c->level == WISP_CONTACT_EXACT );
     demand( scene->has_contact || !( scene->request_contact_stats || scene->request_intersections ) );
 }
 

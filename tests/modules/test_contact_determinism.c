@@ -23,14 +23,15 @@ typedef struct golden_case
 {
     const char* name;
     case_kind kind;
-    wisp_contact_primitives primitives;
+    wisp_contact_level level;
     int iterations;
 } golden_case;
 
 static const golden_case cases[] = {
-    { "fold", FOLD, WISP_CONTACT_TRIANGLES, 1 },       { "balloons", BALLOONS, WISP_CONTACT_TRIANGLES, 2 },
-    { "tangled", TANGLED, WISP_CONTACT_TRIANGLES, 1 }, { "strands", THREADS, WISP_CONTACT_TRIANGLES, 1 },
-    { "implicit", SOLVED, WISP_CONTACT_TRIANGLES, 1 }, { "samples", BALLOONS, WISP_CONTACT_PARTICLES, 1 },
+    { "fold", FOLD, WISP_CONTACT_EXACT, 1 },       { "balloons", BALLOONS, WISP_CONTACT_EXACT, 2 },
+    { "tangled", TANGLED, WISP_CONTACT_EXACT, 1 }, { "strands", THREADS, WISP_CONTACT_EXACT, 1 },
+    { "implicit", SOLVED, WISP_CONTACT_EXACT, 1 }, { "listed", FOLD, WISP_CONTACT_TRIANGLES, 1 },
+    { "spheres", FOLD, WISP_CONTACT_SPHERES, 1 },  { "sphere_strands", THREADS, WISP_CONTACT_SPHERES, 1 },
 };
 
 typedef struct running
@@ -133,8 +134,7 @@ static void add_case( running* r )
             break;
     }
     wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.primitives = r->c->primitives;
-    settings.particle_spacing = 0.02f;
+    settings.level = r->c->level;
     assert_status( r->h.world, wisp_set_contact_settings( r->h.world, &settings ), WISP_OK );
     const wisp_contact_def def = wisp_default_contact_def();
     for ( int k = 0; k < r->participant_count; ++k )

@@ -1,6 +1,6 @@
-// Contact that acts on the boundary particles of a surface: it reads the layer of a surface that has one, and pushes the
-// parents of a point by their weights. The margin of the search changes the time and not one bit; and boundary particles
-// as contact primitives: their contact, and what passes between them.
+// Levels of contact. Spheres: they stand for the layer of a surface that has one and push the parents of a point by their weights, no pair
+// that is near is missed, momentum is kept. All levels: a change between steps. Exact contact: the margin of the search
+// changes the time and not one bit.
 #include "boundary_oracle_fixture.h"
 #include "contact_fixture.h"
 
@@ -8,9 +8,16 @@
 #include "contact_state.h"
 #include "oracle/contact_oracle.h"
 
-static const float DT = 0.01f, THICK = 0.05f, NO_PARTICLES = 10.0f; // s, m, m
+static const float DT = 0.01f, THICK = 0.3f; // s, m; above the spacing of the layer
 
-static void open_layers( hosted* h, int workers, float particle_spacing )
+static void set_level( wisp_world* world, wisp_contact_level level )
+{
+    wisp_contact_settings settings = wisp_default_contact_settings();
+    settings.level = level;
+    assert_status( world, wisp_set_contact_settings( world, &settings ), WISP_OK );
+}
+
+static void open_layers( hosted* h, int workers )
 {
     static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_contact_module, &wisp_boundary_module };
     *h = ( hosted ){ 0 };
@@ -20,10 +27,7 @@ static void open_layers( hosted* h, int workers, float particle_spacing )
     h->def.substeps = h->def.iterations = 1;
     h->def.workers = workers;
     assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
-    wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.primitives = WISP_CONTACT_PARTICLES;
-    settings.particle_spacing = particle_spacing;
-    assert_status( h->world, wisp_set_contact_settings( h->world, &settings ), WISP_OK );
+    set_level( h->world, WISP_CONTACT_SPHERES );
 }
 
 static void set_layer( wisp_world* world, wisp_entity e, float spacing )
@@ -69,14 +73,14 @@ static void read_touch( touch* t, double3 out[4] )
     }
 }
 
-static void run_touch( touch* t, double3 at, int number, bool has_layer, bool is_fixed )
+static void run_touch( touch* t, double3 at, int number, bool is_fixed )
 {
     *t = ( touch ){ 0 };
-    open_layers( &t->h, 1, NO_PARTICLES );
+    open_layers( &t->h, 1 );
     test_mesh falling = triangle_mesh( FALLING[0], FALLING[1], FALLING[2] );
-    const float x = (float)at.x, y = (float)at.y - 0.06f, z = (float)at.z;
-    test_mesh needle = triangle_mesh( ( wisp_vec3 ){ x, y, z }, ( wisp_vec3 ){ x - 0.02f, y - 0.5f, z - 0.01f },
-                                      ( wisp_vec3 ){ x + 0.02f, y - 0.5f, z - 0.01f } );
+    const float x = (float)at.x, y = (float)at.y - THICK - 0.01f, z = (float)at.z;
+    test_mesh needle = triangle_mesh( ( wisp_vec3 ){ x, y, z }, ( wisp_vec3 ){ x - 0.02f, y - 0.3f, z - 0.01f },
+                                      ( wisp_vec3 ){ x + 0.02f, y - 0.3f, z - 0.01f } );
     t->body[0] = add_mesh( t->h.world, &falling, NULL, 0, 0.2f );
     t->body[1] = is_fixed ? add_pinned( t->h.world, &needle ) : add_mesh( t->h.world, &needle, NULL, 0, 20.0f );
     const wisp_contact_def def = contact_alone();
@@ -84,10 +88,7 @@ static void run_touch( touch* t, double3 at, int number, bool has_layer, bool is
     {
         set_contact( t->h.world, t->body[k], &def );
     }
-    if ( has_layer )
-    {
-        set_layer( t->h.world, t->body[0], LAYER_SPACING );
-    }
+    set_layer( t->h.world, t->body[0], LAYER_SPACING );
     read_touch( t, t->predicted );
     for ( int i = 0; i < 4; ++i )
     {
@@ -148,7 +149,7 @@ TEST( a_point_of_a_layer_moves_its_parents_by_their_weights_off_a_plane )
             weight[p->parent[k]] += p->weight[k];
         }
         touch t;
-        run_touch( &t, p->y, n, true, is_fixed );
+        run_touch( &t, p->y, n, is_fixed );
         assert_int_equal( contact_stats( t.h.world ).points, 6 + layer.point_count );
         assert_int_equal( contact_stats( t.h.world ).contacts, 1 );
         assert_pushed( &t, weight, is_fixed );
@@ -159,11 +160,6 @@ TEST( a_point_of_a_layer_moves_its_parents_by_their_weights_off_a_plane )
             // a rounding of positions (6e-8 m) over the step, times 0.3 kg
             assert_close( momentum[1], t.momentum, 1e-5 );
         }
-        close_world( &t.h );
-        // without its layer there is no point here, and the tip passes
-        run_touch( &t, p->y, n, false, is_fixed );
-        assert_int_equal( contact_stats( t.h.world ).points, 6 );
-        assert_true( largest_move( &t ) < 5e-7 );
         close_world( &t.h );
     }
 }
@@ -179,7 +175,7 @@ typedef struct stretching
 
 static void open_stretching( stretching* s, int workers )
 {
-    open_layers( &s->h, workers, 0.1f );
+    open_layers( &s->h, workers );
     test_mesh floor = level_sheet( 5, 1.2f, ( wisp_vec3 ){ 0 } ),
               above = level_sheet( 7, 1.0f, ( wisp_vec3 ){ 0.02f, 0.06f, 0.01f } );
     const wisp_entity pinned = add_pinned( s->h.world, &floor );
@@ -192,8 +188,8 @@ static void open_stretching( stretching* s, int workers )
     for ( int v = 0; v < 49; ++v )
     {
         float* velocity = velocity_of( s->h.world, s->sheet, v );
-        velocity[0] = test_random_float( 5, v, -3.0f, 3.0f );
-        velocity[2] = test_random_float( 6, v, -3.0f, 3.0f );
+        velocity[0] = test_random_float( 5, v, -6.0f, 6.0f );
+        velocity[2] = test_random_float( 6, v, -6.0f, 6.0f );
     }
     request_stats( s->h.world );
 }
@@ -218,25 +214,23 @@ TEST( contact_follows_a_layer_whose_points_change )
         before = points;
     }
     print_message( "%d changes of the number of points, %d contacts\n", changes, contacts );
-    assert_true( first > 25 + 49 && others > first && changes > 5 && contacts > 100 );
+    assert_true( first == 25 + 49 && others > first && changes > 2 && contacts > 100 );
     close_world( &s.h );
 }
 
-// With primitives nobody reads the layer in the substeps.
-TEST( a_layer_is_shared_only_where_particles_are_in_contact )
+// Otherwise nobody reads the layer in the substeps.
+TEST( a_layer_is_shared_only_where_spheres_are_in_contact )
 {
     stretching s;
     open_stretching( &s, 1 );
     const int passes = wisp_world_plan_passes( s.h.world );
-    wisp_contact_settings settings = wisp_default_contact_settings();
-    assert_status( s.h.world, wisp_set_contact_settings( s.h.world, &settings ), WISP_OK );
+    set_level( s.h.world, WISP_CONTACT_TRIANGLES );
     assert_int_equal( wisp_world_plan_passes( s.h.world ), passes - 1 );
-    settings.primitives = WISP_CONTACT_PARTICLES;
-    assert_status( s.h.world, wisp_set_contact_settings( s.h.world, &settings ), WISP_OK );
+    set_level( s.h.world, WISP_CONTACT_SPHERES );
     assert_int_equal( wisp_world_plan_passes( s.h.world ), passes );
     run_steps( s.h.world, 2, DT );
     const int with = contact_stats( s.h.world ).points;
-    // without the layer, contact has particles of its own again
+    // without the layer, vertices are left
     assert_status( s.h.world, wisp_unset_boundary( s.h.world, s.sheet ), WISP_OK );
     run_steps( s.h.world, 2, DT );
     assert_true( contact_stats( s.h.world ).points < with );
@@ -245,55 +239,6 @@ TEST( a_layer_is_shared_only_where_particles_are_in_contact )
     run_steps( s.h.world, 1, DT );
     assert_int_equal( wisp_world_plan_passes( s.h.world ), passes - 1 );
     close_world( &s.h );
-}
-
-// ---- particles that contact makes itself ----
-
-// Six vertices, two of them 1.2 m apart and all others closer than a spacing.
-static test_mesh four_triangles( const int32_t triangles[12], int a, int b, float away )
-{
-    static const wisp_vec3 MIDDLE[4] = {
-        { 0.55f, 0.0f, -0.2f }, { 0.65f, 0.0f, -0.1f }, { 0.6f, 0.0f, 0.1f }, { 0.62f, 0.0f, 0.2f }
-    };
-    test_mesh m = { calloc( 6, sizeof( wisp_vec3 ) ), calloc( 12, sizeof( int32_t ) ), 6, 4 };
-    assert_true( m.points != NULL && m.triangles != NULL );
-    for ( int v = 0, next = 0; v < 6; ++v )
-    {
-        const wisp_vec3 p = v == a ? ( wisp_vec3 ){ 0 } : v == b ? ( wisp_vec3 ){ 1.2f, 0.0f, 0.0f } : MIDDLE[next++];
-        m.points[v] = ( wisp_vec3 ){ p.x + away, p.y, p.z };
-    }
-    memcpy( m.triangles, triangles, 12 * sizeof( int32_t ) );
-    return m;
-}
-
-// A fan and a strip have as many edges and triangles. The only point of the strip is on its long edge, whichever that is; the fan,
-// which is sampled before it, has none on an edge of that number.
-TEST( each_fabric_has_the_particles_of_its_own_elements )
-{
-    static const int32_t FAN[12] = { 0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 5 };
-    static const int32_t STRIP[12] = { 0, 1, 2, 1, 3, 2, 2, 3, 4, 3, 5, 4 };
-    static const int EDGES[9][2] = { { 0, 1 }, { 0, 2 }, { 1, 2 }, { 1, 3 }, { 2, 3 },
-                                     { 2, 4 }, { 3, 4 }, { 3, 5 }, { 4, 5 } };
-    for ( int n = 0; n < 9; ++n )
-    {
-        SCOPED( close_world ) hosted h;
-        open_layers( &h, 1, 0.7f );
-        const wisp_contact_def def = contact_alone();
-        // the fan's vertices 1 and 4 are no edge
-        test_mesh fan = four_triangles( FAN, 1, 4, 3.0f ),
-                  strip = four_triangles( STRIP, EDGES[n][0], EDGES[n][1], 0.0f );
-        const wisp_entity e[2] = { add_pinned( h.world, &fan ), add_pinned( h.world, &strip ) };
-        // a vertex falls on the middle of the long edge
-        test_mesh needle = triangle_mesh( ( wisp_vec3 ){ 0.6f, 0.06f, 0.0f }, ( wisp_vec3 ){ 0.58f, 0.6f, 0.0f },
-                                          ( wisp_vec3 ){ 0.62f, 0.6f, 0.0f } );
-        const wisp_entity falling = add_mesh( h.world, &needle, NULL, 0, 0.2f );
-        set_contact( h.world, e[0], &def );
-        set_contact( h.world, e[1], &def );
-        set_contact( h.world, falling, &def );
-        velocity_of( h.world, falling, 0 )[1] = -4.0f;
-        run_steps( h.world, 1, DT );
-        assert_close( (double)place_of( h.world, falling, 0 )[1], (double)THICK, 1e-6 );
-    }
 }
 
 // ---- the search ----
@@ -321,15 +266,13 @@ static void add_heap( wisp_world* world )
 }
 
 // @return the hash of all state
-static uint64_t run_scene( wisp_contact_primitives primitives, float margin, scene_counts* counts )
+static uint64_t run_scene( float margin, scene_counts* counts )
 {
     SCOPED( close_world ) hosted h;
     *counts = ( scene_counts ){ 0 };
     open_contact( &h, 8, 1, 1 );
     wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.primitives = primitives;
     settings.margin = margin;
-    settings.particle_spacing = 0.02f;
     assert_status( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_OK );
     add_heap( h.world );
     for ( int step = 0; step < 30; ++step )
@@ -346,20 +289,17 @@ static uint64_t run_scene( wisp_contact_primitives primitives, float margin, sce
 TEST( how_far_pairs_are_looked_for_does_not_change_a_bit )
 {
     static const float MARGINS[] = { 0.05f, 0.3f, 1.0f, 6.0f, 30.0f };
-    for ( int primitives = 0; primitives < WISP_CONTACT_PRIMITIVES_COUNT; ++primitives )
+    uint64_t first = 0;
+    scene_counts counts[WISP_COUNT( MARGINS )];
+    for ( int i = 0; i < WISP_COUNT( MARGINS ); ++i )
     {
-        uint64_t first = 0;
-        scene_counts counts[WISP_COUNT( MARGINS )];
-        for ( int i = 0; i < WISP_COUNT( MARGINS ); ++i )
-        {
-            const uint64_t hash = run_scene( (wisp_contact_primitives)primitives, MARGINS[i], counts + i );
-            first = i == 0 ? hash : first;
-            assert_true( hash == first );
-        }
-        // and it does change the candidates: far more pairs, far less often
-        assert_true( counts[4].candidates > 2 * counts[0].candidates );
-        assert_true( counts[4].searches < counts[0].searches );
+        const uint64_t hash = run_scene( MARGINS[i], counts + i );
+        first = i == 0 ? hash : first;
+        assert_true( hash == first );
     }
+    // and it does change the candidates: far more pairs, far less often
+    assert_true( counts[4].candidates > 2 * counts[0].candidates );
+    assert_true( counts[4].searches < counts[0].searches );
 }
 
 // A soft cloth that falls over a rotating ball and winds around it. @return the ball
@@ -614,256 +554,199 @@ TEST( a_pair_that_is_new_in_a_list_has_nothing_of_the_next )
     assert_true( mean_of( h.world, e[1], 1 ) > 0.99 * (double)GAP );
 }
 
-// ---- boundary particles ----
+// ---- spheres ----
 
-static const float SHEET_THICKNESS = 0.125f; // m
+enum
+{
+    BODIES = 2,
+};
 
-typedef struct six
+// A sheet that falls on one that is wrinkled, both free, in a world of a level.
+typedef struct meeting
 {
     hosted h;
-    wisp_entity body[2];
-    double3 before[6], predicted[6], after[6];
-    double w[6];
-} six;
+    wisp_entity body[BODIES];
+    int vertices[BODIES];
+} meeting;
 
-static void read_places( six* s, double3* out )
+static void open_meeting( meeting* m, wisp_contact_level level, float speed )
 {
-    for ( int i = 0; i < 6; ++i )
+    *m = ( meeting ){ .vertices = { 13 * 13, 11 * 11 } };
+    open_contact( &m->h, 10, 1, 1 );
+    set_level( m->h.world, level );
+    test_mesh lower = level_sheet( 13, 0.6f, ( wisp_vec3 ){ 0 } ),
+              upper = level_sheet( 11, 0.4f, ( wisp_vec3 ){ 0.02f, 0.13f, 0.01f } );
+    for ( int v = 0; v < lower.vertex_count; ++v )
     {
-        const float* at = place_of( s->h.world, s->body[i / 3], i % 3 );
-        out[i] = double3_make( (double)at[0], (double)at[1], (double)at[2] );
+        lower.points[v].y += test_random_float( 3, v, -0.01f, 0.01f );
     }
+    const wisp_vec3 none = { 0 };
+    m->body[0] = add_draping( m->h.world, &lower, NULL, 0, none );
+    m->body[1] = add_draping( m->h.world, &upper, NULL, 0, none );
+    wisp_contact_def def = contact_of( 0.02f );
+    def.friction = 0.4f;
+    for ( int i = 0; i < BODIES; ++i )
+    {
+        set_contact( m->h.world, m->body[i], &def );
+        assert_status( m->h.world,
+                       wisp_set_velocity( m->h.world, m->body[i],
+                                          ( wisp_vec3 ){ i == 0 ? 0.0f : 0.3f, i == 0 ? 0.0f : -speed, 0.0f }, none ),
+                       WISP_OK );
+    }
+    request_stats( m->h.world );
 }
 
-// Two triangles, one rotated and above the other, approach each other.
-static void open_six( six* s, int n )
+// Contact gives each side what it takes from the other, so momentum is what it was, up to roundings of positions of 1 m: 3e-8 m in each
+// of ten substeps, over 1/600 s, times 0.08 kg.
+TEST( levels_without_a_limit_keep_momentum )
 {
-    *s = ( six ){ 0 };
-    open_contact( &s->h, 1, 1, 1 );
-    wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.primitives = WISP_CONTACT_PARTICLES;
-    settings.particle_spacing = 0.2f;
-    assert_status( s->h.world, wisp_set_contact_settings( s->h.world, &settings ), WISP_OK );
-    for ( int k = 0; k < 2; ++k )
+    for ( int level = WISP_CONTACT_TRIANGLES; level < WISP_CONTACT_LEVEL_COUNT; ++level )
     {
-        wisp_vec3 p[3];
-        for ( int v = 0; v < 3; ++v )
+        meeting m;
+        open_meeting( &m, (wisp_contact_level)level, 0.5f );
+        double before[3], after[3], impulse = 0.0;
+        run_steps( m.h.world, 1, FRAME ); // nothing touches yet
+        momentum_of( m.h.world, m.body, BODIES, before );
+        for ( int step = 0; step < 40; ++step )
         {
-            const float angle = 2.0944f * (float)v + test_random_float( n, 10 * k + v, -0.4f, 0.4f ) + (float)k;
-            p[v] = ( wisp_vec3 ){ 0.5f * cosf( angle ) + test_random_float( n, 30 + k, -0.1f, 0.1f ),
-                                  k == 0 ? SHEET_THICKNESS * test_random_float( n, 40 + v, 1.1f, 1.3f ) : 0.0f,
-                                  0.5f * sinf( angle ) + test_random_float( n, 50 + k, -0.1f, 0.1f ) };
+            run_steps( m.h.world, 1, FRAME );
+            const wisp_contact_stats f = contact_stats( m.h.world );
+            impulse += f.impulse;
+            for ( int k = 0; k < 3; ++k )
+            {
+                assert_near( f.net_impulse[k], 0.0, 1e-6 * ( f.impulse + 1e-3 ) );
+            }
         }
-        test_mesh mesh = triangle_mesh( p[0], p[1], p[2] );
-        s->body[k] = add_mesh( s->h.world, &mesh, NULL, 0, k == 0 ? 0.2f : 0.5f );
-        wisp_contact_def def = contact_of( SHEET_THICKNESS );
-        def.max_push_out_speed = 1e-9f; // contact alone
-        set_contact( s->h.world, s->body[k], &def );
-    }
-    request_stats( s->h.world );
-    read_places( s, s->before );
-    for ( int i = 0; i < 6; ++i )
-    {
-        float* velocity = velocity_of( s->h.world, s->body[i / 3], i % 3 );
-        velocity[1] = test_random_float( n, 60 + i, 0.0f, 4.0f ) * ( i < 3 ? -1.0f : 1.0f );
-        s->w[i] = (double)place_of( s->h.world, s->body[i / 3], i % 3 )[3];
-        s->predicted[i] = double3_add( s->before[i], double3_make( 0.0, (double)( velocity[1] * DT ), 0.0 ) );
-    }
-    run_steps( s->h.world, 1, DT );
-    read_places( s, s->after );
-}
-
-// Displacements give the weights: a parent moves by its own weight times its inverse mass. With these weights, the
-// oracle must push as far, along the line between the two points at their initial positions.
-static bool check_six( const six* s )
-{
-    contact_oracle_contact c = { .a = { .count = 3, .vertex = { 0, 1, 2 } },
-                                 .b = { .count = 3, .vertex = { 3, 4, 5 } },
-                                 .gap = (double)SHEET_THICKNESS };
-    double3 sums[2] = { { 0 } }, ways[6];
-    for ( int i = 0; i < 6; ++i )
-    {
-        ways[i] = double3_scale( 1.0 / s->w[i], double3_sub( s->after[i], s->predicted[i] ) );
-        sums[i / 3] = double3_add( sums[i / 3], ways[i] );
-    }
-    const double length = double3_length( sums[0] );
-    // of a push of a millimetre, known to six digits
-    assert_near( double3_length( double3_add( sums[0], sums[1] ) ), 0.0, 1e-6 * fmax( length, 1.0 ) );
-    if ( length * s->w[0] < 1e-3 )
-    {
-        return false;
-    }
-    c.normal = double3_scale( 1.0 / length, sums[0] );
-    for ( int i = 0; i < 3; ++i )
-    {
-        c.a.weight[i] = double3_dot( ways[i], c.normal ) / length;
-        c.b.weight[i] = -double3_dot( ways[3 + i], c.normal ) / length;
-        assert_true( c.a.weight[i] > -1e-3 && c.b.weight[i] > -1e-3 );
-    }
-    const double3 between =
-        double3_sub( contact_oracle_point_of( &c.a, s->before ), contact_oracle_point_of( &c.b, s->before ) );
-    const double distance = double3_length( between );
-    assert_near( double3_distance( double3_scale( 1.0 / distance, between ), c.normal ), 0.0, 0.02 );
-    c.gap = fmin( c.gap, distance );
-    double3 x[6];
-    memcpy( x, s->predicted, sizeof( x ) );
-    contact_oracle_push( &c, s->w, x );
-    for ( int i = 0; i < 6; ++i )
-    {
-        // weights come from displacements of millimetres, known to 1e-7 m
-        assert_near( double3_distance( x[i], s->after[i] ), 0.0, 2e-5 );
-    }
-    return c.a.weight[0] > 0.05 && c.a.weight[1] > 0.05 && c.a.weight[2] > 0.05;
-}
-
-TEST( a_boundary_particle_moves_its_parents_by_their_weights )
-{
-    int checked = 0, inner = 0;
-    for ( int n = 0; n < 250; ++n )
-    {
-        six s;
-        open_six( &s, n );
-        double momentum[3];
-        momentum_of( s.h.world, s.body, 2, momentum );
-        double expected = 0.0;
-        for ( int i = 0; i < 6; ++i )
+        momentum_of( m.h.world, m.body, BODIES, after );
+        // the upper sheet has 0.012 kg m/s, and gives up a part of it
+        assert_true( impulse > 2e-3 );
+        for ( int k = 0; k < 3; ++k )
         {
-            expected += ( s.predicted[i].y - s.before[i].y ) / ( s.w[i] * (double)DT );
+            assert_near( after[k], before[k], 2e-5 );
         }
-        // a rounding of positions (6e-8 m) over the step, times 0.3 kg
-        assert_near( momentum[1], expected, 1e-5 );
-        assert_near( momentum[0], 0.0, 1e-5 );
-        if ( contact_stats( s.h.world ).contacts == 1 )
-        {
-            checked += 1;
-            inner += check_six( &s ) ? 1 : 0;
-        }
-        close_world( &s.h );
+        close_world( &m.h );
     }
-    assert_true( checked > 30 && inner > 3 );
 }
 
-// A needle falls on a sheet: it passes between particles whose spacing is that of its edges, but not where they are
-// closer.
-static bool needle_passes( wisp_contact_primitives primitives, float spacing )
+enum
 {
-    SCOPED( close_world ) hosted h;
-    open_contact( &h, 4, 1, 1 );
-    wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.primitives = primitives;
-    settings.particle_spacing = spacing;
-    assert_status( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_OK );
-    test_mesh double_sided = level_sheet( 3, 1.0f, ( wisp_vec3 ){ 0 } ),
-              needle = triangle_mesh( ( wisp_vec3 ){ 0.13f, 0.03f, 0.31f }, ( wisp_vec3 ){ 0.14f, 0.13f, 0.31f },
-                                      ( wisp_vec3 ){ 0.13f, 0.13f, 0.32f } );
-    const wisp_entity a = add_pinned( h.world, &double_sided ), b = add_draping( h.world, &needle, NULL, 0, EARTH );
-    const wisp_contact_def def = contact_of( 0.02f );
-    set_contact( h.world, a, &def );
-    set_contact( h.world, b, &def );
-    request_stats( h.world );
-    run_steps( h.world, 30, DT );
-    assert_int_equal( contact_stats( h.world ).participants, 2 );
-    return mean_of( h.world, b, 1 ) < 0.0;
+    VERTICES = 13 * 13 + 11 * 11,
+};
+
+// Find the smallest distance of two vertices over what they keep, in double. Vertices of one sheet that are neighbours at rest are no pair.
+static double least_gap( const meeting* m, const double3 rest[VERTICES], const double keeps[VERTICES] )
+{
+    double3 now[VERTICES];
+    double least = INFINITY;
+    for ( int a = 0; a < VERTICES; ++a )
+    {
+        const int one = a < m->vertices[0] ? 0 : 1;
+        now[a] = double3_from( place_of( m->h.world, m->body[one], a - one * m->vertices[0] ) );
+        for ( int b = 0; b < a; ++b )
+        {
+            const int other = b < m->vertices[0] ? 0 : 1;
+            const double gap = fmax( keeps[a], keeps[b] );
+            const bool is_pair = one != other || double3_distance( rest[a], rest[b] ) > 1.3 * gap;
+            least = is_pair ? fmin( least, double3_distance( now[a], now[b] ) / gap ) : least;
+        }
+    }
+    return least;
 }
 
-TEST( what_is_finer_than_the_spacing_passes )
+// Vertices keep 0.72 of their longest edge, which is more than the thickness here.
+static void find_keeps( const meeting* m, double3 rest[VERTICES], double keeps[VERTICES] )
 {
-    assert_true( needle_passes( WISP_CONTACT_PARTICLES, 0.5f ) );
-    assert_false( needle_passes( WISP_CONTACT_PARTICLES, 0.01f ) );
-    assert_false( needle_passes( WISP_CONTACT_TRIANGLES, 0.5f ) );
+    memset( keeps, 0, VERTICES * sizeof( *keeps ) );
+    for ( int body = 0; body < BODIES; ++body )
+    {
+        const wisp_fabric* f = wisp_world_fabric( m->h.world, m->body[body] );
+        const int first = body * m->vertices[0];
+        for ( int v = 0; v < f->vertex_count; ++v )
+        {
+            rest[first + f->slot_vertex[v]] = double3_widen( f->rest[v] );
+        }
+        for ( int i = 0; i < 2 * f->edge_count; ++i )
+        {
+            const int v = first + f->slot_vertex[f->edges[i]], other = first + f->slot_vertex[f->edges[i ^ 1]];
+            keeps[v] = fmax( keeps[v], 0.72 * double3_distance( rest[v], rest[other] ) );
+        }
+    }
 }
 
-TEST( more_particles_stand_on_a_finer_spacing )
+// Where no sphere leaves its margin, the nearest of all pairs is in the lists. Where one does it is counted, and where many do lists are made again.
+TEST( no_pair_of_spheres_that_is_near_is_missed )
 {
-    int points[3];
-    for ( int i = 0; i < 3; ++i )
+    static const float SPEEDS[] = { 0.2f, 0.8f, 20.0f }; // m/s
+    int counted[WISP_COUNT( SPEEDS )] = { 0 }, searches[WISP_COUNT( SPEEDS )] = { 0 }, near = 0;
+    for ( int i = 0; i < WISP_COUNT( SPEEDS ); ++i )
+    {
+        meeting m;
+        open_meeting( &m, WISP_CONTACT_SPHERES, SPEEDS[i] );
+        double3 rest[VERTICES];
+        double keeps[VERTICES];
+        find_keeps( &m, rest, keeps );
+        assert_status( m.h.world, wisp_set_gravity( m.h.world, m.body[1], ( wisp_vec3 ){ 0.0f, -1.5f, 0.0f } ),
+                       WISP_OK );
+        for ( int step = 0; step < 60; ++step )
+        {
+            run_steps( m.h.world, 1, FRAME );
+            const wisp_contact_stats f = contact_stats( m.h.world );
+            const double least = least_gap( &m, rest, keeps );
+            counted[i] += f.outran;
+            searches[i] += f.searches;
+            near += least < 1.0 ? 1 : 0;
+            if ( f.outran == 0 && least < 1.0 )
+            {
+                assert_near( (double)f.min_gap, least, 1e-5 );
+            }
+        }
+        close_world( &m.h );
+    }
+    print_message( "%d, %d, %d outran, %d, %d, %d searches; near in %d steps\n", counted[0], counted[1], counted[2],
+                   searches[0], searches[1], searches[2], near );
+    assert_int_equal( counted[0], 0 );
+    assert_true( searches[0] == 60 && searches[2] > 60 && counted[2] > 0 && near > 40 );
+}
+
+// A needle falls on a sheet whose vertices are many thicknesses apart.
+TEST( no_level_lets_a_point_slip_between_vertices )
+{
+    for ( int level = 0; level < WISP_CONTACT_LEVEL_COUNT; ++level )
     {
         SCOPED( close_world ) hosted h;
-        open_contact( &h, 1, 1, 1 );
-        wisp_contact_settings settings = wisp_default_contact_settings();
-        settings.primitives = WISP_CONTACT_PARTICLES;
-        settings.particle_spacing = i == 2 ? 0.0f : 0.1f / (float)( 1 + i ); // of the last: the thickness, 0.0125 m
-        assert_status( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_OK );
-        test_mesh double_sided = level_sheet( 3, 0.5f, ( wisp_vec3 ){ 0 } );
-        const wisp_entity e = add_draping( h.world, &double_sided, NULL, 0, EARTH );
-        const wisp_contact_def def = contact_of( 0.0125f );
-        set_contact( h.world, e, &def );
+        open_contact( &h, 4, 1, 1 );
+        set_level( h.world, (wisp_contact_level)level );
+        test_mesh sheet = level_sheet( 3, 1.0f, ( wisp_vec3 ){ 0 } ),
+                  needle = triangle_mesh( ( wisp_vec3 ){ 0.13f, 0.03f, 0.31f }, ( wisp_vec3 ){ 0.14f, 0.13f, 0.31f },
+                                          ( wisp_vec3 ){ 0.13f, 0.13f, 0.32f } );
+        const wisp_entity a = add_pinned( h.world, &sheet ), b = add_draping( h.world, &needle, NULL, 0, EARTH );
+        const wisp_contact_def def = contact_of( 0.02f );
+        set_contact( h.world, a, &def );
+        set_contact( h.world, b, &def );
         request_stats( h.world );
-        run_steps( h.world, 1, DT );
-        points[i] = contact_stats( h.world ).points;
+        run_steps( h.world, 30, DT );
+        assert_true( mean_of( h.world, b, 1 ) > 0.0 );
+        assert_int_equal( contact_stats( h.world ).intersections, 0 );
     }
-    assert_true( points[0] > 9 && points[1] > 2 * points[0] && points[2] > 2 * points[1] );
 }
 
-// A fast sheet has a large search margin. After it stops, the search runs once more with a smaller margin.
-TEST( what_has_stopped_is_not_looked_for_far_around )
-{
-    static const float SPEED = 2.6f, GAP = 0.02f;             // m/s, m
-    const float START = 0.12f + 8.0f * ( SPEED - 0.8f ) * DT; // m
-    SCOPED( close_world ) hosted h;
-    open_contact( &h, 1, 1, 1 );
-    wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.primitives = WISP_CONTACT_PARTICLES;
-    settings.particle_spacing = GAP;
-    settings.margin = 0.05f;
-    assert_status( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_OK );
-    test_mesh floor = level_sheet( 4, 0.5f, ( wisp_vec3 ){ 0 } ),
-              falling = level_sheet( 4, 0.4f, ( wisp_vec3 ){ 0.01f, START, 0.02f } );
-    const wisp_entity e[2] = { add_pinned( h.world, &floor ),
-                               add_draping( h.world, &falling, NULL, 0, ( wisp_vec3 ){ 0 } ) };
-    const wisp_contact_def def = contact_of( GAP );
-    for ( int i = 0; i < 2; ++i )
-    {
-        set_contact( h.world, e[i], &def );
-    }
-    request_stats( h.world );
-    int64_t candidates[2];
-    int searches = 0;
-    for ( int step = 0; step < 60; ++step )
-    {
-        for ( int v = 0; v < 16; ++v )
-        {
-            velocity_of( h.world, e[1], v )[1] = step < 8 ? -SPEED : 0.0f;
-        }
-        run_steps( h.world, 1, DT );
-        candidates[step < 8 ? 0 : 1] = (int64_t)contact_stats( h.world ).candidates;
-        searches += step < 8 ? 0 : contact_stats( h.world ).searches;
-    }
-    assert_near( mean_of( h.world, e[1], 1 ), (double)START - 8.0 * (double)( SPEED * DT ), 1e-5 );
-    assert_true( candidates[0] > 1000 );
-    assert_int_equal( candidates[1], 0 );
-    assert_int_equal( searches, 1 );
-}
+// ---- a change of the level ----
 
-// Candidates grow with the square of the search margin, and the search repeats as soon as it is used up.
-TEST( fast_particles_have_few_candidates )
+TEST( a_level_may_change_between_steps )
 {
-    enum
-    {
-        MAX_PER_PARTICLE = 50, // 27 are found; a margin of four substeps gives 217
-    };
     SCOPED( close_world ) hosted h;
-    open_contact( &h, 10, 1, 1 );
-    wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.primitives = WISP_CONTACT_PARTICLES;
-    assert_status( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_OK );
-    test_mesh floor = level_sheet( 4, 0.2f, ( wisp_vec3 ){ 0, -1.0f, 0 } ),
-              turning = level_sheet( 6, 0.2f, ( wisp_vec3 ){ 0 } );
-    const wisp_entity pinned = add_pinned( h.world, &floor ),
-                      free = add_draping( h.world, &turning, NULL, 0, ( wisp_vec3 ){ 0 } );
-    const wisp_contact_def def = contact_of( 0.004f );
-    set_contact( h.world, pinned, &def );
-    set_contact( h.world, free, &def );
-    assert_status( h.world, wisp_set_velocity( h.world, free, ( wisp_vec3 ){ 4, 0, 0 }, ( wisp_vec3 ){ 0, 5, 0 } ),
-                   WISP_OK );
-    request_stats( h.world );
-    for ( int step = 0; step < 10; ++step )
+    open_contact( &h, 8, 1, 1 );
+    add_heap( h.world );
+    int contacts[WISP_CONTACT_LEVEL_COUNT] = { 0 };
+    for ( int step = 0; step < 90; ++step )
     {
+        const wisp_contact_level level = (wisp_contact_level)( step / 10 % WISP_CONTACT_LEVEL_COUNT );
+        set_level( h.world, level );
         run_steps( h.world, 1, FRAME );
-        const wisp_contact_stats stats = contact_stats( h.world );
-        if ( stats.candidates > (int64_t)MAX_PER_PARTICLE * stats.points )
-        {
-            fail_msg( "%d candidates of %d particles", (int)stats.candidates, stats.points );
-        }
+        contacts[level] += contact_stats( h.world ).contacts;
     }
+    set_level( h.world, WISP_CONTACT_EXACT );
+    run_steps( h.world, 30, FRAME );
+    assert_true( contacts[0] > 100 && contacts[1] > 100 && contacts[2] > 100 );
+    assert_int_equal( contact_stats( h.world ).intersections, 0 );
 }

@@ -218,13 +218,12 @@ static void give_contact( wisp_world* world, wisp_entity e, float thickness, flo
 
 TEST( each_point_keeps_half_the_sum_of_both_thicknesses )
 {
-    static const wisp_contact_primitives PRIMITIVES[] = { WISP_CONTACT_TRIANGLES, WISP_CONTACT_PARTICLES };
-    for ( int i = 0; i < WISP_COUNT( PRIMITIVES ); ++i )
+    for ( int level = 0; level < WISP_CONTACT_LEVEL_COUNT; ++level )
     {
         SCOPED( close_world ) hosted h;
         open_contact( &h, 8, 2, 1 );
         wisp_contact_settings settings = wisp_default_contact_settings();
-        settings.primitives = PRIMITIVES[i];
+        settings.level = (wisp_contact_level)level;
         assert_status( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_OK );
         const wisp_entity ground = add_ground( h.world ), e = add_loose( h.world, 0.03f, EARTH );
         give_contact( h.world, ground, H, 0.0f );
@@ -237,9 +236,9 @@ TEST( each_point_keeps_half_the_sum_of_both_thicknesses )
         }
         assert_status( h.world, wisp_set_map( h.world, e, WISP_MAP_CONTACT_THICKNESS, factors, COUNT ), WISP_OK );
         request_stats( h.world );
-        run_steps( h.world, PRIMITIVES[i] == WISP_CONTACT_PARTICLES ? 20 : 60, FRAME );
+        run_steps( h.world, level == WISP_CONTACT_SPHERES ? 20 : 60, FRAME );
         const double thick = 0.5 * ( 0.5 + 1.0 ) * (double)H, thin = 0.5 * ( 0.5 + 0.1 ) * (double)H;
-        for ( int v = 0; v < COUNT && PRIMITIVES[i] == WISP_CONTACT_TRIANGLES; ++v )
+        for ( int v = 0; v < COUNT && level != WISP_CONTACT_SPHERES; ++v )
         {
             // edges between the halves hold both of their ends at what they have where they cross an edge
             const bool is_between = v / N == 1 || v / N == 2;

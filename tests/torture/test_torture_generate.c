@@ -113,7 +113,7 @@ TEST( every_kind_is_drawn )
                                          "strain_limit:",
                                          "vertex_masses:",
                                          "coarse_substeps:",
-                                         "primitives: particles",
+                                         "level: spheres",
                                          "stretch: links",
                                          "bending: dihedral",
                                          "bending: isometric",

@@ -92,4 +92,21 @@ typedef struct wisp_separation_args
     int32_t* active;               ///< [pair] out: active pairs first, whose bound may fall below zero
 } wisp_separation_args;
 
+/// Points that keep distances, in packs of sixteen. A pack has as many rows of pairs as its point with the most; a lane without a pair
+/// has any other point and the gap 0.
+typedef struct wisp_point_pair_args
+{
+    const float* start;      ///< [point][4] m, at the start of a substep; the fourth is the root of the friction coefficient
+    const float* now;        ///< [point][4] m; the fourth is 1/kg
+    const int32_t* own_x4;   ///< [pack][16] points, times 4
+    const int32_t* begin;    ///< [pack + 1] first row of pairs
+    const int32_t* other_x4; ///< [row][16] the other points, times 4
+    const float* gap;        ///< [row][16] m, to keep
+    float reach;             ///< of find_near_pairs: pairs within this many gaps are near
+    float recovery;          ///< gaps by which pairs that start nearer than theirs may part
+    uint16_t* found;         ///< [row] a bit for each pair that is found
+    float* count;            ///< [pack][16] out of find_pressing_points: pairs of a point
+    float *push, *shift;     ///< [pack][16][4] out of push_points, kg m: sum of corrections, and of recovery; the fourth sums lengths
+} wisp_point_pair_args;
+
 WISP_END_C
