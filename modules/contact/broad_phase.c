@@ -7,9 +7,10 @@
 // (displacement_limit.c). A cloth that folds is searched about twice per step; a thousand clusters cost 0.3 ms.
 #include "broad_phase.h"
 
-#include "cached_bounds.h"
 #include "clusters.h"
 #include "predicted_motion.h"
+
+#include <string.h>
 
 enum
 {
@@ -118,4 +119,232 @@ wisp_status contact_search( const contact_work* work, wisp_error* error )
     }
     s->is_listed = status == WISP_OK;
     return status;
+}
+
+// Cached bounds: of each pair of clusters a lower bound of the distance of its primitives, less their gap. In:
+// overlaps of the broad phase; displacements of clusters. Out: the pairs that may reach their gap in this substep,
+// for the narrow phase.
+//
+// A bound that was measured shrinks in each substep by the most that the two clusters approached each other. A pair
+// is active when its bound may be used up in this substep, which in a folded cloth is one pair in eight. Bounds
+// outlive searches. This is temporal coherence in the manner of conservative advancement (Mirtich 1996), with pairs
+// of clusters for pairs of bodies.
+
+enum
+{
+    LIST_GRAIN = 64,
+    PAIRS_PER_BLOCK = 1024,
+};
+
+// ---- the list ----
+
+static bool reserve_list( const contact_work* work, int turn, size_t most, contact_cluster_pairs* pairs )
+{
+    const size_t begins = (size_t)work->contact_mesh->clusters->count + 1, index = sizeof( int32_t );
+    wisp_buffer* const list = work->contact_mesh->bounds->buffers + turn;
+    return contact_reserve( work, list + CONTACT_BOUND_BEGIN, begins * index, (void**)&pairs->begin ) &&
+           contact_reserve( work, list + CONTACT_BOUND_CLUSTER, most * index, (void**)&pairs->cluster ) &&
+           contact_reserve( work, list + CONTACT_BOUND_OTHER, most * index, (void**)&pairs->other ) &&
+           contact_reserve( work, list + CONTACT_BOUND_SLACK, most * sizeof( float ), (void**)&pairs->slack ) &&
+           contact_reserve( work, list + CONTACT_BOUND_LIST, most * sizeof( *pairs->list ), (void**)&pairs->list );
+}
+
+// Both lists get the same room, so that repeated steps ask for no memory, whichever list is in turn.
+static bool reserve_pairs( const contact_work* work, size_t count )
+{
+    contact_cached_bounds* b = work->contact_mesh->bounds;
+    const size_t most = count + WISP_SLICE, index = sizeof( int32_t ), blocks = most / PAIRS_PER_BLOCK + 1;
+    return reserve_list( work, b->turn, most, b->pairs ) && reserve_list( work, 1 - b->turn, most, b->pairs + 1 ) &&
+           contact_reserve( work, b->buffers + CONTACT_BOUND_ACTIVE, most * index, (void**)&b->active ) &&
+           contact_reserve( work, b->buffers + CONTACT_BOUND_SEARCHED, most * index, (void**)&b->searched ) &&
+           contact_reserve( work, b->buffers + CONTACT_BOUND_ACTIVE_COUNT, blocks * index, (void**)&b->active_count );
+}
+
+// @param known where a list before has the pair; -1: nowhere
+static void put_pair( contact_cluster_pairs* pairs, int at, int32_t cluster, int32_t other, int known )
+{
+    const contact_cluster_pairs* before = pairs + 1;
+    pairs->cluster[at] = cluster;
+    pairs->other[at] = other;
+    pairs->slack[at] = known >= 0 ? before->slack[known] : -INFINITY;
+    pairs->list[at] = known >= 0 ? before->list[known] : ( contact_list ){ 0, 0, 0, 0.0f };
+}
+
+// Bounds of a cluster's pairs in the list before, in the order of the other clusters.
+typedef struct known_pairs
+{
+    const contact_cluster_pairs* pairs;
+    int next, end;
+} known_pairs;
+
+// A pair that was listed before keeps its bound and its list; of a new one nothing is known.
+static int place_of( known_pairs* known, int32_t other )
+{
+    while ( known->next < known->end && known->pairs->other[known->next] < other )
+    {
+        known->next += 1;
+    }
+    const bool is_known = known->next < known->end && known->pairs->other[known->next] == other;
+    return is_known ? known->next : -1;
+}
+
+typedef struct list_loop
+{
+    const contact_work* work;
+    const wisp_aabb_pairs* found;
+    bool is_known;
+} list_loop;
+
+static void list_pairs_of( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const list_loop* loop = context;
+    contact_contact_mesh* s = loop->work->contact_mesh;
+    const wisp_aabb_pairs* found = loop->found;
+    for ( int p = begin; p < end; ++p )
+    {
+        known_pairs known = { .pairs = s->bounds->pairs + 1 };
+        if ( loop->is_known )
+        {
+            known.next = known.pairs->begin[p];
+            known.end = known.pairs->begin[p + 1];
+        }
+        int at = s->bounds->pairs[0].begin[p];
+        if ( contact_clusters_may_meet( loop->work, p, p ) )
+        {
+            put_pair( s->bounds->pairs, at++, p, p, place_of( &known, p ) );
+        }
+        for ( int i = found->begin[p]; i < found->begin[p + 1]; ++i )
+        {
+            const int32_t other = found->item[i];
+            put_pair( s->bounds->pairs, at++, p, other, place_of( &known, other ) );
+        }
+    }
+}
+
+bool contact_list_cluster_pairs( const contact_work* work, const wisp_aabb_pairs* found, bool is_known )
+{
+    contact_contact_mesh* s = work->contact_mesh;
+    const contact_cluster_pairs known = s->bounds->pairs[0];
+    // the buffers of the list before that one are free
+    s->bounds->pairs[0] = s->bounds->pairs[1];
+    s->bounds->pairs[1] = known;
+    s->bounds->turn = 1 - s->bounds->turn;
+    contact_cluster_pairs* pairs = s->bounds->pairs;
+    if ( reserve_pairs( work, found->pair_count + (size_t)s->clusters->count ) == false )
+    {
+        return false;
+    }
+    pairs->count = 0;
+    for ( int p = 0; p < s->clusters->count; ++p )
+    {
+        pairs->begin[p] = pairs->count;
+        pairs->count += ( contact_clusters_may_meet( work, p, p ) ? 1 : 0 ) + found->begin[p + 1] - found->begin[p];
+    }
+    pairs->begin[s->clusters->count] = pairs->count;
+    list_loop loop = { work, found, is_known };
+    wisp_parallel_for( work->parallel, s->clusters->count, LIST_GRAIN, list_pairs_of, &loop );
+    for ( int i = 0; i < WISP_SLICE; ++i )
+    {
+        put_pair( pairs, pairs->count + i, 0, 0, -1 );
+        pairs->slack[pairs->count + i] = INFINITY;
+    }
+    return true;
+}
+
+bool contact_make_room_for_listed( const contact_work* work, int more )
+{
+    contact_cached_bounds* b = work->contact_mesh->bounds;
+    int64_t count = 0;
+    for ( int i = 0; i < b->pairs[0].count; ++i )
+    {
+        count += b->pairs[0].list[i].points + b->pairs[0].list[i].edges;
+    }
+    const int64_t needed = count + more, most = needed > b->listed_most ? needed + needed / 2 : b->listed_most;
+    contact_listed* together =
+        wisp_parallel_scratch( work->parallel, work->worker, ( (size_t)most + 1 ) * sizeof( *together ) );
+    if ( most > INT32_MAX || together == NULL )
+    {
+        return false;
+    }
+    b->listed_count = 0;
+    for ( int i = 0; i < b->pairs[0].count; ++i )
+    {
+        contact_list* list = b->pairs[0].list + i;
+        const int length = list->points + list->edges;
+        if ( length > 0 )
+        {
+            memcpy( together + b->listed_count, b->listed + list->first, (size_t)length * sizeof( *together ) );
+        }
+        list->first = b->listed_count;
+        b->listed_count += length;
+    }
+    b->listed_most = (int)most;
+    if ( contact_reserve( work, b->buffers + CONTACT_BOUND_LISTED, (size_t)most * sizeof( *b->listed ),
+                          (void**)&b->listed ) == false )
+    {
+        return false;
+    }
+    memcpy( b->listed, together, (size_t)count * sizeof( *together ) );
+    return true;
+}
+
+// ---- active pairs ----
+
+typedef struct active_loop
+{
+    const contact_work* work;
+    bool missed_only;
+} active_loop;
+
+// Pairs without a bound are active, and so are those with NaN.
+static void find_active( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const active_loop* loop = context;
+    const contact_contact_mesh* s = loop->work->contact_mesh;
+    const wisp_separation_args args = {
+        .moved = loop->missed_only ? NULL : s->motion->gone->middle,
+        .predicted = s->motion->ways->middle,
+        .first = s->bounds->pairs[0].cluster,
+        .second = s->bounds->pairs[0].other,
+        .separation_bound = s->bounds->pairs[0].slack,
+        .active = s->bounds->active,
+    };
+    s->bounds->active_count[begin / PAIRS_PER_BLOCK] =
+        wisp_frame_kernels( loop->work->frame )->find_active_pairs( &args, begin, end );
+}
+
+// Compact the active pairs of all blocks, and select those to be searched.
+static int gather_active( const contact_contact_mesh* s, bool missed_only )
+{
+    contact_cached_bounds* b = s->bounds;
+    const contact_cluster_pairs* pairs = b->pairs;
+    const uint8_t* is_missed = s->motion->cluster_is_missed;
+    int count = 0;
+    b->searched_count = 0;
+    for ( int first = 0; first < pairs->count; first += PAIRS_PER_BLOCK )
+    {
+        for ( int i = first; i < first + b->active_count[first / PAIRS_PER_BLOCK]; ++i )
+        {
+            const int32_t pair = b->active[i], one = pairs->cluster[pair], other = pairs->other[pair];
+            if ( missed_only == false || ( is_missed[one] | is_missed[other] ) != 0 )
+            {
+                const float closing = contact_closing_of( s->motion->ways + one, s->motion->ways + other );
+                const bool holds = pairs->slack[pair] + pairs->list[pair].beyond >= closing;
+                b->active[count++] = pair;
+                b->searched[b->searched_count] = pair;
+                b->searched_count += holds ? 0 : 1;
+            }
+        }
+    }
+    return count;
+}
+
+int contact_find_active_clusters( const contact_work* work, bool missed_only )
+{
+    active_loop loop = { work, missed_only };
+    wisp_parallel_for( work->parallel, work->contact_mesh->bounds->pairs[0].count, PAIRS_PER_BLOCK, find_active,
+                       &loop );
+    return gather_active( work->contact_mesh, missed_only );
 }

@@ -99,15 +99,15 @@ typedef struct contact_contact_mesh
 
     struct contact_clusters* clusters;           // clusters.h
     struct contact_motion* motion;               // predicted_motion.h
-    struct contact_cached_bounds* bounds;        // cached_bounds.h
+    struct contact_cached_bounds* bounds;        // broad_phase.h
     struct contact_broad_phase* broad_phase;     // broad_phase.h
-    struct contact_intersections* intersections; // intersections.h
+    struct contact_intersections* intersections; // untangling.h
     struct contact_primitive_pairs* primitives;  // primitive_pairs.h
     struct contact_constraints* constraints;     // constraints.h
     struct contact_spheres* spheres;             // spheres.h
     struct contact_listed_rows* listed;          // listed_rows.h
     struct contact_supports* supports;           // supports.h
-    struct contact_colouring* colouring;         // colouring.h
+    struct contact_colouring* colouring;         // solve.h
     struct contact_limit* limit;                 // displacement_limit.h
     struct contact_untangling* untangling;       // untangling.h
 } contact_contact_mesh;

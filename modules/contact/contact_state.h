@@ -2,13 +2,11 @@
 #pragma once
 
 #include "broad_phase.h"
-#include "cached_bounds.h"
 #include "clusters.h"
-#include "colouring.h"
+#include "solve.h"
 #include "constraints.h"
 #include "contact_mesh.h"
 #include "displacement_limit.h"
-#include "intersections.h"
 #include "listed_rows.h"
 #include "predicted_motion.h"
 #include "primitive_pairs.h"

@@ -35,3 +35,6 @@ int contact_limit_displacements( const contact_work* work );
 
 /// Cut the displacements of all free points to the mean of all points.
 void contact_hold( const contact_work* work );
+
+/// Compute `carries` for this substep, and if it is set `carried` of all points of the contact mesh.
+void contact_find_carried( const contact_work* work );

@@ -3,7 +3,7 @@
 #include "listed_rows.h"
 
 #include "broad_phase.h"
-#include "closest_points.h"
+#include "primitive_pairs.h"
 #include "constraints.h"
 #include "gather_scatter.h"
 #include "predicted_motion.h"

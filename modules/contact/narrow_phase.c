@@ -5,13 +5,13 @@
 //   across the normal of either.
 // - Otherwise edges meet edges and points meet triangles, for eight pairs of clusters per kernel call. Planes across
 //   the line between the centres of two primitives, and across each, cull most pairs. The rest is measured exactly,
-//   and listed with its distance where it is near. A list holds until its bound is used up (cached_bounds.c).
+//   and listed with its distance where it is near. A list holds until its bound is used up (broad_phase.c).
 // - In each substep the listed pairs that may reach their gap are measured again (primitive_pairs.c).
 // - With too many pairs, displacements are cut to the smallest thickness and the pairs are found again: a cloth that
 //   collapsed, with all of it within the displacements of a substep, would have every pair of primitives.
 #include "narrow_phase.h"
 
-#include "cached_bounds.h"
+#include "broad_phase.h"
 #include "clusters.h"
 #include "predicted_motion.h"
 #include "primitive_pairs.h"

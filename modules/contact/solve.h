@@ -2,9 +2,34 @@
 #pragma once
 
 #include "constraints.h"
+#include "contact_mesh.h"
 
 /// Project all constraints once, with friction.
 void contact_project_rows( const contact_work* work );
 
 /// Push pairs apart that are closer than their gap, at a bounded speed and without giving them velocity.
 void contact_recover( const contact_work* work );
+
+enum
+{
+    CONTACT_COLOURS = 64,
+};
+
+/// Fixed blocks of constraints, each of one kind. Blocks of one colour share no point.
+typedef struct contact_colouring
+{
+    int count;
+    int32_t* begin;                      // [count + 1] first row
+    int32_t* colour_of;                  // [count]
+    int32_t* order;                      // [count] blocks by colour
+    int32_t colour[CONTACT_COLOURS + 1]; // first of a colour in `order`
+    uint64_t* of_point;                  // [point] a bit for each colour that has it
+    wisp_buffer buffers[3], point_buffer;
+} contact_colouring;
+
+/// Make room for the points of the contact mesh.
+/// @return false without memory
+bool contact_reserve_colouring( const contact_work* work );
+
+/// Cut the constraints into blocks and colour them.
+wisp_status contact_colour_rows( const contact_work* work, wisp_error* error );

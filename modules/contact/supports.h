@@ -18,7 +18,7 @@ typedef struct contact_support
     int32_t layer;   // number of layers between it and the body that supports the pile; or CONTACT_NO_SUPPORT
 } contact_support;
 
-/// What presses on a point from above, and what carries it; of loads.c.
+/// What presses on a point from above, and what carries it.
 typedef struct contact_tally
 {
     float normal, held; // kg m, as in contact_load
@@ -81,3 +81,20 @@ void contact_move_supported( const contact_work* work, contact_row* row, float c
 
 /// Put the points of a row back into their half spaces.
 void contact_keep_inside( const contact_work* work, const contact_row* row );
+
+/// Fetch the loads of the substep before.
+void contact_begin_loads( const contact_work* work );
+
+/// Apply friction to a supported row.
+void contact_apply_pile_friction( const contact_work* work, contact_row* row );
+
+/// Hand loads down to the layers below, for the next substep, and to the friction of bodies.
+void contact_hand_down_loads( const contact_work* work );
+
+/// Add how far the points [begin, end) of a row moved in the substep, with their weights.
+void contact_add_way( const contact_contact_mesh* s, const contact_row* row, int begin, int end, float way[3] );
+
+/// Find the tangential correction that a row still has to make, and add it to those made.
+/// @param way m, how far its first side moved relative to the second @param most m, the greatest length of all of them
+/// @param by m, receives it
+void contact_find_slip( contact_row* row, const float way[3], float most, float by[3] );

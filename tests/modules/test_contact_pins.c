@@ -3,7 +3,6 @@
 // nothing holds. A cut leaves a point the rigid motion of its participant's pinned points, against double precision.
 #include "contact_fixture.h"
 
-#include "carried_motion.h"
 #include "displacement_limit.h"
 #include "predicted_motion.h"
 
