@@ -292,14 +292,16 @@ static void list_followers( plan* p, const wisp_registry* r )
     for ( int i = 0; i < r->state_count; ++i )
     {
         bool is_live = false;
-        for ( int pass = 0; pass < r->pass_count && r->states[i].hooks.stepped != NULL; ++pass )
+        for ( int pass = 0;
+              pass < r->pass_count && ( r->states[i].hooks.stepped != NULL || r->states[i].hooks.begun != NULL );
+              ++pass )
         {
             is_live = is_live || ( store_mask_has( &p->live, pass ) &&
                                    strcmp( r->pass_modules[pass], r->states[i].module ) == 0 );
         }
         if ( is_live )
         {
-            p->stepped[p->stepped_count++] = (uint8_t)i;
+            p->acting[p->acting_count++] = (uint8_t)i;
         }
     }
 }
@@ -308,7 +310,7 @@ static void list_followers( plan* p, const wisp_registry* r )
 
 static void clear( plan* p )
 {
-    p->node_count = p->pass_count = p->target_count = p->loop_count = p->entity_count = p->stepped_count = 0;
+    p->node_count = p->pass_count = p->target_count = p->loop_count = p->entity_count = p->acting_count = 0;
     p->live = ( store_mask ){ { 0 } };
     memset( p->wave_count, 0, sizeof( p->wave_count ) );
     p->structure = 0;
@@ -385,10 +387,10 @@ wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error )
 wisp_status plan_end_step( const plan* p, const wisp_registry* r, wisp_world* world )
 {
     wisp_status status = WISP_OK;
-    for ( int i = 0; i < p->stepped_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < p->acting_count && status == WISP_OK; ++i )
     {
-        const plan_state* s = r->states + p->stepped[i];
-        status = s->hooks.stepped( s->memory, world );
+        const plan_state* s = r->states + p->acting[i];
+        status = s->hooks.stepped != NULL ? s->hooks.stepped( s->memory, world ) : WISP_OK;
     }
     return status;
 }

@@ -569,9 +569,9 @@ void plan_execute( wisp_frame* frame )
     frame->substep = frame->iteration = 0;
     run_section( frame, PLAN_BEFORE );
     find_apart( frame );
-    for ( int i = 0; i < frame->registry->state_count; ++i )
+    for ( int i = 0; i < p->acting_count; ++i )
     {
-        const plan_state* s = frame->registry->states + i;
+        const plan_state* s = frame->registry->states + p->acting[i];
         if ( s->hooks.begun != NULL )
         {
             s->hooks.begun( s->memory, frame, frame->registry->store->allocator );

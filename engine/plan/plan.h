@@ -252,8 +252,9 @@ typedef struct plan
     uint32_t* loop_passes; // [loop][loop_node_count] bit i: passes[i] of the node
     plan_loop_group* loop_groups;
     int loop_count, loop_slot_capacity, loop_pass_capacity, loop_group_count, loop_group_capacity;
-    uint8_t stepped[PLAN_MAX_STATES]; // states of modules with selected passes that act between steps
-    int stepped_count;
+    uint8_t
+        acting[PLAN_MAX_STATES]; // states of modules with selected passes that act between steps, or before substeps
+    int acting_count;
     uint32_t structure; // structure version of the store for which it was compiled
     uint64_t hash;
 } plan;

@@ -503,7 +503,7 @@ typedef struct surfaces
     float velocity[LANES][PARTICLES][4], previous[LANES][PARTICLES][4];
     _Alignas( 64 ) float memory[10][PARTICLES][LANES];
     int32_t a_x4[SHEET_LINKS], b_x4[SHEET_LINKS], constraint[SHEET_LINKS];
-    float rest[SHEET_LINKS], material[SHEET_LINKS];
+    float rest[SHEET_LINKS], material[SHEET_LINKS], area[PARTICLES];
     bool compliant;
 } surfaces;
 
@@ -526,6 +526,10 @@ static void fill_surfaces( void* state, int variant )
     {
         place_particle( s, i / PARTICLES, i % PARTICLES );
     }
+    for ( int i = 0; i < PARTICLES; ++i )
+    {
+        s->area[i] = i == DUMMY ? 0.0f : 0.5f;
+    }
     s->position[3][DUMMY][1] = -0.0f;
     memcpy( s->position[5][1], s->position[5][0], sizeof( s->position[5][0] ) ); // a link of length 0
     for ( int link = 0; link < SHEET_LINKS; ++link )
@@ -544,6 +548,7 @@ static wisp_instances_args args_of( surfaces* s )
 {
     wisp_instances_args args = {
         .slot_count = PARTICLES,
+        .area = s->area,
         .position = s->memory[0][0],
         .velocity = s->memory[4][0],
         .previous = s->memory[7][0],
@@ -606,7 +611,12 @@ static void move_together( const wisp_kernels* k, void* state, int begin, int en
 {
     surfaces* s = state;
     const wisp_instances_args args = args_of( s );
-    k->instances_load( &args );
+    uint32_t pinned = 0;
+    for ( int i = 0; i < LANES * DUMMY; ++i )
+    {
+        pinned |= s->position[i / DUMMY][i % DUMMY][3] == 0.0f ? 1u << i / DUMMY : 0;
+    }
+    assert_int_equal( k->instances_load( &args ), pinned );
     for ( int i = begin; i < end; ++i )
     {
         assert_int_equal( k->instances_advance( &args, i > 0, true ), 0 );
