@@ -132,7 +132,7 @@ const scene_block SCENE_STRAND_CONTACT_BLOCK = BLOCK( STRANDS_FIELDS );
 
 static const scene_choice LEVELS[] = {
     { "exact", "vertices keep off triangles and edges off edges, and nothing passes" },
-    { "triangles", "the same pairs, found once per step; what is fast may pass" },
+    { "triangles", "the same pairs, but displacements are not limited; what is fast may pass" },
     { "spheres",
       "points keep off points: vertices, and those of `boundary`; what is finer than their spacing passes" },
     { NULL, NULL }
@@ -171,11 +171,9 @@ static const scene_field WORLD_FIELDS[] = {
     { "level", SCENE_CHOICE, .at = CONTACT( level ), .choices = LEVELS, .constants = "WISP_CONTACT_",
       .help = "What is kept apart, and how surely." },
     { "margin", SCENE_NUMBER, .at = CONTACT( margin ), .range = RANGE( 0.01, 100 ),
-      .help = "How much farther than they keep apart pairs are searched, in such distances; with `level: exact` it "
-              "changes "
-              "the time and not the result." },
-    { "displacement_limit", SCENE_SWITCH, .at = CONTACT( displacement_limit ),
-      .help = "Shortens displacements before primitives pass through each other, with `level: exact`." },
+      .help = "How much farther than they keep apart pairs are searched, in such distances; it changes the time and "
+              "not the "
+              "result, except with `level: spheres`." },
     { "compute", SCENE_CUSTOM, .read = read_requests, .choices = WORDS,
       .help = "Statistics that are computed and printed.", .form = "list of words", .initial = "none" },
 };
@@ -186,8 +184,5 @@ wisp_status scene_read_contact( scene_reader* r, const scene_node* node, void* a
     wisp_scene* scene = at;
     wisp_status status = scene_read_block( r, node, &SCENE_WORLD_CONTACT_BLOCK, scene );
     scene->has_contact = status == WISP_OK;
-    const scene_node* limit = scene_child( r, node, "displacement_limit" );
-    return !status && limit && scene->contact.level != WISP_CONTACT_EXACT
-               ? scene_refuse_node( r, limit, "'displacement_limit' needs 'level: exact'" )
-               : status;
+    return status;
 }

@@ -17,6 +17,7 @@ static const struct
     { "dynamics", "leader_correction", NULL, "leave it out: it belonged to `stretch: follow`" },
     { "dynamics", "stretch", "follow", "use `links` with `solver: xpbd`, or `direct`" },
     // contact
+    { "contact", "displacement_limit", NULL, "use `level`: `exact` limits displacements, `triangles` does not" },
     { "contact", "primitives", NULL, "use `level`: `exact` for triangles, `spheres` for particles" },
     { "contact", "particle_spacing", NULL, "leave it out: spheres are vertices, and the points of `boundary`" },
     { "contact", "search", NULL, "leave it out: pairs are found by grids, the fastest of the searches" },

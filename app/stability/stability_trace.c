@@ -432,7 +432,7 @@ static bool is_left_out( const wisp_contact_def* contact )
 
 static bool may_intersect( const wisp_scene* scene )
 {
-    bool any = scene->contact.level != WISP_CONTACT_EXACT || !scene->contact.displacement_limit;
+    bool any = scene->contact.level != WISP_CONTACT_EXACT;
     for ( int i = 0; i < scene->surface_count; ++i )
     {
         const wisp_scene_surface* s = &scene->surfaces[i];

@@ -381,12 +381,7 @@ static void make_world( torture_builder* b, text_node* scene )
     }
     if ( b->has_contact && torture_chance( b, 40 ) )
     {
-        text_node* contact = torture_put_block( b, torture_block_of_scene(), scene, "contact", 30 );
-        const char* level = text_at( contact, "level" );
-        if ( strcmp( level, "triangles" ) == 0 || strcmp( level, "spheres" ) == 0 )
-        {
-            text_remove_key( contact, "displacement_limit" );
-        }
+        torture_put_block( b, torture_block_of_scene(), scene, "contact", 30 );
     }
 }
 

@@ -28,7 +28,7 @@ static wisp_aabb box_of_motion( const contact_work* work, int p )
     const float wide =
         0.5f * work->participants[s->clusters->items[p].participant].settings.thickness + predicted->margin;
     // with a search per step, ways are those of the step
-    const int substeps = work->settings->level == WISP_CONTACT_EXACT ? CONTACT_SUBSTEPS_AHEAD : 1;
+    const int substeps = CONTACT_SUBSTEPS_AHEAD;
     wisp_aabb box = contact_box_around( work, s->clusters->items + p );
     for ( int k = 0; k < 3; ++k )
     {
@@ -161,13 +161,18 @@ static bool reserve_pairs( const contact_work* work, size_t count )
 }
 
 // @param known where a list before has the pair; -1: nowhere
-static void put_pair( contact_cluster_pairs* pairs, int at, int32_t cluster, int32_t other, int known )
+static void put_pair( const contact_cached_bounds* b, int at, int32_t cluster, int32_t other, int known )
 {
+    const contact_cluster_pairs* pairs = b->pairs;
     const contact_cluster_pairs* before = pairs + 1;
     pairs->cluster[at] = cluster;
     pairs->other[at] = other;
     pairs->slack[at] = known >= 0 ? before->slack[known] : -INFINITY;
     pairs->list[at] = known >= 0 ? before->list[known] : ( contact_list ){ 0, 0, 0, 0.0f };
+    if ( pairs->list[at].points + pairs->list[at].edges > 0 )
+    {
+        b->listed[pairs->list[at].first - 1].a = at;
+    }
 }
 
 // Bounds of a cluster's pairs in the list before, in the order of the other clusters.
@@ -212,12 +217,12 @@ static void list_pairs_of( void* context, int begin, int end, int worker )
         int at = s->bounds->pairs[0].begin[p];
         if ( contact_clusters_may_meet( loop->work, p, p ) )
         {
-            put_pair( s->bounds->pairs, at++, p, p, place_of( &known, p ) );
+            put_pair( s->bounds, at++, p, p, place_of( &known, p ) );
         }
         for ( int i = found->begin[p]; i < found->begin[p + 1]; ++i )
         {
             const int32_t other = found->item[i];
-            put_pair( s->bounds->pairs, at++, p, other, place_of( &known, other ) );
+            put_pair( s->bounds, at++, p, other, place_of( &known, other ) );
         }
     }
 }
@@ -246,7 +251,7 @@ bool contact_list_cluster_pairs( const contact_work* work, const wisp_aabb_pairs
     wisp_parallel_for( work->parallel, s->clusters->count, LIST_GRAIN, list_pairs_of, &loop );
     for ( int i = 0; i < WISP_SLICE; ++i )
     {
-        put_pair( pairs, pairs->count + i, 0, 0, -1 );
+        put_pair( s->bounds, pairs->count + i, 0, 0, -1 );
         pairs->slack[pairs->count + i] = INFINITY;
     }
     return true;
@@ -255,38 +260,28 @@ bool contact_list_cluster_pairs( const contact_work* work, const wisp_aabb_pairs
 bool contact_make_room_for_listed( const contact_work* work, int more )
 {
     contact_cached_bounds* b = work->contact_mesh->bounds;
-    int64_t count = 0;
-    for ( int i = 0; i < b->pairs[0].count; ++i )
+    contact_cluster_pairs* pairs = b->pairs;
+    int kept = 0;
+    for ( int at = 0, next; at < b->listed_count; at = next )
     {
-        count += b->pairs[0].list[i].points + b->pairs[0].list[i].edges;
-    }
-    const int64_t needed = count + more, most = needed > b->listed_most ? needed + needed / 2 : b->listed_most;
-    contact_listed* together =
-        wisp_parallel_scratch( work->parallel, work->worker, ( (size_t)most + 1 ) * sizeof( *together ) );
-    if ( most > INT32_MAX || together == NULL )
-    {
-        return false;
-    }
-    b->listed_count = 0;
-    for ( int i = 0; i < b->pairs[0].count; ++i )
-    {
-        contact_list* list = b->pairs[0].list + i;
-        const int length = list->points + list->edges;
-        if ( length > 0 )
+        const contact_listed* head = b->listed + at;
+        contact_list* list = head->a < pairs->count ? pairs->list + head->a : NULL;
+        next = at + 1 + head->b;
+        if ( list != NULL && list->first == at + 1 && list->points + list->edges == head->b )
         {
-            memcpy( together + b->listed_count, b->listed + list->first, (size_t)length * sizeof( *together ) );
+            list->first = kept + 1;
+            memmove( b->listed + kept, head, (size_t)( next - at ) * sizeof( *head ) );
+            kept += next - at;
         }
-        list->first = b->listed_count;
-        b->listed_count += length;
     }
-    b->listed_most = (int)most;
-    if ( contact_reserve( work, b->buffers + CONTACT_BOUND_LISTED, (size_t)most * sizeof( *b->listed ),
-                          (void**)&b->listed ) == false )
-    {
-        return false;
-    }
-    memcpy( b->listed, together, (size_t)count * sizeof( *together ) );
-    return true;
+    b->listed_count = kept;
+    const int64_t needed = (int64_t)kept + more,
+                  most = needed > b->listed_most ? needed + needed / 2 : b->listed_most;
+    const bool enough =
+        most <= INT32_MAX && contact_reserve( work, b->buffers + CONTACT_BOUND_LISTED,
+                                              (size_t)most * sizeof( *b->listed ), (void**)&b->listed );
+    b->listed_most = enough ? (int)most : b->listed_most;
+    return enough;
 }
 
 // ---- active pairs ----

@@ -17,7 +17,8 @@ typedef struct contact_broad_phase
 /// Search for all pairs.
 wisp_status contact_search( const contact_work* work, wisp_error* error );
 
-/// A pair of primitives that was near when its clusters were searched.
+/// A pair of primitives that was near when its clusters were searched. Before those of two clusters stands one with their number in `a`,
+/// and in `b` how many there are.
 typedef struct contact_listed
 {
     int32_t a, b; // a point and a triangle, or two edges with a < b
@@ -76,7 +77,7 @@ typedef struct contact_cached_bounds
 /// @return false without memory
 bool contact_list_cluster_pairs( const contact_work* work, const wisp_aabb_pairs* found, bool is_known );
 
-/// Copy the pairs of primitives of all lists together, with room for more.
+/// Move the pairs of primitives of all lists together, and make room for more.
 /// @return false without memory
 bool contact_make_room_for_listed( const contact_work* work, int more );
 

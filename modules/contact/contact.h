@@ -22,7 +22,7 @@ typedef enum wisp_contact_level
     /// farther than the separating planes of its pairs allow. Pinned vertices move freely; what they pass through is
     /// untangled.
     WISP_CONTACT_EXACT = 0,
-    /// The same pairs, searched once per step, without a displacement limit: what is fast may pass through, and nothing is untangled.
+    /// The same pairs, without the displacement limit: what is fast may pass through, and is untangled.
     WISP_CONTACT_TRIANGLES = 1,
     /// Points, as spheres: the vertices of a surface, with the points of its layer if it has one (boundary.h). Pairs are searched once per
     /// step. They keep the thickness, but at least 0.8 of the mean distance of neighbouring points of a surface, so that no point
@@ -36,10 +36,9 @@ typedef struct wisp_contact_settings
 {
     uint32_t size;            ///< bytes; set by wisp_default_contact_settings()
     wisp_contact_level level; ///< default exact; may change between steps, as a level of detail
-    /// Search margin beyond the distance to keep, in such distances, > 0, default 1. A larger one makes lists longer. With exact contact
-    /// it makes searches rarer, with the same bits; else motion has to stay within it for a step.
+    /// Search margin beyond the distance to keep, in such distances, > 0, default 1. A larger one makes lists longer, and searches
+    /// rarer, with the same bits. Spheres are searched once per step: their motion has to stay within it.
     float margin;
-    bool displacement_limit; ///< default true: displacements are limited before they intersect (exact only)
 } wisp_contact_settings;
 
 WISP_DEFINITION( contact_settings );

@@ -105,7 +105,6 @@ typedef struct contact_contact_mesh
     struct contact_primitive_pairs* primitives;  // primitive_pairs.h
     struct contact_constraints* constraints;     // constraints.h
     struct contact_spheres* spheres;             // spheres.h
-    struct contact_listed_rows* listed;          // listed_rows.h
     struct contact_supports* supports;           // supports.h
     struct contact_colouring* colouring;         // solve.h
     struct contact_limit* limit;                 // displacement_limit.h

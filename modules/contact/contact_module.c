@@ -22,7 +22,6 @@ void wisp_init_contact_settings( wisp_contact_settings* def, size_t size )
 {
     const wisp_contact_settings values = {
         .margin = 1.0f,
-        .displacement_limit = true,
     };
     wisp_def_init( def, size, &values, sizeof( values ) );
 }
@@ -44,7 +43,6 @@ static void release_buffers( wisp_buffer* buffers, int count, const wisp_allocat
     X( motion )                                                                                                      \
     X( bounds )                                                                                                      \
     X( spheres )                                                                                                     \
-    X( listed )                                                                                                      \
     X( colouring )                                                                                                   \
     X( limit )                                                                                                       \
     X( supports )
@@ -323,7 +321,6 @@ static wisp_status declare( wisp_registry* r )
         .primitives = &state->primitives,
         .constraints = &state->constraints,
         .spheres = &state->spheres,
-        .listed = &state->listed,
         .supports = &state->supports,
         .colouring = &state->colouring,
         .limit = &state->limit,
@@ -425,10 +422,8 @@ wisp_status wisp_read_contact_stats( wisp_world* world, wisp_contact_stats* out 
     {
         *out = *stats;
         out->searches = state->broad_phase.searches;
-        out->candidates = state->world.level == WISP_CONTACT_EXACT ? state->bounds.pairs[0].count
-                          : state->world.level == WISP_CONTACT_TRIANGLES
-                              ? state->listed.count
-                              : (int64_t)state->spheres.overlaps.pair_count;
+        out->candidates = state->world.level == WISP_CONTACT_SPHERES ? (int64_t)state->spheres.overlaps.pair_count
+                                                                     : state->bounds.pairs[0].count;
     }
     return status;
 }

@@ -259,29 +259,21 @@ bool contact_join( wisp_frame* frame, wisp_entity entity, void* user )
     return true;
 }
 
-// Search at the start of a step, or after a change, and find what is near in this substep. Where many spheres left their predicted motion, as
-// in an impact, search again.
-static void find_listed( const contact_work* work, bool is_start )
+// List spheres at the start of a step, or after a change, and find what is near in this substep. Where many left their predicted motion, as in
+// an impact, list them again.
+static void find_spheres( const contact_work* work, bool is_start )
 {
     contact_contact_mesh* s = work->contact_mesh;
-    const bool are_spheres = work->settings->level == WISP_CONTACT_SPHERES;
+    const contact_spheres* spheres = s->spheres;
     const bool is_due = is_start || s->is_listed == false;
     work->memory->tangled = 0;
-    s->is_listed = is_due == false || run_stage( work, are_spheres ? contact_list_spheres : contact_list_rows );
-    if ( s->is_listed && are_spheres )
+    s->is_listed = is_due == false || run_stage( work, contact_list_spheres );
+    bool holds = s->is_listed && run_stage( work, contact_begin_spheres );
+    if ( holds && is_due == false && spheres->strayed > spheres->count / MOST_STRAYED )
     {
-        const contact_spheres* spheres = s->spheres;
-        bool holds = run_stage( work, contact_begin_spheres );
-        if ( holds && is_due == false && spheres->strayed > spheres->count / MOST_STRAYED )
-        {
-            holds = run_stage( work, contact_list_spheres ) && run_stage( work, contact_begin_spheres );
-        }
-        work->memory->stats.outran += holds ? spheres->strayed : 0;
+        holds = run_stage( work, contact_list_spheres ) && run_stage( work, contact_begin_spheres );
     }
-    else if ( s->is_listed )
-    {
-        (void)( run_stage( work, contact_take_listed_rows ) && run_stage( work, contact_colour_rows ) );
-    }
+    work->memory->stats.outran += holds ? spheres->strayed : 0;
 }
 
 void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
@@ -307,9 +299,9 @@ void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
         return;
     }
     contact_gather( &work, true );
-    if ( work.settings->level != WISP_CONTACT_EXACT )
+    if ( work.settings->level == WISP_CONTACT_SPHERES )
     {
-        find_listed( &work, span->substep == 0 );
+        find_spheres( &work, span->substep == 0 );
         return;
     }
     const contact_reached reached = contact_expect_ways( &work );
@@ -380,7 +372,7 @@ static void end_substep( const contact_work* work )
 // Limit what points do in a substep, if they are limited.
 static void end_ways( const contact_work* work, bool is_final )
 {
-    if ( work->settings->displacement_limit )
+    if ( work->settings->level == WISP_CONTACT_EXACT )
     {
         limit_displacements( work );
     }
@@ -416,8 +408,7 @@ void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
         return; // the step has failed, or there is nothing to do
     }
     const bool is_end = span->iteration + 1 == wisp_frame_iterations( frame );
-    const bool is_exact = state->world.level == WISP_CONTACT_EXACT,
-               has_rows = state->world.level != WISP_CONTACT_SPHERES;
+    const bool has_rows = state->world.level != WISP_CONTACT_SPHERES;
     contact_gather( &work, false );
     if ( span->iteration == 0 && has_rows )
     {
@@ -427,7 +418,7 @@ void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
     memset( work.contact_mesh->shift, 0, (size_t)work.contact_mesh->point_count * 4 * sizeof( float ) );
     project( &work, is_end );
     // what strands do is limited once more when their lengths are restored
-    const bool is_final = is_exact && is_end && wisp_frame_has( frame, span->entity, state->touches ) == false;
+    const bool is_final = has_rows && is_end && wisp_frame_has( frame, span->entity, state->touches ) == false;
     float before = INFINITY, pushed = contact_restore_lengths( &work, span );
     for ( int turn = 1; turn < LENGTH_TURNS && pushed > 0.0f && ( turn < USUAL_TURNS || pushed < before ); ++turn )
     {
@@ -438,9 +429,6 @@ void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
     if ( is_end && has_rows )
     {
         end_substep( &work );
-    }
-    if ( is_end && is_exact )
-    {
         end_ways( &work, is_final );
     }
     contact_scatter( &work, is_end, is_final );
@@ -466,7 +454,7 @@ void contact_limit_strands( wisp_frame* frame, const wisp_span* span, void* user
     const contact_state* state = user;
     const contact_work work = begin_work( frame, span, user );
     if ( work.contact_mesh->is_listed == false || all_sleep( frame, state ) ||
-         state->world.level != WISP_CONTACT_EXACT )
+         state->world.level == WISP_CONTACT_SPHERES )
     {
         return; // the step has failed, or there is nothing to do
     }
@@ -485,7 +473,7 @@ void contact_keep( wisp_frame* frame, const wisp_span* span, void* user )
     const contact_work work = { .contact_mesh = &state->contact_mesh,
                                 .components = &state->components,
                                 .frame = frame };
-    if ( state->contact_mesh.is_listed && state->world.level == WISP_CONTACT_EXACT )
+    if ( state->contact_mesh.is_listed && state->world.level != WISP_CONTACT_SPHERES )
     {
         contact_keep_participant( &work, state->participants + contact_find_participant( state, span->entity ) );
     }

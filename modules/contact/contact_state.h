@@ -7,7 +7,6 @@
 #include "constraints.h"
 #include "contact_mesh.h"
 #include "displacement_limit.h"
-#include "listed_rows.h"
 #include "predicted_motion.h"
 #include "primitive_pairs.h"
 #include "spheres.h"
@@ -39,7 +38,6 @@ typedef struct contact_state
     contact_primitive_pairs primitives;
     contact_constraints constraints;
     contact_spheres spheres;
-    contact_listed_rows listed;
     contact_supports supports;
     contact_colouring colouring;
     contact_limit limit;

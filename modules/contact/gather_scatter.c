@@ -294,27 +294,27 @@ static void gather_participant( const contact_work* work, const contact_particip
 {
     contact_contact_mesh* s = work->contact_mesh;
     gather_loop loop = { .work = work, .participant = participant };
-    const bool is_exact = work->settings->level == WISP_CONTACT_EXACT;
+    const bool has_rows = work->settings->level != WISP_CONTACT_SPHERES;
     const float* start = is_start ? find_start( work, participant ) : NULL;
     atomic_init( &loop.is_restored, false );
     atomic_init( &loop.has_jumped, false );
-    if ( is_start && is_exact == false )
+    if ( is_start && has_rows == false )
     {
         memcpy( s->intersection_free + (size_t)participant->first_point * 4, start,
                 (size_t)participant->point_count * 4 * sizeof( float ) );
     }
     if ( participant->is_strands )
     {
-        gather_strands( &loop, is_start && is_exact );
+        gather_strands( &loop, is_start && has_rows );
     }
     else
     {
         loop.position = wisp_frame_column( work->frame, participant->entity, WISP_PARTICLE_POSITION, 0 );
-        loop.intersection_free = is_start && is_exact ? wisp_frame_column( work->frame, participant->entity,
+        loop.intersection_free = is_start && has_rows ? wisp_frame_column( work->frame, participant->entity,
                                                                            work->components->particle_free, 0 )
                                                       : NULL;
     }
-    loop.start = is_exact ? start : NULL;
+    loop.start = has_rows ? start : NULL;
     wisp_parallel_for( work->parallel, participant->point_count, CONTACT_POINT_GRAIN, gather_points, &loop );
     s->is_listed = s->is_listed && atomic_load( &loop.is_restored ) == false;
     if ( loop.start == NULL )

@@ -266,7 +266,7 @@ static void search_batch( narrow_task* task, const int32_t* pairs, int count )
     {
         const int listed = task->tests[i].list.points + task->tests[i].list.edges;
         lower_bound( task->tests + i );
-        length += listed;
+        length += listed > 0 ? listed + 1 : 0;
         brief += task->is_brief[i] ? listed : 0;
     }
     atomic_fetch_add( &loop->brief, brief );
@@ -278,8 +278,13 @@ static void search_batch( narrow_task* task, const int32_t* pairs, int count )
     for ( int i = 0; i < count; ++i )
     {
         cluster_test* test = task->tests + i;
-        at[i] = test->list.first = next;
-        next += test->list.points + test->list.edges;
+        const int listed = test->list.points + test->list.edges;
+        at[i] = test->list.first = next + 1;
+        if ( listed > 0 )
+        {
+            bounds->listed[next] = ( contact_listed ){ .a = test->pair, .b = listed };
+            next += listed + 1;
+        }
         bounds->pairs[0].slack[test->pair] = test->bound;
         bounds->pairs[0].list[test->pair] = test->list;
     }
@@ -321,8 +326,7 @@ static contact_listed_source source_of( const contact_work* work, int pair )
         .slack = pairs->slack[pair] + pairs->list[pair].beyond,
         .closing = contact_closing_of( s->motion->ways + a, s->motion->ways + b ),
         .gap = contact_gap_between( of_a, of_b ),
-        .has_owners = work->settings->level == WISP_CONTACT_EXACT && work->memory->tangled == 0 &&
-                      ( of_a->is_corrected || of_b->is_corrected ) == false,
+        .has_owners = work->memory->tangled == 0 && ( of_a->is_corrected || of_b->is_corrected ) == false,
     };
 }
 
@@ -410,7 +414,7 @@ static int max_pairs_of( const contact_work* work )
 {
     const contact_contact_mesh* s = work->contact_mesh;
     const int most = s->point_count < INT_MAX / MAX_PER_POINT ? s->point_count * MAX_PER_POINT : INT_MAX;
-    return s->motion->reach < INFINITY || work->settings->displacement_limit == false ? INT_MAX
+    return s->motion->reach < INFINITY || work->settings->level != WISP_CONTACT_EXACT ? INT_MAX
            : most > MIN_MAX_PAIRS                                                     ? most
                                                                                       : MIN_MAX_PAIRS;
 }

@@ -23,8 +23,7 @@ enum
 static const float FARTHEST = 1e6f; // m
 // Projections change the displacement that was predicted: tolerance as a fraction of it, and of the thickness. A
 // missed point has a small tolerance around where it went, so that a cut of a rounding error does not mark it again.
-static const float SPARE = 0.25f, SPARE_THICKNESS = 0.05f, SPARE_MISSED = 0.01f, SPARE_LISTED = 0.02f,
-                   LISTED_THICKNESS = 0.1f; // of what is listed once per step
+static const float SPARE = 0.25f, SPARE_THICKNESS = 0.05f, SPARE_MISSED = 0.01f;
 // Margin of a cluster, as a multiple of its deviation in one substep.
 static const float MARGIN_SUBSTEPS = 4.0f;
 
@@ -150,13 +149,12 @@ static void find_ways( void* context, int begin, int end, int worker )
     way_loop* loop = context;
     contact_contact_mesh* s = loop->contact_mesh;
     const wisp_kernels* kernels = wisp_frame_kernels( loop->work->frame );
-    const bool is_exact = loop->work->settings->level == WISP_CONTACT_EXACT;
     const wisp_displacement_args args = {
         .before = s->intersection_free,
         .now = s->now,
         .common_displacement = { s->motion->common[0], s->motion->common[1], s->motion->common[2] },
-        .relative_margin = is_exact ? SPARE : SPARE_LISTED,
-        .margin = ( is_exact ? SPARE_THICKNESS : LISTED_THICKNESS * loop->work->settings->margin ) * s->min_thickness,
+        .relative_margin = SPARE,
+        .margin = SPARE_THICKNESS * s->min_thickness,
         .displacement = s->motion->ahead,
     };
     if ( loop->is_expected )
@@ -337,9 +335,7 @@ static float margin_for( const contact_work* work, const contact_way* way )
 {
     const float margin = work->settings->margin * work->contact_mesh->min_thickness;
     const float length = contact_length_of_way( work->contact_mesh, way );
-    return work->settings->level == WISP_CONTACT_EXACT
-               ? length + contact_larger( margin, MARGIN_SUBSTEPS * way->spread )
-               : margin + way->spread; // ways are those of a step
+    return length + contact_larger( margin, MARGIN_SUBSTEPS * way->spread );
 }
 
 static void predict_clusters( void* context, int begin, int end, int worker )

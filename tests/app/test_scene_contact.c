@@ -50,7 +50,6 @@ TEST( contact_of_a_scene_has_the_defaults_of_its_module )
         assert_int_equal( scene.has_contact, i );
         assert_true( scene.contact.level == def.level );
         assert_true( scene.contact.margin == def.margin );
-        assert_true( scene.contact.displacement_limit == def.displacement_limit );
         assert_int_equal( scene.contact.size, def.size );
         assert_false( scene.request_contact_stats || scene.request_intersections );
     }
@@ -108,8 +107,8 @@ TEST( every_key_of_the_contact_of_a_scene_reaches_its_place )
     assert_true( scene.request_intersections && !scene.request_contact_stats );
     wisp_scene_release( &scene );
 
-    scene = with_settings( "{ displacement_limit: false, compute: [stats] }" );
-    assert_true( scene.has_contact && !scene.contact.displacement_limit && scene.request_contact_stats &&
+    scene = with_settings( "{ level: triangles, compute: [stats] }" );
+    assert_true( scene.has_contact && scene.contact.level == WISP_CONTACT_TRIANGLES && scene.request_contact_stats &&
                  !scene.request_intersections );
 }
 

@@ -57,7 +57,6 @@ static void demand_settings( const wisp_scene* scene )
     const wisp_contact_settings* c = &scene->contact;
     demand( c->level >= 0 && c->level < WISP_CONTACT_LEVEL_COUNT );
     demand( c->margin > 0.0f && isfinite( c->margin ) );
-    demand( c->displacement_limit || c->level == WISP_CONTACT_EXACT );
     demand( scene->has_contact || !( scene->request_contact_stats || scene->request_intersections ) );
 }
 

@@ -35,7 +35,7 @@ static void open_folding( folding* f, int n, int start, bool displacement_limit,
     add_floor( w, ( wisp_vec3 ){ 0 }, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
     set_collision( w, f->cloth );
     wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.displacement_limit = displacement_limit;
+    settings.level = displacement_limit ? WISP_CONTACT_EXACT : WISP_CONTACT_TRIANGLES;
     assert_status( w, wisp_set_contact_settings( w, &settings ), WISP_OK );
     const wisp_contact_def def = wisp_default_contact_def();
     if ( touches )
@@ -130,7 +130,7 @@ static int crumple( int n, int start, bool displacement_limit, int substeps, int
          d.wind = ( wisp_vec3 ){ 2.0f, 1.0f, 3.5f } );
     assert_status( h.world, wisp_set_gravity( h.world, e, EARTH ), WISP_OK );
     wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.displacement_limit = displacement_limit;
+    settings.level = displacement_limit ? WISP_CONTACT_EXACT : WISP_CONTACT_TRIANGLES;
     assert_status( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_OK );
     const wisp_contact_def def = wisp_default_contact_def();
     set_contact( h.world, e, &def );

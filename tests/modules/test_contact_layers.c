@@ -747,6 +747,6 @@ TEST( a_level_may_change_between_steps )
     }
     set_level( h.world, WISP_CONTACT_EXACT );
     run_steps( h.world, 30, FRAME );
-    assert_true( contacts[0] > 100 && contacts[1] > 100 && contacts[2] > 100 );
+    assert_true( contacts[0] > 50 && contacts[1] > 50 && contacts[2] > 50 );
     assert_int_equal( contact_stats( h.world ).intersections, 0 );
 }

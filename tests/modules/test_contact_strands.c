@@ -145,7 +145,7 @@ TEST( a_balloon_gets_the_momentum_that_strands_give_it )
     vacuum.drag_coefficient = 0.0f;
     assert_status( h.world, wisp_set_balloon( h.world, ball, &vacuum ), WISP_OK );
     wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.displacement_limit = false; // which limits displacements, and is no force
+    settings.level = WISP_CONTACT_TRIANGLES; // which limits displacements, and is no force
     assert_status( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_OK );
     wisp_contact_def def = wisp_default_contact_def();
     def.thickness = 0.02f;

@@ -327,7 +327,7 @@ static hurled hurl( float speed, bool displacement_limit )
     SCOPED( close_world ) hosted h;
     open_contact( &h, 10, 1, 1 );
     wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.displacement_limit = displacement_limit;
+    settings.level = displacement_limit ? WISP_CONTACT_EXACT : WISP_CONTACT_TRIANGLES;
     assert_status( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_OK );
     const wisp_contact_def def = contact_of( 0.01f );
     wisp_entity all[4];
