@@ -122,7 +122,8 @@ bool tune_field_own( const wisp_scene* scene, int which, double* out )
     {
         if ( field_is_in( scene, which, i ) )
         {
-            *out = field_value( scene, which, i );
+            const double own = field_value( scene, which, i );
+            *out = own < 0.0 ? 1.0 : own; // automatic coarse sheets, where cloth has some
             return true;
         }
     }
