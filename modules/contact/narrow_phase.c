@@ -22,8 +22,8 @@
 
 enum
 {
-    SEARCH_GRAIN = 16,
-    SELECT_GRAIN = 32,  // pairs of clusters
+    SEARCH_GRAIN = 16, // pairs of clusters
+    SELECT_GRAIN = 32,
     MAX_PER_POINT = 64, // pairs of primitives before displacements are shortened; a stack of cloth has 10
     MIN_MAX_PAIRS = 1024,
 };
@@ -40,8 +40,8 @@ typedef struct near_loop
     contact_contact_mesh* contact_mesh;
     bool missed_only;
     int active_count, max_pairs;
-    _Atomic int total[CONTACT_KIND_COUNT], stored[CONTACT_KIND_COUNT], listed,
-        brief; // pairs: active, listed, of these in brief lists
+    _Atomic int total[CONTACT_KIND_COUNT], stored[CONTACT_KIND_COUNT]; // active pairs, and those that repeat no other
+    _Atomic int listed, brief;                                         // listed pairs, and those in brief lists
     _Atomic bool is_out_of_memory;
 } near_loop;
 
