@@ -44,7 +44,7 @@ static void add_lines( char* to, const char* lines, const char* mark )
 static bool follow( const char* command, const char* expected )
 {
     static char script[2 * OUTPUT_MAX], said[3 * OUTPUT_MAX];
-    snprintf( script, sizeof script, "wisp() { '%s' \"$@\"; }\n{ %s} >../out 2>../err </dev/null", program, command );
+    snprintf( script, sizeof script, "wisp() { \"$WISP\" \"$@\"; }\n{ %s} >../out 2>../err </dev/null", command );
     const int status = system( script );
     result.status = WIFEXITED( status ) ? WEXITSTATUS( status ) : -1;
     read_text( "../out", result.out, sizeof result.out );
@@ -91,6 +91,7 @@ TEST( every_command_says_what_its_transcript_says )
 
 static int enter_folder( void** state )
 {
+    setenv( "WISP", program, 1 );
     setenv( "LC_ALL", "C", 1 );
     setenv( "WISP_CACHE", "cache", 1 );
     setenv( "SOURCE", WISP_SOURCE_ROOT, 1 );
