@@ -166,35 +166,6 @@ static uint64_t alone( const wisp_implicit_cloth_def* def, int n, int steps )
     return hash_of( h.world, e, WISP_SURFACE_POINTS );
 }
 
-// A step without memory for its system reports it and can be repeated; one that finds another way gives the same
-// result.
-TEST( a_step_without_memory_is_refused_and_made_later )
-{
-    const wisp_implicit_cloth_def def = linked_def();
-    const uint64_t reference = alone( &def, 9, 2 );
-    int refusals = 0;
-    bool refused = true;
-    for ( int64_t n = 1; n < 100 && refused; ++n )
-    {
-        SCOPED( close_world ) hosted h;
-        open_implicit( &h, 1 );
-        wisp_entity e = add_sheet( h.world, &def, 9, true );
-        test_host_refuse( &h.host, n, false );
-        const wisp_status status = wisp_world_step( h.world, DT );
-        refused = test_host_has_refused( &h.host );
-        test_host_refuse( &h.host, 0, false );
-        if ( status != WISP_OK )
-        {
-            expect_refusal( h.world, status, WISP_NO_MEMORY, "memory" );
-            refusals += 1;
-        }
-        run_steps( h.world, status == WISP_OK ? 1 : 2, DT );
-        assert_int_equal( hash_of( h.world, e, WISP_SURFACE_POINTS ), reference );
-    }
-    assert_false( refused );
-    assert_in_range( refusals, 2, 98 ); // of the plan and of the system at least
-}
-
 IMPLICIT_TEST( a_removed_cloth_gives_its_memory_back )
 {
     const wisp_implicit_cloth_def def = linked_def();
