@@ -52,7 +52,10 @@ static bool follow( const char* command, const char* expected )
     said[0] = '\0';
     add_lines( said, result.out, "" );
     add_lines( said, result.err, "! " );
-    sprintf( said + strlen( said ), result.status != 0 ? "[%d]\n" : "", result.status );
+    if ( result.status != 0 )
+    {
+        sprintf( said + strlen( said ), "[%d]\n", result.status );
+    }
     if ( !is_as_expected( said, expected ) )
     {
         fprintf( stderr, "$ %ssays\n%sexpected\n%s\n", command, said, expected );
