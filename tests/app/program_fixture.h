@@ -154,16 +154,6 @@ static inline void assert_refused( const char* command, const char* named )
     }
 }
 
-/// The command line must have been rejected: status 64, nothing on standard output, a message that names the error.
-static inline void assert_usage( const char* command, const char* named )
-{
-    run( command );
-    if ( result.status != 64 || result.out[0] || !strstr( result.err, named ) )
-    {
-        fail_msg( "'%s' ended with %d and said: %s", command, result.status, result.err );
-    }
-}
-
 // ---- a folder of its own ----
 
 static inline int remove_entry( const char* path, const struct stat* info, int kind, struct FTW* place )

@@ -1,5 +1,5 @@
-// The built program, whose path is the first argument, reports boundary points and contact, writes the points, and
-// draws them.
+// The built program, whose path is the first argument, writes and draws boundary points; what it says of
+// them is in transcripts/boundary.t.
 #include "png_fixture.h"
 #include "program_fixture.h"
 
@@ -14,49 +14,9 @@ static const char ball_scene[] = "wisp: 1\n"
                                  "    balloon: { gas_ratio: 1.2, buoyancy: false }\n"
                                  "    boundary: { spacing: 0.015 }\n";
 
-static const char two_balls_scene[] = "wisp: 1\n"
-                                      "steps: 3\n"
-                                      "substeps: 4\n"
-                                      "contact: { compute: [stats, intersections] }\n"
-                                      "surfaces:\n"
-                                      "  - name: left\n"
-                                      "    generate: { shape: icosphere, level: 2, radius: 0.2 }\n"
-                                      "    balloon: { gas_ratio: 1.1, buoyancy: false }\n"
-                                      "    boundary: { spacing: 0.02 }\n"
-                                      "    contact: {}\n"
-                                      "  - name: right\n"
-                                      "    instance_of: left\n"
-                                      "    transform: { translate: [0.45, 0, 0] }\n"
-                                      "    balloon: { gas_ratio: 1.1, buoyancy: false }\n"
-                                      "    boundary: {}\n"
-                                      "    contact: {}\n";
-
-static const char plain_scene[] = "wisp: 1\n"
-                                  "steps: 2\n"
-                                  "surfaces:\n"
-                                  "  - { name: cloth, generate: { shape: plane, columns: 4, rows: 4 }, cloth: {} }\n";
-
-// A cloth that hangs through a level one, both without contact.
-static const char through_scene[] =
-    "wisp: 1\n"
-    "steps: 3\n"
-    "surfaces:\n"
-    "  - name: level\n"
-    "    generate: { shape: plane, columns: 6, rows: 6, spacing: 0.1 }\n"
-    "    pins: [0, 5, 30, 35]\n"
-    "    cloth: {}\n"
-    "  - name: upright\n"
-    "    generate: { shape: plane, columns: 6, rows: 6, spacing: 0.1 }\n"
-    "    transform: { rotate: { axis: [1, 0, 0], degrees: 80 }, translate: [0.033, 0, 0] }\n"
-    "    pins: [0, 5]\n"
-    "    cloth: {}\n";
-
 static int enter_folder( void** state )
 {
-    static const text_file files[] = { { "ball.yaml", ball_scene },
-                                       { "two.yaml", two_balls_scene },
-                                       { "plain.yaml", plain_scene },
-                                       { "through.yaml", through_scene } };
+    static const text_file files[] = { { "ball.yaml", ball_scene } };
     return enter_folder_with( state, files, WISP_COUNT( files ) );
 }
 
@@ -64,105 +24,6 @@ static void run_well( const char* command )
 {
     run_ok( command );
     assert_string_equal( result.err, "" );
-}
-
-// ---- reports ----
-
-TEST( a_run_tells_how_many_points_there_are_and_how_much_was_resampled )
-{
-    run_well( "run ball.yaml" );
-    const char* line = strstr( result.out, "ball: " );
-    assert_non_null( line );
-    int points = 0, edge_points = 0, inner_points = 0, elements = 0;
-    double fraction = -1.0;
-    assert_int_equal(
-        sscanf( line, "ball: %d boundary points: %d on edges, %d in triangles; resampled %lf %% of %d elements",
-                &points, &edge_points, &inner_points, &fraction, &elements ),
-        5 );
-    assert_true( points > 500 && points == edge_points + inner_points );
-    assert_true( fraction >= 0.0 && fraction <= 100.0 );
-    // 480 edges and 320 triangles
-    assert_int_equal( elements, 800 );
-    assert_non_null( strstr( result.out, "boundary points, whole run: " ) );
-    assert_null( strstr( result.out, "contact" ) );
-}
-
-TEST( a_run_tells_of_contact_where_stats_are_requested )
-{
-    run_well( "run two.yaml" );
-    assert_non_null( strstr( result.out, "contact: 2 entities, " ) );
-    assert_non_null( strstr( result.out, ", 0 intersections, " ) );
-    run_well( "run plain.yaml" );
-    assert_null( strstr( result.out, "contact" ) );
-    assert_null( strstr( result.out, "oundary" ) );
-}
-
-TEST( a_run_counts_intersections_and_moves_no_vertex_by_that )
-{
-    run_well( "run two.yaml -v" ); // by the key of the scene
-    assert_non_null( strstr( result.out, "intersections  none in 3 steps" ) );
-    assert_null( strstr( result.out, "Intersections" ) );
-    run_well( "run plain.yaml --intersections" );
-    assert_non_null( strstr( result.out, "intersections  none in 2 steps" ) );
-    run_well( "run through.yaml --record alone.obj" );
-    assert_null( strstr( result.out, "ntersections" ) );
-    run_well( "run through.yaml --record seen.obj --intersections -v" );
-    size_t size, seen_size;
-    char *alone = read_bytes( "alone_0004.obj", &size ), *seen = read_bytes( "seen_0004.obj", &seen_size );
-    assert_int_equal( size, seen_size );
-    assert_memory_equal( alone, seen, size );
-    free( alone );
-    free( seen );
-    const char* line = strstr( result.out, "intersections  in 3 of 3 steps; at most " );
-    const char* row = strstr( result.out, "level  upright" );
-    int most = 0, at = 0, left = 0, of_pair[4] = { 0 };
-    assert_non_null( line );
-    assert_non_null( row );
-    assert_int_equal(
-        sscanf( line, "intersections in 3 of 3 steps; at most %d, in step %d; %d at the end", &most, &at, &left ),
-        3 );
-    assert_int_equal( sscanf( row, "level upright %d %d %d %d", of_pair, of_pair + 1, of_pair + 2, of_pair + 3 ), 4 );
-    assert_true( most > 0 && left > 0 && most >= left && at >= 1 && at <= 3 );
-    assert_true( of_pair[0] == 3 && of_pair[1] == most && of_pair[2] == at && of_pair[3] == left );
-    run_well( "run through.yaml --intersections --format json" );
-    char text[60];
-    snprintf( text, sizeof text, "\"max_intersections\": %d", most );
-    assert_non_null( strstr( result.out, text ) );
-    assert_non_null( strstr( result.out, "\"steps_with_intersections\": 3" ) );
-}
-
-TEST( machines_get_a_row_a_step )
-{
-    run_well( "run two.yaml --format json" );
-    static const char* const words[] = { "\"step 1\"",
-                                         "\"step 2\"",
-                                         "\"step 3\"",
-                                         "\"boundary_points\"",
-                                         "\"boundary_edge_points\"",
-                                         "\"boundary_changed_fraction\"",
-                                         "\"boundary_changed_fraction_of_run\"",
-                                         "\"contacts\"",
-                                         "\"contact_intersections\": 0" };
-    for ( int i = 0; i < WISP_COUNT( words ); ++i )
-    {
-        assert_non_null( strstr( result.out, words[i] ) );
-    }
-    assert_null( strstr( result.out, "\"step 4\"" ) );
-    run_well( "run plain.yaml --format json" );
-    assert_null( strstr( result.out, "\"step 1\"" ) );
-    run_well( "run two.yaml --format json --output two.json" );
-    run_well( "info two.json" );
-    assert_non_null( strstr( result.out, "results, 4 rows" ) );
-    assert_non_null( strstr( result.out, "two.yaml/step 2" ) );
-}
-
-TEST( a_scene_is_described_with_its_layers_and_contacts )
-{
-    run_well( "info two.yaml" );
-    assert_non_null(
-        strstr( result.out, "    contact and self contact: thickness a quarter of the mean edge, friction " ) );
-    assert_non_null( strstr( result.out, "    boundary points: even, spacing 0.02 m" ) );
-    assert_non_null( strstr( result.out, "    boundary points: even, spacing half of the mean edge" ) );
 }
 
 // ---- files ----
@@ -231,25 +92,6 @@ TEST( normals_of_a_file_are_unit_and_points_lie_on_elements )
     assert_int_equal( fclose( file ), 0 );
 }
 
-TEST( several_surfaces_are_a_file_each )
-{
-    run_well( "run two.yaml --boundary both.ply" );
-    assert_non_null( strstr( result.out, "6 files" ) );
-    assert_true( exists( "both_left_0002.ply" ) && exists( "both_right_0004.ply" ) );
-}
-
-TEST( points_that_cannot_be_written_are_refused )
-{
-    assert_refused( "run plain.yaml --boundary a.ply", "plain.yaml has no surface with the key 'boundary'" );
-    assert_refused( "run ball.yaml --boundary no_folder/a.ply", "no_folder/a_0002.ply" );
-}
-
-TEST( a_place_where_bench_can_have_no_folder_is_refused_before_anything_is_measured )
-{
-    assert_refused( "bench figures --quick --pictures ball.yaml", "ball.yaml: cannot make a folder" );
-    assert_refused( "bench figures --quick --pictures absent/pictures", "absent/pictures: cannot make a folder" );
-}
-
 // ---- pictures ----
 
 // Pixels that differ by more than noise; with the same camera and seed there is no noise.
@@ -294,14 +136,6 @@ TEST( the_start_shows_its_points )
     // back from the second frame to the first one: the scene starts again
     run_well( "render ball.yaml --frames 0:2 -o film.png" SMALL );
     assert_true( exists( "film_0003.png" ) );
-}
-
-TEST( points_of_what_has_none_are_refused )
-{
-    run_well( "render plain.yaml -o plain.png" SMALL );
-    run_well( "render plain.yaml --boundary none -o plain.png" SMALL );
-    assert_refused( "render plain.yaml --boundary class -o a.png", "plain.yaml: has no boundary points" );
-    assert_refused( "render plain.yaml --normals -o a.png", "plain.yaml: has no boundary points" );
 }
 
 TEST_ARGUMENTS( find_program )

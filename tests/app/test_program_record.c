@@ -1,121 +1,7 @@
-// The built program, whose path is the first argument, records, tracks, verifies and describes files: recordings are
-// read back by the library.
+// What the program records, tracks and verifies, read back by the library; what it says of recordings is in transcripts/record.t.
 #include "flying_sheet.h"
 
 // ---- recordings of a run ----
-
-TEST( a_run_is_recorded_in_every_format )
-{
-    static const char* const files[][2] = {
-        { "a.wisp", "a.wisp" },    { "a.pc2", "a.pc2" },   { "a.pvd", "a/hair_0004.vtp" },
-        { "a.obj", "a_0004.obj" }, { "a.usda", "a.usda" }, { "a.glb", "a.glb" },
-    };
-    for ( int i = 0; i < WISP_COUNT( files ); ++i )
-    {
-        char command[100];
-        snprintf( command, sizeof( command ), "run hair.yaml --record %s", files[i][0] );
-        run_ok( command );
-        assert_string_equal( result.err, "" );
-        assert_non_null( strstr( result.out, ": 4 frames\n" ) );
-        assert_true( exists( files[i][1] ) );
-    }
-}
-
-/// The sixteen digits after the last `hash`.
-static void read_hash( char* out )
-{
-    const char* line = strstr( result.out, "\nhash " );
-    assert_non_null( line );
-    assert_int_equal( sscanf( line, "\nhash %16s", out ), 1 );
-}
-
-static bool has_array( const char* path, const char* name )
-{
-    char words[60];
-    size_t size;
-    SCOPED( free_local ) char* text = read_bytes( path, &size );
-    snprintf( words, sizeof( words ), "Name=\"%s\"", name );
-    return strstr( text, words ) != NULL;
-}
-
-TEST( recording_does_not_change_the_hash_unless_more_is_computed )
-{
-    static const char* const files[] = { "h.wisp", "h.pc2", "h.pvd", "h.obj", "h.usda", "h.glb" };
-    char plain[20], recorded[20];
-    run_ok( "run cloth.yaml" );
-    read_hash( plain );
-    for ( int i = 0; i < WISP_COUNT( files ); ++i )
-    {
-        char command[100];
-        snprintf( command, sizeof( command ), "run cloth.yaml --record %s", files[i] );
-        run_ok( command );
-        read_hash( recorded );
-        assert_string_equal( recorded, plain );
-        const char* named = i == 1 ? "h_cloth.pc2, h_ball.pc2: 7" : i == 3 ? "h_0001.obj to h_0007.obj: 7" : files[i];
-        assert_non_null( strstr( result.out, named ) );
-    }
-    assert_true( has_array( "h/cloth_0007.vtp", "Normals" ) );
-    assert_false( has_array( "h/cloth_0007.vtp", "strain" ) );
-    assert_false( exists( "h/ball_0002.vtp" ) );
-    assert_true( has_array( "h/ball_0001.vtp", "Normals" ) );
-}
-
-TEST( values_that_are_asked_for_are_computed_and_move_no_vertex )
-{
-    run_ok( "run cloth.yaml --record plain.usda" );
-    run_ok( "run cloth.yaml --record with.usda --record-with strain,speed" );
-    run_ok( "run cloth.yaml --record plain.pvd" );
-    run_ok( "run cloth.yaml --record with.pvd --record-with speed" );
-    assert_true( has_array( "with/cloth_0007.vtp", "speed" ) );
-    assert_false( has_array( "with/cloth_0007.vtp", "strain" ) );
-    size_t size;
-    char *plain = read_bytes( "plain/cloth_0007.vtp", &size ), *with = read_bytes( "with/cloth_0007.vtp", &size );
-    const char *points = strstr( plain, "<Points>" ), *same = strstr( with, "<Points>" );
-    assert_true( points && same );
-    assert_string_equal( points, same );
-    free( plain );
-    free( with );
-    SCOPED( free_local ) char* text = read_bytes( "with.usda", &size );
-    assert_non_null( strstr( text, "primvars:strain.timeSamples" ) );
-    assert_non_null( strstr( text, "primvars:speed.timeSamples" ) );
-}
-
-TEST( what_the_scene_computes_is_recorded_without_asking )
-{
-    char scene[1200];
-    const char* at = strstr( cloth_scene, "    cloth: {}\n" );
-    assert_non_null( at );
-    snprintf( scene, sizeof( scene ), "%.*s    compute: [points, strain]\n%s", (int)( at - cloth_scene ), cloth_scene,
-              at );
-    write_text( "strained.yaml", scene );
-    run_ok( "run strained.yaml --record strained.pvd" );
-    assert_true( has_array( "strained/cloth_0007.vtp", "strain" ) );
-    assert_false( has_array( "strained/cloth_0007.vtp", "speed" ) );
-}
-
-TEST( hair_is_recorded_with_the_widths_and_colours_of_its_appearance )
-{
-    run_ok( "run hair.yaml --record dressed.pvd" );
-    assert_true( has_array( "dressed/hair_0001.vtp", "width" ) );
-    assert_true( has_array( "dressed/hair_0001.vtp", "RGB" ) );
-}
-
-TEST( a_value_that_cannot_be_recorded_is_refused )
-{
-    assert_refused( "run hair.yaml --record r.pvd --record-with strain", "hair.yaml has no body with strain" );
-    assert_false( exists( "r.pvd" ) );
-    run( "run cloth.yaml --record r.glb --record-with strain" );
-    assert_int_equal( result.status, 64 );
-    assert_non_null(
-        strstr( result.err, "--record-with: expected together with --record and a file that ends in .pvd" ) );
-    run( "run cloth.yaml --record r.pvd --record-with strain,mass" );
-    assert_int_equal( result.status, 64 );
-    assert_non_null( strstr( result.err, "--record-with: got 'strain,mass', expected strain, speed or both" ) );
-    run( "run cloth.yaml --record r.pvd --record-with strain --verify fly.wisp" );
-    assert_int_equal( result.status, 64 );
-    assert_refused( "run cloth.yaml --record r.glb --steps 1001", "r.glb: got 1002 frames, expected at most 1000" );
-    assert_false( exists( "r.glb" ) );
-}
 
 TEST( a_recording_has_the_start_and_every_nth_step_with_hashes )
 {
@@ -276,32 +162,6 @@ TEST( tracks_are_the_points_of_the_recording )
 
 // ---- verification ----
 
-TEST( a_run_verifies_its_recording_on_other_workers )
-{
-    run_ok( "run hair.yaml --record proof.wisp --workers 1" );
-    run_ok( "run hair.yaml --verify proof.wisp --workers 3 --isa baseline" );
-    assert_non_null( strstr( result.out, "proof.wisp: 4 frames, every bit equal" ) );
-    run_ok( "run hair.yaml --verify proof.wisp --steps 2" );
-    assert_non_null( strstr( result.out, "proof.wisp: 3 frames, every bit equal" ) );
-    assert_non_null( strstr( result.out, "proof.wisp: 1 frames after the last step" ) );
-}
-
-TEST( a_recording_that_is_cut_or_of_another_length_proves_nothing )
-{
-    run_ok( "run hair.yaml --record proof.wisp" );
-    run_ok( "run hair.yaml --record short.wisp --steps 2" );
-    assert_refused( "run hair.yaml --verify short.wisp", "short.wisp: got 3 frames, expected 4" );
-    run_ok( "run hair.yaml --verify short.wisp --steps 2" );
-    assert_refused( "run hair.yaml --verify proof.wisp --steps 4", "proof.wisp: got 4 frames, expected 5" );
-    size_t size;
-    char* bytes = read_bytes( "proof.wisp", &size );
-    FILE* cut = fopen( "cut.wisp", "wb" );
-    assert_int_equal( fwrite( bytes, 1, size - 100, cut ), size - 100 );
-    fclose( cut );
-    free( bytes );
-    assert_refused( "run hair.yaml --verify cut.wisp", "cut.wisp: the recording is cut" );
-}
-
 /// A copy in which one number of one vertex in one frame is the next float.
 static void copy_with_one_bit_off( const char* from, const char* to )
 {
@@ -341,27 +201,7 @@ TEST( a_difference_of_one_bit_is_named_by_frame_body_and_vertex )
     assert_string_equal( result.out, "" );
 }
 
-TEST( a_recording_of_something_else_is_not_compared )
-{
-    assert_refused( "run hair.yaml --verify fly.wisp", "body 0 differs in its name" );
-    assert_refused( "run hair.yaml --verify absent.wisp", "absent.wisp" );
-    assert_refused( "run hair.yaml --verify sheet.obj", "sheet.obj" );
-}
-
 // ---- info ----
-
-TEST( info_names_what_is_wrong_with_a_mesh_by_element )
-{
-    run_ok( "info sheet.obj" );
-    assert_non_null( strstr( result.out, "triangles            32" ) );
-    assert_non_null( strstr( result.out, "open edges" ) );
-    write_text( "turned.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 3 4\n" );
-    run_ok( "info turned.obj" );
-    assert_non_null( strstr( result.out, "winding" ) );
-    write_text( "broken.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n" );
-    assert_refused( "info broken.obj", "broken.obj" );
-    assert_string_equal( result.out, "" );
-}
 
 TEST( info_tells_whether_a_recording_is_whole )
 {

@@ -440,16 +440,70 @@ TEST( output_that_cannot_be_written_is_refused_in_one_message )
 
 // ---- terminals ----
 
-TEST( the_progress_of_pictures_is_drawn_on_a_terminal_only )
+TEST( progress_is_drawn_on_a_terminal_and_wiped_out_again )
+{
+    static const char* const commands[] = { "run hair.yaml",
+                                            "render fly.wisp -o bar.png --size 40x30 --samples 1 --frames 0:2" };
+    setenv( "TERM", "xterm", 1 );
+    for ( int i = 0; i < WISP_COUNT( commands ); ++i )
+    {
+        run_on_terminal( commands[i] );
+        assert_int_equal( result.status, 0 );
+        // the first phase is always drawn; later ones only if a tenth of a second has passed
+        assert_non_null( strstr( result.err, i == 0 ? "\033[32m" : " % frames" ) );
+        assert_int_equal( result.err[strlen( result.err ) - 1], '\r' );
+    }
+}
+
+TEST( no_color_takes_the_colour_away_and_leaves_the_bar )
 {
     setenv( "TERM", "xterm", 1 );
-    run_on_terminal( "render fly.wisp -o bar.png --size 40x30 --samples 1 --frames 0:2" );
+    setenv( "NO_COLOR", "1", 1 );
+    run_on_terminal( "run hair.yaml" );
     assert_int_equal( result.status, 0 );
-    // the first phase is always drawn; later ones only if a tenth of a second has passed
-    assert_non_null( strstr( result.err, " % frames" ) );
-    assert_int_equal( result.err[strlen( result.err ) - 1], '\r' );
+    assert_null( strchr( result.err, '\033' ) );
+    assert_non_null( strstr( result.err, "\r[" ) );
+    setenv( "NO_COLOR", "", 1 );
+    run_on_terminal( "run hair.yaml" );
+    assert_non_null( strstr( result.err, "\033[32m" ) );
+    unsetenv( "NO_COLOR" );
+}
+
+TEST( a_dumb_terminal_and_a_file_see_no_bar )
+{
+    setenv( "TERM", "dumb", 1 );
+    run_on_terminal( "run hair.yaml" );
+    assert_int_equal( result.status, 0 );
+    assert_string_equal( result.err, "" );
+    setenv( "TERM", "xterm", 1 );
     run( "render fly.wisp -o bar.png --size 40x30 --samples 1" );
     assert_string_equal( result.err, "" );
+    run( "run hair.yaml" );
+    assert_string_equal( result.err, "" );
+    assert_null( strchr( result.out, '\033' ) );
+}
+
+// A terminal shows a mess, and may take it for commands.
+TEST( a_picture_is_not_written_to_a_terminal )
+{
+    int near_end, far_end;
+    if ( openpty( &near_end, &far_end, NULL, NULL, NULL ) != 0 )
+    {
+        SKIP( "there are no terminals here" );
+    }
+    FILE* err = tmpfile();
+    const pid_t child = fork();
+    if ( child == 0 )
+    {
+        char* arguments[] = { program, "render", "sheet.obj", "-o", "-", NULL };
+        become_program( arguments, far_end, fileno( err ) );
+    }
+    result.status = wait_for( child );
+    read_back( err, result.err );
+    close( near_end );
+    close( far_end );
+    assert_int_equal( result.status, 64 );
+    assert_non_null( strstr( result.err, "standard output is a terminal" ) );
 }
 
 TEST_ARGUMENTS( find_program )

@@ -1,13 +1,11 @@
-// The program as a user meets it: suites in `wisp bench`, and `wisp accuracy`; suites whose rows have checks; a report next
-// to its results, which fails before it measures if it cannot be written; and what frozen hair costs, which grows as the
-// number of its vertices (Kim 2026, eq. 20): instructions, which `wisp gate` counts with valgrind and which repeat exactly.
-// Time is fitted by `wisp bench paper`.
+// The numbers of `wisp bench` and `wisp accuracy` on suites, whose words are in transcripts/suite.t; and what frozen hair costs, which grows
+// as the number of its vertices (Kim 2026, eq. 20): instructions, which `wisp gate` counts with valgrind and which repeat exactly. Time is
+// fitted by `wisp bench paper`.
 #include "program_fixture.h"
 
 #include "stats.h"
 
 #include <jansson.h>
-#include <sys/stat.h>
 
 // ---- suites ----
 
@@ -75,47 +73,6 @@ TEST( errors_fall_along_a_series )
     }
     const double fine = error_of( root, "fine, substeps=8" );
     assert_true( fine > 0.0 && fine < error_of( root, "fine, substeps=1" ) );
-    json_decref( root );
-}
-
-TEST( an_entry_of_a_list_is_removed_by_its_name_or_number )
-{
-    write_text( "both.yaml", "wisp: 1\n"
-                             "steps: 2\n"
-                             "surfaces:\n"
-                             "  - name: a_sheet_with_a_long_name\n"
-                             "    generate: { shape: plane, columns: 3, rows: 3 }\n"
-                             "    cloth: {}\n"
-                             "  - name: a_sheet_with_a_long_name_too\n"
-                             "    generate: { shape: plane, columns: 4, rows: 4 }\n"
-                             "    cloth: {}\n" );
-    write_text( "less.yaml",
-                "wisp_suite: 1\n"
-                "scenes:\n"
-                "  - { file: both.yaml, name: both }\n"
-                "  - { file: both.yaml, name: second, set: { \"surfaces[a_sheet_with_a_long_name]\": null } }\n"
-                "  - { file: both.yaml, name: first, set: { \"surfaces[1]\": null } }\n" );
-    json_t* root = measure( "bench less.yaml --seconds 0.1 -f json -o out.json" );
-    const struct
-    {
-        const char* name;
-        int vertices;
-    } rows[] = { { "both", 25 }, { "second", 16 }, { "first", 9 } };
-    for ( int i = 0; i < WISP_COUNT( rows ); ++i )
-    {
-        size_t k;
-        json_t* row;
-        json_array_foreach( json_object_get( root, "rows" ), k, row )
-        {
-            if ( strcmp( json_string_value( json_object_get( row, "variant" ) ), rows[i].name ) == 0 )
-            {
-                assert_int_equal( json_number_value( json_object_get( json_object_get( row, "size" ), "vertices" ) ),
-                                  rows[i].vertices );
-                break;
-            }
-        }
-        assert_true( k < json_array_size( json_object_get( root, "rows" ) ) );
-    }
     json_decref( root );
 }
 
@@ -318,323 +275,6 @@ TEST( tuning_has_the_reference_of_accuracy )
     json_decref( root );
 }
 
-TEST( a_suite_without_a_reference_is_a_table_of_times )
-{
-    write_text( "times.yaml", "wisp_suite: 1\nscenes:\n  - { file: sheet.yaml, vary: { iterations: [1, 2] } }\n" );
-    run_ok( "bench times.yaml --seconds 0.1" );
-    assert_contains( result.out, "Suite `times`: times, ms per step" );
-    assert_contains( result.out, "sheet, iterations=2" );
-    assert_contains( result.out, "Suite `times`: cost per vertex, and spread of times" );
-    assert_contains( result.out, "ms of a step by pass, one worker" );
-    assert_contains( result.out, "links.xpbd" );
-    assert_null( strstr( result.out, "equal error" ) );
-}
-
-TEST( what_a_suite_gets_wrong_is_said )
-{
-    static const char* const bad[][2] = {
-        { "reference: { set: { substeps: 60 } }", "expected set, the fields of the converged run, and check" },
-        { "reference: { stored: nowhere.wisp }", "nowhere.wisp" },
-        { "reference: { kept: x }", "got key 'kept'" },
-        { "reference: { set: { substeps: 60 }, extrapolate: 3 }", "bad.yaml:2:" },
-        { "reference: { set: { substeps: 60 }, extrapolate: 3 }", "got extrapolate '3', expected the order" },
-        { "reference: { set: { substeps: 60 }, extrapolate: {} }", "expected a text or a number" },
-        { "reference: { set: { substeps: 60 }, extrapolat: 1 }", "did you mean 'extrapolate'?" },
-        { "reference: { set: { substeps: 60 }, check: {}, extrapolate: 1 }", "got extrapolate with check" },
-        { "reference: { set: { substeps: 30 }, extrapolate: 1 }", "got a reference of 30 substeps" },
-        { "reference: { overlap: some }", "expected overlap: none alone" },
-        { "reference: { set: { \"surfaces[3].damping\": 1 }, check: {} }", "names nothing of the scene" },
-        { "reference: { set: { \"surfaces[3]\": null }, check: {} }", "names nothing of the scene" },
-        { "seconds: -1", "expected seconds of simulated time" },
-        { "titel: x", "did you mean 'title'?" },
-    };
-    for ( int i = 0; i < WISP_COUNT( bad ); ++i )
-    {
-        char text[500];
-        snprintf( text, sizeof text, "wisp_suite: 1\n%s\nscenes:\n  - { file: sheet.yaml }\n", bad[i][0] );
-        write_text( "bad.yaml", text );
-        run( "bench bad.yaml" );
-        assert_int_equal( result.status, 2 );
-        assert_contains( result.err, bad[i][1] );
-    }
-    static const char* const entries[][2] = {
-        { "along: { dt: [0.01, 0.02] }", "needs seconds" },
-        { "along: { substeps: [1, 2], iterations: [1] }", "expected one field and its values" },
-        { "along: { substeps: [many] }", "expected a number above 0" },
-        { "along: { substeps: [1] }, order: 99", "expected an order" },
-        { "steps: 3, seconds: 1", "expected steps or seconds, not both" },
-    };
-    for ( int i = 0; i < WISP_COUNT( entries ); ++i )
-    {
-        char text[500];
-        snprintf( text, sizeof text, "wisp_suite: 1\nscenes:\n  - { file: sheet.yaml, %s }\n", entries[i][0] );
-        write_text( "bad.yaml", text );
-        run( "bench bad.yaml" );
-        assert_int_equal( result.status, 2 );
-        assert_contains( result.err, entries[i][1] );
-    }
-    run( "bench nowhere/suite.yaml" );
-    assert_int_equal( result.status, 2 );
-    run( "bench sheet.yaml" );
-    assert_int_equal( result.status, 2 );
-    assert_contains( result.err, "wisp_suite" );
-}
-
-// Times of rows need not agree with those of the reference only if their steps cannot.
-TEST( steps_that_end_at_other_times_are_refused )
-{
-    write_text( "odd.yaml", "wisp_suite: 1\nseconds: 0.2\n"
-                            "reference: { set: { substeps: 20 }, check: { substeps: 10 } }\n"
-                            "scenes:\n  - { file: sheet.yaml, along: { dt: [0.02, 0.01] } }\n" );
-    run( "bench odd.yaml --seconds 0.1" );
-    assert_int_equal( result.status, 2 );
-    assert_contains( result.err, "no step ends at" );
-    write_text( "apart.yaml",
-                "wisp_suite: 1\nreference: { file: sheet.yaml, set: { substeps: 20 }, check: { substeps: 10 } }\n"
-                "scenes:\n  - { file: sheet.yaml, name: short, set: { steps: 1 } }\n"
-                "  - { file: sheet.yaml, name: coarse, set: { dt: 0.1 } }\n" );
-    run( "bench apart.yaml" );
-    assert_int_equal( result.status, 2 );
-    assert_contains( result.err, "no moment is common to all rows: short ends after" );
-    assert_contains( result.err, "coarse makes steps of 0.1 s" );
-    write_text( "even.yaml", "wisp_suite: 1\nseconds: 0.2\n"
-                             "reference: { set: { dt: 0.01, substeps: 20 }, check: { substeps: 10 } }\n"
-                             "scenes:\n  - { file: sheet.yaml, along: { dt: [0.02, 0.01, 0.005] } }\n" );
-    run_ok( "bench even.yaml --seconds 0.1" );
-    assert_contains( result.out, "ms per 0.02 s of motion" );
-}
-
-TEST( accuracy_of_a_scene )
-{
-    run_ok( "accuracy sheet.yaml --quick --seconds 0.2 --report page.html" );
-    assert_contains( result.out, "at equal error: the fastest setting" );
-    assert_contains( result.out, "observed order" );
-    assert_contains( result.out, "coarse sheets, substeps=1" );
-    assert_contains( result.out, "The reference is uncertain by" );
-    run_ok( "accuracy sheet.yaml --suite made.yaml" );
-    run_ok( "bench made.yaml --quick --seconds 0.2" );
-    assert_contains( result.out, "coarse sheets, substeps=1" );
-    run_ok( "gate record made.yaml --no-instructions" );
-    write_text( "still.yaml",
-                "wisp: 1\nsteps: 2\nstrands:\n  - { name: hair, generate: { strands: 3, vertices: 4 } }\n" );
-    run( "accuracy still.yaml" );
-    assert_int_equal( result.status, 2 );
-    assert_contains( result.err, "nothing in the scene is solved over time" );
-    run( "accuracy" );
-    assert_int_equal( result.status, 64 );
-}
-
-// ---- checks ----
-
-#define SHEET                                                                                                        \
-    "wisp: 1\n"                                                                                                      \
-    "steps: 300\n"                                                                                                   \
-    "gravity: [0, -9.81, 0]\n"                                                                                       \
-    "surfaces:\n"                                                                                                    \
-    "  - name: sheet\n"                                                                                              \
-    "    generate: { shape: alternating_plane, columns: 12, rows: 12, spacing: 0.05 }\n"                             \
-    "    transform: { rotate: { axis: [1, 0, 0], degrees: 90 } }\n"                                                  \
-    "    pins: [0, 11]\n"                                                                                            \
-    "    damping: 4\n"                                                                                               \
-    "    cloth: { bending: isometric, internal_damping: 0 }\n"
-
-#define SUITE( lines ) "wisp_suite: 1\n" lines
-
-// Heavy at the bottom, the sheet gains energy: one sweep of its links cannot carry it.
-#define HEAVY "set: { \"surfaces[0].mass_ratio\": 1e3 }"
-
-static const char holds[] = SUITE( "checks: all\n"
-                                   "scenes: [{ file: cloth.yaml }, { file: cloth.yaml, name: wrong, expect: refused, "
-                                   "set: { \"surfaces[0].area_density\": -1 } }]\n" );
-static const char breaks[] =
-    SUITE( "checks: [energy]\n"
-           "scenes: [{ file: cloth.yaml }, { file: cloth.yaml, name: heavy, " HEAVY " }]\n" );
-static const char known[] = SUITE( "checks: [energy]\n"
-                                   "known: { heavy: energy }\n"
-                                   "scenes: [{ file: cloth.yaml, name: heavy, " HEAVY " }]\n" );
-static const char mended[] = SUITE( "checks: [finite, energy]\n"
-                                    "known: { cloth: energy }\n"
-                                    "scenes: [{ file: cloth.yaml }]\n" );
-static const char sweeps[] = SUITE( "checks: [finite]\n"
-                                    "seconds: 0.1\n"
-                                    "axes: { dt: { short: { dt: 0.01 }, long: { dt: 0.05, seconds: 0.2 } }, size: { "
-                                    "small: { \"surfaces[0].generate.spacing\": 0.01 } } }\n"
-                                    "quick: [base]\n"
-                                    "long: [\"cloth: long\"]\n"
-                                    "scenes: [{ file: cloth.yaml, sweep: [dt, size], pairs: [dt, size] }]\n" );
-static const char differs[] = SUITE( "checks: [finite]\n"
-                                     "seconds: 0.5\n"
-                                     "scenes: [{ file: cloth.yaml, agree: 0.01, vary: { held: { both: {}, one: { "
-                                     "\"surfaces[0].pins\": [0] } } } }]\n" );
-
-// In wind nothing is at rest, so that no limit is known but that of the user.
-static const char windy[] = SUITE(
-    "seconds: 0.5\n"
-    "scenes: [{ file: cloth.yaml, checks: [strain, rest], set: { \"surfaces[0].cloth.wind\": [3, 0, 0], "
-    "\"surfaces[0].cloth.drag_coefficient\": 1 } }, { file: cloth.yaml, name: mine, checks: [{ strain: 1e-4 }, { "
-    "speed: 50 }], set: { \"surfaces[0].cloth.wind\": [3, 0, 0], \"surfaces[0].cloth.drag_coefficient\": 1 } }]\n" );
-
-TEST( rows_that_hold_are_status_0 )
-{
-    run_ok( "bench holds.yaml" );
-    assert_contains( result.out, "2 cells: 1 hold" );
-    assert_contains( result.out, "refused, as expected" );
-}
-
-TEST( a_row_that_breaks_is_status_1_and_a_sentence )
-{
-    run( "bench breaks.yaml" );
-    assert_int_equal( result.status, 1 );
-    assert_contains( result.out, "FAILED: stability, heavy: breaks energy: energy is " );
-    assert_contains( result.out, "2 cells: 1 hold" );
-}
-
-TEST( what_is_known_to_break_passes_until_it_holds )
-{
-    run_ok( "bench known.yaml" );
-    assert_contains( result.out, "1 break as known" );
-    run( "bench mended.yaml" );
-    assert_int_equal( result.status, 1 );
-    assert_contains( result.out, "cloth: holds now; remove it from what is known to break" );
-}
-
-TEST( a_sweep_has_each_value_alone_and_pairs_and_leaves_out_what_is_not_due )
-{
-    run_ok( "bench sweeps.yaml" );
-    assert_contains( result.out, "cloth: short, small" );
-    assert_contains( result.out, "sweeps: 5 cells: 5 hold" ); // base, short, small, two pairs
-    run_ok( "bench sweeps.yaml --long" );
-    assert_contains( result.out, "sweeps: 6 cells: 6 hold" );
-    run_ok( "bench sweeps.yaml --quick" );
-    assert_contains( result.out, "sweeps: 1 cells: 1 hold" );
-}
-
-TEST( rows_that_must_agree_and_differ_fail )
-{
-    run( "bench differs.yaml" );
-    assert_int_equal( result.status, 1 );
-    assert_contains( result.out, "cloth: rows differ by " );
-}
-
-TEST( a_check_without_a_limit_says_so_and_takes_that_of_the_user )
-{
-    run( "bench windy.yaml" );
-    assert_int_equal( result.status, 1 );
-    assert_contains( result.out, "strain rest" );
-    assert_contains( result.out, "in 1 cells no limit is known" );
-    assert_contains( result.out, "FAILED: stability, mine: breaks strain: " );
-    assert_contains( result.out, "and 0.01 % are allowed" );
-}
-
-TEST( wrong_words_name_their_place )
-{
-    static const struct
-    {
-        const char *text, *message;
-    } cases[] = {
-        { SUITE( "checks: [enrgy]\nscenes: [{ file: cloth.yaml }]\n" ),
-          "wrong.yaml:2:10: got check 'enrgy'; did you mean 'energy'?" },
-        { SUITE( "checks: some\nscenes: [{ file: cloth.yaml }]\n" ), "wrong.yaml:2:9: expected checks: all" },
-        { SUITE( "checks: [{ strain: -1 }]\nscenes: [{ file: cloth.yaml }]\n" ),
-          "wrong.yaml:2:20: expected a limit above 0" },
-        { SUITE( "checks: [{ bits: 1 }]\nscenes: [{ file: cloth.yaml }]\n" ),
-          "wrong.yaml:2:10: expected a check and its limit" },
-        { SUITE( "checks: all\nknown: { other: rest }\nscenes: [{ file: cloth.yaml }]\n" ),
-          "wrong.yaml:3:10: no row is called 'other'" },
-        { SUITE( "checks: [finite]\nknown: { cloth: rest }\nscenes: [{ file: cloth.yaml }]\n" ),
-          "which is none of its checks" },
-        { SUITE( "checks: all\nscenes: [{ file: cloth.yaml, expect: luck }]\n" ),
-          "wrong.yaml:3:38: expected expect: refused" },
-        { SUITE( "checks: all\nscenes: [{ file: cloth.yaml, sweep: [dt] }]\n" ),
-          "wrong.yaml:3:38: axes has no 'dt'" },
-        { SUITE( "checks: all\naxes: { dt: [1] }\nscenes: [{ file: cloth.yaml }]\n" ), "expected axes, such as" },
-        { SUITE( "checks: all\nquick: [none]\nscenes: [{ file: cloth.yaml }]\n" ), "no row is called 'none'" },
-        { SUITE( "check: all\nscenes: [{ file: cloth.yaml }]\n" ), "did you mean 'checks'?" },
-        { SUITE( "checks: all\nscenes: [{ file: cloth.yaml, agree: 2 }]\n" ), "expected a part of the size" },
-    };
-    for ( int i = 0; i < WISP_COUNT( cases ); ++i )
-    {
-        write_text( "wrong.yaml", cases[i].text );
-        assert_refused( "bench wrong.yaml", cases[i].message );
-    }
-}
-
-// ---- report ----
-
-static char page[4 << 20];
-
-TEST( a_report_is_written_beside_the_usual_output )
-{
-    run_ok( "bench boundary --quick --seconds 0.01 --workers 1 --report page.html" );
-    read_text( "page.html", page, sizeof( page ) );
-    assert_memory_equal( page, "<!DOCTYPE html>\n", 16 );
-    assert_non_null( strstr( page, "<h1>boundary</h1>" ) );
-    assert_non_null( strstr( page, "quick, about 0.01 s per case, up to 1 worker<" ) );
-    assert_non_null( strstr( page, "</html>\n" ) );
-
-    // every title of the output is one of the page
-    int tables = 0;
-    for ( const char* rule = strstr( result.out, "\n---" ); rule; rule = strstr( rule + 1, "\n---" ) )
-    {
-        ++tables;
-    }
-    // a table that is too wide for a terminal has further parts there
-    for ( const char* part = strstr( result.out, "\n(continued)\n" ); part;
-          part = strstr( part + 1, "\n(continued)\n" ) )
-    {
-        --tables;
-    }
-    char last[40];
-    snprintf( last, sizeof( last ), " id=\"table-%d\"", tables );
-    assert_true( tables > 0 );
-    assert_non_null( strstr( page, last ) );
-}
-
-TEST( a_report_that_cannot_be_written_is_refused_before_anything_is_measured )
-{
-    assert_int_equal( mkdir( "folder", 0700 ), 0 );
-    assert_refused( "bench boundary --quick --seconds 0.01 --report nowhere/page.html",
-                    "nowhere/page.html: cannot be written: No such" );
-    assert_string_equal( result.out, "" );
-    assert_refused( "bench boundary --quick --seconds 0.01 --report folder",
-                    "folder: cannot be written: Is a directory" );
-    assert_refused( "bench boundary --quick --seconds 0.01 --output nowhere/out.json --format json",
-                    "nowhere/out.json" );
-    assert_false( exists( "nowhere" ) );
-}
-
-TEST( looking_whether_a_file_can_be_written_leaves_it_as_it_was )
-{
-    write_text( "kept.html", "a page of last week" );
-    assert_refused( "bench boundary --quick --seconds 0.01 --report kept.html --output nowhere/out.txt",
-                    "nowhere/out.txt" );
-    read_text( "kept.html", page, sizeof( page ) );
-    assert_string_equal( page, "a page of last week" );
-    assert_refused( "bench boundary --quick --seconds 0.01 --output new.txt --report nowhere/page.html",
-                    "nowhere/page.html" );
-    assert_false( exists( "new.txt" ) );
-}
-
-TEST( a_disk_that_fills_up_is_a_failed_run )
-{
-    if ( access( "/dev/full", W_OK ) != 0 )
-    {
-        SKIP( "there is no /dev/full" );
-    }
-    run( "bench boundary --quick --seconds 0.01 --workers 1 --report /dev/full" );
-    assert_int_equal( result.status, 2 );
-    assert_int_equal( line_count( result.err ), 1 );
-    assert_non_null( strstr( result.err, "/dev/full: the report could not be written" ) );
-    // the results themselves are printed already
-    assert_non_null( strstr( result.out, "\n---" ) );
-}
-
-TEST( help_tells_of_the_report )
-{
-    run_ok( "bench --help" );
-    assert_non_null( strstr( result.out, "--report=FILE" ) );
-}
-
 // ---- what frozen hair costs ----
 
 enum
@@ -704,19 +344,44 @@ TEST( instructions_grow_linearly_with_the_vertices )
     }
 }
 
+// Where valgrind is installed: the same counts in every run; one percent of instructions and five of cycles more are too much. A base
+// that has cycles is compared with cycles, without being asked.
+TEST( instructions_and_cycles_repeat )
+{
+    static const char* const names[] = { "instructions", "cycles" };
+    write_text( "counted.yaml", "wisp_suite: 1\nscenes: [{ file: sheet.yaml, steps: 2 }]\n" );
+    for ( int i = 0; i < WISP_COUNT( names ); ++i )
+    {
+        run( i == 0 ? "gate record counted.yaml" : "gate record counted.yaml --cycles" );
+        if ( result.status != 0 )
+        {
+            assert_contains( result.err, "valgrind" );
+            SKIP( "valgrind is not here" );
+        }
+        run_ok( "gate check counted.yaml" );
+        json_t* base = json_load_file( "counted-base.json", 0, NULL );
+        json_t* values = json_object_get( json_array_get( json_object_get( base, "rows" ), 0 ), "values" );
+        const json_int_t count = json_integer_value( json_object_get( values, names[i] ) );
+        assert_true( count > 10000 && count >= json_integer_value( json_object_get( values, "instructions" ) ) );
+        json_object_set_new( values, names[i], json_integer( count - count / ( i == 0 ? 100 : 20 ) ) );
+        json_dump_file( base, "counted-base.json", 0 );
+        json_decref( base );
+        run( "gate check counted.yaml" );
+        assert_int_equal( result.status, 1 );
+        char told[40];
+        snprintf( told, sizeof told, "%s is ", names[i] );
+        assert_contains( result.out, told );
+    }
+    run_ok( "gate self-test counted.yaml --trials 1" );
+    assert_contains( result.out, "0 %       +0.00 %" );
+    assert_null( strstr( result.out, "5 %       +0.00 %" ) );
+}
+
 static int enter_folder( void** state )
 {
     static const text_file files[] = { { "sheet.yaml", FALLING( "9", "0.1" ) },
                                        { "fine.yaml", FALLING( "17", "0.05" ) },
                                        { "suite.yaml", suite },
-                                       { "cloth.yaml", SHEET },
-                                       { "holds.yaml", holds },
-                                       { "breaks.yaml", breaks },
-                                       { "known.yaml", known },
-                                       { "mended.yaml", mended },
-                                       { "sweeps.yaml", sweeps },
-                                       { "differs.yaml", differs },
-                                       { "windy.yaml", windy },
                                        { "hair.yaml", hair_scene },
                                        { "linear.yaml", linear_suite } };
     setenv( "WISP_CACHE", "cache", 1 );

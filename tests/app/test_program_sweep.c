@@ -1,9 +1,8 @@
-// The program as a user meets it: `wisp sweep` in shares that are stopped and gone on with, `wisp merge`, and `wisp torture`.
+// `wisp sweep` in shares that are stopped and gone on with, and `wisp merge` of files that were changed; what both say is in
+// transcripts/sweep.t.
 #include "program_fixture.h"
 
-#include <jansson.h>
 #include <signal.h>
-#include <sys/file.h>
 #include <sys/resource.h>
 #include <time.h>
 
@@ -71,40 +70,6 @@ static void copy_folder( const char* from, const char* to )
     char command[200];
     snprintf( command, sizeof command, "rm -rf %s && cp -r %s %s", to, from, to );
     assert_int_equal( system( command ), 0 );
-}
-
-// ---- one result of any number of shards ----
-
-TEST( any_number_of_shards_gives_the_same_bytes )
-{
-    static const int counts[] = { 1, 3, 8 };
-    static const char* const formats[] = { "text", "markdown", "csv", "json" };
-    char* first[WISP_COUNT( formats )] = { NULL };
-    int most = 0;
-    for ( int k = 0; k < WISP_COUNT( counts ); ++k )
-    {
-        char folder[16], command[100];
-        snprintf( folder, sizeof folder, "same_%d", counts[k] );
-        sweep( folder, counts[k] );
-        for ( int f = 0; f < WISP_COUNT( formats ); ++f )
-        {
-            snprintf( command, sizeof command, "merge %s -f %s -o merged --report merged.html", folder, formats[f] );
-            run_ok( command );
-            const char* merged = read_whole( "merged" );
-            first[f] = first[f] != NULL ? first[f] : strdup( merged );
-            assert_string_equal( merged, first[f] );
-        }
-        assert_true( strstr( read_whole( "merged.html" ), "Observed orders" ) != NULL );
-        assert_true( strstr( first[0], "; compared until " ) != NULL );
-        int twice = 0;
-        most = sscanf( result.err, "%d item", &twice ) == 1 && twice > most ? twice : most;
-        assert_true( counts[k] > 1 || twice == 0 );
-    }
-    assert_true( most > 0 );
-    for ( int f = 0; f < WISP_COUNT( formats ); ++f )
-    {
-        free( first[f] );
-    }
 }
 
 // A row of a sweep has the error that the same row of a benchmark has.
@@ -206,36 +171,6 @@ TEST( a_full_disk_keeps_what_fitted )
     run_ok( "merge full -o full.txt" );
     run_ok( "merge warm -o warm.txt" );
     assert_string_equal( read_whole( "full.txt" ), read_whole( "warm.txt" ) );
-}
-
-TEST( two_processes_do_not_write_one_part )
-{
-    assert_int_equal( mkdir( "locked", 0777 ), 0 );
-    const int file = open( "locked/part-0001-of-0001.jsonl", O_CREAT | O_RDWR, 0666 );
-    assert_int_equal( flock( file, LOCK_EX ), 0 );
-    assert_refused( "sweep suite.yaml -o locked", "another process writes it" );
-    close( file );
-    run_ok( "sweep suite.yaml -o locked" );
-}
-
-// ---- whose share ----
-
-TEST( wrong_shards_are_refused )
-{
-    static const char* const wrong[][2] = {
-        { "0/4", "got shard 0 of 4" },   { "5/4", "got shard 5 of 4" }, { "4", "expected a share such as 2/8" },
-        { "a/4", "a share such as" },    { "1/", "a share such as" },   { "1/0", "got 0 shards" },
-        { "-1/4", "got shard -1 of 4" }, { "1/99999", "1 to 9999" },    { "1/4x", "a share such as" },
-    };
-    for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
-    {
-        char command[100];
-        snprintf( command, sizeof command, "sweep suite.yaml -o wrong --shard %s", wrong[i][0] );
-        assert_refused( command, wrong[i][1] );
-    }
-    assert_refused( "sweep sheet.yaml -o wrong", "sheet.yaml" );
-    assert_refused( "sweep suite.yaml -o missing/folder", "missing/folder" );
-    assert_false( exists( "wrong" ) );
 }
 
 // ---- what is not merged ----
@@ -347,23 +282,7 @@ TEST( items_that_are_missing_or_have_two_hashes_are_refused )
     assert_non_null( strstr( result.out, "other bits" ) );
 }
 
-TEST( a_suite_that_changes_between_shards_is_refused )
-{
-    run_ok( "sweep suite.yaml -o changed --shard 1/2" );
-    write_text( "sheet.yaml",
-                "wisp: 1\n"
-                "steps: 3\n"
-                "surfaces: [ { name: sheet, generate: { shape: plane, columns: 3, rows: 3 }, cloth: {} } ]\n" );
-    assert_refused(
-        "sweep suite.yaml -o changed --shard 1/2",
-        "changed/part-0001-of-0002.jsonl:1: is of another suite than what is to be run; choose another folder" );
-    run_ok( "sweep suite.yaml -o changed --shard 2/2" );
-    assert_refused( "merge changed",
-                    "changed/part-0002-of-0002.jsonl:1: is of another suite than changed/part-0001-of-0002.jsonl:1" );
-    write_text( "sheet.yaml", sheet );
-}
-
-// ---- times, checks, failures ----
+// ---- times ----
 
 TEST( times_come_from_exclusive_runs_and_processors_are_not_mixed )
 {
@@ -398,96 +317,9 @@ TEST( times_come_from_exclusive_runs_and_processors_are_not_mixed )
     assert_int_equal( line_count( result.out ), 1 + 6 ); // rows have no times then
 }
 
-TEST( checks_and_failures_are_in_the_status )
-{
-    write_text( "checks.yaml", "wisp_suite: 1\n"
-                               "checks: [finite, { speed: 1e-6 }]\n"
-                               "scenes:\n"
-                               "  - { file: sheet.yaml, name: falls }\n"
-                               "  - { file: sheet.yaml, name: known }\n"
-                               "known: { known: speed }\n" );
-    run( "sweep checks.yaml -o checks" );
-    assert_int_equal( result.status, 1 );
-    assert_non_null( strstr( result.err, "2 of 2 items, 1 not as expected" ) );
-    run( "merge checks" );
-    assert_int_equal( result.status, 1 );
-    assert_non_null( strstr( result.out, "speed, unexpected" ) );
-    assert_non_null( strstr( result.out, "FAILED" ) );
-    run( "sweep checks.yaml -o checks" );
-    assert_int_equal( result.status, 1 );
-}
-
-// ---- torture ----
-
-static const char good_scene[] = "wisp: 1\n"
-                                 "steps: 60\n"
-                                 "surfaces:\n"
-                                 "  - name: cloth\n"
-                                 "    generate: { shape: plane, columns: 5, rows: 5, spacing: 0.05 }\n"
-                                 "    pins: [0, 4]\n"
-                                 "    cloth: {}\n";
-
-// The reader takes it and the engine does not: the mesh is open.
-static const char broken_scene[] = "wisp: 1\n"
-                                   "steps: 120\n"
-                                   "surfaces:\n"
-                                   "  - name: cloth\n"
-                                   "    generate: { shape: plane }\n"
-                                   "    balloon: {}\n";
-
-TEST( scenes_that_hold_are_status_0 )
-{
-    run_ok( "torture good.yaml" );
-    assert_string_equal( result.err, "" );
-    assert_contains( result.out, "scenes  1, " );
-    assert_contains( result.out, "broken  0" );
-}
-
-TEST( a_scene_that_breaks_is_status_1_and_a_sentence )
-{
-    run( "torture good.yaml broken.yaml" );
-    assert_int_equal( result.status, 1 );
-    assert_contains( result.out, "broken   1" );
-    assert_contains( result.out, "broken.yaml: refused: " );
-}
-
-// A sheet that is heavy at the bottom gains less energy than all of it could by being lifted, but it gains some.
-TEST( close_limits_break_what_others_let_pass )
-{
-    write_text( "close.yaml",
-                "wisp: 1\nsteps: 300\nsurfaces:\n  - name: cloth\n"
-                "    generate: { shape: alternating_plane, columns: 12, rows: 12, spacing: 0.05 }\n"
-                "    transform: { rotate: { degrees: [90, 0, 0] } }\n    pins: [0, 11]\n    damping: 4\n"
-                "    mass_ratio: 1e3\n    cloth: { bending: isometric, internal_damping: 0 }\n" );
-    run_ok( "torture close.yaml" );
-    run( "torture --close close.yaml" );
-    assert_int_equal( result.status, 1 );
-    assert_contains( result.out, "close.yaml: energy: energy is " );
-}
-
-TEST( a_search_counts_its_scenes )
-{
-    run( "torture --seed 1 --scenes 3 --keep 0 --out found --format json" );
-    assert_true( result.status == 0 || result.status == 1 );
-    json_t* root = json_loads( result.out, 0, NULL );
-    assert_non_null( root );
-    const json_t* size = json_object_get( json_array_get( json_object_get( root, "rows" ), 0 ), "size" );
-    assert_int_equal( json_number_value( json_object_get( size, "scenes" ) ), 3 );
-    json_decref( root );
-}
-
-TEST( a_scene_of_a_seed_is_printed_as_a_scene )
-{
-    run_ok( "torture --seed 3 --first 5 --print" );
-    write_text( "printed.yaml", result.out );
-    run_ok( "info printed.yaml" );
-}
-
 static int enter_folder( void** state )
 {
-    static const text_file files[] = {
-        { "sheet.yaml", sheet }, { "suite.yaml", suite }, { "good.yaml", good_scene }, { "broken.yaml", broken_scene }
-    };
+    static const text_file files[] = { { "sheet.yaml", sheet }, { "suite.yaml", suite } };
     setenv( "WISP_CACHE", "cache", 1 );
     return enter_folder_with( state, files, WISP_COUNT( files ) );
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <inttypes.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -28,9 +29,10 @@ static inline void golden_write( const char* path, int count, golden_case_fn* ru
     assert_int_equal( fclose( file ), 0 );
 }
 
-/// Fails unless all cases equal those of the file, in its order. WISP_GOLDEN=write in the environment writes it
-/// first.
-static inline void golden_check( const char* path, int count, golden_case_fn* run, const void* context )
+/// Fails unless all cases equal those of the file, in its order. WISP_GOLDEN=write in the environment writes it first.
+/// @param are_distinct no two cases are equal either: a hash that left something out would let everything pass
+static inline void golden_check( const char* path, int count, bool are_distinct, golden_case_fn* run,
+                                 const void* context )
 {
     const char* mode = getenv( "WISP_GOLDEN" );
     if ( mode != NULL && strcmp( mode, "write" ) == 0 )
@@ -43,8 +45,9 @@ static inline void golden_check( const char* path, int count, golden_case_fn* ru
         fail_msg( "%s cannot be read; WISP_GOLDEN=write makes it", path );
     }
     char name[64];
-    uint64_t hash;
+    uint64_t hash, others[32];
     int lines = 0, wrong = 0;
+    assert_in_range( count, 1, 32 );
     while ( fscanf( file, "%63s %" SCNx64, name, &hash ) == 2 )
     {
         assert_true( lines < count );
@@ -55,6 +58,11 @@ static inline void golden_check( const char* path, int count, golden_case_fn* ru
             print_error( "           %s is %016" PRIx64 ", it was %016" PRIx64 "\n", name, now.hash, hash );
             wrong += 1;
         }
+        for ( int k = 0; k < lines; ++k )
+        {
+            assert_true( hash != others[k] || !are_distinct );
+        }
+        others[lines] = hash;
         lines += 1;
     }
     fclose( file );

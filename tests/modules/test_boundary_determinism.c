@@ -1,4 +1,4 @@
-// The same as in
+// The points of boundary layers are those of
 // data/golden/boundary.hash. WISP_GOLDEN=write in the environment rewrites that file.
 #include "boundary_fixture.h"
 #include "golden_file.h"
@@ -26,9 +26,9 @@ static const golden_case CASES[] = {
     { "local-coarser", 3, 0.03f, WISP_SPACING_EVEN, WISP_ROUND_DOWN, 0.0f, 0.0f, -5.0f, false },
 };
 
-static uint64_t hash_case( const golden_case* c, int workers, const char* isa )
+static uint64_t hash_case( const golden_case* c )
 {
-    SCOPED( ball_close ) ball_world* b = ball_open( c->level, workers, isa );
+    SCOPED( ball_close ) ball_world* b = ball_open( c->level, 1, NULL );
     wisp_boundary_def def = ball_layer( c->spacing );
     def.policy = c->policy;
     def.rounding = c->rounding;
@@ -50,24 +50,10 @@ static uint64_t hash_case( const golden_case* c, int workers, const char* isa )
 static golden_hash run_numbered( int number, const void* context )
 {
     (void)context;
-    return ( golden_hash ){ CASES[number].name, hash_case( CASES + number, 1, NULL ) };
+    return ( golden_hash ){ CASES[number].name, hash_case( CASES + number ) };
 }
 
 TEST( layers_are_those_of_the_golden_file )
 {
-    golden_check( golden_file, WISP_COUNT( CASES ), run_numbered, NULL );
-}
-
-// A hash that left something out would let everything pass.
-TEST( a_hash_tells_cases_apart )
-{
-    uint64_t hashes[WISP_COUNT( CASES )];
-    for ( int n = 0; n < WISP_COUNT( CASES ); ++n )
-    {
-        hashes[n] = hash_case( CASES + n, 2, NULL );
-        for ( int k = 0; k < n; ++k )
-        {
-            assert_true( hashes[n] != hashes[k] );
-        }
-    }
+    golden_check( golden_file, WISP_COUNT( CASES ), true, run_numbered, NULL );
 }

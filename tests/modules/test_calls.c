@@ -1,5 +1,6 @@
 // What holds for every call that gives an entity something: a world without the module says so, a call without memory changes
-// nothing, an entity of another kind or none is refused, a step without memory is refused and the next ones are made, and all memory returns to the host.
+// nothing, an entity of another kind or none is refused, so is a value out of its range, by its name, a step without memory is refused and
+// the next ones are made, and all memory returns to the host.
 #include "surface_fixture.h"
 
 #include "balloon.h"
@@ -23,9 +24,33 @@ typedef struct stage
     hosted h;
     wisp_world* world;
     wisp_entity sheet, other, ball, hair, more;
+    bool is_plain; // definitions are the defaults
 } stage;
 
 static const int32_t PAIRS[] = { 0, 0, 1, 1, 2, 2 };
+
+// A number of a definition, and values just out of its range: NaN if that side is not tested, infinity if it has no end.
+typedef struct field
+{
+    const char *call, *name;
+    size_t at;
+    bool is_whole;
+    double lower, upper;
+} field;
+
+// What the next calls have in place of a value of theirs.
+static const field* spoilt;
+static double spoilt_value;
+
+static void spoil( const char* call, void* def )
+{
+    if ( spoilt != NULL && strcmp( spoilt->call, call ) == 0 )
+    {
+        const int whole = spoilt->is_whole ? (int)spoilt_value : 0;
+        const float number = (float)spoilt_value;
+        memcpy( (char*)def + spoilt->at, spoilt->is_whole ? (const void*)&whole : &number, sizeof( float ) );
+    }
+}
 
 // A call with its default definition, changed by the last argument.
 #define CALL( name, call, changes )                                                                                  \
@@ -34,7 +59,11 @@ static const int32_t PAIRS[] = { 0, 0, 1, 1, 2, 2 };
         wisp_##name##_def d = wisp_default_##name##_def();                                                           \
         wisp_entity made;                                                                                            \
         (void)made;                                                                                                  \
-        changes;                                                                                                     \
+        if ( s->is_plain == false )                                                                                  \
+        {                                                                                                            \
+            changes;                                                                                                 \
+        }                                                                                                            \
+        spoil( #name, &d );                                                                                          \
         return call;                                                                                                 \
     }
 
@@ -69,6 +98,8 @@ enum
     ON_GHOSTS = 8 | ON_STRANDS,
     ANY_ENTITY = 16, // of any kind
     NO_ENTITY = 32 | ANY_ENTITY,
+    OTHER_FIRST = 128, // the default is a definition too
+    AS_EVER = 64,      // a step that fails leaves what the next one makes as it would have been
 };
 
 static const struct
@@ -77,20 +108,20 @@ static const struct
     wisp_status ( *call )( stage* s );
     unsigned is;
 } CALLS[] = {
-    { "cloth", give_cloth, 0 },
-    { "balloon", give_balloon, 0 },
-    { "boundary", give_boundary, 0 },
-    { "collider", give_collider, NO_ENTITY },
-    { "collision", give_collision, ON_CLOTH | ANY_ENTITY },
+    { "cloth", give_cloth, OTHER_FIRST },
+    { "balloon", give_balloon, OTHER_FIRST },
+    { "boundary", give_boundary, AS_EVER },
+    { "collider", give_collider, NO_ENTITY | AS_EVER },
+    { "collision", give_collision, OTHER_FIRST | ON_CLOTH | ANY_ENTITY },
     { "contact", give_contact, ON_CLOTH },
-    { "implicit_cloth", give_implicit_cloth, 0 },
-    { "environment", give_environment, 0 },
+    { "implicit_cloth", give_implicit_cloth, OTHER_FIRST | AS_EVER },
+    { "environment", give_environment, AS_EVER },
     { "frozen_hair", give_frozen_hair, 0 },
     { "ghosts", give_ghosts, ON_STRANDS },
-    { "curves", give_curves, 0 },
-    { "strand_appearance", give_strand_appearance, 0 },
+    { "curves", give_curves, AS_EVER },
+    { "strand_appearance", give_strand_appearance, AS_EVER },
     { "strand_dynamics", give_strand_dynamics, 0 },
-    { "membrane", give_membrane, 0 },
+    { "membrane", give_membrane, AS_EVER },
     { "tearing", give_tearing, ON_CLOTH },
     { "motion_constraints", give_motion_constraints, ON_CLOTH },
     { "seam", give_seam, ON_CLOTH },
@@ -187,6 +218,167 @@ TEST( an_entity_of_another_kind_and_one_that_is_gone_are_refused )
     }
 }
 
+// ---- values ----
+
+#define NUMBER( call, name, lower, upper )                                                                           \
+    {                                                                                                                \
+#call, #name, offsetof( wisp_##call##_def, name ), false, (double)( lower ), (double)( upper )               \
+    }
+#define WHOLE( call, name, lower, upper )                                                                            \
+    {                                                                                                                \
+#call, #name, offsetof( wisp_##call##_def, name ), true, ( lower ), ( upper )                                \
+    }
+
+static const field FIELDS[] = {
+    WHOLE( cloth, solver, -1, WISP_SOLVER_COUNT ),
+    WHOLE( cloth, bending, -1, WISP_CLOTH_BENDING_COUNT ),
+    WHOLE( cloth, coarse_substeps, -2, 65 ),
+    WHOLE( cloth, coarse_passes, -1, 66 ),
+    NUMBER( cloth, warp_compliance, -1e-9f, 1.1e12f ),
+    NUMBER( cloth, weft_compliance, -1e-9f, 1.1e12f ),
+    NUMBER( cloth, shear_compliance, -1e-9f, 1.1e12f ),
+    NUMBER( cloth, stretch_stiffness, -1e-9f, 1.0001f ),
+    NUMBER( cloth, shear_stiffness, -1e-9f, 1.0001f ),
+    NUMBER( cloth, bend_stiffness, -1e-9f, 1.0001f ),
+    NUMBER( cloth, bend_compliance, -1e-9f, 1.1e12f ),
+    NUMBER( cloth, bend_rigidity, 0.0f, 1.1e12f ),
+    NUMBER( cloth, internal_damping, -1e-9f, 1.1e9f ),
+    NUMBER( cloth, air_density, -1e-9f, 1.1e6f ),
+    NUMBER( cloth, drag_coefficient, -1e-9f, 1.1e6f ),
+    NUMBER( cloth, lift_coefficient, -1e-9f, 1.1e6f ),
+    NUMBER( cloth, tether_slack, 0.999f, 1.1e6f ),
+    WHOLE( balloon, solver, -1, WISP_SOLVER_COUNT ),
+    WHOLE( balloon, volume, -1, WISP_SOLVER_COUNT ),
+    NUMBER( balloon, edge_stiffness, 0.0f, 2e12f ),
+    NUMBER( balloon, bend_link_stiffness, 0.0f, 2e12f ),
+    NUMBER( balloon, stretch_stiffness, -0.1f, 1.1f ),
+    NUMBER( balloon, bend_stiffness, -0.1f, 1.1f ),
+    NUMBER( balloon, volume_stiffness, 0.0f, 1.5f ),
+    NUMBER( balloon, gas_ratio, 0.99f, NAN ),
+    NUMBER( balloon, inflation_rate, NAN, NAN ),
+    NUMBER( balloon, min_gas_ratio, 0.0f, NAN ),
+    NUMBER( balloon, atmospheric_pressure, 0.0f, NAN ),
+    NUMBER( balloon, temperature, -1.0f, NAN ),
+    NUMBER( balloon, gas_molar_mass, 0.0f, NAN ),
+    NUMBER( balloon, air_molar_mass, NAN, 11.0f ),
+    NUMBER( balloon, drag_coefficient, -0.5f, NAN ),
+    NUMBER( balloon, outlet_area, 0.0f, NAN ),
+    WHOLE( balloon, outlet_count, -1, WISP_BALLOON_MAX_OUTLET + 1 ),
+    NUMBER( implicit_cloth, stretch_stiffness, -1e-9f, 1.1e9f ),
+    NUMBER( implicit_cloth, bend_stiffness, -1e-9f, 1.1e9f ),
+    NUMBER( implicit_cloth, bend_rigidity, -1e-9f, 1.1e9f ),
+    NUMBER( implicit_cloth, compression_stiffness, -1e-9f, 1.1e9f ),
+    NUMBER( implicit_cloth, link_damping, -1e-9f, 1.1e9f ),
+    NUMBER( implicit_cloth, tolerance, 0.99e-7f, 0.101f ),
+    WHOLE( implicit_cloth, newton_iterations, 0, 65 ),
+    WHOLE( implicit_cloth, max_newton_iterations, 0, 65 ),
+    WHOLE( implicit_cloth, max_iterations, -1, 1000001 ),
+    WHOLE( implicit_cloth, stiffness_model, -1, WISP_IMPLICIT_STIFFNESS_COUNT ),
+    WHOLE( implicit_cloth, weights, -1, WISP_IMPLICIT_WEIGHTS_COUNT ),
+    WHOLE( implicit_cloth, integrator, -1, WISP_INTEGRATOR_COUNT ),
+    NUMBER( frozen_hair, stretch_stiffness, 0.0f, 2e12f ),
+    NUMBER( frozen_hair, bend_stiffness, 9e-4f, NAN ),
+    NUMBER( frozen_hair, max_bend_angle, -0.1f, 3.15f ),
+    NUMBER( frozen_hair, intensity, -0.01f, 1.01f ),
+    NUMBER( frozen_hair, cursor.x, -1.1e6f, 1.1e6f ),
+    NUMBER( frozen_hair, cursor.y, -1.1e6f, 1.1e6f ),
+    NUMBER( frozen_hair, cursor.z, -1.1e6f, 1.1e6f ),
+    NUMBER( frozen_hair, reach, -1.0f, NAN ),
+    NUMBER( frozen_hair, clump_radius, 0.0f, NAN ),
+    WHOLE( frozen_hair, clump_iterations, -1, 1001 ),
+    NUMBER( frozen_hair, clump_step_length, -0.5f, NAN ),
+    NUMBER( frozen_hair, min_distance, -2.0f, NAN ),
+    NUMBER( frozen_hair, min_lambda, NAN, 1.5f ),
+    WHOLE( frozen_hair, max_neighbours, 0, 4097 ),
+    NUMBER( frozen_hair, max_depth_change, -0.5f, 2e6f ),
+    WHOLE( frozen_hair, gap, -1, WISP_GAP_COUNT ),
+    WHOLE( frozen_hair, base, -1, WISP_FROZEN_BASE_COUNT ),
+    WHOLE( frozen_hair, update_on, -1, WISP_FROZEN_UPDATE_COUNT ),
+    WHOLE( ghosts, target_count, 0, 5 ),
+    NUMBER( ghosts, tip_gain, -0.1f, NAN ),
+    NUMBER( ghosts, centre_gain, NAN, 1e4f ),
+    NUMBER( ghosts, time, -1.0f, NAN ),
+    NUMBER( ghosts, spread, 0.0f, NAN ),
+    WHOLE( ghosts, elastic, -1, WISP_GHOST_ELASTIC_COUNT ),
+    NUMBER( environment, temperature_celsius, -300.0f, NAN ),
+    NUMBER( environment, freezing_celsius, NAN, NAN ),
+    NUMBER( environment, wetness, -0.1f, 1.1f ),
+    NUMBER( environment, span, 0.0f, NAN ),
+    NUMBER( boundary, spacing, -1.0f, NAN ),
+    WHOLE( boundary, policy, -1, WISP_SPACING_COUNT ),
+    WHOLE( boundary, rounding, -1, WISP_ROUND_COUNT ),
+    NUMBER( boundary, hysteresis, -0.1f, 0.6f ),
+    WHOLE( boundary, max_points, -5, 0 ),
+    NUMBER( boundary, min_spacing, -1.0f, NAN ),
+    NUMBER( boundary, max_spacing, -1.0f, NAN ),
+    NUMBER( boundary, curvature_gain, -1.0f, NAN ),
+    NUMBER( boundary, strain_gain, NAN, NAN ),
+    NUMBER( boundary, eye_angle, -1.0f, NAN ),
+    NUMBER( boundary, eye.y, NAN, NAN ),
+    NUMBER( tearing, strength, 0.0f, INFINITY ),
+    WHOLE( tearing, max_splits, -1, 0 ),
+    NUMBER( membrane, thickness, 0.0f, NAN ),
+    NUMBER( membrane, shear_modulus, NAN, NAN ),
+    NUMBER( motion_constraints, distance_stiffness, NAN, 1.5f ),
+    NUMBER( motion_constraints, max_distance, -1.0f, INFINITY ),
+    NUMBER( seam, within, -1.0f, NAN ),
+    NUMBER( seam, distance, -1.0f, NAN ),
+    NUMBER( seam, closing_speed, 0.0f, INFINITY ),
+    NUMBER( seam, compliance, NAN, NAN ),
+    NUMBER( seam, strength, 0.0f, INFINITY ),
+    WHOLE( detail, level, -1, 4 ),
+    WHOLE( detail, substep_divisor, -1, 0 ),
+    WHOLE( detail, blend_steps, -2, -1 ),
+    NUMBER( sleep, max_speed, -1.0f, NAN ),
+    NUMBER( sleep, seconds, -1.0f, NAN ),
+    NUMBER( moving_frame, linear_inertia, -0.5f, NAN ),
+    NUMBER( moving_frame, angular_inertia, NAN, NAN ),
+};
+
+static void check_value( stage* s, int call, const field* f, double value )
+{
+    const int passes = wisp_world_plan_passes( s->world ); // which attaches columns
+    const uint64_t hash = wisp_world_hash( s->world );
+    spoilt = f, spoilt_value = value;
+    const wisp_status status = CALLS[call].call( s );
+    spoilt = NULL;
+    const char* message = wisp_world_message( s->world );
+    char named[60];
+    snprintf( named, sizeof named, "%s: got ", f->name );
+    if ( status != WISP_BAD_INPUT || strstr( message, named ) == NULL )
+    {
+        fail_msg( "%s.%s: got %g: %s, '%s'", f->call, f->name, value, wisp_status_name( status ), message );
+    }
+    assert_true( wisp_world_hash( s->world ) == hash );
+    assert_int_equal( wisp_world_plan_passes( s->world ), passes );
+}
+
+// For an entity that has not been given anything yet, and for one that has.
+TEST( a_value_out_of_its_range_is_named_and_changes_nothing )
+{
+    for ( int i = 0; i < WISP_COUNT( FIELDS ); ++i )
+    {
+        const field* f = FIELDS + i;
+        int call = 0;
+        while ( strcmp( CALLS[call].name, f->call ) != 0 )
+        {
+            call += 1;
+        }
+        const double bad[] = { f->lower, f->upper < INFINITY ? f->upper : NAN, -INFINITY, NAN, INFINITY };
+        const int count = f->is_whole ? 2 : f->upper < INFINITY || isnan( f->upper ) ? 5 : 4;
+        for ( int again = 0; again < 2; ++again )
+        {
+            stage* s = open_stage( call );
+            assert_status( s->world, again == 1 ? CALLS[call].call( s ) : WISP_OK, WISP_OK );
+            for ( int k = 0; k < count; ++k )
+            {
+                check_value( s, call, f, bad[k] );
+            }
+            close_stage( s );
+        }
+    }
+}
+
 TEST( what_an_entity_has_not_been_given_is_a_conflict )
 {
     stage* s = open_stage( 0 );
@@ -215,13 +407,16 @@ TEST( what_an_entity_has_not_been_given_is_a_conflict )
     close_stage( s );
 }
 
-// @param again it was made before. @param rest refuse the n-th request and all later ones. @return false if it makes fewer requests
-static bool call_with_a_refusal( int number, int n, bool again, bool rest )
+// @param before it was made before: 1 as it is, 2 with the default definition. @param rest refuse the n-th request and all later ones. @return false if it makes fewer requests
+static bool call_with_a_refusal( int number, int n, int before, bool rest )
 {
     stage* s = open_stage( number );
-    assert_status( s->world, again ? CALLS[number].call( s ) : WISP_OK, WISP_OK );
+    s->is_plain = before == 2;
+    assert_status( s->world, before > 0 ? CALLS[number].call( s ) : WISP_OK, WISP_OK );
+    s->is_plain = false;
     const int passes = wisp_world_plan_passes( s->world ); // which attaches columns
     const uint64_t hash = wisp_world_hash( s->world );
+    const size_t memory = wisp_world_memory( s->world );
     test_host_refuse( &s->h.host, n, rest );
     const wisp_status status = CALLS[number].call( s );
     const bool refused = test_host_has_refused( &s->h.host );
@@ -234,6 +429,7 @@ static bool call_with_a_refusal( int number, int n, bool again, bool rest )
     if ( refused )
     {
         assert_one_message( wisp_world_message( s->world ) );
+        assert_true( before != 2 || wisp_world_memory( s->world ) <= memory + 64 ); // room in a list
         assert_true( wisp_world_hash( s->world ) == hash );
         assert_int_equal( wisp_world_plan_passes( s->world ), passes );
         assert_status( s->world, CALLS[number].call( s ), WISP_OK );
@@ -247,20 +443,20 @@ TEST( a_call_without_memory_changes_nothing_and_can_be_made_again )
 {
     for ( int number = 0; number < WISP_COUNT( CALLS ); ++number )
     {
-        for ( int again = 0; again < 2; ++again )
+        for ( int before = 0; before < ( CALLS[number].is & OTHER_FIRST ? 3 : 2 ); ++before )
         {
             int n = 1;
-            while ( call_with_a_refusal( number, n, again == 1, n % 2 == 0 ) )
+            while ( call_with_a_refusal( number, n, before, n % 2 == 0 ) )
             {
                 n += 1;
             }
-            assert_true( n > 1 || again == 1 || ( CALLS[number].is & OF_ENGINE ) != 0 );
+            assert_true( n > 1 || before == 1 || ( CALLS[number].is & OF_ENGINE ) != 0 );
         }
     }
 }
 
-// @return whether the first step made n requests
-static bool step_with_a_refusal( int number, int n )
+// @param n 0: nothing is refused. @return whether the first step made n requests
+static bool step_with_a_refusal( int number, int n, uint64_t* hash )
 {
     stage* s = open_stage( number );
     assert_status( s->world, CALLS[number].call( s ), WISP_OK );
@@ -273,7 +469,9 @@ static bool step_with_a_refusal( int number, int n )
         assert_true( refused );
         expect_refusal( s->world, status, WISP_NO_MEMORY, "memory" );
     }
-    run_steps( s->world, 3, 0.01f );
+    run_steps( s->world, status == WISP_OK ? 2 : 3, 0.01f );
+    *hash = n == 0 ? wisp_world_hash( s->world ) : *hash;
+    assert_true( ( CALLS[number].is & AS_EVER ) == 0 || wisp_world_hash( s->world ) == *hash );
     assert_int_equal( wisp_world_counter( s->world, WISP_COUNT_HALTED ), 0 );
     close_stage( s );
     return refused;
@@ -283,8 +481,10 @@ TEST( a_step_without_memory_is_refused_and_the_next_ones_are_made )
 {
     for ( int number = 0; number < WISP_COUNT( CALLS ); ++number )
     {
+        uint64_t hash;
+        step_with_a_refusal( number, 0, &hash );
         int n = 1;
-        while ( step_with_a_refusal( number, n ) )
+        while ( step_with_a_refusal( number, n, &hash ) )
         {
             n += 1;
         }

@@ -144,5 +144,5 @@ static golden_hash run_case( int number, const void* context )
 
 TEST( cloth_on_meshes_has_the_bits_on_record_with_embree_and_without )
 {
-    golden_check( WISP_SOURCE_ROOT "/data/golden/collision.hash", 4, run_case, NULL );
+    golden_check( WISP_SOURCE_ROOT "/data/golden/collision.hash", 4, false, run_case, NULL );
 }

@@ -429,14 +429,6 @@ TEST( what_has_no_detail_is_refused )
     expect_refusal( h.world, wisp_set_detail( h.world, e, &def ), WISP_CONFLICT,
                     "level coarse of entity 1: expected a surface with coarse sheets" );
     expect_refusal( h.world, wisp_set_detail( h.world, strands, &def ), WISP_CONFLICT, "strands that follow others" );
-    def.level = (wisp_detail)4;
-    expect_refusal( h.world, wisp_set_detail( h.world, e, &def ), WISP_BAD_INPUT, "level: got 4" );
-    def = wisp_default_detail_def();
-    def.substep_divisor = 0;
-    expect_refusal( h.world, wisp_set_detail( h.world, e, &def ), WISP_BAD_INPUT, "substep_divisor: got 0" );
-    def = wisp_default_detail_def();
-    def.blend_steps = -1;
-    expect_refusal( h.world, wisp_set_detail( h.world, e, &def ), WISP_BAD_INPUT, "blend_steps: got -1" );
     assert_int_equal( wisp_set_detail( h.world, ( wisp_entity ){ 99, 1 }, NULL ), WISP_BAD_INPUT );
     assert_true( wisp_world_hash( h.world ) == before );
     assert_int_equal( wisp_detail_of( NULL, e ), WISP_DETAIL_FULL );

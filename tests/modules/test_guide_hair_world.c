@@ -103,27 +103,6 @@ TEST( unequal_node_counts_are_refused_by_name_unless_resampled )
     guide_ok( f.world, wisp_set_ghosts( f.world, f.ghosts, &def ) );
 }
 
-TEST( values_out_of_range_are_refused_by_name )
-{
-    SCOPED( guide_end ) flock f = guide_flock( NULL, 3, 4, NODES );
-    wisp_ghosts_def good = wisp_default_ghosts_def(), def;
-    good.targets = f.targets;
-#define REFUSE( member, value )                                                                                      \
-    def = good;                                                                                                      \
-    def.member = value;                                                                                              \
-    refuse( &f, def, WISP_BAD_INPUT, #member )
-    REFUSE( target_count, 0 );
-    REFUSE( target_count, 5 );
-    REFUSE( tip_gain, -0.1f );
-    REFUSE( tip_gain, NAN );
-    REFUSE( centre_gain, 1e4f );
-    REFUSE( time, -1.0f );
-    REFUSE( spread, 0.0f );
-    REFUSE( spread, INFINITY );
-    REFUSE( elastic, WISP_GHOST_ELASTIC_COUNT );
-#undef REFUSE
-}
-
 TEST( who_cannot_follow_or_be_followed_is_refused )
 {
     SCOPED( guide_end ) flock f = guide_flock( NULL, 3, 4, NODES );

@@ -145,21 +145,28 @@ TEST( friction_stops_what_slides_and_never_turns_it_round )
 
 // ---- held and released vertices ----
 
-TEST( a_cloth_follows_a_floor_that_moves )
+static hosted* lie_on_floor( wisp_entity* body, wisp_entity* e )
 {
-    SCOPED( close_local ) hosted* h = new_solved( 1, 1 );
-    wisp_collider_def floor = wisp_default_collider_def();
-    const wisp_entity body = add_collider( h->world, &floor );
+    hosted* h = new_solved( 1, 1 );
+    const wisp_collider_def floor = wisp_default_collider_def();
+    *body = add_collider( h->world, &floor );
     test_mesh mesh = square( 6, 0.5f, ( wisp_vec3 ){ 0.0f, 0.4f * MARGIN, 0.0f } );
     const wisp_implicit_cloth_def def = linked_def();
-    const wisp_entity e = add_solved( h->world, &mesh, &def, 0.0f );
+    *e = add_solved( h->world, &mesh, &def, 0.0f );
     test_mesh_free( &mesh );
-    give_gravity( h->world, e, GRAVITY );
+    give_gravity( h->world, *e, GRAVITY );
     run_for( h->world, DT, 5 );
+    return h;
+}
+
+TEST( a_cloth_follows_a_floor_that_moves )
+{
+    wisp_entity body, e;
+    SCOPED( close_local ) hosted* h = lie_on_floor( &body, &e );
     const wisp_vec3 velocity = { 0.02f, 0.3f, -0.01f }; // m/s: up, and sideways within the limit of friction
     for ( int step = 1; step <= 50; ++step )
     {
-        wisp_transform pose = floor.pose;
+        wisp_transform pose = wisp_default_collider_def().pose;
         const float t = (float)step * DT;
         pose.translation = ( wisp_vec3 ){ t * velocity.x, t * velocity.y, t * velocity.z };
         assert_int_equal( wisp_move_collider( h->world, body, pose ), WISP_OK );
@@ -175,16 +182,9 @@ TEST( a_cloth_follows_a_floor_that_moves )
 
 TEST( a_floor_does_not_pull )
 {
-    SCOPED( close_local ) hosted* h = new_solved( 1, 1 );
-    wisp_collider_def floor = wisp_default_collider_def();
-    const wisp_entity body = add_collider( h->world, &floor );
-    test_mesh mesh = square( 6, 0.5f, ( wisp_vec3 ){ 0.0f, 0.4f * MARGIN, 0.0f } );
-    const wisp_implicit_cloth_def def = linked_def();
-    const wisp_entity e = add_solved( h->world, &mesh, &def, 0.0f );
-    test_mesh_free( &mesh );
-    give_gravity( h->world, e, GRAVITY );
-    run_for( h->world, DT, 5 );
-    wisp_transform pose = floor.pose;
+    wisp_entity body, e;
+    SCOPED( close_local ) hosted* h = lie_on_floor( &body, &e );
+    wisp_transform pose = wisp_default_collider_def().pose;
     pose.translation.y = -2.0f; // gone in one step
     assert_int_equal( wisp_move_collider( h->world, body, pose ), WISP_OK );
     run_for( h->world, DT, 1 ); // a held vertex is held once more, and its pull detected

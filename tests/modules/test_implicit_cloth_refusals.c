@@ -32,76 +32,6 @@ static void assert_refused( hosted* h, wisp_entity e, const wisp_implicit_cloth_
     assert_int_equal( atomic_load( &h->host.bytes ), lent );
 }
 
-// ---- values ----
-
-IMPLICIT_TEST( every_number_has_its_range )
-{
-    wisp_entity e = add_plain( h );
-    const wisp_implicit_cloth_def good = linked_def();
-    set_implicit( h->world, e, &good );
-#define FIELD( name, lower, upper )                                                                                  \
-    {                                                                                                                \
-#name, offsetof( wisp_implicit_cloth_def, name ), lower, upper                                               \
-    }
-    const struct
-    {
-        const char* name;
-        size_t at;
-        float lower, upper; // just out of range
-    } fields[] = {
-        FIELD( stretch_stiffness, -1e-9f, 1.1e9f ), FIELD( bend_stiffness, -1e-9f, 1.1e9f ),
-        FIELD( bend_rigidity, -1e-9f, 1.1e9f ),     FIELD( compression_stiffness, -1e-9f, 1.1e9f ),
-        FIELD( link_damping, -1e-9f, 1.1e9f ),      FIELD( tolerance, 0.99e-7f, 0.101f ),
-    };
-#undef FIELD
-    for ( int i = 0; i < WISP_COUNT( fields ); ++i )
-    {
-        const float bad[] = { fields[i].lower, fields[i].upper, NAN, INFINITY, -INFINITY };
-        for ( int k = 0; k < WISP_COUNT( bad ); ++k )
-        {
-            wisp_implicit_cloth_def def = good;
-            memcpy( (char*)&def + fields[i].at, bad + k, sizeof( float ) );
-            assert_refused( h, e, &def, WISP_BAD_INPUT, fields[i].name );
-        }
-    }
-}
-
-IMPLICIT_TEST( every_count_and_choice_has_its_range )
-{
-    wisp_entity e = add_plain( h );
-#define FIELD( name, ... )                                                                                           \
-    {                                                                                                                \
-#name, offsetof( wisp_implicit_cloth_def, name ),                                                            \
-        {                                                                                                            \
-            __VA_ARGS__                                                                                              \
-        }                                                                                                            \
-    }
-    const struct
-    {
-        const char* name;
-        size_t at;
-        int bad[3];
-    } fields[] = {
-        FIELD( newton_iterations, 0, 65, INT32_MIN ),
-        FIELD( max_newton_iterations, 0, 65, INT32_MIN ),
-        FIELD( max_iterations, -1, 1000001, INT32_MAX ),
-        FIELD( stiffness_model, -1, WISP_IMPLICIT_STIFFNESS_COUNT, INT32_MAX ),
-        FIELD( weights, -1, WISP_IMPLICIT_WEIGHTS_COUNT, INT32_MAX ),
-        FIELD( integrator, -1, WISP_INTEGRATOR_COUNT, INT32_MAX ),
-    };
-#undef FIELD
-    for ( int i = 0; i < WISP_COUNT( fields ); ++i )
-    {
-        for ( int k = 0; k < 3; ++k )
-        {
-            wisp_implicit_cloth_def def = linked_def();
-            memcpy( (char*)&def + fields[i].at, fields[i].bad + k, sizeof( int ) );
-            assert_refused( h, e, &def, WISP_BAD_INPUT, fields[i].name );
-        }
-    }
-    assert_false( wisp_world_has( h->world, e, WISP_PARTICLE_EXTERNAL_SOLVER ) );
-}
-
 // ---- pairs ----
 
 IMPLICIT_TEST( a_pair_is_two_vertices_of_the_surface )
@@ -234,35 +164,6 @@ static uint64_t alone( const wisp_implicit_cloth_def* def, int n, int steps )
     wisp_entity e = add_sheet( h.world, def, n, true );
     run_steps( h.world, steps, DT );
     return hash_of( h.world, e, WISP_SURFACE_POINTS );
-}
-
-// A step without memory for its system reports it and can be repeated; one that finds another way gives the same
-// result.
-TEST( a_step_without_memory_is_refused_and_made_later )
-{
-    const wisp_implicit_cloth_def def = linked_def();
-    const uint64_t reference = alone( &def, 9, 2 );
-    int refusals = 0;
-    bool refused = true;
-    for ( int64_t n = 1; n < 100 && refused; ++n )
-    {
-        SCOPED( close_world ) hosted h;
-        open_implicit( &h, 1 );
-        wisp_entity e = add_sheet( h.world, &def, 9, true );
-        test_host_refuse( &h.host, n, false );
-        const wisp_status status = wisp_world_step( h.world, DT );
-        refused = test_host_has_refused( &h.host );
-        test_host_refuse( &h.host, 0, false );
-        if ( status != WISP_OK )
-        {
-            expect_refusal( h.world, status, WISP_NO_MEMORY, "memory" );
-            refusals += 1;
-        }
-        run_steps( h.world, status == WISP_OK ? 1 : 2, DT );
-        assert_int_equal( hash_of( h.world, e, WISP_SURFACE_POINTS ), reference );
-    }
-    assert_false( refused );
-    assert_in_range( refusals, 2, 98 ); // of the plan and of the system at least
 }
 
 IMPLICIT_TEST( a_removed_cloth_gives_its_memory_back )

@@ -204,12 +204,6 @@ TEST( what_cannot_be_is_refused )
     const wisp_surface_def surface = support_weightless_surface_def();
     const wisp_entity e = add_membrane( w, &mesh, surface, rubber( 10.0f, false ) );
     wisp_membrane_def def = wisp_default_membrane_def();
-    def.thickness = 0.0f;
-    expect_refusal( w, wisp_set_membrane( w, e, &def ), WISP_BAD_INPUT, "thickness" );
-    def = wisp_default_membrane_def();
-    def.shear_modulus = NAN;
-    expect_refusal( w, wisp_set_membrane( w, e, &def ), WISP_BAD_INPUT, "shear_modulus" );
-    def = wisp_default_membrane_def();
     wisp_cloth_def cloth = wisp_default_cloth_def();
     expect_refusal( w, wisp_set_cloth( w, e, &cloth ), WISP_CONFLICT, "bending by links" );
     const wisp_implicit_cloth_def implicit = wisp_default_implicit_cloth_def();

@@ -679,13 +679,6 @@ TEST( what_cannot_be_is_refused )
         assert_true( out.index == 0 );                                                                               \
         assert_true( wisp_world_hash( s.world ) == before );                                                         \
     }
-    REFUSED( WISP_BAD_INPUT, "within", d.within = NAN )
-    REFUSED( WISP_BAD_INPUT, "within", d.within = -1.0f )
-    REFUSED( WISP_BAD_INPUT, "distance", d.distance = -1.0f )
-    REFUSED( WISP_BAD_INPUT, "closing_speed", d.closing_speed = 0.0f )
-    REFUSED( WISP_BAD_INPUT, "compliance", d.compliance = INFINITY )
-    REFUSED( WISP_BAD_INPUT, "strength", d.strength = 0.0f )
-    REFUSED( WISP_BAD_INPUT, "strength", d.strength = NAN )
     REFUSED( WISP_BAD_INPUT, "within 0.01 m of", d.within = 0.01f )
     REFUSED( WISP_BAD_INPUT, "expected one of the two", d.pairs = pairs; d.pair_count = 2 )
     REFUSED( WISP_BAD_INPUT, "got 0 pairs", d.within = 0.0f )

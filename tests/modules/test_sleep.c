@@ -281,18 +281,26 @@ TEST( pins_that_are_moved_wake_a_sheet_and_pins_that_rest_let_it_sleep )
 
 // ---- what other entities hold ----
 
+// A flag whose corners are on a pinned sheet.
+static wisp_entity hang_on_sheet( wisp_world* world, wisp_entity* base )
+{
+    test_mesh mesh = level_sheet( 4, 0.4f, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
+    *base = add_pinned( world, &mesh );
+    const int32_t corners[] = { 0, SIDE - 1 };
+    mesh = level_sheet( SIDE, 0.4f, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
+    const wisp_entity flag = add_draping( world, &mesh, corners, 2, EARTH );
+    assert_status( world, wisp_attach_pins( world, flag, corners, 2, *base ), WISP_OK );
+    return flag;
+}
+
 TEST( attached_cloth_sleeps_and_wakes_with_what_it_is_attached_to )
 {
     SCOPED( close_world ) hosted h;
     open_stage( &h, 1 );
     wisp_world* world = h.world;
-    test_mesh mesh = level_sheet( 4, 0.4f, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
-    const wisp_entity base = add_pinned( world, &mesh );
-    const int32_t corners[] = { 0, SIDE - 1 };
-    mesh = level_sheet( SIDE, 0.4f, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
-    const wisp_entity flag = add_draping( world, &mesh, corners, 2, EARTH );
+    wisp_entity base;
+    const wisp_entity flag = hang_on_sheet( world, &base );
     assert_status( world, wisp_set_damping( world, flag, 4.0f ), WISP_OK );
-    assert_status( world, wisp_attach_pins( world, flag, corners, 2, base ), WISP_OK );
     let_sleep( world, flag );
     for ( int i = 0; i < PATIENCE; ++i ) // the base could move
     {
@@ -434,12 +442,8 @@ TEST( attached_cloth_that_is_not_solved_goes_along )
         SCOPED( close_world ) hosted h;
         open_stage( &h, 1 );
         wisp_world* world = h.world;
-        test_mesh mesh = level_sheet( 4, 0.4f, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
-        const wisp_entity base = add_pinned( world, &mesh );
-        const int32_t corners[] = { 0, SIDE - 1 };
-        mesh = level_sheet( SIDE, 0.4f, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
-        const wisp_entity flag = add_draping( world, &mesh, corners, 2, EARTH );
-        assert_status( world, wisp_attach_pins( world, flag, corners, 2, base ), WISP_OK );
+        wisp_entity base;
+        const wisp_entity flag = hang_on_sheet( world, &base );
         run_steps( world, 30, FRAME );
         set_level( world, flag, WISP_DETAIL_NOTHING );
         if ( k == 1 )

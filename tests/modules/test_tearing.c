@@ -805,12 +805,6 @@ TEST( what_does_not_tear_is_refused_with_its_reason )
     assert_refused( w, add_sheet( w, &cloth, 0.0f, true ), def, WISP_CONFLICT, "has coarse sheets" );
     assert_refused( w, add_sheet( w, &cloth, 0.1f, false ), def, WISP_CONFLICT, "has vertex_mass" );
     const wisp_entity e = add_sheet( w, &cloth, 0.0f, false );
-    bad = def, bad.strength = 0.0f;
-    assert_refused( w, e, bad, WISP_BAD_INPUT, "tearing: strength: got 0" );
-    bad = def, bad.strength = NAN;
-    assert_refused( w, e, bad, WISP_BAD_INPUT, "tearing: strength" );
-    bad = def, bad.max_splits = 0;
-    assert_refused( w, e, bad, WISP_BAD_INPUT, "tearing: max_splits: got 0" );
     float factors[900] = { 0.0f };
     bad = def, bad.factors = factors;
     assert_refused( w, e, bad, WISP_BAD_INPUT, "tearing: factors: vertex 0: got 0" );
