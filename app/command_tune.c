@@ -6,6 +6,8 @@
 #include "results.h"
 #include "tune_scene.h"
 
+#include "wisp/module/definition.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -359,14 +361,10 @@ static wisp_status tune( tune_options* options, results* out, bool* meets_target
     search* s = &options->search;
     const wisp_scene* scene = s->def.scene;
     const tune_parameters* parameters = s->def.parameters;
-    wisp_status status = options->output ? check_output( options, parameters, scene, error ) : WISP_OK;
-    status = status == WISP_OK ? command_check_writable( options->output, error ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( options->output ? check_output( options, parameters, scene, error ) : WISP_OK );
+    WISP_TRY( command_check_writable( options->output, error ) );
     s->bar = progress_begin();
-    status = run_search( s, &found, error );
+    wisp_status status = run_search( s, &found, error );
     progress_end( &s->bar );
     if ( status == WISP_OK )
     {

@@ -7,6 +7,7 @@
 #include "world_from_scene_parts.h"
 
 #include "wisp/fabric.h"
+#include "wisp/module/definition.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -974,15 +975,11 @@ wisp_status host_source_write( FILE* out, const wisp_scene* scene, wisp_error* e
 {
     const scene_world_options options = { .workers = 1, .is_quiet = true };
     scene_world world;
-    wisp_status status = check( scene, error );
-    status = status == WISP_OK ? scene_world_create( scene, &options, &world, error ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check( scene, error ) );
+    WISP_TRY( scene_world_create( scene, &options, &world, error ) );
     fprintf( out, "// The world of %s.\n", scene->name );
     fputs( HEAD, out );
-    status = write_arrays( out, &world, error );
+    wisp_status status = write_arrays( out, &world, error );
     if ( status == WISP_OK )
     {
         write_world( out, &world );

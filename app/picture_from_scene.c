@@ -3,6 +3,8 @@
 
 #include "interruption.h"
 
+#include "wisp/module/definition.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -114,12 +116,8 @@ static wisp_status read_layer( picture_source* source, simulation* s, int body, 
         return WISP_OK;
     }
     wisp_boundary_view view;
-    wisp_status status = scene_world_layer( &s->world, body - s->scene.strands_count, &view, error );
-    status = status == WISP_OK ? picture_make_layer( source, body, view.samples->count, error ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( scene_world_layer( &s->world, body - s->scene.strands_count, &view, error ) );
+    WISP_TRY( picture_make_layer( source, body, view.samples->count, error ) );
     WISP_ASSERT( view.samples->normals || view.samples->count == 0 );
     for ( int i = 0; i < view.samples->count; ++i )
     {

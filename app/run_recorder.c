@@ -3,6 +3,8 @@
 #include "nearest.h"
 #include "world_from_scene.h"
 
+#include "wisp/module/definition.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -252,14 +254,10 @@ static wisp_status open_bodies( scene_world* world, bool has_values, unsigned as
     {
         return no_memory( world, error );
     }
-    wisp_status status = check_asked( world, asked, error );
-    status = status == WISP_OK ? list_bodies( world, has_values, asked, out, error ) : status;
-    if ( status == WISP_OK )
-    {
-        out->points = make_points( out );
-        status = out->points ? request_points( world, error ) : no_memory( world, error );
-    }
-    return status;
+    WISP_TRY( check_asked( world, asked, error ) );
+    WISP_TRY( list_bodies( world, has_values, asked, out, error ) );
+    out->points = make_points( out );
+    return out->points ? request_points( world, error ) : no_memory( world, error );
 }
 
 // Fill the points of the present step, and the values if they are needed.

@@ -8,6 +8,8 @@
 
 #include "io_file.h"
 
+#include "wisp/module/definition.h"
+
 typedef enum line_kind
 {
     LINE_OTHER,
@@ -82,11 +84,7 @@ static wisp_status check_vertex_line( mesh_word line, int number, const char* na
                                       wisp_error* error )
 {
     int count = 0;
-    wisp_status status = check_numbers( line, number, name, &count, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_numbers( line, number, name, &count, error ) );
     *has_colour = count > 4;
     if ( count != 3 && count != 4 && count != 6 && count != 7 )
     {

@@ -3,6 +3,8 @@
 #include "io_file.h"
 #include "results_write.h"
 
+#include "wisp/module/definition.h"
+
 #include <errno.h>
 #include <jansson.h>
 #include <math.h>
@@ -578,12 +580,8 @@ static wisp_status compare( comparison* c, const char* before, const char* after
         results_add_note( c->out, "options: %s before, %s after", text_of( c->before, "options" ),
                           text_of( c->after, "options" ) );
     }
-    wisp_status status = match_rows( c, error );
-    status = status == WISP_OK ? judge_times( c, error ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( match_rows( c, error ) );
+    WISP_TRY( judge_times( c, error ) );
     const int times =
         results_begin_table( c->out, "Times", "row\tworkers\tms before\tms after\tchange\tp\ttimes\tbits" );
     int numbers = 0;

@@ -1,6 +1,8 @@
 // Vertices that a scene gives by number, by position, or by a box around them.
 #include "world_from_scene_parts.h"
 
+#include "wisp/module/definition.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -124,11 +126,7 @@ static wisp_status mark_pins( const vertex_finder* f, const wisp_scene_pins* pin
     for ( int i = 0; i < pins->vertex_count; ++i )
     {
         int32_t vertex;
-        wisp_status status = find_number( f, "pins", pins->vertices[i], &vertex );
-        if ( status != WISP_OK )
-        {
-            return status;
-        }
+        WISP_TRY( find_number( f, "pins", pins->vertices[i], &vertex ) );
         marks[vertex] |= IN_GROUP;
     }
     for ( int i = 0; i < pins->nearest_count; ++i )
@@ -350,11 +348,7 @@ wisp_status scene_outlet_find( const wisp_scene* scene, int surface, const wisp_
     *out = entry->balloon;
     for ( int i = 0; i < out->outlet_count; ++i )
     {
-        wisp_status status = find_number( &finder, "balloon.outlet", entry->balloon.outlet[i], &out->outlet[i] );
-        if ( status != WISP_OK )
-        {
-            return status;
-        }
+        WISP_TRY( find_number( &finder, "balloon.outlet", entry->balloon.outlet[i], &out->outlet[i] ) );
     }
     if ( !entry->has_outlet_nearest )
     {

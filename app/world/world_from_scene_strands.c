@@ -300,15 +300,11 @@ static wisp_status set_ghosts( scene_world* world, int strands )
 static wisp_status add_curves( scene_world* world, int strands, wisp_error* error )
 {
     const wisp_scene_strands* entry = &world->scene->strands[strands];
-    wisp_status status =
-        scene_groom_of( world->scene, strands, &world->grooms[entry->curves_of], &world->grooms[strands], error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY(
+        scene_groom_of( world->scene, strands, &world->grooms[entry->curves_of], &world->grooms[strands], error ) );
     wisp_curves_def def = entry->curves;
     def.source = world->entities[entry->curves_of];
-    status = wisp_add_curves( world->world, &def, &world->entities[strands] );
+    wisp_status status = wisp_add_curves( world->world, &def, &world->entities[strands] );
     status = status == WISP_OK ? scene_strands_dress( world, strands ) : status;
     return fail_here( world, strands, status, error );
 }

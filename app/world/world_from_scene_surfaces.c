@@ -137,12 +137,9 @@ wisp_status scene_surface_mesh( const wisp_scene* scene, int surface, wisp_mesh*
 {
     const wisp_scene_surface* entry = &scene->surfaces[surface];
     int source = entry->instance_of >= 0 ? entry->instance_of : surface;
-    wisp_status status = load_mesh( NULL, scene, source, out, NULL, error );
-    if ( status == WISP_OK )
-    {
-        place_points( out->points, out->vertex_count, entry->pose );
-    }
-    return status;
+    WISP_TRY( load_mesh( NULL, scene, source, out, NULL, error ) );
+    place_points( out->points, out->vertex_count, entry->pose );
+    return WISP_OK;
 }
 
 // ---- fabrics ----
@@ -418,13 +415,9 @@ static wisp_status add_effects( scene_world* world, int surface, wisp_error* err
     const int source = scene->surfaces[surface].instance_of;
     const wisp_mesh_repairs* repairs = source >= 0 ? &world->surfaces[source].repairs : &s->repairs;
     wisp_balloon_def balloon;
-    wisp_status status = scene_outlet_find( scene, surface, repairs, &s->mesh, &balloon, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( scene_outlet_find( scene, surface, repairs, &s->mesh, &balloon, error ) );
     wisp_error of_map = { 0 }; // names the line of a map
-    status = add_particles( world, surface, &of_map );
+    wisp_status status = add_particles( world, surface, &of_map );
     status = status == WISP_OK ? dress( world, surface, &balloon ) : status;
     status = status == WISP_OK ? scene_maps_set( world, surface, false, &of_map ) : status;
     status = status == WISP_OK ? request( world, surface ) : status;
@@ -653,15 +646,11 @@ static wisp_status show_tapered( const wisp_collider_def* def, wisp_mesh* out, w
 static wisp_status show_hull( wisp_mesh* out, wisp_error* error )
 {
     wisp_convex* convex;
-    wisp_status status = wisp_convex_create( out->points, out->vertex_count, NULL, &convex, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( wisp_convex_create( out->points, out->vertex_count, NULL, &convex, error ) );
     const int32_t* triangles;
     const int count = wisp_convex_triangles( convex, &triangles );
     wisp_mesh hull = { 0 };
-    status = take_mesh( out->points, out->vertex_count, triangles, count, &hull, error );
+    wisp_status status = take_mesh( out->points, out->vertex_count, triangles, count, &hull, error );
     wisp_convex_release( convex );
     if ( status == WISP_OK )
     {

@@ -324,11 +324,7 @@ static wisp_status check_component( wisp_world* world, wisp_entity entity, wisp_
 
 wisp_status wisp_world_request( wisp_world* world, wisp_entity entity, wisp_component component )
 {
-    wisp_status status = check_component( world, entity, component );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_component( world, entity, component ) );
     store_entity* e = store_find( &world->store, entity );
     bool had = store_mask_has( &e->components, component );
     if ( store_attach( &world->store, entity, component ) == false )
@@ -354,11 +350,7 @@ wisp_status wisp_request( wisp_world* world, wisp_entity entity, wisp_component 
 
 wisp_status wisp_world_cancel_request( wisp_world* world, wisp_entity entity, wisp_component component )
 {
-    wisp_status status = check_component( world, entity, component );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_component( world, entity, component ) );
     store_entity* e = store_find( &world->store, entity );
     if ( store_mask_has( &e->requests, component ) == false )
     {

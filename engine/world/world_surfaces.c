@@ -194,12 +194,8 @@ wisp_status wisp_add_surface( wisp_world* world, const wisp_surface_def* given, 
     const wisp_surface_def* def = &values;
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_surface_def", &values, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    wisp_status status = check_surface( world, def );
-    status = status == WISP_OK ? add_surface_entity( world, def, out ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_surface( world, def ) );
+    WISP_TRY( add_surface_entity( world, def, out ) );
     int weightless = fill_particles( world, *out, def );
     if ( weightless > 0 )
     {
@@ -218,11 +214,7 @@ static wisp_status copy_mass_map( wisp_world* world, wisp_entity source, wisp_en
     {
         return WISP_OK;
     }
-    const wisp_status status = wisp_world_attach( world, to, WISP_MAP_AREA_DENSITY );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( wisp_world_attach( world, to, WISP_MAP_AREA_DENSITY ) );
     const store_entity* e = store_find( &world->store, to );
     memcpy( store_column( &world->store, e, WISP_MAP_AREA_DENSITY, 0 ),
             store_column( &world->store, store_find( &world->store, source ), WISP_MAP_AREA_DENSITY, 0 ),
@@ -306,12 +298,8 @@ static wisp_status set_pinned( wisp_world* world, wisp_entity surface, const int
                                bool pinned )
 {
     store_entity* e;
-    wisp_status status = world_find_surface( world, surface, &e );
-    status = status == WISP_OK ? check_vertices( world, e->fabric, vertices, count ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( world_find_surface( world, surface, &e ) );
+    WISP_TRY( check_vertices( world, e->fabric, vertices, count ) );
     float* position = store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 );
     float* velocity = store_column( &world->store, e, WISP_PARTICLE_VELOCITY, 0 );
     float* target = store_column( &world->store, e, WISP_PARTICLE_TARGET, 0 );
@@ -371,15 +359,11 @@ wisp_status wisp_move_pins( wisp_world* world, wisp_entity surface, const int32_
     WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
     WISP_TRY( wisp_world_check_list( world, "targets", targets, count ) );
     store_entity* e;
-    wisp_status status = world_find_surface( world, surface, &e );
-    status = status == WISP_OK ? check_vertices( world, e->fabric, vertices, count ) : status;
-    status = status == WISP_OK ? check_vertex_places( world, targets, count, "target" ) : status;
-    status = status == WISP_OK ? check_pinned( world, e, vertices, count ) : status;
-    status = status == WISP_OK ? wisp_world_attach( world, surface, WISP_PARTICLE_TARGET ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( world_find_surface( world, surface, &e ) );
+    WISP_TRY( check_vertices( world, e->fabric, vertices, count ) );
+    WISP_TRY( check_vertex_places( world, targets, count, "target" ) );
+    WISP_TRY( check_pinned( world, e, vertices, count ) );
+    WISP_TRY( wisp_world_attach( world, surface, WISP_PARTICLE_TARGET ) );
     float* target = wisp_world_column( world, surface, WISP_PARTICLE_TARGET, 0 );
     for ( int i = 0; i < count; ++i )
     {
@@ -399,11 +383,7 @@ wisp_status wisp_move_pins( wisp_world* world, wisp_entity surface, const int32_
 static wisp_status set_component( wisp_world* world, wisp_entity surface, wisp_component component, bool requested )
 {
     store_entity* e;
-    wisp_status status = world_find_surface( world, surface, &e );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( world_find_surface( world, surface, &e ) );
     return requested ? wisp_world_attach( world, surface, component )
                      : wisp_world_detach( world, surface, component );
 }

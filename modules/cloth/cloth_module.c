@@ -439,11 +439,7 @@ wisp_status wisp_set_cloth_wind( wisp_world* world, wisp_entity surface, wisp_ve
     WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     cloth_state* state;
-    wisp_status status = find_state( world, surface, &state );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( find_state( world, surface, &state ) );
     if ( !( wisp_v3_length( wind ) <= 1e5f ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,

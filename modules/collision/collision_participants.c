@@ -226,13 +226,10 @@ static wisp_status add_participant( wisp_world* world, collision_state* state, w
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d entities that collide",
                                 state->participant_count + 1 );
     }
-    wisp_status status = wisp_world_attach( world, participant, state->settings );
-    if ( status == WISP_OK )
-    {
-        state->participants[state->participant_count++] = participant;
-        state->has_strands = state->has_strands || wisp_world_strands( world, participant ) != NULL;
-    }
-    return status;
+    WISP_TRY( wisp_world_attach( world, participant, state->settings ) );
+    state->participants[state->participant_count++] = participant;
+    state->has_strands = state->has_strands || wisp_world_strands( world, participant ) != NULL;
+    return WISP_OK;
 }
 
 // Check that an entity can collide. Strands with velocities need masses and lengths too, or contacts have nothing to
@@ -296,24 +293,16 @@ wisp_status wisp_set_collision( wisp_world* world, wisp_entity participant, cons
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_collision_def", &values, given ) );
     WISP_TRY( wisp_world_check_entity( world, participant ) );
     collision_state* state;
-    wisp_status status = find_participant( world, participant, &state );
-    status = status == WISP_OK ? check_def( world, def ) : status;
-    status = status == WISP_OK ? check_features( world, participant, def->features ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( find_participant( world, participant, &state ) );
+    WISP_TRY( check_def( world, def ) );
+    WISP_TRY( check_features( world, participant, def->features ) );
     const bool is_new = wisp_world_has( world, participant, state->settings ) == false;
-    status = is_new ? add_participant( world, state, participant ) : WISP_OK;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( is_new ? add_participant( world, state, participant ) : WISP_OK );
     collision_settings* settings = wisp_world_column( world, participant, state->settings, 0 );
     const collision_settings before = *settings;
     *settings = resolve( def, mean_length( world, participant ), before.stats );
     const bool was_all = wisp_world_has( world, participant, state->all_features );
-    status = apply( world, state, participant, def->features == WISP_COLLISION_ALL );
+    wisp_status status = apply( world, state, participant, def->features == WISP_COLLISION_ALL );
     if ( status != WISP_OK )
     {
         settings = wisp_world_column( world, participant, state->settings, 0 );

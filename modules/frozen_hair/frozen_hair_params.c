@@ -274,11 +274,7 @@ static wisp_status find_settings( wisp_world* world, wisp_entity strands, frozen
 static wisp_status point_at( wisp_world* world, wisp_entity strands, wisp_vec3 cursor, const uint64_t* event )
 {
     frozen_settings* settings;
-    wisp_status status = find_settings( world, strands, &settings );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( find_settings( world, strands, &settings ) );
     if ( !( fabsf( cursor.x ) <= 1e6f && fabsf( cursor.y ) <= 1e6f && fabsf( cursor.z ) <= 1e6f ) )
     {
         return wisp_world_fail(
