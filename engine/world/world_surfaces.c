@@ -323,7 +323,6 @@ static wisp_status set_pinned( wisp_world* world, wisp_entity surface, const int
 
 wisp_status wisp_pin( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
     return set_pinned( world, surface, vertices, count, true );
@@ -331,7 +330,6 @@ wisp_status wisp_pin( wisp_world* world, wisp_entity surface, const int32_t* ver
 
 wisp_status wisp_unpin( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
     return set_pinned( world, surface, vertices, count, false );
@@ -354,7 +352,6 @@ static wisp_status check_pinned( wisp_world* world, const store_entity* e, const
 wisp_status wisp_move_pins( wisp_world* world, wisp_entity surface, const int32_t* vertices, const wisp_vec3* targets,
                             int count )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
     WISP_TRY( wisp_world_check_list( world, "targets", targets, count ) );
@@ -390,7 +387,6 @@ static wisp_status set_component( wisp_world* world, wisp_entity surface, wisp_c
 
 wisp_status wisp_set_gravity( wisp_world* world, wisp_entity surface, wisp_vec3 gravity )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     WISP_TRY( check_gravity( world, gravity ) );
     wisp_status status = set_component( world, surface, WISP_PARTICLE_GRAVITY, wisp_v3_length( gravity ) > 0.0f );
@@ -404,7 +400,6 @@ wisp_status wisp_set_gravity( wisp_world* world, wisp_entity surface, wisp_vec3 
 
 wisp_status wisp_set_damping( wisp_world* world, wisp_entity surface, float rate )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     if ( !( rate >= 0.0f && rate <= 1e9f ) )
     {
@@ -421,7 +416,6 @@ wisp_status wisp_set_damping( wisp_world* world, wisp_entity surface, float rate
 
 wisp_status wisp_set_strain_limit( wisp_world* world, wisp_entity surface, float minimum, float maximum )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     if ( !( minimum >= 0.0f && minimum <= 1.0f && maximum >= 1.0f ) )
     {
@@ -473,7 +467,6 @@ bool wisp_is_halted( const wisp_world* world, wisp_entity entity )
 
 wisp_status wisp_resume( wisp_world* world, wisp_entity entity )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, entity ) );
     store_entity* e = store_find( &world->store, entity );
     e->halted = 0;

@@ -290,7 +290,6 @@ static wisp_teleport_motion teleport_of_rows( const wisp_world* world, const sto
 
 wisp_status wisp_teleport( wisp_world* world, wisp_entity entity, wisp_transform motion, bool keep_velocity )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, entity ) );
     const store_entity* e = store_find( &world->store, entity );
     wisp_status status = check_motion( world, motion, "teleport" );

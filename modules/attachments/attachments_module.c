@@ -76,8 +76,7 @@ static wisp_status declare( wisp_registry* r )
                                                   .triangles_changed = triangles_changed,
                                                   .memory = count_memory } );
     wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .surroundings = find_surroundings } );
-    const wisp_component_def place = { "attachments.place", WISP_TABLE_PARTICLE, PLACE_COLUMNS, 1 };
-    state->place = wisp_declare_component( r, &place );
+    state->place = WISP_COMPONENT( r, "attachments.place", WISP_TABLE_PARTICLE, PLACE_COLUMNS );
     const wisp_index_range ranges[] = {
         { .component = state->place, .kind = WISP_INDEX_SURFACE },
         { .component = state->place,

@@ -211,7 +211,6 @@ static wisp_status find_balloon( wisp_world* world, wisp_entity balloon, const b
 
 wisp_status wisp_set_balloon_gas_ratio( wisp_world* world, wisp_entity balloon, float fill_fraction )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, balloon ) );
     const balloon_state* state;
     WISP_TRY( find_balloon( world, balloon, &state ) );
@@ -228,7 +227,6 @@ wisp_status wisp_set_balloon_gas_ratio( wisp_world* world, wisp_entity balloon, 
 
 wisp_status wisp_set_balloon_inflation( wisp_world* world, wisp_entity balloon, float rate )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, balloon ) );
     const balloon_state* state;
     WISP_TRY( find_balloon( world, balloon, &state ) );
@@ -248,7 +246,6 @@ wisp_status wisp_set_balloon_inflation( wisp_world* world, wisp_entity balloon, 
 
 wisp_status wisp_open_balloon( wisp_world* world, wisp_entity balloon, bool open )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, balloon ) );
     const balloon_state* state;
     WISP_TRY( find_balloon( world, balloon, &state ) );
@@ -263,7 +260,6 @@ wisp_status wisp_open_balloon( wisp_world* world, wisp_entity balloon, bool open
 
 wisp_status wisp_request_balloon_stats( wisp_world* world, wisp_entity balloon, bool requested )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, balloon ) );
     const balloon_state* state;
     WISP_TRY( find_balloon( world, balloon, &state ) );

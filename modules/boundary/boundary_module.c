@@ -57,17 +57,12 @@ static void entity_removed( void* memory, wisp_world* world, wisp_entity entity 
 static wisp_status declare_components( wisp_registry* r, boundary_state* s )
 {
     const wisp_component_def settings = { "boundary.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS, 1 };
-    const wisp_component_def normals = { "boundary.normals", WISP_TABLE_PARTICLE, NORMALS_COLUMNS, 1 };
-    const wisp_component_def edges = { "boundary.edges", WISP_TABLE_EDGE, EDGES_COLUMNS,
-                                       WISP_COUNT( EDGES_COLUMNS ) };
-    const wisp_component_def triangles = { "boundary.triangles", WISP_TABLE_TRIANGLE, TRIANGLES_COLUMNS,
-                                           WISP_COUNT( TRIANGLES_COLUMNS ) };
     const wisp_component_def local = { "boundary.local", WISP_TABLE_ENTITY, NULL, 0 };
     const wisp_component_def read = { WISP_SAMPLES_READ, WISP_TABLE_ENTITY, NULL, 0 };
     s->settings = wisp_declare_component( r, &settings );
-    s->normals = wisp_declare_component( r, &normals );
-    s->edges = wisp_declare_component( r, &edges );
-    s->triangles = wisp_declare_component( r, &triangles );
+    s->normals = WISP_COMPONENT( r, "boundary.normals", WISP_TABLE_PARTICLE, NORMALS_COLUMNS );
+    s->edges = WISP_COMPONENT( r, "boundary.edges", WISP_TABLE_EDGE, EDGES_COLUMNS );
+    s->triangles = WISP_COMPONENT( r, "boundary.triangles", WISP_TABLE_TRIANGLE, TRIANGLES_COLUMNS );
     s->local = wisp_declare_component( r, &local );
     s->read = wisp_declare_component( r, &read );
     const wisp_index_range ranges[] = {
@@ -350,7 +345,6 @@ wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wis
 
 wisp_status wisp_unset_boundary( wisp_world* world, wisp_entity surface )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     boundary_state* state;
     WISP_TRY( find_state( world, surface, &state ) );

@@ -404,7 +404,6 @@ wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_def* given
 
 wisp_status wisp_move_collider( wisp_world* world, wisp_entity entity, wisp_transform pose )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, entity ) );
     collision_state* state;
     WISP_TRY( collision_find_state( world, &state ) );

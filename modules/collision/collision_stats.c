@@ -298,7 +298,6 @@ static wisp_status find_settings( wisp_world* world, wisp_entity participant, co
 
 wisp_status wisp_request_collision_stats( wisp_world* world, wisp_entity participant, bool requested )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, participant ) );
     collision_state* state;
     collision_settings* settings;

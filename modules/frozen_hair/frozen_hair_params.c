@@ -297,14 +297,12 @@ static wisp_status point_at( wisp_world* world, wisp_entity strands, wisp_vec3 c
 
 wisp_status wisp_command_frozen_hair( wisp_world* world, wisp_entity strands, wisp_vec3 cursor )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     return point_at( world, strands, cursor, NULL );
 }
 
 wisp_status wisp_begin_frozen_hair_stroke( wisp_world* world, wisp_entity strands )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     frozen_settings* settings;
     wisp_status status = find_settings( world, strands, &settings );
@@ -323,7 +321,6 @@ wisp_status wisp_begin_frozen_hair_stroke( wisp_world* world, wisp_entity strand
 
 wisp_status wisp_replay_frozen_hair( wisp_world* world, wisp_entity strands, wisp_vec3 cursor, uint64_t event )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     return point_at( world, strands, cursor, &event );
 }

@@ -160,7 +160,6 @@ static void hermite_weights( double u, double seconds, double weight[COLUMN_COUN
 
 wisp_status wisp_ghosts_between( wisp_world* world, wisp_entity ghosts, float fraction, wisp_vec3* points )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, ghosts ) );
     WISP_TRY( wisp_world_check_pointer( world, "points", points ) );
     const guide_state* state = wisp_world_module_state( world, "guide_hair" );

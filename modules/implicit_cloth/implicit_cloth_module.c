@@ -374,7 +374,6 @@ static wisp_status find_cloth( wisp_world* world, wisp_entity surface, implicit_
 
 wisp_status wisp_request_implicit_cloth_stats( wisp_world* world, wisp_entity surface, bool requested )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     implicit_state* state;
     WISP_TRY( find_cloth( world, surface, &state ) );
@@ -387,7 +386,6 @@ wisp_status wisp_request_implicit_cloth_stats( wisp_world* world, wisp_entity su
 
 wisp_status wisp_read_implicit_cloth_stats( wisp_world* world, wisp_entity surface, wisp_implicit_cloth_stats* out )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     implicit_state* state;

@@ -6,7 +6,6 @@
 
 wisp_status wisp_set_strand_wind( wisp_world* world, wisp_entity strands, wisp_vec3 wind )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* s;
     WISP_TRY( strands_find( world, strands, &s ) );
@@ -25,7 +24,6 @@ wisp_status wisp_set_strand_wind( wisp_world* world, wisp_entity strands, wisp_v
 
 wisp_status wisp_set_strand_gravity( wisp_world* world, wisp_entity strands, wisp_vec3 gravity )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* s;
     WISP_TRY( strands_find( world, strands, &s ) );
@@ -37,7 +35,6 @@ wisp_status wisp_set_strand_gravity( wisp_world* world, wisp_entity strands, wis
 
 wisp_status wisp_read_strand_tension( wisp_world* world, wisp_entity strands, float* tensions )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     WISP_TRY( wisp_world_check_pointer( world, "tensions", tensions ) );
     strands_state* s;

@@ -187,7 +187,6 @@ static wisp_status attach_anchor( wisp_world* world, wisp_entity strands, const 
 
 wisp_status wisp_root_strands( wisp_world* world, wisp_entity strands, wisp_entity surface )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* state;
     WISP_TRY( strands_find( world, strands, &state ) );

@@ -49,14 +49,10 @@ static wisp_status declare( wisp_registry* r )
     wisp_declare_hooks(
         r, &( wisp_state_hooks ){
                .release = release_state, .removed = entity_removed, .stepped = split_all, .memory = count_memory } );
-    const wisp_component_def settings = { "tearing.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS, 1 };
-    const wisp_component_def strength = { "tearing.strength", WISP_TABLE_EDGE, STRENGTH_COLUMNS, 2 };
-    const wisp_component_def limit = { "tearing.limit", WISP_TABLE_LINK, LIMIT_COLUMNS, 1 };
-    const wisp_component_def result = { "tearing.result", WISP_TABLE_ENTITY, RESULT_COLUMNS, 1 };
-    state->settings = wisp_declare_component( r, &settings );
-    state->strength = wisp_declare_component( r, &strength );
-    state->limit = wisp_declare_component( r, &limit );
-    state->result = wisp_declare_component( r, &result );
+    state->settings = WISP_COMPONENT( r, "tearing.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS );
+    state->strength = WISP_COMPONENT( r, "tearing.strength", WISP_TABLE_EDGE, STRENGTH_COLUMNS );
+    state->limit = WISP_COMPONENT( r, "tearing.limit", WISP_TABLE_LINK, LIMIT_COLUMNS );
+    state->result = WISP_COMPONENT( r, "tearing.result", WISP_TABLE_ENTITY, RESULT_COLUMNS );
     const wisp_index_range ranges[] = {
         WISP_MEMBER_RANGE( state->settings, tearing_settings, max_splits, 1, TEARING_MAX_SPLITS ),
         WISP_MEMBER_RANGE( state->settings, tearing_settings, split_count, 0, INT32_MAX ),

@@ -55,6 +55,9 @@ typedef struct wisp_component_def
 /// Declare a component, or find it: two modules that need the same one meet here.
 /// @return 0 when the registry is full or the same name is declared with another shape (the world says so)
 WISP_API wisp_component wisp_declare_component( wisp_registry* registry, const wisp_component_def* def );
+/// The same with all columns of a static array.
+#define WISP_COMPONENT( registry, name, table, columns )                                                             \
+    wisp_declare_component( registry, &( wisp_component_def ){ name, table, columns, WISP_COUNT( columns ) } )
 
 /// What integers of a column may be.
 typedef enum wisp_index_kind
@@ -424,6 +427,7 @@ WISP_API wisp_status wisp_world_begin( wisp_world* world );
 /// Begin a call that is given a definition, and read it as wisp_def_read() does.
 WISP_API wisp_status wisp_world_begin_def( wisp_world* world, const char* filled_by, void* values,
                                            const void* given );
+/// The same for a call about an entity, with or without those before it.
 /// @return WISP_STALE_ID the entity was removed or never existed, with a message
 WISP_API wisp_status wisp_world_check_entity( wisp_world* world, wisp_entity entity );
 /// @return WISP_BAD_INPUT the pointer is null; the message has its name
