@@ -297,8 +297,7 @@ static wisp_status check_output( const tune_options* options, const tune_paramet
                           "%s: reads files of its folder, so the tuned scene %s must be in the same folder",
                           options->scene, options->output );
     }
-    wisp_status status = WISP_OK;
-    for ( int value = 0; value < WISP_TUNE_MAX_VALUES && status == WISP_OK; ++value )
+    for ( int value = 0; value < WISP_TUNE_MAX_VALUES; ++value )
     {
         int configuration[WISP_TUNE_MAX_PARAMETERS], longest = 0;
         for ( int k = 0; k < parameters->count; ++k )
@@ -307,11 +306,11 @@ static wisp_status check_output( const tune_options* options, const tune_paramet
             configuration[k] = value < last ? value : last;
             longest = last > longest ? last : longest;
         }
-        status = value <= longest
-                     ? tune_parameters_write( parameters, configuration, scene, options->scene, NULL, error )
-                     : WISP_OK;
+        WISP_TRY( value <= longest
+                      ? tune_parameters_write( parameters, configuration, scene, options->scene, NULL, error )
+                      : WISP_OK );
     }
-    return status;
+    return WISP_OK;
 }
 
 // Writes the scene and reads it again: the file must hold the chosen configuration.

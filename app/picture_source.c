@@ -194,16 +194,13 @@ static wisp_status load_speed( picture_source* source, int frame, wisp_error* er
     int first = frame > 0 ? frame - 1 : 0;
     int last = frame + 1 < source->frame_count ? frame + 1 : frame;
     double from = 0.0, to = 0.0;
-    wisp_status status = read_frame( source, first, p->others[0], &from, error );
-    if ( status == WISP_OK )
-    {
-        status = read_frame( source, last, p->others[1], &to, error );
-    }
-    for ( int i = 0; i < source->body_count && status == WISP_OK; ++i )
+    WISP_TRY( read_frame( source, first, p->others[0], &from, error ) );
+    WISP_TRY( read_frame( source, last, p->others[1], &to, error ) );
+    for ( int i = 0; i < source->body_count; ++i )
     {
         find_speed( &source->bodies[i], p->others[0][i], p->others[1][i], to - from );
     }
-    return status;
+    return WISP_OK;
 }
 
 static const int32_t* first_triangles( const playback* p, const picture_body* body, int i )

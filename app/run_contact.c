@@ -721,16 +721,15 @@ wisp_status run_intersections_step( run_intersections* x, wisp_error* error )
     }
     const int body_count = scene_world_moving_count( x->world );
     int left = stats.intersections;
-    wisp_status status = WISP_OK;
-    for ( int a = 0; a < body_count && left > 0 && status == WISP_OK; ++a )
+    for ( int a = 0; a < body_count && left > 0; ++a )
     {
-        for ( int b = a; b < body_count && left > 0 && status == WISP_OK; ++b )
+        for ( int b = a; b < body_count && left > 0; ++b )
         {
             const bool are_in = takes_part( x->world->scene, a ) && takes_part( x->world->scene, b );
-            status = are_in ? add_pair( x, a, b, &left, error ) : WISP_OK;
+            WISP_TRY( are_in ? add_pair( x, a, b, &left, error ) : WISP_OK );
         }
     }
-    return status;
+    return WISP_OK;
 }
 
 // ---- the summary ----

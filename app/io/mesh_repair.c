@@ -183,15 +183,14 @@ static wisp_status fill_primitive( flood* f, int first, int* queued, wisp_error*
     int begin = *queued;
     f->primitive[first] = first;
     f->queue[( *queued )++] = first;
-    wisp_status status = WISP_OK;
-    for ( int q = begin; status == WISP_OK && q < *queued; ++q )
+    for ( int q = begin; q < *queued; ++q )
     {
-        for ( int k = 0; status == WISP_OK && k < 3; ++k )
+        for ( int k = 0; k < 3; ++k )
         {
-            status = carry_over( f, 3 * f->queue[q] + k, queued, error );
+            WISP_TRY( carry_over( f, 3 * f->queue[q] + k, queued, error ) );
         }
     }
-    return status;
+    return WISP_OK;
 }
 
 // A piece is closed when each edge has an even number of triangles, and an even number of the piece's own: two cubes

@@ -330,12 +330,11 @@ static wisp_status check_frame( const wisp_recorder* recorder, double time, cons
                              "frame %d: got time %.9g s, expected more than %.9g s, that of the frame before",
                              recorder->frame_count, time, recorder->last_time );
     }
-    wisp_status status = WISP_OK;
-    for ( int b = 0; b < recorder->body_count && status == WISP_OK; ++b )
+    for ( int b = 0; b < recorder->body_count; ++b )
     {
-        status = check_body( recorder, b, points[b], error );
+        WISP_TRY( check_body( recorder, b, points[b], error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 static const wisp_vec3* const* move_points( wisp_recorder* recorder, const wisp_vec3* const* points )

@@ -410,8 +410,8 @@ wisp_status image_sheet( const image* pictures, int count, int columns, const ch
                           (long long)width, (long long)height, IMAGE_MAX_SIDE );
     }
     image made = { 0 };
-    wisp_status status = image_make( (int)width, (int)height, PAPER, &made, error );
-    for ( int i = 0; i < count && status == WISP_OK; ++i )
+    WISP_TRY( image_make( (int)width, (int)height, PAPER, &made, error ) );
+    for ( int i = 0; i < count; ++i )
     {
         const image* from = &pictures[i];
         int x = s.gap + ( i % s.columns ) * ( s.cell_width + s.gap );
@@ -422,12 +422,9 @@ wisp_status image_sheet( const image* pictures, int count, int columns, const ch
             put_label( &made, &s, x, y + s.cell_height + s.gap / 2, labels[i] );
         }
     }
-    if ( status == WISP_OK )
-    {
-        image_release( out );
-        *out = made;
-    }
-    return status;
+    image_release( out );
+    *out = made;
+    return WISP_OK;
 }
 
 // ---- the colour bar ----

@@ -171,12 +171,11 @@ static wisp_status check( const char* path, json_t* root, wisp_error* error )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: rows: expected a list", path );
     }
-    wisp_status status = WISP_OK;
-    for ( size_t i = 0; i < json_array_size( rows ) && status == WISP_OK; ++i )
+    for ( size_t i = 0; i < json_array_size( rows ); ++i )
     {
-        status = check_row( path, json_array_get( rows, i ), i, error );
+        WISP_TRY( check_row( path, json_array_get( rows, i ), i, error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 // Read a file of our own schema and check it.

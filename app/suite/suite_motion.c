@@ -237,12 +237,11 @@ static wisp_status keep_frame( suite_motion* motion, const scene_world* world, d
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for the frames of a motion" );
     }
     motion->energies[motion->frame_count - 1] = energies_of( world );
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < motion->body_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < motion->body_count; ++i )
     {
-        status = scene_world_points( world, i, points + motion->first[i], error );
+        WISP_TRY( scene_world_points( world, i, points + motion->first[i], error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 static wisp_status observe( void* user, const scene_world* world, wisp_error* error )

@@ -175,13 +175,13 @@ bool scene_world_is_shown( const scene_world* world, int body )
 
 wisp_status scene_world_request_shown( scene_world* world, wisp_error* error )
 {
-    wisp_status status = WISP_OK;
-    for ( int body = 0; body < scene_world_moving_count( world ) && status == WISP_OK; ++body )
+    for ( int body = 0; body < scene_world_moving_count( world ); ++body )
     {
-        status = scene_world_is_shown( world, body ) ? scene_world_request( world, body, SCENE_REQUEST_POINTS, error )
-                                                     : WISP_OK;
+        WISP_TRY( scene_world_is_shown( world, body )
+                      ? scene_world_request( world, body, SCENE_REQUEST_POINTS, error )
+                      : WISP_OK );
     }
-    return status;
+    return WISP_OK;
 }
 
 // ---- columns ----

@@ -440,11 +440,11 @@ wisp_status scene_seams_add( scene_world* world, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
     world->seams = calloc( (size_t)scene->seam_count + 1, sizeof *world->seams );
-    wisp_status status =
-        world->seams ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its seams", scene->name );
-    for ( int i = 0; i < scene->seam_count && status == WISP_OK; ++i )
+    WISP_TRY( world->seams ? WISP_OK
+                           : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its seams", scene->name ) );
+    for ( int i = 0; i < scene->seam_count; ++i )
     {
-        status = add_seam( world, i, error );
+        WISP_TRY( add_seam( world, i, error ) );
     }
-    return status;
+    return WISP_OK;
 }

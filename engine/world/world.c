@@ -489,14 +489,9 @@ wisp_status wisp_world_explain( wisp_world* world, wisp_plan_info** out )
     WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     *out = NULL;
-    wisp_status status = compile_if_changed( world );
-    if ( status == WISP_OK )
-    {
-        *out = plan_explain( &world->plan, &world->registry, world->registry.substeps, world->frame.iterations );
-        status =
-            *out != NULL ? WISP_OK : wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to explain the plan" );
-    }
-    return status;
+    WISP_TRY( compile_if_changed( world ) );
+    *out = plan_explain( &world->plan, &world->registry, world->registry.substeps, world->frame.iterations );
+    return *out != NULL ? WISP_OK : wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to explain the plan" );
 }
 
 wisp_status wisp_world_plan( wisp_world* world, void ( *write )( void* user, const char* line ), void* user )

@@ -211,16 +211,13 @@ wisp_status wisp_add_instance( wisp_world* world, wisp_entity source, const wisp
         return wisp_world_fail( world, WISP_CONFLICT, "entity %u: has no strands and no surface to share",
                                 source.index );
     }
-    wisp_status status = pose != NULL ? world_check_pose( world, from, *pose ) : WISP_OK;
-    if ( status == WISP_OK )
-    {
-        status = from->fabric != NULL
-                     ? world_add_surface_instance( world, source, out )
-                     : add_strands_instance( world, source, (cook_strands*)(void*)from->strands, out );
-    }
-    if ( status == WISP_OK && pose != NULL )
+    WISP_TRY( pose != NULL ? world_check_pose( world, from, *pose ) : WISP_OK );
+    WISP_TRY( from->fabric != NULL
+                  ? world_add_surface_instance( world, source, out )
+                  : add_strands_instance( world, source, (cook_strands*)(void*)from->strands, out ) );
+    if ( pose != NULL )
     {
         world_place( world, *out, *pose );
     }
-    return status;
+    return WISP_OK;
 }

@@ -11,10 +11,7 @@ static const wisp_column_def PLACE_COLUMNS[] = { ATTACHMENTS_PLACE_COLUMNS( WISP
 static void release_state( void* memory, const wisp_allocator* allocator )
 {
     attachments_state* state = memory;
-    if ( state->surfaces != NULL )
-    {
-        allocator->release( allocator->user, state->surfaces, (size_t)state->capacity * sizeof( wisp_entity ) );
-    }
+    wisp_release( allocator, state->surfaces, (size_t)state->capacity * sizeof( wisp_entity ) );
 }
 
 static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )

@@ -42,11 +42,7 @@ static void release_state( void* memory, const wisp_allocator* allocator )
     {
         boundary_layer_release( state->layers[i], allocator );
     }
-    if ( state->layers != NULL )
-    {
-        allocator->release( allocator->user, state->layers,
-                            (size_t)state->layer_capacity * sizeof( *state->layers ) );
-    }
+    wisp_release( allocator, state->layers, (size_t)state->layer_capacity * sizeof( *state->layers ) );
 }
 
 static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )

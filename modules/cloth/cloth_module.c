@@ -42,11 +42,7 @@ static void release_state( void* memory, const wisp_allocator* allocator )
     {
         cloth_remove_plate( state, state->plates[0].entity, allocator );
     }
-    if ( state->plates != NULL )
-    {
-        allocator->release( allocator->user, state->plates,
-                            (size_t)state->plate_capacity * sizeof( *state->plates ) );
-    }
+    wisp_release( allocator, state->plates, (size_t)state->plate_capacity * sizeof( *state->plates ) );
 }
 
 static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )

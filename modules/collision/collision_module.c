@@ -2,7 +2,6 @@
 #include "collision_bodies.h"
 #include "collision_participants.h"
 #include "collision_passes.h"
-#include "collision_sleep.h"
 #include "collision_surface.h"
 #include "near_bodies.h"
 #include "primitive_contacts.h"
@@ -82,15 +81,8 @@ static void release_state( void* memory, const wisp_allocator* allocator )
     }
     collision_release_reactions( allocator, state );
     collision_release_near( state, allocator );
-    if ( state->bodies != NULL )
-    {
-        allocator->release( allocator->user, state->bodies, (size_t)state->body_capacity * sizeof( collision_body ) );
-    }
-    if ( state->participants != NULL )
-    {
-        allocator->release( allocator->user, state->participants,
-                            (size_t)state->participant_capacity * sizeof( wisp_entity ) );
-    }
+    wisp_release( allocator, state->bodies, (size_t)state->body_capacity * sizeof( collision_body ) );
+    wisp_release( allocator, state->participants, (size_t)state->participant_capacity * sizeof( wisp_entity ) );
 }
 
 // With the last body all participants lose their contacts, and the plan its passes. This only detaches, so it cannot

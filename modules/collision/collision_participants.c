@@ -4,7 +4,7 @@
 
 #include "collision_vectors.h"
 #include "reaction.h"
-#include "restitution.h"
+#include "particle_contacts.h"
 
 #include <string.h>
 
@@ -96,20 +96,17 @@ static wisp_status update_strands( wisp_world* world, const collision_state* sta
 {
     const bool moves = wisp_world_has( world, participant, WISP_STRAND_INVERSE_MASS );
     const wisp_component contact = moves ? state->strand_contact : state->carried;
-    wisp_status status =
-        active ? wisp_world_attach( world, participant, contact ) : wisp_world_detach( world, participant, contact );
-    if ( status == WISP_OK )
-    {
-        status = active && moves && state->track_count > 0
-                     ? wisp_world_attach( world, participant, state->strand_tracked )
-                     : wisp_world_detach( world, participant, state->strand_tracked );
-    }
-    status = status == WISP_OK ? update_segments( world, state, participant, active && moves ) : status;
-    if ( status == WISP_OK && moves && wisp_world_has( world, participant, state->carried ) )
+    WISP_TRY( active ? wisp_world_attach( world, participant, contact )
+                     : wisp_world_detach( world, participant, contact ) );
+    WISP_TRY( active && moves && state->track_count > 0
+                  ? wisp_world_attach( world, participant, state->strand_tracked )
+                  : wisp_world_detach( world, participant, state->strand_tracked ) );
+    WISP_TRY( update_segments( world, state, participant, active && moves ) );
+    if ( moves && wisp_world_has( world, participant, state->carried ) )
     {
         return wisp_world_detach( world, participant, state->carried );
     }
-    return status;
+    return WISP_OK;
 }
 
 // Edges and corners of meshes are found once something collides with them.
@@ -166,14 +163,13 @@ wisp_status collision_update_for( wisp_world* world, collision_state* state, con
     {
         return collision_update_components( world, state );
     }
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < state->participant_count && state->has_strands && status == WISP_OK; ++i )
+    for ( int i = 0; i < state->participant_count && state->has_strands; ++i )
     {
         const wisp_entity e = state->participants[i];
         const bool moves = wisp_world_has( world, e, state->strand_contact );
-        status = moves ? update_segments( world, state, e, moves ) : WISP_OK;
+        WISP_TRY( moves ? update_segments( world, state, e, moves ) : WISP_OK );
     }
-    return status;
+    return WISP_OK;
 }
 
 // ---- definitions ----

@@ -305,18 +305,15 @@ wisp_status wisp_begin_frozen_hair_stroke( wisp_world* world, wisp_entity strand
 {
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     frozen_settings* settings;
-    wisp_status status = find_settings( world, strands, &settings );
-    if ( status == WISP_OK && settings->base != WISP_FROZEN_BASE_STROKE )
+    WISP_TRY( find_settings( world, strands, &settings ) );
+    if ( settings->base != WISP_FROZEN_BASE_STROKE )
     {
         return wisp_world_fail( world, WISP_CONFLICT, "entity %u: the base of its frozen hair is not 'stroke'",
                                 strands.index );
     }
-    if ( status == WISP_OK )
-    {
-        begin_stroke( world, strands, wisp_world_module_state( world, "frozen_hair" ), settings->next );
-        settings->pending = 1;
-    }
-    return status;
+    begin_stroke( world, strands, wisp_world_module_state( world, "frozen_hair" ), settings->next );
+    settings->pending = 1;
+    return WISP_OK;
 }
 
 wisp_status wisp_replay_frozen_hair( wisp_world* world, wisp_entity strands, wisp_vec3 cursor, uint64_t event )

@@ -47,10 +47,7 @@ static void release_state( void* memory, const wisp_allocator* allocator )
     {
         implicit_links_release( state->links[i], allocator );
     }
-    if ( state->links != NULL )
-    {
-        allocator->release( allocator->user, state->links, (size_t)state->link_capacity * sizeof( *state->links ) );
-    }
+    wisp_release( allocator, state->links, (size_t)state->link_capacity * sizeof( *state->links ) );
 }
 
 static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )

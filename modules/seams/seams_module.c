@@ -12,10 +12,7 @@ static void release_state( void* memory, const wisp_allocator* allocator )
     {
         seams_release_pairs( allocator, state->seams + i );
     }
-    if ( state->seams != NULL )
-    {
-        allocator->release( allocator->user, state->seams, (size_t)state->capacity * sizeof( seam_topology ) );
-    }
+    wisp_release( allocator, state->seams, (size_t)state->capacity * sizeof( seam_topology ) );
 }
 
 static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )

@@ -9,10 +9,7 @@ static const wisp_column_def RESULT_COLUMNS[] = { TEARING_RESULT( WISP_COLUMN_DE
 static void release_state( void* memory, const wisp_allocator* allocator )
 {
     tearing_state* state = memory;
-    if ( state->surfaces != NULL )
-    {
-        allocator->release( allocator->user, state->surfaces, (size_t)state->capacity * sizeof( wisp_entity ) );
-    }
+    wisp_release( allocator, state->surfaces, (size_t)state->capacity * sizeof( wisp_entity ) );
 }
 
 static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
@@ -31,12 +28,11 @@ static size_t count_memory( const void* memory, size_t* outside )
 static wisp_status split_all( void* memory, wisp_world* world )
 {
     const tearing_state* state = memory;
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < state->count && status == WISP_OK; ++i )
+    for ( int i = 0; i < state->count; ++i )
     {
-        status = tearing_split( world, state, state->surfaces[i] );
+        WISP_TRY( tearing_split( world, state, state->surfaces[i] ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 static wisp_status declare( wisp_registry* r )

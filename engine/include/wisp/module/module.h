@@ -232,10 +232,8 @@ typedef struct wisp_batch
 
 #define WISP_MAX_BATCH 16
 
-/// Return the bits of stages in which an entity has passes with `run_crowd`.
-WISP_API unsigned wisp_frame_crowd_stages( wisp_frame* frame, wisp_entity entity );
-/// Run those of a stage for a crowd.
-WISP_API void wisp_frame_run_crowd( wisp_frame* frame, wisp_stage stage, const wisp_crowd* crowd,
+/// Run the passes with `run_crowd` of a stage for a crowd. @param span null only looks for them @return there are some
+WISP_API bool wisp_frame_run_crowd( wisp_frame* frame, wisp_stage stage, const wisp_crowd* crowd,
                                     const wisp_span* span );
 
 /// Declare passes, declared before, that can run side by side.
@@ -405,8 +403,6 @@ typedef void wisp_schedule_fn( const void* args, int begin, int end );
 /// Run a schedule: tile colours one after another, the tiles of a colour in parallel.
 WISP_API void wisp_run_schedule( const wisp_parallel* parallel, const wisp_schedule* schedule, wisp_schedule_fn* run,
                                  const void* args );
-/// Is a vertex of a triangle pinned? @param position [slot][4]
-WISP_API bool wisp_fabric_is_pinned( const wisp_fabric* fabric, const float* position );
 /// Bring velocities nearer to the rigid motion with their momentum and angular momentum, or to rest where a vertex is pinned.
 /// @param args position, velocity, and fraction or fractions
 WISP_API void wisp_approach_rigid_motion( const wisp_kernels* kernels, const wisp_parallel* parallel,
@@ -420,6 +416,15 @@ WISP_API void wisp_frame_fail( wisp_frame* frame, wisp_status status, const char
 WISP_API void wisp_frame_count( wisp_frame* frame, wisp_counter counter, uint64_t amount );
 
 // ---- between steps, for a module's public functions ----
+
+/// Release memory of a module. Null is ignored.
+static inline void wisp_release( const wisp_allocator* allocator, void* memory, size_t bytes )
+{
+    if ( memory != NULL )
+    {
+        allocator->release( allocator->user, memory, bytes );
+    }
+}
 
 /// Begin a call of the host, before anything else: the message of the world becomes empty.
 /// @return WISP_BAD_INPUT the world is null; WISP_CONFLICT a step of it runs: the call comes from a callback or from another thread
