@@ -152,10 +152,12 @@ static bool is_told( const scene_block* block, const definition* d )
     return is;
 }
 
-// @param name of the variable
-static void begin_definition( FILE* out, const char* type, const char* name )
+// Write a definition of this name.
+static void write_definition( FILE* out, const char* type, const char* name, const scene_block* block,
+                              const definition* d )
 {
     fprintf( out, "    wisp_%s_def %s = wisp_default_%s_def();\n", type, name, type );
+    write_fields( out, name, block, d, NULL );
 }
 
 static const scene_field* find_field( const scene_block* block, const char* key )
@@ -264,8 +266,7 @@ static void write_effects( FILE* out, const char* of, int number, const effect* 
         if ( e->type != NULL && *( (const bool*)entry + field->at ) )
         {
             snprintf( name, sizeof( name ), "%s_%s%d", e->key, of, number );
-            begin_definition( out, e->type, name );
-            write_fields( out, name, field->block, &( definition ){ e->at, e->size, entry, initial }, NULL );
+            write_definition( out, e->type, name, field->block, &( definition ){ e->at, e->size, entry, initial } );
             write_special( out, world, block == &SCENE_SURFACE_BLOCK, number, name, e->key );
             fprintf( out, "    TRY( wisp_set_%s( world, %s%d, &%s ) );\n", e->type, of, number, name );
         }
@@ -681,9 +682,8 @@ static void write_seam( FILE* out, const wisp_scene* scene, int i )
     char name[40];
     snprintf( name, sizeof( name ), "seam_def%d", i );
     fputs( "\n", out );
-    begin_definition( out, "seam", name );
-    write_fields( out, name, &SCENE_SEAM_BLOCK,
-                  &( definition ){ offsetof( wisp_scene_seam, def ), sizeof( s->def ), s, &initial }, NULL );
+    write_definition( out, "seam", name, &SCENE_SEAM_BLOCK,
+                      &( definition ){ offsetof( wisp_scene_seam, def ), sizeof( s->def ), s, &initial } );
     fprintf( out, "    %s.a = surface%d, %s.b = surface%d;\n", name, s->surfaces[0], name, s->surfaces[1] );
     if ( s->pair_count > 0 )
     {
@@ -703,10 +703,9 @@ static void write_surface_collider( FILE* out, const wisp_scene* scene, int i )
     wisp_collider_def def = s->collider;
     def.kind = WISP_COLLIDER_SURFACE;
     fputs( "\n", out );
-    begin_definition( out, "collider", name );
-    write_fields( out, name, &SCENE_SURFACE_COLLIDER_BLOCK,
-                  &( definition ){ offsetof( wisp_scene_surface, collider ), sizeof( s->collider ), s, &initial },
-                  NULL );
+    write_definition(
+        out, "collider", name, &SCENE_SURFACE_COLLIDER_BLOCK,
+        &( definition ){ offsetof( wisp_scene_surface, collider ), sizeof( s->collider ), s, &initial } );
     write_body( out, name, &def );
     write_lines( out, i,
                  "    surface_collider#.surface = surface#;\n"
@@ -721,9 +720,8 @@ static void write_collider( FILE* out, const wisp_scene* scene, int i )
     char name[40];
     snprintf( name, sizeof( name ), "collider_def%d", i );
     fprintf( out, "\n    // %s\n", c->name );
-    begin_definition( out, "collider", name );
-    write_fields( out, name, &SCENE_COLLIDER_BLOCKS[c->def.kind],
-                  &( definition ){ offsetof( wisp_scene_collider, def ), sizeof( c->def ), c, &initial }, NULL );
+    write_definition( out, "collider", name, &SCENE_COLLIDER_BLOCKS[c->def.kind],
+                      &( definition ){ offsetof( wisp_scene_collider, def ), sizeof( c->def ), c, &initial } );
     write_body( out, name, &c->def );
     if ( c->def.kind == WISP_COLLIDER_MESH || c->def.kind == WISP_COLLIDER_CONVEX )
     {
