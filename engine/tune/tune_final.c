@@ -1,6 +1,8 @@
 // Stages that do not rely on the order of values, nor on a single measurement.
 #include "tune.h"
 
+#include "wisp/module/definition.h"
+
 #define FINALISTS_MAX 4
 
 // ---- neighbours ----
