@@ -9,6 +9,7 @@
 #include "nearest.h"
 #include "progress.h"
 #include "report.h"
+#include "wisp/module/definition.h"
 #include "wisp/wisp.h"
 
 #include <stdlib.h>
@@ -259,13 +260,10 @@ wisp_status bench_describe_machine( machine_info* out, wisp_error* error )
     wisp_world_def def = wisp_default_world_def();
     def.workers = 1;
     wisp_world* world;
-    const wisp_status status = wisp_world_create( &def, &world, error );
-    if ( status == WISP_OK )
-    {
-        *out = machine_describe( wisp_world_isa( world ) );
-        wisp_world_destroy( world );
-    }
-    return status;
+    WISP_TRY( wisp_world_create( &def, &world, error ) );
+    *out = machine_describe( wisp_world_isa( world ) );
+    wisp_world_destroy( world );
+    return WISP_OK;
 }
 
 int command_bench( int argc, char** argv )

@@ -9,6 +9,8 @@
 #include "scene_keys.h"
 #include "world_from_scene.h"
 
+#include "wisp/module/definition.h"
+
 #include <string.h>
 
 typedef struct info_options
@@ -76,13 +78,9 @@ static bool take_info_option( options_state* o, int key, const char* argument )
 static wisp_status info_groom( const char* path, wisp_error* error )
 {
     wisp_groom groom;
-    wisp_status status = wisp_groom_read( path, &groom, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( wisp_groom_read( path, &groom, error ) );
     // Describe first and reject afterwards: the whole list of findings is more useful than the first one.
-    status = wisp_groom_info( stdout, &groom, io_input_name( path ) );
+    wisp_status status = wisp_groom_info( stdout, &groom, io_input_name( path ) );
     if ( status == WISP_OK )
     {
         wisp_error cause = { 0 };
@@ -126,12 +124,8 @@ static wisp_status info_mesh( const char* path, wisp_error* error )
         return info_gltf( path, error );
     }
     wisp_mesh mesh;
-    wisp_status status = wisp_mesh_read( path, &mesh, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    status = wisp_mesh_info( stdout, &mesh, io_input_name( path ) );
+    WISP_TRY( wisp_mesh_read( path, &mesh, error ) );
+    wisp_status status = wisp_mesh_info( stdout, &mesh, io_input_name( path ) );
     if ( status != WISP_OK )
     {
         wisp_fail( error, status, "%s: cannot be examined: %s", path, wisp_status_name( status ) );
@@ -423,16 +417,12 @@ static void print_notes( const wisp_scene* scene )
 static wisp_status info_scene( const char* path, wisp_error* error )
 {
     wisp_scene scene;
-    wisp_status status = wisp_scene_read( path, &scene, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( wisp_scene_read( path, &scene, error ) );
     printf( "%s: scene, %.4g s in %d step%s of %.4g ms, %d substep%s and %d iteration%s each\n",
             io_input_name( path ), wisp_scene_step_time( &scene, scene.steps ), scene.steps,
             scene.steps == 1 ? "" : "s", 1e3 * (double)scene.dt, scene.substeps, scene.substeps == 1 ? "" : "s",
             scene.iterations, scene.iterations == 1 ? "" : "s" );
-    status = info_strands( &scene, error );
+    wisp_status status = info_strands( &scene, error );
     if ( status == WISP_OK )
     {
         status = info_surfaces( &scene, error );
@@ -458,11 +448,7 @@ static wisp_status info_scene( const char* path, wisp_error* error )
 static wisp_status info_file( const char* path, wisp_error* error )
 {
     file_kind kind = FILE_UNKNOWN;
-    wisp_status status = file_kind_find( path, &kind, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( file_kind_find( path, &kind, error ) );
     switch ( kind )
     {
         case FILE_GROOM:

@@ -7,6 +7,8 @@
 #include "run_summary.h"
 #include "scene.h"
 
+#include "wisp/module/definition.h"
+
 #include <errno.h>
 #include <limits.h>
 #include <stdlib.h>
@@ -372,12 +374,8 @@ static wisp_status run_scene( run_options* options, const wisp_scene* scene, res
 {
     scene_world world;
     run_record record = { 0 };
-    wisp_status status = scene_world_create( scene, &options->world, &world, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    status = simulate_and_record( options, &world, &record, out, error );
+    WISP_TRY( scene_world_create( scene, &options->world, &world, error ) );
+    wisp_status status = simulate_and_record( options, &world, &record, out, error );
     profile_samples_free( &record.profile );
     run_layers_close( record.layers );
     run_collision_close( record.collision );

@@ -6,6 +6,8 @@
 #include "results.h"
 #include "tune_scene.h"
 
+#include "wisp/module/definition.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -295,8 +297,7 @@ static wisp_status check_output( const tune_options* options, const tune_paramet
                           "%s: reads files of its folder, so the tuned scene %s must be in the same folder",
                           options->scene, options->output );
     }
-    wisp_status status = WISP_OK;
-    for ( int value = 0; value < WISP_TUNE_MAX_VALUES && status == WISP_OK; ++value )
+    for ( int value = 0; value < WISP_TUNE_MAX_VALUES; ++value )
     {
         int configuration[WISP_TUNE_MAX_PARAMETERS], longest = 0;
         for ( int k = 0; k < parameters->count; ++k )
@@ -305,11 +306,11 @@ static wisp_status check_output( const tune_options* options, const tune_paramet
             configuration[k] = value < last ? value : last;
             longest = last > longest ? last : longest;
         }
-        status = value <= longest
-                     ? tune_parameters_write( parameters, configuration, scene, options->scene, NULL, error )
-                     : WISP_OK;
+        WISP_TRY( value <= longest
+                      ? tune_parameters_write( parameters, configuration, scene, options->scene, NULL, error )
+                      : WISP_OK );
     }
-    return status;
+    return WISP_OK;
 }
 
 // Writes the scene and reads it again: the file must hold the chosen configuration.
@@ -359,14 +360,10 @@ static wisp_status tune( tune_options* options, results* out, bool* meets_target
     search* s = &options->search;
     const wisp_scene* scene = s->def.scene;
     const tune_parameters* parameters = s->def.parameters;
-    wisp_status status = options->output ? check_output( options, parameters, scene, error ) : WISP_OK;
-    status = status == WISP_OK ? command_check_writable( options->output, error ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( options->output ? check_output( options, parameters, scene, error ) : WISP_OK );
+    WISP_TRY( command_check_writable( options->output, error ) );
     s->bar = progress_begin();
-    status = run_search( s, &found, error );
+    wisp_status status = run_search( s, &found, error );
     progress_end( &s->bar );
     if ( status == WISP_OK )
     {

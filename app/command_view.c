@@ -11,6 +11,7 @@
 #include "scene.h"
 #include "wisp/base.h"
 #include "world_from_scene.h"
+#include "wisp/module/definition.h"
 
 #include <jansson.h>
 #include <limits.h>
@@ -64,11 +65,7 @@ static wisp_status add_file( json_t* files, const char* name, const char* path, 
     json_decref( word );
     unsigned char* bytes;
     size_t size;
-    const wisp_status status = io_file_read( path, VIEW_MAX_BYTES, &bytes, &size, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( io_file_read( path, VIEW_MAX_BYTES, &bytes, &size, error ) );
     *total += size;
     if ( *total > VIEW_MAX_BYTES )
     {
@@ -95,11 +92,7 @@ static wisp_status read_page( unsigned char** page, size_t* size, size_t* place,
                           "folder that has it",
                           io_short_name( path ) );
     }
-    wisp_status status = io_file_read( path, PAGE_MAX_BYTES, page, size, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( io_file_read( path, PAGE_MAX_BYTES, page, size, error ) );
     const unsigned char* begin = *size ? memmem( *page, *size, place_begin, sizeof place_begin - 1 ) : NULL;
     const size_t at = begin ? (size_t)( begin - *page ) + sizeof place_begin - 1 : *size;
     if ( *size - at < sizeof place_word || memcmp( *page + at, place_word, sizeof place_word - 1 ) != 0 )
@@ -117,15 +110,11 @@ static wisp_status write_page( const json_t* data, const char* path, size_t* siz
 {
     unsigned char* page;
     size_t page_size = 0, place = 0;
-    wisp_status status = read_page( &page, &page_size, &place, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( read_page( &page, &page_size, &place, error ) );
     char* text = json_dumps( data, JSON_COMPACT );
     io_output output = { 0 };
-    status = text ? io_output_open( path, &output, error )
-                  : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for the page", path );
+    wisp_status status = text ? io_output_open( path, &output, error )
+                              : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for the page", path );
     if ( status == WISP_OK )
     {
         const size_t behind = place + sizeof place_word - 1;
@@ -219,14 +208,10 @@ static wisp_status compute_hashes( const wisp_scene* scene, int* steps, json_t**
     scene_world world;
     const scene_world_options options = { 0 };
     *out = NULL;
-    wisp_status status = scene_world_create( scene, &options, &world, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( scene_world_create( scene, &options, &world, error ) );
     json_t* values = json_array();
-    status = values ? run_hashed( &world, steps, values, error )
-                    : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for hashes", scene->name );
+    wisp_status status = values ? run_hashed( &world, steps, values, error )
+                                : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for hashes", scene->name );
     if ( status == WISP_OK )
     {
         *out = json_pack( "{s:i, s:s, s:o}", "every", VIEW_HASH_EVERY, "isa", wisp_world_isa( world.world ), "values",
@@ -334,28 +319,21 @@ static wisp_status add_hashes( const view_options* options, const wisp_scene* sc
     json_t* hashes;
     const int all = options->steps >= 0 ? options->steps : scene->steps;
     int made = all;
-    const wisp_status status = compute_hashes( scene, &made, &hashes, error );
-    if ( status == WISP_OK )
+    WISP_TRY( compute_hashes( scene, &made, &hashes, error ) );
+    if ( made < all )
     {
-        if ( made < all )
-        {
-            fprintf( stderr, "wisp: interrupted at step %d of %d: the page has the hashes until then\n", made, all );
-        }
-        json_object_set_new( data, "hashes", hashes );
+        fprintf( stderr, "wisp: interrupted at step %d of %d: the page has the hashes until then\n", made, all );
     }
-    return status;
+    json_object_set_new( data, "hashes", hashes );
+    return WISP_OK;
 }
 
 static wisp_status take_scene( const view_options* options, json_t* files, json_t** data, wisp_error* error )
 {
     wisp_scene scene;
-    wisp_status status = wisp_scene_read( options->input, &scene, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( wisp_scene_read( options->input, &scene, error ) );
     interruption_begin(); // before that there is nothing to keep
-    status = add_scene_files( &scene, options->input, files, error );
+    wisp_status status = add_scene_files( &scene, options->input, files, error );
     *data = status == WISP_OK ? begin_data( "scene", options->input, files ) : NULL;
     status = *data ? add_hashes( options, &scene, *data, error ) : status;
     wisp_scene_release( &scene );
@@ -388,11 +366,7 @@ static wisp_status take_recording( const view_options* options, json_t* files, j
 static wisp_status take_input( const view_options* options, json_t* files, json_t** data, wisp_error* error )
 {
     file_kind kind;
-    const wisp_status status = file_kind_find( options->input, &kind, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( file_kind_find( options->input, &kind, error ) );
     if ( kind != FILE_SCENE && kind != FILE_RECORDING )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: got another kind of file, expected a scene or a recording",

@@ -7,9 +7,11 @@
 #include "world_from_scene_parts.h"
 
 #include "wisp/fabric.h"
+#include "wisp/module/definition.h"
 
 #include <ctype.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,13 +19,19 @@
 
 #define TEXT( value ) c_number( value ).text
 
-// Write lines with a number in place of each #.
-static void write_lines( FILE* out, const char* lines, int number )
+// Write lines with a number in place of each #, and values as printf does.
+WISP_PRINTF( 3, 4 ) static void write_lines( FILE* out, int number, const char* lines, ... )
 {
+    char format[1000], *end = format;
     for ( const char* c = lines; *c != '\0'; ++c )
     {
-        fprintf( out, *c == '#' ? "%d" : "%c", *c == '#' ? number : *c );
+        WISP_ASSERT( end + 12 < format + sizeof( format ) );
+        end += snprintf( end, 12, *c == '#' ? "%d" : "%c", *c == '#' ? number : *c );
     }
+    va_list values;
+    va_start( values, lines );
+    vfprintf( out, format, values );
+    va_end( values );
 }
 
 static size_t size_of_field( const scene_field* field )
@@ -49,42 +57,42 @@ static size_t size_of_field( const scene_field* field )
 }
 
 // The constant of a choice. Where its word begins with what the constants are of, it is not said twice: WISP_CLOTH_BENDING_LINKS.
-static void write_constant( FILE* out, const scene_field* field, int value )
+static c_text constant_of( const scene_field* field, int value )
 {
     const char* word = field->choices[value].word;
-    const char* of = strncmp( word, "bend_", 5 ) == 0 ? strstr( field->constants, "_BEND" ) : NULL;
-    fputs( field->constants, out );
-    for ( const char* c = of != NULL ? word + 5 : word; *c != '\0'; ++c )
+    const bool is_twice = strncmp( word, "bend_", 5 ) == 0 && strstr( field->constants, "_BEND" ) != NULL;
+    c_text t;
+    snprintf( t.text, sizeof( t.text ), "%s%s", field->constants, is_twice ? word + 5 : word );
+    for ( char* c = t.text; *c != '\0'; ++c )
     {
-        fputc( toupper( (unsigned char)*c ), out );
+        *c = (char)toupper( (unsigned char)*c );
     }
+    return t;
 }
 
-static void write_value( FILE* out, const scene_field* field, const void* at )
+static c_text value_of( const scene_field* field, const void* at )
 {
+    c_text t;
     switch ( field->type )
     {
         case SCENE_BLOCK:
         case SCENE_SWITCH:
         case SCENE_EITHER:
-            fputs( *(const bool*)at ? "true" : "false", out );
-            return;
+            return c_switch( *(const bool*)at );
         case SCENE_VECTOR:
-            fputs( c_vector( *(const wisp_vec3*)at ).text, out );
-            return;
+            return c_vector( *(const wisp_vec3*)at );
         case SCENE_CHOICE:
-            write_constant( out, field, *(const int*)at );
-            return;
+            return constant_of( field, *(const int*)at );
         case SCENE_SEED:
-            fprintf( out, "%lluu", (unsigned long long)*(const uint64_t*)at );
-            return;
+            snprintf( t.text, sizeof( t.text ), "%lluu", (unsigned long long)*(const uint64_t*)at );
+            return t;
         case SCENE_NUMBER:
         case SCENE_NUMBERS:
-            fputs( TEXT( *(const float*)at ), out );
-            return;
+            return c_number( *(const float*)at );
         default:
-            fprintf( out, field->read == scene_read_layers ? "0x%xu" : "%d", *(const unsigned*)at );
-            return;
+            snprintf( t.text, sizeof( t.text ), field->read == scene_read_layers ? "0x%xu" : "%d",
+                      *(const unsigned*)at );
+            return t;
     }
 }
 
@@ -118,9 +126,8 @@ static void write_fields( FILE* out, const char* name, const scene_block* block,
             }
             if ( out != NULL )
             {
-                fprintf( out, "    %s.%s = ", name, f->member != NULL ? f->member : f->key );
-                write_value( out, f, value );
-                fputs( ";\n", out );
+                fprintf( out, "    %s.%s = %s;\n", name, f->member != NULL ? f->member : f->key,
+                         value_of( f, value ).text );
             }
         }
         if ( is_stage && is_own )
@@ -145,10 +152,12 @@ static bool is_told( const scene_block* block, const definition* d )
     return is;
 }
 
-// @param name of the variable
-static void begin_definition( FILE* out, const char* type, const char* name )
+// Write a definition of this name.
+static void write_definition( FILE* out, const char* type, const char* name, const scene_block* block,
+                              const definition* d )
 {
     fprintf( out, "    wisp_%s_def %s = wisp_default_%s_def();\n", type, name, type );
+    write_fields( out, name, block, d, NULL );
 }
 
 static const scene_field* find_field( const scene_block* block, const char* key )
@@ -168,30 +177,26 @@ typedef struct effect
     size_t at, size;
 } effect;
 
-#define OF_SURFACE( key, type, member )                                                                              \
+#define OF( entry, key, type, member )                                                                               \
     {                                                                                                                \
-        key, type, offsetof( wisp_scene_surface, member ), sizeof( ( (wisp_scene_surface*)0 )->member )              \
-    }
-#define OF_STRANDS( key, type, member )                                                                              \
-    {                                                                                                                \
-        key, type, offsetof( wisp_scene_strands, member ), sizeof( ( (wisp_scene_strands*)0 )->member )              \
+        key, type, offsetof( entry, member ), sizeof( ( (entry*)0 )->member )                                        \
     }
 static const effect SURFACE_EFFECTS[] = {
-    OF_SURFACE( "membrane", "membrane", membrane ),
-    OF_SURFACE( "cloth", "cloth", cloth ),
-    OF_SURFACE( "balloon", "balloon", balloon ),
-    OF_SURFACE( "implicit", "implicit_cloth", implicit ),
-    OF_SURFACE( "collision", "collision", collision ),
-    OF_SURFACE( "contact", "contact", contact ),
-    OF_SURFACE( "motion_constraints", "motion_constraints", motion_constraints ),
-    OF_SURFACE( "frame", "moving_frame", frame ),
-    OF_SURFACE( "sleep", "sleep", sleep ),
-    OF_SURFACE( "detail", "detail", detail ),
-    OF_SURFACE( "boundary", "boundary", boundary ),
-    OF_SURFACE( "tearing", "tearing", tearing ),
-    OF_SURFACE( "collider", NULL, collider ),
-    OF_SURFACE( "animation", NULL, animation ),
-    OF_SURFACE( "start", NULL, start ),
+    OF( wisp_scene_surface, "membrane", "membrane", membrane ),
+    OF( wisp_scene_surface, "cloth", "cloth", cloth ),
+    OF( wisp_scene_surface, "balloon", "balloon", balloon ),
+    OF( wisp_scene_surface, "implicit", "implicit_cloth", implicit ),
+    OF( wisp_scene_surface, "collision", "collision", collision ),
+    OF( wisp_scene_surface, "contact", "contact", contact ),
+    OF( wisp_scene_surface, "motion_constraints", "motion_constraints", motion_constraints ),
+    OF( wisp_scene_surface, "frame", "moving_frame", frame ),
+    OF( wisp_scene_surface, "sleep", "sleep", sleep ),
+    OF( wisp_scene_surface, "detail", "detail", detail ),
+    OF( wisp_scene_surface, "boundary", "boundary", boundary ),
+    OF( wisp_scene_surface, "tearing", "tearing", tearing ),
+    OF( wisp_scene_surface, "collider", NULL, collider ),
+    OF( wisp_scene_surface, "animation", NULL, animation ),
+    OF( wisp_scene_surface, "start", NULL, start ),
 };
 enum
 {
@@ -199,20 +204,20 @@ enum
     DETAIL = 10, // that of all strands comes last
 };
 static const effect STRANDS_EFFECTS[] = {
-    OF_STRANDS( "frozen_hair", "frozen_hair", frozen_hair ),
-    OF_STRANDS( "environment", "environment", environment ),
-    OF_STRANDS( "appearance", "strand_appearance", appearance ),
-    OF_STRANDS( "dynamics", "strand_dynamics", dynamics ),
-    OF_STRANDS( "grid", "strand_grid", grid ),
-    OF_STRANDS( "frame", "moving_frame", frame ),
-    OF_STRANDS( "ghosts", "ghosts", ghosts ),
-    OF_STRANDS( "collision", "collision", collision ),
-    OF_STRANDS( "contact", "contact", contact ),
-    OF_STRANDS( "sleep", "sleep", sleep ),
-    OF_STRANDS( "detail", "detail", detail ),
-    OF_STRANDS( "scatter", NULL, scatter ),
-    OF_STRANDS( "head", NULL, head ),
-    OF_STRANDS( "tips", NULL, tips_path ),
+    OF( wisp_scene_strands, "frozen_hair", "frozen_hair", frozen_hair ),
+    OF( wisp_scene_strands, "environment", "environment", environment ),
+    OF( wisp_scene_strands, "appearance", "strand_appearance", appearance ),
+    OF( wisp_scene_strands, "dynamics", "strand_dynamics", dynamics ),
+    OF( wisp_scene_strands, "grid", "strand_grid", grid ),
+    OF( wisp_scene_strands, "frame", "moving_frame", frame ),
+    OF( wisp_scene_strands, "ghosts", "ghosts", ghosts ),
+    OF( wisp_scene_strands, "collision", "collision", collision ),
+    OF( wisp_scene_strands, "contact", "contact", contact ),
+    OF( wisp_scene_strands, "sleep", "sleep", sleep ),
+    OF( wisp_scene_strands, "detail", "detail", detail ),
+    OF( wisp_scene_strands, "scatter", NULL, scatter ),
+    OF( wisp_scene_strands, "head", NULL, head ),
+    OF( wisp_scene_strands, "tips", NULL, tips_path ),
 };
 
 static void write_outlet( FILE* out, const scene_world* world, int number, const char* name )
@@ -234,12 +239,9 @@ static void write_special( FILE* out, const scene_world* world, bool is_surface,
 {
     if ( strcmp( key, "frame" ) == 0 )
     {
-        fprintf( out, "    %s.pose.translation = ", name );
-        fputs( c_vector( is_surface ? world->surfaces[number].frame_pivot
-                                    : scene_strand_frame_pivot( &world->scene->strands[number] ) )
-                   .text,
-               out );
-        fputs( ";\n", out );
+        const wisp_vec3 pivot = is_surface ? world->surfaces[number].frame_pivot
+                                           : scene_strand_frame_pivot( &world->scene->strands[number] );
+        fprintf( out, "    %s.pose.translation = %s;\n", name, c_vector( pivot ).text );
     }
     if ( strcmp( key, "ghosts" ) == 0 )
     {
@@ -264,8 +266,7 @@ static void write_effects( FILE* out, const char* of, int number, const effect* 
         if ( e->type != NULL && *( (const bool*)entry + field->at ) )
         {
             snprintf( name, sizeof( name ), "%s_%s%d", e->key, of, number );
-            begin_definition( out, e->type, name );
-            write_fields( out, name, field->block, &( definition ){ e->at, e->size, entry, initial }, NULL );
+            write_definition( out, e->type, name, field->block, &( definition ){ e->at, e->size, entry, initial } );
             write_special( out, world, block == &SCENE_SURFACE_BLOCK, number, name, e->key );
             fprintf( out, "    TRY( wisp_set_%s( world, %s%d, &%s ) );\n", e->type, of, number, name );
         }
@@ -326,36 +327,34 @@ static const char* other_of_event( const wisp_scene* scene, const wisp_scene_eve
     return e->has_detail ? "detail" : restarts && looks_back ? "velocity" : NULL;
 }
 
+// Refuse an entry for what this does not print, if there is any.
 static wisp_status refuse( const wisp_scene* scene, int line, const char* what, wisp_error* error )
 {
-    return wisp_fail( error, WISP_BAD_INPUT, "%s:%d: got '%s', which --host does not print", scene->name, line,
-                      what );
+    return what == NULL ? WISP_OK
+                        : wisp_fail( error, WISP_BAD_INPUT, "%s:%d: got '%s', which --host does not print",
+                                     scene->name, line, what );
 }
 
 static wisp_status check( const wisp_scene* scene, wisp_error* error )
 {
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < scene->command_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < scene->command_count; ++i )
     {
         const wisp_scene_hair_event* e = &scene->commands[i];
-        status = e->changes ? refuse( scene, e->line, "hair_events", error ) : WISP_OK;
+        WISP_TRY( refuse( scene, e->line, e->changes ? "hair_events" : NULL, error ) );
     }
-    for ( int i = 0; i < scene->event_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < scene->event_count; ++i )
     {
-        const char* other = other_of_event( scene, &scene->events[i] );
-        status = other != NULL ? refuse( scene, scene->events[i].line, other, error ) : WISP_OK;
+        WISP_TRY( refuse( scene, scene->events[i].line, other_of_event( scene, &scene->events[i] ), error ) );
     }
-    for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < scene->strands_count; ++i )
     {
-        const char* other = other_of_strands( &scene->strands[i] );
-        status = other != NULL ? refuse( scene, scene->strands[i].line, other, error ) : WISP_OK;
+        WISP_TRY( refuse( scene, scene->strands[i].line, other_of_strands( &scene->strands[i] ), error ) );
     }
-    for ( int i = 0; i < scene->surface_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < scene->surface_count; ++i )
     {
-        const char* other = other_of_surface( &scene->surfaces[i] );
-        status = other != NULL ? refuse( scene, scene->surfaces[i].line, other, error ) : WISP_OK;
+        WISP_TRY( refuse( scene, scene->surfaces[i].line, other_of_surface( &scene->surfaces[i] ), error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 // ---- arrays ----
@@ -483,11 +482,12 @@ static void write_origin( FILE* out, const wisp_scene* scene, const char* of, in
     }
 }
 
-static void write_max_speed( FILE* out, const char* of, int number, float speed )
+// A call of one value that surfaces and strands have alike.
+static void write_setting( FILE* out, const char* function, const char* of, int number, c_text value, bool is_set )
 {
-    if ( speed < INFINITY )
+    if ( is_set )
     {
-        fprintf( out, "    TRY( wisp_set_max_speed( world, %s%d, %s ) );\n", of, number, TEXT( speed ) );
+        fprintf( out, "    TRY( wisp_%s( world, %s%d, %s ) );\n", function, of, number, value.text );
     }
 }
 
@@ -499,15 +499,15 @@ static void write_strands( FILE* out, const scene_world* world, int i )
     const wisp_scene_strands initial = scene_default_strands( wisp_default_surface_def().gravity );
     const bool requested[] = { s->request_points, s->request_width, s->request_colour,
                                s->request_strain, s->request_speed, s->request_motion_stats };
-    fprintf( out, "\n    // %s\n", s->name );
-    write_lines( out,
+    write_lines( out, i,
+                 "\n    // %s\n"
                  "    wisp_strands_def strands_def# = wisp_default_strands_def();\n"
                  "    strands_def#.points = strand_points#;\n"
                  "    strands_def#.offsets = strand_offsets#;\n"
-                 "    strands_def#.strand_count = COUNT( strand_offsets# ) - 1;\n",
-                 i );
-    fprintf( out, "    strands_def%d.dimension = %d;\n", i, world->grooms[i].dimension );
-    write_lines( out, "    TRY( wisp_add_strands( world, &strands_def#, &strands# ) );\n", i );
+                 "    strands_def#.strand_count = COUNT( strand_offsets# ) - 1;\n"
+                 "    strands_def#.dimension = %d;\n"
+                 "    TRY( wisp_add_strands( world, &strands_def#, &strands# ) );\n",
+                 s->name, world->grooms[i].dimension );
     write_effects( out, "strands", i, STRANDS_EFFECTS, LOOKS, &SCENE_STRANDS_BLOCK, s, &initial, world );
     write_requests( out, "strands", i, requested, COMPONENTS, WISP_COUNT( COMPONENTS ) );
 }
@@ -519,31 +519,23 @@ static void write_dynamics( FILE* out, const scene_world* world, int i )
     const wisp_scene_strands initial = scene_default_strands( wisp_default_surface_def().gravity );
     if ( s->has_ghosts && s->has_frozen_hair )
     {
-        write_lines( out, "    TRY( wisp_request( world, strands#, WISP_STRAND_POSED ) );\n", i );
+        write_lines( out, i, "    TRY( wisp_request( world, strands#, WISP_STRAND_POSED ) );\n" );
     }
     write_effects( out, "strands", i, STRANDS_EFFECTS + LOOKS, DETAIL - LOOKS, &SCENE_STRANDS_BLOCK, s, &initial,
                    world );
-    if ( s->substeps > 0 )
-    {
-        fprintf( out, "    TRY( wisp_set_substeps( world, strands%d, %d ) );\n", i, s->substeps );
-    }
-    write_max_speed( out, "strands", i, s->max_speed );
+    write_setting( out, "set_substeps", "strands", i, c_whole( s->substeps ), s->substeps > 0 );
+    write_setting( out, "set_max_speed", "strands", i, c_number( s->max_speed ), s->max_speed < INFINITY );
     if ( s->has_tips )
     {
-        write_lines( out,
+        write_lines( out, i,
                      "    for ( int i = 0; i < COUNT( strand_offsets# ) - 1; ++i )\n    {\n"
-                     "        TRY( wisp_hold_strand_tip( world, strands#, i, ",
-                     i );
-        write_value( out, find_field( &SCENE_TIPS_BLOCK, "hold" ), &s->tips_hold );
-        fputs( " ) );\n    }\n", out );
+                     "        TRY( wisp_hold_strand_tip( world, strands#, i, %s ) );\n    }\n",
+                     value_of( find_field( &SCENE_TIPS_BLOCK, "hold" ), &s->tips_hold ).text );
     }
-    if ( s->request_contacts )
-    {
-        write_lines( out, "    TRY( wisp_request_collision_stats( world, strands#, true ) );\n", i );
-    }
+    write_setting( out, "request_collision_stats", "strands", i, c_switch( true ), s->request_contacts );
     if ( s->on_surface >= 0 )
     {
-        fprintf( out, "    TRY( wisp_root_strands( world, strands%d, surface%d ) );\n", i, s->on_surface );
+        write_lines( out, i, "    TRY( wisp_root_strands( world, strands#, surface%d ) );\n", s->on_surface );
     }
 }
 
@@ -582,19 +574,17 @@ static void write_fabric( FILE* out, const scene_world* world, int i )
         { "lean", def.lean, initial.lean },
         { "tile_size", def.tile_size, initial.tile_size },
     };
-    write_lines( out,
+    write_lines( out, i,
                  "    wisp_fabric_def fabric_def# = wisp_default_fabric_def();\n"
                  "    fabric_def#.points = rest#;\n"
                  "    fabric_def#.vertex_count = COUNT( rest# );\n"
                  "    fabric_def#.triangles = triangles#;\n"
-                 "    fabric_def#.triangle_count = COUNT( triangles# ) / 3;\n",
-                 i );
+                 "    fabric_def#.triangle_count = COUNT( triangles# ) / 3;\n" );
     if ( def.attachment_count > 0 )
     {
-        write_lines( out,
+        write_lines( out, i,
                      "    fabric_def#.attachments = pins#;\n"
-                     "    fabric_def#.attachment_count = COUNT( pins# );\n",
-                     i );
+                     "    fabric_def#.attachment_count = COUNT( pins# );\n" );
     }
     for ( int k = 0; k < WISP_COUNT( members ); ++k )
     {
@@ -605,11 +595,10 @@ static void write_fabric( FILE* out, const scene_world* world, int i )
     }
     if ( def.solve_order != initial.solve_order )
     {
-        fprintf( out, "    fabric_def%d.solve_order = ", i );
-        write_value( out, find_field( &SCENE_SURFACE_BLOCK, "solve_order" ), &def.solve_order );
-        fputs( ";\n", out );
+        write_lines( out, i, "    fabric_def#.solve_order = %s;\n",
+                     value_of( find_field( &SCENE_SURFACE_BLOCK, "solve_order" ), &def.solve_order ).text );
     }
-    write_lines( out, "    TRY( wisp_fabric_cook( &fabric_def#, NULL, &fabrics[#], NULL ) );\n", i );
+    write_lines( out, i, "    TRY( wisp_fabric_cook( &fabric_def#, NULL, &fabrics[#], NULL ) );\n" );
 }
 
 static void write_surface( FILE* out, const scene_world* world, int i )
@@ -627,15 +616,16 @@ static void write_surface( FILE* out, const scene_world* world, int i )
     {
         write_fabric( out, world, i );
     }
-    write_lines( out, "    wisp_surface_def surface_def# = wisp_default_surface_def();\n", i );
-    fprintf( out, "    surface_def%d.fabric = fabrics[%d];\n", i, s->instance_of < 0 ? i : s->instance_of );
-    write_lines( out, "    surface_def#.points = points#;\n", i );
+    write_lines( out, i,
+                 "    wisp_surface_def surface_def# = wisp_default_surface_def();\n"
+                 "    surface_def#.fabric = fabrics[%d];\n"
+                 "    surface_def#.points = points#;\n",
+                 s->instance_of < 0 ? i : s->instance_of );
     if ( world->surfaces[i].pin_count > 0 )
     {
-        write_lines( out,
+        write_lines( out, i,
                      "    surface_def#.pins = pins#;\n"
-                     "    surface_def#.pin_count = COUNT( pins# );\n",
-                     i );
+                     "    surface_def#.pin_count = COUNT( pins# );\n" );
     }
     if ( world->surfaces[i].spare_count > 0 )
     {
@@ -646,64 +636,44 @@ static void write_surface( FILE* out, const scene_world* world, int i )
         const scene_field* f = find_field( &SCENE_SURFACE_BLOCK, MEMBERS[k] );
         if ( memcmp( (const char*)s + f->at, (const char*)&initial + f->at, size_of_field( f ) ) != 0 )
         {
-            fprintf( out, "    surface_def%d.%s = ", i, MEMBERS[k] );
-            write_value( out, f, (const char*)s + f->at );
-            fputs( ";\n", out );
+            write_lines( out, i, "    surface_def#.%s = %s;\n", MEMBERS[k],
+                         value_of( f, (const char*)s + f->at ).text );
         }
     }
-    write_lines( out, "    TRY( wisp_add_surface( world, &surface_def#, &surface# ) );\n", i );
-    if ( s->damping > 0.0f )
-    {
-        fprintf( out, "    TRY( wisp_set_damping( world, surface%d, %s ) );\n", i, TEXT( s->damping ) );
-    }
+    write_lines( out, i, "    TRY( wisp_add_surface( world, &surface_def#, &surface# ) );\n" );
+    write_setting( out, "set_damping", "surface", i, c_number( s->damping ), s->damping > 0.0f );
     if ( s->strain_limit[0] > 0.0f || s->strain_limit[1] < INFINITY )
     {
-        fprintf( out, "    TRY( wisp_set_strain_limit( world, surface%d, %s, %s ) );\n", i,
-                 TEXT( s->strain_limit[0] ), TEXT( s->strain_limit[1] ) );
+        write_lines( out, i, "    TRY( wisp_set_strain_limit( world, surface#, %s, %s ) );\n",
+                     TEXT( s->strain_limit[0] ), TEXT( s->strain_limit[1] ) );
     }
-    if ( s->substeps > 0 )
-    {
-        fprintf( out, "    TRY( wisp_set_substeps( world, surface%d, %d ) );\n", i, s->substeps );
-    }
+    write_setting( out, "set_substeps", "surface", i, c_whole( s->substeps ), s->substeps > 0 );
     if ( v.x != 0.0f || v.y != 0.0f || v.z != 0.0f || w.x != 0.0f || w.y != 0.0f || w.z != 0.0f )
     {
-        fprintf( out, "    TRY( wisp_set_velocity( world, surface%d, ", i );
-        fputs( c_vector( v ).text, out );
-        fputs( ", ", out );
-        fputs( c_vector( w ).text, out );
-        fputs( " ) );\n", out );
+        write_lines( out, i, "    TRY( wisp_set_velocity( world, surface#, %s, %s ) );\n", c_vector( v ).text,
+                     c_vector( w ).text );
     }
     write_effects( out, "surface", i, SURFACE_EFFECTS, WISP_COUNT( SURFACE_EFFECTS ), &SCENE_SURFACE_BLOCK, s,
                    &initial, world );
-    write_max_speed( out, "surface", i, s->max_speed );
+    write_setting( out, "set_max_speed", "surface", i, c_number( s->max_speed ), s->max_speed < INFINITY );
     write_requests( out, "surface", i, requested, COMPONENTS, WISP_COUNT( COMPONENTS ) );
-    if ( s->request_stats )
-    {
-        fprintf( out, "    TRY( wisp_request_%s_stats( world, surface%d, true ) );\n",
-                 s->has_balloon ? "balloon" : "implicit_cloth", i );
-    }
-    if ( s->request_contacts )
-    {
-        write_lines( out, "    TRY( wisp_request_collision_stats( world, surface#, true ) );\n", i );
-    }
+    write_setting( out, s->has_balloon ? "request_balloon_stats" : "request_implicit_cloth_stats", "surface", i,
+                   c_switch( true ), s->request_stats );
+    write_setting( out, "request_collision_stats", "surface", i, c_switch( true ), s->request_contacts );
 }
 
 // What tables of colliders leave to readers of their own.
 static void write_body( FILE* out, const char* name, const wisp_collider_def* d )
 {
-    fprintf( out, "    %s.kind = ", name );
-    if ( d->kind == WISP_COLLIDER_SURFACE )
-    {
-        fputs( "WISP_COLLIDER_SURFACE", out );
-    }
-    else
-    {
-        write_value( out, find_field( &SCENE_COLLIDER_BLOCKS[d->kind], "shape" ), &d->kind );
-    }
-    fprintf( out, ";\n    %s.static_friction = %s, %s.kinetic_friction = %s;\n    %s.pose = ", name,
-             TEXT( d->static_friction ), name, TEXT( d->kinetic_friction ), name );
-    fputs( c_transform( d->pose ).text, out );
-    fputs( ";\n", out );
+    const c_text kind = d->kind == WISP_COLLIDER_SURFACE
+                            ? ( c_text ){ "WISP_COLLIDER_SURFACE" }
+                            : value_of( find_field( &SCENE_COLLIDER_BLOCKS[d->kind], "shape" ), &d->kind );
+    fprintf( out,
+             "    %s.kind = %s;\n"
+             "    %s.static_friction = %s, %s.kinetic_friction = %s;\n"
+             "    %s.pose = %s;\n",
+             name, kind.text, name, TEXT( d->static_friction ), name, TEXT( d->kinetic_friction ), name,
+             c_transform( d->pose ).text );
 }
 
 static void write_seam( FILE* out, const wisp_scene* scene, int i )
@@ -712,18 +682,16 @@ static void write_seam( FILE* out, const wisp_scene* scene, int i )
     char name[40];
     snprintf( name, sizeof( name ), "seam_def%d", i );
     fputs( "\n", out );
-    begin_definition( out, "seam", name );
-    write_fields( out, name, &SCENE_SEAM_BLOCK,
-                  &( definition ){ offsetof( wisp_scene_seam, def ), sizeof( s->def ), s, &initial }, NULL );
+    write_definition( out, "seam", name, &SCENE_SEAM_BLOCK,
+                      &( definition ){ offsetof( wisp_scene_seam, def ), sizeof( s->def ), s, &initial } );
     fprintf( out, "    %s.a = surface%d, %s.b = surface%d;\n", name, s->surfaces[0], name, s->surfaces[1] );
     if ( s->pair_count > 0 )
     {
-        write_lines( out, "    seam_def#.pairs = pairs#;\n    seam_def#.pair_count = COUNT( pairs# ) / 2;\n", i );
+        write_lines( out, i, "    seam_def#.pairs = pairs#;\n    seam_def#.pair_count = COUNT( pairs# ) / 2;\n" );
     }
-    write_lines( out,
+    write_lines( out, i,
                  "    wisp_entity seam#;\n"
-                 "    TRY( wisp_add_seam( world, &seam_def#, &seam# ) );\n",
-                 i );
+                 "    TRY( wisp_add_seam( world, &seam_def#, &seam# ) );\n" );
 }
 
 static void write_surface_collider( FILE* out, const wisp_scene* scene, int i )
@@ -735,16 +703,14 @@ static void write_surface_collider( FILE* out, const wisp_scene* scene, int i )
     wisp_collider_def def = s->collider;
     def.kind = WISP_COLLIDER_SURFACE;
     fputs( "\n", out );
-    begin_definition( out, "collider", name );
-    write_fields( out, name, &SCENE_SURFACE_COLLIDER_BLOCK,
-                  &( definition ){ offsetof( wisp_scene_surface, collider ), sizeof( s->collider ), s, &initial },
-                  NULL );
+    write_definition(
+        out, "collider", name, &SCENE_SURFACE_COLLIDER_BLOCK,
+        &( definition ){ offsetof( wisp_scene_surface, collider ), sizeof( s->collider ), s, &initial } );
     write_body( out, name, &def );
-    write_lines( out,
+    write_lines( out, i,
                  "    surface_collider#.surface = surface#;\n"
                  "    wisp_entity of_surface#;\n"
-                 "    TRY( wisp_add_collider( world, &surface_collider#, &of_surface# ) );\n",
-                 i );
+                 "    TRY( wisp_add_collider( world, &surface_collider#, &of_surface# ) );\n" );
 }
 
 static void write_collider( FILE* out, const wisp_scene* scene, int i )
@@ -754,30 +720,26 @@ static void write_collider( FILE* out, const wisp_scene* scene, int i )
     char name[40];
     snprintf( name, sizeof( name ), "collider_def%d", i );
     fprintf( out, "\n    // %s\n", c->name );
-    begin_definition( out, "collider", name );
-    write_fields( out, name, &SCENE_COLLIDER_BLOCKS[c->def.kind],
-                  &( definition ){ offsetof( wisp_scene_collider, def ), sizeof( c->def ), c, &initial }, NULL );
+    write_definition( out, "collider", name, &SCENE_COLLIDER_BLOCKS[c->def.kind],
+                      &( definition ){ offsetof( wisp_scene_collider, def ), sizeof( c->def ), c, &initial } );
     write_body( out, name, &c->def );
     if ( c->def.kind == WISP_COLLIDER_MESH || c->def.kind == WISP_COLLIDER_CONVEX )
     {
-        write_lines( out,
+        write_lines( out, i,
                      "    collider_def#.points = body_points#;\n"
                      "    collider_def#.point_count = COUNT( body_points# );\n"
                      "    collider_def#.triangles = body_triangles#;\n"
-                     "    collider_def#.triangle_count = COUNT( body_triangles# ) / 3;\n",
-                     i );
+                     "    collider_def#.triangle_count = COUNT( body_triangles# ) / 3;\n" );
     }
     if ( c->def.kind == WISP_COLLIDER_HEIGHT_FIELD )
     {
-        write_lines( out, "    collider_def#.heights = heights#;\n", i );
-        fprintf( out, "    collider_def%d.height_count_x = %d, collider_def%d.height_count_z = %d;\n", i,
-                 c->def.height_count_x, i, c->def.height_count_z );
+        write_lines( out, i,
+                     "    collider_def#.heights = heights#;\n"
+                     "    collider_def#.height_count_x = %d, collider_def#.height_count_z = %d;\n",
+                     c->def.height_count_x, c->def.height_count_z );
     }
-    write_lines( out, "    TRY( wisp_add_collider( world, &collider_def#, &collider# ) );\n", i );
-    if ( c->request_reaction )
-    {
-        write_lines( out, "    TRY( wisp_request_reaction( world, collider#, true ) );\n", i );
-    }
+    write_lines( out, i, "    TRY( wisp_add_collider( world, &collider_def#, &collider# ) );\n" );
+    write_setting( out, "request_reaction", "collider", i, c_switch( true ), c->request_reaction );
 }
 
 // ---- the program ----
@@ -974,15 +936,11 @@ wisp_status host_source_write( FILE* out, const wisp_scene* scene, wisp_error* e
 {
     const scene_world_options options = { .workers = 1, .is_quiet = true };
     scene_world world;
-    wisp_status status = check( scene, error );
-    status = status == WISP_OK ? scene_world_create( scene, &options, &world, error ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check( scene, error ) );
+    WISP_TRY( scene_world_create( scene, &options, &world, error ) );
     fprintf( out, "// The world of %s.\n", scene->name );
     fputs( HEAD, out );
-    status = write_arrays( out, &world, error );
+    wisp_status status = write_arrays( out, &world, error );
     if ( status == WISP_OK )
     {
         write_world( out, &world );

@@ -5,6 +5,8 @@
 #include "picture_stage.h"
 #include "stats.h"
 
+#include "wisp/module/definition.h"
+
 #include <errno.h>
 #include <math.h>
 #include <sched.h>
@@ -379,11 +381,7 @@ static wisp_status survey_camera( const picture_survey* survey, const picture_fi
     const double travelled = 2.5; // sizes
     const picture_options* options = survey->options;
     render_bounds bounds = bounds_of_all( survey );
-    wisp_status status = render_frame_camera( &bounds, &survey->view, survey->aspect, camera, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( render_frame_camera( &bounds, &survey->view, survey->aspect, camera, error ) );
     if ( options->has_camera )
     {
         camera->eye = relative_to( survey->origin, options->eye );
@@ -519,11 +517,7 @@ static wisp_status choose( drawing* d, wisp_error* error )
             break;
         case PICTURE_TIME:
         {
-            wisp_status status = picture_source_find( &d->source, options->seconds, &p->first, error );
-            if ( status != WISP_OK )
-            {
-                return status;
-            }
+            WISP_TRY( picture_source_find( &d->source, options->seconds, &p->first, error ) );
             break;
         }
         case PICTURE_FRAMES:
@@ -556,11 +550,7 @@ static wisp_status check_sheet( const drawing* d, wisp_error* error )
 
 static wisp_status make_sheet_room( drawing* d, wisp_error* error )
 {
-    wisp_status status = check_sheet( d, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_sheet( d, error ) );
     d->sheet = calloc( (size_t)d->plan.count, sizeof *d->sheet );
     d->labels = calloc( (size_t)d->plan.count, sizeof *d->labels );
     return d->sheet && d->labels ? WISP_OK
@@ -589,11 +579,8 @@ static wisp_status survey_frames( drawing* d, wisp_error* error )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "render: out of memory for %d pictures", frames );
     }
-    wisp_status status = picture_source_load( &d->source, frame_of( &d->plan, 0 ), error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( picture_source_load( &d->source, frame_of( &d->plan, 0 ), error ) );
+    wisp_status status = WISP_OK;
     d->survey = begin_survey( d->options, &d->source, aspect );
     for ( int i = 0; i < frames && status == WISP_OK; ++i )
     {

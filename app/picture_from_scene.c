@@ -3,6 +3,8 @@
 
 #include "interruption.h"
 
+#include "wisp/module/definition.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -38,29 +40,28 @@ static bool is_hidden( const simulation* s, int body )
 static wisp_status request_all( const picture_source* source, simulation* s, wisp_error* error )
 {
     int moving = scene_world_moving_count( &s->world );
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < moving && status == WISP_OK; ++i )
+    for ( int i = 0; i < moving; ++i )
     {
         if ( is_hidden( s, i ) )
         {
             continue;
         }
-        status = scene_world_request( &s->world, i, SCENE_REQUEST_POINTS, error );
-        if ( status == WISP_OK && source->bodies[i].values && source->value != PICTURE_MAP )
+        WISP_TRY( scene_world_request( &s->world, i, SCENE_REQUEST_POINTS, error ) );
+        if ( source->bodies[i].values && source->value != PICTURE_MAP )
         {
-            status = scene_world_request(
-                &s->world, i, source->value == PICTURE_STRAIN ? SCENE_REQUEST_STRAIN : SCENE_REQUEST_SPEED, error );
+            WISP_TRY( scene_world_request(
+                &s->world, i, source->value == PICTURE_STRAIN ? SCENE_REQUEST_STRAIN : SCENE_REQUEST_SPEED, error ) );
         }
-        if ( status == WISP_OK && has_appearance( s, i ) )
+        if ( has_appearance( s, i ) )
         {
-            status = scene_world_request( &s->world, i, SCENE_REQUEST_WIDTH, error );
+            WISP_TRY( scene_world_request( &s->world, i, SCENE_REQUEST_WIDTH, error ) );
         }
-        if ( status == WISP_OK && has_appearance( s, i ) )
+        if ( has_appearance( s, i ) )
         {
-            status = scene_world_request( &s->world, i, SCENE_REQUEST_COLOUR, error );
+            WISP_TRY( scene_world_request( &s->world, i, SCENE_REQUEST_COLOUR, error ) );
         }
     }
-    return status;
+    return WISP_OK;
 }
 
 static wisp_status start_world( simulation* s, wisp_error* error )
@@ -114,12 +115,8 @@ static wisp_status read_layer( picture_source* source, simulation* s, int body, 
         return WISP_OK;
     }
     wisp_boundary_view view;
-    wisp_status status = scene_world_layer( &s->world, body - s->scene.strands_count, &view, error );
-    status = status == WISP_OK ? picture_make_layer( source, body, view.samples->count, error ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( scene_world_layer( &s->world, body - s->scene.strands_count, &view, error ) );
+    WISP_TRY( picture_make_layer( source, body, view.samples->count, error ) );
     WISP_ASSERT( view.samples->normals || view.samples->count == 0 );
     for ( int i = 0; i < view.samples->count; ++i )
     {

@@ -2,6 +2,8 @@
 
 #include "io_file.h"
 
+#include "wisp/module/definition.h"
+
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
@@ -192,16 +194,13 @@ static wisp_status load_speed( picture_source* source, int frame, wisp_error* er
     int first = frame > 0 ? frame - 1 : 0;
     int last = frame + 1 < source->frame_count ? frame + 1 : frame;
     double from = 0.0, to = 0.0;
-    wisp_status status = read_frame( source, first, p->others[0], &from, error );
-    if ( status == WISP_OK )
-    {
-        status = read_frame( source, last, p->others[1], &to, error );
-    }
-    for ( int i = 0; i < source->body_count && status == WISP_OK; ++i )
+    WISP_TRY( read_frame( source, first, p->others[0], &from, error ) );
+    WISP_TRY( read_frame( source, last, p->others[1], &to, error ) );
+    for ( int i = 0; i < source->body_count; ++i )
     {
         find_speed( &source->bodies[i], p->others[0][i], p->others[1][i], to - from );
     }
-    return status;
+    return WISP_OK;
 }
 
 static const int32_t* first_triangles( const playback* p, const picture_body* body, int i )
@@ -429,17 +428,10 @@ static wisp_status open_cache( picture_source* source, const picture_source_def*
         return status;
     }
     source->frame_count = wisp_recording_describe( p->recording ).frame_count;
-    status = source->frame_count > 0
-                 ? read_triangles( source, def, wisp_recording_body( p->recording, 0 )->vertex_count, error )
-                 : refuse_empty( source, error );
-    if ( status == WISP_OK )
-    {
-        status = picture_make_bodies( source, 1, error );
-    }
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( source->frame_count > 0
+                  ? read_triangles( source, def, wisp_recording_body( p->recording, 0 )->vertex_count, error )
+                  : refuse_empty( source, error ) );
+    WISP_TRY( picture_make_bodies( source, 1, error ) );
     source->bodies[0] = ( picture_body ){
         .name = "mesh",
         .vertex_count = p->mesh.vertex_count,
@@ -517,11 +509,7 @@ static wisp_status read_still_groom( picture_source* source, const char* path, w
 static wisp_status read_still_mesh( picture_source* source, const char* path, wisp_error* error )
 {
     wisp_mesh* mesh = &( (still*)source->state )->mesh;
-    wisp_status status = wisp_mesh_read( path, mesh, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( wisp_mesh_read( path, mesh, error ) );
     picture_body* body = &source->bodies[0];
     *body = ( picture_body ){
         .name = "mesh",
@@ -529,14 +517,10 @@ static wisp_status read_still_mesh( picture_source* source, const char* path, wi
         .triangles = mesh->triangles,
         .triangle_count = mesh->triangle_count,
     };
-    status = picture_make_points( source, 0, false, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( picture_make_points( source, 0, false, error ) );
     load_still( source, 0, error );
     bool is_closed;
-    status = is_mesh_closed( body, &is_closed, error );
+    wisp_status status = is_mesh_closed( body, &is_closed, error );
     body->kind = is_closed ? SCENE_BODY_COLLIDER : SCENE_BODY_CLOTH;
     return status;
 }
@@ -554,17 +538,10 @@ static wisp_status open_still( picture_source* source, file_kind kind, const pic
     source->input = &still_input;
     source->frame_count = 1;
     source->state = calloc( 1, sizeof( still ) );
-    wisp_status status = source->state ? WISP_OK : picture_no_memory( source, error );
-    if ( status == WISP_OK )
-    {
-        status = picture_make_bodies( source, 1, error );
-    }
-    if ( status == WISP_OK )
-    {
-        status = kind == FILE_GROOM ? read_still_groom( source, def->path, error )
-                                    : read_still_mesh( source, def->path, error );
-    }
-    return status;
+    WISP_TRY( source->state ? WISP_OK : picture_no_memory( source, error ) );
+    WISP_TRY( picture_make_bodies( source, 1, error ) );
+    return kind == FILE_GROOM ? read_still_groom( source, def->path, error )
+                              : read_still_mesh( source, def->path, error );
 }
 
 // ---- any input ----

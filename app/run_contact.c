@@ -3,6 +3,8 @@
 #include "io_file.h"
 #include "mesh.h"
 
+#include "wisp/module/definition.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -175,13 +177,9 @@ static wisp_status write_layer( run_layers* l, int surface, wisp_error* error )
     const int body_number = l->world->scene->strands_count + surface;
     const scene_body body = scene_world_body( l->world, body_number );
     wisp_boundary_view view;
-    wisp_status status = scene_world_layer( l->world, surface, &view, error );
-    status = status == WISP_OK ? scene_world_points( l->world, body_number, l->points, error ) : status;
-    status = status == WISP_OK ? scene_world_normals( l->world, body_number, l->normals, error ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( scene_world_layer( l->world, surface, &view, error ) );
+    WISP_TRY( scene_world_points( l->world, body_number, l->points, error ) );
+    WISP_TRY( scene_world_normals( l->world, body_number, l->normals, error ) );
     WISP_ASSERT( view.samples->normals || view.samples->count == 0 );
     // The writer does not change the mesh; there is no read-only type.
     const wisp_mesh mesh = { .points = l->points,
@@ -197,7 +195,7 @@ static wisp_status write_layer( run_layers* l, int surface, wisp_error* error )
         .point_count = view.samples->count,
     };
     name_file( l, surface, l->world->next_step / l->every + 1 );
-    status = wisp_mesh_write_layer( l->path, &mesh, &layer, error );
+    wisp_status status = wisp_mesh_write_layer( l->path, &mesh, &layer, error );
     l->written += status == WISP_OK;
     return status;
 }
@@ -727,16 +725,15 @@ wisp_status run_intersections_step( run_intersections* x, wisp_error* error )
     }
     const int body_count = scene_world_moving_count( x->world );
     int left = stats.intersections;
-    wisp_status status = WISP_OK;
-    for ( int a = 0; a < body_count && left > 0 && status == WISP_OK; ++a )
+    for ( int a = 0; a < body_count && left > 0; ++a )
     {
-        for ( int b = a; b < body_count && left > 0 && status == WISP_OK; ++b )
+        for ( int b = a; b < body_count && left > 0; ++b )
         {
             const bool are_in = takes_part( x->world->scene, a ) && takes_part( x->world->scene, b );
-            status = are_in ? add_pair( x, a, b, &left, error ) : WISP_OK;
+            WISP_TRY( are_in ? add_pair( x, a, b, &left, error ) : WISP_OK );
         }
     }
-    return status;
+    return WISP_OK;
 }
 
 // ---- the summary ----

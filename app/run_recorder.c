@@ -3,6 +3,8 @@
 #include "nearest.h"
 #include "world_from_scene.h"
 
+#include "wisp/module/definition.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -71,12 +73,11 @@ static wisp_vec3** make_points( const run_bodies* bodies )
 static wisp_status request_points( scene_world* world, wisp_error* error )
 {
     const int moving = scene_world_moving_count( world );
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < moving && status == WISP_OK; ++i )
+    for ( int i = 0; i < moving; ++i )
     {
-        status = scene_world_request( world, i, SCENE_REQUEST_POINTS, error );
+        WISP_TRY( scene_world_request( world, i, SCENE_REQUEST_POINTS, error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 // ---- appearance ----
@@ -212,8 +213,7 @@ static wisp_status list_bodies( scene_world* world, bool has_values, unsigned as
                                 wisp_error* error )
 {
     int cloths = 0, balloons = 0;
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < scene_world_body_count( world ) && status == WISP_OK; ++i )
+    for ( int i = 0; i < scene_world_body_count( world ); ++i )
     {
         const scene_body body = scene_world_body( world, i );
         if ( body.kind == SCENE_BODY_PLANE )
@@ -225,13 +225,13 @@ static wisp_status list_bodies( scene_world* world, bool has_values, unsigned as
         *to = entry_of( &body, scene_body_colour( drawn, &cloths, &balloons ) );
         out->numbers[out->count] = i;
         run_body_data* data = &out->data[out->count++];
-        status = add_appearance( world, i, &body, to, data, error );
-        if ( status == WISP_OK && has_values && i < scene_world_moving_count( world ) )
+        WISP_TRY( add_appearance( world, i, &body, to, data, error ) );
+        if ( has_values && i < scene_world_moving_count( world ) )
         {
-            status = add_values( world, i, asked, to, data, error );
+            WISP_TRY( add_values( world, i, asked, to, data, error ) );
         }
     }
-    return status;
+    return WISP_OK;
 }
 
 // Request the points of all bodies, list them, and prepare their values: those that the scene computes and those that
@@ -252,14 +252,10 @@ static wisp_status open_bodies( scene_world* world, bool has_values, unsigned as
     {
         return no_memory( world, error );
     }
-    wisp_status status = check_asked( world, asked, error );
-    status = status == WISP_OK ? list_bodies( world, has_values, asked, out, error ) : status;
-    if ( status == WISP_OK )
-    {
-        out->points = make_points( out );
-        status = out->points ? request_points( world, error ) : no_memory( world, error );
-    }
-    return status;
+    WISP_TRY( check_asked( world, asked, error ) );
+    WISP_TRY( list_bodies( world, has_values, asked, out, error ) );
+    out->points = make_points( out );
+    return out->points ? request_points( world, error ) : no_memory( world, error );
 }
 
 // Fill the points of the present step, and the values if they are needed.
@@ -379,14 +375,13 @@ static wisp_status note_between( run_between* b, wisp_error* error )
     wisp_vec3** last = b->before;
     b->before = b->now;
     b->now = last;
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < b->bodies->count && status == WISP_OK; ++i )
+    for ( int i = 0; i < b->bodies->count; ++i )
     {
         const size_t bytes = (size_t)b->bodies->list[i].vertex_count * sizeof( wisp_vec3 );
         memcpy( b->now[i], b->bodies->points[i], bytes );
-        status = is_ghosts( b, i ) ? take_curve_off( b, i, 1.0f, b->now[i], error ) : WISP_OK;
+        WISP_TRY( is_ghosts( b, i ) ? take_curve_off( b, i, 1.0f, b->now[i], error ) : WISP_OK );
     }
-    return status;
+    return WISP_OK;
 }
 
 // Compute the points at a fraction of the time between the last two steps noted.
@@ -727,17 +722,15 @@ static wisp_status write_points( run_recorder* r, double time, uint64_t hash, co
 // Frames between the step before and this one have no hash, because no world was ever in their state.
 static wisp_status write_between( run_recorder* r, double time, wisp_error* error )
 {
-    wisp_status status = note_between( r->between, error );
-    for ( int k = 1; k < r->frames_per_step && r->world->next_step > 0 && status == WISP_OK; ++k )
+    WISP_TRY( note_between( r->between, error ) );
+    for ( int k = 1; k < r->frames_per_step && r->world->next_step > 0; ++k )
     {
         const double fraction = (double)k / r->frames_per_step;
         const wisp_vec3* const* points = NULL;
-        status = find_between( r->between, (float)fraction, &points, error );
-        status = status == WISP_OK
-                     ? write_points( r, r->last_time + fraction * ( time - r->last_time ), 0, points, error )
-                     : status;
+        WISP_TRY( find_between( r->between, (float)fraction, &points, error ) );
+        WISP_TRY( write_points( r, r->last_time + fraction * ( time - r->last_time ), 0, points, error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 static wisp_status write_frame( run_recorder* r, uint64_t hash, wisp_error* error )

@@ -1,6 +1,8 @@
 // Worlds: life, steps, bodies, costs, values; what a user does to them; snapshots.
 #include "binding_internal.h"
 
+#include "wisp/module/definition.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,11 +13,7 @@ static wisp_status refine( wisp_scene* scene, int factor, wisp_error* error )
 {
     tune_parameters parameters;
     int finest[WISP_TUNE_MAX_PARAMETERS];
-    const wisp_status status = tune_parameters_find( scene, &parameters, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( tune_parameters_find( scene, &parameters, error ) );
     for ( int k = 0; k < parameters.count; ++k )
     {
         finest[k] = parameters.parameters[k].value_count - 1;
@@ -345,13 +343,10 @@ wisp_status binding_value_view( const binding_world* w, int body, int value, con
                           w->scene.name, body );
     }
     wisp_view view;
-    const wisp_status status = scene_world_view( &w->world, body, (scene_request)value, &view, error );
-    if ( status == WISP_OK )
-    {
-        WISP_ASSERT( view.stride == (size_t)binding_value_width( value ) * sizeof( float ) );
-        *out = view.data;
-    }
-    return status;
+    WISP_TRY( scene_world_view( &w->world, body, (scene_request)value, &view, error ) );
+    WISP_ASSERT( view.stride == (size_t)binding_value_width( value ) * sizeof( float ) );
+    *out = view.data;
+    return WISP_OK;
 }
 
 static wisp_status copy_start( const binding_world* w, int body, int value, float* out, wisp_error* error )
@@ -382,13 +377,10 @@ wisp_status binding_value_copy( const binding_world* w, int body, int value, flo
         return copy_start( w, body, value, out, error );
     }
     wisp_view view;
-    const wisp_status status = scene_world_view( &w->world, body, (scene_request)value, &view, error );
-    if ( status == WISP_OK )
-    {
-        WISP_ASSERT( view.stride == (size_t)binding_value_width( value ) * sizeof( float ) );
-        memcpy( out, view.data, (size_t)view.count * view.stride );
-    }
-    return status;
+    WISP_TRY( scene_world_view( &w->world, body, (scene_request)value, &view, error ) );
+    WISP_ASSERT( view.stride == (size_t)binding_value_width( value ) * sizeof( float ) );
+    memcpy( out, view.data, (size_t)view.count * view.stride );
+    return WISP_OK;
 }
 
 wisp_status binding_motion_stats( const binding_world* w, int body, wisp_motion_stats* out, wisp_error* error )
@@ -462,12 +454,9 @@ wisp_status binding_drag( binding_world* w, int body, int vertex, float x, float
 wisp_status binding_let_go( binding_world* w, int body, int vertex, wisp_error* error )
 {
     scene_hold* hold = held( w, body, vertex, error );
-    const wisp_status status = hold ? scene_world_let_go( &w->world, hold, error ) : error->status;
-    if ( status == WISP_OK )
-    {
-        *hold = w->holds[--w->hold_count];
-    }
-    return status;
+    WISP_TRY( hold ? scene_world_let_go( &w->world, hold, error ) : error->status );
+    *hold = w->holds[--w->hold_count];
+    return WISP_OK;
 }
 
 // ---- pins of surfaces ----
@@ -789,12 +778,8 @@ wisp_status binding_restore( binding_world* w, const void* bytes, size_t size, w
         return wisp_fail( error, WISP_BAD_INPUT, "%s: got %zu bytes, which are no snapshot of this world",
                           w->scene.name, size );
     }
-    wisp_status status = compile( w, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    status = wisp_world_restore( w->world.world, (const char*)bytes + front, size - front );
+    WISP_TRY( compile( w, error ) );
+    wisp_status status = wisp_world_restore( w->world.world, (const char*)bytes + front, size - front );
     if ( status != WISP_OK )
     {
         return fail_with_message( w, status, error );

@@ -7,6 +7,8 @@
 #include "results_write.h"
 #include "text_tree.h"
 
+#include "wisp/module/definition.h"
+
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
@@ -589,11 +591,7 @@ wisp_status gate_write_junit( const wisp_suite* suite, const gate_row_check* che
         unknown += checks[i].state == GATE_NEW ? 1 : 0;
     }
     io_output output;
-    const wisp_status status = io_output_open( path, &output, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( io_output_open( path, &output, error ) );
     FILE* out = output.stream;
     fprintf( out, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n  <testsuite name=\"wisp gate " );
     report_put_text( suite->name, out );

@@ -10,6 +10,8 @@
 #include "stats.h"
 #include "suite_measure.h"
 
+#include "wisp/module/definition.h"
+
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -132,20 +134,16 @@ static round_shape shape_of( const gate_turn* whole )
 static wisp_status time_turns( gate_process processes[3], const gate_turns* turns, const round_shape* shape,
                                double* ratios, double* owns, double* weights, wisp_error* error )
 {
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < shape->runs * shape->places && status == WISP_OK; ++i )
+    for ( int i = 0; i < shape->runs * shape->places; ++i )
     {
         const int run = i / shape->places, place = i % shape->places, at = place * shape->runs + run;
         gate_turn t[3] = { { 0 } };
-        status = time_turn( processes, turns, shape->steps, 2 * run >= shape->runs, t, error );
-        if ( status == WISP_OK )
-        {
-            ratios[at] = log( t[1].ns ) - 0.5 * log( t[0].ns * t[2].ns );
-            owns[at] = log( t[2].ns / t[0].ns );
-            weights[place] += t[0].ns + t[2].ns;
-        }
+        WISP_TRY( time_turn( processes, turns, shape->steps, 2 * run >= shape->runs, t, error ) );
+        ratios[at] = log( t[1].ns ) - 0.5 * log( t[0].ns * t[2].ns );
+        owns[at] = log( t[2].ns / t[0].ns );
+        weights[place] += t[0].ns + t[2].ns;
     }
-    return status;
+    return WISP_OK;
 }
 
 // The mean over places of their medians, weighted by time.

@@ -3,6 +3,8 @@
 // Then the edges of the outline become edges of triangles, and triangles outside of it are left out.
 #include "delaunay.h"
 
+#include "wisp/module/definition.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -547,13 +549,9 @@ static wisp_status check( const delaunay_point* points, int count, int outline_c
 wisp_status delaunay_fill( const delaunay_point* points, int count, int outline_count, int32_t* triangles,
                            const char* name, wisp_error* error )
 {
-    wisp_status status = check( points, count, outline_count, name, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check( points, count, outline_count, name, error ) );
     net d = { .name = name, .point_count = count };
-    status = allocate( &d, error );
+    wisp_status status = allocate( &d, error );
     if ( status == WISP_OK )
     {
         memcpy( d.points, points, (size_t)count * sizeof *points );

@@ -8,6 +8,8 @@
 #include "io_file.h"
 #include "mesh_internal.h"
 
+#include "wisp/module/definition.h"
+
 // ---- weights ---------------------------------------------------------------------------------------------------
 
 static void sample( const gltf_weights* from, int width, double time, double* out )
@@ -203,11 +205,7 @@ static wisp_status read_moment( const gltf_model* model, int node, const char* t
     if ( mesh_word_is_number( word ) && word.length <= MESH_WORD_LONGEST && text[0] != '-' )
     {
         io_numbers numbers;
-        const wisp_status status = io_numbers_begin( &numbers, error );
-        if ( status != WISP_OK )
-        {
-            return status;
-        }
+        WISP_TRY( io_numbers_begin( &numbers, error ) );
         time = mesh_word_value( word );
         io_numbers_end( &numbers );
     }

@@ -7,6 +7,8 @@
 
 #include "io_file.h"
 
+#include "wisp/module/definition.h"
+
 // ---- memory ----------------------------------------------------------------------------------------------------
 
 void wisp_groom_release( wisp_groom* groom )
@@ -218,12 +220,9 @@ wisp_status wisp_groom_of_arrays( const wisp_vec3* points, int vertex_count, con
     {
         return wisp_fail( error, cause.status, "%s: %s", io_short_name( name ), cause.message );
     }
-    wisp_status status = groom_allocate( out, strand_count, vertex_count, 0, name, error );
-    if ( status == WISP_OK )
-    {
-        memcpy( out->points, points, (size_t)vertex_count * sizeof *points );
-        memcpy( out->offsets, offsets, ( (size_t)strand_count + 1 ) * sizeof *offsets );
-        out->dimension = groom_dimension_of( out );
-    }
-    return status;
+    WISP_TRY( groom_allocate( out, strand_count, vertex_count, 0, name, error ) );
+    memcpy( out->points, points, (size_t)vertex_count * sizeof *points );
+    memcpy( out->offsets, offsets, ( (size_t)strand_count + 1 ) * sizeof *offsets );
+    out->dimension = groom_dimension_of( out );
+    return WISP_OK;
 }

@@ -6,6 +6,8 @@
 
 #include "io_file.h"
 
+#include "wisp/module/definition.h"
+
 enum
 {
     HEADER_SIZE = 128,
@@ -67,11 +69,7 @@ static wisp_status read_magic( const unsigned char* bytes, size_t size, const ch
 
 static wisp_status read_header( const unsigned char* bytes, size_t size, hair_layout* layout, wisp_error* error )
 {
-    wisp_status status = read_magic( bytes, size, layout->name, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( read_magic( bytes, size, layout->name, error ) );
     layout->bytes = bytes;
     layout->strand_count = io_get_u32( bytes + AT_STRAND_COUNT );
     layout->point_count = io_get_u32( bytes + AT_POINT_COUNT );
@@ -211,11 +209,7 @@ static void read_vectors( const unsigned char* bytes, int count, wisp_vec3* valu
 
 static wisp_status read_arrays( const hair_layout* layout, wisp_groom* out, wisp_error* error )
 {
-    wisp_status status = read_segments( layout, out, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( read_segments( layout, out, error ) );
     read_vectors( layout->bytes + layout->points, out->vertex_count, out->points );
     read_floats( layout->bytes + layout->thickness, out->vertex_count, out->thickness );
     read_floats( layout->bytes + layout->transparency, out->vertex_count, out->transparency );
@@ -229,19 +223,13 @@ wisp_status wisp_groom_read_hair( const void* bytes, size_t size, const char* na
 {
     *out = ( wisp_groom ){ 0 };
     hair_layout layout = { .name = io_short_name( name ) };
-    wisp_status status = read_header( bytes, size, &layout, error );
-    if ( status == WISP_OK )
-    {
-        status = place_arrays( &layout, size, error );
-    }
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( read_header( bytes, size, &layout, error ) );
+    WISP_TRY( place_arrays( &layout, size, error ) );
     int columns = ( ( layout.flags & HAS_THICKNESS ) != 0 ? GROOM_THICKNESS : 0 ) |
                   ( ( layout.flags & HAS_TRANSPARENCY ) != 0 ? GROOM_TRANSPARENCY : 0 ) |
                   ( ( layout.flags & HAS_COLOUR ) != 0 ? GROOM_COLOUR : 0 );
-    status = groom_allocate( out, (int)layout.strand_count, (int)layout.point_count, columns, layout.name, error );
+    wisp_status status =
+        groom_allocate( out, (int)layout.strand_count, (int)layout.point_count, columns, layout.name, error );
     if ( status == WISP_OK )
     {
         status = read_arrays( &layout, out, error );
@@ -313,11 +301,7 @@ static void write_vectors( FILE* out, const wisp_vec3* values, int count )
 
 wisp_status wisp_groom_write_hair( FILE* out, const wisp_groom* groom, const char* name, wisp_error* error )
 {
-    wisp_status status = check_fits( groom, name, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_fits( groom, name, error ) );
     write_header( out, groom );
     for ( int s = 0; s < groom->strand_count; ++s )
     {

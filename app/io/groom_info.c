@@ -7,6 +7,8 @@
 #include "io_file.h"
 #include "mesh.h"
 
+#include "wisp/module/definition.h"
+
 enum
 {
     LISTED = 10, // limit of listed elements of one kind; the others are counted
@@ -305,13 +307,9 @@ wisp_status wisp_groom_info( FILE* out, const wisp_groom* groom, const char* nam
 {
     wisp_error error = { .status = WISP_OK };
     io_numbers numbers;
-    wisp_status status = io_numbers_begin( &numbers, &error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( io_numbers_begin( &numbers, &error ) );
     finding shared = { .count = 0 };
-    status = groom_check_finite( groom, name, &error );
+    wisp_status status = groom_check_finite( groom, name, &error );
     if ( status == WISP_OK )
     {
         status = find_shared_roots( groom, &shared );

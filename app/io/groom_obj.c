@@ -4,19 +4,13 @@
 
 #include "io_file.h"
 
+#include "wisp/module/definition.h"
+
 wisp_status wisp_groom_write_obj( FILE* out, const wisp_groom* groom, const char* name, wisp_error* error )
 {
-    wisp_status status = groom_check_finite( groom, name, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( groom_check_finite( groom, name, error ) );
     io_numbers numbers;
-    status = io_numbers_begin( &numbers, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( io_numbers_begin( &numbers, error ) );
     fprintf( out, "# Wisp %s: %d strands, %d vertices, metres\no groom\n", WISP_VERSION_STRING, groom->strand_count,
              groom->vertex_count );
     for ( int v = 0; v < groom->vertex_count; ++v )

@@ -5,6 +5,8 @@
 
 #include "io_file.h"
 
+#include "wisp/module/definition.h"
+
 // A linear curve of one vertex has no segment: USD calls it invalid, so it is rejected here rather than dropped.
 static wisp_status check_fits( const wisp_groom* groom, const char* name, wisp_error* error )
 {
@@ -123,17 +125,9 @@ static void write_curves( FILE* out, const wisp_groom* groom )
 
 wisp_status wisp_groom_write_usda( FILE* out, const wisp_groom* groom, const char* name, wisp_error* error )
 {
-    wisp_status status = check_fits( groom, name, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_fits( groom, name, error ) );
     io_numbers numbers;
-    status = io_numbers_begin( &numbers, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( io_numbers_begin( &numbers, error ) );
     fputs( "#usda 1.0\n(\n"
            "    defaultPrim = \"Groom\"\n"
            "    doc = \"Wisp " WISP_VERSION_STRING "\"\n"

@@ -3,6 +3,8 @@
 
 #include "io_file.h"
 
+#include "wisp/module/definition.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -493,11 +495,7 @@ void io_numbers_end( io_numbers* numbers )
 wisp_status io_file_write( const char* path, const void* bytes, size_t size, wisp_error* error )
 {
     io_output output;
-    wisp_status status = io_output_open( path, &output, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( io_output_open( path, &output, error ) );
     fwrite( bytes, 1, size, output.stream );
     return io_output_commit( &output, error );
 }

@@ -7,6 +7,8 @@
 
 #include "io_file.h"
 
+#include "wisp/module/definition.h"
+
 enum
 {
     FIRST_TRIANGLES = 256, // initial capacity for the triangles of a file
@@ -120,11 +122,7 @@ wisp_status mesh_fan_corner( mesh_fan* fan, int32_t vertex, wisp_error* error )
     if ( fan->corner_count >= 2 )
     {
         wisp_mesh* mesh = fan->mesh;
-        wisp_status status = mesh->triangle_count < fan->capacity ? WISP_OK : grow( fan, error );
-        if ( status != WISP_OK )
-        {
-            return status;
-        }
+        WISP_TRY( mesh->triangle_count < fan->capacity ? WISP_OK : grow( fan, error ) );
         int32_t* triangle = mesh->triangles + 3 * mesh->triangle_count;
         triangle[0] = fan->first;
         triangle[1] = fan->previous;
@@ -221,12 +219,9 @@ wisp_status wisp_mesh_of_arrays( const wisp_vec3* points, int vertex_count, cons
                               .triangles = (int32_t*)(uintptr_t)triangles,
                               .vertex_count = vertex_count,
                               .triangle_count = triangle_count };
-    wisp_status status = mesh_check( &given, name, error );
-    status = status == WISP_OK ? mesh_allocate( out, vertex_count, triangle_count, name, error ) : status;
-    if ( status == WISP_OK )
-    {
-        memcpy( out->points, points, (size_t)vertex_count * sizeof *points );
-        memcpy( out->triangles, triangles, 3 * (size_t)triangle_count * sizeof *triangles );
-    }
-    return status;
+    WISP_TRY( mesh_check( &given, name, error ) );
+    WISP_TRY( mesh_allocate( out, vertex_count, triangle_count, name, error ) );
+    memcpy( out->points, points, (size_t)vertex_count * sizeof *points );
+    memcpy( out->triangles, triangles, 3 * (size_t)triangle_count * sizeof *triangles );
+    return WISP_OK;
 }

@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "wisp/generate.h"
+#include "wisp/module/definition.h"
 
 enum
 {
@@ -183,13 +184,9 @@ static void turn_diagonal( int32_t* t )
 wisp_status mesh_generate_plane( const wisp_mesh_generator* r, wisp_mesh* out, wisp_error* error )
 {
     int columns = r->columns, rows = r->rows;
+    WISP_TRY( mesh_allocate( out, columns * rows, 2 * ( columns - 1 ) * ( rows - 1 ), "mesh generator", error ) );
     wisp_status status =
-        mesh_allocate( out, columns * rows, 2 * ( columns - 1 ) * ( rows - 1 ), "mesh generator", error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    status = wisp_generate_grid( columns, rows, r->spacing, r->spacing, out->points, out->triangles, error );
+        wisp_generate_grid( columns, rows, r->spacing, r->spacing, out->points, out->triangles, error );
     // every second diagonal the other way
     for ( int cell = 0; r->shape == WISP_MESH_PLANE_ALTERNATING && cell < ( columns - 1 ) * ( rows - 1 ); ++cell )
     {
@@ -207,23 +204,10 @@ wisp_status mesh_generate_plane( const wisp_mesh_generator* r, wisp_mesh* out, w
 wisp_status wisp_mesh_generate( const wisp_mesh_generator* generator, wisp_mesh* out, wisp_error* error )
 {
     *out = ( wisp_mesh ){ 0 };
-    wisp_status status = check_shape( generator, error );
-    if ( status == WISP_OK )
-    {
-        status = check_counts( generator, error );
-    }
-    if ( status == WISP_OK )
-    {
-        status = check_product( generator, error );
-    }
-    if ( status == WISP_OK )
-    {
-        status = check_sizes( generator, error );
-    }
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_shape( generator, error ) );
+    WISP_TRY( check_counts( generator, error ) );
+    WISP_TRY( check_product( generator, error ) );
+    WISP_TRY( check_sizes( generator, error ) );
     if ( generator->shape == WISP_MESH_PLANE_IRREGULAR )
     {
         return mesh_generate_irregular( generator, out, error );

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "wisp/module/definition.h"
 #include "wisp/module/random.h"
 
 enum
@@ -190,11 +191,8 @@ static void flip_all( flips* f )
 static wisp_status make_delaunay( wisp_mesh* mesh, wisp_error* error )
 {
     mesh_edges edges;
-    wisp_status status = mesh_edges_build( mesh, &edges, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( mesh_edges_build( mesh, &edges, error ) );
+    wisp_status status = WISP_OK;
     size_t halves = 3 * (size_t)mesh->triangle_count;
     flips f = { .mesh = mesh };
     f.twin = malloc( halves * sizeof *f.twin );

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "wisp/generate.h"
+#include "wisp/module/definition.h"
 
 static const char NAME[] = "mesh generator";
 
@@ -88,11 +89,8 @@ static void split_triangles( ico* s, const int32_t* middle )
 static wisp_status subdivide( ico* s, wisp_error* error )
 {
     mesh_edges edges;
-    wisp_status status = mesh_edges_build( &s->mesh, &edges, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( mesh_edges_build( &s->mesh, &edges, error ) );
+    wisp_status status = WISP_OK;
     int32_t* middle = malloc( (size_t)edges.half_count * sizeof *middle );
     if ( middle != NULL )
     {
@@ -130,11 +128,8 @@ wisp_status mesh_generate_icosphere( const wisp_mesh_generator* r, wisp_mesh* ou
 {
     int quadrupled = 1 << 2 * r->level;
     int vertex_count = 10 * quadrupled + 2;
-    wisp_status status = mesh_allocate( out, vertex_count, ICO_TRIANGLES * quadrupled, NAME, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( mesh_allocate( out, vertex_count, ICO_TRIANGLES * quadrupled, NAME, error ) );
+    wisp_status status = WISP_OK;
     ico s = { malloc( (size_t)vertex_count * sizeof *s.directions ), { .triangles = out->triangles } };
     if ( s.directions == NULL )
     {

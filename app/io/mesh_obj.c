@@ -8,6 +8,8 @@
 
 #include "io_file.h"
 
+#include "wisp/module/definition.h"
+
 typedef enum line_kind
 {
     LINE_OTHER,
@@ -68,25 +70,21 @@ static wisp_status check_numbers( mesh_word line, int number, const char* name, 
 static wisp_status check_uv_line( mesh_word line, int number, const char* name, wisp_error* error )
 {
     int count = 0;
-    wisp_status status = check_numbers( line, number, name, &count, error );
-    if ( status == WISP_OK && ( count < 1 || count > 3 ) )
+    WISP_TRY( check_numbers( line, number, name, &count, error ) );
+    if ( count < 1 || count > 3 )
     {
-        status =
-            wisp_fail( error, WISP_BAD_INPUT, "%s: line %d: got texture coordinates of %d numbers, expected 1 .. 3",
-                       name, number, count );
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "%s: line %d: got texture coordinates of %d numbers, expected 1 .. 3", name, number,
+                          count );
     }
-    return status;
+    return WISP_OK;
 }
 
 static wisp_status check_vertex_line( mesh_word line, int number, const char* name, bool* has_colour,
                                       wisp_error* error )
 {
     int count = 0;
-    wisp_status status = check_numbers( line, number, name, &count, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_numbers( line, number, name, &count, error ) );
     *has_colour = count > 4;
     if ( count != 3 && count != 4 && count != 6 && count != 7 )
     {

@@ -6,6 +6,8 @@
 
 #include "io_file.h"
 
+#include "wisp/module/definition.h"
+
 // The lines of the header and the state so far.
 typedef struct header_reading
 {
@@ -279,14 +281,10 @@ static wisp_status read_property( header_reading* r, mesh_word line )
         property.role = PLY_PASSED_OVER;
     }
     keep_name( property.name, name );
-    wisp_status status = check_role( r, &property, name );
-    if ( status == WISP_OK )
-    {
-        header->properties[header->property_count++] = property;
-        ++header->elements[header->element_count - 1].property_count;
-        status = demand_end( r, line );
-    }
-    return status;
+    WISP_TRY( check_role( r, &property, name ) );
+    header->properties[header->property_count++] = property;
+    ++header->elements[header->element_count - 1].property_count;
+    return demand_end( r, line );
 }
 
 // ---- whole header ----------------------------------------------------------------------------------------------

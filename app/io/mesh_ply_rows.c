@@ -8,6 +8,8 @@
 
 #include "io_file.h"
 
+#include "wisp/module/definition.h"
+
 typedef struct row_reading
 {
     const ply_header* header;
@@ -111,11 +113,7 @@ static wisp_status next_value( row_reading* r, const ply_property* property, ply
 static wisp_status next_count( row_reading* r, const ply_property* property, int64_t* count )
 {
     double value = 0.0;
-    wisp_status status = next_value( r, property, property->count_type, &value );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( next_value( r, property, property->count_type, &value ) );
     size_t left =
         r->header->encoding == PLY_TEXT ? r->row.length : ( r->size - r->at ) / (size_t)ply_width( property->type );
     // Written so that NaN fails.
@@ -144,11 +142,8 @@ static wisp_status take_corner( row_reading* r, const ply_property* property, do
 static wisp_status read_list( row_reading* r, const ply_property* property )
 {
     int64_t count = 0;
-    wisp_status status = next_count( r, property, &count );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( next_count( r, property, &count ) );
+    wisp_status status = WISP_OK;
     bool is_face = property->role == PLY_CORNERS;
     if ( is_face && ( count < 3 || count > WISP_MESH_CORNER_CAP ) )
     {
@@ -352,11 +347,8 @@ static wisp_status read_rows( const ply_header* header, const unsigned char* byt
                       .mesh = out,
                       .fan = { .mesh = out, .name = header->name },
                       .error = error };
-    wisp_status status = check_length( &r );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_length( &r ) );
+    wisp_status status = WISP_OK;
     out->vertex_count = (int)header->elements[header->vertex_element].count;
     out->points = malloc( (size_t)out->vertex_count * sizeof *out->points );
     if ( out->points == NULL )

@@ -7,6 +7,8 @@
 
 #include "io_file.h"
 
+#include "wisp/module/definition.h"
+
 enum
 {
     UNSEEN = -1,
@@ -27,11 +29,7 @@ static void count_seams( wisp_mesh* mesh, const int32_t* became )
 // Corners name the vertices that stay. Triangles that collapse go; those that named a vertex twice before are another repair.
 static wisp_status weld( wisp_mesh* mesh, float distance, wisp_mesh_repairs* repairs, wisp_error* error )
 {
-    wisp_status status = mesh_weld_find( mesh, distance, repairs->became, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( mesh_weld_find( mesh, distance, repairs->became, error ) );
     const int count = mesh->triangle_count;
     count_seams( mesh, repairs->became );
     mesh->triangle_count = 0;
@@ -185,15 +183,14 @@ static wisp_status fill_primitive( flood* f, int first, int* queued, wisp_error*
     int begin = *queued;
     f->primitive[first] = first;
     f->queue[( *queued )++] = first;
-    wisp_status status = WISP_OK;
-    for ( int q = begin; status == WISP_OK && q < *queued; ++q )
+    for ( int q = begin; q < *queued; ++q )
     {
-        for ( int k = 0; status == WISP_OK && k < 3; ++k )
+        for ( int k = 0; k < 3; ++k )
         {
-            status = carry_over( f, 3 * f->queue[q] + k, queued, error );
+            WISP_TRY( carry_over( f, 3 * f->queue[q] + k, queued, error ) );
         }
     }
-    return status;
+    return WISP_OK;
 }
 
 // A piece is closed when each edge has an even number of triangles, and an even number of the piece's own: two cubes
@@ -263,11 +260,7 @@ static wisp_status fill( flood* f, wisp_error* error )
     }
     for ( int t = 0; t < f->mesh->triangle_count; ++t )
     {
-        wisp_status status = f->primitive[t] == UNSEEN ? fill_primitive( f, t, &queued, error ) : WISP_OK;
-        if ( status != WISP_OK )
-        {
-            return status;
-        }
+        WISP_TRY( f->primitive[t] == UNSEEN ? fill_primitive( f, t, &queued, error ) : WISP_OK );
     }
     find_open_primitives( f );
     for ( int begin = 0, end = 0; begin < queued; begin = end )

@@ -6,6 +6,8 @@
 #include "io_bytes.h"
 #include "io_file.h"
 
+#include "wisp/module/definition.h"
+
 // Nine digits restore every float bit for bit.
 static void put_obj_vertex( FILE* out, const wisp_mesh* mesh, int v )
 {
@@ -21,17 +23,9 @@ static void put_obj_vertex( FILE* out, const wisp_mesh* mesh, int v )
 
 wisp_status mesh_put_obj( FILE* out, const wisp_mesh* mesh, const char* name, wisp_error* error )
 {
-    wisp_status status = mesh_check( mesh, name, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( mesh_check( mesh, name, error ) );
     io_numbers numbers;
-    status = io_numbers_begin( &numbers, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( io_numbers_begin( &numbers, error ) );
     fprintf( out, "# Wisp %s: %d vertices, %d triangles, metres\n", WISP_VERSION_STRING, mesh->vertex_count,
              mesh->triangle_count );
     for ( int v = 0; v < mesh->vertex_count; ++v )
@@ -123,11 +117,7 @@ static void put_ply_vertex( FILE* out, const wisp_mesh* mesh, int v, bool bytes 
 
 wisp_status mesh_put_ply( FILE* out, const wisp_mesh* mesh, const char* name, wisp_error* error )
 {
-    wisp_status status = mesh_check( mesh, name, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( mesh_check( mesh, name, error ) );
     const bool bytes = colours_are_bytes( mesh );
     fprintf( out,
              "ply\nformat binary_little_endian 1.0\ncomment Wisp %s, metres\n"

@@ -3,6 +3,8 @@
 
 #include "record_internal.h"
 
+#include "wisp/module/definition.h"
+
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -249,11 +251,7 @@ wisp_status wisp_recorder_open( const char* path, wisp_record_format format, con
 {
     *out = NULL;
     const record_format* found = NULL;
-    wisp_status status = find_format( path, format, &found, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( find_format( path, format, &found, error ) );
     if ( !isfinite( def->dt ) || def->dt <= 0.0 )
     {
         return record_wrong( error, path, "got %g seconds between two frames, expected more than 0", def->dt );
@@ -262,11 +260,7 @@ wisp_status wisp_recorder_open( const char* path, wisp_record_format format, con
     {
         return record_wrong( error, path, "the origin is not finite" );
     }
-    status = record_check_bodies( def->bodies, def->body_count, path, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( record_check_bodies( def->bodies, def->body_count, path, error ) );
     record_memory memory = { 0 };
     wisp_recorder* recorder = record_get( &memory, sizeof *recorder );
     if ( recorder == NULL )
@@ -275,7 +269,8 @@ wisp_status wisp_recorder_open( const char* path, wisp_record_format format, con
     }
     *recorder = ( wisp_recorder ){ .format = found, .memory = memory, .descriptor = -1 };
     copy( recorder, path, def );
-    status = recorder->memory.is_short ? record_no_memory( path, error ) : run( found->begin, recorder, error );
+    wisp_status status =
+        recorder->memory.is_short ? record_no_memory( path, error ) : run( found->begin, recorder, error );
     if ( status != WISP_OK )
     {
         release( recorder );
@@ -335,12 +330,11 @@ static wisp_status check_frame( const wisp_recorder* recorder, double time, cons
                              "frame %d: got time %.9g s, expected more than %.9g s, that of the frame before",
                              recorder->frame_count, time, recorder->last_time );
     }
-    wisp_status status = WISP_OK;
-    for ( int b = 0; b < recorder->body_count && status == WISP_OK; ++b )
+    for ( int b = 0; b < recorder->body_count; ++b )
     {
-        status = check_body( recorder, b, points[b], error );
+        WISP_TRY( check_body( recorder, b, points[b], error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 static const wisp_vec3* const* move_points( wisp_recorder* recorder, const wisp_vec3* const* points )
@@ -362,12 +356,8 @@ wisp_status wisp_recorder_frame( wisp_recorder* recorder, double time, uint64_t 
                                  wisp_error* error )
 {
     io_numbers numbers;
-    wisp_status status = check_frame( recorder, time, points, error );
-    status = status == WISP_OK ? io_numbers_begin( &numbers, error ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_frame( recorder, time, points, error ) );
+    WISP_TRY( io_numbers_begin( &numbers, error ) );
     for ( int b = 0; b < recorder->body_count && recorder->frame_count == 0; ++b )
     {
         if ( recorder->bodies[b].is_static )
@@ -376,7 +366,7 @@ wisp_status wisp_recorder_frame( wisp_recorder* recorder, double time, uint64_t 
                     (size_t)recorder->bodies[b].vertex_count * sizeof **points );
         }
     }
-    status =
+    wisp_status status =
         recorder->format->frame( recorder, &( record_frame ){ time, hash, move_points( recorder, points ) }, error );
     io_numbers_end( &numbers );
     if ( status == WISP_OK )

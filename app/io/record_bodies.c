@@ -1,6 +1,8 @@
 // Bodies and their points: checks that writers and readers share, copies, normals, boxes.
 #include "record_internal.h"
 
+#include "wisp/module/definition.h"
+
 #include <limits.h>
 #include <math.h>
 #include <stdarg.h>
@@ -195,11 +197,7 @@ wisp_status record_check_bodies( const wisp_record_body* bodies, int count, cons
     int64_t vertices = 0;
     for ( int b = 0; b < count; ++b )
     {
-        const wisp_status status = check_body( bodies, b, name, error );
-        if ( status != WISP_OK )
-        {
-            return status;
-        }
+        WISP_TRY( check_body( bodies, b, name, error ) );
         vertices += bodies[b].vertex_count;
     }
     // Formats that number the vertices of all bodies together use an int, and some count from 1.

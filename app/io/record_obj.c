@@ -2,6 +2,8 @@
 // its own, although the format allows a whole strand in one: Blender reads only the first segment of a longer line.
 #include "record_internal.h"
 
+#include "wisp/module/definition.h"
+
 // The vertices of all bodies are numbered together, from 1.
 static void write_elements( FILE* out, const wisp_record_body* body, int first )
 {
@@ -25,11 +27,7 @@ static wisp_status obj_frame( wisp_recorder* recorder, const record_frame* frame
     const int number = recorder->frame_count + 1;
     const char* path = record_path_beside( recorder, "_%04d%s", number, record_extension( recorder ) );
     io_output output;
-    const wisp_status status = io_output_open( path, &output, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( io_output_open( path, &output, error ) );
     FILE* out = output.stream;
     fprintf( out, "# Wisp %s: frame %d at %.17g s, metres\n", WISP_VERSION_STRING, number, frame->time );
     int first = 1;

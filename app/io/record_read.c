@@ -5,6 +5,8 @@
 
 #include "record_internal.h"
 
+#include "wisp/module/definition.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -79,11 +81,7 @@ wisp_status record_read_start( record_source* source, const record_start* start,
                                wisp_error* error )
 {
     const size_t size = source->size < start->size ? (size_t)source->size : start->size;
-    const wisp_status status = record_source_read( source, 0, size, bytes, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( record_source_read( source, 0, size, bytes, error ) );
     if ( size == 0 )
     {
         return record_wrong( error, source->name, "the file is empty" );
@@ -249,17 +247,13 @@ wisp_status wisp_recording_frame( wisp_recording* recording, int index, wisp_vec
     const unsigned char* bytes = NULL;
     double own_time = index;
     uint64_t own_hash = 0;
-    wisp_status status = record_source_read( &recording->source, record_frame_byte( recording, index ),
-                                             (size_t)info->frame_bytes, &bytes, error );
-    if ( status == WISP_OK && !recording->is_cache )
+    WISP_TRY( record_source_read( &recording->source, record_frame_byte( recording, index ),
+                                  (size_t)info->frame_bytes, &bytes, error ) );
+    if ( !recording->is_cache )
     {
-        status = record_check_own( recording, index, bytes, &own_time, &own_hash, error );
+        WISP_TRY( record_check_own( recording, index, bytes, &own_time, &own_hash, error ) );
     }
-    status = status == WISP_OK ? check_points( recording, index, bytes, error ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_points( recording, index, bytes, error ) );
     const unsigned char* at = bytes + recording->points_at;
     for ( int b = 0; points != NULL && b < info->body_count; ++b )
     {

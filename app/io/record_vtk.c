@@ -4,6 +4,8 @@
 #include "base64.h"
 #include "record_internal.h"
 
+#include "wisp/module/definition.h"
+
 #include <math.h>
 
 // Triangles or lines of a body.
@@ -194,16 +196,13 @@ static wisp_status pvd_begin( wisp_recorder* recorder, wisp_error* error )
         return record_no_memory( recorder->path, error );
     }
     io_output* list = &recorder->outputs[0];
-    wisp_status status = io_output_open( recorder->path, list, error );
-    status = status == WISP_OK ? io_folder_make( record_path_beside( recorder, "%s", "" ), error ) : status;
-    if ( status == WISP_OK )
-    {
-        fputs( "<?xml version=\"1.0\"?>\n"
-               "<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
-               "  <Collection>\n",
-               list->stream );
-    }
-    return status;
+    WISP_TRY( io_output_open( recorder->path, list, error ) );
+    WISP_TRY( io_folder_make( record_path_beside( recorder, "%s", "" ), error ) );
+    fputs( "<?xml version=\"1.0\"?>\n"
+           "<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+           "  <Collection>\n",
+           list->stream );
+    return WISP_OK;
 }
 
 static void write_escaped( FILE* out, const char* text )
@@ -226,11 +225,7 @@ static wisp_status write_body( wisp_recorder* recorder, int b, const record_fram
     io_output output;
     const char* path =
         record_path_beside( recorder, "/%s_%04d.vtp", recorder->bodies[b].name, file_number( recorder, b ) );
-    const wisp_status status = io_output_open( path, &output, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( io_output_open( path, &output, error ) );
     write_vtp( output.stream, recorder, b, frame );
     return io_output_commit( &output, error );
 }

@@ -19,6 +19,8 @@
 
 #include "record_internal.h"
 
+#include "wisp/module/definition.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -150,11 +152,7 @@ static unsigned char* put_body( unsigned char* at, const wisp_record_body* body 
 static wisp_status write_header( wisp_recorder* recorder, const unsigned char* bytes, size_t size, wisp_error* error )
 {
     io_output output;
-    const wisp_status status = io_output_open( recorder->path, &output, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( io_output_open( recorder->path, &output, error ) );
     fwrite( bytes, 1, size, output.stream );
     recorder->descriptor = fcntl( fileno( output.stream ), F_DUPFD_CLOEXEC, 0 );
     return recorder->descriptor >= 0
@@ -291,11 +289,7 @@ static wisp_status find_header( wisp_recording* recording, wisp_error* error )
                                         VERSION_WITH_ORIGIN };
     record_source* source = &recording->source;
     const unsigned char* bytes = NULL;
-    const wisp_status status = record_read_start( source, &start, &bytes, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( record_read_start( source, &start, &bytes, error ) );
     const uint64_t header = recording->info.first_byte = io_get_u64( bytes + AT_HEADER_BYTES );
     const int least =
         AT_ORIGIN + ( io_get_u32( bytes + AT_VERSION ) == VERSION_WITH_ORIGIN ? ORIGIN_SIZE : 0 ) + CHECKSUM_SIZE;
@@ -411,11 +405,7 @@ static wisp_status read_header( wisp_recording* recording, wisp_error* error )
     record_source* source = &recording->source;
     const size_t size = (size_t)info->first_byte, end = size - CHECKSUM_SIZE;
     const unsigned char* bytes = NULL;
-    wisp_status status = record_source_read( source, 0, size, &bytes, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( record_source_read( source, 0, size, &bytes, error ) );
     recording->seed = checksum( 0, bytes, end );
     if ( recording->seed != io_get_u64( bytes + end ) )
     {
@@ -423,12 +413,8 @@ static wisp_status read_header( wisp_recording* recording, wisp_error* error )
                                   "the header is damaged, its checksum does not match its bytes" );
     }
     header_cursor cursor = { source, bytes, AT_ORIGIN, end, error };
-    status = read_origin( recording, &cursor );
-    status = status == WISP_OK ? read_bodies( recording, &cursor ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( read_origin( recording, &cursor ) );
+    WISP_TRY( read_bodies( recording, &cursor ) );
     info->dt = io_get_double( bytes + AT_STEP_SECONDS );
     if ( !isfinite( info->dt ) || info->dt <= 0.0 )
     {

@@ -244,24 +244,6 @@ wisp_status scene_read_heights( scene_reader* r, const scene_node* node, void* a
     return scene_read_items( r, node, read_height_row, &rows );
 }
 
-// The shape decides on the table, and may stand anywhere in the mapping.
-static wisp_status read_kind( scene_reader* r, const scene_node* node, int* kind )
-{
-    const scene_node* child = scene_child( r, node, "shape" );
-    if ( !child )
-    {
-        return node->kind == SCENE_MAP ? scene_refuse_node( r, node, "key 'shape' is missing" )
-                                       : scene_refuse_kind( r, node, "a mapping with the key 'shape'" );
-    }
-    size_t outside = scene_enter_key( r, "shape" );
-    wisp_status status = scene_read_choice( r, child, SHAPES, kind );
-    if ( !status )
-    {
-        scene_leave( r, outside );
-    }
-    return status;
-}
-
 wisp_scene_collider scene_default_collider( void )
 {
     return ( wisp_scene_collider ){
@@ -280,7 +262,7 @@ static wisp_status read_entry( scene_reader* r, const scene_node* node, int inde
     collider->line = node->line;
     collider->column = node->column;
     int kind = 0;
-    wisp_status status = read_kind( r, node, &kind );
+    wisp_status status = scene_read_shape( r, node, SHAPES, &kind );
     status = status ? status : scene_read_block( r, node, &SCENE_COLLIDER_BLOCKS[kind], collider );
     const bool has_mesh = kind == WISP_COLLIDER_MESH || kind == WISP_COLLIDER_CONVEX;
     if ( !status && has_mesh && ( collider->mesh.file != NULL ) == collider->mesh.is_generated )

@@ -147,24 +147,7 @@ static wisp_status read_requests( scene_reader* r, const scene_node* node, void*
 {
     wisp_scene* scene = at;
     bool* const requests[] = { &scene->request_contact_stats, &scene->request_intersections };
-    wisp_status status = scene_expect_list( r, node, "a list of words" );
-    int i = 0;
-    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, i++ );
-        int word = 0;
-        status = scene_read_choice( r, item, WORDS, &word );
-        if ( !status && *requests[word] )
-        {
-            return scene_refuse_node( r, item, "'%s' is listed twice", WORDS[word].word );
-        }
-        if ( !status )
-        {
-            *requests[word] = true;
-            scene_leave( r, outside );
-        }
-    }
-    return status;
+    return scene_read_words( r, node, WORDS, requests, NULL, NULL );
 }
 
 static const scene_field WORLD_FIELDS[] = {

@@ -3,6 +3,8 @@
 #include "groom_internal.h"
 #include "scene.h"
 
+#include "wisp/module/definition.h"
+
 #include <math.h>
 
 static wisp_vec3 mix( float a, wisp_vec3 p, float b, wisp_vec3 q )
@@ -119,11 +121,7 @@ wisp_status wisp_scene_make_curves( const wisp_curves_def* def, const wisp_groom
                           "curves with %d samples per segment have %lld points, expected at most %d", def->samples,
                           (long long)samples, WISP_GROOM_MAX_GENERATED );
     }
-    wisp_status status = groom_allocate( out, source->strand_count, (int)samples, 0, "curves", error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( groom_allocate( out, source->strand_count, (int)samples, 0, "curves", error ) );
     int at = 0;
     for ( int s = 0; s < source->strand_count; ++s )
     {

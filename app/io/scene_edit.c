@@ -6,6 +6,8 @@
 #include "scene.h"
 #include "scene_text.h"
 
+#include "wisp/module/definition.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -493,15 +495,11 @@ wisp_status wisp_scene_edit_file( const char* from, const wisp_scene_edit* edits
 {
     unsigned char* bytes = NULL;
     size_t size = 0;
-    wisp_status status = io_file_read( from, SCENE_MAX_BYTES, &bytes, &size, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( io_file_read( from, SCENE_MAX_BYTES, &bytes, &size, error ) );
     char* edited = NULL;
     size_t edited_size = 0;
-    status = wisp_scene_edit_text( bytes ? (const char*)bytes : "", size, from, edits, count, &edited, &edited_size,
-                                   error );
+    wisp_status status = wisp_scene_edit_text( bytes ? (const char*)bytes : "", size, from, edits, count, &edited,
+                                               &edited_size, error );
     status = status == WISP_OK && to ? io_file_write( to, edited, edited_size, error ) : status;
     free( edited );
     free( bytes );

@@ -3,6 +3,8 @@
 #include "scene_parts.h"
 #include "scene_ranges.h"
 
+#include "wisp/module/definition.h"
+
 #include <ctype.h>
 #include <math.h>
 #include <stddef.h>
@@ -55,11 +57,7 @@ wisp_status scene_read_map( scene_reader* r, const scene_node* node, const scene
     WISP_ASSERT( surface->map_count < WISP_SCENE_MAX_MAPS );
     wisp_scene_map* map = surface->maps + surface->map_count;
     *map = ( wisp_scene_map ){ .map = field->map, .to = 1.0f, .line = node->line, .column = node->column };
-    wisp_status status = scene_read_block( r, node, &MAP_BLOCK, map );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( scene_read_block( r, node, &MAP_BLOCK, map ) );
     const scene_node* channel = scene_child( r, node, "channel" );
     if ( channel && map->file && !wisp_scene_map_is_image( map ) )
     {

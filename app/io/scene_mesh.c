@@ -153,24 +153,6 @@ const scene_block SCENE_MESH_BLOCKS[WISP_MESH_SHAPE_COUNT] = {
     [WISP_MESH_PEAR] = BLOCK( LEVEL_FIELDS ),
 };
 
-// The shape decides on the table and on the defaults, and may stand anywhere in the mapping.
-static wisp_status read_shape( scene_reader* r, const scene_node* node, int* shape )
-{
-    const scene_node* child = scene_child( r, node, "shape" );
-    if ( !child )
-    {
-        return node->kind == SCENE_MAP ? scene_refuse_node( r, node, "key 'shape' is missing" )
-                                       : scene_refuse_kind( r, node, "a mapping with the key 'shape'" );
-    }
-    size_t outside = scene_enter_key( r, "shape" );
-    wisp_status status = scene_read_choice( r, child, SHAPES, shape );
-    if ( !status )
-    {
-        scene_leave( r, outside );
-    }
-    return status;
-}
-
 int64_t scene_generator_vertices( const wisp_mesh_generator* generator )
 {
     const int64_t columns = generator->columns, segments = generator->segments, rings = generator->rings;
@@ -233,7 +215,7 @@ wisp_status scene_read_mesh_generate( scene_reader* r, const scene_node* node, v
 {
     wisp_scene_mesh* mesh = at;
     int shape = 0;
-    wisp_status status = read_shape( r, node, &shape );
+    wisp_status status = scene_read_shape( r, node, SHAPES, &shape );
     if ( status )
     {
         return status;

@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "trig.h"
+#include "wisp/module/definition.h"
 #include "wisp/module/random.h"
 
 static const float TWO_PI = 6.28318531f;
@@ -99,11 +100,7 @@ wisp_status wisp_scene_make_scatter( const wisp_scene_scatter* scatter, const wi
                           source->strand_count, (long long)vertices, WISP_GROOM_MAX_GENERATED );
     }
     int columns = ( source->thickness ? GROOM_THICKNESS : 0 ) | ( source->colour ? GROOM_COLOUR : 0 );
-    wisp_status status = groom_allocate( out, (int)strands, (int)vertices, columns, "scatter", error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( groom_allocate( out, (int)strands, (int)vertices, columns, "scatter", error ) );
     const wisp_random_key key = wisp_random_make_key( scatter->seed, RANDOM_STREAM, 0 );
     int at = 0;
     for ( int target = 0; target < source->strand_count; ++target )

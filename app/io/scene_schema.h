@@ -95,6 +95,14 @@ wisp_status scene_read_whole( scene_reader* r, const scene_node* node, const sce
 wisp_status scene_read_seed( scene_reader* r, const scene_node* node, uint64_t* out );
 wisp_status scene_read_switch( scene_reader* r, const scene_node* node, bool* out );
 wisp_status scene_read_choice( scene_reader* r, const scene_node* node, const scene_choice* choices, int* out );
+/// The key `shape`, which decides on the table and may stand anywhere in the mapping.
+wisp_status scene_read_shape( scene_reader* r, const scene_node* node, const scene_choice* shapes, int* out );
+
+/// Refuse a word that the entry cannot have, or return WISP_OK.
+typedef wisp_status scene_word_fn( scene_reader* r, const scene_node* item, int word, const void* entry );
+/// A list of words, each of which sets its switch. @param check null: the entry can have all
+wisp_status scene_read_words( scene_reader* r, const scene_node* node, const scene_choice* words,
+                              bool* const* switches, scene_word_fn* check, const void* entry );
 wisp_status scene_read_text( scene_reader* r, const scene_node* node, const char** out );
 
 /// Three numbers, each as the field says.

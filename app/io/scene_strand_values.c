@@ -234,7 +234,7 @@ const scene_choice SCENE_STRANDS_WORDS[] = {
 
 // Words from OF_LOOK on need a look, those from OF_DYNAMICS on a motion, those from OF_COLLISION on a collision
 // too, which ghosts can have without a motion of their own.
-wisp_status scene_read_request( scene_reader* r, const scene_node* node, void* base )
+static wisp_status check_word( scene_reader* r, const scene_node* item, int word, const void* entry )
 {
     enum
     {
@@ -242,39 +242,20 @@ wisp_status scene_read_request( scene_reader* r, const scene_node* node, void* b
         OF_DYNAMICS = 3,
         OF_COLLISION = 6,
     };
+    const wisp_scene_strands* s = entry;
+    const bool moves = s->has_dynamics || ( word >= OF_COLLISION && s->has_ghosts );
+    const char* lacks = word >= OF_LOOK && word < OF_DYNAMICS && !s->has_appearance ? "appearance"
+                        : word >= OF_DYNAMICS && !moves                             ? "dynamics"
+                        : word >= OF_COLLISION && !s->has_collision                 ? "collision"
+                                                                                    : NULL;
+    return lacks ? scene_refuse_node( r, item, "'%s' needs the key '%s'", SCENE_STRANDS_WORDS[word].word, lacks )
+                 : WISP_OK;
+}
+
+wisp_status scene_read_request( scene_reader* r, const scene_node* node, void* base )
+{
     wisp_scene_strands* s = base;
     bool* const requests[] = { &s->request_points, &s->request_width,        &s->request_colour,  &s->request_strain,
                                &s->request_speed,  &s->request_motion_stats, &s->request_contacts };
-
-    wisp_status status = scene_expect_list( r, node, "a list of words" );
-    int i = 0;
-    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, i++ );
-        int word = 0;
-        status = scene_read_choice( r, item, SCENE_STRANDS_WORDS, &word );
-        if ( !status && *requests[word] )
-        {
-            return scene_refuse_node( r, item, "'%s' is listed twice", SCENE_STRANDS_WORDS[word].word );
-        }
-        if ( !status && word >= OF_LOOK && word < OF_DYNAMICS && !s->has_appearance )
-        {
-            return scene_refuse_node( r, item, "'%s' needs the key 'appearance'", SCENE_STRANDS_WORDS[word].word );
-        }
-        const bool moves = s->has_dynamics || ( word >= OF_COLLISION && s->has_ghosts );
-        if ( !status && word >= OF_DYNAMICS && !moves )
-        {
-            return scene_refuse_node( r, item, "'%s' needs the key 'dynamics'", SCENE_STRANDS_WORDS[word].word );
-        }
-        if ( !status && word >= OF_COLLISION && !s->has_collision )
-        {
-            return scene_refuse_node( r, item, "'%s' needs the key 'collision'", SCENE_STRANDS_WORDS[word].word );
-        }
-        if ( !status )
-        {
-            *requests[word] = true;
-            scene_leave( r, outside );
-        }
-    }
-    return status;
+    return scene_read_words( r, node, SCENE_STRANDS_WORDS, requests, check_word, s );
 }

@@ -3,6 +3,7 @@
 #include "scene_ranges.h"
 
 #include <stddef.h>
+#include <string.h>
 
 // ---- limits and gas ----
 
@@ -82,35 +83,23 @@ const scene_choice SCENE_SURFACE_WORDS[] = {
     { NULL, NULL },
 };
 
+static wisp_status check_word( scene_reader* r, const scene_node* item, int word, const void* entry )
+{
+    const wisp_scene_surface* s = entry;
+    const char* name = SCENE_SURFACE_WORDS[word].word;
+    if ( strcmp( name, "effect_stats" ) == 0 && !s->has_balloon && !s->has_implicit )
+    {
+        return scene_refuse_node( r, item, "'effect_stats' needs the key 'balloon' or 'implicit'" );
+    }
+    return strcmp( name, "collision_stats" ) == 0 && !s->has_collision
+               ? scene_refuse_node( r, item, "'collision_stats' needs the key 'collision'" )
+               : WISP_OK;
+}
+
 wisp_status scene_read_surface_request( scene_reader* r, const scene_node* node, void* at )
 {
     wisp_scene_surface* s = at;
     bool* const requests[] = { &s->request_points,       &s->request_normals, &s->request_strain,  &s->request_speed,
                                &s->request_motion_stats, &s->request_stats,   &s->request_contacts };
-    wisp_status status = scene_expect_list( r, node, "a list of words" );
-    int i = 0;
-    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, i++ );
-        int word = 0;
-        status = scene_read_choice( r, item, SCENE_SURFACE_WORDS, &word );
-        if ( !status && *requests[word] )
-        {
-            return scene_refuse_node( r, item, "'%s' is listed twice", SCENE_SURFACE_WORDS[word].word );
-        }
-        if ( !status && requests[word] == &s->request_stats && !s->has_balloon && !s->has_implicit )
-        {
-            return scene_refuse_node( r, item, "'effect_stats' needs the key 'balloon' or 'implicit'" );
-        }
-        if ( !status && requests[word] == &s->request_contacts && !s->has_collision )
-        {
-            return scene_refuse_node( r, item, "'collision_stats' needs the key 'collision'" );
-        }
-        if ( !status )
-        {
-            *requests[word] = true;
-            scene_leave( r, outside );
-        }
-    }
-    return status;
+    return scene_read_words( r, node, SCENE_SURFACE_WORDS, requests, check_word, s );
 }

@@ -2,6 +2,8 @@
 #include "nearest.h"
 #include "scene_removed.h"
 
+#include "wisp/module/definition.h"
+
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -297,6 +299,41 @@ wisp_status scene_read_choice( scene_reader* r, const scene_node* node, const sc
     const char* near = nearest_word( text, words, count );
     return scene_refuse_node( r, node, "got '%s', expected %s%s%s%s", scene_shorten( text ).text, list,
                               near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "" );
+}
+
+wisp_status scene_read_shape( scene_reader* r, const scene_node* node, const scene_choice* shapes, int* out )
+{
+    const scene_node* child = scene_child( r, node, "shape" );
+    if ( !child )
+    {
+        return node->kind == SCENE_MAP ? scene_refuse_node( r, node, "key 'shape' is missing" )
+                                       : scene_refuse_kind( r, node, "a mapping with the key 'shape'" );
+    }
+    size_t outside = scene_enter_key( r, "shape" );
+    WISP_TRY( scene_read_choice( r, child, shapes, out ) );
+    scene_leave( r, outside );
+    return WISP_OK;
+}
+
+wisp_status scene_read_words( scene_reader* r, const scene_node* node, const scene_choice* words,
+                              bool* const* switches, scene_word_fn* check, const void* entry )
+{
+    WISP_TRY( scene_expect_list( r, node, "a list of words" ) );
+    int i = 0;
+    for ( const scene_node* item = scene_first( r->tree, node ); item; item = scene_next( r->tree, item ) )
+    {
+        size_t outside = scene_enter_index( r, i++ );
+        int word = 0;
+        WISP_TRY( scene_read_choice( r, item, words, &word ) );
+        if ( *switches[word] )
+        {
+            return scene_refuse_node( r, item, "'%s' is listed twice", words[word].word );
+        }
+        WISP_TRY( check != NULL ? check( r, item, word, entry ) : WISP_OK );
+        *switches[word] = true;
+        scene_leave( r, outside );
+    }
+    return WISP_OK;
 }
 
 wisp_status scene_expect_pair( scene_reader* r, const scene_node* node, const char* requested )

@@ -3,6 +3,7 @@
 
 #include "check.h"
 #include "trace.h"
+#include "wisp/module/definition.h"
 #include "wisp/module/vec.h"
 
 static const float DEGREE = 0.01745329252f; // radians
@@ -61,11 +62,7 @@ static void grow_by_points( render_bounds* bounds, const render_points* points )
 
 wisp_status render_scene_bounds( const render_scene* scene, render_bounds* bounds, wisp_error* error )
 {
-    wisp_status status = check_scene( scene, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_scene( scene, error ) );
     *bounds = ( render_bounds ){ .is_filled = false };
     for ( int i = 0; i < scene->mesh_count; ++i )
     {
@@ -187,11 +184,7 @@ static axis_fit fit_axis( const wisp_vec3* points, int count, wisp_vec3 aside, w
 wisp_status render_frame_camera( const render_bounds* bounds, const render_view* view, float aspect,
                                  render_camera* camera, wisp_error* error )
 {
-    wisp_status status = check_view( bounds, view, aspect, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_view( bounds, view, aspect, error ) );
     render_bounds box = *bounds;
     if ( !box.is_filled )
     {

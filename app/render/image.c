@@ -2,6 +2,8 @@
 
 #include "io_file.h"
 
+#include "wisp/module/definition.h"
+
 #include <math.h>
 #include <png.h>
 #include <stdio.h>
@@ -398,11 +400,7 @@ static void put_label( image* to, const sheet* s, int x, int y, const char* labe
 wisp_status image_sheet( const image* pictures, int count, int columns, const char* const* labels, image* out,
                          wisp_error* error )
 {
-    wisp_status status = check_pictures( pictures, count, columns, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_pictures( pictures, count, columns, error ) );
     sheet s = lay_out( pictures, count, columns, labels != NULL );
     int64_t width = (int64_t)s.columns * ( s.cell_width + s.gap ) + s.gap;
     int64_t height = (int64_t)s.rows * ( s.cell_height + s.label_height + s.gap ) + s.gap;
@@ -412,8 +410,8 @@ wisp_status image_sheet( const image* pictures, int count, int columns, const ch
                           (long long)width, (long long)height, IMAGE_MAX_SIDE );
     }
     image made = { 0 };
-    status = image_make( (int)width, (int)height, PAPER, &made, error );
-    for ( int i = 0; i < count && status == WISP_OK; ++i )
+    WISP_TRY( image_make( (int)width, (int)height, PAPER, &made, error ) );
+    for ( int i = 0; i < count; ++i )
     {
         const image* from = &pictures[i];
         int x = s.gap + ( i % s.columns ) * ( s.cell_width + s.gap );
@@ -424,12 +422,9 @@ wisp_status image_sheet( const image* pictures, int count, int columns, const ch
             put_label( &made, &s, x, y + s.cell_height + s.gap / 2, labels[i] );
         }
     }
-    if ( status == WISP_OK )
-    {
-        image_release( out );
-        *out = made;
-    }
-    return status;
+    image_release( out );
+    *out = made;
+    return WISP_OK;
 }
 
 // ---- the colour bar ----

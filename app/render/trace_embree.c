@@ -1,6 +1,7 @@
 #include "trace.h"
 
 #include "embree_compat.h"
+#include "wisp/module/definition.h"
 #include "wisp/module/vec.h"
 #include "wisp/module/random.h"
 
@@ -348,25 +349,21 @@ static wisp_status open_device( trace_tree* tree, wisp_error* error )
 static wisp_status fill( trace_tree* tree, const render_scene* scene, const trace_widening* widening,
                          wisp_error* error )
 {
-    wisp_status status = open_device( tree, error );
-    for ( int i = 0; i < scene->mesh_count && status == WISP_OK; ++i )
+    WISP_TRY( open_device( tree, error ) );
+    for ( int i = 0; i < scene->mesh_count; ++i )
     {
-        status = add_mesh( tree, &scene->meshes[i], i, error );
+        WISP_TRY( add_mesh( tree, &scene->meshes[i], i, error ) );
     }
-    for ( int i = 0; i < scene->curves_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < scene->curves_count; ++i )
     {
-        status = add_curves( tree, &scene->curves[i], i, widening, error );
+        WISP_TRY( add_curves( tree, &scene->curves[i], i, widening, error ) );
     }
-    for ( int i = 0; i < scene->points_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < scene->points_count; ++i )
     {
-        status = add_points( tree, &scene->points[i], scene->mesh_count + scene->curves_count + i, error );
+        WISP_TRY( add_points( tree, &scene->points[i], scene->mesh_count + scene->curves_count + i, error ) );
     }
-    if ( status == WISP_OK )
-    {
-        rtcCommitScene( tree->scene );
-        status = embree_fault( tree, error );
-    }
-    return status;
+    rtcCommitScene( tree->scene );
+    return embree_fault( tree, error );
 }
 
 wisp_status trace_build( const render_scene* scene, const trace_widening* widening, trace_tree** out,

@@ -3,8 +3,9 @@
 #include "io_file.h"
 #include "page.h"
 #include "report_data.h"
-#include "report_picture.h"
 #include "report_text.h"
+
+#include "wisp/module/definition.h"
 
 #include <errno.h>
 #include <math.h>
@@ -243,13 +244,9 @@ wisp_status report_write( const results* all, const report_run* run, FILE* strea
 wisp_status report_write_file( const results* all, const report_run* run, const char* path, wisp_error* error )
 {
     io_output output;
-    wisp_status status = io_output_open( path, &output, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( io_output_open( path, &output, error ) );
     wisp_error cause = { 0 };
-    status = report_write( all, run, output.stream, &cause );
+    wisp_status status = report_write( all, run, output.stream, &cause );
     if ( status != WISP_OK )
     {
         wisp_fail( error, status, "%s: %s", path, cause.message );

@@ -1,4 +1,4 @@
-#include "report_picture.h"
+#include "report_data.h"
 
 #include "base64.h"
 #include "io_file.h"

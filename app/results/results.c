@@ -5,23 +5,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Room for one more item; the array may move.
-static bool reserve( results* all, void** items, int count, int* capacity, size_t item_size )
+// Return the items with room for one more; the array may move. Without memory the capacity stays at their count.
+static void* with_room( results* all, void* items, int count, int* capacity, size_t item_size )
 {
     if ( count < *capacity )
     {
-        return true;
+        return items;
     }
-    int requested = *capacity > 0 ? 2 * *capacity : 8;
-    void* grown = realloc( *items, (size_t)requested * item_size );
-    if ( !grown )
-    {
-        all->incomplete = true;
-        return false;
-    }
-    *items = grown;
-    *capacity = requested;
-    return true;
+    const int requested = *capacity > 0 ? 2 * *capacity : 8;
+    void* grown = realloc( items, (size_t)requested * item_size );
+    all->incomplete = all->incomplete || grown == NULL;
+    *capacity = grown != NULL ? requested : *capacity;
+    return grown != NULL ? grown : items;
 }
 
 static char* copy_text( results* all, const char* text )
@@ -38,10 +33,8 @@ static char* copy_text( results* all, const char* text )
 
 results_row* results_add_row( results* all, const char* name, const char* variant )
 {
-    void* items = all->rows;
-    bool room = reserve( all, &items, all->row_count, &all->row_capacity, sizeof( results_row ) );
-    all->rows = items;
-    if ( !room )
+    all->rows = with_room( all, all->rows, all->row_count, &all->row_capacity, sizeof( results_row ) );
+    if ( all->row_count == all->row_capacity )
     {
         return NULL;
     }
@@ -86,10 +79,8 @@ void results_put( results_values* values, const char* name, double value )
 
 int results_add_table( results* all, const char* title, int column_count, const char* const* header )
 {
-    void* items = all->tables;
-    bool room = reserve( all, &items, all->table_count, &all->table_capacity, sizeof( results_table ) );
-    all->tables = items;
-    if ( !room )
+    all->tables = with_room( all, all->tables, all->table_count, &all->table_capacity, sizeof( results_table ) );
+    if ( all->table_count == all->table_capacity )
     {
         return -1;
     }
@@ -108,10 +99,8 @@ void results_add_cells( results* all, int number, const char* const* cells )
     }
     results_table* table = &all->tables[number];
     size_t columns = (size_t)table->column_count;
-    void* items = table->cells;
-    bool room = reserve( all, &items, table->row_count, &table->row_capacity, columns * sizeof( char* ) );
-    table->cells = items;
-    if ( !room )
+    table->cells = with_room( all, table->cells, table->row_count, &table->row_capacity, columns * sizeof( char* ) );
+    if ( table->row_count == table->row_capacity )
     {
         return;
     }
@@ -223,10 +212,8 @@ bool results_is_numeric_column( const results_table* table, int column )
 
 int results_add_chart( results* all, const char* title, const char* x_label, const char* y_label )
 {
-    void* items = all->charts;
-    bool room = reserve( all, &items, all->chart_count, &all->chart_capacity, sizeof( results_chart ) );
-    all->charts = items;
-    if ( !room )
+    all->charts = with_room( all, all->charts, all->chart_count, &all->chart_capacity, sizeof( results_chart ) );
+    if ( all->chart_count == all->chart_capacity )
     {
         return -1;
     }
@@ -250,10 +237,9 @@ int results_add_series( results* all, int number, const char* name, bool is_join
     {
         return -1;
     }
-    void* items = chart->series;
-    bool room = reserve( all, &items, chart->series_count, &chart->series_capacity, sizeof( results_series ) );
-    chart->series = items;
-    if ( !room )
+    chart->series =
+        with_room( all, chart->series, chart->series_count, &chart->series_capacity, sizeof( results_series ) );
+    if ( chart->series_count == chart->series_capacity )
     {
         return -1;
     }
@@ -270,10 +256,8 @@ void results_add_point( results* all, int chart, int number, results_point point
         return;
     }
     results_series* series = &all->charts[chart].series[number];
-    void* items = series->points;
-    bool room = reserve( all, &items, series->count, &series->capacity, sizeof( results_point ) );
-    series->points = items;
-    if ( room )
+    series->points = with_room( all, series->points, series->count, &series->capacity, sizeof( results_point ) );
+    if ( series->count < series->capacity )
     {
         series->points[series->count++] = point;
     }
@@ -281,10 +265,9 @@ void results_add_point( results* all, int chart, int number, results_point point
 
 void results_add_picture( results* all, const char* path, const char* caption )
 {
-    void* items = all->pictures;
-    bool room = reserve( all, &items, all->picture_count, &all->picture_capacity, sizeof( results_picture ) );
-    all->pictures = items;
-    char* copy = room ? copy_text( all, path ) : NULL;
+    all->pictures =
+        with_room( all, all->pictures, all->picture_count, &all->picture_capacity, sizeof( results_picture ) );
+    char* copy = all->picture_count < all->picture_capacity ? copy_text( all, path ) : NULL;
     if ( copy )
     {
         results_picture* picture = &all->pictures[all->picture_count++];
@@ -317,10 +300,8 @@ static void add_note( results* all, const char* before, const char* format, va_l
     int start = snprintf( text, sizeof( text ), "%s", before );
     vsnprintf( text + start, sizeof( text ) - (size_t)start, format, arguments );
 
-    void* items = all->notes;
-    bool room = reserve( all, &items, all->note_count, &all->note_capacity, sizeof( char* ) );
-    all->notes = items;
-    char* copy = room ? copy_text( all, text ) : NULL;
+    all->notes = with_room( all, all->notes, all->note_count, &all->note_capacity, sizeof( char* ) );
+    char* copy = all->note_count < all->note_capacity ? copy_text( all, text ) : NULL;
     if ( copy )
     {
         all->notes[all->note_count++] = copy;

@@ -3,6 +3,8 @@
 #include "io_file.h"
 #include "results_write.h"
 
+#include "wisp/module/definition.h"
+
 #include <errno.h>
 #include <jansson.h>
 #include <math.h>
@@ -169,12 +171,11 @@ static wisp_status check( const char* path, json_t* root, wisp_error* error )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: rows: expected a list", path );
     }
-    wisp_status status = WISP_OK;
-    for ( size_t i = 0; i < json_array_size( rows ) && status == WISP_OK; ++i )
+    for ( size_t i = 0; i < json_array_size( rows ); ++i )
     {
-        status = check_row( path, json_array_get( rows, i ), i, error );
+        WISP_TRY( check_row( path, json_array_get( rows, i ), i, error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 // Read a file of our own schema and check it.
@@ -578,12 +579,8 @@ static wisp_status compare( comparison* c, const char* before, const char* after
         results_add_note( c->out, "options: %s before, %s after", text_of( c->before, "options" ),
                           text_of( c->after, "options" ) );
     }
-    wisp_status status = match_rows( c, error );
-    status = status == WISP_OK ? judge_times( c, error ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( match_rows( c, error ) );
+    WISP_TRY( judge_times( c, error ) );
     const int times =
         results_begin_table( c->out, "Times", "row\tworkers\tms before\tms after\tchange\tp\ttimes\tbits" );
     int numbers = 0;

@@ -3,6 +3,8 @@
 #include "io_file.h"
 #include "results.h"
 
+#include "wisp/module/definition.h"
+
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -906,13 +908,9 @@ wisp_status results_write_file( const results* all, results_format format, const
     {
         return results_write( all, format, stdout, error );
     }
-    wisp_status status = io_output_open( path, &output, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( io_output_open( path, &output, error ) );
     wisp_error cause = { 0 };
-    status = results_write( all, format, output.stream, &cause );
+    wisp_status status = results_write( all, format, output.stream, &cause );
     if ( status != WISP_OK )
     {
         wisp_fail( error, status, "%s: %s", path, cause.message );

@@ -3,6 +3,7 @@
 #include "interruption.h"
 #include "text_tree.h"
 #include "wisp/module/components.h"
+#include "wisp/module/definition.h"
 #include "wisp/module/random.h"
 
 #include <float.h>
@@ -731,12 +732,8 @@ static wisp_status sample_start( const wisp_scene* scene, stability_trace* trace
     const float MOMENT = 1e-6f;
     scene_world world;
     const scene_world_options options = { .workers = 1, .is_quiet = true };
-    wisp_status status = scene_world_create( scene, &options, &world, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    status = wisp_world_step( world.world, MOMENT );
+    WISP_TRY( scene_world_create( scene, &options, &world, error ) );
+    wisp_status status = wisp_world_step( world.world, MOMENT );
     status = status == WISP_OK ? WISP_OK : wisp_fail( error, status, "%s", wisp_world_message( world.world ) );
     if ( status == WISP_OK )
     {
@@ -812,17 +809,13 @@ wisp_status stability_trace_run( wisp_scene* scene, stability_trace* out, wisp_e
     scene_request_statistics( scene );
     scene_world world;
     const scene_world_options options = { .workers = 1, .is_quiet = true };
-    wisp_status status = scene_world_create( scene, &options, &world, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( scene_world_create( scene, &options, &world, error ) );
     out->bodies = text_alloc( bodies * sizeof *out->bodies );
     out->samples = text_alloc( rows * bodies * sizeof *out->samples );
     out->times = text_alloc( rows * sizeof *out->times );
     wisp_vec3* points = text_alloc( (size_t)scene_world_vertices( &world ) * sizeof *points );
     stability_reader** readers = text_alloc( bodies * sizeof *readers );
-    status = sample_start( scene, out, points, error );
+    wisp_status status = sample_start( scene, out, points, error );
     if ( status == WISP_OK )
     {
         for ( size_t body = 0; body < bodies; ++body )

@@ -7,6 +7,8 @@
 #include "suite_measure.h"
 #include "text_tree.h"
 
+#include "wisp/module/definition.h"
+
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -348,12 +350,7 @@ static wisp_status read_suite( suite_reader* r )
 {
     const scene_node* root = &r->tree.nodes[0];
     const scene_node* values[KEY_COUNT];
-    wisp_status status =
-        suite_take_keys( r, root, "a suite, which begins with wisp_suite: 1", suite_keys, KEY_COUNT, values );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( suite_take_keys( r, root, "a suite, which begins with wisp_suite: 1", suite_keys, KEY_COUNT, values ) );
     const scene_node *version = values[KEY_VERSION], *scenes = values[KEY_SCENES];
     if ( version == NULL || version->kind != SCENE_SCALAR || strcmp( scene_text_of( &r->tree, version ), "1" ) != 0 )
     {
@@ -366,7 +363,7 @@ static wisp_status read_suite( suite_reader* r )
     }
     r->seconds = values[KEY_SECONDS];
     r->axes = values[KEY_AXES];
-    status = read_texts( r, values[KEY_TITLE], values[KEY_NOTE] );
+    wisp_status status = read_texts( r, values[KEY_TITLE], values[KEY_NOTE] );
     status = status == WISP_OK && values[KEY_CHECKS]
                  ? suite_read_checks( r, values[KEY_CHECKS], &r->checks, &r->limits )
                  : status;
@@ -523,15 +520,12 @@ static wisp_status estimate_pace( const writer* w, double* out, wisp_error* erro
     static const double LINK_NS = 20.0, SOLVE_NS = 2000.0, CONTACT_NS = 500.0; // of a vertex in a substep
     const scene_world_options options = { .workers = 1, .log = w->def->log, .log_user = w->def->log_user };
     scene_world world;
-    const wisp_status status = scene_world_create( &w->read, &options, &world, error );
-    if ( status == WISP_OK )
-    {
-        const double ns = ( w->has_links ? LINK_NS * w->iterations : 0.0 ) + ( w->has_linear ? SOLVE_NS : 0.0 ) +
-                          ( scene_has_contact( &w->read ) ? CONTACT_NS : 0.0 );
-        *out = 1e-9 * ns * scene_world_vertices( &world ) * w->substeps / (double)w->read.dt;
-        scene_world_destroy( &world );
-    }
-    return status;
+    WISP_TRY( scene_world_create( &w->read, &options, &world, error ) );
+    const double ns = ( w->has_links ? LINK_NS * w->iterations : 0.0 ) + ( w->has_linear ? SOLVE_NS : 0.0 ) +
+                      ( scene_has_contact( &w->read ) ? CONTACT_NS : 0.0 );
+    *out = 1e-9 * ns * scene_world_vertices( &world ) * w->substeps / (double)w->read.dt;
+    scene_world_destroy( &world );
+    return WISP_OK;
 }
 
 // As fine as takes less than a minute or so. The coarser run that tells its doubt takes half of it again.

@@ -1,6 +1,7 @@
 #include "suite_compare.h"
 
 #include "wisp/module/collision_mesh.h"
+#include "wisp/module/definition.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -183,11 +184,7 @@ static wisp_status match_body( const wisp_record_body* coarse, const wisp_vec3* 
         return WISP_OK;
     }
     wisp_collision_mesh* mesh;
-    const wisp_status status = make_mesh( fine, fine_points, &mesh, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( make_mesh( fine, fine_points, &mesh, error ) );
     const float size = size_of( points, coarse->vertex_count );
     const float farthest = match_surface( fine, fine_points, points, coarse->vertex_count, mesh, size, out );
     wisp_collision_mesh_release( mesh );

@@ -6,6 +6,8 @@
 #include "suite_reader.h"
 #include "text_tree.h"
 
+#include "wisp/module/definition.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -426,13 +428,9 @@ wisp_status suite_judge_row( const suite_row* row, suite_twins* twins, suite_out
     }
     wisp_scene scene;
     wisp_error inner = { 0 };
-    wisp_status status = read_row_scene( row, &scene, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( read_row_scene( row, &scene, error ) );
     stability_trace trace;
-    status = stability_trace_run( &scene, &trace, &inner );
+    wisp_status status = stability_trace_run( &scene, &trace, &inner );
     if ( status == WISP_OK )
     {
         limit_strain( row, &scene, twins, &trace );

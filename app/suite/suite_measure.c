@@ -4,6 +4,7 @@
 #include "interruption.h"
 #include "wisp/explain.h"
 #include "wisp/module/collision_mesh.h"
+#include "wisp/module/definition.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -72,22 +73,18 @@ static wisp_status add_balloon( const scene_world* world, int surface, work* w, 
     *b = ( balloon ){ .points = malloc( (size_t)body.vertex_count * sizeof( wisp_vec3 ) ),
                       .count = body.vertex_count };
     w->largest = body.vertex_count > w->largest ? body.vertex_count : w->largest;
-    wisp_status status = b->points ? scene_world_points( world, number, b->points, error )
-                                   : wisp_fail( error, WISP_NO_MEMORY, "no memory to measure how balloons overlap" );
-    if ( status == WISP_OK )
-    {
-        b->thickness = thickness_of( world, surface );
-        measure( b );
-        const wisp_collision_mesh_def def = {
-            .points = b->points,
-            .triangles = body.triangles,
-            .point_count = body.vertex_count,
-            .triangle_count = body.triangle_count,
-            .deforms = true,
-        };
-        status = wisp_collision_mesh_create( &def, NULL, &b->mesh, error );
-    }
-    return status;
+    WISP_TRY( b->points ? scene_world_points( world, number, b->points, error )
+                        : wisp_fail( error, WISP_NO_MEMORY, "no memory to measure how balloons overlap" ) );
+    b->thickness = thickness_of( world, surface );
+    measure( b );
+    const wisp_collision_mesh_def def = {
+        .points = b->points,
+        .triangles = body.triangles,
+        .point_count = body.vertex_count,
+        .triangle_count = body.triangle_count,
+        .deforms = true,
+    };
+    return wisp_collision_mesh_create( &def, NULL, &b->mesh, error );
 }
 
 static float distance_from( const wisp_mesh_nearest* nearest )
@@ -442,16 +439,12 @@ wisp_status suite_time_row( const suite_row* row, int workers, const char* isa, 
     wisp_scene scene;
     scene_world world;
     *ms = NULL;
-    wisp_status status = suite_scene( row, &scene, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( suite_scene( row, &scene, error ) );
     scene_request_points( &scene );
     *steps = row->steps > 0 ? row->steps : scene.steps;
     *ms = calloc( (size_t)*steps + 1, sizeof **ms );
-    status = *ms != NULL ? scene_world_create( &scene, &options, &world, error )
-                         : wisp_fail( error, WISP_NO_MEMORY, "no memory for times" );
+    wisp_status status = *ms != NULL ? scene_world_create( &scene, &options, &world, error )
+                                     : wisp_fail( error, WISP_NO_MEMORY, "no memory for times" );
     if ( status == WISP_OK )
     {
         status = time_steps( &world, *steps, observer, *ms, hash, error );
@@ -468,11 +461,7 @@ wisp_status suite_run_row( const suite_row* row, const char* isa, const suite_ob
     out->values[SUITE_INSTRUCTIONS] = out->values[SUITE_CYCLES] = out->values[SUITE_ERROR] =
         out->values[SUITE_INTERSECTIONS] = NAN;
     wisp_scene scene;
-    wisp_status status = suite_scene( row, &scene, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( suite_scene( row, &scene, error ) );
     scene_request_statistics( &scene );
     if ( observer && observer->requests_contact )
     {
@@ -482,7 +471,7 @@ wisp_status suite_run_row( const suite_row* row, const char* isa, const suite_ob
     const wisp_allocator allocator = { allocate, release, &allocations };
     const scene_world_options options = { .workers = 1, .isa = isa, .is_quiet = true, .allocator = &allocator };
     scene_world world;
-    status = scene_world_create( &scene, &options, &world, error );
+    wisp_status status = scene_world_create( &scene, &options, &world, error );
     if ( status == WISP_OK )
     {
         snprintf( out->isa, sizeof out->isa, "%s", wisp_world_isa( world.world ) );

@@ -3,6 +3,8 @@
 #include "io_file.h"
 #include "suite_compare.h"
 
+#include "wisp/module/definition.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -48,13 +50,10 @@ typedef struct row_steps
 
 static wisp_status steps_of( const suite_row* row, row_steps* out, wisp_error* error )
 {
-    const wisp_status status = suite_scene( row, &out->scene, error );
-    if ( status == WISP_OK )
-    {
-        out->count = row->steps > 0 ? row->steps : out->scene.steps;
-        out->seconds = wisp_scene_step_time( &out->scene, out->count );
-    }
-    return status;
+    WISP_TRY( suite_scene( row, &out->scene, error ) );
+    out->count = row->steps > 0 ? row->steps : out->scene.steps;
+    out->seconds = wisp_scene_step_time( &out->scene, out->count );
+    return WISP_OK;
 }
 
 // The ends of some steps, evenly, up to a time.
@@ -238,12 +237,11 @@ static wisp_status keep_frame( suite_motion* motion, const scene_world* world, d
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for the frames of a motion" );
     }
     motion->energies[motion->frame_count - 1] = energies_of( world );
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < motion->body_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < motion->body_count; ++i )
     {
-        status = scene_world_points( world, i, points + motion->first[i], error );
+        WISP_TRY( scene_world_points( world, i, points + motion->first[i], error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 static wisp_status observe( void* user, const scene_world* world, wisp_error* error )
@@ -360,14 +358,11 @@ static wisp_status read_motion( const char* path, const suite_times* times, suit
 {
     *out = ( suite_motion ){ 0 };
     wisp_recording* recording = NULL;
-    wisp_status status = wisp_recording_open( path, &recording, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( wisp_recording_open( path, &recording, error ) );
     const wisp_recording_info info = wisp_recording_describe( recording );
-    status = info.frame_count > 0 ? reserve_bodies( out, info.body_count, error )
-                                  : wisp_fail( error, WISP_BAD_INPUT, "%s: the recording has no frame", path );
+    wisp_status status = info.frame_count > 0
+                             ? reserve_bodies( out, info.body_count, error )
+                             : wisp_fail( error, WISP_BAD_INPUT, "%s: the recording has no frame", path );
     for ( int i = 0; i < info.body_count && status == WISP_OK; ++i )
     {
         const wisp_record_body* body = wisp_recording_body( recording, i );
@@ -476,15 +471,11 @@ static wisp_status hash_row( const suite_row* row, const suite_times* times, uin
     scene_world world;
     const scene_world_options options = { .workers = 1, .is_quiet = true };
     const int version = CACHE_VERSION;
-    wisp_status status = suite_scene( row, &scene, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( suite_scene( row, &scene, error ) );
     *out = suite_hash_bytes( &version, sizeof version, SUITE_HASH_BEGIN );
     *out = suite_hash_bytes( row->text, strlen( row->text ), *out );
     *out = suite_hash_bytes( times->at, (size_t)times->count * sizeof *times->at, *out );
-    status = scene_world_create( &scene, &options, &world, error );
+    wisp_status status = scene_world_create( &scene, &options, &world, error );
     if ( status == WISP_OK )
     {
         const uint64_t state = wisp_world_hash( world.world ); // with the defaults of the library
@@ -502,11 +493,7 @@ static wisp_status find_run( const suite_references* references, const suite_row
     const char* name = references->suite->name;
     char folder[PATH_SIZE], path[2 * PATH_SIZE];
     uint64_t hash = 0;
-    wisp_status status = hash_row( row, times, &hash, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( hash_row( row, times, &hash, error ) );
     const bool keeps = cache_folder( folder, sizeof folder ) && make_folders( folder );
     snprintf( path, sizeof path, "%s/%s-%016llx.wisp", folder, name, (unsigned long long)hash );
     struct stat found;
@@ -519,7 +506,7 @@ static wisp_status find_run( const suite_references* references, const suite_row
         release_motion( out );
     }
     suite_measurement measured;
-    status = run_motion( row, NULL, times, references->observer, out, &measured, error );
+    wisp_status status = run_motion( row, NULL, times, references->observer, out, &measured, error );
     if ( status == WISP_OK && measured.values[SUITE_HALTED] > 0.0 )
     {
         return wisp_fail( error, WISP_CONFLICT,

@@ -3,6 +3,7 @@
 #include "interruption.h"
 #include "io_file.h"
 #include "stats.h"
+#include "wisp/module/definition.h"
 #include "wisp/module/random.h"
 
 #include <math.h>
@@ -118,17 +119,14 @@ static wisp_status time_item( const suite_row* row, int workers, sweep_row* out,
 static wisp_status judge( const sweep_settings* s, const suite_row* row, sweep_row* out, wisp_error* error )
 {
     suite_outcome outcome;
-    const wisp_status status = suite_judge_row( row, s->twins, &outcome, error );
-    if ( status == WISP_OK )
-    {
-        const char* name = outcome.verdict.check == STABILITY_HOLDS ? outcome.is_refused ? "refused" : "holds"
-                                                                    : stability_check_names[outcome.verdict.check];
-        snprintf( out->verdict, sizeof out->verdict, "%s", name );
-        out->is_known = suite_is_as_known( row, &outcome );
-        out->hash = outcome.hash;
-        out->steps = outcome.steps;
-    }
-    return status;
+    WISP_TRY( suite_judge_row( row, s->twins, &outcome, error ) );
+    const char* name = outcome.verdict.check == STABILITY_HOLDS ? outcome.is_refused ? "refused" : "holds"
+                                                                : stability_check_names[outcome.verdict.check];
+    snprintf( out->verdict, sizeof out->verdict, "%s", name );
+    out->is_known = suite_is_as_known( row, &outcome );
+    out->hash = outcome.hash;
+    out->steps = outcome.steps;
+    return WISP_OK;
 }
 
 static wisp_status measure( const sweep_settings* s, int number, sweep_row* out, wisp_error* error )

@@ -2,6 +2,8 @@
 
 #include "io_file.h"
 
+#include "wisp/module/definition.h"
+
 #include <dirent.h>
 #include <errno.h>
 #include <math.h>
@@ -79,11 +81,7 @@ wisp_status sweep_merge_add( const sweep_row* row, const char* place, sweep_merg
     sweep_row* kept = out->rows + row->item - 1;
     int* second = out->second + row->item - 1;
     const bool is_new = kept->item == 0, is_second = !is_new && row->shard != kept->shard && *second == 0;
-    status = is_new ? WISP_OK : check_agrees( kept, row, place, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( is_new ? WISP_OK : check_agrees( kept, row, place, error ) );
     const sweep_row before = *kept;
     if ( is_new || weight_of( row ) > weight_of( kept ) )
     {
@@ -121,11 +119,7 @@ wisp_status sweep_merge_parse( const char* bytes, size_t size, const char* path,
         {
             return wisp_fail( error, WISP_BAD_INPUT, "%s: expected a row of a sweep", place );
         }
-        const wisp_status status = sweep_merge_add( &row, place, out, error );
-        if ( status != WISP_OK )
-        {
-            return status;
-        }
+        WISP_TRY( sweep_merge_add( &row, place, out, error ) );
         *whole += length + 1;
     }
     return WISP_OK;

@@ -3,6 +3,8 @@
 
 #include "create.h"
 
+#include "wisp/module/definition.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -105,18 +107,13 @@ static wisp_status add_strands( scene_world* out, int strands, wisp_error* error
 {
     wisp_groom* groom = &out->grooms[strands];
     const int source = scene_groom_source( out->scene, strands );
-    wisp_status status =
-        scene_groom_of( out->scene, strands, source >= 0 ? &out->grooms[source] : NULL, groom, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( scene_groom_of( out->scene, strands, source >= 0 ? &out->grooms[source] : NULL, groom, error ) );
     wisp_strands_def def = wisp_default_strands_def();
     def.points = groom->points;
     def.offsets = groom->offsets;
     def.strand_count = groom->strand_count;
     def.dimension = groom->dimension;
-    status = wisp_add_strands( out->world, &def, &out->entities[strands] );
+    wisp_status status = wisp_add_strands( out->world, &def, &out->entities[strands] );
     if ( status == WISP_OK )
     {
         status = scene_strands_dress( out, strands );
@@ -239,13 +236,9 @@ static wisp_status give_commands( scene_world* world, wisp_error* error )
 wisp_status scene_world_step( scene_world* world, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
-    wisp_status status = give_commands( world, error );
-    status = status == WISP_OK ? scene_events_play( world, error ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    status = wisp_world_step( world->world, wisp_scene_step_length( scene, world->next_step ) );
+    WISP_TRY( give_commands( world, error ) );
+    WISP_TRY( scene_events_play( world, error ) );
+    wisp_status status = wisp_world_step( world->world, wisp_scene_step_length( scene, world->next_step ) );
     if ( status != WISP_OK )
     {
         return wisp_fail( error, status, "%s: step %d: %s", scene->name, world->next_step,
@@ -311,11 +304,7 @@ static wisp_status copy_to_groom( scene_world* world, int strands, wisp_componen
                                   void** array )
 {
     wisp_view view;
-    wisp_status status = wisp_world_view( world->world, world->entities[strands], component, &view );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( wisp_world_view( world->world, world->entities[strands], component, &view ) );
     if ( !*array )
     {
         *array = malloc( (size_t)view.count * size + 1 );

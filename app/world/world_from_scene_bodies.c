@@ -4,6 +4,8 @@
 #include "palette.h"
 #include "world_from_scene.h"
 
+#include "wisp/module/definition.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -161,12 +163,8 @@ static wisp_status fail_at_body( const scene_world* world, int body, wisp_status
 wisp_status scene_world_request( scene_world* world, int body, scene_request request, wisp_error* error )
 {
     wisp_component component;
-    wisp_status status = find_component( world, body, request, &component, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    status = wisp_request( world->world, scene_world_entity( world, body ), component );
+    WISP_TRY( find_component( world, body, request, &component, error ) );
+    wisp_status status = wisp_request( world->world, scene_world_entity( world, body ), component );
     return status == WISP_OK ? WISP_OK : fail_at_body( world, body, status, error );
 }
 
@@ -177,13 +175,13 @@ bool scene_world_is_shown( const scene_world* world, int body )
 
 wisp_status scene_world_request_shown( scene_world* world, wisp_error* error )
 {
-    wisp_status status = WISP_OK;
-    for ( int body = 0; body < scene_world_moving_count( world ) && status == WISP_OK; ++body )
+    for ( int body = 0; body < scene_world_moving_count( world ); ++body )
     {
-        status = scene_world_is_shown( world, body ) ? scene_world_request( world, body, SCENE_REQUEST_POINTS, error )
-                                                     : WISP_OK;
+        WISP_TRY( scene_world_is_shown( world, body )
+                      ? scene_world_request( world, body, SCENE_REQUEST_POINTS, error )
+                      : WISP_OK );
     }
-    return status;
+    return WISP_OK;
 }
 
 // ---- columns ----
@@ -208,11 +206,7 @@ static wisp_status copy_column( const scene_world* world, int body, wisp_compone
                                 wisp_error* error )
 {
     wisp_view view;
-    const wisp_status status = view_column( world, body, component, &view, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( view_column( world, body, component, &view, error ) );
     WISP_ASSERT( view.count == scene_world_body( world, body ).vertex_count );
     for ( int i = 0; i < view.count; ++i )
     {
@@ -249,11 +243,7 @@ wisp_status scene_world_numbers( const scene_world* world, int body, scene_reque
                                  wisp_error* error )
 {
     wisp_component component;
-    wisp_status status = find_component( world, body, request, &component, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( find_component( world, body, request, &component, error ) );
     WISP_ASSERT( request == SCENE_REQUEST_STRAIN || request == SCENE_REQUEST_SPEED ||
                  request == SCENE_REQUEST_WIDTH );
     if ( world->next_step == 0 && request != SCENE_REQUEST_WIDTH )
@@ -306,12 +296,8 @@ wisp_status scene_world_motion_stats( const scene_world* world, int body, wisp_m
 {
     *out = ( wisp_motion_stats ){ 0 };
     wisp_component component;
-    wisp_status status = find_component( world, body, SCENE_REQUEST_MOTION_STATS, &component, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    status = wisp_read_motion_stats( world->world, scene_world_entity( world, body ), out );
+    WISP_TRY( find_component( world, body, SCENE_REQUEST_MOTION_STATS, &component, error ) );
+    wisp_status status = wisp_read_motion_stats( world->world, scene_world_entity( world, body ), out );
     return status == WISP_OK ? WISP_OK : fail_at_body( world, body, status, error );
 }
 
@@ -412,12 +398,9 @@ static wisp_status grab_strands( scene_world* world, scene_hold* hold, wisp_erro
         return WISP_OK;
     }
     wisp_view view;
-    const wisp_status status = scene_world_view( world, hold->body, SCENE_REQUEST_POINTS, &view, error );
-    if ( status == WISP_OK )
-    {
-        hold->from = *(const wisp_vec3*)(const void*)( (const char*)view.data + (size_t)hold->vertex * view.stride );
-    }
-    return status;
+    WISP_TRY( scene_world_view( world, hold->body, SCENE_REQUEST_POINTS, &view, error ) );
+    hold->from = *(const wisp_vec3*)(const void*)( (const char*)view.data + (size_t)hold->vertex * view.stride );
+    return WISP_OK;
 }
 
 wisp_status scene_world_grab( scene_world* world, int body, int vertex, scene_hold* out, wisp_error* error )

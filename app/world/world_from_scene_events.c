@@ -143,25 +143,19 @@ static wisp_status load( const wisp_scene* scene, int surface, int vertex_count,
     {
         return load_morphs( &entry->animation, path, vertex_count, out, error );
     }
-    wisp_status status =
-        wisp_rig_load( &source->mesh, &entry->animation, (float)scene->steps * scene->dt, &out->rig, error );
-    if ( status == WISP_OK && out->rig.skin->point_count != vertex_count )
+    WISP_TRY( wisp_rig_load( &source->mesh, &entry->animation, (float)scene->steps * scene->dt, &out->rig, error ) );
+    if ( out->rig.skin->point_count != vertex_count )
     {
-        status =
-            wisp_fail( error, WISP_BAD_INPUT,
-                       "animation: the skeleton moves %d vertices, but repair left %d of them: use a repair that "
-                       "removes none",
-                       out->rig.skin->point_count, vertex_count );
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "animation: the skeleton moves %d vertices, but repair left %d of them: use a repair that "
+                          "removes none",
+                          out->rig.skin->point_count, vertex_count );
     }
-    if ( status == WISP_OK )
-    {
-        out->joints = malloc( (size_t)out->rig.skeleton.joint_count * sizeof *out->joints );
-        out->points = malloc( (size_t)vertex_count * sizeof *out->points + 1 );
-        status = out->joints != NULL && out->points != NULL
-                     ? WISP_OK
-                     : wisp_fail( error, WISP_NO_MEMORY, "animation: out of memory for %d vertices", vertex_count );
-    }
-    return status;
+    out->joints = malloc( (size_t)out->rig.skeleton.joint_count * sizeof *out->joints );
+    out->points = malloc( (size_t)vertex_count * sizeof *out->points + 1 );
+    return out->joints != NULL && out->points != NULL
+               ? WISP_OK
+               : wisp_fail( error, WISP_NO_MEMORY, "animation: out of memory for %d vertices", vertex_count );
 }
 
 wisp_status scene_animation_load( const wisp_scene* scene, int surface, scene_world_surface* s, wisp_error* error )

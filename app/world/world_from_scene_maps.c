@@ -527,14 +527,13 @@ static wisp_status set_map( scene_world* world, int surface, const wisp_scene_ma
 wisp_status scene_maps_set( scene_world* world, int surface, bool of_mass, wisp_error* error )
 {
     const wisp_scene_surface* entry = &world->scene->surfaces[surface];
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < entry->map_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < entry->map_count; ++i )
     {
-        status = ( entry->maps[i].map == WISP_MAP_AREA_DENSITY ) == of_mass
-                     ? set_map( world, surface, entry->maps + i, error )
-                     : WISP_OK;
+        WISP_TRY( ( entry->maps[i].map == WISP_MAP_AREA_DENSITY ) == of_mass
+                      ? set_map( world, surface, entry->maps + i, error )
+                      : WISP_OK );
     }
-    return status;
+    return WISP_OK;
 }
 
 // ---- tearing ----

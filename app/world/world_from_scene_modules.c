@@ -3,49 +3,23 @@
 
 #include "create.h"
 
-static bool any_surface( const wisp_scene* scene, bool ( *has )( const wisp_scene_surface* ) )
+// Does one of the entries have a block? @param at of its switch in an entry of `size` bytes
+static bool any_has( const void* entries, int count, size_t size, size_t at )
 {
     bool any = false;
-    for ( int i = 0; i < scene->surface_count; ++i )
+    for ( int i = 0; i < count; ++i )
     {
-        any = any || has( &scene->surfaces[i] );
+        any = any || *( (const bool*)entries + (size_t)i * size + at );
     }
     return any;
 }
 
-static bool any_strands( const wisp_scene* scene, bool ( *has )( const wisp_scene_strands* ) )
-{
-    bool any = false;
-    for ( int i = 0; i < scene->strands_count; ++i )
-    {
-        any = any || has( &scene->strands[i] );
-    }
-    return any;
-}
-
-#define BLOCK_OF( kind, block )                                                                                      \
-    static bool kind##_##block( const wisp_scene_##kind* of )                                                        \
-    {                                                                                                                \
-        return of->has_##block;                                                                                      \
-    }
-BLOCK_OF( surface, balloon )
-BLOCK_OF( surface, boundary )
-BLOCK_OF( surface, cloth )
-BLOCK_OF( surface, collider )
-BLOCK_OF( surface, collision )
-BLOCK_OF( surface, contact )
-BLOCK_OF( surface, implicit )
-BLOCK_OF( surface, membrane )
-BLOCK_OF( surface, motion_constraints )
-BLOCK_OF( surface, tearing )
-BLOCK_OF( strands, appearance )
-BLOCK_OF( strands, collision )
-BLOCK_OF( strands, contact )
-BLOCK_OF( strands, dynamics )
-BLOCK_OF( strands, environment )
-BLOCK_OF( strands, frozen_hair )
-BLOCK_OF( strands, ghosts )
-#undef BLOCK_OF
+#define ANY_SURFACE( block )                                                                                         \
+    any_has( scene->surfaces, scene->surface_count, sizeof( wisp_scene_surface ),                                    \
+             offsetof( wisp_scene_surface, has_##block ) )
+#define ANY_STRANDS( block )                                                                                         \
+    any_has( scene->strands, scene->strands_count, sizeof( wisp_scene_strands ),                                     \
+             offsetof( wisp_scene_strands, has_##block ) )
 
 // At the start, or by an event.
 static bool attaches_pins( const wisp_scene* scene )
@@ -72,22 +46,22 @@ static bool attaches_pins( const wisp_scene* scene )
         return condition;                                                                                            \
     }
 USES( attachments, attaches_pins( scene ) )
-USES( balloon, any_surface( scene, surface_balloon ) )
-USES( boundary, any_surface( scene, surface_boundary ) )
-USES( environment, any_strands( scene, strands_environment ) )
-USES( cloth, any_surface( scene, surface_cloth ) )
-USES( membrane, any_surface( scene, surface_membrane ) )
-USES( motion_constraints, any_surface( scene, surface_motion_constraints ) )
+USES( balloon, ANY_SURFACE( balloon ) )
+USES( boundary, ANY_SURFACE( boundary ) )
+USES( environment, ANY_STRANDS( environment ) )
+USES( cloth, ANY_SURFACE( cloth ) )
+USES( membrane, ANY_SURFACE( membrane ) )
+USES( motion_constraints, ANY_SURFACE( motion_constraints ) )
 USES( seams, scene->seam_count > 0 )
-USES( collision, scene->collider_count > 0 || any_surface( scene, surface_collider ) ||
-                     any_surface( scene, surface_collision ) || any_strands( scene, strands_collision ) )
-USES( contact, scene->has_contact || any_surface( scene, surface_contact ) || any_strands( scene, strands_contact ) )
-USES( frozen_hair, any_strands( scene, strands_frozen_hair ) )
-USES( guide_hair, any_strands( scene, strands_ghosts ) )
-USES( implicit_cloth, any_surface( scene, surface_implicit ) )
-USES( strand_appearance, any_strands( scene, strands_appearance ) )
-USES( strands, any_strands( scene, strands_dynamics ) )
-USES( tearing, any_surface( scene, surface_tearing ) )
+USES( collision,
+      scene->collider_count > 0 || ANY_SURFACE( collider ) || ANY_SURFACE( collision ) || ANY_STRANDS( collision ) )
+USES( contact, scene->has_contact || ANY_SURFACE( contact ) || ANY_STRANDS( contact ) )
+USES( frozen_hair, ANY_STRANDS( frozen_hair ) )
+USES( guide_hair, ANY_STRANDS( ghosts ) )
+USES( implicit_cloth, ANY_SURFACE( implicit ) )
+USES( strand_appearance, ANY_STRANDS( appearance ) )
+USES( strands, ANY_STRANDS( dynamics ) )
+USES( tearing, ANY_SURFACE( tearing ) )
 #undef USES
 
 #define WISP_MODULE( name ) uses_##name,

@@ -1,6 +1,8 @@
 // Vertices that a scene gives by number, by position, or by a box around them.
 #include "world_from_scene_parts.h"
 
+#include "wisp/module/definition.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -124,11 +126,7 @@ static wisp_status mark_pins( const vertex_finder* f, const wisp_scene_pins* pin
     for ( int i = 0; i < pins->vertex_count; ++i )
     {
         int32_t vertex;
-        wisp_status status = find_number( f, "pins", pins->vertices[i], &vertex );
-        if ( status != WISP_OK )
-        {
-            return status;
-        }
+        WISP_TRY( find_number( f, "pins", pins->vertices[i], &vertex ) );
         marks[vertex] |= IN_GROUP;
     }
     for ( int i = 0; i < pins->nearest_count; ++i )
@@ -350,11 +348,7 @@ wisp_status scene_outlet_find( const wisp_scene* scene, int surface, const wisp_
     *out = entry->balloon;
     for ( int i = 0; i < out->outlet_count; ++i )
     {
-        wisp_status status = find_number( &finder, "balloon.outlet", entry->balloon.outlet[i], &out->outlet[i] );
-        if ( status != WISP_OK )
-        {
-            return status;
-        }
+        WISP_TRY( find_number( &finder, "balloon.outlet", entry->balloon.outlet[i], &out->outlet[i] ) );
     }
     if ( !entry->has_outlet_nearest )
     {
@@ -446,11 +440,11 @@ wisp_status scene_seams_add( scene_world* world, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
     world->seams = calloc( (size_t)scene->seam_count + 1, sizeof *world->seams );
-    wisp_status status =
-        world->seams ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its seams", scene->name );
-    for ( int i = 0; i < scene->seam_count && status == WISP_OK; ++i )
+    WISP_TRY( world->seams ? WISP_OK
+                           : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its seams", scene->name ) );
+    for ( int i = 0; i < scene->seam_count; ++i )
     {
-        status = add_seam( world, i, error );
+        WISP_TRY( add_seam( world, i, error ) );
     }
-    return status;
+    return WISP_OK;
 }

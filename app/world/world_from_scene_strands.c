@@ -73,24 +73,18 @@ static wisp_status check_lists( const wisp_scene* scene, int strands, const wisp
 {
     const wisp_scene_strands* entry = &scene->strands[strands];
     const int count = groom->strand_count;
-    wisp_status status = check_list( scene, strands, "stretch stiffness", entry->stretch_count, count, error );
-    if ( status == WISP_OK )
-    {
-        status = check_list( scene, strands, "bend stiffness", entry->bend_count, count, error );
-    }
-    if ( status == WISP_OK )
-    {
-        status = check_list( scene, strands, "intensity", entry->intensity_count, count, error );
-    }
-    if ( status == WISP_OK && entry->mass_count > 0 && entry->mass_count != groom->vertex_count )
+    WISP_TRY( check_list( scene, strands, "stretch stiffness", entry->stretch_count, count, error ) );
+    WISP_TRY( check_list( scene, strands, "bend stiffness", entry->bend_count, count, error ) );
+    WISP_TRY( check_list( scene, strands, "intensity", entry->intensity_count, count, error ) );
+    if ( entry->mass_count > 0 && entry->mass_count != groom->vertex_count )
     {
         char message[100];
         snprintf( message, sizeof( message ),
                   "dynamics.vertex_masses: got %d masses, expected one for each of %d vertices", entry->mass_count,
                   groom->vertex_count );
-        status = SCENE_FAIL_AT( scene, strands, strands, "strands", WISP_BAD_INPUT, message, error );
+        WISP_TRY( SCENE_FAIL_AT( scene, strands, strands, "strands", WISP_BAD_INPUT, message, error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 wisp_status scene_groom_of( const wisp_scene* scene, int strands, const wisp_groom* source, wisp_groom* out,
@@ -151,13 +145,12 @@ static wisp_status request_all( scene_world* out, int strands )
         { entry->request_colour, WISP_POINT_COLOUR },  { entry->request_strain, WISP_POINT_STRAIN },
         { entry->request_speed, WISP_POINT_SPEED },    { entry->request_motion_stats, WISP_MOTION_STATS },
     };
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < WISP_COUNT( columns ) && status == WISP_OK; ++i )
+    for ( int i = 0; i < WISP_COUNT( columns ); ++i )
     {
-        status =
-            columns[i].requested ? wisp_request( out->world, out->entities[strands], columns[i].component ) : WISP_OK;
+        WISP_TRY( columns[i].requested ? wisp_request( out->world, out->entities[strands], columns[i].component )
+                                       : WISP_OK );
     }
-    return status;
+    return WISP_OK;
 }
 
 wisp_status scene_strands_dress( scene_world* out, int strands )
@@ -195,13 +188,12 @@ static wisp_status set_collision( scene_world* world, int strands )
 {
     const wisp_scene_strands* entry = &world->scene->strands[strands];
     const wisp_entity entity = world->entities[strands];
-    wisp_status status =
-        entry->has_collision ? wisp_set_collision( world->world, entity, &entry->collision ) : WISP_OK;
-    if ( status == WISP_OK && entry->request_contacts )
+    WISP_TRY( entry->has_collision ? wisp_set_collision( world->world, entity, &entry->collision ) : WISP_OK );
+    if ( entry->request_contacts )
     {
-        status = wisp_request_collision_stats( world->world, entity, true );
+        WISP_TRY( wisp_request_collision_stats( world->world, entity, true ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 // With masses that grow along strands, which are copied.
@@ -224,15 +216,14 @@ static wisp_status set_weighed( scene_world* world, int strands )
 wisp_status scene_hold_tips( scene_world* world, int strands, wisp_strand_tip hold )
 {
     const wisp_groom* groom = &world->grooms[strands];
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < groom->strand_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < groom->strand_count; ++i )
     {
         if ( groom->offsets[i + 1] - groom->offsets[i] > 1 ) // a root alone has no tip
         {
-            status = SCENE_CALL_2( world, wisp_hold_strand_tip, world->entities[strands], i, hold );
+            WISP_TRY( SCENE_CALL_2( world, wisp_hold_strand_tip, world->entities[strands], i, hold ) );
         }
     }
-    return status;
+    return WISP_OK;
 }
 
 wisp_vec3 scene_strand_frame_pivot( const wisp_scene_strands* entry )
@@ -300,15 +291,11 @@ static wisp_status set_ghosts( scene_world* world, int strands )
 static wisp_status add_curves( scene_world* world, int strands, wisp_error* error )
 {
     const wisp_scene_strands* entry = &world->scene->strands[strands];
-    wisp_status status =
-        scene_groom_of( world->scene, strands, &world->grooms[entry->curves_of], &world->grooms[strands], error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY(
+        scene_groom_of( world->scene, strands, &world->grooms[entry->curves_of], &world->grooms[strands], error ) );
     wisp_curves_def def = entry->curves;
     def.source = world->entities[entry->curves_of];
-    status = wisp_add_curves( world->world, &def, &world->entities[strands] );
+    wisp_status status = wisp_add_curves( world->world, &def, &world->entities[strands] );
     status = status == WISP_OK ? scene_strands_dress( world, strands ) : status;
     return fail_here( world, strands, status, error );
 }
@@ -317,35 +304,34 @@ static wisp_status add_curves( scene_world* world, int strands, wisp_error* erro
 wisp_status scene_motion_set( scene_world* world, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < scene->strands_count; ++i )
     {
-        status = scene->strands[i].has_dynamics ? fail_here( world, i, set_dynamics( world, i ), error ) : WISP_OK;
+        WISP_TRY( scene->strands[i].has_dynamics ? fail_here( world, i, set_dynamics( world, i ), error ) : WISP_OK );
     }
-    for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < scene->strands_count; ++i )
     {
-        status = scene->strands[i].has_ghosts ? fail_here( world, i, set_ghosts( world, i ), error ) : WISP_OK;
+        WISP_TRY( scene->strands[i].has_ghosts ? fail_here( world, i, set_ghosts( world, i ), error ) : WISP_OK );
     }
-    for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < scene->strands_count; ++i )
     {
-        status = scene->strands[i].is_curves ? add_curves( world, i, error ) : WISP_OK;
+        WISP_TRY( scene->strands[i].is_curves ? add_curves( world, i, error ) : WISP_OK );
     }
     // last, because ghosts and curves are placed by the rest shape of what they follow
-    for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < scene->strands_count; ++i )
     {
         if ( scene->strands[i].has_start && scene->strands[i].has_dynamics )
         {
             scene_strands_start( &scene->strands[i], world->world, world->entities[i], &world->grooms[i] );
         }
     }
-    for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < scene->strands_count; ++i )
     {
         const wisp_detail_def* detail = &scene->strands[i].detail;
-        status = scene->strands[i].has_detail
-                     ? fail_here( world, i, wisp_set_detail( world->world, world->entities[i], detail ), error )
-                     : WISP_OK;
+        WISP_TRY( scene->strands[i].has_detail
+                      ? fail_here( world, i, wisp_set_detail( world->world, world->entities[i], detail ), error )
+                      : WISP_OK );
     }
-    return status;
+    return WISP_OK;
 }
 
 void scene_request_points( wisp_scene* scene )

@@ -137,12 +137,9 @@ wisp_status scene_surface_mesh( const wisp_scene* scene, int surface, wisp_mesh*
 {
     const wisp_scene_surface* entry = &scene->surfaces[surface];
     int source = entry->instance_of >= 0 ? entry->instance_of : surface;
-    wisp_status status = load_mesh( NULL, scene, source, out, NULL, error );
-    if ( status == WISP_OK )
-    {
-        place_points( out->points, out->vertex_count, entry->pose );
-    }
-    return status;
+    WISP_TRY( load_mesh( NULL, scene, source, out, NULL, error ) );
+    place_points( out->points, out->vertex_count, entry->pose );
+    return WISP_OK;
 }
 
 // ---- fabrics ----
@@ -394,21 +391,20 @@ static wisp_status request( scene_world* world, int surface )
         { entry->request_strain, WISP_POINT_STRAIN },       { entry->request_speed, WISP_POINT_SPEED },
         { entry->request_motion_stats, WISP_MOTION_STATS },
     };
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < WISP_COUNT( columns ) && status == WISP_OK; ++i )
+    for ( int i = 0; i < WISP_COUNT( columns ); ++i )
     {
-        status = columns[i].requested ? wisp_request( world->world, entity, columns[i].component ) : WISP_OK;
+        WISP_TRY( columns[i].requested ? wisp_request( world->world, entity, columns[i].component ) : WISP_OK );
     }
-    if ( status == WISP_OK && entry->request_stats )
+    if ( entry->request_stats )
     {
-        status = entry->has_balloon ? wisp_request_balloon_stats( world->world, entity, true )
-                                    : wisp_request_implicit_cloth_stats( world->world, entity, true );
+        WISP_TRY( entry->has_balloon ? wisp_request_balloon_stats( world->world, entity, true )
+                                     : wisp_request_implicit_cloth_stats( world->world, entity, true ) );
     }
-    if ( status == WISP_OK && entry->request_contacts )
+    if ( entry->request_contacts )
     {
-        status = wisp_request_collision_stats( world->world, entity, true );
+        WISP_TRY( wisp_request_collision_stats( world->world, entity, true ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 static wisp_status add_effects( scene_world* world, int surface, wisp_error* error )
@@ -418,13 +414,9 @@ static wisp_status add_effects( scene_world* world, int surface, wisp_error* err
     const int source = scene->surfaces[surface].instance_of;
     const wisp_mesh_repairs* repairs = source >= 0 ? &world->surfaces[source].repairs : &s->repairs;
     wisp_balloon_def balloon;
-    wisp_status status = scene_outlet_find( scene, surface, repairs, &s->mesh, &balloon, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( scene_outlet_find( scene, surface, repairs, &s->mesh, &balloon, error ) );
     wisp_error of_map = { 0 }; // names the line of a map
-    status = add_particles( world, surface, &of_map );
+    wisp_status status = add_particles( world, surface, &of_map );
     status = status == WISP_OK ? dress( world, surface, &balloon ) : status;
     status = status == WISP_OK ? scene_maps_set( world, surface, false, &of_map ) : status;
     status = status == WISP_OK ? request( world, surface ) : status;
@@ -508,19 +500,18 @@ wisp_status scene_surfaces_add( scene_world* world, wisp_error* error )
         return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its surfaces", scene->name );
     }
     int64_t sum = 0;
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < scene->surface_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < scene->surface_count; ++i )
     {
-        status =
-            scene->surfaces[i].instance_of >= 0 ? make_instance( world, i, error ) : make_source( world, i, error );
-        status = status == WISP_OK ? count_vertices( world, i, &sum, error ) : status;
-        status = status == WISP_OK ? add_effects( world, i, error ) : status;
+        WISP_TRY( scene->surfaces[i].instance_of >= 0 ? make_instance( world, i, error )
+                                                      : make_source( world, i, error ) );
+        WISP_TRY( count_vertices( world, i, &sum, error ) );
+        WISP_TRY( add_effects( world, i, error ) );
     }
-    for ( int i = 0; i < scene->surface_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < scene->surface_count; ++i )
     {
-        status = connect( world, i, error );
+        WISP_TRY( connect( world, i, error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 void scene_surfaces_release( scene_world* world )
@@ -653,15 +644,11 @@ static wisp_status show_tapered( const wisp_collider_def* def, wisp_mesh* out, w
 static wisp_status show_hull( wisp_mesh* out, wisp_error* error )
 {
     wisp_convex* convex;
-    wisp_status status = wisp_convex_create( out->points, out->vertex_count, NULL, &convex, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( wisp_convex_create( out->points, out->vertex_count, NULL, &convex, error ) );
     const int32_t* triangles;
     const int count = wisp_convex_triangles( convex, &triangles );
     wisp_mesh hull = { 0 };
-    status = take_mesh( out->points, out->vertex_count, triangles, count, &hull, error );
+    wisp_status status = take_mesh( out->points, out->vertex_count, triangles, count, &hull, error );
     wisp_convex_release( convex );
     if ( status == WISP_OK )
     {
@@ -770,12 +757,11 @@ wisp_status scene_colliders_add( scene_world* world, wisp_error* error )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its colliders", scene->name );
     }
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < scene->collider_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < scene->collider_count; ++i )
     {
-        status = add_collider( world, i, error );
+        WISP_TRY( add_collider( world, i, error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 void scene_colliders_release( scene_world* world )

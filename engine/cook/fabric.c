@@ -81,8 +81,8 @@ static wisp_status check_triangles( const wisp_fabric_def* def, wisp_error* erro
 
 static wisp_status check_def( const wisp_fabric_def* def, wisp_error* error )
 {
-    wisp_status status = check_numbers( def, error );
-    for ( int v = 0; v < def->vertex_count && status == WISP_OK; ++v )
+    WISP_TRY( check_numbers( def, error ) );
+    for ( int v = 0; v < def->vertex_count; ++v )
     {
         wisp_vec3 p = def->points[v];
 
@@ -91,24 +91,21 @@ static wisp_status check_def( const wisp_fabric_def* def, wisp_error* error )
                       fabsf( p.z ) <= FABRIC_MAX_COORDINATE;
         if ( inside == false )
         {
-            status = wisp_fail( error, WISP_BAD_INPUT,
-                                "vertex %d: got (%g, %g, %g), expected finite coordinates within %g m of the origin",
-                                v, (double)p.x, (double)p.y, (double)p.z, (double)FABRIC_MAX_COORDINATE );
+            return wisp_fail( error, WISP_BAD_INPUT,
+                              "vertex %d: got (%g, %g, %g), expected finite coordinates within %g m of the origin", v,
+                              (double)p.x, (double)p.y, (double)p.z, (double)FABRIC_MAX_COORDINATE );
         }
     }
-    if ( status == WISP_OK )
-    {
-        status = check_triangles( def, error );
-    }
-    for ( int i = 0; i < def->attachment_count && status == WISP_OK; ++i )
+    WISP_TRY( check_triangles( def, error ) );
+    for ( int i = 0; i < def->attachment_count; ++i )
     {
         if ( def->attachments[i] < 0 || def->attachments[i] >= def->vertex_count )
         {
-            status = wisp_fail( error, WISP_BAD_INPUT, "attachment %d: got vertex %d, but the mesh has %d vertices",
-                                i, def->attachments[i], def->vertex_count );
+            return wisp_fail( error, WISP_BAD_INPUT, "attachment %d: got vertex %d, but the mesh has %d vertices", i,
+                              def->attachments[i], def->vertex_count );
         }
     }
-    return status;
+    return WISP_OK;
 }
 
 // ---- stages ----

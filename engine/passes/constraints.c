@@ -1,6 +1,5 @@
 // Near constraints: links and hinges, in the order of the cooked fabric.
 #include "passes.h"
-#include "passes_common.h"
 
 #include "wisp/module/components.h"
 

@@ -230,8 +230,7 @@ static void move( wisp_frame* frame, const wisp_span* span, void* user )
 
 wisp_status passes_declare_detail( wisp_registry* registry, wisp_component* out )
 {
-    const wisp_component_def state = { "detail.state", WISP_TABLE_ENTITY, COLUMNS, 1 };
-    *out = wisp_declare_component( registry, &state );
+    *out = WISP_COMPONENT( registry, "detail.state", WISP_TABLE_ENTITY, COLUMNS );
     const wisp_index_range ranges[] = {
         WISP_MEMBER_RANGE( *out, passes_detail, level, 0, WISP_DETAIL_COUNT - 1 ),
         WISP_MEMBER_RANGE( *out, passes_detail, active, 0, WISP_DETAIL_COUNT - 1 ),

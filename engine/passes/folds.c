@@ -1,7 +1,7 @@
 // Sharp folds: hinges whose opposite vertices are nearer than half their distance at rest. Links between these vertices and
 // quadratic bending do not know on which side of each other the triangles lie, and smooth bending is slow to turn them. So
 // such hinges are projected by the angle between their triangles, which has a direction even in a flat fold.
-#include "passes_common.h"
+#include "passes.h"
 
 #include "wisp/module/components.h"
 

@@ -2,7 +2,7 @@
 // surfaces (bench case "scenes", crowds), with the same bits. Surfaces may differ in all but their stiffness. Those that have only
 // passes that can run for a crowd (wisp_pass.run_crowd) make all substeps in one go. Else the links run side by side in each
 // substep, and the rest surface by surface.
-#include "passes_common.h"
+#include "passes.h"
 
 #include "wisp/module/components.h"
 
@@ -221,8 +221,8 @@ static uint32_t lanes_to_search( instances* all )
 static void advance( instances* all, wisp_frame* frame, const wisp_crowd* crowd, wisp_span* span, int substeps )
 {
     const bool ends = span->substep > 0, begins = span->substep < substeps;
-    const unsigned stages = wisp_frame_crowd_stages( frame, crowd->entities[0] );
-    const bool apart = ends && ( stages & ( 1u << WISP_STAGE_VELOCITY | 1u << WISP_STAGE_FORCE ) ) != 0;
+    const bool apart = ends && ( wisp_frame_run_crowd( frame, WISP_STAGE_VELOCITY, crowd, NULL ) ||
+                                 wisp_frame_run_crowd( frame, WISP_STAGE_FORCE, crowd, NULL ) );
     double now = wisp_clock_seconds();
     if ( apart )
     {
@@ -359,15 +359,14 @@ wisp_status passes_declare_instances( wisp_registry* registry )
           .allowed = { "particles.gravity", "particles.targets", "particles.damping" },
           .pass = "links.xpbd" },
     };
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < WISP_COUNT( batches ) && status == WISP_OK; ++i )
+    for ( int i = 0; i < WISP_COUNT( batches ); ++i )
     {
         wisp_batch batch = batches[i];
         batch.lanes = LANES;
         batch.can_join = can_join;
         batch.run = run_instances;
         batch.run_pass = run_instance_links;
-        status = wisp_declare_batch( registry, &batch );
+        WISP_TRY( wisp_declare_batch( registry, &batch ) );
     }
-    return status;
+    return WISP_OK;
 }

@@ -4,7 +4,6 @@
 // the surface. At its end, the surface gets what second order adds to the velocity of the coarsest sheet.
 #include "levels.h"
 #include "passes.h"
-#include "passes_common.h"
 
 #include "wisp/module/components.h"
 
@@ -178,8 +177,7 @@ static bool take_level_memory( wisp_frame* frame, const wisp_span* span, levels_
     const size_t rows = 4 * (size_t)( last->first_row + last->row_count ), own = 4 * (size_t)last->row_count;
     const size_t links = (size_t)( last->first_link + last->schedule.slot_count );
     const size_t pins = (size_t)*levels_columns_of( frame, span->entity ).pins;
-    const bool is_pinned =
-        wisp_fabric_is_pinned( f, wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ) );
+    const bool is_pinned = passes_has_pins( f, wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ) );
     const size_t slots = is_pinned ? 0 : 8 * (size_t)f->slot_count;
     float* at = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker,
                                        ( slots + 2 * rows + 2 * own + 3 * links ) * sizeof( float ) +

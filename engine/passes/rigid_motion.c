@@ -1,5 +1,5 @@
 // The rigid motion of a surface: that with its momentum and its angular momentum.
-#include "passes_common.h"
+#include "passes.h"
 
 #include "wisp/module/inertia.h"
 
@@ -120,7 +120,7 @@ static void measure( rigid_loop* loop, const wisp_parallel* parallel )
 }
 
 // An unreferenced vertex has no mass and counts as pinned, but holds nothing.
-bool wisp_fabric_is_pinned( const wisp_fabric* fabric, const float* position )
+bool passes_has_pins( const wisp_fabric* fabric, const float* position )
 {
     for ( int slot = 0; slot < fabric->slot_count; ++slot )
     {
@@ -143,7 +143,7 @@ void wisp_approach_rigid_motion( const wisp_kernels* kernels, const wisp_paralle
                                  const wisp_fabric* fabric, const wisp_rigid_args* args )
 {
     rigid_loop loop = { kernels, *args, fabric->slot_count, block_of( fabric->slot_count ), NULL };
-    if ( wisp_fabric_is_pinned( fabric, args->position ) == false )
+    if ( passes_has_pins( fabric, args->position ) == false )
     {
         measure( &loop, parallel );
     }

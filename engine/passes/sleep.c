@@ -88,14 +88,10 @@ static void measure_motion( wisp_frame* frame, const wisp_span* span, void* user
 
 wisp_status passes_declare_sleep( wisp_registry* registry, passes_sleep_components* out )
 {
-    const wisp_component_def state = { "sleep.state", WISP_TABLE_ENTITY, STATE_COLUMNS, 1 };
-    const wisp_component_def particles = { "sleep.particles", WISP_TABLE_PARTICLE, PARTICLE_COLUMNS, 1 };
-    const wisp_component_def strands = { "sleep.strands", WISP_TABLE_STRAND_ROW, STRAND_COLUMNS, 1 };
-    const wisp_component_def moved = { "sleep.moved", WISP_TABLE_ENTITY, MOVED_COLUMNS, 1 };
-    out->state = wisp_declare_component( registry, &state );
-    out->particles = wisp_declare_component( registry, &particles );
-    out->strands = wisp_declare_component( registry, &strands );
-    out->moved = wisp_declare_component( registry, &moved );
+    out->state = WISP_COMPONENT( registry, "sleep.state", WISP_TABLE_ENTITY, STATE_COLUMNS );
+    out->particles = WISP_COMPONENT( registry, "sleep.particles", WISP_TABLE_PARTICLE, PARTICLE_COLUMNS );
+    out->strands = WISP_COMPONENT( registry, "sleep.strands", WISP_TABLE_STRAND_ROW, STRAND_COLUMNS );
+    out->moved = WISP_COMPONENT( registry, "sleep.moved", WISP_TABLE_ENTITY, MOVED_COLUMNS );
     wisp_declare_places( registry, out->particles, 0, WISP_PLACE_QUADS );
     wisp_declare_places( registry, out->strands, 0, WISP_PLACE_LANES );
     const wisp_index_range phase = WISP_MEMBER_RANGE( out->state, passes_sleep, phase, 0, 2 * PASSES_TOUCHED - 1 );

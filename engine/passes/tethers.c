@@ -1,6 +1,5 @@
 // Tethers: distances to attachments, once per substep before the near constraints.
 #include "passes.h"
-#include "passes_common.h"
 
 #include "wisp/module/components.h"
 

@@ -386,13 +386,15 @@ wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error )
 
 wisp_status plan_end_step( const plan* p, const wisp_registry* r, wisp_world* world )
 {
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < p->acting_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < p->acting_count; ++i )
     {
         const plan_state* s = r->states + p->acting[i];
-        status = s->hooks.stepped != NULL ? s->hooks.stepped( s->memory, world ) : WISP_OK;
+        if ( s->hooks.stepped != NULL )
+        {
+            WISP_TRY( s->hooks.stepped( s->memory, world ) );
+        }
     }
-    return status;
+    return WISP_OK;
 }
 
 size_t plan_memory( const plan* p )

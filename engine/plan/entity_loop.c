@@ -393,29 +393,22 @@ static void run_crowd_pass( void* context, int number, int worker )
     c->frame->clocks[worker].seconds[number] += wisp_clock_seconds() - begin;
 }
 
-unsigned wisp_frame_crowd_stages( wisp_frame* frame, wisp_entity entity )
+bool wisp_frame_run_crowd( wisp_frame* frame, wisp_stage stage, const wisp_crowd* crowd, const wisp_span* span )
 {
-    unsigned stages = 0;
-    const wisp_registry* r = frame->registry;
-    for ( int next = 0, pass; ( pass = next_crowd_pass( frame->plan, r, (int)entity.index - 1, &next ) ) >= 0; )
-    {
-        stages |= 1u << r->passes[pass].stage;
-    }
-    return stages;
-}
-
-void wisp_frame_run_crowd( wisp_frame* frame, wisp_stage stage, const wisp_crowd* crowd, const wisp_span* span )
-{
+    bool has_some = false;
     const wisp_registry* r = frame->registry;
     crowd_pass context = { frame, crowd, span };
     const int slot = (int)crowd->entities[0].index - 1;
     for ( int next = 0, pass; ( pass = next_crowd_pass( frame->plan, r, slot, &next ) ) >= 0; )
     {
-        if ( r->passes[pass].stage == stage )
+        const bool is_of_stage = r->passes[pass].stage == stage;
+        has_some = has_some || is_of_stage;
+        if ( is_of_stage && span != NULL )
         {
             jobs_run_within( frame->pool, pass, run_crowd_pass, &context, span->worker );
         }
     }
+    return has_some;
 }
 
 static void run_group( void* context, int index, int worker )

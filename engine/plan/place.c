@@ -63,12 +63,11 @@ static wisp_status order_stage( const wisp_registry* r, store_mask live, wisp_st
 wisp_status plan_order( const wisp_registry* r, store_mask live, int* order, int* count, wisp_error* error )
 {
     *count = 0;
-    wisp_status status = WISP_OK;
-    for ( int stage = 0; stage < WISP_STAGE_COUNT && status == WISP_OK; ++stage )
+    for ( int stage = 0; stage < WISP_STAGE_COUNT; ++stage )
     {
-        status = order_stage( r, live, (wisp_stage)stage, order, count, error );
+        WISP_TRY( order_stage( r, live, (wisp_stage)stage, order, count, error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 // ---- nodes: waves and fusion ----

@@ -75,14 +75,13 @@ static wisp_status declare_pass( wisp_registry* registry, const wisp_pass* pass 
 
 wisp_status wisp_declare_passes( wisp_registry* registry, const wisp_pass* passes, int count, void* user )
 {
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < count && status == WISP_OK; ++i )
+    for ( int i = 0; i < count; ++i )
     {
         wisp_pass pass = passes[i];
         pass.user = pass.user != NULL ? pass.user : user;
-        status = declare_pass( registry, &pass );
+        WISP_TRY( declare_pass( registry, &pass ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 // Return the number of a declared pass, or that behind the last one.
@@ -355,29 +354,27 @@ void plan_registry_removed( const wisp_registry* r, wisp_world* world, wisp_enti
 wisp_status plan_registry_triangles_changed( const wisp_registry* r, wisp_world* world, wisp_entity surface,
                                              const wisp_fabric* before )
 {
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < r->state_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < r->state_count; ++i )
     {
         if ( r->states[i].hooks.triangles_changed != NULL )
         {
-            status = r->states[i].hooks.triangles_changed( r->states[i].memory, world, surface, before );
+            WISP_TRY( r->states[i].hooks.triangles_changed( r->states[i].memory, world, surface, before ) );
         }
     }
-    return status;
+    return WISP_OK;
 }
 
 wisp_status plan_registry_teleported( const wisp_registry* r, wisp_world* world, wisp_entity entity,
                                       const wisp_teleport_motion* teleport, bool* is_moved )
 {
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < r->state_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < r->state_count; ++i )
     {
         if ( r->states[i].hooks.teleported != NULL )
         {
-            status = r->states[i].hooks.teleported( r->states[i].memory, world, entity, teleport, is_moved );
+            WISP_TRY( r->states[i].hooks.teleported( r->states[i].memory, world, entity, teleport, is_moved ) );
         }
     }
-    return status;
+    return WISP_OK;
 }
 
 bool plan_registry_surroundings( const wisp_registry* r, wisp_world* world, wisp_entity entity,
@@ -429,13 +426,12 @@ bool plan_registry_has_coarse( const wisp_registry* r, const wisp_world* world, 
 
 wisp_status plan_registry_prepare_detail( const wisp_registry* r, wisp_world* world, wisp_entity entity )
 {
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < r->state_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < r->state_count; ++i )
     {
         const plan_state* s = r->states + i;
-        status = s->detail.prepare != NULL ? s->detail.prepare( s->memory, world, entity ) : WISP_OK;
+        WISP_TRY( s->detail.prepare != NULL ? s->detail.prepare( s->memory, world, entity ) : WISP_OK );
     }
-    return status;
+    return WISP_OK;
 }
 
 void plan_registry_detail_changed( const wisp_registry* r, wisp_world* world, wisp_entity entity, wisp_detail from,

@@ -144,11 +144,7 @@ wisp_status plan_select( plan* p, const wisp_registry* r, wisp_error* error )
         const store_mask live = live_passes( r, s->entities + slot );
         p->entities[slot] =
             ( plan_entity ){ .live = live, .runs = passes_at( r, live, s->entities[slot].detail.level ) };
-        wisp_status status = s->entities[slot].alive ? check_supply( r, live, slot, error ) : WISP_OK;
-        if ( status != WISP_OK )
-        {
-            return status;
-        }
+        WISP_TRY( s->entities[slot].alive ? check_supply( r, live, slot, error ) : WISP_OK );
         // rows that mean nothing between steps follow when fusions are known
         const store_mask used = store_mask_and_not( plan_used_by( r, live ), s->transient );
         if ( s->entities[slot].alive && plan_attach_rows( p, s, slot, used ) == false )
@@ -156,7 +152,7 @@ wisp_status plan_select( plan* p, const wisp_registry* r, wisp_error* error )
             return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the rows between the passes of entity %d",
                               slot + 1 );
         }
-        status = s->entities[slot].alive ? need_fabric( r, s->entities + slot, live ) : WISP_OK;
+        wisp_status status = s->entities[slot].alive ? need_fabric( r, s->entities + slot, live ) : WISP_OK;
         if ( status != WISP_OK )
         {
             return wisp_fail( error, status, "out of memory for the topology that passes of entity %d read",

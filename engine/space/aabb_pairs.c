@@ -4,6 +4,8 @@
 
 #include "alloc.h"
 
+#include "wisp/module/definition.h"
+
 #include <string.h>
 
 enum
@@ -359,11 +361,7 @@ static wisp_status search_pairs_until_they_fit( pair_search* s, wisp_aabb_pairs*
             return fail_memory( s->args, error );
         }
         count = count_pairs( s );
-        wisp_status status = check_limit( s->args, count, error );
-        if ( status != WISP_OK )
-        {
-            return status;
-        }
+        WISP_TRY( check_limit( s->args, count, error ) );
         size_t used = atomic_load( &s->pool.used );
         fits = used <= s->pool.capacity;
         if ( !fits && !wisp_buffer_reserve( pool, allocator, used * sizeof( int32_t ) ) )
@@ -450,12 +448,8 @@ wisp_status wisp_aabb_pairs_find( wisp_aabb_pairs* pairs, const wisp_parallel* p
         .query_count = args->queries != NULL ? args->query_count : args->box_count,
     };
     forget( pairs );
-    wisp_status status = prepare_pairs( &s, pairs, error );
-    status = status == WISP_OK ? search_pairs_until_they_fit( &s, pairs, error ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( prepare_pairs( &s, pairs, error ) );
+    WISP_TRY( search_pairs_until_they_fit( &s, pairs, error ) );
     pairs->query_count = s.query_count;
     pairs->begin = s.begin;
     pairs->item = s.item;

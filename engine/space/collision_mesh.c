@@ -6,6 +6,8 @@
 
 #include "alloc.h"
 
+#include "wisp/module/definition.h"
+
 struct wisp_collision_mesh
 {
     mesh_surface surface;
@@ -29,11 +31,7 @@ wisp_status wisp_collision_mesh_create( const wisp_collision_mesh_def* def, cons
 {
     *out = NULL;
     mesh_surface surface = { 0 };
-    wisp_status status = mesh_surface_build( &surface, def, allocator, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( mesh_surface_build( &surface, def, allocator, error ) );
     wisp_collision_mesh* tree = base_allocate( &surface.allocator, sizeof( *tree ), BASE_BUFFER_ALIGNMENT );
     if ( tree == NULL )
     {
@@ -41,9 +39,9 @@ wisp_status wisp_collision_mesh_create( const wisp_collision_mesh_def* def, cons
         return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a mesh collider" );
     }
     *tree = ( wisp_collision_mesh ){ .surface = surface, .deforms = def->deforms };
-    status = def->deforms || embree_tree_exists() == false
-                 ? mesh_bvh_build( &tree->bvh, &tree->surface, error )
-                 : embree_tree_create( &tree->surface, def, &tree->embree, error );
+    wisp_status status = def->deforms || embree_tree_exists() == false
+                             ? mesh_bvh_build( &tree->bvh, &tree->surface, error )
+                             : embree_tree_create( &tree->surface, def, &tree->embree, error );
     status = status == WISP_OK ? mesh_cells_create( &tree->cells, &tree->surface, error ) : status;
     if ( status != WISP_OK )
     {
@@ -100,14 +98,10 @@ wisp_status wisp_collision_mesh_update( wisp_collision_mesh* tree, const wisp_ve
     {
         return wisp_fail( error, WISP_CONFLICT, "mesh collider: is rigid, so its points cannot move" );
     }
-    wisp_status status = mesh_surface_check_points( end, tree->surface.point_count, error );
-    if ( status == WISP_OK && start != NULL )
+    WISP_TRY( mesh_surface_check_points( end, tree->surface.point_count, error ) );
+    if ( start != NULL )
     {
-        status = mesh_surface_check_points( start, tree->surface.point_count, error );
-    }
-    if ( status != WISP_OK )
-    {
-        return status;
+        WISP_TRY( mesh_surface_check_points( start, tree->surface.point_count, error ) );
     }
     mesh_surface_set_points( &tree->surface, start != NULL ? start : end, end );
     mesh_bvh_refit( &tree->bvh, parallel );

@@ -1,6 +1,7 @@
 // Intersections of edges with triangles. Overlapping boxes give candidates, and exact predicates decide. Candidates
 // are tested in blocks of a fixed size. Each block stores its results from its first candidate on. Blocks are then
 // joined in order of edges and their triangles.
+#include "wisp/module/definition.h"
 #include "wisp/module/intersections.h"
 
 #include <math.h>
@@ -208,11 +209,7 @@ wisp_status wisp_intersections_find( wisp_intersections* intersections, const wi
 {
     const wisp_allocator* allocator = wisp_parallel_allocator( parallel );
     intersection_search s = { .args = args, .pairs = &intersections->pairs };
-    const wisp_status status = find_candidates( intersections, parallel, &s, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( find_candidates( intersections, parallel, &s, error ) );
     // the last result stays valid until this one is complete; the number of results fits an int, as that of pairs
     // does
     const size_t pair_count = intersections->pairs.pair_count;

@@ -3,6 +3,8 @@
 #include "alloc.h"
 #include "trig.h"
 
+#include "wisp/module/definition.h"
+
 #include <string.h>
 
 // ---- checks ----
@@ -211,11 +213,7 @@ wisp_status mesh_surface_build( mesh_surface* s, const wisp_collision_mesh_def* 
                                 wisp_error* error )
 {
     *s = ( mesh_surface ){ 0 };
-    wisp_status status = check_def( def, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_def( def, error ) );
     s->allocator = allocator != NULL ? *allocator : ( wisp_allocator ){ 0 };
     s->point_count = def->point_count;
     s->triangle_count = def->triangle_count;

@@ -1,3 +1,4 @@
+#include "wisp/module/definition.h"
 #include "wisp/module/space.h"
 
 #include <math.h>
@@ -202,11 +203,7 @@ wisp_status wisp_neighbours_build( wisp_neighbours* neighbours, const wisp_paral
         .near_count = place + 3 * rows,
         .counts = &counts,
     };
-    wisp_status status = search_until_it_fits( &s, slices, neighbours->buffers + 1 );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( search_until_it_fits( &s, slices, neighbours->buffers + 1 ) );
     neighbours->slice_count = slices;
     neighbours->near = ( wisp_neighbour_list ){ s.begin, s.near_length, s.entries };
     neighbours->all = ( wisp_neighbour_list ){ s.begin, s.length, s.entries };

@@ -39,11 +39,7 @@ static wisp_status check_parameters( const wisp_tune_def* args, int* setting_cou
     *setting_count = 1;
     for ( int k = 0; k < args->parameter_count; ++k )
     {
-        wisp_status status = check_parameter( &args->parameters[k], k, error );
-        if ( status != WISP_OK )
-        {
-            return status;
-        }
+        WISP_TRY( check_parameter( &args->parameters[k], k, error ) );
         *setting_count *= args->parameters[k].value_count;
     }
     if ( *setting_count > WISP_TUNE_MAX_SETTINGS )
@@ -155,13 +151,9 @@ static wisp_status search_with_room( tune_search* s, void* room, wisp_tune_resul
     // At most a fourth of the runs is reserved for the finalists; a search without spare runs measures once.
     const int requested = 2 * ( s->args->repeats - 1 );
     s->reserve = requested < s->args->max_runs / 4 ? requested : s->args->max_runs / 4;
-    wisp_status status = search( s, error );
-    if ( status == WISP_OK )
-    {
-        tune_mark_front( s );
-        status = hand_over( s, out, error );
-    }
-    return status;
+    WISP_TRY( search( s, error ) );
+    tune_mark_front( s );
+    return hand_over( s, out, error );
 }
 
 wisp_status wisp_tune( const wisp_tune_def* given, wisp_tune_result* out, wisp_error* error )
@@ -175,14 +167,10 @@ wisp_status wisp_tune( const wisp_tune_def* given, wisp_tune_result* out, wisp_e
     const wisp_tune_def* args = &values;
     WISP_TRY( wisp_def_read( &values, given, "wisp_default_tune_def", error ) );
     tune_search s = { .args = args, .best = -1, .start = wisp_clock_seconds() };
-    wisp_status status = tune_check_def( args, &s.setting_count, error );
-    if ( status == WISP_OK && !args->run )
+    WISP_TRY( tune_check_def( args, &s.setting_count, error ) );
+    if ( !args->run )
     {
-        status = wisp_fail( error, WISP_BAD_INPUT, "expected a callback that runs a configuration" );
-    }
-    if ( status != WISP_OK )
-    {
-        return status;
+        return wisp_fail( error, WISP_BAD_INPUT, "expected a callback that runs a configuration" );
     }
     const size_t each = (size_t)args->repeats * sizeof( double ) + sizeof( wisp_tune_trial ) + sizeof( tune_setting );
     const size_t bytes = each * (size_t)s.setting_count;
@@ -191,7 +179,7 @@ wisp_status wisp_tune( const wisp_tune_def* given, wisp_tune_result* out, wisp_e
     {
         return wisp_fail( error, WISP_NO_MEMORY, "out of memory to search %d configurations", s.setting_count );
     }
-    status = search_with_room( &s, room, out, error );
+    wisp_status status = search_with_room( &s, room, out, error );
     base_release( &args->allocator, room, bytes );
     return status;
 }

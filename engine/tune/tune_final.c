@@ -1,6 +1,8 @@
 // Stages that do not rely on the order of values, nor on a single measurement.
 #include "tune.h"
 
+#include "wisp/module/definition.h"
+
 #define FINALISTS_MAX 4
 
 // ---- neighbours ----
@@ -23,8 +25,7 @@ static wisp_status run_neighbour( tune_search* s, const int* configuration, wisp
 // One parameter changes: to the next values where they are ordered, to all others where they are not.
 static wisp_status run_along( tune_search* s, const int* centre, int parameter, wisp_error* error )
 {
-    wisp_status status = WISP_OK;
-    for ( int v = 0; v < s->args->parameters[parameter].value_count && status == WISP_OK; ++v )
+    for ( int v = 0; v < s->args->parameters[parameter].value_count; ++v )
     {
         const int away = v - centre[parameter];
         if ( s->args->parameters[parameter].is_unordered || away == 1 || away == -1 )
@@ -34,10 +35,10 @@ static wisp_status run_along( tune_search* s, const int* centre, int parameter, 
             {
                 configuration[k] = k == parameter ? v : centre[k];
             }
-            status = run_neighbour( s, configuration, error );
+            WISP_TRY( run_neighbour( s, configuration, error ) );
         }
     }
-    return status;
+    return WISP_OK;
 }
 
 // One parameter becomes finer and another one coarser.
@@ -74,12 +75,11 @@ static wisp_status run_all_along( tune_search* s, wisp_error* error )
 static wisp_status run_all_trades( tune_search* s, const int* centre, wisp_error* error )
 {
     const int count = s->args->parameter_count;
-    wisp_status status = WISP_OK;
-    for ( int pair = 0; pair < count * count && status == WISP_OK; ++pair )
+    for ( int pair = 0; pair < count * count; ++pair )
     {
-        status = run_trade( s, centre, pair / count, pair % count, error );
+        WISP_TRY( run_trade( s, centre, pair / count, pair % count, error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 // With many parameters there are many trades, so they come after no single parameter improves the best.

@@ -339,10 +339,7 @@ static void skin_all( const wisp_skin* skin, const wisp_skin_pose* pose, wisp_ve
 wisp_status wisp_skin_points( const wisp_skin* skin, wisp_skin_pose* pose, wisp_skin_method method,
                               const wisp_affine* bones, wisp_vec3* out, wisp_error* error )
 {
-    const wisp_status status = wisp_skin_pose_set( pose, skin, method, bones, NULL, error );
-    if ( status == WISP_OK )
-    {
-        skin_all( skin, pose, out );
-    }
-    return status;
+    WISP_TRY( wisp_skin_pose_set( pose, skin, method, bones, NULL, error ) );
+    skin_all( skin, pose, out );
+    return WISP_OK;
 }

@@ -125,11 +125,7 @@ wisp_status wisp_world_create( const wisp_world_def* given, wisp_world** out, wi
     wisp_world_def values = wisp_default_world_def();
     const wisp_world_def* def = &values;
     WISP_TRY( wisp_def_read( &values, given, "wisp_default_world_def", error ) );
-    wisp_status status = check_def( def, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_def( def, error ) );
     wisp_world* world = base_allocate( &def->allocator, sizeof( wisp_world ), 64 );
     if ( world == NULL )
     {
@@ -139,7 +135,7 @@ wisp_status wisp_world_create( const wisp_world_def* given, wisp_world** out, wi
     world->memory.host = def->allocator;
     world->allocator = ( wisp_allocator ){ counted_allocate, counted_release, &world->memory };
     world->log = ( base_log ){ def->log, def->log_user };
-    status = build( world, def, error );
+    wisp_status status = build( world, def, error );
     if ( status != WISP_OK )
     {
         wisp_world_destroy( world );
@@ -481,14 +477,11 @@ wisp_status wisp_read_substeps( wisp_world* world, wisp_entity entity, int* out 
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     *out = 0;
     WISP_TRY( wisp_world_check_entity( world, entity ) );
-    const wisp_status status = compile_if_changed( world );
-    if ( status == WISP_OK )
-    {
-        *out = plan_substeps_of_rate( &world->registry,
-                                      plan_rate( world->plan.entities + entity.index - 1, &world->registry ),
-                                      world->registry.substeps );
-    }
-    return status;
+    WISP_TRY( compile_if_changed( world ) );
+    *out = plan_substeps_of_rate( &world->registry,
+                                  plan_rate( world->plan.entities + entity.index - 1, &world->registry ),
+                                  world->registry.substeps );
+    return WISP_OK;
 }
 
 wisp_status wisp_world_explain( wisp_world* world, wisp_plan_info** out )
@@ -496,14 +489,9 @@ wisp_status wisp_world_explain( wisp_world* world, wisp_plan_info** out )
     WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     *out = NULL;
-    wisp_status status = compile_if_changed( world );
-    if ( status == WISP_OK )
-    {
-        *out = plan_explain( &world->plan, &world->registry, world->registry.substeps, world->frame.iterations );
-        status =
-            *out != NULL ? WISP_OK : wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to explain the plan" );
-    }
-    return status;
+    WISP_TRY( compile_if_changed( world ) );
+    *out = plan_explain( &world->plan, &world->registry, world->registry.substeps, world->frame.iterations );
+    return *out != NULL ? WISP_OK : wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to explain the plan" );
 }
 
 wisp_status wisp_world_plan( wisp_world* world, void ( *write )( void* user, const char* line ), void* user )

@@ -47,6 +47,7 @@ wisp_status wisp_world_begin_def( wisp_world* world, const char* filled_by, void
 
 wisp_status wisp_world_check_entity( wisp_world* world, wisp_entity entity )
 {
+    WISP_TRY( wisp_world_begin( world ) );
     return store_find( &world->store, entity ) != NULL ? WISP_OK : world_stale( world, entity );
 }
 
@@ -145,7 +146,6 @@ void wisp_world_remove( wisp_world* world, wisp_entity entity )
 
 wisp_status wisp_remove( wisp_world* world, wisp_entity entity )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, entity ) );
     wisp_world_remove( world, entity );
     return WISP_OK;
@@ -164,7 +164,6 @@ bool wisp_has_strands( const wisp_world* world, wisp_entity entity )
 
 wisp_status wisp_set_substeps( wisp_world* world, wisp_entity entity, int substeps )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, entity ) );
     store_entity* e = store_find( &world->store, entity );
     if ( substeps < 0 || substeps > WORLD_MAX_SUBSTEPS )
@@ -324,11 +323,7 @@ static wisp_status check_component( wisp_world* world, wisp_entity entity, wisp_
 
 wisp_status wisp_world_request( wisp_world* world, wisp_entity entity, wisp_component component )
 {
-    wisp_status status = check_component( world, entity, component );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_component( world, entity, component ) );
     store_entity* e = store_find( &world->store, entity );
     bool had = store_mask_has( &e->components, component );
     if ( store_attach( &world->store, entity, component ) == false )
@@ -347,18 +342,13 @@ wisp_status wisp_world_request( wisp_world* world, wisp_entity entity, wisp_comp
 
 wisp_status wisp_request( wisp_world* world, wisp_entity entity, wisp_component component )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, entity ) );
     return wisp_world_request( world, entity, component );
 }
 
 wisp_status wisp_world_cancel_request( wisp_world* world, wisp_entity entity, wisp_component component )
 {
-    wisp_status status = check_component( world, entity, component );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_component( world, entity, component ) );
     store_entity* e = store_find( &world->store, entity );
     if ( store_mask_has( &e->requests, component ) == false )
     {
@@ -375,7 +365,6 @@ wisp_status wisp_world_cancel_request( wisp_world* world, wisp_entity entity, wi
 
 wisp_status wisp_cancel_request( wisp_world* world, wisp_entity entity, wisp_component component )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, entity ) );
     return wisp_world_cancel_request( world, entity, component );
 }

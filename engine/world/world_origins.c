@@ -395,7 +395,6 @@ void world_origins_read( wisp_world* world, const void* bytes )
 
 wisp_status wisp_set_origin( wisp_world* world, wisp_entity entity, const double origin[3] )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, entity ) );
     WISP_TRY( wisp_world_check_pointer( world, "origin", origin ) );
     for ( int k = 0; k < 3; ++k )

@@ -162,17 +162,13 @@ wisp_status wisp_add_strands( wisp_world* world, const wisp_strands_def* given, 
     const wisp_strands_def* def = &values;
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_strands_def", &values, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    wisp_status status = check_strands( world, def );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_strands( world, def ) );
     cook_strands* strands = cook_strands_create( &world->allocator, def->offsets, def->strand_count, def->dimension );
     if ( strands == NULL )
     {
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to cook %d strands", def->strand_count );
     }
-    status = add_strands_entity( world, strands, out );
+    wisp_status status = add_strands_entity( world, strands, out );
     if ( status != WISP_OK )
     {
         cook_strands_release( strands );
@@ -190,11 +186,7 @@ wisp_status wisp_add_strands( wisp_world* world, const wisp_strands_def* given, 
 static wisp_status add_strands_instance( wisp_world* world, wisp_entity source, cook_strands* strands,
                                          wisp_entity* out )
 {
-    wisp_status status = add_strands_entity( world, strands, out );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( add_strands_entity( world, strands, out ) );
     cook_strands_retain( strands );
     const store_entity* from = store_find( &world->store, source ); // slots may have moved
     const store_entity* e = store_find( &world->store, *out );
@@ -219,16 +211,13 @@ wisp_status wisp_add_instance( wisp_world* world, wisp_entity source, const wisp
         return wisp_world_fail( world, WISP_CONFLICT, "entity %u: has no strands and no surface to share",
                                 source.index );
     }
-    wisp_status status = pose != NULL ? world_check_pose( world, from, *pose ) : WISP_OK;
-    if ( status == WISP_OK )
-    {
-        status = from->fabric != NULL
-                     ? world_add_surface_instance( world, source, out )
-                     : add_strands_instance( world, source, (cook_strands*)(void*)from->strands, out );
-    }
-    if ( status == WISP_OK && pose != NULL )
+    WISP_TRY( pose != NULL ? world_check_pose( world, from, *pose ) : WISP_OK );
+    WISP_TRY( from->fabric != NULL
+                  ? world_add_surface_instance( world, source, out )
+                  : add_strands_instance( world, source, (cook_strands*)(void*)from->strands, out ) );
+    if ( pose != NULL )
     {
         world_place( world, *out, *pose );
     }
-    return status;
+    return WISP_OK;
 }

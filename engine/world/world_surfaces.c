@@ -194,12 +194,8 @@ wisp_status wisp_add_surface( wisp_world* world, const wisp_surface_def* given, 
     const wisp_surface_def* def = &values;
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_surface_def", &values, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    wisp_status status = check_surface( world, def );
-    status = status == WISP_OK ? add_surface_entity( world, def, out ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_surface( world, def ) );
+    WISP_TRY( add_surface_entity( world, def, out ) );
     int weightless = fill_particles( world, *out, def );
     if ( weightless > 0 )
     {
@@ -218,11 +214,7 @@ static wisp_status copy_mass_map( wisp_world* world, wisp_entity source, wisp_en
     {
         return WISP_OK;
     }
-    const wisp_status status = wisp_world_attach( world, to, WISP_MAP_AREA_DENSITY );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( wisp_world_attach( world, to, WISP_MAP_AREA_DENSITY ) );
     const store_entity* e = store_find( &world->store, to );
     memcpy( store_column( &world->store, e, WISP_MAP_AREA_DENSITY, 0 ),
             store_column( &world->store, store_find( &world->store, source ), WISP_MAP_AREA_DENSITY, 0 ),
@@ -306,12 +298,8 @@ static wisp_status set_pinned( wisp_world* world, wisp_entity surface, const int
                                bool pinned )
 {
     store_entity* e;
-    wisp_status status = world_find_surface( world, surface, &e );
-    status = status == WISP_OK ? check_vertices( world, e->fabric, vertices, count ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( world_find_surface( world, surface, &e ) );
+    WISP_TRY( check_vertices( world, e->fabric, vertices, count ) );
     float* position = store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 );
     float* velocity = store_column( &world->store, e, WISP_PARTICLE_VELOCITY, 0 );
     float* target = store_column( &world->store, e, WISP_PARTICLE_TARGET, 0 );
@@ -335,7 +323,6 @@ static wisp_status set_pinned( wisp_world* world, wisp_entity surface, const int
 
 wisp_status wisp_pin( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
     return set_pinned( world, surface, vertices, count, true );
@@ -343,7 +330,6 @@ wisp_status wisp_pin( wisp_world* world, wisp_entity surface, const int32_t* ver
 
 wisp_status wisp_unpin( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
     return set_pinned( world, surface, vertices, count, false );
@@ -366,20 +352,15 @@ static wisp_status check_pinned( wisp_world* world, const store_entity* e, const
 wisp_status wisp_move_pins( wisp_world* world, wisp_entity surface, const int32_t* vertices, const wisp_vec3* targets,
                             int count )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
     WISP_TRY( wisp_world_check_list( world, "targets", targets, count ) );
     store_entity* e;
-    wisp_status status = world_find_surface( world, surface, &e );
-    status = status == WISP_OK ? check_vertices( world, e->fabric, vertices, count ) : status;
-    status = status == WISP_OK ? check_vertex_places( world, targets, count, "target" ) : status;
-    status = status == WISP_OK ? check_pinned( world, e, vertices, count ) : status;
-    status = status == WISP_OK ? wisp_world_attach( world, surface, WISP_PARTICLE_TARGET ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( world_find_surface( world, surface, &e ) );
+    WISP_TRY( check_vertices( world, e->fabric, vertices, count ) );
+    WISP_TRY( check_vertex_places( world, targets, count, "target" ) );
+    WISP_TRY( check_pinned( world, e, vertices, count ) );
+    WISP_TRY( wisp_world_attach( world, surface, WISP_PARTICLE_TARGET ) );
     float* target = wisp_world_column( world, surface, WISP_PARTICLE_TARGET, 0 );
     for ( int i = 0; i < count; ++i )
     {
@@ -399,18 +380,13 @@ wisp_status wisp_move_pins( wisp_world* world, wisp_entity surface, const int32_
 static wisp_status set_component( wisp_world* world, wisp_entity surface, wisp_component component, bool requested )
 {
     store_entity* e;
-    wisp_status status = world_find_surface( world, surface, &e );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( world_find_surface( world, surface, &e ) );
     return requested ? wisp_world_attach( world, surface, component )
                      : wisp_world_detach( world, surface, component );
 }
 
 wisp_status wisp_set_gravity( wisp_world* world, wisp_entity surface, wisp_vec3 gravity )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     WISP_TRY( check_gravity( world, gravity ) );
     wisp_status status = set_component( world, surface, WISP_PARTICLE_GRAVITY, wisp_v3_length( gravity ) > 0.0f );
@@ -424,7 +400,6 @@ wisp_status wisp_set_gravity( wisp_world* world, wisp_entity surface, wisp_vec3 
 
 wisp_status wisp_set_damping( wisp_world* world, wisp_entity surface, float rate )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     if ( !( rate >= 0.0f && rate <= 1e9f ) )
     {
@@ -441,7 +416,6 @@ wisp_status wisp_set_damping( wisp_world* world, wisp_entity surface, float rate
 
 wisp_status wisp_set_strain_limit( wisp_world* world, wisp_entity surface, float minimum, float maximum )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     if ( !( minimum >= 0.0f && minimum <= 1.0f && maximum >= 1.0f ) )
     {
@@ -493,7 +467,6 @@ bool wisp_is_halted( const wisp_world* world, wisp_entity entity )
 
 wisp_status wisp_resume( wisp_world* world, wisp_entity entity )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, entity ) );
     store_entity* e = store_find( &world->store, entity );
     e->halted = 0;

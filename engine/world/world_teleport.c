@@ -201,13 +201,12 @@ static wisp_status check_places( wisp_world* world, const float* rows, row_shape
 static wisp_status check_lanes( wisp_world* world, const float* lanes, int row_count, wisp_transform motion,
                                 const char* what )
 {
-    wisp_status status = WISP_OK;
-    for ( int lane = 0; lane < WISP_LANES && lanes != NULL && status == WISP_OK; ++lane )
+    for ( int lane = 0; lane < WISP_LANES && lanes != NULL; ++lane )
     {
-        status = check_places( world, lanes + lane, ( row_shape ){ (size_t)3 * WISP_LANES, WISP_LANES }, row_count,
-                               motion, what );
+        WISP_TRY( check_places( world, lanes + lane, ( row_shape ){ (size_t)3 * WISP_LANES, WISP_LANES }, row_count,
+                                motion, what ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 static wisp_status check_entity( wisp_world* world, const store_entity* e, wisp_transform motion )
@@ -290,7 +289,6 @@ static wisp_teleport_motion teleport_of_rows( const wisp_world* world, const sto
 
 wisp_status wisp_teleport( wisp_world* world, wisp_entity entity, wisp_transform motion, bool keep_velocity )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, entity ) );
     const store_entity* e = store_find( &world->store, entity );
     wisp_status status = check_motion( world, motion, "teleport" );

@@ -239,7 +239,6 @@ wisp_status wisp_world_change_triangles( wisp_world* world, wisp_entity surface,
 
 wisp_status wisp_read_triangles( wisp_world* world, wisp_entity surface, int32_t* out, int count )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     store_entity* e;
     WISP_TRY( world_find_surface( world, surface, &e ) );

@@ -27,7 +27,6 @@ static wisp_vec3 centre_of( const wisp_fabric* fabric, const float* position )
 
 wisp_status wisp_set_velocity( wisp_world* world, wisp_entity surface, wisp_vec3 linear, wisp_vec3 angular )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     store_entity* e;
     WISP_TRY( world_find_surface( world, surface, &e ) );
@@ -78,7 +77,6 @@ static wisp_status check_velocities( wisp_world* world, const wisp_fabric* fabri
 wisp_status wisp_set_vertex_velocities( wisp_world* world, wisp_entity surface, const int32_t* vertices,
                                         const wisp_vec3* velocities, int count )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
     WISP_TRY( wisp_world_check_list( world, "velocities", velocities, count ) );
@@ -160,7 +158,6 @@ static void add_gust( const wisp_fabric* fabric, wisp_vec3 gust, const int32_t* 
 
 wisp_status wisp_apply_gust( wisp_world* world, wisp_entity surface, wisp_vec3 gust, bool per_triangle )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     store_entity* e;
     WISP_TRY( world_find_surface( world, surface, &e ) );

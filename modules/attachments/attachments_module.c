@@ -11,10 +11,7 @@ static const wisp_column_def PLACE_COLUMNS[] = { ATTACHMENTS_PLACE_COLUMNS( WISP
 static void release_state( void* memory, const wisp_allocator* allocator )
 {
     attachments_state* state = memory;
-    if ( state->surfaces != NULL )
-    {
-        allocator->release( allocator->user, state->surfaces, (size_t)state->capacity * sizeof( wisp_entity ) );
-    }
+    wisp_release( allocator, state->surfaces, (size_t)state->capacity * sizeof( wisp_entity ) );
 }
 
 static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
@@ -76,8 +73,7 @@ static wisp_status declare( wisp_registry* r )
                                                   .triangles_changed = triangles_changed,
                                                   .memory = count_memory } );
     wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .surroundings = find_surroundings } );
-    const wisp_component_def place = { "attachments.place", WISP_TABLE_PARTICLE, PLACE_COLUMNS, 1 };
-    state->place = wisp_declare_component( r, &place );
+    state->place = WISP_COMPONENT( r, "attachments.place", WISP_TABLE_PARTICLE, PLACE_COLUMNS );
     const wisp_index_range ranges[] = {
         { .component = state->place, .kind = WISP_INDEX_SURFACE },
         { .component = state->place,

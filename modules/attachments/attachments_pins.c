@@ -306,7 +306,6 @@ static wisp_status pin( wisp_world* world, attachments_state* state, wisp_entity
 static wisp_status begin( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count,
                           attachments_state** state )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
     void* found;

@@ -133,11 +133,7 @@ static wisp_status check_mesh( wisp_world* world, const wisp_fabric* f, int32_t*
                                 "balloon: got %d components, expected one: make each a surface of its own",
                                 components );
     }
-    wisp_status status = balloon_check_border( world, f );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( balloon_check_border( world, f ) );
     balloon_find_loops( f, scratch, scratch + f->slot_count );
     double volume = rest_volume( f, &( balloon_loops ){ scratch, scratch + f->slot_count, f->slot_count } );
     if ( !( volume > 0.0 ) )
@@ -282,11 +278,7 @@ static wisp_status check_skin( wisp_world* world, wisp_entity surface, const wis
                                const balloon_state* s )
 {
     const wisp_fabric* f = wisp_world_fabric( world, surface );
-    wisp_status status = wisp_world_need_fabric( world, surface, WISP_FABRIC_EDGES | WISP_FABRIC_RINGS );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( wisp_world_need_fabric( world, surface, WISP_FABRIC_EDGES | WISP_FABRIC_RINGS ) );
     if ( f->open_edge_count > 0 && d->allow_open == false )
     {
         return balloon_refuse_open( world, f );
@@ -295,7 +287,7 @@ static wisp_status check_skin( wisp_world* world, wisp_entity surface, const wis
     {
         return WISP_OK;
     }
-    status = wisp_world_attach( world, surface, s->rings );
+    wisp_status status = wisp_world_attach( world, surface, s->rings );
     if ( status == WISP_OK )
     {
         status = check_mesh( world, f, wisp_world_column( world, surface, s->rings, 0 ) );
@@ -319,15 +311,12 @@ wisp_status wisp_set_balloon( wisp_world* world, wisp_entity surface, const wisp
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_balloon_def", &values, given ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     const balloon_state* state;
-    wisp_status status = balloon_find_state( world, surface, &state );
-    status = status == WISP_OK ? check_alone( world, surface ) : status;
-    status = status == WISP_OK ? check_ranges( world, def ) : status;
-    status = status == WISP_OK ? check_outlet( world, wisp_world_fabric( world, surface ), def ) : status;
-    status = status == WISP_OK ? check_skin( world, surface, def, state ) : status;
-    status = status == WISP_OK ? dress( world, surface, def, state ) : status;
-    if ( status == WISP_OK )
-    {
-        fill( world, surface, def, state );
-    }
-    return status;
+    WISP_TRY( balloon_find_state( world, surface, &state ) );
+    WISP_TRY( check_alone( world, surface ) );
+    WISP_TRY( check_ranges( world, def ) );
+    WISP_TRY( check_outlet( world, wisp_world_fabric( world, surface ), def ) );
+    WISP_TRY( check_skin( world, surface, def, state ) );
+    WISP_TRY( dress( world, surface, def, state ) );
+    fill( world, surface, def, state );
+    return WISP_OK;
 }

@@ -211,14 +211,9 @@ static wisp_status find_balloon( wisp_world* world, wisp_entity balloon, const b
 
 wisp_status wisp_set_balloon_gas_ratio( wisp_world* world, wisp_entity balloon, float fill_fraction )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, balloon ) );
     const balloon_state* state;
-    wisp_status status = find_balloon( world, balloon, &state );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( find_balloon( world, balloon, &state ) );
     balloon_gas* gas = wisp_world_column( world, balloon, state->gas, 0 );
     double least = gas->min_volume / gas->rest_volume;
     if ( !( (double)fill_fraction >= least * ( 1.0 - 1e-6 ) && fill_fraction <= 1e6f ) )
@@ -232,41 +227,28 @@ wisp_status wisp_set_balloon_gas_ratio( wisp_world* world, wisp_entity balloon, 
 
 wisp_status wisp_set_balloon_inflation( wisp_world* world, wisp_entity balloon, float rate )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, balloon ) );
     const balloon_state* state;
-    wisp_status status = find_balloon( world, balloon, &state );
-    if ( status == WISP_OK && !( fabsf( rate ) <= 1e6f ) )
+    WISP_TRY( find_balloon( world, balloon, &state ) );
+    if ( !( fabsf( rate ) <= 1e6f ) )
     {
-        status = wisp_world_fail( world, WISP_BAD_INPUT, "balloon: inflation_rate: got %g, expected -1e6 to 1e6",
-                                  (double)rate );
-    }
-    if ( status != WISP_OK )
-    {
-        return status;
+        return wisp_world_fail( world, WISP_BAD_INPUT, "balloon: inflation_rate: got %g, expected -1e6 to 1e6",
+                                (double)rate );
     }
     if ( rate == 0.0f )
     {
         return wisp_world_detach( world, balloon, state->inflation );
     }
-    status = wisp_world_attach( world, balloon, state->inflation );
-    if ( status == WISP_OK )
-    {
-        *(float*)wisp_world_column( world, balloon, state->inflation, 0 ) = rate;
-    }
-    return status;
+    WISP_TRY( wisp_world_attach( world, balloon, state->inflation ) );
+    *(float*)wisp_world_column( world, balloon, state->inflation, 0 ) = rate;
+    return WISP_OK;
 }
 
 wisp_status wisp_open_balloon( wisp_world* world, wisp_entity balloon, bool open )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, balloon ) );
     const balloon_state* state;
-    wisp_status status = find_balloon( world, balloon, &state );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( find_balloon( world, balloon, &state ) );
     balloon_outlet* outlet = wisp_world_column( world, balloon, state->outlet, 0 );
     if ( outlet == NULL )
     {
@@ -278,14 +260,9 @@ wisp_status wisp_open_balloon( wisp_world* world, wisp_entity balloon, bool open
 
 wisp_status wisp_request_balloon_stats( wisp_world* world, wisp_entity balloon, bool requested )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, balloon ) );
     const balloon_state* state;
-    wisp_status status = find_balloon( world, balloon, &state );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( find_balloon( world, balloon, &state ) );
     return requested ? wisp_world_request( world, balloon, state->stats )
                      : wisp_world_cancel_request( world, balloon, state->stats );
 }
@@ -297,11 +274,7 @@ wisp_status wisp_read_balloon_stats( wisp_world* world, wisp_entity balloon, wis
     *out = ( wisp_balloon_stats ){ 0 };
     WISP_TRY( wisp_world_check_entity( world, balloon ) );
     const balloon_state* state;
-    wisp_status status = find_balloon( world, balloon, &state );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( find_balloon( world, balloon, &state ) );
     const wisp_balloon_stats* stats = wisp_world_column( world, balloon, state->stats, 0 );
     if ( stats == NULL || stats->rest_volume == 0.0 )
     {

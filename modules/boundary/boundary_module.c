@@ -42,11 +42,7 @@ static void release_state( void* memory, const wisp_allocator* allocator )
     {
         boundary_layer_release( state->layers[i], allocator );
     }
-    if ( state->layers != NULL )
-    {
-        allocator->release( allocator->user, state->layers,
-                            (size_t)state->layer_capacity * sizeof( *state->layers ) );
-    }
+    wisp_release( allocator, state->layers, (size_t)state->layer_capacity * sizeof( *state->layers ) );
 }
 
 static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
@@ -57,17 +53,12 @@ static void entity_removed( void* memory, wisp_world* world, wisp_entity entity 
 static wisp_status declare_components( wisp_registry* r, boundary_state* s )
 {
     const wisp_component_def settings = { "boundary.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS, 1 };
-    const wisp_component_def normals = { "boundary.normals", WISP_TABLE_PARTICLE, NORMALS_COLUMNS, 1 };
-    const wisp_component_def edges = { "boundary.edges", WISP_TABLE_EDGE, EDGES_COLUMNS,
-                                       WISP_COUNT( EDGES_COLUMNS ) };
-    const wisp_component_def triangles = { "boundary.triangles", WISP_TABLE_TRIANGLE, TRIANGLES_COLUMNS,
-                                           WISP_COUNT( TRIANGLES_COLUMNS ) };
     const wisp_component_def local = { "boundary.local", WISP_TABLE_ENTITY, NULL, 0 };
     const wisp_component_def read = { WISP_SAMPLES_READ, WISP_TABLE_ENTITY, NULL, 0 };
     s->settings = wisp_declare_component( r, &settings );
-    s->normals = wisp_declare_component( r, &normals );
-    s->edges = wisp_declare_component( r, &edges );
-    s->triangles = wisp_declare_component( r, &triangles );
+    s->normals = WISP_COMPONENT( r, "boundary.normals", WISP_TABLE_PARTICLE, NORMALS_COLUMNS );
+    s->edges = WISP_COMPONENT( r, "boundary.edges", WISP_TABLE_EDGE, EDGES_COLUMNS );
+    s->triangles = WISP_COMPONENT( r, "boundary.triangles", WISP_TABLE_TRIANGLE, TRIANGLES_COLUMNS );
     s->local = wisp_declare_component( r, &local );
     s->read = wisp_declare_component( r, &read );
     const wisp_index_range ranges[] = {
@@ -165,11 +156,7 @@ static wisp_status check_ranges( wisp_world* world, const wisp_boundary_def* d )
         { "eye.y", d->eye.y, -1e6f, 1e6f },
         { "eye.z", d->eye.z, -1e6f, 1e6f },
     };
-    const wisp_status status = wisp_world_check_ranges( world, "boundary", ranges, WISP_COUNT( ranges ) );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( wisp_world_check_ranges( world, "boundary", ranges, WISP_COUNT( ranges ) ) );
     if ( d->max_points < 1 || d->max_points > BOUNDARY_MAX_POINTS )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "boundary: max_points: got %d points, expected 1 to %d",
@@ -326,18 +313,13 @@ wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wis
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_boundary_def", &values, given ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     boundary_state* state;
-    wisp_status status = find_state( world, surface, &state );
-    status = status == WISP_OK ? check_ranges( world, def ) : status;
-    status =
-        status == WISP_OK ? wisp_world_need_fabric( world, surface, WISP_FABRIC_EDGES | WISP_FABRIC_RINGS ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( find_state( world, surface, &state ) );
+    WISP_TRY( check_ranges( world, def ) );
+    WISP_TRY( wisp_world_need_fabric( world, surface, WISP_FABRIC_EDGES | WISP_FABRIC_RINGS ) );
     const boundary_settings settings = fill_settings( def, wisp_world_rest_lengths( world, surface ).mean );
     const bool local = def->curvature_gain > 0.0f || def->strain_gain != 0.0f || def->eye_angle > 0.0f;
     boundary_layer* layer = NULL;
-    status = check_spacing( world, &settings, wisp_world_fabric( world, surface ) );
+    wisp_status status = check_spacing( world, &settings, wisp_world_fabric( world, surface ) );
     status = status == WISP_OK ? provide_layer( world, surface, state, &layer ) : status;
     const bool had = boundary_find_layer( state, surface ) != NULL;
     status = status == WISP_OK ? dress( world, surface, state, local ) : status;
@@ -359,17 +341,13 @@ wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wis
 
 wisp_status wisp_unset_boundary( wisp_world* world, wisp_entity surface )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     boundary_state* state;
-    wisp_status status = find_state( world, surface, &state );
-    if ( status == WISP_OK )
-    {
-        undress( world, surface, state );
-        wisp_world_share_samples( world, surface, NULL );
-        boundary_drop_layer( state, wisp_world_allocator( world ), surface );
-    }
-    return status;
+    WISP_TRY( find_state( world, surface, &state ) );
+    undress( world, surface, state );
+    wisp_world_share_samples( world, surface, NULL );
+    boundary_drop_layer( state, wisp_world_allocator( world ), surface );
+    return WISP_OK;
 }
 
 static wisp_status find_layer( wisp_world* world, wisp_entity surface, boundary_state** state, boundary_layer** out )
@@ -516,21 +494,18 @@ wisp_status wisp_read_boundary_stats( wisp_world* world, wisp_entity surface, wi
     *out = ( wisp_boundary_stats ){ 0 };
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     boundary_layer* layer;
-    wisp_status status = find_made( world, surface, &layer );
-    if ( status == WISP_OK )
-    {
-        const wisp_samples* s = &layer->samples;
-        *out = ( wisp_boundary_stats ){
-            .points = s->count,
-            .edge_points = s->edge_count,
-            .inner_points = s->count - s->edge_count,
-            .elements = layer->edge_count + layer->triangle_count,
-            .changed_elements = s->changed_elements,
-            .skipped_elements = s->skipped_elements,
-            .refused = s->refused,
-            .requested = s->requested,
-            .bytes = bytes_of( layer ),
-        };
-    }
-    return status;
+    WISP_TRY( find_made( world, surface, &layer ) );
+    const wisp_samples* s = &layer->samples;
+    *out = ( wisp_boundary_stats ){
+        .points = s->count,
+        .edge_points = s->edge_count,
+        .inner_points = s->count - s->edge_count,
+        .elements = layer->edge_count + layer->triangle_count,
+        .changed_elements = s->changed_elements,
+        .skipped_elements = s->skipped_elements,
+        .refused = s->refused,
+        .requested = s->requested,
+        .bytes = bytes_of( layer ),
+    };
+    return WISP_OK;
 }

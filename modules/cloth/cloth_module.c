@@ -42,11 +42,7 @@ static void release_state( void* memory, const wisp_allocator* allocator )
     {
         cloth_remove_plate( state, state->plates[0].entity, allocator );
     }
-    if ( state->plates != NULL )
-    {
-        allocator->release( allocator->user, state->plates,
-                            (size_t)state->plate_capacity * sizeof( *state->plates ) );
-    }
+    wisp_release( allocator, state->plates, (size_t)state->plate_capacity * sizeof( *state->plates ) );
 }
 
 static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
@@ -108,12 +104,9 @@ static wisp_status declare( wisp_registry* r )
                                                   .removed = entity_removed,
                                                   .triangles_changed = triangles_changed,
                                                   .memory = count_memory } );
-    const wisp_component_def air = { "cloth.air", WISP_TABLE_ENTITY, AIR_COLUMNS, 1 };
-    const wisp_component_def damping = { "cloth.damping", WISP_TABLE_ENTITY, DAMPING_COLUMNS, 1 };
-    state->air = wisp_declare_component( r, &air );
-    const wisp_component_def bending = { "cloth.bending", WISP_TABLE_ENTITY, BENDING_COLUMNS, 1 };
-    state->damping = wisp_declare_component( r, &damping );
-    state->bending = wisp_declare_component( r, &bending );
+    state->air = WISP_COMPONENT( r, "cloth.air", WISP_TABLE_ENTITY, AIR_COLUMNS );
+    state->damping = WISP_COMPONENT( r, "cloth.damping", WISP_TABLE_ENTITY, DAMPING_COLUMNS );
+    state->bending = WISP_COMPONENT( r, "cloth.bending", WISP_TABLE_ENTITY, BENDING_COLUMNS );
     declare_maps( r, state );
     wisp_status status =
         wisp_declare_pass( r, &( wisp_pass ){
@@ -436,14 +429,9 @@ wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_c
 
 wisp_status wisp_set_cloth_wind( wisp_world* world, wisp_entity surface, wisp_vec3 wind )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     cloth_state* state;
-    wisp_status status = find_state( world, surface, &state );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( find_state( world, surface, &state ) );
     if ( !( wisp_v3_length( wind ) <= 1e5f ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,

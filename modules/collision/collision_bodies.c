@@ -163,11 +163,7 @@ void collision_measure_points( const wisp_collider_def* d, collision_body* body 
 
 static wisp_status make_mesh( wisp_world* world, const wisp_collider_def* d, collision_body* body )
 {
-    wisp_status status = collision_check_points( world, d );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( collision_check_points( world, d ) );
     const wisp_collision_mesh_def def = {
         .points = d->points,
         .triangles = d->triangles,
@@ -175,7 +171,7 @@ static wisp_status make_mesh( wisp_world* world, const wisp_collider_def* d, col
         .triangle_count = d->triangle_count,
     };
     wisp_error error = { 0 };
-    status = wisp_collision_mesh_create( &def, wisp_world_allocator( world ), &body->tree, &error );
+    wisp_status status = wisp_collision_mesh_create( &def, wisp_world_allocator( world ), &body->tree, &error );
     if ( status != WISP_OK )
     {
         return wisp_world_fail( world, status, "collider: %s", error.message );
@@ -351,17 +347,13 @@ static wisp_status couple_body( wisp_world* world, collision_state* state, wisp_
 static wisp_status append_body( wisp_world* world, collision_state* state, const wisp_collider_def* d,
                                 collision_body* body )
 {
-    wisp_status status = wisp_world_add_empty( world, &body->entity );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( wisp_world_add_empty( world, &body->entity ) );
     const wisp_entity entity = body->entity;
     state->bodies[state->body_count++] = *body;
     number_tracks( state );
     const bool follows = body->follows;
     *body = ( collision_body ){ .entity = entity }; // the list owns what it had
-    status = wisp_world_attach( world, entity, state->collider );
+    wisp_status status = wisp_world_attach( world, entity, state->collider );
     if ( status == WISP_OK )
     {
         fill_collider( wisp_world_column( world, entity, state->collider, 0 ), d );
@@ -388,20 +380,16 @@ wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_def* given
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_collider_def", &values, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     collision_state* state;
-    wisp_status status = collision_find_state( world, &state );
-    status = status == WISP_OK ? check_sizes( world, def ) : status;
-    status = status == WISP_OK ? check_pose( world, def->pose ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( collision_find_state( world, &state ) );
+    WISP_TRY( check_sizes( world, def ) );
+    WISP_TRY( check_pose( world, def->pose ) );
     if ( wisp_world_reserve( world, (void**)&state->bodies, &state->body_capacity, state->body_count,
                              sizeof( collision_body ) ) == false )
     {
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d colliders", state->body_count + 1 );
     }
     collision_body body;
-    status = make_body( world, def, &body );
+    wisp_status status = make_body( world, def, &body );
     status = status == WISP_OK ? append_body( world, state, def, &body ) : status;
     if ( status != WISP_OK )
     {
@@ -416,14 +404,9 @@ wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_def* given
 
 wisp_status wisp_move_collider( wisp_world* world, wisp_entity entity, wisp_transform pose )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, entity ) );
     collision_state* state;
-    wisp_status status = collision_find_state( world, &state );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( collision_find_state( world, &state ) );
     const collision_collider* collider = wisp_world_column( world, entity, state->collider, 0 );
     if ( collider == NULL )
     {
@@ -433,14 +416,11 @@ wisp_status wisp_move_collider( wisp_world* world, wisp_entity entity, wisp_tran
     {
         return wisp_world_fail( world, WISP_CONFLICT, "collider: entity %u moves with its surface", entity.index );
     }
-    status = check_pose( world, pose );
-    status = status == WISP_OK ? give_motion( world, state, entity ) : status;
-    if ( status == WISP_OK )
-    {
-        *(wisp_transform*)wisp_world_column( world, entity, state->motion, 0 ) =
-            wisp_transform_make( pose.rotation, pose.translation );
-    }
-    return status;
+    WISP_TRY( check_pose( world, pose ) );
+    WISP_TRY( give_motion( world, state, entity ) );
+    *(wisp_transform*)wisp_world_column( world, entity, state->motion, 0 ) =
+        wisp_transform_make( pose.rotation, pose.translation );
+    return WISP_OK;
 }
 
 void collision_carry( wisp_frame* frame, const wisp_span* span, void* user )

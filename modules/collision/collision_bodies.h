@@ -3,6 +3,8 @@
 
 #include "collision_state.h"
 
+#include "wisp/module/sleep.h"
+
 /// Return a number for a body that stays from step to step, is not 0, and differs between a million entities.
 static inline int32_t collision_body_name( wisp_entity entity )
 {
@@ -66,3 +68,7 @@ bool collision_forget_body( collision_state* state, const wisp_allocator* alloca
 
 /// Return twice the volume within a mesh over its area, m: the radius of a rod, the width of a plate, two thirds of the radius of a ball.
 float collision_bluntness( const wisp_vec3* points, const int32_t* triangles, int count );
+
+/// As wisp_sleep_hooks.surroundings: the bodies within reach of an entity's bounds.
+bool collision_surroundings( const void* state, wisp_world* world, wisp_entity entity,
+                             const wisp_sleep_bounds* bounds, uint64_t* hash );

@@ -2,7 +2,6 @@
 #include "collision_bodies.h"
 #include "collision_participants.h"
 #include "collision_passes.h"
-#include "collision_sleep.h"
 #include "collision_surface.h"
 #include "near_bodies.h"
 #include "primitive_contacts.h"
@@ -82,15 +81,8 @@ static void release_state( void* memory, const wisp_allocator* allocator )
     }
     collision_release_reactions( allocator, state );
     collision_release_near( state, allocator );
-    if ( state->bodies != NULL )
-    {
-        allocator->release( allocator->user, state->bodies, (size_t)state->body_capacity * sizeof( collision_body ) );
-    }
-    if ( state->participants != NULL )
-    {
-        allocator->release( allocator->user, state->participants,
-                            (size_t)state->participant_capacity * sizeof( wisp_entity ) );
-    }
+    wisp_release( allocator, state->bodies, (size_t)state->body_capacity * sizeof( collision_body ) );
+    wisp_release( allocator, state->participants, (size_t)state->participant_capacity * sizeof( wisp_entity ) );
 }
 
 // With the last body all participants lose their contacts, and the plan its passes. This only detaches, so it cannot
@@ -154,55 +146,32 @@ static void tell_of_bodies( const void* memory, wisp_world* world )
 
 static wisp_status declare_components( wisp_registry* r, collision_state* state )
 {
-    const wisp_component_def settings = { "collision.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS, 1 };
-    const wisp_component_def active = { "collision.active", WISP_TABLE_ENTITY, ACTIVE_COLUMNS, 1 };
-    const wisp_component_def strand_contact = { "collision.strand_contact", WISP_TABLE_STRAND_ROW,
-                                                STRAND_CONTACT_COLUMNS, WISP_COUNT( STRAND_CONTACT_COLUMNS ) };
-    const wisp_component_def segment_contact = { "collision.segment_contact", WISP_TABLE_STRAND_ROW,
-                                                 SEGMENT_CONTACT_COLUMNS, WISP_COUNT( SEGMENT_CONTACT_COLUMNS ) };
-    const wisp_component_def carried = { "collision.carried", WISP_TABLE_STRAND_ROW, CARRIED_COLUMNS, 1 };
-    const wisp_component_def stats = { "collision.stats", WISP_TABLE_ENTITY, STATS_COLUMNS, 1 };
-    const wisp_component_def collider = { "collision.collider", WISP_TABLE_ENTITY, COLLIDER_COLUMNS, 1 };
-    const wisp_component_def motion = { "collision.motion", WISP_TABLE_ENTITY, MOTION_COLUMNS, 1 };
-    const wisp_component_def follower = { "collision.follower", WISP_TABLE_ENTITY, FOLLOWER_COLUMNS, 1 };
-    const wisp_component_def tracked = { "collision.tracked", WISP_TABLE_PARTICLE, TRACKED_COLUMNS,
-                                         WISP_COUNT( TRACKED_COLUMNS ) };
-    const wisp_component_def strand_tracked = { "collision.strand_tracked", WISP_TABLE_STRAND_ROW,
-                                                STRAND_TRACKED_COLUMNS, WISP_COUNT( STRAND_TRACKED_COLUMNS ) };
-    state->settings = wisp_declare_component( r, &settings );
+    state->settings = WISP_COMPONENT( r, "collision.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS );
     wisp_declare_map( r, WISP_MAP_COLLISION_THICKNESS, state->settings, NULL );
     wisp_declare_map( r, WISP_MAP_COLLISION_FRICTION, state->settings, NULL );
-    state->active = wisp_declare_component( r, &active );
-    state->strand_contact = wisp_declare_component( r, &strand_contact );
-    state->segment_contact = wisp_declare_component( r, &segment_contact );
-    state->carried = wisp_declare_component( r, &carried );
-    state->stats = wisp_declare_component( r, &stats );
-    state->collider = wisp_declare_component( r, &collider );
-    state->motion = wisp_declare_component( r, &motion );
-    state->follower = wisp_declare_component( r, &follower );
-    state->tracked = wisp_declare_component( r, &tracked );
-    state->strand_tracked = wisp_declare_component( r, &strand_tracked );
-    const wisp_component_def reaction = { "collision.reaction", WISP_TABLE_ENTITY, REACTION_COLUMNS, 1 };
-    const wisp_component_def part = { "collision.reaction_part", WISP_TABLE_ENTITY, REACTION_PART_COLUMNS, 1 };
-    const wisp_component_def body = { "collision.contact_body", WISP_TABLE_PARTICLE, CONTACT_BODY_COLUMNS, 1 };
-    const wisp_component_def bounce = { "collision.bounce", WISP_TABLE_PARTICLE, BOUNCE_COLUMNS, 1 };
-    const wisp_component_def coupled = { "collision.coupled", WISP_TABLE_ENTITY, COUPLED_COLUMNS, 1 };
-    state->reaction = wisp_declare_component( r, &reaction );
-    state->coupled = wisp_declare_component( r, &coupled );
-    state->reaction_part = wisp_declare_component( r, &part );
-    state->contact_body = wisp_declare_component( r, &body );
-    state->bounce = wisp_declare_component( r, &bounce );
-    const wisp_component_def all = { "collision.all_features", WISP_TABLE_ENTITY, ALL_FEATURES_COLUMNS,
-                                     WISP_COUNT( ALL_FEATURES_COLUMNS ) };
-    const wisp_component_def edges = { "collision.edge_contacts", WISP_TABLE_EDGE, PRIMITIVE_CONTACT_COLUMNS,
-                                       WISP_COUNT( PRIMITIVE_CONTACT_COLUMNS ) };
-    const wisp_component_def triangles = { "collision.triangle_contacts", WISP_TABLE_TRIANGLE,
-                                           PRIMITIVE_CONTACT_COLUMNS, WISP_COUNT( PRIMITIVE_CONTACT_COLUMNS ) };
-    state->all_features = wisp_declare_component( r, &all );
-    state->edge_contacts = wisp_declare_component( r, &edges );
-    state->triangle_contacts = wisp_declare_component( r, &triangles );
-    const wisp_component_def clearance = { "collision.clearance", WISP_TABLE_PARTICLE, CLEARANCE_COLUMNS, 1 };
-    state->clearance = wisp_declare_component( r, &clearance );
+    state->active = WISP_COMPONENT( r, "collision.active", WISP_TABLE_ENTITY, ACTIVE_COLUMNS );
+    state->strand_contact =
+        WISP_COMPONENT( r, "collision.strand_contact", WISP_TABLE_STRAND_ROW, STRAND_CONTACT_COLUMNS );
+    state->segment_contact =
+        WISP_COMPONENT( r, "collision.segment_contact", WISP_TABLE_STRAND_ROW, SEGMENT_CONTACT_COLUMNS );
+    state->carried = WISP_COMPONENT( r, "collision.carried", WISP_TABLE_STRAND_ROW, CARRIED_COLUMNS );
+    state->stats = WISP_COMPONENT( r, "collision.stats", WISP_TABLE_ENTITY, STATS_COLUMNS );
+    state->collider = WISP_COMPONENT( r, "collision.collider", WISP_TABLE_ENTITY, COLLIDER_COLUMNS );
+    state->motion = WISP_COMPONENT( r, "collision.motion", WISP_TABLE_ENTITY, MOTION_COLUMNS );
+    state->follower = WISP_COMPONENT( r, "collision.follower", WISP_TABLE_ENTITY, FOLLOWER_COLUMNS );
+    state->tracked = WISP_COMPONENT( r, "collision.tracked", WISP_TABLE_PARTICLE, TRACKED_COLUMNS );
+    state->strand_tracked =
+        WISP_COMPONENT( r, "collision.strand_tracked", WISP_TABLE_STRAND_ROW, STRAND_TRACKED_COLUMNS );
+    state->reaction = WISP_COMPONENT( r, "collision.reaction", WISP_TABLE_ENTITY, REACTION_COLUMNS );
+    state->coupled = WISP_COMPONENT( r, "collision.coupled", WISP_TABLE_ENTITY, COUPLED_COLUMNS );
+    state->reaction_part = WISP_COMPONENT( r, "collision.reaction_part", WISP_TABLE_ENTITY, REACTION_PART_COLUMNS );
+    state->contact_body = WISP_COMPONENT( r, "collision.contact_body", WISP_TABLE_PARTICLE, CONTACT_BODY_COLUMNS );
+    state->bounce = WISP_COMPONENT( r, "collision.bounce", WISP_TABLE_PARTICLE, BOUNCE_COLUMNS );
+    state->all_features = WISP_COMPONENT( r, "collision.all_features", WISP_TABLE_ENTITY, ALL_FEATURES_COLUMNS );
+    state->edge_contacts = WISP_COMPONENT( r, "collision.edge_contacts", WISP_TABLE_EDGE, PRIMITIVE_CONTACT_COLUMNS );
+    state->triangle_contacts =
+        WISP_COMPONENT( r, "collision.triangle_contacts", WISP_TABLE_TRIANGLE, PRIMITIVE_CONTACT_COLUMNS );
+    state->clearance = WISP_COMPONENT( r, "collision.clearance", WISP_TABLE_PARTICLE, CLEARANCE_COLUMNS );
     return state->clearance != 0 ? WISP_OK : WISP_BAD_INPUT;
 }
 

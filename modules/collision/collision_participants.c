@@ -4,7 +4,7 @@
 
 #include "collision_vectors.h"
 #include "reaction.h"
-#include "restitution.h"
+#include "particle_contacts.h"
 
 #include <string.h>
 
@@ -96,20 +96,17 @@ static wisp_status update_strands( wisp_world* world, const collision_state* sta
 {
     const bool moves = wisp_world_has( world, participant, WISP_STRAND_INVERSE_MASS );
     const wisp_component contact = moves ? state->strand_contact : state->carried;
-    wisp_status status =
-        active ? wisp_world_attach( world, participant, contact ) : wisp_world_detach( world, participant, contact );
-    if ( status == WISP_OK )
-    {
-        status = active && moves && state->track_count > 0
-                     ? wisp_world_attach( world, participant, state->strand_tracked )
-                     : wisp_world_detach( world, participant, state->strand_tracked );
-    }
-    status = status == WISP_OK ? update_segments( world, state, participant, active && moves ) : status;
-    if ( status == WISP_OK && moves && wisp_world_has( world, participant, state->carried ) )
+    WISP_TRY( active ? wisp_world_attach( world, participant, contact )
+                     : wisp_world_detach( world, participant, contact ) );
+    WISP_TRY( active && moves && state->track_count > 0
+                  ? wisp_world_attach( world, participant, state->strand_tracked )
+                  : wisp_world_detach( world, participant, state->strand_tracked ) );
+    WISP_TRY( update_segments( world, state, participant, active && moves ) );
+    if ( moves && wisp_world_has( world, participant, state->carried ) )
     {
         return wisp_world_detach( world, participant, state->carried );
     }
-    return status;
+    return WISP_OK;
 }
 
 // Edges and corners of meshes are found once something collides with them.
@@ -166,14 +163,13 @@ wisp_status collision_update_for( wisp_world* world, collision_state* state, con
     {
         return collision_update_components( world, state );
     }
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < state->participant_count && state->has_strands && status == WISP_OK; ++i )
+    for ( int i = 0; i < state->participant_count && state->has_strands; ++i )
     {
         const wisp_entity e = state->participants[i];
         const bool moves = wisp_world_has( world, e, state->strand_contact );
-        status = moves ? update_segments( world, state, e, moves ) : WISP_OK;
+        WISP_TRY( moves ? update_segments( world, state, e, moves ) : WISP_OK );
     }
-    return status;
+    return WISP_OK;
 }
 
 // ---- definitions ----
@@ -226,13 +222,10 @@ static wisp_status add_participant( wisp_world* world, collision_state* state, w
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d entities that collide",
                                 state->participant_count + 1 );
     }
-    wisp_status status = wisp_world_attach( world, participant, state->settings );
-    if ( status == WISP_OK )
-    {
-        state->participants[state->participant_count++] = participant;
-        state->has_strands = state->has_strands || wisp_world_strands( world, participant ) != NULL;
-    }
-    return status;
+    WISP_TRY( wisp_world_attach( world, participant, state->settings ) );
+    state->participants[state->participant_count++] = participant;
+    state->has_strands = state->has_strands || wisp_world_strands( world, participant ) != NULL;
+    return WISP_OK;
 }
 
 // Check that an entity can collide. Strands with velocities need masses and lengths too, or contacts have nothing to
@@ -296,24 +289,16 @@ wisp_status wisp_set_collision( wisp_world* world, wisp_entity participant, cons
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_collision_def", &values, given ) );
     WISP_TRY( wisp_world_check_entity( world, participant ) );
     collision_state* state;
-    wisp_status status = find_participant( world, participant, &state );
-    status = status == WISP_OK ? check_def( world, def ) : status;
-    status = status == WISP_OK ? check_features( world, participant, def->features ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( find_participant( world, participant, &state ) );
+    WISP_TRY( check_def( world, def ) );
+    WISP_TRY( check_features( world, participant, def->features ) );
     const bool is_new = wisp_world_has( world, participant, state->settings ) == false;
-    status = is_new ? add_participant( world, state, participant ) : WISP_OK;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( is_new ? add_participant( world, state, participant ) : WISP_OK );
     collision_settings* settings = wisp_world_column( world, participant, state->settings, 0 );
     const collision_settings before = *settings;
     *settings = resolve( def, mean_length( world, participant ), before.stats );
     const bool was_all = wisp_world_has( world, participant, state->all_features );
-    status = apply( world, state, participant, def->features == WISP_COLLISION_ALL );
+    wisp_status status = apply( world, state, participant, def->features == WISP_COLLISION_ALL );
     if ( status != WISP_OK )
     {
         settings = wisp_world_column( world, participant, state->settings, 0 );

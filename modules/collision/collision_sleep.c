@@ -1,6 +1,6 @@
 // Which bodies an entity at rest can touch. In: its bounds, poses of bodies now and at the end of the coming step. Out: a hash of
 // the bodies within reach; nothing rests while one of them moves.
-#include "collision_sleep.h"
+#include "collision_bodies.h"
 
 #include "collision_vectors.h"
 

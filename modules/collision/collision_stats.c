@@ -290,11 +290,7 @@ void collision_measure_carried( wisp_frame* frame, const wisp_span* span, void* 
 static wisp_status find_settings( wisp_world* world, wisp_entity participant, collision_state** state,
                                   collision_settings** out )
 {
-    wisp_status status = collision_find_state( world, state );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( collision_find_state( world, state ) );
     *out = wisp_world_column( world, participant, ( *state )->settings, 0 );
     return *out != NULL ? WISP_OK
                         : wisp_world_fail( world, WISP_CONFLICT, "entity %u has no collision", participant.index );
@@ -302,18 +298,13 @@ static wisp_status find_settings( wisp_world* world, wisp_entity participant, co
 
 wisp_status wisp_request_collision_stats( wisp_world* world, wisp_entity participant, bool requested )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, participant ) );
     collision_state* state;
     collision_settings* settings;
-    wisp_status status = find_settings( world, participant, &state, &settings );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( find_settings( world, participant, &state, &settings ) );
     int32_t before = settings->stats;
     settings->stats = requested ? 1 : 0;
-    status = collision_update_components( world, state );
+    wisp_status status = collision_update_components( world, state );
     if ( status != WISP_OK )
     {
         settings->stats = before;

@@ -18,15 +18,9 @@ enum
 
 void collision_release_points( const wisp_allocator* allocator, collision_body* body )
 {
-    wisp_vec3** const arrays[] = { &body->start, &body->finish };
-    for ( int i = 0; i < WISP_COUNT( arrays ); ++i )
-    {
-        if ( *arrays[i] != NULL )
-        {
-            allocator->release( allocator->user, *arrays[i], collision_points_bytes( body ) );
-            *arrays[i] = NULL;
-        }
-    }
+    wisp_release( allocator, body->start, collision_points_bytes( body ) );
+    wisp_release( allocator, body->finish, collision_points_bytes( body ) );
+    body->start = body->finish = NULL;
 }
 
 void collision_forget_surface( collision_state* state, wisp_entity surface )

@@ -22,7 +22,7 @@
 #include "collision_passes.h"
 #include "near_bodies.h"
 #include "reaction.h"
-#include "restitution.h"
+#include "particle_contacts.h"
 
 #include <math.h>
 #include <stddef.h>

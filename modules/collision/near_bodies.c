@@ -51,21 +51,10 @@ static bool reserve_near( const wisp_allocator* allocator, void** array, size_t*
 void collision_release_near( collision_state* state, const wisp_allocator* allocator )
 {
     collision_nearness* n = &state->nearness;
-    const struct
-    {
-        void* memory;
-        size_t bytes;
-    } parts[] = { { n->near, n->near_capacity * sizeof( *n->near ) },
-                  { n->listed, n->listed_capacity * sizeof( *n->listed ) },
-                  { n->motions, n->motion_capacity * sizeof( *n->motions ) },
-                  { n->interval, n->interval_capacity * sizeof( *n->interval ) } };
-    for ( int i = 0; i < WISP_COUNT( parts ); ++i )
-    {
-        if ( parts[i].memory != NULL )
-        {
-            allocator->release( allocator->user, parts[i].memory, parts[i].bytes );
-        }
-    }
+    wisp_release( allocator, n->near, n->near_capacity * sizeof( *n->near ) );
+    wisp_release( allocator, n->listed, n->listed_capacity * sizeof( *n->listed ) );
+    wisp_release( allocator, n->motions, n->motion_capacity * sizeof( *n->motions ) );
+    wisp_release( allocator, n->interval, n->interval_capacity * sizeof( *n->interval ) );
 }
 
 size_t collision_near_bytes( const collision_state* state )

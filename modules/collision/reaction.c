@@ -64,10 +64,7 @@ static wisp_status reserve( wisp_world* world, collision_state* state, size_t co
 
 void collision_release_reactions( const wisp_allocator* allocator, collision_state* state )
 {
-    if ( state->sums != NULL )
-    {
-        allocator->release( allocator->user, state->sums, state->sum_capacity * sizeof( *state->sums ) );
-    }
+    wisp_release( allocator, state->sums, state->sum_capacity * sizeof( *state->sums ) );
     state->sums = NULL;
     state->sum_capacity = state->sum_count = 0;
 }

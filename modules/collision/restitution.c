@@ -9,7 +9,6 @@
 #include "collision_passes.h"
 #include "particle_contacts.h"
 #include "reaction.h"
-#include "restitution.h"
 
 #include <math.h>
 
@@ -92,12 +91,11 @@ static bool has_bouncy_body( const collision_state* state )
 wisp_status collision_update_bounces( wisp_world* world, collision_state* state )
 {
     const bool bounces = has_bouncy_body( state );
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < state->participant_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < state->participant_count; ++i )
     {
         const wisp_entity e = state->participants[i];
         const bool has = bounces && wisp_world_has( world, e, WISP_PARTICLE_HALF_SPACES );
-        status = has ? wisp_world_attach( world, e, state->bounce ) : wisp_world_detach( world, e, state->bounce );
+        WISP_TRY( has ? wisp_world_attach( world, e, state->bounce ) : wisp_world_detach( world, e, state->bounce ) );
     }
-    return status;
+    return WISP_OK;
 }

@@ -64,10 +64,7 @@ void collision_release_body( const wisp_allocator* allocator, collision_body* bo
 {
     wisp_collision_mesh_release( body->tree );
     wisp_convex_release( body->convex );
-    if ( body->heights != NULL )
-    {
-        allocator->release( allocator->user, body->heights, height_bytes( &body->shape.height_field ) );
-    }
+    wisp_release( allocator, body->heights, height_bytes( &body->shape.height_field ) );
     collision_release_points( allocator, body );
 }
 

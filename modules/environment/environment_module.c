@@ -172,11 +172,7 @@ static wisp_status check_def( wisp_world* world, const wisp_environment_def* d )
         { "freezing_celsius", d->freezing_celsius, -273.15f, 1000.0f },
         { "span", d->span, 1e-3f, 1000.0f },
     };
-    const wisp_status status = wisp_world_check_ranges( world, "environment", ranges, WISP_COUNT( ranges ) );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( wisp_world_check_ranges( world, "environment", ranges, WISP_COUNT( ranges ) ) );
     return check_curve( world, d );
 }
 

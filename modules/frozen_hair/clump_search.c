@@ -86,17 +86,13 @@ wisp_status clump_search( clump_run* run )
 {
     clump_workspace* w = run->w;
     run->skin = choose_skin( run->params );
-    wisp_status status =
-        wisp_grid_build( &w->grid, run->parallel, run->item_quads, run->count, skin_radius( run ), CLUMP_FINE );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY(
+        wisp_grid_build( &w->grid, run->parallel, run->item_quads, run->count, skin_radius( run ), CLUMP_FINE ) );
     run->grid = &w->grid;
     run->rename = NULL;
     wisp_parallel_for( run->parallel, run->count, CLUMP_GRAIN, fill_slots, run );
     wisp_neighbour_query query = make_query( run, run->current );
-    status = wisp_neighbours_build( &w->lists, run->parallel, run->kernels, &w->grid, &query );
+    wisp_status status = wisp_neighbours_build( &w->lists, run->parallel, run->kernels, &w->grid, &query );
     const size_t bytes = w->lists.entries * WISP_SLICE * sizeof( float );
     if ( status != WISP_OK ||
          wisp_buffer_reserve( &w->measured, wisp_parallel_allocator( run->parallel ), bytes ) == false )
@@ -131,16 +127,12 @@ static wisp_status search_again( clump_run* run )
 {
     clump_workspace* w = run->w;
     wisp_parallel_for( run->parallel, run->count, CLUMP_GRAIN, copy_moved, run );
-    wisp_status status =
-        wisp_grid_build( &w->moved_grid, run->parallel, run->item_quads, run->count, skin_radius( run ), CLUMP_FINE );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( wisp_grid_build( &w->moved_grid, run->parallel, run->item_quads, run->count, skin_radius( run ),
+                               CLUMP_FINE ) );
     run->grid = &w->moved_grid;
     run->rename = w->moved_grid.item;
     wisp_neighbour_query query = make_query( run, run->item_quads );
-    status = wisp_neighbours_build( &w->moved_lists, run->parallel, run->kernels, run->grid, &query );
+    wisp_status status = wisp_neighbours_build( &w->moved_lists, run->parallel, run->kernels, run->grid, &query );
     use( run, &w->moved_lists, run->item_quads );
     return status;
 }

@@ -274,11 +274,7 @@ static wisp_status find_settings( wisp_world* world, wisp_entity strands, frozen
 static wisp_status point_at( wisp_world* world, wisp_entity strands, wisp_vec3 cursor, const uint64_t* event )
 {
     frozen_settings* settings;
-    wisp_status status = find_settings( world, strands, &settings );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( find_settings( world, strands, &settings ) );
     if ( !( fabsf( cursor.x ) <= 1e6f && fabsf( cursor.y ) <= 1e6f && fabsf( cursor.z ) <= 1e6f ) )
     {
         return wisp_world_fail(
@@ -301,33 +297,27 @@ static wisp_status point_at( wisp_world* world, wisp_entity strands, wisp_vec3 c
 
 wisp_status wisp_command_frozen_hair( wisp_world* world, wisp_entity strands, wisp_vec3 cursor )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     return point_at( world, strands, cursor, NULL );
 }
 
 wisp_status wisp_begin_frozen_hair_stroke( wisp_world* world, wisp_entity strands )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     frozen_settings* settings;
-    wisp_status status = find_settings( world, strands, &settings );
-    if ( status == WISP_OK && settings->base != WISP_FROZEN_BASE_STROKE )
+    WISP_TRY( find_settings( world, strands, &settings ) );
+    if ( settings->base != WISP_FROZEN_BASE_STROKE )
     {
         return wisp_world_fail( world, WISP_CONFLICT, "entity %u: the base of its frozen hair is not 'stroke'",
                                 strands.index );
     }
-    if ( status == WISP_OK )
-    {
-        begin_stroke( world, strands, wisp_world_module_state( world, "frozen_hair" ), settings->next );
-        settings->pending = 1;
-    }
-    return status;
+    begin_stroke( world, strands, wisp_world_module_state( world, "frozen_hair" ), settings->next );
+    settings->pending = 1;
+    return WISP_OK;
 }
 
 wisp_status wisp_replay_frozen_hair( wisp_world* world, wisp_entity strands, wisp_vec3 cursor, uint64_t event )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     return point_at( world, strands, cursor, &event );
 }

@@ -160,16 +160,11 @@ static void hermite_weights( double u, double seconds, double weight[COLUMN_COUN
 
 wisp_status wisp_ghosts_between( wisp_world* world, wisp_entity ghosts, float fraction, wisp_vec3* points )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, ghosts ) );
     WISP_TRY( wisp_world_check_pointer( world, "points", points ) );
     const guide_state* state = wisp_world_module_state( world, "guide_hair" );
     const guide_follower* f;
-    const wisp_status status = guide_find_ghosts( world, ghosts, &f );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( guide_find_ghosts( world, ghosts, &f ) );
     if ( f->is_between == false )
     {
         return wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u does not store states between steps",

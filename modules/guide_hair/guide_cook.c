@@ -329,15 +329,11 @@ static wisp_status cook( wisp_world* world, guide_follower* f, const guide_group
         return no_memory;
     }
     groups.target = target;
-    wisp_status status = check_counts( world, &groups );
-    if ( status == WISP_OK && is_addressable( &groups ) == false )
+    WISP_TRY( check_counts( world, &groups ) );
+    if ( is_addressable( &groups ) == false )
     {
-        status = wisp_world_fail( world, WISP_BAD_INPUT, "ghosts: got %d ghosts, which need more than 2^31 numbers",
-                                  groups.ghosts->topology->strand_count );
-    }
-    if ( status != WISP_OK )
-    {
-        return status;
+        return wisp_world_fail( world, WISP_BAD_INPUT, "ghosts: got %d ghosts, which need more than 2^31 numbers",
+                                groups.ghosts->topology->strand_count );
     }
     if ( guide_find_groups( &groups, scratch ) == false || cook_guides( f, &groups, scratch ) == false ||
          cook_ghosts( f, &groups, fraction ) == false ||

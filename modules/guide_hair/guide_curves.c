@@ -333,11 +333,7 @@ static wisp_status add_entity( wisp_world* world, const wisp_curves_def* def, gu
     {
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for curves of %d strands", t->strand_count );
     }
-    wisp_status status = count_vertices( world, t, def, offsets );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( count_vertices( world, t, def, offsets ) );
     wisp_vec3* points = guide_take( scratch, (size_t)offsets[t->strand_count], sizeof( wisp_vec3 ) );
     if ( points == NULL )
     {
@@ -380,11 +376,7 @@ wisp_status wisp_add_curves( wisp_world* world, const wisp_curves_def* given, wi
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_curves_def", &values, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     guide_state* s = wisp_world_module_state( world, "guide_hair" );
-    wisp_status status = check_curves( world, s, def );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_curves( world, s, def ) );
     if ( wisp_world_reserve( world, (void**)&s->drawings, &s->drawing_capacity, s->drawing_count,
                              sizeof( *s->drawings ) ) == false )
     {
@@ -393,7 +385,7 @@ wisp_status wisp_add_curves( wisp_world* world, const wisp_curves_def* given, wi
     }
     guide_memory scratch = { .allocator = wisp_world_allocator( world ) };
     wisp_entity curves = { 0, 0 };
-    status = add_entity( world, def, &scratch, &curves );
+    wisp_status status = add_entity( world, def, &scratch, &curves );
     guide_give_back( &scratch );
     if ( status != WISP_OK )
     {

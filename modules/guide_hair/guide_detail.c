@@ -190,10 +190,7 @@ wisp_status guide_prepare_detail( const void* memory, wisp_world* world, wisp_en
          wisp_world_attach( world, entity, state->carrier ) != WISP_OK )
     {
         wisp_world_detach( world, entity, state->carried );
-        if ( at != NULL )
-        {
-            allocator->release( allocator->user, at, bytes );
-        }
+        wisp_release( allocator, at, bytes );
         return wisp_world_fail( world, WISP_NO_MEMORY, "ghosts: out of memory for the detail of entity %u",
                                 entity.index );
     }

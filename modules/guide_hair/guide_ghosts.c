@@ -180,11 +180,7 @@ wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_g
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_ghosts_def", &values, given ) );
     WISP_TRY( wisp_world_check_entity( world, ghosts ) );
     guide_state* s = wisp_world_module_state( world, "guide_hair" );
-    wisp_status status = check( world, s, ghosts, def );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check( world, s, ghosts, def ) );
     if ( wisp_world_reserve( world, (void**)&s->followers, &s->follower_capacity, s->follower_count,
                              sizeof( *s->followers ) ) == false )
     {
@@ -192,7 +188,7 @@ wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_g
                                 s->follower_count + 1 );
     }
     guide_follower* follower;
-    status = guide_cook( world, ghosts, def, &follower );
+    wisp_status status = guide_cook( world, ghosts, def, &follower );
     status = status == WISP_OK ? attach_all( world, s, ghosts, def ) : status;
     if ( status != WISP_OK )
     {

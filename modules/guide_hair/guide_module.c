@@ -63,14 +63,8 @@ static void release_state( void* memory, const wisp_allocator* allocator )
     {
         guide_drawing_release( state->drawings[i] );
     }
-    if ( state->followers != NULL )
-    {
-        allocator->release( allocator->user, state->followers, (size_t)state->follower_capacity * sizeof( void* ) );
-    }
-    if ( state->drawings != NULL )
-    {
-        allocator->release( allocator->user, state->drawings, (size_t)state->drawing_capacity * sizeof( void* ) );
-    }
+    wisp_release( allocator, state->followers, (size_t)state->follower_capacity * sizeof( void* ) );
+    wisp_release( allocator, state->drawings, (size_t)state->drawing_capacity * sizeof( void* ) );
 }
 
 // ---- declarations ----

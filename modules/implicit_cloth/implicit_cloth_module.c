@@ -47,10 +47,7 @@ static void release_state( void* memory, const wisp_allocator* allocator )
     {
         implicit_links_release( state->links[i], allocator );
     }
-    if ( state->links != NULL )
-    {
-        allocator->release( allocator->user, state->links, (size_t)state->link_capacity * sizeof( *state->links ) );
-    }
+    wisp_release( allocator, state->links, (size_t)state->link_capacity * sizeof( *state->links ) );
 }
 
 static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
@@ -215,11 +212,7 @@ static wisp_status check_ranges( wisp_world* world, const wisp_implicit_cloth_de
         { "weights", (float)d->weights, 0.0f, (float)( WISP_IMPLICIT_WEIGHTS_COUNT - 1 ) },
         { "integrator", (float)d->integrator, 0.0f, (float)( WISP_INTEGRATOR_COUNT - 1 ) },
     };
-    const wisp_status status = wisp_world_check_ranges( world, "implicit cloth", ranges, WISP_COUNT( ranges ) );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( wisp_world_check_ranges( world, "implicit cloth", ranges, WISP_COUNT( ranges ) ) );
     const bool given = d->stretch_pair_count > 0 || d->bend_pair_count > 0;
     if ( given && d->stiffness_model == WISP_IMPLICIT_STIFFNESS_MATERIAL )
     {
@@ -378,27 +371,18 @@ static wisp_status find_cloth( wisp_world* world, wisp_entity surface, implicit_
 
 wisp_status wisp_request_implicit_cloth_stats( wisp_world* world, wisp_entity surface, bool requested )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     implicit_state* state;
-    wisp_status status = find_cloth( world, surface, &state );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    status = requested ? wisp_world_request( world, surface, state->stats )
-                       : wisp_world_cancel_request( world, surface, state->stats );
-    if ( status == WISP_OK )
-    {
-        implicit_material* m = wisp_world_column( world, surface, state->material, 0 );
-        m->requests_stats = requested ? 1 : 0;
-    }
-    return status;
+    WISP_TRY( find_cloth( world, surface, &state ) );
+    WISP_TRY( requested ? wisp_world_request( world, surface, state->stats )
+                        : wisp_world_cancel_request( world, surface, state->stats ) );
+    implicit_material* m = wisp_world_column( world, surface, state->material, 0 );
+    m->requests_stats = requested ? 1 : 0;
+    return WISP_OK;
 }
 
 wisp_status wisp_read_implicit_cloth_stats( wisp_world* world, wisp_entity surface, wisp_implicit_cloth_stats* out )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     implicit_state* state;

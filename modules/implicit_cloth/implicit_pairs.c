@@ -292,12 +292,8 @@ static void set_coefficients( const implicit_cook* cook, const wisp_implicit_clo
 
 wisp_status implicit_list_pairs( implicit_cook* cook, const wisp_implicit_cloth_def* d )
 {
-    wisp_status status = check_given( cook, "stretch", d->stretch_pairs, d->stretch_pair_count );
-    status = status == WISP_OK ? check_given( cook, "bend", d->bend_pairs, d->bend_pair_count ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_given( cook, "stretch", d->stretch_pairs, d->stretch_pair_count ) );
+    WISP_TRY( check_given( cook, "bend", d->bend_pairs, d->bend_pair_count ) );
     const bool stretch_given = d->stretch_pair_count > 0, bend_given = d->bend_pair_count > 0;
     cook->neighbours = implicit_cook_push( cook, (size_t)cook->fabric->vertex_count, sizeof( int32_t ) );
     bool made = cook->neighbours != NULL && ( stretch_given || pairs_of_mesh( cook ) );
@@ -316,19 +312,16 @@ wisp_status implicit_list_pairs( implicit_cook* cook, const wisp_implicit_cloth_
                                 "implicit cloth: out of memory for the links of %d vertices",
                                 cook->fabric->vertex_count );
     }
-    status = measure( cook, cook->stretch, cook->stretch_count );
-    status = status == WISP_OK ? measure( cook, cook->bend, cook->bend_count ) : status;
-    if ( status == WISP_OK )
+    WISP_TRY( measure( cook, cook->stretch, cook->stretch_count ) );
+    WISP_TRY( measure( cook, cook->bend, cook->bend_count ) );
+    count_neighbours( cook );
+    if ( d->stiffness_model == WISP_IMPLICIT_STIFFNESS_MATERIAL && press_edges( cook ) == false )
     {
-        count_neighbours( cook );
-        if ( d->stiffness_model == WISP_IMPLICIT_STIFFNESS_MATERIAL && press_edges( cook ) == false )
-        {
-            return wisp_world_fail( cook->world, WISP_NO_MEMORY, "implicit cloth: out of memory for %d edges",
-                                    cook->stretch_count );
-        }
-        set_coefficients( cook, d );
+        return wisp_world_fail( cook->world, WISP_NO_MEMORY, "implicit cloth: out of memory for %d edges",
+                                cook->stretch_count );
     }
-    return status;
+    set_coefficients( cook, d );
+    return WISP_OK;
 }
 
 float implicit_mass_fraction( const implicit_cook* cook, const wisp_implicit_cloth_def* d, int32_t slot )

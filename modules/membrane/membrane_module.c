@@ -86,10 +86,7 @@ static void release_state( void* memory, const wisp_allocator* allocator )
     {
         remove_surface( state, state->surfaces[0].entity, allocator );
     }
-    if ( state->surfaces != NULL )
-    {
-        allocator->release( allocator->user, state->surfaces, (size_t)state->capacity * sizeof( *state->surfaces ) );
-    }
+    wisp_release( allocator, state->surfaces, (size_t)state->capacity * sizeof( *state->surfaces ) );
 }
 
 static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )

@@ -314,7 +314,6 @@ wisp_status wisp_set_motion_constraints( wisp_world* world, wisp_entity surface,
 wisp_status wisp_move_motion_targets( wisp_world* world, wisp_entity surface, const wisp_vec3* points,
                                       const wisp_vec3* normals )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     WISP_TRY( wisp_world_check_pointer( world, "points", points ) );
     void* memory;

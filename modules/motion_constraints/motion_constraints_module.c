@@ -206,16 +206,10 @@ static wisp_status declare( wisp_registry* r )
         return WISP_NO_MEMORY;
     }
     wisp_declare_hooks( r, &( wisp_state_hooks ){ .teleported = teleported } );
-    const wisp_component_def settings = { "motion_constraints.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS, 1 };
-    const wisp_component_def distance = { "motion_constraints.distance", WISP_TABLE_PARTICLE, DISTANCE_COLUMNS,
-                                          WISP_COUNT( DISTANCE_COLUMNS ) };
-    const wisp_component_def backstop = { "motion_constraints.backstop", WISP_TABLE_PARTICLE, BACKSTOP_COLUMNS,
-                                          WISP_COUNT( BACKSTOP_COLUMNS ) };
-    const wisp_component_def lambda = { "motion_constraints.lambda", WISP_TABLE_PARTICLE, LAMBDA_COLUMNS, 1 };
-    state->settings = wisp_declare_component( r, &settings );
-    state->distance = wisp_declare_component( r, &distance );
-    state->backstop = wisp_declare_component( r, &backstop );
-    state->lambda = wisp_declare_component( r, &lambda );
+    state->settings = WISP_COMPONENT( r, "motion_constraints.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS );
+    state->distance = WISP_COMPONENT( r, "motion_constraints.distance", WISP_TABLE_PARTICLE, DISTANCE_COLUMNS );
+    state->backstop = WISP_COMPONENT( r, "motion_constraints.backstop", WISP_TABLE_PARTICLE, BACKSTOP_COLUMNS );
+    state->lambda = WISP_COMPONENT( r, "motion_constraints.lambda", WISP_TABLE_PARTICLE, LAMBDA_COLUMNS );
     wisp_declare_places( r, state->distance, 0, WISP_PLACE_EIGHTS );
     wisp_declare_places( r, state->distance, 2, WISP_PLACE_EIGHTS );
     wisp_declare_places( r, state->distance, 4, WISP_PLACE_QUADS );

@@ -12,10 +12,7 @@ static void release_state( void* memory, const wisp_allocator* allocator )
     {
         seams_release_pairs( allocator, state->seams + i );
     }
-    if ( state->seams != NULL )
-    {
-        allocator->release( allocator->user, state->seams, (size_t)state->capacity * sizeof( seam_topology ) );
-    }
+    wisp_release( allocator, state->seams, (size_t)state->capacity * sizeof( seam_topology ) );
 }
 
 static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
@@ -44,16 +41,12 @@ static wisp_status declare( wisp_registry* r )
     }
     wisp_declare_hooks(
         r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed, .memory = count_memory } );
-    const wisp_component_def settings = { "seams.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS, 1 };
-    const wisp_component_def pairs = { "seams.pairs", WISP_TABLE_PAIR, PAIRS_COLUMNS, WISP_COUNT( PAIRS_COLUMNS ) };
     const wisp_component_def sewn = { "seams.sewn", WISP_TABLE_ENTITY, NULL, 0 };
-    const wisp_component_def active = { "seams.active", WISP_TABLE_ENTITY, MARK_COLUMNS, 1 };
-    const wisp_component_def result = { "seams.result", WISP_TABLE_ENTITY, MARK_COLUMNS, 1 };
-    state->settings = wisp_declare_component( r, &settings );
-    state->pairs = wisp_declare_component( r, &pairs );
+    state->settings = WISP_COMPONENT( r, "seams.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS );
+    state->pairs = WISP_COMPONENT( r, "seams.pairs", WISP_TABLE_PAIR, PAIRS_COLUMNS );
     state->sewn = wisp_declare_component( r, &sewn );
-    state->active = wisp_declare_component( r, &active );
-    state->result = wisp_declare_component( r, &result );
+    state->active = WISP_COMPONENT( r, "seams.active", WISP_TABLE_ENTITY, MARK_COLUMNS );
+    state->result = WISP_COMPONENT( r, "seams.result", WISP_TABLE_ENTITY, MARK_COLUMNS );
     const wisp_index_range broken = WISP_COLUMN_RANGE( state->pairs, 2, 0, 1 );
     WISP_TRY( wisp_declare_indices( r, &broken, 1 ) );
     const wisp_pass passes[] = {

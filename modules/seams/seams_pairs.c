@@ -223,10 +223,7 @@ static wisp_status cook( wisp_world* world, const wisp_seam_def* def, const wisp
         colour_pairs( given_x4, out->pair_count, masks, first_b, colours );
         order_pairs( out, given_x4, colours );
     }
-    if ( masks != NULL )
-    {
-        allocator->release( allocator->user, masks, bytes );
-    }
+    wisp_release( allocator, masks, bytes );
     return out->ends_x4 != NULL ? WISP_OK : out_of_memory( world );
 }
 

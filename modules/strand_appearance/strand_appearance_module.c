@@ -154,12 +154,9 @@ wisp_status wisp_set_strand_appearance( wisp_world* world, wisp_entity strands,
         return wisp_world_fail( world, WISP_CONFLICT, "module strand_appearance: %s",
                                 state == NULL ? "not registered in this world" : "the entity has no strands" );
     }
-    wisp_status status = check_def( world, def );
-    status = status == WISP_OK ? wisp_world_attach( world, strands, state->settings ) : status;
-    if ( status == WISP_OK )
-    {
-        wisp_strand_appearance_def* settings = wisp_world_column( world, strands, state->settings, 0 );
-        *settings = *def;
-    }
-    return status;
+    WISP_TRY( check_def( world, def ) );
+    WISP_TRY( wisp_world_attach( world, strands, state->settings ) );
+    wisp_strand_appearance_def* settings = wisp_world_column( world, strands, state->settings, 0 );
+    *settings = *def;
+    return WISP_OK;
 }

@@ -333,15 +333,10 @@ wisp_status strands_check_pose( wisp_world* world, const char* what, wisp_transf
 
 wisp_status wisp_move_strand_head( wisp_world* world, wisp_entity strands, wisp_transform pose )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* state;
-    wisp_status status = strands_find( world, strands, &state );
-    status = status == WISP_OK ? strands_check_pose( world, "head", pose ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( strands_find( world, strands, &state ) );
+    WISP_TRY( strands_check_pose( world, "head", pose ) );
     strands_head* head = wisp_world_column( world, strands, state->head, 0 );
     if ( head == NULL )
     {

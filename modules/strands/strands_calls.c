@@ -6,15 +6,10 @@
 
 wisp_status wisp_set_strand_wind( wisp_world* world, wisp_entity strands, wisp_vec3 wind )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* s;
-    wisp_status status = strands_find( world, strands, &s );
-    status = status == WISP_OK ? strands_check_vector( world, "wind", wind, 1e5f ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( strands_find( world, strands, &s ) );
+    WISP_TRY( strands_check_vector( world, "wind", wind, 1e5f ) );
     if ( wisp_world_has( world, strands, s->air ) == false )
     {
         const wisp_strand_dynamics_def usual = wisp_default_strand_dynamics_def();
@@ -29,34 +24,25 @@ wisp_status wisp_set_strand_wind( wisp_world* world, wisp_entity strands, wisp_v
 
 wisp_status wisp_set_strand_gravity( wisp_world* world, wisp_entity strands, wisp_vec3 gravity )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* s;
-    wisp_status status = strands_find( world, strands, &s );
-    status = status == WISP_OK ? strands_check_vector( world, "gravity", gravity, 1e5f ) : status;
-    if ( status == WISP_OK )
-    {
-        strands_settings* settings = wisp_world_column( world, strands, s->settings, 0 );
-        settings->gravity = gravity;
-    }
-    return status;
+    WISP_TRY( strands_find( world, strands, &s ) );
+    WISP_TRY( strands_check_vector( world, "gravity", gravity, 1e5f ) );
+    strands_settings* settings = wisp_world_column( world, strands, s->settings, 0 );
+    settings->gravity = gravity;
+    return WISP_OK;
 }
 
 wisp_status wisp_read_strand_tension( wisp_world* world, wisp_entity strands, float* tensions )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     WISP_TRY( wisp_world_check_pointer( world, "tensions", tensions ) );
     strands_state* s;
-    wisp_status status = strands_find( world, strands, &s );
-    if ( status == WISP_OK && wisp_world_has( world, strands, s->direct ) == false )
+    WISP_TRY( strands_find( world, strands, &s ) );
+    if ( wisp_world_has( world, strands, s->direct ) == false )
     {
-        status = wisp_world_fail( world, WISP_CONFLICT, "strands: entity %u does not stretch by the direct solve",
-                                  strands.index );
-    }
-    if ( status != WISP_OK )
-    {
-        return status;
+        return wisp_world_fail( world, WISP_CONFLICT, "strands: entity %u does not stretch by the direct solve",
+                                strands.index );
     }
     const wisp_strand_topology* t = wisp_world_strands( world, strands );
     const float* tension = wisp_world_column( world, strands, s->tension, 0 );
@@ -88,14 +74,10 @@ wisp_status wisp_read_strand_hold( wisp_world* world, wisp_entity strands, wisp_
     *out = ( wisp_strand_hold ){ 0 };
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* s;
-    wisp_status status = strands_find( world, strands, &s );
-    if ( status == WISP_OK && wisp_world_has( world, strands, s->rod ) == false )
+    WISP_TRY( strands_find( world, strands, &s ) );
+    if ( wisp_world_has( world, strands, s->rod ) == false )
     {
-        status = wisp_world_fail( world, WISP_CONFLICT, "strands: entity %u does not bend as rods", strands.index );
-    }
-    if ( status != WISP_OK )
-    {
-        return status;
+        return wisp_world_fail( world, WISP_CONFLICT, "strands: entity %u does not bend as rods", strands.index );
     }
     const wisp_strand_topology* t = wisp_world_strands( world, strands );
     const strands_rows rows = strands_rows_of( world, strands );

@@ -331,21 +331,13 @@ wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands, co
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_strand_dynamics_def", &values, given ) );
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* s;
-    wisp_status status = find_strands( world, strands, &s );
-    status = status == WISP_OK ? strands_check_definition( world, strands, s, def ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( find_strands( world, strands, &s ) );
+    WISP_TRY( strands_check_definition( world, strands, s, def ) );
     const bool is_new = wisp_world_has( world, strands, s->settings ) == false;
     const bool direct = def->stretch == WISP_STRAND_STRETCH_DIRECT;
     const bool had_frames = wisp_world_has( world, strands, s->curve );
     const bool had_section = wisp_world_has( world, strands, s->section );
-    status = update_components( world, strands, s, def );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( update_components( world, strands, s, def ) );
     if ( def->closed )
     {
         join_ends( world, strands );

@@ -418,10 +418,7 @@ static wisp_status declare_stats( wisp_registry* r, strands_state* s )
 static void release_state( void* memory, const wisp_allocator* allocator )
 {
     strands_state* s = memory;
-    if ( s->rooted != NULL )
-    {
-        allocator->release( allocator->user, s->rooted, (size_t)s->rooted_capacity * sizeof( wisp_entity ) );
-    }
+    wisp_release( allocator, s->rooted, (size_t)s->rooted_capacity * sizeof( wisp_entity ) );
 }
 
 static size_t count_memory( const void* memory, size_t* outside )

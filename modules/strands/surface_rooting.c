@@ -187,14 +187,9 @@ static wisp_status attach_anchor( wisp_world* world, wisp_entity strands, const 
 
 wisp_status wisp_root_strands( wisp_world* world, wisp_entity strands, wisp_entity surface )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* state;
-    wisp_status status = strands_find( world, strands, &state );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( strands_find( world, strands, &state ) );
     if ( ( (const strands_settings*)wisp_world_column( world, strands, state->settings, 0 ) )->is_free != 0 )
     {
         return wisp_world_fail( world, WISP_CONFLICT, "strands: the roots of entity %u are free", strands.index );
@@ -218,7 +213,7 @@ wisp_status wisp_root_strands( wisp_world* world, wisp_entity strands, wisp_enti
     }
     const bool is_new = wisp_world_has( world, strands, state->anchor ) == false;
     // roots read positions of the surface, so those must be requested
-    status = wisp_world_request( world, surface, WISP_PARTICLE_POSITION );
+    wisp_status status = wisp_world_request( world, surface, WISP_PARTICLE_POSITION );
     status = status == WISP_OK ? attach_anchor( world, strands, state ) : status;
     if ( status == WISP_OK )
     {

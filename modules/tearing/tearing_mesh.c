@@ -58,10 +58,7 @@ bool tearing_mesh_create( const wisp_fabric* f, const wisp_allocator* allocator,
 
 void tearing_mesh_release( tearing_mesh* mesh, const wisp_allocator* allocator )
 {
-    if ( mesh->memory != NULL )
-    {
-        allocator->release( allocator->user, mesh->memory, mesh->bytes );
-    }
+    wisp_release( allocator, mesh->memory, mesh->bytes );
     *mesh = ( tearing_mesh ){ 0 };
 }
 

@@ -9,10 +9,7 @@ static const wisp_column_def RESULT_COLUMNS[] = { TEARING_RESULT( WISP_COLUMN_DE
 static void release_state( void* memory, const wisp_allocator* allocator )
 {
     tearing_state* state = memory;
-    if ( state->surfaces != NULL )
-    {
-        allocator->release( allocator->user, state->surfaces, (size_t)state->capacity * sizeof( wisp_entity ) );
-    }
+    wisp_release( allocator, state->surfaces, (size_t)state->capacity * sizeof( wisp_entity ) );
 }
 
 static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
@@ -31,12 +28,11 @@ static size_t count_memory( const void* memory, size_t* outside )
 static wisp_status split_all( void* memory, wisp_world* world )
 {
     const tearing_state* state = memory;
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < state->count && status == WISP_OK; ++i )
+    for ( int i = 0; i < state->count; ++i )
     {
-        status = tearing_split( world, state, state->surfaces[i] );
+        WISP_TRY( tearing_split( world, state, state->surfaces[i] ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 static wisp_status declare( wisp_registry* r )
@@ -49,14 +45,10 @@ static wisp_status declare( wisp_registry* r )
     wisp_declare_hooks(
         r, &( wisp_state_hooks ){
                .release = release_state, .removed = entity_removed, .stepped = split_all, .memory = count_memory } );
-    const wisp_component_def settings = { "tearing.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS, 1 };
-    const wisp_component_def strength = { "tearing.strength", WISP_TABLE_EDGE, STRENGTH_COLUMNS, 2 };
-    const wisp_component_def limit = { "tearing.limit", WISP_TABLE_LINK, LIMIT_COLUMNS, 1 };
-    const wisp_component_def result = { "tearing.result", WISP_TABLE_ENTITY, RESULT_COLUMNS, 1 };
-    state->settings = wisp_declare_component( r, &settings );
-    state->strength = wisp_declare_component( r, &strength );
-    state->limit = wisp_declare_component( r, &limit );
-    state->result = wisp_declare_component( r, &result );
+    state->settings = WISP_COMPONENT( r, "tearing.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS );
+    state->strength = WISP_COMPONENT( r, "tearing.strength", WISP_TABLE_EDGE, STRENGTH_COLUMNS );
+    state->limit = WISP_COMPONENT( r, "tearing.limit", WISP_TABLE_LINK, LIMIT_COLUMNS );
+    state->result = WISP_COMPONENT( r, "tearing.result", WISP_TABLE_ENTITY, RESULT_COLUMNS );
     const wisp_index_range ranges[] = {
         WISP_MEMBER_RANGE( state->settings, tearing_settings, max_splits, 1, TEARING_MAX_SPLITS ),
         WISP_MEMBER_RANGE( state->settings, tearing_settings, split_count, 0, INT32_MAX ),

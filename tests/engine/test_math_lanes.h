@@ -249,7 +249,7 @@ static void P( v_check )( P( v ) actual, const wisp_vec3* expected, int k, int l
         wisp_vec3 a = direction( ( k + l ) % DIRECTION_COUNT ), b = direction( ( k + 7 + l ) % DIRECTION_COUNT );    \
         float s = scalar_sine( ordinary[k + l] ), c = scalar_cosine( ordinary[k + l] );                              \
         wisp_vec3 b1, b2;                                                                                            \
-        wisp_v3_basis( a, &b1, &b2 );                                                                                \
+        basis( a, &b1, &b2 );                                                                                        \
         (void)b, (void)s, (void)c;                                                                                   \
         rows[l] = expected;                                                                                          \
     }                                                                                                                \

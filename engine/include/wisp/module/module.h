@@ -55,6 +55,9 @@ typedef struct wisp_component_def
 /// Declare a component, or find it: two modules that need the same one meet here.
 /// @return 0 when the registry is full or the same name is declared with another shape (the world says so)
 WISP_API wisp_component wisp_declare_component( wisp_registry* registry, const wisp_component_def* def );
+/// The same with all columns of a static array.
+#define WISP_COMPONENT( registry, name, table, columns )                                                             \
+    wisp_declare_component( registry, &( wisp_component_def ){ name, table, columns, WISP_COUNT( columns ) } )
 
 /// What integers of a column may be.
 typedef enum wisp_index_kind
@@ -229,10 +232,8 @@ typedef struct wisp_batch
 
 #define WISP_MAX_BATCH 16
 
-/// Return the bits of stages in which an entity has passes with `run_crowd`.
-WISP_API unsigned wisp_frame_crowd_stages( wisp_frame* frame, wisp_entity entity );
-/// Run those of a stage for a crowd.
-WISP_API void wisp_frame_run_crowd( wisp_frame* frame, wisp_stage stage, const wisp_crowd* crowd,
+/// Run the passes with `run_crowd` of a stage for a crowd. @param span null only looks for them @return there are some
+WISP_API bool wisp_frame_run_crowd( wisp_frame* frame, wisp_stage stage, const wisp_crowd* crowd,
                                     const wisp_span* span );
 
 /// Declare passes, declared before, that can run side by side.
@@ -402,8 +403,6 @@ typedef void wisp_schedule_fn( const void* args, int begin, int end );
 /// Run a schedule: tile colours one after another, the tiles of a colour in parallel.
 WISP_API void wisp_run_schedule( const wisp_parallel* parallel, const wisp_schedule* schedule, wisp_schedule_fn* run,
                                  const void* args );
-/// Is a vertex of a triangle pinned? @param position [slot][4]
-WISP_API bool wisp_fabric_is_pinned( const wisp_fabric* fabric, const float* position );
 /// Bring velocities nearer to the rigid motion with their momentum and angular momentum, or to rest where a vertex is pinned.
 /// @param args position, velocity, and fraction or fractions
 WISP_API void wisp_approach_rigid_motion( const wisp_kernels* kernels, const wisp_parallel* parallel,
@@ -418,12 +417,22 @@ WISP_API void wisp_frame_count( wisp_frame* frame, wisp_counter counter, uint64_
 
 // ---- between steps, for a module's public functions ----
 
+/// Release memory of a module. Null is ignored.
+static inline void wisp_release( const wisp_allocator* allocator, void* memory, size_t bytes )
+{
+    if ( memory != NULL )
+    {
+        allocator->release( allocator->user, memory, bytes );
+    }
+}
+
 /// Begin a call of the host, before anything else: the message of the world becomes empty.
 /// @return WISP_BAD_INPUT the world is null; WISP_CONFLICT a step of it runs: the call comes from a callback or from another thread
 WISP_API wisp_status wisp_world_begin( wisp_world* world );
 /// Begin a call that is given a definition, and read it as wisp_def_read() does.
 WISP_API wisp_status wisp_world_begin_def( wisp_world* world, const char* filled_by, void* values,
                                            const void* given );
+/// The same for a call about an entity, with or without those before it.
 /// @return WISP_STALE_ID the entity was removed or never existed, with a message
 WISP_API wisp_status wisp_world_check_entity( wisp_world* world, wisp_entity entity );
 /// @return WISP_BAD_INPUT the pointer is null; the message has its name

@@ -74,15 +74,4 @@ static inline wisp_vec3 wisp_v3_rotate( wisp_vec3 axis, float sine, float cosine
     return wisp_v3_mul_add( wisp_v3_mul_add( along, cosine, v ), sine, wisp_v3_cross( axis, v ) );
 }
 
-/// Two unit vectors that complete the unit vector t to a right-handed orthonormal frame, without a branch that could
-/// divide by zero (Duff et al. 2017, "Building an Orthonormal Basis, Revisited"). b1 x b2 = t.
-static inline void wisp_v3_basis( wisp_vec3 t, wisp_vec3* b1, wisp_vec3* b2 )
-{
-    float sign = t.z >= 0.0f ? 1.0f : -1.0f;
-    float a = -1.0f / ( sign + t.z );
-    float b = t.x * t.y * a;
-    *b1 = wisp_v3( 1.0f + sign * t.x * t.x * a, sign * b, -sign * t.x );
-    *b2 = wisp_v3( b, sign + t.y * t.y * a, -t.y );
-}
-
 WISP_END_C
