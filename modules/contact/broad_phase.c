@@ -330,6 +330,10 @@ static int gather_active( const contact_contact_mesh* s, bool missed_only )
                 b->active[count++] = pair;
                 b->searched[b->searched_count] = pair;
                 b->searched_count += holds ? 0 : 1;
+                if ( holds == false )
+                {
+                    pairs->list[pair].points = pairs->list[pair].edges = 0; // makes room for the next list
+                }
             }
         }
     }

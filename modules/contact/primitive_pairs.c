@@ -303,8 +303,7 @@ void contact_select_active( const contact_work* work, contact_candidates* c, _At
             active->normal[k % 3] = normal[i / WISP_SLICE][k % 3][i % WISP_SLICE];
         }
         // what is nearer at rest shares a corner with its owner, which may be no pair
-        const bool is_far = c->has_owners[i] && gap == c->gap[i] && d >= REPEAT_FRACTION * gap + c->closing[i] &&
-                            work->contact_mesh->is_parting == false;
+        const bool is_far = c->has_owners[i] && gap == c->gap[i] && d >= REPEAT_FRACTION * gap + c->closing[i];
         const bool repeats =
             is_far && ( c->kind == CONTACT_EDGES ? repeats_edges( work->contact_mesh->clusters, active )
                                                  : repeats_point( work->contact_mesh->clusters, active ) );
