@@ -156,7 +156,7 @@ for scene in scenes/{solids,chain_links,hair_on_balloon,cloth_on_ball,flag,seams
     suites/scenes/bits/{bodies,crowd,layers,meeting,needles,seams,skins,sleep,walk} $(cd "$source_tree/data" && printf '%s ' suites/scenes/effects/*.yaml); do
     scene=${scene%.yaml}
     "$wisp" info --host "$source_tree/data/$scene.yaml" >"$folder/scene.c" || fail "wisp info --host $scene"
-    build_and_run "${scene##*/}" "$folder/scene.c"
+    build_and_run "${scene##*/}_scene" "$folder/scene.c"
     diff <(sed -n 's/^hash *//p' "$folder/shared.txt") <("$wisp" run "$source_tree/data/$scene.yaml" 2>/dev/null | sed -n 's/^hash *//p') ||
         fail "the C of $scene has other bits"
 done
