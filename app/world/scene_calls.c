@@ -25,9 +25,9 @@ static c_text text_of( const char* format, ... )
     return t;
 }
 
-c_text c_whole( int value )
+c_text c_whole( int64_t value )
 {
-    return text_of( "%d", value );
+    return text_of( "%lld", (long long)value );
 }
 
 c_text c_switch( bool value )

@@ -11,7 +11,7 @@ typedef struct c_text
 
 /// Nine digits are every bit of a float.
 c_text c_number( float value );
-c_text c_whole( int value );
+c_text c_whole( int64_t value );
 c_text c_switch( bool value );
 c_text c_vector( wisp_vec3 v );
 c_text c_transform( wisp_transform t );
