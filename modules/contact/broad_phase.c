@@ -275,8 +275,7 @@ bool contact_make_room_for_listed( const contact_work* work, int more )
         }
     }
     b->listed_count = kept;
-    const int64_t needed = (int64_t)kept + more,
-                  most = needed > b->listed_most ? 2 * needed : b->listed_most;
+    const int64_t needed = (int64_t)kept + more, most = needed > b->listed_most ? 2 * needed : b->listed_most;
     const bool enough =
         most <= INT32_MAX && contact_reserve( work, b->buffers + CONTACT_BOUND_LISTED,
                                               (size_t)most * sizeof( *b->listed ), (void**)&b->listed );

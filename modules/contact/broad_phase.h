@@ -26,6 +26,12 @@ typedef struct contact_listed
     float key;    // m: its distance, less the gap, is at least this and the bound of pairs that are not listed
 } contact_listed;
 
+/// Return the key of a pair at a distance, less its rounding. @param bound m, of pairs that are not listed
+static inline float contact_key_of( float distance, float gap, float bound )
+{
+    return 0.9999f * distance - gap - bound;
+}
+
 /// The pairs of primitives of two clusters: points and triangles, then edges.
 typedef struct contact_list
 {

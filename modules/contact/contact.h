@@ -25,7 +25,7 @@ typedef enum wisp_contact_level
     /// The same pairs, without the displacement limit: what is fast may pass through, and is untangled.
     WISP_CONTACT_TRIANGLES = 1,
     /// Points, as spheres: the vertices of a surface, with the points of its layer if it has one (boundary.h). Pairs are searched once per
-    /// step. They keep the thickness, but at least 0.8 of the mean distance of neighbouring points of a surface, so that no point
+    /// step. They keep the thickness, but at least 0.72 of the longest edge around a vertex, so that no point
     /// slips between them. Details finer than that spacing pass through, and nothing is untangled.
     WISP_CONTACT_SPHERES = 2,
     WISP_CONTACT_LEVEL_COUNT = 3,

@@ -363,7 +363,7 @@ wisp_status wisp_set_contact_settings( wisp_world* world, const wisp_contact_set
     {
         contact_settings* own =
             wisp_world_column( world, state->participants[i].entity, state->components.settings, 0 );
-        own->is_new = 1; // only exact contact keeps intersection-free positions
+        own->is_new = 1; // spheres keep no intersection-free positions
     }
     if ( status == WISP_OK )
     {

@@ -5,7 +5,7 @@
 //                    not hold; narrow phase; constraints; colouring
 //   contact.push     gather; project, in turns with lengths of strands; in the last iteration recover, untangle, limit displacements; scatter
 //   contact.limit_strands  where strands take part: limit displacements once more, after lengths are restored
-// Without exact contact, contact.find searches once per step, contact.push projects and recovers, and nothing is limited or stored.
+// With spheres, contact.find searches once per step, contact.push projects and recovers, and nothing is limited or stored.
 //
 //   contact.keep     store the intersection-free positions of a participant
 //   contact.stats  statistics, on request

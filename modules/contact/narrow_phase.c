@@ -38,7 +38,6 @@ typedef struct near_loop
 {
     const contact_work* work;
     contact_contact_mesh* contact_mesh;
-    bool missed_only;
     int active_count, max_pairs;
     _Atomic int total[CONTACT_KIND_COUNT], stored[CONTACT_KIND_COUNT]; // active pairs, and those that repeat no other
     _Atomic int listed, brief;                                         // listed pairs, and those in brief lists
@@ -119,7 +118,6 @@ static void measure( narrow_task* task, contact_kind kind )
 // List the pairs of a batch. @param at [test] where the next one is listed; moved on
 static void list_pairs( const narrow_task* task, contact_kind kind, int* at )
 {
-    static const float ROUNDING = 0.9999f; // of a distance
     const contact_batch* batch = task->batches + kind;
     contact_listed* listed = task->loop->contact_mesh->bounds->listed;
     for ( int i = 0; i < batch->count; ++i )
@@ -128,7 +126,7 @@ static void list_pairs( const narrow_task* task, contact_kind kind, int* at )
             .a = batch->first[i],
             .b = batch->second[i],
             .gap = batch->gap[i],
-            .key = ROUNDING * batch->distance[i] - batch->gap[i] - task->tests[batch->of[i]].bound,
+            .key = contact_key_of( batch->distance[i], batch->gap[i], task->tests[batch->of[i]].bound ),
         };
     }
 }
@@ -422,7 +420,7 @@ static int max_pairs_of( const contact_work* work )
 wisp_status contact_find_near( const contact_work* work, bool missed_only, wisp_error* error )
 {
     contact_contact_mesh* s = work->contact_mesh;
-    near_loop loop = { .work = work, .contact_mesh = s, .missed_only = missed_only };
+    near_loop loop = { .work = work, .contact_mesh = s };
     loop.max_pairs = max_pairs_of( work );
     loop.active_count = contact_find_active_clusters( work, missed_only );
     bool enough = true, is_done = false;

@@ -268,7 +268,6 @@ static bool repeats_point( const contact_clusters* k, const contact_active* acti
 void contact_select_active( const contact_work* work, contact_candidates* c, _Atomic int* total, _Atomic int* stored )
 {
     static const float REPEAT_FRACTION = 0.5f; // of the gap
-    static const float ROUNDING = 0.9999f;     // of a distance
     _Alignas( 64 ) float weight[CONTACT_BATCH / WISP_SLICE][4][WISP_SLICE];
     _Alignas( 64 ) float normal[CONTACT_BATCH / WISP_SLICE][3][WISP_SLICE];
     contact_near* near = work->contact_mesh->primitives->near + c->kind;
@@ -288,7 +287,7 @@ void contact_select_active( const contact_work* work, contact_candidates* c, _At
     {
         contact_listed* listed = c->listed[i];
         const float d = distance[i], gap = listed->gap;
-        listed->key = ROUNDING * d - gap - c->slack[i];
+        listed->key = contact_key_of( d, gap, c->slack[i] );
         c->list[i]->beyond = contact_larger( -listed->key, c->list[i]->beyond );
         if ( may_meet( work->contact_mesh, d, gap, c->closing[i] ) == false ||
              ( work->memory->tangled != 0 && is_tangled( work, c->kind, (const int32_t* const*)points, i ) ) )

@@ -22,7 +22,6 @@ static const float NEAR_GAPS = 1.25f;
 enum
 {
     SWEEPS = 8,
-
 };
 
 typedef struct sphere_loop
