@@ -51,7 +51,7 @@ typedef struct collision_nearness
     struct collision_motion* motions; // [body]
     int32_t* listed;                  // bodies
     int32_t* interval;                // [interval_count + 1] first body in it
-    size_t near_capacity, motion_capacity, listed_capacity, interval_capacity;
+    wisp_buffer buffers[4];           // of these
     int near_count, interval_count;
     float first_x, per_metre;          // of the intervals
     float widest, most_turn, thickest; // of bodies

@@ -8,6 +8,8 @@
 
 #include "collision_vectors.h"
 
+#include "wisp/module/space.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -30,38 +32,25 @@ typedef struct collision_motion
 
 // ---- memory ----
 
-static bool reserve_near( const wisp_allocator* allocator, void** array, size_t* capacity, size_t count, size_t size )
+// Make room for twice as much, so that a crowd that comes together asks seldom. Contents stay.
+static bool reserve_near( const wisp_allocator* allocator, wisp_buffer* buffer, void** array, size_t bytes )
 {
-    if ( count <= *capacity )
-    {
-        return true;
-    }
-    const size_t more = 2 * count;
-    void* grown = allocator->allocate( allocator->user, more * size, 64 );
-    if ( grown != NULL && *array != NULL )
-    {
-        memcpy( grown, *array, *capacity * size );
-        allocator->release( allocator->user, *array, *capacity * size );
-    }
-    *array = grown != NULL ? grown : *array;
-    *capacity = grown != NULL ? more : *capacity;
-    return grown != NULL;
+    const bool enough = bytes <= buffer->size || wisp_buffer_reserve( buffer, allocator, 2 * bytes );
+    *array = buffer->data;
+    return enough;
 }
 
 void collision_release_near( collision_state* state, const wisp_allocator* allocator )
 {
-    collision_nearness* n = &state->nearness;
-    wisp_release( allocator, n->near, n->near_capacity * sizeof( *n->near ) );
-    wisp_release( allocator, n->listed, n->listed_capacity * sizeof( *n->listed ) );
-    wisp_release( allocator, n->motions, n->motion_capacity * sizeof( *n->motions ) );
-    wisp_release( allocator, n->interval, n->interval_capacity * sizeof( *n->interval ) );
+    for ( int i = 0; i < WISP_COUNT( state->nearness.buffers ); ++i )
+    {
+        wisp_buffer_release( state->nearness.buffers + i, allocator );
+    }
 }
 
 size_t collision_near_bytes( const collision_state* state )
 {
-    const collision_nearness* n = &state->nearness;
-    return n->near_capacity * sizeof( *n->near ) + n->listed_capacity * sizeof( *n->listed ) +
-           n->motion_capacity * sizeof( *n->motions ) + n->interval_capacity * sizeof( *n->interval );
+    return wisp_buffer_bytes( state->nearness.buffers, WISP_COUNT( state->nearness.buffers ) );
 }
 
 // ---- motions of bodies ----
@@ -328,11 +317,11 @@ void collision_list_near( void* memory, wisp_frame* frame, const wisp_allocator*
     }
     const size_t bodies = (size_t)state->body_count;
     if ( state->body_count <= FEW_BODIES || state->searches_all ||
-         reserve_near( allocator, (void**)&all->near, &all->near_capacity, places, sizeof( *all->near ) ) == false ||
-         reserve_near( allocator, (void**)&all->motions, &all->motion_capacity, bodies, sizeof( *all->motions ) ) ==
+         reserve_near( allocator, all->buffers, (void**)&all->near, places * sizeof( *all->near ) ) == false ||
+         reserve_near( allocator, all->buffers + 1, (void**)&all->motions, bodies * sizeof( *all->motions ) ) ==
              false ||
-         reserve_near( allocator, (void**)&all->interval, &all->interval_capacity, bodies + 1,
-                       sizeof( *all->interval ) ) == false )
+         reserve_near( allocator, all->buffers + 2, (void**)&all->interval,
+                       ( bodies + 1 ) * sizeof( *all->interval ) ) == false )
     {
         return;
     }
@@ -347,8 +336,8 @@ void collision_list_near( void* memory, wisp_frame* frame, const wisp_allocator*
     for ( int i = 0; i < state->participant_count; ++i )
     {
         const wisp_entity e = state->participants[i];
-        if ( reserve_near( allocator, (void**)&all->listed, &all->listed_capacity, listed + bodies,
-                           sizeof( *all->listed ) ) == false )
+        if ( reserve_near( allocator, all->buffers + 3, (void**)&all->listed,
+                           ( listed + bodies ) * sizeof( *all->listed ) ) == false )
         {
             return;
         }

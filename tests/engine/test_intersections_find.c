@@ -289,8 +289,8 @@ static void run_search( void* context )
 
 static wisp_status search( searcher* s, const contact_mesh* items )
 {
-    s->args = ( wisp_intersection_args ){ items->xyzw, items->edges, items->edge_count, items->triangles,
-                                          items->triangle_count, NULL };
+    s->args = ( wisp_intersection_args ){ items->xyzw,      items->edges,          items->edge_count,
+                                          items->triangles, items->triangle_count, NULL };
     s->error = ( wisp_error ){ 0 };
     jobs_enter( s->pool, run_search, s );
     return s->status;
