@@ -37,8 +37,7 @@ static void open_meeting( meeting* m, int n, bool is_edges, int iterations )
     open_contact( &m->h, 1, iterations, 1 );
     wisp_world* w = m->h.world;
     wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.level =
-        WISP_CONTACT_TRIANGLES; // bodies of one triangle rotate: the limit would cut resolved displacements
+    settings.level = WISP_CONTACT_TRIANGLES; // bodies of one triangle rotate: a limit would cut them
     assert_status( w, wisp_set_contact_settings( w, &settings ), WISP_OK );
     const float height = THICK * test_random_float( n, 1, 0.6f, 1.4f );
     test_mesh upper = is_edges ? three( ( wisp_vec3 ){ -0.5f, height, 0.0f }, ( wisp_vec3 ){ 0.5f, height, 0.0f },

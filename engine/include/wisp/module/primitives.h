@@ -96,9 +96,8 @@ typedef struct wisp_separation_args
 /// has any other point and the gap 0.
 typedef struct wisp_point_pair_args
 {
-    const float*
-        start;        ///< [point][4] m, at the start of a substep; the fourth is the root of the friction coefficient
-    const float* now; ///< [point][4] m; the fourth is 1/kg
+    const float* start;      ///< [point][4] m, where the substep starts; the fourth is the root of friction
+    const float* now;        ///< [point][4] m; the fourth is 1/kg
     const int32_t* own_x4;   ///< [pack][16] points, times 4
     const int32_t* begin;    ///< [pack + 1] first row of pairs
     const int32_t* other_x4; ///< [row][16] the other points, times 4
@@ -107,8 +106,7 @@ typedef struct wisp_point_pair_args
     float recovery;          ///< gaps by which pairs that start nearer than theirs may part
     uint16_t* found;         ///< [row] a bit for each pair that is found
     float* count;            ///< [pack][16] out of find_pressing_points: pairs of a point
-    float *push,
-        *shift; ///< [pack][16][4] out of push_points, kg m: sum of corrections, and of recovery; the fourth sums lengths
+    float *push, *shift;     ///< [pack][16][4] kg m, out: corrections, recovery; the fourth sums lengths
 } wisp_point_pair_args;
 
 WISP_END_C
