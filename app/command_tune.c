@@ -179,7 +179,7 @@ enum
 {
     TUNE_KEY_ERROR = 'e',
     TUNE_KEY_BUDGET = 'b',
-    TUNE_KEY_SECONDS = 's',
+    TUNE_KEY_LENGTH = 257,
     TUNE_KEY_WORKERS = 'w',
     TUNE_KEY_FORMAT = 'f',
     TUNE_KEY_OUTPUT = 'o',
@@ -191,7 +191,7 @@ static const option_row tune_rows[] = {
     { "error", TUNE_KEY_ERROR, "METRES", "Cheapest configuration with at most this error", OPTION_ANY },
     { "budget", TUNE_KEY_BUDGET, "MS", "Most accurate configuration within MS ms per step", OPTION_ANY },
     OPTION_TITLE( "Search:" ),
-    { "seconds", TUNE_KEY_SECONDS, "S", "Simulate S seconds per run; default: the scene, at most 1", OPTION_ANY },
+    { "length", TUNE_KEY_LENGTH, "S", "Seconds of motion that are compared; default: all of the scene, at most 1", OPTION_ANY },
     { "limit", TUNE_KEY_LIMIT, "SECONDS", "Start no run after this time, default 300", OPTION_ANY },
     { "workers", TUNE_KEY_WORKERS, "N", "Use N workers, 1 to 64; default: the scene's, or one per core", OPTION_ANY },
     OPTION_TITLE( "Output:" ),
@@ -244,8 +244,8 @@ static bool take_tune_option( options_state* o, int key, const char* argument )
         case TUNE_KEY_BUDGET:
             options->search.def.budget_ms = option_positive( o, argument, 1e6 );
             return true;
-        case TUNE_KEY_SECONDS:
-            options->search.from.seconds = option_positive( o, argument, 1e6 );
+        case TUNE_KEY_LENGTH:
+            options->search.from.length = option_positive( o, argument, 1e6 );
             return true;
         case TUNE_KEY_LIMIT:
             options->search.def.limit = option_positive( o, argument, 1e9 );

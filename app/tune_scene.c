@@ -13,7 +13,7 @@ wisp_status tune_scene_open( const tune_scene_def* def, tune_scene* out, wisp_er
     *out = ( tune_scene ){ .def = *def };
     const suite_of_scene_def suite = { .path = def->path,
                                        .file = io_file_name( def->path ),
-                                       .length = def->seconds,
+                                       .length = def->length,
                                        .given = &out->def.given,
                                        .log = def->log,
                                        .log_user = def->log_user };

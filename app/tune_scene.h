@@ -8,7 +8,7 @@ typedef struct tune_scene_def
 {
     const char* path;               ///< of the scene, as messages have it
     suite_given given;              ///< the scene
-    double seconds;                 ///< of motion that is compared; 0: as `wisp accuracy` has it
+    double length;                  ///< of motion that is compared; 0: as `wisp accuracy` has it
     const suite_observer* observer; ///< of all runs; may be null. A failure of it ends them
     wisp_log_fn* log;               ///< receives the warnings of the scene; null: stderr
     void* log_user;

@@ -14,10 +14,10 @@ static bool report( void* user, int run_count, int max_runs )
 }
 
 /// Find the cheapest settings within an error. Runs for as long as `limit` allows.
-/// @param error m @param seconds s of simulated time, 0: the default @param limit s of wall time
+/// @param error m @param length s of simulated time, 0: the default @param limit s of wall time
 /// @param configuration [setting count] receives the index of a value for each setting of the scene
 /// @param out [5] 1 if the target is met, ms per step, error in m, runs, 1 if the search ended early
-WEB_API int web_tune( const char* path, double error, double seconds, double limit, int* configuration, double* out )
+WEB_API int web_tune( const char* path, double error, double length, double limit, int* configuration, double* out )
 {
     const binding_tune_def def = { .error = error, .limit = limit, .workers = 1, .progress = report };
     binding_scene* scene = NULL;
@@ -25,7 +25,7 @@ WEB_API int web_tune( const char* path, double error, double seconds, double lim
     binding_reference_info info;
     wisp_tune_result found = { 0 };
     wisp_status status = binding_scene_read( path, &scene, &web_error );
-    status = status == WISP_OK ? binding_reference_open( scene, seconds, NULL, NULL, &reference, &info, &web_error )
+    status = status == WISP_OK ? binding_reference_open( scene, length, NULL, NULL, &reference, &info, &web_error )
                                : status;
     status = status == WISP_OK ? binding_tune( reference, &def, &found, &web_error ) : status;
     for ( int k = 0; status == WISP_OK && k < binding_parameter_count( scene ); ++k )

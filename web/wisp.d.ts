@@ -32,8 +32,8 @@ export interface Wisp {
 export interface TuneOptions {
   /** m, root mean square distance from a converged run */
   error: number;
-  /** s of simulated time in each run; default: the scene, at most 1 */
-  seconds?: number;
+  /** s of motion that are compared; default: the scene, at most 1 */
+  length?: number;
   /** s after which no run starts, default 60 */
   limit?: number;
   /** Called after every run; false ends the search. */

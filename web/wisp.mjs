@@ -139,13 +139,13 @@ class Wisp {
     return new Recording(this.#engine, bytes, name);
   }
 
-  tune(scene, { error, seconds = 0, limit = 60, progress = null }) {
+  tune(scene, { error, length = 0, limit = 60, progress = null }) {
     const engine = this.#engine;
     engine.module.tuneProgress = progress;
     const count = scene.parameters.length;
     const [configuration, out] = engine.numbers(Int32Array, count, (indices) =>
       engine.numbers(Float64Array, 5, (values) =>
-        scene.at((path) => engine.demand("tune", path, error, seconds, limit, indices, values)))[0]);
+        scene.at((path) => engine.demand("tune", path, error, length, limit, indices, values)))[0]);
     const parameters = {};
     scene.parameters.forEach((parameter, k) => {
       parameters[parameter.name] = parameter.values[configuration[k]];

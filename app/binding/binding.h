@@ -231,10 +231,10 @@ typedef struct binding_reference_info
 
 /// Read the reference of a scene, or make it.
 /// @param scene must stay open until the reference is closed
-/// @param seconds of motion that is compared; 0: the scene, at most 1 s
+/// @param length s of motion that is compared; 0: the scene, at most 1 s
 /// @param go_on called after every step of all runs; null: not. False fails the call
 /// @param log receives warnings on the calling thread; null: stderr
-wisp_status binding_reference_open( const binding_scene* scene, double seconds, bool ( *go_on )( void ),
+wisp_status binding_reference_open( const binding_scene* scene, double length, bool ( *go_on )( void ),
                                     wisp_log_fn* log, binding_reference** out, binding_reference_info* info,
                                     wisp_error* error );
 /// Null is allowed.

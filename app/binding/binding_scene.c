@@ -259,7 +259,7 @@ void binding_reference_close( binding_reference* r )
     }
 }
 
-wisp_status binding_reference_open( const binding_scene* scene, double seconds, bool ( *go_on )( void ),
+wisp_status binding_reference_open( const binding_scene* scene, double length, bool ( *go_on )( void ),
                                     wisp_log_fn* log, binding_reference** out, binding_reference_info* info,
                                     wisp_error* error )
 {
@@ -271,7 +271,7 @@ wisp_status binding_reference_open( const binding_scene* scene, double seconds, 
     }
     *r = ( binding_reference ){ .scene = scene, .observer = { .observe = observe, .user = r }, .go_on = go_on };
     const tune_scene_def def = {
-        .path = scene->name, .given = given_of( scene ), .seconds = seconds, .observer = &r->observer, .log = log
+        .path = scene->name, .given = given_of( scene ), .length = length, .observer = &r->observer, .log = log
     };
     tune_parameters parameters;
     wisp_status status = tune_parameters_find( &scene->scene, &parameters, error );

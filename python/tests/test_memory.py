@@ -55,7 +55,7 @@ def test_scenes_searches_and_failures_leave_no_memory_behind(tmp_path):
                 with pytest.raises(wisp.BadInput):
                     world.pin("sheet", [99])
             if number % 50 == 0:
-                wisp.tune(scene, error=1, seconds=0.02, limit=5, workers=1)
+                wisp.tune(scene, error=1, length=0.02, limit=5, workers=1)
 
     use(20 if SANITIZED else 150)
     before = resident()

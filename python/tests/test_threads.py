@@ -186,7 +186,7 @@ def test_an_interrupt_ends_a_search(sheet):
     start = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
         # The reference alone takes minutes.
-        wisp.tune(wisp.Scene.from_dict(LARGE), error=1e-9, seconds=20, limit=600)
+        wisp.tune(wisp.Scene.from_dict(LARGE), error=1e-9, length=20, limit=600)
     assert time.monotonic() - start < 60
 
 

@@ -27,7 +27,7 @@ class Reference:
 
     It is kept in `$WISP_CACHE`, else `$XDG_CACHE_HOME/wisp`, else `~/.cache/wisp`, and read there the next time.
 
-    seconds: of motion that is compared; 0: the scene, at most 1
+    length: s of motion that is compared; 0: the scene, at most 1
     """
 
     doubt: float
@@ -37,12 +37,12 @@ class Reference:
     parts: bool
     """Motion is compared no longer because two converged runs part: places are chance after that."""
 
-    def __init__(self, scene: Scene, *, seconds: float = 0.0) -> None:
-        if not 0.0 <= seconds < np.inf:
-            raise BadInput(f"seconds: got {seconds}, expected at least 0")
+    def __init__(self, scene: Scene, *, length: float = 0.0) -> None:
+        if not 0.0 <= length < np.inf:
+            raise BadInput(f"length: got {length}, expected at least 0")
         self.scene = scene
         out, info, error = ffi.new("binding_reference**"), ffi.new("binding_reference_info*"), ffi.new("wisp_error*")
-        status = lib.binding_reference_open(scene._handle, seconds, lib.wisp_python_go_on, lib.wisp_python_log, out, info, error)
+        status = lib.binding_reference_open(scene._handle, length, lib.wisp_python_go_on, lib.wisp_python_log, out, info, error)
         self._handle: Any = ffi.gc(out[0], lib.binding_reference_close)
         raise_kept()
         check(status, error)
@@ -96,7 +96,7 @@ def tune(
     *,
     error: Optional[float] = None,
     budget_ms: Optional[float] = None,
-    seconds: float = 0.0,
+    length: float = 0.0,
     limit: float = 60.0,
     workers: int = 0,
     isa: Optional[str] = None,
@@ -106,15 +106,15 @@ def tune(
 
     error: m, that of Reference; or
     budget_ms: ms per step
-    seconds: of motion that is compared; 0: the scene, at most 1
+    length: s of motion that is compared; 0: the scene, at most 1
     limit: s of wall time after which no run starts
     progress: called after every run with the number of runs and their maximum; False ends the search, an exception is passed on
     """
     if (error is None) == (budget_ms is None):
         raise BadInput("tune: expected one of error and budget_ms")
     target = error if error is not None else budget_ms
-    if target is None or not 0.0 < target < np.inf or not limit > 0.0 or not seconds >= 0.0:
-        raise BadInput(f"tune: got a target of {target}, {seconds} s and a limit of {limit} s, expected numbers above 0")
+    if target is None or not 0.0 < target < np.inf or not limit > 0.0 or not length >= 0.0:
+        raise BadInput(f"tune: got a target of {target}, {length} s and a limit of {limit} s, expected numbers above 0")
     callbacks = Callbacks(progress)
     options = ffi.new("binding_tune_def*")
     options.error, options.budget_ms, options.limit = error or 0.0, budget_ms or 0.0, limit
@@ -122,7 +122,7 @@ def tune(
     name = ffi.new("char[]", isa.encode()) if isa is not None else ffi.NULL
     options.isa = name
     options.progress, options.user = lib.wisp_python_progress, callbacks.handle
-    reference = Reference(scene, seconds=seconds)
+    reference = Reference(scene, length=length)
     out, failure = ffi.new("wisp_tune_result*"), ffi.new("wisp_error*")
     status = lib.binding_tune(reference._handle, options, out, failure)
     try:

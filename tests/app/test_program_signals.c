@@ -266,7 +266,7 @@ TEST( a_page_has_the_hashes_until_then )
 
 TEST( a_search_that_has_only_begun_has_nothing_to_keep )
 {
-    const started s = start( "tune endless.yaml --error 0.001 --seconds 100 -o tuned.yaml" );
+    const started s = start( "tune endless.yaml --error 0.001 --length 100 -o tuned.yaml" );
     pause_ms( 400 );
     kill( s.pid, SIGINT );
     assert_int_equal( finish( &s ), 0 );

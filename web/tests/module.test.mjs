@@ -202,11 +202,11 @@ test("the converged run differs from a coarse one, by less the finer that is", (
 
 test("tuning finds settings that are within the error", () => {
   let calls = 0;
-  const found = wisp.tune(scene(HANGING), { error: 0.03, seconds: 0.5, progress: () => { ++calls; } });
+  const found = wisp.tune(scene(HANGING), { error: 0.03, length: 0.5, progress: () => { ++calls; } });
   assert.equal(found.meetsTarget, true);
   assert.ok(found.error <= 0.03 && found.ms > 0);
   assert.equal(calls, found.runs);
-  const unmet = wisp.tune(scene(HANGING), { error: 1e-5, seconds: 0.2 });
+  const unmet = wisp.tune(scene(HANGING), { error: 1e-5, length: 0.2 });
   assert.equal(unmet.meetsTarget, false);
   assert.ok(unmet.error > 1e-5);
   assert.ok(scene(HANGING).withParameters(found.parameters).text.includes(`substeps: ${found.parameters.substeps}`));

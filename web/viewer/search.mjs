@@ -26,7 +26,7 @@ export class Search {
             const work = async () => {
                 await engine.load();
                 await engine.ask("openScene", { name, files });
-                return engine.ask("tune", { error, seconds: SECONDS, limit: LIMIT });
+                return engine.ask("tune", { error, length: SECONDS, limit: LIMIT });
             };
             return await Promise.race([work(), stop]);
         } finally {

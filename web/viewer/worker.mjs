@@ -140,9 +140,9 @@ const requests = {
     },
 
     /** Blocks this worker, which is made for it. The page stops a search by ending the worker. */
-    tune({ error, seconds, limit }) {
+    tune({ error, length, limit }) {
         return wisp.tune(scene, {
-            error, seconds, limit,
+            error, length, limit,
             progress(runs, maxRuns) {
                 self.postMessage({ type: "progress", runs, maxRuns });
                 return true;

@@ -65,10 +65,10 @@ $ wisp tune strands.yaml --error 0.01 --workers 1 -o tuned.yaml >told
 $ passes() { grep -o 'stretch_passes: [0-9]*'; }; passes <tuned.yaml >written; grep '^chosen ' told | passes | cmp written -
 
 # A budget is met, or it is told that it is not; nothing is written then.
-$ wisp tune cloth.yaml --budget 1000 --workers 1 --seconds 0.1
+$ wisp tune cloth.yaml --budget 1000 --workers 1 --length 0.1
 target     met: at most 1000 ms per step...
 ...81 vertices and 6 times up to 0.1 s...
-$ wisp tune cloth.yaml --budget 1e-9 --workers 1 --seconds 0.1 -o unmet.yaml
+$ wisp tune cloth.yaml --budget 1e-9 --workers 1 --length 0.1 -o unmet.yaml
 target     not met: at most 1e-09 ms per step; compared until 0.1 s, the end
 nearest    substeps: 1, iterations: 1...
 not written: unmet.yaml...
@@ -76,13 +76,13 @@ not written: unmet.yaml...
 $ test ! -e unmet.yaml
 
 # An error out of reach ends with 1 and the best.
-$ wisp tune cloth.yaml --error 1e-12 --workers 1 --seconds 0.1
+$ wisp tune cloth.yaml --error 1e-12 --workers 1 --length 0.1
 target     not met: error at most 1e-12 m; compared until 0.1 s, the end
 nearest    ...
 [1]
 
 # A report in JSON has a row for every setting.
-$ wisp tune cloth.yaml --error 0.02 --workers 1 --seconds 0.1 --format json | python3 -m json.tool | grep -o '^{\|"chosen"\|"rms_m"\|"substeps"' | sort -u
+$ wisp tune cloth.yaml --error 0.02 --workers 1 --length 0.1 --format json | python3 -m json.tool | grep -o '^{\|"chosen"\|"rms_m"\|"substeps"' | sort -u
 "chosen"
 "rms_m"
 "substeps"
@@ -125,7 +125,7 @@ $ printf 'wisp: 1\nsurfaces:\n  - { name: a, file: a.obj, cloth: {} }\n' >mesh.y
 $ wisp tune mesh.yaml --error 1 -o elsewhere/tuned.yaml
 ! wisp: ...elsewhere/tuned.yaml must be in the same folder...
 [2]
-$ wisp tune cloth.yaml --error 10 --seconds 0.02 --workers 1 -o elsewhere/tuned.yaml
+$ wisp tune cloth.yaml --error 10 --length 0.02 --workers 1 -o elsewhere/tuned.yaml
 ! wisp: ...elsewhere...
 [2]
 
