@@ -12,7 +12,11 @@ import sys
 # Sizes that tell rows apart; where there is an error, the name of the variant does.
 SIZES = ["strands", "vertices", "points", "edge_points", "stretch_stiffness", "iterations_mean", "ns_a_vertex_and_iteration", "contacts", "exponent"]
 # Measures by the beginning of their names, and their columns.
-MEASURES = {"stretch_max": "stretch_max", "stretch_mean": "stretch_mean", "energy_against": "energy", "max_intersections": "intersections"}
+MEASURES = {
+    "stretch_max": "stretch_max", "stretch_mean": "stretch_mean", "energy_against": "energy", "max_intersections": "intersections",
+    "largest_distance": "largest", "doubt": "doubt", "until": "until", "error_at_0_5_s": "at_0.5", "error_at_1_s": "at_1", "detail": "wrinkles",
+    "late_height": "late_height", "late_energy": "late_energy", "late_stretch": "late_stretch", "late_detail": "late_wrinkles",
+}
 STAGES = ["guide_hair.ghosts"]
 
 

@@ -479,16 +479,16 @@ static double total( const suite_motion* motion, int frame )
     return (double)motion->energies[frame].x + (double)motion->energies[frame].y;
 }
 
-// Mean over some frames, in parts of what the reference has released there since the first frame.
+// Mean over some frames, in parts of the most that the reference has released until then: where it swings up again little is left.
 static double compare_energy( const suite_motion* motion, const suite_motion* reference, int first, int count )
 {
     double released = 0.0, gained = 0.0;
-    for ( int frame = first; frame < first + count; ++frame )
+    for ( int frame = 0; frame < first + count; ++frame )
     {
-        released += (double)reference->energies[0].y - (double)reference->energies[frame].y;
-        gained += total( motion, frame ) - total( reference, frame );
+        released = fmax( released, (double)reference->energies[0].y - (double)reference->energies[frame].y );
+        gained += frame >= first ? total( motion, frame ) - total( reference, frame ) : 0.0;
     }
-    return released > 0.0 ? gained / released : NAN;
+    return released > 0.0 ? gained / ( count * released ) : NAN;
 }
 
 // ---- all ----
