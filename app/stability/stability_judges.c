@@ -9,8 +9,9 @@
 #include <stdlib.h>
 
 const char* const stability_check_names[STABILITY_CHECK_COUNT] = {
-    "crash", "time",        "refused",       "status", "finite", "halted",   "energy", "strain", "recovery",
-    "speed", "penetration", "intersections", "rest",   "bits",   "snapshot", "scale",  "shift"
+    "crash",  "time",     "refused",  "status",      "finite",        "halted", "energy",
+    "strain", "recovery", "speed",    "penetration", "intersections", "rest",   "near",
+    "same",   "bits",     "snapshot", "scale",       "shift"
 };
 
 __attribute__( ( format( printf, 5, 6 ) ) ) static bool break_it( stability_verdict* out, stability_check judge,
@@ -375,7 +376,8 @@ bool stability_judge_trace( const stability_trace* trace, unsigned checks, const
             return false;
         }
     }
-    return true;
+    return limits == NULL || ( checks & stability_bit( STABILITY_NEAR ) ) == 0 ||
+           stability_judge_near( trace, limits, out );
 }
 
 // ---- figures next to close limits ----

@@ -20,6 +20,8 @@ typedef enum stability_check
     STABILITY_PENETRATION,   ///< vertices inside a collider at rest
     STABILITY_INTERSECTIONS, ///< edges through triangles that contact should have kept apart
     STABILITY_REST,          ///< motion that does not die
+    STABILITY_NEAR,          ///< a measure far from the value that it should have
+    STABILITY_SAME,          ///< other bits than another row
     STABILITY_BITS,          ///< other bits with other workers or instruction sets
     STABILITY_SNAPSHOT,      ///< other bits after a snapshot and its restoration
     STABILITY_SCALE,         ///< another motion at ten times or a tenth of the size
@@ -50,14 +52,55 @@ enum
     STABILITY_ALL = ( 1u << STABILITY_CHECK_COUNT ) - 1,
 };
 
+enum
+{
+    STABILITY_MAX_NEAR = 8,
+};
+
+/// What is taken of a measure over the run.
+typedef enum stability_take
+{
+    STABILITY_TAKE_END, ///< its value at a time
+    STABILITY_TAKE_MEAN,
+    STABILITY_TAKE_MIN,
+    STABILITY_TAKE_MAX,
+    STABILITY_TAKE_PERIOD, ///< s, of its swing about its mean
+    STABILITY_TAKE_CHANGE, ///< its value at the end less that at a time
+    STABILITY_TAKE_COUNT,
+} stability_take;
+
+extern const char* const stability_near_takes[STABILITY_TAKE_COUNT];
+
+/// A measure of a body and the value that it must come near.
+typedef struct stability_near
+{
+    char of[96];     ///< such as "rod.tip.y": the body, a point and an axis; or the body and `speed`, `volume`, ..
+    int name_length; ///< of the body in it
+    int kind, axis, vertex;
+    stability_take take;
+    double at;            ///< s; 0: the end, or all of the run
+    double value, within; ///< m, m/s, J, m^3 or s
+    char from[120];       ///< where the value is from
+} stability_near;
+
 /// Limits that a user gives in place of those that are found. 0: none is given.
 typedef struct stability_limits
 {
-    double strain; ///< at the end, 1
-    double energy; ///< J, above that when inputs came to rest, or above the start if they never do
-    double speed;  ///< m/s
-    double rest;   ///< m/s, in the last twentieth of the run
+    stability_near near[STABILITY_MAX_NEAR];
+    int near_count;
+    char same[160]; ///< the row with the same bits; empty: none
+    double strain;  ///< at the end, 1
+    double energy;  ///< J, above that when inputs came to rest, or above the start if they never do
+    double speed;   ///< m/s
+    double rest;    ///< m/s, in the last twentieth of the run
 } stability_limits;
+
+/// Read what is measured, such as "rod.tip.y". @return false: it is no measure
+bool stability_near_parse( const char* of, stability_near* out );
+/// @param at [vertex_count] @return NaN: of another body, or it has no such vertex
+double stability_near_measure( const stability_near* near, const scene_body* body, const wisp_vec3* at,
+                               const stability_sample* sample );
+bool stability_judge_near( const stability_trace* trace, const stability_limits* limits, stability_verdict* out );
 
 /// Judge a trace. @param checks or-ed; those that need more than a trace are left out
 /// @param limits null: none are given @return whether it holds

@@ -1,3 +1,4 @@
+#include "stability_judges.h"
 #include "stability_parts.h"
 
 #include "interruption.h"
@@ -624,12 +625,25 @@ static void sample_motion( const scene_world* world, int body, stability_sample*
         sample->potential = m.potential_energy;
         sample->speed = m.speed_max;
         memcpy( sample->centre, m.centre, sizeof m.centre );
+        memcpy( sample->momentum, m.momentum, sizeof m.momentum );
+        memcpy( sample->spin, m.angular_momentum, sizeof m.angular_momentum );
         sample->is_finite &=
             isfinite( m.kinetic_energy ) && isfinite( m.potential_energy ) && isfinite( m.speed_max );
     }
 }
 
-static void sample_body( const scene_world* world, const stability_trace* trace, int body, wisp_vec3* points,
+static void measure_near( const stability_trace* trace, const scene_body* body, const wisp_vec3* points, int row,
+                          const stability_sample* sample )
+{
+    for ( int i = 0; trace->limits && i < trace->limits->near_count; ++i )
+    {
+        const double value = stability_near_measure( &trace->limits->near[i], body, points, sample );
+        double* place = trace->near + (size_t)i * (size_t)( trace->steps_most + 1 ) + row;
+        *place = isnan( value ) ? *place : value;
+    }
+}
+
+static void sample_body( const scene_world* world, const stability_trace* trace, int body, int row, wisp_vec3* points,
                          stability_sample* sample )
 {
     const scene_body shape = scene_world_body( world, body );
@@ -646,6 +660,7 @@ static void sample_body( const scene_world* world, const stability_trace* trace,
         sample->thickness = (double)stats.thickness;
         sample->contacts = stats.contacts;
     }
+    measure_near( trace, &shape, points, row, sample );
 }
 
 static void sample_all( const scene_world* world, stability_trace* trace, int row, wisp_vec3* points )
@@ -653,7 +668,7 @@ static void sample_all( const scene_world* world, stability_trace* trace, int ro
     trace->times[row] = scene_world_time( world );
     for ( int body = 0; body < trace->body_count; ++body )
     {
-        sample_body( world, trace, body, points, stability_sample_of( trace, row, body ) );
+        sample_body( world, trace, body, row, points, stability_sample_of( trace, row, body ) );
     }
 }
 
@@ -799,13 +814,17 @@ static void make_steps( scene_world* world, stability_reader* const* readers, st
     }
 }
 
-wisp_status stability_trace_run( wisp_scene* scene, stability_trace* out, wisp_error* error )
+wisp_status stability_trace_run( wisp_scene* scene, const stability_limits* limits, stability_trace* out,
+                                 wisp_error* error )
 {
     const size_t bodies = (size_t)scene->strands_count + (size_t)scene->surface_count;
     const size_t rows = (size_t)scene->steps + 1;
-    *out = ( stability_trace ){
-        .body_count = (int)bodies, .intersections_before = -1, .intersections_after = -1, .intersections_most = -1
-    };
+    *out = ( stability_trace ){ .body_count = (int)bodies,
+                                .limits = limits,
+                                .steps_most = scene->steps,
+                                .intersections_before = -1,
+                                .intersections_after = -1,
+                                .intersections_most = -1 };
     scene_request_statistics( scene );
     scene_world world;
     const scene_world_options options = { .workers = 1, .is_quiet = true };
@@ -813,6 +832,11 @@ wisp_status stability_trace_run( wisp_scene* scene, stability_trace* out, wisp_e
     out->bodies = text_alloc( bodies * sizeof *out->bodies );
     out->samples = text_alloc( rows * bodies * sizeof *out->samples );
     out->times = text_alloc( rows * sizeof *out->times );
+    out->near = text_alloc( rows * (size_t)( limits ? limits->near_count : 0 ) * sizeof *out->near );
+    for ( size_t i = 0; limits && i < rows * (size_t)limits->near_count; ++i )
+    {
+        out->near[i] = NAN;
+    }
     wisp_vec3* points = text_alloc( (size_t)scene_world_vertices( &world ) * sizeof *points );
     stability_reader** readers = text_alloc( bodies * sizeof *readers );
     wisp_status status = sample_start( scene, out, points, error );
@@ -847,5 +871,6 @@ void stability_trace_release( stability_trace* trace )
     free( trace->bodies );
     free( trace->samples );
     free( trace->times );
+    free( trace->near );
     *trace = ( stability_trace ){ 0 };
 }

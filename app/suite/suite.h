@@ -78,6 +78,7 @@ typedef struct suite_row
     suite_budget budgets[SUITE_BUDGET_COUNT];
     unsigned checks;         ///< that must hold, as stability_bit() has them; 0: none
     stability_limits limits; ///< that checks are given
+    int same;                ///< rows from here to that with the same bits; 0: none
     double seconds;          ///< that are simulated; 0: `steps`
     bool is_refused;         ///< the reader or the engine must refuse it with a message
     char refusal[200];       ///< the reader's, of a row that is_refused; empty: it took it

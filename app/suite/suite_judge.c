@@ -20,7 +20,12 @@
 static const stability_check check_words[] = { STABILITY_STATUS, STABILITY_FINITE,      STABILITY_HALTED,
                                                STABILITY_ENERGY, STABILITY_STRAIN,      STABILITY_RECOVERY,
                                                STABILITY_SPEED,  STABILITY_PENETRATION, STABILITY_INTERSECTIONS,
-                                               STABILITY_REST,   STABILITY_BITS };
+                                               STABILITY_REST,   STABILITY_BITS,        STABILITY_NEAR,
+                                               STABILITY_SAME };
+enum
+{
+    PLAIN_CHECKS = WISP_COUNT( check_words ) - 2, // the last ones need to be told what
+};
 
 static wisp_status read_word( const suite_reader* r, const scene_node* node, int* out )
 {
@@ -52,17 +57,113 @@ static bool is_all( const suite_reader* r, const scene_node* node )
 static unsigned all_checks( void )
 {
     unsigned all = 0;
-    for ( int i = 0; i < WISP_COUNT( check_words ); ++i )
+    for ( int i = 0; i < PLAIN_CHECKS; ++i )
     {
         all |= stability_bit( check_words[i] );
     }
     return all;
 }
 
+static double number_in( const suite_reader* r, const scene_node* n, double otherwise )
+{
+    return n ? suite_number_of( r, n ) : otherwise;
+}
+
+// A measure and the value that it must come near.
+static wisp_status read_near( const suite_reader* r, const scene_node* block, stability_limits* limits )
+{
+    enum
+    {
+        OF,
+        VALUE,
+        WITHIN,
+        AT,
+        TAKE,
+        FROM,
+        NEAR_KEY_COUNT,
+    };
+    static const char* const keys[NEAR_KEY_COUNT] = { "of", "value", "within", "at", "take", "from" };
+    const scene_node* values[NEAR_KEY_COUNT];
+    const char* text[NEAR_KEY_COUNT];
+    WISP_TRY( suite_take_keys( r, block,
+                               "a measure and its value, such as { of: rod.tip.y, value: -0.7, within: 0.02 }", keys,
+                               NEAR_KEY_COUNT, values ) );
+    for ( int i = 0; i < NEAR_KEY_COUNT; ++i )
+    {
+        text[i] = values[i] && values[i]->kind == SCENE_SCALAR ? scene_text_of( &r->tree, values[i] ) : "";
+    }
+    stability_near near = { .value = number_in( r, values[VALUE], NAN ),
+                            .within = number_in( r, values[WITHIN], NAN ),
+                            .at = number_in( r, values[AT], 0.0 ),
+                            .take = text[TAKE][0] ? STABILITY_TAKE_COUNT : STABILITY_TAKE_END };
+    for ( int i = 0; i < STABILITY_TAKE_COUNT; ++i )
+    {
+        near.take = strcmp( text[TAKE], stability_near_takes[i] ) == 0 ? (stability_take)i : near.take;
+    }
+    snprintf( near.from, sizeof near.from, "%s", text[FROM] );
+    if ( !stability_near_parse( text[OF], &near ) )
+    {
+        return suite_refuse( r, values[OF] ? values[OF] : block,
+                             "got '%s', expected a body and a measure: of tip, mean, min, max, centre, momentum, "
+                             "spin and v12 the axis x, y "
+                             "or z, such as rod.tip.y; or speed, kinetic, potential, volume",
+                             scene_shorten( text[OF] ).text );
+    }
+    if ( near.take == STABILITY_TAKE_COUNT )
+    {
+        return suite_refuse( r, values[TAKE], "got '%s', expected one of end, mean, min, max, period, change",
+                             scene_shorten( text[TAKE] ).text );
+    }
+    if ( !isfinite( near.value ) || !( near.within > 0.0 ) || !isfinite( near.within ) || !( near.at >= 0.0 ) )
+    {
+        return suite_refuse( r, block,
+                             "expected a value, `within` above 0 and, if there is one, `at` of at least 0" );
+    }
+    if ( limits->near_count == STABILITY_MAX_NEAR )
+    {
+        return suite_refuse( r, block, "expected at most %d values of a row", STABILITY_MAX_NEAR );
+    }
+    limits->near[limits->near_count++] = near;
+    return WISP_OK;
+}
+
+// Checks that are told what: near, same.
+static bool read_told( const suite_reader* r, const scene_node* map, int* out, stability_limits* limits,
+                       wisp_status* status )
+{
+    const scene_node* n = scene_first( &r->tree, map );
+    const char* key = map->count == 1 ? scene_key_of( &r->tree, n ) : "";
+    const bool is_near = strcmp( key, stability_check_names[STABILITY_NEAR] ) == 0;
+    if ( !is_near && strcmp( key, stability_check_names[STABILITY_SAME] ) != 0 )
+    {
+        return false;
+    }
+    const char* text = n->kind == SCENE_SCALAR ? scene_text_of( &r->tree, n ) : "";
+    *out = is_near ? STABILITY_NEAR : STABILITY_SAME;
+    if ( is_near )
+    {
+        *status = read_near( r, n, limits );
+    }
+    else if ( text[0] == '\0' || strlen( text ) >= sizeof limits->same )
+    {
+        *status = suite_refuse( r, n, "expected the name of a row" );
+    }
+    else
+    {
+        strcpy( limits->same, text );
+    }
+    return true;
+}
+
 // A check and its limit, such as { strain: 0.1 }.
 static wisp_status read_limit( const suite_reader* r, const scene_node* map, int* out, stability_limits* limits )
 {
     const scene_node* n = scene_first( &r->tree, map );
+    wisp_status status = WISP_OK;
+    if ( read_told( r, map, out, limits, &status ) )
+    {
+        return status;
+    }
     const struct
     {
         stability_check check;
@@ -85,7 +186,7 @@ static wisp_status read_limit( const suite_reader* r, const scene_node* map, int
         }
     }
     return suite_refuse( r, map,
-                         "expected a check and its limit, one of strain, energy, speed and rest, such as "
+                         "expected a check and its limit, one of strain, energy, speed, rest, near and same, such as "
                          "{ strain: 0.1 }" );
 }
 
@@ -114,6 +215,12 @@ wisp_status suite_read_checks( const suite_reader* r, const scene_node* node, un
             continue;
         }
         status = n->kind == SCENE_MAP ? read_limit( r, n, &check, limits ) : read_word( r, n, &check );
+        if ( status == WISP_OK && n->kind == SCENE_SCALAR && ( check == STABILITY_NEAR || check == STABILITY_SAME ) )
+        {
+            return suite_refuse(
+                r, n,
+                "expected what, such as { near: { of: rod.tip.y, value: -0.7, within: 0.02 } } or { same: ROW }" );
+        }
         *out |= stability_bit( (stability_check)check );
     }
     return status;
@@ -169,6 +276,25 @@ static wisp_status mark_known( const suite_reader* r, const scene_node* node )
                                                           "no row is called '%s'", scene_shorten( text ).text );
 }
 
+// Find the rows that are to have the same bits.
+static wisp_status find_same( const suite_reader* r )
+{
+    for ( int i = 0; i < r->out->row_count; ++i )
+    {
+        suite_row* row = &r->out->rows[i];
+        for ( int k = 0; k < r->out->row_count && row->limits.same[0] && row->same == 0; ++k )
+        {
+            row->same = k != i && is_row_meant( &r->out->rows[k], row->limits.same ) ? k - i : 0;
+        }
+        if ( row->limits.same[0] && row->same == 0 )
+        {
+            return scene_refuse( &r->source, 0, 0, "", "%s: no other row is called '%s'", row->name,
+                                 scene_shorten( row->limits.same ).text );
+        }
+    }
+    return WISP_OK;
+}
+
 static wisp_status mark_list( const suite_reader* r, const scene_node* list, bool is_long )
 {
     if ( list->kind != SCENE_LIST )
@@ -204,8 +330,8 @@ static wisp_status mark_list( const suite_reader* r, const scene_node* list, boo
 wisp_status suite_mark_rows( const suite_reader* r, const scene_node* known, const scene_node* quick,
                              const scene_node* slow )
 {
-    wisp_status status = WISP_OK;
-    if ( known && known->kind != SCENE_MAP )
+    wisp_status status = find_same( r );
+    if ( status == WISP_OK && known && known->kind != SCENE_MAP )
     {
         return suite_refuse( r, known,
                              "expected rows and the checks that they break, such as { \"sheet\": strain }" );
@@ -333,6 +459,7 @@ void suite_twins_release( suite_twins* twins )
         free( twins->list[i].strains );
     }
     free( twins->list );
+    free( twins->hashes );
     *twins = ( suite_twins ){ 0 };
 }
 
@@ -360,7 +487,7 @@ static struct suite_twin* run_twin( const suite_row* row, uint64_t key, suite_tw
     {
         put_to_rest( &scene.strands[i].start );
     }
-    if ( stability_trace_run( &scene, &trace, NULL ) == WISP_OK )
+    if ( stability_trace_run( &scene, NULL, &trace, NULL ) == WISP_OK )
     {
         twin = keep( twins, key, &trace );
     }
@@ -396,7 +523,54 @@ static void count_as_refused( const suite_row* row, const char* message, suite_o
     snprintf( out->verdict.message, sizeof out->verdict.message, "%.310s", message );
 }
 
-static void judge_trace( const suite_row* row, const wisp_scene* scene, stability_trace* trace, suite_outcome* out )
+static void keep_hash( const suite_row* row, uint64_t hash, suite_twins* twins )
+{
+    struct suite_hash* list = text_alloc( (size_t)( twins->hash_count + 1 ) * sizeof *list );
+    if ( twins->hash_count > 0 )
+    {
+        memcpy( list, twins->hashes, (size_t)twins->hash_count * sizeof *list );
+    }
+    free( twins->hashes );
+    list[twins->hash_count++] = ( struct suite_hash ){ row, hash };
+    twins->hashes = list;
+}
+
+// The hash of a row that has run, or runs now.
+static uint64_t hash_of( const suite_row* row, suite_twins* twins )
+{
+    for ( int i = 0; i < twins->hash_count; ++i )
+    {
+        if ( twins->hashes[i].row == row )
+        {
+            return twins->hashes[i].hash;
+        }
+    }
+    wisp_scene scene;
+    stability_trace trace = { .hash = 0 };
+    if ( read_row_scene( row, &scene, NULL ) == WISP_OK )
+    {
+        (void)stability_trace_run( &scene, NULL, &trace, NULL );
+        stability_trace_release( &trace );
+        wisp_scene_release( &scene );
+    }
+    keep_hash( row, trace.hash, twins );
+    return trace.hash;
+}
+
+static bool judge_same( const suite_row* row, uint64_t hash, suite_twins* twins, stability_verdict* out )
+{
+    const uint64_t other = row->same != 0 ? hash_of( row + row->same, twins ) : hash;
+    if ( other != hash )
+    {
+        *out = ( stability_verdict ){ .check = STABILITY_SAME, .severity = 1.0 };
+        snprintf( out->message, sizeof out->message, "the points at the end have hash %016llx, those of '%s' %016llx",
+                  (unsigned long long)hash, row->limits.same, (unsigned long long)other );
+    }
+    return other == hash;
+}
+
+static void judge_trace( const suite_row* row, const wisp_scene* scene, suite_twins* twins, stability_trace* trace,
+                         suite_outcome* out )
 {
     out->figures = stability_figures_of( trace, &row->limits );
     out->without_limit = stability_without_limit( &out->figures, row->checks );
@@ -412,7 +586,8 @@ static void judge_trace( const suite_row* row, const wisp_scene* scene, stabilit
         out->verdict =
             ( stability_verdict ){ .check = STABILITY_REFUSED, .severity = 1.0, .message = "it is not refused" };
     }
-    else if ( holds && ( row->checks & stability_bit( STABILITY_BITS ) ) )
+    else if ( holds && judge_same( row, trace->hash, twins, &out->verdict ) &&
+              ( row->checks & stability_bit( STABILITY_BITS ) ) )
     {
         stability_judge_bits( scene, scene->steps, &out->verdict );
     }
@@ -430,11 +605,12 @@ wisp_status suite_judge_row( const suite_row* row, suite_twins* twins, suite_out
     wisp_error inner = { 0 };
     WISP_TRY( read_row_scene( row, &scene, error ) );
     stability_trace trace;
-    wisp_status status = stability_trace_run( &scene, &trace, &inner );
+    wisp_status status = stability_trace_run( &scene, &row->limits, &trace, &inner );
     if ( status == WISP_OK )
     {
         limit_strain( row, &scene, twins, &trace );
-        judge_trace( row, &scene, &trace, out );
+        keep_hash( row, trace.hash, twins );
+        judge_trace( row, &scene, twins, &trace, out );
     }
     else if ( status == WISP_BAD_INPUT || status == WISP_CONFLICT )
     {

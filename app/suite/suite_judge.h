@@ -4,7 +4,7 @@
 #include "stability_judges.h"
 #include "suite.h"
 
-/// Strains of scenes that start at rest, which those that start elsewhere are compared with. Zero-initialised is empty.
+/// What rows are compared with: strains of scenes that start at rest, hashes. Zero-initialised is empty.
 typedef struct suite_twins
 {
     struct suite_twin
@@ -14,6 +14,12 @@ typedef struct suite_twins
         int count;
     } * list;
     int count, capacity;
+    struct suite_hash
+    {
+        const suite_row* row;
+        uint64_t hash;
+    } * hashes; ///< of rows that ran, for `same`
+    int hash_count;
 } suite_twins;
 
 void suite_twins_release( suite_twins* twins );

@@ -427,7 +427,7 @@ static bool judge_alike( const torture_subject* subject, text_node* tree, const 
     // What is beyond a range at another size says nothing.
     if ( torture_read( &moved, &scene, &error ) == WISP_OK )
     {
-        holds = stability_trace_run( &scene, &twin, &error ) != WISP_OK ||
+        holds = stability_trace_run( &scene, NULL, &twin, &error ) != WISP_OK ||
                 torture_compare_traces( trace, &twin, judge, out );
         stability_trace_release( &twin );
     }
@@ -487,7 +487,7 @@ static stability_verdict judge_here( const torture_subject* subject, int twins )
         return verdict;
     }
     stability_trace trace;
-    if ( stability_trace_run( &scene, &trace, &error ) != WISP_OK )
+    if ( stability_trace_run( &scene, NULL, &trace, &error ) != WISP_OK )
     {
         refuse( &verdict, &error );
     }

@@ -1,4 +1,4 @@
-// The oracle of moving strands is sound: momentum, energy, the gradient of a rod's energy. Closed forms of pendulums, chains and rods hold the engine in test_strands_closed_forms.c, and the engine is held to this oracle in
+// The oracle of moving strands is sound: momentum, energy, the gradient of a rod's energy. Closed forms hold the engine in tests/claims/strands.yaml, and the engine is held to this oracle in
 // test_strands_against_oracle.c.
 #include "oracle_support.h"
 

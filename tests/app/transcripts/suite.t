@@ -222,9 +222,27 @@ FAILED: stability, mine: breaks strain: ... and 0.01 % are allowed
 in 1 cells no limit is known
 ! wisp: a result is wrong; ...
 
+# A measure is far from its value, a body is not there, and bits are those of another row.
+$ cat >far.yaml <<'END'
+> wisp_suite: 1
+> scenes:
+>   - { file: cloth.yaml, name: far, checks: [{ near: { of: sheet.max.y, value: 5, within: 0.5, from: "nowhere" } }] }
+>   - { file: cloth.yaml, name: who, checks: [{ near: { of: nobody.tip.y, value: 5, within: 0.5 } }] }
+>   - { file: cloth.yaml, name: alike, checks: [{ same: far }, { near: { of: sheet.speed, take: min, value: 0, within: 1e6 } }] }
+>   - { file: cloth.yaml, name: other, set: { gravity: [0, 1, 0] }, checks: [{ same: far }] }
+> END
+$ wisp bench far.yaml | grep -o 'FAILED: stability.*\|[0-9]* hold.*'
+FAILED: stability, far: breaks near: sheet.max.y is ..., expected 5 within 0.5: nowhere
+FAILED: stability, who: breaks near: nobody.tip.y has no value: ...
+FAILED: stability, other: breaks same: the points at the end have hash ..., those of 'far' ...
+1 hold, 3 fail
+! wisp: a result is wrong; ...
+
 # Wrong words name their place.
 $ for line in 'checks: [enrgy]' 'checks: some' 'checks: [{ strain: -1 }]' 'checks: [{ bits: 1 }]' 'checks: all\nknown: { other: rest }' \
->     'checks: [finite]\nknown: { cloth: rest }' 'checks: all\naxes: { dt: [1] }' 'checks: all\nquick: [none]' 'check: all'
+>     'checks: [finite]\nknown: { cloth: rest }' 'checks: all\naxes: { dt: [1] }' 'checks: all\nquick: [none]' 'check: all' \
+>     'checks: [near]' 'checks: [{ near: { of: sheet.tip } }]' 'checks: [{ near: { of: sheet.tip.y, value: 1, within: 0 } }]' \
+>     'checks: [{ near: { of: sheet.tip.y, value: 1, within: 1, take: all } }]' 'checks: [{ same: other }]'
 > do
 >     printf "wisp_suite: 1\n$line\nscenes: [{ file: cloth.yaml }]\n" >wrong.yaml; wisp bench wrong.yaml >&2; test $? = 2 || echo "taken: $line"
 > done
@@ -237,6 +255,11 @@ $ for line in 'checks: [enrgy]' 'checks: some' 'checks: [{ strain: -1 }]' 'check
 ! wisp: ...expected axes, such as...
 ! wisp: ...no row is called 'none'...
 ! wisp: ...did you mean 'checks'?...
+! wisp: wrong.yaml:2:10: expected what, such as...
+! wisp: ...got 'sheet.tip', expected a body and a measure: ...
+! wisp: ...expected a value, `within` above 0...
+! wisp: ...got 'all', expected one of end, mean...
+! wisp: wrong.yaml: cloth: no other row is called 'other'...
 $ for keys in 'expect: luck' 'sweep: [dt]' 'agree: 2'; do
 >     printf "wisp_suite: 1\nchecks: all\nscenes: [{ file: cloth.yaml, $keys }]\n" >wrong.yaml; wisp bench wrong.yaml >&2; test $? = 2 || echo "taken: $keys"
 > done
