@@ -240,40 +240,26 @@ const command_text gate_text = {
     .values = { action_words, WISP_COUNT( action_words ), ".yaml" },
 };
 
+static const char* const twin_words[] = { "all", "bits", "snapshot", "scale", "shift" };
 static const option_row torture_rows[] = {
-    OPTION_TITLE( "Search:" ),
-    { "minutes", TORTURE_KEY_MINUTES, "M", "Search for M minutes, default 1", OPTION_ANY },
-    { "scenes", TORTURE_KEY_SCENES, "N", "Try N scenes", OPTION_ANY },
-    { "seed", TORTURE_KEY_SEED, "S", "Seed of the scenes, default 1", OPTION_ANY },
-    { "first", TORTURE_KEY_FIRST, "I", "Begin with scene I of the seed, default 0", OPTION_ANY },
-    { "mesh", TORTURE_KEY_MESH, "FILE", "Make surfaces and colliders of this mesh too; can be repeated",
-      OPTION_FILES( "*" ) },
-    { "jobs", TORTURE_KEY_JOBS, "N", "Judge N scenes at the same time, 1 to 64; default: one per core", OPTION_ANY },
+    OPTION_TITLE( "Judgement:" ),
     { "limit", TORTURE_KEY_LIMIT, "SECONDS", "Wall time of a scene, default 20", OPTION_ANY },
+    { "twin", TORTURE_KEY_TWIN, "TWIN", "Run it again in this way alone, default all", OPTION_WORDS( twin_words ) },
     { "close", TORTURE_KEY_CLOSE, NULL, "Judge by the close limits of suites with checks, too", OPTION_ANY },
-    { "print", TORTURE_KEY_PRINT, NULL, "Print the first scene and run nothing", OPTION_ANY },
     OPTION_TITLE( "Output:" ),
-    { "out", TORTURE_KEY_OUT, "FOLDER", "Write scenes that break to FOLDER, default " TORTURE_FOLDER,
-      OPTION_FILES( "/" ) },
-    { "keep", TORTURE_KEY_KEEP, "N", "Write the first N scenes of each kind, default 3", OPTION_ANY },
     OPTION_RESULTS_FORMAT( TORTURE_KEY_FORMAT ),
 };
 
 const command_text torture_text = {
     .name = "torture",
-    .operands = "[SCENE...]",
+    .operands = "SCENE...",
     .noun = "scene",
-    .summary = "search for scenes that break the engine, or judge scenes",
-    .about = "Search for scenes that break the engine, or judge scenes.",
-    .notes = "Random scenes over all that a scene can say are run, each in a process of its own, and\n"
-             "judged: crash, time, status, finite, halted, energy, strain, penetration,\n"
-             "intersections, rest, bits, snapshot, scale, shift. docs/outputs.md explains each.\n"
-             "A scene that breaks is made smaller while it breaks the same way, and written with a\n"
-             "sentence that says what breaks. Scene number i of a seed is always the same.\n"
-             "\n"
-             "With SCENE no scenes are made: those given are judged.",
-    .examples = "wisp torture --minutes 10 --seed 7\n"
-                "wisp torture torture/energy_7_123.yaml",
+    .summary = "judge whether the engine withstands scenes",
+    .about = "Judge whether the engine withstands scenes.",
+    .notes = "Each scene runs in a process of its own, and again in other ways, and is judged: crash,\n"
+             "time, status, finite, halted, energy, strain, penetration, intersections, rest, bits,\n"
+             "snapshot, scale, shift. docs/outputs.md explains each.",
+    .examples = "wisp torture --close data/scenes/flag.yaml",
     .unmet = "a scene breaks",
     .rows = torture_rows,
     .row_count = WISP_COUNT( torture_rows ),

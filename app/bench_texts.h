@@ -42,19 +42,8 @@ enum
 // Options of `wisp torture`.
 enum
 {
-    TORTURE_KEY_MINUTES = 'm',
-    TORTURE_KEY_SCENES = 'n',
-    TORTURE_KEY_SEED = 's',
-    TORTURE_KEY_OUT = 'o',
     TORTURE_KEY_FORMAT = 'f',
-    TORTURE_KEY_MESH = 256,
-    TORTURE_KEY_FIRST,
-    TORTURE_KEY_KEEP,
-    TORTURE_KEY_LIMIT,
-    TORTURE_KEY_PRINT,
-    TORTURE_KEY_JOBS,
+    TORTURE_KEY_LIMIT = 256,
+    TORTURE_KEY_TWIN,
     TORTURE_KEY_CLOSE,
 };
-
-/// Where `wisp torture` writes what breaks, unless it is told.
-#define TORTURE_FOLDER "./torture"

@@ -1,7 +1,8 @@
 #include "torture_twins.h"
 
 #include "interruption.h"
-#include "torture_keys.h"
+#include "scene_parts.h"
+#include "wisp/module/random.h"
 
 #include <errno.h>
 #include <math.h>
@@ -13,6 +14,152 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+// ---- blocks ----
+
+// The table of a mapping, and the struct with its defaults.
+typedef struct torture_block
+{
+    const scene_block* table; // null: no table describes it
+    const void* base;
+} torture_block;
+
+// Defaults of everything, made at the first use.
+typedef struct defaults
+{
+    bool is_made;
+    wisp_scene scene;
+    wisp_scene_strands strands;
+    wisp_scene_surface surface;
+    wisp_scene_collider collider;
+    wisp_scene_seam seam;
+    wisp_groom_generator grooms[3];
+    wisp_mesh_generator meshes[WISP_MESH_SHAPE_COUNT];
+    wisp_scene_hair_event hair_event;
+    scene_event event;
+    wisp_scene_output output;
+    wisp_scene_pose pose;
+    wisp_scene_box box;
+} defaults;
+
+static const defaults* find_defaults( void )
+{
+    static defaults d;
+    if ( !d.is_made )
+    {
+        d.scene = scene_defaults();
+        d.strands = scene_default_strands( d.scene.gravity );
+        d.surface = scene_default_surface( d.scene.gravity );
+        d.collider = scene_default_collider();
+        d.seam = scene_default_seam();
+        for ( int i = 0; i < WISP_COUNT( d.grooms ); ++i )
+        {
+            d.grooms[i] = wisp_default_groom_generator( (wisp_groom_shape)i, 3 );
+        }
+        for ( int i = 0; i < WISP_MESH_SHAPE_COUNT; ++i )
+        {
+            d.meshes[i] = wisp_default_mesh_generator( (wisp_mesh_shape)i );
+        }
+        d.is_made = true;
+    }
+    return &d;
+}
+
+static torture_block block_of_scene( void )
+{
+    return ( torture_block ){ &SCENE_BLOCK_OF_ALL, &find_defaults()->scene };
+}
+
+static const scene_field* find_field( const scene_block* table, const char* key )
+{
+    for ( int i = 0; i < table->field_count; ++i )
+    {
+        if ( strcmp( table->fields[i].key, key ) == 0 )
+        {
+            return &table->fields[i];
+        }
+    }
+    return NULL;
+}
+
+// The number of the word that `shape` has, 0 if it has none.
+static int shape_of( const scene_block* table, const text_node* map )
+{
+    const scene_field* field = find_field( table, "shape" );
+    const char* word = text_at( map, "shape" );
+    for ( int i = 0; field && field->choices[i].word; ++i )
+    {
+        if ( strcmp( field->choices[i].word, word ) == 0 )
+        {
+            return i;
+        }
+    }
+    return 0;
+}
+
+static bool is_collider( const scene_block* table )
+{
+    return table >= SCENE_COLLIDER_BLOCKS && table < SCENE_COLLIDER_BLOCKS + WISP_COLLIDER_COUNT;
+}
+
+static torture_block block_of_scene_key( const char* key, const text_node* value )
+{
+    const defaults* d = find_defaults();
+    const struct
+    {
+        const char* key;
+        torture_block block;
+    } rows[] = {
+        { "contact", { &SCENE_WORLD_CONTACT_BLOCK, &d->scene } },
+        { "strands", { &SCENE_STRANDS_BLOCK, &d->strands } },
+        { "surfaces", { &SCENE_SURFACE_BLOCK, &d->surface } },
+        { "colliders", { &SCENE_COLLIDER_BLOCKS[shape_of( SCENE_COLLIDER_BLOCKS, value )], &d->collider } },
+        { "seams", { &SCENE_SEAM_BLOCK, &d->seam } },
+        { "hair_events", { &SCENE_COMMAND_BLOCK, &d->hair_event } },
+        { "events", { &SCENE_EVENT_BLOCK, &d->event } },
+        { "output", { &SCENE_OUTPUT_BLOCK, &d->output } },
+    };
+    for ( int i = 0; i < WISP_COUNT( rows ); ++i )
+    {
+        if ( strcmp( rows[i].key, key ) == 0 )
+        {
+            return rows[i].block;
+        }
+    }
+    return ( torture_block ){ NULL, NULL };
+}
+
+static torture_block block_below( torture_block block, const char* key, const text_node* value )
+{
+    const defaults* d = find_defaults();
+    if ( block.table == &SCENE_BLOCK_OF_ALL )
+    {
+        return block_of_scene_key( key, value );
+    }
+    const scene_field* field = block.table ? find_field( block.table, key ) : NULL;
+    if ( field == NULL || field->block != NULL )
+    {
+        return ( torture_block ){ field ? field->block : NULL, block.base };
+    }
+    const bool is_mesh = block.table == &SCENE_SURFACE_BLOCK || is_collider( block.table );
+    if ( strcmp( key, "generate" ) == 0 )
+    {
+        const int mesh = is_mesh ? shape_of( SCENE_MESH_BLOCKS, value ) : 0;
+        return is_mesh
+                   ? ( torture_block ){ &SCENE_MESH_BLOCKS[mesh], &d->meshes[mesh] }
+                   : ( torture_block ){ &SCENE_GENERATE_BLOCK, &d->grooms[shape_of( &SCENE_GENERATE_BLOCK, value )] };
+    }
+    if ( strcmp( key, "keyframes" ) == 0 )
+    {
+        return ( torture_block ){ &SCENE_POSITION_BLOCK, &d->pose };
+    }
+    if ( strcmp( key, "pin_keyframes" ) == 0 )
+    {
+        return ( torture_block ){ &SCENE_PIN_POSE_BLOCK, &d->pose };
+    }
+    return strcmp( key, "pin_box" ) == 0 ? ( torture_block ){ &SCENE_BOX_BLOCK, &d->box }
+                                         : ( torture_block ){ NULL, NULL };
+}
 
 // ---- at another size, and elsewhere ----
 
@@ -96,40 +243,24 @@ static bool is_list_of_places( const char* key )
     return strcmp( key, "pin_nearest" ) == 0;
 }
 
-// How a scene gets another size: everything whose unit holds a length, or lengths, areas and flows alone.
-typedef struct resizing
-{
-    double factor;
-    bool only_lengths;
-} resizing;
+static void scale_block( text_node* map, torture_block block, double factor );
 
-static int power_of( const resizing* r, const scene_field* field )
+static void scale_value( text_node* value, torture_block block, const scene_field* field, double factor )
 {
-    const int power = is_list_of_places( field->key ) ? 1 : length_power( field->unit, field->key );
-    const char* unit = field->unit ? field->unit : "";
-    const bool is_geometry = is_list_of_places( field->key ) || strcmp( unit, "m" ) == 0 ||
-                             strcmp( unit, "m^2" ) == 0 || strcmp( unit, "m^3/s" ) == 0;
-    return r->only_lengths && !is_geometry ? 0 : power;
-}
-
-static void scale_block( text_node* map, torture_block block, const resizing* r );
-
-static void scale_value( text_node* value, torture_block block, const scene_field* field, const resizing* r )
-{
-    const int power = power_of( r, field );
+    const int power = ( is_list_of_places( field->key ) ? 1 : length_power( field->unit, field->key ) );
     if ( power != 0 )
     {
-        multiply( value, pow( r->factor, power ), field->range );
+        multiply( value, pow( factor, power ), field->range );
         return;
     }
     for ( int i = -1; i < value->count; ++i )
     {
         text_node* inner = i < 0 ? value : value->children[i];
-        const torture_block below = inner->kind == TEXT_MAP ? torture_block_below( block, field->key, inner )
-                                                            : ( torture_block ){ NULL, NULL };
+        const torture_block below =
+            inner->kind == TEXT_MAP ? block_below( block, field->key, inner ) : ( torture_block ){ NULL, NULL };
         if ( below.table != NULL )
         {
-            scale_block( inner, below, r );
+            scale_block( inner, below, factor );
         }
         if ( value->kind != TEXT_LIST )
         {
@@ -152,7 +283,7 @@ static void scale_file( text_node* map, double factor )
     text_put( owner, "scale", text_scalar( "%.9g", scale * factor ) );
 }
 
-static void scale_block( text_node* map, torture_block block, const resizing* r )
+static void scale_block( text_node* map, torture_block block, double factor )
 {
     const bool is_event = block.table == &SCENE_EVENT_BLOCK;
     for ( int i = 0; i < block.table->field_count; ++i )
@@ -160,7 +291,8 @@ static void scale_block( text_node* map, torture_block block, const resizing* r 
         const scene_field* field = &block.table->fields[i];
         text_node* value = text_find( map, field->key );
         // Gravity of a body is that of the scene unless it is written, and an event changes only what is written.
-        const bool has_default = !is_event && power_of( r, field ) != 0;
+        const bool has_default =
+            !is_event && ( is_list_of_places( field->key ) ? 1 : length_power( field->unit, field->key ) ) != 0;
         if ( value == NULL && has_default )
         {
             value = default_of( field, block.base );
@@ -168,20 +300,15 @@ static void scale_block( text_node* map, torture_block block, const resizing* r 
         }
         if ( value != NULL )
         {
-            scale_value( value, block, field, r );
+            scale_value( value, block, field, factor );
         }
     }
-    scale_file( map, r->factor );
+    scale_file( map, factor );
 }
 
 void torture_scale( text_node* scene, double factor )
 {
-    scale_block( scene, torture_block_of_scene(), &( resizing ){ factor, false } );
-}
-
-void torture_resize( text_node* scene, double factor )
-{
-    scale_block( scene, torture_block_of_scene(), &( resizing ){ factor, true } );
+    scale_block( scene, block_of_scene(), factor );
 }
 
 // ---- place ----
@@ -359,8 +486,8 @@ static bool judge_snapshot( const wisp_scene* scene, stability_verdict* out )
 {
     const scene_world_options options = { .workers = 1, .isa = NULL, .is_quiet = true };
     const int steps = twin_steps( scene );
-    torture_random random = torture_random_start( (uint64_t)scene->steps, (uint64_t)scene->substeps );
-    snapshot_run run = { .half = steps > 1 ? torture_random_whole( &random, 1, steps - 1 ) : 0 };
+    const uint64_t random = wisp_random_mix( ( (uint64_t)scene->steps << 32 ) + (uint64_t)scene->substeps );
+    snapshot_run run = { .half = steps > 1 ? 1 + (int)( random % (uint64_t)( steps - 1 ) ) : 0 };
     run.left = steps - run.half;
     if ( steps < 2 || scene_world_create( scene, &options, &run.worlds[0], NULL ) != WISP_OK )
     {

@@ -32,8 +32,6 @@ bool torture_compare_traces( const stability_trace* trace, const stability_trace
 /// Multiply all lengths of a scene by a factor, and everything whose unit holds a length: another choice of the
 /// metre.
 void torture_scale( text_node* scene, double factor );
-/// Multiply lengths, areas and flows and nothing else: another scene, of the same materials.
-void torture_resize( text_node* scene, double factor );
 /// Move everything that has a place.
 void torture_shift( text_node* scene, const double offset[3] );
 

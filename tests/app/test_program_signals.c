@@ -294,14 +294,14 @@ TEST( a_benchmark_writes_what_it_has )
 
 TEST( processes_of_the_torture_end_with_it )
 {
-    const started s = start( "torture --minutes 5 --seed 3 --jobs 2 --out broken" );
+    const started s = start( "torture --limit 1000 endless.yaml" );
     pause_ms( 1500 );
     kill( s.pid, SIGTERM );
     assert_int_equal( finish( &s ), 0 );
     assert_ended_with( 143 );
     assert_non_null( strstr( result.out, "interrupted  after " ) );
     assert_no_process_is_left();
-    const started killed = start( "torture --minutes 5 --seed 3 --jobs 2 --out broken" );
+    const started killed = start( "torture --limit 1000 endless.yaml" );
     pause_ms( 1500 );
     kill( killed.pid, SIGKILL );
     assert_int_equal( finish( &killed ), SIGKILL );

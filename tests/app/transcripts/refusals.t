@@ -145,8 +145,8 @@ $ wisp view square.yaml -o none.html --steps -1
 $ wisp gate check suite.yaml --paired ./skips --patience -1
 ! wisp gate: --patience: got '-1', expected a number above 0 and at most 1e+06
 [64]
-$ wisp torture --scenes 0
-! wisp torture: --scenes: got '0', expected a whole number from 1 to 1000000000
+$ wisp torture --limit 0 a.yaml
+! wisp torture: --limit: got '0', expected a number above 0 and at most 1e+06
 [64]
 $ wisp tune cloth.yaml --error 0.5mm
 ! wisp tune: --error: got '0.5mm', expected a number above 0 and at most 1e+06
@@ -319,8 +319,8 @@ $ wisp run ghosts.yaml --frames-per-step 4
 $ wisp sweep suite.yaml -o wrong --workers 2
 ! wisp sweep: --workers: only runs with --exclusive are timed
 [64]
-$ wisp torture --mesh none.obj
-! wisp torture: --mesh: got 'none.obj', expected a file
+$ wisp torture
+! wisp torture: expected a scene
 [64]
 $ wisp tune cloth.yaml
 ! wisp tune: expected one of --error and --budget
