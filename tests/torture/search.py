@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Search for scenes that break the engine: Hypothesis draws them, `wisp torture` judges them, and those that break become small files.
 
-usage: search.py WISP [--minutes M | --scenes N] [--seed S] [--jobs N] [--limit SECONDS] [--close] [--out FOLDER]
+usage: search.py WISP [--minutes M | --scenes N] [--seed S] [--jobs N] [--limit SECONDS] [--close] [--as-drawn] [--out FOLDER]
 
 Exit status: 1 if a scene breaks. A seed has the same scenes on every machine with the same version of Hypothesis.
 """
@@ -64,7 +64,7 @@ class Search:
     def run(self):
         """Return counts and what was found: for each kind, its message and smallest scene."""
         count = self.options.scenes or 10**9
-        phases = [hypothesis.Phase.generate, hypothesis.Phase.shrink]
+        phases = [hypothesis.Phase.generate, hypothesis.Phase.shrink][: 1 if self.options.as_drawn else 2]
         settings = hypothesis.settings(max_examples=count, deadline=None, database=None, phases=phases, suppress_health_check=list(hypothesis.HealthCheck))
         test = settings(hypothesis.seed(self.seed)(hypothesis.given(scenes(self.blocks))(self.check)))
         try:
@@ -88,6 +88,7 @@ def main():
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--limit", type=float, default=20, help="seconds that a scene may take")
     parser.add_argument("--close", action="store_true", help="the limits of suites with checks, too")
+    parser.add_argument("--as-drawn", action="store_true", help="make nothing smaller")
     parser.add_argument("--out", default="torture", help="folder of scenes that break")
     options = parser.parse_args()
     options.minutes = options.minutes or (None if options.scenes else 1)
