@@ -1,31 +1,59 @@
 // Bending of thin plates on a mesh: creation, and what the kernels read. Equations: wisp/module/plate.h.
 #include "plate_parts.h"
 
+#include "fabric.h"
+
 #include <math.h>
 
 // Squared gradients of an angle may be so many times those of the rest shape before the moment is scaled down.
 static const double STEEPEST = 2.0;
 
-// The least height of the triangles at each vertex; vertices without a hinge do not bend.
-static bool list_heights( wisp_plate* plate, const wisp_fabric* f )
+// The steepest gradients, and the least height of the triangles at each vertex; vertices without a hinge do not bend.
+static void measure_hinges( wisp_plate* plate, const wisp_fabric* f )
 {
-    plate->least_height = fabric_pool_push( &plate->pool, (size_t)f->slot_count, sizeof( float ) );
-    for ( int slot = 0; slot < f->slot_count && plate->least_height != NULL; ++slot )
+    for ( int slot = 0; slot < f->slot_count; ++slot )
     {
         plate->least_height[slot] = INFINITY;
     }
-    for ( int n = 0; n < plate->hinge_count && plate->least_height != NULL; ++n )
+    for ( int n = 0; n < plate->hinge_count; ++n )
     {
         const int32_t* corner = plate_corners( f, plate->hinges + n );
         plate_shape shape = { 0 };
         plate_measure_hinge( f, plate->hinges + n, &shape );
-        const float least = (float)fmin( shape.height[0], shape.height[1] );
-        for ( int k = 0; k < PLATE_CORNERS; ++k )
+        const double k = shape.height[0], l = shape.height[1];
+        plate->steepest[plate->turns.item_row[n]] = (float)( STEEPEST * ( 1.0 / ( k * k ) + 1.0 / ( l * l ) ) );
+        for ( int i = 0; i < PLATE_CORNERS; ++i )
         {
-            plate->least_height[corner[k]] = fminf( plate->least_height[corner[k]], least );
+            plate->least_height[corner[i]] = fminf( plate->least_height[corner[i]], (float)fmin( k, l ) );
         }
     }
-    return plate->least_height != NULL;
+}
+
+// Groups of triangles, and where they read moments: at the slots of hinges.
+static bool cook_triangles( wisp_plate* plate, const wisp_fabric* f )
+{
+    const fabric_constraints triangles = {
+        .slots = f->triangles,
+        .count = f->triangle_count,
+        .arity = 3,
+        .vertex_count = f->vertex_count,
+        .tile_size = f->tile_size,
+        .solve_order = f->solve_order,
+    };
+    wisp_schedule* order = &plate->triangles;
+    if ( fabric_schedule_build( &triangles, &plate->pool, order ) == false ||
+         fabric_schedule_corners( order, &triangles, &plate->pool, &plate->corner_x4 ) == false )
+    {
+        return false;
+    }
+    plate->moment_of = fabric_pool_push( &plate->pool, 3 * (size_t)order->slot_count, sizeof( int32_t ) );
+    for ( int i = 0; i < 3 * order->slot_count && plate->moment_of != NULL; ++i )
+    {
+        const int32_t triangle = order->constraint[i / 24 * 8 + i % 8];
+        const int32_t hinge = triangle >= 0 ? plate->triangle_hinge[triangle][( i / 8 + 1 ) % 3] : -1;
+        plate->moment_of[i] = hinge >= 0 ? plate->turns.item_row[hinge] : f->hinge_order.slot_count;
+    }
+    return plate->moment_of != NULL;
 }
 
 // Rows of hinges are the slots of their schedule.
@@ -39,8 +67,10 @@ static bool cook_turns( wisp_plate* plate, const wisp_fabric* f, fabric_pool* sc
     set->item_row = fabric_pool_push( &plate->pool, (size_t)plate->hinge_count, sizeof( int32_t ) );
     plate->stiffness = fabric_pool_push_zeroed( &plate->pool, slots, sizeof( float ) );
     plate->steepest = fabric_pool_push_zeroed( &plate->pool, slots, sizeof( float ) );
+    plate->held = fabric_pool_push( &plate->pool, 4 * (size_t)f->slot_count, sizeof( float ) );
+    plate->least_height = fabric_pool_push( &plate->pool, (size_t)f->slot_count, sizeof( float ) );
     if ( slot_of == NULL || set->item_row == NULL || plate->stiffness == NULL || plate->steepest == NULL ||
-         list_heights( plate, f ) == false )
+         plate->held == NULL || plate->least_height == NULL )
     {
         return false;
     }
@@ -53,13 +83,10 @@ static bool cook_turns( wisp_plate* plate, const wisp_fabric* f, fabric_pool* sc
     }
     for ( int32_t n = 0; n < plate->hinge_count; ++n )
     {
-        plate_shape shape = { 0 };
-        plate_measure_hinge( f, plate->hinges + n, &shape );
-        const double k = shape.height[0], l = shape.height[1];
         set->item_row[n] = slot_of[plate->hinges[n].constraint];
-        plate->steepest[set->item_row[n]] = (float)( STEEPEST * ( 1.0 / ( k * k ) + 1.0 / ( l * l ) ) );
     }
-    return plate_cook_rows( plate, f, set, scratch );
+    measure_hinges( plate, f );
+    return cook_triangles( plate, f ) && plate_cook_rows( plate, f, set, scratch );
 }
 
 static bool cook_plate( wisp_plate* plate, const wisp_fabric* f, const int32_t* slot_row, bool with_turns,
@@ -70,8 +97,10 @@ static bool cook_plate( wisp_plate* plate, const wisp_fabric* f, const int32_t* 
     plate->hinges = fabric_pool_push( keep, (size_t)f->hinge_count, sizeof( plate_hinge ) );
     plate->triangle_hinge = fabric_pool_push( keep, (size_t)f->triangle_count, sizeof( plate->triangle_hinge[0] ) );
     plate->pinned = fabric_pool_push_zeroed( keep, (size_t)f->vertex_count, sizeof( uint8_t ) );
+    const int rows = 8 * plate->vertices.slice_count, hinges = with_turns ? f->hinge_order.slot_count : 0;
+    plate->place = fabric_pool_push_zeroed( keep, (size_t)( rows > hinges ? rows : hinges ), sizeof( uint8_t ) );
     if ( item_row == NULL || plate->hinges == NULL || plate->triangle_hinge == NULL || plate->pinned == NULL ||
-         plate_cook_hinges( plate, f, scratch ) == false )
+         plate->place == NULL || plate_cook_hinges( plate, f, scratch ) == false )
     {
         return false;
     }
@@ -142,6 +171,10 @@ wisp_plate_turns wisp_plate_get_turns( const wisp_plate* plate )
         .stiffness = plate->stiffness,
         .steepest = plate->steepest,
         .least_height = plate->least_height,
+        .triangles = &plate->triangles,
+        .corner_x4 = plate->corner_x4,
+        .moment_of = plate->moment_of,
+        .held = plate->held,
     };
 }
 

@@ -2,7 +2,6 @@
 #include "plate_parts.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum
@@ -47,73 +46,77 @@ bool plate_measure_hinge( const wisp_fabric* f, const plate_hinge* h, plate_shap
 // J is the jump of the gradients of the two triangles along the normal of the edge (Bergou et al. 2006, eq. 4).
 static void set_row( plate_hinge* h, const plate_shape* shape )
 {
+    double row[PLATE_CORNERS] = { 0.0 };
     for ( int side = 0; side < 2; ++side )
     {
         const double per_height = 1.0 / shape->height[side];
-        h->row[0] += ( 1.0 - shape->foot[side] ) * per_height;
-        h->row[1] += shape->foot[side] * per_height;
-        h->row[2 + side] = -per_height;
+        row[0] += ( 1.0 - shape->foot[side] ) * per_height;
+        row[1] += shape->foot[side] * per_height;
+        row[2 + side] = -per_height;
     }
-}
-
-// A triangle as seen along one of its edges.
-typedef struct half_edge
-{
-    int32_t from, to, triangle, corner;
-} half_edge;
-
-static int compare_half_edges( const void* first, const void* second )
-{
-    const half_edge *a = first, *b = second;
-    return a->from != b->from ? ( a->from < b->from ? -1 : 1 ) : ( a->to > b->to ) - ( a->to < b->to );
-}
-
-static const half_edge* find_half_edge( const half_edge* edges, size_t count, int32_t from, int32_t to )
-{
-    const half_edge key = { .from = from, .to = to };
-    return bsearch( &key, edges, count, sizeof( key ), compare_half_edges );
-}
-
-static half_edge* list_half_edges( const wisp_fabric* f, fabric_pool* scratch )
-{
-    const size_t count = 3 * (size_t)f->triangle_count;
-    half_edge* edges = fabric_pool_push( scratch, count, sizeof( *edges ) );
-    for ( size_t i = 0; i < count && edges != NULL; ++i )
+    for ( int k = 0; k < PLATE_CORNERS; ++k )
     {
-        const int32_t* t = f->triangles + i / 3 * 3;
-        edges[i] = ( half_edge ){ t[i % 3], t[( i + 1 ) % 3], (int32_t)( i / 3 ), (int32_t)( i % 3 ) };
+        h->row[k] = (float)row[k];
     }
-    if ( edges != NULL )
+}
+
+// Half edges of triangles, 3 times the triangle and the corner they begin at, by that corner's vertex.
+typedef struct half_edges
+{
+    int32_t *first, *next; // [vertex_count], [3 times triangle_count]; -1: none
+} half_edges;
+
+static bool list_half_edges( const wisp_fabric* f, fabric_pool* scratch, half_edges* out )
+{
+    const size_t vertices = (size_t)f->vertex_count, count = 3 * (size_t)f->triangle_count;
+    out->first = fabric_pool_push( scratch, vertices, sizeof( int32_t ) );
+    out->next = fabric_pool_push( scratch, count, sizeof( int32_t ) );
+    if ( out->first == NULL || out->next == NULL )
     {
-        qsort( edges, count, sizeof( *edges ), compare_half_edges );
+        return false;
     }
-    return edges;
+    memset( out->first, -1, vertices * sizeof( int32_t ) );
+    for ( size_t e = 0; e < count; ++e )
+    {
+        out->next[e] = out->first[f->triangles[e]];
+        out->first[f->triangles[e]] = (int32_t)e;
+    }
+    return true;
+}
+
+static int32_t find_half_edge( const half_edges* edges, const wisp_fabric* f, int32_t from, int32_t to )
+{
+    int32_t e = edges->first[from];
+    while ( e >= 0 && f->triangles[e / 3 * 3 + ( e + 1 ) % 3] != to )
+    {
+        e = edges->next[e];
+    }
+    return e;
 }
 
 static bool connect_hinges( wisp_plate* plate, const wisp_fabric* f, plate_shape* shapes, fabric_pool* scratch )
 {
-    const half_edge* edges = list_half_edges( f, scratch );
-    if ( edges == NULL )
+    half_edges edges;
+    if ( list_half_edges( f, scratch, &edges ) == false )
     {
         return false;
     }
-    const size_t count = 3 * (size_t)f->triangle_count;
     memset( plate->triangle_hinge, -1, (size_t)f->triangle_count * sizeof( plate->triangle_hinge[0] ) );
     for ( int n = 0; n < f->hinge_count; ++n )
     {
         plate_hinge h = { .constraint = n };
         plate_shape* shape = shapes + plate->hinge_count;
         const int32_t* corner = plate_corners( f, &h );
-        const half_edge* side[2] = { find_half_edge( edges, count, corner[0], corner[1] ),
-                                     find_half_edge( edges, count, corner[1], corner[0] ) };
+        const int32_t side[2] = { find_half_edge( &edges, f, corner[0], corner[1] ),
+                                  find_half_edge( &edges, f, corner[1], corner[0] ) };
         // back to back, or without a height: the edge is open
-        if ( side[0] != NULL && side[1] != NULL && corner[2] != corner[3] && plate_measure_hinge( f, &h, shape ) )
+        if ( side[0] >= 0 && side[1] >= 0 && corner[2] != corner[3] && plate_measure_hinge( f, &h, shape ) )
         {
             set_row( &h, shape );
             for ( int s = 0; s < 2; ++s )
             {
-                h.triangle[s] = side[s]->triangle;
-                plate->triangle_hinge[side[s]->triangle][side[s]->corner] = plate->hinge_count;
+                h.triangle[s] = side[s] / 3;
+                plate->triangle_hinge[side[s] / 3][side[s] % 3] = plate->hinge_count;
             }
             plate->hinges[plate->hinge_count++] = h;
         }
@@ -129,15 +132,16 @@ static int32_t hinge_across( const wisp_plate* plate, const wisp_fabric* f, int3
     return plate->triangle_hinge[triangle][corner];
 }
 
-static void list_stencil( const wisp_plate* plate, const wisp_fabric* f, int32_t hinge )
+void plate_list_stencil( const wisp_plate* plate, const wisp_fabric* f, int32_t hinge,
+                         int32_t stencil[PLATE_STENCIL] )
 {
-    plate_hinge* h = plate->hinges + hinge;
+    const plate_hinge* h = plate->hinges + hinge;
     const int32_t* corner = plate_corners( f, h );
-    h->stencil[0] = hinge;
-    h->stencil[1] = hinge_across( plate, f, h->triangle[0], corner[1] );
-    h->stencil[2] = hinge_across( plate, f, h->triangle[0], corner[2] );
-    h->stencil[3] = hinge_across( plate, f, h->triangle[1], corner[0] );
-    h->stencil[4] = hinge_across( plate, f, h->triangle[1], corner[3] );
+    stencil[0] = hinge;
+    stencil[1] = hinge_across( plate, f, h->triangle[0], corner[1] );
+    stencil[2] = hinge_across( plate, f, h->triangle[0], corner[2] );
+    stencil[3] = hinge_across( plate, f, h->triangle[1], corner[0] );
+    stencil[4] = hinge_across( plate, f, h->triangle[1], corner[3] );
 }
 
 // ---- how two triangles share a turn ----
@@ -151,8 +155,8 @@ static vec2d place_right( vec2d a, vec2d b, double foot, double height )
 
 typedef struct hinge_list
 {
+    const wisp_plate* plate;
     const wisp_fabric* fabric;
-    const plate_hinge* hinges;
     const plate_shape* shapes; // of the hinges
 } hinge_list;
 
@@ -161,9 +165,9 @@ static void add_monomials( const plate_hinge* h, const vec2d at[PLATE_CORNERS], 
 {
     for ( int k = 0; k < PLATE_CORNERS; ++k )
     {
-        out[0] += h->row[k] * 0.5 * at[k].x * at[k].x;
-        out[1] += h->row[k] * 0.5 * at[k].y * at[k].y;
-        out[2] += h->row[k] * sqrt( 0.5 ) * at[k].x * at[k].y;
+        out[0] += (double)h->row[k] * 0.5 * at[k].x * at[k].x;
+        out[1] += (double)h->row[k] * 0.5 * at[k].y * at[k].y;
+        out[2] += (double)h->row[k] * sqrt( 0.5 ) * at[k].x * at[k].y;
     }
 }
 
@@ -171,7 +175,7 @@ static void add_monomials( const plate_hinge* h, const vec2d at[PLATE_CORNERS], 
 static void unfold_stencil( const hinge_list* list, int32_t hinge, int32_t from_slot, vec2d from, vec2d to,
                             vec2d near, double out[MONOMIALS] )
 {
-    const plate_hinge* h = list->hinges + hinge;
+    const plate_hinge* h = list->plate->hinges + hinge;
     const plate_shape* shape = list->shapes + hinge;
     const bool same = plate_corners( list->fabric, h )[0] == from_slot; // then `near` is the corner k, the far one l
     vec2d at[PLATE_CORNERS];
@@ -188,7 +192,7 @@ static void unfold_stencil( const hinge_list* list, int32_t hinge, int32_t from_
 static void measure_quadratics( const hinge_list* list, int32_t hinge, double turn[MONOMIALS],
                                 double jump[PLATE_STENCIL][MONOMIALS] )
 {
-    const plate_hinge* h = list->hinges + hinge;
+    const plate_hinge* h = list->plate->hinges + hinge;
     const plate_shape* shape = list->shapes + hinge;
     const int32_t* corner = plate_corners( list->fabric, h );
     const double half = 0.5 * shape->length;
@@ -205,12 +209,13 @@ static void measure_quadratics( const hinge_list* list, int32_t hinge, double tu
     } next[PLATE_STENCIL - 1] = {
         { corner[1], j, k, i }, { corner[2], k, i, j }, { corner[0], i, l, j }, { corner[3], l, j, i }
     };
+    int32_t stencil[PLATE_STENCIL];
+    plate_list_stencil( list->plate, list->fabric, hinge, stencil );
     for ( int n = 0; n < PLATE_STENCIL - 1; ++n )
     {
-        if ( h->stencil[n + 1] >= 0 )
+        if ( stencil[n + 1] >= 0 )
         {
-            unfold_stencil( list, h->stencil[n + 1], next[n].slot, next[n].from, next[n].to, next[n].near,
-                            jump[n + 1] );
+            unfold_stencil( list, stencil[n + 1], next[n].slot, next[n].from, next[n].to, next[n].near, jump[n + 1] );
         }
     }
     // the gradient at the middle of the edge is 0, that of the flat triangle leads from the edge to the corner
@@ -245,15 +250,14 @@ static void solve_monomials( double a[MONOMIALS][MONOMIALS], double b[MONOMIALS]
 }
 
 // The shares nearest to one by height, which suits equal triangles, that are right for every quadratic surface.
-static void fit_shares( const hinge_list* list, int32_t hinge, double fitted[PLATE_STENCIL] )
+static void fit_shares( const hinge_list* list, int32_t hinge, float fitted[PLATE_STENCIL] )
 {
-    const plate_shape* shape = list->shapes + hinge;
+    const double by_height = plate_share_by_height( list->shapes + hinge );
     double turn[MONOMIALS], jump[PLATE_STENCIL][MONOMIALS], gram[MONOMIALS][MONOMIALS] = { { 0.0 } }, trace = 0.0;
     measure_quadratics( list, hinge, turn, jump );
-    fitted[0] = plate_share_by_height( shape );
     for ( int m = 0; m < MONOMIALS; ++m )
     {
-        turn[m] -= fitted[0] * jump[0][m];
+        turn[m] -= by_height * jump[0][m];
         for ( int n = 0; n < MONOMIALS; ++n )
         {
             for ( int s = 0; s < PLATE_STENCIL; ++s )
@@ -271,7 +275,7 @@ static void fit_shares( const hinge_list* list, int32_t hinge, double fitted[PLA
     for ( int s = 0; s < PLATE_STENCIL; ++s )
     {
         const double more = jump[s][0] * turn[0] + jump[s][1] * turn[1] + jump[s][2] * turn[2];
-        fitted[s] += s == 0 || fabs( more ) >= LEAST_SHARE ? more : 0.0;
+        fitted[s] = s == 0 ? (float)( by_height + more ) : ( fabs( more ) >= LEAST_SHARE ? (float)more : 0.0f );
     }
 }
 
@@ -279,10 +283,9 @@ bool plate_cook_hinges( wisp_plate* plate, const wisp_fabric* f, fabric_pool* sc
 {
     plate_shape* shapes = fabric_pool_push( scratch, (size_t)f->hinge_count, sizeof( plate_shape ) );
     const bool done = shapes != NULL && connect_hinges( plate, f, shapes, scratch );
-    const hinge_list list = { f, plate->hinges, shapes };
+    const hinge_list list = { plate, f, shapes };
     for ( int32_t h = 0; h < plate->hinge_count && done; ++h )
     {
-        list_stencil( plate, f, h );
         fit_shares( &list, h, plate->hinges[h].fitted );
     }
     return done;

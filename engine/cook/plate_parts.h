@@ -20,9 +20,8 @@ typedef struct plate_hinge
 {
     int32_t constraint; // of the fabric, which has its corners i, j, k, l
     int32_t triangle[2];
-    int32_t stencil[PLATE_STENCIL]; // hinges: itself, across (j, k), (k, i), (i, l), (l, j); -1: none
-    double row[PLATE_CORNERS];      // J = sum of row x, 1/m
-    double fitted[PLATE_STENCIL];   // turn of side 0 from J of the stencil, without pins
+    float row[PLATE_CORNERS];    // J = sum of row x, 1/m
+    float fitted[PLATE_STENCIL]; // turn of side 0 from J of the stencil, without pins
 } plate_hinge;
 
 // Opposite corners over the edge of a hinge at rest.
@@ -49,13 +48,19 @@ struct wisp_plate
     plate_row_set turns;         // energy of turns, 1/2 D sum of K J J; empty unless requested
     float *stiffness, *steepest; // [row of turns]
     float* least_height;         // [slot] m
+    float* held;                 // [slot][4] m
+    wisp_schedule triangles;     // of those that bend, with turns
+    const int32_t* corner_x4;    // [group of triangles][3][8]
+    int32_t* moment_of;          // [group of triangles][3][8] row of the hinge opposite to a corner
     plate_hinge* hinges;         // [hinge_count]
     int hinge_count;
     int32_t ( *triangle_hinge )[3]; // [triangle_count] across the edge from corner k to the next; -1: open
     uint8_t* pinned;                // [vertex_count]
+    uint8_t* place;                 // [rows] of a patch while it is added: 1 and more; 0: not in it
     float max_rate;
     bool filled;
     int lowered;          // triangles that are scaled down
+    float largest;        // 1/(kg m^2), of a triangle alone
     float scaled_to;      // 1/(kg m^2)
     const float* factors; // [triangle_count] of a map, until the next update; null: 1
     uint64_t maps;        // what the maps were at the last fill, 0: none
@@ -111,9 +116,13 @@ bool plate_measure_hinge( const wisp_fabric* f, const plate_hinge* h, plate_shap
 /// List the hinges, how their triangles share a turn, and the hinge across each edge. @return false if out of memory
 bool plate_cook_hinges( wisp_plate* plate, const wisp_fabric* f, fabric_pool* scratch );
 
+/// Hinges that share the turn of a hinge: itself, across (j, k), (k, i), (i, l), (l, j); -1: none.
+void plate_list_stencil( const wisp_plate* plate, const wisp_fabric* f, int32_t hinge,
+                         int32_t stencil[PLATE_STENCIL] );
+
 /// Turn of side 0 from J of the stencil, next to pins.
 void plate_share_turn( const wisp_plate* plate, const wisp_fabric* f, const plate_hinge* h,
-                       double share[PLATE_STENCIL] );
+                       const int32_t stencil[PLATE_STENCIL], double share[PLATE_STENCIL] );
 
 /// Energy of the turns of a triangle at its edges, 1/2 sum of m d d. Edges at a right angle have exactly none in common.
 void plate_turn_energy( const wisp_plate* plate, const wisp_fabric* f, int32_t triangle, double m[3][3] );

@@ -1,7 +1,6 @@
 // Which vertices and hinges of a plate act on each other: the entries of the rows of its matrices.
 #include "plate_parts.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 // ---- patches ----
@@ -27,7 +26,7 @@ static void add_jump( plate_patch* p, int edge, const wisp_plate* plate, const w
     p->of_hinge[edge][find_or_add( p->hinge, &p->hinge_count, hinge )] += factor;
     for ( int k = 0; k < PLATE_CORNERS; ++k )
     {
-        p->of_vertex[edge][find_or_add( p->vertex, &p->vertex_count, corner[k] )] += factor * h->row[k];
+        p->of_vertex[edge][find_or_add( p->vertex, &p->vertex_count, corner[k] )] += factor * (double)h->row[k];
     }
 }
 
@@ -42,14 +41,16 @@ plate_patch plate_patch_of( const wisp_plate* plate, const wisp_fabric* f, int32
             continue;
         }
         const plate_hinge* h = plate->hinges + hinge;
+        int32_t stencil[PLATE_STENCIL];
         double share[PLATE_STENCIL];
-        plate_share_turn( plate, f, h, share );
+        plate_list_stencil( plate, f, hinge, stencil );
+        plate_share_turn( plate, f, h, stencil, share );
         for ( int s = 0; s < PLATE_STENCIL; ++s )
         {
             const double other = ( s == 0 ? 1.0 : 0.0 ) - share[s];
-            if ( h->stencil[s] >= 0 && ( s == 0 || h->fitted[s] != 0.0 ) )
+            if ( stencil[s] >= 0 && ( s == 0 || h->fitted[s] != 0.0f ) )
             {
-                add_jump( &p, edge, plate, f, h->stencil[s], h->triangle[0] == triangle ? share[s] : other );
+                add_jump( &p, edge, plate, f, stencil[s], h->triangle[0] == triangle ? share[s] : other );
             }
         }
     }
@@ -61,7 +62,8 @@ typedef struct patch_members
 {
     int count;
     int32_t item[PLATE_PATCH];
-    unsigned of_edge[3]; // bits of the items that the turn at an edge depends on
+    unsigned of_edge[3];          // bits of the items that the turn at an edge depends on
+    uint16_t acting[PLATE_PATCH]; // bits of the items that act on an item
 } patch_members;
 
 static void add_member( patch_members* p, int edge, int32_t item )
@@ -81,10 +83,24 @@ static void add_hinge( patch_members* p, int edge, const wisp_plate* plate, cons
     }
     for ( int k = 0; k < PLATE_CORNERS; ++k )
     {
-        if ( h->row[k] != 0.0 )
+        if ( h->row[k] != 0.0f )
         {
             add_member( p, edge, plate_corners( f, h )[k] );
         }
+    }
+}
+
+// Items act on each other where turns at their edges have energy in common.
+static void set_acting( patch_members* p, double m[3][3] )
+{
+    unsigned on_edge[3] = { 0 };
+    for ( int k = 0; k < 9; ++k )
+    {
+        on_edge[k / 3] |= k / 3 == k % 3 || m[k / 3][k % 3] != 0.0 ? p->of_edge[k % 3] : 0;
+    }
+    for ( int k = 0; k < 3 * p->count; ++k )
+    {
+        p->acting[k / 3] |= (uint16_t)( ( p->of_edge[k % 3] >> k / 3 & 1 ) != 0 ? on_edge[k % 3] : 0 );
     }
 }
 
@@ -94,15 +110,23 @@ static patch_members members_of( const wisp_plate* plate, const wisp_fabric* f, 
     for ( int edge = 0; edge < 3; ++edge )
     {
         const int32_t hinge = plate->triangle_hinge[triangle][edge];
-        const plate_hinge* h = hinge >= 0 ? plate->hinges + hinge : NULL;
-        for ( int s = 0; s < PLATE_STENCIL && h != NULL; ++s )
+        int32_t stencil[PLATE_STENCIL];
+        if ( hinge < 0 )
         {
-            if ( h->stencil[s] >= 0 && ( s == 0 || h->fitted[s] != 0.0 ) )
+            continue;
+        }
+        plate_list_stencil( plate, f, hinge, stencil );
+        for ( int s = 0; s < PLATE_STENCIL; ++s )
+        {
+            if ( stencil[s] >= 0 && ( s == 0 || plate->hinges[hinge].fitted[s] != 0.0f ) )
             {
-                add_hinge( &p, edge, plate, f, h->stencil[s], of_hinges );
+                add_hinge( &p, edge, plate, f, stencil[s], of_hinges );
             }
         }
     }
+    double m[3][3];
+    plate_turn_energy( plate, f, triangle, m );
+    set_acting( &p, m );
     return p;
 }
 
@@ -111,112 +135,73 @@ static patch_members members_of( const wisp_plate* plate, const wisp_fabric* f, 
 // The patches that a vertex or a hinge is in, to merge into its row.
 typedef struct patch_lists
 {
-    int32_t* begin;    // [item_count + 2]
-    int32_t* triangle; // [begin[item_count]]
-    int32_t* mark;     // [item_count] last row that has the item
-    int32_t* found;    // [item_count]
-    uint8_t* common;   // [triangle_count] bit of an edge: its turn has energy in common with that of the next edge
+    patch_members* patch; // [triangle_count]
+    int32_t* begin;       // [item_count + 2]
+    int32_t* place;       // [begin[item_count]] PLATE_PATCH times the triangle, and which of its items
+    int32_t* mark;        // [item_count] last row that has the item
+    int32_t* found;       // [item_count]
 } patch_lists;
-
-static uint8_t* list_common_energy( const wisp_plate* plate, const wisp_fabric* f, fabric_pool* scratch )
-{
-    uint8_t* common = fabric_pool_push_zeroed( scratch, (size_t)f->triangle_count, sizeof( uint8_t ) );
-    for ( int32_t t = 0; t < f->triangle_count && common != NULL; ++t )
-    {
-        double m[3][3];
-        plate_turn_energy( plate, f, t, m );
-        for ( int edge = 0; edge < 3; ++edge )
-        {
-            common[t] |= (uint8_t)( ( m[edge][( edge + 1 ) % 3] != 0.0 ? 1 : 0 ) << edge );
-        }
-    }
-    return common;
-}
 
 static bool list_patches( const wisp_plate* plate, const wisp_fabric* f, const plate_row_set* set,
                           fabric_pool* scratch, patch_lists* out )
 {
     const size_t count = (size_t)set->item_count;
+    out->patch = fabric_pool_push( scratch, (size_t)f->triangle_count, sizeof( patch_members ) );
     out->begin = fabric_pool_push_zeroed( scratch, count + 2, sizeof( int32_t ) );
-    out->triangle = fabric_pool_push( scratch, PLATE_PATCH * (size_t)f->triangle_count, sizeof( int32_t ) );
+    out->place = fabric_pool_push( scratch, PLATE_PATCH * (size_t)f->triangle_count, sizeof( int32_t ) );
     out->mark = fabric_pool_push( scratch, count, sizeof( int32_t ) );
     out->found = fabric_pool_push( scratch, count, sizeof( int32_t ) );
-    out->common = list_common_energy( plate, f, scratch );
-    if ( out->begin == NULL || out->triangle == NULL || out->mark == NULL || out->found == NULL ||
-         out->common == NULL )
+    if ( out->patch == NULL || out->begin == NULL || out->place == NULL || out->mark == NULL || out->found == NULL )
     {
         return false;
     }
-    for ( int pass = 0; pass < 2; ++pass )
+    for ( int32_t t = 0; t < f->triangle_count; ++t )
     {
-        for ( int32_t t = 0; t < f->triangle_count; ++t )
+        out->patch[t] = members_of( plate, f, t, set->of_hinges );
+        for ( int i = 0; i < out->patch[t].count; ++i )
         {
-            const patch_members p = members_of( plate, f, t, set->of_hinges );
-            for ( int i = 0; i < p.count; ++i )
-            {
-                // first the counts, two places ahead; then each place moves to its end, where the next one begins
-                int32_t* place = out->begin + p.item[i] + ( pass == 0 ? 2 : 1 );
-                if ( pass == 1 )
-                {
-                    out->triangle[*place] = t;
-                }
-                *place += 1;
-            }
+            out->begin[out->patch[t].item[i] + 2] += 1;
         }
-        for ( size_t i = 0; i < count && pass == 0; ++i )
+    }
+    for ( size_t i = 0; i < count; ++i )
+    {
+        out->begin[i + 2] += out->begin[i + 1];
+    }
+    // each place moves to its end, where the next one begins
+    for ( int32_t t = 0; t < f->triangle_count; ++t )
+    {
+        for ( int i = 0; i < out->patch[t].count; ++i )
         {
-            out->begin[i + 2] += out->begin[i + 1];
+            out->place[out->begin[out->patch[t].item[i] + 1]++] = PLATE_PATCH * t + i;
         }
     }
     return true;
 }
 
-static int compare_items( const void* first, const void* second )
-{
-    const int32_t a = *(const int32_t*)first, b = *(const int32_t*)second;
-    return ( a > b ) - ( a < b );
-}
-
-// Bits of the members of a patch that act on one of them.
-static unsigned find_acting( const patch_members* p, int32_t item, unsigned common )
-{
-    unsigned acting = 0;
-    for ( int edge = 0; edge < 3; ++edge )
-    {
-        const int next = ( edge + 1 ) % 3, before = ( edge + 2 ) % 3;
-        for ( int i = 0; i < p->count; ++i )
-        {
-            if ( p->item[i] == item && ( p->of_edge[edge] >> i & 1 ) != 0 )
-            {
-                acting |= p->of_edge[edge] | ( ( common >> edge & 1 ) != 0 ? p->of_edge[next] : 0 ) |
-                          ( ( common >> before & 1 ) != 0 ? p->of_edge[before] : 0 );
-            }
-        }
-    }
-    return acting;
-}
-
 // Items of a row in ascending order; a vertex is not in its own row, whose diagonal follows from the others. @return their
 // number
-static int merge_row( const wisp_plate* plate, const wisp_fabric* f, const plate_row_set* set,
-                      const patch_lists* lists, int32_t item )
+static int merge_row( const plate_row_set* set, const patch_lists* lists, int32_t item )
 {
     int count = 0;
     lists->mark[item] = set->of_hinges ? -1 : item;
     for ( int32_t at = lists->begin[item]; at < lists->begin[item + 1]; ++at )
     {
-        const patch_members p = members_of( plate, f, lists->triangle[at], set->of_hinges );
-        const unsigned acting = find_acting( &p, item, lists->common[lists->triangle[at]] );
-        for ( int i = 0; i < p.count; ++i )
+        const patch_members* p = lists->patch + lists->place[at] / PLATE_PATCH;
+        const unsigned acting = p->acting[lists->place[at] % PLATE_PATCH];
+        for ( int i = 0; i < p->count; ++i )
         {
-            if ( ( acting >> i & 1 ) != 0 && lists->mark[p.item[i]] != item )
+            if ( ( acting >> i & 1 ) != 0 && lists->mark[p->item[i]] != item )
             {
-                lists->mark[p.item[i]] = item;
-                lists->found[count++] = p.item[i];
+                lists->mark[p->item[i]] = item;
+                int n = count++;
+                for ( ; n > 0 && lists->found[n - 1] > p->item[i]; --n )
+                {
+                    lists->found[n] = lists->found[n - 1];
+                }
+                lists->found[n] = p->item[i];
             }
         }
     }
-    qsort( lists->found, (size_t)count, sizeof( int32_t ), compare_items );
     return count;
 }
 
@@ -225,7 +210,7 @@ static void clear_marks( const plate_row_set* set, const patch_lists* lists )
     memset( lists->mark, -1, (size_t)set->item_count * sizeof( int32_t ) );
 }
 
-static void write_rows( const wisp_plate* plate, const wisp_fabric* f, plate_row_set* set, const patch_lists* lists )
+static void write_rows( plate_row_set* set, const patch_lists* lists )
 {
     const int times = set->of_hinges ? 1 : 4;
     for ( int slice = 0; slice < set->slice_count; ++slice )
@@ -241,7 +226,7 @@ static void write_rows( const wisp_plate* plate, const wisp_fabric* f, plate_row
     for ( int32_t item = 0; item < set->item_count; ++item )
     {
         const int32_t row = set->item_row[item];
-        const int length = merge_row( plate, f, set, lists, item );
+        const int length = merge_row( set, lists, item );
         for ( int n = 0; n < length; ++n )
         {
             set->other[set->begin[row / 8] + n][row % 8] = times * set->item_row[lists->found[n]];
@@ -260,7 +245,7 @@ bool plate_cook_rows( wisp_plate* plate, const wisp_fabric* f, plate_row_set* se
     clear_marks( set, &lists );
     for ( int32_t item = 0; item < set->item_count; ++item )
     {
-        const int length = merge_row( plate, f, set, &lists, item );
+        const int length = merge_row( set, &lists, item );
         int32_t* longest = set->begin + set->item_row[item] / 8 + 1;
         *longest = length > *longest ? length : *longest;
     }
@@ -276,6 +261,6 @@ bool plate_cook_rows( wisp_plate* plate, const wisp_fabric* f, plate_row_set* se
         return false;
     }
     clear_marks( set, &lists );
-    write_rows( plate, f, set, &lists );
+    write_rows( set, &lists );
     return true;
 }

@@ -16,16 +16,16 @@ static bool is_rigid( const wisp_plate* plate, const wisp_fabric* f, int32_t tri
 // A hinge at a rigid triangle turns on the other side alone. It does not measure the curvature beyond, so it is not part of
 // the fit of its neighbours.
 void plate_share_turn( const wisp_plate* plate, const wisp_fabric* f, const plate_hinge* h,
-                       double share[PLATE_STENCIL] )
+                       const int32_t stencil[PLATE_STENCIL], double share[PLATE_STENCIL] )
 {
     const bool rigid[2] = { is_rigid( plate, f, h->triangle[0] ), is_rigid( plate, f, h->triangle[1] ) };
-    memcpy( share, h->fitted, sizeof( h->fitted ) );
     bool whole = true;
-    for ( int s = 1; s < PLATE_STENCIL; ++s )
+    for ( int s = 0; s < PLATE_STENCIL; ++s )
     {
-        if ( h->stencil[s] >= 0 )
+        share[s] = (double)h->fitted[s];
+        if ( s > 0 && stencil[s] >= 0 )
         {
-            const plate_hinge* next = plate->hinges + h->stencil[s];
+            const plate_hinge* next = plate->hinges + stencil[s];
             whole = whole && is_rigid( plate, f, next->triangle[0] ) == false &&
                     is_rigid( plate, f, next->triangle[1] ) == false;
         }
@@ -33,7 +33,7 @@ void plate_share_turn( const wisp_plate* plate, const wisp_fabric* f, const plat
     if ( rigid[0] || rigid[1] || whole == false )
     {
         plate_shape shape;
-        memset( share, 0, sizeof( h->fitted ) );
+        memset( share, 0, PLATE_STENCIL * sizeof( double ) );
         share[0] = plate_measure_hinge( f, h, &shape ) ? plate_share_by_height( &shape ) : 0.0;
         share[0] = rigid[0] ? 0.0 : ( rigid[1] ? 1.0 : share[0] );
     }
@@ -108,45 +108,32 @@ static double patch_rate( const plate_patch* p, const float* position, double q[
     return largest;
 }
 
-static void add_entry( plate_row_set* set, int32_t row, int32_t other, double value )
+// Add the energy of a patch to the rows of its items. The own row pads behind the entries of a row; a vertex has no entry of its own.
+static void add_patch( plate_row_set* set, uint8_t* place, const int32_t* item, int count,
+                       double q[PLATE_PATCH][PLATE_PATCH], double scale )
 {
-    const int32_t name = set->of_hinges ? other : 4 * other;
-    for ( int32_t n = set->begin[row / 8]; n < set->begin[row / 8 + 1]; ++n )
+    const int times = set->of_hinges ? 1 : 4;
+    for ( int a = 0; a < count; ++a )
     {
-        if ( set->other[n][row % 8] == name )
-        {
-            set->weight[n][row % 8] += (float)value;
-            return;
-        }
+        place[set->item_row[item[a]]] = (uint8_t)( a + 1 );
     }
-}
-
-// Rows sum to zero with their diagonal, so off it the weights of differences are the negative entries.
-static void add_vertices( wisp_plate* plate, const plate_patch* p, double q[PLATE_PATCH][PLATE_PATCH], double scale )
-{
-    const int32_t* row = plate->vertices.item_row;
-    for ( int a = 0; a < p->vertex_count; ++a )
+    for ( int a = 0; a < count; ++a )
     {
-        for ( int b = 0; b < p->vertex_count; ++b )
+        const int32_t row = set->item_row[item[a]];
+        bool has_own = set->of_hinges == false;
+        for ( int32_t n = set->begin[row / 8]; n < set->begin[row / 8 + 1]; ++n )
         {
-            if ( a != b )
+            const int b = place[set->other[n][row % 8] / times] - 1;
+            if ( b >= 0 && ( b != a || has_own == false ) )
             {
-                add_entry( &plate->vertices, row[p->vertex[a]], row[p->vertex[b]], -scale * q[a][b] );
+                set->weight[n][row % 8] += (float)( scale * q[a][b] );
+                has_own = has_own || b == a;
             }
         }
     }
-}
-
-static void add_turns( wisp_plate* plate, const plate_patch* p, double k[PLATE_PATCH][PLATE_PATCH], double scale )
-{
-    const int32_t* row = plate->turns.item_row;
-    for ( int a = 0; a < p->hinge_count; ++a )
+    for ( int a = 0; a < count; ++a )
     {
-        for ( int b = 0; b < p->hinge_count; ++b )
-        {
-            add_entry( &plate->turns, row[p->hinge[a]], row[p->hinge[b]], scale * k[a][b] );
-        }
-        plate->stiffness[row[p->hinge[a]]] += (float)( scale * k[a][a] );
+        place[set->item_row[item[a]]] = 0;
     }
 }
 
@@ -201,6 +188,7 @@ static int fill( wisp_plate* plate, const wisp_fabric* fabric, const float* posi
         plate->pinned[v] = position[4 * (size_t)v + 3] == 0.0f ? 1 : 0;
     }
     clear( plate );
+    plate->largest = 0.0f;
     int lowered = 0;
     for ( int32_t t = 0; t < fabric->triangle_count; ++t )
     {
@@ -219,11 +207,17 @@ static int fill( wisp_plate* plate, const wisp_fabric* fabric, const float* posi
         const double rate = patch_rate( &p, position, q ), most = (double)max_rate;
         const double scale = rate > most ? most / rate : 1.0;
         lowered += rate > most ? 1 : 0;
-        add_vertices( plate, &p, q, scale );
+        plate->largest = fmaxf( plate->largest, (float)rate );
+        // rows sum to zero with their diagonal, so off it the weights of differences are the negative entries
+        add_patch( &plate->vertices, plate->place, p.vertex, p.vertex_count, q, -scale );
         if ( plate->turns.begin != NULL )
         {
             patch_matrix( m, p.of_hinge, p.hinge_count, q );
-            add_turns( plate, &p, q, scale );
+            add_patch( &plate->turns, plate->place, p.hinge, p.hinge_count, q, scale );
+            for ( int a = 0; a < p.hinge_count; ++a )
+            {
+                plate->stiffness[plate->turns.item_row[p.hinge[a]]] += (float)( scale * q[a][a] );
+            }
         }
     }
     bound_rate( plate, fabric, position );
@@ -268,7 +262,7 @@ void wisp_plate_follow_maps( wisp_plate* plate, const wisp_fabric* fabric, const
 
 int wisp_plate_update( wisp_plate* plate, const wisp_fabric* fabric, const float* position, float max_rate )
 {
-    const bool rescaled = max_rate != plate->scaled_to && ( plate->lowered > 0 || max_rate < plate->scaled_to );
+    const bool rescaled = max_rate != plate->scaled_to && ( plate->lowered > 0 || max_rate < plate->largest );
     if ( plate->filled == false || rescaled || has_same_pins( plate, fabric, position ) == false )
     {
         plate->lowered = fill( plate, fabric, position, max_rate );

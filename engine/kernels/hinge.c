@@ -8,9 +8,6 @@
 // triangles by 3 %, and half a turn threefold: tiny stiff meshes would gain energy without bound.
 #define MAX_TURN 0.25f
 
-// Hinges that may turn a vertex in a flattened triangle at the same time.
-#define AT_ONCE 8.0f
-
 enum
 {
     END_I, // ends of the edge
@@ -174,32 +171,60 @@ void KERNEL( hinge_dihedral )( const wisp_hinge_args* args, int begin, int end )
 
 // ---- moments of angles (wisp/module/plate.h) ----
 
-// Measures angles beyond their rest angles.
+// Measures angles beyond their rest angles, and moments over lengths of edges for a unit of the moment. A moment along the exact
+// gradient keeps linear and angular momentum whatever its size, so where a triangle has lost its height the moment is what gives
+// way: as in xpbd, with the part of A = r K w |gradient|^2 that the matrix does not have.
 void KERNEL( plate_measure_angles )( const wisp_plate_angle_args* args, int begin, int end )
 {
+    const wisp_plate_angle_args mine = *args;
+    const lane8 one = lane8_set1( 1.0f ), at_once = lane8_set1( mine.at_once * mine.rate );
     for ( int hinge = begin; hinge < end; hinge += 8 )
     {
-        corners c = load_corners( args->position, args->slot_x4, hinge );
+        corners c = load_corners( mine.position, mine.slot_x4, hinge );
         fold f = measure_fold( &c );
-        const lane8 angle = wrap_angle( lane8_sub( f.angle, lane8_loadu( args->rest + hinge ) ) );
-        lane8_storeu( args->angle + hinge, lane8_select( f.usable, angle, lane8_zero() ) );
+        const lane8 angle = wrap_angle( lane8_sub( f.angle, lane8_loadu( mine.rest + hinge ) ) );
+        const lane8 ee = lane8_mul( f.length, f.length ), steepest = lane8_loadu( mine.turns.steepest + hinge );
+        const lane8 steep = lane8_add( lane8_div( ee, f.n1n1 ), lane8_div( ee, f.n2n2 ) );
+        lane8 divisor = f.length;
+        if ( lane8m_any( lane8_lt( steepest, steep ) ) ) // hardly ever
+        {
+            lane8v gradient[CORNERS];
+            angle_gradients( &f, gradient );
+            const lane8 beyond = lane8_max( lane8_sub( one, lane8_div( steepest, steep ) ), lane8_zero() );
+            const lane8 stiff = lane8_mul( at_once, lane8_loadu( mine.turns.stiffness + hinge ) );
+            const lane8 more = lane8_mul( lane8_mul( stiff, weighted_square( &c, gradient ) ), beyond );
+            divisor = lane8_mul( divisor, lane8_add( one, more ) );
+        }
+        lane8_storeu( mine.angle + hinge, lane8_select( f.usable, angle, lane8_zero() ) );
+        lane8_storeu( mine.moment + hinge, lane8_select( f.usable, lane8_div( one, divisor ), lane8_zero() ) );
     }
 }
 
-LANE_INLINE lane8 moment_of( const wisp_plate_angle_args* args, int hinge )
+LANE_INLINE lane8 gather( const float* from, const int32_t* index )
 {
-    const wisp_plate_turns* turns = &args->turns;
-    lane8 moment = lane8_zero();
-    for ( int entry = turns->begin[hinge / 8]; entry < turns->begin[hinge / 8 + 1]; ++entry )
+    float number[8];
+    for ( int lane = 0; lane < 8; ++lane )
     {
-        float angle[8];
-        for ( int lane = 0; lane < 8; ++lane )
-        {
-            angle[lane] = args->angle[turns->other[entry][lane]];
-        }
-        moment = lane8_mul_add( lane8_loadu( turns->weight[entry] ), lane8_loadu( angle ), moment );
+        number[lane] = from[index[lane]];
     }
-    return moment;
+    return lane8_loadu( number );
+}
+
+void KERNEL( plate_couple_angles )( const wisp_plate_angle_args* args, int begin, int end )
+{
+    const wisp_plate_angle_args mine = *args;
+    const lane8 rate = lane8_set1( -mine.rate );
+    for ( int group = begin / 8; group < end / 8; ++group )
+    {
+        lane8 moment = lane8_zero();
+        for ( int entry = mine.turns.begin[group]; entry < mine.turns.begin[group + 1]; ++entry )
+        {
+            const lane8 angle = gather( mine.angle, mine.turns.other[entry] );
+            moment = lane8_mul_add( lane8_loadu( mine.turns.weight[entry] ), angle, moment );
+        }
+        float* out = mine.moment + 8 * group;
+        lane8_storeu( out, lane8_mul( lane8_mul( rate, moment ), lane8_loadu( out ) ) );
+    }
 }
 
 // Adds vectors to rows of four floats, so that only they are transposed.
@@ -220,34 +245,32 @@ LANE_INLINE void add_to_rows( float* xyzw, const int32_t* slot_x4, lane8v v )
     lane8_store_quads( xyzw, at_x4, row );
 }
 
-// Adds the impulses of moments. A moment along the exact gradient keeps linear and angular momentum whatever its size, so where
-// a triangle has lost its height the moment is what gives way: as in xpbd, with the part of A = r K w |gradient|^2 that the
-// matrix does not have. Hinges around such a vertex act at once, hence AT_ONCE.
+// Adds the impulses of moments, triangle by triangle. All act along its normal n: with m the moments over the lengths of the edges
+// opposite to a, b and c, corner a has |bc|^2 m_a - ca . cb m_b - ba . bc m_c times n / |n|^2.
 void KERNEL( plate_add_moments )( const wisp_plate_angle_args* args, int begin, int end )
 {
     const wisp_plate_angle_args mine = *args;
-    const lane8 one = lane8_set1( 1.0f ), rate = lane8_set1( -mine.rate );
-    for ( int hinge = begin; hinge < end; hinge += 8 )
+    for ( int triangle = begin; triangle < end; triangle += 8 )
     {
-        corners c = load_corners( mine.position, mine.slot_x4, hinge );
-        fold f = measure_fold( &c );
-        lane8v gradient[CORNERS];
-        const lane8 steep = angle_gradients( &f, gradient );
-        const lane8 steepest = lane8_loadu( mine.turns.steepest + hinge );
-        lane8 moment = lane8_mul( rate, moment_of( &mine, hinge ) );
-        if ( lane8m_any( lane8_lt( steepest, steep ) ) ) // hardly ever; else it is divided by 1
+        const int32_t* corner_x4 = mine.turns.corner_x4 + 3 * (size_t)triangle;
+        const int32_t* moment_of = mine.turns.moment_of + 3 * (size_t)triangle;
+        lane8v p[3];
+        lane8 m[3];
+        for ( int k = 0; k < 3; ++k )
         {
-            const lane8 within = lane8_min( lane8_div( steepest, steep ), one );
-            lane8 stiff = lane8_mul( rate, lane8_loadu( mine.turns.stiffness + hinge ) ); // negative
-            stiff = lane8_mul( lane8_mul( stiff, weighted_square( &c, gradient ) ), lane8_sub( one, within ) );
-            moment = lane8_div( moment, lane8_sub( one, lane8_mul( stiff, lane8_set1( AT_ONCE ) ) ) );
+            lane8_load_xyz( mine.position, corner_x4 + 8 * k, &p[k].x, &p[k].y, &p[k].z );
+            m[k] = gather( mine.moment, moment_of + 8 * k );
         }
-        moment = lane8_select( f.usable, moment, lane8_zero() );
-        for ( int k = 0; k < CORNERS; ++k )
-        {
-            add_to_rows( mine.impulse, mine.slot_x4 + (size_t)hinge * CORNERS + 8 * k,
-                         lane8v_scale( gradient[k], moment ) );
-        }
+        const lane8v ab = lane8v_sub( p[1], p[0] ), ac = lane8v_sub( p[2], p[0] ), bc = lane8v_sub( p[2], p[1] );
+        const lane8v normal = lane8v_cross( ab, ac );
+        const lane8 square = lane8_max( lane8v_dot( normal, normal ), lane8_set1( FLT_MIN ) );
+        const lane8 of_a = lane8_mul( lane8v_dot( ab, ac ), lane8_sub( m[1], m[2] ) );
+        const lane8 of_b = lane8_mul( lane8v_dot( ab, bc ), lane8_sub( m[0], m[2] ) );
+        const lane8 of_c = lane8_mul( lane8v_dot( ac, bc ), lane8_sub( m[0], m[1] ) );
+        const lane8v along = lane8v_scale( normal, lane8_div( lane8_set1( 1.0f ), square ) );
+        add_to_rows( mine.impulse, corner_x4, lane8v_scale( along, lane8_sub( of_c, of_b ) ) );
+        add_to_rows( mine.impulse, corner_x4 + 8, lane8v_scale( along, lane8_sub( of_a, of_c ) ) );
+        add_to_rows( mine.impulse, corner_x4 + 16, lane8v_scale( along, lane8_sub( of_b, of_a ) ) );
     }
 }
 

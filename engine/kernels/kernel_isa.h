@@ -46,6 +46,7 @@ void KERNEL( hinge_dihedral )( const wisp_hinge_args* args, int begin, int end )
 void KERNEL( hinge_isometric )( const wisp_hinge_args* args, int begin, int end );
 void KERNEL( hinge_find_folds )( const wisp_fold_args* args, int begin, int end );
 void KERNEL( plate_measure_angles )( const wisp_plate_angle_args* args, int begin, int end );
+void KERNEL( plate_couple_angles )( const wisp_plate_angle_args* args, int begin, int end );
 void KERNEL( plate_add_moments )( const wisp_plate_angle_args* args, int begin, int end );
 void KERNEL( elastic_triangle_project )( const wisp_elastic_triangle_args* args, int begin, int end );
 double KERNEL( elastic_triangle_virial )( const wisp_elastic_triangle_args* args, int begin, int end );

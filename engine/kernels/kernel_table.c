@@ -30,6 +30,7 @@ const wisp_kernels LANE_JOIN( kernels_, WISP_KERNEL_ISA ) = {
     .hinge_isometric = KERNEL( hinge_isometric ),
     .hinge_find_folds = KERNEL( hinge_find_folds ),
     .plate_measure_angles = KERNEL( plate_measure_angles ),
+    .plate_couple_angles = KERNEL( plate_couple_angles ),
     .plate_add_moments = KERNEL( plate_add_moments ),
     .elastic_triangle_project = KERNEL( elastic_triangle_project ),
     .elastic_triangle_virial = KERNEL( elastic_triangle_virial ),

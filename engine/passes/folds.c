@@ -33,34 +33,38 @@ static float compliance_of( const wisp_fabric* fabric, const int32_t* corner, fl
     return both / ( rigidity * fmaxf( square( edge ), 1e-30f ) );
 }
 
-// A group of eight hinges of which only the first is one: the others are dummies, which do not move.
-static void open_fold( wisp_hinge_args* args, const wisp_kernels* kernels, const wisp_fabric* fabric, int hinge,
-                       float rigidity )
+// Project the folds among the constraints of a group. The other lanes are dummies, which do not move.
+// @param constraint of the group, of which first_hinge is hinge 0
+static void open_lanes( wisp_hinge_args* args, const wisp_kernels* kernels, const wisp_fabric* fabric,
+                        const int32_t* constraint, int first_hinge, unsigned lanes, float rigidity )
 {
-    const int32_t* corner = fabric->hinges + 4 * (size_t)hinge;
     int32_t slot_x4[4][8];
     float rest[8] = { 0 }, compliance[8] = { 0 };
-    for ( int i = 0; i < 32; ++i )
+    for ( int lane = 0; lane < 8; ++lane )
     {
-        slot_x4[i / 8][i % 8] = 4 * ( i % 8 == 0 ? corner[i / 8] : fabric->vertex_count );
+        const bool is_fold = ( lanes >> lane & 1 ) != 0;
+        const int32_t* corner = is_fold ? fabric->hinges + 4 * (size_t)( constraint[lane] - first_hinge ) : NULL;
+        for ( int k = 0; k < 4; ++k )
+        {
+            slot_x4[k][lane] = 4 * ( is_fold ? corner[k] : fabric->vertex_count );
+        }
+        compliance[lane] = is_fold ? compliance_of( fabric, corner, rigidity ) : 0.0f;
     }
-    compliance[0] = compliance_of( fabric, corner, rigidity );
     args->slot_x4 = slot_x4[0];
     args->rest = rest;
     args->compliance = compliance;
     kernels->hinge_dihedral( args, 0, 8 );
 }
 
-// @param constraint numbers of the constraints of a group, of which first_hinge is hinge 0
+// Hinges of a group share no vertex, but bend links share the ends of their hinges.
 static void open_group( wisp_hinge_args* args, const wisp_kernels* kernels, const wisp_fabric* fabric,
-                        const int32_t* constraint, int first_hinge, uint8_t lanes, float rigidity )
+                        const int32_t* constraint, int first_hinge, unsigned lanes, float rigidity )
 {
-    for ( int lane = 0; lane < 8; ++lane )
+    for ( unsigned left = lanes; left != 0; )
     {
-        if ( ( lanes >> lane & 1 ) != 0 )
-        {
-            open_fold( args, kernels, fabric, constraint[lane] - first_hinge, rigidity );
-        }
+        const unsigned at_once = first_hinge == 0 ? left : left & ( ~left + 1u );
+        open_lanes( args, kernels, fabric, constraint, first_hinge, at_once, rigidity );
+        left &= ~at_once;
     }
 }
 

@@ -3,6 +3,7 @@
 // wisp/module/plate.h and docs/methods.md.
 #include "cloth_bending.h"
 
+#include <float.h>
 #include <math.h>
 
 enum
@@ -18,6 +19,11 @@ static const double SHORT_WAVES = 4.0;
 static const float MAX_MOVE = 0.125f;
 // Moments of angles change faster than the matrix says where triangles are deformed: the stages take it so many times.
 static const double ANGLE_MARGIN = 2.0;
+// Hinges that may turn a vertex in a flattened triangle at the same time.
+static const float AT_ONCE = 8.0f;
+// Forces of soft bending are held for k substeps while k (k + 2) times the largest eigenvalue of A, with that margin, is below this:
+// the shortest wave is measured nine times a period or more often. Held forces let no wave grow below 4.
+static const double REACH_OF_HOLD = 1.0;
 
 // ---- plates of a world ----
 
@@ -59,6 +65,9 @@ wisp_status cloth_add_plate( wisp_world* world, cloth_state* state, wisp_entity 
         return wisp_world_fail( world, WISP_NO_MEMORY, "cloth: out of memory for the bending of %d vertices",
                                 fabric->vertex_count );
     }
+    // the first step computes it again if it is too stiff for the substeps, or has maps
+    const float* position = wisp_world_column( world, surface, WISP_PARTICLE_POSITION, 0 );
+    wisp_plate_update( plate.plate, fabric, position, FLT_MAX );
     state->plates[state->plate_count++] = plate;
     return WISP_OK;
 }
@@ -74,6 +83,7 @@ typedef struct bending_solve
     bool by_angle;  // else impulses are those of the matrix
     bool is_last;   // stage
     float* largest; // [block] square of a move over the least height
+    int held;       // substeps in which the same forces act
 } bending_solve;
 
 // Coefficients of a recurrence of some stages (van der Houwen and Sommeijer 1980).
@@ -123,6 +133,13 @@ static void measure_angles( void* context, int begin, int end, int worker )
     (void)worker;
     const bending_solve* b = context;
     b->kernels->plate_measure_angles( &b->angles, 8 * begin, 8 * end );
+}
+
+static void couple_angles( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const bending_solve* b = context;
+    b->kernels->plate_couple_angles( &b->angles, 8 * begin, 8 * end );
 }
 
 static void add_moments( const void* context, int begin, int end )
@@ -192,14 +209,26 @@ static void run_stages( const wisp_parallel* parallel, bending_solve* b, int sta
     }
 }
 
+// The substeps in which a force that is measured now can act, within the step.
+static int substeps_to_hold( double largest, int left )
+{
+    int k = 1;
+    while ( k < left && ( k + 1.0 ) * ( k + 3.0 ) * largest < REACH_OF_HOLD )
+    {
+        ++k;
+    }
+    return k;
+}
+
 static float scale_of_moves( const bending_solve* b )
 {
+    const float most = 2.0f * MAX_MOVE / (float)( b->held * ( b->held + 1 ) );
     float largest = 0.0f;
     for ( int block = 0; BENDING_GRAIN * block < b->args.rows.slice_count; ++block )
     {
         largest = fmaxf( largest, b->largest[block] );
     }
-    return largest > MAX_MOVE * MAX_MOVE ? MAX_MOVE / sqrtf( largest ) : 1.0f;
+    return largest > most * most ? most / sqrtf( largest ) : 1.0f;
 }
 
 // Impulses of angles, for which the rows of the matrix stand in the stages: they are an upper bound while triangles keep half of
@@ -207,7 +236,8 @@ static float scale_of_moves( const bending_solve* b )
 static void compute_angle_impulse( const wisp_parallel* parallel, const wisp_fabric* fabric, bending_solve* b )
 {
     wisp_parallel_for( parallel, fabric->hinge_order.slot_count / 8, BENDING_GRAIN, measure_angles, b );
-    wisp_run_schedule( parallel, &fabric->hinge_order, add_moments, b );
+    wisp_parallel_for( parallel, fabric->hinge_order.slot_count / 8, BENDING_GRAIN, couple_angles, b );
+    wisp_run_schedule( parallel, b->angles.turns.triangles, add_moments, b );
 }
 
 // Columns and scratch memory of a surface. @return false without memory
@@ -217,7 +247,7 @@ static bool find_arrays( wisp_frame* frame, const wisp_span* span, bending_solve
     const size_t numbers = 4 * (size_t)fabric->slot_count, hinges = (size_t)fabric->hinge_order.slot_count;
     const size_t blocks = numbers / 32 / BENDING_GRAIN + 1;
     float* scratch = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker,
-                                            ( 4 * numbers + hinges + blocks ) * sizeof( float ) );
+                                            ( 3 * numbers + 2 * hinges + 1 + blocks ) * sizeof( float ) );
     if ( scratch == NULL )
     {
         wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the bending of %zu particles", numbers / 4 );
@@ -229,8 +259,7 @@ static bool find_arrays( wisp_frame* frame, const wisp_span* span, bending_solve
     b->kernels = wisp_frame_kernels( frame );
     b->args.position = scratch;
     b->args.impulse = scratch + numbers;
-    b->args.newer = scratch + 2 * numbers;
-    b->args.older = scratch + 3 * numbers;
+    b->args.older = scratch + 2 * numbers;
     b->moves = ( wisp_plate_move_args ){
         .position = position,
         .target = target != NULL ? target : position,
@@ -246,51 +275,84 @@ static bool find_arrays( wisp_frame* frame, const wisp_span* span, bending_solve
         .slot_x4 = fabric->hinge_slot_x4,
         .rest = wisp_frame_column( frame, span->entity, WISP_HINGE_REST, 0 ),
         .position = scratch,
-        .angle = scratch + 4 * numbers,
+        .angle = scratch + 3 * numbers,
+        .moment = scratch + 3 * numbers + hinges,
         .impulse = b->args.impulse,
     };
     b->by_angle = b->angles.rest != NULL;
-    b->largest = scratch + 4 * numbers + hinges;
+    b->angles.moment[hinges] = 0.0f;
+    b->largest = b->angles.moment + hinges + 1;
     return true;
+}
+
+// Coefficients of this step, which change only between steps. @return the largest eigenvalue of A
+static double update_plate( wisp_frame* frame, const wisp_span* span, cloth_plate* mine, bending_solve* b )
+{
+    const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
+    const double reach = recurrence_of( MAX_STAGES ).reach, margin = b->by_angle ? ANGLE_MARGIN : 1.0;
+    if ( span->substep == 0 )
+    {
+        wisp_plate_follow_maps( mine->plate, fabric, b->moves.position,
+                                wisp_frame_column( frame, span->entity, WISP_MAP_BEND_RIGIDITY, 0 ),
+                                wisp_frame_has( frame, span->entity, WISP_MAP_AREA_DENSITY ) );
+        // where a few triangles alone are too stiff, only they are lowered; a vertex lies in several of their patches
+        mine->lowered = wisp_plate_update( mine->plate, fabric, b->moves.position,
+                                           (float)( reach / ( 4.0 * margin * (double)b->args.rate ) ) );
+    }
+    const double largest = margin * (double)b->args.rate * (double)wisp_plate_max_rate( mine->plate );
+    b->args.rate *= largest > reach ? (float)( reach / largest ) : 1.0f;
+    if ( mine->lowered > 0 || largest > reach )
+    {
+        wisp_frame_count( frame, WISP_COUNT_STIFFNESS_CLAMPED, 1 );
+    }
+    return largest;
+}
+
+// Where the middle of the substeps to come leads, and half a substep further, which damps as an implicit substep does.
+static void predict_middle( const wisp_parallel* parallel, bending_solve* b )
+{
+    const wisp_plate_move_args one = b->moves;
+    const float times = 0.5f * (float)( b->held + 1 );
+    b->moves.dt *= times;
+    b->moves.gravity = ( wisp_vec3 ){ one.gravity.x / times, one.gravity.y / times, one.gravity.z / times };
+    b->moves.to_target = fminf( one.to_target * times, 1.0f );
+    for_slices( parallel, b, predict );
+    b->moves.dt = one.dt;
 }
 
 void cloth_bend( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const cloth_state* state = user;
-    const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
-    wisp_plate* plate = state->plates[cloth_find_plate( state, span->entity )].plate;
+    cloth_plate* mine = state->plates + cloth_find_plate( state, span->entity );
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
-    const float rigidity = *(float*)wisp_frame_column( frame, span->entity, state->bending, 0 );
     bending_solve b = { .is_last = false };
     if ( find_arrays( frame, span, &b ) == false )
     {
         return;
     }
-    b.args.rate = rigidity * b.moves.dt * b.moves.dt;
-    const double reach = recurrence_of( MAX_STAGES ).reach, margin = b.by_angle ? ANGLE_MARGIN : 1.0;
-    wisp_plate_follow_maps( plate, fabric, b.moves.position,
-                            wisp_frame_column( frame, span->entity, WISP_MAP_BEND_RIGIDITY, 0 ),
-                            wisp_frame_has( frame, span->entity, WISP_MAP_AREA_DENSITY ) );
-    // where a few triangles alone are too stiff, only they are lowered; a vertex lies in several of their patches
-    const int lowered = wisp_plate_update( plate, fabric, b.moves.position,
-                                           (float)( reach / ( 4.0 * margin * (double)b.args.rate ) ) );
-    b.args.rows = wisp_plate_get_rows( plate );
-    const double largest = margin * (double)b.args.rate * (double)wisp_plate_max_rate( plate );
-    b.args.rate *= largest > reach ? (float)( reach / largest ) : 1.0f;
-    if ( lowered > 0 || largest > reach )
+    b.args.rate = *(float*)wisp_frame_column( frame, span->entity, state->bending, 0 ) * b.moves.dt * b.moves.dt;
+    b.args.rows = wisp_plate_get_rows( mine->plate );
+    b.angles.turns = wisp_plate_get_turns( mine->plate );
+    b.args.newer = b.angles.turns.held;
+    if ( span->substep == 0 || span->substep >= mine->held_until )
     {
-        wisp_frame_count( frame, WISP_COUNT_STIFFNESS_CLAMPED, 1 );
+        const double largest = update_plate( frame, span, mine, &b );
+        b.held = substeps_to_hold( b.by_angle ? largest : ANGLE_MARGIN * largest,
+                                   wisp_frame_substeps( frame, span->entity ) - span->substep );
+        predict_middle( parallel, &b );
+        if ( b.by_angle )
+        {
+            b.moves.least_height = b.angles.turns.least_height;
+            b.angles.rate = b.args.rate;
+            b.angles.at_once = AT_ONCE * (float)( b.held * ( b.held + 2 ) ) / 3.0f;
+            b.args.rate *= (float)ANGLE_MARGIN;
+            compute_angle_impulse( parallel, wisp_frame_fabric( frame, span->entity ), &b );
+        }
+        run_stages( parallel, &b, stages_for( largest ) );
+        mine->held_until = span->substep + b.held;
+        mine->scale = b.by_angle ? scale_of_moves( &b ) : 1.0f;
     }
-    for_slices( parallel, &b, predict );
-    if ( b.by_angle )
-    {
-        b.angles.turns = wisp_plate_get_turns( plate );
-        b.moves.least_height = b.angles.turns.least_height;
-        b.angles.rate = b.args.rate;
-        b.args.rate *= (float)ANGLE_MARGIN;
-        compute_angle_impulse( parallel, fabric, &b );
-    }
-    run_stages( parallel, &b, stages_for( largest ) );
-    b.moves.scale = b.by_angle ? scale_of_moves( &b ) : 1.0f;
+    b.moves.moved = b.args.newer;
+    b.moves.scale = mine->scale;
     for_slices( parallel, &b, accelerate );
 }

@@ -198,9 +198,23 @@ typedef struct moments
     constraints s;
     int32_t begin[GROUPS + 1], other[TURN_ENTRIES][8];
     float weight[TURN_ENTRIES][8], stiffness[CONSTRAINTS], steepest[CONSTRAINTS], angle[CONSTRAINTS];
+    float moment[CONSTRAINTS + 1];
+    int32_t corner_x4[2 * GROUPS][3][8], moment_of[2 * GROUPS][3][8]; // sides of the hinges of a group
     _Alignas( 64 ) float impulse[BODIES][4];
     bool is_tangled;
 } moments;
+
+// The triangles (i, j, k) and (j, i, l) of each hinge, which has its moment opposite to k and l.
+static void fill_triangles( moments* m )
+{
+    for ( int i = 0; i < 6 * CONSTRAINTS; ++i )
+    {
+        const int side = i / 24 % 2, k = i / 8 % 3, c = i / 48 * 8 + i % 8;
+        const int corner = k == 2 ? 2 + side : ( k + side ) % 2;
+        m->corner_x4[i / 24][k][i % 8] = m->s.slot_x4[c / 8][corner][c % 8];
+        m->moment_of[i / 24][k][i % 8] = k == 2 ? c : CONSTRAINTS;
+    }
+}
 
 // Groups have none to four entries. Every second hinge is steep: its moment gives way. Groups that share particles add
 // up, in their order.
@@ -228,23 +242,32 @@ static void fill_moments( void* state, int variant )
         m->steepest[c] = c % 2 == 0 ? 1e6f : 0.5f;
     }
     fill_random( m->impulse[0], 4 * BODIES, 33 );
+    fill_triangles( m );
 }
 
 static void run_moments( const wisp_kernels* kernels, void* state, int begin, int end )
 {
     moments* m = state;
     const wisp_plate_angle_args args = {
-        .turns = { m->begin, (const int32_t( * )[8])m->other, (const float( * )[8])m->weight, m->stiffness,
-                   m->steepest, NULL },
+        .turns = { .begin = m->begin,
+                   .other = (const int32_t( * )[8])m->other,
+                   .weight = (const float( * )[8])m->weight,
+                   .stiffness = m->stiffness,
+                   .steepest = m->steepest,
+                   .corner_x4 = m->corner_x4[0][0],
+                   .moment_of = m->moment_of[0][0] },
         .slot_x4 = m->s.slot_x4[0][0],
         .rest = m->s.angle,
         .position = m->s.position[0],
         .angle = m->angle,
+        .moment = m->moment,
         .impulse = m->impulse[0],
         .rate = 0.2f,
+        .at_once = 8.0f,
     };
     kernels->plate_measure_angles( &args, 0, CONSTRAINTS );
-    kernels->plate_add_moments( &args, begin, end );
+    kernels->plate_couple_angles( &args, 0, CONSTRAINTS );
+    kernels->plate_add_moments( &args, 2 * begin, 2 * end );
 }
 
 // The kernel's angle is positive where the oracle's is negative.

@@ -229,6 +229,7 @@ typedef struct wisp_kernels
     void ( *hinge_find_folds )( const wisp_fold_args* args, int begin, int end );
     // hinges [begin, end), multiples of 8; those of a group share no particle
     void ( *plate_measure_angles )( const wisp_plate_angle_args* args, int begin, int end );
+    void ( *plate_couple_angles )( const wisp_plate_angle_args* args, int begin, int end );
     void ( *plate_add_moments )( const wisp_plate_angle_args* args, int begin, int end );
     // triangles [begin, end), multiples of 8; those of a group share no particle
     void ( *elastic_triangle_project )( const wisp_elastic_triangle_args* args, int begin, int end );

@@ -56,7 +56,8 @@ typedef struct wisp_plate_rows
     const float ( *weight )[8];     ///< [entry] 1/m^2; 0 pads
 } wisp_plate_rows;
 
-/// Moments of hinges from their angles, by groups of eight hinges: moment = - D sum of weight angle. Cooked by plate.h.
+/// Moments of hinges from their angles, by groups of eight hinges: moment = - D sum of weight angle; and the triangles on which they
+/// act, by groups of eight triangles that share no particle. Cooked by plate.h.
 typedef struct wisp_plate_turns
 {
     const int32_t* begin;        ///< [group + 1] first entry of a group
@@ -66,10 +67,15 @@ typedef struct wisp_plate_turns
     const float*
         steepest; ///< [hinge] 1/m^2: the moment is scaled down where the squared gradients of the angle at the
                   ///< opposite vertices exceed this
-    const float* least_height; ///< [slot] m, of the triangles at a vertex
+    const float* least_height;             ///< [slot] m, of the triangles at a vertex
+    const struct wisp_schedule* triangles; ///< of the groups of triangles (wisp/fabric.h)
+    const int32_t* corner_x4;              ///< [group of triangles][3][8] slots times 4
+    const int32_t*
+        moment_of; ///< [group of triangles][3][8] the hinge opposite to a corner; the number of hinges: none
+    float* held;   ///< [slot][4] m, moves that the caller keeps
 } wisp_plate_turns;
 
-/// Arguments of moments of angles, groups of eight hinges.
+/// Arguments of moments of angles, groups of eight hinges, and of impulses, groups of eight triangles.
 typedef struct wisp_plate_angle_args
 {
     wisp_plate_turns turns;
@@ -77,8 +83,10 @@ typedef struct wisp_plate_angle_args
     const float* rest;      ///< [hinge] rad, rest angle between the normals, 0 is flat
     const float* position;  ///< [slot][4] m; inverse mass, 1/kg
     float* angle;           ///< [hinge] rad, beyond the rest angle
-    float* impulse;         ///< [slot][4] kg m, to which the forces of moments are added
-    float rate;             ///< kg m^2: rigidity times the square of the substep
+    float* moment;  ///< [hinge + 1] kg m: times the square of the substep, over the length of the edge; the last is 0
+    float* impulse; ///< [slot][4] kg m, to which the forces of moments are added
+    float rate;     ///< kg m^2: rigidity times the square of the substep
+    float at_once;  ///< hinges that may turn a vertex in a flattened triangle at the same time
 } wisp_plate_angle_args;
 
 /// Arguments of an implicit step of bending by a Chebyshev recurrence, slices of eight rows. Rows are slots. With A = r W Q, W the
