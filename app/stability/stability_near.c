@@ -162,6 +162,10 @@ SCALAR( rest_volume, s->balloon.rest_volume )
 SCALAR( gas, s->balloon.target_volume )
 SCALAR( lost, s->balloon.gas_lost )
 SCALAR( outflow, s->balloon.outlet_speed )
+SCALAR( resets, (double)wisp_world_counter( s->world->world, WISP_COUNT_STRAND_RESET ) )
+SCALAR( sagging, (double)wisp_world_counter( s->world->world, WISP_COUNT_SAGGING ) )
+SCALAR( stretched, (double)wisp_world_counter( s->world->world, WISP_COUNT_STRETCHED ) )
+SCALAR( lightened, (double)wisp_world_counter( s->world->world, WISP_COUNT_GRAVITY_SCALED ) )
 
 static const struct
 {
@@ -198,6 +202,10 @@ static const struct
     { "gas", gas, false },
     { "lost", lost, false },
     { "outflow", outflow, false },
+    { "resets", resets, false },
+    { "sagging", sagging, false },
+    { "stretched", stretched, false },
+    { "lightened", lightened, false },
 };
 const char* const stability_near_takes[STABILITY_TAKE_COUNT] = { "end", "mean", "min", "max", "period", "change" };
 
