@@ -4,6 +4,10 @@
 #include "boundary_oracle_fixture.h"
 #include "cloth_fixture.h"
 
+#include "implicit_cloth.h"
+#include "membrane.h"
+#include "tearing.h"
+
 // ---- coarse sheets ----
 
 // The hanging cloth of performance.md: 64 x 64, two corners, 1 kg per vertex.
@@ -298,4 +302,31 @@ WORLD_TEST( a_fabric_must_have_what_the_cloth_needs )
     assert_refused( h, loose, &def, WISP_CONFLICT, "attachments" );
     def.tethers = false;
     assert_status( h->world, wisp_set_cloth( h->world, bare, &def ), WISP_OK );
+}
+
+TEST( membranes_that_cannot_be_are_refused )
+{
+    static const wisp_module* const MODULES[] = { &wisp_membrane_module, &wisp_cloth_module,
+                                                  &wisp_implicit_cloth_module, &wisp_tearing_module };
+    SCOPED( close_local ) hosted* h = new_hosted( MODULES, WISP_COUNT( MODULES ), 2, 1, 1 );
+    wisp_world* w = h->world;
+    SCOPED( test_mesh_free ) test_mesh mesh = test_ball( 1 );
+    const wisp_surface_def surface = support_weightless_surface_def();
+    const wisp_fabric_def fabric = test_fabric_def( &mesh );
+    const wisp_entity e = test_surface_of( w, &fabric, surface );
+    wisp_membrane_def def = wisp_default_membrane_def();
+    assert_status( w, wisp_set_membrane( w, e, &def ), WISP_OK );
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    expect_refusal( w, wisp_set_cloth( w, e, &cloth ), WISP_CONFLICT, "bending by links" );
+    const wisp_implicit_cloth_def implicit = wisp_default_implicit_cloth_def();
+    expect_refusal( w, wisp_set_implicit_cloth( w, e, &implicit ), WISP_CONFLICT, "membrane" );
+    wisp_tearing_def tearing = wisp_default_tearing_def();
+    tearing.strength = 1.0f;
+    expect_refusal( w, wisp_set_tearing( w, e, &tearing ), WISP_CONFLICT, "is no cloth" );
+    const wisp_entity linked = test_surface_of( w, &fabric, surface );
+    assert_status( w, wisp_set_cloth( w, linked, &cloth ), WISP_OK );
+    expect_refusal( w, wisp_set_membrane( w, linked, &def ), WISP_CONFLICT, "before cloth or balloon" );
+    assert_status( w, wisp_set_membrane( w, e, NULL ), WISP_OK );
+    assert_status( w, wisp_set_cloth( w, e, &cloth ), WISP_OK );
+    run_steps( w, 1, 1.0f / 60.0f );
 }
