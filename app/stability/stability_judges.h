@@ -54,7 +54,7 @@ enum
 
 enum
 {
-    STABILITY_MAX_NEAR = 8,
+    STABILITY_MAX_NEAR = 16,
 };
 
 /// What is taken of a measure over the run.
@@ -74,12 +74,13 @@ extern const char* const stability_near_takes[STABILITY_TAKE_COUNT];
 /// A measure of a body and the value that it must come near.
 typedef struct stability_near
 {
-    char of[96];     ///< such as "rod.tip.y": the body, a point and an axis; or the body and `speed`, `volume`, ..
-    int name_length; ///< of the body in it
-    int kind, axis, vertex;
+    char of[96];       ///< such as "rod.tip.y": the body, a point and an axis; or the body and `speed`, `volume`, ..
+    int name_length;   ///< of the body in it
+    int measure, axis; ///< measure: by its number in a table; -1: the vertex
+    int vertex;
     stability_take take;
     double at;            ///< s; 0: the end, or all of the run
-    double value, within; ///< m, m/s, J, m^3 or s
+    double value, within; ///< in SI units
     char from[120];       ///< where the value is from
 } stability_near;
 
@@ -97,9 +98,11 @@ typedef struct stability_limits
 
 /// Read what is measured, such as "rod.tip.y". @return false: it is no measure
 bool stability_near_parse( const char* of, stability_near* out );
-/// @param at [vertex_count] @return NaN: of another body, or it has no such vertex
-double stability_near_measure( const stability_near* near, const scene_body* body, const wisp_vec3* at,
-                               const stability_sample* sample );
+/// All words for measures, in a list.
+const char* stability_near_words( void );
+/// Put what is measured of a body after a step into the trace. @param at [vertex_count] @param row 0: the start
+void stability_measure_near( const scene_world* world, int body, const wisp_vec3* at, const stability_sample* sample,
+                             int row, stability_trace* trace );
 bool stability_judge_near( const stability_trace* trace, const stability_limits* limits, stability_verdict* out );
 
 /// Judge a trace. @param checks or-ed; those that need more than a trace are left out

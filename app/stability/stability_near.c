@@ -2,47 +2,243 @@
 #include "stability_judges.h"
 #include "stability_parts.h"
 
+#include "mesh.h"
+#include "strands.h"
+#include "text_tree.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 // ---- what is measured ----
 
-enum
-{
-    TIP,    // the last vertex
-    VERTEX, // by number
-    MEAN,   // of all vertices
-    LEAST,
-    MOST,
-    CENTRE, // of mass
-    MOMENTUM,
-    SPIN, // angular momentum about the centre of mass
-    SPEED,
-    KINETIC,
-    POTENTIAL,
-    VOLUME,
-};
+typedef struct stability_seen seen;
 
-static const char* const point_words[] = { "tip", "v", "mean", "min", "max", "centre", "momentum", "spin" };
-static const char* const scalar_words[] = { "speed", "kinetic", "potential", "volume" };
+static double coordinate_of( wisp_vec3 p, int axis )
+{
+    return (double)( axis == 0 ? p.x : axis == 1 ? p.y : p.z );
+}
+
+static double tip( const seen* s, int axis )
+{
+    return coordinate_of( s->at[s->shape.vertex_count - 1], axis );
+}
+
+static double mean( const seen* s, int axis )
+{
+    double sum = 0.0;
+    for ( int v = 0; v < s->shape.vertex_count; ++v )
+    {
+        sum += coordinate_of( s->at[v], axis );
+    }
+    return sum / s->shape.vertex_count;
+}
+
+static double extreme( const seen* s, int axis, double sign )
+{
+    double most = -INFINITY;
+    for ( int v = 0; v < s->shape.vertex_count; ++v )
+    {
+        most = fmax( most, sign * coordinate_of( s->at[v], axis ) );
+    }
+    return sign * most;
+}
+
+static double least( const seen* s, int axis )
+{
+    return extreme( s, axis, -1.0 );
+}
+
+static double most( const seen* s, int axis )
+{
+    return extreme( s, axis, 1.0 );
+}
+
+static double momentum( const seen* s, int axis )
+{
+    return s->motion.momentum[axis];
+}
+
+static double spin( const seen* s, int axis )
+{
+    return s->motion.angular_momentum[axis];
+}
+
+static double centre( const seen* s, int axis )
+{
+    return s->motion.centre[axis];
+}
+
+static double buoyancy( const seen* s, int axis )
+{
+    return s->balloon.buoyancy[axis];
+}
+
+static double drag( const seen* s, int axis )
+{
+    return s->balloon.drag[axis];
+}
+
+static double jet( const seen* s, int axis )
+{
+    return s->balloon.jet[axis];
+}
+
+static double torque( const seen* s, int axis )
+{
+    return s->balloon.torque[axis];
+}
+
+static double turning( const seen* s, int axis )
+{
+    return s->balloon.angular_velocity[axis];
+}
+
+// The farthest that a vertex is from where it started.
+static double drift( const seen* s, int axis )
+{
+    double farthest = axis;
+    for ( int v = 0; v < s->shape.vertex_count; ++v )
+    {
+        farthest = fmax( farthest, wisp_mesh_distance( s->at[v], s->start[v] ) );
+    }
+    return farthest;
+}
+
+// The mean of strands.
+static double length( const seen* s, int axis )
+{
+    double sum = axis;
+    for ( int k = 0; k < s->shape.strand_count; ++k )
+    {
+        for ( int v = s->shape.offsets[k] + 1; v < s->shape.offsets[k + 1]; ++v )
+        {
+            sum += wisp_mesh_distance( s->at[v], s->at[v - 1] );
+        }
+    }
+    return s->shape.strand_count > 0 ? sum / s->shape.strand_count : NAN;
+}
+
+// Of the segment at the first root.
+static double tension( const seen* s, int axis )
+{
+    float* all = text_alloc( (size_t)s->shape.vertex_count * sizeof *all );
+    const bool is_read = axis == 0 && s->shape.strand_count > 0 &&
+                         wisp_read_strand_tension( s->world->world, s->entity, all ) == WISP_OK;
+    const double at_root = is_read ? (double)all[0] : NAN;
+    free( all );
+    return at_root;
+}
+
+static double volume( const seen* s, int axis )
+{
+    double sum = axis;
+    for ( int t = 0; t < s->shape.triangle_count; ++t )
+    {
+        const int32_t* corner = s->shape.triangles + 3 * (size_t)t;
+        const wisp_vec3 a = s->at[corner[0]], b = s->at[corner[1]], c = s->at[corner[2]];
+        sum += (double)a.x * ( (double)b.y * (double)c.z - (double)b.z * (double)c.y ) +
+               (double)a.y * ( (double)b.z * (double)c.x - (double)b.x * (double)c.z ) +
+               (double)a.z * ( (double)b.x * (double)c.y - (double)b.y * (double)c.x );
+    }
+    return sum / 6.0;
+}
+
+#define SCALAR( name, value )                                                                                        \
+    static double name( const seen* s, int axis )                                                                    \
+    {                                                                                                                \
+        return axis == 0 ? ( value ) : NAN;                                                                          \
+    }
+SCALAR( speed, s->motion.speed_max )
+SCALAR( kinetic, s->motion.kinetic_energy )
+SCALAR( potential, s->motion.potential_energy )
+SCALAR( mass, s->motion.mass )
+SCALAR( strain, s->motion.strain_max )
+SCALAR( mean_strain, s->motion.strain_mean )
+SCALAR( contacts, (double)s->sample->contacts )
+SCALAR( penetration, s->sample->penetration )
+SCALAR( pressure, s->balloon.pressure )
+SCALAR( rest_volume, s->balloon.rest_volume )
+SCALAR( gas, s->balloon.target_volume )
+SCALAR( lost, s->balloon.gas_lost )
+SCALAR( outflow, s->balloon.outlet_speed )
+SCALAR( resets, (double)wisp_world_counter( s->world->world, WISP_COUNT_STRAND_RESET ) )
+SCALAR( sagging, (double)wisp_world_counter( s->world->world, WISP_COUNT_SAGGING ) )
+SCALAR( stretched, (double)wisp_world_counter( s->world->world, WISP_COUNT_STRETCHED ) )
+SCALAR( lightened, (double)wisp_world_counter( s->world->world, WISP_COUNT_GRAVITY_SCALED ) )
+
+static const struct
+{
+    const char* name;
+    double ( *of )( const seen* s, int axis );
+    bool has_axis;
+} MEASURES[] = {
+    { "tip", tip, true },
+    { "mean", mean, true },
+    { "min", least, true },
+    { "max", most, true },
+    { "centre", centre, true },
+    { "momentum", momentum, true },
+    { "spin", spin, true },
+    { "buoyancy", buoyancy, true },
+    { "drag", drag, true },
+    { "jet", jet, true },
+    { "torque", torque, true },
+    { "turning", turning, true },
+    { "speed", speed, false },
+    { "kinetic", kinetic, false },
+    { "potential", potential, false },
+    { "mass", mass, false },
+    { "strain", strain, false },
+    { "mean_strain", mean_strain, false },
+    { "drift", drift, false },
+    { "length", length, false },
+    { "tension", tension, false },
+    { "contacts", contacts, false },
+    { "penetration", penetration, false },
+    { "volume", volume, false },
+    { "rest_volume", rest_volume, false },
+    { "pressure", pressure, false },
+    { "gas", gas, false },
+    { "lost", lost, false },
+    { "outflow", outflow, false },
+    { "resets", resets, false },
+    { "sagging", sagging, false },
+    { "stretched", stretched, false },
+    { "lightened", lightened, false },
+};
 const char* const stability_near_takes[STABILITY_TAKE_COUNT] = { "end", "mean", "min", "max", "period", "change" };
 
-static bool parse_point( const char* text, size_t length, stability_near* out )
+const char* stability_near_words( void )
 {
-    for ( int i = 0; i < WISP_COUNT( point_words ); ++i )
+    static char words[400];
+    int used = snprintf( words, sizeof words, "v12" );
+    for ( int i = 0; i < WISP_COUNT( MEASURES ); ++i )
     {
-        const size_t word = strlen( point_words[i] );
-        if ( i != VERTEX && length == word && memcmp( text, point_words[i], word ) == 0 )
+        const bool is_last_point = MEASURES[i].has_axis && !MEASURES[i + 1].has_axis;
+        used += snprintf( words + used, sizeof words - (size_t)used, ", %s%s", MEASURES[i].name,
+                          is_last_point ? " (each with an axis, or three values)" : "" );
+    }
+    return words;
+}
+
+// A measure by its name, or a vertex by its number.
+static bool find_measure( const char* text, size_t size, bool has_axis, stability_near* out )
+{
+    for ( int i = 0; i < WISP_COUNT( MEASURES ); ++i )
+    {
+        if ( MEASURES[i].has_axis == has_axis && strlen( MEASURES[i].name ) == size &&
+             memcmp( text, MEASURES[i].name, size ) == 0 )
         {
-            out->kind = i;
+            out->measure = i;
             return true;
         }
     }
     char* end = NULL;
-    out->kind = VERTEX;
-    out->vertex = text[0] == 'v' && text[1] >= '0' && text[1] <= '9' ? (int)strtol( text + 1, &end, 10 ) : -1;
-    return end == text + length && out->vertex >= 0;
+    out->measure = -1;
+    out->vertex =
+        has_axis && text[0] == 'v' && text[1] >= '0' && text[1] <= '9' ? (int)strtol( text + 1, &end, 10 ) : -1;
+    return end == text + size && out->vertex >= 0;
 }
 
 bool stability_near_parse( const char* of, stability_near* out )
@@ -54,13 +250,10 @@ bool stability_near_parse( const char* of, stability_near* out )
     }
     snprintf( out->of, sizeof out->of, "%s", of );
     out->name_length = (int)( dot - of );
-    for ( int i = 0; i < WISP_COUNT( scalar_words ); ++i )
+    out->axis = 0;
+    if ( find_measure( dot + 1, strlen( dot + 1 ), false, out ) )
     {
-        if ( strcmp( dot + 1, scalar_words[i] ) == 0 )
-        {
-            out->kind = SPEED + i;
-            return true;
-        }
+        return true;
     }
     const char* point = dot - 1;
     while ( point > of && *point != '.' )
@@ -70,83 +263,43 @@ bool stability_near_parse( const char* of, stability_near* out )
     out->axis = dot[1] - 'x';
     out->name_length = (int)( point - of );
     return dot[1] >= 'x' && dot[1] <= 'z' && dot[2] == '\0' && point > of &&
-           parse_point( point + 1, (size_t)( dot - point - 1 ), out );
+           find_measure( point + 1, (size_t)( dot - point - 1 ), true, out );
 }
 
-static double coordinate_of( const stability_near* near, wisp_vec3 p )
+static bool is_body( const stability_near* near, const scene_body* body )
 {
-    return (double)( near->axis == 0 ? p.x : near->axis == 1 ? p.y : p.z );
+    return (int)strlen( body->name ) == near->name_length &&
+           strncmp( body->name, near->of, (size_t)near->name_length ) == 0;
 }
 
-static double enclosed_volume( const scene_body* body, const wisp_vec3* at )
+void stability_measure_near( const scene_world* world, int body, const wisp_vec3* at, const stability_sample* sample,
+                             int row, stability_trace* trace )
 {
-    double sum = 0.0;
-    for ( int t = 0; t < body->triangle_count; ++t )
+    seen s = { .world = world,
+               .entity = scene_world_entity( world, body ),
+               .shape = scene_world_body( world, body ),
+               .at = at,
+               .start = trace->start,
+               .sample = sample };
+    for ( int i = 0; i < body; ++i )
     {
-        const int32_t* corner = body->triangles + 3 * (size_t)t;
-        const wisp_vec3 a = at[corner[0]], b = at[corner[1]], c = at[corner[2]];
-        sum += (double)a.x * ( (double)b.y * (double)c.z - (double)b.z * (double)c.y ) +
-               (double)a.y * ( (double)b.z * (double)c.x - (double)b.x * (double)c.z ) +
-               (double)a.z * ( (double)b.x * (double)c.y - (double)b.y * (double)c.x );
+        s.start += scene_world_body( world, i ).vertex_count;
     }
-    return sum / 6.0;
-}
-
-static double extreme_of( const stability_near* near, const wisp_vec3* at, int count )
-{
-    const double sign = near->kind == LEAST ? -1.0 : 1.0;
-    double most = -INFINITY;
-    for ( int v = 0; v < count; ++v )
+    if ( row == 0 )
     {
-        most = fmax( most, sign * coordinate_of( near, at[v] ) );
+        memcpy( trace->start + ( s.start - trace->start ), at, (size_t)s.shape.vertex_count * sizeof *at );
     }
-    return sign * most;
-}
-
-static double mean_of( const stability_near* near, const wisp_vec3* at, int count )
-{
-    double sum = 0.0;
-    for ( int v = 0; v < count; ++v )
+    (void)scene_world_motion_stats( world, body, &s.motion, NULL );
+    (void)wisp_read_balloon_stats( world->world, s.entity, &s.balloon );
+    for ( int i = 0; trace->limits && i < trace->limits->near_count; ++i )
     {
-        sum += coordinate_of( near, at[v] );
-    }
-    return sum / count;
-}
-
-double stability_near_measure( const stability_near* near, const scene_body* body, const wisp_vec3* at,
-                               const stability_sample* sample )
-{
-    const int count = body->vertex_count;
-    if ( (int)strlen( body->name ) != near->name_length ||
-         strncmp( body->name, near->of, strlen( body->name ) ) != 0 ||
-         ( near->kind == VERTEX && near->vertex >= count ) )
-    {
-        return NAN;
-    }
-    switch ( near->kind )
-    {
-        case TIP:
-            return coordinate_of( near, at[count - 1] );
-        case VERTEX:
-            return coordinate_of( near, at[near->vertex] );
-        case MEAN:
-            return mean_of( near, at, count );
-        case CENTRE:
-            return sample->centre[near->axis];
-        case MOMENTUM:
-            return sample->momentum[near->axis];
-        case SPIN:
-            return sample->spin[near->axis];
-        case SPEED:
-            return sample->speed;
-        case KINETIC:
-            return sample->kinetic;
-        case POTENTIAL:
-            return sample->potential;
-        case VOLUME:
-            return enclosed_volume( body, at );
-        default:
-            return extreme_of( near, at, count );
+        const stability_near* near = &trace->limits->near[i];
+        if ( is_body( near, &s.shape ) && ( near->measure >= 0 || near->vertex < s.shape.vertex_count ) )
+        {
+            trace->near[(size_t)i * (size_t)( trace->steps_most + 1 ) + (size_t)row] =
+                near->measure >= 0 ? MEASURES[near->measure].of( &s, near->axis )
+                                   : coordinate_of( at[near->vertex], near->axis );
+        }
     }
 }
 

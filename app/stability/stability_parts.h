@@ -3,6 +3,8 @@
 
 #include "stability_trace.h"
 
+#include "balloon.h"
+
 #include "wisp/module/module.h"
 
 #include <math.h>
@@ -21,4 +23,16 @@ struct stability_reader
     int32_t* edges;                          ///< [edge_count][2]
     int edge_count;
     bool moves; ///< by itself: else only `now` counts
+};
+
+/// What a body is after a step, for measures that must come near a value.
+struct stability_seen
+{
+    const scene_world* world;
+    wisp_entity entity;
+    scene_body shape;
+    const wisp_vec3 *at, *start; ///< [vertex_count] m
+    const stability_sample* sample;
+    wisp_motion_stats motion;
+    wisp_balloon_stats balloon; ///< zero of what is none
 };

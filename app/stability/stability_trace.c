@@ -625,25 +625,12 @@ static void sample_motion( const scene_world* world, int body, stability_sample*
         sample->potential = m.potential_energy;
         sample->speed = m.speed_max;
         memcpy( sample->centre, m.centre, sizeof m.centre );
-        memcpy( sample->momentum, m.momentum, sizeof m.momentum );
-        memcpy( sample->spin, m.angular_momentum, sizeof m.angular_momentum );
         sample->is_finite &=
             isfinite( m.kinetic_energy ) && isfinite( m.potential_energy ) && isfinite( m.speed_max );
     }
 }
 
-static void measure_near( const stability_trace* trace, const scene_body* body, const wisp_vec3* points, int row,
-                          const stability_sample* sample )
-{
-    for ( int i = 0; trace->limits && i < trace->limits->near_count; ++i )
-    {
-        const double value = stability_near_measure( &trace->limits->near[i], body, points, sample );
-        double* place = trace->near + (size_t)i * (size_t)( trace->steps_most + 1 ) + row;
-        *place = isnan( value ) ? *place : value;
-    }
-}
-
-static void sample_body( const scene_world* world, const stability_trace* trace, int body, int row, wisp_vec3* points,
+static void sample_body( const scene_world* world, stability_trace* trace, int body, int row, wisp_vec3* points,
                          stability_sample* sample )
 {
     const scene_body shape = scene_world_body( world, body );
@@ -660,7 +647,10 @@ static void sample_body( const scene_world* world, const stability_trace* trace,
         sample->thickness = (double)stats.thickness;
         sample->contacts = stats.contacts;
     }
-    measure_near( trace, &shape, points, row, sample );
+    if ( trace->start )
+    {
+        stability_measure_near( world, body, points, sample, row, trace );
+    }
 }
 
 static void sample_all( const scene_world* world, stability_trace* trace, int row, wisp_vec3* points )
@@ -837,7 +827,9 @@ wisp_status stability_trace_run( wisp_scene* scene, const stability_limits* limi
     {
         out->near[i] = NAN;
     }
-    wisp_vec3* points = text_alloc( (size_t)scene_world_vertices( &world ) * sizeof *points );
+    const size_t vertices = (size_t)scene_world_vertices( &world );
+    wisp_vec3* points = text_alloc( vertices * sizeof *points );
+    out->start = limits && limits->near_count > 0 ? text_alloc( vertices * sizeof *points ) : NULL;
     stability_reader** readers = text_alloc( bodies * sizeof *readers );
     wisp_status status = sample_start( scene, out, points, error );
     if ( status == WISP_OK )
@@ -872,5 +864,6 @@ void stability_trace_release( stability_trace* trace )
     free( trace->samples );
     free( trace->times );
     free( trace->near );
+    free( trace->start );
     *trace = ( stability_trace ){ 0 };
 }

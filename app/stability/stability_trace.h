@@ -6,19 +6,18 @@
 /// A body after a step. Only what moves by itself has energy, strain and speed.
 typedef struct stability_sample
 {
-    double kinetic, potential;   ///< J
-    double speed;                ///< m/s, of the fastest vertex
-    double centre[3];            ///< m, of mass
-    double momentum[3], spin[3]; ///< kg m/s; kg m^2/s about the centre of mass
-    double penetration;          ///< m, by which a vertex is nearer to a collider than the thickness; 0: none
-    double thickness;            ///< m, of that contact
-    int contacts;                ///< vertices that a collider presses on
-    bool is_finite;              ///< positions and what is above
-    double travel;               ///< m/s: the largest displacement of a vertex in the step, over its length
-    double coordinate;           ///< m, the largest of a vertex: its last bit moves by this
-    double strain, reach; ///< the largest |l / l0 - 1| of edges; what load, compliance and solver explain of it
-    double energy;        ///< J, kinetic, potential and of violated constraints; NaN: not known
-    double stored, bent;  ///< J of that in constraints; J of bending at most, which is not part of it
+    double kinetic, potential; ///< J
+    double speed;              ///< m/s, of the fastest vertex
+    double centre[3];          ///< m, of mass
+    double penetration;        ///< m, by which a vertex is nearer to a collider than the thickness; 0: none
+    double thickness;          ///< m, of that contact
+    int contacts;              ///< vertices that a collider presses on
+    bool is_finite;            ///< positions and what is above
+    double travel;             ///< m/s: the largest displacement of a vertex in the step, over its length
+    double coordinate;         ///< m, the largest of a vertex: its last bit moves by this
+    double strain, reach;      ///< the largest |l / l0 - 1| of edges; what load, compliance and solver explain of it
+    double energy;             ///< J, kinetic, potential and of violated constraints; NaN: not known
+    double stored, bent;       ///< J of that in constraints; J of bending at most, which is not part of it
 } stability_sample;
 
 /// A body as it starts, and what it is at the end.
@@ -79,6 +78,7 @@ typedef struct stability_trace
     stability_sample* samples; ///< [steps + 1][body_count]; row 0 is the start
     double* times;             ///< [steps + 1] s
     double* near;              ///< [near_count][steps_most + 1] what is to come near a value, after every step
+    wisp_vec3* start;          ///< m, all vertices of all bodies; null: nothing is to come near a value
     int steps_most;            ///< of the scene
     const struct stability_limits* limits;         ///< what is near; null: nothing
     int steps;                                     ///< that were made

@@ -92,8 +92,7 @@ static wisp_status read_near( const suite_reader* r, const scene_node* block, st
     {
         text[i] = values[i] && values[i]->kind == SCENE_SCALAR ? scene_text_of( &r->tree, values[i] ) : "";
     }
-    stability_near near = { .value = number_in( r, values[VALUE], NAN ),
-                            .within = number_in( r, values[WITHIN], NAN ),
+    stability_near near = { .within = number_in( r, values[WITHIN], NAN ),
                             .at = number_in( r, values[AT], 0.0 ),
                             .take = text[TAKE][0] ? STABILITY_TAKE_COUNT : STABILITY_TAKE_END };
     for ( int i = 0; i < STABILITY_TAKE_COUNT; ++i )
@@ -101,29 +100,36 @@ static wisp_status read_near( const suite_reader* r, const scene_node* block, st
         near.take = strcmp( text[TAKE], stability_near_takes[i] ) == 0 ? (stability_take)i : near.take;
     }
     snprintf( near.from, sizeof near.from, "%s", text[FROM] );
-    if ( !stability_near_parse( text[OF], &near ) )
-    {
-        return suite_refuse( r, values[OF] ? values[OF] : block,
-                             "got '%s', expected a body and a measure: of tip, mean, min, max, centre, momentum, "
-                             "spin and v12 the axis x, y "
-                             "or z, such as rod.tip.y; or speed, kinetic, potential, volume",
-                             scene_shorten( text[OF] ).text );
-    }
+    const bool is_vector = values[VALUE] && values[VALUE]->kind == SCENE_LIST && values[VALUE]->count == 3;
     if ( near.take == STABILITY_TAKE_COUNT )
     {
         return suite_refuse( r, values[TAKE], "got '%s', expected one of end, mean, min, max, period, change",
                              scene_shorten( text[TAKE] ).text );
     }
-    if ( !isfinite( near.value ) || !( near.within > 0.0 ) || !isfinite( near.within ) || !( near.at >= 0.0 ) )
+    const scene_node* value = is_vector ? scene_first( &r->tree, values[VALUE] ) : values[VALUE];
+    for ( int axis = 0; axis < ( is_vector ? 3 : 1 ); ++axis )
     {
-        return suite_refuse( r, block,
-                             "expected a value, `within` above 0 and, if there is one, `at` of at least 0" );
+        char of[sizeof near.of];
+        snprintf( of, sizeof of, is_vector ? "%.90s.%c" : "%.95s", text[OF], 'x' + axis );
+        if ( !stability_near_parse( of, &near ) )
+        {
+            return suite_refuse( r, values[OF] ? values[OF] : block,
+                                 "got '%s', expected a body and a measure, such as rod.tip.y or ball.pressure: of %s",
+                                 scene_shorten( text[OF] ).text, stability_near_words() );
+        }
+        near.value = number_in( r, value, NAN );
+        if ( !isfinite( near.value ) || !( near.within > 0.0 ) || !isfinite( near.within ) || !( near.at >= 0.0 ) )
+        {
+            return suite_refuse( r, block,
+                                 "expected a value, `within` above 0 and, if there is one, `at` of at least 0" );
+        }
+        if ( limits->near_count == STABILITY_MAX_NEAR )
+        {
+            return suite_refuse( r, block, "expected at most %d values of a row", STABILITY_MAX_NEAR );
+        }
+        limits->near[limits->near_count++] = near;
+        value = is_vector ? scene_next( &r->tree, value ) : value;
     }
-    if ( limits->near_count == STABILITY_MAX_NEAR )
-    {
-        return suite_refuse( r, block, "expected at most %d values of a row", STABILITY_MAX_NEAR );
-    }
-    limits->near[limits->near_count++] = near;
     return WISP_OK;
 }
 

@@ -23,7 +23,7 @@
 // vertices. Moments, twist and tension are in proportion to it, so the balance is a fixed point for substeps of any
 // length. With all of gravity 96 vertices in a helix of 5 mm and 20 mm per turn reached 17 m/s at 8 substeps, and 31
 // m/s with the tension solved in each substep. Now they drift by 0.02 mm in 2 s at 2, 4, 8 and 16 substeps
-// (tests/modules/test_strands_curls.c). The price: such a strand falls and swings as under that fraction of gravity
+// (tests/claims/hair.yaml). The price: such a strand falls and swings as under that fraction of gravity
 // (this helix 0.5 at 16 substeps, 0.13 at 8, 0.03 at 4), and in another pose of the head it is as soft as its
 // stiffness over that fraction. WISP_COUNT_GRAVITY_SCALED counts it. `rest: shape` feels all of its weight, and sags.
 #include "strand_passes.h"

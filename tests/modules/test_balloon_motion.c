@@ -1,5 +1,6 @@
-// Rotation and conservation laws of the balloon: torque, inertia, spin, momentum (balloon paper, Eq. 13-17). Where a
-// bound is one of doubles, the comment gives that of floats.
+// Rotation, conservation laws and forces of the balloon that statistics and other calls tell: torque, inertia, spin, momentum
+// (balloon paper, Eq. 13-17), gas that leaves. Closed forms are in tests/claims. Where a bound is one of doubles, the comment
+// gives that of floats.
 #include "balloon_engine_fixture.h"
 
 #include "balloon_internal.h"
@@ -42,23 +43,6 @@ static balloon_flight start_loose( const balloon_scene* scene )
 static balloon_scene loose_pear( const balloon_mesh* mesh )
 {
     return loose_body( mesh, balloon_mesh_farthest( mesh, double3_make( 1.0, 0.3, 0.2 ) ) );
-}
-
-// Eq. 13: vertex 0 of an icosphere has five equal neighbours, so its normal is radial
-TEST( a_radial_jet_has_no_torque_and_turns_nothing )
-{
-    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 3, 0.15 );
-    balloon_scene scene = loose_body( &mesh, 0 );
-    SCOPED( balloon_end ) balloon_flight flight = start_loose( &scene );
-    balloon_steps( &flight, 1 );
-    wisp_balloon_stats f = balloon_read( &flight );
-    double force = double3_length( balloon_from( f.jet ) ), arm = 0.15 * force;
-    assert_true( force > 0.1 );
-    // the normal is of floats
-    balloon_assert_close( double3_length( balloon_from( f.torque ) ) / arm, 0.0, 1e-5 );
-    balloon_assert_close( double3_length( balloon_angular_momentum( &flight ) ) / ( arm * (double)scene.dt ), 0.0,
-                          1e-4 );
-    balloon_assert_fraction( double3_length( balloon_momentum( &flight ) ), force * (double)scene.dt, 1e-4 );
 }
 
 // Eq. 13-14. L = sum m x x v is independent of displacements of x along v.
@@ -292,40 +276,6 @@ TEST( internal_constraints_keep_the_momentum_in_every_step )
     }
 }
 
-// What the pass balloon.angular removes: nothing acts on a balloon at rest, so it must not turn, however full it is
-// and whatever the order of the sweep. The remainder is float rounding of positions, divided by a substep.
-TEST( a_full_balloon_at_rest_does_not_turn_when_its_angular_momentum_is_kept )
-{
-    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 2 );
-    for ( int substeps = 1; substeps <= 100; substeps *= 10 )
-    {
-        balloon_scene scene = balloon_scene_of( &mesh );
-        scene.def.gas_ratio = 1.5f;
-        scene.substeps = substeps;
-        scene.iterations = 2;
-        SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
-        balloon_steps( &flight, 120 );
-        double spin = double3_length( balloon_from( balloon_read( &flight ).angular_velocity ) );
-        print_message( "           %3d substeps: %.4f rad/s after two seconds\n", substeps, spin );
-        balloon_assert_close( spin, 0.0, 0.2 ); // without the pass it is several tens
-    }
-}
-
-// The pass removes what projections add and nothing else: an existing spin is kept.
-TEST( a_spinning_balloon_keeps_its_spin_when_its_angular_momentum_is_kept )
-{
-    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 3, 0.15 );
-    balloon_scene scene = balloon_scene_of( &mesh );
-    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
-    const wisp_vec3 still = { 0.0f, 0.0f, 0.0f }, spin = { 0.0f, 3.0f, 0.0f };
-    assert_int_equal( wisp_set_velocity( flight.world, flight.entity, still, spin ), WISP_OK );
-    balloon_steps( &flight, 60 );
-    double3 turning = balloon_from( balloon_read( &flight ).angular_velocity );
-    // the spin stretches the skin by about a thousandth, and with it the inertia
-    balloon_assert_close( turning.y, 3.0, 0.02 );
-    balloon_assert_close( turning.x, 0.0, 0.005 );
-}
-
 // A pin has a place of its own, and moments about the centre of mass are not those of what may move: a body with a pin is left
 // alone, as in the oracle. A substep would turn it by 1e-5 m.
 TEST( a_pinned_balloon_is_not_turned_back )
@@ -365,4 +315,126 @@ TEST( stats_turn_with_a_body_that_spins )
     // a radian per second, reduced a little by losses of the projections; body and quaternion agree
     balloon_assert_close( told, 1.0, 0.02 );
     balloon_assert_close( seen, told, 5e-3 );
+}
+
+// ---- forces ----
+
+// A pear without bend links, scaled by 1.1, whose stiffness gives the pressure `gauge` (references, section 1).
+static balloon_scene pressed_scene( const balloon_mesh* mesh, double gauge )
+{
+    balloon_scene scene = balloon_scene_of( mesh );
+    scene.bend_links = false;
+    scene.scale = 1.1;
+    scene.def.gas_ratio = 1.331f;
+    scene.dt = 1e-4f;
+    scene.substeps = 1;
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
+    SCOPED( balloon_oracle_destroy ) balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_ENGINE );
+    double sum = 0.0;
+    for ( int e = 0; e < oracle.structural_count; ++e )
+    {
+        sum += oracle.structural[e].rest * oracle.structural[e].rest;
+    }
+    scene.def.edge_stiffness =
+        (float)( gauge / balloon_oracle_true_scaled_pressure( sum, oracle.rest_volume, scene.scale ) );
+    return scene;
+}
+
+// Sections III.2 and III.3: M dv = -sum mdot v_e n dt, and the lost gas is the gas that flowed out
+TEST( what_leaves_the_outlet_is_what_the_body_gains )
+{
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 2 );
+    balloon_scene scene = balloon_scene_of( &mesh );
+    scene.dt = 1.0f / 600.0f;
+    scene.substeps = 1;
+    scene.def.gas_ratio = 1.2f;
+    balloon_scene_give_outlet( &scene, balloon_mesh_farthest( &mesh, double3_make( 0.4, 1.0, 0.2 ) ), true );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
+    double3 given = { 0.0, 0.0, 0.0 };
+    double blown = 0.0;
+    for ( int n = 0; n < 600; ++n )
+    {
+        balloon_steps( &flight, 1 );
+        wisp_balloon_stats f = balloon_read( &flight );
+        given = double3_add( given, double3_scale( (double)scene.dt, balloon_from( f.jet ) ) );
+        blown += f.mass_flow * (double)scene.dt;
+        double missing = ( (double)1.2f * f.rest_volume - f.target_volume ) * 101325.0 * (double)4.0026e-3f /
+                         ( BALLOON_ORACLE_GAS_CONSTANT * (double)293.15f );
+        // doubles, and differences of V_0 from its start
+        balloon_assert_close( f.gas_lost, missing, 1e-13 );
+        balloon_assert_close( f.gas_lost, blown, 1e-13 );
+    }
+    double size = double3_length( given );
+    assert_true( size > 1e-3 );
+    // each substep rounds positions of up to a metre to 3e-8 m, so a velocity to 2e-5 m/s, and 600 errors add as a
+    // random walk
+    balloon_assert_close( double3_distance( balloon_momentum( &flight ), given ) / size, 0.0, 1e-3 );
+}
+
+// Section III.2: 10 Pa and 50 Pa. The scale of the skin sets its pressure, which is read in the next step.
+TEST( the_jet_ends_at_ten_pascal_and_starts_again_only_above_fifty )
+{
+    const double gauge[] = { 40.0, 50.0, 51.0, 30.0, 11.0, 10.0, 30.0, 50.0, 60.0, 0.0 };
+    const bool expected[] = { false, false, true, true, true, false, false, false, true, false };
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    balloon_scene scene = pressed_scene( &mesh, 1000.0 );
+    scene.def.gas_ratio = 2.0f;
+    scene.def.outlet_area = 1e-8f;
+    balloon_scene_give_outlet( &scene, 3, true );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
+    const wisp_fabric* fabric = wisp_world_fabric( flight.world, flight.entity );
+    double per = 1000.0 / ( 0.1 / 1.21 ); // P = per (s - 1) / s^2
+    for ( int n = 0; n < WISP_COUNT( gauge ); ++n )
+    {
+        // a float's scale gives the pressure to 1e-2 Pa, so test next to the threshold
+        double aim = gauge[n] + ( expected[n] ? 0.2 : -0.2 ), e = 0.0;
+        for ( int k = 0; k < 20; ++k )
+        {
+            e = aim / per * ( 1.0 + e ) * ( 1.0 + e );
+        }
+        float* x = balloon_positions( &flight );
+        for ( int slot = 0; slot < fabric->vertex_count; ++slot )
+        {
+            const float* rest = &fabric->rest[slot].x;
+            for ( int k = 0; k < 3; ++k )
+            {
+                x[4 * slot + k] = (float)( ( 1.0 + e ) * (double)rest[k] );
+            }
+        }
+        memset( balloon_velocities( &flight ), 0, (size_t)fabric->slot_count * 4 * sizeof( float ) );
+        balloon_steps( &flight, 1 );
+        wisp_balloon_stats f = balloon_read( &flight );
+        balloon_assert_close( f.pressure, fmax( 0.0, aim ), 0.1 );
+        assert_int_equal( f.outlet_speed > 0.0, expected[n] );
+    }
+    assert_true( balloon_read( &flight ).jet_starts == 2.0 );
+}
+
+// The reported drag is the one that acted: of the velocity before the other forces.
+TEST( the_forces_shown_are_the_momentum_gained )
+{
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_pear( 2 );
+    balloon_scene scene = balloon_scene_in_air( &mesh );
+    scene.dt = 1.0f / 240.0f;
+    scene.substeps = 1;
+    scene.area_density = 0.2f; // heavy, so that it stays near the origin and its velocities are exact enough
+    scene.scale = 1.05;
+    scene.def.gas_ratio = 1.2f;
+    balloon_scene_give_outlet( &scene, 0, true );
+    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
+    balloon_throw( &flight, ( wisp_vec3 ){ 4.0f, 2.0f, -3.0f } );
+    for ( int n = 0; n < 10; ++n )
+    {
+        double3 before = balloon_momentum( &flight );
+        balloon_steps( &flight, 1 );
+        wisp_balloon_stats f = balloon_read( &flight );
+        double3 sum = double3_add( double3_add( balloon_from( f.gravity ), balloon_from( f.buoyancy ) ),
+                                   double3_add( balloon_from( f.drag ), balloon_from( f.jet ) ) );
+        double3 gained = double3_sub( balloon_momentum( &flight ), before );
+        double3 given = double3_scale( (double)scene.dt, sum );
+        // about 30 roundings per vertex of 1.5e-8 m over 1/240 s, as a random walk, in the mean of 162 with 0.06 kg
+        // in total
+        balloon_assert_close( double3_distance( gained, given ), 0.0, 1e-7 );
+        assert_true( double3_length( balloon_from( f.drag ) ) > 0.05 && double3_length( given ) > 1e-3 );
+    }
 }
