@@ -74,6 +74,7 @@ typedef struct collision_find_args
     float dt;              // s
     collision_maps maps;
     bool can_squeeze; // there are several bodies
+    uint32_t groups;  // bits of those of a block that are searched, unless they have settled
     bool has_settled; // groups of an earlier substep of this step may be settled
     bool settles;     // groups may be settled until the next substep
 } collision_find_args;
