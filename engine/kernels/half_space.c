@@ -1,21 +1,27 @@
-// Contact of particles with half spaces, with Coulomb friction, eight particles at a time. With q a point of the
-// surface and n its normal away from the body:
+// Contact of particles with half spaces, with Coulomb friction, eight particles
+// at a time. With q a point of the surface and n its normal away from the body:
 //
 //   N <- max( 0, N + gap - n (p - q) )
-//   u = tangential part of (p - previous) - motion, without the friction applied so far
-//   T <- -u if |u| <= mu_s N, else -mu_k N u / |u|
+//   u = tangential part of (p - previous) - motion, without the friction
+//   applied so far T <- -u if |u| <= mu_s N, else -mu_k N u / |u|
 //
-// N and T are the accumulated normal and tangential corrections. They are clamped in place, so another call with
-// the same rows is another sweep of projected Gauss-Seidel. A row is 64 bytes, one cache line, and is loaded into
+// N and T are the accumulated normal and tangential corrections. They are
+// clamped in place, so another call with the same rows is another sweep of
+// projected Gauss-Seidel. A row is 64 bytes, one cache line, and is loaded into
 // lanes by four transpositions.
 //
-// Half spaces come from the planes in which particles meet a body. With h the thickness, `start` the signed distance less h at the
-// start of the substep and `now` the distance at its end, a particle that starts too near is moved out by the recovered depth, together
-// with its previous position, so that the correction gives no velocity. While it is deep, its own outward motion gives none either.
+// Half spaces come from the planes in which particles meet a body. With h the
+// thickness, `start` the signed distance less h at the start of the substep and
+// `now` the distance at its end, a particle that starts too near is moved out
+// by the recovered depth, together with its previous position, so that the
+// correction gives no velocity. While it is deep, its own outward motion gives
+// none either.
 //
-// Of shapes in closed form they are found where they are projected, and stored nowhere (stay_outside). Everything is computed along
-// the axes of the world, relative to the shape: a particle goes from f, as seen from where the shape was, to e. The shape is convex,
-// so a path crosses it only if its start is not in front of the plane at the closest point to its end.
+// Of shapes in closed form they are found where they are projected, and stored
+// nowhere (stay_outside). Everything is computed along the axes of the world,
+// relative to the shape: a particle goes from f, as seen from where the shape
+// was, to e. The shape is convex, so a path crosses it only if its start is not
+// in front of the plane at the closest point to its end.
 #include "pose.h"
 
 enum
@@ -117,7 +123,8 @@ LANE_INLINE push_out find_push_out( lane8 h, lane8 shallow, lane8 recovery, lane
     return out;
 }
 
-// Stores positions where one differs: adding zero changes the sign of a negative zero.
+// Stores positions where one differs: adding zero changes the sign of a
+// negative zero.
 LANE_INLINE bool move_out( const wisp_half_space_rows_args* args, int at, lane8v normal, const push_out* out )
 {
     lane8v p, previous;
@@ -193,9 +200,16 @@ typedef struct nearest8
     lane8 distance;
 } nearest8;
 
-LANE_INLINE lane8v load_vector( const float ( *rows )[LANES] )
+// A row of numbers, or one number for all lanes. `alike` is a constant after
+// inlining, as is a kind of shape.
+LANE_INLINE lane8 load_row( const float* row, bool alike )
 {
-    return ( lane8v ){ lane8_loadu( rows[0] ), lane8_loadu( rows[1] ), lane8_loadu( rows[2] ) };
+    return alike ? lane8_set1( row[0] ) : lane8_loadu( row );
+}
+
+LANE_INLINE lane8v load_vector( const float ( *rows )[LANES], bool alike )
+{
+    return ( lane8v ){ load_row( rows[0], alike ), load_row( rows[1], alike ), load_row( rows[2], alike ) };
 }
 
 LANE_INLINE lane8 clamp( lane8 x, lane8 lower, lane8 upper )
@@ -209,37 +223,38 @@ LANE_INLINE nearest8 nearest_round( lane8v away, lane8 radius )
     return ( nearest8 ){ lane8v_scale( away, lane8_div( lane8_set1( 1.0f ), length ) ), lane8_sub( length, radius ) };
 }
 
-LANE_INLINE nearest8 nearest_on_box( const wisp_shape_lanes* s, lane8v e )
+LANE_INLINE nearest8 nearest_on_box( const wisp_shape_lanes* s, lane8v e, bool alike )
 {
     lane8v away = { lane8_zero(), lane8_zero(), lane8_zero() };
     for ( int k = 0; k < 3; ++k )
     {
-        const lane8v axis = load_vector( s->axis[k] );
-        const lane8 half = lane8_loadu( s->size[k] ), at = lane8v_dot( axis, e );
+        const lane8v axis = load_vector( s->axis[k], alike );
+        const lane8 half = load_row( s->size[k], alike ), at = lane8v_dot( axis, e );
         away = lane8v_mul_add( away, lane8_sub( at, clamp( at, lane8_neg( half ), half ) ), axis );
     }
     return nearest_round( away, lane8_zero() );
 }
 
-// Computes the closest point of a shape from outside; inside, a distance that is not positive. `kind` is a constant after inlining.
-LANE_INLINE nearest8 nearest_to( const wisp_shape_lanes* s, wisp_shape_kind kind, lane8v e )
+// Computes the closest point of a shape from outside; inside, a distance that
+// is not positive. `kind` is a constant after inlining.
+LANE_INLINE nearest8 nearest_to( const wisp_shape_lanes* s, wisp_shape_kind kind, bool alike, lane8v e )
 {
     if ( kind == WISP_SHAPE_BOX )
     {
-        return nearest_on_box( s, e );
+        return nearest_on_box( s, e, alike );
     }
-    const lane8 radius = lane8_loadu( s->size[0] );
+    const lane8 radius = load_row( s->size[0], alike );
     if ( kind == WISP_SHAPE_SPHERE )
     {
         return nearest_round( e, radius );
     }
-    const lane8v axis = load_vector( s->axis[1] );
+    const lane8v axis = load_vector( s->axis[1], alike );
     const lane8 along = lane8v_dot( axis, e );
     if ( kind == WISP_SHAPE_PLANE )
     {
         return ( nearest8 ){ axis, along };
     }
-    const lane8 lower = lane8_loadu( s->size[1] ), upper = lane8_loadu( s->size[2] );
+    const lane8 lower = load_row( s->size[1], alike ), upper = load_row( s->size[2], alike );
     if ( kind == WISP_SHAPE_CAPSULE )
     {
         const lane8 y = clamp( along, lower, upper );
@@ -247,30 +262,33 @@ LANE_INLINE nearest8 nearest_to( const wisp_shape_lanes* s, wisp_shape_kind kind
     }
     // as in taper.h
     const lane8 rho = lane8v_length( lane8v_mul_add( e, lane8_neg( along ), axis ) );
-    const lane8 y = clamp( lane8_sub( along, lane8_mul( lane8_loadu( s->size[3] ), rho ) ), lower, upper );
+    const lane8 y = clamp( lane8_sub( along, lane8_mul( load_row( s->size[3], alike ), rho ) ), lower, upper );
     return nearest_round( lane8v_mul_add( e, lane8_neg( y ), axis ),
-                          lane8_sub( radius, lane8_mul( lane8_loadu( s->size[4] ), y ) ) );
+                          lane8_sub( radius, lane8_mul( load_row( s->size[4], alike ), y ) ) );
 }
 
-LANE_INLINE lane8v turn( const wisp_shape_lanes* s, lane8v v )
+LANE_INLINE lane8v turn( const wisp_shape_lanes* s, lane8v v, bool alike )
 {
-    return ( lane8v ){ lane8v_dot( load_vector( s->turn[0] ), v ), lane8v_dot( load_vector( s->turn[1] ), v ),
-                       lane8v_dot( load_vector( s->turn[2] ), v ) };
+    return ( lane8v ){ lane8v_dot( load_vector( s->turn[0], alike ), v ),
+                       lane8v_dot( load_vector( s->turn[1], alike ), v ),
+                       lane8v_dot( load_vector( s->turn[2], alike ), v ) };
 }
 
-LANE_INLINE lane8v turn_back( const wisp_shape_lanes* s, lane8v v )
+LANE_INLINE lane8v turn_back( const wisp_shape_lanes* s, lane8v v, bool alike )
 {
-    const lane8v x = lane8v_scale( load_vector( s->turn[0] ), v.x );
-    return lane8v_mul_add( lane8v_mul_add( x, v.y, load_vector( s->turn[1] ) ), v.z, load_vector( s->turn[2] ) );
+    const lane8v x = lane8v_scale( load_vector( s->turn[0], alike ), v.x );
+    return lane8v_mul_add( lane8v_mul_add( x, v.y, load_vector( s->turn[1], alike ) ), v.z,
+                           load_vector( s->turn[2], alike ) );
 }
 
-// Moves out who starts too near, and adds the half space that particles have to stay in.
-LANE_INLINE void add_space( const wisp_shape_lanes* s, near_shapes* all, lane8m near, lane8v surface, nearest8 found,
-                            lane8 start )
+// Moves out who starts too near, and adds the half space that particles have to
+// stay in.
+LANE_INLINE void add_space( const wisp_shape_lanes* s, bool alike, near_shapes* all, lane8m near, lane8v surface,
+                            nearest8 found, lane8 start )
 {
-    const lane8 h = lane8_loadu( s->thickness );
+    const lane8 h = load_row( s->thickness, alike );
     const push_out out =
-        find_push_out( h, lane8_loadu( s->shallow ), lane8_loadu( s->recovery ), found.distance, start );
+        find_push_out( h, load_row( s->shallow, alike ), load_row( s->recovery, alike ), found.distance, start );
     const lane8 back = lane8_add( out.recovered, out.absorbed );
     const lane8m moved = lane8m_and( near, lane8_gt( back, lane8_zero() ) );
     if ( lane8m_any( moved ) )
@@ -280,9 +298,10 @@ LANE_INLINE void add_space( const wisp_shape_lanes* s, near_shapes* all, lane8m 
         all->recovered = lane8m_or( all->recovered, moved );
         all->path = lane8v_length( lane8v_sub( all->p, all->previous ) );
     }
-    const lane8v at = load_vector( s->at ), was = load_vector( s->was ), none = lane8v_set1( ( wisp_vec3 ){ 0 } );
+    const lane8v at = load_vector( s->at, alike ), was = load_vector( s->was, alike ),
+                 none = lane8v_set1( ( wisp_vec3 ){ 0 } );
     lane8v motion = lane8v_sub( at, was );
-    motion = s->turns ? lane8v_add( motion, lane8v_sub( surface, turn_back( s, surface ) ) ) : motion;
+    motion = s->turns ? lane8v_add( motion, lane8v_sub( surface, turn_back( s, surface, alike ) ) ) : motion;
     const int i = all->count++;
     all->space[i] = ( half_space ){ .point = lane8v_add( at, surface ),
                                     .normal = found.normal,
@@ -290,30 +309,31 @@ LANE_INLINE void add_space( const wisp_shape_lanes* s, near_shapes* all, lane8m 
                                     .tangential_correction = none,
                                     .gap = out.gap,
                                     .normal_correction = lane8_zero(),
-                                    .static_friction = lane8_loadu( s->static_friction ),
-                                    .kinetic_friction = lane8_loadu( s->kinetic_friction ) };
+                                    .static_friction = load_row( s->static_friction, alike ),
+                                    .kinetic_friction = load_row( s->kinetic_friction, alike ) };
     all->near[i] = near;
     all->thickness[i] = h;
     all->number = lane8_add( all->number, lane8_select( near, lane8_set1( 1.0f ), lane8_zero() ) );
 }
 
-LANE_INLINE void meet( const wisp_shape_lanes* s, wisp_shape_kind kind, near_shapes* all )
+LANE_INLINE void meet( const wisp_shape_lanes* s, wisp_shape_kind kind, bool alike, near_shapes* all )
 {
-    const lane8 h = lane8_loadu( s->thickness ), zero = lane8_zero();
-    const lane8v e = lane8v_sub( all->p, load_vector( s->at ) );
-    const nearest8 found = nearest_to( s, kind, e );
+    const lane8 h = load_row( s->thickness, alike ), zero = lane8_zero();
+    const lane8v e = lane8v_sub( all->p, load_vector( s->at, alike ) );
+    const nearest8 found = nearest_to( s, kind, alike, e );
     const lane8m is_there = lane8m_and( all->moves, lane8_ge( h, zero ) );
     const lane8m near = lane8m_and( is_there, lane8_le( found.distance, lane8_add( h, h ) ) );
     // a bound of the path, seen from the shape
-    const lane8 turned = lane8_mul( lane8_loadu( s->rate ), lane8_add( all->path, lane8_abs( found.distance ) ) );
+    const lane8 turned = lane8_mul( load_row( s->rate, alike ), lane8_add( all->path, lane8_abs( found.distance ) ) );
     const lane8 reach =
-        lane8_mul_add( lane8_add( lane8_loadu( s->shift ), turned ), all->path, lane8_set1( 1.001f ) );
+        lane8_mul_add( lane8_add( load_row( s->shift, alike ), turned ), all->path, lane8_set1( 1.001f ) );
     const lane8m may_cross = lane8m_and( is_there, lane8_le( found.distance, reach ) );
     if ( lane8m_any( lane8m_or( near, may_cross ) ) == false )
     {
         return;
     }
-    const lane8v back = lane8v_sub( all->previous, load_vector( s->was ) ), f = s->turns ? turn( s, back ) : back;
+    const lane8v back = lane8v_sub( all->previous, load_vector( s->was, alike ) ),
+                 f = s->turns ? turn( s, back, alike ) : back;
     const lane8m crosses = lane8m_and( may_cross, lane8_le( found.distance, lane8v_length( lane8v_sub( e, f ) ) ) );
     const lane8m either = lane8m_or( near, crosses );
     if ( lane8m_any( either ) == false )
@@ -328,16 +348,16 @@ LANE_INLINE void meet( const wisp_shape_lanes* s, wisp_shape_kind kind, near_sha
         const lane8m in_front = lane8m_and( lane8_gt( found.distance, zero ), lane8_gt( height, zero ) );
         all->hard = lane8m_or( all->hard, lane8m_and_not( either, in_front ) );
         // the surface is curved between start and end
-        const lane8m deep = lane8m_and( near, lane8_lt( start, lane8_neg( lane8_loadu( s->shallow ) ) ) );
+        const lane8m deep = lane8m_and( near, lane8_lt( start, lane8_neg( load_row( s->shallow, alike ) ) ) );
         if ( lane8m_any( deep ) )
         {
-            const lane8 exact = lane8_sub( nearest_to( s, kind, f ).distance, h );
+            const lane8 exact = lane8_sub( nearest_to( s, kind, alike, f ).distance, h );
             start = lane8_select( deep, lane8_max( start, exact ), start );
         }
     }
     if ( lane8m_any( near ) )
     {
-        add_space( s, all, near, surface, found, start );
+        add_space( s, alike, all, near, surface, found, start );
     }
 }
 
@@ -360,7 +380,8 @@ static void find_squeezed( near_shapes* all )
     }
 }
 
-// Sweeps over several half spaces of a particle: pushing out of one may push into another.
+// Sweeps over several half spaces of a particle: pushing out of one may push
+// into another.
 static void resolve( near_shapes* all )
 {
     if ( all->count == 1 )
@@ -385,7 +406,7 @@ static void resolve( near_shapes* all )
 }
 
 // @return whether there is a shape near
-static bool keep_outside( const wisp_shape_lanes* shapes, int count, int stride, near_shapes* all )
+LANE_INLINE bool keep_outside( const wisp_shape_lanes* shapes, int count, int stride, bool alike, near_shapes* all )
 {
     const lane8m none = lane8_lt( lane8_zero(), lane8_zero() );
     all->count = 0;
@@ -398,19 +419,19 @@ static bool keep_outside( const wisp_shape_lanes* shapes, int count, int stride,
         switch ( s->kind )
         {
             case WISP_SHAPE_SPHERE:
-                meet( s, WISP_SHAPE_SPHERE, all );
+                meet( s, WISP_SHAPE_SPHERE, alike, all );
                 break;
             case WISP_SHAPE_CAPSULE:
-                meet( s, WISP_SHAPE_CAPSULE, all );
+                meet( s, WISP_SHAPE_CAPSULE, alike, all );
                 break;
             case WISP_SHAPE_BOX:
-                meet( s, WISP_SHAPE_BOX, all );
+                meet( s, WISP_SHAPE_BOX, alike, all );
                 break;
             case WISP_SHAPE_TAPERED_CAPSULE:
-                meet( s, WISP_SHAPE_TAPERED_CAPSULE, all );
+                meet( s, WISP_SHAPE_TAPERED_CAPSULE, alike, all );
                 break;
             default:
-                meet( s, WISP_SHAPE_PLANE, all );
+                meet( s, WISP_SHAPE_PLANE, alike, all );
                 break;
         }
     }
@@ -432,7 +453,7 @@ uint32_t KERNEL( stay_outside )( const wisp_outside_args* args, int begin, int e
         lane8_load_xyzw_contiguous( position, &all.p.x, &all.p.y, &all.p.z, &mass );
         lane8_load_xyzw_contiguous( previous, &all.previous.x, &all.previous.y, &all.previous.z, &none );
         all.moves = lane8_gt( mass, lane8_zero() );
-        const bool met = keep_outside( args->shapes, args->count, 1, &all );
+        const bool met = keep_outside( args->shapes, args->count, 1, true, &all );
         if ( lane8m_any( all.hard ) )
         {
             hard |= 1u << ( slot - begin ) / LANES;
@@ -466,7 +487,7 @@ uint32_t KERNEL( instances_stay_outside )( const wisp_instances_args* args, cons
             all.previous = ( lane8v ){ lane8_load( previous ), lane8_load( previous + WISP_INSTANCE_LANES ),
                                        lane8_load( previous + 2 * WISP_INSTANCE_LANES ) };
             all.moves = lane8_gt( lane8_load( p + 3 * WISP_INSTANCE_LANES ), lane8_zero() );
-            if ( keep_outside( shapes + half, count, 2, &all ) )
+            if ( keep_outside( shapes + half, count, 2, false, &all ) )
             {
                 lane8_store( p, all.p.x );
                 lane8_store( p + WISP_INSTANCE_LANES, all.p.y );

@@ -21,22 +21,14 @@ enum
 
 // ---- shapes in lanes ----
 
-static void fill( float* row, int begin, int end, float value )
+static void set_vector( float ( *rows )[LANES], int lane, wisp_vec3 v )
 {
-    for ( int l = begin; l < end; ++l )
-    {
-        row[l] = value;
-    }
+    rows[0][lane] = v.x;
+    rows[1][lane] = v.y;
+    rows[2][lane] = v.z;
 }
 
-static void fill_vector( float ( *rows )[LANES], int begin, int end, wisp_vec3 v )
-{
-    fill( rows[0], begin, end, v.x );
-    fill( rows[1], begin, end, v.y );
-    fill( rows[2], begin, end, v.z );
-}
-
-static void fill_size( wisp_shape_lanes* s, int begin, int end, const wisp_shape* shape )
+static void set_size( wisp_shape_lanes* s, int lane, const wisp_shape* shape )
 {
     const wisp_taper t = shape->kind == WISP_SHAPE_TAPERED_CAPSULE
                              ? wisp_taper_of( shape )
@@ -45,25 +37,25 @@ static void fill_size( wisp_shape_lanes* s, int begin, int end, const wisp_shape
                                                .middle = (double)shape->radius };
     const wisp_vec3 e = shape->half_extent;
     const bool is_box = shape->kind == WISP_SHAPE_BOX;
-    fill( s->size[0], begin, end, is_box ? e.x : (float)t.middle );
-    fill( s->size[1], begin, end, is_box ? e.y : (float)t.lower );
-    fill( s->size[2], begin, end, is_box ? e.z : (float)t.upper );
-    fill( s->size[3], begin, end, (float)t.slope );
-    fill( s->size[4], begin, end, (float)t.sine );
+    s->size[0][lane] = is_box ? e.x : (float)t.middle;
+    s->size[1][lane] = is_box ? e.y : (float)t.lower;
+    s->size[2][lane] = is_box ? e.z : (float)t.upper;
+    s->size[3][lane] = (float)t.slope;
+    s->size[4][lane] = (float)t.sine;
 }
 
-static void fill_motion( wisp_shape_lanes* s, int begin, int end, const collision_view* view, bool turns )
+static void set_motion( wisp_shape_lanes* s, int lane, const collision_view* view, bool turns )
 {
     const collision_collider c = { .from = view->before, .to = view->after };
     collision_view motion = { .shift = 0.0f };
     collision_set_motion( &c, &motion );
     const float rate = turns ? motion.turn : 0.0f, turned = turns ? rate * view->body->ball_radius : 0.0f;
     const float rounding = 1.001f;
-    fill( s->rate, begin, end, rounding * rate );
-    fill( s->shift, begin, end, rounding * ( ( 1.0f + rate ) * motion.shift + turned ) );
+    s->rate[lane] = rounding * rate;
+    s->shift[lane] = rounding * ( ( 1.0f + rate ) * motion.shift + turned );
 }
 
-static void fill_lanes( wisp_shape_lanes* s, int begin, int end, const collision_view* view, float recovery )
+static void set_shape( wisp_shape_lanes* s, int lane, const collision_view* view, float recovery )
 {
     static const wisp_vec3 AXES[3] = { { 1.0f, 0.0f, 0.0f }, { 0.0f, 1.0f, 0.0f }, { 0.0f, 0.0f, 1.0f } };
     const wisp_quat before = view->before.rotation, after = view->after.rotation;
@@ -71,25 +63,21 @@ static void fill_lanes( wisp_shape_lanes* s, int begin, int end, const collision
     const wisp_quat back = { -after.x, -after.y, -after.z, after.w };
     s->kind = view->body->shape.kind;
     s->turns = s->turns || turns;
-    const bool is_box = s->kind == WISP_SHAPE_BOX, is_alone = end - begin == LANES;
-    for ( int k = is_box ? 0 : 1; k < ( is_box ? 3 : 2 ); ++k )
+    for ( int k = 0; k < 3; ++k )
     {
-        fill_vector( s->axis[k], begin, end, wisp_quat_rotate( after, AXES[k] ) );
+        set_vector( s->axis[k], lane, wisp_quat_rotate( after, AXES[k] ) );
+        set_vector( s->turn[k], lane,
+                    turns ? wisp_quat_rotate( before, wisp_quat_rotate( back, AXES[k] ) ) : AXES[k] );
     }
-    for ( int k = 0; k < 3 && ( turns || is_alone == false ); ++k )
-    {
-        fill_vector( s->turn[k], begin, end,
-                     turns ? wisp_quat_rotate( before, wisp_quat_rotate( back, AXES[k] ) ) : AXES[k] );
-    }
-    fill_motion( s, begin, end, view, turns );
-    fill_vector( s->at, begin, end, view->after.translation );
-    fill_vector( s->was, begin, end, view->before.translation );
-    fill_size( s, begin, end, &view->body->shape );
-    fill( s->thickness, begin, end, view->thickness );
-    fill( s->shallow, begin, end, COLLISION_SHALLOW * view->thickness );
-    fill( s->recovery, begin, end, recovery );
-    fill( s->static_friction, begin, end, view->static_friction );
-    fill( s->kinetic_friction, begin, end, view->kinetic_friction );
+    set_motion( s, lane, view, turns );
+    set_vector( s->at, lane, view->after.translation );
+    set_vector( s->was, lane, view->before.translation );
+    set_size( s, lane, &view->body->shape );
+    s->thickness[lane] = view->thickness;
+    s->shallow[lane] = COLLISION_SHALLOW * view->thickness;
+    s->recovery[lane] = recovery;
+    s->static_friction[lane] = view->static_friction;
+    s->kinetic_friction[lane] = view->kinetic_friction;
 }
 
 static float recovery_of( wisp_frame* frame, wisp_entity e, const collision_state* state )
@@ -158,7 +146,7 @@ static bool list_shapes( wisp_frame* frame, const wisp_span* span, const collisi
             return false;
         }
         shapes[*count].turns = false;
-        fill_lanes( shapes + ( *count )++, 0, LANES, &view, recovery );
+        set_shape( shapes + ( *count )++, 0, &view, recovery );
     }
     return true;
 }
@@ -214,8 +202,10 @@ static int find_row( wisp_shape_lanes ( *rows )[2], int row, int* count, wisp_sh
     if ( row == *count && row < WISP_OUTSIDE_SHAPES )
     {
         memset( rows[row], 0, sizeof( rows[row] ) );
-        fill( rows[row][0].thickness, 0, LANES, -1.0f );
-        fill( rows[row][1].thickness, 0, LANES, -1.0f );
+        for ( int l = 0; l < LANES; ++l )
+        {
+            rows[row][0].thickness[l] = rows[row][1].thickness[l] = -1.0f;
+        }
         rows[row][0].kind = rows[row][1].kind = kind;
         *count += 1;
     }
@@ -240,8 +230,7 @@ static bool list_lane( wisp_frame* frame, const wisp_span* span, const collision
         {
             return false;
         }
-        const int l = lane % LANES;
-        fill_lanes( rows[row++] + lane / LANES, l, l + 1, &view, recovery );
+        set_shape( rows[row++] + lane / LANES, lane % LANES, &view, recovery );
     }
     return true;
 }

@@ -614,7 +614,6 @@ collision_find_args collision_find_args_of( wisp_frame* frame, const wisp_span* 
         .gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f },
         .dt = wisp_frame_dt( frame, e ),
         .maps = collision_maps_of( frame, e, state ),
-        .groups = UINT32_MAX,
         .has_settled = span->substep > 0 && is_last == false,
         .settles = is_last == false,
         .tracked = wisp_frame_column( frame, e, state->tracked, 0 ),

@@ -5,6 +5,7 @@
 
 #include "wisp/module/shapes.h"
 #include "wisp/module/taper.h"
+#include "wisp/module/vec.h"
 
 enum
 {

@@ -119,7 +119,7 @@ enum
     WISP_OUTSIDE_SWEEPS = 4,  ///< over several half spaces of a particle
 };
 
-/// A shape in closed form in a substep, for eight particles: each lane may have its own.
+/// A shape in closed form in a substep, for eight particles: each lane may have its own. Of shapes that all share only the first lane is read.
 typedef struct wisp_shape_lanes
 {
     float axis[3][3][8]; ///< [axis][x, y, z] of the shape at the end; a plane and round shapes have but the second
