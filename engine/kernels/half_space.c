@@ -326,7 +326,7 @@ LANE_INLINE void meet( const wisp_shape_lanes* s, wisp_shape_kind kind, bool ali
     // a bound of the path, seen from the shape
     const lane8 turned = lane8_mul( load_row( s->rate, alike ), lane8_add( all->path, lane8_abs( found.distance ) ) );
     const lane8 reach =
-        lane8_mul_add( lane8_add( load_row( s->shift, alike ), turned ), all->path, lane8_set1( 1.001f ) );
+        lane8_mul_add( all->path, lane8_set1( 1.001f ), lane8_add( load_row( s->shift, alike ), turned ) );
     const lane8m may_cross = lane8m_and( is_there, lane8_le( found.distance, reach ) );
     if ( lane8m_any( lane8m_or( near, may_cross ) ) == false )
     {
