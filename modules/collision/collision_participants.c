@@ -65,18 +65,18 @@ static wisp_status update_surface( wisp_world* world, const collision_state* sta
                                    bool active )
 {
     const bool touches = active && wisp_world_has( world, participant, WISP_PARTICLE_EXTERNAL_SOLVER ) == false;
+    const bool is_stored = touches && stores_contacts( world, state, participant );
     wisp_status status = active ? wisp_world_attach( world, participant, state->active )
                                 : wisp_world_detach( world, participant, state->active );
     if ( status == WISP_OK )
     {
-        status = touches && stores_contacts( world, state, participant )
-                     ? wisp_world_attach( world, participant, WISP_PARTICLE_HALF_SPACES )
-                     : wisp_world_detach( world, participant, WISP_PARTICLE_HALF_SPACES );
+        status = is_stored ? wisp_world_attach( world, participant, WISP_PARTICLE_HALF_SPACES )
+                           : wisp_world_detach( world, participant, WISP_PARTICLE_HALF_SPACES );
     }
     if ( status == WISP_OK )
     {
-        status = touches && state->track_count > 0 ? wisp_world_attach( world, participant, state->tracked )
-                                                   : wisp_world_detach( world, participant, state->tracked );
+        status = is_stored && state->track_count > 0 ? wisp_world_attach( world, participant, state->tracked )
+                                                     : wisp_world_detach( world, participant, state->tracked );
     }
     const bool is_all = touches && wisp_world_has( world, participant, state->all_features );
     const wisp_component primitives[] = { state->edge_contacts, state->triangle_contacts, state->clearance };

@@ -311,6 +311,7 @@ void collision_find_and_project( wisp_frame* frame, const wisp_span* span, const
     args.count = count;
     args.found = found[0];
     args.contact = contact;
+    args.tracked = NULL;
     args.left_out = ~groups;
     args.has_settled = args.settles = false;
     collision_find_block( frame, span, &args, 0, end - begin );
