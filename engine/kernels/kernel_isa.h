@@ -97,6 +97,12 @@ uint32_t KERNEL( find_unsettled )( const float* position, const float* previous,
                                    int end );
 int KERNEL( query_shape )( const wisp_shape_query_args* args, int count, int32_t* special_count );
 bool KERNEL( half_space_rows )( const wisp_half_space_rows_args* args, int count );
+uint32_t KERNEL( stay_outside )( const wisp_outside_args* args, int begin, int end );
+uint32_t KERNEL( instances_stay_outside )( const wisp_instances_args* args, const wisp_shape_lanes* shapes,
+                                           int count );
+void KERNEL( bound_paths )( const float* position, const float* previous, int begin, int end, float* lower,
+                            float* upper );
+void KERNEL( instances_bound_paths )( const wisp_instances_args* args, float* lower, float* upper );
 int KERNEL( list_counts )( const int32_t* counts, int count, int32_t* single, int32_t* several, int* several_count );
 int KERNEL( gather_particles )( const wisp_gather_args* args, int begin, int end );
 int KERNEL( cull_particles )( const wisp_cull_args* args, int count );

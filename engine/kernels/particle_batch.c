@@ -145,6 +145,56 @@ int KERNEL( gather_particles )( const wisp_gather_args* args, int begin, int end
     return any != 0 ? count : 0;
 }
 
+void KERNEL( bound_paths )( const float* position, const float* previous, int begin, int end, float* lower,
+                            float* upper )
+{
+    lane8 low[3], high[3];
+    for ( int k = 0; k < 3; ++k )
+    {
+        low[k] = high[k] = lane8_set1( INFINITY );
+    }
+    for ( int slot = begin; slot < end; slot += LANES )
+    {
+        lane8v now, old;
+        lane8 mass, none;
+        lane8_load_xyzw_contiguous( position + (size_t)slot * 4, &now.x, &now.y, &now.z, &mass );
+        lane8_load_xyzw_contiguous( previous + (size_t)slot * 4, &old.x, &old.y, &old.z, &none );
+        const lane8m moves = lane8_gt( mass, lane8_zero() );
+        widen( moves, now.x, old.x, low, high );
+        widen( moves, now.y, old.y, low + 1, high + 1 );
+        widen( moves, now.z, old.z, low + 2, high + 2 );
+    }
+    for ( int k = 0; k < 3; ++k )
+    {
+        lower[k] = min_of( low[k] );
+        upper[k] = -min_of( high[k] );
+    }
+}
+
+void KERNEL( instances_bound_paths )( const wisp_instances_args* args, float* lower, float* upper )
+{
+    enum
+    {
+        WIDTH = WISP_INSTANCE_LANES,
+    };
+    for ( int k = 0; k < 3 * WIDTH; k += WIDTH )
+    {
+        const lane16 all = lane16_set1( INFINITY );
+        lane16 low = all, high = all;
+        for ( int slot = 0; slot < args->slot_count; ++slot )
+        {
+            const float* row = args->position + (size_t)slot * 4 * WIDTH;
+            const lane16 now = lane16_load( row + k ),
+                         old = lane16_load( args->previous + (size_t)slot * 3 * WIDTH + k );
+            const lane16m moves = lane16_gt( lane16_load( row + 3 * WIDTH ), lane16_zero() );
+            low = lane16_min( low, lane16_select( moves, lane16_min( now, old ), all ) );
+            high = lane16_min( high, lane16_select( moves, lane16_neg( lane16_max( now, old ) ), all ) );
+        }
+        lane16_storeu( lower + k, low );
+        lane16_storeu( upper + k, lane16_neg( high ) );
+    }
+}
+
 // ---- culling ----
 
 LANE_INLINE lane8v load( float* const from[3], int at )

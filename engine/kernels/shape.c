@@ -3,7 +3,7 @@
 #include "kernel_isa.h"
 
 #include "lane_double_vec.h"
-#include "taper.h"
+#include "wisp/module/taper.h"
 
 enum
 {
@@ -71,7 +71,7 @@ LANE_INLINE surface8 closest_to_capsule( const wisp_shape* shape, lane8dv p )
 LANE_INLINE surface8 closest_to_tapered_capsule( const wisp_shape* shape, lane8dv p )
 {
     const lane8d zero = lane8d_set1( 0.0 );
-    const taper t = taper_of( shape );
+    const wisp_taper t = wisp_taper_of( shape );
     const lane8d rho = lane8d_sqrt( lane8d_add( lane8d_mul( p.x, p.x ), lane8d_mul( p.z, p.z ) ) );
     const lane8d y = clamp( lane8d_sub( p.y, lane8d_mul( lane8d_set1( t.slope ), rho ) ), lane8d_set1( t.lower ),
                             lane8d_set1( t.upper ) );

@@ -18,7 +18,7 @@
 // turns may take back what they or this gave, out >= -N, so that N stays >= 0.
 #include "kernel_isa.h"
 
-#include "taper.h"
+#include "wisp/module/taper.h"
 
 // Fraction of the thickness. A vertex allowed to be deeper than this keeps no velocity from its own outward motion.
 static const float SHALLOW = 0.1f;
@@ -80,7 +80,7 @@ static float ball_around( const wisp_shape* s )
 static contact_body spread_body( const wisp_strand_contact_args* args )
 {
     const bool is_tapered = args->shape.kind == WISP_SHAPE_TAPERED_CAPSULE;
-    const taper t = is_tapered ? taper_of( &args->shape ) : ( taper ){ 0 };
+    const wisp_taper t = is_tapered ? wisp_taper_of( &args->shape ) : ( wisp_taper ){ 0 };
     return ( contact_body ){
         .kind = args->shape.kind,
         .radius = lane16_set1( is_tapered ? (float)t.middle : args->shape.radius ),

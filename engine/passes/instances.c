@@ -258,6 +258,7 @@ static void run_substeps( instances* all, wisp_frame* frame, const wisp_crowd* c
         const uint32_t searched = lanes_to_search( all );
         all->left |= all->kernels->instances_link( &all->args, searched != 0 ) & searched;
         all->solving += wisp_clock_seconds() - now;
+        wisp_frame_run_crowd( frame, WISP_STAGE_PROJECT, crowd, &span );
     }
     advance( all, frame, crowd, &span, substeps );
 }
@@ -309,7 +310,7 @@ static uint32_t run_instances( wisp_frame* frame, const wisp_entity* entities, i
         lanes[lane] = entities[lane < count ? lane : 0];
     }
     all.args.pinned = all.kernels->instances_load( &all.args );
-    run_substeps( &all, frame, &( wisp_crowd ){ &all.args, lanes, count }, span );
+    run_substeps( &all, frame, &( wisp_crowd ){ &all.args, lanes, count, &all.left }, span );
     store( &all, frame, entities );
     divide_seconds( &all, seconds );
     return all.left & every;

@@ -128,6 +128,7 @@ void* plan_registry_state( const wisp_registry* r, const char* module );
 wisp_status plan_registry_triangles_changed( const wisp_registry* r, wisp_world* world, wisp_entity surface,
                                              const wisp_fabric* before );
 /// Notify the modules before an entity is removed.
+wisp_status plan_registry_planning( const wisp_registry* r, wisp_world* world );
 void plan_registry_planned( const wisp_registry* r, wisp_world* world );
 void plan_registry_removed( const wisp_registry* r, wisp_world* world, wisp_entity entity );
 /// Call the hooks of teleports. The first failure ends it. @param is_moved set if a module moves the entity

@@ -329,6 +329,16 @@ size_t plan_registry_memory( const wisp_registry* r, int state, size_t* held, si
     return bytes + *held;
 }
 
+wisp_status plan_registry_planning( const wisp_registry* r, wisp_world* world )
+{
+    for ( int i = 0; i < r->state_count; ++i )
+    {
+        WISP_TRY( r->states[i].hooks.planning != NULL ? r->states[i].hooks.planning( r->states[i].memory, world )
+                                                      : WISP_OK );
+    }
+    return WISP_OK;
+}
+
 void plan_registry_planned( const wisp_registry* r, wisp_world* world )
 {
     for ( int i = 0; i < r->state_count; ++i )

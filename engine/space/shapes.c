@@ -1,7 +1,7 @@
 #include "wisp/module/shapes.h"
 
 #include "solid.h"
-#include "taper.h"
+#include "wisp/module/taper.h"
 
 static double clamp( double x, double lower, double upper )
 {
@@ -62,7 +62,7 @@ static void closest_round( double3 p, double3 q, double radius, double3 fallback
 
 static void closest_tapered( double3 p, const wisp_shape* shape, wisp_surface_point* s )
 {
-    const taper t = taper_of( shape );
+    const wisp_taper t = wisp_taper_of( shape );
     const double y = clamp( p.y - t.slope * sqrt( p.x * p.x + p.z * p.z ), t.lower, t.upper );
     closest_round( p, ( double3 ){ 0.0, y, 0.0 }, t.middle - t.sine * y, ( double3 ){ t.cosine, t.sine, 0.0 }, s );
 }
@@ -203,7 +203,7 @@ static double enter_capsule( double3 from, double3 step, double radius, double h
 
 // Returns the earlier entry into the cone between the balls, where its normal meets an axis point between their centres.
 //   f( t ) = cosine^2 rho^2 - ( middle - sine y )^2 = A t^2 + 2 B t + C
-static double enter_cone( const taper* t, double3 from, double3 step )
+static double enter_cone( const wisp_taper* t, double3 from, double3 step )
 {
     const double c = t->cosine * t->cosine, m = t->middle - t->sine * from.y, k = -t->sine * step.y;
     const double a = c * ( step.x * step.x + step.z * step.z ) - k * k;
@@ -233,7 +233,7 @@ static double enter_cone( const taper* t, double3 from, double3 step )
 // The parts of the balls inside the hull are entered later than the hull.
 static double enter_tapered( const wisp_shape* shape, double3 from, double3 step )
 {
-    const taper t = taper_of( shape );
+    const wisp_taper t = wisp_taper_of( shape );
     double first = t.lower < t.upper ? enter_cone( &t, from, step ) : SOLID_NEVER;
     const double ends[] = { t.lower, t.upper };
     for ( int cap = 0; cap < 2; ++cap )

@@ -187,6 +187,7 @@ static wisp_status compile_if_changed( wisp_world* world )
     {
         return WISP_OK;
     }
+    WISP_TRY( plan_registry_planning( &world->registry, world ) );
     const bool has_other_rows = world->plan.structure != world->store.structure;
     wisp_error error = { 0 };
     wisp_status status = plan_compile( &world->plan, &world->registry, &error );

@@ -335,6 +335,11 @@ void wisp_world_let_meet( wisp_world* world, wisp_entity entity )
     store_find( &world->store, entity )->meets = true;
 }
 
+bool wisp_world_lets_meet( const wisp_world* world, wisp_entity entity )
+{
+    return store_find( &world->store, entity )->meets;
+}
+
 wisp_status world_declare_places( wisp_registry* registry )
 {
     static const struct

@@ -123,6 +123,12 @@ static wisp_status entity_teleported( void* memory, wisp_world* world, wisp_enti
     return WISP_OK;
 }
 
+// Whether contacts are stored depends on what other modules have attached.
+static wisp_status collision_plan( void* memory, wisp_world* world )
+{
+    return collision_update_components( world, memory );
+}
+
 // As wisp_state_hooks.planned. A body without layers is one to be met later.
 static void tell_of_bodies( const void* memory, wisp_world* world )
 {
@@ -275,6 +281,17 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .run = collision_project,
         },
         {
+            .name = "collision.keep_outside",
+            .stage = WISP_STAGE_PROJECT,
+            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            .required = { state->settings, state->active },
+            .excluded = { WISP_PARTICLE_HALF_SPACES, WISP_PARTICLE_EXTERNAL_SOLVER },
+            .reads = { state->settings, state->active, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
+            .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
+            .run = collision_keep_outside,
+            .run_crowd = collision_keep_crowd_outside,
+        },
+        {
             .name = "collision.project_primitives",
             .stage = WISP_STAGE_PROJECT,
             .domain = WISP_DOMAIN_ENTITY,
@@ -327,23 +344,13 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .name = "collision.stats",
             .stage = WISP_STAGE_OBSERVE,
             .domain = WISP_DOMAIN_ENTITY,
-            .required = { state->settings, WISP_PARTICLE_HALF_SPACES },
-            .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
-            .reads = { state->settings, WISP_PARTICLE_HALF_SPACES, WISP_PARTICLE_POSITION },
+            .required = { state->settings, state->active },
+            .reads = { state->settings, state->active, WISP_PARTICLE_POSITION },
             .writes = { state->stats },
             .run = collision_measure,
         },
         contact_input,
         reacting_input,
-        {
-            .name = "collision.contact_stats",
-            .stage = WISP_STAGE_OBSERVE,
-            .domain = WISP_DOMAIN_ENTITY,
-            .required = { state->settings, state->active, WISP_PARTICLE_EXTERNAL_SOLVER },
-            .reads = { state->settings, state->active, WISP_PARTICLE_POSITION },
-            .writes = { state->stats },
-            .run = collision_measure_touch,
-        },
         {
             .name = "collision.strands",
             .stage = WISP_STAGE_PROJECT,
@@ -424,11 +431,13 @@ static wisp_status declare( wisp_registry* r )
     wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state,
                                                   .removed = entity_removed,
                                                   .teleported = entity_teleported,
+                                                  .planning = collision_plan,
                                                   .planned = tell_of_bodies,
                                                   .begun = collision_list_near,
                                                   .memory = count_memory,
                                                   .lines = collision_add_lines } );
     wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .surroundings = collision_surroundings } );
+    state->has_iterations = wisp_registry_iterations( r ) > 1;
     WISP_TRY( declare_components( r, state ) );
     WISP_TRY( declare_indices( r, state ) );
     return declare_passes( r, state );

@@ -33,23 +33,50 @@ bool collision_forget_participant( collision_state* state, wisp_entity participa
 
 // ---- components ----
 
+static bool meets_closed_forms( wisp_world* world, const collision_state* state, wisp_entity participant )
+{
+    const collision_settings* settings = wisp_world_column( world, participant, state->settings, 0 );
+    for ( int i = 0; i < state->body_count; ++i )
+    {
+        const collision_body* body = state->bodies + i;
+        const collision_collider* collider = wisp_world_column( world, body->entity, state->collider, 0 );
+        if ( ( collider->layers & settings->mask ) != 0 &&
+             ( collision_is_closed_form( body ) == false || body->restitution > 0.0f ) )
+        {
+            return false;
+        }
+    }
+    return true;
+}
+
+// Contacts are kept in a substep where somebody reads them afterwards, or they are not found in one sweep.
+static bool stores_contacts( wisp_world* world, const collision_state* state, wisp_entity surface )
+{
+    return state->has_iterations || wisp_world_lets_meet( world, surface ) ||
+           wisp_world_has( world, surface, state->all_features ) ||
+           wisp_world_has( world, surface, WISP_MAP_COLLISION_THICKNESS ) ||
+           wisp_world_has( world, surface, WISP_MAP_COLLISION_FRICTION ) ||
+           collision_wants_reactions( world, state ) || meets_closed_forms( world, state, surface ) == false;
+}
+
 // A surface of an external solver has contact input in place of contacts. Its rows are cleared without a body,
 // because no pass writes them then.
 static wisp_status update_surface( wisp_world* world, const collision_state* state, wisp_entity participant,
                                    bool active )
 {
     const bool touches = active && wisp_world_has( world, participant, WISP_PARTICLE_EXTERNAL_SOLVER ) == false;
+    const bool is_stored = touches && stores_contacts( world, state, participant );
     wisp_status status = active ? wisp_world_attach( world, participant, state->active )
                                 : wisp_world_detach( world, participant, state->active );
     if ( status == WISP_OK )
     {
-        status = touches ? wisp_world_attach( world, participant, WISP_PARTICLE_HALF_SPACES )
-                         : wisp_world_detach( world, participant, WISP_PARTICLE_HALF_SPACES );
+        status = is_stored ? wisp_world_attach( world, participant, WISP_PARTICLE_HALF_SPACES )
+                           : wisp_world_detach( world, participant, WISP_PARTICLE_HALF_SPACES );
     }
     if ( status == WISP_OK )
     {
-        status = touches && state->track_count > 0 ? wisp_world_attach( world, participant, state->tracked )
-                                                   : wisp_world_detach( world, participant, state->tracked );
+        status = is_stored && state->track_count > 0 ? wisp_world_attach( world, participant, state->tracked )
+                                                     : wisp_world_detach( world, participant, state->tracked );
     }
     const bool is_all = touches && wisp_world_has( world, participant, state->all_features );
     const wisp_component primitives[] = { state->edge_contacts, state->triangle_contacts, state->clearance };

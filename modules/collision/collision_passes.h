@@ -3,10 +3,12 @@
 
 #include "wisp/module/module.h"
 
-void collision_carry( wisp_frame* frame, const wisp_span* span, void* user );              // collision_bodies.c
-void collision_follow( wisp_frame* frame, const wisp_span* span, void* user );             // collision_surface.c
-void collision_find( wisp_frame* frame, const wisp_span* span, void* user );               // contact_generation.c
-void collision_project( wisp_frame* frame, const wisp_span* span, void* user );            // contact_projection.c
+void collision_carry( wisp_frame* frame, const wisp_span* span, void* user );        // collision_bodies.c
+void collision_follow( wisp_frame* frame, const wisp_span* span, void* user );       // collision_surface.c
+void collision_find( wisp_frame* frame, const wisp_span* span, void* user );         // contact_generation.c
+void collision_project( wisp_frame* frame, const wisp_span* span, void* user );      // contact_projection.c
+void collision_keep_outside( wisp_frame* frame, const wisp_span* span, void* user ); // closed_forms.c
+void collision_keep_crowd_outside( wisp_frame* frame, const wisp_crowd* crowd, const wisp_span* span, void* user );
 void collision_find_primitives( wisp_frame* frame, const wisp_span* span, void* user );    // primitive_contacts.c
 void collision_project_primitives( wisp_frame* frame, const wisp_span* span, void* user ); // primitive_projection.c
 void collision_sense( wisp_frame* frame, const wisp_span* span, void* user );              // contact_input.c
@@ -19,7 +21,6 @@ void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* us
 void collision_settle_strands( wisp_frame* frame, const wisp_span* span, void* user );     // strand_contacts.c
 void collision_keep_out( wisp_frame* frame, const wisp_span* span, void* user );           // posed_strands.c
 void collision_measure( wisp_frame* frame, const wisp_span* span, void* user );            // collision_stats.c
-void collision_measure_touch( wisp_frame* frame, const wisp_span* span, void* user );      // collision_stats.c
 void collision_measure_strands( wisp_frame* frame, const wisp_span* span, void* user );    // collision_stats.c
 void collision_measure_carried( wisp_frame* frame, const wisp_span* span, void* user );    // collision_stats.c
 

@@ -92,7 +92,8 @@ typedef struct collision_state
     int participant_count, participant_capacity;
     bool has_strands; // there was one with strands
     collision_nearness nearness;
-    bool searches_all; // no particle is left out because a body cannot reach it in the step: for tests
+    bool has_iterations; // several per substep
+    bool searches_all;   // no particle is left out because a body cannot reach it in the step: for tests
 } collision_state;
 
 enum

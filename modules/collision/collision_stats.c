@@ -45,23 +45,30 @@ typedef struct measure_batch
     int count;
 } measure_batch;
 
-static void add_vertex( measure_batch* batch, const collision_view* view, int vertex, float thinner, wisp_vec3 p )
+static void add_vertex( measure_batch* batch, const collision_view* view, float slack, int vertex, float thinner,
+                        wisp_vec3 p )
 {
     batch->vertices[batch->count] = vertex;
     batch->thinner[batch->count] = thinner;
     batch->queries[batch->count++] = ( wisp_mesh_query ){ .point = wisp_transform_to_local( view->after, p ),
-                                                          .radius = view->thickness,
+                                                          .radius = view->thickness + slack,
                                                           .time = view->end };
 }
 
-static void measure_batch_of( measure_batch* batch, const collision_view* view, wisp_collision_stats* f )
+// @param slack m, within which beyond its thickness a vertex touches @param touches [vertex of the batch] or null
+static void measure_batch_of( measure_batch* batch, const collision_view* view, float slack, bool is_solved,
+                              bool* touches, wisp_collision_stats* f )
 {
     collision_closest( view, batch->queries, batch->count, batch->nearest, batch->is_near, NULL );
     for ( int i = 0; i < batch->count; ++i )
     {
-        const float thickness = view->thickness - batch->thinner[i];
-        const float depth = batch->is_near[i] ? thickness - batch->nearest[i].distance : 0.0f;
-        add_depth( f, depth, thickness, batch->vertices[i] );
+        const float thickness = view->thickness - batch->thinner[i],
+                    distance = batch->is_near[i] ? batch->nearest[i].distance : INFINITY;
+        add_depth( f, is_solved ? -distance : thickness - distance, thickness, batch->vertices[i] );
+        if ( touches != NULL )
+        {
+            touches[i] = touches[i] || distance < thickness + slack;
+        }
     }
     batch->count = 0;
 }
@@ -86,7 +93,7 @@ static void count_contacts( const measure_loop* loop, int begin, int end, wisp_c
     }
 }
 
-static void add_free_slots( measure_batch* batch, const collision_view* view, const collision_maps* maps,
+static void add_free_slots( measure_batch* batch, const collision_view* view, const collision_maps* maps, float slack,
                             const wisp_fabric* fabric, const float* position, int begin, int end )
 {
     for ( int slot = begin; slot < end; ++slot )
@@ -94,65 +101,40 @@ static void add_free_slots( measure_batch* batch, const collision_view* view, co
         const float* quad = position + (size_t)slot * 4;
         if ( quad[3] > 0.0f )
         {
-            add_vertex( batch, view, fabric->slot_vertex[slot], collision_thinner( maps, slot ),
+            add_vertex( batch, view, slack, fabric->slot_vertex[slot], collision_thinner( maps, slot ),
                         wisp_v3_load( quad ) );
         }
     }
 }
 
+// An external solver holds vertices within the thickness, so only what is behind the surface itself is depth.
 static void measure_slots( void* context, int begin, int end, int worker )
 {
+    static const float TOUCH_SLACK = 1e-3f; // of the thickness: vertices are held at it
     measure_loop* loop = context;
-    const wisp_fabric* fabric = wisp_frame_fabric( loop->frame, loop->span->entity );
-    const float* position = wisp_frame_column( loop->frame, loop->span->entity, WISP_PARTICLE_POSITION, 0 );
-    const collision_maps maps = collision_maps_of( loop->frame, loop->span->entity, loop->state );
-    measure_batch batch;
-    batch.count = 0;
-    collision_view view;
-    for ( int next = 0; collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
-    {
-        add_free_slots( &batch, &view, &maps, fabric, position, begin, end );
-        measure_batch_of( &batch, &view, loop->stats + worker );
-    }
-    count_contacts( loop, begin, end, loop->stats + worker );
-}
-
-// ---- surfaces of an external solver ----
-
-// The solver holds vertices within the thickness, so only what is behind the surface itself is depth.
-static void measure_touches_of( measure_batch* batch, const collision_view* view, bool* touches,
-                                wisp_collision_stats* f )
-{
-    collision_closest( view, batch->queries, batch->count, batch->nearest, batch->is_near, NULL );
-    for ( int i = 0; i < batch->count; ++i )
-    {
-        const float distance = batch->is_near[i] ? batch->nearest[i].distance : INFINITY;
-        const float thickness = view->thickness - batch->thinner[i];
-        add_depth( f, -distance, thickness, batch->vertices[i] );
-        touches[i] = touches[i] || distance < thickness;
-    }
-    batch->count = 0;
-}
-
-static void measure_solved_slots( void* context, int begin, int end, int worker )
-{
-    measure_loop* loop = context;
-    const wisp_fabric* fabric = wisp_frame_fabric( loop->frame, loop->span->entity );
-    const float* position = wisp_frame_column( loop->frame, loop->span->entity, WISP_PARTICLE_POSITION, 0 );
-    wisp_collision_stats* f = loop->stats + worker;
+    const wisp_entity e = loop->span->entity;
+    const wisp_fabric* fabric = wisp_frame_fabric( loop->frame, e );
+    const float* position = wisp_frame_column( loop->frame, e, WISP_PARTICLE_POSITION, 0 );
+    const bool is_solved = wisp_frame_has( loop->frame, e, WISP_PARTICLE_EXTERNAL_SOLVER ),
+               is_stored = wisp_frame_has( loop->frame, e, WISP_PARTICLE_HALF_SPACES );
     bool touches[COLLISION_CHUNK] = { false }; // [free vertex of the chunk]
-    const collision_maps maps = collision_maps_of( loop->frame, loop->span->entity, loop->state );
+    const collision_maps maps = collision_maps_of( loop->frame, e, loop->state );
     measure_batch batch;
     batch.count = 0;
     collision_view view;
     for ( int next = 0; collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
     {
-        add_free_slots( &batch, &view, &maps, fabric, position, begin, end );
-        measure_touches_of( &batch, &view, touches, f );
+        const float slack = is_solved || is_stored ? 0.0f : TOUCH_SLACK * view.thickness;
+        add_free_slots( &batch, &view, &maps, slack, fabric, position, begin, end );
+        measure_batch_of( &batch, &view, slack, is_solved, touches, loop->stats + worker );
     }
-    for ( int i = 0; i < COLLISION_CHUNK; ++i )
+    if ( is_stored )
     {
-        f->contacts += touches[i] ? 1 : 0;
+        count_contacts( loop, begin, end, loop->stats + worker );
+    }
+    for ( int i = 0; i < COLLISION_CHUNK && is_stored == false; ++i )
+    {
+        loop->stats[worker].contacts += touches[i] ? 1 : 0;
     }
 }
 
@@ -184,11 +166,11 @@ static void measure_row( const measure_rows* rows, const collision_view* view, i
         if ( is_free( rows, group, row, l ) )
         {
             const int vertex = rows->strands->offsets[strand[l]] + row - rows->strands->group_row[group];
-            add_vertex( &batch, view, vertex, 0.0f,
+            add_vertex( &batch, view, 0.0f, vertex, 0.0f,
                         collision_load_lane( rows->position + (size_t)row * 3 * WISP_LANES + l ) );
         }
     }
-    measure_batch_of( &batch, view, f );
+    measure_batch_of( &batch, view, 0.0f, false, NULL, f );
 }
 
 static int count_touched( const measure_rows* rows, int row )
@@ -262,13 +244,6 @@ void collision_measure( wisp_frame* frame, const wisp_span* span, void* user )
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
     measure_particles( ( measure_loop ){ .frame = frame, .span = span, .state = user }, fabric->vertex_count,
                        COLLISION_CHUNK, measure_slots );
-}
-
-void collision_measure_touch( wisp_frame* frame, const wisp_span* span, void* user )
-{
-    const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
-    measure_particles( ( measure_loop ){ .frame = frame, .span = span, .state = user }, fabric->vertex_count,
-                       COLLISION_CHUNK, measure_solved_slots );
 }
 
 void collision_measure_strands( wisp_frame* frame, const wisp_span* span, void* user )

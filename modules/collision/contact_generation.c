@@ -592,52 +592,64 @@ static void meet_bodies( wisp_frame* frame, const wisp_span* span, const collisi
     }
 }
 
+collision_find_args collision_find_args_of( wisp_frame* frame, const wisp_span* span, const collision_state* state )
+{
+    const wisp_entity e = span->entity;
+    const collision_settings* settings = wisp_frame_column( frame, e, state->settings, 0 );
+    const bool is_last = span->substep + 1 == wisp_frame_substeps( frame, e ) || state->searches_all;
+    const wisp_vec3* gravity = wisp_frame_column( frame, e, WISP_PARTICLE_GRAVITY, 0 );
+    return ( collision_find_args ){
+        .kernels = wisp_frame_kernels( frame ),
+        .position = wisp_frame_column( frame, e, WISP_PARTICLE_POSITION, 0 ),
+        .previous = wisp_frame_column( frame, e, WISP_PARTICLE_PREVIOUS, 0 ),
+        .count = wisp_frame_column( frame, e, WISP_PARTICLE_HALF_SPACES, 0 ),
+        .found = wisp_frame_column( frame, e, WISP_PARTICLE_HALF_SPACES, 1 ),
+        .contact = wisp_frame_column( frame, e, WISP_PARTICLE_HALF_SPACES, 2 ),
+        .recovery = settings->max_push_out_speed * wisp_frame_dt( frame, e ),
+        .state = state,
+        .can_squeeze = state->body_count > 1,
+        .contact_body = wisp_frame_column( frame, e, state->contact_body, 0 ),
+        .bounce = wisp_frame_column( frame, e, state->bounce, 0 ),
+        .velocity = wisp_frame_column( frame, e, WISP_PARTICLE_VELOCITY, 0 ),
+        .gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f },
+        .dt = wisp_frame_dt( frame, e ),
+        .maps = collision_maps_of( frame, e, state ),
+        .has_settled = span->substep > 0 && is_last == false,
+        .settles = is_last == false,
+        .tracked = wisp_frame_column( frame, e, state->tracked, 0 ),
+        .free = wisp_frame_column( frame, e, state->tracked, 1 ),
+        .origin = wisp_frame_column( frame, e, state->tracked, 2 ),
+        .is_first = span->substep == 0,
+        .substeps_left = wisp_frame_substeps( frame, e ) - 1 - span->substep,
+    };
+}
+
+void collision_find_block( wisp_frame* frame, const wisp_span* span, const collision_find_args* args, int begin,
+                           int end )
+{
+    collision_block block;
+    collision_begin_block( args, begin, end, &block );
+    if ( block.count > 0 )
+    {
+        meet_bodies( frame, span, args, &block );
+    }
+    if ( block.met > 1 )
+    {
+        collision_squeeze( args, &block );
+    }
+    collision_end_block( args, &block );
+}
+
 void collision_find( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const collision_state* state = user;
-    const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
-    const bool is_last = span->substep + 1 == wisp_frame_substeps( frame, span->entity ) || state->searches_all;
-    const wisp_vec3* gravity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_GRAVITY, 0 );
-    collision_find_args args = {
-        .kernels = wisp_frame_kernels( frame ),
-        .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
-        .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
-        .count = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 0 ),
-        .found = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 1 ),
-        .contact = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 2 ),
-        .recovery = settings->max_push_out_speed * wisp_frame_dt( frame, span->entity ),
-        .state = state,
-        .can_squeeze = state->body_count > 1,
-        .contact_body = wisp_frame_column( frame, span->entity, state->contact_body, 0 ),
-        .bounce = wisp_frame_column( frame, span->entity, state->bounce, 0 ),
-        .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
-        .gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f },
-        .dt = wisp_frame_dt( frame, span->entity ),
-        .maps = collision_maps_of( frame, span->entity, state ),
-        .has_settled = span->substep > 0 && is_last == false,
-        .settles = is_last == false,
-        .tracked = wisp_frame_column( frame, span->entity, state->tracked, 0 ),
-        .free = wisp_frame_column( frame, span->entity, state->tracked, 1 ),
-        .origin = wisp_frame_column( frame, span->entity, state->tracked, 2 ),
-        .is_first = span->substep == 0,
-        .substeps_left = wisp_frame_substeps( frame, span->entity ) - 1 - span->substep,
-    };
+    collision_find_args args = collision_find_args_of( frame, span, state );
     const wisp_span particles = wisp_frame_particles( frame, span );
-    collision_block block;
     for ( int begin = particles.begin; begin < particles.end; begin += COLLISION_BLOCK )
     {
         const int left = particles.end - begin;
         args.sums = collision_reaction_sums( frame, span->entity, state, begin / COLLISION_BLOCK );
-        collision_begin_block( &args, begin, left < COLLISION_BLOCK ? particles.end : begin + COLLISION_BLOCK,
-                               &block );
-        if ( block.count > 0 )
-        {
-            meet_bodies( frame, span, &args, &block );
-        }
-        if ( block.met > 1 )
-        {
-            collision_squeeze( &args, &block );
-        }
-        collision_end_block( &args, &block );
+        collision_find_block( frame, span, &args, begin,
+                              left < COLLISION_BLOCK ? particles.end : begin + COLLISION_BLOCK );
     }
 }

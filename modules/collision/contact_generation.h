@@ -6,6 +6,17 @@
 /// Add the contacts of a block with one body.
 void collision_meet( const collision_find_args* args, const collision_view* view, collision_block* block );
 
+/// Return the columns of the participant of a span, in its substep.
+collision_find_args collision_find_args_of( wisp_frame* frame, const wisp_span* span, const collision_state* state );
+
+/// Find the contacts of a block.
+void collision_find_block( wisp_frame* frame, const wisp_span* span, const collision_find_args* args, int begin,
+                           int end );
+
+/// Find and project the contacts of some groups of a block, as bits, that keeps none.
+void collision_find_and_project( wisp_frame* frame, const wisp_span* span, const collision_state* state, int begin,
+                                 int end, uint32_t groups );
+
 /// Load the contacts of particles that two bodies squeeze: see squeeze.c.
 void collision_squeeze( const collision_find_args* args, const collision_block* block );
 

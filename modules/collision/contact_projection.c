@@ -239,42 +239,82 @@ static void project_with_reactions( wisp_frame* frame, const collision_state* st
     }
 }
 
+// @param last nothing moves the particles afterwards
+static void project_block( wisp_frame* frame, const wisp_span* span, const collision_state* state, project_loop* loop,
+                           int begin, int end, bool last )
+{
+    const wisp_kernels* kernels = wisp_frame_kernels( frame );
+    int32_t several_count;
+    const int single_count =
+        kernels->list_counts( loop->count + begin, end - begin, loop->single, loop->several, &several_count );
+    if ( loop->sums != NULL )
+    {
+        project_with_reactions( frame, state, loop, begin, single_count, several_count );
+    }
+    else
+    {
+        project_singles( kernels, loop, begin, single_count );
+        project_several( loop, begin, several_count );
+    }
+    if ( last )
+    {
+        loop->displaced_count = kernels->find_displaced( loop->position, loop->found, begin, end, loop->displaced );
+        stop_displaced( frame, span, state, loop );
+    }
+}
+
+static project_loop loop_of( wisp_entity entity, const collision_find_args* columns )
+{
+    return ( project_loop ){
+        .entity = entity,
+        .position = columns->position,
+        .previous = columns->previous,
+        .count = columns->count,
+        .found = columns->found,
+        .contact = columns->contact,
+        .contact_body = columns->contact_body,
+        .dt = columns->dt,
+    };
+}
+
 void collision_project( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const collision_state* state = user;
-    project_loop loop = {
-        .entity = span->entity,
-        .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
-        .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
-        .count = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 0 ),
-        .found = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 1 ),
-        .contact = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 2 ),
-        .contact_body = wisp_frame_column( frame, span->entity, state->contact_body, 0 ),
-        .dt = wisp_frame_dt( frame, span->entity ),
-    };
-    const wisp_kernels* kernels = wisp_frame_kernels( frame );
+    const collision_find_args columns = collision_find_args_of( frame, span, state );
+    project_loop loop = loop_of( span->entity, &columns );
     const bool last = span->iteration + 1 == wisp_frame_iterations( frame );
     const wisp_span s = wisp_frame_particles( frame, span );
     for ( int begin = s.begin; begin < s.end; begin += COLLISION_CHUNK )
     {
         const int end = s.end - begin < COLLISION_CHUNK ? s.end : begin + COLLISION_CHUNK;
-        int32_t several_count;
-        const int single_count =
-            kernels->list_counts( loop.count + begin, end - begin, loop.single, loop.several, &several_count );
         loop.sums = collision_reaction_sums( frame, span->entity, state, begin / COLLISION_CHUNK );
-        if ( loop.sums != NULL )
-        {
-            project_with_reactions( frame, state, &loop, begin, single_count, several_count );
-        }
-        else
-        {
-            project_singles( kernels, &loop, begin, single_count );
-            project_several( &loop, begin, several_count );
-        }
-        if ( last )
-        {
-            loop.displaced_count = kernels->find_displaced( loop.position, loop.found, begin, end, loop.displaced );
-            stop_displaced( frame, span, state, &loop );
-        }
+        project_block( frame, span, state, &loop, begin, end, last );
     }
+}
+
+// ---- groups that one sweep leaves ----
+
+void collision_find_and_project( wisp_frame* frame, const wisp_span* span, const collision_state* state, int begin,
+                                 int end, uint32_t groups )
+{
+    int32_t count[COLLISION_CHUNK] = { 0 };
+    float found[COLLISION_CHUNK][4];
+    _Alignas( 64 ) collision_contact contact[COLLISION_CHUNK][WISP_COLLISION_CONTACTS];
+    for ( int i = 0; i < COLLISION_CHUNK; ++i )
+    {
+        memset( found[i], 0, sizeof( found[i] ) );
+        found[i][3] = INFINITY;
+    }
+    collision_find_args args = collision_find_args_of( frame, span, state );
+    args.position += (size_t)begin * 4;
+    args.previous += (size_t)begin * 4;
+    args.count = count;
+    args.found = found[0];
+    args.contact = contact;
+    args.tracked = NULL;
+    args.left_out = ~groups;
+    args.has_settled = args.settles = false;
+    collision_find_block( frame, span, &args, 0, end - begin );
+    project_loop loop = loop_of( span->entity, &args );
+    project_block( frame, span, state, &loop, 0, end - begin, true );
 }

@@ -73,9 +73,10 @@ typedef struct collision_find_args
     wisp_vec3 gravity;     // m/s^2
     float dt;              // s
     collision_maps maps;
-    bool can_squeeze; // there are several bodies
-    bool has_settled; // groups of an earlier substep of this step may be settled
-    bool settles;     // groups may be settled until the next substep
+    bool can_squeeze;  // there are several bodies
+    uint32_t left_out; // bits of groups of a block that are not searched
+    bool has_settled;  // groups of an earlier substep of this step may be settled
+    bool settles;      // groups may be settled until the next substep
 } collision_find_args;
 
 /// Return the slot of a particle of the block.

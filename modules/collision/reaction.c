@@ -18,7 +18,7 @@ collision_impulse* collision_reaction_sums( wisp_frame* frame, wisp_entity parti
 
 // ---- memory ----
 
-static bool is_requested( wisp_world* world, const collision_state* state )
+bool collision_wants_reactions( wisp_world* world, const collision_state* state )
 {
     for ( int i = 0; i < state->body_count; ++i )
     {
@@ -91,7 +91,7 @@ static wisp_status update_participant( wisp_world* world, collision_state* state
 
 wisp_status collision_update_reactions( wisp_world* world, collision_state* state )
 {
-    const bool requested = is_requested( world, state );
+    const bool requested = collision_wants_reactions( world, state );
     if ( requested == false && state->sums == NULL )
     {
         return WISP_OK;

@@ -196,7 +196,7 @@ TEST( a_snapshot_with_an_index_out_of_its_range_is_refused_and_changes_nothing )
         { EFFECT "seams", "seams.pairs", 2, 0, 2 },
         { EFFECT "tearing", "tearing.result", 0, 0, 1 << 28 },
         { EFFECT "tearing", "tearing.settings", 0, 0, INT32_MAX },
-        { EFFECT "collision", "particle.half_spaces", 0, 0, -1 },
+        { "scenes/cloth_on_ball", "particle.half_spaces", 0, 0, -1 },
         { "scenes/hanging_cloth", "surface.levels", 0, 0, INT32_MAX },
         { "scenes/hanging_cloth", "surface.levels", 1, 0, 65 },
         { "scenes/hanging_cloth", "surface.levels", 2, 0, 3 },

@@ -36,6 +36,7 @@
 #include "wisp/module/sleep.h"
 #include "wisp/module/space.h"
 #include "wisp/module/springs.h"
+#include "wisp/module/taper.h"
 #include "wisp/module/strand_kernels.h"
 #include "wisp/module/surface_kernels.h"
 #include "wisp/module/particle_batch.h"

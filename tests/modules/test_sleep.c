@@ -43,6 +43,7 @@ TEST( a_ball_wakes_a_sheet_that_it_reaches_and_no_other )
     // its way leads through the sheet, its ends do not touch it
     move_ball( b.world, b.ball, ( wisp_vec3 ){ -2.0f, 0.05f, 0.0f } );
     assert_wakes( b.world, b.sheet );
+    move_ball( b.world, b.ball, ( wisp_vec3 ){ -2.0f, 3.0f, 0.0f } ); // which lets go of it
     run_to_sleep( b.world, b.sheet );
     close_world( &b.h );
 }

@@ -55,6 +55,7 @@ typedef struct wisp_crowd
     const wisp_instances_args* args;
     const wisp_entity* entities; ///< [WISP_INSTANCE_LANES]; those from `count` on repeat the first one
     int count;
+    uint32_t* left; ///< bits of lanes: a pass sets those of surfaces that have to run alone in this step
 } wisp_crowd;
 
 WISP_END_C

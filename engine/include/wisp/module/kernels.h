@@ -350,6 +350,17 @@ typedef struct wisp_kernels
     int ( *query_shape )( const wisp_shape_query_args* args, int count, int32_t* special_count );
     /// Write half spaces. @param count multiple of 8 @return whether a particle was moved
     bool ( *half_space_rows )( const wisp_half_space_rows_args* args, int count );
+    /// Find the half spaces of particles outside shapes and project them in one sweep. Slots are multiples of 8.
+    /// @return a bit for each group that is left as it was: a path enters a shape, or two squeeze a particle
+    uint32_t ( *stay_outside )( const wisp_outside_args* args, int begin, int end );
+    /// The same of instances. @param shapes [count][lane / 8] @return a bit for each lane that cannot be done here
+    uint32_t ( *instances_stay_outside )( const wisp_instances_args* args, const wisp_shape_lanes* shapes,
+                                          int count );
+    /// Bound the paths of particles with inverse mass. @param lower, upper [3] m
+    void ( *bound_paths )( const float* position, const float* previous, int begin, int end, float* lower,
+                           float* upper );
+    /// The same of instances. @param lower, upper [3][lane] m
+    void ( *instances_bound_paths )( const wisp_instances_args* args, float* lower, float* upper );
     /// Find slots that have moved farther from `place` than its fourth component, whatever its sign.
     /// @param displaced [end - begin] output
     /// @return number of slots

@@ -301,6 +301,8 @@ typedef struct wisp_state_hooks
     wisp_status ( *stepped )( void* state, wisp_world* world );
     /// Passes of the stage INPUT have run, substeps begin. On the calling thread; may write nothing but the state itself.
     void ( *begun )( void* state, wisp_frame* frame, const wisp_allocator* allocator );
+    /// The plan is about to be made anew: attach and detach what depends on components of other modules.
+    wisp_status ( *planning )( void* state, wisp_world* world );
     /// The plan was made anew: tell what now has no effect (wisp_world_tell()).
     void ( *planned )( const void* state, wisp_world* world );
     /// Count what the state points to, for wisp_world_memory_parts().
@@ -483,6 +485,7 @@ static inline wisp_transform wisp_pose_to_rows( wisp_transform pose, wisp_vec3 o
 WISP_API void wisp_world_tie( wisp_world* world, wisp_entity a, wisp_entity b );
 /// Give an entity and what comes near it one origin of their rows, because it may touch them. Others are left out of its passes.
 WISP_API void wisp_world_let_meet( wisp_world* world, wisp_entity entity );
+WISP_API bool wisp_world_lets_meet( const wisp_world* world, wisp_entity entity );
 /// Have the arrays of a lean fabric that a function between steps reads; passes name theirs in wisp_pass.fabric.
 /// @param arrays wisp_fabric_arrays or-ed @return WISP_NO_MEMORY, with a message
 WISP_API wisp_status wisp_world_need_fabric( wisp_world* world, wisp_entity surface, unsigned arrays );

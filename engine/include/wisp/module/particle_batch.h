@@ -113,4 +113,35 @@ typedef struct wisp_half_space_rows_args
     const int32_t *particle_x4, *row_x16; ///< slot times 4, row times 16
 } wisp_half_space_rows_args;
 
+enum
+{
+    WISP_OUTSIDE_SHAPES = 24, ///< most of a call
+    WISP_OUTSIDE_SWEEPS = 4,  ///< over several half spaces of a particle
+};
+
+/// A shape in closed form in a substep, for eight particles: each lane may have its own. Of shapes that all share only the first lane is read.
+typedef struct wisp_shape_lanes
+{
+    float axis[3][3][8]; ///< [axis][x, y, z] of the shape at the end; a plane and round shapes have but the second
+    float at[3][8], was[3][8]; ///< m, its origin at the end and at the start
+    float turn[3][3][8];       ///< [row][column] of its rotation in the substep
+    /// m: of a box the half extents; else radius, lower and upper end of the centres on the axis, slope and sine as in taper.h
+    float size[5][8];
+    float shift[8], rate[8]; ///< m; most that its surface moves, and a point besides, in lengths of its distance
+    float thickness[8];      ///< m; below 0: the lane has no such shape
+    float shallow[8];        ///< m; a start that is less deep in the thickness counts as on the surface
+    float recovery[8];       ///< m, the most that a particle is moved out
+    float static_friction[8], kinetic_friction[8];
+    wisp_shape_kind kind;
+    bool turns; ///< else `turn` is not read
+} wisp_shape_lanes;
+
+/// Keep particles outside shapes, with friction.
+typedef struct wisp_outside_args
+{
+    float *position, *previous; ///< [slot][4] m, in and out
+    const wisp_shape_lanes* shapes;
+    int count;
+} wisp_outside_args;
+
 WISP_END_C

@@ -11,24 +11,28 @@
 
 #include "wisp/module/shapes.h"
 
-typedef struct taper
+typedef struct wisp_taper
 {
     double lower, upper; // m, of the centres on the y axis
     double middle;       // m, radius at y = 0
     double sine, cosine; // of the angle between the normals of the cone and the xz plane
     double slope;        // sine / cosine
-} taper;
+} wisp_taper;
 
-static inline taper taper_of( const wisp_shape* s )
+static inline wisp_taper wisp_taper_of( const wisp_shape* s )
 {
     const double top = (double)s->top_radius, bottom = (double)s->bottom_radius, half = (double)s->half_length;
     const double difference = bottom - top, length = 2.0 * half;
     // one ball holds the other
-    if ( fabs( difference ) >= length )
-    {
-        const double centre = difference > 0.0 ? -half : ( difference < 0.0 ? half : 0.0 );
-        return ( taper ){ centre, centre, top > bottom ? top : bottom, 0.0, 1.0, 0.0 };
-    }
-    const double sine = difference / length, cosine = sqrt( 1.0 - sine * sine );
-    return ( taper ){ -half, half, 0.5 * ( top + bottom ), sine, cosine, sine / cosine };
+    const bool is_ball = fabs( difference ) >= length;
+    const double centre = difference > 0.0 ? -half : ( difference < 0.0 ? half : 0.0 ),
+                 sine = is_ball ? 0.0 : difference / length, cosine = sqrt( 1.0 - sine * sine );
+    wisp_taper t;
+    t.lower = is_ball ? centre : -half;
+    t.upper = is_ball ? centre : half;
+    t.middle = is_ball ? ( top > bottom ? top : bottom ) : 0.5 * ( top + bottom );
+    t.sine = sine;
+    t.cosine = cosine;
+    t.slope = sine / cosine;
+    return t;
 }
