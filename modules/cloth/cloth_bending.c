@@ -21,9 +21,6 @@ static const float MAX_MOVE = 0.125f;
 static const double ANGLE_MARGIN = 2.0;
 // Hinges that may turn a vertex in a flattened triangle at the same time.
 static const float AT_ONCE = 8.0f;
-// Forces of soft bending are held for k substeps while k (k + 2) times the largest eigenvalue of A, with that margin, is below this:
-// the shortest wave is measured nine times a period or more often. Held forces let no wave grow below 4.
-static const double REACH_OF_HOLD = 1.0;
 
 // ---- plates of a world ----
 
@@ -83,7 +80,6 @@ typedef struct bending_solve
     bool by_angle;  // else impulses are those of the matrix
     bool is_last;   // stage
     float* largest; // [block] square of a move over the least height
-    int held;       // substeps in which the same forces act
 } bending_solve;
 
 // Coefficients of a recurrence of some stages (van der Houwen and Sommeijer 1980).
@@ -209,26 +205,14 @@ static void run_stages( const wisp_parallel* parallel, bending_solve* b, int sta
     }
 }
 
-// The substeps in which a force that is measured now can act, within the step.
-static int substeps_to_hold( double largest, int left )
-{
-    int k = 1;
-    while ( k < left && ( k + 1.0 ) * ( k + 3.0 ) * largest < REACH_OF_HOLD )
-    {
-        ++k;
-    }
-    return k;
-}
-
 static float scale_of_moves( const bending_solve* b )
 {
-    const float most = 2.0f * MAX_MOVE / (float)( b->held * ( b->held + 1 ) );
     float largest = 0.0f;
     for ( int block = 0; BENDING_GRAIN * block < b->args.rows.slice_count; ++block )
     {
         largest = fmaxf( largest, b->largest[block] );
     }
-    return largest > most * most ? most / sqrtf( largest ) : 1.0f;
+    return largest > MAX_MOVE * MAX_MOVE ? MAX_MOVE / sqrtf( largest ) : 1.0f;
 }
 
 // Impulses of angles, for which the rows of the matrix stand in the stages: they are an upper bound while triangles keep half of
@@ -308,18 +292,6 @@ static double update_plate( wisp_frame* frame, const wisp_span* span, cloth_plat
     return largest;
 }
 
-// Where the middle of the substeps to come leads, and half a substep further, which damps as an implicit substep does.
-static void predict_middle( const wisp_parallel* parallel, bending_solve* b )
-{
-    const wisp_plate_move_args one = b->moves;
-    const float times = 0.5f * (float)( b->held + 1 );
-    b->moves.dt *= times;
-    b->moves.gravity = ( wisp_vec3 ){ one.gravity.x / times, one.gravity.y / times, one.gravity.z / times };
-    b->moves.to_target = fminf( one.to_target * times, 1.0f );
-    for_slices( parallel, b, predict );
-    b->moves.dt = one.dt;
-}
-
 void cloth_bend( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const cloth_state* state = user;
@@ -334,25 +306,17 @@ void cloth_bend( wisp_frame* frame, const wisp_span* span, void* user )
     b.args.rows = wisp_plate_get_rows( mine->plate );
     b.angles.turns = wisp_plate_get_turns( mine->plate );
     b.args.newer = b.angles.turns.held;
-    if ( span->substep == 0 || span->substep >= mine->held_until )
+    const double largest = update_plate( frame, span, mine, &b );
+    for_slices( parallel, &b, predict );
+    if ( b.by_angle )
     {
-        const double largest = update_plate( frame, span, mine, &b );
-        b.held = substeps_to_hold( b.by_angle ? largest : ANGLE_MARGIN * largest,
-                                   wisp_frame_substeps( frame, span->entity ) - span->substep );
-        predict_middle( parallel, &b );
-        if ( b.by_angle )
-        {
-            b.moves.least_height = b.angles.turns.least_height;
-            b.angles.rate = b.args.rate;
-            b.angles.at_once = AT_ONCE * (float)( b.held * ( b.held + 2 ) ) / 3.0f;
-            b.args.rate *= (float)ANGLE_MARGIN;
-            compute_angle_impulse( parallel, wisp_frame_fabric( frame, span->entity ), &b );
-        }
-        run_stages( parallel, &b, stages_for( largest ) );
-        mine->held_until = span->substep + b.held;
-        mine->scale = b.by_angle ? scale_of_moves( &b ) : 1.0f;
+        b.moves.least_height = b.angles.turns.least_height;
+        b.angles.rate = b.args.rate;
+        b.angles.at_once = AT_ONCE;
+        b.args.rate *= (float)ANGLE_MARGIN;
+        compute_angle_impulse( parallel, wisp_frame_fabric( frame, span->entity ), &b );
     }
-    b.moves.moved = b.args.newer;
-    b.moves.scale = mine->scale;
+    run_stages( parallel, &b, stages_for( largest ) );
+    b.moves.scale = b.by_angle ? scale_of_moves( &b ) : 1.0f;
     for_slices( parallel, &b, accelerate );
 }

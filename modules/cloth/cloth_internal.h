@@ -12,9 +12,7 @@ typedef struct cloth_plate
 {
     wisp_entity entity;
     wisp_plate* plate;
-    int held_until; // substep of the step: until then the forces are those of `held`
-    float scale;    // of held moves
-    int lowered;    // triangles that are scaled down
+    int lowered; // triangles that are scaled down
 } cloth_plate;
 
 typedef struct cloth_state
