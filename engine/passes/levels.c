@@ -20,6 +20,8 @@ enum
 // Length of a substep, s, below which it is less, in proportion. Sheets and surface never quite agree, and would push each other with
 // a velocity that grows as substeps get shorter.
 #define LONG_SUBSTEP ( 1.0f / 120.0f )
+// Rate of shortening, 1/s, that links hold up. Without, a cloth of 65 x 65 vertices on a ball goes on at 3 cm/s.
+#define HELD_RATE 0.3f
 
 levels_columns levels_columns_of( wisp_frame* frame, wisp_entity entity )
 {
@@ -164,7 +166,8 @@ typedef struct levels_memory
 {
     float* at;    // [row][4] of all levels: m, inverse mass in 1/kg
     float* moved; // [row][4] of all levels: m, where the surface has been predicted, then the displacement from there
-    float *start, *acceleration;    // [row][4] of the coarsest level
+    float* start;                   // [row][4] of the level that moves: m, where the substep begins
+    float* acceleration;            // [row][4] of the coarsest level
     float *lower, *lambda, *factor; // [link]
     float* change;                  // [2][slot][4] of a surface that nothing pins; null: it is pinned
     levels_pin* pins;               // of the level that moves
@@ -175,12 +178,13 @@ static bool take_level_memory( wisp_frame* frame, const wisp_span* span, levels_
     const wisp_fabric* f = wisp_frame_fabric( frame, span->entity );
     const wisp_fabric_level* last = levels_coarsest( f );
     const size_t rows = 4 * (size_t)( last->first_row + last->row_count ), own = 4 * (size_t)last->row_count;
+    const size_t widest = 4 * (size_t)f->levels[0].row_count;
     const size_t links = (size_t)( last->first_link + last->schedule.slot_count );
     const size_t pins = (size_t)*levels_columns_of( frame, span->entity ).pins;
     const bool is_pinned = passes_has_pins( f, wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ) );
     const size_t slots = is_pinned ? 0 : 8 * (size_t)f->slot_count;
     float* at = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker,
-                                       ( slots + 2 * rows + 2 * own + 3 * links ) * sizeof( float ) +
+                                       ( slots + 2 * rows + widest + own + 3 * links ) * sizeof( float ) +
                                            pins * sizeof( levels_pin ) );
     if ( at == NULL )
     {
@@ -188,13 +192,13 @@ static bool take_level_memory( wisp_frame* frame, const wisp_span* span, levels_
                          f->slot_count );
         return false;
     }
-    float* coarsest = at + 2 * rows;
-    float* lower = coarsest + 2 * own;
+    float* start = at + 2 * rows;
+    float* lower = start + widest + own;
     *out = ( levels_memory ){
         .at = at,
         .moved = at + rows,
-        .start = coarsest,
-        .acceleration = coarsest + own,
+        .start = start,
+        .acceleration = start + widest,
         .lower = lower,
         .lambda = lower + links,
         .factor = lower + 2 * links,
@@ -223,7 +227,9 @@ static levels_sheet sheet_of( wisp_frame* frame, const wisp_span* span, const le
             .lambda = m->lambda + level->first_link,
             .factor = m->factor + level->first_link,
             .relaxation = dt < LONG_SUBSTEP ? RELAXATION * dt / LONG_SUBSTEP : RELAXATION,
-            .particle = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
+            .start = m->start,
+            .particle = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
+            .held = HELD_RATE * dt,
             .chain_begin = level->chain_begin,
             .chain_x4 = level->chain_x4,
             .chain_rest = level->chain_rest,
@@ -328,11 +334,12 @@ static bool move_coarsest( wisp_frame* frame, const wisp_span* span, const level
     float* target = m->moved + 4 * (size_t)level->first_row;
     float* velocity = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 0 );
     float* mean = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 3 );
-    levels_gather_rows( level, sheet->links.particle, target );
-    levels_gather_rows( level, wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ), at );
+    levels_gather_rows( level, wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ), target );
+    levels_gather_rows( level, sheet->links.particle, at );
     levels_gather_rows( level, wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ), m->acceleration );
     set_masses( frame, span, level, at );
     memcpy( mean, at, bytes );
+    memcpy( m->start, at, bytes );
     for ( int i = 0; i < 4 * level->row_count; ++i )
     {
         m->acceleration[i] = ( m->acceleration[i] - velocity[i] ) / dt;
@@ -375,7 +382,8 @@ static void move_sheet( wisp_frame* frame, const wisp_span* span, const levels_m
 {
     const wisp_fabric_level* level = sheet->level;
     float *at = sheet->links.position, *moved = m->moved + 4 * (size_t)level->first_row;
-    levels_gather_rows( level, sheet->links.particle, at );
+    levels_gather_rows( level, sheet->links.particle, m->start );
+    levels_gather_rows( level, wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ), at );
     memcpy( moved, at, 4 * (size_t)level->row_count * sizeof( float ) );
     set_masses( frame, span, level, at );
     prolong( coarser, m->moved + 4 * (size_t)coarser->level->first_row, at, at );
