@@ -166,7 +166,7 @@ typedef struct levels_memory
 {
     float* at;    // [row][4] of all levels: m, inverse mass in 1/kg
     float* moved; // [row][4] of all levels: m, where the surface has been predicted, then the displacement from there
-    float* start;                   // [row][4] of the level that moves: m, where the substep begins
+    float* start; // [row][4] of the level that moves: m, where the substep begins
     float* acceleration;            // [row][4] of the coarsest level
     float *lower, *lambda, *factor; // [link]
     float* change;                  // [2][slot][4] of a surface that nothing pins; null: it is pinned
