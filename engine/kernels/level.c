@@ -76,13 +76,12 @@ void KERNEL( level_band )( const wisp_level_link_args* args, int begin, int end 
             const lane8 chain_rest = lane8_max( lane8_loadu( mine.chain_rest + link ), tiny );
             const lane8 chain = measure_chains( &mine, link / 8 );
             const lane8 change = lane8_div( lane8_sub( chain, chain_rest ), chain_rest );
-            const lane8 fraction = lane8_max( lane8_sub( zero, change ), zero );
-            const lane8 missing = lane8_mul( rest, lane8_min( fraction, lane8_set1( MAX_PUSHED ) ) );
-            lower = lane8_min( rest, lane8_add( first, missing ) );
+            const lane8 missing = lane8_min( lane8_max( lane8_sub( zero, change ), zero ), lane8_set1( MAX_PUSHED ) );
+            lower = lane8_min( rest, lane8_add( first, lane8_mul( rest, missing ) ) );
         }
         const lane8 shorter = lane8_sub( first, load_pairs( &mine, mine.position, link ).length );
-        const lane8 moves_on = lane8_max( lane8_sub( shorter, lane8_mul( held, rest ) ), zero );
-        lane8_storeu( mine.lower + link, lane8_sub( lower, moves_on ) );
+        const lane8 free = lane8_sub( shorter, lane8_mul( held, rest ) ); // what wrinkles
+        lane8_storeu( mine.lower + link, lane8_sub( lower, lane8_max( free, zero ) ) );
     }
 }
 

@@ -20,8 +20,7 @@ enum
 // Length of a substep, s, below which it is less, in proportion. Sheets and surface never quite agree, and would push each other with
 // a velocity that grows as substeps get shorter.
 #define LONG_SUBSTEP ( 1.0f / 120.0f )
-// Rate of shortening, 1/s, that links hold up. Without, a cloth of 65 x 65 vertices on a ball goes on at 3 cm/s.
-#define HELD_RATE 0.3f
+#define HELD_RATE 0.3f // 1/s, of shortening that links hold up
 
 levels_columns levels_columns_of( wisp_frame* frame, wisp_entity entity )
 {
@@ -74,23 +73,16 @@ void levels_find_mean( const float* inverse_mass, int stride, const float* value
 
 // ---- links ----
 
-typedef struct band_loop
-{
-    wisp_level_link_args args;
-    const wisp_kernels* kernels;
-} band_loop;
-
 static void run_band( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    const band_loop* loop = context;
-    loop->kernels->level_band( &loop->args, 8 * begin, 8 * end );
+    const levels_sheet* sheet = context;
+    sheet->kernels->level_band( &sheet->links, 8 * begin, 8 * end );
 }
 
-void levels_find_band( const levels_sheet* sheet )
+void levels_find_band( levels_sheet* sheet )
 {
-    band_loop loop = { sheet->links, sheet->kernels };
-    wisp_parallel_for( sheet->parallel, sheet->level->chain_group_count, GROUP_GRAIN, run_band, &loop );
+    wisp_parallel_for( sheet->parallel, sheet->level->chain_group_count, GROUP_GRAIN, run_band, sheet );
 }
 
 static void run_level_links( const void* context, int begin, int end )
@@ -166,8 +158,7 @@ typedef struct levels_memory
 {
     float* at;    // [row][4] of all levels: m, inverse mass in 1/kg
     float* moved; // [row][4] of all levels: m, where the surface has been predicted, then the displacement from there
-    float* start; // [row][4] of the level that moves: m, where the substep begins
-    float* acceleration;            // [row][4] of the coarsest level
+    float *start, *acceleration; // [row][4] of the level that moves: m, where the substep begins; of the coarsest one
     float *lower, *lambda, *factor; // [link]
     float* change;                  // [2][slot][4] of a surface that nothing pins; null: it is pinned
     levels_pin* pins;               // of the level that moves
@@ -177,14 +168,13 @@ static bool take_level_memory( wisp_frame* frame, const wisp_span* span, levels_
 {
     const wisp_fabric* f = wisp_frame_fabric( frame, span->entity );
     const wisp_fabric_level* last = levels_coarsest( f );
-    const size_t rows = 4 * (size_t)( last->first_row + last->row_count ), own = 4 * (size_t)last->row_count;
-    const size_t widest = 4 * (size_t)f->levels[0].row_count;
+    const size_t rows = 4 * (size_t)( last->first_row + last->row_count ), own = 4 * (size_t)f->levels[0].row_count;
     const size_t links = (size_t)( last->first_link + last->schedule.slot_count );
     const size_t pins = (size_t)*levels_columns_of( frame, span->entity ).pins;
     const bool is_pinned = passes_has_pins( f, wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ) );
     const size_t slots = is_pinned ? 0 : 8 * (size_t)f->slot_count;
     float* at = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker,
-                                       ( slots + 2 * rows + widest + own + 3 * links ) * sizeof( float ) +
+                                       ( slots + 2 * rows + 2 * own + 3 * links ) * sizeof( float ) +
                                            pins * sizeof( levels_pin ) );
     if ( at == NULL )
     {
@@ -193,12 +183,12 @@ static bool take_level_memory( wisp_frame* frame, const wisp_span* span, levels_
         return false;
     }
     float* start = at + 2 * rows;
-    float* lower = start + widest + own;
+    float* lower = start + 2 * own;
     *out = ( levels_memory ){
         .at = at,
         .moved = at + rows,
         .start = start,
-        .acceleration = start + widest,
+        .acceleration = start + own,
         .lower = lower,
         .lambda = lower + links,
         .factor = lower + 2 * links,
