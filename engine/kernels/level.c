@@ -21,12 +21,12 @@ typedef struct level_pairs
     lane8 length;   // m
 } level_pairs;
 
-LANE_INLINE level_pairs load_pairs( const wisp_level_link_args* args, int link )
+LANE_INLINE level_pairs load_pairs( const wisp_level_link_args* args, const float* position, int link )
 {
     level_pairs p;
     lane8 d[4];
-    lane8_load_quads( args->position, args->a_x4 + link, p.a );
-    lane8_load_quads( args->position, args->b_x4 + link, p.b );
+    lane8_load_quads( position, args->a_x4 + link, p.a );
+    lane8_load_quads( position, args->b_x4 + link, p.b );
     for ( int r = 0; r < 4; ++r )
     {
         p.along[r] = d[r] = lane8_sub( p.a[r], p.b[r] );
@@ -59,28 +59,29 @@ LANE_INLINE lane8 measure_chains( const wisp_level_link_args* args, int group )
     return sum;
 }
 
-// Finds the length below which a link pushes: it may make up for what its chain of mesh edges is compressed, and no more. A link
-// whose ends came together while the chain kept its length spans wrinkles, which are no error.
+// Finds the length below which a link pushes. From where the substep begins, it may make up for what its chain of mesh edges is
+// compressed, and no more: a link whose ends came together while the chain kept its length spans wrinkles, which are no error. It
+// also keeps the length that it begins with, but for what it shortens faster than slowly: what wrinkles moves on, what rests stays.
 void KERNEL( level_band )( const wisp_level_link_args* args, int begin, int end )
 {
     const wisp_level_link_args mine = *args;
-    const lane8 tiny = lane8_set1( 1e-30f );
+    const lane8 zero = lane8_zero(), held = lane8_set1( mine.held ), tiny = lane8_set1( 1e-30f );
     for ( int link = begin; link < end; link += 8 )
     {
         const lane8 rest = lane8_loadu( mine.rest + link );
-        const lane8 length = load_pairs( &mine, link ).length;
-        const lane8m is_short = lane8_lt( length, rest );
-        lane8 lower = rest;
-        if ( lane8m_any( is_short ) )
+        const lane8 first = lane8_min( load_pairs( &mine, mine.start, link ).length, rest );
+        lane8 lower = first;
+        if ( lane8m_any( lane8_lt( first, rest ) ) )
         {
             const lane8 chain_rest = lane8_max( lane8_loadu( mine.chain_rest + link ), tiny );
             const lane8 chain = measure_chains( &mine, link / 8 );
             const lane8 change = lane8_div( lane8_sub( chain, chain_rest ), chain_rest );
-            const lane8 fraction = lane8_max( lane8_sub( lane8_zero(), change ), lane8_zero() );
-            const lane8 missing = lane8_mul( rest, lane8_min( fraction, lane8_set1( MAX_PUSHED ) ) );
-            lower = lane8_select( is_short, lane8_min( rest, lane8_add( length, missing ) ), rest );
+            const lane8 missing = lane8_min( lane8_max( lane8_sub( zero, change ), zero ), lane8_set1( MAX_PUSHED ) );
+            lower = lane8_min( rest, lane8_add( first, lane8_mul( rest, missing ) ) );
         }
-        lane8_storeu( mine.lower + link, lower );
+        const lane8 shorter = lane8_sub( first, load_pairs( &mine, mine.position, link ).length );
+        const lane8 free = lane8_sub( shorter, lane8_mul( held, rest ) ); // what wrinkles
+        lane8_storeu( mine.lower + link, lane8_sub( lower, lane8_max( free, zero ) ) );
     }
 }
 
@@ -113,7 +114,7 @@ void KERNEL( level_link )( const wisp_level_link_args* args, int begin, int end 
     const lane8 inverse_dt2 = lane8_set1( mine.inverse_dt2 ), zero = lane8_zero();
     for ( int link = begin; link < end; link += 8 )
     {
-        level_pairs p = load_pairs( &mine, link );
+        level_pairs p = load_pairs( &mine, mine.position, link );
         const lane8 alpha = lane8_mul( lane8_loadu( mine.compliance + link ), inverse_dt2 );
         const lane8 lambda = lane8_loadu( mine.lambda + link );
         const lane8 above = lane8_max( lane8_sub( p.length, lane8_loadu( mine.rest + link ) ), zero );

@@ -20,6 +20,7 @@ enum
 // Length of a substep, s, below which it is less, in proportion. Sheets and surface never quite agree, and would push each other with
 // a velocity that grows as substeps get shorter.
 #define LONG_SUBSTEP ( 1.0f / 120.0f )
+#define HELD_RATE 0.3f // 1/s, of shortening that links hold up
 
 levels_columns levels_columns_of( wisp_frame* frame, wisp_entity entity )
 {
@@ -72,23 +73,16 @@ void levels_find_mean( const float* inverse_mass, int stride, const float* value
 
 // ---- links ----
 
-typedef struct band_loop
-{
-    wisp_level_link_args args;
-    const wisp_kernels* kernels;
-} band_loop;
-
 static void run_band( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    const band_loop* loop = context;
-    loop->kernels->level_band( &loop->args, 8 * begin, 8 * end );
+    const levels_sheet* sheet = context;
+    sheet->kernels->level_band( &sheet->links, 8 * begin, 8 * end );
 }
 
-void levels_find_band( const levels_sheet* sheet )
+void levels_find_band( levels_sheet* sheet )
 {
-    band_loop loop = { sheet->links, sheet->kernels };
-    wisp_parallel_for( sheet->parallel, sheet->level->chain_group_count, GROUP_GRAIN, run_band, &loop );
+    wisp_parallel_for( sheet->parallel, sheet->level->chain_group_count, GROUP_GRAIN, run_band, sheet );
 }
 
 static void run_level_links( const void* context, int begin, int end )
@@ -164,7 +158,7 @@ typedef struct levels_memory
 {
     float* at;    // [row][4] of all levels: m, inverse mass in 1/kg
     float* moved; // [row][4] of all levels: m, where the surface has been predicted, then the displacement from there
-    float *start, *acceleration;    // [row][4] of the coarsest level
+    float *start, *acceleration; // [row][4] of the level that moves: m, where the substep begins; of the coarsest one
     float *lower, *lambda, *factor; // [link]
     float* change;                  // [2][slot][4] of a surface that nothing pins; null: it is pinned
     levels_pin* pins;               // of the level that moves
@@ -174,7 +168,7 @@ static bool take_level_memory( wisp_frame* frame, const wisp_span* span, levels_
 {
     const wisp_fabric* f = wisp_frame_fabric( frame, span->entity );
     const wisp_fabric_level* last = levels_coarsest( f );
-    const size_t rows = 4 * (size_t)( last->first_row + last->row_count ), own = 4 * (size_t)last->row_count;
+    const size_t rows = 4 * (size_t)( last->first_row + last->row_count ), own = 4 * (size_t)f->levels[0].row_count;
     const size_t links = (size_t)( last->first_link + last->schedule.slot_count );
     const size_t pins = (size_t)*levels_columns_of( frame, span->entity ).pins;
     const bool is_pinned = passes_has_pins( f, wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ) );
@@ -188,13 +182,13 @@ static bool take_level_memory( wisp_frame* frame, const wisp_span* span, levels_
                          f->slot_count );
         return false;
     }
-    float* coarsest = at + 2 * rows;
-    float* lower = coarsest + 2 * own;
+    float* start = at + 2 * rows;
+    float* lower = start + 2 * own;
     *out = ( levels_memory ){
         .at = at,
         .moved = at + rows,
-        .start = coarsest,
-        .acceleration = coarsest + own,
+        .start = start,
+        .acceleration = start + own,
         .lower = lower,
         .lambda = lower + links,
         .factor = lower + 2 * links,
@@ -223,7 +217,9 @@ static levels_sheet sheet_of( wisp_frame* frame, const wisp_span* span, const le
             .lambda = m->lambda + level->first_link,
             .factor = m->factor + level->first_link,
             .relaxation = dt < LONG_SUBSTEP ? RELAXATION * dt / LONG_SUBSTEP : RELAXATION,
-            .particle = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
+            .start = m->start,
+            .particle = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
+            .held = HELD_RATE * dt,
             .chain_begin = level->chain_begin,
             .chain_x4 = level->chain_x4,
             .chain_rest = level->chain_rest,
@@ -328,11 +324,12 @@ static bool move_coarsest( wisp_frame* frame, const wisp_span* span, const level
     float* target = m->moved + 4 * (size_t)level->first_row;
     float* velocity = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 0 );
     float* mean = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 3 );
-    levels_gather_rows( level, sheet->links.particle, target );
-    levels_gather_rows( level, wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ), at );
+    levels_gather_rows( level, wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ), target );
+    levels_gather_rows( level, sheet->links.particle, at );
     levels_gather_rows( level, wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ), m->acceleration );
     set_masses( frame, span, level, at );
     memcpy( mean, at, bytes );
+    memcpy( m->start, at, bytes );
     for ( int i = 0; i < 4 * level->row_count; ++i )
     {
         m->acceleration[i] = ( m->acceleration[i] - velocity[i] ) / dt;
@@ -375,7 +372,8 @@ static void move_sheet( wisp_frame* frame, const wisp_span* span, const levels_m
 {
     const wisp_fabric_level* level = sheet->level;
     float *at = sheet->links.position, *moved = m->moved + 4 * (size_t)level->first_row;
-    levels_gather_rows( level, sheet->links.particle, at );
+    levels_gather_rows( level, sheet->links.particle, m->start );
+    levels_gather_rows( level, wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ), at );
     memcpy( moved, at, 4 * (size_t)level->row_count * sizeof( float ) );
     set_masses( frame, span, level, at );
     prolong( coarser, m->moved + 4 * (size_t)coarser->level->first_row, at, at );

@@ -77,8 +77,8 @@ int levels_find_pins( const levels_surface* surface, int number, levels_pin* pin
 /// Move the points of all pins to where these are.
 void levels_project_pins( const levels_sheet* sheet );
 
-/// Find the lengths below which links push, for the sheet and the particles where they are.
-void levels_find_band( const levels_sheet* sheet );
+/// Find the lengths below which links push, for a sheet that has been predicted.
+void levels_find_band( levels_sheet* sheet );
 /// Project all links from multipliers of 0, and pins after each pass. @param dt s
 void levels_project( levels_sheet* sheet, float dt, int passes );
 

@@ -26,12 +26,7 @@ void coarse_oracle_project( coarse_oracle_link* link, double wa, double wb, doub
 
 double coarse_oracle_lower( double length, double rest, double chain, double chain_rest )
 {
-    if ( length >= rest )
-    {
-        return rest;
-    }
-    const double lacks = fmin( 0.1, fmax( 0.0, 1.0 - chain / chain_rest ) );
-    return fmin( rest, length + rest * lacks );
+    return fmin( rest, length + rest * fmin( 0.1, fmax( 0.0, 1.0 - chain / chain_rest ) ) );
 }
 
 // ---- a surface ----
@@ -122,13 +117,13 @@ static void find_masses( const coarse_oracle* o, sheet* sheets )
     free( finer );
 }
 
-static double chain_length( const coarse_oracle* o, const wisp_fabric_level* level, int lane )
+static double chain_length( const double3* x, const wisp_fabric_level* level, int lane )
 {
     double sum = 0.0;
     const int group = lane / 8;
     for ( int e = level->chain_begin[group] + 1; e < level->chain_begin[group + 1]; ++e )
     {
-        const double3 a = o->x[level->chain_x4[e - 1][lane % 8] / 4], b = o->x[level->chain_x4[e][lane % 8] / 4];
+        const double3 a = x[level->chain_x4[e - 1][lane % 8] / 4], b = x[level->chain_x4[e][lane % 8] / 4];
         sum += double3_length( double3_sub( b, a ) );
     }
     return sum;
@@ -198,8 +193,12 @@ static void project( const coarse_oracle* o, sheet* s, double* lower, double fra
         }
         if ( find_lower )
         {
-            lower[i] = coarse_oracle_lower( double3_length( double3_sub( s->x[a], s->x[b] ) ), rest,
-                                            chain_length( o, level, i ), (double)level->chain_rest[i] );
+            const double3 from_a = s->previous[level->slot_x4[a] / 4], from_b = s->previous[level->slot_x4[b] / 4];
+            const double first = double3_length( double3_sub( from_a, from_b ) );
+            const double now = double3_length( double3_sub( s->x[a], s->x[b] ) );
+            lower[i] = coarse_oracle_lower( first, rest, chain_length( s->previous, level, i ),
+                                            (double)level->chain_rest[i] ) -
+                       fmax( 0.0, fmin( first, rest ) - now - o->held * rest );
         }
         const double alpha = o->compliance / (double)level->fraction[i] / ( h * h );
         links[i] = ( coarse_oracle_link ){ rest, lower[i], alpha, 0.0, o->relaxation };
@@ -393,6 +392,7 @@ static void project_surface( coarse_oracle* o, double h )
 void coarse_oracle_step( coarse_oracle* o, double h )
 {
     o->relaxation = 1.5 * fmin( 1.0, 120.0 * h );
+    o->held = 0.3 * h;
     const wisp_fabric* f = o->fabric;
     const int top = f->level_count - 1;
     sheet sheets[WISP_FABRIC_MAX_LEVELS];

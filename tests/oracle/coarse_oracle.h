@@ -33,6 +33,7 @@ typedef struct coarse_oracle
     double compliance;
     int substeps, passes; ///< of the coarsest sheet
     double relaxation;    ///< of this substep
+    double held;          ///< fraction of its rest length by which a link may not shorten in this substep
     double3 *start, *change, *lag,
         *before; ///< [rows of the coarsest sheet] history; start: velocity at the substep's start
     bool has_history;

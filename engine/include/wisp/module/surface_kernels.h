@@ -314,7 +314,8 @@ typedef struct wisp_level_link_args
     float relaxation;           ///< of a projection, below 2
 
     // of level_band, which finds `lower` from the chains of mesh edges along the links
-    const float* particle;          ///< [slot][4] m
+    const float *start, *particle;  ///< [row][4], [slot][4] m, where the substep begins
+    float held;                     ///< fraction of its rest length by which a link may not shorten in the substep
     const int32_t* chain_begin;     ///< [link / 8 + 1]
     const int32_t ( *chain_x4 )[8]; ///< [entry] slots times 4
     const float* chain_rest;        ///< [link] m
