@@ -327,7 +327,7 @@ TEST( late_means_are_those_of_a_sheet_that_is_larger_and_hangs_lower )
     assert_int_equal( suite_compare( &motions[1], &reference, "it", &c, NULL ), WISP_OK );
     assert_true( c.distance == 0.0 );
     assert_true( fabs( c.late_height + 0.5 ) < 1e-4 ); // sines have a mean near 0
-    assert_true( fabs( c.late_energy + 2.0 / 13.0 ) < 1e-12 );
+    assert_true( fabs( c.late_energy + 1.0 / 7.0 ) < 1e-12 );
     assert_true( fabs( c.late_stretch - 0.02 ) < 1e-5 );
     assert_true( fabs( c.late_detail - 1.02 ) < 1e-5 );
     reference.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, -3.0f };

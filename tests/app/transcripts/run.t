@@ -108,7 +108,7 @@ Usage: wisp render [OPTION...] SCENE|RECORDING|MESH|GROOM
   0   success
 Usage: wisp tune [OPTION...] SCENE
   0   success
-Usage: wisp torture [OPTION...] [SCENE...]
+Usage: wisp torture [OPTION...] SCENE...
   0   success
 $ wisp bench --help | grep -c -- --report=FILE
 1
