@@ -109,9 +109,9 @@ wisp_status wisp_collision_mesh_update( wisp_collision_mesh* tree, const wisp_ve
     return WISP_OK;
 }
 
-void wisp_collision_mesh_fill_cells( wisp_collision_mesh* tree )
+void wisp_collision_mesh_fill_cells( wisp_collision_mesh* tree, const wisp_parallel* parallel )
 {
-    mesh_cells_fill( &tree->cells, &tree->surface );
+    mesh_cells_fill( &tree->cells, &tree->surface, parallel );
 }
 
 wisp_mesh_place wisp_collision_mesh_place( const wisp_collision_mesh* tree, int32_t triangle, const float weights[3],

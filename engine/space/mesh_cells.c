@@ -14,6 +14,7 @@ enum
     MAX_ACROSS = 128, // cells along an axis
     MIN_CAPACITY = 128,
     MAX_CAPACITY = 16384,
+    CELL_GRAIN = 1024, // triangles per block
 };
 
 // Cells beside that of a point. Farther, a search costs less than to look at all cells.
@@ -43,7 +44,7 @@ wisp_status mesh_cells_create( mesh_cells* cells, const mesh_surface* surface, w
                           surface->triangle_count );
     }
     cells->taken = cells->outside + cells->capacity;
-    mesh_cells_fill( cells, surface );
+    mesh_cells_fill( cells, surface, NULL );
     return WISP_OK;
 }
 
@@ -177,35 +178,60 @@ static void place_slab( const mesh_cells* cells, const mesh_surface* surface, in
     s->upper += wide;
 }
 
+// Triangles that take cells.
+typedef struct taking
+{
+    mesh_cells* cells;
+    const mesh_surface* surface;
+    float widening; // m
+} taking;
+
 // NaN takes a cell.
-static void take_triangles( mesh_cells* cells, const mesh_surface* surface, float widening )
+static void take_slab( const mesh_cells* cells, const slab* s )
+{
+    const float* n = s->normal;
+    for ( int z = s->first[2]; z <= s->last[2]; ++z )
+    {
+        for ( int y = s->first[1]; y <= s->last[1]; ++y )
+        {
+            uint64_t* row = cells->taken + (size_t)( z * cells->size[1] + y ) * (size_t)cells->words;
+            const float beside = n[1] * ( (float)y + 0.5f ) + n[2] * ( (float)z + 0.5f );
+            for ( int x = s->first[0]; x <= s->last[0]; )
+            {
+                uint64_t bits = 0;
+                const int word = x / WORD;
+                for ( ; x <= s->last[0] && x / WORD == word; ++x )
+                {
+                    const float along = ( n[0] * ( (float)x + 0.5f ) + beside ) * cells->edge;
+                    const bool meets = !( along < s->lower ) && !( along > s->upper );
+                    bits |= (uint64_t)meets << x % WORD;
+                }
+                // whose bits come first does not matter; most are set
+                if ( ( bits & ~__atomic_load_n( row + word, __ATOMIC_RELAXED ) ) != 0 )
+                {
+                    __atomic_fetch_or( row + word, bits, __ATOMIC_RELAXED );
+                }
+            }
+        }
+    }
+}
+
+static void take_triangles( void* context, int begin, int end, int worker )
 {
     enum
     {
         FEW = 4, // cells: a slab would cost more than it leaves out
     };
-    for ( int32_t t = 0; t < surface->triangle_count; ++t )
+    (void)worker;
+    const taking* all = context;
+    for ( int32_t t = begin; t < end; ++t )
     {
         slab s = { .lower = -INFINITY, .upper = INFINITY };
-        if ( place_box( cells, surface, t, widening, &s ) > FEW )
+        if ( place_box( all->cells, all->surface, t, all->widening, &s ) > FEW )
         {
-            place_slab( cells, surface, t, widening, &s );
+            place_slab( all->cells, all->surface, t, all->widening, &s );
         }
-        const float* n = s.normal;
-        for ( int z = s.first[2]; z <= s.last[2]; ++z )
-        {
-            for ( int y = s.first[1]; y <= s.last[1]; ++y )
-            {
-                uint64_t* row = cells->taken + (size_t)( z * cells->size[1] + y ) * (size_t)cells->words;
-                const float beside = n[1] * ( (float)y + 0.5f ) + n[2] * ( (float)z + 0.5f );
-                for ( int x = s.first[0]; x <= s.last[0]; ++x )
-                {
-                    const float along = ( n[0] * ( (float)x + 0.5f ) + beside ) * cells->edge;
-                    const bool meets = !( along < s.lower ) && !( along > s.upper );
-                    row[x / WORD] |= (uint64_t)meets << x % WORD;
-                }
-            }
-        }
+        take_slab( all->cells, &s );
     }
 }
 
@@ -283,7 +309,7 @@ static void find_outside( mesh_cells* cells )
     }
 }
 
-void mesh_cells_fill( mesh_cells* cells, const mesh_surface* surface )
+void mesh_cells_fill( mesh_cells* cells, const mesh_surface* surface, const wisp_parallel* parallel )
 {
     const float widening = (float)( MESH_WIDENING * surface->largest + MIN_SEARCH_SLACK );
     if ( choose_layout( cells, surface, widening ) == false )
@@ -292,7 +318,15 @@ void mesh_cells_fill( mesh_cells* cells, const mesh_surface* surface )
         return;
     }
     memset( cells->taken, 0, (size_t)row_count( cells ) * (size_t)cells->words * sizeof( uint64_t ) );
-    take_triangles( cells, surface, widening );
+    const taking all = { cells, surface, widening };
+    if ( parallel != NULL )
+    {
+        wisp_parallel_for( parallel, surface->triangle_count, CELL_GRAIN, take_triangles, (void*)&all );
+    }
+    else
+    {
+        take_triangles( (void*)&all, 0, surface->triangle_count, 0 );
+    }
     find_outside( cells );
 }
 

@@ -27,8 +27,8 @@ size_t mesh_cells_bytes( const mesh_cells* cells );
 /// Forget what is known.
 void mesh_cells_empty( mesh_cells* cells );
 
-/// Fill the cells for the points of a surface.
-void mesh_cells_fill( mesh_cells* cells, const mesh_surface* surface );
+/// Fill the cells for the points of a surface. @param parallel null: the calling thread
+void mesh_cells_fill( mesh_cells* cells, const mesh_surface* surface, const wisp_parallel* parallel );
 
 /// Return `near` if a point is outside and the surface stays farther than that in the whole motion, 0 if it is outside and
 /// no more is known, and else -1.

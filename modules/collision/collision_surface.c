@@ -86,20 +86,40 @@ static wisp_status build_mesh( wisp_world* world, const wisp_fabric* fabric, col
     return status;
 }
 
-static void find_bounds( collision_body* body )
+// Bounds of the points of a body in a step.
+typedef struct point_bounds
 {
-    wisp_vec3 lower = body->finish[0], upper = lower;
-    float shift = 0.0f;
-    for ( int v = 0; v < body->point_count; ++v )
-    {
-        collision_widen( &lower, &upper, body->start[v] );
-        collision_widen( &lower, &upper, body->finish[v] );
-        const wisp_vec3 way = wisp_v3_sub( body->finish[v], body->start[v] );
-        shift = collision_larger( shift, wisp_v3_dot( way, way ) );
-    }
+    wisp_vec3 lower, upper; // m
+    float shift;            // m^2
+} point_bounds;
+
+static point_bounds no_bounds( void )
+{
+    return ( point_bounds ){ { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY }, 0.0f };
+}
+
+static void widen_bounds( point_bounds* all, const collision_body* body, int v )
+{
+    collision_widen( &all->lower, &all->upper, body->start[v] );
+    collision_widen( &all->lower, &all->upper, body->finish[v] );
+    const wisp_vec3 way = wisp_v3_sub( body->finish[v], body->start[v] );
+    all->shift = collision_larger( all->shift, wisp_v3_dot( way, way ) );
+}
+
+static void join_bounds( point_bounds* all, const point_bounds* more )
+{
+    wisp_vec3 none = { 0.0f, 0.0f, 0.0f };
+    collision_widen( &all->lower, &none, more->lower );
+    collision_widen( &none, &all->upper, more->upper );
+    all->shift = collision_larger( all->shift, more->shift );
+}
+
+static void set_bounds( collision_body* body, const point_bounds* all )
+{
+    const wisp_vec3 lower = all->lower, upper = all->upper;
     // slightly larger, against rounding
     const float most = 0.50001f;
-    body->shift = 1.001f * sqrtf( shift );
+    body->shift = 1.001f * sqrtf( all->shift );
     body->half =
         ( wisp_vec3 ){ most * ( upper.x - lower.x ), most * ( upper.y - lower.y ), most * ( upper.z - lower.z ) };
     body->centre =
@@ -131,15 +151,14 @@ wisp_status collision_make_surface( wisp_world* world, const wisp_collider_def* 
     else
     {
         const float* position = wisp_world_column( world, d->surface, WISP_PARTICLE_POSITION, 0 );
+        point_bounds bounds = no_bounds();
         for ( int v = 0; v < body->point_count; ++v )
         {
             body->start[v] = body->finish[v] = wisp_v3_load( position + (size_t)fabric->vertex_slot[v] * 4 );
+            widen_bounds( &bounds, body, v );
         }
+        set_bounds( body, &bounds );
         status = build_mesh( world, fabric, body );
-    }
-    if ( status == WISP_OK )
-    {
-        find_bounds( body );
     }
     return status;
 }
@@ -161,13 +180,13 @@ typedef struct follow_loop
     const int32_t* vertex_slot;
     const float *position, *velocity, *target; // the latter may be null
     float seconds;
+    point_bounds bounds[WISP_MAX_WORKERS];
 } follow_loop;
 
 // What is not finite stays where it was; the state check of the surface handles it.
 static void follow_range( void* context, int begin, int end, int worker )
 {
-    (void)worker;
-    const follow_loop* loop = context;
+    follow_loop* loop = context;
     for ( int v = begin; v < end; ++v )
     {
         const size_t quad = (size_t)loop->vertex_slot[v] * 4;
@@ -185,6 +204,7 @@ static void follow_range( void* context, int begin, int end, int worker )
         const bool is_valid = collision_is_in_range( at );
         loop->body->start[v] = is_valid ? at : loop->body->finish[v];
         loop->body->finish[v] = is_valid && collision_is_in_range( to ) ? to : loop->body->start[v];
+        widen_bounds( loop->bounds + worker, loop->body, v );
     }
 }
 
@@ -232,13 +252,21 @@ void collision_follow( wisp_frame* frame, const wisp_span* span, void* user )
         .seconds = wisp_frame_dt( frame, span->entity ) * (float)wisp_frame_substeps( frame, span->entity ),
     };
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
+    for ( int worker = 0; worker < WISP_MAX_WORKERS; ++worker )
+    {
+        loop.bounds[worker] = no_bounds();
+    }
     wisp_parallel_for( parallel, body->point_count, GRAIN, follow_range, &loop );
-    find_bounds( body );
+    for ( int worker = 1; worker < WISP_MAX_WORKERS; ++worker )
+    {
+        join_bounds( loop.bounds, loop.bounds + worker );
+    }
+    set_bounds( body, loop.bounds );
     const wisp_status status = wisp_collision_mesh_update( body->tree, body->start, body->finish, parallel, NULL );
     WISP_ASSERT( status == WISP_OK ); // all points are in range, and a tree needs no memory
     (void)status;
     if ( count_vertices( frame, user, surface ) >= wisp_frame_fabric( frame, surface )->triangle_count / 2 )
     {
-        wisp_collision_mesh_fill_cells( body->tree );
+        wisp_collision_mesh_fill_cells( body->tree, parallel );
     }
 }

@@ -208,7 +208,7 @@ TEST( cells_know_who_stays_outside_and_at_what_distance )
     int outside = 0, apart = 0, inside = 0;
     const wisp_vec3 far = { 4.0f, 0.0f, 0.0f };
     assert_true( wisp_collision_mesh_clearance( m.tree, far, 0.1f ) == -1.0f );
-    wisp_collision_mesh_fill_cells( m.tree );
+    wisp_collision_mesh_fill_cells( m.tree, NULL );
     assert_true( wisp_collision_mesh_clearance( m.tree, far, 0.1f ) == 0.1f );
     for ( int i = 0; i < 20 * QUERIES; ++i )
     {

@@ -135,7 +135,8 @@ WISP_API void wisp_collision_mesh_closest( wisp_collision_mesh* mesh, const wisp
 
 /// Fill a grid of cells with what is outside during the whole motion, after wisp_collision_mesh_update(). It takes about 0.1
 /// microseconds a triangle, and pays where about half as many points ask. A mesh that has not been updated has its cells.
-WISP_API void wisp_collision_mesh_fill_cells( wisp_collision_mesh* mesh );
+/// @param parallel null: the calling thread
+WISP_API void wisp_collision_mesh_fill_cells( wisp_collision_mesh* mesh, const wisp_parallel* parallel );
 
 /// Ask the grid of cells about a point.
 /// @param near m, >= 0
