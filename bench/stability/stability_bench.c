@@ -331,8 +331,8 @@ static wisp_status costs_add_up( stability_tally* tally, results* out, wisp_erro
 
 wisp_status stability_bench( const bench_options* options, results* out, wisp_error* error )
 {
-    static const char* const suites[] = { "cloth", "balloons", "strands",   "drives",
-                                          "near",  "meshes",   "followers", "failures" };
+    static const char* const suites[] = { "cloth",  "balloons",  "strands",  "drives",   "near",
+                                          "meshes", "followers", "failures", "together", "coarse" };
     stability_tally tally = { 0 };
     wisp_status status = WISP_OK;
     for ( int i = 0; i < WISP_COUNT( suites ) && status == WISP_OK; ++i )
