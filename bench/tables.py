@@ -76,16 +76,6 @@ class Medians:
         rows = [row for row in self.files[file][1] if row["case"] == case and all(matches(row, part) for part in parts)]
         return merged(rows) if rows else None
 
-    def series(self, file, without):
-        """Return for each case and solver of a file the row with the least error, with that of the largest."""
-        groups = {}
-        for row in self.files[file][1]:
-            if "error" in row and row["case"] not in without:
-                groups.setdefault((row["case"], row["variant"].split(", ")[0]), []).append(row)
-        for (case, solver), rows in groups.items():
-            least, largest = (choose(rows, key=lambda row: float(row["error"])) for choose in (min, max))
-            yield Row(least, case=case, solver=solver, largest=largest["error"])
-
 
 def cell(text, rows):
     """Return a cell: `{0[NAME]}` is a value of the first row, and a dash where there is none."""
@@ -100,9 +90,7 @@ def lines_of(table, medians):
         return table["text"].format(**{name: medians.find(source) for name, source in table["of"].items()}).splitlines()
     heads, cells = list(table["columns"]), list(table["columns"].values())
     lines = ["| " + " | ".join(heads) + " |", "|---" + "|---:" * (len(heads) - 1) + "|"]
-    if "series" in table:
-        lines += ["| " + " | ".join(cell(text, [row]) for text in cells) + " |" for row in medians.series(**table["series"])]
-    for row in table.get("rows", []):
+    for row in table["rows"]:
         sources = [medians.find(source) for source in row[1:]]
         lines.append("| " + " | ".join([row[0], *(cell(text, sources) for text in cells[1:])]) + " |")
     return lines

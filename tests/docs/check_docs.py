@@ -204,7 +204,13 @@ def check_links(page, text):
                 fail(page, number, f"'{path}': no such file")
 
 
+def check_tables():
+    told = subprocess.run([f"{source}/bench/tables.py", "--check"], capture_output=True, text=True)
+    failures.extend(told.stderr.splitlines())
+
+
 def main():
+    check_tables()
     known = known_words()
     count = 0
     with tempfile.TemporaryDirectory() as folder:
