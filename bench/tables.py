@@ -87,7 +87,10 @@ def cell(text, rows):
 def lines_of(table, medians):
     """Return the lines of a table."""
     if "text" in table:
-        return table["text"].format(**{name: medians.find(source) for name, source in table["of"].items()}).splitlines()
+        named = {name: medians.find(source) for name, source in table["of"].items()}
+        if None in named.values():
+            sys.exit(f"no row is '{next(source for source in table['of'].values() if medians.find(source) is None)}'")
+        return table["text"].format(**named).splitlines()
     heads, cells = list(table["columns"]), list(table["columns"].values())
     lines = ["| " + " | ".join(heads) + " |", "|---" + "|---:" * (len(heads) - 1) + "|"]
     for row in table["rows"]:

@@ -231,7 +231,6 @@ static wisp_status add_participant( wisp_world* world, contact_state* state, wis
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d entities in contact",
                                 state->participant_count + 1 );
     }
-    wisp_world_let_meet( world, participant );
     wisp_status status = attach_components( world, state, participant, positions );
     status = status == WISP_OK ? add_mesh_entity( world, state, strands ) : status;
     if ( status != WISP_OK )
@@ -271,6 +270,10 @@ wisp_status wisp_set_contact( wisp_world* world, wisp_entity participant, const 
             remove_participant( world, state, number );
         }
         return WISP_OK;
+    }
+    if ( status == WISP_OK && ( def->self || def->mask != 0 ) ) // else its intersections are only counted
+    {
+        wisp_world_let_meet( world, participant );
     }
     status = status == WISP_OK && number < 0 ? add_participant( world, state, participant ) : status;
     if ( status == WISP_OK )
