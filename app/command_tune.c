@@ -191,7 +191,7 @@ static const option_row tune_rows[] = {
     { "error", TUNE_KEY_ERROR, "METRES", "Cheapest configuration with at most this error", OPTION_ANY },
     { "budget", TUNE_KEY_BUDGET, "MS", "Most accurate configuration within MS ms per step", OPTION_ANY },
     OPTION_TITLE( "Search:" ),
-    { "length", TUNE_KEY_LENGTH, "S", "Seconds of motion that are compared; default: all of the scene, at most 1", OPTION_ANY },
+    { "length", TUNE_KEY_LENGTH, "S", "Compare S seconds of motion; default: the scene, at most 1", OPTION_ANY },
     { "limit", TUNE_KEY_LIMIT, "SECONDS", "Start no run after this time, default 300", OPTION_ANY },
     { "workers", TUNE_KEY_WORKERS, "N", "Use N workers, 1 to 64; default: the scene's, or one per core", OPTION_ANY },
     OPTION_TITLE( "Output:" ),

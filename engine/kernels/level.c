@@ -102,7 +102,8 @@ void KERNEL( level_prepare )( const wisp_level_link_args* args, int begin, int e
         const lane8 alpha = lane8_mul( lane8_loadu( mine.compliance + link ), inverse_dt2 );
         const lane8m moves = lane8_lt( zero, weight );
         const lane8 sum = lane8_select( moves, lane8_add( weight, alpha ), lane8_set1( 1.0f ) );
-        lane8_storeu( mine.factor + link, lane8_select( moves, lane8_div( lane8_set1( mine.relaxation ), sum ), zero ) );
+        lane8_storeu( mine.factor + link,
+                      lane8_select( moves, lane8_div( lane8_set1( mine.relaxation ), sum ), zero ) );
         lane8_storeu( mine.lambda + link, zero );
     }
 }

@@ -2,7 +2,6 @@
 // each judge is seen alone.
 #include "torture_fixture.h"
 
-
 #include <math.h>
 
 enum
