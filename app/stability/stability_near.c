@@ -54,50 +54,11 @@ static double most( const seen* s, int axis )
     return extreme( s, axis, 1.0 );
 }
 
-static double momentum( const seen* s, int axis )
-{
-    return s->motion.momentum[axis];
-}
-
-static double spin( const seen* s, int axis )
-{
-    return s->motion.angular_momentum[axis];
-}
-
-static double centre( const seen* s, int axis )
-{
-    return s->motion.centre[axis];
-}
-
-static double buoyancy( const seen* s, int axis )
-{
-    return s->balloon.buoyancy[axis];
-}
-
-static double drag( const seen* s, int axis )
-{
-    return s->balloon.drag[axis];
-}
-
-static double jet( const seen* s, int axis )
-{
-    return s->balloon.jet[axis];
-}
-
-static double torque( const seen* s, int axis )
-{
-    return s->balloon.torque[axis];
-}
-
-static double turning( const seen* s, int axis )
-{
-    return s->balloon.angular_velocity[axis];
-}
-
 // The farthest that a vertex is from where it started.
 static double drift( const seen* s, int axis )
 {
-    double farthest = axis;
+    (void)axis;
+    double farthest = 0.0;
     for ( int v = 0; v < s->shape.vertex_count; ++v )
     {
         farthest = fmax( farthest, wisp_mesh_distance( s->at[v], s->start[v] ) );
@@ -108,7 +69,8 @@ static double drift( const seen* s, int axis )
 // The mean of strands.
 static double length( const seen* s, int axis )
 {
-    double sum = axis;
+    (void)axis;
+    double sum = 0.0;
     for ( int k = 0; k < s->shape.strand_count; ++k )
     {
         for ( int v = s->shape.offsets[k] + 1; v < s->shape.offsets[k + 1]; ++v )
@@ -132,7 +94,8 @@ static double tension( const seen* s, int axis )
 
 static double volume( const seen* s, int axis )
 {
-    double sum = axis;
+    (void)axis;
+    double sum = 0.0;
     for ( int t = 0; t < s->shape.triangle_count; ++t )
     {
         const int32_t* corner = s->shape.triangles + 3 * (size_t)t;
@@ -144,6 +107,19 @@ static double volume( const seen* s, int axis )
     return sum / 6.0;
 }
 
+#define VECTOR( name, value )                                                                                        \
+    static double name( const seen* s, int axis )                                                                    \
+    {                                                                                                                \
+        return ( value )[axis];                                                                                      \
+    }
+VECTOR( momentum, s->motion.momentum )
+VECTOR( spin, s->motion.angular_momentum )
+VECTOR( centre, s->motion.centre )
+VECTOR( buoyancy, s->balloon.buoyancy )
+VECTOR( drag, s->balloon.drag )
+VECTOR( jet, s->balloon.jet )
+VECTOR( torque, s->balloon.torque )
+VECTOR( turning, s->balloon.angular_velocity )
 #define SCALAR( name, value )                                                                                        \
     static double name( const seen* s, int axis )                                                                    \
     {                                                                                                                \

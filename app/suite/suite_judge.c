@@ -435,19 +435,26 @@ static struct suite_twin* find( const suite_twins* twins, uint64_t key )
     return NULL;
 }
 
+// Make room for one more item of a list.
+static void* grow( void* list, int count, int* capacity, size_t size )
+{
+    if ( count < *capacity )
+    {
+        return list;
+    }
+    *capacity = *capacity > 0 ? 2 * *capacity : 16;
+    void* larger = text_alloc( (size_t)*capacity * size );
+    if ( count > 0 )
+    {
+        memcpy( larger, list, (size_t)count * size );
+    }
+    free( list );
+    return larger;
+}
+
 static struct suite_twin* keep( suite_twins* twins, uint64_t key, const stability_trace* trace )
 {
-    if ( twins->count == twins->capacity )
-    {
-        twins->capacity = twins->capacity > 0 ? 2 * twins->capacity : 16;
-        struct suite_twin* list = text_alloc( (size_t)twins->capacity * sizeof *list );
-        if ( twins->count > 0 )
-        {
-            memcpy( list, twins->list, (size_t)twins->count * sizeof *list );
-        }
-        free( twins->list );
-        twins->list = list;
-    }
+    twins->list = grow( twins->list, twins->count, &twins->capacity, sizeof *twins->list );
     struct suite_twin* twin = &twins->list[twins->count++];
     *twin =
         ( struct suite_twin ){ key, text_alloc( (size_t)trace->body_count * sizeof( double ) ), trace->body_count };
@@ -531,14 +538,8 @@ static void count_as_refused( const suite_row* row, const char* message, suite_o
 
 static void keep_hash( const suite_row* row, uint64_t hash, suite_twins* twins )
 {
-    struct suite_hash* list = text_alloc( (size_t)( twins->hash_count + 1 ) * sizeof *list );
-    if ( twins->hash_count > 0 )
-    {
-        memcpy( list, twins->hashes, (size_t)twins->hash_count * sizeof *list );
-    }
-    free( twins->hashes );
-    list[twins->hash_count++] = ( struct suite_hash ){ row, hash };
-    twins->hashes = list;
+    twins->hashes = grow( twins->hashes, twins->hash_count, &twins->hash_capacity, sizeof *twins->hashes );
+    twins->hashes[twins->hash_count++] = ( struct suite_hash ){ row, hash };
 }
 
 // The hash of a row that has run, or runs now.

@@ -19,7 +19,7 @@ typedef struct suite_twins
         const suite_row* row;
         uint64_t hash;
     } * hashes; ///< of rows that ran, for `same`
-    int hash_count;
+    int hash_count, hash_capacity;
 } suite_twins;
 
 void suite_twins_release( suite_twins* twins );

@@ -67,10 +67,9 @@ static bool cook_turns( wisp_plate* plate, const wisp_fabric* f, fabric_pool* sc
     set->item_row = fabric_pool_push( &plate->pool, (size_t)plate->hinge_count, sizeof( int32_t ) );
     plate->stiffness = fabric_pool_push_zeroed( &plate->pool, slots, sizeof( float ) );
     plate->steepest = fabric_pool_push_zeroed( &plate->pool, slots, sizeof( float ) );
-    plate->held = fabric_pool_push( &plate->pool, 4 * (size_t)f->slot_count, sizeof( float ) );
     plate->least_height = fabric_pool_push( &plate->pool, (size_t)f->slot_count, sizeof( float ) );
     if ( slot_of == NULL || set->item_row == NULL || plate->stiffness == NULL || plate->steepest == NULL ||
-         plate->held == NULL || plate->least_height == NULL )
+         plate->least_height == NULL )
     {
         return false;
     }
@@ -174,7 +173,6 @@ wisp_plate_turns wisp_plate_get_turns( const wisp_plate* plate )
         .triangles = &plate->triangles,
         .corner_x4 = plate->corner_x4,
         .moment_of = plate->moment_of,
-        .held = plate->held,
     };
 }
 

@@ -48,7 +48,6 @@ struct wisp_plate
     plate_row_set turns;         // energy of turns, 1/2 D sum of K J J; empty unless requested
     float *stiffness, *steepest; // [row of turns]
     float* least_height;         // [slot] m
-    float* held;                 // [slot][4] m
     wisp_schedule triangles;     // of those that bend, with turns
     const int32_t* corner_x4;    // [group of triangles][3][8]
     int32_t* moment_of;          // [group of triangles][3][8] row of the hinge opposite to a corner

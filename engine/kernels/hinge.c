@@ -7,6 +7,8 @@
 // A projection turns a hinge by at most this, in rad. Its vertices move along tangents, so a turn of a quarter lengthens the
 // triangles by 3 %, and half a turn threefold: tiny stiff meshes would gain energy without bound.
 #define MAX_TURN 0.25f
+// Hinges that may turn a vertex in a flattened triangle at the same time.
+#define AT_ONCE 8.0f
 
 enum
 {
@@ -177,7 +179,7 @@ void KERNEL( hinge_dihedral )( const wisp_hinge_args* args, int begin, int end )
 void KERNEL( plate_measure_angles )( const wisp_plate_angle_args* args, int begin, int end )
 {
     const wisp_plate_angle_args mine = *args;
-    const lane8 one = lane8_set1( 1.0f ), at_once = lane8_set1( mine.at_once * mine.rate );
+    const lane8 one = lane8_set1( 1.0f ), at_once = lane8_set1( AT_ONCE * mine.rate );
     for ( int hinge = begin; hinge < end; hinge += 8 )
     {
         corners c = load_corners( mine.position, mine.slot_x4, hinge );

@@ -19,8 +19,6 @@ static const double SHORT_WAVES = 4.0;
 static const float MAX_MOVE = 0.125f;
 // Moments of angles change faster than the matrix says where triangles are deformed: the stages take it so many times.
 static const double ANGLE_MARGIN = 2.0;
-// Hinges that may turn a vertex in a flattened triangle at the same time.
-static const float AT_ONCE = 8.0f;
 
 // ---- plates of a world ----
 
@@ -231,7 +229,7 @@ static bool find_arrays( wisp_frame* frame, const wisp_span* span, bending_solve
     const size_t numbers = 4 * (size_t)fabric->slot_count, hinges = (size_t)fabric->hinge_order.slot_count;
     const size_t blocks = numbers / 32 / BENDING_GRAIN + 1;
     float* scratch = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker,
-                                            ( 3 * numbers + 2 * hinges + 1 + blocks ) * sizeof( float ) );
+                                            ( 4 * numbers + 2 * hinges + 1 + blocks ) * sizeof( float ) );
     if ( scratch == NULL )
     {
         wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the bending of %zu particles", numbers / 4 );
@@ -243,7 +241,8 @@ static bool find_arrays( wisp_frame* frame, const wisp_span* span, bending_solve
     b->kernels = wisp_frame_kernels( frame );
     b->args.position = scratch;
     b->args.impulse = scratch + numbers;
-    b->args.older = scratch + 2 * numbers;
+    b->args.newer = scratch + 2 * numbers;
+    b->args.older = scratch + 3 * numbers;
     b->moves = ( wisp_plate_move_args ){
         .position = position,
         .target = target != NULL ? target : position,
@@ -259,8 +258,8 @@ static bool find_arrays( wisp_frame* frame, const wisp_span* span, bending_solve
         .slot_x4 = fabric->hinge_slot_x4,
         .rest = wisp_frame_column( frame, span->entity, WISP_HINGE_REST, 0 ),
         .position = scratch,
-        .angle = scratch + 3 * numbers,
-        .moment = scratch + 3 * numbers + hinges,
+        .angle = scratch + 4 * numbers,
+        .moment = scratch + 4 * numbers + hinges,
         .impulse = b->args.impulse,
     };
     b->by_angle = b->angles.rest != NULL;
@@ -305,14 +304,12 @@ void cloth_bend( wisp_frame* frame, const wisp_span* span, void* user )
     b.args.rate = *(float*)wisp_frame_column( frame, span->entity, state->bending, 0 ) * b.moves.dt * b.moves.dt;
     b.args.rows = wisp_plate_get_rows( mine->plate );
     b.angles.turns = wisp_plate_get_turns( mine->plate );
-    b.args.newer = b.angles.turns.held;
     const double largest = update_plate( frame, span, mine, &b );
     for_slices( parallel, &b, predict );
     if ( b.by_angle )
     {
         b.moves.least_height = b.angles.turns.least_height;
         b.angles.rate = b.args.rate;
-        b.angles.at_once = AT_ONCE;
         b.args.rate *= (float)ANGLE_MARGIN;
         compute_angle_impulse( parallel, wisp_frame_fabric( frame, span->entity ), &b );
     }

@@ -263,7 +263,6 @@ static void run_moments( const wisp_kernels* kernels, void* state, int begin, in
         .moment = m->moment,
         .impulse = m->impulse[0],
         .rate = 0.2f,
-        .at_once = 8.0f,
     };
     kernels->plate_measure_angles( &args, 0, CONSTRAINTS );
     kernels->plate_couple_angles( &args, 0, CONSTRAINTS );

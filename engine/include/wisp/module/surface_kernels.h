@@ -72,7 +72,6 @@ typedef struct wisp_plate_turns
     const int32_t* corner_x4;              ///< [group of triangles][3][8] slots times 4
     const int32_t*
         moment_of; ///< [group of triangles][3][8] the hinge opposite to a corner; the number of hinges: none
-    float* held;   ///< [slot][4] m, moves that the caller keeps
 } wisp_plate_turns;
 
 /// Arguments of moments of angles, groups of eight hinges, and of impulses, groups of eight triangles.
@@ -86,7 +85,6 @@ typedef struct wisp_plate_angle_args
     float* moment;  ///< [hinge + 1] kg m: times the square of the substep, over the length of the edge; the last is 0
     float* impulse; ///< [slot][4] kg m, to which the forces of moments are added
     float rate;     ///< kg m^2: rigidity times the square of the substep
-    float at_once;  ///< hinges that may turn a vertex in a flattened triangle at the same time
 } wisp_plate_angle_args;
 
 /// Arguments of an implicit step of bending by a Chebyshev recurrence, slices of eight rows. Rows are slots. With A = r W Q, W the
