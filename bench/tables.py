@@ -74,7 +74,13 @@ class Medians:
             version, commit, date, cpu, cores, isa, compiler, *_ = self.files[case][0].split(", ")
             return Row(version=version.removeprefix("wisp "), commit=commit.removeprefix("commit "), date=date[:10], cpu=cpu, cores=cores, isa=isa, compiler=compiler)
         rows = [row for row in self.files[file][1] if row["case"] == case and all(matches(row, part) for part in parts)]
-        return merged(rows) if rows else None
+        worst = max((row.get("error", "") for row in rows), key=lambda error: float(error or -1), default="")
+        return Row(merged(rows), worst=worst) if rows else None
+
+    def series(self, file):
+        """Return a row of sources for each case of a file and each solver in it, which variants begin with."""
+        named = dict.fromkeys((row["case"], row["variant"].split(", ")[0]) for row in self.files[file][1])
+        return [[f"`{case}`, {solver}", f"{file} | {case} | {solver}, *"] for case, solver in named]
 
 
 def cell(text, rows):
@@ -93,7 +99,7 @@ def lines_of(table, medians):
         return table["text"].format(**named).splitlines()
     heads, cells = list(table["columns"]), list(table["columns"].values())
     lines = ["| " + " | ".join(heads) + " |", "|---" + "|---:" * (len(heads) - 1) + "|"]
-    for row in table["rows"]:
+    for row in table.get("rows") or medians.series(table["series"]):
         sources = [medians.find(source) for source in row[1:]]
         lines.append("| " + " | ".join([row[0], *(cell(text, sources) for text in cells[1:])]) + " |")
     return lines

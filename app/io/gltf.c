@@ -1,15 +1,310 @@
 // glTF files: bytes that are safe to parse, relations between elements, and meshes by name.
-#define _XOPEN_SOURCE 700
-
 #include "gltf_internal.h"
+#include "io_file.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+// ---- info ----
+
+// The text of `wisp info` for a glTF file.
+
+static void print_mesh_stats( FILE* out, const gltf_mesh* mesh )
+{
+    if ( mesh->skipped_count > 0 )
+    {
+        fprintf( out, "  note: primitives of points or lines, which are skipped: %d\n", mesh->skipped_count );
+    }
+    if ( mesh->merged_count > 0 )
+    {
+        fprintf( out, "  note: vertices of equal position and weights, merged: %d\n", mesh->merged_count );
+    }
+    if ( mesh->dropped_influence_count > 0 )
+    {
+        fprintf( out, "  note: vertices with more than four weights, of which the largest are kept: %d\n",
+                 mesh->dropped_influence_count );
+    }
+}
+
+static void print_skins( FILE* out, const gltf_model* model )
+{
+    for ( int s = 0; s < model->skin_count; ++s )
+    {
+        const gltf_skin* skin = &model->skins[s];
+        fprintf( out, "skin %s: %d joints\n", skin->name, skin->joint_count );
+        for ( int j = 0; j < skin->joint_count; ++j )
+        {
+            const int node = skin->joints[j], parent = model->nodes[node].parent;
+            fprintf( out, "  joint %d: %s%s%s\n", j, model->nodes[node].name, parent >= 0 ? ", under " : "",
+                     parent >= 0 ? model->nodes[parent].name : "" );
+        }
+    }
+}
+
+static void print_animations( FILE* out, const gltf_model* model )
+{
+    for ( int a = 0; a < model->animation_count; ++a )
+    {
+        const gltf_animation* animation = &model->animations[a];
+        fprintf( out, "animation %s: %.6g s, %d channels\n", animation->name, animation->duration,
+                 animation->channel_count + animation->weights_count );
+        if ( animation->skipped_count > 0 )
+        {
+            fprintf( out,
+                     "  note: channels without a node, or of weights without morph targets, which are skipped: %d\n",
+                     animation->skipped_count );
+        }
+    }
+}
+
+// Morph targets, and when the first animation shows each of them alone: the frames of a recording.
+static void print_targets( FILE* out, const gltf_model* model, int n )
+{
+    const gltf_mesh* mesh = &model->meshes[model->nodes[n].mesh];
+    if ( mesh->target_count > 0 )
+    {
+        fprintf( out, "  morph targets: %d\n", mesh->target_count );
+    }
+    for ( int t = 0; t < mesh->target_count && t < WISP_MESH_LISTED; ++t )
+    {
+        const double time = model->animation_count > 0 ? gltf_target_time( model, n, 0, t ) : -1.0;
+        fprintf( out, "    target %d, %s", t, mesh->target_names[t] );
+        if ( time >= 0.0 )
+        {
+            fprintf( out, ", at %.6g s", time );
+        }
+        fputc( '\n', out );
+    }
+    if ( mesh->target_count > WISP_MESH_LISTED )
+    {
+        fprintf( out, "    and %d more\n", mesh->target_count - WISP_MESH_LISTED );
+    }
+}
+
+static wisp_status print_node( FILE* out, const gltf_model* model, int n, const char* name )
+{
+    const gltf_node* node = &model->nodes[n];
+    const gltf_mesh* mesh = &model->meshes[node->mesh];
+    char title[400];
+    snprintf( title, sizeof title, "%s#%s", name, node->name );
+    if ( mesh->mesh.triangle_count == 0 )
+    {
+        fprintf( out, "%s: no triangles\n", title );
+        print_mesh_stats( out, mesh );
+        return WISP_OK;
+    }
+    wisp_mesh placed;
+    wisp_error error = { .status = WISP_OK };
+    wisp_status status = gltf_mesh_at_rest( model, n, name, &placed, &error );
+    if ( status != WISP_OK )
+    {
+        fprintf( out, "%s: %s\n", title, error.message );
+        return status;
+    }
+    status = wisp_mesh_info( out, &placed, title );
+    wisp_mesh_release( &placed );
+    fprintf( out, "  mesh %s of %d %s", mesh->name, mesh->primitive_count,
+             mesh->primitive_count == 1 ? "primitive" : "primitives" );
+    fprintf( out, node->skin >= 0 ? ", skin %s\n" : "\n", node->skin >= 0 ? model->skins[node->skin].name : "" );
+    print_targets( out, model, n );
+    print_mesh_stats( out, mesh );
+    return status;
+}
+
+wisp_status gltf_info( FILE* out, const gltf_model* model, const char* name )
+{
+    io_numbers numbers = { 0 };
+    const wisp_status plain = io_numbers_begin( &numbers, NULL );
+    fprintf( out, "%s: glTF, %d nodes, %d meshes, %d skins, %d animations\n", name, model->node_count,
+             model->mesh_count, model->skin_count, model->animation_count );
+    print_skins( out, model );
+    print_animations( out, model );
+    wisp_status status = WISP_OK;
+    for ( int n = 0; n < model->node_count && status == WISP_OK; ++n )
+    {
+        status = model->nodes[n].mesh >= 0 ? print_node( out, model, n, name ) : WISP_OK;
+    }
+    if ( plain == WISP_OK )
+    {
+        io_numbers_end( &numbers );
+    }
+    return status;
+}
+
+// ---- merging ----
+
+// Vertices that a file splits where normals or texture coordinates differ become one again: cloth must not fall apart
+// at its seams. Only exactly equal positions with exactly equal joints, weights and displacements are the same vertex.
+
+enum
+{
+    WORDS = 11, // of a vertex: position, joints, weights
+};
+
+static void key_of( const gltf_mesh* mesh, int v, uint32_t key[WORDS] )
+{
+    memset( key, 0, WORDS * sizeof *key );
+    // A negative zero is the same place.
+    const float p[3] = { mesh->mesh.points[v].x + 0.0f, mesh->mesh.points[v].y + 0.0f,
+                         mesh->mesh.points[v].z + 0.0f };
+    memcpy( key, p, sizeof p );
+    if ( mesh->joints != NULL )
+    {
+        memcpy( key + 3, mesh->joints + 4 * (size_t)v, 4 * sizeof *mesh->joints );
+        memcpy( key + 7, mesh->weights + 4 * (size_t)v, 4 * sizeof *mesh->weights );
+    }
+}
+
+// Of a morph target, whose rows keep their length while vertices are merged.
+static float* displacement( const gltf_mesh* mesh, int target, int v )
+{
+    return mesh->targets + 3 * ( (size_t)target * (size_t)mesh->mesh.vertex_count + (size_t)v );
+}
+
+// Vertices that only start at one place stay apart.
+static bool moves_alike( const gltf_mesh* mesh, int a, int b )
+{
+    bool alike = true;
+    for ( int t = 0; t < mesh->target_count && alike; ++t )
+    {
+        const float *p = displacement( mesh, t, a ), *q = displacement( mesh, t, b );
+        alike = p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
+    }
+    return alike;
+}
+
+static uint64_t mix( uint64_t hash, uint32_t word )
+{
+    hash = ( hash ^ word ) * 0xff51afd7ed558ccdu;
+    return hash ^ hash >> 32;
+}
+
+static uint64_t hash_of( const gltf_mesh* mesh, int v, const uint32_t key[WORDS] )
+{
+    uint64_t hash = 0x9e3779b97f4a7c15u;
+    for ( int i = 0; i < WORDS; ++i )
+    {
+        hash = mix( hash, key[i] );
+    }
+    for ( int t = 0; t < mesh->target_count; ++t )
+    {
+        for ( int k = 0; k < 3; ++k )
+        {
+            const float d = displacement( mesh, t, v )[k] + 0.0f;
+            uint32_t word;
+            memcpy( &word, &d, sizeof word );
+            hash = mix( hash, word );
+        }
+    }
+    return hash;
+}
+
+// What stays of the later vertex is counted.
+static void compare_uvs( gltf_mesh* mesh, int first, int later, bool* is_seam )
+{
+    const float* uvs = mesh->mesh.uvs;
+    if ( uvs != NULL && !is_seam[first] &&
+         memcmp( uvs + 2 * (size_t)first, uvs + 2 * (size_t)later, 2 * sizeof *uvs ) != 0 )
+    {
+        is_seam[first] = true;
+        ++mesh->mesh.uv_seam_count;
+    }
+}
+
+static void keep( gltf_mesh* mesh, int from, int to )
+{
+    mesh->mesh.points[to] = mesh->mesh.points[from];
+    if ( mesh->mesh.colours != NULL )
+    {
+        mesh->mesh.colours[to] = mesh->mesh.colours[from];
+    }
+    if ( mesh->mesh.uvs != NULL )
+    {
+        memmove( mesh->mesh.uvs + 2 * (size_t)to, mesh->mesh.uvs + 2 * (size_t)from, 2 * sizeof *mesh->mesh.uvs );
+    }
+    for ( int t = 0; t < mesh->target_count; ++t )
+    {
+        memmove( displacement( mesh, t, to ), displacement( mesh, t, from ), 3 * sizeof *mesh->targets );
+    }
+    if ( mesh->joints != NULL )
+    {
+        memmove( mesh->joints + 4 * (size_t)to, mesh->joints + 4 * (size_t)from, 4 * sizeof *mesh->joints );
+        memmove( mesh->weights + 4 * (size_t)to, mesh->weights + 4 * (size_t)from, 4 * sizeof *mesh->weights );
+    }
+}
+
+// Open addressing over the kept vertices, which move down as others are merged.
+static void merge( gltf_mesh* mesh, int32_t* table, size_t slots, int32_t* number, bool* is_seam )
+{
+    int kept = 0;
+    for ( int v = 0; v < mesh->mesh.vertex_count; ++v )
+    {
+        uint32_t key[WORDS], other[WORDS];
+        key_of( mesh, v, key );
+        size_t slot = hash_of( mesh, v, key ) & ( slots - 1 );
+        for ( ; table[slot] != 0; slot = ( slot + 1 ) & ( slots - 1 ) )
+        {
+            key_of( mesh, table[slot] - 1, other );
+            if ( memcmp( key, other, sizeof key ) == 0 && moves_alike( mesh, v, table[slot] - 1 ) )
+            {
+                break;
+            }
+        }
+        if ( table[slot] != 0 )
+        {
+            number[v] = table[slot] - 1;
+            compare_uvs( mesh, number[v], v, is_seam );
+            continue;
+        }
+        keep( mesh, v, kept );
+        number[v] = kept++;
+        table[slot] = kept;
+    }
+    for ( int c = 0; c < 3 * mesh->mesh.triangle_count; ++c )
+    {
+        mesh->mesh.triangles[c] = number[mesh->mesh.triangles[c]];
+    }
+    for ( int t = 1; t < mesh->target_count; ++t )
+    {
+        memmove( mesh->targets + 3 * (size_t)t * (size_t)kept, displacement( mesh, t, 0 ),
+                 3 * (size_t)kept * sizeof *mesh->targets );
+    }
+    mesh->merged_count = mesh->mesh.vertex_count - kept;
+    mesh->mesh.vertex_count = kept;
+}
+
+wisp_status gltf_merge_seams( gltf_mesh* mesh, const char* name, wisp_error* error )
+{
+    const size_t count = (size_t)mesh->mesh.vertex_count;
+    size_t slots = 16;
+    while ( slots < 2 * count )
+    {
+        slots *= 2;
+    }
+    int32_t* table = calloc( slots, sizeof *table );
+    int32_t* number = malloc( count * sizeof *number );
+    bool* is_seam = calloc( count, sizeof *is_seam );
+    const bool enough = table != NULL && number != NULL && is_seam != NULL;
+    if ( enough )
+    {
+        merge( mesh, table, slots, number, is_seam );
+    }
+    free( table );
+    free( number );
+    free( is_seam );
+    return enough ? WISP_OK
+                  : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory to merge %zu vertices",
+                               io_short_name( name ), count );
+}
+
+// ---- files ----
+
+#define _XOPEN_SOURCE 700
+
+#include <math.h>
 #include <strings.h>
 
 #include "io_bytes.h"
-#include "io_file.h"
 #include "mesh_internal.h"
 
 enum

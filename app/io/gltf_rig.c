@@ -1,5 +1,5 @@
 // From the nodes, skins and channels of a model to joints, weights and tracks.
-#include "gltf_rig.h"
+#include "gltf_internal.h"
 
 #include <math.h>
 #include <stdlib.h>

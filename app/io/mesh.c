@@ -1,13 +1,387 @@
 // The container: memory, checks, and triangles added one by one.
 #include "mesh_internal.h"
 
+#include "gltf.h"
+#include "io_bytes.h"
+#include "io_file.h"
+
+#include "wisp/module/definition.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "io_file.h"
+// ---- formats ----
 
-#include "wisp/module/definition.h"
+// The format of a path; reading and writing of whole files.
+
+typedef wisp_status mesh_reader( const void* bytes, size_t size, const char* name, wisp_mesh* out,
+                                 wisp_error* error );
+typedef wisp_status mesh_writer( FILE* out, const wisp_mesh* mesh, const char* name, wisp_error* error );
+
+typedef struct mesh_format
+{
+    const char* extension;
+    mesh_reader* read;
+    mesh_writer* write;
+} mesh_format;
+
+static const mesh_format formats[] = {
+    { ".obj", wisp_mesh_read_obj, mesh_put_obj },
+    { ".ply", wisp_mesh_read_ply, mesh_put_ply },
+};
+
+static const mesh_format* find_format( const char* path )
+{
+    for ( int i = 0; i < WISP_COUNT( formats ); ++i )
+    {
+        if ( io_has_extension( path, formats[i].extension ) )
+        {
+            return &formats[i];
+        }
+    }
+    return NULL;
+}
+
+wisp_status wisp_mesh_read( const char* path, wisp_mesh* out, wisp_error* error )
+{
+    *out = ( wisp_mesh ){ 0 };
+    const bool has_name = !io_is_standard( path );
+    if ( gltf_is_path( path ) )
+    {
+        return gltf_mesh_read( path, out, error );
+    }
+    const mesh_format* format = find_format( path );
+    if ( format == NULL && has_name )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "%s: not a mesh, expected a file that ends in .obj, .ply, .glb or .gltf",
+                          io_short_name( path ) );
+    }
+    unsigned char* bytes = NULL;
+    size_t size = 0;
+    wisp_status status = io_file_read( path, WISP_MESH_FILE_CAP, &bytes, &size, error );
+    if ( status == WISP_OK )
+    {
+        // Standard input has no extension, but a PLY begins with its name.
+        format = has_name ? format : &formats[size >= 3 && memcmp( bytes, "ply", 3 ) == 0 ? 1 : 0];
+        status = format->read( bytes, size, io_input_name( path ), out, error );
+    }
+    free( bytes );
+    return status;
+}
+
+static wisp_status write_file( const char* path, mesh_writer* write, const wisp_mesh* mesh, wisp_error* error )
+{
+    io_output output;
+    wisp_status status = io_output_open( path, &output, error );
+    return status == WISP_OK ? io_output_end( &output, write( output.stream, mesh, path, error ), error ) : status;
+}
+
+wisp_status wisp_mesh_write_obj( const char* path, const wisp_mesh* mesh, wisp_error* error )
+{
+    return write_file( path, mesh_put_obj, mesh, error );
+}
+
+wisp_status wisp_mesh_write_ply( const char* path, const wisp_mesh* mesh, wisp_error* error )
+{
+    return write_file( path, mesh_put_ply, mesh, error );
+}
+
+wisp_status wisp_mesh_write( const char* path, const wisp_mesh* mesh, wisp_error* error )
+{
+    const mesh_format* format = find_format( path );
+    if ( format == NULL )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: expected a file that ends in .obj or .ply",
+                          io_short_name( path ) );
+    }
+    return write_file( path, format->write, mesh, error );
+}
+
+// ---- text ----
+
+// Lines, words and numbers of untrusted files. Independent of the locale, and needs no zero at the end.
+
+enum
+{
+    SHOWN = 24, // limit of characters of a word in a message
+    MAX_EXPONENT_DIGITS = 4,
+};
+
+static bool is_blank( char c )
+{
+    return c == ' ' || c == '\t';
+}
+
+static bool is_digit( char c )
+{
+    return c >= '0' && c <= '9';
+}
+
+mesh_word mesh_next_word( mesh_word* line )
+{
+    size_t begin = 0;
+    while ( begin < line->length && is_blank( line->text[begin] ) )
+    {
+        ++begin;
+    }
+    size_t end = begin;
+    while ( end < line->length && !is_blank( line->text[end] ) )
+    {
+        ++end;
+    }
+    mesh_word word = { line->text + begin, end - begin };
+    *line = ( mesh_word ){ line->text + end, line->length - end };
+    return word;
+}
+
+bool mesh_next_line( mesh_word* rest, mesh_word* line )
+{
+    if ( rest->length == 0 )
+    {
+        return false;
+    }
+    size_t end = 0;
+    while ( end < rest->length && rest->text[end] != '\n' && rest->text[end] != '\r' )
+    {
+        ++end;
+    }
+    *line = ( mesh_word ){ rest->text, end };
+    bool is_pair = end + 1 < rest->length && rest->text[end] == '\r' && rest->text[end + 1] == '\n';
+    size_t next = end == rest->length ? end : end + ( is_pair ? 2 : 1 );
+    *rest = ( mesh_word ){ rest->text + next, rest->length - next };
+    return true;
+}
+
+bool mesh_word_is( mesh_word word, const char* expected )
+{
+    return word.length == strlen( expected ) && memcmp( word.text, expected, word.length ) == 0;
+}
+
+// ---- numbers ---------------------------------------------------------------------------------------------------
+
+static size_t skip_sign( mesh_word word, size_t at )
+{
+    return at < word.length && ( word.text[at] == '+' || word.text[at] == '-' ) ? at + 1 : at;
+}
+
+static size_t skip_digits( mesh_word word, size_t at )
+{
+    while ( at < word.length && is_digit( word.text[at] ) )
+    {
+        ++at;
+    }
+    return at;
+}
+
+bool mesh_word_is_number( mesh_word word )
+{
+    size_t begin = skip_sign( word, 0 );
+    size_t at = skip_digits( word, begin );
+    size_t digits = at - begin;
+    if ( at < word.length && word.text[at] == '.' )
+    {
+        size_t end = skip_digits( word, at + 1 );
+        digits += end - ( at + 1 );
+        at = end;
+    }
+    if ( digits == 0 )
+    {
+        return false;
+    }
+    if ( at < word.length && ( word.text[at] == 'e' || word.text[at] == 'E' ) )
+    {
+        size_t exponent = skip_sign( word, at + 1 );
+        at = skip_digits( word, exponent );
+        if ( at == exponent || at - exponent > MAX_EXPONENT_DIGITS )
+        {
+            return false;
+        }
+    }
+    return at == word.length;
+}
+
+double mesh_word_value( mesh_word word )
+{
+    // strtod needs a zero after the number, and the file has none.
+    char text[MESH_WORD_LONGEST + 1] = { 0 };
+    memcpy( text, word.text, word.length < MESH_WORD_LONGEST ? word.length : MESH_WORD_LONGEST );
+    return strtod( text, NULL );
+}
+
+bool mesh_word_is_integer( mesh_word word, int32_t* value )
+{
+    size_t begin = skip_sign( word, 0 );
+    if ( begin == word.length || skip_digits( word, begin ) != word.length )
+    {
+        return false;
+    }
+    int64_t sum = 0;
+    for ( size_t at = begin; at < word.length; ++at )
+    {
+        sum = 10 * sum + ( word.text[at] - '0' );
+        if ( sum > INT32_MAX )
+        {
+            return false;
+        }
+    }
+    *value = (int32_t)( word.text[0] == '-' ? -sum : sum );
+    return true;
+}
+
+// ---- messages -------------------------------------------------------------------------------------------------
+
+mesh_quote mesh_quote_word( mesh_word word )
+{
+    mesh_quote quote = { { 0 } };
+    size_t shown = word.length < SHOWN ? word.length : SHOWN;
+    for ( size_t i = 0; i < shown; ++i )
+    {
+        char c = word.text[i];
+        quote.text[i] = (char)( c > ' ' && c <= '~' ? c : '?' );
+    }
+    if ( shown < word.length )
+    {
+        memcpy( quote.text + shown, "...", 4 );
+    }
+    return quote;
+}
+
+// ---- writing ----
+
+// Writes meshes: OBJ for readers and modelling programs, little-endian PLY for size and speed.
+
+// Nine digits restore every float bit for bit.
+static void put_obj_vertex( FILE* out, const wisp_mesh* mesh, int v )
+{
+    const wisp_vec3 p = mesh->points[v];
+    fprintf( out, "v %.9g %.9g %.9g", (double)p.x, (double)p.y, (double)p.z );
+    if ( mesh->colours != NULL )
+    {
+        const wisp_vec3 c = mesh->colours[v];
+        fprintf( out, " %.9g %.9g %.9g", (double)c.x, (double)c.y, (double)c.z );
+    }
+    fputc( '\n', out );
+}
+
+wisp_status mesh_put_obj( FILE* out, const wisp_mesh* mesh, const char* name, wisp_error* error )
+{
+    WISP_TRY( mesh_check( mesh, name, error ) );
+    io_numbers numbers;
+    WISP_TRY( io_numbers_begin( &numbers, error ) );
+    fprintf( out, "# Wisp %s: %d vertices, %d triangles, metres\n", WISP_VERSION_STRING, mesh->vertex_count,
+             mesh->triangle_count );
+    for ( int v = 0; v < mesh->vertex_count; ++v )
+    {
+        put_obj_vertex( out, mesh, v );
+    }
+    for ( int v = 0; mesh->uvs != NULL && v < mesh->vertex_count; ++v )
+    {
+        fprintf( out, "vt %.9g %.9g\n", (double)mesh->uvs[2 * v], (double)mesh->uvs[2 * v + 1] );
+    }
+    for ( int t = 0; t < mesh->triangle_count; ++t )
+    {
+        const int a = mesh->triangles[3 * t] + 1, b = mesh->triangles[3 * t + 1] + 1,
+                  c = mesh->triangles[3 * t + 2] + 1;
+        mesh->uvs != NULL ? fprintf( out, "f %d/%d %d/%d %d/%d\n", a, a, b, b, c, c )
+                          : fprintf( out, "f %d %d %d\n", a, b, c );
+    }
+    io_numbers_end( &numbers );
+    return WISP_OK;
+}
+
+void mesh_put_triangles( FILE* out, const wisp_mesh* mesh )
+{
+    unsigned char row[13];
+    for ( int t = 0; t < mesh->triangle_count; ++t )
+    {
+        const int32_t* triangle = mesh->triangles + 3 * t;
+        row[0] = 3;
+        for ( int k = 0; k < 3; ++k )
+        {
+            io_put_u32( row + 1 + 4 * k, (uint32_t)triangle[k] );
+        }
+        fwrite( row, 1, sizeof row, out );
+    }
+}
+
+// A byte is read back as this float.
+static float colour_of_byte( int byte )
+{
+    return (float)( (double)byte / 255.0 );
+}
+
+static int byte_of_colour( float channel )
+{
+    return (int)( 255.0f * fminf( fmaxf( channel, 0.0f ), 1.0f ) + 0.5f );
+}
+
+// Whether bytes, which most readers expect, restore every colour bit for bit.
+static bool colours_are_bytes( const wisp_mesh* mesh )
+{
+    bool same = true;
+    for ( int v = 0; mesh->colours != NULL && v < mesh->vertex_count; ++v )
+    {
+        const float c[3] = { mesh->colours[v].x, mesh->colours[v].y, mesh->colours[v].z };
+        for ( int k = 0; k < 3; ++k )
+        {
+            same = same && colour_of_byte( byte_of_colour( c[k] ) ) == c[k] && !signbit( c[k] );
+        }
+    }
+    return same;
+}
+
+static void put_ply_vertex( FILE* out, const wisp_mesh* mesh, int v, bool bytes )
+{
+    unsigned char row[32];
+    size_t size = 12;
+    io_put_vec3( row, mesh->points[v] );
+    if ( mesh->colours != NULL && bytes )
+    {
+        const wisp_vec3 c = mesh->colours[v];
+        row[size] = (unsigned char)byte_of_colour( c.x );
+        row[size + 1] = (unsigned char)byte_of_colour( c.y );
+        row[size + 2] = (unsigned char)byte_of_colour( c.z );
+        size += 3;
+    }
+    else if ( mesh->colours != NULL )
+    {
+        io_put_vec3( row + size, mesh->colours[v] );
+        size += 12;
+    }
+    if ( mesh->uvs != NULL )
+    {
+        io_put_float( row + size, mesh->uvs[2 * v] );
+        io_put_float( row + size + 4, mesh->uvs[2 * v + 1] );
+        size += 8;
+    }
+    fwrite( row, 1, size, out );
+}
+
+wisp_status mesh_put_ply( FILE* out, const wisp_mesh* mesh, const char* name, wisp_error* error )
+{
+    WISP_TRY( mesh_check( mesh, name, error ) );
+    const bool bytes = colours_are_bytes( mesh );
+    fprintf( out,
+             "ply\nformat binary_little_endian 1.0\ncomment Wisp %s, metres\n"
+             "element vertex %d\nproperty float x\nproperty float y\nproperty float z\n",
+             WISP_VERSION_STRING, mesh->vertex_count );
+    if ( mesh->colours != NULL )
+    {
+        const char* type = bytes ? "uchar" : "float";
+        fprintf( out, "property %s red\nproperty %s green\nproperty %s blue\n", type, type, type );
+    }
+    fprintf( out, "%selement face %d\nproperty list uchar int vertex_indices\nend_header\n",
+             mesh->uvs != NULL ? "property float s\nproperty float t\n" : "", mesh->triangle_count );
+    for ( int v = 0; v < mesh->vertex_count; ++v )
+    {
+        put_ply_vertex( out, mesh, v, bytes );
+    }
+    mesh_put_triangles( out, mesh );
+    return WISP_OK;
+}
+
+// ---- meshes ----
 
 enum
 {

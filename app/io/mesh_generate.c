@@ -181,7 +181,8 @@ static void turn_diagonal( int32_t* t )
     }
 }
 
-wisp_status mesh_generate_plane( const wisp_mesh_generator* r, wisp_mesh* out, wisp_error* error )
+// All take a checked definition.
+static wisp_status mesh_generate_plane( const wisp_mesh_generator* r, wisp_mesh* out, wisp_error* error )
 {
     int columns = r->columns, rows = r->rows;
     WISP_TRY( mesh_allocate( out, columns * rows, 2 * ( columns - 1 ) * ( rows - 1 ), "mesh generator", error ) );

@@ -50,7 +50,7 @@ wisp_status mesh_fan_corner( mesh_fan* fan, int32_t vertex, wisp_error* error );
 /// Release the unused capacity.
 void mesh_fan_finish( mesh_fan* fan );
 
-// ---- mesh_text.c: text of untrusted files ----
+// ---- mesh.c: text of untrusted files ----
 
 enum
 {
@@ -146,7 +146,7 @@ mesh_vector mesh_between( wisp_vec3 from, wisp_vec3 to );
 mesh_vector mesh_cross( mesh_vector a, mesh_vector b );
 double mesh_dot( mesh_vector a, mesh_vector b );
 
-// ---- mesh_weld.c ----
+// ---- mesh_repair.c ----
 
 /// became[v] is the lowest vertex that stays within a distance of vertex v, or v itself, which stays.
 /// @param distance m; 0: WISP_MESH_WELD_FRACTION of the longest side of the bounds
@@ -155,8 +155,6 @@ wisp_status mesh_weld_find( const wisp_mesh* mesh, float distance, int32_t* beca
 
 // ---- mesh_generate_*.c: shapes ----
 
-/// All take a checked definition.
-wisp_status mesh_generate_plane( const wisp_mesh_generator* generator, wisp_mesh* out, wisp_error* error );
 wisp_status mesh_generate_irregular( const wisp_mesh_generator* generator, wisp_mesh* out, wisp_error* error );
 wisp_status mesh_generate_delaunay( const wisp_mesh_generator* generator, wisp_mesh* out, wisp_error* error );
 wisp_status mesh_generate_icosphere( const wisp_mesh_generator* generator, wisp_mesh* out, wisp_error* error );

@@ -71,12 +71,3 @@ typedef struct ply_header
     int line_count; ///< of the header
     size_t size;    ///< bytes of the header; the first row begins here
 } ply_header;
-
-/// Bytes of a binary value.
-int ply_width( ply_type type );
-
-/// Whether the element `vertex` has a property of this meaning.
-bool ply_vertex_has( const ply_header* header, ply_role role );
-
-/// Read and check a header: one element `vertex` with scalars x, y and z, one element `face` with a list of corners.
-wisp_status ply_read_header( const unsigned char* bytes, size_t size, ply_header* header, wisp_error* error );

@@ -1,14 +1,280 @@
-#define _POSIX_C_SOURCE 200809L // strndup
-
-#include "scene.h"
-#include "gltf.h"
 #include "io_file.h"
 #include "scene_parts.h"
 #include "scene_ranges.h"
 
-#include <stddef.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+// ---- detail ----
+
+// Levels of detail: their names, and which an entry can have.
+
+const scene_choice SCENE_DETAIL_LEVELS[] = {
+    { "full", "everything" },
+    { "fewer_substeps", "everything, in fewer and longer substeps" },
+    { "coarse", "coarse sheets alone; of ghosts, a rigid motion with the roots of what they follow" },
+    { "nothing", "a rigid motion with the pins or the frame, of strands with the roots" },
+    { 0 },
+};
+
+wisp_status scene_check_surface_detail( scene_reader* r, const scene_node* node, const wisp_scene_surface* s,
+                                        wisp_detail level )
+{
+    const bool is_known = s->instance_of < 0; // else the engine finds out
+    return level != WISP_DETAIL_COARSE || !is_known || ( s->has_cloth && s->cloth.coarse_substeps != 0 )
+               ? WISP_OK
+               : scene_refuse_node( r, node,
+                                    "'coarse' needs coarse sheets, but the surface '%s' has no cloth.coarse_substeps",
+                                    s->name );
+}
+
+wisp_status scene_check_strands_detail( scene_reader* r, const scene_node* node, const wisp_scene_strands* s,
+                                        wisp_detail level )
+{
+    if ( !s->has_dynamics && !s->has_ghosts )
+    {
+        return scene_refuse_node( r, node, "'detail' needs the key 'dynamics' or 'ghosts'" );
+    }
+    return level != WISP_DETAIL_COARSE || s->has_ghosts
+               ? WISP_OK
+               : scene_refuse_node( r, node, "'coarse' needs ghosts, but the strands '%s' have no key 'ghosts'",
+                                    s->name );
+}
+
+// ---- steps ----
+
+// Lengths of steps: all `dt`, or `dt` times factors that repeat.
+
+wisp_status scene_read_dt_factors( scene_reader* r, const scene_node* node, void* at )
+{
+    static const scene_field factor = { "factor", SCENE_NUMBER, .range = DT_FACTOR };
+    wisp_scene* scene = at;
+    void* items;
+    wisp_status status =
+        scene_begin_list( r, node, "a list of numbers", WISP_SCENE_MAX_DT_FACTORS, sizeof( float ), &items );
+    if ( !status && node->count == 0 )
+    {
+        return scene_refuse_node( r, node, "got an empty list, expected numbers" );
+    }
+    scene->dt_factors = items;
+    scene->dt_factor_count = node->count;
+    return status ? status : scene_read_numbers( r, node, &factor, items );
+}
+
+float wisp_scene_step_length( const wisp_scene* scene, int step )
+{
+    return scene->dt_factor_count > 0 ? scene->dt * scene->dt_factors[step % scene->dt_factor_count] : scene->dt;
+}
+
+// Return the sum of the lengths of the first steps of a round.
+static double sum_of( const wisp_scene* scene, int steps )
+{
+    double sum = 0.0;
+    for ( int i = 0; i < steps; ++i )
+    {
+        sum += (double)wisp_scene_step_length( scene, i );
+    }
+    return sum;
+}
+
+double wisp_scene_step_time( const wisp_scene* scene, int step )
+{
+    const int count = scene->dt_factor_count;
+    if ( count == 0 )
+    {
+        return (double)step * (double)scene->dt;
+    }
+    return ( step / count ) * sum_of( scene, count ) + sum_of( scene, step % count );
+}
+
+// A time is written in decimals, and a step may be 1/60 s: what is within a thousandth of a step is meant to be the same.
+double wisp_scene_step_at( const wisp_scene* scene, float time )
+{
+    const int count = scene->dt_factor_count;
+    if ( count == 0 )
+    {
+        return fmax( 0.0, ceil( (double)time / (double)scene->dt - 1e-3 ) );
+    }
+    const double target = (double)time - 1e-3 * (double)scene->dt, round = sum_of( scene, count );
+    const double rounds = fmax( 0.0, floor( target / round ) );
+    int step = 0;
+    while ( step < count && rounds * round + sum_of( scene, step ) < target )
+    {
+        ++step;
+    }
+    return rounds * count + step;
+}
+
+void wisp_scene_refine( wisp_scene* scene, int factor )
+{
+    scene->substeps *= factor;
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        scene->surfaces[i].substeps *= factor;
+    }
+    for ( int i = 0; i < scene->strands_count; ++i )
+    {
+        scene->strands[i].substeps *= factor;
+    }
+}
+
+int wisp_scene_own_substeps( const wisp_scene* scene )
+{
+    int most = 0;
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        most = scene->surfaces[i].substeps > most ? scene->surfaces[i].substeps : most;
+    }
+    for ( int i = 0; i < scene->strands_count; ++i )
+    {
+        most = scene->strands[i].substeps > most ? scene->strands[i].substeps : most;
+    }
+    return most;
+}
+
+// ---- output ----
+
+// Output: files to write after the last step.
+
+static wisp_status read_strands( scene_reader* r, const scene_node* node, void* base )
+{
+    wisp_scene_output* output = base;
+    wisp_status status = scene_read_named( r, node, SCENE_STRANDS, &output->strands );
+    if ( !status )
+    {
+        r->scene->strands[output->strands].request_points = true;
+    }
+    return status;
+}
+
+static wisp_status read_surface( scene_reader* r, const scene_node* node, void* base )
+{
+    wisp_scene_output* output = base;
+    wisp_status status = scene_read_named( r, node, SCENE_SURFACE, &output->surface );
+    if ( !status )
+    {
+        r->scene->surfaces[output->surface].request_points = true;
+    }
+    return status;
+}
+
+static bool ends_in( const char* file, const char* const* extensions )
+{
+    const char* last = io_file_name( file );
+    const char* dot = strrchr( last, '.' );
+    for ( int i = 0; dot && dot > last && extensions[i]; ++i )
+    {
+        if ( strcmp( dot, extensions[i] ) == 0 )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
+// `strands` and `surface` stand before `file` in the table, because they decide which formats are possible.
+static wisp_status read_file( scene_reader* r, const scene_node* node, void* base )
+{
+    static const char* const of_strands[] = { ".hair", ".usda", ".obj", NULL };
+    static const char* const of_surfaces[] = { ".obj", ".ply", NULL };
+    wisp_scene_output* output = base;
+    const bool is_surface = output->surface >= 0;
+    wisp_status status = scene_read_text( r, node, &output->file );
+    if ( !status && !ends_in( output->file, is_surface ? of_surfaces : of_strands ) )
+    {
+        return scene_refuse_node( r, node, "got '%s', expected a file that ends in %s",
+                                  scene_shorten( output->file ).text,
+                                  is_surface ? ".obj or .ply" : ".hair, .usda or .obj" );
+    }
+    return status;
+}
+
+static const scene_field OUTPUT_FIELDS[] = {
+    { "strands", SCENE_CUSTOM, .read = read_strands, .help = "Strands to write.", .form = "name of strands",
+      .initial = "none" },
+    { "surface", SCENE_CUSTOM, .read = read_surface, .help = "Surface to write; exactly one of the two is given.",
+      .form = "name of a surface", .initial = "none" },
+    { "file", SCENE_CUSTOM, .required = true, .read = read_file,
+      .help = "File to write, relative to the working directory; strands as `.hair`, `.usda` or `.obj`, a surface as "
+              "`.obj` or `.ply`.",
+      .form = "path" },
+};
+const scene_block SCENE_OUTPUT_BLOCK = { OUTPUT_FIELDS, WISP_COUNT( OUTPUT_FIELDS ) };
+
+static wisp_status read_output( scene_reader* r, const scene_node* node, int index, void* context )
+{
+    wisp_scene* scene = context;
+    wisp_scene_output* output = &scene->outputs[index];
+    scene->output_count = index + 1;
+    *output = ( wisp_scene_output ){ .strands = -1, .surface = -1, .line = node->line, .column = node->column };
+    wisp_status status = scene_read_block( r, node, &SCENE_OUTPUT_BLOCK, output );
+    if ( !status && ( output->strands >= 0 ) == ( output->surface >= 0 ) )
+    {
+        return scene_refuse_node( r, node,
+                                  output->strands >= 0
+                                      ? "got both 'strands' and 'surface', expected one of them"
+                                      : "got neither 'strands' nor 'surface', expected one of them" );
+    }
+    return status;
+}
+
+static int compare_files( const void* a, const void* b )
+{
+    const wisp_scene_output *const *x = a, *const *y = b;
+    int order = strcmp( ( *x )->file, ( *y )->file );
+    return order ? order : ( *x > *y ) - ( *x < *y );
+}
+
+static wisp_status refuse_equal_files( scene_reader* r )
+{
+    wisp_scene* scene = r->scene;
+    size_t count = (size_t)scene->output_count;
+    const wisp_scene_output** sorted = scene_take( scene, count, sizeof *sorted );
+    if ( !sorted )
+    {
+        return scene_no_memory( r );
+    }
+    for ( size_t i = 0; i < count; ++i )
+    {
+        sorted[i] = &scene->outputs[i];
+    }
+    qsort( sorted, count, sizeof *sorted, compare_files );
+    for ( size_t i = 1; i < count; ++i )
+    {
+        if ( strcmp( sorted[i]->file, sorted[i - 1]->file ) == 0 )
+        {
+            return scene_refuse( r->source, sorted[i]->line, sorted[i]->column, r->path,
+                                 "the file '%s' is written in line %d already", scene_shorten( sorted[i]->file ).text,
+                                 sorted[i - 1]->line );
+        }
+    }
+    return WISP_OK;
+}
+
+wisp_status scene_read_outputs( scene_reader* r, const scene_node* node, void* base )
+{
+    wisp_scene* scene = base;
+    void* items;
+    wisp_status status =
+        scene_begin_list( r, node, "a list of files to write", SCENE_MAX_NODES, sizeof *scene->outputs, &items );
+    scene->outputs = items;
+    status = status ? status : scene_read_items( r, node, read_output, scene );
+    if ( status || !items )
+    {
+        return status;
+    }
+    return refuse_equal_files( r );
+}
+
+// ---- scene ----
+
+#define _POSIX_C_SOURCE 200809L // strndup
+
+#include "scene.h"
+#include "gltf.h"
+
+#include <stddef.h>
 
 static wisp_status read_version( scene_reader* r, const scene_node* node, void* base )
 {

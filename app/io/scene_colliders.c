@@ -1,5 +1,5 @@
 // Colliders: a table for each shape, so that a size that the shape does not have is refused as unknown.
-#include "scene_copies.h"
+#include "scene_ranges.h"
 
 #include <stddef.h>
 

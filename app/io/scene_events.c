@@ -1,5 +1,4 @@
 // Events: changes of surfaces and strands before chosen steps.
-#include "scene_detail.h"
 #include "scene_parts.h"
 #include "scene_ranges.h"
 

@@ -1,6 +1,7 @@
 /// The reference of all keys of a scene, written from the tables that read them.
 #pragma once
 
+#include <stdbool.h>
 #include <stdio.h>
 
 #ifdef __cplusplus
@@ -17,3 +18,10 @@ extern "C"
 #ifdef __cplusplus
 }
 #endif
+
+// ---- scene removed ----
+
+/// Find what to use in place of a key or word.
+/// @param path of the block of a key, such as surfaces[0].balloon, or of the value that is the word
+/// @return null if there was none there
+const char* scene_find_removed( const char* path, const char* name, bool is_word );

@@ -79,7 +79,7 @@ wisp_status scene_check_weld( scene_reader* reader, const scene_node* node, cons
 wisp_status scene_read_positions( scene_reader* reader, const scene_node* node, wisp_quat start,
                                   wisp_scene_path* path );
 
-/// scene_contact.c: what the layer of a surface must be besides what its table says.
+/// scene_seams.c: what the layer of a surface must be besides what its table says.
 wisp_status scene_check_boundary( scene_reader* reader, const scene_node* node, const wisp_scene_surface* surface );
 
 /// scene_surface_held.c: what motion constraints and the frame of a surface must be besides what their tables say.

@@ -4,6 +4,10 @@
 /// they take.
 #pragma once
 
+#include "scene_parts.h"
+
+#include <stddef.h>
+
 #define RANGE( from, to )                                                                                            \
     {                                                                                                                \
         ( from ), ( to )                                                                                             \
@@ -50,3 +54,147 @@
 
 // What is said more than once.
 #define SCENE_COLLIDES "{} where the scene has colliders, else false"
+
+// ---- scene sleep ----
+
+/// The fields of a block over an entry that has `sleep`.
+#define SCENE_SLEEP_FIELDS( entry )                                                                                  \
+    { "max_speed",                                                                                                   \
+      SCENE_NUMBER,                                                                                                  \
+      .at = offsetof( entry, sleep.max_speed ),                                                                      \
+      .range = RANGE( 0, 1e6 ),                                                                                      \
+      .unit = SPEEDS,                                                                                                \
+      .help = "Speed, of the displacement over a step, that no vertex may exceed." },                                \
+        { "seconds",     SCENE_NUMBER,    .at = offsetof( entry, sleep.seconds ),                                    \
+          .range = TIME, .unit = SECONDS, .help = "Simulated time for which all vertices must be slower." },         \
+    {                                                                                                                \
+        "enabled", SCENE_SWITCH, .at = offsetof( entry, sleep.enabled ), .help = "`false`: it never sleeps."         \
+    }
+
+// ---- scene detail ----
+
+/// Names of the levels.
+extern const scene_choice SCENE_DETAIL_LEVELS[];
+
+/// The fields of a block over an entry that has `detail`.
+#define SCENE_DETAIL_FIELDS( entry )                                                                                 \
+    { "level", SCENE_CHOICE, .at = offsetof( entry, detail.level ), .choices = SCENE_DETAIL_LEVELS,                  \
+      .help = "Level from the start; an event can change it." },                                                     \
+        { "substep_divisor", SCENE_WHOLE, .at = offsetof( entry, detail.substep_divisor ),                           \
+          .range = RANGE( 1, 1000 ),                                                                                 \
+          .help = "At `fewer_substeps` and `coarse`, the entry makes its substeps divided by this, rounded up." },   \
+    {                                                                                                                \
+        "blend_steps", SCENE_WHOLE, .at = offsetof( entry, detail.blend_steps ), .range = RANGE( 0, 10000 ),         \
+                                    .help = "Steps over which a change of the level is blended."                     \
+    }
+
+/// Refuse a level that the entry has nothing for. @param node of the key
+wisp_status scene_check_surface_detail( scene_reader* r, const scene_node* node, const wisp_scene_surface* s,
+                                        wisp_detail level );
+wisp_status scene_check_strands_detail( scene_reader* r, const scene_node* node, const wisp_scene_strands* s,
+                                        wisp_detail level );
+
+// ---- scene start ----
+
+static const scene_choice SCENE_STARTS[] = {
+    { "rest", "as it was placed" },
+    { "random", "every vertex at random in a cube as wide as all of it" },
+    { "plane", "in the level plane through its centre" },
+    { "point", "all at its centre" },
+    { "inside_out", "reflected in its centre, or in the point above it at the height of its pins" },
+    { "twisted", "turned about the vertical, from nothing at the top to `turns` at the bottom" },
+    { NULL, NULL },
+};
+
+#define SCENE_START_FIELDS( entry )                                                                                  \
+    { "shape", SCENE_CHOICE, .at = offsetof( entry, start.shape ), .choices = SCENE_STARTS,                          \
+      .help = "Where vertices start." },                                                                             \
+        { "scale", SCENE_VECTOR, .at = offsetof( entry, start.scale ), .range = RANGE( -1000, 1000 ),                \
+          .help = "Factors along x, y and z about the centre, before the shape." },                                  \
+        { "turns", SCENE_NUMBER, .at = offsetof( entry, start.turns ), .range = RANGE( -1000, 1000 ),                \
+          .help = "Full turns, with `shape: twisted`." },                                                            \
+        { "shake",                                                                                                   \
+          SCENE_NUMBER,                                                                                              \
+          .at = offsetof( entry, start.shake ),                                                                      \
+          .range = RANGE( 0, 1e6 ),                                                                                  \
+          .unit = METRES,                                                                                            \
+          .help = "Largest displacement along each axis, at random, after the shape." },                             \
+    {                                                                                                                \
+        "seed", SCENE_SEED, .at = offsetof( entry, start.seed ), .help = "Seed of random places and of `shake`."     \
+    }
+
+/// Defaults of a start.
+static inline wisp_scene_start scene_default_start( void )
+{
+    return ( wisp_scene_start ){ .scale = { 1.0f, 1.0f, 1.0f }, .turns = 1.0f, .seed = 1 };
+}
+
+// ---- scene copies ----
+
+/// The fields of a block over an entry that has `copies`.
+#define SCENE_COPIES_FIELDS( entry )                                                                                 \
+    { "count",                                                                                                       \
+      SCENE_WHOLE,                                                                                                   \
+      .required = true,                                                                                              \
+      .at = offsetof( entry, copies.count ),                                                                         \
+      .range = RANGE( 1, WISP_SCENE_MAX_SURFACES ),                                                                  \
+      .help = "Number of entries that this one becomes. The first keeps the name, which other entries mean; the "    \
+              "others are called `name-2`, `name-3` and so on." },                                                   \
+        { "columns", SCENE_WHOLE, .at = offsetof( entry, copies.columns ),                                           \
+          .range = RANGE( 0, WISP_SCENE_MAX_SURFACES ),                                                              \
+          .help = "Entries in a row of the grid; 0 takes the root of `count`, rounded up." },                        \
+    {                                                                                                                \
+        "spacing", SCENE_VECTOR, .required = true, .at = offsetof( entry, copies.spacing ), .range = COORDINATE,     \
+                                 .unit = METRES,                                                                     \
+                                 .help = "Displacement from a column to the next, along x, and from a row to the "   \
+                                         "next, along y and z."                                                      \
+    }
+
+// ---- scene pins ----
+
+#define SCENE_PIN_AT( start, member ) ( ( start ) + offsetof( wisp_scene_pins, member ) )
+
+/// The fields of a block over a struct in which a wisp_scene_pins starts at `start`.
+#define SCENE_PIN_FIELDS( start )                                                                                    \
+    { "pins",                                                                                                        \
+      SCENE_CUSTOM,                                                                                                  \
+      .at = ( start ),                                                                                               \
+      .read = scene_read_pins,                                                                                       \
+      .help = "Vertices that are held, as the file or the generator numbers them.",                                  \
+      .form = "list of vertices",                                                                                    \
+      .initial = "none" },                                                                                           \
+        { "pin_box",                                                                                                 \
+          SCENE_CUSTOM,                                                                                              \
+          .at = ( start ),                                                                                           \
+          .read = scene_read_pin_box,                                                                                \
+          .help = "Holds all vertices that start inside; a box without a vertex is refused.",                        \
+          .form = "{min, max} or a list of them",                                                                    \
+          .initial = "none" },                                                                                       \
+        { "pin_nearest",                                                                                             \
+          SCENE_CUSTOM,                                                                                              \
+          .at = ( start ),                                                                                           \
+          .read = scene_read_pin_nearest,                                                                            \
+          .help = "Holds the vertex that starts nearest to each point.",                                             \
+          .form = "list of points [x, y, z]",                                                                        \
+          .initial = "none" },                                                                                       \
+        { "pin_keyframes",                                                                                           \
+          SCENE_CUSTOM,                                                                                              \
+          .at = SCENE_PIN_AT( start, path ),                                                                         \
+          .read = scene_read_pin_path,                                                                               \
+          .help = "Displacement of all these pins from where they started, or from where an event held them.",       \
+          .form = "list of keyframes {time, translate, rotate}",                                                     \
+          .initial = "none" },                                                                                       \
+        { "pin_pivot",                                                                                               \
+          SCENE_VECTOR,                                                                                              \
+          .at = SCENE_PIN_AT( start, pivot ),                                                                        \
+          .range = COORDINATE,                                                                                       \
+          .unit = METRES,                                                                                            \
+          .given = SCENE_PIN_AT( start, has_pivot ),                                                                 \
+          .help = "Point that the keyframes rotate about.",                                                          \
+          .initial = "the centre of the pins" },                                                                     \
+    {                                                                                                                \
+        "attach_pins", SCENE_CUSTOM,                                                                                 \
+            .read = scene_read_later_name, .form = "name of a surface", .initial = "none",                           \
+            .help = "Surface that all these pins go along with, each at the point that is closest to it "            \
+                    "at the start."                                                                                  \
+    }

@@ -79,9 +79,6 @@ typedef struct scene_block
 /// Read a mapping into a struct. Values that it does not name stay as they are.
 wisp_status scene_read_block( scene_reader* reader, const scene_node* node, const scene_block* block, void* base );
 
-/// Read one value as its field describes.
-wisp_status scene_read_field( scene_reader* reader, const scene_node* node, const scene_field* field, void* base );
-
 /// The value of a key, for a reader that must see it before the others. @return null if the key is not there, or if the
 /// node is no mapping
 const scene_node* scene_child( const scene_reader* reader, const scene_node* node, const char* key );

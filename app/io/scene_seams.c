@@ -1,8 +1,181 @@
 // Seams: surfaces that are sewn together, by pairs of vertices or where their edges lie side by side.
 #include "scene_parts.h"
+
 #include "scene_ranges.h"
 
 #include <stddef.h>
+
+// ---- contact ----
+
+// Boundary particles and contact: their tables, of surfaces, of strands and of the scene, and what no table can say.
+
+#define BLOCK( fields )                                                                                              \
+    {                                                                                                                \
+        fields, WISP_COUNT( fields )                                                                                 \
+    }
+
+// ---- boundary particles of a surface ----
+
+#define BOUNDARY( member ) offsetof( wisp_scene_surface, boundary.member )
+
+static const scene_choice POLICIES[] = { { "even", "equal parts" },
+                                         { "exact", "a spacing apart from one end on" },
+                                         { NULL, NULL } };
+static const scene_choice ROUNDINGS[] = { { "down", "fewer points" },
+                                          { "nearest", "the nearest count" },
+                                          { "up", "more points; with `policy: even` no gap is above the spacing" },
+                                          { NULL, NULL } };
+
+static const scene_field BOUNDARY_FIELDS[] = {
+    { "spacing", SCENE_NUMBER, .at = BOUNDARY( spacing ), .range = SIZE, .unit = METRES,
+      .help = "Distance between points.", .initial = "half of the mean rest length of the edges" },
+    { "policy", SCENE_CHOICE, .at = BOUNDARY( policy ), .choices = POLICIES, .constants = "WISP_SPACING_",
+      .help = "Where points stand on an edge or a line." },
+    { "rounding", SCENE_CHOICE, .at = BOUNDARY( rounding ), .choices = ROUNDINGS, .constants = "WISP_ROUND_",
+      .help = "Rounding of the number of spacings in a length." },
+    { "hysteresis", SCENE_NUMBER, .at = BOUNDARY( hysteresis ), .range = RANGE( 0, 0.5 ),
+      .help = "Counts of points stay while a length is within this many spacings of where they would change." },
+    { "max_points", SCENE_WHOLE, .at = BOUNDARY( max_points ), .range = RANGE( 1, 134217728 ),
+      .help = "A layer that would have more points stays as it was, and a message says so." },
+    { "min_spacing", SCENE_NUMBER, .at = BOUNDARY( min_spacing ), .range = SIZE, .unit = METRES,
+      .help = "Smallest local spacing.", .initial = "a quarter of the spacing" },
+    { "max_spacing", SCENE_NUMBER, .at = BOUNDARY( max_spacing ), .range = SIZE, .unit = METRES,
+      .help = "Largest local spacing.", .initial = "four times the spacing" },
+    { "curvature_gain", SCENE_NUMBER, .at = BOUNDARY( curvature_gain ), .range = RANGE( 0, 1e6 ), .unit = PER_RADIAN,
+      .help = "Local spacing is divided by 1 + gain times the angle between the normals of the ends of an edge." },
+    { "strain_gain", SCENE_NUMBER, .at = BOUNDARY( strain_gain ), .range = RANGE( -1e6, 1e6 ),
+      .help = "Local spacing is divided by 1 + gain times the strain of an edge; a negative gain multiplies." },
+    { "eye_angle", SCENE_NUMBER, .at = BOUNDARY( eye_angle ), .range = RANGE( 0, 1 ), .unit = RADIANS,
+      .help = "Local spacing spans this angle as seen from `eye`; 0: it does not depend on the distance." },
+    { "eye", SCENE_VECTOR, .at = BOUNDARY( eye ), .range = COORDINATE, .unit = METRES,
+      .help = "Where the camera is, with `eye_angle`." },
+};
+const scene_block SCENE_BOUNDARY_BLOCK = BLOCK( BOUNDARY_FIELDS );
+
+// Spacings that are left out depend on the mesh; the module checks them.
+wisp_status scene_check_boundary( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+{
+    const wisp_boundary_def* b = &s->boundary;
+    const scene_node* eye = scene_child( r, scene_child( r, node, "boundary" ), "eye" );
+    if ( eye && b->eye_angle == 0.0f )
+    {
+        return scene_refuse_node( r, eye, "boundary.eye needs an 'eye_angle' above 0" );
+    }
+    if ( b->max_spacing > 0.0f && b->min_spacing > b->max_spacing )
+    {
+        return scene_refuse_node( r, node, "got boundary.min_spacing %g, expected at most boundary.max_spacing, %g",
+                                  (double)b->min_spacing, (double)b->max_spacing );
+    }
+    return WISP_OK;
+}
+
+// ---- participants of contact ----
+
+// Strands never meet themselves, and have no maps, so theirs is the same table without `self`.
+#define PARTICIPANT_FIELDS( owner, thickness_map, friction_map )                                                     \
+    { "thickness",                                                                                                   \
+      SCENE_NUMBER,                                                                                                  \
+      .map = thickness_map,                                                                                          \
+      .at = offsetof( owner, contact.thickness ),                                                                    \
+      .range = RANGE( 0, 1e6 ),                                                                                      \
+      .unit = METRES,                                                                                                \
+      .initial =                                                                                                     \
+          "a quarter of the mean edge, at most 0.9 of the shortest; of strands a quarter of the mean segment",       \
+      .help = "Two participants keep half of the sum of theirs apart; above the shortest edge a surface bends "      \
+              "stiffly there." },                                                                                    \
+        { "friction",                                                                                                \
+          SCENE_NUMBER,                                                                                              \
+          .map = friction_map,                                                                                       \
+          .at = offsetof( owner, contact.friction ),                                                                 \
+          .range = RANGE( 0, 1e6 ),                                                                                  \
+          .help = "Friction coefficient; two participants have the geometric mean of theirs." },                     \
+        { "max_push_out_speed",                                                                                      \
+          SCENE_NUMBER,                                                                                              \
+          .at = offsetof( owner, contact.max_push_out_speed ),                                                       \
+          .range = RANGE( 0, 1e6 ),                                                                                  \
+          .unit = SPEEDS,                                                                                            \
+          .initial = "ten thicknesses per second",                                                                   \
+          .help = "Speed at which primitives that are too close are parted." },                                      \
+        { "layers",                                                                                                  \
+          SCENE_CUSTOM,                                                                                              \
+          .at = offsetof( owner, contact.layers ),                                                                   \
+          .read = scene_read_layers,                                                                                 \
+          .form = "list of layers, 0 .. 31",                                                                         \
+          .initial = "[0]",                                                                                          \
+          .help =                                                                                                    \
+              "Layers of this participant; two participants meet if each has a layer of the mask of the other." },   \
+        { "mask",                                                                                                    \
+          SCENE_CUSTOM,                                                                                              \
+          .at = offsetof( owner, contact.mask ),                                                                     \
+          .read = scene_read_layers,                                                                                 \
+          .form = "list of layers, 0 .. 31",                                                                         \
+          .initial = "all layers",                                                                                   \
+          .help = "Layers of other participants that this one meets." },                                             \
+    {                                                                                                                \
+        "enabled", SCENE_SWITCH, .at = offsetof( owner, contact.enabled ), .help = "Whether it takes part."          \
+    }
+
+static const scene_field SURFACE_FIELDS[] = {
+    PARTICIPANT_FIELDS( wisp_scene_surface, WISP_MAP_CONTACT_THICKNESS, WISP_MAP_CONTACT_FRICTION ),
+    { "self", SCENE_SWITCH, .at = offsetof( wisp_scene_surface, contact.self ),
+      .help = "Whether the surface keeps its distance from itself." },
+};
+const scene_block SCENE_CONTACT_BLOCK = BLOCK( SURFACE_FIELDS );
+
+static const scene_field STRANDS_FIELDS[] = {
+    PARTICIPANT_FIELDS( wisp_scene_strands, 0, 0 ),
+    { "between_strands", SCENE_SWITCH, .at = offsetof( wisp_scene_strands, contact.between_strands ),
+      .help =
+          "Whether the strands keep their distance from strands: from each other, and from those of other entries "
+          "that have it too." },
+};
+const scene_block SCENE_STRAND_CONTACT_BLOCK = BLOCK( STRANDS_FIELDS );
+
+// ---- contact of the scene ----
+
+#define CONTACT( member ) offsetof( wisp_scene, contact.member )
+
+static const scene_choice LEVELS[] = {
+    { "exact", "vertices keep off triangles and edges off edges, and nothing passes" },
+    { "triangles", "the same pairs, but displacements are not limited; what is fast may pass" },
+    { "spheres",
+      "points keep off points: vertices, and those of `boundary`; what is finer than their spacing passes" },
+    { NULL, NULL }
+};
+static const scene_choice WORDS[] = {
+    { "stats", "numbers of contacts, candidates and searches, and the sum of impulses" },
+    { "intersections", "edges that pass through triangles at the end of a step; costs a search per step" },
+    { NULL, NULL },
+};
+
+static wisp_status read_requests( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_scene* scene = at;
+    bool* const requests[] = { &scene->request_contact_stats, &scene->request_intersections };
+    return scene_read_words( r, node, WORDS, requests, NULL, NULL );
+}
+
+static const scene_field WORLD_FIELDS[] = {
+    { "level", SCENE_CHOICE, .at = CONTACT( level ), .choices = LEVELS, .constants = "WISP_CONTACT_",
+      .help = "What is kept apart, and how surely." },
+    { "margin", SCENE_NUMBER, .at = CONTACT( margin ), .range = RANGE( 0.01, 100 ),
+      .help = "How much farther than they keep apart pairs are searched, in such distances; it changes the time and "
+              "not the "
+              "result, except with `level: spheres`." },
+    { "compute", SCENE_CUSTOM, .read = read_requests, .choices = WORDS,
+      .help = "Statistics that are computed and printed.", .form = "list of words", .initial = "none" },
+};
+const scene_block SCENE_WORLD_CONTACT_BLOCK = BLOCK( WORLD_FIELDS );
+
+wisp_status scene_read_contact( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_scene* scene = at;
+    wisp_status status = scene_read_block( r, node, &SCENE_WORLD_CONTACT_BLOCK, scene );
+    scene->has_contact = status == WISP_OK;
+    return status;
+}
+
+// ---- seams ----
 
 #define AT( member ) offsetof( wisp_scene_seam, member )
 #define DEF( member ) offsetof( wisp_scene_seam, def.member )

@@ -1,8 +1,6 @@
 // Keys of a surface that is held near targets, and of one in a moving frame.
 #include "scene_parts.h"
 #include "scene_ranges.h"
-#include "scene_detail.h"
-#include "scene_sleep.h"
 
 #include <stddef.h>
 

@@ -1,6 +1,5 @@
 // Pins of a surface: its own, and those of groups with a motion each.
 #include "scene_parts.h"
-#include "scene_pins.h"
 #include "scene_ranges.h"
 
 #include <stddef.h>

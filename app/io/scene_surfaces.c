@@ -1,9 +1,462 @@
 // Surfaces: what no table can say about an entry, and the list of them.
-#include "scene_detail.h"
+
 #include "scene_parts.h"
-#include "scene_start.h"
+#include "scene_ranges.h"
 
 #include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+// ---- values ----
+
+// Values of a surface: limits, gas, words of `compute`.
+
+// ---- limits and gas ----
+
+wisp_status scene_read_strain_limit( scene_reader* r, const scene_node* node, void* at )
+{
+    static const scene_field least = { "least", SCENE_NUMBER, .range = UNIT_RANGE };
+    static const scene_field most = { "most", SCENE_NUMBER, .range = RANGE( 1, 1e6 ) };
+    float* limit = at;
+    wisp_status status = scene_expect_pair( r, node, "a pair [min, max] in rest lengths" );
+    const scene_node* first = scene_first( r->tree, node );
+    status = status ? status : scene_read_number( r, first, &least, &limit[0] );
+    return status ? status : scene_read_number( r, scene_next( r->tree, first ), &most, &limit[1] );
+}
+
+wisp_status scene_read_tile_size( scene_reader* r, const scene_node* node, void* at )
+{
+    static const scene_field field = { "tile_size", SCENE_WHOLE, .range = RANGE( 0, 65536 ) };
+    int* size = at;
+    wisp_status status = scene_read_whole( r, node, &field, size );
+    if ( !status && *size != 0 && ( *size < 64 || *size % 8 != 0 ) )
+    {
+        return scene_refuse_node( r, node, "got %d, expected 0, or a multiple of 8 in [64, 65536]", *size );
+    }
+    return status;
+}
+
+wisp_status scene_read_outlet( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_scene_surface* surface = at;
+    wisp_status status = scene_expect_list( r, node, "a list of vertices" );
+    if ( !status && ( node->count == 0 || node->count > WISP_BALLOON_MAX_OUTLET ) )
+    {
+        return scene_refuse_node( r, node, "got %d vertices, expected 1 to %d", node->count,
+                                  WISP_BALLOON_MAX_OUTLET );
+    }
+    if ( !status )
+    {
+        surface->balloon.outlet_count = node->count;
+        status = scene_read_vertices( r, node, surface->balloon.outlet );
+    }
+    return status;
+}
+
+static wisp_status read_fill( scene_reader* r, const scene_node* node, int index, void* context )
+{
+    wisp_scene_gas_ratio_keyframe* gas_ratio = (wisp_scene_gas_ratio_keyframe*)context + index;
+    static const scene_field time = { "time", SCENE_NUMBER, .range = TIME, .unit = SECONDS };
+    static const scene_field fraction = { "gas_ratio", SCENE_NUMBER, .range = RANGE( 1e-3, 1e6 ) };
+    wisp_status status = scene_expect_pair( r, node, "a pair [time, gas_ratio]" );
+    const scene_node* first = scene_first( r->tree, node );
+    status = status ? status : scene_read_number( r, first, &time, &gas_ratio->time );
+    status = status ? status : scene_read_number( r, scene_next( r->tree, first ), &fraction, &gas_ratio->gas_ratio );
+    return status || index == 0 ? status : scene_check_rises( r, first, gas_ratio[-1].time, gas_ratio->time );
+}
+
+wisp_status scene_read_gas_ratio_keyframes( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_scene_surface* surface = at;
+    void* items;
+    wisp_status status = scene_begin_list( r, node, "a list of pairs [time, gas_ratio]", SCENE_MAX_NODES,
+                                           sizeof( wisp_scene_gas_ratio_keyframe ), &items );
+    surface->gas_ratio_keyframes = items;
+    surface->gas_ratio_keyframe_count = status ? 0 : node->count;
+    return status ? status : scene_read_items( r, node, read_fill, items );
+}
+
+// ---- compute ----
+
+const scene_choice SCENE_SURFACE_WORDS[] = {
+    { "points", "positions" },
+    { "normals", "unit normals of vertices" },
+    { "strain", "relative error of the length of each edge" },
+    { "speed", "speed of each vertex" },
+    { "motion_stats", "mass, momentum, energy, volume, largest strain and speed" },
+    { "effect_stats", "forces, pressure and volume of a balloon; solves of an implicit cloth" },
+    { "collision_stats", "largest penetration and number of contacts; needs `collision`" },
+    { NULL, NULL },
+};
+
+static wisp_status check_word( scene_reader* r, const scene_node* item, int word, const void* entry )
+{
+    const wisp_scene_surface* s = entry;
+    const char* name = SCENE_SURFACE_WORDS[word].word;
+    if ( strcmp( name, "effect_stats" ) == 0 && !s->has_balloon && !s->has_implicit )
+    {
+        return scene_refuse_node( r, item, "'effect_stats' needs the key 'balloon' or 'implicit'" );
+    }
+    return strcmp( name, "collision_stats" ) == 0 && !s->has_collision
+               ? scene_refuse_node( r, item, "'collision_stats' needs the key 'collision'" )
+               : WISP_OK;
+}
+
+wisp_status scene_read_surface_request( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_scene_surface* s = at;
+    bool* const requests[] = { &s->request_points,       &s->request_normals, &s->request_strain,  &s->request_speed,
+                               &s->request_motion_stats, &s->request_stats,   &s->request_contacts };
+    return scene_read_words( r, node, SCENE_SURFACE_WORDS, requests, check_word, s );
+}
+
+// ---- tables ----
+
+// Every key of a surface.
+
+#define AT( member ) offsetof( wisp_scene_surface, member )
+#define BLOCK( fields )                                                                                              \
+    {                                                                                                                \
+        fields, WISP_COUNT( fields )                                                                                 \
+    }
+
+static const scene_choice SOLVERS[] = { { "xpbd", "extended position based dynamics, with compliances in SI units" },
+                                        { "pbd", "position based dynamics, with stiffnesses in 0 .. 1" },
+                                        { NULL, NULL } };
+
+// ---- cloth ----
+
+#define CLOTH( member ) offsetof( wisp_scene_surface, cloth.member )
+
+static const scene_choice BENDINGS[] = {
+    { "bend_links", "links between the vertices opposite an edge, cheap" },
+    { "dihedral", "the angle between two triangles" },
+    { "isometric", "quadratic in positions, cheaper than the angle, for cloth that hardly stretches" },
+    { "none", "no resistance" },
+    { NULL, NULL }
+};
+
+static const scene_field CLOTH_FIELDS[] = {
+    { "solver", SCENE_CHOICE, .at = CLOTH( solver ), .choices = SOLVERS, .constants = "WISP_SOLVER_",
+      .help = "Solver of links and bending." },
+    { "warp_compliance", SCENE_NUMBER, .map = WISP_MAP_STRETCH_COMPLIANCE, .at = CLOTH( warp_compliance ),
+      .range = COMPLIANCE, .unit = COMPLIANCES,
+      .help =
+          "Compliance of a link along the warp, with `solver: xpbd`; 0 is inextensible. A map scales those of weft "
+          "and shear in proportion." },
+    { "weft_compliance", SCENE_NUMBER, .at = CLOTH( weft_compliance ), .range = COMPLIANCE, .unit = COMPLIANCES,
+      .help = "Compliance of a link across the warp, with `solver: xpbd`." },
+    { "shear_compliance", SCENE_NUMBER, .at = CLOTH( shear_compliance ), .range = COMPLIANCE, .unit = COMPLIANCES,
+      .help = "Compliance of a link between the two, with `solver: xpbd`." },
+    { "stretch_stiffness", SCENE_NUMBER, .map = WISP_MAP_STRETCH_STIFFNESS, .at = CLOTH( stretch_stiffness ),
+      .range = UNIT_RANGE,
+      .help = "Stiffness of links along and across the warp, with `solver: pbd`. A map scales that of shear in "
+              "proportion." },
+    { "shear_stiffness", SCENE_NUMBER, .at = CLOTH( shear_stiffness ), .range = UNIT_RANGE,
+      .help = "Stiffness of links at 45 degrees to the warp, with `solver: pbd`." },
+    { "warp", SCENE_VECTOR, .at = CLOTH( warp ), .range = RANGE( -5e5, 5e5 ),
+      .help = "Direction of the warp in the mesh before it is turned; not zero." },
+    { "bending", SCENE_CHOICE, .at = CLOTH( bending ), .choices = BENDINGS, .constants = "WISP_CLOTH_BENDING_",
+      .help = "How cloth resists bending." },
+    { "bend_stiffness", SCENE_NUMBER, .map = WISP_MAP_BEND_STIFFNESS, .at = CLOTH( bend_stiffness ),
+      .range = UNIT_RANGE, .help = "Stiffness against bending, with `solver: pbd`." },
+    { "bend_compliance", SCENE_NUMBER, .map = WISP_MAP_BEND_COMPLIANCE, .at = CLOTH( bend_compliance ),
+      .range = COMPLIANCE, .unit = COMPLIANCES, .help = "Compliance of bend links, with `solver: xpbd`." },
+    { "bend_rigidity", SCENE_NUMBER, .map = WISP_MAP_BEND_RIGIDITY, .at = CLOTH( bend_rigidity ),
+      .range = RANGE( 1e-12, 1e12 ), .unit = RIGIDITIES,
+      .help = "Bending rigidity of the cloth, with `solver: xpbd` and `bending: dihedral` or `isometric`. With "
+              "`bending: bend_links`, that of sharp folds." },
+    { "internal_damping", SCENE_NUMBER, .map = WISP_MAP_INTERNAL_DAMPING, .at = CLOTH( internal_damping ),
+      .range = RANGE( 0, 1e9 ), .unit = RATES,
+      .help = "Rate at which relative velocities die; where the cloth is pinned, all velocities." },
+    { "wind", SCENE_VECTOR, .at = CLOTH( wind ), .range = WIND, .unit = SPEEDS, .help = "Velocity of the air." },
+    { "air_density", SCENE_NUMBER, .at = CLOTH( air_density ), .range = RANGE( 0, 1e6 ), .unit = AIR_DENSITIES,
+      .help = "Density of the air." },
+    { "drag_coefficient", SCENE_NUMBER, .map = WISP_MAP_DRAG, .at = CLOTH( drag_coefficient ),
+      .range = RANGE( 0, 1e6 ), .help = "Drag coefficient along the relative wind; 0 switches drag off." },
+    { "lift_coefficient", SCENE_NUMBER, .map = WISP_MAP_LIFT, .at = CLOTH( lift_coefficient ),
+      .range = RANGE( 0, 1e6 ), .help = "Lift coefficient across the relative wind; 0 switches lift off." },
+    { "tethers", SCENE_SWITCH, .at = CLOTH( tethers ),
+      .help = "Keeps each vertex within its rest distance to the nearest pin, measured along the mesh." },
+    { "tether_slack", SCENE_NUMBER, .at = CLOTH( tether_slack ), .range = RANGE( 1, 1e6 ),
+      .help = "Factor of the rest distance that a tether allows." },
+    { "coarse_substeps", SCENE_WHOLE, .at = CLOTH( coarse_substeps ), .range = RANGE( 0, 64 ),
+      .help = "Coarse sheets carry the cloth: substeps of the coarsest one in a substep, by BDF2; 0 has none. Needs "
+              "xpbd.",
+      .initial = "1 of a mesh of more than about 600 vertices that can have them" },
+    { "coarse_passes", SCENE_WHOLE, .at = CLOTH( coarse_passes ), .range = RANGE( 1, 64 ),
+      .help = "Passes over the coarsest sheet in each of its substeps." },
+};
+static const scene_block CLOTH_BLOCK = BLOCK( CLOTH_FIELDS );
+
+// ---- balloon ----
+
+#define BALLOON( member ) offsetof( wisp_scene_surface, balloon.member )
+
+static const scene_choice VOLUMES[] = { { "xpbd", "a gas, whose compliance follows from its pressure" },
+                                        { "pbd", "a constraint with `volume_stiffness`" },
+                                        { NULL, NULL } };
+
+static const scene_field BALLOON_FIELDS[] = {
+    { "solver", SCENE_CHOICE, .at = BALLOON( solver ), .choices = SOLVERS, .constants = "WISP_SOLVER_",
+      .help = "Solver of the skin." },
+    { "edge_stiffness", SCENE_NUMBER, .at = BALLOON( edge_stiffness ), .range = RANGE( 1e-6, 1e12 ),
+      .unit = STIFFNESSES, .help = "Stiffness of links along edges, with `solver: xpbd`." },
+    { "bend_link_stiffness", SCENE_NUMBER, .at = BALLOON( bend_link_stiffness ), .range = RANGE( 1e-6, 1e12 ),
+      .unit = STIFFNESSES, .help = "Stiffness of bend links, with `solver: xpbd`." },
+    { "stretch_stiffness", SCENE_NUMBER, .at = BALLOON( stretch_stiffness ), .range = UNIT_RANGE,
+      .help = "Stiffness of links along edges, with `solver: pbd`." },
+    { "bend_stiffness", SCENE_NUMBER, .at = BALLOON( bend_stiffness ), .range = UNIT_RANGE,
+      .help = "Stiffness of bend links, with `solver: pbd`." },
+    { "volume", SCENE_CHOICE, .at = BALLOON( volume ), .choices = VOLUMES, .constants = "WISP_SOLVER_",
+      .help = "How the volume is held." },
+    { "volume_stiffness", SCENE_NUMBER, .at = BALLOON( volume_stiffness ), .range = RANGE( 1e-6, 1 ),
+      .help = "Stiffness of the volume, with `volume: pbd`." },
+    { "gas_ratio", SCENE_NUMBER, .at = BALLOON( gas_ratio ), .range = RANGE( 1e-3, 1e6 ),
+      .help = "Volume of the gas at atmospheric pressure, in rest volumes; at least `min_gas_ratio`." },
+    { "gas_ratio_keyframes", SCENE_CUSTOM, .read = scene_read_gas_ratio_keyframes,
+      .help = "Gas ratio over time; it counts from the first pair to the last one, then the gas is left alone.",
+      .form = "list of pairs [time, gas_ratio], times rise", .initial = "none" },
+    { "inflation_rate", SCENE_NUMBER, .at = BALLOON( inflation_rate ), .range = RANGE( -1e6, 1e6 ), .unit = FLOWS,
+      .help = "Gas at atmospheric pressure that flows in; negative lets it out." },
+    { "min_gas_ratio", SCENE_NUMBER, .at = BALLOON( min_gas_ratio ), .range = RANGE( 1e-3, 1 ),
+      .help = "The gas ratio never falls below this." },
+    { "atmospheric_pressure", SCENE_NUMBER, .at = BALLOON( atmospheric_pressure ), .range = RANGE( 1e-3, 1e12 ),
+      .unit = PRESSURES, .help = "Pressure of the air." },
+    { "temperature", SCENE_NUMBER, .at = BALLOON( temperature ), .range = RANGE( 1e-3, 1e6 ), .unit = KELVIN,
+      .help = "Temperature of gas and air." },
+    { "gas_molar_mass", SCENE_NUMBER, .at = BALLOON( gas_molar_mass ), .range = RANGE( 1e-6, 10 ),
+      .unit = MOLAR_MASSES, .help = "Molar mass of the gas; the default is helium." },
+    { "air_molar_mass", SCENE_NUMBER, .at = BALLOON( air_molar_mass ), .range = RANGE( 1e-6, 10 ),
+      .unit = MOLAR_MASSES, .help = "Molar mass of the air." },
+    { "buoyancy", SCENE_SWITCH, .at = BALLOON( buoyancy ), .help = "Whether the air carries the balloon." },
+    { "drag_coefficient", SCENE_NUMBER, .at = BALLOON( drag_coefficient ), .range = RANGE( 0, 1e6 ),
+      .help = "Drag coefficient; 0 switches drag off." },
+    { "outlet", SCENE_CUSTOM, .read = scene_read_outlet, .help = "Vertices of the outlet.",
+      .form = "list of 1 to 64 vertices", .initial = "no outlet" },
+    { "outlet_nearest", SCENE_VECTOR, .at = AT( outlet_nearest ), .range = COORDINATE, .unit = METRES,
+      .given = AT( has_outlet_nearest ),
+      .help = "Point where the mesh starts; the nearest vertex is the outlet, instead of `outlet`.",
+      .initial = "no outlet" },
+    { "outlet_radius", SCENE_NUMBER, .at = AT( outlet_radius ), .range = RANGE( 0, 1e6 ), .unit = METRES,
+      .help = "All vertices within this distance of `outlet_nearest` belong to the outlet too, 64 at most." },
+    { "outlet_area", SCENE_NUMBER, .at = BALLOON( outlet_area ), .range = RANGE( 1e-12, 1e6 ), .unit = AREAS,
+      .help = "Area of the outlet." },
+    { "outlet_open", SCENE_SWITCH, .at = BALLOON( outlet_open ), .help = "Whether the outlet is open." },
+    { "allow_open", SCENE_SWITCH, .at = BALLOON( allow_open ),
+      .help =
+          "Closes holes of the mesh by virtual triangles, for the volume only; without it an open mesh is refused." },
+};
+static const scene_block BALLOON_BLOCK = BLOCK( BALLOON_FIELDS );
+
+// ---- implicit ----
+
+#define IMPLICIT( member ) offsetof( wisp_scene_surface, implicit.member )
+#define ANY_STIFFNESS RANGE( 0, 1e9 )
+
+static const scene_choice STIFFNESS_OF[] = { { "link", "each link alike, so that another mesh is another cloth" },
+                                             { "material", "the cloth, so that another mesh is the same cloth" },
+                                             { NULL, NULL } };
+static const scene_choice WEIGHTS[] = { { "effective", "by effective masses, as published" },
+                                        { "none", "1" },
+                                        { NULL, NULL } };
+static const scene_choice INTEGRATORS[] = { { "euler", "implicit Euler, first order" },
+                                            { "bdf2", "implicit, second order" },
+                                            { NULL, NULL } };
+static const scene_choice LINKS[] = {
+    { "mesh", "edges stretch, diagonals bend" },
+    { "quad", "of a plane, first neighbours stretch, second neighbours bend; with `stiffness_model: link`" },
+    { NULL, NULL }
+};
+
+static const scene_field IMPLICIT_FIELDS[] = {
+    { "stiffness_model", SCENE_CHOICE, .at = IMPLICIT( stiffness_model ), .choices = STIFFNESS_OF,
+      .constants = "WISP_IMPLICIT_STIFFNESS_", .help = "What a stiffness belongs to." },
+    { "stretch_stiffness", SCENE_NUMBER, .at = IMPLICIT( stretch_stiffness ), .range = ANY_STIFFNESS,
+      .unit = STIFFNESSES, .help = "Stretch stiffness of a link, or of the material." },
+    { "bend_stiffness", SCENE_NUMBER, .at = IMPLICIT( bend_stiffness ), .range = ANY_STIFFNESS,
+      .unit = ROD_RIGIDITIES, .help = "Bending stiffness of a diagonal, with `stiffness_model: link`." },
+    { "bend_rigidity", SCENE_NUMBER, .at = IMPLICIT( bend_rigidity ), .range = ANY_STIFFNESS, .unit = RIGIDITIES,
+      .help = "Bending rigidity of the cloth, with `stiffness_model: material`; edges of 20 mm crumple below 5e-5." },
+    { "compression_stiffness", SCENE_NUMBER, .at = IMPLICIT( compression_stiffness ), .range = ANY_STIFFNESS,
+      .unit = STIFFNESSES,
+      .help = "Slope of the force where a compressed link starts to bend; 0 takes `stretch_stiffness`." },
+    { "link_damping", SCENE_NUMBER, .at = IMPLICIT( link_damping ), .range = ANY_STIFFNESS, .unit = LINK_DAMPINGS,
+      .help = "Damping of a link." },
+    { "weights", SCENE_CHOICE, .at = IMPLICIT( weights ), .choices = WEIGHTS, .constants = "WISP_IMPLICIT_WEIGHTS_",
+      .help = "Weight of the force of a neighbour." },
+    { "integrator", SCENE_CHOICE, .at = IMPLICIT( integrator ), .choices = INTEGRATORS,
+      .constants = "WISP_INTEGRATOR_", .help = "Time integration." },
+    { "newton_iterations", SCENE_WHOLE, .at = IMPLICIT( newton_iterations ), .range = RANGE( 1, 64 ),
+      .help = "Linear solves of a substep." },
+    { "max_newton_iterations", SCENE_WHOLE, .at = IMPLICIT( max_newton_iterations ), .range = RANGE( 1, 64 ),
+      .help = "Linear solves of a stiff substep at most; 1 makes as many as in other substeps, which is cheaper and "
+              "can gain energy." },
+    { "tolerance", SCENE_NUMBER, .at = IMPLICIT( tolerance ), .range = RANGE( 1e-7, 0.1 ),
+      .help = "Residual at which a solve ends, relative to that of standing still; stiff links get 1e-4 at least." },
+    { "max_iterations", SCENE_WHOLE, .at = IMPLICIT( max_iterations ), .range = RANGE( 0, 1000000 ),
+      .help = "Iterations of a solve at most; 0 takes three per vertex." },
+    { "links", SCENE_EITHER, .at = AT( has_quad_links ), .choices = LINKS, .help = "Which links the cloth has." },
+};
+static const scene_block IMPLICIT_BLOCK = BLOCK( IMPLICIT_FIELDS );
+
+// ---- a surface ----
+
+static const scene_field TRANSFORM_FIELDS[] = {
+    { "scale", SCENE_NUMBER, .at = AT( mesh.scale ), .range = SIZE,
+      .help = "Factor of the size of the mesh; the scaled shape is the rest shape." },
+    { "rotate", SCENE_CUSTOM, .at = AT( pose.rotation ), .read = scene_read_rotation,
+      .help = "Rotation about the origin, before the mesh is moved.", .form = "rotation", .initial = "none" },
+    { "translate", SCENE_VECTOR, .at = AT( pose.translation ), .range = COORDINATE, .unit = METRES,
+      .help = "Displacement after scale and rotation." },
+};
+static const scene_block TRANSFORM_BLOCK = BLOCK( TRANSFORM_FIELDS );
+
+static const scene_field COPIES_FIELDS[] = { SCENE_COPIES_FIELDS( wisp_scene_surface ) };
+static const scene_block COPIES_BLOCK = { COPIES_FIELDS, WISP_COUNT( COPIES_FIELDS ) };
+
+static const scene_field START_FIELDS[] = {
+    { "file", SCENE_CUSTOM, .at = AT( start.file ), .read = scene_read_file,
+      .help = "Mesh with the positions of all vertices in the order of the mesh, before `transform`, `scale` and "
+              "`shape`; its "
+              "triangles are not used. Pinned vertices start there too.",
+      .form = "path", .initial = "the rest shape" },
+    SCENE_START_FIELDS( wisp_scene_surface ),
+};
+static const scene_block START_BLOCK = BLOCK( START_FIELDS );
+
+#define COLLISION( member ) offsetof( wisp_scene_surface, collision.member )
+
+static const scene_choice FEATURES[] = { { "vertices",
+                                           "vertices alone: what is thinner than the cells passes between them" },
+                                         { "all", "vertices, edges and triangles" },
+                                         { NULL, NULL } };
+
+static const scene_field COLLISION_FIELDS[] = {
+    { "thickness", SCENE_NUMBER, .map = WISP_MAP_COLLISION_THICKNESS, .at = COLLISION( thickness ),
+      .range = RANGE( 0, 1e6 ), .unit = METRES,
+      .help = "Distance that vertices keep from colliders, on both sides; less room loads it: 5000 weights at the "
+              "depth of the thickness. Of implicit cloth, the margin within which a vertex is held.",
+      .initial = "a quarter of the mean edge" },
+    { "friction_scale", SCENE_NUMBER, .map = WISP_MAP_COLLISION_FRICTION, .at = COLLISION( friction_scale ),
+      .range = RANGE( 0, 1e6 ), .help = "Factor of the friction of the collider." },
+    { "max_push_out_speed", SCENE_NUMBER, .at = COLLISION( max_push_out_speed ), .range = RANGE( 0, 1e6 ),
+      .unit = SPEEDS, .help = "Speed at which a vertex that starts inside is moved out.",
+      .initial = "ten mean edges per second" },
+    { "features", SCENE_CHOICE, .at = COLLISION( features ), .choices = FEATURES, .constants = "WISP_COLLISION_",
+      .help = "What keeps the thickness from bodies. A plane needs no more than vertices." },
+    { "mask", SCENE_CUSTOM, .at = COLLISION( mask ), .read = scene_read_layers,
+      .help = "Numbers of the collider layers that stop it.", .form = "list of layers, 0 .. 31",
+      .initial = "all layers" },
+};
+static const scene_block COLLISION_BLOCK = BLOCK( COLLISION_FIELDS );
+
+static const scene_choice SWEEPS[] = {
+    { "colour", "colour by colour, stable at any stiffness" },
+    { "list", "along the mesh from the pins, carries corrections farther, can gain energy" },
+    { NULL, NULL }
+};
+
+// `generate` stands before what names its vertices, and the effects before `compute`.
+static const scene_field SURFACE_FIELDS[] = {
+    { "name", SCENE_CUSTOM, .required = true, .at = AT( name ), .read = scene_read_name,
+      .help = "Unique among strands, surfaces, colliders and seams.",
+      .form = "1 to 64 of the characters A-Z a-z 0-9 _ -" },
+    { "file", SCENE_CUSTOM, .at = AT( mesh.file ), .read = scene_read_file,
+      .help = "Mesh to read (`.obj`, `.ply`, `.glb`, `.gltf`), relative to the folder of the scene.", .form = "path",
+      .initial = "none" },
+    { "generate", SCENE_CUSTOM, .at = AT( mesh ), .read = scene_read_mesh_generate,
+      .help = "Generates the mesh instead of reading it.", .form = "block" },
+    { "instance_of", SCENE_CUSTOM, .read = scene_read_later_name,
+      .help = "Surface above this one, itself no instance, whose fabric this one shares.",
+      .form = "name of a surface", .initial = "none" },
+    { "repair", SCENE_CUSTOM, .at = AT( mesh.repairs ), .read = scene_read_repair, .choices = SCENE_REPAIR_WORDS,
+      .help = "Repairs of the mesh before it is used; what was repaired is printed.", .form = "list of words",
+      .initial = "none" },
+    { "weld_distance", SCENE_NUMBER, .at = AT( mesh.weld_distance ), .range = SIZE, .unit = METRES,
+      .help = "Distance of `repair: [weld]`, before `transform.scale`.",
+      .initial = "a hundred-thousandth of the longest side of the mesh" },
+    { "require", SCENE_CUSTOM, .at = AT( mesh.demands ), .read = scene_read_require, .choices = SCENE_REQUIRE_WORDS,
+      .help = "Properties that the repaired mesh must have; a mesh without them is refused.", .form = "list of words",
+      .initial = "none" },
+    { "transform", SCENE_BLOCK, .block = &TRANSFORM_BLOCK, .help = "Scales, turns and moves the mesh." },
+    { "copies", SCENE_BLOCK, .block = &COPIES_BLOCK,
+      .help = "Makes several entries of this one, in a grid; they share its fabric." },
+    { "start", SCENE_BLOCK, .at = AT( has_start ), .block = &START_BLOCK,
+      .help = "Starts away from the rest shape; pinned vertices are only scaled." },
+    { "area_density", SCENE_NUMBER, .map = WISP_MAP_AREA_DENSITY, .at = AT( area_density ),
+      .range = RANGE( 1e-12, 1e12 ), .unit = DENSITIES, .help = "Mass per area." },
+    { "vertex_mass", SCENE_NUMBER, .at = AT( vertex_mass ), .range = RANGE( 1e-12, 1e12 ), .unit = MASSES,
+      .help = "Mass of every vertex, instead of the density.", .initial = "by area" },
+    { "mass_ratio", SCENE_NUMBER, .at = AT( mass_ratio ), .range = RANGE( 1e-9, 1e9 ),
+      .help =
+          "Mass of the lowest vertex over that of the highest, as placed; between them it grows by equal factors." },
+    SCENE_PIN_FIELDS( AT( pins ) ),
+    { "pin_groups", SCENE_CUSTOM, .read = scene_read_pin_groups,
+      .help = "Further pins, in groups that move, are attached and are released each by itself.",
+      .form = "list of blocks", .initial = "none" },
+    { "animation", SCENE_BLOCK, .at = AT( has_animation ), .block = &SCENE_ANIMATION_BLOCK,
+      .help = "Clips of keyframes that move the skeleton of the mesh, a glTF file. Pins and motion targets go "
+              "along; without `cloth`, `balloon` and `implicit` every vertex does." },
+    { "velocity", SCENE_VECTOR, .at = AT( velocity ), .range = VELOCITY, .unit = SPEEDS,
+      .help = "Velocity at the start." },
+    { "angular_velocity", SCENE_VECTOR, .at = AT( angular_velocity ), .range = VELOCITY, .unit = TURNS,
+      .help = "Angular velocity at the start, about the centre of mass." },
+    { "gravity", SCENE_VECTOR, .at = AT( gravity ), .range = ACCELERATION, .unit = ACCELERATIONS,
+      .help = "Gravity of this surface.", .initial = "that of the scene" },
+    { "damping", SCENE_NUMBER, .map = WISP_MAP_DAMPING, .at = AT( damping ), .range = RANGE( 0, 1e9 ), .unit = RATES,
+      .help = "Rate at which all velocities die." },
+    { "substeps", SCENE_WHOLE, .at = AT( substeps ), .range = RANGE( 0, 10000 ),
+      .help = "Substeps of this surface, rounded up to a multiple of those of the scene, which has the fewest. "
+              "Those with `contact` all have those of the one with the most.",
+      .initial = "those of the scene" },
+    { "strain_limit", SCENE_CUSTOM, .at = AT( strain_limit ), .read = scene_read_strain_limit,
+      .help = "Shortest and longest length of an edge, in rest lengths.",
+      .form = "pair [min, max], min in 0 .. 1, max in 1 .. 1e6", .initial = "none" },
+    { "cloth", SCENE_BLOCK, .at = AT( has_cloth ), .block = &CLOTH_BLOCK,
+      .help = "Cloth by position based dynamics." },
+    { "balloon", SCENE_BLOCK, .at = AT( has_balloon ), .block = &BALLOON_BLOCK,
+      .help = "Balloon: a closed skin filled with gas; not with `cloth`." },
+    { "implicit", SCENE_BLOCK, .at = AT( has_implicit ), .block = &IMPLICIT_BLOCK,
+      .help = "Cloth by an implicit solver; not with `cloth`, `balloon` or `strain_limit`." },
+    { "solve_order", SCENE_CHOICE, .at = AT( solve_order ), .choices = SWEEPS, .constants = "WISP_SOLVE_ORDER_",
+      .help = "Order in which constraints are projected." },
+    { "tile_size", SCENE_CUSTOM, .at = AT( tile_size ), .read = scene_read_tile_size,
+      .help = "Number of vertices of a tile; 0 lets the engine choose.",
+      .form = "0, or a multiple of 8 in 64 .. 65536", .initial = "0" },
+    { "collision", SCENE_USUAL, .at = AT( has_collision ), .block = &COLLISION_BLOCK, .initial = SCENE_COLLIDES,
+      .help = "Collision with colliders." },
+    { "collider", SCENE_BLOCK, .at = AT( has_collider ), .block = &SCENE_SURFACE_COLLIDER_BLOCK,
+      .help = "Makes the surface a collider for others; it deforms, and they do not push it back." },
+    { "contact", SCENE_BLOCK, .at = AT( has_contact ), .block = &SCENE_CONTACT_BLOCK,
+      .help = "Contact with other participants and with itself." },
+    { "boundary", SCENE_BLOCK, .at = AT( has_boundary ), .block = &SCENE_BOUNDARY_BLOCK,
+      .help = "Layer of points on the surface, to draw and export; it changes the motion only with "
+              "`contact.level: spheres`." },
+    { "motion_constraints", SCENE_BLOCK, .at = AT( has_motion_constraints ), .block = &SCENE_MOTION_CONSTRAINTS_BLOCK,
+      .help =
+          "Keeps vertices near targets, which start where the vertices start, and out of a backstop behind them." },
+    { "membrane", SCENE_BLOCK, .at = AT( has_membrane ), .block = &SCENE_MEMBRANE_BLOCK,
+      .help = "Triangles of rubber instead of links, also as the skin of a `balloon`; bending and air by `cloth`." },
+    { "tearing", SCENE_BLOCK, .at = AT( has_tearing ), .block = &SCENE_TEARING_BLOCK,
+      .help =
+          "Splits the cloth where it is pulled too hard; needs `cloth` by xpbd without coarse sheets or tethers." },
+    { "frame", SCENE_BLOCK, .at = AT( has_frame ), .block = &SCENE_FRAME_BLOCK,
+      .help = "A frame that moves and carries the surface by what that does not feel of it; not with `implicit`." },
+    { "max_speed", SCENE_NUMBER, .at = AT( max_speed ), .range = RANGE( 1e-6, 1e6 ), .unit = SPEEDS,
+      .help = "Largest speed of a vertex; faster velocities are scaled down and counted.", .initial = "no limit" },
+    { "sleep", SCENE_BLOCK, .at = AT( has_sleep ), .block = &SCENE_SURFACE_SLEEP_BLOCK,
+      .help = "A surface that rests costs nothing until something reaches or changes it." },
+    { "detail", SCENE_BLOCK, .at = AT( has_detail ), .block = &SCENE_SURFACE_DETAIL_BLOCK,
+      .help = "Level of detail: a surface that is far away or out of sight costs less." },
+    { "compute", SCENE_CUSTOM, .given = AT( has_compute ), .read = scene_read_surface_request,
+      .choices = SCENE_SURFACE_WORDS, .help = "What is computed for output and statistics.", .form = "list of words",
+      .initial = "`points`; `[]`: none" },
+};
+#undef AT
+const scene_block SCENE_SURFACE_BLOCK = BLOCK( SURFACE_FIELDS );
+
+// ---- lists ----
 
 // ---- an entry ----
 

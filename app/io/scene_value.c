@@ -1,14 +1,248 @@
 #include "scene_schema.h"
+
+#include "io_file.h"
 #include "nearest.h"
-#include "scene_removed.h"
+#include "scene_parts.h"
+#include "scene_reader.h"
+#include "scene_keys.h"
 
 #include "wisp/module/definition.h"
-
 #include <errno.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+// ---- names ----
+
+// Entries that have a name, and values that name them.
+
+static const struct
+{
+    const char *one, *there_is;
+} WORDS[] = {
+    [SCENE_STRANDS] = { "strands", "there are no strands" },
+    [SCENE_SURFACE] = { "surface", "there is no surface" },
+    [SCENE_COLLIDER] = { "collider", "there is no collider" },
+    [SCENE_SEAM] = { "seam", "there is no seam" },
+};
+
+// Entries of one name stay in the order of the lists, and within a list in that of the file.
+static int compare_names( const void* a, const void* b )
+{
+    const scene_name *x = a, *y = b;
+    int order = strcmp( x->text, y->text );
+    order = order ? order : (int)x->what - (int)y->what;
+    return order ? order : ( x->index > y->index ) - ( x->index < y->index );
+}
+
+// Sorted first: comparing each with each would take minutes for a hostile list.
+static wisp_status refuse_equal_names( scene_reader* r )
+{
+    for ( int i = 1; i < r->name_count; ++i )
+    {
+        const scene_name *name = &r->names[i], *before = name - 1;
+        if ( strcmp( name->text, before->text ) == 0 )
+        {
+            scene_enter_index( r, name->index );
+            return scene_refuse( r->source, name->line, name->column, r->path,
+                                 "the name '%s' is taken by the %s in line %d", name->text, WORDS[before->what].one,
+                                 before->line );
+        }
+    }
+    return WISP_OK;
+}
+
+wisp_status scene_register( scene_reader* r, scene_named what, const void* entries, size_t size, int count )
+{
+    if ( count == 0 )
+    {
+        return WISP_OK;
+    }
+    scene_name* names = scene_take( r->scene, (size_t)r->name_count + (size_t)count, sizeof *names );
+    if ( !names )
+    {
+        return scene_no_memory( r );
+    }
+    if ( r->name_count > 0 )
+    {
+        memcpy( names, r->names, (size_t)r->name_count * sizeof *names );
+    }
+    for ( int i = 0; i < count; ++i )
+    {
+        const scene_entry* entry = (const void*)( (const char*)entries + (size_t)i * size );
+        names[r->name_count + i] = ( scene_name ){ entry->name, i, entry->line, entry->column, what };
+    }
+    r->names = names;
+    r->name_count += count;
+    qsort( names, (size_t)r->name_count, sizeof *names, compare_names );
+    return refuse_equal_names( r );
+}
+
+// ---- values that name an entry ----
+
+static wisp_status refuse_name( scene_reader* r, const scene_node* node, const char* text, const scene_name* other,
+                                scene_named what )
+{
+    const scene_quote quote = scene_shorten( text );
+    if ( other )
+    {
+        return scene_refuse_node( r, node, "%s '%s': that is the %s in line %d", WORDS[what].there_is, quote.text,
+                                  WORDS[other->what].one, other->line );
+    }
+    const char** known = scene_take( r->scene, (size_t)r->name_count + 1, sizeof *known );
+    if ( !known )
+    {
+        return scene_no_memory( r );
+    }
+    int count = 0;
+    for ( int i = 0; i < r->name_count; ++i )
+    {
+        if ( r->names[i].what == what )
+        {
+            known[count++] = r->names[i].text;
+        }
+    }
+    const char* near = nearest_word( text, known, count );
+    return scene_refuse_node( r, node, "%s '%s'%s%s%s%s", WORDS[what].there_is, quote.text,
+                              count == 0 ? ": the scene has none" : "", near ? ", did you mean '" : "",
+                              near ? near : "", near ? "'?" : "" );
+}
+
+static int compare_text( const void* key, const void* element )
+{
+    return strcmp( key, ( (const scene_name*)element )->text );
+}
+
+const scene_name* scene_find_name( const scene_reader* r, const char* text )
+{
+    return r->name_count ? bsearch( text, r->names, (size_t)r->name_count, sizeof( scene_name ), compare_text )
+                         : NULL;
+}
+
+wisp_status scene_read_named( scene_reader* r, const scene_node* node, scene_named what, int* index )
+{
+    const char* text = NULL;
+    wisp_status status = scene_read_text( r, node, &text );
+    if ( status )
+    {
+        return status;
+    }
+    const scene_name* found = scene_find_name( r, text );
+    if ( !found || found->what != what )
+    {
+        return refuse_name( r, node, text, found, what );
+    }
+    *index = found->index;
+    return WISP_OK;
+}
+
+// ---- lists of entries ----
+
+wisp_status scene_begin_list( scene_reader* r, const scene_node* node, const char* what, int most, size_t size,
+                              void** items )
+{
+    *items = NULL;
+    wisp_status status = scene_expect_list( r, node, what );
+    if ( status || node->count == 0 )
+    {
+        return status;
+    }
+    if ( node->count > most )
+    {
+        return scene_refuse_node( r, node, "got %d entries, expected at most %d", node->count, most );
+    }
+    *items = scene_take( r->scene, (size_t)node->count, size );
+    return *items ? WISP_OK : scene_no_memory( r );
+}
+
+// ---- reader ----
+
+// ---- memory ----
+
+// A block of a scene's memory; blocks are chained and freed together.
+typedef struct memory_block
+{
+    struct memory_block* next;
+    max_align_t bytes[];
+} memory_block;
+
+void* scene_take( wisp_scene* scene, size_t count, size_t size )
+{
+    if ( count == 0 || count > ( SIZE_MAX - sizeof( memory_block ) ) / size )
+    {
+        return NULL;
+    }
+    memory_block* block = calloc( 1, sizeof *block + count * size );
+    if ( !block )
+    {
+        return NULL;
+    }
+    block->next = scene->blocks;
+    scene->blocks = block;
+    return block->bytes;
+}
+
+void wisp_scene_release( wisp_scene* scene )
+{
+    if ( !scene )
+    {
+        return;
+    }
+    for ( memory_block* block = scene->blocks; block; )
+    {
+        memory_block* next = block->next;
+        free( block );
+        block = next;
+    }
+    *scene = ( wisp_scene ){ 0 };
+}
+
+wisp_status scene_no_memory( const scene_reader* r )
+{
+    return wisp_fail( r->source->error, WISP_NO_MEMORY, "%s: out of memory for the scene",
+                      io_short_name( r->source->name ) );
+}
+
+// ---- where we are ----
+
+static size_t lengthen( scene_reader* r, int printed )
+{
+    size_t before = r->path_length;
+    size_t room = sizeof r->path - before - 1;
+    r->path_length += (size_t)printed < room ? (size_t)printed : room;
+    return before;
+}
+
+size_t scene_enter_key( scene_reader* r, const char* key )
+{
+    return lengthen( r, snprintf( r->path + r->path_length, sizeof r->path - r->path_length, "%s%s",
+                                  r->path_length ? "." : "", key ) );
+}
+
+size_t scene_enter_index( scene_reader* r, int index )
+{
+    return lengthen( r, snprintf( r->path + r->path_length, sizeof r->path - r->path_length, "[%d]", index ) );
+}
+
+void scene_leave( scene_reader* r, size_t path_length )
+{
+    r->path_length = path_length;
+    r->path[path_length] = 0;
+}
+
+wisp_status scene_refuse_node( const scene_reader* r, const scene_node* node, const char* format, ... )
+{
+    char message[420];
+    va_list arguments;
+    va_start( arguments, format );
+    vsnprintf( message, sizeof message, format, arguments );
+    va_end( arguments );
+    return scene_refuse( r->source, node->line, node->column, r->path, "%s", message );
+}
+
+// ---- values ----
 
 // A float needs no more letters.
 #define LONGEST_NUMBER 64

@@ -138,7 +138,7 @@ const char* text_at( const text_node* map, const char* key )
     return node && node->kind == TEXT_SCALAR ? node->text : "";
 }
 
-void text_remove( text_node* parent, int child )
+static void text_remove( text_node* parent, int child )
 {
     text_release( parent->children[child] );
     --parent->count;
@@ -155,7 +155,7 @@ void text_remove_key( text_node* map, const char* key )
     }
 }
 
-void text_set( text_node* scalar, const char* text )
+static void text_set( text_node* scalar, const char* text )
 {
     char* copy = copy_text( text );
     free( scalar->text );

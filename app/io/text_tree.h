@@ -38,9 +38,7 @@ text_node* text_add( text_node* list, text_node* value );
 text_node* text_find( const text_node* map, const char* key );
 /// @return the text of a scalar, "" of anything else
 const char* text_at( const text_node* map, const char* key );
-void text_remove( text_node* parent, int child );
 void text_remove_key( text_node* map, const char* key );
-void text_set( text_node* scalar, const char* text );
 
 /// @return whether the node is a scalar that is a number @param value may be null
 bool text_is_number( const text_node* node, double* value );

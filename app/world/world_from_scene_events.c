@@ -3,7 +3,7 @@
 #include "world_from_scene_parts.h"
 
 #include "gltf.h"
-#include "rig.h"
+#include "skeleton.h"
 #include "wisp/module/module.h"
 
 #include <math.h>

@@ -5,7 +5,7 @@
 
 #include "validate/validate_bodies.h"
 
-#include "oracle/curl_theory.h"
+#include "oracle/slender_theory.h"
 #include "oracle/slip_theory.h"
 
 #include <math.h>

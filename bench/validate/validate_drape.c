@@ -3,7 +3,7 @@
 
 #include "validate/validate_bodies.h"
 
-#include "oracle/sheet_theory.h"
+#include "oracle/plate_theory.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -5,7 +5,7 @@
 #include "validate/validate_bodies.h"
 
 #include "oracle/balloon_oracle.h"
-#include "oracle/balloon_theory.h"
+#include "oracle/balloon_meshes.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 #include "accuracy/scene_tools.h"
 #include "validate/validate_balloons.h"
 #include "oracle/balloon_oracle.h"
-#include "oracle/balloon_theory.h"
+#include "oracle/balloon_meshes.h"
 
 #include <math.h>
 #include <stdlib.h>

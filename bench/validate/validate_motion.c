@@ -6,7 +6,7 @@
 
 #include "balloon/balloon.h"
 #include "collision/collision.h"
-#include "oracle/sheet_theory.h"
+#include "oracle/plate_theory.h"
 
 #include <math.h>
 

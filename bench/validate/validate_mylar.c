@@ -5,7 +5,7 @@
 #include "surfaces.h"
 #include "validate/validate_balloons.h"
 
-#include "oracle/balloon_theory.h"
+#include "oracle/balloon_meshes.h"
 #include "wisp/module/random.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
 
 #include "validate/validate_bodies.h"
 
-#include "oracle/rod_theory.h"
+#include "oracle/slender_theory.h"
 
 #include <math.h>
 

@@ -14,3 +14,6 @@ typedef struct base_log
 /// @param log may be null, which means no host
 void base_log_write( const base_log* log, wisp_log_level level, const char* format, ... )
     __attribute__( ( format( printf, 3, 4 ) ) );
+
+/// Bytes of the longest message, including its zero.
+#define BASE_MESSAGE_CAPACITY 512

@@ -25,10 +25,6 @@ typedef struct cook_fabric
     atomic_int owners;
 } cook_fabric;
 
-/// Create an empty fabric with one reference.
-/// @return null if out of memory
-cook_fabric* fabric_create( const wisp_allocator* allocator );
-
 /// Round a count up to whole groups of lanes.
 static inline int fabric_padded( int count )
 {
@@ -83,7 +79,7 @@ bool fabric_mesh_list_corners( const wisp_fabric* fabric, fabric_pool* scratch, 
 /// Compute the area of each vertex: a third of the areas of its triangles.
 bool fabric_mesh_measure_areas( const fabric_mesh* mesh, fabric_pool* scratch, cook_fabric* cooked );
 
-// ---- fabric_rings.c ----
+// ---- fabric_mesh.c ----
 
 /// Triangles around every vertex as fans, see wisp_fabric.
 typedef struct fabric_rings
@@ -117,7 +113,4 @@ int fabric_choose_tile_size( int vertex_count );
 bool fabric_schedule_corners( const wisp_schedule* schedule, const fabric_constraints* constraints, fabric_pool* keep,
                               const int32_t** out );
 
-// ---- fabric_hash.c ----
-
-/// Compute the hash of a fabric, without the hash itself.
-uint64_t fabric_hash( const wisp_fabric* fabric );
+// ---- fabric.c ----

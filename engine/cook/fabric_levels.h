@@ -50,9 +50,6 @@ typedef struct level_maker
 /// the shorter one.
 void level_agree( level_maker* maker );
 
-/// Return the distance between two chosen neighbours, infinite if they are not neighbours.
-double level_distance( const level_maker* maker, int32_t rank_a, int32_t rank_b );
-
 /// Return the distance between two vertices. At a seam they may be too far apart to be neighbours though both are near a third
 /// one; then it is the Euclidean distance.
 double level_distance_or_straight( const level_maker* maker, int32_t rank_a, int32_t rank_b );
@@ -76,17 +73,8 @@ int level_list_links( const level_maker* maker, level_link* out );
 bool level_make_links( const level_maker* maker, const level_link* links, int count, fabric_pool* keep,
                        wisp_fabric_level* out );
 
-/// Find the chains of mesh edges along the scheduled links.
-/// @return false if out of memory
-bool level_make_chains( const level_maker* maker, const level_link* links, fabric_pool* keep,
-                        wisp_fabric_level* out );
-
 /// Build the net of the chosen vertices.
 /// @param slots [count] of the chosen vertices, in increasing order
 /// @return false if out of memory
 bool level_make_net( const level_maker* maker, const int32_t* slots, int count, fabric_pool* pool,
                      geodesic_net* out );
-
-/// Compute parents and weights of the rows of the finer level.
-/// @return false if out of memory
-bool level_make_parents( const level_maker* maker, fabric_pool* keep, wisp_fabric_level* out );

@@ -50,7 +50,7 @@ static inline int32_t schedule_extreme( const fabric_constraints* in, int32_t co
     return found;
 }
 
-// fabric_colours.c
+// fabric_order.c
 
 /// Assign the lowest colour that none of the slots has. Beyond the colours of the mask, a vertex stores only its last colour. This wastes
 /// colours, but a vertex with a million edges then needs only a million steps.
@@ -62,7 +62,7 @@ void schedule_forget_colours( schedule_state* s, const int32_t* slots, size_t co
 /// @return number of colours
 int schedule_sort_by_colour( const int32_t* colour, int n, int32_t* begin, int32_t* sorted );
 
-// fabric_groups.c
+// fabric_order.c
 
 void schedule_close_tile( schedule_state* s );
 void schedule_close_colour( schedule_state* s );

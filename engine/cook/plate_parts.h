@@ -112,13 +112,6 @@ static inline double plate_share_by_height( const plate_shape* shape )
 /// Shape of a hinge. @return false: an edge without a length or a triangle without a height
 bool plate_measure_hinge( const wisp_fabric* f, const plate_hinge* h, plate_shape* out );
 
-/// List the hinges, how their triangles share a turn, and the hinge across each edge. @return false if out of memory
-bool plate_cook_hinges( wisp_plate* plate, const wisp_fabric* f, fabric_pool* scratch );
-
-/// Hinges that share the turn of a hinge: itself, across (j, k), (k, i), (i, l), (l, j); -1: none.
-void plate_list_stencil( const wisp_plate* plate, const wisp_fabric* f, int32_t hinge,
-                         int32_t stencil[PLATE_STENCIL] );
-
 /// Turn of side 0 from J of the stencil, next to pins.
 void plate_share_turn( const wisp_plate* plate, const wisp_fabric* f, const plate_hinge* h,
                        const int32_t stencil[PLATE_STENCIL], double share[PLATE_STENCIL] );
@@ -128,6 +121,3 @@ void plate_turn_energy( const wisp_plate* plate, const wisp_fabric* f, int32_t t
 
 /// Turns of a triangle's edges as linear combinations of those of hinges and of the vertices around.
 plate_patch plate_patch_of( const wisp_plate* plate, const wisp_fabric* f, int32_t triangle );
-
-/// List the entries of each row; their weights are 0. @return false if out of memory
-bool plate_cook_rows( wisp_plate* plate, const wisp_fabric* f, plate_row_set* set, fabric_pool* scratch );

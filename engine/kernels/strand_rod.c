@@ -1,7 +1,7 @@
 // Elastic rods, sixteen strands at a time. Bending is implicit in the positions, by one pentadiagonal solve. Twist
 // is in equilibrium, by a tridiagonal solve. Frames are transported (discrete elastic rods of Bergou et al. 2008
 // and 2010, with the rest curvature fixed during a substep). The equations are in modules/strands/rod_factors.c and
-// rod_frames.c.
+// rod_factors.c.
 #include "strand_rod_twist.h"
 
 // ---- tension ----

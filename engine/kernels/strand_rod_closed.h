@@ -1,6 +1,6 @@
 // Closed rods; part of strand_rod.c. Vertex 0 is between the last segment and the first. The twist is a cyclic tridiagonal
 // system, solved as the lengths of closed strands (strand_stretch_closed.h). Bending is F, that of the vertices from 2 on,
-// and the response of those to the vertices 0 and 1 (modules/strands/closed_rods.c).
+// and the response of those to the vertices 0 and 1 (modules/strands/rod_factors.c).
 #pragma once
 
 #include "strand_rod_twist.h"

@@ -4,7 +4,7 @@
 // The rotation that takes the pins to their targets is found from their moments by iteration (Mueller, Bender, Chentanez, Macklin
 // 2016, "A robust method to extract the rotational part of deformations"), with a normalised quaternion in place of the exponential.
 // It starts from the rotation of the frame, which is kept where pins leave one open: with a single pin, or about the line of two.
-#include "detail.h"
+#include "passes.h"
 
 #include "wisp/module/components.h"
 

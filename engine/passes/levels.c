@@ -1,13 +1,314 @@
-// Coarse sheets that carry a surface. The coarsest one is integrated to second order in substeps of its own (levels_carry.c) and has
+// Coarse sheets that carry a surface. The coarsest one is integrated to second order in substeps of its own (carry.c) and has
 // enough passes to propagate tension across the surface. Its displacement, beyond that of the predicted surface, is
 // prolonged to the next finer sheet, which is projected once, and so on down to the surface. What follows is an ordinary substep of
 // the surface. At its end, the surface gets what second order adds to the velocity of the coarsest sheet.
 #include "levels.h"
+
 #include "passes.h"
 
 #include "wisp/module/components.h"
-
 #include <string.h>
+
+// ---- pins ----
+
+// Pins between the rows of a coarse sheet. A pinned vertex of the surface that is no row of the sheet is a point of it: the mean
+// of the rows that it follows, by their weights. A sheet that is held nowhere would fall and take the surface along, so the point
+// moves with the pin, after every pass over the links.
+//
+// On a sheet that is not the finest, the point is that of the row of the next finer sheet which the pin follows most.
+
+static int heaviest_parent( const wisp_fabric_level* level, int finer_row )
+{
+    int best = -1;
+    float weight = 0.0f;
+    for ( int k = 0; k < WISP_FABRIC_PARENTS; ++k )
+    {
+        const size_t at = levels_parent_at( finer_row, k );
+        if ( level->weight[at] > weight )
+        {
+            best = level->parent_x4[at] / 4;
+            weight = level->weight[at];
+        }
+    }
+    return best;
+}
+
+// @return the row of the next finer sheet that stands for a pin; the slot itself on the finest one; -1 if there is none, or if the
+// row is pinned and stands for itself
+static int find_finer_row( const levels_surface* s, int number, int slot )
+{
+    int row = slot;
+    for ( int l = 0; l < number && row >= 0; ++l )
+    {
+        const wisp_fabric_level* level = s->fabric->levels + l;
+        row = heaviest_parent( level, row );
+        const bool own = row >= 0 && level->slot_x4[row] == 4 * slot;
+        row = own || row < 0 || s->position[level->slot_x4[row] + 3] > 0.0f ? row : -1;
+    }
+    return row;
+}
+
+static bool make_pin( const levels_surface* s, int number, int slot, levels_pin* pin )
+{
+    const wisp_fabric_level* level = s->fabric->levels + number;
+    const float* inverse_mass = s->inverse_mass + level->first_row;
+    const int finer_row = find_finer_row( s, number, slot );
+    float sum = 0.0f;
+    *pin = ( levels_pin ){ 0 };
+    for ( int k = 0; k < WISP_FABRIC_PARENTS && finer_row >= 0; ++k )
+    {
+        const size_t at = levels_parent_at( finer_row, k );
+        const float weight = level->weight[at];
+        const int32_t row_x4 = level->parent_x4[at];
+        const float* previous = s->previous + level->slot_x4[row_x4 / 4];
+        pin->row_x4[k] = row_x4;
+        pin->weight[k] = weight;
+        sum += weight * weight * inverse_mass[row_x4 / 4];
+        for ( int axis = 0; axis < 3; ++axis )
+        {
+            pin->from[axis] += weight * previous[axis];
+        }
+    }
+    for ( int axis = 0; axis < 3; ++axis )
+    {
+        pin->moved[axis] = s->position[4 * slot + axis] - s->previous[4 * slot + axis];
+    }
+    pin->scale = sum > 0.0f ? 1.0f / sum : 0.0f;
+    return sum > 0.0f;
+}
+
+// List the pins between rows of a level that moves. @param pins [room] @return their number, which may exceed the room
+static int levels_find_pins( const levels_surface* s, int number, levels_pin* pins, int room )
+{
+    int count = 0;
+    for ( int slot = 0; slot < s->fabric->vertex_count; ++slot )
+    {
+        levels_pin pin;
+        if ( s->position[4 * slot + 3] <= 0.0f && make_pin( s, number, slot, &pin ) )
+        {
+            if ( count < room )
+            {
+                pins[count] = pin;
+            }
+            count += 1;
+        }
+    }
+    return count;
+}
+
+// Move the points of all pins to where these are.
+static void levels_project_pins( const levels_sheet* sheet )
+{
+    float* position = sheet->links.position;
+    for ( const levels_pin* p = sheet->pins; p < sheet->pins + sheet->pin_count; ++p )
+    {
+        for ( int axis = 0; axis < 3; ++axis )
+        {
+            float error = -( p->from[axis] + sheet->pin_fraction * p->moved[axis] );
+            for ( int k = 0; k < WISP_FABRIC_PARENTS; ++k )
+            {
+                error += p->weight[k] * position[p->row_x4[k] + axis];
+            }
+            for ( int k = 0; k < WISP_FABRIC_PARENTS; ++k )
+            {
+                float* row = position + p->row_x4[k];
+                row[axis] -= p->scale * p->weight[k] * row[3] * error;
+            }
+        }
+    }
+}
+
+// ---- restart ----
+
+// Coarse sheets that begin: their masses, velocities and pins.
+
+// Adds the masses of the next finer rows to those that carry them.
+static void add_masses( const wisp_fabric_level* level, const double* finer, double* mass )
+{
+    memset( mass, 0, (size_t)level->row_count * sizeof( double ) );
+    for ( int row = 0; row < level->finer_row_count; ++row )
+    {
+        for ( int k = 0; k < WISP_FABRIC_PARENTS; ++k )
+        {
+            const size_t at = levels_parent_at( row, k );
+            mass[level->parent_x4[at] / 4] += (double)level->weight[at] * finer[row];
+        }
+    }
+}
+
+// Finds the inverse masses of all levels. A coarse vertex is pinned where the surface is.
+static bool find_masses( wisp_frame* frame, const wisp_span* span )
+{
+    const wisp_fabric* f = wisp_frame_fabric( frame, span->entity );
+    const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
+    float* inverse_mass = wisp_frame_column( frame, span->entity, WISP_LEVEL_MASS, 0 );
+    const size_t room = ( (size_t)f->slot_count + (size_t)f->levels[0].row_count ) * sizeof( double );
+    double* finer = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker, room );
+    if ( finer == NULL )
+    {
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the coarse sheets of %d particles",
+                         f->slot_count );
+        return false;
+    }
+    double* mass = finer + f->slot_count;
+    for ( int slot = 0; slot < f->slot_count; ++slot )
+    {
+        const double w = (double)position[4 * slot + 3];
+        finer[slot] = w > 0.0 ? 1.0 / w : 0.0;
+    }
+    for ( int l = 0; l < f->level_count; ++l )
+    {
+        const wisp_fabric_level* level = f->levels + l;
+        add_masses( level, finer, mass );
+        for ( int row = 0; row < level->row_count; ++row )
+        {
+            const bool moves =
+                row < level->vertex_count && position[level->slot_x4[row] + 3] > 0.0f && mass[row] > 0.0;
+            finer[row] = moves ? mass[row] : 0.0;
+            inverse_mass[level->first_row + row] = moves ? (float)( 1.0 / mass[row] ) : 0.0f;
+        }
+    }
+    return true;
+}
+
+// levels.c
+static bool levels_have_restarted( wisp_frame* frame, wisp_entity entity, void* user )
+{
+    (void)user;
+    return *levels_columns_of( frame, entity ).state == LEVELS_RESTARTED;
+}
+
+// @return the most pins between rows that a level has
+static int count_pins( const levels_surface* s )
+{
+    int most = 0;
+    for ( int l = 0; l < s->fabric->level_count; ++l )
+    {
+        const int count = levels_find_pins( s, l, NULL, 0 );
+        most = count > most ? count : most;
+    }
+    return most;
+}
+
+void levels_restart( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    const levels_columns columns = levels_columns_of( frame, span->entity );
+    const wisp_fabric* f = wisp_frame_fabric( frame, span->entity );
+    if ( find_masses( frame, span ) )
+    {
+        const float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
+        levels_gather_rows( levels_coarsest( f ), velocity,
+                            wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 0 ) );
+        levels_gather_rows( levels_coarsest( f ), velocity,
+                            wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 4 ) );
+        const levels_surface surface = levels_surface_of( frame, span->entity );
+        levels_find_mean( surface.position + 3, 4, velocity, f->slot_count, columns.drift );
+        *columns.pins = count_pins( &surface );
+        *columns.state = LEVELS_FIRST;
+    }
+}
+
+// ---- second order ----
+
+// What second order adds to the velocities of the coarsest rows: limited by what the surface did, and by what is added to the
+// neighbours of a row.
+
+// Fraction of the change of a velocity that is rounding, where first order has none.
+#define ROUNDING_FRACTION 1e-4f
+
+// Limits what second order adds to a velocity, d, by what the surface did: half of the change of its mean velocity since its last
+// substep, c. Both are half of the acceleration times dt where the surface follows the sheet. A row gets the fraction
+// 2 c . d / d^2, within 0 and 1. It gets nothing where the surface did not follow: in contact, in folds, or at rest where both
+// do not quite agree; second order would give it a velocity there that it does not have.
+static float fraction_of( const float d[3], const float c[3] )
+{
+    const float d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2], c2 = c[0] * c[0] + c[1] * c[1] + c[2] * c[2];
+    const float both = 2.0f * ( c[0] * d[0] + c[1] * d[1] + c[2] * d[2] );
+    return both >= d2 || d2 <= ROUNDING_FRACTION * ROUNDING_FRACTION * c2 ? 1.0f : both > 0.0f ? both / d2 : 0.0f;
+}
+
+// Sums of a row and its neighbours, [row][4]: the last one counts them.
+static void sum_neighbours( const wisp_fabric_level* level, const float* value, float* sum )
+{
+    memcpy( sum, value, 4 * (size_t)level->row_count * sizeof( float ) );
+    for ( int row = 0; row < level->row_count; ++row )
+    {
+        sum[4 * row + 3] = 1.0f;
+    }
+    for ( int i = 0; i < level->schedule.slot_count; ++i )
+    {
+        const float fraction = level->fraction[i]; // 0 pads
+        float *a = sum + level->a_x4[i], *b = sum + level->b_x4[i];
+        const float *at_a = value + level->a_x4[i], *at_b = value + level->b_x4[i];
+        for ( int k = 0; k < 3; ++k )
+        {
+            a[k] += fraction * at_b[k];
+            b[k] += fraction * at_a[k];
+        }
+        a[3] += fraction;
+        b[3] += fraction;
+    }
+}
+
+// Parts of what is added to a row that the mean over it and its neighbours has at least for it to keep any, and all.
+#define SHARED_BY_SOME 0.3f
+#define SHARED_BY_ALL 0.6f
+
+// The fraction that a row keeps of what is added to it, by the mean over it and its neighbours. A corner that gets it alone would
+// be driven to and fro by what the sheets do to it.
+static float shared_fraction( const float added[3], const float sum[4] )
+{
+    const float a2 = added[0] * added[0] + added[1] * added[1] + added[2] * added[2];
+    const float both = ( sum[0] * added[0] + sum[1] * added[1] + sum[2] * added[2] ) / sum[3];
+    return both >= SHARED_BY_ALL * a2   ? 1.0f
+           : both > SHARED_BY_SOME * a2 ? ( both / a2 - SHARED_BY_SOME ) / ( SHARED_BY_ALL - SHARED_BY_SOME )
+                                        : 0.0f;
+}
+
+// Find what second order adds to the velocities of the coarsest rows, and limit what they remember by what the surface did.
+// @param velocity [slot][4] m/s, of the surface @param motion columns of level.motion @param sum [row][4] scratch
+// @param added [row][4] m/s @return whether there is some, and more than half of it is left
+static bool levels_find_added( const wisp_fabric_level* level, const float* velocity, float* const motion[5],
+                               float* sum, float* added )
+{
+    const float *end = motion[0], *mean = motion[3];
+    float *change = motion[1], *lag = motion[2], *before = motion[4];
+    double whole = 0.0, left = 0.0;
+    memset( added, 0, 4 * (size_t)level->row_count * sizeof( float ) );
+    for ( int row = 0; row < level->vertex_count; ++row )
+    {
+        const float* v = velocity + level->slot_x4[row];
+        float d[3], c[3];
+        for ( int k = 0, i = 4 * row; k < 3; ++k, ++i )
+        {
+            d[k] = end[i] - mean[i];
+            c[k] = 0.5f * ( v[k] - before[i] );
+            before[i] = v[k];
+        }
+        const float fraction = fraction_of( d, c );
+        for ( int k = 0, i = 4 * row; k < 3; ++k, ++i )
+        {
+            added[i] = fraction * d[k];
+            change[i] *= fraction;
+            lag[i] *= fraction;
+            whole += (double)( d[k] * d[k] );
+        }
+    }
+    sum_neighbours( level, added, sum );
+    for ( int row = 0; row < level->vertex_count; ++row )
+    {
+        const float fraction = shared_fraction( added + 4 * row, sum + 4 * row );
+        for ( int i = 4 * row; i < 4 * row + 3; ++i )
+        {
+            added[i] *= fraction;
+            left += (double)( added[i] * added[i] );
+        }
+    }
+    return whole > 0.0 && left >= 0.25 * whole;
+}
+
+// ---- levels ----
 
 enum
 {

@@ -46,8 +46,6 @@ static inline const wisp_fabric_level* levels_coarsest( const wisp_fabric* f )
     return f->levels + f->level_count - 1;
 }
 
-// levels_restart.c
-bool levels_have_restarted( wisp_frame* frame, wisp_entity entity, void* user );
 /// Forget the history. Velocities are those before the forces of this step.
 void levels_restart( wisp_frame* frame, const wisp_span* span, void* user );
 
@@ -72,21 +70,10 @@ typedef struct levels_sheet
     float pin_fraction; ///< of the substep of the surface that ends now
 } levels_sheet;
 
-/// List the pins between rows of a level that moves. @param pins [room] @return their number, which may exceed the room
-int levels_find_pins( const levels_surface* surface, int number, levels_pin* pins, int room );
-/// Move the points of all pins to where these are.
-void levels_project_pins( const levels_sheet* sheet );
-
 /// Find the lengths below which links push, for a sheet that has been predicted.
 void levels_find_band( levels_sheet* sheet );
 /// Project all links from multipliers of 0, and pins after each pass. @param dt s
 void levels_project( levels_sheet* sheet, float dt, int passes );
-
-/// Find what second order adds to the velocities of the coarsest rows, and limit what they remember by what the surface did.
-/// @param velocity [slot][4] m/s, of the surface @param motion columns of level.motion @param sum [row][4] scratch
-/// @param added [row][4] m/s @return whether there is some, and more than half of it is left
-bool levels_find_added( const wisp_fabric_level* level, const float* velocity, float* const motion[5], float* sum,
-                        float* added );
 
 /// The coarsest sheet in a substep of the surface.
 typedef struct levels_carrier

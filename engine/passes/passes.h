@@ -1,6 +1,7 @@
 /// Passes that every world has, and what their files share.
 #pragma once
 
+#include "wisp/module/detail.h"
 #include "wisp/module/module.h"
 
 wisp_status passes_declare( wisp_registry* registry );
@@ -32,3 +33,51 @@ bool passes_has_pins( const wisp_fabric* fabric, const float* position );
 
 /// Pass: find the folded hinges of an entity with hinge.folds, and project them.
 void passes_open_hinges( wisp_frame* frame, const wisp_span* span, void* user );
+
+// ---- detail ----
+
+/// Rows of entities whose level of detail was set, and what they do where nothing is solved.
+
+/// A row of the component "detail.state".
+typedef struct passes_detail
+{
+    int32_t level, active, from; // that was set, at which the last step ran, and before the last change
+    int32_t divisor, blend_steps;
+    int32_t elapsed;               // steps since the last change, at most blend_steps
+    int32_t substeps, of_substeps; // in a step of usual length, now and at the last change; 0: as many as it asks for
+} passes_detail;
+
+/// Declare the component and the passes.
+/// @param out receives the component; must live as long as the registry
+wisp_status passes_declare_detail( wisp_registry* registry, wisp_component* out );
+
+// ---- sleep ----
+
+/// Rows of entities that can sleep.
+
+enum
+{
+    PASSES_TOUCHED = 3, // more than any store_sleep
+};
+
+/// A row of the component "sleep.state".
+typedef struct passes_sleep
+{
+    uint64_t rows;            // hash of the entity's own rows when it fell asleep
+    uint64_t surroundings;    // hash of what was around it
+    float lower[3], upper[3]; // m, its bounds there
+    float max_speed, seconds; // of the definition
+    float still;              // s for which no vertex was faster
+    int32_t phase;            // store_sleep; in a snapshot PASSES_TOUCHED more if store_entity.is_touched
+} passes_sleep;
+
+typedef struct passes_sleep_components
+{
+    wisp_component state;              // passes_sleep
+    wisp_component particles, strands; // positions at the end of the step before
+    wisp_component moved;              // what the passes write: the largest displacement of a step, m
+} passes_sleep_components;
+
+/// Declare the components and the passes, behind those of all modules: states are checked first.
+/// @param out receives the components; must live as long as the registry
+wisp_status passes_declare_sleep( wisp_registry* registry, passes_sleep_components* out );

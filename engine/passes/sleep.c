@@ -1,7 +1,7 @@
 // How long an entity has been still: the largest displacement of a vertex over a step. In: positions at the end of the step, and at
 // the end of the one before. Out: the displacement and the time for which it was short enough. Whether the entity falls asleep is
 // decided when all passes have run, see world_sleep.c.
-#include "sleep.h"
+#include "passes.h"
 
 #include "wisp/module/components.h"
 
@@ -32,7 +32,7 @@ static float row_motion( const measure_loop* loop, size_t first )
         const size_t y = (size_t)loop->coordinate, z = 2 * y;
         const float d[3] = { a[0] - b[0], a[y] - b[y], a[z] - b[z] };
         const float square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-        most = square > most ? square : most; // what is not finite was halted before (guard.c)
+        most = square > most ? square : most; // what is not finite was halted before (constraints.c)
     }
     return most;
 }

@@ -1,9 +1,413 @@
 // Compiles a plan: selection, order and nodes, then the targets of nodes and the memory of their blocks.
-#include "compile_parts.h"
+#include "plan.h"
 
 #include "alloc.h"
 
 #include <string.h>
+
+// ---- selection ----
+
+// Selection: the passes of each entity, what supplies their reads, and the rows and arrays that they need.
+
+// Select a pass if the entity has all required components and its output is requested, by the entity or by the
+// reads of a selected pass. Repeat until nothing changes.
+static store_mask live_passes( const wisp_registry* r, const store_entity* e )
+{
+    store_mask live = { { 0 } }, requested = e->alive ? e->requests : live;
+    const store_mask components = store_mask_and_not( e->components, e->derived );
+    for ( bool grew = true; grew; )
+    {
+        grew = false;
+        for ( int i = 0; i < r->pass_count; ++i )
+        {
+            const wisp_pass* pass = r->passes + i;
+            bool lives = store_mask_has( &live, i );
+            bool fits = store_mask_holds( components, plan_mask( pass->required ) ) &&
+                        store_mask_meets( components, plan_mask( pass->excluded ) ) == false;
+            if ( lives == false && fits && store_mask_meets( plan_mask( pass->writes ), requested ) )
+            {
+                store_mask_add( &live, i );
+                requested = store_mask_or( requested, plan_mask( pass->reads ) );
+                grew = true;
+            }
+        }
+    }
+    return live;
+}
+
+// Check that every request and every read has a supplier: rows of the entity, or a selected pass that writes them.
+static wisp_status check_supply( const wisp_registry* r, store_mask live, int slot, wisp_error* error )
+{
+    const store_entity* e = r->store->entities + slot;
+    store_mask supplied = store_mask_and_not( e->components, e->derived );
+    for ( int i = 0; i < r->pass_count; ++i )
+    {
+        if ( store_mask_has( &live, i ) )
+        {
+            supplied = store_mask_or( supplied, plan_mask( r->passes[i].writes ) );
+        }
+    }
+    for ( int c = 1; c < r->store->component_count; ++c )
+    {
+        if ( store_mask_has( &e->requests, c ) && store_mask_has( &supplied, c ) == false )
+        {
+            return wisp_fail( error, WISP_CONFLICT, "'%s': requested of entity %d, but no pass can write it there",
+                              r->store->components[c].def.name, slot + 1 );
+        }
+    }
+    for ( int i = 0; i < r->pass_count; ++i )
+    {
+        const store_mask missing = store_mask_and_not( plan_mask( r->passes[i].reads ), supplied );
+        for ( int c = 1; c < r->store->component_count && store_mask_has( &live, i ); ++c )
+        {
+            if ( store_mask_has( &missing, c ) )
+            {
+                return wisp_fail( error, WISP_CONFLICT,
+                                  "pass '%s': reads '%s', which entity %d does not have and no active pass writes",
+                                  r->passes[i].name, r->store->components[c].def.name, slot + 1 );
+            }
+        }
+    }
+    return WISP_OK;
+}
+
+// ---- rows and arrays ----
+
+// Attach components that an entity does not have.
+// @return false: no memory
+static bool plan_attach_rows( plan* p, store* s, int slot, store_mask components )
+{
+    for ( int c = 1; c < s->component_count; ++c )
+    {
+        store_entity* e = s->entities + slot;
+        if ( store_mask_has( &components, c ) && store_mask_has( &e->components, c ) == false )
+        {
+            if ( store_attach( s, store_handle( s, slot ), (wisp_component)c ) == false )
+            {
+                return false;
+            }
+            store_mask_add( &e->derived, c );
+            store_mask_add( &p->entities[slot].came, c );
+        }
+    }
+    return true;
+}
+
+// Detach those of some components that passes needed, and no one else.
+static void plan_detach_rows( store* s, int slot, store_mask components )
+{
+    for ( int c = 1; c < s->component_count; ++c )
+    {
+        if ( store_mask_has( &components, c ) && store_mask_has( &s->entities[slot].derived, c ) )
+        {
+            store_detach( s, store_handle( s, slot ), (wisp_component)c );
+        }
+    }
+}
+
+// Return the components that some passes read and write.
+static store_mask plan_used_by( const wisp_registry* r, store_mask passes )
+{
+    store_mask used = { { 0 } };
+    for ( int i = 0; i < r->pass_count; ++i )
+    {
+        if ( store_mask_has( &passes, i ) )
+        {
+            used = store_mask_or( used, plan_mask( r->passes[i].reads ) );
+            used = store_mask_or( used, plan_mask( r->passes[i].writes ) );
+        }
+    }
+    return used;
+}
+
+// Make what selected passes read of the fabric.
+static wisp_status need_fabric( const wisp_registry* r, const store_entity* e, store_mask live )
+{
+    unsigned arrays = 0;
+    for ( int i = 0; i < r->pass_count; ++i )
+    {
+        arrays |= store_mask_has( &live, i ) ? r->passes[i].fabric : 0u;
+    }
+    return arrays != 0 && e->fabric != NULL ? wisp_fabric_need( e->fabric, arrays ) : WISP_OK;
+}
+
+// Return those of some passes that run at a detail. The others keep their place in the plan, and their rows.
+static store_mask passes_at( const wisp_registry* r, store_mask live, wisp_detail detail )
+{
+    for ( int i = 0; i < r->pass_count; ++i )
+    {
+        const unsigned use = r->passes[i].detail;
+        const bool runs = detail == WISP_DETAIL_NOTHING  ? ( use & WISP_PASS_WITHOUT_MOTION ) != 0
+                          : detail == WISP_DETAIL_COARSE ? ( use & WISP_PASS_FINE ) == 0
+                                                         : true;
+        if ( runs == false )
+        {
+            store_mask_remove( &live, i );
+        }
+    }
+    return live;
+}
+
+// Select the passes of each entity, attach the rows that they need and make the arrays of fabrics that they read.
+// @return WISP_CONFLICT a request or a read without supplier; WISP_NO_MEMORY
+static wisp_status plan_select( plan* p, const wisp_registry* r, wisp_error* error )
+{
+    store* s = r->store;
+    for ( int slot = 0; slot < s->entity_count; ++slot )
+    {
+        const store_mask live = live_passes( r, s->entities + slot );
+        p->entities[slot] =
+            ( plan_entity ){ .live = live, .runs = passes_at( r, live, s->entities[slot].detail.level ) };
+        WISP_TRY( s->entities[slot].alive ? check_supply( r, live, slot, error ) : WISP_OK );
+        // rows that mean nothing between steps follow when fusions are known
+        const store_mask used = store_mask_and_not( plan_used_by( r, live ), s->transient );
+        if ( s->entities[slot].alive && plan_attach_rows( p, s, slot, used ) == false )
+        {
+            return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the rows between the passes of entity %d",
+                              slot + 1 );
+        }
+        wisp_status status = s->entities[slot].alive ? need_fabric( r, s->entities + slot, live ) : WISP_OK;
+        if ( status != WISP_OK )
+        {
+            return wisp_fail( error, status, "out of memory for the topology that passes of entity %d read",
+                              slot + 1 );
+        }
+        p->live = store_mask_or( p->live, live );
+    }
+    return WISP_OK;
+}
+
+// ---- order ----
+
+// The order of passes, their waves and nodes.
+
+static bool conflicts( const wisp_pass* a, const wisp_pass* b )
+{
+    store_mask a_writes = store_mask_or( plan_mask( a->writes ), plan_mask( a->foreign ) );
+    store_mask b_writes = store_mask_or( plan_mask( b->writes ), plan_mask( b->foreign ) );
+    return store_mask_meets( a_writes, store_mask_or( b_writes, plan_mask( b->reads ) ) ) ||
+           store_mask_meets( b_writes, plan_mask( a->reads ) );
+}
+
+// ---- order: stage, then data dependency, then the order of declaration ----
+
+// Whether a must precede b: a only writes a component that b reads.
+static bool must_precede( const wisp_pass* a, const wisp_pass* b )
+{
+    store_mask produced = store_mask_and_not( plan_mask( a->writes ), plan_mask( a->reads ) );
+    store_mask produced_by_b = store_mask_and_not( plan_mask( b->writes ), plan_mask( b->reads ) );
+    return store_mask_meets( produced, store_mask_and_not( plan_mask( b->reads ), produced_by_b ) );
+}
+
+static wisp_status order_stage( const wisp_registry* r, store_mask live, wisp_stage stage, int* order, int* count,
+                                wisp_error* error )
+{
+    store_mask waiting = { { 0 } };
+    for ( int i = 0; i < r->pass_count; ++i )
+    {
+        if ( store_mask_has( &live, i ) && r->passes[i].stage == stage )
+        {
+            store_mask_add( &waiting, i );
+        }
+    }
+    while ( store_mask_any( waiting ) )
+    {
+        int next = -1, first = -1;
+        for ( int i = 0; i < r->pass_count && next < 0; ++i )
+        {
+            if ( store_mask_has( &waiting, i ) == false )
+            {
+                continue;
+            }
+            first = first < 0 ? i : first;
+            bool free = true;
+            for ( int j = 0; j < r->pass_count; ++j )
+            {
+                free = free && ( i == j || store_mask_has( &waiting, j ) == false ||
+                                 must_precede( r->passes + j, r->passes + i ) == false );
+            }
+            next = free ? i : -1;
+        }
+        if ( next < 0 )
+        {
+            return wisp_fail( error, WISP_CONFLICT,
+                              "pass '%s': part of a cycle of passes that wait for each other in one stage",
+                              r->passes[first].name );
+        }
+        order[( *count )++] = next;
+        store_mask_remove( &waiting, next );
+    }
+    return WISP_OK;
+}
+
+// Order passes by stage, then data dependency, then declaration. @param order [PLAN_MAX_PASSES]
+// @return WISP_CONFLICT passes wait for each other
+static wisp_status plan_order( const wisp_registry* r, store_mask live, int* order, int* count, wisp_error* error )
+{
+    *count = 0;
+    for ( int stage = 0; stage < WISP_STAGE_COUNT; ++stage )
+    {
+        WISP_TRY( order_stage( r, live, (wisp_stage)stage, order, count, error ) );
+    }
+    return WISP_OK;
+}
+
+// ---- nodes: waves and fusion ----
+
+static bool node_conflicts( const wisp_registry* r, const plan_node* node, const wisp_pass* pass )
+{
+    for ( int i = 0; i < node->pass_count; ++i )
+    {
+        if ( conflicts( r->passes + node->passes[i], pass ) )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
+// Find the passes over groups of strands that can run all substeps of a block of groups before the next block. The
+// block then stays in the near caches for the whole step, and no worker waits for another between substeps (bench
+// case "strands"). No other pass of the substep loop may touch what they write or write what they read. None may
+// have `is_due`, which is evaluated once per step.
+static store_mask item_loop_passes( const wisp_registry* r, store_mask live )
+{
+    store_mask loop = { { 0 } }, writes = { { 0 } }, reads = { { 0 } };
+    bool possible = true;
+    int count = 0;
+    for ( int i = 0; i < r->pass_count; ++i )
+    {
+        const wisp_pass* pass = r->passes + i;
+        const plan_section section = plan_section_of( pass->stage );
+        if ( store_mask_has( &live, i ) && pass->domain == WISP_DOMAIN_STRAND_GROUP && section > PLAN_BEFORE &&
+             section < PLAN_ITEM_LOOP )
+        {
+            store_mask_add( &loop, i );
+            writes = store_mask_or( writes, plan_mask( pass->writes ) );
+            reads = store_mask_or( reads, plan_mask( pass->reads ) );
+            possible = possible && pass->should_run == NULL && pass->on_change == 0;
+            count += 1;
+        }
+    }
+    for ( int i = 0; i < r->pass_count; ++i )
+    {
+        const wisp_pass* pass = r->passes + i;
+        const plan_section section = plan_section_of( pass->stage );
+        const bool is_outside = store_mask_has( &live, i ) && store_mask_has( &loop, i ) == false;
+        if ( is_outside && section > PLAN_BEFORE && section < PLAN_ITEM_LOOP )
+        {
+            const store_mask changed = store_mask_or( plan_mask( pass->writes ), plan_mask( pass->foreign ) );
+            possible = possible && store_mask_meets( changed, store_mask_or( writes, reads ) ) == false &&
+                       store_mask_meets( plan_mask( pass->reads ), writes ) == false;
+        }
+    }
+    return possible && count <= PLAN_MAX_FUSED ? loop : ( store_mask ){ { 0 } };
+}
+
+// Return those of some passes that touch entities that are apart.
+static store_mask unsparing( const wisp_registry* r, store_mask live )
+{
+    for ( int i = 0; i < r->pass_count; ++i )
+    {
+        if ( r->passes[i].spares )
+        {
+            store_mask_remove( &live, i );
+        }
+    }
+    return live;
+}
+
+// Add the item loop: one node, with its passes in the order of their stages.
+static void place_in_item_loop( plan* p, const wisp_registry* r, int number, bool repeats )
+{
+    plan_node* node = NULL;
+    for ( int n = 0; n < p->node_count; ++n )
+    {
+        node = p->nodes[n].section == PLAN_ITEM_LOOP ? p->nodes + n : node;
+    }
+    if ( node == NULL )
+    {
+        node = p->nodes + p->node_count++;
+        *node = ( plan_node ){
+            .domain = WISP_DOMAIN_STRAND_GROUP, .section = PLAN_ITEM_LOOP, .grain = 4, .repeats = repeats
+        };
+        p->wave_count[PLAN_ITEM_LOOP] = 1;
+    }
+    const int grain = r->passes[number].grain;
+    node->passes[node->pass_count++] = number;
+    node->grain = grain > node->grain ? grain : node->grain;
+}
+
+static int default_grain( wisp_domain domain )
+{
+    return domain == WISP_DOMAIN_ENTITY ? 1 : 4;
+}
+
+// Place a pass in the wave after the last node with which it conflicts. If that node is alone in its wave, and both
+// touch only their own item of the same domain, fuse them instead: A, B on item 0, then A, B on item 1. A pass with
+// `is_due` is not fused with earlier passes.
+static void place_pass( plan* p, const wisp_registry* r, int number )
+{
+    const wisp_pass* pass = r->passes + number;
+    plan_section section = plan_section_of( pass->stage );
+    int wave = 0, latest = -1, latest_count = 0;
+    for ( int n = 0; n < p->node_count; ++n )
+    {
+        const plan_node* node = p->nodes + n;
+        if ( node->section != section || node_conflicts( r, node, pass ) == false )
+        {
+            continue;
+        }
+        if ( latest < 0 || node->wave > p->nodes[latest].wave )
+        {
+            latest = n;
+            latest_count = 0;
+        }
+        latest_count += node->wave == p->nodes[latest].wave ? 1 : 0;
+        wave = p->nodes[latest].wave + 1;
+    }
+    plan_node* host = latest >= 0 ? p->nodes + latest : NULL;
+    bool fuses = host != NULL && latest_count == 1 && pass->domain != WISP_DOMAIN_ENTITY &&
+                 host->domain == pass->domain && host->pass_count < PLAN_MAX_FUSED && pass->should_run == NULL;
+    if ( fuses )
+    {
+        host->passes[host->pass_count++] = number;
+        host->grain = pass->grain > host->grain ? pass->grain : host->grain;
+        return;
+    }
+    p->nodes[p->node_count++] = ( plan_node ){
+        .passes = { number },
+        .pass_count = 1,
+        .domain = pass->domain,
+        .section = section,
+        .wave = wave,
+        .grain = pass->grain > 0 ? pass->grain : default_grain( pass->domain ),
+    };
+    p->wave_count[section] = wave + 1 > p->wave_count[section] ? wave + 1 : p->wave_count[section];
+}
+
+// Place ordered passes in nodes and waves, and fuse them.
+static void plan_place( plan* p, const wisp_registry* r, const int* order, int count )
+{
+    store_mask loop = item_loop_passes( r, p->live );
+    const bool repeats = store_mask_any( loop ) == false;
+    loop = repeats ? item_loop_passes( r, unsparing( r, p->live ) ) : loop;
+    for ( int i = 0; i < count; ++i )
+    {
+        const bool loops = store_mask_has( &loop, order[i] );
+        if ( loops )
+        {
+            place_in_item_loop( p, r, order[i], repeats );
+        }
+        if ( loops == false || repeats )
+        {
+            place_pass( p, r, order[i] );
+        }
+    }
+    p->pass_count = count;
+}
+
+// ---- compile ----
 
 bool plan_lists( const wisp_component* uses, wisp_component component )
 {

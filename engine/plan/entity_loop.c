@@ -1,6 +1,6 @@
 // Substeps of small entities, entity by entity: all substeps of one, then of the next. Its rows then stay in the near
 // caches for the whole step, and no worker waits for another between passes (bench case "scenes", crowds).
-#include "execute_parts.h"
+#include "plan.h"
 
 #include <string.h>
 

@@ -1,10 +1,319 @@
 // Execution of a compiled plan, section by section and wave by wave. The blocks of a wave come from all of its
 // nodes and entities, so that two small entities use two cores. The partition into blocks never depends on the
 // workers.
-#include "execute_parts.h"
+
+#include "plan.h"
 
 #include <limits.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <string.h>
+
+// ---- substeps ----
+
+// Substeps of entities. An entity may ask for more substeps than the world makes: it splits each of those into as many
+// as it needs. Its detail may allow it fewer: then it makes fewer and longer ones in the same time. Entities that meet in substeps
+// have the substeps of the one with the most.
+
+// Return what passes of other entities touch of an entity in the substep loop.
+static store_mask columns_across( const plan* p, const wisp_registry* r, int slot )
+{
+    const store_mask components = r->store->entities[slot].components;
+    store_mask across = { { 0 } };
+    for ( int n = 0; n < p->node_count; ++n )
+    {
+        const plan_node* node = p->nodes + n;
+        for ( int i = 0; i < node->pass_count && plan_is_substep( node->section ); ++i )
+        {
+            const wisp_pass* pass = r->passes + node->passes[i];
+            const bool reaches = pass->among == 0 || store_mask_has( &components, pass->among );
+            across = reaches ? store_mask_or( across, plan_mask( pass->foreign ) ) : across;
+        }
+    }
+    return across;
+}
+
+// Does a pass follow entities that it does not list? Which ones only the module knows, so all meet.
+static bool has_followers( const plan* p, const wisp_registry* r )
+{
+    bool found = false;
+    for ( int n = 0; n < p->node_count; ++n )
+    {
+        const plan_node* node = p->nodes + n;
+        for ( int i = 0; i < node->pass_count && plan_is_substep( node->section ); ++i )
+        {
+            found = found || r->passes[node->passes[i]].follows;
+        }
+    }
+    return found;
+}
+
+// Find whether an entity runs substeps in waves, and whether others touch what it has there, or it touches theirs.
+static void find_meetings( plan* p, const wisp_registry* r, int slot, bool all_meet )
+{
+    plan_entity* e = p->entities + slot;
+    const store_mask across = columns_across( p, r, slot );
+    e->runs_waves = e->meets = false;
+    for ( int n = 0; n < p->node_count; ++n )
+    {
+        const plan_node* node = p->nodes + n;
+        for ( int i = 0; i < node->pass_count && plan_is_substep( node->section ); ++i )
+        {
+            const wisp_pass* pass = r->passes + node->passes[i];
+            if ( store_mask_has( &e->runs, node->passes[i] ) )
+            {
+                const store_mask touched = store_mask_or( plan_mask( pass->reads ), plan_mask( pass->writes ) );
+                e->runs_waves = true;
+                e->meets = e->meets || all_meet || pass->foreign[0] != 0 || store_mask_meets( touched, across );
+            }
+        }
+    }
+}
+
+int plan_usual_substeps( const wisp_registry* r )
+{
+    return r->substeps > 1 ? r->substeps : 1;
+}
+
+// Rates are ordered by the number of substeps.
+int plan_rate( const plan_entity* e, const wisp_registry* r )
+{
+    return e->fewer > 0 ? e->fewer - plan_usual_substeps( r ) : e->split;
+}
+
+int plan_substeps_of_rate( const wisp_registry* r, int rate, int of_world )
+{
+    const int64_t usual = plan_usual_substeps( r );
+    return rate > 0 ? of_world * rate : (int)( ( (int64_t)of_world * ( usual + rate ) + usual - 1 ) / usual );
+}
+
+// Return the rate for what an entity asks for, and the limit that its detail sets.
+static int rate_for( const store_entity* e, int usual )
+{
+    const int asked = e->substeps > usual ? ( e->substeps - 1 ) / usual + 1 : 1;
+    const int limit = e->detail.max_substeps;
+    if ( limit == 0 || limit >= asked * usual )
+    {
+        return asked;
+    }
+    return limit < usual ? limit - usual : ( limit - 1 ) / usual + 1;
+}
+
+static void set_rate( plan_entity* e, int rate, int usual )
+{
+    e->split = rate > 0 ? rate : 1;
+    e->fewer = rate > 0 ? 0 : usual + rate;
+}
+
+void plan_find_splits( plan* p, const wisp_registry* r )
+{
+    const bool all_meet = has_followers( p, r );
+    const int usual = plan_usual_substeps( r );
+    int most = -usual; // of those that meet
+    for ( int slot = 0; slot < r->store->entity_count; ++slot )
+    {
+        plan_entity* e = p->entities + slot;
+        find_meetings( p, r, slot, all_meet );
+        const int rate = rate_for( r->store->entities + slot, usual );
+        set_rate( e, rate, usual );
+        most = e->meets && rate > most ? rate : most;
+    }
+    for ( int slot = 0; slot < r->store->entity_count; ++slot )
+    {
+        plan_entity* e = p->entities + slot;
+        set_rate( e, e->meets ? most : plan_rate( e, r ), usual );
+    }
+}
+
+// Return the next larger rate among entities that run substeps in waves; 0: none.
+static int plan_next_rate( const plan* p, const wisp_registry* r, int rate )
+{
+    int next = 0;
+    for ( int slot = 0; slot < p->entity_count; ++slot )
+    {
+        const plan_entity* e = p->entities + slot;
+        const int own = plan_rate( e, r );
+        const bool is_nearer = own > rate && ( next == 0 || own < next );
+        next = e->runs_waves && e->loops == false && is_nearer ? own : next;
+    }
+    return next;
+}
+
+// ---- callbacks ----
+
+// Callbacks of a pass: the columns, substeps and fractions of a frame, its kernels, memory and counters.
+
+static store_entity* entity_of( const wisp_frame* frame, wisp_entity entity )
+{
+    return frame->registry->store->entities + entity.index - 1;
+}
+
+void* wisp_frame_column( wisp_frame* frame, wisp_entity entity, wisp_component component, int column )
+{
+    return store_column( frame->registry->store, entity_of( frame, entity ), component, column );
+}
+
+bool wisp_frame_has( wisp_frame* frame, wisp_entity entity, wisp_component component )
+{
+    return store_mask_has( &entity_of( frame, entity )->components, component );
+}
+
+wisp_vec3 wisp_frame_offset( wisp_frame* frame, wisp_entity entity )
+{
+    return entity_of( frame, entity )->offset;
+}
+
+wisp_vec3 wisp_frame_between( wisp_frame* frame, wisp_entity from, wisp_entity to )
+{
+    return store_between( entity_of( frame, from ), entity_of( frame, to ) );
+}
+
+const wisp_strand_topology* wisp_frame_strands( wisp_frame* frame, wisp_entity entity )
+{
+    return entity_of( frame, entity )->strands;
+}
+
+const wisp_fabric* wisp_frame_fabric( wisp_frame* frame, wisp_entity entity )
+{
+    return entity_of( frame, entity )->fabric;
+}
+
+const struct wisp_samples* wisp_frame_samples( wisp_frame* frame, wisp_entity surface )
+{
+    return entity_of( frame, surface )->samples;
+}
+
+wisp_span wisp_frame_particles( wisp_frame* frame, const wisp_span* span )
+{
+    int count = entity_of( frame, span->entity )->rows[WISP_TABLE_PARTICLE].count;
+    int end = span->end * WISP_PARTICLE_BLOCK;
+    wisp_span particles = *span;
+    particles.begin = span->begin * WISP_PARTICLE_BLOCK;
+    particles.end = end < count ? end : count;
+    return particles;
+}
+
+int execute_substeps( const wisp_frame* frame, int slot )
+{
+    return plan_substeps_of_rate( frame->registry, plan_rate( frame->plan->entities + slot, frame->registry ),
+                                  frame->substeps );
+}
+
+// What a substep of the world has of something, for a substep of an entity.
+static float in_substep( const wisp_frame* frame, wisp_entity entity, float of_world )
+{
+    const plan_entity* e = frame->plan->entities + entity.index - 1;
+    return e->fewer > 0 && frame->substeps > 0
+               ? of_world * (float)frame->substeps / (float)wisp_frame_substeps( frame, entity )
+               : of_world / (float)e->split;
+}
+
+float wisp_frame_dt( const wisp_frame* frame, wisp_entity entity )
+{
+    return frame->even > 0.0f ? frame->even / (float)wisp_frame_substeps( frame, entity )
+                              : in_substep( frame, entity, frame->seconds );
+}
+
+int wisp_frame_substeps( const wisp_frame* frame, wisp_entity entity )
+{
+    return execute_substeps( frame, (int)entity.index - 1 );
+}
+
+float wisp_frame_progress( const wisp_frame* frame, wisp_entity entity, int substeps )
+{
+    const float progress = in_substep( frame, entity, frame->progress ) * (float)substeps;
+    return frame->progress == 0.0f ? (float)substeps / (float)wisp_frame_substeps( frame, entity )
+           : progress < 1.0f       ? progress
+                                   : 1.0f;
+}
+
+float wisp_frame_progress_left( const wisp_frame* frame, wisp_entity entity, int substep )
+{
+    const float progress = in_substep( frame, entity, frame->progress );
+    const float left = 1.0f - progress * (float)substep;
+    return progress == 0.0f  ? 1.0f / (float)( wisp_frame_substeps( frame, entity ) - substep )
+           : left > progress ? progress / left
+                             : 1.0f;
+}
+
+wisp_transform wisp_frame_reached( const wisp_frame* frame, wisp_transform from, wisp_transform to )
+{
+    const bool is_there = frame->reached == 1.0f || memcmp( &from, &to, sizeof( from ) ) == 0;
+    return is_there ? to : wisp_transform_interpolate( from, to, frame->reached );
+}
+
+int wisp_frame_iterations( const wisp_frame* frame )
+{
+    return frame->iterations;
+}
+
+bool wisp_frame_is_halted( wisp_frame* frame, wisp_entity entity )
+{
+    const store_entity* e = entity_of( frame, entity );
+    return e->halted != 0 || e->sleep != STORE_AWAKE || e->detail.level == WISP_DETAIL_NOTHING;
+}
+
+wisp_detail_frame wisp_frame_detail( wisp_frame* frame, wisp_entity entity )
+{
+    return entity_of( frame, entity )->detail;
+}
+
+bool wisp_frame_is_asleep( wisp_frame* frame, wisp_entity entity )
+{
+    return entity_of( frame, entity )->sleep != STORE_AWAKE;
+}
+
+void wisp_frame_halt( wisp_frame* frame, wisp_entity entity, const char* message )
+{
+    entity_of( frame, entity )->halted = 1; // only passes that run on the entity halt it, one at a time
+    wisp_frame_count( frame, WISP_COUNT_HALTED, 1 );
+    if ( atomic_flag_test_and_set( &frame->halting ) == false )
+    {
+        snprintf( frame->halted_message, sizeof( frame->halted_message ), "%s", message );
+    }
+}
+
+const wisp_kernels* wisp_frame_kernels( wisp_frame* frame )
+{
+    return frame->kernels;
+}
+
+const wisp_parallel* wisp_frame_parallel( wisp_frame* frame, const wisp_span* span )
+{
+    return frame->wide ? jobs_everyone( frame->pool ) : jobs_alone( frame->pool, span->worker );
+}
+
+void* wisp_frame_workspace( wisp_frame* frame, int workspace, int worker )
+{
+    const plan_workspace* w = frame->registry->workspaces + workspace;
+    return (char*)w->blocks + (size_t)worker * w->size;
+}
+
+uint64_t wisp_frame_step( wisp_frame* frame )
+{
+    return frame->step;
+}
+
+void wisp_frame_fail( wisp_frame* frame, wisp_status status, const char* format, ... )
+{
+    if ( atomic_flag_test_and_set( &frame->failing ) )
+    {
+        return; // keep the first message
+    }
+    va_list arguments;
+    va_start( arguments, format );
+    vsnprintf( frame->error.message, sizeof( frame->error.message ), format, arguments );
+    va_end( arguments );
+    frame->error.status = status;
+    atomic_store( &frame->failed, true );
+}
+
+void wisp_frame_count( wisp_frame* frame, wisp_counter counter, uint64_t amount )
+{
+    atomic_fetch_add_explicit( frame->counters + counter, amount, memory_order_relaxed );
+}
+
+// ---- execution ----
 
 enum
 {

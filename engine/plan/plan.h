@@ -12,7 +12,6 @@
 #include "wisp/explain.h"
 #include "wisp/module/module.h"
 #include "wisp/module/sleep.h"
-
 #include <stdatomic.h>
 
 enum
@@ -275,7 +274,7 @@ wisp_plan_info* plan_explain( const plan* p, const wisp_registry* r, int substep
 /// Print one line per pass: selected passes with their reasons, absent ones with what is missing.
 void plan_print( const wisp_plan_info* report, void ( *write )( void* user, const char* line ), void* user );
 
-// substeps.c
+// execute.c
 
 /// Find which entities meet in substeps, and how many each makes; after nodes and before loops.
 void plan_find_splits( plan* p, const wisp_registry* r );
@@ -285,8 +284,6 @@ int plan_usual_substeps( const wisp_registry* r );
 int plan_rate( const plan_entity* e, const wisp_registry* r );
 /// Return the substeps of a rate in a step in which the world makes so many.
 int plan_substeps_of_rate( const wisp_registry* r, int rate, int of_world );
-/// Return the next larger rate among entities that run substeps in waves; 0: none.
-int plan_next_rate( const plan* p, const wisp_registry* r, int rate );
 
 // entity_loop.c
 
@@ -366,3 +363,47 @@ bool plan_has_substeps( const plan* p );
 /// Run all sections in their loops, or none in a step without substeps. The caller keeps the pool open
 /// (jobs_enter).
 void plan_execute( wisp_frame* frame );
+
+// ---- execute parts ----
+
+/// Declarations shared by the files that execute a plan.
+
+/// Range of passes in the list of a node.
+typedef struct pass_range
+{
+    int begin, end;
+} pass_range;
+
+/// Whether an entity is left out of the passes of a section.
+static inline bool execute_leaves_out( const store_entity* e, plan_section section )
+{
+    return e->halted != 0 || e->sleep == STORE_ASLEEP ||
+           ( e->sleep == STORE_FALLING_ASLEEP && section != PLAN_AFTER );
+}
+
+// execute.c
+
+/// Return the substeps of an entity in this step.
+int execute_substeps( const wisp_frame* frame, int slot );
+
+// execute.c
+
+/// Whether a pass has to run on an entity; if so, what watches its output has to run too. Once per run of the pass.
+bool execute_is_due( wisp_frame* frame, int number, int slot );
+
+/// Run the passes of an item, timed if `scale` is above 0, which extends the sample to what it stands for.
+/// @param due selected and due passes, bit i: passes[i] of the node
+void execute_item( wisp_frame* frame, const plan_node* node, unsigned due, pass_range range, const wisp_span* span,
+                   double scale );
+
+/// Run blocks that take some rows together, on all workers if that is worth it, and divide their time among passes.
+/// @param clocked one of so many blocks with a substep loop is timed
+void execute_timed( wisp_frame* frame, int count, int64_t rows, int clocked, wisp_block_fn* run );
+
+/// Which of the substeps of a block is timed, pass by pass; the number of substeps: none.
+int execute_timed_substep( const wisp_frame* frame, int block, int substeps );
+
+// entity_loop.c
+
+/// Run all substeps of the entities that have a loop of their own.
+void execute_entity_loops( wisp_frame* frame );

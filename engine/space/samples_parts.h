@@ -83,7 +83,7 @@ typedef struct samples_extent
     double base, height;
 } samples_extent;
 
-// ---- samples_law.c: counts from lengths. Lengths are divided by the spacing, counts are integers in doubles ----
+// ---- samples.c: counts from lengths. Lengths are divided by the spacing, counts are integers in doubles ----
 
 typedef struct samples_bounds
 {
@@ -133,11 +133,8 @@ bool samples_next_line( samples_lines* lines );
 /// Count a block of elements. The caller's state of unchanged elements stays; the new state of changed ones is
 /// stored aside.
 void samples_count_block( void* context, int begin, int end, int worker );
-/// Compute bounds of an edge or a triangle from its sampled extents.
-void samples_keep_edge( const samples_update* u, int edge );
-void samples_keep_triangle( const samples_update* u, int triangle );
 
-// ---- samples_fill.c ----
+// ---- samples_count.c ----
 
 /// Fill a block of elements: recipes of unchanged elements are copied, the others are generated.
 void samples_fill_block( void* context, int begin, int end, int worker );

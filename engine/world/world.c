@@ -1,10 +1,222 @@
 #include "world.h"
 
 #include "alloc.h"
+#include "fabric.h"
 
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
+
+// ---- memory ----
+
+// Where the memory of a world goes.
+
+// Parts as they are found.
+typedef struct part_list
+{
+    wisp_memory_part* out;
+    int count, capacity;
+} part_list;
+
+static void add( part_list* parts, const char* name, wisp_memory_kind kind, size_t bytes, size_t capacity )
+{
+    if ( capacity == 0 )
+    {
+        return;
+    }
+    if ( parts->count < parts->capacity )
+    {
+        parts->out[parts->count] = ( wisp_memory_part ){ name, kind, bytes, capacity };
+    }
+    parts->count += 1;
+}
+
+static void add_whole( part_list* parts, const char* name, wisp_memory_kind kind, size_t bytes )
+{
+    add( parts, name, kind, bytes, bytes );
+}
+
+// Instances share what they are instances of, so each is counted where the first entity has it.
+static bool is_first( const store* s, int slot, const void* shared, bool is_fabric )
+{
+    for ( int i = 0; i < slot; ++i )
+    {
+        const store_entity* e = s->entities + i;
+        const void* other = is_fabric ? (const void*)e->fabric : (const void*)e->strands;
+        if ( e->alive && other == shared )
+        {
+            return false;
+        }
+    }
+    return true;
+}
+
+// A surface whose triangles have changed has a fabric in the memory of the world.
+static bool is_own( const store* s, const wisp_fabric* fabric )
+{
+    return ( (const cook_fabric*)fabric )->keep.allocator == s->allocator;
+}
+
+static size_t topology_bytes( const store* s )
+{
+    size_t bytes = 0;
+    for ( int i = 0; i < s->entity_count; ++i )
+    {
+        const store_entity* e = s->entities + i;
+        bytes += e->alive && e->strands != NULL && is_first( s, i, e->strands, false )
+                     ? ( (const cook_strands*)e->strands )->bytes
+                     : 0;
+        bytes += e->alive && e->fabric != NULL && is_own( s, e->fabric ) && is_first( s, i, e->fabric, true )
+                     ? wisp_fabric_bytes( e->fabric )
+                     : 0;
+    }
+    return bytes;
+}
+
+static size_t fabric_bytes( const store* s )
+{
+    size_t bytes = 0;
+    for ( int i = 0; i < s->entity_count; ++i )
+    {
+        const store_entity* e = s->entities + i;
+        bytes += e->alive && e->fabric != NULL && is_own( s, e->fabric ) == false && is_first( s, i, e->fabric, true )
+                     ? wisp_fabric_bytes( e->fabric )
+                     : 0;
+    }
+    return bytes;
+}
+
+static void add_engine( part_list* parts, const wisp_world* world )
+{
+    const store* s = &world->store;
+    size_t pool = 0;
+    const size_t scratch = jobs_memory( world->pool, &pool );
+    const size_t clocks = (size_t)world->registry.workers * sizeof( plan_clock );
+    add_whole( parts, "world", WISP_MEMORY_ENGINE, sizeof( *world ) );
+    add_whole( parts, "workers", WISP_MEMORY_ENGINE, pool + clocks );
+    add_whole( parts, "scratch", WISP_MEMORY_ENGINE, scratch );
+    add( parts, "entities", WISP_MEMORY_ENGINE, (size_t)s->entity_count * sizeof( store_entity ),
+         (size_t)s->entity_capacity * sizeof( store_entity ) );
+    add_whole( parts, "topology", WISP_MEMORY_ENGINE, topology_bytes( s ) );
+    add_whole( parts, "plan", WISP_MEMORY_ENGINE, plan_memory( &world->plan ) );
+    add_whole( parts, "blended points", WISP_MEMORY_ENGINE, world->blend.previous.size + world->blend.points.size );
+    add_whole( parts, "sleep", WISP_MEMORY_ENGINE, world->sleep.boxes.size );
+    add_whole( parts, "origins", WISP_MEMORY_ENGINE, world->origin_members.size );
+}
+
+// @return sum over the parts
+static size_t sum_of( const wisp_memory_part* parts, int count )
+{
+    size_t sum = 0;
+    for ( int i = 0; i < count; ++i )
+    {
+        sum += parts[i].capacity;
+    }
+    return sum;
+}
+
+enum
+{
+    ENGINE_PARTS = 8,
+    ALL_PARTS = ENGINE_PARTS + PLAN_MAX_STATES + STORE_MAX_COMPONENTS,
+};
+
+int wisp_world_memory_parts( const wisp_world* world, wisp_memory_part* out, int capacity )
+{
+    if ( world == NULL )
+    {
+        return 0;
+    }
+    wisp_memory_part found[ALL_PARTS + 2];
+    part_list engine = { found, 0, ENGINE_PARTS };
+    add_engine( &engine, world );
+    wisp_memory_part* own = found + ENGINE_PARTS;
+    part_list rest = { own, 0, ALL_PARTS + 2 - ENGINE_PARTS };
+    size_t outside = 0;
+    for ( int i = 0; i < world->registry.state_count; ++i )
+    {
+        size_t held;
+        const size_t bytes = plan_registry_memory( &world->registry, i, &held, &outside );
+        add( &rest, world->registry.states[i].module, WISP_MEMORY_MODULE, held, bytes );
+    }
+    for ( int i = 1; i < world->store.component_count; ++i )
+    {
+        size_t used;
+        const size_t bytes = store_memory( &world->store, (wisp_component)i, &used );
+        add( &rest, world->store.components[i].def.name, WISP_MEMORY_COMPONENT, used, bytes );
+    }
+    // descriptions of the plan that a host has, and what modules of a host keep without saying so
+    const size_t known = sum_of( found, engine.count ) + sum_of( own, rest.count );
+    const size_t all = wisp_world_memory( world );
+    add_whole( &engine, "other", WISP_MEMORY_ENGINE, all > known ? all - known : 0 );
+    add_whole( &rest, "fabrics", WISP_MEMORY_OUTSIDE, fabric_bytes( &world->store ) );
+    add_whole( &rest, "trees of Embree", WISP_MEMORY_OUTSIDE, outside );
+    for ( int i = 0; out != NULL && i < engine.count + rest.count && i < capacity; ++i )
+    {
+        out[i] = i < engine.count ? found[i] : own[i - engine.count];
+    }
+    return engine.count + rest.count;
+}
+
+// ---- fixed steps ----
+
+// Fixed steps from any frame time.
+
+enum
+{
+    MAX_STEPS = 8, // of one call; a host that needs more would fall ever further behind
+};
+
+// Compiling before the last step keeps the layout of the kept points.
+static wisp_status make_step( wisp_world* world, float dt, bool is_last, wisp_before_step_fn* before_step,
+                              void* user )
+{
+    if ( before_step != NULL )
+    {
+        before_step( user, world );
+    }
+    if ( is_last && wisp_world_plan_passes( world ) < 0 )
+    {
+        return world->error.status;
+    }
+    if ( is_last && world_keep_points( world ) == false )
+    {
+        return wisp_world_fail( world, WISP_NO_MEMORY, "advance: out of memory for the points of a step" );
+    }
+    return wisp_world_step( world, dt );
+}
+
+wisp_status wisp_world_advance( wisp_world* world, float seconds, float dt, wisp_before_step_fn* before_step,
+                                void* user )
+{
+    WISP_TRY( wisp_world_begin( world ) );
+    if ( !( seconds >= 0.0f && seconds < 1e6f ) || !( dt > 0.0f && dt < 1e6f ) )
+    {
+        return wisp_world_fail(
+            world, WISP_BAD_INPUT,
+            "advance: got %g s in steps of %g s, expected a time of at least 0 and a step above 0", (double)seconds,
+            (double)dt );
+    }
+    const double ROUNDING = 1e-6; // of a step
+    const double pending = world->clock.pending + (double)seconds, due = floor( pending / (double)dt + ROUNDING );
+    const int steps = due < MAX_STEPS ? (int)due : MAX_STEPS;
+    for ( int i = 0; i < steps; ++i )
+    {
+        const wisp_status status = make_step( world, dt, i + 1 == steps, before_step, user );
+        if ( status != WISP_OK )
+        {
+            world->clock.pending = pending - i * (double)dt; // due in the next call
+            return status;
+        }
+    }
+    world->clock.pending = fmax( pending - due * (double)dt, 0.0 );
+    world_count_cut( world, (double)seconds, ( due - steps ) * (double)dt );
+    world_blend_points( world, (float)( world->clock.pending / (double)dt ) );
+    return WISP_OK;
+}
+
+// ---- world ----
 
 void wisp_init_world_def( wisp_world_def* def, size_t size )
 {

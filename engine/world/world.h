@@ -2,13 +2,11 @@
 #pragma once
 
 #include "cook_strands.h"
-#include "detail.h"
 #include "jobs.h"
 #include "kernel_tables.h"
 #include "log.h"
 #include "passes.h"
 #include "plan.h"
-#include "sleep.h"
 #include "step_clock.h"
 #include "store.h"
 
@@ -152,3 +150,39 @@ void world_detail_from_rows( wisp_world* world );
 
 /// Declares the passes that belong to no module: strands into the user's order.
 wisp_status world_declare_strands( wisp_registry* registry );
+
+// ---- world blend ----
+
+/// Points between two steps, for hosts whose frames do not fall on steps.
+
+/// Keep the points of the last step. @return false without memory
+bool world_keep_points( wisp_world* world );
+/// Show points between the kept ones and those of the last step. Without kept points views stay as they are.
+/// @param weight of the last step, in [0, 1]
+void world_blend_points( wisp_world* world, float weight );
+
+/// @return interpolated rows of an entity, null if the last call was not wisp_world_advance() or the component has none
+const void* world_blended_rows( const wisp_world* world, const store_entity* e, wisp_component component );
+/// @return points of the step before the last, to be interpolated from; null if none are kept
+void* world_kept_rows( wisp_world* world, const store_entity* e, wisp_component component );
+
+// ---- sleep bounds ----
+
+/// Bounds of entities, and which of them reach each other. For the files of sleep.
+
+/// An entity that acts on others with contact.
+typedef struct sleep_box
+{
+    wisp_sleep_bounds bounds; // m, with its motion in a step unless it sleeps
+    float reach;              // m; below 0: it acts on none, or is halted
+    bool is_still;            // it sleeps, or is going to
+    double origin[3];         // m, of the bounds: those of others are not near
+} sleep_box;
+
+/// Compute the bounds of an entity, and of where its velocities and targets take it in so many seconds. @return false without vertices
+bool sleep_find_bounds( const wisp_world* world, const store_entity* e, float seconds, wisp_sleep_bounds* out );
+
+/// Entities that are still stir where one that is not reaches them, until none does.
+/// @param room sleep_stir_bytes()
+void sleep_stir( sleep_box* boxes, int count, void* room );
+size_t sleep_stir_bytes( int count );

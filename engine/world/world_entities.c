@@ -1,5 +1,5 @@
 // Entities: what is said of a call that failed, components on and off, requests, views out.
-#include "world_blend.h"
+#include "world.h"
 
 #include "wisp/module/components.h"
 

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-// Compliance from which a link does not act (cloth_material.c): no factor may make it stiff.
+// Compliance from which a link does not act (cloth_bending.c): no factor may make it stiff.
 static const float INACTIVE = 1e12f;
 
 static bool is_map( wisp_component map )

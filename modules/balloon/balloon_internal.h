@@ -113,10 +113,10 @@ void balloon_inflate( wisp_frame* frame, const wisp_span* span, void* user );
 void balloon_read_pressure( wisp_frame* frame, const wisp_span* span, void* user );
 void balloon_project_volume( wisp_frame* frame, const wisp_span* span, void* user );
 
-// balloon_angular.c
+// balloon_body.c
 void balloon_keep_angular( wisp_frame* frame, const wisp_span* span, void* user );
 
-// balloon_air.c
+// balloon_gas.c
 void balloon_drag( wisp_frame* frame, const wisp_span* span, void* user );
 void balloon_float( wisp_frame* frame, const wisp_span* span, void* user );
 /// Arguments of drag (balloon paper, eq. 11). The entity has air and rings.
@@ -124,19 +124,15 @@ wisp_vertex_drag_args balloon_drag_args( wisp_frame* frame, const wisp_span* spa
 /// Add a change of velocity to the particles of a block that are not pinned.
 void balloon_push_all( wisp_frame* frame, const wisp_span* span, wisp_vec3 change );
 
-// balloon_outlet.c
+// balloon_gas.c
 void balloon_let_out( wisp_frame* frame, const wisp_span* span, void* user );
 void balloon_jet( wisp_frame* frame, const wisp_span* span, void* user );
 
-// balloon_body.c
-/// Sum moments of all vertices about the first one of `previous`, [slot][4]. @return false: no memory, and the frame fails
-bool balloon_sum_moments( wisp_frame* frame, const wisp_span* span, const float* previous, wisp_moments* out );
 void balloon_measure_body( wisp_frame* frame, const wisp_span* span, void* user );
 void balloon_kick( wisp_frame* frame, const wisp_span* span, void* user );
 /// w = I^-1 t
 void balloon_spin_of( const balloon_body* body, const double torque[3], double out[3] );
-void balloon_torque_of( const balloon_body* body, const balloon_outlet* outlet, double out[3] );
 
-// balloon_stats.c
+// balloon_body.c
 bool balloon_is_last_substep( wisp_frame* frame, const wisp_span* span );
 void balloon_take_stats( wisp_frame* frame, const wisp_span* span, void* user );

@@ -54,7 +54,7 @@ enum
     BOUNDARY_AXIS, // of triangles
 };
 
-// ---- boundary_layers.c ----
+// ---- boundary_passes.c ----
 
 /// @return null if there is none
 boundary_layer* boundary_find_layer( const boundary_state* state, wisp_entity entity );

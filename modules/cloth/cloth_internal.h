@@ -32,16 +32,21 @@ typedef struct cloth_air
     float drag, lift;
 } cloth_air;
 
-/// Passes, one per file.
-void cloth_blow( wisp_frame* frame, const wisp_span* span, void* user );
-void cloth_blow_crowd( wisp_frame* frame, const wisp_crowd* crowd, const wisp_span* span, void* user );
-bool cloth_blows_evenly( wisp_frame* frame, wisp_entity entity, void* user );
-void cloth_damp( wisp_frame* frame, const wisp_span* span, void* user );
-void cloth_damp_crowd( wisp_frame* frame, const wisp_crowd* crowd, const wisp_span* span, void* user );
-bool cloth_damps_evenly( wisp_frame* frame, wisp_entity entity, void* user );
-
 /// Fill the columns of links and hinges from a checked definition.
 void cloth_fill_links( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def );
 /// Fill the links of coarse sheets, if the surface has them.
 void cloth_fill_levels( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def );
 void cloth_fill_hinges( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def );
+
+// ---- cloth bending ----
+
+/// Bending of xpbd cloth: a matrix a surface, kept by the module, and the pass that solves with it.
+
+/// @return index of the plate of a surface, -1 without
+int cloth_find_plate( const cloth_state* state, wisp_entity entity );
+/// Cook the plate of a surface, unless it has one.
+wisp_status cloth_add_plate( wisp_world* world, cloth_state* state, wisp_entity surface );
+void cloth_remove_plate( cloth_state* state, wisp_entity entity, const wisp_allocator* allocator );
+
+/// The pass.
+void cloth_bend( wisp_frame* frame, const wisp_span* span, void* user );

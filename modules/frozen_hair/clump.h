@@ -58,7 +58,3 @@ typedef struct clump_run
 
 /// Make the lists of the reference shape. @return WISP_NO_MEMORY
 wisp_status clump_search( clump_run* run );
-
-/// Update the lists in use so that they have all pairs that are within the radius now.
-/// @return WISP_NO_MEMORY
-wisp_status clump_keep_up( clump_run* run );

@@ -98,10 +98,10 @@ enum
     FROZEN_STREAM_AXIS,
 };
 
-/// How moved strands are turned as a whole (whole_turn.c).
+/// How moved strands are turned as a whole (frozen_hair_module.c).
 wisp_pass_fn frozen_find_turn;
 
-/// Bring frozen vertices back to their depth (limit_depth.c).
+/// Bring frozen vertices back to their depth (frozen_hair_module.c).
 wisp_pass_fn frozen_limit_depth;
 
 /// The third stage (clump.c).

@@ -4,6 +4,382 @@
 #include <math.h>
 #include <string.h>
 
+// ---- groups ----
+
+// Groups of ghosts: those of the same target with the same number of vertices. Their means at rest, and the point of the target at
+// each of their nodes.
+
+// Find or add the group of a target and a node count. Without resampling group a is that of target a.
+static int group_of( guide_groups* g, int target, int node_count )
+{
+    int last = -1;
+    for ( int n = g->of_target[target]; n >= 0; n = g->groups[n].next )
+    {
+        if ( g->groups[n].node_count == node_count )
+        {
+            return n;
+        }
+        last = n;
+    }
+    const int n = g->group_count++;
+    g->groups[n] =
+        ( guide_group ){ .target = target, .node_count = node_count, .first_node = g->node_count, .next = -1 };
+    g->node_count += node_count;
+    if ( last < 0 )
+    {
+        g->of_target[target] = n;
+    }
+    else
+    {
+        g->groups[last].next = n;
+    }
+    return n;
+}
+
+static void enter_links( guide_groups* g )
+{
+    const int targets = g->targets->topology->strand_count, ghosts = g->ghosts->topology->strand_count;
+    for ( int a = 0; a < targets; ++a )
+    {
+        g->of_target[a] = -1;
+    }
+    for ( int a = 0; a < targets && g->def->resample == false; ++a )
+    {
+        group_of( g, a, guide_vertices( g->targets, a ) );
+    }
+    for ( int n = 0; n < ghosts * g->links; ++n )
+    {
+        const int ghost = n / g->links;
+        g->group[n] = g->target[n] >= 0 ? group_of( g, g->target[n], guide_vertices( g->ghosts, ghost ) ) : -1;
+    }
+}
+
+static void add_ghost( guide_groups* g, int ghost, double* arc )
+{
+    guide_group* group = g->groups + g->group[(size_t)ghost * (size_t)g->links];
+    const wisp_vec3* points = guide_strand( g->ghosts, ghost );
+    if ( g->def->resample )
+    {
+        guide_arc( points, group->node_count, arc );
+    }
+    for ( int i = 0; i < group->node_count; ++i )
+    {
+        guide_node* node = g->nodes + group->first_node + i;
+        const guide_point p = guide_widen( points[i] );
+        node->first = group->size == 0 ? p : node->first;
+        const guide_point d = guide_sub( p, node->first );
+        node->sum = guide_mul_add( node->sum, 1.0, d );
+        node->is_spread = node->is_spread || guide_dot( d, d ) > 0.0;
+        node->arc += g->def->resample ? arc[i] : 0.0;
+    }
+    group->size += 1;
+}
+
+static double distance( wisp_vec3 a, wisp_vec3 b )
+{
+    const guide_point d = guide_sub( guide_widen( a ), guide_widen( b ) );
+    return sqrt( guide_dot( d, d ) );
+}
+
+// Point of the target at a node, and the length of its segment there.
+static void place_target( const guide_groups* g, const guide_group* group, int i )
+{
+    guide_node* node = g->nodes + group->first_node + i;
+    const wisp_vec3* target = guide_strand( g->targets, group->target );
+    const int count = guide_vertices( g->targets, group->target );
+    int segment = i > 0 ? i - 1 : 0;
+    node->rest = guide_widen( target[i < count ? i : 0] );
+    if ( g->def->resample )
+    {
+        double arc = group->node_count > 1 ? (double)i / ( group->node_count - 1 ) : 0.0;
+        arc = group->size > 0 ? node->arc / group->size : arc;
+        node->stencil = guide_spline_stencil( target, count, arc );
+        node->rest = guide_gather( &node->stencil, target );
+        segment = node->stencil.vertex[1];
+    }
+    node->cap = count > 1 ? distance( target[segment + 1], target[segment] ) : 0.0;
+}
+
+static void settle_node( const guide_groups* g, const guide_group* group, int i )
+{
+    guide_node* node = g->nodes + group->first_node + i;
+    place_target( g, group, i );
+    const double fraction = group->size > 0 ? 1.0 / group->size : 0.0;
+    node->centre = group->size > 0 ? guide_mul_add( node->first, fraction, node->sum ) : node->rest;
+    node->anchor = group->size <= 1 ? node->rest : node->centre; // one alone keeps its offset
+}
+
+static void measure_ghost( const guide_groups* g, int ghost )
+{
+    guide_group* group = g->groups + g->group[(size_t)ghost * (size_t)g->links];
+    const wisp_vec3* points = guide_strand( g->ghosts, ghost );
+    for ( int i = 0; i < group->node_count; ++i )
+    {
+        guide_node* node = g->nodes + group->first_node + i;
+        const guide_point d = guide_sub( guide_widen( points[i] ), node->centre );
+        node->farthest = fmax( node->farthest, sqrt( guide_dot( d, d ) ) );
+        group->largest = fmax( group->largest, node->farthest );
+    }
+}
+
+static int longest( const guide_shape* shape )
+{
+    int most = 0;
+    for ( int s = 0; s < shape->topology->strand_count; ++s )
+    {
+        const int count = guide_vertices( shape, s );
+        most = count > most ? count : most;
+    }
+    return most;
+}
+
+// @return false without memory
+static bool guide_find_groups( guide_groups* g, guide_memory* scratch )
+{
+    const size_t targets = (size_t)g->targets->topology->strand_count;
+    const size_t links = (size_t)g->ghosts->topology->strand_count * (size_t)g->links;
+    g->groups = guide_take( scratch, g->def->resample ? links : targets, sizeof( guide_group ) );
+    g->of_target = guide_take( scratch, targets, sizeof( int32_t ) );
+    g->group = guide_take( scratch, links, sizeof( int32_t ) );
+    double* arc = guide_take( scratch, (size_t)longest( g->ghosts ), sizeof( double ) );
+    if ( scratch->failed )
+    {
+        return false;
+    }
+    enter_links( g );
+    g->nodes = guide_take( scratch, (size_t)g->node_count, sizeof( guide_node ) );
+    if ( scratch->failed )
+    {
+        return false;
+    }
+    const int ghosts = g->ghosts->topology->strand_count;
+    for ( int ghost = 0; ghost < ghosts; ++ghost )
+    {
+        if ( guide_vertices( g->ghosts, ghost ) > 0 )
+        {
+            add_ghost( g, ghost, arc );
+        }
+    }
+    for ( int n = 0; n < g->group_count; ++n )
+    {
+        for ( int i = 0; i < g->groups[n].node_count; ++i )
+        {
+            settle_node( g, g->groups + n, i );
+        }
+    }
+    for ( int ghost = 0; ghost < ghosts; ++ghost )
+    {
+        if ( guide_vertices( g->ghosts, ghost ) > 0 )
+        {
+            measure_ghost( g, ghost );
+        }
+    }
+    return true;
+}
+
+// ---- targets ----
+
+// Which targets a ghost follows (Park and Kim 2024, eq. 1). The result is that of all pairs; boxes around the targets rule out most
+// of them.
+
+// Bounds of a target.
+typedef struct box
+{
+    guide_point lower, upper;
+} box;
+
+// The nearest targets found so far, nearest first; of equals the lowest number.
+typedef struct ranking
+{
+    double distance[WISP_MAX_GHOST_TARGETS];
+    int target[WISP_MAX_GHOST_TARGETS];
+    int count, links;
+} ranking;
+
+static double worst( const ranking* r )
+{
+    return r->count < r->links ? HUGE_VAL : r->distance[r->links - 1];
+}
+
+static void enter( ranking* r, double distance, int target )
+{
+    int at = r->count;
+    while ( at > 0 &&
+            ( distance < r->distance[at - 1] || ( distance == r->distance[at - 1] && target < r->target[at - 1] ) ) )
+    {
+        at -= 1;
+    }
+    if ( at == r->links )
+    {
+        return;
+    }
+    r->count += r->count < r->links ? 1 : 0;
+    for ( int k = r->count - 1; k > at; --k )
+    {
+        r->distance[k] = r->distance[k - 1];
+        r->target[k] = r->target[k - 1];
+    }
+    r->distance[at] = distance;
+    r->target[at] = target;
+}
+
+// In place of fmin() and fmax(), with which gcc 12 for 64-bit ARM ends with an internal error in the loops below.
+static double lesser( double a, double b )
+{
+    return b < a ? b : a;
+}
+
+static double greater( double a, double b )
+{
+    return b > a ? b : a;
+}
+
+static box box_of( const wisp_vec3* points, int count )
+{
+    box b = { { HUGE_VAL, HUGE_VAL, HUGE_VAL }, { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL } };
+    for ( int i = 0; i < count; ++i )
+    {
+        const guide_point p = guide_widen( points[i] );
+        b.lower = ( guide_point ){ lesser( b.lower.x, p.x ), lesser( b.lower.y, p.y ), lesser( b.lower.z, p.z ) };
+        b.upper = ( guide_point ){ greater( b.upper.x, p.x ), greater( b.upper.y, p.y ), greater( b.upper.z, p.z ) };
+    }
+    return b;
+}
+
+static double outside( double lower, double p, double upper )
+{
+    return p < lower ? lower - p : p > upper ? p - upper : 0.0;
+}
+
+// Whether a strand is farther from the box than `limit`, as sums of squares, with a margin for rounding.
+static bool is_beyond( const box* b, const wisp_vec3* points, int count, double limit )
+{
+    const double enough = limit * ( 1.0 + 1e-9 );
+    double sum = 0.0;
+    for ( int i = 0; i < count && sum <= enough; ++i )
+    {
+        const guide_point p = guide_widen( points[i] );
+        const guide_point d = { outside( b->lower.x, p.x, b->upper.x ), outside( b->lower.y, p.y, b->upper.y ),
+                                outside( b->lower.z, p.z, b->upper.z ) };
+        sum += guide_dot( d, d );
+    }
+    return sum > enough;
+}
+
+// Sum over the ghost's vertices of the squared distance to the nearest vertex of the target. Stops above `limit`.
+static double strand_distance( const wisp_vec3* ghost, int ghost_count, const wisp_vec3* target, int target_count,
+                               double limit )
+{
+    double sum = 0.0;
+    for ( int k = 0; k < ghost_count && sum <= limit; ++k )
+    {
+        const guide_point p = guide_widen( ghost[k] );
+        double nearest = HUGE_VAL;
+        for ( int i = 0; i < target_count; ++i )
+        {
+            const guide_point d = guide_sub( p, guide_widen( target[i] ) );
+            nearest = lesser( nearest, guide_dot( d, d ) );
+        }
+        sum += nearest;
+    }
+    return sum;
+}
+
+// The target whose root is nearest: nearly always the answer, so that boxes rule out most others.
+static int nearest_root( const guide_shape* targets, wisp_vec3 root )
+{
+    int best = -1;
+    float least = HUGE_VALF;
+    for ( int a = 0; a < targets->topology->strand_count; ++a )
+    {
+        if ( guide_vertices( targets, a ) == 0 )
+        {
+            continue;
+        }
+        const wisp_vec3 p = *guide_strand( targets, a );
+        const float x = p.x - root.x, y = p.y - root.y, z = p.z - root.z, squared = x * x + y * y + z * z;
+        best = best < 0 || squared < least ? a : best;
+        least = squared < least ? squared : least;
+    }
+    return best;
+}
+
+static ranking rank_targets( const guide_shape* ghosts, int ghost, const guide_shape* targets, const box* boxes,
+                             int links )
+{
+    const wisp_vec3* points = guide_strand( ghosts, ghost );
+    const int count = guide_vertices( ghosts, ghost ), guess = nearest_root( targets, points[0] );
+    ranking r = { .links = links };
+    for ( int n = -1; n < targets->topology->strand_count; ++n )
+    {
+        const int a = n < 0 ? guess : n, vertices = guide_vertices( targets, a );
+        if ( ( n >= 0 && a == guess ) || vertices == 0 || is_beyond( boxes + a, points, count, worst( &r ) ) )
+        {
+            continue;
+        }
+        const double limit = worst( &r );
+        const double distance = strand_distance( points, count, guide_strand( targets, a ), vertices, limit );
+        if ( distance <= limit )
+        {
+            enter( &r, distance, a );
+        }
+    }
+    return r;
+}
+
+// (1/d_k) / sum (1/d_j), scaled by the smallest distance: no overflow, and targets at distance 0 share all of it.
+static void share_out( const ranking* r, double* fraction )
+{
+    double sum = 0.0;
+    for ( int k = 0; k < r->links; ++k )
+    {
+        fraction[k] = r->distance[k] == r->distance[0] ? 1.0 : r->distance[0] / r->distance[k];
+        sum += fraction[k];
+    }
+    for ( int k = 0; k < r->links; ++k )
+    {
+        fraction[k] /= sum;
+    }
+}
+
+// Eq. 1: for every ghost the targets with the least strand distances, nearest first, and their shares. Ghosts without
+// vertices have -1. @param links at most the targets that have vertices @return false without memory
+static bool guide_assign( const guide_shape* ghosts, const guide_shape* targets, int links, int32_t* target,
+                          double* fraction, guide_memory* scratch )
+{
+    const int target_count = targets->topology->strand_count;
+    box* boxes = guide_take( scratch, (size_t)target_count, sizeof( box ) );
+    if ( boxes == NULL )
+    {
+        return false;
+    }
+    for ( int a = 0; a < target_count; ++a )
+    {
+        boxes[a] = box_of( guide_strand( targets, a ), guide_vertices( targets, a ) );
+    }
+    for ( int g = 0; g < ghosts->topology->strand_count; ++g )
+    {
+        int32_t* own = target + (size_t)g * (size_t)links;
+        if ( guide_vertices( ghosts, g ) == 0 )
+        {
+            for ( int k = 0; k < links; ++k )
+            {
+                own[k] = -1;
+            }
+            continue;
+        }
+        const ranking r = rank_targets( ghosts, g, targets, boxes, links );
+        share_out( &r, fraction + (size_t)g * (size_t)links );
+        for ( int k = 0; k < links; ++k )
+        {
+            own[k] = r.target[k];
+        }
+    }
+    return true;
+}
+
+// ---- cook ----
+
 // ---- lanes of guides ----
 
 static int row_total( const guide_groups* g, const int32_t* order, int count )

@@ -27,8 +27,6 @@ typedef struct guide_memory
 /// A zeroed block, 64-byte aligned, of at least one element. @return null without memory, which sets `failed`
 void* guide_take( guide_memory* memory, size_t count, size_t element );
 void guide_give_back( guide_memory* memory );
-/// Bytes of its blocks.
-size_t guide_memory_bytes( const guide_memory* memory );
 
 // ---- points in double precision, for cooking ----
 
@@ -78,14 +76,9 @@ static inline const wisp_vec3* guide_strand( const guide_shape* shape, int stran
     return shape->points + shape->topology->offsets[strand];
 }
 
-// ---- assignment (guide_assign.c) ----
+// ---- assignment (guide_cook.c) ----
 
-/// Eq. 1: for every ghost the targets with the least strand distances, nearest first, and their shares. Ghosts without
-/// vertices have -1. @param links at most the targets that have vertices @return false without memory
-bool guide_assign( const guide_shape* ghosts, const guide_shape* targets, int links, int32_t* target,
-                   double* fraction, guide_memory* scratch );
-
-// ---- resampling (guide_resample.c) ----
+// ---- resampling (guide_curves.c) ----
 
 /// A point of a strand as a sum of its vertices, whose numbers may repeat.
 typedef struct guide_stencil
@@ -121,7 +114,7 @@ typedef struct guide_lanes
     float* root; // [group][4][16]
 } guide_lanes;
 
-/// Sources of velocities of ghosts that are drawn between steps (guide_between.c).
+/// Sources of velocities of ghosts that are drawn between steps (guide_curves.c).
 typedef struct guide_sources
 {
     int32_t* lane_from; // [group][link][16] float of the guides' rows where the target's root is; -1 in an empty lane
@@ -175,7 +168,7 @@ typedef struct guide_node
     guide_stencil stencil;  // resampled only
 } guide_node;
 
-/// Groups while they are cooked (guide_groups.c).
+/// Groups while they are cooked (guide_cook.c).
 typedef struct guide_groups
 {
     const guide_shape *ghosts, *targets;
@@ -188,9 +181,6 @@ typedef struct guide_groups
     int32_t* of_target; // [target] first group
     int32_t* group;     // [ghost][links]
 } guide_groups;
-
-/// @return false without memory
-bool guide_find_groups( guide_groups* groups, guide_memory* scratch );
 
 // ---- curves ----
 
@@ -258,7 +248,6 @@ typedef struct guide_state
     int drawing_count, drawing_capacity;
 } guide_state;
 
-guide_follower* guide_find_follower( const guide_state* state, wisp_entity ghosts );
 /// The same, unless the targets are removed.
 const guide_follower* guide_active_follower( const guide_state* state, wisp_entity ghosts );
 /// For a function of the host. @return WISP_CONFLICT, with a message
@@ -272,7 +261,7 @@ void guide_drawing_release( guide_drawing* drawing );
 wisp_pass_fn guide_run_targets, guide_run_ghosts, guide_run_lengths, guide_run_carry;
 bool guide_ghosts_are_due( wisp_frame* frame, wisp_entity entity, void* user );
 
-/// guide_detail.c
+/// guide_passes.c
 wisp_pass_fn guide_run_carried;
 bool guide_carried_is_due( wisp_frame* frame, wisp_entity entity, void* user );
 /// As the hooks of wisp_detail_hooks.
@@ -281,7 +270,7 @@ wisp_status guide_prepare_detail( const void* state, wisp_world* world, wisp_ent
 void guide_detail_changed( const void* state, wisp_world* world, wisp_entity entity, wisp_detail from,
                            wisp_detail to );
 
-/// guide_between.c
+/// guide_curves.c
 /// @return false without memory
 bool guide_cook_sources( guide_follower* follower, const guide_groups* groups );
 /// Set the state of ghosts that do not move.

@@ -3,6 +3,132 @@
 
 #include <string.h>
 
+// ---- memory ----
+
+// Memory of one cooked thing, and a rest shape read into it.
+
+void* guide_take( guide_memory* memory, size_t count, size_t element )
+{
+    WISP_ASSERT( memory->count < GUIDE_MAX_BLOCKS );
+    const size_t bytes = ( count > 0 ? count : 1 ) * element;
+    void* block = memory->allocator->allocate( memory->allocator->user, bytes, 64 );
+    if ( block == NULL )
+    {
+        memory->failed = true;
+        return NULL;
+    }
+    memset( block, 0, bytes );
+    memory->blocks[memory->count] = block;
+    memory->bytes[memory->count++] = bytes;
+    return block;
+}
+
+void guide_give_back( guide_memory* memory )
+{
+    for ( int i = 0; i < memory->count; ++i )
+    {
+        memory->allocator->release( memory->allocator->user, memory->blocks[i], memory->bytes[i] );
+    }
+    memory->count = 0;
+}
+
+// Bytes of its blocks.
+static size_t guide_memory_bytes( const guide_memory* memory )
+{
+    size_t bytes = 0;
+    for ( int i = 0; i < memory->count; ++i )
+    {
+        bytes += memory->bytes[i];
+    }
+    return bytes;
+}
+
+bool guide_read_shape( wisp_world* world, wisp_entity strands, guide_memory* memory, guide_shape* shape )
+{
+    const wisp_strand_topology* t = wisp_world_strands( world, strands );
+    const float* rows = wisp_world_column( world, strands, WISP_STRAND_REST, 0 );
+    shape->topology = t;
+    shape->points = guide_take( memory, (size_t)t->vertex_count, sizeof( wisp_vec3 ) );
+    for ( int lane = 0; lane < t->group_count * WISP_LANES && shape->points != NULL; ++lane )
+    {
+        const float* from = rows + (size_t)t->group_row[lane / WISP_LANES] * GUIDE_ROW + lane % WISP_LANES;
+        for ( int i = 0; i < t->lane_count[lane]; ++i, from += GUIDE_ROW )
+        {
+            shape->points[t->offsets[t->lane_strand[lane]] + i] =
+                ( wisp_vec3 ){ from[0], from[WISP_LANES], from[2 * WISP_LANES] };
+        }
+    }
+    return shape->points != NULL;
+}
+
+// ---- state ----
+
+// State of the module in one world: followers and drawings by their entity, and their removal.
+
+static guide_follower* guide_find_follower( const guide_state* state, wisp_entity ghosts )
+{
+    for ( int i = 0; i < state->follower_count; ++i )
+    {
+        if ( wisp_entity_equal( state->followers[i]->ghosts, ghosts ) )
+        {
+            return state->followers[i];
+        }
+    }
+    return NULL;
+}
+
+const guide_follower* guide_active_follower( const guide_state* state, wisp_entity ghosts )
+{
+    const guide_follower* f = guide_find_follower( state, ghosts );
+    return f != NULL && f->targets.index != 0 ? f : NULL;
+}
+
+guide_drawing* guide_find_drawing( const guide_state* state, wisp_entity curves )
+{
+    for ( int i = 0; i < state->drawing_count; ++i )
+    {
+        if ( wisp_entity_equal( state->drawings[i]->curves, curves ) )
+        {
+            return state->drawings[i];
+        }
+    }
+    return NULL;
+}
+
+void guide_let_go( wisp_world* world, const guide_state* state, wisp_entity entity )
+{
+    bool followed = false, drawn = false;
+    for ( int i = 0; i < state->follower_count; ++i )
+    {
+        followed = followed || wisp_entity_equal( state->followers[i]->targets, entity );
+    }
+    for ( int i = 0; i < state->drawing_count; ++i )
+    {
+        drawn = drawn || wisp_entity_equal( state->drawings[i]->source, entity );
+    }
+    if ( followed == false && wisp_world_has( world, entity, state->before ) )
+    {
+        wisp_world_cancel_request( world, entity, state->table );
+        wisp_world_detach( world, entity, state->table );
+        wisp_world_detach( world, entity, state->before );
+    }
+    if ( drawn == false && wisp_world_has( world, entity, state->drawn ) )
+    {
+        wisp_world_cancel_request( world, entity, state->drawn );
+        wisp_world_detach( world, entity, state->drawn );
+    }
+}
+
+wisp_status guide_find_ghosts( wisp_world* world, wisp_entity ghosts, const guide_follower** out )
+{
+    const guide_state* s = wisp_world_module_state( world, "guide_hair" );
+    *out = s != NULL ? guide_find_follower( s, ghosts ) : NULL;
+    return *out != NULL ? WISP_OK
+                        : wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u has no targets", ghosts.index );
+}
+
+// ---- module ----
+
 #define GUIDE_LIST( member, name, table, columns )                                                                   \
     static const wisp_column_def member##_columns[] = { columns( WISP_COLUMN_DEF ) };
 GUIDE_COMPONENTS( GUIDE_LIST )

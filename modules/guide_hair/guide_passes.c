@@ -4,6 +4,438 @@
 #include <math.h>
 #include <string.h>
 
+// ---- definition ----
+
+// Definition of ghosts: defaults, ranges, which strands may follow which.
+
+void wisp_init_ghosts_def( wisp_ghosts_def* def, size_t size )
+{
+    const wisp_ghosts_def values = {
+        .target_count = 1,
+        .elastic = WISP_GHOST_ELASTIC_CHANGE,
+        .tip_gain = 0.5f,
+        .centre_gain = 0.5f,
+        .spread = 1.0f,
+    };
+    wisp_def_init( def, size, &values, sizeof( values ) );
+}
+
+// ---- checks ----
+
+static wisp_status check_def( wisp_world* world, const wisp_ghosts_def* d )
+{
+    const wisp_number_range ranges[] = {
+        { "target_count", (float)d->target_count, 1.0f, (float)WISP_MAX_GHOST_TARGETS },
+        { "elastic", (float)d->elastic, 0.0f, (float)( WISP_GHOST_ELASTIC_COUNT - 1 ) },
+        { "tip_gain", d->tip_gain, 0.0f, 1e3f },
+        { "centre_gain", d->centre_gain, 0.0f, 1e3f },
+        { "time", d->time, 0.0f, 1e3f },
+        { "spread", d->spread, 1e-6f, 1e6f },
+    };
+    return wisp_world_check_ranges( world, "ghosts", ranges, WISP_COUNT( ranges ) );
+}
+
+static wisp_status check_strands( wisp_world* world, wisp_entity entity, const char* what )
+{
+    if ( wisp_is_alive( world, entity ) == false )
+    {
+        return wisp_world_fail( world, entity.index == 0 ? WISP_CONFLICT : WISP_STALE_ID,
+                                "ghosts: entity %u of %s does not exist or was removed", entity.index, what );
+    }
+    if ( wisp_world_strands( world, entity ) == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u of %s has no strands", entity.index, what );
+    }
+    return WISP_OK;
+}
+
+// Refuse ghosts of ghosts: tables are filled before ghosts are placed, so they would follow a step late.
+static wisp_status check_roles( wisp_world* world, const guide_state* s, wisp_entity ghosts, wisp_entity targets )
+{
+    if ( wisp_entity_equal( ghosts, targets ) )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u cannot follow itself", ghosts.index );
+    }
+    if ( wisp_world_strands( world, targets )->vertex_count == 0 )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: targets: entity %u has no vertices", targets.index );
+    }
+    if ( wisp_world_has( world, ghosts, WISP_STRAND_VELOCITY ) || wisp_world_has( world, ghosts, s->curves ) )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u has a solver of its own", ghosts.index );
+    }
+    if ( wisp_world_has( world, targets, s->settings ) || wisp_world_has( world, targets, s->curves ) )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: targets: entity %u are ghosts themselves",
+                                targets.index );
+    }
+    if ( wisp_world_has( world, ghosts, s->before ) )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u is the target of other ghosts",
+                                ghosts.index );
+    }
+    return WISP_OK;
+}
+
+static wisp_status check( wisp_world* world, const guide_state* s, wisp_entity ghosts, const wisp_ghosts_def* def )
+{
+    if ( s == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "module guide_hair: not registered in this world" );
+    }
+    wisp_status status = check_def( world, def );
+    status = status == WISP_OK ? check_strands( world, ghosts, "the ghosts" ) : status;
+    status = status == WISP_OK ? check_strands( world, def->targets, "the targets" ) : status;
+    return status == WISP_OK ? check_roles( world, s, ghosts, def->targets ) : status;
+}
+
+// ---- following ----
+
+// Request the passes that advance state, even if no output is requested. The rows exist, so this needs no memory.
+static wisp_status keep_running( wisp_world* world, const guide_state* s, wisp_entity ghosts,
+                                 const wisp_ghosts_def* def )
+{
+    const struct
+    {
+        wisp_component component;
+        bool on;
+    } parts[] = { { s->between, def->between }, { s->interval, def->between } };
+    wisp_status status = wisp_world_request( world, def->targets, s->table );
+    for ( int i = 0; i < WISP_COUNT( parts ) && status == WISP_OK; ++i )
+    {
+        if ( parts[i].on )
+        {
+            status = wisp_world_request( world, ghosts, parts[i].component );
+        }
+        else if ( wisp_world_has( world, ghosts, parts[i].component ) )
+        {
+            wisp_world_cancel_request( world, ghosts, parts[i].component );
+            wisp_world_detach( world, ghosts, parts[i].component );
+        }
+    }
+    return status;
+}
+
+static wisp_status attach_all( wisp_world* world, const guide_state* s, wisp_entity ghosts,
+                               const wisp_ghosts_def* def )
+{
+    const struct
+    {
+        wisp_entity entity;
+        wisp_component component;
+        bool on;
+    } parts[] = {
+        { ghosts, s->settings, true },
+        { ghosts, s->table, true },
+        { ghosts, s->repair, def->repair_length },
+        { ghosts, s->between, def->between },
+        { ghosts, s->interval, def->between },
+        { def->targets, s->before, true },
+        { def->targets, s->table, true },
+    };
+    bool had[WISP_COUNT( parts )];
+    for ( int i = 0; i < WISP_COUNT( parts ); ++i )
+    {
+        had[i] = wisp_world_has( world, parts[i].entity, parts[i].component );
+    }
+    for ( int i = 0; i < WISP_COUNT( parts ); ++i )
+    {
+        const wisp_status status =
+            parts[i].on ? wisp_world_attach( world, parts[i].entity, parts[i].component ) : WISP_OK;
+        for ( int k = 0; status != WISP_OK && k < i; ++k )
+        {
+            if ( parts[k].on && had[k] == false )
+            {
+                wisp_world_detach( world, parts[k].entity, parts[k].component );
+            }
+        }
+        if ( status != WISP_OK )
+        {
+            return status;
+        }
+    }
+    if ( def->repair_length == false )
+    {
+        wisp_world_detach( world, ghosts, s->repair );
+    }
+    wisp_world_tie( world, def->targets, ghosts );
+    return keep_running( world, s, ghosts, def );
+}
+
+// Replace the follower that the ghosts had.
+static void install( wisp_world* world, guide_state* s, guide_follower* follower )
+{
+    for ( int i = 0; i < s->follower_count; ++i )
+    {
+        guide_follower* old = s->followers[i];
+        if ( wisp_entity_equal( old->ghosts, follower->ghosts ) )
+        {
+            const wisp_entity targets = old->targets;
+            s->followers[i] = follower;
+            guide_follower_release( old );
+            guide_let_go( world, s, targets );
+            return;
+        }
+    }
+    s->followers[s->follower_count++] = follower;
+}
+
+wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_ghosts_def* given )
+{
+    wisp_ghosts_def values = wisp_default_ghosts_def();
+    const wisp_ghosts_def* def = &values;
+    WISP_TRY( wisp_world_begin_def( world, "wisp_default_ghosts_def", &values, given ) );
+    WISP_TRY( wisp_world_check_entity( world, ghosts ) );
+    guide_state* s = wisp_world_module_state( world, "guide_hair" );
+    WISP_TRY( check( world, s, ghosts, def ) );
+    if ( wisp_world_reserve( world, (void**)&s->followers, &s->follower_capacity, s->follower_count,
+                             sizeof( *s->followers ) ) == false )
+    {
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d entities of ghosts",
+                                s->follower_count + 1 );
+    }
+    guide_follower* follower;
+    wisp_status status = guide_cook( world, ghosts, def, &follower );
+    status = status == WISP_OK ? attach_all( world, s, ghosts, def ) : status;
+    if ( status != WISP_OK )
+    {
+        guide_follower_release( follower );
+        return status;
+    }
+    install( world, s, follower );
+    guide_settings* settings = wisp_world_column( world, ghosts, s->settings, 0 );
+    *settings = ( guide_settings ){
+        .time = def->time,
+        .tip_gain = def->tip_gain,
+        .is_elastic = def->elastic == WISP_GHOST_ELASTIC_CHANGE ? 1 : 0,
+    };
+    if ( def->between )
+    {
+        guide_begin_between( world, s, follower );
+    }
+    return wisp_world_has( world, ghosts, s->detail ) ? guide_prepare_detail( s, world, ghosts ) : WISP_OK;
+}
+
+// ---- detail ----
+
+// Ghosts that are not computed: each goes along with the root of its first target as a rigid body, in the shape that it had last. When
+// they are computed again they come back from there over the steps of the blend.
+
+/// Columns of ghosts, and the roots of their targets.
+typedef struct carried_loop
+{
+    const wisp_strand_topology* topology;
+    float *position, *local; // [row][3][16] m, in the world and relative to the root
+    const int32_t* lane;     // [group][16] float of the roots' positions; -1: none
+    const float *root, *rotation;
+    float weight; // of the rigid motion
+} carried_loop;
+
+static wisp_vec3 get( const float* rows, size_t at )
+{
+    return ( wisp_vec3 ){ rows[at], rows[at + WISP_LANES], rows[at + 2 * WISP_LANES] };
+}
+
+static void put( float* rows, size_t at, wisp_vec3 v )
+{
+    rows[at] = v.x;
+    rows[at + WISP_LANES] = v.y;
+    rows[at + 2 * WISP_LANES] = v.z;
+}
+
+// The pose of the root that a ghost goes along with; the identity without one.
+static wisp_transform root_of( const carried_loop* loop, int lane )
+{
+    wisp_transform pose = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
+    const int32_t at = loop->lane[lane];
+    if ( at >= 0 && loop->root != NULL )
+    {
+        const float* q = loop->rotation + (size_t)( at / GUIDE_ROW ) * 4 * WISP_LANES + at % GUIDE_ROW;
+        pose.rotation = ( wisp_quat ){ q[0], q[WISP_LANES], q[2 * WISP_LANES], q[3 * WISP_LANES] };
+        pose.translation = get( loop->root, (size_t)at );
+    }
+    return pose;
+}
+
+static void keep_lane( const carried_loop* loop, int lane )
+{
+    const wisp_transform pose = root_of( loop, lane );
+    for ( int i = 0; i < loop->topology->lane_count[lane]; ++i )
+    {
+        const int row = loop->topology->group_row[lane / WISP_LANES] + i;
+        const size_t at = (size_t)row * GUIDE_ROW + (size_t)( lane % WISP_LANES );
+        put( loop->local, at, wisp_transform_to_local( pose, get( loop->position, at ) ) );
+    }
+}
+
+// Rotations and places of the roots of a group, lane = strand.
+typedef struct root_lanes
+{
+    float turn[9][WISP_LANES], place[3][WISP_LANES];
+} root_lanes;
+
+static void find_roots( const carried_loop* loop, int group, root_lanes* out )
+{
+    for ( int lane = 0; lane < WISP_LANES; ++lane )
+    {
+        const wisp_transform pose = root_of( loop, group * WISP_LANES + lane );
+        const wisp_vec3 x = wisp_quat_rotate( pose.rotation, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } );
+        const wisp_vec3 y = wisp_quat_rotate( pose.rotation, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
+        const wisp_vec3 z = wisp_quat_rotate( pose.rotation, ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f } );
+        const float turn[9] = { x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z };
+        const float place[3] = { pose.translation.x, pose.translation.y, pose.translation.z };
+        for ( int k = 0; k < 9; ++k )
+        {
+            out->turn[k][lane] = turn[k];
+            out->place[k % 3][lane] = place[k % 3];
+        }
+    }
+}
+
+static void carry_row( const root_lanes* roots, const float* local, float weight, float* row )
+{
+    for ( int k = 0; k < 3; ++k )
+    {
+        const float *x = roots->turn[3 * k], *y = roots->turn[3 * k + 1], *z = roots->turn[3 * k + 2];
+        float* out = row + k * WISP_LANES;
+        for ( int lane = 0; lane < WISP_LANES; ++lane )
+        {
+            const float rigid = x[lane] * local[lane] + y[lane] * local[WISP_LANES + lane] +
+                                z[lane] * local[2 * WISP_LANES + lane] + roots->place[k][lane];
+            out[lane] = weight < 1.0f ? out[lane] + weight * ( rigid - out[lane] ) : rigid;
+        }
+    }
+}
+
+static void carry_group( const carried_loop* loop, int group )
+{
+    root_lanes roots;
+    find_roots( loop, group, &roots );
+    for ( int row = loop->topology->group_row[group]; row < loop->topology->group_row[group + 1]; ++row )
+    {
+        carry_row( &roots, loop->local + (size_t)row * GUIDE_ROW, loop->weight,
+                   loop->position + (size_t)row * GUIDE_ROW );
+    }
+}
+
+// ---- the pass ----
+
+static float rigid_weight( wisp_frame* frame, wisp_entity ghosts )
+{
+    const wisp_detail_frame detail = wisp_frame_detail( frame, ghosts );
+    const bool returns = detail.from >= WISP_DETAIL_COARSE;
+    return detail.level >= WISP_DETAIL_COARSE ? 1.0f : returns ? 1.0f - detail.blend : 0.0f;
+}
+
+bool guide_carried_is_due( wisp_frame* frame, wisp_entity entity, void* user )
+{
+    return guide_active_follower( user, entity ) != NULL && rigid_weight( frame, entity ) > 0.0f;
+}
+
+void guide_run_carried( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const guide_state* state = user;
+    const wisp_entity targets = guide_active_follower( state, span->entity )->targets;
+    const bool has_roots = wisp_frame_has( frame, targets, WISP_STRAND_ROOT );
+    const carried_loop loop = {
+        .topology = wisp_frame_strands( frame, span->entity ),
+        .position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
+        .local = wisp_frame_column( frame, span->entity, state->carried, 0 ),
+        .lane = wisp_frame_column( frame, span->entity, state->carrier, 0 ),
+        .root = has_roots ? wisp_frame_column( frame, targets, WISP_STRAND_ROOT, 0 ) : NULL,
+        .rotation = has_roots ? wisp_frame_column( frame, targets, WISP_STRAND_ROOT, 1 ) : NULL,
+        .weight = rigid_weight( frame, span->entity ),
+    };
+    for ( int group = span->begin; group < span->end; ++group )
+    {
+        carry_group( &loop, group );
+    }
+}
+
+// ---- between steps ----
+
+// Keep the shape that ghosts have now.
+static void keep_shape( const guide_state* state, wisp_world* world, const guide_follower* f )
+{
+    const bool has_roots = wisp_world_has( world, f->targets, WISP_STRAND_ROOT );
+    const carried_loop loop = {
+        .topology = wisp_world_strands( world, f->ghosts ),
+        .position = wisp_world_column( world, f->ghosts, WISP_STRAND_POSITION, 0 ),
+        .local = wisp_world_column( world, f->ghosts, state->carried, 0 ),
+        .lane = wisp_world_column( world, f->ghosts, state->carrier, 0 ),
+        .root = has_roots ? wisp_world_column( world, f->targets, WISP_STRAND_ROOT, 0 ) : NULL,
+        .rotation = has_roots ? wisp_world_column( world, f->targets, WISP_STRAND_ROOT, 1 ) : NULL,
+    };
+    for ( int lane = 0; lane < loop.topology->group_count * WISP_LANES; ++lane )
+    {
+        keep_lane( &loop, lane );
+    }
+}
+
+// Find where the roots of the first targets are. @param at [target strands] scratch
+static void find_carriers( const guide_state* state, wisp_world* world, const guide_follower* f, int32_t* at )
+{
+    const wisp_strand_topology *from = wisp_world_strands( world, f->targets ),
+                               *t = wisp_world_strands( world, f->ghosts );
+    int32_t* lanes = wisp_world_column( world, f->ghosts, state->carrier, 0 );
+    for ( int lane = 0; lane < from->group_count * WISP_LANES; ++lane )
+    {
+        if ( from->lane_strand[lane] >= 0 )
+        {
+            at[from->lane_strand[lane]] = lane / WISP_LANES * GUIDE_ROW + lane % WISP_LANES;
+        }
+    }
+    for ( int lane = 0; lane < t->group_count * WISP_LANES; ++lane )
+    {
+        const int strand = t->lane_strand[lane], target = strand >= 0 ? f->target[strand] : -1;
+        lanes[lane] = target >= 0 ? at[target] : -1;
+    }
+}
+
+wisp_status guide_prepare_detail( const void* memory, wisp_world* world, wisp_entity entity )
+{
+    const guide_state* state = memory;
+    const guide_follower* f = guide_active_follower( state, entity );
+    if ( f == NULL )
+    {
+        return WISP_OK;
+    }
+    const wisp_allocator* allocator = wisp_world_allocator( world );
+    const size_t bytes = (size_t)wisp_world_strands( world, f->targets )->strand_count * sizeof( int32_t );
+    int32_t* at = allocator->allocate( allocator->user, bytes, sizeof( int32_t ) );
+    if ( at == NULL || wisp_world_attach( world, entity, state->carried ) != WISP_OK ||
+         wisp_world_attach( world, entity, state->carrier ) != WISP_OK )
+    {
+        wisp_world_detach( world, entity, state->carried );
+        wisp_release( allocator, at, bytes );
+        return wisp_world_fail( world, WISP_NO_MEMORY, "ghosts: out of memory for the detail of entity %u",
+                                entity.index );
+    }
+    find_carriers( state, world, f, at );
+    allocator->release( allocator->user, at, bytes );
+    keep_shape( state, world, f );
+    return WISP_OK;
+}
+
+bool guide_has_coarse( const void* memory, const wisp_world* world, wisp_entity entity )
+{
+    (void)world;
+    return guide_active_follower( memory, entity ) != NULL;
+}
+
+void guide_detail_changed( const void* memory, wisp_world* world, wisp_entity entity, wisp_detail from,
+                           wisp_detail to )
+{
+    const guide_state* state = memory;
+    const guide_follower* f = guide_active_follower( state, entity );
+    if ( f != NULL && from < WISP_DETAIL_COARSE && to >= WISP_DETAIL_COARSE )
+    {
+        keep_shape( state, world, f );
+    }
+}
+
+// ---- passes ----
+
 enum
 {
     TARGET_GRAIN = 4, // groups a block

@@ -7,7 +7,6 @@
 #include "wisp/module/corrected.h"
 #include "wisp/module/module.h"
 #include "wisp/module/plate.h"
-
 #include <math.h>
 
 /// Material of a surface, without its links. A row of the entity.
@@ -159,12 +158,7 @@ wisp_status implicit_links_create( wisp_world* world, wisp_entity surface, const
 /// Null is allowed.
 void implicit_links_release( implicit_links* links, const wisp_allocator* allocator );
 
-// ---- implicit_solve.c ----
-
-/// Solve for the change of velocity. Reads the right side from conjugate.residual and the first guess from
-/// conjugate.direction; the answer is in conjugate.solution, and the remaining right side, the impulse of contact,
-/// in conjugate.residual.
-implicit_outcome implicit_solve( implicit_system* system );
+// ---- implicit_newton.c ----
 
 // ---- implicit_contact.c ----
 
@@ -180,26 +174,11 @@ void implicit_settle_row( const implicit_contact_input* contact_input, int slot,
 /// Impulse of contact on a row, kg m/s: J = -(1 - S) r of the last solve.
 wisp_vec3 implicit_impulse( const implicit_system* system, int row );
 
-// ---- implicit_reaction.c ----
+// ---- implicit_step.c ----
 
-/// Momentum of a slot as BDF2 conserves it, kg m/s: m (3 v - v_before) / 2; by Euler m v.
-/// @param v_before [3], null: Euler
-wisp_vec3 implicit_momentum( const implicit_contact_input* contact_input, int slot, const float* v,
-                             const float* v_before );
-/// Write what a row gave to its bodies, from the impulse that implicit_press_row() stored.
-/// @param settled kg m/s, what contact took from the row besides
-/// @param from [3] m, where the row was
-void implicit_give_row( const implicit_system* system, const implicit_contact_input* contact_input,
-                        const implicit_given* given, int row, wisp_vec3 settled, const float* from );
+// ---- implicit_step.c ----
 
-// ---- implicit_corrected.c ----
-
-/// Write the half spaces that contact may not push a particle out of, from the bodies of this substep.
-/// @param from, x [3] m, where the particle was and is @param rows [WISP_MAX_HALF_SPACES], as of the kernel half_space @return how many
-int32_t implicit_fill_half_spaces( const implicit_contact_input* contact_input, int slot, const float* from,
-                                   const float* x, float ( *rows )[16] );
-
-// ---- implicit_energy.c ----
+// ---- implicit_newton.c ----
 
 /// @param sums [block], receives the parts
 implicit_gain implicit_find_gain( const implicit_motion* motion, implicit_gain* sums );
@@ -208,7 +187,7 @@ double implicit_add_gain( double gained, const implicit_gain* gain );
 /// Whether that is too much. @param gained with this substep
 bool implicit_gains( double gained, const implicit_gain* gain );
 
-// ---- implicit_stats.c ----
+// ---- implicit_cloth_module.c ----
 
 /// Length, over that at rest, at which the ramp of eq. 12 meets the arc; 0: nowhere.
 double implicit_ramp_end( double load, double ramp, double rest );
@@ -217,4 +196,87 @@ double implicit_ramp_end( double load, double ramp, double rest );
 
 void implicit_step( wisp_frame* frame, const wisp_span* span, void* user );
 void implicit_take_correction( wisp_frame* frame, const wisp_span* span, void* user );
-void implicit_measure( wisp_frame* frame, const wisp_span* span, void* user );
+
+// ---- implicit pairs ----
+
+/// From a mesh to linked pairs: intermediate data of cooking.
+
+/// Two linked slots, a < b.
+typedef struct implicit_pair
+{
+    int32_t a, b;
+    float area;                          ///< m^2, of the triangles at the edge, or at the diagonal
+    float rest;                          ///< m
+    float load, ramp, ramp_end, damping; ///< as in wisp_spring_links
+} implicit_pair;
+
+typedef struct implicit_cook
+{
+    wisp_world* world;
+    const wisp_allocator* allocator;
+    const wisp_fabric* fabric;
+    implicit_pair *stretch, *bend; ///< sorted
+    int stretch_count, bend_count;
+    int32_t* neighbours; ///< [vertex_count] |N| by slot
+    int max_neighbours;
+    void* blocks[16];
+    size_t bytes[16];
+    int block_count;
+} implicit_cook;
+
+void implicit_cook_release( implicit_cook* cook );
+
+// ---- implicit substep ----
+
+// One substep of a surface. What it starts with is prepared in implicit_step.c, in this order.
+
+// The surface's columns, all by slot.
+typedef struct implicit_columns
+{
+    float *position, *velocity;
+    float* change;                            // [slot][3] m/s, of the substep before: solves start from it
+    float *before_position, *before_velocity; // [slot][4]; null: Euler
+    int32_t* body;                            // of particle.contacts
+    float* previous;                          // [slot][4] m; null: no contact of surfaces, nor what follows
+    float* solved;                            // [slot][3] m, way of the substep
+    int32_t* half_space_count;                // [slot]
+    float ( *half_space_rows )[16];           // [slot][WISP_MAX_HALF_SPACES]
+    implicit_given given;                     // to bodies
+} implicit_columns;
+
+typedef struct implicit_substep
+{
+    implicit_system system;
+    implicit_contact_input contact_input;
+    implicit_columns columns;
+    wisp_vec3 gravity;
+    float kept;              // of a velocity, by the surface's damping
+    float moved;             // share of a solve's answer that is gone
+    float recent, older;     // weights of the substep before in x^ and v^: ( recent a - older b )
+    float *point, *velocity; // [row][4] where forces are evaluated, and the corresponding velocity
+    implicit_tally* tallies; // [block]
+    int* undirected;         // [block]
+    double* motion;          // [block] kg m^2/s^2, sum of m v^2
+    bool* guesses;           // [block] a guess is not 0
+    float* worst;            // [block] m/s, of the nonlinear step
+    float* from;             // [row][4] m, where a guarded substep began
+    implicit_contact* held;  // [row] of the substep before; null: not guarded
+    implicit_gain* gains;    // [block]
+    double gained;           // J, of the material
+    bool stiff;              // one linear solve may gain energy
+    bool guarded;            // it may not, and is made again as a stiff one if it does
+    bool extrapolates;       // BDF2
+    bool is_second;          // the substep is made again, by Euler
+} implicit_substep;
+
+/// Run over the slices of the surface, in its blocks.
+static inline void implicit_for_slices( implicit_substep* s, wisp_range_fn* run )
+{
+    wisp_parallel_for( s->system.parallel, s->system.links->slice_count, s->system.grain, run, s );
+}
+
+// implicit_newton.c
+/// Assemble forces and their derivatives where the solves have come to. @return links without direction
+int implicit_assemble( implicit_substep* s, bool repeat );
+/// Solve and move, until the substep is done.
+void implicit_iterate( wisp_frame* frame, implicit_substep* s, implicit_tally* total );

@@ -1,9 +1,239 @@
 // Linear solves of a substep, once or until a stiff one gains little. Equations: docs/methods.md.
-#include "implicit_substep.h"
+
+#include "implicit_internal.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
+
+// ---- energy ----
+
+// Whether a substep gained energy: kinetic and potential, less the work of gravity and of contacts. Sums have a fixed order.
+
+static const double FORGOTTEN = 1.0 / 1024.0; // of the gain, per substep; a thousand substeps are what is judged
+static const double GAIN_ALLOWED = 0.004;     // of the energy: less than a hundredth, with what one substep may add
+
+static double square( const float v[3] )
+{
+    return (double)v[0] * (double)v[0] + (double)v[1] * (double)v[1] + (double)v[2] * (double)v[2];
+}
+
+// Work of contact, of pins and of friction on a row: their impulse times the way in the time of the equations.
+static double work_on_row( const implicit_motion* m, int row, bool pinned )
+{
+    const implicit_system* y = m->system;
+    const float *v = m->velocity + (size_t)row * 4, *start = y->start + (size_t)row * 4;
+    const float* rubbing = y->rubbing + (size_t)row * 4;
+    const wisp_vec3 impulse = implicit_impulse( y, row );
+    const float j[3] = { impulse.x, impulse.y, impulse.z };
+    double sum = 0.0;
+    for ( int k = 0; k < 3; ++k )
+    {
+        // a pinned row has a mass only in the equations
+        const double inertia = pinned ? (double)v[k] - (double)start[k] : 0.0;
+        sum += ( (double)j[k] + (double)rubbing[k] - inertia ) * (double)v[k];
+    }
+    return sum * (double)( m->seconds / y->spring.dt );
+}
+
+typedef struct gain_loop
+{
+    const implicit_motion* motion;
+    implicit_gain* sums; // [block]
+} gain_loop;
+
+static void add_row( const implicit_motion* m, int row, implicit_gain* sum )
+{
+    const implicit_system* y = m->system;
+    const int slot = y->links->row_slot[row];
+    if ( slot < 0 )
+    {
+        return;
+    }
+    const float *x = m->point + (size_t)row * 4, *from = m->from + (size_t)row * 4;
+    const float *v = m->velocity + (size_t)row * 4, *before = m->before + (size_t)slot * 4;
+    const bool pinned = m->weight[(size_t)slot * 4 + 3] == 0.0f;
+    if ( pinned == false )
+    {
+        const double mass = (double)y->place[(size_t)row * 4 + 3];
+        const double fall = (double)m->gravity.x * ( (double)x[0] - (double)from[0] ) +
+                            (double)m->gravity.y * ( (double)x[1] - (double)from[1] ) +
+                            (double)m->gravity.z * ( (double)x[2] - (double)from[2] );
+        sum->gain += mass * ( 0.5 * ( square( v ) - square( before ) ) - fall );
+        sum->energy += 0.5 * mass * square( v );
+    }
+    sum->rounding += square( x );
+    if ( y->goal[(size_t)row * 4 + 3] != 0.0f )
+    {
+        sum->gain -= work_on_row( m, row, pinned );
+    }
+}
+
+static void gain_slices( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const gain_loop* loop = context;
+    const implicit_motion* m = loop->motion;
+    wisp_spring_args spring = m->system->spring;
+    spring.position = m->point;
+    spring.base_position = m->from;
+    const wisp_spring_gain links = m->system->kernels->spring_gain( &spring, begin, end );
+    implicit_gain sum = { .gain = links.gain, .energy = links.stored };
+    for ( int row = begin * WISP_SLICE; row < end * WISP_SLICE; ++row )
+    {
+        add_row( m, row, &sum );
+    }
+    loop->sums[begin / m->system->grain] = sum;
+}
+
+implicit_gain implicit_find_gain( const implicit_motion* motion, implicit_gain* sums )
+{
+    const implicit_system* y = motion->system;
+    gain_loop loop = { motion, sums };
+    wisp_parallel_for( y->parallel, y->links->slice_count, y->grain, gain_slices, &loop );
+    implicit_gain all = { 0.0, 0.0, 0.0 };
+    for ( int block = 0; block < y->block_count; ++block )
+    {
+        all.gain += sums[block].gain;
+        all.energy += sums[block].energy;
+        all.rounding += sums[block].rounding;
+    }
+    // positions are rounded, and so is the length of a slack link at rest
+    all.rounding *= 4.0 * (double)FLT_EPSILON * (double)FLT_EPSILON * (double)y->links->stiffest;
+    return all;
+}
+
+double implicit_add_gain( double gained, const implicit_gain* gain )
+{
+    return fmax( 0.0, gained - FORGOTTEN * gained + gain->gain );
+}
+
+bool implicit_gains( double gained, const implicit_gain* gain )
+{
+    return gain->gain > 0.0 && gained > GAIN_ALLOWED * gain->energy + gain->rounding;
+}
+
+// ---- conjugate gradients ----
+
+// Filtered conjugate gradients (Baraff and Witkin 1998, with the filter of Ascher and Boxerman) over rows
+// of springs. Loops are cut at the same places for any number of workers, and sums are added in order, so the bits are the same.
+
+// A repeated solve ends at this fraction of its own residual at the latest: the next one starts from it.
+static const double REPEAT = 0.1;
+// Very stiff links store what a solve leaves, so they get a tolerance of this at least.
+static const double TIGHT = 1e-4;
+
+typedef struct slice_loop
+{
+    implicit_system* system;
+    float step, fraction;
+} slice_loop;
+
+static double add_up( const implicit_system* system )
+{
+    double sum = 0.0;
+    for ( int block = 0; block < system->block_count; ++block )
+    {
+        sum += system->sums[block];
+    }
+    return sum;
+}
+
+static void multiply( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    implicit_system* s = context;
+    s->sums[begin / s->grain] = s->kernels->spring_product( &s->conjugate, begin, end );
+}
+
+static void advance_slices( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const slice_loop* loop = context;
+    implicit_system* s = loop->system;
+    s->sums[begin / s->grain] = s->kernels->conjugate_advance( &s->conjugate, loop->step, begin, end );
+}
+
+static void turn_slices( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const slice_loop* loop = context;
+    loop->system->kernels->conjugate_update( &loop->system->conjugate, loop->step, loop->fraction, begin, end );
+}
+
+static double product( implicit_system* s )
+{
+    wisp_parallel_for( s->parallel, s->links->slice_count, s->grain, multiply, s );
+    return add_up( s );
+}
+
+static double advance( implicit_system* s, float step )
+{
+    slice_loop loop = { .system = s, .step = step };
+    wisp_parallel_for( s->parallel, s->links->slice_count, s->grain, advance_slices, &loop );
+    return add_up( s );
+}
+
+static void turn( implicit_system* s, float step, float fraction )
+{
+    slice_loop loop = { .system = s, .step = step, .fraction = fraction };
+    wisp_parallel_for( s->parallel, s->links->slice_count, s->grain, turn_slices, &loop );
+}
+
+// Residual relative to that of zero velocity change; the initial guess may have reduced it already.
+static implicit_outcome end_at( int iterations, double delta, double delta_0 )
+{
+    return ( implicit_outcome ){
+        .iterations = iterations,
+        .residual = delta_0 > 0.0 && delta > 0.0 ? (float)sqrt( delta / delta_0 ) : 0.0f,
+    };
+}
+
+// Solve for the change of velocity. Reads the right side from conjugate.residual and the first guess from
+// conjugate.direction; the answer is in conjugate.solution, and the remaining right side, the impulse of contact,
+// in conjugate.residual.
+static implicit_outcome implicit_solve( implicit_system* s )
+{
+    // zero change has ( S b )' P ( S b ), the guess r' S P S r
+    double delta_0 = advance( s, 0.0f ), delta = delta_0;
+    if ( s->guessed )
+    {
+        product( s );
+        delta = advance( s, 1.0f );
+        delta_0 = delta_0 > 0.0 ? delta_0 : delta;
+    }
+    // a repeat ends where the first solve did, and at a tenth of its own residual if that is less
+    const double queried = (double)s->material->tolerance,
+                 tolerance = fmin( queried, fmax( queried * sqrt( s->looseness ), TIGHT ) ),
+                 own = tolerance * tolerance * delta_0;
+    s->first = s->spring.is_repeat ? s->first : own;
+    const double repeat = s->spring.is_repeat ? s->looseness * fmin( s->first, REPEAT * REPEAT * delta_0 ) : 0.0;
+    const double least = fmax( fmax( own, repeat ), s->floor );
+    turn( s, s->guessed ? 1.0f : 0.0f, 0.0f );
+
+    int iteration = 0;
+    while ( delta > least && iteration < s->limit )
+    {
+        const double curvature = product( s );
+        if ( !( curvature > 0.0 ) )
+        {
+            implicit_outcome outcome = end_at( iteration, delta, delta_0 );
+            outcome.indefinite = true;
+            return outcome;
+        }
+        const float step = (float)( delta / curvature );
+        const double next = advance( s, step );
+        turn( s, step, (float)( next / delta ) );
+        delta = next;
+        ++iteration;
+    }
+    implicit_outcome outcome = end_at( iteration, delta, delta_0 );
+    outcome.indefinite = !( delta >= 0.0 ); // of the preconditioner
+    outcome.unsolved = iteration == s->limit && delta > least;
+    return outcome;
+}
+
+// ---- newton ----
 
 enum
 {

@@ -13,6 +13,286 @@
 #include "seams_state.h"
 
 #include <math.h>
+#include <string.h>
+
+// ---- pairs ----
+
+// Pairs of a seam. In: pairs of vertices, or how near boundaries have to be. Out: slots in the order of colours.
+//
+// A vertex is on the boundary if more edges than triangles meet at it. Colours are greedy, in the order of the pairs: the lowest one
+// that neither vertex has yet.
+
+static size_t block_size( int pair_count )
+{
+    return 2 * (size_t)pair_count * sizeof( int32_t );
+}
+
+void seams_release_pairs( const wisp_allocator* allocator, seam_topology* s )
+{
+    if ( s->ends_x4 != NULL )
+    {
+        allocator->release( allocator->user, s->ends_x4, block_size( s->pair_count ) );
+        s->ends_x4 = NULL;
+    }
+}
+
+static wisp_status out_of_memory( wisp_world* world )
+{
+    return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for the pairs of a seam" );
+}
+
+// ---- pairs of boundaries ----
+
+// Vertices on the boundary of a surface, by slot.
+typedef struct boundary
+{
+    const wisp_fabric* fabric;
+    const float* position; // [slot][4]
+    int32_t* slots;        // [count]
+    int count;
+} boundary;
+
+static void find_boundary( boundary* b, int32_t* balance )
+{
+    const wisp_fabric* f = b->fabric;
+    memset( balance, 0, (size_t)f->slot_count * sizeof( int32_t ) );
+    for ( int i = 0; i < 2 * f->edge_count; ++i )
+    {
+        balance[f->edges[i]] += 1;
+    }
+    for ( int i = 0; i < 3 * f->triangle_count; ++i )
+    {
+        balance[f->triangles[i]] -= 1;
+    }
+    b->count = 0;
+    for ( int v = 0; v < f->vertex_count; ++v ) // in the user's order
+    {
+        const int32_t slot = f->vertex_slot[v];
+        if ( balance[slot] > 0 )
+        {
+            b->slots[b->count++] = slot;
+        }
+    }
+}
+
+static float distance2( const float* p, const float* q )
+{
+    const float x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
+    return x * x + y * y + z * z;
+}
+
+// @return the slot on the boundary that is nearest within a distance, the first of those equally near; -1: there is none
+static int32_t find_nearest( const boundary* b, const float* point, float within )
+{
+    int32_t nearest = -1;
+    float best = within * within;
+    for ( int i = 0; i < b->count; ++i )
+    {
+        const float d2 = distance2( point, b->position + (size_t)b->slots[i] * 4 );
+        if ( d2 < best || ( d2 == best && nearest < 0 ) )
+        {
+            best = d2;
+            nearest = b->slots[i];
+        }
+    }
+    return nearest;
+}
+
+// Pair each boundary vertex of `a` with the nearest one of `b`, and the other way round, each pair once.
+// @param pairs [a->count + b->count][2] receives vertices in the user's order
+static int pair_boundaries( const boundary* a, const boundary* b, float within, int32_t* pairs )
+{
+    int count = 0;
+    for ( int i = 0; i < a->count; ++i )
+    {
+        const int32_t slot = find_nearest( b, a->position + (size_t)a->slots[i] * 4, within );
+        if ( slot >= 0 )
+        {
+            pairs[2 * count] = a->fabric->slot_vertex[a->slots[i]];
+            pairs[2 * count + 1] = b->fabric->slot_vertex[slot];
+            count += 1;
+        }
+    }
+    for ( int i = 0; i < b->count; ++i )
+    {
+        const float* point = b->position + (size_t)b->slots[i] * 4;
+        const int32_t slot = find_nearest( a, point, within );
+        if ( slot >= 0 &&
+             find_nearest( b, a->position + (size_t)slot * 4, within ) != b->slots[i] ) // that pair is listed
+        {
+            pairs[2 * count] = a->fabric->slot_vertex[slot];
+            pairs[2 * count + 1] = b->fabric->slot_vertex[b->slots[i]];
+            count += 1;
+        }
+    }
+    return count;
+}
+
+// ---- colours ----
+
+static int lowest_free( uint64_t taken )
+{
+    int colour = 0;
+    while ( colour < SEAM_COLOURS - 1 && ( taken >> colour & 1 ) != 0 )
+    {
+        colour += 1;
+    }
+    return colour;
+}
+
+// @param masks [slots of a] or [slots of a, slots of b], zero @param colours [pair_count] receives the colour of each pair
+static void colour_pairs( const int32_t* ends_x4, int pair_count, uint64_t* masks, size_t first_b, uint8_t* colours )
+{
+    for ( int p = 0; p < pair_count; ++p )
+    {
+        uint64_t *a = masks + ends_x4[2 * p] / 4, *b = masks + first_b + ends_x4[2 * p + 1] / 4;
+        const int colour = lowest_free( *a | *b );
+        *a |= UINT64_C( 1 ) << colour;
+        *b |= UINT64_C( 1 ) << colour;
+        colours[p] = (uint8_t)colour;
+    }
+}
+
+static void order_pairs( seam_topology* s, const int32_t* given_x4, const uint8_t* colours )
+{
+    int next[SEAM_COLOURS] = { 0 };
+    memset( s->colour_begin, 0, sizeof( s->colour_begin ) );
+    for ( int p = 0; p < s->pair_count; ++p )
+    {
+        s->colour_begin[colours[p] + 1] += 1;
+    }
+    for ( int c = 0; c < SEAM_COLOURS; ++c )
+    {
+        s->colour_count = s->colour_begin[c + 1] > 0 ? c + 1 : s->colour_count;
+        s->colour_begin[c + 1] += s->colour_begin[c];
+        next[c] = s->colour_begin[c];
+    }
+    for ( int p = 0; p < s->pair_count; ++p )
+    {
+        const int row = next[colours[p]]++;
+        s->ends_x4[2 * row] = given_x4[2 * p];
+        s->ends_x4[2 * row + 1] = given_x4[2 * p + 1];
+    }
+}
+
+// ---- cooking ----
+
+static wisp_status check_pair( wisp_world* world, const wisp_fabric* const fabrics[2], const int32_t* pair,
+                               int number )
+{
+    for ( int k = 0; k < 2; ++k )
+    {
+        if ( pair[k] < 0 || pair[k] >= fabrics[k]->vertex_count )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT,
+                                    "seams: pair %d: got vertex %d of surface %c, which has %d vertices", number,
+                                    pair[k], "ab"[k], fabrics[k] -> vertex_count );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_pairs( wisp_world* world, const wisp_seam_def* def, const wisp_fabric* const fabrics[2] )
+{
+    const bool is_same = wisp_entity_equal( def->a, def->b );
+    for ( int p = 0; p < def->pair_count; ++p )
+    {
+        const int32_t* pair = def->pairs + 2 * (size_t)p;
+        WISP_TRY( check_pair( world, fabrics, pair, p ) );
+        if ( is_same && pair[0] == pair[1] )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT, "seams: pair %d: got vertex %d twice", p, pair[0] );
+        }
+    }
+    return WISP_OK;
+}
+
+// Bytes of the temporary memory: slots of the pairs, masks of their vertices, colours.
+static size_t scratch_size( const seam_topology* s, size_t slots )
+{
+    return slots * sizeof( uint64_t ) + (size_t)s->pair_count * ( 2 * sizeof( int32_t ) + 1 );
+}
+
+static wisp_status cook( wisp_world* world, const wisp_seam_def* def, const wisp_fabric* const fabrics[2],
+                         seam_topology* out )
+{
+    WISP_TRY( check_pairs( world, def, fabrics ) );
+    const wisp_allocator* allocator = wisp_world_allocator( world );
+    const size_t first_b = wisp_entity_equal( def->a, def->b ) ? 0 : (size_t)fabrics[0]->slot_count,
+                 slots = first_b + (size_t)fabrics[1]->slot_count;
+    *out = ( seam_topology ){ .a = def->a, .b = def->b, .pair_count = def->pair_count };
+    const size_t bytes = scratch_size( out, slots );
+    uint64_t* masks = allocator->allocate( allocator->user, bytes, sizeof( uint64_t ) );
+    out->ends_x4 = masks != NULL
+                       ? allocator->allocate( allocator->user, block_size( out->pair_count ), sizeof( int32_t ) )
+                       : NULL;
+    if ( out->ends_x4 != NULL )
+    {
+        int32_t* given_x4 = (int32_t*)( masks + slots );
+        uint8_t* colours = (uint8_t*)( given_x4 + 2 * (size_t)out->pair_count );
+        memset( masks, 0, slots * sizeof( uint64_t ) );
+        for ( int i = 0; i < 2 * out->pair_count; ++i )
+        {
+            given_x4[i] = 4 * fabrics[i % 2]->vertex_slot[def->pairs[i]];
+        }
+        colour_pairs( given_x4, out->pair_count, masks, first_b, colours );
+        order_pairs( out, given_x4, colours );
+    }
+    wisp_release( allocator, masks, bytes );
+    return out->ends_x4 != NULL ? WISP_OK : out_of_memory( world );
+}
+
+static wisp_status cook_found( wisp_world* world, const wisp_seam_def* def, const boundary sides[2], int32_t* pairs,
+                               seam_topology* out )
+{
+    wisp_seam_def found = *def;
+    found.pairs = pairs;
+    found.pair_count = pair_boundaries( sides, sides + 1, def->within, pairs );
+    if ( found.pair_count == 0 )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "seams: no boundary vertex of one surface is within %g m of one of the other",
+                                (double)def->within );
+    }
+    const wisp_fabric* const fabrics[2] = { sides[0].fabric, sides[1].fabric };
+    return cook( world, &found, fabrics, out );
+}
+
+// Find pairs before cooking. Temporary memory: boundaries of both surfaces, pairs, a balance of edges and triangles by slot.
+static wisp_status cook_within( wisp_world* world, const wisp_seam_def* def, const wisp_fabric* const fabrics[2],
+                                seam_topology* out )
+{
+    WISP_TRY( wisp_world_need_fabric( world, def->a, WISP_FABRIC_EDGES ) );
+    WISP_TRY( wisp_world_need_fabric( world, def->b, WISP_FABRIC_EDGES ) );
+    const size_t most = (size_t)fabrics[0]->slot_count + (size_t)fabrics[1]->slot_count,
+                 bytes = 4 * most * sizeof( int32_t );
+    const wisp_allocator* allocator = wisp_world_allocator( world );
+    int32_t* memory = allocator->allocate( allocator->user, bytes, sizeof( int32_t ) );
+    if ( memory == NULL )
+    {
+        return out_of_memory( world );
+    }
+    boundary sides[2];
+    for ( int k = 0; k < 2; ++k )
+    {
+        sides[k] =
+            ( boundary ){ .fabric = fabrics[k],
+                          .position = wisp_world_column( world, k == 0 ? def->a : def->b, WISP_PARTICLE_POSITION, 0 ),
+                          .slots = memory + ( k == 0 ? 0 : (size_t)fabrics[0]->slot_count ) };
+        find_boundary( sides + k, memory + 3 * most );
+    }
+    const wisp_status status = cook_found( world, def, sides, memory + most, out );
+    allocator->release( allocator->user, memory, bytes );
+    return status;
+}
+
+wisp_status seams_cook_pairs( wisp_world* world, const wisp_seam_def* def, seam_topology* out )
+{
+    const wisp_fabric* const fabrics[2] = { wisp_world_fabric( world, def->a ), wisp_world_fabric( world, def->b ) };
+    return def->within > 0.0f ? cook_within( world, def, fabrics, out ) : cook( world, def, fabrics, out );
+}
+
+// ---- projection ----
 
 enum
 {

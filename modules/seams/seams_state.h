@@ -50,9 +50,9 @@ typedef struct seams_state
 /// Compute the force that pulls at a pair; negative: it pushes. @param d from the vertex of b to that of a
 float seams_pull( const float impulse[3], const float d[3], float rest, float inverse_dt2 ); // seams_project.c
 /// Free the topology of a seam.
-void seams_release_pairs( const wisp_allocator* allocator, seam_topology* s ); // seams_pairs.c
+void seams_release_pairs( const wisp_allocator* allocator, seam_topology* s ); // seams_project.c
 /// Check pairs and order them in colours, or find them first if the definition says within. @param out receives topology and surfaces
-wisp_status seams_cook_pairs( wisp_world* world, const wisp_seam_def* def, seam_topology* out ); // seams_pairs.c
+wisp_status seams_cook_pairs( wisp_world* world, const wisp_seam_def* def, seam_topology* out ); // seams_project.c
 /// A surface or a seam is about to be removed.
 void seams_forget( seams_state* state, wisp_world* world, wisp_entity entity ); // seams_definition.c
 /// The pass.

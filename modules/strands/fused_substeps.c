@@ -4,11 +4,7 @@
 // "strands"), with the same bits.
 #include "strand_passes.h"
 
-#include "head_roots.h"
 #include "strand_rows.h"
-#include "strand_tips.h"
-#include "substep_passes.h"
-#include "surface_roots.h"
 
 enum
 {

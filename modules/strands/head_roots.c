@@ -1,9 +1,8 @@
 // Roots on a head: a rigid motion, interpolated over the substeps. In: poses of the head. Out: positions and
 // rotations of roots, pinned vertices behind them; strands that teleport.
-#include "head_roots.h"
+#include "strand_passes.h"
 
 #include "strand_rows.h"
-#include "strands_definition.h"
 
 #include <string.h>
 

@@ -23,11 +23,368 @@
 // needs 16 substeps of 1/60 s for its full stiffness, tighter curls more; with fewer substeps it is softer.
 #include "rod_factors.h"
 
-#include "closed_rods.h"
-#include "rod_frames.h"
-#include "substep_passes.h"
+#include "strand_rows.h"
+#include "strand_passes.h"
 
+#include "wisp/module/sleep.h"
 #include <float.h>
+
+// ---- frames ----
+
+// Frames of rods (after the discrete elastic rods of Bergou et al. 2008 and 2010). In: positions, clamps, rotations
+// of roots. Out: a quaternion q_s per segment s, whose z axis is along the segment; q_{-1} is the clamp, the rotation
+// of the root times its rest frame.
+//
+// In each substep the kernel strand_rod turns q_s by the smallest rotation that takes its z axis to the direction
+// that the segment has without forces, p* - dt^2 g: parallel transport in time. At rest that is no rotation. Rest
+// vectors, moments of twist and tension use the same positions; bending uses p*. The rest vector k_i is stored in the
+// middle frame of vertex i, the normalised sum of q_{i-1} and q_i (with the sign that brings them together).
+//
+// The twist of vertex i is that of r = conj(q_{i-1}) q_i about z, m_i = 2 atan2(r_z, r_w), less its rest value. With
+// c, s the cosine and sine of half the rest twist,
+//
+//   z' = r_z c - r_w s,  w' = r_w c + r_z s,  m_i - mrest_i ~ 2 z' / w',  T_i = GJ / L_i (m_i - mrest_i)
+//
+// The twist is quasi-static: to first order turning segment s about itself changes no energy,
+//
+//   T_s - T_{s+1} + (b_s + b_{s+1}) / 2 = 0,   b_i = -EI / L_i (t_i - t_{i-1}) . (z_i x k_i)
+//
+// with z_i the middle frame's z axis and T = b = 0 behind the last segment of a strand with a free tip. It is solved by one tridiagonal Newton
+// step per substep, with EI / L_i max(0, (t_i - t_{i-1}) . k_i) / 4 for the second derivative of the bending in
+// both segments and between them. A segment turns by a radian at most. A strand that reaches that is not in
+// balance, and its T_i would be what the limit left over, so they are 0 in that substep.
+//
+// Twist and the turning of k_i with its frames act on the centre line: the gradient with respect to e_s is
+//
+//   G_s = (M_s - M_{s+1} + ((T_s + r_s b_s) kb_s + (T_{s+1} - r_{s+1} b_{s+1}) kb_{s+1}) / 2) / l_s
+//   kb_i = 2 t_{i-1} x t_i / (1 + t_{i-1} . t_i)
+//   r_i = tan(a_i / 4) / (2 tan(a_i / 2)) = c / (2 + 2 c),  c = cos(a_i / 2)
+//
+// with a_i the angle between t_{i-1} and t_i. A frame that is carried along with its segment turns about axes
+// across it; the middle frame turns by the mean of its two, and by tan(a / 4) of their difference about the third
+// axis. That gives r_i, exactly where vertices are not twisted (tests/oracle). All of it is the gradient of one
+// energy. Without r_i forces of rest curvature do work on a closed path, and hair that is soft or not clamped
+// whirls for ever.
+//
+// T_i, b_i and kb_i are angles, so they take unit directions, also of segments that are not at their length: links
+// leave segments several times too long, and the product of two such lengths has no bound.
+//
+// An elliptic section bends across its flat side with EI and edgewise with EI' >= EI. Its x axis is across the flat side,
+// and m_i is that of the middle frame (after Bergou et al. 2008, section 4.2, with diagonal B). With C_i = t_i - t_{i-1}
+// - k_i and the stiffness EI' / L_i,
+//
+//   E_i = EI' / (2 L_i) (|C_i|^2 - (C_i . s_i)^2),   s_i = sqrt(1 - EI / EI') m_i
+//   M_i = EI' / L_i (C_i - (C_i . s_i) s_i)
+//   b_i = -EI' / L_i ((t_i - t_{i-1}) . (z_i x k_i) + (C_i . s_i) (t_i - t_{i-1}) . (z_i x s_i))
+//
+// and the second derivative of E_i by the rotation about z_i is EI' / L_i ((t_i - t_{i-1}) . k_i + (C_i . s_i) (t_i -
+// t_{i-1}) . s_i - ((t_i - t_{i-1}) . (z_i x s_i))^2). All else is as for a circle, with b_i in place of its own. The
+// implicit matrix has EI', which no direction exceeds, so that it stays one for x, y and z: equilibria are exact, but a
+// mode of frequency w across the flat side is slowed as if its mass were larger by dt^2 w^2 (EI' / EI - 1).
+//
+// A tip whose direction is held has a frame behind the last segment, and vertex n bends and twists between that segment and
+// this frame with L_n = l_{n-1} / 2. Its frame does not turn, and its twist is put in as that of a clamp is.
+//
+// Where a vertex folds back, k_i and twist have no direction: a small circle about that pose changes both by any
+// amount. So E_i and the energy of twist have w k_i, sqrt(w) s_i and w GJ, w = f (2 - f). f falls from 1, where 1 + t_{i-1} .
+// t_i is a quarter of what it is at rest (at 139 degrees for rest shapes that turn by less than 90), to 0 at 180
+// degrees. The derivative of w acts on the centre line too.
+
+// Return the smallest rotation from the z axis to a direction.
+static wisp_quat strands_rotation_to( wisp_vec3 d )
+{
+    const double length = sqrt( (double)d.x * (double)d.x + (double)d.y * (double)d.y + (double)d.z * (double)d.z );
+    if ( length == 0.0 || (double)d.z < -0.999999 * length )
+    {
+        return length == 0.0 ? ( wisp_quat ){ 0.0f, 0.0f, 0.0f, 1.0f } : ( wisp_quat ){ 1.0f, 0.0f, 0.0f, 0.0f };
+    }
+    const wisp_quat q = { -d.y, d.x, 0.0f, (float)( length + (double)d.z ) };
+    return wisp_transform_make( q, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
+}
+
+wisp_quat strands_carry_frame( wisp_quat q, wisp_vec3 e )
+{
+    if ( wisp_v3_length( e ) == 0.0f )
+    {
+        return q;
+    }
+    const wisp_quat carried = wisp_quat_multiply( q, strands_rotation_to( wisp_quat_inverse_rotate( q, e ) ) );
+    return wisp_transform_make( carried, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
+}
+
+wisp_quat strands_twist_frame( wisp_quat q, double angle )
+{
+    const wisp_quat turn = { 0.0f, 0.0f, (float)sin( 0.5 * angle ), (float)cos( 0.5 * angle ) };
+    return angle == 0.0 ? q : wisp_quat_multiply( q, turn );
+}
+
+double strands_natural_twist( const float* length, int row, int i, int count, int lane, double twist )
+{
+    const double before = i > 0 ? (double)length[strands_scalar( row + i - 1, lane )] : 0.0;
+    const double behind = i + 1 < count ? (double)length[strands_scalar( row + i, lane )] : 0.0;
+    return 0.5 * twist * ( before + behind );
+}
+
+void strands_lay_group( const wisp_strand_topology* t, const float* position, const float* clamp, const float* root,
+                        const float* length, float twist, float* frame, int group )
+{
+    const int first = t->group_row[group];
+    for ( int lane = 0; lane < WISP_LANES; ++lane )
+    {
+        wisp_quat q =
+            wisp_quat_multiply( strands_get_quat( root, group, lane ), strands_get_quat( clamp, group, lane ) );
+        const int count = t->lane_count[group * WISP_LANES + lane];
+        for ( int row = first; row < t->group_row[group + 1]; ++row )
+        {
+            if ( row - first + 1 < count )
+            {
+                const wisp_vec3 to = strands_get( position, row + 1, lane );
+                q = strands_carry_frame( q, wisp_v3_sub( to, strands_get( position, row, lane ) ) );
+                q = strands_twist_frame(
+                    q, strands_natural_twist( length, first, row - first, count, lane, (double)twist ) );
+            }
+            strands_put_quat( frame, row, lane, q );
+        }
+    }
+}
+
+void strands_add_frames( const void* state, wisp_world* world, wisp_entity entity, wisp_line_kind kind,
+                         wisp_line_list* list )
+{
+    const strands_state* s = state;
+    const wisp_strand_topology* t = wisp_world_strands( world, entity );
+    const float* position = wisp_world_rows( world, entity, WISP_STRAND_POSITION, 0 );
+    const float* root = wisp_world_rows( world, entity, WISP_STRAND_ROOT, 1 );
+    const float* clamp = wisp_world_rows( world, entity, s->clamp, 0 );
+    const float* frame = wisp_world_rows( world, entity, s->curve, 0 );
+    for ( int i = 0; kind == WISP_LINES_FRAMES && clamp != NULL && i < WISP_LANES * t->group_count; ++i )
+    {
+        const int group = i / WISP_LANES, lane = i % WISP_LANES, first = t->group_row[group];
+        for ( int k = 0; k + 1 < t->lane_count[i] && ( k == 0 || frame != NULL ); ++k )
+        {
+            const wisp_vec3 at = strands_get( position, first + k, lane );
+            const float size =
+                0.5f * wisp_v3_length( wisp_v3_sub( strands_get( position, first + k + 1, lane ), at ) );
+            const wisp_quat q = frame != NULL ? strands_get_quat( frame, first + k, lane )
+                                              : wisp_quat_multiply( strands_get_quat( root, group, lane ),
+                                                                    strands_get_quat( clamp, group, lane ) );
+            for ( int axis = 0; axis < 2; ++axis ) // the first one red, the second one green
+            {
+                const wisp_vec3 unit = wisp_v3( axis == 0 ? 1.0f : 0.0f, axis == 0 ? 0.0f : 1.0f, 0.0f );
+                wisp_add_line( list, entity, at, wisp_v3_mul_add( at, size, wisp_quat_rotate( q, unit ) ), unit );
+            }
+        }
+    }
+}
+
+// ---- closed rods ----
+
+// The linear system of closed rods. In: lengths, masses, rigidity, length of a substep. Out: stiffness per vertex, and
+// factors of M + dt^2 K for the kernel strand_rod.
+//
+// A ring of n vertices has n segments; the vertex of row n is that of row 0 again. M + (dt^2 + damping dt) K couples each
+// vertex to two neighbours on either side, all around. Without the vertices 0 and 1 what is left, F, has two bands, as that
+// of an open rod. With B its columns to those two, D the block of the two,
+//
+//   Z = F^-1 B,   S = D - B^T Z,   x_01 = S^-1 (r_01 - Z^T r),   x = F^-1 r - Z x_01
+//
+// Z is kept, and S^-1 in its rows 0 and 1. F is that of a rod that is clamped at both ends, S is as definite as the whole
+// (Schur complement).
+
+// A strand that is closed.
+typedef struct ring
+{
+    const closed_factor_args* args;
+    int row, lane;
+    int n; // vertices and segments
+} ring;
+
+static int around( const ring* r, int i )
+{
+    return i < 0 ? i + r->n : i >= r->n ? i - r->n : i;
+}
+
+static double length_at( const ring* r, int s )
+{
+    return (double)r->args->rows->length[strands_scalar( r->row + around( r, s ), r->lane )];
+}
+
+// Return the mass of a vertex; 0 if it is pinned.
+static double ring_mass_at( const ring* r, int i )
+{
+    const double w = (double)r->args->rows->weight[strands_scalar( r->row + around( r, i ), r->lane )];
+    return w > 0.0 ? 1.0 / w : 0.0;
+}
+
+static wisp_vec3 direction_at( const ring* r, int s )
+{
+    const int row = r->row + around( r, s );
+    const wisp_vec3 e = wisp_v3_sub( strands_get( r->args->rows->rest, row + 1, r->lane ),
+                                     strands_get( r->args->rows->rest, row, r->lane ) );
+    const float scale = 1.0f / (float)length_at( r, s );
+    return ( wisp_vec3 ){ scale * e.x, scale * e.y, scale * e.z };
+}
+
+static double turn_at( const ring* r, int i )
+{
+    return (double)wisp_v3_length( wisp_v3_sub( direction_at( r, i ), direction_at( r, i - 1 ) ) );
+}
+
+static double ring_stiffness( const ring* r, int i )
+{
+    const strands_settings* settings = r->args->settings;
+    double mass = 0.0, turn = 0.0;
+    int masses = 0;
+    for ( int k = i - 1; k <= i + 1; ++k )
+    {
+        const double m = ring_mass_at( r, k );
+        mass += m;
+        masses += m > 0.0 ? 1 : 0;
+        turn = fmax( turn, turn_at( r, around( r, k ) ) );
+    }
+    const double step = r->args->dt * ( r->args->dt + (double)settings->bend_damping );
+    const double before = length_at( r, i - 1 ), behind = length_at( r, i ), l = fmin( before, behind );
+    const double bound = fmin( STRANDS_MAX_STIFFNESS, STRANDS_MAX_CURLED / fmax( turn * turn * turn * turn, 1e-12 ) );
+    const double most = bound * ( masses > 0 ? mass / masses : 0.0 ) * l * l * l / step;
+    return fmin( (double)settings->bend_rigidity, most ) / ( 0.5 * ( before + behind ) );
+}
+
+// Return the coefficient of vertex i in C_k: t_k - t_{k-1} over the vertices k - 1, k, k + 1.
+static double coefficient( const ring* r, int k, int i )
+{
+    const double before = 1.0 / length_at( r, k - 1 ), behind = 1.0 / length_at( r, k );
+    const int place = around( r, i - k + ( i < k ? r->n : 0 ) );
+    return place == 0 ? -( before + behind ) : place == 1 ? behind : place == r->n - 1 ? before : 0.0;
+}
+
+// Return an entry of M + (dt^2 + damping dt) K; 0 in rows and columns of pinned vertices.
+static double entry( const ring* r, int i, int j )
+{
+    const double step = r->args->dt * ( r->args->dt + (double)r->args->settings->bend_damping );
+    double sum = i == j ? ring_mass_at( r, i ) : 0.0;
+    if ( ring_mass_at( r, i ) == 0.0 || ring_mass_at( r, j ) == 0.0 )
+    {
+        return 0.0;
+    }
+    for ( int k = i - 1; k <= i + 1; ++k )
+    {
+        const int at = around( r, k );
+        const double stiffness = (double)r->args->stiffness[strands_scalar( r->row + at, r->lane )];
+        sum += step * stiffness * coefficient( r, at, i ) * coefficient( r, at, j );
+    }
+    return sum;
+}
+
+static void put_ring_factor( const ring* r, int i, double inverse, double first, double second )
+{
+    strands_put( r->args->factor, r->row + i, r->lane, ( wisp_vec3 ){ (float)inverse, (float)first, (float)second } );
+}
+
+static float* response_at( const ring* r, int i )
+{
+    return r->args->response + (size_t)( r->row + i ) * 2 * WISP_LANES + r->lane;
+}
+
+// A row of L D L^T, and of two right-hand sides.
+typedef struct ring_band
+{
+    double pivot, first, second; // D(i), L(i, i-1), L(i, i-2)
+    double right[2];
+} ring_band;
+
+// Factor F, and eliminate B.
+static void factor_interior( const ring* r )
+{
+    const ring_band none = { .pivot = 1.0 };
+    ring_band before = none, first = none;
+    for ( int i = 2; i < r->n; ++i )
+    {
+        ring_band l = none;
+        if ( ring_mass_at( r, i ) > 0.0 )
+        {
+            l.second = i > 3 ? entry( r, i, i - 2 ) / first.pivot : 0.0;
+            l.first = i > 2 ? ( entry( r, i, i - 1 ) - l.second * first.pivot * before.first ) / before.pivot : 0.0;
+            l.pivot = entry( r, i, i ) - l.first * l.first * before.pivot - l.second * l.second * first.pivot;
+            for ( int b = 0; b < 2; ++b )
+            {
+                l.right[b] = entry( r, i, b ) - l.first * before.right[b] - l.second * first.right[b];
+            }
+            put_ring_factor( r, i, 1.0 / l.pivot, l.first, l.second );
+        }
+        else
+        {
+            put_ring_factor( r, i, 0.0, 0.0, 0.0 );
+        }
+        r->args->work[2 * i] = l.right[0] / l.pivot;
+        r->args->work[2 * i + 1] = l.right[1] / l.pivot;
+        first = before;
+        before = l;
+    }
+}
+
+// Substitute back: work is Z.
+static void substitute_interior( const ring* r )
+{
+    double* z = r->args->work;
+    for ( int i = r->n - 1; i >= 2; --i )
+    {
+        for ( int k = 1; k <= 2 && i + k < r->n; ++k )
+        {
+            const wisp_vec3 f = strands_get( r->args->factor, r->row + i + k, r->lane );
+            const double l = (double)( k == 1 ? f.y : f.z );
+            z[2 * i] -= l * z[2 * ( i + k )];
+            z[2 * i + 1] -= l * z[2 * ( i + k ) + 1];
+        }
+        response_at( r, i )[0] = (float)z[2 * i];
+        response_at( r, i )[WISP_LANES] = (float)z[2 * i + 1];
+    }
+}
+
+// Invert S. A vertex that is pinned has no row in it.
+static void factor_joint( const ring* r )
+{
+    double s[3] = { entry( r, 0, 0 ), entry( r, 0, 1 ), entry( r, 1, 1 ) };
+    for ( int i = 2; i < r->n; ++i )
+    {
+        const double* z = r->args->work + 2 * (size_t)i;
+        s[0] -= entry( r, i, 0 ) * z[0];
+        s[1] -= entry( r, i, 0 ) * z[1];
+        s[2] -= entry( r, i, 1 ) * z[1];
+    }
+    const bool moves[2] = { ring_mass_at( r, 0 ) > 0.0, ring_mass_at( r, 1 ) > 0.0 };
+    double inverse[3] = { moves[0] ? 1.0 / s[0] : 0.0, 0.0, moves[1] ? 1.0 / s[2] : 0.0 };
+    if ( moves[0] && moves[1] )
+    {
+        const double determinant = s[0] * s[2] - s[1] * s[1];
+        inverse[0] = s[2] / determinant;
+        inverse[1] = -s[1] / determinant;
+        inverse[2] = s[0] / determinant;
+    }
+    for ( int i = 0; i < 2; ++i )
+    {
+        response_at( r, i )[0] = (float)inverse[i];
+        response_at( r, i )[WISP_LANES] = (float)inverse[i + 1];
+        put_ring_factor( r, i, 0.0, 0.0, 0.0 );
+    }
+    put_ring_factor( r, r->n, 0.0, 0.0, 0.0 );
+}
+
+// Compute EI / L_i, the factors and the response of the joint of a strand.
+// @param row its first @param count vertices, the last of which is the first
+static void strands_factor_closed( const closed_factor_args* args, int row, int count, int lane )
+{
+    const ring r = { args, row, lane, count - 1 };
+    for ( int i = 0; i < r.n; ++i )
+    {
+        args->stiffness[strands_scalar( row + i, lane )] = (float)ring_stiffness( &r, i );
+    }
+    args->stiffness[strands_scalar( row + r.n, lane )] = 0.0f;
+    factor_interior( &r );
+    substitute_interior( &r );
+    factor_joint( &r );
+}
+
+// ---- factors ----
 
 // Return the clamp: the direction of growth is that of the first segment with a length.
 static wisp_quat clamp_of( const float* rest, int row, int count, int lane )

@@ -5,7 +5,6 @@
 #include "strand_passes.h"
 
 #include "strand_rows.h"
-#include "strands_definition.h"
 
 #include "wisp/module/space.h"
 

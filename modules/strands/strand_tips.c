@@ -4,14 +4,10 @@
 // q of the pose. A loop, whose last vertex lies on its first, has the rest frame of its root in place of that of its last
 // segment. As its root is held, the corner of the cyclic system of its lengths, -w_0 e_{n-1} . e_0, is 0, and what is left
 // is the tridiagonal system of a strand between two ends.
-#include "strand_tips.h"
+#include "strand_passes.h"
 
-#include "head_roots.h"
-#include "masses_lengths.h"
 #include "rod_factors.h"
-#include "rod_frames.h"
 #include "strand_rows.h"
-#include "strands_definition.h"
 
 #include <string.h>
 

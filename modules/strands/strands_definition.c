@@ -1,14 +1,378 @@
 // Definition of the dynamics of strands. In: wisp_strand_dynamics_def. Out: the components whose presence decides
 // which passes run, and their values.
-#include "strands_definition.h"
+#include "strand_passes.h"
 
-#include "masses_lengths.h"
 #include "rod_factors.h"
-#include "rod_frames.h"
 #include "strand_rows.h"
-#include "strand_tips.h"
 
+#include <limits.h>
+#include <stdatomic.h>
+#include <stdio.h>
 #include <string.h>
+
+// ---- checks ----
+
+// What a definition of strands must hold: ranges, what excludes what, lists.
+
+// Largest EI' / EI. The flatness sqrt( 1 - EI / EI' ) is in single precision, and EI is what it leaves of EI': 0.05 % off at
+// 1e4, 1 % at 1e5, nothing that is left, and rest shapes that are NaN, from 3e7 on.
+#define MAX_EDGEWISE 1e5f
+
+static wisp_status check_ranges( wisp_world* world, const wisp_strand_dynamics_def* d )
+{
+    const wisp_number_range ranges[] = {
+        { "stretch", (float)d->stretch, 0.0f, (float)( WISP_STRAND_STRETCH_COUNT - 1 ) },
+        { "stretch_passes", (float)d->stretch_passes, 1.0f, 16.0f },
+        { "stretch_tolerance", d->stretch_tolerance, 1e-6f, 1.0f },
+        { "integrator", (float)d->integrator, 0.0f, (float)( WISP_INTEGRATOR_COUNT - 1 ) },
+        { "bending", (float)d->bending, 0.0f, (float)( WISP_STRAND_BEND_COUNT - 1 ) },
+        { "bend_rigidity", d->bend_rigidity, 0.0f, 1e12f },
+        { "twist_rigidity", d->twist_rigidity, 0.0f, 1e12f },
+        { "edgewise_rigidity", d->edgewise_rigidity, 0.0f, 1e12f },
+        { "natural_twist", d->natural_twist, -1e5f, 1e5f },
+        { "closing_twist", d->closing_twist, -1e4f, 1e4f },
+        { "bend_damping", d->bend_damping, 0.0f, 1e3f },
+        { "rest", (float)d->rest, 0.0f, (float)( WISP_STRAND_REST_COUNT - 1 ) },
+        { "solver", (float)d->solver, 0.0f, (float)( WISP_SOLVER_COUNT - 1 ) },
+        { "stretch_compliance", d->stretch_compliance, 0.0f, 1e12f },
+        { "bend_compliance", d->bend_compliance, 0.0f, 1e12f },
+        { "stretch_stiffness", d->stretch_stiffness, 0.0f, 1.0f },
+        { "bend_stiffness", d->bend_stiffness, 0.0f, 1.0f },
+        { "line_density", d->line_density, 1e-12f, 1e12f },
+        { "vertex_mass", d->vertex_mass, 0.0f, 1e12f },
+        { "damping", d->damping, 0.0f, 1e9f },
+        { "air_density", d->air_density, 0.0f, 1e6f },
+        { "drag_coefficient", d->drag_coefficient, 0.0f, 1e6f },
+        { "diameter", d->diameter, 1e-12f, 1e6f },
+        { "teleport", d->teleport, 1e-6f, 1e12f },
+    };
+    return wisp_world_check_ranges( world, "strands", ranges, WISP_COUNT( ranges ) );
+}
+
+wisp_status strands_check_vector( wisp_world* world, const char* name, wisp_vec3 v, float most )
+{
+    if ( !( wisp_v3_length( v ) <= most ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "strands: %s (%g, %g, %g) is not finite or above %g", name,
+                                (double)v.x, (double)v.y, (double)v.z, (double)most );
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_integrator( wisp_world* world, const wisp_strand_dynamics_def* d )
+{
+    if ( d->integrator == WISP_INTEGRATOR_BDF2 && d->stretch != WISP_STRAND_STRETCH_DIRECT )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "strands: got integrator bdf2 with stretch links, expected direct" );
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_section( wisp_world* world, const wisp_strand_dynamics_def* d )
+{
+    const wisp_vec3 n = d->flat_normal;
+    const bool is_flat = d->edgewise_rigidity > 0.0f;
+    if ( is_flat && ( d->edgewise_rigidity < d->bend_rigidity || d->bend_rigidity <= 0.0f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "strands: got edgewise_rigidity %g with bend_rigidity %g, expected 0 or at least a "
+                                "bend_rigidity above 0",
+                                (double)d->edgewise_rigidity, (double)d->bend_rigidity );
+    }
+    if ( is_flat && d->edgewise_rigidity > MAX_EDGEWISE * d->bend_rigidity )
+    {
+        return wisp_world_fail(
+            world, WISP_BAD_INPUT,
+            "strands: got edgewise_rigidity %g with bend_rigidity %g, expected at most %g times it",
+            (double)d->edgewise_rigidity, (double)d->bend_rigidity, (double)MAX_EDGEWISE );
+    }
+    if ( is_flat && d->bending != WISP_STRAND_BEND_ROD )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "strands: got edgewise_rigidity %g with bending other than rod",
+                                (double)d->edgewise_rigidity );
+    }
+    if ( is_flat == false && ( d->natural_twist != 0.0f || n.x != 0.0f || n.y != 0.0f || n.z != 0.0f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "strands: natural_twist and flat_normal need an edgewise_rigidity above 0" );
+    }
+    return strands_check_vector( world, "flat_normal", n, 1e6f );
+}
+
+// Check what free roots and closed strands do without.
+static wisp_status check_free( wisp_world* world, wisp_entity strands, const strands_state* s,
+                               const wisp_strand_dynamics_def* d )
+{
+    const char* name = d->closed ? "closed" : "free_roots";
+    const bool rod = d->bending == WISP_STRAND_BEND_ROD;
+    if ( ( d->closed == false || rod == false ) && d->closing_twist != 0.0f )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "strands: closing_twist needs closed and bending rod" );
+    }
+    if ( d->closed == false && d->free_roots == false )
+    {
+        return WISP_OK;
+    }
+    if ( rod && d->rest == WISP_STRAND_REST_SAG_FREE )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "strands: got %s with rest sag_free, expected shape or straight", name );
+    }
+    if ( d->closed && ( d->stretch != WISP_STRAND_STRETCH_DIRECT || d->bending == WISP_STRAND_BEND_LINKS ||
+                        d->integrator != WISP_INTEGRATOR_EULER || d->edgewise_rigidity > 0.0f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "strands: closed needs stretch direct, bending rod or none, integrator euler and no "
+                                "edgewise_rigidity" );
+    }
+    if ( wisp_world_has( world, strands, s->anchor ) || wisp_world_has( world, strands, s->tips ) )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT,
+                                "strands: got %s for entity %u, whose roots are on a surface or whose tips are held",
+                                name, strands.index );
+    }
+    return WISP_OK;
+}
+
+// Check that each strand is a loop whose segments have a length.
+static wisp_status check_loops( wisp_world* world, wisp_entity strands )
+{
+    const wisp_strand_topology* t = wisp_world_strands( world, strands );
+    const float* rest = wisp_world_column( world, strands, WISP_STRAND_REST, 0 );
+    for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
+    {
+        if ( t->lane_count[i] > 0 &&
+             strands_is_loop( rest, t->group_row[i / WISP_LANES], t->lane_count[i], i % WISP_LANES ) == false )
+        {
+            return wisp_world_fail(
+                world, WISP_BAD_INPUT,
+                "strands: strand %d is no loop, closed needs at least four vertices and the last on "
+                "the first",
+                t->lane_strand[i] );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_lists( wisp_world* world, const wisp_strand_topology* t, const wisp_strand_dynamics_def* d )
+{
+    for ( int v = 0; d->vertex_masses != NULL && v < t->vertex_count; ++v )
+    {
+        if ( !( d->vertex_masses[v] >= 1e-15f && d->vertex_masses[v] <= 1e12f ) )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT,
+                                    "strands: the mass of vertex %d is %g kg, it must be 1e-15 to 1e12", v,
+                                    (double)d->vertex_masses[v] );
+        }
+    }
+    if ( d->vertex_mass != 0.0f && d->vertex_mass < 1e-15f )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "strands: vertex_mass is %g kg, it must be 0 or 1e-15 to 1e12",
+                                (double)d->vertex_mass );
+    }
+    if ( d->pin_count < 0 || ( d->pin_count > 0 && d->pins == NULL ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "strands: %d pins without a list of them", d->pin_count );
+    }
+    for ( int k = 0; k < d->pin_count; ++k )
+    {
+        if ( d->pins[k] < 0 || d->pins[k] >= t->vertex_count )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT,
+                                    "strands: pin %d is vertex %d, the strands have %d vertices", k, d->pins[k],
+                                    t->vertex_count );
+        }
+    }
+    return WISP_OK;
+}
+
+// Check a definition against its ranges, itself and the strands. @return WISP_BAD_INPUT, WISP_CONFLICT
+static wisp_status strands_check_definition( wisp_world* world, wisp_entity strands, const strands_state* s,
+                                             const wisp_strand_dynamics_def* d )
+{
+    WISP_TRY( check_ranges( world, d ) );
+    WISP_TRY( strands_check_vector( world, "gravity", d->gravity, 1e6f ) );
+    WISP_TRY( strands_check_vector( world, "wind", d->wind, 1e5f ) );
+    WISP_TRY( check_integrator( world, d ) );
+    WISP_TRY( check_section( world, d ) );
+    WISP_TRY( check_free( world, strands, s, d ) );
+    WISP_TRY( d->closed ? check_loops( world, strands ) : WISP_OK );
+    return check_lists( world, wisp_world_strands( world, strands ), d );
+}
+
+// ---- state ----
+
+// State check: an entity whose positions or velocities leave their bounds (or are NaN) is restored to its last valid
+// state and halted. In: positions and velocities at the end of a step. Out: the copy of the last valid state, or the
+// restored columns.
+
+enum
+{
+    CHECK_GRAIN = 16, // groups per block
+};
+
+typedef struct check_loop
+{
+    const wisp_kernels* kernels;
+    const int32_t* group_row;
+    int32_t* in_bounds;
+    float *position, *velocity;
+    float *good_position, *good_velocity;
+    _Atomic int first_bad; // lowest row out of bounds, or the number of rows
+} check_loop;
+
+static void check_groups( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    check_loop* loop = context;
+    const wisp_strand_bound_args args = { loop->position, loop->velocity, STRANDS_BOUND };
+    int bad = INT_MAX;
+    for ( int g = begin; g < end; ++g )
+    {
+        const int last = loop->group_row[g + 1];
+        const int row = loop->in_bounds[g] != 0
+                            ? last
+                            : loop->kernels->strand_find_out_of_bounds( &args, loop->group_row[g], last );
+        bad = row < last && row < bad ? row : bad;
+        loop->in_bounds[g] = 0; // until the next step is checked
+    }
+    int lowest = atomic_load_explicit( &loop->first_bad, memory_order_relaxed );
+    while ( bad < lowest && atomic_compare_exchange_weak( &loop->first_bad, &lowest, bad ) == false )
+    {
+    }
+}
+
+static void save_state( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    check_loop* loop = context;
+    const size_t first = strands_vector( loop->group_row[begin], 0 );
+    const size_t bytes = ( strands_vector( loop->group_row[end], 0 ) - first ) * sizeof( float );
+    memcpy( loop->good_position + first, loop->position + first, bytes );
+    memcpy( loop->good_velocity + first, loop->velocity + first, bytes );
+}
+
+static bool is_in_bounds( wisp_vec3 p )
+{
+    return fabsf( p.x ) <= STRANDS_BOUND && fabsf( p.y ) <= STRANDS_BOUND && fabsf( p.z ) <= STRANDS_BOUND;
+}
+
+static void restore_state( wisp_frame* frame, wisp_entity entity, check_loop* loop, float* low, int row )
+{
+    const wisp_strand_topology* t = wisp_frame_strands( frame, entity );
+    int group = 0, lane = 0;
+    while ( t->group_row[group + 1] <= row )
+    {
+        group += 1;
+    }
+    while ( lane + 1 < WISP_LANES && is_in_bounds( strands_get( loop->position, row, lane ) ) &&
+            is_in_bounds( strands_get( loop->velocity, row, lane ) ) )
+    {
+        lane += 1;
+    }
+    const wisp_vec3 p = strands_get( loop->position, row, lane );
+    char message[300];
+    snprintf(
+        message, sizeof( message ),
+        "entity %u: strand %d, vertex %d left its bounds in step %llu at (%g, %g, %g); the entity is put back to "
+        "the step before and halted",
+        entity.index, t->lane_strand[group * WISP_LANES + lane], row - t->group_row[group],
+        (unsigned long long)wisp_frame_step( frame ), (double)p.x, (double)p.y, (double)p.z );
+    const size_t bytes = strands_vector( t->row_count, 0 ) * sizeof( float );
+    memcpy( loop->position, loop->good_position, bytes );
+    memcpy( loop->velocity, loop->good_velocity, bytes );
+    memset( low, 0, bytes ); // may be NaN
+    wisp_frame_halt( frame, entity, message );
+}
+
+// Clear what may be NaN, so that restored strands can move again.
+static void restore_tension( wisp_frame* frame, wisp_entity entity, const strands_state* state )
+{
+    float* tension = wisp_frame_column( frame, entity, state->tension, 0 );
+    memset( tension, 0, strands_scalar( wisp_frame_strands( frame, entity )->row_count, 0 ) * sizeof( float ) );
+}
+
+static void restore_frames( wisp_frame* frame, wisp_entity entity, const strands_state* state )
+{
+    const wisp_strand_topology* t = wisp_frame_strands( frame, entity );
+    const float* position = wisp_frame_column( frame, entity, WISP_STRAND_POSITION, 0 );
+    const float* clamp = wisp_frame_column( frame, entity, state->clamp, 0 );
+    const float* root = wisp_frame_column( frame, entity, WISP_STRAND_ROOT, 1 );
+    const float* length = wisp_frame_column( frame, entity, WISP_STRAND_LENGTH, 0 );
+    const strands_section* section = wisp_frame_has( frame, entity, state->section )
+                                         ? wisp_frame_column( frame, entity, state->section, 0 )
+                                         : NULL;
+    const float twist = section != NULL ? section->twist : 0.0f;
+    float* frames = wisp_frame_column( frame, entity, state->curve, 0 );
+    for ( int g = 0; g < t->group_count; ++g )
+    {
+        strands_lay_group( t, position, clamp, root, length, twist, frames, g );
+    }
+}
+
+static void restore_history( wisp_frame* frame, wisp_entity entity, const strands_state* state )
+{
+    const wisp_strand_topology* t = wisp_frame_strands( frame, entity );
+    for ( int k = 0; k < 2; ++k )
+    {
+        memset( wisp_frame_column( frame, entity, state->history, k ), 0,
+                strands_vector( t->row_count, 0 ) * sizeof( float ) );
+    }
+    float* step = wisp_frame_column( frame, entity, state->history, 2 );
+    for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
+    {
+        step[strands_scalar( t->group_row[i / WISP_LANES], i % WISP_LANES )] = -1.0f;
+    }
+}
+
+// An entity that is halted is left out of later passes, so all is restored here.
+static void restore( wisp_frame* frame, wisp_entity entity, const strands_state* state, check_loop* loop, int row )
+{
+    restore_state( frame, entity, loop, wisp_frame_column( frame, entity, state->low, 0 ), row );
+    if ( wisp_frame_has( frame, entity, state->tension ) )
+    {
+        restore_tension( frame, entity, state );
+    }
+    if ( wisp_frame_has( frame, entity, state->curve ) )
+    {
+        restore_frames( frame, entity, state );
+    }
+    if ( wisp_frame_has( frame, entity, state->history ) )
+    {
+        restore_history( frame, entity, state );
+    }
+}
+
+void strands_guard( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const strands_state* state = user;
+    const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
+    const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
+    check_loop loop = {
+        .kernels = wisp_frame_kernels( frame ),
+        .group_row = t->group_row,
+        .in_bounds = wisp_frame_column( frame, span->entity, state->in_bounds, 0 ),
+        .position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
+        .velocity = wisp_frame_column( frame, span->entity, WISP_STRAND_VELOCITY, 0 ),
+        .good_position = wisp_frame_column( frame, span->entity, state->good, 0 ),
+        .good_velocity = wisp_frame_column( frame, span->entity, state->good, 1 ),
+    };
+    atomic_init( &loop.first_bad, t->row_count );
+    wisp_parallel_for( parallel, t->group_count, CHECK_GRAIN, check_groups, &loop );
+    const int bad = atomic_load( &loop.first_bad );
+    if ( bad < t->row_count )
+    {
+        restore( frame, span->entity, state, &loop, bad );
+    }
+    else
+    {
+        wisp_parallel_for( parallel, t->group_count, CHECK_GRAIN, save_state, &loop );
+    }
+}
+
+// ---- definition ----
 
 void wisp_init_strand_dynamics_def( wisp_strand_dynamics_def* def, size_t size )
 {

@@ -1,12 +1,7 @@
 // The module: components, and the passes that depend on their presence.
 #include "strand_passes.h"
-#include "head_roots.h"
 #include "rod_factors.h"
-#include "strand_carry.h"
 #include "strands_state.h"
-#include "strand_tips.h"
-#include "substep_passes.h"
-#include "surface_roots.h"
 
 #define STRANDS_LIST( member, name, table, columns )                                                                 \
     static const wisp_column_def member##_columns[] = { columns( WISP_COLUMN_DEF ) };

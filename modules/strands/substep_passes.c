@@ -22,10 +22,8 @@
 //
 // A strand whose lengths Newton does not solve is reset to its rest lengths from the root on. The reset makes no
 // vertex faster than predicted.
-#include "substep_passes.h"
+#include "strand_passes.h"
 
-#include "head_roots.h"
-#include "strand_carry.h"
 #include "strand_rows.h"
 
 #include <string.h>

@@ -4,7 +4,6 @@
 // shape: one spoke of an open fan, two of a closed one. The part that has u keeps v; the other part gets a new vertex. It must hold
 // against the pull, or nothing would give way: one of its spokes points away from u. A spoke that is cut is an open edge from then on,
 // so its other end may join two fans by a point; these part as well.
-#include "tearing_mesh.h"
 #include "tearing_state.h"
 
 #include <math.h>

@@ -8,7 +8,6 @@
 #include "nearest.h"
 #include "scene.h"
 #include "scene_keys.h"
-#include "scene_removed.h"
 
 #include <locale.h>
 

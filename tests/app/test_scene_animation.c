@@ -4,9 +4,9 @@
 
 #include "scene_world_fixture.h"
 
-#include "gltf_rig.h"
+#include "gltf_internal.h"
 #include "gltf_writer.h"
-#include "rig.h"
+#include "skeleton.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 // The theory of the balloons of `wisp validate`, and what the engine makes of each case.
 #include "accuracy_scenes.h"
 
-#include "oracle/balloon_theory.h"
+#include "oracle/balloon_meshes.h"
 #include "validate/validate.h"
 #include "validate/validate_balloons.h"
 

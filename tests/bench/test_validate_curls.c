@@ -2,7 +2,7 @@
 #include "unit.h"
 
 #include "validate/validate_bodies.h"
-#include "oracle/curl_theory.h"
+#include "oracle/slender_theory.h"
 #include "oracle/slip_theory.h"
 #include "validate/validate.h"
 

@@ -3,7 +3,7 @@
 
 #include "accuracy/scene_tools.h"
 #include "validate/validate_bodies.h"
-#include "oracle/sheet_theory.h"
+#include "oracle/plate_theory.h"
 #include "validate/validate.h"
 
 #include <math.h>

@@ -4,7 +4,7 @@
 
 #include "validate/validate_bodies.h"
 #include "oracle/chain_theory.h"
-#include "oracle/rod_theory.h"
+#include "oracle/slender_theory.h"
 #include "validate/validate.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
 // the oracle; and particles in blocks. Every table gives the same bits as the first, or as scalar code.
 #include "kernels_fixture.h"
 
-#include "motion_oracle.h"
+#include "constraint_oracle.h"
 
 // ---- motion constraints, carried particles, largest speeds ----
 

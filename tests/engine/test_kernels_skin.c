@@ -1,7 +1,7 @@
 // Skinning: the object, both methods against closed forms and the oracle, the same bits from every table and in any ranges.
 #include "kernels_fixture.h"
 
-#include "skin_oracle.h"
+#include "constraint_oracle.h"
 
 #include "wisp/skin.h"
 

@@ -3,7 +3,7 @@
 
 #include "collision_fixture.h"
 
-#include "oracle/mesh_gap_oracle.h"
+#include "oracle/contact_oracle.h"
 #include "wisp/module/random.h"
 
 static const float DT = 1.0f / 60.0f;

@@ -3,7 +3,7 @@
 
 #include "effects_fixture.h"
 
-#include "detail.h"
+#include "passes.h"
 #include "wisp/detail.h"
 
 static const float FRAME = 1.0f / 60.0f; // s

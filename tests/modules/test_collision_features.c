@@ -1,6 +1,6 @@
 // Edges and triangles of surfaces against bodies: needles, box edges, small balls, friction, workers, refusals.
 #include "collision_fixture.h"
-#include "oracle/deepest_oracle.h"
+#include "oracle/contact_oracle.h"
 
 static const float DT = 1.0f / 60.0f;
 static const float CELL = 0.02f;

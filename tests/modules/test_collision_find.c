@@ -10,7 +10,7 @@
 #include "contact_generation.h"
 #include "deepest_point.h"
 #include "kernel_tables.h"
-#include "oracle/deepest_oracle.h"
+#include "oracle/contact_oracle.h"
 
 #include "wisp/module/shapes.h"
 

@@ -4,7 +4,7 @@
 
 #include "implicit_linked.h"
 #include "oracle/double3.h"
-#include "oracle/seam_oracle.h"
+#include "oracle/constraint_oracle.h"
 
 enum
 {

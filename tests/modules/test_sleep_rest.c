@@ -5,7 +5,7 @@
 #include "sleep_fixture.h"
 #include "support.h"
 
-#include "sleep_bounds.h"
+#include "world.h"
 
 #include "wisp/module/random.h"
 

@@ -3,13 +3,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double pi = 3.14159265358979323846;
-
 static const double3 zero = { 0.0, 0.0, 0.0 };
 
 // Rigid motion.
 
-double3 balloon_oracle_apply( const balloon_oracle_matrix* matrix, double3 v )
+static double3 balloon_oracle_apply( const balloon_oracle_matrix* matrix, double3 v )
 {
     const double( *m )[3] = matrix->m;
     return double3_make( m[0][0] * v.x + m[0][1] * v.y + m[0][2] * v.z, m[1][0] * v.x + m[1][1] * v.y + m[1][2] * v.z,
@@ -51,7 +49,9 @@ static void rotate_plane( balloon_oracle_matrix* a, balloon_oracle_matrix* axes,
     *axes = multiply( axes, &r, false );
 }
 
-double3 balloon_oracle_eigen( const balloon_oracle_matrix* symmetric, balloon_oracle_matrix* axes )
+// Eigenvalues of a symmetric matrix (cyclic Jacobi).
+// @param axes receives the unit eigenvectors, one per column
+static double3 balloon_oracle_eigen( const balloon_oracle_matrix* symmetric, balloon_oracle_matrix* axes )
 {
     balloon_oracle_matrix a = *symmetric;
     *axes = ( balloon_oracle_matrix ){ { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 }, { 0.0, 0.0, 1.0 } } };
@@ -65,7 +65,9 @@ double3 balloon_oracle_eigen( const balloon_oracle_matrix* symmetric, balloon_or
     return double3_make( a.m[0][0], a.m[1][1], a.m[2][2] );
 }
 
-balloon_oracle_matrix balloon_oracle_pseudo_inverse( const balloon_oracle_matrix* symmetric )
+// Pseudo-inverse of a symmetric matrix. Eigenvalues below 1e-12 of the largest count as 0, so a body whose vertices
+// are on a line has no spin about it.
+static balloon_oracle_matrix balloon_oracle_pseudo_inverse( const balloon_oracle_matrix* symmetric )
 {
     balloon_oracle_matrix axes, inverse = { { { 0.0 } } };
     double3 eigen = balloon_oracle_eigen( symmetric, &axes );
@@ -347,7 +349,8 @@ double balloon_oracle_density( double pressure, double molar_mass, double temper
     return pressure * molar_mass / ( BALLOON_ORACLE_GAS_CONSTANT * temperature );
 }
 
-double balloon_oracle_gas_pressure( double amount, double volume, double temperature )
+// P = N R T / V, Pa.
+static double balloon_oracle_gas_pressure( double amount, double volume, double temperature )
 {
     return amount * BALLOON_ORACLE_GAS_CONSTANT * temperature / volume;
 }
@@ -459,32 +462,9 @@ void balloon_oracle_spin_kick( const double3* x, double3* v, const double* w, in
 
 // Closed forms.
 
-double balloon_oracle_true_sphere_pressure( double edge_stiffness, double rest_radius, double strain )
-{
-    return 2.0 * sqrt( 3.0 ) * edge_stiffness * strain / ( rest_radius * ( 1.0 + strain ) * ( 1.0 + strain ) );
-}
-
 double balloon_oracle_true_scaled_pressure( double sum_k_length_squared, double rest_volume, double scale )
 {
     return sum_k_length_squared * ( scale - 1.0 ) / ( 3.0 * rest_volume * scale * scale );
-}
-
-double balloon_oracle_true_lift_off_radius_of_mass( double mass, double density_difference )
-{
-    return cbrt( 3.0 * mass / ( 4.0 * pi * density_difference ) );
-}
-
-double balloon_oracle_true_terminal_speed( double radius, double mass, double gravity, double air_density,
-                                           double gas_density, double drag_coefficient )
-{
-    double volume = 4.0 / 3.0 * pi * radius * radius * radius;
-    double lift = gravity * ( volume * ( air_density - gas_density ) - mass );
-    return sqrt( 2.0 * fmax( 0.0, lift ) / ( air_density * drag_coefficient * pi * radius * radius ) );
-}
-
-double balloon_oracle_true_jet_impulse( double outlet_area, double gauge_pressure, double time )
-{
-    return 2.0 * outlet_area * gauge_pressure * time;
 }
 
 double balloon_oracle_true_shell_inertia( double mass, double radius )

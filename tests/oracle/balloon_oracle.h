@@ -69,16 +69,6 @@ typedef struct balloon_oracle_quaternion
     double w, x, y, z;
 } balloon_oracle_quaternion;
 
-double3 balloon_oracle_apply( const balloon_oracle_matrix* matrix, double3 v );
-
-/// Eigenvalues of a symmetric matrix (cyclic Jacobi).
-/// @param axes receives the unit eigenvectors, one per column
-double3 balloon_oracle_eigen( const balloon_oracle_matrix* symmetric, balloon_oracle_matrix* axes );
-
-/// Pseudo-inverse of a symmetric matrix. Eigenvalues below 1e-12 of the largest count as 0, so a body whose vertices
-/// are on a line has no spin about it.
-balloon_oracle_matrix balloon_oracle_pseudo_inverse( const balloon_oracle_matrix* symmetric );
-
 /// Eq. 15: q + dt/2 (0, omega) q, normalised; omega in world axes, rad/s.
 balloon_oracle_quaternion balloon_oracle_turn( balloon_oracle_quaternion q, double3 omega, double dt );
 
@@ -160,9 +150,6 @@ void balloon_oracle_project_capped( balloon_oracle_caps* caps, double3* p, const
 /// rho = P M / (R T), kg/m^3.
 double balloon_oracle_density( double pressure, double molar_mass, double temperature );
 
-/// P = N R T / V, Pa.
-double balloon_oracle_gas_pressure( double amount, double volume, double temperature );
-
 /// The balloon paper taken literally, N = V_added in mol: P = V_added R T / V, Pa.
 double balloon_oracle_gas_pressure_printed( double added_volume, double volume, double temperature );
 
@@ -223,21 +210,8 @@ void balloon_oracle_spin_kick( const double3* x, double3* v, const double* w, in
 
 // ---- closed forms ----
 
-/// Gauge pressure of a fine spring sphere at strain e: 2 sqrt(3) k_edge e / (R0 (1 + e)^2), Pa.
-double balloon_oracle_true_sphere_pressure( double edge_stiffness, double rest_radius, double strain );
-
 /// The same, exact for a mesh whose every length is scaled by s: sum(k l^2) (s - 1) / (3 V_rest s^2), Pa.
 double balloon_oracle_true_scaled_pressure( double sum_k_length_squared, double rest_volume, double scale );
-
-/// Radius at which a sphere of given skin mass floats, m.
-double balloon_oracle_true_lift_off_radius_of_mass( double mass, double density_difference );
-
-/// Terminal speed of a rising rigid sphere, m/s; 0 when it does not rise.
-double balloon_oracle_true_terminal_speed( double radius, double mass, double gravity, double air_density,
-                                           double gas_density, double drag_coefficient );
-
-/// Impulse of a jet at constant pressure: 2 A_h (P - P_atm) t, N s.
-double balloon_oracle_true_jet_impulse( double outlet_area, double gauge_pressure, double time );
 
 /// Moment of inertia of a thin spherical shell: 2/3 M r^2.
 double balloon_oracle_true_shell_inertia( double mass, double radius );
@@ -359,10 +333,6 @@ wisp_status balloon_oracle_create_from_mesh( const balloon_mesh* mesh, double ar
                                              wisp_error* error );
 
 void balloon_oracle_destroy( balloon_oracle* balloon );
-
-/// P - P_atm by one of the readings, from the present x and the last substep's lambda; the virial is clamped at
-/// 0.
-double balloon_oracle_gauge( const balloon_oracle* balloon, balloon_oracle_reading reading );
 
 /// V of the present x, m^3, not clamped.
 double balloon_oracle_present_volume( const balloon_oracle* balloon );

@@ -205,9 +205,6 @@ void boundary_oracle_destroy( boundary_oracle_layer* layer );
 /// @return false when memory ran out; the layer is then unchanged, except for vertex normals
 bool boundary_oracle_update( boundary_oracle_layer* layer, const double3* x );
 
-/// Forget all counts: the next update samples every element again.
-void boundary_oracle_forget( boundary_oracle_layer* layer );
-
 // ---- the sample program ----
 
 /// The wind key: every face whose normal is against the gust passes it to its three vertices, m/s, independent of dt.

@@ -45,7 +45,8 @@ static void forget_element( boundary_oracle_memory* memory )
     *memory = ( boundary_oracle_memory ){ 0 };
 }
 
-void boundary_oracle_forget( boundary_oracle_layer* layer )
+// Forget all counts: the next update samples every element again.
+static void boundary_oracle_forget( boundary_oracle_layer* layer )
 {
     for ( int e = 0; layer->memory != NULL && e < layer->element_count; ++e )
     {

@@ -1,6 +1,181 @@
 #include "constraint_oracle.h"
 
+#include <math.h>
 #include <stddef.h>
+
+// ---- seams ----
+
+double seam_oracle_close( double rest, double distance, double step )
+{
+    return fabs( rest - distance ) <= step ? distance : rest > distance ? rest - step : rest + step;
+}
+
+void seam_oracle_project( seam_oracle_pair* pair, double3* a, double3* b, const double w[2], double alpha )
+{
+    const double3 d = double3_sub( *a, *b );
+    const double length = double3_length( d ), sum = w[0] + w[1];
+    if ( sum == 0.0 || ( pair->rest > 0.0 && length == 0.0 ) )
+    {
+        return;
+    }
+    double3 change;
+    if ( pair->rest > 0.0 )
+    {
+        const double3 n = double3_scale( 1.0 / length, d );
+        const double C = length - pair->rest, lambda = double3_dot( n, pair->lambda );
+        change = double3_scale( -( C + alpha * lambda ) / ( sum + alpha ), n );
+    }
+    else
+    {
+        change = double3_scale( -1.0 / ( sum + alpha ), double3_add_scaled( d, alpha, pair->lambda ) );
+    }
+    pair->lambda = double3_add( pair->lambda, change );
+    *a = double3_add_scaled( *a, w[0], change );
+    *b = double3_add_scaled( *b, -w[1], change );
+}
+
+double seam_oracle_force( const seam_oracle_pair* pair, double dt )
+{
+    return double3_length( pair->lambda ) / ( dt * dt );
+}
+
+// ---- skins ----
+
+typedef struct quat
+{
+    double w, x, y, z;
+} quat;
+
+double3 skin_oracle_linear( const skin_oracle_bone* bones, const double* weights, int count, double3 p )
+{
+    double sum[3] = { 0.0 };
+    for ( int k = 0; k < count; ++k )
+    {
+        for ( int r = 0; r < 3; ++r )
+        {
+            const double* m = bones[k].m[r];
+            sum[r] += weights[k] * ( m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3] );
+        }
+    }
+    return double3_make( sum[0], sum[1], sum[2] );
+}
+
+static quat multiply( quat a, quat b )
+{
+    return ( quat ){ a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+                     a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w };
+}
+
+static quat add_scaled( quat a, double s, quat b )
+{
+    return ( quat ){ a.w + s * b.w, a.x + s * b.x, a.y + s * b.y, a.z + s * b.z };
+}
+
+static double dot( quat a, quat b )
+{
+    return a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+// Bar-Itzhack's way: the column of largest length of 4 q q^T, whose entries are sums of those of the matrix.
+static quat rotation_of( const skin_oracle_bone* b )
+{
+    const double( *m )[4] = b->m;
+    const double trace = m[0][0] + m[1][1] + m[2][2];
+    const quat columns[4] = {
+        { 1.0 + trace, m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1] },
+        { m[2][1] - m[1][2], 1.0 + 2.0 * m[0][0] - trace, m[0][1] + m[1][0], m[0][2] + m[2][0] },
+        { m[0][2] - m[2][0], m[0][1] + m[1][0], 1.0 + 2.0 * m[1][1] - trace, m[1][2] + m[2][1] },
+        { m[1][0] - m[0][1], m[0][2] + m[2][0], m[1][2] + m[2][1], 1.0 + 2.0 * m[2][2] - trace },
+    };
+    quat best = columns[0];
+    for ( int i = 1; i < 4; ++i )
+    {
+        best = dot( columns[i], columns[i] ) > dot( best, best ) ? columns[i] : best;
+    }
+    const double scale = 1.0 / sqrt( dot( best, best ) );
+    return ( quat ){ scale * best.w, scale * best.x, scale * best.y, scale * best.z };
+}
+
+double3 skin_oracle_dual_quaternion( const skin_oracle_bone* bones, const double* weights, int count, double3 p )
+{
+    int pivot = 0;
+    for ( int k = 1; k < count; ++k )
+    {
+        pivot = weights[k] > weights[pivot] ? k : pivot;
+    }
+    const quat near = rotation_of( &bones[pivot] );
+    quat real = { 0 }, dual = { 0 };
+    for ( int k = 0; k < count; ++k )
+    {
+        const quat q = rotation_of( &bones[k] );
+        const quat t = { 0.0, bones[k].m[0][3], bones[k].m[1][3], bones[k].m[2][3] };
+        const double weight = dot( q, near ) < 0.0 ? -weights[k] : weights[k];
+        real = add_scaled( real, weight, q );
+        dual = add_scaled( dual, 0.5 * weight, multiply( t, q ) );
+    }
+    const double length = sqrt( dot( real, real ) );
+    const quat none = { 0 }, q = add_scaled( none, 1.0 / length, real ), d = add_scaled( none, 1.0 / length, dual );
+    const quat conjugate = { q.w, -q.x, -q.y, -q.z };
+    const quat turned = multiply( multiply( q, ( quat ){ 0.0, p.x, p.y, p.z } ), conjugate );
+    const quat moved = multiply( d, conjugate );
+    return double3_make( turned.x + 2.0 * moved.x, turned.y + 2.0 * moved.y, turned.z + 2.0 * moved.z );
+}
+
+// ---- motion constraints ----
+
+// Displacement along the gradient of a constraint C <= 0 that is violated by `excess`.
+static double respond( motion_oracle* m, int k, double excess, double w, bool keeps_lambda )
+{
+    if ( keeps_lambda && m->alpha[k] > 0.0 )
+    {
+        const double change = ( excess - m->alpha[k] * m->lambda[k] ) / ( w + m->alpha[k] );
+        const double after = fmax( 0.0, m->lambda[k] + change );
+        const double moved = w * ( after - m->lambda[k] );
+        m->lambda[k] = after;
+        return moved;
+    }
+    const double fraction = m->alpha[k] > 0.0 ? w / ( w + m->alpha[k] ) : m->stiffness[k];
+    return fraction * fmax( 0.0, excess );
+}
+
+static double3 hold_near( motion_oracle* m, double3 x, double w, bool keeps_lambda )
+{
+    const double3 e = double3_sub( x, m->target );
+    const double length = double3_length( e );
+    if ( isinf( m->max_distance ) || length == 0.0 )
+    {
+        return x;
+    }
+    const double moved = respond( m, 0, length - m->max_distance, w, keeps_lambda );
+    return double3_add( x, double3_scale( -moved / length, e ) );
+}
+
+static double3 stop_behind( motion_oracle* m, double3 x, double w, bool keeps_lambda )
+{
+    const double length = double3_length( m->normal );
+    if ( isinf( m->backstop_distance ) || length == 0.0 )
+    {
+        return x;
+    }
+    const double3 n = double3_scale( 1.0 / length, m->normal );
+    if ( isinf( m->backstop_radius ) )
+    {
+        const double depth = -( double3_dot( double3_sub( x, m->target ), n ) + m->backstop_distance );
+        return double3_add( x, double3_scale( respond( m, 1, depth, w, keeps_lambda ), n ) );
+    }
+    const double behind = m->backstop_distance + m->backstop_radius;
+    const double3 a = double3_sub( x, double3_add( m->target, double3_scale( -behind, n ) ) );
+    const double rho = double3_length( a );
+    const double moved = respond( m, 1, m->backstop_radius - rho, w, keeps_lambda );
+    return double3_add( x, rho > 0.0 ? double3_scale( moved / rho, a ) : double3_scale( moved, n ) );
+}
+
+double3 motion_oracle_project( motion_oracle* m, double3 x, double w, bool keeps_lambda )
+{
+    return w > 0.0 ? stop_behind( m, hold_near( m, x, w, keeps_lambda ), w, keeps_lambda ) : x;
+}
+
+// ---- constraints ----
 
 static const double pi = 3.14159265358979323846;
 
@@ -44,7 +219,10 @@ constraint_oracle_term constraint_oracle_strain_limit( double3 p1, double3 p2, d
 
 // Constraints of two triangles that share the edge p0 p1.
 
-double constraint_oracle_dihedral_angle( const double3 p[4] )
+// The angle between the two normals, rad, in (-pi, pi]: 0 when flat, positive when the edge is convex on the side of
+// the normals. theta = atan2( e.(n0 x n1)/|e|, n0.n1 ), which is accurate at 0 and at pi, where the arc cosine of
+// Mueller et al. 2007, appendix A, loses its gradient.
+static double constraint_oracle_dihedral_angle( const double3 p[4] )
 {
     double3 e = double3_sub( p[1], p[0] );
     double3 n0 = double3_cross( e, double3_sub( p[2], p[0] ) );
@@ -195,7 +373,8 @@ static void move( const constraint_oracle_term* term, const int* vertices, const
     }
 }
 
-double constraint_oracle_scale( const constraint_oracle_term* term, const int* vertices, const double* w )
+// Eq. 4: s = C / sum_j w_j |grad_j C|^2, 0 where the sum is 0.
+static double constraint_oracle_scale( const constraint_oracle_term* term, const int* vertices, const double* w )
 {
     double sum = weighted_gradient_square( term, vertices, w );
     return sum > 0.0 ? term->value / sum : 0.0;

@@ -58,11 +58,6 @@ constraint_oracle_term constraint_oracle_strain_limit( double3 p1, double3 p2, d
 
 // Constraints of two triangles that share the edge p0 p1: triangle 0 is (p0, p1, p2), triangle 1 is (p1, p0, p3).
 
-/// The angle between the two normals, rad, in (-pi, pi]: 0 when flat, positive when the edge is convex on the side of
-/// the normals. theta = atan2( e.(n0 x n1)/|e|, n0.n1 ), which is accurate at 0 and at pi, where the arc cosine of
-/// Mueller et al. 2007, appendix A, loses its gradient.
-double constraint_oracle_dihedral_angle( const double3 p[4] );
-
 /// Dihedral bend: C = theta - theta_rest, wrapped into (-pi, pi]. Gradients in the robust form of Bridson, Marino,
 /// Fedkiw 2003: grad_2 = -|e| n0/|n0|^2, grad_3 = -|e| n1/|n1|^2 (n are doubled area vectors). Gradients at p0 and p1
 /// balance forces and torques, in proportion to the feet of p2 and p3 on the edge.
@@ -86,9 +81,6 @@ constraint_oracle_term constraint_oracle_isometric_energy( const double3 p[4], d
 constraint_oracle_term constraint_oracle_isometric_root( const double3 p[4], double q[4][4] );
 
 // Projection of terms. `vertices` are the indices into w and p.
-
-/// Eq. 4: s = C / sum_j w_j |grad_j C|^2, 0 where the sum is 0.
-double constraint_oracle_scale( const constraint_oracle_term* term, const int* vertices, const double* w );
 
 /// pbd: Eq. 4 with stiffness k in (0, 1].
 /// @return lambda = -k s of this projection; 0 when skipped, which is counted
@@ -123,3 +115,56 @@ double constraint_oracle_project_volume( double3* p, const double* w, int vertex
 void constraint_oracle_project_volume_compliant( double3* p, const double* w, int vertex_count, const int* triangles,
                                                  int triangle_count, double target, double alpha, double* lambda,
                                                  double3* gradient, constraint_oracle_skips* skips );
+
+// ---- seam oracle ----
+
+typedef struct seam_oracle_pair
+{
+    double rest;    ///< m
+    double3 lambda; ///< N s^2, on the first particle, in the substep; in and out
+} seam_oracle_pair;
+
+/// Move a rest distance towards that of the seam by at most `step`.
+double seam_oracle_close( double rest, double distance, double step );
+
+/// Project one pair. At rest > 0 the constraint is C = |a - b| - rest along n; at rest 0 it is the vector C = a - b.
+/// @param w inverse masses @param alpha compliance / dt^2
+void seam_oracle_project( seam_oracle_pair* pair, double3* a, double3* b, const double w[2], double alpha );
+
+/// @return N, the tension of a pair in a substep of dt
+double seam_oracle_force( const seam_oracle_pair* pair, double dt );
+
+// ---- skin oracle ----
+
+/// A bone in doubles: rows of the matrix, the last column is the translation.
+typedef struct skin_oracle_bone
+{
+    double m[3][4];
+} skin_oracle_bone;
+
+/// Linear blend (Magnenat-Thalmann, Laperriere, Thalmann 1988): sum w_k M_k p.
+/// @param weights [count] sum to 1
+double3 skin_oracle_linear( const skin_oracle_bone* bones, const double* weights, int count, double3 p );
+
+/// Dual quaternions (Kavan, Collins, Zara, O'Sullivan 2008): each bone as a unit dual quaternion, signs chosen so that real parts lie
+/// on the side of that with the largest weight, the weighted sum divided by the length of its real part, applied to the point.
+/// @param bones [count] rigid
+double3 skin_oracle_dual_quaternion( const skin_oracle_bone* bones, const double* weights, int count, double3 p );
+
+// ---- motion oracle ----
+
+typedef struct motion_oracle
+{
+    double3 target;           ///< m
+    double max_distance;      ///< m; infinite: free
+    double3 normal;           ///< of any length; 0: no backstop
+    double backstop_distance; ///< m behind the target; infinite: no backstop
+    double backstop_radius;   ///< m; infinite: a plane
+    double stiffness[2];      ///< of distance and backstop, fraction of the error that is removed
+    double alpha[2];          ///< 1/kg, compliance over the squared substep
+    double lambda[2];         ///< N s^2, in and out; used only where alpha is above 0 and the multiplier is kept
+} motion_oracle;
+
+/// Project a particle of inverse mass w, first by the distance, C = |x - t| - d, then by the backstop: out of the sphere of radius r
+/// about t - (b + r) n, or in front of the plane (x - t).n = -b.
+double3 motion_oracle_project( motion_oracle* m, double3 x, double w, bool keeps_lambda );

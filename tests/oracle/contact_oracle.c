@@ -1,5 +1,307 @@
 #include "contact_oracle.h"
 
+#include <stddef.h>
+
+// ---- gaps of meshes ----
+
+enum
+{
+    THIRDS = 50, // ( 2 / 3 )^50 is 2e-9
+};
+
+// Distance of p from the point of a segment that is nearest.
+static double from_segment( const double3 a[2], double3 p )
+{
+    const double3 u = double3_sub( a[1], a[0] );
+    const double square = double3_dot( u, u ),
+                 s = square > 0.0 ? double3_dot( double3_sub( p, a[0] ), u ) / square : 0.0;
+    return double3_distance( p, double3_blend( a[0], a[1], fmin( 1.0, fmax( 0.0, s ) ) ) );
+}
+
+// The distance from b( t ) to a convex set is a convex function of t.
+double mesh_gap_oracle_segments( const double3 a[2], const double3 b[2] )
+{
+    double lower = 0.0, upper = 1.0;
+    for ( int i = 0; i < THIRDS; ++i )
+    {
+        const double s = lower + ( upper - lower ) / 3.0, t = upper - ( upper - lower ) / 3.0;
+        const bool is_falling =
+            from_segment( a, double3_blend( b[0], b[1], s ) ) > from_segment( a, double3_blend( b[0], b[1], t ) );
+        *( is_falling ? &lower : &upper ) = is_falling ? s : t;
+    }
+    return from_segment( a, double3_blend( b[0], b[1], 0.5 * ( lower + upper ) ) );
+}
+
+double mesh_gap_oracle_triangle( const double3 t[3], double3 p )
+{
+    double lower = 0.0, upper = 1.0, least = INFINITY;
+    for ( int i = 0; i < THIRDS + 1; ++i )
+    {
+        double at[2], distance[2];
+        for ( int k = 0; k < 2; ++k )
+        {
+            at[k] = k == 0 ? lower + ( upper - lower ) / 3.0 : upper - ( upper - lower ) / 3.0;
+            const double3 row[2] = { double3_blend( t[0], t[1], at[k] ), double3_blend( t[0], t[2], at[k] ) };
+            distance[k] = from_segment( row, p );
+            least = fmin( least, distance[k] );
+        }
+        *( distance[0] > distance[1] ? &lower : &upper ) = distance[0] > distance[1] ? at[0] : at[1];
+    }
+    return least;
+}
+
+// Whether a segment crosses a triangle.
+static bool mesh_gap_oracle_crosses( const double3 segment[2], const double3 t[3] )
+{
+    const double3 n = double3_cross( double3_sub( t[1], t[0] ), double3_sub( t[2], t[0] ) );
+    const double a = double3_dot( n, double3_sub( segment[0], t[0] ) ),
+                 b = double3_dot( n, double3_sub( segment[1], t[0] ) );
+    if ( !( a * b < 0.0 ) )
+    {
+        return false;
+    }
+    const double3 p = double3_blend( segment[0], segment[1], a / ( a - b ) );
+    for ( int k = 0; k < 3; ++k )
+    {
+        const double3 side = double3_sub( t[( k + 1 ) % 3], t[k] );
+        if ( double3_dot( n, double3_cross( side, double3_sub( p, t[k] ) ) ) < 0.0 )
+        {
+            return false;
+        }
+    }
+    return true;
+}
+
+typedef struct corners_of
+{
+    double3 at[3], middle;
+    double radius;
+} corners_of;
+
+static corners_of load( const mesh_gap_oracle_mesh* m, int triangle )
+{
+    corners_of c = { .radius = 0.0 };
+    double3 sum = { 0.0, 0.0, 0.0 };
+    for ( int k = 0; k < 3; ++k )
+    {
+        c.at[k] = m->points[m->triangles[3 * triangle + k]];
+        sum = double3_add_scaled( sum, 1.0 / 3.0, c.at[k] );
+    }
+    c.middle = sum;
+    for ( int k = 0; k < 3; ++k )
+    {
+        c.radius = fmax( c.radius, double3_distance( c.at[k], sum ) );
+    }
+    return c;
+}
+
+static double segments_if_near( const double3 a[2], const double3 b[2], double within )
+{
+    const double apart = double3_distance( double3_blend( a[0], a[1], 0.5 ), double3_blend( b[0], b[1], 0.5 ) );
+    const double reach = 0.5 * ( double3_distance( a[0], a[1] ) + double3_distance( b[0], b[1] ) );
+    return apart - reach < within ? fmin( within, mesh_gap_oracle_segments( a, b ) ) : within;
+}
+
+static double point_if_near( const corners_of* t, double3 p, double within )
+{
+    return double3_distance( t->middle, p ) - t->radius < within
+               ? fmin( within, mesh_gap_oracle_triangle( t->at, p ) )
+               : within;
+}
+
+// @param within of no interest is what is farther
+static double of_triangles( const corners_of* a, const corners_of* b, double within )
+{
+    double least = within;
+    for ( int i = 0; i < 3; ++i )
+    {
+        const double3 e[2] = { a->at[i], a->at[( i + 1 ) % 3] }, f[2] = { b->at[i], b->at[( i + 1 ) % 3] };
+        if ( mesh_gap_oracle_crosses( e, b->at ) || mesh_gap_oracle_crosses( f, a->at ) )
+        {
+            return -1.0;
+        }
+        least = point_if_near( b, a->at[i], point_if_near( a, b->at[i], least ) );
+        for ( int k = 0; k < 3; ++k )
+        {
+            const double3 g[2] = { b->at[k], b->at[( k + 1 ) % 3] };
+            least = segments_if_near( e, g, least );
+        }
+    }
+    return least;
+}
+
+double mesh_gap_oracle_find( const mesh_gap_oracle_mesh* a, const mesh_gap_oracle_mesh* b )
+{
+    double least = INFINITY;
+    for ( int i = 0; i < a->triangle_count; ++i )
+    {
+        const corners_of p = load( a, i );
+        for ( int k = 0; k < b->triangle_count && least >= 0.0; ++k )
+        {
+            const corners_of q = load( b, k );
+            const double apart = double3_distance( p.middle, q.middle ) - p.radius - q.radius;
+            least = apart < least ? of_triangles( &p, &q, least ) : least;
+        }
+    }
+    return least;
+}
+
+// ---- deepest point ----
+
+deepest_oracle_body deepest_oracle_body_of( const wisp_shape* s )
+{
+    return ( deepest_oracle_body ){
+        .kind = s->kind,
+        .radius = (double)s->radius,
+        .half_length = (double)s->half_length,
+        .top_radius = (double)s->top_radius,
+        .bottom_radius = (double)s->bottom_radius,
+        .half_extent = double3_widen( s->half_extent ),
+    };
+}
+
+static double clamp( double x, double lower, double upper )
+{
+    return fmin( fmax( x, lower ), upper );
+}
+
+static double length( double3 v )
+{
+    return sqrt( double3_dot( v, v ) );
+}
+
+static double3 cross( double3 a, double3 b )
+{
+    return double3_make( a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x );
+}
+
+static double box_distance( double3 h, double3 p )
+{
+    const double3 d = double3_make( fabs( p.x ) - h.x, fabs( p.y ) - h.y, fabs( p.z ) - h.z );
+    const double3 out = double3_make( fmax( d.x, 0.0 ), fmax( d.y, 0.0 ), fmax( d.z, 0.0 ) );
+    return length( out ) + fmin( fmax( d.x, fmax( d.y, d.z ) ), 0.0 );
+}
+
+// The hull of two balls is the union of the balls whose centre and radius lie between theirs.
+static double tapered_distance( const deepest_oracle_body* b, double3 p )
+{
+    double best = INFINITY, from = 0.0, to = 1.0;
+    for ( int round = 0; round < 6; ++round )
+    {
+        double best_at = from;
+        for ( int i = 0; i <= 100; ++i )
+        {
+            const double t = from + ( to - from ) * i / 100.0;
+            const double3 c = double3_make( p.x, p.y - ( 2.0 * t - 1.0 ) * b->half_length, p.z );
+            const double d = length( c ) - ( b->bottom_radius + t * ( b->top_radius - b->bottom_radius ) );
+            best_at = d < best ? t : best_at;
+            best = fmin( best, d );
+        }
+        const double width = ( to - from ) / 50.0;
+        from = clamp( best_at - width, 0.0, 1.0 );
+        to = clamp( best_at + width, 0.0, 1.0 );
+    }
+    return best;
+}
+
+static double segment_distance( double3 p, double3 a, double3 b )
+{
+    const double3 ab = double3_sub( b, a );
+    const double t = clamp( double3_dot( double3_sub( p, a ), ab ) / double3_dot( ab, ab ), 0.0, 1.0 );
+    return length( double3_sub( p, double3_add_scaled( a, t, ab ) ) );
+}
+
+// The largest distance from a face plane inside; outside the nearest face or edge.
+static double hull_distance( const deepest_oracle_body* body, double3 p )
+{
+    double deepest = -INFINITY, nearest = INFINITY;
+    for ( int t = 0; t < body->triangle_count; ++t )
+    {
+        const int32_t* corner = body->triangles + 3 * (size_t)t;
+        double3 v[3];
+        for ( int k = 0; k < 3; ++k )
+        {
+            v[k] = double3_widen( body->points[corner[k]] );
+        }
+        const double3 n = cross( double3_sub( v[1], v[0] ), double3_sub( v[2], v[0] ) );
+        const double height = double3_dot( n, double3_sub( p, v[0] ) ) / length( n );
+        deepest = fmax( deepest, height );
+        int above = 0;
+        for ( int k = 0; k < 3; ++k )
+        {
+            const double3 side = cross( n, double3_sub( v[( k + 1 ) % 3], v[k] ) );
+            above += double3_dot( side, double3_sub( p, v[k] ) ) >= 0.0 ? 1 : 0;
+            nearest = fmin( nearest, segment_distance( p, v[k], v[( k + 1 ) % 3] ) );
+        }
+        nearest = above == 3 ? fmin( nearest, fabs( height ) ) : nearest;
+    }
+    return deepest <= 0.0 ? deepest : nearest;
+}
+
+double deepest_oracle_distance( const deepest_oracle_body* b, double3 p )
+{
+    switch ( b->kind )
+    {
+        case WISP_SHAPE_PLANE:
+            return p.y;
+        case WISP_SHAPE_SPHERE:
+            return length( p ) - b->radius;
+        case WISP_SHAPE_CAPSULE:
+            return length( double3_make( p.x, p.y - clamp( p.y, -b->half_length, b->half_length ), p.z ) ) -
+                   b->radius;
+        case WISP_SHAPE_BOX:
+            return box_distance( b->half_extent, p );
+        case WISP_SHAPE_TAPERED_CAPSULE:
+            return tapered_distance( b, p );
+        default:
+            return hull_distance( b, p );
+    }
+}
+
+double deepest_oracle_find( const deepest_oracle_body* body, const double3* corners, int corner_count,
+                            double weights[3] )
+{
+    enum
+    {
+        STEPS = 24,
+        ROUNDS = 7,
+    };
+    double best = INFINITY, u = 0.5, v = corner_count == 3 ? 0.5 : 0.0, best_u = 0.0, best_v = 0.0, width = 0.5;
+    for ( int round = 0; round < ROUNDS; ++round )
+    {
+        for ( int i = 0; i <= STEPS; ++i )
+        {
+            for ( int k = 0; k <= ( corner_count == 3 ? STEPS : 0 ); ++k )
+            {
+                const double a = clamp( u + width * ( 2.0 * i / STEPS - 1.0 ), 0.0, 1.0 );
+                const double b =
+                    corner_count == 3 ? clamp( v + width * ( 2.0 * k / STEPS - 1.0 ), 0.0, 1.0 - a ) : 0.0;
+                double3 p = double3_blend( corners[0], corners[1], a );
+                p = corner_count == 3 ? double3_add_scaled( p, b, double3_sub( corners[2], corners[0] ) ) : p;
+                const double d = deepest_oracle_distance( body, p );
+                if ( d < best )
+                {
+                    best = d;
+                    best_u = a;
+                    best_v = b;
+                }
+            }
+        }
+        u = best_u;
+        v = best_v;
+        width *= 0.25;
+    }
+    if ( weights )
+    {
+        weights[0] = 1.0 - best_u - best_v;
+        weights[1] = best_u;
+        weights[2] = best_v;
+    }
+    return best;
+}
+
+// ---- contact ----
+
 // ---- closest points: the nearest of all candidates ----
 
 static contact_oracle_closest measured( const double* a, const double3* corners_a, int count_a, const double* b,
@@ -142,7 +444,8 @@ static double farthest_of( const contact_oracle_side* side, const double* w )
     return farthest;
 }
 
-double contact_oracle_mobility( const contact_oracle_contact* contact, const double* w )
+// S, 1/kg: 0 when every vertex is pinned.
+static double contact_oracle_mobility( const contact_oracle_contact* contact, const double* w )
 {
     const double max_lever = 4.0;
     return fmax( mobility_of( &contact->a, w ) + mobility_of( &contact->b, w ),

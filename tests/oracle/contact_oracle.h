@@ -18,6 +18,7 @@
 
 #include "double3.h"
 
+#include "wisp/module/shapes.h"
 #include <stdbool.h>
 
 /// Closest points of two simplices, A and B.
@@ -58,12 +59,51 @@ typedef struct contact_oracle_contact
 /// C, m: negative when the points are too close.
 double contact_oracle_value( const contact_oracle_contact* contact, const double3* x );
 
-/// S, 1/kg: 0 when every vertex is pinned.
-double contact_oracle_mobility( const contact_oracle_contact* contact, const double* w );
-
 /// Push apart, or undo an earlier push that was too large. @return the change of lambda, 0 when all vertices are
 /// pinned
 double contact_oracle_push( contact_oracle_contact* contact, const double* w, double3* x );
 
 /// Apply friction. @param before positions at the start of the substep @return the change of `rubbed`
 double3 contact_oracle_rub( contact_oracle_contact* contact, const double* w, const double3* before, double3* x );
+
+// ---- mesh gap oracle ----
+
+/// Distance of the closest points of two segments, m.
+double mesh_gap_oracle_segments( const double3 a[2], const double3 b[2] );
+/// Distance of a point from a triangle, m.
+double mesh_gap_oracle_triangle( const double3 t[3], double3 p );
+
+/// A mesh.
+typedef struct mesh_gap_oracle_mesh
+{
+    const double3* points;
+    const int32_t* triangles; // [triangle_count][3]
+    int triangle_count;
+} mesh_gap_oracle_mesh;
+
+/// @return m; -1 if a triangle of one crosses one of the other
+double mesh_gap_oracle_find( const mesh_gap_oracle_mesh* a, const mesh_gap_oracle_mesh* b );
+
+// ---- deepest oracle ----
+
+/// A body in its own frame. A convex polyhedron is given by the triangles of its hull.
+typedef struct deepest_oracle_body
+{
+    wisp_shape_kind kind;
+    double radius, half_length, top_radius, bottom_radius;
+    double3 half_extent;
+    const wisp_vec3* points;  // of a hull
+    const int32_t* triangles; // [triangle_count][3] counter-clockwise seen from outside
+    int triangle_count;
+} deepest_oracle_body;
+
+/// Take over the sizes of a shape that is no convex polyhedron.
+deepest_oracle_body deepest_oracle_body_of( const wisp_shape* shape );
+
+/// Signed distance of a point from a body, m; negative inside.
+double deepest_oracle_distance( const deepest_oracle_body* body, double3 p );
+
+/// Smallest signed distance of the points of a segment (2 corners) or a triangle (3 corners), m.
+/// @param weights receives the weights of the corners of that point; may be null
+double deepest_oracle_find( const deepest_oracle_body* body, const double3* corners, int corner_count,
+                            double weights[3] );

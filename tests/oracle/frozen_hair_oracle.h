@@ -108,30 +108,8 @@ double frozen_oracle_psi( const frozen_oracle_options* options, int strand, int 
 
 // Equations 2 to 7: stretch and bend one segment.
 
-/// Eq. 2: unit tangent of a segment, or the previous tangent when the segment has no length.
-double3 frozen_oracle_tangent( double3 segment, double3 previous_tangent );
-
-/// alpha = 1 / (k + eps), the softness that goes with a stiffness.
-double frozen_oracle_softness( double stiffness, double epsilon );
-
-/// Eq. 3 with a floor: l* = max( l0 (1 + alpha eta), floor l0 ).
-double frozen_oracle_target_length( double rest_length, double alpha, double eta, double floor_fraction );
-
-/// Eq. 4, first part: theta = theta_max alpha xi.
-double frozen_oracle_bend_angle( double theta_max, double alpha, double xi );
-
 /// Two unit vectors that complete a unit vector to a right-handed frame (Duff et al. 2017).
 void frozen_oracle_frame( double3 unit, double3* b1, double3* b2 );
-
-/// Eq. 4, second part: the unit axis of a bend, with a fallback for straight hair and for the first segment.
-double3 frozen_oracle_bend_axis( double3 previous_tangent, double3 tangent, int vertex, int dimension, double psi );
-
-/// 2.5D: the unit vector perpendicular to a tangent that is nearest to z, in place of the fallback: the tangent bends along x
-/// and y alone. Along z any perpendicular is.
-double3 frozen_oracle_upright_axis( double3 tangent );
-
-/// Eq. 5: the rotation matrix R(axis, angle), rows first; the axis must be of unit length.
-void frozen_oracle_rodrigues( double3 axis, double angle, double matrix[3][3] );
 
 /// R(axis, angle) v
 double3 frozen_oracle_rotate( double3 axis, double angle, double3 v );
@@ -218,16 +196,8 @@ double frozen_oracle_lambda( frozen_oracle_gap gap, double delta, double zeta, d
 
 // The stages. Arrays hold offsets[strand_count] points; in and out must differ.
 
-/// Stage 1 for one strand; strands are independent.
-void frozen_oracle_deform_strand( const frozen_oracle_hair* hair, const frozen_oracle_options* options, int strand,
-                                  double3* out );
-
 /// Stage 1: FreezeDeform, from the base shape that the options name.
 void frozen_oracle_deform( const frozen_oracle_hair* hair, const frozen_oracle_options* options, double3* out );
-
-/// Stage 2 for one strand.
-void frozen_oracle_align_strand( const frozen_oracle_hair* hair, const frozen_oracle_options* options, int strand,
-                                 const double3* in, double3* out );
 
 /// Stage 2: UserAlign.
 void frozen_oracle_align( const frozen_oracle_hair* hair, const frozen_oracle_options* options, const double3* in,

@@ -38,9 +38,6 @@ typedef enum guide_oracle_pairing
 
 // ---- Eq. 1: correspondence ----
 
-/// Eq. 1: sum over the detail nodes of the squared distance to the nearest guide particle, m^2.
-double guide_oracle_strand_distance( const double3* detail, int detail_nodes, const double3* guide, int guide_nodes );
-
 /// Several targets: the `link_count` guides with the smallest strand distances d_k, nearest first, ties by lowest
 /// index, and their weights (1/d_k) / sum_j (1/d_j). Eq. 1 sums squares already, so this is the normalised inverse
 /// squared distance of the rest strands. Guides at distance 0 divide the whole weight equally. One link has weight 1.
@@ -118,16 +115,7 @@ typedef struct guide_oracle_rotation
 guide_oracle_rotation guide_oracle_no_rotation( void );
 double3 guide_oracle_rotate( const guide_oracle_rotation* rotation, double3 v );
 
-/// first `b`, then `a`
-guide_oracle_rotation guide_oracle_compose( const guide_oracle_rotation* a, const guide_oracle_rotation* b );
-
 guide_oracle_rotation guide_oracle_turn_about( double3 axis, double angle );
-
-/// The smallest rotation that takes one direction to another; identity when one of them has no length. For opposite
-/// directions, a half turn about a perpendicular axis: the projection of the coordinate axis along which `from` is
-/// shortest.
-/// @param reversed set to true for opposite directions, otherwise left alone
-guide_oracle_rotation guide_oracle_smallest_rotation( double3 from, double3 to, bool* reversed );
 
 /// Frames by smallest rotations, segment by segment from the root outwards:
 ///   R_0 = root,  R_i = S( R_{i-1} t_rest,i -> t_i ) R_{i-1},  t_i = x_i - x_{i-1},
@@ -151,8 +139,6 @@ typedef enum guide_oracle_curve
 /// @param printed true: the second coefficient is 2, as printed; false: 3
 void guide_oracle_bezier_weights( double t, bool printed, double weight[4] );
 
-double3 guide_oracle_bezier( const double3 control[4], double t, bool printed );
-
 /// Number of cubics that draw a strand: 0 for fewer than two nodes, else ceil((N-1)/3) groups, or N-1 smooth ones.
 int guide_oracle_curve_count( int node_count, guide_oracle_curve curve );
 
@@ -170,9 +156,6 @@ int guide_oracle_draw( const double3* controls, int curve_count, int samples, bo
 
 /// Largest angle between successive segments, rad; segments without length are skipped.
 double guide_oracle_largest_turn( const double3* points, int count );
-
-/// Cubic Hermite curve from p0 to p1 with derivatives m0, m1 by u in [0, 1], and its derivative.
-double3 guide_oracle_hermite( double3 p0, double3 m0, double3 p1, double3 m1, double u );
 
 /// Between two steps (section II.2.2): a node between two frames dt apart, by its positions and velocities at both; u in [0, 1].
 double3 guide_oracle_between_frames( double3 x0, double3 v0, double3 x1, double3 v1, double dt, double u );

@@ -3,7 +3,9 @@
 #include <math.h>
 #include <string.h>
 
-double membrane_oracle_density( double s1, double s2, bool tension_field )
+// Energy over A G of the stretches s1 and s2: ( s1^2 + s2^2 + 1 / ( s1 s2 )^2 - 3 ) / 2 (Treloar 1943).
+// @param tension_field the least energy over all widths below s2, and below s1: wrinkles (Pipkin 1986)
+static double membrane_oracle_density( double s1, double s2, bool tension_field )
 {
     double a = s1 > s2 ? s1 : s2, b = s1 > s2 ? s2 : s1;
     if ( tension_field )
@@ -70,7 +72,8 @@ static void turn( double f[2][3], double angle, double out[2][3] )
     }
 }
 
-double membrane_oracle_energy( const membrane_oracle_triangle* triangle )
+// J, of a triangle where it is.
+static double membrane_oracle_energy( const membrane_oracle_triangle* triangle )
 {
     membrane_oracle_triangle mine = *triangle, *t = &mine;
     const plane_triangle plane = flatten( t->rest );
@@ -176,9 +179,4 @@ double membrane_oracle_sphere_pressure( double stiffness, double radius, double 
 double membrane_oracle_limit_point( void )
 {
     return pow( 7.0, 1.0 / 6.0 );
-}
-
-double membrane_oracle_strip_tension( double stiffness, double s )
-{
-    return stiffness * ( s - 1.0 / ( s * s ) );
 }

@@ -4,10 +4,6 @@
 
 #include <stdbool.h>
 
-/// Energy over A G of the stretches s1 and s2: ( s1^2 + s2^2 + 1 / ( s1 s2 )^2 - 3 ) / 2 (Treloar 1943).
-/// @param tension_field the least energy over all widths below s2, and below s1: wrinkles (Pipkin 1986)
-double membrane_oracle_density( double s1, double s2, bool tension_field );
-
 typedef struct membrane_oracle_triangle
 {
     double rest[3][3], position[3][3]; ///< m
@@ -16,8 +12,6 @@ typedef struct membrane_oracle_triangle
     bool tension_field;
 } membrane_oracle_triangle;
 
-/// J, of a triangle where it is.
-double membrane_oracle_energy( const membrane_oracle_triangle* triangle );
 /// N, the derivative of the energy by the corners, by differences.
 void membrane_oracle_forces( const membrane_oracle_triangle* triangle, double out[3][3] );
 /// A projection without stress before: F' minimises |F' - F|^2 / ( 2 m ) + h^2 E( F' ), m the largest eigenvalue of sum w D D', and
@@ -29,5 +23,3 @@ void membrane_oracle_project( membrane_oracle_triangle* triangle, double dt );
 double membrane_oracle_sphere_pressure( double stiffness, double radius, double s );
 /// The stretch at which that pressure is largest: 7^(1/6).
 double membrane_oracle_limit_point( void );
-/// N/m, force over the width at rest of a strip that is pulled to s times its length and may narrow: G ( s - 1 / s^2 ).
-double membrane_oracle_strip_tension( double stiffness, double s );

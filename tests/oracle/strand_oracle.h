@@ -1,5 +1,5 @@
 /// Moving strands in plain double precision: one strand at a time, one function per stage of the substep. The
-/// mathematics is that of modules/strands (rod_factors.c, rod_frames.c, rest_curvature.c); a function has the name of
+/// mathematics is that of modules/strands (rod_factors.c, rod_factors.c, rest_curvature.c); a function has the name of
 /// the kernel that it checks.
 ///
 /// SI units. Vertex 0 is the root; segment s runs from vertex s to vertex s + 1. A weight is an inverse mass, 0 holds
@@ -27,9 +27,6 @@ typedef struct strand_oracle_quaternion
 /// First b, then a.
 strand_oracle_quaternion strand_oracle_product( strand_oracle_quaternion a, strand_oracle_quaternion b );
 double3 strand_oracle_turned( strand_oracle_quaternion q, double3 v );
-/// The smallest rotation that takes one unit vector to another. Opposite vectors turn about an axis across the first,
-/// closest to the coordinate axis along which the first is shortest.
-strand_oracle_quaternion strand_oracle_smallest( double3 from, double3 to );
 /// Rotate a frame so that its z axis is along e, by the smallest rotation; e without length leaves it unchanged.
 strand_oracle_quaternion strand_oracle_carried( strand_oracle_quaternion frame, double3 e );
 
@@ -151,31 +148,21 @@ typedef struct strand_oracle_link_rule
 void strand_oracle_link( strand_oracle* strand, const double* rest, double* lambda, int stride,
                          strand_oracle_link_rule rule );
 
-/// Solve a dense system by elimination with row pivoting. @param matrix [n][n] by rows, destroyed
-/// @param right [n][columns], replaced by the solution
-void strand_oracle_solve( int n, double* matrix, int columns, double* right );
-/// A Newton pass of lengths around a closed strand, dense.
-void strand_oracle_closed_pass( strand_oracle* strand, double dt );
 /// The twist of a closed strand at rest in its shape, and its closing twist: -angle L_i / L of each vertex, and what frames
 /// carried around the loop are turned by at vertex 0.
 void strand_oracle_close( strand_oracle* strand, double angle );
 /// Solve (M + scale K) x = right of a closed strand for x, y and z, and move it by x.
 void strand_oracle_closed_move( strand_oracle* strand, double scale, double3* right );
 
-/// Largest |l/l_0 - 1| of the segments.
-double strand_oracle_strain( const strand_oracle* strand );
-
 // ---- the rod ----
 
-/// M + scale K, dense, [count][count] by rows; held vertices are rows and columns of zeros.
-void strand_oracle_rod_matrix( const strand_oracle* strand, double scale, double* matrix );
 /// M + (dt^2 + damping dt) K = L D L^T. A held vertex has 1/pivot = 0.
 void strand_oracle_rod_factor( strand_oracle* strand, double damping, double dt );
 /// Tension first, then frames, twist in balance, bending. The guards: the tangent in T_i is limited where |w'| <
 /// 0.087 (a twist of 170 degrees); 1 + t_{i-1} . t_i is at least 0.1; a segment turns about itself by at most a
 /// radian, to first order: q_s by (0, 0, a/2, 1), k_i by the mean turn of its two segments times z x k_i, T_i by GJ /
 /// L_i times their difference; where a turn is limited, all T_i of the strand are 0. A vertex that folds back fades
-/// (rod_frames.c). A segment whose pivot vanishes does not turn. The clamp counts as resting where the rate of bending
+/// (rod_factors.c). A segment whose pivot vanishes does not turn. The clamp counts as resting where the rate of bending
 /// is damped.
 /// @param acceleration null: tension pulls along the segments at p*, frames and twist are taken at p* + tension.
 ///        Otherwise the acceleration of the prediction, m/s^2: all are taken at p* - dt^2 a, the position without it.

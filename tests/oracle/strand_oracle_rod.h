@@ -53,7 +53,7 @@ typedef struct rod_vertex
     double across, along;    // C_i . s_i, and (t_i - t_{i-1}) . (z_i x s_i)
 } rod_vertex;
 
-// ---- strand_oracle_vertices.c ----
+// ---- strand_oracle_rod.c ----
 
 strand_oracle_quaternion rod_frame_before( const strand_oracle* strand, int i );
 strand_oracle_quaternion rod_middle_frame( strand_oracle_quaternion a, strand_oracle_quaternion b );
@@ -63,13 +63,7 @@ double3 rod_tangent( const strand_oracle* strand, const double3* p, int s );
 
 rod_vertex rod_measure( const strand_oracle* strand, const double3* p, int i );
 
-// A tip that is not guided neither bends nor twists.
-void rod_measure_all( const strand_oracle* strand, const double3* p, rod_vertex* v );
-
-// G_s = (M_s - M_{s+1} + (turning of s and of s + 1) / 2) / l_s by e_s; it pulls at both ends of the segment.
-void rod_gradient_of( const strand_oracle* strand, const rod_vertex* v, double3* gradient );
-
-// ---- strand_oracle_closed.c ----
+// ---- strand_oracle.c ----
 
 // The turns of all segments about themselves, around. The diagonal has the factor 1 + 1e-5, because a strand may turn about itself as a
 // whole.

@@ -65,21 +65,12 @@ triangle_oracle_params triangle_oracle_default_params( void );
 
 // ---- the arc: (9) to (13) without units, y = r / L ----
 
-double triangle_oracle_sinc( double u );
-/// u in [0, pi] with sin u / u = y; 0 for y >= 1, pi for y <= 0. By Newton, residual below 1e-14.
-double triangle_oracle_sinc_inverse( double y );
 /// f_b L^2 / k_b of (11): -12 where the arc is straight, -4 pi^2 where its ends meet.
 double triangle_oracle_arc_load( double y );
 /// df_b/dr L^3 / k_b: 7.2 and 12 pi^2 there.
 double triangle_oracle_arc_slope( double y );
 /// E_b L / k_b of (9): its derivative by y is the load.
 double triangle_oracle_arc_energy( double y );
-/// (12): the larger of the load and ramp (y - 1). @param ramp c_b L^3 / k_b
-double triangle_oracle_ramped_load( double y, double ramp );
-double triangle_oracle_ramped_slope( double y, double ramp );
-/// The integral of the ramped load from 1 to y, >= 0: its derivative by y is that load. Below a ramp of about 34 the
-/// arc is never reached; up to 4 pi^2 the ramp is larger again near y = 0.
-double triangle_oracle_ramped_energy( double y, double ramp );
 
 // ---- links ----
 
@@ -254,8 +245,6 @@ void triangle_oracle_damping_forces( const triangle_oracle* cloth, const double3
 /// `effective`.
 void triangle_oracle_printed( const triangle_oracle* cloth, const double3* x, const double3* v, double3* force );
 
-/// (5), or the potential of (12), of one link, scale included, J.
-double triangle_oracle_energy_at( const triangle_oracle* cloth, int link, const double3* x );
 double triangle_oracle_stretch_energy( const triangle_oracle* cloth, const double3* x );
 double triangle_oracle_bend_energy( const triangle_oracle* cloth, const double3* x );
 /// Sum of the rows' m v.
@@ -265,8 +254,6 @@ double3 triangle_oracle_momentum( const triangle_oracle* cloth );
 
 /// Take links where x has them, for A = M - s D - s^2 K.
 void triangle_oracle_assemble( triangle_oracle* cloth, const double3* x, double s );
-/// A times a vector, [count].
-void triangle_oracle_apply( const triangle_oracle* cloth, const double3* vector, double3* out );
 /// A dv = b where `freedom` allows it, dv = z elsewhere; J, iterations and residual are in the cloth.
 /// @param z [count], of which 1 - S counts
 /// @param dv [count], in: where to start, what `freedom` allows of it counts

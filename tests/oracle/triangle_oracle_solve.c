@@ -100,7 +100,8 @@ static double plate_weight( const triangle_oracle* cloth, const plate_oracle_pai
     return cloth->s * cloth->s * cloth->params.bend_rigidity * pair->stiffness;
 }
 
-void triangle_oracle_apply( const triangle_oracle* cloth, const double3* vector, double3* out )
+// A times a vector, [count].
+static void triangle_oracle_apply( const triangle_oracle* cloth, const double3* vector, double3* out )
 {
     for ( int i = 0; i < cloth->count; ++i )
     {
