@@ -2,6 +2,10 @@
 // of blocks, cut into one contiguous range per worker so that a worker gets the same data in every wave. A worker
 // that finishes early takes blocks of the others, including those that have not started. Results never depend on
 // which worker runs a block.
+//
+// Teams belong to the process, and a step takes one that no other step has. So a hundred worlds that step in turn have
+// one team, and worlds that step side by side one each. With a team a world, those between steps spin on the cores of
+// the one that steps.
 #include "jobs.h"
 
 #include "arena.h"
@@ -38,18 +42,35 @@ typedef struct jobs_scratch
     int depth;
 } jobs_scratch;
 
-struct jobs_pool
+// A thread team and its wave. A late member reads nothing else, so the world of an old wave may be gone.
+typedef struct jobs_team
 {
     jobs_range ranges[WISP_MAX_WORKERS];
     _Alignas( 64 ) _Atomic uint32_t epoch;
     _Alignas( 64 ) _Atomic int pending;
+    jobs_pool* pool; // that the wave is of
     wisp_block_fn* run;
     void* context;
     int first; // block of the wave
     int workers;
-    bool has_thread_team;
-    bool inside; // the thread team stands by
-    jobs_thread_team thread_team;
+    _Atomic bool taken;
+    jobs_thread_team threads;
+} jobs_team;
+
+enum
+{
+    JOBS_TEAMS = 16, // more steps at the same time than this run on their own threads alone
+};
+
+static jobs_team teams[JOBS_TEAMS];
+static _Atomic int pools_with_teams; // the last one to go ends all threads
+
+struct jobs_pool
+{
+    int workers;
+    jobs_team* team; // null outside of jobs_enter()
+    wisp_block_fn* run;
+    void* context;
     wisp_parallel_for_fn* host;
     void* host_user;
     const wisp_allocator* allocator;
@@ -146,17 +167,17 @@ static int take( jobs_range* range, uint32_t epoch )
     }
 }
 
-static void work( jobs_pool* pool, uint32_t epoch, int worker )
+static void work( jobs_team* team, uint32_t epoch, int worker )
 {
     // own range first, then the neighbours' in turn
-    for ( int i = 0; i < pool->workers; ++i )
+    for ( int i = 0; i < team->workers; ++i )
     {
-        jobs_range* range = pool->ranges + ( worker + i ) % pool->workers;
+        jobs_range* range = team->ranges + ( worker + i ) % team->workers;
         for ( int block = take( range, epoch ); block >= 0; block = take( range, epoch ) )
         {
             // A block was taken, so the wave cannot end before it is done: run and context are this wave's.
-            run_scoped( pool, pool->run, pool->context, pool->first + block, worker );
-            atomic_fetch_sub_explicit( &pool->pending, 1, memory_order_release );
+            run_scoped( team->pool, team->run, team->context, team->first + block, worker );
+            atomic_fetch_sub_explicit( &team->pending, 1, memory_order_release );
         }
     }
 }
@@ -164,22 +185,73 @@ static void work( jobs_pool* pool, uint32_t epoch, int worker )
 // Body of a member of the thread team.
 static void stand_by( void* context, int member )
 {
-    jobs_pool* pool = context;
+    jobs_team* team = context;
     uint32_t epoch = 0;
     for ( int idle = 0;; )
     {
-        uint32_t now = atomic_load_explicit( &pool->epoch, memory_order_acquire );
+        uint32_t now = atomic_load_explicit( &team->epoch, memory_order_acquire );
         if ( now != epoch )
         {
             epoch = now;
             idle = 0;
-            work( pool, epoch, member + 1 );
+            work( team, epoch, member + 1 );
         }
-        else if ( thread_team_rest( &pool->thread_team, &idle ) == false )
+        else if ( thread_team_rest( &team->threads, &idle ) == false )
         {
             return;
         }
     }
+}
+
+static bool try_to_take( jobs_team* team )
+{
+    return atomic_load( &team->taken ) == false && atomic_exchange( &team->taken, true ) == false;
+}
+
+// Take a team that no step has: one with as many workers, or else one without threads, or else any, whose threads end.
+// @return null if there is none
+static jobs_team* take_team( int workers )
+{
+    for ( int pass = 0; pass < 3 * JOBS_TEAMS; ++pass )
+    {
+        jobs_team* team = teams + pass % JOBS_TEAMS;
+        if ( try_to_take( team ) == false )
+        {
+            continue;
+        }
+        const int had = team->workers, wanted = pass < JOBS_TEAMS ? workers : 0;
+        if ( had != wanted && pass < 2 * JOBS_TEAMS )
+        {
+            atomic_store( &team->taken, false );
+            continue;
+        }
+        if ( had != workers )
+        {
+            had > 0 ? thread_team_release( &team->threads ) : (void)0;
+            team->workers = workers;
+            thread_team_init( &team->threads, workers - 1, stand_by, team );
+        }
+        return team;
+    }
+    return NULL;
+}
+
+static void end_teams( void )
+{
+    for ( jobs_team* team = teams; team < teams + JOBS_TEAMS; ++team )
+    {
+        if ( try_to_take( team ) )
+        {
+            team->workers > 0 ? thread_team_release( &team->threads ) : (void)0;
+            team->workers = 0;
+            atomic_store( &team->taken, false );
+        }
+    }
+}
+
+static bool has_team( const jobs_pool* pool )
+{
+    return pool->workers > 1 && pool->host == NULL;
 }
 
 jobs_pool* jobs_create( const wisp_allocator* allocator, int workers, wisp_parallel_for_fn* host, void* host_user )
@@ -200,12 +272,7 @@ jobs_pool* jobs_create( const wisp_allocator* allocator, int workers, wisp_paral
         pool->alone[i] = ( wisp_parallel ){ .pool = pool, .worker = i, .alone = true };
         base_arena_init( &pool->scratch[i].arena, allocator, 0 );
     }
-    pool->has_thread_team = workers > 1 && host == NULL;
-    if ( pool->has_thread_team && thread_team_init( &pool->thread_team, workers - 1, stand_by, pool ) == false )
-    {
-        base_release( allocator, pool, sizeof( *pool ) );
-        return NULL;
-    }
+    atomic_fetch_add( &pools_with_teams, has_team( pool ) ? 1 : 0 );
     return pool;
 }
 
@@ -213,9 +280,9 @@ void jobs_destroy( jobs_pool* pool )
 {
     if ( pool != NULL )
     {
-        if ( pool->has_thread_team )
+        if ( has_team( pool ) && atomic_fetch_sub( &pools_with_teams, 1 ) == 1 )
         {
-            thread_team_release( &pool->thread_team );
+            end_teams();
         }
         for ( int i = 0; i < WISP_MAX_WORKERS; ++i )
         {
@@ -227,17 +294,16 @@ void jobs_destroy( jobs_pool* pool )
 
 bool jobs_enter( jobs_pool* pool, void ( *driver )( void* context ), void* context )
 {
-    if ( pool->has_thread_team == false )
-    {
-        driver( context );
-        level_scratch( pool );
-        return true;
-    }
-    const bool has_threads = thread_team_call( &pool->thread_team );
-    pool->inside = true;
+    jobs_team* team = has_team( pool ) ? take_team( pool->workers ) : NULL;
+    const bool has_threads = team == NULL || thread_team_call( &team->threads );
+    pool->team = team;
     driver( context );
-    pool->inside = false;
-    thread_team_dismiss( &pool->thread_team );
+    pool->team = NULL;
+    if ( team != NULL )
+    {
+        thread_team_dismiss( &team->threads );
+        atomic_store( &team->taken, false );
+    }
     level_scratch( pool );
     return has_threads;
 }
@@ -258,21 +324,21 @@ void jobs_run_inline( jobs_pool* pool, int block_count, wisp_block_fn* run, void
 }
 
 // Run blocks [first, first + block_count) on all workers.
-static void run_part( jobs_pool* pool, int first, int block_count )
+static void run_part( jobs_team* team, int first, int block_count )
 {
-    uint32_t epoch = atomic_load_explicit( &pool->epoch, memory_order_relaxed ) + 1;
-    pool->first = first;
-    atomic_store_explicit( &pool->pending, block_count, memory_order_relaxed );
-    for ( int i = 0; i < pool->workers; ++i )
+    uint32_t epoch = atomic_load_explicit( &team->epoch, memory_order_relaxed ) + 1;
+    team->first = first;
+    atomic_store_explicit( &team->pending, block_count, memory_order_relaxed );
+    for ( int i = 0; i < team->workers; ++i )
     {
-        int begin = (int)( (int64_t)block_count * i / pool->workers );
-        int end = (int)( (int64_t)block_count * ( i + 1 ) / pool->workers );
-        atomic_store_explicit( &pool->ranges[i].word, pack( epoch, begin, end ), memory_order_release );
+        int begin = (int)( (int64_t)block_count * i / team->workers );
+        int end = (int)( (int64_t)block_count * ( i + 1 ) / team->workers );
+        atomic_store_explicit( &team->ranges[i].word, pack( epoch, begin, end ), memory_order_release );
     }
-    atomic_store_explicit( &pool->epoch, epoch, memory_order_release );
+    atomic_store_explicit( &team->epoch, epoch, memory_order_release );
 
-    work( pool, epoch, 0 );
-    for ( int idle = 0; atomic_load_explicit( &pool->pending, memory_order_acquire ) > 0; )
+    work( team, epoch, 0 );
+    for ( int idle = 0; atomic_load_explicit( &team->pending, memory_order_acquire ) > 0; )
     {
         thread_team_wait( &idle );
     }
@@ -280,22 +346,26 @@ static void run_part( jobs_pool* pool, int first, int block_count )
 
 void jobs_run_wave( jobs_pool* pool, int block_count, wisp_block_fn* run, void* context )
 {
-    if ( block_count <= 1 || ( pool->host == NULL && pool->inside == false ) )
+    jobs_team* team = pool->team;
+    if ( block_count <= 1 || ( pool->host == NULL && team == NULL ) )
     {
         jobs_run_inline( pool, block_count, run, context );
         return;
     }
-    pool->run = run;
-    pool->context = context;
     if ( pool->host != NULL )
     {
+        pool->run = run;
+        pool->context = context;
         pool->host( pool->host_user, block_count, run_host_block, pool );
         return;
     }
+    team->pool = pool;
+    team->run = run;
+    team->context = context;
     for ( int64_t first = 0; first < block_count; first += JOBS_BLOCK_MASK ) // as many as a range can count
     {
         const int left = block_count - (int)first;
-        run_part( pool, (int)first, left < JOBS_BLOCK_MASK ? left : JOBS_BLOCK_MASK );
+        run_part( team, (int)first, left < JOBS_BLOCK_MASK ? left : JOBS_BLOCK_MASK );
     }
 }
 

@@ -242,6 +242,36 @@ static int threads_behind_the_first_step( void )
     return threads;
 }
 
+static void step_another( void* context )
+{
+    jobs_enter( context, do_nothing, NULL );
+}
+
+// Pools that step in turn, and at last one inside the step of another.
+static int threads_of_many_pools( void )
+{
+    jobs_pool* pools[10];
+    for ( int i = 0; i < WISP_COUNT( pools ); ++i )
+    {
+        pools[i] = jobs_create( NULL, 3, NULL, NULL );
+        jobs_enter( pools[i], do_nothing, NULL );
+    }
+    const int in_turn = thread_count();
+    jobs_enter( pools[0], step_another, pools[1] );
+    const int nested = thread_count();
+    for ( int i = 0; i < WISP_COUNT( pools ); ++i )
+    {
+        jobs_destroy( pools[i] );
+    }
+    wait_until( thread_count, 1 );
+    return 10 * in_turn + nested;
+}
+
+TEST( pools_that_step_in_turn_share_a_team_and_others_have_one_each )
+{
+    assert_int_equal( exit_of_child( threads_of_many_pools ), 35 );
+}
+
 TEST( all_threads_run_when_the_first_step_ends )
 {
     assert_int_equal( exit_of_child( threads_behind_the_first_step ), 8 );
