@@ -101,6 +101,13 @@ static double field_value( const wisp_scene* scene, int which, int entry )
     return f->is_fraction ? (double)*(const float*)at : f->is_switch ? *(const bool*)at : *(const int*)at;
 }
 
+// Automatic coarse sheets count as 1, so that 1 leaves them as they are.
+static double own_value( const wisp_scene* scene, int which, int entry )
+{
+    const double own = field_value( scene, which, entry );
+    return own < 0.0 ? 1.0 : own;
+}
+
 static void set_field( wisp_scene* scene, int which, int entry, double value )
 {
     const float fraction = (float)value;
@@ -122,8 +129,7 @@ bool tune_field_own( const wisp_scene* scene, int which, double* out )
     {
         if ( field_is_in( scene, which, i ) )
         {
-            const double own = field_value( scene, which, i );
-            *out = own < 0.0 ? 1.0 : own; // automatic coarse sheets, where cloth has some
+            *out = own_value( scene, which, i );
             return true;
         }
     }
@@ -278,9 +284,10 @@ void tune_parameters_set( const tune_parameters* parameters, const int* configur
         const int which = parameters->fields[k];
         for ( int i = 0; i < field_entries( scene, which ); ++i )
         {
-            if ( field_is_in( scene, which, i ) )
+            const double value = parameters->values[k][configuration[k]];
+            if ( field_is_in( scene, which, i ) && own_value( scene, which, i ) != value )
             {
-                set_field( scene, which, i, parameters->values[k][configuration[k]] );
+                set_field( scene, which, i, value );
             }
         }
     }
@@ -322,7 +329,7 @@ static void add_edits( const tune_parameters* parameters, int parameter, double 
     const int which = parameters->fields[parameter];
     for ( int i = 0; i < field_entries( scene, which ); ++i )
     {
-        if ( field_is_in( scene, which, i ) && (float)field_value( scene, which, i ) != (float)value )
+        if ( field_is_in( scene, which, i ) && (float)own_value( scene, which, i ) != (float)value )
         {
             wisp_scene_edit* edit = add_edit( list, which, i );
             tune_parameters_text( which, value, edit->value, sizeof edit->value );
