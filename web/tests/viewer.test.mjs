@@ -193,7 +193,7 @@ test("both worlds receive the same inputs before the same steps", async () => {
         await page.getByLabel("Gravity, y").fill("9.81");
         await page.keyboard.press("Tab");
         const { step } = await state(page);
-        const risen = await until(page, (s) => s.followed >= step + 50);
+        const risen = await until(page, (s) => s.followed >= step + 200); // on the way up folds are chance
         const [, y] = await page.evaluate(() => window.wispPage.vertex(0, 84));
         assert.ok(y > 0.1, `the cloth falls upwards: ${y} m`);
         // A reference that still hung would be more than half a metre away.
