@@ -79,8 +79,6 @@ bool fabric_mesh_list_corners( const wisp_fabric* fabric, fabric_pool* scratch, 
 /// Compute the area of each vertex: a third of the areas of its triangles.
 bool fabric_mesh_measure_areas( const fabric_mesh* mesh, fabric_pool* scratch, cook_fabric* cooked );
 
-// ---- fabric_mesh.c ----
-
 /// Triangles around every vertex as fans, see wisp_fabric.
 typedef struct fabric_rings
 {
@@ -112,5 +110,3 @@ int fabric_choose_tile_size( int vertex_count );
 /// List slots of constraints in schedule order: [schedule->slot_count / 8][arity][8]; padding is the dummy of the tile.
 bool fabric_schedule_corners( const wisp_schedule* schedule, const fabric_constraints* constraints, fabric_pool* keep,
                               const int32_t** out );
-
-// ---- fabric.c ----

@@ -62,8 +62,6 @@ void schedule_forget_colours( schedule_state* s, const int32_t* slots, size_t co
 /// @return number of colours
 int schedule_sort_by_colour( const int32_t* colour, int n, int32_t* begin, int32_t* sorted );
 
-// fabric_order.c
-
 void schedule_close_tile( schedule_state* s );
 void schedule_close_colour( schedule_state* s );
 

@@ -386,8 +386,6 @@ static inline bool execute_leaves_out( const store_entity* e, plan_section secti
 /// Return the substeps of an entity in this step.
 int execute_substeps( const wisp_frame* frame, int slot );
 
-// execute.c
-
 /// Whether a pass has to run on an entity; if so, what watches its output has to run too. Once per run of the pass.
 bool execute_is_due( wisp_frame* frame, int number, int slot );
 

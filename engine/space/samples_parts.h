@@ -134,8 +134,6 @@ bool samples_next_line( samples_lines* lines );
 /// stored aside.
 void samples_count_block( void* context, int begin, int end, int worker );
 
-// ---- samples_count.c ----
-
 /// Fill a block of elements: recipes of unchanged elements are copied, the others are generated.
 void samples_fill_block( void* context, int begin, int end, int worker );
 /// Compute the weights of a block that depend on lengths or normals.

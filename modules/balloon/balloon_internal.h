@@ -124,7 +124,6 @@ wisp_vertex_drag_args balloon_drag_args( wisp_frame* frame, const wisp_span* spa
 /// Add a change of velocity to the particles of a block that are not pinned.
 void balloon_push_all( wisp_frame* frame, const wisp_span* span, wisp_vec3 change );
 
-// balloon_gas.c
 void balloon_let_out( wisp_frame* frame, const wisp_span* span, void* user );
 void balloon_jet( wisp_frame* frame, const wisp_span* span, void* user );
 

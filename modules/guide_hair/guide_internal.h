@@ -76,8 +76,6 @@ static inline const wisp_vec3* guide_strand( const guide_shape* shape, int stran
     return shape->points + shape->topology->offsets[strand];
 }
 
-// ---- assignment (guide_cook.c) ----
-
 // ---- resampling (guide_curves.c) ----
 
 /// A point of a strand as a sum of its vertices, whose numbers may repeat.

@@ -145,9 +145,9 @@ typedef struct implicit_gain
 
 // ---- implicit_cloth_module.c ----
 
-/// @return null for an entity that is no implicit cloth
-/// Where the links of a surface are in the list. @return -1 without
+/// Find where the links of a surface are in the list. @return -1 without
 int implicit_find_index( const implicit_state* state, wisp_entity entity );
+/// @return null for an entity that is no implicit cloth
 implicit_links* implicit_find_links( const implicit_state* state, wisp_entity entity );
 
 // ---- implicit_links.c ----
@@ -157,8 +157,6 @@ wisp_status implicit_links_create( wisp_world* world, wisp_entity surface, const
                                    implicit_links** out );
 /// Null is allowed.
 void implicit_links_release( implicit_links* links, const wisp_allocator* allocator );
-
-// ---- implicit_newton.c ----
 
 // ---- implicit_contact.c ----
 
@@ -173,10 +171,6 @@ void implicit_settle_row( const implicit_contact_input* contact_input, int slot,
 
 /// Impulse of contact on a row, kg m/s: J = -(1 - S) r of the last solve.
 wisp_vec3 implicit_impulse( const implicit_system* system, int row );
-
-// ---- implicit_step.c ----
-
-// ---- implicit_step.c ----
 
 // ---- implicit_newton.c ----
 
