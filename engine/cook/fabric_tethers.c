@@ -4,6 +4,8 @@
 // attachments of its component.
 #include "fabric_geodesic.h"
 
+#include "double3.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -22,37 +24,17 @@
 
 // ---- nets ----
 
-typedef struct vec
-{
-    double x, y, z;
-} vec;
-
-static vec difference( wisp_vec3 a, wisp_vec3 b )
-{
-    return ( vec ){ (double)a.x - (double)b.x, (double)a.y - (double)b.y, (double)a.z - (double)b.z };
-}
-
-static double dot( vec a, vec b )
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-static double length( vec a )
-{
-    return sqrt( dot( a, a ) );
-}
-
 static geodesic_corner corner_of_points( int32_t a, int32_t b, wisp_vec3 pv, wisp_vec3 pa, wisp_vec3 pb )
 {
-    vec va = difference( pa, pv ), vb = difference( pb, pv );
-    vec normal = { va.y * vb.z - va.z * vb.y, va.z * vb.x - va.x * vb.z, va.x * vb.y - va.y * vb.x };
+    const double3 v = double3_widen( pv ), va = double3_sub( double3_widen( pa ), v ),
+                  vb = double3_sub( double3_widen( pb ), v );
     return ( geodesic_corner ){
         .a = a,
         .b = b,
-        .va = (float)length( va ),
-        .vb = (float)length( vb ),
-        .dot = (float)dot( va, vb ),
-        .area = (float)length( normal ),
+        .va = (float)double3_length( va ),
+        .vb = (float)double3_length( vb ),
+        .dot = (float)double3_dot( va, vb ),
+        .area = (float)double3_length( double3_cross( va, vb ) ),
     };
 }
 

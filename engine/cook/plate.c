@@ -32,13 +32,13 @@ typedef struct vec2d
 static bool measure_side( const wisp_fabric* f, const int32_t* corner, int side, plate_shape* shape )
 {
     const int32_t opposite = corner[2 + side], t[3] = { corner[0], corner[1], opposite };
-    const plate_vector e = plate_edge( f, corner[0], corner[1] ), d = plate_edge( f, corner[0], opposite );
-    shape->length = sqrt( plate_dot( e, e ) );
+    const double3 e = plate_edge( f, corner[0], corner[1] ), d = plate_edge( f, corner[0], opposite );
+    shape->length = sqrt( double3_dot( e, e ) );
     if ( !( shape->length > 0.0 ) )
     {
         return false;
     }
-    shape->foot[side] = plate_dot( d, e ) / plate_dot( e, e );
+    shape->foot[side] = double3_dot( d, e ) / double3_dot( e, e );
     shape->height[side] = 2.0 * plate_area( f, t ) / shape->length;
     return shape->height[side] > LEAST_HEIGHT * shape->length;
 }

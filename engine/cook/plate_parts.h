@@ -3,9 +3,8 @@
 
 #include "wisp/module/plate.h"
 
+#include "double3.h"
 #include "fabric_parts.h"
-
-#include <math.h>
 
 enum
 {
@@ -75,28 +74,15 @@ typedef struct plate_patch
     double of_vertex[3][PLATE_PATCH]; // 1/m
 } plate_patch;
 
-// Double precision, relative to a corner, so that nothing is lost far from the origin.
-typedef struct plate_vector
+// Relative to a corner, so that nothing is lost far from the origin.
+static inline double3 plate_edge( const wisp_fabric* f, int32_t from, int32_t to )
 {
-    double x, y, z;
-} plate_vector;
-
-static inline plate_vector plate_edge( const wisp_fabric* f, int32_t from, int32_t to )
-{
-    const wisp_vec3 a = f->rest[from], b = f->rest[to];
-    return ( plate_vector ){ (double)b.x - (double)a.x, (double)b.y - (double)a.y, (double)b.z - (double)a.z };
-}
-
-static inline double plate_dot( plate_vector a, plate_vector b )
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
+    return double3_sub( double3_widen( f->rest[to] ), double3_widen( f->rest[from] ) );
 }
 
 static inline double plate_area( const wisp_fabric* f, const int32_t* t )
 {
-    const plate_vector a = plate_edge( f, t[0], t[1] ), b = plate_edge( f, t[0], t[2] );
-    const plate_vector n = { a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
-    return 0.5 * sqrt( plate_dot( n, n ) );
+    return 0.5 * double3_length( double3_cross( plate_edge( f, t[0], t[1] ), plate_edge( f, t[0], t[2] ) ) );
 }
 
 static inline const int32_t* plate_corners( const wisp_fabric* f, const plate_hinge* h )

@@ -44,15 +44,15 @@ void plate_share_turn( const wisp_plate* plate, const wisp_fabric* f, const plat
 void plate_turn_energy( const wisp_plate* plate, const wisp_fabric* f, int32_t triangle, double m[3][3] )
 {
     const int32_t* t = f->triangles + 3 * (size_t)triangle;
-    const plate_vector e[3] = { plate_edge( f, t[0], t[1] ), plate_edge( f, t[1], t[2] ),
-                                plate_edge( f, t[2], t[0] ) };
+    const double3 e[3] = { plate_edge( f, t[0], t[1] ), plate_edge( f, t[1], t[2] ), plate_edge( f, t[2], t[0] ) };
     const double area = plate_area( f, t );
     for ( int p = 0; p < 3; ++p )
     {
         for ( int q = 0; q < 3; ++q )
         {
-            const double cosine = plate_dot( e[p], e[q] );
-            const double squares = plate_dot( e[p], e[p] ) * plate_dot( e[q], e[q] ), bottom = sqrt( squares ) * area;
+            const double cosine = double3_dot( e[p], e[q] );
+            const double squares = double3_dot( e[p], e[p] ) * double3_dot( e[q], e[q] ),
+                         bottom = sqrt( squares ) * area;
             m[p][q] = cosine * cosine > LEAST_COSINE2 * squares && bottom > 0.0 ? cosine * cosine / bottom : 0.0;
         }
     }

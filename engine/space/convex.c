@@ -57,11 +57,6 @@ static double in_front( const convex_face* f, double3 p )
     return double3_dot( f->normal, p ) - f->offset;
 }
 
-static double length_of( double3 v )
-{
-    return sqrt( double3_dot( v, v ) );
-}
-
 // Finds the point farthest from a point, a line or a plane, by how many are given.
 static int farthest( const hull* h, const int32_t* given, int count, double* distance )
 {
@@ -75,8 +70,8 @@ static int farthest( const hull* h, const int32_t* given, int count, double* dis
     for ( int i = 0; i < h->count; ++i )
     {
         const double3 d = double3_sub( double3_widen( h->points[i] ), a );
-        const double far = count == 1   ? length_of( d )
-                           : count == 2 ? length_of( double3_mul_add( d, -double3_dot( d, line ), line ) )
+        const double far = count == 1   ? double3_length( d )
+                           : count == 2 ? double3_length( double3_mul_add( d, -double3_dot( d, line ), line ) )
                                         : fabs( double3_dot( d, normal ) );
         best = far > *distance ? i : best;
         *distance = far > *distance ? far : *distance;

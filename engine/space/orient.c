@@ -5,7 +5,7 @@
 // 838 bits, and the result is exact for all inputs. The filter neither overflows nor underflows: a product of three
 // differences lies between 2^-447 and 2^388. Subnormal floats count with their value. If the host flushes
 // subnormals to zero, the result may be that for zeros.
-#include "double3.h"
+#include "solid.h"
 #include "wisp/module/intersections.h"
 
 #include <math.h>

@@ -3,6 +3,7 @@
 #include "samples_parts.h"
 
 #include "alloc.h"
+#include "double3.h"
 
 #include <float.h>
 #include <math.h>
@@ -79,19 +80,9 @@ samples_bounds samples_bounds_of( const wisp_samples_args* args, double n, doubl
 
 // ---- extents ----
 
-typedef struct double_vector
+static double3 between( const float* a, const float* b )
 {
-    double x, y, z;
-} double_vector;
-
-static double_vector between( const float* a, const float* b )
-{
-    return ( double_vector ){ (double)b[0] - (double)a[0], (double)b[1] - (double)a[1], (double)b[2] - (double)a[2] };
-}
-
-static double dot( double_vector a, double_vector b )
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
+    return double3_sub( double3_from( b ), double3_from( a ) );
 }
 
 static bool is_finite_number( const float* p )
@@ -104,8 +95,8 @@ bool samples_measure_edge( const wisp_samples_args* args, int edge, double* leng
     const float* a = args->position + (size_t)args->edges[2 * (size_t)edge] * 4;
     const float* b = args->position + (size_t)args->edges[2 * (size_t)edge + 1] * 4;
     const double d = (double)( args->edge_spacing != NULL ? args->edge_spacing[edge] : args->spacing );
-    const double_vector along = between( a, b );
-    *length = sqrt( dot( along, along ) ) / d;
+    const double3 along = between( a, b );
+    *length = double3_length( along ) / d;
     return is_finite_number( a ) && is_finite_number( b );
 }
 
@@ -114,7 +105,7 @@ bool samples_measure_triangle( const wisp_samples_args* args, int triangle, samp
     const int32_t* slots = args->triangles + 3 * (size_t)triangle;
     const double d = (double)( args->triangle_spacing != NULL ? args->triangle_spacing[triangle] : args->spacing );
     const float* p[3];
-    double_vector side[3];
+    double3 side[3];
     bool finite = true;
     for ( int k = 0; k < 3; ++k )
     {
@@ -126,7 +117,7 @@ bool samples_measure_triangle( const wisp_samples_args* args, int triangle, samp
     for ( int k = 0; k < 3; ++k )
     {
         side[k] = between( p[k], p[( k + 1 ) % 3] );
-        squared[k] = dot( side[k], side[k] );
+        squared[k] = double3_dot( side[k], side[k] );
         axis = squared[k] < squared[axis] ? k : axis;
     }
     *out = ( samples_extent ){ .axis = axis, .base = sqrt( squared[axis] ) };
@@ -134,10 +125,10 @@ bool samples_measure_triangle( const wisp_samples_args* args, int triangle, samp
     {
         // u = (c - a) - ((c - a) . s) s; the side from c to a has the opposite direction, which does not change its
         // length
-        const double_vector s = side[axis], up = side[( axis + 2 ) % 3];
-        const double along = dot( up, s ) / squared[axis];
-        const double_vector u = { up.x - along * s.x, up.y - along * s.y, up.z - along * s.z };
-        out->height = sqrt( dot( u, u ) ) / d;
+        const double3 s = side[axis], up = side[( axis + 2 ) % 3];
+        const double along = double3_dot( up, s ) / squared[axis];
+        const double3 u = double3_mul_add( up, -along, s );
+        out->height = double3_length( u ) / d;
         out->base /= d;
     }
     return finite;

@@ -18,5 +18,9 @@ double height_field_enter( const wisp_height_field* field, double3 from, double3
 double3 height_field_sample( const wisp_height_field* field, int i, int k );
 bool height_field_is_solid( const wisp_height_field* field );
 
+/// @return the exact sign of the volume of the tetrahedron a b c d: 1 if d is on the side of the normal (b - a) x (c - a), -1 on
+/// the other, 0 in the plane
+int space_side_of_plane( const float* a, const float* b, const float* c, const float* d );
+
 /// Closest point of a triangle to p (Ericson 2005, 5.1.5).
 double3 closest_on_triangle( double3 p, double3 a, double3 b, double3 c );

@@ -2,7 +2,7 @@
 // are zero.
 #include "intersections_fixture.h"
 
-#include "double3.h"
+#include "solid.h"
 
 static int side_of_whole( const whole_point p[4], const int powers[3] )
 {

@@ -53,13 +53,14 @@ static inline double3 double3_cross( double3 a, double3 b )
     return ( double3 ){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
 }
 
+static inline double double3_length( double3 a )
+{
+    return sqrt( double3_dot( a, a ) );
+}
+
 /// Normalise v, or return zero if it has no direction.
 static inline double3 double3_unit_or_zero( double3 v )
 {
     double squared = double3_dot( v, v );
     return double3_scale( v, squared > 0.0 ? 1.0 / sqrt( squared ) : 0.0 );
 }
-
-/// @return the exact sign of the volume of the tetrahedron a b c d: 1 if d is on the side of the normal (b - a) x (c - a), -1 on
-/// the other, 0 in the plane
-int space_side_of_plane( const float* a, const float* b, const float* c, const float* d );
