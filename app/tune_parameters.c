@@ -94,18 +94,12 @@ static const void* field_at( const wisp_scene* scene, int which, int entry )
     return (const char*)base + tune_fields[which].offset;
 }
 
-static double field_value( const wisp_scene* scene, int which, int entry )
+// Automatic coarse sheets, -1, count as 1, so that 1 leaves them as they are.
+static double own_value( const wisp_scene* scene, int which, int entry )
 {
     const void* at = field_at( scene, which, entry );
     const tune_field* f = &tune_fields[which];
-    return f->is_fraction ? (double)*(const float*)at : f->is_switch ? *(const bool*)at : *(const int*)at;
-}
-
-// Automatic coarse sheets count as 1, so that 1 leaves them as they are.
-static double own_value( const wisp_scene* scene, int which, int entry )
-{
-    const double own = field_value( scene, which, entry );
-    return own < 0.0 ? 1.0 : own;
+    return f->is_fraction ? (double)*(const float*)at : f->is_switch ? *(const bool*)at : abs( *(const int*)at );
 }
 
 static void set_field( wisp_scene* scene, int which, int entry, double value )

@@ -193,8 +193,6 @@ static wisp_implicit_cloth_def validate_implicit_material( double rigidity, doub
 {
     wisp_implicit_cloth_def cloth = wisp_default_implicit_cloth_def();
     cloth.tolerance = 1e-3f; // plates that buckle need it: the default of 1e-2 is 2.5 % off
-    cloth.stiffness_model = WISP_IMPLICIT_STIFFNESS_MATERIAL;
-    cloth.weights = WISP_IMPLICIT_WEIGHTS_NONE;
     cloth.link_damping = 0.0f; // of a strip that bends it would be drag
     cloth.integrator = WISP_INTEGRATOR_BDF2;
     cloth.bend_rigidity = (float)rigidity;

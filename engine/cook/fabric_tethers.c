@@ -164,7 +164,8 @@ static geodesic_node* visit( geodesic_march* m, int32_t v )
     {
         *node = ( geodesic_node ){
             .distance = INFINITY,
-            .straight = length( difference( m->net->point[v], m->net->point[m->source] ) ),
+            .straight = double3_length(
+                double3_sub( double3_widen( m->net->point[v] ), double3_widen( m->net->point[m->source] ) ) ),
             .march = m->number,
             .place = -1,
         };
