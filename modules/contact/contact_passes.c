@@ -267,7 +267,8 @@ static void find_spheres( const contact_work* work, bool is_start )
     const contact_spheres* spheres = s->spheres;
     const bool is_due = is_start || s->is_listed == false;
     work->memory->tangled = 0;
-    s->is_listed = is_due == false || run_stage( work, contact_list_spheres );
+    s->is_listed =
+        is_due == false || ( run_stage( work, contact_make_spheres ) && run_stage( work, contact_list_spheres ) );
     bool holds = s->is_listed && run_stage( work, contact_begin_spheres );
     if ( holds && is_due == false && spheres->strayed > spheres->count / MOST_STRAYED )
     {
