@@ -77,7 +77,7 @@ void KERNEL( predict_points )( const wisp_point_list_args* args, int begin, int 
                      stray = lane16_add( lane16_mul( lane16_set1( args->stray_by_gap ), keeps ),
                                          lane16_mul( lane16_set1( args->stray_by_motion ), length ) ),
                      most = lane16_max( thickness, lane16_set1( 0.5f * args->largest_cover ) );
-        const lane16v middle = lane16v_mul_add( from, half, motion );
+        const lane16v middle = lane16v_mul_add( from, lane16_set1( args->middle ), motion );
         const lane16 middles[3] = { middle.x, middle.y, middle.z }, motions[3] = { motion.x, motion.y, motion.z };
         for ( int k = 0; k < 3; ++k )
         {

@@ -29,12 +29,13 @@ enum
     SWEEPS = 8, // of a substep, at most
     MAX_HALVED = 12,
     MAX_PER_SPHERE = 256, // pairs before margins are halved
+    MOST_STRAYED = 4,     // one in so many packs before all are searched
 };
 
 // Pairs are projected that come within so many distances in a substep.
 static const float NEAR_GAPS = 1.25f;
 // Pairs of one surface that are at rest within so many distances are neighbours: those of an edge are.
-static const float NEIGHBOURS = 1.3f;
+static const float NEIGHBOURS = 1.45f;
 // How far a sphere may stray from its predicted motion, as a part of it.
 static const float STRAY = 0.25f;
 // Sweeps end where no pair lacks more than so many distances.
@@ -84,6 +85,7 @@ static bool reserve_spheres( const contact_work* work, int count, bool has_layer
         { &s->boxes, packs * sizeof( *s->boxes ) },
         { &s->active, n * one },
         { &s->is_active, n },
+        { &s->has_strayed, packs },
     };
     bool enough = true;
     for ( int i = 0; i < WISP_COUNT( all ) && enough; ++i )
@@ -206,7 +208,7 @@ typedef struct sphere_loop
     wisp_point_list_args list;
     wisp_point_pair_args pairs;
     float progress; // of the step, at the end of the substep, less a half
-    _Atomic int count;
+    _Atomic int count, packs;
 } sphere_loop;
 
 // Place spheres of layers, and give those that can move an inverse mass.
@@ -330,8 +332,8 @@ static void sort_spheres( const contact_spheres* s )
 {
     enum
     {
-        DIGIT_BITS = 12,
-        PLACES = 1 << DIGIT_BITS,
+        KEY_BITS = 12,
+        PLACES = 1 << KEY_BITS,
     };
     find_keys( s );
     for ( int pass = 0; pass < 2; ++pass )
@@ -340,7 +342,7 @@ static void sort_spheres( const contact_spheres* s )
         const size_t n = (size_t)s->count, from = pass == 0 ? 0 : n, to = n - from;
         for ( size_t i = from; i < from + n; ++i )
         {
-            place[( s->key[i] >> pass * DIGIT_BITS & ( PLACES - 1 ) ) + 1] += 1;
+            place[( s->key[i] >> pass * KEY_BITS & ( PLACES - 1 ) ) + 1] += 1;
         }
         for ( int d = 0; d < PLACES; ++d )
         {
@@ -348,7 +350,7 @@ static void sort_spheres( const contact_spheres* s )
         }
         for ( size_t i = from; i < from + n; ++i )
         {
-            const size_t at = to + place[s->key[i] >> pass * DIGIT_BITS & ( PLACES - 1 )]++;
+            const size_t at = to + place[s->key[i] >> pass * KEY_BITS & ( PLACES - 1 )]++;
             s->key[at] = s->key[i];
             s->order[at] = s->order[i];
         }
@@ -390,6 +392,7 @@ static wisp_point_list_args list_args( const contact_work* work )
                                      .stray_by_motion = STRAY * s->margin,
                                      .largest_cover = s->largest_cover,
                                      .neighbours = NEIGHBOURS,
+                                     .middle = 0.5f,
                                      .first = s->first,
                                      .second = s->second,
                                      .found = s->found,
@@ -456,47 +459,52 @@ static void end_pairs( contact_sphere_pairs* pairs )
     pairs->count = count;
 }
 
-// Find the pairs of packs whose boxes overlap, and their pairs of spheres. @return WISP_BAD_INPUT if there are too many
-static wisp_status search( const contact_work* work, size_t* found, wisp_error* error )
+// Reserve memory for pairs of packs.
+static bool reserve_overlaps( const contact_work* work, size_t count )
 {
     contact_spheres* s = spheres_of( work );
-    sphere_loop loop = { .work = work, .list = list_args( work ) };
-    wisp_parallel_for( work->parallel, s->pack_count, GRAIN, predict_packs, &loop );
+    wisp_buffer* b = s->buffers + CONTACT_SPHERE_ARRAY_COUNT - 4;
+    return contact_reserve( work, b, count * sizeof( int32_t ), (void**)&s->first ) &&
+           contact_reserve( work, b + 1, count * sizeof( int32_t ), (void**)&s->second ) &&
+           contact_reserve( work, b + 2, count * sizeof( int32_t ), (void**)&s->pair_count ) &&
+           contact_reserve( work, b + 3, count * sizeof( *s->found ), (void**)&s->found );
+}
+
+static void put_overlap( contact_spheres* s, int first, int second )
+{
+    s->first[s->overlap_count] = first;
+    s->second[s->overlap_count++] = second;
+}
+
+// Find all pairs of packs whose boxes overlap. @return WISP_BAD_INPUT if there are too many
+static wisp_status find_overlaps( const contact_work* work, wisp_error* error )
+{
+    contact_spheres* s = spheres_of( work );
     const wisp_aabb_args args = { .boxes = s->boxes,
                                   .box_count = s->pack_count,
                                   .limit = (size_t)s->pack_count * MAX_PER_SPHERE,
                                   .kernels = wisp_frame_kernels( work->frame ) };
     WISP_TRY( wisp_aabb_pairs_find( &s->overlaps, work->parallel, &args, error ) );
-    const size_t count = s->overlaps.pair_count + (size_t)s->pack_count;
-    wisp_buffer* b = s->buffers + CONTACT_SPHERE_ARRAY_COUNT - 3;
-    if ( contact_reserve( work, b, 2 * count * sizeof( int32_t ), (void**)&s->first ) == false ||
-         contact_reserve( work, b + 1, count * sizeof( int32_t ), (void**)&s->pair_count ) == false ||
-         contact_reserve( work, b + 2, count * sizeof( *s->found ), (void**)&s->found ) == false )
+    if ( reserve_overlaps( work, s->overlaps.pair_count + (size_t)s->pack_count ) == false )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the pairs of %d spheres", s->count );
     }
-    s->second = s->first + count;
-    for ( int pack = 0, at = 0; pack < s->pack_count; ++pack )
+    s->overlap_count = 0;
+    for ( int pack = 0; pack < s->pack_count; ++pack )
     {
-        s->first[at] = s->second[at] = pack;
-        at += 1;
-        for ( int i = s->overlaps.begin[pack]; i < s->overlaps.begin[pack + 1]; ++i, ++at )
+        put_overlap( s, pack, pack );
+        for ( int i = s->overlaps.begin[pack]; i < s->overlaps.begin[pack + 1]; ++i )
         {
-            s->first[at] = pack;
-            s->second[at] = s->overlaps.item[i];
+            put_overlap( s, pack, s->overlaps.item[i] );
         }
     }
-    loop.list = list_args( work );
-    wisp_parallel_for( work->parallel, (int)count, GRAIN, list_packs, &loop );
-    *found = 0;
-    for ( size_t i = 0; i < count; ++i )
-    {
-        *found += (size_t)s->pair_count[i];
-    }
-    return *found <= (size_t)s->count * MAX_PER_SPHERE
-               ? WISP_OK
-               : wisp_fail( error, WISP_BAD_INPUT, "%d spheres in contact: %zu pairs are near each other", s->count,
-                            *found );
+    return WISP_OK;
+}
+
+static bool do_overlap( const wisp_aabb* a, const wisp_aabb* b )
+{
+    return a->lower[0] <= b->upper[0] && a->upper[0] >= b->lower[0] && a->lower[1] <= b->upper[1] &&
+           a->upper[1] >= b->lower[1] && a->lower[2] <= b->upper[2] && a->upper[2] >= b->lower[2];
 }
 
 static void list_lane( const contact_work* work, const wisp_point_pack* a, int lane, const wisp_point_pack* b,
@@ -519,37 +527,30 @@ static void list_lane( const contact_work* work, const wisp_point_pack* a, int l
     }
 }
 
-wisp_status contact_list_spheres( const contact_work* work, wisp_error* error )
+// List the pairs of spheres of overlapping packs behind those that are listed. @return WISP_BAD_INPUT if there are too many
+static wisp_status list_overlaps( sphere_loop* loop, wisp_error* error )
 {
-    const contact_contact_mesh* m = work->contact_mesh;
-    contact_spheres* s = m->spheres;
-    sphere_loop loop = { .work = work };
-    m->broad_phase->searches += 1;
-    s->substeps = work->substeps_left;
-    s->done = 0;
-    place_layer_spheres( &loop );
-    double sum[3];
-    (void)wisp_frame_kernels( work->frame )
-        ->sum_displacements( &( const wisp_displacement_args ){ .before = m->intersection_free, .now = m->now }, 0,
-                             m->point_count, sum );
-    for ( int k = 0; k < 3; ++k )
+    const contact_work* work = loop->work;
+    contact_spheres* s = spheres_of( work );
+    const int kept = s->listed.count;
+    size_t found = (size_t)kept;
+    loop->list = list_args( work );
+    wisp_parallel_for( work->parallel, s->overlap_count, GRAIN, list_packs, loop );
+    for ( int i = 0; i < s->overlap_count; ++i )
     {
-        s->common[k] = (float)( sum[k] * (double)s->substeps / (double)m->point_count );
+        found += (size_t)s->pair_count[i];
     }
-    wisp_status status = WISP_BAD_INPUT;
-    size_t found = 0;
-    s->margin = 1.0f;
-    for ( int i = 0; i < MAX_HALVED && status == WISP_BAD_INPUT; ++i )
+    if ( found > (size_t)s->count * MAX_PER_SPHERE )
     {
-        status = search( work, &found, error );
-        s->margin *= 0.5f; // after more pairs than the limit
+        return wisp_fail( error, WISP_BAD_INPUT, "%d spheres in contact: %zu pairs are near each other", s->count,
+                          found );
     }
-    if ( status == WISP_OK && reserve_sphere_pairs( work, &s->listed, found, false ) == false )
+    if ( reserve_sphere_pairs( work, &s->listed, found, false ) == false )
     {
-        status = wisp_fail( error, WISP_NO_MEMORY, "out of memory for the pairs of %d spheres", s->count );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the pairs of %d spheres", s->count );
     }
-    const int overlaps = status == WISP_OK ? s->pack_count + (int)s->overlaps.pair_count : 0;
-    for ( int i = 0; i < overlaps; ++i )
+    s->listed.count = kept;
+    for ( int i = 0; i < s->overlap_count; ++i )
     {
         for ( int lane = 0; lane < PACK && s->pair_count[i] > 0; ++lane )
         {
@@ -557,7 +558,92 @@ wisp_status contact_list_spheres( const contact_work* work, wisp_error* error )
         }
     }
     end_pairs( &s->listed );
+    return WISP_OK;
+}
+
+// Find the mean motion of all points.
+static void find_common_motion( const contact_work* work )
+{
+    const contact_contact_mesh* m = work->contact_mesh;
+    const wisp_displacement_args args = { .before = m->intersection_free, .now = m->now };
+    double sum[3];
+    (void)wisp_frame_kernels( work->frame )->sum_displacements( &args, 0, m->point_count, sum );
+    for ( int k = 0; k < 3; ++k )
+    {
+        m->spheres->common[k] = (float)( sum[k] * (double)m->spheres->substeps / (double)m->point_count );
+    }
+}
+
+wisp_status contact_list_spheres( const contact_work* work, wisp_error* error )
+{
+    contact_spheres* s = spheres_of( work );
+    sphere_loop loop = { .work = work };
+    wisp_status status = WISP_BAD_INPUT;
+    work->contact_mesh->broad_phase->searches += 1;
+    s->substeps = work->substeps_left;
+    s->done = 0;
+    s->margin = 1.0f;
+    find_common_motion( work );
+    for ( int i = 0; i < MAX_HALVED && status == WISP_BAD_INPUT; ++i )
+    {
+        loop.list = list_args( work );
+        s->listed.count = 0;
+        wisp_parallel_for( work->parallel, s->pack_count, GRAIN, predict_packs, &loop );
+        status = find_overlaps( work, error );
+        status = status == WISP_OK ? list_overlaps( &loop, error ) : status;
+        s->margin *= 0.5f; // after more pairs than the limit
+    }
+    s->margin *= 2.0f;
     return status;
+}
+
+// Predict the packs again whose spheres left their paths, and list their pairs anew.
+static wisp_status list_strayed( sphere_loop* loop, wisp_error* error )
+{
+    const contact_work* work = loop->work;
+    contact_spheres* s = spheres_of( work );
+    contact_sphere_pairs* listed = &s->listed;
+    work->contact_mesh->broad_phase->searches += 1;
+    memset( s->is_active, 0, (size_t)s->count );
+    for ( int pack = 0; pack < s->pack_count; ++pack )
+    {
+        if ( s->has_strayed[pack] != 0 )
+        {
+            predict_packs( loop, pack, pack + 1, 0 );
+            for ( int lane = 0; lane < PACK; ++lane )
+            {
+                s->is_active[s->packs[pack].point_x4[lane] / 4] = 1;
+            }
+        }
+    }
+    const int before = listed->count;
+    listed->count = 0;
+    for ( int i = 0; i < before; ++i )
+    {
+        const int32_t a = listed->point_x4[0][i], b = listed->point_x4[1][i];
+        if ( s->is_active[a / 4] == 0 && s->is_active[b / 4] == 0 )
+        {
+            put_sphere_pair( listed, a, b, listed->gap[i], listed->friction[i] );
+        }
+    }
+    s->overlap_count = 0;
+    for ( int a = 0; a < s->pack_count; ++a )
+    {
+        if ( s->has_strayed[a] != 0 &&
+             reserve_overlaps( work, (size_t)( s->overlap_count + s->pack_count ) ) == false )
+        {
+            return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the pairs of %d spheres", s->count );
+        }
+        for ( int b = s->has_strayed[a] != 0 ? 0 : s->pack_count; b < s->pack_count; ++b )
+        {
+            // two that strayed are a pair once
+            if ( ( s->has_strayed[b] == 0 || b >= a ) && do_overlap( s->boxes + a, s->boxes + b ) )
+            {
+                put_overlap( s, a, b );
+            }
+        }
+    }
+    return list_overlaps( loop, error );
 }
 
 // ---- near pairs of a substep ----
@@ -576,13 +662,51 @@ static wisp_point_pair_args pair_args( const contact_spheres* s, const contact_s
                                      .shift = pairs->shift };
 }
 
-static void count_strayed( void* context, int begin, int end, int worker )
+static void find_strayed( void* context, int begin, int end, int worker )
 {
     (void)worker;
     sphere_loop* loop = context;
-    const int strayed =
-        wisp_frame_kernels( loop->work->frame )->count_strayed( &loop->list, loop->progress, begin, end );
-    atomic_fetch_add( &loop->count, strayed );
+    const contact_spheres* s = spheres_of( loop->work );
+    int sum = 0, packs = 0;
+    for ( int pack = begin; pack < end; ++pack )
+    {
+        const int count =
+            wisp_frame_kernels( loop->work->frame )->count_strayed( &loop->list, loop->progress, pack, pack + 1 );
+        s->has_strayed[pack] = count > 0 ? 1 : 0;
+        packs += count > 0 ? 1 : 0;
+        sum += count;
+    }
+    if ( sum > 0 )
+    {
+        atomic_fetch_add( &loop->count, sum );
+        atomic_fetch_add( &loop->packs, packs );
+    }
+}
+
+// List the pairs of spheres again that left their paths: of all if there are many.
+static wisp_status follow_strayed( sphere_loop* loop, wisp_error* error )
+{
+    contact_spheres* s = spheres_of( loop->work );
+    atomic_init( &loop->count, 0 );
+    atomic_init( &loop->packs, 0 );
+    wisp_parallel_for( loop->work->parallel, s->pack_count, GRAIN, find_strayed, loop );
+    s->strayed = atomic_load( &loop->count );
+    if ( s->strayed == 0 )
+    {
+        return WISP_OK;
+    }
+    loop->list.middle = 0.5f - (float)( s->done - 1 ) / (float)s->substeps;
+    wisp_status status = WISP_BAD_INPUT;
+    if ( atomic_load( &loop->packs ) <= s->pack_count / MOST_STRAYED )
+    {
+        status = list_strayed( loop, error );
+    }
+    if ( status == WISP_BAD_INPUT )
+    {
+        status = contact_list_spheres( loop->work, error );
+        s->done = 1;
+    }
+    return status;
 }
 
 static void find_near( void* context, int begin, int end, int worker )
@@ -606,12 +730,10 @@ wisp_status contact_begin_spheres( const contact_work* work, wisp_error* error )
     s->done += 1;
     sphere_loop loop = { .work = work,
                          .list = list_args( work ),
-                         .pairs = pair_args( s, listed ),
                          .progress = (float)s->done / (float)s->substeps - 0.5f };
-    atomic_init( &loop.count, 0 );
     place_layer_spheres( &loop );
-    wisp_parallel_for( work->parallel, s->pack_count, GRAIN, count_strayed, &loop );
-    s->strayed = atomic_load( &loop.count );
+    WISP_TRY( follow_strayed( &loop, error ) );
+    loop.pairs = pair_args( s, listed );
     wisp_parallel_for( work->parallel, listed->pack_count, GRAIN, find_near, &loop );
     size_t count = 0;
     for ( int pack = 0; pack < listed->pack_count; ++pack )

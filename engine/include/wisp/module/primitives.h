@@ -113,6 +113,7 @@ typedef struct wisp_point_list_args
     wisp_aabb* boxes;                    ///< [pack] out of predict_points: what its points reach
     float common[3];                     ///< m, mean motion in a step
     float substeps;                      ///< of the step
+    float middle;                        ///< part of a path from the start of this substep to its middle
     float stray_by_gap, stray_by_motion; ///< parts of what a point keeps, and of its motion beside the common one
     float largest_cover;                 ///< m
     float neighbours;                    ///< gaps
