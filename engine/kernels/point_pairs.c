@@ -25,6 +25,13 @@ LANE_INLINE lane16v load_rows( const float rows[3][LANES] )
     return ( lane16v ){ lane16_loadu( rows[0] ), lane16_loadu( rows[1] ), lane16_loadu( rows[2] ) };
 }
 
+LANE_INLINE void store_rows( float rows[3][LANES], lane16v v )
+{
+    lane16_storeu( rows[0], v.x );
+    lane16_storeu( rows[1], v.y );
+    lane16_storeu( rows[2], v.z );
+}
+
 LANE_INLINE lane16v spread( const float rows[3][LANES], int lane )
 {
     return ( lane16v ){ lane16_set1( rows[0][lane] ), lane16_set1( rows[1][lane] ), lane16_set1( rows[2][lane] ) };
@@ -38,11 +45,44 @@ LANE_INLINE lane16m valid_lanes( const wisp_point_list_args* args, int pack )
     return lane16m_first( args->point_count - pack * LANES );
 }
 
-// Box the points of a pack, each as far as it reaches.
-static void box_pack( const wisp_point_list_args* args, int at )
+// Return how many points a pack has.
+static int count_points( const wisp_point_list_args* args, int pack )
 {
-    const wisp_point_pack* pack = args->packs + at;
-    const int left = args->point_count - at * LANES, count = left < LANES ? left : LANES;
+    const int left = args->point_count - pack * LANES;
+    return left < LANES ? left : LANES;
+}
+
+// Predict the paths of the points of a pack, and their mean.
+static void predict_paths( const wisp_point_list_args* args, int at )
+{
+    const lane16 zero = lane16_zero();
+    const lane16v none = { zero, zero, zero };
+    wisp_point_pack* pack = args->packs + at;
+    const lane16v from = load_points( args->start, pack->point_x4 ),
+                  way = lane16v_sub( load_points( args->now, pack->point_x4 ), from );
+    // the engine halts what moves farther
+    const lane16m is_likely = lane16_lt( lane16v_dot( way, way ), lane16_set1( 1e12f ) );
+    const lane16v motion = lane16v_select( is_likely, lane16v_scale( way, lane16_set1( args->substeps ) ), none );
+    const lane16v middle = lane16v_mul_add( from, lane16_set1( 0.5f ), motion );
+    store_rows( pack->at, middle );
+    store_rows( pack->motion, motion );
+    const int count = count_points( args, at );
+    for ( int k = 0; k < 3; ++k )
+    {
+        float sum = 0.0f;
+        for ( int i = 0; i < count; ++i )
+        {
+            sum += pack->motion[k][i];
+        }
+        pack->common[k] = sum / (float)count;
+    }
+}
+
+// Box the points of a pack, each as far as it reaches.
+static void box_points( const wisp_point_list_args* args, int at )
+{
+    wisp_point_pack* pack = args->packs + at;
+    const int count = count_points( args, at );
     for ( int k = 0; k < 3; ++k )
     {
         float lower = INFINITY, upper = -INFINITY;
@@ -52,41 +92,36 @@ static void box_pack( const wisp_point_list_args* args, int at )
             lower = l < lower ? l : lower;
             upper = u > upper ? u : upper;
         }
-        args->boxes[at].lower[k] = lower;
-        args->boxes[at].upper[k] = upper;
+        const float half = 0.5f * fabsf( pack->common[k] - args->common[k] );
+        pack->box.lower[k] = lower;
+        pack->box.upper[k] = upper;
+        args->boxes[at].lower[k] = lower - half;
+        args->boxes[at].upper[k] = upper + half;
     }
 }
 
 void KERNEL( predict_points )( const wisp_point_list_args* args, int begin, int end )
 {
-    const lane16 half = lane16_set1( 0.5f ), zero = lane16_zero();
-    const lane16v none = { zero, zero, zero },
-                  common = lane16v_set1( ( wisp_vec3 ){ args->common[0], args->common[1], args->common[2] } );
     for ( int at = begin; at < end; ++at )
     {
         wisp_point_pack* pack = args->packs + at;
-        const lane16v from = load_points( args->start, pack->point_x4 ),
-                      way = lane16v_sub( load_points( args->now, pack->point_x4 ), from );
-        // the engine halts what moves farther
-        const lane16m is_likely = lane16_lt( lane16v_dot( way, way ), lane16_set1( 1e12f ) );
-        const lane16v motion = lane16v_select( is_likely, lane16v_scale( way, lane16_set1( args->substeps ) ), none ),
-                      own = lane16v_sub( motion, common );
-        const lane16 cover = lane16_loadu( pack->cover ), thickness = lane16_loadu( pack->half ),
-                     length = lane16_sqrt( lane16v_dot( own, own ) ),
-                     keeps = lane16_max( lane16_add( thickness, thickness ), cover ),
-                     stray = lane16_add( lane16_mul( lane16_set1( args->stray_by_gap ), keeps ),
-                                         lane16_mul( lane16_set1( args->stray_by_motion ), length ) ),
-                     most = lane16_max( thickness, lane16_set1( 0.5f * args->largest_cover ) );
-        const lane16v middle = lane16v_mul_add( from, lane16_set1( args->middle ), motion );
-        const lane16 middles[3] = { middle.x, middle.y, middle.z }, motions[3] = { motion.x, motion.y, motion.z };
-        for ( int k = 0; k < 3; ++k )
-        {
-            lane16_storeu( pack->at[k], middles[k] );
-            lane16_storeu( pack->motion[k], motions[k] );
-        }
+        predict_paths( args, at );
+        const lane16v motion = load_rows( pack->motion ),
+                      common = { lane16_set1( args->common[0] ), lane16_set1( args->common[1] ),
+                                 lane16_set1( args->common[2] ) },
+                      of_pack = { lane16_set1( pack->common[0] ), lane16_set1( pack->common[1] ),
+                                  lane16_set1( pack->common[2] ) };
+        const lane16v own = lane16v_sub( motion, common ), beside = lane16v_sub( motion, of_pack );
+        const lane16 thickness = lane16_loadu( pack->half ),
+                     keeps = lane16_max( lane16_add( thickness, thickness ), lane16_loadu( pack->cover ) ),
+                     stray = lane16_add(
+                         lane16_mul( lane16_set1( args->stray_by_gap ), keeps ),
+                         lane16_mul( lane16_set1( args->stray_by_motion ), lane16_sqrt( lane16v_dot( own, own ) ) ) ),
+                     most = lane16_max( thickness, lane16_set1( 0.5f * args->largest_cover ) ),
+                     half = lane16_mul( lane16_set1( 0.5f ), lane16_sqrt( lane16v_dot( beside, beside ) ) );
         lane16_storeu( pack->stray, stray );
-        lane16_storeu( pack->reach, lane16_add( lane16_add( most, stray ), lane16_mul( half, length ) ) );
-        box_pack( args, at );
+        lane16_storeu( pack->reach, lane16_add( lane16_add( most, stray ), half ) );
+        box_points( args, at );
     }
 }
 
@@ -106,15 +141,16 @@ int KERNEL( count_strayed )( const wisp_point_list_args* args, float progress, i
     return count;
 }
 
-// Return the points of a pack that reach a box.
-LANE_INLINE uint32_t reach_box( const wisp_point_pack* pack, const wisp_aabb* box, lane16m valid )
+// Return the points of a pack that may reach those of another.
+LANE_INLINE uint32_t reach_pack( const wisp_point_pack* pack, const wisp_point_pack* other, lane16m valid )
 {
     const lane16 reach = lane16_loadu( pack->reach );
     for ( int k = 0; k < 3; ++k )
     {
+        const float path = 0.5f * fabsf( pack->common[k] - other->common[k] );
         const lane16 at = lane16_loadu( pack->at[k] );
-        valid = lane16m_and( valid, lane16_ge( lane16_add( at, reach ), lane16_set1( box->lower[k] ) ) );
-        valid = lane16m_and( valid, lane16_le( lane16_sub( at, reach ), lane16_set1( box->upper[k] ) ) );
+        valid = lane16m_and( valid, lane16_ge( lane16_add( at, reach ), lane16_set1( other->box.lower[k] - path ) ) );
+        valid = lane16m_and( valid, lane16_le( lane16_sub( at, reach ), lane16_set1( other->box.upper[k] + path ) ) );
     }
     return lane16m_bits( valid );
 }
@@ -123,35 +159,27 @@ LANE_INLINE uint32_t reach_box( const wisp_point_pack* pack, const wisp_aabb* bo
 LANE_INLINE uint32_t meet( const wisp_point_list_args* args, const wisp_point_pack* a, int lane,
                            const wisp_point_pack* b, lane16m valid )
 {
-    const lane16v d = lane16v_sub( load_rows( b->at ), spread( a->at, lane ) );
-    const lane16 squared = lane16v_dot( d, d );
-    const lane16 reach = lane16_add( lane16_loadu( b->reach ), lane16_set1( a->reach[lane] ) );
-    valid = lane16m_and( valid, lane16_le( squared, lane16_mul( reach, reach ) ) );
-    if ( lane16m_any( valid ) == false )
-    {
-        return 0;
-    }
+    const lane16v d = lane16v_sub( load_rows( b->at ), spread( a->at, lane ) ),
+                  u = lane16v_sub( load_rows( b->motion ), spread( a->motion, lane ) );
     const lane16 gap = lane16_max( lane16_add( lane16_loadu( b->half ), lane16_set1( a->half[lane] ) ),
-                                   lane16_max( lane16_loadu( b->cover ), lane16_set1( a->cover[lane] ) ) );
-    const lane16v r = lane16v_sub( load_rows( b->rest ), spread( a->rest, lane ) );
-    const lane16 near = lane16_mul( gap, lane16_set1( args->neighbours ) );
-    const lane16m is_neighbour = lane16m_and( lane16_le( lane16v_dot( r, r ), lane16_mul( near, near ) ),
-                                              lane16_eq( lane16_loadu( b->group ), lane16_set1( a->group[lane] ) ) );
-    valid = lane16m_and_not( valid, is_neighbour );
-    if ( lane16m_any( valid ) == false )
-    {
-        return 0;
-    }
-    const lane16v u = lane16v_sub( load_rows( b->motion ), spread( a->motion, lane ) );
-    const lane16 within = lane16_add( gap, lane16_add( lane16_loadu( b->stray ), lane16_set1( a->stray[lane] ) ) ),
-                 apart = lane16_sub( squared, lane16_mul( within, within ) ),
+                                   lane16_max( lane16_loadu( b->cover ), lane16_set1( a->cover[lane] ) ) ),
+                 within = lane16_add( gap, lane16_add( lane16_loadu( b->stray ), lane16_set1( a->stray[lane] ) ) ),
+                 apart = lane16_sub( lane16v_dot( d, d ), lane16_mul( within, within ) ),
                  along = lane16_abs( lane16v_dot( d, u ) ), path = lane16v_dot( u, u );
     // the nearest is inside of the paths, or at an end
     const lane16m inside = lane16_lt( lane16_add( along, along ), path ),
                   crosses = lane16_le( lane16_mul( apart, path ), lane16_mul( along, along ) ),
                   ends = lane16_le( apart, lane16_sub( along, lane16_mul( lane16_set1( 0.25f ), path ) ) );
-    return lane16m_bits(
-        lane16m_and( valid, lane16m_or( lane16m_and( inside, crosses ), lane16m_and_not( ends, inside ) ) ) );
+    valid = lane16m_and( valid, lane16m_or( lane16m_and( inside, crosses ), lane16m_and_not( ends, inside ) ) );
+    if ( lane16m_any( valid ) == false )
+    {
+        return 0;
+    }
+    const lane16v r = lane16v_sub( load_rows( b->rest ), spread( a->rest, lane ) );
+    const lane16 near = lane16_mul( gap, lane16_set1( args->neighbours ) );
+    const lane16m is_neighbour = lane16m_and( lane16_le( lane16v_dot( r, r ), lane16_mul( near, near ) ),
+                                              lane16_eq( lane16_loadu( b->group ), lane16_set1( a->group[lane] ) ) );
+    return lane16m_bits( lane16m_and_not( valid, is_neighbour ) );
 }
 
 void KERNEL( list_point_pairs )( const wisp_point_list_args* args, int begin, int end )
@@ -160,7 +188,7 @@ void KERNEL( list_point_pairs )( const wisp_point_list_args* args, int begin, in
     {
         const int first = args->first[pair], second = args->second[pair];
         const wisp_point_pack *a = args->packs + first, *b = args->packs + second;
-        uint32_t queries = reach_box( a, args->boxes + second, valid_lanes( args, first ) );
+        uint32_t queries = reach_pack( a, b, valid_lanes( args, first ) );
         int count = 0;
         memset( args->found[pair], 0, sizeof( args->found[pair] ) );
         for ( ; queries != 0; queries &= queries - 1 )
@@ -180,9 +208,7 @@ void KERNEL( list_point_pairs )( const wisp_point_list_args* args, int begin, in
 LANE_INLINE void store_pairs( float* rows, int pack, lane16v v )
 {
     float xyz[3][LANES];
-    lane16_storeu( xyz[0], v.x );
-    lane16_storeu( xyz[1], v.y );
-    lane16_storeu( xyz[2], v.z );
+    store_rows( xyz, v );
     for ( int at = 0; at < LANES; at += 8 )
     {
         lane8_store_xyzw_contiguous( rows + (size_t)( pack * LANES + at ) * 4, lane8_loadu( xyz[0] + at ),

@@ -29,7 +29,7 @@ enum
     SWEEPS = 8, // of a substep, at most
     MAX_HALVED = 12,
     MAX_PER_SPHERE = 256, // pairs before margins are halved
-    MOST_STRAYED = 4,     // one in so many packs before all are searched
+    MOST_STRAYED = 100,   // one in so many spheres before all are searched again
 };
 
 // Pairs are projected that come within so many distances in a substep.
@@ -85,7 +85,6 @@ static bool reserve_spheres( const contact_work* work, int count, bool has_layer
         { &s->boxes, packs * sizeof( *s->boxes ) },
         { &s->active, n * one },
         { &s->is_active, n },
-        { &s->has_strayed, packs },
     };
     bool enough = true;
     for ( int i = 0; i < WISP_COUNT( all ) && enough; ++i )
@@ -208,7 +207,7 @@ typedef struct sphere_loop
     wisp_point_list_args list;
     wisp_point_pair_args pairs;
     float progress; // of the step, at the end of the substep, less a half
-    _Atomic int count, packs;
+    _Atomic int count;
 } sphere_loop;
 
 // Place spheres of layers, and give those that can move an inverse mass.
@@ -392,7 +391,6 @@ static wisp_point_list_args list_args( const contact_work* work )
                                      .stray_by_motion = STRAY * s->margin,
                                      .largest_cover = s->largest_cover,
                                      .neighbours = NEIGHBOURS,
-                                     .middle = 0.5f,
                                      .first = s->first,
                                      .second = s->second,
                                      .found = s->found,
@@ -459,23 +457,6 @@ static void end_pairs( contact_sphere_pairs* pairs )
     pairs->count = count;
 }
 
-// Reserve memory for pairs of packs.
-static bool reserve_overlaps( const contact_work* work, size_t count )
-{
-    contact_spheres* s = spheres_of( work );
-    wisp_buffer* b = s->buffers + CONTACT_SPHERE_ARRAY_COUNT - 4;
-    return contact_reserve( work, b, count * sizeof( int32_t ), (void**)&s->first ) &&
-           contact_reserve( work, b + 1, count * sizeof( int32_t ), (void**)&s->second ) &&
-           contact_reserve( work, b + 2, count * sizeof( int32_t ), (void**)&s->pair_count ) &&
-           contact_reserve( work, b + 3, count * sizeof( *s->found ), (void**)&s->found );
-}
-
-static void put_overlap( contact_spheres* s, int first, int second )
-{
-    s->first[s->overlap_count] = first;
-    s->second[s->overlap_count++] = second;
-}
-
 // Find all pairs of packs whose boxes overlap. @return WISP_BAD_INPUT if there are too many
 static wisp_status find_overlaps( const contact_work* work, wisp_error* error )
 {
@@ -485,26 +466,25 @@ static wisp_status find_overlaps( const contact_work* work, wisp_error* error )
                                   .limit = (size_t)s->pack_count * MAX_PER_SPHERE,
                                   .kernels = wisp_frame_kernels( work->frame ) };
     WISP_TRY( wisp_aabb_pairs_find( &s->overlaps, work->parallel, &args, error ) );
-    if ( reserve_overlaps( work, s->overlaps.pair_count + (size_t)s->pack_count ) == false )
+    const size_t count = s->overlaps.pair_count + (size_t)s->pack_count;
+    wisp_buffer* b = s->buffers + CONTACT_SPHERE_ARRAY_COUNT - 3;
+    if ( contact_reserve( work, b, 2 * count * sizeof( int32_t ), (void**)&s->first ) == false ||
+         contact_reserve( work, b + 1, count * sizeof( int32_t ), (void**)&s->pair_count ) == false ||
+         contact_reserve( work, b + 2, count * sizeof( *s->found ), (void**)&s->found ) == false )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the pairs of %d spheres", s->count );
     }
+    s->second = s->first + count;
     s->overlap_count = 0;
     for ( int pack = 0; pack < s->pack_count; ++pack )
     {
-        put_overlap( s, pack, pack );
-        for ( int i = s->overlaps.begin[pack]; i < s->overlaps.begin[pack + 1]; ++i )
+        for ( int i = s->overlaps.begin[pack] - 1; i < s->overlaps.begin[pack + 1]; ++i )
         {
-            put_overlap( s, pack, s->overlaps.item[i] );
+            s->first[s->overlap_count] = pack;
+            s->second[s->overlap_count++] = i < s->overlaps.begin[pack] ? pack : s->overlaps.item[i];
         }
     }
     return WISP_OK;
-}
-
-static bool do_overlap( const wisp_aabb* a, const wisp_aabb* b )
-{
-    return a->lower[0] <= b->upper[0] && a->upper[0] >= b->lower[0] && a->lower[1] <= b->upper[1] &&
-           a->upper[1] >= b->lower[1] && a->lower[2] <= b->upper[2] && a->upper[2] >= b->lower[2];
 }
 
 static void list_lane( const contact_work* work, const wisp_point_pack* a, int lane, const wisp_point_pack* b,
@@ -597,55 +577,6 @@ wisp_status contact_list_spheres( const contact_work* work, wisp_error* error )
     return status;
 }
 
-// Predict the packs again whose spheres left their paths, and list their pairs anew.
-static wisp_status list_strayed( sphere_loop* loop, wisp_error* error )
-{
-    const contact_work* work = loop->work;
-    contact_spheres* s = spheres_of( work );
-    contact_sphere_pairs* listed = &s->listed;
-    work->contact_mesh->broad_phase->searches += 1;
-    memset( s->is_active, 0, (size_t)s->count );
-    for ( int pack = 0; pack < s->pack_count; ++pack )
-    {
-        if ( s->has_strayed[pack] != 0 )
-        {
-            predict_packs( loop, pack, pack + 1, 0 );
-            for ( int lane = 0; lane < PACK; ++lane )
-            {
-                s->is_active[s->packs[pack].point_x4[lane] / 4] = 1;
-            }
-        }
-    }
-    const int before = listed->count;
-    listed->count = 0;
-    for ( int i = 0; i < before; ++i )
-    {
-        const int32_t a = listed->point_x4[0][i], b = listed->point_x4[1][i];
-        if ( s->is_active[a / 4] == 0 && s->is_active[b / 4] == 0 )
-        {
-            put_sphere_pair( listed, a, b, listed->gap[i], listed->friction[i] );
-        }
-    }
-    s->overlap_count = 0;
-    for ( int a = 0; a < s->pack_count; ++a )
-    {
-        if ( s->has_strayed[a] != 0 &&
-             reserve_overlaps( work, (size_t)( s->overlap_count + s->pack_count ) ) == false )
-        {
-            return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the pairs of %d spheres", s->count );
-        }
-        for ( int b = s->has_strayed[a] != 0 ? 0 : s->pack_count; b < s->pack_count; ++b )
-        {
-            // two that strayed are a pair once
-            if ( ( s->has_strayed[b] == 0 || b >= a ) && do_overlap( s->boxes + a, s->boxes + b ) )
-            {
-                put_overlap( s, a, b );
-            }
-        }
-    }
-    return list_overlaps( loop, error );
-}
-
 // ---- near pairs of a substep ----
 
 static wisp_point_pair_args pair_args( const contact_spheres* s, const contact_sphere_pairs* pairs )
@@ -662,51 +593,13 @@ static wisp_point_pair_args pair_args( const contact_spheres* s, const contact_s
                                      .shift = pairs->shift };
 }
 
-static void find_strayed( void* context, int begin, int end, int worker )
+static void count_strayed( void* context, int begin, int end, int worker )
 {
     (void)worker;
     sphere_loop* loop = context;
-    const contact_spheres* s = spheres_of( loop->work );
-    int sum = 0, packs = 0;
-    for ( int pack = begin; pack < end; ++pack )
-    {
-        const int count =
-            wisp_frame_kernels( loop->work->frame )->count_strayed( &loop->list, loop->progress, pack, pack + 1 );
-        s->has_strayed[pack] = count > 0 ? 1 : 0;
-        packs += count > 0 ? 1 : 0;
-        sum += count;
-    }
-    if ( sum > 0 )
-    {
-        atomic_fetch_add( &loop->count, sum );
-        atomic_fetch_add( &loop->packs, packs );
-    }
-}
-
-// List the pairs of spheres again that left their paths: of all if there are many.
-static wisp_status follow_strayed( sphere_loop* loop, wisp_error* error )
-{
-    contact_spheres* s = spheres_of( loop->work );
-    atomic_init( &loop->count, 0 );
-    atomic_init( &loop->packs, 0 );
-    wisp_parallel_for( loop->work->parallel, s->pack_count, GRAIN, find_strayed, loop );
-    s->strayed = atomic_load( &loop->count );
-    if ( s->strayed == 0 )
-    {
-        return WISP_OK;
-    }
-    loop->list.middle = 0.5f - (float)( s->done - 1 ) / (float)s->substeps;
-    wisp_status status = WISP_BAD_INPUT;
-    if ( atomic_load( &loop->packs ) <= s->pack_count / MOST_STRAYED )
-    {
-        status = list_strayed( loop, error );
-    }
-    if ( status == WISP_BAD_INPUT )
-    {
-        status = contact_list_spheres( loop->work, error );
-        s->done = 1;
-    }
-    return status;
+    const int strayed =
+        wisp_frame_kernels( loop->work->frame )->count_strayed( &loop->list, loop->progress, begin, end );
+    atomic_fetch_add( &loop->count, strayed );
 }
 
 static void find_near( void* context, int begin, int end, int worker )
@@ -732,7 +625,15 @@ wisp_status contact_begin_spheres( const contact_work* work, wisp_error* error )
                          .list = list_args( work ),
                          .progress = (float)s->done / (float)s->substeps - 0.5f };
     place_layer_spheres( &loop );
-    WISP_TRY( follow_strayed( &loop, error ) );
+    atomic_init( &loop.count, 0 );
+    wisp_parallel_for( work->parallel, s->pack_count, GRAIN, count_strayed, &loop );
+    s->strayed = atomic_load( &loop.count );
+    if ( s->strayed > s->count / MOST_STRAYED ) // as in an impact
+    {
+        WISP_TRY( contact_list_spheres( work, error ) );
+        s->done = 1;
+        s->strayed = 0;
+    }
     loop.pairs = pair_args( s, listed );
     wisp_parallel_for( work->parallel, listed->pack_count, GRAIN, find_near, &loop );
     size_t count = 0;

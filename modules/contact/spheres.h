@@ -9,7 +9,7 @@
 enum
 {
     CONTACT_SPHERE_PACK = 16, // pairs, or spheres, side by side
-    CONTACT_SPHERE_ARRAY_COUNT = 18,
+    CONTACT_SPHERE_ARRAY_COUNT = 16,
 };
 
 /// Pairs of spheres, as wisp_point_pair_args has them.
@@ -47,9 +47,8 @@ typedef struct contact_spheres
     uint16_t ( *found )[CONTACT_SPHERE_PACK]; // [overlap] as wisp_point_list_args has them
     contact_sphere_pairs listed, near;        // in this step, in this substep
     int active_count;
-    int32_t* active;      // spheres of near pairs
-    uint8_t* is_active;   // [sphere] it is one of those
-    uint8_t* has_strayed; // [pack] one of its spheres has
+    int32_t* active;    // spheres of near pairs
+    uint8_t* is_active; // [sphere] it is one of those
     wisp_buffer buffers[CONTACT_SPHERE_ARRAY_COUNT];
 } contact_spheres;
 

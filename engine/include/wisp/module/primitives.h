@@ -98,10 +98,12 @@ typedef struct wisp_point_pack
     float at[3][16], motion[3][16]; ///< m, in the middle of the path; from its start to its end
     float rest[3][16];              ///< m
     float stray[16];                ///< m, how far it may be from its path
-    float reach[16]; ///< m, half of the most that it keeps, with stray and half of its path beside the common one
+    float reach[16]; ///< m, half of the most that it keeps, with stray and half of its path beside that of the pack
     float half[16], cover[16]; ///< m: a pair keeps the sum of halves, and at least the larger cover
     float group[16];           ///< those of one group are neighbours if they are near at rest
     int32_t point_x4[16];      ///< times 4
+    float common[3];           ///< m, mean motion of the pack
+    wisp_aabb box;             ///< what its points reach, beside that motion
 } wisp_point_pack;
 
 /// Points that may meet in a step: packs against packs. The last pack may have lanes behind the last point.
@@ -113,13 +115,12 @@ typedef struct wisp_point_list_args
     wisp_aabb* boxes;                    ///< [pack] out of predict_points: what its points reach
     float common[3];                     ///< m, mean motion in a step
     float substeps;                      ///< of the step
-    float middle;                        ///< part of a path from the start of this substep to its middle
     float stray_by_gap, stray_by_motion; ///< parts of what a point keeps, and of its motion beside the common one
     float largest_cover;                 ///< m
     float neighbours;                    ///< gaps
     const int32_t *first, *second;       ///< [pair] packs; both may be the same
     uint16_t ( *found )[16]; ///< [pair] out: for each point of the first pack a bit for each of the second
-    int32_t* count;          ///< [pair] out: such bits
+    int32_t* count;          ///< [pair] out: how many bits are set
 } wisp_point_list_args;
 
 /// Pairs of points that keep distances, in packs of sixteen. A lane without a pair has any points and the gap 0.
