@@ -20,30 +20,12 @@ LANE_INLINE lane16v load_points( const float* xyzw, const int32_t* index_x4 )
                         lane16_join( q[0][2], q[1][2] ) };
 }
 
-LANE_INLINE lane16v load_rows( const float rows[3][LANES] )
+LANE_INLINE lane16v spread( const float* rows, int stride )
 {
-    return ( lane16v ){ lane16_loadu( rows[0] ), lane16_loadu( rows[1] ), lane16_loadu( rows[2] ) };
-}
-
-LANE_INLINE void store_rows( float rows[3][LANES], lane16v v )
-{
-    lane16_storeu( rows[0], v.x );
-    lane16_storeu( rows[1], v.y );
-    lane16_storeu( rows[2], v.z );
-}
-
-LANE_INLINE lane16v spread( const float rows[3][LANES], int lane )
-{
-    return ( lane16v ){ lane16_set1( rows[0][lane] ), lane16_set1( rows[1][lane] ), lane16_set1( rows[2][lane] ) };
+    return ( lane16v ){ lane16_set1( rows[0] ), lane16_set1( rows[stride] ), lane16_set1( rows[2 * stride] ) };
 }
 
 // ---- search ----
-
-// Return the lanes of a pack that have a point.
-LANE_INLINE lane16m valid_lanes( const wisp_point_list_args* args, int pack )
-{
-    return lane16m_first( args->point_count - pack * LANES );
-}
 
 // Return how many points a pack has.
 static int count_points( const wisp_point_list_args* args, int pack )
@@ -64,8 +46,8 @@ static void predict_paths( const wisp_point_list_args* args, int at )
     const lane16m is_likely = lane16_lt( lane16v_dot( way, way ), lane16_set1( 1e12f ) );
     const lane16v motion = lane16v_select( is_likely, lane16v_scale( way, lane16_set1( args->substeps ) ), none );
     const lane16v middle = lane16v_mul_add( from, lane16_set1( 0.5f ), motion );
-    store_rows( pack->at, middle );
-    store_rows( pack->motion, motion );
+    lane16v_store( pack->at[0], middle );
+    lane16v_store( pack->motion[0], motion );
     const int count = count_points( args, at );
     for ( int k = 0; k < 3; ++k )
     {
@@ -106,12 +88,9 @@ void KERNEL( predict_points )( const wisp_point_list_args* args, int begin, int 
     {
         wisp_point_pack* pack = args->packs + at;
         predict_paths( args, at );
-        const lane16v motion = load_rows( pack->motion ),
-                      common = { lane16_set1( args->common[0] ), lane16_set1( args->common[1] ),
-                                 lane16_set1( args->common[2] ) },
-                      of_pack = { lane16_set1( pack->common[0] ), lane16_set1( pack->common[1] ),
-                                  lane16_set1( pack->common[2] ) };
-        const lane16v own = lane16v_sub( motion, common ), beside = lane16v_sub( motion, of_pack );
+        const lane16v motion = lane16v_load( pack->motion[0] ),
+                      own = lane16v_sub( motion, spread( args->common, 1 ) ),
+                      beside = lane16v_sub( motion, spread( pack->common, 1 ) );
         const lane16 thickness = lane16_loadu( pack->half ),
                      keeps = lane16_max( lane16_add( thickness, thickness ), lane16_loadu( pack->cover ) ),
                      stray = lane16_add(
@@ -132,11 +111,12 @@ int KERNEL( count_strayed )( const wisp_point_list_args* args, float progress, i
     {
         const wisp_point_pack* pack = args->packs + at;
         const lane16v path =
-            lane16v_mul_add( load_rows( pack->at ), lane16_set1( progress ), load_rows( pack->motion ) );
+            lane16v_mul_add( lane16v_load( pack->at[0] ), lane16_set1( progress ), lane16v_load( pack->motion[0] ) );
         const lane16v d = lane16v_sub( load_points( args->now, pack->point_x4 ), path );
         const lane16 stray = lane16_loadu( pack->stray );
         const lane16m beyond = lane16_gt( lane16v_dot( d, d ), lane16_mul( stray, stray ) );
-        count += __builtin_popcount( lane16m_bits( lane16m_and( beyond, valid_lanes( args, at ) ) ) );
+        count +=
+            __builtin_popcount( lane16m_bits( lane16m_and( beyond, lane16m_first( count_points( args, at ) ) ) ) );
     }
     return count;
 }
@@ -159,8 +139,8 @@ LANE_INLINE uint32_t reach_pack( const wisp_point_pack* pack, const wisp_point_p
 LANE_INLINE uint32_t meet( const wisp_point_list_args* args, const wisp_point_pack* a, int lane,
                            const wisp_point_pack* b, lane16m valid )
 {
-    const lane16v d = lane16v_sub( load_rows( b->at ), spread( a->at, lane ) ),
-                  u = lane16v_sub( load_rows( b->motion ), spread( a->motion, lane ) );
+    const lane16v d = lane16v_sub( lane16v_load( b->at[0] ), spread( a->at[0] + lane, LANES ) ),
+                  u = lane16v_sub( lane16v_load( b->motion[0] ), spread( a->motion[0] + lane, LANES ) );
     const lane16 gap = lane16_max( lane16_add( lane16_loadu( b->half ), lane16_set1( a->half[lane] ) ),
                                    lane16_max( lane16_loadu( b->cover ), lane16_set1( a->cover[lane] ) ) ),
                  within = lane16_add( gap, lane16_add( lane16_loadu( b->stray ), lane16_set1( a->stray[lane] ) ) ),
@@ -175,7 +155,7 @@ LANE_INLINE uint32_t meet( const wisp_point_list_args* args, const wisp_point_pa
     {
         return 0;
     }
-    const lane16v r = lane16v_sub( load_rows( b->rest ), spread( a->rest, lane ) );
+    const lane16v r = lane16v_sub( lane16v_load( b->rest[0] ), spread( a->rest[0] + lane, LANES ) );
     const lane16 near = lane16_mul( gap, lane16_set1( args->neighbours ) );
     const lane16m is_neighbour = lane16m_and( lane16_le( lane16v_dot( r, r ), lane16_mul( near, near ) ),
                                               lane16_eq( lane16_loadu( b->group ), lane16_set1( a->group[lane] ) ) );
@@ -188,14 +168,14 @@ void KERNEL( list_point_pairs )( const wisp_point_list_args* args, int begin, in
     {
         const int first = args->first[pair], second = args->second[pair];
         const wisp_point_pack *a = args->packs + first, *b = args->packs + second;
-        uint32_t queries = reach_pack( a, b, valid_lanes( args, first ) );
+        uint32_t queries = reach_pack( a, b, lane16m_first( count_points( args, first ) ) );
         int count = 0;
         memset( args->found[pair], 0, sizeof( args->found[pair] ) );
         for ( ; queries != 0; queries &= queries - 1 )
         {
             const int lane = __builtin_ctz( queries );
             const uint32_t behind = first == second ? ~0u << lane << 1 : ~0u,
-                           bits = meet( args, a, lane, b, valid_lanes( args, second ) ) & behind;
+                           bits = meet( args, a, lane, b, lane16m_first( count_points( args, second ) ) ) & behind;
             args->found[pair][lane] = (uint16_t)bits;
             count += __builtin_popcount( bits & 0xffffu );
         }
@@ -207,8 +187,8 @@ void KERNEL( list_point_pairs )( const wisp_point_list_args* args, int begin, in
 
 LANE_INLINE void store_pairs( float* rows, int pack, lane16v v )
 {
-    float xyz[3][LANES];
-    store_rows( xyz, v );
+    _Alignas( 64 ) float xyz[3][LANES];
+    lane16v_store( xyz[0], v );
     for ( int at = 0; at < LANES; at += 8 )
     {
         lane8_store_xyzw_contiguous( rows + (size_t)( pack * LANES + at ) * 4, lane8_loadu( xyz[0] + at ),
@@ -261,7 +241,7 @@ void KERNEL( find_near_pairs )( const wisp_point_pair_args* args, int begin, int
 
 bool KERNEL( push_points )( const wisp_point_pair_args* args, int begin, int end )
 {
-    const lane16 zero = lane16_zero(), recovery = lane16_set1( args->recovery ), slack = lane16_set1( args->slack );
+    const lane16 zero = lane16_zero(), recovery = lane16_set1( args->recovery );
     bool any = false;
     for ( int pack = begin; pack < end; ++pack )
     {
@@ -275,8 +255,7 @@ bool KERNEL( push_points )( const wisp_point_pair_args* args, int begin, int end
         {
             continue;
         }
-        any = any || lane16m_any( lane16m_and(
-                         presses, lane16_gt( lane16_sub( recovered, p.now ), lane16_mul( slack, p.gap ) ) ) );
+        any = true;
         const lane16 short_by = lane16_max( lane16_sub( kept, p.now ), zero ),
                      left = lane16_max( lane16_sub( recovered, lane16_max( p.now, kept ) ), zero );
         // friction takes back the tangential motion, at most by Coulomb's cone

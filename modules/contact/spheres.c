@@ -37,15 +37,19 @@ static const float NEAR_GAPS = 1.25f;
 // Pairs of one surface that are at rest within so many distances are neighbours: those of an edge are.
 static const float NEIGHBOURS = 1.45f;
 // How far a sphere may stray from its predicted motion, as a part of it.
-static const float STRAY = 0.25f;
-// Sweeps end where no pair lacks more than so many distances.
-static const float SLACK = 0.0f;
+static const float STRAY = 0.15f;
 
 static const float WHOLE[3] = { 1.0f, 0.0f, 0.0f }; // weights of one point
 
 static contact_spheres* spheres_of( const contact_work* work )
 {
     return work->contact_mesh->spheres;
+}
+
+static wisp_status fail_memory( const contact_work* work, wisp_error* error )
+{
+    return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d points in contact as spheres",
+                      work->contact_mesh->point_count );
 }
 
 static int packs_of( int count )
@@ -62,16 +66,28 @@ static const wisp_samples* shared_layer( const contact_work* work, const contact
                : wisp_frame_samples( work->frame, participant->entity );
 }
 
+typedef struct sphere_array
+{
+    void* at; // address of a pointer
+    size_t bytes;
+} sphere_array;
+
+static bool reserve_all( const contact_work* work, wisp_buffer* buffers, const sphere_array* all, int count )
+{
+    bool enough = true;
+    for ( int i = 0; i < count && enough; ++i )
+    {
+        enough = contact_reserve( work, buffers + i, all[i].bytes, all[i].at );
+    }
+    return enough;
+}
+
 static bool reserve_spheres( const contact_work* work, int count, bool has_layers )
 {
     contact_spheres* s = spheres_of( work );
     const size_t packs = (size_t)packs_of( count ), n = (size_t)count, one = sizeof( float ),
                  points = (size_t)work->contact_mesh->point_count * one, of_layers = has_layers ? n : 0;
-    const struct
-    {
-        void* at;
-        size_t bytes;
-    } all[] = {
+    const sphere_array all[] = {
         { &s->parents, of_layers * sizeof( *s->parents ) },
         { &s->weights, of_layers * sizeof( *s->weights ) },
         { &s->start, of_layers * 4 * one },
@@ -86,11 +102,7 @@ static bool reserve_spheres( const contact_work* work, int count, bool has_layer
         { &s->active, n * one },
         { &s->is_active, n },
     };
-    bool enough = true;
-    for ( int i = 0; i < WISP_COUNT( all ) && enough; ++i )
-    {
-        enough = contact_reserve( work, s->buffers + i, all[i].bytes, all[i].at );
-    }
+    const bool enough = reserve_all( work, s->buffers, all, WISP_COUNT( all ) );
     if ( has_layers == false )
     {
         s->parents = NULL;
@@ -180,7 +192,7 @@ typedef struct sphere_parts
     const float* weight;
 } sphere_parts;
 
-static sphere_parts parts_of( const contact_spheres* s, const int32_t* sphere )
+static inline sphere_parts parts_of( const contact_spheres* s, const int32_t* sphere )
 {
     return s->parents == NULL ? ( sphere_parts ){ 1, sphere, WHOLE }
                               : ( sphere_parts ){ 3, s->parents[*sphere], s->weights[*sphere] };
@@ -206,6 +218,7 @@ typedef struct sphere_loop
     const contact_work* work;
     wisp_point_list_args list;
     wisp_point_pair_args pairs;
+    void ( *run )( const wisp_point_list_args* args, int begin, int end ); // a kernel
     float progress; // of the step, at the end of the substep, less a half
     _Atomic int count;
 } sphere_loop;
@@ -331,8 +344,8 @@ static void sort_spheres( const contact_spheres* s )
 {
     enum
     {
-        KEY_BITS = 12,
-        PLACES = 1 << KEY_BITS,
+        DIGIT_LENGTH = 12,
+        PLACES = 1 << DIGIT_LENGTH,
     };
     find_keys( s );
     for ( int pass = 0; pass < 2; ++pass )
@@ -341,7 +354,7 @@ static void sort_spheres( const contact_spheres* s )
         const size_t n = (size_t)s->count, from = pass == 0 ? 0 : n, to = n - from;
         for ( size_t i = from; i < from + n; ++i )
         {
-            place[( s->key[i] >> pass * KEY_BITS & ( PLACES - 1 ) ) + 1] += 1;
+            place[( s->key[i] >> pass * DIGIT_LENGTH & ( PLACES - 1 ) ) + 1] += 1;
         }
         for ( int d = 0; d < PLACES; ++d )
         {
@@ -349,7 +362,7 @@ static void sort_spheres( const contact_spheres* s )
         }
         for ( size_t i = from; i < from + n; ++i )
         {
-            const size_t at = to + place[s->key[i] >> pass * KEY_BITS & ( PLACES - 1 )]++;
+            const size_t at = to + place[s->key[i] >> pass * DIGIT_LENGTH & ( PLACES - 1 )]++;
             s->key[at] = s->key[i];
             s->order[at] = s->order[i];
         }
@@ -362,8 +375,7 @@ wisp_status contact_make_spheres( const contact_work* work, wisp_error* error )
     sphere_loop loop = { .work = work };
     if ( place_layers( work ) == false )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d points in contact as spheres",
-                          work->contact_mesh->point_count );
+        return fail_memory( work, error );
     }
     if ( work->contact_mesh->is_listed == false || s->parents != NULL )
     {
@@ -397,28 +409,17 @@ static wisp_point_list_args list_args( const contact_work* work )
                                      .count = s->pair_count };
 }
 
-static void predict_packs( void* context, int begin, int end, int worker )
+static void run_on_packs( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const sphere_loop* loop = context;
-    wisp_frame_kernels( loop->work->frame )->predict_points( &loop->list, begin, end );
-}
-
-static void list_packs( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const sphere_loop* loop = context;
-    wisp_frame_kernels( loop->work->frame )->list_point_pairs( &loop->list, begin, end );
+    loop->run( &loop->list, begin, end );
 }
 
 static bool reserve_sphere_pairs( const contact_work* work, contact_sphere_pairs* pairs, size_t count, bool are_near )
 {
     const size_t n = ( count + PACK ) * sizeof( float );
-    const struct
-    {
-        void* at;
-        size_t bytes;
-    } all[] = {
+    const sphere_array all[] = {
         { &pairs->point_x4[0], n },
         { &pairs->point_x4[1], n },
         { &pairs->gap, n },
@@ -427,13 +428,8 @@ static bool reserve_sphere_pairs( const contact_work* work, contact_sphere_pairs
         { &pairs->push, are_near ? 4 * n : 0 },
         { &pairs->shift, are_near ? 4 * n : 0 },
     };
-    bool enough = true;
-    for ( int i = 0; i < WISP_COUNT( all ) && enough; ++i )
-    {
-        enough = contact_reserve( work, pairs->buffers + i, all[i].bytes, all[i].at );
-    }
     pairs->count = 0;
-    return enough;
+    return reserve_all( work, pairs->buffers, all, WISP_COUNT( all ) );
 }
 
 static void put_sphere_pair( contact_sphere_pairs* pairs, int32_t a_x4, int32_t b_x4, float gap, float friction )
@@ -457,36 +453,6 @@ static void end_pairs( contact_sphere_pairs* pairs )
     pairs->count = count;
 }
 
-// Find all pairs of packs whose boxes overlap. @return WISP_BAD_INPUT if there are too many
-static wisp_status find_overlaps( const contact_work* work, wisp_error* error )
-{
-    contact_spheres* s = spheres_of( work );
-    const wisp_aabb_args args = { .boxes = s->boxes,
-                                  .box_count = s->pack_count,
-                                  .limit = (size_t)s->pack_count * MAX_PER_SPHERE,
-                                  .kernels = wisp_frame_kernels( work->frame ) };
-    WISP_TRY( wisp_aabb_pairs_find( &s->overlaps, work->parallel, &args, error ) );
-    const size_t count = s->overlaps.pair_count + (size_t)s->pack_count;
-    wisp_buffer* b = s->buffers + CONTACT_SPHERE_ARRAY_COUNT - 3;
-    if ( contact_reserve( work, b, 2 * count * sizeof( int32_t ), (void**)&s->first ) == false ||
-         contact_reserve( work, b + 1, count * sizeof( int32_t ), (void**)&s->pair_count ) == false ||
-         contact_reserve( work, b + 2, count * sizeof( *s->found ), (void**)&s->found ) == false )
-    {
-        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the pairs of %d spheres", s->count );
-    }
-    s->second = s->first + count;
-    s->overlap_count = 0;
-    for ( int pack = 0; pack < s->pack_count; ++pack )
-    {
-        for ( int i = s->overlaps.begin[pack] - 1; i < s->overlaps.begin[pack + 1]; ++i )
-        {
-            s->first[s->overlap_count] = pack;
-            s->second[s->overlap_count++] = i < s->overlaps.begin[pack] ? pack : s->overlaps.item[i];
-        }
-    }
-    return WISP_OK;
-}
-
 static void list_lane( const contact_work* work, const wisp_point_pack* a, int lane, const wisp_point_pack* b,
                        uint32_t bits )
 {
@@ -507,30 +473,47 @@ static void list_lane( const contact_work* work, const wisp_point_pack* a, int l
     }
 }
 
-// List the pairs of spheres of overlapping packs behind those that are listed. @return WISP_BAD_INPUT if there are too many
-static wisp_status list_overlaps( sphere_loop* loop, wisp_error* error )
+// List the pairs of spheres of all packs whose boxes overlap. @return WISP_BAD_INPUT if there are too many
+static wisp_status list_packs( sphere_loop* loop, wisp_error* error )
 {
     const contact_work* work = loop->work;
     contact_spheres* s = spheres_of( work );
-    const int kept = s->listed.count;
-    size_t found = (size_t)kept;
+    const wisp_aabb_args args = { .boxes = s->boxes,
+                                  .box_count = s->pack_count,
+                                  .limit = (size_t)s->pack_count * MAX_PER_SPHERE,
+                                  .kernels = wisp_frame_kernels( work->frame ) };
+    WISP_TRY( wisp_aabb_pairs_find( &s->overlaps, work->parallel, &args, error ) );
+    const size_t count = s->overlaps.pair_count + (size_t)s->pack_count;
+    wisp_buffer* b = s->buffers + CONTACT_SPHERE_ARRAY_COUNT - 4;
+    bool enough = contact_reserve( work, b, count * sizeof( int32_t ), (void**)&s->first ) &&
+                  contact_reserve( work, b + 1, count * sizeof( int32_t ), (void**)&s->second ) &&
+                  contact_reserve( work, b + 2, count * sizeof( int32_t ), (void**)&s->pair_count ) &&
+                  contact_reserve( work, b + 3, count * sizeof( *s->found ), (void**)&s->found );
+    size_t at = 0, found = 0;
+    for ( int pack = 0; pack < s->pack_count && enough; ++pack )
+    {
+        s->second[at] = pack;
+        for ( int i = s->overlaps.begin[pack]; i < s->overlaps.begin[pack + 1]; ++i )
+        {
+            s->first[at++] = pack;
+            s->second[at] = s->overlaps.item[i];
+        }
+        s->first[at++] = pack;
+    }
     loop->list = list_args( work );
-    wisp_parallel_for( work->parallel, s->overlap_count, GRAIN, list_packs, loop );
-    for ( int i = 0; i < s->overlap_count; ++i )
+    loop->run = wisp_frame_kernels( work->frame )->list_point_pairs;
+    wisp_parallel_for( work->parallel, (int)at, GRAIN, run_on_packs, loop );
+    for ( size_t i = 0; i < at; ++i )
     {
         found += (size_t)s->pair_count[i];
     }
     if ( found > (size_t)s->count * MAX_PER_SPHERE )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%d spheres in contact: %zu pairs are near each other", s->count,
-                          found );
+        return wisp_fail( error, WISP_BAD_INPUT, "spheres in contact: got %zu near pairs of %d spheres", found,
+                          s->count );
     }
-    if ( reserve_sphere_pairs( work, &s->listed, found, false ) == false )
-    {
-        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the pairs of %d spheres", s->count );
-    }
-    s->listed.count = kept;
-    for ( int i = 0; i < s->overlap_count; ++i )
+    enough = enough && reserve_sphere_pairs( work, &s->listed, found, false );
+    for ( size_t i = 0; i < at && enough; ++i )
     {
         for ( int lane = 0; lane < PACK && s->pair_count[i] > 0; ++lane )
         {
@@ -538,7 +521,7 @@ static wisp_status list_overlaps( sphere_loop* loop, wisp_error* error )
         }
     }
     end_pairs( &s->listed );
-    return WISP_OK;
+    return enough ? WISP_OK : fail_memory( work, error );
 }
 
 // Find the mean motion of all points.
@@ -567,10 +550,9 @@ wisp_status contact_list_spheres( const contact_work* work, wisp_error* error )
     for ( int i = 0; i < MAX_HALVED && status == WISP_BAD_INPUT; ++i )
     {
         loop.list = list_args( work );
-        s->listed.count = 0;
-        wisp_parallel_for( work->parallel, s->pack_count, GRAIN, predict_packs, &loop );
-        status = find_overlaps( work, error );
-        status = status == WISP_OK ? list_overlaps( &loop, error ) : status;
+        loop.run = wisp_frame_kernels( work->frame )->predict_points;
+        wisp_parallel_for( work->parallel, s->pack_count, GRAIN, run_on_packs, &loop );
+        status = list_packs( &loop, error );
         s->margin *= 0.5f; // after more pairs than the limit
     }
     s->margin *= 2.0f;
@@ -587,7 +569,6 @@ static wisp_point_pair_args pair_args( const contact_spheres* s, const contact_s
                                      .gap = pairs->gap,
                                      .friction = pairs->friction,
                                      .reach = NEAR_GAPS,
-                                     .slack = SLACK,
                                      .found = pairs->found,
                                      .push = pairs->push,
                                      .shift = pairs->shift };
@@ -643,7 +624,7 @@ wisp_status contact_begin_spheres( const contact_work* work, wisp_error* error )
     }
     if ( reserve_sphere_pairs( work, &s->near, count, true ) == false )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the near pairs of %d spheres", s->count );
+        return fail_memory( work, error );
     }
     memset( s->is_active, 0, (size_t)s->count );
     s->active_count = 0;
@@ -684,7 +665,7 @@ static void find_pressing( void* context, int begin, int end, int worker )
 }
 
 // Count a pair at the points of one of its spheres.
-static void count_pair( const contact_spheres* s, int32_t sphere )
+static inline void count_pair( const contact_spheres* s, int32_t sphere )
 {
     const sphere_parts parts = parts_of( s, &sphere );
     for ( int i = 0; i < parts.count; ++i )
@@ -694,7 +675,7 @@ static void count_pair( const contact_spheres* s, int32_t sphere )
 }
 
 // Return the inverse mass of a sphere whose points split theirs among their pairs, 1/kg.
-static float weigh_sphere( const contact_contact_mesh* m, int32_t sphere )
+static inline float weigh_sphere( const contact_contact_mesh* m, int32_t sphere )
 {
     const sphere_parts parts = parts_of( m->spheres, &sphere );
     float sum = 0.0f;
@@ -707,18 +688,17 @@ static float weigh_sphere( const contact_contact_mesh* m, int32_t sphere )
 }
 
 // Move the points of a sphere. @param by kg m @param shift kg m, what gives no velocity; null: none
-static void move_sphere( const contact_contact_mesh* m, int32_t sphere, float factor, const float* by,
-                         const float* shift )
+static inline void move_sphere( const contact_contact_mesh* m, int32_t sphere, float factor, const float* by,
+                                const float* shift )
 {
     const sphere_parts parts = parts_of( m->spheres, &sphere );
     for ( int i = 0; i < parts.count; ++i )
     {
         float* now = m->now + (size_t)parts.point[i] * 4;
         const float share = factor * parts.weight[i] * now[3];
-        for ( int k = 0; k < 3; ++k )
-        {
-            now[k] += share * by[k];
-        }
+        now[0] += share * by[0];
+        now[1] += share * by[1];
+        now[2] += share * by[2];
         for ( size_t k = 0; k < 3 && shift != NULL; ++k )
         {
             now[k] += share * shift[k];
@@ -742,7 +722,7 @@ static void add_impulse( const contact_work* work, int32_t a, int32_t b, float f
     work->memory->stats.impulse += sqrt( squared );
 }
 
-// Project all near pairs once. @return whether any lacked more than the slack
+// Project all near pairs once. @return whether any pressed
 static bool sweep( sphere_loop* loop, float recovery )
 {
     const contact_work* work = loop->work;

@@ -9,7 +9,7 @@
 enum
 {
     CONTACT_SPHERE_PACK = 16, // pairs, or spheres, side by side
-    CONTACT_SPHERE_ARRAY_COUNT = 16,
+    CONTACT_SPHERE_ARRAY_COUNT = 17,
 };
 
 /// Pairs of spheres, as wisp_point_pair_args has them.
@@ -41,7 +41,6 @@ typedef struct contact_spheres
     wisp_point_pack* packs;  // [pack] spheres in that order
     wisp_aabb* boxes;        // [pack]
     wisp_aabb_pairs overlaps;
-    int overlap_count;
     int32_t *first, *second;                  // [overlap] packs
     int32_t* pair_count;                      // [overlap] pairs of spheres
     uint16_t ( *found )[CONTACT_SPHERE_PACK]; // [overlap] as wisp_point_list_args has them

@@ -305,7 +305,7 @@ typedef struct wisp_kernels
     void ( *find_near_pairs )( const wisp_point_pair_args* args, int begin, int end );
     /// Find the pairs that come nearer than their gap, and are too near along the line between them at the start. Compute the
     /// corrections that part them along that line, with Coulomb friction.
-    /// @return whether any lacks more than the slack
+    /// @return whether there are any
     bool ( *push_points )( const wisp_point_pair_args* args, int begin, int end );
     /// Compute a lower bound of the distance between two sets of points.
     /// @return m, the largest gap along the given axes, at least -1; below 0 if no axis separates the sets. Points

@@ -92,7 +92,7 @@ typedef struct wisp_separation_args
     int32_t* active;               ///< [pair] out: active pairs first, whose bound may fall below zero
 } wisp_separation_args;
 
-/// Sixteen points on straight paths through a step.
+/// Sixteen points on straight paths through a step. 64-byte aligned.
 typedef struct wisp_point_pack
 {
     float at[3][16], motion[3][16]; ///< m, in the middle of the path; from its start to its end
@@ -104,6 +104,7 @@ typedef struct wisp_point_pack
     int32_t point_x4[16];      ///< times 4
     float common[3];           ///< m, mean motion of the pack
     wisp_aabb box;             ///< what its points reach, beside that motion
+    float unused[7];
 } wisp_point_pack;
 
 /// Points that may meet in a step: packs against packs. The last pack may have lanes behind the last point.
@@ -131,7 +132,6 @@ typedef struct wisp_point_pair_args
     const float *gap, *friction; ///< [pair] m, to keep; coefficient
     float reach;                 ///< of find_near_pairs: pairs within this many gaps are near
     float recovery;              ///< gaps by which pairs that start nearer than theirs may part
-    float slack;                 ///< gaps; pairs that lack less count as done
     uint16_t* found;             ///< [pack] out: a bit for each pair that is found
     float *push,
         *shift; ///< [pair][4] m, out of push_points for pairs that are found: correction of the first point, recovery
