@@ -34,36 +34,10 @@ static int count_points( const wisp_point_list_args* args, int pack )
     return left < LANES ? left : LANES;
 }
 
-// Predict the paths of the points of a pack, and their mean.
-static void predict_paths( const wisp_point_list_args* args, int at )
-{
-    const lane16 zero = lane16_zero();
-    const lane16v none = { zero, zero, zero };
-    wisp_point_pack* pack = args->packs + at;
-    const lane16v from = load_points( args->start, pack->point_x4 ),
-                  way = lane16v_sub( load_points( args->now, pack->point_x4 ), from );
-    // the engine halts what moves farther
-    const lane16m is_likely = lane16_lt( lane16v_dot( way, way ), lane16_set1( 1e12f ) );
-    const lane16v motion = lane16v_select( is_likely, lane16v_scale( way, lane16_set1( args->substeps ) ), none );
-    const lane16v middle = lane16v_mul_add( from, lane16_set1( 0.5f ), motion );
-    lane16v_store( pack->at[0], middle );
-    lane16v_store( pack->motion[0], motion );
-    const int count = count_points( args, at );
-    for ( int k = 0; k < 3; ++k )
-    {
-        float sum = 0.0f;
-        for ( int i = 0; i < count; ++i )
-        {
-            sum += pack->motion[k][i];
-        }
-        pack->common[k] = sum / (float)count;
-    }
-}
-
 // Box the points of a pack, each as far as it reaches.
 static void box_points( const wisp_point_list_args* args, int at )
 {
-    wisp_point_pack* pack = args->packs + at;
+    const wisp_point_pack* pack = args->packs + at;
     const int count = count_points( args, at );
     for ( int k = 0; k < 3; ++k )
     {
@@ -74,32 +48,33 @@ static void box_points( const wisp_point_list_args* args, int at )
             lower = l < lower ? l : lower;
             upper = u > upper ? u : upper;
         }
-        const float half = 0.5f * fabsf( pack->common[k] - args->common[k] );
-        pack->box.lower[k] = lower;
-        pack->box.upper[k] = upper;
-        args->boxes[at].lower[k] = lower - half;
-        args->boxes[at].upper[k] = upper + half;
+        args->boxes[at].lower[k] = lower;
+        args->boxes[at].upper[k] = upper;
     }
 }
 
 void KERNEL( predict_points )( const wisp_point_list_args* args, int begin, int end )
 {
+    const lane16 zero = lane16_zero(), half = lane16_set1( 0.5f );
+    const lane16v none = { zero, zero, zero };
     for ( int at = begin; at < end; ++at )
     {
         wisp_point_pack* pack = args->packs + at;
-        predict_paths( args, at );
-        const lane16v motion = lane16v_load( pack->motion[0] ),
-                      own = lane16v_sub( motion, spread( args->common, 1 ) ),
-                      beside = lane16v_sub( motion, spread( pack->common, 1 ) );
-        const lane16 thickness = lane16_loadu( pack->half ),
+        const lane16v from = load_points( args->start, pack->point_x4 ),
+                      way = lane16v_sub( load_points( args->now, pack->point_x4 ), from );
+        // the engine halts what moves farther
+        const lane16m is_likely = lane16_lt( lane16v_dot( way, way ), lane16_set1( 1e12f ) );
+        const lane16v motion = lane16v_select( is_likely, lane16v_scale( way, lane16_set1( args->substeps ) ), none ),
+                      own = lane16v_sub( motion, spread( args->common, 1 ) );
+        const lane16 thickness = lane16_loadu( pack->half ), length = lane16_sqrt( lane16v_dot( own, own ) ),
                      keeps = lane16_max( lane16_add( thickness, thickness ), lane16_loadu( pack->cover ) ),
-                     stray = lane16_add(
-                         lane16_mul( lane16_set1( args->stray_by_gap ), keeps ),
-                         lane16_mul( lane16_set1( args->stray_by_motion ), lane16_sqrt( lane16v_dot( own, own ) ) ) ),
-                     most = lane16_max( thickness, lane16_set1( 0.5f * args->largest_cover ) ),
-                     half = lane16_mul( lane16_set1( 0.5f ), lane16_sqrt( lane16v_dot( beside, beside ) ) );
+                     stray = lane16_add( lane16_mul( lane16_set1( args->stray_by_gap ), keeps ),
+                                         lane16_mul( lane16_set1( args->stray_by_motion ), length ) ),
+                     most = lane16_max( thickness, lane16_set1( 0.5f * args->largest_cover ) );
+        lane16v_store( pack->at[0], lane16v_mul_add( from, half, motion ) );
+        lane16v_store( pack->motion[0], motion );
         lane16_storeu( pack->stray, stray );
-        lane16_storeu( pack->reach, lane16_add( lane16_add( most, stray ), half ) );
+        lane16_storeu( pack->reach, lane16_add( lane16_add( most, stray ), lane16_mul( half, length ) ) );
         box_points( args, at );
     }
 }
@@ -121,16 +96,15 @@ int KERNEL( count_strayed )( const wisp_point_list_args* args, float progress, i
     return count;
 }
 
-// Return the points of a pack that may reach those of another.
-LANE_INLINE uint32_t reach_pack( const wisp_point_pack* pack, const wisp_point_pack* other, lane16m valid )
+// Return the points of a pack that reach a box.
+LANE_INLINE uint32_t reach_box( const wisp_point_pack* pack, const wisp_aabb* box, lane16m valid )
 {
     const lane16 reach = lane16_loadu( pack->reach );
     for ( int k = 0; k < 3; ++k )
     {
-        const float path = 0.5f * fabsf( pack->common[k] - other->common[k] );
         const lane16 at = lane16_loadu( pack->at[k] );
-        valid = lane16m_and( valid, lane16_ge( lane16_add( at, reach ), lane16_set1( other->box.lower[k] - path ) ) );
-        valid = lane16m_and( valid, lane16_le( lane16_sub( at, reach ), lane16_set1( other->box.upper[k] + path ) ) );
+        valid = lane16m_and( valid, lane16_ge( lane16_add( at, reach ), lane16_set1( box->lower[k] ) ) );
+        valid = lane16m_and( valid, lane16_le( lane16_sub( at, reach ), lane16_set1( box->upper[k] ) ) );
     }
     return lane16m_bits( valid );
 }
@@ -168,7 +142,7 @@ void KERNEL( list_point_pairs )( const wisp_point_list_args* args, int begin, in
     {
         const int first = args->first[pair], second = args->second[pair];
         const wisp_point_pack *a = args->packs + first, *b = args->packs + second;
-        uint32_t queries = reach_pack( a, b, lane16m_first( count_points( args, first ) ) );
+        uint32_t queries = reach_box( a, args->boxes + second, lane16m_first( count_points( args, first ) ) );
         int count = 0;
         memset( args->found[pair], 0, sizeof( args->found[pair] ) );
         for ( ; queries != 0; queries &= queries - 1 )

@@ -311,35 +311,7 @@ static uint32_t spread_bits( uint32_t x )
     return ( x | x << 2 ) & 0x249249u;
 }
 
-// Find the place of each sphere on a curve through the 256 x 256 x 256 cells of a cube around all (Morton 1966).
-static void find_keys( const contact_spheres* s )
-{
-    float lower[3] = { INFINITY, INFINITY, INFINITY }, size = 0.0f;
-    for ( int k = 0; k < 3; ++k )
-    {
-        float upper = -INFINITY;
-        for ( size_t i = 0; i < (size_t)s->count; ++i )
-        {
-            lower[k] = contact_smaller( s->start[4 * i + (size_t)k], lower[k] );
-            upper = contact_larger( s->start[4 * i + (size_t)k], upper );
-        }
-        size = contact_larger( size, upper - lower[k] );
-    }
-    const float per_m = 255.0f / contact_larger( size, 1e-12f );
-    for ( size_t i = 0; i < (size_t)s->count; ++i )
-    {
-        uint32_t key = 0;
-        for ( size_t k = 0; k < 3; ++k )
-        {
-            const float cell = per_m * ( s->start[4 * i + k] - lower[k] );
-            key = key << 1 | spread_bits( cell > 0.0f ? (uint32_t)contact_smaller( cell, 255.0f ) : 0u );
-        }
-        s->key[i] = key;
-        s->order[i] = (uint32_t)i;
-    }
-}
-
-// Sort the spheres along that curve, by two digits.
+// Sort the spheres along a curve through the 256 x 256 x 256 cells of a cube around all (Morton 1966), by two digits.
 static void sort_spheres( const contact_spheres* s )
 {
     enum
@@ -347,11 +319,29 @@ static void sort_spheres( const contact_spheres* s )
         DIGIT_LENGTH = 12,
         PLACES = 1 << DIGIT_LENGTH,
     };
-    find_keys( s );
+    const size_t n = (size_t)s->count;
+    float lower[4] = { INFINITY, INFINITY, INFINITY }, upper[4] = { -INFINITY, -INFINITY, -INFINITY };
+    for ( size_t i = 0; i < 4 * n; ++i )
+    {
+        lower[i % 4] = contact_smaller( s->start[i], lower[i % 4] );
+        upper[i % 4] = contact_larger( s->start[i], upper[i % 4] );
+    }
+    const float size = contact_larger( contact_larger( upper[0] - lower[0], upper[1] - lower[1] ),
+                                       contact_larger( upper[2] - lower[2], 1e-12f ) );
+    for ( size_t i = 0; i < n; ++i )
+    {
+        s->key[i] = 0;
+        s->order[i] = (uint32_t)i;
+        for ( size_t k = 0; k < 3; ++k )
+        {
+            const float cell = 255.0f / size * ( s->start[4 * i + k] - lower[k] );
+            s->key[i] = s->key[i] << 1 | spread_bits( cell > 0.0f ? (uint32_t)contact_smaller( cell, 255.0f ) : 0u );
+        }
+    }
     for ( int pass = 0; pass < 2; ++pass )
     {
         uint32_t place[PLACES + 1] = { 0 };
-        const size_t n = (size_t)s->count, from = pass == 0 ? 0 : n, to = n - from;
+        const size_t from = pass == 0 ? 0 : n, to = n - from;
         for ( size_t i = from; i < from + n; ++i )
         {
             place[( s->key[i] >> pass * DIGIT_LENGTH & ( PLACES - 1 ) ) + 1] += 1;

@@ -98,13 +98,10 @@ typedef struct wisp_point_pack
     float at[3][16], motion[3][16]; ///< m, in the middle of the path; from its start to its end
     float rest[3][16];              ///< m
     float stray[16];                ///< m, how far it may be from its path
-    float reach[16]; ///< m, half of the most that it keeps, with stray and half of its path beside that of the pack
+    float reach[16]; ///< m, half of the most that it keeps, with stray and half of its path beside the common one
     float half[16], cover[16]; ///< m: a pair keeps the sum of halves, and at least the larger cover
     float group[16];           ///< those of one group are neighbours if they are near at rest
     int32_t point_x4[16];      ///< times 4
-    float common[3];           ///< m, mean motion of the pack
-    wisp_aabb box;             ///< what its points reach, beside that motion
-    float unused[7];
 } wisp_point_pack;
 
 /// Points that may meet in a step: packs against packs. The last pack may have lanes behind the last point.
