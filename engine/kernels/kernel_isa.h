@@ -76,9 +76,11 @@ void KERNEL( measure_displacements )( const wisp_displacement_args* args, int be
 bool KERNEL( exceeds_prediction )( const wisp_displacement_args* args, int begin, int end );
 void KERNEL( max_approach )( const wisp_approach_args* args, int begin, int end );
 int KERNEL( find_active_pairs )( const wisp_separation_args* args, int begin, int end );
+void KERNEL( predict_points )( const wisp_point_list_args* args, int begin, int end );
+int KERNEL( count_strayed )( const wisp_point_list_args* args, float progress, int begin, int end );
+void KERNEL( list_point_pairs )( const wisp_point_list_args* args, int begin, int end );
 void KERNEL( find_near_pairs )( const wisp_point_pair_args* args, int begin, int end );
-void KERNEL( find_pressing_points )( const wisp_point_pair_args* args, int begin, int end );
-void KERNEL( push_points )( const wisp_point_pair_args* args, int begin, int end );
+bool KERNEL( push_points )( const wisp_point_pair_args* args, int begin, int end );
 float KERNEL( separation )( const wisp_separating_axis_args* args );
 void KERNEL( xyzw_range )( const float* xyzw, const float* less, const int32_t* point_x4, int count, float lower[4],
                            float upper[4] );

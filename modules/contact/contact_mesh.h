@@ -73,6 +73,7 @@ typedef struct contact_participant
     contact_reach_box box;
     double impulse[3];                 // N s, of this step
     wisp_vec3 place;                   // m, from its rows to those of the first participant
+    float *position, *previous;        // [point][4] columns of a surface
     const float *thickness, *friction; // [point] factors of those of the settings; null: 1
     const int32_t* half_spaces;        // [point] number of half spaces that it is held in; null: none
     const float* half_space_row;       // [point][WISP_MAX_HALF_SPACES][16] those, as rows of the kernel half_space

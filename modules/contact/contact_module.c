@@ -43,6 +43,8 @@ static void release_buffers( wisp_buffer* buffers, int count, const wisp_allocat
     X( motion )                                                                                                      \
     X( bounds )                                                                                                      \
     X( spheres )                                                                                                     \
+    X( spheres.listed )                                                                                              \
+    X( spheres.near )                                                                                                \
     X( colouring )                                                                                                   \
     X( limit )                                                                                                       \
     X( supports )
@@ -422,8 +424,8 @@ wisp_status wisp_read_contact_stats( wisp_world* world, wisp_contact_stats* out 
     {
         *out = *stats;
         out->searches = state->broad_phase.searches;
-        out->candidates = state->world.level == WISP_CONTACT_SPHERES ? (int64_t)state->spheres.overlaps.pair_count
-                                                                     : state->bounds.pairs[0].count;
+        out->candidates =
+            state->world.level == WISP_CONTACT_SPHERES ? state->spheres.listed.count : state->bounds.pairs[0].count;
     }
     return status;
 }

@@ -133,9 +133,8 @@ static void fill_stats( const contact_work* work, bool counts_intersections )
 
 enum
 {
-    LENGTH_TURNS = 12,  // of pushes and lengths of strands in a substep, at most
-    MOST_STRAYED = 100, // one in so many spheres
-    USUAL_TURNS = 4,    // behind these a turn that pushes farther than the one before leads nowhere
+    LENGTH_TURNS = 12, // of pushes and lengths of strands in a substep, at most
+    USUAL_TURNS = 4,   // behind these a turn that pushes farther than the one before leads nowhere
 };
 
 static contact_work begin_work( wisp_frame* frame, const wisp_span* span, contact_state* state )
@@ -259,21 +258,17 @@ bool contact_join( wisp_frame* frame, wisp_entity entity, void* user )
     return true;
 }
 
-// List spheres at the start of a step, or after a change, and find what is near in this substep. Where many left their predicted motion, as in
-// an impact, list them again.
+// List spheres at the start of a step, or after a change, and find what is near in this substep.
 static void find_spheres( const contact_work* work, bool is_start )
 {
     contact_contact_mesh* s = work->contact_mesh;
-    const contact_spheres* spheres = s->spheres;
-    const bool is_due = is_start || s->is_listed == false;
     work->memory->tangled = 0;
-    s->is_listed = is_due == false || run_stage( work, contact_list_spheres );
-    bool holds = s->is_listed && run_stage( work, contact_begin_spheres );
-    if ( holds && is_due == false && spheres->strayed > spheres->count / MOST_STRAYED )
+    if ( is_start || s->is_listed == false )
     {
-        holds = run_stage( work, contact_list_spheres ) && run_stage( work, contact_begin_spheres );
+        s->is_listed = run_stage( work, contact_make_spheres ) && run_stage( work, contact_list_spheres );
     }
-    work->memory->stats.outran += holds ? spheres->strayed : 0;
+    const bool holds = s->is_listed && run_stage( work, contact_begin_spheres );
+    work->memory->stats.outran += holds ? s->spheres->strayed : 0;
 }
 
 void contact_find( wisp_frame* frame, const wisp_span* span, void* user )

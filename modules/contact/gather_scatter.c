@@ -3,6 +3,8 @@
 // projections, the columns.
 #include "gather_scatter.h"
 
+#include "spheres.h"
+
 #include <stdatomic.h>
 #include <string.h>
 
@@ -233,8 +235,9 @@ static void gather_points( void* context, int begin, int end, int worker )
     {
         copy_points( loop, begin, end );
     }
+    const bool are_spheres = loop->work->settings->level == WISP_CONTACT_SPHERES;
     bool jumped = false;
-    for ( int i = begin; i < end; ++i )
+    for ( int i = begin; i < end && ( are_spheres == false || loop->participant->halted ); ++i )
     {
         const size_t at = (size_t)( loop->participant->first_point + i ) * 4;
         jumped = jumped || ( loop->start != NULL && is_elsewhere( loop, i ) );
@@ -346,6 +349,8 @@ void contact_gather( const contact_work* work, bool is_start )
             continue;
         }
         participant->halted = wisp_frame_is_halted( work->frame, participant->entity );
+        participant->position = wisp_frame_column( work->frame, participant->entity, WISP_PARTICLE_POSITION, 0 );
+        participant->previous = wisp_frame_column( work->frame, participant->entity, WISP_PARTICLE_PREVIOUS, 0 );
         participant->is_corrected = wisp_frame_has( work->frame, participant->entity, WISP_PARTICLE_EXTERNAL_SOLVER );
         participant->thickness = wisp_frame_column( work->frame, participant->entity, WISP_MAP_CONTACT_THICKNESS, 0 );
         participant->friction = wisp_frame_column( work->frame, participant->entity, WISP_MAP_CONTACT_FRICTION, 0 );
@@ -410,10 +415,15 @@ static void scatter_strands( const contact_work* work, const contact_participant
 
 void contact_scatter( const contact_work* work, bool is_end, bool is_final )
 {
+    const bool are_spheres = work->settings->level == WISP_CONTACT_SPHERES;
+    if ( are_spheres )
+    {
+        contact_scatter_spheres( work, is_end );
+    }
     for ( int g = 0; g < work->participant_count; ++g )
     {
         const contact_participant* participant = work->participants + g;
-        if ( participant->is_left_out )
+        if ( participant->is_left_out || ( are_spheres && participant->is_strands == false ) )
         {
             continue;
         }

@@ -294,13 +294,19 @@ typedef struct wisp_kernels
     /// Find pairs of [begin, end) that may meet; only begin is a multiple of 8. NaN counts as active.
     /// @return number of pairs
     int ( *find_active_pairs )( const wisp_separation_args* args, int begin, int end );
-    // packs of sixteen points
+    // packs of sixteen points, or of their pairs
+    /// Predict the paths of points, and box them.
+    void ( *predict_points )( const wisp_point_list_args* args, int begin, int end );
+    /// Count the points that left their path by more than they may. @param progress part of the step, less a half
+    int ( *count_strayed )( const wisp_point_list_args* args, float progress, int begin, int end );
+    /// Find the points of pairs of packs [begin, end) whose paths come near, beside neighbours.
+    void ( *list_point_pairs )( const wisp_point_list_args* args, int begin, int end );
     /// Find the pairs that come near on straight paths from start to now.
     void ( *find_near_pairs )( const wisp_point_pair_args* args, int begin, int end );
-    /// Find the pairs that come nearer than their gap, and are too near along the line between them at the start.
-    void ( *find_pressing_points )( const wisp_point_pair_args* args, int begin, int end );
-    /// Compute the corrections that part those pairs along that line, with Coulomb friction.
-    void ( *push_points )( const wisp_point_pair_args* args, int begin, int end );
+    /// Find the pairs that come nearer than their gap, and are too near along the line between them at the start. Compute the
+    /// corrections that part them along that line, with Coulomb friction.
+    /// @return whether there are any
+    bool ( *push_points )( const wisp_point_pair_args* args, int begin, int end );
     /// Compute a lower bound of the distance between two sets of points.
     /// @return m, the largest gap along the given axes, at least -1; below 0 if no axis separates the sets. Points
     /// that are NaN are ignored

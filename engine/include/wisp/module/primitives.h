@@ -92,21 +92,46 @@ typedef struct wisp_separation_args
     int32_t* active;               ///< [pair] out: active pairs first, whose bound may fall below zero
 } wisp_separation_args;
 
-/// Points that keep distances, in packs of sixteen. A pack has as many rows of pairs as its point with the most; a lane without a pair
-/// has any other point and the gap 0.
+/// Sixteen points on straight paths through a step. 64-byte aligned.
+typedef struct wisp_point_pack
+{
+    float at[3][16], motion[3][16]; ///< m, in the middle of the path; from its start to its end
+    float rest[3][16];              ///< m
+    float stray[16];                ///< m, how far it may be from its path
+    float reach[16]; ///< m, half of the most that it keeps, with stray and half of its path beside the common one
+    float half[16], cover[16]; ///< m: a pair keeps the sum of halves, and at least the larger cover
+    float group[16];           ///< those of one group are neighbours if they are near at rest
+    int32_t point_x4[16];      ///< times 4
+} wisp_point_pack;
+
+/// Points that may meet in a step: packs against packs. The last pack may have lanes behind the last point.
+typedef struct wisp_point_list_args
+{
+    wisp_point_pack* packs;
+    int point_count;
+    const float *start, *now;            ///< [point][4] m, of a substep
+    wisp_aabb* boxes;                    ///< [pack] out of predict_points: what its points reach
+    float common[3];                     ///< m, mean motion in a step
+    float substeps;                      ///< of the step
+    float stray_by_gap, stray_by_motion; ///< parts of what a point keeps, and of its motion beside the common one
+    float largest_cover;                 ///< m
+    float neighbours;                    ///< gaps
+    const int32_t *first, *second;       ///< [pair] packs; both may be the same
+    uint16_t ( *found )[16]; ///< [pair] out: for each point of the first pack a bit for each of the second
+    int32_t* count;          ///< [pair] out: how many bits are set
+} wisp_point_list_args;
+
+/// Pairs of points that keep distances, in packs of sixteen. A lane without a pair has any points and the gap 0.
 typedef struct wisp_point_pair_args
 {
-    const float* start;      ///< [point][4] m, where the substep starts; the fourth is the root of friction
-    const float* now;        ///< [point][4] m; the fourth is 1/kg
-    const int32_t* own_x4;   ///< [pack][16] points, times 4
-    const int32_t* begin;    ///< [pack + 1] first row of pairs
-    const int32_t* other_x4; ///< [row][16] the other points, times 4
-    const float* gap;        ///< [row][16] m, to keep
-    float reach;             ///< of find_near_pairs: pairs within this many gaps are near
-    float recovery;          ///< gaps by which pairs that start nearer than theirs may part
-    uint16_t* found;         ///< [row] a bit for each pair that is found
-    float* count;            ///< [pack][16] out of find_pressing_points: pairs of a point
-    float *push, *shift;     ///< [pack][16][4] kg m, out: corrections, recovery; the fourth sums lengths
+    const float *start, *now;    ///< [point][4] m, at the start of the substep, and now
+    const int32_t* point_x4[2];  ///< [pair] points, times 4
+    const float *gap, *friction; ///< [pair] m, to keep; coefficient
+    float reach;                 ///< of find_near_pairs: pairs within this many gaps are near
+    float recovery;              ///< gaps by which pairs that start nearer than theirs may part
+    uint16_t* found;             ///< [pack] out: a bit for each pair that is found
+    float *push,
+        *shift; ///< [pair][4] m, out of push_points for pairs that are found: correction of the first point, recovery
 } wisp_point_pair_args;
 
 WISP_END_C
