@@ -17,6 +17,7 @@ static wisp_entity add_sheet( hosted* h, const sheet_setting* s )
     SCOPED( test_mesh_free ) test_mesh mesh = test_plane( s->n, 1.0f / (float)( s->n - 1 ) );
     const int32_t pins[2] = { 0, s->n - 1 };
     wisp_fabric_def fabric = test_fabric_def( &mesh );
+    fabric.bend_links = false;
     fabric.coarse_sheets = true;
     fabric.attachments = pins;
     fabric.attachment_count = s->is_free ? 0 : 2;
