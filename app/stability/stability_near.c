@@ -143,15 +143,8 @@ SCALAR( sagging, (double)wisp_world_counter( s->world->world, WISP_COUNT_SAGGING
 SCALAR( stretched, (double)wisp_world_counter( s->world->world, WISP_COUNT_STRETCHED ) )
 SCALAR( lightened, (double)wisp_world_counter( s->world->world, WISP_COUNT_GRAVITY_SCALED ) )
 
-SCALAR( splits, (double)wisp_world_counter( s->world->world, WISP_COUNT_SPLIT_VERTICES ) )
 SCALAR( limited, (double)wisp_world_counter( s->world->world, WISP_COUNT_SPEED_LIMITED ) )
-SCALAR( unsolved, (double)wisp_world_counter( s->world->world, WISP_COUNT_NOT_CONVERGED ) )
-SCALAR( asleep, wisp_is_asleep( s->world->world, s->entity ) ? 1.0 : 0.0 )
-SCALAR( stretch_energy, s->implicit.stretch_energy )
-SCALAR( bend_energy, s->implicit.bend_energy )
-SCALAR( iterations, (double)s->implicit.iterations )
 SCALAR( solves, (double)s->implicit.newton_iterations )
-SCALAR( residual, s->implicit.newton_residual )
 SCALAR( first_order, (double)wisp_world_counter( s->world->world, WISP_COUNT_FIRST_ORDER ) )
 SCALAR( softened, (double)wisp_world_counter( s->world->world, WISP_COUNT_STIFFNESS_CLAMPED ) )
 
@@ -201,18 +194,11 @@ static const struct
     { "sagging", sagging, false },
     { "stretched", stretched, false },
     { "lightened", lightened, false },
-    { "splits", splits, false },
     { "limited", limited, false },
-    { "unsolved", unsolved, false },
-    { "asleep", asleep, false },
     { "substeps", substeps, false },
-    { "iterations", iterations, false },
     { "solves", solves, false },
-    { "residual", residual, false },
     { "first_order", first_order, false },
     { "softened", softened, false },
-    { "stretch_energy", stretch_energy, false },
-    { "bend_energy", bend_energy, false },
 };
 const char* const stability_near_takes[STABILITY_TAKE_COUNT] = { "end", "mean", "min", "max", "period", "change" };
 
