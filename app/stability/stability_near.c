@@ -152,7 +152,7 @@ SCALAR( softened, (double)wisp_world_counter( s->world->world, WISP_COUNT_STIFFN
 static double substeps( const seen* s, int axis )
 {
     int count = 0;
-    return axis == 0 && wisp_read_substeps( s->world->world, s->entity, &count ) == WISP_OK ? count : NAN;
+    return axis == 0 && wisp_read_substeps( s->world->world, s->entity, &count ) == WISP_OK ? (double)count : NAN;
 }
 
 static const struct
