@@ -77,7 +77,7 @@ typedef struct stability_near
     char of[96];       ///< such as "rod.tip.y": the body, a point and an axis; or the body and `speed`, `volume`, ..
     int name_length;   ///< of the body in it
     int measure, axis; ///< measure: by its number in a table; -1: the vertex
-    int vertex;
+    int vertex, other; ///< other: to which the distance is; -1: none
     stability_take take;
     double at;            ///< s; 0: the end, or all of the run
     double value, within; ///< in SI units

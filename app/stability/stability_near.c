@@ -143,6 +143,18 @@ SCALAR( sagging, (double)wisp_world_counter( s->world->world, WISP_COUNT_SAGGING
 SCALAR( stretched, (double)wisp_world_counter( s->world->world, WISP_COUNT_STRETCHED ) )
 SCALAR( lightened, (double)wisp_world_counter( s->world->world, WISP_COUNT_GRAVITY_SCALED ) )
 
+SCALAR( limited, (double)wisp_world_counter( s->world->world, WISP_COUNT_SPEED_LIMITED ) )
+SCALAR( solves, (double)s->implicit.newton_iterations )
+SCALAR( first_order, (double)wisp_world_counter( s->world->world, WISP_COUNT_FIRST_ORDER ) )
+SCALAR( softened, (double)wisp_world_counter( s->world->world, WISP_COUNT_STIFFNESS_CLAMPED ) )
+
+// Of the body in its last step.
+static double substeps( const seen* s, int axis )
+{
+    int count = 0;
+    return axis == 0 && wisp_read_substeps( s->world->world, s->entity, &count ) == WISP_OK ? (double)count : NAN;
+}
+
 static const struct
 {
     const char* name;
@@ -182,13 +194,18 @@ static const struct
     { "sagging", sagging, false },
     { "stretched", stretched, false },
     { "lightened", lightened, false },
+    { "limited", limited, false },
+    { "substeps", substeps, false },
+    { "solves", solves, false },
+    { "first_order", first_order, false },
+    { "softened", softened, false },
 };
 const char* const stability_near_takes[STABILITY_TAKE_COUNT] = { "end", "mean", "min", "max", "period", "change" };
 
 const char* stability_near_words( void )
 {
-    static char words[400];
-    int used = snprintf( words, sizeof words, "v12" );
+    static char words[500];
+    int used = snprintf( words, sizeof words, "v12, v4-v7" );
     for ( int i = 0; i < WISP_COUNT( MEASURES ); ++i )
     {
         const bool is_last_point = MEASURES[i].has_axis && !MEASURES[i + 1].has_axis;
@@ -198,7 +215,15 @@ const char* stability_near_words( void )
     return words;
 }
 
-// A measure by its name, or a vertex by its number.
+// The number of a vertex. @return behind it, null if it is none
+static const char* parse_vertex( const char* text, int* vertex )
+{
+    char* end = NULL;
+    *vertex = text[0] == 'v' && text[1] >= '0' && text[1] <= '9' ? (int)strtol( text + 1, &end, 10 ) : -1;
+    return end;
+}
+
+// A measure by its name, a vertex by its number, or the distance of two.
 static bool find_measure( const char* text, size_t size, bool has_axis, stability_near* out )
 {
     for ( int i = 0; i < WISP_COUNT( MEASURES ); ++i )
@@ -210,11 +235,13 @@ static bool find_measure( const char* text, size_t size, bool has_axis, stabilit
             return true;
         }
     }
-    char* end = NULL;
     out->measure = -1;
-    out->vertex =
-        has_axis && text[0] == 'v' && text[1] >= '0' && text[1] <= '9' ? (int)strtol( text + 1, &end, 10 ) : -1;
-    return end == text + size && out->vertex >= 0;
+    const char* end = parse_vertex( text, &out->vertex );
+    if ( has_axis == false && end != NULL && *end == '-' )
+    {
+        return parse_vertex( end + 1, &out->other ) == text + size;
+    }
+    return has_axis && end == text + size;
 }
 
 bool stability_near_parse( const char* of, stability_near* out )
@@ -227,6 +254,7 @@ bool stability_near_parse( const char* of, stability_near* out )
     snprintf( out->of, sizeof out->of, "%s", of );
     out->name_length = (int)( dot - of );
     out->axis = 0;
+    out->other = -1;
     if ( find_measure( dot + 1, strlen( dot + 1 ), false, out ) )
     {
         return true;
@@ -267,13 +295,16 @@ void stability_measure_near( const scene_world* world, int body, const wisp_vec3
     }
     (void)scene_world_motion_stats( world, body, &s.motion, NULL );
     (void)wisp_read_balloon_stats( world->world, s.entity, &s.balloon );
+    (void)wisp_read_implicit_cloth_stats( world->world, s.entity, &s.implicit );
     for ( int i = 0; trace->limits && i < trace->limits->near_count; ++i )
     {
         const stability_near* near = &trace->limits->near[i];
-        if ( is_body( near, &s.shape ) && ( near->measure >= 0 || near->vertex < s.shape.vertex_count ) )
+        const bool has_vertices = near->vertex < s.shape.vertex_count && near->other < s.shape.vertex_count;
+        if ( is_body( near, &s.shape ) && ( near->measure >= 0 || has_vertices ) )
         {
             trace->near[(size_t)i * (size_t)( trace->steps_most + 1 ) + (size_t)row] =
                 near->measure >= 0 ? MEASURES[near->measure].of( &s, near->axis )
+                : near->other >= 0 ? wisp_mesh_distance( at[near->vertex], at[near->other] )
                                    : coordinate_of( at[near->vertex], near->axis );
         }
     }

@@ -4,6 +4,7 @@
 #include "stability_trace.h"
 
 #include "balloon.h"
+#include "implicit_cloth.h"
 
 #include "wisp/module/module.h"
 
@@ -35,4 +36,5 @@ struct stability_seen
     const stability_sample* sample;
     wisp_motion_stats motion;
     wisp_balloon_stats balloon; ///< zero of what is none
+    wisp_implicit_cloth_stats implicit;
 };

@@ -344,36 +344,6 @@ TEST( area_vectors_are_the_gradient_of_the_volume )
 
 // ---- volume and gas ----
 
-// Section III.2
-TEST( the_volume_follows_a_ramp_of_its_gas )
-{
-    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( 2, 0.15 );
-    balloon_scene scene = balloon_scene_of( &mesh );
-    scene.damping = 30.0f;
-    scene.def.edge_stiffness = 200.0f;
-    scene.def.bend_link_stiffness = 2.0f;
-    SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
-    balloon_steps( &flight, 10 );
-    double rest = balloon_read( &flight ).rest_volume;
-    for ( int half = 0; half < 2; ++half )
-    {
-        float rate = (float)( ( half == 0 ? 0.3 : -0.3 ) * rest );
-        assert_int_equal( wisp_set_balloon_inflation( flight.world, flight.entity, rate ), WISP_OK );
-        for ( int n = 0; n < 60; ++n )
-        {
-            balloon_steps( &flight, 1 );
-            balloon_assert_fraction( balloon_motion_stats( &flight ).volume, balloon_read( &flight ).target_volume,
-                                     0.01 );
-        }
-        // 600 substeps of a float's length
-        balloon_assert_fraction( balloon_read( &flight ).target_volume / rest, half == 0 ? 1.3 : 1.0, 1e-6 );
-    }
-    // and no further than V_rest
-    assert_int_equal( wisp_set_balloon_inflation( flight.world, flight.entity, (float)-rest ), WISP_OK );
-    balloon_steps( &flight, 10 );
-    assert_true( balloon_read( &flight ).target_volume == rest );
-}
-
 // Eq. 9. That the pressure is that of the gas is held by the pressures below.
 TEST( the_gas_has_the_densities_of_the_source )
 {

@@ -10,41 +10,6 @@
 
 // ---- coarse sheets ----
 
-// The hanging cloth of performance.md: 64 x 64, two corners, 1 kg per vertex.
-TEST( coarse_sheets_do_in_one_substep_what_ten_cannot )
-{
-    enum
-    {
-        STEPS = 156,
-    };
-    SCOPED( close_world ) hosted h;
-    open_world( &h, 1, 1 );
-    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 64, 0.05f );
-    static const int32_t PINS[2] = { 0, 63 };
-    wisp_fabric_def fabric = test_fabric_def( &mesh );
-    fabric.bend_links = fabric.coarse_sheets = true;
-    fabric.attachments = PINS;
-    fabric.attachment_count = WISP_COUNT( PINS );
-    wisp_surface_def surface = support_weightless_surface_def();
-    surface.vertex_mass = 1.0f;
-    surface.pins = PINS;
-    surface.pin_count = WISP_COUNT( PINS );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    cloth.coarse_substeps = 2;
-    const wisp_entity e = add_cloth( h.world, &fabric, surface, &cloth, EARTH );
-    double largest = 0.0, mean = 0.0;
-    for ( int i = 0; i < STEPS; ++i )
-    {
-        run_steps( h.world, 1, 1.0f / 60.0f );
-        const wisp_motion_stats q = motion_stats_of( h.world, e );
-        largest += i >= STEPS / 2 ? q.strain_max / ( STEPS / 2 ) : 0.0;
-        mean += i >= STEPS / 2 ? q.strain_mean / ( STEPS / 2 ) : 0.0;
-    }
-    assert_true( largest < 0.15 );
-    assert_true( mean < 0.009 );
-    assert_int_equal( count_passes_named( h.world, "surface.levels" ), 1 );
-}
-
 WORLD_TEST( a_mesh_too_small_for_coarse_sheets_has_none )
 {
     SCOPED( test_mesh_free )
@@ -76,6 +41,35 @@ WORLD_TEST( who_asks_for_coarse_sheets_in_vain_is_told_once )
         step( h->world );
         assert_int_equal( h->log.count, before + 1 );
         assert_contains( h->log.last, "the fabric has no coarse sheets" );
+    }
+}
+
+// ---- bending ----
+
+WORLD_TEST( bending_that_is_chosen_brings_its_pass_and_no_other )
+{
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 5, 0.1f );
+    wisp_fabric_def fabric = test_fabric_def( &mesh );
+    fabric.hinges = true;
+    wisp_cloth_def cloth = undamped_cloth();
+    cloth.bending = WISP_CLOTH_BENDING_NONE;
+    wisp_entity e = add_cloth( h->world, &fabric, support_weightless_surface_def(), &cloth, EARTH );
+    static const wisp_cloth_bending KINDS[] = { WISP_CLOTH_BENDING_DIHEDRAL, WISP_CLOTH_BENDING_ISOMETRIC };
+    const char* const names[2][2] = { { "cloth.bending", "hinges.dihedral_pbd" },
+                                      { "cloth.bending", "hinges.isometric_pbd" } };
+    int bare = wisp_world_plan_passes( h->world );
+    for ( int k = 0; k < WISP_COUNT( KINDS ); ++k )
+    {
+        for ( int solver = 0; solver < WISP_SOLVER_COUNT; ++solver )
+        {
+            cloth.bending = KINDS[k];
+            cloth.solver = (wisp_solver)solver;
+            assert_status( h->world, wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
+            assert_int_equal( wisp_world_plan_passes( h->world ), bare + 2 ); // that of sharp folds
+            step( h->world );
+            assert_int_equal( count_passes_named( h->world, names[k][solver] ), 1 );
+            assert_int_equal( count_passes_named( h->world, "hinges.folds" ), 1 );
+        }
     }
 }
 

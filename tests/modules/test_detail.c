@@ -5,70 +5,11 @@
 
 // ---- fewer substeps ----
 
-static uint64_t run_effect( effect_setup* setup, int substeps, wisp_detail level, int workers )
-{
-    SCOPED( close_world ) hosted h;
-    open_levels( &h, substeps, workers );
-    const wisp_entity other = add_effect( h.world, hair_of_rods ), e = add_effect( h.world, setup );
-    if ( level != WISP_DETAIL_FULL )
-    {
-        set_level( h.world, e, level ); // before the first step, so nothing is blended
-    }
-    run_steps( h.world, 40, FRAME );
-    const uint64_t hash = hash_of( h.world, e, points_of( h.world, e ) );
-    assert_true( hash_of( h.world, other, WISP_STRAND_POINTS ) != 0 );
-    return hash;
-}
-
-TEST( with_fewer_substeps_an_entity_moves_as_in_a_world_that_makes_so_many )
-{
-    effect_setup* const setups[] = { cloth_of_links, dihedral_cloth, implicit_cloth,
-                                     balloon,        hair_of_links,  hair_of_rods };
-    for ( int i = 0; i < WISP_COUNT( setups ); ++i )
-    {
-        const uint64_t expected = run_effect( setups[i], 3, WISP_DETAIL_FULL, 1 );
-        assert_true( run_effect( setups[i], 12, WISP_DETAIL_FEWER_SUBSTEPS, 1 + i % 3 ) == expected );
-        assert_true( run_effect( setups[i], 12, WISP_DETAIL_FULL, 1 ) != expected );
-        assert_true( run_effect( setups[i], 10, WISP_DETAIL_FEWER_SUBSTEPS, 1 ) == expected ); // 10 / 4 is rounded up
-    }
-}
-
 static int substeps_of( wisp_world* world, wisp_entity e )
 {
     int substeps;
     assert_status( world, wisp_read_substeps( world, e, &substeps ), WISP_OK );
     return substeps;
-}
-
-// Run through a change of the level. Substeps go from one number to another in equal parts.
-static void check_ramp( wisp_world* world, wisp_entity e, wisp_detail level, int from, int to )
-{
-    set_level( world, e, level );
-    for ( int i = 1; i <= 15; ++i )
-    {
-        assert_true( is_blending( world, e ) );
-        run_steps( world, 1, FRAME );
-        assert_int_equal( substeps_of( world, e ), from + ( to - from ) * i / 15 );
-    }
-    assert_false( is_blending( world, e ) );
-}
-
-TEST( substeps_change_step_by_step )
-{
-    SCOPED( close_world ) hosted h;
-    open_levels( &h, 10, 1 );
-    const wisp_entity e = add_sheet( h.world, false ), other = add_sheet( h.world, false );
-    run_steps( h.world, 1, FRAME );
-    check_ramp( h.world, e, WISP_DETAIL_FEWER_SUBSTEPS, 10, 3 );
-    assert_int_equal( substeps_of( h.world, other ), 10 );
-    check_ramp( h.world, e, WISP_DETAIL_FULL, 3, 10 );
-    // an entity that asks for more than the world: 40, and a quarter of them
-    assert_status( h.world, wisp_set_substeps( h.world, e, 37 ), WISP_OK );
-    run_steps( h.world, 1, FRAME );
-    assert_int_equal( substeps_of( h.world, e ), 40 );
-    set_level( h.world, e, WISP_DETAIL_FEWER_SUBSTEPS );
-    run_steps( h.world, 15, FRAME );
-    assert_int_equal( substeps_of( h.world, e ), 10 );
 }
 
 // Steps of any length cover all of the time: a body in free fall is where it would be.
@@ -278,29 +219,6 @@ TEST( what_comes_to_rest_becomes_slower )
     }
 }
 
-// What rests, and is solved again, goes on resting.
-TEST( a_surface_at_rest_is_at_rest_after_a_pause )
-{
-    SCOPED( close_world ) hosted h;
-    open_levels( &h, 10, 1 );
-    const wisp_entity e = add_effect( h.world, cloth_of_links ), ball = add_effect( h.world, balloon );
-    run_steps( h.world, 300, FRAME );
-    set_level( h.world, e, WISP_DETAIL_NOTHING );
-    set_level( h.world, ball, WISP_DETAIL_NOTHING );
-    run_steps( h.world, 40, FRAME );
-    set_level( h.world, e, WISP_DETAIL_FULL );
-    set_level( h.world, ball, WISP_DETAIL_FULL );
-    for ( int i = 0; i < 40; ++i )
-    {
-        int count;
-        SCOPED( free_local )
-        wisp_vec3 *a = copy_points( h.world, e, &count ), *b = copy_points( h.world, ball, &count );
-        assert_true( step_and_measure( h.world, e ) < 2e-3f );
-        assert_true( largest_distance_to_turned( h.world, ball, b, 0.0f, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ) <
-                     1e-3f );
-    }
-}
-
 // ---- snapshots ----
 
 TEST( a_snapshot_holds_the_level_and_its_change )
@@ -386,25 +304,6 @@ TEST( a_change_that_is_set_again_with_fewer_steps_ends_earlier )
     assert_status( h.world, wisp_world_restore( h.world, saved.bytes, saved.size ), WISP_OK );
     free( saved.bytes );
     assert_int_equal( wisp_detail_of( h.world, e ), WISP_DETAIL_FEWER_SUBSTEPS );
-}
-
-TEST( full_detail_has_the_bits_of_none )
-{
-    uint64_t hashes[2];
-    for ( int k = 0; k < 2; ++k )
-    {
-        SCOPED( close_world ) hosted h;
-        open_levels( &h, 10, 1 );
-        const wisp_entity e = add_sheet( h.world, true );
-        if ( k == 1 )
-        {
-            set_level( h.world, e, WISP_DETAIL_FULL );
-        }
-        run_steps( h.world, 30, FRAME );
-        assert_int_equal( count_passes_named( h.world, "detail.move" ), k );
-        hashes[k] = hash_of( h.world, e, WISP_SURFACE_POINTS );
-    }
-    assert_true( hashes[0] == hashes[1] );
 }
 
 // ---- refusals ----

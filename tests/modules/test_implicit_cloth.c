@@ -486,3 +486,33 @@ TEST( cloth_stays_finite_whatever_it_is_made_of )
         }
     }
 }
+
+// ---- BDF2 ----
+
+// A mass on a link that is always taut, behind a quarter of a second.
+static double oscillator_error( int steps )
+{
+    SCOPED( close_world ) hosted h;
+    open_implicit( &h, 1 );
+    const double mass = 0.01, stiffness = 10.0, rest = mass * 9.81 / stiffness, seconds = 0.25;
+    wisp_implicit_cloth_def def = exact_def();
+    def.integrator = WISP_INTEGRATOR_BDF2;
+    def.stretch_stiffness = (float)stiffness;
+    def.link_damping = 0.0f;
+    test_mesh mesh = chain_mesh();
+    mesh.points[1].y = -CHAIN_LINK - (float)( 1.5 * rest );
+    const wisp_entity e = add_chain( h.world, &def, 1, (float)mass, mesh.points );
+    test_mesh_free( &mesh );
+    assert_status( h.world, wisp_set_gravity( h.world, e, EARTH ), WISP_OK );
+    run_steps( h.world, steps, (float)( seconds / steps ) );
+    const double y = (double)point_of( h.world, e, 1 ).y;
+    const double exact = -(double)CHAIN_LINK - rest - 0.5 * rest * cos( sqrt( stiffness / mass ) * seconds );
+    assert_int_equal( count_of( h.world, WISP_COUNT_FIRST_ORDER ), 0 );
+    return fabs( y - exact );
+}
+
+TEST( bdf2_is_of_second_order_in_smooth_motion )
+{
+    const double order = log2( oscillator_error( 64 ) / oscillator_error( 128 ) );
+    assert_near( order, 2.0, 0.2 );
+}

@@ -1,4 +1,5 @@
-// Moving frames and largest speeds in worlds: what is not felt carries, what is felt is the world's motion, and nothing costs nothing.
+// Moving frames and largest speeds in worlds: teleports, what is felt costs nothing, what is refused. What is carried is in
+// tests/claims.
 #include "cloth_fixture.h"
 
 #include "oracle/double3.h"
@@ -82,34 +83,6 @@ static double farthest_apart( framed* moved, framed* still, wisp_transform pose 
     return farthest;
 }
 
-// With cloth of each kind, with coarse sheets, under gravity and drag that depend on velocities.
-TEST( a_surface_that_feels_nothing_moves_as_in_a_still_frame )
-{
-    for ( int coarse = 0; coarse < 2; ++coarse )
-    {
-        wisp_cloth_def cloth = undamped_cloth();
-        cloth.drag_coefficient = 1.0f;
-        cloth.internal_damping = 2.0f;
-        cloth.coarse_substeps = coarse * 2;
-        SCOPED( close_framed )
-        framed moved = open_framed( &cloth, true, EARTH, 1 ), still = open_framed( &cloth, true, EARTH, 1 ),
-               felt = open_framed( &cloth, true, EARTH, 1 );
-        give_frame( &moved, 0.0f, 0.0f );
-        wisp_transform pose = walked_pose( 0, 0.0f, 0.0f );
-        for ( int i = 1; i <= STEPS; ++i )
-        {
-            follow( &still, walked_pose( 0, 0.0f, 0.0f ), true );
-            pose = walked_pose( i, 0.1f, 0.05f );
-            follow( &moved, pose, true );
-            follow( &felt, pose, true );
-        }
-        assert_int_equal( count_passes_named( moved.world, "surface.levels_frame" ), coarse );
-        // cloth that swings amplifies rounding, coarse sheets more so; pins go straight where the frame turns
-        assert_true( farthest_apart( &moved, &still, pose ) < ( coarse ? 3e-2 : 1e-3 ) );
-        assert_true( farthest_apart( &felt, &still, pose ) > 0.5 );
-    }
-}
-
 TEST( a_frame_that_is_felt_changes_no_bit_and_has_no_pass )
 {
     const wisp_cloth_def cloth = undamped_cloth();
@@ -124,57 +97,6 @@ TEST( a_frame_that_is_felt_changes_no_bit_and_has_no_pass )
     }
     assert_true( wisp_world_hash( with.world ) == wisp_world_hash( without.world ) );
     assert_int_equal( count_passes_named( with.world, "particles.carry" ), 0 );
-}
-
-// A frame at rest has passes, and changes no bit of positions and velocities.
-TEST( a_frame_at_rest_changes_no_bit_of_the_motion )
-{
-    const wisp_cloth_def cloth = undamped_cloth();
-    SCOPED( close_framed )
-    framed with = open_framed( &cloth, true, EARTH, 1 ), without = open_framed( &cloth, true, EARTH, 1 );
-    give_frame( &with, 0.0f, 0.0f );
-    for ( int i = 1; i <= STEPS; ++i )
-    {
-        follow( &with, walked_pose( 0, 0.0f, 0.0f ), true );
-        follow( &without, walked_pose( 0, 0.0f, 0.0f ), true );
-    }
-    const wisp_view a = view_of( with.world, with.e, WISP_SURFACE_POINTS ),
-                    b = view_of( without.world, without.e, WISP_SURFACE_POINTS );
-    assert_memory_equal( a.data, b.data, sizeof( wisp_vec3 ) * VERTICES );
-    assert_int_equal( count_passes_named( with.world, "particles.carry" ), 1 );
-}
-
-// A free cloth is carried by the fraction that it does not feel, and gains no momentum of it; one that is pulled along by pins gains
-// a momentum that is linear in what it feels.
-TEST( what_is_felt_is_linear_in_the_fraction )
-{
-    wisp_cloth_def cloth = undamped_cloth();
-    cloth.coarse_substeps = 0;
-    cloth.bending = WISP_CLOTH_BENDING_NONE;
-    double momentum[3];
-    for ( int i = 0; i < 3; ++i )
-    {
-        const float felt = 0.25f + 0.25f * (float)i;
-        SCOPED( close_framed )
-        framed s = open_framed( &cloth, false, NONE, 1 ), pulled = open_framed( &cloth, true, NONE, 1 );
-        give_frame( &s, felt, 1.0f );
-        give_frame( &pulled, felt, 1.0f );
-        for ( int k = 1; k <= 10; ++k )
-        {
-            follow( &s, walked_pose( k, 0.05f, 0.0f ), false );
-        }
-        for ( int v = 0; v < VERTICES; ++v )
-        {
-            const double x = (double)point_of( s.world, s.e, v ).x - (double)s.start[v].x;
-            assert_near( x, 0.5 * ( 1.0 - (double)felt ), 2e-5 ); // rounding in 40 substeps
-        }
-        assert_near( motion_stats_of( s.world, s.e ).momentum[0], 0.0, 2e-5 ); // rounding of positions
-        follow( &pulled, walked_pose( 1, 1e-4f, 0.0f ), true ); // so little that the cloth answers linearly
-        momentum[i] = motion_stats_of( pulled.world, pulled.e ).momentum[0];
-    }
-    assert_true( momentum[0] > 1e-6 );
-    assert_near( momentum[1] / momentum[0], 2.0, 4e-2 ); // links that go slack answer by a few percent less
-    assert_near( momentum[2] / momentum[0], 3.0, 6e-2 );
 }
 
 TEST( a_teleport_takes_the_frame_along )
@@ -197,18 +119,16 @@ TEST( a_teleport_takes_the_frame_along )
     assert_true( farthest_apart( &there, &here, motion ) < 1e-4 );
 }
 
-TEST( a_largest_speed_holds_and_is_counted )
+TEST( a_largest_speed_that_is_lifted_leaves_no_pass )
 {
     const wisp_cloth_def cloth = undamped_cloth();
     SCOPED( close_framed ) framed s = open_framed( &cloth, false, EARTH, 1 );
     assert_status( s.world, wisp_set_max_speed( s.world, s.e, 2.0f ), WISP_OK );
-    for ( int i = 0; i < 60; ++i )
+    for ( int i = 0; i < 15; ++i )
     {
         assert_status( s.world, wisp_world_step( s.world, DT ), WISP_OK );
-        assert_true( motion_stats_of( s.world, s.e ).speed_max <= 2.0 + 1e-6 );
     }
-    assert_near( motion_stats_of( s.world, s.e ).momentum[1] / motion_stats_of( s.world, s.e ).mass, -2.0, 1e-5 );
-    assert_true( wisp_world_counter( s.world, WISP_COUNT_SPEED_LIMITED ) > 1000 );
+    assert_true( motion_stats_of( s.world, s.e ).speed_max <= 2.0 + 1e-6 );
     assert_status( s.world, wisp_set_max_speed( s.world, s.e, INFINITY ), WISP_OK );
     assert_status( s.world, wisp_world_step( s.world, DT ), WISP_OK );
     assert_int_equal( count_passes_named( s.world, "particles.max_speed" ), 0 );

@@ -1,4 +1,4 @@
-// Seams: the projection against its oracle, closed forms, strength, tubes, determinism; in worlds: boundaries that are
+// Seams: the projection against its oracle, momentum, what hangs on several pairs; in worlds: boundaries that are
 // found, substeps, removal, halted surfaces, teleports, implicit cloth, refusals, memory.
 #include "seam_fixture.h"
 
@@ -242,78 +242,6 @@ TEST( a_seam_keeps_momentum )
 
 // ---- closed forms ----
 
-// Vertex 0 of a pinned triangle carries vertex 0 of a free triangle, 5 cm below.
-typedef struct hanging
-{
-    hosted* h;
-    wisp_world* world;
-    wisp_entity upper, lower, seam;
-    double weight; // N, of the vertex
-} hanging;
-
-static hanging open_hanging( int substeps, int iterations, float compliance, float strength )
-{
-    hanging s = { .h = open_sewing( substeps, iterations, 1 ) };
-    s.world = s.h->world;
-    static const int32_t ALL[] = { 0, 1, 2 }, PAIR[] = { 0, 0 };
-    SCOPED( test_mesh_free )
-    test_mesh upper =
-        triangle_mesh( ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 0.1f, 0, 0 }, ( wisp_vec3 ){ 0, 0, 0.1f } );
-    wisp_surface_def surface = wisp_default_surface_def();
-    surface.gravity = EARTH;
-    SCOPED( test_mesh_free )
-    test_mesh lower =
-        triangle_mesh( ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 0.1f, 0, 0 }, ( wisp_vec3 ){ 0, 0, 0.1f } );
-    s.lower = add_panel( s.world, &lower, surface, NULL );
-    surface.pins = ALL;
-    surface.pin_count = 3;
-    s.upper = add_panel( s.world, &upper, surface, NULL );
-    assert_status( s.world, wisp_set_damping( s.world, s.lower, 60.0f ), WISP_OK );
-    wisp_seam_def def = wisp_default_seam_def();
-    def.a = s.upper, def.b = s.lower, def.pairs = PAIR, def.pair_count = 1;
-    def.compliance = compliance;
-    def.strength = strength;
-    s.seam = sew( s.world, &def );
-    s.weight = 9.81 / (double)row_of( s.world, s.lower, WISP_PARTICLE_POSITION, 0 )[3];
-    return s;
-}
-
-// A vertex of mass m opens its pair by compliance m g, whatever the substeps and iterations, and the force is m g.
-TEST( a_weight_opens_a_compliant_seam_by_compliance_times_weight )
-{
-    static const int NUMBERS[][2] = { { 4, 1 }, { 16, 1 }, { 4, 5 } };
-    for ( int i = 0; i < WISP_COUNT( NUMBERS ); ++i )
-    {
-        hanging s = open_hanging( NUMBERS[i][0], NUMBERS[i][1], 10.0f, INFINITY );
-        step_for( s.world, 240 );
-        const sewn_pair pair = pair_of( s.world, s.seam, 0 );
-        // it comes to rest where a substep moves it by less than a digit of 0.02 m: k/m dt^2 |error| < 2e-9 m, k/m = 400 / s^2
-        assert_near( pair.opening, 10.0 * s.weight, 5e-6 );
-        assert_near( pair.force, s.weight, 5e-7 );
-        close_sewing( s.h );
-    }
-}
-
-TEST( a_pair_breaks_at_its_strength_and_not_below )
-{
-    const hanging probe = open_hanging( 4, 1, 10.0f, INFINITY );
-    const double weight = probe.weight;
-    close_sewing( probe.h );
-    for ( int above = 0; above < 2; ++above )
-    {
-        const double strength = weight * ( above ? 1.0 + 2e-5 : 1.0 - 2e-5 );
-        hanging s = open_hanging( 4, 1, 10.0f, (float)strength );
-        step_for( s.world, 300 );
-        assert_int_equal( wisp_count_broken_seam_pairs( s.world, s.seam ), above ? 0 : 1 );
-        const sewn_pair pair = pair_of( s.world, s.seam, 0 );
-        assert_true( pair.broken != above );
-        assert_true( above ? pair.force > 0.0 : pair.force == 0.0 );
-        // what broke falls, by the speed that damping leaves, and stays broken
-        assert_true( above ? pair.opening < 0.1 : pair.opening > 0.1 );
-        close_sewing( s.h );
-    }
-}
-
 // Two sheets hang, the lower one on a seam of nine pairs: together the pairs carry its weight, and open by it.
 TEST( the_pairs_of_two_hanging_sheets_carry_the_lower_one )
 {
@@ -363,62 +291,6 @@ TEST( the_pairs_of_two_hanging_sheets_carry_the_lower_one )
     }
     assert_near( force, weight, 2e-3 * weight ); // what still swings
     assert_near( opening, 0.2 * weight, 2e-3 * 0.2 * weight );
-}
-
-// ---- garments ----
-
-enum
-{
-    AROUND = 25,
-    ALONG = 5,
-};
-
-// A strip of 0.48 m that is bent a little, sewn to itself along its short sides.
-static sewn open_strip( void )
-{
-    sewn s = { .h = open_sewing( 8, 2, 1 ) };
-    s.world = s.h->world;
-    SCOPED( test_mesh_free ) test_mesh mesh = hanging_mesh( AROUND, ALONG, 0.02f, 0.02f );
-    for ( int v = 0; v < mesh.vertex_count; ++v )
-    {
-        const float x = mesh.points[v].x / 0.48f;
-        mesh.points[v].z = 0.2f * x * ( 1.0f - x );
-    }
-    wisp_cloth_def cloth = undamped_cloth();
-    cloth.bend_compliance = 0.02f;
-    s.a = s.b = add_panel( s.world, &mesh, support_weightless_surface_def(), &cloth );
-    assert_status( s.world, wisp_set_damping( s.world, s.a, 2.0f ), WISP_OK );
-    assert_status( s.world, wisp_request( s.world, s.a, WISP_MOTION_STATS ), WISP_OK );
-    for ( int j = 0; j < ALONG; ++j )
-    {
-        s.pairs[2 * j] = j * AROUND;
-        s.pairs[2 * j + 1] = j * AROUND + AROUND - 1;
-    }
-    wisp_seam_def def = wisp_default_seam_def();
-    def.a = s.a, def.b = s.b, def.pairs = s.pairs, def.pair_count = ALONG;
-    def.closing_speed = 0.3f;
-    s.seam = sew( s.world, &def );
-    return s;
-}
-
-TEST( a_flat_strip_closes_to_a_tube_without_a_jump )
-{
-    sewn s = open_strip();
-    for ( int i = 1; i <= 180; ++i )
-    {
-        step_for( s.world, 1 );
-        const double expected = fmax( 0.0, 0.48 - 0.3 * i / 60.0 );
-        for ( int p = 0; p < ALONG; ++p )
-        {
-            assert_near( pair_of( s.world, s.seam, p ).opening, expected, 3e-4 ); // the cloth pulls back
-        }
-        assert_true( motion_stats_of( s.world, s.a ).strain_max < 0.2 );
-    }
-    // half-way along the strip is across the tube
-    const double across =
-        vec_distance( point_of( s.world, s.a, 2 * AROUND ), point_of( s.world, s.a, 2 * AROUND + AROUND / 2 ) );
-    assert_true( across > 0.1 && across < 0.2 ); // 0.48 m around: 0.153 m in diameter
-    close_sewing( s.h );
 }
 
 // ---- worlds ----

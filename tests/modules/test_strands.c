@@ -324,67 +324,6 @@ TEST( strands_swing_far_out_as_at_the_origin )
     assert_int_equal( failures, 0 );
 }
 
-// ---- short substeps ----
-
-// The energy that a pendulum of 1 m has lost in three periods, of that which it was let go with at 60 degrees.
-static double lost_energy( float far, int substeps )
-{
-    const double angle = 1.0471975511965976;
-    const wisp_vec3 points[2] = { { 0.0f, 0.0f, 0.0f }, { (float)sin( angle ), (float)-cos( angle ), 0.0f } };
-    const int32_t offsets[2] = { 0, 2 };
-    hosted s;
-    open_strands( &s, substeps, 1, 1 );
-    wisp_strands_def strands = wisp_default_strands_def();
-    strands.points = points;
-    strands.offsets = offsets;
-    strands.strand_count = 1;
-    wisp_entity e;
-    assert_int_equal( wisp_add_strands( s.world, &strands, &e ), WISP_OK );
-    wisp_strand_dynamics_def def = undamped_hair();
-    def.bending = WISP_STRAND_BEND_NONE;
-    def.vertex_mass = 1.0f;
-    assert_int_equal( wisp_set_strand_dynamics( s.world, e, &def ), WISP_OK );
-    assert_int_equal( wisp_request( s.world, e, WISP_STRAND_POINTS ), WISP_OK );
-    move_to( &s, e, far, 0.0f );
-    double peak = 0.0, last = angle;
-    for ( int swings = 0, frame = 0; swings < 6 && frame < 600; ++frame )
-    {
-        strand_steps( s.world, 1, FRAME );
-        const wisp_vec3* p = strand_points( s.world, e );
-        const double now = atan2( (double)p[1].x - (double)p[0].x, (double)p[0].y - (double)p[1].y );
-        swings += ( now < 0.0 ) != ( last < 0.0 ) ? 1 : 0;
-        peak = ( now < 0.0 ) != ( last < 0.0 ) ? 0.0 : fmax( peak, fabs( now ) );
-        last = now;
-    }
-    // the last frame is the first one after the sixth pass through the bottom; let it rise once more
-    for ( int frame = 0; frame < 60; ++frame )
-    {
-        strand_steps( s.world, 1, FRAME );
-        const wisp_vec3* p = strand_points( s.world, e );
-        peak = fmax( peak, fabs( atan2( (double)p[1].x - (double)p[0].x, (double)p[0].y - (double)p[1].y ) ) );
-    }
-    close_world( &s );
-    return 1.0 - ( 1.0 - cos( peak ) ) / ( 1.0 - cos( angle ) );
-}
-
-TEST( a_pendulum_loses_less_energy_in_shorter_substeps )
-{
-    static const float PLACES[] = { 0.0f, 100.0f, 1000.0f };
-    for ( int i = 0; i < WISP_COUNT( PLACES ); ++i )
-    {
-        double before = lost_energy( PLACES[i], 10 );
-        for ( int substeps = 20; substeps <= 640; substeps *= 2 )
-        {
-            const double lost = lost_energy( PLACES[i], substeps );
-            print_message( "%g m out, %d substeps: %.3f %% of the energy lost\n", (double)PLACES[i], substeps,
-                           100.0 * lost );
-            // an implicit substep loses energy in proportion to its length; peaks are seen to 0.05 % at 60 Hz
-            assert_true( lost > 0.0 && lost < 0.55 * before + 5e-4 );
-            before = lost;
-        }
-    }
-}
-
 // ---- loops ----
 
 static const double PI = 3.14159265358979323846;
