@@ -20,6 +20,15 @@ wisp_status cloth_bench( const bench_options* options, results* out, wisp_error*
     return suite_bench_folder( "cloth", bench_seconds( options ), options, out, error );
 }
 
+// ---- figures ----
+
+// Figures of the papers: rows with checks, and what the accuracy of an implicit step costs.
+
+wisp_status figures_bench( const bench_options* options, results* out, wisp_error* error )
+{
+    return suite_bench_folder( "figures", bench_seconds( options ), options, out, error );
+}
+
 // ---- balloon ----
 
 // The case `balloon`: the suites in data/suites/balloon, and what their rows must keep.
