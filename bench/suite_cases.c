@@ -5,7 +5,6 @@
 #include "bench.h"
 #include "bench_output.h"
 #include "program_data.h"
-#include "render.h"
 #include "suite_study.h"
 #include "surfaces.h"
 

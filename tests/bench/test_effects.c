@@ -294,7 +294,7 @@ TEST( unused_modules_change_neither_plan_nor_bits_nor_memory )
         wisp_error error = { WISP_OK, "" };
         read_plan( every, text[0] );
         read_plan( used, text[1] );
-        assert_string_equal( text[0], plan[1] );
+        assert_string_equal( text[0], text[1] );
         assert_ok( effect_world_hash( every, 0, hash, &error ), error );
         assert_ok( effect_world_hash( used, 0, hash + 1, &error ), error );
         assert_true( hash[0] == hash[1] );

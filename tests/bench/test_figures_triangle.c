@@ -1,5 +1,5 @@
-// Noh and Jung: energy in free flight (section 3.3), and the hem and the folds of quads beside those of triangles (Fig. 8 and 10). Rest,
-// depth and strain are in data/suites/figures/drape.yaml.
+// Noh and Jung: energy in free flight (section 3.3), and edges, hems and folds on the ball (Fig. 8 and 10). Rest
+// and depth are in data/suites/figures/drape.yaml.
 #include "unit.h"
 
 #include "surfaces.h"
@@ -219,10 +219,24 @@ static int count_folds( const double* even )
 typedef struct hem
 {
     double mean, lowest; // m, that it came down
+    double stretch;      // of the longest edge
     int folds;
 } hem;
 
-static hem drop( int vertices )
+static double longest_edge( const triangle_scene* scene, const wisp_vec3* points )
+{
+    const wisp_fabric* fabric = scene->fabric;
+    double most = 0.0;
+    for ( int e = 0; e < fabric->edge_count; ++e )
+    {
+        const int a = fabric->slot_vertex[fabric->edges[2 * e]], b = fabric->slot_vertex[fabric->edges[2 * e + 1]];
+        const double rest = wisp_mesh_distance( scene->mesh.points[a], scene->mesh.points[b] );
+        most = fmax( most, wisp_mesh_distance( points[a], points[b] ) / rest - 1.0 );
+    }
+    return most;
+}
+
+static hem drop( int vertices, float stiffness )
 {
     triangle_scene scene;
     surface_implementation cloth;
@@ -231,7 +245,8 @@ static hem drop( int vertices )
     border_vertex border[BORDER_MAX];
     double even[PLACES];
     hem out = { .folds = 0 };
-    const triangle_setting setting = triangle_default_setting();
+    triangle_setting setting = triangle_default_setting();
+    setting.cloth.stretch_stiffness = stiffness;
     assert_ok( triangle_scene_make( vertices, &scene, &error ), error );
     assert_ok( triangle_enter( &scene, &setting, &cloth, &error ), error );
     for ( int i = 0; i < 1500; ++i )
@@ -248,7 +263,9 @@ static hem drop( int vertices )
     }
     measure_border( border, count, points, even );
     out.folds = count_folds( even );
-    print_message( "           %d folds; the hem came down by %.4f m, %.4f at most\n", out.folds, out.mean, out.lowest );
+    out.stretch = longest_edge( &scene, points );
+    print_message( "           k %.0f: %d folds; the hem came down by %.4f m, %.4f at most; longest edge +%.2f %%\n",
+                   (double)stiffness, out.folds, out.mean, out.lowest, 100.0 * out.stretch );
     surface_implementation_destroy( &cloth );
     triangle_scene_free( &scene );
     return out;
@@ -257,8 +274,16 @@ static hem drop( int vertices )
 // Quads above the ball have its fourfold symmetry, and so have their folds: 12. The irregular mesh can have any number: 9.
 TEST( quads_hang_as_deep_as_triangles_and_fold_in_fours )
 {
-    const hem triangles = drop( TRIANGLE_VERTICES ), quads = drop( 0 );
+    const hem triangles = drop( TRIANGLE_VERTICES, 200.0f ), quads = drop( 0, 200.0f );
     assert_true( fabs( quads.mean / triangles.mean - 1.0 ) < 0.1 );
     assert_true( fabs( quads.lowest / triangles.lowest - 1.0 ) < 0.1 );
     assert_true( quads.folds > 0 && quads.folds % 4 == 0 && abs( quads.folds - triangles.folds ) <= 4 );
+}
+
+TEST( softer_cloth_has_longer_edges_and_a_lower_hem )
+{
+    const hem soft = drop( TRIANGLE_VERTICES, 50.0f ), usual = drop( TRIANGLE_VERTICES, 100.0f ),
+              firm = drop( TRIANGLE_VERTICES, 350.0f );
+    assert_true( soft.stretch > usual.stretch && usual.stretch > firm.stretch );
+    assert_true( soft.mean > usual.mean && usual.mean > firm.mean );
 }
