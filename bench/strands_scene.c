@@ -110,8 +110,9 @@ wisp_status strands_implementation_hash( strands_implementation* implementation,
 wisp_status strands_implementation_points( strands_implementation* implementation, const wisp_vec3** points,
                                            wisp_error* error )
 {
-    return bench_world_points( implementation->world, implementation->entity, WISP_STRAND_POINTS,
-                               implementation->generator.shape->strand_count * implementation->generator.shape->vertices, points, error );
+    return bench_world_points(
+        implementation->world, implementation->entity, WISP_STRAND_POINTS,
+        implementation->generator.shape->strand_count * implementation->generator.shape->vertices, points, error );
 }
 
 // ---- measures ----

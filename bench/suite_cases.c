@@ -7,6 +7,7 @@
 #include "program_data.h"
 #include "suite_study.h"
 #include "surfaces.h"
+#include "render.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -152,10 +152,7 @@ static int find_border( const wisp_mesh* mesh, border_vertex* out )
         if ( fmax( fabs( x ), fabs( z ) ) > 0.4999 )
         {
             assert_true( count < BORDER_MAX );
-            const double along = z < -0.4999  ? x + 0.5
-                                 : x > 0.4999 ? z + 1.5
-                                 : z > 0.4999 ? 2.5 - x
-                                              : 3.5 - z;
+            const double along = z < -0.4999 ? x + 0.5 : x > 0.4999 ? z + 1.5 : z > 0.4999 ? 2.5 - x : 3.5 - z;
             out[count++] = ( border_vertex ){ along / 4.0, i };
         }
     }
