@@ -157,9 +157,6 @@ static bool take_bench_option( options_state* o, int key, const char* argument )
         case BENCH_KEY_LIST:
             arguments->only_list = true;
             return true;
-        case BENCH_KEY_PICTURES:
-            arguments->options.pictures = option_file( o, argument );
-            return true;
         case BENCH_KEY_LONG:
             arguments->options.longest = true;
             return true;
@@ -170,10 +167,6 @@ static bool take_bench_option( options_state* o, int key, const char* argument )
             if ( arguments->options.longest && !has_suite( arguments ) )
             {
                 check_option( o, arguments, "--long", " stability ", "case 'stability' and of suites" );
-            }
-            if ( arguments->options.pictures != NULL )
-            {
-                check_option( o, arguments, "--pictures", " figures ", "case 'figures'" );
             }
             return bench_take_file( o, key, argument, &arguments->files );
         default:
@@ -281,10 +274,6 @@ int command_bench( int argc, char** argv )
     wisp_error error = { 0 };
     wisp_status status = bench_describe_machine( &out.machine, &error );
     status = status == WISP_OK ? bench_check_files( &arguments.files, &error ) : status;
-    if ( status == WISP_OK && arguments.options.pictures != NULL )
-    {
-        status = io_folder_make( arguments.options.pictures, &error );
-    }
     status = status == WISP_OK ? run_cases( &arguments, &out, &error ) : status;
     if ( status == WISP_OK )
     {

@@ -33,10 +33,8 @@ static const option_row bench_rows[] = {
     WORKERS_ROW,
     OPTION_TITLE( "Output:" ),
     OUTPUT_ROWS,
-    { "report", BENCH_KEY_REPORT, "FILE", "Also write an HTML page with charts and pictures",
-      OPTION_FILES( ".html" ) },
+    { "report", BENCH_KEY_REPORT, "FILE", "Also write an HTML page with charts", OPTION_FILES( ".html" ) },
     OPTION_TITLE( "Options of single cases:" ),
-    { "pictures", BENCH_KEY_PICTURES, "FOLDER", "figures: write pictures to FOLDER", OPTION_FILES( "/" ) },
     { "long", BENCH_KEY_LONG, NULL, "stability, suites: also rows that are long, such as a million steps at rest",
       OPTION_ANY },
 };

@@ -9,10 +9,9 @@
 typedef struct bench_options
 {
     bool quick; ///< fewer samples and settings, shorter runs, without the largest sizes; notes say what is left out
-    double seconds;       ///< about how long a case may take; 0: 85, or 18 when quick, so that 90 and 20 are kept
-    int workers;          ///< of the parallel variant
-    bool longest;         ///< the case `stability`: a million steps at rest as well
-    const char* pictures; ///< folder that cases with pictures write them to, which must exist; null: no pictures
+    double seconds; ///< about how long a case may take; 0: 85, or 18 when quick, so that 90 and 20 are kept
+    int workers;    ///< of the parallel variant
+    bool longest;   ///< the case `stability`: a million steps at rest as well
     /// Told what is running and how much of the case is done, in [0, 1]; may be null.
     void ( *progress )( void* user, double fraction, const char* what );
     void* progress_user;

@@ -13,7 +13,7 @@
 
 // Table 1 of Noh and Jung: cloths fall onto a ball, worker counts step by step in turns, in one run.
 
-// Below this time in seconds all cloths make fewer steps, and the two largest, which take 25 s alone, are left out.
+// Below this time in seconds all cloths make fewer steps, and the largest is left out.
 #define TRIANGLE_FULL_SECONDS 25.0
 // Implementations alternate after about this time.
 #define TURN_MS 20.0
@@ -25,17 +25,13 @@ triangle_plan triangle_default_plan( const bench_options* options )
     const int few = 21; // three steps on the ball
     const int all = is_full ? 300 : 100;
     return ( triangle_plan ){
-        .drops = { { TRIANGLE_VERTICES, 200.0f, 1014.0, all, true, true },
-                   { 0, 200.0f, 516.0, all, true, false },
-                   { TRIANGLE_VERTICES, 100.0f, 1014.0, all, true, false },
-                   { 0, 100.0f, 516.0, all, true, false },
-                   { 4000, 200.0f, NAN, few, false, true },
-                   { 10000, 200.0f, NAN, is_full ? 80 : 30, true, true },
-                   { 40000, 200.0f, NAN, few, false, true },
-                   { 100000, 200.0f, NAN, few, true, true } },
-        .drop_count = is_full ? 8 : 6,
-        .touch_step = 18,
-        .growth_steps = few - 18,
+        .drops = { { TRIANGLE_VERTICES, 200.0f, 1014.0, all },
+                   { 0, 200.0f, 516.0, all },
+                   { TRIANGLE_VERTICES, 100.0f, 1014.0, all },
+                   { 0, 100.0f, 516.0, all },
+                   { 10000, 200.0f, NAN, is_full ? 80 : 30 },
+                   { 100000, 200.0f, NAN, few } },
+        .drop_count = is_full ? 6 : 5,
         .workers = { 1, options->workers },
         .worker_count = options->workers > 1 ? 2 : 1,
         .options = options,
@@ -64,7 +60,7 @@ typedef struct drop_run
 static wisp_status enter_drop( const triangle_plan* plan, const triangle_drop* drop, drop_run* run,
                                wisp_error* error )
 {
-    run->timed_count = drop->is_timed ? plan->worker_count : 0;
+    run->timed_count = plan->worker_count;
     const size_t samples = (size_t)TRIANGLE_WORKERS_MAX * (size_t)drop->steps;
     run->ms = calloc( samples, sizeof( double ) );
     run->pass_ms = calloc( samples, sizeof( double ) );
@@ -139,7 +135,7 @@ static wisp_status watched_step( drop_run* run, int step, wisp_error* error )
 // Turns of short steps have many, so that the caches are rarely refilled.
 static int turn_length( const drop_run* run, int step )
 {
-    const double last = step > 0 && run->timed_count > 0 ? run->ms[step - 1] : TURN_MS;
+    const double last = step > 0 ? run->ms[step - 1] : TURN_MS;
     return (int)fmin( fmax( TURN_MS / fmax( last, 1e-3 ), 1.0 ), 30.0 );
 }
 
@@ -174,14 +170,14 @@ static double mean( const double* values, int count )
     return count > 0 ? sum / count : NAN;
 }
 
-static double mean_iterations( const drop_run* run, int begin, int end )
+static double mean_iterations( const drop_run* run, int steps )
 {
     double sum = 0.0;
-    for ( int step = begin; step < end; ++step )
+    for ( int step = 0; step < steps; ++step )
     {
         sum += run->iterations[step];
     }
-    return end > begin ? sum / ( end - begin ) : NAN;
+    return sum / steps;
 }
 
 // While the cloth falls there is nothing to iterate for, and the pass costs only the work around a solve.
@@ -228,17 +224,14 @@ static wisp_status conclude_times( const triangle_drop* drop, drop_run* run, tri
     return status;
 }
 
-static void conclude_iterations( const triangle_plan* plan, const triangle_drop* drop, const drop_run* run,
-                                 triangle_line* line )
+static void conclude_iterations( const triangle_drop* drop, const drop_run* run, triangle_line* line )
 {
-    line->iterations_mean = mean_iterations( run, 0, drop->steps );
+    line->iterations_mean = mean_iterations( run, drop->steps );
     for ( int step = 0; step < drop->steps; ++step )
     {
         const int n = run->iterations[step];
         line->max_iterations = n > line->max_iterations ? n : line->max_iterations;
     }
-    const int begin = plan->touch_step, end = begin + plan->growth_steps;
-    line->growth_mean = end <= drop->steps ? mean_iterations( run, begin, end ) : NAN;
 }
 
 static void check_drop( const triangle_plan* plan, const drop_run* run, const triangle_line* line, int e,
@@ -270,7 +263,7 @@ static wisp_status conclude_drop( const triangle_plan* plan, drop_run* run, tria
     const wisp_world* watched = run->implementations[run->timed_count].world;
     line->unsolved = wisp_world_counter( watched, WISP_COUNT_NOT_CONVERGED );
     line->indefinite = wisp_world_counter( watched, WISP_COUNT_INDEFINITE );
-    conclude_iterations( plan, line->drop, run, line );
+    conclude_iterations( line->drop, run, line );
     wisp_status status = conclude_times( line->drop, run, line, error );
     for ( int e = 0; e <= run->timed_count && status == WISP_OK; ++e )
     {
@@ -304,22 +297,15 @@ static void add_row( const triangle_plan* plan, const triangle_line* line, const
     results_put( &row->size, "contacts", line->contacts );
     results_put( &row->size, "unsolved", (double)line->unsolved );
     results_put( &row->size, "indefinite", (double)line->indefinite );
-    if ( isfinite( line->growth_mean ) )
-    {
-        results_put( &row->size, "iterations_growth", line->growth_mean );
-    }
     row->hash = line->hash;
     row->has_hash = true;
     row->workers = plan->workers[w];
-    if ( profile )
+    results_put( &row->size, "ms_mean", line->mean_ms[w] );
+    results_put( &row->size, "ns_a_vertex_and_iteration", line->iteration_ns[w] );
+    results_put_times( row, &line->ms[w] );
+    for ( int i = 0; i < profile->pass_count; ++i )
     {
-        results_put( &row->size, "ms_mean", line->mean_ms[w] );
-        results_put( &row->size, "ns_a_vertex_and_iteration", line->iteration_ns[w] );
-        results_put_times( row, &line->ms[w] );
-        for ( int i = 0; i < profile->pass_count; ++i )
-        {
-            results_put( &row->stages, profile->passes[i].name, 1e3 * profile_samples_median( profile, i ) );
-        }
+        results_put( &row->stages, profile->passes[i].name, 1e3 * profile_samples_median( profile, i ) );
     }
 }
 
@@ -338,22 +324,17 @@ static void add_rows( const triangle_plan* plan, drop_run* run, const triangle_l
     {
         add_row( plan, line, variant, w, &run->implementations[w].profile, out );
     }
-    if ( run->timed_count == 0 )
-    {
-        add_row( plan, line, variant, plan->worker_count - 1, NULL, out );
-    }
 }
 
 // ---- the report ----
 
-// The tables of the triangle cloth: Table 1 of Noh and Jung, triangles against quads, growth with the mesh.
+// The tables of the triangle cloth: Table 1 of Noh and Jung, triangles against quads.
 
 // Targets of this table.
 #define SOURCE_RATIO 1.28         // per particle: 1.058 ms of triangles over 0.826 ms of quads
 #define CLAIM_LARGE 10000         // from this many vertices on, an iteration costs at most ...
 #define CLAIM_ITERATION_NS 20.0   // ... with 1 worker, per vertex
 #define CLAIM_ITERATION_NS_2 12.0 // ... with 2
-#define CLAIM_GROWTH 0.5          // iterations grow at most with this power of the vertex count
 
 static int links_of( const triangle_line* line )
 {
@@ -417,7 +398,7 @@ static const triangle_line* find_quads( const triangle_plan* plan, const triangl
     for ( int i = 0; i < plan->drop_count; ++i )
     {
         const bool is_same = lines[i].drop->stretch_stiffness == triangles->drop->stretch_stiffness;
-        if ( lines[i].drop->vertices == 0 && lines[i].drop->is_timed && is_same )
+        if ( lines[i].drop->vertices == 0 && is_same )
         {
             return &lines[i];
         }
@@ -453,75 +434,12 @@ static void add_ratios( const triangle_plan* plan, const triangle_line* lines, r
     for ( int i = 0; i < plan->drop_count; ++i )
     {
         const triangle_line* line = &lines[i];
-        const bool is_source = line->drop->vertices > 0 && isfinite( line->drop->source_ms ) && line->drop->is_timed;
+        const bool is_source = line->drop->vertices > 0 && isfinite( line->drop->source_ms );
         const triangle_line* quads = is_source ? find_quads( plan, lines, line ) : NULL;
         for ( int w = 0; w < plan->worker_count && quads; ++w )
         {
             add_ratio( plan, line, quads, w, table, out );
         }
-    }
-}
-
-// ---- growth ----
-
-// iterations = c vertices^slope, by least squares of logarithms.
-static stats_line fit_growth( const triangle_plan* plan, const triangle_line* lines )
-{
-    double x[TRIANGLE_ROWS_MAX], y[TRIANGLE_ROWS_MAX];
-    int count = 0;
-    for ( int i = 0; i < plan->drop_count; ++i )
-    {
-        if ( lines[i].drop->grows )
-        {
-            x[count] = log( lines[i].vertices );
-            y[count++] = log( lines[i].growth_mean );
-        }
-    }
-    return stats_fit_line( x, y, count );
-}
-
-static void add_growth_line( const triangle_line* first, const triangle_line* before, const triangle_line* line,
-                             int table, results* out )
-{
-    const double grown = line->growth_mean / first->growth_mean;
-    const double root = sqrt( (double)line->vertices / first->vertices );
-    results_cells row = { .count = 0 };
-    cells_put( &row, "%d\t%.1f\t%.2f\t%.2f\t%.2f\t%.3f", line->vertices, line->growth_mean, grown, root, grown / root,
-               before
-                   ? log( line->growth_mean / before->growth_mean ) / log( (double)line->vertices / before->vertices )
-                   : NAN );
-    cells_end_row( &row, table, out );
-}
-
-static void add_growth( const triangle_plan* plan, const triangle_line* lines, results* out )
-{
-    char title[160];
-    snprintf( title, sizeof( title ),
-              "Growth of conjugate gradients at fixed material: iterations per step, steps %d to %d of the fall",
-              plan->touch_step + 1, plan->touch_step + plan->growth_steps );
-    const int table = results_begin_table(
-        out, title, "vertices\titerations\titerations / first\tsqrt of size\tof that\texponent here" );
-    const triangle_line *first = NULL, *before = NULL;
-    for ( int i = 0; i < plan->drop_count; ++i )
-    {
-        if ( lines[i].drop->grows )
-        {
-            first = first ? first : &lines[i];
-            add_growth_line( first, before, &lines[i], table, out );
-            before = &lines[i];
-        }
-    }
-    const stats_line fit = fit_growth( plan, lines );
-    char claim[160];
-    snprintf( claim, sizeof( claim ),
-              "iterations of conjugate gradients grow no faster than vertices^%.1f (exponent fitted with R^2 = %.4f)",
-              CLAIM_GROWTH, fit.r_squared );
-    results_add_claim( out, fit.slope <= CLAIM_GROWTH, claim, fit.slope, "" );
-    results_row* row = results_add_row( out, "paper.triangle_growth", "exponent" );
-    if ( row )
-    {
-        results_put( &row->size, "exponent", fit.slope );
-        results_put( &row->size, "r_squared", fit.r_squared );
     }
 }
 
@@ -534,7 +452,7 @@ static void claim_iterations( const triangle_plan* plan, const triangle_line* li
         const double most = plan->workers[w] == 1   ? CLAIM_ITERATION_NS
                             : plan->workers[w] == 2 ? CLAIM_ITERATION_NS_2
                                                     : NAN;
-        if ( isfinite( most ) && line->drop->is_timed )
+        if ( isfinite( most ) )
         {
             char claim[160];
             snprintf( claim, sizeof( claim ), "%d vertices, %d %s: an iteration costs at most %.0f ns per vertex",
@@ -595,13 +513,9 @@ static void triangle_report( const triangle_plan* plan, const triangle_line* lin
     const int table = begin_table( plan, out );
     for ( int i = 0; i < plan->drop_count; ++i )
     {
-        if ( lines[i].drop->is_timed )
-        {
-            add_line( plan, &lines[i], table, out );
-        }
+        add_line( plan, &lines[i], table, out );
     }
     add_ratios( plan, lines, out );
-    add_growth( plan, lines, out );
     for ( int i = 0; i < plan->drop_count; ++i )
     {
         claim_iterations( plan, &lines[i], out );
@@ -659,7 +573,7 @@ static wisp_status paper_triangle_cloth( const bench_options* options, results* 
     if ( status == WISP_OK && bench_seconds( options ) < TRIANGLE_FULL_SECONDS )
     {
         results_add_note( out,
-                          "Triangle cloth: short of time, 40 000 and 100 000 vertices are left out, and the cloth "
+                          "Triangle cloth: short of time, 100 000 vertices are left out, and the cloth "
                           "falls for %d steps instead of 300.",
                           plan.drops[0].steps );
     }

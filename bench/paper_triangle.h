@@ -15,8 +15,6 @@ typedef struct triangle_drop
     float stretch_stiffness;
     double source_ms; ///< NaN for cloths that are not in Noh and Jung
     int steps;
-    bool is_timed; ///< otherwise only its iterations are used
-    bool grows;    ///< a row of the table of growth
 } triangle_drop;
 
 /// Cloths and steps. triangle_default_plan() has those of the case; tests have smaller ones.
@@ -24,8 +22,6 @@ typedef struct triangle_plan
 {
     triangle_drop drops[TRIANGLE_ROWS_MAX];
     int drop_count;
-    int touch_step;   ///< growth is counted from this step on, when the smallest cloth hits the ball ...
-    int growth_steps; ///< ... for this many, which every row of growth has
     int workers[TRIANGLE_WORKERS_MAX], worker_count;
     const bench_options* options; ///< for progress
 } triangle_plan;
@@ -43,8 +39,7 @@ typedef struct triangle_line
     double pass_ms[TRIANGLE_WORKERS_MAX];      ///< mean of that pass
     double iterations_mean;                    ///< per step
     int max_iterations;
-    double growth_mean; ///< iterations per step over the steps of growth
-    int contacts;       ///< vertices that stick, slide or land in the last step
+    int contacts; ///< vertices that stick, slide or land in the last step
     uint64_t unsolved, indefinite;
     uint64_t hash;
 } triangle_line;

@@ -5,9 +5,9 @@
 #include "bench.h"
 #include "bench_output.h"
 #include "program_data.h"
-#include "render.h"
 #include "suite_study.h"
 #include "surfaces.h"
+#include "render.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -18,6 +18,15 @@
 wisp_status cloth_bench( const bench_options* options, results* out, wisp_error* error )
 {
     return suite_bench_folder( "cloth", bench_seconds( options ), options, out, error );
+}
+
+// ---- figures ----
+
+// Figures of the papers: rows with checks, and what the accuracy of an implicit step costs.
+
+wisp_status figures_bench( const bench_options* options, results* out, wisp_error* error )
+{
+    return suite_bench_folder( "figures", bench_seconds( options ), options, out, error );
 }
 
 // ---- balloon ----

@@ -1,8 +1,6 @@
 // Surfaces in worlds of their own.
 #include "surfaces.h"
 
-#include "program_data.h"
-
 #include "collision/collision.h"
 #include "oracle/balloon_oracle.h"
 #include "wisp/module/components.h"
@@ -123,67 +121,6 @@ wisp_status surface_implementation_points( surface_implementation* implementatio
                                implementation->fabric->vertex_count, points, error );
 }
 
-void surface_implementation_velocities( surface_implementation* implementation, wisp_vec3* out )
-{
-    const float* v = wisp_world_column( implementation->world, implementation->entity, WISP_PARTICLE_VELOCITY, 0 );
-    for ( int i = 0; i < implementation->fabric->vertex_count; ++i )
-    {
-        const float* row = v + 4 * (size_t)implementation->fabric->vertex_slot[i];
-        out[i] = ( wisp_vec3 ){ row[0], row[1], row[2] };
-    }
-}
-
-static double edge_length( const float* a, const float* b )
-{
-    double x = (double)a[0] - (double)b[0], y = (double)a[1] - (double)b[1], z = (double)a[2] - (double)b[2];
-    return sqrt( x * x + y * y + z * z );
-}
-
-static void observe_edges( const wisp_fabric* fabric, const float* position, surface_observation* observation )
-{
-    double sum = 0.0;
-    for ( int e = 0; e < fabric->edge_count; ++e )
-    {
-        size_t a = (size_t)fabric->edges[2 * e], b = (size_t)fabric->edges[2 * e + 1];
-        double rest = edge_length( &fabric->rest[a].x, &fabric->rest[b].x );
-        double stretch = fabs( edge_length( position + 4 * a, position + 4 * b ) / rest - 1.0 );
-
-        // Not fmax: that would step over a NaN.
-        observation->stretch_max = stretch <= observation->stretch_max ? observation->stretch_max : stretch;
-        sum += stretch;
-    }
-    observation->stretch_mean = fabric->edge_count > 0 ? sum / fabric->edge_count : 0.0;
-}
-
-surface_observation surface_implementation_observe( surface_implementation* implementation )
-{
-    const wisp_fabric* fabric = implementation->fabric;
-    const wisp_vec3 g = implementation->generator.gravity;
-    const float* x = wisp_world_column( implementation->world, implementation->entity, WISP_PARTICLE_POSITION, 0 );
-    const float* v = wisp_world_column( implementation->world, implementation->entity, WISP_PARTICLE_VELOCITY, 0 );
-    const wisp_vec3 o = wisp_world_offset( implementation->world, implementation->entity );
-    surface_observation observation = { .is_finite = true };
-    observe_edges( fabric, x, &observation );
-    for ( int i = 0; i < fabric->vertex_count; ++i )
-    {
-        const float *p = x + 4 * (size_t)i, *u = v + 4 * (size_t)i;
-        if ( p[3] > 0.0f )
-        {
-            double mass = 1.0 / (double)p[3];
-            const wisp_vec3 r = fabric->rest[i], rest = { r.x + o.x, r.y + o.y, r.z + o.z };
-            observation.kinetic +=
-                0.5 * mass *
-                ( (double)u[0] * (double)u[0] + (double)u[1] * (double)u[1] + (double)u[2] * (double)u[2] );
-            observation.potential -= mass * ( (double)g.x * ( (double)p[0] - (double)rest.x ) +
-                                              (double)g.y * ( (double)p[1] - (double)rest.y ) +
-                                              (double)g.z * ( (double)p[2] - (double)rest.z ) );
-        }
-    }
-    observation.is_finite = isfinite( observation.stretch_max ) && isfinite( observation.stretch_mean ) &&
-                            isfinite( observation.kinetic ) && isfinite( observation.potential );
-    return observation;
-}
-
 // ---- balloons ----
 
 static const float FOUR_PI = 12.5663706f;
@@ -196,50 +133,6 @@ wisp_status balloon_mesh_sphere( int level, float radius, wisp_mesh* out, wisp_e
     generator.level = level;
     generator.radius = radius;
     return wisp_mesh_generate( &generator, out, error );
-}
-
-static void set_size( wisp_mesh* mesh, double area )
-{
-    double centre[3] = { 0.0, 0.0, 0.0 };
-    for ( int i = 0; i < mesh->vertex_count; ++i )
-    {
-        centre[0] += (double)mesh->points[i].x / mesh->vertex_count;
-        centre[1] += (double)mesh->points[i].y / mesh->vertex_count;
-        centre[2] += (double)mesh->points[i].z / mesh->vertex_count;
-    }
-    double requested = (double)( FOUR_PI * BALLOON_RADIUS * BALLOON_RADIUS );
-    double scale = sqrt( requested / area );
-    for ( int i = 0; i < mesh->vertex_count; ++i )
-    {
-        wisp_vec3* p = &mesh->points[i];
-        p->x = (float)( scale * ( (double)p->x - centre[0] ) );
-        p->y = (float)( scale * ( (double)p->y - centre[1] ) );
-        p->z = (float)( scale * ( (double)p->z - centre[2] ) );
-    }
-}
-
-wisp_status balloon_mesh_figure( wisp_mesh* out, const char** name, wisp_error* error )
-{
-    wisp_error unread = { 0 };
-    *name = "bunny";
-    char path[1024];
-    program_data_path( "bunny.obj", path, sizeof path );
-    wisp_status status = wisp_mesh_read( path, out, &unread );
-    if ( status == WISP_IO_ERROR )
-    {
-        wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PEAR );
-        generator.level = 4;
-        *name = "pear";
-        status = wisp_mesh_generate( &generator, out, &unread );
-    }
-    wisp_mesh_diagnostics report;
-    status = status == WISP_OK ? wisp_mesh_examine( out, &report, &unread ) : status;
-    if ( status != WISP_OK )
-    {
-        return wisp_fail( error, status, "%s", unread.message );
-    }
-    set_size( out, report.area );
-    return WISP_OK;
 }
 
 int balloon_mesh_extreme( const wisp_mesh* mesh, wisp_vec3 d )
@@ -255,16 +148,6 @@ int balloon_mesh_extreme( const wisp_mesh* mesh, wisp_vec3 d )
             best = i;
             most = along;
         }
-    }
-    return best;
-}
-
-int balloon_mesh_nearest( const wisp_mesh* mesh, wisp_vec3 at )
-{
-    int best = 0;
-    for ( int i = 1; i < mesh->vertex_count; ++i )
-    {
-        best = wisp_mesh_distance( mesh->points[i], at ) < wisp_mesh_distance( mesh->points[best], at ) ? i : best;
     }
     return best;
 }

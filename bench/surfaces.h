@@ -62,22 +62,10 @@ wisp_status surface_implementation_hash( surface_implementation* implementation,
 /// The vertices in the user's order, valid until the next step.
 wisp_status surface_implementation_points( surface_implementation* implementation, const wisp_vec3** points,
                                            wisp_error* error );
-/// Velocities in the user's order. @param out [vertex_count]
-void surface_implementation_velocities( surface_implementation* implementation, wisp_vec3* out );
-
-typedef struct surface_observation
-{
-    double stretch_max, stretch_mean; ///< |l/l0 - 1| of the edges
-    double kinetic, potential;        ///< J; potential is 0 at the rest shape
-    bool is_finite;
-} surface_observation;
-
-/// Measure the present state, in double.
-surface_observation surface_implementation_observe( surface_implementation* implementation );
 
 // ---- balloons ----
 
-// Balloons for measurements: spheres of any fineness and a scanned figure, with the outlet and gas of an experiment.
+// Balloons for measurements: spheres of any fineness, with the outlet and gas of an experiment.
 
 #define BALLOON_RADIUS 0.15f
 #define BALLOON_AREA_DENSITY 0.02f
@@ -88,16 +76,8 @@ surface_observation surface_implementation_observe( surface_implementation* impl
 /// 10 * 4^level + 2 vertices about the origin.
 wisp_status balloon_mesh_sphere( int level, float radius, wisp_mesh* out, wisp_error* error );
 
-/// The Stanford bunny of data/, moved to the origin and scaled to the area of the default sphere; if the file is
-/// missing, an asymmetric closed body of about as many vertices.
-/// @param name receives "bunny" or "pear", static
-wisp_status balloon_mesh_figure( wisp_mesh* out, const char** name, wisp_error* error );
-
 /// The vertex farthest along a direction; ties go to the lowest index.
 int balloon_mesh_extreme( const wisp_mesh* mesh, wisp_vec3 direction );
-
-/// The vertex nearest to a point; ties go to the lowest index.
-int balloon_mesh_nearest( const wisp_mesh* mesh, wisp_vec3 at );
 
 /// Parameters of an experiment, apart from the mesh. Start from balloon_default_setting().
 typedef struct balloon_setting

@@ -18,34 +18,13 @@ static bool is_failure( const char* note )
     return strncmp( note, failure_mark, strlen( failure_mark ) ) == 0;
 }
 
-// A note that only links a picture, in Markdown: the page shows the picture itself.
-static bool is_picture_link( const results* all, const char* note )
-{
-    for ( int i = 0; i < all->picture_count; ++i )
-    {
-        const char* link = strstr( note, "](" );
-        size_t length = strlen( all->pictures[i].path );
-        if ( link && strncmp( link + 2, all->pictures[i].path, length ) == 0 &&
-             strcmp( link + 2 + length, ")" ) == 0 )
-        {
-            return true;
-        }
-    }
-    return false;
-}
-
-static bool is_shown_note( const results* all, int note )
-{
-    return !is_failure( all->notes[note] ) && !is_picture_link( all, all->notes[note] );
-}
-
 // Failures at the top, or notes at the end.
 static int count_notes( const results* all, bool of_failures )
 {
     int count = 0;
     for ( int i = 0; i < all->note_count; ++i )
     {
-        count += of_failures ? is_failure( all->notes[i] ) : is_shown_note( all, i );
+        count += is_failure( all->notes[i] ) == of_failures;
     }
     return count;
 }
@@ -150,17 +129,15 @@ static void begin_section( const char* id, const char* title, FILE* stream )
     fprintf( stream, "<section id=\"%s\">\n<h2>%s</h2>\n", id, title );
 }
 
-static void put_drawings( const results* all, bool pictures, FILE* stream )
+static void put_charts( const results* all, FILE* stream )
 {
-    const int count = pictures ? all->picture_count : all->chart_count;
-    if ( count > 0 )
+    if ( all->chart_count > 0 )
     {
-        begin_section( pictures ? "pictures" : "charts", pictures ? "Pictures" : "Charts", stream );
-        fprintf( stream, "<div class=\"grid%s\">\n", pictures ? " pictures" : "" );
-        for ( int i = 0; i < count; ++i )
+        begin_section( "charts", "Charts", stream );
+        fputs( "<div class=\"grid\">\n", stream );
+        for ( int i = 0; i < all->chart_count; ++i )
         {
-            pictures ? report_put_picture( &all->pictures[i], i + 1, stream )
-                     : report_put_chart( &all->charts[i], i + 1, stream );
+            report_put_chart( &all->charts[i], i + 1, stream );
         }
         fputs( "</div>\n</section>\n", stream );
     }
@@ -187,7 +164,7 @@ static void put_notes( const results* all, FILE* stream )
         fputs( "<ul class=\"notes\">\n", stream );
         for ( int i = 0; i < all->note_count; ++i )
         {
-            if ( is_shown_note( all, i ) )
+            if ( !is_failure( all->notes[i] ) )
             {
                 fputs( "<li>", stream );
                 report_put_prose( all->notes[i], stream );
@@ -223,8 +200,7 @@ wisp_status report_write( const results* all, const report_run* run, FILE* strea
     line = put_template( line, "<!-- body -->\n", stream );
     put_head( all, run, stream );
     fputs( "<main>\n", stream );
-    put_drawings( all, false, stream );
-    put_drawings( all, true, stream );
+    put_charts( all, stream );
     put_tables( all, stream );
     put_notes( all, stream );
     fputs( "</main>\n", stream );

@@ -15,5 +15,4 @@ typedef struct report_run
 
 /// @return WISP_IO_ERROR the stream failed; WISP_NO_MEMORY while the results were gathered
 wisp_status report_write( const results* all, const report_run* run, FILE* stream, wisp_error* error );
-/// A picture that cannot be read gives a message in its place and no error.
 wisp_status report_write_file( const results* all, const report_run* run, const char* path, wisp_error* error );

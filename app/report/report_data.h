@@ -1,4 +1,4 @@
-/// Data of a page: tables, and charts as tables for readers and as JSON for the script that draws them; pictures as base64.
+/// Data of a page: tables, and charts as tables for readers and as JSON for the script that draws them.
 #pragma once
 
 #include "results.h"
@@ -11,9 +11,3 @@ void report_put_table( const results_table* table, int number, FILE* stream );
 void report_put_chart( const results_chart* chart, int number, FILE* stream );
 /// All charts as the script of page.html reads them. @return false without memory
 bool report_put_chart_data( const results* all, FILE* stream );
-
-/// A larger file is named but not included.
-#define REPORT_PICTURE_BYTES_MAX ( 16 << 20 )
-
-/// @param number from 1, for the anchor
-void report_put_picture( const results_picture* picture, int number, FILE* stream );

@@ -263,19 +263,6 @@ void results_add_point( results* all, int chart, int number, results_point point
     }
 }
 
-void results_add_picture( results* all, const char* path, const char* caption )
-{
-    all->pictures =
-        with_room( all, all->pictures, all->picture_count, &all->picture_capacity, sizeof( results_picture ) );
-    char* copy = all->picture_count < all->picture_capacity ? copy_text( all, path ) : NULL;
-    if ( copy )
-    {
-        results_picture* picture = &all->pictures[all->picture_count++];
-        *picture = ( results_picture ){ .path = copy };
-        snprintf( picture->caption, sizeof( picture->caption ), "%s", caption );
-    }
-}
-
 void results_append_count( char* line, size_t size, int count, const char* what )
 {
     const size_t used = strlen( line );
@@ -352,16 +339,11 @@ void results_free( results* all )
         }
         free( all->charts[c].series );
     }
-    for ( int i = 0; i < all->picture_count; ++i )
-    {
-        free( all->pictures[i].path );
-    }
     for ( int i = 0; i < all->note_count; ++i )
     {
         free( all->notes[i] );
     }
     free( all->charts );
-    free( all->pictures );
     free( all->rows );
     free( all->tables );
     free( all->notes );

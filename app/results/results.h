@@ -81,13 +81,6 @@ typedef struct results_chart
     int series_count, series_capacity;
 } results_chart;
 
-/// A picture that a case has written.
-typedef struct results_picture
-{
-    char* path; ///< of a PNG
-    char caption[200];
-} results_picture;
-
 /// Zero-initialised means empty. Running out of memory is kept and reported once, by results_write().
 typedef struct results
 {
@@ -101,8 +94,6 @@ typedef struct results
     int table_count, table_capacity;
     results_chart* charts; ///< only the HTML report draws them
     int chart_count, chart_capacity;
-    results_picture* pictures;
-    int picture_count, picture_capacity;
     char** notes; ///< messages below the tables
     int note_count, note_capacity;
     bool is_brief;        ///< text has notes and the table without a title alone
@@ -161,9 +152,6 @@ results_chart* results_chart_at( results* all, int chart );
 /// @return number of the series in its chart, -1 without memory or without the chart
 int results_add_series( results* all, int chart, const char* name, bool is_joined );
 void results_add_point( results* all, int chart, int series, results_point point );
-
-/// @param path of a PNG that is there when the results are written
-void results_add_picture( results* all, const char* path, const char* caption );
 
 /// A line above all tables. Beyond RESULTS_MAX_HEADLINES is an assert.
 /// Append ", 3 slower" to a line, and nothing for 0: what did not happen needs no words.

@@ -17,7 +17,17 @@ typedef struct validate_case
 /// All cases in their order.
 const validate_case* validate_cases( int* count );
 
-/// Run cases, and add their tables, charts and descriptions.
+/// The largest allowed error of a setting of a case, in its unit.
+typedef struct validate_limit
+{
+    const char *name, *setting;
+    double most;
+} validate_limit;
+
+/// The limits of limits.inc, those of a case one after another.
+const validate_limit* validate_limits( int* count );
+
+/// Run cases, and add their tables, charts and descriptions. A setting beyond its limit fails.
 /// @param chosen a bit for each of validate_cases(); 0: all
 /// @param summary [size] receives a sentence: which solvers come near theory
 wisp_status validate_run( uint64_t chosen, const bench_options* options, results* out, char* summary, size_t size,

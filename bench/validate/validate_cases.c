@@ -543,6 +543,38 @@ static void describe( const validate_case* c, results* out )
     }
 }
 
+#define VALIDATE_LIMIT( name, setting, most ) { name, setting, most },
+static const validate_limit all_limits[] = {
+#include "validate/limits.inc"
+};
+#undef VALIDATE_LIMIT
+
+const validate_limit* validate_limits( int* count )
+{
+    *count = WISP_COUNT( all_limits );
+    return all_limits;
+}
+
+static void hold_to_limits( const char* name, int first_row, results* out )
+{
+    for ( int i = first_row; i < out->row_count; ++i )
+    {
+        const results_row* row = out->rows + i;
+        const double error = row->error.count > 0 ? row->error.items[0].value : (double)NAN;
+        for ( int k = 0; k < WISP_COUNT( all_limits ); ++k )
+        {
+            const validate_limit* limit = all_limits + k;
+            // written so that a NaN fails
+            if ( strcmp( limit->name, name ) == 0 && strcmp( limit->setting, row->variant ) == 0 &&
+                 !( error <= limit->most ) )
+            {
+                results_add_failure( out, "validate, %s, %s: an error of %.4g, expected at most %g", name,
+                                     row->variant, error, limit->most );
+            }
+        }
+    }
+}
+
 wisp_status validate_run( uint64_t chosen, const bench_options* options, results* out, char* summary, size_t size,
                           wisp_error* error )
 {
@@ -564,6 +596,7 @@ wisp_status validate_run( uint64_t chosen, const bench_options* options, results
         describe( cases + i, out );
         status = accuracy_bench_run( &entry, 1, seconds, options, out, error );
         validate_add_to_overview( overview, cases[i].name, first_row, out );
+        hold_to_limits( cases[i].name, first_row, out );
     }
     validate_end_overview( overview, out, summary, size );
     return status;

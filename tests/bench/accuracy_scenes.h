@@ -23,9 +23,9 @@ static inline void open_suite( const char* name, wisp_suite* suite, accuracy_sce
 
 static inline void open_scene( accuracy_scene_fn* make, accuracy_scene* out )
 {
-    const bench_options options = { .quick = true, .workers = 2 };
+    const bench_options options = { .workers = 2 };
     wisp_error error = { 0 };
-    assert_ok( make( &options, 7.0, out, &error ), error );
+    assert_ok( make( &options, 20.0, out, &error ), error );
 }
 
 static inline void close_scene( accuracy_scene* scene )
@@ -66,23 +66,6 @@ static inline accuracy_run run_setting( const accuracy_scene* scene, const char*
     free( run.ms );
     run.ms = NULL;
     profile_samples_free( &run.profile );
-    return run;
-}
-
-static inline accuracy_run observe( const accuracy_scene* scene, const char* name )
-{
-    return run_setting( scene, name, 1, true );
-}
-
-/// Observe one setting of a scene that is made for it.
-static inline accuracy_run observe_one( accuracy_scene_fn* make, bool is_quick, const char* name )
-{
-    const bench_options options = { .quick = is_quick, .workers = 2 };
-    wisp_error error = { 0 };
-    accuracy_scene scene;
-    assert_ok( make( &options, 7.0, &scene, &error ), error );
-    const accuracy_run run = observe( &scene, name );
-    close_scene( &scene );
     return run;
 }
 

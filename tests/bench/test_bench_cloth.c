@@ -1,12 +1,9 @@
-// The cases of cloth, balloon and figures at very small sizes: their tables and rows, and failures of the run after an
-// error.
+// The cases of cloth, balloon and strands at very small sizes: their rows, and failures of the run after an error.
 #include "bench_tables.h"
 
 #include "accuracy/accuracy.h"
 #include "suite_cases.h"
 #include "program_data.h"
-#include "figures_bench.h"
-#include "figures_drape.h"
 #include "suite.h"
 #include "suite_study.h"
 
@@ -56,7 +53,7 @@ TEST( a_claim_that_is_not_met_is_a_message_and_no_failure )
     results_free( &all );
 }
 
-// ---- the other two cases ----
+// ---- balloon ----
 
 static void run_suite( const char* name, int rows, results* all )
 {
@@ -120,39 +117,20 @@ TEST( a_balloon_whose_time_is_not_linear_in_its_vertices_is_told )
     results_free( &all );
 }
 
-TEST( the_accuracy_of_a_step_is_as_promised )
-{
-    static figures_fn* const one[] = { figures_hang_accuracy };
-    results all = { 0 };
-    wisp_error error = { 0 };
-    setenv( "WISP_CACHE", "suite-cache", 1 );
-    assert_ok( figures_run( one, 1, &quick, &all, &error ), error );
-    assert_false( all.failed );
-    assert_int_equal( all.tables[0].row_count, 1 + 3 );
-    const results_table* step =
-        find_table( &all, "Accuracy `step`: accuracy of an implicit step: 958 vertices swing for 0.5 s, ms per" );
-    assert_true( atof( named_cell( step, row_of( step, "bdf2, 0.02 s" ), "left to euler" ) ) > 0.0 );
-    assert_true( atof( named_cell( step, row_of( step, "euler, dt=0.005" ), "linear iterations" ) ) > 0.0 );
-    for ( int r = 1; r < step->row_count; ++r )
-    {
-        assert_true( atof( named_cell( step, r, "largest distance, mm" ) ) >
-                     atof( named_cell( step, r, "RMS distance to the reference, mm" ) ) );
-    }
-    results_free( &all );
-}
+// ---- strands ----
 
-TEST( a_figure_that_is_not_met_fails_the_run )
+TEST( a_million_vertices_are_held_to_their_claims )
 {
-    static figures_fn* const small[] = { figures_two_particles, figures_links, figures_four_forces };
     results all = { 0 };
-    wisp_error error = { 0 };
-    assert_ok( figures_run( small, WISP_COUNT( small ), &quick, &all, &error ), error );
-    assert_false( all.failed );
-    assert_int_equal( all.tables[0].row_count, 1 + 4 );
-
-    figures_case page = { .out = &all, .table = 0 };
-    figures_add( &page, "F0", "an experiment", "one", false, "%d", 2 );
-    assert_true( all.failed );
-    assert_true( has_note( &all, "FAILED: F0, an experiment: expected one; measured 2." ) );
+    results_row* row = results_add_row( &all, "accuracy.million", "1 : 16" );
+    row->workers = 2;
+    row->ms_median = 6.0;
+    results_put( &row->stages, "guide_hair.targets", 1.0 );
+    results_put( &row->stages, "guide_hair.ghosts", 2.0 );
+    results_put( &row->stages, "strands.stretch", 3.0 );
+    strands_claim_million( 0, &all );
+    assert_int_equal( all.note_count, 2 );
+    assert_non_null( strstr( all.notes[0], "not met" ) );
+    assert_non_null( strstr( all.notes[1], "Measured 3 ms: met" ) );
     results_free( &all );
 }

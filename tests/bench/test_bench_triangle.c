@@ -8,12 +8,8 @@ static const bench_options quick = { .quick = true, .workers = 2 };
 static triangle_plan small_plan( void )
 {
     return ( triangle_plan ){
-        .drops = { { 300, 200.0f, 1014.0, 24, true, true },
-                   { 0, 200.0f, 516.0, 24, true, false },
-                   { 150, 200.0f, NAN, 24, false, true } },
-        .drop_count = 3,
-        .touch_step = 19,
-        .growth_steps = 3,
+        .drops = { { 300, 200.0f, 1014.0, 24 }, { 0, 200.0f, 516.0, 24 } },
+        .drop_count = 2,
         .workers = { 1, 2 },
         .worker_count = 2,
         .options = &quick,
@@ -44,21 +40,12 @@ TEST( triangles_stand_beside_quads_with_the_source )
     assert_string_equal( cell( table, 2, 1 ), "2" );
 }
 
-TEST( growth_has_a_line_a_size_and_an_exponent )
-{
-    const results* all = *state;
-    const results_table* table = find_table( all, "Growth of conjugate gradients" );
-    assert_int_equal( table->row_count, 1 + 2 );
-    assert_string_equal( cell( table, 1, 2 ), "1.00" );
-    assert_int_equal( count_rows( all, "paper.triangle_growth", "exponent" ), 1 );
-}
-
 TEST( rows_for_machines_are_there_for_every_worker_count )
 {
     const results* all = *state;
     assert_int_equal( count_rows( all, "paper.triangle_cloth", "source" ), 2 );
     assert_int_equal( count_rows( all, "paper.triangle_cloth", "quads" ), 2 );
-    assert_int_equal( count_rows( all, "paper.triangle_cloth", "triangles" ), 2 + 1 ); // 150 vertices are not timed
+    assert_int_equal( count_rows( all, "paper.triangle_cloth", "triangles" ), 2 );
 }
 
 TEST( the_sizes_of_the_case_are_those_of_the_source_and_beyond )
@@ -71,11 +58,7 @@ TEST( the_sizes_of_the_case_are_those_of_the_source_and_beyond )
     assert_int_equal( full.drops[0].vertices, 958 );
     assert_int_equal( full.drops[1].vertices, 0 );
     assert_int_equal( full.drops[full.drop_count - 1].vertices, 100000 );
-    assert_int_equal( fast.drop_count, full.drop_count - 2 );
-    for ( int i = 0; i < full.drop_count; ++i )
-    {
-        assert_true( !full.drops[i].grows || full.drops[i].steps >= full.touch_step + full.growth_steps );
-    }
+    assert_int_equal( fast.drop_count, full.drop_count - 1 );
 }
 
 static int make_results( void** state )

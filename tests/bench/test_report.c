@@ -88,10 +88,7 @@ static void assert_stands_alone( const char* page )
     {
         assert_null( strstr( page, foreign[i] ) );
     }
-    for ( const char* at = strstr( page, "src=\"" ); at; at = strstr( at + 1, "src=\"" ) )
-    {
-        assert_memory_equal( at, "src=\"data:image/png;base64,", strlen( "src=\"data:image/png;base64," ) );
-    }
+    assert_null( strstr( page, "src=\"" ) );
     assert_non_null( strstr( page, "content=\"default-src 'none'; img-src data:;" ) );
 }
 
@@ -145,7 +142,6 @@ static void fill( results* all, const char* text )
             results_add_point( all, chart, series, point );
         }
     }
-    results_add_picture( all, "no such picture.png", text );
     results_add_note( all, "%s", text );
     results_add_failure( all, "%s", text );
 }
@@ -397,113 +393,6 @@ TEST( a_page_without_charts_has_no_data_of_charts )
     assert_null( strstr( page, "<noscript>" ) );
     free( page );
     results_free( &all );
-}
-
-// ---- pictures ----
-
-static int digit_of( char c )
-{
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    const char* found = strchr( digits, c );
-    return found && c ? (int)( found - digits ) : -1;
-}
-
-// @return the number of bytes of a text that ends with a quote
-static size_t decode_base64( const char* text, unsigned char* out, size_t size )
-{
-    size_t count = 0;
-    unsigned bits = 0;
-    int held = 0;
-    for ( ; *text != '"' && *text != '='; ++text )
-    {
-        assert_true( digit_of( *text ) >= 0 );
-        bits = bits << 6 | (unsigned)digit_of( *text );
-        held += 6;
-        if ( held >= 8 )
-        {
-            held -= 8;
-            assert_true( count < size );
-            out[count++] = (unsigned char)( bits >> held );
-        }
-    }
-    return count;
-}
-
-#define PICTURE_SIZE 3000
-
-// What the page checks of a PNG, with other bytes between.
-static size_t make_picture( unsigned char* out, size_t size )
-{
-    static const unsigned char head[24] = { 0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n', 0, 0, 0, 13,
-                                            'I',  'H', 'D', 'R', 0,    0,    1,    44,   0, 0, 0, 200 };
-    static const unsigned char tail[12] = { 0, 0, 0, 0, 'I', 'E', 'N', 'D', 0xae, 0x42, 0x60, 0x82 };
-    for ( size_t i = 0; i < size; ++i )
-    {
-        out[i] = (unsigned char)( i * i * 2654435761u >> 13 );
-    }
-    memcpy( out, head, sizeof( head ) );
-    memcpy( out + size - sizeof( tail ), tail, sizeof( tail ) );
-    return size;
-}
-
-TEST( a_picture_is_embedded_byte_by_byte )
-{
-    for ( size_t more = 0; more < 3; ++more ) // base64 has three kinds of ends
-    {
-        unsigned char picture[PICTURE_SIZE + 3], decoded[PICTURE_SIZE + 3];
-        size_t size = make_picture( picture, PICTURE_SIZE + more );
-        write_bytes( "report_picture.png", picture, size );
-        results all = empty_results();
-        results_add_picture( &all, "./report_picture.png", "A <cloth>" );
-        results_add_note( &all, "A cloth: ![A cloth](./report_picture.png)" );
-        char* page = page_of( &all, &quiet_run );
-        assert_whole( page );
-        const char* data = strstr( page, "base64," );
-        assert_non_null( data );
-        assert_int_equal( decode_base64( data + 7, decoded, sizeof( decoded ) ), size );
-        assert_memory_equal( decoded, picture, size );
-        assert_non_null( strstr( page, "<img width=\"300\" height=\"200\" alt=\"A &lt;cloth&gt;\"" ) );
-        // the note would only show a broken link
-        assert_null( strstr( page, "![A cloth]" ) );
-        free( page );
-        results_free( &all );
-        remove( "report_picture.png" );
-    }
-}
-
-static void assert_one_message( const char* path, const char* why )
-{
-    results all = empty_results();
-    results_add_picture( &all, path, "a caption" );
-    char* page = page_of( &all, &quiet_run );
-    assert_whole( page );
-    assert_null( strstr( page, "<img" ) );
-    assert_int_equal( count_of( page, "cannot be shown" ), 1 );
-    assert_non_null( strstr( page, why ) );
-    assert_non_null( strstr( page, "a caption" ) );
-    free( page );
-    results_free( &all );
-}
-
-TEST( a_picture_that_cannot_be_read_is_one_message )
-{
-    unsigned char picture[PICTURE_SIZE];
-    size_t size = make_picture( picture, PICTURE_SIZE );
-    assert_one_message( "report_missing.png", "The picture report_missing.png cannot be shown: No such file" );
-    assert_one_message( "/", "it is not a file" );
-    write_bytes( "report_bad.png", "a letter", 8 );
-    assert_one_message( "report_bad.png", "it is not a whole PNG" );
-    write_bytes( "report_bad.png", picture, size - 1 );
-    assert_one_message( "report_bad.png", "it is not a whole PNG" );
-    write_bytes( "report_bad.png", "", 0 );
-    assert_one_message( "report_bad.png", "it is not a whole PNG" );
-    write_bytes( "report_bad.png", picture, size );
-    assert_int_equal( truncate( "report_bad.png", ( 16 << 20 ) + 1 ), 0 );
-    assert_one_message( "report_bad.png", "it is larger than 16 MB" );
-    remove( "report_bad.png" );
-    assert_int_equal( mkfifo( "report_bad.png", 0600 ), 0 );
-    assert_one_message( "report_bad.png", "it is not a file" ); // and it does not wait for a writer
-    remove( "report_bad.png" );
 }
 
 // ---- files ----

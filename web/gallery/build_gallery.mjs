@@ -4,9 +4,9 @@
  *     node web/gallery/build_gallery.mjs TREE WISP OUTPUT [--quick]
  *
  * Writes OUTPUT/index.html and its pictures. A scene's caption is the comment that begins its file; `pictures` in gallery.json has the
- * options of its pictures, and `figures` the cases of `wisp bench` that draw. --quick draws fewer and smaller pictures.
+ * options of its pictures, and `figures` has scenes with words replaced. --quick draws fewer and smaller pictures.
  */
-import { execFileSync, spawnSync } from "node:child_process";
+import { execFileSync } from "node:child_process";
 import { copyFile, mkdir, readdir, readFile, rm, writeFile } from "node:fs/promises";
 import { basename, dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -70,17 +70,22 @@ async function sceneFigures() {
     return figures;
 }
 
-/** Pictures that a case draws are notes of its results. A check of it that fails does not stop the gallery, but is said. */
-async function paperFigures({ name, groups }) {
-    await mkdir(join(output, name), { recursive: true });
-    const results = join(output, name, "results.json");
-    const options = ["bench", name, "--pictures", join(output, name), "--format", "json", "--output", results, ...(isQuick ? ["--quick"] : [])];
-    const { status } = spawnSync(wisp, options, { stdio: ["ignore", "ignore", "inherit"] });
-    if (status !== 0) console.error(`wisp bench ${name} ended with ${status}; see ${results}`);
-    const { notes } = JSON.parse(await readFile(results, "utf8"));
-    const found = notes.map((note) => /!\[(.*)\]\((.*)\)/.exec(note)).filter((match) => match)
-        .map(([, text, path]) => ({ picture: `${name}/${basename(path)}`, title: basename(path, ".png"), text, cost: "" }));
-    return groups.map(({ title, begins }) => ({ title, figures: found.filter((one) => one.title.startsWith(begins)), isSheet: true }));
+/** A figure of a paper: a scene, with words of it replaced, in one or more frames. */
+async function paperFigures({ title, pictures }) {
+    const figures = [];
+    for (const [index, { scene, text, replace = {}, options = [] }] of pictures.slice(0, isQuick ? 1 : pictures.length).entries()) {
+        let words = (await readFile(join(tree, "data/scenes", `${scene}.yaml`), "utf8")).replaceAll("file: ../", `file: ${tree}/data/`);
+        for (const [from, to] of Object.entries(replace)) {
+            if (!words.includes(from)) throw new Error(`${scene}.yaml has no '${from}'`);
+            words = words.replaceAll(from, to);
+        }
+        const name = `${basename(title.split(":")[0].replaceAll(" ", "_").toLowerCase())}_${index + 1}`, path = join(output, `${name}.yaml`);
+        await writeFile(path, words);
+        run("render", path, ...(options.includes("--size") || isQuick ? [] : ["--size", "480x360"]), ...options, ...look, "-o", `${name}.png`);
+        figures.push({ picture: `${name}.png`, title: [`${scene}.yaml`, ...options].join(" "), text, cost: "" });
+    }
+    console.log(`${title}: ${figures.length} pictures`);
+    return { title, figures, isSheet: true };
 }
 
 const card = ({ picture, title, text, cost }) => `<figure><a href="${picture}"><img src="${picture}" alt="${escape(text)}" loading="lazy"></a>
@@ -91,7 +96,7 @@ const section = ({ title, figures, isSheet }) => `<section><h2>${escape(title)}<
 await rm(output, { recursive: true, force: true });
 await mkdir(output, { recursive: true });
 const sections = [{ title: "Scenes", figures: await sceneFigures() }];
-for (const one of settings.figures) sections.push(...(await paperFigures(one)));
+for (const one of settings.figures) sections.push(await paperFigures(one));
 for (const name of ["gallery.css", "icon.svg"]) await copyFile(join(here, name), join(output, name));
 await writeFile(join(output, "index.html"), `<!DOCTYPE html>
 <html lang="en">

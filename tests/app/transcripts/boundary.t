@@ -113,11 +113,3 @@ $ wisp render plain.yaml --boundary class -o a.png
 $ wisp render plain.yaml --normals -o a.png
 ! wisp: plain.yaml: has no boundary points...
 [2]
-
-# So is a place where bench can have no folder, before anything is measured.
-$ wisp bench figures --quick --pictures ball.yaml
-! wisp: ball.yaml: cannot make a folder...
-[2]
-$ wisp bench figures --quick --pictures absent/pictures
-! wisp: absent/pictures: cannot make a folder...
-[2]

@@ -289,9 +289,6 @@ $ wisp run square.yaml --record -
 $ wisp bench cloth --long
 ! wisp bench: --long is an option of the case 'stability' and of suites, which does not run
 [64]
-$ wisp bench cloth --pictures here
-! wisp bench: --pictures is an option of the case 'figures', which does not run
-[64]
 $ wisp gate check suite.yaml --patch a
 ! wisp gate: --patch: expected accept, and a base file below this folder
 [64]
