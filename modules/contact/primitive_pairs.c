@@ -295,7 +295,7 @@ void contact_select_active( const contact_work* work, contact_candidates* c, _At
             continue;
         }
         contact_active* active = found + count;
-        *active = ( contact_active ){ { listed->a, listed->b, gap }, d, { 0.0f }, { 0.0f } };
+        *active = ( contact_active ){ { listed->a, listed->b, gap }, d, c->closing[i], { 0.0f }, { 0.0f } };
         for ( int k = 0; k < 4; ++k )
         {
             active->weight[k] = weight[i / WISP_SLICE][k][i % WISP_SLICE];

@@ -49,7 +49,7 @@ typedef struct contact_pair
 typedef struct contact_active
 {
     contact_pair pair;
-    float distance, weight[4], normal[3]; // as contact_row has them
+    float distance, closing, weight[4], normal[3]; // as contact_row has them
 } contact_active;
 
 /// Kinds of pairs.
