@@ -13,7 +13,6 @@
 #include "constraints.h"
 
 #include "narrow_phase.h"
-#include "primitive_pairs.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 // Constraints: a separating plane for each active pair.
 #pragma once
 
-#include "primitive_pairs.h"
+#include "narrow_phase.h"
 
 /// A constraint in a substep: the plane between a pair at its intersection-free positions, and the accumulated
 /// corrections. The distance along the normal is linear in the points; the first `split` of them are one side.
