@@ -45,6 +45,7 @@ typedef struct guard_loop
     contact_contact_mesh* contact_mesh;
     bool* has_passed; // [block of rows]
     int first_new;    // rows from here on are tested in any case
+    bool moves;       // a point was moved
     _Atomic int tests;
 } guard_loop;
 
@@ -346,6 +347,7 @@ static bool run_rounds( const contact_work* work, guard_loop* loop, int count )
         wisp_parallel_for( work->parallel, count, LIMIT_ROW_GRAIN, check_rows, loop );
         any = part_rows( work, loop, count, round >= PARTIAL_ROUNDS );
         loop->first_new = count;
+        loop->moves = loop->moves || any;
     }
     return any == false;
 }
@@ -362,16 +364,16 @@ int contact_limit_displacements( const contact_work* work )
         return 0;
     }
     loop.first_new = s->limit->is_again ? s->constraints->row_count : 0;
-    s->limit->is_again = true;
     atomic_init( &loop.tests, 0 );
-    for ( int i = 0; i < s->point_count; ++i )
+    for ( int i = 0; i < s->point_count && s->limit->is_again; ++i )
     {
         s->limit->changed[i] &= CHANGED_BEFORE;
     }
+    s->limit->is_again = true;
     stay_in_margins( work );
     const bool is_done = run_rounds( work, &loop, count );
     s->limit->tests += atomic_load( &loop.tests );
-    const int moved = count_moved( s );
+    const int moved = loop.moves || s->broad_phase->is_short ? count_moved( s ) : 0;
     if ( is_done == false )
     {
         contact_hold( work );

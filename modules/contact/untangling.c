@@ -10,6 +10,8 @@
 // Points that are drawn go on with their common mean velocity.
 #include "untangling.h"
 
+#include "constraints.h"
+
 #include <string.h>
 
 // In thicknesses per substep, of an intersection and of a point.
