@@ -13,7 +13,6 @@
 #include "constraints.h"
 
 #include "narrow_phase.h"
-#include "primitive_pairs.h"
 
 #include <string.h>
 
@@ -73,7 +72,8 @@ static void begin_row( const contact_work* work, const contact_active* active, b
     row->normal_correction = row->tangential_correction[0] = row->tangential_correction[1] =
         row->tangential_correction[2] = 0.0f;
     row->mobility = 0.0f;
-    row->cut = 1.0f;
+    row->closing = active->closing;
+    row->is_passed = false;
 }
 
 // ---- order ----

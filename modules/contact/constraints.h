@@ -1,7 +1,7 @@
 // Constraints: a separating plane for each active pair.
 #pragma once
 
-#include "primitive_pairs.h"
+#include "narrow_phase.h"
 
 /// A constraint in a substep: the plane between a pair at its intersection-free positions, and the accumulated
 /// corrections. The distance along the normal is linear in the points; the first `split` of them are one side.
@@ -19,7 +19,8 @@ typedef struct contact_row
     float normal_correction;        // m, accumulated, >= 0: the normal impulse
     float tangential_correction[3]; // m, accumulated: the friction impulse
     float mobility;                 // 1/kg, sum of w s^2 that supports leave; 0: not projected
-    float cut;                      // fraction of its displacements that the displacement limit leaves, in a round
+    float closing;                  // m, most that its sides approach while points keep to their tolerance
+    bool is_passed;                 // in a round of the displacement limit
 } contact_row;
 
 /// Where an active pair is in the list of its kind.

@@ -89,7 +89,7 @@ typedef struct wisp_contact_stats
     int contacts;   ///< pairs that pressed on each other in the last substep
     int searches;   ///< in this step, for all pairs
     float min_gap; ///< smallest distance of a pair over its thickness at the end; 1 or more: no pair is too near
-    int displacement_limited; ///< vertices whose displacement was limited, summed over substeps; above 0 momentum is not conserved
+    int displacement_limited; ///< vertices whose displacement was limited, summed over substeps
     int outran; ///< points that left the margin of the search, summed over substeps; above 0 pairs may have been missed (spheres)
     int tangled;       ///< edges through triangles that were being untangled at the last search
     int intersections; ///< edges that intersect triangles at the end of the step, exact, of which not all five points

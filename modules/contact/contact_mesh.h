@@ -103,7 +103,7 @@ typedef struct contact_contact_mesh
     struct contact_cached_bounds* bounds;        // broad_phase.h
     struct contact_broad_phase* broad_phase;     // broad_phase.h
     struct contact_intersections* intersections; // untangling.h
-    struct contact_primitive_pairs* primitives;  // primitive_pairs.h
+    struct contact_primitive_pairs* primitives;  // narrow_phase.h
     struct contact_constraints* constraints;     // constraints.h
     struct contact_spheres* spheres;             // spheres.h
     struct contact_supports* supports;           // supports.h

@@ -11,10 +11,9 @@
 //   contact.stats  statistics, on request
 #include "contact_state.h"
 
-#include "coincident.h"
 #include "constraints.h"
 #include "gather_scatter.h"
-#include "primitive_pairs.h"
+#include "narrow_phase.h"
 #include "solve.h"
 #include "spheres.h"
 #include "supports.h"

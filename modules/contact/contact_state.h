@@ -8,7 +8,7 @@
 #include "contact_mesh.h"
 #include "displacement_limit.h"
 #include "predicted_motion.h"
-#include "primitive_pairs.h"
+#include "narrow_phase.h"
 #include "spheres.h"
 #include "supports.h"
 #include "untangling.h"

@@ -41,3 +41,7 @@ int contact_count_intersections( const contact_contact_mesh* s, int a, int b );
 
 /// Mark the points of intersections at the intersection-free positions, while there may be any.
 wisp_status contact_mark_intersections( const contact_work* work, wisp_error* error );
+
+/// Part participants whose primitives start in one place, by a tenth of their distance and along the normals of the earlier one, in
+/// the order of their numbers. One that has pins stays. The recovery does the rest. Rows have to be found again.
+void contact_part_coincident( const contact_work* work );

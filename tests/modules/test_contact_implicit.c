@@ -160,13 +160,13 @@ static void fly( const pair_def* d )
     request_stats( w );
     const double mass = 0.15 * 0.16, speed = (double)d->speed, energy = 0.5 * mass * 1.04 * speed * speed;
     const double begin[3] = { 0.2 * mass * speed, -mass * speed, 0.0 };
-    int contacts = 0;
+    double impulse = 0.0;
     for ( int s = 0; s < 40; ++s )
     {
         run_steps( w, 1, FRAME );
         const wisp_contact_stats stats = contact_stats( w );
         assert_int_equal( stats.intersections, 0 );
-        contacts += stats.contacts;
+        impulse += stats.impulse;
         double now[3];
         momentum_of( w, both, 2, now );
         for ( int k = 0; k < 3; ++k )
@@ -176,7 +176,7 @@ static void fly( const pair_def* d )
         const double links = d->stretch_stiffness > 1e3f ? 0.0 : stored( w, both[0] );
         assert_true( energy_of( w, both, 2 ) + links < d->energy * energy );
     }
-    assert_true( contacts > 0 );
+    assert_true( impulse > 0.0 );
     assert_int_equal( count_all_passing( w, both, 2 ), 0 );
 }
 
@@ -193,12 +193,12 @@ TEST( implicit_cloth_meets_position_based_cloth )
     fly( &( pair_def ){ 3.0f, 200.0f, WISP_INTEGRATOR_EULER, true, 1e-5, 1.001 } );
 }
 
-// The displacement limit cuts here, which gives momentum away.
+// The displacement limit moves points here, by equal and opposite impulses.
 TEST( at_ten_metres_per_second_nothing_crosses_or_gains_energy )
 {
-    fly( &( pair_def ){ 10.0f, 200.0f, WISP_INTEGRATOR_EULER, false, 0.1, 1.001 } );
-    fly( &( pair_def ){ 10.0f, 200.0f, WISP_INTEGRATOR_BDF2, false, 0.1, 1.001 } );
-    fly( &( pair_def ){ 10.0f, 1e7f, WISP_INTEGRATOR_EULER, false, 0.1, 1.001 } );
+    fly( &( pair_def ){ 10.0f, 200.0f, WISP_INTEGRATOR_EULER, false, 1e-5, 1.001 } );
+    fly( &( pair_def ){ 10.0f, 200.0f, WISP_INTEGRATOR_BDF2, false, 2e-5, 1.001 } );
+    fly( &( pair_def ){ 10.0f, 1e7f, WISP_INTEGRATOR_EULER, false, 0.05, 1.001 } );
 }
 
 // ---- friction ----

@@ -612,7 +612,7 @@ static uint64_t fall( int workers, int steps, bool counts )
     {
         height += (double)points[i].y / HEAP_POINTS;
     }
-    assert_true( steps < 100 || ( height > 0.02 && height < 0.2 ) ); // it is a heap
+    assert_true( steps < 100 || ( height > 0.01 && height < 0.2 ) ); // it is a heap
     const uint64_t hash = wisp_world_hash( s.world );
     close_sticks( &s );
     return hash;
