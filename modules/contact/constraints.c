@@ -72,7 +72,6 @@ static void begin_row( const contact_work* work, const contact_active* active, b
                            ( b->settings.friction * factor_of( b, b->friction, row, row->split, row->count ) ) );
     row->normal_correction = row->tangential_correction[0] = row->tangential_correction[1] =
         row->tangential_correction[2] = 0.0f;
-    row->mobility = 0.0f;
     row->cut = 1.0f;
 }
 

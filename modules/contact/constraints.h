@@ -18,7 +18,6 @@ typedef struct contact_row
     float friction;
     float normal_correction;        // m, accumulated, >= 0: the normal impulse
     float tangential_correction[3]; // m, accumulated: the friction impulse
-    float mobility;                 // 1/kg, sum of w s^2 that supports leave; 0: not projected
     float cut;                      // fraction of its displacements that the displacement limit leaves, in a round
 } contact_row;
 

@@ -20,7 +20,8 @@ enum
 {
     CONTACT_BATCH = 128,        // pairs whose distances are measured together
     CONTACT_POINT_GRAIN = 1024, // points of a task
-    CONTACT_MAX_POINTS = 4      // of a pair
+    CONTACT_MAX_POINTS = 4,     // of a pair
+    CONTACT_KEPT = 4,           // impulses that a point keeps for the next substep
 };
 
 /// The definition of a participant with the defaults filled in.
@@ -41,12 +42,19 @@ typedef struct contact_memory
     wisp_contact_stats stats;
 } contact_memory;
 
-/// What lay on a point in the substep before, for each of the rows below it. In a column, so that a snapshot has it.
+/// The impulses of a pair in the substep before. Numbers are within participants, so that they outlive the contact mesh.
+typedef struct contact_impulse
+{
+    int32_t a, b; // the primitives; two edges: the complement of b
+    uint32_t of;  // their participants
+    float normal; // kg m: impulse times the substep; 0: none
+    float along[3];
+} contact_impulse;
+
+/// Impulses of some pairs of a point, those without any last. In a column, so that a snapshot has them.
 typedef struct contact_load
 {
-    float normal; // kg m: impulse times the substep
-    float held;   // kg m: friction that layers above got from what is below
-    float grip;   // smallest coefficient of friction between the point and the body below; 0: nothing supports it
+    contact_impulse pairs[CONTACT_KEPT];
 } contact_load;
 
 /// Where the points of a participant are in a substep.
@@ -75,7 +83,7 @@ typedef struct contact_participant
     wisp_vec3 place;                   // m, from its rows to those of the first participant
     const float *thickness, *friction; // [point] factors of those of the settings; null: 1
     const int32_t* half_spaces;        // [point] number of half spaces that it is held in; null: none
-    const float* half_space_row;       // [point][WISP_MAX_HALF_SPACES][16] those, as rows of the kernel half_space
+    float* half_space_row;             // [point][WISP_MAX_HALF_SPACES][16] those, as rows of the kernel half_space
     contact_load* loads;               // [point] its column; null: of strands
 } contact_participant;
 
@@ -105,7 +113,6 @@ typedef struct contact_contact_mesh
     struct contact_primitive_pairs* primitives;  // primitive_pairs.h
     struct contact_constraints* constraints;     // constraints.h
     struct contact_spheres* spheres;             // spheres.h
-    struct contact_supports* supports;           // supports.h
     struct contact_colouring* colouring;         // solve.h
     struct contact_limit* limit;                 // displacement_limit.h
     struct contact_untangling* untangling;       // untangling.h

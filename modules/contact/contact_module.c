@@ -44,8 +44,7 @@ static void release_buffers( wisp_buffer* buffers, int count, const wisp_allocat
     X( bounds )                                                                                                      \
     X( spheres )                                                                                                     \
     X( colouring )                                                                                                   \
-    X( limit )                                                                                                       \
-    X( supports )
+    X( limit )
 
 static void release_stages( contact_state* s, const wisp_allocator* allocator )
 {
@@ -321,7 +320,6 @@ static wisp_status declare( wisp_registry* r )
         .primitives = &state->primitives,
         .constraints = &state->constraints,
         .spheres = &state->spheres,
-        .supports = &state->supports,
         .colouring = &state->colouring,
         .limit = &state->limit,
         .untangling = &state->untangling,

@@ -17,7 +17,6 @@
 #include "primitive_pairs.h"
 #include "solve.h"
 #include "spheres.h"
-#include "supports.h"
 #include "untangling.h"
 
 #include "wisp/module/sleep.h"
@@ -194,8 +193,7 @@ static wisp_status build_mesh( const contact_work* work, wisp_error* error )
     if ( work->settings->level != WISP_CONTACT_SPHERES )
     {
         enough = enough && contact_make_clusters( work ) && contact_reserve_motion( work ) &&
-                 contact_reserve_colouring( work ) && contact_reserve_limit( work ) &&
-                 contact_reserve_supports( work );
+                 contact_reserve_colouring( work ) && contact_reserve_limit( work );
     }
     if ( enough == false )
     {
@@ -360,7 +358,7 @@ static void limit_displacements( const contact_work* work )
 
 static void end_substep( const contact_work* work )
 {
-    contact_hand_down_loads( work );
+    contact_keep_impulses( work );
     contact_recover( work );
     contact_untangle( work );
     if ( work->counts_impulses )
@@ -410,12 +408,11 @@ void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
     const bool is_end = span->iteration + 1 == wisp_frame_iterations( frame );
     const bool has_rows = state->world.level != WISP_CONTACT_SPHERES;
     contact_gather( &work, false );
+    memset( work.contact_mesh->shift, 0, (size_t)work.contact_mesh->point_count * 4 * sizeof( float ) );
     if ( span->iteration == 0 && has_rows )
     {
-        contact_find_supports( &work );
-        contact_begin_loads( &work );
+        contact_start_warm( &work );
     }
-    memset( work.contact_mesh->shift, 0, (size_t)work.contact_mesh->point_count * 4 * sizeof( float ) );
     project( &work, is_end );
     // what strands do is limited once more when their lengths are restored
     const bool is_final = has_rows && is_end && wisp_frame_has( frame, span->entity, state->touches ) == false;

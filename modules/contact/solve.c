@@ -6,15 +6,28 @@
 //   momentum, and forces on two participants are equal and opposite.
 // - Friction takes back the relative tangential displacement of the closest points since the start of the substep,
 //   accumulated in `tangential_correction`, which is never longer than mu times the push (Coulomb).
-// - What a body supports is not pushed into it, and lower layers not by higher ones: supports.c.
+// - A substep begins with the impulses of the one before (warm start). One sweep goes one layer down a pile; with what is
+//   remembered, its weight is with the ground after as many substeps, and it comes to rest. Without, each layer sinks
+//   into the one below and is thrown out again.
+// - Half spaces of bodies have their turn after each sweep, with friction (kernel half_space): bodies win.
 // - Recovery parts pairs that are nearer than their gap at `max_push_out_speed`. The previous positions move too: no
 //   velocity.
 #include "solve.h"
 
 #include "constraints.h"
-#include "supports.h"
 
+#include "wisp/module/kernels.h"
 #include <string.h>
+
+enum
+{
+    MAX_LEVER = 4, // a correction moves no point by more than this many times what the sides lack
+    BODY_GRAIN = 256,
+    WARM_GRAIN = 256,
+};
+
+// Recovery ends at this fraction of the gap. Up to all of it, pairs of a pile would part each other for ever.
+static const float RECOVERED = 0.95f;
 
 typedef void row_fn( const contact_work* work, contact_row* row );
 
@@ -25,9 +38,18 @@ typedef struct project_loop
     row_fn* run;
 } project_loop;
 
+// Return the mobility of a row, sum w s^2, in 1/kg, but at least max w |s| / MAX_LEVER. Where the only free point of a
+// triangle is far from the contact, s is small, and a correction over sum w s^2 would throw it.
 static float mobility_of( const contact_contact_mesh* s, const contact_row* row )
 {
-    return contact_mobility_of( s, row, ( contact_side ){ 0, row->count } );
+    float sum = 0.0f, farthest = 0.0f;
+    for ( int i = 0; i < row->count; ++i )
+    {
+        const float way = s->now[(size_t)row->point[i] * 4 + 3] * row->weight[i];
+        sum += way * row->weight[i];
+        farthest = contact_larger( farthest, fabsf( way ) );
+    }
+    return contact_larger( sum, farthest / MAX_LEVER );
 }
 
 // Return the distance of the two sides along the normal. Sums are relative to one of the points, against
@@ -59,14 +81,44 @@ static void move( float* xyzw, const float* masses, const contact_row* row, cons
     }
 }
 
-static void apply_friction( contact_contact_mesh* s, contact_row* row, float inverse )
+// Find how far the first side moved relative to the second, along the plane.
+static void find_slip( const contact_contact_mesh* s, const contact_row* row, float slip[3] )
 {
-    float way[3] = { 0.0f, 0.0f, 0.0f }, by[3];
-    contact_add_way( s, row, 0, row->count, way );
-    contact_find_slip( row, way, row->friction * row->normal_correction, by );
+    float along = 0.0f;
+    memset( slip, 0, 3 * sizeof( float ) );
+    for ( int i = 0; i < row->count; ++i )
+    {
+        const float *p = s->now + (size_t)row->point[i] * 4, *q = s->intersection_free + (size_t)row->point[i] * 4;
+        for ( int k = 0; k < 3; ++k )
+        {
+            slip[k] += row->weight[i] * ( p[k] - q[k] );
+        }
+    }
     for ( int k = 0; k < 3; ++k )
     {
-        by[k] = inverse * by[k];
+        along += row->normal[k] * slip[k];
+    }
+    for ( int k = 0; k < 3; ++k )
+    {
+        slip[k] -= along * row->normal[k];
+    }
+}
+
+static void apply_friction( contact_contact_mesh* s, contact_row* row, float inverse )
+{
+    const float most = row->friction * row->normal_correction;
+    float slip[3], by[3], squared = 0.0f;
+    find_slip( s, row, slip );
+    for ( int k = 0; k < 3; ++k )
+    {
+        slip[k] = row->tangential_correction[k] - slip[k];
+        squared += slip[k] * slip[k];
+    }
+    const float scale = squared > most * most ? most / sqrtf( squared ) : 1.0f;
+    for ( int k = 0; k < 3; ++k )
+    {
+        by[k] = inverse * ( scale * slip[k] - row->tangential_correction[k] );
+        row->tangential_correction[k] = scale * slip[k];
     }
     move( s->now, s->now, row, by );
 }
@@ -75,27 +127,18 @@ static void project_row( const contact_work* work, contact_row* row )
 {
     contact_contact_mesh* s = work->contact_mesh;
     const float short_by = row->gap - distance_of( s->now, row );
-    const float sum = short_by > -row->normal_correction ? mobility_of( s, row ) : 0.0f;
+    const bool presses = short_by > 0.0f || row->normal_correction > 0.0f;
+    const float sum = presses ? mobility_of( s, row ) : 0.0f;
     if ( !( sum > 0.0f ) )
     {
         return;
     }
     const float correction = contact_larger( 0.0f, row->normal_correction + short_by );
-    const float change = correction - row->normal_correction, length = change / sum;
+    const float length = ( correction - row->normal_correction ) / sum;
     const float by[3] = { length * row->normal[0], length * row->normal[1], length * row->normal[2] };
     row->normal_correction = correction;
-    if ( contact_is_supported( work, row ) )
-    {
-        contact_move_supported( work, row, change, sum );
-        if ( row->friction > 0.0f && correction > 0.0f )
-        {
-            contact_apply_pile_friction( work, row );
-        }
-        contact_keep_inside( work, row );
-        return;
-    }
     move( s->now, s->now, row, by );
-    if ( row->friction > 0.0f && correction > 0.0f )
+    if ( row->friction > 0.0f )
     {
         apply_friction( s, row, 1.0f / sum );
     }
@@ -106,7 +149,8 @@ static void recover_row( const contact_work* work, contact_row* row )
     contact_contact_mesh* s = work->contact_mesh;
     const contact_participant* participant = work->participants + (int)s->rest[(size_t)row->point[0] * 4 + 3];
     const float step = participant->settings.max_push_out_speed * work->seconds;
-    const float short_by = contact_smaller( row->requested, row->distance + step ) - distance_of( s->now, row );
+    const float short_by =
+        contact_smaller( RECOVERED * row->requested, row->distance + step ) - distance_of( s->now, row );
     const float sum = short_by > 0.0f ? mobility_of( s, row ) : 0.0f;
     if ( sum > 0.0f )
     {
@@ -147,28 +191,216 @@ static void run_all( const contact_work* work, row_fn* run )
     }
 }
 
-// Rows that were projected later have moved points of those before them, so piles need their friction once more.
-static void hold_row( const contact_work* work, contact_row* row )
+// ---- bodies ----
+
+typedef struct bodies_loop
 {
-    if ( row->friction > 0.0f && row->normal_correction > 0.0f && row->mobility > 0.0f )
+    const contact_work* work;
+    const contact_participant* participant;
+} bodies_loop;
+
+// Another sweep over the half spaces of points: what rows pushed into bodies comes out, with friction.
+static void press_on_bodies( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const bodies_loop* loop = context;
+    const contact_participant* participant = loop->participant;
+    contact_contact_mesh* s = loop->work->contact_mesh;
+    const size_t first = (size_t)participant->first_point * 4;
+    int32_t particle_x4[BODY_GRAIN + WISP_SLICE], row_x16[BODY_GRAIN + WISP_SLICE];
+    const wisp_half_space_args args = { s->now + first, s->intersection_free + first, participant->half_space_row,
+                                        particle_x4, row_x16 };
+    for ( int k = 0; k < WISP_MAX_HALF_SPACES; ++k )
     {
-        contact_apply_pile_friction( work, row );
-        contact_keep_inside( work, row );
+        int count = 0;
+        for ( int i = begin; i < end; ++i )
+        {
+            particle_x4[count] = 4 * i;
+            row_x16[count] = 16 * ( WISP_MAX_HALF_SPACES * i + k );
+            count += participant->half_spaces[i] > k && s->now[first + 4 * (size_t)i + 3] > 0.0f ? 1 : 0;
+        }
+        for ( int i = count; count > 0 && i % WISP_SLICE != 0; ++i )
+        {
+            particle_x4[i] = particle_x4[count - 1];
+            row_x16[i] = row_x16[count - 1];
+        }
+        wisp_frame_kernels( loop->work->frame )->half_space( &args, 0, count );
+    }
+}
+
+static void project_bodies( const contact_work* work )
+{
+    for ( int g = 0; g < work->participant_count; ++g )
+    {
+        bodies_loop loop = { work, work->participants + g };
+        if ( loop.participant->half_spaces != NULL && loop.participant->half_space_row != NULL )
+        {
+            wisp_parallel_for( work->parallel, loop.participant->point_count, BODY_GRAIN, press_on_bodies, &loop );
+        }
     }
 }
 
 void contact_project_rows( const contact_work* work )
 {
     run_all( work, project_row );
-    if ( work->contact_mesh->supports->any )
+    project_bodies( work );
+}
+
+// ---- impulses that outlive the substep ----
+
+// Describe a row by numbers that do not change with the contact mesh.
+static contact_impulse name_of( const contact_work* work, int number )
+{
+    const contact_contact_mesh* s = work->contact_mesh;
+    const contact_row* row = s->constraints->rows + number;
+    const contact_participant *a = contact_participant_of( work, row->point[0] ),
+                              *b = contact_participant_of( work, row->point[row->split] );
+    const bool are_edges = number >= s->constraints->split;
+    return ( contact_impulse ){
+        .a = row->a - ( are_edges ? a->first_edge : a->first_point ),
+        .b = are_edges ? ~( row->b - b->first_edge ) : row->b - b->first_triangle,
+        .of = (uint32_t)( a - work->participants ) + ( (uint32_t)( b - work->participants ) << 16 ),
+    };
+}
+
+// Return the impulses that a point keeps, null for those of strands.
+static contact_load* load_of( const contact_work* work, int point )
+{
+    const contact_participant* participant = contact_participant_of( work, point );
+    return participant->loads != NULL ? participant->loads + ( point - participant->first_point ) : NULL;
+}
+
+// Return the impulse of a pair that its points keep, or else the first free place for one, or null.
+static contact_impulse* find_impulse( const contact_work* work, const contact_row* row, const contact_impulse* name,
+                                      bool is_free )
+{
+    for ( int i = 0; i < row->count; ++i )
     {
-        run_all( work, hold_row );
+        contact_load* load = load_of( work, row->point[i] );
+        for ( int k = 0; k < CONTACT_KEPT && load != NULL; ++k )
+        {
+            contact_impulse* kept = load->pairs + k;
+            if ( !( kept->normal > 0.0f ) )
+            {
+                if ( is_free )
+                {
+                    return kept;
+                }
+                break;
+            }
+            if ( is_free == false && kept->a == name->a && kept->b == name->b && kept->of == name->of )
+            {
+                return kept;
+            }
+        }
+    }
+    return NULL;
+}
+
+static void warm_rows( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const contact_work* work = context;
+    for ( int r = begin; r < end; ++r )
+    {
+        contact_row* row = work->contact_mesh->constraints->rows + r;
+        const contact_impulse name = name_of( work, r ), *kept = find_impulse( work, row, &name, false );
+        const float sum = kept != NULL ? mobility_of( work->contact_mesh, row ) : 0.0f;
+        row->normal_correction = kept != NULL ? sum * kept->normal : 0.0f;
+        for ( int k = 0; k < 3; ++k )
+        {
+            row->tangential_correction[k] = kept != NULL ? sum * kept->along[k] : 0.0f;
+        }
+    }
+}
+
+static void push_warm( const contact_work* work, contact_row* row )
+{
+    contact_contact_mesh* s = work->contact_mesh;
+    const float sum = row->normal_correction > 0.0f ? mobility_of( s, row ) : 0.0f;
+    if ( sum > 0.0f )
+    {
+        float by[3];
+        for ( int k = 0; k < 3; ++k )
+        {
+            by[k] = ( row->normal_correction * row->normal[k] + row->tangential_correction[k] ) / sum;
+        }
+        move( s->now, s->now, row, by );
+    }
+}
+
+void contact_start_warm( const contact_work* work )
+{
+    wisp_parallel_for( work->parallel, work->contact_mesh->constraints->row_count, WARM_GRAIN, warm_rows,
+                       (void*)(uintptr_t)work );
+    run_all( work, push_warm );
+    project_bodies( work );
+}
+
+void contact_keep_impulses( const contact_work* work )
+{
+    const contact_contact_mesh* s = work->contact_mesh;
+    for ( int g = 0; g < work->participant_count; ++g )
+    {
+        const contact_participant* participant = work->participants + g;
+        if ( participant->loads != NULL && participant->is_left_out == false )
+        {
+            memset( participant->loads, 0, (size_t)participant->point_count * sizeof( contact_load ) );
+        }
+    }
+    for ( int r = 0; r < s->constraints->row_count; ++r )
+    {
+        const contact_row* row = s->constraints->rows + r;
+        if ( row->normal_correction > 0.0f )
+        {
+            contact_impulse name = name_of( work, r ), *to = find_impulse( work, row, &name, true );
+            const float sum = to != NULL ? mobility_of( s, row ) : 0.0f;
+            if ( sum > 0.0f )
+            {
+                name.normal = row->normal_correction / sum;
+                for ( int k = 0; k < 3; ++k )
+                {
+                    name.along[k] = row->tangential_correction[k] / sum;
+                }
+                *to = name;
+            }
+        }
+    }
+}
+
+// Recovery pushes nothing into bodies, and gives no velocity.
+static void leave_bodies( const contact_work* work, const contact_participant* participant )
+{
+    contact_contact_mesh* s = work->contact_mesh;
+    for ( int i = 0; i < participant->point_count; ++i )
+    {
+        const size_t at = (size_t)( participant->first_point + i ) * 4;
+        const int found = s->now[at + 3] > 0.0f ? participant->half_spaces[i] : 0;
+        for ( int k = 0; k < found && k < WISP_MAX_HALF_SPACES; ++k )
+        {
+            const float *half = participant->half_space_row + 16 * ( (size_t)i * WISP_MAX_HALF_SPACES + (size_t)k ),
+                        *p = s->now + at;
+            const float depth =
+                half[9] - half[3] * ( p[0] - half[0] ) - half[4] * ( p[1] - half[1] ) - half[5] * ( p[2] - half[2] );
+            for ( size_t c = 0; c < 3 && depth > 0.0f; ++c )
+            {
+                s->now[at + c] += depth * half[3 + c];
+                s->shift[at + c] += depth * half[3 + c];
+            }
+        }
     }
 }
 
 void contact_recover( const contact_work* work )
 {
     run_all( work, recover_row );
+    for ( int g = 0; g < work->participant_count; ++g )
+    {
+        if ( work->participants[g].half_spaces != NULL )
+        {
+            leave_bodies( work, work->participants + g );
+        }
+    }
 }
 
 // Colouring: constraints in blocks of 64 that one worker projects from first to last, coloured greedily so that

@@ -4,6 +4,12 @@
 #include "constraints.h"
 #include "contact_mesh.h"
 
+/// Begin with the impulses that pairs had in the substep before.
+void contact_start_warm( const contact_work* work );
+
+/// Keep the impulses for the next substep.
+void contact_keep_impulses( const contact_work* work );
+
 /// Project all constraints once, with friction.
 void contact_project_rows( const contact_work* work );
 
