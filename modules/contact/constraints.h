@@ -16,9 +16,9 @@ typedef struct contact_row
     float distance;                   // m, at the intersection-free positions
     float requested;                  // m, half the sum of the thicknesses, or less where the pair is closer at rest
     float friction;
-    float normal_correction;        // m, accumulated, >= 0: the normal impulse
-    float tangential_correction[3]; // m, accumulated: the friction impulse
-    float cut;                      // fraction of its displacements that the displacement limit leaves, in a round
+    float normal_impulse;        // kg m, accumulated, >= 0: times the substep
+    float tangential_impulse[3]; // kg m, accumulated
+    float cut;                   // fraction of its displacements that the displacement limit leaves, in a round
 } contact_row;
 
 /// Where an active pair is in the list of its kind.

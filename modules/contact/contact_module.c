@@ -138,7 +138,7 @@ static void add_lines( const void* memory, wisp_world* world, wisp_entity entity
         {
             from = wisp_v3_mul_add( from, -row->weight[i], wisp_v3_load( s->now + (size_t)row->point[i] * 4 ) );
         }
-        if ( row->normal_correction > 0.0f )
+        if ( row->normal_impulse > 0.0f )
         {
             wisp_add_line( list, state->participants[0].entity, from,
                            wisp_v3_mul_add( from, row->requested, wisp_v3_load( row->normal ) ),

@@ -26,23 +26,16 @@
 
 // ---- statistics of a step ----
 
-// Add the impulse of a row: its accumulated corrections, divided by the sum of weighted inverse masses and by the
-// time.
+// Add the impulse of a row.
 static void add_row( const contact_work* work, const contact_row* row, double* sum )
 {
-    const contact_contact_mesh* s = work->contact_mesh;
-    double weights = 0.0, impulse[3], squared = 0.0;
-    for ( int i = 0; i < row->count; ++i )
-    {
-        weights += (double)s->now[(size_t)row->point[i] * 4 + 3] * (double)row->weight[i] * (double)row->weight[i];
-    }
+    double impulse[3], squared = 0.0;
     contact_participant *a = contact_participant_of( work, row->point[0] ),
                         *b = contact_participant_of( work, row->point[row->count - 1] );
-    for ( int k = 0; k < 3 && weights > 0.0; ++k )
+    for ( int k = 0; k < 3; ++k )
     {
-        impulse[k] =
-            ( (double)row->normal_correction * (double)row->normal[k] + (double)row->tangential_correction[k] ) /
-            ( weights * (double)work->seconds );
+        impulse[k] = ( (double)row->normal_impulse * (double)row->normal[k] + (double)row->tangential_impulse[k] ) /
+                     (double)work->seconds;
         squared += impulse[k] * impulse[k];
         a->impulse[k] += impulse[k];
         b->impulse[k] -= impulse[k];
@@ -57,7 +50,7 @@ static void sum_impulses_of_rows( const contact_work* work )
     f->contacts = 0;
     for ( int r = 0; r < s->constraints->row_count; ++r )
     {
-        if ( s->constraints->rows[r].normal_correction > 0.0f )
+        if ( s->constraints->rows[r].normal_impulse > 0.0f )
         {
             add_row( work, s->constraints->rows + r, &f->impulse );
             f->contacts += 1;

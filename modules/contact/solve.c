@@ -2,10 +2,10 @@
 // impulses of Catto 2005. In: rows by colour. Out: moved points, accumulated corrections.
 //
 // - Push: Dx_i = w_i s_i n l with l = -C / max( sum w_j s_j^2, max w_j |s_j| / 4 ), accumulated in
-//   `normal_correction`, which is never negative. The weights of a row sum to zero, so every correction keeps
+//   `normal_impulse`, which is never negative. The weights of a row sum to zero, so every correction keeps
 //   momentum, and forces on two participants are equal and opposite.
 // - Friction takes back the relative tangential displacement of the closest points since the start of the substep,
-//   accumulated in `tangential_correction`, which is never longer than mu times the push (Coulomb).
+//   accumulated in `tangential_impulse`, which is never longer than mu times the push (Coulomb).
 // - A substep begins with the impulses of the one before (warm start). One sweep goes one layer down a pile; with what is
 //   remembered, its weight is with the ground after as many substeps, and it comes to rest. Without, each layer sinks
 //   into the one below and is thrown out again.
@@ -26,8 +26,10 @@ enum
     WARM_GRAIN = 256,
 };
 
-// Recovery ends at this fraction of the gap. Up to all of it, pairs of a pile would part each other for ever.
+// Pairs nearer than this fraction of the gap recover. If all did, those of a pile would part each other for ever.
 static const float RECOVERED = 0.95f;
+// A body takes what pushes a point that is nearer to it than this part of the thickness.
+static const float TOUCHES = 0.05f;
 
 typedef void row_fn( const contact_work* work, contact_row* row );
 
@@ -81,6 +83,11 @@ static void move( float* xyzw, const float* masses, const contact_row* row, cons
     }
 }
 
+static float inner( const float a[3], const float b[3] )
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
 // Find how far the first side moved relative to the second, along the plane.
 static void find_slip( const contact_contact_mesh* s, const contact_row* row, float slip[3] )
 {
@@ -104,43 +111,173 @@ static void find_slip( const contact_contact_mesh* s, const contact_row* row, fl
     }
 }
 
-static void apply_friction( contact_contact_mesh* s, contact_row* row, float inverse )
+// What holds a point on a body: the half space that presses on it most, or would if it went nearer.
+typedef struct body_hold
 {
-    const float most = row->friction * row->normal_correction;
-    float slip[3], by[3], squared = 0.0f;
+    float* half; // as a row of the kernel half_space; null: nothing
+    bool sticks; // by friction
+} body_hold;
+
+// Return how far a point is from the border of a half space, m; negative: it has left it.
+static float distance_in( const float* half, const float p[3] )
+{
+    const float from[3] = { p[0] - half[0], p[1] - half[1], p[2] - half[2] };
+    return inner( half + 3, from ) - half[9];
+}
+
+static body_hold hold_of( const contact_work* work, int point )
+{
+    const contact_participant* participant = contact_participant_of( work, point );
+    const float* p = work->contact_mesh->now + (size_t)point * 4;
+    const int i = point - participant->first_point,
+              found = participant->half_spaces != NULL && p[3] > 0.0f ? participant->half_spaces[i] : 0;
+    body_hold hold = { NULL, false };
+    for ( int k = 0; k < found && k < WISP_MAX_HALF_SPACES; ++k )
+    {
+        float* half = participant->half_space_row + 16 * ( (size_t)i * WISP_MAX_HALF_SPACES + (size_t)k );
+        const bool touches = half[10] > 0.0f || distance_in( half, p ) < TOUCHES * participant->settings.thickness;
+        hold.half = touches && ( hold.half == NULL || half[10] > hold.half[10] ) ? half : hold.half;
+    }
+    if ( hold.half != NULL )
+    {
+        const float most = hold.half[14] * hold.half[10];
+        hold.sticks = inner( hold.half + 11, hold.half + 11 ) < most * most;
+    }
+    return hold;
+}
+
+// Return the mobility of a row in a direction. @param sticks what sticks does not move
+static float mobility_along( const contact_contact_mesh* s, const contact_row* row, const body_hold* holds,
+                             bool sticks, const float direction[3] )
+{
+    float sum = 0.0f, farthest = 0.0f;
+    for ( int i = 0; i < row->count; ++i )
+    {
+        const float fraction = s->now[(size_t)row->point[i] * 4 + 3] * row->weight[i];
+        const float against = holds[i].half != NULL ? inner( holds[i].half + 3, direction ) : 0.0f;
+        const float free = sticks && holds[i].sticks ? 0.0f : contact_larger( 1.0f - against * against, 0.0f );
+        sum += fraction * row->weight[i] * free;
+        farthest = contact_larger( farthest, fabsf( fraction ) * sqrtf( free ) );
+    }
+    return contact_larger( sum, farthest / MAX_LEVER );
+}
+
+// Add an impulse to a row. What pushes a point against the body that holds it, or along it while it sticks, goes to the
+// corrections of the body instead.
+static void push( contact_contact_mesh* s, const contact_row* row, const body_hold* holds, bool sticks,
+                  const float impulse[3] )
+{
+    for ( int i = 0; i < row->count; ++i )
+    {
+        const size_t at = (size_t)row->point[i] * 4;
+        const float fraction = s->now[at + 3] * row->weight[i];
+        float by[3] = { fraction * impulse[0], fraction * impulse[1], fraction * impulse[2] };
+        float* half = holds[i].half;
+        if ( half != NULL )
+        {
+            const float before = half[10];
+            half[10] = contact_larger( before - inner( half + 3, by ), 0.0f );
+            for ( int k = 0; k < 3; ++k )
+            {
+                by[k] -= ( before - half[10] ) * half[3 + k];
+                half[11 + k] -= sticks && holds[i].sticks ? by[k] : 0.0f;
+                by[k] = sticks && holds[i].sticks ? 0.0f : by[k];
+            }
+        }
+        s->now[at] += by[0];
+        s->now[at + 1] += by[1];
+        s->now[at + 2] += by[2];
+    }
+}
+
+// Find what bodies hold of a row. @return whether the rest can move along the normal; else all of it counts as free
+static bool find_holds( const contact_work* work, const contact_row* row, body_hold* holds, float* mobility )
+{
+    for ( int i = 0; i < row->count; ++i )
+    {
+        holds[i] = hold_of( work, row->point[i] );
+    }
+    *mobility = mobility_along( work->contact_mesh, row, holds, false, row->normal );
+    if ( !( *mobility > 0.0f ) )
+    {
+        memset( holds, 0, CONTACT_MAX_POINTS * sizeof( *holds ) );
+        *mobility = mobility_along( work->contact_mesh, row, holds, false, row->normal );
+    }
+    return *mobility > 0.0f;
+}
+
+// Return how much of an impulse the friction of bodies takes from what sticks, from 0 to 1.
+static float part_held( const contact_contact_mesh* s, const contact_row* row, const body_hold* holds,
+                        const float impulse[3] )
+{
+    float part = 1.0f;
+    for ( int i = 0; i < row->count; ++i )
+    {
+        if ( holds[i].sticks )
+        {
+            const float* half = holds[i].half;
+            const float fraction = s->now[(size_t)row->point[i] * 4 + 3] * fabsf( row->weight[i] );
+            const float left = half[14] * half[10] - sqrtf( inner( half + 11, half + 11 ) ),
+                        wanted = fraction * sqrtf( inner( impulse, impulse ) );
+            part = part * wanted > left ? contact_larger( left, 0.0f ) / wanted : part;
+        }
+    }
+    return part;
+}
+
+// Take back slip, up to the friction of the row. @param sticks only what bodies hold by their friction
+static void apply_friction( contact_contact_mesh* s, contact_row* row, const body_hold* holds, bool sticks )
+{
+    const float most = row->friction * row->normal_impulse;
+    float slip[3], direction[3], by[3];
     find_slip( s, row, slip );
+    const float length = sqrtf( inner( slip, slip ) );
     for ( int k = 0; k < 3; ++k )
     {
-        slip[k] = row->tangential_correction[k] - slip[k];
-        squared += slip[k] * slip[k];
+        direction[k] = length > 0.0f ? slip[k] / length : 0.0f;
     }
-    const float scale = squared > most * most ? most / sqrtf( squared ) : 1.0f;
+    const float mobility = mobility_along( s, row, holds, sticks, direction );
     for ( int k = 0; k < 3; ++k )
     {
-        by[k] = inverse * ( scale * slip[k] - row->tangential_correction[k] );
-        row->tangential_correction[k] = scale * slip[k];
+        by[k] = row->tangential_impulse[k] - ( mobility > 0.0f ? slip[k] / mobility : 0.0f );
     }
-    move( s->now, s->now, row, by );
+    const float squared = inner( by, by ), scale = squared > most * most ? most / sqrtf( squared ) : 1.0f;
+    for ( int k = 0; k < 3; ++k )
+    {
+        by[k] = scale * by[k] - row->tangential_impulse[k];
+    }
+    const float part = sticks ? part_held( s, row, holds, by ) : 1.0f;
+    for ( int k = 0; k < 3; ++k )
+    {
+        by[k] *= part;
+        row->tangential_impulse[k] += by[k];
+    }
+    push( s, row, holds, sticks, by );
 }
 
 static void project_row( const contact_work* work, contact_row* row )
 {
     contact_contact_mesh* s = work->contact_mesh;
+    body_hold holds[CONTACT_MAX_POINTS];
     const float short_by = row->gap - distance_of( s->now, row );
-    const bool presses = short_by > 0.0f || row->normal_correction > 0.0f;
-    const float sum = presses ? mobility_of( s, row ) : 0.0f;
-    if ( !( sum > 0.0f ) )
+    float mobility;
+    if ( !( short_by > 0.0f || row->normal_impulse > 0.0f ) || find_holds( work, row, holds, &mobility ) == false )
     {
         return;
     }
-    const float correction = contact_larger( 0.0f, row->normal_correction + short_by );
-    const float length = ( correction - row->normal_correction ) / sum;
-    const float by[3] = { length * row->normal[0], length * row->normal[1], length * row->normal[2] };
-    row->normal_correction = correction;
-    move( s->now, s->now, row, by );
-    if ( row->friction > 0.0f )
+    const float impulse = contact_larger( 0.0f, row->normal_impulse + short_by / mobility );
+    const float change = impulse - row->normal_impulse;
+    const float by[3] = { change * row->normal[0], change * row->normal[1], change * row->normal[2] };
+    row->normal_impulse = impulse;
+    push( s, row, holds, false, by );
+    bool sticks = false;
+    for ( int i = 0; i < row->count; ++i )
     {
-        apply_friction( s, row, 1.0f / sum );
+        sticks = sticks || holds[i].sticks;
+    }
+    for ( int stage = sticks ? 0 : 1; stage < 2 && row->friction > 0.0f; ++stage )
+    {
+        apply_friction( s, row, holds, stage == 0 );
     }
 }
 
@@ -149,9 +286,9 @@ static void recover_row( const contact_work* work, contact_row* row )
     contact_contact_mesh* s = work->contact_mesh;
     const contact_participant* participant = work->participants + (int)s->rest[(size_t)row->point[0] * 4 + 3];
     const float step = participant->settings.max_push_out_speed * work->seconds;
-    const float short_by =
-        contact_smaller( RECOVERED * row->requested, row->distance + step ) - distance_of( s->now, row );
-    const float sum = short_by > 0.0f ? mobility_of( s, row ) : 0.0f;
+    const float short_by = contact_smaller( row->requested, row->distance + step ) - distance_of( s->now, row );
+    const bool is_near = row->distance < RECOVERED * row->requested;
+    const float sum = is_near && short_by > 0.0f ? mobility_of( s, row ) : 0.0f;
     if ( sum > 0.0f )
     {
         const float length = contact_smaller( short_by, step ) / sum;
@@ -305,27 +442,26 @@ static void warm_rows( void* context, int begin, int end, int worker )
     {
         contact_row* row = work->contact_mesh->constraints->rows + r;
         const contact_impulse name = name_of( work, r ), *kept = find_impulse( work, row, &name, false );
-        const float sum = kept != NULL ? mobility_of( work->contact_mesh, row ) : 0.0f;
-        row->normal_correction = kept != NULL ? sum * kept->normal : 0.0f;
-        for ( int k = 0; k < 3; ++k )
+        if ( kept != NULL )
         {
-            row->tangential_correction[k] = kept != NULL ? sum * kept->along[k] : 0.0f;
+            row->normal_impulse = kept->normal;
+            memcpy( row->tangential_impulse, kept->along, sizeof( kept->along ) );
         }
     }
 }
 
 static void push_warm( const contact_work* work, contact_row* row )
 {
-    contact_contact_mesh* s = work->contact_mesh;
-    const float sum = row->normal_correction > 0.0f ? mobility_of( s, row ) : 0.0f;
-    if ( sum > 0.0f )
+    body_hold holds[CONTACT_MAX_POINTS];
+    float mobility;
+    if ( row->normal_impulse > 0.0f && find_holds( work, row, holds, &mobility ) )
     {
         float by[3];
         for ( int k = 0; k < 3; ++k )
         {
-            by[k] = ( row->normal_correction * row->normal[k] + row->tangential_correction[k] ) / sum;
+            by[k] = row->normal_impulse * row->normal[k] + row->tangential_impulse[k];
         }
-        move( s->now, s->now, row, by );
+        push( work->contact_mesh, row, holds, false, by );
     }
 }
 
@@ -351,19 +487,13 @@ void contact_keep_impulses( const contact_work* work )
     for ( int r = 0; r < s->constraints->row_count; ++r )
     {
         const contact_row* row = s->constraints->rows + r;
-        if ( row->normal_correction > 0.0f )
+        contact_impulse name = name_of( work, r );
+        contact_impulse* to = row->normal_impulse > 0.0f ? find_impulse( work, row, &name, true ) : NULL;
+        if ( to != NULL )
         {
-            contact_impulse name = name_of( work, r ), *to = find_impulse( work, row, &name, true );
-            const float sum = to != NULL ? mobility_of( s, row ) : 0.0f;
-            if ( sum > 0.0f )
-            {
-                name.normal = row->normal_correction / sum;
-                for ( int k = 0; k < 3; ++k )
-                {
-                    name.along[k] = row->tangential_correction[k] / sum;
-                }
-                *to = name;
-            }
+            *to = name;
+            to->normal = row->normal_impulse;
+            memcpy( to->along, row->tangential_impulse, sizeof( to->along ) );
         }
     }
 }
@@ -380,8 +510,7 @@ static void leave_bodies( const contact_work* work, const contact_participant* p
         {
             const float *half = participant->half_space_row + 16 * ( (size_t)i * WISP_MAX_HALF_SPACES + (size_t)k ),
                         *p = s->now + at;
-            const float depth =
-                half[9] - half[3] * ( p[0] - half[0] ) - half[4] * ( p[1] - half[1] ) - half[5] * ( p[2] - half[2] );
+            const float depth = -distance_in( half, p );
             for ( size_t c = 0; c < 3 && depth > 0.0f; ++c )
             {
                 s->now[at + c] += depth * half[3 + c];
