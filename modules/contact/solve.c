@@ -22,14 +22,13 @@
 enum
 {
     MAX_LEVER = 4, // a correction moves no point by more than this many times what the sides lack
+    ROW_SWEEPS = 2,
     BODY_GRAIN = 256,
     WARM_GRAIN = 256,
 };
 
 // Pairs nearer than this fraction of the gap recover. If all did, those of a pile would part each other for ever.
 static const float RECOVERED = 0.95f;
-// A body takes what pushes a point that is nearer to it than this part of the thickness.
-static const float TOUCHES = 0.05f;
 
 typedef void row_fn( const contact_work* work, contact_row* row );
 
@@ -111,7 +110,7 @@ static void find_slip( const contact_contact_mesh* s, const contact_row* row, fl
     }
 }
 
-// What holds a point on a body: the half space that presses on it most, or would if it went nearer.
+// What holds a point on a body: the half space that presses on it most.
 typedef struct body_hold
 {
     float* half; // as a row of the kernel half_space; null: nothing
@@ -128,15 +127,14 @@ static float distance_in( const float* half, const float p[3] )
 static body_hold hold_of( const contact_work* work, int point )
 {
     const contact_participant* participant = contact_participant_of( work, point );
-    const float* p = work->contact_mesh->now + (size_t)point * 4;
+    const bool is_free = work->contact_mesh->now[(size_t)point * 4 + 3] > 0.0f;
     const int i = point - participant->first_point,
-              found = participant->half_spaces != NULL && p[3] > 0.0f ? participant->half_spaces[i] : 0;
+              found = participant->half_spaces != NULL && is_free ? participant->half_spaces[i] : 0;
     body_hold hold = { NULL, false };
     for ( int k = 0; k < found && k < WISP_MAX_HALF_SPACES; ++k )
     {
         float* half = participant->half_space_row + 16 * ( (size_t)i * WISP_MAX_HALF_SPACES + (size_t)k );
-        const bool touches = half[10] > 0.0f || distance_in( half, p ) < TOUCHES * participant->settings.thickness;
-        hold.half = touches && ( hold.half == NULL || half[10] > hold.half[10] ) ? half : hold.half;
+        hold.half = half[10] > ( hold.half != NULL ? hold.half[10] : 0.0f ) ? half : hold.half;
     }
     if ( hold.half != NULL )
     {
@@ -190,20 +188,16 @@ static void push( contact_contact_mesh* s, const contact_row* row, const body_ho
     }
 }
 
-// Find what bodies hold of a row. @return whether the rest can move along the normal; else all of it counts as free
-static bool find_holds( const contact_work* work, const contact_row* row, body_hold* holds, float* mobility )
+// Find what bodies hold of a row. @return whether any of it sticks
+static bool find_holds( const contact_work* work, const contact_row* row, body_hold* holds )
 {
+    bool sticks = false;
     for ( int i = 0; i < row->count; ++i )
     {
         holds[i] = hold_of( work, row->point[i] );
+        sticks = sticks || holds[i].sticks;
     }
-    *mobility = mobility_along( work->contact_mesh, row, holds, false, row->normal );
-    if ( !( *mobility > 0.0f ) )
-    {
-        memset( holds, 0, CONTACT_MAX_POINTS * sizeof( *holds ) );
-        *mobility = mobility_along( work->contact_mesh, row, holds, false, row->normal );
-    }
-    return *mobility > 0.0f;
+    return sticks;
 }
 
 // Return how much of an impulse the friction of bodies takes from what sticks, from 0 to 1.
@@ -216,10 +210,13 @@ static float part_held( const contact_contact_mesh* s, const contact_row* row, c
         if ( holds[i].sticks )
         {
             const float* half = holds[i].half;
-            const float fraction = s->now[(size_t)row->point[i] * 4 + 3] * fabsf( row->weight[i] );
-            const float left = half[14] * half[10] - sqrtf( inner( half + 11, half + 11 ) ),
-                        wanted = fraction * sqrtf( inner( impulse, impulse ) );
-            part = part * wanted > left ? contact_larger( left, 0.0f ) / wanted : part;
+            const float fraction = s->now[(size_t)row->point[i] * 4 + 3] * row->weight[i];
+            const float into = fraction * inner( half + 3, impulse ),
+                        along = contact_larger( fraction * fraction * inner( impulse, impulse ) - into * into, 0.0f );
+            const float left = half[14] * contact_larger( half[10] - into, 0.0f ) -
+                               sqrtf( inner( half + 11, half + 11 ) ),
+                        wanted = sqrtf( along );
+            part = wanted > 0.0f && part * wanted > left ? contact_larger( left, 0.0f ) / wanted : part;
         }
     }
     return part;
@@ -255,25 +252,41 @@ static void apply_friction( contact_contact_mesh* s, contact_row* row, const bod
     push( s, row, holds, sticks, by );
 }
 
+// Add to the normal impulse what brings the sides to their gap. @param sticks as long as bodies hold what sticks
+// @return false if they do not, or nothing moves
+static bool apply_normal( contact_contact_mesh* s, contact_row* row, const body_hold* holds, bool sticks,
+                          float short_by )
+{
+    const float mobility = mobility_along( s, row, holds, sticks, row->normal );
+    const float impulse = mobility > 0.0f ? contact_larger( 0.0f, row->normal_impulse + short_by / mobility ) : 0.0f;
+    const float change = impulse - row->normal_impulse;
+    const float by[3] = { change * row->normal[0], change * row->normal[1], change * row->normal[2] };
+    const bool holds_all = mobility > 0.0f && ( sticks == false || part_held( s, row, holds, by ) == 1.0f );
+    if ( holds_all )
+    {
+        row->normal_impulse = impulse;
+        push( s, row, holds, sticks, by );
+    }
+    return holds_all;
+}
+
 static void project_row( const contact_work* work, contact_row* row )
 {
     contact_contact_mesh* s = work->contact_mesh;
     body_hold holds[CONTACT_MAX_POINTS];
     const float short_by = row->gap - distance_of( s->now, row );
-    float mobility;
-    if ( !( short_by > 0.0f || row->normal_impulse > 0.0f ) || find_holds( work, row, holds, &mobility ) == false )
+    if ( !( short_by > 0.0f || row->normal_impulse > 0.0f ) )
     {
         return;
     }
-    const float impulse = contact_larger( 0.0f, row->normal_impulse + short_by / mobility );
-    const float change = impulse - row->normal_impulse;
-    const float by[3] = { change * row->normal[0], change * row->normal[1], change * row->normal[2] };
-    row->normal_impulse = impulse;
-    push( s, row, holds, false, by );
-    bool sticks = false;
-    for ( int i = 0; i < row->count; ++i )
+    const bool sticks = find_holds( work, row, holds );
+    if ( apply_normal( s, row, holds, false, short_by ) == false )
     {
-        sticks = sticks || holds[i].sticks;
+        memset( holds, 0, sizeof( holds ) ); // nothing but what bodies hold can move
+        if ( apply_normal( s, row, holds, false, short_by ) == false )
+        {
+            return;
+        }
     }
     for ( int stage = sticks ? 0 : 1; stage < 2 && row->friction > 0.0f; ++stage )
     {
@@ -379,8 +392,11 @@ static void project_bodies( const contact_work* work )
 
 void contact_project_rows( const contact_work* work )
 {
-    run_all( work, project_row );
-    project_bodies( work );
+    for ( int sweep = 0; sweep < ROW_SWEEPS; ++sweep )
+    {
+        run_all( work, project_row );
+        project_bodies( work );
+    }
 }
 
 // ---- impulses that outlive the substep ----
@@ -453,14 +469,14 @@ static void warm_rows( void* context, int begin, int end, int worker )
 static void push_warm( const contact_work* work, contact_row* row )
 {
     body_hold holds[CONTACT_MAX_POINTS];
-    float mobility;
-    if ( row->normal_impulse > 0.0f && find_holds( work, row, holds, &mobility ) )
+    float by[3];
+    for ( int k = 0; k < 3; ++k )
     {
-        float by[3];
-        for ( int k = 0; k < 3; ++k )
-        {
-            by[k] = row->normal_impulse * row->normal[k] + row->tangential_impulse[k];
-        }
+        by[k] = row->normal_impulse * row->normal[k] + row->tangential_impulse[k];
+    }
+    if ( row->normal_impulse > 0.0f )
+    {
+        find_holds( work, row, holds );
         push( work->contact_mesh, row, holds, false, by );
     }
 }
