@@ -110,12 +110,11 @@ static void find_slip( const contact_contact_mesh* s, const contact_row* row, fl
     }
 }
 
-// What holds a point on a body: the half space that presses on it most.
-typedef struct body_hold
+// The half space that presses most on each point of a row, as a row of the kernel half_space; null: none.
+typedef struct row_holds
 {
-    float* half; // as a row of the kernel half_space; null: nothing
-    bool sticks; // by friction
-} body_hold;
+    float* half[CONTACT_MAX_POINTS];
+} row_holds;
 
 // Return how far a point is from the border of a half space, m; negative: it has left it.
 static float distance_in( const float* half, const float p[3] )
@@ -124,53 +123,57 @@ static float distance_in( const float* half, const float p[3] )
     return inner( half + 3, from ) - half[9];
 }
 
-static body_hold hold_of( const contact_work* work, int point )
+static float* half_space_of( const contact_work* work, int point )
 {
     const contact_participant* participant = contact_participant_of( work, point );
     const bool is_free = work->contact_mesh->now[(size_t)point * 4 + 3] > 0.0f;
     const int i = point - participant->first_point,
               found = participant->half_spaces != NULL && is_free ? participant->half_spaces[i] : 0;
-    body_hold hold = { NULL, false };
+    float *most = NULL, pressed = 0.0f;
     for ( int k = 0; k < found && k < WISP_MAX_HALF_SPACES; ++k )
     {
         float* half = participant->half_space_row + 16 * ( (size_t)i * WISP_MAX_HALF_SPACES + (size_t)k );
-        hold.half = half[10] > ( hold.half != NULL ? hold.half[10] : 0.0f ) ? half : hold.half;
+        most = half[10] > pressed ? half : most;
+        pressed = contact_larger( pressed, half[10] );
     }
-    if ( hold.half != NULL )
-    {
-        const float most = hold.half[14] * hold.half[10];
-        hold.sticks = inner( hold.half + 11, hold.half + 11 ) < most * most;
-    }
-    return hold;
+    return most;
 }
 
-// Return the mobility of a row in a direction. @param sticks what sticks does not move
-static float mobility_along( const contact_contact_mesh* s, const contact_row* row, const body_hold* holds,
-                             bool sticks, const float direction[3] )
+static row_holds find_holds( const contact_work* work, const contact_row* row )
+{
+    row_holds holds;
+    for ( int i = 0; i < row->count; ++i )
+    {
+        holds.half[i] = half_space_of( work, row->point[i] );
+    }
+    return holds;
+}
+
+// Return the mobility of a row in a direction: what is held does not move along the normal of what holds it.
+static float mobility_along( const contact_contact_mesh* s, const contact_row* row, const row_holds* holds,
+                             const float direction[3] )
 {
     float sum = 0.0f, farthest = 0.0f;
     for ( int i = 0; i < row->count; ++i )
     {
         const float fraction = s->now[(size_t)row->point[i] * 4 + 3] * row->weight[i];
-        const float against = holds[i].half != NULL ? inner( holds[i].half + 3, direction ) : 0.0f;
-        const float free = sticks && holds[i].sticks ? 0.0f : contact_larger( 1.0f - against * against, 0.0f );
+        const float against = holds->half[i] != NULL ? inner( holds->half[i] + 3, direction ) : 0.0f;
+        const float free = contact_larger( 1.0f - against * against, 0.0f );
         sum += fraction * row->weight[i] * free;
         farthest = contact_larger( farthest, fabsf( fraction ) * sqrtf( free ) );
     }
     return contact_larger( sum, farthest / MAX_LEVER );
 }
 
-// Add an impulse to a row. What pushes a point against the body that holds it, or along it while it sticks, goes to the
-// corrections of the body instead.
-static void push( contact_contact_mesh* s, const contact_row* row, const body_hold* holds, bool sticks,
-                  const float impulse[3] )
+// Add an impulse to a row. What pushes a point against the half space that holds it goes to its correction instead.
+static void push( contact_contact_mesh* s, const contact_row* row, const row_holds* holds, const float impulse[3] )
 {
     for ( int i = 0; i < row->count; ++i )
     {
         const size_t at = (size_t)row->point[i] * 4;
         const float fraction = s->now[at + 3] * row->weight[i];
         float by[3] = { fraction * impulse[0], fraction * impulse[1], fraction * impulse[2] };
-        float* half = holds[i].half;
+        float* half = holds->half[i];
         if ( half != NULL )
         {
             const float before = half[10];
@@ -178,8 +181,6 @@ static void push( contact_contact_mesh* s, const contact_row* row, const body_ho
             for ( int k = 0; k < 3; ++k )
             {
                 by[k] -= ( before - half[10] ) * half[3 + k];
-                half[11 + k] -= sticks && holds[i].sticks ? by[k] : 0.0f;
-                by[k] = sticks && holds[i].sticks ? 0.0f : by[k];
             }
         }
         s->now[at] += by[0];
@@ -188,42 +189,8 @@ static void push( contact_contact_mesh* s, const contact_row* row, const body_ho
     }
 }
 
-// Find what bodies hold of a row. @return whether any of it sticks
-static bool find_holds( const contact_work* work, const contact_row* row, body_hold* holds )
-{
-    bool sticks = false;
-    for ( int i = 0; i < row->count; ++i )
-    {
-        holds[i] = hold_of( work, row->point[i] );
-        sticks = sticks || holds[i].sticks;
-    }
-    return sticks;
-}
-
-// Return how much of an impulse the friction of bodies takes from what sticks, from 0 to 1.
-static float part_held( const contact_contact_mesh* s, const contact_row* row, const body_hold* holds,
-                        const float impulse[3] )
-{
-    float part = 1.0f;
-    for ( int i = 0; i < row->count; ++i )
-    {
-        if ( holds[i].sticks )
-        {
-            const float* half = holds[i].half;
-            const float fraction = s->now[(size_t)row->point[i] * 4 + 3] * row->weight[i];
-            const float into = fraction * inner( half + 3, impulse ),
-                        along = contact_larger( fraction * fraction * inner( impulse, impulse ) - into * into, 0.0f );
-            const float left = half[14] * contact_larger( half[10] - into, 0.0f ) -
-                               sqrtf( inner( half + 11, half + 11 ) ),
-                        wanted = sqrtf( along );
-            part = wanted > 0.0f && part * wanted > left ? contact_larger( left, 0.0f ) / wanted : part;
-        }
-    }
-    return part;
-}
-
-// Take back slip, up to the friction of the row. @param sticks only what bodies hold by their friction
-static void apply_friction( contact_contact_mesh* s, contact_row* row, const body_hold* holds, bool sticks )
+// Take back slip, up to the friction of the row.
+static void apply_friction( contact_contact_mesh* s, contact_row* row, const row_holds* holds )
 {
     const float most = row->friction * row->normal_impulse;
     float slip[3], direction[3], by[3];
@@ -233,7 +200,7 @@ static void apply_friction( contact_contact_mesh* s, contact_row* row, const bod
     {
         direction[k] = length > 0.0f ? slip[k] / length : 0.0f;
     }
-    const float mobility = mobility_along( s, row, holds, sticks, direction );
+    const float mobility = mobility_along( s, row, holds, direction );
     for ( int k = 0; k < 3; ++k )
     {
         by[k] = row->tangential_impulse[k] - ( mobility > 0.0f ? slip[k] / mobility : 0.0f );
@@ -242,55 +209,38 @@ static void apply_friction( contact_contact_mesh* s, contact_row* row, const bod
     for ( int k = 0; k < 3; ++k )
     {
         by[k] = scale * by[k] - row->tangential_impulse[k];
-    }
-    const float part = sticks ? part_held( s, row, holds, by ) : 1.0f;
-    for ( int k = 0; k < 3; ++k )
-    {
-        by[k] *= part;
         row->tangential_impulse[k] += by[k];
     }
-    push( s, row, holds, sticks, by );
-}
-
-// Add to the normal impulse what brings the sides to their gap. @param sticks as long as bodies hold what sticks
-// @return false if they do not, or nothing moves
-static bool apply_normal( contact_contact_mesh* s, contact_row* row, const body_hold* holds, bool sticks,
-                          float short_by )
-{
-    const float mobility = mobility_along( s, row, holds, sticks, row->normal );
-    const float impulse = mobility > 0.0f ? contact_larger( 0.0f, row->normal_impulse + short_by / mobility ) : 0.0f;
-    const float change = impulse - row->normal_impulse;
-    const float by[3] = { change * row->normal[0], change * row->normal[1], change * row->normal[2] };
-    const bool holds_all = mobility > 0.0f && ( sticks == false || part_held( s, row, holds, by ) == 1.0f );
-    if ( holds_all )
-    {
-        row->normal_impulse = impulse;
-        push( s, row, holds, sticks, by );
-    }
-    return holds_all;
+    push( s, row, holds, by );
 }
 
 static void project_row( const contact_work* work, contact_row* row )
 {
     contact_contact_mesh* s = work->contact_mesh;
-    body_hold holds[CONTACT_MAX_POINTS];
     const float short_by = row->gap - distance_of( s->now, row );
     if ( !( short_by > 0.0f || row->normal_impulse > 0.0f ) )
     {
         return;
     }
-    const bool sticks = find_holds( work, row, holds );
-    if ( apply_normal( s, row, holds, false, short_by ) == false )
+    row_holds holds = find_holds( work, row );
+    float mobility = mobility_along( s, row, &holds, row->normal );
+    if ( !( mobility > 0.0f ) ) // nothing but what bodies hold can move
     {
-        memset( holds, 0, sizeof( holds ) ); // nothing but what bodies hold can move
-        if ( apply_normal( s, row, holds, false, short_by ) == false )
-        {
-            return;
-        }
+        holds = ( row_holds ){ { NULL } };
+        mobility = mobility_of( s, row );
     }
-    for ( int stage = sticks ? 0 : 1; stage < 2 && row->friction > 0.0f; ++stage )
+    if ( !( mobility > 0.0f ) )
     {
-        apply_friction( s, row, holds, stage == 0 );
+        return;
+    }
+    const float impulse = contact_larger( 0.0f, row->normal_impulse + short_by / mobility ),
+                change = impulse - row->normal_impulse;
+    const float by[3] = { change * row->normal[0], change * row->normal[1], change * row->normal[2] };
+    row->normal_impulse = impulse;
+    push( s, row, &holds, by );
+    if ( row->friction > 0.0f )
+    {
+        apply_friction( s, row, &holds );
     }
 }
 
@@ -468,7 +418,6 @@ static void warm_rows( void* context, int begin, int end, int worker )
 
 static void push_warm( const contact_work* work, contact_row* row )
 {
-    body_hold holds[CONTACT_MAX_POINTS];
     float by[3];
     for ( int k = 0; k < 3; ++k )
     {
@@ -476,8 +425,8 @@ static void push_warm( const contact_work* work, contact_row* row )
     }
     if ( row->normal_impulse > 0.0f )
     {
-        find_holds( work, row, holds );
-        push( work->contact_mesh, row, holds, false, by );
+        const row_holds holds = find_holds( work, row );
+        push( work->contact_mesh, row, &holds, by );
     }
 }
 
