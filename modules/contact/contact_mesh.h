@@ -42,19 +42,11 @@ typedef struct contact_memory
     wisp_contact_stats stats;
 } contact_memory;
 
-/// The impulses of a pair in the substep before. Numbers are within participants, so that they outlive the contact mesh.
-typedef struct contact_impulse
-{
-    int32_t a, b; // the primitives; two edges: the complement of b
-    uint32_t of;  // their participants
-    float normal; // kg m: impulse times the substep; 0: none
-    float along[3];
-} contact_impulse;
-
-/// Impulses of some pairs of a point, those without any last. In a column, so that a snapshot has them.
+/// Impulses of pairs of a point in the substep before, those without any last. In a column, so that a snapshot has them.
 typedef struct contact_load
 {
-    contact_impulse pairs[CONTACT_KEPT];
+    uint32_t key[CONTACT_KEPT];     // of the pair; 0: none
+    float impulse[CONTACT_KEPT][4]; // kg m, times the substep: along the normal, and the tangential one
 } contact_load;
 
 /// Where the points of a participant are in a substep.

@@ -22,13 +22,18 @@
 enum
 {
     MAX_LEVER = 4, // a correction moves no point by more than this many times what the sides lack
-    ROW_SWEEPS = 2,
     BODY_GRAIN = 256,
     WARM_GRAIN = 256,
 };
 
-// Pairs nearer than this fraction of the gap recover. If all did, those of a pile would part each other for ever.
-static const float RECOVERED = 0.95f;
+// Pairs that press recover up to this fraction of the gap. If they went on, those of a pile would part each other for ever.
+static const float PRESSED_GAP = 0.98f;
+
+// A row within so little of its requested distance may have pressed in the substep before.
+static const float WARM_GAP = 1.5f;
+
+// Square of a cosine above which a body holds a point whole.
+static const float HELD = 0.99f;
 
 typedef void row_fn( const contact_work* work, contact_row* row );
 
@@ -39,23 +44,9 @@ typedef struct project_loop
     row_fn* run;
 } project_loop;
 
-// Return the mobility of a row, sum w s^2, in 1/kg, but at least max w |s| / MAX_LEVER. Where the only free point of a
-// triangle is far from the contact, s is small, and a correction over sum w s^2 would throw it.
-static float mobility_of( const contact_contact_mesh* s, const contact_row* row )
-{
-    float sum = 0.0f, farthest = 0.0f;
-    for ( int i = 0; i < row->count; ++i )
-    {
-        const float way = s->now[(size_t)row->point[i] * 4 + 3] * row->weight[i];
-        sum += way * row->weight[i];
-        farthest = contact_larger( farthest, fabsf( way ) );
-    }
-    return contact_larger( sum, farthest / MAX_LEVER );
-}
-
 // Return the distance of the two sides along the normal. Sums are relative to one of the points, against
 // cancellation.
-static float distance_of( const float* xyzw, const contact_row* row )
+static inline float distance_of( const float* xyzw, const contact_row* row )
 {
     const float* o = xyzw + (size_t)row->point[row->count - 1] * 4;
     float d[3] = { 0.0f, 0.0f, 0.0f };
@@ -70,19 +61,7 @@ static float distance_of( const float* xyzw, const contact_row* row )
     return row->normal[0] * d[0] + row->normal[1] * d[1] + row->normal[2] * d[2];
 }
 
-static void move( float* xyzw, const float* masses, const contact_row* row, const float by[3] )
-{
-    for ( int i = 0; i < row->count; ++i )
-    {
-        const size_t at = (size_t)row->point[i] * 4;
-        const float fraction = masses[at + 3] * row->weight[i];
-        xyzw[at] += fraction * by[0];
-        xyzw[at + 1] += fraction * by[1];
-        xyzw[at + 2] += fraction * by[2];
-    }
-}
-
-static float inner( const float a[3], const float b[3] )
+static inline float inner( const float a[3], const float b[3] )
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
@@ -110,154 +89,121 @@ static void find_slip( const contact_contact_mesh* s, const contact_row* row, fl
     }
 }
 
-// The half space that presses most on each point of a row, as a row of the kernel half_space; null: none.
-typedef struct row_holds
-{
-    float* half[CONTACT_MAX_POINTS];
-} row_holds;
+// ---- what bodies hold ----
 
-// Return how far a point is from the border of a half space, m; negative: it has left it.
-static float distance_in( const float* half, const float p[3] )
+// Return the half space that holds a point, as a row of the kernel half_space, null if none presses on it.
+static inline float* hold_of( const contact_contact_mesh* s, int point )
 {
-    const float from[3] = { p[0] - half[0], p[1] - half[1], p[2] - half[2] };
-    return inner( half + 3, from ) - half[9];
+    float* half = s->colouring->hold[point];
+    return half != NULL && half[10] > 0.0f ? half : NULL;
 }
 
-static float* half_space_of( const contact_work* work, int point )
-{
-    const contact_participant* participant = contact_participant_of( work, point );
-    const bool is_free = work->contact_mesh->now[(size_t)point * 4 + 3] > 0.0f;
-    const int i = point - participant->first_point,
-              found = participant->half_spaces != NULL && is_free ? participant->half_spaces[i] : 0;
-    float *most = NULL, pressed = 0.0f;
-    for ( int k = 0; k < found && k < WISP_MAX_HALF_SPACES; ++k )
-    {
-        float* half = participant->half_space_row + 16 * ( (size_t)i * WISP_MAX_HALF_SPACES + (size_t)k );
-        most = half[10] > pressed ? half : most;
-        pressed = contact_larger( pressed, half[10] );
-    }
-    return most;
-}
-
-static row_holds find_holds( const contact_work* work, const contact_row* row )
-{
-    row_holds holds;
-    for ( int i = 0; i < row->count; ++i )
-    {
-        holds.half[i] = half_space_of( work, row->point[i] );
-    }
-    return holds;
-}
-
-// Return the mobility of a row in a direction: what is held does not move along the normal of what holds it.
-static float mobility_along( const contact_contact_mesh* s, const contact_row* row, const row_holds* holds,
-                             const float direction[3] )
+// Return the mobility of a row in a direction, 1/kg: sum w s^2, without what is held along the normal of its body, but
+// at least max w |s| / MAX_LEVER. Where the only free point of a triangle is far from the contact, s is small, and a
+// correction over sum w s^2 would throw it.
+static float mobility_along( const contact_contact_mesh* s, const contact_row* row, const float direction[3] )
 {
     float sum = 0.0f, farthest = 0.0f;
     for ( int i = 0; i < row->count; ++i )
     {
         const float fraction = s->now[(size_t)row->point[i] * 4 + 3] * row->weight[i];
-        const float against = holds->half[i] != NULL ? inner( holds->half[i] + 3, direction ) : 0.0f;
-        const float free = contact_larger( 1.0f - against * against, 0.0f );
+        const float* half = hold_of( s, row->point[i] );
+        const float along = half != NULL ? inner( half + 3, direction ) : 0.0f;
+        const float free = along * along < HELD ? 1.0f - along * along : 0.0f;
         sum += fraction * row->weight[i] * free;
         farthest = contact_larger( farthest, fabsf( fraction ) * sqrtf( free ) );
     }
     return contact_larger( sum, farthest / MAX_LEVER );
 }
 
-// Add an impulse to a row. What pushes a point against the half space that holds it goes to its correction instead.
-static void push( contact_contact_mesh* s, const contact_row* row, const row_holds* holds, const float impulse[3] )
+// Move the points of a row by an impulse. What presses a point against the half space that holds it goes to its
+// correction instead. @param recovers without velocity
+static void push( contact_contact_mesh* s, const contact_row* row, const float impulse[3], bool recovers )
 {
     for ( int i = 0; i < row->count; ++i )
     {
         const size_t at = (size_t)row->point[i] * 4;
         const float fraction = s->now[at + 3] * row->weight[i];
         float by[3] = { fraction * impulse[0], fraction * impulse[1], fraction * impulse[2] };
-        float* half = holds->half[i];
+        float* half = hold_of( s, row->point[i] );
         if ( half != NULL )
         {
-            const float before = half[10];
-            half[10] = contact_larger( before - inner( half + 3, by ), 0.0f );
+            const float into = -inner( half + 3, by ), held = contact_larger( into, recovers ? 0.0f : -half[10] );
+            half[10] += recovers ? 0.0f : held;
             for ( int k = 0; k < 3; ++k )
             {
-                by[k] -= ( before - half[10] ) * half[3 + k];
+                by[k] += held * half[3 + k];
             }
         }
-        s->now[at] += by[0];
-        s->now[at + 1] += by[1];
-        s->now[at + 2] += by[2];
+        for ( size_t k = 0; k < 3; ++k )
+        {
+            s->now[at + k] += by[k];
+            s->shift[at + k] += recovers ? by[k] : 0.0f;
+        }
     }
 }
 
-// Take back slip, up to the friction of the row.
-static void apply_friction( contact_contact_mesh* s, contact_row* row, const row_holds* holds )
+// ---- rows ----
+
+// Find the tangential impulse that takes back slip, up to the friction of the row, and add it to those of the row.
+static void add_friction( const contact_contact_mesh* s, contact_row* row, float by[3] )
 {
     const float most = row->friction * row->normal_impulse;
-    float slip[3], direction[3], by[3];
+    float slip[3], direction[3], wanted[3];
     find_slip( s, row, slip );
     const float length = sqrtf( inner( slip, slip ) );
     for ( int k = 0; k < 3; ++k )
     {
         direction[k] = length > 0.0f ? slip[k] / length : 0.0f;
     }
-    const float mobility = mobility_along( s, row, holds, direction );
+    const float mobility = mobility_along( s, row, direction ), taken = mobility > 0.0f ? length / mobility : 0.0f;
     for ( int k = 0; k < 3; ++k )
     {
-        by[k] = row->tangential_impulse[k] - ( mobility > 0.0f ? slip[k] / mobility : 0.0f );
+        wanted[k] = row->tangential_impulse[k] - taken * direction[k];
     }
-    const float squared = inner( by, by ), scale = squared > most * most ? most / sqrtf( squared ) : 1.0f;
+    const float squared = inner( wanted, wanted ), scale = squared > most * most ? most / sqrtf( squared ) : 1.0f;
     for ( int k = 0; k < 3; ++k )
     {
-        by[k] = scale * by[k] - row->tangential_impulse[k];
-        row->tangential_impulse[k] += by[k];
+        by[k] += scale * wanted[k] - row->tangential_impulse[k];
+        row->tangential_impulse[k] = scale * wanted[k];
     }
-    push( s, row, holds, by );
 }
 
 static void project_row( const contact_work* work, contact_row* row )
 {
     contact_contact_mesh* s = work->contact_mesh;
     const float short_by = row->gap - distance_of( s->now, row );
-    if ( !( short_by > 0.0f || row->normal_impulse > 0.0f ) )
-    {
-        return;
-    }
-    row_holds holds = find_holds( work, row );
-    float mobility = mobility_along( s, row, &holds, row->normal );
-    if ( !( mobility > 0.0f ) ) // nothing but what bodies hold can move
-    {
-        holds = ( row_holds ){ { NULL } };
-        mobility = mobility_of( s, row );
-    }
+    const bool presses = short_by > 0.0f || row->normal_impulse > 0.0f;
+    const float mobility = presses ? mobility_along( s, row, row->normal ) : 0.0f;
     if ( !( mobility > 0.0f ) )
     {
         return;
     }
     const float impulse = contact_larger( 0.0f, row->normal_impulse + short_by / mobility ),
                 change = impulse - row->normal_impulse;
-    const float by[3] = { change * row->normal[0], change * row->normal[1], change * row->normal[2] };
+    float by[3] = { change * row->normal[0], change * row->normal[1], change * row->normal[2] };
     row->normal_impulse = impulse;
-    push( s, row, &holds, by );
     if ( row->friction > 0.0f )
     {
-        apply_friction( s, row, &holds );
+        add_friction( s, row, by );
     }
+    push( s, row, by, false );
 }
 
 static void recover_row( const contact_work* work, contact_row* row )
 {
     contact_contact_mesh* s = work->contact_mesh;
-    const contact_participant* participant = work->participants + (int)s->rest[(size_t)row->point[0] * 4 + 3];
+    const contact_participant* participant = contact_participant_of( work, row->point[0] );
     const float step = participant->settings.max_push_out_speed * work->seconds;
-    const float short_by = contact_smaller( row->requested, row->distance + step ) - distance_of( s->now, row );
-    const bool is_near = row->distance < RECOVERED * row->requested;
-    const float sum = is_near && short_by > 0.0f ? mobility_of( s, row ) : 0.0f;
-    if ( sum > 0.0f )
+    const float gap = row->normal_impulse > 0.0f ? PRESSED_GAP * row->requested : row->requested;
+    const float short_by =
+        row->distance < gap ? contact_smaller( gap, row->distance + step ) - distance_of( s->now, row ) : 0.0f;
+    const float mobility = short_by > 0.0f ? mobility_along( s, row, row->normal ) : 0.0f;
+    if ( mobility > 0.0f )
     {
-        const float length = contact_smaller( short_by, step ) / sum;
+        const float length = contact_smaller( short_by, step ) / mobility;
         const float by[3] = { length * row->normal[0], length * row->normal[1], length * row->normal[2] };
-        move( s->now, s->now, row, by );
-        move( s->shift, s->now, row, by );
+        push( s, row, by, true );
     }
 }
 
@@ -297,7 +243,28 @@ typedef struct bodies_loop
 {
     const contact_work* work;
     const contact_participant* participant;
+    bool presses;
 } bodies_loop;
+
+// Note which half space presses most on each point.
+static void find_holds( const bodies_loop* loop, int begin, int end )
+{
+    const contact_participant* participant = loop->participant;
+    const contact_contact_mesh* s = loop->work->contact_mesh;
+    for ( int i = begin; i < end; ++i )
+    {
+        const int point = participant->first_point + i;
+        const int found = s->now[(size_t)point * 4 + 3] > 0.0f ? participant->half_spaces[i] : 0;
+        float **hold = s->colouring->hold + point, most = 0.0f;
+        *hold = NULL;
+        for ( int k = 0; k < found && k < WISP_MAX_HALF_SPACES; ++k )
+        {
+            float* half = participant->half_space_row + 16 * ( (size_t)i * WISP_MAX_HALF_SPACES + (size_t)k );
+            *hold = half[10] > most ? half : *hold;
+            most = contact_larger( most, half[10] );
+        }
+    }
+}
 
 // Another sweep over the half spaces of points: what rows pushed into bodies comes out, with friction.
 static void press_on_bodies( void* context, int begin, int end, int worker )
@@ -310,7 +277,7 @@ static void press_on_bodies( void* context, int begin, int end, int worker )
     int32_t particle_x4[BODY_GRAIN + WISP_SLICE], row_x16[BODY_GRAIN + WISP_SLICE];
     const wisp_half_space_args args = { s->now + first, s->intersection_free + first, participant->half_space_row,
                                         particle_x4, row_x16 };
-    for ( int k = 0; k < WISP_MAX_HALF_SPACES; ++k )
+    for ( int k = 0; k < WISP_MAX_HALF_SPACES && loop->presses; ++k )
     {
         int count = 0;
         for ( int i = begin; i < end; ++i )
@@ -326,74 +293,78 @@ static void press_on_bodies( void* context, int begin, int end, int worker )
         }
         wisp_frame_kernels( loop->work->frame )->half_space( &args, 0, count );
     }
+    find_holds( loop, begin, end );
 }
 
-static void project_bodies( const contact_work* work )
+static void project_bodies( const contact_work* work, bool presses )
 {
+    contact_contact_mesh* s = work->contact_mesh;
     for ( int g = 0; g < work->participant_count; ++g )
     {
-        bodies_loop loop = { work, work->participants + g };
+        bodies_loop loop = { work, work->participants + g, presses };
         if ( loop.participant->half_spaces != NULL && loop.participant->half_space_row != NULL )
         {
             wisp_parallel_for( work->parallel, loop.participant->point_count, BODY_GRAIN, press_on_bodies, &loop );
+        }
+        else
+        {
+            memset( s->colouring->hold + loop.participant->first_point, 0,
+                    (size_t)loop.participant->point_count * sizeof( float* ) );
         }
     }
 }
 
 void contact_project_rows( const contact_work* work )
 {
-    for ( int sweep = 0; sweep < ROW_SWEEPS; ++sweep )
-    {
-        run_all( work, project_row );
-        project_bodies( work );
-    }
+    run_all( work, project_row );
+    project_bodies( work, true );
 }
 
 // ---- impulses that outlive the substep ----
 
-// Describe a row by numbers that do not change with the contact mesh.
-static contact_impulse name_of( const contact_work* work, int number )
+// Return a number for a pair that does not change with the contact mesh, never 0. Two pairs of a point that share one would only begin
+// with each other's impulse.
+static uint32_t key_of( const contact_work* work, int number )
 {
     const contact_contact_mesh* s = work->contact_mesh;
     const contact_row* row = s->constraints->rows + number;
     const contact_participant *a = contact_participant_of( work, row->point[0] ),
                               *b = contact_participant_of( work, row->point[row->split] );
     const bool are_edges = number >= s->constraints->split;
-    return ( contact_impulse ){
-        .a = row->a - ( are_edges ? a->first_edge : a->first_point ),
-        .b = are_edges ? ~( row->b - b->first_edge ) : row->b - b->first_triangle,
-        .of = (uint32_t)( a - work->participants ) + ( (uint32_t)( b - work->participants ) << 16 ),
-    };
+    const uint32_t numbers[] = { (uint32_t)( a - work->participants ), (uint32_t)( b - work->participants ),
+                                 (uint32_t)( row->a - ( are_edges ? a->first_edge : a->first_point ) ),
+                                 (uint32_t)( row->b - ( are_edges ? b->first_edge : b->first_triangle ) ) };
+    uint32_t key = are_edges ? 1 : 0;
+    for ( int i = 0; i < 4; ++i )
+    {
+        key = ( key ^ numbers[i] ) * UINT32_C( 0x9e3779b1 );
+        key ^= key >> 15;
+    }
+    return key | 1;
 }
 
-// Return the impulses that a point keeps, null for those of strands.
-static contact_load* load_of( const contact_work* work, int point )
-{
-    const contact_participant* participant = contact_participant_of( work, point );
-    return participant->loads != NULL ? participant->loads + ( point - participant->first_point ) : NULL;
-}
-
-// Return the impulse of a pair that its points keep, or else the first free place for one, or null.
-static contact_impulse* find_impulse( const contact_work* work, const contact_row* row, const contact_impulse* name,
-                                      bool is_free )
+// Return where a pair keeps its impulse, or else the first free place for it, or null. The first point with a free place
+// ends the search. Strands keep none.
+static float* find_kept( const contact_work* work, const contact_row* row, uint32_t key, bool is_new )
 {
     for ( int i = 0; i < row->count; ++i )
     {
-        contact_load* load = load_of( work, row->point[i] );
+        const contact_participant* participant = contact_participant_of( work, row->point[i] );
+        contact_load* load =
+            participant->loads != NULL ? participant->loads + ( row->point[i] - participant->first_point ) : NULL;
         for ( int k = 0; k < CONTACT_KEPT && load != NULL; ++k )
         {
-            contact_impulse* kept = load->pairs + k;
-            if ( !( kept->normal > 0.0f ) )
+            if ( load->key[k] == key )
             {
-                if ( is_free )
-                {
-                    return kept;
-                }
-                break;
+                return load->impulse[k];
             }
-            if ( is_free == false && kept->a == name->a && kept->b == name->b && kept->of == name->of )
+            if ( load->key[k] == 0 )
             {
-                return kept;
+                if ( is_new )
+                {
+                    load->key[k] = key;
+                }
+                return is_new ? load->impulse[k] : NULL;
             }
         }
     }
@@ -407,11 +378,12 @@ static void warm_rows( void* context, int begin, int end, int worker )
     for ( int r = begin; r < end; ++r )
     {
         contact_row* row = work->contact_mesh->constraints->rows + r;
-        const contact_impulse name = name_of( work, r ), *kept = find_impulse( work, row, &name, false );
+        const bool may_press = row->distance < WARM_GAP * row->requested;
+        const float* kept = may_press ? find_kept( work, row, key_of( work, r ), false ) : NULL;
         if ( kept != NULL )
         {
-            row->normal_impulse = kept->normal;
-            memcpy( row->tangential_impulse, kept->along, sizeof( kept->along ) );
+            row->normal_impulse = kept[0];
+            memcpy( row->tangential_impulse, kept + 1, sizeof( row->tangential_impulse ) );
         }
     }
 }
@@ -425,8 +397,7 @@ static void push_warm( const contact_work* work, contact_row* row )
     }
     if ( row->normal_impulse > 0.0f )
     {
-        const row_holds holds = find_holds( work, row );
-        push( work->contact_mesh, row, &holds, by );
+        push( work->contact_mesh, row, by, false );
     }
 }
 
@@ -434,8 +405,9 @@ void contact_start_warm( const contact_work* work )
 {
     wisp_parallel_for( work->parallel, work->contact_mesh->constraints->row_count, WARM_GRAIN, warm_rows,
                        (void*)(uintptr_t)work );
+    project_bodies( work, false );
     run_all( work, push_warm );
-    project_bodies( work );
+    project_bodies( work, true );
 }
 
 void contact_keep_impulses( const contact_work* work )
@@ -452,35 +424,11 @@ void contact_keep_impulses( const contact_work* work )
     for ( int r = 0; r < s->constraints->row_count; ++r )
     {
         const contact_row* row = s->constraints->rows + r;
-        contact_impulse name = name_of( work, r );
-        contact_impulse* to = row->normal_impulse > 0.0f ? find_impulse( work, row, &name, true ) : NULL;
-        if ( to != NULL )
+        float* kept = row->normal_impulse > 0.0f ? find_kept( work, row, key_of( work, r ), true ) : NULL;
+        if ( kept != NULL )
         {
-            *to = name;
-            to->normal = row->normal_impulse;
-            memcpy( to->along, row->tangential_impulse, sizeof( to->along ) );
-        }
-    }
-}
-
-// Recovery pushes nothing into bodies, and gives no velocity.
-static void leave_bodies( const contact_work* work, const contact_participant* participant )
-{
-    contact_contact_mesh* s = work->contact_mesh;
-    for ( int i = 0; i < participant->point_count; ++i )
-    {
-        const size_t at = (size_t)( participant->first_point + i ) * 4;
-        const int found = s->now[at + 3] > 0.0f ? participant->half_spaces[i] : 0;
-        for ( int k = 0; k < found && k < WISP_MAX_HALF_SPACES; ++k )
-        {
-            const float *half = participant->half_space_row + 16 * ( (size_t)i * WISP_MAX_HALF_SPACES + (size_t)k ),
-                        *p = s->now + at;
-            const float depth = -distance_in( half, p );
-            for ( size_t c = 0; c < 3 && depth > 0.0f; ++c )
-            {
-                s->now[at + c] += depth * half[3 + c];
-                s->shift[at + c] += depth * half[3 + c];
-            }
+            kept[0] = row->normal_impulse;
+            memcpy( kept + 1, row->tangential_impulse, sizeof( row->tangential_impulse ) );
         }
     }
 }
@@ -488,13 +436,6 @@ static void leave_bodies( const contact_work* work, const contact_participant* p
 void contact_recover( const contact_work* work )
 {
     run_all( work, recover_row );
-    for ( int g = 0; g < work->participant_count; ++g )
-    {
-        if ( work->participants[g].half_spaces != NULL )
-        {
-            leave_bodies( work, work->participants + g );
-        }
-    }
 }
 
 // Colouring: constraints in blocks of 64 that one worker projects from first to last, coloured greedily so that
@@ -570,8 +511,11 @@ static void colour_blocks( contact_contact_mesh* s )
 bool contact_reserve_colouring( const contact_work* work )
 {
     contact_colouring* c = work->contact_mesh->colouring;
-    return contact_reserve( work, &c->point_buffer, (size_t)work->contact_mesh->point_count * sizeof( *c->of_point ),
-                            (void**)&c->of_point );
+    const size_t points = (size_t)work->contact_mesh->point_count;
+    const bool enough = contact_reserve(
+        work, &c->point_buffer, points * ( sizeof( *c->of_point ) + sizeof( *c->hold ) ), (void**)&c->of_point );
+    c->hold = enough ? (float**)( c->of_point + points ) : NULL;
+    return enough;
 }
 
 wisp_status contact_colour_rows( const contact_work* work, wisp_error* error )

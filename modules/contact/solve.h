@@ -30,6 +30,7 @@ typedef struct contact_colouring
     int32_t* order;                      // [count] blocks by colour
     int32_t colour[CONTACT_COLOURS + 1]; // first of a colour in `order`
     uint64_t* of_point;                  // [point] a bit for each colour that has it
+    float** hold;                        // [point] half space that presses on it most; null: none
     wisp_buffer buffers[3], point_buffer;
 } contact_colouring;
 
