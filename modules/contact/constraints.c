@@ -71,6 +71,7 @@ static void begin_row( const contact_work* work, const contact_active* active, b
     row->friction = sqrtf( a->settings.friction * factor_of( a, a->friction, row, 0, row->split ) *
                            ( b->settings.friction * factor_of( b, b->friction, row, row->split, row->count ) ) );
     row->normal_impulse = 0.0f;
+    row->is_lever = false;
     memset( row->tangential_impulse, 0, sizeof( row->tangential_impulse ) );
     row->cut = 1.0f;
 }

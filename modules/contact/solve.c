@@ -101,7 +101,9 @@ static inline float* hold_of( const contact_contact_mesh* s, int point )
 // Return the mobility of a row in a direction, 1/kg: sum w s^2, without what is held along the normal of its body, but
 // at least max w |s| / MAX_LEVER. Where the only free point of a triangle is far from the contact, s is small, and a
 // correction over sum w s^2 would throw it.
-static float mobility_along( const contact_contact_mesh* s, const contact_row* row, const float direction[3] )
+// @param is_bounded receives whether that is the larger one; may be null
+static float mobility_along( const contact_contact_mesh* s, const contact_row* row, const float direction[3],
+                             bool* is_bounded )
 {
     float sum = 0.0f, farthest = 0.0f;
     for ( int i = 0; i < row->count; ++i )
@@ -112,6 +114,10 @@ static float mobility_along( const contact_contact_mesh* s, const contact_row* r
         const float free = along * along < HELD ? 1.0f - along * along : 0.0f;
         sum += fraction * row->weight[i] * free;
         farthest = contact_larger( farthest, fabsf( fraction ) * sqrtf( free ) );
+    }
+    if ( is_bounded != NULL )
+    {
+        *is_bounded = sum < farthest / MAX_LEVER;
     }
     return contact_larger( sum, farthest / MAX_LEVER );
 }
@@ -156,7 +162,8 @@ static void add_friction( const contact_contact_mesh* s, contact_row* row, float
     {
         direction[k] = length > 0.0f ? slip[k] / length : 0.0f;
     }
-    const float mobility = mobility_along( s, row, direction ), taken = mobility > 0.0f ? length / mobility : 0.0f;
+    const float mobility = mobility_along( s, row, direction, NULL ),
+                taken = mobility > 0.0f ? length / mobility : 0.0f;
     for ( int k = 0; k < 3; ++k )
     {
         wanted[k] = row->tangential_impulse[k] - taken * direction[k];
@@ -174,7 +181,7 @@ static void project_row( const contact_work* work, contact_row* row )
     contact_contact_mesh* s = work->contact_mesh;
     const float short_by = row->gap - distance_of( s->now, row );
     const bool presses = short_by > 0.0f || row->normal_impulse > 0.0f;
-    const float mobility = presses ? mobility_along( s, row, row->normal ) : 0.0f;
+    const float mobility = presses ? mobility_along( s, row, row->normal, &row->is_lever ) : 0.0f;
     if ( !( mobility > 0.0f ) )
     {
         return;
@@ -196,9 +203,10 @@ static void recover_row( const contact_work* work, contact_row* row )
     const contact_participant* participant = contact_participant_of( work, row->point[0] );
     const float step = participant->settings.max_push_out_speed * work->seconds;
     const float gap = row->normal_impulse > 0.0f ? PRESSED_GAP * row->requested : row->requested;
+    const bool may_lack = row->distance < gap || row->normal_impulse > 0.0f;
     const float short_by =
-        row->distance < gap ? contact_smaller( gap, row->distance + step ) - distance_of( s->now, row ) : 0.0f;
-    const float mobility = short_by > 0.0f ? mobility_along( s, row, row->normal ) : 0.0f;
+        may_lack ? contact_smaller( gap, row->distance + step ) - distance_of( s->now, row ) : 0.0f;
+    const float mobility = short_by > 0.0f ? mobility_along( s, row, row->normal, NULL ) : 0.0f;
     if ( mobility > 0.0f )
     {
         const float length = contact_smaller( short_by, step ) / mobility;
@@ -424,7 +432,8 @@ void contact_keep_impulses( const contact_work* work )
     for ( int r = 0; r < s->constraints->row_count; ++r )
     {
         const contact_row* row = s->constraints->rows + r;
-        float* kept = row->normal_impulse > 0.0f ? find_kept( work, row, key_of( work, r ), true ) : NULL;
+        const bool keeps = row->normal_impulse > 0.0f && row->is_lever == false;
+        float* kept = keeps ? find_kept( work, row, key_of( work, r ), true ) : NULL;
         if ( kept != NULL )
         {
             kept[0] = row->normal_impulse;
