@@ -18,7 +18,7 @@ typedef struct contact_row
     float friction;
     float normal_impulse;        // kg m, accumulated, >= 0: times the substep
     float tangential_impulse[3]; // kg m, accumulated
-    bool is_lever;               // its mobility is bounded, so that its impulse is not kept
+    bool is_lever;               // a point is a long lever, so that its impulse is not kept
     float cut;                   // fraction of its displacements that the displacement limit leaves, in a round
 } contact_row;
 

@@ -21,7 +21,8 @@
 
 enum
 {
-    MAX_LEVER = 4, // a correction moves no point by more than this many times what the sides lack
+    MAX_LEVER = 4,   // a correction moves no point by more than this many times what the sides lack
+    KEPT_LEVER = 64, // beyond, an impulse is not kept: it would throw the point
     BODY_GRAIN = 256,
     WARM_GRAIN = 256,
 };
@@ -30,7 +31,7 @@ enum
 static const float PRESSED_GAP = 0.98f;
 
 // A row within so little of its requested distance may have pressed in the substep before.
-static const float WARM_GAP = 1.5f;
+static const float WARM_GAP = 2.0f;
 
 // Square of a cosine above which a body holds a point whole.
 static const float HELD = 0.99f;
@@ -101,9 +102,9 @@ static inline float* hold_of( const contact_contact_mesh* s, int point )
 // Return the mobility of a row in a direction, 1/kg: sum w s^2, without what is held along the normal of its body, but
 // at least max w |s| / MAX_LEVER. Where the only free point of a triangle is far from the contact, s is small, and a
 // correction over sum w s^2 would throw it.
-// @param is_bounded receives whether that is the larger one; may be null
+// @param is_lever receives whether a point is a long lever; may be null
 static float mobility_along( const contact_contact_mesh* s, const contact_row* row, const float direction[3],
-                             bool* is_bounded )
+                             bool* is_lever )
 {
     float sum = 0.0f, farthest = 0.0f;
     for ( int i = 0; i < row->count; ++i )
@@ -115,9 +116,9 @@ static float mobility_along( const contact_contact_mesh* s, const contact_row* r
         sum += fraction * row->weight[i] * free;
         farthest = contact_larger( farthest, fabsf( fraction ) * sqrtf( free ) );
     }
-    if ( is_bounded != NULL )
+    if ( is_lever != NULL )
     {
-        *is_bounded = sum < farthest / MAX_LEVER;
+        *is_lever = sum < farthest / KEPT_LEVER;
     }
     return contact_larger( sum, farthest / MAX_LEVER );
 }
