@@ -323,9 +323,19 @@ static void project_bodies( const contact_work* work, bool presses )
     }
 }
 
+static void press_row( const contact_work* work, contact_row* row )
+{
+    if ( row->normal_impulse > 0.0f )
+    {
+        project_row( work, row );
+    }
+}
+
 void contact_project_rows( const contact_work* work )
 {
     run_all( work, project_row );
+    project_bodies( work, true );
+    run_all( work, press_row ); // a heavy sheet on two light ones comes to rest by it
     project_bodies( work, true );
 }
 
