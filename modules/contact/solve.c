@@ -6,10 +6,10 @@
 //   momentum, and forces on two participants are equal and opposite.
 // - Friction takes back the relative tangential displacement of the closest points since the start of the substep,
 //   accumulated in `tangential_impulse`, which is never longer than mu times the push (Coulomb).
-// - A substep begins with the impulses of the one before (warm start). One sweep goes one layer down a pile; with what is
-//   remembered, its weight is with the ground after as many substeps, and it comes to rest. Without, each layer sinks
-//   into the one below and is thrown out again.
-// - Half spaces of bodies have their turn after each sweep, with friction (kernel half_space): bodies win.
+// - A substep begins with the impulses of the one before (warm start). A sweep goes one layer down a pile; with what is
+//   remembered, its weight is with the ground after as many substeps, and it comes to rest.
+// - What a body presses on has no mobility along its normal, and bodies have a turn after each sweep, with friction
+//   (kernel half_space): bodies win, and their friction feels the load.
 // - Recovery parts pairs that are nearer than their gap at `max_push_out_speed`. The previous positions move too: no
 //   velocity.
 #include "solve.h"
@@ -17,6 +17,7 @@
 #include "constraints.h"
 
 #include "wisp/module/kernels.h"
+
 #include <string.h>
 
 enum
