@@ -16,8 +16,10 @@ typedef struct contact_row
     float distance;                   // m, at the intersection-free positions
     float requested;                  // m, half the sum of the thicknesses, or less where the pair is closer at rest
     float friction;
+    uint32_t key;                // of the pair, whatever the contact mesh
     float normal_impulse;        // kg m, accumulated, >= 0: times the substep
     float tangential_impulse[3]; // kg m, accumulated
+    bool is_squeezed;            // bodies hold both sides
     bool is_lever;               // a point is a long lever, so that its impulse is not kept
     float cut;                   // fraction of its displacements that the displacement limit leaves, in a round
 } contact_row;

@@ -93,11 +93,23 @@ static void find_slip( const contact_contact_mesh* s, const contact_row* row, fl
 
 // ---- what bodies hold ----
 
-// Return the half space that holds a point, as a row of the kernel half_space, null if none presses on it.
-static inline float* hold_of( const contact_contact_mesh* s, int point )
+// Return the half space that holds a point of a row, as a row of the kernel half_space, null if none presses on it.
+static inline float* hold_of( const contact_contact_mesh* s, const contact_row* row, int i )
 {
-    float* half = s->colouring->hold[point];
-    return half != NULL && half[10] > 0.0f ? half : NULL;
+    float* half = s->colouring->hold[row->point[i]];
+    return half != NULL && half[10] > 0.0f && row->is_squeezed == false ? half : NULL;
+}
+
+// Between two sides that bodies hold, what is left of the mobility would throw them aside: bodies do not count.
+static void note_squeezed( const contact_contact_mesh* s, contact_row* row )
+{
+    float held[2] = { 0.0f, 0.0f };
+    row->is_squeezed = false;
+    for ( int i = 0; i < row->count; ++i )
+    {
+        held[i < row->split ? 0 : 1] += hold_of( s, row, i ) != NULL ? fabsf( row->weight[i] ) : 0.0f;
+    }
+    row->is_squeezed = held[0] > 0.5f && held[1] > 0.5f;
 }
 
 // Return the mobility of a row in a direction, 1/kg: sum w s^2, without what is held along the normal of its body, but
@@ -111,7 +123,7 @@ static float mobility_along( const contact_contact_mesh* s, const contact_row* r
     for ( int i = 0; i < row->count; ++i )
     {
         const float fraction = s->now[(size_t)row->point[i] * 4 + 3] * row->weight[i];
-        const float* half = hold_of( s, row->point[i] );
+        const float* half = hold_of( s, row, i );
         const float along = half != NULL ? inner( half + 3, direction ) : 0.0f;
         const float free = along * along < HELD ? 1.0f - along * along : 0.0f;
         sum += fraction * row->weight[i] * free;
@@ -133,7 +145,7 @@ static void push( contact_contact_mesh* s, const contact_row* row, const float i
         const size_t at = (size_t)row->point[i] * 4;
         const float fraction = s->now[at + 3] * row->weight[i];
         float by[3] = { fraction * impulse[0], fraction * impulse[1], fraction * impulse[2] };
-        float* half = hold_of( s, row->point[i] );
+        float* half = hold_of( s, row, i );
         if ( half != NULL )
         {
             const float into = -inner( half + 3, by ), held = contact_larger( into, recovers ? 0.0f : -half[10] );
@@ -182,8 +194,12 @@ static void project_row( const contact_work* work, contact_row* row )
 {
     contact_contact_mesh* s = work->contact_mesh;
     const float short_by = row->gap - distance_of( s->now, row );
-    const bool presses = short_by > 0.0f || row->normal_impulse > 0.0f;
-    const float mobility = presses ? mobility_along( s, row, row->normal, &row->is_lever ) : 0.0f;
+    if ( !( short_by > 0.0f || row->normal_impulse > 0.0f ) )
+    {
+        return;
+    }
+    note_squeezed( s, row );
+    const float mobility = mobility_along( s, row, row->normal, &row->is_lever );
     if ( !( mobility > 0.0f ) )
     {
         return;
@@ -342,30 +358,9 @@ void contact_project_rows( const contact_work* work )
 
 // ---- impulses that outlive the substep ----
 
-// Return a number for a pair that does not change with the contact mesh, never 0. Two pairs of a point that share one would only begin
-// with each other's impulse.
-static uint32_t key_of( const contact_work* work, int number )
-{
-    const contact_contact_mesh* s = work->contact_mesh;
-    const contact_row* row = s->constraints->rows + number;
-    const contact_participant *a = contact_participant_of( work, row->point[0] ),
-                              *b = contact_participant_of( work, row->point[row->split] );
-    const bool are_edges = number >= s->constraints->split;
-    const uint32_t numbers[] = { (uint32_t)( a - work->participants ), (uint32_t)( b - work->participants ),
-                                 (uint32_t)( row->a - ( are_edges ? a->first_edge : a->first_point ) ),
-                                 (uint32_t)( row->b - ( are_edges ? b->first_edge : b->first_triangle ) ) };
-    uint32_t key = are_edges ? 1 : 0;
-    for ( int i = 0; i < 4; ++i )
-    {
-        key = ( key ^ numbers[i] ) * UINT32_C( 0x9e3779b1 );
-        key ^= key >> 15;
-    }
-    return key | 1;
-}
-
 // Return where a pair keeps its impulse, or else the first free place for it, or null. The first point with a free place
 // ends the search. Strands keep none.
-static float* find_kept( const contact_work* work, const contact_row* row, uint32_t key, bool is_new )
+static float* find_kept( const contact_work* work, const contact_row* row, bool is_new )
 {
     for ( int i = 0; i < row->count; ++i )
     {
@@ -374,7 +369,7 @@ static float* find_kept( const contact_work* work, const contact_row* row, uint3
             participant->loads != NULL ? participant->loads + ( row->point[i] - participant->first_point ) : NULL;
         for ( int k = 0; k < CONTACT_KEPT && load != NULL; ++k )
         {
-            if ( load->key[k] == key )
+            if ( load->key[k] == row->key )
             {
                 return load->impulse[k];
             }
@@ -382,7 +377,7 @@ static float* find_kept( const contact_work* work, const contact_row* row, uint3
             {
                 if ( is_new )
                 {
-                    load->key[k] = key;
+                    load->key[k] = row->key;
                 }
                 return is_new ? load->impulse[k] : NULL;
             }
@@ -399,7 +394,7 @@ static void warm_rows( void* context, int begin, int end, int worker )
     {
         contact_row* row = work->contact_mesh->constraints->rows + r;
         const bool may_press = row->distance < WARM_GAP * row->requested;
-        const float* kept = may_press ? find_kept( work, row, key_of( work, r ), false ) : NULL;
+        const float* kept = may_press ? find_kept( work, row, false ) : NULL;
         if ( kept != NULL )
         {
             row->normal_impulse = kept[0];
@@ -417,6 +412,7 @@ static void push_warm( const contact_work* work, contact_row* row )
     }
     if ( row->normal_impulse > 0.0f )
     {
+        note_squeezed( work->contact_mesh, row );
         push( work->contact_mesh, row, by, false );
     }
 }
@@ -444,8 +440,8 @@ void contact_keep_impulses( const contact_work* work )
     for ( int r = 0; r < s->constraints->row_count; ++r )
     {
         const contact_row* row = s->constraints->rows + r;
-        const bool keeps = row->normal_impulse > 0.0f && row->is_lever == false;
-        float* kept = keeps ? find_kept( work, row, key_of( work, r ), true ) : NULL;
+        const bool keeps = row->normal_impulse > 0.0f && ( row->is_lever || row->is_squeezed ) == false;
+        float* kept = keeps ? find_kept( work, row, true ) : NULL;
         if ( kept != NULL )
         {
             kept[0] = row->normal_impulse;
