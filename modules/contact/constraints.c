@@ -47,6 +47,24 @@ static float factor_of( const contact_participant* participant, const float* map
     return sum;
 }
 
+// Return a number for a pair that does not change with the contact mesh, never 0. Two pairs of a point that share one would only
+// begin with each other's impulse.
+static uint32_t key_of( const contact_work* work, const contact_row* row, bool are_edges )
+{
+    const contact_participant *a = contact_participant_of( work, row->point[0] ),
+                              *b = contact_participant_of( work, row->point[row->split] );
+    const uint32_t numbers[] = { (uint32_t)( a - work->participants ), (uint32_t)( b - work->participants ),
+                                 (uint32_t)( row->a - ( are_edges ? a->first_edge : a->first_point ) ),
+                                 (uint32_t)( row->b - ( are_edges ? b->first_edge : b->first_triangle ) ) };
+    uint32_t key = are_edges ? 1 : 0;
+    for ( int i = 0; i < 4; ++i )
+    {
+        key = ( key ^ numbers[i] ) * UINT32_C( 0x9e3779b1 );
+        key ^= key >> 15;
+    }
+    return key | 1;
+}
+
 static void begin_row( const contact_work* work, const contact_active* active, bool is_edge, contact_row* row )
 {
     const contact_pair* c = &active->pair;
@@ -65,15 +83,15 @@ static void begin_row( const contact_work* work, const contact_active* active, b
     }
     row->a = c->a;
     row->b = c->b;
+    row->key = key_of( work, row, is_edge );
     row->gap = contact_smaller( gap, row->distance );
     row->requested = gap;
     row->friction = sqrtf( a->settings.friction * factor_of( a, a->friction, row, 0, row->split ) *
                            ( b->settings.friction * factor_of( b, b->friction, row, row->split, row->count ) ) );
-    row->normal_correction = row->tangential_correction[0] = row->tangential_correction[1] =
-        row->tangential_correction[2] = 0.0f;
-    row->mobility = 0.0f;
+    row->normal_impulse = 0.0f;
+    row->is_lever = row->is_squeezed = row->is_passed = false;
+    memset( row->tangential_impulse, 0, sizeof( row->tangential_impulse ) );
     row->closing = active->closing;
-    row->is_passed = false;
 }
 
 // ---- order ----

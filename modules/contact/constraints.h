@@ -16,11 +16,13 @@ typedef struct contact_row
     float distance;                   // m, at the intersection-free positions
     float requested;                  // m, half the sum of the thicknesses, or less where the pair is closer at rest
     float friction;
-    float normal_correction;        // m, accumulated, >= 0: the normal impulse
-    float tangential_correction[3]; // m, accumulated: the friction impulse
-    float mobility;                 // 1/kg, sum of w s^2 that supports leave; 0: not projected
-    float closing;                  // m, most that its sides approach while points keep to their tolerance
-    bool is_passed;                 // in a round of the displacement limit
+    uint32_t key;                // of the pair, whatever the contact mesh
+    float normal_impulse;        // kg m, accumulated, >= 0: times the substep
+    float tangential_impulse[3]; // kg m, accumulated
+    bool is_squeezed;            // bodies hold both sides
+    bool is_lever;               // a point is a long lever, so that its impulse is not kept
+    float closing;               // m, most that its sides approach while points keep to their tolerance
+    bool is_passed;              // in a round of the displacement limit
 } contact_row;
 
 /// Where an active pair is in the list of its kind.

@@ -20,7 +20,8 @@ enum
 {
     CONTACT_BATCH = 128,        // pairs whose distances are measured together
     CONTACT_POINT_GRAIN = 1024, // points of a task
-    CONTACT_MAX_POINTS = 4      // of a pair
+    CONTACT_MAX_POINTS = 4,     // of a pair
+    CONTACT_KEPT = 4,           // impulses that a point keeps for the next substep
 };
 
 /// The definition of a participant with the defaults filled in.
@@ -41,12 +42,11 @@ typedef struct contact_memory
     wisp_contact_stats stats;
 } contact_memory;
 
-/// What lay on a point in the substep before, for each of the rows below it. In a column, so that a snapshot has it.
+/// Impulses of pairs of a point in the substep before, those without any last. In a column, so that a snapshot has them.
 typedef struct contact_load
 {
-    float normal; // kg m: impulse times the substep
-    float held;   // kg m: friction that layers above got from what is below
-    float grip;   // smallest coefficient of friction between the point and the body below; 0: nothing supports it
+    uint32_t key[CONTACT_KEPT];     // of the pair; 0: none
+    float impulse[CONTACT_KEPT][4]; // kg m, times the substep: along the normal, and the tangential one
 } contact_load;
 
 /// Where the points of a participant are in a substep.
@@ -76,7 +76,7 @@ typedef struct contact_participant
     float *position, *previous;        // [point][4] columns of a surface
     const float *thickness, *friction; // [point] factors of those of the settings; null: 1
     const int32_t* half_spaces;        // [point] number of half spaces that it is held in; null: none
-    const float* half_space_row;       // [point][WISP_MAX_HALF_SPACES][16] those, as rows of the kernel half_space
+    float* half_space_row;             // [point][WISP_MAX_HALF_SPACES][16] those, as rows of the kernel half_space
     contact_load* loads;               // [point] its column; null: of strands
 } contact_participant;
 
@@ -106,7 +106,6 @@ typedef struct contact_contact_mesh
     struct contact_primitive_pairs* primitives;  // narrow_phase.h
     struct contact_constraints* constraints;     // constraints.h
     struct contact_spheres* spheres;             // spheres.h
-    struct contact_supports* supports;           // supports.h
     struct contact_colouring* colouring;         // solve.h
     struct contact_limit* limit;                 // displacement_limit.h
     struct contact_untangling* untangling;       // untangling.h
@@ -184,6 +183,11 @@ static inline float contact_distance( const float a[3], const float b[3] )
 {
     const float x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
     return sqrtf( x * x + y * y + z * z );
+}
+
+static inline float contact_dot( const float a[3], const float b[3] )
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 static inline float contact_larger( float a, float b )

@@ -46,8 +46,7 @@ static void release_buffers( wisp_buffer* buffers, int count, const wisp_allocat
     X( spheres.listed )                                                                                              \
     X( spheres.near )                                                                                                \
     X( colouring )                                                                                                   \
-    X( limit )                                                                                                       \
-    X( supports )
+    X( limit )
 
 static void release_stages( contact_state* s, const wisp_allocator* allocator )
 {
@@ -141,7 +140,7 @@ static void add_lines( const void* memory, wisp_world* world, wisp_entity entity
         {
             from = wisp_v3_mul_add( from, -row->weight[i], wisp_v3_load( s->now + (size_t)row->point[i] * 4 ) );
         }
-        if ( row->normal_correction > 0.0f )
+        if ( row->normal_impulse > 0.0f )
         {
             wisp_add_line( list, state->participants[0].entity, from,
                            wisp_v3_mul_add( from, row->requested, wisp_v3_load( row->normal ) ),
@@ -323,7 +322,6 @@ static wisp_status declare( wisp_registry* r )
         .primitives = &state->primitives,
         .constraints = &state->constraints,
         .spheres = &state->spheres,
-        .supports = &state->supports,
         .colouring = &state->colouring,
         .limit = &state->limit,
         .untangling = &state->untangling,

@@ -16,7 +16,6 @@
 #include "narrow_phase.h"
 #include "solve.h"
 #include "spheres.h"
-#include "supports.h"
 #include "untangling.h"
 
 #include "wisp/module/sleep.h"
@@ -26,23 +25,16 @@
 
 // ---- statistics of a step ----
 
-// Add the impulse of a row: its accumulated corrections, divided by the sum of weighted inverse masses and by the
-// time.
+// Add the impulse of a row.
 static void add_row( const contact_work* work, const contact_row* row, double* sum )
 {
-    const contact_contact_mesh* s = work->contact_mesh;
-    double weights = 0.0, impulse[3], squared = 0.0;
-    for ( int i = 0; i < row->count; ++i )
-    {
-        weights += (double)s->now[(size_t)row->point[i] * 4 + 3] * (double)row->weight[i] * (double)row->weight[i];
-    }
+    double impulse[3], squared = 0.0;
     contact_participant *a = contact_participant_of( work, row->point[0] ),
                         *b = contact_participant_of( work, row->point[row->count - 1] );
-    for ( int k = 0; k < 3 && weights > 0.0; ++k )
+    for ( int k = 0; k < 3; ++k )
     {
-        impulse[k] =
-            ( (double)row->normal_correction * (double)row->normal[k] + (double)row->tangential_correction[k] ) /
-            ( weights * (double)work->seconds );
+        impulse[k] = ( (double)row->normal_impulse * (double)row->normal[k] + (double)row->tangential_impulse[k] ) /
+                     (double)work->seconds;
         squared += impulse[k] * impulse[k];
         a->impulse[k] += impulse[k];
         b->impulse[k] -= impulse[k];
@@ -57,7 +49,7 @@ static void sum_impulses_of_rows( const contact_work* work )
     f->contacts = 0;
     for ( int r = 0; r < s->constraints->row_count; ++r )
     {
-        if ( s->constraints->rows[r].normal_correction > 0.0f )
+        if ( s->constraints->rows[r].normal_impulse > 0.0f )
         {
             add_row( work, s->constraints->rows + r, &f->impulse );
             f->contacts += 1;
@@ -192,8 +184,7 @@ static wisp_status build_mesh( const contact_work* work, wisp_error* error )
     if ( work->settings->level != WISP_CONTACT_SPHERES )
     {
         enough = enough && contact_make_clusters( work ) && contact_reserve_motion( work ) &&
-                 contact_reserve_colouring( work ) && contact_reserve_limit( work ) &&
-                 contact_reserve_supports( work );
+                 contact_reserve_colouring( work ) && contact_reserve_limit( work );
     }
     if ( enough == false )
     {
@@ -354,7 +345,7 @@ static void limit_displacements( const contact_work* work )
 
 static void end_substep( const contact_work* work )
 {
-    contact_hand_down_loads( work );
+    contact_keep_impulses( work );
     contact_recover( work );
     contact_untangle( work );
     if ( work->counts_impulses )
@@ -404,12 +395,11 @@ void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
     const bool is_end = span->iteration + 1 == wisp_frame_iterations( frame );
     const bool has_rows = state->world.level != WISP_CONTACT_SPHERES;
     contact_gather( &work, false );
+    memset( work.contact_mesh->shift, 0, (size_t)work.contact_mesh->point_count * 4 * sizeof( float ) );
     if ( span->iteration == 0 && has_rows )
     {
-        contact_find_supports( &work );
-        contact_begin_loads( &work );
+        contact_start_warm( &work );
     }
-    memset( work.contact_mesh->shift, 0, (size_t)work.contact_mesh->point_count * 4 * sizeof( float ) );
     project( &work, is_end );
     // what strands do is limited once more when their lengths are restored
     const bool is_final = has_rows && is_end && wisp_frame_has( frame, span->entity, state->touches ) == false;

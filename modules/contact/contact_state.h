@@ -10,7 +10,6 @@
 #include "predicted_motion.h"
 #include "narrow_phase.h"
 #include "spheres.h"
-#include "supports.h"
 #include "untangling.h"
 
 typedef struct contact_state
@@ -38,7 +37,6 @@ typedef struct contact_state
     contact_primitive_pairs primitives;
     contact_constraints constraints;
     contact_spheres spheres;
-    contact_supports supports;
     contact_colouring colouring;
     contact_limit limit;
     contact_untangling untangling;

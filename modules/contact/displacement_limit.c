@@ -18,7 +18,6 @@
 #include "clusters.h"
 #include "constraints.h"
 #include "predicted_motion.h"
-#include "supports.h"
 
 #include <stdatomic.h>
 #include <string.h>
@@ -197,6 +196,29 @@ static bool put_back( contact_contact_mesh* s, int point )
     return moves;
 }
 
+// Put the points of a row back into the half spaces of their bodies.
+static void keep_inside( const contact_work* work, const contact_row* row )
+{
+    for ( int i = 0; i < row->count; ++i )
+    {
+        const contact_participant* participant = contact_participant_of( work, row->point[i] );
+        const int number = row->point[i] - participant->first_point;
+        float* p = work->contact_mesh->now + (size_t)row->point[i] * 4;
+        const int found = participant->half_spaces != NULL && p[3] > 0.0f ? participant->half_spaces[number] : 0;
+        for ( int k = 0; k < found && k < WISP_MAX_HALF_SPACES; ++k )
+        {
+            const float* half =
+                participant->half_space_row + 16 * ( (size_t)number * WISP_MAX_HALF_SPACES + (size_t)k );
+            const float from[3] = { p[0] - half[0], p[1] - half[1], p[2] - half[2] };
+            const float out = contact_smaller( contact_dot( half + 3, from ) - half[9], 0.0f );
+            for ( int c = 0; c < 3; ++c )
+            {
+                p[c] -= out * half[3 + c];
+            }
+        }
+    }
+}
+
 // Part the sides of a row. @return whether a point moved
 static bool part( const contact_work* work, const contact_row* row, bool gives_up )
 {
@@ -222,7 +244,7 @@ static bool part( const contact_work* work, const contact_row* row, bool gives_u
             moves = true;
         }
     }
-    contact_keep_inside( work, row );
+    keep_inside( work, row );
     work->memory->tangled = is_tangled ? 1 : work->memory->tangled;
     return moves;
 }

@@ -332,6 +332,10 @@ static void gather_participant( const contact_work* work, const contact_particip
             memcpy( s->intersection_free + (size_t)( participant->first_point + i ) * 4, loop.start + (size_t)i * 4,
                     3 * sizeof( float ) );
         }
+        if ( participant->loads != NULL )
+        {
+            memset( participant->loads, 0, (size_t)participant->point_count * sizeof( contact_load ) );
+        }
         s->is_reset = true;
         work->memory->tangled = 1;
         gather_participant( work, participant, false );

@@ -2,19 +2,40 @@
 // impulses of Catto 2005. In: rows by colour. Out: moved points, accumulated corrections.
 //
 // - Push: Dx_i = w_i s_i n l with l = -C / max( sum w_j s_j^2, max w_j |s_j| / 4 ), accumulated in
-//   `normal_correction`, which is never negative. The weights of a row sum to zero, so every correction keeps
+//   `normal_impulse`, which is never negative. The weights of a row sum to zero, so every correction keeps
 //   momentum, and forces on two participants are equal and opposite.
 // - Friction takes back the relative tangential displacement of the closest points since the start of the substep,
-//   accumulated in `tangential_correction`, which is never longer than mu times the push (Coulomb).
-// - What a body supports is not pushed into it, and lower layers not by higher ones: supports.c.
+//   accumulated in `tangential_impulse`, which is never longer than mu times the push (Coulomb).
+// - A substep begins with the impulses of the one before (warm start). A sweep goes one layer down a pile; with what is
+//   remembered, its weight is with the ground after as many substeps, and it comes to rest.
+// - What a body presses on has no mobility along its normal, and bodies have a turn after each sweep, with friction
+//   (kernel half_space): bodies win, and their friction feels the load.
 // - Recovery parts pairs that are nearer than their gap at `max_push_out_speed`. The previous positions move too: no
 //   velocity.
 #include "solve.h"
 
 #include "constraints.h"
-#include "supports.h"
+
+#include "wisp/module/kernels.h"
 
 #include <string.h>
+
+enum
+{
+    MAX_LEVER = 4,   // a correction moves no point by more than this many times what the sides lack
+    KEPT_LEVER = 64, // beyond, an impulse is not kept: it would throw the point
+    BODY_GRAIN = 256,
+    WARM_GRAIN = 256,
+};
+
+// Pairs that press recover up to this fraction of the gap. If they went on, those of a pile would part each other for ever.
+static const float PRESSED_GAP = 0.98f;
+
+// A row within so little of its requested distance may have pressed in the substep before.
+static const float WARM_GAP = 2.0f;
+
+// Square of a cosine above which a body holds a point whole.
+static const float HELD = 0.99f;
 
 typedef void row_fn( const contact_work* work, contact_row* row );
 
@@ -25,14 +46,9 @@ typedef struct project_loop
     row_fn* run;
 } project_loop;
 
-static float mobility_of( const contact_contact_mesh* s, const contact_row* row )
-{
-    return contact_mobility_of( s, row, ( contact_side ){ 0, row->count } );
-}
-
 // Return the distance of the two sides along the normal. Sums are relative to one of the points, against
 // cancellation.
-static float distance_of( const float* xyzw, const contact_row* row )
+static inline float distance_of( const float* xyzw, const contact_row* row )
 {
     const float* o = xyzw + (size_t)row->point[row->count - 1] * 4;
     float d[3] = { 0.0f, 0.0f, 0.0f };
@@ -47,73 +63,168 @@ static float distance_of( const float* xyzw, const contact_row* row )
     return row->normal[0] * d[0] + row->normal[1] * d[1] + row->normal[2] * d[2];
 }
 
-static void move( float* xyzw, const float* masses, const contact_row* row, const float by[3] )
+// Find how far the first side moved relative to the second, along the plane.
+static void find_slip( const contact_contact_mesh* s, const contact_row* row, float slip[3] )
+{
+    float along = 0.0f;
+    memset( slip, 0, 3 * sizeof( float ) );
+    for ( int i = 0; i < row->count; ++i )
+    {
+        const float *p = s->now + (size_t)row->point[i] * 4, *q = s->intersection_free + (size_t)row->point[i] * 4;
+        for ( int k = 0; k < 3; ++k )
+        {
+            slip[k] += row->weight[i] * ( p[k] - q[k] );
+        }
+    }
+    for ( int k = 0; k < 3; ++k )
+    {
+        along += row->normal[k] * slip[k];
+    }
+    for ( int k = 0; k < 3; ++k )
+    {
+        slip[k] -= along * row->normal[k];
+    }
+}
+
+// ---- what bodies hold ----
+
+// Return the half space that holds a point of a row, as a row of the kernel half_space, null if none presses on it.
+static inline float* hold_of( const contact_contact_mesh* s, const contact_row* row, int i )
+{
+    float* half = s->colouring->hold[row->point[i]];
+    return half != NULL && half[10] > 0.0f && row->is_squeezed == false ? half : NULL;
+}
+
+// Between two sides that bodies hold, what is left of the mobility would throw them aside: bodies do not count.
+static void note_squeezed( const contact_contact_mesh* s, contact_row* row )
+{
+    float held[2] = { 0.0f, 0.0f };
+    row->is_squeezed = false;
+    for ( int i = 0; i < row->count; ++i )
+    {
+        held[i < row->split ? 0 : 1] += hold_of( s, row, i ) != NULL ? fabsf( row->weight[i] ) : 0.0f;
+    }
+    row->is_squeezed = held[0] > 0.5f && held[1] > 0.5f;
+}
+
+// Return the mobility of a row in a direction, 1/kg: sum w s^2, without what is held along the normal of its body, but
+// at least max w |s| / MAX_LEVER. Where the only free point of a triangle is far from the contact, s is small, and a
+// correction over sum w s^2 would throw it.
+// @param is_lever receives whether a point is a long lever; may be null
+static float mobility_along( const contact_contact_mesh* s, const contact_row* row, const float direction[3],
+                             bool* is_lever )
+{
+    float sum = 0.0f, farthest = 0.0f;
+    for ( int i = 0; i < row->count; ++i )
+    {
+        const float fraction = s->now[(size_t)row->point[i] * 4 + 3] * row->weight[i];
+        const float* half = hold_of( s, row, i );
+        const float along = half != NULL ? contact_dot( half + 3, direction ) : 0.0f;
+        const float free = along * along < HELD ? 1.0f - along * along : 0.0f;
+        sum += fraction * row->weight[i] * free;
+        farthest = contact_larger( farthest, fabsf( fraction ) * sqrtf( free ) );
+    }
+    if ( is_lever != NULL )
+    {
+        *is_lever = sum < farthest / KEPT_LEVER;
+    }
+    return contact_larger( sum, farthest / MAX_LEVER );
+}
+
+// Move the points of a row by an impulse. What presses a point against the half space that holds it goes to its
+// correction instead. @param recovers without velocity
+static void push( contact_contact_mesh* s, const contact_row* row, const float impulse[3], bool recovers )
 {
     for ( int i = 0; i < row->count; ++i )
     {
         const size_t at = (size_t)row->point[i] * 4;
-        const float fraction = masses[at + 3] * row->weight[i];
-        xyzw[at] += fraction * by[0];
-        xyzw[at + 1] += fraction * by[1];
-        xyzw[at + 2] += fraction * by[2];
+        const float fraction = s->now[at + 3] * row->weight[i];
+        float by[3] = { fraction * impulse[0], fraction * impulse[1], fraction * impulse[2] };
+        float* half = hold_of( s, row, i );
+        if ( half != NULL )
+        {
+            const float into = -contact_dot( half + 3, by ), held = contact_larger( into, recovers ? 0.0f : -half[10] );
+            half[10] += recovers ? 0.0f : held;
+            for ( int k = 0; k < 3; ++k )
+            {
+                by[k] += held * half[3 + k];
+            }
+        }
+        for ( size_t k = 0; k < 3; ++k )
+        {
+            s->now[at + k] += by[k];
+            s->shift[at + k] += recovers ? by[k] : 0.0f;
+        }
     }
 }
 
-static void apply_friction( contact_contact_mesh* s, contact_row* row, float inverse )
+// ---- rows ----
+
+// Find the tangential impulse that takes back slip, up to the friction of the row, and add it to those of the row.
+static void add_friction( const contact_contact_mesh* s, contact_row* row, float by[3] )
 {
-    float way[3] = { 0.0f, 0.0f, 0.0f }, by[3];
-    contact_add_way( s, row, 0, row->count, way );
-    contact_find_slip( row, way, row->friction * row->normal_correction, by );
+    const float most = row->friction * row->normal_impulse;
+    float slip[3], direction[3], wanted[3];
+    find_slip( s, row, slip );
+    const float length = sqrtf( contact_dot( slip, slip ) );
     for ( int k = 0; k < 3; ++k )
     {
-        by[k] = inverse * by[k];
+        direction[k] = length > 0.0f ? slip[k] / length : 0.0f;
     }
-    move( s->now, s->now, row, by );
+    const float mobility = mobility_along( s, row, direction, NULL ),
+                taken = mobility > 0.0f ? length / mobility : 0.0f;
+    for ( int k = 0; k < 3; ++k )
+    {
+        wanted[k] = row->tangential_impulse[k] - taken * direction[k];
+    }
+    const float squared = contact_dot( wanted, wanted ), scale = squared > most * most ? most / sqrtf( squared ) : 1.0f;
+    for ( int k = 0; k < 3; ++k )
+    {
+        by[k] += scale * wanted[k] - row->tangential_impulse[k];
+        row->tangential_impulse[k] = scale * wanted[k];
+    }
 }
 
 static void project_row( const contact_work* work, contact_row* row )
 {
     contact_contact_mesh* s = work->contact_mesh;
     const float short_by = row->gap - distance_of( s->now, row );
-    const float sum = short_by > -row->normal_correction ? mobility_of( s, row ) : 0.0f;
-    if ( !( sum > 0.0f ) )
+    if ( !( short_by > 0.0f || row->normal_impulse > 0.0f ) )
     {
         return;
     }
-    const float correction = contact_larger( 0.0f, row->normal_correction + short_by );
-    const float change = correction - row->normal_correction, length = change / sum;
-    const float by[3] = { length * row->normal[0], length * row->normal[1], length * row->normal[2] };
-    row->normal_correction = correction;
-    if ( contact_is_supported( work, row ) )
+    note_squeezed( s, row );
+    const float mobility = mobility_along( s, row, row->normal, &row->is_lever );
+    if ( !( mobility > 0.0f ) )
     {
-        contact_move_supported( work, row, change, sum );
-        if ( row->friction > 0.0f && correction > 0.0f )
-        {
-            contact_apply_pile_friction( work, row );
-        }
-        contact_keep_inside( work, row );
         return;
     }
-    move( s->now, s->now, row, by );
-    if ( row->friction > 0.0f && correction > 0.0f )
+    const float impulse = contact_larger( 0.0f, row->normal_impulse + short_by / mobility ),
+                change = impulse - row->normal_impulse;
+    float by[3] = { change * row->normal[0], change * row->normal[1], change * row->normal[2] };
+    row->normal_impulse = impulse;
+    if ( row->friction > 0.0f )
     {
-        apply_friction( s, row, 1.0f / sum );
+        add_friction( s, row, by );
     }
+    push( s, row, by, false );
 }
 
 static void recover_row( const contact_work* work, contact_row* row )
 {
     contact_contact_mesh* s = work->contact_mesh;
-    const contact_participant* participant = work->participants + (int)s->rest[(size_t)row->point[0] * 4 + 3];
+    const contact_participant* participant = contact_participant_of( work, row->point[0] );
     const float step = participant->settings.max_push_out_speed * work->seconds;
-    const float short_by = contact_smaller( row->requested, row->distance + step ) - distance_of( s->now, row );
-    const float sum = short_by > 0.0f ? mobility_of( s, row ) : 0.0f;
-    if ( sum > 0.0f )
+    const float gap = row->normal_impulse > 0.0f ? PRESSED_GAP * row->requested : row->requested;
+    const bool may_lack = row->distance < gap || row->normal_impulse > 0.0f;
+    const float short_by =
+        may_lack ? contact_smaller( gap, row->distance + step ) - distance_of( s->now, row ) : 0.0f;
+    const float mobility = short_by > 0.0f ? mobility_along( s, row, row->normal, NULL ) : 0.0f;
+    if ( mobility > 0.0f )
     {
-        const float length = contact_smaller( short_by, step ) / sum;
+        const float length = contact_smaller( short_by, step ) / mobility;
         const float by[3] = { length * row->normal[0], length * row->normal[1], length * row->normal[2] };
-        move( s->now, s->now, row, by );
-        move( s->shift, s->now, row, by );
+        push( s, row, by, true );
     }
 }
 
@@ -147,22 +258,190 @@ static void run_all( const contact_work* work, row_fn* run )
     }
 }
 
-// Rows that were projected later have moved points of those before them, so piles need their friction once more.
-static void hold_row( const contact_work* work, contact_row* row )
+// ---- bodies ----
+
+typedef struct bodies_loop
 {
-    if ( row->friction > 0.0f && row->normal_correction > 0.0f && row->mobility > 0.0f )
+    const contact_work* work;
+    const contact_participant* participant;
+    bool presses;
+} bodies_loop;
+
+// Note which half space presses most on each point.
+static void find_holds( const bodies_loop* loop, int begin, int end )
+{
+    const contact_participant* participant = loop->participant;
+    const contact_contact_mesh* s = loop->work->contact_mesh;
+    for ( int i = begin; i < end; ++i )
     {
-        contact_apply_pile_friction( work, row );
-        contact_keep_inside( work, row );
+        const int point = participant->first_point + i;
+        const int found = s->now[(size_t)point * 4 + 3] > 0.0f ? participant->half_spaces[i] : 0;
+        float **hold = s->colouring->hold + point, most = 0.0f;
+        *hold = NULL;
+        for ( int k = 0; k < found && k < WISP_MAX_HALF_SPACES; ++k )
+        {
+            float* half = participant->half_space_row + 16 * ( (size_t)i * WISP_MAX_HALF_SPACES + (size_t)k );
+            *hold = half[10] > most ? half : *hold;
+            most = contact_larger( most, half[10] );
+        }
+    }
+}
+
+// Another sweep over the half spaces of points: what rows pushed into bodies comes out, with friction.
+static void press_on_bodies( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const bodies_loop* loop = context;
+    const contact_participant* participant = loop->participant;
+    contact_contact_mesh* s = loop->work->contact_mesh;
+    const size_t first = (size_t)participant->first_point * 4;
+    int32_t particle_x4[BODY_GRAIN + WISP_SLICE], row_x16[BODY_GRAIN + WISP_SLICE];
+    const wisp_half_space_args args = { s->now + first, s->intersection_free + first, participant->half_space_row,
+                                        particle_x4, row_x16 };
+    for ( int k = 0; k < WISP_MAX_HALF_SPACES && loop->presses; ++k )
+    {
+        int count = 0;
+        for ( int i = begin; i < end; ++i )
+        {
+            particle_x4[count] = 4 * i;
+            row_x16[count] = 16 * ( WISP_MAX_HALF_SPACES * i + k );
+            count += participant->half_spaces[i] > k && s->now[first + 4 * (size_t)i + 3] > 0.0f ? 1 : 0;
+        }
+        for ( int i = count; count > 0 && i % WISP_SLICE != 0; ++i )
+        {
+            particle_x4[i] = particle_x4[count - 1];
+            row_x16[i] = row_x16[count - 1];
+        }
+        wisp_frame_kernels( loop->work->frame )->half_space( &args, 0, count );
+    }
+    find_holds( loop, begin, end );
+}
+
+static void project_bodies( const contact_work* work, bool presses )
+{
+    contact_contact_mesh* s = work->contact_mesh;
+    for ( int g = 0; g < work->participant_count; ++g )
+    {
+        bodies_loop loop = { work, work->participants + g, presses };
+        if ( loop.participant->half_spaces != NULL && loop.participant->half_space_row != NULL )
+        {
+            wisp_parallel_for( work->parallel, loop.participant->point_count, BODY_GRAIN, press_on_bodies, &loop );
+        }
+        else
+        {
+            memset( s->colouring->hold + loop.participant->first_point, 0,
+                    (size_t)loop.participant->point_count * sizeof( float* ) );
+        }
+    }
+}
+
+static void press_row( const contact_work* work, contact_row* row )
+{
+    if ( row->normal_impulse > 0.0f )
+    {
+        project_row( work, row );
     }
 }
 
 void contact_project_rows( const contact_work* work )
 {
     run_all( work, project_row );
-    if ( work->contact_mesh->supports->any )
+    project_bodies( work, true );
+    run_all( work, press_row ); // a heavy sheet on two light ones comes to rest by it
+    project_bodies( work, true );
+}
+
+// ---- impulses that outlive the substep ----
+
+// Return where a pair keeps its impulse, or else the first free place for it, or null. The first point with a free place
+// ends the search. Strands keep none.
+static float* find_kept( const contact_work* work, const contact_row* row, bool is_new )
+{
+    for ( int i = 0; i < row->count; ++i )
     {
-        run_all( work, hold_row );
+        const contact_participant* participant = contact_participant_of( work, row->point[i] );
+        contact_load* load =
+            participant->loads != NULL ? participant->loads + ( row->point[i] - participant->first_point ) : NULL;
+        for ( int k = 0; k < CONTACT_KEPT && load != NULL; ++k )
+        {
+            if ( load->key[k] == row->key )
+            {
+                return load->impulse[k];
+            }
+            if ( load->key[k] == 0 )
+            {
+                if ( is_new )
+                {
+                    load->key[k] = row->key;
+                }
+                return is_new ? load->impulse[k] : NULL;
+            }
+        }
+    }
+    return NULL;
+}
+
+static void warm_rows( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const contact_work* work = context;
+    for ( int r = begin; r < end; ++r )
+    {
+        contact_row* row = work->contact_mesh->constraints->rows + r;
+        const bool may_press = row->distance < WARM_GAP * row->requested;
+        const float* kept = may_press ? find_kept( work, row, false ) : NULL;
+        if ( kept != NULL )
+        {
+            row->normal_impulse = kept[0];
+            memcpy( row->tangential_impulse, kept + 1, sizeof( row->tangential_impulse ) );
+        }
+    }
+}
+
+static void push_warm( const contact_work* work, contact_row* row )
+{
+    float by[3];
+    for ( int k = 0; k < 3; ++k )
+    {
+        by[k] = row->normal_impulse * row->normal[k] + row->tangential_impulse[k];
+    }
+    if ( row->normal_impulse > 0.0f )
+    {
+        note_squeezed( work->contact_mesh, row );
+        push( work->contact_mesh, row, by, false );
+    }
+}
+
+void contact_start_warm( const contact_work* work )
+{
+    wisp_parallel_for( work->parallel, work->contact_mesh->constraints->row_count, WARM_GRAIN, warm_rows,
+                       (void*)(uintptr_t)work );
+    project_bodies( work, false );
+    run_all( work, push_warm );
+    project_bodies( work, true );
+}
+
+void contact_keep_impulses( const contact_work* work )
+{
+    const contact_contact_mesh* s = work->contact_mesh;
+    for ( int g = 0; g < work->participant_count; ++g )
+    {
+        const contact_participant* participant = work->participants + g;
+        if ( participant->loads != NULL && participant->is_left_out == false )
+        {
+            memset( participant->loads, 0, (size_t)participant->point_count * sizeof( contact_load ) );
+        }
+    }
+    for ( int r = 0; r < s->constraints->row_count; ++r )
+    {
+        const contact_row* row = s->constraints->rows + r;
+        const bool keeps = row->normal_impulse > 0.0f && ( row->is_lever || row->is_squeezed ) == false;
+        float* kept = keeps ? find_kept( work, row, true ) : NULL;
+        if ( kept != NULL )
+        {
+            kept[0] = row->normal_impulse;
+            memcpy( kept + 1, row->tangential_impulse, sizeof( row->tangential_impulse ) );
+        }
     }
 }
 
@@ -244,8 +523,11 @@ static void colour_blocks( contact_contact_mesh* s )
 bool contact_reserve_colouring( const contact_work* work )
 {
     contact_colouring* c = work->contact_mesh->colouring;
-    return contact_reserve( work, &c->point_buffer, (size_t)work->contact_mesh->point_count * sizeof( *c->of_point ),
-                            (void**)&c->of_point );
+    const size_t points = (size_t)work->contact_mesh->point_count;
+    const bool enough = contact_reserve(
+        work, &c->point_buffer, points * ( sizeof( *c->of_point ) + sizeof( *c->hold ) ), (void**)&c->of_point );
+    c->hold = enough ? (float**)( c->of_point + points ) : NULL;
+    return enough;
 }
 
 wisp_status contact_colour_rows( const contact_work* work, wisp_error* error )

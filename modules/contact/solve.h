@@ -4,6 +4,12 @@
 #include "constraints.h"
 #include "contact_mesh.h"
 
+/// Begin with the impulses that pairs had in the substep before.
+void contact_start_warm( const contact_work* work );
+
+/// Keep the impulses for the next substep.
+void contact_keep_impulses( const contact_work* work );
+
 /// Project all constraints once, with friction.
 void contact_project_rows( const contact_work* work );
 
@@ -24,6 +30,7 @@ typedef struct contact_colouring
     int32_t* order;                      // [count] blocks by colour
     int32_t colour[CONTACT_COLOURS + 1]; // first of a colour in `order`
     uint64_t* of_point;                  // [point] a bit for each colour that has it
+    float** hold;                        // [point] half space that presses on it most; null: none
     wisp_buffer buffers[3], point_buffer;
 } contact_colouring;
 
