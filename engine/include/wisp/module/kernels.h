@@ -356,6 +356,14 @@ typedef struct wisp_kernels
     /// The same of instances. @param shapes [count][lane / 8] @return a bit for each lane that cannot be done here
     uint32_t ( *instances_stay_outside )( const wisp_instances_args* args, const wisp_shape_lanes* shapes,
                                           int count );
+    void ( *clear_particles )( const wisp_clear_args* args, int begin, int end );
+    /// List the primitives of which a point may come within twice the thickness of a shape in the step. @return how many
+    int ( *find_near_primitives )( const wisp_primitive_paths* args, int begin, int end, int32_t* near );
+    /// Find the points of primitives that meet a shape that all share: where their path is stopped, or at its end, if that is near and
+    /// deeper than the corners. A triangle meets it only in a point that is not on its border.
+    /// @param thickness [count, padded to a multiple of 8] m; null: that of the shape @return how many meet it
+    int ( *meet_shape )( const wisp_primitive_paths* args, const wisp_shape_lanes* shape, const float* thickness,
+                         const int32_t* primitives, int count, wisp_primitive_meeting* out );
     /// Bound the paths of particles with inverse mass. @param lower, upper [3] m
     void ( *bound_paths )( const float* position, const float* previous, int begin, int end, float* lower,
                            float* upper );
