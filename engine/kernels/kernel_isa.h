@@ -130,6 +130,8 @@ void KERNEL( strand_rod )( const wisp_strand_rod_args* args, int begin, int end 
 void KERNEL( strand_contact_begin )( const wisp_strand_contact_args* args, int group, bool first_iteration,
                                      wisp_strand_bounds* reach );
 void KERNEL( strand_contact )( const wisp_strand_contact_args* args, int begin, int end );
+uint32_t KERNEL( strand_see_row )( const wisp_strand_contact_args* args, int row, const float* free,
+                                   const float* origin, wisp_strand_row* out );
 void KERNEL( strand_target )( const wisp_strand_target_args* args, int begin, int end );
 void KERNEL( strand_ghost )( const wisp_strand_ghost_args* args, int begin, int end );
 void KERNEL( strand_ghost_blend )( const wisp_strand_ghost_args* args, int begin, int end );

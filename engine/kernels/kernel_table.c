@@ -122,6 +122,7 @@ const wisp_kernels LANE_JOIN( kernels_, WISP_KERNEL_ISA ) = {
     .strand_rod = KERNEL( strand_rod ),
     .strand_contact_begin = KERNEL( strand_contact_begin ),
     .strand_contact = KERNEL( strand_contact ),
+    .strand_see_row = KERNEL( strand_see_row ),
     .strand_target = KERNEL( strand_target ),
     .strand_ghost = KERNEL( strand_ghost ),
     .strand_ghost_blend = KERNEL( strand_ghost_blend ),

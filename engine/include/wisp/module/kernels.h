@@ -405,6 +405,11 @@ typedef struct wisp_kernels
     void ( *strand_contact_begin )( const wisp_strand_contact_args* args, int group, bool first_iteration,
                                     wisp_strand_bounds* reach );
     void ( *strand_contact )( const wisp_strand_contact_args* args, int begin, int end );
+    /// See a row from a body whose points are queried one by one.
+    /// @param free [16] m, from `origin`, [3][16] in the frame of the body, on within which it does not come; null: none
+    /// @return a bit for each vertex with inverse mass to which something may be near
+    uint32_t ( *strand_see_row )( const wisp_strand_contact_args* args, int row, const float* free,
+                                  const float* origin, wisp_strand_row* out );
     void ( *strand_target )( const wisp_strand_target_args* args, int begin, int end );
     void ( *strand_ghost )( const wisp_strand_ghost_args* args, int begin, int end );
     void ( *strand_ghost_blend )( const wisp_strand_ghost_args* args, int begin, int end ); ///< of several targets
