@@ -102,6 +102,10 @@ bool KERNEL( half_space_rows )( const wisp_half_space_rows_args* args, int count
 uint32_t KERNEL( stay_outside )( const wisp_outside_args* args, int begin, int end );
 uint32_t KERNEL( instances_stay_outside )( const wisp_instances_args* args, const wisp_shape_lanes* shapes,
                                            int count );
+void KERNEL( clear_particles )( const wisp_clear_args* args, int begin, int end );
+int KERNEL( find_near_primitives )( const wisp_primitive_paths* args, int begin, int end, int32_t* near );
+int KERNEL( meet_shape )( const wisp_primitive_paths* args, const wisp_shape_lanes* shape, const float* thickness,
+                          const int32_t* primitives, int count, wisp_primitive_meeting* out );
 void KERNEL( bound_paths )( const float* position, const float* previous, int begin, int end, float* lower,
                             float* upper );
 void KERNEL( instances_bound_paths )( const wisp_instances_args* args, float* lower, float* upper );
@@ -128,6 +132,8 @@ void KERNEL( strand_rod )( const wisp_strand_rod_args* args, int begin, int end 
 void KERNEL( strand_contact_begin )( const wisp_strand_contact_args* args, int group, bool first_iteration,
                                      wisp_strand_bounds* reach );
 void KERNEL( strand_contact )( const wisp_strand_contact_args* args, int begin, int end );
+uint32_t KERNEL( strand_see_row )( const wisp_strand_contact_args* args, int row, const float* free,
+                                   const float* origin, wisp_strand_row* out );
 void KERNEL( strand_target )( const wisp_strand_target_args* args, int begin, int end );
 void KERNEL( strand_ghost )( const wisp_strand_ghost_args* args, int begin, int end );
 void KERNEL( strand_ghost_blend )( const wisp_strand_ghost_args* args, int begin, int end );

@@ -16,7 +16,7 @@
 // with the sums N of pushes and f of friction in the substep, so that friction in turns with lengths feels their tension.
 // Turns converge slowly, so a vertex that one body pushes starts with N and f of the last substep, out = max( N, .. ), and
 // turns may take back what they or this gave, out >= -N, so that N stays >= 0.
-#include "kernel_isa.h"
+#include "pose.h"
 
 #include "wisp/module/taper.h"
 
@@ -258,6 +258,29 @@ static bool is_beyond( const wisp_strand_contact_args* args, const contact_body*
     return lane16m_all( lane16_gt( lane16v_dot( d, d ), lane16_mul( rounded, limit ) ) );
 }
 
+// Finds what sums of a row let a body do.
+typedef struct contact_sums
+{
+    lane16 held, number, least,
+        reach; // least: m, push, below 0 what may be taken back or was that of the last substep
+    lane16m is_held, is_own, starts;
+} contact_sums;
+
+static contact_sums find_sums( const wisp_strand_contact_args* args, size_t row, lane16 sum )
+{
+    const lane16 zero = lane16_zero(), own = lane16_set1( args->body_number );
+    contact_sums s = { .held = lane16_max( sum, zero ), .number = lane16_load( args->body + row * WISP_LANES ) };
+    s.is_held = lane16_gt( sum, zero );
+    s.is_own = lane16_eq( s.number, own );
+    s.starts = lane16m_and( lane16m_first( args->starts ? WISP_LANES : 0 ),
+                            lane16m_and( s.is_own, lane16_lt( sum, zero ) ) );
+    const lane16m gives =
+        lane16m_and( lane16m_first( args->gives_back ? WISP_LANES : 0 ), lane16m_and( s.is_own, s.is_held ) );
+    s.least = lane16_select( lane16m_or( s.starts, gives ), lane16_neg( sum ), zero );
+    s.reach = lane16_select( gives, lane16_set1( INFINITY ), lane16_add( lane16_set1( args->thickness ), s.least ) );
+    return s;
+}
+
 static void touch_row( const wisp_strand_contact_args* args, const contact_body* body, size_t row )
 {
     float *at = args->position + row * STRIDE, *from = args->previous + row * STRIDE;
@@ -268,18 +291,12 @@ static void touch_row( const wisp_strand_contact_args* args, const contact_body*
         return;
     }
     float *remaining = args->remaining_depth + row * WISP_LANES, *numbers = args->body + row * WISP_LANES;
-    lane16 zero = lane16_zero(), sum = lane16_load( normal_sum ), held = lane16_max( sum, zero );
-    lane16 number = lane16_load( numbers ), own = lane16_set1( args->body_number );
-    lane16m is_held = lane16_gt( sum, zero ), is_own = lane16_eq( number, own );
-    lane16m starts =
-        lane16m_and( lane16m_first( args->starts ? WISP_LANES : 0 ), lane16m_and( is_own, lane16_lt( sum, zero ) ) );
-    lane16m gives = lane16m_and( lane16m_first( args->gives_back ? WISP_LANES : 0 ), lane16m_and( is_own, is_held ) );
-    lane16 least = lane16_select( lane16m_or( starts, gives ), lane16_neg( sum ), zero );
-    lane16 reach = lane16_select( gives, lane16_set1( INFINITY ), lane16_add( body->thickness, least ) );
+    const lane16 zero = lane16_zero(), sum = lane16_load( normal_sum );
+    const contact_sums sums = find_sums( args, row, sum );
     lane16v local = to_body( &body->after, p );
     const contact_surface s = closest( body, local );
     lane16m moves = lane16_gt( lane16_load( args->inverse_mass + row * WISP_LANES ), zero );
-    lane16m touches = lane16m_and( moves, lane16_lt( s.distance, reach ) );
+    lane16m touches = lane16m_and( moves, lane16_lt( s.distance, sums.reach ) );
     if ( lane16m_any( touches ) == false )
     {
         return;
@@ -287,17 +304,17 @@ static void touch_row( const wisp_strand_contact_args* args, const contact_body*
     lane16v previous = lane16v_load( from );
     lane16 start = closest( body, to_body( &body->before, previous ) ).distance;
     const contact_correction correction =
-        find_correction( body, start, s.distance, lane16_load( args->allowed_depth + row * WISP_LANES ), least );
+        find_correction( body, start, s.distance, lane16_load( args->allowed_depth + row * WISP_LANES ), sums.least );
     lane16v normal = turn( body->after.axis, body->after.w, s.normal );
     lane16v out = lane16v_mul_add( p, correction.out, normal );
     lane16v moved = lane16v_mul_add( previous, lane16_add( correction.recovered, correction.damped ), normal );
 
-    lane16 push = lane16_max( lane16_sub( correction.out, correction.recovered ), least );
-    lane16 deepest = lane16_load( remaining ), total = lane16_add( held, push );
+    lane16 push = lane16_max( lane16_sub( correction.out, correction.recovered ), sums.least );
+    lane16 deepest = lane16_load( remaining ), total = lane16_add( sums.held, push );
     lane16v rubbed = lane16v_load( args->friction + row * STRIDE ), last = tangential( rubbed, normal );
-    lane16v before = lane16v_select( is_held, last, lane16v_set1( ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ) );
+    lane16v before = lane16v_select( sums.is_held, last, lane16v_set1( ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ) );
     lane16v u = tangential( lane16v_sub( lane16v_sub( out, moved ), surface_motion( body, local, &s ) ), normal );
-    lane16v friction = find_friction( body, lane16v_select( starts, last, lane16v_add( before, u ) ), total );
+    lane16v friction = find_friction( body, lane16v_select( sums.starts, last, lane16v_add( before, u ) ), total );
     out = lane16v_sub( out, lane16v_sub( friction, before ) );
 
     lane16v_store( at, lane16v_select( touches, out, p ) );
@@ -305,8 +322,55 @@ static void touch_row( const wisp_strand_contact_args* args, const contact_body*
     lane16v_store( args->friction + row * STRIDE, lane16v_select( touches, friction, rubbed ) );
     lane16_store( normal_sum, lane16_select( touches, total, sum ) );
     lane16_store( remaining, lane16_select( touches, lane16_max( deepest, correction.remaining ), deepest ) );
-    lane16 pusher = lane16_select( lane16m_and_not( is_held, is_own ), lane16_set1( -1.0f ), own );
-    lane16_store( numbers, lane16_select( touches, pusher, number ) );
+    lane16 pusher = lane16_select( lane16m_and_not( sums.is_held, sums.is_own ), lane16_set1( -1.0f ),
+                                   lane16_set1( args->body_number ) );
+    lane16_store( numbers, lane16_select( touches, pusher, sums.number ) );
+}
+
+// ---- a row, for queries one by one ----
+
+// Sees half a row from a body. A frame of the world changes nothing.
+static void see_half( wisp_transform pose, const float* rows, float ( *seen )[WISP_LANES], int half )
+{
+    const wisp_vec3 t = pose.translation;
+    const bool is_turned = pose_is_turned( pose.rotation ),
+               is_world = is_turned == false && t.x == 0.0f && t.y == 0.0f && t.z == 0.0f;
+    const float* at = rows + half;
+    const lane8v p = { lane8_loadu( at ), lane8_loadu( at + WISP_LANES ), lane8_loadu( at + 2 * WISP_LANES ) },
+                 e = is_world ? p : pose_to_local( pose, is_turned, p );
+    lane8_storeu( seen[0] + half, e.x );
+    lane8_storeu( seen[1] + half, e.y );
+    lane8_storeu( seen[2] + half, e.z );
+}
+
+static lane16v load_seen( float ( *seen )[WISP_LANES] )
+{
+    return ( lane16v ){ lane16_loadu( seen[0] ), lane16_loadu( seen[1] ), lane16_loadu( seen[2] ) };
+}
+
+uint32_t KERNEL( strand_see_row )( const wisp_strand_contact_args* args, int row, const float* free,
+                                   const float* origin, wisp_strand_row* out )
+{
+    const size_t at = (size_t)row * WISP_LANES;
+    for ( int half = 0; half < WISP_LANES; half += WISP_LANES / 2 )
+    {
+        see_half( args->before, args->previous + (size_t)row * STRIDE, out->from, half );
+        see_half( args->after, args->position + (size_t)row * STRIDE, out->to, half );
+    }
+    const lane16v to = load_seen( out->to );
+    const lane16 path = lane16v_length( lane16v_sub( to, load_seen( out->from ) ) );
+    const lane16 reach = find_sums( args, (size_t)row, lane16_load( args->normal_correction + at ) ).reach,
+                 near = lane16_max( lane16_add( lane16_set1( args->thickness ), path ), reach );
+    lane16_storeu( out->path, path );
+    lane16_storeu( out->near, near );
+    lane16m moves = lane16_gt( lane16_load( args->inverse_mass + at ), lane16_zero() );
+    if ( free != NULL )
+    {
+        const lane16v away = lane16v_sub( to, lane16v_load( origin ) );
+        const lane16m is_free = lane16_gt( lane16_sub( lane16_load( free ), lane16v_length( away ) ), near );
+        moves = lane16m_and_not( moves, is_free );
+    }
+    return lane16m_bits( moves );
 }
 
 // ---- before the first body ----

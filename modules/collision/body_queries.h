@@ -29,6 +29,9 @@ float collision_ball_distance( const collision_view* view, wisp_vec3 lower, wisp
 void collision_closest( const collision_view* view, const wisp_mesh_query* queries, int count,
                         wisp_surface_point* nearest, bool* found, wisp_vec3* motion );
 
+/// Write a closed form in the substep into a lane. @param recovery m, by which what starts too near is moved out
+void collision_set_shape( wisp_shape_lanes* s, int lane, const collision_view* view, float recovery );
+
 /// What a vertex keeps of a body that is tracked.
 typedef struct collision_track
 {

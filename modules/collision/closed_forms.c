@@ -55,7 +55,7 @@ static void set_motion( wisp_shape_lanes* s, int lane, const collision_view* vie
     s->shift[lane] = rounding * ( ( 1.0f + rate ) * motion.shift + turned );
 }
 
-static void set_shape( wisp_shape_lanes* s, int lane, const collision_view* view, float recovery )
+void collision_set_shape( wisp_shape_lanes* s, int lane, const collision_view* view, float recovery )
 {
     static const wisp_vec3 AXES[3] = { { 1.0f, 0.0f, 0.0f }, { 0.0f, 1.0f, 0.0f }, { 0.0f, 0.0f, 1.0f } };
     const wisp_quat before = view->before.rotation, after = view->after.rotation;
@@ -146,7 +146,7 @@ static bool list_shapes( wisp_frame* frame, const wisp_span* span, const collisi
             return false;
         }
         shapes[*count].turns = false;
-        set_shape( shapes + ( *count )++, 0, &view, recovery );
+        collision_set_shape( shapes + ( *count )++, 0, &view, recovery );
     }
     return true;
 }
@@ -230,7 +230,7 @@ static bool list_lane( wisp_frame* frame, const wisp_span* span, const collision
         {
             return false;
         }
-        set_shape( rows[row++] + lane / LANES, lane % LANES, &view, recovery );
+        collision_set_shape( rows[row++] + lane / LANES, lane % LANES, &view, recovery );
     }
     return true;
 }

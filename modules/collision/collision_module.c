@@ -42,13 +42,19 @@
 
 #define COLLISION_ALL_FEATURES_COLUMNS( X )                                                                          \
     X( int32_t, active_edges, 1 ) /* those with contacts in this substep */                                          \
-    X( int32_t, active_triangles, 1 )
+    X( int32_t, active_triangles, 1 )                                                                                \
+    X( int32_t, near_edges, 1 ) /* those that may have some in this step */                                          \
+    X( int32_t, near_triangles, 1 )                                                                                  \
+    X( float, longest, 1 ) /* m, somewhat more than the longest edge at rest */
 #define COLLISION_PRIMITIVE_CONTACT_COLUMNS( X )                                                                     \
     X( int32_t, found, 1 )  /* contacts, those left out included */                                                  \
     X( int32_t, active, 1 ) /* a list: those with contacts */                                                        \
+    X( int32_t, near, 1 )   /* a list: those that may have some in this step */                                      \
     X( collision_primitive_contact, contacts, COLLISION_PRIMITIVE_CONTACTS )
 
-#define COLLISION_CLEARANCE_COLUMNS( X ) X( float, clearance, 1 ) /* m, beyond reach of all bodies in this substep */
+#define COLLISION_CLEARANCE_COLUMNS( X )                                                                             \
+    X( int32_t, words, 1 ) /* as in wisp_clear_args */                                                               \
+    X( float, place, 4 )
 
 static const wisp_column_def SETTINGS_COLUMNS[] = { COLLISION_SETTINGS_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def ACTIVE_COLUMNS[] = { COLLISION_ACTIVE_COLUMNS( WISP_COLUMN_DEF ) };
@@ -197,8 +203,12 @@ static wisp_status declare_indices( wisp_registry* r, const collision_state* s )
         { .component = s->reaction_part, .kind = WISP_INDEX_SAME },
         { .component = s->all_features, .kind = WISP_INDEX_COUNT, .table = WISP_TABLE_EDGE },
         { .component = s->all_features, .column = 1, .kind = WISP_INDEX_COUNT, .table = WISP_TABLE_TRIANGLE },
+        { .component = s->all_features, .column = 2, .kind = WISP_INDEX_COUNT, .table = WISP_TABLE_EDGE },
+        { .component = s->all_features, .column = 3, .kind = WISP_INDEX_COUNT, .table = WISP_TABLE_TRIANGLE },
         { .component = s->edge_contacts, .column = 1, .kind = WISP_INDEX_ROW, .table = WISP_TABLE_EDGE },
+        { .component = s->edge_contacts, .column = 2, .kind = WISP_INDEX_ROW, .table = WISP_TABLE_EDGE },
         { .component = s->triangle_contacts, .column = 1, .kind = WISP_INDEX_ROW, .table = WISP_TABLE_TRIANGLE },
+        { .component = s->triangle_contacts, .column = 2, .kind = WISP_INDEX_ROW, .table = WISP_TABLE_TRIANGLE },
     };
     return wisp_declare_indices( r, ranges, WISP_COUNT( ranges ) );
 }

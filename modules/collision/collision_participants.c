@@ -298,6 +298,11 @@ static wisp_status check_features( wisp_world* world, wisp_entity participant, w
 static wisp_status apply( wisp_world* world, collision_state* state, wisp_entity participant, bool all_features )
 {
     wisp_status status = all_features ? wisp_world_attach( world, participant, state->all_features ) : WISP_OK;
+    float* longest = wisp_world_column( world, participant, state->all_features, 4 );
+    if ( longest != NULL )
+    {
+        *longest = 1.25f * wisp_world_rest_lengths( world, participant ).longest;
+    }
     status = status == WISP_OK ? update( world, state, participant ) : status;
     status = status == WISP_OK ? collision_update_bounces( world, state ) : status;
     status = status == WISP_OK ? collision_update_reactions( world, state ) : status;

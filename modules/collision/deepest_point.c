@@ -43,40 +43,11 @@ static wisp_vec3 blend( wisp_vec3 a, wisp_vec3 b, float s )
     return ( wisp_vec3 ){ a.x + s * ( b.x - a.x ), a.y + s * ( b.y - a.y ), a.z + s * ( b.z - a.z ) };
 }
 
-static wisp_vec3 times( float s, wisp_vec3 v )
-{
-    return ( wisp_vec3 ){ s * v.x, s * v.y, s * v.z };
-}
-
-static float clamped( float x, float half )
-{
-    return collision_larger( -half, collision_smaller( half, x ) );
-}
-
-// As wisp_shape_closest(), in single precision for the simple shapes outside of their middle. The search calls it most of all.
-static bool closest( const wisp_shape* shape, wisp_vec3 p, wisp_surface_point* out )
-{
-    const bool is_box = shape->kind == WISP_SHAPE_BOX, is_capsule = shape->kind == WISP_SHAPE_CAPSULE;
-    const wisp_vec3 h = shape->half_extent;
-    wisp_vec3 core = { 0.0f, 0.0f, 0.0f };
-    core = is_capsule ? ( wisp_vec3 ){ 0.0f, clamped( p.y, shape->half_length ), 0.0f } : core;
-    core = is_box ? ( wisp_vec3 ){ clamped( p.x, h.x ), clamped( p.y, h.y ), clamped( p.z, h.z ) } : core;
-    const wisp_vec3 away = wisp_v3_sub( p, core );
-    const float length = wisp_v3_length( away ), radius = is_box ? 0.0f : shape->radius;
-    if ( ( is_box || is_capsule || shape->kind == WISP_SHAPE_SPHERE ) && length > 1e-12f && length < 1e9f )
-    {
-        const wisp_vec3 n = times( 1.0f / length, away );
-        *out = ( wisp_surface_point ){ wisp_v3_mul_add( core, radius, n ), n, length - radius };
-        return true;
-    }
-    return wisp_shape_closest( shape, p, out );
-}
-
 static bool evaluate( const line* l, float at, tangent* out )
 {
     out->at = at;
     out->inner = 0.0f;
-    if ( closest( l->shape, wisp_v3_mul_add( l->from, at, l->along ), &out->surface ) == false )
+    if ( wisp_shape_closest( l->shape, wisp_v3_mul_add( l->from, at, l->along ), &out->surface ) == false )
     {
         return false;
     }
@@ -86,12 +57,13 @@ static bool evaluate( const line* l, float at, tangent* out )
     return true;
 }
 
-// Return where two tangents meet, between their points and not close to them.
-static float meeting_point( const tangent* a, const tangent* b )
+// Find where two tangents meet, which is below all between. @return a place there that is not close to their points
+static float meeting_point( const tangent* a, const tangent* b, float* bound )
 {
     const float width = b->at - a->at, fall = a->slope - b->slope;
     const float t = fall < 0.0f ? ( b->bound - a->bound - b->slope * width ) / fall : 0.5f * width;
     const float least = 0.02f * width;
+    *bound = a->bound + a->slope * t;
     return a->at + collision_larger( least, collision_smaller( width - least, t ) );
 }
 
@@ -114,8 +86,8 @@ static bool minimise( const line* l, evaluate_fn* evaluate_at, tangent* out )
     tangent best = a.surface.distance <= b.surface.distance ? a : b;
     for ( int cut = 0; cut < CUTS; ++cut )
     {
-        const float at = meeting_point( &a, &b );
-        const float bound = collision_larger( a.bound + a.slope * ( at - a.at ), b.bound + b.slope * ( at - b.at ) );
+        float bound;
+        const float at = meeting_point( &a, &b, &bound );
         if ( best.surface.distance - bound <= l->tolerance )
         {
             break;
@@ -186,7 +158,7 @@ float collision_bound_deepest( const wisp_shape* shape, const wisp_vec3* corners
     for ( int k = 0; k < corner_count; ++k )
     {
         wisp_surface_point s;
-        if ( closest( shape, corners[k], &s ) == false )
+        if ( wisp_shape_closest( shape, corners[k], &s ) == false )
         {
             return -INFINITY;
         }

@@ -27,9 +27,11 @@
 enum
 {
     PRIMITIVE_GRAIN = 256, // primitives, or particles, of a task
+    CLEAR_SHAPES = 8,      // bodies from which particles are cleared together
 };
 
 // Fractions of the thickness: distance at which a path is stopped, error of the deepest point, what corners may leave.
+static const float ROOM = 0.06f; // beyond the paths that are expected of particles in a step
 static const float STOP = 0.1f, TOLERANCE = 0.005f, LEFT_TO_CORNERS = 0.05f;
 
 collision_primitives collision_primitives_of( wisp_frame* frame, wisp_entity e, const collision_state* state,
@@ -44,8 +46,10 @@ collision_primitives collision_primitives_of( wisp_frame* frame, wisp_entity e, 
         .corner_count = corner_count,
         .found = wisp_frame_column( frame, e, component, 0 ),
         .active = wisp_frame_column( frame, e, component, 1 ),
-        .contacts = wisp_frame_column( frame, e, component, 2 ),
+        .near = wisp_frame_column( frame, e, component, 2 ),
+        .contacts = wisp_frame_column( frame, e, component, 3 ),
         .active_count = wisp_frame_column( frame, e, state->all_features, is_edges ? 0 : 1 ),
+        .near_count = wisp_frame_column( frame, e, state->all_features, is_edges ? 2 : 3 ),
     };
 }
 
@@ -59,8 +63,16 @@ typedef struct find_loop
     const int32_t* contact_counts; // [slot] of particles
     collision_contact ( *particle_contacts )[WISP_COLLISION_CONTACTS];
     collision_maps maps;
-    float* clearance; // [slot] m, less the reach: distance of the path of a particle from all bodies, or less
+    wisp_clear_args clear;
+    float longest; // m, edge
 } find_loop;
+
+static wisp_primitive_paths paths_of( const find_loop* loop )
+{
+    const collision_primitives* p = &loop->primitives;
+    return ( wisp_primitive_paths ){ loop->position,    loop->previous,    p->corners,      p->corner_count,
+                                     loop->clear.place, loop->clear.words, loop->clear.away };
+}
 
 // ---- a primitive and a body ----
 
@@ -225,29 +237,25 @@ int collision_meet_body( const collision_view* view, const primitive_path* path,
     return meets && ( path->corner_count == 2 || is_on_border( &out->deepest ) == false ) ? 1 : 0;
 }
 
-static void meet_body( const find_loop* loop, const collision_view* of_all, int primitive )
+bool collision_take_meeting( const collision_view* view, const primitive_path* path,
+                             const wisp_primitive_meeting* met, collision_meeting* out )
+{
+    wisp_vec3 corners[3], p = { 0.0f, 0.0f, 0.0f };
+    *out = ( collision_meeting ){ .motion = p };
+    corners_at( path, met->time, corners );
+    for ( int k = 0; k < path->corner_count; ++k )
+    {
+        out->deepest.weights[k] = met->weights[k];
+        p = wisp_v3_mul_add( p, met->weights[k], corners[k] );
+    }
+    return wisp_shape_closest( &view->body->shape, p, &out->deepest.surface );
+}
+
+static void add_meetings( const find_loop* loop, const collision_view* view, int primitive,
+                          const primitive_path* path, const collision_meeting* meetings, int count )
 {
     const collision_primitives* p = &loop->primitives;
     const int32_t* corners = p->corners + (size_t)primitive * (size_t)p->corner_count;
-    const collision_view* view = of_all;
-    collision_view of_this;
-    if ( loop->maps.thickness != NULL || loop->maps.friction != NULL )
-    {
-        of_this = *of_all;
-        collision_view_at( &loop->maps, corners, p->corner_count, &of_this );
-        view = &of_this;
-    }
-    primitive_path path;
-    collision_meeting meetings[COLLISION_PRIMITIVE_CONTACTS];
-    if ( load_path( loop, view, corners, &path ) == false )
-    {
-        return;
-    }
-    if ( collision_has_features( view->body ) )
-    {
-        load_planes( loop, view, corners, &path );
-    }
-    const int count = collision_meet_body( view, &path, meetings );
     for ( int i = 0; i < count; ++i )
     {
         if ( is_pinned( loop, corners, &meetings[i].deepest ) )
@@ -257,56 +265,163 @@ static void meet_body( const find_loop* loop, const collision_view* of_all, int 
         const int place = p->found[primitive]++;
         if ( place < COLLISION_PRIMITIVE_CONTACTS )
         {
-            write_contact( loop, view, corners, &path, &meetings[i], &p->contacts[primitive][place] );
+            write_contact( loop, view, corners, path, &meetings[i], &p->contacts[primitive][place] );
         }
     }
+}
+
+// Add the contacts of a primitive and a body. @param met where it meets a closed form, else null
+static void meet_body( const find_loop* loop, const collision_view* of_all, int primitive,
+                       const wisp_primitive_meeting* met )
+{
+    const collision_primitives* p = &loop->primitives;
+    const int32_t* corners = p->corners + (size_t)primitive * (size_t)p->corner_count;
+    collision_view view = *of_all;
+    collision_view_at( &loop->maps, corners, p->corner_count, &view );
+    primitive_path path;
+    collision_meeting meetings[COLLISION_PRIMITIVE_CONTACTS];
+    if ( load_path( loop, &view, corners, &path ) == false )
+    {
+        return;
+    }
+    if ( collision_has_features( view.body ) )
+    {
+        load_planes( loop, &view, corners, &path );
+    }
+    const int count = met == NULL ? collision_meet_body( &view, &path, meetings )
+                                  : ( collision_take_meeting( &view, &path, met, meetings ) ? 1 : 0 );
+    add_meetings( loop, &view, primitive, &path, meetings, count );
+}
+
+// ---- what may meet a body in the step ----
+
+// What a body reaches in the rest of the step; of what is no closed form its box.
+static void set_reach( const collision_view* view, wisp_shape_lanes* shape )
+{
+    collision_view seen = *view;
+    collision_body box = *view->body;
+    if ( collision_is_closed_form( &box ) == false )
+    {
+        box.shape = ( wisp_shape ){ .kind = WISP_SHAPE_BOX, .half_extent = box.half };
+        seen.before.translation = wisp_transform_to_world( view->before, box.centre );
+        seen.after.translation = wisp_transform_to_world( view->after, box.centre );
+        seen.body = &box;
+    }
+    const float around = wisp_v3_length( view->body->centre );
+    collision_set_shape( shape, 0, &seen, 0.0f );
+    shape->shift[0] = view->body->is_coupled ? INFINITY : view->shift + view->turn * around;
+    shape->rate[0] = view->turn;
+}
+
+// Return the most that a point may be away from its nearest corner, squared, where contacts of a body of which a ball of a radius
+// touches the inside are all left to corners: ( r + d )^2 - away^2 >= ( r + d - left )^2.
+static float blunt_limit( const find_loop* loop, const collision_view* view )
+{
+    const bool is_round = collision_is_closed_form( view->body ) && view->body->shape.kind != WISP_SHAPE_BOX;
+    const float left = LEFT_TO_CORNERS * view->thickness,
+                limit = 0.98f * left * ( 2.0f * view->body->bluntness - left );
+    return is_round && loop->maps.thickness == NULL && limit >= 0.25f * loop->longest * loop->longest ? limit : 0.0f;
+}
+
+static void find_away( find_loop* loop )
+{
+    collision_view view;
+    loop->clear.away = 0.6f * loop->longest;
+    for ( int next = 0; collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
+    {
+        const float limit = blunt_limit( loop, &view );
+        loop->clear.away = limit > 0.0f ? collision_smaller( sqrtf( limit ), loop->clear.away ) : loop->clear.away;
+    }
+}
+
+static void clear_range( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const find_loop* loop = context;
+    const wisp_kernels* kernels = wisp_frame_kernels( loop->frame );
+    wisp_shape_lanes shapes[CLEAR_SHAPES];
+    bool blunt[CLEAR_SHAPES];
+    wisp_clear_args clear = loop->clear;
+    clear.shapes = shapes;
+    clear.blunt = blunt;
+    collision_view view;
+    for ( int next = 0; collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
+    {
+        if ( collision_meets_primitives( view.body ) )
+        {
+            blunt[clear.count] = blunt_limit( loop, &view ) > 0.0f;
+            set_reach( &view, shapes + clear.count++ );
+        }
+        if ( clear.count == CLEAR_SHAPES )
+        {
+            kernels->clear_particles( &clear, begin, end );
+            clear.first += clear.count;
+            clear.count = 0;
+        }
+    }
+    kernels->clear_particles( &clear, begin, end );
+}
+
+static void list_near_range( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const find_loop* loop = context;
+    const wisp_primitive_paths paths = paths_of( loop );
+    loop->primitives.found[begin] =
+        wisp_frame_kernels( loop->frame )->find_near_primitives( &paths, begin, end, loop->primitives.near + begin );
+}
+
+static void list_near( find_loop* loop, const wisp_parallel* parallel )
+{
+    const collision_primitives* p = &loop->primitives;
+    wisp_parallel_for( parallel, p->count, PRIMITIVE_GRAIN, list_near_range, loop );
+    int count = 0;
+    for ( int begin = 0; begin < p->count; begin += PRIMITIVE_GRAIN )
+    {
+        memmove( p->near + count, p->near + begin, (size_t)p->found[begin] * sizeof( *p->near ) );
+        count += p->found[begin];
+    }
+    *p->near_count = count;
+}
+
+// Return whether no particle has got farther than was expected when the lists were made.
+static bool is_as_expected( const find_loop* loop, int slots )
+{
+    const wisp_kernels* kernels = wisp_frame_kernels( loop->frame );
+    bool is_near = true;
+    for ( int begin = 0; begin < slots && is_near; begin += COLLISION_BLOCK )
+    {
+        const int end = slots - begin < COLLISION_BLOCK ? slots : begin + COLLISION_BLOCK;
+        is_near = kernels->find_unsettled( loop->position, loop->previous, loop->clear.place, begin, end ) == 0;
+    }
+    return is_near;
 }
 
 // ---- the pass ----
 
-// Bound the distance of the path of each corner from all bodies: a box around the body is enough.
-static void measure_corners( void* context, int begin, int end, int worker )
+// Find the contacts of some primitives that are near with a closed form.
+static void meet_closed_form( const find_loop* loop, const collision_view* view, const int32_t* near, int count )
 {
-    (void)worker;
-    const find_loop* loop = context;
-    collision_view view;
-    for ( int slot = begin; slot < end; ++slot )
+    const collision_primitives* p = &loop->primitives;
+    const wisp_primitive_paths paths = paths_of( loop );
+    wisp_primitive_meeting met[PRIMITIVE_GRAIN];
+    float thickness[PRIMITIVE_GRAIN] = { 0.0f };
+    for ( int i = 0; i < count && loop->maps.thickness != NULL; ++i )
     {
-        loop->clearance[slot] = INFINITY;
+        collision_view at = *view;
+        collision_view_at( &loop->maps, p->corners + (size_t)near[i] * (size_t)p->corner_count, p->corner_count,
+                           &at );
+        thickness[i] = at.thickness;
     }
-    for ( int next = 0; collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
+    wisp_shape_lanes shape = { .turns = false };
+    collision_set_shape( &shape, 0, view, 0.0f );
+    const int n =
+        wisp_frame_kernels( loop->frame )
+            ->meet_shape( &paths, &shape, loop->maps.thickness != NULL ? thickness : NULL, near, count, met );
+    for ( int i = 0; i < n; ++i )
     {
-        for ( int slot = begin; collision_meets_primitives( view.body ) && slot < end; ++slot )
-        {
-            const size_t quad = (size_t)slot * 4;
-            const wisp_vec3 from = wisp_transform_to_local( view.before, wisp_v3_load( loop->previous + quad ) ),
-                            to = wisp_transform_to_local( view.after, wisp_v3_load( loop->position + quad ) );
-            const float apart = collision_box_distance( view.body, to ) - wisp_v3_length( wisp_v3_sub( to, from ) ) -
-                                2.0f * view.thickness;
-            loop->clearance[slot] = collision_smaller( apart, loop->clearance[slot] );
-        }
+        meet_body( loop, view, met[i].primitive, met + i );
     }
-}
-
-// Return whether a side of a primitive may come within reach of a body: no point of it is farther from its nearer end than half its
-// length, and no point of a triangle farther from its nearest corner than the longest side.
-static bool may_meet( const find_loop* loop, const int32_t* corners )
-{
-    const int count = loop->primitives.corner_count;
-    float least = INFINITY, longest = 0.0f;
-    for ( int k = 0; k < count; ++k )
-    {
-        const size_t a = (size_t)corners[k], b = (size_t)corners[k + 1 < count ? k + 1 : 0];
-        const wisp_vec3 now = wisp_v3_sub( wisp_v3_load( loop->position + 4 * b ),
-                                           wisp_v3_load( loop->position + 4 * a ) ),
-                        old = wisp_v3_sub( wisp_v3_load( loop->previous + 4 * b ),
-                                           wisp_v3_load( loop->previous + 4 * a ) );
-        least = collision_smaller( loop->clearance[a], least );
-        longest = collision_larger( wisp_v3_dot( now, now ), longest );
-        longest = collision_larger( wisp_v3_dot( old, old ), longest );
-    }
-    // 1 / sqrt 3 of the longest side of a triangle, half of a segment
-    return least <= 0.0f || least * least <= ( count == 2 ? 0.251f : 0.334f ) * longest;
 }
 
 static void find_range( void* context, int begin, int end, int worker )
@@ -314,21 +429,21 @@ static void find_range( void* context, int begin, int end, int worker )
     (void)worker;
     const find_loop* loop = context;
     const collision_primitives* p = &loop->primitives;
-    int32_t near[PRIMITIVE_GRAIN];
-    int count = 0;
-    WISP_ASSERT( end - begin <= PRIMITIVE_GRAIN );
     for ( int i = begin; i < end; ++i )
     {
-        p->found[i] = 0;
-        near[count] = i;
-        count += may_meet( loop, p->corners + (size_t)i * (size_t)p->corner_count ) ? 1 : 0;
+        p->found[p->near[i]] = 0;
     }
     collision_view view;
-    for ( int next = 0; count > 0 && collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
+    for ( int next = 0; collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
     {
-        for ( int i = 0; collision_meets_primitives( view.body ) && i < count; ++i )
+        if ( collision_is_closed_form( view.body ) && collision_meets_primitives( view.body ) )
         {
-            meet_body( loop, &view, near[i] );
+            meet_closed_form( loop, &view, p->near + begin, end - begin );
+            continue;
+        }
+        for ( int i = begin; collision_meets_primitives( view.body ) && i < end; ++i )
+        {
+            meet_body( loop, &view, p->near[i], NULL );
         }
     }
 }
@@ -505,10 +620,10 @@ static void list_active( const find_loop* loop, float recovery )
 {
     const collision_primitives* p = &loop->primitives;
     int count = 0;
-    for ( int i = 0; i < p->count; ++i )
+    for ( int i = 0; i < *p->near_count; ++i )
     {
-        p->active[count] = i;
-        count += p->found[i] > 0 ? 1 : 0;
+        p->active[count] = p->near[i];
+        count += p->found[p->near[i]] > 0 ? 1 : 0;
     }
     *p->active_count = count;
     for ( int a = 0; a < count; ++a )
@@ -528,16 +643,35 @@ void collision_search_primitives( wisp_frame* frame, const wisp_span* span, cons
         .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
         .contact_counts = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 0 ),
         .particle_contacts = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 2 ),
-        .clearance = wisp_frame_column( frame, span->entity, state->clearance, 0 ),
         .maps = collision_maps_of( frame, span->entity, state ),
     };
+    const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
+    const int slots = wisp_frame_fabric( frame, span->entity )->slot_count;
+    const int left = wisp_frame_substeps( frame, span->entity ) - span->substep;
+    loop.clear = ( wisp_clear_args ){
+        .position = loop.position,
+        .previous = loop.previous,
+        .ahead = COLLISION_MARGIN * (float)left,
+        .room = ROOM * settings->thickness,
+        .words = wisp_frame_column( frame, span->entity, state->clearance, 0 ),
+        .place = wisp_frame_column( frame, span->entity, state->clearance, 1 ),
+    };
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
-    wisp_parallel_for( parallel, wisp_frame_fabric( frame, span->entity )->slot_count, PRIMITIVE_GRAIN,
-                       measure_corners, &loop );
+    const bool is_new = ( span->substep == 0 && recovery >= 0.0f ) || is_as_expected( &loop, slots ) == false;
+    loop.longest = *(const float*)wisp_frame_column( frame, span->entity, state->all_features, 4 );
+    find_away( &loop );
+    if ( is_new )
+    {
+        wisp_parallel_for( parallel, slots, PRIMITIVE_GRAIN, clear_range, &loop );
+    }
     for ( int corner_count = 2; corner_count <= 3; ++corner_count )
     {
         loop.primitives = collision_primitives_of( frame, span->entity, state, corner_count );
-        wisp_parallel_for( parallel, loop.primitives.count, PRIMITIVE_GRAIN, find_range, &loop );
+        if ( is_new )
+        {
+            list_near( &loop, parallel );
+        }
+        wisp_parallel_for( parallel, *loop.primitives.near_count, PRIMITIVE_GRAIN, find_range, &loop );
         list_active( &loop, recovery );
     }
 }

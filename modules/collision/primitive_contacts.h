@@ -45,8 +45,9 @@ typedef struct collision_primitives
     int count, corner_count;
     int32_t* found; // [count] contacts of the substep, those left out included
     collision_primitive_contact ( *contacts )[COLLISION_PRIMITIVE_CONTACTS];
-    int32_t* active;       // primitives with contacts, in their order
-    int32_t* active_count; // of a participant
+    int32_t* active;            // primitives with contacts, in their order
+    int32_t* active_count;      // of a participant
+    int32_t *near, *near_count; // those that may meet a body in this step, likewise
 } collision_primitives;
 
 /// Get the edges ( corner_count 2 ) or the triangles ( 3 ) of a participant. They have rows while it collides with all features.
@@ -64,9 +65,14 @@ static inline int collision_contacts_of( const collision_primitives* p, int prim
 void collision_search_primitives( wisp_frame* frame, const wisp_span* span, const collision_state* state,
                                   float recovery );
 
-/// Find where an edge or a triangle meets a body: up to two edges or corners of a mesh, or a point of a convex body.
+/// Find where an edge or a triangle meets a body that is no closed form: up to two edges or corners of a mesh, or a point of a
+/// convex body.
 /// @param out [COLLISION_PRIMITIVE_CONTACTS] @return how many
 int collision_meet_body( const collision_view* view, const primitive_path* path, collision_meeting* out );
+
+/// Take over where a primitive meets a closed form. @return false: its corners are not finite
+bool collision_take_meeting( const collision_view* view, const primitive_path* path,
+                             const wisp_primitive_meeting* met, collision_meeting* out );
 
 /// Return the signed distance less the thickness at which the point of a meeting starts.
 float collision_meeting_gap( const collision_view* view, const primitive_path* path, const collision_meeting* m );

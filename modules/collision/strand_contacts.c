@@ -56,6 +56,7 @@ typedef struct strand_loop
     wisp_strand_contact_args segments; // the same with the sums of segments
     const int32_t* lane_count;         // [lane] vertices
     float longest;                     // m, of the segments of the group; infinite: all of them meet bodies
+    const wisp_kernels* kernels;
     const collision_body* bodies;
     bool is_shared; // in turns with contact
     int group;
@@ -262,48 +263,9 @@ static bool has_strand_tracks( const strand_loop* loop, const collision_view* vi
     return loop->tracked != NULL && view->body->tree != NULL && view->body->track >= 0;
 }
 
-// Rows of sixteen vertices, seen from a body.
-typedef struct strand_row
-{
-    float from[3][WISP_LANES], to[3][WISP_LANES]; // m, in its frame
-    float path[WISP_LANES];                       // m
-    float near[WISP_LANES];                       // m, what comes this near to `to` in the substep counts
-    bool moves[WISP_LANES];
-} strand_row;
-
 static wisp_vec3 lane_of( float ( *x )[WISP_LANES], int lane )
 {
     return ( wisp_vec3 ){ x[0][lane], x[1][lane], x[2][lane] };
-}
-
-static void set_lane( float ( *x )[WISP_LANES], int lane, wisp_vec3 v )
-{
-    x[0][lane] = v.x;
-    x[1][lane] = v.y;
-    x[2][lane] = v.z;
-}
-
-// The frame of a surface is that of the world.
-static void load_row( const strand_loop* loop, const collision_view* view, int row, strand_row* r )
-{
-    const float *at = loop->args.position + (size_t)row * COLLISION_ROW,
-                *was = loop->args.previous + (size_t)row * COLLISION_ROW;
-    const float* inverse_mass = loop->args.inverse_mass + (size_t)row * WISP_LANES;
-    memcpy( r->from, was, sizeof( r->from ) );
-    memcpy( r->to, at, sizeof( r->to ) );
-    for ( int l = 0; l < WISP_LANES && view->body->follows == false; ++l )
-    {
-        set_lane( r->from, l, wisp_transform_to_local( view->before, collision_load_lane( was + l ) ) );
-        set_lane( r->to, l, wisp_transform_to_local( view->after, collision_load_lane( at + l ) ) );
-    }
-    for ( int l = 0; l < WISP_LANES; ++l )
-    {
-        const float x = r->to[0][l] - r->from[0][l], y = r->to[1][l] - r->from[1][l], z = r->to[2][l] - r->from[2][l];
-        r->path[l] = sqrtf( x * x + y * y + z * z );
-        r->near[l] = fmaxf( view->thickness + r->path[l],
-                            sum_of( loop, view, &loop->args, (size_t)row * WISP_LANES + (size_t)l ).reach );
-        r->moves[l] = inverse_mass[l] > 0.0f;
-    }
 }
 
 // What is kept of a row of vertices.
@@ -319,37 +281,30 @@ static strand_tracks tracks_of( const strand_loop* loop, const collision_view* v
     return ( strand_tracks ){ loop->tracked + at, loop->free + at, loop->origin + 3 * at };
 }
 
-// Find the vertices of a row that are not free, as collision_is_free(). @return how many
-static int find_bound( const strand_row* r, const strand_tracks* t, bool is_first, int lanes[WISP_LANES] )
+static wisp_strand_contact_args args_with( const strand_loop* loop, const collision_view* view )
 {
-    bool is_free[WISP_LANES];
-    for ( int l = 0; l < WISP_LANES; ++l )
-    {
-        const float x = r->to[0][l] - t->origin[l], y = r->to[1][l] - t->origin[WISP_LANES + l],
-                    z = r->to[2][l] - t->origin[2 * WISP_LANES + l];
-        is_free[l] = t->free[l] - sqrtf( x * x + y * y + z * z ) > r->near[l];
-    }
-    int n = 0;
-    for ( int l = 0; l < WISP_LANES; ++l )
-    {
-        lanes[n] = l;
-        n += r->moves[l] && ( is_first || is_free[l] == false ) ? 1 : 0;
-    }
-    return n;
+    wisp_strand_contact_args args = loop->args;
+    args.body_number = number_of( loop, view );
+    args.shape = view->body->shape;
+    args.before = view->before;
+    args.after = view->after;
+    args.thickness = view->thickness;
+    args.static_friction = view->static_friction;
+    args.kinetic_friction = view->kinetic_friction;
+    return args;
 }
 
 // Push a row of vertices that are tracked. @param seeds [lane] triangle near the vertex before, or -1
-static void push_tracked_row( strand_loop* loop, const collision_view* view, int row, int32_t* seeds )
+static void push_tracked_row( strand_loop* loop, const collision_view* view, const wisp_strand_contact_args* args,
+                              int row, int32_t* seeds )
 {
-    strand_row r;
-    load_row( loop, view, row, &r );
+    wisp_strand_row r;
     const strand_tracks t = tracks_of( loop, view, row );
-    int lanes[WISP_LANES];
-    const int n = find_bound( &r, &t, loop->is_first, lanes );
+    uint32_t bound = loop->kernels->strand_see_row( args, row, loop->is_first ? NULL : t.free, t.origin, &r );
     const float shift = collision_surface_shift( view );
-    for ( int i = 0; i < n; ++i )
+    for ( ; bound != 0; bound &= bound - 1 )
     {
-        const int l = lanes[i];
+        const int l = __builtin_ctz( bound );
         const wisp_vec3 to = lane_of( r.to, l );
         const float ahead = COLLISION_MARGIN * r.path[l] * (float)loop->substeps_left;
         const collision_tracked_query query = { to, r.near[l] + shift, r.near[l], ahead };
@@ -368,21 +323,22 @@ static void push_tracked_row( strand_loop* loop, const collision_view* view, int
     }
 }
 
-static void push_strand_row( strand_loop* loop, const collision_view* view, int row )
+static void push_strand_row( strand_loop* loop, const collision_view* view, const wisp_strand_contact_args* args,
+                             int row )
 {
     int lanes[WISP_LANES], n = 0;
     wisp_mesh_query queries[WISP_LANES];
     wisp_surface_point nearest[WISP_LANES];
     bool is_near[WISP_LANES];
     wisp_vec3 motion[WISP_LANES];
-    strand_row r;
-    load_row( loop, view, row, &r );
+    wisp_strand_row r;
+    const uint32_t moving = loop->kernels->strand_see_row( args, row, NULL, NULL, &r );
     for ( int l = 0; l < WISP_LANES; ++l )
     {
         const wisp_vec3 to = lane_of( r.to, l );
         const float reach = r.near[l] + collision_surface_shift( view );
         // false for NaN too
-        if ( r.moves[l] && collision_box_distance( view->body, to ) <= reach )
+        if ( ( moving >> l & 1u ) != 0 && collision_box_distance( view->body, to ) <= reach )
         {
             lanes[n] = l;
             queries[n++] = ( wisp_mesh_query ){ .point = to, .radius = reach, .time = view->end };
@@ -502,7 +458,33 @@ static void push_again( const strand_loop* loop, const collision_view* view, str
     *last = q->sums->normal_correction[q->i] - before;
 }
 
-static void push_segment( const strand_loop* loop, const collision_view* view, int row, int lane, double* sum )
+// Find where a segment meets a body. @param shape the body in lanes; null: it is no closed form
+static int meet_segment( const strand_loop* loop, const collision_view* view, const wisp_shape_lanes* shape,
+                         wisp_vec3 ( *corners )[2], const primitive_path* path, collision_meeting* out )
+{
+    if ( shape == NULL )
+    {
+        return collision_meet_body( view, path, out );
+    }
+    static const int32_t both[2] = { 0, 1 };
+    _Alignas( 16 ) float rows[2][2][4] = { { { 0.0f } } };
+    for ( int k = 0; k < 2; ++k )
+    {
+        collision_store( rows[0][k], corners[k][0] );
+        collision_store( rows[1][k], corners[k][1] );
+    }
+    const wisp_primitive_paths paths = {
+        .position = rows[0][0], .previous = rows[1][0], .corners = both, .corner_count = 2
+    };
+    wisp_primitive_meeting met;
+    return loop->kernels->meet_shape( &paths, shape, NULL, both, 1, &met ) > 0 &&
+                   collision_take_meeting( view, path, &met, out )
+               ? 1
+               : 0;
+}
+
+static void push_segment( const strand_loop* loop, const collision_view* view, const wisp_shape_lanes* shape, int row,
+                          int lane, double* sum )
 {
     primitive_path path = { .corner_count = 2 };
     wisp_vec3 before[2][2];
@@ -519,7 +501,7 @@ static void push_segment( const strand_loop* loop, const collision_view* view, i
             collision_larger( path.displacement, wisp_v3_length( wisp_v3_sub( path.to[k], path.from[k] ) ) );
     }
     collision_meeting meetings[COLLISION_PRIMITIVE_CONTACTS];
-    const int count = is_finite ? collision_meet_body( view, &path, meetings ) : 0;
+    const int count = is_finite ? meet_segment( loop, view, shape, before, &path, meetings ) : 0;
     for ( int m = 0; m < count; ++m )
     {
         const wisp_surface_point* plane = &meetings[m].deepest.surface;
@@ -550,13 +532,19 @@ static void push_segment( const strand_loop* loop, const collision_view* view, i
 static void push_segments( const strand_loop* loop, const collision_view* view, double* sum )
 {
     const body_box box = box_around( loop, view );
+    const bool is_closed = collision_is_closed_form( view->body );
+    wisp_shape_lanes shape = { .turns = false };
+    if ( is_closed )
+    {
+        collision_set_shape( &shape, 0, view, 0.0f );
+    }
     for ( int row = loop->args.group_row[loop->group]; row + 1 < loop->args.group_row[loop->group + 1]; ++row )
     {
         int lanes[WISP_LANES];
         const int n = find_near_segments( loop, &box, row, lanes );
         for ( int i = 0; i < n; ++i )
         {
-            push_segment( loop, view, row, lanes[i], sum );
+            push_segment( loop, view, is_closed ? &shape : NULL, row, lanes[i], sum );
         }
     }
 }
@@ -611,14 +599,7 @@ static void push_lanes_reacting( wisp_frame* frame, const strand_loop* loop, wis
 
 static void push_lanes( wisp_frame* frame, const strand_loop* loop, const collision_view* view, double* sum )
 {
-    wisp_strand_contact_args args = loop->args;
-    args.body_number = number_of( loop, view );
-    args.shape = view->body->shape;
-    args.before = view->before;
-    args.after = view->after;
-    args.thickness = view->thickness;
-    args.static_friction = view->static_friction;
-    args.kinetic_friction = view->kinetic_friction;
+    wisp_strand_contact_args args = args_with( loop, view );
     if ( sum != NULL )
     {
         push_lanes_reacting( frame, loop, &args, sum );
@@ -662,6 +643,7 @@ static void push_vertices( wisp_frame* frame, strand_loop* loop, const collision
         return;
     }
     const bool is_tracked = has_strand_tracks( loop, view );
+    const wisp_strand_contact_args args = args_with( loop, view );
     int32_t seeds[WISP_LANES];
     memset( seeds, -1, sizeof( seeds ) );
     for ( int row = loop->args.group_row[loop->group]; row < loop->args.group_row[loop->group + 1]; ++row )
@@ -672,7 +654,7 @@ static void push_vertices( wisp_frame* frame, strand_loop* loop, const collision
             memcpy( before[0], loop->args.position + (size_t)row * COLLISION_ROW, sizeof( before[0] ) );
             memcpy( before[1], loop->args.previous + (size_t)row * COLLISION_ROW, sizeof( before[1] ) );
         }
-        is_tracked ? push_tracked_row( loop, view, row, seeds ) : push_strand_row( loop, view, row );
+        is_tracked ? push_tracked_row( loop, view, &args, row, seeds ) : push_strand_row( loop, view, &args, row );
         if ( sum != NULL )
         {
             add_row_reaction( loop, row, sum, before );
@@ -741,7 +723,7 @@ void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* us
     loop.substeps_left = wisp_frame_substeps( frame, span->entity ) - 1 - span->substep;
     loop.dt = wisp_frame_dt( frame, span->entity );
     begin_segments( frame, span, state, &loop );
-    const wisp_kernels* kernels = wisp_frame_kernels( frame );
+    const wisp_kernels* kernels = loop.kernels = wisp_frame_kernels( frame );
     for ( loop.group = span->begin; loop.group < span->end; ++loop.group )
     {
         if ( loop.has_segments )

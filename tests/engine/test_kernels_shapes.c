@@ -1,6 +1,7 @@
 // Kernels of contact with shapes in closed form: closest points have the bits of wisp_shape_closest() and the values of
 // the formulas in doubles, for sizes of zero, points at centres and far away. Half spaces, with friction and without,
 // are those of scalar code, bit for bit, in every table.
+#include "oracle/deepest_oracle.h"
 #include "kernels_fixture.h"
 
 #include "wisp/module/shapes.h"
@@ -684,3 +685,186 @@ static void check_outside( void* start, void* end )
 
 TEST_KERNEL( particles_stay_outside_shapes_as_in_doubles, outside, SEEDS, 0, OUTSIDE, 0, fill_outside, run_outside,
              check_outside )
+
+// ---- edges and triangles on their way into a shape ----
+
+enum
+{
+    ENDS = 96,
+    MEETING = 32, // edges, and triangles
+};
+
+typedef struct meetings
+{
+    outside o; // the first shape
+    _Alignas( 64 ) float position[ENDS][4], previous[ENDS][4], place[ENDS][4];
+    int32_t words[ENDS];
+    int32_t corners[3 * MEETING], listed[MEETING];
+    wisp_primitive_meeting met[2][MEETING];
+    int32_t near[2][MEETING], met_count[2], near_count[2];
+} meetings;
+
+static void fill_meetings( void* state, int seed )
+{
+    meetings* m = state;
+    fill_shape( &m->o, 0, seed );
+    for ( int i = 0; i < ENDS; ++i )
+    {
+        const int primitive = i / 3, key = seed * ENDS + i, of = 7 * ( seed * MEETING + primitive );
+        const float size = primitive % 4 == 0 ? 0.05f : ( primitive % 4 == 1 ? 1.0f : 0.3f ),
+                    speed = primitive % 5 == 0 ? 20.0f : 0.2f;
+        for ( int k = 0; k < 3; ++k )
+        {
+            m->position[i][k] =
+                test_random_float( of, k, -0.6f, 0.6f ) + size * test_random_float( key, k, -0.5f, 0.5f );
+            m->previous[i][k] = m->position[i][k] + speed * THICKNESS *
+                                                        ( test_random_float( of, 3 + k, -1.0f, 1.0f ) +
+                                                          test_random_float( key, 3 + k, -0.1f, 0.1f ) );
+        }
+        m->corners[i] = i;
+        m->listed[primitive] = primitive;
+    }
+}
+
+static void run_meetings( const wisp_kernels* kernels, void* state, int begin, int end )
+{
+    (void)begin;
+    (void)end;
+    meetings* m = state;
+    const bool blunt = false;
+    const wisp_clear_args clear = { .position = m->position[0],
+                                    .previous = m->previous[0],
+                                    .shapes = m->o.shapes,
+                                    .count = m->o.shapes[0].kind == WISP_SHAPE_PLANE ? 0 : 1,
+                                    .place = m->place[0],
+                                    .blunt = &blunt,
+                                    .away = 0.5f,
+                                    .words = m->words };
+    kernels->clear_particles( &clear, 0, ENDS );
+    for ( int is_triangle = 0; is_triangle < 2 && clear.count > 0; ++is_triangle )
+    {
+        const wisp_primitive_paths paths = { m->position[0], m->previous[0], m->corners, 2 + is_triangle,
+                                             m->place[0],    m->words,       0.5f };
+        m->near_count[is_triangle] = kernels->find_near_primitives( &paths, 0, MEETING, m->near[is_triangle] );
+        m->met_count[is_triangle] =
+            kernels->meet_shape( &paths, m->o.shapes, NULL, m->listed, MEETING, m->met[is_triangle] );
+    }
+}
+
+// Corners at a time, seen from the shape.
+static void corners_seen( const meetings* m, int primitive, int count, double time, double3* out )
+{
+    for ( int k = 0; k < count; ++k )
+    {
+        const int32_t slot = m->corners[primitive * count + k];
+        const double3 from = double3_widen(
+                          wisp_transform_to_local( m->o.before[0], wisp_v3_load( m->previous[slot] ) ) ),
+                      to = double3_widen(
+                          wisp_transform_to_local( m->o.after[0], wisp_v3_load( m->position[slot] ) ) );
+        out[k] = double3_add_scaled( from, time, double3_sub( to, from ) );
+    }
+}
+
+// The least distance of the border of a triangle, or of the ends of an edge.
+static double least_of_border( const deepest_oracle_body* body, const double3* p, int count )
+{
+    double least = INFINITY;
+    for ( int k = 0; k < count; ++k )
+    {
+        const double3 side[2] = { p[k], p[( k + 1 ) % count] };
+        least = fmin( least, count == 3 ? deepest_oracle_find( body, side, 2, NULL )
+                                        : deepest_oracle_distance( body, p[k] ) );
+    }
+    return least;
+}
+
+static double displacement_of( const double3* from, const double3* to, int count )
+{
+    double most = 0.0;
+    for ( int k = 0; k < count; ++k )
+    {
+        most = fmax( most, double3_distance( from[k], to[k] ) );
+    }
+    return most;
+}
+
+static void check_met( const meetings* m, const deepest_oracle_body* body, const wisp_primitive_meeting* met,
+                       int count, double limit )
+{
+    const double h = (double)THICKNESS, rounding = 3e-6;
+    double3 p[3], at = { 0 };
+    corners_seen( m, met->primitive, count, (double)met->time, p );
+    for ( int k = 0; k < count; ++k )
+    {
+        at = double3_add_scaled( at, (double)met->weights[k], p[k] );
+        assert_true( count == 2 || met->weights[k] >= 0.00999f );
+    }
+    const double distance = deepest_oracle_distance( body, at ), least = deepest_oracle_find( body, p, count, NULL );
+    if ( !( fabs( distance - least ) <= 0.005 * h + rounding ) )
+    {
+        fail_msg( "kind %d, %d corners, primitive %d, time %g: %.9g, expected %.9g", (int)body->kind, count,
+                  met->primitive, (double)met->time, distance, least );
+    }
+    assert_true( distance < ( met->time < 1.0f ? h : limit ) + rounding ); // an advance may end before it is stopped
+}
+
+static void check_not_met( const meetings* m, const deepest_oracle_body* body, int primitive, int count,
+                           double limit )
+{
+    const double h = (double)THICKNESS, rounding = 3e-6;
+    double3 ends[2][3];
+    corners_seen( m, primitive, count, 0.0, ends[0] );
+    corners_seen( m, primitive, count, 1.0, ends[1] );
+    const double between = 0.125 * displacement_of( ends[0], ends[1], count );
+    bool is_left = false; // a triangle whose border has come near first is left to its edges
+    for ( int i = 0; i <= 8; ++i )
+    {
+        double3 p[3];
+        corners_seen( m, primitive, count, 0.125 * (double)i, p );
+        const double least = deepest_oracle_find( body, p, count, NULL ),
+                     border = count == 3 ? least_of_border( body, p, 3 ) : INFINITY;
+        // what is on the border of a triangle belongs to its edges; a border is a hundredth wide
+        const bool is_border = border <= least + 0.02 * displacement_of( p, p + 1, 2 ) + rounding;
+        const double expected = i == 8 ? limit - 0.005 * h : 0.1 * h;
+        is_left = is_left || border < 0.1 * h + between;
+        if ( is_border == false && is_left == false && least < expected - rounding )
+        {
+            fail_msg( "kind %d, %d corners, primitive %d, time %d/8: %.9g, expected %.9g at least, border %.9g",
+                      (int)body->kind, count, primitive, i, least, expected, border );
+        }
+    }
+}
+
+static void check_meetings( void* start, void* end )
+{
+    const meetings* m = end;
+    (void)start;
+    const deepest_oracle_body body = deepest_oracle_body_of( m->o.shape );
+    const double h = (double)THICKNESS;
+    for ( int count = 2; count <= 3 && body.kind != WISP_SHAPE_PLANE; ++count )
+    {
+        const wisp_primitive_meeting* met = m->met[count - 2];
+        const int32_t* near = m->near[count - 2];
+        for ( int i = 0, n = 0, listed = 0; i < MEETING; ++i )
+        {
+            double3 from[3], to[3];
+            corners_seen( m, i, count, 0.0, from );
+            corners_seen( m, i, count, 1.0, to );
+            double corner = INFINITY;
+            for ( int k = 0; k < count; ++k )
+            {
+                corner = fmin( corner, deepest_oracle_distance( &body, to[k] ) );
+            }
+            const double limit = fmin( corner - 0.05 * h, 2.0 * h + displacement_of( from, to, count ) );
+            const bool is_met = n < m->met_count[count - 2] && met[n].primitive == i,
+                       is_near = listed < m->near_count[count - 2] && near[listed] == i;
+            is_met ? check_met( m, &body, met + n, count, limit ) : check_not_met( m, &body, i, count, limit );
+            assert_true( is_near || is_met == false );
+            n += is_met ? 1 : 0;
+            listed += is_near ? 1 : 0;
+        }
+    }
+}
+
+TEST_KERNEL( edges_and_triangles_meet_shapes_as_in_doubles, meetings, 3 * KINDS, 0, 1, 0, fill_meetings, run_meetings,
+             check_meetings )

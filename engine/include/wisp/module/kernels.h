@@ -362,6 +362,14 @@ typedef struct wisp_kernels
     /// The same of instances. @param shapes [count][lane / 8] @return a bit for each lane that cannot be done here
     uint32_t ( *instances_stay_outside )( const wisp_instances_args* args, const wisp_shape_lanes* shapes,
                                           int count );
+    void ( *clear_particles )( const wisp_clear_args* args, int begin, int end );
+    /// List the primitives of which a point may come within twice the thickness of a shape in the step. @return how many
+    int ( *find_near_primitives )( const wisp_primitive_paths* args, int begin, int end, int32_t* near );
+    /// Find the points of primitives that meet a shape that all share: where their path is stopped, or at its end, if that is near and
+    /// deeper than the corners. A triangle meets it only in a point that is not on its border.
+    /// @param thickness [count, padded to a multiple of 8] m; null: that of the shape @return how many meet it
+    int ( *meet_shape )( const wisp_primitive_paths* args, const wisp_shape_lanes* shape, const float* thickness,
+                         const int32_t* primitives, int count, wisp_primitive_meeting* out );
     /// Bound the paths of particles with inverse mass. @param lower, upper [3] m
     void ( *bound_paths )( const float* position, const float* previous, int begin, int end, float* lower,
                            float* upper );
@@ -403,6 +411,11 @@ typedef struct wisp_kernels
     void ( *strand_contact_begin )( const wisp_strand_contact_args* args, int group, bool first_iteration,
                                     wisp_strand_bounds* reach );
     void ( *strand_contact )( const wisp_strand_contact_args* args, int begin, int end );
+    /// See a row from a body whose points are queried one by one.
+    /// @param free [16] m, from `origin`, [3][16] in the frame of the body, on within which it does not come; null: none
+    /// @return a bit for each vertex with inverse mass to which something may be near
+    uint32_t ( *strand_see_row )( const wisp_strand_contact_args* args, int row, const float* free,
+                                  const float* origin, wisp_strand_row* out );
     void ( *strand_target )( const wisp_strand_target_args* args, int begin, int end );
     void ( *strand_ghost )( const wisp_strand_ghost_args* args, int begin, int end );
     void ( *strand_ghost_blend )( const wisp_strand_ghost_args* args, int begin, int end ); ///< of several targets

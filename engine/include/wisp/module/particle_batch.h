@@ -144,4 +144,36 @@ typedef struct wisp_outside_args
     int count;
 } wisp_outside_args;
 
+/// Tell what particles may meet up to the end of the step, whose shift and rate are those of the shapes.
+typedef struct wisp_clear_args
+{
+    const float *position, *previous; ///< [slot][4] m
+    const wisp_shape_lanes* shapes;   ///< [count] no planes
+    const bool* blunt;                ///< [count] no primitive gets much nearer to it than its corners
+    int first, count;                 ///< number of the first shape, of those that have told before
+    float ahead, room;                ///< a particle may get this many times its path away, and `room`, m
+    float away;                       ///< m, most that a point of a primitive is away from its nearest corner
+    float* place;                     ///< [slot][4] m, out: where it is; minus how far it may get
+    int32_t* words;                   ///< [slot] out: what its corners say of a primitive: see deepest.c
+} wisp_clear_args;
+
+/// Edges or triangles on their way from the previous positions to the positions.
+typedef struct wisp_primitive_paths
+{
+    const float *position, *previous; ///< [slot][4] m
+    const int32_t* corners;           ///< [primitive][corner_count] slots
+    int corner_count;
+    const float* place; ///< of find_near_primitives: as in wisp_clear_args
+    const int32_t* words;
+    float away;
+} wisp_primitive_paths;
+
+/// The point of an edge or a triangle that meets a shape.
+typedef struct wisp_primitive_meeting
+{
+    int32_t primitive;
+    float time;       ///< 0 .. 1: when its path was stopped; 1: at its end
+    float weights[3]; ///< of the corners; they sum to 1
+} wisp_primitive_meeting;
+
 WISP_END_C

@@ -269,6 +269,14 @@ typedef struct wisp_strand_contact_args
     float max_push_out; ///< m, maximum distance by which tolerated depth is reduced in this call
 } wisp_strand_contact_args;
 
+/// A row of sixteen vertices, seen from a body.
+typedef struct wisp_strand_row
+{
+    float from[3][WISP_LANES], to[3][WISP_LANES]; ///< m, in its frame
+    float path[WISP_LANES];                       ///< m
+    float near[WISP_LANES];                       ///< m, what comes this near to `to` in the substep counts
+} wisp_strand_row;
+
 /// Bounds of the vertices of a group that are not pinned, at the start and at the end of the substep. Empty (lower
 /// above upper) if all are pinned.
 typedef struct wisp_strand_bounds

@@ -1,0 +1,816 @@
+// Edges and triangles on their way into a shape in closed form, eight at a time.
+//
+// The signed distance of a convex shape is a convex function. So its tangent
+// plane at any point is nowhere above it, and a minimum along a line is bracketed
+// by two tangents (cutting planes; Kelley 1960, "The cutting-plane method for
+// solving convex programs"). Where they meet is a lower bound and the next point.
+//
+// A triangle is of interest only where its deepest point is inside. Then that
+// is the point of its plane that is deepest: the foot of the end of the axis, or
+// of the corner, that is nearest to the plane. Only where the plane crosses the
+// shape the triangle is searched: along one side for the best of the segments
+// parallel to the opposite one. Between the two tangents of a segment lies one
+// that is level along it; it is the tangent of the outer search even where the
+// distance has a kink.
+//
+// Conservative advancement finds where a path first comes too near: no point
+// moves farther than the fastest corner.
+#include "shape_lanes.h"
+
+enum
+{
+    CUTS = 18,
+    ADVANCES = 16,
+};
+
+// Fractions of the thickness: distance at which a path is stopped, error of the
+// deepest point, what corners may leave.
+static const float STOP = 0.1f, TOLERANCE = 0.005f, LEFT_TO_CORNERS = 0.05f;
+
+// Weight of a corner below which a point of a triangle is on its border.
+static const float BORDER = 0.01f;
+
+// ---- distances ----
+
+// Selects the nearest face of a box for points inside; the first of equals.
+LANE_INLINE nearest8 nearest_face( const wisp_shape_lanes* s, lane8v e )
+{
+    nearest8 best = { .distance = lane8_set1( -INFINITY ) };
+    for ( int k = 0; k < 3; ++k )
+    {
+        const lane8v axis = load_vector( s->axis[k], true );
+        const lane8 at = lane8v_dot( axis, e ), depth = lane8_sub( lane8_abs( at ), load_row( s->size[k], true ) );
+        const lane8 side = lane8_select( lane8_lt( at, lane8_zero() ), lane8_set1( -1.0f ), lane8_set1( 1.0f ) );
+        const lane8m is_nearer = lane8_gt( depth, best.distance );
+        best.normal =
+            k == 0 ? lane8v_scale( axis, side ) : lane8v_select( is_nearer, lane8v_scale( axis, side ), best.normal );
+        best.distance = lane8_select( is_nearer, depth, best.distance );
+    }
+    return best;
+}
+
+LANE_INLINE nearest8 select_nearest( lane8m m, nearest8 a, nearest8 b )
+{
+    return ( nearest8 ){ lane8v_select( m, a.normal, b.normal ), lane8_select( m, a.distance, b.distance ) };
+}
+
+LANE_INLINE nearest8 signed_distance_of( const wisp_shape_lanes* s, wisp_shape_kind kind, lane8v e )
+{
+    nearest8 found = nearest_to( s, kind, true, e );
+    const lane8m has_normal = lane8_gt( lane8v_dot( found.normal, found.normal ), lane8_set1( 0.5f ) );
+    if ( lane8m_all( has_normal ) )
+    {
+        return found;
+    }
+    // on the axis, or inside a box
+    nearest8 other = { load_vector( s->axis[0], true ), found.distance };
+    other = kind == WISP_SHAPE_BOX ? nearest_face( s, e ) : other;
+    return select_nearest( has_normal, found, other );
+}
+
+static nearest8 signed_distance( const wisp_shape_lanes* s, lane8v e )
+{
+    switch ( s->kind )
+    {
+        case WISP_SHAPE_SPHERE:
+            return signed_distance_of( s, WISP_SHAPE_SPHERE, e );
+        case WISP_SHAPE_CAPSULE:
+            return signed_distance_of( s, WISP_SHAPE_CAPSULE, e );
+        case WISP_SHAPE_BOX:
+            return signed_distance_of( s, WISP_SHAPE_BOX, e );
+        default:
+            return signed_distance_of( s, WISP_SHAPE_TAPERED_CAPSULE, e );
+    }
+}
+
+// ---- along a line ----
+
+// A point of a line with a plane below the distance: f( x ) >= bound + normal ( x - here ).
+typedef struct tangent8
+{
+    lane8 at;       // parameter on the line
+    lane8 bound;    // m
+    lane8 slope;    // m, along the whole line
+    lane8 distance; // m, of the best point
+    lane8 inner;    // of a triangle: where the best point is on its segment
+    lane8v normal;
+} tangent8;
+
+typedef struct line8
+{
+    const wisp_shape_lanes* shape;
+    // of a triangle the segment at t goes from `from + t along` by t `across`
+    lane8v from, along, across;
+    lane8 tolerance;
+    lane8 left, most; // m, what is not deeper than the ends by this, or not less than this, is of no interest
+} line8;
+
+typedef tangent8 evaluate_fn( const line8* l, lane8 at, bool is_apex );
+
+LANE_INLINE tangent8 select_tangent( lane8m m, const tangent8* a, const tangent8* b )
+{
+    return ( tangent8 ){ lane8_select( m, a->at, b->at ),       lane8_select( m, a->bound, b->bound ),
+                         lane8_select( m, a->slope, b->slope ), lane8_select( m, a->distance, b->distance ),
+                         lane8_select( m, a->inner, b->inner ), lane8v_select( m, a->normal, b->normal ) };
+}
+
+LANE_INLINE tangent8 evaluate( const line8* l, lane8 at, bool is_apex )
+{
+    (void)is_apex;
+    const nearest8 s = signed_distance( l->shape, lane8v_mul_add( l->from, at, l->along ) );
+    return ( tangent8 ){ at, s.distance, lane8v_dot( s.normal, l->along ), s.distance, lane8_zero(), s.normal };
+}
+
+LANE_INLINE lane8 plane_at( const tangent8* t, lane8 at )
+{
+    return lane8_mul_add( t->slope, lane8_sub( at, t->at ), t->bound );
+}
+
+// Finds where two tangents meet, which is below all between. @return a place there that is not close to their points
+LANE_INLINE lane8 meeting_point( const tangent8* a, const tangent8* b, lane8* bound )
+{
+    const lane8 width = lane8_sub( b->at, a->at ), fall = lane8_sub( a->slope, b->slope );
+    const lane8 rise = lane8_sub( lane8_sub( b->bound, a->bound ), lane8_mul( b->slope, width ) );
+    const lane8 t = lane8_select( lane8_lt( fall, lane8_zero() ), lane8_div( rise, fall ),
+                                  lane8_mul( lane8_set1( 0.5f ), width ) );
+    const lane8 least = lane8_mul( lane8_set1( 0.02f ), width );
+    *bound = lane8_mul_add( a->slope, t, a->bound );
+    return lane8_add( a->at, lane8_max( least, lane8_min( lane8_sub( width, least ), t ) ) );
+}
+
+// Takes over the plane between both tangents that is level along the line.
+LANE_INLINE tangent8 level_of( const tangent8* a, const tangent8* b, const tangent8* best )
+{
+    const lane8 share = lane8_div( a->slope, lane8_sub( a->slope, b->slope ) );
+    const lane8 level = lane8_mul_add( share, lane8_sub( plane_at( b, best->at ), plane_at( a, best->at ) ),
+                                       plane_at( a, best->at ) );
+    tangent8 out = *best;
+    out.normal = lane8v_mul_add( a->normal, share, lane8v_sub( b->normal, a->normal ) );
+    out.bound = lane8_min( level, best->distance );
+    return out;
+}
+
+// Finds the minimum on 0..1. @param limit receives what it would have to be below to be of interest
+// @return the best point, and a plane below the distance that is level along the line or rises from its end into it
+LANE_INLINE tangent8 minimise( const line8* l, evaluate_fn* evaluate_at, lane8m wanted, lane8* limit )
+{
+    const lane8 zero = lane8_zero();
+    tangent8 a = evaluate_at( l, zero, true ), b = evaluate_at( l, lane8_set1( 1.0f ), false );
+    *limit = lane8_min( lane8_sub( lane8_min( a.distance, b.distance ), l->left ), l->most );
+    const lane8m is_first = lane8_ge( a.slope, zero ), is_last = lane8_le( b.slope, zero );
+    lane8m between = lane8m_not( lane8m_or( is_first, is_last ) );
+    const lane8m begins = lane8m_or( is_first, lane8m_and( between, lane8_le( a.distance, b.distance ) ) );
+    tangent8 best = select_tangent( begins, &a, &b );
+    lane8m open = lane8m_and( between, wanted );
+    for ( int cut = 0; cut < CUTS; ++cut )
+    {
+        lane8 bound;
+        const lane8 at = meeting_point( &a, &b, &bound );
+        open = lane8m_and( open, lane8m_and( lane8_gt( lane8_sub( best.distance, bound ), l->tolerance ),
+                                             lane8_lt( bound, *limit ) ) );
+        if ( lane8m_any( open ) == false )
+        {
+            break;
+        }
+        const tangent8 next = evaluate_at( l, at, false );
+        best = select_tangent( lane8m_and( open, lane8_lt( next.distance, best.distance ) ), &next, &best );
+        const lane8m falls = lane8_lt( next.slope, zero ), is_flat = lane8m_and( open, lane8_eq( next.slope, zero ) );
+        a = select_tangent( lane8m_and( open, falls ), &next, &a );
+        b = select_tangent( lane8m_and_not( open, falls ), &next, &b );
+        best = select_tangent( is_flat, &next, &best );
+        between = lane8m_and_not( between, is_flat );
+        open = lane8m_and_not( open, is_flat );
+    }
+    const tangent8 level = level_of( &a, &b, &best );
+    return select_tangent( between, &level, &best );
+}
+
+// Finds the best point of the segment of a triangle at a fraction of its height.
+static tangent8 minimise_across( const line8* l, lane8 at, bool is_apex )
+{
+    const lane8 zero = lane8_zero(), one = lane8_set1( 1.0f );
+    if ( is_apex )
+    {
+        // the way down is the steeper of both sides
+        tangent8 apex = evaluate( l, at, true );
+        const lane8 side = lane8v_dot( apex.normal, l->across );
+        apex.slope = lane8_add( apex.slope, lane8_min( side, zero ) );
+        apex.inner = lane8_select( lane8_lt( side, zero ), one, zero );
+        return apex;
+    }
+    const line8 segment = { .shape = l->shape,
+                            .from = lane8v_mul_add( l->from, at, l->along ),
+                            .along = lane8v_scale( l->across, at ),
+                            .tolerance = lane8_mul( lane8_set1( 0.5f ), l->tolerance ),
+                            .left = lane8_set1( -INFINITY ),
+                            .most = lane8_set1( INFINITY ) };
+    lane8 limit;
+    tangent8 best = minimise( &segment, evaluate, lane8m_first( LANES ), &limit );
+    best.inner = best.at;
+    best.at = at;
+    best.slope = lane8v_dot( best.normal, lane8v_mul_add( l->along, best.inner, l->across ) );
+    return best;
+}
+
+// ---- primitives ----
+
+typedef struct deepest8
+{
+    lane8 distance, bound; // m, of the deepest point; below all points
+    lane8 weights[3];
+} deepest8;
+
+typedef struct paths8
+{
+    int count; // of corners
+    lane8v from[3], to[3];
+    lane8 displacement; // m, of the fastest corner
+    lane8m counts;      // finite, and of interest
+    lane8 thickness;
+} paths8;
+
+static deepest8 search_segment( const wisp_shape_lanes* s, const lane8v* p, lane8 tolerance, lane8 left, lane8 most,
+                                lane8m wanted, lane8* limit )
+{
+    const line8 l = { .shape = s,
+                      .from = p[0],
+                      .along = lane8v_sub( p[1], p[0] ),
+                      .tolerance = tolerance,
+                      .left = left,
+                      .most = most };
+    const tangent8 best = minimise( &l, evaluate, wanted, limit );
+    return (
+        deepest8 ){ best.distance, best.bound, { lane8_sub( lane8_set1( 1.0f ), best.at ), best.at, lane8_zero() } };
+}
+
+static deepest8 search_triangle( const wisp_shape_lanes* s, const lane8v* p, lane8 tolerance, lane8m wanted )
+{
+    const lane8 one = lane8_set1( 1.0f );
+    const line8 l = { .shape = s,
+                      .from = p[0],
+                      .along = lane8v_sub( p[1], p[0] ),
+                      .across = lane8v_sub( p[2], p[1] ),
+                      .tolerance = tolerance,
+                      .left = lane8_set1( -INFINITY ),
+                      .most = lane8_set1( INFINITY ) };
+    lane8 limit;
+    const tangent8 best = minimise( &l, minimise_across, wanted, &limit );
+    return ( deepest8 ){ best.distance,
+                         best.bound,
+                         { lane8_sub( one, best.at ), lane8_mul( best.at, lane8_sub( one, best.inner ) ),
+                           lane8_mul( best.at, best.inner ) } };
+}
+
+// Bounds the distance by the tangent planes at the corners. @param corner receives the least distance of a corner
+static lane8 bound_by_corners( const wisp_shape_lanes* s, const lane8v* p, int count, lane8* corner )
+{
+    lane8 bound = lane8_set1( -INFINITY );
+    *corner = lane8_set1( INFINITY );
+    for ( int k = 0; k < count; ++k )
+    {
+        const nearest8 at = signed_distance( s, p[k] );
+        lane8 fall = lane8_zero();
+        for ( int j = 0; j < count; ++j )
+        {
+            fall = lane8_min( fall, lane8v_dot( at.normal, lane8v_sub( p[j], p[k] ) ) );
+        }
+        bound = lane8_max( bound, lane8_add( at.distance, fall ) );
+        *corner = lane8_min( *corner, at.distance );
+    }
+    return bound;
+}
+
+// The deepest point of the plane of a triangle.
+typedef struct foot8
+{
+    deepest8 deepest;
+    lane8m is_known; // the plane does not cross the shape
+} foot8;
+
+LANE_INLINE lane8v nearest_corner( const wisp_shape_lanes* s, lane8v normal )
+{
+    lane8v q = { lane8_zero(), lane8_zero(), lane8_zero() };
+    for ( int k = 0; k < 3; ++k )
+    {
+        const lane8v axis = load_vector( s->axis[k], true );
+        const lane8 half = load_row( s->size[k], true );
+        const lane8m is_ahead = lane8_gt( lane8v_dot( normal, axis ), lane8_zero() );
+        q = lane8v_mul_add( q, lane8_select( is_ahead, lane8_neg( half ), half ), axis );
+    }
+    return q;
+}
+
+// Selects the end of the axis that is nearer, or where the axis crosses the plane. @param side height of the origin times `length`
+LANE_INLINE lane8v nearest_end( const wisp_shape_lanes* s, lane8v normal, lane8 length, lane8 side, lane8* radius,
+                                lane8m* is_known )
+{
+    const bool is_ball = s->kind == WISP_SHAPE_SPHERE;
+    const lane8 none = lane8_zero(), middle = load_row( s->size[0], true ),
+                sine = is_ball ? none : load_row( s->size[4], true );
+    const lane8 y[2] = { is_ball ? none : load_row( s->size[1], true ),
+                         is_ball ? none : load_row( s->size[2], true ) };
+    const lane8v axis = load_vector( s->axis[1], true );
+    const lane8 rise = lane8v_dot( normal, axis );
+    lane8 height[2], r[2], apart[2];
+    for ( int k = 0; k < 2; ++k )
+    {
+        height[k] = lane8_mul_add( y[k], rise, side );
+        r[k] = lane8_sub( middle, lane8_mul( sine, y[k] ) );
+        apart[k] = lane8_sub( lane8_abs( height[k] ), lane8_mul( r[k], length ) );
+    }
+    const lane8m is_first = lane8_lt( apart[0], apart[1] ),
+                 crosses = lane8_le( lane8_mul( height[0], height[1] ), none );
+    const lane8 cut = lane8_div( lane8_neg( side ), rise );
+    const bool is_straight = s->kind != WISP_SHAPE_TAPERED_CAPSULE;
+    lane8 at = lane8_select( is_first, y[0], y[1] );
+    at = is_straight && is_ball == false ? lane8_select( crosses, cut, at ) : at;
+    *radius = lane8_select( is_first, r[0], r[1] );
+    *is_known = is_straight ? lane8_ge( length, none ) : lane8m_not( crosses );
+    return lane8v_scale( axis, at );
+}
+
+static foot8 foot_on_plane( const wisp_shape_lanes* s, const lane8v* p )
+{
+    const lane8v u = lane8v_sub( p[1], p[0] ), v = lane8v_sub( p[2], p[0] ), n = lane8v_cross( u, v );
+    const lane8 squared = lane8v_dot( n, n ), length = lane8_sqrt( squared ),
+                out = lane8_neg( lane8v_dot( n, p[0] ) );
+    lane8 radius = lane8_zero();
+    foot8 foot;
+    lane8v q;
+    if ( s->kind == WISP_SHAPE_BOX )
+    {
+        const lane8m is_below = lane8_lt( out, lane8_zero() );
+        const lane8v back = { lane8_neg( n.x ), lane8_neg( n.y ), lane8_neg( n.z ) };
+        const lane8v towards = lane8v_select( is_below, back, n );
+        q = nearest_corner( s, towards );
+        foot.is_known = lane8_gt( lane8v_dot( towards, lane8v_sub( q, p[0] ) ), lane8_zero() );
+    }
+    else
+    {
+        q = nearest_end( s, n, length, out, &radius, &foot.is_known );
+    }
+    const lane8v w = lane8v_sub( q, p[0] );
+    const lane8 one = lane8_set1( 1.0f ), over = lane8_div( one, squared ),
+                b = lane8_mul( lane8v_dot( lane8v_cross( w, v ), n ), over ),
+                c = lane8_mul( lane8v_dot( lane8v_cross( u, w ), n ), over );
+    const lane8 distance = lane8_sub( lane8_div( lane8_abs( lane8v_dot( n, w ) ), length ), radius );
+    foot.deepest = ( deepest8 ){ distance, distance, { lane8_sub( lane8_sub( one, b ), c ), b, c } };
+    return foot;
+}
+
+LANE_INLINE lane8m is_inside( const deepest8* d )
+{
+    const lane8 border = lane8_set1( BORDER );
+    return lane8m_and( lane8_ge( d->weights[0], border ),
+                       lane8m_and( lane8_ge( d->weights[1], border ), lane8_ge( d->weights[2], border ) ) );
+}
+
+// ---- paths ----
+
+LANE_INLINE deepest8 select_deepest( lane8m m, const deepest8* a, const deepest8* b )
+{
+    deepest8 out = { .distance = lane8_select( m, a->distance, b->distance ),
+                     .bound = lane8_select( m, a->bound, b->bound ) };
+    for ( int k = 0; k < 3; ++k )
+    {
+        out.weights[k] = lane8_select( m, a->weights[k], b->weights[k] );
+    }
+    return out;
+}
+
+// Where paths meet a shape.
+typedef struct meeting8
+{
+    lane8m meets;
+    lane8 time;
+    deepest8 deepest;
+} meeting8;
+
+// Finds the first time at which paths are as near as they are stopped at, or one shortly before.
+static void advance( const wisp_shape_lanes* s, const paths8* path, lane8m open, meeting8* m )
+{
+    const lane8 one = lane8_set1( 1.0f ), none = lane8_set1( -INFINITY ), any = lane8_set1( INFINITY );
+    const lane8 stop = lane8_mul( lane8_set1( STOP ), path->thickness ), half = lane8_mul( lane8_set1( 0.5f ), stop ),
+                tolerance = lane8_mul( lane8_set1( TOLERANCE ), path->thickness ),
+                fastest = lane8_max( path->displacement, lane8_set1( 1e-30f ) );
+    lane8 time = lane8_zero();
+    const lane8m all = open;
+    deepest8 found = m->deepest;
+    for ( int i = 0; i < ADVANCES && lane8m_any( open ); ++i )
+    {
+        lane8v p[3];
+        for ( int k = 0; k < path->count; ++k )
+        {
+            p[k] = lane8v_mul_add( path->from[k], time, lane8v_sub( path->to[k], path->from[k] ) );
+        }
+        lane8 limit;
+        const deepest8 now = path->count == 2 ? search_segment( s, p, tolerance, none, any, open, &limit )
+                                              : search_triangle( s, p, tolerance, open );
+        found = select_deepest( open, &now, &found );
+        open = lane8m_and( open, lane8_gt( now.distance, stop ) );
+        // not quite, so that rounding and the tolerance do not carry it through
+        const lane8 step = lane8_div( lane8_sub( now.distance, half ), fastest ), ahead = lane8_sub( one, time );
+        const lane8 next = lane8_select( lane8_lt( step, ahead ), lane8_add( time, step ), one );
+        // what has been found stays that of its time
+        time = lane8_select( i + 1 < ADVANCES ? open : lane8m_first( 0 ), next, time );
+        open = lane8m_and( open, lane8_lt( time, one ) );
+    }
+    const lane8m stopped = lane8m_and( all, lane8_lt( time, one ) );
+    m->deepest = select_deepest( stopped, &found, &m->deepest );
+    m->time = lane8_select( stopped, time, m->time );
+    // a point on the border of a triangle is left to its edges
+    const lane8m counts = path->count == 2 ? stopped : lane8m_and( stopped, is_inside( &found ) );
+    m->meets = lane8m_or( lane8m_and_not( m->meets, stopped ), counts );
+}
+
+static void meet_segments( const wisp_shape_lanes* s, const paths8* path, lane8 most, meeting8* m, lane8* bound )
+{
+    lane8 limit;
+    m->deepest =
+        search_segment( s, path->to, lane8_mul( lane8_set1( TOLERANCE ), path->thickness ),
+                        lane8_mul( lane8_set1( LEFT_TO_CORNERS ), path->thickness ), most, path->counts, &limit );
+    m->meets = lane8m_and( path->counts, lane8_lt( m->deepest.distance, limit ) );
+    *bound = m->deepest.bound;
+}
+
+static void meet_triangles( const wisp_shape_lanes* s, const paths8* path, lane8 most, lane8 fast, meeting8* m,
+                            lane8* bound )
+{
+    const foot8 foot = foot_on_plane( s, path->to );
+    const lane8 none = lane8_set1( -INFINITY );
+    m->deepest = foot.deepest;
+    m->meets = lane8m_and( path->counts, lane8m_first( 0 ) );
+    *bound = lane8_select( foot.is_known, foot.deepest.distance, none );
+    const lane8m inside = lane8m_and( is_inside( &foot.deepest ), lane8_lt( foot.deepest.distance, most ) );
+    const lane8m unsure = lane8m_or( lane8m_not( foot.is_known ), lane8m_not( lane8_gt( *bound, fast ) ) );
+    if ( lane8m_any( lane8m_and( path->counts, lane8m_or( inside, unsure ) ) ) == false )
+    {
+        return;
+    }
+    lane8 corner;
+    *bound = lane8_max( bound_by_corners( s, path->to, 3, &corner ), *bound );
+    const lane8 left = lane8_mul( lane8_set1( LEFT_TO_CORNERS ), path->thickness ),
+                limit = lane8_min( lane8_sub( corner, left ), most );
+    m->meets = lane8m_and( lane8m_and( path->counts, foot.is_known ),
+                           lane8m_and( inside, lane8_lt( foot.deepest.distance, limit ) ) );
+    const lane8m searched = lane8m_and( lane8m_and_not( path->counts, foot.is_known ), lane8_lt( *bound, limit ) );
+    if ( lane8m_any( searched ) )
+    {
+        const deepest8 d =
+            search_triangle( s, path->to, lane8_mul( lane8_set1( TOLERANCE ), path->thickness ), searched );
+        const lane8m found = lane8m_and( searched, lane8m_and( is_inside( &d ), lane8_lt( d.distance, limit ) ) );
+        m->deepest = select_deepest( found, &d, &m->deepest );
+        m->meets = lane8m_or( m->meets, found );
+        *bound = lane8_select( searched, lane8_max( d.bound, *bound ), *bound );
+    }
+}
+
+static meeting8 meet( const wisp_shape_lanes* s, const paths8* path )
+{
+    const lane8 twice = lane8_add( path->displacement, path->displacement ),
+                stop = lane8_mul( lane8_set1( STOP ), path->thickness ), fast = lane8_add( stop, twice ),
+                most = lane8_add( lane8_add( path->thickness, path->thickness ), path->displacement );
+    meeting8 m = { .time = lane8_set1( 1.0f ) };
+    lane8 bound, corner;
+    path->count == 2 ? meet_segments( s, path, most, &m, &bound ) : meet_triangles( s, path, most, fast, &m, &bound );
+    lane8m may_stop = lane8m_and_not( path->counts, lane8_gt( bound, fast ) );
+    if ( lane8m_any( may_stop ) )
+    {
+        bound = bound_by_corners( s, path->from, path->count, &corner );
+        may_stop = lane8m_and_not( may_stop, lane8_gt( lane8_sub( bound, path->displacement ), stop ) );
+        advance( s, path, may_stop, &m );
+    }
+    return m;
+}
+
+// ---- a first look ----
+
+// Bounds the squared distance of points of primitives from their nearest corner: by half a segment; by the radius of the circle around a
+// triangle, and 1 / sqrt 3 of its longest side.
+LANE_INLINE lane8 spread_of( const lane8v* p, int count )
+{
+    const lane8v u = lane8v_sub( p[1], p[0] );
+    const lane8 a = lane8v_dot( u, u );
+    if ( count == 2 )
+    {
+        return lane8_mul( lane8_set1( 0.25f ), a );
+    }
+    const lane8v v = lane8v_sub( p[2], p[0] ), w = lane8v_sub( p[2], p[1] ), n = lane8v_cross( u, v );
+    const lane8 b = lane8v_dot( v, v ), c = lane8v_dot( w, w ),
+                area = lane8_mul( lane8_set1( 4.0f ), lane8v_dot( n, n ) );
+    const lane8 around = lane8_div( lane8_mul( lane8_mul( a, b ), c ), area );
+    return lane8_min( around, lane8_mul( lane8_set1( 0.334f ), lane8_max( lane8_max( a, b ), c ) ) );
+}
+
+// Bounds the distance by that of the corners: with r the radius of a ball that touches a round shape inside,
+// ( r + bound )^2 >= ( r + corner )^2 - spread^2.
+LANE_INLINE lane8 bound_around( const wisp_shape_lanes* s, wisp_shape_kind kind, const paths8* path, lane8* corner )
+{
+    lane8 radius = load_row( s->size[0], true );
+    if ( kind == WISP_SHAPE_TAPERED_CAPSULE )
+    {
+        const lane8 sine = load_row( s->size[4], true );
+        radius = lane8_sub( radius, lane8_max( lane8_mul( sine, load_row( s->size[1], true ) ),
+                                               lane8_mul( sine, load_row( s->size[2], true ) ) ) );
+    }
+    *corner = nearest_to( s, kind, true, path->to[0] ).distance;
+    for ( int k = 1; k < path->count; ++k )
+    {
+        *corner = lane8_min( *corner, nearest_to( s, kind, true, path->to[k] ).distance );
+    }
+    const lane8 out = lane8_add( radius, *corner ),
+                left = lane8_sub( lane8_mul( out, out ), spread_of( path->to, path->count ) );
+    // the last digits may be wrong
+    return lane8_sub( lane8_sqrt( lane8_max( left, lane8_zero() ) ), lane8_mul( lane8_set1( 1.000001f ), radius ) );
+}
+
+// Bounds the distance from a box by that from the planes of its faces.
+LANE_INLINE lane8 bound_by_faces( const wisp_shape_lanes* s, const paths8* path, lane8* corner )
+{
+    lane8 squared[3] = { lane8_zero(), lane8_zero(), lane8_zero() }, bound = lane8_set1( -INFINITY );
+    for ( int k = 0; k < 3; ++k )
+    {
+        const lane8v axis = load_vector( s->axis[k], true );
+        const lane8 half = load_row( s->size[k], true );
+        lane8 lowest = lane8_set1( INFINITY ), highest = lane8_neg( lowest );
+        for ( int c = 0; c < path->count; ++c )
+        {
+            const lane8 at = lane8v_dot( axis, path->to[c] ),
+                        out = lane8_max( lane8_sub( lane8_abs( at ), half ), lane8_zero() );
+            squared[c] = lane8_mul_add( out, out, squared[c] );
+            lowest = lane8_min( at, lowest );
+            highest = lane8_max( at, highest );
+        }
+        bound = lane8_max( bound, lane8_sub( lane8_max( lowest, lane8_neg( highest ) ), half ) );
+    }
+    lane8 least = squared[0];
+    for ( int c = 1; c < path->count; ++c )
+    {
+        least = lane8_min( least, squared[c] );
+    }
+    *corner = lane8_sqrt( least );
+    return bound;
+}
+
+// Returns whether a path may meet the shape.
+LANE_INLINE lane8m may_meet( const wisp_shape_lanes* s, wisp_shape_kind kind, const paths8* path )
+{
+    lane8 corner;
+    const lane8 bound =
+        kind == WISP_SHAPE_BOX ? bound_by_faces( s, path, &corner ) : bound_around( s, kind, path, &corner );
+    const lane8 h = path->thickness, twice = lane8_add( path->displacement, path->displacement );
+    const lane8 most = lane8_add( lane8_add( h, h ), path->displacement ),
+                limit = lane8_min( lane8_sub( corner, lane8_mul( lane8_set1( LEFT_TO_CORNERS ), h ) ), most ),
+                fast = lane8_mul_add( lane8_set1( STOP ), h, twice );
+    const lane8m is_left = lane8m_and( lane8_ge( bound, limit ), lane8_gt( bound, fast ) );
+    return lane8m_and_not( path->counts, is_left );
+}
+
+// ---- kernels ----
+
+LANE_INLINE lane8v load_seen( const float* rows, const int32_t* index, const float ( *origin )[LANES] )
+{
+    lane8v p;
+    lane8_load_xyz( rows, index, &p.x, &p.y, &p.z );
+    return lane8v_sub( p, load_vector( origin, true ) );
+}
+
+LANE_INLINE void find_quads( const int32_t* of_all, int corner_count, const int32_t* primitives, int count,
+                             int32_t ( *quads )[LANES] )
+{
+    for ( int l = 0; l < LANES; ++l )
+    {
+        const int32_t* corners = of_all + (size_t)primitives[l < count ? l : 0] * (size_t)corner_count;
+        for ( int k = 0; k < corner_count; ++k )
+        {
+            quads[k][l] = 4 * corners[k];
+        }
+    }
+}
+
+LANE_INLINE paths8 load_paths( const wisp_primitive_paths* args, const wisp_shape_lanes* s, int corner_count,
+                               int32_t ( *quads )[LANES], lane8 thickness )
+{
+    paths8 path = {
+        .count = corner_count, .displacement = lane8_zero(), .counts = lane8m_first( LANES ), .thickness = thickness
+    };
+    const lane8 largest = lane8_set1( 1e18f );
+    for ( int k = 0; k < path.count; ++k )
+    {
+        path.to[k] = load_seen( args->position, quads[k], s->at );
+        const lane8v back = load_seen( args->previous, quads[k], s->was );
+        path.from[k] = s->turns ? turn( s, back, true ) : back;
+        path.displacement = lane8_max( lane8v_length( lane8v_sub( path.to[k], path.from[k] ) ), path.displacement );
+        const lane8 size =
+            lane8_add( lane8v_dot( path.to[k], path.to[k] ), lane8v_dot( path.from[k], path.from[k] ) );
+        path.counts = lane8m_and( path.counts, lane8_lt( size, largest ) );
+    }
+    return path;
+}
+
+static int write_meetings( const meeting8* m, uint32_t bits, const int32_t* primitives, wisp_primitive_meeting* out )
+{
+    float time[LANES], weights[3][LANES];
+    int met = 0;
+    lane8_storeu( time, m->time );
+    for ( int k = 0; k < 3; ++k )
+    {
+        lane8_storeu( weights[k], m->deepest.weights[k] );
+    }
+    for ( ; bits != 0; bits &= bits - 1 )
+    {
+        const int l = __builtin_ctz( bits );
+        out[met++] = ( wisp_primitive_meeting ){ .primitive = primitives[l],
+                                                 .time = time[l],
+                                                 .weights = { weights[0][l], weights[1][l], weights[2][l] } };
+    }
+    return met;
+}
+
+LANE_INLINE int meet_kind( const wisp_primitive_paths* args, const wisp_shape_lanes* shape, wisp_shape_kind kind,
+                           int corner_count, const float* thickness, const int32_t* primitives, int count,
+                           wisp_primitive_meeting* out )
+{
+    int met = 0;
+    for ( int i = 0; i < count; i += LANES )
+    {
+        int32_t quads[3][LANES];
+        find_quads( args->corners, corner_count, primitives + i, count - i, quads );
+        const lane8 h = thickness != NULL ? lane8_loadu( thickness + i ) : lane8_set1( shape->thickness[0] );
+        paths8 path = load_paths( args, shape, corner_count, quads, h );
+        const lane8m may = lane8m_and( may_meet( shape, kind, &path ), lane8m_first( count - i ) );
+        if ( lane8m_any( may ) )
+        {
+            path.counts = may;
+            const meeting8 m = meet( shape, &path );
+            met += write_meetings( &m, lane8m_bits( m.meets ), primitives + i, out + met );
+        }
+    }
+    return met;
+}
+
+#define MEET( kind, corner_count ) meet_kind( args, shape, kind, corner_count, thickness, primitives, count, out )
+
+int KERNEL( meet_shape )( const wisp_primitive_paths* args, const wisp_shape_lanes* shape, const float* thickness,
+                          const int32_t* primitives, int count, wisp_primitive_meeting* out )
+{
+    const bool is_edges = args->corner_count == 2;
+    switch ( shape->kind )
+    {
+        case WISP_SHAPE_SPHERE:
+            return is_edges ? MEET( WISP_SHAPE_SPHERE, 2 ) : MEET( WISP_SHAPE_SPHERE, 3 );
+        case WISP_SHAPE_CAPSULE:
+            return is_edges ? MEET( WISP_SHAPE_CAPSULE, 2 ) : MEET( WISP_SHAPE_CAPSULE, 3 );
+        case WISP_SHAPE_BOX:
+            return is_edges ? MEET( WISP_SHAPE_BOX, 2 ) : MEET( WISP_SHAPE_BOX, 3 );
+        default:
+            return is_edges ? MEET( WISP_SHAPE_TAPERED_CAPSULE, 2 ) : MEET( WISP_SHAPE_TAPERED_CAPSULE, 3 );
+    }
+}
+
+// ---- what may meet something in the step ----
+
+// What a particle says of a shape: it is far from it, or, of a shape that is blunt against the thickness, clear of it; it is above a face
+// of a box; or something else. Where all corners of a primitive say the same it meets nothing: above a face, or near what is blunt,
+// no point of it is much nearer than its corners.
+enum
+{
+    FAR = 0,
+    ON_FACE = 1, // and five more
+    NEAR = 7,
+    BITS = 4,   // of a shape
+    SHAPES = 8, // the last are seen together
+};
+
+LANE_INLINE lane8i face_of( const wisp_shape_lanes* s, lane8v e, lane8 room, lane8 least )
+{
+    lane8i face = lane8i_set1( NEAR );
+    lane8 at[3], inside[3], above[3];
+    for ( int k = 0; k < 3; ++k )
+    {
+        at[k] = lane8v_dot( load_vector( s->axis[k], true ), e );
+        above[k] = lane8_sub( lane8_abs( at[k] ), load_row( s->size[k], true ) );
+        inside[k] = lane8_add( above[k], room );
+    }
+    for ( int k = 0; k < 3; ++k )
+    {
+        const lane8m is_beside = lane8_ge( lane8_max( inside[( k + 1 ) % 3], inside[( k + 2 ) % 3] ), lane8_zero() );
+        const lane8i number = lane8i_select( lane8_lt( at[k], lane8_zero() ), lane8i_set1( ON_FACE + 2 * k ),
+                                             lane8i_set1( ON_FACE + 2 * k + 1 ) );
+        face = lane8i_select( lane8m_and_not( lane8_gt( above[k], least ), is_beside ), number, face );
+    }
+    return face;
+}
+
+LANE_INLINE lane8i word_of( const wisp_clear_args* args, const wisp_shape_lanes* s, wisp_shape_kind kind,
+                            bool is_blunt, lane8v p, lane8 ahead )
+{
+    const lane8v e = lane8v_sub( p, load_vector( s->at, true ) );
+    const lane8 found = nearest_to( s, kind, true, e ).distance, h = load_row( s->thickness, true );
+    // in the rest of the step the shape moves, and what is seen from it; paths are no longer than both ends are from here
+    const lane8 moved = lane8_mul_add( load_row( s->rate, true ), lane8v_length( e ), load_row( s->shift, true ) );
+    const lane8 twice = lane8_mul( lane8_set1( 2.002f ), moved ),
+                less = lane8_mul_add( lane8_set1( 5.0f ), ahead, twice ),
+                above = lane8_mul_add( h, lane8_set1( 1.01f * ( STOP + LEFT_TO_CORNERS ) ), less ),
+                beyond = lane8_add( lane8_mul_add( h, lane8_set1( 2.002f ), less ), lane8_set1( args->away ) );
+    const lane8i near =
+        kind == WISP_SHAPE_BOX ? face_of( s, e, lane8_add( ahead, twice ), above ) : lane8i_set1( NEAR );
+    return lane8i_select( lane8_gt( found, is_blunt ? above : beyond ), lane8i_set1( FAR ), near );
+}
+
+LANE_INLINE lane8i say( const wisp_clear_args* args, int i, lane8v p, lane8 ahead )
+{
+    const wisp_shape_lanes* s = args->shapes + i;
+    const bool is_blunt = args->blunt[i];
+    switch ( s->kind )
+    {
+        case WISP_SHAPE_BOX:
+            return word_of( args, s, WISP_SHAPE_BOX, false, p, ahead );
+        case WISP_SHAPE_SPHERE:
+            return word_of( args, s, WISP_SHAPE_SPHERE, is_blunt, p, ahead );
+        case WISP_SHAPE_CAPSULE:
+            return word_of( args, s, WISP_SHAPE_CAPSULE, is_blunt, p, ahead );
+        default:
+            return word_of( args, s, WISP_SHAPE_TAPERED_CAPSULE, is_blunt, p, ahead );
+    }
+}
+
+void KERNEL( clear_particles )( const wisp_clear_args* args, int begin, int end )
+{
+    for ( int slot = begin; slot < end; slot += LANES )
+    {
+        const size_t quad = (size_t)slot * 4;
+        lane8v p, old;
+        lane8 none;
+        lane8_load_xyzw_contiguous( args->position + quad, &p.x, &p.y, &p.z, &none );
+        lane8_load_xyzw_contiguous( args->previous + quad, &old.x, &old.y, &old.z, &none );
+        const lane8 ahead = lane8_mul_add( lane8v_length( lane8v_sub( p, old ) ), lane8_set1( args->ahead ),
+                                           lane8_set1( args->room ) );
+        lane8_store_xyzw_contiguous( args->place + quad, p.x, p.y, p.z, lane8_neg( ahead ) );
+        lane8i words = args->first > 0 ? lane8i_loadu( args->words + slot ) : lane8i_set1( 0 );
+        for ( int i = 0; i < args->count; ++i )
+        {
+            const lane8i word = say( args, i, p, ahead ),
+                         is_own = lane8i_set1( args->first + i < SHAPES - 1 ? -1 : 0 );
+            const lane8m is_far = lane8i_eq( word, lane8i_set1( FAR ) );
+            const lane8i seen =
+                lane8i_select( is_far, word, lane8i_or( word, lane8i_xor( is_own, lane8i_set1( -1 ) ) ) );
+            const int place = args->first + i < SHAPES ? args->first + i : SHAPES - 1;
+            words = lane8i_or( words, lane8i_mul( lane8i_and( seen, lane8i_set1( NEAR ) ),
+                                                  lane8i_set1( (int32_t)( 1u << BITS * place ) ) ) );
+        }
+        lane8i_storeu( args->words + slot, words );
+    }
+}
+
+LANE_INLINE int find_near( const wisp_primitive_paths* args, int corner_count, int begin, int end, int32_t* near )
+{
+    int found = 0;
+    for ( int i = begin; i < end; i += LANES )
+    {
+        int32_t numbers[LANES], quads[3][LANES], words[2][LANES];
+        for ( int l = 0; l < LANES; ++l )
+        {
+            numbers[l] = i + l < end ? i + l : i;
+        }
+        find_quads( args->corners, corner_count, numbers, LANES, quads );
+        for ( int l = 0; l < LANES; ++l )
+        {
+            const int32_t a = args->words[quads[0][l] / 4], b = args->words[quads[1][l] / 4],
+                          c = corner_count == 3 ? args->words[quads[2][l] / 4] : b;
+            words[0][l] = a;
+            words[1][l] = ( a ^ b ) | ( a ^ c );
+        }
+        lane8v p[3];
+        lane8 ahead = lane8_zero();
+        for ( int k = 0; k < corner_count; ++k )
+        {
+            lane8 room;
+            lane8_load_xyzw( args->place, quads[k], &p[k].x, &p[k].y, &p[k].z, &room );
+            ahead = lane8_max( lane8_neg( room ), ahead );
+        }
+        // corners move
+        const lane8 most = lane8_sub( lane8_set1( args->away ), lane8_add( ahead, ahead ) );
+        const lane8m is_small = lane8m_and( lane8_gt( most, lane8_zero() ),
+                                            lane8_lt( spread_of( p, corner_count ), lane8_mul( most, most ) ) );
+        // the words are the same, and none is NEAR
+        const lane8i word = lane8i_loadu( words[0] );
+        const lane8i all =
+            lane8i_and( lane8i_and( word, lane8i_shift_right( word, 1 ) ), lane8i_shift_right( word, 2 ) );
+        const lane8i zero = lane8i_set1( 0 );
+        const lane8m is_clear = lane8m_and( lane8i_eq( lane8i_loadu( words[1] ), zero ),
+                                            lane8i_eq( lane8i_and( all, lane8i_set1( 0x11111111 ) ), zero ) );
+        const uint32_t bits =
+            lane8m_bits( lane8m_and_not( lane8m_first( end - i ), lane8m_and( is_small, is_clear ) ) );
+        int32_t packed[LANES];
+        const int n = lane8i_compress_store( packed, lane8i_loadu( numbers ), bits );
+        memcpy( near + found, packed, (size_t)n * sizeof( *near ) );
+        found += n;
+    }
+    return found;
+}
+
+int KERNEL( find_near_primitives )( const wisp_primitive_paths* args, int begin, int end, int32_t* near )
+{
+    return args->corner_count == 2 ? find_near( args, 2, begin, end, near ) : find_near( args, 3, begin, end, near );
+}

@@ -1,0 +1,98 @@
+// Shapes in closed form in a substep, and their closest points, eight points at
+// a time, along the axes of the world, relative to the shape: a point goes from
+// f, as seen from where the shape was, to e.
+#pragma once
+
+#include "kernel_isa.h"
+
+enum
+{
+    LANES = 8,
+};
+
+typedef struct nearest8
+{
+    lane8v normal;
+    lane8 distance;
+} nearest8;
+
+// A row of numbers, or one number for all lanes. `alike` is a constant after
+// inlining, as is a kind of shape.
+LANE_INLINE lane8 load_row( const float* row, bool alike )
+{
+    return alike ? lane8_set1( row[0] ) : lane8_loadu( row );
+}
+
+LANE_INLINE lane8v load_vector( const float ( *rows )[LANES], bool alike )
+{
+    return ( lane8v ){ load_row( rows[0], alike ), load_row( rows[1], alike ), load_row( rows[2], alike ) };
+}
+
+LANE_INLINE lane8 clamp( lane8 x, lane8 lower, lane8 upper )
+{
+    return lane8_max( lower, lane8_min( x, upper ) );
+}
+
+LANE_INLINE nearest8 nearest_round( lane8v away, lane8 radius )
+{
+    const lane8 length = lane8v_length( away );
+    return ( nearest8 ){ lane8v_scale( away, lane8_div( lane8_set1( 1.0f ), length ) ), lane8_sub( length, radius ) };
+}
+
+LANE_INLINE nearest8 nearest_on_box( const wisp_shape_lanes* s, lane8v e, bool alike )
+{
+    lane8v away = { lane8_zero(), lane8_zero(), lane8_zero() };
+    for ( int k = 0; k < 3; ++k )
+    {
+        const lane8v axis = load_vector( s->axis[k], alike );
+        const lane8 half = load_row( s->size[k], alike ), at = lane8v_dot( axis, e );
+        away = lane8v_mul_add( away, lane8_sub( at, clamp( at, lane8_neg( half ), half ) ), axis );
+    }
+    return nearest_round( away, lane8_zero() );
+}
+
+// Computes the closest point of a shape from outside; inside, a distance that
+// is not positive. `kind` is a constant after inlining.
+LANE_INLINE nearest8 nearest_to( const wisp_shape_lanes* s, wisp_shape_kind kind, bool alike, lane8v e )
+{
+    if ( kind == WISP_SHAPE_BOX )
+    {
+        return nearest_on_box( s, e, alike );
+    }
+    const lane8 radius = load_row( s->size[0], alike );
+    if ( kind == WISP_SHAPE_SPHERE )
+    {
+        return nearest_round( e, radius );
+    }
+    const lane8v axis = load_vector( s->axis[1], alike );
+    const lane8 along = lane8v_dot( axis, e );
+    if ( kind == WISP_SHAPE_PLANE )
+    {
+        return ( nearest8 ){ axis, along };
+    }
+    const lane8 lower = load_row( s->size[1], alike ), upper = load_row( s->size[2], alike );
+    if ( kind == WISP_SHAPE_CAPSULE )
+    {
+        const lane8 y = clamp( along, lower, upper );
+        return nearest_round( lane8v_mul_add( e, lane8_neg( y ), axis ), radius );
+    }
+    // as in taper.h
+    const lane8 rho = lane8v_length( lane8v_mul_add( e, lane8_neg( along ), axis ) );
+    const lane8 y = clamp( lane8_sub( along, lane8_mul( load_row( s->size[3], alike ), rho ) ), lower, upper );
+    return nearest_round( lane8v_mul_add( e, lane8_neg( y ), axis ),
+                          lane8_sub( radius, lane8_mul( load_row( s->size[4], alike ), y ) ) );
+}
+
+LANE_INLINE lane8v turn( const wisp_shape_lanes* s, lane8v v, bool alike )
+{
+    return ( lane8v ){ lane8v_dot( load_vector( s->turn[0], alike ), v ),
+                       lane8v_dot( load_vector( s->turn[1], alike ), v ),
+                       lane8v_dot( load_vector( s->turn[2], alike ), v ) };
+}
+
+LANE_INLINE lane8v turn_back( const wisp_shape_lanes* s, lane8v v, bool alike )
+{
+    const lane8v x = lane8v_scale( load_vector( s->turn[0], alike ), v.x );
+    return lane8v_mul_add( lane8v_mul_add( x, v.y, load_vector( s->turn[1], alike ) ), v.z,
+                           load_vector( s->turn[2], alike ) );
+}
