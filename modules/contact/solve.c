@@ -143,7 +143,8 @@ static void push( contact_contact_mesh* s, const contact_row* row, const float i
         float* half = hold_of( s, row, i );
         if ( half != NULL )
         {
-            const float into = -contact_dot( half + 3, by ), held = contact_larger( into, recovers ? 0.0f : -half[10] );
+            const float into = -contact_dot( half + 3, by ),
+                        held = contact_larger( into, recovers ? 0.0f : -half[10] );
             half[10] += recovers ? 0.0f : held;
             for ( int k = 0; k < 3; ++k )
             {
@@ -177,7 +178,8 @@ static void add_friction( const contact_contact_mesh* s, contact_row* row, float
     {
         wanted[k] = row->tangential_impulse[k] - taken * direction[k];
     }
-    const float squared = contact_dot( wanted, wanted ), scale = squared > most * most ? most / sqrtf( squared ) : 1.0f;
+    const float squared = contact_dot( wanted, wanted ),
+                scale = squared > most * most ? most / sqrtf( squared ) : 1.0f;
     for ( int k = 0; k < 3; ++k )
     {
         by[k] += scale * wanted[k] - row->tangential_impulse[k];
@@ -347,8 +349,11 @@ void contact_project_rows( const contact_work* work )
 {
     run_all( work, project_row );
     project_bodies( work, true );
-    run_all( work, press_row ); // a heavy sheet on two light ones comes to rest by it
-    project_bodies( work, true );
+    if ( work->memory->tangled == 0 ) // else it would press on what is drawn apart
+    {
+        run_all( work, press_row ); // a heavy sheet on two light ones comes to rest by it
+        project_bodies( work, true );
+    }
 }
 
 // ---- impulses that outlive the substep ----
@@ -414,8 +419,9 @@ static void push_warm( const contact_work* work, contact_row* row )
 
 void contact_start_warm( const contact_work* work )
 {
-    wisp_parallel_for( work->parallel, work->contact_mesh->constraints->row_count, WARM_GRAIN, warm_rows,
-                       (void*)(uintptr_t)work );
+    // kept impulses would hold what is drawn apart
+    const int count = work->memory->tangled == 0 ? work->contact_mesh->constraints->row_count : 0;
+    wisp_parallel_for( work->parallel, count, WARM_GRAIN, warm_rows, (void*)(uintptr_t)work );
     project_bodies( work, false );
     run_all( work, push_warm );
     project_bodies( work, true );

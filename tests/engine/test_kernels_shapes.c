@@ -1,7 +1,7 @@
 // Kernels of contact with shapes in closed form: closest points have the bits of wisp_shape_closest() and the values of
 // the formulas in doubles, for sizes of zero, points at centres and far away. Half spaces, with friction and without,
 // are those of scalar code, bit for bit, in every table.
-#include "oracle/deepest_oracle.h"
+#include "oracle/contact_oracle.h"
 #include "kernels_fixture.h"
 
 #include "wisp/module/shapes.h"
