@@ -19,6 +19,8 @@
 //
 // Rods have nothing to tune: bending is one direct solve per substep.
 
+static const char* const LEVELS[] = { "exact", "triangles", "spheres" };
+
 #define IN_SURFACE( member ) offsetof( wisp_scene_surface, member )
 
 const tune_field tune_fields[FIELD_COUNT] = {
@@ -37,6 +39,8 @@ const tune_field tune_fields[FIELD_COUNT] = {
                         IN_SURFACE( implicit.newton_iterations ), .candidates = { 1, 2, 4 } },
     [FIELD_PASSES] = { "dynamics.stretch_passes", "strands", "dynamics", "stretch_passes", OF_DIRECT_STRANDS,
                        offsetof( wisp_scene_strands, dynamics.stretch_passes ), .candidates = { 1, 2, 8 } },
+    [FIELD_LEVEL] = { "contact.level", NULL, "contact", "level", OF_CONTACT, offsetof( wisp_scene, contact.level ),
+                      .is_unordered = true, .candidates = { 1, 2 }, .words = LEVELS },
 };
 
 // ---- what a scene has ----
@@ -45,7 +49,9 @@ const tune_field tune_fields[FIELD_COUNT] = {
 static int field_entries( const wisp_scene* scene, int which )
 {
     const tune_place place = tune_fields[which].place;
-    return place == OF_SCENE ? 1 : place == OF_DIRECT_STRANDS ? scene->strands_count : scene->surface_count;
+    return place == OF_SCENE || place == OF_CONTACT ? 1
+           : place == OF_DIRECT_STRANDS             ? scene->strands_count
+                                                    : scene->surface_count;
 }
 
 // An instance shares the fabric of its source, including the anchors of tethers.
@@ -65,6 +71,16 @@ static bool is_direct( const wisp_scene_strands* strands )
     return strands->has_dynamics && strands->dynamics.stretch == WISP_STRAND_STRETCH_DIRECT;
 }
 
+static bool has_contact( const wisp_scene* scene )
+{
+    bool has = false;
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        has = has || scene->surfaces[i].has_contact;
+    }
+    return has;
+}
+
 // Whether an entry of the list has the field.
 static bool field_is_in( const wisp_scene* scene, int which, int entry )
 {
@@ -79,6 +95,8 @@ static bool field_is_in( const wisp_scene* scene, int which, int entry )
             return scene->surfaces[entry].has_implicit;
         case OF_DIRECT_STRANDS:
             return is_direct( &scene->strands[entry] );
+        case OF_CONTACT:
+            return has_contact( scene );
         case OF_SCENE:
             break;
     }
@@ -88,9 +106,9 @@ static bool field_is_in( const wisp_scene* scene, int which, int entry )
 static const void* field_at( const wisp_scene* scene, int which, int entry )
 {
     const tune_place place = tune_fields[which].place;
-    const void* base = place == OF_SCENE            ? (const void*)scene
-                       : place == OF_DIRECT_STRANDS ? (const void*)&scene->strands[entry]
-                                                    : (const void*)&scene->surfaces[entry];
+    const void* base = place == OF_SCENE || place == OF_CONTACT ? (const void*)scene
+                       : place == OF_DIRECT_STRANDS             ? (const void*)&scene->strands[entry]
+                                                                : (const void*)&scene->surfaces[entry];
     return (const char*)base + tune_fields[which].offset;
 }
 
@@ -133,8 +151,8 @@ bool tune_field_own( const wisp_scene* scene, int which, double* out )
 // ---- parameters ----
 
 _Static_assert( (int)FIELD_COUNT <= WISP_TUNE_MAX_PARAMETERS, "a scene may have all of them" );
-_Static_assert( (int)FIELD_COUNT <= 7 && 3 * 3 * 3 * 3 * 3 * 3 * 3 <= WISP_TUNE_MAX_SETTINGS,
-                "three values of each can be searched" );
+_Static_assert( (int)FIELD_COUNT <= 8 && 3 * 3 * 3 * 3 * 3 * 3 * 2 * 2 <= WISP_TUNE_MAX_SETTINGS,
+                "three values of most can be searched" );
 
 // ---- parameters of a scene ----
 
@@ -236,7 +254,7 @@ static void drop_value( const wisp_scene* scene, tune_parameters* parameters, in
 }
 
 // Few scenes have all parameters; theirs may give more settings than can be searched. The longest lists lose values
-// until there are few enough, which three of each are.
+// until there are few enough, which three of most are.
 static void thin_out( const wisp_scene* scene, tune_parameters* parameters )
 {
     while ( setting_count( parameters ) > WISP_TUNE_MAX_SETTINGS )
@@ -282,6 +300,7 @@ void tune_parameters_set( const tune_parameters* parameters, const int* configur
             if ( field_is_in( scene, which, i ) && own_value( scene, which, i ) != value )
             {
                 set_field( scene, which, i, value );
+                scene->has_contact = scene->has_contact || which == FIELD_LEVEL;
             }
         }
     }
@@ -291,7 +310,11 @@ void tune_parameters_set( const tune_parameters* parameters, const int* configur
 
 void tune_parameters_text( int field, double value, char* out, size_t size )
 {
-    if ( tune_fields[field].is_switch )
+    if ( tune_fields[field].words )
+    {
+        snprintf( out, size, "%s", tune_fields[field].words[(int)value] );
+    }
+    else if ( tune_fields[field].is_switch )
     {
         snprintf( out, size, "%s", value > 0.0 ? "true" : "false" );
     }
@@ -327,6 +350,12 @@ static void add_edits( const tune_parameters* parameters, int parameter, double 
         {
             wisp_scene_edit* edit = add_edit( list, which, i );
             tune_parameters_text( which, value, edit->value, sizeof edit->value );
+            if ( which == FIELD_LEVEL && scene->has_contact == false )
+            {
+                snprintf( edit->value, sizeof edit->value, "{ level: %s }", LEVELS[(int)value] );
+                edit->block = NULL; // there is none yet
+                edit->key = "contact";
+            }
         }
     }
 }

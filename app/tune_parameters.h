@@ -14,6 +14,7 @@ typedef enum tune_place
     OF_XPBD_CLOTH,     ///< surfaces with `cloth` by xpbd, instances too
     OF_PINNED_CLOTH,   ///< surfaces with `cloth` that are pinned
     OF_IMPLICIT,       ///< surfaces with `implicit`
+    OF_CONTACT,        ///< the scene itself, where something has `contact`
     OF_DIRECT_STRANDS, ///< strands with `dynamics` that keep their length by the direct solve
 } tune_place;
 
@@ -32,6 +33,7 @@ typedef struct tune_field
     size_t offset; ///< in the scene or the entry, of an int, of a float if it is_fraction, of a bool if it is_switch
     bool is_fraction, is_switch, is_unordered, is_falling;
     double candidates[TUNE_CANDIDATES_MAX]; ///< end with 0, unless it is full
+    const char* const* words;               ///< of the values, from 0 on; null: numbers
 } tune_field;
 
 enum
@@ -43,6 +45,7 @@ enum
     FIELD_TOLERANCE,
     FIELD_REPEATS,
     FIELD_PASSES,
+    FIELD_LEVEL,
     FIELD_COUNT,
 };
 

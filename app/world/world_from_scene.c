@@ -440,16 +440,6 @@ int scene_world_vertices( const scene_world* world )
     return sum;
 }
 
-int scene_world_triangles( const scene_world* world )
-{
-    int sum = 0;
-    for ( int i = 0; i < scene_world_moving_count( world ); ++i )
-    {
-        sum += scene_world_body( world, i ).triangle_count;
-    }
-    return sum;
-}
-
 int scene_world_strands( const scene_world* world )
 {
     int sum = 0;

@@ -155,7 +155,6 @@ bool scene_has_contact( const wisp_scene* scene );
 /// Of strands and surfaces together.
 int scene_world_vertices( const scene_world* world );
 int scene_world_strands( const scene_world* world );
-int scene_world_triangles( const scene_world* world );
 
 /// Bytes of the world and of the fabrics of its surfaces, each once.
 size_t scene_world_bytes( const scene_world* world );

@@ -310,8 +310,6 @@ double disc_shadow( const wisp_mesh* mesh, const wisp_vec3* points, double disc,
 /// @param count of points at equal distances along the rod, at least 2
 /// @param points [count] x and y
 void elastica_lay_loaded( double load, double tip, int count, double ( *points )[2] );
-/// The same without a weight at the free end.
-void elastica_lay( double load, int count, double ( *points )[2] );
 
 // ---- named fabrics ----
 

@@ -81,11 +81,6 @@ void elastica_lay_loaded( double load, double tip, int count, double ( *points )
     }
 }
 
-void elastica_lay( double load, int count, double ( *points )[2] )
-{
-    elastica_lay_loaded( load, 0.0, count, points );
-}
-
 // ---- cases ----
 
 enum

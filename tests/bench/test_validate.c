@@ -50,7 +50,7 @@ TEST( the_elastica_has_the_numbers_of_the_closed_form )
     for ( int i = 0; i < 3; ++i )
     {
         double points[5][2];
-        elastica_lay( known[i][0], 5, points );
+        elastica_lay_loaded( known[i][0], 0.0, 5, points );
         assert_true( fabs( -points[4][1] - known[i][1] ) < 1e-6 );
         assert_true( fabs( points[4][0] - known[i][2] ) < 1e-6 );
         assert_true( points[0][0] == 0.0 && points[0][1] == 0.0 );
@@ -374,7 +374,7 @@ TEST( a_level_straight_rod_is_the_heavy_elastica )
     const curl_rod rod = { .weight = 10.0, .twist = 1.0, .in_plane = 1.0, .clamp = HALF_PI };
     curl_shape shape;
     double exact[2][2];
-    elastica_lay( 10.0, 2, exact );
+    elastica_lay_loaded( 10.0, 0.0, 2, exact );
     assert_true( curl_hang( &rod, &shape ) );
     assert_true( hypot( shape.aside - exact[1][0], shape.down + exact[1][1] ) < 1e-6 );
 }
@@ -617,7 +617,7 @@ TEST( a_strip_of_twice_the_bending_length_hangs_at_the_angle_of_the_flexometer )
     // Peirce 1930: c is half of the overhang whose chord is 41.5 degrees below level. Its cube over c^3 is G = 8
     const double c = sheet_bending_length( 1.0e-5, 1.25 );
     double exact[2][2];
-    elastica_lay( pow( 2.0 * c, 3.0 ) * 1.25 / 1.0e-5, 2, exact );
+    elastica_lay_loaded( pow( 2.0 * c, 3.0 ) * 1.25 / 1.0e-5, 0.0, 2, exact );
     assert_true( fabs( atan2( -exact[1][1], exact[1][0] ) * 180.0 / PI - 41.5 ) < 1.0 );
 }
 
