@@ -219,19 +219,18 @@ static jobs_team* take_team( int workers )
         {
             continue;
         }
-        const int had = team->workers, wanted = pass < JOBS_TEAMS ? workers : 0;
-        if ( had != wanted && pass < 2 * JOBS_TEAMS )
-        {
-            atomic_store( &team->taken, false );
-            continue;
-        }
-        if ( had != workers )
+        const int had = team->workers;
+        const bool fits = pass >= 2 * JOBS_TEAMS || had == ( pass < JOBS_TEAMS ? workers : 0 );
+        if ( fits && had != workers )
         {
             had > 0 ? thread_team_release( &team->threads ) : (void)0;
-            team->workers = workers;
-            thread_team_init( &team->threads, workers - 1, stand_by, team );
+            team->workers = thread_team_init( &team->threads, workers - 1, stand_by, team ) ? workers : 0;
         }
-        return team;
+        if ( fits && team->workers == workers )
+        {
+            return team;
+        }
+        atomic_store( &team->taken, false );
     }
     return NULL;
 }

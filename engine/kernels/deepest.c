@@ -670,9 +670,8 @@ int KERNEL( meet_shape )( const wisp_primitive_paths* args, const wisp_shape_lan
 
 // ---- what may meet something in the step ----
 
-// What a particle says of a shape: it is far from it, or, of a shape that is blunt against the thickness, clear of it; it is above a face
-// of a box; or something else. Where all corners of a primitive say the same it meets nothing: above a face, or near what is blunt,
-// no point of it is much nearer than its corners.
+// A particle is FAR from a shape, or clear of one that is blunt against the thickness; ON_FACE, above a face of a box; or NEAR. A
+// primitive whose corners all agree on FAR or on one face meets nothing: no point of it is much nearer than its corners.
 enum
 {
     FAR = 0,
