@@ -212,9 +212,8 @@ static void add_parameter( tune_parameters* out, int which, double own )
 {
     const tune_field* f = &tune_fields[which];
     out->fields[out->count] = which;
-    out->parameters[out->count] = ( tune_parameter ){ .name = f->name,
-                                                           .values = out->values[out->count],
-                                                           .is_unordered = f->is_unordered };
+    out->parameters[out->count] =
+        ( tune_parameter ){ .name = f->name, .values = out->values[out->count], .is_unordered = f->is_unordered };
     for ( int i = 0; i < TUNE_CANDIDATES_MAX && f->candidates[i] > 0.0; ++i )
     {
         insert_value( out, f->candidates[i], f->is_falling );

@@ -52,9 +52,9 @@ wisp_status tune_scene_run( const tune_scene* scene, const suite_given* given, c
                  ? suite_time_row( &row, machine->workers, machine->isa, observer, &ms, &steps, &hash, error )
                  : status;
     *out = ( tune_sample ){ .ms = stats_summarise( ms, status == WISP_OK ? steps : 0 ).median,
-                                 .error = measured->values[SUITE_ERROR],
-                                 .largest = measured->compared.largest,
-                                 .is_halted = measured->values[SUITE_HALTED] > 0.0 };
+                            .error = measured->values[SUITE_ERROR],
+                            .largest = measured->compared.largest,
+                            .is_halted = measured->values[SUITE_HALTED] > 0.0 };
     free( ms );
     free( row.text );
     return status;

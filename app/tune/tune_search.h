@@ -32,8 +32,7 @@ typedef struct tune_sample
 /// Runs one configuration. Candidates run again to repeat the measurement: only ms may then differ.
 /// @param configuration [parameter_count] index of a value for each parameter
 /// @return anything but WISP_OK ends the search, which returns it with its message
-typedef wisp_status tune_run_fn( void* user, const int* configuration, tune_sample* out,
-                                      wisp_error* error );
+typedef wisp_status tune_run_fn( void* user, const int* configuration, tune_sample* out, wisp_error* error );
 
 /// Called after every run. @return false to end the search: the best so far is the result
 typedef bool tune_progress_fn( void* user, int run_count, int max_runs );
@@ -42,14 +41,15 @@ typedef bool tune_progress_fn( void* user, int run_count, int max_runs );
 typedef struct tune_def
 {
     const tune_parameter* parameters; ///< [parameter_count]
-    int parameter_count;                   ///< 1 .. TUNE_MAX_PARAMETERS
-    double error;     ///< > 0: find the cheapest configuration with at most this error. Exactly one of error and budget_ms is above 0
+    int parameter_count;              ///< 1 .. TUNE_MAX_PARAMETERS
+    double
+        error; ///< > 0: find the cheapest configuration with at most this error. Exactly one of error and budget_ms is above 0
     double budget_ms; ///< > 0: find the most accurate configuration with at most this time, ms per step
     tune_run_fn* run;
     void* user;
-    int max_runs;       ///< >= 1, repeated measurements included
-    double max_seconds; ///< > 0, s: no run starts later
-    int repeats;        ///< >= 1, measurements of each finalist, interleaved; its time is the median
+    int max_runs;               ///< >= 1, repeated measurements included
+    double max_seconds;         ///< > 0, s: no run starts later
+    int repeats;                ///< >= 1, measurements of each finalist, interleaved; its time is the median
     tune_progress_fn* progress; ///< null: none
     void* progress_user;
 } tune_def;
@@ -59,8 +59,8 @@ typedef struct tune_trial
 {
     int configuration[TUNE_MAX_PARAMETERS];
     tune_sample sample; ///< ms is the median of its runs, error the largest
-    int run_count;           ///< runs of it
-    bool is_pareto;          ///< no other trial without a halt is better in time or error and as good in the other
+    int run_count;      ///< runs of it
+    bool is_pareto;     ///< no other trial without a halt is better in time or error and as good in the other
 } tune_trial;
 
 /// Result of a search. Release it with tune_release().

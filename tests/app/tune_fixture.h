@@ -69,8 +69,7 @@ static inline void make_bumpy( surface* s, uint64_t seed, double fraction )
     }
 }
 
-static inline wisp_status run_surface( void* user, const int* configuration, tune_sample* out,
-                                       wisp_error* error )
+static inline wisp_status run_surface( void* user, const int* configuration, tune_sample* out, wisp_error* error )
 {
     surface* s = user;
     const int i = number_of( s, configuration );
