@@ -3,15 +3,19 @@
 #include "alloc.h"
 #include "wisp/module/definition.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-void wisp_init_tune_def( wisp_tune_def* def, size_t size )
-{
-    const wisp_tune_def values = { .max_runs = 100, .max_seconds = INFINITY, .repeats = 3 };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+static const wisp_field TUNE_FIELDS[] = {
+    WISP_FIELD( wisp_tune_def, error, WISP_FIELD_DOUBLE, 0, DBL_MAX, 0, NULL, 0 ),
+    WISP_FIELD( wisp_tune_def, budget_ms, WISP_FIELD_DOUBLE, 0, DBL_MAX, 0, "ms", 0 ),
+    WISP_WHOLE( wisp_tune_def, max_runs, 100, 1, INT32_MAX ),
+    WISP_FIELD( wisp_tune_def, max_seconds, WISP_FIELD_DOUBLE, DBL_MIN, INFINITY, DBL_MIN, "s", INFINITY ),
+    WISP_WHOLE( wisp_tune_def, repeats, 3, 1, WISP_TUNE_MAX_REPEATS ),
+};
+WISP_DEFINE( tune_def, "tune", TUNE_FIELDS )
 
 // ---- checks of a definition ----
 
@@ -52,22 +56,11 @@ static wisp_status check_parameters( const wisp_tune_def* args, int* setting_cou
 
 wisp_status tune_check_def( const wisp_tune_def* args, int* setting_count, wisp_error* error )
 {
-    if ( !isfinite( args->error ) || !isfinite( args->budget_ms ) || args->error < 0.0 || args->budget_ms < 0.0 ||
-         ( args->error > 0.0 ) == ( args->budget_ms > 0.0 ) )
+    if ( ( args->error > 0.0 ) == ( args->budget_ms > 0.0 ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
                           "error, budget_ms: got %g and %g, expected one of them above 0 and the other 0",
                           args->error, args->budget_ms );
-    }
-    if ( args->max_runs < 1 || !( args->max_seconds > 0.0 ) )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "max_runs, max_seconds: got %d and %g, expected both above 0",
-                          args->max_runs, args->max_seconds );
-    }
-    if ( args->repeats < 1 || args->repeats > WISP_TUNE_MAX_REPEATS )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "repeats: got %d, expected 1 to %d", args->repeats,
-                          WISP_TUNE_MAX_REPEATS );
     }
     if ( ( args->allocator.allocate == NULL ) != ( args->allocator.release == NULL ) )
     {
@@ -163,9 +156,9 @@ wisp_status wisp_tune( const wisp_tune_def* given, wisp_tune_result* out, wisp_e
         return wisp_fail( error, WISP_BAD_INPUT, "out: got null, expected where to store the result" );
     }
     *out = ( wisp_tune_result ){ 0 };
-    wisp_tune_def values = wisp_default_tune_def();
+    wisp_tune_def values;
     const wisp_tune_def* args = &values;
-    WISP_TRY( wisp_def_read( &values, given, "wisp_default_tune_def", error ) );
+    WISP_TRY( wisp_def_read( &wisp_tune_def_fields, &values, given, error ) );
     tune_search s = { .args = args, .best = -1, .start = wisp_clock_seconds() };
     WISP_TRY( tune_check_def( args, &s.setting_count, error ) );
     if ( !args->run )
