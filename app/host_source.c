@@ -112,7 +112,7 @@ static void write_fields( FILE* out, const char* name, const scene_block* block,
 {
     for ( int i = 0; i < block->field_count; ++i )
     {
-        const scene_field* f = &block->fields[i];
+        const scene_field field = scene_field_at( block, i ), *f = &field;
         const size_t at = f->at, size = size_of_field( f );
         const char *value = (const char*)d->entry + at, *initial = (const char*)d->initial + at;
         const bool is_own = at >= d->at && at + size <= d->at + d->size && strcmp( f->key, "shape" ) != 0 &&

@@ -37,11 +37,19 @@ wisp_status wisp_world_begin( wisp_world* world )
     return WISP_OK;
 }
 
-wisp_status wisp_world_begin_def( wisp_world* world, const char* filled_by, void* values, const void* given )
+wisp_status wisp_world_begin_def( wisp_world* world, const wisp_fields* fields, void* def, const void* given )
 {
     WISP_TRY( wisp_world_begin( world ) );
     wisp_error error = { 0 };
-    const wisp_status status = wisp_def_read( values, given, filled_by, &error );
+    const wisp_status status = wisp_def_read( fields, def, given, &error );
+    return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.message );
+}
+
+wisp_status wisp_world_check_value( wisp_world* world, const wisp_fields* fields, const char* name,
+                                    const void* value )
+{
+    wisp_error error = { 0 };
+    const wisp_status status = wisp_def_check( fields, name, value, &error );
     return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.message );
 }
 
@@ -265,21 +273,6 @@ bool wisp_world_reserve( wisp_world* world, void** array, int* capacity, int cou
     *array = grown;
     *capacity = more;
     return true;
-}
-
-wisp_status wisp_world_check_ranges( wisp_world* world, const char* subject, const wisp_number_range* ranges,
-                                     int count )
-{
-    for ( int i = 0; i < count; ++i )
-    {
-        const wisp_number_range* r = ranges + i;
-        if ( !( r->value >= r->lower && r->value <= r->upper ) )
-        {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "%s: %s: got %g, expected %g to %g", subject, r->name,
-                                    (double)r->value, (double)r->lower, (double)r->upper );
-        }
-    }
-    return WISP_OK;
 }
 
 wisp_component wisp_world_find_component( wisp_world* world, const char* name )
