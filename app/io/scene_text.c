@@ -402,6 +402,7 @@ wisp_status scene_tree_build( const scene_source* given, scene_tree* tree )
 {
     *tree = ( scene_tree ){ 0 };
     scene_source source = *given;
+    source.text = source.text != NULL ? source.text : ""; // of a file without a byte
     if ( source.size > SCENE_MAX_BYTES )
     {
         return scene_refuse( &source, 0, 0, "", "expected at most %zu MiB", SCENE_MAX_BYTES >> 20 );
