@@ -282,9 +282,10 @@ static bool repeats_edges( const uint8_t* edge_owns, const contact_listed* liste
     bool repeats = false;
     for ( int side = 0; side < 2; ++side )
     {
-        const int32_t ends = zeros >> 2 * side & 3, end = ends & 1; // the first has no part: the second is the closest
-        repeats = repeats || ( ends != 0 && ( ( owns[1 - side] & CONTACT_HAS_TRIANGLE ) != 0 ||
-                                              ( owns[side] >> end & 1 ) == 0 ) );
+        const int32_t ends = zeros >> 2 * side & 3,
+                      end = ends & 1; // the first has no part: the second is the closest
+        repeats = repeats || ( ends != 0 &&
+                               ( ( owns[1 - side] & CONTACT_HAS_TRIANGLE ) != 0 || ( owns[side] >> end & 1 ) == 0 ) );
     }
     return repeats;
 }
