@@ -415,16 +415,13 @@ static void assert_no_search( searched* args, wisp_status expected, const char* 
 
 TEST( bad_targets_are_refused )
 {
-    static const double targets[][2] = { { 0, 0 }, { 1, 1 }, { -1, 0 }, { 0, -1 }, { 1, -1 } };
+    static const double targets[][2] = { { 0, 0 }, { 1, 1 } };
     surface s = make_surface( 1, 2, 2, 2 );
     for ( int i = 0; i < WISP_COUNT( targets ); ++i )
     {
         searched args = search_of( &s, targets[i][0], targets[i][1] );
         assert_no_search( &args, WISP_BAD_INPUT, "expected one of them above 0 and the other 0" );
     }
-    searched nan = search_of( &s, NAN, 0.0 ), infinite = search_of( &s, 0.0, INFINITY );
-    assert_no_search( &nan, WISP_BAD_INPUT, "error, budget_ms: got nan" );
-    assert_no_search( &infinite, WISP_BAD_INPUT, "and inf, expected" );
     assert_int_equal( s.run_count, 0 );
 }
 
@@ -454,13 +451,7 @@ TEST( bad_parameters_are_refused )
 TEST( bad_limits_are_refused )
 {
     surface s = make_surface( 1, 2, 2, 2 );
-    searched runs = search_of( &s, 1, 0 ), seconds = runs, repeats = runs, callback = runs, allocator = runs;
-    runs.args.max_runs = 0;
-    assert_no_search( &runs, WISP_BAD_INPUT, "max_runs, max_seconds: got 0 and" );
-    seconds.args.max_seconds = NAN;
-    assert_no_search( &seconds, WISP_BAD_INPUT, "and nan, expected" );
-    repeats.args.repeats = 100;
-    assert_no_search( &repeats, WISP_BAD_INPUT, "repeats: got 100" );
+    searched callback = search_of( &s, 1, 0 ), allocator = callback;
     callback.args.run = NULL;
     assert_no_search( &callback, WISP_BAD_INPUT, "expected a callback" );
     test_host host = { 0 };
