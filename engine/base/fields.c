@@ -132,7 +132,9 @@ static wisp_status check_pose( const wisp_fields* fields, const wisp_field* f, c
                             fields->subject, f->name, (double)q.x, (double)q.y, (double)q.z, (double)q.w );
 }
 
-static wisp_status check_field( const wisp_fields* fields, const wisp_field* f, const void* at, wisp_error* error )
+// @param part such as " of vertex 5", which the message has behind the name
+static wisp_status check_field( const wisp_fields* fields, const wisp_field* f, const char* part, const void* at,
+                                wisp_error* error )
 {
     float number;
     double exact = 0.0;
@@ -144,7 +146,7 @@ static wisp_status check_field( const wisp_fields* fields, const wisp_field* f, 
     {
         case WISP_FIELD_NUMBER:
             memcpy( &number, at, sizeof( number ) );
-            return is_float_in( f, number ) ? WISP_OK : refuse( fields, f, "", (double)number, error );
+            return is_float_in( f, number ) ? WISP_OK : refuse( fields, f, part, (double)number, error );
         case WISP_FIELD_DOUBLE:
             memcpy( &exact, at, sizeof( exact ) );
             break;
@@ -171,7 +173,7 @@ static wisp_status check_field( const wisp_fields* fields, const wisp_field* f, 
             return WISP_OK;
     }
     return ( exact >= f->lower && exact <= f->upper ) || exact == f->other ? WISP_OK
-                                                                           : refuse( fields, f, "", exact, error );
+                                                                           : refuse( fields, f, part, exact, error );
 }
 
 // ---- reading ----
@@ -186,11 +188,12 @@ const wisp_field* wisp_def_find( const wisp_fields* fields, const char* name )
     return found;
 }
 
-wisp_status wisp_def_check( const wisp_fields* fields, const char* name, const void* value, wisp_error* error )
+wisp_status wisp_def_check( const wisp_fields* fields, const char* name, const char* part, const void* value,
+                            wisp_error* error )
 {
     const wisp_field* f = wisp_def_find( fields, name );
     WISP_ASSERT( f != NULL );
-    return check_field( fields, f, value, error );
+    return check_field( fields, f, part, value, error );
 }
 
 wisp_status wisp_def_read( const wisp_fields* fields, void* def, const void* given, wisp_error* error )
@@ -221,7 +224,7 @@ wisp_status wisp_def_read( const wisp_fields* fields, void* def, const void* giv
     memcpy( def, &own, sizeof( own ) );
     for ( int i = 0; i < fields->count; ++i )
     {
-        WISP_TRY( check_field( fields, fields->rows + i, (const char*)def + fields->rows[i].offset, error ) );
+        WISP_TRY( check_field( fields, fields->rows + i, "", (const char*)def + fields->rows[i].offset, error ) );
     }
     return WISP_OK;
 }

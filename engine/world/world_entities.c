@@ -45,12 +45,33 @@ wisp_status wisp_world_begin_def( wisp_world* world, const wisp_fields* fields, 
     return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.message );
 }
 
+static wisp_status check_part( wisp_world* world, const wisp_fields* fields, const char* name, const char* part,
+                               const void* value )
+{
+    wisp_error error = { 0 };
+    const wisp_status status = wisp_def_check( fields, name, part, value, &error );
+    return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.message );
+}
+
 wisp_status wisp_world_check_value( wisp_world* world, const wisp_fields* fields, const char* name,
                                     const void* value )
 {
-    wisp_error error = { 0 };
-    const wisp_status status = wisp_def_check( fields, name, value, &error );
-    return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.message );
+    return check_part( world, fields, name, "", value );
+}
+
+wisp_status wisp_world_check_values( wisp_world* world, const wisp_fields* fields, const char* name,
+                                     const float* values, int count, const char* of )
+{
+    for ( int i = 0; values != NULL && i < count; ++i )
+    {
+        if ( wisp_def_check( fields, name, "", values + i, NULL ) != WISP_OK )
+        {
+            char part[60];
+            snprintf( part, sizeof( part ), " of %s %d", of, i );
+            return check_part( world, fields, name, part, values + i );
+        }
+    }
+    return WISP_OK;
 }
 
 wisp_status wisp_world_check_entity( wisp_world* world, wisp_entity entity )

@@ -282,52 +282,43 @@ static wisp_status declare( wisp_registry* r )
     state->damping = WISP_COMPONENT( r, "cloth.damping", WISP_TABLE_ENTITY, DAMPING_COLUMNS );
     state->bending = WISP_COMPONENT( r, "cloth.bending", WISP_TABLE_ENTITY, BENDING_COLUMNS );
     declare_maps( r, state );
-    wisp_status status =
-        wisp_declare_pass( r, &( wisp_pass ){
-                                  .name = "cloth.air",
-                                  .stage = WISP_STAGE_FORCE,
-                                  .domain = WISP_DOMAIN_ENTITY,
-                                  .required = { state->air },
-                                  .reads = { state->air, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
-                                  .writes = { WISP_PARTICLE_VELOCITY },
-                                  .run = cloth_blow,
-                                  .run_crowd = cloth_blow_crowd,
-                                  .joins_crowd = cloth_blows_evenly,
-                                  .fabric = WISP_FABRIC_RINGS,
-                                  .user = state,
-                              } );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    status = wisp_declare_pass( r, &( wisp_pass ){
-                                       .name = "cloth.bending",
-                                       .stage = WISP_STAGE_FORCE,
-                                       .domain = WISP_DOMAIN_ENTITY,
-                                       .required = { state->bending },
-                                       .reads = { state->bending, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
-                                       .writes = { WISP_PARTICLE_VELOCITY },
-                                       .run = cloth_bend,
-                                       .detail = WISP_PASS_FINE,
-                                       .user = state,
-                                   } );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    return wisp_declare_pass( r, &( wisp_pass ){
-                                     .name = "cloth.damping",
-                                     .stage = WISP_STAGE_VELOCITY,
-                                     .domain = WISP_DOMAIN_ENTITY,
-                                     .required = { state->damping },
-                                     .reads = { state->damping, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
-                                     .writes = { WISP_PARTICLE_VELOCITY },
-                                     .run = cloth_damp,
-                                     .run_crowd = cloth_damp_crowd,
-                                     .joins_crowd = cloth_damps_evenly,
-                                     .detail = WISP_PASS_FINE,
-                                     .user = state,
-                                 } );
+    const wisp_pass passes[] = {
+        {
+            .name = "cloth.air",
+            .stage = WISP_STAGE_FORCE,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { state->air },
+            .reads = { state->air, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            .writes = { WISP_PARTICLE_VELOCITY },
+            .run = cloth_blow,
+            .run_crowd = cloth_blow_crowd,
+            .joins_crowd = cloth_blows_evenly,
+            .fabric = WISP_FABRIC_RINGS,
+        },
+        {
+            .name = "cloth.bending",
+            .stage = WISP_STAGE_FORCE,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { state->bending },
+            .reads = { state->bending, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            .writes = { WISP_PARTICLE_VELOCITY },
+            .run = cloth_bend,
+            .detail = WISP_PASS_FINE,
+        },
+        {
+            .name = "cloth.damping",
+            .stage = WISP_STAGE_VELOCITY,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { state->damping },
+            .reads = { state->damping, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            .writes = { WISP_PARTICLE_VELOCITY },
+            .run = cloth_damp,
+            .run_crowd = cloth_damp_crowd,
+            .joins_crowd = cloth_damps_evenly,
+            .detail = WISP_PASS_FINE,
+        },
+    };
+    return wisp_declare_passes( r, passes, WISP_COUNT( passes ), state );
 }
 
 const wisp_module wisp_cloth_module = { .name = "cloth", .declare = declare };

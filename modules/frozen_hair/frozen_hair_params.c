@@ -33,26 +33,13 @@ WISP_DEFINE( frozen_hair_def, "frozen hair", FROZEN_HAIR_FIELDS )
 
 // ---- ranges ----
 
-// Check the values of all strands as that of the definition.
-static wisp_status check_strand_values( wisp_world* world, const char* name, const float* values, int count )
-{
-    wisp_error error = { 0 };
-    for ( int i = 0; i < count && values != NULL; ++i )
-    {
-        const wisp_status status = wisp_def_check( &wisp_frozen_hair_def_fields, name, values + i, &error );
-        if ( status != WISP_OK )
-        {
-            return wisp_world_fail( world, status, "strand %d: %s", i, error.message );
-        }
-    }
-    return WISP_OK;
-}
-
 static wisp_status check_strands( wisp_world* world, const wisp_frozen_hair_def* d, int count )
 {
-    WISP_TRY( check_strand_values( world, "stretch_stiffness", d->strand_stretch_stiffness, count ) );
-    WISP_TRY( check_strand_values( world, "bend_stiffness", d->strand_bend_stiffness, count ) );
-    return check_strand_values( world, "intensity", d->strand_intensity, count );
+    const wisp_fields* f = &wisp_frozen_hair_def_fields;
+    WISP_TRY(
+        wisp_world_check_values( world, f, "stretch_stiffness", d->strand_stretch_stiffness, count, "strand" ) );
+    WISP_TRY( wisp_world_check_values( world, f, "bend_stiffness", d->strand_bend_stiffness, count, "strand" ) );
+    return wisp_world_check_values( world, f, "intensity", d->strand_intensity, count, "strand" );
 }
 
 // ---- into columns ----

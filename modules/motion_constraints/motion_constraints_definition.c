@@ -24,21 +24,6 @@ static size_t row_of( int slot )
 
 // ---- checks ----
 
-// Check the values of all vertices as that of the definition.
-static wisp_status check_map( wisp_world* world, const char* name, const float* values, int count )
-{
-    wisp_error error = { 0 };
-    for ( int v = 0; values != NULL && v < count; ++v )
-    {
-        const wisp_status status = wisp_def_check( &wisp_motion_constraints_def_fields, name, values + v, &error );
-        if ( status != WISP_OK )
-        {
-            return wisp_world_fail( world, status, "vertex %d: %s", v, error.message );
-        }
-    }
-    return WISP_OK;
-}
-
 static wisp_status check_vectors( wisp_world* world, const char* name, const wisp_vec3* vectors, int count )
 {
     for ( int v = 0; vectors != NULL && v < count; ++v )
@@ -57,10 +42,11 @@ static wisp_status check_vectors( wisp_world* world, const char* name, const wis
 
 static wisp_status check_def( wisp_world* world, const wisp_motion_constraints_def* d, int count )
 {
-    wisp_status status = check_map( world, "max_distance", d->max_distances, count );
-    status = status == WISP_OK ? check_map( world, "backstop_distance", d->backstop_distances, count ) : status;
-    status = status == WISP_OK ? check_map( world, "backstop_radius", d->backstop_radii, count ) : status;
-    status = status == WISP_OK ? check_vectors( world, "target", d->targets, count ) : status;
+    const wisp_fields* f = &wisp_motion_constraints_def_fields;
+    WISP_TRY( wisp_world_check_values( world, f, "max_distance", d->max_distances, count, "vertex" ) );
+    WISP_TRY( wisp_world_check_values( world, f, "backstop_distance", d->backstop_distances, count, "vertex" ) );
+    WISP_TRY( wisp_world_check_values( world, f, "backstop_radius", d->backstop_radii, count, "vertex" ) );
+    wisp_status status = check_vectors( world, "target", d->targets, count );
     return status == WISP_OK ? check_vectors( world, "normal", d->normals, count ) : status;
 }
 

@@ -16,8 +16,11 @@
 #include "strands.h"
 #include "tearing.h"
 #include "wisp/detail.h"
+#include "wisp/fabric.h"
 #include "wisp/moving_frame.h"
+#include "wisp/skin.h"
 #include "wisp/sleep.h"
+#include "wisp/tune.h"
 
 typedef struct stage
 {
@@ -309,6 +312,41 @@ TEST( a_value_out_of_its_range_is_named_and_changes_nothing )
             }
             close_stage( s );
         }
+    }
+}
+
+// Of the definitions that no call above takes, too.
+TEST( defaults_can_be_read_and_values_out_of_range_are_named )
+{
+    static const wisp_fields* const OTHERS[] = { &wisp_world_def_fields,        &wisp_surface_def_fields,
+                                                 &wisp_strands_def_fields,      &wisp_fabric_def_fields,
+                                                 &wisp_contact_settings_fields, &wisp_create_cloth_def_fields,
+                                                 &wisp_create_hair_def_fields,  &wisp_skin_def_fields,
+                                                 &wisp_tune_def_fields };
+    for ( int n = 0; n < WISP_COUNT( OTHERS ); ++n )
+    {
+        const wisp_fields* fields = OTHERS[n];
+        char* def = checked_calloc( 2, fields->size );
+        for ( int i = 0; i < fields->count; ++i )
+        {
+            const wisp_field* f = fields->rows + i;
+            double bad[5];
+            const int count = f->type == WISP_FIELD_DOUBLE ? 0 : list_bad( f, bad );
+            for ( int k = 0; k < count; ++k )
+            {
+                wisp_error error = { 0 };
+                spoilt = &( bad_value ){ f, f->offset, bad[k] };
+                wisp_def_init( fields, def, fields->size );
+                spoil( fields, def );
+                assert_int_equal( wisp_def_read( fields, def + fields->size, def, &error ), WISP_BAD_INPUT );
+                assert_contains( error.message, f->name );
+            }
+        }
+        spoilt = NULL;
+        wisp_def_init( fields, def, fields->size );
+        assert_true( fields == &wisp_skin_def_fields || // which needs a bone
+                     wisp_def_read( fields, def + fields->size, def, NULL ) == WISP_OK );
+        free( def );
     }
 }
 

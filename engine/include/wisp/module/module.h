@@ -438,6 +438,10 @@ WISP_API wisp_status wisp_world_begin_def( wisp_world* world, const wisp_fields*
 /// Check one value that comes alone as wisp_def_check() does.
 WISP_API wisp_status wisp_world_check_value( wisp_world* world, const wisp_fields* fields, const char* name,
                                              const void* value );
+/// Check numbers that take the place of one of a definition.
+/// @param values [count]; null: there are none @param of what has one each, such as "vertex"
+WISP_API wisp_status wisp_world_check_values( wisp_world* world, const wisp_fields* fields, const char* name,
+                                              const float* values, int count, const char* of );
 /// The same for a call about an entity, with or without those before it.
 /// @return WISP_STALE_ID the entity was removed or never existed, with a message
 WISP_API wisp_status wisp_world_check_entity( wisp_world* world, wisp_entity entity );
