@@ -413,7 +413,7 @@ wisp_status wisp_read_contact_stats( wisp_world* world, wisp_contact_stats* out 
         *out = *stats;
         out->searches = state->broad_phase.searches;
         out->candidates =
-            state->world.level == WISP_CONTACT_SPHERES ? state->spheres.listed.count : state->bounds.pairs[0].count;
+            state->world.level == WISP_CONTACT_SPHERES ? state->spheres.listed.count : state->bounds.pairs.count;
     }
     return status;
 }

@@ -492,7 +492,7 @@ static void measure( narrow_task* task, contact_kind kind )
     for ( int i = 0; i < batch->count; ++i )
     {
         contact_list* list = &task->tests[batch->of[i]].list;
-        *( kind == CONTACT_POINTS ? &list->points : &list->edges ) += 1;
+        ++*( kind == CONTACT_POINTS ? &list->points : &list->edges );
     }
 }
 
@@ -594,7 +594,7 @@ static void begin_test( narrow_task* task, int number, int pair )
 {
     const contact_contact_mesh* s = task->loop->contact_mesh;
     const contact_participant* participants = task->loop->work->participants;
-    const int a = s->bounds->pairs[0].cluster[pair], b = s->bounds->pairs[0].other[pair];
+    const int a = s->bounds->pairs.cluster[pair], b = s->bounds->pairs.other[pair];
     cluster_test* test = task->tests + number;
     *test = ( cluster_test ){ .pair = pair, .cluster = { a, b }, .placed = { place( task, a ), place( task, b ) } };
     test->gap = contact_gap_between( participants + s->clusters->items[a].participant,
@@ -664,8 +664,8 @@ static void search_batch( narrow_task* task, const int32_t* pairs, int count )
             bounds->listed[next] = ( contact_listed ){ .a = test->pair, .b = listed };
             next += listed + 1;
         }
-        bounds->pairs[0].slack[test->pair] = test->bound;
-        bounds->pairs[0].list[test->pair] = test->list;
+        bounds->pairs.slack[test->pair] = test->bound;
+        bounds->pairs.list[test->pair] = test->list;
     }
     list_pairs( task, CONTACT_POINTS, at );
     list_pairs( task, CONTACT_EDGES, at );
@@ -696,7 +696,7 @@ static void search_clusters( void* context, int begin, int end, int worker )
 static listed_source source_of( const contact_work* work, int pair )
 {
     const contact_contact_mesh* s = work->contact_mesh;
-    const contact_cluster_pairs* pairs = s->bounds->pairs;
+    const contact_cluster_pairs* pairs = &s->bounds->pairs;
     const int a = pairs->cluster[pair], b = pairs->other[pair];
     const contact_participant *of_a = work->participants + s->clusters->items[a].participant,
                               *of_b = work->participants + s->clusters->items[b].participant;
@@ -713,7 +713,7 @@ static void select_listed( void* context, int begin, int end, int worker )
     (void)worker;
     near_loop* loop = context;
     const contact_contact_mesh* s = loop->contact_mesh;
-    const contact_cluster_pairs* pairs = s->bounds->pairs;
+    const contact_cluster_pairs* pairs = &s->bounds->pairs;
     listed_source sources[SELECT_GRAIN];
     candidates of_kind[CONTACT_KIND_COUNT];
     int seen = 0;
