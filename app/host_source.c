@@ -49,8 +49,9 @@ static size_t size_of_field( const scene_field* field )
         case SCENE_NUMBER:
         case SCENE_NUMBERS:
         case SCENE_WHOLE:
-        case SCENE_CHOICE:
             return 4;
+        case SCENE_CHOICE:
+            return field->constants != NULL ? 4 : 0;
         default:
             return field->read == scene_read_layers ? sizeof( uint32_t ) : 0;
     }

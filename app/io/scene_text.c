@@ -431,7 +431,7 @@ wisp_status scene_tree_build( const scene_source* given, scene_tree* tree )
 
     if ( !status && tree->node_count == 0 )
     {
-        return scene_refuse( &source, 0, 0, "", "got an empty file, expected at least the line 'wisp: 1'" );
+        return scene_refuse( &source, 0, 0, "", "got an empty file" );
     }
     return status;
 }

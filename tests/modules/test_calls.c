@@ -20,7 +20,6 @@
 #include "wisp/moving_frame.h"
 #include "wisp/skin.h"
 #include "wisp/sleep.h"
-#include "wisp/tune.h"
 
 typedef struct stage
 {
@@ -321,8 +320,7 @@ TEST( defaults_can_be_read_and_values_out_of_range_are_named )
     static const wisp_fields* const OTHERS[] = { &wisp_world_def_fields,        &wisp_surface_def_fields,
                                                  &wisp_strands_def_fields,      &wisp_fabric_def_fields,
                                                  &wisp_contact_settings_fields, &wisp_create_cloth_def_fields,
-                                                 &wisp_create_hair_def_fields,  &wisp_skin_def_fields,
-                                                 &wisp_tune_def_fields };
+                                                 &wisp_create_hair_def_fields,  &wisp_skin_def_fields };
     for ( int n = 0; n < WISP_COUNT( OTHERS ); ++n )
     {
         const wisp_fields* fields = OTHERS[n];
