@@ -5,6 +5,7 @@
 #include "mesh.h"
 #include "strands.h"
 #include "text_tree.h"
+#include "wisp/sleep.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -120,6 +121,14 @@ VECTOR( drag, s->balloon.drag )
 VECTOR( jet, s->balloon.jet )
 VECTOR( torque, s->balloon.torque )
 VECTOR( turning, s->balloon.angular_velocity )
+
+// What contact gave the body in the last step.
+static double impulse( const seen* s, int axis )
+{
+    double given[3];
+    return wisp_read_contact_impulse( s->world->world, s->entity, given ) == WISP_OK ? given[axis] : NAN;
+}
+
 #define SCALAR( name, value )                                                                                        \
     static double name( const seen* s, int axis )                                                                    \
     {                                                                                                                \
@@ -147,6 +156,11 @@ SCALAR( limited, (double)wisp_world_counter( s->world->world, WISP_COUNT_SPEED_L
 SCALAR( solves, (double)s->implicit.newton_iterations )
 SCALAR( first_order, (double)wisp_world_counter( s->world->world, WISP_COUNT_FIRST_ORDER ) )
 SCALAR( softened, (double)wisp_world_counter( s->world->world, WISP_COUNT_STIFFNESS_CLAMPED ) )
+SCALAR( asleep, wisp_is_asleep( s->world->world, s->entity ) ? 1.0 : 0.0 )
+SCALAR( held, (double)( s->implicit.sticking + s->implicit.sliding ) )
+SCALAR( crossings, (double)s->contact.intersections )
+SCALAR( gap, (double)s->contact.min_gap )
+SCALAR( splits, (double)s->tearing.split_count )
 
 // Of the body in its last step.
 static double substeps( const seen* s, int axis )
@@ -173,6 +187,7 @@ static const struct
     { "jet", jet, true },
     { "torque", torque, true },
     { "turning", turning, true },
+    { "impulse", impulse, true },
     { "speed", speed, false },
     { "kinetic", kinetic, false },
     { "potential", potential, false },
@@ -199,12 +214,17 @@ static const struct
     { "solves", solves, false },
     { "first_order", first_order, false },
     { "softened", softened, false },
+    { "asleep", asleep, false },
+    { "held", held, false },
+    { "crossings", crossings, false },
+    { "gap", gap, false },
+    { "splits", splits, false },
 };
 const char* const stability_near_takes[STABILITY_TAKE_COUNT] = { "end", "mean", "min", "max", "period", "change" };
 
 const char* stability_near_words( void )
 {
-    static char words[500];
+    static char words[600];
     int used = snprintf( words, sizeof words, "v12, v4-v7" );
     for ( int i = 0; i < WISP_COUNT( MEASURES ); ++i )
     {
@@ -270,10 +290,15 @@ bool stability_near_parse( const char* of, stability_near* out )
            find_measure( point + 1, (size_t)( dot - point - 1 ), true, out );
 }
 
+static bool is_sum( const stability_near* near )
+{
+    return near->name_length == 1 && near->of[0] == '*';
+}
+
 static bool is_body( const stability_near* near, const scene_body* body )
 {
-    return (int)strlen( body->name ) == near->name_length &&
-           strncmp( body->name, near->of, (size_t)near->name_length ) == 0;
+    return is_sum( near ) || ( (int)strlen( body->name ) == near->name_length &&
+                               strncmp( body->name, near->of, (size_t)near->name_length ) == 0 );
 }
 
 void stability_measure_near( const scene_world* world, int body, const wisp_vec3* at, const stability_sample* sample,
@@ -296,16 +321,19 @@ void stability_measure_near( const scene_world* world, int body, const wisp_vec3
     (void)scene_world_motion_stats( world, body, &s.motion, NULL );
     (void)wisp_read_balloon_stats( world->world, s.entity, &s.balloon );
     (void)wisp_read_implicit_cloth_stats( world->world, s.entity, &s.implicit );
+    (void)wisp_read_contact_stats( world->world, &s.contact );
+    (void)wisp_read_tearing_stats( world->world, s.entity, &s.tearing );
     for ( int i = 0; trace->limits && i < trace->limits->near_count; ++i )
     {
         const stability_near* near = &trace->limits->near[i];
         const bool has_vertices = near->vertex < s.shape.vertex_count && near->other < s.shape.vertex_count;
         if ( is_body( near, &s.shape ) && ( near->measure >= 0 || has_vertices ) )
         {
-            trace->near[(size_t)i * (size_t)( trace->steps_most + 1 ) + (size_t)row] =
-                near->measure >= 0 ? MEASURES[near->measure].of( &s, near->axis )
-                : near->other >= 0 ? wisp_mesh_distance( at[near->vertex], at[near->other] )
-                                   : coordinate_of( at[near->vertex], near->axis );
+            double* value = trace->near + (size_t)i * (size_t)( trace->steps_most + 1 ) + (size_t)row;
+            *value = ( is_sum( near ) && body > 0 ? *value : 0.0 ) +
+                     ( near->measure >= 0 ? MEASURES[near->measure].of( &s, near->axis )
+                       : near->other >= 0 ? wisp_mesh_distance( at[near->vertex], at[near->other] )
+                                          : coordinate_of( at[near->vertex], near->axis ) );
         }
     }
 }

@@ -4,7 +4,9 @@
 #include "stability_trace.h"
 
 #include "balloon.h"
+#include "contact.h"
 #include "implicit_cloth.h"
+#include "tearing.h"
 
 #include "wisp/module/module.h"
 
@@ -37,4 +39,6 @@ struct stability_seen
     wisp_motion_stats motion;
     wisp_balloon_stats balloon; ///< zero of what is none
     wisp_implicit_cloth_stats implicit;
+    wisp_contact_stats contact;
+    wisp_tearing_stats tearing;
 };

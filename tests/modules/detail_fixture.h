@@ -111,29 +111,10 @@ static inline wisp_entity add_effect( wisp_world* world, effect_setup* setup )
     return e;
 }
 
-static inline wisp_vec3 turned_about_y( wisp_vec3 p, float angle, wisp_vec3 shift )
-{
-    const float c = cosf( angle ), s = sinf( angle );
-    return ( wisp_vec3 ){ c * p.x + s * p.z + shift.x, p.y + shift.y, -s * p.x + c * p.z + shift.z };
-}
-
 static inline wisp_vec3* copy_points( wisp_world* world, wisp_entity e, int* count )
 {
     const wisp_vec3* now = points_now( world, e, count );
     wisp_vec3* copy = checked_calloc( (size_t)*count, sizeof( *copy ) );
     memcpy( copy, now, (size_t)*count * sizeof( *copy ) );
     return copy;
-}
-
-static inline float largest_distance_to_turned( wisp_world* world, wisp_entity e, const wisp_vec3* from, float angle,
-                                                wisp_vec3 shift )
-{
-    int count;
-    const wisp_vec3* now = points_now( world, e, &count );
-    float most = 0.0f;
-    for ( int v = 0; v < count; ++v )
-    {
-        most = fmaxf( most, distance( now[v], turned_about_y( from[v], angle, shift ) ) );
-    }
-    return most;
 }

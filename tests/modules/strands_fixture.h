@@ -136,23 +136,6 @@ static inline const wisp_vec3* strand_points( wisp_world* world, wisp_entity e )
     return view_of( world, e, WISP_STRAND_POINTS ).data;
 }
 
-/// The largest distance of a vertex from its position on the curve, m.
-static inline double drift_from( wisp_world* world, wisp_entity e, int strand_count, int vertex_count,
-                                 strand_curve* curve, float length )
-{
-    const wisp_vec3* points = strand_points( world, e );
-    double farthest = 0.0;
-    for ( int s = 0; s < strand_count; ++s )
-    {
-        for ( int i = 0; i < vertex_count; ++i )
-        {
-            farthest =
-                fmax( farthest, vec_distance( points[s * vertex_count + i], curve( s, i, vertex_count, length ) ) );
-        }
-    }
-    return farthest;
-}
-
 typedef struct plan_text
 {
     char text[32768];

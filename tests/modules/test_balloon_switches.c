@@ -214,29 +214,3 @@ TEST( a_nan_halts_its_balloon_alone_and_what_is_kept_of_it_stays_a_number )
         balloon_end( &bad );
     }
 }
-
-// ---- memory ----
-
-// At sizes of 642 to 40962 vertices.
-TEST( memory_is_proportional_to_the_vertices )
-{
-    double first = 0.0;
-    for ( int level = 3; level <= 6; ++level )
-    {
-        SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = balloon_sphere( level, 0.15 );
-        balloon_scene scene = balloon_scene_in_air( &mesh );
-        scene.def.gas_ratio = 1.2f;
-        scene.substeps = 1;
-        balloon_scene_give_outlet( &scene, 0, true );
-        SCOPED( balloon_end ) balloon_flight flight = balloon_start( &scene );
-        balloon_steps( &flight, 2 );
-        SCOPED( destroy_local ) wisp_world* empty = balloon_world_create( &scene );
-        double bytes = (double)( wisp_world_memory( flight.world ) - wisp_world_memory( empty ) ) +
-                       (double)wisp_fabric_bytes( wisp_world_fabric( flight.world, flight.entity ) );
-        double each = bytes / mesh.vertex_count;
-        print_message( "           %5d vertices: %.0f bytes a vertex\n", mesh.vertex_count, each );
-        first = level == 3 ? each : first;
-        // small meshes need more for pages and padding; nothing grows with the volume
-        assert_true( each < 1.5 * first && each > 100.0 && each < 2000.0 );
-    }
-}

@@ -310,44 +310,6 @@ TEST( points_follow_a_pulsation_as_those_of_the_oracle )
     }
 }
 
-static void scale_all( double3* x, const balloon_mesh* mesh, double factor )
-{
-    for ( int i = 0; i < mesh->vertex_count; ++i )
-    {
-        x[i] = double3_scale( factor, mesh->positions[i] );
-    }
-}
-
-// Trade-off 2: an edge is in case B when its length over the spacing passes an integer. Hysteresis lets fewer do so.
-TEST( more_pulsation_puts_more_elements_into_case_b_and_hysteresis_fewer )
-{
-    static const double AMPLITUDES[] = { 0.0, 0.001, 0.01, 0.1 }, HYSTERESIS[] = { 0.0, 0.25 };
-    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = reference_sphere();
-    SCOPED( free_local ) double3* x = checked_calloc( (size_t)mesh.vertex_count, sizeof( double3 ) );
-    int changed[WISP_COUNT( AMPLITUDES )][WISP_COUNT( HYSTERESIS )] = { 0 };
-    for ( int n = 0; n < WISP_COUNT( AMPLITUDES ) * WISP_COUNT( HYSTERESIS ); ++n )
-    {
-        const int a = n / WISP_COUNT( HYSTERESIS ), h = n % WISP_COUNT( HYSTERESIS );
-        const duel_def def = { .spacing = 0.01953125, .hysteresis = HYSTERESIS[h] };
-        duel* d = duel_open( &mesh, &def );
-        for ( int frame = 0; frame <= 10; ++frame )
-        {
-            scale_all( x, &mesh, 1.0 + AMPLITUDES[a] * sin( 0.2 * pi * frame ) );
-            duel_update( d, x );
-            changed[a][h] += frame > 0 ? d->samples.changed_elements : 0;
-        }
-        print_message( "+-%g %%, hysteresis %g: %.2f %% of the elements in case B a step\n", 100.0 * AMPLITUDES[a],
-                       HYSTERESIS[h], 100.0 * changed[a][h] / ( 10.0 * d->oracle.element_count ) );
-        duel_close( d );
-    }
-    assert_int_equal( changed[0][0], 0 );
-    for ( int a = 1; a < WISP_COUNT( AMPLITUDES ); ++a )
-    {
-        assert_true( changed[a - 1][0] < changed[a][0] );
-        assert_true( changed[a][1] <= changed[a][0] );
-    }
-}
-
 // Bits of a row of four, without the padding.
 static void assert_same_rows( const void* a, const void* b, int count )
 {
@@ -410,35 +372,6 @@ TEST( a_line_more_without_points_moves_the_lines_below_it )
             assert_int_equal( inner_points( &d->oracle ), 1 );
             assert_agree( d );
             assert_resampled( d );
-        }
-        duel_close( d );
-    }
-}
-
-TEST( each_element_may_have_its_own_spacing )
-{
-    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = torus();
-    static double edge[936], triangle[624];
-    for ( int e = 0; e < 936; ++e )
-    {
-        edge[e] = (double)(float)random_between( e, 0, 0.02, 0.1 );
-        triangle[e % 624] = (double)(float)random_between( e, 1, 0.02, 0.1 );
-    }
-    double3 x[312];
-    for ( int c = 0; c < 4; ++c )
-    {
-        const duel_def def = { .spacing = 0.0625,
-                               .policy = (wisp_spacing)( c % 2 ),
-                               .hysteresis = c / 2 * 0.125,
-                               .edge_spacing = edge,
-                               .triangle_spacing = triangle };
-        duel* d = duel_open( &mesh, &def );
-        assert_int_equal( d->oracle.edge_count, 936 );
-        for ( int frame = 0; frame < 6; ++frame )
-        {
-            pulsate( x, &mesh, 4 * frame );
-            duel_update( d, x );
-            assert_agree( d );
         }
         duel_close( d );
     }

@@ -1,4 +1,4 @@
-// Edges and triangles of surfaces against bodies: needles, box edges, small balls, friction, workers, refusals.
+// Edges and triangles of surfaces against bodies: needles, box edges, small balls, rails, workers, refusals.
 #include "collision_fixture.h"
 #include "oracle/contact_oracle.h"
 
@@ -340,27 +340,6 @@ static slide new_slide( double angle, float mu, wisp_collision_features features
     s.start = along_slope( &s );
     give_gravity( s.h->world, s.surface, gravity );
     return s;
-}
-
-TEST( what_lies_on_edges_alone_sticks_and_slides_by_the_law_of_coulomb )
-{
-    const double degree = 3.14159265358979323846 / 180.0;
-    const double angles[] = { 11.0, 26.0, 12.0, 27.0, 45.0 }, mus[] = { 0.2, 0.5, 0.2, 0.5, 0.5 };
-    for ( int k = 0; k < WISP_COUNT( angles ); ++k )
-    {
-        const double a = angles[k] * degree, mu = mus[k], expected = 9.8 * fmax( 0.0, sin( a ) - mu * cos( a ) );
-        slide s = new_slide( a, (float)mu, WISP_COLLISION_ALL, GRAVITY );
-        run_for( s.h->world, DT, 60 );
-        const wisp_motion_stats q = motion_stats_of( s.h->world, s.surface );
-        const double speed = -( q.momentum[0] * cos( a ) + q.momentum[1] * sin( a ) ) / q.mass;
-        if ( expected == 0.0 )
-        {
-            assert_near( along_slope( &s ), s.start, 2e-5 );
-        }
-        // four contacts share three corners; sweeps leave some 3e-4 of their friction
-        assert_near( speed, expected, 2e-4 + 5e-4 * 9.8 * mu * cos( a ) );
-        free_colliding( s.h );
-    }
 }
 
 TEST( rails_carry_the_weight_of_what_lies_on_edges_alone )

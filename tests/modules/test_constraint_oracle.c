@@ -11,8 +11,6 @@
 
 static const uint64_t random_seed = 21;
 
-static const int four[4] = { 0, 1, 2, 3 };
-
 // Two triangles with a common edge, of good shape, folded at random by up to `fold` rad.
 static void random_hinge( int n, double fold, double3 p[4] )
 {
@@ -94,31 +92,6 @@ TEST( gradients_agree_with_central_differences )
         assert_gradient( dihedral_form, &angle, p );
         assert_gradient( energy_form, q, p );
         assert_gradient( root_form, q, p );
-    }
-}
-
-// Eq. 3
-TEST( a_linear_constraint_is_solved_by_one_projection )
-{
-    for ( int n = 0; n < 100; ++n )
-    {
-        constraint_oracle_term term = { .count = 4, .value = random_between( n, 70, -1.0, 1.0 ) };
-        constraint_oracle_skips skips = { { 0 } };
-        double3 p[4], before[4];
-        double w[4];
-        for ( int i = 0; i < 4; ++i )
-        {
-            term.gradient[i] = random_vector( n, 20 + i );
-            p[i] = before[i] = random_vector( n, 24 + i );
-            w[i] = random_between( n, 80 + i, 0.5, 2.0 );
-        }
-        constraint_oracle_project( &term, four, w, 1.0, p, &skips );
-        double residual = term.value;
-        for ( int i = 0; i < 4; ++i )
-        {
-            residual += double3_dot( term.gradient[i], double3_sub( p[i], before[i] ) );
-        }
-        assert_close( residual, 0.0, 1e-12 );
     }
 }
 

@@ -1,6 +1,6 @@
-// Contact between two small bodies against the oracle, and the fields of a definition: friction, recovery, gaps,
-// layers, self-contact, pins, and participants that are added, removed and halted. Invalid contact is rejected with one
-// message that names the error, and a rejection changes nothing; NaN in one participant never reaches another.
+// Contact between two small bodies against the oracle, and participants that are added, removed and halted; the fields of a
+// definition are in tests/claims/contact.yaml. Invalid contact is rejected with one message that names the error, and a
+// rejection changes nothing; NaN in one participant never reaches another.
 #include "contact_fixture.h"
 #include "contact_mesh.h"
 
@@ -186,182 +186,6 @@ static void open_sheets( hosted* h, wisp_entity sheets[2], float height, const w
     request_stats( h->world );
 }
 
-// Gravity is tilted by an angle whose tangent is a fraction of mu. Below one the sheet holds; above, m a = g (sin -
-// mu cos).
-TEST( friction_is_that_of_coulomb )
-{
-    static const float SHARES[] = { 0.5f, 0.9f, 1.2f, 2.0f };
-    const double mu = 0.4, g = 9.81, seconds = 0.5;
-    for ( int i = 0; i < WISP_COUNT( SHARES ); ++i )
-    {
-        SCOPED( close_world ) hosted h;
-        wisp_entity sheets[2];
-        wisp_contact_def rough = contact_of( THICK ), half = rough;
-        rough.friction = 0.8f; // the geometric mean is 0.4
-        half.friction = 0.2f;
-        open_sheets( &h, sheets, 1.0001f * THICK, &rough, &half );
-        const double angle = atan( (double)SHARES[i] * mu );
-        const wisp_vec3 gravity = { (float)( g * sin( angle ) ), (float)( -g * cos( angle ) ), 0.0f };
-        assert_status( h.world, wisp_set_damping( h.world, sheets[1], 0.0f ), WISP_OK );
-        assert_status( h.world, wisp_set_gravity( h.world, sheets[1], gravity ), WISP_OK );
-        const double start = mean_of( h.world, sheets[1], 0 );
-        run_steps( h.world, (int)( seconds / (double)DT + 0.5 ), DT );
-        const double slid = mean_of( h.world, sheets[1], 0 ) - start;
-        const double pull = fmax( 0.0, g * ( sin( angle ) - mu * cos( angle ) ) );
-        // one substep more or less of acceleration, and the slip before it came to rest
-        assert_near( slid, 0.5 * pull * seconds * seconds, 0.03 * pull * seconds * seconds + 1e-4 );
-    }
-}
-
-TEST( what_is_too_near_is_parted_slowly_and_gets_no_velocity )
-{
-    SCOPED( close_world ) hosted h;
-    wisp_entity sheets[2];
-    wisp_contact_def def = contact_of( THICK );
-    def.max_push_out_speed = 0.125f;
-    open_sheets( &h, sheets, 0.25f * THICK, &def, &def );
-    for ( int i = 1; i <= 12; ++i )
-    {
-        run_steps( h.world, 1, DT );
-        const double expected = fmin( 0.25 * (double)THICK + 0.125 * i * (double)DT, (double)THICK );
-        assert_near( mean_of( h.world, sheets[1], 1 ), expected, 1e-5 );
-        assert_true( motion_stats_of( h.world, sheets[1] ).speed_max < 1e-4 ); // roundings over a substep
-    }
-}
-
-TEST( resting_sheets_keep_half_of_the_sum_of_their_thicknesses_and_lie_still )
-{
-    static const float PAIRS[][2] = { { 1.0f, 1.0f }, { 0.5f, 1.5f }, { 2.0f, 1.0f } };
-    for ( int i = 0; i < WISP_COUNT( PAIRS ); ++i )
-    {
-        SCOPED( close_world ) hosted h;
-        wisp_entity sheets[2];
-        const wisp_contact_def lower = contact_of( PAIRS[i][0] * THICK ), upper = contact_of( PAIRS[i][1] * THICK );
-        open_sheets( &h, sheets, 4.0f * THICK, &lower, &upper );
-        assert_status( h.world, wisp_set_gravity( h.world, sheets[1], EARTH ), WISP_OK );
-        run_steps( h.world, 100, DT );
-        const double gap = 0.5 * (double)( PAIRS[i][0] + PAIRS[i][1] ) * (double)THICK;
-        for ( int n = 0; n < 100; ++n )
-        {
-            run_steps( h.world, 1, DT );
-            assert_near( mean_of( h.world, sheets[1], 1 ), gap, 0.001 * gap );
-            // a hundredth of the velocity that gravity adds in a step: the contact force is constant
-            assert_true( motion_stats_of( h.world, sheets[1] ).speed_max < 1e-3 );
-        }
-        const wisp_contact_stats f = contact_stats( h.world );
-        assert_near( (double)f.min_gap, 1.0, 1e-3 );
-        double impulse[3];
-        const double weight = motion_stats_of( h.world, sheets[1] ).mass * 9.81;
-        assert_status( h.world, wisp_read_contact_impulse( h.world, sheets[1], impulse ), WISP_OK );
-        assert_near( impulse[1], weight * (double)DT, 0.01 * weight * (double)DT );
-    }
-}
-
-static bool falls_through( const wisp_contact_def* lower, const wisp_contact_def* upper )
-{
-    SCOPED( close_world ) hosted h;
-    wisp_entity sheets[2];
-    open_sheets( &h, sheets, 2.0f * THICK, lower, upper );
-    assert_status( h.world, wisp_set_gravity( h.world, sheets[1], EARTH ), WISP_OK );
-    run_steps( h.world, 30, DT );
-    return mean_of( h.world, sheets[1], 1 ) < 0.0;
-}
-
-TEST( layers_and_masks_say_who_meets )
-{
-    const struct
-    {
-        uint32_t layers[2], masks[2];
-        bool meets;
-    } rows[] = {
-        { { 1, 1 }, { UINT32_MAX, UINT32_MAX }, true },
-        { { 1, 2 }, { 2, 1 }, true },
-        { { 1, 2 }, { 1, 2 }, false },
-        { { 1, 2 }, { 2, 2 }, false },
-        { { 1, 2 }, { 1, 1 }, false },
-        { { 6, 0x80000000u }, { 0x80000000u, 2 }, true },
-        { { 0, 1 }, { UINT32_MAX, UINT32_MAX }, false },
-    };
-    for ( int i = 0; i < WISP_COUNT( rows ); ++i )
-    {
-        wisp_contact_def defs[2] = { contact_of( THICK ), contact_of( THICK ) };
-        for ( int k = 0; k < 2; ++k )
-        {
-            defs[k].layers = rows[i].layers[k];
-            defs[k].mask = rows[i].masks[k];
-        }
-        assert_int_equal( falls_through( defs, defs + 1 ), rows[i].meets == false );
-    }
-    wisp_contact_def on = contact_of( THICK ), off = on;
-    off.enabled = false;
-    assert_false( falls_through( &on, &on ) );
-    assert_true( falls_through( &on, &off ) );
-}
-
-// Two primitives of one surface, the upper one moving down.
-static bool passes_itself( bool self )
-{
-    SCOPED( close_world ) hosted h;
-    open_contact( &h, 4, 1, 1 );
-    test_mesh m = level_sheet( 4, 0.3f, ( wisp_vec3 ){ 0 } ),
-              two = { calloc( 32, sizeof( wisp_vec3 ) ), calloc( 108, sizeof( int32_t ) ), 32, 36 };
-    for ( int v = 0; v < 32; ++v )
-    {
-        const wisp_vec3 p = m.points[v % 16];
-        two.points[v] = ( wisp_vec3 ){ p.x + 0.013f * (float)( v / 16 ), 0.05f * (float)( v / 16 ), p.z };
-    }
-    for ( int i = 0; i < 108; ++i )
-    {
-        two.triangles[i] = m.triangles[i % 54] + 16 * ( i / 54 );
-    }
-    test_mesh_free( &m );
-    const wisp_entity e = add_mesh( h.world, &two, NULL, 0, 0.1f );
-    wisp_contact_def def = contact_of( THICK );
-    def.self = self;
-    set_contact( h.world, e, &def );
-    for ( int v = 16; v < 32; ++v )
-    {
-        velocity_of( h.world, e, v )[1] = -1.0f;
-    }
-    run_steps( h.world, 20, DT );
-    const float lower = place_of( h.world, e, 5 )[1], upper = place_of( h.world, e, 21 )[1];
-    return upper < lower;
-}
-
-TEST( a_surface_meets_itself_unless_told_not_to )
-{
-    assert_false( passes_itself( true ) );
-    assert_true( passes_itself( false ) );
-}
-
-TEST( pins_push_and_are_not_pushed )
-{
-    SCOPED( close_world ) hosted h;
-    wisp_entity sheets[2];
-    const wisp_contact_def def = contact_of( THICK );
-    open_sheets( &h, sheets, 1.5f * THICK, &def, &def );
-    const int32_t all[4] = { 0, 1, 2, 3 };
-    wisp_vec3 targets[4];
-    for ( int i = 1; i <= 25; ++i )
-    {
-        for ( int v = 0; v < 4; ++v )
-        {
-            const float* at = place_of( h.world, sheets[0], v );
-            targets[v] = ( wisp_vec3 ){ at[0], 0.5f * (float)i * DT, at[2] };
-        }
-        assert_status( h.world, wisp_move_pins( h.world, sheets[0], all, targets, 4 ), WISP_OK );
-        run_steps( h.world, 1, DT );
-        for ( int v = 0; v < 4; ++v )
-        {
-            assert_memory_equal( place_of( h.world, sheets[0], v ), targets + v, sizeof( targets[v] ) );
-        }
-        assert_true( mean_of( h.world, sheets[1], 1 ) > (double)targets[0].y + 0.99 * (double)THICK );
-    }
-    // it keeps the velocity of the push: nothing bounces
-    assert_near( motion_stats_of( h.world, sheets[1] ).momentum[1] / motion_stats_of( h.world, sheets[1] ).mass, 0.5,
-                 0.01 );
-}
-
 // ---- participants are added and removed ----
 
 // A sheet that rests on another.
@@ -421,26 +245,6 @@ TEST( a_participant_that_comes_later_is_met )
     assert_int_equal( contact_stats( h.world ).participants, 3 );
 }
 
-TEST( instances_meet_like_all_others )
-{
-    SCOPED( close_world ) hosted h;
-    wisp_entity sheets[3];
-    open_resting( &h, sheets );
-    assert_status( h.world, wisp_add_instance( h.world, sheets[1], NULL, sheets + 2 ), WISP_OK );
-    const wisp_contact_def def = contact_of( THICK );
-    SET_DEFAULT( h.world, sheets[2], cloth );
-    assert_status( h.world, wisp_set_gravity( h.world, sheets[2], EARTH ), WISP_OK );
-    float* column = wisp_world_column( h.world, sheets[2], WISP_PARTICLE_POSITION, 0 );
-    for ( int v = 0; v < 16; ++v )
-    {
-        column[4 * v + 1] = 4.0f * THICK;
-    }
-    set_contact( h.world, sheets[2], &def );
-    run_steps( h.world, 100, DT );
-    assert_near( mean_of( h.world, sheets[1], 1 ), (double)THICK, 0.01 * (double)THICK );
-    assert_near( mean_of( h.world, sheets[2], 1 ), 2.0 * (double)THICK, 0.02 * (double)THICK );
-}
-
 // The middle one of three falling sheets is halted; the one above lands on it. After the halt ends the middle one
 // falls itself.
 TEST( a_halted_participant_stands_and_is_met_again_when_it_is_resumed )
@@ -468,45 +272,6 @@ TEST( a_halted_participant_stands_and_is_met_again_when_it_is_resumed )
     run_steps( h.world, 60, DT ); // longer, and a smaller sheet slides off
     assert_near( mean_of( h.world, middle, 1 ), 2.0 * (double)THICK, 0.02 * (double)THICK );
     assert_near( mean_of( h.world, upper, 1 ), 3.0 * (double)THICK, 0.03 * (double)THICK );
-}
-
-// If the thickness exceeds its edges, a sheet is not pushed apart anywhere: it keeps its rest distances. When bent
-// round, it does not.
-TEST( a_participant_that_is_thinner_at_rest_than_its_thickness_lies_still )
-{
-    for ( int bent = 0; bent < 2; ++bent )
-    {
-        SCOPED( close_world ) hosted h;
-        open_contact( &h, 2, 1, 1 );
-        test_mesh sheet = level_sheet( 9, 0.4f, ( wisp_vec3 ){ 0 } );
-        const wisp_entity e = add_draping( h.world, &sheet, NULL, 0, ( wisp_vec3 ){ 0 } );
-        float before[81][3], *column = wisp_world_column( h.world, e, WISP_PARTICLE_POSITION, 0 );
-        assert_non_null( column );
-        for ( int v = 0; v < 81; ++v )
-        {
-            float* at = column + (size_t)wisp_world_fabric( h.world, e )->vertex_slot[v] * 4;
-            if ( bent != 0 ) // over itself, half of the thickness above
-            {
-                at[1] = at[0] > 0.0f ? 0.06f * fminf( at[0] / 0.05f, 1.0f ) : 0.0f;
-                at[0] = at[0] > 0.0f ? -at[0] : at[0];
-            }
-            memcpy( before[v], at, sizeof( before[v] ) );
-        }
-        const wisp_contact_def def = contact_of( 0.12f );
-        set_contact( h.world, e, &def );
-        request_stats( h.world );
-        double most = 0.0;
-        for ( int step = 0; step < 10; ++step )
-        {
-            run_steps( h.world, 1, DT );
-        }
-        for ( int v = 0; v < 81; ++v )
-        {
-            const float* at = place_of( h.world, e, v );
-            most = fmax( most, fabs( (double)( at[1] - before[v][1] ) ) );
-        }
-        assert_true( bent == 0 ? most < 1e-6 && contact_stats( h.world ).contacts == 0 : most > 0.01 );
-    }
 }
 
 // ---- refusals ----

@@ -1,6 +1,5 @@
-// Surfaces that start intersecting, or are moved through each other by the user, are separated slowly and without adding
-// velocity. Sheets that start in exactly one plane part: each to the side that the triangles of the sheets before it face.
-// The displacement limit: what is hurled does not pass, and nothing but the limit prevents it.
+// Intersections are told by pair; what bursts or collapses does not pass through itself, and has few pairs. Surfaces that start crossed, lie
+// in one plane or are hurled are in tests/claims/untangling.yaml.
 #include "contact_fixture.h"
 #include "contact_state.h"
 
@@ -10,7 +9,6 @@ enum
 {
     SIDE = 15,
     SUBSTEPS = 10,
-    STARTS = 5, // jittered; each must pass
 };
 
 typedef struct tangle
@@ -40,146 +38,6 @@ static void open_tangle( tangle* t, float dip, int start )
         set_contact( t->h.world, t->c[k], &def );
     }
     request_stats( t->h.world );
-}
-
-TEST( what_starts_crossed_is_drawn_apart )
-{
-    for ( int start = 0; start < STARTS; ++start )
-    {
-        tangle t;
-        open_tangle( &t, test_random_float( start, 3, 0.05f, 0.15f ), start );
-        assert_true( count_all_passing( t.h.world, t.c, 2 ) > 0 );
-        run_steps( t.h.world, 1, FRAME );
-        assert_int_equal( count_all_passing( t.h.world, t.c, 2 ), contact_stats( t.h.world ).intersections );
-        double fastest = 0.0;
-        for ( int s = 0; s < 60; ++s )
-        {
-            run_steps( t.h.world, 1, FRAME );
-            fastest = fmax( fastest, motion_stats_of( t.h.world, t.c[1] ).speed_max );
-        }
-        if ( contact_stats( t.h.world ).intersections != 0 || contact_stats( t.h.world ).tangled != 0 )
-        {
-            fail_msg( "start %d: %d intersections after a second", start, contact_stats( t.h.world ).intersections );
-        }
-        // gravity gives 1 m/s in that second; links that are pulled along give some more
-        assert_true( fastest < 4.0 );
-        for ( int s = 0; s < 15; ++s )
-        {
-            run_steps( t.h.world, 1, FRAME );
-            assert_int_equal( contact_stats( t.h.world ).intersections, 0 );
-        }
-        assert_int_equal( count_all_passing( t.h.world, t.c, 2 ), 0 );
-        close_world( &t.h );
-    }
-}
-
-// Apart at first; then the user moves it through, vertex by vertex, as in a film cut.
-TEST( what_the_user_puts_through_is_drawn_apart )
-{
-    tangle t;
-    open_tangle( &t, -0.1f, 0 );
-    run_steps( t.h.world, 3, FRAME );
-    assert_int_equal( contact_stats( t.h.world ).intersections, 0 );
-    float* column = wisp_world_column( t.h.world, t.c[1], WISP_PARTICLE_POSITION, 0 );
-    for ( int v = 0; v < SIDE * SIDE; ++v )
-    {
-        column[4 * v + 1] -= 0.2f;
-    }
-    run_steps( t.h.world, 1, FRAME );
-    assert_true( contact_stats( t.h.world ).intersections > 0 );
-    run_steps( t.h.world, 75, FRAME );
-    assert_int_equal( contact_stats( t.h.world ).intersections, 0 );
-    close_world( &t.h );
-}
-
-// Pinned vertices drag a sheet a metre and a half through one that cannot move, and back; nothing can stop them.
-static int drag_through_and_back( int start, int* most )
-{
-    tangle t;
-    open_tangle( &t, -0.1f, start );
-    const int last = SIDE * SIDE - 1;
-    const int32_t pins[2] = { last, last - SIDE + 1 };
-    wisp_vec3 at[2];
-    for ( int32_t v = 0; v < SIDE * SIDE; ++v )
-    {
-        assert_status( t.h.world, wisp_pin( t.h.world, t.c[0], &v, 1 ), WISP_OK );
-    }
-    for ( int k = 0; k < 2; ++k )
-    {
-        const float* x = place_of( t.h.world, t.c[1], pins[k] );
-        at[k] = ( wisp_vec3 ){ x[0], x[1], x[2] };
-    }
-    for ( int s = 0; s < 120; ++s )
-    {
-        const float way = s < 45 ? (float)s / 45.0f : ( s < 90 ? (float)( 90 - s ) / 45.0f : 0.0f );
-        wisp_vec3 targets[2];
-        for ( int k = 0; k < 2; ++k )
-        {
-            targets[k] = ( wisp_vec3 ){ at[k].x, at[k].y - 1.5f * way, at[k].z };
-        }
-        assert_status( t.h.world, wisp_move_pins( t.h.world, t.c[1], pins, targets, 2 ), WISP_OK );
-        run_steps( t.h.world, 1, FRAME );
-        const int intersections = contact_stats( t.h.world ).intersections;
-        *most = intersections > *most ? intersections : *most;
-        assert_true( is_finite( t.h.world, t.c[0] ) && is_finite( t.h.world, t.c[1] ) );
-    }
-    run_steps( t.h.world, 120, FRAME );
-    const int left = contact_stats( t.h.world ).intersections;
-    close_world( &t.h );
-    return left;
-}
-
-TEST( what_pins_drive_through_is_drawn_apart_when_they_return )
-{
-    int left = 0, driven = 0;
-    for ( int start = 0; start < STARTS; ++start )
-    {
-        int most = 0;
-        left += drag_through_and_back( start, &most );
-        assert_true( most > 20 );
-        driven += most;
-    }
-    // two seconds later; a fold that the sheet was dragged through itself may stay: 70 of 4700 intersections of 20 starts
-    assert_true( driven > 500 );
-    assert_true( 20 * left < driven );
-}
-
-// Separation adds no momentum: two free sheets that start intersecting, at rest, stay slow, and their centre stays.
-TEST( untangling_gives_neither_momentum_nor_speed )
-{
-    SCOPED( close_world ) hosted h;
-    open_contact( &h, SUBSTEPS, 2, 1 );
-    wisp_entity e[2];
-    for ( int k = 0; k < 2; ++k )
-    {
-        test_mesh mesh = level_sheet( 9, 0.4f, ( wisp_vec3 ){ 0 } );
-        for ( int v = 0; v < mesh.vertex_count && k == 1; ++v )
-        {
-            const wisp_vec3 p = mesh.points[v];
-            mesh.points[v] = ( wisp_vec3 ){ 0.9f * p.x + 0.013f, p.z + 0.14f, 0.017f };
-        }
-        e[k] = add_draping( h.world, &mesh, NULL, 0, ( wisp_vec3 ){ 0 } );
-        const wisp_contact_def def = wisp_default_contact_def();
-        set_contact( h.world, e[k], &def );
-    }
-    request_stats( h.world );
-    run_steps( h.world, 1, FRAME );
-    assert_true( contact_stats( h.world ).intersections > 0 );
-    for ( int s = 0; s < 60; ++s )
-    {
-        run_steps( h.world, 1, FRAME );
-        double momentum[3];
-        momentum_of( h.world, e, 2, momentum );
-        const double mass = motion_stats_of( h.world, e[0] ).mass + motion_stats_of( h.world, e[1] ).mass;
-        for ( int k = 0; k < 3; ++k )
-        {
-            // Untangling keeps the momentum; the displacement limit around an intersection does not quite. A quarter
-            // of the thickness (3 mm) per substep would be 1.9 m/s, and less than a tenth of that remains.
-            assert_near( momentum[k] / mass, 0.0, 0.15 );
-        }
-        assert_true( sqrt( 2.0 * energy_of( h.world, e, 2 ) / mass ) < 1.5 );
-    }
-    assert_int_equal( contact_stats( h.world ).intersections, 0 );
 }
 
 static int intersections_between( wisp_world* world, wisp_entity a, wisp_entity b )
@@ -246,73 +104,6 @@ TEST( intersections_are_told_by_pair )
 
 // ---- one plane ----
 
-enum
-{
-    SHEETS = 5,
-};
-
-static const float THICKNESS = 0.01f;
-
-typedef struct plies
-{
-    double heights[SHEETS]; // m, of the middles
-    double strain, min_gap;
-    int intersections;
-    uint64_t hash;
-} plies;
-
-static plies part( bool same, int pinned, int workers )
-{
-    static const int sides[SHEETS] = { 9, 12, 9, 7, 14 };
-    SCOPED( close_world ) hosted h;
-    open_contact( &h, 10, 1, workers );
-    const int32_t pin = 0;
-    wisp_entity sheets[SHEETS];
-    const wisp_contact_def contact = contact_of( THICKNESS );
-    for ( int i = 0; i < SHEETS; ++i )
-    {
-        test_mesh mesh = level_sheet( same ? 9 : sides[i], 0.3f, ( wisp_vec3 ){ 0 } );
-        sheets[i] = add_draping( h.world, &mesh, &pin, i == pinned ? 1 : 0, ( wisp_vec3 ){ 0 } );
-        assert_status( h.world, wisp_set_damping( h.world, sheets[i], 10.0f ), WISP_OK );
-        set_contact( h.world, sheets[i], &contact );
-    }
-    request_stats( h.world );
-    run_steps( h.world, 120, FRAME );
-    plies end = { .hash = wisp_world_hash( h.world ) };
-    for ( int i = 0; i < SHEETS; ++i )
-    {
-        const wisp_motion_stats m = motion_stats_of( h.world, sheets[i] );
-        end.strain = fmax( end.strain, m.strain_max );
-        end.heights[i] = m.centre[1];
-    }
-    end.min_gap = (double)contact_stats( h.world ).min_gap;
-    end.intersections = contact_stats( h.world ).intersections;
-    return end;
-}
-
-TEST( sheets_in_one_plane_part )
-{
-    for ( int k = 0; k < 4; ++k )
-    {
-        const plies end = part( k % 2 == 0, k < 2 ? -1 : SHEETS - 1, 2 );
-        print_message( "           %s sheets, %s: smallest gap %.3f, strain %.4f, heights",
-                       k % 2 == 0 ? "equal" : "unlike", k < 2 ? "free" : "the last one pinned", end.min_gap,
-                       end.strain );
-        for ( int i = 0; i < SHEETS; ++i )
-        {
-            print_message( " %.4f", end.heights[i] );
-        }
-        print_message( " m\n" );
-        assert_int_equal( end.intersections, 0 );
-        assert_true( end.min_gap > 0.8 );
-        assert_true( end.strain < 0.05 );
-        for ( int i = 1; i < SHEETS; ++i )
-        {
-            assert_true( end.heights[i] - end.heights[i - 1] > 0.8 * (double)THICKNESS );
-        }
-    }
-}
-
 // ---- the displacement limit ----
 
 typedef struct hurled
@@ -320,64 +111,6 @@ typedef struct hurled
     int intersections; // edges through triangles, largest of all steps
     float min_gap;     // thicknesses, smallest of all steps
 } hurled;
-
-// Hurl three tilted sheets onto a plate that is pinned, by a few thicknesses per substep.
-static hurled hurl( float speed, bool displacement_limit )
-{
-    SCOPED( close_world ) hosted h;
-    open_contact( &h, 10, 1, 1 );
-    wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.level = displacement_limit ? WISP_CONTACT_EXACT : WISP_CONTACT_TRIANGLES;
-    assert_status( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_OK );
-    const wisp_contact_def def = contact_of( 0.01f );
-    wisp_entity all[4];
-    for ( int i = 0; i < 4; ++i )
-    {
-        test_mesh mesh = level_sheet( i == 0 ? 15 : 11, i == 0 ? 0.7f : 0.5f, ( wisp_vec3 ){ 0, 0, 0 } );
-        for ( int v = 0; v < mesh.vertex_count && i > 0; ++v )
-        {
-            const wisp_vec3 p = mesh.points[v];
-            const float angle = 0.5f * (float)i;
-            mesh.points[v] = ( wisp_vec3 ){ p.x * cosf( angle ), 0.4f * (float)i + p.x * sinf( angle ), p.z };
-        }
-        all[i] =
-            i == 0 ? add_pinned( h.world, &mesh ) : add_draping( h.world, &mesh, NULL, 0, ( wisp_vec3 ){ 0, 0, 0 } );
-        set_contact( h.world, all[i], &def );
-        if ( i > 0 )
-        {
-            assert_status( h.world,
-                           wisp_set_velocity( h.world, all[i], ( wisp_vec3 ){ 0, -speed, 0 }, ( wisp_vec3 ){ 0 } ),
-                           WISP_OK );
-        }
-    }
-    request_stats( h.world );
-    hurled out = { 0, INFINITY };
-    for ( int i = 0; i < 20; ++i )
-    {
-        assert_status( h.world, wisp_world_step( h.world, FRAME ), WISP_OK );
-        const wisp_contact_stats stats = contact_stats( h.world );
-        out.intersections = stats.intersections > out.intersections ? stats.intersections : out.intersections;
-        out.min_gap = fminf( out.min_gap, stats.min_gap );
-    }
-    assert_int_equal( count_all_passing( h.world, all, 4 ), contact_stats( h.world ).intersections );
-    return out;
-}
-
-// The limit keeps a tenth of the thickness, and there is nothing else that would: without it the sheets pass.
-TEST( sheets_hurled_onto_a_plate_need_the_displacement_limit )
-{
-    const float speeds[] = { 40.0f, 100.0f }; // m/s: 7 and 17 thicknesses per substep
-    for ( int k = 0; k < WISP_COUNT( speeds ); ++k )
-    {
-        const hurled limited = hurl( speeds[k], true ), unlimited = hurl( speeds[k], false );
-        assert_int_equal( limited.intersections, 0 );
-        if ( !( limited.min_gap >= 0.09f ) || !( unlimited.intersections > 20 ) )
-        {
-            fail_msg( "%g m/s: with the limit a gap of %.3g thicknesses, without it %d intersections",
-                      (double)speeds[k], (double)limited.min_gap, unlimited.intersections );
-        }
-    }
-}
 
 // A thousand clusters of which each overlaps most others are too many pairs: margins halve until the list fits, and the
 // displacement limit holds points within them.

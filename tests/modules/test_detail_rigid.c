@@ -8,46 +8,6 @@
 #include "wisp/detail.h"
 #include "wisp/moving_frame.h"
 
-// ---- rigid ----
-
-// Two pins leave the rotation about their line open, and none is added to it.
-TEST( a_surface_that_is_not_solved_goes_along_with_its_pins )
-{
-    SCOPED( close_world ) hosted h;
-    open_levels( &h, 10, 1 );
-    const wisp_entity e = add_sheet( h.world, true );
-    const int32_t pins[2] = { 0, SIDE - 1 };
-    run_steps( h.world, 20, FRAME );
-    int count;
-    set_level_at_once( h.world, e, WISP_DETAIL_NOTHING );
-    SCOPED( free_local ) wisp_vec3* from = copy_points( h.world, e, &count );
-    for ( int i = 1; i <= 60; ++i )
-    {
-        const float angle = 0.05f * (float)i;
-        const wisp_vec3 shift = { 0.01f * (float)i, -0.02f * (float)i, 0.03f * (float)i };
-        wisp_vec3 targets[2];
-        for ( int k = 0; k < 2; ++k )
-        {
-            targets[k] = turned_about_y( from[pins[k]], angle, shift );
-        }
-        assert_status( h.world, wisp_move_pins( h.world, e, pins, targets, 2 ), WISP_OK );
-        run_steps( h.world, 1, FRAME );
-        assert_true( largest_distance_to_turned( h.world, e, from, angle, shift ) < 2e-5f ); // 60 roundings of 3 m
-    }
-    const int solved[] = { items_of( h.world, "links.xpbd" ), items_of( h.world, "particles.predict" ),
-                           items_of( h.world, "surface.levels" ) };
-    for ( int k = 0; k < WISP_COUNT( solved ); ++k )
-    {
-        assert_int_equal( solved[k], 0 );
-    }
-    // pins that rest: not a bit moves, and there is no velocity left
-    run_steps( h.world, 1, FRAME );
-    const uint64_t hash = hash_of( h.world, e, WISP_SURFACE_POINTS );
-    run_steps( h.world, 5, FRAME );
-    assert_true( hash_of( h.world, e, WISP_SURFACE_POINTS ) == hash );
-    assert_float_equal( velocity_of( h.world, e, 500 )[1], 0.0f, 0.0f );
-}
-
 // ---- ghosts ----
 
 typedef struct grown

@@ -73,33 +73,6 @@ TEST( the_adhesion_kernel_is_one_at_contact_and_leaves_the_radius_smoothly )
     hair_groom_destroy( &pair.groom );
 }
 
-// Eq. 15-16
-TEST( two_vertices_step_towards_each_other_equally_by_twice_the_kernel )
-{
-    pair_groom pairs = make_pairs( 8, 0.002f, 0.0097f );
-    const wisp_frozen_hair_def def = one_wet_step();
-    const double h = (double)def.clump_radius, sigma = (double)def.clump_step_length;
-    wisp_vec3* out = hair_run( NULL, &pairs.groom, &def );
-    for ( int n = 0; n < pairs.count; ++n )
-    {
-        const wisp_vec3 *p = pairs.groom.points + 4 * n, *q = out + 4 * n;
-        double r = hair_distance( p[1], p[3] ), step = sigma * frozen_oracle_kernel( r, h );
-
-        hair_assert_close( (double)q[3].x - (double)q[1].x, r - 2.0 * step, 8.0 * u * 0.25 + 48.0 * u * sigma );
-        hair_assert_close( (double)q[1].x - (double)p[1].x, (double)p[3].x - (double)q[3].x, 2.0 * u * 0.25 );
-        assert_true( q[1].y == 0.0f && q[1].z == p[1].z && q[3].y == 0.0f && q[3].z == p[3].z );
-    }
-    free( out );
-    hair_groom_destroy( &pairs.groom );
-
-    // where coordinates are symmetrical, so are the steps, to the bit
-    pair_groom pair = make_pairs( 1, 0.004f, 0.004f );
-    out = hair_run( NULL, &pair.groom, &def );
-    assert_true( out[1].x == -out[3].x && out[1].x > pair.groom.points[1].x );
-    free( out );
-    hair_groom_destroy( &pair.groom );
-}
-
 // Eq. 17-19: the remaining fraction of the step of every vertex of a pair, and its mean over many
 TEST( lambda_obeys_the_law_of_the_gap )
 {
@@ -182,52 +155,4 @@ TEST( under_the_guard_no_pair_comes_closer_than_allowed_and_none_swaps )
     hair_assert_close( (double)kept[3].x - (double)kept[1].x, 0.0002, 8.0 * u * 0.001 );
     free( kept );
     hair_groom_destroy( &pair.groom );
-}
-
-// ---- Algorithm 1: the pipeline ----
-
-// Stages one at a time, each in a separate world whose rest shape is the output of the previous stage, in a given
-// order.
-static wisp_vec3* run_in_order( const hair_groom* groom, const wisp_frozen_hair_def* def, const char* order )
-{
-    SCOPED( free_local ) int* counts = checked_calloc( (size_t)groom->strand_count, sizeof( int ) );
-    for ( int s = 0; s < groom->strand_count; ++s )
-    {
-        counts[s] = groom->offsets[s + 1] - groom->offsets[s];
-    }
-    wisp_vec3* points = checked_calloc( (size_t)groom->vertex_count, sizeof( wisp_vec3 ) );
-    memcpy( points, groom->points, (size_t)groom->vertex_count * sizeof( wisp_vec3 ) );
-    for ( ; *order != 0; ++order )
-    {
-        SCOPED( hair_groom_destroy )
-        hair_groom now = hair_groom_from( groom->dimension, groom->strand_count, counts, points );
-        wisp_frozen_hair_def part = *def;
-        part.freeze = *order == 'f';
-        part.align = *order == 'a';
-        part.clump = *order == 'c';
-        free( points );
-        points = hair_run( NULL, &now, &part );
-    }
-    return points;
-}
-
-// Algorithm 1
-TEST( stages_run_in_the_printed_order_and_each_can_be_left_out )
-{
-    const char* const orders[] = { "", "f", "a", "c", "fa", "fc", "ac", "fac" };
-    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 49, 20, 0.005f );
-    wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
-    def.cursor = ( wisp_vec3 ){ 0.08f, -0.1f, 0.05f };
-    for ( int n = 0; n < WISP_COUNT( orders ); ++n )
-    {
-        def.freeze = strchr( orders[n], 'f' ) != NULL;
-        def.align = strchr( orders[n], 'a' ) != NULL;
-        def.clump = strchr( orders[n], 'c' ) != NULL;
-        SCOPED( free_local )
-        wisp_vec3 *whole = hair_run( NULL, &groom, &def ), *parts = run_in_order( &groom, &def, orders[n] );
-        assert_true( hair_same_bits( whole, parts, groom.vertex_count ) );
-    }
-    SCOPED( free_local )
-    wisp_vec3 *printed = run_in_order( &groom, &def, "fac" ), *other = run_in_order( &groom, &def, "cfa" );
-    assert_false( hair_same_bits( printed, other, groom.vertex_count ) );
 }

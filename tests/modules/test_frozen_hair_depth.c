@@ -70,33 +70,6 @@ TEST( vertices_move_along_z_by_no_more_than_the_limit )
     }
 }
 
-// Pairs of vertices, the first in front, that changed their order.
-static int count_swapped( const hair_groom* groom, const wisp_vec3* out, double apart )
-{
-    int swapped = 0;
-    for ( int v = 0; v < groom->vertex_count; ++v )
-    {
-        for ( int q = 0; q < groom->vertex_count; ++q )
-        {
-            const bool is_in_front = (double)groom->points[v].z - (double)groom->points[q].z > apart;
-            swapped += is_in_front && out[v].z <= out[q].z;
-        }
-    }
-    return swapped;
-}
-
-TEST( layers_further_apart_than_twice_the_limit_keep_their_order )
-{
-    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 49, 20, 0.004f );
-    for ( int n = 0; n < 2; ++n )
-    {
-        wisp_frozen_hair_def def = soft_def( n == 0 ? 1e-3f : -1.0f );
-        SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
-        const int swapped = count_swapped( &groom, out, 0.002 + 1e-7 );
-        assert_true( n == 0 ? swapped == 0 : swapped > 1000 );
-    }
-}
-
 // ---- a layer is a plane ----
 
 // Strands in three planes, 5 cm apart. @param only the plane whose strands have vertices; below 0: all
@@ -186,29 +159,6 @@ TEST( layers_further_apart_than_the_clump_radius_clump_each_as_if_alone )
 }
 
 // ---- against the oracle and closed forms ----
-
-TEST( frozen_segments_keep_their_drawn_lengths_at_their_depth )
-{
-    for ( int shape = HAIR_STRAIGHT; shape <= HAIR_CURLY; ++shape )
-    {
-        SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( (hair_shape)shape, 3, 60, 20, 0.008f );
-        wisp_frozen_hair_def def = hair_freeze_only();
-        def.max_depth_change = 0.0f;
-        SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
-        const wisp_random_key key = wisp_random_make_key( def.seed, 1, 0 );
-        for ( int v = 0; v < groom.vertex_count; ++v )
-        {
-            const double eta = 2.0 * wisp_random_unit( key, (uint32_t)( v / 20 ), (uint32_t)( v % 20 ), 0 ) - 1.0;
-            if ( v % 20 > 0 )
-            {
-                // coordinates below 0.2 m are rounded twice at each end, z is a third of a segment at least in no shape
-                const double l0 = hair_distance( groom.points[v], groom.points[v - 1] );
-                hair_assert_close( hair_distance( out[v], out[v - 1] ), l0 * ( 1.0 + eta / 7.0 ), 16.0 * u * 0.2 );
-            }
-            assert_true( out[v].z == groom.points[v].z );
-        }
-    }
-}
 
 // Along z a segment cannot keep a shorter length at its depth, and has no x and y to keep a longer one with.
 TEST( segments_along_z_stay_finite_and_are_as_long_as_their_depth )

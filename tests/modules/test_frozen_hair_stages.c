@@ -118,25 +118,6 @@ TEST( every_strand_may_have_its_own_intensity )
     say( "one a strand", hair_follow( NULL, &groom, &def, 0 ) );
 }
 
-TEST( cursors_all_around_a_strand_turn_it_as_the_oracle_does )
-{
-    const wisp_random_key key = wisp_random_make_key( 5, 0, 0 );
-    hair_shadow worst = { 0 };
-    for ( int n = 0; n < 60; ++n )
-    {
-        SCOPED( hair_groom_destroy )
-        hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 2 + n % 2, 3, 20, 0.05f );
-        float c[3];
-        for ( int axis = 0; axis < 3; ++axis )
-        {
-            c[axis] = 0.4f * ( wisp_random_unit_float( key, (uint32_t)n, (uint32_t)axis, 0 ) - 0.5f );
-        }
-        wisp_frozen_hair_def def = hair_align_only( ( wisp_vec3 ){ c[0], c[1], n % 2 == 0 ? 0.0f : c[2] } );
-        worst = worse( worst, hair_follow( NULL, &groom, &def, 0 ) );
-    }
-    say( "60 cursors", worst );
-}
-
 // A straight strand, and cursors exactly behind and before its root, at its root, at its tip.
 TEST( special_cursors_turn_a_strand_as_the_oracle_does )
 {

@@ -154,35 +154,6 @@ TEST( ghosts_follow_the_target_that_equation_1_names_and_ties_the_lowest )
     assert_true( ties > 0 );
 }
 
-TEST( permuting_the_ghosts_permutes_the_result )
-{
-    SCOPED( guide_end ) flock f = guide_flock( NULL, 4, 5, NODES );
-    double3 turned[MAX_GHOSTS * NODES];
-    for ( int n = 0; n < 20 * NODES; ++n )
-    {
-        turned[n] = f.ghost[( 19 - n / NODES ) * NODES + n % NODES];
-    }
-    const wisp_entity other = guide_add( f.world, turned, 20, NODES );
-    guide_ok( f.world, wisp_request( f.world, other, WISP_STRAND_POINTS ) );
-    wisp_ghosts_def def = wisp_default_ghosts_def();
-    guide_follow( &f, def );
-    def.targets = f.targets;
-    guide_ok( f.world, wisp_set_ghosts( f.world, other, &def ) );
-    for ( int frame = 0; frame < 5; ++frame )
-    {
-        guide_swing( &f );
-        const wisp_vec3 *a = guide_points( f.world, f.ghosts ), *b = guide_points( f.world, other );
-        for ( int n = 0; n < 20 * NODES; ++n )
-        {
-            // means are summed from another ghost on: in double, so a float differs by its rounding at most
-            const wisp_vec3 p = a[n], q = b[( 19 - n / NODES ) * NODES + n % NODES];
-            assert_float_equal( p.x, q.x, 2e-7f );
-            assert_float_equal( p.y, q.y, 2e-7f );
-            assert_float_equal( p.z, q.z, 2e-7f );
-        }
-    }
-}
-
 // ---- Fig. 1: the centre follows, the block keeps its shape ----
 
 TEST( the_mean_of_a_group_is_its_target_and_without_weights_ghosts_keep_their_distance )
@@ -210,33 +181,6 @@ TEST( the_mean_of_a_group_is_its_target_and_without_weights_ghosts_keep_their_di
     }
 }
 
-TEST( without_weights_ghosts_of_a_target_that_is_shifted_keep_their_offset )
-{
-    SCOPED( guide_end ) flock f = guide_flock( NULL, 3, 5, NODES );
-    guide_follow( &f, guide_without_weights() );
-    double3 x[3 * NODES] = { { 0.0, 0.0, 0.0 } }, v[3 * NODES], offset[15 * NODES];
-    for ( int frame = 0; frame < 20; ++frame )
-    {
-        const double3 shift = double3_make( 0.3 * sin( 0.2 * frame ), 0.02 * frame, -0.01 * frame );
-        for ( int n = 0; n < 3 * NODES; ++n )
-        {
-            v[n] = double3_scale( frame > 0 ? 1.0 / (double)FRAME : 0.0,
-                                  double3_sub( double3_add( f.s.target[n], shift ), x[n] ) );
-            x[n] = double3_add( f.s.target[n], shift );
-        }
-        guide_place( &f, x, v );
-        guide_step( f.world );
-        for ( int n = 0; n < 15 * NODES; ++n )
-        {
-            const int target = n / NODES / 5 * NODES + n % NODES;
-            const double3 o = double3_sub( guide_ghost( &f, n / NODES, n % NODES ), x[target] );
-            offset[n] = frame == 0 ? o : offset[n];
-            // floats at a metre: of the target, of its frame, and of the sum, now and in the first frame
-            assert_at( o, offset[n], 1e-6 );
-        }
-    }
-}
-
 // ---- Eq. 5, Fig. 2a: at rest ----
 
 TEST( at_rest_the_weights_change_no_bit )
@@ -259,100 +203,6 @@ TEST( at_rest_the_weights_change_no_bit )
         assert_memory_equal( guide_points( with.world, with.ghosts ), guide_points( without.world, without.ghosts ),
                              12 * NODES * sizeof( wisp_vec3 ) );
     }
-}
-
-// ---- Eq. 4, section III.2, Fig. 2: the weights ----
-
-// Sway of a ghost's node over tau |v|, of a target with velocity v now and v0 before.
-static double weight_of( flock* f, wisp_ghosts_def def, double3 v0, double3 v, int ghost, int node )
-{
-    double3 speed[MAX_TARGETS * NODES];
-    double3 place[2];
-    for ( int weighted = 0; weighted < 2; ++weighted )
-    {
-        guide_follow( f, weighted == 1 ? def : guide_without_weights() );
-        for ( int n = 0; n < f->s.target_count * NODES; ++n )
-        {
-            speed[n] = v0;
-        }
-        guide_place( f, f->s.target, speed );
-        guide_step( f->world );
-        for ( int n = 0; n < f->s.target_count * NODES; ++n )
-        {
-            speed[n] = v;
-        }
-        guide_place( f, f->s.target, speed );
-        guide_step( f->world );
-        place[weighted] = guide_ghost( f, ghost, node );
-    }
-    return double3_dot( double3_sub( place[1], place[0] ), v ) / ( double3_dot( v, v ) * (double)FRAME );
-}
-
-// the sway is 1e-2 m there, of which a float at a metre keeps 1e-7: a weight is within 2e-5
-TEST( the_elastic_weight_is_none_when_steady_and_one_when_reversed )
-{
-    SCOPED( guide_end ) flock f = guide_flock( NULL, 1, 4, NODES );
-    const double3 right = double3_make( 0.6, 0.0, 0.0 ), left = double3_make( -0.6, 0.0, 0.0 );
-    wisp_ghosts_def def = guide_without_weights();
-    def.elastic = WISP_GHOST_ELASTIC_CHANGE;
-    assert_close( weight_of( &f, def, right, right, 1, 4 ), 0.0, 2e-5 );
-    assert_close( weight_of( &f, def, left, right, 1, 4 ), 1.0, 2e-5 );
-    for ( int n = 0; n < 20; ++n )
-    {
-        const double3 v0 = double3_scale( 0.5, random_vector( n, 1 ) );
-        const double3 v = double3_make( 0.5, 0.3 * n / 20.0, -0.2 );
-        const double cosine = double3_dot( v0, v ) / ( double3_length( v0 ) * double3_length( v ) );
-        assert_close( weight_of( &f, def, v0, v, 2, 5 ), 0.5 - 0.5 * cosine, 6e-5 );
-    }
-}
-
-TEST( the_tip_weight_is_linear_and_the_root_stays )
-{
-    SCOPED( guide_end ) flock f = guide_flock( NULL, 1, 4, NODES );
-    const double3 v = double3_make( 0.6, 0.0, 0.0 );
-    wisp_ghosts_def def = guide_without_weights();
-    def.tip_gain = 0.8f;
-    for ( int i = 0; i < NODES; ++i )
-    {
-        assert_close( weight_of( &f, def, v, v, 1, i ), 0.8 * i / ( NODES - 1 ), 2e-5 );
-    }
-    def.elastic = WISP_GHOST_ELASTIC_CHANGE;
-    def.centre_gain = 0.9f;
-    assert_true( weight_of( &f, def, double3_scale( -1.0, v ), v, 1, 0 ) == 0.0 );
-}
-
-TEST( with_elastic_alone_a_group_moves_as_a_block_and_with_the_centre_weight_far_ghosts_sway_more )
-{
-    SCOPED( guide_end ) flock f = guide_flock( NULL, 1, 5, NODES );
-    const double3 left = double3_make( -0.6, 0.0, 0.0 ), v = double3_make( 0.6, 0.0, 0.0 );
-    wisp_ghosts_def elastic = guide_without_weights(), centre = guide_without_weights();
-    elastic.elastic = WISP_GHOST_ELASTIC_CHANGE;
-    centre.centre_gain = 0.7f;
-    double most = 0.0;
-    for ( int i = 1; i < NODES; ++i )
-    {
-        double weight[5], distance[5];
-        double3 nodes[5];
-        for ( int g = 0; g < 5; ++g )
-        {
-            nodes[g] = f.ghost[g * NODES + i];
-        }
-        const double3 c = guide_oracle_mean( nodes, 5 );
-        for ( int g = 0; g < 5; ++g )
-        {
-            assert_close( weight_of( &f, elastic, left, v, g, i ), 1.0, 2e-5 );
-            weight[g] = weight_of( &f, centre, v, v, g, i );
-            distance[g] = double3_distance( nodes[g], c );
-            most = fmax( most, weight[g] );
-        }
-        for ( int g = 1; g < 5; ++g )
-        {
-            // proportional to the distance
-            assert_close( weight[g] * distance[0], weight[0] * distance[g], 1e-6 );
-        }
-    }
-    assert_true( most <= 0.7 + 2e-5 );
-    assert_true( most >= 0.65 ); // the farthest node of all may be a root
 }
 
 // ---- Eq. 2-3: spread ----

@@ -343,31 +343,3 @@ TEST( moving_bodies_go_with_the_oracle )
     };
     run_scenes( scenes, WISP_COUNT( scenes ) );
 }
-
-// ---- sensitivity of the comparison ----
-
-TEST( a_hundredth_of_a_parameter_shows )
-{
-    const duel rules = { "changed", EFFECTIVE };
-    for ( int k = 0; k < 5; ++k )
-    {
-        match* m = open_match( &rules );
-        m->oracle.params.gravity.y *= k == 1 ? 1.01 : 1.0;
-        for ( int l = 0; l < m->oracle.link_count; ++l )
-        {
-            m->oracle.link[l].damping *= k == 0 ? 1.01 : 1.0;
-            m->oracle.link[l].stretch *= k == 2 ? 1.01 : 1.0;
-            m->oracle.link[l].bend *= k == 3 ? 1.01 : 1.0;
-            m->oracle.link[l].ramp *= k == 4 ? 1.01 : 1.0;
-        }
-        bool shows = false;
-        for ( int i = 0; i < SUBSTEPS && shows == false; ++i )
-        {
-            int vertex = -1;
-            step_both( m, NULL, 0 );
-            shows = apart( m, &vertex ) > 4.0 * allowed_behind( m->steps );
-        }
-        assert_true( shows );
-        close_match( m );
-    }
-}

@@ -1,5 +1,5 @@
-// Sleep: what lies still costs nothing, and wakes by whatever reaches or changes it. Level of detail of what others hold,
-// touch or sleep on.
+// Sleep: what lies still costs nothing, and wakes by the calls that change it; motion that wakes is in tests/claims/sleep.yaml. Level of
+// detail of what others hold, touch or sleep on.
 #include "sleep_fixture.h"
 
 #include "wisp/detail.h"
@@ -30,21 +30,6 @@ TEST( a_sheet_on_the_ground_falls_asleep_and_no_pass_visits_it )
     assert_true( motion_stats_of( b.world, b.sheet ).speed_max == 0.0 );
     // a state that is restored after a failure rests too
     assert_true( is_zero( b.world, b.sheet, WISP_PARTICLE_LAST_VALID, 1, (size_t)SIDE * SIDE * 4 ) );
-    close_world( &b.h );
-}
-
-TEST( a_ball_wakes_a_sheet_that_it_reaches_and_no_other )
-{
-    bed b;
-    open_bed( &b, 1 );
-    move_ball( b.world, b.ball, ( wisp_vec3 ){ 2.0f, 0.05f, 0.0f } ); // its way is beside the sheet
-    run_steps( b.world, 3, FRAME );
-    assert_true( wisp_is_asleep( b.world, b.sheet ) );
-    // its way leads through the sheet, its ends do not touch it
-    move_ball( b.world, b.ball, ( wisp_vec3 ){ -2.0f, 0.05f, 0.0f } );
-    assert_wakes( b.world, b.sheet );
-    move_ball( b.world, b.ball, ( wisp_vec3 ){ -2.0f, 3.0f, 0.0f } ); // which lets go of it
-    run_to_sleep( b.world, b.sheet );
     close_world( &b.h );
 }
 
@@ -99,22 +84,6 @@ TEST( a_sheet_that_falls_on_another_wakes_it_and_both_fall_asleep_together )
     assert_false( wisp_is_asleep( world, upper ) ); // what touches it wakes in the same step
 }
 
-TEST( an_entity_that_moves_keeps_awake_what_it_touches )
-{
-    SCOPED( close_world ) hosted h;
-    open_stage( &h, 1 );
-    const wisp_entity lower = add_sheet( h.world, ( wisp_vec3 ){ 0.0f, 0.02f, 0.0f }, true );
-    const wisp_entity upper = add_sheet( h.world, ( wisp_vec3 ){ 0.05f, 0.04f, 0.02f }, false ); // never sleeps
-    const wisp_contact_def contact = contact_of( 0.01f );
-    set_contact( h.world, lower, &contact );
-    set_contact( h.world, upper, &contact );
-    for ( int i = 0; i < 200; ++i )
-    {
-        run_steps( h.world, 1, FRAME );
-        assert_false( wisp_is_asleep( h.world, lower ) );
-    }
-}
-
 typedef struct pile
 {
     hosted h;
@@ -135,35 +104,6 @@ static void open_pile( pile* p, bool is_held )
     {
         assert_status( p->h.world, wisp_pin( p->h.world, p->upper, &v, 1 ), WISP_OK );
     }
-}
-
-TEST( what_arrives_within_a_step_wakes_before_it )
-{
-    pile p;
-    open_pile( &p, false );
-    assert_status( p.h.world, wisp_set_velocity( p.h.world, p.upper, ( wisp_vec3 ){ 0.0f, -20.0f, 0.0f }, NONE ),
-                   WISP_OK );
-    assert_wakes( p.h.world, p.lower );
-    close_world( &p.h );
-}
-
-TEST( pins_that_arrive_within_a_step_wake_before_it )
-{
-    pile p;
-    open_pile( &p, true );
-    run_steps( p.h.world, 2, FRAME );
-    assert_true( wisp_is_asleep( p.h.world, p.lower ) );
-    const wisp_vec3* points = view_of( p.h.world, p.upper, WISP_SURFACE_POINTS ).data;
-    wisp_vec3 targets[SIDE * SIDE];
-    int32_t all[SIDE * SIDE];
-    for ( int32_t v = 0; v < SIDE * SIDE; ++v )
-    {
-        all[v] = v;
-        targets[v] = ( wisp_vec3 ){ points[v].x, 0.022f, points[v].z };
-    }
-    assert_status( p.h.world, wisp_move_pins( p.h.world, p.upper, all, targets, SIDE * SIDE ), WISP_OK );
-    assert_wakes( p.h.world, p.lower );
-    close_world( &p.h );
 }
 
 TEST( what_is_halted_keeps_nobody_awake )
@@ -248,38 +188,6 @@ TEST( a_call_that_changes_nothing_wakes_nobody )
     close_world( &b.h );
 }
 
-TEST( pins_that_are_moved_wake_a_sheet_and_pins_that_rest_let_it_sleep )
-{
-    SCOPED( close_world ) hosted h;
-    open_stage( &h, 1 );
-    const int32_t corners[] = { 0, SIDE - 1 };
-    const float half = 0.2f;
-    wisp_vec3 targets[] = { { -half, 0.6f, -half }, { half, 0.6f, -half } };
-    test_mesh mesh = level_sheet( SIDE, 2.0f * half, ( wisp_vec3 ){ 0.0f, 0.6f, 0.0f } );
-    const wisp_entity e = add_draping( h.world, &mesh, corners, 2, EARTH );
-    assert_status( h.world, wisp_set_damping( h.world, e, 4.0f ), WISP_OK );
-    let_sleep( h.world, e );
-    int steps = 0;
-    for ( ; wisp_is_asleep( h.world, e ) == false; ++steps )
-    {
-        assert_true( steps < 2 * PATIENCE );
-        // like a host that sets them in every frame
-        assert_status( h.world, wisp_move_pins( h.world, e, corners, targets, 2 ), WISP_OK );
-        run_steps( h.world, 1, FRAME );
-    }
-    assert_true( steps > 60 ); // it swings first
-    for ( int i = 0; i < 5; ++i )
-    {
-        assert_status( h.world, wisp_move_pins( h.world, e, corners, targets, 2 ), WISP_OK );
-        run_steps( h.world, 1, FRAME );
-        assert_true( wisp_is_asleep( h.world, e ) );
-    }
-    targets[0].y += 0.01f;
-    assert_status( h.world, wisp_move_pins( h.world, e, corners, targets, 2 ), WISP_OK );
-    assert_wakes( h.world, e );
-    assert_near( (double)place_of( h.world, e, 0 )[1], 0.61, 1e-6 );
-}
-
 // ---- what other entities hold ----
 
 // A flag whose corners are on a pinned sheet.
@@ -292,123 +200,6 @@ static wisp_entity hang_on_sheet( wisp_world* world, wisp_entity* base )
     const wisp_entity flag = add_draping( world, &mesh, corners, 2, EARTH );
     assert_status( world, wisp_attach_pins( world, flag, corners, 2, *base ), WISP_OK );
     return flag;
-}
-
-TEST( attached_cloth_sleeps_and_wakes_with_what_it_is_attached_to )
-{
-    SCOPED( close_world ) hosted h;
-    open_stage( &h, 1 );
-    wisp_world* world = h.world;
-    wisp_entity base;
-    const wisp_entity flag = hang_on_sheet( world, &base );
-    assert_status( world, wisp_set_damping( world, flag, 4.0f ), WISP_OK );
-    let_sleep( world, flag );
-    for ( int i = 0; i < PATIENCE; ++i ) // the base could move
-    {
-        run_steps( world, 1, FRAME );
-        assert_false( wisp_is_asleep( world, flag ) );
-    }
-    let_sleep( world, base );
-    run_to_sleep( world, flag );
-    const int32_t first[] = { 0 };
-    const wisp_vec3 target[] = { { -0.2f, 1.1f, -0.2f } };
-    assert_status( world, wisp_move_pins( world, base, first, target, 1 ), WISP_OK );
-    assert_wakes( world, base );
-    assert_false( wisp_is_asleep( world, flag ) );
-}
-
-TEST( a_balloon_that_is_filled_does_not_sleep )
-{
-    SCOPED( close_world ) hosted h;
-    open_stage( &h, 1 );
-    test_mesh mesh = ball_of( 2, 0.1f, ( wisp_vec3 ){ 0.0f, 0.5f, 0.0f } );
-    const wisp_entity e = add_balloon( h.world, &mesh, NONE );
-    let_sleep( h.world, e );
-    run_to_sleep( h.world, e );
-    assert_status( h.world, wisp_set_balloon_inflation( h.world, e, 1e-9f ), WISP_OK ); // too slow to be seen
-    for ( int i = 0; i < 60; ++i )
-    {
-        assert_wakes( h.world, e );
-    }
-    assert_status( h.world, wisp_set_balloon_inflation( h.world, e, 0.0f ), WISP_OK );
-    run_to_sleep( h.world, e );
-}
-
-static wisp_vec3 hanging( int strand, int i, int count, float length )
-{
-    return ( wisp_vec3 ){ 0.02f * (float)strand + 0.3f * length * (float)i / (float)( count - 1 ),
-                          1.0f - length * (float)i / (float)( count - 1 ), 0.0f };
-}
-
-static wisp_entity add_hair( wisp_world* world, int strands )
-{
-    int32_t offsets[9] = { 0 };
-    wisp_vec3 points[8 * 10];
-    for ( int s = 0; s < strands; ++s )
-    {
-        offsets[s + 1] = 10 * ( s + 1 );
-        for ( int i = 0; i < 10; ++i )
-        {
-            points[10 * s + i] = hanging( s, i, 10, 0.2f );
-        }
-    }
-    wisp_strands_def def = wisp_default_strands_def();
-    def.points = points;
-    def.offsets = offsets;
-    def.strand_count = strands;
-    wisp_entity e;
-    assert_status( world, wisp_add_strands( world, &def, &e ), WISP_OK );
-    SET( world, e, strand_dynamics, d.damping = 5.0f, d.drag_coefficient = 1.0f );
-    assert_status( world, wisp_request( world, e, WISP_STRAND_POINTS ), WISP_OK );
-    return e;
-}
-
-TEST( hair_falls_asleep_and_wakes_by_its_head_and_by_wind )
-{
-    SCOPED( close_world ) hosted h;
-    open_stage( &h, 1 );
-    const wisp_entity hair = add_hair( h.world, 8 );
-    let_sleep( h.world, hair );
-    run_to_sleep( h.world, hair );
-    run_steps( h.world, 1, FRAME );
-    assert_int_equal( count_items( h.world ), 0 );
-    const size_t floats = (size_t)wisp_world_strands( h.world, hair )->row_count * 3 * WISP_LANES;
-    assert_true( is_zero( h.world, hair, WISP_STRAND_VELOCITY, 0, floats ) );
-    assert_status( h.world,
-                   wisp_move_strand_head( h.world, hair, ( wisp_transform ){ { 0.0f, 0.0f, 0.0f, 1.0f }, NONE } ),
-                   WISP_OK );
-    run_steps( h.world, 1, FRAME );
-    assert_true( wisp_is_asleep( h.world, hair ) );
-    const wisp_transform aside = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.05f, 0.0f, 0.0f } };
-    assert_status( h.world, wisp_move_strand_head( h.world, hair, aside ), WISP_OK );
-    assert_wakes( h.world, hair );
-    run_to_sleep( h.world, hair );
-    assert_status( h.world, wisp_set_strand_wind( h.world, hair, ( wisp_vec3 ){ 2.0f, 0.0f, 0.0f } ), WISP_OK );
-    assert_wakes( h.world, hair );
-}
-
-TEST( a_pendulum_does_not_sleep_where_it_turns )
-{
-    SCOPED( close_world ) hosted h;
-    open_stage( &h, 1 );
-    const wisp_vec3 a = { 0.0f, 2.0f, 0.0f };
-    test_mesh mesh = triangle_mesh( a, ( wisp_vec3 ){ 0.5f, 2.0f, -0.01f }, ( wisp_vec3 ){ 0.5f, 2.0f, 0.01f } );
-    const int32_t pinned[] = { 0 };
-    const wisp_entity e = add_mesh( h.world, &mesh, pinned, 1, 0.15f );
-    SET( h.world, e, cloth, d.internal_damping = 0.0f );
-    assert_status( h.world, wisp_set_gravity( h.world, e, EARTH ), WISP_OK );
-    wisp_sleep_def sleep = wisp_default_sleep_def();
-    sleep.max_speed = 0.3f; // it is slower than that for about 0.06 s at each end
-    sleep.seconds = 0.2f;
-    assert_status( h.world, wisp_set_sleep( h.world, e, &sleep ), WISP_OK );
-    int slow = 0;
-    for ( int i = 0; i < 300; ++i )
-    {
-        run_steps( h.world, 1, FRAME );
-        slow += motion_stats_of( h.world, e ).speed_max < 0.3 ? 1 : 0;
-        assert_false( wisp_is_asleep( h.world, e ) );
-    }
-    assert_true( slow > 5 ); // it has turned several times
 }
 
 // ---- detail ----

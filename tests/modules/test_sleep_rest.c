@@ -40,18 +40,6 @@ TEST( a_surface_at_rest_falls_asleep_in_the_step_in_which_its_seconds_have_passe
     }
 }
 
-TEST( what_falls_does_not_sleep_even_within_no_seconds )
-{
-    SCOPED( close_world ) hosted h;
-    open_stage( &h, 1 );
-    const wisp_entity sheet = add_sheet( h.world, ( wisp_vec3 ){ 0.0f, 2.0f, 0.0f }, false );
-    SET( h.world, sheet, sleep, d.seconds = 0.0f );
-    for ( int i = 0; i < 10; ++i )
-    {
-        assert_wakes( h.world, sheet );
-    }
-}
-
 TEST( what_is_halted_does_not_fall_asleep )
 {
     SCOPED( close_world ) hosted h;

@@ -254,36 +254,6 @@ TEST( a_step_from_balance_leaves_both_where_they_are )
 
 // ---- sensitivity of the comparison ----
 
-// The comparison is meaningful only if it distinguishes a method from a similar one.
-TEST( a_hundredth_of_gravity_or_stiffness_shows )
-{
-    const duel duels[] = {
-        { "direct", WISP_STRAND_STRETCH_DIRECT, CHAIN },
-        { "links, xpbd", WISP_STRAND_STRETCH_LINKS, LINKS, .solver = WISP_SOLVER_XPBD, .bend_compliance = 200.0f },
-        { "straight", STRAIGHT },
-        { "shape", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f },
-        { "balanced", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 2e-9f },
-    };
-    for ( int k = 0; k < WISP_COUNT( duels ); ++k )
-    {
-        const bool rod = duels[k].bend == WISP_STRAND_BEND_ROD;
-        match* m = open_match( duels + k, SUBSTEPS, 0.2f );
-        m->gravity = double3_scale( rod ? 1.0 : 1.01, m->gravity );
-        for ( int n = 0; n < STRANDS; ++n )
-        {
-            for ( int i = 0; i < COUNTS[n]; ++i )
-            {
-                m->strand[n].stiffness[i] *= 1.01;
-            }
-        }
-        step_both( m, 0 );
-        int strand = -1, vertex = -1;
-        const double most = apart( m, &strand, &vertex );
-        assert_true( most > 4.0 * A_SUBSTEP * SUBSTEPS );
-        close_match( m );
-    }
-}
-
 #define FRAME ( 1.0f / 60.0f )
 
 static const double GRAVITY = 9.81;

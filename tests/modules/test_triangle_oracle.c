@@ -223,65 +223,6 @@ TEST( the_jacobian_of_bending_is_its_derivative_and_drops_one_term )
     }
 }
 
-static triangle_oracle_matrix without_direction( double3 n )
-{
-    triangle_oracle_matrix s;
-    for ( int k = 0; k < 9; ++k )
-    {
-        s.m[k / 3][k % 3] = ( k / 3 == k % 3 ? 1.0 : 0.0 ) - component( n, k / 3 ) * component( n, k % 3 );
-    }
-    return s;
-}
-
-// A crumpled sheet of which some vertices are locked, some slide on a plane, some along an edge.
-static triangle_oracle make_constrained( const triangle_oracle_params* params, double3* b, double3* z )
-{
-    triangle_oracle cloth = make_sheet( params );
-    crumple( &cloth, 10, 0.01, 0.0 );
-    triangle_oracle_assemble( &cloth, cloth.x, 0.01 );
-    for ( int i = 0; i < cloth.count; ++i )
-    {
-        const double3 n = random_vector( 12, i ), unit = double3_scale( 1.0 / double3_length( n ), n );
-        const triangle_oracle_matrix slides = without_direction( unit );
-        triangle_oracle_matrix along = { { { 0.0 } } };
-        for ( int k = 0; k < 9; ++k )
-        {
-            along.m[k / 3][k % 3] = component( unit, k / 3 ) * component( unit, k % 3 );
-        }
-        const triangle_oracle_matrix locked = { { { 0.0 } } };
-        cloth.freedom[i] = i % 5 == 1 ? slides : i % 5 == 2 ? along : i % 5 == 3 ? locked : cloth.freedom[i];
-        b[i] = double3_scale( 1e-3, random_vector( 13, i ) );
-        const double3 requested = random_vector( 14, i );
-        const triangle_oracle_matrix* s = cloth.freedom + i;
-        z[i] = double3_make(
-            requested.x - ( s->m[0][0] * requested.x + s->m[0][1] * requested.y + s->m[0][2] * requested.z ),
-            requested.y - ( s->m[1][0] * requested.x + s->m[1][1] * requested.y + s->m[1][2] * requested.z ),
-            requested.z - ( s->m[2][0] * requested.x + s->m[2][1] * requested.y + s->m[2][2] * requested.z ) );
-    }
-    return cloth;
-}
-
-TEST( conjugate_gradients_equal_elimination )
-{
-    for ( int form = 0; form < 3; ++form )
-    {
-        triangle_oracle_params params = triangle_oracle_default_params();
-        params.weights = (triangle_oracle_weights)form;
-        double3 b[SHEET_COUNT], z[SHEET_COUNT], dv[SHEET_COUNT] = { { 0.0, 0.0, 0.0 } }, other[SHEET_COUNT];
-        double3 impulse[SHEET_COUNT];
-        SCOPED( triangle_oracle_destroy ) triangle_oracle cloth = make_constrained( &params, b, z );
-        triangle_oracle_solve( &cloth, b, z, dv );
-        memcpy( impulse, cloth.impulse, sizeof( impulse ) );
-        triangle_oracle_solve_dense( &cloth, b, z, other );
-        for ( int i = 0; i < cloth.count; ++i )
-        {
-            // the residual of 1e-12 times the condition, which the masses and 1 cm of substep keep below 1e3
-            assert_close( double3_distance( dv[i], other[i] ), 0.0, 1e-9 );
-            assert_close( double3_distance( impulse[i], cloth.impulse[i] ), 0.0, 1e-10 );
-        }
-    }
-}
-
 TEST( momentum_of_the_rows_is_kept )
 {
     for ( int form = 0; form < 6; ++form )
