@@ -402,7 +402,6 @@ wisp_status scene_tree_build( const scene_source* given, scene_tree* tree )
 {
     *tree = ( scene_tree ){ 0 };
     scene_source source = *given;
-    source.text = source.text != NULL ? source.text : ""; // of a file without a byte
     if ( source.size > SCENE_MAX_BYTES )
     {
         return scene_refuse( &source, 0, 0, "", "expected at most %zu MiB", SCENE_MAX_BYTES >> 20 );
@@ -425,7 +424,7 @@ wisp_status scene_tree_build( const scene_source* given, scene_tree* tree )
         return out_of_memory( &source );
     }
     yaml_parser_set_encoding( &b.parser, YAML_UTF8_ENCODING );
-    yaml_parser_set_input_string( &b.parser, (const unsigned char*)source.text, source.size );
+    yaml_parser_set_input_string( &b.parser, (const void*)( source.size > 0 ? source.text : "" ), source.size );
     status = take_events( &b );
     yaml_parser_delete( &b.parser );
 

@@ -251,46 +251,6 @@ TEST( strands_that_move_tell_strain_speed_and_motion_stats_and_others_do_not )
     assert_string_equal( f.error.message, "test.yaml: 'still' has no speed" );
 }
 
-// ---- the scenes of the project ----
-
-TEST( balanced_curls_stay_where_those_beside_them_sag )
-{
-    fixture f;
-    open_scene( &f, "curly_rest.yaml", 1 );
-    const int count = scene_world_body( &f.world, 0 ).vertex_count;
-    float way[2];
-    for ( int body = 0; body < 2; ++body )
-    {
-        wisp_vec3* start = points_of( &f, body );
-        step( &f, 60 );
-        wisp_vec3* now = points_of( &f, body );
-        way[body] = largest_way( start, now, count );
-        free( start );
-        free( now );
-        release( &f );
-        open_scene( &f, "curly_rest.yaml", 1 );
-    }
-    release( &f );
-    assert_true( way[0] < 1e-3f );
-    assert_true( way[1] > 5.0f * way[0] );
-}
-
-TEST( links_stretch_where_the_direct_solve_does_not )
-{
-    SCOPED( release ) fixture f;
-    open_scene( &f, "chain_links.yaml", 1 );
-    step( &f, 40 );
-    double strain[2];
-    for ( int body = 0; body < 2; ++body )
-    {
-        wisp_motion_stats motion_stats;
-        assert_int_equal( scene_world_motion_stats( &f.world, body, &motion_stats, &f.error ), WISP_OK );
-        strain[body] = motion_stats.strain_max;
-    }
-    assert_true( strain[0] <= 1e-3 ); // the tolerance of the direct solve
-    assert_true( strain[1] > 10.0 * strain[0] && strain[1] > 1e-3 );
-}
-
 // ---- jumps ----
 
 static void run_until( fixture* f, int end )
