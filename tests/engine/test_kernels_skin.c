@@ -333,7 +333,7 @@ TEST( wrong_vertices_are_named )
     assert_refused( &b, "bone 4: got an inverse bind transform that is not finite" );
     make_body( &b );
     b.def.bone_count = 0;
-    assert_refused( &b, "skin: got 0 bones, expected 1 to 65536" );
+    assert_refused( &b, "skin: bone_count: got 0, expected 1 to 65536" );
     make_body( &b );
     b.def.weights = NULL;
     assert_refused( &b, "skin: got a null list, expected points, bones and weights of 203 points" );
