@@ -81,8 +81,8 @@ extern const scene_choice SCENE_DETAIL_LEVELS[];
     { "level",                                                                                                       \
       SCENE_CHOICE,                                                                                                  \
       .at = offsetof( entry, detail.level ),                                                                         \
-      .choices = SCENE_DETAIL_LEVELS,                                                                                \
       .constants = "WISP_DETAIL_",                                                                                   \
+      .choices = SCENE_DETAIL_LEVELS,                                                                                \
       .help = "Level from the start; an event can change it." },                                                     \
         { "substep_divisor", SCENE_WHOLE, .at = offsetof( entry, detail.substep_divisor ),                           \
           .range = RANGE( 1, 1000 ),                                                                                 \
