@@ -75,14 +75,11 @@
 
 /// Names of the levels.
 extern const scene_choice SCENE_DETAIL_LEVELS[];
+#define SCENE_DETAIL_CHOICES .choices = SCENE_DETAIL_LEVELS, .constants = "WISP_DETAIL_"
 
 /// The fields of a block over an entry that has `detail`.
 #define SCENE_DETAIL_FIELDS( entry )                                                                                 \
-    { "level",                                                                                                       \
-      SCENE_CHOICE,                                                                                                  \
-      .at = offsetof( entry, detail.level ),                                                                         \
-      .constants = "WISP_DETAIL_",                                                                                   \
-      .choices = SCENE_DETAIL_LEVELS,                                                                                \
+    { "level", SCENE_CHOICE, .at = offsetof( entry, detail.level ), SCENE_DETAIL_CHOICES,                            \
       .help = "Level from the start; an event can change it." },                                                     \
         { "substep_divisor", SCENE_WHOLE, .at = offsetof( entry, detail.substep_divisor ),                           \
           .range = RANGE( 1, 1000 ),                                                                                 \
