@@ -124,7 +124,7 @@ static bool take_gate_option( options_state* p, int key, const char* argument )
             {
                 options_fail( p, "accept: expected --reason with up to %d bytes", (int)GATE_MAX_REASON - 1 );
             }
-            if ( o->base == NULL && o->output && ( o->action == ACTION_RECORD || o->action == ACTION_ACCEPT ) )
+            if ( o->base == NULL && ( o->action == ACTION_RECORD || o->action == ACTION_ACCEPT ) )
             {
                 o->base = o->output;
             }
@@ -136,19 +136,6 @@ static bool take_gate_option( options_state* p, int key, const char* argument )
         default:
             return false;
     }
-}
-
-// suite.yaml has suite-base.json.
-static char* default_base( const char* suite )
-{
-    const char* dot = strrchr( io_file_name( suite ), '.' );
-    const int length = dot ? (int)( dot - suite ) : (int)strlen( suite );
-    char* path = calloc( 1, (size_t)length + 16 );
-    if ( path != NULL )
-    {
-        sprintf( path, "%.*s-base.json", length, suite );
-    }
-    return path;
 }
 
 // ---- whether rows fit the reference, known from their scenes before any of them runs ----
@@ -536,7 +523,11 @@ int command_gate( int argc, char** argv )
     gate_options options = { .argc = argc, .argv = argv, .patience = 120.0 };
     options_parse( &gate_text, take_gate_option, &options, argc, argv );
     interruption_begin();
-    char* beside = options.base ? NULL : default_base( options.suite );
+    // suite.yaml has suite-base.json
+    char beside[PATH_MAX + 16];
+    const char* dot = strrchr( io_file_name( options.suite ), '.' );
+    const int length = dot ? (int)( dot - options.suite ) : (int)strlen( options.suite );
+    snprintf( beside, sizeof beside, "%.*s-base.json", length < PATH_MAX ? length : PATH_MAX, options.suite );
     options.base = options.base ? options.base : beside;
     wisp_error error = { 0 };
     wisp_suite all;
@@ -544,6 +535,5 @@ int command_gate( int argc, char** argv )
     wisp_suite part = all; // an interruption leaves fewer rows of it
     const int status = is_read ? run_action( &part, &options, &error ) : command_fail( &error );
     suite_release( &all );
-    free( beside );
     return status;
 }

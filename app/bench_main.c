@@ -73,6 +73,10 @@ wisp_status bench_write_files( const bench_files* files, const report_run* run, 
                                wisp_error* error )
 {
     wisp_error later = { 0 };
+    if ( out->row_count == 0 && interruption_came() )
+    {
+        return WISP_OK; // files of an earlier run stay
+    }
     const wisp_status reported = files->report ? report_write_file( out, run, files->report, error ) : WISP_OK;
     const wisp_status written =
         results_write_file( out, files->format, files->output, reported == WISP_OK ? error : &later );

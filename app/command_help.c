@@ -434,17 +434,6 @@ static bool take_help( options_state* o, int key, const char* argument )
     return key == OPTIONS_OPERAND ? option_input( o, key, argument, &given->word ) : true;
 }
 
-static int flush( void )
-{
-    wisp_error error = { 0 };
-    if ( fflush( stdout ) == 0 && !ferror( stdout ) )
-    {
-        return STATUS_GOOD;
-    }
-    wisp_fail( &error, WISP_IO_ERROR, "standard output: the text could not be written" );
-    return command_fail( &error );
-}
-
 int command_help( int argc, char** argv )
 {
     help_options given = { 0 };
@@ -468,7 +457,7 @@ int command_help( int argc, char** argv )
     {
         options_print_help( chosen, stdout );
     }
-    return flush();
+    return command_end( WISP_OK, &( wisp_error ){ 0 } );
 }
 
 // ---- completion ----
@@ -510,5 +499,5 @@ int command_completion( int argc, char** argv )
     int shell = -1;
     options_parse( &completion_text, take_completion, &shell, argc, argv );
     print_bash( &program_text, stdout );
-    return flush();
+    return command_end( WISP_OK, &( wisp_error ){ 0 } );
 }

@@ -503,9 +503,5 @@ int command_info( int argc, char** argv )
     wisp_status status = given.host   ? info_host( given.argument, &error )
                          : given.keys ? info_keys( given.argument, &error )
                                       : info_file( given.argument, &error );
-    if ( ( fflush( stdout ) != 0 || ferror( stdout ) ) && status == WISP_OK )
-    {
-        status = wisp_fail( &error, WISP_IO_ERROR, "standard output: the description could not be written" );
-    }
-    return status == WISP_OK ? STATUS_GOOD : command_fail( &error );
+    return command_end( status, &error );
 }

@@ -89,13 +89,7 @@ static wisp_status write_plan( const plan_sheet* sheet, const plan_options* opti
             plan_sheet_text( sheet, options->is_verbose, stdout );
             break;
     }
-    if ( is_written == false )
-    {
-        return wisp_fail( error, WISP_NO_MEMORY, "plan: out of memory for the JSON output" );
-    }
-    return fflush( stdout ) != 0 || ferror( stdout )
-               ? wisp_fail( error, WISP_IO_ERROR, "standard output: the plan could not be written" )
-               : WISP_OK;
+    return is_written ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "plan: out of memory for the JSON output" );
 }
 
 int command_plan( int argc, char** argv )
@@ -122,5 +116,5 @@ int command_plan( int argc, char** argv )
         scene_world_destroy( &world );
     }
     wisp_scene_release( &scene );
-    return status == WISP_OK ? STATUS_GOOD : command_fail( &error );
+    return command_end( status, &error );
 }

@@ -456,9 +456,5 @@ int command_render( int argc, char** argv )
 
     wisp_error error = { 0 };
     wisp_status status = picture_draw( &options, &error );
-    if ( status == WISP_OK && ( fflush( stdout ) != 0 || ferror( stdout ) ) )
-    {
-        status = wisp_fail( &error, WISP_IO_ERROR, "standard output: the list of pictures could not be written" );
-    }
-    return status == WISP_OK ? interruption_status( STATUS_GOOD ) : command_fail( &error );
+    return command_end( status, &error );
 }

@@ -19,6 +19,15 @@ int command_fail( const wisp_error* error )
     return interruption_status( STATUS_FAILED );
 }
 
+int command_end( wisp_status status, wisp_error* error )
+{
+    if ( ( fflush( stdout ) != 0 || ferror( stdout ) ) && status == WISP_OK )
+    {
+        status = wisp_fail( error, WISP_IO_ERROR, "standard output: the text could not be written" );
+    }
+    return status == WISP_OK ? interruption_status( STATUS_GOOD ) : command_fail( error );
+}
+
 wisp_status command_check_writable( const char* path, wisp_error* error )
 {
     struct stat info;

@@ -52,6 +52,9 @@ _Noreturn void command_unknown( const char* word );
 /// Print the message of a failure to stderr. @return STATUS_FAILED, or the status of an interruption
 int command_fail( const wisp_error* error );
 
+/// End a command that prints: what does not arrive on standard output is its failure, with a message. @return its exit status
+int command_end( wisp_status status, wisp_error* error );
+
 /// Check that a file can be written, before the work that fills it. Changes nothing.
 /// @param path may be null, for no file @return WISP_IO_ERROR the operating system would reject it
 wisp_status command_check_writable( const char* path, wisp_error* error );

@@ -60,8 +60,7 @@ static const scene_field EVENT_FIELDS[] = {
           "Displacement by which the surface moves at once, with its pins and the strands on it. It meets nothing on "
           "the way and keeps its velocity, unless `velocity` is given too.",
       .initial = "none" },
-    { "detail", SCENE_CHOICE, .at = EVENT( detail ), .given = EVENT( has_detail ), .choices = SCENE_DETAIL_LEVELS,
-      .constants = "WISP_DETAIL_",
+    { "detail", SCENE_CHOICE, .at = EVENT( detail ), .given = EVENT( has_detail ), SCENE_DETAIL_CHOICES,
       .help = "New level of detail, blended as the entry's `detail` says; of strands too.", .initial = "unchanged" },
     { "pin_group", SCENE_TEXT, .at = AT( pin_group ), .form = "name of a group",
       .help = "Group whose pins `release`, `hold`, `attach_pins` or `detach_pins` changes.", .initial = "all pins" },

@@ -104,8 +104,7 @@ const scene_block SCENE_STRANDS_SLEEP_BLOCK = SCENE_BLOCK_OF( SLEEP_FIELDS, slee
 // ---- level of detail ----
 
 static const scene_field DETAIL_FIELDS[] = {
-    { "level", .choices = SCENE_DETAIL_LEVELS, .constants = "WISP_DETAIL_",
-      .help = "Level from the start; an event can change it." },
+    { "level", SCENE_DETAIL_CHOICES, .help = "Level from the start; an event can change it." },
     { "substep_divisor", .range = RANGE( 1, 1000 ),
       .help = "At `fewer_substeps` and `coarse`, the entry makes its substeps divided by this, rounded up." },
     { "blend_steps", .range = RANGE( 0, 10000 ), .help = "Steps over which a change of the level is blended." },
