@@ -20,7 +20,7 @@ static wisp_particle_args particle_args( wisp_frame* frame, const wisp_span* spa
 }
 
 // Moves pins by the substep's fraction of the remaining distance. The last substep of an even step ends exactly at
-// the target.
+// the target. Few vertices are pinned: masses come first, so that targets of the others are not read.
 static void carry_pins( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
@@ -30,7 +30,7 @@ static void carry_pins( wisp_frame* frame, const wisp_span* span, void* user )
     const float fraction = wisp_frame_progress_left( frame, span->entity, span->substep );
     for ( int i = 4 * s.begin; i < 4 * s.end; i += 4 )
     {
-        for ( int k = 0; k < 3 && target[i + 3] != 0.0f && position[i + 3] == 0.0f; ++k )
+        for ( int k = 0; k < 3 && position[i + 3] == 0.0f && target[i + 3] != 0.0f; ++k )
         {
             position[i + k] =
                 fraction == 1.0f ? target[i + k] : position[i + k] + fraction * ( target[i + k] - position[i + k] );
