@@ -312,19 +312,27 @@ TEST( a_scene_in_json_says_the_same_as_in_yaml )
     assert_true( a->generator.seed == b->generator.seed );
 }
 
-TEST( a_scene_with_keys_of_every_block_is_read )
+TEST( scenes_with_the_keys_of_every_block_are_read )
 {
-    SCOPED( wisp_scene_release ) wisp_scene scene;
-    wisp_error error = { .status = WISP_OK };
-    assert_ok( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/every_key.yaml", &scene, &error ), error );
-    assert_int_equal( scene.strands_count, 1 );
-    assert_int_equal( scene.strands[0].bend_count, 4 );
-    assert_int_equal( scene.command_count, 2 );
-    assert_int_equal( scene.surface_count, 4 );
-    assert_int_equal( scene.collider_count, 4 );
-    assert_int_equal( scene.seam_count, 2 );
-    assert_int_equal( scene.event_count, 4 );
-    assert_int_equal( scene.output_count, 2 );
+    static const char* const files[] = { "every_key", "boundary_and_contact", "implicit_cloth", "moving_strands" };
+    for ( int i = 0; i < WISP_COUNT( files ); ++i )
+    {
+        char path[400];
+        wisp_error error = { .status = WISP_OK };
+        SCOPED( wisp_scene_release ) wisp_scene scene;
+        snprintf( path, sizeof path, WISP_SOURCE_ROOT "/tests/app/scenes/%s.yaml", files[i] );
+        assert_ok( wisp_scene_read( path, &scene, &error ), error );
+        if ( i == 0 )
+        {
+            assert_int_equal( scene.strands[0].bend_count, 4 );
+            assert_int_equal( scene.command_count, 2 );
+            assert_int_equal( scene.surface_count, 4 );
+            assert_int_equal( scene.collider_count, 4 );
+            assert_int_equal( scene.seam_count, 2 );
+            assert_int_equal( scene.event_count, 4 );
+            assert_int_equal( scene.output_count, 2 );
+        }
+    }
 }
 
 TEST( a_missing_file_is_an_error_of_the_system )

@@ -149,20 +149,6 @@ TEST( an_instance_has_a_layer_and_a_contact_of_its_own )
     assert_true( scene.surfaces[1].contact.friction == 0.9f );
 }
 
-TEST( a_scene_with_every_key_of_boundary_and_contact_is_read )
-{
-    SCOPED( wisp_scene_release ) wisp_scene scene;
-    wisp_error error = { .status = WISP_OK };
-    if ( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/boundary_and_contact.yaml", &scene, &error ) !=
-         WISP_OK )
-    {
-        fail_msg( "refused: %s", error.message );
-    }
-    assert_true( scene.has_contact && scene.request_contact_stats && scene.request_intersections );
-    assert_true( scene.surfaces[0].has_boundary && scene.surfaces[0].has_contact && scene.surfaces[1].has_contact );
-    assert_true( scene.strands[0].has_contact );
-}
-
 // ---- worlds ----
 
 #define BALL                                                                                                         \
@@ -407,16 +393,6 @@ TEST( quad_links_are_taken_of_a_plane_and_of_its_instances )
     assert_true( scene.surfaces[0].has_quad_links && scene.surfaces[1].has_quad_links );
     assert_true( scene.surfaces[1].request_stats && !scene.surfaces[0].request_stats );
     assert_null( scene.surfaces[0].implicit.stretch_pairs );
-}
-
-TEST( a_scene_with_every_key_of_implicit_cloth_is_read )
-{
-    SCOPED( wisp_scene_release ) wisp_scene scene;
-    wisp_error error = { .status = WISP_OK };
-    assert_ok( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/implicit_cloth.yaml", &scene, &error ), error );
-    assert_int_equal( scene.surface_count, 2 );
-    assert_true( scene.surfaces[0].has_implicit && scene.surfaces[1].has_implicit );
-    assert_true( !scene.surfaces[0].has_quad_links && scene.surfaces[1].has_quad_links );
 }
 
 // ---- pairs ----

@@ -569,17 +569,6 @@ TEST( frozen_hair_on_ghosts_is_new_in_every_frame_unless_it_says_otherwise )
     assert_int_equal( scene.strands[3].frozen_hair.update_on, WISP_FROZEN_UPDATE_HAIR_EVENT );
 }
 
-TEST( a_scene_with_every_key_of_moving_strands_is_read )
-{
-    SCOPED( wisp_scene_release ) wisp_scene scene;
-    wisp_error error = { .status = WISP_OK };
-    assert_ok( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/moving_strands.yaml", &scene, &error ), error );
-    assert_int_equal( scene.strands_count, 3 );
-    assert_true( scene.strands[0].has_dynamics && scene.strands[0].has_head && scene.strands[0].has_grid );
-    assert_true( scene.strands[1].has_ghosts && scene.strands[2].is_curves );
-    assert_int_equal( scene.events[0].step, 30 );
-}
-
 // ---- scattered strands ----
 
 static wisp_groom straight_groom( int dimension )
