@@ -29,7 +29,7 @@ typedef struct gate_options
 {
     bool has_action;
     gate_action action;
-    const char *suite, *base, *isa, *reason, *junit, *html, *patch, *paired;
+    const char *suite, *base, *output, *isa, *reason, *junit, *html, *patch, *paired;
     bool no_instructions, has_cycles, is_strict, tells_github, takes_turns;
     int row, trials;
     gate_slow slow; // step: by how much it is slowed down
@@ -45,8 +45,10 @@ static bool take_gate_option( options_state* p, int key, const char* argument )
     switch ( key )
     {
         case 'b':
-        case 'o':
             o->base = argument;
+            return true;
+        case 'o':
+            o->output = argument;
             return true;
         case 'r':
             o->reason = argument;
@@ -121,6 +123,10 @@ static bool take_gate_option( options_state* p, int key, const char* argument )
             if ( o->action == ACTION_ACCEPT && ( o->reason == NULL || strlen( o->reason ) >= GATE_MAX_REASON ) )
             {
                 options_fail( p, "accept: expected --reason with up to %d bytes", (int)GATE_MAX_REASON - 1 );
+            }
+            if ( o->base == NULL && o->output && ( o->action == ACTION_RECORD || o->action == ACTION_ACCEPT ) )
+            {
+                o->base = o->output;
             }
             if ( o->patch && ( o->action != ACTION_ACCEPT || ( o->base ? o->base : o->suite )[0] == '/' ) )
             {
@@ -366,7 +372,7 @@ static wisp_status report( const wisp_suite* suite, int all, const gate_options*
     }
     gate_report( suite, checks, &out );
     wisp_status status = o->tells_github ? tell_github( suite, checks, o->suite, &out, error ) : WISP_OK;
-    status = status == WISP_OK ? results_write_file( &out, o->format, NULL, error ) : status;
+    status = status == WISP_OK ? results_write_file( &out, o->format, o->output, error ) : status;
     status = status == WISP_OK && o->junit ? gate_write_junit( suite, checks, o->junit, error ) : status;
     status = status == WISP_OK && o->html ? gate_write_page( suite, checks, &out, o->html, error ) : status;
     results_free( &out );
@@ -434,7 +440,7 @@ static int compare_times( wisp_suite* suite, const gate_options* o, wisp_error* 
     {
         note_interruption( "compared", suite->row_count, all, &out );
         gate_report_pairs( suite, checks, &out );
-        status = results_write_file( &out, o->format, NULL, error );
+        status = results_write_file( &out, o->format, o->output, error );
     }
     results_free( &out );
     free( checks );
@@ -455,7 +461,7 @@ static int test_itself( const wisp_suite* suite, const gate_options* o, wisp_err
         results_add_note( &out, "interrupted: slow-downs that are not listed were not tested" );
         status = WISP_OK;
     }
-    status = status == WISP_OK ? results_write_file( &out, o->format, NULL, error ) : status;
+    status = status == WISP_OK ? results_write_file( &out, o->format, o->output, error ) : status;
     results_free( &out );
     return status == WISP_OK ? interruption_status( STATUS_GOOD ) : command_fail( error );
 }

@@ -19,7 +19,7 @@
 
 typedef struct sweep_arguments
 {
-    const char *suite, *folder, *share;
+    const char *suite, *folder;
     int shard, shards, workers;
     bool is_exclusive, only_list;
 } sweep_arguments;
@@ -27,13 +27,17 @@ typedef struct sweep_arguments
 static bool take_sweep_option( options_state* o, int key, const char* argument )
 {
     sweep_arguments* a = o->input;
+    wisp_error error;
     switch ( key )
     {
         case BENCH_KEY_OUTPUT:
             a->folder = argument;
             return true;
         case BENCH_KEY_SHARD:
-            a->share = argument;
+            if ( sweep_shard_parse( argument, &a->shard, &a->shards, &error ) != WISP_OK )
+            {
+                options_fail( o, "%s", error.message );
+            }
             return true;
         case BENCH_KEY_EXCLUSIVE:
             a->is_exclusive = true;
@@ -239,8 +243,7 @@ int command_sweep( int argc, char** argv )
     wisp_error error = { 0 };
     wisp_suite suite = { .rows = NULL };
     bool is_unmet = false;
-    wisp_status status = a.share ? sweep_shard_parse( a.share, &a.shard, &a.shards, &error ) : WISP_OK;
-    status = status == WISP_OK ? suite_read( a.suite, &suite, &error ) : status;
+    wisp_status status = suite_read( a.suite, &suite, &error );
     if ( status == WISP_OK && suite.compares_overlap )
     {
         status = wisp_fail( &error, WISP_BAD_INPUT, "%s: errors by overlap are measured by `wisp bench` alone",

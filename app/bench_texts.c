@@ -179,7 +179,7 @@ static const char* const action_words[] = { "record", "check", "accept", "step",
 static const option_row gate_rows[] = {
     OPTION_TITLE( "Files:" ),
     { "base", 'b', "FILE", "The base file, default SUITE-base.json beside the suite", OPTION_FILES( ".json" ) },
-    { "output", 'o', "FILE", "record: the base file, as --base", OPTION_FILES( ".json" ) },
+    { "output", 'o', "FILE", "The results; record, accept: the base file, as --base", OPTION_FILES( ".json" ) },
     OPTION_TITLE( "Measuring:" ),
     { "no-instructions", GATE_KEY_NO_INSTRUCTIONS, NULL, "Do not count instructions, for which valgrind is needed",
       OPTION_ANY },

@@ -28,8 +28,8 @@ typedef struct search
 
 // A row and a line per setting, the reference, the verdict.
 
-static bool is_chosen( const tune_parameters* parameters, const wisp_tune_result* found,
-                       const wisp_tune_trial* trial )
+static bool is_chosen( const tune_parameters* parameters, const tune_result* found,
+                       const tune_trial* trial )
 {
     return memcmp( trial->configuration, found->configuration, (size_t)parameters->count * sizeof( int ) ) == 0;
 }
@@ -46,8 +46,8 @@ static void name_setting( const tune_parameters* parameters, const int* configur
     }
 }
 
-static void add_visit_row( results* out, const search* s, const wisp_tune_result* found,
-                           const wisp_tune_trial* trial )
+static void add_visit_row( results* out, const search* s, const tune_result* found,
+                           const tune_trial* trial )
 {
     const tune_parameters* parameters = s->def.parameters;
     results_row* row = results_add_row( out, io_file_name( s->from.path ),
@@ -74,10 +74,10 @@ static void add_visit_row( results* out, const search* s, const wisp_tune_result
     }
 }
 
-static void add_visit_line( results* out, int table, const tune_parameters* parameters, const wisp_tune_result* found,
-                            const wisp_tune_trial* trial )
+static void add_visit_line( results* out, int table, const tune_parameters* parameters, const tune_result* found,
+                            const tune_trial* trial )
 {
-    const wisp_tune_sample* sample = &trial->sample;
+    const tune_sample* sample = &trial->sample;
     results_cells cells = { .count = 0 };
     for ( int k = 0; k < parameters->count; ++k )
     {
@@ -98,11 +98,11 @@ static void add_visit_line( results* out, int table, const tune_parameters* para
 
 static int compare_visits( const void* a, const void* b )
 {
-    const wisp_tune_trial *x = a, *y = b;
+    const tune_trial *x = a, *y = b;
     return ( x->sample.ms > y->sample.ms ) - ( x->sample.ms < y->sample.ms );
 }
 
-static void add_table( results* out, const tune_parameters* parameters, const wisp_tune_result* found )
+static void add_table( results* out, const tune_parameters* parameters, const tune_result* found )
 {
     results_cells header = { .count = 0 };
     for ( int k = 0; k < parameters->count; ++k )
@@ -117,10 +117,10 @@ static void add_table( results* out, const tune_parameters* parameters, const wi
     }
 }
 
-static void add_verdict( results* out, int table, const search* s, const wisp_tune_result* found )
+static void add_verdict( results* out, int table, const search* s, const tune_result* found )
 {
     const suite_reference* reference = s->scene.reference;
-    const wisp_tune_sample* achieved = &found->achieved;
+    const tune_sample* achieved = &found->achieved;
     char setting[240], until[100];
     suite_horizon horizon = { 0 };
     suite_horizon_add( &horizon, reference->until, suite_reference_parts( reference ) );
@@ -150,7 +150,7 @@ static void add_verdict( results* out, int table, const search* s, const wisp_tu
 }
 
 // @param found its visits are sorted by time
-static void report_tuning( results* out, const search* s, wisp_tune_result* found )
+static void report_tuning( results* out, const search* s, tune_result* found )
 {
     out->machine = machine_describe( s->measured.isa );
     out->is_result_first = true;
@@ -297,9 +297,9 @@ static wisp_status check_output( const tune_options* options, const tune_paramet
                           "%s: reads files of its folder, so the tuned scene %s must be in the same folder",
                           options->scene, options->output );
     }
-    for ( int value = 0; value < WISP_TUNE_MAX_VALUES; ++value )
+    for ( int value = 0; value < TUNE_MAX_VALUES; ++value )
     {
-        int configuration[WISP_TUNE_MAX_PARAMETERS], longest = 0;
+        int configuration[TUNE_MAX_PARAMETERS], longest = 0;
         for ( int k = 0; k < parameters->count; ++k )
         {
             const int last = parameters->parameters[k].value_count - 1;
@@ -346,7 +346,7 @@ static bool show( void* user, int run_count, int max_runs )
     return !interruption_came();
 }
 
-static wisp_status run_search( search* s, wisp_tune_result* out, wisp_error* error )
+static wisp_status run_search( search* s, tune_result* out, wisp_error* error )
 {
     s->def.progress = show, s->def.progress_user = &s->bar;
     progress_show( &s->bar, 0.0, "the reference" );
@@ -356,7 +356,7 @@ static wisp_status run_search( search* s, wisp_tune_result* out, wisp_error* err
 
 static wisp_status tune( tune_options* options, results* out, bool* meets_target, wisp_error* error )
 {
-    wisp_tune_result found = { 0 };
+    tune_result found = { 0 };
     search* s = &options->search;
     const wisp_scene* scene = s->def.scene;
     const tune_parameters* parameters = s->def.parameters;
@@ -383,7 +383,7 @@ static wisp_status tune( tune_options* options, results* out, bool* meets_target
     {
         results_add_note( out, "not written: %s", options->output );
     }
-    wisp_tune_release( &found );
+    tune_release( &found );
     return status;
 }
 

@@ -49,8 +49,9 @@ static size_t size_of_field( const scene_field* field )
         case SCENE_NUMBER:
         case SCENE_NUMBERS:
         case SCENE_WHOLE:
-        case SCENE_CHOICE:
             return 4;
+        case SCENE_CHOICE:
+            return field->constants != NULL ? 4 : 0;
         default:
             return field->read == scene_read_layers ? sizeof( uint32_t ) : 0;
     }
@@ -112,7 +113,7 @@ static void write_fields( FILE* out, const char* name, const scene_block* block,
 {
     for ( int i = 0; i < block->field_count; ++i )
     {
-        const scene_field* f = &block->fields[i];
+        const scene_field field = scene_field_at( block, i ), *f = &field;
         const size_t at = f->at, size = size_of_field( f );
         const char *value = (const char*)d->entry + at, *initial = (const char*)d->initial + at;
         const bool is_own = at >= d->at && at + size <= d->at + d->size && strcmp( f->key, "shape" ) != 0 &&

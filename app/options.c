@@ -345,7 +345,12 @@ static _Noreturn void print_and_exit( const command_text* command, int key )
             printf( "wisp %s\nkernels: %s\n", WISP_VERSION_STRING, machine_kernels() );
             break;
     }
-    exit( fflush( stdout ) == 0 && !ferror( stdout ) ? STATUS_GOOD : STATUS_FAILED );
+    if ( fflush( stdout ) == 0 && !ferror( stdout ) )
+    {
+        exit( STATUS_GOOD );
+    }
+    fputs( "wisp: standard output: the text could not be written\n", stderr );
+    exit( STATUS_FAILED );
 }
 
 static void make_tables( const row_list* list, struct option* longs, char* shorts )

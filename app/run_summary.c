@@ -486,7 +486,7 @@ static void add_counters( results* out, const wisp_world* world, bool is_brief )
         [WISP_COUNT_DEGENERATE_LINK] = "links between coincident vertices: no direction, no force",
         [WISP_COUNT_STIFFNESS_CLAMPED] = "substeps with links too stiff for floats: stiffness was lowered",
         [WISP_COUNT_FIRST_ORDER] = "substeps of BDF2 (of cloth, of each strand) that were made by implicit Euler",
-        [WISP_COUNT_GRAVITY_SCALED] = "strands with reduced gravity: substeps too long for their curls",
+        [WISP_COUNT_GRAVITY_SCALED] = "strands with reduced gravity: substeps too long to hold their shape",
         [WISP_COUNT_SAGGING] = "strands too soft to hold their shape under gravity: they sag",
         [WISP_COUNT_STRETCHED] =
             "strands over 5 % too long in a step: links need stretch: direct, contact more substeps",

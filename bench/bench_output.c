@@ -1,16 +1,8 @@
-// What cases show: rows of tables and charts of rows.
+// Charts of rows.
 #include "bench_output.h"
 
 #include <math.h>
 #include <string.h>
-
-// ---- rows of tables ----
-
-void cells_put_pair( results_cells* row, double first, int first_digits, double second, int second_digits )
-{
-    const bool is_known = isfinite( first ) && isfinite( second );
-    cells_put( row, is_known ? "%.*f / %.*f" : "-", first_digits, first, second_digits, second );
-}
 
 // ---- numbers of a row ----
 
@@ -31,7 +23,7 @@ double rows_ms( const results_row* row )
     return row->ms_median;
 }
 
-double rows_size( const results_row* row, const char* name )
+static double rows_size( const results_row* row, const char* name )
 {
     return find( &row->size, name );
 }

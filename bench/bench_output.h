@@ -1,14 +1,7 @@
-/// What cases show: rows of tables and charts of rows.
+/// Charts of rows.
 #pragma once
 
 #include "results.h"
-
-// ---- rows of tables ----
-
-/// Two numbers separated by a slash: the largest value and the mean.
-void cells_put_pair( results_cells* row, double first, int first_digits, double second, int second_digits );
-
-// ---- charts of rows ----
 
 // Charts of rows that are in the results already, so that a chart always agrees with them.
 
@@ -34,7 +27,6 @@ typedef struct rows_chart
 void rows_chart_add( const rows_chart* chart, results* out );
 
 double rows_ms( const results_row* row );
-/// The row's size or error of that name, or NaN.
-double rows_size( const results_row* row, const char* name );
+/// The row's error of that name, or NaN.
 double rows_error( const results_row* row, const char* name );
 double rows_vertices( const results_row* row );

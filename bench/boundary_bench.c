@@ -1,9 +1,7 @@
 // The case `boundary`: the number of points for a spacing, their cost, and how densely they cover the surface.
 #include "boundary_bench.h"
 
-#include "bench.h"
-#include "bench_output.h"
-#include "mesh.h"
+#include "accuracy/scene_tools.h"
 
 #include "suite_measure.h"
 #include "wisp/module/components.h"
@@ -15,28 +13,30 @@
 
 static const float LITTLE_HYSTERESIS = 1e-6f; // of a spacing
 
-const layer_law layer_laws[LAYER_LAWS] = {
+/// Points at a spacing by one of the laws that are compared.
+typedef struct layer_law
+{
+    const char* name;
+    wisp_spacing policy;
+    wisp_rounding rounding;
+} layer_law;
+
+static const layer_law layer_laws[] = {
     { "even", WISP_SPACING_EVEN, WISP_ROUND_DOWN },
     { "exact", WISP_SPACING_EXACT, WISP_ROUND_DOWN },
     { "even, up", WISP_SPACING_EVEN, WISP_ROUND_UP },
 };
 
-wisp_status layer_sphere( int segments, float radius, wisp_mesh* out, wisp_error* error )
+/// A static surface with a layer.
+typedef struct layer_implementation
 {
-    wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_UV_SPHERE );
-    generator.segments = generator.rings = segments;
-    generator.radius = radius;
-    return wisp_mesh_generate( &generator, out, error );
-}
+    surface_implementation surface;
+    wisp_boundary_def def;
+    bool is_resampled; ///< every step samples all elements again: case B everywhere
+    bool has_little;   ///< of two definitions that give the same points, the present one
+} layer_implementation;
 
-wisp_status layer_cook( const wisp_mesh* mesh, wisp_fabric** out, wisp_error* error )
-{
-    wisp_fabric_def def = wisp_default_fabric_def();
-    def.bend_links = false;
-    return surface_cook( mesh, def, out, error );
-}
-
-wisp_boundary_def layer_def( const layer_law* law, float spacing )
+static wisp_boundary_def layer_def( const layer_law* law, float spacing )
 {
     wisp_boundary_def def = wisp_default_boundary_def();
     def.spacing = spacing;
@@ -54,8 +54,8 @@ static wisp_status set_layer( surface_implementation* implementation, const wisp
     return status == WISP_OK ? WISP_OK : bench_world_fail( implementation->world, status, error );
 }
 
-wisp_status layer_enter( wisp_fabric* fabric, const wisp_boundary_def* def, int workers, layer_implementation* out,
-                         wisp_error* error )
+static wisp_status layer_enter( wisp_fabric* fabric, const wisp_boundary_def* def, int workers,
+                                layer_implementation* out, wisp_error* error )
 {
     *out = ( layer_implementation ){ .def = *def };
     surface_generator generator = surface_default_generator( &wisp_boundary_module, fabric );
@@ -84,52 +84,41 @@ static wisp_status sample_again( layer_implementation* implementation, wisp_erro
     return set_layer( &implementation->surface, &def, error );
 }
 
-wisp_status layer_step( void* context, wisp_error* error )
+static wisp_status layer_step( void* context, wisp_error* error )
 {
     layer_implementation* implementation = context;
     wisp_status status = implementation->is_resampled ? sample_again( implementation, error ) : WISP_OK;
     return status == WISP_OK ? surface_implementation_step( &implementation->surface, error ) : status;
 }
 
-static wisp_status keep_layer_profile( void* context )
+// ms of the pass that computes the points, in the last step.
+static double pass_ms( const surface_implementation* implementation )
 {
-    layer_implementation* implementation = context;
-    return surface_implementation_keep_profile( &implementation->surface );
-}
-
-static stats_summary pass_ms( surface_implementation* implementation, const char* pass )
-{
-    stats_summary ms = { .median = NAN, .p10 = NAN, .p90 = NAN, .minimum = NAN };
-    for ( int i = 0; i < implementation->profile.pass_count; ++i )
+    const wisp_profile profile = wisp_world_profile( implementation->world );
+    double ms = NAN;
+    for ( int i = 0; i < profile.count; ++i )
     {
-        profile_pass* kept = implementation->profile.passes + i;
-        if ( strcmp( kept->name, pass ) == 0 )
-        {
-            ms = stats_summarise( kept->seconds, kept->count );
-            ms.median *= 1e3;
-            ms.p10 *= 1e3;
-            ms.p90 *= 1e3;
-            ms.minimum *= 1e3;
-        }
+        ms = strcmp( profile.lines[i].pass, "boundary.points" ) == 0 ? 1e3 * profile.lines[i].seconds : ms;
     }
     return ms;
 }
 
 // ---- outputs of a layer ----
 
-wisp_status layer_read( surface_implementation* implementation, wisp_boundary_view* out, wisp_error* error )
+static wisp_status layer_read( surface_implementation* implementation, wisp_boundary_view* out, wisp_error* error )
 {
     wisp_status status = wisp_read_boundary( implementation->world, implementation->entity, out );
     return status == WISP_OK ? WISP_OK : bench_world_fail( implementation->world, status, error );
 }
 
-wisp_status layer_read_stats( surface_implementation* implementation, wisp_boundary_stats* out, wisp_error* error )
+static wisp_status layer_read_stats( surface_implementation* implementation, wisp_boundary_stats* out,
+                                     wisp_error* error )
 {
     wisp_status status = wisp_read_boundary_stats( implementation->world, implementation->entity, out );
     return status == WISP_OK ? WISP_OK : bench_world_fail( implementation->world, status, error );
 }
 
-uint64_t layer_hash( const wisp_boundary_view* view )
+static uint64_t layer_hash( const wisp_boundary_view* view )
 {
     const wisp_samples* s = view->samples;
     const size_t bytes = (size_t)s->count * 4 * sizeof( float );
@@ -280,287 +269,162 @@ wisp_status layer_find_cover( const wisp_boundary_view* view, const wisp_mesh* m
     return WISP_OK;
 }
 
-// ---- the cost of points ----
+// ---- runs ----
+
+static const float spacings[] = { 0.2f, 0.1f, 0.05f, 0.025f, 0.0125f }; // m
 
 enum
 {
-    LAYER_SAMPLES_MAX = 200,
-    ROUNDS_MIN = 3,
-    IN_PLACE = 0,  // case A everywhere
-    RESAMPLED = 1, // case B everywhere
-    SAMPLINGS = 2,
-    VARIANTS = SAMPLINGS * BOUNDARY_WORKERS_MAX,
+    LAYER_LAWS = WISP_COUNT( layer_laws ),
+    SPACINGS = WISP_COUNT( spacings ),
+    SAMPLINGS = 2, // in place: no count changes, case A everywhere; resampled: case B everywhere
+    LAYER_STEPS = 40,
+    SEGMENTS = 30, // slices and stacks of the paper's sphere
 };
 
 static const char* const sampling_names[SAMPLINGS] = { "in place", "resampled" };
 
-/// Results for one spacing and one rule.
-typedef struct layer_cost
+enum
 {
-    const layer_law* law;
-    float spacing;
-    int points, edge_points;
-    layer_cover cover;
-    stats_summary ms[SAMPLINGS][BOUNDARY_WORKERS_MAX]; // of the pass that computes the points
-    size_t bytes;
-    uint64_t hash;
-    bool same_hash; // of every implementation and worker count
-} layer_cost;
+    LAYER_POINTS,
+    EDGE_POINTS,
+    LAYER_COVER,
+    COVER_SPACINGS,
+    LAYER_BYTES,
+    LAYER_MEASURES,
+};
 
-typedef struct cost_run
+typedef struct layer_scene
 {
-    const boundary_plan* plan;
-    results* out;
     wisp_mesh mesh;
     wisp_fabric* fabric;
-    layer_implementation implementations[VARIANTS];
-    layer_cost costs[LAYER_LAWS * BOUNDARY_SIZES_MAX];
-    int count;
-} cost_run;
+    uint64_t hashes[SPACINGS * LAYER_LAWS]; // of the points in place; 0: not yet
+} layer_scene;
 
-// ---- measuring ----
-
-static wisp_status enter_all( cost_run* run, const layer_cost* cost, bench_variant* variants, wisp_error* error )
+// Even spacing rounded down has gaps below 2 d; the last gap is a difference of rounded positions.
+static wisp_status check_gap( const layer_law* law, double spacing, double gap, wisp_error* error )
 {
-    const boundary_plan* plan = run->plan;
-    const wisp_boundary_def def = layer_def( cost->law, cost->spacing );
+    const bool covers = law->rounding == WISP_ROUND_UP || law->policy == WISP_SPACING_EXACT;
+    return gap <= ( covers ? 1.0 : 2.0 ) * spacing + 1e-5
+               ? WISP_OK
+               : wisp_fail( error, WISP_CONFLICT, "a gap of %.4f m on an edge at d = %g m, %s", gap, spacing,
+                            law->name );
+}
+
+static wisp_status measure_layer( layer_scene* own, int number, layer_implementation* layer,
+                                  const wisp_boundary_view* view, accuracy_run* out, wisp_error* error )
+{
+    const double spacing = (double)layer->def.spacing;
+    wisp_boundary_stats stats;
+    layer_cover cover = { .gap = 0.0 };
+    wisp_status status = layer_read_stats( &layer->surface, &stats, error );
+    status = status == WISP_OK ? layer_find_cover( view, &own->mesh, &cover, error ) : status;
+    if ( status == WISP_OK )
+    {
+        const double measures[LAYER_MEASURES] = { stats.points, stats.edge_points, 1e3 * cover.reach,
+                                                  cover.reach / spacing, 1e-6 * (double)stats.bytes };
+        memcpy( out->measures, measures, sizeof measures );
+        out->error = cover.gap;
+        status = check_gap( layer_laws + number % LAYER_LAWS, spacing, cover.gap, error );
+    }
+    return status;
+}
+
+static wisp_status time_layer( layer_implementation* layer, accuracy_run* out, wisp_error* error )
+{
     wisp_status status = WISP_OK;
-    for ( int i = 0; i < SAMPLINGS * plan->worker_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < LAYER_STEPS && status == WISP_OK; ++i )
     {
-        status = layer_enter( run->fabric, &def, plan->workers[i / SAMPLINGS], run->implementations + i, error );
-        run->implementations[i].is_resampled = i % SAMPLINGS == RESAMPLED;
-        variants[i] = ( bench_variant ){ .name = sampling_names[i % SAMPLINGS],
-                                         .step = layer_step,
-                                         .after = keep_layer_profile,
-                                         .context = run->implementations + i };
+        status = layer_step( layer, error );
+        status = status == WISP_OK ? accuracy_keep_ms( out, pass_ms( &layer->surface ) ) : status;
     }
     return status;
 }
 
-static void read_times( cost_run* run, layer_cost* cost )
+static wisp_status run_layer( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
+                              wisp_error* error )
 {
-    for ( int i = 0; i < SAMPLINGS * run->plan->worker_count; ++i )
-    {
-        cost->ms[i % SAMPLINGS][i / SAMPLINGS] = pass_ms( &run->implementations[i].surface, "boundary.points" );
-    }
-}
-
-static wisp_status observe_layer( cost_run* run, layer_cost* cost, wisp_error* error )
-{
-    wisp_boundary_stats stats = { 0 };
+    layer_scene* own = context;
+    const int number = setting / SAMPLINGS; // of law and spacing
+    const wisp_boundary_def def = layer_def( layer_laws + number % LAYER_LAWS, spacings[number / LAYER_LAWS] );
+    layer_implementation layer;
     wisp_boundary_view view;
-    wisp_status status = layer_read_stats( &run->implementations[0].surface, &stats, error );
-    cost->points = stats.points;
-    cost->edge_points = stats.edge_points;
-    cost->bytes = stats.bytes;
-    cost->same_hash = true;
-    for ( int i = 0; i < SAMPLINGS * run->plan->worker_count && status == WISP_OK; ++i )
+    wisp_status status = layer_enter( own->fabric, &def, workers, &layer, error );
+    if ( status != WISP_OK )
     {
-        status = layer_read( &run->implementations[i].surface, &view, error );
-        const uint64_t hash = status == WISP_OK ? layer_hash( &view ) : 0;
-        cost->hash = i == 0 ? hash : cost->hash;
-        cost->same_hash = cost->same_hash && hash == cost->hash;
+        return status;
     }
-    return status == WISP_OK ? layer_find_cover( &view, &run->mesh, &cost->cover, error ) : status;
-}
-
-static wisp_status measure_layer( cost_run* run, layer_cost* cost, double seconds, wisp_error* error )
-{
-    bench_variant variants[VARIANTS] = { { 0 } };
-    const int count = SAMPLINGS * run->plan->worker_count;
-    const bench_effort effort = { seconds, ROUNDS_MIN, LAYER_SAMPLES_MAX };
-    wisp_status status = enter_all( run, cost, variants, error );
-    if ( status == WISP_OK )
+    layer.is_resampled = setting % SAMPLINGS == 1;
+    status = time_layer( &layer, out, error );
+    status = status == WISP_OK ? layer_read( &layer.surface, &view, error ) : status;
+    out->hash = status == WISP_OK ? layer_hash( &view ) : 0;
+    out->work.vertices = own->mesh.vertex_count;
+    status = status == WISP_OK && is_observed ? measure_layer( own, number, &layer, &view, out, error ) : status;
+    if ( status == WISP_OK && own->hashes[number] != 0 && own->hashes[number] != out->hash )
     {
-        status = bench_interleave( variants, count, &effort, error );
-        bench_free_samples( variants, count );
+        status = wisp_fail( error, WISP_CONFLICT, "at d = %g m, %s, points depend on whether they were sampled again",
+                            (double)def.spacing, layer_laws[number % LAYER_LAWS].name );
     }
-    if ( status == WISP_OK )
-    {
-        read_times( run, cost );
-        status = observe_layer( run, cost, error );
-    }
-    for ( int i = 0; i < count; ++i )
-    {
-        surface_implementation_destroy( &run->implementations[i].surface );
-    }
+    own->hashes[number] = out->hash;
+    surface_implementation_destroy( &layer.surface );
     return status;
 }
 
-// ---- rows ----
-
-static void add_cost_rows( const cost_run* run, const layer_cost* cost, results* out )
+static void destroy_layers( void* context )
 {
-    for ( int i = 0; i < SAMPLINGS * run->plan->worker_count; ++i )
-    {
-        char variant[64];
-        snprintf( variant, sizeof( variant ), "%s, %s", cost->law->name, sampling_names[i % SAMPLINGS] );
-        const stats_summary* ms = &cost->ms[i % SAMPLINGS][i / SAMPLINGS];
-        results_row* row = results_add_row( out, "boundary", variant );
-        if ( row != NULL )
-        {
-            row->workers = run->plan->workers[i / SAMPLINGS];
-            results_put_times( row, ms );
-            row->hash = cost->hash;
-            row->has_hash = true;
-            results_put( &row->size, "points", cost->points );
-            results_put( &row->size, "edge_points", cost->edge_points );
-            results_put( &row->size, "spacing_m", (double)cost->spacing );
-            results_put( &row->size, "bytes", (double)cost->bytes );
-            results_put( &row->stages, "boundary.points", ms->median );
-            results_put( &row->error, "gap_m", cost->cover.gap );
-            results_put( &row->error, "cover_m", cost->cover.reach );
-        }
-    }
+    layer_scene* own = context;
+    wisp_fabric_release( own->fabric );
+    wisp_mesh_release( &own->mesh );
+    free( own );
 }
 
-static void check_hash( const layer_cost* cost, results* out )
+// Cooked without bend links: the boundary particle paper has none.
+static wisp_status make_sphere( layer_scene* own, wisp_error* error )
 {
-    if ( !cost->same_hash )
-    {
-        results_add_failure(
-            out,
-            "Cost of points: at d = %g m, %s, points depend on the number of workers, or on whether they "
-            "were sampled again.",
-            (double)cost->spacing, cost->law->name );
-    }
+    wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_UV_SPHERE );
+    generator.segments = generator.rings = SEGMENTS;
+    generator.radius = LAYER_RADIUS;
+    wisp_fabric_def def = wisp_default_fabric_def();
+    def.bend_links = false;
+    const wisp_status status = wisp_mesh_generate( &generator, &own->mesh, error );
+    return status == WISP_OK ? surface_cook( &own->mesh, def, &own->fabric, error ) : status;
 }
 
-static void add_costs( const cost_run* run, const layer_cost* cost, int table, results* out )
+static wisp_status make_layers( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
 {
-    const int workers = run->plan->worker_count;
-    const double ns = 1e6 / fmax( cost->points, 1.0 );
-    results_cells row = { .count = 0 };
-    cells_put( &row, "%g\t%s\t%d", (double)cost->spacing, cost->law->name, cost->points );
-    for ( int i = 0; i < SAMPLINGS * BOUNDARY_WORKERS_MAX; ++i )
-    {
-        const int way = i / BOUNDARY_WORKERS_MAX, w = i % BOUNDARY_WORKERS_MAX;
-        cells_put( &row, "%.2f", w < workers ? ns * cost->ms[way][w].median : NAN );
-    }
-    cells_put( &row, "%.2f\t%.2f\t%.0f\t%.2f", cost->ms[RESAMPLED][0].median / cost->ms[IN_PLACE][0].median,
-               workers > 1 ? cost->ms[IN_PLACE][0].median / cost->ms[IN_PLACE][1].median : NAN,
-               (double)cost->bytes / fmax( cost->points, 1.0 ), 1e-6 * (double)cost->bytes );
-    cells_end_row( &row, table, out );
-}
-
-static void add_accuracy( const layer_cost* cost, int table, results* out )
-{
-    const double d = (double)cost->spacing;
-    const bool covers = cost->law->rounding == WISP_ROUND_UP || cost->law->policy == WISP_SPACING_EXACT;
-    // the last gap is a difference of rounded positions; even spacing rounded down has gaps below 2 d
-    const bool met = cost->cover.gap <= ( covers ? 1.0 : 2.0 ) * d + 1e-5;
-    results_cells row = { .count = 0 };
-    cells_put( &row, "%g\t%s\t%.2f\t%.3f\t%.2f\t%.3f\t%d\t%.4f\t%.4f\t%.2f\t%s", d, cost->law->name,
-               1e3 * cost->cover.gap, cost->cover.gap / d, 1e3 * cost->cover.reach, cost->cover.reach / d,
-               cost->points, cost->ms[IN_PLACE][0].median, cost->ms[RESAMPLED][0].median, 1e-6 * (double)cost->bytes,
-               met ? "yes" : "NO" );
-    cells_end_row( &row, table, out );
-    if ( !met )
-    {
-        results_add_failure( out, "Coverage: a gap of %.4f m on an edge at d = %g m, %s.", cost->cover.gap, d,
-                             cost->law->name );
-    }
-}
-
-static double points_in( const results_row* row )
-{
-    return rows_size( row, "points" );
-}
-
-static void add_cost_chart( const cost_run* run, int first_row, results* out )
-{
-    const int w = run->plan->workers[run->plan->worker_count - 1];
-    char title[160];
-    snprintf( title, sizeof( title ), "Boundary points of a sphere with %d worker%s: time against points", w,
-              w == 1 ? "" : "s" );
-    rows_chart_add( &( rows_chart ){ .first_row = first_row,
-                                     .name = "boundary",
-                                     .workers = w,
-                                     .title = title,
-                                     .x_label = "points",
-                                     .y_label = "ms per step, the pass alone",
-                                     .x = points_in,
-                                     .y = rows_ms },
-                    out );
-}
-
-static void write_tables( const cost_run* run, results* out )
-{
-    const int first_row = out->row_count;
-    const int w = run->plan->workers[run->plan->worker_count - 1];
-    results_cells costs = { .count = 0 };
-    char title[160];
-    cells_put( &costs,
-               "d\tspacing\tpoints\tin place\tin place, %d workers\tresampled\tresampled, %d workers\tresampled / in "
-               "place\t1 worker / more\tbytes per point\tMB",
-               w, w );
-    for ( int i = 0; i < run->count; ++i )
-    {
-        add_cost_rows( run, run->costs + i, out );
-        check_hash( run->costs + i, out );
-    }
-    snprintf(
-        title, sizeof( title ),
-        "Cost of points: ns per point, medians of the pass that makes them, 1 worker where not stated; memory" );
-    int table = cells_begin_table( &costs, title, out );
-    for ( int i = 0; i < run->count; ++i )
-    {
-        add_costs( run, run->costs + i, table, out );
-    }
-    table = results_begin_table(
-        out,
-        "Coverage against cost: the largest gap along edges, and the largest distance from a "
-        "place on a triangle to its points; 1 worker",
-        "d\tspacing\tgap, mm\tgap / d\tcover, mm\tcover / d\tpoints\tin place ms\tresampled ms\tMB\tmet" );
-    for ( int i = 0; i < run->count; ++i )
-    {
-        add_accuracy( run->costs + i, table, out );
-    }
-    add_cost_chart( run, first_row, out );
-    results_add_note( out, "Cost of points: in place: no count changes (case A). resampled: every element is sampled "
-                           "again in every step (case B). bytes: the whole layer, points twice." );
-    results_add_note( out,
-                      "Coverage: distances are measured at 325 places of each triangle. Points, normals and recipes "
-                      "have one hash in both cases and for every worker count." );
-}
-
-wisp_status boundary_bench_run( const boundary_plan* plan, results* out, wisp_error* error )
-{
-    cost_run run = { .plan = plan, .out = out };
-    wisp_status status = layer_sphere( LAYER_SEGMENTS, LAYER_RADIUS, &run.mesh, error );
-    status = status == WISP_OK ? layer_cook( &run.mesh, &run.fabric, error ) : status;
-    const int count = plan->spacing_count * LAYER_LAWS;
-    for ( int i = 0; i < count && status == WISP_OK; ++i )
-    {
-        bench_progress( plan->options, (double)i / count, "boundary" );
-        layer_cost* cost = run.costs + i;
-        *cost = ( layer_cost ){ .law = layer_laws + i % LAYER_LAWS, .spacing = plan->spacings[i / LAYER_LAWS] };
-        status = measure_layer( &run, cost, plan->seconds / count, error );
-        run.count += 1;
-    }
-    if ( status == WISP_OK )
-    {
-        write_tables( &run, out );
-    }
-    wisp_fabric_release( run.fabric );
-    wisp_mesh_release( &run.mesh );
-    return status;
-}
-
-boundary_plan boundary_default_plan( const bench_options* options )
-{
-    return ( boundary_plan ){
-        .spacings = { 0.2f, 0.1f, 0.05f, 0.025f, 0.0125f },
-        .spacing_count = 5,
-        .seconds = 0.8 * bench_seconds( options ),
-        .workers = { 1, options->workers },
-        .worker_count = options->workers > 1 ? 2 : 1,
-        .options = options,
+    (void)options;
+    (void)seconds;
+    *out = ( accuracy_scene ){
+        .reference = "no gap above the spacing, or twice that where counts are rounded down",
+        .error_name = "gap along edges",
+        .error_unit = "m",
+        .measure_names = { "points", "edge points", "cover, mm", "cover / d", "MB" },
+        .measure_count = LAYER_MEASURES,
+        .has_no_rivals = true,
+        .note = "Times are of the pass that makes the points. In place: no count changes (case A). Resampled: every "
+                "element is "
+                "sampled again in every step (case B). The cover is the largest distance from 325 places of each "
+                "triangle to "
+                "its points. Points, normals and recipes have one hash in both cases and for every worker count.",
+        .run = run_layer,
     };
+    wisp_status status = accuracy_begin_scene( out, sizeof( layer_scene ), SPACINGS * LAYER_LAWS * SAMPLINGS, error );
+    out->destroy = destroy_layers;
+    status = status == WISP_OK ? make_sphere( out->context, error ) : status;
+    for ( int i = 0; i < SPACINGS * LAYER_LAWS * SAMPLINGS && status == WISP_OK; ++i )
+    {
+        const layer_law* law = layer_laws + i / SAMPLINGS % LAYER_LAWS;
+        const double spacing = (double)spacings[i / SAMPLINGS / LAYER_LAWS];
+        char series[64];
+        snprintf( series, sizeof series, "%s, %s", law->name, sampling_names[i % SAMPLINGS] );
+        accuracy_join_series( accuracy_put_setting( out, "%s, d %g", series, spacing ), series, "spacing, m", spacing,
+                              NAN );
+    }
+    return status == WISP_OK || out->context == NULL ? status : accuracy_abandon( out, status );
 }
 
 wisp_status boundary_bench( const bench_options* options, results* out, wisp_error* error )
 {
-    const boundary_plan plan = boundary_default_plan( options );
-    return boundary_bench_run( &plan, out, error );
+    const accuracy_entry entry = { "boundary", "boundary particles of a sphere", make_layers, NULL };
+    return accuracy_bench_run( &entry, 1, bench_seconds( options ), options, out, error );
 }

@@ -10,12 +10,13 @@ import json
 import sys
 
 # Sizes that tell rows apart; where there is an error, the name of the variant does.
-SIZES = ["strands", "vertices", "points", "edge_points", "stretch_stiffness", "iterations_mean", "ns_a_vertex_and_iteration", "contacts", "exponent"]
+SIZES = ["strands", "vertices", "exponent"]
 # Measures by the beginning of their names, and their columns.
 MEASURES = {
     "stretch_max": "stretch_max", "stretch_mean": "stretch_mean", "energy_against": "energy", "max_intersections": "intersections",
     "largest_distance": "largest", "doubt": "doubt", "until": "until", "error_at_0_5_s": "at_0.5", "error_at_1_s": "at_1", "detail": "wrinkles",
-    "late_height": "late_height", "late_energy": "late_energy", "late_stretch": "late_stretch", "late_detail": "late_wrinkles",
+    "points": "points", "edge_points": "edge_points", "iterations_mean": "iterations_mean", "contacts_at_the_end": "contacts", "neighbours": "neighbours",
+    "ns_per_vertex_and_iteration": "ns_a_vertex_and_iteration", "late_height": "late_height", "late_energy": "late_energy", "late_stretch": "late_stretch", "late_detail": "late_wrinkles",
 }
 STAGES = ["guide_hair.ghosts"]
 
@@ -61,7 +62,7 @@ def main():
     for row in results["rows"]:
         if row["ms_median"] is None and "exponent" not in row["size"]:
             continue
-        workers = row["workers"] or "source"
+        workers = row["workers"]
         case = row["case"].removeprefix("accuracy.").removeprefix("suite.")
         line = {"case": case, "variant": row["variant"], **cells(row)}
         name = first_error(row)[0]
@@ -69,7 +70,7 @@ def main():
             errors.setdefault(case, name)
         if not lines or (lines[-1]["case"], lines[-1]["variant"]) != (case, line["variant"]) or f"ms_{workers}" in lines[-1]:
             lines.append(line)
-        lines[-1][f"ms_{workers}"] = short(row["size"].get("ms_mean", row["ms_median"]))
+        lines[-1][f"ms_{workers}"] = short(row["ms_median"])
         for stage in STAGES:
             if stage in row["stages"]:
                 lines[-1][f"{stage}_{workers}"] = short(row["stages"][stage])

@@ -410,14 +410,14 @@ static void suite_sampler_comparison( const suite_comparison* compared, double* 
 static void suite_sampler_values( const suite_sampler* s, const suite_measurement* measured, double* out )
 {
     const bool meets = s->contact_steps > 0 && s->candidates > 0.0;
-    const double released = s->potential_first - s->potential;
+    const double released = s->potential_first - s->potential, risen = s->energy_most - s->energy_first;
     const double per_step = meets ? 1.0 / s->contact_steps : NAN;
     const double all[SAMPLE_COUNT] = {
         [SAMPLE_STRETCH_MAX] = 100.0 * s->stretch_max,
         [SAMPLE_STRETCH_MEAN] = 100.0 * s->stretch_mean,
         [SAMPLE_ENERGY] = 1e3 * ( s->energy - s->energy_first ),
-        [SAMPLE_ENERGY_RISEN] = 1e3 * ( s->energy_most - s->energy_first ),
-        [SAMPLE_ENERGY_LOST] = released > 0.0 ? 100.0 * ( s->energy_first - s->energy ) / released : NAN,
+        [SAMPLE_ENERGY_RISEN] = 1e3 * risen,
+        [SAMPLE_ENERGY_LOST] = released > risen ? 100.0 * ( s->energy_first - s->energy ) / released : NAN,
         [SAMPLE_SPEED] = s->speed,
         [SAMPLE_PENETRATION] = 1e3 * measured->values[SUITE_PENETRATION],
         [SAMPLE_RESETS] = measured->values[SUITE_RESETS],
@@ -705,14 +705,11 @@ static void describe_suite( study* own, accuracy_scene* out )
 // Motion that parts is a note of its scene.
 static void note_chaos( study* own, const suite_reference* reference, accuracy_scene* out )
 {
-    const char* note = own->suite->note ? own->suite->note : "";
     if ( isfinite( reference->parts_at ) && out->group_count > 0 )
     {
         snprintf( own->note, sizeof own->note,
                   "each scene is compared up to the time in `until`. After that two runs that should have converged "
-                  "are more than 1 %% of their size apart, and distances are chance: `late` columns compare means. "
-                  "%.200s",
-                  note );
+                  "are more than 1 %% of their size apart, and distances are chance: `late` columns compare means" );
     }
     else if ( isfinite( reference->parts_at ) )
     {
@@ -720,12 +717,12 @@ static void note_chaos( study* own, const suite_reference* reference, accuracy_s
         snprintf( own->note, sizeof own->note,
                   is_cut ? "motion is compared up to %.3g s. After that two runs that should have converged are "
                            "more than 1 %% of their size apart, and distances are chance: `late` columns compare "
-                           "means. %.200s"
+                           "means"
                          : "two runs that should have converged are more than 1 %% of their size apart from %.3g "
-                           "s on: the reference is too coarse for errors to say much. %.200s",
-                  is_cut ? reference->until : reference->parts_at, note );
+                           "s on: the reference is too coarse for errors to say much",
+                  is_cut ? reference->until : reference->parts_at );
     }
-    out->note = own->note[0] ? own->note : out->note;
+    out->chaos = own->note[0] ? own->note : NULL;
 }
 
 // References of all rows, the columns that any of them can have, and their doubts.

@@ -90,7 +90,6 @@ wisp_status surface_implementation_create( const surface_generator* generator, s
 void surface_implementation_destroy( surface_implementation* implementation )
 {
     wisp_world_destroy( implementation->world );
-    profile_samples_free( &implementation->profile );
     *implementation = ( surface_implementation ){ 0 };
 }
 
@@ -99,12 +98,6 @@ wisp_status surface_implementation_step( void* context, wisp_error* error )
     surface_implementation* implementation = context;
     return bench_world_step( implementation->world, implementation->entity, implementation->generator.seconds,
                              &implementation->steps, &implementation->halted_at, error );
-}
-
-wisp_status surface_implementation_keep_profile( void* context )
-{
-    surface_implementation* implementation = context;
-    return profile_samples_add( &implementation->profile, wisp_world_profile( implementation->world ) );
 }
 
 // ---- what it shows ----

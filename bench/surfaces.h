@@ -43,7 +43,6 @@ typedef struct surface_implementation
     wisp_entity entity;
     wisp_fabric* fabric;
     surface_generator generator;
-    profile_samples profile; ///< of the steps that were kept
     int steps;
     int halted_at; ///< the step at which the engine halted it because it left its bounds; 0: it never did
 } surface_implementation;
@@ -55,8 +54,6 @@ void surface_implementation_destroy( surface_implementation* implementation );
 
 /// One step. @param context the implementation, as a bench_variant has it
 wisp_status surface_implementation_step( void* context, wisp_error* error );
-/// Keep the last step's profile.
-wisp_status surface_implementation_keep_profile( void* context );
 /// Hash of the vertices in the user's order.
 wisp_status surface_implementation_hash( surface_implementation* implementation, uint64_t* hash, wisp_error* error );
 /// The vertices in the user's order, valid until the next step.

@@ -24,7 +24,7 @@ class Row(dict):
         base, _, of = name.partition(" of ")
         if of:  # such as `stretch_max of percent`: other units
             value = self[base]
-            return value if value == "-" else digits(float(value) * {"percent": 100, "um": 1e6}[of])
+            return value if value == "-" else digits(float(value) * {"percent": 100}[of])
         if name.startswith("ns_a_point_"):
             value = self["ms_" + name[-1]]
             return value if value == "-" else digits(1e6 * float(value) / float(self["points"]))
@@ -68,7 +68,9 @@ class Medians:
         self.files = {path.stem: read_medians(path) for path in sorted(folder.glob("*.csv"))}
 
     def find(self, source):
-        """Return the row that `FILE | CASE | PART | ..` names: of those that match all parts, the one with the least error."""
+        """Return the row that `FILE | CASE | PART | ..` names: of those that match all parts, the one with the least error. `= TEXT` is a row of it."""
+        if source.startswith("= "):
+            return Row(text=source[2:])
         file, case, *parts = [part.strip() for part in source.split("|")]
         if file == "run":  # the machine and version of a file
             version, commit, date, cpu, cores, isa, compiler, *_ = self.files[case][0].split(", ")

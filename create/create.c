@@ -54,17 +54,17 @@ static wisp_status finish( wisp_world* world, wisp_status status, wisp_entity* e
 
 // ---- cloth ----
 
-void wisp_init_create_cloth_def( wisp_create_cloth_def* def, size_t size )
-{
-    const wisp_surface_def surface = wisp_default_surface_def();
-    const wisp_create_cloth_def values = {
-        .area_density = surface.area_density,
-        .gravity = surface.gravity,
-        .collides = true,
-        .normals = true,
-    };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+static const wisp_field CLOTH_FIELDS[] = {
+    WISP_NUMBER( wisp_create_cloth_def, area_density, 0.15, 1e-12, 1e12, "kg/m^2" ),
+    WISP_NUMBER( wisp_create_cloth_def, damping, 0, 0, 1e9, "1/s" ),
+    WISP_VECTOR( wisp_create_cloth_def, gravity, 0, 1e6, "m/s^2", 0, -9.81, 0 ),
+    WISP_VECTOR( wisp_create_cloth_def, wind, 0, 1e5, "m/s", 0 ),
+    WISP_NUMBER( wisp_create_cloth_def, drag_coefficient, 0, 0, 1e6, NULL ),
+    WISP_NUMBER( wisp_create_cloth_def, lift_coefficient, 0, 0, 1e6, NULL ),
+    WISP_SWITCH( wisp_create_cloth_def, collides, true ),
+    WISP_SWITCH( wisp_create_cloth_def, normals, true ),
+};
+WISP_DEFINE( create_cloth_def, "cloth", CLOTH_FIELDS )
 
 static wisp_status cook( wisp_world* world, const wisp_create_cloth_def* def, const wisp_cloth_def* material,
                          wisp_fabric** out )
@@ -111,8 +111,8 @@ wisp_status wisp_create_cloth( wisp_world* world, const wisp_create_cloth_def* g
     {
         *out = ( wisp_entity ){ 0, 0 };
     }
-    wisp_create_cloth_def def = wisp_default_create_cloth_def();
-    WISP_TRY( wisp_world_begin_def( world, "wisp_default_create_cloth_def", &def, given ) );
+    wisp_create_cloth_def def;
+    WISP_TRY( wisp_world_begin_def( world, &wisp_create_cloth_def_fields, &def, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     if ( def.vertex_count == 0 )
     {
@@ -121,7 +121,7 @@ wisp_status wisp_create_cloth( wisp_world* world, const wisp_create_cloth_def* g
     wisp_cloth_def material = wisp_default_cloth_def();
     if ( def.material != NULL )
     {
-        WISP_TRY( wisp_world_begin_def( world, "wisp_default_cloth_def", &material, def.material ) );
+        WISP_TRY( wisp_world_begin_def( world, &wisp_cloth_def_fields, &material, def.material ) );
     }
     material.drag_coefficient = def.drag_coefficient != 0.0f ? def.drag_coefficient : material.drag_coefficient;
     material.lift_coefficient = def.lift_coefficient != 0.0f ? def.lift_coefficient : material.lift_coefficient;
@@ -139,18 +139,19 @@ wisp_status wisp_create_cloth( wisp_world* world, const wisp_create_cloth_def* g
 
 // ---- hair ----
 
-void wisp_init_create_hair_def( wisp_create_hair_def* def, size_t size )
-{
-    const wisp_create_hair_def values = { .collides = true };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+static const wisp_field HAIR_FIELDS[] = {
+    WISP_VECTOR( wisp_create_hair_def, wind, 0, 1e5, "m/s", 0 ),
+    WISP_NUMBER( wisp_create_hair_def, drag_coefficient, 0, 0, 1e6, NULL ),
+    WISP_SWITCH( wisp_create_hair_def, collides, true ),
+};
+WISP_DEFINE( create_hair_def, "hair", HAIR_FIELDS )
 
 static wisp_status apply_dynamics( wisp_world* world, const wisp_create_hair_def* def, wisp_entity hair )
 {
     wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
     if ( def->dynamics != NULL )
     {
-        WISP_TRY( wisp_world_begin_def( world, "wisp_default_strand_dynamics_def", &dynamics, def->dynamics ) );
+        WISP_TRY( wisp_world_begin_def( world, &wisp_strand_dynamics_def_fields, &dynamics, def->dynamics ) );
     }
     dynamics.drag_coefficient = def->drag_coefficient != 0.0f ? def->drag_coefficient : dynamics.drag_coefficient;
     WISP_TRY( wisp_set_strand_dynamics( world, hair, &dynamics ) );
@@ -165,8 +166,8 @@ wisp_status wisp_create_hair( wisp_world* world, const wisp_create_hair_def* giv
     {
         *out = ( wisp_entity ){ 0, 0 };
     }
-    wisp_create_hair_def def = wisp_default_create_hair_def();
-    WISP_TRY( wisp_world_begin_def( world, "wisp_default_create_hair_def", &def, given ) );
+    wisp_create_hair_def def;
+    WISP_TRY( wisp_world_begin_def( world, &wisp_create_hair_def_fields, &def, given ) );
     wisp_strands_def strands = wisp_default_strands_def();
     strands.points = def.points;
     strands.offsets = def.offsets;

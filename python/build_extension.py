@@ -34,27 +34,27 @@ typedef struct wisp_motion_stats
 } wisp_motion_stats;
 typedef enum wisp_memory_kind { WISP_MEMORY_ENGINE, WISP_MEMORY_MODULE, WISP_MEMORY_COMPONENT, WISP_MEMORY_OUTSIDE, ... } wisp_memory_kind;
 typedef struct wisp_memory_part { const char* name; wisp_memory_kind kind; size_t bytes, capacity; ...; } wisp_memory_part;
-typedef struct wisp_tune_sample { double ms, error, largest; bool is_halted; ...; } wisp_tune_sample;
-#define WISP_TUNE_MAX_PARAMETERS ...
-typedef struct wisp_tune_trial
+typedef struct tune_sample { double ms, error, largest; bool is_halted; ...; } tune_sample;
+#define TUNE_MAX_PARAMETERS ...
+typedef struct tune_trial
 {
     int configuration[...];
-    wisp_tune_sample sample;
+    tune_sample sample;
     int run_count;
     bool is_pareto;
     ...;
-} wisp_tune_trial;
-typedef struct wisp_tune_result
+} tune_trial;
+typedef struct tune_result
 {
     bool meets_target, stopped_early;
     int configuration[...];
-    wisp_tune_sample achieved;
-    wisp_tune_trial* trials;
+    tune_sample achieved;
+    tune_trial* trials;
     int trial_count, run_count;
     double seconds;
     ...;
-} wisp_tune_result;
-void wisp_tune_release( wisp_tune_result* result );
+} tune_result;
+void tune_release( tune_result* result );
 #define WISP_VERSION_STRING ...
 typedef enum scene_body_kind { SCENE_BODY_STRANDS, SCENE_BODY_CLOTH, SCENE_BODY_BALLOON, SCENE_BODY_COLLIDER, SCENE_BODY_PLANE, ... } scene_body_kind;
 typedef enum scene_request

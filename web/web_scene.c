@@ -57,7 +57,7 @@ WEB_API int web_scene_parameter_is_unordered( const binding_scene* s, int parame
     return binding_parameter_is_unordered( s, parameter );
 }
 
-/// @param out [WISP_TUNE_MAX_VALUES] @return how many values there are
+/// @param out [TUNE_MAX_VALUES] @return how many values there are
 WEB_API int web_scene_parameter_values( const binding_scene* s, int parameter, double* out )
 {
     return binding_parameter_values( s, parameter, out );

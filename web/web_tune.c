@@ -23,7 +23,7 @@ WEB_API int web_tune( const char* path, double error, double length, double limi
     binding_scene* scene = NULL;
     binding_reference* reference = NULL;
     binding_reference_info info;
-    wisp_tune_result found = { 0 };
+    tune_result found = { 0 };
     wisp_status status = binding_scene_read( path, &scene, &web_error );
     status = status == WISP_OK ? binding_reference_open( scene, length, NULL, NULL, &reference, &info, &web_error )
                                : status;
@@ -37,7 +37,7 @@ WEB_API int web_tune( const char* path, double error, double length, double limi
     out[2] = found.achieved.error;
     out[3] = found.run_count;
     out[4] = found.stopped_early;
-    wisp_tune_release( &found );
+    tune_release( &found );
     binding_reference_close( reference );
     binding_scene_close( scene );
     return status == WISP_OK;

@@ -6,7 +6,7 @@
 #pragma once
 
 #include "world_from_scene.h"
-#include "wisp/tune.h"
+#include "tune_search.h"
 
 // ---- scenes ----
 
@@ -241,10 +241,10 @@ wisp_status binding_reference_open( const binding_scene* scene, double length, b
 void binding_reference_close( binding_reference* reference );
 /// Run and time a scene of the same bodies. @param workers, isa as in binding_tune_def
 wisp_status binding_reference_measure( const binding_reference* reference, const binding_scene* scene, int workers,
-                                       const char* isa, wisp_tune_sample* out, wisp_error* error );
+                                       const char* isa, tune_sample* out, wisp_error* error );
 /// Find the cheapest parameters of the scene within an error, or the most accurate ones within a time.
-/// @param out to be released with wisp_tune_release()
-wisp_status binding_tune( const binding_reference* reference, const binding_tune_def* def, wisp_tune_result* out,
+/// @param out to be released with tune_release()
+wisp_status binding_tune( const binding_reference* reference, const binding_tune_def* def, tune_result* out,
                           wisp_error* error );
 
 // ---- recorders ----

@@ -169,7 +169,7 @@ bool binding_parameter_is_unordered( const binding_scene* s, int parameter )
 
 int binding_parameter_values( const binding_scene* s, int parameter, double* out )
 {
-    const wisp_tune_parameter* p = &s->parameters.parameters[parameter];
+    const tune_parameter* p = &s->parameters.parameters[parameter];
     memcpy( out, p->values, (size_t)p->value_count * sizeof *out );
     return p->value_count;
 }
@@ -206,7 +206,7 @@ static wisp_status set_fields( const char* name, const char* fields, char** text
 wisp_status binding_scene_edit( const binding_scene* s, const double* values, const char* fields, char** out,
                                 size_t* size, wisp_error* error )
 {
-    const int first[WISP_TUNE_MAX_PARAMETERS] = { 0 };
+    const int first[TUNE_MAX_PARAMETERS] = { 0 };
     tune_parameters changed = s->parameters;
     for ( int k = 0; k < changed.count; ++k )
     {
@@ -288,7 +288,7 @@ wisp_status binding_reference_open( const binding_scene* scene, double length, b
 }
 
 wisp_status binding_reference_measure( const binding_reference* r, const binding_scene* scene, int workers,
-                                       const char* isa, wisp_tune_sample* out, wisp_error* error )
+                                       const char* isa, tune_sample* out, wisp_error* error )
 {
     const suite_given given = given_of( scene );
     const tune_machine machine = { workers, isa };
@@ -300,7 +300,7 @@ wisp_status binding_reference_measure( const binding_reference* r, const binding
                : status;
 }
 
-wisp_status binding_tune( const binding_reference* r, const binding_tune_def* def, wisp_tune_result* out,
+wisp_status binding_tune( const binding_reference* r, const binding_tune_def* def, tune_result* out,
                           wisp_error* error )
 {
     const tune_scene_search_def search = {
@@ -314,6 +314,6 @@ wisp_status binding_tune( const binding_reference* r, const binding_tune_def* de
         .progress_user = def->user,
     };
     suite_measurement last;
-    *out = ( wisp_tune_result ){ 0 };
+    *out = ( tune_result ){ 0 };
     return tune_scene_search( &r->from, &search, &last, out, error );
 }

@@ -12,7 +12,7 @@
 static wisp_status refine( wisp_scene* scene, int factor, wisp_error* error )
 {
     tune_parameters parameters;
-    int finest[WISP_TUNE_MAX_PARAMETERS];
+    int finest[TUNE_MAX_PARAMETERS];
     WISP_TRY( tune_parameters_find( scene, &parameters, error ) );
     for ( int k = 0; k < parameters.count; ++k )
     {

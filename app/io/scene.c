@@ -200,7 +200,7 @@ static const scene_field OUTPUT_FIELDS[] = {
               "`.obj` or `.ply`.",
       .form = "path" },
 };
-const scene_block SCENE_OUTPUT_BLOCK = { OUTPUT_FIELDS, WISP_COUNT( OUTPUT_FIELDS ) };
+const scene_block SCENE_OUTPUT_BLOCK = SCENE_BLOCK_ALONE( OUTPUT_FIELDS );
 
 static wisp_status read_output( scene_reader* r, const scene_node* node, int index, void* context )
 {
@@ -331,7 +331,7 @@ static const scene_field SCENE_FIELDS[] = {
       .form = "list of blocks", .initial = "none" },
 };
 #undef AT
-const scene_block SCENE_BLOCK_OF_ALL = { SCENE_FIELDS, WISP_COUNT( SCENE_FIELDS ) };
+const scene_block SCENE_BLOCK_OF_ALL = SCENE_BLOCK_ALONE( SCENE_FIELDS );
 
 // Check the version first: a newer scene has keys that would only be called unknown.
 static wisp_status check_version( scene_reader* r, const scene_node* root )

@@ -5,11 +5,6 @@
 
 #include <stddef.h>
 
-#define BLOCK( fields )                                                                                              \
-    {                                                                                                                \
-        fields, WISP_COUNT( fields )                                                                                 \
-    }
-
 static wisp_status read_clip_name( scene_reader* r, const scene_node* node, void* at )
 {
     return scene_read_text( r, node, at );
@@ -28,7 +23,7 @@ static const scene_field CLIP_FIELDS[] = {
       .help = "Whether it repeats until the next clip; else its last pose stays." },
 };
 #undef AT
-const scene_block SCENE_CLIP_BLOCK = BLOCK( CLIP_FIELDS );
+const scene_block SCENE_CLIP_BLOCK = SCENE_BLOCK_ALONE( CLIP_FIELDS );
 
 wisp_scene_clip scene_default_clip( void )
 {
@@ -75,7 +70,7 @@ static const scene_field ANIMATION_FIELDS[] = {
       .help = "How vertices follow several joints." },
 };
 #undef AT
-const scene_block SCENE_ANIMATION_BLOCK = BLOCK( ANIMATION_FIELDS );
+const scene_block SCENE_ANIMATION_BLOCK = SCENE_BLOCK_ALONE( ANIMATION_FIELDS );
 
 wisp_status scene_check_animation( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
 {

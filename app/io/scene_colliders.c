@@ -19,7 +19,7 @@ static const scene_choice WORDS[] = { { "reaction", "force that surfaces and str
 
 // The rotation stands before the keyframes, the first of which takes it over unless it has its own.
 static const scene_field COPIES_FIELDS[] = { SCENE_COPIES_FIELDS( wisp_scene_collider ) };
-static const scene_block COPIES_BLOCK = { COPIES_FIELDS, WISP_COUNT( COPIES_FIELDS ) };
+static const scene_block COPIES_BLOCK = SCENE_BLOCK_ALONE( COPIES_FIELDS );
 
 #define COMMON_FIELDS                                                                                                \
     { "name",                                                                                                        \
@@ -29,8 +29,7 @@ static const scene_block COPIES_BLOCK = { COPIES_FIELDS, WISP_COUNT( COPIES_FIEL
       .read = scene_read_name,                                                                                       \
       .form = "1 to 64 of the characters A-Z a-z 0-9 _ -",                                                           \
       .help = "Unique among strands, surfaces, colliders and seams." },                                              \
-        { "shape",           SCENE_CHOICE,      .required = true,                                                    \
-          .at = DEF( kind ), .choices = SHAPES, .constants = "WISP_COLLIDER_",                                       \
+        { "shape",         .member = "kind", .required = true, .choices = SHAPES, .constants = "WISP_COLLIDER_",     \
           .help = "Shape." },                                                                                        \
         { "position",          SCENE_VECTOR,   .at = DEF( pose.translation ),                                        \
           .range = COORDINATE, .unit = METRES, .help = "Where it stands." },                                         \
@@ -48,14 +47,8 @@ static const scene_block COPIES_BLOCK = { COPIES_FIELDS, WISP_COUNT( COPIES_FIEL
           .form = "number, or pair [static, kinetic], 0 .. 1e6",                                                     \
           .initial = "0.5",                                                                                          \
           .help = "Friction coefficients; kinetic friction is at most static friction." },                           \
-        { "thickness",                                                                                               \
-          SCENE_NUMBER,                                                                                              \
-          .at = DEF( thickness ),                                                                                    \
-          .range = RANGE( 0, 1e6 ),                                                                                  \
-          .unit = METRES,                                                                                            \
-          .help = "Thickness that is added to that of what touches it." },                                           \
-        { "restitution", SCENE_NUMBER, .at = DEF( restitution ), .range = RANGE( 0, 1 ),                             \
-          .help = "Fraction of the approach speed that a vertex leaves with." },                                     \
+        { "thickness", .help = "Thickness that is added to that of what touches it." },                              \
+        { "restitution", .help = "Fraction of the approach speed that a vertex leaves with." },                      \
         { "layers",                                                                                                  \
           SCENE_CUSTOM,                                                                                              \
           .at = DEF( layers ),                                                                                       \
@@ -74,27 +67,22 @@ static const scene_block COPIES_BLOCK = { COPIES_FIELDS, WISP_COUNT( COPIES_FIEL
 static const scene_field PLANE_FIELDS[] = { COMMON_FIELDS };
 static const scene_field SPHERE_FIELDS[] = {
     COMMON_FIELDS,
-    { "radius", SCENE_NUMBER, .at = DEF( radius ), .range = SIZE, .unit = METRES, .help = "Radius." },
+    { "radius", .help = "Radius." },
 };
 static const scene_field CAPSULE_FIELDS[] = {
     COMMON_FIELDS,
-    { "radius", SCENE_NUMBER, .at = DEF( radius ), .range = SIZE, .unit = METRES, .help = "Radius." },
-    { "half_length", SCENE_NUMBER, .at = DEF( half_length ), .range = RANGE( 0, 1e6 ), .unit = METRES,
-      .help = "From the middle to the centre of a cap, along y." },
+    { "radius", .help = "Radius." },
+    { "half_length", .help = "From the middle to the centre of a cap, along y." },
 };
 static const scene_field TAPERED_CAPSULE_FIELDS[] = {
     COMMON_FIELDS,
-    { "top_radius", SCENE_NUMBER, .at = DEF( top_radius ), .range = SIZE, .unit = METRES,
-      .help = "Radius of the cap at +y." },
-    { "bottom_radius", SCENE_NUMBER, .at = DEF( bottom_radius ), .range = SIZE, .unit = METRES,
-      .help = "Radius of the cap at -y." },
-    { "half_length", SCENE_NUMBER, .at = DEF( half_length ), .range = RANGE( 0, 1e6 ), .unit = METRES,
-      .help = "From the middle to the centre of a cap, along y." },
+    { "top_radius", .help = "Radius of the cap at +y." },
+    { "bottom_radius", .help = "Radius of the cap at -y." },
+    { "half_length", .help = "From the middle to the centre of a cap, along y." },
 };
 static const scene_field BOX_FIELDS[] = {
     COMMON_FIELDS,
-    { "half_extent", SCENE_VECTOR, .at = DEF( half_extent ), .range = SIZE, .unit = METRES,
-      .help = "Half of the edges along x, y and z." },
+    { "half_extent", .help = "Half of the edges along x, y and z." },
 };
 #define MESH_SOURCE_FIELDS                                                                                           \
     { "file",                                                                                                        \
@@ -121,9 +109,8 @@ static const scene_field MESH_FIELDS[] = {
       .help = "Properties that the repaired mesh must have, as for a surface.", .form = "list of words",
       .initial = "none" },
     { "scale", SCENE_NUMBER, .at = AT( mesh.scale ), .range = SIZE, .help = "Factor of the size of the mesh." },
-    { "double_sided", SCENE_SWITCH, .at = DEF( double_sided ),
-      .help = "The mesh has two sides and no inside; otherwise it must be closed." },
-    { "tracks", SCENE_SWITCH, .at = DEF( tracks ),
+    { "double_sided", .help = "The mesh has two sides and no inside; otherwise it must be closed." },
+    { "tracks",
       .help = "Closest triangles are searched once per step and tracked in between; otherwise in each substep." },
 };
 static const scene_field CONVEX_FIELDS[] = {
@@ -136,14 +123,10 @@ static const scene_field HEIGHT_FIELD_FIELDS[] = {
     { "heights", SCENE_CUSTOM, .required = true, .at = 0, .read = scene_read_heights,
       .form = "list of 2 .. 8192 rows along z, each of as many numbers along x, -1e6 .. 1e6", .unit = METRES,
       .help = "Heights of a grid around the y axis." },
-    { "spacing", SCENE_NUMBER, .at = DEF( spacing ), .range = SIZE, .unit = METRES,
-      .help = "Distance of the heights along x and z." },
+    { "spacing", .help = "Distance of the heights along x and z." },
 };
 
-#define BLOCK( fields )                                                                                              \
-    {                                                                                                                \
-        fields, WISP_COUNT( fields )                                                                                 \
-    }
+#define BLOCK( fields ) SCENE_BLOCK_OF( fields, collider_def, wisp_scene_collider, def )
 const scene_block SCENE_COLLIDER_BLOCKS[WISP_COLLIDER_COUNT] = {
     [WISP_COLLIDER_PLANE] = BLOCK( PLANE_FIELDS ),
     [WISP_COLLIDER_SPHERE] = BLOCK( SPHERE_FIELDS ),

@@ -77,7 +77,7 @@ static const scene_field EVENT_FIELDS[] = {
       .help = "Detaches pins from the surface that they go along with, and holds them where they are." },
 };
 #undef AT
-const scene_block SCENE_EVENT_BLOCK = { EVENT_FIELDS, WISP_COUNT( EVENT_FIELDS ) };
+const scene_block SCENE_EVENT_BLOCK = SCENE_BLOCK_ALONE( EVENT_FIELDS );
 
 static wisp_status find_step( scene_reader* r, const scene_node* node, scene_event* read )
 {

@@ -43,7 +43,7 @@ static const scene_field COMMAND_FIELDS[] = {
       .initial = "unchanged" },
 };
 #undef AT
-const scene_block SCENE_COMMAND_BLOCK = { COMMAND_FIELDS, WISP_COUNT( COMMAND_FIELDS ) };
+const scene_block SCENE_COMMAND_BLOCK = SCENE_BLOCK_ALONE( COMMAND_FIELDS );
 
 // Places rise with the file, so equals keep their order, which qsort does not promise.
 static int compare_commands( const void* a, const void* b )

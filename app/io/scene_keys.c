@@ -5,6 +5,7 @@
 #include "nearest.h"
 #include "scene_parts.h"
 #include "scene_schema.h"
+#include "wisp/module/definition.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -144,10 +145,48 @@ static wisp_status scene_read_field( scene_reader* r, const scene_node* node, co
                 *(bool*)out = status == WISP_OK && is_off == false;
             }
             return status;
+        case SCENE_MEMBER:
         case SCENE_CUSTOM:
             break;
     }
     return field->read( r, node, out );
+}
+
+// ---- fields of definitions ----
+
+static scene_type type_of( const scene_field* field, const wisp_field* f )
+{
+    static const scene_type TYPES[] = {
+        [WISP_FIELD_NUMBER] = SCENE_NUMBER, [WISP_FIELD_WHOLE] = SCENE_WHOLE, [WISP_FIELD_CHOICE] = SCENE_CHOICE,
+        [WISP_FIELD_SWITCH] = SCENE_SWITCH, [WISP_FIELD_SEED] = SCENE_SEED,   [WISP_FIELD_VECTOR] = SCENE_VECTOR,
+        [WISP_FIELD_POINT] = SCENE_VECTOR
+    };
+    WISP_ASSERT( f->type < WISP_COUNT( TYPES ) );
+    return field->list_count != 0                                   ? SCENE_NUMBERS
+           : f->type == WISP_FIELD_SWITCH && field->choices != NULL ? SCENE_EITHER
+                                                                    : TYPES[f->type];
+}
+
+scene_field scene_field_at( const scene_block* block, int i )
+{
+    scene_field field = block->fields[i];
+    if ( field.type != SCENE_MEMBER )
+    {
+        return field;
+    }
+    const wisp_field* f = wisp_def_find( block->of, field.member != NULL ? field.member : field.key );
+    WISP_ASSERT( f != NULL );
+    field.type = type_of( &field, f );
+    field.at = block->at + f->offset;
+    field.unit = field.unit != NULL ? field.unit : f->unit;
+    if ( field.range.lower == 0.0 && field.range.upper == 0.0 )
+    {
+        // coordinates of a vector whose length is bounded: less than the bound over the square root of three
+        const bool is_vector = f->type == WISP_FIELD_VECTOR;
+        field.range =
+            ( scene_range ){ is_vector ? -0.5 * f->upper : f->lower, is_vector ? 0.5 * f->upper : f->upper };
+    }
+    return field;
 }
 
 // ---- mappings ----
@@ -281,26 +320,26 @@ wisp_status scene_read_block( scene_reader* r, const scene_node* node, const sce
     }
     for ( int i = 0; i < block->field_count; ++i )
     {
-        const scene_field* field = &block->fields[i];
-        if ( !found[i] && field->required )
+        const scene_field field = scene_field_at( block, i );
+        if ( !found[i] && field.required )
         {
-            return scene_refuse_node( r, node, "key '%s' is missing", field->key );
+            return scene_refuse_node( r, node, "key '%s' is missing", field.key );
         }
         if ( found[i] )
         {
-            size_t outside = scene_enter_key( r, field->key );
-            status = scene_read_field( r, found[i], field, base );
+            size_t outside = scene_enter_key( r, field.key );
+            status = scene_read_field( r, found[i], &field, base );
             if ( status )
             {
                 return status;
             }
-            if ( field->given )
+            if ( field.given )
             {
-                *( (bool*)base + field->given ) = true;
+                *( (bool*)base + field.given ) = true;
             }
             scene_leave( r, outside );
         }
-        status = field->bind ? field->bind( r, node ) : WISP_OK;
+        status = field.bind ? field.bind( r, node ) : WISP_OK;
         if ( status )
         {
             return status;
@@ -394,6 +433,7 @@ static const char* name_of_type( const scene_field* field )
             return "block";
         case SCENE_USUAL:
             return "block or false";
+        case SCENE_MEMBER:
         case SCENE_CUSTOM:
             break;
     }
@@ -463,6 +503,7 @@ static void add_value( writer* w, const scene_field* field, const void* base )
             add_number( w, (double)v->z, true );
             add( w, "]" );
             break;
+        case SCENE_MEMBER:
         case SCENE_TEXT:
         case SCENE_BLOCK:
         case SCENE_USUAL:
@@ -499,28 +540,17 @@ static void describe( writer* w, const scene_field* field, const void* base )
     }
 }
 
-static const scene_field* find_key( const scene_block* block, const char* key )
-{
-    for ( int i = 0; i < block->field_count; ++i )
-    {
-        if ( strcmp( block->fields[i].key, key ) == 0 )
-        {
-            return &block->fields[i];
-        }
-    }
-    return NULL;
-}
-
 // @return false if the shape has no such key
 static bool describe_in( const section* s, int shape, const char* key, char text[FIELD_SIZE] )
 {
-    const scene_field* field = find_key( &s->blocks[shape], key );
-    if ( field )
+    const int i = find_field( &s->blocks[shape], key );
+    if ( i >= 0 )
     {
         writer w = { text, FIELD_SIZE, 0 };
-        describe( &w, field, (const char*)s->bases + (size_t)shape * s->stride );
+        const scene_field field = scene_field_at( &s->blocks[shape], i );
+        describe( &w, &field, (const char*)s->bases + (size_t)shape * s->stride );
     }
-    return field != NULL;
+    return i >= 0;
 }
 
 // Shapes whose key has the same text share a line, written at the first of them.
@@ -539,8 +569,8 @@ static void write_field( FILE* out, const section* s, int shape, const char* key
         }
         if ( is_same )
         {
-            const scene_choice* words =
-                find_key( &s->blocks[i], "shape" ) ? find_key( &s->blocks[i], "shape" )->choices : NULL;
+            const int word = find_field( &s->blocks[i], "shape" );
+            const scene_choice* words = word >= 0 ? s->blocks[i].fields[word].choices : NULL;
             add( &w, "%s`%s`", count > 0 ? ", " : " of ", words ? words[i].word : "" );
             ++count;
         }

@@ -41,7 +41,7 @@ static const scene_field MAP_FIELDS[] = {
     { "to", SCENE_NUMBER, .at = AT( to ), .range = RANGE( -1e12, 1e12 ), .help = "Value of 1 in the file." },
 };
 #undef AT
-static const scene_block MAP_BLOCK = { MAP_FIELDS, WISP_COUNT( MAP_FIELDS ) };
+static const scene_block MAP_BLOCK = SCENE_BLOCK_ALONE( MAP_FIELDS );
 
 wisp_status scene_read_map( scene_reader* r, const scene_node* node, const scene_field* field, void* base )
 {

@@ -135,22 +135,18 @@ static const scene_field TUBE_FIELDS[] = {
 };
 #undef AT
 
-#define BLOCK( fields )                                                                                              \
-    {                                                                                                                \
-        fields, WISP_COUNT( fields )                                                                                 \
-    }
 const scene_block SCENE_MESH_BLOCKS[WISP_MESH_SHAPE_COUNT] = {
-    [WISP_MESH_PLANE_REGULAR] = BLOCK( PLANE_FIELDS ),
-    [WISP_MESH_PLANE_ALTERNATING] = BLOCK( PLANE_FIELDS ),
-    [WISP_MESH_PLANE_IRREGULAR] = BLOCK( IRREGULAR_FIELDS ),
-    [WISP_MESH_DELAUNAY] = BLOCK( DELAUNAY_FIELDS ),
-    [WISP_MESH_GARMENT] = BLOCK( GARMENT_FIELDS ),
-    [WISP_MESH_ICOSPHERE] = BLOCK( LEVEL_FIELDS ),
-    [WISP_MESH_UV_SPHERE] = BLOCK( SPHERE_FIELDS ),
-    [WISP_MESH_TORUS] = BLOCK( TORUS_FIELDS ),
-    [WISP_MESH_CAPSULE] = BLOCK( CAPSULE_FIELDS ),
-    [WISP_MESH_TUBE] = BLOCK( TUBE_FIELDS ),
-    [WISP_MESH_PEAR] = BLOCK( LEVEL_FIELDS ),
+    [WISP_MESH_PLANE_REGULAR] = SCENE_BLOCK_ALONE( PLANE_FIELDS ),
+    [WISP_MESH_PLANE_ALTERNATING] = SCENE_BLOCK_ALONE( PLANE_FIELDS ),
+    [WISP_MESH_PLANE_IRREGULAR] = SCENE_BLOCK_ALONE( IRREGULAR_FIELDS ),
+    [WISP_MESH_DELAUNAY] = SCENE_BLOCK_ALONE( DELAUNAY_FIELDS ),
+    [WISP_MESH_GARMENT] = SCENE_BLOCK_ALONE( GARMENT_FIELDS ),
+    [WISP_MESH_ICOSPHERE] = SCENE_BLOCK_ALONE( LEVEL_FIELDS ),
+    [WISP_MESH_UV_SPHERE] = SCENE_BLOCK_ALONE( SPHERE_FIELDS ),
+    [WISP_MESH_TORUS] = SCENE_BLOCK_ALONE( TORUS_FIELDS ),
+    [WISP_MESH_CAPSULE] = SCENE_BLOCK_ALONE( CAPSULE_FIELDS ),
+    [WISP_MESH_TUBE] = SCENE_BLOCK_ALONE( TUBE_FIELDS ),
+    [WISP_MESH_PEAR] = SCENE_BLOCK_ALONE( LEVEL_FIELDS ),
 };
 
 int64_t scene_generator_vertices( const wisp_mesh_generator* generator )
@@ -326,7 +322,7 @@ static const scene_field ROTATION_FIELDS[] = {
       .form = "number or [x, y, z], degrees, -36000 .. 36000" },
 };
 #undef AT
-const scene_block SCENE_ROTATION_BLOCK = BLOCK( ROTATION_FIELDS );
+const scene_block SCENE_ROTATION_BLOCK = SCENE_BLOCK_ALONE( ROTATION_FIELDS );
 
 // Not the C library's sine: the same scene gives the same bits on every machine.
 static wisp_quat turn_about( wisp_vec3 axis, float degrees )
@@ -414,8 +410,8 @@ static const scene_field POSITION_FIELDS[] = {
     JUMP_FIELD,
 };
 #undef AT
-const scene_block SCENE_PIN_POSE_BLOCK = BLOCK( PIN_POSE_FIELDS );
-const scene_block SCENE_POSITION_BLOCK = BLOCK( POSITION_FIELDS );
+const scene_block SCENE_PIN_POSE_BLOCK = SCENE_BLOCK_ALONE( PIN_POSE_FIELDS );
+const scene_block SCENE_POSITION_BLOCK = SCENE_BLOCK_ALONE( POSITION_FIELDS );
 
 typedef struct path_list
 {

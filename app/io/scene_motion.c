@@ -11,14 +11,7 @@
 // Every key of strands that move, follow others, or are made of others.
 
 #define AT( member ) offsetof( wisp_scene_strands, member )
-#define BLOCK( fields )                                                                                              \
-    {                                                                                                                \
-        fields, WISP_COUNT( fields )                                                                                 \
-    }
-
 // ---- dynamics ----
-
-#define MOVES( member ) offsetof( wisp_scene_strands, dynamics.member )
 
 static const scene_choice STRETCHES[] = { { "direct", "the whole strand at once by a direct solve, exact" },
                                           { "links", "one pass over links per iteration, cheap" },
@@ -45,56 +38,42 @@ static const scene_field DYNAMICS_FIELDS[] = {
     { "substeps", SCENE_WHOLE, .at = AT( substeps ), .range = RANGE( 0, 10000 ),
       .help = "Substeps of these strands, rounded up to a multiple of those of the scene, which has the fewest.",
       .initial = "those of the scene" },
-    { "stretch", SCENE_CHOICE, .at = MOVES( stretch ), .choices = STRETCHES, .constants = "WISP_STRAND_STRETCH_",
+    { "stretch", .choices = STRETCHES, .constants = "WISP_STRAND_STRETCH_",
       .help = "How segments keep their length." },
-    { "stretch_passes", SCENE_WHOLE, .at = MOVES( stretch_passes ), .range = RANGE( 1, 16 ),
+    { "stretch_passes",
       .help = "Newton passes of the direct solve in an iteration at most; they end early when lengths are right." },
-    { "stretch_tolerance", SCENE_NUMBER, .at = MOVES( stretch_tolerance ), .range = RANGE( 1e-6, 1 ),
+    { "stretch_tolerance",
       .help = "Largest relative error of a length after the direct solve; strands beyond it are reset to their rest "
               "lengths and counted." },
-    { "integrator", SCENE_CHOICE, .at = MOVES( integrator ), .choices = INTEGRATORS, .constants = "WISP_INTEGRATOR_",
-      .help = "Time integration." },
-    { "bending", SCENE_CHOICE, .at = MOVES( bending ), .choices = BENDS, .constants = "WISP_STRAND_BEND_",
-      .help = "How strands resist bending." },
-    { "bend_rigidity", SCENE_NUMBER, .at = MOVES( bend_rigidity ), .range = RANGE( 0, 1e12 ), .unit = ROD_RIGIDITIES,
-      .help = "Bending rigidity EI of a rod." },
-    { "twist_rigidity", SCENE_NUMBER, .at = MOVES( twist_rigidity ), .range = RANGE( 0, 1e12 ),
-      .unit = ROD_RIGIDITIES, .help = "Twisting rigidity GJ of a rod." },
-    { "edgewise_rigidity", SCENE_NUMBER, .at = MOVES( edgewise_rigidity ), .range = RANGE( 0, 1e12 ),
-      .unit = ROD_RIGIDITIES,
+    { "integrator", .choices = INTEGRATORS, .constants = "WISP_INTEGRATOR_", .help = "Time integration." },
+    { "bending", .choices = BENDS, .constants = "WISP_STRAND_BEND_", .help = "How strands resist bending." },
+    { "bend_rigidity", .help = "Bending rigidity EI of a rod." },
+    { "twist_rigidity", .help = "Twisting rigidity GJ of a rod." },
+    { "edgewise_rigidity",
       .help = "Bending rigidity of an elliptic section or a ribbon in the plane of its width, 1 to 1e5 times "
               "`bend_rigidity`, which is that across its flat side; 0 is circular." },
-    { "flat_normal", SCENE_VECTOR, .at = MOVES( flat_normal ), .range = RANGE( -1e5, 1e5 ),
+    { "flat_normal", .range = RANGE( -1e5, 1e5 ),
       .help = "Direction across the flat side at roots, with `edgewise_rigidity`.", .initial = "any direction" },
-    { "natural_twist", SCENE_NUMBER, .at = MOVES( natural_twist ), .range = RANGE( -1e5, 1e5 ), .unit = "rad/m",
-      .help = "Rotation of the section along a strand without load, with `edgewise_rigidity`." },
-    { "free_roots", SCENE_SWITCH, .at = MOVES( free_roots ),
+    { "natural_twist", .help = "Rotation of the section along a strand without load, with `edgewise_rigidity`." },
+    { "free_roots",
       .help = "Roots are free, in place and direction: strands fall. With `rest: shape` or `straight`." },
-    { "closed", SCENE_SWITCH, .at = MOVES( closed ),
+    { "closed",
       .help = "Every strand is a loop that moves freely: its last vertex lies on its first and is the same one. With "
               "`stretch: direct`, `bending: rod` or `none`, and `rest: shape` or `straight`." },
-    { "closing_twist", SCENE_NUMBER, .at = MOVES( closing_twist ), .range = RANGE( -1e4, 1e4 ), .unit = "rad",
+    { "closing_twist",
       .help = "How far one end of a closed rod was turned against the other before they were joined." },
-    { "bend_damping", SCENE_NUMBER, .at = MOVES( bend_damping ), .range = RANGE( 0, 1e3 ), .unit = SECONDS,
+    { "bend_damping",
       .help = "Ratio of the force against the rate of bending to the force against bending, of a rod." },
-    { "rest", SCENE_CHOICE, .at = MOVES( rest ), .choices = RESTS, .constants = "WISP_STRAND_REST_",
-      .help = "Shape of a rod where no force acts." },
-    { "clamped", SCENE_SWITCH, .at = MOVES( clamped ),
-      .help = "Whether the root holds the direction of a rod as well as its place." },
-    { "solver", SCENE_CHOICE, .at = MOVES( solver ), .choices = SOLVERS, .constants = "WISP_SOLVER_",
-      .help = "Solver of links." },
-    { "stretch_compliance", SCENE_NUMBER, .at = MOVES( stretch_compliance ), .range = COMPLIANCE, .unit = COMPLIANCES,
-      .help = "Compliance of links along segments, with `solver: xpbd`." },
-    { "bend_compliance", SCENE_NUMBER, .at = MOVES( bend_compliance ), .range = COMPLIANCE, .unit = COMPLIANCES,
-      .help = "Compliance of bend links, with `solver: xpbd`." },
-    { "stretch_stiffness", SCENE_NUMBER, .at = MOVES( stretch_stiffness ), .range = UNIT_RANGE,
-      .help = "Stiffness of links along segments, with `solver: pbd`." },
-    { "bend_stiffness", SCENE_NUMBER, .at = MOVES( bend_stiffness ), .range = UNIT_RANGE,
-      .help = "Stiffness of bend links, with `solver: pbd`." },
-    { "line_density", SCENE_NUMBER, .at = MOVES( line_density ), .range = ANY_MASS, .unit = LINE_DENSITIES,
-      .help = "Mass per length of a strand." },
-    { "vertex_mass", SCENE_NUMBER, .at = MOVES( vertex_mass ), .range = ANY_MASS, .unit = MASSES,
-      .help = "Mass of every vertex, instead of the density.", .initial = "by density" },
+    { "rest", .choices = RESTS, .constants = "WISP_STRAND_REST_", .help = "Shape of a rod where no force acts." },
+    { "clamped", .help = "Whether the root holds the direction of a rod as well as its place." },
+    { "solver", .choices = SOLVERS, .constants = "WISP_SOLVER_", .help = "Solver of links." },
+    { "stretch_compliance", .help = "Compliance of links along segments, with `solver: xpbd`." },
+    { "bend_compliance", .help = "Compliance of bend links, with `solver: xpbd`." },
+    { "stretch_stiffness", .help = "Stiffness of links along segments, with `solver: pbd`." },
+    { "bend_stiffness", .help = "Stiffness of bend links, with `solver: pbd`." },
+    { "line_density", .help = "Mass per length of a strand." },
+    { "vertex_mass", .range = ANY_MASS, .help = "Mass of every vertex, instead of the density.",
+      .initial = "by density" },
     { "vertex_masses", SCENE_CUSTOM, .read = scene_read_vertex_masses,
       .help = "Mass of each vertex, instead of the density.",
       .form = "list of numbers in kg, one per vertex, 1e-12 .. 1e12", .initial = "by density" },
@@ -102,22 +81,18 @@ static const scene_field DYNAMICS_FIELDS[] = {
       .help = "Mass of tips over what it would be; from 1 at roots it grows by equal factors." },
     { "pins", SCENE_CUSTOM, .read = scene_read_strand_pins, .help = "Vertices held in addition to the roots.",
       .form = "list of vertices", .initial = "none" },
-    { "gravity", SCENE_VECTOR, .at = MOVES( gravity ), .range = ACCELERATION, .unit = ACCELERATIONS,
-      .help = "Gravity of these strands.", .initial = "that of the scene" },
-    { "damping", SCENE_NUMBER, .at = MOVES( damping ), .range = RANGE( 0, 1e9 ), .unit = RATES,
-      .help = "Rate at which motion relative to the head dies." },
-    { "wind", SCENE_VECTOR, .at = MOVES( wind ), .range = WIND, .unit = SPEEDS, .help = "Velocity of the air." },
-    { "air_density", SCENE_NUMBER, .at = MOVES( air_density ), .range = RANGE( 0, 1e6 ), .unit = AIR_DENSITIES,
-      .help = "Density of the air." },
-    { "drag_coefficient", SCENE_NUMBER, .at = MOVES( drag_coefficient ), .range = RANGE( 0, 1e6 ),
-      .help = "Drag coefficient across a strand; 0 switches air off." },
-    { "diameter", SCENE_NUMBER, .at = MOVES( diameter ), .range = SIZE, .unit = METRES,
-      .help = "Diameter of a strand in the air." },
-    { "teleport", SCENE_NUMBER, .at = MOVES( teleport ), .range = SIZE,
+    { "gravity", .help = "Gravity of these strands.", .initial = "that of the scene" },
+    { "damping", .help = "Rate at which motion relative to the head dies." },
+    { "wind", .help = "Velocity of the air." },
+    { "air_density", .help = "Density of the air." },
+    { "drag_coefficient", .help = "Drag coefficient across a strand; 0 switches air off." },
+    { "diameter", .range = SIZE, .help = "Diameter of a strand in the air." },
+    { "teleport", .range = SIZE,
       .help = "A head that moves farther than this in a step, in lengths of the longest strand, gives its strands no "
               "velocity." },
 };
-const scene_block SCENE_DYNAMICS_BLOCK = BLOCK( DYNAMICS_FIELDS );
+const scene_block SCENE_DYNAMICS_BLOCK =
+    SCENE_BLOCK_OF( DYNAMICS_FIELDS, strand_dynamics_def, wisp_scene_strands, dynamics );
 
 static const scene_field HEAD_FIELDS[] = {
     { "keyframes", SCENE_CUSTOM, .required = true, .read = scene_read_head_path,
@@ -127,15 +102,11 @@ static const scene_field HEAD_FIELDS[] = {
       .given = AT( has_head_pivot ), .help = "Where the head stands at the start.",
       .initial = "`transform.translate`" },
 };
-const scene_block SCENE_HEAD_BLOCK = BLOCK( HEAD_FIELDS );
-
-#define FRAME( member ) offsetof( wisp_scene_strands, frame.member )
+const scene_block SCENE_HEAD_BLOCK = SCENE_BLOCK_ALONE( HEAD_FIELDS );
 
 static const scene_field FRAME_FIELDS[] = {
-    { "linear_inertia", SCENE_NUMBER, .at = FRAME( linear_inertia ), .range = UNIT_RANGE,
-      .help = "Fraction of the displacement of the frame that strands feel." },
-    { "angular_inertia", SCENE_NUMBER, .at = FRAME( angular_inertia ), .range = UNIT_RANGE,
-      .help = "Fraction of the rotation of the frame that strands feel." },
+    { "linear_inertia", .help = "Fraction of the displacement of the frame that strands feel." },
+    { "angular_inertia", .help = "Fraction of the rotation of the frame that strands feel." },
     { "keyframes", SCENE_CUSTOM, .at = AT( frame_path ), .read = scene_read_pin_path,
       .help = "Displacement of the frame from where it starts; without `jump`.",
       .form = "list of keyframes {time, translate, rotate}", .initial = "it goes with the head" },
@@ -143,7 +114,8 @@ static const scene_field FRAME_FIELDS[] = {
       .given = AT( has_frame_pivot ), .help = "Where the frame starts; it rotates about this point.",
       .initial = "that of the head" },
 };
-const scene_block SCENE_STRAND_FRAME_BLOCK = BLOCK( FRAME_FIELDS );
+const scene_block SCENE_STRAND_FRAME_BLOCK =
+    SCENE_BLOCK_OF( FRAME_FIELDS, moving_frame_def, wisp_scene_strands, frame );
 
 static const scene_choice HOLDS[] = { { "free", "not at all" },
                                       { "pinned", "their positions" },
@@ -160,39 +132,32 @@ static const scene_field TIPS_FIELDS[] = {
     { "release", SCENE_NUMBER, .at = AT( tips_release ), .range = RANGE( 0, 1e9 ), .unit = SECONDS,
       .help = "Time at which tips are released.", .initial = "never" },
 };
-const scene_block SCENE_TIPS_BLOCK = BLOCK( TIPS_FIELDS );
-
-#define GRID( member ) offsetof( wisp_scene_strands, grid.member )
+const scene_block SCENE_TIPS_BLOCK = SCENE_BLOCK_ALONE( TIPS_FIELDS );
 
 static const scene_field GRID_FIELDS[] = {
-    { "cell_size", SCENE_NUMBER, .at = GRID( cell_size ), .range = SIZE, .unit = METRES, .help = "Edge of a cell.",
-      .initial = "twice the mean segment" },
-    { "friction", SCENE_NUMBER, .at = GRID( friction ), .range = UNIT_RANGE,
+    { "cell_size", .range = SIZE, .help = "Edge of a cell.", .initial = "twice the mean segment" },
+    { "friction",
       .help = "Part of the difference to the mean velocity of the cells around that is taken away in 1/60 s." },
-    { "repulsion", SCENE_NUMBER, .at = GRID( repulsion ), .range = RANGE( 0, 1e6 ), .unit = ACCELERATIONS,
-      .help = "Acceleration towards thinner cells where the density is twice that at rest." },
+    { "repulsion", .help = "Acceleration towards thinner cells where the density is twice that at rest." },
 };
-const scene_block SCENE_GRID_BLOCK = BLOCK( GRID_FIELDS );
+const scene_block SCENE_GRID_BLOCK = SCENE_BLOCK_OF( GRID_FIELDS, strand_grid_def, wisp_scene_strands, grid );
 
 #define COLLISION( member ) offsetof( wisp_scene_strands, collision.member )
 
 static const scene_field COLLISION_FIELDS[] = {
-    { "thickness", SCENE_NUMBER, .at = COLLISION( thickness ), .range = RANGE( 0, 1e6 ), .unit = METRES,
-      .help = "Distance that vertices keep from colliders.", .initial = "the mean length of a segment" },
-    { "friction_scale", SCENE_NUMBER, .at = COLLISION( friction_scale ), .range = RANGE( 0, 1e6 ),
-      .help = "Factor of the friction of the collider; ghosts have no friction." },
-    { "max_push_out_speed", SCENE_NUMBER, .at = COLLISION( max_push_out_speed ), .range = RANGE( 0, 1e6 ),
-      .unit = SPEEDS, .help = "Speed at which a vertex that starts inside is moved out; ghosts are moved at once.",
+    { "thickness", .help = "Distance that vertices keep from colliders.", .initial = "the mean length of a segment" },
+    { "friction_scale", .help = "Factor of the friction of the collider; ghosts have no friction." },
+    { "max_push_out_speed",
+      .help = "Speed at which a vertex that starts inside is moved out; ghosts are moved at once.",
       .initial = "ten mean segments per second" },
     { "mask", SCENE_CUSTOM, .at = COLLISION( mask ), .read = scene_read_layers,
       .help = "Numbers of the collider layers that stop it.", .form = "list of layers, 0 .. 31",
       .initial = "all layers" },
 };
-const scene_block SCENE_STRAND_COLLISION_BLOCK = BLOCK( COLLISION_FIELDS );
+const scene_block SCENE_STRAND_COLLISION_BLOCK =
+    SCENE_BLOCK_OF( COLLISION_FIELDS, collision_def, wisp_scene_strands, collision );
 
 // ---- what follows others ----
-
-#define GHOSTS( member ) offsetof( wisp_scene_strands, ghosts.member )
 
 static const scene_choice ELASTICS[] = { { "change", "0.5 - 0.5 cos: grows with the change of direction" },
                                          { "off", "no sway" },
@@ -201,23 +166,17 @@ static const scene_field GHOSTS_FIELDS[] = {
     { "targets", SCENE_CUSTOM, .read = scene_read_later_name,
       .help = "Strands with `dynamics` that the ghosts follow.", .form = "name of strands",
       .initial = "what the ghosts are scattered around" },
-    { "target_count", SCENE_WHOLE, .at = GHOSTS( target_count ), .range = RANGE( 1, 4 ),
-      .help = "Number of targets that each ghost follows." },
-    { "resample", SCENE_SWITCH, .at = GHOSTS( resample ),
-      .help = "Allows ghosts with another number of vertices than their targets." },
-    { "elastic", SCENE_CHOICE, .at = GHOSTS( elastic ), .choices = ELASTICS, .constants = "WISP_GHOST_ELASTIC_",
+    { "target_count", .help = "Number of targets that each ghost follows." },
+    { "resample", .help = "Allows ghosts with another number of vertices than their targets." },
+    { "elastic", .choices = ELASTICS, .constants = "WISP_GHOST_ELASTIC_",
       .help = "Weight of the elastic sway, from the velocities of the target now and a step before." },
-    { "tip_gain", SCENE_NUMBER, .at = GHOSTS( tip_gain ), .range = RANGE( 0, 1e3 ), .help = "How far tips sway." },
-    { "centre_gain", SCENE_NUMBER, .at = GHOSTS( centre_gain ), .range = RANGE( 0, 1e3 ),
-      .help = "How far ghosts far from their target sway." },
-    { "time", SCENE_NUMBER, .at = GHOSTS( time ), .range = TIME, .unit = SECONDS,
-      .help = "Time that velocities are multiplied by; 0 takes the step." },
-    { "spread", SCENE_NUMBER, .at = GHOSTS( spread ), .range = SIZE,
-      .help = "Factor of the distances within a group of ghosts; 1 leaves them as they are." },
-    { "repair_length", SCENE_SWITCH, .at = GHOSTS( repair_length ),
-      .help = "Brings segments back to their rest length, from the root on." },
+    { "tip_gain", .help = "How far tips sway." },
+    { "centre_gain", .help = "How far ghosts far from their target sway." },
+    { "time", .help = "Time that velocities are multiplied by; 0 takes the step." },
+    { "spread", .help = "Factor of the distances within a group of ghosts; 1 leaves them as they are." },
+    { "repair_length", .help = "Brings segments back to their rest length, from the root on." },
 };
-const scene_block SCENE_GHOSTS_BLOCK = BLOCK( GHOSTS_FIELDS );
+const scene_block SCENE_GHOSTS_BLOCK = SCENE_BLOCK_OF( GHOSTS_FIELDS, ghosts_def, wisp_scene_strands, ghosts );
 
 static const scene_field SCATTER_FIELDS[] = {
     { "around", SCENE_CUSTOM, .required = true, .read = scene_read_later_name,
@@ -228,7 +187,7 @@ static const scene_field SCATTER_FIELDS[] = {
       .help = "Radius of the disc that offsets are uniform in, across the direction in which the root grows." },
     { "seed", SCENE_SEED, .at = AT( scatter.seed ), .help = "Seed of the offsets." },
 };
-const scene_block SCENE_SCATTER_BLOCK = BLOCK( SCATTER_FIELDS );
+const scene_block SCENE_SCATTER_BLOCK = SCENE_BLOCK_ALONE( SCATTER_FIELDS );
 
 static const scene_choice CURVE_KINDS[] = { { "bezier",
                                               "vertices in fours that share their ends and the tangents there" },
@@ -238,13 +197,12 @@ static const scene_choice CURVE_KINDS[] = { { "bezier",
 static const scene_field CURVES_FIELDS[] = {
     { "of", SCENE_CUSTOM, .required = true, .read = scene_read_later_name, .help = "Strands of any kind but curves.",
       .form = "name of strands" },
-    { "kind", SCENE_CHOICE, .at = AT( curves.kind ), .choices = CURVE_KINDS, .constants = "WISP_CURVE_",
-      .help = "Kind of curve." },
-    { "samples", SCENE_WHOLE, .at = AT( curves.samples ), .range = RANGE( 1, 64 ),
+    { "kind", .choices = CURVE_KINDS, .constants = "WISP_CURVE_", .help = "Kind of curve." },
+    { "samples",
       .help =
           "Samples of each segment of the curve, which spans three segments of the strand with `bezier`, else one." },
 };
-const scene_block SCENE_CURVES_BLOCK = BLOCK( CURVES_FIELDS );
+const scene_block SCENE_CURVES_BLOCK = SCENE_BLOCK_OF( CURVES_FIELDS, curves_def, wisp_scene_strands, curves );
 
 // ---- lists ----
 

@@ -15,14 +15,15 @@ extern const scene_block SCENE_OUTPUT_BLOCK;                        // over wisp
 extern const scene_block SCENE_SURFACE_BLOCK;                       // over wisp_scene_surface
 extern const scene_block SCENE_BOUNDARY_BLOCK, SCENE_CONTACT_BLOCK; // over wisp_scene_surface
 extern const scene_block SCENE_MOTION_CONSTRAINTS_BLOCK, SCENE_TEARING_BLOCK, SCENE_MEMBRANE_BLOCK, SCENE_FRAME_BLOCK,
-    SCENE_SURFACE_SLEEP_BLOCK, SCENE_SURFACE_DETAIL_BLOCK; // over wisp_scene_surface
-extern const scene_block SCENE_SURFACE_COLLIDER_BLOCK;     // likewise
-extern const scene_block SCENE_ANIMATION_BLOCK;            // likewise
-extern const scene_block SCENE_CLIP_BLOCK;                 // over wisp_scene_clip
-extern const scene_block SCENE_WORLD_CONTACT_BLOCK;        // over wisp_scene
-extern const scene_block SCENE_SEAM_BLOCK;                 // over wisp_scene_seam
-extern const scene_block SCENE_BOX_BLOCK;                  // over wisp_scene_box
-extern const scene_block SCENE_PIN_GROUP_BLOCK;            // over wisp_scene_pins
+    SCENE_SURFACE_SLEEP_BLOCK, SCENE_SURFACE_DETAIL_BLOCK;                      // over wisp_scene_surface
+extern const scene_block SCENE_STRANDS_SLEEP_BLOCK, SCENE_STRANDS_DETAIL_BLOCK; // over wisp_scene_strands
+extern const scene_block SCENE_SURFACE_COLLIDER_BLOCK;                          // likewise
+extern const scene_block SCENE_ANIMATION_BLOCK;                                 // likewise
+extern const scene_block SCENE_CLIP_BLOCK;                                      // over wisp_scene_clip
+extern const scene_block SCENE_WORLD_CONTACT_BLOCK;                             // over wisp_scene
+extern const scene_block SCENE_SEAM_BLOCK;                                      // over wisp_scene_seam
+extern const scene_block SCENE_BOX_BLOCK;                                       // over wisp_scene_box
+extern const scene_block SCENE_PIN_GROUP_BLOCK;                                 // over wisp_scene_pins
 
 extern const scene_block SCENE_MESH_BLOCKS[WISP_MESH_SHAPE_COUNT];      // over wisp_mesh_generator
 extern const scene_block SCENE_COLLIDER_BLOCKS[WISP_COLLIDER_COUNT];    // over wisp_scene_collider

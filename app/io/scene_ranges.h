@@ -16,7 +16,6 @@
 #define COORDINATE RANGE( -1e6, 1e6 )
 #define SIZE RANGE( 1e-6, 1e6 )
 #define TIME RANGE( 0, 1e6 )
-#define COMPLIANCE RANGE( 0, 1e12 )
 #define DT_FACTOR RANGE( 0.001, 1000 )
 #define FROZEN_STIFFNESS RANGE( 1e-3, 1e12 )
 #define ANY_MASS RANGE( 1e-12, 1e12 )
@@ -28,65 +27,23 @@
 
 // Units.
 #define METRES "m"
-#define RADIANS "rad"
-#define PER_RADIAN "1/rad"
 #define DEGREES "degrees"
-#define CELSIUS "degrees Celsius"
-#define KELVIN "K"
 #define SECONDS "s"
 #define SPEEDS "m/s"
 #define TURNS "rad/s"
 #define ACCELERATIONS "m/s^2"
 #define DENSITIES "kg/m^2"
-#define LINE_DENSITIES "kg/m"
-#define AIR_DENSITIES "kg/m^3"
 #define MASSES "kg"
-#define MOLAR_MASSES "kg/mol"
-#define PRESSURES "Pa"
-#define AREAS "m^2"
 #define FLOWS "m^3/s"
 #define RATES "1/s"
-#define COMPLIANCES "m/N"
-#define STIFFNESSES "N/m"
-#define RIGIDITIES "N m"
-#define LINK_DAMPINGS "N s/m"
-#define ROD_RIGIDITIES "N m^2"
 
 // What is said more than once.
 #define SCENE_COLLIDES "{} where the scene has colliders, else false"
-
-// ---- scene sleep ----
-
-/// The fields of a block over an entry that has `sleep`.
-#define SCENE_SLEEP_FIELDS( entry )                                                                                  \
-    { "max_speed",                                                                                                   \
-      SCENE_NUMBER,                                                                                                  \
-      .at = offsetof( entry, sleep.max_speed ),                                                                      \
-      .range = RANGE( 0, 1e6 ),                                                                                      \
-      .unit = SPEEDS,                                                                                                \
-      .help = "Speed, of the displacement over a step, that no vertex may exceed." },                                \
-        { "seconds",     SCENE_NUMBER,    .at = offsetof( entry, sleep.seconds ),                                    \
-          .range = TIME, .unit = SECONDS, .help = "Simulated time for which all vertices must be slower." },         \
-    {                                                                                                                \
-        "enabled", SCENE_SWITCH, .at = offsetof( entry, sleep.enabled ), .help = "`false`: it never sleeps."         \
-    }
 
 // ---- scene detail ----
 
 /// Names of the levels.
 extern const scene_choice SCENE_DETAIL_LEVELS[];
-
-/// The fields of a block over an entry that has `detail`.
-#define SCENE_DETAIL_FIELDS( entry )                                                                                 \
-    { "level", SCENE_CHOICE, .at = offsetof( entry, detail.level ), .choices = SCENE_DETAIL_LEVELS,                  \
-      .help = "Level from the start; an event can change it." },                                                     \
-        { "substep_divisor", SCENE_WHOLE, .at = offsetof( entry, detail.substep_divisor ),                           \
-          .range = RANGE( 1, 1000 ),                                                                                 \
-          .help = "At `fewer_substeps` and `coarse`, the entry makes its substeps divided by this, rounded up." },   \
-    {                                                                                                                \
-        "blend_steps", SCENE_WHOLE, .at = offsetof( entry, detail.blend_steps ), .range = RANGE( 0, 10000 ),         \
-                                    .help = "Steps over which a change of the level is blended."                     \
-    }
 
 /// Refuse a level that the entry has nothing for. @param node of the key
 wisp_status scene_check_surface_detail( scene_reader* r, const scene_node* node, const wisp_scene_surface* s,

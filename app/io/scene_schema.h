@@ -10,6 +10,7 @@ typedef wisp_status scene_read_fn( scene_reader* reader, const scene_node* node,
 
 typedef enum scene_type
 {
+    SCENE_MEMBER,  // of the definition of the block, whose row says type, place, range and unit
     SCENE_NUMBER,  // float
     SCENE_NUMBERS, // float, or a list with one a strand: const float* at `list`, int at `list_count`
     SCENE_WHOLE,   // int
@@ -48,9 +49,9 @@ typedef struct scene_field
     const char* key;
     scene_type type;
     bool required;
-    size_t at;          // bytes from the start of the struct
-    const char* member; // its name there; null: the key
-    scene_range range;
+    size_t at;                   // bytes from the start of the struct
+    const char* member;          // its name there; null: the key
+    scene_range range;           // of SCENE_MEMBER 0 .. 0: that of the definition
     const char* unit;            // symbol; null: the number has no unit
     const scene_choice* choices; // ends with null; of SCENE_CUSTOM too, where words are read
     const char* constants;       // what the constants of the choices begin with in C
@@ -74,7 +75,23 @@ typedef struct scene_block
 {
     const scene_field* fields; // read in this order, whatever the order in the file
     int field_count;           // <= SCENE_MAX_FIELDS
+    const wisp_fields* of;     // what fields of SCENE_MEMBER belong to; null: it has none
+    size_t at;                 // of that definition, bytes from the start of the struct
 } scene_block;
+
+#define SCENE_BLOCK_ALONE( fields )                                                                                  \
+    {                                                                                                                \
+        fields, WISP_COUNT( fields ), NULL, 0                                                                        \
+    }
+
+/// A block whose fields are members of a definition, which is `member` of the struct `entry`.
+#define SCENE_BLOCK_OF( fields, def, entry, member )                                                                 \
+    {                                                                                                                \
+        fields, WISP_COUNT( fields ), &wisp_##def##_fields, offsetof( entry, member )                                \
+    }
+
+/// A field of a block with all that its definition says of it. What the field says itself goes before: a narrower range, another unit.
+scene_field scene_field_at( const scene_block* block, int i );
 
 /// Read a mapping into a struct. Values that it does not name stay as they are.
 wisp_status scene_read_block( scene_reader* reader, const scene_node* node, const scene_block* block, void* base );

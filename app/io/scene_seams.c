@@ -9,14 +9,7 @@
 
 // Boundary particles and contact: their tables, of surfaces, of strands and of the scene, and what no table can say.
 
-#define BLOCK( fields )                                                                                              \
-    {                                                                                                                \
-        fields, WISP_COUNT( fields )                                                                                 \
-    }
-
 // ---- boundary particles of a surface ----
-
-#define BOUNDARY( member ) offsetof( wisp_scene_surface, boundary.member )
 
 static const scene_choice POLICIES[] = { { "even", "equal parts" },
                                          { "exact", "a spacing apart from one end on" },
@@ -27,30 +20,27 @@ static const scene_choice ROUNDINGS[] = { { "down", "fewer points" },
                                           { NULL, NULL } };
 
 static const scene_field BOUNDARY_FIELDS[] = {
-    { "spacing", SCENE_NUMBER, .at = BOUNDARY( spacing ), .range = SIZE, .unit = METRES,
-      .help = "Distance between points.", .initial = "half of the mean rest length of the edges" },
-    { "policy", SCENE_CHOICE, .at = BOUNDARY( policy ), .choices = POLICIES, .constants = "WISP_SPACING_",
+    { "spacing", .range = SIZE, .help = "Distance between points.",
+      .initial = "half of the mean rest length of the edges" },
+    { "policy", .choices = POLICIES, .constants = "WISP_SPACING_",
       .help = "Where points stand on an edge or a line." },
-    { "rounding", SCENE_CHOICE, .at = BOUNDARY( rounding ), .choices = ROUNDINGS, .constants = "WISP_ROUND_",
+    { "rounding", .choices = ROUNDINGS, .constants = "WISP_ROUND_",
       .help = "Rounding of the number of spacings in a length." },
-    { "hysteresis", SCENE_NUMBER, .at = BOUNDARY( hysteresis ), .range = RANGE( 0, 0.5 ),
+    { "hysteresis",
       .help = "Counts of points stay while a length is within this many spacings of where they would change." },
-    { "max_points", SCENE_WHOLE, .at = BOUNDARY( max_points ), .range = RANGE( 1, 134217728 ),
-      .help = "A layer that would have more points stays as it was, and a message says so." },
-    { "min_spacing", SCENE_NUMBER, .at = BOUNDARY( min_spacing ), .range = SIZE, .unit = METRES,
-      .help = "Smallest local spacing.", .initial = "a quarter of the spacing" },
-    { "max_spacing", SCENE_NUMBER, .at = BOUNDARY( max_spacing ), .range = SIZE, .unit = METRES,
-      .help = "Largest local spacing.", .initial = "four times the spacing" },
-    { "curvature_gain", SCENE_NUMBER, .at = BOUNDARY( curvature_gain ), .range = RANGE( 0, 1e6 ), .unit = PER_RADIAN,
+    { "max_points", .help = "A layer that would have more points stays as it was, and a message says so." },
+    { "min_spacing", .range = SIZE, .help = "Smallest local spacing.", .initial = "a quarter of the spacing" },
+    { "max_spacing", .range = SIZE, .help = "Largest local spacing.", .initial = "four times the spacing" },
+    { "curvature_gain",
       .help = "Local spacing is divided by 1 + gain times the angle between the normals of the ends of an edge." },
-    { "strain_gain", SCENE_NUMBER, .at = BOUNDARY( strain_gain ), .range = RANGE( -1e6, 1e6 ),
+    { "strain_gain",
       .help = "Local spacing is divided by 1 + gain times the strain of an edge; a negative gain multiplies." },
-    { "eye_angle", SCENE_NUMBER, .at = BOUNDARY( eye_angle ), .range = RANGE( 0, 1 ), .unit = RADIANS,
+    { "eye_angle", .range = RANGE( 0, 1 ),
       .help = "Local spacing spans this angle as seen from `eye`; 0: it does not depend on the distance." },
-    { "eye", SCENE_VECTOR, .at = BOUNDARY( eye ), .range = COORDINATE, .unit = METRES,
-      .help = "Where the camera is, with `eye_angle`." },
+    { "eye", .help = "Where the camera is, with `eye_angle`." },
 };
-const scene_block SCENE_BOUNDARY_BLOCK = BLOCK( BOUNDARY_FIELDS );
+const scene_block SCENE_BOUNDARY_BLOCK =
+    SCENE_BLOCK_OF( BOUNDARY_FIELDS, boundary_def, wisp_scene_surface, boundary );
 
 // Spacings that are left out depend on the mesh; the module checks them.
 wisp_status scene_check_boundary( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
@@ -73,28 +63,14 @@ wisp_status scene_check_boundary( scene_reader* r, const scene_node* node, const
 
 // Strands never meet themselves, and have no maps, so theirs is the same table without `self`.
 #define PARTICIPANT_FIELDS( owner, thickness_map, friction_map )                                                     \
-    { "thickness",                                                                                                   \
-      SCENE_NUMBER,                                                                                                  \
-      .map = thickness_map,                                                                                          \
-      .at = offsetof( owner, contact.thickness ),                                                                    \
-      .range = RANGE( 0, 1e6 ),                                                                                      \
-      .unit = METRES,                                                                                                \
+    { "thickness", .map = thickness_map,                                                                             \
       .initial =                                                                                                     \
           "a quarter of the mean edge, at most 0.9 of the shortest; of strands a quarter of the mean segment",       \
       .help = "Two participants keep half of the sum of theirs apart; above the shortest edge a surface bends "      \
               "stiffly there." },                                                                                    \
-        { "friction",                                                                                                \
-          SCENE_NUMBER,                                                                                              \
-          .map = friction_map,                                                                                       \
-          .at = offsetof( owner, contact.friction ),                                                                 \
-          .range = RANGE( 0, 1e6 ),                                                                                  \
+        { "friction", .map = friction_map,                                                                           \
           .help = "Friction coefficient; two participants have the geometric mean of theirs." },                     \
-        { "max_push_out_speed",                                                                                      \
-          SCENE_NUMBER,                                                                                              \
-          .at = offsetof( owner, contact.max_push_out_speed ),                                                       \
-          .range = RANGE( 0, 1e6 ),                                                                                  \
-          .unit = SPEEDS,                                                                                            \
-          .initial = "ten thicknesses per second",                                                                   \
+        { "max_push_out_speed", .initial = "ten thicknesses per second",                                             \
           .help = "Speed at which primitives that are too close are parted." },                                      \
         { "layers",                                                                                                  \
           SCENE_CUSTOM,                                                                                              \
@@ -112,28 +88,26 @@ wisp_status scene_check_boundary( scene_reader* r, const scene_node* node, const
           .initial = "all layers",                                                                                   \
           .help = "Layers of other participants that this one meets." },                                             \
     {                                                                                                                \
-        "enabled", SCENE_SWITCH, .at = offsetof( owner, contact.enabled ), .help = "Whether it takes part."          \
+        "enabled", .help = "Whether it takes part."                                                                  \
     }
 
 static const scene_field SURFACE_FIELDS[] = {
     PARTICIPANT_FIELDS( wisp_scene_surface, WISP_MAP_CONTACT_THICKNESS, WISP_MAP_CONTACT_FRICTION ),
-    { "self", SCENE_SWITCH, .at = offsetof( wisp_scene_surface, contact.self ),
-      .help = "Whether the surface keeps its distance from itself." },
+    { "self", .help = "Whether the surface keeps its distance from itself." },
 };
-const scene_block SCENE_CONTACT_BLOCK = BLOCK( SURFACE_FIELDS );
+const scene_block SCENE_CONTACT_BLOCK = SCENE_BLOCK_OF( SURFACE_FIELDS, contact_def, wisp_scene_surface, contact );
 
 static const scene_field STRANDS_FIELDS[] = {
     PARTICIPANT_FIELDS( wisp_scene_strands, 0, 0 ),
-    { "between_strands", SCENE_SWITCH, .at = offsetof( wisp_scene_strands, contact.between_strands ),
+    { "between_strands",
       .help =
           "Whether the strands keep their distance from strands: from each other, and from those of other entries "
           "that have it too." },
 };
-const scene_block SCENE_STRAND_CONTACT_BLOCK = BLOCK( STRANDS_FIELDS );
+const scene_block SCENE_STRAND_CONTACT_BLOCK =
+    SCENE_BLOCK_OF( STRANDS_FIELDS, contact_def, wisp_scene_strands, contact );
 
 // ---- contact of the scene ----
-
-#define CONTACT( member ) offsetof( wisp_scene, contact.member )
 
 static const scene_choice LEVELS[] = {
     { "exact", "vertices keep off triangles and edges off edges, and nothing passes" },
@@ -156,16 +130,15 @@ static wisp_status read_requests( scene_reader* r, const scene_node* node, void*
 }
 
 static const scene_field WORLD_FIELDS[] = {
-    { "level", SCENE_CHOICE, .at = CONTACT( level ), .choices = LEVELS, .constants = "WISP_CONTACT_",
-      .help = "What is kept apart, and how surely." },
-    { "margin", SCENE_NUMBER, .at = CONTACT( margin ), .range = RANGE( 0.01, 100 ),
+    { "level", .choices = LEVELS, .constants = "WISP_CONTACT_", .help = "What is kept apart, and how surely." },
+    { "margin",
       .help = "How much farther than they keep apart pairs are searched, in such distances; it changes the time and "
               "not the "
               "result, except with `level: spheres`." },
     { "compute", SCENE_CUSTOM, .read = read_requests, .choices = WORDS,
       .help = "Statistics that are computed and printed.", .form = "list of words", .initial = "none" },
 };
-const scene_block SCENE_WORLD_CONTACT_BLOCK = BLOCK( WORLD_FIELDS );
+const scene_block SCENE_WORLD_CONTACT_BLOCK = SCENE_BLOCK_OF( WORLD_FIELDS, contact_settings, wisp_scene, contact );
 
 wisp_status scene_read_contact( scene_reader* r, const scene_node* node, void* at )
 {
@@ -178,7 +151,6 @@ wisp_status scene_read_contact( scene_reader* r, const scene_node* node, void* a
 // ---- seams ----
 
 #define AT( member ) offsetof( wisp_scene_seam, member )
-#define DEF( member ) offsetof( wisp_scene_seam, def.member )
 
 // ---- values ----
 
@@ -194,19 +166,16 @@ static const scene_field SEAM_FIELDS[] = {
     { "pairs", SCENE_CUSTOM, .read = read_pairs, .form = "list of pairs [vertex of the first, vertex of the second]",
       .initial = "those that `within` finds",
       .help = "Vertices that are sewn together, as numbered in the file. A vertex may be in several pairs." },
-    { "within", SCENE_NUMBER, .at = DEF( within ), .range = RANGE( 1e-6, 1e6 ), .unit = METRES, .initial = "none",
+    { "within", .range = RANGE( 1e-6, 1e6 ), .initial = "none",
       .help = "Each boundary vertex of one surface is sewn to the nearest one of the other if it starts within this "
               "distance; instead of `pairs`." },
-    { "distance", SCENE_NUMBER, .at = DEF( distance ), .range = RANGE( 0, 1e6 ), .unit = METRES,
-      .help = "Distance that a seam holds; give surfaces with `contact` the thickness of the contact." },
-    { "closing_speed", SCENE_NUMBER, .at = DEF( closing_speed ), .range = RANGE( 1e-6, 1e6 ), .unit = SPEEDS,
+    { "distance", .help = "Distance that a seam holds; give surfaces with `contact` the thickness of the contact." },
+    { "closing_speed", .range = RANGE( 1e-6, 1e6 ),
       .help = "Speed at which pairs go from where they start to that distance." },
-    { "compliance", SCENE_NUMBER, .at = DEF( compliance ), .range = COMPLIANCE, .unit = COMPLIANCES,
-      .help = "Compliance of each pair." },
-    { "strength", SCENE_NUMBER, .at = DEF( strength ), .range = RANGE( 1e-9, 1e12 ), .unit = "N", .initial = "none",
-      .help = "Force at which a pair breaks." },
+    { "compliance", .help = "Compliance of each pair." },
+    { "strength", .range = RANGE( 1e-9, 1e12 ), .initial = "none", .help = "Force at which a pair breaks." },
 };
-const scene_block SCENE_SEAM_BLOCK = { SEAM_FIELDS, WISP_COUNT( SEAM_FIELDS ) };
+const scene_block SCENE_SEAM_BLOCK = SCENE_BLOCK_OF( SEAM_FIELDS, seam_def, wisp_scene_seam, def );
 
 static wisp_status read_surfaces( scene_reader* r, const scene_node* node, void* base )
 {

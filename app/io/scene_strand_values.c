@@ -43,7 +43,7 @@ static const scene_field MAKE_FIELDS[] = {
 };
 #undef AT
 
-const scene_block SCENE_GENERATE_BLOCK = { MAKE_FIELDS, WISP_COUNT( MAKE_FIELDS ) };
+const scene_block SCENE_GENERATE_BLOCK = SCENE_BLOCK_ALONE( MAKE_FIELDS );
 
 wisp_status scene_read_generate( scene_reader* r, const scene_node* node, void* base )
 {

@@ -16,57 +16,48 @@
 #define HAIR( member ) offsetof( wisp_scene_strands, frozen_hair.member )
 
 static const scene_field FREEZE_FIELDS[] = {
-    { "stretch_stiffness", SCENE_NUMBERS, .at = HAIR( stretch_stiffness ), .range = FROZEN_STIFFNESS,
-      .list = HAIR( strand_stretch_stiffness ), .list_count = AT( stretch_count ),
+    { "stretch_stiffness", .list = HAIR( strand_stretch_stiffness ), .list_count = AT( stretch_count ),
       .help = "Stiffness against stretching; a larger value changes lengths less." },
-    { "bend_stiffness", SCENE_NUMBERS, .at = HAIR( bend_stiffness ), .range = FROZEN_STIFFNESS,
-      .list = HAIR( strand_bend_stiffness ), .list_count = AT( bend_count ),
+    { "bend_stiffness", .list = HAIR( strand_bend_stiffness ), .list_count = AT( bend_count ),
       .help = "Stiffness against bending; a larger value bends less." },
-    { "max_bend_angle", SCENE_NUMBER, .at = HAIR( max_bend_angle ), .range = RANGE( 0, 3.14159265358979 ),
-      .unit = RADIANS, .help = "Largest angle that a segment can bend by." },
+    { "max_bend_angle", .help = "Largest angle that a segment can bend by." },
 };
-static const scene_block FREEZE_BLOCK = { FREEZE_FIELDS, WISP_COUNT( FREEZE_FIELDS ) };
+static const scene_block FREEZE_BLOCK =
+    SCENE_BLOCK_OF( FREEZE_FIELDS, frozen_hair_def, wisp_scene_strands, frozen_hair );
 
 static const scene_choice REACHES[] = { { "tip", "of the tip" },
                                         { "nearest", "of the nearest vertex" },
                                         { NULL, NULL } };
 
 static const scene_field ALIGN_FIELDS[] = {
-    { "intensity", SCENE_NUMBERS, .at = HAIR( intensity ), .range = UNIT_RANGE, .list = HAIR( strand_intensity ),
-      .list_count = AT( intensity_count ),
+    { "intensity", .list = HAIR( strand_intensity ), .list_count = AT( intensity_count ),
       .help = "How far strands turn towards the cursor, from 0 (not at all) to 1 (all the way)." },
-    { "cursor", SCENE_VECTOR, .at = HAIR( cursor ), .range = COORDINATE, .unit = METRES, .given = AT( has_cursor ),
+    { "cursor", .given = AT( has_cursor ),
       .help = "Point that the first update turns strands towards; not with `base: stroke`." },
-    { "reach", SCENE_NUMBER, .at = HAIR( reach ), .range = RANGE( 0, 1e7 ), .unit = METRES,
-      .help = "Strands farther from the cursor than this do not turn." },
-    { "reach_by", SCENE_EITHER, .at = HAIR( reach_nearest ), .member = "reach_nearest", .choices = REACHES,
-      .help = "Which distance is compared with `reach`." },
+    { "reach", .help = "Strands farther from the cursor than this do not turn." },
+    { "reach_by", .member = "reach_nearest", .choices = REACHES, .help = "Which distance is compared with `reach`." },
 };
-static const scene_block ALIGN_BLOCK = { ALIGN_FIELDS, WISP_COUNT( ALIGN_FIELDS ) };
+static const scene_block ALIGN_BLOCK =
+    SCENE_BLOCK_OF( ALIGN_FIELDS, frozen_hair_def, wisp_scene_strands, frozen_hair );
 
 static const scene_choice GAPS[] = { { "absolute", "|r1 - r0|, any change brakes" },
                                      { "none", "no brake" },
                                      { NULL, NULL } };
 
 static const scene_field CLUMP_FIELDS[] = {
-    { "radius", SCENE_NUMBER, .at = HAIR( clump_radius ), .member = "clump_radius", .range = SIZE, .unit = METRES,
-      .help = "Vertices closer than this attract each other." },
-    { "iterations", SCENE_WHOLE, .at = HAIR( clump_iterations ), .member = "clump_iterations",
-      .range = RANGE( 0, 1000 ), .help = "Iterations of the stage; 0 switches it off." },
-    { "step_length", SCENE_NUMBER, .at = HAIR( clump_step_length ), .member = "clump_step_length",
-      .range = RANGE( 0, 1e3 ), .unit = METRES, .help = "Length scale of the move of a vertex in an iteration.",
+    { "radius", .member = "clump_radius", .help = "Vertices closer than this attract each other." },
+    { "iterations", .member = "clump_iterations", .help = "Iterations of the stage; 0 switches it off." },
+    { "step_length", .member = "clump_step_length", .help = "Length scale of the move of a vertex in an iteration.",
       .initial = "a tenth of the radius" },
-    { "gap", SCENE_CHOICE, .at = HAIR( gap ), .choices = GAPS, .constants = "WISP_GAP_",
+    { "gap", .choices = GAPS, .constants = "WISP_GAP_",
       .help = "How a change of the distance between two vertices brakes their attraction." },
-    { "min_distance", SCENE_NUMBER, .at = HAIR( min_distance ), .range = RANGE( 0, 1e6 ), .unit = METRES,
-      .help = "Limits moves so that two vertices stay at least this far apart in an iteration.",
+    { "min_distance", .help = "Limits moves so that two vertices stay at least this far apart in an iteration.",
       .initial = "0.02 of the radius" },
-    { "min_lambda", SCENE_NUMBER, .at = HAIR( min_lambda ), .range = UNIT_RANGE,
-      .help = "Smallest factor that the brake can multiply the attraction by, with `gap: absolute`." },
-    { "max_neighbours", SCENE_WHOLE, .at = HAIR( max_neighbours ), .range = RANGE( 1, 4096 ),
-      .help = "Neighbours of a vertex beyond this number are left out and counted." },
+    { "min_lambda", .help = "Smallest factor that the brake can multiply the attraction by, with `gap: absolute`." },
+    { "max_neighbours", .help = "Neighbours of a vertex beyond this number are left out and counted." },
 };
-static const scene_block CLUMP_BLOCK = { CLUMP_FIELDS, WISP_COUNT( CLUMP_FIELDS ) };
+static const scene_block CLUMP_BLOCK =
+    SCENE_BLOCK_OF( CLUMP_FIELDS, frozen_hair_def, wisp_scene_strands, frozen_hair );
 
 static const scene_choice BASES[] = { { "rest", "the rest shape" },
                                       { "stroke",
@@ -78,13 +69,12 @@ static const scene_choice EVENTS[] = { { "hair_event", "each hair event" },
                                        { NULL, NULL } };
 
 static const scene_field FROZEN_HAIR_FIELDS[] = {
-    { "seed", SCENE_SEED, .at = HAIR( seed ), .help = "Seed of the random numbers of all stages." },
-    { "base", SCENE_CHOICE, .at = HAIR( base ), .choices = BASES, .constants = "WISP_FROZEN_BASE_",
-      .help = "Shape that each update starts from." },
-    { "update_on", SCENE_CHOICE, .at = HAIR( update_on ), .choices = EVENTS, .constants = "WISP_FROZEN_UPDATE_",
+    { "seed", .help = "Seed of the random numbers of all stages." },
+    { "base", .choices = BASES, .constants = "WISP_FROZEN_BASE_", .help = "Shape that each update starts from." },
+    { "update_on", .choices = EVENTS, .constants = "WISP_FROZEN_UPDATE_",
       .help = "What updates the frozen shape, with new random numbers.",
       .initial = "`hair_event`; `frame` for ghosts" },
-    { "max_depth_change", SCENE_NUMBER, .at = HAIR( max_depth_change ), .range = RANGE( 0, 1e6 ), .unit = METRES,
+    { "max_depth_change",
       .help = "Largest move of a vertex along z, which is depth (2.5D): freezing is limited, and strands align and "
               "clump in "
               "x and y alone.",
@@ -96,44 +86,34 @@ static const scene_field FROZEN_HAIR_FIELDS[] = {
     { "clump", SCENE_BLOCK, .at = HAIR( clump ), .block = &CLUMP_BLOCK,
       .help = "Runs the third stage: neighbouring vertices attract each other." },
 };
-static const scene_block FROZEN_HAIR_BLOCK = { FROZEN_HAIR_FIELDS, WISP_COUNT( FROZEN_HAIR_FIELDS ) };
+static const scene_block FROZEN_HAIR_BLOCK =
+    SCENE_BLOCK_OF( FROZEN_HAIR_FIELDS, frozen_hair_def, wisp_scene_strands, frozen_hair );
 
 // ---- environment and appearance ----
 
-#define ENVIRONMENT( member ) offsetof( wisp_scene_strands, environment.member )
-#define LOOK( member ) offsetof( wisp_scene_strands, appearance.member )
-#define TEMPERATURE RANGE( -273.15, 1000 )
-
 static const scene_field ENVIRONMENT_FIELDS[] = {
-    { "temperature_celsius", SCENE_NUMBER, .at = ENVIRONMENT( temperature_celsius ), .range = TEMPERATURE,
-      .unit = CELSIUS, .help = "Temperature of the air." },
-    { "wetness", SCENE_NUMBER, .at = ENVIRONMENT( wetness ), .range = UNIT_RANGE,
-      .help = "Wetness of the hair, from 0 (dry) to 1." },
-    { "freezing_celsius", SCENE_NUMBER, .at = ENVIRONMENT( freezing_celsius ), .range = TEMPERATURE, .unit = CELSIUS,
-      .help = "Temperature where ice begins to form." },
-    { "span", SCENE_NUMBER, .at = ENVIRONMENT( span ), .range = RANGE( 1e-3, 1000 ), .unit = KELVIN,
-      .help = "Kelvin below freezing at which all water is ice." },
+    { "temperature_celsius", .help = "Temperature of the air." },
+    { "wetness", .help = "Wetness of the hair, from 0 (dry) to 1." },
+    { "freezing_celsius", .help = "Temperature where ice begins to form." },
+    { "span", .help = "Kelvin below freezing at which all water is ice." },
     { "curve", SCENE_CUSTOM, .read = scene_read_curve,
       .help = "Control points of the stiffness as a function of ice; ice rises from 0 to 1, stiffness rises or falls "
               "throughout.",
       .form = "list of 2 to 8 pairs [ice, stiffness], ice in 0 .. 1, stiffness in 0.001 .. 1e12",
       .initial = "[[0, 1], [1, 20]]" },
 };
-static const scene_block ENVIRONMENT_BLOCK = { ENVIRONMENT_FIELDS, WISP_COUNT( ENVIRONMENT_FIELDS ) };
+static const scene_block ENVIRONMENT_BLOCK =
+    SCENE_BLOCK_OF( ENVIRONMENT_FIELDS, environment_def, wisp_scene_strands, environment );
 
 static const scene_field LOOK_FIELDS[] = {
-    { "root_width", SCENE_NUMBER, .at = LOOK( root_width ), .range = UNIT_RANGE, .unit = METRES,
-      .help = "Width at the root." },
-    { "tip_width", SCENE_NUMBER, .at = LOOK( tip_width ), .range = UNIT_RANGE, .unit = METRES,
-      .help = "Width at the tip." },
-    { "root_colour", SCENE_VECTOR, .at = LOOK( root_colour ), .range = UNIT_RANGE,
-      .help = "Linear red, green and blue at the root." },
-    { "tip_colour", SCENE_VECTOR, .at = LOOK( tip_colour ), .range = UNIT_RANGE,
-      .help = "Linear red, green and blue at the tip." },
-    { "colour_bias", SCENE_NUMBER, .at = LOOK( colour_bias ), .range = RANGE( 0.001, 0.999 ),
-      .help = "0.5 blends evenly; more shows the colour of the tip nearer to the root." },
+    { "root_width", .help = "Width at the root." },
+    { "tip_width", .help = "Width at the tip." },
+    { "root_colour", .help = "Linear red, green and blue at the root." },
+    { "tip_colour", .help = "Linear red, green and blue at the tip." },
+    { "colour_bias", .help = "0.5 blends evenly; more shows the colour of the tip nearer to the root." },
 };
-static const scene_block LOOK_BLOCK = { LOOK_FIELDS, WISP_COUNT( LOOK_FIELDS ) };
+static const scene_block LOOK_BLOCK =
+    SCENE_BLOCK_OF( LOOK_FIELDS, strand_appearance_def, wisp_scene_strands, appearance );
 
 // ---- an entry of strands ----
 
@@ -145,19 +125,13 @@ static const scene_field TRANSFORM_FIELDS[] = {
     { "translate", SCENE_VECTOR, .at = AT( pose.translation ), .range = COORDINATE, .unit = METRES,
       .help = "Displacement after scale and rotation." },
 };
-static const scene_block TRANSFORM_BLOCK = { TRANSFORM_FIELDS, WISP_COUNT( TRANSFORM_FIELDS ) };
+static const scene_block TRANSFORM_BLOCK = SCENE_BLOCK_ALONE( TRANSFORM_FIELDS );
 
 static const scene_field COPIES_FIELDS[] = { SCENE_COPIES_FIELDS( wisp_scene_strands ) };
-static const scene_block COPIES_BLOCK = { COPIES_FIELDS, WISP_COUNT( COPIES_FIELDS ) };
+static const scene_block COPIES_BLOCK = SCENE_BLOCK_ALONE( COPIES_FIELDS );
 
 static const scene_field START_FIELDS[] = { SCENE_START_FIELDS( wisp_scene_strands ) };
-static const scene_block START_BLOCK = { START_FIELDS, WISP_COUNT( START_FIELDS ) };
-
-static const scene_field SLEEP_FIELDS[] = { SCENE_SLEEP_FIELDS( wisp_scene_strands ) };
-static const scene_block SLEEP_BLOCK = { SLEEP_FIELDS, WISP_COUNT( SLEEP_FIELDS ) };
-
-static const scene_field DETAIL_FIELDS[] = { SCENE_DETAIL_FIELDS( wisp_scene_strands ) };
-static const scene_block DETAIL_BLOCK = { DETAIL_FIELDS, WISP_COUNT( DETAIL_FIELDS ) };
+static const scene_block START_BLOCK = SCENE_BLOCK_ALONE( START_FIELDS );
 
 // `generate` stands before what is numbered by its strands and vertices, and the effects before `compute`.
 static const scene_field STRANDS_FIELDS[] = {
@@ -200,9 +174,9 @@ static const scene_field STRANDS_FIELDS[] = {
       .help = "Collision with colliders; needs `dynamics` or `ghosts`." },
     { "contact", SCENE_BLOCK, .at = AT( has_contact ), .block = &SCENE_STRAND_CONTACT_BLOCK,
       .help = "Contact with surfaces, and with strands if they have `between_strands`; needs `dynamics`." },
-    { "sleep", SCENE_BLOCK, .at = AT( has_sleep ), .block = &SLEEP_BLOCK,
+    { "sleep", SCENE_BLOCK, .at = AT( has_sleep ), .block = &SCENE_STRANDS_SLEEP_BLOCK,
       .help = "Strands that rest cost nothing until something reaches or changes them; needs `dynamics`." },
-    { "detail", SCENE_BLOCK, .at = AT( has_detail ), .block = &DETAIL_BLOCK,
+    { "detail", SCENE_BLOCK, .at = AT( has_detail ), .block = &SCENE_STRANDS_DETAIL_BLOCK,
       .help = "Level of detail: strands that are far away or out of sight cost less; needs `dynamics` or `ghosts`." },
     { "ghosts", SCENE_BLOCK, .at = AT( has_ghosts ), .block = &SCENE_GHOSTS_BLOCK,
       .help = "Makes the strands follow simulated ones; not with `dynamics`." },
@@ -221,7 +195,7 @@ static const scene_field STRANDS_FIELDS[] = {
 };
 #undef AT
 
-const scene_block SCENE_STRANDS_BLOCK = { STRANDS_FIELDS, WISP_COUNT( STRANDS_FIELDS ) };
+const scene_block SCENE_STRANDS_BLOCK = SCENE_BLOCK_ALONE( STRANDS_FIELDS );
 
 // ---- lists ----
 

@@ -5,10 +5,6 @@
 #include <stddef.h>
 
 #define AT( member ) offsetof( wisp_scene_surface, member )
-#define BLOCK( fields )                                                                                              \
-    {                                                                                                                \
-        fields, WISP_COUNT( fields )                                                                                 \
-    }
 
 static const scene_choice SOLVERS[] = { { "xpbd", "with compliances in SI units" },
                                         { "pbd", "with stiffnesses in 0 .. 1" },
@@ -16,28 +12,21 @@ static const scene_choice SOLVERS[] = { { "xpbd", "with compliances in SI units"
 
 // ---- motion constraints ----
 
-#define HELD( member ) offsetof( wisp_scene_surface, motion_constraints.member )
 #define DISTANCE RANGE( 0, 1e6 )
 
 // Constants. Maps of vertices belong to `max_distance`, `backstop` and `backstop_radius`: the arrays of the definition take them.
 static const scene_field MOTION_FIELDS[] = {
-    { "max_distance", SCENE_NUMBER, .at = HELD( max_distance ), .range = DISTANCE, .unit = METRES,
-      .help = "Largest distance of a vertex from its target; 0 holds it there.", .initial = "no limit" },
-    { "backstop", SCENE_NUMBER, .at = HELD( backstop_distance ), .member = "backstop_distance", .range = DISTANCE,
-      .unit = METRES, .help = "Distance behind the target, against its normal, that no vertex passes.",
-      .initial = "none" },
-    { "backstop_radius", SCENE_NUMBER, .at = HELD( backstop_radius ), .range = RANGE( 1e-6, 1e6 ), .unit = METRES,
-      .help = "Radius of the sphere that is the backstop.", .initial = "a plane" },
-    { "solver", SCENE_CHOICE, .at = HELD( solver ), .choices = SOLVERS, .constants = "WISP_SOLVER_",
-      .help = "Solver of these constraints." },
-    { "distance_compliance", SCENE_NUMBER, .at = HELD( distance_compliance ), .range = COMPLIANCE,
-      .unit = COMPLIANCES, .help = "Compliance of the largest distance, with `solver: xpbd`; 0 never exceeds it." },
-    { "backstop_compliance", SCENE_NUMBER, .at = HELD( backstop_compliance ), .range = COMPLIANCE,
-      .unit = COMPLIANCES, .help = "Compliance of the backstop, with `solver: xpbd`." },
-    { "distance_stiffness", SCENE_NUMBER, .at = HELD( distance_stiffness ), .range = UNIT_RANGE,
-      .help = "Stiffness of the largest distance, with `solver: pbd`." },
-    { "backstop_stiffness", SCENE_NUMBER, .at = HELD( backstop_stiffness ), .range = UNIT_RANGE,
-      .help = "Stiffness of the backstop, with `solver: pbd`." },
+    { "max_distance", .range = DISTANCE, .help = "Largest distance of a vertex from its target; 0 holds it there.",
+      .initial = "no limit" },
+    { "backstop", .member = "backstop_distance", .range = DISTANCE,
+      .help = "Distance behind the target, against its normal, that no vertex passes.", .initial = "none" },
+    { "backstop_radius", .range = RANGE( 1e-6, 1e6 ), .help = "Radius of the sphere that is the backstop.",
+      .initial = "a plane" },
+    { "solver", .choices = SOLVERS, .constants = "WISP_SOLVER_", .help = "Solver of these constraints." },
+    { "distance_compliance", .help = "Compliance of the largest distance, with `solver: xpbd`; 0 never exceeds it." },
+    { "backstop_compliance", .help = "Compliance of the backstop, with `solver: xpbd`." },
+    { "distance_stiffness", .help = "Stiffness of the largest distance, with `solver: pbd`." },
+    { "backstop_stiffness", .help = "Stiffness of the backstop, with `solver: pbd`." },
     { "keyframes", SCENE_CUSTOM, .at = AT( target_path ), .read = scene_read_pin_path,
       .help = "Displacement of the targets from where the vertices start; without `jump`.",
       .form = "list of keyframes {time, translate, rotate}", .initial = "none" },
@@ -45,69 +34,54 @@ static const scene_field MOTION_FIELDS[] = {
       .given = AT( has_target_pivot ), .help = "Point that the keyframes rotate about.",
       .initial = "the centre of the vertices" },
 };
-const scene_block SCENE_MOTION_CONSTRAINTS_BLOCK = BLOCK( MOTION_FIELDS );
+const scene_block SCENE_MOTION_CONSTRAINTS_BLOCK =
+    SCENE_BLOCK_OF( MOTION_FIELDS, motion_constraints_def, wisp_scene_surface, motion_constraints );
 
 // ---- tearing ----
 
-#define TEARING( member ) offsetof( wisp_scene_surface, tearing.member )
-
 static const scene_field TEARING_FIELDS[] = {
-    { "strength", SCENE_NUMBER, .required = true, .map = WISP_SCENE_MAP_TEARING, .at = TEARING( strength ),
-      .range = RANGE( 1e-6, 1e12 ), .unit = STIFFNESSES,
+    { "strength", .required = true, .map = WISP_SCENE_MAP_TEARING, .range = RANGE( 1e-6, 1e12 ),
       .help = "Tension at which an edge gives way: force of a strip by its width." },
-    { "max_splits", SCENE_WHOLE, .at = TEARING( max_splits ), .range = RANGE( 1, 1e6 ),
-      .help = "Most vertices that split in a step." },
+    { "max_splits", .help = "Most vertices that split in a step." },
     { "max_new_vertices", SCENE_WHOLE, .at = AT( max_new_vertices ), .range = RANGE( 0, 1e7 ),
       .help = "Vertices that are reserved for splits. When all are used the cloth no longer tears.",
       .initial = "a quarter of the vertices of the mesh, at least 64" },
 };
-const scene_block SCENE_TEARING_BLOCK = BLOCK( TEARING_FIELDS );
+const scene_block SCENE_TEARING_BLOCK = SCENE_BLOCK_OF( TEARING_FIELDS, tearing_def, wisp_scene_surface, tearing );
 
 // ---- membranes ----
 
-#define MEMBRANE( member ) offsetof( wisp_scene_surface, membrane.member )
-
 static const scene_field MEMBRANE_FIELDS[] = {
-    { "shear_modulus", SCENE_NUMBER, .at = MEMBRANE( shear_modulus ), .range = RANGE( 1e-3, 1e12 ), .unit = PRESSURES,
-      .help = "Shear modulus of the material, a third of Young's modulus; latex by default." },
-    { "thickness", SCENE_NUMBER, .at = MEMBRANE( thickness ), .range = RANGE( 1e-9, 1 ), .unit = METRES,
-      .help = "Thickness at rest." },
-    { "tension_field", SCENE_SWITCH, .at = MEMBRANE( tension_field ),
-      .help = "Triangles hold no compression, as if they had wrinkles finer than the mesh." },
+    { "shear_modulus", .help = "Shear modulus of the material, a third of Young's modulus; latex by default." },
+    { "thickness", .help = "Thickness at rest." },
+    { "tension_field", .help = "Triangles hold no compression, as if they had wrinkles finer than the mesh." },
 };
-const scene_block SCENE_MEMBRANE_BLOCK = BLOCK( MEMBRANE_FIELDS );
+const scene_block SCENE_MEMBRANE_BLOCK =
+    SCENE_BLOCK_OF( MEMBRANE_FIELDS, membrane_def, wisp_scene_surface, membrane );
 
 // ---- surfaces as colliders ----
 
 #define COLLIDER( member ) offsetof( wisp_scene_surface, collider.member )
 
 static const scene_field COLLIDER_FIELDS[] = {
-    { "double_sided", SCENE_SWITCH, .at = COLLIDER( double_sided ),
-      .help = "The surface has two sides and no inside; otherwise it must be closed." },
-    { "static_friction", SCENE_NUMBER, .at = COLLIDER( static_friction ), .range = RANGE( 0, 1e6 ),
-      .help = "Friction coefficient that must be overcome." },
-    { "kinetic_friction", SCENE_NUMBER, .at = COLLIDER( kinetic_friction ), .range = RANGE( 0, 1e6 ),
-      .help = "Friction coefficient while sliding, at most the static one." },
-    { "restitution", SCENE_NUMBER, .at = COLLIDER( restitution ), .range = UNIT_RANGE,
-      .help = "Fraction of the approach speed that a vertex leaves with." },
-    { "thickness", SCENE_NUMBER, .at = COLLIDER( thickness ), .range = DISTANCE, .unit = METRES,
-      .help = "Thickness that is added to that of what touches it." },
-    { "tracks", SCENE_SWITCH, .at = COLLIDER( tracks ),
+    { "double_sided", .help = "The surface has two sides and no inside; otherwise it must be closed." },
+    { "static_friction", .help = "Friction coefficient that must be overcome." },
+    { "kinetic_friction", .help = "Friction coefficient while sliding, at most the static one." },
+    { "restitution", .help = "Fraction of the approach speed that a vertex leaves with." },
+    { "thickness", .help = "Thickness that is added to that of what touches it." },
+    { "tracks",
       .help = "Closest triangles are searched once per step and tracked in between; otherwise in each substep." },
     { "layers", SCENE_CUSTOM, .at = COLLIDER( layers ), .read = scene_read_layers, .form = "list of layers, 0 .. 31",
       .initial = "[0]", .help = "Layers; `collision.mask` chooses among them." },
 };
-const scene_block SCENE_SURFACE_COLLIDER_BLOCK = BLOCK( COLLIDER_FIELDS );
+const scene_block SCENE_SURFACE_COLLIDER_BLOCK =
+    SCENE_BLOCK_OF( COLLIDER_FIELDS, collider_def, wisp_scene_surface, collider );
 
 // ---- the frame ----
 
-#define FRAME( member ) offsetof( wisp_scene_surface, frame.member )
-
 static const scene_field FRAME_FIELDS[] = {
-    { "linear_inertia", SCENE_NUMBER, .at = FRAME( linear_inertia ), .range = UNIT_RANGE,
-      .help = "Fraction of the displacement of the frame that the surface feels." },
-    { "angular_inertia", SCENE_NUMBER, .at = FRAME( angular_inertia ), .range = UNIT_RANGE,
-      .help = "Fraction of the rotation of the frame that the surface feels." },
+    { "linear_inertia", .help = "Fraction of the displacement of the frame that the surface feels." },
+    { "angular_inertia", .help = "Fraction of the rotation of the frame that the surface feels." },
     { "keyframes", SCENE_CUSTOM, .at = AT( frame_path ), .read = scene_read_pin_path,
       .help = "Displacement of the frame from where it starts; without `jump`.",
       .form = "list of keyframes {time, translate, rotate}", .initial = "none" },
@@ -115,17 +89,31 @@ static const scene_field FRAME_FIELDS[] = {
       .given = AT( has_frame_pivot ), .help = "Where the frame starts; it rotates about this point.",
       .initial = "the centre of the vertices" },
 };
-const scene_block SCENE_FRAME_BLOCK = BLOCK( FRAME_FIELDS );
+const scene_block SCENE_FRAME_BLOCK = SCENE_BLOCK_OF( FRAME_FIELDS, moving_frame_def, wisp_scene_surface, frame );
 
 // ---- sleep ----
 
-static const scene_field SLEEP_FIELDS[] = { SCENE_SLEEP_FIELDS( wisp_scene_surface ) };
-const scene_block SCENE_SURFACE_SLEEP_BLOCK = BLOCK( SLEEP_FIELDS );
+static const scene_field SLEEP_FIELDS[] = {
+    { "max_speed", .help = "Speed, of the displacement over a step, that no vertex may exceed." },
+    { "seconds", .help = "Simulated time for which all vertices must be slower." },
+    { "enabled", .help = "`false`: it never sleeps." },
+};
+const scene_block SCENE_SURFACE_SLEEP_BLOCK = SCENE_BLOCK_OF( SLEEP_FIELDS, sleep_def, wisp_scene_surface, sleep );
+const scene_block SCENE_STRANDS_SLEEP_BLOCK = SCENE_BLOCK_OF( SLEEP_FIELDS, sleep_def, wisp_scene_strands, sleep );
 
 // ---- level of detail ----
 
-static const scene_field DETAIL_FIELDS[] = { SCENE_DETAIL_FIELDS( wisp_scene_surface ) };
-const scene_block SCENE_SURFACE_DETAIL_BLOCK = BLOCK( DETAIL_FIELDS );
+static const scene_field DETAIL_FIELDS[] = {
+    { "level", .choices = SCENE_DETAIL_LEVELS, .constants = "WISP_DETAIL_",
+      .help = "Level from the start; an event can change it." },
+    { "substep_divisor", .range = RANGE( 1, 1000 ),
+      .help = "At `fewer_substeps` and `coarse`, the entry makes its substeps divided by this, rounded up." },
+    { "blend_steps", .range = RANGE( 0, 10000 ), .help = "Steps over which a change of the level is blended." },
+};
+const scene_block SCENE_SURFACE_DETAIL_BLOCK =
+    SCENE_BLOCK_OF( DETAIL_FIELDS, detail_def, wisp_scene_surface, detail );
+const scene_block SCENE_STRANDS_DETAIL_BLOCK =
+    SCENE_BLOCK_OF( DETAIL_FIELDS, detail_def, wisp_scene_strands, detail );
 
 // ---- what no table can say ----
 

@@ -71,7 +71,7 @@ static const scene_field BOX_FIELDS[] = {
       .help = "Corner with the largest coordinates." },
 };
 #undef AT
-const scene_block SCENE_BOX_BLOCK = { BOX_FIELDS, WISP_COUNT( BOX_FIELDS ) };
+const scene_block SCENE_BOX_BLOCK = SCENE_BLOCK_ALONE( BOX_FIELDS );
 
 static wisp_status read_box( scene_reader* r, const scene_node* node, int index, void* context )
 {
@@ -110,7 +110,7 @@ static const scene_field GROUP_FIELDS[] = {
     { "starts_free", SCENE_SWITCH, .at = offsetof( wisp_scene_pins, starts_free ),
       .help = "Whether nothing holds them until an event with `hold` or `attach_pins` does." },
 };
-const scene_block SCENE_PIN_GROUP_BLOCK = { GROUP_FIELDS, WISP_COUNT( GROUP_FIELDS ) };
+const scene_block SCENE_PIN_GROUP_BLOCK = SCENE_BLOCK_ALONE( GROUP_FIELDS );
 
 static bool has_vertices( const wisp_scene_pins* pins )
 {

@@ -115,18 +115,11 @@ wisp_status scene_read_surface_request( scene_reader* r, const scene_node* node,
 // Every key of a surface.
 
 #define AT( member ) offsetof( wisp_scene_surface, member )
-#define BLOCK( fields )                                                                                              \
-    {                                                                                                                \
-        fields, WISP_COUNT( fields )                                                                                 \
-    }
-
 static const scene_choice SOLVERS[] = { { "xpbd", "extended position based dynamics, with compliances in SI units" },
                                         { "pbd", "position based dynamics, with stiffnesses in 0 .. 1" },
                                         { NULL, NULL } };
 
 // ---- cloth ----
-
-#define CLOTH( member ) offsetof( wisp_scene_surface, cloth.member )
 
 static const scene_choice BENDINGS[] = {
     { "bend_links", "links between the vertices opposite an edge, cheap" },
@@ -137,101 +130,68 @@ static const scene_choice BENDINGS[] = {
 };
 
 static const scene_field CLOTH_FIELDS[] = {
-    { "solver", SCENE_CHOICE, .at = CLOTH( solver ), .choices = SOLVERS, .constants = "WISP_SOLVER_",
-      .help = "Solver of links and bending." },
-    { "warp_compliance", SCENE_NUMBER, .map = WISP_MAP_STRETCH_COMPLIANCE, .at = CLOTH( warp_compliance ),
-      .range = COMPLIANCE, .unit = COMPLIANCES,
+    { "solver", .choices = SOLVERS, .constants = "WISP_SOLVER_", .help = "Solver of links and bending." },
+    { "warp_compliance", .map = WISP_MAP_STRETCH_COMPLIANCE,
       .help =
           "Compliance of a link along the warp, with `solver: xpbd`; 0 is inextensible. A map scales those of weft "
           "and shear in proportion." },
-    { "weft_compliance", SCENE_NUMBER, .at = CLOTH( weft_compliance ), .range = COMPLIANCE, .unit = COMPLIANCES,
-      .help = "Compliance of a link across the warp, with `solver: xpbd`." },
-    { "shear_compliance", SCENE_NUMBER, .at = CLOTH( shear_compliance ), .range = COMPLIANCE, .unit = COMPLIANCES,
-      .help = "Compliance of a link between the two, with `solver: xpbd`." },
-    { "stretch_stiffness", SCENE_NUMBER, .map = WISP_MAP_STRETCH_STIFFNESS, .at = CLOTH( stretch_stiffness ),
-      .range = UNIT_RANGE,
+    { "weft_compliance", .help = "Compliance of a link across the warp, with `solver: xpbd`." },
+    { "shear_compliance", .help = "Compliance of a link between the two, with `solver: xpbd`." },
+    { "stretch_stiffness", .map = WISP_MAP_STRETCH_STIFFNESS,
       .help = "Stiffness of links along and across the warp, with `solver: pbd`. A map scales that of shear in "
               "proportion." },
-    { "shear_stiffness", SCENE_NUMBER, .at = CLOTH( shear_stiffness ), .range = UNIT_RANGE,
-      .help = "Stiffness of links at 45 degrees to the warp, with `solver: pbd`." },
-    { "warp", SCENE_VECTOR, .at = CLOTH( warp ), .range = RANGE( -5e5, 5e5 ),
-      .help = "Direction of the warp in the mesh before it is turned; not zero." },
-    { "bending", SCENE_CHOICE, .at = CLOTH( bending ), .choices = BENDINGS, .constants = "WISP_CLOTH_BENDING_",
-      .help = "How cloth resists bending." },
-    { "bend_stiffness", SCENE_NUMBER, .map = WISP_MAP_BEND_STIFFNESS, .at = CLOTH( bend_stiffness ),
-      .range = UNIT_RANGE, .help = "Stiffness against bending, with `solver: pbd`." },
-    { "bend_compliance", SCENE_NUMBER, .map = WISP_MAP_BEND_COMPLIANCE, .at = CLOTH( bend_compliance ),
-      .range = COMPLIANCE, .unit = COMPLIANCES, .help = "Compliance of bend links, with `solver: xpbd`." },
-    { "bend_rigidity", SCENE_NUMBER, .map = WISP_MAP_BEND_RIGIDITY, .at = CLOTH( bend_rigidity ),
-      .range = RANGE( 1e-12, 1e12 ), .unit = RIGIDITIES,
+    { "shear_stiffness", .help = "Stiffness of links at 45 degrees to the warp, with `solver: pbd`." },
+    { "warp", .help = "Direction of the warp in the mesh before it is turned; not zero." },
+    { "bending", .choices = BENDINGS, .constants = "WISP_CLOTH_BENDING_", .help = "How cloth resists bending." },
+    { "bend_stiffness", .map = WISP_MAP_BEND_STIFFNESS, .help = "Stiffness against bending, with `solver: pbd`." },
+    { "bend_compliance", .map = WISP_MAP_BEND_COMPLIANCE, .help = "Compliance of bend links, with `solver: xpbd`." },
+    { "bend_rigidity", .map = WISP_MAP_BEND_RIGIDITY,
       .help = "Bending rigidity of the cloth, with `solver: xpbd` and `bending: dihedral` or `isometric`. With "
               "`bending: bend_links`, that of sharp folds." },
-    { "internal_damping", SCENE_NUMBER, .map = WISP_MAP_INTERNAL_DAMPING, .at = CLOTH( internal_damping ),
-      .range = RANGE( 0, 1e9 ), .unit = RATES,
+    { "internal_damping", .map = WISP_MAP_INTERNAL_DAMPING,
       .help = "Rate at which relative velocities die; where the cloth is pinned, all velocities." },
-    { "wind", SCENE_VECTOR, .at = CLOTH( wind ), .range = WIND, .unit = SPEEDS, .help = "Velocity of the air." },
-    { "air_density", SCENE_NUMBER, .at = CLOTH( air_density ), .range = RANGE( 0, 1e6 ), .unit = AIR_DENSITIES,
-      .help = "Density of the air." },
-    { "drag_coefficient", SCENE_NUMBER, .map = WISP_MAP_DRAG, .at = CLOTH( drag_coefficient ),
-      .range = RANGE( 0, 1e6 ), .help = "Drag coefficient along the relative wind; 0 switches drag off." },
-    { "lift_coefficient", SCENE_NUMBER, .map = WISP_MAP_LIFT, .at = CLOTH( lift_coefficient ),
-      .range = RANGE( 0, 1e6 ), .help = "Lift coefficient across the relative wind; 0 switches lift off." },
-    { "tethers", SCENE_SWITCH, .at = CLOTH( tethers ),
-      .help = "Keeps each vertex within its rest distance to the nearest pin, measured along the mesh." },
-    { "tether_slack", SCENE_NUMBER, .at = CLOTH( tether_slack ), .range = RANGE( 1, 1e6 ),
-      .help = "Factor of the rest distance that a tether allows." },
-    { "coarse_substeps", SCENE_WHOLE, .at = CLOTH( coarse_substeps ), .range = RANGE( 0, 64 ),
+    { "wind", .help = "Velocity of the air." },
+    { "air_density", .help = "Density of the air." },
+    { "drag_coefficient", .map = WISP_MAP_DRAG,
+      .help = "Drag coefficient along the relative wind; 0 switches drag off." },
+    { "lift_coefficient", .map = WISP_MAP_LIFT,
+      .help = "Lift coefficient across the relative wind; 0 switches lift off." },
+    { "tethers", .help = "Keeps each vertex within its rest distance to the nearest pin, measured along the mesh." },
+    { "tether_slack", .help = "Factor of the rest distance that a tether allows." },
+    { "coarse_substeps",
       .help = "Coarse sheets carry the cloth: substeps of the coarsest one in a substep, by BDF2; 0 has none. Needs "
               "xpbd.",
       .initial = "1 of a mesh of more than about 600 vertices that can have them" },
-    { "coarse_passes", SCENE_WHOLE, .at = CLOTH( coarse_passes ), .range = RANGE( 1, 64 ),
-      .help = "Passes over the coarsest sheet in each of its substeps." },
+    { "coarse_passes", .help = "Passes over the coarsest sheet in each of its substeps." },
 };
-static const scene_block CLOTH_BLOCK = BLOCK( CLOTH_FIELDS );
+static const scene_block CLOTH_BLOCK = SCENE_BLOCK_OF( CLOTH_FIELDS, cloth_def, wisp_scene_surface, cloth );
 
 // ---- balloon ----
-
-#define BALLOON( member ) offsetof( wisp_scene_surface, balloon.member )
 
 static const scene_choice VOLUMES[] = { { "xpbd", "a gas, whose compliance follows from its pressure" },
                                         { "pbd", "a constraint with `volume_stiffness`" },
                                         { NULL, NULL } };
 
 static const scene_field BALLOON_FIELDS[] = {
-    { "solver", SCENE_CHOICE, .at = BALLOON( solver ), .choices = SOLVERS, .constants = "WISP_SOLVER_",
-      .help = "Solver of the skin." },
-    { "edge_stiffness", SCENE_NUMBER, .at = BALLOON( edge_stiffness ), .range = RANGE( 1e-6, 1e12 ),
-      .unit = STIFFNESSES, .help = "Stiffness of links along edges, with `solver: xpbd`." },
-    { "bend_link_stiffness", SCENE_NUMBER, .at = BALLOON( bend_link_stiffness ), .range = RANGE( 1e-6, 1e12 ),
-      .unit = STIFFNESSES, .help = "Stiffness of bend links, with `solver: xpbd`." },
-    { "stretch_stiffness", SCENE_NUMBER, .at = BALLOON( stretch_stiffness ), .range = UNIT_RANGE,
-      .help = "Stiffness of links along edges, with `solver: pbd`." },
-    { "bend_stiffness", SCENE_NUMBER, .at = BALLOON( bend_stiffness ), .range = UNIT_RANGE,
-      .help = "Stiffness of bend links, with `solver: pbd`." },
-    { "volume", SCENE_CHOICE, .at = BALLOON( volume ), .choices = VOLUMES, .constants = "WISP_SOLVER_",
-      .help = "How the volume is held." },
-    { "volume_stiffness", SCENE_NUMBER, .at = BALLOON( volume_stiffness ), .range = RANGE( 1e-6, 1 ),
-      .help = "Stiffness of the volume, with `volume: pbd`." },
-    { "gas_ratio", SCENE_NUMBER, .at = BALLOON( gas_ratio ), .range = RANGE( 1e-3, 1e6 ),
-      .help = "Volume of the gas at atmospheric pressure, in rest volumes; at least `min_gas_ratio`." },
+    { "solver", .choices = SOLVERS, .constants = "WISP_SOLVER_", .help = "Solver of the skin." },
+    { "edge_stiffness", .help = "Stiffness of links along edges, with `solver: xpbd`." },
+    { "bend_link_stiffness", .help = "Stiffness of bend links, with `solver: xpbd`." },
+    { "stretch_stiffness", .help = "Stiffness of links along edges, with `solver: pbd`." },
+    { "bend_stiffness", .help = "Stiffness of bend links, with `solver: pbd`." },
+    { "volume", .choices = VOLUMES, .constants = "WISP_SOLVER_", .help = "How the volume is held." },
+    { "volume_stiffness", .help = "Stiffness of the volume, with `volume: pbd`." },
+    { "gas_ratio", .help = "Volume of the gas at atmospheric pressure, in rest volumes; at least `min_gas_ratio`." },
     { "gas_ratio_keyframes", SCENE_CUSTOM, .read = scene_read_gas_ratio_keyframes,
       .help = "Gas ratio over time; it counts from the first pair to the last one, then the gas is left alone.",
       .form = "list of pairs [time, gas_ratio], times rise", .initial = "none" },
-    { "inflation_rate", SCENE_NUMBER, .at = BALLOON( inflation_rate ), .range = RANGE( -1e6, 1e6 ), .unit = FLOWS,
-      .help = "Gas at atmospheric pressure that flows in; negative lets it out." },
-    { "min_gas_ratio", SCENE_NUMBER, .at = BALLOON( min_gas_ratio ), .range = RANGE( 1e-3, 1 ),
-      .help = "The gas ratio never falls below this." },
-    { "atmospheric_pressure", SCENE_NUMBER, .at = BALLOON( atmospheric_pressure ), .range = RANGE( 1e-3, 1e12 ),
-      .unit = PRESSURES, .help = "Pressure of the air." },
-    { "temperature", SCENE_NUMBER, .at = BALLOON( temperature ), .range = RANGE( 1e-3, 1e6 ), .unit = KELVIN,
-      .help = "Temperature of gas and air." },
-    { "gas_molar_mass", SCENE_NUMBER, .at = BALLOON( gas_molar_mass ), .range = RANGE( 1e-6, 10 ),
-      .unit = MOLAR_MASSES, .help = "Molar mass of the gas; the default is helium." },
-    { "air_molar_mass", SCENE_NUMBER, .at = BALLOON( air_molar_mass ), .range = RANGE( 1e-6, 10 ),
-      .unit = MOLAR_MASSES, .help = "Molar mass of the air." },
-    { "buoyancy", SCENE_SWITCH, .at = BALLOON( buoyancy ), .help = "Whether the air carries the balloon." },
-    { "drag_coefficient", SCENE_NUMBER, .at = BALLOON( drag_coefficient ), .range = RANGE( 0, 1e6 ),
-      .help = "Drag coefficient; 0 switches drag off." },
+    { "inflation_rate", .help = "Gas at atmospheric pressure that flows in; negative lets it out." },
+    { "min_gas_ratio", .help = "The gas ratio never falls below this." },
+    { "atmospheric_pressure", .help = "Pressure of the air." },
+    { "temperature", .help = "Temperature of gas and air." },
+    { "gas_molar_mass", .help = "Molar mass of the gas; the default is helium." },
+    { "air_molar_mass", .help = "Molar mass of the air." },
+    { "buoyancy", .help = "Whether the air carries the balloon." },
+    { "drag_coefficient", .help = "Drag coefficient; 0 switches drag off." },
     { "outlet", SCENE_CUSTOM, .read = scene_read_outlet, .help = "Vertices of the outlet.",
       .form = "list of 1 to 64 vertices", .initial = "no outlet" },
     { "outlet_nearest", SCENE_VECTOR, .at = AT( outlet_nearest ), .range = COORDINATE, .unit = METRES,
@@ -240,19 +200,15 @@ static const scene_field BALLOON_FIELDS[] = {
       .initial = "no outlet" },
     { "outlet_radius", SCENE_NUMBER, .at = AT( outlet_radius ), .range = RANGE( 0, 1e6 ), .unit = METRES,
       .help = "All vertices within this distance of `outlet_nearest` belong to the outlet too, 64 at most." },
-    { "outlet_area", SCENE_NUMBER, .at = BALLOON( outlet_area ), .range = RANGE( 1e-12, 1e6 ), .unit = AREAS,
-      .help = "Area of the outlet." },
-    { "outlet_open", SCENE_SWITCH, .at = BALLOON( outlet_open ), .help = "Whether the outlet is open." },
-    { "allow_open", SCENE_SWITCH, .at = BALLOON( allow_open ),
+    { "outlet_area", .help = "Area of the outlet." },
+    { "outlet_open", .help = "Whether the outlet is open." },
+    { "allow_open",
       .help =
           "Closes holes of the mesh by virtual triangles, for the volume only; without it an open mesh is refused." },
 };
-static const scene_block BALLOON_BLOCK = BLOCK( BALLOON_FIELDS );
+static const scene_block BALLOON_BLOCK = SCENE_BLOCK_OF( BALLOON_FIELDS, balloon_def, wisp_scene_surface, balloon );
 
 // ---- implicit ----
-
-#define IMPLICIT( member ) offsetof( wisp_scene_surface, implicit.member )
-#define ANY_STIFFNESS RANGE( 0, 1e9 )
 
 static const scene_choice STIFFNESS_OF[] = { { "link", "each link alike, so that another mesh is another cloth" },
                                              { "material", "the cloth, so that another mesh is the same cloth" },
@@ -270,35 +226,29 @@ static const scene_choice LINKS[] = {
 };
 
 static const scene_field IMPLICIT_FIELDS[] = {
-    { "stiffness_model", SCENE_CHOICE, .at = IMPLICIT( stiffness_model ), .choices = STIFFNESS_OF,
-      .constants = "WISP_IMPLICIT_STIFFNESS_", .help = "What a stiffness belongs to." },
-    { "stretch_stiffness", SCENE_NUMBER, .at = IMPLICIT( stretch_stiffness ), .range = ANY_STIFFNESS,
-      .unit = STIFFNESSES, .help = "Stretch stiffness of a link, or of the material." },
-    { "bend_stiffness", SCENE_NUMBER, .at = IMPLICIT( bend_stiffness ), .range = ANY_STIFFNESS,
-      .unit = ROD_RIGIDITIES, .help = "Bending stiffness of a diagonal, with `stiffness_model: link`." },
-    { "bend_rigidity", SCENE_NUMBER, .at = IMPLICIT( bend_rigidity ), .range = ANY_STIFFNESS, .unit = RIGIDITIES,
+    { "stiffness_model", .choices = STIFFNESS_OF, .constants = "WISP_IMPLICIT_STIFFNESS_",
+      .help = "What a stiffness belongs to." },
+    { "stretch_stiffness", .help = "Stretch stiffness of a link, or of the material." },
+    { "bend_stiffness", .help = "Bending stiffness of a diagonal, with `stiffness_model: link`." },
+    { "bend_rigidity",
       .help = "Bending rigidity of the cloth, with `stiffness_model: material`; edges of 20 mm crumple below 5e-5." },
-    { "compression_stiffness", SCENE_NUMBER, .at = IMPLICIT( compression_stiffness ), .range = ANY_STIFFNESS,
-      .unit = STIFFNESSES,
+    { "compression_stiffness",
       .help = "Slope of the force where a compressed link starts to bend; 0 takes `stretch_stiffness`." },
-    { "link_damping", SCENE_NUMBER, .at = IMPLICIT( link_damping ), .range = ANY_STIFFNESS, .unit = LINK_DAMPINGS,
-      .help = "Damping of a link." },
-    { "weights", SCENE_CHOICE, .at = IMPLICIT( weights ), .choices = WEIGHTS, .constants = "WISP_IMPLICIT_WEIGHTS_",
+    { "link_damping", .help = "Damping of a link." },
+    { "weights", .choices = WEIGHTS, .constants = "WISP_IMPLICIT_WEIGHTS_",
       .help = "Weight of the force of a neighbour." },
-    { "integrator", SCENE_CHOICE, .at = IMPLICIT( integrator ), .choices = INTEGRATORS,
-      .constants = "WISP_INTEGRATOR_", .help = "Time integration." },
-    { "newton_iterations", SCENE_WHOLE, .at = IMPLICIT( newton_iterations ), .range = RANGE( 1, 64 ),
-      .help = "Linear solves of a substep." },
-    { "max_newton_iterations", SCENE_WHOLE, .at = IMPLICIT( max_newton_iterations ), .range = RANGE( 1, 64 ),
+    { "integrator", .choices = INTEGRATORS, .constants = "WISP_INTEGRATOR_", .help = "Time integration." },
+    { "newton_iterations", .help = "Linear solves of a substep." },
+    { "max_newton_iterations",
       .help = "Linear solves of a stiff substep at most; 1 makes as many as in other substeps, which is cheaper and "
               "can gain energy." },
-    { "tolerance", SCENE_NUMBER, .at = IMPLICIT( tolerance ), .range = RANGE( 1e-7, 0.1 ),
+    { "tolerance",
       .help = "Residual at which a solve ends, relative to that of standing still; stiff links get 1e-4 at least." },
-    { "max_iterations", SCENE_WHOLE, .at = IMPLICIT( max_iterations ), .range = RANGE( 0, 1000000 ),
-      .help = "Iterations of a solve at most; 0 takes three per vertex." },
+    { "max_iterations", .help = "Iterations of a solve at most; 0 takes three per vertex." },
     { "links", SCENE_EITHER, .at = AT( has_quad_links ), .choices = LINKS, .help = "Which links the cloth has." },
 };
-static const scene_block IMPLICIT_BLOCK = BLOCK( IMPLICIT_FIELDS );
+static const scene_block IMPLICIT_BLOCK =
+    SCENE_BLOCK_OF( IMPLICIT_FIELDS, implicit_cloth_def, wisp_scene_surface, implicit );
 
 // ---- a surface ----
 
@@ -310,10 +260,10 @@ static const scene_field TRANSFORM_FIELDS[] = {
     { "translate", SCENE_VECTOR, .at = AT( pose.translation ), .range = COORDINATE, .unit = METRES,
       .help = "Displacement after scale and rotation." },
 };
-static const scene_block TRANSFORM_BLOCK = BLOCK( TRANSFORM_FIELDS );
+static const scene_block TRANSFORM_BLOCK = SCENE_BLOCK_ALONE( TRANSFORM_FIELDS );
 
 static const scene_field COPIES_FIELDS[] = { SCENE_COPIES_FIELDS( wisp_scene_surface ) };
-static const scene_block COPIES_BLOCK = { COPIES_FIELDS, WISP_COUNT( COPIES_FIELDS ) };
+static const scene_block COPIES_BLOCK = SCENE_BLOCK_ALONE( COPIES_FIELDS );
 
 static const scene_field START_FIELDS[] = {
     { "file", SCENE_CUSTOM, .at = AT( start.file ), .read = scene_read_file,
@@ -323,7 +273,7 @@ static const scene_field START_FIELDS[] = {
       .form = "path", .initial = "the rest shape" },
     SCENE_START_FIELDS( wisp_scene_surface ),
 };
-static const scene_block START_BLOCK = BLOCK( START_FIELDS );
+static const scene_block START_BLOCK = SCENE_BLOCK_ALONE( START_FIELDS );
 
 #define COLLISION( member ) offsetof( wisp_scene_surface, collision.member )
 
@@ -333,23 +283,21 @@ static const scene_choice FEATURES[] = { { "vertices",
                                          { NULL, NULL } };
 
 static const scene_field COLLISION_FIELDS[] = {
-    { "thickness", SCENE_NUMBER, .map = WISP_MAP_COLLISION_THICKNESS, .at = COLLISION( thickness ),
-      .range = RANGE( 0, 1e6 ), .unit = METRES,
+    { "thickness", .map = WISP_MAP_COLLISION_THICKNESS,
       .help = "Distance that vertices keep from colliders, on both sides; less room loads it: 5000 weights at the "
               "depth of the thickness. Of implicit cloth, the margin within which a vertex is held.",
       .initial = "a quarter of the mean edge" },
-    { "friction_scale", SCENE_NUMBER, .map = WISP_MAP_COLLISION_FRICTION, .at = COLLISION( friction_scale ),
-      .range = RANGE( 0, 1e6 ), .help = "Factor of the friction of the collider." },
-    { "max_push_out_speed", SCENE_NUMBER, .at = COLLISION( max_push_out_speed ), .range = RANGE( 0, 1e6 ),
-      .unit = SPEEDS, .help = "Speed at which a vertex that starts inside is moved out.",
+    { "friction_scale", .map = WISP_MAP_COLLISION_FRICTION, .help = "Factor of the friction of the collider." },
+    { "max_push_out_speed", .help = "Speed at which a vertex that starts inside is moved out.",
       .initial = "ten mean edges per second" },
-    { "features", SCENE_CHOICE, .at = COLLISION( features ), .choices = FEATURES, .constants = "WISP_COLLISION_",
+    { "features", .choices = FEATURES, .constants = "WISP_COLLISION_",
       .help = "What keeps the thickness from bodies. A plane needs no more than vertices." },
     { "mask", SCENE_CUSTOM, .at = COLLISION( mask ), .read = scene_read_layers,
       .help = "Numbers of the collider layers that stop it.", .form = "list of layers, 0 .. 31",
       .initial = "all layers" },
 };
-static const scene_block COLLISION_BLOCK = BLOCK( COLLISION_FIELDS );
+static const scene_block COLLISION_BLOCK =
+    SCENE_BLOCK_OF( COLLISION_FIELDS, collision_def, wisp_scene_surface, collision );
 
 static const scene_choice SWEEPS[] = {
     { "colour", "colour by colour, stable at any stiffness" },
@@ -454,7 +402,7 @@ static const scene_field SURFACE_FIELDS[] = {
       .initial = "`points`; `[]`: none" },
 };
 #undef AT
-const scene_block SCENE_SURFACE_BLOCK = BLOCK( SURFACE_FIELDS );
+const scene_block SCENE_SURFACE_BLOCK = SCENE_BLOCK_ALONE( SURFACE_FIELDS );
 
 // ---- lists ----
 

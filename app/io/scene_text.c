@@ -424,13 +424,13 @@ wisp_status scene_tree_build( const scene_source* given, scene_tree* tree )
         return out_of_memory( &source );
     }
     yaml_parser_set_encoding( &b.parser, YAML_UTF8_ENCODING );
-    yaml_parser_set_input_string( &b.parser, (const unsigned char*)source.text, source.size );
+    yaml_parser_set_input_string( &b.parser, (const void*)( source.size > 0 ? source.text : "" ), source.size );
     status = take_events( &b );
     yaml_parser_delete( &b.parser );
 
     if ( !status && tree->node_count == 0 )
     {
-        return scene_refuse( &source, 0, 0, "", "got an empty file, expected at least the line 'wisp: 1'" );
+        return scene_refuse( &source, 0, 0, "", "got an empty file" );
     }
     return status;
 }

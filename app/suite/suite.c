@@ -199,7 +199,10 @@ static wisp_status read_runs_of( const suite_reader* r, const scene_node* block,
         return read_halves( r, run, values[REFERENCE_EXTRAPOLATE], out );
     }
     run.coarser = values[REFERENCE_CHECK];
-    return status == WISP_OK ? suite_read_run( r, &run, "reference, check", &out->check ) : status;
+    status = status == WISP_OK ? suite_read_run( r, &run, "reference, check", &out->check ) : status;
+    return status == WISP_OK && strcmp( out->check.text, out->fine.text ) == 0
+               ? suite_refuse( r, run.coarser, "expected a coarser run; the reference would be certain of itself" )
+               : status;
 }
 
 static int find_runs( const wisp_suite* suite, const suite_row* fine )

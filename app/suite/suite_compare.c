@@ -480,15 +480,17 @@ static double total( const suite_motion* motion, int frame )
 }
 
 // Mean over some frames, in parts of the most that the reference has released until then: where it swings up again little is left.
+// Where inputs bring it more than it releases, what is released is no scale.
 static double compare_energy( const suite_motion* motion, const suite_motion* reference, int first, int count )
 {
-    double released = 0.0, gained = 0.0;
+    double released = 0.0, gained = 0.0, risen = 0.0;
     for ( int frame = 0; frame < first + count; ++frame )
     {
         released = fmax( released, (double)reference->energies[0].y - (double)reference->energies[frame].y );
+        risen = fmax( risen, total( reference, frame ) - total( reference, 0 ) );
         gained += frame >= first ? total( motion, frame ) - total( reference, frame ) : 0.0;
     }
-    return released > 0.0 ? gained / ( count * released ) : NAN;
+    return released > risen ? gained / ( count * released ) : NAN;
 }
 
 // ---- all ----

@@ -490,12 +490,11 @@ static wisp_status hash_row( const suite_row* row, const suite_times* times, uin
 static wisp_status find_run( const suite_references* references, const suite_row* row, const suite_times* times,
                              suite_motion* out, wisp_error* error )
 {
-    const char* name = references->suite->name;
     char folder[PATH_SIZE], path[2 * PATH_SIZE];
     uint64_t hash = 0;
     WISP_TRY( hash_row( row, times, &hash, error ) );
     const bool keeps = cache_folder( folder, sizeof folder ) && make_folders( folder );
-    snprintf( path, sizeof path, "%s/%s-%016llx.wisp", folder, name, (unsigned long long)hash );
+    snprintf( path, sizeof path, "%s/%016llx.wisp", folder, (unsigned long long)hash );
     struct stat found;
     if ( keeps && stat( path, &found ) == 0 )
     {
@@ -510,7 +509,8 @@ static wisp_status find_run( const suite_references* references, const suite_row
     if ( status == WISP_OK && measured.values[SUITE_HALTED] > 0.0 )
     {
         return wisp_fail( error, WISP_CONFLICT,
-                          "%s: the %s was halted, it cannot be what errors are measured against", name, row->name );
+                          "%s: the %s was halted, it cannot be what errors are measured against",
+                          references->suite->name, row->name );
     }
     // a folder that is full or read-only costs time the next time, and nothing else
     if ( status == WISP_OK && keeps )

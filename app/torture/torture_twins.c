@@ -288,7 +288,7 @@ static void scale_block( text_node* map, torture_block block, double factor )
     const bool is_event = block.table == &SCENE_EVENT_BLOCK;
     for ( int i = 0; i < block.table->field_count; ++i )
     {
-        const scene_field* field = &block.table->fields[i];
+        const scene_field own = scene_field_at( block.table, i ), *field = &own;
         text_node* value = text_find( map, field->key );
         // Gravity of a body is that of the scene unless it is written, and an event changes only what is written.
         const bool has_default =

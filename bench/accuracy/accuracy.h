@@ -58,6 +58,7 @@ typedef struct accuracy_scene
     double
         uncertainty; ///< of the reference, in the unit of `error`, the largest of several; smaller errors are unresolved
     int group_count;     ///< of settings; 0: one
+    const char* chaos;   ///< until when motion is compared, a sentence; null: until the end
     const char* note;    ///< note for readers of the tables, whole sentences; static; null: none
     char error_name[48]; ///< "distance to the reference"; empty: errors are not measured, and there are no rivals
     char error_unit[16]; ///< "mm", "%": of `error` as printed

@@ -462,8 +462,12 @@ void accuracy_add_notes( const accuracy_report* report, results* out )
                               ? "those that the suite names as quick"
                               : "the coarsest and the middle one of every series, and the finest of the first" );
     }
-    if ( scene->note )
+    for ( int i = 0; i < 2; ++i )
     {
-        results_add_note( out, "%s `%s`: %s", accuracy_kind( scene ), report->entry->name, scene->note );
+        const char* note = i == 0 ? scene->chaos : scene->note;
+        if ( note )
+        {
+            results_add_note( out, "%s `%s`: %s", accuracy_kind( scene ), report->entry->name, note );
+        }
     }
 }

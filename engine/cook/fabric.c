@@ -253,32 +253,22 @@ size_t wisp_fabric_bytes( const wisp_fabric* fabric )
 
 // ---- input ----
 
-void wisp_init_fabric_def( wisp_fabric_def* def, size_t size )
-{
-    const wisp_fabric_def values = {
-        .bend_links = true,
-        .solve_order = WISP_SOLVE_ORDER_COLOUR,
-    };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+static const wisp_field FABRIC_FIELDS[] = {
+    WISP_WHOLE( wisp_fabric_def, vertex_count, 0, 0, FABRIC_MAX_VERTICES ),
+    WISP_WHOLE( wisp_fabric_def, triangle_count, 0, 0, FABRIC_MAX_TRIANGLES ),
+    WISP_WHOLE( wisp_fabric_def, attachment_count, 0, 0, FABRIC_MAX_VERTICES ),
+    WISP_SWITCH( wisp_fabric_def, bend_links, true ),
+    WISP_SWITCH( wisp_fabric_def, hinges, false ),
+    WISP_SWITCH( wisp_fabric_def, tethers, false ),
+    WISP_SWITCH( wisp_fabric_def, coarse_sheets, false ),
+    WISP_SWITCH( wisp_fabric_def, lean, false ),
+    WISP_CHOICE( wisp_fabric_def, solve_order, WISP_SOLVE_ORDER_COLOUR, WISP_SOLVE_ORDER_COUNT ),
+    WISP_WHOLE_OR( wisp_fabric_def, tile_size, 0, FABRIC_MIN_TILE, FABRIC_MAX_TILE ),
+};
+WISP_DEFINE( fabric_def, "fabric", FABRIC_FIELDS )
 
 static wisp_status check_numbers( const wisp_fabric_def* def, wisp_error* error )
 {
-    if ( def->vertex_count < 0 || def->vertex_count > FABRIC_MAX_VERTICES )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "fabric: got %d vertices, expected 0 to %d", def->vertex_count,
-                          FABRIC_MAX_VERTICES );
-    }
-    if ( def->triangle_count < 0 || def->triangle_count > FABRIC_MAX_TRIANGLES )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "fabric: got %d triangles, expected 0 to %d", def->triangle_count,
-                          FABRIC_MAX_TRIANGLES );
-    }
-    if ( def->attachment_count < 0 )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "fabric: got %d attachments, expected 0 or more",
-                          def->attachment_count );
-    }
     if ( ( def->points == NULL && def->vertex_count > 0 ) || ( def->triangles == NULL && def->triangle_count > 0 ) ||
          ( def->attachments == NULL && def->attachment_count > 0 ) )
     {
@@ -286,13 +276,7 @@ static wisp_status check_numbers( const wisp_fabric_def* def, wisp_error* error 
                           "fabric: got a null list, expected lists of %d vertices, %d triangles and %d attachments",
                           def->vertex_count, def->triangle_count, def->attachment_count );
     }
-    if ( (int)def->solve_order < 0 || def->solve_order >= WISP_SOLVE_ORDER_COUNT )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "fabric: got solve order %d, which does not exist",
-                          (int)def->solve_order );
-    }
-    if ( def->tile_size != 0 && ( def->tile_size < FABRIC_MIN_TILE || def->tile_size > FABRIC_MAX_TILE ||
-                                  def->tile_size % WISP_FABRIC_LANES != 0 ) )
+    if ( def->tile_size % WISP_FABRIC_LANES != 0 )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
                           "fabric: got tiles of %d vertices, expected 0 or a multiple of %d from %d to %d",
@@ -710,9 +694,9 @@ wisp_status wisp_fabric_cook( const wisp_fabric_def* given, const wisp_allocator
         return wisp_fail( error, WISP_BAD_INPUT, "out: got null, expected where to store the fabric" );
     }
     *out = NULL;
-    wisp_fabric_def values = wisp_default_fabric_def();
+    wisp_fabric_def values;
     const wisp_fabric_def* def = &values;
-    WISP_TRY( wisp_def_read( &values, given, "wisp_default_fabric_def", error ) );
+    WISP_TRY( wisp_def_read( &wisp_fabric_def_fields, &values, given, error ) );
     wisp_status status = check_def( def, error );
     return status == WISP_OK ? fabric_cook_checked( def, NULL, allocator, out, error ) : status;
 }

@@ -485,11 +485,14 @@ static bool schedule_level_links( const level_maker* m, const level_link* links,
         return false;
     }
     float* fraction = fabric_pool_push_zeroed( keep, (size_t)out->schedule.slot_count, sizeof( float ) );
+    double sum = 0.0;
     for ( int i = 0; i < out->schedule.slot_count && fraction != NULL; ++i )
     {
         const int32_t link = out->schedule.constraint[i];
         fraction[i] = link >= 0 ? links[link].fraction : 0.0f;
+        sum += (double)lanes.rest[i];
     }
+    out->mean_rest = (float)( sum / (double)count );
     out->link_count = count;
     out->a_x4 = lanes.a_x4;
     out->b_x4 = lanes.b_x4;

@@ -141,6 +141,10 @@ void KERNEL( strand_curve )( const wisp_strand_curve_args* args, int begin, int 
 void KERNEL( level_prepare )( const wisp_level_link_args* args, int begin, int end );
 void KERNEL( level_band )( const wisp_level_link_args* args, int begin, int end );
 void KERNEL( level_link )( const wisp_level_link_args* args, int begin, int end );
+bool KERNEL( level_is_torn )( const wisp_level_link_args* args, float most, int begin, int end );
+void KERNEL( level_predict )( const wisp_level_rows_args* args, int begin, int end );
+void KERNEL( level_finish )( const wisp_level_rows_args* args, int begin, int end );
+bool KERNEL( level_add )( const wisp_level_added_args* args, int row_count );
 void KERNEL( prolong )( const wisp_prolong_args* args, int begin, int end );
 void KERNEL( skin_linear )( const wisp_skin_args* args, int begin, int end );
 void KERNEL( skin_dual_quaternion )( const wisp_skin_args* args, int begin, int end );

@@ -18,7 +18,7 @@ typedef struct particles8
     lane8 inverse_mass;
 } particles8;
 
-static particles8 particles_of( const wisp_rigid_args* args, int slot )
+LANE_INLINE particles8 particles_of( const wisp_rigid_args* args, int slot )
 {
     particles8 p;
     lane8 none;
@@ -100,6 +100,17 @@ void KERNEL( rigid_sums )( const wisp_rigid_args* args, int begin, int end, wisp
     }
 }
 
+// Adds what differs from the rigid motion, and a shift, to other vectors.
+LANE_INLINE void add_rest( const wisp_rigid_args* args, int slot, lane8m moves, lane8v difference )
+{
+    lane8v rest;
+    lane8 last;
+    lane8_load_xyzw_contiguous( args->rest + (size_t)slot * 4, &rest.x, &rest.y, &rest.z, &last );
+    const lane8v sum = lane8v_add( rest, lane8v_add( difference, lane8v_set1( args->shift ) ) );
+    rest = lane8v_select( moves, sum, rest );
+    lane8_store_xyzw_contiguous( args->rest + (size_t)slot * 4, rest.x, rest.y, rest.z, last );
+}
+
 LANE_INLINE void approach( const wisp_rigid_args* args, int begin, int end, bool mapped )
 {
     const lane8v turning = lane8v_set1( args->angular_velocity ), drift = lane8v_set1( args->linear_velocity );
@@ -110,7 +121,13 @@ LANE_INLINE void approach( const wisp_rigid_args* args, int begin, int end, bool
         const lane8v rigid = lane8v_add( drift, lane8v_cross( turning, p.at ) );
         const lane8v nearer = lane8v_mul_add( p.velocity, mapped ? lane8_loadu( args->fractions + slot ) : fraction,
                                               lane8v_sub( rigid, p.velocity ) );
-        const lane8v v = lane8v_select( lane8_gt( p.inverse_mass, lane8_zero() ), nearer, p.velocity );
+        const lane8m moves = lane8_gt( p.inverse_mass, lane8_zero() );
+        if ( args->rest != NULL )
+        {
+            add_rest( args, slot, moves, lane8v_sub( p.velocity, nearer ) );
+            continue;
+        }
+        const lane8v v = lane8v_select( moves, nearer, p.velocity );
         lane8_store_xyzw_contiguous( args->velocity + (size_t)slot * 4, v.x, v.y, v.z, lane8_zero() );
     }
 }

@@ -209,105 +209,6 @@ void levels_restart( wisp_frame* frame, const wisp_span* span, void* user )
     }
 }
 
-// ---- second order ----
-
-// What second order adds to the velocities of the coarsest rows: limited by what the surface did, and by what is added to the
-// neighbours of a row.
-
-// Fraction of the change of a velocity that is rounding, where first order has none.
-#define ROUNDING_FRACTION 1e-4f
-
-// Limits what second order adds to a velocity, d, by what the surface did: half of the change of its mean velocity since its last
-// substep, c. Both are half of the acceleration times dt where the surface follows the sheet. A row gets the fraction
-// 2 c . d / d^2, within 0 and 1. It gets nothing where the surface did not follow: in contact, in folds, or at rest where both
-// do not quite agree; second order would give it a velocity there that it does not have.
-static float fraction_of( const float d[3], const float c[3] )
-{
-    const float d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2], c2 = c[0] * c[0] + c[1] * c[1] + c[2] * c[2];
-    const float both = 2.0f * ( c[0] * d[0] + c[1] * d[1] + c[2] * d[2] );
-    return both >= d2 || d2 <= ROUNDING_FRACTION * ROUNDING_FRACTION * c2 ? 1.0f : both > 0.0f ? both / d2 : 0.0f;
-}
-
-// Sums of a row and its neighbours, [row][4]: the last one counts them.
-static void sum_neighbours( const wisp_fabric_level* level, const float* value, float* sum )
-{
-    memcpy( sum, value, 4 * (size_t)level->row_count * sizeof( float ) );
-    for ( int row = 0; row < level->row_count; ++row )
-    {
-        sum[4 * row + 3] = 1.0f;
-    }
-    for ( int i = 0; i < level->schedule.slot_count; ++i )
-    {
-        const float fraction = level->fraction[i]; // 0 pads
-        float *a = sum + level->a_x4[i], *b = sum + level->b_x4[i];
-        const float *at_a = value + level->a_x4[i], *at_b = value + level->b_x4[i];
-        for ( int k = 0; k < 3; ++k )
-        {
-            a[k] += fraction * at_b[k];
-            b[k] += fraction * at_a[k];
-        }
-        a[3] += fraction;
-        b[3] += fraction;
-    }
-}
-
-// Parts of what is added to a row that the mean over it and its neighbours has at least for it to keep any, and all.
-#define SHARED_BY_SOME 0.3f
-#define SHARED_BY_ALL 0.6f
-
-// The fraction that a row keeps of what is added to it, by the mean over it and its neighbours. A corner that gets it alone would
-// be driven to and fro by what the sheets do to it.
-static float shared_fraction( const float added[3], const float sum[4] )
-{
-    const float a2 = added[0] * added[0] + added[1] * added[1] + added[2] * added[2];
-    const float both = ( sum[0] * added[0] + sum[1] * added[1] + sum[2] * added[2] ) / sum[3];
-    return both >= SHARED_BY_ALL * a2   ? 1.0f
-           : both > SHARED_BY_SOME * a2 ? ( both / a2 - SHARED_BY_SOME ) / ( SHARED_BY_ALL - SHARED_BY_SOME )
-                                        : 0.0f;
-}
-
-// Find what second order adds to the velocities of the coarsest rows, and limit what they remember by what the surface did.
-// @param velocity [slot][4] m/s, of the surface @param motion columns of level.motion @param sum [row][4] scratch
-// @param added [row][4] m/s @return whether there is some, and more than half of it is left
-static bool levels_find_added( const wisp_fabric_level* level, const float* velocity, float* const motion[5],
-                               float* sum, float* added )
-{
-    const float *end = motion[0], *mean = motion[3];
-    float *change = motion[1], *lag = motion[2], *before = motion[4];
-    double whole = 0.0, left = 0.0;
-    memset( added, 0, 4 * (size_t)level->row_count * sizeof( float ) );
-    for ( int row = 0; row < level->vertex_count; ++row )
-    {
-        const float* v = velocity + level->slot_x4[row];
-        float d[3], c[3];
-        for ( int k = 0, i = 4 * row; k < 3; ++k, ++i )
-        {
-            d[k] = end[i] - mean[i];
-            c[k] = 0.5f * ( v[k] - before[i] );
-            before[i] = v[k];
-        }
-        const float fraction = fraction_of( d, c );
-        for ( int k = 0, i = 4 * row; k < 3; ++k, ++i )
-        {
-            added[i] = fraction * d[k];
-            change[i] *= fraction;
-            lag[i] *= fraction;
-            whole += (double)( d[k] * d[k] );
-        }
-    }
-    sum_neighbours( level, added, sum );
-    for ( int row = 0; row < level->vertex_count; ++row )
-    {
-        const float fraction = shared_fraction( added + 4 * row, sum + 4 * row );
-        for ( int i = 4 * row; i < 4 * row + 3; ++i )
-        {
-            added[i] *= fraction;
-            left += (double)( added[i] * added[i] );
-        }
-    }
-    return whole > 0.0 && left >= 0.25 * whole;
-}
-
 // ---- levels ----
 
 enum
@@ -428,7 +329,7 @@ static void prolong( const levels_sheet* sheet, const float* value, const float*
 
 // Prolongs to the surface. One that nothing pins gets it without its rigid motion, since sheets have no momentum to give, and with a
 // shift. The angular momentum of a displacement is about where the substep began, that of a velocity about where it ends.
-// @param about [slot][4] m @param change [2][slot][4] scratch; null: it is pinned
+// @param about [slot][4] m @param change [slot][4] scratch; null: it is pinned
 static void prolong_to_surface( const levels_sheet* sheet, const wisp_fabric* fabric, const float* value,
                                 const float* about, const float shift[3], float* change, float* target )
 {
@@ -439,17 +340,12 @@ static void prolong_to_surface( const levels_sheet* sheet, const wisp_fabric* fa
     }
     memset( change, 0, 4 * (size_t)fabric->slot_count * sizeof( float ) );
     prolong( sheet, value, about, change );
-    float* rigid = change + 4 * (size_t)fabric->slot_count;
-    memcpy( rigid, change, 4 * (size_t)fabric->slot_count * sizeof( float ) );
-    const wisp_rigid_args args = { .position = about, .velocity = rigid, .fraction = 1.0f };
+    const wisp_rigid_args args = { .position = about,
+                                   .velocity = change,
+                                   .fraction = 1.0f,
+                                   .rest = target,
+                                   .shift = { shift[0], shift[1], shift[2] } };
     wisp_approach_rigid_motion( sheet->kernels, sheet->parallel, fabric, &args );
-    for ( int i = 0; i < 4 * fabric->slot_count; i += 4 )
-    {
-        for ( int k = 0; k < 3 && about[i + 3] > 0.0f; ++k )
-        {
-            target[i + k] += change[i + k] - rigid[i + k] + shift[k];
-        }
-    }
 }
 
 // ---- a substep ----
@@ -461,7 +357,7 @@ typedef struct levels_memory
     float* moved; // [row][4] of all levels: m, where the surface has been predicted, then the displacement from there
     float *start, *acceleration; // [row][4] of the level that moves: m, where the substep begins; of the coarsest one
     float *lower, *lambda, *factor; // [link]
-    float* change;                  // [2][slot][4] of a surface that nothing pins; null: it is pinned
+    float* change;                  // [slot][4] of a surface that nothing pins; null: it is pinned
     levels_pin* pins;               // of the level that moves
 } levels_memory;
 
@@ -473,7 +369,7 @@ static bool take_level_memory( wisp_frame* frame, const wisp_span* span, levels_
     const size_t links = (size_t)( last->first_link + last->schedule.slot_count );
     const size_t pins = (size_t)*levels_columns_of( frame, span->entity ).pins;
     const bool is_pinned = passes_has_pins( f, wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ) );
-    const size_t slots = is_pinned ? 0 : 8 * (size_t)f->slot_count;
+    const size_t slots = is_pinned ? 0 : 4 * (size_t)f->slot_count;
     float* at = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker,
                                        ( slots + 2 * rows + 2 * own + 3 * links ) * sizeof( float ) +
                                            pins * sizeof( levels_pin ) );
@@ -637,12 +533,13 @@ static bool move_coarsest( wisp_frame* frame, const wisp_span* span, const level
     }
     levels_carrier carrier = {
         .sheet = *sheet,
-        .target = target,
-        .acceleration = m->acceleration,
-        .velocity = velocity,
-        .start = m->start,
-        .change = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 1 ),
-        .lag = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 2 ),
+        .rows = { .position = at,
+                  .start = m->start,
+                  .velocity = velocity,
+                  .change = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 1 ),
+                  .lag = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 2 ),
+                  .acceleration = m->acceleration,
+                  .target = target },
         .dt = dt,
         .columns = levels_columns_of( frame, span->entity ),
     };
@@ -758,7 +655,22 @@ static void carry_velocity( wisp_frame* frame, const wisp_span* span, void* user
     }
     const wisp_fabric_level* coarsest = levels_coarsest( f );
     float *value = m.moved + 4 * (size_t)coarsest->first_row, *sum = m.at + 4 * (size_t)coarsest->first_row;
-    const bool is_second_order = levels_find_added( coarsest, velocity, motion, sum, value );
+    const wisp_level_added_args added = {
+        .surface = velocity,
+        .slot_x4 = coarsest->slot_x4,
+        .end = motion[0],
+        .mean = motion[3],
+        .change = motion[1],
+        .lag = motion[2],
+        .before = motion[4],
+        .added = value,
+        .sum = sum,
+        .a_x4 = coarsest->a_x4,
+        .b_x4 = coarsest->b_x4,
+        .fraction = coarsest->fraction,
+        .link_count = coarsest->schedule.slot_count,
+    };
+    const bool is_second_order = wisp_frame_kernels( frame )->level_add( &added, coarsest->row_count );
     wisp_frame_count( frame, WISP_COUNT_FIRST_ORDER, is_second_order ? 0u : 1u );
     const levels_columns columns = levels_columns_of( frame, span->entity );
     float drift[3] = { 0.0f }, shift[3] = { 0.0f };

@@ -78,13 +78,11 @@ void levels_project( levels_sheet* sheet, float dt, int passes );
 /// The coarsest sheet in a substep of the surface.
 typedef struct levels_carrier
 {
-    levels_sheet sheet;        ///< position: in: where the substep begins; out: where the sheet ends it
-    const float* target;       ///< [row][4] m, where the surface has been predicted; pinned rows end there
-    const float* acceleration; ///< [row][4] m/s^2, by the forces on the surface
-    float* velocity;           ///< [row][4] m/s, in: of the surface, before its forces; out: of the sheet
-    float* start;              ///< [row][4] m, of a substep of the sheet
-    float *change, *lag;       ///< [row][4] history
-    float dt;                  ///< s, of the surface
+    levels_sheet sheet;
+    /// Rows. position: in: where the substep begins; out: where the sheet ends it. acceleration: by the forces on the surface. velocity: in: of the
+    /// surface, before its forces; out: of the sheet. target: where the surface has been predicted.
+    wisp_level_rows_args rows;
+    float dt; ///< s, of the surface
     levels_columns columns;
 } levels_carrier;
 

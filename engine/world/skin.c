@@ -318,26 +318,16 @@ typedef struct influences
     double weights[MOST];
 } influences;
 
-void wisp_init_skin_def( wisp_skin_def* def, size_t size )
-{
-    const wisp_skin_def values = { 0 };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
-
 // ---- input ----
+
+static const wisp_field SKIN_FIELDS[] = {
+    WISP_WHOLE( wisp_skin_def, point_count, 0, 0, MAX_POINTS ),
+    WISP_FIELD( wisp_skin_def, bone_count, WISP_FIELD_WHOLE, 1, WISP_SKIN_MAX_BONES, 1, NULL, 0 ),
+};
+WISP_DEFINE( skin_def, "skin", SKIN_FIELDS )
 
 static wisp_status check_counts( const wisp_skin_def* def, wisp_error* error )
 {
-    if ( def->point_count < 0 || def->point_count > MAX_POINTS )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "skin: got %d points, expected 0 to %d", def->point_count,
-                          MAX_POINTS );
-    }
-    if ( def->bone_count < 1 || def->bone_count > WISP_SKIN_MAX_BONES )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "skin: got %d bones, expected 1 to %d", def->bone_count,
-                          WISP_SKIN_MAX_BONES );
-    }
     if ( def->point_count > 0 && ( def->points == NULL || def->bones == NULL || def->weights == NULL ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
@@ -531,9 +521,9 @@ wisp_status wisp_skin_create( const wisp_skin_def* given, const wisp_allocator* 
                               wisp_error* error )
 {
     *out = NULL;
-    wisp_skin_def def = wisp_default_skin_def();
+    wisp_skin_def def;
     int counts[MOST] = { 0 }, begin[MOST + 1] = { 0 };
-    wisp_status status = wisp_def_read( &def, given, "wisp_default_skin_def", error );
+    wisp_status status = wisp_def_read( &wisp_skin_def_fields, &def, given, error );
     status = status == WISP_OK ? check_counts( &def, error ) : status;
     status = status == WISP_OK ? check_points( &def, counts, error ) : status;
     const wisp_kernels* kernels = status == WISP_OK ? kernels_select( NULL, error ) : NULL;

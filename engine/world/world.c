@@ -218,11 +218,13 @@ wisp_status wisp_world_advance( wisp_world* world, float seconds, float dt, wisp
 
 // ---- world ----
 
-void wisp_init_world_def( wisp_world_def* def, size_t size )
-{
-    const wisp_world_def values = { .substeps = 10, .iterations = 1, .longest_step = 8 };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+static const wisp_field WORLD_FIELDS[] = {
+    WISP_WHOLE( wisp_world_def, workers, 0, 0, WISP_MAX_WORKERS ),
+    WISP_WHOLE( wisp_world_def, substeps, 10, 1, WORLD_MAX_SUBSTEPS ),
+    WISP_WHOLE( wisp_world_def, iterations, 1, 1, WORLD_MAX_SUBSTEPS ),
+    WISP_WHOLE( wisp_world_def, longest_step, 8, 1, WORLD_MAX_USUAL_STEPS ),
+};
+WISP_DEFINE( world_def, "world", WORLD_FIELDS )
 
 static void* counted_allocate( void* user, size_t size, size_t alignment )
 {
@@ -244,22 +246,6 @@ static void counted_release( void* user, void* block, size_t size )
 
 static wisp_status check_def( const wisp_world_def* def, wisp_error* error )
 {
-    if ( def->workers < 0 || def->workers > WISP_MAX_WORKERS )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "workers: got %d, expected 0 (one per core) or 1 to %d",
-                          def->workers, WISP_MAX_WORKERS );
-    }
-    if ( def->substeps < 1 || def->iterations < 1 || def->substeps > WORLD_MAX_SUBSTEPS ||
-         def->iterations > WORLD_MAX_SUBSTEPS )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "substeps, iterations: got %d and %d, expected 1 to %d of both",
-                          def->substeps, def->iterations, WORLD_MAX_SUBSTEPS );
-    }
-    if ( def->longest_step < 1 || def->longest_step > WORLD_MAX_USUAL_STEPS )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "longest_step: got %d usual steps, expected 1 to %d",
-                          def->longest_step, WORLD_MAX_USUAL_STEPS );
-    }
     if ( ( def->allocator.allocate == NULL ) != ( def->allocator.release == NULL ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "allocator: got one function, expected both or neither" );
@@ -334,9 +320,9 @@ wisp_status wisp_world_create( const wisp_world_def* given, wisp_world** out, wi
         return wisp_fail( error, WISP_BAD_INPUT, "out: got null, expected where to store the world" );
     }
     *out = NULL;
-    wisp_world_def values = wisp_default_world_def();
+    wisp_world_def values;
     const wisp_world_def* def = &values;
-    WISP_TRY( wisp_def_read( &values, given, "wisp_default_world_def", error ) );
+    WISP_TRY( wisp_def_read( &wisp_world_def_fields, &values, given, error ) );
     WISP_TRY( check_def( def, error ) );
     wisp_world* world = base_allocate( &def->allocator, sizeof( wisp_world ), 64 );
     if ( world == NULL )

@@ -93,11 +93,12 @@ const void* world_blended_rows( const wisp_world* world, const store_entity* e, 
 
 // ---- detail ----
 
-void wisp_init_detail_def( wisp_detail_def* def, size_t size )
-{
-    const wisp_detail_def values = { .level = WISP_DETAIL_FULL, .substep_divisor = 4, .blend_steps = 15 };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+static const wisp_field DETAIL_FIELDS[] = {
+    WISP_CHOICE( wisp_detail_def, level, WISP_DETAIL_FULL, WISP_DETAIL_COUNT ),
+    WISP_WHOLE( wisp_detail_def, substep_divisor, 4, 1, WORLD_MAX_SUBSTEPS ),
+    WISP_WHOLE( wisp_detail_def, blend_steps, 15, 0, WORLD_MAX_SUBSTEPS ),
+};
+WISP_DEFINE( detail_def, "detail", DETAIL_FIELDS )
 
 static passes_detail* state_of( const wisp_world* world, const store_entity* e )
 {
@@ -229,12 +230,6 @@ static bool has_coarse( const wisp_world* world, wisp_entity entity )
 
 static wisp_status check_detail( wisp_world* world, wisp_entity entity, const wisp_detail_def* def )
 {
-    const wisp_number_range ranges[] = {
-        { "level", (float)def->level, 0.0f, (float)( WISP_DETAIL_COUNT - 1 ) },
-        { "substep_divisor", (float)def->substep_divisor, 1.0f, (float)WORLD_MAX_SUBSTEPS },
-        { "blend_steps", (float)def->blend_steps, 0.0f, (float)WORLD_MAX_SUBSTEPS },
-    };
-    WISP_TRY( wisp_world_check_ranges( world, "detail", ranges, WISP_COUNT( ranges ) ) );
     const store_entity* e = store_find( &world->store, entity );
     if ( e->fabric == NULL && e->strands == NULL )
     {
@@ -270,8 +265,8 @@ static void set_level( const wisp_world* world, const store_entity* e, passes_de
 
 wisp_status wisp_set_detail( wisp_world* world, wisp_entity entity, const wisp_detail_def* given )
 {
-    wisp_detail_def def = wisp_default_detail_def();
-    WISP_TRY( wisp_world_begin_def( world, "wisp_default_detail_def", &def, given ) );
+    wisp_detail_def def;
+    WISP_TRY( wisp_world_begin_def( world, &wisp_detail_def_fields, &def, given ) );
     WISP_TRY( wisp_world_check_entity( world, entity ) );
     WISP_TRY( check_detail( world, entity, &def ) );
     const bool is_new = wisp_world_has( world, entity, world->registry.detail ) == false;

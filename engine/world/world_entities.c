@@ -37,12 +37,41 @@ wisp_status wisp_world_begin( wisp_world* world )
     return WISP_OK;
 }
 
-wisp_status wisp_world_begin_def( wisp_world* world, const char* filled_by, void* values, const void* given )
+wisp_status wisp_world_begin_def( wisp_world* world, const wisp_fields* fields, void* def, const void* given )
 {
     WISP_TRY( wisp_world_begin( world ) );
     wisp_error error = { 0 };
-    const wisp_status status = wisp_def_read( values, given, filled_by, &error );
+    const wisp_status status = wisp_def_read( fields, def, given, &error );
     return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.message );
+}
+
+static wisp_status check_part( wisp_world* world, const wisp_fields* fields, const char* name, const char* part,
+                               const void* value )
+{
+    wisp_error error = { 0 };
+    const wisp_status status = wisp_def_check( fields, name, part, value, &error );
+    return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.message );
+}
+
+wisp_status wisp_world_check_value( wisp_world* world, const wisp_fields* fields, const char* name,
+                                    const void* value )
+{
+    return check_part( world, fields, name, "", value );
+}
+
+wisp_status wisp_world_check_values( wisp_world* world, const wisp_fields* fields, const char* name,
+                                     const float* values, int count, const char* of )
+{
+    for ( int i = 0; values != NULL && i < count; ++i )
+    {
+        if ( wisp_def_check( fields, name, "", values + i, NULL ) != WISP_OK )
+        {
+            char part[60];
+            snprintf( part, sizeof( part ), " of %s %d", of, i );
+            return check_part( world, fields, name, part, values + i );
+        }
+    }
+    return WISP_OK;
 }
 
 wisp_status wisp_world_check_entity( wisp_world* world, wisp_entity entity )
@@ -265,21 +294,6 @@ bool wisp_world_reserve( wisp_world* world, void** array, int* capacity, int cou
     *array = grown;
     *capacity = more;
     return true;
-}
-
-wisp_status wisp_world_check_ranges( wisp_world* world, const char* subject, const wisp_number_range* ranges,
-                                     int count )
-{
-    for ( int i = 0; i < count; ++i )
-    {
-        const wisp_number_range* r = ranges + i;
-        if ( !( r->value >= r->lower && r->value <= r->upper ) )
-        {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "%s: %s: got %g, expected %g to %g", subject, r->name,
-                                    (double)r->value, (double)r->lower, (double)r->upper );
-        }
-    }
-    return WISP_OK;
 }
 
 wisp_component wisp_world_find_component( wisp_world* world, const char* name )

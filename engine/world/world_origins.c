@@ -19,35 +19,12 @@
 
 // Moving frames and largest speeds of surfaces and strands: the calls of the host.
 
-void wisp_init_moving_frame_def( wisp_moving_frame_def* def, size_t size )
-{
-    const wisp_moving_frame_def values = {
-        .linear_inertia = 1.0f,
-        .angular_inertia = 1.0f,
-        .pose = { .rotation = { 0.0f, 0.0f, 0.0f, 1.0f } },
-    };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
-
-static wisp_status check_pose( wisp_world* world, wisp_transform pose )
-{
-    const wisp_vec3 p = pose.translation;
-    const wisp_quat q = pose.rotation;
-    const float squared = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
-    if ( !( fabsf( p.x ) <= 1e6f && fabsf( p.y ) <= 1e6f && fabsf( p.z ) <= 1e6f ) )
-    {
-        return wisp_world_fail(
-            world, WISP_BAD_INPUT,
-            "moving frame: got position (%g, %g, %g), expected finite coordinates within 1e6 m of "
-            "the origin",
-            (double)p.x, (double)p.y, (double)p.z );
-    }
-    return squared >= 1e-12f && squared <= 1e12f
-               ? WISP_OK
-               : wisp_world_fail( world, WISP_BAD_INPUT,
-                                  "moving frame: the quaternion (%g, %g, %g, %g) is not a rotation", (double)q.x,
-                                  (double)q.y, (double)q.z, (double)q.w );
-}
+static const wisp_field MOVING_FRAME_FIELDS[] = {
+    WISP_NUMBER( wisp_moving_frame_def, linear_inertia, 1, 0, 1, NULL ),
+    WISP_NUMBER( wisp_moving_frame_def, angular_inertia, 1, 0, 1, NULL ),
+    WISP_POSE( wisp_moving_frame_def, pose ),
+};
+WISP_DEFINE( moving_frame_def, "moving frame", MOVING_FRAME_FIELDS )
 
 // Check that an entity is a surface, or strands that move.
 static wisp_status check_framed_entity( wisp_world* world, wisp_entity entity )
@@ -63,14 +40,8 @@ static wisp_status check_framed_entity( wisp_world* world, wisp_entity entity )
     return wisp_world_strands( world, entity ) != NULL ? WISP_OK : world_find_surface( world, entity, &e );
 }
 
-static wisp_status check_frame( wisp_world* world, wisp_entity entity, const wisp_moving_frame_def* def )
+static wisp_status check_frame( wisp_world* world, wisp_entity entity )
 {
-    const wisp_number_range ranges[] = {
-        { "linear_inertia", def->linear_inertia, 0.0f, 1.0f },
-        { "angular_inertia", def->angular_inertia, 0.0f, 1.0f },
-    };
-    WISP_TRY( wisp_world_check_ranges( world, "moving frame", ranges, WISP_COUNT( ranges ) ) );
-    WISP_TRY( check_pose( world, def->pose ) );
     return wisp_world_has( world, entity, WISP_PARTICLE_EXTERNAL_SOLVER )
                ? wisp_world_fail( world, WISP_CONFLICT,
                                   "moving frame: entity %u has an external solver, which has none", entity.index )
@@ -79,10 +50,10 @@ static wisp_status check_frame( wisp_world* world, wisp_entity entity, const wis
 
 wisp_status wisp_set_moving_frame( wisp_world* world, wisp_entity entity, const wisp_moving_frame_def* given )
 {
-    wisp_moving_frame_def def = wisp_default_moving_frame_def();
-    WISP_TRY( wisp_world_begin_def( world, "wisp_default_moving_frame_def", &def, given ) );
+    wisp_moving_frame_def def;
+    WISP_TRY( wisp_world_begin_def( world, &wisp_moving_frame_def_fields, &def, given ) );
     WISP_TRY( check_framed_entity( world, entity ) );
-    WISP_TRY( check_frame( world, entity, &def ) );
+    WISP_TRY( check_frame( world, entity ) );
     if ( def.linear_inertia == 1.0f && def.angular_inertia == 1.0f )
     {
         return wisp_world_detach( world, entity, WISP_PARTICLE_FRAME );
@@ -100,7 +71,7 @@ wisp_status wisp_move_frame( wisp_world* world, wisp_entity entity, wisp_transfo
 {
     WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( check_framed_entity( world, entity ) );
-    WISP_TRY( check_pose( world, pose ) );
+    WISP_TRY( wisp_world_check_value( world, &wisp_moving_frame_def_fields, "pose", &pose ) );
     wisp_transform* poses = wisp_world_column( world, entity, WISP_PARTICLE_FRAME, 0 );
     if ( poses != NULL )
     {

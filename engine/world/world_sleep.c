@@ -304,11 +304,12 @@ void sleep_stir( sleep_box* boxes, int count, void* room )
 
 // ---- sleep ----
 
-void wisp_init_sleep_def( wisp_sleep_def* def, size_t size )
-{
-    const wisp_sleep_def values = { .enabled = true, .max_speed = 0.02f, .seconds = 0.5f };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+static const wisp_field SLEEP_FIELDS[] = {
+    WISP_SWITCH( wisp_sleep_def, enabled, true ),
+    WISP_NUMBER( wisp_sleep_def, max_speed, 0.02, 0, 1e6, "m/s" ),
+    WISP_NUMBER( wisp_sleep_def, seconds, 0.5, 0, 1e6, "s" ),
+};
+WISP_DEFINE( sleep_def, "sleep", SLEEP_FIELDS )
 
 // ---- waking ----
 
@@ -545,13 +546,8 @@ void world_sleep_from_rows( wisp_world* world )
 
 // ---- calls of the host ----
 
-static wisp_status check_sleep( wisp_world* world, wisp_entity entity, const wisp_sleep_def* def )
+static wisp_status check_sleep( wisp_world* world, wisp_entity entity )
 {
-    const wisp_number_range ranges[] = {
-        { "max_speed", def->max_speed, 0.0f, 1e6f },
-        { "seconds", def->seconds, 0.0f, 1e6f },
-    };
-    WISP_TRY( wisp_world_check_ranges( world, "sleep", ranges, WISP_COUNT( ranges ) ) );
     const store_entity* e = store_find( &world->store, entity );
     const bool moves =
         e->fabric != NULL || ( e->strands != NULL && store_mask_has( &e->components, WISP_STRAND_VELOCITY ) );
@@ -596,10 +592,10 @@ static void keep_positions( wisp_world* world, wisp_entity entity )
 
 wisp_status wisp_set_sleep( wisp_world* world, wisp_entity entity, const wisp_sleep_def* given )
 {
-    wisp_sleep_def def = wisp_default_sleep_def();
-    WISP_TRY( wisp_world_begin_def( world, "wisp_default_sleep_def", &def, given ) );
+    wisp_sleep_def def;
+    WISP_TRY( wisp_world_begin_def( world, &wisp_sleep_def_fields, &def, given ) );
     WISP_TRY( wisp_world_check_entity( world, entity ) );
-    WISP_TRY( check_sleep( world, entity, &def ) );
+    WISP_TRY( check_sleep( world, entity ) );
     if ( def.enabled == false )
     {
         stop_sleep( world, entity );

@@ -12,13 +12,11 @@ enum
     WORLD_MAX_VERTICES = 1 << 28, // quads of floats stay addressable by 32-bit numbers
 };
 
-void wisp_init_strands_def( wisp_strands_def* def, size_t size )
-{
-    const wisp_strands_def values = {
-        .dimension = 3,
-    };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+static const wisp_field STRANDS_FIELDS[] = {
+    WISP_WHOLE( wisp_strands_def, strand_count, 0, 0, WORLD_MAX_VERTICES ),
+    WISP_WHOLE( wisp_strands_def, dimension, 3, 2, 3 ),
+};
+WISP_DEFINE( strands_def, "strands", STRANDS_FIELDS )
 
 // ---- the pass that hands points out ----
 
@@ -90,15 +88,7 @@ static wisp_status check_strand_points( wisp_world* world, const wisp_strands_de
 
 static wisp_status check_strands( wisp_world* world, const wisp_strands_def* def )
 {
-    if ( def->strand_count < 0 || def->strand_count > WORLD_MAX_VERTICES || def->offsets == NULL )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "strand_count: got %d, expected 0 to %d, with offsets",
-                                def->strand_count, WORLD_MAX_VERTICES );
-    }
-    if ( def->dimension != 2 && def->dimension != 3 )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "dimension: got %d, expected 2 or 3", def->dimension );
-    }
+    WISP_TRY( wisp_world_check_pointer( world, "offsets", def->offsets ) );
     if ( def->offsets[0] != 0 )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "offsets: got %d as the first, expected 0", def->offsets[0] );
@@ -158,9 +148,9 @@ wisp_status wisp_add_strands( wisp_world* world, const wisp_strands_def* given, 
     {
         *out = ( wisp_entity ){ 0, 0 };
     }
-    wisp_strands_def values = wisp_default_strands_def();
+    wisp_strands_def values;
     const wisp_strands_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, "wisp_default_strands_def", &values, given ) );
+    WISP_TRY( wisp_world_begin_def( world, &wisp_strands_def_fields, &values, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     WISP_TRY( check_strands( world, def ) );
     cook_strands* strands = cook_strands_create( &world->allocator, def->offsets, def->strand_count, def->dimension );

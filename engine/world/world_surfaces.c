@@ -263,35 +263,14 @@ wisp_status wisp_read_triangles( wisp_world* world, wisp_entity surface, int32_t
 
 // ---- surfaces ----
 
-void wisp_init_surface_def( wisp_surface_def* def, size_t size )
-{
-    const wisp_surface_def values = { .area_density = 0.15f, .gravity = { 0.0f, -9.81f, 0.0f } };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+static const wisp_field SURFACE_FIELDS[] = {
+    WISP_FIELD( wisp_surface_def, area_density, WISP_FIELD_NUMBER, 1e-12, 1e12, 0, "kg/m^2", 0.15 ),
+    WISP_NUMBER_OR( wisp_surface_def, vertex_mass, 0, 1e-12, 1e12, "kg" ),
+    WISP_VECTOR( wisp_surface_def, gravity, 0, 1e6, "m/s^2", 0, -9.81, 0 ),
+};
+WISP_DEFINE( surface_def, "surface", SURFACE_FIELDS )
 
 // ---- a new surface ----
-
-static wisp_status check_masses( wisp_world* world, const wisp_surface_def* def )
-{
-    bool by_vertex = def->vertex_mass != 0.0f;
-    float mass = by_vertex ? def->vertex_mass : def->area_density;
-    if ( !( mass >= 1e-12f && mass <= 1e12f ) )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "%s: got %g %s, expected 1e-12 to 1e12",
-                                by_vertex ? "vertex_mass" : "area_density", (double)mass,
-                                by_vertex ? "kg" : "kg/m^2" );
-    }
-    return WISP_OK;
-}
-
-static wisp_status check_gravity( wisp_world* world, wisp_vec3 gravity )
-{
-    const float length = wisp_v3_length( gravity );
-    return length <= 1e6f
-               ? WISP_OK
-               : wisp_world_fail( world, WISP_BAD_INPUT,
-                                  "gravity: got %g m/s^2, expected a finite number of at most 1e6", (double)length );
-}
 
 static wisp_status check_vertices( wisp_world* world, const wisp_fabric* fabric, const int32_t* vertices, int count )
 {
@@ -331,11 +310,13 @@ static wisp_status check_surface( wisp_world* world, const wisp_surface_def* def
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "surface: got no fabric" );
     }
-    wisp_status status = check_masses( world, def );
-    status = status == WISP_OK ? check_gravity( world, def->gravity ) : status;
-    status = status == WISP_OK ? check_vertices( world, def->fabric, def->pins, def->pin_count ) : status;
-    return status == WISP_OK ? check_vertex_places( world, def->points, def->fabric->vertex_count, "vertex" )
-                             : status;
+    if ( def->vertex_mass == 0.0f && def->area_density == 0.0f )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "surface: area_density: got 0, expected 1e-12 to 1e12 kg/m^2" );
+    }
+    WISP_TRY( check_vertices( world, def->fabric, def->pins, def->pin_count ) );
+    return check_vertex_places( world, def->points, def->fabric->vertex_count, "vertex" );
 }
 
 // Inverse mass of a vertex that is not pinned, 1/kg; 0 if it has no mass.
@@ -446,9 +427,9 @@ wisp_status wisp_add_surface( wisp_world* world, const wisp_surface_def* given, 
     {
         *out = ( wisp_entity ){ 0, 0 };
     }
-    wisp_surface_def values = wisp_default_surface_def();
+    wisp_surface_def values;
     const wisp_surface_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, "wisp_default_surface_def", &values, given ) );
+    WISP_TRY( wisp_world_begin_def( world, &wisp_surface_def_fields, &values, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     WISP_TRY( check_surface( world, def ) );
     WISP_TRY( add_surface_entity( world, def, out ) );
@@ -644,7 +625,7 @@ static wisp_status set_component( wisp_world* world, wisp_entity surface, wisp_c
 wisp_status wisp_set_gravity( wisp_world* world, wisp_entity surface, wisp_vec3 gravity )
 {
     WISP_TRY( wisp_world_check_entity( world, surface ) );
-    WISP_TRY( check_gravity( world, gravity ) );
+    WISP_TRY( wisp_world_check_value( world, &wisp_surface_def_fields, "gravity", &gravity ) );
     wisp_status status = set_component( world, surface, WISP_PARTICLE_GRAVITY, wisp_v3_length( gravity ) > 0.0f );
     wisp_vec3* column = wisp_world_column( world, surface, WISP_PARTICLE_GRAVITY, 0 );
     if ( status == WISP_OK && column != NULL )

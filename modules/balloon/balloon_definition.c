@@ -3,53 +3,39 @@
 
 #include <string.h>
 
-void wisp_init_balloon_def( wisp_balloon_def* def, size_t size )
-{
-    const wisp_balloon_def values = {
-        .solver = WISP_SOLVER_XPBD,
-        .edge_stiffness = 2000.0f,
-        .bend_link_stiffness = 20.0f,
-        .stretch_stiffness = 0.9f,
-        .bend_stiffness = 0.1f,
-        .volume = WISP_SOLVER_XPBD,
-        .volume_stiffness = 1.0f,
-        .gas_ratio = 1.0f,
-        .min_gas_ratio = 1.0f,
-        .atmospheric_pressure = 101325.0f,
-        .temperature = 293.15f,
-        .gas_molar_mass = 4.0026e-3f,
-        .air_molar_mass = 28.9647e-3f,
-        .buoyancy = true,
-        .drag_coefficient = 0.5f,
-        .outlet_area = 1e-4f,
-    };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+static const wisp_field BALLOON_FIELDS[] = {
+    WISP_CHOICE( wisp_balloon_def, solver, WISP_SOLVER_XPBD, WISP_SOLVER_COUNT ),
+    WISP_NUMBER( wisp_balloon_def, edge_stiffness, 2000, 1e-6, 1e12, "N/m" ),
+    WISP_NUMBER( wisp_balloon_def, bend_link_stiffness, 20, 1e-6, 1e12, "N/m" ),
+    WISP_NUMBER( wisp_balloon_def, stretch_stiffness, 0.9, 0, 1, NULL ),
+    WISP_NUMBER( wisp_balloon_def, bend_stiffness, 0.1, 0, 1, NULL ),
+    WISP_CHOICE( wisp_balloon_def, volume, WISP_SOLVER_XPBD, WISP_SOLVER_COUNT ),
+    WISP_NUMBER( wisp_balloon_def, volume_stiffness, 1, 1e-6, 1, NULL ),
+    WISP_NUMBER( wisp_balloon_def, min_gas_ratio, 1, 1e-3, 1, NULL ),
+    WISP_NUMBER( wisp_balloon_def, gas_ratio, 1, 1e-3, 1e6, NULL ),
+    WISP_NUMBER( wisp_balloon_def, inflation_rate, 0, -1e6, 1e6, "m^3/s" ),
+    WISP_NUMBER( wisp_balloon_def, atmospheric_pressure, 101325, 1e-3, 1e12, "Pa" ),
+    WISP_NUMBER( wisp_balloon_def, temperature, 293.15, 1e-3, 1e6, "K" ),
+    WISP_NUMBER( wisp_balloon_def, gas_molar_mass, 4.0026e-3, 1e-6, 10, "kg/mol" ),
+    WISP_NUMBER( wisp_balloon_def, air_molar_mass, 28.9647e-3, 1e-6, 10, "kg/mol" ),
+    WISP_SWITCH( wisp_balloon_def, buoyancy, true ),
+    WISP_NUMBER( wisp_balloon_def, drag_coefficient, 0.5, 0, 1e6, NULL ),
+    WISP_WHOLE( wisp_balloon_def, outlet_count, 0, 0, WISP_BALLOON_MAX_OUTLET ),
+    WISP_NUMBER( wisp_balloon_def, outlet_area, 1e-4, 1e-12, 1e6, "m^2" ),
+    WISP_SWITCH( wisp_balloon_def, outlet_open, false ),
+    WISP_SWITCH( wisp_balloon_def, allow_open, false ),
+};
+WISP_DEFINE( balloon_def, "balloon", BALLOON_FIELDS )
 
 // ---- checks ----
 
-static wisp_status check_ranges( wisp_world* world, const wisp_balloon_def* d )
+static wisp_status check_gas( wisp_world* world, const wisp_balloon_def* d )
 {
-    const wisp_number_range ranges[] = {
-        { "solver", (float)d->solver, 0.0f, (float)( WISP_SOLVER_COUNT - 1 ) },
-        { "edge_stiffness", d->edge_stiffness, 1e-6f, 1e12f },
-        { "bend_link_stiffness", d->bend_link_stiffness, 1e-6f, 1e12f },
-        { "stretch_stiffness", d->stretch_stiffness, 0.0f, 1.0f },
-        { "bend_stiffness", d->bend_stiffness, 0.0f, 1.0f },
-        { "volume", (float)d->volume, 0.0f, (float)( WISP_SOLVER_COUNT - 1 ) },
-        { "volume_stiffness", d->volume_stiffness, 1e-6f, 1.0f },
-        { "min_gas_ratio", d->min_gas_ratio, 1e-3f, 1.0f },
-        { "gas_ratio", d->gas_ratio, d->min_gas_ratio, 1e6f },
-        { "inflation_rate", d->inflation_rate, -1e6f, 1e6f },
-        { "atmospheric_pressure", d->atmospheric_pressure, 1e-3f, 1e12f },
-        { "temperature", d->temperature, 1e-3f, 1e6f },
-        { "gas_molar_mass", d->gas_molar_mass, 1e-6f, 10.0f },
-        { "air_molar_mass", d->air_molar_mass, 1e-6f, 10.0f },
-        { "drag_coefficient", d->drag_coefficient, 0.0f, 1e6f },
-        { "outlet_count", (float)d->outlet_count, 0.0f, (float)WISP_BALLOON_MAX_OUTLET },
-        { "outlet_area", d->outlet_area, 1e-12f, 1e6f },
-    };
-    return wisp_world_check_ranges( world, "balloon", ranges, WISP_COUNT( ranges ) );
+    return d->gas_ratio >= d->min_gas_ratio
+               ? WISP_OK
+               : wisp_world_fail( world, WISP_BAD_INPUT,
+                                  "balloon: gas_ratio: got %g, expected at least min_gas_ratio, which is %g",
+                                  (double)d->gas_ratio, (double)d->min_gas_ratio );
 }
 
 static wisp_status check_outlet( wisp_world* world, const wisp_fabric* f, const wisp_balloon_def* d )
@@ -306,14 +292,14 @@ static wisp_status check_alone( wisp_world* world, wisp_entity surface )
 
 wisp_status wisp_set_balloon( wisp_world* world, wisp_entity surface, const wisp_balloon_def* given )
 {
-    wisp_balloon_def values = wisp_default_balloon_def();
+    wisp_balloon_def values;
     const wisp_balloon_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, "wisp_default_balloon_def", &values, given ) );
+    WISP_TRY( wisp_world_begin_def( world, &wisp_balloon_def_fields, &values, given ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     const balloon_state* state;
     WISP_TRY( balloon_find_state( world, surface, &state ) );
     WISP_TRY( check_alone( world, surface ) );
-    WISP_TRY( check_ranges( world, def ) );
+    WISP_TRY( check_gas( world, def ) );
     WISP_TRY( check_outlet( world, wisp_world_fabric( world, surface ), def ) );
     WISP_TRY( check_skin( world, surface, def, state ) );
     WISP_TRY( dress( world, surface, def, state ) );

@@ -230,11 +230,7 @@ wisp_status wisp_set_balloon_inflation( wisp_world* world, wisp_entity balloon, 
     WISP_TRY( wisp_world_check_entity( world, balloon ) );
     const balloon_state* state;
     WISP_TRY( find_balloon( world, balloon, &state ) );
-    if ( !( fabsf( rate ) <= 1e6f ) )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "balloon: inflation_rate: got %g, expected -1e6 to 1e6",
-                                (double)rate );
-    }
+    WISP_TRY( wisp_world_check_value( world, &wisp_balloon_def_fields, "inflation_rate", &rate ) );
     if ( rate == 0.0f )
     {
         return wisp_world_detach( world, balloon, state->inflation );

@@ -25,13 +25,21 @@ static const wisp_column_def NORMALS_COLUMNS[] = { NORMALS_LIST( WISP_COLUMN_DEF
 static const wisp_column_def EDGES_COLUMNS[] = { EDGES_LIST( WISP_COLUMN_DEF ) };
 static const wisp_column_def TRIANGLES_COLUMNS[] = { TRIANGLES_LIST( WISP_COLUMN_DEF ) };
 
-void wisp_init_boundary_def( wisp_boundary_def* def, size_t size )
-{
-    const wisp_boundary_def values = {
-        .max_points = 4000000,
-    };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+// A length of 0 is by the mesh.
+static const wisp_field BOUNDARY_FIELDS[] = {
+    WISP_NUMBER_OR( wisp_boundary_def, spacing, 0, 1e-9, 1e9, "m" ),
+    WISP_CHOICE( wisp_boundary_def, policy, WISP_SPACING_EVEN, WISP_SPACING_COUNT ),
+    WISP_CHOICE( wisp_boundary_def, rounding, WISP_ROUND_DOWN, WISP_ROUND_COUNT ),
+    WISP_NUMBER( wisp_boundary_def, hysteresis, 0, 0, 0.5, NULL ),
+    WISP_WHOLE( wisp_boundary_def, max_points, 4000000, 1, BOUNDARY_MAX_POINTS ),
+    WISP_NUMBER_OR( wisp_boundary_def, min_spacing, 0, 1e-9, 1e9, "m" ),
+    WISP_NUMBER_OR( wisp_boundary_def, max_spacing, 0, 1e-9, 1e9, "m" ),
+    WISP_NUMBER( wisp_boundary_def, curvature_gain, 0, 0, 1e6, "1/rad" ),
+    WISP_NUMBER( wisp_boundary_def, strain_gain, 0, -1e6, 1e6, NULL ),
+    WISP_NUMBER( wisp_boundary_def, eye_angle, 0, 0, 3.2, "rad" ),
+    WISP_POINT( wisp_boundary_def, eye, -1e6, 1e6, "m", 0 ),
+};
+WISP_DEFINE( boundary_def, "boundary", BOUNDARY_FIELDS )
 
 // ---- components and passes ----
 
@@ -142,28 +150,6 @@ static wisp_status declare( wisp_registry* r )
 const wisp_module wisp_boundary_module = { .name = "boundary", .declare = declare };
 
 // ---- checks ----
-
-static wisp_status check_ranges( wisp_world* world, const wisp_boundary_def* d )
-{
-    const wisp_number_range ranges[] = {
-        { "policy", (float)d->policy, 0.0f, (float)( WISP_SPACING_COUNT - 1 ) },
-        { "rounding", (float)d->rounding, 0.0f, (float)( WISP_ROUND_COUNT - 1 ) },
-        { "hysteresis", d->hysteresis, 0.0f, 0.5f },
-        { "curvature_gain", d->curvature_gain, 0.0f, 1e6f },
-        { "strain_gain", d->strain_gain, -1e6f, 1e6f },
-        { "eye_angle", d->eye_angle, 0.0f, 3.2f },
-        { "eye.x", d->eye.x, -1e6f, 1e6f },
-        { "eye.y", d->eye.y, -1e6f, 1e6f },
-        { "eye.z", d->eye.z, -1e6f, 1e6f },
-    };
-    WISP_TRY( wisp_world_check_ranges( world, "boundary", ranges, WISP_COUNT( ranges ) ) );
-    if ( d->max_points < 1 || d->max_points > BOUNDARY_MAX_POINTS )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "boundary: max_points: got %d points, expected 1 to %d",
-                                d->max_points, BOUNDARY_MAX_POINTS );
-    }
-    return WISP_OK;
-}
 
 // Zero selects the default; all three are lengths.
 static wisp_status check_spacing( wisp_world* world, const boundary_settings* s, const wisp_fabric* fabric )
@@ -308,13 +294,12 @@ static wisp_status provide_layer( wisp_world* world, wisp_entity surface, bounda
 
 wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wisp_boundary_def* given )
 {
-    wisp_boundary_def values = wisp_default_boundary_def();
+    wisp_boundary_def values;
     const wisp_boundary_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, "wisp_default_boundary_def", &values, given ) );
+    WISP_TRY( wisp_world_begin_def( world, &wisp_boundary_def_fields, &values, given ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     boundary_state* state;
     WISP_TRY( find_state( world, surface, &state ) );
-    WISP_TRY( check_ranges( world, def ) );
     WISP_TRY( wisp_world_need_fabric( world, surface, WISP_FABRIC_EDGES | WISP_FABRIC_RINGS ) );
     const boundary_settings settings = fill_settings( def, wisp_world_rest_lengths( world, surface ).mean );
     const bool local = def->curvature_gain > 0.0f || def->strain_gain != 0.0f || def->eye_angle > 0.0f;

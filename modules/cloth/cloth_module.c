@@ -183,25 +183,29 @@ static const wisp_column_def AIR_COLUMNS[] = { CLOTH_AIR_COLUMNS( WISP_COLUMN_DE
 static const wisp_column_def DAMPING_COLUMNS[] = { CLOTH_DAMPING_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def BENDING_COLUMNS[] = { CLOTH_BENDING_COLUMNS( WISP_COLUMN_DEF ) };
 
-void wisp_init_cloth_def( wisp_cloth_def* def, size_t size )
-{
-    const wisp_cloth_def values = {
-        .solver = WISP_SOLVER_XPBD,
-        .stretch_stiffness = 1.0f,
-        .shear_stiffness = 1.0f,
-        .warp = { 1.0f, 0.0f, 0.0f },
-        .bending = WISP_CLOTH_BENDING_LINKS,
-        .bend_stiffness = 0.2f,
-        .bend_compliance = 0.1f,
-        .bend_rigidity = 5e-6f,
-        .internal_damping = 3.0f,
-        .air_density = 1.204f,
-        .tether_slack = 1.0f,
-        .coarse_passes = 10,
-        .coarse_substeps = -1,
-    };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+static const wisp_field CLOTH_FIELDS[] = {
+    WISP_CHOICE( wisp_cloth_def, solver, WISP_SOLVER_XPBD, WISP_SOLVER_COUNT ),
+    WISP_NUMBER( wisp_cloth_def, warp_compliance, 0, 0, 1e12, "m/N" ),
+    WISP_NUMBER( wisp_cloth_def, weft_compliance, 0, 0, 1e12, "m/N" ),
+    WISP_NUMBER( wisp_cloth_def, shear_compliance, 0, 0, 1e12, "m/N" ),
+    WISP_NUMBER( wisp_cloth_def, stretch_stiffness, 1, 0, 1, NULL ),
+    WISP_NUMBER( wisp_cloth_def, shear_stiffness, 1, 0, 1, NULL ),
+    WISP_VECTOR( wisp_cloth_def, warp, 1e-6, 1e6, NULL, 1 ),
+    WISP_CHOICE( wisp_cloth_def, bending, WISP_CLOTH_BENDING_LINKS, WISP_CLOTH_BENDING_COUNT ),
+    WISP_NUMBER( wisp_cloth_def, bend_stiffness, 0.2, 0, 1, NULL ),
+    WISP_NUMBER( wisp_cloth_def, bend_compliance, 0.1, 0, 1e12, "m/N" ),
+    WISP_NUMBER( wisp_cloth_def, bend_rigidity, 5e-6, 1e-12, 1e12, "N m" ),
+    WISP_NUMBER( wisp_cloth_def, internal_damping, 3, 0, 1e9, "1/s" ),
+    WISP_VECTOR( wisp_cloth_def, wind, 0, 1e5, "m/s", 0 ),
+    WISP_NUMBER( wisp_cloth_def, air_density, 1.204, 0, 1e6, "kg/m^3" ),
+    WISP_NUMBER( wisp_cloth_def, drag_coefficient, 0, 0, 1e6, NULL ),
+    WISP_NUMBER( wisp_cloth_def, lift_coefficient, 0, 0, 1e6, NULL ),
+    WISP_SWITCH( wisp_cloth_def, tethers, false ),
+    WISP_NUMBER( wisp_cloth_def, tether_slack, 1, 1, 1e6, NULL ),
+    WISP_WHOLE_OR( wisp_cloth_def, coarse_substeps, -1, 0, 64 ),
+    WISP_WHOLE( wisp_cloth_def, coarse_passes, 10, 1, 64 ),
+};
+WISP_DEFINE( cloth_def, "cloth", CLOTH_FIELDS )
 
 // ---- state ----
 
@@ -278,97 +282,48 @@ static wisp_status declare( wisp_registry* r )
     state->damping = WISP_COMPONENT( r, "cloth.damping", WISP_TABLE_ENTITY, DAMPING_COLUMNS );
     state->bending = WISP_COMPONENT( r, "cloth.bending", WISP_TABLE_ENTITY, BENDING_COLUMNS );
     declare_maps( r, state );
-    wisp_status status =
-        wisp_declare_pass( r, &( wisp_pass ){
-                                  .name = "cloth.air",
-                                  .stage = WISP_STAGE_FORCE,
-                                  .domain = WISP_DOMAIN_ENTITY,
-                                  .required = { state->air },
-                                  .reads = { state->air, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
-                                  .writes = { WISP_PARTICLE_VELOCITY },
-                                  .run = cloth_blow,
-                                  .run_crowd = cloth_blow_crowd,
-                                  .joins_crowd = cloth_blows_evenly,
-                                  .fabric = WISP_FABRIC_RINGS,
-                                  .user = state,
-                              } );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    status = wisp_declare_pass( r, &( wisp_pass ){
-                                       .name = "cloth.bending",
-                                       .stage = WISP_STAGE_FORCE,
-                                       .domain = WISP_DOMAIN_ENTITY,
-                                       .required = { state->bending },
-                                       .reads = { state->bending, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
-                                       .writes = { WISP_PARTICLE_VELOCITY },
-                                       .run = cloth_bend,
-                                       .detail = WISP_PASS_FINE,
-                                       .user = state,
-                                   } );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    return wisp_declare_pass( r, &( wisp_pass ){
-                                     .name = "cloth.damping",
-                                     .stage = WISP_STAGE_VELOCITY,
-                                     .domain = WISP_DOMAIN_ENTITY,
-                                     .required = { state->damping },
-                                     .reads = { state->damping, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
-                                     .writes = { WISP_PARTICLE_VELOCITY },
-                                     .run = cloth_damp,
-                                     .run_crowd = cloth_damp_crowd,
-                                     .joins_crowd = cloth_damps_evenly,
-                                     .detail = WISP_PASS_FINE,
-                                     .user = state,
-                                 } );
+    const wisp_pass passes[] = {
+        {
+            .name = "cloth.air",
+            .stage = WISP_STAGE_FORCE,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { state->air },
+            .reads = { state->air, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            .writes = { WISP_PARTICLE_VELOCITY },
+            .run = cloth_blow,
+            .run_crowd = cloth_blow_crowd,
+            .joins_crowd = cloth_blows_evenly,
+            .fabric = WISP_FABRIC_RINGS,
+        },
+        {
+            .name = "cloth.bending",
+            .stage = WISP_STAGE_FORCE,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { state->bending },
+            .reads = { state->bending, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            .writes = { WISP_PARTICLE_VELOCITY },
+            .run = cloth_bend,
+            .detail = WISP_PASS_FINE,
+        },
+        {
+            .name = "cloth.damping",
+            .stage = WISP_STAGE_VELOCITY,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { state->damping },
+            .reads = { state->damping, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            .writes = { WISP_PARTICLE_VELOCITY },
+            .run = cloth_damp,
+            .run_crowd = cloth_damp_crowd,
+            .joins_crowd = cloth_damps_evenly,
+            .detail = WISP_PASS_FINE,
+        },
+    };
+    return wisp_declare_passes( r, passes, WISP_COUNT( passes ), state );
 }
 
 const wisp_module wisp_cloth_module = { .name = "cloth", .declare = declare };
 
 // ---- checks ----
-
-static wisp_status check_ranges( wisp_world* world, const wisp_cloth_def* d )
-{
-    const wisp_number_range ranges[] = {
-        { "warp_compliance", d->warp_compliance, 0.0f, 1e12f },
-        { "weft_compliance", d->weft_compliance, 0.0f, 1e12f },
-        { "shear_compliance", d->shear_compliance, 0.0f, 1e12f },
-        { "stretch_stiffness", d->stretch_stiffness, 0.0f, 1.0f },
-        { "shear_stiffness", d->shear_stiffness, 0.0f, 1.0f },
-        { "bend_stiffness", d->bend_stiffness, 0.0f, 1.0f },
-        { "bend_compliance", d->bend_compliance, 0.0f, 1e12f },
-        { "bend_rigidity", d->bend_rigidity, 1e-12f, 1e12f },
-        { "internal_damping", d->internal_damping, 0.0f, 1e9f },
-        { "air_density", d->air_density, 0.0f, 1e6f },
-        { "drag_coefficient", d->drag_coefficient, 0.0f, 1e6f },
-        { "lift_coefficient", d->lift_coefficient, 0.0f, 1e6f },
-        { "tether_slack", d->tether_slack, 1.0f, 1e6f },
-        { "coarse_substeps", (float)d->coarse_substeps, -1.0f, 64.0f },
-        { "coarse_passes", (float)d->coarse_passes, 1.0f, 64.0f },
-        { "solver", (float)d->solver, 0.0f, (float)( WISP_SOLVER_COUNT - 1 ) },
-        { "bending", (float)d->bending, 0.0f, (float)( WISP_CLOTH_BENDING_COUNT - 1 ) },
-    };
-    return wisp_world_check_ranges( world, "cloth", ranges, WISP_COUNT( ranges ) );
-}
-
-static wisp_status check_vectors( wisp_world* world, const wisp_cloth_def* d )
-{
-    if ( !( wisp_v3_length( d->warp ) >= 1e-6f && wisp_v3_length( d->warp ) <= 1e6f ) )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "cloth: warp: got (%g, %g, %g), expected a direction",
-                                (double)d->warp.x, (double)d->warp.y, (double)d->warp.z );
-    }
-    if ( !( wisp_v3_length( d->wind ) <= 1e5f ) )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT,
-                                "cloth: wind: got (%g, %g, %g), expected finite numbers of at most 1e5 m/s",
-                                (double)d->wind.x, (double)d->wind.y, (double)d->wind.z );
-    }
-    return WISP_OK;
-}
 
 // A membrane has no links, and so no sheets of links either.
 static wisp_status check_membrane( wisp_world* world, wisp_entity surface, const wisp_cloth_def* d )
@@ -552,21 +507,19 @@ static void warn_of_sheets( wisp_world* world, wisp_entity surface )
 
 wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_cloth_def* given )
 {
-    wisp_cloth_def values = wisp_default_cloth_def();
+    wisp_cloth_def values;
     const wisp_cloth_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, "wisp_default_cloth_def", &values, given ) );
+    WISP_TRY( wisp_world_begin_def( world, &wisp_cloth_def_fields, &values, given ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     cloth_state* state;
     wisp_status status = find_state( world, surface, &state );
     status = status == WISP_OK ? check_alone( world, surface ) : status;
-    status = status == WISP_OK ? check_ranges( world, def ) : status;
     if ( status == WISP_OK && values.coarse_substeps < 0 )
     {
         const bool has_sheets = wisp_world_fabric( world, surface )->level_count > 0 &&
                                 wisp_world_has( world, surface, WISP_SURFACE_ELASTIC ) == false;
         values.coarse_substeps = has_sheets && def->solver == WISP_SOLVER_XPBD ? 1 : 0;
     }
-    status = status == WISP_OK ? check_vectors( world, def ) : status;
     status = status == WISP_OK ? check_solver( world, def ) : status;
     status = status == WISP_OK ? check_membrane( world, surface, def ) : status;
     status = status == WISP_OK ? check_fabric( world, wisp_world_fabric( world, surface ), def ) : status;
@@ -602,12 +555,7 @@ wisp_status wisp_set_cloth_wind( wisp_world* world, wisp_entity surface, wisp_ve
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     cloth_state* state;
     WISP_TRY( find_state( world, surface, &state ) );
-    if ( !( wisp_v3_length( wind ) <= 1e5f ) )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT,
-                                "cloth: wind: got (%g, %g, %g), expected finite numbers of at most 1e5 m/s",
-                                (double)wind.x, (double)wind.y, (double)wind.z );
-    }
+    WISP_TRY( wisp_world_check_value( world, &wisp_cloth_def_fields, "wind", &wind ) );
     if ( wisp_world_has( world, surface, state->air ) == false )
     {
         const bool is_cloth = wisp_world_has( world, surface, WISP_LINK_COMPLIANCE ) ||

@@ -14,85 +14,43 @@
 #include <math.h>
 #include <string.h>
 
-void wisp_init_collider_def( wisp_collider_def* def, size_t size )
-{
-    const wisp_collider_def values = {
-        .kind = WISP_COLLIDER_PLANE,
-        .radius = 1.0f,
-        .half_length = 1.0f,
-        .half_extent = { 1.0f, 1.0f, 1.0f },
-        .pose = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } },
-        .static_friction = 0.5f,
-        .kinetic_friction = 0.5f,
-        .layers = 1,
-        .tracks = true,
-        .top_radius = 1.0f,
-        .bottom_radius = 1.0f,
-        .spacing = 1.0f,
-    };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+static const wisp_field COLLIDER_FIELDS[] = {
+    WISP_CHOICE( wisp_collider_def, kind, WISP_COLLIDER_PLANE, WISP_COLLIDER_COUNT ),
+    WISP_NUMBER( wisp_collider_def, radius, 1, 1e-6, 1e6, "m" ),
+    WISP_NUMBER( wisp_collider_def, half_length, 1, 0, 1e6, "m" ),
+    WISP_NUMBER( wisp_collider_def, top_radius, 1, 1e-6, 1e6, "m" ),
+    WISP_NUMBER( wisp_collider_def, bottom_radius, 1, 1e-6, 1e6, "m" ),
+    WISP_POINT( wisp_collider_def, half_extent, 1e-6, 1e6, "m", 1, 1, 1 ),
+    WISP_SWITCH( wisp_collider_def, double_sided, false ),
+    WISP_POSE( wisp_collider_def, pose ),
+    WISP_NUMBER( wisp_collider_def, static_friction, 0.5, 0, 1e6, NULL ),
+    WISP_NUMBER( wisp_collider_def, kinetic_friction, 0.5, 0, 1e6, NULL ),
+    WISP_NUMBER( wisp_collider_def, thickness, 0, 0, 1e6, "m" ),
+    WISP_BITS( wisp_collider_def, layers, 1 ),
+    WISP_WHOLE_OR( wisp_collider_def, height_count_x, 0, 2, 8192 ),
+    WISP_WHOLE_OR( wisp_collider_def, height_count_z, 0, 2, 8192 ),
+    WISP_NUMBER( wisp_collider_def, spacing, 1, 1e-6, 1e6, "m" ),
+    WISP_NUMBER( wisp_collider_def, restitution, 0, 0, 1, NULL ),
+    WISP_SWITCH( wisp_collider_def, tracks, true ),
+    WISP_NUMBER( wisp_collider_def, mass, 0, 0, 1e6, "kg" ),
+    WISP_POINT( wisp_collider_def, inertia, 0, 1e6, "kg m^2", 0 ),
+};
+WISP_DEFINE( collider_def, "collider", COLLIDER_FIELDS )
 
 // ---- checks ----
 
-static wisp_status check_sizes( wisp_world* world, const wisp_collider_def* d )
+static wisp_status check_together( wisp_world* world, const wisp_collider_def* d )
 {
-    const bool round = d->kind == WISP_COLLIDER_SPHERE || d->kind == WISP_COLLIDER_CAPSULE;
-    const bool box = d->kind == WISP_COLLIDER_BOX;
-    const bool tapered = d->kind == WISP_COLLIDER_TAPERED_CAPSULE, field = d->kind == WISP_COLLIDER_HEIGHT_FIELD;
-    const struct
+    if ( d->kinetic_friction > d->static_friction )
     {
-        const char* name;
-        float value, lower, upper;
-        bool counts;
-    } ranges[] = {
-        { "kind", (float)d->kind, 0.0f, (float)( WISP_COLLIDER_COUNT - 1 ), true },
-        { "radius", d->radius, 1e-6f, 1e6f, round },
-        { "half_length", d->half_length, 0.0f, 1e6f, d->kind == WISP_COLLIDER_CAPSULE || tapered },
-        { "top_radius", d->top_radius, 1e-6f, 1e6f, tapered },
-        { "bottom_radius", d->bottom_radius, 1e-6f, 1e6f, tapered },
-        { "half_extent.x", d->half_extent.x, 1e-6f, 1e6f, box },
-        { "half_extent.y", d->half_extent.y, 1e-6f, 1e6f, box },
-        { "half_extent.z", d->half_extent.z, 1e-6f, 1e6f, box },
-        { "height_count_x", (float)d->height_count_x, 2.0f, 8192.0f, field },
-        { "height_count_z", (float)d->height_count_z, 2.0f, 8192.0f, field },
-        { "spacing", d->spacing, 1e-6f, 1e6f, field },
-        { "restitution", d->restitution, 0.0f, 1.0f, true },
-        { "mass", d->mass, 0.0f, d->kind == WISP_COLLIDER_SURFACE ? 0.0f : 1e6f, true },
-        { "inertia.x", d->inertia.x, 0.0f, 1e6f, true },
-        { "inertia.y", d->inertia.y, 0.0f, 1e6f, true },
-        { "inertia.z", d->inertia.z, 0.0f, 1e6f, true },
-        { "static_friction", d->static_friction, 0.0f, 1e6f, true },
-        { "kinetic_friction", d->kinetic_friction, 0.0f, d->static_friction, true },
-        { "thickness", d->thickness, 0.0f, 1e6f, true },
-    };
-    for ( int i = 0; i < WISP_COUNT( ranges ); ++i )
-    {
-        if ( ranges[i].counts && !( ranges[i].value >= ranges[i].lower && ranges[i].value <= ranges[i].upper ) )
-        {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "collider: %s is %g, it must be %g to %g", ranges[i].name,
-                                    (double)ranges[i].value, (double)ranges[i].lower, (double)ranges[i].upper );
-        }
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "collider: kinetic_friction: got %g, expected at most static_friction, which is %g",
+                                (double)d->kinetic_friction, (double)d->static_friction );
     }
-    return WISP_OK;
-}
-
-static wisp_status check_pose( wisp_world* world, wisp_transform pose )
-{
-    const wisp_vec3 p = pose.translation;
-    if ( collision_is_in_range( p ) == false )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "collider: (%g, %g, %g) is not within 1e6 m of the origin",
-                                (double)p.x, (double)p.y, (double)p.z );
-    }
-    const wisp_quat q = pose.rotation;
-    float squared = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
-    if ( !( squared >= 1e-12f && squared <= 1e12f ) )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "collider: the quaternion (%g, %g, %g, %g) is not a rotation",
-                                (double)q.x, (double)q.y, (double)q.z, (double)q.w );
-    }
-    return WISP_OK;
+    return d->kind == WISP_COLLIDER_SURFACE && d->mass > 0.0f
+               ? wisp_world_fail( world, WISP_BAD_INPUT, "collider: mass: got %g kg of a surface, expected 0",
+                                  (double)d->mass )
+               : WISP_OK;
 }
 
 wisp_status collision_check_points( wisp_world* world, const wisp_collider_def* d )
@@ -375,14 +333,13 @@ wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_def* given
     {
         *out = ( wisp_entity ){ 0, 0 };
     }
-    wisp_collider_def values = wisp_default_collider_def();
+    wisp_collider_def values;
     const wisp_collider_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, "wisp_default_collider_def", &values, given ) );
+    WISP_TRY( wisp_world_begin_def( world, &wisp_collider_def_fields, &values, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     collision_state* state;
     WISP_TRY( collision_find_state( world, &state ) );
-    WISP_TRY( check_sizes( world, def ) );
-    WISP_TRY( check_pose( world, def->pose ) );
+    WISP_TRY( check_together( world, def ) );
     if ( wisp_world_reserve( world, (void**)&state->bodies, &state->body_capacity, state->body_count,
                              sizeof( collision_body ) ) == false )
     {
@@ -416,7 +373,7 @@ wisp_status wisp_move_collider( wisp_world* world, wisp_entity entity, wisp_tran
     {
         return wisp_world_fail( world, WISP_CONFLICT, "collider: entity %u moves with its surface", entity.index );
     }
-    WISP_TRY( check_pose( world, pose ) );
+    WISP_TRY( wisp_world_check_value( world, &wisp_collider_def_fields, "pose", &pose ) );
     WISP_TRY( give_motion( world, state, entity ) );
     *(wisp_transform*)wisp_world_column( world, entity, state->motion, 0 ) =
         wisp_transform_make( pose.rotation, pose.translation );

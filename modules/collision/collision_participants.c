@@ -201,25 +201,15 @@ wisp_status collision_update_for( wisp_world* world, collision_state* state, con
 
 // ---- definitions ----
 
-void wisp_init_collision_def( wisp_collision_def* def, size_t size )
-{
-    const wisp_collision_def values = {
-        .friction_scale = 1.0f,
-        .mask = UINT32_MAX,
-        .enabled = true,
-    };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
-
-static wisp_status check_def( wisp_world* world, const wisp_collision_def* d )
-{
-    const wisp_number_range ranges[] = {
-        { "thickness", d->thickness, 0.0f, 1e6f },
-        { "friction_scale", d->friction_scale, 0.0f, 1e6f },
-        { "max_push_out_speed", d->max_push_out_speed, 0.0f, 1e6f },
-    };
-    return wisp_world_check_ranges( world, "collision", ranges, WISP_COUNT( ranges ) );
-}
+static const wisp_field COLLISION_FIELDS[] = {
+    WISP_NUMBER( wisp_collision_def, thickness, 0, 0, 1e6, "m" ),
+    WISP_NUMBER( wisp_collision_def, friction_scale, 1, 0, 1e6, NULL ),
+    WISP_NUMBER( wisp_collision_def, max_push_out_speed, 0, 0, 1e6, "m/s" ),
+    WISP_BITS( wisp_collision_def, mask, -1 ),
+    WISP_SWITCH( wisp_collision_def, enabled, true ),
+    WISP_CHOICE( wisp_collision_def, features, WISP_COLLISION_VERTICES, WISP_COLLISION_FEATURES_COUNT ),
+};
+WISP_DEFINE( collision_def, "collision", COLLISION_FIELDS )
 
 // Return the mean rest length of edges or segments, m; a millimetre where all are zero.
 static float mean_length( wisp_world* world, wisp_entity participant )
@@ -280,11 +270,6 @@ static wisp_status find_participant( wisp_world* world, wisp_entity participant,
 
 static wisp_status check_features( wisp_world* world, wisp_entity participant, wisp_collision_features features )
 {
-    if ( (unsigned)features >= WISP_COLLISION_FEATURES_COUNT )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "collision: features is %d, it must be 0 to %d", (int)features,
-                                WISP_COLLISION_FEATURES_COUNT - 1 );
-    }
     if ( features == WISP_COLLISION_ALL && wisp_world_has( world, participant, WISP_PARTICLE_EXTERNAL_SOLVER ) )
     {
         return wisp_world_fail( world, WISP_CONFLICT,
@@ -316,13 +301,12 @@ static wisp_status apply( wisp_world* world, collision_state* state, wisp_entity
 
 wisp_status wisp_set_collision( wisp_world* world, wisp_entity participant, const wisp_collision_def* given )
 {
-    wisp_collision_def values = wisp_default_collision_def();
+    wisp_collision_def values;
     const wisp_collision_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, "wisp_default_collision_def", &values, given ) );
+    WISP_TRY( wisp_world_begin_def( world, &wisp_collision_def_fields, &values, given ) );
     WISP_TRY( wisp_world_check_entity( world, participant ) );
     collision_state* state;
     WISP_TRY( find_participant( world, participant, &state ) );
-    WISP_TRY( check_def( world, def ) );
     WISP_TRY( check_features( world, participant, def->features ) );
     const bool is_new = wisp_world_has( world, participant, state->settings ) == false;
     WISP_TRY( is_new ? add_participant( world, state, participant ) : WISP_OK );

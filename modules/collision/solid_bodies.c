@@ -32,6 +32,12 @@ wisp_status collision_make_height_field( wisp_world* world, const wisp_collider_
 {
     const int count = d->height_count_x * d->height_count_z;
     WISP_TRY( wisp_world_check_pointer( world, "heights", d->heights ) );
+    if ( count == 0 )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "collider: height_count_x, height_count_z: got %d and %d, expected 2 to 8192 of both",
+                                d->height_count_x, d->height_count_z );
+    }
     float top = -INFINITY;
     for ( int i = 0; i < count; ++i )
     {

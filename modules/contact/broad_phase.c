@@ -138,33 +138,48 @@ enum
 
 // ---- the list ----
 
-static bool reserve_list( const contact_work* work, int turn, size_t most, contact_cluster_pairs* pairs )
-{
-    const size_t begins = (size_t)work->contact_mesh->clusters->count + 1, index = sizeof( int32_t );
-    wisp_buffer* const list = work->contact_mesh->bounds->buffers + turn;
-    return contact_reserve( work, list + CONTACT_BOUND_BEGIN, begins * index, (void**)&pairs->begin ) &&
-           contact_reserve( work, list + CONTACT_BOUND_CLUSTER, most * index, (void**)&pairs->cluster ) &&
-           contact_reserve( work, list + CONTACT_BOUND_OTHER, most * index, (void**)&pairs->other ) &&
-           contact_reserve( work, list + CONTACT_BOUND_SLACK, most * sizeof( float ), (void**)&pairs->slack ) &&
-           contact_reserve( work, list + CONTACT_BOUND_LIST, most * sizeof( *pairs->list ), (void**)&pairs->list );
-}
-
-// Both lists get the same room, so that repeated steps ask for no memory, whichever list is in turn.
 static bool reserve_pairs( const contact_work* work, size_t count )
 {
     contact_cached_bounds* b = work->contact_mesh->bounds;
-    const size_t most = count + WISP_SLICE, index = sizeof( int32_t ), blocks = most / PAIRS_PER_BLOCK + 1;
-    return reserve_list( work, b->turn, most, b->pairs ) && reserve_list( work, 1 - b->turn, most, b->pairs + 1 ) &&
+    contact_cluster_pairs* pairs = &b->pairs;
+    const size_t begins = (size_t)work->contact_mesh->clusters->count + 1, most = count + WISP_SLICE,
+                 index = sizeof( int32_t ), blocks = most / PAIRS_PER_BLOCK + 1;
+    return contact_reserve( work, b->buffers + CONTACT_BOUND_BEGIN, begins * index, (void**)&pairs->begin ) &&
+           contact_reserve( work, b->buffers + CONTACT_BOUND_CLUSTER, most * index, (void**)&pairs->cluster ) &&
+           contact_reserve( work, b->buffers + CONTACT_BOUND_OTHER, most * index, (void**)&pairs->other ) &&
+           contact_reserve( work, b->buffers + CONTACT_BOUND_SLACK, most * sizeof( float ), (void**)&pairs->slack ) &&
+           contact_reserve( work, b->buffers + CONTACT_BOUND_LIST, most * sizeof( *pairs->list ),
+                            (void**)&pairs->list ) &&
            contact_reserve( work, b->buffers + CONTACT_BOUND_ACTIVE, most * index, (void**)&b->active ) &&
            contact_reserve( work, b->buffers + CONTACT_BOUND_SEARCHED, most * index, (void**)&b->searched ) &&
            contact_reserve( work, b->buffers + CONTACT_BOUND_ACTIVE_COUNT, blocks * index, (void**)&b->active_count );
 }
 
-// @param known where a list before has the pair; -1: nowhere
-static void put_pair( const contact_cached_bounds* b, int at, int32_t cluster, int32_t other, int known )
+// Copy what is known of the pairs to scratch memory. @return false without memory
+static bool copy_pairs( const contact_work* work, contact_cluster_pairs* to )
 {
-    const contact_cluster_pairs* pairs = b->pairs;
-    const contact_cluster_pairs* before = pairs + 1;
+    const contact_cluster_pairs* pairs = &work->contact_mesh->bounds->pairs;
+    const size_t count = (size_t)pairs->count, begins = (size_t)work->contact_mesh->clusters->count + 1;
+    char* scratch =
+        wisp_parallel_scratch( work->parallel, work->worker,
+                               count * ( sizeof( *to->list ) + sizeof( *to->slack ) + sizeof( *to->other ) ) +
+                                   begins * sizeof( *to->begin ) );
+    if ( scratch == NULL )
+    {
+        return false;
+    }
+    to->list = memcpy( scratch, pairs->list, count * sizeof( *to->list ) );
+    to->slack = memcpy( to->list + count, pairs->slack, count * sizeof( *to->slack ) );
+    to->other = memcpy( to->slack + count, pairs->other, count * sizeof( *to->other ) );
+    to->begin = memcpy( to->other + count, pairs->begin, begins * sizeof( *to->begin ) );
+    return true;
+}
+
+// @param known where the list before has the pair; -1: nowhere
+static void put_pair( const contact_cached_bounds* b, int at, int32_t cluster, int32_t other,
+                      const contact_cluster_pairs* before, int known )
+{
+    const contact_cluster_pairs* pairs = &b->pairs;
     pairs->cluster[at] = cluster;
     pairs->other[at] = other;
     pairs->slack[at] = known >= 0 ? before->slack[known] : -INFINITY;
@@ -197,7 +212,7 @@ typedef struct list_loop
 {
     const contact_work* work;
     const wisp_aabb_pairs* found;
-    bool is_known;
+    const contact_cluster_pairs* before; // null: unknown
 } list_loop;
 
 static void list_pairs_of( void* context, int begin, int end, int worker )
@@ -208,21 +223,21 @@ static void list_pairs_of( void* context, int begin, int end, int worker )
     const wisp_aabb_pairs* found = loop->found;
     for ( int p = begin; p < end; ++p )
     {
-        known_pairs known = { .pairs = s->bounds->pairs + 1 };
-        if ( loop->is_known )
+        known_pairs known = { .pairs = loop->before };
+        if ( known.pairs != NULL )
         {
             known.next = known.pairs->begin[p];
             known.end = known.pairs->begin[p + 1];
         }
-        int at = s->bounds->pairs[0].begin[p];
+        int at = s->bounds->pairs.begin[p];
         if ( contact_clusters_may_meet( loop->work, p, p ) )
         {
-            put_pair( s->bounds, at++, p, p, place_of( &known, p ) );
+            put_pair( s->bounds, at++, p, p, known.pairs, place_of( &known, p ) );
         }
         for ( int i = found->begin[p]; i < found->begin[p + 1]; ++i )
         {
             const int32_t other = found->item[i];
-            put_pair( s->bounds, at++, p, other, place_of( &known, other ) );
+            put_pair( s->bounds, at++, p, other, known.pairs, place_of( &known, other ) );
         }
     }
 }
@@ -230,13 +245,9 @@ static void list_pairs_of( void* context, int begin, int end, int worker )
 bool contact_list_cluster_pairs( const contact_work* work, const wisp_aabb_pairs* found, bool is_known )
 {
     contact_contact_mesh* s = work->contact_mesh;
-    const contact_cluster_pairs known = s->bounds->pairs[0];
-    // the buffers of the list before that one are free
-    s->bounds->pairs[0] = s->bounds->pairs[1];
-    s->bounds->pairs[1] = known;
-    s->bounds->turn = 1 - s->bounds->turn;
-    contact_cluster_pairs* pairs = s->bounds->pairs;
-    if ( reserve_pairs( work, found->pair_count + (size_t)s->clusters->count ) == false )
+    contact_cluster_pairs *pairs = &s->bounds->pairs, before;
+    if ( ( is_known && copy_pairs( work, &before ) == false ) ||
+         reserve_pairs( work, found->pair_count + (size_t)s->clusters->count ) == false )
     {
         return false;
     }
@@ -247,11 +258,11 @@ bool contact_list_cluster_pairs( const contact_work* work, const wisp_aabb_pairs
         pairs->count += ( contact_clusters_may_meet( work, p, p ) ? 1 : 0 ) + found->begin[p + 1] - found->begin[p];
     }
     pairs->begin[s->clusters->count] = pairs->count;
-    list_loop loop = { work, found, is_known };
+    list_loop loop = { work, found, is_known ? &before : NULL };
     wisp_parallel_for( work->parallel, s->clusters->count, LIST_GRAIN, list_pairs_of, &loop );
     for ( int i = 0; i < WISP_SLICE; ++i )
     {
-        put_pair( s->bounds, pairs->count + i, 0, 0, -1 );
+        put_pair( s->bounds, pairs->count + i, 0, 0, NULL, -1 );
         pairs->slack[pairs->count + i] = INFINITY;
     }
     return true;
@@ -260,7 +271,7 @@ bool contact_list_cluster_pairs( const contact_work* work, const wisp_aabb_pairs
 bool contact_make_room_for_listed( const contact_work* work, int more )
 {
     contact_cached_bounds* b = work->contact_mesh->bounds;
-    contact_cluster_pairs* pairs = b->pairs;
+    contact_cluster_pairs* pairs = &b->pairs;
     int kept = 0;
     for ( int at = 0, next; at < b->listed_count; at = next )
     {
@@ -300,9 +311,9 @@ static void find_active( void* context, int begin, int end, int worker )
     const wisp_separation_args args = {
         .moved = loop->missed_only ? NULL : s->motion->gone->middle,
         .predicted = s->motion->ways->middle,
-        .first = s->bounds->pairs[0].cluster,
-        .second = s->bounds->pairs[0].other,
-        .separation_bound = s->bounds->pairs[0].slack,
+        .first = s->bounds->pairs.cluster,
+        .second = s->bounds->pairs.other,
+        .separation_bound = s->bounds->pairs.slack,
         .active = s->bounds->active,
     };
     s->bounds->active_count[begin / PAIRS_PER_BLOCK] =
@@ -313,7 +324,7 @@ static void find_active( void* context, int begin, int end, int worker )
 static int gather_active( const contact_contact_mesh* s, bool missed_only )
 {
     contact_cached_bounds* b = s->bounds;
-    const contact_cluster_pairs* pairs = b->pairs;
+    const contact_cluster_pairs* pairs = &b->pairs;
     const uint8_t* is_missed = s->motion->cluster_is_missed;
     int count = 0;
     b->searched_count = 0;
@@ -342,7 +353,6 @@ static int gather_active( const contact_contact_mesh* s, bool missed_only )
 int contact_find_active_clusters( const contact_work* work, bool missed_only )
 {
     active_loop loop = { work, missed_only };
-    wisp_parallel_for( work->parallel, work->contact_mesh->bounds->pairs[0].count, PAIRS_PER_BLOCK, find_active,
-                       &loop );
+    wisp_parallel_for( work->parallel, work->contact_mesh->bounds->pairs.count, PAIRS_PER_BLOCK, find_active, &loop );
     return gather_active( work->contact_mesh, missed_only );
 }

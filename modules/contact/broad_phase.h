@@ -35,8 +35,9 @@ static inline float contact_key_of( float distance, float gap, float bound )
 /// The pairs of primitives of two clusters: points and triangles, then edges.
 typedef struct contact_list
 {
-    int32_t first, points, edges; // in `listed`
-    float beyond;                 // m, the bound of pairs that are not listed, less that of all
+    int32_t first;          // in `listed`
+    uint16_t points, edges; // how many
+    float beyond;           // m, the bound of pairs that are not listed, less that of all
 } contact_list;
 
 /// Pairs of clusters that may come near each other. Those of a cluster are contiguous: itself first, then others in
@@ -53,12 +54,12 @@ typedef struct contact_cluster_pairs
 
 enum
 {
-    CONTACT_BOUND_BEGIN, // of two lists, which take turns
-    CONTACT_BOUND_CLUSTER = CONTACT_BOUND_BEGIN + 2,
-    CONTACT_BOUND_OTHER = CONTACT_BOUND_CLUSTER + 2,
-    CONTACT_BOUND_SLACK = CONTACT_BOUND_OTHER + 2,
-    CONTACT_BOUND_LIST = CONTACT_BOUND_SLACK + 2,
-    CONTACT_BOUND_LISTED = CONTACT_BOUND_LIST + 2,
+    CONTACT_BOUND_BEGIN,
+    CONTACT_BOUND_CLUSTER,
+    CONTACT_BOUND_OTHER,
+    CONTACT_BOUND_SLACK,
+    CONTACT_BOUND_LIST,
+    CONTACT_BOUND_LISTED,
     CONTACT_BOUND_ACTIVE,
     CONTACT_BOUND_SEARCHED,
     CONTACT_BOUND_ACTIVE_COUNT,
@@ -67,9 +68,8 @@ enum
 
 typedef struct contact_cached_bounds
 {
-    contact_cluster_pairs pairs[2]; // the current list, and the one before
-    int turn;                       // whose buffers the current list has
-    contact_listed* listed;         // pairs of primitives, with those of past searches between them
+    contact_cluster_pairs pairs;
+    contact_listed* listed; // pairs of primitives, with those of past searches between them
     int listed_count, listed_most, last_length;
     int32_t* active;   // [pair] those that may reach their gap in this substep
     int32_t* searched; // [pair] of these, those whose lists do not hold for it

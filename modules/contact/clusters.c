@@ -190,6 +190,7 @@ static int count_rows( const cutting* c, const int counts[3] )
 {
     contact_contact_mesh* s = c->contact_mesh;
     contact_clusters* k = s->clusters;
+    int rows = 0;
     memset( k->items, 0, (size_t)k->count * sizeof( *k->items ) );
     for ( int kind = 0; kind < 3; ++kind )
     {
@@ -197,17 +198,12 @@ static int count_rows( const cutting* c, const int counts[3] )
         {
             contact_cluster* cluster = k->items + c->cluster_of[kind][i];
             cluster->rows[kind] += 1;
-            cluster->point_count += kind + 1; // upper bound
             cluster->participant = (int32_t)s->rest[(size_t)points_of( s, kind, &i )[0] * 4 + 3];
         }
     }
-    int rows = 0, points = 0;
     for ( int p = 0; p < k->count; ++p )
     {
         contact_cluster* cluster = k->items + p;
-        cluster->first_point = points;
-        points += ( cluster->point_count + WISP_SLICE - 1 ) / WISP_SLICE * WISP_SLICE;
-        cluster->point_count = 0;
         for ( int kind = 0; kind < 3; ++kind )
         {
             cluster->kind_row[kind] = rows;
@@ -218,30 +214,7 @@ static int count_rows( const cutting* c, const int counts[3] )
     return rows;
 }
 
-static void add_point( contact_contact_mesh* s, contact_cluster* cluster, int32_t point )
-{
-    int32_t* point_x4 = s->clusters->points + cluster->first_point;
-    for ( int i = 0; i < cluster->point_count; ++i )
-    {
-        if ( point_x4[i] == point * 4 )
-        {
-            return;
-        }
-    }
-    point_x4[cluster->point_count++] = point * 4;
-}
-
-static void pad_points( contact_contact_mesh* s, contact_cluster* cluster )
-{
-    int32_t* point_x4 = s->clusters->points + cluster->first_point;
-    const int32_t last = point_x4[cluster->point_count - 1];
-    while ( cluster->point_count % WISP_SLICE != 0 )
-    {
-        point_x4[cluster->point_count++] = last;
-    }
-}
-
-static void add_primitive( contact_contact_mesh* s, contact_cluster* cluster, int kind, int32_t primitive )
+static void add_primitive( contact_contact_mesh* s, const contact_cluster* cluster, int kind, int32_t primitive )
 {
     contact_pack* row = s->clusters->packs + cluster->kind_row[kind];
     int lane = 0;
@@ -253,8 +226,59 @@ static void add_primitive( contact_contact_mesh* s, contact_cluster* cluster, in
     for ( int k = 0; k <= kind; ++k )
     {
         row->point_x4[k][lane] = points[k] * 4;
-        add_point( s, cluster, points[k] );
     }
+}
+
+// List the points of a cluster, padded to a multiple of eight. @return how many
+static int list_points( const contact_clusters* k, const contact_cluster* cluster, int32_t* point_x4 )
+{
+    int count = 0;
+    for ( int kind = 0; kind < 3; ++kind )
+    {
+        const int corners = kind + 1;
+        for ( int i = 0; i < corners * WISP_SLICE * cluster->rows[kind]; ++i )
+        {
+            const contact_pack* row = k->packs + cluster->kind_row[kind] + i / ( corners * WISP_SLICE );
+            const int32_t point = row->point_x4[i / WISP_SLICE % corners][i % WISP_SLICE];
+            int at = 0;
+            for ( ; at < count && point_x4[at] != point; ++at )
+            {
+            }
+            if ( at == count && row->item[i % WISP_SLICE] >= 0 )
+            {
+                point_x4[count++] = point;
+            }
+        }
+    }
+    for ( ; count % WISP_SLICE != 0; ++count )
+    {
+        point_x4[count] = point_x4[count - 1];
+    }
+    return count;
+}
+
+// List the points of all clusters. @return how many, padding included; 0 without memory
+static size_t list_all_points( const cutting* c )
+{
+    contact_clusters* k = c->contact_mesh->clusters;
+    int32_t point_x4[3 * CLUSTER_PRIMITIVES + WISP_SLICE];
+    size_t all = 0;
+    for ( int p = 0; p < k->count; ++p )
+    {
+        k->items[p].first_point = (int32_t)all;
+        k->items[p].point_count = list_points( k, k->items + p, point_x4 );
+        all += (size_t)k->items[p].point_count;
+    }
+    if ( contact_reserve( c->work, k->buffers + CONTACT_CLUSTER_POINTS, all * sizeof( int32_t ),
+                          (void**)&k->points ) == false )
+    {
+        return 0;
+    }
+    for ( int p = 0; p < k->count; ++p )
+    {
+        list_points( k, k->items + p, k->points + k->items[p].first_point );
+    }
+    return all;
 }
 
 // List the clusters of each point. @param most points of all clusters, padding included
@@ -308,12 +332,8 @@ static bool fill_clusters( const cutting* c, const int counts[3] )
         return false;
     }
     const size_t rows = (size_t)count_rows( c, counts );
-    const size_t points =
-        (size_t)counts[0] + 2 * (size_t)counts[1] + 3 * (size_t)counts[2] + (size_t)WISP_SLICE * (size_t)k->count;
     if ( contact_reserve( c->work, k->buffers + CONTACT_CLUSTER_PACKS, rows * sizeof( *k->packs ),
-                          (void**)&k->packs ) == false ||
-         contact_reserve( c->work, k->buffers + CONTACT_CLUSTER_POINTS, points * sizeof( int32_t ),
-                          (void**)&k->points ) == false )
+                          (void**)&k->packs ) == false )
     {
         return false;
     }
@@ -329,11 +349,8 @@ static bool fill_clusters( const cutting* c, const int counts[3] )
             add_primitive( s, k->items + c->cluster_of[kind][i], kind, i );
         }
     }
-    for ( int p = 0; p < k->count; ++p )
-    {
-        pad_points( s, k->items + p );
-    }
-    return list_owners( c, points );
+    const size_t points = list_all_points( c );
+    return ( points > 0 || k->count == 0 ) && list_owners( c, points );
 }
 
 bool contact_make_clusters( const contact_work* work )

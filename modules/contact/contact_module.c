@@ -18,13 +18,11 @@ static const wisp_column_def MEMORY_COLUMNS[] = { { "memory", sizeof( contact_me
 static const wisp_column_def MARK_COLUMNS[] = { { "mark", sizeof( int32_t ) } };
 static const wisp_column_def STATS_COLUMNS[] = { { "figures", sizeof( wisp_contact_stats ) } };
 
-void wisp_init_contact_settings( wisp_contact_settings* def, size_t size )
-{
-    const wisp_contact_settings values = {
-        .margin = 1.0f,
-    };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+static const wisp_field CONTACT_SETTINGS_FIELDS[] = {
+    WISP_CHOICE( wisp_contact_settings, level, WISP_CONTACT_EXACT, WISP_CONTACT_LEVEL_COUNT ),
+    WISP_NUMBER( wisp_contact_settings, margin, 1, 0.01, 100, NULL ),
+};
+WISP_DEFINE( contact_settings, "contact", CONTACT_SETTINGS_FIELDS )
 
 // ---- declaration ----
 
@@ -345,19 +343,11 @@ const wisp_module wisp_contact_module = { .name = "contact", .declare = declare 
 
 wisp_status wisp_set_contact_settings( wisp_world* world, const wisp_contact_settings* given )
 {
-    wisp_contact_settings values = wisp_default_contact_settings();
+    wisp_contact_settings values;
     const wisp_contact_settings* settings = &values;
-    WISP_TRY( wisp_world_begin_def( world, "wisp_default_contact_settings", &values, given ) );
+    WISP_TRY( wisp_world_begin_def( world, &wisp_contact_settings_fields, &values, given ) );
     contact_state* state;
     wisp_status status = contact_find_state( world, &state );
-    const wisp_number_range ranges[] = {
-        { "margin", settings->margin, 0.01f, 100.0f },
-    };
-    status = status == WISP_OK ? wisp_world_check_ranges( world, "contact", ranges, WISP_COUNT( ranges ) ) : status;
-    if ( status == WISP_OK && (unsigned)settings->level >= WISP_CONTACT_LEVEL_COUNT )
-    {
-        status = wisp_world_fail( world, WISP_BAD_INPUT, "contact: unknown level %d", (int)settings->level );
-    }
     status = status == WISP_OK ? contact_mark_participants( world, state, settings->level ) : status;
     for ( int i = 0; status == WISP_OK && settings->level != state->world.level && i < state->participant_count; ++i )
     {
@@ -423,7 +413,7 @@ wisp_status wisp_read_contact_stats( wisp_world* world, wisp_contact_stats* out 
         *out = *stats;
         out->searches = state->broad_phase.searches;
         out->candidates =
-            state->world.level == WISP_CONTACT_SPHERES ? state->spheres.listed.count : state->bounds.pairs[0].count;
+            state->world.level == WISP_CONTACT_SPHERES ? state->spheres.listed.count : state->bounds.pairs.count;
     }
     return status;
 }

@@ -5,17 +5,17 @@
 
 #include <string.h>
 
-void wisp_init_contact_def( wisp_contact_def* def, size_t size )
-{
-    const wisp_contact_def values = {
-        .friction = 0.3f,
-        .self = true,
-        .layers = 1,
-        .mask = UINT32_MAX,
-        .enabled = true,
-    };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+static const wisp_field CONTACT_FIELDS[] = {
+    WISP_NUMBER( wisp_contact_def, thickness, 0, 0, 1e6, "m" ),
+    WISP_NUMBER( wisp_contact_def, friction, 0.3, 0, 1e6, NULL ),
+    WISP_SWITCH( wisp_contact_def, self, true ),
+    WISP_NUMBER( wisp_contact_def, max_push_out_speed, 0, 0, 1e6, "m/s" ),
+    WISP_BITS( wisp_contact_def, layers, 1 ),
+    WISP_BITS( wisp_contact_def, mask, -1 ),
+    WISP_SWITCH( wisp_contact_def, enabled, true ),
+    WISP_SWITCH( wisp_contact_def, between_strands, false ),
+};
+WISP_DEFINE( contact_def, "contact", CONTACT_FIELDS )
 
 wisp_status contact_find_state( wisp_world* world, contact_state** out )
 {
@@ -112,24 +112,13 @@ static float sphere_spacing( wisp_world* world, wisp_entity participant )
                : 0.0f;
 }
 
-static wisp_status check_participant( wisp_world* world, wisp_entity participant, const wisp_contact_def* d )
+static wisp_status check_participant( wisp_world* world, wisp_entity participant )
 {
-    const wisp_number_range ranges[] = {
-        { "thickness", d->thickness, 0.0f, 1e6f },
-        { "friction", d->friction, 0.0f, 1e6f },
-        { "max_push_out_speed", d->max_push_out_speed, 0.0f, 1e6f },
-    };
-    wisp_status status = wisp_world_check_ranges( world, "contact", ranges, WISP_COUNT( ranges ) );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
     if ( wisp_world_strands( world, participant ) == NULL )
     {
         void* state;
-        status = wisp_world_surface_state( world, "contact", participant, &state );
-        status = status == WISP_OK ? wisp_world_need_fabric( world, participant, WISP_FABRIC_EDGES ) : status;
-        return status;
+        const wisp_status status = wisp_world_surface_state( world, "contact", participant, &state );
+        return status == WISP_OK ? wisp_world_need_fabric( world, participant, WISP_FABRIC_EDGES ) : status;
     }
     return wisp_world_has( world, participant, WISP_STRAND_INVERSE_MASS ) &&
                    wisp_world_has( world, participant, WISP_STRAND_LENGTH )
@@ -255,13 +244,13 @@ static void remove_participant( wisp_world* world, contact_state* state, int num
 
 wisp_status wisp_set_contact( wisp_world* world, wisp_entity participant, const wisp_contact_def* given )
 {
-    wisp_contact_def values = wisp_default_contact_def();
+    wisp_contact_def values;
     const wisp_contact_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, "wisp_default_contact_def", &values, given ) );
+    WISP_TRY( wisp_world_begin_def( world, &wisp_contact_def_fields, &values, given ) );
     WISP_TRY( wisp_world_check_entity( world, participant ) );
     contact_state* state;
     wisp_status status = contact_find_state( world, &state );
-    status = status == WISP_OK ? check_participant( world, participant, def ) : status;
+    status = status == WISP_OK ? check_participant( world, participant ) : status;
     int number = status == WISP_OK ? contact_find_participant( state, participant ) : -1;
     if ( status == WISP_OK && def->enabled == false )
     {

@@ -224,70 +224,91 @@ void contact_keep_near( const contact_work* work, contact_kind kind, contact_bat
 
 // ---- candidates ----
 
-bool contact_add_candidate( const contact_work* work, contact_candidates* candidates, contact_listed* listed,
-                            const contact_listed_source* from )
+// What listed pairs of two clusters share.
+typedef struct listed_source
 {
-    const contact_contact_mesh* s = work->contact_mesh;
-    const bool is_edge = candidates->kind == CONTACT_EDGES;
+    float slack, closing, gap; // m: bound of pairs that are not listed, of the clusters, of their participants
+    float beyond;              // m, by how much listed pairs are below that bound
+    bool has_owners;           // repeats are left out
+} listed_source;
+
+// Listed pairs of one kind that may reach their gap in this substep.
+typedef struct candidates
+{
+    int count;
+    contact_listed* listed[CONTACT_BATCH];
+    listed_source* source[CONTACT_BATCH];
+    contact_primitives primitives;
+    float closing[CONTACT_BATCH]; // m
+} candidates;
+
+// Add a listed pair of primitives. @return whether there is room for more
+static bool add_candidate( const contact_contact_mesh* s, candidates* c, contact_listed* listed,
+                           listed_source* source )
+{
+    const bool is_edge = c->primitives.are_edges;
     const int32_t* a = is_edge ? s->edges + 2 * (size_t)listed->a : &listed->a;
     const int32_t* b = is_edge ? s->edges + 2 * (size_t)listed->b : s->triangles + 3 * (size_t)listed->b;
     const int32_t points[4] = { a[0], is_edge ? a[1] : b[0], is_edge ? b[0] : b[1], is_edge ? b[1] : b[2] };
-    const int i = candidates->count++;
-    contact_put_primitives( &candidates->primitives, i, points );
-    candidates->listed[i] = listed;
-    candidates->list[i] = from->list;
-    candidates->slack[i] = from->slack;
-    candidates->gap[i] = from->gap;
-    candidates->has_owners[i] = from->has_owners;
-    return candidates->count < CONTACT_BATCH;
+    contact_put_primitives( &c->primitives, c->count, points );
+    c->listed[c->count] = listed;
+    c->source[c->count] = source;
+    return ++c->count < CONTACT_BATCH;
 }
 
 // ---- owners ----
 
-// Return whether a corner has no part in a closest point, within rounding.
-static bool is_zero( float weight )
+// Note which corners have no part in the closest points of each pair, within rounding. @param zeros [pair] out, bit k: corner k
+static void note_zeros( float ( *weight )[4][WISP_SLICE], int groups, int32_t* zeros )
 {
-    return fabsf( weight ) < 1e-6f;
+    for ( int g = 0; g < groups; ++g )
+    {
+        for ( int lane = 0; lane < WISP_SLICE; ++lane )
+        {
+            int32_t bits = 0;
+            for ( int k = 0; k < 4; ++k )
+            {
+                bits |= fabsf( weight[g][k][lane] ) < 1e-6f ? 1 << k : 0;
+            }
+            zeros[g * WISP_SLICE + lane] = bits;
+        }
+    }
 }
 
 // Return whether a pair of edges repeats one of a point and a triangle, or another pair of edges.
-static bool repeats_edges( const contact_clusters* k, const contact_active* active )
+static bool repeats_edges( const uint8_t* edge_owns, const contact_listed* listed, int32_t zeros )
 {
-    const int32_t edges[2] = { active->pair.a, active->pair.b };
+    const uint8_t owns[2] = { edge_owns[listed->a], edge_owns[listed->b] };
     bool repeats = false;
     for ( int side = 0; side < 2; ++side )
     {
-        const bool is_second = is_zero( active->weight[2 * side] ),
-                   is_end = is_second || is_zero( active->weight[2 * side + 1] );
-        const bool owns = ( k->edge_owns[edges[side]] >> ( is_second ? 1 : 0 ) & 1 ) != 0;
-        const bool meets_triangle = ( k->edge_owns[edges[1 - side]] & CONTACT_HAS_TRIANGLE ) != 0;
-        repeats = repeats || ( is_end && ( meets_triangle || owns == false ) );
+        const int32_t ends = zeros >> 2 * side & 3,
+                      end = ends & 1; // the first has no part: the second is the closest
+        repeats = repeats || ( ends != 0 &&
+                               ( ( owns[1 - side] & CONTACT_HAS_TRIANGLE ) != 0 || ( owns[side] >> end & 1 ) == 0 ) );
     }
     return repeats;
 }
 
 // Return whether a triangle does not own the edge or corner that is nearest to a point.
-static bool repeats_point( const contact_clusters* k, const contact_active* active )
+static bool repeats_point( int owned, int32_t zeros )
 {
-    const int owned = k->triangle_owns[active->pair.b];
-    int zeros = 0, edge = 0, corner = 0;
-    for ( int i = 0; i < 3; ++i )
-    {
-        const bool is_off = is_zero( active->weight[1 + i] );
-        zeros += is_off ? 1 : 0;
-        edge = is_off ? i : edge;
-        corner = is_off ? corner : i;
-    }
-    return ( zeros == 1 && ( owned >> edge & 1 ) == 0 ) || ( zeros == 2 && ( owned >> ( 3 + corner ) & 1 ) == 0 );
+    const int off = zeros >> 1, needed = ( off & ( off - 1 ) ) == 0 ? off : ( off ^ 7 ) << 3;
+    return off != 0 && off != 7 && ( owned & needed ) == 0;
 }
 
-void contact_select_active( const contact_work* work, contact_candidates* c, _Atomic int* total, _Atomic int* stored )
+// Measure the candidates, and append the active ones to `near`, as far as it has room. Lists keep their distances.
+// @param total counts all of them
+static void select_active( const contact_work* work, candidates* c, _Atomic int* total, _Atomic int* stored )
 {
     static const float REPEAT_FRACTION = 0.5f; // of the gap
     _Alignas( 64 ) float weight[CONTACT_BATCH / WISP_SLICE][4][WISP_SLICE];
     _Alignas( 64 ) float normal[CONTACT_BATCH / WISP_SLICE][3][WISP_SLICE];
-    contact_near* near = work->contact_mesh->primitives->near + c->kind;
+    const contact_contact_mesh* s = work->contact_mesh;
+    const contact_kind kind = c->primitives.are_edges ? CONTACT_EDGES : CONTACT_POINTS;
+    contact_near* near = s->primitives->near + kind;
     contact_active found[CONTACT_BATCH];
+    int32_t zeros[CONTACT_BATCH];
     int count = 0, all = 0;
     if ( c->count == 0 )
     {
@@ -295,35 +316,38 @@ void contact_select_active( const contact_work* work, contact_candidates* c, _At
     }
     int32_t* const points[4] = { c->primitives.point_x4[0], c->primitives.point_x4[1], c->primitives.point_x4[2],
                                  c->primitives.point_x4[3] };
-    c->primitives.are_edges = c->kind == CONTACT_EDGES;
-    const float* distance = contact_measure_primitives( work, work->contact_mesh->intersection_free, &c->primitives,
-                                                        c->count, weight, normal );
-    find_closings( work, c->kind, points, c->count, c->closing );
+    const float* distance =
+        contact_measure_primitives( work, s->intersection_free, &c->primitives, c->count, weight, normal );
+    find_closings( work, kind, points, c->count, c->closing );
+    note_zeros( weight, ( c->count + WISP_SLICE - 1 ) / WISP_SLICE, zeros );
     for ( int i = 0; i < c->count; ++i )
     {
         contact_listed* listed = c->listed[i];
+        listed_source* source = c->source[i];
         const float d = distance[i], gap = listed->gap;
-        listed->key = contact_key_of( d, gap, c->slack[i] );
-        c->list[i]->beyond = contact_larger( -listed->key, c->list[i]->beyond );
-        if ( may_meet( work->contact_mesh, d, gap, c->closing[i] ) == false ||
-             ( work->memory->tangled != 0 && is_tangled( work, c->kind, (const int32_t* const*)points, i ) ) )
+        listed->key = contact_key_of( d, gap, source->slack );
+        source->beyond = contact_larger( -listed->key, source->beyond );
+        if ( may_meet( s, d, gap, c->closing[i] ) == false ||
+             ( work->memory->tangled != 0 && is_tangled( work, kind, (const int32_t* const*)points, i ) ) )
         {
             continue;
         }
-        contact_active* active = found + count;
+        all += 1;
+        // what is nearer at rest shares a corner with its owner, which may be no pair
+        const bool is_far = source->has_owners && gap == source->gap && d >= REPEAT_FRACTION * gap + c->closing[i];
+        if ( is_far && zeros[i] != 0 &&
+             ( kind == CONTACT_EDGES ? repeats_edges( s->clusters->edge_owns, listed, zeros[i] )
+                                     : repeats_point( s->clusters->triangle_owns[listed->b], zeros[i] ) ) )
+        {
+            continue;
+        }
+        contact_active* active = found + count++;
         *active = ( contact_active ){ { listed->a, listed->b, gap }, d, c->closing[i], { 0.0f }, { 0.0f } };
         for ( int k = 0; k < 4; ++k )
         {
             active->weight[k] = weight[i / WISP_SLICE][k][i % WISP_SLICE];
             active->normal[k % 3] = normal[i / WISP_SLICE][k % 3][i % WISP_SLICE];
         }
-        // what is nearer at rest shares a corner with its owner, which may be no pair
-        const bool is_far = c->has_owners[i] && gap == c->gap[i] && d >= REPEAT_FRACTION * gap + c->closing[i];
-        const bool repeats =
-            is_far && ( c->kind == CONTACT_EDGES ? repeats_edges( work->contact_mesh->clusters, active )
-                                                 : repeats_point( work->contact_mesh->clusters, active ) );
-        count += repeats ? 0 : 1;
-        all += 1;
     }
     atomic_fetch_add( total, all );
     const int first = count > 0 ? atomic_fetch_add( stored, count ) : 0;
@@ -468,7 +492,7 @@ static void measure( narrow_task* task, contact_kind kind )
     for ( int i = 0; i < batch->count; ++i )
     {
         contact_list* list = &task->tests[batch->of[i]].list;
-        *( kind == CONTACT_POINTS ? &list->points : &list->edges ) += 1;
+        ++*( kind == CONTACT_POINTS ? &list->points : &list->edges );
     }
 }
 
@@ -570,7 +594,7 @@ static void begin_test( narrow_task* task, int number, int pair )
 {
     const contact_contact_mesh* s = task->loop->contact_mesh;
     const contact_participant* participants = task->loop->work->participants;
-    const int a = s->bounds->pairs[0].cluster[pair], b = s->bounds->pairs[0].other[pair];
+    const int a = s->bounds->pairs.cluster[pair], b = s->bounds->pairs.other[pair];
     cluster_test* test = task->tests + number;
     *test = ( cluster_test ){ .pair = pair, .cluster = { a, b }, .placed = { place( task, a ), place( task, b ) } };
     test->gap = contact_gap_between( participants + s->clusters->items[a].participant,
@@ -640,8 +664,8 @@ static void search_batch( narrow_task* task, const int32_t* pairs, int count )
             bounds->listed[next] = ( contact_listed ){ .a = test->pair, .b = listed };
             next += listed + 1;
         }
-        bounds->pairs[0].slack[test->pair] = test->bound;
-        bounds->pairs[0].list[test->pair] = test->list;
+        bounds->pairs.slack[test->pair] = test->bound;
+        bounds->pairs.list[test->pair] = test->list;
     }
     list_pairs( task, CONTACT_POINTS, at );
     list_pairs( task, CONTACT_EDGES, at );
@@ -669,15 +693,14 @@ static void search_clusters( void* context, int begin, int end, int worker )
 // ---- listed pairs ----
 
 // Describe the listed pairs of two clusters.
-static contact_listed_source source_of( const contact_work* work, int pair )
+static listed_source source_of( const contact_work* work, int pair )
 {
     const contact_contact_mesh* s = work->contact_mesh;
-    const contact_cluster_pairs* pairs = s->bounds->pairs;
+    const contact_cluster_pairs* pairs = &s->bounds->pairs;
     const int a = pairs->cluster[pair], b = pairs->other[pair];
     const contact_participant *of_a = work->participants + s->clusters->items[a].participant,
                               *of_b = work->participants + s->clusters->items[b].participant;
-    return ( contact_listed_source ){
-        .list = pairs->list + pair,
+    return ( listed_source ){
         .slack = pairs->slack[pair] + pairs->list[pair].beyond,
         .closing = contact_closing_of( s->motion->ways + a, s->motion->ways + b ),
         .gap = contact_gap_between( of_a, of_b ),
@@ -689,42 +712,47 @@ static void select_listed( void* context, int begin, int end, int worker )
 {
     (void)worker;
     near_loop* loop = context;
-    const contact_work* work = loop->work;
     const contact_contact_mesh* s = loop->contact_mesh;
-    const contact_cluster_pairs* pairs = s->bounds->pairs;
-    contact_candidates candidates[CONTACT_KIND_COUNT];
+    const contact_cluster_pairs* pairs = &s->bounds->pairs;
+    listed_source sources[SELECT_GRAIN];
+    candidates of_kind[CONTACT_KIND_COUNT];
+    int seen = 0;
     for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
     {
-        candidates[kind].kind = (contact_kind)kind;
-        candidates[kind].count = 0;
+        of_kind[kind].primitives.are_edges = kind == CONTACT_EDGES;
+        of_kind[kind].count = 0;
     }
-    for ( int i = begin; i < end && is_too_long( loop ) == false; ++i )
+    for ( ; seen < end - begin && is_too_long( loop ) == false; ++seen )
     {
-        contact_listed_source from = source_of( work, s->bounds->active[i] );
-        contact_list* list = pairs->list + s->bounds->active[i];
-        list->beyond = 0.0f;
-        for ( int k = 0; k < list->points + list->edges; ++k )
+        const int pair = s->bounds->active[begin + seen];
+        const contact_list list = pairs->list[pair];
+        listed_source* source = sources + seen;
+        *source = source_of( loop->work, pair );
+        float beyond = 0.0f;
+        for ( int k = 0; k < list.points + list.edges; ++k )
         {
-            contact_listed* listed = s->bounds->listed + list->first + k;
-            const int kind = k < list->points ? CONTACT_POINTS : CONTACT_EDGES;
-            if ( listed->key + from.slack >= from.closing )
+            contact_listed* listed = s->bounds->listed + list.first + k;
+            const int kind = k < list.points ? CONTACT_POINTS : CONTACT_EDGES;
+            if ( listed->key + source->slack >= source->closing )
             {
-                list->beyond = contact_larger( -listed->key, list->beyond );
+                beyond = contact_larger( -listed->key, beyond );
             }
-            else if ( contact_add_candidate( work, candidates + kind, listed, &from ) == false )
+            else if ( add_candidate( s, of_kind + kind, listed, source ) == false )
             {
-                contact_select_active( work, candidates + kind, loop->total + kind, loop->stored + kind );
+                select_active( loop->work, of_kind + kind, loop->total + kind, loop->stored + kind );
             }
         }
-        pairs->slack[s->bounds->active[i]] = from.slack;
+        source->beyond = contact_larger( beyond, source->beyond );
     }
     for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
     {
-        contact_select_active( work, candidates + kind, loop->total + kind, loop->stored + kind );
+        select_active( loop->work, of_kind + kind, loop->total + kind, loop->stored + kind );
     }
-    for ( int i = begin; i < end; ++i )
+    for ( int i = 0; i < seen; ++i )
     {
-        pairs->slack[s->bounds->active[i]] -= pairs->list[s->bounds->active[i]].beyond;
+        const int pair = s->bounds->active[begin + i];
+        pairs->list[pair].beyond = sources[i].beyond;
+        pairs->slack[pair] = sources[i].slack - sources[i].beyond;
     }
 }
 

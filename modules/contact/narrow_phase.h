@@ -83,27 +83,6 @@ typedef struct contact_batch
     float gap[CONTACT_ROOM], distance[CONTACT_ROOM], closing[CONTACT_ROOM]; // m
 } contact_batch;
 
-/// What listed pairs of two clusters share.
-typedef struct contact_listed_source
-{
-    contact_list* list;
-    float slack, closing, gap; // m: bound of pairs that are not listed, of the clusters, of their participants
-    bool has_owners;           // repeats are left out
-} contact_listed_source;
-
-/// Listed pairs of one kind that may reach their gap in this substep.
-typedef struct contact_candidates
-{
-    int count;
-    contact_kind kind;
-    contact_listed* listed[CONTACT_BATCH];
-    contact_list* list[CONTACT_BATCH];
-    float slack[CONTACT_BATCH], gap[CONTACT_BATCH]; // m, of their pair of clusters
-    bool has_owners[CONTACT_BATCH];
-    contact_primitives primitives;
-    float closing[CONTACT_BATCH]; // m
-} contact_candidates;
-
 /// Point a kernel's output behind the pairs of a batch.
 static inline void contact_take_room( contact_batch* batch, wisp_primitive_pairs* out )
 {
@@ -123,15 +102,6 @@ void contact_measure_batch( const contact_work* work, contact_kind kind, contact
 /// @param is_brief [pair of clusters] keep only what is active in this substep
 void contact_keep_near( const contact_work* work, contact_kind kind, contact_batch* batch, int selected,
                         const bool* is_brief );
-
-/// Add a listed pair of primitives. @return whether there is room for more
-bool contact_add_candidate( const contact_work* work, contact_candidates* candidates, contact_listed* listed,
-                            const contact_listed_source* from );
-
-/// Measure the candidates, and append the active ones to `near`, as far as it has room. Lists keep their distances.
-/// @param total counts all of them
-void contact_select_active( const contact_work* work, contact_candidates* candidates, _Atomic int* total,
-                            _Atomic int* stored );
 
 /// Make room in `near`.
 /// @return false without memory

@@ -14,19 +14,17 @@ typedef struct environment_state
     wisp_component settings;
 } environment_state;
 
-void wisp_init_environment_def( wisp_environment_def* def, size_t size )
-{
-    const wisp_environment_def values = {
-        .temperature_celsius = -10.0f,
-        .wetness = 1.0f,
-        .freezing_celsius = 0.0f,
-        .span = 10.0f,
-        .point_count = 2,
-        .ice = { 0.0f, 1.0f },
-        .stiffness = { 1.0f, 20.0f },
-    };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+static const wisp_field ENVIRONMENT_FIELDS[] = {
+    WISP_NUMBER( wisp_environment_def, temperature_celsius, -10, -273.15, 1000, "degrees Celsius" ),
+    WISP_NUMBER( wisp_environment_def, wetness, 1, 0, 1, NULL ),
+    WISP_NUMBER( wisp_environment_def, freezing_celsius, 0, -273.15, 1000, "degrees Celsius" ),
+    WISP_NUMBER( wisp_environment_def, span, 10, 1e-3, 1000, "K" ),
+    WISP_WHOLE( wisp_environment_def, point_count, 2, 2, WISP_ENVIRONMENT_MAX_POINTS ),
+    WISP_NUMBER( wisp_environment_def, ice[1], 1, 0, 1, NULL ),
+    WISP_NUMBER( wisp_environment_def, stiffness[0], 1, 1e-3, 1e12, NULL ),
+    WISP_NUMBER( wisp_environment_def, stiffness[1], 20, 1e-3, 1e12, NULL ),
+};
+WISP_DEFINE( environment_def, "environment", ENVIRONMENT_FIELDS )
 
 // ---- the curve ----
 
@@ -74,11 +72,10 @@ static float stiffness_at( const wisp_environment_def* def, float temperature, f
 
 float wisp_environment_stiffness( const wisp_environment_def* given, float temperature, float wetness )
 {
-    wisp_environment_def def = wisp_default_environment_def();
-    const bool is_read = wisp_def_read( &def, given, "wisp_default_environment_def", NULL ) == WISP_OK;
-    const bool is_usable =
-        is_read && def.span > 0.0f && def.point_count >= 2 && def.point_count <= WISP_COUNT( def.ice );
-    return is_usable ? stiffness_at( &def, temperature, wetness ) : 0.0f;
+    wisp_environment_def def;
+    return wisp_def_read( &wisp_environment_def_fields, &def, given, NULL ) == WISP_OK
+               ? stiffness_at( &def, temperature, wetness )
+               : 0.0f;
 }
 
 // ---- the pass ----
@@ -128,11 +125,6 @@ const wisp_module wisp_environment_module = { .name = "environment", .declare = 
 
 static wisp_status check_curve( wisp_world* world, const wisp_environment_def* d )
 {
-    if ( d->point_count < 2 || d->point_count > WISP_ENVIRONMENT_MAX_POINTS )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "environment: curve: got %d points, expected 2 to %d",
-                                d->point_count, WISP_ENVIRONMENT_MAX_POINTS );
-    }
     for ( int i = 0; i < d->point_count; ++i )
     {
         if ( !( d->stiffness[i] >= 1e-3f && d->stiffness[i] <= 1e12f ) )
@@ -164,23 +156,11 @@ static wisp_status check_curve( wisp_world* world, const wisp_environment_def* d
     return WISP_OK;
 }
 
-static wisp_status check_def( wisp_world* world, const wisp_environment_def* d )
-{
-    const wisp_number_range ranges[] = {
-        { "temperature_celsius", d->temperature_celsius, -273.15f, 1000.0f },
-        { "wetness", d->wetness, 0.0f, 1.0f },
-        { "freezing_celsius", d->freezing_celsius, -273.15f, 1000.0f },
-        { "span", d->span, 1e-3f, 1000.0f },
-    };
-    WISP_TRY( wisp_world_check_ranges( world, "environment", ranges, WISP_COUNT( ranges ) ) );
-    return check_curve( world, d );
-}
-
 wisp_status wisp_set_environment( wisp_world* world, wisp_entity strands, const wisp_environment_def* given )
 {
-    wisp_environment_def values = wisp_default_environment_def();
+    wisp_environment_def values;
     const wisp_environment_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, "wisp_default_environment_def", &values, given ) );
+    WISP_TRY( wisp_world_begin_def( world, &wisp_environment_def_fields, &values, given ) );
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     const environment_state* state = wisp_world_module_state( world, "environment" );
     if ( state == NULL || wisp_has_strands( world, strands ) == false )
@@ -188,7 +168,7 @@ wisp_status wisp_set_environment( wisp_world* world, wisp_entity strands, const 
         return wisp_world_fail( world, WISP_CONFLICT, "module environment: %s",
                                 state == NULL ? "not registered in this world" : "the entity has no strands" );
     }
-    wisp_status status = check_def( world, def );
+    wisp_status status = check_curve( world, def );
     bool had = wisp_world_has( world, strands, state->settings );
     WISP_TRY( status == WISP_OK ? wisp_world_attach( world, strands, state->settings ) : status );
     status = wisp_world_attach( world, strands, WISP_STRAND_STIFFNESS );

@@ -5,96 +5,41 @@
 #include <string.h>
 static const char* const NOT_REGISTERED = "module frozen_hair: not registered in this world";
 
-void wisp_init_frozen_hair_def( wisp_frozen_hair_def* def, size_t size )
-{
-    const wisp_frozen_hair_def values = {
-        .freeze = true,
-        .align = true,
-        .clump = true,
-        .seed = 1,
-        .stretch_stiffness = 7.0f,
-        .bend_stiffness = 7.0f,
-        .max_bend_angle = 0.785398163f,
-        .intensity = 0.8f,
-        .reach = 0.15f,
-        .clump_radius = 0.01f,
-        .clump_iterations = 4,
-        .clump_step_length = -1.0f,
-        .gap = WISP_GAP_ABSOLUTE,
-        .min_distance = -1.0f,
-        .max_neighbours = 256,
-        .max_depth_change = -1.0f,
-    };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+// A length of -1 is by the radius, or no limit.
+static const wisp_field FROZEN_HAIR_FIELDS[] = {
+    WISP_SWITCH( wisp_frozen_hair_def, freeze, true ),
+    WISP_SWITCH( wisp_frozen_hair_def, align, true ),
+    WISP_SWITCH( wisp_frozen_hair_def, clump, true ),
+    WISP_SEED( wisp_frozen_hair_def, seed, 1 ),
+    WISP_CHOICE( wisp_frozen_hair_def, base, WISP_FROZEN_BASE_REST, WISP_FROZEN_BASE_COUNT ),
+    WISP_CHOICE( wisp_frozen_hair_def, update_on, WISP_FROZEN_UPDATE_HAIR_EVENT, WISP_FROZEN_UPDATE_COUNT ),
+    WISP_NUMBER( wisp_frozen_hair_def, stretch_stiffness, 7, 1e-3, 1e12, NULL ),
+    WISP_NUMBER( wisp_frozen_hair_def, bend_stiffness, 7, 1e-3, 1e12, NULL ),
+    WISP_NUMBER( wisp_frozen_hair_def, max_bend_angle, 0.785398163, 0, 3.14159265358979, "rad" ),
+    WISP_NUMBER( wisp_frozen_hair_def, intensity, 0.8, 0, 1, NULL ),
+    WISP_POINT( wisp_frozen_hair_def, cursor, -1e6, 1e6, "m", 0 ),
+    WISP_NUMBER( wisp_frozen_hair_def, reach, 0.15, 0, 1e7, "m" ),
+    WISP_SWITCH( wisp_frozen_hair_def, reach_nearest, false ),
+    WISP_NUMBER( wisp_frozen_hair_def, clump_radius, 0.01, 1e-6, 1e6, "m" ),
+    WISP_WHOLE( wisp_frozen_hair_def, clump_iterations, 4, 0, 1000 ),
+    WISP_NUMBER_OR( wisp_frozen_hair_def, clump_step_length, -1, 0, 1e3, "m" ),
+    WISP_CHOICE( wisp_frozen_hair_def, gap, WISP_GAP_ABSOLUTE, WISP_GAP_COUNT ),
+    WISP_NUMBER_OR( wisp_frozen_hair_def, min_distance, -1, 0, 1e6, "m" ),
+    WISP_NUMBER( wisp_frozen_hair_def, min_lambda, 0, 0, 1, NULL ),
+    WISP_WHOLE( wisp_frozen_hair_def, max_neighbours, 256, 1, 4096 ),
+    WISP_NUMBER_OR( wisp_frozen_hair_def, max_depth_change, -1, 0, 1e6, "m" ),
+};
+WISP_DEFINE( frozen_hair_def, "frozen hair", FROZEN_HAIR_FIELDS )
 
 // ---- ranges ----
 
-static wisp_status check_strand_values( wisp_world* world, const char* name, const float* values, int count,
-                                        float lower, float upper )
+static wisp_status check_strands( wisp_world* world, const wisp_frozen_hair_def* d, int count )
 {
-    for ( int i = 0; i < count && values != NULL; ++i )
-    {
-        if ( !( values[i] >= lower && values[i] <= upper ) )
-        {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "frozen hair: %s of strand %d: got %g, expected %g to %g",
-                                    name, i, (double)values[i], (double)lower, (double)upper );
-        }
-    }
-    return WISP_OK;
-}
-
-static wisp_status check_choices( wisp_world* world, const wisp_frozen_hair_def* d )
-{
-    const struct
-    {
-        const char* name;
-        int value, count;
-    } choices[] = {
-        { "base", (int)d->base, WISP_FROZEN_BASE_COUNT },
-        { "update_on", (int)d->update_on, WISP_FROZEN_UPDATE_COUNT },
-        { "gap", (int)d->gap, WISP_GAP_COUNT },
-    };
-    for ( int i = 0; i < WISP_COUNT( choices ); ++i )
-    {
-        if ( choices[i].value < 0 || choices[i].value >= choices[i].count )
-        {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "frozen hair: %s: got %d, which does not exist",
-                                    choices[i].name, choices[i].value );
-        }
-    }
-    return WISP_OK;
-}
-
-static wisp_status check_def( wisp_world* world, const wisp_frozen_hair_def* d, int strands )
-{
-    const wisp_number_range ranges[] = {
-        { "stretch_stiffness", d->stretch_stiffness, 1e-3f, 1e12f },
-        { "bend_stiffness", d->bend_stiffness, 1e-3f, 1e12f },
-        { "max_bend_angle", d->max_bend_angle, 0.0f, 3.14159274f },
-        { "intensity", d->intensity, 0.0f, 1.0f },
-        { "cursor.x", d->cursor.x, -1e6f, 1e6f },
-        { "cursor.y", d->cursor.y, -1e6f, 1e6f },
-        { "cursor.z", d->cursor.z, -1e6f, 1e6f },
-        { "reach", d->reach, 0.0f, 1e7f },
-        { "clump_radius", d->clump_radius, 1e-6f, 1e6f },
-        { "clump_iterations", (float)d->clump_iterations, 0.0f, 1000.0f },
-        { "clump_step_length", d->clump_step_length == -1.0f ? 0.0f : d->clump_step_length, 0.0f, 1e3f },
-        { "min_distance", d->min_distance == -1.0f ? 0.0f : d->min_distance, 0.0f, 1e6f },
-        { "min_lambda", d->min_lambda, 0.0f, 1.0f },
-        { "max_neighbours", (float)d->max_neighbours, 1.0f, 4096.0f },
-        { "max_depth_change", d->max_depth_change == -1.0f ? 0.0f : d->max_depth_change, 0.0f, 1e6f },
-    };
-    wisp_status status = wisp_world_check_ranges( world, "frozen hair", ranges, WISP_COUNT( ranges ) );
-    status = status == WISP_OK ? check_choices( world, d ) : status;
-    status = status == WISP_OK ? check_strand_values( world, "stretch_stiffness", d->strand_stretch_stiffness,
-                                                      strands, 1e-3f, 1e12f )
-                               : status;
-    status = status == WISP_OK
-                 ? check_strand_values( world, "bend_stiffness", d->strand_bend_stiffness, strands, 1e-3f, 1e12f )
-                 : status;
-    return status == WISP_OK ? check_strand_values( world, "intensity", d->strand_intensity, strands, 0.0f, 1.0f )
-                             : status;
+    const wisp_fields* f = &wisp_frozen_hair_def_fields;
+    WISP_TRY(
+        wisp_world_check_values( world, f, "stretch_stiffness", d->strand_stretch_stiffness, count, "strand" ) );
+    WISP_TRY( wisp_world_check_values( world, f, "bend_stiffness", d->strand_bend_stiffness, count, "strand" ) );
+    return wisp_world_check_values( world, f, "intensity", d->strand_intensity, count, "strand" );
 }
 
 // ---- into columns ----
@@ -217,9 +162,9 @@ static void begin_stroke( wisp_world* world, wisp_entity entity, const frozen_st
 
 wisp_status wisp_set_frozen_hair( wisp_world* world, wisp_entity strands, const wisp_frozen_hair_def* given )
 {
-    wisp_frozen_hair_def values = wisp_default_frozen_hair_def();
+    wisp_frozen_hair_def values;
     const wisp_frozen_hair_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, "wisp_default_frozen_hair_def", &values, given ) );
+    WISP_TRY( wisp_world_begin_def( world, &wisp_frozen_hair_def_fields, &values, given ) );
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     const frozen_state* s = wisp_world_module_state( world, "frozen_hair" );
     const wisp_strand_topology* t = wisp_world_strands( world, strands );
@@ -231,7 +176,7 @@ wisp_status wisp_set_frozen_hair( wisp_world* world, wisp_entity strands, const 
     {
         return wisp_world_fail( world, WISP_CONFLICT, "frozen hair: entity %u: has no strands", strands.index );
     }
-    wisp_status status = check_def( world, def, t->strand_count );
+    wisp_status status = check_strands( world, def, t->strand_count );
     const bool goes_on = wisp_world_has( world, strands, s->stroke );
     status = status == WISP_OK ? attach_all( world, strands, s, def ) : status;
     if ( status != WISP_OK )

@@ -95,14 +95,11 @@ enum
     MAX_VERTICES = 1 << 28,
 };
 
-void wisp_init_curves_def( wisp_curves_def* def, size_t size )
-{
-    const wisp_curves_def values = {
-        .kind = WISP_CURVE_CATMULL_ROM,
-        .samples = 8,
-    };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+static const wisp_field CURVES_FIELDS[] = {
+    WISP_CHOICE( wisp_curves_def, kind, WISP_CURVE_CATMULL_ROM, WISP_CURVE_KIND_COUNT ),
+    WISP_WHOLE( wisp_curves_def, samples, 8, 1, MAX_SAMPLES ),
+};
+WISP_DEFINE( curves_def, "curves", CURVES_FIELDS )
 
 // ---- passes ----
 
@@ -358,15 +355,6 @@ static wisp_status check_curves( wisp_world* world, const guide_state* s, const 
     {
         return wisp_world_fail( world, WISP_CONFLICT, "module guide_hair: not registered in this world" );
     }
-    if ( def->kind < 0 || def->kind >= WISP_CURVE_KIND_COUNT )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "curves: kind: got %d, which does not exist", (int)def->kind );
-    }
-    if ( def->samples < 1 || def->samples > MAX_SAMPLES )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "curves: samples: got %d, expected 1 to %d", def->samples,
-                                MAX_SAMPLES );
-    }
     if ( wisp_is_alive( world, def->source ) == false )
     {
         return wisp_world_fail( world, def->source.index == 0 ? WISP_CONFLICT : WISP_STALE_ID,
@@ -456,9 +444,9 @@ wisp_status wisp_add_curves( wisp_world* world, const wisp_curves_def* given, wi
     {
         *out = ( wisp_entity ){ 0, 0 };
     }
-    wisp_curves_def values = wisp_default_curves_def();
+    wisp_curves_def values;
     const wisp_curves_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, "wisp_default_curves_def", &values, given ) );
+    WISP_TRY( wisp_world_begin_def( world, &wisp_curves_def_fields, &values, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     guide_state* s = wisp_world_module_state( world, "guide_hair" );
     WISP_TRY( check_curves( world, s, def ) );

@@ -8,32 +8,20 @@
 
 // Definition of ghosts: defaults, ranges, which strands may follow which.
 
-void wisp_init_ghosts_def( wisp_ghosts_def* def, size_t size )
-{
-    const wisp_ghosts_def values = {
-        .target_count = 1,
-        .elastic = WISP_GHOST_ELASTIC_CHANGE,
-        .tip_gain = 0.5f,
-        .centre_gain = 0.5f,
-        .spread = 1.0f,
-    };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+static const wisp_field GHOSTS_FIELDS[] = {
+    WISP_WHOLE( wisp_ghosts_def, target_count, 1, 1, WISP_MAX_GHOST_TARGETS ),
+    WISP_SWITCH( wisp_ghosts_def, resample, false ),
+    WISP_CHOICE( wisp_ghosts_def, elastic, WISP_GHOST_ELASTIC_CHANGE, WISP_GHOST_ELASTIC_COUNT ),
+    WISP_NUMBER( wisp_ghosts_def, tip_gain, 0.5, 0, 1e3, NULL ),
+    WISP_NUMBER( wisp_ghosts_def, centre_gain, 0.5, 0, 1e3, NULL ),
+    WISP_NUMBER( wisp_ghosts_def, time, 0, 0, 1e3, "s" ),
+    WISP_NUMBER( wisp_ghosts_def, spread, 1, 1e-6, 1e6, NULL ),
+    WISP_SWITCH( wisp_ghosts_def, repair_length, false ),
+    WISP_SWITCH( wisp_ghosts_def, between, false ),
+};
+WISP_DEFINE( ghosts_def, "ghosts", GHOSTS_FIELDS )
 
 // ---- checks ----
-
-static wisp_status check_def( wisp_world* world, const wisp_ghosts_def* d )
-{
-    const wisp_number_range ranges[] = {
-        { "target_count", (float)d->target_count, 1.0f, (float)WISP_MAX_GHOST_TARGETS },
-        { "elastic", (float)d->elastic, 0.0f, (float)( WISP_GHOST_ELASTIC_COUNT - 1 ) },
-        { "tip_gain", d->tip_gain, 0.0f, 1e3f },
-        { "centre_gain", d->centre_gain, 0.0f, 1e3f },
-        { "time", d->time, 0.0f, 1e3f },
-        { "spread", d->spread, 1e-6f, 1e6f },
-    };
-    return wisp_world_check_ranges( world, "ghosts", ranges, WISP_COUNT( ranges ) );
-}
 
 static wisp_status check_strands( wisp_world* world, wisp_entity entity, const char* what )
 {
@@ -83,8 +71,7 @@ static wisp_status check( wisp_world* world, const guide_state* s, wisp_entity g
     {
         return wisp_world_fail( world, WISP_CONFLICT, "module guide_hair: not registered in this world" );
     }
-    wisp_status status = check_def( world, def );
-    status = status == WISP_OK ? check_strands( world, ghosts, "the ghosts" ) : status;
+    wisp_status status = check_strands( world, ghosts, "the ghosts" );
     status = status == WISP_OK ? check_strands( world, def->targets, "the targets" ) : status;
     return status == WISP_OK ? check_roles( world, s, ghosts, def->targets ) : status;
 }
@@ -182,9 +169,9 @@ static void install( wisp_world* world, guide_state* s, guide_follower* follower
 
 wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_ghosts_def* given )
 {
-    wisp_ghosts_def values = wisp_default_ghosts_def();
+    wisp_ghosts_def values;
     const wisp_ghosts_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, "wisp_default_ghosts_def", &values, given ) );
+    WISP_TRY( wisp_world_begin_def( world, &wisp_ghosts_def_fields, &values, given ) );
     WISP_TRY( wisp_world_check_entity( world, ghosts ) );
     guide_state* s = wisp_world_module_state( world, "guide_hair" );
     WISP_TRY( check( world, s, ghosts, def ) );

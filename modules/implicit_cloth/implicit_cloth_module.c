@@ -176,21 +176,22 @@ static const wisp_column_def HISTORY_COLUMNS[] = { HISTORY_COLUMNS_LIST( WISP_CO
 static const wisp_column_def SOLVED_COLUMNS[] = { SOLVED_COLUMNS_LIST( WISP_COLUMN_DEF ) };
 static const wisp_column_def STATS_COLUMNS[] = { STATS_COLUMNS_LIST( WISP_COLUMN_DEF ) };
 
-void wisp_init_implicit_cloth_def( wisp_implicit_cloth_def* def, size_t size )
-{
-    const wisp_implicit_cloth_def values = {
-        .stiffness_model = WISP_IMPLICIT_STIFFNESS_MATERIAL,
-        .stretch_stiffness = 200.0f,
-        .bend_stiffness = 1e-6f,
-        .bend_rigidity = 5e-5f,
-        .link_damping = 0.02f,
-        .weights = WISP_IMPLICIT_WEIGHTS_NONE,
-        .newton_iterations = 1,
-        .max_newton_iterations = 16,
-        .tolerance = 1e-2f,
-    };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+static const wisp_field IMPLICIT_CLOTH_FIELDS[] = {
+    WISP_CHOICE( wisp_implicit_cloth_def, stiffness_model, WISP_IMPLICIT_STIFFNESS_MATERIAL,
+                 WISP_IMPLICIT_STIFFNESS_COUNT ),
+    WISP_NUMBER( wisp_implicit_cloth_def, stretch_stiffness, 200, 0, 1e9, "N/m" ),
+    WISP_NUMBER( wisp_implicit_cloth_def, bend_stiffness, 1e-6, 0, 1e9, "N m^2" ),
+    WISP_NUMBER( wisp_implicit_cloth_def, bend_rigidity, 5e-5, 0, 1e9, "N m" ),
+    WISP_NUMBER( wisp_implicit_cloth_def, compression_stiffness, 0, 0, 1e9, "N/m" ),
+    WISP_NUMBER( wisp_implicit_cloth_def, link_damping, 0.02, 0, 1e9, "N s/m" ),
+    WISP_CHOICE( wisp_implicit_cloth_def, weights, WISP_IMPLICIT_WEIGHTS_NONE, WISP_IMPLICIT_WEIGHTS_COUNT ),
+    WISP_CHOICE( wisp_implicit_cloth_def, integrator, WISP_INTEGRATOR_EULER, WISP_INTEGRATOR_COUNT ),
+    WISP_WHOLE( wisp_implicit_cloth_def, newton_iterations, 1, 1, 64 ),
+    WISP_WHOLE( wisp_implicit_cloth_def, max_newton_iterations, 16, 1, 64 ),
+    WISP_NUMBER( wisp_implicit_cloth_def, tolerance, 1e-2, 1e-7, 0.1, NULL ),
+    WISP_WHOLE( wisp_implicit_cloth_def, max_iterations, 0, 0, 1000000 ),
+};
+WISP_DEFINE( implicit_cloth_def, "implicit cloth", IMPLICIT_CLOTH_FIELDS )
 
 // ---- state ----
 
@@ -350,23 +351,8 @@ const wisp_module wisp_implicit_cloth_module = { .name = "implicit_cloth", .decl
 
 // ---- checks ----
 
-static wisp_status check_ranges( wisp_world* world, const wisp_implicit_cloth_def* d )
+static wisp_status check_pairs( wisp_world* world, const wisp_implicit_cloth_def* d )
 {
-    const wisp_number_range ranges[] = {
-        { "stretch_stiffness", d->stretch_stiffness, 0.0f, 1e9f },
-        { "bend_stiffness", d->bend_stiffness, 0.0f, 1e9f },
-        { "bend_rigidity", d->bend_rigidity, 0.0f, 1e9f },
-        { "compression_stiffness", d->compression_stiffness, 0.0f, 1e9f },
-        { "link_damping", d->link_damping, 0.0f, 1e9f },
-        { "tolerance", d->tolerance, 1e-7f, 0.1f },
-        { "newton_iterations", (float)d->newton_iterations, 1.0f, 64.0f },
-        { "max_newton_iterations", (float)d->max_newton_iterations, 1.0f, 64.0f },
-        { "max_iterations", (float)d->max_iterations, 0.0f, 1e6f },
-        { "stiffness_model", (float)d->stiffness_model, 0.0f, (float)( WISP_IMPLICIT_STIFFNESS_COUNT - 1 ) },
-        { "weights", (float)d->weights, 0.0f, (float)( WISP_IMPLICIT_WEIGHTS_COUNT - 1 ) },
-        { "integrator", (float)d->integrator, 0.0f, (float)( WISP_INTEGRATOR_COUNT - 1 ) },
-    };
-    WISP_TRY( wisp_world_check_ranges( world, "implicit cloth", ranges, WISP_COUNT( ranges ) ) );
     const bool given = d->stretch_pair_count > 0 || d->bend_pair_count > 0;
     if ( given && d->stiffness_model == WISP_IMPLICIT_STIFFNESS_MATERIAL )
     {
@@ -477,13 +463,13 @@ static wisp_status find_state( wisp_world* world, wisp_entity surface, implicit_
 
 wisp_status wisp_set_implicit_cloth( wisp_world* world, wisp_entity surface, const wisp_implicit_cloth_def* given )
 {
-    wisp_implicit_cloth_def values = wisp_default_implicit_cloth_def();
+    wisp_implicit_cloth_def values;
     const wisp_implicit_cloth_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, "wisp_default_implicit_cloth_def", &values, given ) );
+    WISP_TRY( wisp_world_begin_def( world, &wisp_implicit_cloth_def_fields, &values, given ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     implicit_state* state;
     wisp_status status = find_state( world, surface, &state );
-    status = status == WISP_OK ? check_ranges( world, def ) : status;
+    status = status == WISP_OK ? check_pairs( world, def ) : status;
     status = status == WISP_OK ? check_alone( world, surface, state ) : status;
     if ( status == WISP_OK && wisp_world_reserve( world, (void**)&state->links, &state->link_capacity,
                                                   state->link_count, sizeof( *state->links ) ) == false )

@@ -26,14 +26,12 @@ enum
     VIRIAL_GRAIN = 4096, // triangles a block: the unit of the sum
 };
 
-void wisp_init_membrane_def( wisp_membrane_def* def, size_t size )
-{
-    const wisp_membrane_def values = {
-        .shear_modulus = 4e5f,
-        .thickness = 2e-4f,
-    };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+static const wisp_field MEMBRANE_FIELDS[] = {
+    WISP_NUMBER( wisp_membrane_def, shear_modulus, 4e5, 1e-3, 1e12, "Pa" ),
+    WISP_NUMBER( wisp_membrane_def, thickness, 2e-4, 1e-9, 1, "m" ),
+    WISP_SWITCH( wisp_membrane_def, tension_field, false ),
+};
+WISP_DEFINE( membrane_def, "membrane", MEMBRANE_FIELDS )
 
 // ---- state ----
 
@@ -255,13 +253,8 @@ const wisp_module wisp_membrane_module = { .name = "membrane", .declare = declar
 
 // ---- the call of the host ----
 
-static wisp_status check( wisp_world* world, wisp_entity surface, const wisp_membrane_def* d )
+static wisp_status check( wisp_world* world, wisp_entity surface )
 {
-    const wisp_number_range ranges[] = {
-        { "shear_modulus", d->shear_modulus, 1e-3f, 1e12f },
-        { "thickness", d->thickness, 1e-9f, 1.0f },
-    };
-    WISP_TRY( wisp_world_check_ranges( world, "membrane", ranges, WISP_COUNT( ranges ) ) );
     if ( wisp_world_has( world, surface, WISP_PARTICLE_EXTERNAL_SOLVER ) )
     {
         return wisp_world_fail( world, WISP_CONFLICT, "membrane: entity %u already has another solver",
@@ -279,8 +272,8 @@ static wisp_status check( wisp_world* world, wisp_entity surface, const wisp_mem
 
 wisp_status wisp_set_membrane( wisp_world* world, wisp_entity surface, const wisp_membrane_def* given )
 {
-    wisp_membrane_def def = wisp_default_membrane_def();
-    WISP_TRY( given != NULL ? wisp_world_begin_def( world, "wisp_default_membrane_def", &def, given )
+    wisp_membrane_def def;
+    WISP_TRY( given != NULL ? wisp_world_begin_def( world, &wisp_membrane_def_fields, &def, given )
                             : wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     void* state;
@@ -290,7 +283,7 @@ wisp_status wisp_set_membrane( wisp_world* world, wisp_entity surface, const wis
         remove_surface( state, surface, wisp_world_allocator( world ) );
         return wisp_world_detach( world, surface, WISP_SURFACE_ELASTIC );
     }
-    WISP_TRY( check( world, surface, &def ) );
+    WISP_TRY( check( world, surface ) );
     WISP_TRY( add_surface( world, state, surface ) );
     const wisp_status status = wisp_world_attach( world, surface, WISP_SURFACE_ELASTIC );
     if ( status != WISP_OK )

@@ -4,19 +4,18 @@
 #include <math.h>
 #include <string.h>
 
-void wisp_init_motion_constraints_def( wisp_motion_constraints_def* def, size_t size )
-{
-    const wisp_motion_constraints_def values = {
-        .enabled = true,
-        .max_distance = INFINITY,
-        .backstop_distance = INFINITY,
-        .backstop_radius = INFINITY,
-        .solver = WISP_SOLVER_XPBD,
-        .distance_stiffness = 1.0f,
-        .backstop_stiffness = 1.0f,
-    };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+static const wisp_field MOTION_CONSTRAINTS_FIELDS[] = {
+    WISP_SWITCH( wisp_motion_constraints_def, enabled, true ),
+    WISP_NUMBER( wisp_motion_constraints_def, max_distance, INFINITY, 0, INFINITY, "m" ),
+    WISP_NUMBER( wisp_motion_constraints_def, backstop_distance, INFINITY, 0, INFINITY, "m" ),
+    WISP_FIELD( wisp_motion_constraints_def, backstop_radius, WISP_FIELD_NUMBER, 1e-6, INFINITY, 0, "m", INFINITY ),
+    WISP_CHOICE( wisp_motion_constraints_def, solver, WISP_SOLVER_XPBD, WISP_SOLVER_COUNT ),
+    WISP_NUMBER( wisp_motion_constraints_def, distance_compliance, 0, 0, 1e12, "m/N" ),
+    WISP_NUMBER( wisp_motion_constraints_def, backstop_compliance, 0, 0, 1e12, "m/N" ),
+    WISP_NUMBER( wisp_motion_constraints_def, distance_stiffness, 1, 0, 1, NULL ),
+    WISP_NUMBER( wisp_motion_constraints_def, backstop_stiffness, 1, 0, 1, NULL ),
+};
+WISP_DEFINE( motion_constraints_def, "motion constraints", MOTION_CONSTRAINTS_FIELDS )
 
 static size_t row_of( int slot )
 {
@@ -24,54 +23,6 @@ static size_t row_of( int slot )
 }
 
 // ---- checks ----
-
-static wisp_status check_numbers( wisp_world* world, const wisp_motion_constraints_def* d )
-{
-    if ( (int)d->solver < 0 || d->solver >= WISP_SOLVER_COUNT )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "motion constraints: unknown solver %d", (int)d->solver );
-    }
-    const wisp_number_range ranges[] = {
-        { "max_distance", d->max_distance, 0.0f, INFINITY },
-        { "backstop_distance", d->backstop_distance, 0.0f, INFINITY },
-        { "backstop_radius", d->backstop_radius, 0.0f, INFINITY },
-        { "distance_compliance", d->distance_compliance, 0.0f, 1e12f },
-        { "backstop_compliance", d->backstop_compliance, 0.0f, 1e12f },
-        { "distance_stiffness", d->distance_stiffness, 0.0f, 1.0f },
-        { "backstop_stiffness", d->backstop_stiffness, 0.0f, 1.0f },
-    };
-    return wisp_world_check_ranges( world, "motion constraints", ranges, WISP_COUNT( ranges ) );
-}
-
-static wisp_status check_map( wisp_world* world, const char* name, const float* values, int count )
-{
-    for ( int v = 0; values != NULL && v < count; ++v )
-    {
-        if ( !( values[v] >= 0.0f ) )
-        {
-            return wisp_world_fail( world, WISP_BAD_INPUT,
-                                    "motion constraints: %s of vertex %d: got %g m, expected at least 0", name, v,
-                                    (double)values[v] );
-        }
-    }
-    return WISP_OK;
-}
-
-static wisp_status check_radii( wisp_world* world, const wisp_motion_constraints_def* d, int count )
-{
-    for ( int v = 0; v < ( d->backstop_radii != NULL ? count : 1 ); ++v )
-    {
-        const float radius = d->backstop_radii != NULL ? d->backstop_radii[v] : d->backstop_radius;
-        if ( !( radius == 0.0f || radius >= 1e-6f ) )
-        {
-            return wisp_world_fail( world, WISP_BAD_INPUT,
-                                    "motion constraints: backstop_radius of vertex %d: got %g m, expected 0 or at "
-                                    "least 1e-6",
-                                    v, (double)radius );
-        }
-    }
-    return WISP_OK;
-}
 
 static wisp_status check_vectors( wisp_world* world, const char* name, const wisp_vec3* vectors, int count )
 {
@@ -91,11 +42,11 @@ static wisp_status check_vectors( wisp_world* world, const char* name, const wis
 
 static wisp_status check_def( wisp_world* world, const wisp_motion_constraints_def* d, int count )
 {
-    wisp_status status = check_numbers( world, d );
-    status = status == WISP_OK ? check_map( world, "max_distance", d->max_distances, count ) : status;
-    status = status == WISP_OK ? check_map( world, "backstop_distance", d->backstop_distances, count ) : status;
-    status = status == WISP_OK ? check_radii( world, d, count ) : status;
-    status = status == WISP_OK ? check_vectors( world, "target", d->targets, count ) : status;
+    const wisp_fields* f = &wisp_motion_constraints_def_fields;
+    WISP_TRY( wisp_world_check_values( world, f, "max_distance", d->max_distances, count, "vertex" ) );
+    WISP_TRY( wisp_world_check_values( world, f, "backstop_distance", d->backstop_distances, count, "vertex" ) );
+    WISP_TRY( wisp_world_check_values( world, f, "backstop_radius", d->backstop_radii, count, "vertex" ) );
+    wisp_status status = check_vectors( world, "target", d->targets, count );
     return status == WISP_OK ? check_vectors( world, "normal", d->normals, count ) : status;
 }
 
@@ -275,8 +226,8 @@ static wisp_status attach_all( wisp_world* world, wisp_entity surface, const wis
 wisp_status wisp_set_motion_constraints( wisp_world* world, wisp_entity surface,
                                          const wisp_motion_constraints_def* given )
 {
-    wisp_motion_constraints_def def = wisp_default_motion_constraints_def();
-    WISP_TRY( wisp_world_begin_def( world, "wisp_default_motion_constraints_def", &def, given ) );
+    wisp_motion_constraints_def def;
+    WISP_TRY( wisp_world_begin_def( world, &wisp_motion_constraints_def_fields, &def, given ) );
     void* memory;
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     WISP_TRY( wisp_world_surface_state( world, "motion_constraints", surface, &memory ) );

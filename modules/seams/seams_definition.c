@@ -4,14 +4,14 @@
 #include <math.h>
 #include <string.h>
 
-void wisp_init_seam_def( wisp_seam_def* def, size_t size )
-{
-    const wisp_seam_def values = {
-        .closing_speed = 1.0f,
-        .strength = INFINITY,
-    };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+static const wisp_field SEAM_FIELDS[] = {
+    WISP_NUMBER( wisp_seam_def, within, 0, 0, 1e6, "m" ),
+    WISP_NUMBER( wisp_seam_def, distance, 0, 0, 1e6, "m" ),
+    WISP_NUMBER( wisp_seam_def, closing_speed, 1, 1e-9, INFINITY, "m/s" ),
+    WISP_NUMBER( wisp_seam_def, compliance, 0, 0, 1e12, "m/N" ),
+    WISP_NUMBER( wisp_seam_def, strength, INFINITY, 1e-12, INFINITY, "N" ),
+};
+WISP_DEFINE( seam_def, "seams", SEAM_FIELDS )
 
 static seam_topology* find_seam( const seams_state* state, wisp_entity entity )
 {
@@ -42,21 +42,8 @@ static bool is_sewn( const seams_state* state, wisp_entity surface )
 
 // ---- adding ----
 
-static wisp_status check_numbers( wisp_world* world, const wisp_seam_def* d )
-{
-    const wisp_number_range ranges[] = {
-        { "within", d->within, 0.0f, 1e6f },
-        { "distance", d->distance, 0.0f, 1e6f },
-        { "closing_speed", d->closing_speed, 1e-9f, INFINITY },
-        { "compliance", d->compliance, 0.0f, 1e12f },
-        { "strength", d->strength, 1e-12f, INFINITY },
-    };
-    return wisp_world_check_ranges( world, "seams", ranges, WISP_COUNT( ranges ) );
-}
-
 static wisp_status check_def( wisp_world* world, const wisp_seam_def* d )
 {
-    WISP_TRY( check_numbers( world, d ) );
     if ( d->within > 0.0f )
     {
         return d->pair_count != 0 ? wisp_world_fail( world, WISP_BAD_INPUT,
@@ -176,7 +163,7 @@ static void warn_of_pins( wisp_world* world, const seam_topology* s )
 
 static wisp_status begin( wisp_world* world, const wisp_seam_def* given, wisp_seam_def* def, seams_state** state )
 {
-    WISP_TRY( wisp_world_begin_def( world, "wisp_default_seam_def", def, given ) );
+    WISP_TRY( wisp_world_begin_def( world, &wisp_seam_def_fields, def, given ) );
     void* found;
     WISP_TRY( wisp_world_surface_state( world, "seams", def->a, &found ) );
     WISP_TRY( wisp_world_surface_state( world, "seams", def->b, &found ) );

@@ -12,17 +12,14 @@ typedef struct look_state
     wisp_component settings;
 } look_state;
 
-void wisp_init_strand_appearance_def( wisp_strand_appearance_def* def, size_t size )
-{
-    const wisp_strand_appearance_def values = {
-        .root_width = 80e-6f,
-        .tip_width = 20e-6f,
-        .root_colour = { 0.12f, 0.07f, 0.04f },
-        .tip_colour = { 0.30f, 0.15f, 0.07f },
-        .colour_bias = 0.5f,
-    };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+static const wisp_field STRAND_APPEARANCE_FIELDS[] = {
+    WISP_NUMBER( wisp_strand_appearance_def, root_width, 80e-6, 0, 1, "m" ),
+    WISP_NUMBER( wisp_strand_appearance_def, tip_width, 20e-6, 0, 1, "m" ),
+    WISP_POINT( wisp_strand_appearance_def, root_colour, 0, 1, NULL, 0.12, 0.07, 0.04 ),
+    WISP_POINT( wisp_strand_appearance_def, tip_colour, 0, 1, NULL, 0.30, 0.15, 0.07 ),
+    WISP_NUMBER( wisp_strand_appearance_def, colour_bias, 0.5, 1e-3, 0.999, NULL ),
+};
+WISP_DEFINE( strand_appearance_def, "strand appearance", STRAND_APPEARANCE_FIELDS )
 
 static void appearance_at( const wisp_strand_appearance_def* def, float t, float* width, wisp_vec3* colour )
 {
@@ -40,8 +37,8 @@ static void appearance_at( const wisp_strand_appearance_def* def, float t, float
 
 void wisp_strand_appearance_at( const wisp_strand_appearance_def* given, float t, float* width, wisp_vec3* colour )
 {
-    wisp_strand_appearance_def def = wisp_default_strand_appearance_def();
-    (void)wisp_def_read( &def, given, "wisp_default_strand_appearance_def", NULL ); // else the defaults
+    wisp_strand_appearance_def def;
+    (void)wisp_def_read( &wisp_strand_appearance_def_fields, &def, given, NULL ); // else the defaults
     appearance_at( &def, t, width, colour );
 }
 
@@ -114,39 +111,12 @@ const wisp_module wisp_strand_appearance_module = { .name = "strand_appearance",
 
 // ---- parameters ----
 
-static wisp_status check_colour( wisp_world* world, const char* name, wisp_vec3 c )
-{
-    if ( !( c.x >= 0.0f && c.x <= 1.0f && c.y >= 0.0f && c.y <= 1.0f && c.z >= 0.0f && c.z <= 1.0f ) )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "strand appearance: %s: got (%g, %g, %g), expected 0 to 1",
-                                name, (double)c.x, (double)c.y, (double)c.z );
-    }
-    return WISP_OK;
-}
-
-static wisp_status check_def( wisp_world* world, const wisp_strand_appearance_def* d )
-{
-    if ( !( d->root_width >= 0.0f && d->root_width <= 1.0f && d->tip_width >= 0.0f && d->tip_width <= 1.0f ) )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "strand appearance: widths: got %g and %g m, expected 0 to 1",
-                                (double)d->root_width, (double)d->tip_width );
-    }
-    if ( !( d->colour_bias >= 1e-3f && d->colour_bias <= 0.999f ) )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT,
-                                "strand appearance: colour_bias: got %g, expected 0.001 to 0.999",
-                                (double)d->colour_bias );
-    }
-    wisp_status status = check_colour( world, "root_colour", d->root_colour );
-    return status == WISP_OK ? check_colour( world, "tip_colour", d->tip_colour ) : status;
-}
-
 wisp_status wisp_set_strand_appearance( wisp_world* world, wisp_entity strands,
                                         const wisp_strand_appearance_def* given )
 {
-    wisp_strand_appearance_def values = wisp_default_strand_appearance_def();
+    wisp_strand_appearance_def values;
     const wisp_strand_appearance_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, "wisp_default_strand_appearance_def", &values, given ) );
+    WISP_TRY( wisp_world_begin_def( world, &wisp_strand_appearance_def_fields, &values, given ) );
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     const look_state* state = wisp_world_module_state( world, "strand_appearance" );
     if ( state == NULL || wisp_has_strands( world, strands ) == false )
@@ -154,7 +124,6 @@ wisp_status wisp_set_strand_appearance( wisp_world* world, wisp_entity strands,
         return wisp_world_fail( world, WISP_CONFLICT, "module strand_appearance: %s",
                                 state == NULL ? "not registered in this world" : "the entity has no strands" );
     }
-    WISP_TRY( check_def( world, def ) );
     WISP_TRY( wisp_world_attach( world, strands, state->settings ) );
     wisp_strand_appearance_def* settings = wisp_world_column( world, strands, state->settings, 0 );
     *settings = *def;

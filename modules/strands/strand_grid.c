@@ -363,24 +363,13 @@ void strands_mix( wisp_frame* frame, const wisp_span* span, void* user )
 
 // ---- definition ----
 
-void wisp_init_strand_grid_def( wisp_strand_grid_def* def, size_t size )
-{
-    const wisp_strand_grid_def values = {
-        .enabled = true,
-        .friction = 0.1f,
-    };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
-
-static wisp_status check_def( wisp_world* world, const wisp_strand_grid_def* d )
-{
-    const wisp_number_range ranges[] = {
-        { "cell_size", d->cell_size, 0.0f, 1e6f },
-        { "friction", d->friction, 0.0f, 1.0f },
-        { "repulsion", d->repulsion, 0.0f, 1e6f },
-    };
-    return wisp_world_check_ranges( world, "strand grid", ranges, WISP_COUNT( ranges ) );
-}
+static const wisp_field STRAND_GRID_FIELDS[] = {
+    WISP_SWITCH( wisp_strand_grid_def, enabled, true ),
+    WISP_NUMBER( wisp_strand_grid_def, cell_size, 0, 0, 1e6, "m" ),
+    WISP_NUMBER( wisp_strand_grid_def, friction, 0.1, 0, 1, NULL ),
+    WISP_NUMBER( wisp_strand_grid_def, repulsion, 0, 0, 1e6, "m/s^2" ),
+};
+WISP_DEFINE( strand_grid_def, "strand grid", STRAND_GRID_FIELDS )
 
 // Return twice the mean segment, m; a millimetre if all segments have no length.
 static float cell_for( const strands_rows* rows )
@@ -398,13 +387,12 @@ static float cell_for( const strands_rows* rows )
 
 wisp_status wisp_set_strand_grid( wisp_world* world, wisp_entity strands, const wisp_strand_grid_def* given )
 {
-    wisp_strand_grid_def values = wisp_default_strand_grid_def();
+    wisp_strand_grid_def values;
     const wisp_strand_grid_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, "wisp_default_strand_grid_def", &values, given ) );
+    WISP_TRY( wisp_world_begin_def( world, &wisp_strand_grid_def_fields, &values, given ) );
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* state;
     wisp_status status = strands_find( world, strands, &state );
-    status = status == WISP_OK ? check_def( world, def ) : status;
     if ( status == WISP_OK )
     {
         status = def->enabled ? wisp_world_attach( world, strands, state->grid )

@@ -102,9 +102,6 @@ float strands_longest( const strands_rows* rows );
 /// strands with dynamics; WISP_STALE_ID it does not exist
 wisp_status strands_find( wisp_world* world, wisp_entity strands, strands_state** state );
 
-/// @return WISP_BAD_INPUT a vector is not finite or longer than `most`
-wisp_status strands_check_vector( wisp_world* world, const char* name, wisp_vec3 v, float most );
-
 /// Lay the frames of rods along the present shape, with their natural twist.
 void strands_lay_frames( wisp_world* world, wisp_entity strands, const strands_state* state );
 

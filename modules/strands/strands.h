@@ -123,7 +123,7 @@ WISP_API wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity st
 WISP_API wisp_status wisp_set_strand_wind( wisp_world* world, wisp_entity strands, wisp_vec3 wind );
 
 /// Change only gravity. A sag-free rest shape stays that of the gravity in the definition, so strands sag under more and rise under
-/// less. @param gravity m/s^2, at most 1e5
+/// less. @param gravity m/s^2, at most 1e6
 /// @return WISP_BAD_INPUT it is not finite or too large; WISP_CONFLICT the strands have no dynamics
 WISP_API wisp_status wisp_set_strand_gravity( wisp_world* world, wisp_entity strands, wisp_vec3 gravity );
 

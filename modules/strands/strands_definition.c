@@ -18,47 +18,6 @@
 // 1e4, 1 % at 1e5, nothing that is left, and rest shapes that are NaN, from 3e7 on.
 #define MAX_EDGEWISE 1e5f
 
-static wisp_status check_ranges( wisp_world* world, const wisp_strand_dynamics_def* d )
-{
-    const wisp_number_range ranges[] = {
-        { "stretch", (float)d->stretch, 0.0f, (float)( WISP_STRAND_STRETCH_COUNT - 1 ) },
-        { "stretch_passes", (float)d->stretch_passes, 1.0f, 16.0f },
-        { "stretch_tolerance", d->stretch_tolerance, 1e-6f, 1.0f },
-        { "integrator", (float)d->integrator, 0.0f, (float)( WISP_INTEGRATOR_COUNT - 1 ) },
-        { "bending", (float)d->bending, 0.0f, (float)( WISP_STRAND_BEND_COUNT - 1 ) },
-        { "bend_rigidity", d->bend_rigidity, 0.0f, 1e12f },
-        { "twist_rigidity", d->twist_rigidity, 0.0f, 1e12f },
-        { "edgewise_rigidity", d->edgewise_rigidity, 0.0f, 1e12f },
-        { "natural_twist", d->natural_twist, -1e5f, 1e5f },
-        { "closing_twist", d->closing_twist, -1e4f, 1e4f },
-        { "bend_damping", d->bend_damping, 0.0f, 1e3f },
-        { "rest", (float)d->rest, 0.0f, (float)( WISP_STRAND_REST_COUNT - 1 ) },
-        { "solver", (float)d->solver, 0.0f, (float)( WISP_SOLVER_COUNT - 1 ) },
-        { "stretch_compliance", d->stretch_compliance, 0.0f, 1e12f },
-        { "bend_compliance", d->bend_compliance, 0.0f, 1e12f },
-        { "stretch_stiffness", d->stretch_stiffness, 0.0f, 1.0f },
-        { "bend_stiffness", d->bend_stiffness, 0.0f, 1.0f },
-        { "line_density", d->line_density, 1e-12f, 1e12f },
-        { "vertex_mass", d->vertex_mass, 0.0f, 1e12f },
-        { "damping", d->damping, 0.0f, 1e9f },
-        { "air_density", d->air_density, 0.0f, 1e6f },
-        { "drag_coefficient", d->drag_coefficient, 0.0f, 1e6f },
-        { "diameter", d->diameter, 1e-12f, 1e6f },
-        { "teleport", d->teleport, 1e-6f, 1e12f },
-    };
-    return wisp_world_check_ranges( world, "strands", ranges, WISP_COUNT( ranges ) );
-}
-
-wisp_status strands_check_vector( wisp_world* world, const char* name, wisp_vec3 v, float most )
-{
-    if ( !( wisp_v3_length( v ) <= most ) )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "strands: %s (%g, %g, %g) is not finite or above %g", name,
-                                (double)v.x, (double)v.y, (double)v.z, (double)most );
-    }
-    return WISP_OK;
-}
-
 static wisp_status check_integrator( wisp_world* world, const wisp_strand_dynamics_def* d )
 {
     if ( d->integrator == WISP_INTEGRATOR_BDF2 && d->stretch != WISP_STRAND_STRETCH_DIRECT )
@@ -98,7 +57,7 @@ static wisp_status check_section( wisp_world* world, const wisp_strand_dynamics_
         return wisp_world_fail( world, WISP_BAD_INPUT,
                                 "strands: natural_twist and flat_normal need an edgewise_rigidity above 0" );
     }
-    return strands_check_vector( world, "flat_normal", n, 1e6f );
+    return WISP_OK;
 }
 
 // Check what free roots and closed strands do without.
@@ -167,11 +126,6 @@ static wisp_status check_lists( wisp_world* world, const wisp_strand_topology* t
                                     (double)d->vertex_masses[v] );
         }
     }
-    if ( d->vertex_mass != 0.0f && d->vertex_mass < 1e-15f )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "strands: vertex_mass is %g kg, it must be 0 or 1e-15 to 1e12",
-                                (double)d->vertex_mass );
-    }
     if ( d->pin_count < 0 || ( d->pin_count > 0 && d->pins == NULL ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "strands: %d pins without a list of them", d->pin_count );
@@ -192,9 +146,6 @@ static wisp_status check_lists( wisp_world* world, const wisp_strand_topology* t
 static wisp_status strands_check_definition( wisp_world* world, wisp_entity strands, const strands_state* s,
                                              const wisp_strand_dynamics_def* d )
 {
-    WISP_TRY( check_ranges( world, d ) );
-    WISP_TRY( strands_check_vector( world, "gravity", d->gravity, 1e6f ) );
-    WISP_TRY( strands_check_vector( world, "wind", d->wind, 1e5f ) );
     WISP_TRY( check_integrator( world, d ) );
     WISP_TRY( check_section( world, d ) );
     WISP_TRY( check_free( world, strands, s, d ) );
@@ -374,29 +325,39 @@ void strands_guard( wisp_frame* frame, const wisp_span* span, void* user )
 
 // ---- definition ----
 
-void wisp_init_strand_dynamics_def( wisp_strand_dynamics_def* def, size_t size )
-{
-    const wisp_strand_dynamics_def values = {
-        .stretch = WISP_STRAND_STRETCH_DIRECT,
-        .stretch_passes = 8,
-        .stretch_tolerance = 1e-2f,
-        .bending = WISP_STRAND_BEND_ROD,
-        .bend_rigidity = 8e-9f,
-        .twist_rigidity = 6e-9f,
-        .rest = WISP_STRAND_REST_SAG_FREE,
-        .clamped = true,
-        .solver = WISP_SOLVER_XPBD,
-        .stretch_stiffness = 1.0f,
-        .bend_stiffness = 0.2f,
-        .line_density = 6.5e-6f,
-        .gravity = { 0.0f, -9.81f, 0.0f },
-        .damping = 3.0f,
-        .air_density = 1.204f,
-        .diameter = 8e-5f,
-        .teleport = 5.0f,
-    };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+static const wisp_field STRAND_DYNAMICS_FIELDS[] = {
+    WISP_CHOICE( wisp_strand_dynamics_def, stretch, WISP_STRAND_STRETCH_DIRECT, WISP_STRAND_STRETCH_COUNT ),
+    WISP_WHOLE( wisp_strand_dynamics_def, stretch_passes, 8, 1, 16 ),
+    WISP_NUMBER( wisp_strand_dynamics_def, stretch_tolerance, 1e-2, 1e-6, 1, NULL ),
+    WISP_CHOICE( wisp_strand_dynamics_def, integrator, WISP_INTEGRATOR_EULER, WISP_INTEGRATOR_COUNT ),
+    WISP_CHOICE( wisp_strand_dynamics_def, bending, WISP_STRAND_BEND_ROD, WISP_STRAND_BEND_COUNT ),
+    WISP_NUMBER( wisp_strand_dynamics_def, bend_rigidity, 8e-9, 0, 1e12, "N m^2" ),
+    WISP_NUMBER( wisp_strand_dynamics_def, twist_rigidity, 6e-9, 0, 1e12, "N m^2" ),
+    WISP_NUMBER( wisp_strand_dynamics_def, edgewise_rigidity, 0, 0, 1e12, "N m^2" ),
+    WISP_VECTOR( wisp_strand_dynamics_def, flat_normal, 0, 1e6, NULL, 0 ),
+    WISP_NUMBER( wisp_strand_dynamics_def, natural_twist, 0, -1e5, 1e5, "rad/m" ),
+    WISP_SWITCH( wisp_strand_dynamics_def, free_roots, false ),
+    WISP_SWITCH( wisp_strand_dynamics_def, closed, false ),
+    WISP_NUMBER( wisp_strand_dynamics_def, closing_twist, 0, -1e4, 1e4, "rad" ),
+    WISP_NUMBER( wisp_strand_dynamics_def, bend_damping, 0, 0, 1e3, "s" ),
+    WISP_CHOICE( wisp_strand_dynamics_def, rest, WISP_STRAND_REST_SAG_FREE, WISP_STRAND_REST_COUNT ),
+    WISP_SWITCH( wisp_strand_dynamics_def, clamped, true ),
+    WISP_CHOICE( wisp_strand_dynamics_def, solver, WISP_SOLVER_XPBD, WISP_SOLVER_COUNT ),
+    WISP_NUMBER( wisp_strand_dynamics_def, stretch_compliance, 0, 0, 1e12, "m/N" ),
+    WISP_NUMBER( wisp_strand_dynamics_def, bend_compliance, 0, 0, 1e12, "m/N" ),
+    WISP_NUMBER( wisp_strand_dynamics_def, stretch_stiffness, 1, 0, 1, NULL ),
+    WISP_NUMBER( wisp_strand_dynamics_def, bend_stiffness, 0.2, 0, 1, NULL ),
+    WISP_NUMBER( wisp_strand_dynamics_def, line_density, 6.5e-6, 1e-12, 1e12, "kg/m" ),
+    WISP_NUMBER_OR( wisp_strand_dynamics_def, vertex_mass, 0, 1e-15, 1e12, "kg" ),
+    WISP_VECTOR( wisp_strand_dynamics_def, gravity, 0, 1e6, "m/s^2", 0, -9.81, 0 ),
+    WISP_NUMBER( wisp_strand_dynamics_def, damping, 3, 0, 1e9, "1/s" ),
+    WISP_VECTOR( wisp_strand_dynamics_def, wind, 0, 1e5, "m/s", 0 ),
+    WISP_NUMBER( wisp_strand_dynamics_def, air_density, 1.204, 0, 1e6, "kg/m^3" ),
+    WISP_NUMBER( wisp_strand_dynamics_def, drag_coefficient, 0, 0, 1e6, NULL ),
+    WISP_NUMBER( wisp_strand_dynamics_def, diameter, 8e-5, 1e-12, 1e6, "m" ),
+    WISP_NUMBER( wisp_strand_dynamics_def, teleport, 5, 1e-6, 1e12, NULL ),
+};
+WISP_DEFINE( strand_dynamics_def, "strands", STRAND_DYNAMICS_FIELDS )
 
 static wisp_status find_strands( wisp_world* world, wisp_entity strands, strands_state** state )
 {
@@ -690,9 +651,9 @@ static void cook( wisp_world* world, wisp_entity strands, const strands_state* s
 
 wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands, const wisp_strand_dynamics_def* given )
 {
-    wisp_strand_dynamics_def values = wisp_default_strand_dynamics_def();
+    wisp_strand_dynamics_def values;
     const wisp_strand_dynamics_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, "wisp_default_strand_dynamics_def", &values, given ) );
+    WISP_TRY( wisp_world_begin_def( world, &wisp_strand_dynamics_def_fields, &values, given ) );
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* s;
     WISP_TRY( find_strands( world, strands, &s ) );

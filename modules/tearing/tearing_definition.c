@@ -5,21 +5,16 @@
 #include <math.h>
 #include <string.h>
 
-void wisp_init_tearing_def( wisp_tearing_def* def, size_t size )
-{
-    const wisp_tearing_def values = { .strength = INFINITY, .max_splits = 64 };
-    wisp_def_init( def, size, &values, sizeof( values ) );
-}
+static const wisp_field TEARING_FIELDS[] = {
+    WISP_NUMBER( wisp_tearing_def, strength, INFINITY, 1e-6, INFINITY, "N/m" ),
+    WISP_WHOLE( wisp_tearing_def, max_splits, 64, 1, TEARING_MAX_SPLITS ),
+};
+WISP_DEFINE( tearing_def, "tearing", TEARING_FIELDS )
 
 // ---- checks ----
 
 static wisp_status check_values( wisp_world* world, const wisp_fabric* f, const wisp_tearing_def* d )
 {
-    const wisp_number_range ranges[] = {
-        { "strength", d->strength, 1e-6f, INFINITY },
-        { "max_splits", (float)d->max_splits, 1.0f, (float)TEARING_MAX_SPLITS },
-    };
-    WISP_TRY( wisp_world_check_ranges( world, "tearing", ranges, WISP_COUNT( ranges ) ) );
     for ( int v = 0; d->factors != NULL && v < f->vertex_count; ++v )
     {
         if ( !( d->factors[v] >= 1e-6f && d->factors[v] <= 1e6f ) )
@@ -167,8 +162,8 @@ static wisp_status set_tearing( wisp_world* world, tearing_state* state, wisp_en
 
 wisp_status wisp_set_tearing( wisp_world* world, wisp_entity surface, const wisp_tearing_def* given )
 {
-    wisp_tearing_def def = wisp_default_tearing_def();
-    WISP_TRY( given != NULL ? wisp_world_begin_def( world, "wisp_default_tearing_def", &def, given )
+    wisp_tearing_def def;
+    WISP_TRY( given != NULL ? wisp_world_begin_def( world, &wisp_tearing_def_fields, &def, given )
                             : wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     void* state;

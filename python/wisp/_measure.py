@@ -53,7 +53,7 @@ class Reference:
 
         Raises BadInput if it has other bodies, and Conflict if one was halted.
         """
-        out, error = ffi.new("wisp_tune_sample*"), ffi.new("wisp_error*")
+        out, error = ffi.new("tune_sample*"), ffi.new("wisp_error*")
         name = ffi.new("char[]", isa.encode()) if isa is not None else ffi.NULL
         threads = whole(workers, "workers", 0, 64)
         status = lib.binding_reference_measure(self._handle, scene._handle, threads, name, out, error)
@@ -123,18 +123,18 @@ def tune(
     options.isa = name
     options.progress, options.user = lib.wisp_python_progress, callbacks.handle
     reference = Reference(scene, length=length)
-    out, failure = ffi.new("wisp_tune_result*"), ffi.new("wisp_error*")
+    out, failure = ffi.new("tune_result*"), ffi.new("wisp_error*")
     status = lib.binding_tune(reference._handle, options, out, failure)
     try:
         raise_kept()
         check(status, failure)
         return _result(scene, out)
     finally:
-        lib.wisp_tune_release(out)
+        lib.tune_release(out)
 
 
 def _result(scene: Scene, out: object) -> Tuned:
-    found = ffi.cast("wisp_tune_result*", out)
+    found = ffi.cast("tune_result*", out)
     parameters = scene.parameters
 
     def values(configuration: List[int]) -> Dict[str, float]:

@@ -1,4 +1,4 @@
-/// Runs the built program and reads exit status, standard output, error stream, also on a terminal.
+/// Runs the built program and reads exit status, standard output and error stream.
 #pragma once
 
 #include "files.h"
@@ -7,7 +7,6 @@
 
 #include <fcntl.h>
 #include <ftw.h>
-#include <pty.h>
 #include <sys/wait.h>
 
 #define OUTPUT_MAX 262144
@@ -89,40 +88,6 @@ static inline void run( const char* command )
     read_back( err, result.err );
 }
 
-/// Run the program with its error stream on a terminal, whose text is in result.err. Some containers have no
-/// terminals: then the test is skipped.
-static inline void run_on_terminal( const char* command )
-{
-    char line[1024], *arguments[ARGUMENTS_MAX + 1];
-    snprintf( line, sizeof( line ), "%s", command );
-    split( line, arguments );
-    int near_end, far_end;
-    if ( openpty( &near_end, &far_end, NULL, NULL, NULL ) != 0 )
-    {
-        SKIP( "there are no terminals here" );
-    }
-    FILE* out = tmpfile();
-    assert_non_null( out );
-    pid_t child = fork();
-    if ( child == 0 )
-    {
-        close( near_end );
-        become_program( arguments, fileno( out ), far_end );
-    }
-    close( far_end );
-
-    // A terminal whose other end is gone reports an error instead of an end of file.
-    size_t size = 0;
-    for ( ssize_t count = 1; count > 0 && size<OUTPUT_MAX - 1; size += count> 0 ? (size_t)count : 0 )
-    {
-        count = read( near_end, result.err + size, OUTPUT_MAX - 1 - size );
-    }
-    result.err[size] = '\0';
-    close( near_end );
-    result.status = wait_for( child );
-    read_back( out, result.out );
-}
-
 static inline int line_count( const char* text )
 {
     int count = 0;
@@ -138,17 +103,6 @@ static inline void run_ok( const char* command )
 {
     run( command );
     if ( result.status != 0 )
-    {
-        fail_msg( "'%s' ended with %d and said: %s", command, result.status, result.err );
-    }
-}
-
-/// The run must have rejected its input: status 2, nothing on standard output, one message that names the error.
-static inline void assert_refused( const char* command, const char* named )
-{
-    run( command );
-    if ( result.status != 2 || line_count( result.err ) != 1 || strncmp( result.err, "wisp: ", 6 ) != 0 ||
-         !strstr( result.err, named ) )
     {
         fail_msg( "'%s' ended with %d and said: %s", command, result.status, result.err );
     }

@@ -227,15 +227,6 @@ TEST( a_layer_changes_no_bit_of_its_surface )
     assert_memory_equal( a, b, sizeof a );
 }
 
-TEST( a_surface_without_a_layer_has_none )
-{
-    SCOPED( release ) fixture f;
-    build( &f, BALL );
-    step( &f, 1 );
-    wisp_boundary_view view;
-    assert_int_equal( scene_world_layer( &f.world, 0, &view, &f.error ), WISP_CONFLICT );
-}
-
 // ---- contact in worlds ----
 
 #define TWO_SHEETS                                                                                                   \
@@ -523,14 +514,6 @@ static wisp_implicit_cloth_stats stats_of( fixture* f, int surface )
     return stats;
 }
 
-static wisp_vec3 first_point( fixture* f )
-{
-    const int count = scene_world_body( &f->world, 0 ).vertex_count;
-    SCOPED( free_local ) wisp_vec3* points = checked_calloc( (size_t)count, sizeof *points );
-    assert_int_equal( scene_world_points( &f->world, 0, points, &f->error ), WISP_OK );
-    return points[0];
-}
-
 TEST( a_plane_with_quad_links_has_the_links_of_the_quad_reference )
 {
     SCOPED( release ) fixture f;
@@ -565,50 +548,6 @@ TEST( a_mesh_with_its_own_links_stretches_along_edges_and_bends_across_them )
     assert_int_equal( stats.stretch_links, 43 );
     assert_int_equal( stats.bend_links, 43 - 14 );
     assert_int_equal( scene_world_body( &f.world, 0 ).kind, SCENE_BODY_CLOTH );
-}
-
-TEST( a_hung_cloth_keeps_its_pin_and_falls )
-{
-    SCOPED( release ) fixture f;
-    build(
-        &f,
-        "wisp: 1\ndt: 0.01\nsurfaces:\n"
-        "  - { name: a, generate: { shape: plane, columns: 9, rows: 9 }, pins: [0], compute: [points], implicit: { "
-        "link_damping: 0 } }\n" );
-    wisp_vec3 start = first_point( &f );
-    step( &f, 20 );
-    wisp_vec3 end = first_point( &f );
-    assert_true( start.x == end.x && start.y == end.y && start.z == end.z );
-    SCOPED( free_local ) wisp_vec3* points = checked_calloc( 81, sizeof *points );
-    assert_int_equal( scene_world_points( &f.world, 0, points, &f.error ), WISP_OK );
-    // in 0.2 s a free vertex falls 0.2 m, and so does the far corner of a stiff plate 0.16 m wide that turns about its
-    // pin; cloth bends on the way
-    assert_true( points[80].y < -0.05f );
-}
-
-// Without a restart, BDF2 would use the velocity before the event in the step: x + 2/3 h v instead of x + h v.
-TEST( a_velocity_of_an_event_counts_from_its_step_on_whatever_the_integrator )
-{
-    static const char* const integrators[] = { "euler", "bdf2" };
-    static const char* const keys[] = { "velocity", "gust" };
-    for ( int i = 0; i < 4; ++i )
-    {
-        char text[512];
-        snprintf( text, sizeof text,
-                  "wisp: 1\nsteps: 10\ndt: 0.01\ngravity: [0, 0, 0]\nsurfaces:\n"
-                  "  - { name: a, generate: { shape: plane, columns: 4, rows: 4 }, compute: [points], implicit: { "
-                  "integrator: "
-                  "%s } }\n"
-                  "events:\n  - { step: 4, surface: a, %s: [0, -1, 0] }\n",
-                  integrators[i % 2], keys[i / 2] );
-        SCOPED( release ) fixture f;
-        build( &f, text );
-        step( &f, 4 );
-        assert_true( fabsf( first_point( &f ).y ) < 1e-7f );
-        step( &f, 1 );
-        // nothing but rounding of numbers near 0.03 m
-        assert_true( fabsf( first_point( &f ).y + 0.01f ) < 1e-7f );
-    }
 }
 
 TEST( the_ends_of_all_ranges_are_taken_by_the_module )

@@ -45,20 +45,6 @@ static float largest_way( const wisp_vec3* before, const wisp_vec3* after, int c
 
 // ---- start positions ----
 
-TEST( strands_start_scaled_then_turned_then_moved )
-{
-    SCOPED( release ) fixture f;
-    build( &f,
-           "wisp: 1\nstrands:\n"
-           "  - name: hair\n    generate: { dimension: 2, strands: 1, vertices: 3, length: 1, length_variation: 0 }\n"
-           "    transform: { scale: 2, rotate: { axis: [1, 0, 0], degrees: 90 }, translate: [0, 5, 0] }\n"
-           "  - { name: ghosts, scatter: { around: hair, count: 1, radius: 0 } }\n" );
-    // the tip hangs at (0, -1, 0); the sine of the turn is within 1e-7
-    assert_near( point_of( &f, 0, 2 ), ( wisp_vec3 ){ 0, 5, -2 }, 1e-6f );
-    assert_near( point_of( &f, 1, 2 ), ( wisp_vec3 ){ 0, 5, -2 }, 1e-6f );
-    assert_int_equal( f.world.grooms[0].dimension, 3 ); // the turn has taken it out of the plane
-}
-
 TEST( curves_are_bodies_wherever_their_source_stands )
 {
     SCOPED( release ) fixture f;
@@ -130,20 +116,6 @@ TEST( roots_go_with_a_collider_of_the_same_keyframes )
     }
     const wisp_vec3 first = start[0], end = { 2.0f - ( first.y - 2.0f ), 2.0f + ( first.x - 1.0f ), first.z };
     assert_near( point_of( &f, 0, 0 ), end, 2e-6f );
-}
-
-TEST( a_pivot_is_what_a_head_turns_about )
-{
-    SCOPED( release ) fixture f;
-    build( &f,
-           "wisp: 1\nsteps: 12\ndt: 0.1\nstrands:\n"
-           "  - name: hair\n    generate: { dimension: 2, strands: 1, vertices: 4 }\n    dynamics: {}\n    compute: "
-           "[points]\n"
-           "    head: { pivot: [0, 1, 0], keyframes: [ { time: 1, position: [0, 1, 0], rotation: { axis: [0, 0, 1], "
-           "degrees: 90 } } ] }\n" );
-    step( &f, 12 );
-    // the root starts at the origin, 1 m below the pivot
-    assert_near( point_of( &f, 0, 0 ), ( wisp_vec3 ){ 1, 1, 0 }, 1e-6f );
 }
 
 TEST( roots_stay_on_the_surface_that_is_named_below_them )
@@ -277,60 +249,6 @@ TEST( strands_that_move_tell_strain_speed_and_motion_stats_and_others_do_not )
     assert_true( fabs( motion_stats.speed_max - (double)speed[5] ) < 0.2 );
     assert_int_equal( scene_world_request( &f.world, 1, SCENE_REQUEST_SPEED, &f.error ), WISP_BAD_INPUT );
     assert_string_equal( f.error.message, "test.yaml: 'still' has no speed" );
-}
-
-TEST( an_event_blows_on_strands )
-{
-    SCOPED( release ) fixture f;
-    build( &f, "wisp: 1\nsteps: 20\nsubsteps: 2\ngravity: [0, 0, 0]\nstrands:\n"
-               "  - name: hair\n    generate: { dimension: 2, strands: 1, vertices: 8, length: 0.1 }\n"
-               "    dynamics: { drag_coefficient: 1, bending: none }\n    compute: [points]\n"
-               "events:\n  - { step: 10, strands: hair, wind: [5, 0, 0] }\n" );
-    const wisp_vec3 start = point_of( &f, 0, 7 );
-    step( &f, 10 );
-    assert_near( point_of( &f, 0, 7 ), start, 1e-6f ); // neither weight nor wind: rounding alone
-    step( &f, 10 );
-    assert_true( point_of( &f, 0, 7 ).x > start.x + 1e-3f );
-}
-
-// ---- the scenes of the project ----
-
-TEST( balanced_curls_stay_where_those_beside_them_sag )
-{
-    fixture f;
-    open_scene( &f, "curly_rest.yaml", 1 );
-    const int count = scene_world_body( &f.world, 0 ).vertex_count;
-    float way[2];
-    for ( int body = 0; body < 2; ++body )
-    {
-        wisp_vec3* start = points_of( &f, body );
-        step( &f, 60 );
-        wisp_vec3* now = points_of( &f, body );
-        way[body] = largest_way( start, now, count );
-        free( start );
-        free( now );
-        release( &f );
-        open_scene( &f, "curly_rest.yaml", 1 );
-    }
-    release( &f );
-    assert_true( way[0] < 1e-3f );
-    assert_true( way[1] > 5.0f * way[0] );
-}
-
-TEST( links_stretch_where_the_direct_solve_does_not )
-{
-    SCOPED( release ) fixture f;
-    open_scene( &f, "chain_links.yaml", 1 );
-    step( &f, 40 );
-    double strain[2];
-    for ( int body = 0; body < 2; ++body )
-    {
-        wisp_motion_stats motion_stats;
-        assert_int_equal( scene_world_motion_stats( &f.world, body, &motion_stats, &f.error ), WISP_OK );
-        strain[body] = motion_stats.strain_max;
-    }
-    assert_true( strain[0] <= 1e-3 ); // the tolerance of the direct solve
-    assert_true( strain[1] > 10.0 * strain[0] && strain[1] > 1e-3 );
 }
 
 // ---- jumps ----

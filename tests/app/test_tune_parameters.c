@@ -128,7 +128,7 @@ TEST( a_scene_of_everything_keeps_ends_and_its_own_values_and_can_be_searched )
         }
         assert_true( has_own );
     }
-    assert_in_range( settings, WISP_TUNE_MAX_SETTINGS / 2, WISP_TUNE_MAX_SETTINGS );
+    assert_in_range( settings, TUNE_MAX_SETTINGS / 2, TUNE_MAX_SETTINGS );
 }
 
 TEST( a_choice_is_set_on_every_surface_that_has_the_field )
@@ -222,7 +222,7 @@ static void write_choice( const char* text, int parameter, int value, char* out,
     SCOPED( wisp_scene_release ) wisp_scene scene = parse( text ), written;
     tune_parameters parameters;
     SCOPED( free_local ) wisp_scene_edit* edits;
-    int count, configuration[WISP_TUNE_MAX_PARAMETERS] = { 0 };
+    int count, configuration[TUNE_MAX_PARAMETERS] = { 0 };
     wisp_error error = { 0 };
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
     configuration[parameter] = value;

@@ -13,7 +13,6 @@
 #include "wisp/skin.h"
 #include "wisp/detail.h"
 #include "wisp/sleep.h"
-#include "wisp/tune.h"
 #include "wisp/wisp.h"
 
 #include "wisp/module/aabb_pairs.h"

@@ -18,7 +18,6 @@
 #include "wisp/explain.h"
 #include "wisp/fabric.h"
 #include "wisp/generate.h"
-#include "wisp/tune.h"
 
 #include <pthread.h>
 #include <unistd.h>
@@ -297,8 +296,6 @@ REFUSAL( pointers_that_are_null_are_named )
     wisp_fabric_retain( NULL );
     wisp_fabric_release( NULL );
     wisp_plan_info_release( NULL );
-    wisp_tune_release( NULL );
-    assert_int_equal( wisp_tune( NULL, NULL, &error ), WISP_BAD_INPUT );
     assert_true( wisp_world_hash( W ) == f->hash );
 }
 

@@ -483,27 +483,12 @@ TEST( bad_input_is_refused_by_a_message_that_names_it )
     def.attachments = &attachment;
     def.attachment_count = 1;
     expect_fabric_refusal( &def, "attachment 0: got vertex 16" );
-    def.attachment_count = -1;
-    expect_fabric_refusal( &def, "-1 attachments" );
-    def = test_fabric_def( &mesh );
-    def.vertex_count = -3;
-    expect_fabric_refusal( &def, "-3 vertices" );
-    def = test_fabric_def( &mesh );
-    def.triangle_count = INT32_MAX;
-    expect_fabric_refusal( &def, "2147483647 triangles" );
     def = test_fabric_def( &mesh );
     def.points = NULL;
     expect_fabric_refusal( &def, "got a null list" );
     def = test_fabric_def( &mesh );
-    def.solve_order = WISP_SOLVE_ORDER_COUNT;
-    expect_fabric_refusal( &def, "solve order" );
-    static const int tiles[] = { 63, 68, 56, 65544, -64 };
-    for ( int i = 0; i < WISP_COUNT( tiles ); ++i )
-    {
-        def = test_fabric_def( &mesh );
-        def.tile_size = tiles[i];
-        expect_fabric_refusal( &def, "tiles" );
-    }
+    def.tile_size = 68;
+    expect_fabric_refusal( &def, "tiles" );
 }
 
 TEST( cooking_without_memory_says_so_and_leaks_nothing )

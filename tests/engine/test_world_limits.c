@@ -27,25 +27,6 @@ TEST( a_world_of_impossible_workers_is_refused )
     assert_no_world( &def, "workers: got 65" );
 }
 
-TEST( a_world_of_no_loops_is_refused )
-{
-    wisp_world_def def = wisp_default_world_def();
-    def.substeps = 0;
-    assert_no_world( &def, "substeps, iterations: got 0 and" );
-    def.substeps = 1;
-    def.iterations = -5;
-    assert_no_world( &def, "and -5, expected 1 to 1000000" );
-}
-
-TEST( a_world_of_no_long_steps_is_refused )
-{
-    wisp_world_def def = wisp_default_world_def();
-    def.longest_step = 0;
-    assert_no_world( &def, "longest_step: got 0 usual steps, expected 1 to 1000" );
-    def.longest_step = 1001;
-    assert_no_world( &def, "longest_step: got 1001" );
-}
-
 TEST( half_an_allocator_is_refused )
 {
     test_host host = { 0 };
@@ -151,13 +132,6 @@ TEST( a_host_that_is_newer_finds_zeros_in_what_the_library_does_not_know )
     wisp_init_world_def( NULL, 10 );
     wisp_init_world_def( &newer.def, 2 );
     assert_int_equal( newer.def.size, sizeof( newer ) );
-}
-
-TEST( counts_beyond_sense_are_refused )
-{
-    wisp_world_def def = wisp_default_world_def();
-    def.substeps = 2000000000;
-    assert_no_world( &def, "got 2000000000 and 1, expected 1 to 1000000" );
 }
 
 // ---- invalid declarations of modules ----

@@ -16,7 +16,9 @@
 #include "strands.h"
 #include "tearing.h"
 #include "wisp/detail.h"
+#include "wisp/fabric.h"
 #include "wisp/moving_frame.h"
+#include "wisp/skin.h"
 #include "wisp/sleep.h"
 
 typedef struct stage
@@ -29,26 +31,30 @@ typedef struct stage
 
 static const int32_t PAIRS[] = { 0, 0, 1, 1, 2, 2 };
 
-// A number of a definition, and values just out of its range: NaN if that side is not tested, infinity if it has no end.
-typedef struct field
+// A value that the next call of its definition has in place of its own.
+typedef struct bad_value
 {
-    const char *call, *name;
-    size_t at;
-    bool is_whole;
-    double lower, upper;
-} field;
+    const wisp_field* field;
+    size_t at; // in the definition
+    double value;
+} bad_value;
 
-// What the next calls have in place of a value of theirs.
-static const field* spoilt;
-static double spoilt_value;
+static const bad_value* spoilt;
 
-static void spoil( const char* call, void* def )
+static void spoil( const wisp_fields* fields, void* def )
 {
-    if ( spoilt != NULL && strcmp( spoilt->call, call ) == 0 )
+    const wisp_field* f = spoilt != NULL ? spoilt->field : NULL;
+    if ( f >= fields->rows && f < fields->rows + fields->count )
     {
-        const int whole = spoilt->is_whole ? (int)spoilt_value : 0;
-        const float number = (float)spoilt_value;
-        memcpy( (char*)def + spoilt->at, spoilt->is_whole ? (const void*)&whole : &number, sizeof( float ) );
+        const float number = (float)spoilt->value;
+        const bool is_whole = f->type == WISP_FIELD_WHOLE || f->type == WISP_FIELD_CHOICE;
+        const int whole = is_whole ? (int)spoilt->value : 0;
+        if ( f->type == WISP_FIELD_SWITCH )
+        {
+            *( (unsigned char*)def + spoilt->at ) = 2;
+            return;
+        }
+        memcpy( (char*)def + spoilt->at, is_whole ? (const void*)&whole : &number, sizeof( float ) );
     }
 }
 
@@ -63,7 +69,7 @@ static void spoil( const char* call, void* def )
         {                                                                                                            \
             changes;                                                                                                 \
         }                                                                                                            \
-        spoil( #name, &d );                                                                                          \
+        spoil( &wisp_##name##_def_fields, &d );                                                                      \
         return call;                                                                                                 \
     }
 
@@ -81,6 +87,7 @@ CALL( ghosts, wisp_set_ghosts( s->world, s->more, &d ), d.targets = s->hair )
 CALL( curves, wisp_add_curves( s->world, &d, &made ), d.source = s->hair )
 CALL( strand_appearance, wisp_set_strand_appearance( s->world, s->hair, &d ), )
 CALL( strand_dynamics, wisp_set_strand_dynamics( s->world, s->hair, &d ), )
+CALL( strand_grid, wisp_set_strand_grid( s->world, s->hair, &d ), )
 CALL( membrane, wisp_set_membrane( s->world, s->ball, &d ), d.shear_modulus = 100.0f )
 CALL( tearing, wisp_set_tearing( s->world, s->sheet, &d ), d.strength = 10.0f )
 CALL( motion_constraints, wisp_set_motion_constraints( s->world, s->sheet, &d ), d.max_distance = 0.1f )
@@ -102,32 +109,39 @@ enum
     AS_EVER = 64,      // a step that fails leaves what the next one makes as it would have been
 };
 
+#define ROW( name, is )                                                                                              \
+    {                                                                                                                \
+#name, give_##name, &wisp_##name##_def_fields, is                                                            \
+    }
+
 static const struct
 {
     const char* name;
     wisp_status ( *call )( stage* s );
+    const wisp_fields* fields;
     unsigned is;
 } CALLS[] = {
-    { "cloth", give_cloth, OTHER_FIRST },
-    { "balloon", give_balloon, OTHER_FIRST },
-    { "boundary", give_boundary, AS_EVER },
-    { "collider", give_collider, NO_ENTITY | AS_EVER },
-    { "collision", give_collision, OTHER_FIRST | ON_CLOTH | ANY_ENTITY },
-    { "contact", give_contact, ON_CLOTH },
-    { "implicit_cloth", give_implicit_cloth, OTHER_FIRST | AS_EVER },
-    { "environment", give_environment, AS_EVER },
-    { "frozen_hair", give_frozen_hair, 0 },
-    { "ghosts", give_ghosts, ON_STRANDS },
-    { "curves", give_curves, AS_EVER },
-    { "strand_appearance", give_strand_appearance, AS_EVER },
-    { "strand_dynamics", give_strand_dynamics, 0 },
-    { "membrane", give_membrane, AS_EVER },
-    { "tearing", give_tearing, ON_CLOTH },
-    { "motion_constraints", give_motion_constraints, ON_CLOTH },
-    { "seam", give_seam, ON_CLOTH },
-    { "detail", give_detail, OF_ENGINE | ON_GHOSTS },
-    { "sleep", give_sleep, OF_ENGINE | ON_CLOTH | ANY_ENTITY },
-    { "moving_frame", give_moving_frame, OF_ENGINE | ON_CLOTH | ANY_ENTITY },
+    ROW( cloth, OTHER_FIRST ),
+    ROW( balloon, OTHER_FIRST ),
+    ROW( boundary, AS_EVER ),
+    ROW( collider, NO_ENTITY | AS_EVER ),
+    ROW( collision, OTHER_FIRST | ON_CLOTH | ANY_ENTITY ),
+    ROW( contact, ON_CLOTH ),
+    ROW( implicit_cloth, OTHER_FIRST | AS_EVER ),
+    ROW( environment, AS_EVER ),
+    ROW( frozen_hair, 0 ),
+    ROW( ghosts, ON_STRANDS ),
+    ROW( curves, AS_EVER ),
+    ROW( strand_appearance, AS_EVER ),
+    ROW( strand_dynamics, 0 ),
+    ROW( strand_grid, ON_STRANDS ),
+    ROW( membrane, AS_EVER ),
+    ROW( tearing, ON_CLOTH ),
+    ROW( motion_constraints, ON_CLOTH ),
+    ROW( seam, ON_CLOTH ),
+    ROW( detail, OF_ENGINE | ON_GHOSTS ),
+    ROW( sleep, OF_ENGINE | ON_CLOTH | ANY_ENTITY ),
+    ROW( moving_frame, OF_ENGINE | ON_CLOTH | ANY_ENTITY ),
 };
 
 static wisp_entity add_mesh( wisp_world* world, test_mesh mesh )
@@ -220,162 +234,117 @@ TEST( an_entity_of_another_kind_and_one_that_is_gone_are_refused )
 
 // ---- values ----
 
-#define NUMBER( call, name, lower, upper )                                                                           \
-    {                                                                                                                \
-#call, #name, offsetof( wisp_##call##_def, name ), false, (double)( lower ), (double)( upper )               \
-    }
-#define WHOLE( call, name, lower, upper )                                                                            \
-    {                                                                                                                \
-#call, #name, offsetof( wisp_##call##_def, name ), true, ( lower ), ( upper )                                \
-    }
-
-static const field FIELDS[] = {
-    WHOLE( cloth, solver, -1, WISP_SOLVER_COUNT ),
-    WHOLE( cloth, bending, -1, WISP_CLOTH_BENDING_COUNT ),
-    WHOLE( cloth, coarse_substeps, -2, 65 ),
-    WHOLE( cloth, coarse_passes, -1, 66 ),
-    NUMBER( cloth, warp_compliance, -1e-9f, 1.1e12f ),
-    NUMBER( cloth, weft_compliance, -1e-9f, 1.1e12f ),
-    NUMBER( cloth, shear_compliance, -1e-9f, 1.1e12f ),
-    NUMBER( cloth, stretch_stiffness, -1e-9f, 1.0001f ),
-    NUMBER( cloth, shear_stiffness, -1e-9f, 1.0001f ),
-    NUMBER( cloth, bend_stiffness, -1e-9f, 1.0001f ),
-    NUMBER( cloth, bend_compliance, -1e-9f, 1.1e12f ),
-    NUMBER( cloth, bend_rigidity, 0.0f, 1.1e12f ),
-    NUMBER( cloth, internal_damping, -1e-9f, 1.1e9f ),
-    NUMBER( cloth, air_density, -1e-9f, 1.1e6f ),
-    NUMBER( cloth, drag_coefficient, -1e-9f, 1.1e6f ),
-    NUMBER( cloth, lift_coefficient, -1e-9f, 1.1e6f ),
-    NUMBER( cloth, tether_slack, 0.999f, 1.1e6f ),
-    WHOLE( balloon, solver, -1, WISP_SOLVER_COUNT ),
-    WHOLE( balloon, volume, -1, WISP_SOLVER_COUNT ),
-    NUMBER( balloon, edge_stiffness, 0.0f, 2e12f ),
-    NUMBER( balloon, bend_link_stiffness, 0.0f, 2e12f ),
-    NUMBER( balloon, stretch_stiffness, -0.1f, 1.1f ),
-    NUMBER( balloon, bend_stiffness, -0.1f, 1.1f ),
-    NUMBER( balloon, volume_stiffness, 0.0f, 1.5f ),
-    NUMBER( balloon, gas_ratio, 0.99f, NAN ),
-    NUMBER( balloon, inflation_rate, NAN, NAN ),
-    NUMBER( balloon, min_gas_ratio, 0.0f, NAN ),
-    NUMBER( balloon, atmospheric_pressure, 0.0f, NAN ),
-    NUMBER( balloon, temperature, -1.0f, NAN ),
-    NUMBER( balloon, gas_molar_mass, 0.0f, NAN ),
-    NUMBER( balloon, air_molar_mass, NAN, 11.0f ),
-    NUMBER( balloon, drag_coefficient, -0.5f, NAN ),
-    NUMBER( balloon, outlet_area, 0.0f, NAN ),
-    WHOLE( balloon, outlet_count, -1, WISP_BALLOON_MAX_OUTLET + 1 ),
-    NUMBER( implicit_cloth, stretch_stiffness, -1e-9f, 1.1e9f ),
-    NUMBER( implicit_cloth, bend_stiffness, -1e-9f, 1.1e9f ),
-    NUMBER( implicit_cloth, bend_rigidity, -1e-9f, 1.1e9f ),
-    NUMBER( implicit_cloth, compression_stiffness, -1e-9f, 1.1e9f ),
-    NUMBER( implicit_cloth, link_damping, -1e-9f, 1.1e9f ),
-    NUMBER( implicit_cloth, tolerance, 0.99e-7f, 0.101f ),
-    WHOLE( implicit_cloth, newton_iterations, 0, 65 ),
-    WHOLE( implicit_cloth, max_newton_iterations, 0, 65 ),
-    WHOLE( implicit_cloth, max_iterations, -1, 1000001 ),
-    WHOLE( implicit_cloth, stiffness_model, -1, WISP_IMPLICIT_STIFFNESS_COUNT ),
-    WHOLE( implicit_cloth, weights, -1, WISP_IMPLICIT_WEIGHTS_COUNT ),
-    WHOLE( implicit_cloth, integrator, -1, WISP_INTEGRATOR_COUNT ),
-    NUMBER( frozen_hair, stretch_stiffness, 0.0f, 2e12f ),
-    NUMBER( frozen_hair, bend_stiffness, 9e-4f, NAN ),
-    NUMBER( frozen_hair, max_bend_angle, -0.1f, 3.15f ),
-    NUMBER( frozen_hair, intensity, -0.01f, 1.01f ),
-    NUMBER( frozen_hair, cursor.x, -1.1e6f, 1.1e6f ),
-    NUMBER( frozen_hair, cursor.y, -1.1e6f, 1.1e6f ),
-    NUMBER( frozen_hair, cursor.z, -1.1e6f, 1.1e6f ),
-    NUMBER( frozen_hair, reach, -1.0f, NAN ),
-    NUMBER( frozen_hair, clump_radius, 0.0f, NAN ),
-    WHOLE( frozen_hair, clump_iterations, -1, 1001 ),
-    NUMBER( frozen_hair, clump_step_length, -0.5f, NAN ),
-    NUMBER( frozen_hair, min_distance, -2.0f, NAN ),
-    NUMBER( frozen_hair, min_lambda, NAN, 1.5f ),
-    WHOLE( frozen_hair, max_neighbours, 0, 4097 ),
-    NUMBER( frozen_hair, max_depth_change, -0.5f, 2e6f ),
-    WHOLE( frozen_hair, gap, -1, WISP_GAP_COUNT ),
-    WHOLE( frozen_hair, base, -1, WISP_FROZEN_BASE_COUNT ),
-    WHOLE( frozen_hair, update_on, -1, WISP_FROZEN_UPDATE_COUNT ),
-    WHOLE( ghosts, target_count, 0, 5 ),
-    NUMBER( ghosts, tip_gain, -0.1f, NAN ),
-    NUMBER( ghosts, centre_gain, NAN, 1e4f ),
-    NUMBER( ghosts, time, -1.0f, NAN ),
-    NUMBER( ghosts, spread, 0.0f, NAN ),
-    WHOLE( ghosts, elastic, -1, WISP_GHOST_ELASTIC_COUNT ),
-    NUMBER( environment, temperature_celsius, -300.0f, NAN ),
-    NUMBER( environment, freezing_celsius, NAN, NAN ),
-    NUMBER( environment, wetness, -0.1f, 1.1f ),
-    NUMBER( environment, span, 0.0f, NAN ),
-    NUMBER( boundary, spacing, -1.0f, NAN ),
-    WHOLE( boundary, policy, -1, WISP_SPACING_COUNT ),
-    WHOLE( boundary, rounding, -1, WISP_ROUND_COUNT ),
-    NUMBER( boundary, hysteresis, -0.1f, 0.6f ),
-    WHOLE( boundary, max_points, -5, 0 ),
-    NUMBER( boundary, min_spacing, -1.0f, NAN ),
-    NUMBER( boundary, max_spacing, -1.0f, NAN ),
-    NUMBER( boundary, curvature_gain, -1.0f, NAN ),
-    NUMBER( boundary, strain_gain, NAN, NAN ),
-    NUMBER( boundary, eye_angle, -1.0f, NAN ),
-    NUMBER( boundary, eye.y, NAN, NAN ),
-    NUMBER( tearing, strength, 0.0f, INFINITY ),
-    WHOLE( tearing, max_splits, -1, 0 ),
-    NUMBER( membrane, thickness, 0.0f, NAN ),
-    NUMBER( membrane, shear_modulus, NAN, NAN ),
-    NUMBER( motion_constraints, distance_stiffness, NAN, 1.5f ),
-    NUMBER( motion_constraints, max_distance, -1.0f, INFINITY ),
-    NUMBER( seam, within, -1.0f, NAN ),
-    NUMBER( seam, distance, -1.0f, NAN ),
-    NUMBER( seam, closing_speed, 0.0f, INFINITY ),
-    NUMBER( seam, compliance, NAN, NAN ),
-    NUMBER( seam, strength, 0.0f, INFINITY ),
-    WHOLE( detail, level, -1, 4 ),
-    WHOLE( detail, substep_divisor, -1, 0 ),
-    WHOLE( detail, blend_steps, -2, -1 ),
-    NUMBER( sleep, max_speed, -1.0f, NAN ),
-    NUMBER( sleep, seconds, -1.0f, NAN ),
-    NUMBER( moving_frame, linear_inertia, -0.5f, NAN ),
-    NUMBER( moving_frame, angular_inertia, NAN, NAN ),
-};
-
-static void check_value( stage* s, int call, const field* f, double value )
+static void check_value( stage* s, int call, bad_value bad )
 {
     const int passes = wisp_world_plan_passes( s->world ); // which attaches columns
     const uint64_t hash = wisp_world_hash( s->world );
-    spoilt = f, spoilt_value = value;
+    spoilt = &bad;
     const wisp_status status = CALLS[call].call( s );
     spoilt = NULL;
     const char* message = wisp_world_message( s->world );
-    char named[60];
-    snprintf( named, sizeof named, "%s: got ", f->name );
-    if ( status != WISP_BAD_INPUT || strstr( message, named ) == NULL )
+    char named[100];
+    snprintf( named, sizeof named, "%s: %s", CALLS[call].fields->subject, bad.field->name );
+    if ( status != WISP_BAD_INPUT || strncmp( message, named, strlen( named ) ) != 0 )
     {
-        fail_msg( "%s.%s: got %g: %s, '%s'", f->call, f->name, value, wisp_status_name( status ), message );
+        fail_msg( "%s.%s: got %g: %s, '%s'", CALLS[call].name, bad.field->name, bad.value, wisp_status_name( status ),
+                  message );
     }
     assert_true( wisp_world_hash( s->world ) == hash );
     assert_int_equal( wisp_world_plan_passes( s->world ), passes );
 }
 
-// For an entity that has not been given anything yet, and for one that has.
+// List values just out of the range of a field, and those that are no numbers. @return how many
+static int list_bad( const wisp_field* f, double bad[5] )
+{
+    int count = 0;
+    const float lower = (float)f->lower, upper = (float)f->upper;
+    if ( f->type == WISP_FIELD_WHOLE || f->type == WISP_FIELD_CHOICE )
+    {
+        const double both[] = { f->lower - 1.0 - ( f->lower - 1.0 == f->other ), f->upper + 1.0 };
+        memcpy( bad, both, sizeof both );
+        return 2;
+    }
+    if ( f->type == WISP_FIELD_SWITCH )
+    {
+        bad[0] = 2.0;
+        return 1;
+    }
+    if ( f->type != WISP_FIELD_VECTOR )
+    {
+        bad[count++] = (double)nextafterf( lower, -INFINITY );
+    }
+    if ( upper < INFINITY )
+    {
+        bad[count++] = f->type == WISP_FIELD_VECTOR ? 1.1 * f->upper : (double)nextafterf( upper, INFINITY );
+        bad[count++] = INFINITY;
+    }
+    bad[count++] = -INFINITY;
+    bad[count++] = NAN;
+    return count;
+}
+
+static void check_field( stage* s, int call, const wisp_field* f )
+{
+    const bool is_pose = f->type == WISP_FIELD_POSE;
+    const int parts = is_pose || f->type == WISP_FIELD_VECTOR || f->type == WISP_FIELD_POINT ? 3 : 1;
+    const size_t at = f->offset + ( is_pose ? offsetof( wisp_transform, translation ) : 0 );
+    double bad[5];
+    const int count = f->type == WISP_FIELD_BITS || f->type == WISP_FIELD_SEED ? 0 : list_bad( f, bad );
+    for ( int k = 0; k < count * parts; ++k )
+    {
+        check_value( s, call, ( bad_value ){ f, at + (size_t)( k / count ) * sizeof( float ), bad[k % count] } );
+    }
+}
+
+// Of all rows of all tables: for an entity that has not been given anything yet, and for one that has.
 TEST( a_value_out_of_its_range_is_named_and_changes_nothing )
 {
-    for ( int i = 0; i < WISP_COUNT( FIELDS ); ++i )
+    for ( int call = 0; call < WISP_COUNT( CALLS ); ++call )
     {
-        const field* f = FIELDS + i;
-        int call = 0;
-        while ( strcmp( CALLS[call].name, f->call ) != 0 )
-        {
-            call += 1;
-        }
-        const double bad[] = { f->lower, f->upper < INFINITY ? f->upper : NAN, -INFINITY, NAN, INFINITY };
-        const int count = f->is_whole ? 2 : f->upper < INFINITY || isnan( f->upper ) ? 5 : 4;
         for ( int again = 0; again < 2; ++again )
         {
             stage* s = open_stage( call );
             assert_status( s->world, again == 1 ? CALLS[call].call( s ) : WISP_OK, WISP_OK );
-            for ( int k = 0; k < count; ++k )
+            for ( int i = 0; i < CALLS[call].fields->count; ++i )
             {
-                check_value( s, call, f, bad[k] );
+                check_field( s, call, CALLS[call].fields->rows + i );
             }
             close_stage( s );
         }
+    }
+}
+
+// Of the definitions that no call above takes, too.
+TEST( defaults_can_be_read_and_values_out_of_range_are_named )
+{
+    static const wisp_fields* const OTHERS[] = { &wisp_world_def_fields,        &wisp_surface_def_fields,
+                                                 &wisp_strands_def_fields,      &wisp_fabric_def_fields,
+                                                 &wisp_contact_settings_fields, &wisp_create_cloth_def_fields,
+                                                 &wisp_create_hair_def_fields,  &wisp_skin_def_fields };
+    for ( int n = 0; n < WISP_COUNT( OTHERS ); ++n )
+    {
+        const wisp_fields* fields = OTHERS[n];
+        char* def = checked_calloc( 2, fields->size );
+        for ( int i = 0; i < fields->count; ++i )
+        {
+            const wisp_field* f = fields->rows + i;
+            double bad[5];
+            const int count = f->type == WISP_FIELD_DOUBLE ? 0 : list_bad( f, bad );
+            for ( int k = 0; k < count; ++k )
+            {
+                wisp_error error = { 0 };
+                spoilt = &( bad_value ){ f, f->offset, bad[k] };
+                wisp_def_init( fields, def, fields->size );
+                spoil( fields, def );
+                assert_int_equal( wisp_def_read( fields, def + fields->size, def, &error ), WISP_BAD_INPUT );
+                assert_contains( error.message, f->name );
+            }
+        }
+        spoilt = NULL;
+        wisp_def_init( fields, def, fields->size );
+        assert_true( fields == &wisp_skin_def_fields || // which needs a bone
+                     wisp_def_read( fields, def + fields->size, def, NULL ) == WISP_OK );
+        free( def );
     }
 }
 

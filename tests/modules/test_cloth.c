@@ -257,27 +257,16 @@ WORLD_TEST( coarse_sheets_need_xpbd )
     assert_refused( h, e, &def, WISP_CONFLICT, "coarse sheets need the solver xpbd" );
 }
 
-WORLD_TEST( directions_and_winds_are_finite )
+WORLD_TEST( a_wind_is_finite )
 {
     wisp_entity e = add_plain( h, true, true, false );
-    const wisp_vec3 warps[] = { { 0 }, { NAN, 0.0f, 1.0f }, { 0.0f, INFINITY, 0.0f }, { 1e-7f, 0.0f, 0.0f } };
-    for ( int i = 0; i < WISP_COUNT( warps ); ++i )
-    {
-        wisp_cloth_def def = wisp_default_cloth_def();
-        def.warp = warps[i];
-        assert_refused( h, e, &def, WISP_BAD_INPUT, "warp" );
-    }
-    const wisp_vec3 winds[] = { { NAN, 0.0f, 0.0f }, { 0.0f, 0.0f, -INFINITY }, { 1.1e5f, 0.0f, 0.0f } };
     wisp_cloth_def airy = wisp_default_cloth_def();
     airy.drag_coefficient = 1.0f;
     assert_status( h->world, wisp_set_cloth( h->world, e, &airy ), WISP_OK );
+    const wisp_vec3 winds[] = { { NAN, 0.0f, 0.0f }, { 0.0f, 0.0f, -INFINITY }, { 1.1e5f, 0.0f, 0.0f } };
     for ( int i = 0; i < WISP_COUNT( winds ); ++i )
     {
-        wisp_cloth_def def = airy;
-        def.wind = winds[i];
-        assert_refused( h, e, &def, WISP_BAD_INPUT, "wind" );
-        assert_int_equal( wisp_set_cloth_wind( h->world, e, winds[i] ), WISP_BAD_INPUT );
-        assert_non_null( strstr( wisp_world_message( h->world ), "wind" ) );
+        expect_refusal( h->world, wisp_set_cloth_wind( h->world, e, winds[i] ), WISP_BAD_INPUT, "cloth: wind" );
     }
 }
 

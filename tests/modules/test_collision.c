@@ -84,33 +84,12 @@ static void assert_refused( wisp_world* world, const wisp_collider_def* def, con
 
 COLLISION_TEST( impossible_bodies_are_refused )
 {
-    wisp_collider_def def = body_of( WISP_COLLIDER_SPHERE );
-    def.radius = -1.0f;
-    assert_refused( h->world, &def, "radius" );
-    def.radius = NAN;
-    assert_refused( h->world, &def, "radius" );
-    def = body_of( WISP_COLLIDER_CAPSULE );
-    def.half_length = INFINITY;
-    assert_refused( h->world, &def, "half_length" );
-    def = body_of( WISP_COLLIDER_BOX );
-    def.half_extent.z = 0.0f;
-    assert_refused( h->world, &def, "half_extent.z" );
-    def = body_of( WISP_COLLIDER_PLANE );
-    def.pose.translation.y = NAN;
-    assert_refused( h->world, &def, "not within 1e6 m" );
-    def = body_of( WISP_COLLIDER_PLANE );
+    wisp_collider_def def = body_of( WISP_COLLIDER_PLANE );
     def.pose.rotation = ( wisp_quat ){ 0.0f, 0.0f, 0.0f, 0.0f };
     assert_refused( h->world, &def, "not a rotation" );
     def = body_of( WISP_COLLIDER_PLANE );
     def.kinetic_friction = 0.6f;
-    assert_refused( h->world, &def, "kinetic_friction" );
-    def.kinetic_friction = -0.1f;
-    assert_refused( h->world, &def, "kinetic_friction" );
-    def = body_of( WISP_COLLIDER_PLANE );
-    def.thickness = -1.0f;
-    assert_refused( h->world, &def, "thickness" );
-    def = body_of( (wisp_collider_kind)9 );
-    assert_refused( h->world, &def, "kind" );
+    assert_refused( h->world, &def, "kinetic_friction: got 0.6, expected at most static_friction" );
 }
 
 COLLISION_TEST( calls_that_do_not_fit_are_refused_with_a_message )
@@ -126,12 +105,6 @@ COLLISION_TEST( calls_that_do_not_fit_are_refused_with_a_message )
     assert_int_equal( wisp_move_collider( h->world, body, nowhere ), WISP_BAD_INPUT );
     nowhere.rotation = ( wisp_quat ){ 0.0f, 0.0f, 0.0f, 0.0f };
     assert_int_equal( wisp_move_collider( h->world, body, nowhere ), WISP_BAD_INPUT );
-    collision.thickness = -0.1f;
-    assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_BAD_INPUT );
-    assert_non_null( strstr( wisp_world_message( h->world ), "thickness" ) );
-    collision.thickness = 0.0f;
-    collision.friction_scale = NAN;
-    assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_BAD_INPUT );
     wisp_entity copy;
     assert_int_equal( wisp_add_instance( h->world, body, NULL, &copy ), WISP_CONFLICT );
     assert_int_equal( wisp_request_collision_stats( h->world, e, false ), WISP_OK );
@@ -375,17 +348,3 @@ TEST( bodies_that_are_not_listed_move_nothing )
     }
 }
 
-// ---- restitution ----
-
-COLLISION_TEST( a_restitution_above_one_is_refused )
-{
-    const float bad[] = { -0.1f, 1.1f, NAN };
-    for ( int i = 0; i < 3; ++i )
-    {
-        wisp_collider_def def = wisp_default_collider_def();
-        def.restitution = bad[i];
-        wisp_entity e;
-        assert_int_equal( wisp_add_collider( h->world, &def, &e ), WISP_BAD_INPUT );
-        assert_non_null( strstr( wisp_world_message( h->world ), "restitution" ) );
-    }
-}

@@ -391,19 +391,3 @@ TEST( without_the_option_there_is_no_pass_and_no_other_bit )
         assert_memory_equal( &a, &b, sizeof( a ) );
     }
 }
-
-COLLISION_TEST( impossible_features_are_refused )
-{
-    wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
-    add_collider( h->world, &ball );
-    wisp_entity e = add_cloth( h->world, 3, 0.2f, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, GRAVITY );
-    wisp_collision_def collision = wisp_default_collision_def();
-    const uint64_t before = wisp_world_hash( h->world );
-    collision.features = (wisp_collision_features)2;
-    assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_BAD_INPUT );
-    assert_string_equal( wisp_world_message( h->world ), "collision: features is 2, it must be 0 to 1" );
-    collision.features = (wisp_collision_features)-1;
-    assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_BAD_INPUT );
-    assert_string_equal( wisp_world_message( h->world ), "collision: features is -1, it must be 0 to 1" );
-    assert_int_equal( wisp_world_hash( h->world ), before );
-}

@@ -302,56 +302,6 @@ static void assert_participant_refused( hosted* h, wisp_entity e, const wisp_con
     assert_int_equal( wisp_world_plan_passes( h->world ), passes );
 }
 
-CONTACT_TEST( every_number_of_a_participant_has_its_range )
-{
-    const wisp_entity e = add_small( h->world, 0.0f );
-    const wisp_contact_def good = wisp_default_contact_def();
-    const struct
-    {
-        const char* name;
-        size_t at;
-    } fields[] = {
-        { "thickness", offsetof( wisp_contact_def, thickness ) },
-        { "friction", offsetof( wisp_contact_def, friction ) },
-        { "max_push_out_speed", offsetof( wisp_contact_def, max_push_out_speed ) },
-    };
-    static const float BAD[] = { -1e-9f, 1.1e6f, NAN, INFINITY, -INFINITY };
-    for ( int was_participant = 0; was_participant < 2; ++was_participant )
-    {
-        for ( int i = 0; i < WISP_COUNT( fields ); ++i )
-        {
-            for ( int k = 0; k < WISP_COUNT( BAD ); ++k )
-            {
-                wisp_contact_def def = good;
-                memcpy( (char*)&def + fields[i].at, BAD + k, sizeof( float ) );
-                assert_participant_refused( h, e, &def, WISP_BAD_INPUT, fields[i].name );
-            }
-        }
-        set_contact( h->world, e, &good );
-    }
-}
-
-CONTACT_TEST( every_number_of_the_settings_has_its_range )
-{
-    const wisp_entity e = add_small( h->world, 0.0f );
-    const wisp_contact_def participant = wisp_default_contact_def();
-    set_contact( h->world, e, &participant );
-    const uint64_t before = wisp_world_hash( h->world );
-    static const float MARGINS[] = { 0.0f, -1.0f, 101.0f, NAN, INFINITY };
-    const wisp_contact_settings good = wisp_default_contact_settings();
-    for ( int i = 0; i < WISP_COUNT( MARGINS ); ++i )
-    {
-        wisp_contact_settings def = good;
-        def.margin = MARGINS[i];
-        expect_refusal( h->world, wisp_set_contact_settings( h->world, &def ), WISP_BAD_INPUT, "margin" );
-    }
-    wisp_contact_settings def = good;
-    def.level = WISP_CONTACT_LEVEL_COUNT;
-    expect_refusal( h->world, wisp_set_contact_settings( h->world, &def ), WISP_BAD_INPUT, "level" );
-    assert_true( wisp_world_hash( h->world ) == before );
-    run_steps( h->world, 2, 0.01f );
-}
-
 CONTACT_TEST( who_cannot_take_part_is_told )
 {
     const wisp_contact_def def = wisp_default_contact_def();

@@ -417,10 +417,10 @@ static double distance_between( const contact_contact_mesh* s, bool are_edges, i
 // Return what the list of two clusters says of a pair: the least that its distance is above its gap.
 static double listed_bound( const contact_contact_mesh* s, int pair, int kind, int a, int b, double* gap )
 {
-    const contact_list* list = s->bounds->pairs[0].list + pair;
+    const contact_list* list = s->bounds->pairs.list + pair;
     const int first = list->first + ( kind == CONTACT_EDGES ? list->points : 0 ),
               count = kind == CONTACT_EDGES ? list->edges : list->points;
-    const double slack = (double)s->bounds->pairs[0].slack[pair];
+    const double slack = (double)s->bounds->pairs.slack[pair];
     for ( int i = first; i < first + count; ++i )
     {
         const contact_listed* l = s->bounds->listed + i;
@@ -437,7 +437,7 @@ static double listed_bound( const contact_contact_mesh* s, int pair, int kind, i
 static int check_list( const contact_contact_mesh* s, int pair, double whole_gap )
 {
     static const int KINDS[3][2] = { { 1, 1 }, { 0, 2 }, { 2, 0 } };
-    const int both[2] = { s->bounds->pairs[0].cluster[pair], s->bounds->pairs[0].other[pair] };
+    const int both[2] = { s->bounds->pairs.cluster[pair], s->bounds->pairs.other[pair] };
     const double gone = (double)contact_closing_of( s->motion->gone + both[0], s->motion->gone + both[1] );
     int count = 0;
     for ( int k = 0; k < 3; ++k )
@@ -476,10 +476,10 @@ TEST( no_pair_is_nearer_than_its_list_says )
         swing( h.world, ball, FRAME * (float)step );
         run_steps( h.world, 1, FRAME );
         const contact_contact_mesh* s = &found->contact_mesh;
-        for ( int pair = step % 8; pair < s->bounds->pairs[0].count && step > 20; pair += 8 )
+        for ( int pair = step % 8; pair < s->bounds->pairs.count && step > 20; pair += 8 )
         {
             count += check_list( s, pair, (double)found->participants[0].settings.thickness );
-            listed += s->bounds->pairs[0].list[pair].points + s->bounds->pairs[0].list[pair].edges;
+            listed += s->bounds->pairs.list[pair].points + s->bounds->pairs.list[pair].edges;
         }
     }
     assert_true( count > 100000 && listed > 1000 );

@@ -38,10 +38,49 @@ WISP_BEGIN_C
 /// @return the version of the library that runs, such as "0.15.0". WISP_VERSION_STRING is that of the headers
 WISP_API const char* wisp_version( void );
 
+/// What a member of a definition is.
+typedef enum wisp_field_type
+{
+    WISP_FIELD_NUMBER = 0, ///< float
+    WISP_FIELD_DOUBLE = 1, ///< double
+    WISP_FIELD_WHOLE = 2,  ///< int32_t
+    WISP_FIELD_CHOICE = 3, ///< an enumeration of 0 .. `upper`
+    WISP_FIELD_SWITCH = 4, ///< bool
+    WISP_FIELD_BITS = 5,   ///< uint32_t, any
+    WISP_FIELD_SEED = 6,   ///< uint64_t, any
+    WISP_FIELD_VECTOR = 7, ///< wisp_vec3 whose length is in the range
+    WISP_FIELD_POINT = 8,  ///< wisp_vec3, each coordinate of which is in the range
+    WISP_FIELD_POSE = 9,   ///< wisp_transform within `upper` of the origin
+} wisp_field_type;
+
+/// A member of a definition: where it is, what it is by default, and what it may be.
+typedef struct wisp_field
+{
+    const char* name;
+    wisp_field_type type;
+    size_t offset;       ///< bytes from the start of the definition
+    double initial[3];   ///< the first alone but of vectors and points
+    double lower, upper; ///< both belong to the range, as the type of the member rounds them
+    double other;        ///< allowed besides the range, such as 0 for "by the mesh"; `lower` where nothing is
+    const char* unit;    ///< symbol; null: none
+} wisp_field;
+
+/// The members of a definition that hold values. Pointers, their counts and entities are not among them.
+typedef struct wisp_fields
+{
+    const char* definition; ///< such as "cloth_def"
+    const char* subject;    ///< such as "cloth", which messages begin with
+    const wisp_field* rows; ///< [count]
+    int count;
+    size_t size; ///< bytes of the definition
+} wisp_fields;
+
 /// Declare wisp_default_NAME(), which returns the defaults of the definition wisp_NAME, and wisp_init_NAME( def, size ), which writes
 /// them, for languages that cannot include this header. Both store the size of the definition in its first member: a program
 /// that was compiled with an older version of Wisp has a shorter one, and members that it does not know keep their defaults.
+/// wisp_NAME_fields has the default, range and unit of each member.
 #define WISP_DEFINITION( name )                                                                                      \
+    WISP_API extern const wisp_fields wisp_##name##_fields;                                                          \
     WISP_API void wisp_init_##name( struct wisp_##name* def, size_t size );                                          \
     static inline wisp_##name wisp_default_##name( void )                                                            \
     {                                                                                                                \

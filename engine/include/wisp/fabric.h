@@ -102,6 +102,7 @@ typedef struct wisp_fabric_level
     wisp_schedule schedule;     ///< a level of few links is one tile
     const int32_t *a_x4, *b_x4; ///< [schedule.slot_count] rows times 4
     const float* rest;          ///< [schedule.slot_count] m, distance along the rest mesh; 0 pads
+    float mean_rest;            ///< m, of the links
     const float* fraction;      ///< [schedule.slot_count] of a link's stiffness, in (0, 1]; 0 pads
 
     /// Chains of mesh edges from one end of a link to the other, in groups of eight links: entry e of group g is at

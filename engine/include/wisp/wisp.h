@@ -344,7 +344,7 @@ typedef enum wisp_counter
     WISP_COUNT_STIFFNESS_CLAMPED = 11, ///< substeps whose links were too stiff for single precision and were softened
     WISP_COUNT_FIRST_ORDER = 12, ///< substeps of BDF2 made by implicit Euler instead: of a cloth, of each strand
     WISP_COUNT_GRAVITY_SCALED =
-        13,                  ///< strands that feel part of gravity, because substeps are too long for their curls
+        13,                  ///< strands that feel part of gravity, because substeps are too long to hold their shape
     WISP_COUNT_SAGGING = 14, ///< strands too soft to hold their shape under gravity, which sag
     WISP_COUNT_STRETCHED =
         15, ///< strands of inextensible links that end a step more than 5 % too long, in each step: too few

@@ -1,4 +1,4 @@
-# Recordings of a run: formats, values, verification. What their frames hold is in test_program_record.c.
+# Recordings of a run: formats, frames, values, tracks, verification; boundary points.
 $ cat >hair.yaml <<'END'
 > wisp: 1
 > steps: 3
@@ -122,3 +122,117 @@ $ printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n' >broken.obj
 $ wisp info broken.obj
 ! wisp: ...broken.obj...
 [2]
+
+# A recording has the start and every nth step with the hash of its world; a step is a float of 1/60 s.
+$ cp "$SOURCE/tests/app/transcripts/files.py" .; wisp run hair.yaml --steps 7 --every 3 --record nth.wisp >/dev/null
+$ wisp info nth.wisp
+...3 frames...
+$ python3 <<'END'
+> from files import *
+> ( hair, ), times = wisp_recording.read( "nth.wisp" )
+> assert hair.name == "hair" and hair.is_strands and len( hair.numbers ) == 41 and len( times ) == 3 and all( hashes( "nth.wisp" ) )
+> assert all( abs( time - 3 * f / 60 ) < 1e-7 * ( f + 1 ) for f, time in enumerate( times ) )
+> END
+
+# Frames between steps pass through the steps, where no world was in between, and ghosts turn no corner there: they are once continuously differentiable, so the
+# change of velocity at a step falls with the distance of frames. On straight lines, which the guides move along, it stays. A scene has such frames too, and an
+# option has the last word.
+$ cat >ghosts.yaml <<'END'
+> wisp: 1
+> steps: 12
+> substeps: 4
+> strands:
+>   - name: guides
+>     generate: { strands: 3, vertices: 8, length: 0.2, seed: 3 }
+>     dynamics: {}
+>     head: { keyframes: [ { time: 0.08, position: [0.03, 0, 0] }, { time: 0.2, position: [0, 0, 0] } ] }
+>   - name: ghosts
+>     scatter: { around: guides, count: 4, radius: 0.008 }
+>     ghosts: {}
+> END
+$ sed 's/^wisp: 1/&\nframes_per_step: 4/' ghosts.yaml >written.yaml
+$ for n in 1 4 16 32; do wisp run ghosts.yaml --record $n.wisp --frames-per-step $n; done >/dev/null
+$ wisp run written.yaml --record written.wisp >/dev/null; wisp run written.yaml --record again.wisp --frames-per-step 1 >/dev/null; cmp 4.wisp written.wisp; cmp 1.wisp again.wisp
+$ python3 <<'END'
+> from files import *
+> runs = {}
+> for n in 1, 4, 16, 32:
+>     bodies, times = wisp_recording.read( f"{n}.wisp" )
+>     assert len( times ) == 12 * n + 1 and all( abs( time - f / ( 60 * n ) ) < 1e-6 for f, time in enumerate( times ) )
+>     assert all( ( hash != 0 ) == ( f % n == 0 ) for f, hash in enumerate( hashes( f"{n}.wisp" ) ) )
+>     runs[n] = bodies
+> for k in 0, 1:
+>     assert all( runs[16][k].frames[16 * step] == runs[1][k].frames[step] for step in range( 13 ) )
+> def corner( n, k ): # the largest change of velocity from the frame before a step to the frame after it, m per step
+>     changes = []
+>     for f in range( 2 * n, 12 * n, n ):
+>         a, b, c = runs[n][k].frames[f - 1:f + 2]
+>         turns = [after + before - 2 * at for before, at, after in zip( a, b, c )]
+>         changes += [sum( x * x for x in turns[i:i + 3] ) ** 0.5 for i in range( 0, len( turns ), 3 )]
+>     return n * max( changes )
+> assert corner( 16, 1 ) > 1e-4 and corner( 32, 1 ) < 0.6 * corner( 16, 1 )
+> assert corner( 32, 0 ) > 0.95 * corner( 16, 0 ) and corner( 32, 1 ) < 0.2 * corner( 32, 0 )
+> END
+
+# Tracks are the points of the recording: nine digits restore every float.
+$ wisp run hair.yaml --record t.wisp --track hair:19,0 --track hair:7 --track-file t.csv
+...t.csv: 3 vertices over 4 frames...
+$ head -n 1 t.csv
+time,hair.19.x,hair.19.y,hair.19.z,hair.0.x...
+$ python3 <<'END'
+> from files import *
+> ( hair, ), times = wisp_recording.read( "t.wisp" )
+> rows = [array.array( "f", map( float, line.split( "," ) ) ) for line in open( "t.csv" ).readlines()[1:]]
+> assert len( rows ) == 4 and hair.vertices == 800
+> for row, points in zip( rows, hair.frames ):
+>     assert row[1:] == points[57:60] + points[0:3] + points[21:24]
+> END
+
+# A difference of one bit is named by frame, body and vertex.
+$ cp proof.wisp off.wisp; python3 <<'END'
+> from files import *
+> def flip( frame ):
+>     frame[40 + 12 * 123 + 4] ^= 1
+>     return frame
+> change_frame( "off.wisp", 2, flip )
+> END
+> wisp run hair.yaml --verify off.wisp
+! wisp: off.wisp: frame 2 ...hair differs at vertex 123: ...
+[2]
+
+# A damaged recording is neither described nor drawn.
+$ python3 -c 'data = bytearray( open( "proof.wisp", "rb" ).read() ); data[-200] ^= 1; open( "damaged.wisp", "wb" ).write( data )'
+$ wisp info damaged.wisp
+...
+! wisp: ...frame 3...
+[2]
+$ wisp render damaged.wisp -o damaged.png
+! wisp: ...frame 3...
+[2]
+$ test ! -e damaged.png; wisp info a.pc2
+...4 frames...
+
+# Files of boundary points hold the vertices, which have no element, and behind them the points with unit normals, those of 480 edges first and then those of 320
+# triangles. The middle of a triangle of level 2, 0.18 rad from its corners, lies 1.7 % below them.
+$ printf 'wisp: 1\nsteps: 4\nsubsteps: 4\nsurfaces:\n  - name: ball\n    generate: { shape: icosphere, level: 2, radius: 0.2 }\n' >ball.yaml
+> printf '    balloon: { gas_ratio: 1.2, buoyancy: false }\n    boundary: { spacing: 0.015 }\n' >>ball.yaml
+$ wisp run ball.yaml --boundary layer.ply --every 2 >told; grep -o 'boundary points written: .*' told; ls layer*
+boundary points written: 2 files, the last is layer_0003.ply...
+layer_0002.ply
+layer_0003.ply
+$ python3 <<'END'
+> from files import *
+> import re
+> header, data = open( "layer_0003.ply", "rb" ).read().split( b"end_header\n", 1 )
+> count = int( re.search( rb"element vertex (\d+)", header )[1] )
+> assert count == 162 + int( re.search( r"ball: (\d+)", open( "told" ).read() )[1] ) > 2 * 162 and b"element face 320\n" in header
+> rows = list( struct.iter_unpack( "<6fi", data[:28 * count] ) )
+> norm = lambda v: sum( c * c for c in v ) ** 0.5
+> radii = [norm( row[:3] ) for row in rows]
+> assert all( 0.97 * min( radii[:162] ) < r <= max( radii[:162] ) for r in radii[162:] )
+> assert all( abs( norm( row[3:6] ) - 1 ) < 1e-6 for row in rows ) # roundings of floats
+> elements = [row[6] for row in rows]
+> assert set( elements[:162] ) == { -1 } and elements[162:] == sorted( elements[162:] ) and 0 <= elements[162] and 480 <= elements[-1] < 800
+> END
+$ wisp info layer_0003.ply
+...unreferenced vertices...

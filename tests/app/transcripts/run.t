@@ -356,6 +356,8 @@ $ cat >quads.yaml <<'END'
 > surfaces:
 >   - { name: a, generate: { shape: plane, columns: 3, rows: 3 }, implicit: { stiffness_model: link, links: quad } }
 > END
+$ sed 's/links: quad.*/}, detail: { level: coarse } }/; s/implicit: .*link, /cloth: { coarse_substeps: 1 /' quads.yaml >coarse.yaml; wisp info --host coarse.yaml 2>/dev/null | grep 'level = '
+    detail_surface0.level = WISP_DETAIL_COARSE;
 $ wisp info --host quads.yaml
 ! wisp: quads.yaml:3: got 'implicit.links', which --host does not print...
 [2]

@@ -1,5 +1,4 @@
-# Suites in wisp bench, and wisp accuracy; suites whose rows have checks; a report beside the results. Their numbers are in
-# test_program_suite.c.
+# Suites in wisp bench, and wisp accuracy; their numbers; suites whose rows have checks; a report beside the results.
 $ sheet() { cat <<END
 > wisp: 1
 > steps: 12
@@ -49,7 +48,7 @@ $ grep 'equal error' told
 $ for line in 'reference: { set: { substeps: 60 } }' 'reference: { stored: nowhere.wisp }' 'reference: { kept: x }' \
 >     'reference: { set: { substeps: 60 }, extrapolate: 3 }' 'reference: { set: { substeps: 60 }, extrapolate: {} }' \
 >     'reference: { set: { substeps: 60 }, extrapolat: 1 }' 'reference: { set: { substeps: 60 }, check: {}, extrapolate: 1 }' \
->     'reference: { set: { substeps: 30 }, extrapolate: 1 }' 'reference: { overlap: some }' \
+>     'reference: { set: { substeps: 30 }, extrapolate: 1 }' 'reference: { overlap: some }' 'reference: { set: { substeps: 60 }, check: {} }' \
 >     'reference: { set: { "surfaces[3].damping": 1 }, check: {} }' 'reference: { set: { "surfaces[3]": null }, check: {} }' \
 >     'seconds: -1' 'titel: x'
 > do
@@ -64,6 +63,7 @@ $ for line in 'reference: { set: { substeps: 60 } }' 'reference: { stored: nowhe
 ! wisp: ...got extrapolate with check...
 ! wisp: ...got a reference of 30 substeps...
 ! wisp: ...expected overlap: none alone...
+! wisp: bad.yaml:2:...expected a coarser run...
 ! wisp: ...names nothing of the scene...
 ! wisp: ...names nothing of the scene...
 ! wisp: ...expected seconds of simulated time...
@@ -78,6 +78,9 @@ $ for keys in 'along: { dt: [0.01, 0.02] }' 'along: { substeps: [1, 2], iteratio
 ! wisp: ...expected a number above 0...
 ! wisp: ...expected an order...
 ! wisp: ...expected steps or seconds, not both...
+$ : >empty.yaml; printf 'wisp_suite: 1\nscenes: [{ file: empty.yaml }]\n' >bad.yaml; wisp bench bad.yaml
+! wisp: ...empty.yaml: got an empty file...
+[2]
 $ wisp bench nowhere/suite.yaml
 ! wisp: ...
 [2]
@@ -297,3 +300,132 @@ $ if [ -w /dev/full ]; then wisp bench boundary --quick --seconds 0.01 --workers
 ---...
 ! wisp: /dev/full: the report could not be written...
 [2]
+
+# Numbers of suites. More substeps are nearer to the converged run, and the same motion on another mesh is comparable with it.
+$ sed 's/columns: 9, rows: 9, spacing: 0.1/columns: 17, rows: 17, spacing: 0.05/' sheet.yaml >fine.yaml; cat >suites.py <<'END'
+> import json, os, subprocess
+> def wisp( command, status=0 ):
+>     run = subprocess.run( [os.environ["WISP"], *command.split()], capture_output=True, text=True )
+>     assert run.returncode == status, ( command, run )
+>     return run.stdout
+> def measure( name, reference, scenes, more="" ):
+>     open( name, "w" ).write( f"wisp_suite: 1\n{more}reference: {reference}\nscenes:\n" + "".join( f"  - {{ {scene} }}\n" for scene in scenes ) )
+>     return rows_of( name )
+> def rows_of( name ):
+>     return { row["variant"]: row["error"] for row in json.loads( wisp( f"bench {name} --seconds 0.1 --workers 1 -f json" ) )["rows"] }
+> rms, below, half = "RMS_distance_to_the_reference_mm", "RMS_distance_to_the_reference_mm_below", "error_at_0_5_s_mm"
+> def doubt_of( name ):
+>     return wisp( f"bench {name} --seconds 0.1" ).split( "uncertain by " )[1].split( " mm" )[0]
+> falling = ( "{ file: sheet.yaml, set: { substeps: 60, iterations: 4 }, check: { substeps: 30 } }",
+>             ["file: sheet.yaml, along: { substeps: [1, 2, 4, 8] }, order: 1", "file: fine.yaml, name: fine, along: { substeps: [1, 8] }"] )
+> END
+$ python3 <<'END'
+> from suites import *
+> rows = measure( "falling.yaml", *falling )
+> errors = [rows[f"sheet, substeps={n}"][rms] for n in ( 8, 4, 2, 1 )]
+> assert errors == sorted( set( errors ) ) and 0 < rows["fine, substeps=8"][rms] < rows["fine, substeps=1"][rms]
+> END
+
+# The skin of a figure that lowers its arms is stretched there by a lot, and the cloth that falls through it is not.
+$ cat >figure.yaml <<END
+> wisp: 1
+> steps: 3
+> surfaces:
+>   - { name: body, file: "$SOURCE/data/figure.glb", animation: { clips: [{ clip: walk, time: 0.05 }] } }
+>   - { name: cloth, generate: { shape: plane, columns: 9, rows: 9, spacing: 0.1 }, transform: { translate: [0, 1.2, 0] }, cloth: {}, contact: {} }
+> END
+$ printf 'wisp_suite: 1\nscenes: [{ file: figure.yaml, name: skin }]\n' >skin.yaml; python3 <<'END'
+> from suites import *
+> skin = rows_of( "skin.yaml" )["skin"]
+> assert skin["stretch_max_percent"] < 1e-3 and skin["intersections"] == skin["intersections_with_driven_surfaces"] > 0
+> END
+
+# A run that is the reference has no error, and the doubt of the reference is the distance of the run that is its check. A reference that is extrapolated leaves a run
+# of its substeps the error of first order; the doubt is half of the step of the extrapolation, a quarter of the distance of 40 to 80 substeps, and so of both errors.
+$ python3 <<'END'
+> from suites import *
+> rows = measure( "same.yaml", "{ set: { substeps: 20 }, check: { substeps: 10 } }", ["file: sheet.yaml, along: { substeps: [10, 20] }"] )
+> assert rows["sheet, substeps=20"][rms] == 0 and doubt_of( "same.yaml" ) == "%.3g" % rows["sheet, substeps=10"][rms]
+> rows = measure( "limit.yaml", "{ set: { substeps: 80 }, extrapolate: 1 }", ["file: sheet.yaml, along: { substeps: [20, 40, 80] }"] )
+> coarse, fine = ( rows[f"sheet, substeps={n}"][rms] for n in ( 40, 80 ) )
+> assert 0.4 * coarse < fine < 0.6 * coarse and 0.2 * 2 * fine < float( doubt_of( "limit.yaml" ) ) < 0.3 * 2 * fine
+> # errors at moments and of the energy against the reference: euler loses energy, less with more substeps
+> rows = measure( "moments.yaml", "{ set: { substeps: 80 }, extrapolate: 1 }", ["file: sheet.yaml, along: { substeps: [5, 20] }"], "seconds: 0.6\n" )
+> few, many = ( rows[f"sheet, substeps={n}"] for n in ( 5, 20 ) )
+> energy = "energy_against_the_reference_percent_of_released"
+> assert few[half] > 2 * many[half] > 0 and few[energy] < 2 * many[energy] < 0 and "error_at_1_s_mm" not in few
+> END
+
+# A row that is nearer to the reference than the reference is to the truth says so, and is on no front. 0.2 s are shorter than any moment.
+$ python3 <<'END'
+> from suites import *
+> rows = measure( "below.yaml", falling[0].replace( "file: sheet.yaml, ", "" ), ["file: sheet.yaml, set: { iterations: 4 }, along: { substeps: [4, 58] }"] )
+> far, near = ( rows[f"sheet, substeps={n}"] for n in ( 4, 58 ) )
+> assert below not in far and near[below] == 1 and near[rms] > 0 and half not in far
+> END
+$ wisp bench below.yaml --seconds 0.1
+... below ...1 of 2 are on it...
+
+# References that are kept are found again, those that are broken are made again, and another scene has one of its own.
+$ rm -rf cache; python3 <<'END'
+> from suites import *
+> error = measure( "falling.yaml", *falling )["sheet, substeps=4"][rms]
+> kept = ["cache/" + name for name in os.listdir( "cache" )]
+> for path in kept:
+>     open( path, "r+" ).truncate( 100 )
+> assert rows_of( "falling.yaml" )["sheet, substeps=4"][rms] == error and len( kept ) == len( os.listdir( "cache" ) ) == 2
+> END
+$ sed -i.kept 's/spacing: 0.1 /spacing: 0.11 /' sheet.yaml; wisp bench falling.yaml --seconds 0.1 >/dev/null; mv sheet.yaml.kept sheet.yaml; ls cache | wc -l
+4
+
+# Rows that differ in what is simulated have references of their own; those that differ in how it is solved share one.
+$ printf 'wisp: 1\nsteps: 6\nstrands: [{ name: hair, generate: { strands: 4, vertices: 6, length: 0.2 }, dynamics: {} }]\n' >few_hairs.yaml
+$ rm -rf cache; python3 <<'END'
+> from suites import *
+> rows = measure( "counts.yaml", "{ set: { substeps: 8 }, check: { substeps: 4 } }",
+>                 ['file: few_hairs.yaml, vary: { "strands[0].generate.strands": [4, 9], "strands[0].generate.vertices": [6, 8], '
+>                  '"strands[0].dynamics.integrator": [euler, bdf2], substeps: [4, 8] }',
+>                  'file: sheet.yaml, vary: { "surfaces[0].generate.rows": [5, 9], substeps: [4, 8] }',
+>                  'file: sheet.yaml, name: damped, vary: { "surfaces[0].damping": [0.5, 2], substeps: [8] }'] )
+> assert len( os.listdir( "cache" ) ) == 2 * ( 4 + 2 + 2 )
+> for name in ( "few_hairs, strands=4, vertices=6, integrator=euler, substeps=8", "few_hairs, strands=9, vertices=8, integrator=euler, substeps=8",
+>               "sheet, rows=5, substeps=8", "sheet, rows=9, substeps=8", "damped, damping=0.5, substeps=8", "damped, damping=2, substeps=8" ):
+>     assert rows[name][rms] == 0 and rows[name]["until_s"] > 0
+> assert rows["few_hairs, strands=9, vertices=6, integrator=bdf2, substeps=8"][rms] > 0
+> assert rows["sheet, rows=5, substeps=4"][rms] == rows["sheet, rows=5, substeps=4"]["doubt_mm"]
+> END
+$ wisp bench counts.yaml --seconds 0.1 --workers 1 -f latex >told; grep -o '22 settings of 8 scenes, each compared with its own reference' told | head -n 1; grep -A1 '^.toprule' told | head -n 2
+> grep -o '^few.*vertices=8, integrator=bdf2, substeps=4 & 1 & 9 & 72 & 4 & ' told
+22 settings of 8 scenes, each compared with its own reference
+\toprule
+setting & workers & strands & vertices & substeps & ms & ms, p90 & FPS & error, mm...
+few\_hairs, strands=9, vertices=8, integrator=bdf2, substeps=4 & 1 & 9 & 72 & 4 & 
+
+# Tuning has the reference of accuracy.
+$ wisp accuracy sheet.yaml --suite made.yaml >/dev/null; python3 <<'END'
+> from suites import *
+> links = rows_of( "made.yaml" )["as written, substeps=1"][rms]
+> run = subprocess.run( [os.environ["WISP"], *"tune sheet.yaml --error 10 --workers 1 -f json".split()], capture_output=True, text=True )
+> found = [row["error"]["rms_m"] for row in json.loads( run.stdout )["rows"]
+>          if [row["size"][key] for key in ( "substeps", "iterations", "cloth.tethers", "cloth.coarse_substeps" )] == [1, 1, 0, 0]]
+> assert len( found ) == 1 and abs( 1e3 * found[0] - links ) < 1e-6 * links
+> END
+
+# Two runs of `wisp bench accuracy` differ in times alone, on which the number of rounds depends, and workers change nothing but times and their memory.
+$ cat >repeats.py <<'END'
+> from suites import *
+> def rows( seconds, workers ):
+>     rows = json.loads( wisp( f"bench {os.environ['SOURCE']}/data/suites/accuracy/strands_rest.yaml --format json --seconds {seconds} --workers {workers}" ) )["rows"]
+>     for row in rows:
+>         for key in "ms_median", "ms_p10", "ms_p90", "fps", "stages", "steps", "samples_ms", "cpu_fraction":
+>             del row[key]
+>         row["error"].pop( "memory_KiB", None )
+>         row["size"].pop( "bytes", None )
+>     return rows
+> first, longer, alone = rows( 0.01, 2 ), rows( 3, 2 ), rows( 0.01, 1 )
+> assert first == longer and len( first ) == 2 * len( alone ) >= 24
+> # the rows of a setting are consecutive, by workers
+> assert first[0::2] == alone and [row["workers"] for row in first[1::2]] == [2] * len( alone )
+> assert [{ **row, "workers": 1 } for row in first[1::2]] == alone
+> END
+> python3 repeats.py

@@ -10,7 +10,7 @@ $ cat >cloth.yaml <<'END'
 >     generate: { shape: plane, columns: 9, rows: 9, spacing: 0.05 }
 >     pins: [0, 8]
 >     # soft
->     cloth: { bending: none }
+>     cloth: { bending: none, coarse_substeps: 0 }
 > END
 
 # An error is met, and the scene that is written has the choice.

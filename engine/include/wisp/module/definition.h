@@ -1,13 +1,14 @@
-/// For modules: definitions that know their size, so that a library reads those of hosts that were compiled with an older one.
+/// For modules: definitions by table. One row says the name, default, range and unit of a member; defaults, checks, scenes and tests walk
+/// the rows.
 ///
-///     void wisp_init_cloth_def( wisp_cloth_def* def, size_t size )
-///     {
-///         const wisp_cloth_def values = { .stretch_stiffness = 1.0f };     // of the current version
-///         wisp_def_init( def, size, &values, sizeof( values ) );
-///     }
+///     static const wisp_field FIELDS[] = {
+///         WISP_NUMBER( wisp_cloth_def, stretch_stiffness, 1, 0, 1, NULL ),
+///         WISP_SWITCH( wisp_cloth_def, tethers, false ),
+///     };
+///     WISP_DEFINE( cloth_def, "cloth", FIELDS )
 ///
-///     wisp_cloth_def values = wisp_default_cloth_def();
-///     WISP_TRY( wisp_def_read( &values, given, "wisp_default_cloth_def", error ) );
+///     wisp_cloth_def def;
+///     WISP_TRY( wisp_world_begin_def( world, &wisp_cloth_def_fields, &def, given ) ); // in its ranges from here on
 #pragma once
 
 #include "wisp/base.h"
@@ -25,16 +26,58 @@ WISP_BEGIN_C
         }                                                                                                            \
     } while ( 0 )
 
-/// Write defaults to a definition of a host, which may be shorter than that of the library.
+#define WISP_FIELD( def, name, type, lower, upper, other, unit, ... )                                                \
+    {                                                                                                                \
+#name, type, offsetof( def, name ), { __VA_ARGS__ }, lower, upper, other, unit                               \
+    }
+#define WISP_NUMBER( def, name, initial, lower, upper, unit )                                                        \
+    WISP_FIELD( def, name, WISP_FIELD_NUMBER, lower, upper, lower, unit, initial )
+/// A number that is in its range or is `other`, its default.
+#define WISP_NUMBER_OR( def, name, other, lower, upper, unit )                                                       \
+    WISP_FIELD( def, name, WISP_FIELD_NUMBER, lower, upper, other, unit, other )
+#define WISP_WHOLE( def, name, initial, lower, upper )                                                               \
+    WISP_FIELD( def, name, WISP_FIELD_WHOLE, lower, upper, lower, NULL, initial )
+#define WISP_WHOLE_OR( def, name, other, lower, upper )                                                              \
+    WISP_FIELD( def, name, WISP_FIELD_WHOLE, lower, upper, other, NULL, other )
+/// @param count of the enumerators
+#define WISP_CHOICE( def, name, initial, count )                                                                     \
+    WISP_FIELD( def, name, WISP_FIELD_CHOICE, 0, (count)-1, 0, NULL, initial )
+#define WISP_SWITCH( def, name, initial ) WISP_FIELD( def, name, WISP_FIELD_SWITCH, 0, 1, 0, NULL, initial )
+/// Bits, all of them by default or the lowest one.
+#define WISP_BITS( def, name, initial ) WISP_FIELD( def, name, WISP_FIELD_BITS, 0, 0, 0, NULL, initial )
+#define WISP_SEED( def, name, initial ) WISP_FIELD( def, name, WISP_FIELD_SEED, 0, 0, 0, NULL, initial )
+/// @param ... the three numbers that it has by default
+#define WISP_VECTOR( def, name, shortest, longest, unit, ... )                                                       \
+    WISP_FIELD( def, name, WISP_FIELD_VECTOR, shortest, longest, shortest, unit, __VA_ARGS__ )
+#define WISP_POINT( def, name, lower, upper, unit, ... )                                                             \
+    WISP_FIELD( def, name, WISP_FIELD_POINT, lower, upper, lower, unit, __VA_ARGS__ )
+#define WISP_POSE( def, name ) WISP_FIELD( def, name, WISP_FIELD_POSE, -1e6, 1e6, 0, "m", 0 )
+
+/// Define what WISP_DEFINITION( name ) declares, by its rows.
+#define WISP_DEFINE( name, subject, rows )                                                                           \
+    const wisp_fields wisp_##name##_fields = { #name, subject, rows, WISP_COUNT( rows ), sizeof( wisp_##name ) };    \
+    void wisp_init_##name( wisp_##name* def, size_t size )                                                           \
+    {                                                                                                                \
+        wisp_def_init( &wisp_##name##_fields, def, size );                                                           \
+    }
+
+/// Write defaults to a definition of a host, which may be shorter than that of the library. What has no row is zero.
 /// @param def begins with a uint32_t, which receives `size`; null does nothing
 /// @param size bytes of `def`
-/// @param values [value_size] defaults of the library's own version
-WISP_API void wisp_def_init( void* def, size_t size, const void* values, size_t value_size );
+WISP_API void wisp_def_init( const wisp_fields* fields, void* def, size_t size );
 
 /// Read a definition of a host. Members that it does not have keep their defaults.
-/// @param values in: defaults, with their size first. Out: what the host gave
-/// @param given of the host @param filled_by name of the function that fills it, for the message
-/// @return WISP_BAD_INPUT it is null, was not filled by that function, or is of a newer version
-WISP_API wisp_status wisp_def_read( void* values, const void* given, const char* filled_by, wisp_error* error );
+/// @param def [fields->size] receives it
+/// @return WISP_BAD_INPUT it is null, was not filled by its function, is of a newer version, or a value is out of its range
+WISP_API wisp_status wisp_def_read( const wisp_fields* fields, void* def, const void* given, wisp_error* error );
+
+/// Check one value of a definition that comes alone.
+/// @param part such as " of vertex 5", which the message has behind the name @param value of the type of the member
+/// @return WISP_BAD_INPUT, "subject: name: got value, expected range"
+WISP_API wisp_status wisp_def_check( const wisp_fields* fields, const char* name, const char* part, const void* value,
+                                     wisp_error* error );
+
+/// @return the row of a member; null: it has none
+WISP_API const wisp_field* wisp_def_find( const wisp_fields* fields, const char* name );
 
 WISP_END_C

@@ -436,6 +436,13 @@ typedef struct wisp_kernels
     void ( *level_prepare )( const wisp_level_link_args* args, int begin, int end );
     void ( *level_band )( const wisp_level_link_args* args, int begin, int end );
     void ( *level_link )( const wisp_level_link_args* args, int begin, int end );
+    bool ( *level_is_torn )( const wisp_level_link_args* args, float most, int begin,
+                             int end ); ///< a link has `most` times its length
+    // rows of the coarsest sheet [begin, end), multiples of 8
+    void ( *level_predict )( const wisp_level_rows_args* args, int begin, int end );
+    void ( *level_finish )( const wisp_level_rows_args* args, int begin, int end );
+    /// @return whether there is some, and more than half of it is left
+    bool ( *level_add )( const wisp_level_added_args* args, int row_count );
     // slices of eight rows
     void ( *prolong )( const wisp_prolong_args* args, int begin, int end );
     // groups of eight points

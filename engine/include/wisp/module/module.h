@@ -431,9 +431,17 @@ static inline void wisp_release( const wisp_allocator* allocator, void* memory, 
 /// Begin a call of the host, before anything else: the message of the world becomes empty.
 /// @return WISP_BAD_INPUT the world is null; WISP_CONFLICT a step of it runs: the call comes from a callback or from another thread
 WISP_API wisp_status wisp_world_begin( wisp_world* world );
-/// Begin a call that is given a definition, and read it as wisp_def_read() does.
-WISP_API wisp_status wisp_world_begin_def( wisp_world* world, const char* filled_by, void* values,
+/// Begin a call that is given a definition: read it and check all its ranges, as wisp_def_read() does.
+/// @param def receives it
+WISP_API wisp_status wisp_world_begin_def( wisp_world* world, const wisp_fields* fields, void* def,
                                            const void* given );
+/// Check one value that comes alone as wisp_def_check() does.
+WISP_API wisp_status wisp_world_check_value( wisp_world* world, const wisp_fields* fields, const char* name,
+                                             const void* value );
+/// Check numbers that take the place of one of a definition.
+/// @param values [count]; null: there are none @param of what has one each, such as "vertex"
+WISP_API wisp_status wisp_world_check_values( wisp_world* world, const wisp_fields* fields, const char* name,
+                                              const float* values, int count, const char* of );
 /// The same for a call about an entity, with or without those before it.
 /// @return WISP_STALE_ID the entity was removed or never existed, with a message
 WISP_API wisp_status wisp_world_check_entity( wisp_world* world, wisp_entity entity );
@@ -536,16 +544,6 @@ WISP_API void wisp_world_move_columns( wisp_world* world, wisp_entity entity, co
 /// @param capacity elements that there is room for, 0 with a null array; doubles @return false without memory
 WISP_API bool wisp_world_reserve( wisp_world* world, void** array, int* capacity, int count, size_t element_size );
 
-/// A named number of a definition and where it may lie. NaN lies nowhere.
-typedef struct wisp_number_range
-{
-    const char* name;
-    float value, lower, upper;
-} wisp_number_range;
-
-/// Check numbers in their order. @return WISP_BAD_INPUT, "subject: name is value, it must be low to high"
-WISP_API wisp_status wisp_world_check_ranges( wisp_world* world, const char* subject, const wisp_number_range* ranges,
-                                              int count );
 /// Keep a message for wisp_world_message(), hand it to the log of the host if there is one, and return the status.
 WISP_API wisp_status wisp_world_fail( wisp_world* world, wisp_status status, const char* format, ... )
     WISP_PRINTF( 3, 4 );

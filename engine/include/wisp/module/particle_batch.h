@@ -19,6 +19,9 @@ typedef struct wisp_rigid_args
     /// [slot] instead of `fraction`; null: that one. Sums then weigh masses by it: what velocities lose has no momentum and no
     /// angular momentum if the rigid motion is the one of those sums.
     const float* fractions;
+    float*
+        rest; ///< [slot][4] null: none; else what a velocity loses is added to it, with the shift, and the velocity stays
+    wisp_vec3 shift; ///< m/s
 } wisp_rigid_args;
 
 /// With r from the origin and u less its drift. The terms of a few hundred particles are added as floats.

@@ -319,6 +319,32 @@ typedef struct wisp_level_link_args
     const float* chain_rest;        ///< [link] m
 } wisp_level_link_args;
 
+/// Arguments of the rows of the coarsest sheet in a substep of it; equations in passes/carry.c.
+typedef struct wisp_level_rows_args
+{
+    float* position;                    ///< [row][4] m, inverse mass in 1/kg
+    float* start;                       ///< [row][4] m, where the substep begins
+    float *velocity, *change, *lag;     ///< [row][4] m/s, m/s^2
+    const float *acceleration, *target; ///< [row][4] m/s^2; m, where pinned rows end
+    float dt, solve_dt;                 ///< s, of the substep, and with which links are projected
+    float progress;                     ///< fraction of the way of pinned rows that is left
+    float most_change, most_added;      ///< m/s^2, m/s, beyond which what is remembered and added is shortened
+    bool is_second_order;
+} wisp_level_rows_args;
+
+/// Arguments of what second order adds to the velocities of the coarsest rows.
+typedef struct wisp_level_added_args
+{
+    const float* surface;         ///< [slot][4] m/s, velocity
+    const int32_t* slot_x4;       ///< [row] slots times 4
+    const float *end, *mean;      ///< [row][4] m/s, of the sheet: at the end of the substep, and over it
+    float *change, *lag, *before; ///< [row][4] m/s^2; m/s of the surface, in: a substep ago, out: now
+    float *added, *sum;           ///< [row][4] m/s, out; scratch
+    const int32_t *a_x4, *b_x4;   ///< [link] rows times 4; those of a group of eight are different
+    const float* fraction;        ///< [link]
+    int link_count;               ///< a multiple of 8
+} wisp_level_added_args;
+
 /// Arguments of prolongation from a coarse sheet: target += sum of weights times values of the parents, for rows that move.
 typedef struct wisp_prolong_args
 {

@@ -3,7 +3,7 @@
 
 #include "scene.h"
 #include "scene_edit.h"
-#include "wisp/tune.h"
+#include "tune_search.h"
 
 // ---- fields: their location, reading and writing ----
 
@@ -56,12 +56,12 @@ bool tune_field_own( const wisp_scene* scene, int which, double* out );
 
 // ---- parameters ----
 
-/// Parameters of a scene, for wisp_tune(). Must stay where it is: the parameters point into it.
+/// Parameters of a scene, for tune_find(). Must stay where it is: the parameters point into it.
 typedef struct tune_parameters
 {
-    wisp_tune_parameter parameters[WISP_TUNE_MAX_PARAMETERS];
-    int fields[WISP_TUNE_MAX_PARAMETERS]; // rows of tune_fields
-    double values[WISP_TUNE_MAX_PARAMETERS][WISP_TUNE_MAX_VALUES];
+    tune_parameter parameters[TUNE_MAX_PARAMETERS];
+    int fields[TUNE_MAX_PARAMETERS]; // rows of tune_fields
+    double values[TUNE_MAX_PARAMETERS][TUNE_MAX_VALUES];
     int count;
 } tune_parameters;
 

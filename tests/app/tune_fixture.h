@@ -3,7 +3,7 @@
 
 #include "support.h"
 
-#include "wisp/tune.h"
+#include "tune_search.h"
 
 #define CHOICES_MAX 400
 
@@ -19,7 +19,7 @@ typedef struct surface
     int fail_at; ///< run that fails, from 1; 0: none
 } surface;
 
-static const double VALUES[WISP_TUNE_MAX_VALUES] = { 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16 };
+static const double VALUES[TUNE_MAX_VALUES] = { 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16 };
 
 static inline double random_unit( uint64_t seed, int event, int element )
 {
@@ -40,7 +40,7 @@ static inline int size_of( const surface* s )
 static inline surface make_surface( uint64_t seed, int a, int b, int c )
 {
     surface s = { .counts = { a, b, c } };
-    double dear[3][WISP_TUNE_MAX_VALUES], fine[3][WISP_TUNE_MAX_VALUES];
+    double dear[3][TUNE_MAX_VALUES], fine[3][TUNE_MAX_VALUES];
     for ( int k = 0; k < 3; ++k )
     {
         dear[k][0] = fine[k][0] = 1.0;
@@ -69,8 +69,7 @@ static inline void make_bumpy( surface* s, uint64_t seed, double fraction )
     }
 }
 
-static inline wisp_status run_surface( void* user, const int* configuration, wisp_tune_sample* out,
-                                       wisp_error* error )
+static inline wisp_status run_surface( void* user, const int* configuration, tune_sample* out, wisp_error* error )
 {
     surface* s = user;
     const int i = number_of( s, configuration );
@@ -80,14 +79,14 @@ static inline wisp_status run_surface( void* user, const int* configuration, wis
         return wisp_fail( error, WISP_IO_ERROR, "the host has lost its disk" );
     }
     const double off = 1.0 + s->noise * ( 2.0 * random_unit( 99, s->run_count, i ) - 1.0 );
-    *out = ( wisp_tune_sample ){ s->ms[i] * off, s->error[i], 2.0 * s->error[i], s->is_halted[i] };
+    *out = ( tune_sample ){ s->ms[i] * off, s->error[i], 2.0 * s->error[i], s->is_halted[i] };
     return WISP_OK;
 }
 
 typedef struct searched
 {
-    wisp_tune_parameter parameters[3];
-    wisp_tune_def args;
+    tune_parameter parameters[3];
+    tune_def args;
 } searched;
 
 static inline searched search_of( surface* s, double error, double budget_ms )
@@ -95,7 +94,7 @@ static inline searched search_of( surface* s, double error, double budget_ms )
     searched out = { .parameters = { { "substeps", VALUES, s->counts[0], false },
                                      { "iterations", VALUES, s->counts[1], false },
                                      { "third", VALUES, s->counts[2], false } },
-                     .args = wisp_default_tune_def() };
+                     .args = { .max_seconds = INFINITY } };
     out.args.parameter_count = 3;
     out.args.error = error;
     out.args.budget_ms = budget_ms;
@@ -107,12 +106,12 @@ static inline searched search_of( surface* s, double error, double budget_ms )
 }
 
 // A failure leaves the result zero.
-static inline wisp_tune_result find( searched* s )
+static inline tune_result find( searched* s )
 {
     s->args.parameters = s->parameters;
-    wisp_tune_result result;
+    tune_result result;
     wisp_error error = { 0 };
-    assert_ok( wisp_tune( &s->args, &result, &error ), error );
+    assert_ok( tune_find( &s->args, &result, &error ), error );
     return result;
 }
 

@@ -1,9 +1,6 @@
 // The search for a configuration, on synthetic functions of time and error: compared with all configurations of the
 // product.
-#include "surface_fixture.h"
 #include "tune_fixture.h"
-
-#include "wisp/tune.h"
 
 // ---- results of all configurations ----
 
@@ -45,7 +42,7 @@ TEST( the_cheapest_choice_that_meets_an_error_is_found_without_running_all )
         surface s = make_surface( seed, 6, 5, 4 );
         const double target = between( s.error, size_of( &s ), random_unit( seed, 30, 0 ) );
         searched args = search_of( &s, target, 0.0 );
-        SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
+        SCOPED( tune_release ) tune_result found = find( &args );
         const int best = best_by_error( &s, target );
         assert_true( found.meets_target );
         assert_false( found.stopped_early );
@@ -67,7 +64,7 @@ TEST( the_most_accurate_choice_within_a_budget_is_found_without_running_all )
         surface s = make_surface( seed, 6, 5, 4 );
         const double budget = between( s.ms, size_of( &s ), random_unit( seed, 31, 0 ) );
         searched args = search_of( &s, 0.0, budget );
-        SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
+        SCOPED( tune_release ) tune_result found = find( &args );
         assert_true( found.meets_target );
         assert_int_equal( number_of( &s, found.configuration ), best_by_budget( &s, budget ) );
         runs += found.run_count;
@@ -84,7 +81,7 @@ TEST( values_out_of_order_cost_a_tenth_at_most )
         make_bumpy( &s, seed, 0.15 );
         const double target = between( s.error, size_of( &s ), 0.2 + 0.6 * random_unit( seed, 30, 0 ) );
         searched args = search_of( &s, target, 0.0 );
-        SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
+        SCOPED( tune_release ) tune_result found = find( &args );
         assert_true( found.meets_target && found.achieved.error <= target );
         assert_true( found.achieved.ms <= 1.1 * s.ms[best_by_error( &s, target )] );
     }
@@ -94,7 +91,7 @@ TEST( a_finer_value_that_is_cheaper_is_found_beside_the_best )
 {
     surface s = { .counts = { 5, 1, 1 }, .ms = { 1.0, 2.0, 3.0, 2.9, 2.8 }, .error = { 0.5, 0.4, 0.3, 0.2, 0.1 } };
     searched by_error = search_of( &s, 0.3, 0.0 );
-    SCOPED( wisp_tune_release ) wisp_tune_result cheap = find( &by_error );
+    SCOPED( tune_release ) tune_result cheap = find( &by_error );
     assert_int_equal( cheap.configuration[0], 4 );
 }
 
@@ -112,7 +109,7 @@ TEST( nothing_is_concluded_across_values_without_order )
         const double target = between( s.error, size_of( &s ), random_unit( seed, 30, 0 ) );
         searched args = search_of( &s, target, 0.0 );
         args.parameters[2].is_unordered = true;
-        SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
+        SCOPED( tune_release ) tune_result found = find( &args );
         assert_int_equal( number_of( &s, found.configuration ), best_by_error( &s, target ) );
     }
 }
@@ -126,7 +123,7 @@ TEST( noise_of_times_never_lets_an_error_pass )
         const double target = between( s.error, size_of( &s ), random_unit( seed, 30, 0 ) );
         searched args = search_of( &s, target, 0.0 );
         args.args.repeats = 5;
-        SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
+        SCOPED( tune_release ) tune_result found = find( &args );
         const int chosen = number_of( &s, found.configuration );
         assert_true( found.meets_target );
         assert_true( s.error[chosen] <= target );
@@ -150,7 +147,7 @@ TEST( choices_that_halt_are_never_chosen_and_hide_no_other )
         const double target = between( s.error, size_of( &s ), 0.2 + 0.8 * random_unit( seed, 30, 0 ) );
         const double budget = between( s.ms, size_of( &s ), 0.3 + 0.7 * random_unit( seed, 31, 0 ) );
         searched by_error = search_of( &s, target, 0.0 ), by_budget = search_of( &s, 0.0, budget );
-        SCOPED( wisp_tune_release ) wisp_tune_result cheap = find( &by_error ), accurate = find( &by_budget );
+        SCOPED( tune_release ) tune_result cheap = find( &by_error ), accurate = find( &by_budget );
         const int best = best_by_error( &s, target );
         if ( best >= 0 )
         {
@@ -167,7 +164,7 @@ TEST( an_error_out_of_reach_gives_the_most_accurate_choice_and_says_so )
 {
     surface s = make_surface( 3, 6, 5, 4 );
     searched args = search_of( &s, 1e-30, 0.0 );
-    SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
+    SCOPED( tune_release ) tune_result found = find( &args );
     assert_false( found.meets_target );
     assert_false( found.stopped_early );
     assert_int_equal( number_of( &s, found.configuration ), size_of( &s ) - 1 );
@@ -177,7 +174,7 @@ TEST( a_budget_out_of_reach_gives_the_fastest_choice_and_says_so )
 {
     surface s = make_surface( 3, 6, 5, 4 );
     searched args = search_of( &s, 0.0, 1e-30 );
-    SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
+    SCOPED( tune_release ) tune_result found = find( &args );
     assert_false( found.meets_target );
     assert_int_equal( number_of( &s, found.configuration ), 0 );
 }
@@ -190,7 +187,7 @@ TEST( where_every_choice_halts_nothing_is_met )
         s.is_halted[i] = true;
     }
     searched args = search_of( &s, 1.0, 0.0 );
-    SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
+    SCOPED( tune_release ) tune_result found = find( &args );
     assert_false( found.meets_target );
     assert_true( found.achieved.is_halted );
     assert_int_equal( found.trial_count, size_of( &s ) );
@@ -208,7 +205,7 @@ TEST( no_choice_is_run_twice_but_to_measure_it_again )
     s.noise = 0.05;
     searched args = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
     args.args.repeats = 3;
-    SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
+    SCOPED( tune_release ) tune_result found = find( &args );
     int again = 0, queried = 0;
     for ( int v = 0; v < found.trial_count; ++v )
     {
@@ -232,7 +229,7 @@ TEST( a_limit_of_runs_is_kept_and_told )
         searched args = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
         args.args.max_runs = limit;
         args.args.repeats = 3;
-        SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
+        SCOPED( tune_release ) tune_result found = find( &args );
         assert_true( s.run_count <= limit && found.run_count == s.run_count );
         assert_true( found.stopped_early );
         assert_true( found.trial_count >= 1 );
@@ -268,11 +265,11 @@ static many_surface make_many( uint64_t seed )
     return s;
 }
 
-static wisp_status run_many( void* user, const int* configuration, wisp_tune_sample* out, wisp_error* error )
+static wisp_status run_many( void* user, const int* configuration, tune_sample* out, wisp_error* error )
 {
     (void)error;
     const many_surface* s = user;
-    *out = ( wisp_tune_sample ){ .ms = 1.0, .error = 1.0, .largest = 1.0 };
+    *out = ( tune_sample ){ .ms = 1.0, .error = 1.0, .largest = 1.0 };
     for ( int k = 0; k < MANY; ++k )
     {
         out->ms *= s->dear[k][configuration[k]];
@@ -287,7 +284,7 @@ static double best_of_many( const many_surface* s, double target )
     int configuration[MANY] = { 0 };
     for ( int k = 0; k >= 0; )
     {
-        wisp_tune_sample sample;
+        tune_sample sample;
         run_many( (void*)s, configuration, &sample, NULL );
         best = sample.error <= target ? fmin( best, sample.ms ) : best;
         for ( k = MANY - 1; k >= 0 && ++configuration[k] == MANY_COUNTS[k]; --k )
@@ -306,12 +303,12 @@ TEST( a_limit_of_runs_leaves_enough_to_look_beside_the_best )
     for ( int seed = 1; seed <= 10; ++seed )
     {
         many_surface s = make_many( (uint64_t)seed );
-        wisp_tune_parameter parameters[MANY];
+        tune_parameter parameters[MANY];
         for ( int k = 0; k < MANY; ++k )
         {
-            parameters[k] = ( wisp_tune_parameter ){ "k", VALUES, MANY_COUNTS[k], k >= MANY - 2 };
+            parameters[k] = ( tune_parameter ){ "k", VALUES, MANY_COUNTS[k], k >= MANY - 2 };
         }
-        wisp_tune_def args = wisp_default_tune_def();
+        tune_def args = { .max_seconds = INFINITY };
         args.parameters = parameters;
         args.parameter_count = MANY;
         args.error = 0.02;
@@ -319,8 +316,8 @@ TEST( a_limit_of_runs_leaves_enough_to_look_beside_the_best )
         args.user = &s;
         args.max_runs = 60;
         args.repeats = 1;
-        SCOPED( wisp_tune_release ) wisp_tune_result result;
-        assert_int_equal( wisp_tune( &args, &result, NULL ), WISP_OK );
+        SCOPED( tune_release ) tune_result result;
+        assert_int_equal( tune_find( &args, &result, NULL ), WISP_OK );
         assert_true( result.meets_target && result.run_count <= 60 );
         sum += result.achieved.ms / best_of_many( &s, 0.02 ) - 1.0;
     }
@@ -333,7 +330,7 @@ TEST( time_that_is_up_leaves_one_run )
     surface s = make_surface( 5, 6, 5, 4 );
     searched args = search_of( &s, 0.01, 0.0 );
     args.args.max_seconds = 1e-300;
-    SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
+    SCOPED( tune_release ) tune_result found = find( &args );
     assert_int_equal( s.run_count, 1 );
     assert_true( found.stopped_early );
 }
@@ -351,7 +348,7 @@ TEST( the_host_may_stop_a_search )
     int told = 0;
     args.args.progress = stop_after_five;
     args.args.progress_user = &told;
-    SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
+    SCOPED( tune_release ) tune_result found = find( &args );
     assert_int_equal( s.run_count, 5 );
     assert_int_equal( told, 5 );
     assert_true( found.stopped_early );
@@ -361,7 +358,7 @@ TEST( a_parameter_of_one_value_is_left_alone )
 {
     surface s = make_surface( 5, 1, 1, 1 );
     searched args = search_of( &s, 1.0, 0.0 );
-    SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
+    SCOPED( tune_release ) tune_result found = find( &args );
     assert_int_equal( found.run_count, 1 );
     assert_true( found.meets_target );
     assert_false( found.stopped_early );
@@ -374,7 +371,7 @@ TEST( the_same_samples_lead_to_the_same_result )
     const double target = between( first.error, size_of( &first ), 0.5 );
     searched a = search_of( &first, target, 0.0 ), b = search_of( &second, target, 0.0 );
     a.args.repeats = b.args.repeats = 3;
-    SCOPED( wisp_tune_release ) wisp_tune_result x = find( &a ), y = find( &b );
+    SCOPED( tune_release ) tune_result x = find( &a ), y = find( &b );
     assert_memory_equal( x.configuration, y.configuration, sizeof( x.configuration ) );
     assert_int_equal( x.trial_count, y.trial_count );
     assert_memory_equal( first.queried, second.queried, sizeof( first.queried ) );
@@ -384,14 +381,14 @@ TEST( the_front_is_what_nothing_beats )
 {
     surface s = make_surface( 9, 6, 5, 4 );
     searched args = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
-    SCOPED( wisp_tune_release ) wisp_tune_result found = find( &args );
+    SCOPED( tune_release ) tune_result found = find( &args );
     int fronts = 0;
     for ( int v = 0; v < found.trial_count; ++v )
     {
         bool is_beaten = false;
         for ( int w = 0; w < found.trial_count; ++w )
         {
-            const wisp_tune_sample *a = &found.trials[w].sample, *b = &found.trials[v].sample;
+            const tune_sample *a = &found.trials[w].sample, *b = &found.trials[v].sample;
             is_beaten |= a->ms <= b->ms && a->error <= b->error && ( a->ms < b->ms || a->error < b->error );
         }
         assert_true( found.trials[v].is_pareto == !is_beaten );
@@ -405,68 +402,12 @@ TEST( the_front_is_what_nothing_beats )
 static void assert_no_search( searched* args, wisp_status expected, const char* words )
 {
     args->args.parameters = args->args.parameters ? args->args.parameters : args->parameters;
-    wisp_tune_result result = { .run_count = 77 };
+    tune_result result = { .run_count = 77 };
     wisp_error error = { 0 };
-    assert_int_equal( wisp_tune( &args->args, &result, &error ), expected );
+    assert_int_equal( tune_find( &args->args, &result, &error ), expected );
     assert_int_equal( result.run_count, 0 );
     assert_null( result.trials );
     assert_contains( error.message, words );
-}
-
-TEST( bad_targets_are_refused )
-{
-    static const double targets[][2] = { { 0, 0 }, { 1, 1 }, { -1, 0 }, { 0, -1 }, { 1, -1 } };
-    surface s = make_surface( 1, 2, 2, 2 );
-    for ( int i = 0; i < WISP_COUNT( targets ); ++i )
-    {
-        searched args = search_of( &s, targets[i][0], targets[i][1] );
-        assert_no_search( &args, WISP_BAD_INPUT, "expected one of them above 0 and the other 0" );
-    }
-    searched nan = search_of( &s, NAN, 0.0 ), infinite = search_of( &s, 0.0, INFINITY );
-    assert_no_search( &nan, WISP_BAD_INPUT, "error, budget_ms: got nan" );
-    assert_no_search( &infinite, WISP_BAD_INPUT, "and inf, expected" );
-    assert_int_equal( s.run_count, 0 );
-}
-
-TEST( bad_parameters_are_refused )
-{
-    surface s = make_surface( 1, 2, 2, 2 );
-    searched none = search_of( &s, 1, 0 ), nine = none, nameless = none, empty = none, many = none, absent = none;
-    none.args.parameter_count = 0;
-    assert_no_search( &none, WISP_BAD_INPUT, "got 0 parameters" );
-    nine.args.parameter_count = 9;
-    assert_no_search( &nine, WISP_BAD_INPUT, "got 9 parameters" );
-    nameless.parameters[1].name = "";
-    assert_no_search( &nameless, WISP_BAD_INPUT, "parameter 1: got no name" );
-    empty.parameters[2].value_count = 0;
-    assert_no_search( &empty, WISP_BAD_INPUT, "parameter 'third': got 0 values" );
-    absent.parameters[0].values = NULL;
-    assert_no_search( &absent, WISP_BAD_INPUT, "parameter 'substeps': got 0 values" );
-    wisp_tune_parameter wide[4] = {
-        { "a", VALUES, 16, false }, { "b", VALUES, 16, false }, { "c", VALUES, 16, false }, { "d", VALUES, 2, false }
-    };
-    many.args.parameters = wide;
-    many.args.parameter_count = 4;
-    assert_no_search( &many, WISP_BAD_INPUT, "8192 configurations" );
-    assert_int_equal( s.run_count, 0 );
-}
-
-TEST( bad_limits_are_refused )
-{
-    surface s = make_surface( 1, 2, 2, 2 );
-    searched runs = search_of( &s, 1, 0 ), seconds = runs, repeats = runs, callback = runs, allocator = runs;
-    runs.args.max_runs = 0;
-    assert_no_search( &runs, WISP_BAD_INPUT, "max_runs, max_seconds: got 0 and" );
-    seconds.args.max_seconds = NAN;
-    assert_no_search( &seconds, WISP_BAD_INPUT, "and nan, expected" );
-    repeats.args.repeats = 100;
-    assert_no_search( &repeats, WISP_BAD_INPUT, "repeats: got 100" );
-    callback.args.run = NULL;
-    assert_no_search( &callback, WISP_BAD_INPUT, "expected a callback" );
-    test_host host = { 0 };
-    allocator.args.allocator = test_host_allocator( &host );
-    allocator.args.allocator.release = NULL;
-    assert_no_search( &allocator, WISP_BAD_INPUT, "allocator" );
 }
 
 TEST( a_run_that_fails_ends_the_search_with_its_message )
@@ -493,29 +434,4 @@ TEST( a_sample_that_is_no_number_is_refused )
         assert_no_search( &first, WISP_BAD_INPUT, "run 1, with 'substeps' at 1" );
         assert_no_search( &second, WISP_BAD_INPUT, "expected finite numbers of at least 0" );
     }
-}
-
-TEST( memory_that_runs_out_is_told_and_all_comes_back )
-{
-    for ( int refuse = 0; refuse <= 2; ++refuse )
-    {
-        test_host host = { .refuse = refuse };
-        surface s = make_surface( 5, 3, 3, 3 );
-        searched args = search_of( &s, 0.05, 0.0 );
-        args.args.allocator = test_host_allocator( &host );
-        if ( refuse > 0 )
-        {
-            assert_no_search( &args, WISP_NO_MEMORY, "out of memory" );
-        }
-        else
-        {
-            wisp_tune_result found = find( &args );
-            wisp_tune_release( &found );
-            wisp_tune_release( &found );
-            assert_int_equal( host.queried, 2 );
-        }
-        assert_int_equal( host.blocks, 0 );
-        assert_int_equal( host.faults, 0 );
-    }
-    wisp_tune_release( NULL );
 }

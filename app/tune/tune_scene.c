@@ -36,7 +36,7 @@ void tune_scene_close( tune_scene* scene )
 // ---- a run ----
 
 wisp_status tune_scene_run( const tune_scene* scene, const suite_given* given, const tune_machine* machine,
-                            suite_measurement* measured, wisp_tune_sample* out, wisp_error* error )
+                            suite_measurement* measured, tune_sample* out, wisp_error* error )
 {
     const suite_observer* observer = scene->def.observer;
     suite_row row;
@@ -51,10 +51,10 @@ wisp_status tune_scene_run( const tune_scene* scene, const suite_given* given, c
     status = status == WISP_OK
                  ? suite_time_row( &row, machine->workers, machine->isa, observer, &ms, &steps, &hash, error )
                  : status;
-    *out = ( wisp_tune_sample ){ .ms = stats_summarise( ms, status == WISP_OK ? steps : 0 ).median,
-                                 .error = measured->values[SUITE_ERROR],
-                                 .largest = measured->compared.largest,
-                                 .is_halted = measured->values[SUITE_HALTED] > 0.0 };
+    *out = ( tune_sample ){ .ms = stats_summarise( ms, status == WISP_OK ? steps : 0 ).median,
+                            .error = measured->values[SUITE_ERROR],
+                            .largest = measured->compared.largest,
+                            .is_halted = measured->values[SUITE_HALTED] > 0.0 };
     free( ms );
     free( row.text );
     return status;
@@ -66,11 +66,11 @@ typedef struct scene_search
 {
     const tune_scene* scene;
     const tune_scene_search_def* def;
-    suite_measurement* all; // [WISP_TUNE_MAX_SETTINGS] runs of a configuration again repeat its time alone
+    suite_measurement* all; // [TUNE_MAX_SETTINGS] runs of a configuration again repeat its time alone
     suite_measurement* last;
 } scene_search;
 
-static wisp_status run_configuration( void* user, const int* configuration, wisp_tune_sample* out, wisp_error* error )
+static wisp_status run_configuration( void* user, const int* configuration, tune_sample* out, wisp_error* error )
 {
     const scene_search* s = user;
     const tune_scene_def* from = &s->scene->def;
@@ -93,18 +93,18 @@ static wisp_status run_configuration( void* user, const int* configuration, wisp
 }
 
 wisp_status tune_scene_search( const tune_scene* scene, const tune_scene_search_def* def, suite_measurement* measured,
-                               wisp_tune_result* out, wisp_error* error )
+                               tune_result* out, wisp_error* error )
 {
     scene_search s = { .scene = scene, .def = def, .last = measured };
-    s.all = calloc( WISP_TUNE_MAX_SETTINGS, sizeof *s.all );
-    wisp_tune_def job = wisp_default_tune_def();
+    s.all = calloc( TUNE_MAX_SETTINGS, sizeof *s.all );
+    tune_def job = { .repeats = 3 };
     job.parameters = def->parameters->parameters, job.parameter_count = def->parameters->count;
     job.error = def->error, job.budget_ms = def->budget_ms;
     job.max_runs = 200, job.max_seconds = def->limit;
     job.run = run_configuration, job.user = &s;
     job.progress = def->progress, job.progress_user = def->progress_user;
     const wisp_status status =
-        s.all ? wisp_tune( &job, out, error )
+        s.all ? tune_find( &job, out, error )
               : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for the search", scene->def.path );
     free( s.all );
     return status;

@@ -150,8 +150,8 @@ bool tune_field_own( const wisp_scene* scene, int which, double* out )
 
 // ---- parameters ----
 
-_Static_assert( (int)FIELD_COUNT <= WISP_TUNE_MAX_PARAMETERS, "a scene may have all of them" );
-_Static_assert( (int)FIELD_COUNT <= 8 && 3 * 3 * 3 * 3 * 3 * 3 * 2 * 2 <= WISP_TUNE_MAX_SETTINGS,
+_Static_assert( (int)FIELD_COUNT <= TUNE_MAX_PARAMETERS, "a scene may have all of them" );
+_Static_assert( (int)FIELD_COUNT <= 8 && 3 * 3 * 3 * 3 * 3 * 3 * 2 * 2 <= TUNE_MAX_SETTINGS,
                 "three values of most can be searched" );
 
 // ---- parameters of a scene ----
@@ -187,7 +187,7 @@ static bool moves( const wisp_scene* scene )
 // from one.
 static void insert_value( tune_parameters* out, double value, bool is_falling )
 {
-    wisp_tune_parameter* parameter = &out->parameters[out->count];
+    tune_parameter* parameter = &out->parameters[out->count];
     double* values = out->values[out->count];
     int place = parameter->value_count;
     while ( place > 0 && ( is_falling ? values[place - 1] < value : values[place - 1] > value ) )
@@ -212,9 +212,8 @@ static void add_parameter( tune_parameters* out, int which, double own )
 {
     const tune_field* f = &tune_fields[which];
     out->fields[out->count] = which;
-    out->parameters[out->count] = ( wisp_tune_parameter ){ .name = f->name,
-                                                           .values = out->values[out->count],
-                                                           .is_unordered = f->is_unordered };
+    out->parameters[out->count] =
+        ( tune_parameter ){ .name = f->name, .values = out->values[out->count], .is_unordered = f->is_unordered };
     for ( int i = 0; i < TUNE_CANDIDATES_MAX && f->candidates[i] > 0.0; ++i )
     {
         insert_value( out, f->candidates[i], f->is_falling );
@@ -257,7 +256,7 @@ static void drop_value( const wisp_scene* scene, tune_parameters* parameters, in
 // until there are few enough, which three of most are.
 static void thin_out( const wisp_scene* scene, tune_parameters* parameters )
 {
-    while ( setting_count( parameters ) > WISP_TUNE_MAX_SETTINGS )
+    while ( setting_count( parameters ) > TUNE_MAX_SETTINGS )
     {
         int longest = 0;
         for ( int k = 1; k < parameters->count; ++k )

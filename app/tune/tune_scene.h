@@ -38,7 +38,7 @@ typedef struct tune_machine
 /// Run a scene of the same bodies as long as the reference, compare and time it.
 /// @param measured the comparison is skipped if it has steps already, which leaves the time
 wisp_status tune_scene_run( const tune_scene* scene, const suite_given* given, const tune_machine* machine,
-                            suite_measurement* measured, wisp_tune_sample* out, wisp_error* error );
+                            suite_measurement* measured, tune_sample* out, wisp_error* error );
 
 typedef struct tune_scene_search_def
 {
@@ -47,10 +47,10 @@ typedef struct tune_scene_search_def
     double error, budget_ms; ///< m, ms; one of them
     double limit;            ///< s of wall time
     tune_machine machine;
-    wisp_tune_progress_fn* progress; ///< called after every run; null: not
+    tune_progress_fn* progress; ///< called after every run; null: not
     void* progress_user;
 } tune_scene_search_def;
 
 /// @param measured receives what a run measured @param out to be released
 wisp_status tune_scene_search( const tune_scene* scene, const tune_scene_search_def* def, suite_measurement* measured,
-                               wisp_tune_result* out, wisp_error* error );
+                               tune_result* out, wisp_error* error );

@@ -1,0 +1,106 @@
+"""What transcripts write and read: recordings of one mesh, and pictures of eight bits per channel."""
+import array
+import os
+import struct
+import sys
+import zlib
+
+sys.path.insert(0, os.environ["SOURCE"] + "/tests/outputs")
+import wisp_recording
+
+
+def checksum(data, seed=0):
+    """Return the checksum of app/io/record_wisp.c."""
+    mask = 2**64 - 1
+    value = seed ^ (len(data) * 0x9E3779B97F4A7C15 & mask)
+    for word, in struct.iter_unpack("<Q", data + bytes(-len(data) % 8)):
+        value = (value ^ word) * 0xFF51AFD7ED558CCD & mask
+        value ^= value >> 32
+    return value
+
+
+def seal(data, seed=0):
+    """Return the bytes with their checksum behind them."""
+    return data + struct.pack("<Q", checksum(data, seed))
+
+
+def record(path, frames, triangles, dt):
+    """Write a .wisp recording of a mesh: x, y, z of its vertices in each frame."""
+    count, corners = len(frames[0]) // 3, len(triangles)
+    body = struct.pack("<4I8s", 0, 5, count, corners // 3, b"sheet") + array.array("i", triangles).tobytes()
+    frame_bytes = 40 + 12 * count + 8
+    header = seal(struct.pack("<8s2I2Qd", b"WISP\r\n\x1a\n", 1, 1, 40 + len(body) + 8, frame_bytes, dt) + body)
+    seed = struct.unpack("<Q", header[-8:])[0]
+    with open(path, "wb") as file:
+        file.write(header)
+        for i, points in enumerate(frames):
+            head = struct.pack("<8s2QdQ", b"WISPFRAM", frame_bytes, i, i * dt, 0)
+            file.write(seal(head + array.array("f", points).tobytes(), seed))
+        file.write(seal(struct.pack("<8sQ", b"WISPEND\n", len(frames)), seed))
+
+
+def change_frame(path, frame, change):
+    """Change the bytes of a frame, of which `change` gets those before the checksum, and seal it."""
+    data = bytearray(open(path, "rb").read())
+    header, size = struct.unpack_from("<2Q", data, 16)
+    at, seed = header + frame * size, struct.unpack_from("<Q", data, header - 8)[0]
+    data[at:at + size] = seal(bytes(change(data[at:at + size - 8])), seed)
+    open(path, "wb").write(data)
+
+
+def hashes(path):
+    """Return the hash of the world in each frame of a recording."""
+    data = open(path, "rb").read()
+    header, size = struct.unpack_from("<2Q", data, 16)
+    return [struct.unpack_from("<Q", data, at + 32)[0] for at in range(header, len(data) - size + 1, size)]
+
+
+class Picture:
+    """A PNG file without interlacing."""
+
+    def __init__(self, path):
+        data = open(path, "rb").read()
+        assert data[:8] == b"\x89PNG\r\n\x1a\n"
+        at, packed = 8, b""
+        while at < len(data):
+            length, kind = struct.unpack_from(">I4s", data, at)
+            chunk = data[at + 8:at + 8 + length]
+            assert zlib.crc32(kind + chunk) == struct.unpack_from(">I", data, at + 8 + length)[0]
+            if kind == b"IHDR":
+                self.width, self.height, depth, colour, _, _, interlaced = struct.unpack(">2I5B", chunk)
+                assert depth == 8 and colour in (2, 6) and interlaced == 0
+                step = 3 if colour == 2 else 4
+            packed += chunk if kind == b"IDAT" else b""
+            at += 12 + length
+        raw, row, self.rows = zlib.decompress(packed), bytes(step * self.width), []
+        for y in range(self.height):
+            start = y * (step * self.width + 1)
+            row = unfilter(raw[start], raw[start + 1:start + 1 + step * self.width], row, step)
+            self.rows.append([tuple(row[i:i + 3]) for i in range(0, len(row), step)])
+
+    def pixels(self):
+        return [pixel for row in self.rows for pixel in row]
+
+    def body(self):
+        """Return where the picture is unlike its corner: the background."""
+        return [(x, y) for y in range(self.height) for x in range(self.width) if self.rows[y][x] != self.rows[0][0]]
+
+    def is_edge_empty(self):
+        return all(0 < x < self.width - 1 and 0 < y < self.height - 1 for x, y in self.body())
+
+
+def unfilter(kind, line, above, step):
+    out = bytearray(line)
+    for i, value in enumerate(line):
+        left, up, corner = out[i - step] if i >= step else 0, above[i], above[i - step] if i >= step else 0
+        nearest = min((left, up, corner), key=lambda v: abs(left + up - corner - v))
+        out[i] = value + (0, left, up, (left + up) // 2, nearest)[kind] & 255
+    return out
+
+
+def same(a, b):
+    return Picture(a).rows == Picture(b).rows
+
+
+def differing(a, b):
+    return sum(p != q for p, q in zip(Picture(a).pixels(), Picture(b).pixels(), strict=True))
