@@ -222,6 +222,20 @@ static inline int count_passing( wisp_world* world, wisp_entity edges_of, wisp_e
     return count;
 }
 
+/// Intersections among some surfaces, each with each and with itself.
+static inline int count_all_passing( wisp_world* world, const wisp_entity* surfaces, int count )
+{
+    int passing = 0;
+    for ( int i = 0; i < count; ++i )
+    {
+        for ( int k = 0; k < count; ++k )
+        {
+            passing += count_passing( world, surfaces[i], surfaces[k] );
+        }
+    }
+    return passing;
+}
+
 // ---- state ----
 
 /// Position of a vertex, three floats, by the user's index.

@@ -1,4 +1,5 @@
-// Surfaces of the world as bodies: held to meshes that move rigidly, and to motions that no rigid body makes.
+// Surfaces of the world as bodies, held to motions that no rigid body makes. Rigid ones, and those of cloth, are in
+// tests/claims/skins.yaml.
 #include "collision_fixture.h"
 
 #include "strands.h"
@@ -66,97 +67,6 @@ static test_mesh ball_mesh( int level )
     test_mesh mesh = test_ball( level );
     move_mesh( &mesh, 0.3f, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
     return mesh;
-}
-
-// ---- rigid motions ----
-
-static const wisp_vec3 VELOCITY = { 0.6f, 0.2f, 0.0f };
-
-static wisp_vec3 translated( wisp_vec3 p, float time )
-{
-    return ( wisp_vec3 ){ p.x + VELOCITY.x * time, p.y + VELOCITY.y * time, p.z };
-}
-
-// A ball that moves under a cloth, as a mesh and as a surface: the cloth is carried along by friction.
-TEST( a_surface_that_moves_rigidly_is_the_mesh_that_does )
-{
-    wisp_motion_stats result[2];
-    for ( int as_surface = 0; as_surface < 2; ++as_surface )
-    {
-        hosted* h = new_colliding( 6, 2, 1 );
-        test_mesh mesh = ball_mesh( 3 );
-        wisp_collider_def def = mesh_body( &mesh );
-        skin s = { 0 };
-        wisp_entity body = { 0 };
-        if ( as_surface )
-        {
-            s = add_skin( h->world, mesh, false );
-        }
-        else
-        {
-            body = add_collider( h->world, &def );
-        }
-        wisp_entity e = add_cloth( h->world, 11, 0.6f, ( wisp_vec3 ){ 0.02f, 0.36f, 0.01f }, 9.8f );
-        for ( int n = 1; n <= 60; ++n )
-        {
-            const float time = (float)n * DT;
-            if ( as_surface )
-            {
-                move_skin( h->world, &s, translated, time );
-            }
-            else
-            {
-                const wisp_transform pose = { { 0, 0, 0, 1 }, translated( ( wisp_vec3 ){ 0 }, time ) };
-                assert_int_equal( wisp_move_collider( h->world, body, pose ), WISP_OK );
-            }
-            run_for( h->world, DT, 1 );
-            // within 5 % of the thickness
-            assert_true( collision_of( h->world, e ).penetration <= 0.05f * 0.015f );
-        }
-        assert_true( collision_of( h->world, e ).contacts > 20 );
-        result[as_surface] = motion_stats_of( h->world, e );
-        free_colliding( h );
-        if ( as_surface )
-        {
-            free_skin( &s );
-        }
-        else
-        {
-            test_mesh_free( &mesh );
-        }
-    }
-    assert_true( result[1].centre[0] > 0.2 ); // of 0.6 m
-    for ( int k = 0; k < 3; ++k )
-    {
-        assert_near( result[0].centre[k], result[1].centre[k], 0.005 );
-    }
-}
-
-static wisp_vec3 rising_floor( wisp_vec3 p, float time )
-{
-    return ( wisp_vec3 ){ p.x, p.y + 30.0f * time, p.z };
-}
-
-// 0.5 m in a step of one substep, from below and from above, through a thickness of 1 mm.
-TEST( a_sheet_at_30_m_s_takes_cloth_along )
-{
-    SCOPED( close_local ) hosted* h = new_colliding( 1, 1, 1 );
-    test_mesh mesh = test_plane( 7, 0.4f );
-    move_mesh( &mesh, 1.0f, ( wisp_vec3 ){ -1.2f, 0.0f, -1.2f } );
-    SCOPED( free_skin ) skin s = add_skin( h->world, mesh, true );
-    SCOPED( test_mesh_free ) test_mesh triangle = test_triangle( ( wisp_vec3 ){ 0.03f, 0.2f, 0.07f }, 0.1f );
-    wisp_collision_def collision = wisp_default_collision_def();
-    collision.thickness = 0.001f;
-    wisp_entity e = add_colliding( h->world, &triangle, &collision );
-    for ( int n = 1; n <= 4; ++n )
-    {
-        move_skin( h->world, &s, rising_floor, (float)n * DT );
-        run_for( h->world, DT, 1 );
-        const wisp_motion_stats stats = motion_stats_of( h->world, e );
-        assert_true( stats.centre[1] >= 30.0 * n * (double)DT );
-        // the last step left it no faster than the floor
-        assert_true( stats.centre[1] <= 30.0 * ( n + 1 ) * (double)DT + 0.01 );
-    }
 }
 
 // ---- motions that no rigid body makes ----
@@ -293,27 +203,6 @@ TEST( hair_that_is_tracked_lies_where_hair_that_is_searched_in_each_substep_does
                    (double)stats[0].penetration, (double)stats[1].penetration, most );
     assert_true( stats[1].contacts > 100 && most < 0.01 && apart < STRANDS * VERTICES / 20 );
     assert_near( stats[0].penetration, stats[1].penetration, 1e-4 );
-}
-
-// ---- surfaces that are simulated ----
-
-// A cloth that falls on the floor is a body for a second one, which lies on it and not in it.
-TEST( cloth_lies_on_cloth_that_moves_by_itself )
-{
-    SCOPED( close_local ) hosted* h = new_colliding( 10, 2, 1 );
-    wisp_collider_def def = wisp_default_collider_def();
-    add_collider( h->world, &def );
-    wisp_entity lower = add_cloth( h->world, 9, 0.8f, ( wisp_vec3 ){ 0.0f, 0.2f, 0.0f }, 9.8f );
-    wisp_entity upper = add_cloth( h->world, 9, 0.4f, ( wisp_vec3 ){ 0.0f, 0.3f, 0.0f }, 9.8f );
-    def.kind = WISP_COLLIDER_SURFACE;
-    def.surface = lower;
-    def.double_sided = true;
-    add_collider( h->world, &def );
-    run_for( h->world, DT, 90 );
-    // a quarter of the mean edge each: cells of 0.1 and 0.05 m, with diagonals
-    const double rest = 0.25 * ( 2.0 + sqrt( 2.0 ) ) / 3.0;
-    assert_near( motion_stats_of( h->world, lower ).centre[1], 0.1 * rest, 0.002 );
-    assert_near( motion_stats_of( h->world, upper ).centre[1], 0.15 * rest, 0.002 );
 }
 
 // ---- life ----
