@@ -9,6 +9,7 @@
 enum
 {
     CLUSTER_PRIMITIVES = 8, // triangles, or segments, or points without either
+    CLUSTER_POINTS = 3 * CLUSTER_PRIMITIVES,
 };
 
 // What the loops of this file share.
@@ -257,30 +258,6 @@ static int list_points( const contact_clusters* k, const contact_cluster* cluste
     return count;
 }
 
-// List the points of all clusters. @return how many, padding included; 0 without memory
-static size_t list_all_points( const cutting* c )
-{
-    contact_clusters* k = c->contact_mesh->clusters;
-    int32_t point_x4[3 * CLUSTER_PRIMITIVES + WISP_SLICE];
-    size_t all = 0;
-    for ( int p = 0; p < k->count; ++p )
-    {
-        k->items[p].first_point = (int32_t)all;
-        k->items[p].point_count = list_points( k, k->items + p, point_x4 );
-        all += (size_t)k->items[p].point_count;
-    }
-    if ( contact_reserve( c->work, k->buffers + CONTACT_CLUSTER_POINTS, all * sizeof( int32_t ),
-                          (void**)&k->points ) == false )
-    {
-        return 0;
-    }
-    for ( int p = 0; p < k->count; ++p )
-    {
-        list_points( k, k->items + p, k->points + k->items[p].first_point );
-    }
-    return all;
-}
-
 // List the clusters of each point. @param most points of all clusters, padding included
 static bool list_owners( const cutting* c, size_t most )
 {
@@ -333,7 +310,9 @@ static bool fill_clusters( const cutting* c, const int counts[3] )
     }
     const size_t rows = (size_t)count_rows( c, counts );
     if ( contact_reserve( c->work, k->buffers + CONTACT_CLUSTER_PACKS, rows * sizeof( *k->packs ),
-                          (void**)&k->packs ) == false )
+                          (void**)&k->packs ) == false ||
+         contact_reserve( c->work, k->buffers + CONTACT_CLUSTER_POINTS,
+                          (size_t)k->count * CLUSTER_POINTS * sizeof( int32_t ), (void**)&k->points ) == false )
     {
         return false;
     }
@@ -349,8 +328,14 @@ static bool fill_clusters( const cutting* c, const int counts[3] )
             add_primitive( s, k->items + c->cluster_of[kind][i], kind, i );
         }
     }
-    const size_t points = list_all_points( c );
-    return ( points > 0 || k->count == 0 ) && list_owners( c, points );
+    size_t points = 0;
+    for ( int p = 0; p < k->count; ++p )
+    {
+        k->items[p].first_point = CLUSTER_POINTS * p;
+        k->items[p].point_count = list_points( k, k->items + p, k->points + CLUSTER_POINTS * (size_t)p );
+        points += (size_t)k->items[p].point_count;
+    }
+    return list_owners( c, points );
 }
 
 bool contact_make_clusters( const contact_work* work )

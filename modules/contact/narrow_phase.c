@@ -70,7 +70,7 @@ static int pad_to_eight( int32_t* const point_x4[4], int count )
     return count;
 }
 
-void contact_measure_batch( const contact_work* work, contact_kind kind, contact_batch* batch )
+static void measure_batch( const contact_work* work, contact_kind kind, contact_batch* batch )
 {
     const wisp_kernels* kernels = wisp_frame_kernels( work->frame );
     if ( kind == CONTACT_EDGES )
@@ -196,8 +196,9 @@ static void thin_gaps( const contact_work* work, contact_kind kind, contact_batc
     }
 }
 
-void contact_keep_near( const contact_work* work, contact_kind kind, contact_batch* batch, int selected,
-                        const bool* is_brief )
+// Keep the pairs in `selected`, with gaps lowered where they are nearer at rest: of brief lists those that are active now.
+static void keep_near( const contact_work* work, contact_kind kind, contact_batch* batch, int selected,
+                       const bool* is_brief )
 {
     compact( batch, selected );
     int32_t* const points[4] = { batch->point_x4[0], batch->point_x4[1], batch->point_x4[2], batch->point_x4[3] };
@@ -360,7 +361,7 @@ static void select_active( const contact_work* work, candidates* c, _Atomic int*
 
 // ---- output ----
 
-bool contact_reserve_near( const contact_work* work, contact_kind kind, int count )
+static bool reserve_near( const contact_work* work, contact_kind kind, int count )
 {
     contact_near* near = work->contact_mesh->primitives->near + kind;
     const bool enough =
@@ -471,7 +472,7 @@ static void measure( narrow_task* task, contact_kind kind )
 {
     contact_batch* batch = task->batches + kind;
     int selected = 0;
-    contact_measure_batch( task->loop->work, kind, batch );
+    measure_batch( task->loop->work, kind, batch );
     for ( int i = 0; i < batch->count; )
     {
         const int number = batch->of[i];
@@ -488,7 +489,7 @@ static void measure( narrow_task* task, contact_kind kind )
         }
         test->bound = contact_smaller( least - 1.001f * gap, test->bound );
     }
-    contact_keep_near( task->loop->work, kind, batch, selected, task->is_brief );
+    keep_near( task->loop->work, kind, batch, selected, task->is_brief );
     for ( int i = 0; i < batch->count; ++i )
     {
         contact_list* list = &task->tests[batch->of[i]].list;
@@ -829,7 +830,7 @@ wisp_status contact_find_near( const contact_work* work, bool missed_only, wisp_
         for ( int kind = 0; kind < CONTACT_KIND_COUNT && enough && is_done == false; ++kind )
         {
             const int count = s->primitives->near[kind].count;
-            enough = enough && contact_reserve_near( work, (contact_kind)kind, count + count / 2 );
+            enough = enough && reserve_near( work, (contact_kind)kind, count + count / 2 );
         }
     }
     return enough ? WISP_OK

@@ -95,18 +95,6 @@ static inline void contact_take_room( contact_batch* batch, wisp_primitive_pairs
     }
 }
 
-/// Measure all pairs of a batch at the intersection-free positions.
-void contact_measure_batch( const contact_work* work, contact_kind kind, contact_batch* batch );
-
-/// Keep the pairs in `selected`, with gaps lowered where they are nearer at rest.
-/// @param is_brief [pair of clusters] keep only what is active in this substep
-void contact_keep_near( const contact_work* work, contact_kind kind, contact_batch* batch, int selected,
-                        const bool* is_brief );
-
-/// Make room in `near`.
-/// @return false without memory
-bool contact_reserve_near( const contact_work* work, contact_kind kind, int count );
-
 /// Find the active pairs of primitives, in any order.
 /// @param missed_only only of clusters that have a missed point
 wisp_status contact_find_near( const contact_work* work, bool missed_only, wisp_error* error );
