@@ -209,7 +209,7 @@ static cook_fabric* fabric_create( const wisp_allocator* allocator )
     {
         memset( cooked, 0, sizeof( *cooked ) );
         cooked->keep.allocator = cooked->edges.allocator = allocator;
-        cooked->rings.allocator = cooked->spans.allocator = allocator;
+        cooked->rings.allocator = cooked->spans.allocator = cooked->strips.allocator = allocator;
         atomic_flag_clear( &cooked->is_making );
         atomic_init( &cooked->owners, 1 );
     }
@@ -236,6 +236,7 @@ void wisp_fabric_release( wisp_fabric* fabric )
         fabric_pool_release( &cooked->edges );
         fabric_pool_release( &cooked->rings );
         fabric_pool_release( &cooked->spans );
+        fabric_pool_release( &cooked->strips );
         fabric_pool_release( &keep );
         base_release( keep.allocator, cooked, sizeof( *cooked ) );
     }
@@ -245,7 +246,7 @@ size_t wisp_fabric_bytes( const wisp_fabric* fabric )
 {
     const cook_fabric* cooked = (const cook_fabric*)fabric;
     return cooked != NULL ? sizeof( cook_fabric ) + cooked->keep.bytes + cooked->edges.bytes + cooked->rings.bytes +
-                                cooked->spans.bytes
+                                cooked->spans.bytes + cooked->strips.bytes
                           : 0;
 }
 
@@ -594,12 +595,31 @@ static bool make_spans( cook_fabric* cooked )
     return span2 != NULL;
 }
 
+static bool make_strips( cook_fabric* cooked )
+{
+    wisp_strips strips;
+    const bool done = fabric_strips_build( &cooked->fabric, &cooked->strips, &strips );
+    if ( done )
+    {
+        const uint16_t* flags = strips.flags;
+        strips.flags = NULL;
+        cooked->fabric.strips = strips;
+        __atomic_store_n( &cooked->fabric.strips.flags, flags, __ATOMIC_RELEASE );
+    }
+    else
+    {
+        fabric_pool_release( &cooked->strips );
+    }
+    return done;
+}
+
 // Rings are there once their entries are, which are stored last.
 static bool has_arrays( const wisp_fabric* f, unsigned arrays )
 {
     return ( ( arrays & WISP_FABRIC_EDGES ) == 0 || __atomic_load_n( &f->edges, __ATOMIC_ACQUIRE ) != NULL ) &&
            ( ( arrays & WISP_FABRIC_RINGS ) == 0 || __atomic_load_n( &f->ring_x4, __ATOMIC_ACQUIRE ) != NULL ) &&
-           ( ( arrays & WISP_FABRIC_SPANS ) == 0 || __atomic_load_n( &f->hinge_span2, __ATOMIC_ACQUIRE ) != NULL );
+           ( ( arrays & WISP_FABRIC_SPANS ) == 0 || __atomic_load_n( &f->hinge_span2, __ATOMIC_ACQUIRE ) != NULL ) &&
+           ( ( arrays & WISP_FABRIC_STRIPS ) == 0 || __atomic_load_n( &f->strips.flags, __ATOMIC_ACQUIRE ) != NULL );
 }
 
 wisp_status wisp_fabric_need( const wisp_fabric* fabric, unsigned arrays )
@@ -617,9 +637,11 @@ wisp_status wisp_fabric_need( const wisp_fabric* fabric, unsigned arrays )
     {
         // another thread makes arrays of the same fabric, which takes milliseconds, once
     }
-    const bool done = ( ( arrays & WISP_FABRIC_EDGES ) == 0 || fabric->edges != NULL || make_edges( cooked ) ) &&
-                      ( ( arrays & WISP_FABRIC_RINGS ) == 0 || fabric->ring_x4 != NULL || make_rings( cooked ) ) &&
-                      ( ( arrays & WISP_FABRIC_SPANS ) == 0 || fabric->hinge_span2 != NULL || make_spans( cooked ) );
+    const bool done =
+        ( ( arrays & WISP_FABRIC_EDGES ) == 0 || fabric->edges != NULL || make_edges( cooked ) ) &&
+        ( ( arrays & WISP_FABRIC_RINGS ) == 0 || fabric->ring_x4 != NULL || make_rings( cooked ) ) &&
+        ( ( arrays & WISP_FABRIC_SPANS ) == 0 || fabric->hinge_span2 != NULL || make_spans( cooked ) ) &&
+        ( ( arrays & WISP_FABRIC_STRIPS ) == 0 || fabric->strips.flags != NULL || make_strips( cooked ) );
     atomic_flag_clear_explicit( &cooked->is_making, memory_order_release );
     return done ? WISP_OK : WISP_NO_MEMORY;
 }

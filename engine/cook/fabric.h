@@ -20,8 +20,8 @@ typedef struct cook_fabric
 {
     wisp_fabric fabric; // first, so that both have the same address
     fabric_pool keep;
-    fabric_pool edges, rings, spans; // arrays on request
-    atomic_flag is_making;           // a thread makes them
+    fabric_pool edges, rings, spans, strips; // arrays on request
+    atomic_flag is_making;                   // a thread makes them
     atomic_int owners;
 } cook_fabric;
 
@@ -106,6 +106,10 @@ bool fabric_order_vertices( const wisp_allocator* allocator, const fabric_graph*
 int fabric_choose_tile_size( int vertex_count );
 
 // ---- fabric_schedule.c ----
+
+/// Walk the triangles of every tile in strips.
+/// @param keep allocates the strips
+bool fabric_strips_build( const wisp_fabric* fabric, fabric_pool* keep, wisp_strips* out );
 
 /// List slots of constraints in schedule order: [schedule->slot_count / 8][arity][8]; padding is the dummy of the tile.
 bool fabric_schedule_corners( const wisp_schedule* schedule, const fabric_constraints* constraints, fabric_pool* keep,

@@ -269,3 +269,243 @@ bool fabric_schedule_corners( const wisp_schedule* schedule, const fabric_constr
     *out = slot_x4;
     return slot_x4 != NULL;
 }
+
+// ---- strips of triangles ----
+
+// What a lane takes in a step.
+typedef struct strip_step
+{
+    int32_t slot;
+    bool is_triangle, first_stays; // of the two vertices before it, the older one
+} strip_step;
+
+typedef struct strip_state
+{
+    const wisp_fabric* f;
+    const int32_t* corner_begin;
+    int32_t *corner, *corner_count; // of the vertices, without triangles that are found to be taken
+    int32_t* tile;                  // [triangle], -1 once it is taken
+    strip_step* steps;              // of all tiles
+    int32_t* end;                   // [tile] of its steps
+    int32_t count, at;              // steps so far, and the tile
+} strip_state;
+
+static bool has_corner( const int32_t* t, int32_t v )
+{
+    return t[0] == v || t[1] == v || t[2] == v;
+}
+
+// Finds a triangle of the tile at the edge of two vertices, by the one that has fewer triangles left.
+static int32_t find_at_edge( strip_state* s, int32_t a, int32_t b )
+{
+    const int32_t v = s->corner_count[a] < s->corner_count[b] ? a : b;
+    int32_t* corner = s->corner + s->corner_begin[v];
+    for ( int32_t i = 0; i < s->corner_count[v]; )
+    {
+        const int32_t t = corner[i] / 3;
+        if ( s->tile[t] == s->at && has_corner( s->f->triangles + 3 * (size_t)t, v == a ? b : a ) )
+        {
+            return t;
+        }
+        if ( s->tile[t] < 0 )
+        {
+            corner[i] = corner[--s->corner_count[v]];
+            continue;
+        }
+        ++i;
+    }
+    return -1;
+}
+
+// Begin a strip with the edge across which it goes on, if there is one, as the last.
+static void begin_strip( strip_state* s, int32_t t )
+{
+    const int32_t* v = s->f->triangles + 3 * (size_t)t;
+    int k = 0;
+    s->tile[t] = -1;
+    while ( k < 2 && find_at_edge( s, v[( k + 1 ) % 3], v[( k + 2 ) % 3] ) < 0 )
+    {
+        ++k;
+    }
+    for ( int c = 0; c < 3; ++c )
+    {
+        s->steps[s->count++] = ( strip_step ){ v[( k + c ) % 3], c == 2, false };
+    }
+}
+
+// Walk from triangle to triangle: across the edge of the two newest vertices, or around the oldest one.
+static void walk_strip( strip_state* s, int32_t t )
+{
+    begin_strip( s, t );
+    int32_t a = s->steps[s->count - 3].slot, b = s->steps[s->count - 2].slot;
+    for ( ;; )
+    {
+        const int32_t c = s->steps[s->count - 1].slot;
+        int32_t next = find_at_edge( s, b, c );
+        if ( next < 0 )
+        {
+            next = find_at_edge( s, a, c );
+            s->steps[s->count - 1].first_stays = next >= 0;
+        }
+        if ( next < 0 )
+        {
+            return;
+        }
+        a = s->steps[s->count - 1].first_stays ? a : b;
+        b = c;
+        const int32_t* v = s->f->triangles + 3 * (size_t)next;
+        int k = 0;
+        while ( v[k] == a || v[k] == b )
+        {
+            ++k;
+        }
+        s->tile[next] = -1;
+        s->steps[s->count++] = ( strip_step ){ v[k], true, false };
+    }
+}
+
+typedef struct strip_lanes
+{
+    int32_t ( *next_x4 )[WISP_FABRIC_LANES], ( *leaving_x4 )[WISP_FABRIC_LANES];
+    uint16_t* flags;
+} strip_lanes;
+
+enum
+{
+    EXTRA = 2, // steps to take a strip up, or to let its last vertices leave
+};
+
+// Returns the steps of each lane for a number of them in a row.
+static int32_t lane_length( int32_t count )
+{
+    return fabric_padded( count + EXTRA * ( WISP_FABRIC_LANES - 1 ) ) / WISP_FABRIC_LANES + EXTRA;
+}
+
+// Cut the steps of a tile into lanes of equal length, which take up an interrupted strip with its two vertices.
+// @param pad slot of a dummy
+static void put_in_lanes( const strip_step* steps, int32_t count, int32_t pad, strip_lanes out )
+{
+    const int32_t length = lane_length( count );
+    int32_t done = 0, cut[EXTRA] = { pad, pad };
+    memset( out.flags, 0, (size_t)length * sizeof( uint16_t ) );
+    for ( int lane = 0; lane < WISP_FABRIC_LANES; ++lane )
+    {
+        const int32_t first[EXTRA] = { cut[0], cut[1] };
+        int32_t pair[2] = { pad, pad };
+        for ( int32_t i = 0; i < length; ++i )
+        {
+            strip_step step = { pad, false, false };
+            if ( lane > 0 && i < EXTRA )
+            {
+                step.slot = first[i];
+            }
+            else if ( done < count && i < length - EXTRA )
+            {
+                step = steps[done++];
+            }
+            out.next_x4[i][lane] = 4 * step.slot;
+            out.leaving_x4[i][lane] = 4 * pair[step.first_stays];
+            out.flags[i] = (uint16_t)( out.flags[i] | step.is_triangle << lane | step.first_stays << ( 8 + lane ) );
+            pair[0] = pair[!step.first_stays];
+            pair[1] = step.slot;
+            if ( i < length - EXTRA )
+            {
+                memcpy( cut, pair, sizeof( cut ) );
+            }
+        }
+    }
+}
+
+static bool begin_strips( const wisp_fabric* f, const wisp_schedule* order, fabric_pool* scratch, strip_state* s )
+{
+    fabric_mesh mesh = { .vertex_count = f->vertex_count, .triangle_count = f->triangle_count };
+    if ( fabric_mesh_list_corners( f, scratch, &mesh ) == false )
+    {
+        return false;
+    }
+    *s = ( strip_state ){ .f = f,
+                          .corner_begin = mesh.corner_begin,
+                          .corner = (int32_t*)(uintptr_t)mesh.corner,
+                          .corner_count = fabric_pool_push( scratch, (size_t)f->vertex_count, sizeof( int32_t ) ),
+                          .tile = fabric_pool_push( scratch, (size_t)f->triangle_count, sizeof( int32_t ) ),
+                          .steps = fabric_pool_push( scratch, 3 * (size_t)f->triangle_count, sizeof( strip_step ) ),
+                          .end = fabric_pool_push( scratch, (size_t)order->tile_count + 1, sizeof( int32_t ) ) };
+    if ( s->corner_count == NULL || s->tile == NULL || s->steps == NULL || s->end == NULL )
+    {
+        return false;
+    }
+    for ( int v = 0; v < f->vertex_count; ++v )
+    {
+        s->corner_count[v] = mesh.corner_begin[v + 1] - mesh.corner_begin[v];
+    }
+    for ( int32_t i = 0, tile = 0; i < order->slot_count; ++i )
+    {
+        tile += i == order->tile_begin[tile + 1] ? 1 : 0;
+        if ( order->constraint[i] >= 0 )
+        {
+            s->tile[order->constraint[i]] = tile;
+        }
+    }
+    return true;
+}
+
+// Walk all triangles, tile by tile. @return steps of the lanes
+static int32_t walk_tiles( strip_state* s, const wisp_schedule* order )
+{
+    int32_t length = 0;
+    for ( s->at = 0; s->at < order->tile_count; ++s->at )
+    {
+        const int32_t first = s->count;
+        for ( int32_t i = order->tile_begin[s->at]; i < order->tile_begin[s->at + 1]; ++i )
+        {
+            const int32_t t = order->constraint[i];
+            if ( t >= 0 && s->tile[t] == s->at )
+            {
+                walk_strip( s, t );
+            }
+        }
+        s->end[s->at] = s->count;
+        length += lane_length( s->count - first );
+    }
+    return length;
+}
+
+bool fabric_strips_build( const wisp_fabric* f, fabric_pool* keep, wisp_strips* out )
+{
+    fabric_pool scratch = { .allocator = keep->allocator };
+    const fabric_constraints triangles = { .slots = f->triangles,
+                                           .count = f->triangle_count,
+                                           .arity = 3,
+                                           .vertex_count = f->vertex_count,
+                                           .tile_size = f->tile_size,
+                                           .solve_order = WISP_SOLVE_ORDER_COLOUR };
+    wisp_schedule order;
+    strip_state s;
+    bool done = fabric_schedule_build( &triangles, &scratch, &order ) && begin_strips( f, &order, &scratch, &s );
+    const int32_t length = done ? walk_tiles( &s, &order ) : 0;
+    int32_t* tile_begin = fabric_pool_push( keep, (size_t)order.tile_count + 1, sizeof( int32_t ) );
+    int32_t* colour_tile = fabric_pool_push( keep, (size_t)order.colour_count + 1, sizeof( int32_t ) );
+    strip_lanes lanes = { .next_x4 = fabric_pool_push( keep, (size_t)length, sizeof( *lanes.next_x4 ) ),
+                          .leaving_x4 = fabric_pool_push( keep, (size_t)length, sizeof( *lanes.leaving_x4 ) ),
+                          .flags = fabric_pool_push( keep, (size_t)length, sizeof( uint16_t ) ) };
+    done = done && tile_begin != NULL && colour_tile != NULL && lanes.next_x4 != NULL && lanes.leaving_x4 != NULL &&
+           lanes.flags != NULL;
+    if ( done )
+    {
+        memcpy( colour_tile, order.colour_tile, ( (size_t)order.colour_count + 1 ) * sizeof( int32_t ) );
+        tile_begin[0] = 0;
+        for ( int tile = 0, first = 0; tile < order.tile_count; first = s.end[tile++] )
+        {
+            const int32_t at = tile_begin[tile], count = s.end[tile] - first;
+            put_in_lanes( s.steps + first, count, dummy4( &order, &triangles, tile ) / 4,
+                          ( strip_lanes ){ lanes.next_x4 + at, lanes.leaving_x4 + at, lanes.flags + at } );
+            tile_begin[tile + 1] = at + lane_length( count );
+        }
+        order.slot_count = length, order.constraint = NULL;
+        order.tile_begin = tile_begin, order.colour_tile = colour_tile;
+        *out = ( wisp_strips ){ order, (const int32_t( * )[WISP_FABRIC_LANES])lanes.next_x4,
+                                (const int32_t( * )[WISP_FABRIC_LANES])lanes.leaving_x4, lanes.flags };
+    }
+    fabric_pool_release( &scratch );
+    return done;
+}

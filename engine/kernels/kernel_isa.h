@@ -59,7 +59,8 @@ void KERNEL( plate_accelerate )( const wisp_plate_move_args* args, int begin, in
 void KERNEL( ring_gradient )( const wisp_ring_args* args, int begin, int end, wisp_ring_sums* sums );
 void KERNEL( ring_normal )( const wisp_ring_args* args, int begin, int end );
 void KERNEL( ring_mean_normal )( const wisp_ring_args* args, int begin, int end, float* xyzw );
-void KERNEL( ring_air )( const wisp_ring_air_args* args, int begin, int end );
+void KERNEL( strip_air )( const wisp_strip_air_args* args, int begin, int end );
+void KERNEL( blow )( const wisp_strip_air_args* args, int begin, int end );
 void KERNEL( vertex_drag )( const wisp_vertex_drag_args* args, int begin, int end );
 void KERNEL( sum_vertex_drag )( const wisp_vertex_drag_args* args, int begin, int end, double sum[3] );
 int KERNEL( blend_two )( const wisp_blend_args* args, int begin, int end );

@@ -40,6 +40,7 @@
 ///   lane8_store_xyzw_contiguous( quads, x, y, z, w )    quad l gets lane l of x, y, z, w
 ///   lane8_load_quads( quads, index, q )                 four rows: q[r] holds the quads of lanes r and r + 4
 ///   lane8_store_quads( quads, index, q )
+///   lane8_add_quads( quads, index, q )                  adds to rows in the order of lanes; a row may occur twice
 ///   lane8_transpose_quads( q )                          rows to x, y, z, w in lanes, and back
 ///   lane8_spread_xyz( a, q )                            rows: lane r of a three times and 0, lane r + 4 likewise
 ///   lane8_spread_first( row ), _second, _third, _last   that number of each quad, four times

@@ -193,6 +193,14 @@ LANE_INLINE void lane8_store_quads( float* xyzw, const int32_t* index, const lan
     }
 }
 
+LANE_INLINE void lane8_add_quads( float* xyzw, const int32_t* index, const lane8 q[4] )
+{
+    for ( int k = 0; k < 32; ++k )
+    {
+        xyzw[(ptrdiff_t)index[k / 4] + k % 4] += q[k / 4 % 4].v[k / 16 * 4 + k % 4];
+    }
+}
+
 LANE_INLINE void lane8_spread_xyz( lane8 a, lane8 q[4] )
 {
     for ( int r = 0; r < 4; ++r )

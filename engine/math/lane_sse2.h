@@ -302,6 +302,15 @@ LANE_INLINE void lane8_store_quads( float* xyzw, const int32_t* index, const lan
     }
 }
 
+LANE_INLINE void lane8_add_quads( float* xyzw, const int32_t* index, const lane8 q[4] )
+{
+    for ( int l = 0; l < 8; ++l )
+    {
+        float* to = xyzw + (ptrdiff_t)index[l];
+        _mm_store_ps( to, _mm_add_ps( _mm_load_ps( to ), l < 4 ? q[l % 4].lower : q[l % 4].upper ) );
+    }
+}
+
 LANE_INLINE void lane8_spread_xyz( lane8 a, lane8 q[4] )
 {
     const lane4 xyz = _mm_castsi128_ps( _mm_setr_epi32( -1, -1, -1, 0 ) );

@@ -198,6 +198,16 @@ LANE_INLINE void lane8_store_quads( float* xyzw, const int32_t* index, const lan
     }
 }
 
+LANE_INLINE void lane8_add_quads( float* xyzw, const int32_t* index, const lane8 q[4] )
+{
+    for ( int l = 0; l < 8; ++l )
+    {
+        float* to = xyzw + (ptrdiff_t)index[l];
+        const __m128 quad = l < 4 ? _mm256_castps256_ps128( q[l % 4] ) : _mm256_extractf128_ps( q[l % 4], 1 );
+        _mm_store_ps( to, _mm_add_ps( _mm_load_ps( to ), quad ) );
+    }
+}
+
 // Bytes move within their half; a negative number makes a zero.
 LANE_INLINE void lane8_spread_xyz( lane8 a, lane8 q[4] )
 {

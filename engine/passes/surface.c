@@ -4,6 +4,7 @@
 #include "wisp/module/components.h"
 
 #include <math.h>
+#include <string.h>
 
 static const float* position_of( wisp_frame* frame, const wisp_span* span )
 {
@@ -96,85 +97,79 @@ static void hand_out_normals( wisp_frame* frame, const wisp_span* span, void* us
                        hand_out_slice_normals, &loop );
 }
 
-static float edge_strain( const wisp_fabric* f, const float* position, int a, int b )
+// Return the strain of the edge at a slot of links; 0 of a bend link, and of what pads.
+static float edge_strain( const wisp_fabric* f, const float* position, int slot )
 {
-    const float *p = position + (size_t)a * 4, *q = position + (size_t)b * 4;
-    const wisp_vec3 r = f->rest[a], s = f->rest[b];
-    float rest =
-        sqrtf( ( r.x - s.x ) * ( r.x - s.x ) + ( r.y - s.y ) * ( r.y - s.y ) + ( r.z - s.z ) * ( r.z - s.z ) );
-    float now = sqrtf( ( p[0] - q[0] ) * ( p[0] - q[0] ) + ( p[1] - q[1] ) * ( p[1] - q[1] ) +
-                       ( p[2] - q[2] ) * ( p[2] - q[2] ) );
-    return rest > 0.0f ? fabsf( now / rest - 1.0f ) : 0.0f;
+    const float *p = position + f->link_a_x4[slot], *q = position + f->link_b_x4[slot], rest = f->link_rest[slot];
+    const float now = sqrtf( ( p[0] - q[0] ) * ( p[0] - q[0] ) + ( p[1] - q[1] ) * ( p[1] - q[1] ) +
+                             ( p[2] - q[2] ) * ( p[2] - q[2] ) );
+    return rest > 0.0f && f->link_order.constraint[slot] < f->edge_count ? fabsf( now / rest - 1.0f ) : 0.0f;
 }
 
-// Computes the maximum strain of the edges at a vertex; its ring lists their other ends.
-static void hand_out_slice_strain( void* context, int begin, int end, int worker )
+// Raises the maximum strain of the edges at each vertex.
+static void raise_strains( const void* context, int begin, int end )
 {
-    (void)worker;
     const ring_loop* loop = context;
     const wisp_fabric* f = loop->fabric;
-    for ( int slot = begin * 8; slot < end * 8 && slot < f->vertex_count; ++slot )
+    for ( int slot = begin; slot < end; ++slot )
     {
-        float largest = 0.0f;
-        for ( int e = f->ring_begin[slot / 8]; e < f->ring_begin[slot / 8 + 1]; ++e )
+        const float strain = edge_strain( f, loop->position, slot );
+        if ( strain > 0.0f )
         {
-            int other = f->ring_x4[e][slot % 8] / 4;
-            float strain = other != slot ? edge_strain( f, loop->position, slot, other ) : 0.0f;
-            largest = strain > largest ? strain : largest;
+            float* a = loop->strain + f->slot_vertex[f->link_a_x4[slot] / 4];
+            float* b = loop->strain + f->slot_vertex[f->link_b_x4[slot] / 4];
+            *a = strain > *a ? strain : *a;
+            *b = strain > *b ? strain : *b;
         }
-        loop->strain[f->slot_vertex[slot]] = largest;
     }
 }
 
 static void hand_out_strain( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
-    ring_loop loop = {
+    const ring_loop loop = {
         .fabric = wisp_frame_fabric( frame, span->entity ),
         .position = position_of( frame, span ),
         .strain = wisp_frame_column( frame, span->entity, WISP_POINT_STRAIN, 0 ),
     };
-    wisp_parallel_for( wisp_frame_parallel( frame, span ), loop.fabric->ring_slice_count, SLICE_GRAIN,
-                       hand_out_slice_strain, &loop );
+    memset( loop.strain, 0, (size_t)loop.fabric->vertex_count * sizeof( float ) );
+    wisp_run_schedule( wisp_frame_parallel( frame, span ), &loop.fabric->link_order, raise_strains, &loop );
 }
 
-// ---- statistics: requested rarely, so scalar loops in double ----
+// ---- statistics ----
 
-static void sum_particles( const wisp_fabric* f, const float* position, const float* velocity, wisp_motion_stats* q )
+static void sum_speeds( const wisp_fabric* f, const float* position, const float* velocity, wisp_motion_stats* q )
 {
     double speed2 = 0.0;
     for ( int slot = 0; slot < f->vertex_count; ++slot )
     {
-        const float *p = position + (size_t)slot * 4, *v = velocity + (size_t)slot * 4;
-        double v2 = (double)v[0] * v[0] + (double)v[1] * v[1] + (double)v[2] * v[2];
+        const float *v = velocity + (size_t)slot * 4, weight = position[(size_t)slot * 4 + 3];
+        const double v2 = (double)v[0] * v[0] + (double)v[1] * v[1] + (double)v[2] * v[2];
         speed2 = v2 > speed2 ? v2 : speed2;
-        double mass = p[3] > 0.0f ? 1.0 / (double)p[3] : 0.0;
-        q->mass += mass;
-        q->kinetic_energy += 0.5 * mass * v2;
-        for ( int k = 0; k < 3; ++k )
-        {
-            q->centre[k] += mass * (double)p[k];
-            q->momentum[k] += mass * (double)v[k];
-        }
+        q->kinetic_energy += weight > 0.0f ? 0.5 * v2 / (double)weight : 0.0;
     }
     q->speed_max = sqrt( speed2 );
-    for ( int k = 0; k < 3 && q->mass > 0.0; ++k )
-    {
-        q->centre[k] /= q->mass;
-    }
 }
 
-static void sum_angular_momentum( const wisp_fabric* f, const float* position, const float* velocity,
-                                  wisp_motion_stats* q )
+// Moments about the first vertex, which reduces rounding far from the origin.
+static void sum_momenta( const wisp_kernels* kernels, const wisp_fabric* f, const float* position,
+                         const float* velocity, wisp_motion_stats* q )
 {
-    for ( int slot = 0; slot < f->vertex_count; ++slot )
+    const wisp_moment_args args = { position, position, velocity, { position[0], position[1], position[2] } };
+    wisp_moments m;
+    kernels->moments( &args, 0, f->vertex_count, &m );
+    q->mass = m.mass;
+    double c[3];
+    for ( int k = 0; k < 3; ++k )
     {
-        const float *p = position + (size_t)slot * 4, *v = velocity + (size_t)slot * 4;
-        double mass = p[3] > 0.0f ? 1.0 / (double)p[3] : 0.0;
-        double r[3] = { (double)p[0] - q->centre[0], (double)p[1] - q->centre[1], (double)p[2] - q->centre[2] };
-        q->angular_momentum[0] += mass * ( r[1] * (double)v[2] - r[2] * (double)v[1] );
-        q->angular_momentum[1] += mass * ( r[2] * (double)v[0] - r[0] * (double)v[2] );
-        q->angular_momentum[2] += mass * ( r[0] * (double)v[1] - r[1] * (double)v[0] );
+        c[k] = m.mass > 0.0 ? m.first[k] / m.mass : 0.0;
+        q->centre[k] = m.mass > 0.0 ? (double)position[k] + c[k] : 0.0;
+        q->momentum[k] = m.momentum[k];
+    }
+    for ( int k = 0; k < 3; ++k )
+    {
+        const int a = ( k + 1 ) % 3, b = ( k + 2 ) % 3;
+        q->angular_momentum[k] = m.angular_momentum[k] - ( c[a] * m.momentum[b] - c[b] * m.momentum[a] );
     }
 }
 
@@ -203,9 +198,9 @@ static double sum_volume( const wisp_fabric* f, const float* position )
 
 static void sum_strain( const wisp_fabric* f, const float* position, wisp_motion_stats* q )
 {
-    for ( int e = 0; e < f->edge_count; ++e )
+    for ( int slot = 0; slot < f->link_order.slot_count; ++slot )
     {
-        double strain = (double)edge_strain( f, position, f->edges[2 * e], f->edges[2 * e + 1] );
+        const double strain = (double)edge_strain( f, position, slot );
         q->strain_mean += strain;
         q->strain_max = strain > q->strain_max ? strain : q->strain_max;
     }
@@ -221,8 +216,11 @@ static void take_motion_stats( wisp_frame* frame, const wisp_span* span, void* u
     const wisp_vec3* gravity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_GRAVITY, 0 );
     wisp_motion_stats* out = wisp_frame_column( frame, span->entity, WISP_MOTION_STATS, 0 );
     wisp_motion_stats q = { 0 };
-    sum_particles( fabric, position, velocity, &q );
-    sum_angular_momentum( fabric, position, velocity, &q );
+    sum_speeds( fabric, position, velocity, &q );
+    if ( fabric->vertex_count > 0 )
+    {
+        sum_momenta( wisp_frame_kernels( frame ), fabric, position, velocity, &q );
+    }
     sum_strain( fabric, position, &q );
     q.volume = sum_volume( fabric, position );
     const wisp_vec3 o = wisp_frame_offset( frame, span->entity );
@@ -279,7 +277,6 @@ wisp_status passes_declare_surface( wisp_registry* registry )
             .reads = { WISP_PARTICLE_POSITION },
             .writes = { WISP_POINT_STRAIN },
             .run = hand_out_strain,
-            .fabric = WISP_FABRIC_RINGS,
         },
         {
             .name = "entity.motion_stats",
@@ -290,7 +287,6 @@ wisp_status passes_declare_surface( wisp_registry* registry )
             .writes = { WISP_MOTION_STATS },
             .run = take_motion_stats,
             .detail = WISP_PASS_WITHOUT_MOTION,
-            .fabric = WISP_FABRIC_EDGES,
         },
     };
     return wisp_declare_passes( registry, passes, WISP_COUNT( passes ), NULL );

@@ -76,31 +76,40 @@ static void cloth_damp_crowd( wisp_frame* frame, const wisp_crowd* crowd, const 
 
 // ---- air ----
 
-// Air on triangles: runs the kernel ring_air with the wind of the cloth.
+// Air on triangles: sums over strips, then a change of the velocities.
 
 typedef struct air_loop
 {
     const wisp_kernels* kernels;
-    wisp_ring_air_args args;
-    float* copy; // of the velocities
+    wisp_strip_air_args args;
 } air_loop;
 
-static void copy_slices( void* context, int begin, int end, int worker )
+static void sum_air( const void* context, int begin, int end )
 {
-    (void)worker;
     const air_loop* loop = context;
-    const size_t first = (size_t)begin * 32, count = (size_t)( end - begin ) * 32;
-    memcpy( loop->copy + first, loop->args.velocity + first, count * sizeof( float ) );
+    loop->kernels->strip_air( &loop->args, begin, end );
 }
 
 static void blow_slices( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const air_loop* loop = context;
-    loop->kernels->ring_air( &loop->args, begin, end );
+    loop->kernels->blow( &loop->args, begin, end );
 }
 
-// Passes, one per file.
+// Zeros for sums of air. @return null without memory
+static float* begin_sums( wisp_frame* frame, const wisp_span* span, int slot_count, size_t instances )
+{
+    const size_t bytes = (size_t)slot_count * 4 * instances * sizeof( float );
+    float* sums = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker, bytes );
+    if ( sums == NULL )
+    {
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the air on %d particles", slot_count );
+        return NULL;
+    }
+    return memset( sums, 0, bytes );
+}
+
 static void cloth_blow( wisp_frame* frame, const wisp_span* span, void* user )
 {
     enum
@@ -111,20 +120,12 @@ static void cloth_blow( wisp_frame* frame, const wisp_span* span, void* user )
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
     const cloth_air* air = wisp_frame_column( frame, span->entity, state->air, 0 );
-    const size_t bytes = (size_t)fabric->slot_count * 4 * sizeof( float );
-    float* copy = wisp_parallel_scratch( parallel, span->worker, bytes );
-    if ( copy == NULL )
-    {
-        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the air on %d particles", fabric->slot_count );
-        return;
-    }
     air_loop loop = {
         .kernels = wisp_frame_kernels( frame ),
         .args = { .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
-                  .old_velocity = copy,
                   .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
-                  .ring_begin = fabric->ring_begin,
-                  .ring_x4 = fabric->ring_x4,
+                  .sum = begin_sums( frame, span, fabric->slot_count, 1 ),
+                  .strips = fabric->strips,
                   .wind = air->wind,
                   .density = air->density,
                   .drag = air->drag,
@@ -132,10 +133,12 @@ static void cloth_blow( wisp_frame* frame, const wisp_span* span, void* user )
                   .dt = wisp_frame_dt( frame, span->entity ),
                   .drag_factor = wisp_frame_column( frame, span->entity, WISP_MAP_DRAG, 0 ),
                   .lift_factor = wisp_frame_column( frame, span->entity, WISP_MAP_LIFT, 0 ) },
-        .copy = copy,
     };
-    wisp_parallel_for( parallel, fabric->ring_slice_count, GRAIN, copy_slices, &loop );
-    wisp_parallel_for( parallel, fabric->ring_slice_count, GRAIN, blow_slices, &loop );
+    if ( loop.args.sum != NULL )
+    {
+        wisp_run_schedule( parallel, &fabric->strips.order, sum_air, &loop );
+        wisp_parallel_for( parallel, fabric->slot_count / WISP_FABRIC_LANES, GRAIN, blow_slices, &loop );
+    }
 }
 
 static bool cloth_blows_evenly( wisp_frame* frame, wisp_entity entity, void* user )
@@ -149,17 +152,12 @@ static void cloth_blow_crowd( wisp_frame* frame, const wisp_crowd* crowd, const 
 {
     const cloth_state* state = user;
     const wisp_fabric* fabric = wisp_frame_fabric( frame, crowd->entities[0] );
-    const size_t bytes = (size_t)fabric->slot_count * 3 * WISP_INSTANCE_LANES * sizeof( float );
-    float* copy = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker, bytes );
-    if ( copy == NULL )
+    wisp_instances_air_args args = { .sum = begin_sums( frame, span, fabric->slot_count, WISP_INSTANCE_LANES ),
+                                     .strips = fabric->strips };
+    if ( args.sum == NULL )
     {
-        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the air on %d particles", fabric->slot_count );
         return;
     }
-    memcpy( copy, crowd->args->velocity, bytes );
-    wisp_instances_air_args args = { .old_velocity = copy,
-                                     .ring_begin = fabric->ring_begin,
-                                     .ring_x4 = fabric->ring_x4 };
     for ( int lane = 0; lane < WISP_INSTANCE_LANES; ++lane )
     {
         const cloth_air* air = wisp_frame_column( frame, crowd->entities[lane], state->air, 0 );
@@ -293,7 +291,7 @@ static wisp_status declare( wisp_registry* r )
             .run = cloth_blow,
             .run_crowd = cloth_blow_crowd,
             .joins_crowd = cloth_blows_evenly,
-            .fabric = WISP_FABRIC_RINGS,
+            .fabric = WISP_FABRIC_STRIPS,
         },
         {
             .name = "cloth.bending",

@@ -94,6 +94,45 @@ TEST( a_lean_fabric_makes_the_same_arrays_when_they_are_needed )
     free_cases( cases );
 }
 
+// Sums of squares of sums tell triangles apart whatever their order.
+static uint64_t triangle_word( const int32_t* v )
+{
+    const uint64_t a = (uint64_t)v[0] + 1, b = (uint64_t)v[1] + 1, c = (uint64_t)v[2] + 1;
+    return ( a + b + c ) * ( a * a + b * b + c * c ) * ( a * b * c + 7 );
+}
+
+TEST( strips_have_every_triangle_once )
+{
+    test_case cases[CASE_COUNT];
+    make_cases( cases );
+    for ( int i = 0; i < CASE_COUNT; ++i )
+    {
+        wisp_fabric_def def = test_fabric_def( &cases[i].mesh );
+        SCOPED( fabric_local ) wisp_fabric* f = test_fabric_cook( &def );
+        assert_int_equal( wisp_fabric_need( f, WISP_FABRIC_STRIPS ), WISP_OK );
+        uint64_t left = 0;
+        for ( int t = 0; t < f->triangle_count; ++t )
+        {
+            left += triangle_word( f->triangles + 3 * (size_t)t );
+        }
+        for ( int lane = 0; lane < 8; ++lane )
+        {
+            int32_t v[3] = { f->vertex_count, f->vertex_count, 0 };
+            for ( int step = 0; step < f->strips.order.slot_count; ++step )
+            {
+                const int flags = f->strips.flags[step] >> lane, stays = flags >> 8 & 1;
+                v[2] = f->strips.next_x4[step][lane] / 4;
+                left -= ( flags & 1 ) != 0 ? triangle_word( v ) : 0;
+                assert_true( f->strips.leaving_x4[step][lane] == 4 * v[stays] || v[stays] >= f->vertex_count );
+                v[0] = v[1 - stays], v[1] = v[2];
+            }
+            assert_true( v[0] >= f->vertex_count && v[1] >= f->vertex_count );
+        }
+        assert_true( left == 0 );
+    }
+    free_cases( cases );
+}
+
 // Of every fabric: nothing has them before.
 TEST( spans_of_hinges_are_squared_distances )
 {

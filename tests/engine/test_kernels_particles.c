@@ -468,61 +468,63 @@ TEST_KERNEL( vertices_lose_the_velocity_of_the_formula, skin, 3, 8, DRAG_SLOTS, 
 
 enum
 {
-    AIR_SLOTS = RING_SLOTS,
+    AIR_SLOTS = 8 * BALL_SLICES,
 };
 
 typedef struct air_scene
 {
-    _Alignas( 64 ) float position[AIR_SLOTS][4];
+    ball ball; // its triangles between points that know nothing of each other
     _Alignas( 64 ) float old_velocity[AIR_SLOTS][4];
     _Alignas( 64 ) float velocity[AIR_SLOTS][4];
-    int32_t ring_begin[AIR_SLOTS / 8 + 1];
-    int32_t ring_x4[AIR_SLOTS / 8 * RING][8];
+    _Alignas( 64 ) float sum[AIR_SLOTS][4];
     float lift;
     bool is_strange;
 } air_scene;
 
-static void make_strange( air_scene* s )
+static void make_strange( float ( *position )[4], float ( *velocity )[4] )
 {
-    s->position[20][0] = NAN;
-    s->position[21][1] = INFINITY;
-    s->position[22][2] = -INFINITY;
-    s->position[23][0] = 1e30f;
-    s->old_velocity[26][1] = INFINITY;
+    position[20][0] = NAN;
+    position[21][1] = INFINITY;
+    position[22][2] = -INFINITY;
+    position[23][0] = 1e30f;
+    velocity[26][1] = INFINITY;
 }
 
 // Drag alone takes no root. Every second variant has corners that are not finite.
 static void fill_air( void* state, int variant )
 {
     air_scene* s = state;
+    fill_ball( &s->ball, 0 );
+    assert_int_equal( wisp_fabric_need( s->ball.fabric, WISP_FABRIC_STRIPS ), WISP_OK );
     s->lift = variant < 2 ? 0.4f : 0.0f;
     s->is_strange = variant % 2 == 1;
+    float( *position )[4] = s->ball.position;
     for ( int v = 0; v < AIR_SLOTS; ++v )
     {
         for ( int k = 0; k < 3; ++k )
         {
-            s->position[v][k] = test_random_float( v, k, -1.0f, 1.0f );
-            s->old_velocity[v][k] = test_random_float( v, 3 + k, -5.0f, 5.0f );
+            position[v][k] = test_random_float( v, k, -1.0f, 1.0f );
+            s->velocity[v][k] = test_random_float( v, 3 + k, -5.0f, 5.0f );
         }
-        s->position[v][3] = v % 5 == 0 ? 0.0f : test_random_float( v, 7, 10.0f, 2000.0f ); // 1/kg; some are pinned
-        s->old_velocity[v][3] = (float)v;
+        position[v][3] = v % 5 == 0 ? 0.0f : test_random_float( v, 7, 10.0f, 2000.0f ); // 1/kg; some are pinned
+        s->velocity[v][3] = (float)v;
     }
-    memcpy( s->position[7], s->position[6], 3 * sizeof( float ) ); // triangles without area
-    make_rings( s->ring_begin, s->ring_x4 );
+    const int32_t* corner = s->ball.fabric->triangles;
+    memcpy( position[corner[0]], position[corner[1]], 3 * sizeof( float ) ); // triangles without area
     if ( s->is_strange )
     {
-        make_strange( s );
+        make_strange( position, s->velocity );
     }
+    memcpy( s->old_velocity, s->velocity, sizeof( s->velocity ) );
 }
 
-static wisp_ring_air_args job_of( air_scene* s )
+static wisp_strip_air_args job_of( air_scene* s )
 {
-    return ( wisp_ring_air_args ){
-        .position = s->position[0],
-        .old_velocity = s->old_velocity[0],
+    return ( wisp_strip_air_args ){
+        .position = s->ball.position[0],
         .velocity = s->velocity[0],
-        .ring_begin = s->ring_begin,
-        .ring_x4 = (const int32_t( * )[8])s->ring_x4,
+        .sum = s->sum[0],
+        .strips = s->ball.fabric->strips,
         .wind = { 3.0f, -1.0f, 0.5f },
         .density = 1.2f,
         .drag = 1.1f,
@@ -531,20 +533,29 @@ static wisp_ring_air_args job_of( air_scene* s )
     };
 }
 
-RUN_KERNEL( run_air, ring_air, wisp_ring_air_args, job_of )
+// Slices are cut, whose velocities are read by all strips before.
+static void run_air( const wisp_kernels* kernels, void* state, int begin, int end )
+{
+    const wisp_strip_air_args args = job_of( state );
+    if ( begin == 0 )
+    {
+        kernels->strip_air( &args, 0, args.strips.order.slot_count );
+    }
+    kernels->blow( &args, begin, end );
+}
 
 static double3 combine( double s, double3 a, double t, double3 b )
 {
     return double3_add_scaled( double3_scale( s, a ), t, b );
 }
 
-// F = 1/2 rho A |u . n| ( C_d u + C_l ( |u| n' - (u . n') / |u| u ) ). @param lift receives the second term
-static double3 triangle_force( const wisp_ring_air_args* args, air_scene* s, const int slots[3], double* rate,
-                               double3* lift )
+// F = 1/2 rho A |u . n| ( C_d u + C_l ( |u| n' - (u . n') / |u| u ) )
+static double3 triangle_force( const wisp_strip_air_args* args, air_scene* s, const int32_t slots[3], double* rate )
 {
-    const double3 p = double3_from( s->position[slots[0]] );
-    const double3 e = combine( 1.0, double3_from( s->position[slots[1]] ), -1.0, p );
-    const double3 f = combine( 1.0, double3_from( s->position[slots[2]] ), -1.0, p ), normal = double3_cross( e, f );
+    const double3 p = double3_from( s->ball.position[slots[0]] );
+    const double3 e = combine( 1.0, double3_from( s->ball.position[slots[1]] ), -1.0, p );
+    const double3 f = combine( 1.0, double3_from( s->ball.position[slots[2]] ), -1.0, p );
+    const double3 normal = double3_cross( e, f );
     double3 u = double3_widen( args->wind );
     for ( int k = 0; k < 3; ++k )
     {
@@ -552,7 +563,6 @@ static double3 triangle_force( const wisp_ring_air_args* args, air_scene* s, con
     }
     const double area = 0.5 * double3_length( normal ), speed = double3_length( u );
     *rate = 0.0;
-    *lift = ( double3 ){ 0.0, 0.0, 0.0 };
     if ( area == 0.0 )
     {
         return ( double3 ){ 0.0, 0.0, 0.0 };
@@ -562,33 +572,32 @@ static double3 triangle_force( const wisp_ring_air_args* args, air_scene* s, con
     const double pressure = 0.5 * (double)args->density * area * fabs( facing );
     const double3 foreign = combine( speed, n, -double3_dot( u, n ) / speed, u );
     *rate = pressure * ( (double)args->drag + (double)args->lift );
-    *lift = double3_scale( pressure * (double)args->lift, foreign );
-    return combine( pressure * (double)args->drag, u, 1.0, *lift );
+    return combine( pressure * (double)args->drag, u, pressure * (double)args->lift, foreign );
 }
 
 static double3 air_velocity( air_scene* s, int v )
 {
-    const wisp_ring_air_args args = job_of( s );
-    double3 force = { 0.0, 0.0, 0.0 }, lift = force;
+    const wisp_strip_air_args args = job_of( s );
+    double3 force = { 0.0, 0.0, 0.0 };
     double rate = 0.0;
-    for ( int e = 1; e < RING; ++e )
+    for ( int t = 0; t < s->ball.fabric->triangle_count; ++t )
     {
-        double own;
-        double3 own_lift;
-        const int slots[3] = { v, s->ring_x4[v / 8 * RING + e - 1][v % 8] / 4,
-                               s->ring_x4[v / 8 * RING + e][v % 8] / 4 };
-        force = combine( 1.0, force, 1.0 / 3.0, triangle_force( &args, s, slots, &own, &own_lift ) );
-        lift = combine( 1.0, lift, 1.0 / 3.0, own_lift );
-        rate += own / 3.0;
+        const int32_t* slots = s->ball.fabric->triangles + 3 * t;
+        if ( slots[0] == v || slots[1] == v || slots[2] == v )
+        {
+            double own;
+            force = combine( 1.0, force, 1.0 / 3.0, triangle_force( &args, s, slots, &own ) );
+            rate += own / 3.0;
+        }
     }
-    const double w = (double)s->position[v][3], dt = (double)args.dt, change = dt * w / ( 1.0 + dt * w * rate );
-    // lift turns the relative wind: the square of its step is taken out of the speed again
-    const double3 wind = double3_widen( args.wind );
-    const double3 blown = combine( 1.0, double3_from( s->old_velocity[v] ), change, force );
-    const double3 relative = combine( 1.0, blown, -1.0, wind );
-    const double square = double3_dot( relative, relative );
-    const double left = fmax( square - change * change * double3_dot( lift, lift ), 0.0 );
-    return combine( 1.0, wind, sqrt( left / square ), relative );
+    const double w = (double)s->ball.position[v][3], dt = (double)args.dt;
+    const double3 step = double3_scale( dt * w / ( 1.0 + dt * w * rate ), force ), wind = double3_widen( args.wind );
+    const double3 before = combine( 1.0, double3_from( s->old_velocity[v] ), -1.0, wind );
+    const double3 after = combine( 1.0, before, 1.0, step );
+    // lift turns the relative wind: only the part of a step along it changes the speed
+    const double speed = double3_length( before );
+    const double left = fabs( speed + double3_dot( step, before ) / speed );
+    return combine( 1.0, wind, s->lift > 0.0f ? left / double3_length( after ) : 1.0, after );
 }
 
 // What is pinned keeps its velocity, and a corner that is not finite spoils no neighbour.
@@ -596,10 +605,10 @@ static void check_air( void* start, void* end )
 {
     (void)start;
     air_scene* s = end;
-    for ( int v = 0; v < AIR_SLOTS; ++v )
+    for ( int v = 0; v < s->ball.fabric->vertex_count; ++v )
     {
         const double3 found = double3_from( s->velocity[v] );
-        if ( s->position[v][3] == 0.0f )
+        if ( s->ball.position[v][3] == 0.0f )
         {
             assert_memory_equal( s->velocity[v], s->old_velocity[v], sizeof( s->velocity[v] ) );
         }
@@ -617,5 +626,9 @@ static void check_air( void* start, void* end )
     }
 }
 
-TEST_KERNEL( a_vertex_takes_a_third_of_the_air_on_its_triangles, air_scene, 4, 0, AIR_SLOTS / 8, 1, fill_air, run_air,
-             check_air )
+TEST( a_vertex_takes_a_third_of_the_air_on_its_triangles )
+{
+    kernel_row row = *KERNEL_ROW( air_scene, 4, 0, BALL_SLICES, 1, fill_air, run_air, check_air );
+    row.release = release_ball;
+    check_kernel( &row );
+}

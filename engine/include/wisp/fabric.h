@@ -38,12 +38,13 @@ typedef enum wisp_solve_order
     WISP_SOLVE_ORDER_COUNT = 2,
 } wisp_solve_order;
 
-/// Arrays that a lean fabric has only where something asked for them with wisp_fabric_need(). Spans are so in any fabric.
+/// Arrays that a lean fabric has only where something asked for them with wisp_fabric_need(). Spans and strips are so in any fabric.
 typedef enum wisp_fabric_arrays
 {
-    WISP_FABRIC_EDGES = 1, ///< `edges`
-    WISP_FABRIC_RINGS = 2, ///< `ring_begin` and `ring_x4`
-    WISP_FABRIC_SPANS = 4, ///< `hinge_span2`
+    WISP_FABRIC_EDGES = 1,  ///< `edges`
+    WISP_FABRIC_RINGS = 2,  ///< `ring_begin` and `ring_x4`
+    WISP_FABRIC_SPANS = 4,  ///< `hinge_span2`
+    WISP_FABRIC_STRIPS = 8, ///< `strips`
 } wisp_fabric_arrays;
 
 /// What to cook. Fill from wisp_default_fabric_def(). Need not outlive the call.
@@ -84,6 +85,17 @@ typedef struct wisp_schedule
     const int32_t* tile_begin;  ///< [tile_count + 1] first slot, multiples of 8
     const int32_t* constraint;  ///< [slot_count] number of the constraint, -1 pads
 } wisp_schedule;
+
+/// Triangles as strips, eight side by side: in each step a lane takes the next vertex, which is a triangle with the two that it has,
+/// and one of these two leaves, so it reads one vertex a triangle. Lanes begin and end with dummies. A row of sums may be written by two
+/// lanes of a step, in the order of lanes.
+typedef struct wisp_strips
+{
+    wisp_schedule order;              ///< of tiles; slots are steps, and constraint is null
+    const int32_t ( *next_x4 )[8];    ///< [step] slots times 4
+    const int32_t ( *leaving_x4 )[8]; ///< [step]
+    const uint16_t* flags; ///< [step] bit l: lane l has a triangle; bit 8 + l: the older of its two vertices stays
+} wisp_strips;
 
 /// A coarse sheet: a subset of the vertices of the next finer sheet, linked like a mesh. It has rows of its own, in the order of
 /// the slots; tiles are ranges of rows, and every tile has one dummy row after the vertices, as slots have.
@@ -158,6 +170,8 @@ typedef struct wisp_fabric
     const int32_t* ring_begin;     ///< [ring_slice_count + 1]
     const int32_t ( *ring_x4 )[8]; ///< [entry]
 
+    wisp_strips strips;
+
     int tether_count;         ///< tethers a vertex, 0 .. WISP_FABRIC_MAX_TETHERS
     const int32_t* tether_x4; ///< [tether_count][slot_count] the attachment's slot times 4; the own slot pads
     const float* tether_rest; ///< [tether_count][slot_count] m along the rest mesh, never below the straight distance
@@ -168,7 +182,7 @@ typedef struct wisp_fabric
     int level_count;
     const wisp_fabric_level* levels; ///< [level_count] from fine to coarse
     wisp_solve_order solve_order;
-    uint64_t hash; ///< of everything above but spans: the same fabric has the same hash on every machine
+    uint64_t hash; ///< of everything above but spans and strips: the same fabric has the same hash on every machine
 } wisp_fabric;
 
 /// Cook a mesh. Takes unreferenced vertices and nonmanifold edges as they are; triangles without area keep their edges and add no

@@ -1,7 +1,7 @@
 /// Instances of one fabric side by side, one per lane: arguments of their kernels.
 #pragma once
 
-#include "wisp/base.h"
+#include "wisp/fabric.h"
 
 WISP_BEGIN_C
 
@@ -39,12 +39,11 @@ typedef struct wisp_instances_args
     int edge_count;             ///< constraints from this number on are bend links
 } wisp_instances_args;
 
-/// Air on instances: as of wisp_ring_air_args, a surface a lane.
+/// Air on instances: as of wisp_strip_air_args, a surface a lane.
 typedef struct wisp_instances_air_args
 {
-    const float* old_velocity;     ///< [slot][3][lane] m/s, velocity before the kernel
-    const int32_t* ring_begin;     ///< [slot / 8 + 1]
-    const int32_t ( *ring_x4 )[8]; ///< [entry][8]
+    float* sum; ///< [slot][4][lane] zero
+    wisp_strips strips;
     float wind[3 * WISP_INSTANCE_LANES];
     float density[WISP_INSTANCE_LANES], drag[WISP_INSTANCE_LANES], lift[WISP_INSTANCE_LANES];
 } wisp_instances_air_args;

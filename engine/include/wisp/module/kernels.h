@@ -213,7 +213,8 @@ typedef struct wisp_kernels
     /// The end of a substep, as `velocity` and damping; the begin of the next one, as `accelerate` and `predict`.
     /// @return bits of lanes that do not end with finite numbers; 0 if a substep begins
     uint32_t ( *instances_advance )( const wisp_instances_args* args, bool ends, bool begins );
-    void ( *instances_air )( const wisp_instances_args* args, const wisp_instances_air_args* air ); ///< as `ring_air`
+    void ( *instances_air )( const wisp_instances_args* args,
+                             const wisp_instances_air_args* air ); ///< as `strip_air` and `blow`
     /// As `rigid_sums` and `rigid_approach`, a surface a lane. @param rigid, sums [lane] all but positions and velocities
     void ( *instances_rigid_sums )( const wisp_instances_args* args, const wisp_rigid_args* rigid, int begin, int end,
                                     wisp_rigid_sums* sums );
@@ -251,8 +252,10 @@ typedef struct wisp_kernels
     /// they cancel. Triangles without area, and those with a corner that is not finite, are skipped.
     /// @param xyzw [slot][4] output, the fourth component is 0
     void ( *ring_mean_normal )( const wisp_ring_args* args, int begin, int end, float* xyzw );
-    /// Apply drag and lift. Triangles without area, and those with a corner that is not finite, are skipped.
-    void ( *ring_air )( const wisp_ring_air_args* args, int begin, int end );
+    /// Sum drag and lift over steps of strips. Triangles without area, and those with a corner that is not finite, are skipped.
+    void ( *strip_air )( const wisp_strip_air_args* args, int begin, int end );
+    /// Apply the sums to the velocities of slices.
+    void ( *blow )( const wisp_strip_air_args* args, int begin, int end );
     void ( *push )( const wisp_push_args* args, int begin, int end );
     // points, multiples of 8
     /// Compute weighted points and normals.

@@ -1,7 +1,7 @@
 /// Arguments of the kernels of surfaces: constraints, coarse levels, planes and boundary particles (kernels.h).
 #pragma once
 
-#include "wisp/base.h"
+#include "wisp/fabric.h"
 
 WISP_BEGIN_C
 
@@ -148,21 +148,20 @@ typedef struct wisp_ring_args
     int first_slice; ///< slice of the first element of gradient and area
 } wisp_ring_args;
 
-/// Arguments of drag and lift of air on the triangles around vertices. Drag is implicit in the velocity.
-typedef struct wisp_ring_air_args
+/// Arguments of drag and lift of air on triangles. Drag is implicit in the velocity.
+typedef struct wisp_strip_air_args
 {
     const float* position; ///< [slot][4] m, inverse mass in 1/kg; particles with inverse mass 0 keep their velocity
-    const float* old_velocity;     ///< [slot][4] m/s, velocity before the kernel, read for neighbours
-    float* velocity;               ///< [slot][4] m/s, output; the fourth component is copied from old_velocity
-    const int32_t* ring_begin;     ///< [slice + 1] first entry of each slice
-    const int32_t ( *ring_x4 )[8]; ///< [entry][8] neighbours in fan order, slots times 4
-    wisp_vec3 wind;                ///< m/s
-    float density;                 ///< kg/m^3
-    float drag, lift;              ///< C_d, C_l
-    float dt;                      ///< s
-    const float* drag_factor;      ///< [slot] factor of C_d in the force on a vertex; null: 1
-    const float* lift_factor;      ///< [slot] of C_l; null: 1
-} wisp_ring_air_args;
+    float* velocity;       ///< [slot][4] m/s
+    float* sum;            ///< [slot][4] over triangles, zero before the first one; `blow` applies it
+    wisp_strips strips;
+    wisp_vec3 wind;           ///< m/s
+    float density;            ///< kg/m^3
+    float drag, lift;         ///< C_d, C_l
+    float dt;                 ///< s
+    const float* drag_factor; ///< [slot] factor of C_d, of which a triangle has the mean; null: 1
+    const float* lift_factor; ///< [slot] of C_l; null: 1
+} wisp_strip_air_args;
 
 /// Arguments of drag of air at rest on vertices, by max( 0, cos ) of the angle between velocity and area vector. A vertex at rest, or whose area vector cancels, has none.
 typedef struct wisp_vertex_drag_args
