@@ -174,8 +174,13 @@ scene_field scene_field_at( const scene_block* block, int i )
     {
         return field;
     }
-    const wisp_field* f = wisp_def_find( block->of, field.member != NULL ? field.member : field.key );
-    WISP_ASSERT( f != NULL );
+    const char* member = field.member != NULL ? field.member : field.key;
+    const wisp_field* f = block->of->rows;
+    while ( strcmp( f->name, member ) != 0 )
+    {
+        ++f;
+        WISP_ASSERT( f < block->of->rows + block->of->count );
+    }
     field.type = type_of( &field, f );
     field.at = block->at + f->offset;
     field.unit = field.unit != NULL ? field.unit : f->unit;

@@ -1,5 +1,6 @@
 // Definitions by table: defaults, reading and ranges of all members. In: rows of wisp_fields. Out: a definition, or a message that names
 // the member, the value and the range.
+#include "log.h"
 #include "wisp/module/definition.h"
 #include "wisp/shapes.h"
 
@@ -178,22 +179,21 @@ static wisp_status check_field( const wisp_fields* fields, const wisp_field* f, 
 
 // ---- reading ----
 
-const wisp_field* wisp_def_find( const wisp_fields* fields, const char* name )
+wisp_status base_check_value( const wisp_fields* fields, const char* name, const char* of, int number,
+                              const void* value, wisp_error* error )
 {
-    const wisp_field* found = NULL;
-    for ( int i = 0; i < fields->count && found == NULL; ++i )
+    int i = 0;
+    while ( i < fields->count && strcmp( fields->rows[i].name, name ) != 0 )
     {
-        found = strcmp( fields->rows[i].name, name ) == 0 ? fields->rows + i : NULL;
+        i += 1;
     }
-    return found;
-}
-
-wisp_status wisp_def_check( const wisp_fields* fields, const char* name, const char* part, const void* value,
-                            wisp_error* error )
-{
-    const wisp_field* f = wisp_def_find( fields, name );
-    WISP_ASSERT( f != NULL );
-    return check_field( fields, f, part, value, error );
+    WISP_ASSERT( i < fields->count );
+    char part[60] = "";
+    if ( of != NULL )
+    {
+        snprintf( part, sizeof( part ), " of %s %d", of, number );
+    }
+    return check_field( fields, fields->rows + i, part, value, error );
 }
 
 wisp_status wisp_def_read( const wisp_fields* fields, void* def, const void* given, wisp_error* error )

@@ -17,3 +17,8 @@ void base_log_write( const base_log* log, wisp_log_level level, const char* form
 
 /// Bytes of the longest message, including its zero.
 #define BASE_MESSAGE_CAPACITY 512
+
+/// Check one value as the member `name` of a definition is checked.
+/// @param of what the value belongs to, such as "vertex", and its number, for the message; null: nothing
+wisp_status base_check_value( const wisp_fields* fields, const char* name, const char* of, int number,
+                              const void* value, wisp_error* error );

@@ -45,30 +45,17 @@ wisp_status wisp_world_begin_def( wisp_world* world, const wisp_fields* fields, 
     return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.message );
 }
 
-static wisp_status check_part( wisp_world* world, const wisp_fields* fields, const char* name, const char* part,
-                               const void* value )
-{
-    wisp_error error = { 0 };
-    const wisp_status status = wisp_def_check( fields, name, part, value, &error );
-    return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.message );
-}
-
-wisp_status wisp_world_check_value( wisp_world* world, const wisp_fields* fields, const char* name,
-                                    const void* value )
-{
-    return check_part( world, fields, name, "", value );
-}
-
 wisp_status wisp_world_check_values( wisp_world* world, const wisp_fields* fields, const char* name,
-                                     const float* values, int count, const char* of )
+                                     const void* values, int count, const char* of )
 {
     for ( int i = 0; values != NULL && i < count; ++i )
     {
-        if ( wisp_def_check( fields, name, "", values + i, NULL ) != WISP_OK )
+        wisp_error error = { 0 };
+        const void* value = (const char*)values + (size_t)i * sizeof( float );
+        const wisp_status status = base_check_value( fields, name, of, i, value, &error );
+        if ( status != WISP_OK )
         {
-            char part[60];
-            snprintf( part, sizeof( part ), " of %s %d", of, i );
-            return check_part( world, fields, name, part, values + i );
+            return wisp_world_fail( world, status, "%s", error.message );
         }
     }
     return WISP_OK;

@@ -71,7 +71,7 @@ wisp_status wisp_move_frame( wisp_world* world, wisp_entity entity, wisp_transfo
 {
     WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( check_framed_entity( world, entity ) );
-    WISP_TRY( wisp_world_check_value( world, &wisp_moving_frame_def_fields, "pose", &pose ) );
+    WISP_TRY( wisp_world_check_values( world, &wisp_moving_frame_def_fields, "pose", &pose, 1, NULL ) );
     wisp_transform* poses = wisp_world_column( world, entity, WISP_PARTICLE_FRAME, 0 );
     if ( poses != NULL )
     {

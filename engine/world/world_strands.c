@@ -88,7 +88,11 @@ static wisp_status check_strand_points( wisp_world* world, const wisp_strands_de
 
 static wisp_status check_strands( wisp_world* world, const wisp_strands_def* def )
 {
-    WISP_TRY( wisp_world_check_pointer( world, "offsets", def->offsets ) );
+    if ( def->offsets == NULL )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "strand_count: got %d, but offsets is null",
+                                def->strand_count );
+    }
     if ( def->offsets[0] != 0 )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "offsets: got %d as the first, expected 0", def->offsets[0] );

@@ -625,7 +625,7 @@ static wisp_status set_component( wisp_world* world, wisp_entity surface, wisp_c
 wisp_status wisp_set_gravity( wisp_world* world, wisp_entity surface, wisp_vec3 gravity )
 {
     WISP_TRY( wisp_world_check_entity( world, surface ) );
-    WISP_TRY( wisp_world_check_value( world, &wisp_surface_def_fields, "gravity", &gravity ) );
+    WISP_TRY( wisp_world_check_values( world, &wisp_surface_def_fields, "gravity", &gravity, 1, NULL ) );
     wisp_status status = set_component( world, surface, WISP_PARTICLE_GRAVITY, wisp_v3_length( gravity ) > 0.0f );
     wisp_vec3* column = wisp_world_column( world, surface, WISP_PARTICLE_GRAVITY, 0 );
     if ( status == WISP_OK && column != NULL )

@@ -230,7 +230,7 @@ wisp_status wisp_set_balloon_inflation( wisp_world* world, wisp_entity balloon, 
     WISP_TRY( wisp_world_check_entity( world, balloon ) );
     const balloon_state* state;
     WISP_TRY( find_balloon( world, balloon, &state ) );
-    WISP_TRY( wisp_world_check_value( world, &wisp_balloon_def_fields, "inflation_rate", &rate ) );
+    WISP_TRY( wisp_world_check_values( world, &wisp_balloon_def_fields, "inflation_rate", &rate, 1, NULL ) );
     if ( rate == 0.0f )
     {
         return wisp_world_detach( world, balloon, state->inflation );

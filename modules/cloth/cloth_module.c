@@ -553,7 +553,7 @@ wisp_status wisp_set_cloth_wind( wisp_world* world, wisp_entity surface, wisp_ve
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     cloth_state* state;
     WISP_TRY( find_state( world, surface, &state ) );
-    WISP_TRY( wisp_world_check_value( world, &wisp_cloth_def_fields, "wind", &wind ) );
+    WISP_TRY( wisp_world_check_values( world, &wisp_cloth_def_fields, "wind", &wind, 1, NULL ) );
     if ( wisp_world_has( world, surface, state->air ) == false )
     {
         const bool is_cloth = wisp_world_has( world, surface, WISP_LINK_COMPLIANCE ) ||

@@ -373,7 +373,7 @@ wisp_status wisp_move_collider( wisp_world* world, wisp_entity entity, wisp_tran
     {
         return wisp_world_fail( world, WISP_CONFLICT, "collider: entity %u moves with its surface", entity.index );
     }
-    WISP_TRY( wisp_world_check_value( world, &wisp_collider_def_fields, "pose", &pose ) );
+    WISP_TRY( wisp_world_check_values( world, &wisp_collider_def_fields, "pose", &pose, 1, NULL ) );
     WISP_TRY( give_motion( world, state, entity ) );
     *(wisp_transform*)wisp_world_column( world, entity, state->motion, 0 ) =
         wisp_transform_make( pose.rotation, pose.translation );

@@ -336,7 +336,7 @@ wisp_status wisp_set_strand_wind( wisp_world* world, wisp_entity strands, wisp_v
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* s;
     WISP_TRY( strands_find( world, strands, &s ) );
-    WISP_TRY( wisp_world_check_value( world, &wisp_strand_dynamics_def_fields, "wind", &wind ) );
+    WISP_TRY( wisp_world_check_values( world, &wisp_strand_dynamics_def_fields, "wind", &wind, 1, NULL ) );
     if ( wisp_world_has( world, strands, s->air ) == false )
     {
         const wisp_strand_dynamics_def usual = wisp_default_strand_dynamics_def();
@@ -354,7 +354,7 @@ wisp_status wisp_set_strand_gravity( wisp_world* world, wisp_entity strands, wis
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* s;
     WISP_TRY( strands_find( world, strands, &s ) );
-    WISP_TRY( wisp_world_check_value( world, &wisp_strand_dynamics_def_fields, "gravity", &gravity ) );
+    WISP_TRY( wisp_world_check_values( world, &wisp_strand_dynamics_def_fields, "gravity", &gravity, 1, NULL ) );
     strands_settings* settings = wisp_world_column( world, strands, s->settings, 0 );
     settings->gravity = gravity;
     return WISP_OK;

@@ -71,13 +71,4 @@ WISP_API void wisp_def_init( const wisp_fields* fields, void* def, size_t size )
 /// @return WISP_BAD_INPUT it is null, was not filled by its function, is of a newer version, or a value is out of its range
 WISP_API wisp_status wisp_def_read( const wisp_fields* fields, void* def, const void* given, wisp_error* error );
 
-/// Check one value of a definition that comes alone.
-/// @param part such as " of vertex 5", which the message has behind the name @param value of the type of the member
-/// @return WISP_BAD_INPUT, "subject: name: got value, expected range"
-WISP_API wisp_status wisp_def_check( const wisp_fields* fields, const char* name, const char* part, const void* value,
-                                     wisp_error* error );
-
-/// @return the row of a member; null: it has none
-WISP_API const wisp_field* wisp_def_find( const wisp_fields* fields, const char* name );
-
 WISP_END_C

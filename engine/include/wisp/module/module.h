@@ -435,13 +435,12 @@ WISP_API wisp_status wisp_world_begin( wisp_world* world );
 /// @param def receives it
 WISP_API wisp_status wisp_world_begin_def( wisp_world* world, const wisp_fields* fields, void* def,
                                            const void* given );
-/// Check one value that comes alone as wisp_def_check() does.
-WISP_API wisp_status wisp_world_check_value( wisp_world* world, const wisp_fields* fields, const char* name,
-                                             const void* value );
-/// Check numbers that take the place of one of a definition.
-/// @param values [count]; null: there are none @param of what has one each, such as "vertex"
+/// Check values that take the place of one of a definition.
+/// @param values one of the type of the member, or [count] floats; null: there are none
+/// @param of what has one each, such as "vertex"; null: there is one alone
+/// @return WISP_BAD_INPUT, "subject: name of vertex 5: got value, expected range"
 WISP_API wisp_status wisp_world_check_values( wisp_world* world, const wisp_fields* fields, const char* name,
-                                              const float* values, int count, const char* of );
+                                              const void* values, int count, const char* of );
 /// The same for a call about an entity, with or without those before it.
 /// @return WISP_STALE_ID the entity was removed or never existed, with a message
 WISP_API wisp_status wisp_world_check_entity( wisp_world* world, wisp_entity entity );
