@@ -14,6 +14,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 // ---- what commands share ----
 
@@ -68,18 +69,24 @@ wisp_status bench_check_files( const bench_files* files, wisp_error* error )
     return status == WISP_OK ? command_check_writable( files->report, error ) : status;
 }
 
+// An interruption before the first row leaves the files of an earlier run.
+static bool may_write( const results* out, const char* path )
+{
+    return out->row_count > 0 || interruption_came() == false || path == NULL || access( path, F_OK ) != 0;
+}
+
 // The report first, since a reader of standard output may leave early; the results also if it fails.
 wisp_status bench_write_files( const bench_files* files, const report_run* run, const results* out,
                                wisp_error* error )
 {
     wisp_error later = { 0 };
-    if ( out->row_count == 0 && interruption_came() )
-    {
-        return WISP_OK; // files of an earlier run stay
-    }
-    const wisp_status reported = files->report ? report_write_file( out, run, files->report, error ) : WISP_OK;
+    const wisp_status reported = files->report != NULL && may_write( out, files->report )
+                                     ? report_write_file( out, run, files->report, error )
+                                     : WISP_OK;
     const wisp_status written =
-        results_write_file( out, files->format, files->output, reported == WISP_OK ? error : &later );
+        may_write( out, files->output )
+            ? results_write_file( out, files->format, files->output, reported == WISP_OK ? error : &later )
+            : WISP_OK;
     return reported == WISP_OK ? written : reported;
 }
 

@@ -401,7 +401,7 @@ bool stability_judge_near( const stability_trace* trace, const stability_limits*
                 return false;
             }
             snprintf( when, sizeof when, near->at > 0.0 ? " from %.4g s" : "", near->at );
-            snprintf( out->message, sizeof out->message, "%s%s%s%s is %.6g, expected %.6g within %.3g%s%s", near->of,
+            snprintf( out->message, sizeof out->message, "%s%s%s%s is %.9g, expected %.9g within %.3g%s%s", near->of,
                       near->take == STABILITY_TAKE_END ? "" : ", ",
                       near->take == STABILITY_TAKE_END ? "" : stability_near_takes[near->take], when, found,
                       near->value, near->within, near->from[0] ? ": " : "", near->from );

@@ -492,7 +492,7 @@ TEST( what_cannot_be_created_leaves_nothing_behind )
     assert_true( wisp_world_hash( world ) == empty );
     wisp_create_hair_def hair = wisp_default_create_hair_def();
     hair.strand_count = 3;
-    expect_refusal( world, wisp_create_hair( world, &hair, &cloth ), WISP_BAD_INPUT, "offsets: got null" );
+    expect_refusal( world, wisp_create_hair( world, &hair, &cloth ), WISP_BAD_INPUT, "strand_count: got 3" );
     wisp_world_destroy( world );
 
     // without a module the message names it
