@@ -37,7 +37,8 @@ enum
     SEGMENT_TURNS = 16, // the same of segments
 };
 
-// Change of the pushes of a group by a turn that needs no further one, thicknesses/s. More lets ropes creep by 0.1 mm/s.
+// Change of the pushes of a strand by a turn that needs no further one, thicknesses/s, in the mean over those of a group that are pushed. More
+// lets ropes creep by 0.1 mm/s.
 static const float SMALL_PUSH = 1.5f;
 
 // Most that the push of a segment in a turn is multiplied by. More converges faster, and may throw hair that is hit at 5 m/s.
@@ -746,15 +747,16 @@ void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* us
 
 // ---- turns with lengths ----
 
-// Return the sum of the pushes of a group in this substep, m.
+// Return the mean push of the strands of a group that are pushed in this substep, m.
 // @param inside receives whether a vertex is inside: turns would make speed of depth
-static float sum_pushes( wisp_frame* frame, const wisp_span* group, const collision_state* state, bool* inside )
+static float mean_push( wisp_frame* frame, const wisp_span* group, const collision_state* state, bool* inside )
 {
     const collision_settings* settings = wisp_frame_column( frame, group->entity, state->settings, 0 );
     const int32_t* group_row = wisp_frame_strands( frame, group->entity )->group_row;
     const wisp_component parts[2] = { state->strand_contact, state->segment_contact };
     const float shallow = COLLISION_SHALLOW * settings->thickness;
-    float sum = 0.0f;
+    float sums[WISP_LANES] = { 0.0f }, sum = 0.0f;
+    int strands = 0;
     *inside = false;
     for ( int part = 0; part < 2 && wisp_frame_has( frame, group->entity, parts[part] ); ++part )
     {
@@ -762,21 +764,22 @@ static float sum_pushes( wisp_frame* frame, const wisp_span* group, const collis
                     *left = wisp_frame_column( frame, group->entity, parts[part], 2 );
         for ( int row = group_row[group->begin]; row < group_row[group->end]; ++row )
         {
-            const size_t first = (size_t)row * WISP_LANES;
-            int pushed = 0, deep = 0; // most rows have neither
-            for ( size_t i = first; i < first + WISP_LANES; ++i )
+            int deep = 0;
+            for ( int lane = 0; lane < WISP_LANES; ++lane )
             {
-                pushed |= push[i] > 0.0f;
+                const size_t i = (size_t)row * WISP_LANES + (size_t)lane;
+                sums[lane] += collision_larger( push[i], 0.0f );
                 deep |= left[i] > shallow;
-            }
-            for ( size_t i = first; pushed != 0 && i < first + WISP_LANES; ++i )
-            {
-                sum += collision_larger( push[i], 0.0f );
             }
             *inside = *inside || deep != 0;
         }
     }
-    return sum;
+    for ( int lane = 0; lane < WISP_LANES; ++lane )
+    {
+        sum += sums[lane];
+        strands += sums[lane] > 0.0f;
+    }
+    return strands > 0 ? sum / (float)strands : 0.0f;
 }
 
 void collision_settle_strands( wisp_frame* frame, const wisp_span* span, void* user )
@@ -791,15 +794,15 @@ void collision_settle_strands( wisp_frame* frame, const wisp_span* span, void* u
         group.end = group.begin + 1;
         group.iteration = wisp_frame_iterations( frame ) + 1; // those of contact take nothing back
         bool inside;
-        float before = 0.0f, sum = sum_pushes( frame, &group, state, &inside );
-        for ( int turn = 0; turn < turns && inside == false && fabsf( sum - before ) > small; ++turn )
+        float before = 0.0f, push = mean_push( frame, &group, state, &inside );
+        for ( int turn = 0; turn < turns && inside == false && fabsf( push - before ) > small; ++turn )
         {
-            before = sum;
+            before = push;
             wisp_frame_project_again( frame, &group );
-            sum = sum_pushes( frame, &group, state, &inside );
+            push = mean_push( frame, &group, state, &inside );
         }
         group.iteration += 1; // the last push is exact
-        if ( sum > 0.0f && inside == false )
+        if ( push > 0.0f && inside == false )
         {
             collision_touch_strands( frame, &group, user );
         }
