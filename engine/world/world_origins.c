@@ -157,6 +157,7 @@ typedef struct origin_member
 {
     double lower[3], upper[3]; // m, in the world
     int32_t group;             // lowest slot
+    int32_t next;              // slot of the group, -1: the last
     bool moves;                // it has bounds
 } origin_member;
 
@@ -267,6 +268,13 @@ static void find_groups( const wisp_world* world, origin_member* members )
     for ( int i = 0; i < count; ++i )
     {
         members[i].group = members[members[i].group].group; // roots come first
+        members[i].next = -1;
+    }
+    for ( int i = count - 1; i >= 0; --i )
+    {
+        origin_member* root = members + members[i].group;
+        members[i].next = root->next;
+        root->next = root == members + i ? root->next : i;
     }
 }
 
@@ -276,14 +284,12 @@ static void find_groups( const wisp_world* world, origin_member* members )
 // @return false if nothing of the group moves
 static bool find_origin( const wisp_world* world, const origin_member* members, int group, double out[3] )
 {
-    const int count = world->store.entity_count;
     double lower[3] = { INFINITY, INFINITY, INFINITY }, upper[3] = { -INFINITY, -INFINITY, -INFINITY };
     const store_entity* first = NULL;
-    for ( int i = count - 1; i >= group; --i )
+    for ( int i = group; i >= 0; i = members[i].next )
     {
-        const bool counts = members[i].group == group && members[i].moves;
-        first = counts ? world->store.entities + i : first;
-        for ( int k = 0; k < 3 && counts; ++k )
+        first = first == NULL && members[i].moves ? world->store.entities + i : first;
+        for ( int k = 0; k < 3 && members[i].moves; ++k )
         {
             lower[k] = fmin( lower[k], members[i].lower[k] );
             upper[k] = fmax( upper[k], members[i].upper[k] );
@@ -309,12 +315,12 @@ static bool find_origin( const wisp_world* world, const origin_member* members, 
 
 static void move_group( wisp_world* world, const origin_member* members, int group, const double to[3] )
 {
-    for ( int i = group; i < world->store.entity_count; ++i )
+    for ( int i = group; i >= 0; i = members[i].next )
     {
         store_entity* e = world->store.entities + i;
         double now[3];
         store_row_origin( e, now );
-        if ( members[i].group == group && e->alive && ( members[i].moves || e->tie != 0 ) )
+        if ( e->alive && ( members[i].moves || e->tie != 0 ) )
         {
             shift( world, e,
                    ( wisp_vec3 ){ (float)( now[0] - to[0] ), (float)( now[1] - to[1] ), (float)( now[2] - to[2] ) } );
