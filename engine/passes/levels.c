@@ -9,6 +9,77 @@
 #include "wisp/module/components.h"
 #include <string.h>
 
+// Index of parent k of a row of the next finer sheet in the parents and weights of a level.
+static size_t levels_parent_at( int finer_row, int k )
+{
+    return (size_t)( ( finer_row / 8 * WISP_FABRIC_PARENTS + k ) * 8 + finer_row % 8 );
+}
+
+// A surface with coarse sheets, in a substep.
+typedef struct levels_surface
+{
+    const wisp_fabric* fabric;
+    const float* position;     // [slot][4] m, where the surface has been predicted, inverse mass in 1/kg
+    const float* previous;     // [slot][4] m, where the substep begins
+    const float* inverse_mass; // [row] 1/kg, of all levels
+} levels_surface;
+
+static const wisp_fabric_level* levels_coarsest( const wisp_fabric* f )
+{
+    return f->levels + f->level_count - 1;
+}
+
+static levels_columns levels_columns_of( wisp_frame* frame, wisp_entity entity )
+{
+    return ( levels_columns ){
+        .substeps = wisp_frame_column( frame, entity, WISP_SURFACE_LEVELS, 0 ),
+        .passes = wisp_frame_column( frame, entity, WISP_SURFACE_LEVELS, 1 ),
+        .state = wisp_frame_column( frame, entity, WISP_SURFACE_LEVELS, 2 ),
+        .pins = wisp_frame_column( frame, entity, WISP_SURFACE_LEVELS, 3 ),
+        .forced = wisp_frame_column( frame, entity, WISP_SURFACE_LEVELS, 4 ),
+        .drift = wisp_frame_column( frame, entity, WISP_SURFACE_LEVELS, 5 ),
+    };
+}
+
+static levels_surface levels_surface_of( wisp_frame* frame, wisp_entity entity )
+{
+    return ( levels_surface ){
+        .fabric = wisp_frame_fabric( frame, entity ),
+        .position = wisp_frame_column( frame, entity, WISP_PARTICLE_POSITION, 0 ),
+        .previous = wisp_frame_column( frame, entity, WISP_PARTICLE_PREVIOUS, 0 ),
+        .inverse_mass = wisp_frame_column( frame, entity, WISP_LEVEL_MASS, 0 ),
+    };
+}
+
+// Copy what the vertices of a level have. @param from [slot][4] @param to [row][4]
+static void levels_gather_rows( const wisp_fabric_level* level, const float* from, float* to )
+{
+    for ( int row = 0; row < level->row_count; ++row )
+    {
+        memcpy( to + 4 * row, from + level->slot_x4[row], 4 * sizeof( float ) );
+    }
+}
+
+// Find the mean over masses. @param inverse_mass 1/kg, one in `stride` @param value [count][4]
+static void levels_find_mean( const float* inverse_mass, int stride, const float* value, int count, float mean[3] )
+{
+    double mass = 0.0, sum[3] = { 0.0, 0.0, 0.0 };
+    for ( int i = 0; i < count; ++i )
+    {
+        const float w = inverse_mass[i * stride];
+        const double m = w > 0.0f ? 1.0 / (double)w : 0.0;
+        mass += m;
+        for ( int k = 0; k < 3; ++k )
+        {
+            sum[k] += m * (double)value[4 * i + k];
+        }
+    }
+    for ( int k = 0; k < 3; ++k )
+    {
+        mean[k] = mass > 0.0 ? (float)( sum[k] / mass ) : 0.0f;
+    }
+}
+
 // ---- pins ----
 
 // Pins between the rows of a coarse sheet. A pinned vertex of the surface that is no row of the sheet is a point of it: the mean
@@ -171,7 +242,6 @@ static bool find_masses( wisp_frame* frame, const wisp_span* span )
     return true;
 }
 
-// levels.c
 static bool levels_have_restarted( wisp_frame* frame, wisp_entity entity, void* user )
 {
     (void)user;
@@ -190,7 +260,8 @@ static int count_pins( const levels_surface* s )
     return most;
 }
 
-void levels_restart( wisp_frame* frame, const wisp_span* span, void* user )
+// Forget the history. Velocities are those before the forces of this step.
+static void levels_restart( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
     const levels_columns columns = levels_columns_of( frame, span->entity );
@@ -223,55 +294,6 @@ enum
 // a velocity that grows as substeps get shorter.
 #define LONG_SUBSTEP ( 1.0f / 120.0f )
 #define HELD_RATE 0.3f // 1/s, of shortening that links hold up
-
-levels_columns levels_columns_of( wisp_frame* frame, wisp_entity entity )
-{
-    return ( levels_columns ){
-        .substeps = wisp_frame_column( frame, entity, WISP_SURFACE_LEVELS, 0 ),
-        .passes = wisp_frame_column( frame, entity, WISP_SURFACE_LEVELS, 1 ),
-        .state = wisp_frame_column( frame, entity, WISP_SURFACE_LEVELS, 2 ),
-        .pins = wisp_frame_column( frame, entity, WISP_SURFACE_LEVELS, 3 ),
-        .forced = wisp_frame_column( frame, entity, WISP_SURFACE_LEVELS, 4 ),
-        .drift = wisp_frame_column( frame, entity, WISP_SURFACE_LEVELS, 5 ),
-    };
-}
-
-levels_surface levels_surface_of( wisp_frame* frame, wisp_entity entity )
-{
-    return ( levels_surface ){
-        .fabric = wisp_frame_fabric( frame, entity ),
-        .position = wisp_frame_column( frame, entity, WISP_PARTICLE_POSITION, 0 ),
-        .previous = wisp_frame_column( frame, entity, WISP_PARTICLE_PREVIOUS, 0 ),
-        .inverse_mass = wisp_frame_column( frame, entity, WISP_LEVEL_MASS, 0 ),
-    };
-}
-
-void levels_gather_rows( const wisp_fabric_level* level, const float* from, float* to )
-{
-    for ( int row = 0; row < level->row_count; ++row )
-    {
-        memcpy( to + 4 * row, from + level->slot_x4[row], 4 * sizeof( float ) );
-    }
-}
-
-void levels_find_mean( const float* inverse_mass, int stride, const float* value, int count, float mean[3] )
-{
-    double mass = 0.0, sum[3] = { 0.0, 0.0, 0.0 };
-    for ( int i = 0; i < count; ++i )
-    {
-        const float w = inverse_mass[i * stride];
-        const double m = w > 0.0f ? 1.0 / (double)w : 0.0;
-        mass += m;
-        for ( int k = 0; k < 3; ++k )
-        {
-            sum[k] += m * (double)value[4 * i + k];
-        }
-    }
-    for ( int k = 0; k < 3; ++k )
-    {
-        mean[k] = mass > 0.0 ? (float)( sum[k] / mass ) : 0.0f;
-    }
-}
 
 // ---- links ----
 

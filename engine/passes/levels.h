@@ -17,38 +17,6 @@ typedef struct levels_columns
     float *forced, *drift;
 } levels_columns;
 
-/// Index of parent k of a row of the next finer sheet in the parents and weights of a level.
-static inline size_t levels_parent_at( int finer_row, int k )
-{
-    return (size_t)( ( finer_row / 8 * WISP_FABRIC_PARENTS + k ) * 8 + finer_row % 8 );
-}
-
-/// A surface with coarse sheets, in a substep.
-typedef struct levels_surface
-{
-    const wisp_fabric* fabric;
-    const float* position;     ///< [slot][4] m, where the surface has been predicted, inverse mass in 1/kg
-    const float* previous;     ///< [slot][4] m, where the substep begins
-    const float* inverse_mass; ///< [row] 1/kg, of all levels
-} levels_surface;
-
-// levels.c
-levels_columns levels_columns_of( wisp_frame* frame, wisp_entity entity );
-levels_surface levels_surface_of( wisp_frame* frame, wisp_entity entity );
-/// Copy what the vertices of a level have. @param from [slot][4] @param to [row][4]
-void levels_gather_rows( const wisp_fabric_level* level, const float* from, float* to );
-
-/// Find the mean over masses. @param inverse_mass 1/kg, one in `stride` @param value [count][4]
-void levels_find_mean( const float* inverse_mass, int stride, const float* value, int count, float mean[3] );
-
-static inline const wisp_fabric_level* levels_coarsest( const wisp_fabric* f )
-{
-    return f->levels + f->level_count - 1;
-}
-
-/// Forget the history. Velocities are those before the forces of this step.
-void levels_restart( wisp_frame* frame, const wisp_span* span, void* user );
-
 /// A pinned vertex of the surface between rows of a sheet.
 typedef struct levels_pin
 {
