@@ -479,7 +479,7 @@ bool fabric_strips_build( const wisp_fabric* f, fabric_pool* keep, wisp_strips* 
                                            .vertex_count = f->vertex_count,
                                            .tile_size = f->tile_size,
                                            .solve_order = WISP_SOLVE_ORDER_COLOUR };
-    wisp_schedule order;
+    wisp_schedule order = { 0 };
     strip_state s;
     bool done = fabric_schedule_build( &triangles, &scratch, &order ) && begin_strips( f, &order, &scratch, &s );
     const int32_t length = done ? walk_tiles( &s, &order ) : 0;

@@ -6,62 +6,9 @@
 // carried again before velocities are computed from it. So a particle that nothing touches keeps the bits of its velocity.
 #include "passes.h"
 
-#include "levels.h"
-
 #include "wisp/module/components.h"
 #include <math.h>
 #include <string.h>
-
-// ---- coarsest sheet ----
-
-// The motion of the coarsest sheet: substeps of XPBD, integrated by BDF2.
-//
-// With X the position, V the velocity, d the displacement and e = d / h the mean velocity of a substep of length h, BDF2 is
-//
-//     X' = X + d_1 / 3 + 2/3 h ( V + ( V - V_1 ) / 3 + 2/3 h a ),  projected with 2/3 h,   V' = ( 3 d - d_1 ) / ( 2 h ),
-//
-// where d_1 and V_1 are those of the substep before. The history is kept as two accelerations, c = ( V - V_1 ) / h and
-// l = ( V - e ) / h, and V_1 = V - h c, d_1 = h V - h^2 l. So an impulse that the surface got from contact, or another length of a
-// substep, changes V alone and is not taken for an acceleration.
-//
-// Where such an acceleration would move a row by more than a fraction of a link in a substep of the surface, substeps are too long
-// to extrapolate from. It is shortened then, and so is what second order adds to the velocity: by the square of the excess, so that
-// the sheet becomes Euler's as substeps grow.
-
-// Fraction of the mean link by which a remembered acceleration may move a row.
-#define MAX_REMEMBERED 0.1f
-// Times its rest length at which a link is torn: its ends were moved apart, and what the sheet would do is of no use to the surface.
-#define TORN 100.0f
-
-bool levels_move_carrier( levels_carrier* c )
-{
-    const int count = *c->columns.substeps, rows = c->sheet.level->row_count;
-    const wisp_kernels* kernels = c->sheet.kernels;
-    if ( kernels->level_is_torn( &c->sheet.links, TORN, 0, c->sheet.level->schedule.slot_count ) )
-    {
-        return false;
-    }
-    wisp_level_rows_args args = c->rows;
-    args.dt = c->dt / (float)count;
-    args.most_change = MAX_REMEMBERED * c->sheet.level->mean_rest / ( c->dt * c->dt );
-    args.most_added = 0.5f * args.most_change * c->dt;
-    for ( int j = 0; j < count; ++j )
-    {
-        args.is_second_order = *c->columns.state == LEVELS_MOVING;
-        args.solve_dt = args.is_second_order ? args.dt * 2.0f / 3.0f : args.dt;
-        args.progress = 1.0f / (float)( count - j );
-        kernels->level_predict( &args, 0, rows );
-        if ( j == 0 )
-        {
-            levels_find_band( &c->sheet );
-        }
-        c->sheet.pin_fraction = (float)( j + 1 ) / (float)count;
-        levels_project( &c->sheet, args.solve_dt, *c->columns.passes );
-        kernels->level_finish( &args, 0, rows );
-        *c->columns.state = LEVELS_MOVING;
-    }
-    return true;
-}
 
 // ---- frames ----
 

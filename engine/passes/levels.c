@@ -1,13 +1,39 @@
-// Coarse sheets that carry a surface. The coarsest one is integrated to second order in substeps of its own (carry.c) and has
+// Coarse sheets that carry a surface. The coarsest one is integrated to second order in substeps of its own and has
 // enough passes to propagate tension across the surface. Its displacement, beyond that of the predicted surface, is
 // prolonged to the next finer sheet, which is projected once, and so on down to the surface. What follows is an ordinary substep of
 // the surface. At its end, the surface gets what second order adds to the velocity of the coarsest sheet.
-#include "levels.h"
-
 #include "passes.h"
 
 #include "wisp/module/components.h"
 #include <string.h>
+
+// Columns of surface.levels.
+typedef struct levels_columns
+{
+    int32_t *substeps, *passes, *state, *pins;
+    float *forced, *drift;
+} levels_columns;
+
+// A pinned vertex of the surface between rows of a sheet.
+typedef struct levels_pin
+{
+    int32_t row_x4[WISP_FABRIC_PARENTS];
+    float weight[WISP_FABRIC_PARENTS];
+    float scale;             // kg, 1 / sum of weight^2 inverse mass
+    float from[3], moved[3]; // m, the point when the substep begins, and how far it moves in the substep
+} levels_pin;
+
+// A sheet whose links are projected.
+typedef struct levels_sheet
+{
+    const wisp_fabric_level* level;
+    const wisp_parallel* parallel;
+    const wisp_kernels* kernels;
+    wisp_level_link_args links;
+    const levels_pin* pins;
+    int pin_count;
+    float pin_fraction; // of the substep of the surface that ends now
+} levels_sheet;
 
 // Index of parent k of a row of the next finer sheet in the parents and weights of a level.
 static size_t levels_parent_at( int finer_row, int k )
@@ -304,7 +330,8 @@ static void run_band( void* context, int begin, int end, int worker )
     sheet->kernels->level_band( &sheet->links, 8 * begin, 8 * end );
 }
 
-void levels_find_band( levels_sheet* sheet )
+// Find the lengths below which links push, for a sheet that has been predicted.
+static void levels_find_band( levels_sheet* sheet )
 {
     wisp_parallel_for( sheet->parallel, sheet->level->chain_group_count, GROUP_GRAIN, run_band, sheet );
 }
@@ -315,7 +342,8 @@ static void run_level_links( const void* context, int begin, int end )
     sheet->kernels->level_link( &sheet->links, begin, end );
 }
 
-void levels_project( levels_sheet* sheet, float dt, int passes )
+// Project all links from multipliers of 0, and pins after each pass. @param dt s
+static void levels_project( levels_sheet* sheet, float dt, int passes )
 {
     sheet->links.inverse_dt2 = 1.0f / ( dt * dt );
     sheet->kernels->level_prepare( &sheet->links, 0, sheet->level->schedule.slot_count );
@@ -324,6 +352,69 @@ void levels_project( levels_sheet* sheet, float dt, int passes )
         wisp_run_schedule( sheet->parallel, &sheet->level->schedule, run_level_links, sheet );
         levels_project_pins( sheet );
     }
+}
+
+// ---- coarsest sheet ----
+
+// The motion of the coarsest sheet: substeps of XPBD, integrated by BDF2.
+//
+// With X the position, V the velocity, d the displacement and e = d / h the mean velocity of a substep of length h, BDF2 is
+//
+//     X' = X + d_1 / 3 + 2/3 h ( V + ( V - V_1 ) / 3 + 2/3 h a ),  projected with 2/3 h,   V' = ( 3 d - d_1 ) / ( 2 h ),
+//
+// where d_1 and V_1 are those of the substep before. The history is kept as two accelerations, c = ( V - V_1 ) / h and
+// l = ( V - e ) / h, and V_1 = V - h c, d_1 = h V - h^2 l. So an impulse that the surface got from contact, or another length of a
+// substep, changes V alone and is not taken for an acceleration.
+//
+// Where such an acceleration would move a row by more than a fraction of a link in a substep of the surface, substeps are too long
+// to extrapolate from. It is shortened then, and so is what second order adds to the velocity: by the square of the excess, so that
+// the sheet becomes Euler's as substeps grow.
+
+// Fraction of the mean link by which a remembered acceleration may move a row.
+#define MAX_REMEMBERED 0.1f
+// Times its rest length at which a link is torn: its ends were moved apart, and what the sheet would do is of no use to the surface.
+#define TORN 100.0f
+
+// The coarsest sheet in a substep of the surface.
+typedef struct levels_carrier
+{
+    levels_sheet sheet;
+    // Rows. position: in: where the substep begins; out: where the sheet ends it. acceleration: by the forces on the surface. velocity: in: of the
+    // surface, before its forces; out: of the sheet. target: where the surface has been predicted.
+    wisp_level_rows_args rows;
+    float dt; // s, of the surface
+    levels_columns columns;
+} levels_carrier;
+
+// Move the coarsest sheet by its substeps. @return false, and nothing has moved, if a link is torn
+static bool levels_move_carrier( levels_carrier* c )
+{
+    const int count = *c->columns.substeps, rows = c->sheet.level->row_count;
+    const wisp_kernels* kernels = c->sheet.kernels;
+    if ( kernels->level_is_torn( &c->sheet.links, TORN, 0, c->sheet.level->schedule.slot_count ) )
+    {
+        return false;
+    }
+    wisp_level_rows_args args = c->rows;
+    args.dt = c->dt / (float)count;
+    args.most_change = MAX_REMEMBERED * c->sheet.level->mean_rest / ( c->dt * c->dt );
+    args.most_added = 0.5f * args.most_change * c->dt;
+    for ( int j = 0; j < count; ++j )
+    {
+        args.is_second_order = *c->columns.state == LEVELS_MOVING;
+        args.solve_dt = args.is_second_order ? args.dt * 2.0f / 3.0f : args.dt;
+        args.progress = 1.0f / (float)( count - j );
+        kernels->level_predict( &args, 0, rows );
+        if ( j == 0 )
+        {
+            levels_find_band( &c->sheet );
+        }
+        c->sheet.pin_fraction = (float)( j + 1 ) / (float)count;
+        levels_project( &c->sheet, args.solve_dt, *c->columns.passes );
+        kernels->level_finish( &args, 0, rows );
+        *c->columns.state = LEVELS_MOVING;
+    }
+    return true;
 }
 
 // ---- prolongation ----

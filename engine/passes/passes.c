@@ -1,7 +1,5 @@
 #include "passes.h"
 
-#include "levels.h"
-
 #include "wisp/module/components.h"
 
 // What may be in integers of shared components. Links and hinges of folds are counted in groups, found half spaces past those kept.

@@ -17,6 +17,14 @@ wisp_status passes_declare_state_check( wisp_registry* registry );
 wisp_status passes_declare_surface( wisp_registry* registry );
 wisp_status passes_declare_instances( wisp_registry* registry );
 
+/// State of surface.levels.
+enum
+{
+    LEVELS_RESTARTED, ///< masses have to be found
+    LEVELS_FIRST,     ///< the next substep of the coarsest sheet is Euler's
+    LEVELS_MOVING,
+};
+
 /// Passes without a search after one that found no sharp folds: with a search links take a tenth longer.
 #define PASSES_BETWEEN_FOLDS 7
 

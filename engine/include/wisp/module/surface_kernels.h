@@ -318,7 +318,7 @@ typedef struct wisp_level_link_args
     const float* chain_rest;        ///< [link] m
 } wisp_level_link_args;
 
-/// Arguments of the rows of the coarsest sheet in a substep of it; equations in passes/carry.c.
+/// Arguments of the rows of the coarsest sheet in a substep of it; equations in passes/levels.c.
 typedef struct wisp_level_rows_args
 {
     float* position;                    ///< [row][4] m, inverse mass in 1/kg
