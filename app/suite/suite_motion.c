@@ -431,7 +431,7 @@ static wisp_status write_motion( const suite_motion* motion, const char* path, w
 enum
 {
     PATH_SIZE = 1024,
-    CACHE_VERSION = 2, // of what a kept run depends on
+    CACHE_VERSION = 3, // of what a kept run depends on; one more where converged motions change
 };
 
 // Distance between two runs that should be one, as part of their size, at which their motion is chaotic.
