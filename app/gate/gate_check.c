@@ -15,6 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 // ---- base files ----
 
@@ -192,6 +193,10 @@ wisp_status gate_base_read( const char* path, gate_base* out, wisp_error* error 
     unsigned char* bytes = NULL;
     size_t size = 0;
     wisp_status status = io_file_read( path, MAX_BYTES, &bytes, &size, error );
+    if ( status == WISP_IO_ERROR && access( path, F_OK ) != 0 )
+    {
+        return wisp_fail( error, status, "%s: no such base file; `wisp gate record` of the suite makes it", path );
+    }
     status = status == WISP_OK ? gate_base_parse( (const char*)bytes, size, path, out, error ) : status;
     free( bytes );
     return status;
