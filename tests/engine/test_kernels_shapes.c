@@ -822,10 +822,12 @@ static void check_not_met( const meetings* m, const deepest_oracle_body* body, i
         double3 p[3];
         corners_seen( m, primitive, count, 0.125 * (double)i, p );
         const double least = deepest_oracle_find( body, p, count, NULL ),
-                     border = count == 3 ? least_of_border( body, p, 3 ) : INFINITY;
+                     expected = i == 8 ? limit - 0.005 * h : 0.1 * h;
+        // a border is no nearer than the triangle, and its search takes most of the time
+        const bool has_border = count == 3 && least < fmax( 0.1 * h + between, expected );
+        const double border = has_border ? least_of_border( body, p, 3 ) : INFINITY;
         // what is on the border of a triangle belongs to its edges; a border is a hundredth wide
         const bool is_border = border <= least + 0.02 * displacement_of( p, p + 1, 2 ) + rounding;
-        const double expected = i == 8 ? limit - 0.005 * h : 0.1 * h;
         is_left = is_left || border < 0.1 * h + between;
         if ( is_border == false && is_left == false && least < expected - rounding )
         {

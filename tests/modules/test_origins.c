@@ -344,6 +344,8 @@ TEST( what_is_tied_goes_along )
     const wisp_entity base = put( h.world, test_surface_of( h.world, &fabric, def ), HOME );
     const wisp_entity flag = put( h.world, add_sheet( h.world, ( wisp_vec3 ){ 0.3f, 0.05f, 0.0f } ), HOME );
     const int32_t pins[2] = { 0, SIDE - 1 };
+    // with contact a sheet that is dragged by 16 m a frame would test all its primitives against each other
+    assert_status( h.world, wisp_unset_contact( h.world, flag ), WISP_OK );
     assert_status( h.world, wisp_attach_pins( h.world, flag, pins, 2, base ), WISP_OK );
     for ( int i = 1; i <= 100; ++i )
     {

@@ -182,26 +182,25 @@ static double box_distance( double3 h, double3 p )
     return length( out ) + fmin( fmax( d.x, fmax( d.y, d.z ) ), 0.0 );
 }
 
-// The hull of two balls is the union of the balls whose centre and radius lie between theirs.
+// Distance to the ball whose centre and radius lie at t between those of both ends.
+static double ball_distance( const deepest_oracle_body* b, double3 p, double t )
+{
+    return length( double3_make( p.x, p.y - ( 2.0 * t - 1.0 ) * b->half_length, p.z ) ) -
+           ( b->bottom_radius + t * ( b->top_radius - b->bottom_radius ) );
+}
+
+// The hull of two balls is the union of the balls between them, whose distance is convex along the axis.
 static double tapered_distance( const deepest_oracle_body* b, double3 p )
 {
-    double best = INFINITY, from = 0.0, to = 1.0;
-    for ( int round = 0; round < 6; ++round )
+    double from = 0.0, to = 1.0;
+    for ( int round = 0; round < 50; ++round )
     {
-        double best_at = from;
-        for ( int i = 0; i <= 100; ++i )
-        {
-            const double t = from + ( to - from ) * i / 100.0;
-            const double3 c = double3_make( p.x, p.y - ( 2.0 * t - 1.0 ) * b->half_length, p.z );
-            const double d = length( c ) - ( b->bottom_radius + t * ( b->top_radius - b->bottom_radius ) );
-            best_at = d < best ? t : best_at;
-            best = fmin( best, d );
-        }
-        const double width = ( to - from ) / 50.0;
-        from = clamp( best_at - width, 0.0, 1.0 );
-        to = clamp( best_at + width, 0.0, 1.0 );
+        const double third = ( to - from ) / 3.0;
+        const bool is_lower = ball_distance( b, p, from + third ) < ball_distance( b, p, to - third );
+        from = is_lower ? from : from + third;
+        to = is_lower ? to - third : to;
     }
-    return best;
+    return ball_distance( b, p, 0.5 * ( from + to ) );
 }
 
 static double segment_distance( double3 p, double3 a, double3 b )
