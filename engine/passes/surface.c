@@ -101,9 +101,12 @@ static void hand_out_normals( wisp_frame* frame, const wisp_span* span, void* us
 static float edge_strain( const wisp_fabric* f, const float* position, int slot )
 {
     const float *p = position + f->link_a_x4[slot], *q = position + f->link_b_x4[slot], rest = f->link_rest[slot];
-    const float now = sqrtf( ( p[0] - q[0] ) * ( p[0] - q[0] ) + ( p[1] - q[1] ) * ( p[1] - q[1] ) +
-                             ( p[2] - q[2] ) * ( p[2] - q[2] ) );
-    return rest > 0.0f && f->link_order.constraint[slot] < f->edge_count ? fabsf( now / rest - 1.0f ) : 0.0f;
+    if ( f->link_order.constraint[slot] >= f->edge_count || !( rest > 0.0f ) )
+    {
+        return 0.0f;
+    }
+    const float x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
+    return fabsf( sqrtf( x * x + y * y + z * z ) / rest - 1.0f );
 }
 
 // Raises the maximum strain of the edges at each vertex.

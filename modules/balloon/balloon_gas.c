@@ -80,10 +80,22 @@ static double usable_volume( double volume, const balloon_gas* gas )
     return volume < least ? least : volume;
 }
 
+// An open outlet needs the gas of every substep, statistics that of the last one.
+static bool is_told( wisp_frame* frame, const wisp_span* span, const balloon_state* state )
+{
+    const balloon_outlet* outlet = wisp_frame_column( frame, span->entity, state->outlet, 0 );
+    return ( outlet != NULL && outlet->open != 0 ) || balloon_is_last_substep( frame, span );
+}
+
 void balloon_measure( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const balloon_state* state = user;
     const balloon_gas* gas = wisp_frame_column( frame, span->entity, state->gas, 0 );
+    if ( is_told( frame, span, state ) == false && wisp_frame_has( frame, span->entity, state->air ) == false &&
+         wisp_frame_has( frame, span->entity, state->buoyancy ) == false )
+    {
+        return;
+    }
     balloon_extent* extent = wisp_frame_column( frame, span->entity, state->extent, 0 );
     float* vectors = wisp_frame_column( frame, span->entity, state->rings, 0 );
     float* areas = wisp_frame_column( frame, span->entity, state->rings, 1 );
@@ -180,13 +192,10 @@ void balloon_read_pressure( wisp_frame* frame, const wisp_span* span, void* user
     const balloon_state* state = user;
     const balloon_extent* extent = wisp_frame_column( frame, span->entity, state->extent, 0 );
     balloon_gauge* gauge = wisp_frame_column( frame, span->entity, state->gauge, 0 );
-    // an open outlet reads the pressure of every substep, statistics that of the last one
-    const balloon_outlet* outlet = wisp_frame_column( frame, span->entity, state->outlet, 0 );
-    if ( ( outlet == NULL || outlet->open == 0 ) && balloon_is_last_substep( frame, span ) == false )
+    if ( is_told( frame, span, state ) )
     {
-        return;
+        gauge->pressure = virial_pressure( frame, span, state, extent->volume );
     }
-    gauge->pressure = virial_pressure( frame, span, state, extent->volume );
 }
 
 // ---- the constraint ----
