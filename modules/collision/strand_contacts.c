@@ -17,7 +17,10 @@
 //   turns with their lengths, so that friction feels their tension: a rope over a rod holds. Turns start with pushes and
 //   friction of the last substep, and may take back what a body has pushed, never more, however far the vertex is by then: taken
 //   back only near a mesh, four substeps held a rope from 1.28 of the critical friction on, not from 1.13 (`wisp validate capstan`).
-// - A push comes last, so lengths may end too long: on a rope of 1.3 m by 0.02 % with 10 substeps, 0.1 % with 4.
+//   Lengths in turns are those of the direct solve: links and bend links are as stiff as their sweeps are many, so each turn would
+//   stiffen them where a body is, and none would be the last (hair on a head: eight turns in every substep, three times as long).
+// - A push comes last, so lengths may end too long: on a rope of 1.3 m by 0.02 % with 10 substeps, 0.1 % with 4. A push that changes
+//   little needs no lengths behind it: strands that rest on a body take none but those of their iterations.
 // - The nearest face decides. A strand put right through a box, whose ends have different nearest faces, stays
 //   speared. Vertices near a sharp edge creep by 0.02 of the thickness per substep.
 // - Cost per vertex, iteration and substep (one worker of a busy Zen 3): 330 ns on a mesh of 2 048 triangles, 3 to 10
@@ -35,6 +38,10 @@ enum
 {
     LENGTH_TURNS = 8,   // of pushes and lengths in a substep
     SEGMENT_TURNS = 16, // the same of segments
+    // iterations behind those of a substep; the first one is of turns with contact, where a body takes nothing back
+    TURN = 1,
+    EXACT = 2, // segments end without a factor
+    LENGTHS = 3,
 };
 
 // Change of the pushes of a strand by a turn that needs no further one, thicknesses/s, in the mean over those of a group that are pushed. More
@@ -684,7 +691,7 @@ static void begin_segments( wisp_frame* frame, const wisp_span* span, const coll
     loop->lane_count = wisp_frame_strands( frame, span->entity )->lane_count;
     loop->segments = loop->args;
     loop->segments.starts = loop->segments.gives_back = false; // contacts slide along a segment
-    loop->is_turn = span->iteration == wisp_frame_iterations( frame ) + 1;
+    loop->is_turn = span->iteration == wisp_frame_iterations( frame ) + TURN;
     loop->segments.normal_correction = wisp_frame_column( frame, span->entity, state->segment_contact, 0 );
     loop->segments.allowed_depth = wisp_frame_column( frame, span->entity, state->segment_contact, 1 );
     loop->segments.remaining_depth = wisp_frame_column( frame, span->entity, state->segment_contact, 2 );
@@ -696,6 +703,10 @@ static void begin_segments( wisp_frame* frame, const wisp_span* span, const coll
 
 void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* user )
 {
+    if ( span->iteration == wisp_frame_iterations( frame ) + LENGTHS )
+    {
+        return;
+    }
     const collision_state* state = user;
     const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     strand_loop loop;
@@ -786,24 +797,33 @@ void collision_settle_strands( wisp_frame* frame, const wisp_span* span, void* u
 {
     const collision_state* state = user;
     const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
-    wisp_span group = *span;
-    const int turns = wisp_frame_has( frame, span->entity, state->segment_contact ) ? SEGMENT_TURNS : LENGTH_TURNS;
+    const int iterations = wisp_frame_iterations( frame );
+    const bool has_segments = wisp_frame_has( frame, span->entity, state->segment_contact );
+    // segments are pushed farther than they need, so their turns end with lengths
+    const int turns = has_segments ? SEGMENT_TURNS - 1 : LENGTH_TURNS;
     const float small = SMALL_PUSH * settings->thickness * wisp_frame_dt( frame, span->entity );
+    wisp_span group = *span;
     for ( group.begin = span->begin; group.begin < span->end; ++group.begin )
     {
         group.end = group.begin + 1;
-        group.iteration = wisp_frame_iterations( frame ) + 1; // those of contact take nothing back
-        bool inside;
-        float before = 0.0f, push = mean_push( frame, &group, state, &inside );
-        for ( int turn = 0; turn < turns && inside == false && fabsf( push - before ) > small; ++turn )
+        bool inside, is_settled = false;
+        float push = mean_push( frame, &group, state, &inside );
+        for ( int turn = 0; push > 0.0f && inside == false && is_settled == false; ++turn )
         {
-            before = push;
-            wisp_frame_project_again( frame, &group );
+            const float before = push;
+            group.iteration = iterations + TURN;
+            collision_touch_strands( frame, &group, user );
             push = mean_push( frame, &group, state, &inside );
+            is_settled = turn == turns || fabsf( push - before ) <= small;
+            if ( ( is_settled == false || has_segments ) && inside == false )
+            {
+                group.iteration = iterations + LENGTHS;
+                wisp_frame_project_again( frame, &group );
+            }
         }
-        group.iteration += 1; // the last push is exact
-        if ( push > 0.0f && inside == false )
+        if ( has_segments && push > 0.0f && inside == false )
         {
+            group.iteration = iterations + EXACT;
             collision_touch_strands( frame, &group, user );
         }
     }

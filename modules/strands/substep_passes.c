@@ -529,9 +529,15 @@ static void count_stretched( wisp_frame* frame, const wisp_span* span, const str
     }
 }
 
+// Links are as stiff as their sweeps are many, so turns with bodies, which would add some where a body is, make none; turns with
+// contact restore lengths alone.
 void strands_link_rows( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
+    if ( span->iteration > wisp_frame_iterations( frame ) )
+    {
+        return;
+    }
     const strands_link* link = wisp_frame_column( frame, span->entity, state->links, 0 );
     wisp_strand_link_args args = link_args( frame, span, state, link, state->stretch_link, 1 );
     if ( project_links( frame, span, state, &args ) )
@@ -542,8 +548,11 @@ void strands_link_rows( wisp_frame* frame, const wisp_span* span, void* user )
 
 void strands_bend_link( wisp_frame* frame, const wisp_span* span, void* user )
 {
-    wisp_strand_link_args args = strands_bend_link_args( frame, span, user );
-    (void)project_links( frame, span, user, &args );
+    if ( span->iteration < wisp_frame_iterations( frame ) )
+    {
+        wisp_strand_link_args args = strands_bend_link_args( frame, span, user );
+        (void)project_links( frame, span, user, &args );
+    }
 }
 
 // Return where to store tensions. They are read after the last substep; after others only by rods.
