@@ -273,6 +273,19 @@ WORLD_TEST( gravity_that_is_taken_away_takes_its_pass_along )
     assert_int_equal( wisp_world_plan_passes( h->world ), bare );
 }
 
+static bool has_pass( wisp_world* world, const char* name )
+{
+    wisp_profile profile = wisp_world_profile( world );
+    for ( int i = 0; i < profile.count; ++i )
+    {
+        if ( strcmp( profile.lines[i].pass, name ) == 0 )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
 // ---- one link ----
 
 // A triangle of sides 1 m whose first two vertices are pinned. Of its links only (0, 2) acts; it starts at `length`.
@@ -380,7 +393,7 @@ TEST( a_strain_limit_brings_a_length_back_from_both_sides )
         assert_near( length, links[i].end, i < 2 ? 0.011 : 1e-6 );
         assert_int_equal( wisp_set_strain_limit( h.world, e, 0.0f, INFINITY ), WISP_OK );
         run( h.world, 1 );
-        assert_false( plan_says( h.world, "links.limit", "wave" ) );
+        assert_false( has_pass( h.world, "links.limit" ) );
     }
 }
 
@@ -621,17 +634,17 @@ WORLD_TEST( nobody_asks_so_nobody_runs )
                                    "surface.speed",     "surface.strain",    "surface.normals" };
     for ( int i = 0; i < WISP_COUNT( absent ); ++i )
     {
-        assert_false( plan_says( h->world, absent[i], "wave" ) );
+        assert_false( has_pass( h->world, absent[i] ) );
     }
     const char* const present[] = { "particles.predict", "particles.velocity", "particles.state_check",
                                     "surface.points", "entity.motion_stats" };
     for ( int i = 0; i < WISP_COUNT( present ); ++i )
     {
-        assert_true( plan_says( h->world, present[i], "wave" ) );
+        assert_true( has_pass( h->world, present[i] ) );
     }
     assert_int_equal( wisp_request( h->world, e, WISP_POINT_SPEED ), WISP_OK );
     run( h->world, 1 );
-    assert_true( plan_says( h->world, "surface.speed", "wave" ) );
+    assert_true( has_pass( h->world, "surface.speed" ) );
 }
 
 // A pass that touches only its own particles runs on a block of them while it is in the cache.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "engine/surface_fixture.h"
+#include "plan_says.h"
 
 #include "collision.h"
 #include "strands.h"

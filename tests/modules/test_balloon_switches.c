@@ -1,5 +1,6 @@
 // The passes of each switch, balloons that a scene should not contain (collapsed, flat, NaN), and memory.
 #include "balloon_engine_fixture.h"
+#include "plan_says.h"
 
 // ---- switches ----
 

@@ -1,6 +1,7 @@
 // Contact input of each particle of a surface with an external solver, from the bodies around it; statistics, plans, memory,
 // and the same bits for every way to run them.
 #include "collision_fixture.h"
+#include "plan_says.h"
 #include "collision_state.h"
 
 #include "collision_vectors.h"

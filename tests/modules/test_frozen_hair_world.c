@@ -1,5 +1,6 @@
 // Frozen hair in a world: several grooms next to each other, the plan, memory, rejected input.
 #include "frozen_hair_engine_fixture.h"
+#include "plan_says.h"
 
 #include <stdatomic.h>
 
