@@ -297,27 +297,6 @@ uint64_t balloon_hash( const balloon_flight* flight )
     return hash;
 }
 
-typedef struct pass_search
-{
-    const char* pass;
-    bool found;
-} pass_search;
-
-static void look_for_pass( void* user, const char* line )
-{
-    pass_search* search = user;
-    const char* at = strstr( line, search->pass );
-    bool whole = at != NULL && at[strlen( search->pass )] == ' ';
-    search->found = search->found || ( whole && strstr( line, "wave" ) != NULL && strstr( line, "absent" ) == NULL );
-}
-
-bool balloon_has_pass( wisp_world* world, const char* pass )
-{
-    pass_search search = { pass, false };
-    expect_ok( world, wisp_world_plan( world, look_for_pass, &search ) );
-    return search.found;
-}
-
 // ---- the oracle ----
 
 static balloon_oracle_options oracle_options( const balloon_scene* s )

@@ -80,8 +80,6 @@ void balloon_throw( const balloon_flight* flight, wisp_vec3 velocity );
 /// True if every position and velocity is finite and the balloon is not halted.
 bool balloon_is_finite( const balloon_flight* flight );
 uint64_t balloon_hash( const balloon_flight* flight );
-/// True if the plan runs this pass.
-bool balloon_has_pass( wisp_world* world, const char* pass );
 
 /// The oracle's order of projection.
 typedef enum balloon_order

@@ -8,11 +8,17 @@
 #include "collision.h"
 #include "contact.h"
 #include "implicit_cloth.h"
+#include "motion_constraints.h"
 #include "strands.h"
 
 static const wisp_module* const EFFECTS[] = {
-    &wisp_cloth_module,   &wisp_implicit_cloth_module, &wisp_balloon_module,
-    &wisp_strands_module, &wisp_collision_module,      &wisp_contact_module
+    &wisp_cloth_module,
+    &wisp_implicit_cloth_module,
+    &wisp_balloon_module,
+    &wisp_strands_module,
+    &wisp_collision_module,
+    &wisp_contact_module,
+    &wisp_motion_constraints_module,
 };
 
 /// Add an entity with its effect.

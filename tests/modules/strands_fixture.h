@@ -3,6 +3,7 @@
 #pragma once
 
 #include "engine/surface_fixture.h"
+#include "plan_says.h"
 
 #include "collision.h"
 #include "strands.h"
@@ -134,38 +135,6 @@ static inline void strand_steps( wisp_world* world, int steps, float seconds )
 static inline const wisp_vec3* strand_points( wisp_world* world, wisp_entity e )
 {
     return view_of( world, e, WISP_STRAND_POINTS ).data;
-}
-
-typedef struct plan_text
-{
-    char text[32768];
-    size_t length;
-} plan_text;
-
-static inline void plan_text_add( void* user, const char* line )
-{
-    plan_text* t = user;
-    const int n = snprintf( t->text + t->length, sizeof( t->text ) - t->length, "%s\n", line );
-    t->length += n > 0 ? (size_t)n : 0;
-    assert_true( t->length < sizeof( t->text ) );
-}
-
-/// True if a line names the pass and contains the word.
-static inline bool plan_says( wisp_world* world, const char* pass, const char* word )
-{
-    static plan_text t;
-    t.length = 0;
-    assert_int_equal( wisp_world_plan( world, plan_text_add, &t ), WISP_OK );
-    char name[80];
-    snprintf( name, sizeof( name ), " %s ", pass );
-    for ( char* line = strtok( t.text, "\n" ); line != NULL; line = strtok( NULL, "\n" ) )
-    {
-        if ( strstr( line, name ) != NULL && strstr( line, word ) != NULL )
-        {
-            return true;
-        }
-    }
-    return false;
 }
 
 static inline wisp_transform head_at( float angle, wisp_vec3 axis, wisp_vec3 place )

@@ -501,6 +501,32 @@ static wisp_entity second_order_cloth( wisp_world* world )
     return e;
 }
 
+// A frame that has moved and turned, of which nothing is felt.
+static wisp_entity carry( wisp_world* world, wisp_entity e )
+{
+    SET( world, e, moving_frame, d.linear_inertia = d.angular_inertia = 0.0f );
+    assert_status( world, wisp_move_frame( world, e, walked_pose( 1, 0.1f, 0.05f ) ), WISP_OK );
+    return e;
+}
+
+static wisp_entity carried_cloth( wisp_world* world )
+{
+    return carry( world, cloth_of_links( world ) );
+}
+
+static wisp_entity carried_hair( wisp_world* world )
+{
+    return carry( world, hair_of_rods( world ) );
+}
+
+static wisp_entity cloth_near_targets( wisp_world* world )
+{
+    const wisp_entity e = cloth_of_links( world );
+    SET( world, e, motion_constraints,
+         ( d.max_distance = 0.03f, d.backstop_distance = 0.02f, d.backstop_radius = 0.3f ) );
+    return e;
+}
+
 static const struct
 {
     const char* name;
@@ -513,6 +539,9 @@ static const struct
     { "balloon", balloon },
     { "strands of links", hair_of_links },
     { "strands of rods", hair_of_rods },
+    { "cloth that a frame carries", carried_cloth },
+    { "strands that a frame carries", carried_hair },
+    { "cloth near targets, with a backstop", cloth_near_targets },
 };
 
 TEST( an_entity_goes_on_as_if_it_had_been_there )

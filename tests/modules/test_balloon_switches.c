@@ -1,5 +1,6 @@
 // The passes of each switch, balloons that a scene should not contain (collapsed, flat, NaN), and memory.
 #include "balloon_engine_fixture.h"
+#include "plan_says.h"
 
 // ---- switches ----
 
@@ -43,7 +44,7 @@ TEST( a_pass_exists_only_where_something_asks_for_it )
         for ( int i = 0; i < WISP_COUNT( PASSES ); ++i )
         {
             bool expected = strchr( PASSES[i].scenes, *letter ) != NULL;
-            if ( balloon_has_pass( world, PASSES[i].pass ) != expected )
+            if ( plan_says( world, PASSES[i].pass, "wave" ) != expected )
             {
                 fail_msg( "scene '%c': pass %s is %s", *letter, PASSES[i].pass, expected ? "missing" : "there" );
             }
@@ -67,7 +68,7 @@ TEST( switches_may_be_changed_in_flight_and_passes_go_with_them )
                                  "balloon.buoyancy" };
     for ( int i = 0; i < WISP_COUNT( gone ); ++i )
     {
-        assert_false( balloon_has_pass( flight.world, gone[i] ) );
+        assert_false( plan_says( flight.world, gone[i], "wave" ) );
     }
     balloon_steps( &flight, 5 );
     f = balloon_read( &flight );
@@ -75,9 +76,9 @@ TEST( switches_may_be_changed_in_flight_and_passes_go_with_them )
     assert_true( f.gas_lost == 0.0 && f.mass_flow == 0.0 && f.outlet_speed == 0.0 && f.jet_starts == 0.0 );
     assert_true( double3_length( balloon_from( f.jet ) ) + double3_length( balloon_from( f.drag ) ) == 0.0 );
     assert_int_equal( wisp_set_balloon_inflation( flight.world, flight.entity, 1e-3f ), WISP_OK );
-    assert_true( balloon_has_pass( flight.world, "balloon.inflate" ) );
+    assert_true( plan_says( flight.world, "balloon.inflate", "wave" ) );
     assert_int_equal( wisp_set_balloon_inflation( flight.world, flight.entity, 0.0f ), WISP_OK );
-    assert_false( balloon_has_pass( flight.world, "balloon.inflate" ) );
+    assert_false( plan_says( flight.world, "balloon.inflate", "wave" ) );
     assert_int_equal( wisp_set_balloon_gas_ratio( flight.world, flight.entity, 1.5f ), WISP_OK );
     balloon_steps( &flight, 1 );
     f = balloon_read( &flight );

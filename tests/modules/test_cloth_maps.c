@@ -8,12 +8,6 @@
 
 // ---- maps ----
 
-enum
-{
-    ROWS = 41,
-    COUNT = 2 * ROWS,
-};
-
 static void fill( float* factors, int count, float value )
 {
     for ( int i = 0; i < count; ++i )
@@ -44,49 +38,6 @@ static wisp_cloth_def vertical_threads( float compliance )
     cloth.bending = WISP_CLOTH_BENDING_NONE;
     cloth.internal_damping = 20.0f;
     return cloth;
-}
-
-// The lowest vertices carry nothing but their own weight, so with massless links of compliance c_j under the weight of the
-// n vertices below, the strip is longer by the sum of c_j n m g.
-static double closed_extension( double compliance, const double* factor_of_row, const double* mass_of_row )
-{
-    double sum = 0.0;
-    for ( int j = 0; j + 1 < ROWS; ++j )
-    {
-        double below = 0.0;
-        for ( int k = j + 1; k < ROWS; ++k )
-        {
-            below += mass_of_row[k];
-        }
-        sum += compliance * 0.5 * ( factor_of_row[j] + factor_of_row[j + 1] ) * below * 9.81;
-    }
-    return sum;
-}
-
-static double hung_by( hosted* h, wisp_entity e )
-{
-    run_steps( h->world, 400, 1.0f / 60.0f );
-    return -0.5 * (double)( point_of( h->world, e, COUNT - 1 ).y + point_of( h->world, e, COUNT - 2 ).y ) -
-           0.05 * ( ROWS - 1 );
-}
-
-TEST( heavier_vertices_stretch_what_is_above_them )
-{
-    SCOPED( close_world ) hosted h;
-    open_world( &h, 8, 40 );
-    SCOPED( test_mesh_free ) test_mesh mesh = hanging_mesh( 2, ROWS, 0.05f, 0.05f );
-    const wisp_entity e = hang_strip( &h, &mesh, vertical_threads( 1e-2f ), 1e-3f );
-    float factors[COUNT];
-    double rows[ROWS], masses[ROWS];
-    for ( int j = 0; j < ROWS; ++j )
-    {
-        rows[j] = 1.0;
-        masses[j] = j > ROWS / 2 ? 3e-3 : 1e-3;
-        factors[2 * j] = factors[2 * j + 1] = j > ROWS / 2 ? 3.0f : 1.0f;
-    }
-    assert_status( h.world, wisp_set_map( h.world, e, WISP_MAP_AREA_DENSITY, factors, COUNT ), WISP_OK );
-    const double expected = closed_extension( 1e-2, rows, masses ), found = hung_by( &h, e );
-    assert_within( found, expected, 3e-3 * expected );
 }
 
 TEST( each_link_has_the_mean_of_its_ends_and_null_takes_it_back )
@@ -170,33 +121,6 @@ TEST( mapped_internal_damping_keeps_momentum_and_angular_momentum )
         assert_within( (double)velocity_of( h.world, e, 3 )[k], (double)free_one[k], 1e-3 ); // factor 0
     }
     assert_true( after.kinetic_energy < 0.8 * before.kinetic_energy );
-}
-
-TEST( maps_of_ones_change_no_bit_of_masses_links_and_damping )
-{
-    uint64_t hash[2];
-    for ( int mapped = 0; mapped < 2; ++mapped )
-    {
-        SCOPED( close_world ) hosted h;
-        open_world( &h, 4, 1 );
-        SCOPED( test_mesh_free ) test_mesh mesh = hanging_mesh( 8, 8, 0.05f, 0.05f );
-        wisp_cloth_def cloth = vertical_threads( 1e-3f );
-        cloth.bending = WISP_CLOTH_BENDING_LINKS;
-        cloth.internal_damping = 0.0f;
-        const wisp_entity e = hang_strip( &h, &mesh, cloth, 0.0f );
-        assert_status( h.world, wisp_set_damping( h.world, e, 0.5f ), WISP_OK );
-        float ones[64];
-        fill( ones, 64, 1.0f );
-        const wisp_component maps[] = { WISP_MAP_AREA_DENSITY, WISP_MAP_STRETCH_COMPLIANCE, WISP_MAP_BEND_COMPLIANCE,
-                                        WISP_MAP_DAMPING };
-        for ( int i = 0; i < 4 && mapped == 1; ++i )
-        {
-            assert_status( h.world, wisp_set_map( h.world, e, maps[i], ones, 64 ), WISP_OK );
-        }
-        run_steps( h.world, 20, 1.0f / 60.0f );
-        assert_status( h.world, wisp_world_hash_column( h.world, e, WISP_SURFACE_POINTS, hash + mapped ), WISP_OK );
-    }
-    assert_true( hash[0] == hash[1] );
 }
 
 TEST( pins_snapshots_and_instances_keep_mapped_masses )

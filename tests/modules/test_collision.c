@@ -348,3 +348,16 @@ TEST( bodies_that_are_not_listed_move_nothing )
     }
 }
 
+TEST( features_of_a_sheet_add_their_passes_and_take_them_away )
+{
+    SCOPED( close_local ) hosted* h = new_colliding( 2, 1, 1 );
+    const wisp_collider_def needle = body_of( WISP_COLLIDER_CAPSULE );
+    add_collider( h->world, &needle );
+    const wisp_entity sheet = add_cloth( h->world, 21, 0.4f, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, 0.0f );
+    run_for( h->world, DT, 1 );
+    const int without = wisp_world_plan_passes( h->world );
+    SET( h->world, sheet, collision, d.features = WISP_COLLISION_ALL );
+    assert_int_equal( wisp_world_plan_passes( h->world ), without + 3 ); // what is found is stored, to be projected
+    SET_DEFAULT( h->world, sheet, collision );
+    assert_int_equal( wisp_world_plan_passes( h->world ), without );
+}

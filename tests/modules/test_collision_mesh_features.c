@@ -1,7 +1,28 @@
-// Edges and triangles of surfaces against meshes and surfaces as colliders: needles, blades, box edges, moving surfaces, and the
-// distances by which they are found.
-#include "collision_sheet_fixture.h"
+// Edges and corners of meshes and height fields that stick out, and the distances by which they are found. What sheets make of them
+// is in tests/claims/features.yaml.
+#include "collision_fixture.h"
+#include "collision_vectors.h"
 #include "feature_contacts.h"
+
+#include "oracle/contact_oracle.h"
+#include "wisp/module/collision_mesh.h"
+#include "wisp/module/random.h"
+
+static wisp_vec3 random_point( uint32_t number )
+{
+    const wisp_random_key key = wisp_random_make_key( 7, 0, 0 );
+    return ( wisp_vec3 ){ wisp_random_unit_float( key, number, 0, 0 ), wisp_random_unit_float( key, number, 1, 0 ),
+                          wisp_random_unit_float( key, number, 2, 0 ) };
+}
+
+static test_mesh new_mesh( const wisp_vec3* points, int point_count, const int32_t* triangles, int triangle_count )
+{
+    test_mesh m = { calloc( (size_t)point_count, sizeof( wisp_vec3 ) ),
+                    calloc( 3 * (size_t)triangle_count, sizeof( int32_t ) ), point_count, triangle_count };
+    memcpy( m.points, points, (size_t)point_count * sizeof( wisp_vec3 ) );
+    memcpy( m.triangles, triangles, 3 * (size_t)triangle_count * sizeof( int32_t ) );
+    return m;
+}
 
 // ---- distances ----
 
@@ -42,22 +63,6 @@ TEST( closest_points_are_those_of_the_oracle )
 
 // ---- meshes ----
 
-// A bar along y from -length to 0, with three sides, that ends in a tip or in an edge across.
-static test_mesh spike( float radius, float length )
-{
-    wisp_vec3 points[7];
-    for ( int k = 0; k < 3; ++k )
-    {
-        const float angle = 2.0943951f * (float)k + 0.3f;
-        points[k] = ( wisp_vec3 ){ radius * cosf( angle ), -length, radius * sinf( angle ) };
-        points[3 + k] = ( wisp_vec3 ){ points[k].x, -2.0f * radius, points[k].z };
-    }
-    points[6] = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
-    const int32_t triangles[10][3] = { { 0, 1, 2 }, { 0, 3, 1 }, { 1, 3, 4 }, { 1, 4, 2 }, { 2, 4, 5 },
-                                       { 2, 5, 0 }, { 0, 5, 3 }, { 3, 6, 4 }, { 4, 6, 5 }, { 5, 6, 3 } };
-    return new_mesh( points, 7, &triangles[0][0], 10 );
-}
-
 static test_mesh box( wisp_vec3 half )
 {
     wisp_vec3 points[8];
@@ -68,14 +73,6 @@ static test_mesh box( wisp_vec3 half )
     const int32_t triangles[12][3] = { { 0, 2, 1 }, { 1, 2, 3 }, { 4, 5, 6 }, { 5, 7, 6 }, { 0, 1, 4 }, { 1, 5, 4 },
                                        { 2, 6, 3 }, { 3, 6, 7 }, { 0, 4, 2 }, { 2, 4, 6 }, { 1, 3, 5 }, { 3, 7, 5 } };
     return new_mesh( points, 8, &triangles[0][0], 12 );
-}
-
-// Two triangles in the plane z = 0, below y = 0.
-static test_mesh blade( float half, float depth )
-{
-    const wisp_vec3 points[4] = { { -half, -depth, 0 }, { half, -depth, 0 }, { half, 0, 0 }, { -half, 0, 0 } };
-    const int32_t triangles[2][3] = { { 0, 1, 2 }, { 0, 2, 3 } };
-    return new_mesh( points, 4, &triangles[0][0], 2 );
 }
 
 TEST( each_edge_of_a_box_is_found_once_and_no_diagonal_of_its_faces )
@@ -196,151 +193,126 @@ TEST( a_closed_mesh_is_met_from_outside_alone )
     assert_int_equal( meet( &m, true, 0.09f, 0.02f, out ), 0 ); // from behind they are valleys
 }
 
-// ---- a sheet and a mesh ----
+// ---- height fields ----
 
-static double spike_gap( setting with, float speed, float by )
+enum
 {
-    const float from = speed < 1.0f ? -0.02f : -0.1f;
-    SCOPED( free_sheet ) sheet s = new_sheet( spike( 0.001f, 0.3f ), from, with );
-    return rise( &s, from, by, speed, 10 );
-}
+    MOST_FIELD_POINTS = 63,
+};
 
-TEST( a_spike_of_a_millimetre_does_not_pass_a_held_sheet_under_load )
+// The triangles of a field, which face upwards.
+static test_mesh mesh_of_field( const wisp_height_field* f )
 {
-    const setting with = { WISP_COLLISION_ALL, .is_held = true, .gravity = 10.0f * GRAVITY, .rotation = TURNED };
-    const double gap = spike_gap( with, 0.06f, 0.04f );
-
-    assert_true( gap > 0.7 * (double)THICKNESS );
-    setting vertices = with;
-    vertices.features = WISP_COLLISION_VERTICES;
-    assert_true( spike_gap( vertices, 0.06f, 0.04f ) < 0.0 );
-}
-
-TEST( a_spike_that_moves_does_not_pass_at_any_speed )
-{
-    static const float speeds[] = { 0.5f, 5.0f, 20.0f };
-    for ( int k = 0; k < 3; ++k )
+    const int nx = f->count_x, nz = f->count_z;
+    wisp_vec3 points[MOST_FIELD_POINTS];
+    int32_t triangles[2 * MOST_FIELD_POINTS][3];
+    int count = 0;
+    for ( int v = 0; v < nx * nz; ++v )
     {
-        const setting with = { WISP_COLLISION_ALL, .rotation = TURNED };
-        const double gap = spike_gap( with, speeds[k], k == 0 ? 0.06f : k == 1 ? 0.2f : 0.34f );
-
-        assert_true( gap > 0.5 * (double)THICKNESS );
-    }
-}
-
-// A lying bar: its edges meet those of the sheet. Turned from y to z.
-TEST( a_bar_of_a_millimetre_does_not_pass_at_any_speed )
-{
-    static const float speeds[] = { 0.5f, 5.0f, 20.0f };
-    for ( int k = 0; k < 3; ++k )
-    {
-        const setting with = { WISP_COLLISION_ALL,
-                               .rotation = { 0.69f, 0.08f, 0.12f, 0.709f } }; // about x, and a bit about the others
-        setting scaled = with;
-        const wisp_quat q = with.rotation;
-        const float length = sqrtf( q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w );
-        scaled.rotation = ( wisp_quat ){ q.x / length, q.y / length, q.z / length, q.w / length };
-        const float from = -0.1f;
-        SCOPED( free_sheet ) sheet s = new_sheet( spike( 0.001f, 0.15f ), from, scaled );
-        const double gap = rise( &s, from, k == 0 ? 0.14f : k == 1 ? 0.2f : 0.34f, speeds[k], 10 );
-
-        assert_true( gap > 0.5 * (double)THICKNESS );
-    }
-}
-
-TEST( a_blade_with_two_sides_does_not_cut )
-{
-    const setting with = { WISP_COLLISION_ALL, .is_held = true, .double_sided = true, .gravity = 10.0f * GRAVITY,
-                           .rotation = TURNED };
-    SCOPED( free_sheet ) sheet s = new_sheet( blade( 0.055f, 0.1f ), -0.02f, with );
-    const double gap = rise( &s, -0.02f, 0.04f, 0.06f, 10 );
-
-    assert_true( gap > 0.5 * (double)THICKNESS );
-}
-
-static double drape( wisp_collision_features features )
-{
-    const setting with = { features, .gravity = GRAVITY, .rotation = { 0.0f, 0.149438f, 0.0f, 0.988771f } };
-    SCOPED( free_sheet ) sheet s = new_sheet( box( ( wisp_vec3 ){ 0.1f, 0.05f, 0.08f } ), -0.06f, with );
-    assert_int_equal( wisp_set_damping( s.h->world, s.surface, 2.0f ), WISP_OK );
-    double least = INFINITY;
-    for ( int n = 1; n <= 60; ++n )
-    {
-        run_for( s.h->world, DT, 1 );
-        least = n > 20 && n % 10 == 0 ? fmin( least, gap_of( &s ) ) : least;
-    }
-    return least;
-}
-
-TEST( no_edge_of_a_box_of_triangles_shows_through_a_draped_sheet )
-{
-    const double gap = drape( WISP_COLLISION_ALL );
-
-    assert_true( gap > 0.8 * (double)THICKNESS );
-    assert_true( drape( WISP_COLLISION_VERTICES ) < 0.0 );
-}
-
-// The same spike as a surface whose vertices are moved: its points move along lines within a step.
-TEST( a_surface_that_is_moved_does_not_pass )
-{
-    static const float speeds[] = { 0.5f, 5.0f, 20.0f };
-    for ( int k = 0; k < 3; ++k )
-    {
-        const setting with = { WISP_COLLISION_ALL, .follows = true, .rotation = TURNED };
-        const double gap = spike_gap( with, speeds[k], k == 0 ? 0.06f : k == 1 ? 0.2f : 0.34f );
-
-        assert_true( gap > 0.5 * (double)THICKNESS );
-    }
-    const setting held = { WISP_COLLISION_ALL, .is_held = true, .follows = true, .gravity = 10.0f * GRAVITY,
-                           .rotation = TURNED };
-    const double gap = spike_gap( held, 0.06f, 0.04f );
-
-    assert_true( gap > 0.7 * (double)THICKNESS );
-}
-
-// A blade that rises at 0.5 m/s and goes aside at 0.25 m/s: friction of its edge gives the sheet half as much momentum aside. A rigid one
-// and one whose points move do the same.
-TEST( the_edge_of_a_blade_drags_a_sheet_along )
-{
-    for ( int follows = 0; follows < 2; ++follows )
-    {
-        const setting with = { WISP_COLLISION_ALL, .double_sided = true, .follows = follows == 1,
-                               .rotation = TURNED };
-        SCOPED( free_sheet ) sheet s = new_sheet( blade( 0.15f, 0.1f ), -0.02f, with );
-        for ( int n = 1; n <= 12; ++n )
+        points[v] = ( wisp_vec3 ){ f->spacing * ( (float)( v % nx ) - 0.5f * (float)( nx - 1 ) ), f->heights[v],
+                                   f->spacing * ( (float)( v / nx ) - 0.5f * (float)( nz - 1 ) ) };
+        if ( v % nx + 1 < nx && v / nx + 1 < nz )
         {
-            s.place.x += 0.25f * DT;
-            move_to( &s, -0.02f + 0.5f * DT * (float)n );
-            run_for( s.h->world, DT, 1 );
+            memcpy( triangles[count++], ( int32_t[] ){ v, v + nx, v + nx + 1 }, sizeof triangles[0] );
+            memcpy( triangles[count++], ( int32_t[] ){ v, v + nx + 1, v + 1 }, sizeof triangles[0] );
         }
-        const wisp_motion_stats q = motion_stats_of( s.h->world, s.surface );
-        assert_true( q.momentum[1] > 0.0 );
-        assert_true( q.momentum[0] > 0.3 * q.momentum[1] && q.momentum[0] < 0.6 * q.momentum[1] );
     }
+    return new_mesh( points, nx * nz, &triangles[0][0], count );
+}
+
+static bool is_same_place( const wisp_mesh_feature* a, const wisp_mesh_feature* b )
+{
+    const float near = 1e-5f;
+    return ( wisp_v3_length( wisp_v3_sub( a->from[0], b->from[0] ) ) < near &&
+             wisp_v3_length( wisp_v3_sub( a->from[1], b->from[1] ) ) < near ) ||
+           ( wisp_v3_length( wisp_v3_sub( a->from[0], b->from[1] ) ) < near &&
+             wisp_v3_length( wisp_v3_sub( a->from[1], b->from[0] ) ) < near );
+}
+
+// Within a box, the edges of a field that stick out are those that stick out of the mesh of its triangles, with the same normals.
+TEST( a_height_field_has_the_edges_and_corners_of_its_triangles )
+{
+    float heights[9 * 7];
+    for ( uint32_t v = 0; v < 63; ++v )
+    {
+        heights[v] = v % 5 == 0 ? 0.05f : 0.2f * random_point( v ).x;
+    }
+    const wisp_height_field field = { heights, 9, 7, 0.1f };
+    SCOPED( test_mesh_free ) test_mesh m = mesh_of_field( &field );
+    const wisp_collision_mesh_def def = { .points = m.points,
+                                          .triangles = m.triangles,
+                                          .point_count = m.vertex_count,
+                                          .triangle_count = m.triangle_count };
+    wisp_collision_mesh* mesh = NULL;
+    assert_int_equal( wisp_collision_mesh_create( &def, NULL, &mesh, NULL ), WISP_OK );
+    assert_int_equal( wisp_collision_mesh_prepare_features( mesh, NULL ), WISP_OK );
+    const float lower[3] = { -0.25f, 0.06f, -0.15f }, upper[3] = { 0.2f, 0.15f, 0.18f };
+    for ( int corners = 0; corners < 2; ++corners )
+    {
+        int32_t own[400], others[400];
+        const int count = wisp_height_field_find_features( &field, lower, upper, corners == 1, own, 400 );
+        const int other_count = wisp_collision_mesh_find_features( mesh, lower, upper, corners == 1, others, 400 );
+        int matched = 0, expected = 0;
+        for ( int k = 0; k < other_count; ++k )
+        {
+            const wisp_mesh_feature g = wisp_collision_mesh_feature( mesh, others[k], corners == 1, 0.0f, 1.0f );
+            const wisp_mesh_sides sides = wisp_collision_mesh_sides( mesh, others[k], corners == 1, 1.0f );
+            // the mesh looks at boxes of triangles, and keeps corners with a valley alone
+            const bool is_near =
+                fminf( g.from[0].x, g.from[1].x ) <= upper[0] && fmaxf( g.from[0].x, g.from[1].x ) >= lower[0] &&
+                fminf( g.from[0].y, g.from[1].y ) <= upper[1] && fmaxf( g.from[0].y, g.from[1].y ) >= lower[1] &&
+                fminf( g.from[0].z, g.from[1].z ) <= upper[2] && fmaxf( g.from[0].z, g.from[1].z ) >= lower[2];
+            expected += is_near && sides.in_front && corners == 0 ? 1 : 0;
+            for ( int i = 0; i < count; ++i )
+            {
+                const wisp_mesh_feature f = wisp_height_field_feature( &field, own[i] );
+                const wisp_mesh_sides mine = wisp_height_field_sides( &field, own[i] );
+                if ( is_same_place( &f, &g ) )
+                {
+                    matched += 1;
+                    assert_true( is_near && sides.in_front && mine.in_front && mine.behind == false );
+                    // corners are weighted by angles there, and not here
+                    assert_true( wisp_v3_dot( mine.normal, sides.normal ) > ( corners == 1 ? 0.8f : 0.999999f ) );
+                }
+            }
+        }
+        assert_int_equal( matched, count );
+        assert_true( count > 5 && ( corners == 1 || count == expected ) );
+        assert_int_equal( wisp_height_field_find_features( &field, lower, upper, corners == 1, own, 3 ), 3 );
+    }
+    wisp_collision_mesh_release( mesh );
 }
 
 // ---- the rest ----
 
+static const float DT = 1.0f / 60.0f;
+
 TEST( without_memory_for_edges_nothing_changes )
 {
-    const setting with = { WISP_COLLISION_VERTICES, .rotation = TURNED };
-    SCOPED( free_sheet ) sheet s = new_sheet( box( ( wisp_vec3 ){ 0.06f, 0.05f, 0.06f } ), -0.06f, with );
-    run_for( s.h->world, DT, 1 );
-    const int passes = wisp_world_plan_passes( s.h->world );
+    SCOPED( close_local ) hosted* h = new_colliding( 10, 1, 1 );
+    SCOPED( test_mesh_free ) test_mesh mesh = box( ( wisp_vec3 ){ 0.06f, 0.05f, 0.06f } );
+    wisp_collider_def body = mesh_body( &mesh );
+    body.pose.translation.y = -0.06f;
+    add_collider( h->world, &body );
+    const wisp_entity sheet = add_cloth( h->world, 21, 0.4f, ( wisp_vec3 ){ 0.003f, 0.0f, 0.0045f }, 0.0f );
+    run_for( h->world, DT, 1 );
+    const int passes = wisp_world_plan_passes( h->world );
     wisp_collision_def collision = wisp_default_collision_def();
-    collision.thickness = THICKNESS;
     collision.features = WISP_COLLISION_ALL;
     bool done = false;
     for ( int n = 1; done == false && n < 100; ++n )
     {
-        test_host_refuse( &s.h->host, n, true );
-        done = wisp_set_collision( s.h->world, s.surface, &collision ) == WISP_OK;
-        test_host_refuse( &s.h->host, 0, false );
-        assert_int_equal( wisp_world_plan_passes( s.h->world ), done ? passes + 2 : passes );
-        run_for( s.h->world, DT, 1 );
+        test_host_refuse( &h->host, n, true );
+        done = wisp_set_collision( h->world, sheet, &collision ) == WISP_OK;
+        test_host_refuse( &h->host, 0, false );
+        assert_int_equal( wisp_world_plan_passes( h->world ), done ? passes + 2 : passes );
+        run_for( h->world, DT, 1 );
     }
     assert_true( done );
-    const int64_t queried = atomic_load( &s.h->host.queried );
-    run_for( s.h->world, DT, 5 );
-    assert_int_equal( atomic_load( &s.h->host.queried ), queried );
+    const int64_t queried = atomic_load( &h->host.queried );
+    run_for( h->world, DT, 5 );
+    assert_int_equal( atomic_load( &h->host.queried ), queried );
+    // without the option there is no pass again
+    SET_DEFAULT( h->world, sheet, collision );
+    assert_int_equal( wisp_world_plan_passes( h->world ), passes );
 }

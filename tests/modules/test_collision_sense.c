@@ -1,6 +1,7 @@
 // Contact input of each particle of a surface with an external solver, from the bodies around it; statistics, plans, memory,
 // and the same bits for every way to run them.
 #include "collision_fixture.h"
+#include "plan_says.h"
 #include "collision_state.h"
 
 #include "collision_vectors.h"
@@ -139,28 +140,6 @@ static void assert_vector( wisp_vec3 v, double x, double y, double z, double tol
     assert_near( v.x, x, tolerance );
     assert_near( v.y, y, tolerance );
     assert_near( v.z, z, tolerance );
-}
-
-typedef struct plan_search
-{
-    const char* name;
-    bool found;
-} plan_search;
-
-static void look_for( void* user, const char* line )
-{
-    plan_search* search = user;
-    const char* wave = strstr( line, "wave " );
-    char name[64];
-    search->found = search->found || ( wave != NULL && sscanf( wave, "wave %*d %63s", name ) == 1 &&
-                                       strcmp( name, search->name ) == 0 );
-}
-
-static bool is_planned( wisp_world* world, const char* pass )
-{
-    plan_search search = { pass, false };
-    assert_int_equal( wisp_world_plan( world, look_for, &search ), WISP_OK );
-    return search.found;
 }
 
 // ---- meshes ----
@@ -637,7 +616,7 @@ SENSE_TEST( stats_tell_depth_behind_the_surface_and_count_within_the_margin )
     assert_int_equal( f.vertex, -1 );
     assert_int_equal( f.contacts, 3 * 9 );
     assert_int_equal( wisp_request_collision_stats( h->world, e, false ), WISP_OK );
-    assert_false( is_planned( h->world, "collision.stats" ) );
+    assert_false( plan_says( h->world, "collision.stats", "wave" ) );
 }
 
 // ---- plans ----
@@ -652,17 +631,17 @@ SENSE_TEST( calls_in_either_order_give_the_same_plan )
     const wisp_collision_def def = thin();
     assert_int_equal( wisp_set_collision( h->world, e, &def ), WISP_OK );
     assert_int_equal( wisp_request_collision_stats( h->world, e, true ), WISP_OK );
-    assert_true( is_planned( h->world, "collision.keep_outside" ) );
-    assert_false( is_planned( h->world, "collision.contact_input" ) );
+    assert_true( plan_says( h->world, "collision.keep_outside", "wave" ) );
+    assert_false( plan_says( h->world, "collision.contact_input", "wave" ) );
     run_for( h->world, DT, 1 ); // which pushes it out of the margin
     give_solver( h->world, e );
     give_velocity( h->world, e, 0.0f, -0.003f / DT, 0.0f );
     for ( int again = 0; again < 2; ++again )
     {
         assert_false( wisp_world_has( h->world, e, WISP_PARTICLE_HALF_SPACES ) );
-        assert_true( is_planned( h->world, "collision.contact_input" ) );
-        assert_false( is_planned( h->world, "collision.keep_outside" ) );
-        assert_true( is_planned( h->world, "collision.stats" ) );
+        assert_true( plan_says( h->world, "collision.contact_input", "wave" ) );
+        assert_false( plan_says( h->world, "collision.keep_outside", "wave" ) );
+        assert_true( plan_says( h->world, "collision.stats", "wave" ) );
         assert_true( sense( h->world, e ).body != 0 );
         assert_int_equal( collision_of( h->world, e ).contacts, 3 );
         assert_int_equal( wisp_set_collision( h->world, e, &def ), WISP_OK );
@@ -675,7 +654,7 @@ SENSE_TEST( nothing_to_touch_leaves_no_pass_and_no_memory_of_bodies )
     wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.01f, 0.0f } );
     assert_int_equal( wisp_request_collision_stats( h->world, e, true ), WISP_OK );
     const int bare = wisp_world_plan_passes( h->world );
-    assert_false( is_planned( h->world, "collision.contact_input" ) );
+    assert_false( plan_says( h->world, "collision.contact_input", "wave" ) );
     wisp_entity body = add_collider( h->world, &plane );
     assert_int_equal( wisp_world_plan_passes( h->world ), bare + 2 );
     assert_true( sense( h->world, e ).body != 0 );

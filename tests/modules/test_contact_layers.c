@@ -691,38 +691,6 @@ static void open_meeting( meeting* m, wisp_contact_level level, float speed )
     request_stats( m->h.world );
 }
 
-// Contact gives each side what it takes from the other, so momentum is what it was, up to roundings of positions of 1 m: 3e-8 m in each
-// of ten substeps, over 1/600 s, times 0.08 kg.
-TEST( every_level_keeps_momentum )
-{
-    for ( int level = WISP_CONTACT_EXACT; level < WISP_CONTACT_LEVEL_COUNT; ++level )
-    {
-        meeting m;
-        open_meeting( &m, (wisp_contact_level)level, 0.5f );
-        double before[3], after[3], impulse = 0.0;
-        run_steps( m.h.world, 1, FRAME ); // nothing touches yet
-        momentum_of( m.h.world, m.body, BODIES, before );
-        for ( int step = 0; step < 40; ++step )
-        {
-            run_steps( m.h.world, 1, FRAME );
-            const wisp_contact_stats f = contact_stats( m.h.world );
-            impulse += f.impulse;
-            for ( int k = 0; k < 3; ++k )
-            {
-                assert_near( f.net_impulse[k], 0.0, 1e-6 * ( f.impulse + 1e-3 ) );
-            }
-        }
-        momentum_of( m.h.world, m.body, BODIES, after );
-        // the upper sheet has 0.012 kg m/s, and gives up a part of it
-        assert_true( impulse > 2e-3 );
-        for ( int k = 0; k < 3; ++k )
-        {
-            assert_near( after[k], before[k], 2e-5 );
-        }
-        close_world( &m.h );
-    }
-}
-
 enum
 {
     VERTICES = 13 * 13 + 11 * 11,
@@ -801,28 +769,6 @@ TEST( no_pair_of_spheres_that_is_near_is_missed )
                    searches[0], searches[1], searches[2], near );
     assert_int_equal( counted[0], 0 );
     assert_true( searches[0] == 60 && searches[2] > 60 && counted[2] > 0 && near > 40 );
-}
-
-// A needle falls on a sheet whose vertices are many thicknesses apart.
-TEST( no_level_lets_a_point_slip_between_vertices )
-{
-    for ( int level = 0; level < WISP_CONTACT_LEVEL_COUNT; ++level )
-    {
-        SCOPED( close_world ) hosted h;
-        open_contact( &h, 4, 1, 1 );
-        set_level( h.world, (wisp_contact_level)level );
-        test_mesh sheet = level_sheet( 3, 1.0f, ( wisp_vec3 ){ 0 } ),
-                  needle = triangle_mesh( ( wisp_vec3 ){ 0.13f, 0.03f, 0.31f }, ( wisp_vec3 ){ 0.14f, 0.13f, 0.31f },
-                                          ( wisp_vec3 ){ 0.13f, 0.13f, 0.32f } );
-        const wisp_entity a = add_pinned( h.world, &sheet ), b = add_draping( h.world, &needle, NULL, 0, EARTH );
-        const wisp_contact_def def = contact_of( 0.02f );
-        set_contact( h.world, a, &def );
-        set_contact( h.world, b, &def );
-        request_stats( h.world );
-        run_steps( h.world, 30, DT );
-        assert_true( mean_of( h.world, b, 1 ) > 0.0 );
-        assert_int_equal( contact_stats( h.world ).intersections, 0 );
-    }
 }
 
 // ---- a change of the level ----

@@ -12,35 +12,6 @@ static int substeps_of( wisp_world* world, wisp_entity e )
     return substeps;
 }
 
-// Steps of any length cover all of the time: a body in free fall is where it would be.
-TEST( fewer_substeps_cover_all_of_the_time )
-{
-    SCOPED( close_world ) hosted h;
-    open_levels( &h, 10, 1 );
-    const wisp_entity e = add_sheet( h.world, false ), other = add_sheet( h.world, false );
-    const int32_t pins[2] = { 0, SIDE - 1 };
-    const wisp_entity both[2] = { e, other };
-    for ( int k = 0; k < 2; ++k )
-    {
-        assert_status( h.world, wisp_unpin( h.world, both[k], pins, 2 ), WISP_OK );
-        assert_status( h.world, wisp_set_damping( h.world, both[k], 0.0f ), WISP_OK );
-        assert_status( h.world, wisp_set_gravity( h.world, both[k], ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ), WISP_OK );
-        assert_status( h.world,
-                       wisp_set_velocity( h.world, both[k], ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f },
-                                          ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ),
-                       WISP_OK );
-    }
-    set_level( h.world, e, WISP_DETAIL_FEWER_SUBSTEPS );
-    const float dts[] = { 0.016f, 0.016f, 0.021f, 0.009f, 0.033f, 0.017f, 0.0031f, 0.02f, 0.016f };
-    for ( int i = 0; i < 5 * WISP_COUNT( dts ); ++i )
-    {
-        run_steps( h.world, 1, dts[i % WISP_COUNT( dts )] );
-        int count;
-        const wisp_vec3 a = points_now( h.world, e, &count )[40], b = points_now( h.world, other, &count )[40];
-        assert_float_equal( a.x, b.x, 1e-5f );
-    }
-}
-
 // ---- coarse sheets alone ----
 
 // Where the finest sheet takes a vertex, in double precision.
@@ -188,37 +159,6 @@ TEST( a_change_neither_jumps_nor_throws )
     check_change( NULL, WISP_DETAIL_FEWER_SUBSTEPS, WISP_DETAIL_FULL, 78 );
 }
 
-// In the last steps before nothing is solved it moves by little, while it would still fall.
-TEST( what_comes_to_rest_becomes_slower )
-{
-    effect_setup* const setups[] = { NULL, cloth_of_links, implicit_cloth, hair_of_links };
-    for ( int k = 0; k < WISP_COUNT( setups ); ++k )
-    {
-        SCOPED( close_world ) hosted h;
-        open_levels( &h, 10, 1 );
-        wisp_entity e[2];
-        for ( int i = 0; i < 2; ++i )
-        {
-            e[i] = setups[k] != NULL ? add_effect( h.world, setups[k] ) : add_sheet( h.world, true );
-        }
-        run_steps( h.world, 4, FRAME );
-        set_level( h.world, e[1], WISP_DETAIL_NOTHING );
-        run_steps( h.world, 12, FRAME );
-        int count;
-        SCOPED( free_local ) wisp_vec3* before = copy_points( h.world, e[0], &count );
-        const float slow = step_and_measure( h.world, e[1] );
-        const wisp_vec3* now = points_now( h.world, e[0], &count );
-        float fast = 0.0f;
-        for ( int v = 0; v < count; ++v )
-        {
-            fast = fmaxf( fast, distance( now[v], before[v] ) );
-        }
-        assert_true( slow < 0.5f * fast );
-        run_steps( h.world, 2, FRAME );
-        assert_float_equal( step_and_measure( h.world, e[1] ), 0.0f, 0.0f );
-    }
-}
-
 // ---- snapshots ----
 
 TEST( a_snapshot_holds_the_level_and_its_change )
@@ -240,28 +180,6 @@ TEST( a_snapshot_holds_the_level_and_its_change )
     assert_int_equal( wisp_detail_of( h.world, e ), WISP_DETAIL_FULL );
     assert_true( is_blending( h.world, e ) );
     assert_int_equal( substeps_of( h.world, e ), 3 + 7 * 5 / 15 );
-}
-
-// What falls at 3 m/s and is not solved for a while starts from rest: BDF2 does not look back on the substep before the pause.
-TEST( bdf2_starts_again_after_a_pause )
-{
-    const int32_t corners[2] = { 0, 20 };
-    SCOPED( close_world ) hosted h;
-    open_levels( &h, 4, 1 );
-    const wisp_entity e = add_effect( h.world, implicit_cloth );
-    wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
-    def.integrator = WISP_INTEGRATOR_BDF2;
-    def.stretch_stiffness = 1.0f;  // soft enough for it
-    def.max_newton_iterations = 1; // no second try of what gains energy
-    assert_status( h.world, wisp_set_implicit_cloth( h.world, e, &def ), WISP_OK );
-    assert_status( h.world, wisp_set_damping( h.world, e, 0.0f ), WISP_OK );
-    assert_status( h.world, wisp_unpin( h.world, e, corners, 2 ), WISP_OK );
-    run_steps( h.world, 20, FRAME );
-    set_level_at_once( h.world, e, WISP_DETAIL_NOTHING );
-    assert_true( step_and_measure( h.world, e ) == 0.0f );
-    set_level_at_once( h.world, e, WISP_DETAIL_FULL );
-    const float fallen = step_and_measure( h.world, e ), expected = 0.625f * 9.81f * FRAME * FRAME; // by Euler
-    assert_true( fallen > 0.8f * expected && fallen < 1.1f * expected );
 }
 
 TEST( a_damaged_row_is_refused )

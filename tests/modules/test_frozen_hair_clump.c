@@ -66,29 +66,6 @@ TEST( hair_without_a_brake_follows_the_oracle )
     follow_gap( WISP_GAP_NONE );
 }
 
-// The switches have an effect: each gives another shape.
-TEST( every_switch_of_the_stage_changes_the_result )
-{
-    SCOPED( hair_groom_destroy ) hair_groom groom = dense( HAIR_CURLY, 3 );
-    wisp_frozen_hair_def plain = hair_clump_only(), other[5];
-    plain.clump_step_length = 0.01f;
-    for ( int n = 0; n < WISP_COUNT( other ); ++n )
-    {
-        other[n] = plain;
-    }
-    other[0].gap = WISP_GAP_NONE;
-    other[1].min_lambda = 0.5f;
-    other[2].clump_step_length = 0.005f;
-    other[3].clump_radius = 0.012f;
-    other[4].min_distance = 0.001f;
-    SCOPED( free_local ) wisp_vec3* points = hair_run( NULL, &groom, &plain );
-    for ( int n = 0; n < WISP_COUNT( other ); ++n )
-    {
-        SCOPED( free_local ) wisp_vec3* others = hair_run( NULL, &groom, &other[n] );
-        assert_false( hair_same_bits( points, others, groom.vertex_count ) );
-    }
-}
-
 // ---- iterations and searches ----
 
 TEST( up_to_twelve_iterations_follow_the_oracle )
@@ -280,15 +257,6 @@ TEST( strands_in_one_place_have_no_direction_and_stay )
     // with the neighbours of a neighbour within reach they move, all together, as the oracle does
     def.clump_radius = 0.009f;
     say( "nine in one place", hair_follow( NULL, &groom, &def, 0 ) );
-}
-
-TEST( a_strand_does_not_attract_itself )
-{
-    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 1, 40, 0.0f );
-    wisp_frozen_hair_def def = hair_clump_only();
-    def.clump_radius = 0.5f;
-    SCOPED( free_local ) wisp_vec3* points = hair_run( NULL, &groom, &def );
-    assert_true( hair_same_bits( points, groom.points, 40 ) );
 }
 
 TEST( a_step_of_zero_leaves_every_vertex )

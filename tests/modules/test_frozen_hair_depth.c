@@ -72,15 +72,10 @@ TEST( vertices_move_along_z_by_no_more_than_the_limit )
 
 // ---- a layer is a plane ----
 
-// Strands in three planes, 5 cm apart. @param only the plane whose strands have vertices; below 0: all
-static hair_groom layered( hair_shape shape, int dimension, int only )
+// Strands in three planes, 5 cm apart.
+static hair_groom layered( hair_shape shape, int dimension )
 {
-    int counts[60];
-    for ( int s = 0; s < 60; ++s )
-    {
-        counts[s] = only < 0 || s % 3 == only ? 20 : 0;
-    }
-    hair_groom groom = hair_groom_create_mixed( shape, 2, 60, counts, 0.002f );
+    hair_groom groom = hair_groom_create( shape, 2, 60, 20, 0.002f );
     groom.dimension = dimension;
     for ( int s = 0; s < 60; ++s )
     {
@@ -97,7 +92,7 @@ TEST( a_layer_freezes_and_aligns_as_hair_in_the_plane_bit_for_bit )
     for ( int n = 0; n < 12; ++n )
     {
         SCOPED( hair_groom_destroy )
-        hair_groom flat = layered( (hair_shape)( n % 3 ), 2, -1 ), deep = layered( (hair_shape)( n % 3 ), 3, -1 );
+        hair_groom flat = layered( (hair_shape)( n % 3 ), 2 ), deep = layered( (hair_shape)( n % 3 ), 3 );
         wisp_frozen_hair_def def = soft_def( 0.0f );
         def.clump = false;
         def.reach = 0.1f;
@@ -128,34 +123,6 @@ TEST( a_strand_that_points_away_turns_within_its_layer )
     SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
     hair_assert_close( hair_distance( out[2], ( wisp_vec3 ){ 0.0f, 0.2f, 0.2f } ), 0.0, 60.0 * u * 0.2 );
     assert_true( fabs( (double)out[1].x ) > 0.05 && out[1].z == 0.2f && out[2].z == 0.2f );
-}
-
-TEST( layers_further_apart_than_the_clump_radius_clump_each_as_if_alone )
-{
-    for ( int n = 0; n < 9; ++n )
-    {
-        SCOPED( hair_groom_destroy )
-        hair_groom deep = layered( (hair_shape)( n / 3 ), 3, -1 ), flat = layered( (hair_shape)( n / 3 ), 2, n % 3 );
-        wisp_frozen_hair_def def = soft_def( 0.0f );
-        SCOPED( free_local ) wisp_vec3* b = hair_run( NULL, &deep, &def );
-        def.max_depth_change = -1.0f;
-        SCOPED( free_local ) wisp_vec3* a = hair_run( NULL, &flat, &def );
-        int moved = 0;
-        def.max_depth_change = 0.0f;
-        def.clump = false;
-        SCOPED( free_local ) wisp_vec3* aligned = hair_run( NULL, &deep, &def );
-        for ( int s = n % 3; s < 60; s += 3 )
-        {
-            for ( int i = 0; i < 20; ++i )
-            {
-                // neighbours are added in another order: four iterations of a few roundings of 0.3 m, and what they pass on
-                const wisp_vec3 p = a[flat.offsets[s] + i], q = b[20 * s + i];
-                hair_assert_close( hypot( (double)p.x - (double)q.x, (double)p.y - (double)q.y ), 0.0, 1e-6 );
-                moved += hair_distance( q, aligned[20 * s + i] ) > 1e-4;
-            }
-        }
-        assert_true( moved > 50 );
-    }
 }
 
 // ---- against the oracle and closed forms ----

@@ -239,16 +239,3 @@ TEST( every_combination_of_stages_follows_the_oracle )
         }
     }
 }
-
-TEST( the_pipeline_as_a_whole_agrees_with_the_oracle )
-{
-    for ( int n = 0; n < 18; ++n )
-    {
-        SCOPED( hair_groom_destroy )
-        hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 2 + n / 9, 25, 20, 0.005f );
-        wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
-        def.cursor = aside( groom.dimension );
-        def.clump_iterations = n / 3 % 3 * 4;
-        hair_compare_pipeline( &groom, &def );
-    }
-}

@@ -1,5 +1,6 @@
 // Frozen hair in a world: several grooms next to each other, the plan, memory, rejected input.
 #include "frozen_hair_engine_fixture.h"
+#include "plan_says.h"
 
 #include <stdatomic.h>
 
@@ -112,36 +113,6 @@ TEST( empty_hair_is_no_work_and_no_failure )
 
 // ---- the plan ----
 
-typedef struct plan_text
-{
-    char text[8192];
-    size_t length;
-} plan_text;
-
-static void append_line( void* user, const char* line )
-{
-    plan_text* plan = user;
-    int n = snprintf( plan->text + plan->length, sizeof( plan->text ) - plan->length, "%s\n", line );
-    plan->length += n > 0 ? (size_t)n : 0;
-    assert_true( plan->length < sizeof( plan->text ) );
-}
-
-// True if the plan keeps the pass. Kept or absent, the plan lists it.
-static bool keeps( wisp_world* world, const char* pass )
-{
-    static plan_text plan;
-    plan.length = 0;
-    assert_int_equal( wisp_world_plan( world, append_line, &plan ), WISP_OK );
-    const char* found = strstr( plan.text, pass );
-    assert_non_null( found );
-    const char* line = found;
-    while ( line > plan.text && line[-1] != '\n' )
-    {
-        --line;
-    }
-    return strncmp( line, "  absent", 8 ) != 0;
-}
-
 TEST( a_stage_that_is_not_queried_for_does_not_exist )
 {
     SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 20, 10, 0.005f );
@@ -160,11 +131,12 @@ TEST( a_stage_that_is_not_queried_for_does_not_exist )
         // command, start and points are there for any stage
         assert_int_equal( wisp_world_plan_passes( world ), 3 + def.freeze + def.align + clumps );
         assert_int_equal( wisp_world_profile( world ).count, 3 + def.freeze + def.align + clumps );
-        assert_true( keeps( world, "frozen_hair.command" ) && keeps( world, "frozen_hair.start" ) );
-        assert_int_equal( keeps( world, "frozen_hair.freeze" ), def.freeze );
-        assert_int_equal( keeps( world, "frozen_hair.align" ), def.align );
-        assert_int_equal( keeps( world, "frozen_hair.clump " ), clumps );
-        assert_false( keeps( world, "environment.stiffness" ) );
+        assert_true( plan_says( world, "frozen_hair.command", "wave" ) &&
+                     plan_says( world, "frozen_hair.start", "wave" ) );
+        assert_int_equal( plan_says( world, "frozen_hair.freeze", "wave" ), def.freeze );
+        assert_int_equal( plan_says( world, "frozen_hair.align", "wave" ), def.align );
+        assert_int_equal( plan_says( world, "frozen_hair.clump", "wave" ), clumps );
+        assert_false( plan_says( world, "environment.stiffness", "wave" ) );
         assert_int_equal( wisp_world_counter( world, WISP_COUNT_SEARCHES ) > 0, clumps );
 
         // switched off later, a stage disappears; the plan is compiled once

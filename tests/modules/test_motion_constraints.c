@@ -1,8 +1,7 @@
-// Motion constraints in C: uneven steps, teleports, and refusals. Closed forms are in tests/claims.
+// Motion constraints in C: uneven steps and refusals. Closed forms are in tests/claims.
 #include "cloth_fixture.h"
 
 #include "motion_constraints.h"
-#include "oracle/double3.h"
 
 static const wisp_module* const MODULES[] = { &wisp_motion_constraints_module };
 
@@ -60,12 +59,6 @@ static void constrain( held* s, const wisp_motion_constraints_def* def )
     assert_status( s->world, wisp_set_motion_constraints( s->world, s->e, def ), WISP_OK );
 }
 
-static double distance_to( held* s, int vertex, wisp_vec3 place )
-{
-    const wisp_vec3 p = point_of( s->world, s->e, vertex );
-    return double3_length( double3_sub( double3_widen( p ), double3_widen( place ) ) );
-}
-
 static void move_all( held* s, wisp_vec3 by )
 {
     wisp_vec3 targets[VERTICES];
@@ -95,28 +88,6 @@ TEST( uneven_steps_arrive_where_even_ones_do )
     }
     steps( &s, 3 );
     assert_near( (double)point_of( s.world, s.e, 0 ).x, (double)s.start[0].x + 0.12, 1e-6 );
-}
-
-TEST( a_teleport_takes_targets_and_backstops_along )
-{
-    SCOPED( close_held ) held here = open_held(), there = open_held();
-    const wisp_transform motion = { { 0.0f, 1.0f, 0.0f, 0.0f }, { 4.0f, 0.0f, 8.0f } }; // half a turn about gravity
-    wisp_motion_constraints_def def = wisp_default_motion_constraints_def();
-    def.max_distance = 0.03f;
-    def.backstop_distance = 0.02f;
-    def.backstop_radius = 0.3f;
-    constrain( &here, &def );
-    constrain( &there, &def );
-    steps( &here, 3 );
-    steps( &there, 3 );
-    assert_status( there.world, wisp_teleport( there.world, there.e, motion, true ), WISP_OK );
-    steps( &here, 40 );
-    steps( &there, 40 );
-    for ( int v = 0; v < VERTICES; ++v )
-    {
-        const wisp_vec3 p = wisp_transform_to_world( motion, point_of( here.world, here.e, v ) );
-        assert_near( distance_to( &there, v, p ), 0.0, 5e-6 );
-    }
 }
 
 TEST( what_cannot_be_is_refused_by_vertex )

@@ -1,8 +1,7 @@
-// Moving frames and largest speeds in worlds: teleports, what is felt costs nothing, what is refused. What is carried is in
+// Moving frames and largest speeds in worlds: what is felt costs nothing, what is refused. What is carried is in
 // tests/claims.
 #include "cloth_fixture.h"
 
-#include "oracle/double3.h"
 #include "wisp/moving_frame.h"
 
 static const wisp_module* const MODULES[] = { &wisp_cloth_module };
@@ -71,18 +70,6 @@ static void follow( framed* s, wisp_transform pose, bool pinned )
     assert_status( s->world, wisp_world_step( s->world, DT ), WISP_OK );
 }
 
-static double farthest_apart( framed* moved, framed* still, wisp_transform pose )
-{
-    double farthest = 0.0;
-    for ( int v = 0; v < VERTICES; ++v )
-    {
-        const wisp_vec3 p = wisp_transform_to_world( pose, point_of( still->world, still->e, v ) );
-        farthest = fmax( farthest, double3_distance( double3_widen( p ),
-                                                     double3_widen( point_of( moved->world, moved->e, v ) ) ) );
-    }
-    return farthest;
-}
-
 TEST( a_frame_that_is_felt_changes_no_bit_and_has_no_pass )
 {
     const wisp_cloth_def cloth = undamped_cloth();
@@ -97,26 +84,6 @@ TEST( a_frame_that_is_felt_changes_no_bit_and_has_no_pass )
     }
     assert_true( wisp_world_hash( with.world ) == wisp_world_hash( without.world ) );
     assert_int_equal( count_passes_named( with.world, "particles.carry" ), 0 );
-}
-
-TEST( a_teleport_takes_the_frame_along )
-{
-    wisp_cloth_def cloth = undamped_cloth();
-    cloth.coarse_substeps = 0; // they forget their history
-    const wisp_transform motion = { { 0.0f, 1.0f, 0.0f, 0.0f }, { 4.0f, 0.0f, 8.0f } };
-    SCOPED( close_framed )
-    framed here = open_framed( &cloth, false, EARTH, 1 ), there = open_framed( &cloth, false, EARTH, 1 );
-    give_frame( &here, 0.0f, 0.0f );
-    give_frame( &there, 0.0f, 0.0f );
-    follow( &here, walked_pose( 1, 0.1f, 0.05f ), false );
-    follow( &there, walked_pose( 1, 0.1f, 0.05f ), false );
-    assert_status( there.world, wisp_teleport( there.world, there.e, motion, true ), WISP_OK );
-    for ( int i = 0; i < 3; ++i )
-    {
-        assert_status( here.world, wisp_world_step( here.world, DT ), WISP_OK );
-        assert_status( there.world, wisp_world_step( there.world, DT ), WISP_OK );
-    }
-    assert_true( farthest_apart( &there, &here, motion ) < 1e-4 );
 }
 
 TEST( a_largest_speed_that_is_lifted_leaves_no_pass )

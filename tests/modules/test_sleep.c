@@ -51,39 +51,6 @@ TEST( a_body_that_appears_or_disappears_wakes_what_touches_it )
     close_world( &b.h );
 }
 
-TEST( a_sheet_that_falls_on_another_wakes_it_and_both_fall_asleep_together )
-{
-    SCOPED( close_world ) hosted h;
-    open_stage( &h, 1 );
-    wisp_world* world = h.world;
-    const wisp_entity lower = add_sheet( world, ( wisp_vec3 ){ 0.0f, 0.02f, 0.0f }, true );
-    const wisp_contact_def contact = contact_of( 0.01f );
-    set_contact( world, lower, &contact );
-    run_to_sleep( world, lower );
-    assert_int_equal( count_passes_named( world, "contact.find" ), 1 );
-    const wisp_entity upper = add_sheet( world, ( wisp_vec3 ){ 0.05f, 0.3f, 0.02f }, true );
-    set_contact( world, upper, &contact );
-    run_steps( world, 2, FRAME );
-    assert_true( wisp_is_asleep( world, lower ) );
-    int woken = 0;
-    for ( ; wisp_is_asleep( world, lower ) && woken < PATIENCE; ++woken )
-    {
-        run_steps( world, 1, FRAME );
-    }
-    assert_true( woken < PATIENCE );
-    assert_int_equal( count_passing( world, upper, lower ), 0 );
-    for ( int i = 0; wisp_is_asleep( world, upper ) == false; ++i )
-    {
-        assert_true( i < PATIENCE );
-        run_steps( world, 1, FRAME );
-        assert_int_equal( wisp_is_asleep( world, lower ), wisp_is_asleep( world, upper ) );
-    }
-    assert_true( mean_of( world, upper, 1 ) > mean_of( world, lower, 1 ) + 0.005 );
-    assert_status( world, wisp_set_gravity( world, lower, NONE ), WISP_OK );
-    assert_wakes( world, lower );
-    assert_false( wisp_is_asleep( world, upper ) ); // what touches it wakes in the same step
-}
-
 typedef struct pile
 {
     hosted h;

@@ -13,33 +13,6 @@ static const float TEN_FRAMES = 10.0f / 60.0f;
 
 // ---- when ----
 
-TEST( a_surface_at_rest_falls_asleep_in_the_step_in_which_its_seconds_have_passed )
-{
-    enum
-    {
-        SURFACES = 40,
-    };
-    SCOPED( close_world ) hosted h;
-    open_stage( &h, 1 );
-    wisp_entity surfaces[SURFACES];
-    for ( int i = 0; i < SURFACES; ++i )
-    {
-        // away from the origin: its first step is measured from where it is
-        const wisp_vec3 a = { 2.0f, 1.0f, (float)i }, b = { 2.5f, 1.0f, (float)i }, c = { 2.0f, 1.5f, (float)i };
-        test_mesh mesh = triangle_mesh( a, b, c );
-        surfaces[i] = add_mesh( h.world, &mesh, NULL, 0, 0.15f );
-        SET( h.world, surfaces[i], sleep, d.seconds = (float)( i + 1 ) * FRAME );
-    }
-    for ( int step = 1; step <= SURFACES; ++step )
-    {
-        run_steps( h.world, 1, FRAME );
-        for ( int i = 0; i < SURFACES; ++i )
-        {
-            assert_int_equal( wisp_is_asleep( h.world, surfaces[i] ), i < step );
-        }
-    }
-}
-
 TEST( what_is_halted_does_not_fall_asleep )
 {
     SCOPED( close_world ) hosted h;

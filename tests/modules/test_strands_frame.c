@@ -91,23 +91,6 @@ TEST( a_frame_that_is_felt_changes_no_bit_and_has_no_pass )
     close_walker( bare );
 }
 
-TEST( a_teleport_takes_the_frame_along )
-{
-    const wisp_strand_dynamics_def def = def_of( WISP_STRAND_REST_SHAPE );
-    const wisp_transform motion = { { 0.0f, 1.0f, 0.0f, 0.0f }, { 4.0f, 0.0f, 8.0f } };
-    walker *here = open_walker( &def, curl_down, 1 ), *there = open_walker( &def, curl_down, 1 );
-    give_frame( here, 0.0f, 0.0f );
-    give_frame( there, 0.0f, 0.0f );
-    follow( here, walked_pose( 1, 0.1f, 0.05f ), true );
-    follow( there, walked_pose( 1, 0.1f, 0.05f ), true );
-    assert_status( there->world, wisp_teleport( there->world, there->e, motion, true ), WISP_OK );
-    strand_steps( here->world, 3, DT );
-    strand_steps( there->world, 3, DT );
-    assert_true( farthest_apart( there, here, motion ) < 1e-5 );
-    close_walker( here );
-    close_walker( there );
-}
-
 // A head that moves farther than the distance of a teleport takes its strands along, once.
 TEST( a_head_that_teleports_carries_strands_once )
 {
