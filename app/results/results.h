@@ -173,7 +173,6 @@ typedef enum results_format
     RESULTS_CSV,
     RESULTS_JSON,
     RESULTS_LATEX,  ///< tables of booktabs
-    RESULTS_GITHUB, ///< the custom format of github-action-benchmark, smaller is better
     RESULTS_FORMAT_COUNT,
 } results_format;
 

@@ -155,18 +155,6 @@ TEST( text_that_is_not_utf8_does_not_break_json )
     json_decref( root );
 }
 
-// ---- github-action-benchmark ----
-
-TEST( github_has_medians_in_ms_of_rows_that_were_timed )
-{
-    json_t* root = parsed( RESULTS_GITHUB );
-    assert_int_equal( json_array_size( root ), 1 );
-    json_t* entry = json_array_get( root, 0 );
-    assert_string_equal( json_string_value( json_object_get( entry, "unit" ) ), "ms" );
-    assert_true( json_number_value( json_object_get( entry, "value" ) ) == 0.75 );
-    json_decref( root );
-}
-
 // ---- CSV ----
 
 #define CSV_COLUMNS 32

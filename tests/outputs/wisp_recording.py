@@ -10,6 +10,7 @@ class Body:
         self.name = name
         self.vertices = vertices
         self.numbers = numbers  # corners of triangles, or offsets of strands
+        self.triangles = [] if kind == 2 else None  # corners in each frame, where they change
         self.frames = []  # an array of 3 * vertices floats each
 
 
@@ -18,8 +19,8 @@ def read(path):
     with open(path, "rb") as file:
         data = file.read()
     assert data[:8] == b"WISP\r\n\x1a\n" and sys.byteorder == "little"
-    body_count, header_bytes, frame_bytes = struct.unpack_from("<IQQ", data, 12)
-    bodies, at = [], 40
+    version, body_count, header_bytes, frame_bytes = struct.unpack_from("<2I2Q", data, 8)
+    bodies, at = [], 40 if version == 1 else 64  # behind an origin, to which points are relative
     for _ in range(body_count):
         kind, letters, vertices, elements = struct.unpack_from("<4I", data, at)
         name = data[at + 16:at + 16 + letters].decode()
@@ -36,4 +37,7 @@ def read(path):
             size = 12 * body.vertices
             body.frames.append(array.array("f", data[at:at + size]))
             at += size
+            if body.triangles is not None:
+                body.triangles.append(struct.unpack_from(f"<{len(body.numbers)}i", data, at))
+                at += 4 * len(body.numbers)
     return bodies, times

@@ -1,7 +1,9 @@
 """What transcripts write and read: recordings of one mesh, and pictures of eight bits per channel."""
 import array
 import os
+import re
 import struct
+import subprocess
 import sys
 import zlib
 
@@ -104,3 +106,42 @@ def same(a, b):
 
 def differing(a, b):
     return sum(p != q for p, q in zip(Picture(a).pixels(), Picture(b).pixels(), strict=True))
+
+
+# ---- runs ----
+
+
+class Body:
+    """A body of a recording: `frames` has x, y, z of each vertex in each frame, `numbers` corners or offsets, `corners` those of each frame."""
+
+    def __init__(self, body):
+        self.numbers, self.corners = body.numbers, body.triangles
+        self.frames = [list(zip(*[iter(frame)] * 3)) for frame in body.frames]
+
+    def still(self):
+        """Return the vertices that stay in the first step."""
+        return [v for v, (a, b) in enumerate(zip(*self.frames[:2])) if a == b]
+
+
+def run(text, *options):
+    """Run a scene. Return its bodies by name, and what the program said."""
+    open("scene.yaml", "w").write("wisp: 1\n" + text)
+    done = subprocess.run([os.environ["WISP"], "run", "scene.yaml", "--record", "scene.wisp", *options], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return {body.name: Body(body) for body in wisp_recording.read("scene.wisp")[0]}, done.stdout
+
+
+def hash_of(text):
+    return re.search(r"\nhash +(\S+)", run(text)[1])[1]
+
+
+def refused(text, status=2):
+    """Return the message that refuses a scene, without the name of the program."""
+    open("scene.yaml", "w").write("wisp: 1\n" + text)
+    done = subprocess.run([os.environ["WISP"], "run", "scene.yaml"], capture_output=True, text=True)
+    assert done.returncode == status and done.stdout == "", (done.returncode, done.stderr)
+    return done.stderr.removeprefix("wisp: ").rstrip("\n")
+
+
+def near(found, expected, tolerance):
+    return all(abs(a - b) <= tolerance for a, b in zip(found, expected, strict=True))
