@@ -135,12 +135,12 @@ def hash_of(text):
     return re.search(r"\nhash +(\S+)", run(text)[1])[1]
 
 
-def refused(text, status=2):
-    """Return the message that refuses a scene, without the name of the program."""
+def refused(text):
+    """Return the message that refuses a scene, behind warnings and the name of the program."""
     open("scene.yaml", "w").write("wisp: 1\n" + text)
     done = subprocess.run([os.environ["WISP"], "run", "scene.yaml"], capture_output=True, text=True)
-    assert done.returncode == status and done.stdout == "", (done.returncode, done.stderr)
-    return done.stderr.removeprefix("wisp: ").rstrip("\n")
+    assert done.returncode == 2 and done.stdout == "", (done.returncode, done.stderr)
+    return done.stderr.splitlines()[-1].removeprefix("wisp: ")
 
 
 def near(found, expected, tolerance):

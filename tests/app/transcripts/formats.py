@@ -128,7 +128,7 @@ class Usda:
         self.metadata = self.parentheses()
         [(self.name, self.type, self.own, self.prims)] = [self.prim()]
         assert self.tokens == []
-        self.prims = {name: {"type": kind, **attributes} for name, kind, attributes, inner in self.prims if inner == []}
+        self.prims = {name: {"prim": kind, **attributes} for name, kind, attributes, inner in self.prims if inner == []}
 
     def take(self, *expected):
         token = self.tokens.pop()
