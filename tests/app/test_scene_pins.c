@@ -123,25 +123,6 @@ static void build_sewn( fixture* f, const char* seam )
     build( f, text );
 }
 
-TEST( every_key_of_a_seam_reaches_its_place )
-{
-    SCOPED( release ) fixture f;
-    build_sewn( &f, "{ name: s, surfaces: [b, a], pairs: [[4, 7], [8, 11]], distance: 0.01, closing_speed: 0.2, "
-                    "compliance: 0.03, strength: 4 }\n"
-                    "  - { name: t, surfaces: [a, b], within: 0.06 }" );
-    const wisp_scene_seam* s = f.scene.seams;
-    static const int32_t pairs[] = { 4, 7, 8, 11 };
-    assert_int_equal( f.scene.seam_count, 2 );
-    assert_string_equal( s->name, "s" );
-    assert_true( s->surfaces[0] == 1 && s->surfaces[1] == 0 && s->pair_count == 2 );
-    assert_memory_equal( s->pairs, pairs, sizeof pairs );
-    assert_true( s->def.distance == 0.01f && s->def.closing_speed == 0.2f && s->def.compliance == 0.03f &&
-                 s->def.strength == 4.0f && s->def.within == 0.0f );
-    assert_true( s[1].def.within == 0.06f && s[1].def.strength == INFINITY && s[1].def.closing_speed == 1.0f );
-    assert_int_equal( wisp_count_seam_pairs( f.world.world, f.world.seams[0] ), 2 );
-    assert_int_equal( wisp_count_seam_pairs( f.world.world, f.world.seams[1] ), 4 );
-}
-
 // Panels of a scene close by the speed of their seam.
 TEST( a_scene_closes_its_seam )
 {
