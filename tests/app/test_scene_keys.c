@@ -189,17 +189,26 @@ static attempt try_value( const place* p, const char* key, const char* value )
     return a;
 }
 
-static void demand_range( const place* p, const char* key, const char* part, const scene_field* field,
-                          const char* value, int column )
+static void demand_refusal( const place* p, const char* key, const char* value, int column, const char* words )
 {
-    char expected[400];
+    char expected[600];
     SCOPED( attempt_release ) attempt a = try_value( p, key, value );
-    const char* number = value + column;
-    const int digits = (int)strcspn( number, ",]" );
-    print( expected, sizeof expected, "test.yaml:1:%d: %s%s%s%s: got %.*s, expected a value in [%.9g, %.9g]",
-           a.column + column, p->path, p->path[0] ? "." : "", key, part, digits, number, field->range.lower,
-           field->range.upper );
+    print( expected, sizeof expected, "test.yaml:1:%d: %s%s%s%s", a.column + column, p->path, p->path[0] ? "." : "",
+           key, words );
     assert_string_equal( a.error.message, expected );
+}
+
+// A word that is none of the choices, or a number that has a word, is refused with all of them.
+static void refuse_words( const place* p, const scene_field* field )
+{
+    char words[500] = ": got 'q', expected true or false";
+    for ( int i = 0; field->type != SCENE_SWITCH && field->choices[i].word; ++i )
+    {
+        const size_t used = i > 0 ? strlen( words ) : 0;
+        print( words + used, sizeof words - used, "%s%s", i > 0 ? ", " : ": got 'q', expected one of ",
+               field->choices[i].word );
+    }
+    demand_refusal( p, field->key, "q", 0, words );
 }
 
 // Numbers one step outside, of a float or of an int.
@@ -216,24 +225,18 @@ static void print_outside( const scene_field* field, bool above, char out[40] )
 
 static void refuse_outside( const place* p, const scene_field* field )
 {
-    char number[40], value[100];
-    for ( int above = 0; above < 2; ++above )
+    char number[40], value[100], words[200];
+    const int parts = field->type == SCENE_VECTOR ? 3 : 1;
+    for ( int i = 0; i < 2 * parts; ++i )
     {
-        print_outside( field, above, number );
-        const bool is_vector = field->type == SCENE_VECTOR;
-        for ( int k = 0; k < ( is_vector ? 3 : 1 ); ++k )
-        {
-            char part[8] = "";
-            print( value, sizeof value, "%s", number );
-            if ( is_vector )
-            {
-                const char* other = field->range.lower > 0.0 ? "1" : "0"; // in the range
-                print( value, sizeof value, "[%s, %s, %s]", k == 0 ? number : other, k == 1 ? number : other,
-                       k == 2 ? number : other );
-                print( part, sizeof part, "[%d]", k );
-            }
-            demand_range( p, field->key, part, field, value, is_vector ? 1 + 3 * k : 0 );
-        }
+        const int k = i / 2;
+        const char* other = field->range.lower > 0.0 ? "1" : "0"; // in the range
+        print_outside( field, i % 2 == 1, number );
+        print( value, sizeof value, parts > 1 ? "[%s, %s, %s]" : "%s", k == 0 ? number : other,
+               k == 1 ? number : other, k == 2 ? number : other );
+        print( words, sizeof words, "[%d]: got %s, expected a value in [%.9g, %.9g]", k, number, field->range.lower,
+               field->range.upper );
+        demand_refusal( p, field->key, value, parts > 1 ? 1 + 3 * k : 0, words + ( parts > 1 ? 0 : 3 ) );
     }
 }
 
@@ -333,6 +336,20 @@ static bool set_value( const place* p, const scene_field* field, double x )
     return a.error.status == WISP_OK;
 }
 
+// A number for each of three strands.
+static void check_list( const place* p, const scene_field* field )
+{
+    if ( field->type == SCENE_NUMBERS )
+    {
+        SCOPED( attempt_release ) attempt a = try_value( p, field->key, "[0.5, 0.25, 1]" );
+        assert_ok( a.error.status, a.error );
+        const char* filled = entry_of( p, &a.scene );
+        const float expected[] = { 0.5f, 0.25f, 1.0f };
+        assert_int_equal( *(const int*)( filled + field->list_count ), 3 );
+        assert_memory_equal( *(const float* const*)( filled + field->list ), expected, sizeof expected );
+    }
+}
+
 static int choice_count( const scene_field* field )
 {
     int count = 0;
@@ -357,6 +374,7 @@ static void check_key( const place* p, const scene_field* field, int* checked )
         case SCENE_NUMBER:
         case SCENE_NUMBERS:
         case SCENE_WHOLE:
+            check_list( p, field );
             taken += set_value( p, field, lower ) + set_value( p, field, upper );
             taken += set_value( p, field, fmin( lower + 1.0, lower + 0.75 * ( upper - lower ) ) );
             taken += lower <= 1000.0 && upper >= 1000.0 && set_value( p, field, 1000.0 );
@@ -372,9 +390,11 @@ static void check_key( const place* p, const scene_field* field, int* checked )
             {
                 taken += set_value( p, field, i );
             }
+            refuse_words( p, field );
             break;
         case SCENE_SWITCH:
             taken += set_value( p, field, 0.0 ) + set_value( p, field, 1.0 );
+            refuse_words( p, field );
             break;
         default:
             return;
