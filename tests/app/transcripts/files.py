@@ -128,7 +128,7 @@ def run(text, *options):
     open("scene.yaml", "w").write("wisp: 1\n" + text)
     done = subprocess.run([os.environ["WISP"], "run", "scene.yaml", "--record", "scene.wisp", *options], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    return {body.name: Body(body) for body in wisp_recording.read("scene.wisp")[0]}, done.stdout
+    return {body.name: Body(body) for body in wisp_recording.read("scene.wisp")[0]}, done.stdout + done.stderr
 
 
 def hash_of(text):
