@@ -1,5 +1,5 @@
-// Reading, writing and checking grooms. On disk: the format of a path, the file after a failed write, and the output of
-// `wisp info`.
+// Reading, writing and checking grooms. On disk: the format of a path, the file after a failed write. What `wisp info` says
+// is in tests/app/transcripts/meshes.t.
 #define _XOPEN_SOURCE 700
 
 #include "groom_fixture.h"
@@ -580,96 +580,4 @@ TEST_IN_FOLDER( a_symbolic_link_and_the_permissions_of_its_file_survive_a_write 
     SCOPED( wisp_groom_release ) wisp_groom again;
     assert_int_equal( wisp_groom_read( file, &again, NULL ), WISP_OK );
     assert_same_groom( &groom, &again );
-}
-
-// ---- wisp info ----
-
-TEST( info_prints_counts_bounds_and_lengths )
-{
-    static int offsets[] = { 0, 3, 5 };
-    static wisp_vec3 points[] = { { 0, 0, 0 }, { 0, -1, 0 }, { 0, -2, 0 }, { 3, 0, 0 }, { 3, 0, 4 } };
-    static float thickness[] = { 0.5f, 0.5f, 0.5f, 0.25f, 0.25f };
-    wisp_groom groom = { 2, 5, 3, offsets, points, thickness, NULL, NULL };
-    SCOPED( free_local ) char* text = fixture_info( &groom, WISP_OK );
-    assert_string_equal( text, "head.hair: groom in 3 dimensions\n"
-                               "  strands              2\n"
-                               "  vertices             5\n"
-                               "  vertices a strand    min 2, mean 2.5, max 3\n"
-                               "  bounds               x 0 .. 3, y -2 .. 0, z 0 .. 4 m\n"
-                               "  length               min 2, mean 3, max 4 m\n"
-                               "  thickness            min 0.25, mean 0.4, max 0.5 m\n"
-                               "  colour               none\n"
-                               "  no defects\n" );
-}
-
-TEST( info_names_what_is_wrong_by_element )
-{
-    static int offsets[] = { 0, 2, 2, 3, 6, 8 };
-    static wisp_vec3 points[] = {
-        { 1, 0, 0 }, { 1, 1, 0 },                  // strand 0
-        { 5, 0, 0 },                               // strand 2, no segment
-        { 1, 0, 0 }, { 2, 2, 0 },     { 2, 2, 0 }, // strand 3, the root of strand 0, a segment of zero length
-        { 7, 0, 0 }, { 0, -2e6f, 0 },              // strand 4, with impossible coordinates
-    };
-    wisp_groom groom = { 5, 8, 2, offsets, points, NULL, NULL, NULL };
-    SCOPED( free_local ) char* text = fixture_info( &groom, WISP_OK );
-    assert_contains( text, "  wrong: segments of zero length: 1\n    strand 3, from vertex 1\n" );
-    assert_contains( text,
-                     "  wrong: strands without a segment: 2\n    strand 1, vertices 0\n    strand 2, vertices 1\n" );
-    assert_contains( text, "  wrong: strands that repeat a root: 1\n    strand 3, the root of strand 0\n" );
-    assert_contains( text, "  wrong: vertices beyond 1e+06 m: 1\n    strand 4, vertex 1\n" );
-    assert_null( strstr( text, "nothing is wrong" ) );
-}
-
-TEST( info_tells_short_segments )
-{
-    static int offsets[] = { 0, 4, 6 };
-    static wisp_vec3 points[] = { { 0, 0, 0 },      { 0, -0.01f, 0 },   { 0, -0.010001f, 0 },
-                                  { 0, -0.02f, 0 }, { 1, -0.0001f, 0 }, { 1, 0, 0 } };
-    wisp_groom groom = { 2, 6, 2, offsets, points, NULL, NULL, NULL };
-    SCOPED( free_local ) char* text = fixture_info( &groom, WISP_OK );
-    assert_contains(
-        text, "  note: 1 of the segments are below 10 um or a hundredth of their strand's mean, the shortest 1 um "
-              "(strand 0, vertex 1)\n" );
-}
-
-TEST( info_lists_the_first_ten_and_counts_the_rest )
-{
-    int offsets[14];
-    wisp_vec3 points[26];
-    for ( int s = 0; s < 14; ++s )
-    {
-        offsets[s] = 2 * s;
-    }
-    for ( int v = 0; v < 26; ++v )
-    {
-        points[v] = ( wisp_vec3 ){ 0.5f, 0.25f, 0.0f };
-    }
-    wisp_groom groom = { 13, 26, 2, offsets, points, NULL, NULL, NULL };
-    SCOPED( free_local ) char* text = fixture_info( &groom, WISP_OK );
-    assert_contains( text, "segments of zero length: 13\n    strand 0, from vertex 0\n" );
-    assert_contains( text, "    strand 9, from vertex 0\n    and 3 more\n" );
-    assert_null( strstr( text, "strand 10, from vertex" ) );
-    // the first of the thirteen does not repeat a root, the others repeat its
-    assert_contains( text, "repeat a root: 12\n    strand 1, the root of strand 0\n" );
-    assert_contains( text, "    strand 10, the root of strand 0\n    and 2 more\n" );
-}
-
-TEST( info_says_which_number_is_out_of_its_range )
-{
-    static int offsets[] = { 0, 2 };
-    static wisp_vec3 points[] = { { 0, 0, 0 }, { 0, -1, 0 } };
-    static float transparency[] = { 0.0f, 7.0f };
-    wisp_groom groom = { 1, 2, 2, offsets, points, NULL, transparency, NULL };
-    SCOPED( free_local ) char* text = fixture_info( &groom, WISP_OK );
-    assert_contains( text, "  wrong: groom: strand 0, vertex 1: transparency: got 7, expected 0 .. 1\n" );
-}
-
-TEST( info_of_a_malformed_groom_is_one_message )
-{
-    static int offsets[] = { 0, 9 };
-    static wisp_vec3 points[] = { { 0, 0, 0 }, { 0, -1, 0 } };
-    wisp_groom groom = { 1, 2, 2, offsets, points, NULL, NULL, NULL };
-    SCOPED( free_local ) char* text = fixture_info( &groom, WISP_BAD_INPUT );
-    assert_string_equal( text, "head.hair: strand 0 runs from vertex 0 to 9 of 2\n" );
 }

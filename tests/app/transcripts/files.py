@@ -41,6 +41,15 @@ def record(path, frames, triangles, dt):
         file.write(seal(struct.pack("<8sQ", b"WISPEND\n", len(frames)), seed))
 
 
+def write_hair(path, sizes, points, thickness=(), transparency=(), colours=()):
+    """Write strands of so many vertices each: their x, y, z, and what there is of the other arrays."""
+    arrays = [array.array("f", numbers).tobytes() for numbers in (points, thickness, transparency, colours)]
+    flags = 1 + sum(2 << i for i, data in enumerate(arrays) if data)
+    with open(path, "wb") as file:
+        file.write(struct.pack("<4s3I", b"HAIR", len(sizes), len(points) // 3, flags) + bytes(112))
+        file.write(struct.pack(f"<{len(sizes)}H", *[size - 1 for size in sizes]) + b"".join(arrays))
+
+
 def change_frame(path, frame, change):
     """Change the bytes of a frame, of which `change` gets those before the checksum, and seal it."""
     data = bytearray(open(path, "rb").read())

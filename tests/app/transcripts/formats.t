@@ -2,14 +2,10 @@
 # need nine digits, and limits of single precision. ./dev readers has the readers of other people.
 $ cp "$SOURCE"/tests/app/transcripts/f*.py .; cat >grooms.py <<'END'
 > from formats import *
-> from files import wisp_recording
-> def write_hair( path, sizes, points, widths=None, colours=None ):
->     arrays = bits( points ) + bits( widths or [] ) + bits( colours or [] )
->     header = struct.pack( "<4s3I", b"HAIR", len( sizes ), len( points ) // 3, 3 + 4 * bool( widths ) + 16 * bool( colours ) )
->     open( path, "wb" ).write( header + bytes( 112 ) + struct.pack( f"<{len( sizes )}H", *[size - 1 for size in sizes] ) + arrays )
+> from files import wisp_recording, write_hair
 > HAIR = [0.1, -0.0, 1e-40, 1 / 3, -123456.789, float.fromhex( "0x1.fffffep-1" ), 1.17549435e-38, 2.5, -7, 999999.9375, 1e6, -1e-10, 121.360634, 122.243706, 100.670395]
 > WIDTHS, COLOURS = [1e-3, 8e-4, 1e-4, 1e-3, 5e-4], [0, 0, 0, 1, 0.5, 0.25, 1, 1, 1, 0.002, 0.2, 0, 0, 0, 1]
-> write_hair( "odd.hair", [3, 2], HAIR, WIDTHS, COLOURS )
+> write_hair( "odd.hair", [3, 2], HAIR, WIDTHS, colours=COLOURS )
 > write_hair( "short.hair", [3, 1, 2], [0.1 * i for i in range( 18 )] )
 > def read( path ):
 >     bodies, times = wisp_recording.read( path )

@@ -1,4 +1,4 @@
-# The doctor of meshes: each defect found by `wisp info` with its count and its elements, and each repair of a scene, by the mesh that its recording has.
+# The doctors of meshes and of hair: each defect found by `wisp info` with its count and its elements, and each repair of a scene, by the mesh that its recording has.
 $ cp "$SOURCE/tests/app/transcripts/files.py" .; cat >meshes.py <<'END'
 > from files import *
 > TETRAHEDRON = [( 0, 0, 0 ), ( 1, 0, 0 ), ( 0, 1, 0 ), ( 0, 0, 1 )], [( 0, 2, 1 ), ( 0, 1, 3 ), ( 0, 3, 2 ), ( 1, 2, 3 )]
@@ -183,4 +183,35 @@ $ python3 <<'END'
 > assert "expected at least a billionth of its size" in refusal( [tuple( 1e5 * c for c in p ) for p in TETRAHEDRON[0]], TETRAHEDRON[1], "repair: [weld], weld_distance: 1e-5" )
 > largest = 3.40282347e38
 > assert "merges into others: 1\n" in info( [( -largest, 0, 0 ), ( largest, 0, 0 ), ( 0, largest, 0 ), ( 0, largest, 0 )], [( 0, 1, 2 ), ( 1, 0, 3 )] )
+> END
+
+# Hair has counts, bounds and lengths, and what is wrong with it is named by strand and vertex.
+$ python3 -c 'from files import *; write_hair( "head.hair", [3, 2], [0, 0, 0, 0, -1, 0, 0, -2, 0, 3, 0, 0, 3, 0, 4], [0.5, 0.5, 0.5, 0.25, 0.25] )'; wisp info head.hair
+head.hair: groom in 3 dimensions
+  strands              2
+  vertices             5
+  vertices a strand    min 2, mean 2.5, max 3
+  bounds               x 0 .. 3, y -2 .. 0, z 0 .. 4 m
+  length               min 2, mean 3, max 4 m
+  thickness            min 0.25, mean 0.4, max 0.5 m
+  colour               none
+  no defects
+$ python3 <<'END'
+> from files import *
+> def says( *blocks, **arrays ):
+>     write_hair( "h.hair", **arrays )
+>     text = subprocess.run( [os.environ["WISP"], "info", "h.hair"], capture_output=True, text=True ).stdout
+>     assert all( block in text for block in blocks ) and ( "no defects" in text ) == ( "wrong" not in text ), text
+>     return text
+> # a strand without a segment, the root of strand 0 again and a segment of zero length, impossible coordinates
+> says( "  wrong: segments of zero length: 1\n    strand 2, from vertex 1\n", "  wrong: strands without a segment: 1\n    strand 1, vertices 1\n",
+>     "  wrong: strands that repeat a root: 1\n    strand 2, the root of strand 0\n", "  wrong: vertices beyond 1e+06 m: 1\n    strand 3, vertex 1\n",
+>     sizes=[2, 1, 3, 2], points=[1, 0, 0, 1, 1, 0, 5, 0, 0, 1, 0, 0, 2, 2, 0, 2, 2, 0, 7, 0, 0, 0, -2e6, 0] )
+> says( "  note: 1 of the segments are below 10 um or a hundredth of their strand's mean, the shortest 1 um (strand 0, vertex 1)\n",
+>     sizes=[4, 2], points=[0, 0, 0, 0, -0.01, 0, 0, -0.010001, 0, 0, -0.02, 0, 1, -0.0001, 0, 1, 0, 0] )
+> # the first of thirteen does not repeat a root, the others repeat its
+> text = says( "segments of zero length: 13\n    strand 0, from vertex 0\n", "    strand 9, from vertex 0\n    and 3 more\n",
+>     "repeat a root: 12\n    strand 1, the root of strand 0\n", "    strand 10, the root of strand 0\n    and 2 more\n", sizes=[2] * 13, points=[0.5, 0.25, 0] * 26 )
+> assert "strand 10, from vertex" not in text
+> says( "  wrong: groom: strand 0, vertex 1: transparency: got 7, expected 0 .. 1\n", sizes=[2], points=[0, 0, 0, 0, -1, 0], transparency=[0, 7] )
 > END
