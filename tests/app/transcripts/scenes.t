@@ -151,6 +151,54 @@ $ wisp run sheet.yaml --record sheet.glb >/dev/null; wisp run sheet.yaml --recor
 >     at + "animation: got 2 clips, expected one of a mesh with morph targets" )
 > END
 
+# Every frame of a recording is read back by its name and by its time, between frames along straight lines and behind the last one as that is: displacements are rounded, and
+# their sum. Vertices that start at one place, as the first two of the sheet do, stay two. Other bodies go by the same weights.
+$ python3 <<'END'
+> from files import *
+> with open( "folded.obj", "w" ) as file:
+>     for v in range( 36 ):
+>         file.write( "v %g %g %g\n" % ( max( v, 1 ) % 6 * 0.1, max( v, 1 ) // 6 * 0.1, 0.05 * max( v, 1 ) ) )
+>     file.write( "f 1 2 3\n" )
+> take, said = run( """dt: 0.25
+> steps: 6
+> substeps: 40
+> strands:
+>   - { name: hair, generate: { strands: 2, vertices: 3 } }
+> surfaces:
+>   - { name: sheet, generate: { shape: plane, columns: 6, rows: 6, spacing: 0.1 }, start: { file: folded.obj }, pins: [0], cloth: {}, damping: 2 }
+>   - { name: twin, instance_of: sheet, pins: [5], cloth: {}, velocity: [0, 1, 0], damping: 1 }
+> colliders:
+>   - { name: ground, shape: box, half_extent: [1, 1, 1], position: [0, -9, 0] }
+> """ )
+> subprocess.run( [os.environ["WISP"], "run", "scene.yaml", "--record", "take.glb"], check=True, capture_output=True )
+> def read( *names ):
+>     bodies, said = run( "colliders:\n" + "".join( f"  - {{ name: b{i}, shape: mesh, file: 'take.glb#{name}', double_sided: true }}\n" for i, name in enumerate( names ) ) )
+>     return [body.frames[0] for body in bodies.values()]
+> def same( found, expected, tolerance=2.5e-7 ):
+>     return all( near( p, q, tolerance * ( 1 + max( map( abs, q ) ) ) ) for p, q in zip( found, expected, strict=True ) )
+> sheet, twin = take["sheet"].frames, take["twin"].frames
+> assert sheet[0][0] == sheet[0][1] != sheet[6][1] and sheet[0] != sheet[1] != sheet[2]
+> by_time = read( *[f"sheet@{0.25 * f}" for f in range( 7 )] )
+> assert by_time == read( "sheet", *[f"sheet@frame_{f + 1:04}" for f in range( 1, 7 )] ) and all( same( a, b ) for a, b in zip( by_time, sheet, strict=True ) )
+> between, late, other, still = read( "sheet@0.8125", "sheet@1e3", "twin@0.5", "ground@1" )
+> assert same( between, [[a + ( b - a ) / 4 for a, b in zip( p, q )] for p, q in zip( sheet[3], sheet[4] )] ) and late == by_time[6]
+> assert same( other, twin[2] ) and still == take["ground"].frames[0]
+> for name, words in [( "sheet@frame_0001", "take.glb: got 'frame_0001' behind @, expected a time in s or one of the 6 morph targets 'frame_0002' .. 'frame_0007'" ),
+>                     ( "sheet@-1", "take.glb: got '-1' behind @" ), ( "sheet@", "take.glb: got '' behind @" ), ( "sheet@1e999", "take.glb: got '1e999' behind @" ),
+>                     ( "sheet@0." + 64 * "0" + "1", "take.glb: got '0.0000" ), ( "ground@frame_0002", "mesh 'ground' has no morph targets, got 'frame_0002' behind @" ),
+>                     ( "skirt@1", "got 0 nodes with the mesh 'skirt'" ), ( "@1", "got 3 nodes with a mesh, expected the name of one behind #" )]:
+>     message = refused( f"colliders:\n  - {{ name: a, shape: mesh, file: 'take.glb#{name}' }}\n" )
+>     assert words in message, message
+> END
+$ wisp info take.glb | grep -A3 'mesh sheet'; wisp info take.glb | grep 'target 5\|animation rec'
+  mesh sheet of 1 primitive
+  morph targets: 6
+    target 0, frame_0002, at 0.25 s
+    target 1, frame_0003, at 0.5 s
+animation recording: 1.5 s, 2 channels
+    target 5, frame_0007, at 1.5 s
+    target 5, frame_0007, at 1.5 s
+
 # A scene that is far away runs bit for bit as at home: places are multiples of 2 mm at 20 km, and those here of a quarter of a metre. What a scene writes is its last frame.
 $ python3 <<'END'
 > from files import *
