@@ -95,10 +95,11 @@ $ python3 <<'END'
 $ ls all_*.obj | wc -l
 5
 
-# USD: one sample of each body a frame, at whole time codes; velocities are central differences, one-sided at the ends. A body that stands still has no samples.
-$ python3 <<'END'
+# USD: one sample of each body a frame, at whole time codes, also where the times of frames between steps are rounded; velocities are central differences, one-sided at the ends. A body that stands still has no samples.
+$ wisp run all.yaml --frames-per-step 7 --record dense.usda >/dev/null; python3 <<'END'
 > from recording import *
-> usd = Usda( "all.usda" )
+> usd, dense = Usda( "all.usda" ), Usda( "dense.usda" )
+> assert list( dense.prims["cloth"]["points.timeSamples"] ) == list( range( 29 ) ) and dense.metadata["framesPerSecond"] == 420
 > version = usd.metadata.pop( "doc" )
 > assert version.startswith( "Wisp " ) and ( usd.type, usd.name, usd.own ) == ( "Xform", "Recording", {} ) and usd.metadata == {
 >     "defaultPrim": "Recording", "startTimeCode": 0, "endTimeCode": 4, "framesPerSecond": 60, "timeCodesPerSecond": 60, "metersPerUnit": 1, "upAxis": "Y" }
