@@ -1,5 +1,5 @@
-// Surfaces that take values from files. Maps: numbers of text files and images become factors of vertices, and bad ones are
-// refused by one message. Starts as a host has them; those of files are in tests/app/transcripts/scenes.t.
+// Surfaces that take values from files. Maps: numbers of text files and images become factors of vertices. Starts as a host has
+// them. What is refused, and starts of files, are in tests/app/transcripts/scenes.t.
 #define _XOPEN_SOURCE 700
 
 #include "scene_world_fixture.h"
@@ -234,67 +234,6 @@ TEST( thickness_and_friction_are_maps_of_vertices )
         assert_float_equal( factor_of( &f, WISP_MAP_CONTACT_THICKNESS, v ), 1.0f - 0.75f * values[v], 1e-6f );
         assert_float_equal( factor_of( &f, WISP_MAP_CONTACT_FRICTION, v ), values[v], 1e-6f );
     }
-}
-
-// The message ends with these words.
-static void demand_map_refusal( const char* keys, wisp_status status, const char* words )
-{
-    fixture f;
-    assert_int_equal( try_build( &f, scene_with( keys ) ), status );
-    if ( strstr( f.error.message, words ) == NULL || strstr( f.error.message, ":3:" ) == NULL )
-    {
-        fail_msg( "'%s' has not '%s' or no line", f.error.message, words );
-    }
-    wisp_scene_release( &f.scene );
-}
-
-TEST( bad_maps_are_refused_with_file_line_or_vertex )
-{
-    write_map( "1 2 3\n4 5\n" );
-    demand_map_refusal( "area_density: { map: %s/map.txt }", WISP_BAD_INPUT,
-                        "map.txt: got 5 numbers, but the mesh has 6 vertices" );
-    write_map( "1 2 3\n4 x5 6\n" );
-    demand_map_refusal( "area_density: { map: %s/map.txt }", WISP_BAD_INPUT,
-                        "map.txt:2: got 'x5', expected a finite number" );
-    write_map( "1 2 3\n4 5 nan\n" );
-    demand_map_refusal( "area_density: { map: %s/map.txt }", WISP_BAD_INPUT, "map.txt:2: got 'nan'" );
-    write_map( "1 2\n\xff\xd8\xff" );
-    demand_map_refusal( "area_density: { map: %s/map.txt }", WISP_BAD_INPUT,
-                        "map.txt:2: got a byte that is no text" );
-    write_map( "1 2 3\n4 -5 6\n" );
-    demand_map_refusal( "area_density: { map: %s/map.txt }", WISP_BAD_INPUT, "map.txt: vertex 4: got -5, expected" );
-    demand_map_refusal( "area_density: { map: %s/missing.txt }", WISP_IO_ERROR, "missing.txt" );
-    demand_map_refusal( "area_density: { map: %s/missing.png }", WISP_IO_ERROR,
-                        "missing.png: cannot open: No such file" );
-    write_map( "1 1 1 1 1 1" );
-    demand_map_refusal( "cloth: { solver: pbd, warp_compliance: { map: %s/map.txt } }", WISP_BAD_INPUT,
-                        "map.stretch_compliance: entity" );
-}
-
-static void demand_refusal_of_mesh( const char* keys, const char* words )
-{
-    fixture f;
-    assert_int_equal( try_build( &f, scene_of_mesh( keys ) ), WISP_BAD_INPUT );
-    assert_contains( f.error.message, words );
-    assert_contains( f.error.message, ":3:" );
-    wisp_scene_release( &f.scene );
-}
-
-TEST( maps_of_what_a_mesh_lacks_are_refused )
-{
-    write_mesh( "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n" );
-    write_file( "map.png", IMAGE, sizeof IMAGE );
-    demand_refusal_of_mesh( "damping: { map: colours }", "map: the mesh has no colours" );
-    demand_refusal_of_mesh( "damping: { map: %s/map.png }", "map.png: the mesh has no coordinates of an image" );
-    write_mesh( "v 0 0 0 2 0 0\nv 1 0 0 1 0 0\nv 0 0 1 -1 0 0\nf 1 3 2\n" );
-    demand_refusal_of_mesh( "damping: { map: colours, channel: r }",
-                            "map: colours: vertex 2: got -1, expected 0 to 1e+09" );
-    demand_map_refusal( "damping: { map: colours }", WISP_BAD_INPUT, "map: the mesh has no colours" );
-    write_map( "0 0.5 1 1 0.5 0" );
-    demand_map_refusal( "contact: { thickness: { map: %s/map.txt } }", WISP_BAD_INPUT,
-                        "map.contact_thickness: vertex 0: got the factor 0, expected 0.01 to 1" );
-    remove_file( "mesh.obj" );
-    remove_file( "map.png" );
 }
 
 // ---- starts ----

@@ -114,6 +114,30 @@ $ python3 <<'END'
 >     assert refused( f"surfaces:\n  - {{ name: a, {keys} }}\n" ) == "scene.yaml:3:5: surface 'a': " + message, keys
 > END
 
+# Maps of numbers, of colours and of images are refused with their file and line or vertex.
+$ printf 'v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n' >plain.obj; printf 'v 0 0 0 2 0 0\nv 1 0 0 1 0 0\nv 0 0 1 -1 0 0\nf 1 3 2\n' >dark.obj; cp "$SOURCE/data/scenes/embroidery.png" map.png
+$ python3 <<'END'
+> from files import *
+> GRID, DENSITY = "generate: { shape: plane, columns: 3, rows: 2 }", "area_density: { map: map.txt }"
+> for numbers, mesh, keys, words in [
+>         ( b"1 2 3\n4 5\n", GRID, DENSITY, "map.txt: got 5 numbers, but the mesh has 6 vertices" ),
+>         ( b"1 2 3\n4 x5 6\n", GRID, DENSITY, "map.txt:2: got 'x5', expected a finite number" ),
+>         ( b"1 2 3\n4 5 nan\n", GRID, DENSITY, "map.txt:2: got 'nan'" ),
+>         ( b"1 2\n\xff\xd8\xff", GRID, DENSITY, "map.txt:2: got a byte that is no text" ),
+>         ( b"1 2 3\n4 -5 6\n", GRID, DENSITY, "map.txt: vertex 4: got -5, expected" ),
+>         ( b"", GRID, "area_density: { map: missing.txt }", "missing.txt" ),
+>         ( b"", GRID, "area_density: { map: missing.png }", "missing.png: cannot open: No such file" ),
+>         ( b"1 1 1 1 1 1", GRID, "cloth: { solver: pbd, warp_compliance: { map: map.txt } }", "map.stretch_compliance: entity" ),
+>         ( b"0 0.5 1 1 0.5 0", GRID, "contact: { thickness: { map: map.txt } }", "map.contact_thickness: vertex 0: got the factor 0, expected 0.01 to 1" ),
+>         ( b"", GRID, "damping: { map: colours }", "map: the mesh has no colours" ),
+>         ( b"", "file: plain.obj", "damping: { map: colours }", "map: the mesh has no colours" ),
+>         ( b"", "file: plain.obj", "damping: { map: map.png }", "map.png: the mesh has no coordinates of an image" ),
+>         ( b"", "file: dark.obj", "damping: { map: colours, channel: r }", "map: colours: vertex 2: got -1, expected 0 to 1e+09" )]:
+>     open( "map.txt", "wb" ).write( numbers )
+>     message = refused( f"surfaces:\n  - {{ name: sheet, {mesh}, {keys} }}\n" )
+>     assert words in message and message.startswith( "scene.yaml:3:" ), message
+> END
+
 # A frame of a recording is a start, and a recording moves a body: at half the speed from the third step on, or one pin of cloth.
 $ cat >sheet.yaml <<'END'
 > wisp: 1
