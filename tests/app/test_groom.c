@@ -137,6 +137,21 @@ TEST( a_hair_file_comes_back_bit_for_bit )
     }
 }
 
+// The block is exactly as long as what is left, so that a sanitizer detects a read beyond it.
+TEST( every_shorter_beginning_of_a_hair_file_is_refused )
+{
+    wisp_groom groom = fixture_groom();
+    size_t whole = 0;
+    SCOPED( free_local ) char* good = fixture_written( wisp_groom_write_hair, &groom, &whole );
+    for ( size_t size = 0; size < whole; ++size )
+    {
+        SCOPED( free_local ) char* bytes = checked_malloc( size + ( size == 0 ) );
+        memcpy( bytes, good, size );
+        wisp_groom cut;
+        assert_int_equal( wisp_groom_read_hair( bytes, size, "cut", &cut, NULL ), WISP_BAD_INPUT );
+    }
+}
+
 TEST( the_header_of_a_hair_file_is_what_other_readers_expect )
 {
     wisp_groom groom = fixture_groom();

@@ -4,7 +4,7 @@
 // never used.
 #include "record_fixture.h"
 
-#include "../bad/bad_recordings.h"
+#include "../bad/seal_recording.h"
 
 static int count_of( const char* text, const char* words )
 {

@@ -1,6 +1,7 @@
 # Recordings for other programs, read by strict readers of their formats: every number is that of the .wisp recording of the same run, bit for bit. Hair has numbers that
 # need nine digits, and limits of single precision. ./dev readers has the readers of other people.
 $ cp "$SOURCE"/tests/app/transcripts/f*.py .; cat >grooms.py <<'END'
+> import files
 > from formats import *
 > from files import wisp_recording, write_hair
 > HAIR = [0.1, -0.0, 1e-40, 1 / 3, -123456.789, float.fromhex( "0x1.fffffep-1" ), 1.17549435e-38, 2.5, -7, 999999.9375, 1e6, -1e-10, 121.360634, 122.243706, 100.670395]
@@ -52,6 +53,13 @@ $ python3 <<'END'
 > assert NAMES == ["hair-2", "cloth", "drift", "ball", "mover"] and BODIES["hair-2"].numbers == ( 0, 3, 5 ) and all( same( HAIR, "hair-2", f ) for f in FRAMES )
 > assert all( abs( time - f / 60 ) < 1e-8 * f + 1e-300 for f, time in enumerate( TIMES ) )
 > assert [len( { frame.tobytes() for frame in body.frames } ) for body in BODIES.values()] == [1, 5, 5, 1, 5]
+> # every part ends with its checksum, those of frames and of the end from that of the header on
+> data = open( "all.wisp", "rb" ).read()
+> header, size = struct.unpack_from( "<2Q", data, 16 )
+> seed, ends = struct.unpack_from( "<Q", data, header - 8 )[0], [header + size * f for f in range( 6 )] + [len( data )]
+> assert data[:header] == files.seal( data[:header - 8] ) and ends[5] + 24 == ends[6] and struct.unpack_from( "<8sQ", data, ends[5] ) == ( b"WISPEND\n", 5 )
+> assert all( data[a:b] == files.seal( data[a:b - 8], seed ) for a, b in zip( ends, ends[1:] ) )
+> assert all( struct.unpack_from( "<8s2Q", data, ends[f] ) == ( b"WISPFRAM", size, f ) for f in FRAMES )
 > END
 
 # Point caches, one a body; a single body has the name as it stands.

@@ -405,6 +405,7 @@ $ python3 <<'END'
 > strands:
 >   - { name: hair, generate: { dimension: 2, strands: 3, vertices: 4, spacing: 0.01 }, dynamics: {}, on_surface: board, compute: [points] }
 > surfaces:
+>   - { name: other, generate: { shape: plane, columns: 4, rows: 4, spacing: 0.1 }, pin_box: { min: [-1, -1, -1], max: [1, 1, 1] } }
 >   - name: board
 >     generate: { shape: plane, columns: 4, rows: 4, spacing: 0.1 }
 >     pin_box: { min: [-1, -1, -1], max: [1, 1, 1] }
