@@ -165,6 +165,19 @@ $ python3 <<'END'
 > assert bits( times ) == bits( TIMES ) and weights == [[float( t == f - 1 ) for t in range( 4 )] for f in FRAMES] and glb.is_filled()
 > END
 
+# three.js takes a line with a colon and without an equals sign for a sample, so how a normal is interpolated stands in one line.
+$ grep -c '^        normal3f\[\] normals (interpolation = "vertex")$' all.usda
+3
+
+# One frame has no animation. glTF demands unit normals also of vertices whose triangles cancel.
+$ printf 'v -1 0 0\nv 1 0 0\nv 0 0 -1\nf 1 2 3\nf 1 3 2\n' >both.obj; printf 'wisp: 1\nsurfaces:\n  - { name: m, file: both.obj }\n' >both.yaml
+$ sed 's/^steps: 4/steps: 0/' all.yaml >first.yaml; wisp run first.yaml --record one.glb >/dev/null; wisp run both.yaml --record both.glb >/dev/null; python3 <<'END'
+> from recording import *
+> one = Glb( "one.glb" )
+> assert "animations" not in one.json and not any( "targets" in one.body( i ) for i in range( 5 ) ) and one.is_filled()
+> assert list( Glb( "both.glb" ).body( 0 )["attributes"]["NORMAL"] ) == [0, 1, 0] * 3
+> END
+
 # Values are arrays of points in each frame: strain is the largest |l / l0 - 1| of the edges at a vertex, from the shape of the first frame, and what drifts does so at
 # 5 m/s. USD has the same numbers as ParaView.
 $ wisp run all.yaml --record with.pvd --record-with strain,speed >/dev/null; wisp run all.yaml --record with.usda --record-with strain,speed >/dev/null; python3 <<'END'

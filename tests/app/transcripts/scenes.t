@@ -282,7 +282,7 @@ $ python3 <<'END'
 >   - { name: tuft, generate: { strands: 2, vertices: 3 }, copies: { count: 7, spacing: [1, 0, 1] } }
 > surfaces:
 >   - { name: sheet, generate: { shape: plane, columns: 3, rows: 3, spacing: 1 }, transform: { translate: [1, 2, 3] }, pin_box: { min: [-1, 0, 0], max: [1, 2, 2.5] },
->       pin_nearest: [[2, 2, 4]], copies: { count: 5, columns: 3, spacing: [10, 20, 30] } }
+>       pin_nearest: [[2, 2, 4]], copies: { count: 5, columns: 2, spacing: [10, 20, 30] } }
 >   - { name: last, generate: { shape: plane, columns: 9, rows: 9, spacing: 0.05 }, copies: { count: 2, spacing: [2, 0, 0] },
 >       pin_groups: [{ name: a, pin_nearest: [[0.2, 0, -0.2]], pin_keyframes: [{ time: 0.2, translate: [0, 0.1, 0] }] }] }
 > """ )
@@ -290,7 +290,7 @@ $ python3 <<'END'
 > def moved( a, b ):
 >     return [round( q - p, 5 ) for p, q in zip( bodies[a].frames[0][0], bodies[b].frames[0][0] )]
 > assert [moved( "tuft", f"tuft-{i}" ) for i in ( 3, 4, 7 )] == [[2, 0, 0], [0, 0, 1], [0, 0, 2]]
-> assert [moved( "sheet", f"sheet-{i}" ) for i in ( 2, 3, 4, 5 )] == [[10, 0, 0], [20, 0, 0], [0, 20, 30], [10, 20, 30]]
+> assert [moved( "sheet", f"sheet-{i}" ) for i in ( 2, 3, 4, 5 )] == [[10, 0, 0], [0, 20, 30], [10, 20, 30], [0, 40, 60]]
 > assert all( bodies[name].still() == [0, 1, 8] for name in bodies if name.startswith( "sheet" ) )
 > assert near( bodies["last"].frames[10][8], [0.2, 0.1, -0.2], 1e-5 ) and near( bodies["last-2"].frames[10][8], [2.2, 0.1, -0.2], 1e-5 )
 > def copy_refused( keys, words, more="" ):
