@@ -216,6 +216,42 @@ $ wisp run short.yaml --record s.usda
 $ sed 's/short.hair/odd.hair/; s/name: s/name: 3s/' short.yaml >digit.yaml; wisp run digit.yaml --steps 1 --record s.usda >/dev/null; grep -c 'def BasisCurves "_3s"' s.usda
 1
 
+# Hair that a scene writes has the same numbers in every format: a header of 128 bytes and arrays behind each other, curves with the box of what is drawn, lines of two
+# vertices. A strand has at most 65536 vertices in a .hair file, and two at least in USD.
+$ cat >outputs.py <<'END'
+> import os, subprocess
+> from recording import *
+> def written( strands, *names ):
+>     with open( "outputs.yaml", "w" ) as file:
+>         file.write( f"wisp: 1\nstrands:\n  - {{ name: h, {strands} }}\noutput:\n" + "".join( f"  - {{ strands: h, file: {name} }}\n" for name in names ) )
+>     return subprocess.run( [os.environ["WISP"], "run", "outputs.yaml"], capture_output=True, text=True ).stderr
+> END
+$ python3 <<'END'
+> from outputs import *
+> CLEAR = [0, 0.25, 0.5, 0.75, 1]
+> write_hair( "clear.hair", [3, 2], HAIR, WIDTHS, CLEAR, COLOURS )
+> assert written( "file: clear.hair", "out.hair", "out.usda", "out.obj" ) == ""
+> data = open( "out.hair", "rb" ).read()
+> assert struct.unpack_from( "<4s4I", data ) == ( b"HAIR", 2, 5, 31, 2 ) and data[128:132] == struct.pack( "<2H", 2, 1 )
+> assert floats( data[132:192] ) == floats( HAIR ) and data[192:] == bits( WIDTHS ) + bits( CLEAR ) + bits( COLOURS )
+> [( name, points, lines )] = read_obj( "out.obj" )
+> assert points == floats( HAIR ) and lines == segments( ( 0, 3, 5 ) )
+> usda = Usda( "out.usda" )
+> assert usda.metadata["metersPerUnit"] == 1 and usda.own["type"] == "linear" and usda.own["curveVertexCounts"] == [3, 2] and flat( usda.own["points"] ) == floats( HAIR )
+> assert bits( usda.own["widths"] ) == bits( WIDTHS ) and bits( flat( usda.own["primvars:displayColor"] ) ) == bits( COLOURS )
+> assert usda.own["primvars:displayOpacity"] == [1 - x for x in CLEAR]
+> assert [usda.own[key + " as"] for key in ( "widths", "primvars:displayColor", "primvars:displayOpacity" )] == ["vertex"] * 3
+> write_hair( "two.hair", [2], [1, 2, 3, -1, 5, 3], [0.5, 0.25] )
+> written( "file: two.hair", "two.usda" )
+> two = Usda( "two.usda" ).own
+> assert two["extent"] == [( -1.25, 1.75, 2.75 ), ( 1.25, 5.25, 3.25 )] and not any( "display" in key for key in two )
+> write_hair( "long.hair", [65536], [0.001 * ( i // 3 ) for i in range( 3 * 65536 )] )
+> written( "file: long.hair", "again.hair" )
+> assert open( "again.hair", "rb" ).read()[128:] == open( "long.hair", "rb" ).read()[128:]
+> assert "long.out.hair: strand 0 has 65537 vertices; a .hair file holds 1 to 65536 a strand" in written( "generate: { strands: 1, vertices: 65537 }", "long.out.hair" )
+> assert "s.usda: strand 1 has 1 vertices; a curve in a .usda file needs at least 2" in written( "file: short.hair", "s.usda" )
+> END
+
 # Names that USD cannot tell apart are refused.
 $ printf 'wisp: 1\nstrands:\n  - { name: a-b, file: odd.hair }\n  - { name: a_b, file: odd.hair }\n' >twice.yaml; wisp run twice.yaml --record twice.usda; ls twice.usda
 ! wisp: twice.usda: bodies a-b and a_b would both be called a_b in USD
