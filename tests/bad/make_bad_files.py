@@ -11,16 +11,12 @@ import struct
 import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(HERE, "../outputs"))
+import wisp_recording
 
 
-def checksum(data, seed=0):
-    """Return the checksum of app/io/record_wisp.c."""
-    mask = 2**64 - 1
-    value = seed ^ (len(data) * 0x9E3779B97F4A7C15 & mask)
-    for word, in struct.iter_unpack("<Q", data + bytes(-len(data) % 8)):
-        value = (value ^ word) * 0xFF51AFD7ED558CCD & mask
-        value ^= value >> 32
-    return struct.pack("<Q", value)
+def packed(data, seed=0):
+    return struct.pack("<Q", wisp_recording.checksum(bytes(data), seed))
 
 
 def seal(data):
@@ -28,13 +24,13 @@ def seal(data):
     header, frame = struct.unpack_from("<2Q", data, 16)
     if not 48 <= header <= len(data) or frame < 16:
         return
-    data[header - 8:header] = checksum(bytes(data[:header - 8]))
+    data[header - 8:header] = packed(data[:header - 8])
     seed, at = struct.unpack_from("<Q", data, header - 8)[0], header
     while frame <= len(data) - at:
-        data[at + frame - 8:at + frame] = checksum(bytes(data[at:at + frame - 8]), seed)
+        data[at + frame - 8:at + frame] = packed(data[at:at + frame - 8], seed)
         at += frame
     if len(data) - at == 24:
-        data[at + 16:] = checksum(bytes(data[at:at + 16]), seed)
+        data[at + 16:] = packed(data[at:at + 16], seed)
 
 
 def ones(count):

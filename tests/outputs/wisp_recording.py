@@ -4,6 +4,16 @@ import struct
 import sys
 
 
+def checksum(data, seed=0):
+    """Return the checksum of app/io/record_wisp.c."""
+    mask = 2**64 - 1
+    value = seed ^ (len(data) * 0x9E3779B97F4A7C15 & mask)
+    for word, in struct.iter_unpack("<Q", data + bytes(-len(data) % 8)):
+        value = (value ^ word) * 0xFF51AFD7ED558CCD & mask
+        value ^= value >> 32
+    return value
+
+
 class Body:
     def __init__(self, kind, name, vertices, numbers):
         self.is_strands = kind == 1

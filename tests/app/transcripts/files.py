@@ -9,16 +9,7 @@ import zlib
 
 sys.path.insert(0, os.environ["SOURCE"] + "/tests/outputs")
 import wisp_recording
-
-
-def checksum(data, seed=0):
-    """Return the checksum of app/io/record_wisp.c."""
-    mask = 2**64 - 1
-    value = seed ^ (len(data) * 0x9E3779B97F4A7C15 & mask)
-    for word, in struct.iter_unpack("<Q", data + bytes(-len(data) % 8)):
-        value = (value ^ word) * 0xFF51AFD7ED558CCD & mask
-        value ^= value >> 32
-    return value
+from wisp_recording import checksum
 
 
 def seal(data, seed=0):
