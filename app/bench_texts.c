@@ -205,7 +205,7 @@ static const option_row gate_rows[] = {
       'f',
       "FORMAT",
       "text (default), markdown, csv, json or latex",
-      { results_format_names, RESULTS_GITHUB, NULL } },
+      { results_format_names, RESULTS_FORMAT_COUNT, NULL } },
     { "junit", GATE_KEY_JUNIT, "FILE", "Write JUnit's XML too, a test case for each row", OPTION_FILES( ".xml" ) },
     { "html", GATE_KEY_HTML, "FILE", "Write one HTML page too, with charts of before and after",
       OPTION_FILES( ".html" ) },

@@ -21,7 +21,7 @@ static const option_row compare_rows[] = {
       'f',
       "FORMAT",
       "text (default), markdown, csv, json or latex",
-      { results_format_names, RESULTS_GITHUB, NULL } },
+      { results_format_names, RESULTS_FORMAT_COUNT, NULL } },
 };
 
 const command_text compare_text = {

@@ -16,7 +16,7 @@ enum
 /// The row of --format, of commands that print results.
 #define OPTION_RESULTS_FORMAT( key )                                                                                 \
     {                                                                                                                \
-        "format", ( key ), "FORMAT", "text (default), markdown, csv, json, latex or github",                         \
+        "format", ( key ), "FORMAT", "text (default), markdown, csv, json or latex",                                 \
             OPTION_WORDS( results_format_names )                                                                     \
     }
 

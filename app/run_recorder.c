@@ -396,6 +396,11 @@ static wisp_status find_between( run_between* b, float fraction, const wisp_vec3
         const wisp_vec3 *from = b->before[i], *to = b->now[i];
         wisp_vec3* out = b->points[i];
         const int count = b->bodies->list[i].vertex_count;
+        if ( b->bodies->list[i].is_static )
+        {
+            memcpy( out, to, (size_t)count * sizeof *out ); // bit for bit
+            continue;
+        }
         if ( is_ghosts( b, i ) )
         {
             status = read_curve( b, i, fraction, out, error );

@@ -90,15 +90,12 @@ wisp_status record_refused( const char* path, const char* what, wisp_error* erro
 
 // ---- formats ---------------------------------------------------------------------------------------------------
 
-// In the order of wisp_record_format, which starts with the name's choice.
-static const record_format* const formats[] = {
-    &record_format_wisp, &record_format_pc2, &record_format_pvd,    &record_format_obj,
-    &record_format_usda, &record_format_glb, &record_format_tracks,
-};
+static const record_format* const formats[] = { &record_format_wisp, &record_format_pc2,  &record_format_pvd,
+                                                &record_format_obj,  &record_format_usda, &record_format_glb };
 
 static const record_format* format_of( const char* path )
 {
-    for ( int i = 0; formats[i] != &record_format_tracks; ++i )
+    for ( int i = 0; i < WISP_COUNT( formats ); ++i )
     {
         if ( io_has_extension( path, formats[i]->extension ) )
         {
@@ -117,12 +114,9 @@ bool wisp_record_has_values( const char* path )
 static wisp_status find_format( const char* path, wisp_record_format requested, const record_format** format,
                                 wisp_error* error )
 {
-    const int number = (int)requested;
-    if ( number < 0 || number > WISP_COUNT( formats ) )
-    {
-        return record_wrong( error, path, "got recording format %d, which does not exist", number );
-    }
-    *format = number > 0 ? formats[number - 1] : format_of( path );
+    *format = requested == WISP_RECORD_TRACKS ? &record_format_tracks
+              : requested == WISP_RECORD_WISP ? &record_format_wisp
+                                              : format_of( path );
     return *format != NULL
                ? WISP_OK
                : record_wrong( error, path, "expected a file that ends in .wisp, .pc2, .pvd, .obj, .usda or .glb" );

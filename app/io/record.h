@@ -72,11 +72,6 @@ extern "C"
     {
         WISP_RECORD_BY_NAME, ///< the extension of the path decides
         WISP_RECORD_WISP,
-        WISP_RECORD_PC2,
-        WISP_RECORD_PVD,
-        WISP_RECORD_OBJ,
-        WISP_RECORD_USDA,
-        WISP_RECORD_GLB,
         WISP_RECORD_TRACKS, ///< not by name: it holds only `tracks`
     } wisp_record_format;
 

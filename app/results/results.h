@@ -172,8 +172,7 @@ typedef enum results_format
     RESULTS_MARKDOWN,
     RESULTS_CSV,
     RESULTS_JSON,
-    RESULTS_LATEX,  ///< tables of booktabs
-    RESULTS_GITHUB, ///< the custom format of github-action-benchmark, smaller is better
+    RESULTS_LATEX, ///< tables of booktabs
     RESULTS_FORMAT_COUNT,
 } results_format;
 

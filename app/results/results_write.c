@@ -505,59 +505,7 @@ static wisp_status write_json( const results* all, FILE* stream, wisp_error* err
     return dump_json( root, stream, error );
 }
 
-// ---- github-action-benchmark ----
-
-static void benchmark_name( const results_row* row, char* name, size_t size )
-{
-    int used = snprintf( name, size, "%s/%s", row->name, row->variant );
-    if ( row->size.count > 0 )
-    {
-        const results_value* first = &row->size.items[0];
-        used += snprintf( name + used, size - (size_t)used, "/%s:%.0f", first->name, first->value );
-    }
-    if ( row->workers > 0 )
-    {
-        snprintf( name + used, size - (size_t)used, "/workers:%d", row->workers );
-    }
-}
-
-// Rows without samples, such as times printed in a paper, are not benchmark runs.
-static bool is_timed( const results_row* row )
-{
-    return row->steps > 0 && isfinite( row->ms_median );
-}
-
-// What github-action-benchmark reads with the tool customSmallerIsBetter: [{"name", "unit", "value", "range", "extra"}].
-static wisp_status write_github( const results* all, FILE* stream, wisp_error* error )
-{
-    json_t* root = json_array();
-    for ( int i = 0; i < all->row_count; ++i )
-    {
-        const results_row* row = &all->rows[i];
-        char name[320], range[64] = "";
-        if ( !is_timed( row ) )
-        {
-            continue;
-        }
-        benchmark_name( row, name, sizeof name );
-        if ( isfinite( row->ms_p10 ) && isfinite( row->ms_p90 ) )
-        {
-            snprintf( range, sizeof range, "%.4g .. %.4g", row->ms_p10, row->ms_p90 );
-        }
-        json_t* object = json_object();
-        json_object_set_new( object, "name", results_json_text( name ) );
-        json_object_set_new( object, "unit", json_string( "ms" ) );
-        json_object_set_new( object, "value", json_number( row->ms_median ) );
-        json_object_set_new( object, "range", results_json_text( range ) );
-        json_object_set_new( object, "extra", results_json_text( all->machine.cpu ) );
-        json_array_append_new( root, object );
-    }
-    return dump_json( root, stream, error );
-}
-
-const char* const results_format_names[RESULTS_FORMAT_COUNT] = {
-    "text", "markdown", "csv", "json", "latex", "github"
-};
+const char* const results_format_names[RESULTS_FORMAT_COUNT] = { "text", "markdown", "csv", "json", "latex" };
 
 // ---- tables for people ----
 
@@ -885,9 +833,6 @@ wisp_status results_write( const results* all, results_format format, FILE* stre
             break;
         case RESULTS_JSON:
             status = write_json( all, stream, error );
-            break;
-        case RESULTS_GITHUB:
-            status = write_github( all, stream, error );
             break;
         default:
             write_people( all, &people_formats[format], stream );

@@ -83,16 +83,3 @@ __attribute__( ( noinline, unused ) ) static char* fixture_written( fixture_writ
     }
     return text;
 }
-
-/// The output of wisp_groom_info().
-/// @return zero-terminated, for free()
-static inline char* fixture_info( const wisp_groom* groom, wisp_status expected )
-{
-    char* text = NULL;
-    size_t length = 0;
-    FILE* stream = open_memstream( &text, &length );
-    assert_non_null( stream );
-    assert_int_equal( wisp_groom_info( stream, groom, "head.hair" ), expected );
-    fclose( stream );
-    return text;
-}

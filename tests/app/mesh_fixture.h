@@ -55,10 +55,3 @@ static inline void assert_same_mesh( const wisp_mesh* a, const wisp_mesh* b )
     assert_memory_equal( a->points, b->points, (size_t)a->vertex_count * sizeof *a->points );
     assert_memory_equal( a->triangles, b->triangles, (size_t)a->triangle_count * 3 * sizeof *a->triangles );
 }
-
-static inline void assert_finding( const wisp_mesh_finding* finding, int count, int first, int second )
-{
-    assert_int_equal( finding->count, count );
-    assert_int_equal( finding->first[0], first );
-    assert_int_equal( finding->second[0], second );
-}

@@ -19,19 +19,6 @@ static inline wisp_scene parsed( const char* text )
     return parsed_as( "test.yaml", text );
 }
 
-/// A scene of one surface with a block of this key.
-static inline wisp_scene with_block( const char* key, const char* mapping )
-{
-    char text[1024];
-    int length =
-        snprintf( text, sizeof text,
-                  "wisp: 1\nsurfaces:\n  - name: cloth\n    generate: { shape: plane, columns: 2, rows: 2 }\n"
-                  "    %s: %s\n",
-                  key, mapping );
-    assert_true( length > 0 && (size_t)length < sizeof text );
-    return parsed( text );
-}
-
 /// Read a scene of data/scenes.
 static inline wisp_scene read_good( const char* file )
 {

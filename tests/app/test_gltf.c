@@ -1,5 +1,6 @@
 // glTF files: meshes joined and merged at seams, skins posed by hand, what is refused and by which element. Morph targets:
-// recordings that come back, weights over time, sparse displacements, meshes by a path with a time or the name of a target.
+// weights over time, sparse displacements, meshes by a path with a time or the name of a target. Recordings come back in
+// tests/app/transcripts/scenes.t.
 #define _XOPEN_SOURCE 700
 
 #include "mesh_fixture.h"
@@ -8,7 +9,6 @@
 #include "gltf.h"
 #include "gltf_internal.h"
 #include "gltf_writer.h"
-#include "record.h"
 
 #include <unistd.h>
 
@@ -307,183 +307,6 @@ TEST( a_cut_file_is_refused_at_every_length )
     }
 }
 
-// ---- recordings ----
-
-enum
-{
-    SIDE = 6,
-    VERTICES = SIDE * SIDE,
-    TRIANGLES = 2 * ( SIDE - 1 ) * ( SIDE - 1 ),
-    FRAMES = 7,
-};
-
-static const char TAKE[] = "morph_take.glb";
-
-// Of numbers with all their digits. The first two vertices start at one place and part.
-static wisp_vec3 recorded( int frame, int v )
-{
-    const int from = frame == 0 && v == 1 ? 0 : v;
-    return ( wisp_vec3 ){ 0.1f * (float)( from % SIDE ) + 0.0137f * (float)frame,
-                          1.0f / 3.0f * (float)( from / SIDE ) - 0.001f * (float)( frame * frame ),
-                          sinf( 0.7f * (float)( from + frame ) ) };
-}
-
-static double time_of( int frame )
-{
-    return 0.25 * frame; // no rounding in single precision
-}
-
-static int write_take( void** state )
-{
-    (void)state;
-    static int32_t triangles[3 * TRIANGLES];
-    static const int32_t triangle[] = { 0, 1, 2 }, offsets[] = { 0, 2, 3 };
-    int32_t* corner = triangles;
-    for ( int c = 0; c < ( SIDE - 1 ) * ( SIDE - 1 ); ++c, corner += 6 )
-    {
-        const int a = c / ( SIDE - 1 ) * SIDE + c % ( SIDE - 1 );
-        const int32_t two[6] = { a, a + 1, a + SIDE, a + 1, a + SIDE + 1, a + SIDE };
-        memcpy( corner, two, sizeof two );
-    }
-    const wisp_record_body bodies[] = {
-        { .name = "hair", .offsets = offsets, .vertex_count = 3, .strand_count = 2 },
-        { .name = "sheet", .triangles = triangles, .vertex_count = VERTICES, .triangle_count = TRIANGLES },
-        { .name = "ground", .triangles = triangle, .vertex_count = 3, .triangle_count = 1, .is_static = true },
-        { .name = "twin", .triangles = triangles, .vertex_count = VERTICES, .triangle_count = TRIANGLES },
-    };
-    const wisp_recorder_def def = { .bodies = bodies, .body_count = 4, .dt = 0.25 };
-    wisp_recorder* recorder;
-    wisp_error error = { 0 };
-    assert_ok( wisp_recorder_open( TAKE, WISP_RECORD_BY_NAME, &def, &recorder, &error ), error );
-    for ( int f = 0; f < FRAMES; ++f )
-    {
-        wisp_vec3 sheet[VERTICES], twin[VERTICES], hair[3], ground[3] = { { 0 }, { 1, 0, 0 }, { 0, 0, 1 } };
-        for ( int v = 0; v < VERTICES; ++v )
-        {
-            sheet[v] = recorded( f, v );
-            twin[v] = recorded( 2 * f, v );
-        }
-        for ( int v = 0; v < 3; ++v )
-        {
-            hair[v] = ( wisp_vec3 ){ (float)v, (float)f, 0.0f };
-        }
-        const wisp_vec3* points[] = { hair, sheet, ground, twin };
-        assert_ok( wisp_recorder_frame( recorder, time_of( f ), 0, points, &error ), error );
-    }
-    assert_ok( wisp_recorder_close( recorder, &error ), error );
-    return 0;
-}
-
-static int remove_take( void** state )
-{
-    (void)state;
-    return remove( TAKE );
-}
-
-// What a file holds of a coordinate at a weight: the sum in double precision of what is rounded to single.
-static double held( float first, float then, double weight )
-{
-    return (double)first + weight * (double)( then - first );
-}
-
-static void assert_frame( const wisp_mesh* mesh, int frame, int next, double weight )
-{
-    assert_int_equal( mesh->vertex_count, VERTICES );
-    assert_int_equal( mesh->triangle_count, TRIANGLES );
-    double error = 0.0;
-    for ( int v = 0; v < VERTICES; ++v )
-    {
-        const wisp_vec3 o = recorded( 0, v ), a = recorded( frame, v ), b = recorded( next, v ), p = mesh->points[v];
-        const float first[3] = { o.x, o.y, o.z }, from[3] = { a.x, a.y, a.z }, to[3] = { b.x, b.y, b.z },
-                    got[3] = { p.x, p.y, p.z };
-        for ( int k = 0; k < 3; ++k )
-        {
-            const double expected =
-                held( first[k], from[k], 1.0 - weight ) + held( first[k], to[k], weight ) - (double)first[k];
-            assert_true( fabs( (double)got[k] - expected ) <= 6e-8 * ( 1.0 + fabs( expected ) ) );
-            const double true_place = ( 1.0 - weight ) * (double)from[k] + weight * (double)to[k];
-            error = fmax( error, fabs( (double)got[k] - true_place ) );
-        }
-    }
-    assert_true( error < 2.5e-7 ); // of coordinates up to 2: displacements are rounded, and their sum
-}
-
-static wisp_mesh read_good( const char* path )
-{
-    wisp_mesh mesh;
-    wisp_error error = { 0 };
-    assert_ok( wisp_mesh_read( path, &mesh, &error ), error );
-    return mesh;
-}
-
-TEST( every_frame_of_a_recording_is_read_back_by_name_and_by_time )
-{
-    for ( int f = 0; f < FRAMES; ++f )
-    {
-        char path[100];
-        snprintf( path, sizeof path, "%s#sheet@%g", TAKE, time_of( f ) );
-        SCOPED( wisp_mesh_release ) wisp_mesh at_time = read_good( path );
-        assert_frame( &at_time, f, f, 0.0 );
-        snprintf( path, sizeof path, f == 0 ? "%s#sheet" : "%s#sheet@frame_%04d", TAKE, f + 1 );
-        SCOPED( wisp_mesh_release ) wisp_mesh by_name = read_good( path );
-        assert_same_mesh( &at_time, &by_name );
-    }
-    wisp_mesh between = read_good( "morph_take.glb#sheet@0.8125" );
-    assert_frame( &between, 3, 4, 0.25 );
-    wisp_mesh_release( &between );
-    wisp_mesh late = read_good( "morph_take.glb#sheet@1e3" );
-    assert_frame( &late, FRAMES - 1, FRAMES - 1, 0.0 );
-    wisp_mesh_release( &late );
-    // another body by the same weights
-    wisp_mesh twin = read_good( "morph_take.glb#twin@0.5" );
-    assert_true( fabsf( twin.points[9].z - recorded( 4, 9 ).z ) < 2.5e-7f );
-    wisp_mesh_release( &twin );
-    SCOPED( wisp_mesh_release ) wisp_mesh still = read_good( "morph_take.glb#ground@1" );
-    assert_int_equal( still.vertex_count, 3 );
-}
-
-TEST( the_description_lists_targets_and_their_frames )
-{
-    SCOPED( gltf_release ) gltf_model model;
-    wisp_error error = { 0 };
-    char text[8000] = "";
-    FILE* stream = fmemopen( text, sizeof text, "w" );
-    assert_ok( gltf_read( TAKE, 0, &model, &error ), error );
-    assert_int_equal( gltf_info( stream, &model, "take.glb" ), WISP_OK );
-    fclose( stream );
-    assert_contains( text, "  mesh sheet of 1 primitive\n  morph targets: 6\n    target 0, frame_0002, at 0.25 s\n"
-                           "    target 1, frame_0003, at 0.5 s\n" );
-    assert_contains( text, "    target 5, frame_0007, at 1.5 s\n" );
-    assert_contains( text, "animation recording: 1.5 s, 2 channels\n" );
-    assert_true( model.animations[0].weights[1].is_shared && !model.animations[0].weights[0].is_shared );
-}
-
-#define ZEROS "00000000000000000000000000000000"
-
-TEST( paths_that_ask_for_what_is_not_there_are_refused )
-{
-    static const char* const BAD[][2] = {
-        { "morph_take.glb#sheet@frame_0001", "morph_take.glb: got 'frame_0001' behind @, expected a time in s or one "
-                                             "of the 6 morph targets 'frame_0002' .. "
-                                             "'frame_0007'" },
-        { "morph_take.glb#sheet@-1", "morph_take.glb: got '-1' behind @" },
-        { "morph_take.glb#sheet@", "morph_take.glb: got '' behind @" },
-        { "morph_take.glb#sheet@1e999", "morph_take.glb: got '1e999' behind @" }, // infinite
-        { "morph_take.glb#sheet@0." ZEROS ZEROS "1", "morph_take.glb: got '0.0000" },
-        { "morph_take.glb#ground@frame_0002", "mesh 'ground' has no morph targets, got 'frame_0002' behind @" },
-        { "morph_take.glb#skirt@1", "got 0 nodes with the mesh 'skirt'" },
-        { "morph_take.glb#@1", "got 3 nodes with a mesh, expected the name of one behind #" },
-    };
-    for ( int i = 0; i < WISP_COUNT( BAD ); ++i )
-    {
-        wisp_mesh mesh;
-        wisp_error error = { 0 };
-        assert_int_equal( wisp_mesh_read( BAD[i][0], &mesh, &error ), WISP_BAD_INPUT );
-        assert_contains( error.message, BAD[i][1] );
-        assert_null( mesh.points );
-    }
-}
-
 // ---- files by hand ----
 
 // A square. Target 0 moves all vertices along z by 1, 2, 3, 4; target 1 is sparse and moves vertex 2 by (5, 6, 7).
@@ -641,6 +464,14 @@ TEST( weights_that_throw_vertices_out_of_all_numbers_are_refused )
 }
 
 // A name may have an @.
+static wisp_mesh read_good( const char* path )
+{
+    wisp_mesh mesh;
+    wisp_error error = { 0 };
+    assert_ok( wisp_mesh_read( path, &mesh, &error ), error );
+    return mesh;
+}
+
 TEST( the_whole_name_of_a_mesh_goes_before_a_time )
 {
     char json[6000];
@@ -742,14 +573,4 @@ static int remove_folder( void** state )
     return chdir( ".." ) == 0 ? rmdir( *state ) : -1;
 }
 
-static int make_folder_with_take( void** state )
-{
-    return make_folder( state ) == 0 ? write_take( state ) : -1;
-}
-
-static int remove_folder_with_take( void** state )
-{
-    return remove_take( state ) == 0 ? remove_folder( state ) : -1;
-}
-
-TEST_GROUP( make_folder_with_take, remove_folder_with_take )
+TEST_GROUP( make_folder, remove_folder )

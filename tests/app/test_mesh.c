@@ -721,6 +721,94 @@ TEST( a_folder_that_is_not_there_is_an_error_of_the_system )
     assert_non_null( strstr( error.message, "no_such_folder/a.ply" ) );
 }
 
+// ---- the doctor, whose findings and repairs are in tests/app/transcripts/meshes.t ----
+
+TEST( a_malformed_mesh_is_refused_and_reports_nothing )
+{
+    wisp_mesh mesh = fixture_tetrahedron(), empty = { 0 };
+    wisp_mesh_repairs repairs;
+    wisp_mesh_diagnostics r;
+    wisp_error error = { .status = WISP_OK };
+    mesh.triangles[4] = -1;
+    assert_int_equal( wisp_mesh_examine( &mesh, &r, &error ), WISP_BAD_INPUT );
+    assert_contains( error.message, "triangle 1: corner 1: got vertex -1, expected 0 .. 3" );
+    assert_int_equal( r.vertex_count, 0 );
+    assert_int_equal( wisp_mesh_repair( &mesh, WISP_MESH_REPAIR_ALL, &repairs, &error ), WISP_BAD_INPUT );
+    mesh.triangles[4] = 1;
+    mesh.points[2].z = NAN;
+    assert_int_equal( wisp_mesh_examine( &mesh, &r, &error ), WISP_BAD_INPUT );
+    assert_contains( error.message, "vertex 2: z is NaN" );
+    assert_int_equal( wisp_mesh_examine( &empty, &r, &error ), WISP_BAD_INPUT );
+    wisp_mesh_release( &mesh );
+}
+
+TEST( what_cannot_be_welded_is_refused )
+{
+    static const struct
+    {
+        float distance;
+        const char* message;
+    } cases[] = {
+        { -1.0f, "mesh: got -1 m as the distance to weld, expected 0 or more" },
+        { NAN, "mesh: got nan m as the distance to weld, expected 0 or more" },
+        { INFINITY, "mesh: got inf m as the distance to weld, expected 0 or more" },
+    };
+    for ( int i = 0; i < WISP_COUNT( cases ); ++i )
+    {
+        SCOPED( wisp_mesh_release ) wisp_mesh mesh = fixture_tetrahedron();
+        wisp_error error = { 0 };
+        wisp_mesh_repairs repairs;
+        assert_int_equal( wisp_mesh_repair_within( &mesh, WISP_MESH_WELD, cases[i].distance, &repairs, &error ),
+                          WISP_BAD_INPUT );
+        assert_string_equal( error.message, cases[i].message );
+        assert_null( repairs.became );
+        assert_int_equal( mesh.triangle_count, 4 );
+    }
+}
+
+TEST( attributes_are_those_of_the_vertex_that_stays )
+{
+    static const char text[] =
+        "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nv 1 0 0 1 1 1\nv 1 1 0 0 0 0\nv 0 1 0 1 1 1\n"
+        "vt 0 0\nvt 1 0\nvt 0 1\nvt 1 0.5\nf 1/1 2/2 3/3\nf 4/4 5/1 6/3\n";
+    SCOPED( wisp_mesh_release ) wisp_mesh mesh;
+    wisp_error error = { 0 };
+    SCOPED( wisp_mesh_repairs_release ) wisp_mesh_repairs repairs;
+    assert_ok( wisp_mesh_read_obj( text, strlen( text ), "two.obj", &mesh, &error ), error );
+    assert_ok( wisp_mesh_repair( &mesh, WISP_MESH_WELD, &repairs, &error ), error );
+    assert_int_equal( mesh.vertex_count, 4 );
+    assert_true( mesh.colours[1].x == 0.0f && mesh.colours[1].y == 1.0f );
+    assert_true( mesh.uvs[2] == 1.0f && mesh.uvs[5] == 1.0f && mesh.uvs[6] == 0.0f );
+    assert_int_equal( mesh.uv_seam_count, 1 );
+}
+
+TEST( every_repair_is_said_out_loud )
+{
+    wisp_mesh_repairs all = { .degenerates_dropped = 1,
+                              .duplicates_dropped = 2,
+                              .triangles_turned = 3,
+                              .unreferenced_dropped = 1,
+                              .vertices_welded = 5,
+                              .collapsed_dropped = 1,
+                              .triangles_flipped = 7 };
+    wisp_mesh_repairs none = { 0 };
+    SCOPED( free_local ) char* text = NULL;
+    size_t size;
+    FILE* stream = open_memstream( &text, &size );
+    assert_non_null( stream );
+    wisp_mesh_print_repairs( stream, &all, "a" );
+    wisp_mesh_print_repairs( stream, &none, "b" );
+    fclose( stream );
+    assert_string_equal( text, "a: 5 vertices were merged into others\n"
+                               "a: 1 triangle that collapsed was removed\n"
+                               "a: 1 triangle without area was removed\n"
+                               "a: 2 duplicate triangles were removed\n"
+                               "a: 3 triangles were turned over\n"
+                               "a: 7 triangles were flipped\n"
+                               "a: 1 unreferenced vertex was removed\n"
+                               "b: nothing to repair\n" );
+}
+
 static int make_folder( void** state )
 {
     static char path[] = "test-mesh-XXXXXX";

@@ -1,82 +1,15 @@
-// From a scene with surfaces to a running world: bodies, requests, outputs, reports; start positions, cooked data, vertices
-// by number and place; keyframes and events of surfaces, balloons and colliders; events of frozen hair, which do what a host
-// does by calls.
+// From a scene with surfaces to a running world: requests, masses, cooked data, defaults that are those of a host; events of
+// balloons and of frozen hair, which do what a host does by calls. Points that scenes lead to are in tests/app/transcripts/scenes.t.
 #define _XOPEN_SOURCE 700
 
 #include "saved_world.h"
 #include "scene_world_fixture.h"
 
-#include "files.h"
-
 #include "create.h"
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
 
-#include <unistd.h>
-
 // ---- bodies ----
-
-TEST( bodies_are_strands_then_surfaces_then_colliders )
-{
-    SCOPED( release ) fixture f;
-    build( &f, "wisp: 1\n"
-               "colliders:\n  - { name: ground, shape: plane, position: [0, -1, 0] }\n"
-               "  - { name: crate, shape: box, half_extent: [1, 2, 3] }\n"
-               "surfaces:\n  - { name: ball, generate: { shape: icosphere, level: 1 }, balloon: {} }\n"
-               "  - { name: twin, instance_of: ball, cloth: {} }\n"
-               "strands:\n  - { name: hair, generate: { strands: 3, vertices: 5 } }\n" );
-    static const scene_body_kind kinds[] = { SCENE_BODY_STRANDS, SCENE_BODY_BALLOON, SCENE_BODY_CLOTH,
-                                             SCENE_BODY_PLANE, SCENE_BODY_COLLIDER };
-    static const char* const names[] = { "hair", "ball", "twin", "ground", "crate" };
-    static const int vertices[] = { 15, 42, 42, 4, 8 };
-    assert_int_equal( scene_world_body_count( &f.world ), 5 );
-    assert_int_equal( scene_world_moving_count( &f.world ), 3 );
-    for ( int i = 0; i < 5; ++i )
-    {
-        scene_body body = scene_world_body( &f.world, i );
-        assert_int_equal( body.kind, kinds[i] );
-        assert_string_equal( body.name, names[i] );
-        assert_int_equal( body.vertex_count, vertices[i] );
-        assert_int_equal( body.offsets != NULL, i == 0 );
-        assert_int_equal( body.triangles != NULL, i > 0 );
-    }
-    assert_ptr_equal( scene_world_body( &f.world, 2 ).triangles, scene_world_body( &f.world, 1 ).triangles );
-    assert_int_equal( scene_world_vertices( &f.world ), 99 );
-}
-
-// Volume of a closed mesh, m^3: positive if its triangles look outwards.
-static double volume_of( const scene_body* body, const wisp_vec3* p )
-{
-    double sum = 0.0;
-    for ( int t = 0; t < body->triangle_count; ++t )
-    {
-        const wisp_vec3 a = p[body->triangles[3 * t]], b = p[body->triangles[3 * t + 1]],
-                        c = p[body->triangles[3 * t + 2]];
-        sum += (double)( a.x * ( b.y * c.z - b.z * c.y ) + a.y * ( b.z * c.x - b.x * c.z ) +
-                         a.z * ( b.x * c.y - b.y * c.x ) );
-    }
-    return sum / 6.0;
-}
-
-TEST( meshes_of_colliders_look_outwards_and_have_their_size )
-{
-    SCOPED( release ) fixture f;
-    build( &f, "wisp: 1\ncolliders:\n"
-               "  - { name: box, shape: box, half_extent: [1, 2, 3] }\n"
-               "  - { name: ball, shape: sphere, radius: 0.5 }\n"
-               "  - { name: pill, shape: capsule, radius: 0.5, half_length: 1 }\n"
-               "  - { name: dot, shape: capsule, radius: 0.5, half_length: 0 }\n" );
-    const double third = 4.0 / 3.0 * 3.14159265358979 * 0.125;
-    const double volumes[] = { 48.0, third, third + 3.14159265358979 * 0.5, third };
-    for ( int i = 0; i < 4; ++i )
-    {
-        scene_body body = scene_world_body( &f.world, i );
-        SCOPED( free_local ) wisp_vec3* points = checked_calloc( (size_t)body.vertex_count, sizeof *points );
-        assert_int_equal( scene_world_points( &f.world, i, points, &f.error ), WISP_OK );
-        // an icosphere of level 4 lacks 0.2 % of the ball's volume, a capsule of 48 segments 0.4 %
-        assert_true( fabs( volume_of( &body, points ) / volumes[i] - 1.0 ) < 0.006 );
-    }
-}
 
 TEST( a_plane_is_shown_as_a_square_that_looks_up )
 {
@@ -129,91 +62,7 @@ TEST( what_is_queried_for_is_there_after_a_step )
     assert_non_null( strstr( f.error.message, "'cloth'" ) );
 }
 
-// ---- outputs ----
-
-TEST( a_written_surface_is_read_back_where_it_was )
-{
-    SCOPED( release ) fixture f;
-    build( &f, "wisp: 1\nsteps: 5\nsurfaces:\n  - { name: cloth, generate: { shape: plane, columns: 3, rows: 3 } }\n"
-               "output: [{ surface: cloth, file: scene_world_out.ply }]\n" );
-    step( &f, 3 );
-    assert_int_equal( scene_world_write_outputs( &f.world, &f.error ), WISP_OK );
-    wisp_mesh mesh;
-    assert_int_equal( wisp_mesh_read( "scene_world_out.ply", &mesh, &f.error ), WISP_OK );
-    assert_int_equal( mesh.vertex_count, 9 );
-    assert_int_equal( mesh.triangle_count, 8 );
-    wisp_vec3 now = point_of( &f, 0, 8 );
-    assert_true( mesh.points[8].x == now.x && mesh.points[8].y == now.y && mesh.points[8].z == now.z );
-    assert_true( now.y < 0.0f );
-    wisp_mesh_release( &mesh );
-    remove( "scene_world_out.ply" );
-}
-
-// ---- rejected scenes ----
-
-TEST( what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface )
-{
-    demand_refusal( "wisp: 1\nsurfaces:\n"
-                    "  - { name: a, generate: { shape: plane }, pin_box: { min: [5, 5, 5], max: [6, 6, 6] } }\n",
-                    "test.yaml:3:5: surface 'a': no vertex starts in pin_box 0" );
-    demand_refusal(
-        "wisp: 1\nsurfaces:\n  - { name: a, generate: { shape: plane, columns: 3, rows: 3 }, balloon: {} }\n",
-        "test.yaml:3:5: surface 'a': balloon: got 8 open edges, the first from vertex 0 to vertex 3, "
-        "expected a closed mesh; allow_open closes holes" );
-    demand_refusal( "wisp: 1\nsurfaces:\n  - { name: a, generate: { shape: icosphere, level: 1 } }\n"
-                    "  - { name: b, instance_of: a, pins: [42] }\n",
-                    "test.yaml:4:5: surface 'b': pins: got vertex 42, but the mesh has 42 vertices, counted from 0" );
-    demand_refusal( "wisp: 1\nsurfaces:\n  - { name: a, generate: { shape: icosphere, level: 5 }, "
-                    "balloon: { outlet_nearest: [0, 0, 0], outlet_radius: 1 } }\n",
-                    "test.yaml:3:5: surface 'a': balloon.outlet_radius: got more than 64 vertices within 1 m, which "
-                    "is the limit" );
-}
-
-TEST( a_missing_mesh_is_an_error_of_the_system_at_its_line )
-{
-    fixture f;
-    assert_int_equal( try_build( &f, "wisp: 1\nsurfaces:\n  - { name: a, file: no_such_mesh.obj }\n" ),
-                      WISP_IO_ERROR );
-    assert_non_null( strstr( f.error.message, "test.yaml:3:5: surface 'a': no_such_mesh.obj" ) );
-    wisp_scene_release( &f.scene );
-    assert_int_equal( try_build( &f, "wisp: 1\ncolliders:\n  - { name: a, shape: mesh, file: no_such_mesh.obj }\n" ),
-                      WISP_IO_ERROR );
-    assert_non_null( strstr( f.error.message, "test.yaml:3:5: collider 'a': no_such_mesh.obj" ) );
-    wisp_scene_release( &f.scene );
-}
-
 // ---- start positions ----
-
-// An upright sheet of 2 m x 4 m about (0, 1, 0): vertex 0 is its upper left corner, 14 its lower right one.
-static void build_start( fixture* f, const char* start )
-{
-    char text[600];
-    snprintf( text, sizeof text,
-              "wisp: 1\nsurfaces:\n"
-              "  - name: sheet\n"
-              "    generate: { shape: plane, columns: 3, rows: 5, spacing: 1 }\n"
-              "    transform: { rotate: { degrees: [90, 0, 0] }, translate: [0, 1, 0] }\n"
-              "    pins: [0]\n"
-              "    start: { %s }\n"
-              "    cloth: {}\n",
-              start );
-    build( f, text );
-}
-
-TEST( a_random_start_belongs_to_its_seed )
-{
-    wisp_vec3 corners[3];
-    for ( int i = 0; i < 3; ++i )
-    {
-        SCOPED( release ) fixture f;
-        build_start( &f, i < 2 ? "shape: random, seed: 7" : "shape: random, seed: 8" );
-        corners[i] = point_of( &f, 0, 14 );
-        assert_true( fabsf( corners[i].x ) <= 2.0f && fabsf( corners[i].y - 1.0f ) <= 2.0f &&
-                     fabsf( corners[i].z ) <= 2.0f );
-    }
-    assert_memory_equal( &corners[0], &corners[1], sizeof corners[0] );
-    assert_memory_not_equal( &corners[0], &corners[2], sizeof corners[0] );
-}
 
 TEST( masses_of_a_surface_grow_downwards_by_its_ratio )
 {
@@ -259,57 +108,6 @@ TEST( strands_start_away_from_rest_and_their_roots_are_only_scaled )
         assert_true( fabsf( x[( 2 * 3 + 1 ) * 16] - rows[i].tip[1] ) < 1e-5f );
         assert_true( fabsf( w[16] / w[2 * 16] - 1.0f ) < 1e-4f );
     }
-}
-
-// @param x, z m, where all of the scene is
-static uint64_t hash_of_stage( double x, double z, wisp_vec3* first )
-{
-    char text[2200];
-    snprintf(
-        text, sizeof text,
-        "wisp: 1\n"
-        "surfaces:\n"
-        "  - name: cloth\n"
-        "    generate: { shape: plane, columns: 9, rows: 9, spacing: 0.05 }\n"
-        "    transform: { translate: [%.9g, 0.5, %.9g] }\n"
-        "    pin_nearest: [[%.9g, 0.5, %.9g]]\n"
-        "    pin_keyframes: [{ time: 0, translate: [0, 0, 0] }, { time: 1, translate: [0, 0.2, 0] }]\n"
-        "    cloth: {}\n"
-        "    compute: [points, motion_stats]\n"
-        "strands:\n"
-        "  - name: hair\n"
-        "    generate: { strands: 4, vertices: 8, length: 0.2, scalp_radius: 0.1 }\n"
-        "    transform: { translate: [%.9g, 1, %.9g] }\n"
-        "    dynamics: {}\n"
-        "    head: { keyframes: [{ time: 0, position: [%.9g, 1, %.9g] }, { time: 1, position: [%.9g, 1.5, %.9g] }] "
-        "}\n"
-        "    compute: [points]\n"
-        "colliders:\n"
-        "  - { name: ground, shape: plane }\n"
-        "  - { name: ball, shape: sphere, radius: 0.1, position: [%.9g, 0.25, %.9g],\n"
-        "      keyframes: [{ time: 0, position: [%.9g, 0.25, %.9g] }, { time: 1, position: [%.9g, 0.75, %.9g] }] }\n",
-        x, z, x + 0.25, z + 0.25, x, z, x, z, x, z, x, z, x, z, x, z );
-    SCOPED( release ) fixture f;
-    build( &f, text );
-    assert_true( f.scene.origin[0] == x && f.scene.origin[1] == 0.0 && f.scene.origin[2] == z );
-    step( &f, 30 );
-    wisp_vec3 points[81];
-    assert_ok( scene_world_points( &f.world, 1, points, &f.error ), f.error );
-    *first = points[0];
-    double origin[3];
-    assert_int_equal( wisp_read_origin( f.world.world, f.world.surfaces[0].entity, origin ), WISP_OK );
-    assert_memory_equal( origin, f.scene.origin, sizeof origin );
-    return wisp_world_hash( f.world.world );
-}
-
-// Places are multiples of 2 mm at 20 km, and those here of a quarter of a metre.
-TEST( a_scene_that_is_far_away_runs_bit_for_bit_as_at_home )
-{
-    wisp_vec3 home, away;
-    const uint64_t hash = hash_of_stage( 0.0, 0.0, &home );
-    assert_true( hash_of_stage( 20000.0, -20000.0, &away ) == hash );
-    assert_memory_equal( &home, &away, sizeof home );
-    assert_true( hash_of_stage( -1000.0, 0.0, &away ) == hash );
 }
 
 TEST( a_fabric_is_cooked_with_what_its_effects_need_and_nothing_else )
@@ -397,46 +195,12 @@ TEST( an_instance_that_needs_coarse_sheets_is_enough_for_its_source_to_have_them
            "  - { name: plain, generate: { shape: plane, columns: 33, rows: 33 }, cloth: { coarse_substeps: 0 } }\n"
            "  - { name: carried, instance_of: plain, cloth: { coarse_substeps: 1, coarse_passes: 7 } }\n" );
     assert_true( f.world.surfaces[0].fabric->level_count > 0 );
+    assert_ptr_equal( f.world.surfaces[1].fabric, f.world.surfaces[0].fabric );
+    assert_ptr_equal( scene_world_body( &f.world, 1 ).triangles, scene_world_body( &f.world, 0 ).triangles );
     assert_false( wisp_world_has( f.world.world, f.world.surfaces[0].entity, WISP_SURFACE_LEVELS ) );
     const wisp_entity carried = f.world.surfaces[1].entity;
     assert_int_equal( *(const int32_t*)wisp_world_column( f.world.world, carried, WISP_SURFACE_LEVELS, 0 ), 1 );
     assert_int_equal( *(const int32_t*)wisp_world_column( f.world.world, carried, WISP_SURFACE_LEVELS, 1 ), 7 );
-}
-
-TEST( pins_are_named_by_number_by_place_and_by_box )
-{
-    SCOPED( release ) fixture f;
-    build( &f,
-           "wisp: 1\nsurfaces:\n"
-           "  - name: a\n    generate: { shape: plane, columns: 3, rows: 3, spacing: 1 }\n"
-           "    transform: { translate: [0, 2, 0] }\n"
-           "    pins: [4, 4]\n    pin_nearest: [[0.9, 2.3, 0.8]]\n"
-           "    pin_box: [{ min: [-2, 1, -2], max: [-0.5, 3, -0.5] }, { min: [0.5, 1, -2], max: [2, 3, -0.5] }]\n" );
-    static const int32_t pins[] = { 0, 2, 4, 8 };
-    assert_int_equal( f.world.surfaces[0].pin_count, 4 );
-    assert_memory_equal( f.world.surfaces[0].pins, pins, sizeof pins );
-}
-
-// A file whose first vertex belongs to no triangle: a repair drops it and renumbers the others.
-TEST( numbers_of_vertices_are_those_of_the_file_also_after_a_repair )
-{
-    write_text( "scene_world_loose.obj", "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 0 1\nf 2 4 3\n" );
-    fixture f;
-    build(
-        &f,
-        "wisp: 1\nsurfaces:\n  - { name: a, file: scene_world_loose.obj, repair: [unreferenced], pins: [1, 3] }\n" );
-    static const int32_t pins[] = { 0, 2 };
-    assert_int_equal( f.world.surfaces[0].mesh.vertex_count, 3 );
-    assert_int_equal( f.world.surfaces[0].pin_count, 2 );
-    assert_memory_equal( f.world.surfaces[0].pins, pins, sizeof pins );
-    release( &f );
-    demand_refusal(
-        "wisp: 1\nsurfaces:\n  - { name: a, file: scene_world_loose.obj, repair: [unreferenced], pins: [0] }\n",
-        "test.yaml:3:5: surface 'a': pins: got vertex 0, which the mesh does not have or which repair removed" );
-    demand_refusal(
-        "wisp: 1\nsurfaces:\n  - { name: a, file: scene_world_loose.obj, require: [clean] }\n",
-        "test.yaml:3:5: surface 'a': scene_world_loose.obj: unreferenced vertices: 1, the first is vertex 0" );
-    remove( "scene_world_loose.obj" );
 }
 
 TEST( an_outlet_near_a_point_has_the_vertices_within_its_radius )
@@ -452,34 +216,6 @@ TEST( an_outlet_near_a_point_has_the_vertices_within_its_radius )
     assert_int_equal( wisp_read_balloon_stats( f.world.world, f.world.surfaces[0].entity, &stats ), WISP_OK );
     // the jet leaves upwards through the top, so it pushes down
     assert_true( stats.jet[1] < 0.0 && fabs( stats.jet[0] ) < 0.1 * fabs( stats.jet[1] ) );
-}
-
-// Two triangles with corners of their own: those that are merged keep both of their numbers.
-TEST( a_merged_vertex_is_named_by_each_of_its_numbers )
-{
-    write_text( "scene_world_split.obj",
-                "v 0 0 0\nv 1 0 0\nv 0 0 1\nv 1 0 0\nv 1 0 1\nv 0.001 0 1\nf 1 3 2\nf 4 6 5\n" );
-    fixture f;
-    build(
-        &f,
-        "wisp: 1\nsurfaces:\n  - { name: a, file: scene_world_split.obj, repair: [weld, flip], weld_distance: 0.01,"
-        " transform: { scale: 2 }, pins: [3, 5] }\n  - { name: b, instance_of: a, pins: [1, 2, 4] }\n" );
-    static const int32_t pins[] = { 1, 2, 3 };
-    assert_int_equal( f.world.surfaces[0].mesh.vertex_count, 4 );
-    assert_int_equal( f.world.surfaces[0].mesh.triangle_count, 2 );
-    assert_int_equal( f.world.surfaces[0].mesh.triangles[1], 1 ); // flipped
-    assert_int_equal( f.world.surfaces[0].pin_count, 2 );
-    assert_memory_equal( f.world.surfaces[0].pins, pins, 2 * sizeof *pins );
-    assert_int_equal( f.world.surfaces[1].pin_count, 3 );
-    assert_memory_equal( f.world.surfaces[1].pins, pins, sizeof pins );
-    release( &f );
-    build( &f, "wisp: 1\ncolliders:\n  - { name: a, shape: mesh, file: scene_world_split.obj, double_sided: true,"
-               " repair: [weld], weld_distance: 0.01, require: [one_component] }\n" );
-    release( &f );
-    demand_refusal(
-        "wisp: 1\nsurfaces:\n  - { name: a, file: scene_world_split.obj, repair: [weld], pins: [6] }\n",
-        "test.yaml:3:5: surface 'a': pins: got vertex 6, which the mesh does not have or which repair removed" );
-    remove( "scene_world_split.obj" );
 }
 
 // ---- events ----
@@ -504,23 +240,6 @@ TEST( keyframes_tell_the_fill_and_leave_the_gas_alone_afterwards )
         // times and fills are floats
         assert_true( fabs( stats.target_volume / stats.rest_volume - story[i].gas_ratio ) < 1e-5 );
     }
-}
-
-TEST( colliders_follow_their_keyframes )
-{
-    SCOPED( release ) fixture f;
-    build( &f,
-           "wisp: 1\ndt: 0.1\nsteps: 40\ncolliders:\n"
-           "  - { name: a, shape: box, half_extent: [1, 1, 1], position: [1, 0, 0], keyframes: "
-           "[{ time: 1, position: [3, 0, 0] }, { time: 2, position: [3, 0, 0], rotation: { degrees: [0, 180, 0] } "
-           "}] }\n" );
-    assert_point_at( point_of( &f, 0, 7 ), 2.0f, 1.0f, 1.0f );
-    step( &f, 5 );
-    assert_point_at( point_of( &f, 0, 7 ), 3.0f, 1.0f, 1.0f );
-    step( &f, 15 );
-    assert_point_at( point_of( &f, 0, 7 ), 2.0f, 1.0f, -1.0f );
-    step( &f, 2 );
-    assert_point_at( point_of( &f, 0, 7 ), 2.0f, 1.0f, -1.0f );
 }
 
 // ---- frozen hair ----

@@ -1,228 +1,13 @@
-// From a scene with moving strands to a running world: heads, roots on surfaces, ghosts, curves, and rejected scenes. What
-// a user does to the world of a scene: holds vertices, moves colliders, changes gravity and wind.
+// From a scene to a running world: what strands tell, levels of detail, groups of pins over snapshots, whose motion is in
+// tests/claims/pins.yaml, modules of seams. What a user does to the world of a scene: holds vertices, moves colliders, changes
+// gravity and wind. Points that scenes lead to are in tests/app/transcripts/scenes.t.
 #define _XOPEN_SOURCE 700
 
 #include "scene_world_fixture.h"
 
 #include "world_from_scene.h"
 
-/// To be freed.
-static wisp_vec3* points_of( fixture* f, int body )
-{
-    wisp_vec3* points =
-        checked_calloc( (size_t)scene_world_body( &f->world, body ).vertex_count + 1, sizeof *points );
-    if ( scene_world_points( &f->world, body, points, &f->error ) != WISP_OK )
-    {
-        fail_msg( "no points: %s", f->error.message );
-    }
-    return points;
-}
-
-static float distance( wisp_vec3 a, wisp_vec3 b )
-{
-    return sqrtf( ( a.x - b.x ) * ( a.x - b.x ) + ( a.y - b.y ) * ( a.y - b.y ) + ( a.z - b.z ) * ( a.z - b.z ) );
-}
-
-static void assert_near( wisp_vec3 v, wisp_vec3 expected, float tolerance )
-{
-    if ( !( distance( v, expected ) <= tolerance ) )
-    {
-        fail_msg( "(%g, %g, %g) is not (%g, %g, %g)", (double)v.x, (double)v.y, (double)v.z, (double)expected.x,
-                  (double)expected.y, (double)expected.z );
-    }
-}
-
-// The largest displacement of a vertex of a body.
-static float largest_way( const wisp_vec3* before, const wisp_vec3* after, int count )
-{
-    float largest = 0.0f;
-    for ( int v = 0; v < count; ++v )
-    {
-        largest = fmaxf( largest, distance( before[v], after[v] ) );
-    }
-    return largest;
-}
-
-// ---- start positions ----
-
-TEST( curves_are_bodies_wherever_their_source_stands )
-{
-    SCOPED( release ) fixture f;
-    build( &f, "wisp: 1\nsteps: 2\nstrands:\n"
-               "  - { name: drawn, curves: { of: hair, samples: 3 }, compute: [points] }\n"
-               "  - { name: hair, generate: { strands: 4, vertices: 6 } }\n" );
-    const scene_body body = scene_world_body( &f.world, 0 );
-    assert_int_equal( body.kind, SCENE_BODY_STRANDS );
-    assert_int_equal( body.vertex_count, 4 * ( 5 * 3 + 1 ) );
-    assert_int_equal( body.strand_count, 4 );
-    assert_int_equal( body.offsets[1], 16 );
-    assert_int_equal( scene_world_strands( &f.world ), 8 );
-}
-
-// Curves drawn before the first step are the same as those of the engine for static strands.
-TEST( the_first_frame_of_curves_is_what_the_engine_draws )
-{
-    static const char* const kinds[] = { "bezier", "catmull_rom" };
-    for ( int kind = 0; kind < WISP_COUNT( kinds ); ++kind )
-    {
-        char text[400];
-        snprintf( text, sizeof text,
-                  "wisp: 1\nsteps: 1\nstrands:\n"
-                  "  - { name: hair, generate: { shape: curly, strands: 5, vertices: 12 } }\n"
-                  "  - { name: drawn, curves: { of: hair, kind: %s, samples: 5 }, compute: [points] }\n",
-                  kinds[kind] );
-        SCOPED( release ) fixture f;
-        build( &f, text );
-        const int count = scene_world_body( &f.world, 1 ).vertex_count;
-        SCOPED( free_local ) wisp_vec3* before = points_of( &f, 1 );
-        step( &f, 1 );
-        SCOPED( free_local ) wisp_vec3* after = points_of( &f, 1 );
-        // coordinates are below 0.5 m; a point is a sum of a dozen products
-        assert_true( largest_way( before, after, count ) <= 4e-7f );
-    }
-}
-
-// ---- heads ----
-
-static const char TURNING_HEAD[] =
-    "wisp: 1\nsteps: 20\ndt: 0.1\nsubsteps: 2\nstrands:\n"
-    "  - name: hair\n    generate: { strands: 20, vertices: 5, scalp_radius: 0.1 }\n"
-    "    transform: { translate: [1, 2, 3] }\n    dynamics: {}\n    compute: [points]\n"
-    "    head: { keyframes: [ { time: 0.5, position: [1, 2, 3] }, { time: 1.5, position: [2, 2, 3], rotation: { "
-    "axis: [0, "
-    "0, 1], degrees: 90 } } ] }\n"
-    "colliders:\n"
-    "  - name: head\n    shape: box\n    half_extent: [0.1, 0.1, 0.1]\n    position: [1, 2, 3]\n"
-    "    keyframes: [ { time: 0.5, position: [1, 2, 3] }, { time: 1.5, position: [2, 2, 3], rotation: { axis: [0, 0, "
-    "1], "
-    "degrees: 90 } } ]\n";
-
-TEST( roots_go_with_a_collider_of_the_same_keyframes )
-{
-    SCOPED( release ) fixture f;
-    build( &f, TURNING_HEAD );
-    SCOPED( free_local ) wisp_vec3* start = points_of( &f, 0 );
-    for ( int i = 0; i < 20; ++i )
-    {
-        step( &f, 1 );
-        SCOPED( free_local ) wisp_vec3* now = points_of( &f, 0 );
-        for ( int s = 0; s < 20; ++s )
-        {
-            const wisp_vec3 p = start[5 * s], own = { p.x - 1.0f, p.y - 2.0f, p.z - 3.0f };
-            const wisp_vec3 held = wisp_transform_to_world( f.world.colliders[0].pose, own );
-            // coordinates are below 4 m, where a float is within 2.4e-7, and a pose is a few sums of them
-            assert_near( now[5 * s], held, 2e-6f );
-        }
-    }
-    const wisp_vec3 first = start[0], end = { 2.0f - ( first.y - 2.0f ), 2.0f + ( first.x - 1.0f ), first.z };
-    assert_near( point_of( &f, 0, 0 ), end, 2e-6f );
-}
-
-TEST( roots_stay_on_the_surface_that_is_named_below_them )
-{
-    SCOPED( release ) fixture f;
-    build( &f, "wisp: 1\nsteps: 20\ndt: 0.05\nstrands:\n"
-               "  - { name: hair, generate: { dimension: 2, strands: 3, vertices: 4, spacing: 0.01 }, dynamics: {}, "
-               "on_surface: "
-               "board, compute: [points] }\n"
-               "surfaces:\n"
-               "  - name: board\n    generate: { shape: plane, columns: 4, rows: 4, spacing: 0.1 }\n"
-               "    pin_box: { min: [-1, -1, -1], max: [1, 1, 1] }\n"
-               "    pin_keyframes: [ { time: 0.5, translate: [0.25, 0.5, 0] } ]\n" );
-    SCOPED( free_local ) wisp_vec3* start = points_of( &f, 0 );
-    step( &f, 20 );
-    SCOPED( free_local ) wisp_vec3* now = points_of( &f, 0 );
-    for ( int s = 0; s < 3; ++s )
-    {
-        const wisp_vec3 p = start[4 * s];
-        // three barycentric weights, each within half an ulp of a value below 1
-        assert_near( now[4 * s], ( wisp_vec3 ){ p.x + 0.25f, p.y + 0.5f, p.z }, 1e-6f );
-    }
-}
-
-// ---- ghosts ----
-
-static const char FOLLOWED[] =
-    "wisp: 1\nsteps: 10\ndt: 0.02\nsubsteps: 2\nstrands:\n"
-    "  - name: guides\n    generate: { strands: 6, vertices: 8, length: 0.1 }\n    dynamics: {}\n"
-    "    head: { keyframes: [ { time: 0.1, position: [0, 0.05, 0] } ] }\n    compute: [points]\n"
-    "  - { name: ghosts, scatter: { around: guides, count: 3, radius: 0.01 }, ghosts: {}, compute: [points] }\n"
-    "  - name: frozen\n    scatter: { around: guides, count: 3, radius: 0.01 }\n    ghosts: {}\n"
-    "    frozen_hair: { freeze: {} }\n    compute: [points]\n";
-
-// The mean of three roots.
-static wisp_vec3 middle_root( const wisp_vec3* points )
-{
-    const wisp_vec3 a = points[0], b = points[8], c = points[16];
-    return ( wisp_vec3 ){ ( a.x + b.x + c.x ) / 3.0f, ( a.y + b.y + c.y ) / 3.0f, ( a.z + b.z + c.z ) / 3.0f };
-}
-
-TEST( roots_of_ghosts_stand_around_that_of_their_target_with_and_without_frozen_hair )
-{
-    SCOPED( release ) fixture f;
-    build( &f, FOLLOWED );
-    SCOPED( free_local ) wisp_vec3 *guides = points_of( &f, 0 ), *start = points_of( &f, 1 );
-    step( &f, 10 );
-    for ( int body = 1; body < 3; ++body )
-    {
-        SCOPED( free_local ) wisp_vec3* now = points_of( &f, body );
-        for ( int g = 0; g < 18; ++g )
-        {
-            // The mean of a group is its target, which the head has raised by 0.05 m. A root is out of the sway of eq. 5,
-            // and its frame is not turned: what remains is the rounding of sums of coordinates below 0.3 m.
-            const wisp_vec3 p = start[8 * g], mean = middle_root( &start[24 * ( g / 3 )] ), x = guides[8 * ( g / 3 )];
-            const wisp_vec3 expected = { x.x + p.x - mean.x, x.y + p.y - mean.y + 0.05f, x.z + p.z - mean.z };
-            assert_near( now[8 * g], expected, 1e-6f );
-        }
-    }
-}
-
-TEST( frozen_hair_changes_what_ghosts_look_like_and_not_where_they_are_carried )
-{
-    SCOPED( release ) fixture f;
-    build( &f, FOLLOWED );
-    step( &f, 10 );
-    SCOPED( free_local ) wisp_vec3 *ghosts = points_of( &f, 1 ), *frozen = points_of( &f, 2 );
-    assert_true( largest_way( ghosts, frozen, 8 * 18 ) > 1e-4f );
-    // A frozen vertex may differ from its position by part of its strand's length, 0.1 m, but not by more.
-    assert_true( largest_way( ghosts, frozen, 8 * 18 ) < 0.1f );
-}
-
-TEST( ghosts_of_other_lengths_are_refused_at_their_line )
-{
-    fixture f;
-    assert_int_equal(
-        try_build( &f, "wisp: 1\nstrands:\n"
-                       "  - { name: guides, generate: { strands: 2, vertices: 8 }, dynamics: {} }\n"
-                       "  - { name: ghosts, generate: { strands: 5, vertices: 9 }, ghosts: { targets: guides } }\n" ),
-        WISP_BAD_INPUT );
-    const char* place = "test.yaml:4:5: strands 'ghosts': ";
-    assert_memory_equal( f.error.message, place, strlen( place ) );
-    assert_null( f.world.world );
-    wisp_scene_release( &f.scene );
-}
-
-TEST( ghosts_of_other_lengths_follow_if_they_are_resampled )
-{
-    SCOPED( release ) fixture f;
-    build( &f, "wisp: 1\nsteps: 2\nstrands:\n"
-               "  - { name: guides, generate: { strands: 2, vertices: 8 }, dynamics: {} }\n"
-               "  - { name: ghosts, generate: { strands: 5, vertices: 9 }, ghosts: { targets: guides, resample: true "
-               "}, compute: "
-               "[points] }\n" );
-    step( &f, 2 );
-    assert_true( isfinite( point_of( &f, 1, 44 ).x ) );
-}
-
-TEST( masses_of_scattered_strands_are_counted_once_there_are_any )
-{
-    demand_refusal(
-        "wisp: 1\nstrands:\n"
-        "  - { name: guides, generate: { dimension: 2, strands: 1, vertices: 2 } }\n"
-        "  - { name: more, scatter: { around: guides, count: 2, radius: 0.01 }, dynamics: { vertex_masses: "
-        "[1e-8, 1e-8] } }\n",
-        "test.yaml:4:5: strands 'more': dynamics.vertex_masses: got 2 masses, expected one for each of 4 vertices" );
-}
+#include "wisp/module/module.h"
 
 // ---- requests ----
 
@@ -249,78 +34,6 @@ TEST( strands_that_move_tell_strain_speed_and_motion_stats_and_others_do_not )
     assert_true( fabs( motion_stats.speed_max - (double)speed[5] ) < 0.2 );
     assert_int_equal( scene_world_request( &f.world, 1, SCENE_REQUEST_SPEED, &f.error ), WISP_BAD_INPUT );
     assert_string_equal( f.error.message, "test.yaml: 'still' has no speed" );
-}
-
-// ---- jumps ----
-
-static void run_until( fixture* f, int end )
-{
-    while ( f->world.next_step < end )
-    {
-        step( f, 1 );
-    }
-}
-
-static const char JUMPS[] =
-    "wisp: 1\nsteps: 90\ndt: 0.01\nsurfaces:\n"
-    "  - name: cloth\n    generate: { shape: plane, columns: 9, rows: 9, spacing: 0.05 }\n    pins: [0, 8]\n"
-    "    pin_keyframes: [{ time: 0.3, translate: [3, 0, 0], jump: true },\n"
-    "                    { time: 0.405, translate: [3, 7, 0], rotate: { axis: [0, 1, 0], degrees: 90 }, jump: true "
-    "}]\n"
-    "    cloth: { bending: bend_links }\n    damping: 5\n"
-    "  - { name: ball, generate: { shape: icosphere, level: 1, radius: 0.1 }, balloon: {}, gravity: [0, 0, 0] }\n"
-    "strands:\n"
-    "  - name: hair\n    generate: { strands: 3, vertices: 8, length: 0.1 }\n    dynamics: { damping: 5 }\n"
-    "    head: { keyframes: [{ time: 0.3, position: [0, 0, 4], jump: true }] }\n"
-    "colliders:\n"
-    "  - name: body\n    shape: sphere\n    radius: 0.1\n    position: [0, -2, 0]\n"
-    "    keyframes: [{ time: 0.3, position: [0, 2, 0], jump: true }, { time: 0.4, position: [1, 2, 0] }]\n"
-    "events: [{ step: 30, surface: ball, teleport: [0, 0, 9] }]\n";
-
-// Bodies are strands, surfaces and colliders, in this order.
-TEST( keyframes_that_jump_and_events_teleport )
-{
-    SCOPED( release ) fixture f;
-    build( &f, JUMPS );
-    run_until( &f, 30 );
-    wisp_vec3* before[4] = { points_of( &f, 0 ), points_of( &f, 1 ), points_of( &f, 2 ), points_of( &f, 3 ) };
-    run_until( &f, 31 );
-    wisp_vec3* after[4] = { points_of( &f, 0 ), points_of( &f, 1 ), points_of( &f, 2 ), points_of( &f, 3 ) };
-    const wisp_vec3 ways[4] = { { 0, 0, 4 }, { 3, 0, 0 }, { 0, 0, 9 }, { 0.1f, 4, 0 } };
-    for ( int body = 0; body < 4; ++body )
-    {
-        const int count = scene_world_body( &f.world, body ).vertex_count;
-        for ( int v = 0; v < count; ++v )
-        {
-            const wisp_vec3 p = before[body][v], way = ways[body];
-            // Other motion in a step of 10 ms is below 5 cm.
-            assert_near( after[body][v], ( wisp_vec3 ){ p.x + way.x, p.y + way.y, p.z + way.z }, 0.05f );
-        }
-        free( before[body] );
-        free( after[body] );
-    }
-    // Between two steps a jump waits for the next one, and the pins stay until then.
-    run_until( &f, 41 );
-    const wisp_vec3 pin = point_of( &f, 1, 0 );
-    assert_near( pin, ( wisp_vec3 ){ 2.8f, 0, -0.2f }, 1e-5f );
-    run_until( &f, 42 );
-    // The pins lie 0.4 m apart along x and turn about their middle, at z = -0.2.
-    assert_near( point_of( &f, 1, 0 ), ( wisp_vec3 ){ 3, 7, 0 }, 1e-5f );
-    run_until( &f, 90 );
-    assert_near( point_of( &f, 1, 8 ), ( wisp_vec3 ){ 3, 7, -0.4f }, 1e-5f );
-}
-
-// A collider whose last keyframe jumps is drawn where it is.
-TEST( a_collider_stays_where_its_last_jump_has_taken_it )
-{
-    SCOPED( release ) fixture f;
-    build( &f,
-           "wisp: 1\nsteps: 20\ndt: 0.01\ncolliders:\n"
-           "  - name: body\n    shape: sphere\n    radius: 0.1\n"
-           "    keyframes: [{ time: 0.05, position: [0, 1, 0] }, { time: 0.1, position: [5, 2, 0], jump: true }]\n" );
-    run_until( &f, 20 );
-    const wisp_vec3 p = f.world.colliders[0].pose.translation;
-    assert_near( p, ( wisp_vec3 ){ 5, 2, 0 }, 1e-6f );
 }
 
 TEST( levels_of_detail_are_set_and_changed_by_events )
@@ -351,6 +64,89 @@ TEST( levels_of_detail_are_set_and_changed_by_events )
     assert_int_equal( wisp_detail_of( world, sheet ), WISP_DETAIL_COARSE );
     assert_int_equal( scene_world_substeps( &f.world, 2 ), 4 );
     assert_int_equal( wisp_detail_of( world, guides ), WISP_DETAIL_NOTHING );
+}
+
+// ---- pins ----
+
+#define SHEET                                                                                                        \
+    "wisp: 1\ndt: 0.02\nsteps: 60\nsurfaces:\n"                                                                      \
+    "  - name: cloth\n    generate: { shape: plane, columns: 9, rows: 9, spacing: 0.05 }\n"                          \
+    "    compute: [points, speed]\n"
+
+// Two grippers on opposite edges, x = -0.2 and x = 0.2; one pulls, one pulls and turns about the vertical through its middle.
+#define GRIPPERS                                                                                                     \
+    SHEET "    cloth: { bending: bend_links }\n    pin_groups:\n"                                                    \
+          "      - name: left\n        pin_box: { min: [-0.21, -1, -1], max: [-0.19, 1, 1] }\n"                      \
+          "        pin_keyframes: [ { time: 0.4, translate: [-0.08, 0.02, 0] } ]\n"                                  \
+          "      - name: right\n        pin_box: { min: [0.19, -1, -1], max: [0.21, 1, 1] }\n"                       \
+          "        pin_keyframes: [ { time: 0.2, translate: [0, 0, 0] },\n"                                          \
+          "          { time: 1, translate: [0.06, 0, 0.04], rotate: { axis: [0, 1, 0], degrees: 40 } } ]\n"
+
+TEST( an_event_that_attaches_a_group_holds_it )
+{
+    SCOPED( release ) fixture f;
+    build( &f, SHEET "    pin_groups:\n      - { name: grip, pins: [0], starts_free: true }\n"
+                     "  - name: tray\n    generate: { shape: plane, columns: 2, rows: 2, spacing: 1 }\n"
+                     "    pin_box: { min: [-2, -2, -2], max: [2, 2, 2] }\n"
+                     "events:\n  - { step: 2, surface: cloth, pin_group: grip, attach_pins: tray }\n" );
+    assert_int_equal( scene_pins_holding( &f.world.surfaces[0], 0 ), -1 );
+    step( &f, 3 );
+    assert_int_equal( scene_pins_holding( &f.world.surfaces[0], 0 ), 1 );
+}
+
+// @param restore_at step after which the world goes on in another one; 0: never
+static uint64_t hash_after( int workers, int steps, int restore_at )
+{
+    SCOPED( release )
+    fixture f = { .scene =
+                      parsed( GRIPPERS "events:\n  - { step: 20, surface: cloth, pin_group: right, release: true }\n"
+                                       "  - { step: 25, surface: cloth, pin_group: right, hold: true }\n" ) };
+    create( &f, workers );
+    step( &f, restore_at > 0 ? restore_at : steps );
+    if ( restore_at > 0 ) // into a world that has made one step
+    {
+        fixture g = { .scene = f.scene };
+        create( &g, workers );
+        step( &g, 1 );
+        const size_t size = wisp_world_snapshot_size( f.world.world ), front = scene_pins_state_size( &f.world );
+        char* bytes = checked_calloc( size + front, 1 );
+        scene_pins_save( &f.world, bytes );
+        assert_int_equal( wisp_world_snapshot( f.world.world, bytes + front, size ), WISP_OK );
+        assert_int_equal( scene_pins_state_size( &g.world ), front );
+        scene_pins_load( &g.world, bytes );
+        assert_int_equal( wisp_world_restore( g.world.world, bytes + front, size ), WISP_OK );
+        g.world.next_step = f.world.next_step;
+        g.world.next_event = f.world.next_event;
+        free( bytes );
+        g.world.scene = &f.scene; // that of g ends here
+        scene_world_destroy( &f.world );
+        f.world = g.world;
+        step( &f, steps - restore_at );
+    }
+    return wisp_world_hash( f.world.world );
+}
+
+TEST( workers_and_snapshots_change_no_bit )
+{
+    const uint64_t expected = hash_after( 1, 50, 0 );
+    assert_true( hash_after( 3, 50, 0 ) == expected );
+    assert_true( hash_after( 2, 50, 22 ) == expected ); // let go
+    assert_true( hash_after( 2, 50, 30 ) == expected ); // held again
+}
+
+// ---- seams ----
+
+TEST( only_a_scene_with_seams_has_the_module )
+{
+    const wisp_module* used[SCENE_MAX_MODULES];
+    SCOPED( release ) fixture f;
+    build( &f, "wisp: 1\nsurfaces:\n  - { name: a, generate: { shape: plane, columns: 4, rows: 4 }, cloth: {} }\n"
+               "seams:\n  - { name: s, surfaces: [a, a], pairs: [[0, 3]] }\n" );
+    const int with = scene_world_used_modules( &f.scene, used );
+    f.scene.seam_count = 0;
+    const int without = scene_world_used_modules( &f.scene, used );
+    f.scene.seam_count = 1;
+    assert_int_equal( with, without + 1 );
 }
 
 // ---- input of a user ----

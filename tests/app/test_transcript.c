@@ -1,13 +1,23 @@
 // Follows a transcript of the program: commands of a shell, and what each of them says. "$ " begins a command and "> " goes on
 // with it. Below stand the lines of its standard output, those of its error stream behind "! ", and its exit status unless that is
 // 0. "..." stands for any text, alone in a line for any lines; empty lines and those that begin with "#" are for readers.
-#include "program_fixture.h"
+#include "files.h"
 
-static char transcript[4096];
+#include "wisp/base.h"
+
+#include <ftw.h>
+#include <sys/wait.h>
+
+enum
+{
+    OUTPUT_MAX = 262144,
+};
+
+static char program[4096], transcript[4096];
 
 static bool find_both( int argc, char** argv )
 {
-    return find_program( argc - 1, argv ) && realpath( argv[2], transcript ) != NULL;
+    return argc == 3 && realpath( argv[1], program ) != NULL && realpath( argv[2], transcript ) != NULL;
 }
 
 static bool is_as_expected( const char* said, const char* expected )
@@ -43,18 +53,17 @@ static void add_lines( char* to, const char* lines, const char* mark )
 
 static bool follow( const char* command, const char* expected )
 {
-    static char script[2 * OUTPUT_MAX], said[3 * OUTPUT_MAX];
+    static char script[2 * OUTPUT_MAX], said[3 * OUTPUT_MAX], out[OUTPUT_MAX], err[OUTPUT_MAX];
     snprintf( script, sizeof script, "wisp() { \"$WISP\" \"$@\"; }\n{ %s} >../out 2>../err </dev/null", command );
     const int status = system( script );
-    result.status = WIFEXITED( status ) ? WEXITSTATUS( status ) : -1;
-    read_text( "../out", result.out, sizeof result.out );
-    read_text( "../err", result.err, sizeof result.err );
+    read_text( "../out", out, sizeof out );
+    read_text( "../err", err, sizeof err );
     said[0] = '\0';
-    add_lines( said, result.out, "" );
-    add_lines( said, result.err, "! " );
-    if ( result.status != 0 )
+    add_lines( said, out, "" );
+    add_lines( said, err, "! " );
+    if ( status != 0 )
     {
-        sprintf( said + strlen( said ), "[%d]\n", result.status );
+        sprintf( said + strlen( said ), "[%d]\n", WIFEXITED( status ) ? WEXITSTATUS( status ) : -1 );
     }
     if ( !is_as_expected( said, expected ) )
     {
@@ -92,13 +101,31 @@ TEST( every_command_says_what_its_transcript_says )
     assert_int_equal( wrong, 0 );
 }
 
+static int remove_entry( const char* path, const struct stat* info, int kind, struct FTW* place )
+{
+    (void)info;
+    (void)kind;
+    (void)place;
+    return remove( path );
+}
+
+// A folder of its own.
 static int enter_folder( void** state )
 {
+    static char folder[] = P_tmpdir "/wisp_program_XXXXXX";
+    *state = mkdtemp( folder );
+    unsetenv( "NO_COLOR" );
     setenv( "WISP", program, 1 );
     setenv( "LC_ALL", "C", 1 );
     setenv( "WISP_CACHE", "cache", 1 );
     setenv( "SOURCE", WISP_SOURCE_ROOT, 1 );
-    return enter_new_folder( state ) == 0 && mkdir( "here", 0700 ) == 0 ? chdir( "here" ) : -1;
+    return *state && chdir( folder ) == 0 && mkdir( "here", 0700 ) == 0 ? chdir( "here" ) : -1;
+}
+
+// Remove the folder with everything that the program left in it.
+static int leave_folder( void** state )
+{
+    return chdir( "/" ) == 0 ? nftw( *state, remove_entry, 8, FTW_DEPTH | FTW_PHYS ) : -1;
 }
 
 TEST_ARGUMENTS( find_both )

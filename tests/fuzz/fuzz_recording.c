@@ -2,7 +2,7 @@
 // would hide nearly all bytes after them, so a second run corrects them.
 #include "fuzz.h"
 
-#include "../bad/bad_recordings.h"
+#include "../bad/seal_recording.h"
 #include "record.h"
 
 static void demand_finite( const wisp_vec3* points, int count )

@@ -1,22 +1,15 @@
 """What transcripts write and read: recordings of one mesh, and pictures of eight bits per channel."""
 import array
 import os
+import re
 import struct
+import subprocess
 import sys
 import zlib
 
 sys.path.insert(0, os.environ["SOURCE"] + "/tests/outputs")
 import wisp_recording
-
-
-def checksum(data, seed=0):
-    """Return the checksum of app/io/record_wisp.c."""
-    mask = 2**64 - 1
-    value = seed ^ (len(data) * 0x9E3779B97F4A7C15 & mask)
-    for word, in struct.iter_unpack("<Q", data + bytes(-len(data) % 8)):
-        value = (value ^ word) * 0xFF51AFD7ED558CCD & mask
-        value ^= value >> 32
-    return value
+from wisp_recording import checksum
 
 
 def seal(data, seed=0):
@@ -37,6 +30,15 @@ def record(path, frames, triangles, dt):
             head = struct.pack("<8s2QdQ", b"WISPFRAM", frame_bytes, i, i * dt, 0)
             file.write(seal(head + array.array("f", points).tobytes(), seed))
         file.write(seal(struct.pack("<8sQ", b"WISPEND\n", len(frames)), seed))
+
+
+def write_hair(path, sizes, points, thickness=(), transparency=(), colours=()):
+    """Write strands of so many vertices each: their x, y, z, and what there is of the other arrays."""
+    arrays = [array.array("f", numbers).tobytes() for numbers in (points, thickness, transparency, colours)]
+    flags = 1 + sum(2 << i for i, data in enumerate(arrays) if data)
+    with open(path, "wb") as file:
+        file.write(struct.pack("<4s3I", b"HAIR", len(sizes), len(points) // 3, flags) + bytes(112))
+        file.write(struct.pack(f"<{len(sizes)}H", *[size - 1 for size in sizes]) + b"".join(arrays))
 
 
 def change_frame(path, frame, change):
@@ -104,3 +106,42 @@ def same(a, b):
 
 def differing(a, b):
     return sum(p != q for p, q in zip(Picture(a).pixels(), Picture(b).pixels(), strict=True))
+
+
+# ---- runs ----
+
+
+class Body:
+    """A body of a recording: `frames` has x, y, z of each vertex in each frame, `numbers` corners or offsets, `corners` those of each frame."""
+
+    def __init__(self, body):
+        self.numbers, self.corners = body.numbers, body.triangles
+        self.frames = [list(zip(*[iter(frame)] * 3)) for frame in body.frames]
+
+    def still(self):
+        """Return the vertices that stay in the first step."""
+        return [v for v, (a, b) in enumerate(zip(*self.frames[:2])) if a == b]
+
+
+def run(text, *options):
+    """Run a scene. Return its bodies by name, and what the program said."""
+    open("scene.yaml", "w").write("wisp: 1\n" + text)
+    done = subprocess.run([os.environ["WISP"], "run", "scene.yaml", "--record", "scene.wisp", *options], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return {body.name: Body(body) for body in wisp_recording.read("scene.wisp")[0]}, done.stdout + done.stderr
+
+
+def hash_of(text):
+    return re.search(r"\nhash +(\S+)", run(text)[1])[1]
+
+
+def refused(text):
+    """Return the message that refuses a scene, behind warnings and the name of the program."""
+    open("scene.yaml", "w").write("wisp: 1\n" + text)
+    done = subprocess.run([os.environ["WISP"], "run", "scene.yaml"], capture_output=True, text=True)
+    assert done.returncode == 2 and done.stdout == "", (done.returncode, done.stderr)
+    return done.stderr.splitlines()[-1].removeprefix("wisp: ")
+
+
+def near(found, expected, tolerance):
+    return all(abs(a - b) <= tolerance for a, b in zip(found, expected, strict=True))

@@ -229,13 +229,13 @@ $ wisp bench papre
 ! wisp bench: CASE: got 'papre'; did you mean 'paper'?
 [64]
 $ wisp bench --format xml
-! wisp bench: --format: got 'xml', expected one of text, markdown, csv, json, latex, github
+! wisp bench: --format: got 'xml', expected one of text, markdown, csv, json, latex
 [64]
 $ wisp plan hair.yaml --format svg
 ! wisp plan: --format: got 'svg', expected one of text, dot, json
 [64]
 $ wisp tune cloth.yaml --error 1 --format tabel
-! wisp tune: --format: got 'tabel', expected one of text, markdown, csv, json, latex, github
+! wisp tune: --format: got 'tabel', expected one of text, markdown, csv, json, latex
 [64]
 $ wisp render ball.yaml --boundary clas -o a.png
 ! wisp render: --boundary: got 'clas'; did you mean 'class'?

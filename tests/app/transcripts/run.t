@@ -230,12 +230,11 @@ $ wisp run good.yaml --steps 2 --format json | grep -o '"frozen_hair.freeze"\|"f
 "strand_appearance.width"
 
 # Every format, on standard output or in a file.
-$ for f in text markdown csv json github; do wisp run good.yaml --format $f | head -n 1 | cut -c -12; done
+$ for f in text markdown csv json; do wisp run good.yaml --format $f | head -n 1 | cut -c -12; done
 scene       ...
 |  |  |
 case,variant
 {
-[
 $ wisp run good.yaml --format csv --output summary.csv
 $ test -r summary.csv
 

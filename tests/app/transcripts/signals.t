@@ -79,7 +79,7 @@ $ python3 <<'END'
 > finish( run, SIGINT, -SIGINT )
 > END
 
-# A killed run leaves no half of a file, where the file system has files without a name. A reader that leaves early costs no file.
+# A killed run leaves no half of a file, where the file system has files without a name, and all frames of a recording of ours. A reader that leaves early costs no file.
 $ python3 <<'END'
 > from ended import *
 > try:
@@ -88,6 +88,12 @@ $ python3 <<'END'
 >     assert not exists( "killed.usda" )
 > except OSError:
 >     pass
+> END
+$ python3 <<'END'
+> from ended import *
+> end( "run endless.yaml --record killed.wisp", 0.5, SIGKILL, -SIGKILL )
+> info = wisp( "info killed.wisp" )
+> assert int( info.split( "recording of " )[1].split()[0] ) > 1 and "wrong: the recording was " in info and info.count( "wrong" ) == 1
 > END
 $ wisp run endless.yaml --steps 20 --record early.wisp | true; wisp info --keys | head -n 1 >first.txt; wisp info early.wisp
 ...recording of 21 frames...
