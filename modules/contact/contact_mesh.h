@@ -64,6 +64,7 @@ typedef struct contact_participant
     bool is_corrected; // another module solves for it
     bool is_left_out;  // of the contact mesh: its counts are 0
     bool joins;        // it was apart until this substep
+    bool is_pushed;    // rows have points of it
     bool may_part;     // strands, far, whose reach is known
     float spacing;     // m, most that its vertices have to keep as spheres
     float cover;       // m, the same while spheres stand for it, else 0

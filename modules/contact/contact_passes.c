@@ -396,9 +396,9 @@ void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
     const bool has_rows = state->world.level != WISP_CONTACT_SPHERES;
     contact_gather( &work, false );
     memset( work.contact_mesh->shift, 0, (size_t)work.contact_mesh->point_count * 4 * sizeof( float ) );
-    if ( span->iteration == 0 && has_rows )
+    if ( has_rows )
     {
-        contact_start_warm( &work );
+        contact_begin_rows( &work, span->iteration == 0 );
     }
     project( &work, is_end );
     // what strands do is limited once more when their lengths are restored

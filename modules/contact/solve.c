@@ -36,6 +36,8 @@ static const float WARM_GAP = 2.0f;
 
 // Square of a cosine above which a body holds a point whole.
 static const float HELD = 0.99f;
+// Of its gap: how far off a half space a point is lifted.
+static const float LIFTED = 0.01f;
 
 typedef void row_fn( const contact_work* work, contact_row* row );
 
@@ -266,8 +268,16 @@ typedef struct bodies_loop
 {
     const contact_work* work;
     const contact_participant* participant;
-    bool presses;
+    bool presses, lets_go;
 } bodies_loop;
+
+// Return whether a point is off a half space that has pushed it: its edges and triangles were pushed farther. A sweep would take
+// back what the half space pushed, and with it what they did.
+static bool is_lifted( const float* half, const float* p )
+{
+    const float away = half[3] * ( p[0] - half[0] ) + half[4] * ( p[1] - half[1] ) + half[5] * ( p[2] - half[2] );
+    return away > ( 1.0f + LIFTED ) * half[9];
+}
 
 // Note which half space presses most on each point.
 static void find_holds( const bodies_loop* loop, int begin, int end )
@@ -283,9 +293,28 @@ static void find_holds( const bodies_loop* loop, int begin, int end )
         for ( int k = 0; k < found && k < WISP_MAX_HALF_SPACES; ++k )
         {
             float* half = participant->half_space_row + 16 * ( (size_t)i * WISP_MAX_HALF_SPACES + (size_t)k );
+            if ( loop->lets_go && is_lifted( half, s->now + (size_t)point * 4 ) )
+            {
+                memset( half + 10, 0, 4 * sizeof( float ) ); // corrections along the normal and across it
+            }
             *hold = half[10] > most ? half : *hold;
             most = contact_larger( most, half[10] );
         }
+    }
+}
+
+// Note whom rows may push. What they do not push needs no further sweep: being counted changes no motion.
+static void find_pushed( const contact_work* work )
+{
+    for ( int g = 0; g < work->participant_count; ++g )
+    {
+        work->participants[g].is_pushed = false;
+    }
+    const contact_constraints* c = work->contact_mesh->constraints;
+    for ( int r = 0; r < c->row_count; ++r )
+    {
+        contact_participant_of( work, c->rows[r].point[0] )->is_pushed = true;
+        contact_participant_of( work, c->rows[r].point[c->rows[r].count - 1] )->is_pushed = true;
     }
 }
 
@@ -324,7 +353,8 @@ static void project_bodies( const contact_work* work, bool presses )
     contact_contact_mesh* s = work->contact_mesh;
     for ( int g = 0; g < work->participant_count; ++g )
     {
-        bodies_loop loop = { work, work->participants + g, presses };
+        const bool is_pushed = work->participants[g].is_pushed;
+        bodies_loop loop = { work, work->participants + g, presses && is_pushed, presses == false && is_pushed };
         if ( loop.participant->half_spaces != NULL && loop.participant->half_space_row != NULL )
         {
             wisp_parallel_for( work->parallel, loop.participant->point_count, BODY_GRAIN, press_on_bodies, &loop );
@@ -417,14 +447,21 @@ static void push_warm( const contact_work* work, contact_row* row )
     }
 }
 
-void contact_start_warm( const contact_work* work )
+void contact_begin_rows( const contact_work* work, bool is_first )
 {
-    // kept impulses would hold what is drawn apart
-    const int count = work->memory->tangled == 0 ? work->contact_mesh->constraints->row_count : 0;
-    wisp_parallel_for( work->parallel, count, WARM_GRAIN, warm_rows, (void*)(uintptr_t)work );
+    if ( is_first )
+    {
+        // kept impulses would hold what is drawn apart
+        const int count = work->memory->tangled == 0 ? work->contact_mesh->constraints->row_count : 0;
+        wisp_parallel_for( work->parallel, count, WARM_GRAIN, warm_rows, (void*)(uintptr_t)work );
+        find_pushed( work );
+    }
     project_bodies( work, false );
-    run_all( work, push_warm );
-    project_bodies( work, true );
+    if ( is_first )
+    {
+        run_all( work, push_warm );
+        project_bodies( work, true );
+    }
 }
 
 void contact_keep_impulses( const contact_work* work )

@@ -4,8 +4,8 @@
 #include "constraints.h"
 #include "contact_mesh.h"
 
-/// Begin with the impulses that pairs had in the substep before.
-void contact_start_warm( const contact_work* work );
+/// Begin an iteration: the first one with the impulses that pairs had in the substep before.
+void contact_begin_rows( const contact_work* work, bool is_first );
 
 /// Keep the impulses for the next substep.
 void contact_keep_impulses( const contact_work* work );
