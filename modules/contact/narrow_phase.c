@@ -757,12 +757,18 @@ static void select_listed( void* context, int begin, int end, int worker )
     }
 }
 
-// Make the lists that do not hold. @return false without memory
+// Make the lists that do not hold, unless there are too many pairs. @return false without memory
 static bool make_lists( near_loop* loop )
 {
     contact_cached_bounds* bounds = loop->contact_mesh->bounds;
-    const bool is_full = bounds->last_length > bounds->listed_most - bounds->listed_count;
-    bool enough = is_full == false || contact_make_room_for_listed( loop->work, 0 ), fits = false;
+    if ( bounds->searched_count == 0 )
+    {
+        return true;
+    }
+    const bool is_first = bounds->listed_most == 0;
+    const int likely = is_first ? bounds->searched_count : bounds->last_length;
+    const bool is_full = likely > bounds->listed_most - bounds->listed_count;
+    bool enough = is_full == false || contact_make_room_for_listed( loop->work, is_first ? likely : 0 ), fits = false;
     atomic_init( &loop->is_out_of_memory, false );
     while ( enough && fits == false )
     {
@@ -775,7 +781,11 @@ static bool make_lists( near_loop* loop )
         enough = atomic_load( &loop->is_out_of_memory ) == false &&
                  ( fits || contact_make_room_for_listed( loop->work, length ) );
     }
-    bounds->listed_count += is_too_long( loop ) ? 0 : atomic_load( &loop->listed );
+    if ( enough && is_too_long( loop ) == false )
+    {
+        bounds->listed_count += bounds->last_length;
+        bounds->searched_count = 0;
+    }
     return enough;
 }
 
