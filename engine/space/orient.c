@@ -218,7 +218,8 @@ static bool all_finite( const float* const points[4] )
     return true;
 }
 
-int space_side_of_plane( const float* a, const float* b, const float* c, const float* d )
+// Returns the sign of the determinant; 0 if rounding may have changed it.
+static int side_in_doubles( const float* a, const float* b, const float* c, const float* d )
 {
     double ab[3], ac[3], ad[3];
     for ( int axis = 0; axis < 3; ++axis )
@@ -231,22 +232,43 @@ int space_side_of_plane( const float* a, const float* b, const float* c, const f
                                ( ab[0] * ac[1] - ab[1] * ac[0] ) * ad[2];
     const double error = filter_error * sum_of_magnitudes( ab, ac, ad );
     // both comparisons are false for NaN and infinity
-    if ( determinant > error )
-    {
-        return 1;
-    }
-    if ( determinant < -error )
-    {
-        return -1;
-    }
+    return determinant > error ? 1 : determinant < -error ? -1 : 0;
+}
+
+int space_side_of_plane( const float* a, const float* b, const float* c, const float* d )
+{
     const float* const points[4] = { a, b, c, d };
-    return all_finite( points ) ? side_in_whole_numbers( points ) : 0;
+    const int side = side_in_doubles( a, b, c, d );
+    return side != 0 || !all_finite( points ) ? side : side_in_whole_numbers( points );
+}
+
+// Tests whether a plane across the line between the centres parts a segment from a triangle. Primitives of a flat sheet lie in one
+// plane, which takes whole numbers to see, and nearly all of them are apart. The margin is far above ten roundings.
+static bool are_apart( const float* const points[5] )
+{
+    double line[3], at[5] = { 0.0 }, magnitude = 0.0;
+    for ( int axis = 0; axis < 3; ++axis )
+    {
+        line[axis] = 3.0 * ( (double)points[0][axis] + (double)points[1][axis] ) -
+                     2.0 * ( (double)points[2][axis] + (double)points[3][axis] + (double)points[4][axis] );
+        for ( int i = 0; i < 5; ++i )
+        {
+            const double along = line[axis] * ( (double)points[i][axis] - (double)points[2][axis] );
+            at[i] += along;
+            magnitude += fabs( along );
+        }
+    }
+    return fmin( at[0], at[1] ) - fmax( at[2], fmax( at[3], at[4] ) ) > 0x1p-40 * magnitude;
 }
 
 bool wisp_segment_intersects( const float* p, const float* q, const float* a, const float* b, const float* c )
 {
+    int side = side_in_doubles( a, b, c, p );
+    if ( side == 0 )
+    {
+        side = are_apart( ( const float* const[5] ){ p, q, a, b, c } ) ? 0 : space_side_of_plane( a, b, c, p );
+    }
     // the ends are on different sides of the plane; a point that is not finite is on neither
-    const int side = space_side_of_plane( a, b, c, p );
     if ( side == 0 || space_side_of_plane( a, b, c, q ) != -side )
     {
         return false;
