@@ -70,21 +70,29 @@ static int pad_to_eight( int32_t* const point_x4[4], int count )
     return count;
 }
 
-static void measure_batch( const contact_work* work, contact_kind kind, contact_batch* batch )
+// Find the closest points of pairs of one kind, eight per kernel call (engine/kernels/closest.c).
+static void find_closest( const contact_work* work, int32_t* const point_x4[4], int count, bool are_edges,
+                          wisp_closest_args args )
 {
     const wisp_kernels* kernels = wisp_frame_kernels( work->frame );
+    const int groups = pad_to_eight( point_x4, count ) / WISP_SLICE;
+    for ( int k = 0; k < 4; ++k )
+    {
+        args.point_x4[k] = point_x4[k];
+    }
+    ( are_edges ? kernels->closest_segments : kernels->closest_triangle )( &args, 0, groups );
+}
+
+static void measure_batch( const contact_work* work, contact_kind kind, contact_batch* batch )
+{
+    int32_t* const points[4] = { batch->point_x4[0], batch->point_x4[1], batch->point_x4[2], batch->point_x4[3] };
     if ( kind == CONTACT_EDGES )
     {
         put_less_first( batch );
     }
-    int32_t* const points[4] = { batch->point_x4[0], batch->point_x4[1], batch->point_x4[2], batch->point_x4[3] };
-    const wisp_closest_args args = {
-        .xyzw = work->contact_mesh->intersection_free,
-        .point_x4 = { points[0], points[1], points[2], points[3] },
-        .distance = batch->distance,
-    };
-    const int groups = pad_to_eight( points, batch->count ) / WISP_SLICE;
-    ( kind == CONTACT_EDGES ? kernels->closest_segments : kernels->closest_triangle )( &args, 0, groups );
+    find_closest(
+        work, points, batch->count, kind == CONTACT_EDGES,
+        ( wisp_closest_args ){ .xyzw = work->contact_mesh->intersection_free, .distance = batch->distance } );
 }
 
 // Move the pairs in `selected` to the front.
@@ -370,33 +378,14 @@ static bool reserve_near( const contact_work* work, contact_kind kind, int count
     return enough;
 }
 
-// Closest points of a point and a triangle, or of two edges, eight pairs per kernel call. In: positions and the
-// points of pairs. Out: distances, barycentric weights of the closest points, and the unit vector between them. The
-// kernels closest_triangle and closest_segments do the work (engine/kernels).
-
 const float* contact_measure_primitives( const contact_work* work, const float* xyzw, contact_primitives* primitives,
                                          int count, float ( *weight )[4][WISP_SLICE],
                                          float ( *normal )[3][WISP_SLICE] )
 {
-    const int groups = ( count + WISP_SLICE - 1 ) / WISP_SLICE;
-    // lanes without a pair repeat the last pair
-    for ( int i = count; i < groups * WISP_SLICE; ++i )
-    {
-        for ( int k = 0; k < 4; ++k )
-        {
-            primitives->point_x4[k][i] = primitives->point_x4[k][count - 1];
-        }
-    }
-    const wisp_closest_args args = {
-        .xyzw = xyzw,
-        .point_x4 = { primitives->point_x4[0], primitives->point_x4[1], primitives->point_x4[2],
-                      primitives->point_x4[3] },
-        .distance = primitives->distance,
-        .weight = weight,
-        .normal = normal,
-    };
-    const wisp_kernels* kernels = wisp_frame_kernels( work->frame );
-    ( primitives->are_edges ? kernels->closest_segments : kernels->closest_triangle )( &args, 0, groups );
+    int32_t( *p )[CONTACT_BATCH] = primitives->point_x4;
+    find_closest(
+        work, ( int32_t* const[4] ){ p[0], p[1], p[2], p[3] }, count, primitives->are_edges,
+        ( wisp_closest_args ){ .xyzw = xyzw, .distance = primitives->distance, .weight = weight, .normal = normal } );
     return primitives->distance;
 }
 

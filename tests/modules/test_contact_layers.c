@@ -498,9 +498,7 @@ TEST( each_closest_point_has_one_row )
         def.max_push_out_speed = 1e-9f; // m/s: nothing moves
         set_contact( h.world, e, &def );
     }
-    request_stats( h.world );
     run_steps( h.world, 1, FRAME );
-    assert_int_equal( contact_stats( h.world ).searches, 1 ); // also of a start, where nothing coincides
     contact_state* found;
     assert_status( h.world, contact_find_state( h.world, &found ), WISP_OK );
     const contact_contact_mesh* s = &found->contact_mesh;
@@ -522,7 +520,7 @@ TEST( each_closest_point_has_one_row )
         assert_true( rows == 1 || ( rows == 0 && nearest >= 0.01 ) );
         met += rows;
     }
-    assert_true( met > 50 );
+    assert_true( met > 50 && s->broad_phase->searches == 1 ); // lists of a start hold where nothing coincides
 }
 
 // Return how far the sides of a pair are from each other at the end, along the normal at the start.
