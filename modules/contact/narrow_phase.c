@@ -402,8 +402,10 @@ enum
 // All in gaps beyond the gap itself. Clusters that a plane separates by APART are not split into primitives.
 // Primitives within MEASURED are measured, and listed where their clusters approach by less than SLOW in a substep, so
 // that the list holds for some. Otherwise the list is brief: only what is active in this substep. Farther ones have a
-// separating plane for a bound; beyond SEEN from the other cluster's box they are skipped.
+// separating plane for a bound; beyond SEEN from the other cluster's box they are skipped. Clusters of two participants
+// slide along each other: their lists hold at higher speeds, and of brief ones less is measured.
 static const float APART_GAPS = 0.5f, MEASURED_GAPS = 0.6f, SLOW_GAPS = 0.3f, SEEN_GAPS = 1.5f;
+static const float OTHERS_SLOW_GAPS = 0.5f, OTHERS_BRIEF_GAPS = 0.3f;
 
 typedef struct near_loop
 {
@@ -583,30 +585,23 @@ static void test_clusters( narrow_task* task, int count )
 static void begin_test( narrow_task* task, int number, int pair )
 {
     const contact_contact_mesh* s = task->loop->contact_mesh;
-    const contact_participant* participants = task->loop->work->participants;
     const int a = s->bounds->pairs.cluster[pair], b = s->bounds->pairs.other[pair];
+    const contact_participant *of_a = task->loop->work->participants + s->clusters->items[a].participant,
+                              *of_b = task->loop->work->participants + s->clusters->items[b].participant;
     cluster_test* test = task->tests + number;
     *test = ( cluster_test ){ .pair = pair, .cluster = { a, b }, .placed = { place( task, a ), place( task, b ) } };
-    test->gap = contact_gap_between( participants + s->clusters->items[a].participant,
-                                     participants + s->clusters->items[b].participant );
+    test->gap = contact_gap_between( of_a, of_b );
     test->closing = contact_closing_of( s->motion->ways + a, s->motion->ways + b );
     const float needed = 1.001f * test->gap + test->closing;
-    task->measured[number] = needed + MEASURED_GAPS * test->gap;
-    task->is_brief[number] = test->closing >= SLOW_GAPS * test->gap;
-    task->listed[number] = task->is_brief[number] ? needed : task->measured[number];
-    test->bound = test->closing + ( MEASURED_GAPS + SEEN_GAPS ) * test->gap;
+    const bool is_brief = test->closing >= ( of_a == of_b ? SLOW_GAPS : OTHERS_SLOW_GAPS ) * test->gap;
+    const float measured = is_brief && of_a != of_b ? OTHERS_BRIEF_GAPS : MEASURED_GAPS;
+    task->is_brief[number] = is_brief;
+    task->measured[number] = needed + measured * test->gap;
+    task->listed[number] = is_brief ? needed : task->measured[number];
+    test->bound = test->closing + ( measured + SEEN_GAPS ) * test->gap;
     for ( int i = 0; i < WISP_SLICE; ++i )
     {
         test->least[i] = INFINITY;
-    }
-}
-
-// Lower the bound of a pair of clusters by what planes culled.
-static void lower_bound( cluster_test* test )
-{
-    for ( int i = 0; i < WISP_SLICE; ++i )
-    {
-        test->bound = contact_smaller( test->least[i] - 1.001f * test->gap, test->bound );
     }
 }
 
@@ -633,8 +628,12 @@ static void search_batch( narrow_task* task, const int32_t* pairs, int count )
     int length = 0, brief = 0, at[WISP_PRIMITIVE_BATCH];
     for ( int i = 0; i < count; ++i )
     {
-        const int listed = task->tests[i].list.points + task->tests[i].list.edges;
-        lower_bound( task->tests + i );
+        cluster_test* test = task->tests + i;
+        const int listed = test->list.points + test->list.edges;
+        for ( int k = 0; k < WISP_SLICE; ++k ) // what planes culled
+        {
+            test->bound = contact_smaller( test->least[k] - 1.001f * test->gap, test->bound );
+        }
         length += listed > 0 ? listed + 1 : 0;
         brief += task->is_brief[i] ? listed : 0;
     }
