@@ -485,22 +485,27 @@ TEST( no_pair_is_nearer_than_its_list_says )
     assert_true( count > 100000 && listed > 1000 );
 }
 
-// Points of sheets that lie on one another, whose edges and corners meet in all ways, have one row each.
+// Points of sheets that lie on one another, whose edges and corners meet in all ways, have one row each. Two more that start in one
+// place are parted, and pairs are searched again: without them the search of a start holds.
 TEST( each_closest_point_has_one_row )
 {
     SCOPED( close_world ) hosted h;
     open_contact( &h, 1, 1, 1 );
-    for ( int i = 0; i < 2; ++i )
-    {
-        test_mesh mesh = level_sheet( 9, 0.2f, ( wisp_vec3 ){ 0.005f * (float)i, 0.0095f * (float)i, 0.0f } );
-        const wisp_entity e = add_draping( h.world, &mesh, NULL, 0, ( wisp_vec3 ){ 0 } );
-        wisp_contact_def def = contact_of( 0.01f );
-        def.max_push_out_speed = 1e-9f; // m/s: nothing moves
-        set_contact( h.world, e, &def );
-    }
-    run_steps( h.world, 1, FRAME );
     contact_state* found;
     assert_status( h.world, contact_find_state( h.world, &found ), WISP_OK );
+    wisp_contact_def def = contact_of( 0.01f );
+    def.max_push_out_speed = 1e-9f; // m/s: nothing moves
+    for ( int i = 0; i < 4; ++i )
+    {
+        const wisp_vec3 place = { 0.005f * (float)( i % 2 ), 0.0095f * (float)i, 0.0f };
+        test_mesh mesh = level_sheet( 9, 0.2f, i < 2 ? place : ( wisp_vec3 ){ 0.0f, 5.0f, 0.0f } );
+        set_contact( h.world, add_draping( h.world, &mesh, NULL, 0, ( wisp_vec3 ){ 0 } ), &def );
+        if ( i % 2 == 1 )
+        {
+            run_steps( h.world, 1, FRAME );
+            assert_int_equal( found->contact_mesh.broad_phase->searches, i < 2 ? 1 : 2 );
+        }
+    }
     const contact_contact_mesh* s = &found->contact_mesh;
     const contact_participant* sheets = found->participants;
     int met = 0;
@@ -520,7 +525,7 @@ TEST( each_closest_point_has_one_row )
         assert_true( rows == 1 || ( rows == 0 && nearest >= 0.01 ) );
         met += rows;
     }
-    assert_true( met > 50 && s->broad_phase->searches == 1 ); // lists of a start hold where nothing coincides
+    assert_true( met > 50 );
 }
 
 // Return how far the sides of a pair are from each other at the end, along the normal at the start.
