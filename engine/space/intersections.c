@@ -73,23 +73,18 @@ static wisp_aabb box_of( const float* xyzw, const int32_t* corners, int count )
     return box;
 }
 
-static void box_edges( void* context, int begin, int end, int worker )
+// Edges, then triangles.
+static void box_primitives( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const intersection_search* s = context;
+    const wisp_intersection_args* args = s->args;
     for ( int i = begin; i < end; ++i )
     {
-        s->edge_boxes[i] = box_of( s->args->xyzw, s->args->edges + 2 * (size_t)i, 2 );
-    }
-}
-
-static void box_triangles( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const intersection_search* s = context;
-    for ( int i = begin; i < end; ++i )
-    {
-        s->triangle_boxes[i] = box_of( s->args->xyzw, s->args->triangles + 3 * (size_t)i, 3 );
+        const int t = i - args->edge_count;
+        *( t < 0 ? s->edge_boxes + i : s->triangle_boxes + t ) =
+            t < 0 ? box_of( args->xyzw, args->edges + 2 * (size_t)i, 2 )
+                  : box_of( args->xyzw, args->triangles + 3 * (size_t)t, 3 );
     }
 }
 
@@ -110,8 +105,8 @@ static wisp_status find_candidates( wisp_intersections* intersections, const wis
     }
     s->edge_boxes = edges->data;
     s->triangle_boxes = triangles->data;
-    wisp_parallel_for( parallel, args->edge_count, INTERSECTIONS_BOX_GRAIN, box_edges, s );
-    wisp_parallel_for( parallel, args->triangle_count, INTERSECTIONS_BOX_GRAIN, box_triangles, s );
+    wisp_parallel_for( parallel, args->edge_count + args->triangle_count, INTERSECTIONS_BOX_GRAIN, box_primitives,
+                       s );
     const wisp_aabb_args boxes = {
         .queries = s->edge_boxes,
         .query_count = args->edge_count,

@@ -153,12 +153,16 @@ static bool find_span( float_parts parts[4][3], int* lowest, int* span )
     return lower <= upper;
 }
 
-// Computes (b - a) x (c - a) . (d - a) in integers with as many limbs as the coordinates require.
+// Computes the sign of (b - a) x (c - a) . (d - a) in integers with as many limbs as the coordinates require; 0 for NaN and infinity.
 static int side_in_whole_numbers( const float* const points[4] )
 {
     float_parts parts[4][3];
     for ( int i = 0; i < 4 * 3; ++i )
     {
+        if ( !isfinite( points[i / 3][i % 3] ) )
+        {
+            return 0;
+        }
         parts[i / 3][i % 3] = decompose( points[i / 3][i % 3] );
     }
     int unit, span;
@@ -195,58 +199,58 @@ static int side_in_whole_numbers( const float* const points[4] )
 // error of that sum is as small. Twice the bound also covers the rounding of the bound itself.
 static const double filter_error = 0x1p-49;
 
-static double sum_of_magnitudes( const double b[3], const double c[3], const double d[3] )
+// Returns the sign of the determinant; 0 if rounding may have changed it, or for NaN or infinity.
+static int side_in_doubles( const float* a, const float* b, const float* c, const float* d )
 {
-    double sum = 0.0;
-    for ( int axis = 0; axis < 3; ++axis )
-    {
-        const int next = ( axis + 1 ) % 3, last = ( axis + 2 ) % 3;
-        sum += ( fabs( b[next] * c[last] ) + fabs( b[last] * c[next] ) ) * fabs( d[axis] );
-    }
-    return sum;
-}
-
-static bool all_finite( const float* const points[4] )
-{
-    for ( int i = 0; i < 4 * 3; ++i )
-    {
-        if ( !isfinite( points[i / 3][i % 3] ) )
-        {
-            return false;
-        }
-    }
-    return true;
-}
-
-int space_side_of_plane( const float* a, const float* b, const float* c, const float* d )
-{
-    double ab[3], ac[3], ad[3];
+    double ab[3], ac[3], ad[3], determinant = 0.0, magnitude = 0.0;
     for ( int axis = 0; axis < 3; ++axis )
     {
         ab[axis] = (double)b[axis] - (double)a[axis];
         ac[axis] = (double)c[axis] - (double)a[axis];
         ad[axis] = (double)d[axis] - (double)a[axis];
     }
-    const double determinant = ( ab[1] * ac[2] - ab[2] * ac[1] ) * ad[0] + ( ab[2] * ac[0] - ab[0] * ac[2] ) * ad[1] +
-                               ( ab[0] * ac[1] - ab[1] * ac[0] ) * ad[2];
-    const double error = filter_error * sum_of_magnitudes( ab, ac, ad );
-    // both comparisons are false for NaN and infinity
-    if ( determinant > error )
+    for ( int axis = 0; axis < 3; ++axis )
     {
-        return 1;
+        const int next = ( axis + 1 ) % 3, last = ( axis + 2 ) % 3;
+        const double plus = ab[next] * ac[last], minus = ab[last] * ac[next];
+        determinant += ( plus - minus ) * ad[axis];
+        magnitude += ( fabs( plus ) + fabs( minus ) ) * fabs( ad[axis] );
     }
-    if ( determinant < -error )
+    const double error = filter_error * magnitude;
+    return determinant > error ? 1 : determinant < -error ? -1 : 0;
+}
+
+int space_side_of_plane( const float* a, const float* b, const float* c, const float* d )
+{
+    const int side = side_in_doubles( a, b, c, d );
+    return side != 0 ? side : side_in_whole_numbers( ( const float* const[4] ){ a, b, c, d } );
+}
+
+// Tests whether a plane across the line between the centres parts a segment from a triangle. Primitives of a flat sheet lie in one
+// plane, which takes whole numbers to see, and most of them are apart. The margin is far above ten roundings.
+static bool are_apart( const float* const points[5] )
+{
+    double line[3], at[5] = { 0.0 }, magnitude = 0.0;
+    for ( int axis = 0; axis < 3; ++axis )
     {
-        return -1;
+        line[axis] = 3.0 * ( (double)points[0][axis] + (double)points[1][axis] ) -
+                     2.0 * ( (double)points[2][axis] + (double)points[3][axis] + (double)points[4][axis] );
+        for ( int i = 0; i < 5; ++i )
+        {
+            const double along = line[axis] * ( (double)points[i][axis] - (double)points[2][axis] );
+            at[i] += along;
+            magnitude += fabs( along );
+        }
     }
-    const float* const points[4] = { a, b, c, d };
-    return all_finite( points ) ? side_in_whole_numbers( points ) : 0;
+    return fmin( at[0], at[1] ) - fmax( at[2], fmax( at[3], at[4] ) ) > 0x1p-40 * magnitude;
 }
 
 bool wisp_segment_intersects( const float* p, const float* q, const float* a, const float* b, const float* c )
 {
+    const int likely = side_in_doubles( a, b, c, p );
+    const bool is_clear = likely != 0 || are_apart( ( const float* const[5] ){ p, q, a, b, c } );
+    const int side = is_clear ? likely : space_side_of_plane( a, b, c, p );
     // the ends are on different sides of the plane; a point that is not finite is on neither
-    const int side = space_side_of_plane( a, b, c, p );
     if ( side == 0 || space_side_of_plane( a, b, c, q ) != -side )
     {
         return false;

@@ -27,12 +27,10 @@ static wisp_aabb box_of_motion( const contact_work* work, int p )
     const contact_predicted_motion* predicted = s->motion->predicted + p;
     const float wide =
         0.5f * work->participants[s->clusters->items[p].participant].settings.thickness + predicted->margin;
-    // with a search per step, ways are those of the step
-    const int substeps = CONTACT_SUBSTEPS_AHEAD;
     wisp_aabb box = contact_box_around( work, s->clusters->items + p );
     for ( int k = 0; k < 3; ++k )
     {
-        const float way = (float)substeps * predicted->displacement[k];
+        const float way = (float)CONTACT_SUBSTEPS_AHEAD * predicted->displacement[k];
         box.lower[k] += contact_smaller( way, 0.0f ) - wide;
         box.upper[k] += contact_larger( way, 0.0f ) + wide;
     }

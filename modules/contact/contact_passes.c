@@ -208,7 +208,7 @@ static void begin_step( const contact_work* work )
     }
 }
 
-// Before intersections are marked: whether what touches in one plane intersects is a matter of rounding.
+// Before intersections are marked: whether what touches in one plane intersects is a matter of rounding. Lists hold unless something moves.
 static bool part_coincident( const contact_work* work )
 {
     work->memory->tangled = 0;
@@ -217,10 +217,7 @@ static bool part_coincident( const contact_work* work )
                        run_stage( work, contact_find_rows );
     work->contact_mesh->is_parting = false;
     work->memory->tangled = 1;
-    if ( found )
-    {
-        contact_part_coincident( work );
-    }
+    work->contact_mesh->is_listed = found && contact_part_coincident( work ) == false;
     return found;
 }
 
@@ -289,21 +286,24 @@ void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
         find_spheres( &work, span->substep == 0 );
         return;
     }
-    const contact_reached reached = contact_expect_ways( &work );
-    if ( s->is_reset && part_coincident( &work ) == false )
+    contact_reached reached = contact_expect_ways( &work );
+    if ( s->is_reset )
     {
-        return;
+        s->is_listed = false;
+        if ( part_coincident( &work ) == false )
+        {
+            return;
+        }
+        reached = CONTACT_WITHIN;
+        s->is_reset = false;
     }
-    const bool is_new = s->is_listed == false || s->is_reset;
-    s->is_listed = is_new == false;
-    s->is_reset = false;
     // intersections change from substep to substep
-    if ( ( is_new || work.memory->tangled != 0 ) && run_stage( &work, contact_mark_intersections ) == false )
+    if ( ( s->is_listed == false || work.memory->tangled != 0 ) &&
+         run_stage( &work, contact_mark_intersections ) == false )
     {
         return;
     }
-    const bool holds = is_new == false && reached != CONTACT_BEYOND;
-    if ( holds || run_stage( &work, contact_search ) )
+    if ( ( s->is_listed && reached != CONTACT_BEYOND ) || run_stage( &work, contact_search ) )
     {
         (void)( run_stage( &work, contact_find_rows ) && run_stage( &work, contact_colour_rows ) );
     }

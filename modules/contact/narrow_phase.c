@@ -70,21 +70,29 @@ static int pad_to_eight( int32_t* const point_x4[4], int count )
     return count;
 }
 
-static void measure_batch( const contact_work* work, contact_kind kind, contact_batch* batch )
+// Find the closest points of pairs of one kind, eight per kernel call (engine/kernels/closest.c).
+static void find_closest( const contact_work* work, int32_t* const point_x4[4], int count, bool are_edges,
+                          wisp_closest_args args )
 {
     const wisp_kernels* kernels = wisp_frame_kernels( work->frame );
+    const int groups = pad_to_eight( point_x4, count ) / WISP_SLICE;
+    for ( int k = 0; k < 4; ++k )
+    {
+        args.point_x4[k] = point_x4[k];
+    }
+    ( are_edges ? kernels->closest_segments : kernels->closest_triangle )( &args, 0, groups );
+}
+
+static void measure_batch( const contact_work* work, contact_kind kind, contact_batch* batch )
+{
+    int32_t* const points[4] = { batch->point_x4[0], batch->point_x4[1], batch->point_x4[2], batch->point_x4[3] };
     if ( kind == CONTACT_EDGES )
     {
         put_less_first( batch );
     }
-    int32_t* const points[4] = { batch->point_x4[0], batch->point_x4[1], batch->point_x4[2], batch->point_x4[3] };
-    const wisp_closest_args args = {
-        .xyzw = work->contact_mesh->intersection_free,
-        .point_x4 = { points[0], points[1], points[2], points[3] },
-        .distance = batch->distance,
-    };
-    const int groups = pad_to_eight( points, batch->count ) / WISP_SLICE;
-    ( kind == CONTACT_EDGES ? kernels->closest_segments : kernels->closest_triangle )( &args, 0, groups );
+    find_closest(
+        work, points, batch->count, kind == CONTACT_EDGES,
+        ( wisp_closest_args ){ .xyzw = work->contact_mesh->intersection_free, .distance = batch->distance } );
 }
 
 // Move the pairs in `selected` to the front.
@@ -370,33 +378,14 @@ static bool reserve_near( const contact_work* work, contact_kind kind, int count
     return enough;
 }
 
-// Closest points of a point and a triangle, or of two edges, eight pairs per kernel call. In: positions and the
-// points of pairs. Out: distances, barycentric weights of the closest points, and the unit vector between them. The
-// kernels closest_triangle and closest_segments do the work (engine/kernels).
-
 const float* contact_measure_primitives( const contact_work* work, const float* xyzw, contact_primitives* primitives,
                                          int count, float ( *weight )[4][WISP_SLICE],
                                          float ( *normal )[3][WISP_SLICE] )
 {
-    const int groups = ( count + WISP_SLICE - 1 ) / WISP_SLICE;
-    // lanes without a pair repeat the last pair
-    for ( int i = count; i < groups * WISP_SLICE; ++i )
-    {
-        for ( int k = 0; k < 4; ++k )
-        {
-            primitives->point_x4[k][i] = primitives->point_x4[k][count - 1];
-        }
-    }
-    const wisp_closest_args args = {
-        .xyzw = xyzw,
-        .point_x4 = { primitives->point_x4[0], primitives->point_x4[1], primitives->point_x4[2],
-                      primitives->point_x4[3] },
-        .distance = primitives->distance,
-        .weight = weight,
-        .normal = normal,
-    };
-    const wisp_kernels* kernels = wisp_frame_kernels( work->frame );
-    ( primitives->are_edges ? kernels->closest_segments : kernels->closest_triangle )( &args, 0, groups );
+    int32_t( *p )[CONTACT_BATCH] = primitives->point_x4;
+    find_closest(
+        work, ( int32_t* const[4] ){ p[0], p[1], p[2], p[3] }, count, primitives->are_edges,
+        ( wisp_closest_args ){ .xyzw = xyzw, .distance = primitives->distance, .weight = weight, .normal = normal } );
     return primitives->distance;
 }
 
@@ -413,8 +402,10 @@ enum
 // All in gaps beyond the gap itself. Clusters that a plane separates by APART are not split into primitives.
 // Primitives within MEASURED are measured, and listed where their clusters approach by less than SLOW in a substep, so
 // that the list holds for some. Otherwise the list is brief: only what is active in this substep. Farther ones have a
-// separating plane for a bound; beyond SEEN from the other cluster's box they are skipped.
+// separating plane for a bound; beyond SEEN from the other cluster's box they are skipped. Clusters of two participants
+// slide along each other: their lists hold at higher speeds, and of brief ones less is measured.
 static const float APART_GAPS = 0.5f, MEASURED_GAPS = 0.6f, SLOW_GAPS = 0.3f, SEEN_GAPS = 1.5f;
+static const float OTHERS_SLOW_GAPS = 0.5f, OTHERS_BRIEF_GAPS = 0.3f;
 
 typedef struct near_loop
 {
@@ -594,30 +585,23 @@ static void test_clusters( narrow_task* task, int count )
 static void begin_test( narrow_task* task, int number, int pair )
 {
     const contact_contact_mesh* s = task->loop->contact_mesh;
-    const contact_participant* participants = task->loop->work->participants;
     const int a = s->bounds->pairs.cluster[pair], b = s->bounds->pairs.other[pair];
+    const contact_participant *of_a = task->loop->work->participants + s->clusters->items[a].participant,
+                              *of_b = task->loop->work->participants + s->clusters->items[b].participant;
     cluster_test* test = task->tests + number;
     *test = ( cluster_test ){ .pair = pair, .cluster = { a, b }, .placed = { place( task, a ), place( task, b ) } };
-    test->gap = contact_gap_between( participants + s->clusters->items[a].participant,
-                                     participants + s->clusters->items[b].participant );
+    test->gap = contact_gap_between( of_a, of_b );
     test->closing = contact_closing_of( s->motion->ways + a, s->motion->ways + b );
     const float needed = 1.001f * test->gap + test->closing;
-    task->measured[number] = needed + MEASURED_GAPS * test->gap;
-    task->is_brief[number] = test->closing >= SLOW_GAPS * test->gap;
-    task->listed[number] = task->is_brief[number] ? needed : task->measured[number];
-    test->bound = test->closing + ( MEASURED_GAPS + SEEN_GAPS ) * test->gap;
+    const bool is_brief = test->closing >= ( of_a == of_b ? SLOW_GAPS : OTHERS_SLOW_GAPS ) * test->gap;
+    const float measured = is_brief && of_a != of_b ? OTHERS_BRIEF_GAPS : MEASURED_GAPS;
+    task->is_brief[number] = is_brief;
+    task->measured[number] = needed + measured * test->gap;
+    task->listed[number] = is_brief ? needed : task->measured[number];
+    test->bound = test->closing + ( measured + SEEN_GAPS ) * test->gap;
     for ( int i = 0; i < WISP_SLICE; ++i )
     {
         test->least[i] = INFINITY;
-    }
-}
-
-// Lower the bound of a pair of clusters by what planes culled.
-static void lower_bound( cluster_test* test )
-{
-    for ( int i = 0; i < WISP_SLICE; ++i )
-    {
-        test->bound = contact_smaller( test->least[i] - 1.001f * test->gap, test->bound );
     }
 }
 
@@ -644,8 +628,12 @@ static void search_batch( narrow_task* task, const int32_t* pairs, int count )
     int length = 0, brief = 0, at[WISP_PRIMITIVE_BATCH];
     for ( int i = 0; i < count; ++i )
     {
-        const int listed = task->tests[i].list.points + task->tests[i].list.edges;
-        lower_bound( task->tests + i );
+        cluster_test* test = task->tests + i;
+        const int listed = test->list.points + test->list.edges;
+        for ( int k = 0; k < WISP_SLICE; ++k ) // what planes culled
+        {
+            test->bound = contact_smaller( test->least[k] - 1.001f * test->gap, test->bound );
+        }
         length += listed > 0 ? listed + 1 : 0;
         brief += task->is_brief[i] ? listed : 0;
     }
@@ -757,12 +745,18 @@ static void select_listed( void* context, int begin, int end, int worker )
     }
 }
 
-// Make the lists that do not hold. @return false without memory
+// Make the lists that do not hold, unless there are too many pairs. @return false without memory
 static bool make_lists( near_loop* loop )
 {
     contact_cached_bounds* bounds = loop->contact_mesh->bounds;
-    const bool is_full = bounds->last_length > bounds->listed_most - bounds->listed_count;
-    bool enough = is_full == false || contact_make_room_for_listed( loop->work, 0 ), fits = false;
+    if ( bounds->searched_count == 0 )
+    {
+        return true;
+    }
+    const bool is_first = bounds->listed_most == 0;
+    const int likely = is_first ? bounds->searched_count : bounds->last_length;
+    const bool is_full = likely > bounds->listed_most - bounds->listed_count;
+    bool enough = is_full == false || contact_make_room_for_listed( loop->work, is_first ? likely : 0 ), fits = false;
     atomic_init( &loop->is_out_of_memory, false );
     while ( enough && fits == false )
     {
@@ -775,7 +769,11 @@ static bool make_lists( near_loop* loop )
         enough = atomic_load( &loop->is_out_of_memory ) == false &&
                  ( fits || contact_make_room_for_listed( loop->work, length ) );
     }
-    bounds->listed_count += is_too_long( loop ) ? 0 : atomic_load( &loop->listed );
+    if ( enough && is_too_long( loop ) == false )
+    {
+        bounds->listed_count += bounds->last_length;
+        bounds->searched_count = 0;
+    }
     return enough;
 }
 

@@ -647,7 +647,7 @@ static bool begin_parting( parting* p )
     return true;
 }
 
-void contact_part_coincident( const contact_work* work )
+bool contact_part_coincident( const contact_work* work )
 {
     const contact_constraints* constraints = work->contact_mesh->constraints;
     parting p = { .work = work };
@@ -659,7 +659,7 @@ void contact_part_coincident( const contact_work* work )
         {
             if ( any == false && begin_parting( &p ) == false )
             {
-                return; // without memory they stay in one place
+                return false; // without memory they stay in one place
             }
             any = true;
             add_ways( &p, row );
@@ -685,4 +685,5 @@ void contact_part_coincident( const contact_work* work )
             move_points( &p, g );
         }
     }
+    return any;
 }

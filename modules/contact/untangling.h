@@ -43,5 +43,6 @@ int contact_count_intersections( const contact_contact_mesh* s, int a, int b );
 wisp_status contact_mark_intersections( const contact_work* work, wisp_error* error );
 
 /// Part participants whose primitives start in one place, by a tenth of their distance and along the normals of the earlier one, in
-/// the order of their numbers. One that has pins stays. The recovery does the rest. Rows have to be found again.
-void contact_part_coincident( const contact_work* work );
+/// the order of their numbers. One that has pins stays. The recovery does the rest.
+/// @return whether any are: pairs and rows have to be found again
+bool contact_part_coincident( const contact_work* work );
