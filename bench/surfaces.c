@@ -252,10 +252,10 @@ double balloon_stiffness_sum( const wisp_fabric* fabric, const wisp_balloon_def*
     double sum = 0.0;
     for ( int slot = 0; slot < fabric->link_order.slot_count; ++slot )
     {
-        int link = fabric->link_order.constraint[slot];
         double rest = (double)fabric->link_rest[slot];
-        double stiffness = (double)( link < fabric->edge_count ? def->edge_stiffness : def->bend_link_stiffness );
-        sum += link >= 0 ? stiffness * rest * rest : 0.0;
+        double stiffness =
+            (double)( wisp_fabric_link_kind( fabric, slot ) == 1 ? def->bend_link_stiffness : def->edge_stiffness );
+        sum += stiffness * rest * rest;
     }
     return sum;
 }

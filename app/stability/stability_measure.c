@@ -35,24 +35,25 @@ static double softness_of_fraction( double fraction, double weight, double h )
 static double energy_of_links( const stability_reader* r, const scene_world* world, double h )
 {
     const wisp_fabric* f = r->fabric;
-    const wisp_schedule* order = &f->link_order;
-    const float* compliance = wisp_world_column( world->world, r->entity, WISP_LINK_COMPLIANCE, 0 );
+    const float* alike = wisp_world_column( world->world, r->entity, WISP_LINK_COMPLIANCE, 0 );
+    const float* own = wisp_world_column( world->world, r->entity, WISP_LINK_OWN, 0 );
     const float* fraction = wisp_world_column( world->world, r->entity, WISP_LINK_STIFFNESS, 0 );
+    alike = fraction != NULL ? fraction : alike;
     const bool folds = wisp_world_has( world->world, r->entity, WISP_LINK_FOLDS );
     double sum = 0.0;
-    for ( int i = 0; i < order->slot_count && ( compliance != NULL || fraction != NULL ); ++i )
+    for ( int i = 0; i < f->link_order.slot_count && alike != NULL; ++i )
     {
-        if ( order->constraint[i] < 0 )
+        const int kind = wisp_fabric_link_kind( f, i );
+        if ( kind < 0 )
         {
             continue;
         }
         const int a = f->link_a_x4[i] / 4, b = f->link_b_x4[i] / 4;
         const double rest = (double)f->link_rest[i];
         // below half of its length a bend link gives way to its hinge in a sharp fold, and stores no more
-        const double least = folds && order->constraint[i] >= f->edge_count ? 0.5 * rest : 0.0;
-        const double soft = compliance != NULL
-                                ? (double)compliance[i]
-                                : softness_of_fraction( (double)fraction[i], r->weight[a] + r->weight[b], h );
+        const double least = folds && kind == 1 ? 0.5 * rest : 0.0;
+        const double value = (double)( own != NULL ? own[i] : alike[kind] );
+        const double soft = fraction == NULL ? value : softness_of_fraction( value, r->weight[a] + r->weight[b], h );
         sum += energy_of_link( r, a, b, fmax( wisp_mesh_distance( r->now[a], r->now[b] ), least ), rest, soft, h );
     }
     return sum;
@@ -361,7 +362,8 @@ static void find_edges( stability_reader* r )
 {
     if ( r->fabric )
     {
-        r->edge_count = wisp_fabric_need( r->fabric, WISP_FABRIC_EDGES ) == WISP_OK ? r->fabric->edge_count : 0;
+        const wisp_status status = wisp_fabric_need( r->fabric, WISP_FABRIC_EDGES | WISP_FABRIC_HINGES );
+        r->edge_count = status == WISP_OK ? r->fabric->edge_count : 0;
         r->edges = text_alloc( (size_t)r->edge_count * 2 * sizeof *r->edges );
         memcpy( r->edges, r->fabric->edges, (size_t)r->edge_count * 2 * sizeof *r->edges );
         return;

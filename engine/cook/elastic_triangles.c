@@ -1,9 +1,8 @@
 // Elastic triangles of a mesh: their schedule, and rest shapes as the kernels read them.
 #include "wisp/module/elastic_triangles.h"
 
+#include "double3.h"
 #include "fabric.h"
-
-#include <math.h>
 
 // Below this height over its longest edge a triangle has no shape that could be strained: rounding alone would be a large strain.
 static const double THINNEST = 1e-4;
@@ -22,26 +21,18 @@ typedef struct rest_shape
     double b11, b12, b22, area; // 1/m, m^2; all 0: not usable
 } rest_shape;
 
-static double edge_length( const double v[3] )
-{
-    return sqrt( v[0] * v[0] + v[1] * v[1] + v[2] * v[2] );
-}
-
 // With edges (a, 0) and (b, h) in the plane of the triangle, the inverse of their matrix.
 static rest_shape measure( const wisp_fabric* f, const int32_t* corner )
 {
-    const wisp_vec3 p = f->rest[corner[0]], q = f->rest[corner[1]], r = f->rest[corner[2]];
-    const double e[3] = { (double)q.x - (double)p.x, (double)q.y - (double)p.y, (double)q.z - (double)p.z };
-    const double g[3] = { (double)r.x - (double)p.x, (double)r.y - (double)p.y, (double)r.z - (double)p.z };
-    const double third[3] = { g[0] - e[0], g[1] - e[1], g[2] - e[2] };
-    const double n[3] = { e[1] * g[2] - e[2] * g[1], e[2] * g[0] - e[0] * g[2], e[0] * g[1] - e[1] * g[0] };
-    const double a = edge_length( e ), twice = edge_length( n ),
-                 longest = fmax( a, fmax( edge_length( g ), edge_length( third ) ) );
+    const wisp_vec3 p = f->rest[corner[0]];
+    const double3 e = double3_between( p, f->rest[corner[1]] ), g = double3_between( p, f->rest[corner[2]] );
+    const double a = double3_length( e ), twice = double3_length( double3_cross( e, g ) ),
+                 longest = fmax( a, fmax( double3_length( g ), double3_length( double3_sub( g, e ) ) ) );
     if ( !( twice > THINNEST * longest * longest && a > 0.0 ) )
     {
         return ( rest_shape ){ 0.0, 0.0, 0.0, 0.0 };
     }
-    const double b = ( e[0] * g[0] + e[1] * g[1] + e[2] * g[2] ) / a, h = twice / a;
+    const double b = double3_dot( e, g ) / a, h = twice / a;
     return ( rest_shape ){ 1.0 / a, -b / ( a * h ), 1.0 / h, 0.5 * twice };
 }
 
@@ -64,16 +55,9 @@ static void fill_shapes( wisp_elastic_triangles* mesh, const wisp_fabric* f )
 
 static bool cook_elastic_triangles( wisp_elastic_triangles* mesh, const wisp_fabric* f, bool with_stress )
 {
-    const fabric_constraints triangles = {
-        .slots = f->triangles,
-        .count = f->triangle_count,
-        .arity = 3,
-        .vertex_count = f->vertex_count,
-        .tile_size = f->tile_size,
-        .solve_order = WISP_SOLVE_ORDER_COLOUR,
-        .last_slots = f->attachment_count,
-    };
-    if ( fabric_schedule_build( &triangles, &mesh->pool, &mesh->order ) == false ||
+    fabric_constraints triangles = fabric_triangle_constraints( f );
+    triangles.last_slots = f->attachment_count;
+    if ( fabric_schedule_build( &triangles, &mesh->pool, &mesh->pool, &mesh->order ) == false ||
          fabric_schedule_corners( &mesh->order, &triangles, &mesh->pool, &mesh->slot_x4 ) == false )
     {
         return false;

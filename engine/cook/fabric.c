@@ -1,6 +1,7 @@
 #include "fabric.h"
 
 #include "alloc.h"
+#include "double3.h"
 
 #include "wisp/module/definition.h"
 #include <math.h>
@@ -208,7 +209,7 @@ static cook_fabric* fabric_create( const wisp_allocator* allocator )
     if ( cooked != NULL )
     {
         memset( cooked, 0, sizeof( *cooked ) );
-        cooked->keep.allocator = cooked->edges.allocator = allocator;
+        cooked->keep.allocator = cooked->edges.allocator = cooked->hinges.allocator = allocator;
         cooked->rings.allocator = cooked->spans.allocator = cooked->strips.allocator = allocator;
         atomic_flag_clear( &cooked->is_making );
         atomic_init( &cooked->owners, 1 );
@@ -234,6 +235,7 @@ void wisp_fabric_release( wisp_fabric* fabric )
     {
         fabric_pool keep = cooked->keep;
         fabric_pool_release( &cooked->edges );
+        fabric_pool_release( &cooked->hinges );
         fabric_pool_release( &cooked->rings );
         fabric_pool_release( &cooked->spans );
         fabric_pool_release( &cooked->strips );
@@ -245,8 +247,8 @@ void wisp_fabric_release( wisp_fabric* fabric )
 size_t wisp_fabric_bytes( const wisp_fabric* fabric )
 {
     const cook_fabric* cooked = (const cook_fabric*)fabric;
-    return cooked != NULL ? sizeof( cook_fabric ) + cooked->keep.bytes + cooked->edges.bytes + cooked->rings.bytes +
-                                cooked->spans.bytes + cooked->strips.bytes
+    return cooked != NULL ? sizeof( cook_fabric ) + cooked->keep.bytes + cooked->edges.bytes + cooked->hinges.bytes +
+                                cooked->rings.bytes + cooked->spans.bytes + cooked->strips.bytes
                           : 0;
 }
 
@@ -444,20 +446,23 @@ static bool list_links( bool cross, wisp_fabric* f, fabric_pool* scratch, int32_
     return true;
 }
 
-static float rest_length( const wisp_fabric* f, int32_t a, int32_t b )
+static bool mark_bend_links( wisp_fabric* f, fabric_pool* keep )
 {
-    // in double, so that short edges far from the origin have no error beyond that of their points
-    double x = (double)f->rest[a].x - (double)f->rest[b].x;
-    double y = (double)f->rest[a].y - (double)f->rest[b].y;
-    double z = (double)f->rest[a].z - (double)f->rest[b].z;
-    return (float)sqrt( x * x + y * y + z * z );
+    uint8_t* bends = fabric_pool_push_zeroed( keep, (size_t)f->link_order.slot_count / 8 + 3, sizeof( uint8_t ) );
+    for ( int slot = 0; slot < f->link_order.slot_count && bends != NULL; ++slot )
+    {
+        const unsigned is_bend = f->link_order.constraint[slot] >= f->edge_count;
+        bends[slot / 8] = (uint8_t)( bends[slot / 8] | is_bend << slot % 8 );
+    }
+    f->link_bends = bends;
+    return bends != NULL;
 }
 
-static bool schedule_links( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* scratch )
+static bool schedule_links( bool bend_links, cook_fabric* cooked, fabric_pool* scratch )
 {
     wisp_fabric* f = &cooked->fabric;
     int32_t* links = NULL;
-    if ( list_links( def->bend_links, f, scratch, &links ) == false )
+    if ( list_links( bend_links, f, scratch, &links ) == false )
     {
         return false;
     }
@@ -468,7 +473,8 @@ static bool schedule_links( const wisp_fabric_def* def, cook_fabric* cooked, fab
     }
     for ( size_t c = 0; c < (size_t)f->link_count; ++c )
     {
-        rest[c] = rest_length( f, links[2 * c], links[2 * c + 1] );
+        // in double, so that short edges far from the origin have no error beyond that of their points
+        rest[c] = (float)double3_length( double3_between( f->rest[links[2 * c]], f->rest[links[2 * c + 1]] ) );
     }
     fabric_constraints constraints = {
         .slots = links,
@@ -476,11 +482,11 @@ static bool schedule_links( const wisp_fabric_def* def, cook_fabric* cooked, fab
         .arity = 2,
         .vertex_count = f->vertex_count,
         .tile_size = f->tile_size,
-        .solve_order = def->solve_order,
+        .solve_order = f->solve_order,
         .last_slots = f->attachment_count,
     };
     fabric_links lanes;
-    if ( fabric_schedule_build( &constraints, &cooked->keep, &f->link_order ) == false ||
+    if ( fabric_schedule_build( &constraints, &cooked->keep, &cooked->hinges, &f->link_order ) == false ||
          fabric_schedule_links( &f->link_order, &constraints, rest, &cooked->keep, &lanes ) == false )
     {
         return false;
@@ -488,7 +494,7 @@ static bool schedule_links( const wisp_fabric_def* def, cook_fabric* cooked, fab
     f->link_a_x4 = lanes.a_x4;
     f->link_b_x4 = lanes.b_x4;
     f->link_rest = lanes.rest;
-    return true;
+    return mark_bend_links( f, &cooked->keep );
 }
 
 static bool schedule_hinges( const wisp_fabric_def* def, cook_fabric* cooked )
@@ -503,7 +509,7 @@ static bool schedule_hinges( const wisp_fabric_def* def, cook_fabric* cooked )
         .solve_order = def->solve_order,
         .last_slots = f->attachment_count,
     };
-    return fabric_schedule_build( &constraints, &cooked->keep, &f->hinge_order ) &&
+    return fabric_schedule_build( &constraints, &cooked->keep, &cooked->keep, &f->hinge_order ) &&
            fabric_schedule_corners( &f->hinge_order, &constraints, &cooked->keep, &f->hinge_slot_x4 );
 }
 
@@ -512,8 +518,8 @@ static bool cook_rings( const fabric_mesh* mesh, cook_fabric* cooked, fabric_poo
     fabric_pool fans = { .allocator = scratch->allocator };
     fabric_rings rings = { 0 };
     bool done = fabric_rings_list( &cooked->fabric, mesh, &fans, &cooked->rings, &rings );
-    cooked->fabric.ring_begin = done ? rings.begin : NULL;
-    __atomic_store_n( &cooked->fabric.ring_x4, done ? rings.ring_x4 : NULL, __ATOMIC_RELEASE );
+    cooked->fabric.ring_begin = rings.begin;
+    cooked->fabric.ring_x4 = rings.ring_x4;
     fabric_pool_release( &fans );
     return done;
 }
@@ -522,7 +528,7 @@ static bool cook_rings( const fabric_mesh* mesh, cook_fabric* cooked, fabric_poo
 static bool cook_lists( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* scratch )
 {
     fabric_pool links = { .allocator = scratch->allocator };
-    bool done = schedule_links( def, cooked, &links );
+    bool done = schedule_links( def->bend_links, cooked, &links );
     fabric_pool_release( &links );
     return done && schedule_hinges( def, cooked );
 }
@@ -537,44 +543,75 @@ static bool cook_parts( const wisp_fabric_def* def, const fabric_mesh* mesh, coo
 
 // ---- lean fabrics ----
 
-static void drop_arrays( cook_fabric* cooked )
-{
-    fabric_pool_release( &cooked->edges );
-    fabric_pool_release( &cooked->rings );
-    cooked->fabric.edges = NULL;
-    cooked->fabric.ring_begin = NULL;
-    cooked->fabric.ring_x4 = NULL;
-}
-
-// Edges are the first constraints, which links have in another order.
-static bool make_edges( cook_fabric* cooked )
+static void drop_arrays( cook_fabric* cooked, bool keeps_hinges )
 {
     wisp_fabric* f = &cooked->fabric;
-    int32_t* edges = fabric_pool_push( &cooked->edges, 2 * (size_t)f->edge_count, sizeof( int32_t ) );
-    for ( int slot = 0; slot < f->link_order.slot_count && edges != NULL; ++slot )
+    fabric_pool_release( &cooked->edges );
+    fabric_pool_release( &cooked->rings );
+    f->edges = f->ring_begin = NULL;
+    f->ring_x4 = NULL;
+    atomic_init( &cooked->made, keeps_hinges ? WISP_FABRIC_HINGES : 0u );
+    if ( keeps_hinges == false )
     {
-        const int32_t link = f->link_order.constraint[slot];
-        if ( link >= 0 && link < f->edge_count )
-        {
-            edges[2 * (size_t)link] = f->link_a_x4[slot] / 4;
-            edges[2 * (size_t)link + 1] = f->link_b_x4[slot] / 4;
-        }
+        fabric_pool_release( &cooked->hinges );
+        f->hinges = f->link_order.constraint = NULL;
     }
-    __atomic_store_n( &f->edges, edges, __ATOMIC_RELEASE );
-    return edges != NULL;
 }
 
-static bool make_rings( cook_fabric* cooked )
+static void move_pool( fabric_pool* from, fabric_pool* to )
+{
+    *to = *from;
+    *from = ( fabric_pool ){ .allocator = from->allocator };
+}
+
+// Take the arrays that are asked for.
+static void adopt( cook_fabric* cooked, cook_fabric* from, unsigned arrays )
+{
+    wisp_fabric *f = &cooked->fabric, *made = &from->fabric;
+    if ( ( arrays & WISP_FABRIC_EDGES ) != 0 )
+    {
+        move_pool( &from->edges, &cooked->edges );
+        f->edges = made->edges;
+    }
+    if ( ( arrays & WISP_FABRIC_HINGES ) != 0 )
+    {
+        move_pool( &from->hinges, &cooked->hinges );
+        f->hinges = made->hinges;
+        f->link_order.constraint = made->link_order.constraint;
+    }
+    if ( ( arrays & WISP_FABRIC_RINGS ) != 0 )
+    {
+        move_pool( &from->rings, &cooked->rings );
+        f->ring_begin = made->ring_begin;
+        f->ring_x4 = made->ring_x4;
+    }
+}
+
+// Cooks once more what was dropped, from the triangles.
+static bool make_topology( cook_fabric* cooked, unsigned arrays )
 {
     fabric_pool scratch = { .allocator = cooked->keep.allocator };
-    fabric_mesh mesh = { .vertex_count = cooked->fabric.vertex_count,
-                         .triangle_count = cooked->fabric.triangle_count };
-    const bool done =
-        fabric_mesh_list_corners( &cooked->fabric, &scratch, &mesh ) && cook_rings( &mesh, cooked, &scratch );
-    fabric_pool_release( &scratch );
-    if ( done == false )
+    cook_fabric again = {
+        .fabric = cooked->fabric, .keep = scratch, .edges = scratch, .hinges = scratch, .rings = scratch
+    };
+    const bool bend_links = again.fabric.link_count > again.fabric.edge_count;
+    fabric_graph listed, graph;
+    fabric_mesh mesh;
+    const wisp_fabric* f = &again.fabric;
+    again.fabric.hinge_count = again.fabric.open_edge_count = again.fabric.nonmanifold_edge_count = 0;
+    const bool done = fabric_graph_make( &scratch, f->triangles, f->triangle_count, f->vertex_count, &listed ) &&
+                      fabric_graph_relist( &scratch, &listed, NULL, NULL, &graph ) &&
+                      fabric_mesh_connect( &graph, false, &scratch, &again, &mesh ) &&
+                      ( ( arrays & WISP_FABRIC_RINGS ) == 0 || cook_rings( &mesh, &again, &scratch ) ) &&
+                      ( ( arrays & WISP_FABRIC_HINGES ) == 0 || schedule_links( bend_links, &again, &scratch ) );
+    if ( done )
     {
-        fabric_pool_release( &cooked->rings );
+        adopt( cooked, &again, arrays );
+    }
+    fabric_pool* left[] = { &scratch, &again.keep, &again.edges, &again.hinges, &again.rings };
+    for ( int i = 0; i < WISP_COUNT( left ); ++i )
+    {
+        fabric_pool_release( left[i] );
     }
     return done;
 }
@@ -591,35 +628,18 @@ static bool make_spans( cook_fabric* cooked )
         const float x = l.x - k.x, y = l.y - k.y, z = l.z - k.z;
         span2[slot] = x * x + y * y + z * z;
     }
-    __atomic_store_n( &f->hinge_span2, span2, __ATOMIC_RELEASE );
+    f->hinge_span2 = span2;
     return span2 != NULL;
 }
 
 static bool make_strips( cook_fabric* cooked )
 {
-    wisp_strips strips;
-    const bool done = fabric_strips_build( &cooked->fabric, &cooked->strips, &strips );
-    if ( done )
-    {
-        const uint16_t* flags = strips.flags;
-        strips.flags = NULL;
-        cooked->fabric.strips = strips;
-        __atomic_store_n( &cooked->fabric.strips.flags, flags, __ATOMIC_RELEASE );
-    }
-    else
+    const bool done = fabric_strips_build( &cooked->fabric, &cooked->strips, &cooked->fabric.strips );
+    if ( done == false )
     {
         fabric_pool_release( &cooked->strips );
     }
     return done;
-}
-
-// Rings are there once their entries are, which are stored last.
-static bool has_arrays( const wisp_fabric* f, unsigned arrays )
-{
-    return ( ( arrays & WISP_FABRIC_EDGES ) == 0 || __atomic_load_n( &f->edges, __ATOMIC_ACQUIRE ) != NULL ) &&
-           ( ( arrays & WISP_FABRIC_RINGS ) == 0 || __atomic_load_n( &f->ring_x4, __ATOMIC_ACQUIRE ) != NULL ) &&
-           ( ( arrays & WISP_FABRIC_SPANS ) == 0 || __atomic_load_n( &f->hinge_span2, __ATOMIC_ACQUIRE ) != NULL ) &&
-           ( ( arrays & WISP_FABRIC_STRIPS ) == 0 || __atomic_load_n( &f->strips.flags, __ATOMIC_ACQUIRE ) != NULL );
 }
 
 wisp_status wisp_fabric_need( const wisp_fabric* fabric, unsigned arrays )
@@ -628,20 +648,21 @@ wisp_status wisp_fabric_need( const wisp_fabric* fabric, unsigned arrays )
     {
         return WISP_BAD_INPUT;
     }
-    if ( has_arrays( fabric, arrays ) )
+    cook_fabric* cooked = (cook_fabric*)(uintptr_t)fabric;
+    if ( ( arrays & ~atomic_load_explicit( &cooked->made, memory_order_acquire ) ) == 0 )
     {
         return WISP_OK;
     }
-    cook_fabric* cooked = (cook_fabric*)(uintptr_t)fabric;
     while ( atomic_flag_test_and_set_explicit( &cooked->is_making, memory_order_acquire ) )
     {
         // another thread makes arrays of the same fabric, which takes milliseconds, once
     }
-    const bool done =
-        ( ( arrays & WISP_FABRIC_EDGES ) == 0 || fabric->edges != NULL || make_edges( cooked ) ) &&
-        ( ( arrays & WISP_FABRIC_RINGS ) == 0 || fabric->ring_x4 != NULL || make_rings( cooked ) ) &&
-        ( ( arrays & WISP_FABRIC_SPANS ) == 0 || fabric->hinge_span2 != NULL || make_spans( cooked ) ) &&
-        ( ( arrays & WISP_FABRIC_STRIPS ) == 0 || fabric->strips.flags != NULL || make_strips( cooked ) );
+    const unsigned missing = arrays & ~atomic_load( &cooked->made );
+    const unsigned topology = missing & ( WISP_FABRIC_EDGES | WISP_FABRIC_HINGES | WISP_FABRIC_RINGS );
+    const bool done = ( topology == 0 || make_topology( cooked, topology ) ) &&
+                      ( ( missing & WISP_FABRIC_SPANS ) == 0 || make_spans( cooked ) ) &&
+                      ( ( missing & WISP_FABRIC_STRIPS ) == 0 || make_strips( cooked ) );
+    atomic_fetch_or_explicit( &cooked->made, done ? missing : 0, memory_order_release );
     atomic_flag_clear_explicit( &cooked->is_making, memory_order_release );
     return done ? WISP_OK : WISP_NO_MEMORY;
 }
@@ -684,9 +705,10 @@ static bool cook_all( const wisp_fabric_def* def, const wisp_fabric* like, cook_
     {
         f->hash = fabric_hash( f );
     }
+    atomic_init( &cooked->made, WISP_FABRIC_EDGES | WISP_FABRIC_HINGES | WISP_FABRIC_RINGS );
     if ( done && def->lean )
     {
-        drop_arrays( cooked );
+        drop_arrays( cooked, def->hinges );
     }
     return done;
 }

@@ -20,8 +20,9 @@ typedef struct cook_fabric
 {
     wisp_fabric fabric; // first, so that both have the same address
     fabric_pool keep;
-    fabric_pool edges, rings, spans, strips; // arrays on request
-    atomic_flag is_making;                   // a thread makes them
+    fabric_pool edges, hinges, rings, spans, strips; // arrays on request
+    atomic_flag is_making;                           // a thread makes them
+    atomic_uint made;                                // wisp_fabric_arrays that are there
     atomic_int owners;
 } cook_fabric;
 
@@ -61,8 +62,8 @@ bool fabric_graph_make( fabric_pool* pool, const int32_t* triangles, int triangl
 
 /// Renumber a graph and sort its lists in the order of `sequence`. Uses no comparisons, so a vertex with a million
 /// neighbours costs as much as a million vertices.
-/// @param sequence [count] permutation of the vertices
-/// @param name [count] new index of every vertex
+/// @param sequence [count] permutation of the vertices; null: they keep their numbers
+/// @param name [count] new index of every vertex; null likewise
 bool fabric_graph_relist( fabric_pool* pool, const fabric_graph* graph, const int32_t* sequence, const int32_t* name,
                           fabric_graph* out );
 

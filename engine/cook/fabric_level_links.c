@@ -3,6 +3,7 @@
 
 #include "fabric_levels.h"
 
+#include "double3.h"
 #include "wisp/module/vec.h"
 #include <math.h>
 #include <string.h>
@@ -360,9 +361,10 @@ void level_agree( level_maker* m )
 double level_distance_or_straight( const level_maker* m, int32_t rank_a, int32_t rank_b )
 {
     const double distance = level_distance( m, rank_a, rank_b );
-    const wisp_vec3 *a = m->fabric->rest + m->fine[rank_a], *b = m->fabric->rest + m->fine[rank_b];
-    const double x = (double)a->x - (double)b->x, y = (double)a->y - (double)b->y, z = (double)a->z - (double)b->z;
-    return distance < (double)INFINITY ? distance : sqrt( x * x + y * y + z * z );
+    const wisp_vec3* rest = m->fabric->rest;
+    return distance < (double)INFINITY
+               ? distance
+               : double3_length( double3_between( rest[m->fine[rank_a]], rest[m->fine[rank_b]] ) );
 }
 
 // ---- links ----
@@ -479,7 +481,7 @@ static bool schedule_level_links( const level_maker* m, const level_link* links,
         .solve_order = WISP_SOLVE_ORDER_COLOUR,
     };
     fabric_links lanes;
-    if ( fabric_schedule_build( &constraints, keep, &out->schedule ) == false ||
+    if ( fabric_schedule_build( &constraints, keep, keep, &out->schedule ) == false ||
          fabric_schedule_links( &out->schedule, &constraints, rest, keep, &lanes ) == false )
     {
         return false;

@@ -5,6 +5,7 @@
 
 #include "fabric_levels.h"
 
+#include "double3.h"
 #include "wisp/module/vec.h"
 #include <math.h>
 #include <string.h>
@@ -232,12 +233,6 @@ typedef struct level_state
     double net_edge;  // m, of the net
 } level_state;
 
-static double straight_distance( wisp_vec3 a, wisp_vec3 b )
-{
-    double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y, z = (double)a.z - (double)b.z;
-    return sqrt( x * x + y * y + z * z );
-}
-
 // ---- selection ----
 
 static void remember( level_maker* m, int32_t at, int32_t chosen, double distance )
@@ -432,7 +427,7 @@ static double mean_edge( const wisp_fabric* f )
     double sum = 0.0;
     for ( int e = 0; e < f->edge_count; ++e )
     {
-        sum += straight_distance( f->rest[f->edges[2 * e]], f->rest[f->edges[2 * e + 1]] );
+        sum += double3_length( double3_between( f->rest[f->edges[2 * e]], f->rest[f->edges[2 * e + 1]] ) );
     }
     return f->edge_count > 0 ? sum / f->edge_count : 0.0;
 }

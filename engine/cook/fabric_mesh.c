@@ -1,9 +1,9 @@
 #include "fabric.h"
 
 #include "alloc.h"
+#include "double3.h"
 #include "fabric_parts.h"
 
-#include <math.h>
 #include <string.h>
 
 // ---- rings ----
@@ -426,15 +426,16 @@ bool fabric_graph_relist( fabric_pool* pool, const fabric_graph* graph, const in
     }
     for ( int v = 0; v < graph->count; ++v )
     {
-        begin[name[v] + 2] = graph->begin[v + 1] - graph->begin[v];
+        begin[( name != NULL ? name[v] : v ) + 2] = graph->begin[v + 1] - graph->begin[v];
     }
     counts_to_places( begin, graph->count );
     for ( int i = 0; i < graph->count; ++i )
     {
-        int32_t v = sequence[i];
+        const int32_t v = sequence != NULL ? sequence[i] : i;
         for ( int32_t e = graph->begin[v]; e < graph->begin[v + 1]; ++e )
         {
-            neighbour[begin[name[graph->neighbour[e]] + 1]++] = name[v];
+            const int32_t to = graph->neighbour[e];
+            neighbour[begin[( name != NULL ? name[to] : to ) + 1]++] = name != NULL ? name[v] : v;
         }
     }
     *out = ( fabric_graph ){ .count = graph->count, .begin = begin, .neighbour = neighbour };
@@ -540,7 +541,7 @@ static bool list_hinges( const edge_use* uses, cook_fabric* cooked )
         f->hinge_count += is_hinge( uses[e] ) ? 1 : 0;
         f->open_edge_count += nonmanifold == false && is_hinge( uses[e] ) == false ? 1 : 0;
     }
-    int32_t* hinges = fabric_pool_push( &cooked->keep, 4 * (size_t)f->hinge_count, sizeof( int32_t ) );
+    int32_t* hinges = fabric_pool_push( &cooked->hinges, 4 * (size_t)f->hinge_count, sizeof( int32_t ) );
     int32_t* next = hinges;
     for ( size_t e = 0; e < (size_t)f->edge_count && hinges != NULL; ++e )
     {
@@ -579,12 +580,6 @@ bool fabric_mesh_list_corners( const wisp_fabric* f, fabric_pool* scratch, fabri
     return true;
 }
 
-static double distance( wisp_vec3 p, wisp_vec3 q )
-{
-    double x = (double)p.x - (double)q.x, y = (double)p.y - (double)q.y, z = (double)p.z - (double)q.z;
-    return sqrt( x * x + y * y + z * z );
-}
-
 // Computes lengths and adjacency for tethers and levels.
 static bool measure_adjacency( const wisp_fabric* f, const edge_use* uses, fabric_pool* scratch, fabric_mesh* mesh )
 {
@@ -599,7 +594,7 @@ static bool measure_adjacency( const wisp_fabric* f, const edge_use* uses, fabri
     {
         for ( int32_t e = mesh->neighbour_begin[v]; e < mesh->neighbour_begin[v + 1]; ++e )
         {
-            length[e] = (float)distance( f->rest[v], f->rest[mesh->neighbour[e]] );
+            length[e] = (float)double3_length( double3_between( f->rest[v], f->rest[mesh->neighbour[e]] ) );
         }
     }
     memset( across, 0xff, 3 * (size_t)f->triangle_count * sizeof( int32_t ) );
@@ -642,11 +637,8 @@ bool fabric_mesh_connect( const fabric_graph* graph, bool across, fabric_pool* s
 static double triangle_area( const wisp_fabric* f, int32_t triangle )
 {
     const int32_t* v = f->triangles + 3 * (size_t)triangle;
-    wisp_vec3 p = f->rest[v[0]], q = f->rest[v[1]], r = f->rest[v[2]];
-    double ax = (double)q.x - (double)p.x, ay = (double)q.y - (double)p.y, az = (double)q.z - (double)p.z;
-    double bx = (double)r.x - (double)p.x, by = (double)r.y - (double)p.y, bz = (double)r.z - (double)p.z;
-    double x = ay * bz - az * by, y = az * bx - ax * bz, z = ax * by - ay * bx;
-    return 0.5 * sqrt( x * x + y * y + z * z );
+    const double3 a = double3_between( f->rest[v[0]], f->rest[v[1]] );
+    return 0.5 * double3_length( double3_cross( a, double3_between( f->rest[v[0]], f->rest[v[2]] ) ) );
 }
 
 bool fabric_mesh_measure_areas( const fabric_mesh* mesh, fabric_pool* scratch, cook_fabric* cooked )

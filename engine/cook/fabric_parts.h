@@ -57,12 +57,23 @@ typedef struct fabric_constraints
     int last_slots;               ///< sweep by colour: constraints with a slot below this come last in their tile
 } fabric_constraints;
 
+/// @return the triangles of a fabric as constraints, in the order of colours
+static inline fabric_constraints fabric_triangle_constraints( const wisp_fabric* f )
+{
+    return ( fabric_constraints ){ .slots = f->triangles,
+                                   .count = f->triangle_count,
+                                   .arity = 3,
+                                   .vertex_count = f->vertex_count,
+                                   .tile_size = f->tile_size };
+}
+
 /// Schedule every constraint once, in groups of WISP_FABRIC_LANES that share no vertex. Padding is -1, never in a
 /// tile's first slot.
-/// @param keep allocates the arrays of the schedule
+/// @param keep, numbers allocate the arrays of the schedule: those of tiles and colours, and the numbers of constraints
 /// @param out without constraints: no tiles, no colours, and valid arrays
 /// @return false if out of memory
-bool fabric_schedule_build( const fabric_constraints* constraints, fabric_pool* keep, wisp_schedule* out );
+bool fabric_schedule_build( const fabric_constraints* constraints, fabric_pool* keep, fabric_pool* numbers,
+                            wisp_schedule* out );
 
 /// Links in schedule order, in the layout of kernels.
 typedef struct fabric_links

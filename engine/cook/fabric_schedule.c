@@ -165,9 +165,9 @@ static int32_t* keep_ends( fabric_pool* keep, const int32_t* ends, int count )
     return kept;
 }
 
-static bool keep_schedule( const schedule_state* s, fabric_pool* keep, wisp_schedule* out )
+static bool keep_schedule( const schedule_state* s, fabric_pool* keep, fabric_pool* numbers, wisp_schedule* out )
 {
-    int32_t* constraint = fabric_pool_push( keep, (size_t)s->slot_count, sizeof( int32_t ) );
+    int32_t* constraint = fabric_pool_push( numbers, (size_t)s->slot_count, sizeof( int32_t ) );
     int32_t* colour_tile = keep_ends( keep, s->colour_end, s->colour_count );
     int32_t* tile_begin = keep_ends( keep, s->tile_end, s->tile_count );
     if ( constraint == NULL || colour_tile == NULL || tile_begin == NULL )
@@ -189,7 +189,8 @@ static bool keep_schedule( const schedule_state* s, fabric_pool* keep, wisp_sche
     return true;
 }
 
-bool fabric_schedule_build( const fabric_constraints* constraints, fabric_pool* keep, wisp_schedule* out )
+bool fabric_schedule_build( const fabric_constraints* constraints, fabric_pool* keep, fabric_pool* numbers,
+                            wisp_schedule* out )
 {
     schedule_state s = { .in = constraints, .scratch = { .allocator = keep->allocator } };
     size_t count = (size_t)constraints->count;
@@ -205,7 +206,7 @@ bool fabric_schedule_build( const fabric_constraints* constraints, fabric_pool* 
         done = reserve( &s, constraints->count, constraints->count ) &&
                schedule_emit_by_colour( &s, 0, constraints->count );
     }
-    done = done && keep_schedule( &s, keep, out );
+    done = done && keep_schedule( &s, keep, numbers, out );
     base_buffer_release( s.scratch.allocator, &s.emitted );
     base_buffer_release( s.scratch.allocator, &s.attached );
     fabric_pool_release( &s.scratch );
@@ -222,10 +223,26 @@ static int32_t dummy4( const wisp_schedule* schedule, const fabric_constraints* 
     return 4 * ( in->vertex_count + slots_tile );
 }
 
+// Lists one slot of each constraint, in groups of lanes that are so many words apart.
+static void put_slots( const wisp_schedule* schedule, const fabric_constraints* in, size_t slot, size_t group,
+                       int32_t* out_x4 )
+{
+    for ( int tile = 0; tile < schedule->tile_count; ++tile )
+    {
+        const int32_t pad = dummy4( schedule, in, tile );
+        for ( int32_t i = schedule->tile_begin[tile]; i < schedule->tile_begin[tile + 1]; ++i )
+        {
+            const int32_t c = schedule->constraint[i];
+            out_x4[(size_t)( i / WISP_FABRIC_LANES ) * group + (size_t)( i % WISP_FABRIC_LANES )] =
+                c >= 0 ? 4 * in->slots[(size_t)in->arity * (size_t)c + slot] : pad;
+        }
+    }
+}
+
 bool fabric_schedule_links( const wisp_schedule* schedule, const fabric_constraints* constraints, const float* rest,
                             fabric_pool* keep, fabric_links* out )
 {
-    size_t count = (size_t)schedule->slot_count;
+    const size_t count = (size_t)schedule->slot_count;
     int32_t* a_x4 = fabric_pool_push( keep, count, sizeof( int32_t ) );
     int32_t* b_x4 = fabric_pool_push( keep, count, sizeof( int32_t ) );
     float* lane_rest = fabric_pool_push( keep, count, sizeof( float ) );
@@ -233,16 +250,11 @@ bool fabric_schedule_links( const wisp_schedule* schedule, const fabric_constrai
     {
         return false;
     }
-    for ( int tile = 0; tile < schedule->tile_count; ++tile )
+    put_slots( schedule, constraints, 0, WISP_FABRIC_LANES, a_x4 );
+    put_slots( schedule, constraints, 1, WISP_FABRIC_LANES, b_x4 );
+    for ( size_t i = 0; i < count; ++i )
     {
-        int32_t pad = dummy4( schedule, constraints, tile );
-        for ( int32_t i = schedule->tile_begin[tile]; i < schedule->tile_begin[tile + 1]; ++i )
-        {
-            int32_t c = schedule->constraint[i];
-            a_x4[i] = c >= 0 ? 4 * constraints->slots[2 * (size_t)c] : pad;
-            b_x4[i] = c >= 0 ? 4 * constraints->slots[2 * (size_t)c + 1] : pad;
-            lane_rest[i] = c >= 0 ? rest[c] : 0.0f;
-        }
+        lane_rest[i] = schedule->constraint[i] >= 0 ? rest[schedule->constraint[i]] : 0.0f;
     }
     *out = ( fabric_links ){ .a_x4 = a_x4, .b_x4 = b_x4, .rest = lane_rest };
     return true;
@@ -253,18 +265,9 @@ bool fabric_schedule_corners( const wisp_schedule* schedule, const fabric_constr
 {
     const size_t arity = (size_t)constraints->arity;
     int32_t* slot_x4 = fabric_pool_push( keep, arity * (size_t)schedule->slot_count, sizeof( int32_t ) );
-    for ( int tile = 0; tile < schedule->tile_count && slot_x4 != NULL; ++tile )
+    for ( size_t k = 0; k < arity && slot_x4 != NULL; ++k )
     {
-        int32_t pad = dummy4( schedule, constraints, tile );
-        for ( int32_t i = schedule->tile_begin[tile]; i < schedule->tile_begin[tile + 1]; ++i )
-        {
-            int32_t c = schedule->constraint[i];
-            int32_t* lane = slot_x4 + arity * (size_t)( i - i % WISP_FABRIC_LANES ) + i % WISP_FABRIC_LANES;
-            for ( size_t k = 0; k < arity; ++k )
-            {
-                lane[k * WISP_FABRIC_LANES] = c >= 0 ? 4 * constraints->slots[arity * (size_t)c + k] : pad;
-            }
-        }
+        put_slots( schedule, constraints, k, arity * WISP_FABRIC_LANES, slot_x4 + k * WISP_FABRIC_LANES );
     }
     *out = slot_x4;
     return slot_x4 != NULL;
@@ -473,15 +476,11 @@ static int32_t walk_tiles( strip_state* s, const wisp_schedule* order )
 bool fabric_strips_build( const wisp_fabric* f, fabric_pool* keep, wisp_strips* out )
 {
     fabric_pool scratch = { .allocator = keep->allocator };
-    const fabric_constraints triangles = { .slots = f->triangles,
-                                           .count = f->triangle_count,
-                                           .arity = 3,
-                                           .vertex_count = f->vertex_count,
-                                           .tile_size = f->tile_size,
-                                           .solve_order = WISP_SOLVE_ORDER_COLOUR };
+    const fabric_constraints triangles = fabric_triangle_constraints( f );
     wisp_schedule order = { 0 };
     strip_state s;
-    bool done = fabric_schedule_build( &triangles, &scratch, &order ) && begin_strips( f, &order, &scratch, &s );
+    bool done =
+        fabric_schedule_build( &triangles, &scratch, &scratch, &order ) && begin_strips( f, &order, &scratch, &s );
     const int32_t length = done ? walk_tiles( &s, &order ) : 0;
     int32_t* tile_begin = fabric_pool_push( keep, (size_t)order.tile_count + 1, sizeof( int32_t ) );
     int32_t* colour_tile = fabric_pool_push( keep, (size_t)order.colour_count + 1, sizeof( int32_t ) );

@@ -164,8 +164,7 @@ static geodesic_node* visit( geodesic_march* m, int32_t v )
     {
         *node = ( geodesic_node ){
             .distance = INFINITY,
-            .straight = double3_length(
-                double3_sub( double3_widen( m->net->point[v] ), double3_widen( m->net->point[m->source] ) ) ),
+            .straight = double3_length( double3_between( m->net->point[m->source], m->net->point[v] ) ),
             .march = m->number,
             .place = -1,
         };
@@ -371,12 +370,6 @@ static void gather_components( tether_maker* m )
     }
 }
 
-static double squared_distance( wisp_vec3 a, wisp_vec3 b )
-{
-    double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y, z = (double)a.z - (double)b.z;
-    return x * x + y * y + z * z;
-}
-
 static void swap( int32_t* a, int32_t* b )
 {
     int32_t kept = *a;
@@ -390,7 +383,8 @@ static void spread_out( const wisp_vec3* rest, int32_t* list, int count, double*
 {
     for ( int i = 0; i < count; ++i )
     {
-        away[i] = squared_distance( rest[list[i]], rest[list[0]] );
+        const double3 d = double3_between( rest[list[i]], rest[list[0]] );
+        away[i] = double3_dot( d, d );
     }
     for ( int front = 0; front < SPREAD; ++front )
     {
@@ -403,7 +397,8 @@ static void spread_out( const wisp_vec3* rest, int32_t* list, int count, double*
         away[farthest] = away[front];
         for ( int i = front + 1; i < count; ++i )
         {
-            double squared = squared_distance( rest[list[i]], rest[list[front]] );
+            const double3 d = double3_between( rest[list[i]], rest[list[front]] );
+            const double squared = double3_dot( d, d );
             away[i] = front == 0 || squared < away[i] ? squared : away[i];
         }
     }

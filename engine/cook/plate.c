@@ -595,16 +595,10 @@ static void measure_hinges( wisp_plate* plate, const wisp_fabric* f )
 // Groups of triangles, and where they read moments: at the slots of hinges.
 static bool cook_triangles( wisp_plate* plate, const wisp_fabric* f )
 {
-    const fabric_constraints triangles = {
-        .slots = f->triangles,
-        .count = f->triangle_count,
-        .arity = 3,
-        .vertex_count = f->vertex_count,
-        .tile_size = f->tile_size,
-        .solve_order = f->solve_order,
-    };
+    fabric_constraints triangles = fabric_triangle_constraints( f );
+    triangles.solve_order = f->solve_order;
     wisp_schedule* order = &plate->triangles;
-    if ( fabric_schedule_build( &triangles, &plate->pool, order ) == false ||
+    if ( fabric_schedule_build( &triangles, &plate->pool, &plate->pool, order ) == false ||
          fabric_schedule_corners( order, &triangles, &plate->pool, &plate->corner_x4 ) == false )
     {
         return false;
@@ -688,7 +682,8 @@ wisp_status wisp_plate_create( const wisp_fabric* fabric, const int32_t* slot_ro
     }
     plate->pool = pool;
     plate->vertices.slice_count = row_count / 8;
-    const bool done = cook_plate( plate, fabric, slot_row, with_turns, &scratch );
+    const bool done = wisp_fabric_need( fabric, WISP_FABRIC_HINGES ) == WISP_OK &&
+                      cook_plate( plate, fabric, slot_row, with_turns, &scratch );
     fabric_pool_release( &scratch );
     if ( done == false )
     {

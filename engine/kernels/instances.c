@@ -317,46 +317,46 @@ void KERNEL( instances_rigid_approach )( const wisp_instances_args* args, const 
 // ---- links ----
 
 // The dummy particle of a tile, which pads its groups, is moved once, by nothing, as in link.c: that makes 0 of -0.
-LANE_INLINE uint32_t project( const wisp_instances_args mine, bool compliant, bool folds )
+LANE_INLINE uint32_t project( const wisp_instances_args mine, bool compliant, bool folds, bool are_alike )
 {
     uint32_t folded = 0;
     int32_t last_dummy_x4 = -1;
     const lane16 least = lane16_set1( MIN_DENOMINATOR );
-    for ( int link = 0; link < mine.link_count; ++link )
+    const float scale = compliant ? mine.inverse_dt2 : 1.0f;
+    const float alike[2] = { mine.alike[0] * scale, mine.alike[1] * scale };
+    for ( int group = 0; group < mine.link_count / 8; ++group )
     {
-        if ( mine.constraint[link] < 0 )
+        unsigned bends = mine.bends[group];
+        for ( int link = 8 * group; link < 8 * group + 8; ++link, bends >>= 1 )
         {
-            if ( mine.a_x4[link] == last_dummy_x4 )
+            if ( mine.a_x4[link] == mine.b_x4[link] )
             {
-                continue;
+                if ( mine.a_x4[link] == last_dummy_x4 )
+                {
+                    continue;
+                }
+                last_dummy_x4 = mine.a_x4[link];
             }
-            last_dummy_x4 = mine.a_x4[link];
-        }
-        float *row_a = mine.position + (size_t)mine.a_x4[link] * LANES,
-              *row_b = mine.position + (size_t)mine.b_x4[link] * LANES;
-        const lane16v a = lane16v_load( row_a ), b = lane16v_load( row_b );
-        const lane16 weight_a = lane16_load( row_a + 3 * LANES ), weight_b = lane16_load( row_b + 3 * LANES );
-        const lane16v along = lane16v_sub( a, b );
-        const lane16 squared = lane16v_dot( along, along ), length = lane16_sqrt( squared );
-        const lane16 rest = lane16_set1( mine.rest[link] ), error = lane16_sub( length, rest );
-        lane16 weight = lane16_add( weight_a, weight_b ), fraction;
-        if ( compliant )
-        {
-            weight = lane16_add( weight, lane16_set1( mine.compliance[link] * mine.inverse_dt2 ) );
-            fraction = lane16_set1( 1.0f );
-        }
-        else
-        {
-            fraction = lane16_set1( mine.stiffness[link] );
-        }
-        const lane16 denominator = lane16_max( lane16_mul( squared, weight ), least );
-        const lane16 step = lane16_mul( error, lane16_mul( length, lane16_div( fraction, denominator ) ) );
-        const lane16v move = lane16v_scale( along, step );
-        lane16v_store( row_a, lane16v_sub( a, lane16v_scale( move, weight_a ) ) );
-        lane16v_store( row_b, lane16v_add( b, lane16v_scale( move, weight_b ) ) );
-        if ( folds && mine.constraint[link] >= mine.edge_count )
-        {
-            folded |= lane16m_bits( lane16_lt( lane16_add( length, length ), rest ) );
+            float *row_a = mine.position + (size_t)mine.a_x4[link] * LANES,
+                  *row_b = mine.position + (size_t)mine.b_x4[link] * LANES;
+            const lane16v a = lane16v_load( row_a ), b = lane16v_load( row_b );
+            const lane16 weight_a = lane16_load( row_a + 3 * LANES ), weight_b = lane16_load( row_b + 3 * LANES );
+            const lane16v along = lane16v_sub( a, b );
+            const lane16 squared = lane16v_dot( along, along ), length = lane16_sqrt( squared );
+            const lane16 rest = lane16_set1( mine.rest[link] ), error = lane16_sub( length, rest );
+            const lane16 own = lane16_set1( are_alike ? alike[bends & 1] : mine.own[link] * scale );
+            const lane16 weight = lane16_add( weight_a, weight_b );
+            const lane16 denominator =
+                lane16_max( lane16_mul( squared, compliant ? lane16_add( weight, own ) : weight ), least );
+            const lane16 fraction = compliant ? lane16_set1( 1.0f ) : own;
+            const lane16 step = lane16_mul( error, lane16_mul( length, lane16_div( fraction, denominator ) ) );
+            const lane16v move = lane16v_scale( along, step );
+            lane16v_store( row_a, lane16v_sub( a, lane16v_scale( move, weight_a ) ) );
+            lane16v_store( row_b, lane16v_add( b, lane16v_scale( move, weight_b ) ) );
+            if ( folds && ( bends & 1 ) != 0 )
+            {
+                folded |= lane16m_bits( lane16_lt( lane16_add( length, length ), rest ) );
+            }
         }
     }
     return folded;
@@ -364,9 +364,13 @@ LANE_INLINE uint32_t project( const wisp_instances_args mine, bool compliant, bo
 
 uint32_t KERNEL( instances_link )( const wisp_instances_args* args, bool folds )
 {
-    if ( args->stiffness != NULL )
+    if ( args->own != NULL )
     {
-        return folds ? project( *args, false, true ) : project( *args, false, false );
+        return args->is_compliant ? project( *args, true, folds, false ) : project( *args, false, folds, false );
     }
-    return folds ? project( *args, true, true ) : project( *args, true, false );
+    if ( args->is_compliant )
+    {
+        return folds ? project( *args, true, true, true ) : project( *args, true, false, true );
+    }
+    return folds ? project( *args, false, true, true ) : project( *args, false, false, true );
 }

@@ -7,6 +7,7 @@
 #include "kernel_isa.h"
 
 #include "lane_double_vec.h"
+#include <string.h>
 
 static const int32_t XYZ_SIGN[8] = { INT32_MIN, INT32_MIN, INT32_MIN, 0, INT32_MIN, INT32_MIN, INT32_MIN, 0 };
 
@@ -73,6 +74,15 @@ LANE_INLINE void move_pairs( const wisp_link_args* args, int link, pairs* p, lan
     lane8_store_quads( args->position, args->b_x4 + link, p->b );
 }
 
+// Loads which lanes of a group have bend links.
+LANE_INLINE lane8m bend_links( const uint8_t* group )
+{
+    static const int32_t BITS[8] = { 1, 2, 4, 8, 16, 32, 64, 128 };
+    int32_t word; // the bytes of three further groups are not looked at
+    memcpy( &word, group, sizeof( word ) );
+    return lane8i_lt( lane8i_set1( 0 ), lane8i_and( lane8i_set1( word ), lane8i_loadu( BITS ) ) );
+}
+
 // Leaves bend links of sharp folds out and sets their bits. A link between vertices that lie on each other has no direction, and
 // it does not know on which side of each other two triangles lie, so it can hold a fold as well as open it.
 LANE_INLINE lane8 leave_folded( const wisp_link_args* args, int link, const pairs* p, lane8 step )
@@ -80,51 +90,33 @@ LANE_INLINE lane8 leave_folded( const wisp_link_args* args, int link, const pair
     const lane8m is_short = lane8_lt( lane8_add( p->length, p->length ), lane8_loadu( args->rest + link ) );
     if ( lane8m_any( is_short ) ) // hardly ever
     {
-        const lane8m bends =
-            lane8i_lt( lane8i_set1( args->edge_count - 1 ), lane8i_loadu( args->constraint + link ) );
-        const lane8m folded = lane8m_and( bends, is_short );
+        const lane8m folded = lane8m_and( bend_links( args->bends + link / 8 ), is_short );
         args->folded[link / 8] = (uint8_t)lane8m_bits( folded );
         step = lane8_select( folded, lane8_zero(), step );
     }
     return step;
 }
 
-// Projects with s = k (length - rest) / (length (wa + wb)).
-LANE_INLINE void project_stiff( const wisp_link_args mine, int begin, int end, bool folds )
+// Projects with s = k (length - rest) / (length (wa + wb)), or in compliant steps, with C = length - rest, a = compliance / dt^2 and
+// change of lambda = -(C + a lambda) / (wa + wb + a).
+LANE_INLINE void project( const wisp_link_args mine, int begin, int end, bool compliant, bool keeps_lambda,
+                          bool folds, bool are_alike )
 {
-    for ( int link = begin; link < end; link += 8 )
+    const lane8 scale = lane8_set1( mine.inverse_dt2 );
+    const lane8 of_edge = lane8_set1( compliant ? mine.alike[0] * mine.inverse_dt2 : mine.alike[0] );
+    const lane8 of_bend = lane8_set1( compliant ? mine.alike[1] * mine.inverse_dt2 : mine.alike[1] );
+    const uint8_t* group = mine.bends + begin / 8;
+    for ( int link = begin; link < end; link += 8, ++group )
     {
         pairs p = load_pairs( &mine, link );
-        lane8 error = lane8_sub( p.length, lane8_loadu( mine.rest + link ) );
-        lane8 step = step_of( &p, lane8_loadu( mine.stiffness + link ), error, p.weight );
-        move_pairs( &mine, link, &p, folds ? leave_folded( &mine, link, &p, step ) : step );
-    }
-}
-
-void KERNEL( link_pbd )( const wisp_link_args* args, int begin, int end )
-{
-    if ( args->folded != NULL )
-    {
-        project_stiff( *args, begin, end, true );
-    }
-    else
-    {
-        project_stiff( *args, begin, end, false );
-    }
-}
-
-// Projects with C = length - rest, a = compliance / dt^2 and change of lambda = -(C + a lambda) / (wa + wb + a).
-LANE_INLINE void project_compliant( const wisp_link_args mine, int begin, int end, bool keeps_lambda, bool folds )
-{
-    const lane8 inverse_dt2 = lane8_set1( mine.inverse_dt2 );
-    for ( int link = begin; link < end; link += 8 )
-    {
-        pairs p = load_pairs( &mine, link );
-        lane8 alpha = lane8_mul( lane8_loadu( mine.compliance + link ), inverse_dt2 );
+        lane8 own =
+            are_alike ? lane8_select( bend_links( group ), of_bend, of_edge ) : lane8_loadu( mine.own + link );
+        own = compliant && are_alike == false ? lane8_mul( own, scale ) : own;
         lane8 error = lane8_sub( p.length, lane8_loadu( mine.rest + link ) );
         lane8 lambda = keeps_lambda ? lane8_loadu( mine.lambda + link ) : lane8_zero();
-        error = keeps_lambda ? lane8_mul_add( alpha, lambda, error ) : error;
-        lane8 step = step_of( &p, lane8_set1( 1.0f ), error, lane8_add( p.weight, alpha ) );
+        error = keeps_lambda ? lane8_mul_add( own, lambda, error ) : error;
+        lane8 step = compliant ? step_of( &p, lane8_set1( 1.0f ), error, lane8_add( p.weight, own ) )
+                               : step_of( &p, own, error, p.weight );
         step = folds ? leave_folded( &mine, link, &p, step ) : step;
         if ( keeps_lambda )
         {
@@ -136,20 +128,35 @@ LANE_INLINE void project_compliant( const wisp_link_args mine, int begin, int en
     }
 }
 
-void KERNEL( link_xpbd )( const wisp_link_args* args, int begin, int end )
+LANE_INLINE void project_links( const wisp_link_args* args, int begin, int end, bool compliant )
 {
+    const bool are_alike = args->own == NULL, keeps_lambda = compliant && args->lambda != NULL;
     if ( args->folded != NULL )
     {
-        project_compliant( *args, begin, end, args->lambda != NULL, true );
+        project( *args, begin, end, compliant, keeps_lambda, true, are_alike );
     }
-    else if ( args->lambda != NULL )
+    else if ( keeps_lambda )
     {
-        project_compliant( *args, begin, end, true, false );
+        project( *args, begin, end, compliant, true, false, are_alike );
+    }
+    else if ( are_alike )
+    {
+        project( *args, begin, end, compliant, false, false, true );
     }
     else
     {
-        project_compliant( *args, begin, end, false, false );
+        project( *args, begin, end, compliant, false, false, false );
     }
+}
+
+void KERNEL( link_pbd )( const wisp_link_args* args, int begin, int end )
+{
+    project_links( args, begin, end, false );
+}
+
+void KERNEL( link_xpbd )( const wisp_link_args* args, int begin, int end )
+{
+    project_links( args, begin, end, true );
 }
 
 // Clamps the length to [minimum rest, maximum rest].
@@ -185,18 +192,16 @@ LANE_INLINE lane8dv load_vectors( const wisp_link_args* args, int link )
     return lane8dv_widen( ( lane8v ){ a[0], a[1], a[2] } );
 }
 
-// Sums T l with T = k (l - rest), in doubles: tensions are small differences of lengths.
+// Sums T l with T = k (l - rest), in doubles: tensions are small differences of lengths. What pads has no length.
 double KERNEL( link_virial )( const wisp_link_args* args, float edge_stiffness, float bend_stiffness, int begin,
                               int end )
 {
     const wisp_link_args mine = *args;
-    const lane8 zero = lane8_zero(), edge = lane8_set1( edge_stiffness ), bend = lane8_set1( bend_stiffness );
+    const lane8 edge = lane8_set1( edge_stiffness ), bend = lane8_set1( bend_stiffness );
     lane8d sum = lane8d_set1( 0.0 );
     for ( int link = begin; link < end; link += 8 )
     {
-        const lane8i number = lane8i_loadu( mine.constraint + link );
-        const lane8 stiffness = lane8_select( lane8i_lt( number, lane8i_set1( mine.edge_count ) ), edge, bend );
-        const lane8d k = lane8d_widen( lane8_select( lane8i_lt( number, lane8i_set1( 0 ) ), zero, stiffness ) );
+        const lane8d k = lane8d_widen( lane8_select( bend_links( mine.bends + link / 8 ), bend, edge ) );
         const lane8d length = lane8dv_length( load_vectors( &mine, link ) );
         const lane8d tension = lane8d_mul( k, lane8d_sub( length, lane8d_widen( lane8_loadu( mine.rest + link ) ) ) );
         sum = lane8d_add( sum, lane8d_mul( tension, length ) );

@@ -32,6 +32,12 @@ static inline double3 double3_sub( double3 a, double3 b )
     return ( double3 ){ a.x - b.x, a.y - b.y, a.z - b.z };
 }
 
+/// From one point to another.
+static inline double3 double3_between( wisp_vec3 a, wisp_vec3 b )
+{
+    return double3_sub( double3_widen( b ), double3_widen( a ) );
+}
+
 static inline double3 double3_scale( double3 a, double s )
 {
     return ( double3 ){ a.x * s, a.y * s, a.z * s };

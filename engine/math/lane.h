@@ -19,7 +19,7 @@
 ///   P_from_int( i )                   -> P, nearest
 ///   P_cast_int P_cast_float           the same bits seen as the other type: P -> Pi and Pi -> P
 ///   P_sum_ordered                     -> float; adds lane l and l + half, and again, until one is left
-///   Pi_set1 Pi_load Pi_store Pi_loadu Pi_storeu
+///   Pi_set1 Pi_load Pi_loadu Pi_storeu
 ///   Pi_add Pi_sub Pi_mul              modulo 2^32
 ///   Pi_and Pi_or Pi_xor
 ///   Pi_shift_left Pi_shift_right      by a constant in 0..31; right fills with zeros

@@ -197,11 +197,6 @@ LANE_INLINE lane16i lane16i_loadu( const int32_t* from )
     return _mm512_loadu_si512( from );
 }
 
-LANE_INLINE void lane16i_store( int32_t* to, lane16i a )
-{
-    _mm512_store_si512( to, a );
-}
-
 LANE_INLINE void lane16i_storeu( int32_t* to, lane16i a )
 {
     _mm512_storeu_si512( to, a );

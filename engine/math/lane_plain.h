@@ -121,11 +121,6 @@ LANE_INLINE void lane8i_storeu( int32_t* to, lane8i a )
     memcpy( to, a.v, sizeof a.v );
 }
 
-LANE_INLINE void lane8i_store( int32_t* to, lane8i a )
-{
-    memcpy( to, a.v, sizeof a.v );
-}
-
 LANE_INLINE lane8i lane8_cast_int( lane8 a )
 {
     lane8i r;

@@ -143,11 +143,6 @@ LANE_INLINE lane4i lane4i_loadu( const int32_t* from )
     return _mm_loadu_si128( (const __m128i*)from );
 }
 
-LANE_INLINE void lane4i_store( int32_t* to, lane4i a )
-{
-    _mm_store_si128( (__m128i*)to, a );
-}
-
 LANE_INLINE void lane4i_storeu( int32_t* to, lane4i a )
 {
     _mm_storeu_si128( (__m128i*)to, a );

@@ -111,11 +111,6 @@ LANE_INLINE lane8i lane8i_loadu( const int32_t* from )
     return _mm256_loadu_si256( (const __m256i*)from );
 }
 
-LANE_INLINE void lane8i_store( int32_t* to, lane8i a )
-{
-    _mm256_store_si256( (__m256i*)to, a );
-}
-
 LANE_INLINE void lane8i_storeu( int32_t* to, lane8i a )
 {
     _mm256_storeu_si256( (__m256i*)to, a );

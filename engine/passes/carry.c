@@ -6,6 +6,7 @@
 // carried again before velocities are computed from it. So a particle that nothing touches keeps the bits of its velocity.
 #include "passes.h"
 
+#include "double3.h"
 #include "wisp/module/components.h"
 #include <math.h>
 #include <string.h>
@@ -65,11 +66,9 @@ bool wisp_frame_find_carry( wisp_frame* frame, const wisp_span* span, wisp_carry
     write_turn( part, args->turn );
     *unfelt_turn = ( wisp_quat ){ (float)part.x, (float)part.y, (float)part.z, (float)part.w };
     const double unfelt = ( 1.0 - (double)felt[0] ) * ( (double)end - (double)begin ), at = (double)begin;
-    const wisp_vec3 a = pose[0].translation, b = pose[1].translation;
-    const double x = (double)b.x - (double)a.x, y = (double)b.y - (double)a.y, z = (double)b.z - (double)a.z;
-    args->shift = ( wisp_vec3 ){ (float)( unfelt * x ), (float)( unfelt * y ), (float)( unfelt * z ) };
-    args->origin = ( wisp_vec3 ){ (float)( (double)a.x + at * x ), (float)( (double)a.y + at * y ),
-                                  (float)( (double)a.z + at * z ) };
+    const double3 way = double3_between( pose[0].translation, pose[1].translation );
+    args->shift = double3_narrow( double3_scale( way, unfelt ) );
+    args->origin = double3_narrow( double3_mul_add( double3_widen( pose[0].translation ), at, way ) );
     return true;
 }
 

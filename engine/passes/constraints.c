@@ -85,13 +85,16 @@ static void run_all_links( wisp_frame* frame, const wisp_span* span, link_call* 
     call->args.a_x4 = fabric->link_a_x4;
     call->args.b_x4 = fabric->link_b_x4;
     call->args.rest = fabric->link_rest;
+    call->args.bends = fabric->link_bends;
     call->first = span->iteration == 0;
     wisp_run_schedule( wisp_frame_parallel( frame, span ), &fabric->link_order, run_links, call );
 }
 
 // Links, then the hinges of bend links that were too short to be projected.
-static void project_links( wisp_frame* frame, const wisp_span* span, link_call* call )
+static void project_links( wisp_frame* frame, const wisp_span* span, wisp_component alike, link_call* call )
 {
+    memcpy( call->args.alike, wisp_frame_column( frame, span->entity, alike, 0 ), sizeof( call->args.alike ) );
+    call->args.own = wisp_frame_column( frame, span->entity, WISP_LINK_OWN, 0 );
     if ( passes_begin_folds( frame, span, &call->args ) == false )
     {
         return;
@@ -113,8 +116,7 @@ static void links_pbd( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
     link_call call = { .kernel = wisp_frame_kernels( frame )->link_pbd };
-    call.args.stiffness = wisp_frame_column( frame, span->entity, WISP_LINK_STIFFNESS, 0 );
-    project_links( frame, span, &call );
+    project_links( frame, span, WISP_LINK_STIFFNESS, &call );
 }
 
 // Lambda has rows with several iterations per substep only.
@@ -122,10 +124,9 @@ static void links_xpbd( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
     link_call call = { .kernel = wisp_frame_kernels( frame )->link_xpbd };
-    call.args.compliance = wisp_frame_column( frame, span->entity, WISP_LINK_COMPLIANCE, 0 );
     call.args.lambda = wisp_frame_column( frame, span->entity, WISP_LINK_LAMBDA, 0 );
     call.args.inverse_dt2 = inverse_dt2( frame, span->entity );
-    project_links( frame, span, &call );
+    project_links( frame, span, WISP_LINK_COMPLIANCE, &call );
 }
 
 static void links_limit( wisp_frame* frame, const wisp_span* span, void* user )
@@ -149,30 +150,19 @@ static void run_hinges( const void* context, int begin, int end )
     call->kernel( &call->args, begin, end );
 }
 
-// Bending by pbd. In xpbd a module bends plates as a whole (wisp/module/plate.h).
-static void project_hinges( wisp_frame* frame, const wisp_span* span, hinge_call* call )
+// Bending by pbd, by angles or by curvature. In xpbd a module bends plates as a whole (wisp/module/plate.h).
+static void project_hinges( wisp_frame* frame, const wisp_span* span, void* user )
 {
+    (void)user;
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
-    call->args.position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
-    call->args.slot_x4 = fabric->hinge_slot_x4;
-    call->args.stiffness = wisp_frame_column( frame, span->entity, WISP_HINGE_STIFFNESS, 0 );
-    wisp_run_schedule( wisp_frame_parallel( frame, span ), &fabric->hinge_order, run_hinges, call );
-}
-
-static void hinges_dihedral( wisp_frame* frame, const wisp_span* span, void* user )
-{
-    (void)user;
-    hinge_call call = { .kernel = wisp_frame_kernels( frame )->hinge_dihedral };
-    call.args.rest = wisp_frame_column( frame, span->entity, WISP_HINGE_REST, 0 );
-    project_hinges( frame, span, &call );
-}
-
-static void hinges_isometric( wisp_frame* frame, const wisp_span* span, void* user )
-{
-    (void)user;
-    hinge_call call = { .kernel = wisp_frame_kernels( frame )->hinge_isometric };
-    call.args.rest = wisp_frame_column( frame, span->entity, WISP_HINGE_COTANGENT, 0 );
-    project_hinges( frame, span, &call );
+    const wisp_kernels* kernels = wisp_frame_kernels( frame );
+    const bool by_angle = wisp_frame_has( frame, span->entity, WISP_HINGE_REST );
+    hinge_call call = { .kernel = by_angle ? kernels->hinge_dihedral : kernels->hinge_isometric };
+    call.args.rest = wisp_frame_column( frame, span->entity, by_angle ? WISP_HINGE_REST : WISP_HINGE_COTANGENT, 0 );
+    call.args.position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
+    call.args.slot_x4 = fabric->hinge_slot_x4;
+    call.args.stiffness = wisp_frame_column( frame, span->entity, WISP_HINGE_STIFFNESS, 0 );
+    wisp_run_schedule( wisp_frame_parallel( frame, span ), &fabric->hinge_order, run_hinges, &call );
 }
 
 wisp_status passes_declare_constraints( wisp_registry* registry )
@@ -194,8 +184,8 @@ wisp_status passes_declare_constraints( wisp_registry* registry )
           .writes = { WISP_PARTICLE_POSITION, lambda },
           .run = links_xpbd,
           .detail = WISP_PASS_FINE },
-        PROJECTION( "hinges.dihedral_pbd", hinges_dihedral, WISP_HINGE_REST, WISP_HINGE_STIFFNESS ),
-        PROJECTION( "hinges.isometric_pbd", hinges_isometric, WISP_HINGE_COTANGENT, WISP_HINGE_STIFFNESS ),
+        PROJECTION( "hinges.dihedral_pbd", project_hinges, WISP_HINGE_REST, WISP_HINGE_STIFFNESS ),
+        PROJECTION( "hinges.isometric_pbd", project_hinges, WISP_HINGE_COTANGENT, WISP_HINGE_STIFFNESS ),
         { .name = "hinges.folds",
           .stage = WISP_STAGE_PROJECT,
           .domain = WISP_DOMAIN_ENTITY,
@@ -214,7 +204,7 @@ wisp_status passes_declare_constraints( wisp_registry* registry )
 // ---- guard ----
 
 // The state check: after the substeps, an entity with particles that are not finite or out of bounds is reset to
-// its last valid state and halted, without affecting others. Derived quantities are computed afterwards, so no
+// its last valid state, at rest, and halted, without affecting others. Derived quantities are computed afterwards, so no
 // other pass reads NaN.
 
 // Bounds of the state: a float at 1e6 m has a resolution of 6 cm, and no simulated speed reaches 1e6 m/s.
@@ -224,7 +214,6 @@ typedef struct guard_loop
 {
     const wisp_kernels* kernels;
     float *position, *velocity;
-    float *good_position, *good_velocity;
     int slot_count;
     _Atomic int first_bad; // lowest slot out of bounds, slot_count if there is none
 } guard_loop;
@@ -242,13 +231,17 @@ static void check( void* context, int begin, int end, int worker )
     }
 }
 
-static void keep( void* context, int begin, int end, int worker )
+// Puts vertices back, at rest. Inverse masses stay: a pin set or released since the last valid step must keep its state.
+static void put_back( wisp_frame* frame, wisp_entity entity, guard_loop* loop )
 {
-    (void)worker;
-    guard_loop* loop = context;
-    size_t first = (size_t)begin * 32, bytes = (size_t)( end - begin ) * 32 * sizeof( float );
-    memcpy( loop->good_position + first, loop->position + first, bytes );
-    memcpy( loop->good_velocity + first, loop->velocity + first, bytes );
+    const wisp_fabric* fabric = wisp_frame_fabric( frame, entity );
+    const wisp_vec3* points = wisp_frame_column( frame, entity, WISP_SURFACE_POINTS, 0 );
+    for ( size_t slot = 0; slot < (size_t)fabric->vertex_count; ++slot )
+    {
+        const wisp_vec3 p = wisp_to_rows( points[fabric->slot_vertex[slot]], wisp_frame_offset( frame, entity ) );
+        memcpy( loop->position + 4 * slot, &p, sizeof( p ) );
+    }
+    memset( loop->velocity, 0, (size_t)loop->slot_count * 4 * sizeof( float ) );
 }
 
 static void restore( wisp_frame* frame, wisp_entity entity, guard_loop* loop )
@@ -264,12 +257,7 @@ static void restore( wisp_frame* frame, wisp_entity entity, guard_loop* loop )
         entity.index, wisp_frame_fabric( frame, entity )->slot_vertex[slot],
         (unsigned long long)wisp_frame_step( frame ), (double)( p[0] - o.x ), (double)( p[1] - o.y ),
         (double)( p[2] - o.z ) );
-    // inverse masses stay: a pin set or released since the last valid step must keep its state
-    for ( size_t i = 0; i < (size_t)loop->slot_count * 4; i += 4 )
-    {
-        memcpy( loop->position + i, loop->good_position + i, 3 * sizeof( float ) );
-        memcpy( loop->velocity + i, loop->good_velocity + i, 4 * sizeof( float ) );
-    }
+    put_back( frame, entity, loop );
     int32_t* levels = wisp_frame_column( frame, entity, WISP_SURFACE_LEVELS, 2 );
     if ( levels != NULL )
     {
@@ -290,8 +278,6 @@ static void guard( wisp_frame* frame, const wisp_span* span, void* user )
         .kernels = wisp_frame_kernels( frame ),
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
         .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
-        .good_position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_LAST_VALID, 0 ),
-        .good_velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_LAST_VALID, 1 ),
         .slot_count = wisp_frame_fabric( frame, span->entity )->slot_count,
     };
     atomic_init( &loop.first_bad, loop.slot_count );
@@ -299,10 +285,6 @@ static void guard( wisp_frame* frame, const wisp_span* span, void* user )
     if ( atomic_load( &loop.first_bad ) < loop.slot_count )
     {
         restore( frame, span->entity, &loop );
-    }
-    else
-    {
-        wisp_parallel_for( parallel, loop.slot_count / 8, GRAIN, keep, &loop );
     }
 }
 
@@ -312,9 +294,9 @@ wisp_status passes_declare_state_check( wisp_registry* registry )
         .name = "particles.state_check",
         .stage = WISP_STAGE_CHECK,
         .domain = WISP_DOMAIN_ENTITY,
-        .required = { WISP_PARTICLE_LAST_VALID, WISP_PARTICLE_VELOCITY },
-        .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_LAST_VALID },
-        .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_LAST_VALID },
+        .required = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+        .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_SURFACE_POINTS },
+        .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
         .run = guard,
     };
     return wisp_declare_pass( registry, &pass );

@@ -4,33 +4,17 @@
 #include "passes.h"
 
 #include "wisp/module/components.h"
-
-#include <math.h>
+#include "wisp/module/vec.h"
 #include <string.h>
-
-static wisp_vec3 from( wisp_vec3 a, wisp_vec3 b )
-{
-    return ( wisp_vec3 ){ b.x - a.x, b.y - a.y, b.z - a.z };
-}
-
-static float square( wisp_vec3 v )
-{
-    return v.x * v.x + v.y * v.y + v.z * v.z;
-}
-
-static float area( wisp_vec3 a, wisp_vec3 b )
-{
-    const wisp_vec3 n = { a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
-    return 0.5f * sqrtf( square( n ) );
-}
 
 // The energy of an angle t is 1/2 B e^2 t^2 / A, with rigidity B, edge e and the area A of both triangles.
 static float compliance_of( const wisp_fabric* fabric, const int32_t* corner, float rigidity )
 {
-    const wisp_vec3 i = fabric->rest[corner[0]], edge = from( i, fabric->rest[corner[1]] );
+    const wisp_vec3 *rest = fabric->rest, edge = wisp_v3_sub( rest[corner[1]], rest[corner[0]] );
     const float both =
-        area( edge, from( i, fabric->rest[corner[2]] ) ) + area( edge, from( i, fabric->rest[corner[3]] ) );
-    return both / ( rigidity * fmaxf( square( edge ), 1e-30f ) );
+        0.5f * wisp_v3_length( wisp_v3_cross( edge, wisp_v3_sub( rest[corner[2]], rest[corner[0]] ) ) ) +
+        0.5f * wisp_v3_length( wisp_v3_cross( edge, wisp_v3_sub( rest[corner[3]], rest[corner[0]] ) ) );
+    return both / ( rigidity * fmaxf( wisp_v3_dot( edge, edge ), 1e-30f ) );
 }
 
 // Project the folds among the constraints of a group. The other lanes are dummies, which do not move.
@@ -120,6 +104,11 @@ static void open_found( wisp_frame* frame, const wisp_span* span, const fold_ord
     *count = 0;
     for ( int word = 0; word < word_count( order ); ++word )
     {
+        if ( folded[word] != 0 && wisp_fabric_need( fabric, WISP_FABRIC_HINGES ) != WISP_OK )
+        {
+            wisp_frame_fail( frame, WISP_NO_MEMORY, "folds: out of memory for %d hinges", fabric->hinge_count );
+            return;
+        }
         for ( int group = 8 * word; folded[word] != 0 && group < 8 * word + 8; ++group )
         {
             const uint8_t lanes = ( (const uint8_t*)folded )[group];
@@ -144,8 +133,6 @@ bool passes_begin_folds( wisp_frame* frame, const wisp_span* span, wisp_link_arg
     uint64_t* folded = NULL;
     const bool has_memory = wisp_frame_has( frame, span->entity, WISP_LINK_FOLDS ) == false ||
                             begin_search( frame, span, &order, &folded );
-    args->constraint = fabric->link_order.constraint;
-    args->edge_count = fabric->edge_count;
     args->folded = (uint8_t*)folded;
     return has_memory;
 }

@@ -43,16 +43,23 @@ static bool has_folds( wisp_frame* frame, wisp_entity entity )
     return count != NULL && *count > 0;
 }
 
+// Whether both have the same rows, or none.
+static bool have_same( wisp_frame* frame, wisp_entity a, wisp_entity b, wisp_component component, size_t bytes )
+{
+    const void *of_a = wisp_frame_column( frame, a, component, 0 ),
+               *of_b = wisp_frame_column( frame, b, component, 0 );
+    return of_a == NULL || of_b == NULL ? of_a == of_b : memcmp( of_a, of_b, bytes ) == 0;
+}
+
 static bool can_join( wisp_frame* frame, wisp_entity first, wisp_entity entity, void* user )
 {
     const ptrdiff_t offset = instance_positions( frame, entity ) - instance_positions( frame, first );
-    const float *material = wisp_frame_column( frame, entity, material_of( user ), 0 ),
-                *material_first = wisp_frame_column( frame, first, material_of( user ), 0 );
     const size_t bytes = (size_t)wisp_frame_fabric( frame, first )->link_order.slot_count * sizeof( float );
     return has_folds( frame, entity ) == false && wisp_frame_has( frame, entity, WISP_MAP_DAMPING ) == false &&
            wisp_frame_has( frame, entity, WISP_LINK_LAMBDA ) == false &&
            wisp_frame_has( frame, first, WISP_LINK_FOLDS ) == wisp_frame_has( frame, entity, WISP_LINK_FOLDS ) &&
-           offset <= INT32_MAX && offset >= INT32_MIN && memcmp( material, material_first, bytes ) == 0;
+           offset <= INT32_MAX && offset >= INT32_MIN && have_same( frame, first, entity, WISP_LINK_OWN, bytes ) &&
+           have_same( frame, first, entity, material_of( user ), 2 * sizeof( float ) );
 }
 
 // ---- the run ----
@@ -154,13 +161,13 @@ static void set_links( instances* all, wisp_frame* frame, wisp_entity first, con
     args->slot_count = fabric->slot_count;
     args->area = fabric->area;
     args->link_count = fabric->link_order.slot_count;
-    args->constraint = fabric->link_order.constraint;
+    args->bends = fabric->link_bends;
     args->a_x4 = fabric->link_a_x4;
     args->b_x4 = fabric->link_b_x4;
     args->rest = fabric->link_rest;
-    args->edge_count = fabric->edge_count;
-    args->stiffness = user != NULL ? wisp_frame_column( frame, first, WISP_LINK_STIFFNESS, 0 ) : NULL;
-    args->compliance = user == NULL ? wisp_frame_column( frame, first, WISP_LINK_COMPLIANCE, 0 ) : NULL;
+    args->is_compliant = user == NULL;
+    args->own = wisp_frame_column( frame, first, WISP_LINK_OWN, 0 );
+    memcpy( args->alike, wisp_frame_column( frame, first, material_of( user ), 0 ), sizeof( args->alike ) );
     args->dt = wisp_frame_dt( frame, first );
     args->inverse_dt2 = 1.0f / ( args->dt * args->dt );
     all->looks_for_folds = wisp_frame_has( frame, first, WISP_LINK_FOLDS );

@@ -1,7 +1,7 @@
 // The rigid motion of a surface: that with its momentum and its angular momentum.
 #include "passes.h"
 
-#include "wisp/module/inertia.h"
+#include <math.h>
 
 enum
 {
@@ -56,6 +56,36 @@ static void add_sums( wisp_rigid_sums* all, const wisp_rigid_sums* s )
     all->yz += s->yz;
 }
 
+static void cross_product( const double a[3], const double b[3], double out[3] )
+{
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+// Solve I w = L for a symmetric I by its adjugate. Where all mass lies on a line I has no inverse, but its two
+// moments across the line are equal, each half the trace, and L is across it too. With all mass at one point w is 0. A body 350
+// times as long as wide counts as a line, because its moment about itself is within the rounding of the sums.
+// @param i xx, yy, zz, xy, xz, yz of I
+static void solve_inertia( const double i[6], const double l[3], double w[3] )
+{
+    const double xx = i[0], yy = i[1], zz = i[2], xy = i[3], xz = i[4], yz = i[5];
+    const double a = yy * zz - yz * yz, b = xz * yz - xy * zz, c = xy * yz - xz * yy;
+    const double determinant = xx * a + xy * b + xz * c, scale = xx + yy + zz;
+    if ( fabs( determinant ) <= 1e-6 * scale * scale * scale )
+    {
+        for ( int k = 0; k < 3; ++k )
+        {
+            w[k] = scale > 0.0 ? 2.0 * l[k] / scale : 0.0;
+        }
+        return;
+    }
+    const double d = xx * zz - xz * xz, e = xy * xz - xx * yz, f = xx * yy - xy * xy;
+    w[0] = ( a * l[0] + b * l[1] + c * l[2] ) / determinant;
+    w[1] = ( b * l[0] + d * l[1] + e * l[2] ) / determinant;
+    w[2] = ( c * l[0] + e * l[1] + f * l[2] ) / determinant;
+}
+
 // From sums about the origin to sums about the centre of mass, and to the rigid motion with the same momenta.
 static void find_motion( const wisp_rigid_sums* s, wisp_rigid_args* args )
 {
@@ -65,7 +95,7 @@ static void find_motion( const wisp_rigid_sums* s, wisp_rigid_args* args )
         centre[k] = s->moment[k] / s->mass;
         velocity[k] = s->momentum[k] / s->mass;
     }
-    wisp_cross_product( s->moment, velocity, angular );
+    cross_product( s->moment, velocity, angular );
     for ( int k = 0; k < 3; ++k )
     {
         angular[k] = s->angular_momentum[k] - angular[k];
@@ -74,8 +104,8 @@ static void find_motion( const wisp_rigid_sums* s, wisp_rigid_args* args )
                  zz = s->zz - s->moment[2] * centre[2], xy = s->xy - s->moment[0] * centre[1],
                  xz = s->xz - s->moment[0] * centre[2], yz = s->yz - s->moment[1] * centre[2];
     const double inertia[6] = { yy + zz, xx + zz, xx + yy, -xy, -xz, -yz };
-    wisp_solve_inertia( inertia, angular, turning );
-    wisp_cross_product( turning, centre, back );
+    solve_inertia( inertia, angular, turning );
+    cross_product( turning, centre, back );
     args->linear_velocity.x += (float)( velocity[0] - back[0] );
     args->linear_velocity.y += (float)( velocity[1] - back[1] );
     args->linear_velocity.z += (float)( velocity[2] - back[2] );

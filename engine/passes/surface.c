@@ -1,9 +1,9 @@
 // Outputs of a surface: vertices and normals in the user's order, strain and speed for colouring, statistics.
 #include "passes.h"
 
+#include "double3.h"
 #include "wisp/module/components.h"
 
-#include <math.h>
 #include <string.h>
 
 static const float* position_of( wisp_frame* frame, const wisp_span* span )
@@ -101,7 +101,7 @@ static void hand_out_normals( wisp_frame* frame, const wisp_span* span, void* us
 static float edge_strain( const wisp_fabric* f, const float* position, int slot )
 {
     const float *p = position + f->link_a_x4[slot], *q = position + f->link_b_x4[slot], rest = f->link_rest[slot];
-    if ( f->link_order.constraint[slot] >= f->edge_count || !( rest > 0.0f ) )
+    if ( wisp_fabric_link_kind( f, slot ) != 0 || !( rest > 0.0f ) )
     {
         return 0.0f;
     }
@@ -180,21 +180,13 @@ static void sum_momenta( const wisp_kernels* kernels, const wisp_fabric* f, cons
 static double sum_volume( const wisp_fabric* f, const float* position )
 {
     double volume = 0.0;
-    const float* o = position;
-    for ( int t = 0; t < f->triangle_count; ++t )
+    const double3 o = double3_from( position );
+    for ( const int32_t* v = f->triangles; v < f->triangles + 3 * (size_t)f->triangle_count; v += 3 )
     {
-        double e[3][3];
-        for ( int corner = 0; corner < 3; ++corner )
-        {
-            const float* p = position + (size_t)f->triangles[3 * t + corner] * 4;
-            for ( int k = 0; k < 3; ++k )
-            {
-                e[corner][k] = (double)p[k] - (double)o[k];
-            }
-        }
-        volume += e[0][0] * ( e[1][1] * e[2][2] - e[1][2] * e[2][1] ) +
-                  e[0][1] * ( e[1][2] * e[2][0] - e[1][0] * e[2][2] ) +
-                  e[0][2] * ( e[1][0] * e[2][1] - e[1][1] * e[2][0] );
+        const double3 a = double3_sub( double3_from( position + 4 * (size_t)v[0] ), o ),
+                      b = double3_sub( double3_from( position + 4 * (size_t)v[1] ), o ),
+                      c = double3_sub( double3_from( position + 4 * (size_t)v[2] ), o );
+        volume += double3_dot( a, double3_cross( b, c ) );
     }
     return volume / 6.0;
 }

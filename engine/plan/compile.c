@@ -334,7 +334,7 @@ static void place_in_item_loop( plan* p, const wisp_registry* r, int number, boo
         p->wave_count[PLAN_ITEM_LOOP] = 1;
     }
     const int grain = r->passes[number].grain;
-    node->passes[node->pass_count++] = number;
+    node->passes[node->pass_count++] = (uint8_t)number;
     node->grain = grain > node->grain ? grain : node->grain;
 }
 
@@ -371,12 +371,12 @@ static void place_pass( plan* p, const wisp_registry* r, int number )
                  host->domain == pass->domain && host->pass_count < PLAN_MAX_FUSED && pass->should_run == NULL;
     if ( fuses )
     {
-        host->passes[host->pass_count++] = number;
+        host->passes[host->pass_count++] = (uint8_t)number;
         host->grain = pass->grain > host->grain ? pass->grain : host->grain;
         return;
     }
     p->nodes[p->node_count++] = ( plan_node ){
-        .passes = { number },
+        .passes = { (uint8_t)number },
         .pass_count = 1,
         .domain = pass->domain,
         .section = section,

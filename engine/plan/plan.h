@@ -170,7 +170,7 @@ typedef enum plan_section
 /// Fused passes, which run item by item.
 typedef struct plan_node
 {
-    int passes[PLAN_MAX_FUSED]; // indices in the registry, in order
+    uint8_t passes[PLAN_MAX_FUSED]; // indices in the registry, in order
     int pass_count;
     wisp_domain domain;
     plan_section section;

@@ -109,7 +109,7 @@ static int find_slot( store* s )
     }
     if ( s->entity_count == s->entity_capacity )
     {
-        int capacity = s->entity_capacity < 8 ? 8 : s->entity_capacity * 2;
+        int capacity = s->entity_capacity < 8 ? 8 : s->entity_capacity / 4 * 5 + 2;
         store_entity* grown =
             base_allocate( s->allocator, (size_t)capacity * sizeof( store_entity ), STORE_ALIGNMENT );
         if ( grown == NULL )
@@ -135,8 +135,8 @@ static bool grow_table( store* s, wisp_table table, int rows )
     {
         return true;
     }
-    const int64_t half_more = (int64_t)s->row_capacity[table] / 2 * 3;
-    const int most = half_more < INT32_MAX ? (int)half_more : INT32_MAX, capacity = rows > most ? rows : most;
+    const int64_t more = (int64_t)s->row_capacity[table] / 4 * 5;
+    const int most = more < INT32_MAX ? (int)more : INT32_MAX, capacity = rows > most ? rows : most;
     void* grown[STORE_MAX_COMPONENTS][STORE_MAX_COLUMNS] = { { NULL } };
     bool complete = true;
     for ( int i = 1; i < s->component_count && complete; ++i )

@@ -112,7 +112,7 @@ void world_sleep_to_rows( wisp_world* world, bool has_snapshot );
 /// Take it from there.
 void world_sleep_from_rows( wisp_world* world );
 
-/// Zero the velocities of an entity that comes to rest, and of its last valid state; coarse sheets forget how they moved.
+/// Zero the velocities of an entity that comes to rest; coarse sheets forget how they moved.
 void world_forget_velocities( wisp_world* world, store_entity* e );
 
 /// Keep an entity asleep whose rows got another origin. @return false if it is awake

@@ -236,6 +236,25 @@ bool wisp_world_has( const wisp_world* world, wisp_entity entity, wisp_component
            store_mask_has( &e->derived, component ) == false;
 }
 
+wisp_status wisp_world_dress( wisp_world* world, wisp_entity entity, const wisp_component_use* all, int count )
+{
+    const store_entity* e = store_find( &world->store, entity );
+    const store_mask had = store_mask_and_not( e->components, e->derived );
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < count && status == WISP_OK; ++i )
+    {
+        status = all[i].is_used ? wisp_world_attach( world, entity, all[i].component ) : WISP_OK;
+    }
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( status == WISP_OK ? all[i].is_used == false : store_mask_has( &had, all[i].component ) == false )
+        {
+            (void)wisp_world_detach( world, entity, all[i].component ); // only frees memory
+        }
+    }
+    return status;
+}
+
 void* wisp_world_column( wisp_world* world, wisp_entity entity, wisp_component component, int column )
 {
     store_entity* e = store_find( &world->store, entity );

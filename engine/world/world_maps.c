@@ -53,19 +53,11 @@ static void multiply_by_map( int slots, const float* constant, const int32_t* ed
     }
 }
 
-// @return the one of two columns that the surface has
-static float* find_links( wisp_world* world, const store_entity* e, bool* is_stiffness )
-{
-    float* stiffness = column_of( world, e, WISP_LINK_STIFFNESS );
-    *is_stiffness = stiffness != NULL;
-    return stiffness != NULL ? stiffness : column_of( world, e, WISP_LINK_COMPLIANCE );
-}
-
 static void apply_to_links( wisp_world* world, const store_entity* e )
 {
     const wisp_fabric* f = e->fabric;
-    bool stiff;
-    float* column = find_links( world, e, &stiff );
+    const bool stiff = store_mask_has( &e->components, WISP_LINK_STIFFNESS );
+    float* column = column_of( world, e, WISP_LINK_OWN );
     const float* constant = column_of( world, e, WISP_LINK_CONSTANT );
     if ( column == NULL || constant == NULL )
     {
@@ -133,14 +125,13 @@ static void apply_to_levels( wisp_world* world, store_entity* e )
 // Rows of columns, those that the effect has filled: kept before maps change them, or put back.
 static void copy_rows( wisp_world* world, store_entity* e, bool keep )
 {
-    bool stiff;
     const struct
     {
         float* column;
         wisp_component constant;
         wisp_table table;
     } all[] = {
-        { find_links( world, e, &stiff ), WISP_LINK_CONSTANT, WISP_TABLE_LINK },
+        { column_of( world, e, WISP_LINK_OWN ), WISP_LINK_CONSTANT, WISP_TABLE_LINK },
         { column_of( world, e, WISP_HINGE_STIFFNESS ), WISP_HINGE_CONSTANT, WISP_TABLE_HINGE },
         { column_of( world, e, WISP_LEVEL_COMPLIANCE ), WISP_LEVEL_CONSTANT, WISP_TABLE_LEVEL_LINK },
     };
@@ -268,8 +259,38 @@ static bool has_edge_map( const store_entity* e )
     return has;
 }
 
+// @return stiffness or compliance of edges and of bend links; null without links
+static const float* alike_of( wisp_world* world, const store_entity* e )
+{
+    const float* stiffness = column_of( world, e, WISP_LINK_STIFFNESS );
+    return stiffness != NULL ? stiffness : column_of( world, e, WISP_LINK_COMPLIANCE );
+}
+
+// Gives each link a coefficient of its own, for maps to multiply.
+static wisp_status tell_links_apart( wisp_world* world, wisp_entity surface, const store_entity* e )
+{
+    if ( alike_of( world, e ) == NULL || store_mask_has( &e->components, WISP_LINK_OWN ) )
+    {
+        return WISP_OK;
+    }
+    WISP_TRY( wisp_world_attach( world, surface, WISP_LINK_OWN ) );
+    const float* alike = alike_of( world, e );
+    float* own = column_of( world, e, WISP_LINK_OWN );
+    for ( int slot = 0; slot < e->fabric->link_order.slot_count; ++slot )
+    {
+        const int kind = wisp_fabric_link_kind( e->fabric, slot );
+        own[slot] = kind < 0 ? 0.0f : alike[kind];
+    }
+    return WISP_OK;
+}
+
 static void detach_constants( wisp_world* world, wisp_entity surface )
 {
+    const float* alike = alike_of( world, store_find( &world->store, surface ) );
+    if ( alike != NULL && *alike >= 0.0f )
+    {
+        (void)wisp_world_detach( world, surface, WISP_LINK_OWN );
+    }
     for ( int i = 0; i < WISP_COUNT( CONSTANTS ); ++i )
     {
         (void)wisp_world_detach( world, surface, CONSTANTS[i] ); // only frees memory
@@ -283,7 +304,10 @@ static wisp_status attach_map( wisp_world* world, wisp_entity surface, wisp_comp
     const bool is_new = store_mask_has( &e->components, map ) == false;
     const bool keeps = is_of_edges( map ) && map != WISP_MAP_BEND_RIGIDITY;
     const bool keeps_already = store_mask_has( &e->components, WISP_LINK_CONSTANT );
-    wisp_status status = is_of_edges( map ) ? wisp_world_need_fabric( world, surface, WISP_FABRIC_EDGES ) : WISP_OK;
+    wisp_status status = is_of_edges( map )
+                             ? wisp_world_need_fabric( world, surface, WISP_FABRIC_EDGES | WISP_FABRIC_HINGES )
+                             : WISP_OK;
+    status = status == WISP_OK && keeps ? tell_links_apart( world, surface, e ) : status;
     for ( int i = 0; i < WISP_COUNT( CONSTANTS ) && keeps && status == WISP_OK; ++i )
     {
         status = wisp_world_attach( world, surface, CONSTANTS[i] );

@@ -434,7 +434,6 @@ static void clear_rows( wisp_world* world, store_entity* e, wisp_component compo
 void world_forget_velocities( wisp_world* world, store_entity* e )
 {
     clear_rows( world, e, WISP_PARTICLE_VELOCITY, 0 );
-    clear_rows( world, e, WISP_PARTICLE_LAST_VALID, 1 );
     clear_rows( world, e, WISP_STRAND_VELOCITY, 0 );
     wisp_world_restart_levels( world, store_handle( &world->store, (int)( e - world->store.entities ) ) );
 }

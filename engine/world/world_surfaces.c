@@ -161,13 +161,12 @@ static void copy_vertices( wisp_world* world, const store_entity* e, const int32
 static void update_masses( wisp_world* world, const store_entity* e, const float* area_before )
 {
     float* position = store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 );
-    float* last_valid = store_column( &world->store, e, WISP_PARTICLE_LAST_VALID, 0 );
     for ( int slot = 0; slot < e->fabric->vertex_count; ++slot )
     {
         float* inverse_mass = position + 4 * (size_t)slot + 3;
         if ( *inverse_mass > 0.0f && e->fabric->area[slot] != area_before[slot] )
         {
-            *inverse_mass = last_valid[4 * (size_t)slot + 3] = world_inverse_mass( world, e, slot );
+            *inverse_mass = world_inverse_mass( world, e, slot );
         }
     }
 }
@@ -183,7 +182,7 @@ static wisp_status carry( wisp_world* world, wisp_entity surface, store_entity* 
                           const int32_t* parents )
 {
     fabric_origins origins;
-    if ( wisp_fabric_need( e->fabric, WISP_FABRIC_EDGES ) != WISP_OK ||
+    if ( wisp_fabric_need( e->fabric, WISP_FABRIC_EDGES | WISP_FABRIC_HINGES ) != WISP_OK ||
          fabric_find_origins( e->fabric, to, parents, &world->allocator, &origins ) == false )
     {
         return out_of_memory( world, surface );
@@ -335,20 +334,6 @@ float world_inverse_mass( wisp_world* world, const store_entity* surface, int sl
     return inverse_mass( surface->fabric, slot, factor * density, factor * vertex_mass );
 }
 
-static bool attach_all( store* s, wisp_entity entity, bool has_gravity )
-{
-    static const wisp_component GIVEN[] = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_LAST_VALID,
-                                            WISP_PARTICLE_MASS };
-    for ( int i = 0; i < WISP_COUNT( GIVEN ); ++i )
-    {
-        if ( store_attach( s, entity, GIVEN[i] ) == false )
-        {
-            return false;
-        }
-    }
-    return has_gravity == false || store_attach( s, entity, WISP_PARTICLE_GRAVITY );
-}
-
 static wisp_status add_surface_entity( wisp_world* world, const wisp_surface_def* def, wisp_entity* out )
 {
     wisp_fabric* fabric = def->fabric;
@@ -373,11 +358,16 @@ static wisp_status add_surface_entity( wisp_world* world, const wisp_surface_def
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for a surface of %d vertices",
                                 fabric->vertex_count );
     }
-    if ( attach_all( &world->store, entity, has_gravity ) == false )
+    const wisp_component_use given[] = { { WISP_PARTICLE_POSITION, true },
+                                         { WISP_PARTICLE_VELOCITY, true },
+                                         { WISP_SURFACE_POINTS, true },
+                                         { WISP_PARTICLE_MASS, true },
+                                         { WISP_PARTICLE_GRAVITY, has_gravity } };
+    const wisp_status status = wisp_world_dress( world, entity, given, WISP_COUNT( given ) );
+    if ( status != WISP_OK )
     {
         store_remove( &world->store, entity );
-        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for the particles of %d vertices",
-                                fabric->vertex_count );
+        return status;
     }
     wisp_fabric_retain( fabric );
     store_entity* e = store_find( &world->store, entity );
@@ -395,6 +385,7 @@ static int fill_particles( wisp_world* world, wisp_entity entity, const wisp_sur
     const wisp_fabric* fabric = def->fabric;
     const store_entity* e = store_find( &world->store, entity );
     float* position = store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 );
+    wisp_vec3* points = store_column( &world->store, e, WISP_SURFACE_POINTS, 0 );
     float* density = store_column( &world->store, e, WISP_PARTICLE_MASS, 0 );
     float* vertex_mass = store_column( &world->store, e, WISP_PARTICLE_MASS, 1 );
     *density = def->area_density;
@@ -411,13 +402,15 @@ static int fill_particles( wisp_world* world, wisp_entity entity, const wisp_sur
         to[1] = p.y;
         to[2] = p.z;
         to[3] = w;
+        if ( vertex >= 0 )
+        {
+            points[vertex] = p;
+        }
     }
     for ( int i = 0; i < def->pin_count; ++i )
     {
         position[(size_t)fabric->vertex_slot[def->pins[i]] * 4 + 3] = 0.0f;
     }
-    memcpy( store_column( &world->store, e, WISP_PARTICLE_LAST_VALID, 0 ), position,
-            (size_t)fabric->slot_count * 4 * sizeof( float ) );
     return weightless;
 }
 
@@ -457,11 +450,9 @@ static wisp_status copy_mass_map( wisp_world* world, wisp_entity source, wisp_en
             store_column( &world->store, store_find( &world->store, source ), WISP_MAP_AREA_DENSITY, 0 ),
             (size_t)e->fabric->slot_count * sizeof( float ) );
     float* position = store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 );
-    float* last_valid = store_column( &world->store, e, WISP_PARTICLE_LAST_VALID, 0 );
     for ( int slot = 0; slot < e->fabric->vertex_count; ++slot )
     {
         position[4 * (size_t)slot + 3] = world_inverse_mass( world, e, slot );
-        last_valid[4 * (size_t)slot + 3] = position[4 * (size_t)slot + 3];
     }
     return WISP_OK;
 }
@@ -773,10 +764,13 @@ wisp_rest_lengths wisp_world_rest_lengths( wisp_world* world, wisp_entity entity
         add_segments( &s, wisp_world_strands( world, entity ),
                       store_column( &world->store, e, WISP_STRAND_REST, 0 ) );
     }
-    for ( int i = 0; e->fabric != NULL && i < e->fabric->edge_count; ++i )
+    const wisp_fabric* f = e->fabric;
+    for ( int i = 0; f != NULL && i < f->link_order.slot_count; ++i )
     {
-        const int32_t* ends = e->fabric->edges + 2 * (size_t)i;
-        add_length( &s, &e->fabric->rest[ends[0]].x, &e->fabric->rest[ends[1]].x, 1 );
+        if ( wisp_fabric_link_kind( f, i ) == 0 )
+        {
+            add_length( &s, &f->rest[f->link_a_x4[i] / 4].x, &f->rest[f->link_b_x4[i] / 4].x, 1 );
+        }
     }
     return ( wisp_rest_lengths ){ s.count > 0 ? (float)( s.sum / s.count ) : 0.0f, (float)s.shortest,
                                   (float)s.longest };

@@ -1,6 +1,6 @@
 // Teleports: an entity is moved at once, as a rigid body, so that nothing on the way is met and no velocity comes of it. And
 // the pose in which an instance starts.
-// In: a rigid motion. Out: positions, velocities, last valid positions and targets of pins, and what views show of them.
+// In: a rigid motion. Out: positions, velocities and targets of pins, and what views show of them.
 #include "world.h"
 
 #include "plan.h"

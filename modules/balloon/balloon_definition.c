@@ -135,18 +135,12 @@ static wisp_status check_mesh( wisp_world* world, const wisp_fabric* f, int32_t*
 
 // ---- components ----
 
-typedef struct requested_component
-{
-    wisp_component component;
-    bool requested;
-} requested_component;
-
 static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_balloon_def* d, const balloon_state* s )
 {
     const bool pbd = d->solver == WISP_SOLVER_PBD;
     const bool linked = wisp_world_has( world, surface, WISP_SURFACE_ELASTIC ) == false;
     const bool open = wisp_world_fabric( world, surface )->open_edge_count > 0;
-    const requested_component all[] = {
+    const wisp_component_use all[] = {
         { s->gas, true },
         { s->volume, true },
         { s->skin, true },
@@ -157,41 +151,27 @@ static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_bal
         { s->outlet, d->outlet_count > 0 },
         { WISP_LINK_STIFFNESS, pbd && linked },
         { WISP_LINK_COMPLIANCE, pbd == false && linked },
+        { WISP_LINK_OWN, linked && wisp_world_has( world, surface, WISP_LINK_CONSTANT ) },
     };
-    // attach rows first, because only that can fail, and detach them again on failure
-    bool given[WISP_COUNT( all )];
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < WISP_COUNT( all ) && status == WISP_OK; ++i )
-    {
-        given[i] = all[i].requested && wisp_world_has( world, surface, all[i].component ) == false;
-        status = given[i] ? wisp_world_attach( world, surface, all[i].component ) : WISP_OK;
-        for ( int k = 0; k < i && status != WISP_OK; ++k )
-        {
-            if ( given[k] )
-            {
-                wisp_world_detach( world, surface, all[k].component );
-            }
-        }
-    }
-    for ( int i = 0; i < WISP_COUNT( all ) && status == WISP_OK; ++i )
-    {
-        status = all[i].requested ? WISP_OK : wisp_world_detach( world, surface, all[i].component );
-    }
-    return status;
+    return wisp_world_dress( world, surface, all, WISP_COUNT( all ) );
 }
 
 static void fill_links( wisp_world* world, wisp_entity surface, const wisp_balloon_def* d )
 {
     const wisp_fabric* f = wisp_world_fabric( world, surface );
     const bool pbd = d->solver == WISP_SOLVER_PBD;
-    float* column = wisp_world_column( world, surface, pbd ? WISP_LINK_STIFFNESS : WISP_LINK_COMPLIANCE, 0 );
+    const float of_edge = pbd ? d->stretch_stiffness : 1.0f / d->edge_stiffness;
+    const float of_bend = pbd ? d->bend_stiffness : 1.0f / d->bend_link_stiffness;
+    float* alike = wisp_world_column( world, surface, pbd ? WISP_LINK_STIFFNESS : WISP_LINK_COMPLIANCE, 0 );
+    float* column = wisp_world_column( world, surface, WISP_LINK_OWN, 0 );
+    if ( alike != NULL )
+    {
+        alike[0] = of_edge, alike[1] = of_bend;
+    }
     for ( int slot = 0; slot < f->link_order.slot_count && column != NULL; ++slot )
     {
-        int link = f->link_order.constraint[slot];
-        bool edge = link < f->edge_count;
-        float value = pbd ? ( edge ? d->stretch_stiffness : d->bend_stiffness )
-                          : 1.0f / ( edge ? d->edge_stiffness : d->bend_link_stiffness );
-        column[slot] = link >= 0 ? value : 0.0f;
+        const int kind = wisp_fabric_link_kind( f, slot );
+        column[slot] = kind < 0 ? 0.0f : kind == 0 ? of_edge : of_bend;
     }
     wisp_world_apply_maps( world, surface );
 }

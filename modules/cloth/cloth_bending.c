@@ -70,12 +70,12 @@ static float stretch_stiffness( const wisp_cloth_def* def, float c2 )
 static float link_value( const wisp_fabric* f, const wisp_cloth_def* def, int slot )
 {
     const bool pbd = def->solver == WISP_SOLVER_PBD;
-    int link = f->link_order.constraint[slot];
-    if ( link < 0 )
+    const int kind = wisp_fabric_link_kind( f, slot );
+    if ( kind < 0 )
     {
         return 0.0f;
     }
-    if ( link < f->edge_count )
+    if ( kind == 0 )
     {
         float c2 = cosine2( f, f->link_a_x4[slot] / 4, f->link_b_x4[slot] / 4, def->warp );
         return pbd ? stretch_stiffness( def, c2 ) : stretch_compliance( def, c2 );
@@ -85,11 +85,34 @@ static float link_value( const wisp_fabric* f, const wisp_cloth_def* def, int sl
     return pbd ? ( bends ? def->bend_stiffness : 0.0f ) : ( bends ? def->bend_compliance : NOTHING );
 }
 
+bool cloth_find_alike( const wisp_fabric* f, const wisp_cloth_def* def, float alike[2] )
+{
+    bool are_alike = true;
+    alike[0] = alike[1] = -1.0f;
+    for ( int slot = 0; slot < f->link_order.slot_count && are_alike; ++slot )
+    {
+        const int kind = wisp_fabric_link_kind( f, slot );
+        const float value = link_value( f, def, slot );
+        if ( kind >= 0 )
+        {
+            are_alike = alike[kind] < 0.0f || alike[kind] == value;
+            alike[kind] = value;
+        }
+    }
+    alike[0] = are_alike ? alike[0] : -1.0f;
+    return are_alike;
+}
+
 void cloth_fill_links( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def )
 {
     const wisp_fabric* f = wisp_world_fabric( world, surface );
-    wisp_component component = def->solver == WISP_SOLVER_PBD ? WISP_LINK_STIFFNESS : WISP_LINK_COMPLIANCE;
-    float* column = wisp_world_column( world, surface, component, 0 );
+    const bool pbd = def->solver == WISP_SOLVER_PBD;
+    float* alike = wisp_world_column( world, surface, pbd ? WISP_LINK_STIFFNESS : WISP_LINK_COMPLIANCE, 0 );
+    float* column = wisp_world_column( world, surface, WISP_LINK_OWN, 0 );
+    if ( alike != NULL )
+    {
+        (void)cloth_find_alike( f, def, alike );
+    }
     for ( int slot = 0; slot < f->link_order.slot_count && column != NULL; ++slot )
     {
         column[slot] = link_value( f, def, slot );

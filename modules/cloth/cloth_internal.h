@@ -33,6 +33,8 @@ typedef struct cloth_air
 } cloth_air;
 
 /// Fill the columns of links and hinges from a checked definition.
+/// @param alike receives stiffness or compliance of edges and of bend links; the first is below 0 if edges differ @return whether they do not
+bool cloth_find_alike( const wisp_fabric* f, const wisp_cloth_def* def, float alike[2] );
 void cloth_fill_links( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def );
 /// Fill the links of coarse sheets, if the surface has them.
 void cloth_fill_levels( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def );

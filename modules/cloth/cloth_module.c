@@ -375,21 +375,9 @@ static wisp_status check_alone( wisp_world* world, wisp_entity surface )
 
 // ---- components ----
 
-typedef struct requested_component
-{
-    wisp_component component;
-    bool requested;
-} requested_component;
-
-enum
-{
-    COMPONENT_COUNT = 15,
-};
-
-// List the components of the definition for which the fabric has rows. A mesh too small for a coarse sheet has none,
-// and one without interior edges no hinges.
-static void list_components( wisp_world* world, wisp_entity surface, const wisp_cloth_def* d,
-                             const cloth_state* state, requested_component all[COMPONENT_COUNT] )
+// The components of the definition for which the fabric has rows. A mesh too small for a coarse sheet has none, and one
+// without interior edges no hinges.
+static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_cloth_def* d, const cloth_state* state )
 {
     const wisp_fabric* f = wisp_world_fabric( world, surface );
     const bool pbd = d->solver == WISP_SOLVER_PBD, hinged = f->hinge_order.slot_count > 0;
@@ -397,11 +385,15 @@ static void list_components( wisp_world* world, wisp_entity surface, const wisp_
     const bool isometric = hinged && d->bending == WISP_CLOTH_BENDING_ISOMETRIC;
     const bool carried = d->coarse_substeps > 0 && f->level_count > 0;
     const bool linked = wisp_world_has( world, surface, WISP_SURFACE_ELASTIC ) == false;
-    const requested_component list[COMPONENT_COUNT] = {
+    float alike[2];
+    const bool are_apart =
+        cloth_find_alike( f, d, alike ) == false || wisp_world_has( world, surface, WISP_LINK_CONSTANT );
+    const wisp_component_use all[] = {
         { state->air, d->drag_coefficient > 0.0f || d->lift_coefficient > 0.0f },
         { state->damping, d->internal_damping > 0.0f },
         { WISP_LINK_STIFFNESS, pbd && linked },
         { WISP_LINK_COMPLIANCE, pbd == false && linked },
+        { WISP_LINK_OWN, linked && are_apart },
         { WISP_LINK_FOLDS, d->bending == WISP_CLOTH_BENDING_LINKS && f->link_count > f->edge_count },
         { WISP_HINGE_FOLDS, dihedral || isometric },
         { WISP_HINGE_REST, dihedral },
@@ -414,33 +406,7 @@ static void list_components( wisp_world* world, wisp_entity surface, const wisp_
         { WISP_LEVEL_COMPLIANCE, carried },
         { WISP_LEVEL_MOTION, carried },
     };
-    memcpy( all, list, sizeof( list ) );
-}
-
-// Attach the components of the definition and detach all others. Attach first, so that the surface is unchanged if memory runs
-// out.
-static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_cloth_def* d, const cloth_state* state )
-{
-    requested_component all[COMPONENT_COUNT];
-    bool came[COMPONENT_COUNT] = { false };
-    list_components( world, surface, d, state, all );
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < COMPONENT_COUNT && status == WISP_OK; ++i )
-    {
-        if ( all[i].requested && wisp_world_has( world, surface, all[i].component ) == false )
-        {
-            status = wisp_world_attach( world, surface, all[i].component );
-            came[i] = status == WISP_OK;
-        }
-    }
-    for ( int i = 0; i < COMPONENT_COUNT; ++i )
-    {
-        if ( status == WISP_OK ? all[i].requested == false : came[i] )
-        {
-            (void)wisp_world_detach( world, surface, all[i].component ); // only frees memory
-        }
-    }
-    return status;
+    return wisp_world_dress( world, surface, all, WISP_COUNT( all ) );
 }
 
 static void set_float( wisp_world* world, wisp_entity surface, wisp_component component, float value )

@@ -254,7 +254,7 @@ static wisp_status find_participant( wisp_world* world, wisp_entity participant,
         void* found;
         wisp_status status = wisp_world_surface_state( world, "collision", participant, &found );
         *state = found;
-        return status == WISP_OK ? wisp_world_need_fabric( world, participant, WISP_FABRIC_EDGES ) : status;
+        return status;
     }
     wisp_status status = collision_find_state( world, state );
     if ( status == WISP_OK && wisp_world_has( world, participant, WISP_STRAND_VELOCITY ) &&

@@ -390,50 +390,19 @@ static wisp_status check_alone( wisp_world* world, wisp_entity surface, const im
 
 // ---- components ----
 
-enum
-{
-    COMPONENT_COUNT = 7,
-};
-
-static void list_components( const implicit_state* state, const wisp_implicit_cloth_def* d,
-                             wisp_component component[COMPONENT_COUNT], bool requested[COMPONENT_COUNT] )
-{
-    const wisp_component all[COMPONENT_COUNT] = {
-        state->material, state->tally,  WISP_PARTICLE_EXTERNAL_SOLVER, WISP_PARTICLE_CONTACTS, state->contact,
-        state->change,   state->history
-    };
-    for ( int i = 0; i < COMPONENT_COUNT; ++i )
-    {
-        component[i] = all[i];
-        requested[i] = true;
-    }
-    requested[6] = d->integrator == WISP_INTEGRATOR_BDF2;
-}
-
-// Attach what is missing before detaching anything, so that the surface is unchanged if memory runs out.
 static wisp_status dress( wisp_world* world, wisp_entity surface, const implicit_state* state,
                           const wisp_implicit_cloth_def* d )
 {
-    wisp_component component[COMPONENT_COUNT];
-    bool requested[COMPONENT_COUNT], came[COMPONENT_COUNT] = { false };
-    list_components( state, d, component, requested );
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < COMPONENT_COUNT && status == WISP_OK; ++i )
-    {
-        if ( requested[i] && wisp_world_has( world, surface, component[i] ) == false )
-        {
-            status = wisp_world_attach( world, surface, component[i] );
-            came[i] = status == WISP_OK;
-        }
-    }
-    for ( int i = 0; i < COMPONENT_COUNT; ++i )
-    {
-        if ( status == WISP_OK ? requested[i] == false : came[i] )
-        {
-            (void)wisp_world_detach( world, surface, component[i] ); // only frees memory
-        }
-    }
-    return status;
+    const wisp_component_use all[] = {
+        { state->material, true },
+        { state->tally, true },
+        { WISP_PARTICLE_EXTERNAL_SOLVER, true },
+        { WISP_PARTICLE_CONTACTS, true },
+        { state->contact, true },
+        { state->change, true },
+        { state->history, d->integrator == WISP_INTEGRATOR_BDF2 },
+    };
+    return wisp_world_dress( world, surface, all, WISP_COUNT( all ) );
 }
 
 static void fill( wisp_world* world, wisp_entity surface, const implicit_state* state,

@@ -385,17 +385,6 @@ wisp_status strands_find( wisp_world* world, wisp_entity strands, strands_state*
 
 // ---- components ----
 
-typedef struct requested_component
-{
-    wisp_component component;
-    bool requested;
-} requested_component;
-
-enum
-{
-    COMPONENT_COUNT = 25,
-};
-
 // Return whether vertices behind a root may be pinned: by a pin, or because a strand has no length.
 static bool holds_vertices( const wisp_strand_topology* t, const float* rest, const wisp_strand_dynamics_def* d )
 {
@@ -414,14 +403,19 @@ static bool holds_vertices( const wisp_strand_topology* t, const float* rest, co
     return holds;
 }
 
-static void list_components( const strands_state* s, const wisp_strand_dynamics_def* d, bool anchored, bool holds,
-                             bool guides, requested_component all[COMPONENT_COUNT] )
+static wisp_status update_components( wisp_world* world, wisp_entity strands, const strands_state* s,
+                                      const wisp_strand_dynamics_def* d )
 {
+    const float* rest = wisp_world_column( world, strands, WISP_STRAND_REST, 0 );
+    const bool anchored = wisp_world_has( world, strands, s->anchor );
+    const bool holds = holds_vertices( wisp_world_strands( world, strands ), rest, d );
     const bool has_section = d->edgewise_rigidity > 0.0f;
     const bool direct = d->stretch == WISP_STRAND_STRETCH_DIRECT, rod = d->bending == WISP_STRAND_BEND_ROD;
     const bool links = d->stretch == WISP_STRAND_STRETCH_LINKS, bend_links = d->bending == WISP_STRAND_BEND_LINKS;
     const bool straight = d->rest == WISP_STRAND_REST_STRAIGHT, bdf2 = d->integrator == WISP_INTEGRATOR_BDF2;
-    const requested_component list[COMPONENT_COUNT] = {
+    const bool curved =
+        rod && ( straight == false || has_section || strands_guides_tips( world, strands, s ) || d->closed );
+    const wisp_component_use all[] = {
         { WISP_STRAND_VELOCITY, true },
         { WISP_STRAND_INVERSE_MASS, true },
         { WISP_STRAND_LENGTH, true },
@@ -446,39 +440,10 @@ static void list_components( const strands_state* s, const wisp_strand_dynamics_
         { s->section, has_section },
         { s->closed, d->closed },
         { s->response, d->closed && rod },
-        { s->curve, rod && ( straight == false || has_section || guides || d->closed ) },
+        { s->curve, curved },
+        { s->balance, curved },
     };
-    memcpy( all, list, sizeof( list ) );
-}
-
-// Attach missing components before detaching others, so that without memory nothing changes.
-static wisp_status update_components( wisp_world* world, wisp_entity strands, const strands_state* s,
-                                      const wisp_strand_dynamics_def* d )
-{
-    requested_component all[COMPONENT_COUNT + 1];
-    bool came[COMPONENT_COUNT + 1] = { false };
-    const float* rest = wisp_world_column( world, strands, WISP_STRAND_REST, 0 );
-    list_components( s, d, wisp_world_has( world, strands, s->anchor ),
-                     holds_vertices( wisp_world_strands( world, strands ), rest, d ),
-                     strands_guides_tips( world, strands, s ), all );
-    all[COMPONENT_COUNT] = ( requested_component ){ s->balance, all[COMPONENT_COUNT - 1].requested };
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i <= COMPONENT_COUNT && status == WISP_OK; ++i )
-    {
-        if ( all[i].requested && wisp_world_has( world, strands, all[i].component ) == false )
-        {
-            status = wisp_world_attach( world, strands, all[i].component );
-            came[i] = status == WISP_OK;
-        }
-    }
-    for ( int i = 0; i <= COMPONENT_COUNT; ++i )
-    {
-        if ( status == WISP_OK ? all[i].requested == false : came[i] )
-        {
-            (void)wisp_world_detach( world, strands, all[i].component ); // frees memory, so it cannot fail
-        }
-    }
-    return status;
+    return wisp_world_dress( world, strands, all, WISP_COUNT( all ) );
 }
 
 // ---- values ----

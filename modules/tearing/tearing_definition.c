@@ -100,7 +100,7 @@ static void remove_tearing( wisp_world* world, tearing_state* state, wisp_entity
 
 static wisp_status attach_all( wisp_world* world, const tearing_state* state, wisp_entity surface )
 {
-    WISP_TRY( wisp_world_need_fabric( world, surface, WISP_FABRIC_EDGES ) );
+    WISP_TRY( wisp_world_need_fabric( world, surface, WISP_FABRIC_EDGES | WISP_FABRIC_HINGES ) );
     WISP_TRY( wisp_world_attach( world, surface, state->strength ) );
     WISP_TRY( wisp_world_attach( world, surface, state->limit ) );
     WISP_TRY( wisp_world_attach( world, surface, WISP_LINK_LAMBDA ) );

@@ -57,8 +57,7 @@ TEST( what_is_queried_for_is_there_after_a_step )
     assert_true( fabsf( speeds[8] - 9.81f / 60.0f ) < 1e-6f );
     assert_true( fabs( motion_stats.speed_max - 9.81 / 60.0 ) < 1e-6 );
     assert_true( fabs( scene_world_time( &f.world ) - 1.0 / 60.0 ) < 1e-8 );
-    wisp_vec3 points[9];
-    assert_int_equal( scene_world_points( &f.world, 0, points, &f.error ), WISP_CONFLICT );
+    assert_int_equal( scene_world_numbers( &f.world, 0, SCENE_REQUEST_STRAIN, speeds, &f.error ), WISP_CONFLICT );
     assert_non_null( strstr( f.error.message, "'cloth'" ) );
 }
 

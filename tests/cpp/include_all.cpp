@@ -20,7 +20,6 @@
 #include "wisp/module/corrected.h"
 #include "wisp/module/definition.h"
 #include "wisp/module/elastic_triangles.h"
-#include "wisp/module/inertia.h"
 #include "wisp/module/instances.h"
 #include "wisp/module/intersections.h"
 #include "wisp/module/kernels.h"

@@ -579,6 +579,6 @@ TEST( small_cloths_take_one_wave_a_step_for_all_substeps )
         wave_count c, alone;
         const bool shared = count > 3;
         assert_true( step_cloths( count, shared, 4, &c ) == step_cloths( count, shared, 1, &alone ) );
-        assert_true( c.waves <= 4 && c.blocks == ( shared ? 2 * count + 5 : 5 * count ) );
+        assert_true( c.waves <= 4 && c.blocks == ( shared ? 4 * count + 3 : 5 * count ) );
     }
 }

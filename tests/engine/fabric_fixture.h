@@ -5,6 +5,7 @@
 
 #include "fabric.h"
 #include "test_mesh.h"
+#include "wisp/module/surface_kernels.h"
 
 /// For locals that point to a fabric.
 static inline void fabric_local( wisp_fabric** local )
@@ -389,6 +390,7 @@ static inline void assert_lanes_hold_their_constraints( const wisp_fabric* f, bo
     for ( int i = 0; i < f->link_order.slot_count; ++i )
     {
         int32_t c = f->link_order.constraint[i];
+        assert_int_equal( wisp_fabric_link_kind( f, i ), c < 0 ? -1 : c >= f->edge_count );
         if ( c < 0 )
         {
             assert_true( f->link_rest[i] == 0.0f );

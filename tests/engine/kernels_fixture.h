@@ -316,13 +316,14 @@ static inline void tangle( constraints* s )
 
 static inline wisp_link_args link_args( constraints* s )
 {
+    static const uint8_t NO_BENDS[CONSTRAINTS / 8 + 3];
     return ( wisp_link_args ){
         .position = s->position[0],
         .a_x4 = s->a_x4,
         .b_x4 = s->b_x4,
         .rest = s->rest,
-        .stiffness = s->stiffness,
-        .compliance = s->compliance,
+        .own = s->compliance,
+        .bends = NO_BENDS,
         .lambda = s->lambda,
         .inverse_dt2 = 1e4f,
         .minimum = 0.9f,

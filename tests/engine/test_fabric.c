@@ -76,6 +76,8 @@ TEST( a_lean_fabric_makes_the_same_arrays_when_they_are_needed )
         assert_null( lean->edges );
         assert_null( lean->ring_begin );
         assert_null( lean->ring_x4 );
+        assert_null( lean->hinges );
+        assert_null( lean->link_order.constraint );
         assert_true( lean->hash == whole->hash );
         assert_true( wisp_fabric_bytes( lean ) < wisp_fabric_bytes( whole ) );
         assert_int_equal( wisp_fabric_need( lean, WISP_FABRIC_EDGES ), WISP_OK );
@@ -83,12 +85,17 @@ TEST( a_lean_fabric_makes_the_same_arrays_when_they_are_needed )
         assert_null( lean->ring_begin );
         const int32_t* edges = lean->edges;
         assert_int_equal( wisp_fabric_need( lean, WISP_FABRIC_EDGES | WISP_FABRIC_RINGS ), WISP_OK );
+        assert_null( lean->hinges );
+        assert_int_equal( wisp_fabric_need( lean, WISP_FABRIC_EDGES | WISP_FABRIC_HINGES ), WISP_OK );
         assert_ptr_equal( lean->edges, edges );
         assert_memory_equal( lean->edges, whole->edges, 2 * (size_t)whole->edge_count * sizeof( int32_t ) );
         const size_t slices = (size_t)whole->ring_slice_count + 1;
         assert_memory_equal( lean->ring_begin, whole->ring_begin, slices * sizeof( int32_t ) );
         assert_memory_equal( lean->ring_x4, whole->ring_x4,
                              (size_t)whole->ring_begin[slices - 1] * sizeof( *whole->ring_x4 ) );
+        assert_memory_equal( lean->hinges, whole->hinges, 4 * (size_t)whole->hinge_count * sizeof( int32_t ) );
+        assert_memory_equal( lean->link_order.constraint, whole->link_order.constraint,
+                             (size_t)whole->link_order.slot_count * sizeof( int32_t ) );
         assert_int_equal( wisp_fabric_bytes( lean ), wisp_fabric_bytes( whole ) );
     }
     free_cases( cases );
@@ -459,7 +466,7 @@ TEST( without_tiles_a_colour_is_a_tile_that_shares_no_vertex )
     fabric_constraints constraints = {
         .slots = fabric->edges, .count = fabric->edge_count, .arity = 2, .vertex_count = fabric->vertex_count
     };
-    assert_true( fabric_schedule_build( &constraints, &keep, &schedule ) );
+    assert_true( fabric_schedule_build( &constraints, &keep, &keep, &schedule ) );
     assert_int_equal( schedule.colour_count, schedule.tile_count );
     SCOPED( free_local ) int32_t* colour = calloc( (size_t)fabric->vertex_count, sizeof( int32_t ) );
     int found = 0;

@@ -524,15 +524,18 @@ enum
     SUBSTEPS = 3,
 };
 
+static const float ALIKE[2] = { 0.2f, 0.7f }; // of edges and bend links
+
 // Sixteen surfaces, and memory for their lanes.
 typedef struct surfaces
 {
     _Alignas( 64 ) float position[LANES][PARTICLES][4];
     float velocity[LANES][PARTICLES][4], previous[LANES][PARTICLES][4];
     _Alignas( 64 ) float memory[10][PARTICLES][LANES];
-    int32_t a_x4[SHEET_LINKS], b_x4[SHEET_LINKS], constraint[SHEET_LINKS];
+    int32_t a_x4[SHEET_LINKS], b_x4[SHEET_LINKS];
+    uint8_t bends[SHEET_LINKS / 8 + 3];
     float rest[SHEET_LINKS], material[SHEET_LINKS], area[PARTICLES];
-    bool compliant;
+    bool compliant, alike;
 } surfaces;
 
 static void place_particle( surfaces* s, int surface, int particle )
@@ -549,7 +552,8 @@ static void place_particle( surfaces* s, int surface, int particle )
 static void fill_surfaces( void* state, int variant )
 {
     surfaces* s = state;
-    s->compliant = variant == 1;
+    s->compliant = variant % 2 == 1;
+    s->alike = variant >= 2;
     for ( int i = 0; i < LANES * PARTICLES; ++i )
     {
         place_particle( s, i / PARTICLES, i % PARTICLES );
@@ -566,9 +570,9 @@ static void fill_surfaces( void* state, int variant )
         const int a = ( 2 * ( link % 8 ) + 5 * ( link / 8 ) ) % DUMMY;
         s->a_x4[link] = 4 * ( pads ? DUMMY : a );
         s->b_x4[link] = 4 * ( pads ? DUMMY : a + 1 );
-        s->constraint[link] = pads ? -1 : link;
+        s->bends[link / 8] = link < 8 ? 0 : 0xff >> PADS;
         s->rest[link] = pads ? 0.0f : test_random_float( link, 2, 0.2f, 0.8f );
-        s->material[link] = pads ? 0.0f : test_random_float( link, 3, 0.1f, 0.9f );
+        s->material[link] = pads ? 0.0f : s->alike ? ALIKE[link >= 8] : test_random_float( link, 3, 0.1f, 0.9f );
     }
 }
 
@@ -589,12 +593,12 @@ static wisp_instances_args args_of( surfaces* s )
         .link_count = SHEET_LINKS,
         .a_x4 = s->a_x4,
         .b_x4 = s->b_x4,
-        .constraint = s->constraint,
+        .bends = s->bends,
         .rest = s->rest,
-        .stiffness = s->compliant ? NULL : s->material,
-        .compliance = s->compliant ? s->material : NULL,
+        .is_compliant = s->compliant,
+        .own = s->alike ? NULL : s->material,
+        .alike = { ALIKE[0], ALIKE[1] },
         .inverse_dt2 = 1.0f / ( 0.004f * 0.004f ),
-        .edge_count = 8,
     };
     for ( int l = 0; l < LANES; ++l )
     {
@@ -617,14 +621,14 @@ static void move_alone( surfaces* s, const wisp_kernels* k, const wisp_instances
                                    .a_x4 = s->a_x4,
                                    .b_x4 = s->b_x4,
                                    .rest = s->rest,
-                                   .stiffness = s->material,
-                                   .compliance = s->material,
+                                   .own = s->material,
+                                   .bends = s->bends,
                                    .inverse_dt2 = all->inverse_dt2 };
     for ( int i = 0; i < SUBSTEPS; ++i )
     {
         k->accelerate( &particles, 0, PARTICLES );
         k->predict( &particles, 0, PARTICLES );
-        ( all->stiffness != NULL ? k->link_pbd : k->link_xpbd )( &links, 0, SHEET_LINKS );
+        ( all->is_compliant ? k->link_xpbd : k->link_pbd )( &links, 0, SHEET_LINKS );
         k->velocity( &particles, 0, PARTICLES );
         for ( int n = 0; n < 4 * PARTICLES; ++n )
         {
@@ -670,7 +674,7 @@ static void check_together( void* start, void* end )
     assert_memory_equal( together->previous, alone->previous, sizeof( alone->previous ) );
 }
 
-TEST_KERNEL( surfaces_side_by_side_have_the_bits_that_each_has_alone, surfaces, 2, 0, SUBSTEPS, 0, fill_surfaces,
+TEST_KERNEL( surfaces_side_by_side_have_the_bits_that_each_has_alone, surfaces, 4, 0, SUBSTEPS, 0, fill_surfaces,
              move_together, check_together )
 
 TEST( lanes_that_fold_or_lose_their_numbers_are_named )

@@ -100,6 +100,7 @@ static void project_range( const wisp_kernels* kernels, constraints* s, projecti
 {
     wisp_link_args links = link_args( s );
     links.lambda = kind == LINK_XPBD_ONCE ? NULL : links.lambda;
+    links.own = kind == LINK_PBD ? s->stiffness : links.own;
     const wisp_hinge_args hinges = hinge_args( s, kind == ISOMETRIC_PBD, kind != DIHEDRAL_XPBD );
     switch ( kind )
     {
@@ -396,11 +397,12 @@ enum
     HINGES = SEARCHED - 3,      // the last group is padded
 };
 
+static const float ALIKE[2] = { 1e-4f, 3e-2f }; // of edges and of bend links
+
 typedef struct folds
 {
     constraints s;
-    int32_t number[CONSTRAINTS];
-    uint8_t folded[GROUPS];
+    uint8_t bends[GROUPS + 3], folded[GROUPS];
     float span2[CONSTRAINTS];
     projection kind;
 } folds;
@@ -418,7 +420,9 @@ static void fill_folds( void* state, int variant )
     f->kind = (projection)( LINK_PBD + variant );
     for ( int c = 0; c < CONSTRAINTS; ++c )
     {
-        f->number[c] = c;
+        f->bends[c / 8] = c < EDGES ? 0 : 0xff;
+        f->s.compliance[c] = f->kind == LINK_XPBD ? f->s.compliance[c] : ALIKE[c >= EDGES];
+        f->s.stiffness[c] = ALIKE[c >= EDGES];
         f->s.rest[c] = c % 3 == 0 ? (float)( 2.5 * length_of( &f->s, c ) ) : f->s.rest[c];
     }
 }
@@ -428,7 +432,9 @@ static void run_folds( const wisp_kernels* kernels, void* state, int begin, int 
     folds* f = state;
     wisp_link_args args = link_args( &f->s );
     args.lambda = f->kind == LINK_XPBD_ONCE ? NULL : args.lambda;
-    args.constraint = f->number, args.edge_count = EDGES, args.folded = f->folded;
+    args.own = f->kind == LINK_XPBD ? args.own : NULL;
+    memcpy( args.alike, ALIKE, sizeof( ALIKE ) );
+    args.bends = f->bends, args.folded = f->folded;
     ( f->kind == LINK_PBD ? kernels->link_pbd : kernels->link_xpbd )( &args, begin, end );
 }
 

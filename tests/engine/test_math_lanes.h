@@ -117,7 +117,7 @@ TEST( P( _loads_and_stores_touch_their_own_lanes_only ) )
 
     P( _store )( to, P( _load )( from + LANE_COUNT ) );
     P( _storeu )( to + LANE_COUNT + 1, P( _loadu )( from + 3 ) );
-    P( i_store )( to_int, P( i_load )( from_int + LANE_COUNT ) );
+    P( i_storeu )( to_int, P( i_load )( from_int + LANE_COUNT ) );
     P( i_storeu )( to_int + LANE_COUNT + 1, P( i_loadu )( from_int + 3 ) );
 
     for ( int k = 0; k < 3 * LANE_COUNT; ++k )

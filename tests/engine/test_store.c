@@ -543,9 +543,9 @@ static int refuse_every_request( fixture* f, bool shaped, change_fn* change, boo
 
 STORE_TEST( adding_without_memory_changes_nothing )
 {
-    // three columns of shape and one of points must grow, and the slots
-    assert_int_equal( refuse_every_request( *state, true, add_many_rows, false ), 5 );
-    assert_int_equal( refuse_every_request( *state, true, add_many_rows, true ), 5 );
+    // three columns of shape, one of points and one of entities must grow, and the slots
+    assert_int_equal( refuse_every_request( *state, true, add_many_rows, false ), 6 );
+    assert_int_equal( refuse_every_request( *state, true, add_many_rows, true ), 6 );
 }
 
 STORE_TEST( attaching_without_memory_changes_nothing )
@@ -555,11 +555,11 @@ STORE_TEST( attaching_without_memory_changes_nothing )
 }
 
 // A table without columns asks for no memory.
-STORE_TEST( a_table_grows_by_half_up_to_what_an_int_counts )
+STORE_TEST( a_table_grows_by_a_quarter_up_to_what_an_int_counts )
 {
     fixture* f = *state;
     wisp_entity e;
-    int rows[WISP_TABLE_COUNT] = { [WISP_TABLE_POINT] = INT32_MAX / 4 * 3 };
+    int rows[WISP_TABLE_COUNT] = { [WISP_TABLE_POINT] = INT32_MAX / 8 * 7 };
     assert_true( store_add( &f->s, rows, &e ) );
     rows[WISP_TABLE_POINT] = 1;
     assert_true( store_add( &f->s, rows, &e ) );

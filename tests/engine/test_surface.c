@@ -233,15 +233,16 @@ WORLD_TEST( an_instance_starts_in_its_pose )
     wisp_entity copy;
     assert_int_equal( wisp_add_instance( h->world, e, &pose, &copy ), WISP_OK );
     const float *from = wisp_world_column( h->world, e, WISP_PARTICLE_POSITION, 0 ),
-                *to = wisp_world_column( h->world, copy, WISP_PARTICLE_POSITION, 0 ),
-                *valid = wisp_world_column( h->world, copy, WISP_PARTICLE_LAST_VALID, 0 );
-    for ( int i = 0; i < 4 * wisp_world_fabric( h->world, e )->slot_count; i += 4 )
+                *to = wisp_world_column( h->world, copy, WISP_PARTICLE_POSITION, 0 );
+    const wisp_fabric* f = wisp_world_fabric( h->world, e );
+    const wisp_vec3* valid = wisp_world_column( h->world, copy, WISP_SURFACE_POINTS, 0 );
+    for ( int i = 0; i < 4 * f->vertex_count; i += 4 )
     {
         assert_near( (double)to[i], 3.0 - (double)from[i], 1e-6 );
         assert_near( (double)to[i + 1], 1.0 - (double)from[i + 1], 1e-6 );
         assert_near( (double)to[i + 2], (double)from[i + 2], 1e-6 );
         assert_true( to[i + 3] == from[i + 3] );
-        assert_memory_equal( valid + i, to + i, 4 * sizeof( float ) );
+        assert_memory_equal( valid + f->slot_vertex[i / 4], to + i, 3 * sizeof( float ) );
     }
 }
 
@@ -307,8 +308,9 @@ static wisp_entity add_link( hosted* h, float length, wisp_component component, 
     wisp_entity e = test_surface_of( h->world, &fabric, def );
     assert_int_equal( wisp_request( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
     assert_int_equal( wisp_world_attach( h->world, e, component ), WISP_OK );
+    assert_int_equal( wisp_world_attach( h->world, e, WISP_LINK_OWN ), WISP_OK );
     const wisp_fabric* f = wisp_world_fabric( h->world, e );
-    float* column = wisp_world_column( h->world, e, component, 0 );
+    float* column = wisp_world_column( h->world, e, WISP_LINK_OWN, 0 );
     for ( int slot = 0; slot < f->link_order.slot_count; ++slot )
     {
         int a = f->slot_vertex[f->link_a_x4[slot] / 4], b = f->slot_vertex[f->link_b_x4[slot] / 4];
@@ -527,7 +529,10 @@ WORLD_TEST( what_leaves_the_bounds_is_halted_with_its_lowest_vertex_named )
     float* velocity = wisp_world_column( h->world, e, WISP_PARTICLE_VELOCITY, 0 );
     velocity[4 * f->vertex_slot[17]] = 2e8f; // 2e6 m per step
     run( h->world, 1 );
-    assert_true( wisp_is_halted( h->world, e ) );
+    assert_true( wisp_is_halted( h->world, e ) && velocity[4 * f->vertex_slot[17]] == 0.0f );
+    const float* put_back = wisp_world_column( h->world, e, WISP_PARTICLE_POSITION, 0 );
+    const wisp_vec3 valid = point_of( h->world, e, 17 );
+    assert_memory_equal( put_back + 4 * f->vertex_slot[17], &valid, sizeof( valid ) );
     assert_one_message( h->log.last );
     assert_non_null( strstr( h->log.last, "vertex 17" ) );
     assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_HALTED ), 1 );

@@ -51,7 +51,7 @@ TEST( each_link_has_the_mean_of_its_ends_and_null_takes_it_back )
     const wisp_fabric* f = wisp_world_fabric( h.world, e );
     const int slots = f->link_order.slot_count;
     float *before = calloc( (size_t)slots, sizeof( float ) ), factors[20];
-    memcpy( before, wisp_world_column( h.world, e, WISP_LINK_COMPLIANCE, 0 ), (size_t)slots * sizeof( float ) );
+    memcpy( before, wisp_world_column( h.world, e, WISP_LINK_OWN, 0 ), (size_t)slots * sizeof( float ) );
     for ( int i = 0; i < WISP_COUNT( factors ); ++i )
     {
         factors[i] = (float)i;
@@ -59,7 +59,7 @@ TEST( each_link_has_the_mean_of_its_ends_and_null_takes_it_back )
     const uint64_t hash = wisp_world_hash( h.world );
     assert_status( h.world, wisp_set_map( h.world, e, WISP_MAP_STRETCH_COMPLIANCE, factors, 20 ), WISP_OK );
     assert_status( h.world, wisp_set_map( h.world, e, WISP_MAP_BEND_COMPLIANCE, factors, 20 ), WISP_OK );
-    const float* column = wisp_world_column( h.world, e, WISP_LINK_COMPLIANCE, 0 );
+    const float* column = wisp_world_column( h.world, e, WISP_LINK_OWN, 0 );
     int bend_links = 0;
     for ( int slot = 0; slot < slots; ++slot )
     {
@@ -80,7 +80,7 @@ TEST( each_link_has_the_mean_of_its_ends_and_null_takes_it_back )
     assert_status( h.world, wisp_set_cloth( h.world, e, &cloth ), WISP_OK );
     assert_status( h.world, wisp_set_map( h.world, e, WISP_MAP_STRETCH_COMPLIANCE, NULL, 0 ), WISP_OK );
     assert_status( h.world, wisp_set_map( h.world, e, WISP_MAP_BEND_COMPLIANCE, NULL, 0 ), WISP_OK );
-    column = wisp_world_column( h.world, e, WISP_LINK_COMPLIANCE, 0 );
+    column = wisp_world_column( h.world, e, WISP_LINK_OWN, 0 );
     assert_memory_equal( column, before, (size_t)slots * sizeof( float ) );
     assert_true( wisp_world_hash( h.world ) == hash ); // nothing is left of a map
     free( before );

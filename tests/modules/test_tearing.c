@@ -551,7 +551,7 @@ static void run_sheet( sheet* s, int from, int to )
 // Rows of links and hinges have gone along with a split: to set the cloth again, which fills them anew, changes none.
 static void assert_rows_are_those_of_the_material( sheet* s, const sheet_case* c )
 {
-    static const wisp_component ALL[] = { WISP_LINK_COMPLIANCE, WISP_LINK_CONSTANT, WISP_HINGE_REST };
+    static const wisp_component ALL[] = { WISP_LINK_OWN, WISP_LINK_CONSTANT, WISP_HINGE_REST };
     const wisp_fabric* f = wisp_world_fabric( s->h.world, s->e );
     const wisp_cloth_def cloth = cloth_of( c );
     void* kept[WISP_COUNT( ALL )];

@@ -41,10 +41,11 @@ typedef enum wisp_solve_order
 /// Arrays that a lean fabric has only where something asked for them with wisp_fabric_need(). Spans and strips are so in any fabric.
 typedef enum wisp_fabric_arrays
 {
-    WISP_FABRIC_EDGES = 1,  ///< `edges`
-    WISP_FABRIC_RINGS = 2,  ///< `ring_begin` and `ring_x4`
-    WISP_FABRIC_SPANS = 4,  ///< `hinge_span2`
-    WISP_FABRIC_STRIPS = 8, ///< `strips`
+    WISP_FABRIC_EDGES = 1,   ///< `edges`
+    WISP_FABRIC_RINGS = 2,   ///< `ring_begin` and `ring_x4`
+    WISP_FABRIC_SPANS = 4,   ///< `hinge_span2`
+    WISP_FABRIC_STRIPS = 8,  ///< `strips`
+    WISP_FABRIC_HINGES = 16, ///< `hinges` and `link_order.constraint`; a fabric cooked with hinges keeps them
 } wisp_fabric_arrays;
 
 /// What to cook. Fill from wisp_default_fabric_def(). Need not outlive the call.
@@ -67,7 +68,7 @@ typedef struct wisp_fabric_def
                        ///< about 17 x 17. A small mesh has none
     bool
         lean; ///< default false: all arrays are kept. true: those of wisp_fabric_arrays are null until something needs them, which
-    ///< saves about 60 bytes per vertex where nothing does. Effects and requests of a world ask for what they need
+    ///< saves about 130 bytes per vertex where nothing does. Effects and requests of a world ask for what they need
     wisp_solve_order solve_order; ///< default WISP_SOLVE_ORDER_COLOUR
     int tile_size; ///< vertices, a multiple of 8 in 64 .. 65536; default 0: 1024, 512 or 256, so that there are at least 4
 } wisp_fabric_def;
@@ -150,8 +151,9 @@ typedef struct wisp_fabric
     int open_edge_count;   ///< edges of one triangle; 0 for a closed mesh
     int nonmanifold_edge_count; ///< edges of more than two triangles, or used twice in one direction; they have no hinge
 
-    int link_count;                       ///< edges, then bend links (k, l) of the hinges if bend_links is set
-    wisp_schedule link_order;             ///< constraint numbers below edge_count are edges
+    int link_count;            ///< edges, then bend links (k, l) of the hinges if bend_links is set
+    wisp_schedule link_order;  ///< constraint numbers below edge_count are edges
+    const uint8_t* link_bends; ///< [link_order.slot_count / 8] bit l: lane l has a bend link; three more may be read
     const int32_t *link_a_x4, *link_b_x4; ///< [link_order.slot_count]
     const float* link_rest;               ///< [link_order.slot_count] m, 0 pads
 
@@ -182,7 +184,8 @@ typedef struct wisp_fabric
     int level_count;
     const wisp_fabric_level* levels; ///< [level_count] from fine to coarse
     wisp_solve_order solve_order;
-    uint64_t hash; ///< of everything above but spans and strips: the same fabric has the same hash on every machine
+    uint64_t
+        hash; ///< of everything above but spans, strips and bits of bend links: the same fabric has the same hash on every machine
 } wisp_fabric;
 
 /// Cook a mesh. Takes unreferenced vertices and nonmanifold edges as they are; triangles without area keep their edges and add no

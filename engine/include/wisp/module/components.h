@@ -26,15 +26,15 @@
     X( PARTICLE_VELOCITY, "particle.velocity", WISP_TABLE_PARTICLE )                                                 \
     X( PARTICLE_PREVIOUS, "particle.previous", WISP_TABLE_PARTICLE )                                                 \
     X( PARTICLE_TARGET, "particle.target", WISP_TABLE_PARTICLE )                                                     \
-    X( PARTICLE_LAST_VALID, "particle.last_valid", WISP_TABLE_PARTICLE )                                             \
+    X( LINK_OWN, "link.own", WISP_TABLE_LINK )                                                                       \
     X( PARTICLE_MASS, "particle.mass", WISP_TABLE_ENTITY )                                                           \
     X( PARTICLE_GRAVITY, "particle.gravity", WISP_TABLE_ENTITY )                                                     \
     X( PARTICLE_DAMPING, "particle.damping", WISP_TABLE_ENTITY )                                                     \
     X( PARTICLE_EXTERNAL_SOLVER, "particle.external_solver", WISP_TABLE_ENTITY )                                     \
     X( PARTICLE_CONTACTS, "particle.contacts", WISP_TABLE_PARTICLE )                                                 \
     X( PARTICLE_HALF_SPACES, "particle.half_spaces", WISP_TABLE_PARTICLE )                                           \
-    X( LINK_STIFFNESS, "link.stiffness", WISP_TABLE_LINK )                                                           \
-    X( LINK_COMPLIANCE, "link.compliance", WISP_TABLE_LINK )                                                         \
+    X( LINK_STIFFNESS, "link.stiffness", WISP_TABLE_ENTITY )                                                         \
+    X( LINK_COMPLIANCE, "link.compliance", WISP_TABLE_ENTITY )                                                       \
     X( LINK_LAMBDA, "link.lambda", WISP_TABLE_LINK )                                                                 \
     X( LINK_LIMIT, "link.limit", WISP_TABLE_ENTITY )                                                                 \
     X( LINK_FOLDS, "link.folds", WISP_TABLE_ENTITY )                                                                 \
@@ -113,9 +113,6 @@
 #define WISP_PARTICLE_PREVIOUS_COLUMNS( X ) X( float, previous, 4 ) /* m, position at the start of the substep; any */
 #define WISP_PARTICLE_TARGET_COLUMNS( X )                                                                            \
     X( float, target, 4 ) /* m, of a pinned particle; 1 where it counts, else 0 */
-#define WISP_PARTICLE_LAST_VALID_COLUMNS( X )                                                                        \
-    X( float, position, 4 ) /* at the end of the last step that was finite and within bounds */                      \
-    X( float, velocity, 4 )
 #define WISP_PARTICLE_MASS_COLUMNS( X )                                                                              \
     X( float, area_density, 1 )                                       /* kg/m^2 */                                   \
     X( float, vertex_mass, 1 )                                        /* kg, above 0 it counts instead */
@@ -143,8 +140,11 @@
     X( int32_t, count, 1 ) /* found; at most WISP_MAX_HALF_SPACES are stored */                                      \
     X( float, found, 4 )   /* m, where they were found; the distance from there that is clear */                     \
     X( float, row, 16 * WISP_MAX_HALF_SPACES )
-#define WISP_LINK_STIFFNESS_COLUMNS( X ) X( float, stiffness, 1 )   /* pbd, share of the error, in [0, 1] */
-#define WISP_LINK_COMPLIANCE_COLUMNS( X ) X( float, compliance, 1 ) /* xpbd, m/N */
+#define WISP_LINK_STIFFNESS_COLUMNS( X )                                                                             \
+    X( float, alike, 2 ) /* pbd, of edges and of bend links: share of the error, in [0, 1] */
+#define WISP_LINK_COMPLIANCE_COLUMNS( X ) X( float, alike, 2 ) /* xpbd, of edges and of bend links: m/N */
+/// Exists where edges differ, then the first of `alike` is below 0, or where maps multiply them.
+#define WISP_LINK_OWN_COLUMNS( X ) X( float, own, 1 ) /* stiffness or compliance of each link */
 /// Exists with several iterations only: with one it is always read as 0.
 #define WISP_LINK_LAMBDA_COLUMNS( X ) X( float, lambda, 1 ) /* N s^2, of the substep */
 #define WISP_LINK_LIMIT_COLUMNS( X )                                                                                 \
@@ -180,9 +180,10 @@
     X( float, before, 4 )   /* m/s, mean velocity of the surface in its last substep */
 /// Triangles have a strain energy (elastic_triangles.h), and there are no links that stretch.
 #define WISP_SURFACE_ELASTIC_COLUMNS( X )                                                                            \
-    X( float, stiffness, 1 )                                         /* N/m, shear modulus times thickness */        \
-    X( int32_t, tension_field, 1 )                                   /* 1: triangles hold no compression */
-#define WISP_SURFACE_VIRIAL_COLUMNS( X ) X( double, virial, 1 )      /* J, sum of x . dE/dx when the substep begins */
+    X( float, stiffness, 1 )                                    /* N/m, shear modulus times thickness */             \
+    X( int32_t, tension_field, 1 )                              /* 1: triangles hold no compression */
+#define WISP_SURFACE_VIRIAL_COLUMNS( X ) X( double, virial, 1 ) /* J, sum of x . dE/dx when the substep begins */
+/// The last valid state too: where vertices were when a step ended that was finite and within bounds.
 #define WISP_SURFACE_POINTS_COLUMNS( X ) X( wisp_vec3, points, 1 )   /* m, the user's order */
 #define WISP_SURFACE_NORMALS_COLUMNS( X ) X( wisp_vec3, normals, 1 ) /* unit, area weighted; 0 where they cancel */
 #define WISP_POINT_STRAIN_COLUMNS( X ) X( float, strain, 1 ) /* largest |l/l0 - 1| of the edges at the vertex */

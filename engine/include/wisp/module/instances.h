@@ -30,13 +30,13 @@ typedef struct wisp_instances_args
     bool accelerates, damps;
 
     int link_count;             ///< padding included
-    const int32_t *a_x4, *b_x4; ///< [link] slots of the ends times 4
-    const int32_t* constraint;  ///< [link] number of the constraint, -1 pads
+    const int32_t *a_x4, *b_x4; ///< [link] slots of the ends times 4; the same one pads
+    const uint8_t* bends;       ///< [link / 8] bits of bend links
     const float* rest;          ///< [link] m
-    const float* stiffness;     ///< [link] fraction of the error removed; null: xpbd
-    const float* compliance;    ///< [link] m/N
+    bool is_compliant;          ///< xpbd, else pbd
+    const float* own;           ///< [link] fraction of the error removed, or compliance in m/N
+    float alike[2];             ///< without `own`: of edges and of bend links
     float inverse_dt2;          ///< 1/s^2
-    int edge_count;             ///< constraints from this number on are bend links
 } wisp_instances_args;
 
 /// Air on instances: as of wisp_strip_air_args, a surface a lane.

@@ -500,6 +500,17 @@ WISP_API wisp_status wisp_world_need_fabric( wisp_world* world, wisp_entity surf
 WISP_API wisp_status wisp_world_attach( wisp_world* world, wisp_entity entity, wisp_component component );
 WISP_API wisp_status wisp_world_detach( wisp_world* world, wisp_entity entity, wisp_component component );
 WISP_API bool wisp_world_has( const wisp_world* world, wisp_entity entity, wisp_component component );
+
+/// A component that an entity is to have, or not to have.
+typedef struct wisp_component_use
+{
+    wisp_component component;
+    bool is_used;
+} wisp_component_use;
+
+/// Attach what is used, then detach the rest. Without memory nothing changes.
+WISP_API wisp_status wisp_world_dress( wisp_world* world, wisp_entity entity, const wisp_component_use* all,
+                                       int count );
 /// Coarse sheets of a surface forget how it moved and find their masses again, before the next step. Call it where a module
 /// changes masses, pins or velocities from outside a step. A surface without coarse sheets is left as it is.
 WISP_API void wisp_world_restart_levels( wisp_world* world, wisp_entity surface );

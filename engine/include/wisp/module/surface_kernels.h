@@ -5,6 +5,12 @@
 
 WISP_BEGIN_C
 
+/// @return what is at a slot of links: 0 an edge, 1 a bend link, -1 nothing, where both ends are the dummy of the tile
+static inline int wisp_fabric_link_kind( const wisp_fabric* fabric, int slot )
+{
+    return fabric->link_a_x4[slot] == fabric->link_b_x4[slot] ? -1 : fabric->link_bends[slot / 8] >> slot % 8 & 1;
+}
+
 /// Arguments of distance constraints between two particles (pbd: Mueller et al. 2007; xpbd: Macklin, Mueller and
 /// Chentanez 2016, eq. 17-18). The links of a group of eight share no particle. Links of length 0 and links between
 /// two pinned particles have no effect.
@@ -13,10 +19,9 @@ typedef struct wisp_link_args
     float* position;            ///< [slot][4] x, y, z in m, inverse mass in 1/kg
     const int32_t *a_x4, *b_x4; ///< [link] slots of the ends times 4
     const float* rest;          ///< [link] m, rest length
-    const float* stiffness;     ///< [link] pbd: fraction of the error removed, in [0, 1]
-    const float* compliance;    ///< [link] xpbd: m/N
-    const int32_t* constraint;  ///< [link] numbers of the constraints, -1 pads; with folded, and for the virial
-    int edge_count;             ///< constraints from this number on are bend links; likewise
+    const float* own;           ///< [link] pbd: fraction of the error removed, in [0, 1]; xpbd: compliance, m/N
+    float alike[2];             ///< without `own`: of edges and of bend links
+    const uint8_t* bends;       ///< [link / 8] bits of bend links; with folded or `alike`, and for the virial
     uint8_t* folded; ///< [link / 8] 0; receives the bits of bend links shorter than half their rest length, which are
                      ///< not projected. Null: all links are projected
     float* lambda;   ///< [link] xpbd: N s^2, multiplier of this substep; null: starts at 0, for a single iteration
