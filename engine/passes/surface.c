@@ -101,12 +101,9 @@ static void hand_out_normals( wisp_frame* frame, const wisp_span* span, void* us
 static float edge_strain( const wisp_fabric* f, const float* position, int slot )
 {
     const float *p = position + f->link_a_x4[slot], *q = position + f->link_b_x4[slot], rest = f->link_rest[slot];
-    if ( wisp_fabric_link_kind( f, slot ) != 0 || !( rest > 0.0f ) )
-    {
-        return 0.0f;
-    }
-    const float x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
-    return fabsf( sqrtf( x * x + y * y + z * z ) / rest - 1.0f );
+    const bool is_edge = wisp_fabric_link_kind( f, slot ) == 0 && rest > 0.0f;
+    return is_edge ? fabsf( wisp_v3_length( wisp_v3_sub( wisp_v3_load( p ), wisp_v3_load( q ) ) ) / rest - 1.0f )
+                   : 0.0f;
 }
 
 // Raises the maximum strain of the edges at each vertex.
@@ -215,18 +212,15 @@ static void take_motion_stats( wisp_frame* frame, const wisp_span* span, void* u
     if ( fabric->vertex_count > 0 )
     {
         sum_momenta( wisp_frame_kernels( frame ), fabric, position, velocity, &q );
+        q.volume = sum_volume( fabric, position );
     }
     sum_strain( fabric, position, &q );
-    q.volume = sum_volume( fabric, position );
     const wisp_vec3 o = wisp_frame_offset( frame, span->entity );
     q.centre[0] -= (double)o.x;
     q.centre[1] -= (double)o.y;
     q.centre[2] -= (double)o.z;
-    if ( gravity != NULL )
-    {
-        q.potential_energy = -q.mass * ( (double)gravity->x * q.centre[0] + (double)gravity->y * q.centre[1] +
-                                         (double)gravity->z * q.centre[2] );
-    }
+    const double3 g = gravity != NULL ? double3_widen( *gravity ) : ( double3 ){ 0.0, 0.0, 0.0 };
+    q.potential_energy = -q.mass * ( g.x * q.centre[0] + g.y * q.centre[1] + g.z * q.centre[2] );
     *out = q;
 }
 

@@ -236,7 +236,7 @@ bool wisp_world_has( const wisp_world* world, wisp_entity entity, wisp_component
            store_mask_has( &e->derived, component ) == false;
 }
 
-wisp_status wisp_world_dress( wisp_world* world, wisp_entity entity, const wisp_component_use* all, int count )
+wisp_status wisp_world_set_components( wisp_world* world, wisp_entity entity, const wisp_component_use* all, int count )
 {
     const store_entity* e = store_find( &world->store, entity );
     const store_mask had = store_mask_and_not( e->components, e->derived );

@@ -363,7 +363,7 @@ static wisp_status add_surface_entity( wisp_world* world, const wisp_surface_def
                                          { WISP_SURFACE_POINTS, true },
                                          { WISP_PARTICLE_MASS, true },
                                          { WISP_PARTICLE_GRAVITY, has_gravity } };
-    const wisp_status status = wisp_world_dress( world, entity, given, WISP_COUNT( given ) );
+    const wisp_status status = wisp_world_set_components( world, entity, given, WISP_COUNT( given ) );
     if ( status != WISP_OK )
     {
         store_remove( &world->store, entity );

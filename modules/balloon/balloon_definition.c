@@ -153,7 +153,7 @@ static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_bal
         { WISP_LINK_COMPLIANCE, pbd == false && linked },
         { WISP_LINK_OWN, linked && wisp_world_has( world, surface, WISP_LINK_CONSTANT ) },
     };
-    return wisp_world_dress( world, surface, all, WISP_COUNT( all ) );
+    return wisp_world_set_components( world, surface, all, WISP_COUNT( all ) );
 }
 
 static void fill_links( wisp_world* world, wisp_entity surface, const wisp_balloon_def* d )

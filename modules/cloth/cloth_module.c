@@ -406,7 +406,7 @@ static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_clo
         { WISP_LEVEL_COMPLIANCE, carried },
         { WISP_LEVEL_MOTION, carried },
     };
-    return wisp_world_dress( world, surface, all, WISP_COUNT( all ) );
+    return wisp_world_set_components( world, surface, all, WISP_COUNT( all ) );
 }
 
 static void set_float( wisp_world* world, wisp_entity surface, wisp_component component, float value )

@@ -402,7 +402,7 @@ static wisp_status dress( wisp_world* world, wisp_entity surface, const implicit
         { state->change, true },
         { state->history, d->integrator == WISP_INTEGRATOR_BDF2 },
     };
-    return wisp_world_dress( world, surface, all, WISP_COUNT( all ) );
+    return wisp_world_set_components( world, surface, all, WISP_COUNT( all ) );
 }
 
 static void fill( wisp_world* world, wisp_entity surface, const implicit_state* state,

@@ -443,7 +443,7 @@ static wisp_status update_components( wisp_world* world, wisp_entity strands, co
         { s->curve, curved },
         { s->balance, curved },
     };
-    return wisp_world_dress( world, strands, all, WISP_COUNT( all ) );
+    return wisp_world_set_components( world, strands, all, WISP_COUNT( all ) );
 }
 
 // ---- values ----

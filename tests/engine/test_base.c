@@ -244,23 +244,6 @@ TEST( the_float_is_the_double_with_fewer_bits )
 
 #define SAMPLE_COUNT 65536
 
-TEST( random_numbers_have_the_moments_of_a_uniform_law )
-{
-    wisp_random_key key = wisp_random_make_key( 2024, 1, 0 );
-    double sum = 0.0, sum_of_squares = 0.0;
-    for ( uint32_t a = 0; a < SAMPLE_COUNT; ++a )
-    {
-        double u = wisp_random_unit( key, a / 256, a % 256, 0 );
-        sum += u;
-        sum_of_squares += ( u - 0.5 ) * ( u - 0.5 );
-    }
-
-    // 3.5 standard deviations: sqrt( 1/12 ) for the mean, sqrt( 1/180 ) for the square of the distance from it
-    double root_count = sqrt( SAMPLE_COUNT );
-    assert_true( fabs( sum / SAMPLE_COUNT - 0.5 ) < 3.5 * sqrt( 1.0 / 12.0 ) / root_count );
-    assert_true( fabs( sum_of_squares / SAMPLE_COUNT - 1.0 / 12.0 ) < 3.5 * sqrt( 1.0 / 180.0 ) / root_count );
-}
-
 // Chi-square of 255 degrees of freedom: mean 255, standard deviation sqrt( 510 ) = 22.6. A value that is too small is
 // an error as well.
 static void assert_uniform_over_256_bins( const int bins[256], double sample_count )

@@ -736,18 +736,6 @@ TEST( a_rotation_turns_counter_clockwise_by_its_angle )
     assert_close_v3( wisp_v3_rotate( z, 0.6f, 0.8f, x ), ( wisp_vec3 ){ 0.8f, 0.6f, 0.0f } );
 }
 
-TEST( vectors_are_added_scaled_and_multiplied )
-{
-    const wisp_vec3 a = { 1.0f, 2.0f, 3.0f }, b = { 4.0f, -5.0f, 6.0f };
-    assert_close_v3( wisp_v3_add( a, b ), ( wisp_vec3 ){ 5.0f, -3.0f, 9.0f } );
-    assert_close_v3( wisp_v3_sub( a, b ), ( wisp_vec3 ){ -3.0f, 7.0f, -3.0f } );
-    assert_close_v3( wisp_v3_scale( a, -2.0f ), ( wisp_vec3 ){ -2.0f, -4.0f, -6.0f } );
-    assert_close_v3( wisp_v3_mul_add( a, 2.0f, b ), ( wisp_vec3 ){ 9.0f, -8.0f, 15.0f } );
-    assert_close_v3( wisp_v3_cross( a, b ), ( wisp_vec3 ){ 27.0f, 6.0f, -13.0f } );
-    assert_close( wisp_v3_dot( a, b ), 12.0f );
-    assert_close( wisp_v3_length( ( wisp_vec3 ){ 3.0f, 0.0f, -4.0f } ), 5.0f );
-}
-
 TEST( what_has_no_direction_gets_the_fallback )
 {
     const wisp_vec3 fallback = { 0.0f, 0.0f, 1.0f };

@@ -509,7 +509,7 @@ typedef struct wisp_component_use
 } wisp_component_use;
 
 /// Attach what is used, then detach the rest. Without memory nothing changes.
-WISP_API wisp_status wisp_world_dress( wisp_world* world, wisp_entity entity, const wisp_component_use* all,
+WISP_API wisp_status wisp_world_set_components( wisp_world* world, wisp_entity entity, const wisp_component_use* all,
                                        int count );
 /// Coarse sheets of a surface forget how it moved and find their masses again, before the next step. Call it where a module
 /// changes masses, pins or velocities from outside a step. A surface without coarse sheets is left as it is.
