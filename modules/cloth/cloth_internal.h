@@ -32,9 +32,9 @@ typedef struct cloth_air
     float drag, lift;
 } cloth_air;
 
-/// Fill the columns of links and hinges from a checked definition.
-/// @param alike receives stiffness or compliance of edges and of bend links; the first is below 0 if edges differ @return whether they do not
+/// Find the stiffness or compliance of edges and of bend links; the first is below 0 if links differ. @return whether each kind has one
 bool cloth_find_alike( const wisp_fabric* f, const wisp_cloth_def* def, float alike[2] );
+/// Fill the columns of links and hinges from a checked definition.
 void cloth_fill_links( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def );
 /// Fill the links of coarse sheets, if the surface has them.
 void cloth_fill_levels( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def );

@@ -271,11 +271,9 @@ TEST_IN_FOLDER( more_frames_than_fit_are_refused_before_the_first )
 TEST_IN_FOLDER( a_frame_beyond_the_limit_is_refused_and_those_before_are_kept )
 {
     values_fixture x;
-    prepare( &x );
-    wisp_recorder* recorder = NULL;
     wisp_error error = { .status = WISP_OK };
-    char* path = path_in( state, "a.glb" );
-    assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &x.def, &recorder, NULL ), WISP_OK );
+    prepare( &x );
+    wisp_recorder* recorder = open_good( path_in( state, "a.glb" ), &x );
     for ( int f = 0; f < WISP_RECORD_GLB_MAX_FRAMES; ++f )
     {
         assert_ok( add( recorder, &x, f, &error ), error );
@@ -289,11 +287,9 @@ TEST_IN_FOLDER( a_frame_beyond_the_limit_is_refused_and_those_before_are_kept )
 TEST_IN_FOLDER( times_and_points_that_the_format_cannot_hold_are_refused )
 {
     values_fixture x;
-    prepare( &x );
-    wisp_recorder* recorder = NULL;
     wisp_error error = { .status = WISP_OK };
-    char* path = path_in( state, "a.glb" );
-    assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &x.def, &recorder, NULL ), WISP_OK );
+    prepare( &x );
+    wisp_recorder* recorder = open_good( path_in( state, "a.glb" ), &x );
     fill( &x, 0 );
     const wisp_vec3* points[] = { x.cloth, x.hair, x.ground };
     assert_int_equal( wisp_recorder_frame( recorder, -1.0, 0, points, &error ), WISP_BAD_INPUT );
