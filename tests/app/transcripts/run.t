@@ -370,3 +370,9 @@ $ wisp info result.json
 [2]
 $ wisp bench --list
 paper ...
+
+# Workers that share a processor have it for less than their time, which is told beside the speed.
+$ python3 -c 'import os, subprocess
+> os.sched_setaffinity( 0, { min( os.sched_getaffinity( 0 ) ) } )
+> subprocess.run( [os.environ["WISP"], "run", os.environ["SOURCE"] + "/data/scenes/hanging_cloth.yaml", "--workers", "2"] )' | grep '^speed'
+speed ...with 2 workers, which had processors for ... % of the time
