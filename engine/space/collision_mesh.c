@@ -7,6 +7,7 @@
 #include "alloc.h"
 
 #include "wisp/module/definition.h"
+#include "wisp/module/vec.h"
 
 struct wisp_collision_mesh
 {
@@ -243,7 +244,7 @@ float wisp_collision_mesh_clearance( const wisp_collision_mesh* tree, wisp_vec3 
 // Rigid meshes do not move in their own frame, so the distance is what stays clear.
 static float approach( const wisp_collision_mesh* tree, const wisp_mesh_approach* a, mesh_closest* search )
 {
-    if ( a->seed >= 0 )
+    if ( a->seed >= 0 && a->seed < tree->surface.triangle_count )
     {
         mesh_closest_propose( search, a->seed );
     }
@@ -293,25 +294,121 @@ static bool propose_neighbours( mesh_closest* search )
     return search->triangle != before;
 }
 
-void wisp_collision_mesh_track( const wisp_collision_mesh* tree, const wisp_mesh_query* queries,
-                                const int32_t* triangles, int count, wisp_mesh_nearest* nearest )
+enum
 {
+    TRACKED = 64,
+};
+
+// Points and the triangles that are tracked, as the kernel of closest points takes them.
+typedef struct tracked_faces
+{
+    _Alignas( 16 ) float rows[TRACKED][4][4]; // m: the point and the three corners
+    int32_t row_x4[4][TRACKED];
+    float distance[TRACKED], weight[TRACKED / WISP_SLICE][4][8], normal[TRACKED / WISP_SLICE][3][8];
+} tracked_faces;
+
+static void place_corners( const mesh_surface* s, int32_t triangle, float time, float ( *rows )[4] )
+{
+    const int32_t* number = s->triangles + 3 * (size_t)triangle;
+    for ( int k = 0; k < 3; ++k )
+    {
+        const float *end = s->xyzw + 4 * (size_t)number[k], *start = s->start + 4 * (size_t)number[k];
+        memcpy( rows[k], end, sizeof( rows[k] ) );
+        for ( int c = 0; s->start != NULL && time < 1.0f && c < 4; ++c )
+        {
+            rows[k][c] = ( 1.0f - time ) * start[c] + time * end[c];
+        }
+    }
+}
+
+// Answer for a point above the inside of its triangle. @return false on the border, which neighbours share
+static bool describe_face( const tracked_faces* f, int i, int32_t triangle, wisp_mesh_nearest* out )
+{
+    const float inside = 1e-5f; // more than the rounding of a weight
+    const int group = i / WISP_SLICE, lane = i % WISP_SLICE;
+    const float distance = f->distance[i];
+    const float weight[3] = { -f->weight[group][1][lane], -f->weight[group][2][lane], -f->weight[group][3][lane] };
+    if ( !( weight[0] > inside && weight[1] > inside && weight[2] > inside && distance > 0.0f ) )
+    {
+        return false;
+    }
+    const wisp_vec3 p = wisp_v3_load( f->rows[i][0] ), a = wisp_v3_load( f->rows[i][1] ),
+                    n = { f->normal[group][0][lane], f->normal[group][1][lane], f->normal[group][2][lane] };
+    const wisp_vec3 out_of = wisp_v3_cross( wisp_v3_sub( wisp_v3_load( f->rows[i][2] ), a ),
+                                            wisp_v3_sub( wisp_v3_load( f->rows[i][3] ), a ) );
+    const float side = wisp_v3_dot( n, out_of ) < 0.0f ? -1.0f : 1.0f;
+    *out = ( wisp_mesh_nearest ){ .triangle = triangle,
+                                  .distance = side * distance,
+                                  .point = wisp_v3_mul_add( p, -distance, n ),
+                                  .normal = { side * n.x, side * n.y, side * n.z },
+                                  .weights = { weight[0], weight[1], weight[2] } };
+    return true;
+}
+
+// Test the triangles themselves, eight at a time: most points stay above the inside of theirs.
+static void track_faces( const mesh_surface* s, const wisp_kernels* kernels, const wisp_mesh_query* queries,
+                         const int32_t* triangles, int count, wisp_mesh_nearest* nearest )
+{
+    tracked_faces f;
+    const int groups = ( count + WISP_SLICE - 1 ) / WISP_SLICE;
+    for ( int i = 0; i < WISP_SLICE * groups; ++i )
+    {
+        const int from = i < count ? i : 0; // the last group is padded
+        memcpy( f.rows[i][0], &queries[from].point, sizeof( queries[from].point ) );
+        place_corners( s, triangles[from], queries[from].time, f.rows[i] + 1 );
+        for ( int k = 0; k < 4; ++k )
+        {
+            f.row_x4[k][i] = 16 * i + 4 * k;
+        }
+    }
+    const wisp_closest_args args = { .xyzw = f.rows[0][0],
+                                     .point_x4 = { f.row_x4[0], f.row_x4[1], f.row_x4[2], f.row_x4[3] },
+                                     .distance = f.distance,
+                                     .weight = f.weight,
+                                     .normal = f.normal };
+    kernels->closest_triangle( &args, 0, groups );
     for ( int i = 0; i < count; ++i )
     {
-        nearest[i] = ( wisp_mesh_nearest ){ .triangle = -1 };
-        if ( !is_reachable( queries[i].point ) || !( queries[i].radius >= 0.0f ) )
+        if ( describe_face( &f, i, triangles[i], nearest + i ) == false )
         {
-            continue;
+            nearest[i].triangle = -1;
         }
-        wisp_mesh_query anywhere = queries[i];
-        anywhere.radius = INFINITY;
-        mesh_closest search = mesh_closest_begin( &tree->surface, &anywhere );
-        mesh_closest_propose( &search, triangles[i] );
-        while ( propose_neighbours( &search ) )
+    }
+}
+
+// Go to neighbours that are closer, until none is.
+static void track_neighbours( const mesh_surface* s, const wisp_mesh_query* query, int32_t triangle,
+                              wisp_mesh_nearest* nearest )
+{
+    if ( !is_reachable( query->point ) || !( query->radius >= 0.0f ) )
+    {
+        return;
+    }
+    wisp_mesh_query anywhere = *query;
+    anywhere.radius = INFINITY;
+    mesh_closest search = mesh_closest_begin( s, &anywhere );
+    mesh_closest_propose( &search, triangle );
+    while ( propose_neighbours( &search ) )
+    {
+    }
+    mesh_surface_describe( s, search.triangle, search.time, &search.best, search.point, nearest );
+}
+
+void wisp_collision_mesh_track( const wisp_collision_mesh* tree, const wisp_kernels* kernels,
+                                const wisp_mesh_query* queries, const int32_t* triangles, int count,
+                                wisp_mesh_nearest* nearest )
+{
+    for ( int first = 0; first < count; first += TRACKED )
+    {
+        const int end = count - first < TRACKED ? count : first + TRACKED;
+        track_faces( &tree->surface, kernels, queries + first, triangles + first, end - first, nearest + first );
+        for ( int i = first; i < end; ++i )
         {
+            if ( nearest[i].triangle < 0 )
+            {
+                track_neighbours( &tree->surface, queries + i, triangles[i], nearest + i );
+            }
         }
-        mesh_surface_describe( &tree->surface, search.triangle, search.time, &search.best, search.point,
-                               nearest + i );
     }
 }
 

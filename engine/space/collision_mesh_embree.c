@@ -190,7 +190,8 @@ size_t embree_tree_bytes( const embree_tree* tree )
 static bool measure_triangle( struct RTCPointQueryFunctionArguments* arguments )
 {
     mesh_closest* search = arguments->userPtr;
-    if ( !mesh_closest_propose( search, (int32_t)arguments->primID ) )
+    const int32_t triangle = (int32_t)arguments->primID;
+    if ( triangle == search->triangle || !mesh_closest_propose( search, triangle ) )
     {
         return false;
     }

@@ -143,41 +143,64 @@ static bool take_tracked( const collision_view* view, const wisp_mesh_nearest* a
     return true;
 }
 
-void collision_track_closest( const collision_view* view, const collision_tracked_query* queries,
-                              collision_track* tracks, int count, bool is_first, int32_t seed,
-                              wisp_surface_point* nearest, bool* found, wisp_vec3* motion )
+// Search for the triangle of a vertex. @return whether one is within the radius of the search
+static bool search_track( const collision_view* view, const collision_tracked_query* q, int32_t seed,
+                          collision_track* track )
 {
-    const wisp_collision_mesh* tree = view->body->tree;
+    wisp_mesh_nearest a;
+    wisp_mesh_approach approach;
+    if ( prepare_search( view, q, seed, track, &approach ) == false )
+    {
+        return false;
+    }
+    wisp_collision_mesh_approach( view->body->tree, &approach, 1, &a, &track->free );
+    track->triangle = a.triangle;
+    track->origin = q->point;
+    // whoever is inside is pushed out in each substep, however far from the surface
+    const bool is_inside = a.distance < 0.0f && view->body->double_sided == false;
+    track->free = is_inside ? 0.0f : track->free;
+    return a.triangle >= 0;
+}
+
+// What was searched is answered as what is tracked, so that bits do not depend on when a vertex was searched.
+void collision_track_closest( const wisp_kernels* kernels, const collision_view* view,
+                              const collision_tracked_query* queries, collision_track* tracks, int count,
+                              bool is_first, const int32_t* seeds, wisp_surface_point* nearest, bool* found,
+                              wisp_vec3* motion )
+{
+    wisp_mesh_query near[WISP_PARTICLE_BLOCK];
+    int32_t triangles[WISP_PARTICLE_BLOCK], vertices[WISP_PARTICLE_BLOCK], seed = -1;
+    wisp_mesh_nearest answers[WISP_PARTICLE_BLOCK];
+    int n = 0;
     for ( int i = 0; i < count; ++i )
     {
         const collision_tracked_query* q = queries + i;
         collision_track* track = tracks + i;
-        wisp_mesh_nearest a;
-        wisp_mesh_approach approach;
         found[i] = false;
         motion[i] = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
         if ( is_first == false && collision_is_free( track, q->point, q->near ) )
         {
             continue;
         }
-        if ( is_first == false && track->triangle >= 0 )
+        // a rigid mesh answers the same from any seed, so what the last step has left may be read
+        const bool has_left = is_first && view->body->follows == false && track->triangle >= 0;
+        const int32_t from = has_left ? track->triangle : seeds != NULL ? seeds[i] : seed;
+        if ( ( is_first == false && track->triangle >= 0 ) || search_track( view, q, from, track ) )
         {
-            const wisp_mesh_query query = { .point = q->point, .radius = INFINITY, .time = view->end };
-            wisp_collision_mesh_track( tree, &query, &track->triangle, 1, &a );
-            track->triangle = a.triangle;
-            found[i] = take_tracked( view, &a, q->radius, nearest + i, motion + i );
+            near[n] = ( wisp_mesh_query ){ .point = q->point, .radius = INFINITY, .time = view->end };
+            triangles[n] = seed = track->triangle;
+            vertices[n++] = i;
         }
-        else if ( prepare_search( view, q, seed, track, &approach ) )
-        {
-            wisp_collision_mesh_approach( tree, &approach, 1, &a, &track->free );
-            track->triangle = a.triangle;
-            track->origin = q->point;
-            // whoever is inside is pushed out in each substep, however far from the surface
-            const bool is_inside = a.distance < 0.0f && view->body->double_sided == false;
-            track->free = is_inside ? 0.0f : track->free;
-            found[i] = take_tracked( view, &a, q->radius, nearest + i, motion + i );
-        }
-        seed = track->triangle >= 0 ? track->triangle : seed;
+    }
+    if ( n > 0 )
+    {
+        wisp_collision_mesh_track( view->body->tree, kernels, near, triangles, n, answers );
+    }
+    for ( int k = 0; k < n; ++k )
+    {
+        const int i = vertices[k];
+        tracks[i].triangle = answers[k].triangle;
+        found[i] = take_tracked( view, answers + k, queries[i].radius, nearest + i, motion + i );
     }
 }
 

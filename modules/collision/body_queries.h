@@ -57,11 +57,13 @@ typedef struct collision_tracked_query
 
 /// As collision_closest(), of vertices that keep a track of the body. In the first substep of a step the surface is searched, as
 /// far as the vertex may get in the step. Later vertices that are still far are left out, and others are tracked.
-/// @param tracks [count] as they were left, nothing of them is read in the first substep
-/// @param seed a triangle where the search of the first vertex may begin, or -1
-void collision_track_closest( const collision_view* view, const collision_tracked_query* queries,
-                              collision_track* tracks, int count, bool is_first, int32_t seed,
-                              wisp_surface_point* nearest, bool* found, wisp_vec3* motion );
+/// @param tracks [count] as they were left; in the first substep only a seed is taken from them, whatever it is
+/// @param seeds [count] a triangle where the search of a vertex may begin, or -1; null: where that of the vertex before ended
+/// @param count at most WISP_PARTICLE_BLOCK
+void collision_track_closest( const wisp_kernels* kernels, const collision_view* view,
+                              const collision_tracked_query* queries, collision_track* tracks, int count,
+                              bool is_first, const int32_t* seeds, wisp_surface_point* nearest, bool* found,
+                              wisp_vec3* motion );
 
 /// Find the first time in the substep at which a path enters the body, or passes the sheet from either side. The plane of a
 /// surface is that at the end of the substep. @param motion m, as above @return whether it does

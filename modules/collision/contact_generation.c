@@ -140,8 +140,8 @@ static void track_candidates( const collision_find_args* args, const collision_v
         const float ahead = COLLISION_MARGIN * ( block->path[n] - shift ) * (float)args->substeps_left;
         tracked[n] = ( collision_tracked_query ){ queries[n].point, queries[n].radius, queries[n].radius, ahead };
     }
-    collision_track_closest( view, tracked, tracks, block->candidate_count, args->is_first, -1, nearest, is_near,
-                             motion );
+    collision_track_closest( args->kernels, view, tracked, tracks, block->candidate_count, args->is_first, NULL,
+                             nearest, is_near, motion );
     for ( int n = 0; n < block->candidate_count; ++n )
     {
         const int slot = collision_slot( block, block->candidates[n] );

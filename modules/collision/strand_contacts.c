@@ -310,23 +310,33 @@ static void push_tracked_row( strand_loop* loop, const collision_view* view, con
     const strand_tracks t = tracks_of( loop, view, row );
     uint32_t bound = loop->kernels->strand_see_row( args, row, loop->is_first ? NULL : t.free, t.origin, &r );
     const float shift = collision_surface_shift( view );
+    int lanes[WISP_LANES], n = 0;
+    int32_t from[WISP_LANES];
+    collision_tracked_query queries[WISP_LANES];
+    collision_track tracks[WISP_LANES];
     for ( ; bound != 0; bound &= bound - 1 )
     {
-        const int l = __builtin_ctz( bound );
-        const wisp_vec3 to = lane_of( r.to, l );
+        const int l = lanes[n] = __builtin_ctz( bound );
         const float ahead = COLLISION_MARGIN * r.path[l] * (float)loop->substeps_left;
-        const collision_tracked_query query = { to, r.near[l] + shift, r.near[l], ahead };
-        collision_track track = { t.triangle[l], t.free[l], collision_load_lane( t.origin + l ) };
-        wisp_surface_point nearest;
-        bool is_near;
-        wisp_vec3 motion;
-        collision_track_closest( view, &query, &track, 1, loop->is_first, seeds[l], &nearest, &is_near, &motion );
-        t.triangle[l] = seeds[l] = track.triangle;
-        t.free[l] = track.free;
-        collision_store_lane( t.origin + l, track.origin );
-        if ( is_near )
+        queries[n] = ( collision_tracked_query ){ lane_of( r.to, l ), r.near[l] + shift, r.near[l], ahead };
+        tracks[n] = ( collision_track ){ t.triangle[l], t.free[l], collision_load_lane( t.origin + l ) };
+        from[n++] = seeds[l];
+    }
+    wisp_surface_point nearest[WISP_LANES];
+    bool is_near[WISP_LANES];
+    wisp_vec3 motion[WISP_LANES];
+    collision_track_closest( loop->kernels, view, queries, tracks, n, loop->is_first, from, nearest, is_near,
+                             motion );
+    for ( int i = 0; i < n; ++i )
+    {
+        const int l = lanes[i];
+        t.triangle[l] = seeds[l] = tracks[i].triangle;
+        t.free[l] = tracks[i].free;
+        collision_store_lane( t.origin + l, tracks[i].origin );
+        if ( is_near[i] )
         {
-            push_vertex( loop, view, row, l, lane_of( r.from, l ), to, &nearest, motion, track.triangle );
+            push_vertex( loop, view, row, l, lane_of( r.from, l ), queries[i].point, nearest + i, motion[i],
+                         tracks[i].triangle );
         }
     }
 }

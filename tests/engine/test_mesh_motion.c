@@ -1,5 +1,8 @@
 // Meshes whose points move along straight lines: closest points at a time, paths swept against the motion, tracking.
+#include "kernel_tables.h"
 #include "mesh_fixture.h"
+
+#include "wisp/module/vec.h"
 
 enum
 {
@@ -162,10 +165,20 @@ TEST( a_point_of_a_triangle_goes_where_its_corners_go )
     }
 }
 
+// Above the inside of a triangle a track is in single precision, with coordinates below 2 m.
+static bool is_alike( const wisp_mesh_nearest* a, const wisp_mesh_nearest* b )
+{
+    const wisp_vec3 apart = wisp_v3_sub( a->point, b->point ), turn = wisp_v3_sub( a->normal, b->normal );
+    return a->triangle == b->triangle && fabsf( a->distance - b->distance ) < 1e-6f &&
+           wisp_v3_length( apart ) < 1e-6f && wisp_v3_length( turn ) < 2e-5f &&
+           fabsf( a->weights[0] - b->weights[0] ) < 1e-4f && fabsf( a->weights[1] - b->weights[1] ) < 1e-4f;
+}
+
 // From where the point was 0.1 m before, as from one substep to the next.
 TEST( tracking_follows_the_closest_point_along_a_round_mesh )
 {
     SCOPED( free_motion ) motion m = new_motion( 0.4f, 0.1f );
+    const wisp_kernels* kernels = kernels_select( "baseline", NULL );
     int moved = 0, same = 0, count = 0;
     for ( int i = 0; i < QUERIES; ++i )
     {
@@ -176,10 +189,10 @@ TEST( tracking_follows_the_closest_point_along_a_round_mesh )
         {
             const int32_t begin = closest_at( m.tree, before, 0.4f ).triangle;
             wisp_mesh_nearest tracked;
-            wisp_collision_mesh_track( m.tree, &query, &begin, 1, &tracked );
+            wisp_collision_mesh_track( m.tree, kernels, &query, &begin, 1, &tracked );
             // quads fold inwards along one of their diagonals, so some have two minima, nearly equally far
-            assert_true( tracked.distance >= exact.distance && tracked.distance < exact.distance + 1e-3f );
-            same += memcmp( &tracked, &exact, sizeof( exact ) ) == 0 ? 1 : 0;
+            assert_true( tracked.distance > exact.distance - 1e-6f && tracked.distance < exact.distance + 1e-3f );
+            same += is_alike( &tracked, &exact ) ? 1 : 0;
             count += 1;
             moved += begin != tracked.triangle ? 1 : 0;
         }

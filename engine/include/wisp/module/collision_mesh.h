@@ -15,6 +15,7 @@
 #pragma once
 
 #include "wisp/module/jobs.h"
+#include "wisp/module/kernels.h"
 #include "wisp/module/shapes.h"
 
 WISP_BEGIN_C
@@ -152,7 +153,7 @@ typedef struct wisp_mesh_approach
     wisp_mesh_query query;
     float near; ///< m, >= 0: triangles that stay farther than this in the whole motion may be left out
     int32_t
-        seed; ///< a triangle that may be near, in range, or -1: it makes the search faster and does not change its result
+        seed; ///< a triangle that may be near; out of range: none. It makes the search faster and does not change its result
 } wisp_mesh_approach;
 
 /// Find closest points as wisp_collision_mesh_closest() does, and for how long they are enough.
@@ -165,10 +166,12 @@ WISP_API void wisp_collision_mesh_approach( const wisp_collision_mesh* mesh, con
 /// Track closest points (after Lin and Canny 1991): go from a triangle near the result to neighbours that are closer, until none
 /// is. It gives what wisp_collision_mesh_closest() gives where the distance has one minimum between the two, at a fifth of
 /// the time.
+/// Points above the inside of their triangle are answered in single precision, within its rounding of the coordinates.
 /// @param triangles [count] where to begin, each in range
 /// @note Thread-safe with other queries.
-WISP_API void wisp_collision_mesh_track( const wisp_collision_mesh* mesh, const wisp_mesh_query* queries,
-                                         const int32_t* triangles, int count, wisp_mesh_nearest* nearest );
+WISP_API void wisp_collision_mesh_track( const wisp_collision_mesh* mesh, const wisp_kernels* kernels,
+                                         const wisp_mesh_query* queries, const int32_t* triangles, int count,
+                                         wisp_mesh_nearest* nearest );
 
 /// A straight path, in the frame of the mesh. For a rigid body that moves, `from` is taken into the body by the old pose
 /// and `to` by the new one.
