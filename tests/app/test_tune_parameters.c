@@ -248,6 +248,21 @@ TEST( whatever_coarse_substeps_are_chosen_the_file_can_say_it )
     }
 }
 
+// With a block of contact and without one.
+TEST( whatever_level_of_contact_is_chosen_the_file_can_say_it )
+{
+    static const char sheet[] = "surfaces:\n  - name: a\n" MAKE "    contact: {}\n    cloth: { solver: pbd }\n";
+    static const char* const blocks[] = { "wisp: 1\n", "wisp: 1\ncontact: { friction: 0.3 }\n" };
+    static const char* const levels[] = { "level: triangles", "level: spheres" };
+    for ( int i = 0; i < 4; ++i )
+    {
+        char scene[400], text[800];
+        snprintf( scene, sizeof scene, "%s%s", blocks[i / 2], sheet );
+        write_choice( scene, 2, i % 2, text, sizeof text );
+        assert_non_null( strstr( text, levels[i % 2] ) );
+    }
+}
+
 TEST( cloth_by_pbd_has_no_coarse_substeps_to_tune )
 {
     SCOPED( wisp_scene_release )
