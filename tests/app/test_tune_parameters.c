@@ -252,7 +252,7 @@ TEST( whatever_coarse_substeps_are_chosen_the_file_can_say_it )
 TEST( whatever_level_of_contact_is_chosen_the_file_can_say_it )
 {
     static const char sheet[] = "surfaces:\n  - name: a\n" MAKE "    contact: {}\n    cloth: { solver: pbd }\n";
-    static const char* const blocks[] = { "wisp: 1\n", "wisp: 1\ncontact: { friction: 0.3 }\n" };
+    static const char* const blocks[] = { "wisp: 1\n", "wisp: 1\ncontact: { margin: 0.5 }\n" };
     static const char* const levels[] = { "level: triangles", "level: spheres" };
     for ( int i = 0; i < 4; ++i )
     {
