@@ -257,23 +257,18 @@ static float approach( const wisp_collision_mesh* tree, const wisp_mesh_approach
 }
 
 void wisp_collision_mesh_approach( const wisp_collision_mesh* tree, const wisp_mesh_approach* approaches, int count,
-                                   wisp_mesh_nearest* nearest, float* clearance )
+                                   int32_t* triangles, float* clearance )
 {
     for ( int i = 0; i < count; ++i )
     {
         const wisp_mesh_query* query = &approaches[i].query;
-        nearest[i] = ( wisp_mesh_nearest ){ .triangle = -1 };
+        triangles[i] = -1;
         clearance[i] = 0.0f;
-        if ( !is_reachable( query->point ) || !( query->radius >= 0.0f ) )
+        if ( is_reachable( query->point ) && query->radius >= 0.0f )
         {
-            continue;
-        }
-        mesh_closest search = mesh_closest_begin( &tree->surface, query );
-        clearance[i] = approach( tree, approaches + i, &search );
-        if ( search.triangle >= 0 )
-        {
-            mesh_surface_describe( &tree->surface, search.triangle, search.time, &search.best, search.point,
-                                   nearest + i );
+            mesh_closest search = mesh_closest_begin( &tree->surface, query );
+            clearance[i] = approach( tree, approaches + i, &search );
+            triangles[i] = search.triangle;
         }
     }
 }
@@ -321,8 +316,8 @@ static void place_corners( const mesh_surface* s, int32_t triangle, float time, 
     }
 }
 
-// Answer for a point above the inside of its triangle. @return false on the border, which neighbours share
-static bool describe_face( const tracked_faces* f, int i, int32_t triangle, wisp_mesh_nearest* out )
+// Answer for a point above the inside of its triangle, not on the border, which neighbours share.
+static void describe_face( const tracked_faces* f, int i, int32_t triangle, wisp_mesh_nearest* out )
 {
     const float inside = 1e-5f; // more than the rounding of a weight
     const int group = i / WISP_SLICE, lane = i % WISP_SLICE;
@@ -330,7 +325,7 @@ static bool describe_face( const tracked_faces* f, int i, int32_t triangle, wisp
     const float weight[3] = { -f->weight[group][1][lane], -f->weight[group][2][lane], -f->weight[group][3][lane] };
     if ( !( weight[0] > inside && weight[1] > inside && weight[2] > inside && distance > 0.0f ) )
     {
-        return false;
+        return;
     }
     const wisp_vec3 p = wisp_v3_load( f->rows[i][0] ), a = wisp_v3_load( f->rows[i][1] ),
                     n = { f->normal[group][0][lane], f->normal[group][1][lane], f->normal[group][2][lane] };
@@ -342,7 +337,6 @@ static bool describe_face( const tracked_faces* f, int i, int32_t triangle, wisp
                                   .point = wisp_v3_mul_add( p, -distance, n ),
                                   .normal = { side * n.x, side * n.y, side * n.z },
                                   .weights = { weight[0], weight[1], weight[2] } };
-    return true;
 }
 
 // Test the triangles themselves, eight at a time: most points stay above the inside of theirs.
@@ -369,10 +363,7 @@ static void track_faces( const mesh_surface* s, const wisp_kernels* kernels, con
     kernels->closest_triangle( &args, 0, groups );
     for ( int i = 0; i < count; ++i )
     {
-        if ( describe_face( &f, i, triangles[i], nearest + i ) == false )
-        {
-            nearest[i].triangle = -1;
-        }
+        describe_face( &f, i, triangles[i], nearest + i );
     }
 }
 
@@ -398,16 +389,23 @@ void wisp_collision_mesh_track( const wisp_collision_mesh* tree, const wisp_kern
                                 const wisp_mesh_query* queries, const int32_t* triangles, int count,
                                 wisp_mesh_nearest* nearest )
 {
+    for ( int i = 0; i < count; ++i )
+    {
+        nearest[i] = ( wisp_mesh_nearest ){ .triangle = -1 };
+    }
     for ( int first = 0; first < count; first += TRACKED )
     {
-        const int end = count - first < TRACKED ? count : first + TRACKED;
-        track_faces( &tree->surface, kernels, queries + first, triangles + first, end - first, nearest + first );
-        for ( int i = first; i < end; ++i )
+        const int n = count - first < TRACKED ? count - first : TRACKED;
+        if ( kernels != NULL )
         {
-            if ( nearest[i].triangle < 0 )
-            {
-                track_neighbours( &tree->surface, queries + i, triangles[i], nearest + i );
-            }
+            track_faces( &tree->surface, kernels, queries + first, triangles + first, n, nearest + first );
+        }
+    }
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( nearest[i].triangle < 0 )
+        {
+            track_neighbours( &tree->surface, queries + i, triangles[i], nearest + i );
         }
     }
 }

@@ -147,19 +147,14 @@ static bool take_tracked( const collision_view* view, const wisp_mesh_nearest* a
 static bool search_track( const collision_view* view, const collision_tracked_query* q, int32_t seed,
                           collision_track* track )
 {
-    wisp_mesh_nearest a;
     wisp_mesh_approach approach;
     if ( prepare_search( view, q, seed, track, &approach ) == false )
     {
         return false;
     }
-    wisp_collision_mesh_approach( view->body->tree, &approach, 1, &a, &track->free );
-    track->triangle = a.triangle;
+    wisp_collision_mesh_approach( view->body->tree, &approach, 1, &track->triangle, &track->free );
     track->origin = q->point;
-    // whoever is inside is pushed out in each substep, however far from the surface
-    const bool is_inside = a.distance < 0.0f && view->body->double_sided == false;
-    track->free = is_inside ? 0.0f : track->free;
-    return a.triangle >= 0;
+    return track->triangle >= 0;
 }
 
 // What was searched is answered as what is tracked, so that bits do not depend on when a vertex was searched.
@@ -199,7 +194,10 @@ void collision_track_closest( const wisp_kernels* kernels, const collision_view*
     for ( int k = 0; k < n; ++k )
     {
         const int i = vertices[k];
+        // whoever is inside is pushed out in each substep, however far from the surface
+        const bool is_inside = answers[k].distance < 0.0f && view->body->double_sided == false;
         tracks[i].triangle = answers[k].triangle;
+        tracks[i].free = is_inside ? 0.0f : tracks[i].free;
         found[i] = take_tracked( view, answers + k, queries[i].radius, nearest + i, motion + i );
     }
 }
@@ -305,11 +303,17 @@ static bool find_at_start( const collision_view* view, wisp_vec3 from, int32_t s
         return is_near;
     }
     const wisp_mesh_approach approach = { { from, INFINITY, view->begin }, INFINITY, seed };
-    wisp_mesh_nearest a;
+    int32_t triangle;
     float clearance;
-    wisp_collision_mesh_approach( view->body->tree, &approach, 1, &a, &clearance );
+    wisp_collision_mesh_approach( view->body->tree, &approach, 1, &triangle, &clearance );
+    if ( triangle < 0 )
+    {
+        return false;
+    }
+    wisp_mesh_nearest a;
+    wisp_collision_mesh_track( view->body->tree, NULL, &approach.query, &triangle, 1, &a );
     *distance = view->body->double_sided ? fabsf( a.distance ) : a.distance;
-    return a.triangle >= 0 && *distance <= view->thickness;
+    return *distance <= view->thickness;
 }
 
 float collision_exact_gap( const collision_view* view, wisp_vec3 from, int32_t seed, float gap )

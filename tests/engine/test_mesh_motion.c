@@ -254,12 +254,11 @@ TEST( an_approach_finds_the_closest_point_and_how_long_it_is_enough )
         wisp_mesh_approach approach = { { p, near, time }, near, -1 };
         for ( int k = 0; k < 3; ++k )
         {
-            wisp_mesh_nearest nearest;
+            int32_t nearest;
             float clearance;
             wisp_collision_mesh_approach( m.tree, &approach, 1, &nearest, &clearance );
             const bool is_near = fabsf( exact.distance ) <= near;
-            assert_true( is_near == false || memcmp( &nearest, &exact, sizeof( exact ) ) == 0 );
-            assert_true( is_near || nearest.triangle < 0 );
+            assert_int_equal( nearest, is_near ? exact.triangle : -1 );
             assert_true( clearance <= near && clearance <= fabsf( least_distance( m.tree, p, time ) ) );
             found += is_near ? 1 : 0;
             clear_count += clearance > 0.0f ? 1 : 0;
@@ -274,10 +273,10 @@ TEST( an_approach_to_a_point_that_is_not_finite_finds_nothing )
     SCOPED( free_motion ) motion m = new_motion( 0.3f, 0.2f );
     const wisp_vec3 p = { NAN, 0.0f, 0.0f };
     const wisp_mesh_approach approach = { { p, INFINITY, 1.0f }, INFINITY, 0 };
-    wisp_mesh_nearest nearest;
+    int32_t nearest;
     float clearance;
     wisp_collision_mesh_approach( m.tree, &approach, 1, &nearest, &clearance );
-    assert_int_equal( nearest.triangle, -1 );
+    assert_int_equal( nearest, -1 );
     assert_true( clearance == 0.0f );
     assert_true( wisp_collision_mesh_clearance( m.tree, p, 0.1f ) == -1.0f );
 }

@@ -156,17 +156,19 @@ typedef struct wisp_mesh_approach
         seed; ///< a triangle that may be near; out of range: none. It makes the search faster and does not change its result
 } wisp_mesh_approach;
 
-/// Find closest points as wisp_collision_mesh_closest() does, and for how long they are enough.
+/// Find closest triangles as wisp_collision_mesh_closest() does, and for how long they are enough.
+/// @param triangles [count] receives them, -1 where none is within the radius; wisp_collision_mesh_track() describes the points
 /// @param clearance [count] receives lower bounds of the distance from the surface, from the time of the query to the end of
 ///        the motion, m; at most `near`, and negative where a triangle may pass the point
 /// @note Thread-safe with other queries.
 WISP_API void wisp_collision_mesh_approach( const wisp_collision_mesh* mesh, const wisp_mesh_approach* approaches,
-                                            int count, wisp_mesh_nearest* nearest, float* clearance );
+                                            int count, int32_t* triangles, float* clearance );
 
 /// Track closest points (after Lin and Canny 1991): go from a triangle near the result to neighbours that are closer, until none
 /// is. It gives what wisp_collision_mesh_closest() gives where the distance has one minimum between the two, at a fifth of
 /// the time.
-/// Points above the inside of their triangle are answered in single precision, within its rounding of the coordinates.
+/// @param kernels points above the inside of their triangle are answered by them, within the rounding of the coordinates to single
+///        precision; null: all one after another, in double precision
 /// @param triangles [count] where to begin, each in range
 /// @note Thread-safe with other queries.
 WISP_API void wisp_collision_mesh_track( const wisp_collision_mesh* mesh, const wisp_kernels* kernels,
