@@ -18,8 +18,8 @@ LANE_INLINE lane8m fourth( void )
 }
 
 // All eight slots are settled or none is, so their order does not matter.
-uint32_t KERNEL( find_unsettled )( const float* position, const float* previous, const float* place, int begin,
-                                   int end )
+uint32_t KERNEL( find_unclear )( const float* position, const float* previous, const float* place, int begin,
+                                 int end )
 {
     const lane8m last = fourth();
     const lane8 zero = lane8_zero();

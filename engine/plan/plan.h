@@ -91,6 +91,15 @@ typedef struct plan_place_column
     int low_column;
 } plan_place_column;
 
+/// Sets of the components that a pass uses, made once when it is declared.
+typedef struct plan_uses
+{
+    store_mask required, excluded, reads, writes, foreign;
+    store_mask changes;  // of any entity: what it writes, and what is foreign
+    store_mask touched;  // of its own entity: what it reads or writes
+    store_mask produced; // what it writes without having read it
+} plan_uses;
+
 struct wisp_registry
 {
     store* store;
@@ -99,6 +108,7 @@ struct wisp_registry
     int iterations;        // per substep; 0 means 1
     wisp_component detail; // of entities whose level of detail was set
     wisp_pass passes[PLAN_MAX_PASSES];
+    plan_uses uses[PLAN_MAX_PASSES];           // of passes
     const char* pass_modules[PLAN_MAX_PASSES]; // module that declared the pass
     int pass_count;
     plan_fusion joins[PLAN_MAX_FUSIONS];
@@ -309,13 +319,10 @@ static inline bool plan_is_substep( plan_section section )
 /// Return the section of a stage.
 plan_section plan_section_of( wisp_stage stage );
 
-/// Return the number of items of a domain in an entity.
-int plan_item_count( const store_entity* e, wisp_domain domain );
-
-/// Test whether a zero-terminated list contains the component.
-bool plan_lists( const wisp_component* uses, wisp_component component );
 /// Convert a zero-terminated list to a set.
 store_mask plan_mask( const wisp_component* uses );
+/// Return the number of items of a domain in an entity.
+int plan_item_count( const store_entity* e, wisp_domain domain );
 
 // execute.c
 

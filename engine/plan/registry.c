@@ -44,6 +44,29 @@ wisp_status wisp_declare_indices( wisp_registry* registry, const wisp_index_rang
     return WISP_OK;
 }
 
+store_mask plan_mask( const wisp_component* uses )
+{
+    store_mask mask = { { 0 } };
+    for ( int i = 0; i < WISP_MAX_USES && uses[i] != 0; ++i )
+    {
+        store_mask_add( &mask, uses[i] );
+    }
+    return mask;
+}
+
+static plan_uses uses_of( const wisp_pass* pass )
+{
+    plan_uses u = { .required = plan_mask( pass->required ),
+                    .excluded = plan_mask( pass->excluded ),
+                    .reads = plan_mask( pass->reads ),
+                    .writes = plan_mask( pass->writes ),
+                    .foreign = plan_mask( pass->foreign ) };
+    u.changes = store_mask_or( u.writes, u.foreign );
+    u.touched = store_mask_or( u.reads, u.writes );
+    u.produced = store_mask_and_not( u.writes, u.reads );
+    return u;
+}
+
 static wisp_status declare_pass( wisp_registry* registry, const wisp_pass* pass )
 {
     for ( int i = 0; i < registry->pass_count; ++i )
@@ -69,6 +92,7 @@ static wisp_status declare_pass( wisp_registry* registry, const wisp_pass* pass 
     }
     registry->store->passes = store_hash_bytes( registry->store->passes, pass->name, strlen( pass->name ) );
     registry->pass_modules[registry->pass_count] = registry->module;
+    registry->uses[registry->pass_count] = uses_of( pass );
     registry->passes[registry->pass_count++] = *pass;
     return WISP_OK;
 }

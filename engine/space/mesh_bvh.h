@@ -25,8 +25,8 @@ typedef struct mesh_bvh_group
 typedef struct mesh_bvh_leaf
 {
     float start[9][MESH_BVH_WIDTH],
-        way[9][MESH_BVH_WIDTH];  ///< m, [3 corner + axis] where it starts, and how far it goes
-    float shift[MESH_BVH_WIDTH]; ///< m, the longest way of a corner
+        displacement[9][MESH_BVH_WIDTH]; ///< m, [3 corner + axis] where it starts, and how far it goes
+    float shift[MESH_BVH_WIDTH];         ///< m, the longest way of a corner
 } mesh_bvh_leaf;
 
 typedef struct mesh_bvh

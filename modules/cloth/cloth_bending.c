@@ -3,6 +3,7 @@
 // wisp/module/plate.h and docs/methods.md.
 
 #include "cloth_internal.h"
+#include "wisp/module/double3.h"
 
 #include <float.h>
 #include <math.h>
@@ -14,34 +15,9 @@
 // Compliance of a constraint that must not act, m/N or 1/J.
 static const float NOTHING = 1e12f;
 
-typedef struct vec3d
+static double3 rest_of( const wisp_fabric* f, int slot )
 {
-    double x, y, z;
-} vec3d;
-
-static vec3d rest_of( const wisp_fabric* f, int slot )
-{
-    return ( vec3d ){ (double)f->rest[slot].x, (double)f->rest[slot].y, (double)f->rest[slot].z };
-}
-
-static vec3d minus( vec3d a, vec3d b )
-{
-    return ( vec3d ){ a.x - b.x, a.y - b.y, a.z - b.z };
-}
-
-static double dot( vec3d a, vec3d b )
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-static vec3d cross( vec3d a, vec3d b )
-{
-    return ( vec3d ){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
-}
-
-static double edge_length( vec3d a )
-{
-    return sqrt( dot( a, a ) );
+    return double3_widen( f->rest[slot] );
 }
 
 // ---- links ----
@@ -49,8 +25,9 @@ static double edge_length( vec3d a )
 // Square of the cosine between a link of the rest shape and the warp.
 static float cosine2( const wisp_fabric* f, int a, int b, wisp_vec3 warp )
 {
-    vec3d d = minus( rest_of( f, a ), rest_of( f, b ) ), w = { (double)warp.x, (double)warp.y, (double)warp.z };
-    double bottom = dot( d, d ) * dot( w, w ), along = dot( d, w );
+    double3 d = double3_sub( rest_of( f, a ), rest_of( f, b ) ),
+            w = { (double)warp.x, (double)warp.y, (double)warp.z };
+    double bottom = double3_dot( d, d ) * double3_dot( w, w ), along = double3_dot( d, w );
     return bottom > 0.0 ? (float)( along * along / bottom ) : 1.0f;
 }
 
@@ -150,7 +127,7 @@ void cloth_fill_levels( wisp_world* world, wisp_entity surface, const wisp_cloth
 
 typedef struct hinge_shape
 {
-    vec3d i, j, k, l;
+    double3 i, j, k, l;
     double edge; // length, m
     bool sound;  // both triangles have an area, so there is an angle between them
 } hinge_shape;
@@ -161,10 +138,10 @@ static hinge_shape shape_of( const wisp_fabric* f, int hinge )
     hinge_shape s = {
         rest_of( f, corner[0] ), rest_of( f, corner[1] ), rest_of( f, corner[2] ), rest_of( f, corner[3] ), 0.0, false
     };
-    vec3d e = minus( s.j, s.i );
-    double k_area = 0.5 * edge_length( cross( e, minus( s.k, s.i ) ) );
-    double l_area = 0.5 * edge_length( cross( e, minus( s.l, s.i ) ) );
-    s.edge = edge_length( e );
+    double3 e = double3_sub( s.j, s.i );
+    double k_area = 0.5 * double3_length( double3_cross( e, double3_sub( s.k, s.i ) ) );
+    double l_area = 0.5 * double3_length( double3_cross( e, double3_sub( s.l, s.i ) ) );
+    s.edge = double3_length( e );
     s.sound = k_area > 0.0 && l_area > 0.0;
     return s;
 }
@@ -172,19 +149,19 @@ static hinge_shape shape_of( const wisp_fabric* f, int hinge )
 // The angle as the kernel measures it: positive where the opposite vertices lie on the side of the normals.
 static float rest_angle( const hinge_shape* s )
 {
-    vec3d e = minus( s->j, s->i );
-    vec3d n1 = cross( minus( s->k, s->i ), minus( s->k, s->j ) ),
-          n2 = cross( minus( s->l, s->j ), minus( s->l, s->i ) );
-    double sine = s->edge > 0.0 ? dot( cross( n2, n1 ), e ) / s->edge : 0.0;
-    return (float)atan2( sine, dot( n1, n2 ) );
+    double3 e = double3_sub( s->j, s->i );
+    double3 n1 = double3_cross( double3_sub( s->k, s->i ), double3_sub( s->k, s->j ) ),
+            n2 = double3_cross( double3_sub( s->l, s->j ), double3_sub( s->l, s->i ) );
+    double sine = s->edge > 0.0 ? double3_dot( double3_cross( n2, n1 ), e ) / s->edge : 0.0;
+    return (float)atan2( sine, double3_dot( n1, n2 ) );
 }
 
 // Cotangent of the angle at `at` between the directions to a and b; 0 for a triangle without area.
-static double cotangent( vec3d at, vec3d a, vec3d b )
+static double cotangent( double3 at, double3 a, double3 b )
 {
-    vec3d u = minus( a, at ), v = minus( b, at );
-    double bottom = edge_length( cross( u, v ) );
-    return bottom > 0.0 ? dot( u, v ) / bottom : 0.0;
+    double3 u = double3_sub( a, at ), v = double3_sub( b, at );
+    double bottom = double3_length( double3_cross( u, v ) );
+    return bottom > 0.0 ? double3_dot( u, v ) / bottom : 0.0;
 }
 
 // The row of Bergou et al. 2006, eq. 4: c . x is the edge's length times the bending, as a vector.

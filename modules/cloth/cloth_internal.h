@@ -15,12 +15,16 @@ typedef struct cloth_plate
     int lowered; // triangles that are scaled down
 } cloth_plate;
 
+/// The components, a row each: X( member, "name", table, columns ).
+#define CLOTH_COMPONENTS( X )                                                                                        \
+    X( air, "cloth.air", ENTITY, WISP_COLUMN( cloth_air, air, 1 ) )                                                  \
+    X( damping, "cloth.damping", ENTITY, WISP_COLUMN( float, rate, 1 ) )                                             \
+    X( bending, "cloth.bending", ENTITY, WISP_COLUMN( float, rigidity, 1 ) ) /* N m, of bending by curvature */
+
 typedef struct cloth_state
 {
-    wisp_component air;     // cloth_air: air acts on it
-    wisp_component damping; // float: rate of damping
-    wisp_component bending; // float, N m: rigidity of bending by curvature
-    cloth_plate* plates;    // [plate_count]
+    CLOTH_COMPONENTS( WISP_COMPONENT_MEMBER )
+    cloth_plate* plates; // [plate_count]
     int plate_count, plate_capacity;
 } cloth_state;
 

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+CLOTH_COMPONENTS( WISP_COMPONENT_COLUMNS )
+
 // ---- damping ----
 
 // Damping that does not touch rigid motion (Mueller et al. 2007, section 3.5): it reduces the
@@ -173,14 +175,6 @@ static void cloth_blow_crowd( wisp_frame* frame, const wisp_crowd* crowd, const 
 
 // ---- module ----
 
-#define CLOTH_AIR_COLUMNS( X ) X( cloth_air, air, 1 )
-#define CLOTH_DAMPING_COLUMNS( X ) X( float, rate, 1 )
-#define CLOTH_BENDING_COLUMNS( X ) X( float, rigidity, 1 ) /* N m */
-
-static const wisp_column_def AIR_COLUMNS[] = { CLOTH_AIR_COLUMNS( WISP_COLUMN_DEF ) };
-static const wisp_column_def DAMPING_COLUMNS[] = { CLOTH_DAMPING_COLUMNS( WISP_COLUMN_DEF ) };
-static const wisp_column_def BENDING_COLUMNS[] = { CLOTH_BENDING_COLUMNS( WISP_COLUMN_DEF ) };
-
 static const wisp_field CLOTH_FIELDS[] = {
     WISP_CHOICE( wisp_cloth_def, solver, WISP_SOLVER_XPBD, WISP_SOLVER_COUNT ),
     WISP_NUMBER( wisp_cloth_def, warp_compliance, 0, 0, 1e12, "m/N" ),
@@ -267,8 +261,8 @@ static void declare_maps( wisp_registry* r, const cloth_state* state )
 
 static wisp_status declare( wisp_registry* r )
 {
-    cloth_state* state = wisp_declare_state( r, sizeof( cloth_state ) );
-    if ( state == NULL )
+    cloth_state* s = wisp_declare_state( r, sizeof( cloth_state ) );
+    if ( s == NULL )
     {
         return WISP_NO_MEMORY;
     }
@@ -276,47 +270,36 @@ static wisp_status declare( wisp_registry* r )
                                                   .removed = entity_removed,
                                                   .triangles_changed = triangles_changed,
                                                   .memory = count_memory } );
-    state->air = WISP_COMPONENT( r, "cloth.air", WISP_TABLE_ENTITY, AIR_COLUMNS );
-    state->damping = WISP_COMPONENT( r, "cloth.damping", WISP_TABLE_ENTITY, DAMPING_COLUMNS );
-    state->bending = WISP_COMPONENT( r, "cloth.bending", WISP_TABLE_ENTITY, BENDING_COLUMNS );
-    declare_maps( r, state );
+    CLOTH_COMPONENTS( WISP_COMPONENT_DECLARE )
+    declare_maps( r, s );
     const wisp_pass passes[] = {
         {
-            .name = "cloth.air",
-            .stage = WISP_STAGE_FORCE,
-            .domain = WISP_DOMAIN_ENTITY,
-            .required = { state->air },
-            .reads = { state->air, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            WISP_PASS( "cloth.air", FORCE, ENTITY, cloth_blow ),
+            .required = { s->air },
+            .reads = { s->air, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_VELOCITY },
-            .run = cloth_blow,
             .run_crowd = cloth_blow_crowd,
             .joins_crowd = cloth_blows_evenly,
             .fabric = WISP_FABRIC_STRIPS,
         },
         {
-            .name = "cloth.bending",
-            .stage = WISP_STAGE_FORCE,
-            .domain = WISP_DOMAIN_ENTITY,
-            .required = { state->bending },
-            .reads = { state->bending, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            WISP_PASS( "cloth.bending", FORCE, ENTITY, cloth_bend ),
+            .required = { s->bending },
+            .reads = { s->bending, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_VELOCITY },
-            .run = cloth_bend,
             .detail = WISP_PASS_FINE,
         },
         {
-            .name = "cloth.damping",
-            .stage = WISP_STAGE_VELOCITY,
-            .domain = WISP_DOMAIN_ENTITY,
-            .required = { state->damping },
-            .reads = { state->damping, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            WISP_PASS( "cloth.damping", VELOCITY, ENTITY, cloth_damp ),
+            .required = { s->damping },
+            .reads = { s->damping, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_VELOCITY },
-            .run = cloth_damp,
             .run_crowd = cloth_damp_crowd,
             .joins_crowd = cloth_damps_evenly,
             .detail = WISP_PASS_FINE,
         },
     };
-    return wisp_declare_passes( r, passes, WISP_COUNT( passes ), state );
+    return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
 }
 
 const wisp_module wisp_cloth_module = { .name = "cloth", .declare = declare };
@@ -377,13 +360,14 @@ static wisp_status check_alone( wisp_world* world, wisp_entity surface )
 
 // The components of the definition for which the fabric has rows. A mesh too small for a coarse sheet has none, and one
 // without interior edges no hinges.
-static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_cloth_def* d, const cloth_state* state )
+static wisp_status set_components( wisp_world* world, wisp_entity surface, const wisp_cloth_def* d,
+                                   const cloth_state* state )
 {
     const wisp_fabric* f = wisp_world_fabric( world, surface );
     const bool pbd = d->solver == WISP_SOLVER_PBD, hinged = f->hinge_order.slot_count > 0;
     const bool dihedral = hinged && d->bending == WISP_CLOTH_BENDING_DIHEDRAL;
     const bool isometric = hinged && d->bending == WISP_CLOTH_BENDING_ISOMETRIC;
-    const bool carried = d->coarse_substeps > 0 && f->level_count > 0;
+    const bool has_sheets = d->coarse_substeps > 0 && f->level_count > 0;
     const bool linked = wisp_world_has( world, surface, WISP_SURFACE_ELASTIC ) == false;
     float alike[2];
     const bool are_apart =
@@ -402,9 +386,9 @@ static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_clo
         { WISP_HINGE_STIFFNESS, ( dihedral || isometric ) && pbd },
         { WISP_SURFACE_TETHERS, d->tethers },
         { WISP_SURFACE_LEVELS, d->coarse_substeps > 0 },
-        { WISP_LEVEL_MASS, carried },
-        { WISP_LEVEL_COMPLIANCE, carried },
-        { WISP_LEVEL_MOTION, carried },
+        { WISP_LEVEL_MASS, has_sheets },
+        { WISP_LEVEL_COMPLIANCE, has_sheets },
+        { WISP_LEVEL_MOTION, has_sheets },
     };
     return wisp_world_set_components( world, surface, all, WISP_COUNT( all ) );
 }
@@ -494,7 +478,7 @@ wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_c
     const bool had_sheets = status == WISP_OK && wisp_world_has( world, surface, WISP_SURFACE_LEVELS );
     const bool keeps_plate = status != WISP_OK || cloth_find_plate( state, surface ) >= 0;
     status = bends ? cloth_add_plate( world, state, surface ) : status;
-    status = status == WISP_OK ? dress( world, surface, def, state ) : status;
+    status = status == WISP_OK ? set_components( world, surface, def, state ) : status;
     if ( status == WISP_OK ? bends == false : keeps_plate == false )
     {
         cloth_remove_plate( state, surface, wisp_world_allocator( world ) );

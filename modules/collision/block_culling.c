@@ -37,7 +37,7 @@ void collision_begin_block( const collision_find_args* args, int begin, int end,
     float lower[3], upper[3];
     const wisp_kernels* kernels = args->kernels;
     const uint32_t groups = args->has_settled
-                                ? kernels->find_unsettled( args->position, args->previous, args->found, begin, end )
+                                ? kernels->find_unclear( args->position, args->previous, args->found, begin, end )
                                 : ~args->left_out;
     const wisp_gather_args take = {
         .position = args->position,

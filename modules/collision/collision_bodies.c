@@ -380,7 +380,7 @@ wisp_status wisp_move_collider( wisp_world* world, wisp_entity entity, wisp_tran
     return WISP_OK;
 }
 
-void collision_carry( wisp_frame* frame, const wisp_span* span, void* user )
+void collision_update_poses( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const collision_state* state = user;
     collision_collider* collider = wisp_frame_column( frame, span->entity, state->collider, 0 );

@@ -3,7 +3,7 @@
 
 #include "wisp/module/module.h"
 
-void collision_carry( wisp_frame* frame, const wisp_span* span, void* user );        // collision_bodies.c
+void collision_update_poses( wisp_frame* frame, const wisp_span* span, void* user ); // collision_bodies.c
 void collision_follow( wisp_frame* frame, const wisp_span* span, void* user );       // collision_surface.c
 void collision_find( wisp_frame* frame, const wisp_span* span, void* user );         // contact_generation.c
 void collision_project( wisp_frame* frame, const wisp_span* span, void* user );      // contact_projection.c
@@ -18,11 +18,11 @@ void collision_share_contacts( wisp_frame* frame, const wisp_span* span, void* u
 void collision_couple( wisp_frame* frame, const wisp_span* span, void* user );             // reaction.c
 void collision_read_reactions( wisp_frame* frame, const wisp_span* span, void* user );     // reaction.c
 void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* user );      // strand_contacts.c
-void collision_settle_strands( wisp_frame* frame, const wisp_span* span, void* user );     // strand_contacts.c
+void collision_part_strands( wisp_frame* frame, const wisp_span* span, void* user );       // strand_contacts.c
 void collision_keep_out( wisp_frame* frame, const wisp_span* span, void* user );           // posed_strands.c
 void collision_measure( wisp_frame* frame, const wisp_span* span, void* user );            // collision_stats.c
 void collision_measure_strands( wisp_frame* frame, const wisp_span* span, void* user );    // collision_stats.c
-void collision_measure_carried( wisp_frame* frame, const wisp_span* span, void* user );    // collision_stats.c
+void collision_measure_posed( wisp_frame* frame, const wisp_span* span, void* user );      // collision_stats.c
 
 /// As wisp_state_hooks.lines, collision_lines.c.
 void collision_add_lines( const void* state, wisp_world* world, wisp_entity entity, wisp_line_kind kind,

@@ -102,8 +102,8 @@ static void widen_bounds( point_bounds* all, const collision_body* body, int v )
 {
     collision_widen( &all->lower, &all->upper, body->start[v] );
     collision_widen( &all->lower, &all->upper, body->finish[v] );
-    const wisp_vec3 way = wisp_v3_sub( body->finish[v], body->start[v] );
-    all->shift = collision_larger( all->shift, wisp_v3_dot( way, way ) );
+    const wisp_vec3 displacement = wisp_v3_sub( body->finish[v], body->start[v] );
+    all->shift = collision_larger( all->shift, wisp_v3_dot( displacement, displacement ) );
 }
 
 static void join_bounds( point_bounds* all, const point_bounds* more )

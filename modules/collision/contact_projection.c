@@ -70,10 +70,10 @@ static void stop_at_entry( const collision_view* view, float thickness, wisp_vec
         return;
     }
     // no farther from the body than it was: an approach must not become a separation
-    const wisp_vec3 carried = wisp_v3_mul_add( from, 1.0f, motion );
-    float height = wisp_v3_dot( hit.normal, wisp_v3_sub( carried, hit.point ) );
+    const wisp_vec3 body_motion = wisp_v3_mul_add( from, 1.0f, motion );
+    float height = wisp_v3_dot( hit.normal, wisp_v3_sub( body_motion, hit.point ) );
     to = wisp_v3_mul_add( hit.point, fminf( thickness, fmaxf( 0.0f, height ) ), hit.normal );
-    to = collision_cast( view, from, to, &hit, &motion ) ? carried : to;
+    to = collision_cast( view, from, to, &hit, &motion ) ? body_motion : to;
     *p = wisp_transform_to_world( view->after, to );
 }
 

@@ -56,36 +56,25 @@ typedef struct frozen_clump
     int32_t iterations, brakes, neighbour_limit;
 } frozen_clump;
 
-#define FROZEN_SETTINGS_COLUMNS( X ) X( frozen_settings, settings, 1 )
-#define FROZEN_EVENT_COLUMNS( X ) X( frozen_event, event, 1 )
-#define FROZEN_FREEZE_COLUMNS( X ) X( frozen_freeze, freeze, 1 )
-#define FROZEN_ALIGN_COLUMNS( X ) X( frozen_align, align, 1 )
-#define FROZEN_STROKE_COLUMNS( X ) X( frozen_stroke, stroke, 1 )
-#define FROZEN_SWEPT_COLUMNS( X ) X( float, swept, 64 ) /* [4][16] last turn of a strand (wisp_strand_align_args) */
-#define FROZEN_CLUMP_COLUMNS( X ) X( frozen_clump, clump, 1 )
-#define FROZEN_DEPTH_COLUMNS( X ) X( frozen_depth, depth, 1 )
-#define FROZEN_INTENSITY_COLUMNS( X ) X( float, intensity, 16 ) /* x in [0, 1], lane = strand */
-#define FROZEN_STATS_COLUMNS( X ) X( wisp_frozen_hair_stats, report, 1 )
-
-/// One line a component: X( member, "name", table, column list )
+/// The components, a row each: X( member, "name", table, columns ).
 #define FROZEN_COMPONENTS( X )                                                                                       \
-    X( settings, "frozen_hair.settings", WISP_TABLE_ENTITY, FROZEN_SETTINGS_COLUMNS )                                \
-    X( event, "frozen_hair.event", WISP_TABLE_ENTITY, FROZEN_EVENT_COLUMNS )                                         \
-    X( freeze, "frozen_hair.freeze", WISP_TABLE_ENTITY, FROZEN_FREEZE_COLUMNS )                                      \
-    X( align, "frozen_hair.align", WISP_TABLE_ENTITY, FROZEN_ALIGN_COLUMNS )                                         \
-    X( stroke, "frozen_hair.stroke", WISP_TABLE_ENTITY, FROZEN_STROKE_COLUMNS )                                      \
-    X( swept, "frozen_hair.swept", WISP_TABLE_STRAND_GROUP, FROZEN_SWEPT_COLUMNS )                                   \
-    X( clump, "frozen_hair.clump", WISP_TABLE_ENTITY, FROZEN_CLUMP_COLUMNS )                                         \
-    X( intensity, "frozen_hair.intensity", WISP_TABLE_STRAND_GROUP, FROZEN_INTENSITY_COLUMNS )                       \
-    X( report, "frozen_hair.stats", WISP_TABLE_ENTITY, FROZEN_STATS_COLUMNS )                                        \
-    X( depth, "frozen_hair.depth", WISP_TABLE_ENTITY, FROZEN_DEPTH_COLUMNS )
+    X( settings, "frozen_hair.settings", ENTITY, WISP_COLUMN( frozen_settings, settings, 1 ) )                       \
+    X( event, "frozen_hair.event", ENTITY, WISP_COLUMN( frozen_event, event, 1 ) )                                   \
+    X( freeze, "frozen_hair.freeze", ENTITY, WISP_COLUMN( frozen_freeze, freeze, 1 ) )                               \
+    X( align, "frozen_hair.align", ENTITY, WISP_COLUMN( frozen_align, align, 1 ) )                                   \
+    X( stroke, "frozen_hair.stroke", ENTITY, WISP_COLUMN( frozen_stroke, stroke, 1 ) )                               \
+    X( swept, "frozen_hair.swept", STRAND_GROUP,                                                                     \
+       WISP_COLUMN( float, swept, 64 ) ) /* [4][16] last turn of a strand (wisp_strand_align_args) */                \
+    X( clump, "frozen_hair.clump", ENTITY, WISP_COLUMN( frozen_clump, clump, 1 ) )                                   \
+    X( intensity, "frozen_hair.intensity", STRAND_GROUP,                                                             \
+       WISP_COLUMN( float, intensity, 16 ) ) /* x in [0, 1], lane = strand */                                        \
+    X( report, "frozen_hair.stats", ENTITY, WISP_COLUMN( wisp_frozen_hair_stats, report, 1 ) )                       \
+    X( depth, "frozen_hair.depth", ENTITY, WISP_COLUMN( frozen_depth, depth, 1 ) )
 
 /// Component numbers in one world.
 typedef struct frozen_state
 {
-#define FROZEN_MEMBER( member, name, table, columns ) wisp_component member;
-    FROZEN_COMPONENTS( FROZEN_MEMBER )
-#undef FROZEN_MEMBER
+    FROZEN_COMPONENTS( WISP_COMPONENT_MEMBER )
     int workspace; // of the clump stage
 } frozen_state;
 

@@ -129,10 +129,7 @@ wisp_status guide_find_ghosts( wisp_world* world, wisp_entity ghosts, const guid
 
 // ---- module ----
 
-#define GUIDE_LIST( member, name, table, columns )                                                                   \
-    static const wisp_column_def member##_columns[] = { columns( WISP_COLUMN_DEF ) };
-GUIDE_COMPONENTS( GUIDE_LIST )
-#undef GUIDE_LIST
+GUIDE_COMPONENTS( WISP_COMPONENT_COLUMNS )
 
 // ---- lists ----
 
@@ -199,68 +196,50 @@ static wisp_status declare_ghosts( wisp_registry* r, guide_state* s )
 {
     const wisp_pass passes[] = {
         {
-            .name = "guide_hair.targets",
-            .stage = WISP_STAGE_DERIVE,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "guide_hair.targets", DERIVE, ENTITY, guide_run_targets ),
             .required = { s->before },
             .reads = { s->before, WISP_STRAND_REST, WISP_STRAND_POSITION },
             .writes = { s->before, s->table },
-            .run = guide_run_targets,
             .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
             // Ghosts have the component of the table, so that the plan orders them after their targets. They do not
             // read their own place, but a pass that only writes it would come before the targets, which read it.
-            .name = "guide_hair.ghosts",
-            .stage = WISP_STAGE_DERIVE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "guide_hair.ghosts", DERIVE, STRAND_GROUP, guide_run_ghosts ),
             .required = { s->settings },
             .reads = { s->settings, s->table, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSITION },
-            .run = guide_run_ghosts,
             .detail = WISP_PASS_FINE,
             .should_run = guide_ghosts_are_due,
         },
         {
-            .name = "guide_hair.lengths",
-            .stage = WISP_STAGE_DERIVE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "guide_hair.lengths", DERIVE, STRAND_GROUP, guide_run_lengths ),
             .required = { s->settings, s->repair },
             .reads = { s->settings, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSITION },
-            .run = guide_run_lengths,
             .detail = WISP_PASS_FINE,
         },
         {
-            .name = "guide_hair.carried",
-            .stage = WISP_STAGE_DERIVE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
-            .required = { s->settings, s->detail, s->carried, s->carrier },
-            .reads = { s->settings, s->detail, s->carried, s->carrier, WISP_STRAND_POSITION },
+            WISP_PASS( "guide_hair.carried", DERIVE, STRAND_GROUP, guide_run_held ),
+            .required = { s->settings, s->detail, s->held, s->carrier },
+            .reads = { s->settings, s->detail, s->held, s->carrier, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSITION },
-            .run = guide_run_carried,
-            .should_run = guide_carried_is_due,
+            .should_run = guide_held_is_due,
             .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
             // it reads columns that passes of a later stage write
-            .name = "guide_hair.carry",
-            .stage = WISP_STAGE_DERIVE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "guide_hair.carry", DERIVE, STRAND_GROUP, guide_run_update_poses ),
             .required = { s->settings },
             .reads = { s->settings, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSED },
-            .run = guide_run_carry,
             .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
-            .name = "guide_hair.between",
-            .stage = WISP_STAGE_DERIVE,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "guide_hair.between", DERIVE, ENTITY, guide_run_between ),
             .required = { s->settings, s->between, s->interval },
             .reads = { s->settings, s->table, s->between, WISP_STRAND_POSITION },
             .writes = { s->between, s->interval },
-            .run = guide_run_between,
             .detail = WISP_PASS_WITHOUT_MOTION,
             .should_run = guide_between_is_due,
         },
@@ -272,24 +251,18 @@ static wisp_status declare_curves( wisp_registry* r, guide_state* s )
 {
     const wisp_pass passes[] = {
         {
-            .name = "guide_hair.source",
-            .stage = WISP_STAGE_SHAPE,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "guide_hair.source", SHAPE, ENTITY, guide_run_source ),
             .required = { s->drawn },
             .reads = { s->drawn, WISP_STRAND_POSITION },
             .writes = { s->drawn },
-            .run = guide_run_source,
             .detail = WISP_PASS_WITHOUT_MOTION,
             .on_change = WISP_STRAND_POSITION,
         },
         {
-            .name = "guide_hair.curves",
-            .stage = WISP_STAGE_OBSERVE,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "guide_hair.curves", OBSERVE, ENTITY, guide_run_curves ),
             .required = { s->curves },
             .reads = { s->curves },
             .writes = { s->curves, WISP_STRAND_POSITION },
-            .run = guide_run_curves,
             .detail = WISP_PASS_WITHOUT_MOTION,
             .should_run = guide_curves_are_due,
         },
@@ -326,11 +299,7 @@ static wisp_status declare( wisp_registry* r )
                                                     .prepare = guide_prepare_detail,
                                                     .changed = guide_detail_changed } );
     s->detail = wisp_detail_component( r );
-#define GUIDE_DECLARE( member, name, table, columns )                                                                \
-    s->member = wisp_declare_component(                                                                              \
-        r, &( wisp_component_def ){ name, table, member##_columns, WISP_COUNT( member##_columns ) } );
-    GUIDE_COMPONENTS( GUIDE_DECLARE )
-#undef GUIDE_DECLARE
+    GUIDE_COMPONENTS( WISP_COMPONENT_DECLARE )
     wisp_declare_places( r, s->between, 0, WISP_PLACE_LANES );
     wisp_declare_places( r, s->between, 1, WISP_PLACE_LANES );
     const wisp_index_range ranges[] = {

@@ -209,14 +209,14 @@ wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_g
 // they are computed again they come back from there over the steps of the blend.
 
 /// Columns of ghosts, and the roots of their targets.
-typedef struct carried_loop
+typedef struct held_loop
 {
     const wisp_strand_topology* topology;
     float *position, *local; // [row][3][16] m, in the world and relative to the root
     const int32_t* lane;     // [group][16] float of the roots' positions; -1: none
     const float *root, *rotation;
     float weight; // of the rigid motion
-} carried_loop;
+} held_loop;
 
 static wisp_vec3 get( const float* rows, size_t at )
 {
@@ -231,7 +231,7 @@ static void put( float* rows, size_t at, wisp_vec3 v )
 }
 
 // The pose of the root that a ghost goes along with; the identity without one.
-static wisp_transform root_of( const carried_loop* loop, int lane )
+static wisp_transform root_of( const held_loop* loop, int lane )
 {
     wisp_transform pose = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
     const int32_t at = loop->lane[lane];
@@ -244,7 +244,7 @@ static wisp_transform root_of( const carried_loop* loop, int lane )
     return pose;
 }
 
-static void keep_lane( const carried_loop* loop, int lane )
+static void keep_lane( const held_loop* loop, int lane )
 {
     const wisp_transform pose = root_of( loop, lane );
     for ( int i = 0; i < loop->topology->lane_count[lane]; ++i )
@@ -261,7 +261,7 @@ typedef struct root_lanes
     float turn[9][WISP_LANES], place[3][WISP_LANES];
 } root_lanes;
 
-static void find_roots( const carried_loop* loop, int group, root_lanes* out )
+static void find_roots( const held_loop* loop, int group, root_lanes* out )
 {
     for ( int lane = 0; lane < WISP_LANES; ++lane )
     {
@@ -279,7 +279,7 @@ static void find_roots( const carried_loop* loop, int group, root_lanes* out )
     }
 }
 
-static void carry_row( const root_lanes* roots, const float* local, float weight, float* row )
+static void place_row( const root_lanes* roots, const float* local, float weight, float* row )
 {
     for ( int k = 0; k < 3; ++k )
     {
@@ -294,13 +294,13 @@ static void carry_row( const root_lanes* roots, const float* local, float weight
     }
 }
 
-static void carry_group( const carried_loop* loop, int group )
+static void place_group( const held_loop* loop, int group )
 {
     root_lanes roots;
     find_roots( loop, group, &roots );
     for ( int row = loop->topology->group_row[group]; row < loop->topology->group_row[group + 1]; ++row )
     {
-        carry_row( &roots, loop->local + (size_t)row * GUIDE_ROW, loop->weight,
+        place_row( &roots, loop->local + (size_t)row * GUIDE_ROW, loop->weight,
                    loop->position + (size_t)row * GUIDE_ROW );
     }
 }
@@ -314,20 +314,20 @@ static float rigid_weight( wisp_frame* frame, wisp_entity ghosts )
     return detail.level >= WISP_DETAIL_COARSE ? 1.0f : returns ? 1.0f - detail.blend : 0.0f;
 }
 
-bool guide_carried_is_due( wisp_frame* frame, wisp_entity entity, void* user )
+bool guide_held_is_due( wisp_frame* frame, wisp_entity entity, void* user )
 {
     return guide_active_follower( user, entity ) != NULL && rigid_weight( frame, entity ) > 0.0f;
 }
 
-void guide_run_carried( wisp_frame* frame, const wisp_span* span, void* user )
+void guide_run_held( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const guide_state* state = user;
     const wisp_entity targets = guide_active_follower( state, span->entity )->targets;
     const bool has_roots = wisp_frame_has( frame, targets, WISP_STRAND_ROOT );
-    const carried_loop loop = {
+    const held_loop loop = {
         .topology = wisp_frame_strands( frame, span->entity ),
         .position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
-        .local = wisp_frame_column( frame, span->entity, state->carried, 0 ),
+        .local = wisp_frame_column( frame, span->entity, state->held, 0 ),
         .lane = wisp_frame_column( frame, span->entity, state->carrier, 0 ),
         .root = has_roots ? wisp_frame_column( frame, targets, WISP_STRAND_ROOT, 0 ) : NULL,
         .rotation = has_roots ? wisp_frame_column( frame, targets, WISP_STRAND_ROOT, 1 ) : NULL,
@@ -335,7 +335,7 @@ void guide_run_carried( wisp_frame* frame, const wisp_span* span, void* user )
     };
     for ( int group = span->begin; group < span->end; ++group )
     {
-        carry_group( &loop, group );
+        place_group( &loop, group );
     }
 }
 
@@ -345,10 +345,10 @@ void guide_run_carried( wisp_frame* frame, const wisp_span* span, void* user )
 static void keep_shape( const guide_state* state, wisp_world* world, const guide_follower* f )
 {
     const bool has_roots = wisp_world_has( world, f->targets, WISP_STRAND_ROOT );
-    const carried_loop loop = {
+    const held_loop loop = {
         .topology = wisp_world_strands( world, f->ghosts ),
         .position = wisp_world_column( world, f->ghosts, WISP_STRAND_POSITION, 0 ),
-        .local = wisp_world_column( world, f->ghosts, state->carried, 0 ),
+        .local = wisp_world_column( world, f->ghosts, state->held, 0 ),
         .lane = wisp_world_column( world, f->ghosts, state->carrier, 0 ),
         .root = has_roots ? wisp_world_column( world, f->targets, WISP_STRAND_ROOT, 0 ) : NULL,
         .rotation = has_roots ? wisp_world_column( world, f->targets, WISP_STRAND_ROOT, 1 ) : NULL,
@@ -390,10 +390,10 @@ wisp_status guide_prepare_detail( const void* memory, wisp_world* world, wisp_en
     const wisp_allocator* allocator = wisp_world_allocator( world );
     const size_t bytes = (size_t)wisp_world_strands( world, f->targets )->strand_count * sizeof( int32_t );
     int32_t* at = allocator->allocate( allocator->user, bytes, sizeof( int32_t ) );
-    if ( at == NULL || wisp_world_attach( world, entity, state->carried ) != WISP_OK ||
+    if ( at == NULL || wisp_world_attach( world, entity, state->held ) != WISP_OK ||
          wisp_world_attach( world, entity, state->carrier ) != WISP_OK )
     {
-        wisp_world_detach( world, entity, state->carried );
+        wisp_world_detach( world, entity, state->held );
         wisp_release( allocator, at, bytes );
         return wisp_world_fail( world, WISP_NO_MEMORY, "ghosts: out of memory for the detail of entity %u",
                                 entity.index );
@@ -650,7 +650,7 @@ void guide_run_lengths( wisp_frame* frame, const wisp_span* span, void* user )
 }
 
 // Stop once the targets are removed: the place no longer follows motion.
-void guide_run_carry( wisp_frame* frame, const wisp_span* span, void* user )
+void guide_run_update_poses( wisp_frame* frame, const wisp_span* span, void* user )
 {
     if ( guide_active_follower( user, span->entity ) != NULL )
     {

@@ -3,6 +3,8 @@
 #include "wisp/module/sleep.h"
 #include <string.h>
 
+IMPLICIT_COMPONENTS( WISP_COMPONENT_COLUMNS )
+
 // ---- statistics ----
 
 // Energies of the links, on request: plain loops in double precision, in a fixed order.
@@ -129,27 +131,27 @@ static void implicit_measure( wisp_frame* frame, const wisp_span* span, void* us
 {
     const implicit_state* state = user;
     const implicit_links* links = implicit_find_links( state, span->entity );
-    const implicit_tally* tally = wisp_frame_column( frame, span->entity, state->tally, 0 );
+    const implicit_counts* counts = wisp_frame_column( frame, span->entity, state->counts, 0 );
     const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     wisp_implicit_cloth_stats stats = {
-        .iterations = tally->iterations,
-        .residual = tally->residual,
-        .newton_iterations = tally->repeats,
+        .iterations = counts->iterations,
+        .residual = counts->residual,
+        .newton_iterations = counts->repeats,
         .stretch_links = links->stretch_count,
         .bend_links = links->bend_count,
         .max_neighbours = links->max_neighbours,
-        .sticking = tally->sticking,
-        .sliding = tally->sliding,
-        .landing = tally->landing,
-        .released = tally->released,
-        .newton_residual = (double)tally->newton_residual,
+        .sticking = counts->sticking,
+        .sliding = counts->sliding,
+        .landing = counts->landing,
+        .released = counts->released,
+        .newton_residual = (double)counts->newton_residual,
     };
     for ( int slice = 0; slice < links->slice_count; ++slice )
     {
         const int32_t* parts = links->springs.begin + 2 * (size_t)slice;
         for ( int entry = parts[0]; entry < parts[2]; ++entry )
         {
-            add_entry( links, position, tally->stiffest, slice, entry, entry >= parts[1], &stats );
+            add_entry( links, position, counts->stiffest, slice, entry, entry >= parts[1], &stats );
         }
     }
     stats.bend_energy += links->plate != NULL ? plate_energy( links, position ) : 0.0;
@@ -157,24 +159,6 @@ static void implicit_measure( wisp_frame* frame, const wisp_span* span, void* us
 }
 
 // ---- module ----
-
-#define MATERIAL_COLUMNS_LIST( X ) X( implicit_material, material, 1 )
-#define TALLY_COLUMNS_LIST( X ) X( implicit_tally, tally, 1 )
-#define CONTACT_COLUMNS_LIST( X ) X( implicit_contact, contact, 1 )
-#define CHANGE_COLUMNS_LIST( X ) X( float, change, 3 ) /* m/s, of the last substep's solve */
-#define HISTORY_COLUMNS_LIST( X )                                                                                    \
-    X( float, position, 4 )                         /* m, when the substep before began; inverse mass */             \
-    X( float, velocity, 4 )                         /* m/s */
-#define SOLVED_COLUMNS_LIST( X ) X( float, way, 3 ) /* m, of the substep, before contact of surfaces */
-#define STATS_COLUMNS_LIST( X ) X( wisp_implicit_cloth_stats, stats, 1 )
-
-static const wisp_column_def MATERIAL_COLUMNS[] = { MATERIAL_COLUMNS_LIST( WISP_COLUMN_DEF ) };
-static const wisp_column_def TALLY_COLUMNS[] = { TALLY_COLUMNS_LIST( WISP_COLUMN_DEF ) };
-static const wisp_column_def CONTACT_COLUMNS[] = { CONTACT_COLUMNS_LIST( WISP_COLUMN_DEF ) };
-static const wisp_column_def CHANGE_COLUMNS[] = { CHANGE_COLUMNS_LIST( WISP_COLUMN_DEF ) };
-static const wisp_column_def HISTORY_COLUMNS[] = { HISTORY_COLUMNS_LIST( WISP_COLUMN_DEF ) };
-static const wisp_column_def SOLVED_COLUMNS[] = { SOLVED_COLUMNS_LIST( WISP_COLUMN_DEF ) };
-static const wisp_column_def STATS_COLUMNS[] = { STATS_COLUMNS_LIST( WISP_COLUMN_DEF ) };
 
 static const wisp_field IMPLICIT_CLOTH_FIELDS[] = {
     WISP_CHOICE( wisp_implicit_cloth_def, stiffness_model, WISP_IMPLICIT_STIFFNESS_MATERIAL,
@@ -259,16 +243,13 @@ static size_t count_memory( const void* memory, size_t* outside )
 static wisp_status declare_passes( wisp_registry* r, implicit_state* state )
 {
     const wisp_pass step = {
-        .name = "implicit_cloth.step",
-        .stage = WISP_STAGE_PREDICT,
-        .domain = WISP_DOMAIN_ENTITY,
+        WISP_PASS( "implicit_cloth.step", PREDICT, ENTITY, implicit_step ),
         .required = { state->material, WISP_PARTICLE_EXTERNAL_SOLVER, WISP_PARTICLE_CONTACTS, state->contact },
         .excluded = { state->corrected },
         .reads = { state->material, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_CONTACTS,
                    state->contact },
         .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_CONTACTS, state->contact,
-                    state->material, state->tally },
-        .run = implicit_step,
+                    state->material, state->counts },
     };
     wisp_pass corrected_step = step;
     corrected_step.name = "implicit_cloth.step_before_contact";
@@ -281,23 +262,17 @@ static wisp_status declare_passes( wisp_registry* r, implicit_state* state )
         step,
         corrected_step,
         {
-            .name = "implicit_cloth.take_correction",
-            .stage = WISP_STAGE_VELOCITY,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "implicit_cloth.take_correction", VELOCITY, ENTITY, implicit_take_correction ),
             .required = { state->material, state->corrected },
             .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, state->solved },
             // changed, not replaced: listed so because the largest speed limits the result
             .writes = { WISP_PARTICLE_VELOCITY },
-            .run = implicit_take_correction,
         },
         {
-            .name = "implicit_cloth.stats",
-            .stage = WISP_STAGE_OBSERVE,
-            .domain = WISP_DOMAIN_ENTITY,
-            .required = { state->material, state->tally },
-            .reads = { state->tally, WISP_PARTICLE_POSITION },
+            WISP_PASS( "implicit_cloth.stats", OBSERVE, ENTITY, implicit_measure ),
+            .required = { state->material, state->counts },
+            .reads = { state->counts, WISP_PARTICLE_POSITION },
             .writes = { state->stats },
-            .run = implicit_measure,
         },
     };
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), state );
@@ -305,8 +280,8 @@ static wisp_status declare_passes( wisp_registry* r, implicit_state* state )
 
 static wisp_status declare( wisp_registry* r )
 {
-    implicit_state* state = wisp_declare_state( r, sizeof( implicit_state ) );
-    if ( state == NULL )
+    implicit_state* s = wisp_declare_state( r, sizeof( implicit_state ) );
+    if ( s == NULL )
     {
         return WISP_NO_MEMORY;
     }
@@ -315,36 +290,19 @@ static wisp_status declare( wisp_registry* r )
                                                   .teleported = entity_teleported,
                                                   .memory = count_memory } );
     wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .rested = entity_rested } );
-    const struct
-    {
-        wisp_component* component;
-        wisp_component_def def;
-    } components[] = {
-        { &state->material, { "implicit_cloth.material", WISP_TABLE_ENTITY, MATERIAL_COLUMNS, 1 } },
-        { &state->tally, { "implicit_cloth.tally", WISP_TABLE_ENTITY, TALLY_COLUMNS, 1 } },
-        { &state->contact, { "implicit_cloth.contact", WISP_TABLE_PARTICLE, CONTACT_COLUMNS, 1 } },
-        { &state->change, { "implicit_cloth.change", WISP_TABLE_PARTICLE, CHANGE_COLUMNS, 1 } },
-        { &state->history, { "implicit_cloth.history", WISP_TABLE_PARTICLE, HISTORY_COLUMNS, 2 } },
-        { &state->corrected, { WISP_PARTICLE_CORRECTED, WISP_TABLE_ENTITY, NULL, 0 } },
-        { &state->solved, { "implicit_cloth.solved", WISP_TABLE_PARTICLE, SOLVED_COLUMNS, 1 } },
-        { &state->stats, { "implicit_cloth.stats", WISP_TABLE_ENTITY, STATS_COLUMNS, 1 } },
-    };
-    for ( int i = 0; i < WISP_COUNT( components ); ++i )
-    {
-        *components[i].component = wisp_declare_component( r, &components[i].def );
-    }
-    wisp_declare_places( r, state->history, 0, WISP_PLACE_QUADS );
+    IMPLICIT_COMPONENTS( WISP_COMPONENT_DECLARE )
+    wisp_declare_places( r, s->history, 0, WISP_PLACE_QUADS );
     const wisp_index_range ranges[] = {
-        WISP_MEMBER_RANGE( state->material, implicit_material, bdf2, 0, 1 ),
-        WISP_MEMBER_RANGE( state->material, implicit_material, newton_iterations, 1, 64 ),
-        WISP_MEMBER_RANGE( state->material, implicit_material, max_newton_iterations, 1, 64 ),
-        WISP_MEMBER_RANGE( state->material, implicit_material, max_iterations, 0, 1000000 ),
-        WISP_MEMBER_RANGE( state->material, implicit_material, requests_stats, 0, 1 ),
-        WISP_MEMBER_RANGE( state->contact, implicit_contact, slides, 0, 1 ),
-        WISP_MEMBER_RANGE( state->contact, implicit_contact, landed, 0, 1 ),
+        WISP_MEMBER_RANGE( s->material, implicit_material, bdf2, 0, 1 ),
+        WISP_MEMBER_RANGE( s->material, implicit_material, newton_iterations, 1, 64 ),
+        WISP_MEMBER_RANGE( s->material, implicit_material, max_newton_iterations, 1, 64 ),
+        WISP_MEMBER_RANGE( s->material, implicit_material, max_iterations, 0, 1000000 ),
+        WISP_MEMBER_RANGE( s->material, implicit_material, requests_stats, 0, 1 ),
+        WISP_MEMBER_RANGE( s->contact, implicit_contact, slides, 0, 1 ),
+        WISP_MEMBER_RANGE( s->contact, implicit_contact, landed, 0, 1 ),
     };
     WISP_TRY( wisp_declare_indices( r, ranges, WISP_COUNT( ranges ) ) );
-    return declare_passes( r, state );
+    return declare_passes( r, s );
 }
 
 const wisp_module wisp_implicit_cloth_module = { .name = "implicit_cloth", .declare = declare };
@@ -390,12 +348,12 @@ static wisp_status check_alone( wisp_world* world, wisp_entity surface, const im
 
 // ---- components ----
 
-static wisp_status dress( wisp_world* world, wisp_entity surface, const implicit_state* state,
-                          const wisp_implicit_cloth_def* d )
+static wisp_status set_components( wisp_world* world, wisp_entity surface, const implicit_state* state,
+                                   const wisp_implicit_cloth_def* d )
 {
     const wisp_component_use all[] = {
         { state->material, true },
-        { state->tally, true },
+        { state->counts, true },
         { WISP_PARTICLE_EXTERNAL_SOLVER, true },
         { WISP_PARTICLE_CONTACTS, true },
         { state->contact, true },
@@ -448,7 +406,7 @@ wisp_status wisp_set_implicit_cloth( wisp_world* world, wisp_entity surface, con
     }
     implicit_links* links = NULL;
     status = status == WISP_OK ? implicit_links_create( world, surface, def, &links ) : status;
-    status = status == WISP_OK ? dress( world, surface, state, def ) : status;
+    status = status == WISP_OK ? set_components( world, surface, state, def ) : status;
     if ( status != WISP_OK )
     {
         implicit_links_release( links, wisp_world_allocator( world ) );

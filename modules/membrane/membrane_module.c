@@ -227,22 +227,16 @@ static wisp_status declare( wisp_registry* r )
     }
     const wisp_pass passes[] = {
         {
-            .name = "membrane.measure",
-            .stage = WISP_STAGE_FORCE,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "membrane.measure", FORCE, ENTITY, measure ),
             .required = { WISP_SURFACE_ELASTIC },
             .reads = { WISP_SURFACE_ELASTIC, WISP_PARTICLE_POSITION },
             .writes = { WISP_SURFACE_VIRIAL },
-            .run = measure,
         },
         {
-            .name = "membrane.project",
-            .stage = WISP_STAGE_PROJECT,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "membrane.project", PROJECT, ENTITY, project ),
             .required = { WISP_SURFACE_ELASTIC },
             .reads = { WISP_SURFACE_ELASTIC, WISP_PARTICLE_POSITION },
             .writes = { WISP_PARTICLE_POSITION },
-            .run = project,
             .detail = WISP_PASS_FINE,
         },
     };

@@ -102,14 +102,14 @@ static wisp_quat strands_rotation_to( wisp_vec3 d )
     return wisp_transform_make( q, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
 }
 
-wisp_quat strands_carry_frame( wisp_quat q, wisp_vec3 e )
+wisp_quat strands_transport_frame( wisp_quat q, wisp_vec3 e )
 {
     if ( wisp_v3_length( e ) == 0.0f )
     {
         return q;
     }
-    const wisp_quat carried = wisp_quat_multiply( q, strands_rotation_to( wisp_quat_inverse_rotate( q, e ) ) );
-    return wisp_transform_make( carried, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
+    const wisp_quat transported = wisp_quat_multiply( q, strands_rotation_to( wisp_quat_inverse_rotate( q, e ) ) );
+    return wisp_transform_make( transported, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
 }
 
 wisp_quat strands_twist_frame( wisp_quat q, double angle )
@@ -125,8 +125,8 @@ double strands_natural_twist( const float* length, int row, int i, int count, in
     return 0.5 * twist * ( before + behind );
 }
 
-void strands_lay_group( const wisp_strand_topology* t, const float* position, const float* clamp, const float* root,
-                        const float* length, float twist, float* frame, int group )
+void strands_make_frames_of_group( const wisp_strand_topology* t, const float* position, const float* clamp,
+                                   const float* root, const float* length, float twist, float* frame, int group )
 {
     const int first = t->group_row[group];
     for ( int lane = 0; lane < WISP_LANES; ++lane )
@@ -139,7 +139,7 @@ void strands_lay_group( const wisp_strand_topology* t, const float* position, co
             if ( row - first + 1 < count )
             {
                 const wisp_vec3 to = strands_get( position, row + 1, lane );
-                q = strands_carry_frame( q, wisp_v3_sub( to, strands_get( position, row, lane ) ) );
+                q = strands_transport_frame( q, wisp_v3_sub( to, strands_get( position, row, lane ) ) );
                 q = strands_twist_frame(
                     q, strands_natural_twist( length, first, row - first, count, lane, (double)twist ) );
             }

@@ -28,7 +28,7 @@ bool strands_is_curl( double turn );
 // Frames of rods.
 
 /// Turn a frame by the smallest rotation that takes its z axis along e. Without a length it stays.
-wisp_quat strands_carry_frame( wisp_quat q, wisp_vec3 e );
+wisp_quat strands_transport_frame( wisp_quat q, wisp_vec3 e );
 
 /// Turn a frame about its z axis. @param angle rad
 wisp_quat strands_twist_frame( wisp_quat q, double angle );
@@ -42,8 +42,8 @@ void strands_add_frames( const void* state, wisp_world* world, wisp_entity entit
 
 /// Lay the frames of a group from the clamps outward, with their natural twist.
 /// @param length [row][16] m @param twist rad/m
-void strands_lay_group( const wisp_strand_topology* topology, const float* position, const float* clamp,
-                        const float* root, const float* length, float twist, float* frame, int group );
+void strands_make_frames_of_group( const wisp_strand_topology* topology, const float* position, const float* clamp,
+                                   const float* root, const float* length, float twist, float* frame, int group );
 
 // ---- closed rods ----
 

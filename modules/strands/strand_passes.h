@@ -47,15 +47,15 @@ wisp_pass_fn strands_compute_motion_stats, strands_scatter_strain, strands_scatt
 /// Pass strands.frame: the poses of this step.
 wisp_pass_fn strands_move_frame;
 /// Pass strands.carry: what strands do not feel of their frame moves their start, and turns velocities and frames.
-wisp_pass_fn strands_carry;
+wisp_pass_fn strands_add_frame_motion;
 /// Pass strands.carry_pins: pinned vertices get velocities without what carries, as the others have them.
-wisp_pass_fn strands_carry_pins;
+wisp_pass_fn strands_subtract_frame_motion;
 /// Pass strands.max_speed: the largest speed.
 wisp_pass_fn strands_limit_speed;
 
 /// Find the velocity field of what carries strands in a substep, at a place. @return false if nothing does
 /// @param linear receives m/s @param angular receives rad/s
-bool strands_find_carry_velocity( wisp_frame* frame, const wisp_span* span, wisp_vec3 place, wisp_vec3* linear,
+bool strands_find_frame_velocity( wisp_frame* frame, const wisp_span* span, wisp_vec3 place, wisp_vec3* linear,
                                   wisp_vec3* angular );
 
 // ---- strand tips ----
@@ -103,7 +103,7 @@ float strands_longest( const strands_rows* rows );
 wisp_status strands_find( wisp_world* world, wisp_entity strands, strands_state** state );
 
 /// Lay the frames of rods along the present shape, with their natural twist.
-void strands_lay_frames( wisp_world* world, wisp_entity strands, const strands_state* state );
+void strands_make_frames( wisp_world* world, wisp_entity strands, const strands_state* state );
 
 /// Mark rest curvature as outdated; the next step computes it.
 void strands_reset_rest( wisp_world* world, wisp_entity strands, const strands_state* state );

@@ -40,8 +40,12 @@ typedef struct wisp_column_def
     uint32_t row_size; ///< bytes, a multiple of 4, without padding inside
 } wisp_column_def;
 
-/// Expands one line X( type, name, count ) of a column list to its descriptor.
-#define WISP_COLUMN_DEF( type, name, count ) { #name, (uint32_t)( sizeof( type ) * ( count ) ) },
+/// Descriptor of a column, alone and as a line X( type, name, count ) of a column list.
+#define WISP_COLUMN( type, name, count )                                                                             \
+    {                                                                                                                \
+#name, (uint32_t)( sizeof( type ) * ( count ) )                                                              \
+    }
+#define WISP_COLUMN_DEF( type, name, count ) WISP_COLUMN( type, name, count ),
 
 /// A named set of columns of one table. Columns are allocated only once an entity has the component.
 typedef struct wisp_component_def
@@ -58,6 +62,20 @@ WISP_API wisp_component wisp_declare_component( wisp_registry* registry, const w
 /// The same with all columns of a static array.
 #define WISP_COMPONENT( registry, name, table, columns )                                                             \
     wisp_declare_component( registry, &( wisp_component_def ){ name, table, columns, WISP_COUNT( columns ) } )
+
+/// A list of the components of a module has a row each: X( member, "room.noun", TABLE, columns... ). It makes the members of the state, the
+/// columns, and the declarations of a registry `r` into a state `s`.
+#define WISP_NO_COLUMNS                                                                                              \
+    {                                                                                                                \
+        NULL, 0                                                                                                      \
+    } // of a mark
+#define WISP_COMPONENT_MEMBER( member, name, table, ... ) wisp_component member;
+#define WISP_COMPONENT_COLUMNS( member, name, table, ... )                                                           \
+    static const wisp_column_def member##_columns[] = { __VA_ARGS__ };
+#define WISP_COMPONENT_DECLARE( member, name, table, ... )                                                           \
+    s->member = wisp_declare_component(                                                                              \
+        r, &( wisp_component_def ){ name, WISP_TABLE_##table, member##_columns,                                      \
+                                    member##_columns[0].row_size > 0 ? WISP_COUNT( member##_columns ) : 0 } );
 
 /// What integers of a column may be.
 typedef enum wisp_index_kind
@@ -179,6 +197,10 @@ typedef struct wisp_pass
     unsigned fabric; ///< wisp_fabric_arrays that it reads of the entity's fabric, or-ed; they are there when it runs
     unsigned detail; ///< wisp_pass_detail or-ed: at which detail it runs (module/detail.h); 0: where the entity moves
 } wisp_pass;
+
+/// What every row of a table of passes has: WISP_PASS( "module.verb", INPUT, ENTITY, run ), with a stage and a domain by their last words.
+#define WISP_PASS( text, at, over, function )                                                                        \
+    .name = ( text ), .stage = WISP_STAGE_##at, .domain = WISP_DOMAIN_##over, .run = ( function )
 
 /// Declare passes in this order; the first failure ends it. @param user of every pass that has none
 WISP_API wisp_status wisp_declare_passes( wisp_registry* registry, const wisp_pass* passes, int count, void* user );
@@ -378,10 +400,10 @@ WISP_API wisp_transform wisp_frame_reached( const wisp_frame* frame, wisp_transf
 /// Find what carries an entity with a moving frame (moving_frame.h) in a substep: the motion of the frame that it does not feel.
 /// @param turn receives the rotation of the motion
 /// @return false if there is none in this step
-WISP_API bool wisp_frame_find_carry( wisp_frame* frame, const wisp_span* span, wisp_carry_args* args,
-                                     wisp_quat* turn );
+WISP_API bool wisp_frame_find_motion( wisp_frame* frame, const wisp_span* span, wisp_frame_motion_args* args,
+                                      wisp_quat* turn );
 /// Move the frame of an entity to the pose that it has been given for this step.
-WISP_API void wisp_frame_move_carry( wisp_frame* frame, wisp_entity entity );
+WISP_API void wisp_frame_update_pose( wisp_frame* frame, wisp_entity entity );
 /// Does the entity run its substeps on its own in this step, as if passes that spare it did not exist? It does if strand.reach says so.
 WISP_API bool wisp_frame_is_apart( const wisp_frame* frame, wisp_entity entity );
 /// End that: bring the entity to where the others are. Only from wisp_pass.should_run of a pass in stages FORCE to CONTACT.
@@ -510,7 +532,7 @@ typedef struct wisp_component_use
 
 /// Attach what is used, then detach the rest. Without memory nothing changes.
 WISP_API wisp_status wisp_world_set_components( wisp_world* world, wisp_entity entity, const wisp_component_use* all,
-                                       int count );
+                                                int count );
 /// Coarse sheets of a surface forget how it moved and find their masses again, before the next step. Call it where a module
 /// changes masses, pins or velocities from outside a step. A surface without coarse sheets is left as it is.
 WISP_API void wisp_world_restart_levels( wisp_world* world, wisp_entity surface );

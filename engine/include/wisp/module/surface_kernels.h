@@ -245,12 +245,12 @@ typedef struct wisp_push_args
 } wisp_push_args;
 
 /// Arguments of rigid motions of particles.
-typedef struct wisp_carry_args
+typedef struct wisp_frame_motion_args
 {
     float turn[9];    ///< row by row: the rotation less the identity, so that a small motion keeps its digits
     wisp_vec3 origin; ///< m, what is rotated about
     wisp_vec3 shift;  ///< m, of the origin
-} wisp_carry_args;
+} wisp_frame_motion_args;
 
 /// Arguments of tethers, which limit the distance of particles from their attachments. Only the particle moves, and
 /// only if the attachment is pinned, so that all layers of a particle can be processed before the next particle.
