@@ -10,23 +10,12 @@
 
 // Tethers: distances to attachments, once per substep before the near constraints.
 
-typedef struct tether_loop
-{
-    wisp_tether_args args;
-    const wisp_kernels* kernels;
-} tether_loop;
-
 enum
 {
     SLOT_GRAIN = 2048, // particles per block: about 1.5 microseconds
 };
 
-static void run_tethers( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const tether_loop* loop = context;
-    loop->kernels->tether( &loop->args, begin * 8, end * 8 );
-}
+WISP_KERNEL_LOOP( tether_loop, run_tethers, tether, wisp_tether_args, 8 )
 
 static void project_tethers( wisp_frame* frame, const wisp_span* span, void* user )
 {

@@ -323,12 +323,7 @@ enum
 
 // ---- links ----
 
-static void run_band( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const levels_sheet* sheet = context;
-    sheet->kernels->level_band( &sheet->links, 8 * begin, 8 * end );
-}
+WISP_KERNEL_RANGE( levels_sheet, run_band, level_band, links, 8 )
 
 // Find the lengths below which links push, for a sheet that has been predicted.
 static void levels_find_band( levels_sheet* sheet )
@@ -419,18 +414,7 @@ static bool levels_move_carrier( levels_carrier* c )
 
 // ---- prolongation ----
 
-typedef struct prolong_loop
-{
-    wisp_prolong_args args;
-    const wisp_kernels* kernels;
-} prolong_loop;
-
-static void run_prolong( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const prolong_loop* loop = context;
-    loop->kernels->prolong( &loop->args, begin, end );
-}
+WISP_KERNEL_LOOP( prolong_loop, run_prolong, prolong, wisp_prolong_args, 1 )
 
 // Adds values of a level to rows of the next finer one, or of the surface, that are not pinned.
 static void prolong( const levels_sheet* sheet, const float* value, const float* position, float* target )

@@ -91,6 +91,19 @@ static void damp( wisp_frame* frame, const wisp_span* span, void* user )
     }
 }
 
+wisp_surface_motion wisp_frame_surface_motion( wisp_frame* frame, wisp_entity surface, float seconds )
+{
+    // one that is not solved goes along with something
+    const bool is_halted =
+        wisp_frame_is_halted( frame, surface ) && wisp_frame_detail( frame, surface ).level != WISP_DETAIL_NOTHING;
+    return ( wisp_surface_motion ){
+        .position = wisp_frame_column( frame, surface, WISP_PARTICLE_POSITION, 0 ),
+        .velocity = is_halted ? NULL : wisp_frame_column( frame, surface, WISP_PARTICLE_VELOCITY, 0 ),
+        .target = is_halted ? NULL : wisp_frame_column( frame, surface, WISP_PARTICLE_TARGET, 0 ),
+        .seconds = seconds,
+    };
+}
+
 wisp_status passes_declare_particles( wisp_registry* registry )
 {
     wisp_declare_map( registry, WISP_MAP_DAMPING, WISP_PARTICLE_DAMPING, NULL );

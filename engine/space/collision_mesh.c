@@ -1,8 +1,7 @@
 // Triangle meshes for queries: surface, search and results.
 #include "collision_mesh_embree.h"
 #include "mesh_bvh.h"
-#include "mesh_cells.h"
-#include "mesh_features.h"
+#include "mesh_surface.h"
 
 #include "alloc.h"
 

@@ -29,8 +29,8 @@ typedef struct boundary_layer
     X( settings, "boundary.settings", ENTITY, WISP_COLUMN( boundary_settings, settings, 1 ) )                        \
     X( normals, "boundary.normals", PARTICLE,                                                                        \
        WISP_COLUMN( float, normal, 4 ) ) /* mean of unit normals around, unit or 0 */                                \
-    X( edges, "boundary.edges", EDGE, /* counts of edges, and their spacing */ WISP_COLUMN( float, spacing, 1 ),     \
-       /* m, 0 without a criterion */                                                                                \
+    X( edges, "boundary.edges", EDGE,                                                                                \
+       /* counts of edges, and their spacing */ WISP_COLUMN( float, spacing, 1 ), /* m, 0 without a criterion */     \
        WISP_COLUMN( float, length, 1 ), /* over the spacing, that the count was made from; 0 without hysteresis */   \
        WISP_COLUMN( int32_t, points, 1 ) )                                                                           \
     X( triangles, "boundary.triangles", TRIANGLE, /* likewise */ WISP_COLUMN( float, spacing, 1 ),                   \
@@ -42,8 +42,7 @@ typedef struct boundary_layer
 typedef struct boundary_state
 {
     BOUNDARY_COMPONENTS( WISP_COMPONENT_MEMBER )
-    boundary_layer** layers; // [layer_count] by rising index of their entities
-    int layer_count, layer_capacity;
+    wisp_objects* layers; // boundary_layer
 } boundary_state;
 
 /// The definition with the defaults filled in.
@@ -66,15 +65,10 @@ enum
 
 // ---- boundary_passes.c ----
 
-/// @return null if there is none
-boundary_layer* boundary_find_layer( const boundary_state* state, wisp_entity entity );
 /// The elements of a fabric, without points. @return null without memory
 boundary_layer* boundary_layer_create( const wisp_allocator* allocator, const wisp_fabric* fabric,
                                        wisp_entity entity );
-void boundary_layer_release( boundary_layer* layer, const wisp_allocator* allocator );
-/// Insert the first layer of its entity into reserved memory.
-void boundary_put_layer( boundary_state* state, boundary_layer* layer );
-void boundary_drop_layer( boundary_state* state, const wisp_allocator* allocator, wisp_entity entity );
+void boundary_layer_release( void* layer, const wisp_allocator* allocator );
 
 // ---- passes ----
 

@@ -28,21 +28,6 @@ WISP_DEFINE( boundary_def, "boundary", BOUNDARY_FIELDS )
 
 // ---- components and passes ----
 
-static void release_state( void* memory, const wisp_allocator* allocator )
-{
-    boundary_state* state = memory;
-    for ( int i = 0; i < state->layer_count; ++i )
-    {
-        boundary_layer_release( state->layers[i], allocator );
-    }
-    wisp_release( allocator, state->layers, (size_t)state->layer_capacity * sizeof( *state->layers ) );
-}
-
-static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
-{
-    boundary_drop_layer( memory, wisp_world_allocator( world ), entity );
-}
-
 static wisp_status declare_components( wisp_registry* r, boundary_state* s )
 {
     BOUNDARY_COMPONENTS( WISP_COMPONENT_DECLARE )
@@ -98,17 +83,10 @@ static wisp_status declare_passes( wisp_registry* r, boundary_state* s )
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
 }
 
-static size_t count_memory( const void* memory, size_t* outside )
+static size_t layer_bytes( const void* memory )
 {
-    (void)outside;
-    const boundary_state* state = memory;
-    size_t bytes = (size_t)state->layer_capacity * sizeof( *state->layers );
-    for ( int i = 0; i < state->layer_count; ++i )
-    {
-        bytes +=
-            state->layers[i]->bytes + wisp_samples_bytes( &state->layers[i]->samples ) + state->layers[i]->moved.size;
-    }
-    return bytes;
+    const boundary_layer* layer = memory;
+    return layer->bytes + wisp_samples_bytes( &layer->samples ) + layer->moved.size;
 }
 
 static wisp_status declare( wisp_registry* r )
@@ -118,8 +96,7 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_hooks(
-        r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed, .memory = count_memory } );
+    state->layers = wisp_declare_objects( r, boundary_layer_release, layer_bytes );
     WISP_TRY( declare_components( r, state ) );
     return declare_passes( r, state );
 }
@@ -258,9 +235,8 @@ static wisp_status provide_layer( wisp_world* world, wisp_entity surface, bounda
                                   boundary_layer** out )
 {
     const wisp_allocator* allocator = wisp_world_allocator( world );
-    *out = boundary_find_layer( state, surface );
-    if ( *out == NULL && wisp_world_reserve( world, (void**)&state->layers, &state->layer_capacity,
-                                             state->layer_count, sizeof( *state->layers ) ) )
+    *out = wisp_find_object( state->layers, surface );
+    if ( *out == NULL && wisp_reserve_object( state->layers, surface ) )
     {
         *out = boundary_layer_create( allocator, wisp_world_fabric( world, surface ), surface );
     }
@@ -283,7 +259,7 @@ wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wis
     boundary_layer* layer = NULL;
     wisp_status status = check_spacing( world, &settings, wisp_world_fabric( world, surface ) );
     status = status == WISP_OK ? provide_layer( world, surface, state, &layer ) : status;
-    const bool had = boundary_find_layer( state, surface ) != NULL;
+    const bool had = wisp_find_object( state->layers, surface ) != NULL;
     status = status == WISP_OK ? set_components( world, surface, state, local ) : status;
     if ( status != WISP_OK )
     {
@@ -292,7 +268,7 @@ wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wis
     }
     if ( had == false )
     {
-        boundary_put_layer( state, layer );
+        wisp_set_object( state->layers, surface, layer );
     }
     layer->made = false;
     wisp_world_share_samples( world, surface, &layer->samples );
@@ -308,14 +284,14 @@ wisp_status wisp_unset_boundary( wisp_world* world, wisp_entity surface )
     WISP_TRY( find_state( world, surface, &state ) );
     undress( world, surface, state );
     wisp_world_share_samples( world, surface, NULL );
-    boundary_drop_layer( state, wisp_world_allocator( world ), surface );
+    wisp_set_object( state->layers, surface, NULL );
     return WISP_OK;
 }
 
 static wisp_status find_layer( wisp_world* world, wisp_entity surface, boundary_state** state, boundary_layer** out )
 {
     wisp_status status = find_state( world, surface, state );
-    *out = status == WISP_OK ? boundary_find_layer( *state, surface ) : NULL;
+    *out = status == WISP_OK ? wisp_find_object( ( *state )->layers, surface ) : NULL;
     return status == WISP_OK && *out == NULL
                ? wisp_world_fail( world, WISP_CONFLICT, "boundary: entity %u has no layer", surface.index )
                : status;

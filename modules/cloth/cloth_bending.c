@@ -230,48 +230,36 @@ static const double ANGLE_MARGIN = 2.0;
 
 // ---- plates of a world ----
 
-int cloth_find_plate( const cloth_state* state, wisp_entity entity )
+void cloth_release_plate( void* memory, const wisp_allocator* allocator )
 {
-    for ( int i = 0; i < state->plate_count; ++i )
-    {
-        if ( wisp_entity_equal( state->plates[i].entity, entity ) )
-        {
-            return i;
-        }
-    }
-    return -1;
+    cloth_plate* mine = memory;
+    wisp_plate_release( mine->plate, allocator );
+    allocator->release( allocator->user, mine, sizeof( *mine ) );
 }
 
-void cloth_remove_plate( cloth_state* state, wisp_entity entity, const wisp_allocator* allocator )
-{
-    const int i = cloth_find_plate( state, entity );
-    if ( i >= 0 )
-    {
-        wisp_plate_release( state->plates[i].plate, allocator );
-        state->plates[i] = state->plates[--state->plate_count];
-    }
-}
-
-wisp_status cloth_add_plate( wisp_world* world, cloth_state* state, wisp_entity surface )
+wisp_status cloth_add_plate( wisp_world* world, const cloth_state* state, wisp_entity surface )
 {
     const wisp_fabric* fabric = wisp_world_fabric( world, surface );
-    if ( cloth_find_plate( state, surface ) >= 0 )
+    const wisp_allocator* allocator = wisp_world_allocator( world );
+    if ( wisp_find_object( state->plates, surface ) != NULL )
     {
         return WISP_OK;
     }
-    cloth_plate plate = { .entity = surface };
-    if ( wisp_world_reserve( world, (void**)&state->plates, &state->plate_capacity, state->plate_count,
-                             sizeof( *state->plates ) ) == false ||
-         wisp_plate_create( fabric, NULL, fabric->slot_count, true, wisp_world_allocator( world ), &plate.plate ) !=
-             WISP_OK )
+    cloth_plate* mine = wisp_reserve_object( state->plates, surface )
+                            ? allocator->allocate( allocator->user, sizeof( cloth_plate ), 64 )
+                            : NULL;
+    wisp_plate* plate = NULL;
+    if ( mine == NULL || wisp_plate_create( fabric, NULL, fabric->slot_count, true, allocator, &plate ) != WISP_OK )
     {
+        wisp_release( allocator, mine, sizeof( cloth_plate ) );
         return wisp_world_fail( world, WISP_NO_MEMORY, "cloth: out of memory for the bending of %d vertices",
                                 fabric->vertex_count );
     }
     // the first step computes it again if it is too stiff for the substeps, or has maps
     const float* position = wisp_world_column( world, surface, WISP_PARTICLE_POSITION, 0 );
-    wisp_plate_update( plate.plate, fabric, position, FLT_MAX );
-    state->plates[state->plate_count++] = plate;
+    wisp_plate_update( plate, fabric, position, FLT_MAX );
+    *mine = ( cloth_plate ){ .plate = plate };
+    wisp_set_object( state->plates, surface, mine );
     return WISP_OK;
 }
 
@@ -323,26 +311,11 @@ static int stages_for( double largest )
     return stages;
 }
 
-static void predict( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const bending_solve* b = context;
-    b->kernels->plate_predict( &b->moves, begin, end );
-}
+WISP_KERNEL_RANGE( bending_solve, predict, plate_predict, moves, 1 )
 
-static void measure_angles( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const bending_solve* b = context;
-    b->kernels->plate_measure_angles( &b->angles, 8 * begin, 8 * end );
-}
+WISP_KERNEL_RANGE( bending_solve, measure_angles, plate_measure_angles, angles, 8 )
 
-static void couple_angles( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const bending_solve* b = context;
-    b->kernels->plate_couple_angles( &b->angles, 8 * begin, 8 * end );
-}
+WISP_KERNEL_RANGE( bending_solve, couple_angles, plate_couple_angles, angles, 8 )
 
 static void add_moments( const void* context, int begin, int end )
 {
@@ -378,12 +351,7 @@ static void run_stage( void* context, int begin, int end, int worker )
     measure_last( b, begin, end );
 }
 
-static void accelerate( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const bending_solve* b = context;
-    b->kernels->plate_accelerate( &b->moves, begin, end );
-}
+WISP_KERNEL_RANGE( bending_solve, accelerate, plate_accelerate, moves, 1 )
 
 static void for_slices( const wisp_parallel* parallel, bending_solve* b, wisp_range_fn* run )
 {
@@ -502,7 +470,7 @@ static double update_plate( wisp_frame* frame, const wisp_span* span, cloth_plat
 void cloth_bend( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const cloth_state* state = user;
-    cloth_plate* mine = state->plates + cloth_find_plate( state, span->entity );
+    cloth_plate* mine = wisp_find_object( state->plates, span->entity );
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
     bending_solve b = { .is_last = false };
     if ( find_arrays( frame, span, &b ) == false )

@@ -80,23 +80,12 @@ static void cloth_damp_crowd( wisp_frame* frame, const wisp_crowd* crowd, const 
 
 // Air on triangles: sums over strips, then a change of the velocities.
 
-typedef struct air_loop
-{
-    const wisp_kernels* kernels;
-    wisp_strip_air_args args;
-} air_loop;
+WISP_KERNEL_LOOP( air_loop, blow_slices, blow, wisp_strip_air_args, 1 )
 
 static void sum_air( const void* context, int begin, int end )
 {
     const air_loop* loop = context;
     loop->kernels->strip_air( &loop->args, begin, end );
-}
-
-static void blow_slices( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const air_loop* loop = context;
-    loop->kernels->blow( &loop->args, begin, end );
 }
 
 // Zeros for sums of air. @return null without memory
@@ -201,31 +190,10 @@ WISP_DEFINE( cloth_def, "cloth", CLOTH_FIELDS )
 
 // ---- state ----
 
-static void release_state( void* memory, const wisp_allocator* allocator )
+static size_t plate_bytes( const void* memory )
 {
-    cloth_state* state = memory;
-    while ( state->plate_count > 0 )
-    {
-        cloth_remove_plate( state, state->plates[0].entity, allocator );
-    }
-    wisp_release( allocator, state->plates, (size_t)state->plate_capacity * sizeof( *state->plates ) );
-}
-
-static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
-{
-    cloth_remove_plate( memory, entity, wisp_world_allocator( world ) );
-}
-
-static size_t count_memory( const void* memory, size_t* outside )
-{
-    (void)outside;
-    const cloth_state* state = memory;
-    size_t bytes = (size_t)state->plate_capacity * sizeof( *state->plates );
-    for ( int i = 0; i < state->plate_count; ++i )
-    {
-        bytes += wisp_plate_bytes( state->plates[i].plate );
-    }
-    return bytes;
+    const cloth_plate* mine = memory;
+    return sizeof( *mine ) + wisp_plate_bytes( mine->plate );
 }
 
 // A plate is made of a fabric. Without memory for another one the surface no longer resists bending.
@@ -233,12 +201,12 @@ static wisp_status triangles_changed( void* memory, wisp_world* world, wisp_enti
                                       const wisp_fabric* before )
 {
     (void)before;
-    cloth_state* state = memory;
-    if ( cloth_find_plate( state, surface ) < 0 )
+    const cloth_state* state = memory;
+    if ( wisp_find_object( state->plates, surface ) == NULL )
     {
         return WISP_OK;
     }
-    cloth_remove_plate( state, surface, wisp_world_allocator( world ) );
+    wisp_set_object( state->plates, surface, NULL );
     const wisp_status status = cloth_add_plate( world, state, surface );
     if ( status != WISP_OK )
     {
@@ -266,10 +234,8 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state,
-                                                  .removed = entity_removed,
-                                                  .triangles_changed = triangles_changed,
-                                                  .memory = count_memory } );
+    wisp_declare_hooks( r, &( wisp_state_hooks ){ .triangles_changed = triangles_changed } );
+    s->plates = wisp_declare_objects( r, cloth_release_plate, plate_bytes );
     CLOTH_COMPONENTS( WISP_COMPONENT_DECLARE )
     declare_maps( r, s );
     const wisp_pass passes[] = {
@@ -476,12 +442,12 @@ wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_c
         def->solver == WISP_SOLVER_XPBD &&
         ( def->bending == WISP_CLOTH_BENDING_DIHEDRAL || def->bending == WISP_CLOTH_BENDING_ISOMETRIC );
     const bool had_sheets = status == WISP_OK && wisp_world_has( world, surface, WISP_SURFACE_LEVELS );
-    const bool keeps_plate = status != WISP_OK || cloth_find_plate( state, surface ) >= 0;
+    const bool keeps_plate = status != WISP_OK || wisp_find_object( state->plates, surface ) != NULL;
     status = bends ? cloth_add_plate( world, state, surface ) : status;
     status = status == WISP_OK ? set_components( world, surface, def, state ) : status;
     if ( status == WISP_OK ? bends == false : keeps_plate == false )
     {
-        cloth_remove_plate( state, surface, wisp_world_allocator( world ) );
+        wisp_set_object( state->plates, surface, NULL );
     }
     if ( status == WISP_OK )
     {

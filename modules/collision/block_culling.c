@@ -6,7 +6,7 @@
 // without being found by a body, however that moves. A group of eight slots whose particles all have one is settled:
 // later substeps only test whether they are still within their radius, and search again for the group if one is not.
 // The last substep searches for all, so what is stored after a step is the same as without this.
-#include "block_culling.h"
+#include "particle_contacts.h"
 
 #include "collision_vectors.h"
 

@@ -5,9 +5,7 @@
 // what it keeps free. A sheet keeps each particle on the side from which it comes.
 #include "collision_bodies.h"
 
-#include "collision_participants.h"
-#include "collision_passes.h"
-#include "collision_surface.h"
+#include "collision_state.h"
 #include "reaction.h"
 #include "collision_vectors.h"
 

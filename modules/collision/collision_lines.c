@@ -1,7 +1,7 @@
 // Bodies, and vertices that touch them, as lines (wisp/lines.h). In: poses and positions at the end of the step.
 #include "body_queries.h"
 #include "collision_maps.h"
-#include "collision_passes.h"
+#include "collision_state.h"
 
 #include "wisp/module/sleep.h"
 

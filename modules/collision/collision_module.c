@@ -1,8 +1,6 @@
 // The module: components, passes, state.
 #include "collision_bodies.h"
-#include "collision_participants.h"
-#include "collision_passes.h"
-#include "collision_surface.h"
+#include "collision_state.h"
 #include "near_bodies.h"
 #include "primitive_contacts.h"
 #include "reaction.h"

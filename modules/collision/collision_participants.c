@@ -1,6 +1,6 @@
 // Participants: which surfaces and strands collide, and how. In: wisp_collision_def. Out: components of the entity.
 // Components of contact exist only while there is a body, so that without one the plan has no pass of this module.
-#include "collision_participants.h"
+#include "collision_state.h"
 
 #include "collision_vectors.h"
 #include "reaction.h"

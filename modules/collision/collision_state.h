@@ -67,9 +67,9 @@ typedef struct collision_nearness
        /* while there is a body, as what follows */ WISP_COLUMN( float, pushed, 16 ),                                \
        /* m, normal correction of this substep; below 0: of the last one */ WISP_COLUMN( float, depth, 16 ),         \
        /* m, depth that a vertex may keep in this iteration */ WISP_COLUMN( float, left, 16 ),                       \
-       /* m, depth that it kept */ WISP_COLUMN( float, friction, 48 ),                                               \
-       /* m, sum of what friction removed in this substep */ WISP_COLUMN( float, body, 16 ),                         \
-       /* number of the body that pushed; -1: several */                                                             \
+       /* m, depth that it kept */                                                                                   \
+       WISP_COLUMN( float, friction, 48 ), /* m, sum of what friction removed in this substep */                     \
+       WISP_COLUMN( float, body, 16 ),     /* number of the body that pushed; -1: several */                         \
        WISP_COLUMN( float, last, 16 ) /* m, pushed in the last substep */ )                                          \
     X( segment_contact, "collision.segment_contact", STRAND_ROW,                                                     \
        /* of the segments behind vertices: the same, and */ WISP_COLUMN( float, pushed, 16 ),                        \
@@ -83,9 +83,9 @@ typedef struct collision_nearness
     X( motion, "collision.motion", ENTITY,                                                                           \
        WISP_COLUMN( wisp_transform, target, 1 ) ) /* at the end of the next step */                                  \
     X( follower, "collision.follower", ENTITY, WISP_COLUMN( int32_t, follows, 1 ) ) /* the body is a surface */      \
-    X( tracked, "collision.tracked", PARTICLE, WISP_COLUMN( int32_t, triangle, COLLISION_TRACKS ),                   \
-       /* closest; -1: none was near */ WISP_COLUMN( float, free, COLLISION_TRACKS ),                                \
-       /* m, distance of `origin` at least */                                                                        \
+    X( tracked, "collision.tracked", PARTICLE,                                                                       \
+       WISP_COLUMN( int32_t, triangle, COLLISION_TRACKS ), /* closest; -1: none was near */                          \
+       WISP_COLUMN( float, free, COLLISION_TRACKS ),       /* m, distance of `origin` at least */                    \
        WISP_COLUMN( wisp_vec3, origin, COLLISION_TRACKS ) /* m, in the frame of the body */ )                        \
     X( strand_tracked, "collision.strand_tracked", STRAND_ROW,                                                       \
        WISP_COLUMN( int32_t, triangle, 16 * COLLISION_TRACKS ),                                                      \
@@ -105,9 +105,8 @@ typedef struct collision_nearness
        /* those that may have some in this step */ WISP_COLUMN( int32_t, near_triangles, 1 ),                        \
        WISP_COLUMN( float, longest, 1 ) /* m, somewhat more than the longest edge at rest */ )                       \
     X( edge_contacts, "collision.edge_contacts", EDGE, WISP_COLUMN( int32_t, found, 1 ),                             \
-       /* contacts, those left out included */ WISP_COLUMN( int32_t, active, 1 ),                                    \
-       /* a list: those with contacts */ WISP_COLUMN( int32_t, near, 1 ),                                            \
-       /* a list: those that may have some in this step */                                                           \
+       /* contacts, those left out included */ WISP_COLUMN( int32_t, active, 1 ), /* a list: those with contacts */  \
+       WISP_COLUMN( int32_t, near, 1 ), /* a list: those that may have some in this step */                          \
        WISP_COLUMN( collision_primitive_contact, contacts, COLLISION_PRIMITIVE_CONTACTS ) )                          \
     X( triangle_contacts, "collision.triangle_contacts", TRIANGLE, /* likewise */ WISP_COLUMN( int32_t, found, 1 ),  \
        WISP_COLUMN( int32_t, active, 1 ), WISP_COLUMN( int32_t, near, 1 ),                                           \
@@ -174,3 +173,36 @@ _Static_assert( sizeof( collision_coupled ) == 160, "no padding" );
 
 /// Find the state of the module. @return WISP_CONFLICT the module is not registered
 wisp_status collision_find_state( wisp_world* world, collision_state** out );
+
+// ---- participants: surfaces and strands that collide ----
+
+/// Attach the components of contact to all participants that are enabled, while there is a body, and detach them from
+/// the rest. Without memory nothing changes.
+wisp_status collision_update_components( wisp_world* world, collision_state* state );
+/// The same when one body came or went, which changes nothing for most participants.
+wisp_status collision_update_for( wisp_world* world, collision_state* state, const collision_body* body );
+
+/// Remove an entity from the list of participants. @return whether it was there
+bool collision_forget_participant( collision_state* state, wisp_entity participant );
+
+// ---- passes, each in the file that is named ----
+
+wisp_pass_fn collision_update_poses;                                                // collision_bodies.c
+wisp_pass_fn collision_follow;                                                      // collision_surface.c
+wisp_pass_fn collision_find;                                                        // contact_generation.c
+wisp_pass_fn collision_project;                                                     // contact_projection.c
+wisp_pass_fn collision_keep_outside;                                                // closed_forms.c
+wisp_pass_fn collision_find_primitives;                                             // primitive_contacts.c
+wisp_pass_fn collision_project_primitives;                                          // primitive_projection.c
+wisp_pass_fn collision_sense;                                                       // contact_input.c
+wisp_pass_fn collision_bounce_off;                                                  // restitution.c
+wisp_pass_fn collision_gather_impulses, collision_share_contacts;                   // reaction.c
+wisp_pass_fn collision_couple, collision_read_reactions;                            // reaction.c
+wisp_pass_fn collision_touch_strands, collision_part_strands;                       // strand_contacts.c
+wisp_pass_fn collision_keep_out;                                                    // posed_strands.c
+wisp_pass_fn collision_measure, collision_measure_strands, collision_measure_posed; // collision_stats.c
+/// As wisp_pass.run_crowd, closed_forms.c.
+void collision_keep_crowd_outside( wisp_frame* frame, const wisp_crowd* crowd, const wisp_span* span, void* user );
+/// As wisp_state_hooks.lines, collision_lines.c.
+void collision_add_lines( const void* state, wisp_world* world, wisp_entity entity, wisp_line_kind kind,
+                          wisp_line_list* list );

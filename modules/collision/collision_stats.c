@@ -3,8 +3,7 @@
 // Each worker measures blocks of its own; of equally deep vertices the lowest index counts, so that results do not
 // depend on the workers.
 #include "body_queries.h"
-#include "collision_participants.h"
-#include "collision_passes.h"
+#include "collision_state.h"
 #include "particle_contacts.h"
 
 #include <math.h>

@@ -15,11 +15,9 @@
 //   one are only paths that may enter a body, deep starts, and particles that already have all contacts.
 // - Lengths come from the participant (thickness a quarter of its mean edge), so a scene at 1/100 or 100 times its
 //   size behaves the same.
-#include "contact_generation.h"
 
-#include "block_culling.h"
 #include "body_queries.h"
-#include "collision_passes.h"
+#include "collision_state.h"
 #include "near_bodies.h"
 #include "reaction.h"
 #include "particle_contacts.h"

@@ -18,7 +18,7 @@
 // - Rows keep the index and generation of the body, by which the solver recognises a contact of the step before.
 #include "body_queries.h"
 #include "collision_maps.h"
-#include "collision_passes.h"
+#include "collision_state.h"
 
 #include <float.h>
 #include <math.h>

@@ -15,8 +15,8 @@
 // substep, and no velocity relative to the body is reversed. Particles with one contact, which are nearly all, go to
 // the kernel half_space, which computes the same bits.
 #include "body_queries.h"
-#include "collision_passes.h"
-#include "contact_generation.h"
+#include "collision_state.h"
+#include "particle_contacts.h"
 #include "near_bodies.h"
 #include "reaction.h"
 

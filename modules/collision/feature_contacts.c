@@ -8,7 +8,7 @@
 //   needs no inside: the primitive stays on the side that it comes from.
 // - Closed meshes touch from outside alone: a normal against that of the faces around the edge is that of the far side, and is left out.
 // - A closest point at a corner of the surface, or on the border of a triangle, belongs to the contacts of those.
-#include "feature_contacts.h"
+#include "primitive_contacts.h"
 #include "wisp/module/double3.h"
 
 #include <math.h>

@@ -12,7 +12,7 @@
 // - Cost per vertex (ghosts of head_shake.yaml, one worker of a busy Zen 3): 22 to 30 ns around a sphere, 12 ns where
 //   hardly any vertex of a group touches, 6 to 8 ns away from all bodies.
 #include "body_queries.h"
-#include "collision_passes.h"
+#include "collision_state.h"
 
 #include <string.h>
 

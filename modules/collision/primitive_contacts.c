@@ -15,9 +15,8 @@
 #include "primitive_contacts.h"
 
 #include "body_queries.h"
-#include "collision_passes.h"
-#include "contact_generation.h"
-#include "feature_contacts.h"
+#include "collision_state.h"
+#include "particle_contacts.h"
 #include "reaction.h"
 
 #include <math.h>

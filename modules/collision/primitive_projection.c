@@ -9,7 +9,7 @@
 // so that linear and angular momentum are those of one impulse at p. Contacts are projected one after another, edges first, in the
 // order of the mesh, which no worker changes; a few sweeps let neighbours that share corners settle.
 #include "body_queries.h"
-#include "collision_passes.h"
+#include "collision_state.h"
 #include "primitive_contacts.h"
 #include "reaction.h"
 

@@ -13,7 +13,7 @@
 //
 // SQUEEZE is the load of 5000 weights at the depth of the whole thickness: cloth of 0.2 kg/m^2 loses half of it under 50 gf/cm^2,
 // the pressure to which compression is measured (Kawabata 1980, "The standardization and analysis of hand evaluation").
-#include "contact_generation.h"
+#include "particle_contacts.h"
 
 #include "body_queries.h"
 #include "reaction.h"

@@ -26,7 +26,7 @@
 // - Cost per vertex, iteration and substep (one worker of a busy Zen 3): 330 ns on a mesh of 2 048 triangles, 3 to 10
 //   ns on a closed form, 3 ns away from all bodies.
 #include "body_queries.h"
-#include "collision_passes.h"
+#include "collision_state.h"
 #include "near_bodies.h"
 #include "primitive_contacts.h"
 #include "reaction.h"

@@ -139,7 +139,7 @@ typedef struct guide_follower
 
 /// Cook ghosts. @param out receives a follower of its own memory, null on failure
 wisp_status guide_cook( wisp_world* world, wisp_entity ghosts, const wisp_ghosts_def* def, guide_follower** out );
-void guide_follower_release( guide_follower* follower );
+void guide_follower_release( void* follower, const wisp_allocator* allocator );
 
 /// A group of ghosts, or a target that other groups blend in.
 typedef struct guide_group
@@ -231,21 +231,18 @@ typedef struct guide_settings
 typedef struct guide_state
 {
     GUIDE_COMPONENTS( WISP_COMPONENT_MEMBER )
-    wisp_component detail; // of entities whose level of detail was set
-    guide_follower** followers;
-    int follower_count, follower_capacity;
-    guide_drawing** drawings;
-    int drawing_count, drawing_capacity;
+    wisp_component detail;   // of entities whose level of detail was set
+    wisp_objects* followers; // guide_follower, of ghosts
+    wisp_objects* drawings;  // guide_drawing, of curves
 } guide_state;
 
 /// The same, unless the targets are removed.
 const guide_follower* guide_active_follower( const guide_state* state, wisp_entity ghosts );
 /// For a function of the host. @return WISP_CONFLICT, with a message
 wisp_status guide_find_ghosts( wisp_world* world, wisp_entity ghosts, const guide_follower** out );
-guide_drawing* guide_find_drawing( const guide_state* state, wisp_entity curves );
 /// Release targets without ghosts and sources without curves.
 void guide_let_go( wisp_world* world, const guide_state* state, wisp_entity entity );
-void guide_drawing_release( guide_drawing* drawing );
+void guide_drawing_release( void* drawing, const wisp_allocator* allocator );
 
 /// guide_passes.c
 wisp_pass_fn guide_run_targets, guide_run_ghosts, guide_run_lengths, guide_run_update_poses;

@@ -150,21 +150,12 @@ static wisp_status attach_all( wisp_world* world, const guide_state* s, wisp_ent
 }
 
 // Replace the follower that the ghosts had.
-static void install( wisp_world* world, guide_state* s, guide_follower* follower )
+static void install( wisp_world* world, const guide_state* s, guide_follower* follower )
 {
-    for ( int i = 0; i < s->follower_count; ++i )
-    {
-        guide_follower* old = s->followers[i];
-        if ( wisp_entity_equal( old->ghosts, follower->ghosts ) )
-        {
-            const wisp_entity targets = old->targets;
-            s->followers[i] = follower;
-            guide_follower_release( old );
-            guide_let_go( world, s, targets );
-            return;
-        }
-    }
-    s->followers[s->follower_count++] = follower;
+    const guide_follower* old = wisp_find_object( s->followers, follower->ghosts );
+    const wisp_entity targets = old != NULL ? old->targets : ( wisp_entity ){ 0, 0 };
+    wisp_set_object( s->followers, follower->ghosts, follower );
+    guide_let_go( world, s, targets );
 }
 
 wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_ghosts_def* given )
@@ -175,18 +166,16 @@ wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_g
     WISP_TRY( wisp_world_check_entity( world, ghosts ) );
     guide_state* s = wisp_world_module_state( world, "guide_hair" );
     WISP_TRY( check( world, s, ghosts, def ) );
-    if ( wisp_world_reserve( world, (void**)&s->followers, &s->follower_capacity, s->follower_count,
-                             sizeof( *s->followers ) ) == false )
+    if ( wisp_reserve_object( s->followers, ghosts ) == false )
     {
-        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d entities of ghosts",
-                                s->follower_count + 1 );
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for another entity of ghosts" );
     }
     guide_follower* follower;
     wisp_status status = guide_cook( world, ghosts, def, &follower );
     status = status == WISP_OK ? attach_all( world, s, ghosts, def ) : status;
     if ( status != WISP_OK )
     {
-        guide_follower_release( follower );
+        guide_follower_release( follower, wisp_world_allocator( world ) );
         return status;
     }
     install( world, s, follower );
@@ -562,12 +551,13 @@ void guide_run_targets( wisp_frame* frame, const wisp_span* span, void* user )
                     ? wisp_frame_column( frame, entity, WISP_STRAND_ROOT, 1 )
                     : NULL,
     };
-    for ( int i = 0; i < state->follower_count; ++i )
+    for ( int i = 0; i < wisp_count_object_places( state->followers ); ++i )
     {
-        const bool is_computed = wisp_frame_detail( frame, state->followers[i]->ghosts ).level < WISP_DETAIL_COARSE;
-        if ( is_computed && wisp_entity_equal( state->followers[i]->targets, entity ) )
+        const guide_follower* f = wisp_object_at( state->followers, i );
+        if ( f != NULL && wisp_entity_equal( f->targets, entity ) &&
+             wisp_frame_detail( frame, f->ghosts ).level < WISP_DETAIL_COARSE )
         {
-            fill_table( frame, span, state, state->followers[i], loop );
+            fill_table( frame, span, state, f, loop );
         }
     }
     *steps += 1;

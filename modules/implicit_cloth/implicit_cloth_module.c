@@ -130,7 +130,7 @@ static double plate_energy( const implicit_links* links, const float* position )
 static void implicit_measure( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const implicit_state* state = user;
-    const implicit_links* links = implicit_find_links( state, span->entity );
+    const implicit_links* links = wisp_find_object( state->links, span->entity );
     const implicit_counts* counts = wisp_frame_column( frame, span->entity, state->counts, 0 );
     const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     wisp_implicit_cloth_stats stats = {
@@ -179,27 +179,6 @@ WISP_DEFINE( implicit_cloth_def, "implicit cloth", IMPLICIT_CLOTH_FIELDS )
 
 // ---- state ----
 
-static void release_state( void* memory, const wisp_allocator* allocator )
-{
-    implicit_state* state = memory;
-    for ( int i = 0; i < state->link_count; ++i )
-    {
-        implicit_links_release( state->links[i], allocator );
-    }
-    wisp_release( allocator, state->links, (size_t)state->link_capacity * sizeof( *state->links ) );
-}
-
-static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
-{
-    implicit_state* state = memory;
-    const int i = implicit_find_index( state, entity );
-    if ( i >= 0 )
-    {
-        implicit_links_release( state->links[i], wisp_world_allocator( world ) );
-        state->links[i] = state->links[--state->link_count];
-    }
-}
-
 static wisp_status entity_teleported( void* memory, wisp_world* world, wisp_entity entity,
                                       const wisp_teleport_motion* teleport, bool* is_moved )
 {
@@ -228,16 +207,10 @@ static void entity_rested( const void* memory, wisp_world* world, wisp_entity en
     }
 }
 
-static size_t count_memory( const void* memory, size_t* outside )
+static size_t links_bytes( const void* memory )
 {
-    (void)outside;
-    const implicit_state* state = memory;
-    size_t bytes = (size_t)state->link_capacity * sizeof( *state->links );
-    for ( int i = 0; i < state->link_count; ++i )
-    {
-        bytes += state->links[i]->bytes + wisp_plate_bytes( state->links[i]->plate );
-    }
-    return bytes;
+    const implicit_links* links = memory;
+    return links->bytes + wisp_plate_bytes( links->plate );
 }
 
 static wisp_status declare_passes( wisp_registry* r, implicit_state* state )
@@ -285,10 +258,8 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state,
-                                                  .removed = entity_removed,
-                                                  .teleported = entity_teleported,
-                                                  .memory = count_memory } );
+    wisp_declare_hooks( r, &( wisp_state_hooks ){ .teleported = entity_teleported } );
+    s->links = wisp_declare_objects( r, implicit_links_release, links_bytes );
     wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .rested = entity_rested } );
     IMPLICIT_COMPONENTS( WISP_COMPONENT_DECLARE )
     wisp_declare_places( r, s->history, 0, WISP_PLACE_QUADS );
@@ -398,11 +369,9 @@ wisp_status wisp_set_implicit_cloth( wisp_world* world, wisp_entity surface, con
     wisp_status status = find_state( world, surface, &state );
     status = status == WISP_OK ? check_pairs( world, def ) : status;
     status = status == WISP_OK ? check_alone( world, surface, state ) : status;
-    if ( status == WISP_OK && wisp_world_reserve( world, (void**)&state->links, &state->link_capacity,
-                                                  state->link_count, sizeof( *state->links ) ) == false )
+    if ( status == WISP_OK && wisp_reserve_object( state->links, surface ) == false )
     {
-        status =
-            wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d implicit cloths", state->link_count + 1 );
+        status = wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for another implicit cloth" );
     }
     implicit_links* links = NULL;
     status = status == WISP_OK ? implicit_links_create( world, surface, def, &links ) : status;
@@ -412,16 +381,7 @@ wisp_status wisp_set_implicit_cloth( wisp_world* world, wisp_entity surface, con
         implicit_links_release( links, wisp_world_allocator( world ) );
         return status;
     }
-    const int place = implicit_find_index( state, surface );
-    if ( place >= 0 )
-    {
-        implicit_links_release( state->links[place], wisp_world_allocator( world ) );
-        state->links[place] = links;
-    }
-    else
-    {
-        state->links[state->link_count++] = links;
-    }
+    wisp_set_object( state->links, surface, links );
     fill( world, surface, state, def );
     return WISP_OK;
 }

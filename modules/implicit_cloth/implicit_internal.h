@@ -30,7 +30,6 @@ typedef struct implicit_counts
 /// Links of a surface in rows of their own, and the way between rows and the fabric's slots. One block of memory.
 typedef struct implicit_links
 {
-    wisp_entity entity;
     int row_count; ///< vertices, padded to a multiple of 8
     int slice_count;
     int stretch_count, bend_count, max_neighbours;
@@ -60,8 +59,7 @@ typedef struct implicit_links
 typedef struct implicit_state
 {
     IMPLICIT_COMPONENTS( WISP_COMPONENT_MEMBER )
-    implicit_links** links; ///< [link_count] one a surface
-    int link_count, link_capacity;
+    wisp_objects* links; ///< implicit_links
 } implicit_state;
 
 /// Contacts of a particle from substep to substep.
@@ -152,18 +150,13 @@ typedef struct implicit_gain
 
 // ---- implicit_cloth_module.c ----
 
-/// Find where the links of a surface are in the list. @return -1 without
-int implicit_find_index( const implicit_state* state, wisp_entity entity );
-/// @return null for an entity that is no implicit cloth
-implicit_links* implicit_find_links( const implicit_state* state, wisp_entity entity );
-
 // ---- implicit_links.c ----
 
 /// Cook the links of a surface. @param out receives them, null on failure
 wisp_status implicit_links_create( wisp_world* world, wisp_entity surface, const wisp_implicit_cloth_def* def,
                                    implicit_links** out );
 /// Null is allowed.
-void implicit_links_release( implicit_links* links, const wisp_allocator* allocator );
+void implicit_links_release( void* links, const wisp_allocator* allocator );
 
 // ---- implicit_contact.c ----
 

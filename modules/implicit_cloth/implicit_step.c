@@ -622,7 +622,7 @@ static void attempt_again( wisp_frame* frame, const wisp_span* span, implicit_su
 void implicit_step( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const implicit_state* state = user;
-    const implicit_links* links = implicit_find_links( state, span->entity );
+    const implicit_links* links = wisp_find_object( state->links, span->entity );
     implicit_material* material = wisp_frame_column( frame, span->entity, state->material, 0 );
     const bool small = links->slice_count <= ONE_BLOCK;
     implicit_substep s = {

@@ -12,18 +12,7 @@ enum
 
 // ---- once per step: paths of the targets ----
 
-typedef struct target_loop
-{
-    wisp_motion_target_args args;
-    const wisp_kernels* kernels;
-} target_loop;
-
-static void run_targets( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const target_loop* loop = context;
-    loop->kernels->motion_targets( &loop->args, begin * 8, end * 8 );
-}
+WISP_KERNEL_LOOP( target_loop, run_targets, motion_targets, wisp_motion_target_args, 8 )
 
 // Fraction of the last step's displacements that the step has left, because it was no whole number of substeps.
 static float left_by_last_step( wisp_frame* frame )

@@ -225,14 +225,7 @@ void strands_hold_pins( wisp_frame* frame, const wisp_span* span, void* user )
             const wisp_vec3 at_rest = wisp_v3_sub( strands_get( rest, row, lane ), strands_get( rest, first, lane ) );
             const wisp_vec3 arm = wisp_v3_add( wisp_quat_rotate( strands_get_quat( rotation, group, lane ), at_rest ),
                                                strands_get( root_low, group, lane ) );
-            const wisp_vec3 to = wisp_v3_add( from, arm ), to_low = strands_low_vector( from, arm, to );
-            const wisp_vec3 displacement = wisp_v3_add( wisp_v3_sub( to, strands_get( position, row, lane ) ),
-                                                        wisp_v3_sub( to_low, strands_get( low, row, lane ) ) );
-            strands_put( velocity, row, lane,
-                         ( wisp_vec3 ){ inverse_dt * displacement.x, inverse_dt * displacement.y,
-                                        inverse_dt * displacement.z } );
-            strands_put( position, row, lane, to );
-            strands_put( low, row, lane, to_low );
+            strands_put_held( position, low, velocity, row, lane, from, arm, inverse_dt );
         }
     }
 }

@@ -29,7 +29,6 @@
 #include "strand_passes.h"
 #include "wisp/module/double3.h"
 
-#include "rod_factors.h"
 #include "strand_rows.h"
 
 // ---- masses and lengths ----

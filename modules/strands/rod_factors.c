@@ -21,7 +21,6 @@
 // The second is dt^2 EI curvature^4 / line density: the square of the substep times the frequency of a ring of that
 // curvature. Frames turn one substep late, and above about 0.1 that is unstable. A hair of 80 um with curls of 1 cm
 // needs 16 substeps of 1/60 s for its full stiffness, tighter curls more; with fewer substeps it is softer.
-#include "rod_factors.h"
 
 #include "strand_rows.h"
 #include "strand_passes.h"

@@ -6,7 +6,6 @@
 // is the tridiagonal system of a strand between two ends.
 #include "strand_passes.h"
 
-#include "rod_factors.h"
 #include "strand_rows.h"
 
 #include <string.h>
@@ -101,14 +100,7 @@ void strands_hold_tips( wisp_frame* frame, const wisp_span* span, void* user )
                                                    wisp_v3_add( at_rest, pose_of( &c, i ).translation ) );
         const wisp_vec3 from = strands_get( c.root, group, lane );
         const wisp_vec3 arm = wisp_v3_add( turned, strands_get( c.root_low, group, lane ) );
-        const wisp_vec3 to = wisp_v3_add( from, arm ), to_low = strands_low_vector( from, arm, to );
-        const wisp_vec3 displacement = wisp_v3_add( wisp_v3_sub( to, strands_get( position, row, lane ) ),
-                                                    wisp_v3_sub( to_low, strands_get( low, row, lane ) ) );
-        strands_put(
-            velocity, row, lane,
-            ( wisp_vec3 ){ inverse_dt * displacement.x, inverse_dt * displacement.y, inverse_dt * displacement.z } );
-        strands_put( position, row, lane, to );
-        strands_put( low, row, lane, to_low );
+        strands_put_held( position, low, velocity, row, lane, from, arm, inverse_dt );
         stretched += is_last && wisp_v3_length( turned ) > 1.001f * reach[i] ? 1 : 0;
     }
     if ( stretched > 0 )

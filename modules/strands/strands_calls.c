@@ -1,7 +1,6 @@
 // Calls of the host on strands with a definition: wind, gravity, and what they read.
 #include "strand_passes.h"
 
-#include "rod_factors.h"
 #include "strand_rows.h"
 
 #include "wisp/module/components.h"

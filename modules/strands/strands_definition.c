@@ -2,7 +2,6 @@
 // which passes run, and their values.
 #include "strand_passes.h"
 
-#include "rod_factors.h"
 #include "strand_rows.h"
 
 #include <limits.h>

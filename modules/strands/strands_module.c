@@ -1,6 +1,5 @@
 // The module: components, and the passes that depend on their presence.
 #include "strand_passes.h"
-#include "rod_factors.h"
 #include "strands_state.h"
 
 STRANDS_COMPONENTS( WISP_COMPONENT_COLUMNS )

@@ -30,7 +30,6 @@
 #include "wisp/module/random.h"
 #include "wisp/module/sampling.h"
 #include "wisp/module/shapes.h"
-#include "wisp/module/skin_kernels.h"
 #include "wisp/module/detail.h"
 #include "wisp/module/double3.h"
 #include "wisp/module/sleep.h"

@@ -6,7 +6,6 @@
 #include "wisp/module/instances.h"
 #include "wisp/module/primitives.h"
 #include "wisp/module/random.h"
-#include "wisp/module/skin_kernels.h"
 #include "wisp/module/springs.h"
 #include "wisp/module/strand_kernels.h"
 #include "wisp/module/surface_kernels.h"

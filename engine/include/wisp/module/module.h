@@ -7,6 +7,7 @@
 #include "wisp/module/detail.h"
 #include "wisp/module/jobs.h"
 #include "wisp/module/kernels.h"
+#include "wisp/module/vec.h"
 #include "wisp/wisp.h"
 
 WISP_BEGIN_C
@@ -296,6 +297,22 @@ typedef struct wisp_teleport_motion
     wisp_vec3 far;      ///< m, of the way: what the origin of the rows goes, of which `motion` is the rest
 } wisp_teleport_motion;
 
+/// What a module keeps of entities beside their rows, one object each. The engine frees them with their entities.
+typedef struct wisp_objects wisp_objects;
+/// Declare objects of the module. @param bytes of the allocator, which an object holds @return null, with the registry's error
+WISP_API wisp_objects* wisp_declare_objects( wisp_registry* registry,
+                                             void ( *release )( void* object, const wisp_allocator* allocator ),
+                                             size_t ( *bytes )( const void* object ) );
+/// @return the object of an entity; null: it has none
+WISP_API void* wisp_find_object( const wisp_objects* objects, wisp_entity entity );
+/// Make room for the object of an entity. @return false without memory
+WISP_API bool wisp_reserve_object( wisp_objects* objects, wisp_entity entity );
+/// Give an entity another object, for which there is room, or null: the one that it had is freed. Between steps.
+WISP_API void wisp_set_object( wisp_objects* objects, wisp_entity entity, void* object );
+/// All objects, by the index of their entities: some places have none. @param place 0 .. the places less 1
+WISP_API int wisp_count_object_places( const wisp_objects* objects );
+WISP_API void* wisp_object_at( const wisp_objects* objects, int place );
+
 typedef struct wisp_line_list wisp_line_list;
 /// Add a line between two points in the rows of an entity.
 WISP_API void wisp_add_line( wisp_line_list* list, wisp_entity entity, wisp_vec3 from, wisp_vec3 to,
@@ -414,6 +431,24 @@ WISP_API int wisp_frame_iterations( const wisp_frame* frame );
 WISP_API void wisp_frame_project_again( wisp_frame* frame, const wisp_span* groups );
 /// Is the entity left out of passes?
 WISP_API bool wisp_frame_is_halted( wisp_frame* frame, wisp_entity entity );
+/// A surface at the start of a step, and where its particles go in it by themselves.
+typedef struct wisp_surface_motion
+{
+    const float *position, *velocity, *target; ///< [slot][4]; the latter two may be null
+    float seconds;                             ///< of the step
+} wisp_surface_motion;
+WISP_API wisp_surface_motion wisp_frame_surface_motion( wisp_frame* frame, wisp_entity surface, float seconds );
+/// @return where a particle is at the end of the step: a pinned one at its target
+static inline wisp_vec3 wisp_surface_motion_end( const wisp_surface_motion* m, int32_t slot )
+{
+    const size_t quad = (size_t)slot * 4;
+    const wisp_vec3 at = wisp_v3_load( m->position + quad );
+    if ( m->position[quad + 3] > 0.0f )
+    {
+        return m->velocity != NULL ? wisp_v3_mul_add( at, m->seconds, wisp_v3_load( m->velocity + quad ) ) : at;
+    }
+    return m->target != NULL && m->target[quad + 3] != 0.0f ? wisp_v3_load( m->target + quad ) : at;
+}
 /// Leave the entity out of every pass from the next step on; the world counts it and logs the message. Thread-safe.
 WISP_API void wisp_frame_halt( wisp_frame* frame, wisp_entity entity, const char* message );
 WISP_API const wisp_kernels* wisp_frame_kernels( wisp_frame* frame );
@@ -434,6 +469,23 @@ WISP_API void wisp_approach_rigid_motion( const wisp_kernels* kernels, const wis
 /// The same for a crowd. @param args [lane]
 WISP_API void wisp_approach_rigid_motions( const wisp_kernels* kernels, const wisp_crowd* crowd,
                                            wisp_rigid_args* args );
+/// A callback of wisp_parallel_for() that runs a kernel over its items, `size` rows each. Its context has the kernels, and arguments.
+#define WISP_KERNEL_RANGE( loop_type, function, kernel, arguments, size )                                            \
+    static void function( void* context, int begin, int end, int worker )                                            \
+    {                                                                                                                \
+        (void)worker;                                                                                                \
+        const loop_type* loop = context;                                                                             \
+        loop->kernels->kernel( &loop->arguments, (size)*begin, (size)*end );                                         \
+    }
+/// The same with a context of its own.
+#define WISP_KERNEL_LOOP( loop_type, function, kernel, type, size )                                                  \
+    typedef struct loop_type                                                                                         \
+    {                                                                                                                \
+        type args;                                                                                                   \
+        const wisp_kernels* kernels;                                                                                 \
+    } loop_type;                                                                                                     \
+    WISP_KERNEL_RANGE( loop_type, function, kernel, args, size )
+
 /// Report a failure from inside a pass; the step returns one of them and finishes its other passes. Thread-safe.
 WISP_API void wisp_frame_fail( wisp_frame* frame, wisp_status status, const char* format, ... ) WISP_PRINTF( 3, 4 );
 /// Add to a counter of the world. Thread-safe; sums are order-free.
