@@ -12,9 +12,9 @@ static float clamp( float x )
 
 typedef struct search
 {
-    wisp_vec3 from, way; // m; the way of a point is zero
-    float radius;        // m
-    float nearest;       // of a way its fraction, of a point m
+    wisp_vec3 from, path; // m; the way of a point is zero
+    float radius;         // m
+    float nearest;        // of a way its fraction, of a point m
     wisp_hit* out;
 } search;
 
@@ -28,14 +28,14 @@ static void keep( search* s, float measure, wisp_vec3 point, int32_t vertex, int
 static void meet_segment( search* s, wisp_vec3 p, wisp_vec3 q, int32_t p_vertex, int32_t q_vertex, int32_t triangle )
 {
     const wisp_vec3 along = wisp_v3_sub( q, p ), r = wisp_v3_sub( s->from, p );
-    const float a = wisp_v3_dot( s->way, s->way ), e = wisp_v3_dot( along, along ), f = wisp_v3_dot( along, r ),
-                b = wisp_v3_dot( s->way, along ), c = wisp_v3_dot( s->way, r ), d = a * e - b * b;
-    float way = d > 0.0f ? clamp( ( b * f - c * e ) / d ) : 0.0f;
-    const float t = e > 0.0f ? clamp( ( b * way + f ) / e ) : 0.0f;
-    way = a > 0.0f ? clamp( ( b * t - c ) / a ) : 0.0f;
+    const float a = wisp_v3_dot( s->path, s->path ), e = wisp_v3_dot( along, along ), f = wisp_v3_dot( along, r ),
+                b = wisp_v3_dot( s->path, along ), c = wisp_v3_dot( s->path, r ), d = a * e - b * b;
+    float fraction = d > 0.0f ? clamp( ( b * f - c * e ) / d ) : 0.0f;
+    const float t = e > 0.0f ? clamp( ( b * fraction + f ) / e ) : 0.0f;
+    fraction = a > 0.0f ? clamp( ( b * t - c ) / a ) : 0.0f;
     const wisp_vec3 point = wisp_v3_mul_add( p, t, along );
-    const float distance = wisp_v3_length( wisp_v3_sub( point, wisp_v3_mul_add( s->from, way, s->way ) ) );
-    const float measure = a > 0.0f ? way : distance;
+    const float distance = wisp_v3_length( wisp_v3_sub( point, wisp_v3_mul_add( s->from, fraction, s->path ) ) );
+    const float measure = a > 0.0f ? fraction : distance;
     if ( distance <= s->radius && measure < s->nearest )
     {
         keep( s, measure, point, t > 0.5f ? q_vertex : p_vertex, triangle );
@@ -47,12 +47,12 @@ static void meet_triangle( search* s, const wisp_vec3 p[3], const int32_t vertic
 {
     const wisp_vec3 u = wisp_v3_sub( p[1], p[0] ), v = wisp_v3_sub( p[2], p[0] ), normal = wisp_v3_cross( u, v ),
                     r = wisp_v3_sub( s->from, p[0] );
-    const bool is_point = wisp_v3_dot( s->way, s->way ) == 0.0f;
-    const wisp_vec3 way = is_point ? normal : s->way, q = wisp_v3_cross( r, way );
-    const float d = wisp_v3_dot( way, normal ),
+    const bool is_point = wisp_v3_dot( s->path, s->path ) == 0.0f;
+    const wisp_vec3 direction = is_point ? normal : s->path, q = wisp_v3_cross( r, direction );
+    const float d = wisp_v3_dot( direction, normal ),
                 t = -wisp_v3_dot( r, normal ) / d; // not a number where the way is in the plane
     const float second = wisp_v3_dot( v, q ) / -d, third = wisp_v3_dot( u, q ) / d, first = 1.0f - second - third;
-    const wisp_vec3 point = wisp_v3_mul_add( s->from, t, way );
+    const wisp_vec3 point = wisp_v3_mul_add( s->from, t, direction );
     const float measure = is_point ? wisp_v3_length( wisp_v3_sub( point, s->from ) ) : t;
     if ( first >= 0.0f && second >= 0.0f && third >= 0.0f && measure >= 0.0f && measure < s->nearest &&
          measure <= ( is_point ? s->radius : 1.0f ) )
@@ -107,7 +107,7 @@ wisp_status wisp_pick( wisp_world* world, wisp_entity entity, wisp_vec3 from, wi
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     *out = ( wisp_hit ){ .vertex = -1, .triangle = -1 };
     search s = { from, wisp_v3_sub( to, from ), radius, INFINITY, out };
-    if ( !( radius >= 0.0f ) || !isfinite( wisp_v3_dot( from, from ) + wisp_v3_dot( s.way, s.way ) ) )
+    if ( !( radius >= 0.0f ) || !isfinite( wisp_v3_dot( from, from ) + wisp_v3_dot( s.path, s.path ) ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "pick: expected finite points and a radius of at least 0" );
     }

@@ -541,7 +541,7 @@ wisp_status suite_bench( const char* path, const bench_options* options, results
     wisp_status status = suite_read( path, &suite, error );
     if ( status == WISP_OK && suite.has_checks )
     {
-        stability_tally tally = { 0 };
+        stability_counts tally = { 0 };
         status = stability_bench_suite( &suite, options, &tally, out, error );
         stability_note( &tally, suite.name, out );
     }

@@ -113,7 +113,7 @@ static void add_outcome_row( const char* label, const suite_outcome* o, results*
     row->has_hash = true;
 }
 
-static void judge_outcome( const char* label, const suite_outcome* o, int known, stability_tally* t, results* out )
+static void judge_outcome( const char* label, const suite_outcome* o, int known, stability_counts* t, results* out )
 {
     const stability_check broke = o->verdict.check;
     const bool is_as_known = (int)broke == known;
@@ -136,7 +136,7 @@ static void judge_outcome( const char* label, const suite_outcome* o, int known,
     ++t->rows;
 }
 
-void stability_add( int table, const char* label, const suite_outcome* outcome, int known, stability_tally* tally,
+void stability_add( int table, const char* label, const suite_outcome* outcome, int known, stability_counts* tally,
                     results* out )
 {
     add_outcome_line( table, label, outcome, known >= 0, out );
@@ -156,7 +156,7 @@ typedef struct agreement
     double lower, upper;
 } agreement;
 
-static void end_agreement( agreement* a, stability_tally* tally, results* out )
+static void end_agreement( agreement* a, stability_counts* tally, results* out )
 {
     if ( a->first && a->first->agree > 0.0 )
     {
@@ -172,7 +172,7 @@ static void end_agreement( agreement* a, stability_tally* tally, results* out )
     *a = ( agreement ){ .lower = INFINITY, .upper = -INFINITY };
 }
 
-static void compare_depth( agreement* a, const suite_row* row, double depth, stability_tally* tally, results* out )
+static void compare_depth( agreement* a, const suite_row* row, double depth, stability_counts* tally, results* out )
 {
     if ( a->first == NULL || strcmp( a->first->name, row->name ) != 0 )
     {
@@ -183,7 +183,7 @@ static void compare_depth( agreement* a, const suite_row* row, double depth, sta
     a->upper = fmax( a->upper, depth );
 }
 
-wisp_status stability_bench_suite( const wisp_suite* suite, const bench_options* options, stability_tally* tally,
+wisp_status stability_bench_suite( const wisp_suite* suite, const bench_options* options, stability_counts* tally,
                                    results* out, wisp_error* error )
 {
     suite_twins twins = { 0 };
@@ -223,7 +223,7 @@ wisp_status stability_bench_suite( const wisp_suite* suite, const bench_options*
     return status;
 }
 
-void stability_note( const stability_tally* t, const char* name, results* out )
+void stability_note( const stability_counts* t, const char* name, results* out )
 {
     char line[300] = "";
     results_append_count( line, sizeof line, t->held, "hold" );
@@ -301,7 +301,7 @@ static wisp_status run_copies( int more, costs* out, wisp_error* error )
 }
 
 // A second cloth changes no bit of the first, adds no pass, and only its own memory.
-static wisp_status costs_add_up( stability_tally* tally, results* out, wisp_error* error )
+static wisp_status costs_add_up( stability_counts* tally, results* out, wisp_error* error )
 {
     costs c[3] = { { 0 } };
     wisp_status status = WISP_OK;
@@ -333,7 +333,7 @@ wisp_status stability_bench( const bench_options* options, results* out, wisp_er
 {
     static const char* const suites[] = { "cloth",  "balloons",  "strands",  "drives",   "near",
                                           "meshes", "followers", "failures", "together", "coarse" };
-    stability_tally tally = { 0 };
+    stability_counts tally = { 0 };
     wisp_status status = WISP_OK;
     for ( int i = 0; i < WISP_COUNT( suites ) && status == WISP_OK; ++i )
     {

@@ -1,7 +1,7 @@
 // Elastic triangles of a mesh: their schedule, and rest shapes as the kernels read them.
 #include "wisp/module/elastic_triangles.h"
 
-#include "double3.h"
+#include "wisp/module/double3.h"
 #include "fabric.h"
 
 // Below this height over its longest edge a triangle has no shape that could be strained: rounding alone would be a large strain.

@@ -3,7 +3,7 @@
 
 #include "fabric_levels.h"
 
-#include "double3.h"
+#include "wisp/module/double3.h"
 #include "wisp/module/vec.h"
 #include <math.h>
 #include <string.h>

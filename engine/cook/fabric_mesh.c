@@ -1,7 +1,7 @@
 #include "fabric.h"
 
 #include "alloc.h"
-#include "double3.h"
+#include "wisp/module/double3.h"
 #include "fabric_parts.h"
 
 #include <string.h>

@@ -4,7 +4,7 @@
 // attachments of its component.
 #include "fabric_geodesic.h"
 
-#include "double3.h"
+#include "wisp/module/double3.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 
 #include "wisp/module/plate.h"
 
-#include "double3.h"
+#include "wisp/module/double3.h"
 #include "fabric_parts.h"
 
 enum

@@ -93,11 +93,6 @@ void KERNEL( half_space )( const wisp_half_space_args* args, int begin, int end 
 
 // ---- half spaces of planes ----
 
-LANE_INLINE lane8v load_plane( const float* const from[3], int at )
-{
-    return ( lane8v ){ lane8_loadu( from[0] + at ), lane8_loadu( from[1] + at ), lane8_loadu( from[2] + at ) };
-}
-
 // Displacement of a particle and the gap that it must keep.
 typedef struct push_out
 {
@@ -155,8 +150,8 @@ bool KERNEL( half_space_rows )( const wisp_half_space_rows_args* args, int count
     bool any_moved = false;
     for ( int i = 0; i < count; i += LANES )
     {
-        const lane8v local = load_plane( mine.point, i );
-        const lane8v normal = pose_rotate_if( is_turned, mine.after.rotation, load_plane( mine.normal, i ) );
+        const lane8v local = load_three( mine.point, i );
+        const lane8v normal = pose_rotate_if( is_turned, mine.after.rotation, load_three( mine.normal, i ) );
         const lane8v point = pose_to_world( mine.after, is_turned, local );
         const lane8v was = is_still ? point : pose_to_world( mine.before, was_turned, local );
         const lane8v motion = lane8v_sub( point, was );

@@ -119,8 +119,9 @@ LANE_INLINE void stop_behind( const wisp_motion_constraint_args* args, int slot,
     const backstop b = find_backstop( args, slot, p, false );
     if ( lane8m_any( b.is_inside ) )
     {
-        const lane8 way = lane8_mul( fraction_of( p->inverse_mass, b.is_inside, args->backstop ), b.depth );
-        p->place = lane8v_select( b.is_inside, lane8v_mul_add( p->place, lane8_neg( way ), b.direction ), p->place );
+        const lane8 shift = lane8_mul( fraction_of( p->inverse_mass, b.is_inside, args->backstop ), b.depth );
+        p->place =
+            lane8v_select( b.is_inside, lane8v_mul_add( p->place, lane8_neg( shift ), b.direction ), p->place );
         p->changed = lane8m_or( p->changed, b.is_inside );
     }
 }
@@ -146,10 +147,10 @@ LANE_INLINE void hold_near_softly( const wisp_motion_constraint_args* args, int 
     const lane8 excess = lane8_sub( length, lane8_load( args->max_distance + slot ) );
     const lane8 change =
         advance_multiplier( args->lambda + 2 * (size_t)slot, lane8_neg( excess ), p, args->distance.compliance );
-    const lane8 way = lane8_div( lane8_mul( p->inverse_mass, change ), lane8_select( has_direction, length, one ) );
+    const lane8 shift = lane8_div( lane8_mul( p->inverse_mass, change ), lane8_select( has_direction, length, one ) );
     const lane8m pulls =
         lane8m_and( lane8m_and( p->moves, has_direction ), lane8m_not( lane8_eq( change, lane8_zero() ) ) );
-    p->place = lane8v_select( pulls, lane8v_mul_add( p->place, lane8_neg( way ), e ), p->place );
+    p->place = lane8v_select( pulls, lane8v_mul_add( p->place, lane8_neg( shift ), e ), p->place );
     p->changed = lane8m_or( p->changed, pulls );
 }
 
@@ -239,10 +240,10 @@ void KERNEL( motion_constraint )( const wisp_motion_constraint_args* args, int b
 // Start the path of each vector where it is now, and end it at its next value.
 LANE_INLINE lane8v begin_path( float* end, float* change, const float* next, lane8 left )
 {
-    const lane8v to = lane8v_load( next ), way = lane8v_sub( to, at_substep( end, change, left ) );
+    const lane8v to = lane8v_load( next ), displacement = lane8v_sub( to, at_substep( end, change, left ) );
     lane8v_store( end, to );
-    lane8v_store( change, way );
-    return way;
+    lane8v_store( change, displacement );
+    return displacement;
 }
 
 LANE_INLINE lane8 smallest_of_all( lane8 v )
@@ -263,7 +264,7 @@ void KERNEL( motion_targets )( const wisp_motion_target_args* args, int begin, i
     for ( int slot = begin; slot < end; slot += 8 )
     {
         const size_t vector = 3 * (size_t)slot;
-        const lane8v way =
+        const lane8v displacement =
             begin_path( args->target + vector, args->displacement + vector, args->next + vector, left );
         lane8 radius = lane8_load( args->max_distance + slot );
         if ( args->normal != NULL )
@@ -271,7 +272,8 @@ void KERNEL( motion_targets )( const wisp_motion_target_args* args, int begin, i
             begin_path( args->normal + vector, args->normal_change + vector, args->next_normal + vector, left );
             radius = lane8_min( radius, lane8_load( args->backstop_distance + slot ) );
         }
-        const lane8 longest = lane8_max( lane8_max( lane8_abs( way.x ), lane8_abs( way.y ) ), lane8_abs( way.z ) );
+        const lane8 longest = lane8_max( lane8_max( lane8_abs( displacement.x ), lane8_abs( displacement.y ) ),
+                                         lane8_abs( displacement.z ) );
         const lane8 reach =
             lane8_sub( lane8_mul( radius, lane8_set1( CUBE_IN_SPHERE ) ), lane8_mul( half, longest ) );
         const lane8v middle = at_substep( args->target + vector, args->displacement + vector, half );

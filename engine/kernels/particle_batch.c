@@ -18,8 +18,8 @@ LANE_INLINE lane8m fourth( void )
 }
 
 // All eight slots are settled or none is, so their order does not matter.
-uint32_t KERNEL( find_unsettled )( const float* position, const float* previous, const float* place, int begin,
-                                   int end )
+uint32_t KERNEL( find_unclear )( const float* position, const float* previous, const float* place, int begin,
+                                 int end )
 {
     const lane8m last = fourth();
     const lane8 zero = lane8_zero();
@@ -197,11 +197,6 @@ void KERNEL( instances_bound_paths )( const wisp_instances_args* args, float* lo
 
 // ---- culling ----
 
-LANE_INLINE lane8v load( float* const from[3], int at )
-{
-    return ( lane8v ){ lane8_loadu( from[0] + at ), lane8_loadu( from[1] + at ), lane8_loadu( from[2] + at ) };
-}
-
 LANE_INLINE lane8 outside( lane8 distance, float half )
 {
     return lane8_max( lane8_sub( lane8_abs( distance ), lane8_set1( half ) ), lane8_zero() );
@@ -271,25 +266,6 @@ LANE_INLINE lane8 free_radius( const wisp_cull_args* args, lane8v world, lane8v 
     return lane8_mul( spare, lane8_set1( 0.33f ) );
 }
 
-LANE_INLINE void pack( float* to, lane8 v, uint32_t bits )
-{
-    if ( bits == 255u )
-    {
-        lane8_storeu( to, v );
-    }
-    else
-    {
-        lane8_compress_store( to, v, bits );
-    }
-}
-
-LANE_INLINE void pack_vector( float* const to[3], int at, lane8v v, uint32_t bits )
-{
-    pack( to[0] + at, v.x, bits );
-    pack( to[1] + at, v.y, bits );
-    pack( to[2] + at, v.z, bits );
-}
-
 // Culls particles. `bound` is a constant after inlining.
 LANE_INLINE int cull( const wisp_cull_args* args, wisp_cull_shape bound, int count )
 {
@@ -299,8 +275,9 @@ LANE_INLINE int cull( const wisp_cull_args* args, wisp_cull_shape bound, int cou
     int found = 0;
     for ( int i = 0; i < count; i += LANES )
     {
-        const lane8v now = load( args->batch.now, i );
-        const lane8v from = pose_to_local( args->before, was_turned, load( args->batch.old, i ) ),
+        const lane8v now = load_three( (const float* const*)args->batch.now, i );
+        const lane8v from = pose_to_local( args->before, was_turned,
+                                           load_three( (const float*const*)args->batch.old, i ) ),
                      to = pose_to_local( args->after, is_turned, now );
         const lane8 path = lane8v_length( lane8v_sub( to, from ) ), reach = lane8_add( margin, path ),
                     clear = lane8_loadu( args->clearance + i );
@@ -316,10 +293,10 @@ LANE_INLINE int cull( const wisp_cull_args* args, wisp_cull_shape bound, int cou
         const uint32_t bits = ~lane8m_bits( apart.beyond ) & args->batch.moving[i / LANES];
         if ( bits != 0 )
         {
-            pack_vector( args->from, found, from, bits );
-            pack_vector( args->to, found, to, bits );
-            pack( args->path + found, path, bits );
-            pack( args->reach + found, reach, bits );
+            pack_three( args->from, found, from, bits );
+            pack_three( args->to, found, to, bits );
+            pack_lanes( args->path + found, path, bits );
+            pack_lanes( args->reach + found, reach, bits );
             const lane8i numbers = lane8i_add( lane8i_set1( i ), lane8i_iota() );
             found += lane8i_compress_store( args->candidates + found, numbers, bits );
         }

@@ -61,10 +61,11 @@ void KERNEL( predict_points )( const wisp_point_list_args* args, int begin, int 
     {
         wisp_point_pack* pack = args->packs + at;
         const lane16v from = load_points( args->start, pack->point_x4 ),
-                      way = lane16v_sub( load_points( args->now, pack->point_x4 ), from );
+                      displacement = lane16v_sub( load_points( args->now, pack->point_x4 ), from );
         // the engine halts what moves farther
-        const lane16m is_likely = lane16_lt( lane16v_dot( way, way ), lane16_set1( 1e12f ) );
-        const lane16v motion = lane16v_select( is_likely, lane16v_scale( way, lane16_set1( args->substeps ) ), none ),
+        const lane16m is_likely = lane16_lt( lane16v_dot( displacement, displacement ), lane16_set1( 1e12f ) );
+        const lane16v motion = lane16v_select( is_likely,
+                                               lane16v_scale( displacement, lane16_set1( args->substeps ) ), none ),
                       own = lane16v_sub( motion, spread( args->common, 1 ) );
         const lane16 thickness = lane16_loadu( pack->half ), length = lane16_sqrt( lane16v_dot( own, own ) ),
                      keeps = lane16_max( lane16_add( thickness, thickness ), lane16_loadu( pack->cover ) ),

@@ -145,7 +145,7 @@ void KERNEL( rigid_approach )( const wisp_rigid_args* args, int begin, int end )
 }
 
 // Change of vectors by a rotation less the identity.
-LANE_INLINE lane8v turned( const wisp_carry_args* args, lane8v v )
+LANE_INLINE lane8v turned( const wisp_frame_motion_args* args, lane8v v )
 {
     lane8v rows[3];
     for ( int r = 0; r < 3; ++r )
@@ -155,9 +155,9 @@ LANE_INLINE lane8v turned( const wisp_carry_args* args, lane8v v )
     return ( lane8v ){ lane8v_dot( rows[0], v ), lane8v_dot( rows[1], v ), lane8v_dot( rows[2], v ) };
 }
 
-void KERNEL( carry_points )( const wisp_carry_args* args, float* xyzw, int begin, int end )
+void KERNEL( move_points )( const wisp_frame_motion_args* args, float* xyzw, int begin, int end )
 {
-    const wisp_carry_args mine = *args;
+    const wisp_frame_motion_args mine = *args;
     const lane8v origin = lane8v_set1( mine.origin ), shift = lane8v_set1( mine.shift );
     for ( int slot = begin; slot < end; slot += LANES )
     {
@@ -169,9 +169,9 @@ void KERNEL( carry_points )( const wisp_carry_args* args, float* xyzw, int begin
     }
 }
 
-void KERNEL( carry_vectors )( const wisp_carry_args* args, float* xyzw, int begin, int end )
+void KERNEL( turn_vectors )( const wisp_frame_motion_args* args, float* xyzw, int begin, int end )
 {
-    const wisp_carry_args mine = *args;
+    const wisp_frame_motion_args mine = *args;
     for ( int slot = begin; slot < end; slot += LANES )
     {
         lane8v v;

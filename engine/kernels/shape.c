@@ -148,31 +148,6 @@ LANE_INLINE surface8 closest_to( const wisp_shape* shape, wisp_shape_kind kind, 
 
 // ---- candidates ----
 
-LANE_INLINE lane8v load_from( const float* const from[3], int at )
-{
-    return ( lane8v ){ lane8_loadu( from[0] + at ), lane8_loadu( from[1] + at ), lane8_loadu( from[2] + at ) };
-}
-
-// Most often all lanes are near.
-LANE_INLINE void pack( float* to, lane8 v, uint32_t bits )
-{
-    if ( bits == 255u )
-    {
-        lane8_storeu( to, v );
-    }
-    else
-    {
-        lane8_compress_store( to, v, bits );
-    }
-}
-
-LANE_INLINE void pack_vector( float* const to[3], int at, lane8v v, uint32_t bits )
-{
-    pack( to[0] + at, v.x, bits );
-    pack( to[1] + at, v.y, bits );
-    pack( to[2] + at, v.z, bits );
-}
-
 // Lists the positions, in the packed arrays, of those that the caller has to look at one by one.
 LANE_INLINE int find_near( const wisp_shape_query_args* args, wisp_shape_kind kind, int count,
                            int32_t* special_count )
@@ -181,7 +156,7 @@ LANE_INLINE int find_near( const wisp_shape_query_args* args, wisp_shape_kind ki
     int near = 0, special = 0;
     for ( int i = 0; i < count; i += LANES )
     {
-        const lane8v to = load_from( args->to, i ), from = load_from( args->from, i );
+        const lane8v to = load_three( args->to, i ), from = load_three( args->from, i );
         const surface8 s = closest_to( &args->shape, kind, lane8dv_widen( to ) );
         const lane8v point = lane8dv_narrow( s.point ), normal = lane8dv_narrow( s.normal );
         const lane8 distance = lane8d_narrow( s.distance ), reach = lane8_loadu( args->reach + i ),
@@ -200,10 +175,10 @@ LANE_INLINE int find_near( const wisp_shape_query_args* args, wisp_shape_kind ki
             const uint32_t below = ( wanted & ( 0u - wanted ) ) - 1u;
             args->special[special++] = near + __builtin_popcount( bits & below );
         }
-        pack_vector( args->point, near, point, bits );
-        pack_vector( args->normal, near, normal, bits );
-        pack( args->distance + near, distance, bits );
-        pack( args->start + near, start, bits );
+        pack_three( args->point, near, point, bits );
+        pack_three( args->normal, near, normal, bits );
+        pack_lanes( args->distance + near, distance, bits );
+        pack_lanes( args->start + near, start, bits );
         near += lane8i_compress_store( args->near + near, lane8i_add( lane8i_set1( i ), lane8i_iota() ), bits );
     }
     *special_count = special;

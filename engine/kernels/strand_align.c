@@ -132,7 +132,8 @@ static lane16m find_inside( const wisp_strand_align_args* args, const align_grou
 // Rotates vectors of the rest shape along with the moved one: as the shape as a whole, then by the smallest rotation that
 // takes the direction of the strand along.
 // @param back rotate vectors of the moved shape to the rest shape
-static lane16v carry( const wisp_strand_align_args* args, const align_group* g, int group, lane16v u, bool back )
+static lane16v rotate_with_strand( const wisp_strand_align_args* args, const align_group* g, int group, lane16v u,
+                                   bool back )
 {
     const size_t first = (size_t)args->group_row[group] * STRIDE;
     const frame16 turn = { lane16_set1( args->turn[0] ), lane16_set1( args->turn[1] ), lane16_set1( args->turn[2] ),
@@ -159,14 +160,15 @@ static lane16v load_swept( const wisp_strand_align_args* args, const align_group
     const float* rows = args->swept + (size_t)group * 4 * WISP_LANES;
     lane16v u = lane16v_load( rows );
     *intensity = lane16_load( rows + 3 * WISP_LANES );
-    return args->moved != NULL && lane16m_any( has_direction( u ) ) ? carry( args, g, group, u, false ) : u;
+    return args->moved != NULL && lane16m_any( has_direction( u ) ) ? rotate_with_strand( args, g, group, u, false )
+                                                                    : u;
 }
 
 static void store_swept( const wisp_strand_align_args* args, const align_group* g, int group, lane16m inside,
                          lane16v u, lane16 intensity )
 {
     float* rows = args->swept + (size_t)group * 4 * WISP_LANES;
-    u = args->moved != NULL ? carry( args, g, group, u, true ) : u;
+    u = args->moved != NULL ? rotate_with_strand( args, g, group, u, true ) : u;
     lane16v_store( rows, lane16v_select( inside, u, lane16v_load( rows ) ) );
     lane16_store( rows + 3 * WISP_LANES, lane16_select( inside, intensity, lane16_load( rows + 3 * WISP_LANES ) ) );
 }

@@ -87,7 +87,7 @@ LANE_INLINE frame16 frame16_normalise( frame16 q, frame16 otherwise )
 /// Transport a frame by the smallest rotation that takes its z axis to the direction of e, and normalise it. If e
 /// has the opposite direction, no smallest rotation exists, and the frame turns about its x axis.
 /// @param length of e, above 0
-LANE_INLINE frame16 frame16_carry( frame16 q, lane16v e, lane16 length )
+LANE_INLINE frame16 frame16_transport( frame16 q, lane16v e, lane16 length )
 {
     const lane16 zero = lane16_zero();
     const lane16v z = frame16_z( q ), axis = lane16v_cross( z, e );
@@ -95,6 +95,6 @@ LANE_INLINE frame16 frame16_carry( frame16 q, lane16v e, lane16 length )
     const frame16 swing = { axis.x, axis.y, axis.z, lane16_add( whole, lane16v_dot( z, e ) ) };
     const frame16 about_x = { q.w, q.z, lane16_neg( q.y ), lane16_neg( q.x ) };
     const lane16m turns_back = lane16_lt( swing.w, lane16_mul( lane16_set1( 1e-6f ), whole ) );
-    const frame16 carried = frame16_select( turns_back, about_x, frame16_multiply( swing, q ) );
-    return frame16_normalise( carried, ( frame16 ){ zero, zero, zero, lane16_set1( 1.0f ) } );
+    const frame16 transported = frame16_select( turns_back, about_x, frame16_multiply( swing, q ) );
+    return frame16_normalise( transported, ( frame16 ){ zero, zero, zero, lane16_set1( 1.0f ) } );
 }

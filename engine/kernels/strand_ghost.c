@@ -49,7 +49,7 @@ static lane16v min_axis( lane16v v )
 
 // Multiplies q by the smallest rotation from `from` to `to`. Opposite directions rotate by half a turn about a
 // perpendicular; a vector without length causes no rotation.
-static frame16 carry( frame16 q, lane16v from, lane16v to )
+static frame16 transport( frame16 q, lane16v from, lane16v to )
 {
     const lane16 one = lane16_set1( 1.0f ), zero = lane16_zero();
     const lane16 from_length = lane16v_length( from ), to_length = lane16v_length( to );
@@ -127,8 +127,8 @@ static void node_numbers( const wisp_strand_target_args* args, target_rows* r, i
     const lane16v before = r->before != NULL && i > 0 ? lane16v_load( r->before + triple ) : v;
     if ( i > 0 )
     {
-        r->frame =
-            carry( r->frame, frame16_turn( r->frame, lane16v_sub( rest, r->last_rest ) ), lane16v_sub( x, r->last ) );
+        r->frame = transport( r->frame, frame16_turn( r->frame, lane16v_sub( rest, r->last_rest ) ),
+                              lane16v_sub( x, r->last ) );
     }
     r->last = x;
     r->last_rest = rest;

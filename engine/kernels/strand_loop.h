@@ -3,6 +3,7 @@
 #pragma once
 
 #include "strand_place.h"
+#include "kernel_isa.h"
 
 /// Select lanes whose last segment is that from `row` to the next one.
 /// @param measure [row][16] of the segment from a row to the next, above 0; 0 beyond the last
@@ -64,4 +65,23 @@ LANE_INLINE void loop16_join( const loop_columns* c, const float* measure, int f
         place16_follow( &c->read, c->position, first, dt );
     }
     loop16_copy( c, measure, first, last );
+}
+
+// ---- chains of strands ----
+
+// A recurrence along a strand has to finish each row before the next. Where sixteen lanes fit one register, two
+// groups are interleaved so that their latencies overlap. Where they need several registers, these overlap by
+// themselves.
+
+#define CHAINS ( LANE16_REGISTERS == 1 ? 2 : 1 )
+
+/// Return how many groups from `g` on can be interleaved: CHAINS if all have the same number of rows, otherwise
+/// one.
+static inline int strand_groups_alike( const int32_t* group_row, int g, int end )
+{
+    if ( CHAINS > 1 && g + CHAINS <= end && group_row[g + 2] - group_row[g + 1] == group_row[g + 1] - group_row[g] )
+    {
+        return CHAINS;
+    }
+    return 1;
 }

@@ -24,7 +24,7 @@ static frame16 frame_before_root( const wisp_strand_rod_args* args, int group, i
 }
 
 // Transports a segment's frame to its current direction; a segment without length keeps its frame.
-static frame16 carry_frame( const wisp_strand_rod_args* args, int row, lane16v e )
+static frame16 transport_frame( const wisp_strand_rod_args* args, int row, lane16v e )
 {
     const frame16 q = frame16_load( args->frame + (size_t)row * QUATERNION );
     const lane16 squared = lane16v_dot( e, e );
@@ -33,7 +33,7 @@ static frame16 carry_frame( const wisp_strand_rod_args* args, int row, lane16v e
     {
         has_length = lane16m_and( has_length, lane16_lt( lane16_zero(), lanes_of( args->inverse_length, row ) ) );
     }
-    return frame16_select( has_length, frame16_carry( q, e, lane16_sqrt( squared ) ), q );
+    return frame16_select( has_length, frame16_transport( q, e, lane16_sqrt( squared ) ), q );
 }
 
 // ---- vertices that fold back ----
@@ -177,12 +177,12 @@ LANE_INLINE bool measure_vertex( const wisp_strand_rod_args* args, int row, fram
 
 // Transports frames before vertices are measured. Frames depend only on their own segment, so more of them run in
 // parallel.
-static void carry_frames( const wisp_strand_rod_args* args, lane16 back, int first, int last )
+static void transport_frames( const wisp_strand_rod_args* args, lane16 back, int first, int last )
 {
     for ( int row = first; row + 1 < last; ++row )
     {
         const lane16v along = lane16v_scale( unaccelerated( args, row, back ), lane16_set1( -1.0f ) );
-        frame16_store( args->frame + (size_t)row * QUATERNION, carry_frame( args, row, along ) );
+        frame16_store( args->frame + (size_t)row * QUATERNION, transport_frame( args, row, along ) );
     }
 }
 
@@ -191,7 +191,7 @@ static bool measure_frames( const wisp_strand_rod_args* args, const step_lanes* 
 {
     bool folds = false;
     const lane16 back = acceleration_offset( args, step, group );
-    carry_frames( args, back, first, last );
+    transport_frames( args, back, first, last );
     frame16 before = frame_before_root( args, group, first, last );
     lane16v t_before = frame16_z( before );
     float* out = args->scratch;

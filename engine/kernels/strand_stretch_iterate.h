@@ -1,7 +1,6 @@
 // One Newton iteration of lengths, part of strand_stretch.c: elimination from root to tip, substitution back.
 #pragma once
 
-#include "strand_chains.h"
 #include "strand_history.h"
 #include "strand_loop.h"
 

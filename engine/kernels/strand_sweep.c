@@ -1,6 +1,6 @@
 // Low-cost length constraints along strands: a sweep of distances from the root. Sixteen strands at a time; nothing is
 // gathered and no two lanes share a particle.
-#include "strand_chains.h"
+#include "strand_loop.h"
 #include "strand_history.h"
 
 static const size_t STRIDE = 3 * WISP_LANES;

@@ -100,7 +100,7 @@
 #include "lane_plain.h"
 #endif
 
-// Backends without wide shuffles transpose through memory.
+// Backends without wide shuffles transpose and pack through memory.
 #if !defined( LANE_TRANSPOSES_IN_REGISTERS )
 LANE_INLINE void lane8i_transpose( lane8i rows[8] )
 {
@@ -122,6 +122,41 @@ LANE_INLINE void lane8i_transpose( lane8i rows[8] )
     }
 }
 #endif
+
+#if !defined( LANE_COMPRESSES_IN_REGISTERS )
+LANE_INLINE int lane8i_compress_store( int32_t* out, lane8i v, uint32_t bits )
+{
+    int32_t values[8];
+    lane8i_storeu( values, v );
+    int count = 0;
+    for ( int l = 0; l < 8; ++l )
+    {
+        out[count] = values[l];
+        count += (int)( bits >> l & 1u );
+    }
+    return count;
+}
+#endif
+
+LANE_INLINE lane8 lane8_spread_first( lane8 row )
+{
+    return lane8_spread_number( row, 0 );
+}
+
+LANE_INLINE lane8 lane8_spread_second( lane8 row )
+{
+    return lane8_spread_number( row, 1 );
+}
+
+LANE_INLINE lane8 lane8_spread_third( lane8 row )
+{
+    return lane8_spread_number( row, 2 );
+}
+
+LANE_INLINE lane8 lane8_spread_last( lane8 row )
+{
+    return lane8_spread_number( row, 3 );
+}
 
 LANE_INLINE double lane8_sum_doubles( lane8 v )
 {

@@ -55,16 +55,9 @@ typedef struct lane8dm
 
 #if defined( DOUBLE_AVX512 )
 
-#define DOUBLE_SET1( a ) _mm512_set1_pd( a )
-#define DOUBLE_ADD( a, b ) _mm512_add_pd( a, b )
-#define DOUBLE_SUB( a, b ) _mm512_sub_pd( a, b )
-#define DOUBLE_MUL( a, b ) _mm512_mul_pd( a, b )
-#define DOUBLE_DIV( a, b ) _mm512_div_pd( a, b )
-#define DOUBLE_SQRT( a ) _mm512_sqrt_pd( a )
-#define DOUBLE_ABS( a ) _mm512_andnot_pd( _mm512_set1_pd( -0.0 ), a )
 #define DOUBLE_LT( a, b ) _mm512_cmp_pd_mask( a, b, _CMP_LT_OQ )
 #define DOUBLE_SELECT( m, a, b ) _mm512_mask_blend_pd( m, b, a )
-#define DOUBLE_STORE( to, a ) _mm512_storeu_pd( to, a )
+#define DOUBLE_REGISTER _mm512
 #define DOUBLE_BITS( m ) ( uint32_t )( m )
 
 LANE_INLINE lane8d lane8d_widen( lane8 a )
@@ -79,16 +72,9 @@ LANE_INLINE lane8 lane8d_narrow( lane8d a )
 
 #elif defined( DOUBLE_AVX2 )
 
-#define DOUBLE_SET1( a ) _mm256_set1_pd( a )
-#define DOUBLE_ADD( a, b ) _mm256_add_pd( a, b )
-#define DOUBLE_SUB( a, b ) _mm256_sub_pd( a, b )
-#define DOUBLE_MUL( a, b ) _mm256_mul_pd( a, b )
-#define DOUBLE_DIV( a, b ) _mm256_div_pd( a, b )
-#define DOUBLE_SQRT( a ) _mm256_sqrt_pd( a )
-#define DOUBLE_ABS( a ) _mm256_andnot_pd( _mm256_set1_pd( -0.0 ), a )
 #define DOUBLE_LT( a, b ) _mm256_cmp_pd( a, b, _CMP_LT_OQ )
 #define DOUBLE_SELECT( m, a, b ) _mm256_blendv_pd( b, a, m )
-#define DOUBLE_STORE( to, a ) _mm256_storeu_pd( to, a )
+#define DOUBLE_REGISTER _mm256
 #define DOUBLE_BITS( m ) ( uint32_t ) _mm256_movemask_pd( m )
 
 LANE_INLINE lane8d lane8d_widen( lane8 a )
@@ -104,16 +90,9 @@ LANE_INLINE lane8 lane8d_narrow( lane8d a )
 
 #elif defined( DOUBLE_SSE2 )
 
-#define DOUBLE_SET1( a ) _mm_set1_pd( a )
-#define DOUBLE_ADD( a, b ) _mm_add_pd( a, b )
-#define DOUBLE_SUB( a, b ) _mm_sub_pd( a, b )
-#define DOUBLE_MUL( a, b ) _mm_mul_pd( a, b )
-#define DOUBLE_DIV( a, b ) _mm_div_pd( a, b )
-#define DOUBLE_SQRT( a ) _mm_sqrt_pd( a )
-#define DOUBLE_ABS( a ) _mm_andnot_pd( _mm_set1_pd( -0.0 ), a )
 #define DOUBLE_LT( a, b ) _mm_cmplt_pd( a, b )
 #define DOUBLE_SELECT( m, a, b ) _mm_or_pd( _mm_and_pd( m, a ), _mm_andnot_pd( m, b ) )
-#define DOUBLE_STORE( to, a ) _mm_storeu_pd( to, a )
+#define DOUBLE_REGISTER _mm
 #define DOUBLE_BITS( m ) ( uint32_t ) _mm_movemask_pd( m )
 
 LANE_INLINE lane8d lane8d_widen( lane8 a )
@@ -166,6 +145,17 @@ LANE_INLINE lane8 lane8d_narrow( lane8d a )
 
 #endif
 
+#if defined( DOUBLE_REGISTER )
+#define DOUBLE_SET1( a ) LANE_JOIN( DOUBLE_REGISTER, _set1_pd )( a )
+#define DOUBLE_ADD( a, b ) LANE_JOIN( DOUBLE_REGISTER, _add_pd )( a, b )
+#define DOUBLE_SUB( a, b ) LANE_JOIN( DOUBLE_REGISTER, _sub_pd )( a, b )
+#define DOUBLE_MUL( a, b ) LANE_JOIN( DOUBLE_REGISTER, _mul_pd )( a, b )
+#define DOUBLE_DIV( a, b ) LANE_JOIN( DOUBLE_REGISTER, _div_pd )( a, b )
+#define DOUBLE_SQRT( a ) LANE_JOIN( DOUBLE_REGISTER, _sqrt_pd )( a )
+#define DOUBLE_ABS( a ) LANE_JOIN( DOUBLE_REGISTER, _andnot_pd )( DOUBLE_SET1( -0.0 ), a )
+#define DOUBLE_STORE( to, a ) LANE_JOIN( DOUBLE_REGISTER, _storeu_pd )( to, a )
+#endif
+
 #define DOUBLE_EACH( R, parameters, name, expression )                                                               \
     LANE_INLINE R name parameters                                                                                    \
     {                                                                                                                \
@@ -213,6 +203,7 @@ LANE_INLINE uint32_t lane8dm_bits( lane8dm m )
 }
 
 #undef DOUBLE_EACH
+#undef DOUBLE_REGISTER
 #undef DOUBLE_SET1
 #undef DOUBLE_ADD
 #undef DOUBLE_SUB

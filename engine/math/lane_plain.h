@@ -209,7 +209,7 @@ LANE_INLINE void lane8_spread_xyz( lane8 a, lane8 q[4] )
 }
 
 // The same number of each quad, four times.
-LANE_INLINE lane8 lane_spread_number( lane8 row, int number )
+LANE_INLINE lane8 lane8_spread_number( lane8 row, int number )
 {
     lane8 out;
     for ( int k = 0; k < 4; ++k )
@@ -218,37 +218,6 @@ LANE_INLINE lane8 lane_spread_number( lane8 row, int number )
         out.v[k + 4] = row.v[number + 4];
     }
     return out;
-}
-
-LANE_INLINE lane8 lane8_spread_first( lane8 row )
-{
-    return lane_spread_number( row, 0 );
-}
-
-LANE_INLINE lane8 lane8_spread_second( lane8 row )
-{
-    return lane_spread_number( row, 1 );
-}
-
-LANE_INLINE lane8 lane8_spread_third( lane8 row )
-{
-    return lane_spread_number( row, 2 );
-}
-
-LANE_INLINE lane8 lane8_spread_last( lane8 row )
-{
-    return lane_spread_number( row, 3 );
-}
-
-LANE_INLINE int lane8i_compress_store( int32_t* out, lane8i v, uint32_t bits )
-{
-    int count = 0;
-    for ( int l = 0; l < 8; ++l )
-    {
-        out[count] = v.v[l];
-        count += (int)( bits >> l & 1u );
-    }
-    return count;
 }
 
 #define LANE_WIDE lane16

@@ -11,65 +11,16 @@ typedef __m128 lane4;
 typedef __m128i lane4i;
 typedef __m128 lane4m; // all bits of a lane set, or none
 
-LANE_INLINE lane4 lane4_set1( float value )
-{
-    return _mm_set1_ps( value );
-}
+#define LANE_P lane4
+#define LANE_REGISTER _mm
+#define LANE_INTEGERS si128
+#include "lane_register.h"
+#undef LANE_P
+#undef LANE_REGISTER
+#undef LANE_INTEGERS
 
-LANE_INLINE lane4 lane4_load( const float* from )
-{
-    return _mm_load_ps( from );
-}
-
-LANE_INLINE lane4 lane4_loadu( const float* from )
-{
-    return _mm_loadu_ps( from );
-}
-
-LANE_INLINE void lane4_store( float* to, lane4 a )
-{
-    _mm_store_ps( to, a );
-}
-
-LANE_INLINE void lane4_storeu( float* to, lane4 a )
-{
-    _mm_storeu_ps( to, a );
-}
-
-LANE_INLINE lane4 lane4_add( lane4 a, lane4 b )
-{
-    return _mm_add_ps( a, b );
-}
-
-LANE_INLINE lane4 lane4_sub( lane4 a, lane4 b )
-{
-    return _mm_sub_ps( a, b );
-}
-
-LANE_INLINE lane4 lane4_mul( lane4 a, lane4 b )
-{
-    return _mm_mul_ps( a, b );
-}
-
-LANE_INLINE lane4 lane4_div( lane4 a, lane4 b )
-{
-    return _mm_div_ps( a, b );
-}
-
-LANE_INLINE lane4 lane4_min( lane4 a, lane4 b )
-{
-    return _mm_min_ps( a, b );
-}
-
-LANE_INLINE lane4 lane4_max( lane4 a, lane4 b )
-{
-    return _mm_max_ps( a, b );
-}
-
-LANE_INLINE lane4 lane4_sqrt( lane4 a )
-{
-    return _mm_sqrt_ps( a );
-}
+#define lane4i_shift_left( a, count ) _mm_slli_epi32( a, count )
+#define lane4i_shift_right( a, count ) _mm_srli_epi32( a, count )
 
 LANE_INLINE lane4m lane4_lt( lane4 a, lane4 b )
 {
@@ -91,26 +42,6 @@ LANE_INLINE lane4 lane4_select( lane4m m, lane4 a, lane4 b )
     return _mm_or_ps( _mm_and_ps( m, a ), _mm_andnot_ps( m, b ) );
 }
 
-LANE_INLINE lane4i lane4_truncate( lane4 a )
-{
-    return _mm_cvttps_epi32( a );
-}
-
-LANE_INLINE lane4 lane4_from_int( lane4i a )
-{
-    return _mm_cvtepi32_ps( a );
-}
-
-LANE_INLINE lane4i lane4_cast_int( lane4 a )
-{
-    return _mm_castps_si128( a );
-}
-
-LANE_INLINE lane4 lane4_cast_float( lane4i a )
-{
-    return _mm_castsi128_ps( a );
-}
-
 // SSE2 cannot round to an integral float. Below 2^23 truncation goes through int32 and is put right for negative
 // fractions; from there on (and for NaN) a float is its own floor. The sign bit is carried over for the sake of -0.
 LANE_INLINE lane4 lane4_floor( lane4 a )
@@ -128,36 +59,6 @@ LANE_INLINE float lane4_sum_ordered( lane4 a )
     return _mm_cvtss_f32( _mm_add_ss( two, _mm_shuffle_ps( two, two, 1 ) ) );
 }
 
-LANE_INLINE lane4i lane4i_set1( int32_t value )
-{
-    return _mm_set1_epi32( value );
-}
-
-LANE_INLINE lane4i lane4i_load( const int32_t* from )
-{
-    return _mm_load_si128( (const __m128i*)from );
-}
-
-LANE_INLINE lane4i lane4i_loadu( const int32_t* from )
-{
-    return _mm_loadu_si128( (const __m128i*)from );
-}
-
-LANE_INLINE void lane4i_storeu( int32_t* to, lane4i a )
-{
-    _mm_storeu_si128( (__m128i*)to, a );
-}
-
-LANE_INLINE lane4i lane4i_add( lane4i a, lane4i b )
-{
-    return _mm_add_epi32( a, b );
-}
-
-LANE_INLINE lane4i lane4i_sub( lane4i a, lane4i b )
-{
-    return _mm_sub_epi32( a, b );
-}
-
 // SSE2 multiplies only lanes 0 and 2, to 64 bits; the odd lanes are brought there and the low halves put back.
 LANE_INLINE lane4i lane4i_mul( lane4i a, lane4i b )
 {
@@ -166,31 +67,6 @@ LANE_INLINE lane4i lane4i_mul( lane4i a, lane4i b )
     lane4i even_low = _mm_shuffle_epi32( even, _MM_SHUFFLE( 0, 0, 2, 0 ) );
     lane4i odd_low = _mm_shuffle_epi32( odd, _MM_SHUFFLE( 0, 0, 2, 0 ) );
     return _mm_unpacklo_epi32( even_low, odd_low );
-}
-
-LANE_INLINE lane4i lane4i_and( lane4i a, lane4i b )
-{
-    return _mm_and_si128( a, b );
-}
-
-LANE_INLINE lane4i lane4i_or( lane4i a, lane4i b )
-{
-    return _mm_or_si128( a, b );
-}
-
-LANE_INLINE lane4i lane4i_xor( lane4i a, lane4i b )
-{
-    return _mm_xor_si128( a, b );
-}
-
-LANE_INLINE lane4i lane4i_shift_left( lane4i a, int count )
-{
-    return _mm_slli_epi32( a, count );
-}
-
-LANE_INLINE lane4i lane4i_shift_right( lane4i a, int count )
-{
-    return _mm_srli_epi32( a, count );
 }
 
 LANE_INLINE lane4m lane4i_eq( lane4i a, lane4i b )
@@ -306,48 +182,23 @@ LANE_INLINE void lane8_add_quads( float* xyzw, const int32_t* index, const lane8
     }
 }
 
+// A number of each quad, four times.
+#define lane8_spread_number( row, number )                                                                           \
+    ( lane8 )                                                                                                        \
+    {                                                                                                                \
+        _mm_shuffle_ps( ( row ).lower, ( row ).lower, 0x55 * ( number ) ),                                           \
+            _mm_shuffle_ps( ( row ).upper, ( row ).upper, 0x55 * ( number ) )                                        \
+    }
+
 LANE_INLINE void lane8_spread_xyz( lane8 a, lane8 q[4] )
 {
     const lane4 xyz = _mm_castsi128_ps( _mm_setr_epi32( -1, -1, -1, 0 ) );
-    q[0] = ( lane8 ){ _mm_shuffle_ps( a.lower, a.lower, 0x00 ), _mm_shuffle_ps( a.upper, a.upper, 0x00 ) };
-    q[1] = ( lane8 ){ _mm_shuffle_ps( a.lower, a.lower, 0x55 ), _mm_shuffle_ps( a.upper, a.upper, 0x55 ) };
-    q[2] = ( lane8 ){ _mm_shuffle_ps( a.lower, a.lower, 0xaa ), _mm_shuffle_ps( a.upper, a.upper, 0xaa ) };
-    q[3] = ( lane8 ){ _mm_shuffle_ps( a.lower, a.lower, 0xff ), _mm_shuffle_ps( a.upper, a.upper, 0xff ) };
+    q[0] = lane8_spread_number( a, 0 );
+    q[1] = lane8_spread_number( a, 1 );
+    q[2] = lane8_spread_number( a, 2 );
+    q[3] = lane8_spread_number( a, 3 );
     for ( int r = 0; r < 4; ++r )
     {
         q[r] = ( lane8 ){ _mm_and_ps( q[r].lower, xyz ), _mm_and_ps( q[r].upper, xyz ) };
     }
-}
-
-LANE_INLINE lane8 lane8_spread_first( lane8 row )
-{
-    return ( lane8 ){ _mm_shuffle_ps( row.lower, row.lower, 0x00 ), _mm_shuffle_ps( row.upper, row.upper, 0x00 ) };
-}
-
-LANE_INLINE lane8 lane8_spread_second( lane8 row )
-{
-    return ( lane8 ){ _mm_shuffle_ps( row.lower, row.lower, 0x55 ), _mm_shuffle_ps( row.upper, row.upper, 0x55 ) };
-}
-
-LANE_INLINE lane8 lane8_spread_third( lane8 row )
-{
-    return ( lane8 ){ _mm_shuffle_ps( row.lower, row.lower, 0xaa ), _mm_shuffle_ps( row.upper, row.upper, 0xaa ) };
-}
-
-LANE_INLINE lane8 lane8_spread_last( lane8 row )
-{
-    return ( lane8 ){ _mm_shuffle_ps( row.lower, row.lower, 0xff ), _mm_shuffle_ps( row.upper, row.upper, 0xff ) };
-}
-
-LANE_INLINE int lane8i_compress_store( int32_t* out, lane8i v, uint32_t bits )
-{
-    int32_t values[8];
-    lane8i_storeu( values, v );
-    int count = 0;
-    for ( int l = 0; l < 8; ++l )
-    {
-        out[count] = values[l];
-        count += (int)( bits >> l & 1u );
-    }
-    return count;
 }

@@ -4,89 +4,20 @@
 typedef __m256 lane8;
 typedef __m256i lane8i;
 
-LANE_INLINE lane8 lane8_set1( float value )
-{
-    return _mm256_set1_ps( value );
-}
+#define LANE_P lane8
+#define LANE_REGISTER _mm256
+#define LANE_INTEGERS si256
+#include "lane_register.h"
+#undef LANE_P
+#undef LANE_REGISTER
+#undef LANE_INTEGERS
 
-LANE_INLINE lane8 lane8_load( const float* from )
-{
-    return _mm256_load_ps( from );
-}
-
-LANE_INLINE lane8 lane8_loadu( const float* from )
-{
-    return _mm256_loadu_ps( from );
-}
-
-LANE_INLINE void lane8_store( float* to, lane8 a )
-{
-    _mm256_store_ps( to, a );
-}
-
-LANE_INLINE void lane8_storeu( float* to, lane8 a )
-{
-    _mm256_storeu_ps( to, a );
-}
-
-LANE_INLINE lane8 lane8_add( lane8 a, lane8 b )
-{
-    return _mm256_add_ps( a, b );
-}
-
-LANE_INLINE lane8 lane8_sub( lane8 a, lane8 b )
-{
-    return _mm256_sub_ps( a, b );
-}
-
-LANE_INLINE lane8 lane8_mul( lane8 a, lane8 b )
-{
-    return _mm256_mul_ps( a, b );
-}
-
-LANE_INLINE lane8 lane8_div( lane8 a, lane8 b )
-{
-    return _mm256_div_ps( a, b );
-}
-
-LANE_INLINE lane8 lane8_min( lane8 a, lane8 b )
-{
-    return _mm256_min_ps( a, b );
-}
-
-LANE_INLINE lane8 lane8_max( lane8 a, lane8 b )
-{
-    return _mm256_max_ps( a, b );
-}
-
-LANE_INLINE lane8 lane8_sqrt( lane8 a )
-{
-    return _mm256_sqrt_ps( a );
-}
+#define lane8i_shift_left( a, count ) _mm256_slli_epi32( a, count )
+#define lane8i_shift_right( a, count ) _mm256_srli_epi32( a, count )
 
 LANE_INLINE lane8 lane8_floor( lane8 a )
 {
     return _mm256_floor_ps( a );
-}
-
-LANE_INLINE lane8i lane8_truncate( lane8 a )
-{
-    return _mm256_cvttps_epi32( a );
-}
-
-LANE_INLINE lane8 lane8_from_int( lane8i a )
-{
-    return _mm256_cvtepi32_ps( a );
-}
-
-LANE_INLINE lane8i lane8_cast_int( lane8 a )
-{
-    return _mm256_castps_si256( a );
-}
-
-LANE_INLINE lane8 lane8_cast_float( lane8i a )
-{
-    return _mm256_castsi256_ps( a );
 }
 
 LANE_INLINE float lane8_sum_ordered( lane8 a )
@@ -96,64 +27,9 @@ LANE_INLINE float lane8_sum_ordered( lane8 a )
     return _mm_cvtss_f32( _mm_add_ss( two, _mm_shuffle_ps( two, two, 1 ) ) );
 }
 
-LANE_INLINE lane8i lane8i_set1( int32_t value )
-{
-    return _mm256_set1_epi32( value );
-}
-
-LANE_INLINE lane8i lane8i_load( const int32_t* from )
-{
-    return _mm256_load_si256( (const __m256i*)from );
-}
-
-LANE_INLINE lane8i lane8i_loadu( const int32_t* from )
-{
-    return _mm256_loadu_si256( (const __m256i*)from );
-}
-
-LANE_INLINE void lane8i_storeu( int32_t* to, lane8i a )
-{
-    _mm256_storeu_si256( (__m256i*)to, a );
-}
-
-LANE_INLINE lane8i lane8i_add( lane8i a, lane8i b )
-{
-    return _mm256_add_epi32( a, b );
-}
-
-LANE_INLINE lane8i lane8i_sub( lane8i a, lane8i b )
-{
-    return _mm256_sub_epi32( a, b );
-}
-
 LANE_INLINE lane8i lane8i_mul( lane8i a, lane8i b )
 {
     return _mm256_mullo_epi32( a, b );
-}
-
-LANE_INLINE lane8i lane8i_and( lane8i a, lane8i b )
-{
-    return _mm256_and_si256( a, b );
-}
-
-LANE_INLINE lane8i lane8i_or( lane8i a, lane8i b )
-{
-    return _mm256_or_si256( a, b );
-}
-
-LANE_INLINE lane8i lane8i_xor( lane8i a, lane8i b )
-{
-    return _mm256_xor_si256( a, b );
-}
-
-LANE_INLINE lane8i lane8i_shift_left( lane8i a, int count )
-{
-    return _mm256_slli_epi32( a, count );
-}
-
-LANE_INLINE lane8i lane8i_shift_right( lane8i a, int count )
-{
-    return _mm256_srli_epi32( a, count );
 }
 
 LANE_INLINE lane8i lane8i_iota( void )
@@ -216,27 +92,10 @@ LANE_INLINE void lane8_spread_xyz( lane8 a, lane8 q[4] )
     }
 }
 
-LANE_INLINE lane8 lane8_spread_first( lane8 row )
-{
-    return _mm256_permute_ps( row, 0x00 );
-}
+// A number of each quad, four times.
+#define lane8_spread_number( row, number ) _mm256_permute_ps( row, 0x55 * ( number ) )
 
-LANE_INLINE lane8 lane8_spread_second( lane8 row )
-{
-    return _mm256_permute_ps( row, 0x55 );
-}
-
-LANE_INLINE lane8 lane8_spread_third( lane8 row )
-{
-    return _mm256_permute_ps( row, 0xaa );
-}
-
-LANE_INLINE lane8 lane8_spread_last( lane8 row )
-{
-    return _mm256_permute_ps( row, 0xff );
-}
-
-// Row l and lane k change places.
+#define LANE_COMPRESSES_IN_REGISTERS
 #define LANE_TRANSPOSES_IN_REGISTERS
 LANE_INLINE void lane8i_transpose( lane8i rows[8] )
 {

@@ -10,23 +10,12 @@
 
 // Tethers: distances to attachments, once per substep before the near constraints.
 
-typedef struct tether_loop
-{
-    wisp_tether_args args;
-    const wisp_kernels* kernels;
-} tether_loop;
-
 enum
 {
     SLOT_GRAIN = 2048, // particles per block: about 1.5 microseconds
 };
 
-static void run_tethers( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const tether_loop* loop = context;
-    loop->kernels->tether( &loop->args, begin * 8, end * 8 );
-}
+WISP_KERNEL_LOOP( tether_loop, run_tethers, tether, wisp_tether_args, 8 )
 
 static void project_tethers( wisp_frame* frame, const wisp_span* span, void* user )
 {
@@ -46,13 +35,10 @@ static void project_tethers( wisp_frame* frame, const wisp_span* span, void* use
 wisp_status passes_declare_tethers( wisp_registry* registry )
 {
     const wisp_pass pass = {
-        .name = "surface.tethers",
-        .stage = WISP_STAGE_PREDICT,
-        .domain = WISP_DOMAIN_ENTITY,
+        WISP_PASS( "surface.tethers", PREDICT, ENTITY, project_tethers ),
         .required = { WISP_SURFACE_TETHERS },
         .reads = { WISP_SURFACE_TETHERS, WISP_PARTICLE_POSITION },
         .writes = { WISP_PARTICLE_POSITION },
-        .run = project_tethers,
         .detail = WISP_PASS_FINE,
     };
     return wisp_declare_pass( registry, &pass );
@@ -176,25 +162,14 @@ wisp_status passes_declare_constraints( wisp_registry* registry )
     }
     const wisp_pass passes[] = {
         PROJECTION( "links.pbd", links_pbd, WISP_LINK_STIFFNESS ),
-        { .name = "links.xpbd",
-          .stage = WISP_STAGE_PROJECT,
-          .domain = WISP_DOMAIN_ENTITY,
-          .required = { WISP_LINK_COMPLIANCE },
+        { WISP_PASS( "links.xpbd", PROJECT, ENTITY, links_xpbd ), .required = { WISP_LINK_COMPLIANCE },
           .reads = { WISP_PARTICLE_POSITION, WISP_LINK_COMPLIANCE, lambda },
-          .writes = { WISP_PARTICLE_POSITION, lambda },
-          .run = links_xpbd,
-          .detail = WISP_PASS_FINE },
+          .writes = { WISP_PARTICLE_POSITION, lambda }, .detail = WISP_PASS_FINE },
         PROJECTION( "hinges.dihedral_pbd", project_hinges, WISP_HINGE_REST, WISP_HINGE_STIFFNESS ),
         PROJECTION( "hinges.isometric_pbd", project_hinges, WISP_HINGE_COTANGENT, WISP_HINGE_STIFFNESS ),
-        { .name = "hinges.folds",
-          .stage = WISP_STAGE_PROJECT,
-          .domain = WISP_DOMAIN_ENTITY,
-          .required = { WISP_HINGE_FOLDS },
-          .fabric = WISP_FABRIC_SPANS,
-          .reads = { WISP_PARTICLE_POSITION, WISP_HINGE_FOLDS },
-          .writes = { WISP_PARTICLE_POSITION },
-          .run = passes_open_hinges,
-          .detail = WISP_PASS_FINE },
+        { WISP_PASS( "hinges.folds", PROJECT, ENTITY, passes_open_hinges ), .required = { WISP_HINGE_FOLDS },
+          .fabric = WISP_FABRIC_SPANS, .reads = { WISP_PARTICLE_POSITION, WISP_HINGE_FOLDS },
+          .writes = { WISP_PARTICLE_POSITION }, .detail = WISP_PASS_FINE },
         PROJECTION( "links.limit", links_limit, WISP_LINK_LIMIT ),
     };
 #undef PROJECTION
@@ -291,13 +266,10 @@ static void guard( wisp_frame* frame, const wisp_span* span, void* user )
 wisp_status passes_declare_state_check( wisp_registry* registry )
 {
     const wisp_pass pass = {
-        .name = "particles.state_check",
-        .stage = WISP_STAGE_CHECK,
-        .domain = WISP_DOMAIN_ENTITY,
+        WISP_PASS( "particles.state_check", CHECK, ENTITY, guard ),
         .required = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
         .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_SURFACE_POINTS },
         .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
-        .run = guard,
     };
     return wisp_declare_pass( registry, &pass );
 }

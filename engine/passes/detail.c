@@ -244,25 +244,19 @@ wisp_status passes_declare_detail( wisp_registry* registry, wisp_component* out 
     WISP_TRY( wisp_declare_indices( registry, ranges, WISP_COUNT( ranges ) ) );
     const wisp_pass passes[] = {
         {
-            .name = "detail.move",
-            .stage = WISP_STAGE_INPUT,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "detail.move", INPUT, ENTITY, move ),
             .required = { *out, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .excluded = { WISP_PARTICLE_TARGET },
             .reads = { *out, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
-            .run = move,
             .should_run = is_due,
             .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
-            .name = "detail.follow_pins",
-            .stage = WISP_STAGE_INPUT,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "detail.follow_pins", INPUT, ENTITY, move ),
             .required = { *out, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_TARGET },
             .reads = { *out, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_TARGET },
             .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
-            .run = move,
             .should_run = is_due,
             .detail = WISP_PASS_WITHOUT_MOTION,
         },

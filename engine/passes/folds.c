@@ -145,18 +145,7 @@ void passes_open_folds( wisp_frame* frame, const wisp_span* span, const uint64_t
 
 // ---- hinges ----
 
-typedef struct fold_search
-{
-    wisp_fold_args args;
-    const wisp_kernels* kernels;
-} fold_search;
-
-static void search_groups( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const fold_search* search = context;
-    search->kernels->hinge_find_folds( &search->args, 8 * begin, 8 * end );
-}
+WISP_KERNEL_LOOP( fold_search, search_groups, hinge_find_folds, wisp_fold_args, 8 )
 
 void passes_open_hinges( wisp_frame* frame, const wisp_span* span, void* user )
 {

@@ -140,7 +140,7 @@ static bool take_pins( instances* all, wisp_frame* frame, const wisp_entity* ent
     return true;
 }
 
-// As carry_pins() of particles.
+// As move_pins() of particles.
 static void move_instance_pins( instances* all, float fraction )
 {
     for ( int i = 0; i < all->pin_count; ++i )

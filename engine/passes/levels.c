@@ -323,12 +323,7 @@ enum
 
 // ---- links ----
 
-static void run_band( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const levels_sheet* sheet = context;
-    sheet->kernels->level_band( &sheet->links, 8 * begin, 8 * end );
-}
+WISP_KERNEL_RANGE( levels_sheet, run_band, level_band, links, 8 )
 
 // Find the lengths below which links push, for a sheet that has been predicted.
 static void levels_find_band( levels_sheet* sheet )
@@ -419,18 +414,7 @@ static bool levels_move_carrier( levels_carrier* c )
 
 // ---- prolongation ----
 
-typedef struct prolong_loop
-{
-    wisp_prolong_args args;
-    const wisp_kernels* kernels;
-} prolong_loop;
-
-static void run_prolong( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const prolong_loop* loop = context;
-    loop->kernels->prolong( &loop->args, begin, end );
-}
+WISP_KERNEL_LOOP( prolong_loop, run_prolong, prolong, wisp_prolong_args, 1 )
 
 // Adds values of a level to rows of the next finer one, or of the surface, that are not pinned.
 static void prolong( const levels_sheet* sheet, const float* value, const float* position, float* target )
@@ -750,7 +734,7 @@ static void find_shift( const levels_columns* columns, float dt, const float dri
 }
 
 // Adds what second order adds to the velocity of the coarsest sheet, and notes the velocity of the surface for its next substep.
-static void carry_velocity( wisp_frame* frame, const wisp_span* span, void* user )
+static void pass_velocity_on( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
     levels_memory m;
@@ -816,33 +800,24 @@ wisp_status passes_declare_levels( wisp_registry* registry )
 {
     const wisp_pass passes[] = {
         {
-            .name = "surface.levels_restart",
-            .stage = WISP_STAGE_INPUT,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "surface.levels_restart", INPUT, ENTITY, levels_restart ),
             .required = { WISP_SURFACE_LEVELS, WISP_LEVEL_MASS, WISP_LEVEL_MOTION },
             .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_VELOCITY, WISP_SURFACE_LEVELS },
             .writes = { WISP_SURFACE_LEVELS, WISP_LEVEL_MASS, WISP_LEVEL_MOTION },
             .should_run = levels_have_restarted,
-            .run = levels_restart,
         },
         {
-            .name = "surface.levels",
-            .stage = WISP_STAGE_PREDICT,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "surface.levels", PREDICT, ENTITY, run_levels ),
             .required = { WISP_SURFACE_LEVELS, WISP_LEVEL_MASS, WISP_LEVEL_COMPLIANCE, WISP_LEVEL_MOTION },
             .reads = { WISP_SURFACE_LEVELS, WISP_LEVEL_MASS, WISP_LEVEL_COMPLIANCE, WISP_LEVEL_MOTION,
                        WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_POSITION, WISP_SURFACE_LEVELS, WISP_LEVEL_MOTION },
-            .run = run_levels,
         },
         {
-            .name = "surface.levels_velocity",
-            .stage = WISP_STAGE_VELOCITY,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "surface.levels_velocity", VELOCITY, ENTITY, pass_velocity_on ),
             .required = { WISP_SURFACE_LEVELS, WISP_LEVEL_MASS, WISP_LEVEL_MOTION },
             .reads = { WISP_LEVEL_MASS, WISP_LEVEL_MOTION, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_VELOCITY, WISP_LEVEL_MOTION },
-            .run = carry_velocity,
         },
     };
     return wisp_declare_passes( registry, passes, WISP_COUNT( passes ), NULL );

@@ -21,7 +21,7 @@ static wisp_particle_args particle_args( wisp_frame* frame, const wisp_span* spa
 
 // Moves pins by the substep's fraction of the remaining distance. The last substep of an even step ends exactly at
 // the target. Few vertices are pinned: masses come first, so that targets of the others are not read.
-static void carry_pins( wisp_frame* frame, const wisp_span* span, void* user )
+static void move_pins( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
     float* position = particle_positions( frame, span );
@@ -91,6 +91,19 @@ static void damp( wisp_frame* frame, const wisp_span* span, void* user )
     }
 }
 
+wisp_surface_motion wisp_frame_surface_motion( wisp_frame* frame, wisp_entity surface, float seconds )
+{
+    // one that is not solved goes along with something
+    const bool is_halted =
+        wisp_frame_is_halted( frame, surface ) && wisp_frame_detail( frame, surface ).level != WISP_DETAIL_NOTHING;
+    return ( wisp_surface_motion ){
+        .position = wisp_frame_column( frame, surface, WISP_PARTICLE_POSITION, 0 ),
+        .velocity = is_halted ? NULL : wisp_frame_column( frame, surface, WISP_PARTICLE_VELOCITY, 0 ),
+        .target = is_halted ? NULL : wisp_frame_column( frame, surface, WISP_PARTICLE_TARGET, 0 ),
+        .seconds = seconds,
+    };
+}
+
 wisp_status passes_declare_particles( wisp_registry* registry )
 {
     wisp_declare_map( registry, WISP_MAP_DAMPING, WISP_PARTICLE_DAMPING, NULL );
@@ -98,54 +111,40 @@ wisp_status passes_declare_particles( wisp_registry* registry )
                       "its solver damps all vertices at one rate" );
     const wisp_pass passes[] = {
         {
-            .name = "particles.gravity",
-            .stage = WISP_STAGE_PREDICT, // after all forces, which depend on the velocity before damping
-            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            WISP_PASS( "particles.gravity", PREDICT, PARTICLE_BLOCK,
+                       accelerate ), // after all forces, which depend on the velocity before damping
             .required = { WISP_PARTICLE_GRAVITY, WISP_PARTICLE_VELOCITY },
             .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { WISP_PARTICLE_GRAVITY, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_VELOCITY },
-            .run = accelerate,
         },
         {
-            .name = "particles.predict",
-            .stage = WISP_STAGE_PREDICT,
-            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            WISP_PASS( "particles.predict", PREDICT, PARTICLE_BLOCK, predict ),
             .required = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
-            .run = predict,
         },
         {
-            .name = "particles.targets",
-            .stage = WISP_STAGE_PREDICT,
-            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            WISP_PASS( "particles.targets", PREDICT, PARTICLE_BLOCK, move_pins ),
             .required = { WISP_PARTICLE_TARGET },
             .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { WISP_PARTICLE_TARGET, WISP_PARTICLE_POSITION },
             .writes = { WISP_PARTICLE_POSITION },
-            .run = carry_pins,
         },
         {
-            .name = "particles.velocity",
-            .stage = WISP_STAGE_VELOCITY,
-            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            WISP_PASS( "particles.velocity", VELOCITY, PARTICLE_BLOCK, read_velocity ),
             .required = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_VELOCITY },
-            .run = read_velocity,
         },
         {
-            .name = "particles.damping",
-            .stage = WISP_STAGE_VELOCITY,
-            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            WISP_PASS( "particles.damping", VELOCITY, PARTICLE_BLOCK, damp ),
             .required = { WISP_PARTICLE_DAMPING, WISP_PARTICLE_VELOCITY },
             .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { WISP_PARTICLE_DAMPING, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_VELOCITY },
-            .run = damp,
         },
     };
     return wisp_declare_passes( registry, passes, WISP_COUNT( passes ), NULL );

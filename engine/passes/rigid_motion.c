@@ -162,12 +162,7 @@ bool passes_has_pins( const wisp_fabric* fabric, const float* position )
     return false;
 }
 
-static void approach_rigid( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const rigid_loop* loop = context;
-    loop->kernels->rigid_approach( &loop->args, begin, end );
-}
+WISP_KERNEL_RANGE( rigid_loop, approach_rigid, rigid_approach, args, 1 )
 
 void wisp_approach_rigid_motion( const wisp_kernels* kernels, const wisp_parallel* parallel,
                                  const wisp_fabric* fabric, const wisp_rigid_args* args )

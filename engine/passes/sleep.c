@@ -98,22 +98,16 @@ wisp_status passes_declare_sleep( wisp_registry* registry, passes_sleep_componen
     WISP_TRY( wisp_declare_indices( registry, &phase, 1 ) );
     const wisp_pass passes[] = {
         {
-            .name = "sleep.measure",
-            .stage = WISP_STAGE_CHECK,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "sleep.measure", CHECK, ENTITY, measure_motion ),
             .required = { out->state, out->particles },
             .reads = { out->state, out->particles, WISP_PARTICLE_POSITION },
             .writes = { out->moved, out->state, out->particles },
-            .run = measure_motion,
         },
         {
-            .name = "sleep.measure_strands",
-            .stage = WISP_STAGE_CHECK,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "sleep.measure_strands", CHECK, ENTITY, measure_motion ),
             .required = { out->state, out->strands },
             .reads = { out->state, out->strands, WISP_STRAND_POSITION },
             .writes = { out->moved, out->state, out->strands },
-            .run = measure_motion,
         },
     };
     return out->moved != 0 ? wisp_declare_passes( registry, passes, WISP_COUNT( passes ), out ) : WISP_BAD_INPUT;

@@ -1,7 +1,7 @@
 // Outputs of a surface: vertices and normals in the user's order, strain and speed for colouring, statistics.
 #include "passes.h"
 
-#include "double3.h"
+#include "wisp/module/double3.h"
 #include "wisp/module/components.h"
 
 #include <string.h>
@@ -228,53 +228,38 @@ wisp_status passes_declare_surface( wisp_registry* registry )
 {
     const wisp_pass passes[] = {
         {
-            .name = "surface.points",
-            .stage = WISP_STAGE_OBSERVE,
-            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            WISP_PASS( "surface.points", OBSERVE, PARTICLE_BLOCK, hand_out_points ),
             .required = { WISP_PARTICLE_POSITION },
             .reads = { WISP_PARTICLE_POSITION },
             .writes = { WISP_SURFACE_POINTS },
-            .run = hand_out_points,
             .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
-            .name = "surface.speed",
-            .stage = WISP_STAGE_OBSERVE,
-            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            WISP_PASS( "surface.speed", OBSERVE, PARTICLE_BLOCK, hand_out_speed ),
             .required = { WISP_PARTICLE_VELOCITY },
             .reads = { WISP_PARTICLE_VELOCITY },
             .writes = { WISP_POINT_SPEED },
-            .run = hand_out_speed,
             .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
-            .name = "surface.normals",
-            .stage = WISP_STAGE_OBSERVE,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "surface.normals", OBSERVE, ENTITY, hand_out_normals ),
             .required = { WISP_PARTICLE_POSITION },
             .reads = { WISP_PARTICLE_POSITION },
             .writes = { WISP_SURFACE_NORMALS },
-            .run = hand_out_normals,
             .detail = WISP_PASS_WITHOUT_MOTION,
             .fabric = WISP_FABRIC_RINGS,
         },
         {
-            .name = "surface.strain",
-            .stage = WISP_STAGE_OBSERVE,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "surface.strain", OBSERVE, ENTITY, hand_out_strain ),
             .required = { WISP_PARTICLE_POSITION },
             .reads = { WISP_PARTICLE_POSITION },
             .writes = { WISP_POINT_STRAIN },
-            .run = hand_out_strain,
         },
         {
-            .name = "entity.motion_stats",
-            .stage = WISP_STAGE_OBSERVE,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "entity.motion_stats", OBSERVE, ENTITY, take_motion_stats ),
             .required = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_MOTION_STATS },
-            .run = take_motion_stats,
             .detail = WISP_PASS_WITHOUT_MOTION,
         },
     };

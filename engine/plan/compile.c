@@ -20,14 +20,13 @@ static store_mask live_passes( const wisp_registry* r, const store_entity* e )
         grew = false;
         for ( int i = 0; i < r->pass_count; ++i )
         {
-            const wisp_pass* pass = r->passes + i;
-            bool lives = store_mask_has( &live, i );
-            bool fits = store_mask_holds( components, plan_mask( pass->required ) ) &&
-                        store_mask_meets( components, plan_mask( pass->excluded ) ) == false;
-            if ( lives == false && fits && store_mask_meets( plan_mask( pass->writes ), requested ) )
+            const plan_uses* uses = r->uses + i;
+            const bool fits = store_mask_holds( components, uses->required ) &&
+                              store_mask_meets( components, uses->excluded ) == false;
+            if ( store_mask_has( &live, i ) == false && fits && store_mask_meets( uses->writes, requested ) )
             {
                 store_mask_add( &live, i );
-                requested = store_mask_or( requested, plan_mask( pass->reads ) );
+                requested = store_mask_or( requested, uses->reads );
                 grew = true;
             }
         }
@@ -44,7 +43,7 @@ static wisp_status check_supply( const wisp_registry* r, store_mask live, int sl
     {
         if ( store_mask_has( &live, i ) )
         {
-            supplied = store_mask_or( supplied, plan_mask( r->passes[i].writes ) );
+            supplied = store_mask_or( supplied, r->uses[i].writes );
         }
     }
     for ( int c = 1; c < r->store->component_count; ++c )
@@ -57,7 +56,7 @@ static wisp_status check_supply( const wisp_registry* r, store_mask live, int sl
     }
     for ( int i = 0; i < r->pass_count; ++i )
     {
-        const store_mask missing = store_mask_and_not( plan_mask( r->passes[i].reads ), supplied );
+        const store_mask missing = store_mask_and_not( r->uses[i].reads, supplied );
         for ( int c = 1; c < r->store->component_count && store_mask_has( &live, i ); ++c )
         {
             if ( store_mask_has( &missing, c ) )
@@ -113,8 +112,7 @@ static store_mask plan_used_by( const wisp_registry* r, store_mask passes )
     {
         if ( store_mask_has( &passes, i ) )
         {
-            used = store_mask_or( used, plan_mask( r->passes[i].reads ) );
-            used = store_mask_or( used, plan_mask( r->passes[i].writes ) );
+            used = store_mask_or( used, r->uses[i].touched );
         }
     }
     return used;
@@ -181,22 +179,18 @@ static wisp_status plan_select( plan* p, const wisp_registry* r, wisp_error* err
 
 // The order of passes, their waves and nodes.
 
-static bool conflicts( const wisp_pass* a, const wisp_pass* b )
+static bool conflicts( const plan_uses* a, const plan_uses* b )
 {
-    store_mask a_writes = store_mask_or( plan_mask( a->writes ), plan_mask( a->foreign ) );
-    store_mask b_writes = store_mask_or( plan_mask( b->writes ), plan_mask( b->foreign ) );
-    return store_mask_meets( a_writes, store_mask_or( b_writes, plan_mask( b->reads ) ) ) ||
-           store_mask_meets( b_writes, plan_mask( a->reads ) );
+    return store_mask_meets( a->changes, store_mask_or( b->changes, b->reads ) ) ||
+           store_mask_meets( b->changes, a->reads );
 }
 
 // ---- order: stage, then data dependency, then the order of declaration ----
 
 // Whether a must precede b: a only writes a component that b reads.
-static bool must_precede( const wisp_pass* a, const wisp_pass* b )
+static bool must_precede( const plan_uses* a, const plan_uses* b )
 {
-    store_mask produced = store_mask_and_not( plan_mask( a->writes ), plan_mask( a->reads ) );
-    store_mask produced_by_b = store_mask_and_not( plan_mask( b->writes ), plan_mask( b->reads ) );
-    return store_mask_meets( produced, store_mask_and_not( plan_mask( b->reads ), produced_by_b ) );
+    return store_mask_meets( a->produced, store_mask_and_not( b->reads, b->produced ) );
 }
 
 static wisp_status order_stage( const wisp_registry* r, store_mask live, wisp_stage stage, int* order, int* count,
@@ -224,7 +218,7 @@ static wisp_status order_stage( const wisp_registry* r, store_mask live, wisp_st
             for ( int j = 0; j < r->pass_count; ++j )
             {
                 free = free && ( i == j || store_mask_has( &waiting, j ) == false ||
-                                 must_precede( r->passes + j, r->passes + i ) == false );
+                                 must_precede( r->uses + j, r->uses + i ) == false );
             }
             next = free ? i : -1;
         }
@@ -254,16 +248,14 @@ static wisp_status plan_order( const wisp_registry* r, store_mask live, int* ord
 
 // ---- nodes: waves and fusion ----
 
-static bool node_conflicts( const wisp_registry* r, const plan_node* node, const wisp_pass* pass )
+static bool node_conflicts( const wisp_registry* r, const plan_node* node, int number )
 {
-    for ( int i = 0; i < node->pass_count; ++i )
+    bool found = false;
+    for ( int i = 0; i < node->pass_count && found == false; ++i )
     {
-        if ( conflicts( r->passes + node->passes[i], pass ) )
-        {
-            return true;
-        }
+        found = conflicts( r->uses + node->passes[i], r->uses + number );
     }
-    return false;
+    return found;
 }
 
 // Find the passes over groups of strands that can run all substeps of a block of groups before the next block. The
@@ -283,8 +275,8 @@ static store_mask item_loop_passes( const wisp_registry* r, store_mask live )
              section < PLAN_ITEM_LOOP )
         {
             store_mask_add( &loop, i );
-            writes = store_mask_or( writes, plan_mask( pass->writes ) );
-            reads = store_mask_or( reads, plan_mask( pass->reads ) );
+            writes = store_mask_or( writes, r->uses[i].writes );
+            reads = store_mask_or( reads, r->uses[i].reads );
             possible = possible && pass->should_run == NULL && pass->on_change == 0;
             count += 1;
         }
@@ -296,9 +288,8 @@ static store_mask item_loop_passes( const wisp_registry* r, store_mask live )
         const bool is_outside = store_mask_has( &live, i ) && store_mask_has( &loop, i ) == false;
         if ( is_outside && section > PLAN_BEFORE && section < PLAN_ITEM_LOOP )
         {
-            const store_mask changed = store_mask_or( plan_mask( pass->writes ), plan_mask( pass->foreign ) );
-            possible = possible && store_mask_meets( changed, store_mask_or( writes, reads ) ) == false &&
-                       store_mask_meets( plan_mask( pass->reads ), writes ) == false;
+            possible = possible && store_mask_meets( r->uses[i].changes, store_mask_or( writes, reads ) ) == false &&
+                       store_mask_meets( r->uses[i].reads, writes ) == false;
         }
     }
     return possible && count <= PLAN_MAX_FUSED ? loop : ( store_mask ){ { 0 } };
@@ -354,7 +345,7 @@ static void place_pass( plan* p, const wisp_registry* r, int number )
     for ( int n = 0; n < p->node_count; ++n )
     {
         const plan_node* node = p->nodes + n;
-        if ( node->section != section || node_conflicts( r, node, pass ) == false )
+        if ( node->section != section || node_conflicts( r, node, number ) == false )
         {
             continue;
         }
@@ -408,28 +399,6 @@ static void plan_place( plan* p, const wisp_registry* r, const int* order, int c
 }
 
 // ---- compile ----
-
-bool plan_lists( const wisp_component* uses, wisp_component component )
-{
-    for ( int i = 0; i < WISP_MAX_USES && uses[i] != 0; ++i )
-    {
-        if ( uses[i] == component )
-        {
-            return true;
-        }
-    }
-    return false;
-}
-
-store_mask plan_mask( const wisp_component* uses )
-{
-    store_mask mask = { { 0 } };
-    for ( int i = 0; i < WISP_MAX_USES && uses[i] != 0; ++i )
-    {
-        store_mask_add( &mask, uses[i] );
-    }
-    return mask;
-}
 
 plan_section plan_section_of( wisp_stage stage )
 {

@@ -27,7 +27,7 @@ static store_mask columns_across( const plan* p, const wisp_registry* r, int slo
         {
             const wisp_pass* pass = r->passes + node->passes[i];
             const bool reaches = pass->among == 0 || store_mask_has( &components, pass->among );
-            across = reaches ? store_mask_or( across, plan_mask( pass->foreign ) ) : across;
+            across = reaches ? store_mask_or( across, r->uses[node->passes[i]].foreign ) : across;
         }
     }
     return across;
@@ -59,12 +59,12 @@ static void find_meetings( plan* p, const wisp_registry* r, int slot, bool all_m
         const plan_node* node = p->nodes + n;
         for ( int i = 0; i < node->pass_count && plan_is_substep( node->section ); ++i )
         {
-            const wisp_pass* pass = r->passes + node->passes[i];
             if ( store_mask_has( &e->runs, node->passes[i] ) )
             {
-                const store_mask touched = store_mask_or( plan_mask( pass->reads ), plan_mask( pass->writes ) );
+                const plan_uses* uses = r->uses + node->passes[i];
                 e->runs_waves = true;
-                e->meets = e->meets || all_meet || pass->foreign[0] != 0 || store_mask_meets( touched, across );
+                e->meets = e->meets || all_meet || store_mask_any( uses->foreign ) ||
+                           store_mask_meets( uses->touched, across );
             }
         }
     }

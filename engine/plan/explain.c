@@ -35,9 +35,10 @@ static bool is_requested( const wisp_registry* r, wisp_component c )
     return requested;
 }
 
-static bool is_reader( const plan* p, const wisp_pass* reader, int number, const wisp_pass* of, wisp_component c )
+static bool is_reader( const plan* p, const wisp_registry* r, int number, const wisp_pass* of, wisp_component c )
 {
-    return store_mask_has( &p->live, number ) && reader != of && plan_lists( reader->reads, c );
+    return store_mask_has( &p->live, number ) && r->passes + number != of &&
+           store_mask_has( &r->uses[number].reads, c );
 }
 
 // List what requests the writes of a pass, component by component: the scene first, then readers in declaration
@@ -52,7 +53,7 @@ static int explain_find_reasons( const plan* p, const wisp_registry* r, const wi
         const wisp_component c = pass->writes[i];
         for ( int k = -1; k < r->pass_count; ++k )
         {
-            if ( k < 0 ? is_requested( r, c ) : is_reader( p, r->passes + k, k, pass, c ) )
+            if ( k < 0 ? is_requested( r, c ) : is_reader( p, r, k, pass, c ) )
             {
                 if ( out != NULL )
                 {
@@ -127,26 +128,26 @@ static store_mask explain_missing( const wisp_registry* r, const wisp_pass* pass
     {
         anybody_has = store_mask_or( anybody_has, source_components( r->store->entities + slot ) );
     }
-    return store_mask_and_not( plan_mask( pass->required ), anybody_has );
+    return store_mask_and_not( r->uses[pass - r->passes].required, anybody_has );
 }
 
 static wisp_plan_state state_of( const wisp_registry* r, const wisp_pass* pass )
 {
-    const store_mask required = plan_mask( pass->required ), excluded = plan_mask( pass->excluded );
+    const plan_uses* uses = r->uses + ( pass - r->passes );
     bool suits = false, is_free = false;
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {
         const store_entity* e = r->store->entities + slot;
-        const bool has_all = e->alive && store_mask_holds( source_components( e ), required );
+        const bool has_all = e->alive && store_mask_holds( source_components( e ), uses->required );
         suits = suits || has_all;
-        is_free = is_free || ( has_all && store_mask_meets( excluded, source_components( e ) ) == false );
+        is_free = is_free || ( has_all && store_mask_meets( uses->excluded, source_components( e ) ) == false );
     }
     if ( store_mask_any( explain_missing( r, pass ) ) )
     {
         return WISP_PLAN_MISSING;
     }
     // a pass without required components suits every entity; in a world without entities it counts as unrequested
-    if ( is_free || ( suits == false && store_mask_any( required ) == false ) )
+    if ( is_free || ( suits == false && store_mask_any( uses->required ) == false ) )
     {
         return WISP_PLAN_UNREQUESTED;
     }

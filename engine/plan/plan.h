@@ -22,6 +22,7 @@ enum
     PLAN_MAX_BATCHES = 4,
     PLAN_MAX_STATES = 32,
     PLAN_MAX_WORKSPACES = 16,
+    PLAN_MAX_OBJECTS = 16,
     // An entity with fewer rows of sixteen lanes runs on one worker, in parallel with others.
     PLAN_WIDE_ENTITY_ROWS = 256,
 };
@@ -44,6 +45,21 @@ typedef struct plan_state
     wisp_sleep_hooks sleep;
     wisp_detail_hooks detail;
 } plan_state;
+
+/// Objects of a module by the index of their entities.
+struct wisp_objects
+{
+    const char* module;
+    const wisp_allocator* allocator;
+    void ( *release )( void* object, const wisp_allocator* allocator );
+    size_t ( *bytes )( const void* object );
+    struct plan_object
+    {
+        wisp_entity entity;
+        void* object; // null: none
+    } * places;       // [count]
+    int count;
+};
 
 typedef struct plan_fusion
 {
@@ -91,6 +107,15 @@ typedef struct plan_place_column
     int low_column;
 } plan_place_column;
 
+/// Sets of the components that a pass uses, made once when it is declared.
+typedef struct plan_uses
+{
+    store_mask required, excluded, reads, writes, foreign;
+    store_mask changes;  // of any entity: what it writes, and what is foreign
+    store_mask touched;  // of its own entity: what it reads or writes
+    store_mask produced; // what it writes without having read it
+} plan_uses;
+
 struct wisp_registry
 {
     store* store;
@@ -99,6 +124,7 @@ struct wisp_registry
     int iterations;        // per substep; 0 means 1
     wisp_component detail; // of entities whose level of detail was set
     wisp_pass passes[PLAN_MAX_PASSES];
+    plan_uses uses[PLAN_MAX_PASSES];           // of passes
     const char* pass_modules[PLAN_MAX_PASSES]; // module that declared the pass
     int pass_count;
     plan_fusion joins[PLAN_MAX_FUSIONS];
@@ -106,9 +132,12 @@ struct wisp_registry
     plan_batch batches[PLAN_MAX_BATCHES];
     int batch_count;
     plan_state states[PLAN_MAX_STATES];
+    plan_state no_state; // of hooks that were refused
     int state_count;
     plan_workspace workspaces[PLAN_MAX_WORKSPACES];
     int workspace_count;
+    wisp_objects objects[PLAN_MAX_OBJECTS];
+    int object_count;
     plan_map maps[PLAN_MAX_MAPS];
     int map_count;
     plan_place_column places[PLAN_MAX_PLACES];
@@ -129,7 +158,7 @@ wisp_status plan_registry_triangles_changed( const wisp_registry* r, wisp_world*
 /// Notify the modules before an entity is removed.
 wisp_status plan_registry_planning( const wisp_registry* r, wisp_world* world );
 void plan_registry_planned( const wisp_registry* r, wisp_world* world );
-void plan_registry_removed( const wisp_registry* r, wisp_world* world, wisp_entity entity );
+void plan_registry_removed( wisp_registry* r, wisp_world* world, wisp_entity entity );
 /// Call the hooks of teleports. The first failure ends it. @param is_moved set if a module moves the entity
 wisp_status plan_registry_teleported( const wisp_registry* r, wisp_world* world, wisp_entity entity,
                                       const wisp_teleport_motion* teleport, bool* is_moved );
@@ -309,13 +338,10 @@ static inline bool plan_is_substep( plan_section section )
 /// Return the section of a stage.
 plan_section plan_section_of( wisp_stage stage );
 
-/// Return the number of items of a domain in an entity.
-int plan_item_count( const store_entity* e, wisp_domain domain );
-
-/// Test whether a zero-terminated list contains the component.
-bool plan_lists( const wisp_component* uses, wisp_component component );
 /// Convert a zero-terminated list to a set.
 store_mask plan_mask( const wisp_component* uses );
+/// Return the number of items of a domain in an entity.
+int plan_item_count( const store_entity* e, wisp_domain domain );
 
 // execute.c
 

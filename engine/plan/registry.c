@@ -44,6 +44,29 @@ wisp_status wisp_declare_indices( wisp_registry* registry, const wisp_index_rang
     return WISP_OK;
 }
 
+store_mask plan_mask( const wisp_component* uses )
+{
+    store_mask mask = { { 0 } };
+    for ( int i = 0; i < WISP_MAX_USES && uses[i] != 0; ++i )
+    {
+        store_mask_add( &mask, uses[i] );
+    }
+    return mask;
+}
+
+static plan_uses uses_of( const wisp_pass* pass )
+{
+    plan_uses u = { .required = plan_mask( pass->required ),
+                    .excluded = plan_mask( pass->excluded ),
+                    .reads = plan_mask( pass->reads ),
+                    .writes = plan_mask( pass->writes ),
+                    .foreign = plan_mask( pass->foreign ) };
+    u.changes = store_mask_or( u.writes, u.foreign );
+    u.touched = store_mask_or( u.reads, u.writes );
+    u.produced = store_mask_and_not( u.writes, u.reads );
+    return u;
+}
+
 static wisp_status declare_pass( wisp_registry* registry, const wisp_pass* pass )
 {
     for ( int i = 0; i < registry->pass_count; ++i )
@@ -69,6 +92,7 @@ static wisp_status declare_pass( wisp_registry* registry, const wisp_pass* pass 
     }
     registry->store->passes = store_hash_bytes( registry->store->passes, pass->name, strlen( pass->name ) );
     registry->pass_modules[registry->pass_count] = registry->module;
+    registry->uses[registry->pass_count] = uses_of( pass );
     registry->passes[registry->pass_count++] = *pass;
     return WISP_OK;
 }
@@ -207,43 +231,31 @@ void* wisp_declare_state( wisp_registry* registry, size_t size )
     return memory;
 }
 
-// Find the state of the module that declares hooks of it.
+// Find the state of the module that declares hooks of it; after a failure one that nobody reads.
 static plan_state* find_own_state( wisp_registry* registry )
 {
     plan_state* state = registry->state_count > 0 ? registry->states + registry->state_count - 1 : NULL;
     if ( state == NULL || strcmp( state->module, registry->module ) != 0 )
     {
         fail_declaration( registry, "got hooks without a state for", registry->module );
-        return NULL;
+        return &registry->no_state;
     }
     return state;
 }
 
 void wisp_declare_hooks( wisp_registry* registry, const wisp_state_hooks* hooks )
 {
-    plan_state* state = find_own_state( registry );
-    if ( state != NULL )
-    {
-        state->hooks = *hooks;
-    }
+    find_own_state( registry )->hooks = *hooks;
 }
 
 void wisp_declare_sleep( wisp_registry* registry, const wisp_sleep_hooks* hooks )
 {
-    plan_state* state = find_own_state( registry );
-    if ( state != NULL )
-    {
-        state->sleep = *hooks;
-    }
+    find_own_state( registry )->sleep = *hooks;
 }
 
 void wisp_declare_detail( wisp_registry* registry, const wisp_detail_hooks* hooks )
 {
-    plan_state* state = find_own_state( registry );
-    if ( state != NULL )
-    {
-        state->detail = *hooks;
-    }
+    find_own_state( registry )->detail = *hooks;
 }
 
 wisp_component wisp_detail_component( wisp_registry* registry )
@@ -269,6 +281,88 @@ int wisp_declare_workspace( wisp_registry* registry, size_t size,
     registry->workspaces[registry->workspace_count] =
         ( plan_workspace ){ registry->module, padded, release, memory, blocks };
     return registry->workspace_count++;
+}
+
+// ---- objects of entities ----
+
+wisp_objects* wisp_declare_objects( wisp_registry* registry,
+                                    void ( *release )( void* object, const wisp_allocator* allocator ),
+                                    size_t ( *bytes )( const void* object ) )
+{
+    if ( registry->object_count == PLAN_MAX_OBJECTS )
+    {
+        fail_declaration( registry, "too many objects of", registry->module );
+        return NULL;
+    }
+    wisp_objects* o = registry->objects + registry->object_count++;
+    *o = ( wisp_objects ){ registry->module, registry->store->allocator, release, bytes, NULL, 0 };
+    return o;
+}
+
+void* wisp_find_object( const wisp_objects* objects, wisp_entity entity )
+{
+    const int place = (int)entity.index - 1;
+    const bool is_there =
+        place >= 0 && place < objects->count && wisp_entity_equal( objects->places[place].entity, entity );
+    return is_there ? objects->places[place].object : NULL;
+}
+
+bool wisp_reserve_object( wisp_objects* objects, wisp_entity entity )
+{
+    const int least = (int)entity.index, twice = 2 * objects->count, count = least > twice ? least : twice;
+    const size_t size = sizeof( *objects->places );
+    if ( least <= objects->count )
+    {
+        return true;
+    }
+    struct plan_object* grown = base_allocate( objects->allocator, (size_t)count * size, 64 );
+    if ( grown == NULL )
+    {
+        return false;
+    }
+    memset( grown, 0, (size_t)count * size );
+    if ( objects->count > 0 )
+    {
+        memcpy( grown, objects->places, (size_t)objects->count * size );
+        base_release( objects->allocator, objects->places, (size_t)objects->count * size );
+    }
+    objects->places = grown;
+    objects->count = count;
+    return true;
+}
+
+void wisp_set_object( wisp_objects* objects, wisp_entity entity, void* object )
+{
+    if ( entity.index > 0 && (int)entity.index <= objects->count )
+    {
+        struct plan_object* place = objects->places + entity.index - 1;
+        void* before = place->object;
+        *place = ( struct plan_object ){ entity, object };
+        if ( before != NULL )
+        {
+            objects->release( before, objects->allocator );
+        }
+    }
+}
+
+int wisp_count_object_places( const wisp_objects* objects )
+{
+    return objects->count;
+}
+
+void* wisp_object_at( const wisp_objects* objects, int place )
+{
+    return objects->places[place].object;
+}
+
+static size_t object_bytes( const wisp_objects* o )
+{
+    size_t bytes = (size_t)o->count * sizeof( *o->places );
+    for ( int i = 0; i < o->count; ++i )
+    {
+        bytes += o->places[i].object != NULL ? o->bytes( o->places[i].object ) : 0;
+    }
+    return bytes;
 }
 
 int wisp_registry_iterations( const wisp_registry* registry )
@@ -298,6 +392,18 @@ void plan_registry_release( wisp_registry* r )
         }
         base_release( allocator, w->blocks, w->size * (size_t)r->workers );
     }
+    for ( int i = 0; i < r->object_count; ++i )
+    {
+        wisp_objects* o = r->objects + i;
+        for ( int place = 0; place < o->count; ++place )
+        {
+            if ( o->places[place].object != NULL )
+            {
+                o->release( o->places[place].object, allocator );
+            }
+        }
+        base_release( allocator, o->places, (size_t)o->count * sizeof( *o->places ) );
+    }
     for ( int i = 0; i < r->state_count; ++i )
     {
         if ( r->states[i].hooks.release != NULL )
@@ -313,6 +419,10 @@ size_t plan_registry_memory( const wisp_registry* r, int state, size_t* held, si
     const plan_state* s = r->states + state;
     size_t bytes = s->size;
     *held = s->hooks.memory != NULL ? s->hooks.memory( s->memory, outside ) : 0;
+    for ( int i = 0; i < r->object_count; ++i )
+    {
+        *held += strcmp( r->objects[i].module, s->module ) == 0 ? object_bytes( r->objects + i ) : 0;
+    }
     for ( int i = 0; i < r->workspace_count; ++i )
     {
         const plan_workspace* w = r->workspaces + i;
@@ -329,34 +439,39 @@ size_t plan_registry_memory( const wisp_registry* r, int state, size_t* held, si
     return bytes + *held;
 }
 
+// The states of the registry `r` that have a hook.
+#define EACH_HOOK( hook )                                                                                            \
+    for ( const plan_state* s = r->states; s < r->states + r->state_count; ++s )                                     \
+        if ( s->hook != NULL )
+
 wisp_status plan_registry_planning( const wisp_registry* r, wisp_world* world )
 {
-    for ( int i = 0; i < r->state_count; ++i )
+    EACH_HOOK( hooks.planning )
     {
-        WISP_TRY( r->states[i].hooks.planning != NULL ? r->states[i].hooks.planning( r->states[i].memory, world )
-                                                      : WISP_OK );
+        WISP_TRY( s->hooks.planning( s->memory, world ) );
     }
     return WISP_OK;
 }
 
 void plan_registry_planned( const wisp_registry* r, wisp_world* world )
 {
-    for ( int i = 0; i < r->state_count; ++i )
+    EACH_HOOK( hooks.planned )
     {
-        if ( r->states[i].hooks.planned != NULL )
-        {
-            r->states[i].hooks.planned( r->states[i].memory, world );
-        }
+        s->hooks.planned( s->memory, world );
     }
 }
 
-void plan_registry_removed( const wisp_registry* r, wisp_world* world, wisp_entity entity )
+void plan_registry_removed( wisp_registry* r, wisp_world* world, wisp_entity entity )
 {
-    for ( int i = 0; i < r->state_count; ++i )
+    EACH_HOOK( hooks.removed )
     {
-        if ( r->states[i].hooks.removed != NULL )
+        s->hooks.removed( s->memory, world, entity );
+    }
+    for ( int i = 0; i < r->object_count; ++i )
+    {
+        if ( wisp_find_object( r->objects + i, entity ) != NULL )
         {
-            r->states[i].hooks.removed( r->states[i].memory, world, entity );
+            wisp_set_object( r->objects + i, entity, NULL );
         }
     }
 }
@@ -364,12 +479,9 @@ void plan_registry_removed( const wisp_registry* r, wisp_world* world, wisp_enti
 wisp_status plan_registry_triangles_changed( const wisp_registry* r, wisp_world* world, wisp_entity surface,
                                              const wisp_fabric* before )
 {
-    for ( int i = 0; i < r->state_count; ++i )
+    EACH_HOOK( hooks.triangles_changed )
     {
-        if ( r->states[i].hooks.triangles_changed != NULL )
-        {
-            WISP_TRY( r->states[i].hooks.triangles_changed( r->states[i].memory, world, surface, before ) );
-        }
+        WISP_TRY( s->hooks.triangles_changed( s->memory, world, surface, before ) );
     }
     return WISP_OK;
 }
@@ -377,12 +489,9 @@ wisp_status plan_registry_triangles_changed( const wisp_registry* r, wisp_world*
 wisp_status plan_registry_teleported( const wisp_registry* r, wisp_world* world, wisp_entity entity,
                                       const wisp_teleport_motion* teleport, bool* is_moved )
 {
-    for ( int i = 0; i < r->state_count; ++i )
+    EACH_HOOK( hooks.teleported )
     {
-        if ( r->states[i].hooks.teleported != NULL )
-        {
-            WISP_TRY( r->states[i].hooks.teleported( r->states[i].memory, world, entity, teleport, is_moved ) );
-        }
+        WISP_TRY( s->hooks.teleported( s->memory, world, entity, teleport, is_moved ) );
     }
     return WISP_OK;
 }
@@ -392,10 +501,9 @@ bool plan_registry_surroundings( const wisp_registry* r, wisp_world* world, wisp
 {
     bool rests = true;
     *hash = 0;
-    for ( int i = 0; i < r->state_count && rests; ++i )
+    EACH_HOOK( sleep.surroundings )
     {
-        const plan_state* s = r->states + i;
-        rests = s->sleep.surroundings == NULL || s->sleep.surroundings( s->memory, world, entity, bounds, hash );
+        rests = rests && s->sleep.surroundings( s->memory, world, entity, bounds, hash );
     }
     return rests;
 }
@@ -403,10 +511,9 @@ bool plan_registry_surroundings( const wisp_registry* r, wisp_world* world, wisp
 float plan_registry_reach( const wisp_registry* r, wisp_world* world, wisp_entity entity )
 {
     float reach = -1.0f;
-    for ( int i = 0; i < r->state_count; ++i )
+    EACH_HOOK( sleep.reach )
     {
-        const plan_state* s = r->states + i;
-        const float of_module = s->sleep.reach != NULL ? s->sleep.reach( s->memory, world, entity ) : -1.0f;
+        const float of_module = s->sleep.reach( s->memory, world, entity );
         reach = of_module > reach ? of_module : reach;
     }
     return reach;
@@ -414,32 +521,27 @@ float plan_registry_reach( const wisp_registry* r, wisp_world* world, wisp_entit
 
 void plan_registry_rested( const wisp_registry* r, wisp_world* world, wisp_entity entity )
 {
-    for ( int i = 0; i < r->state_count; ++i )
+    EACH_HOOK( sleep.rested )
     {
-        if ( r->states[i].sleep.rested != NULL )
-        {
-            r->states[i].sleep.rested( r->states[i].memory, world, entity );
-        }
+        s->sleep.rested( s->memory, world, entity );
     }
 }
 
 bool plan_registry_has_coarse( const wisp_registry* r, const wisp_world* world, wisp_entity entity )
 {
     bool found = false;
-    for ( int i = 0; i < r->state_count; ++i )
+    EACH_HOOK( detail.has_coarse )
     {
-        const plan_state* s = r->states + i;
-        found = found || ( s->detail.has_coarse != NULL && s->detail.has_coarse( s->memory, world, entity ) );
+        found = found || s->detail.has_coarse( s->memory, world, entity );
     }
     return found;
 }
 
 wisp_status plan_registry_prepare_detail( const wisp_registry* r, wisp_world* world, wisp_entity entity )
 {
-    for ( int i = 0; i < r->state_count; ++i )
+    EACH_HOOK( detail.prepare )
     {
-        const plan_state* s = r->states + i;
-        WISP_TRY( s->detail.prepare != NULL ? s->detail.prepare( s->memory, world, entity ) : WISP_OK );
+        WISP_TRY( s->detail.prepare( s->memory, world, entity ) );
     }
     return WISP_OK;
 }
@@ -447,12 +549,9 @@ wisp_status plan_registry_prepare_detail( const wisp_registry* r, wisp_world* wo
 void plan_registry_detail_changed( const wisp_registry* r, wisp_world* world, wisp_entity entity, wisp_detail from,
                                    wisp_detail to )
 {
-    for ( int i = 0; i < r->state_count; ++i )
+    EACH_HOOK( detail.changed )
     {
-        if ( r->states[i].detail.changed != NULL )
-        {
-            r->states[i].detail.changed( r->states[i].memory, world, entity, from, to );
-        }
+        s->detail.changed( s->memory, world, entity, from, to );
     }
 }
 

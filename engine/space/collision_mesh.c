@@ -1,8 +1,7 @@
 // Triangle meshes for queries: surface, search and results.
 #include "collision_mesh_embree.h"
 #include "mesh_bvh.h"
-#include "mesh_cells.h"
-#include "mesh_features.h"
+#include "mesh_surface.h"
 
 #include "alloc.h"
 
@@ -132,17 +131,17 @@ wisp_vec3 wisp_collision_mesh_motion( const wisp_collision_mesh* tree, int32_t t
                                       float begin, float end )
 {
     const mesh_surface* s = &tree->surface;
-    float way[3] = { 0.0f, 0.0f, 0.0f };
+    float displacement[3] = { 0.0f, 0.0f, 0.0f };
     for ( int corner = 0; corner < 3 && s->start != NULL; ++corner )
     {
         const size_t quad = 4 * (size_t)s->triangles[3 * (size_t)triangle + (size_t)corner];
         for ( size_t k = 0; k < 3; ++k )
         {
-            way[k] += weights[corner] * ( s->xyzw[quad + k] - s->start[quad + k] );
+            displacement[k] += weights[corner] * ( s->xyzw[quad + k] - s->start[quad + k] );
         }
     }
     const float fraction = end - begin;
-    return ( wisp_vec3 ){ fraction * way[0], fraction * way[1], fraction * way[2] };
+    return ( wisp_vec3 ){ fraction * displacement[0], fraction * displacement[1], fraction * displacement[2] };
 }
 
 // ---- edges and corners ----

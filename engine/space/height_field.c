@@ -4,7 +4,7 @@
 // the row and the column of the point can be the nearest.
 #include "solid.h"
 
-#include "mesh_features.h"
+#include "mesh_bvh.h"
 
 #include "wisp/module/collision_mesh.h"
 

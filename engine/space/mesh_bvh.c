@@ -263,12 +263,13 @@ static void refit_leaf( const mesh_bvh* bvh, int leaf, float widening )
             quads[child] = 4 * s->triangles[3 * t + corner];
         }
         const lane8v end = load_corners( s->xyzw, quads ),
-                     start = s->start != NULL ? load_corners( s->start, quads ) : end, way = lane8v_sub( end, start );
+                     start = s->start != NULL ? load_corners( s->start, quads ) : end,
+                     displacement = lane8v_sub( end, start );
         store_corner( kept->start + 3 * corner, start );
-        store_corner( kept->way + 3 * corner, way );
+        store_corner( kept->displacement + 3 * corner, displacement );
         lower = smaller( lower, smaller( start, end ) );
         upper = larger( upper, larger( start, end ) );
-        farthest = lane8_max( farthest, lane8v_dot( way, way ) );
+        farthest = lane8_max( farthest, lane8v_dot( displacement, displacement ) );
     }
     lane8_storeu( kept->shift, lane8_mul( lane8_set1( 1.00001f ), lane8_sqrt( farthest ) ) );
     const lane8v wide = lane8v_set1( ( wisp_vec3 ){ widening, widening, widening } );

@@ -58,11 +58,11 @@ static void set_limits( const mesh_closest* search, closest_limits* limits )
 LANE_INLINE lane8v corner_of( const mesh_bvh_leaf* leaf, int corner, lane8 time, const lane8 p[3] )
 {
     const float( *start )[MESH_BVH_WIDTH] = leaf->start + 3 * corner;
-    const float( *way )[MESH_BVH_WIDTH] = leaf->way + 3 * corner;
+    const float( *displacement )[MESH_BVH_WIDTH] = leaf->displacement + 3 * corner;
     lane8 x[3];
     for ( int k = 0; k < 3; ++k )
     {
-        x[k] = lane8_sub( lane8_mul_add( time, lane8_loadu( way[k] ), lane8_loadu( start[k] ) ), p[k] );
+        x[k] = lane8_sub( lane8_mul_add( time, lane8_loadu( displacement[k] ), lane8_loadu( start[k] ) ), p[k] );
     }
     return ( lane8v ){ x[0], x[1], x[2] };
 }

@@ -1,4 +1,4 @@
-#include "mesh_cells.h"
+#include "mesh_surface.h"
 
 #include "alloc.h"
 #include "mesh_search.h"

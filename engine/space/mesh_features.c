@@ -2,7 +2,7 @@
 // to the lowest of its triangles, a corner likewise, so that each is found once. Where two faces lie in one plane, or form a valley,
 // their edge touches nothing that they do not touch. Of a rigid mesh such edges, and corners with nothing but them, are left out when the
 // features are built; of one that deforms the sides of an edge tell it.
-#include "mesh_features.h"
+#include "mesh_bvh.h"
 
 #include "alloc.h"
 

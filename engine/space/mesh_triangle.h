@@ -3,7 +3,7 @@
 /// that both triangles get the same bits.
 #pragma once
 
-#include "double3.h"
+#include "wisp/module/double3.h"
 
 /// Minimum squared sine of an angle of a triangle with a normal; below it the triangle counts as a line.
 #define TRIANGLE_FLAT 1e-20

@@ -3,7 +3,7 @@
 #include "samples_parts.h"
 
 #include "alloc.h"
-#include "double3.h"
+#include "wisp/module/double3.h"
 
 #include <float.h>
 #include <math.h>
@@ -240,7 +240,7 @@ static void lay_memory( layout* l, const wisp_samples_args* args, samples_memory
     m->changed = take( l, edges + triangles, 1 );
     m->pair_x4 = take( l, ( edges + 7 ) / 8, sizeof( *m->pair_x4 ) );
     m->corner_x4 = take( l, ( triangles + 7 ) / 8, sizeof( *m->corner_x4 ) );
-    m->tallies = take( l, blocks, sizeof( samples_tally ) );
+    m->counts = take( l, blocks, sizeof( samples_counts ) );
     m->block_begin = take( l, blocks, sizeof( int64_t ) );
     m->around_begin = take( l, edges + 1, sizeof( int32_t ) );
     m->around = take( l, 3 * triangles, sizeof( int32_t ) );
@@ -481,7 +481,7 @@ static totals count_all( samples_update* u, const wisp_parallel* parallel )
     wisp_parallel_for( parallel, blocks, 1, samples_count_block, u );
     for ( int b = 0; b < blocks; ++b )
     {
-        const samples_tally* t = u->memory->tallies + b;
+        const samples_counts* t = u->memory->counts + b;
         sum.edge_points = b == u->edge_blocks ? sum.points : sum.edge_points;
         u->memory->block_begin[b] = sum.points;
         sum.points += t->points;

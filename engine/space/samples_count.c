@@ -110,7 +110,7 @@ static void samples_keep_triangle( const samples_update* u, int triangle )
 
 // ---- elements ----
 
-static void count_edge( const samples_update* u, int e, samples_tally* tally )
+static void count_edge( const samples_update* u, int e, samples_counts* counts )
 {
     const wisp_samples_args* args = u->args;
     samples_memory* m = u->memory;
@@ -118,11 +118,11 @@ static void count_edge( const samples_update* u, int e, samples_tally* tally )
     float kept = 0.0f;
     if ( samples_measure_edge( args, e, &length ) == false )
     {
-        tally->skipped += 1;
+        counts->skipped += 1;
     }
     else if ( !( length <= u->most ) )
     {
-        tally->beyond += length;
+        counts->beyond += length;
     }
     else
     {
@@ -137,7 +137,7 @@ static void count_edge( const samples_update* u, int e, samples_tally* tally )
     m->next[e] = (int32_t)points;
     m->edges.next_extent[e] = kept;
     m->changed[e] = m->needs_resampling || m->next[e] != m->begin[e + 1] - m->begin[e];
-    tally->changed += m->changed[e];
+    counts->changed += m->changed[e];
     if ( m->changed[e] == 0 )
     {
         args->edge_length[e] = m->edges.extent[e] = kept;
@@ -218,7 +218,7 @@ static void remember_triangle( const samples_update* u, int t, const samples_ext
     kept[1] = stays ? before[1] : (float)now->height;
 }
 
-static void count_triangle( const samples_update* u, int t, samples_tally* tally )
+static void count_triangle( const samples_update* u, int t, samples_counts* counts )
 {
     const wisp_samples_args* args = u->args;
     samples_memory* m = u->memory;
@@ -233,13 +233,13 @@ static void count_triangle( const samples_update* u, int t, samples_tally* tally
     const double estimate = 0.5 * now.base * now.height;
     if ( finite == false )
     {
-        tally->skipped += 1;
+        counts->skipped += 1;
         now = ( samples_extent ){ 0 };
         same = m->begin[element + 1] == m->begin[element];
     }
     else if ( !( estimate <= u->most ) )
     {
-        tally->beyond += estimate;
+        counts->beyond += estimate;
     }
     else
     {
@@ -258,7 +258,7 @@ static void count_triangle( const samples_update* u, int t, samples_tally* tally
     m->next[element] = points < (double)INT32_MAX ? (int32_t)points : INT32_MAX;
     g->next_axis[t] = now.axis;
     m->changed[element] = m->needs_resampling || same == false;
-    tally->changed += m->changed[element];
+    counts->changed += m->changed[element];
     if ( m->changed[element] == 0 )
     {
         commit_triangle( u, t );
@@ -315,10 +315,10 @@ static void mark_unchanged( const samples_update* u, samples_group* g, int begin
     }
 }
 
-static samples_tally count_group( const samples_update* u, samples_group* g, int begin, int end )
+static samples_counts count_group( const samples_update* u, samples_group* g, int begin, int end )
 {
     samples_memory* m = u->memory;
-    samples_tally tally = { 0 };
+    samples_counts counts = { 0 };
     memset( g->held + begin / 8, 0, (size_t)( ( end - begin + 7 ) / 8 ) );
     memset( m->changed + g->first + begin, 0, (size_t)( end - begin ) );
     memcpy( m->next + g->first + begin, g->points + begin, (size_t)( end - begin ) * sizeof( int32_t ) );
@@ -331,14 +331,14 @@ static samples_tally count_group( const samples_update* u, samples_group* g, int
         }
         else if ( ( g->held[i / 8] >> i % 8 & 1 ) == 0 )
         {
-            ( g == &m->edges ? count_edge : count_triangle )( u, i, &tally );
+            ( g == &m->edges ? count_edge : count_triangle )( u, i, &counts );
         }
     }
     for ( int i = begin; i < end; ++i )
     {
-        tally.points += m->next[g->first + i];
+        counts.points += m->next[g->first + i];
     }
-    return tally;
+    return counts;
 }
 
 void samples_count_block( void* context, int begin, int end, int worker )
@@ -351,7 +351,7 @@ void samples_count_block( void* context, int begin, int end, int worker )
         samples_group* g = edges ? &u->memory->edges : &u->memory->triangles;
         const int first = ( edges ? block : block - u->edge_blocks ) * SAMPLES_BLOCK;
         const int last = first + SAMPLES_BLOCK < g->count ? first + SAMPLES_BLOCK : g->count;
-        u->memory->tallies[block] = count_group( u, g, first, last );
+        u->memory->counts[block] = count_group( u, g, first, last );
     }
 }
 

@@ -19,12 +19,12 @@ typedef struct samples_points
 } samples_points;
 
 /// Totals of one block of elements.
-typedef struct samples_tally
+typedef struct samples_counts
 {
     int64_t points;
     double beyond; // estimated number of points of elements that have too many to be counted
     int changed, skipped;
-} samples_tally;
+} samples_counts;
 
 /// State of edges or of triangles: values of the last update, and the bounds of extents within which counts stay.
 /// Arrays are padded to slices of eight.
@@ -57,7 +57,7 @@ typedef struct samples_memory
     uint8_t* changed; // [elements]
     int32_t ( *pair_x4 )[2][8];
     int32_t ( *corner_x4 )[3][8];
-    samples_tally* tallies; // [block]
+    samples_counts* counts; // [block]
     int64_t* block_begin;   // [block]
     int32_t* around_begin;  // [edge + 1] first triangle at each edge
     int32_t* around;

@@ -1,7 +1,7 @@
 // Closest points and entries of solids that are more than a few numbers. Coordinates are finite.
 #pragma once
 
-#include "double3.h"
+#include "wisp/module/double3.h"
 
 #include "wisp/module/shapes.h"
 

@@ -183,6 +183,6 @@ typedef struct sleep_box
 bool sleep_find_bounds( const wisp_world* world, const store_entity* e, float seconds, wisp_sleep_bounds* out );
 
 /// Entities that are still stir where one that is not reaches them, until none does.
-/// @param room sleep_stir_bytes()
-void sleep_stir( sleep_box* boxes, int count, void* room );
-size_t sleep_stir_bytes( int count );
+/// @param room sleep_wake_bytes()
+void sleep_wake_touched( sleep_box* boxes, int count, void* room );
+size_t sleep_wake_bytes( int count );

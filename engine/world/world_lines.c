@@ -37,8 +37,8 @@ static void add_link_line( wisp_line_list* list, wisp_entity entity, wisp_vec3 f
 {
     const float strain = rest > 0.0f ? wisp_v3_length( wisp_v3_sub( to, from ) ) / rest - 1.0f : 0.0f;
     const float share = fminf( fabsf( strain ) / LARGE_STRAIN, 1.0f );
-    const wisp_vec3 way = wisp_v3_sub( strain > 0.0f ? RED : BLUE, GREY );
-    wisp_add_line( list, entity, from, to, wisp_v3_mul_add( GREY, share, way ) );
+    const wisp_vec3 change = wisp_v3_sub( strain > 0.0f ? RED : BLUE, GREY );
+    wisp_add_line( list, entity, from, to, wisp_v3_mul_add( GREY, share, change ) );
 }
 
 // @param weight 1/kg, inverse mass

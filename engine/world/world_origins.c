@@ -168,7 +168,7 @@ static bool can_move( const store_entity* e )
 }
 
 // Return how far poses take a point of an entity in the coming step: a head that jumps has its digits where it goes.
-static wisp_vec3 find_way( const wisp_world* world, const store_entity* e, wisp_vec3 point )
+static wisp_vec3 find_displacement( const wisp_world* world, const store_entity* e, wisp_vec3 point )
 {
     const int column = world->plan.entities[e - world->store.entities].pose;
     const plan_place_column* place = world->registry.places + column;
@@ -191,13 +191,13 @@ static bool find_bounds( const wisp_world* world, const store_entity* e, origin_
     const wisp_vec3 middle = { 0.5f * bounds.lower[0] + 0.5f * bounds.upper[0],
                                0.5f * bounds.lower[1] + 0.5f * bounds.upper[1],
                                0.5f * bounds.lower[2] + 0.5f * bounds.upper[2] };
-    const wisp_vec3 way = find_way( world, e, middle );
-    const double ways[3] = { (double)way.x, (double)way.y, (double)way.z };
+    const wisp_vec3 displacement = find_displacement( world, e, middle );
+    const double displacements[3] = { (double)displacement.x, (double)displacement.y, (double)displacement.z };
     bool is_bounded = true;
     for ( int k = 0; k < 3; ++k )
     {
-        out->lower[k] = origin[k] + (double)bounds.lower[k] + ways[k];
-        out->upper[k] = origin[k] + (double)bounds.upper[k] + ways[k];
+        out->lower[k] = origin[k] + (double)bounds.lower[k] + displacements[k];
+        out->upper[k] = origin[k] + (double)bounds.upper[k] + displacements[k];
         is_bounded = is_bounded && (double)bounds.lower[k] > -LIMITLESS && (double)bounds.upper[k] < LIMITLESS;
     }
     return is_bounded;
@@ -340,7 +340,7 @@ const float* world_find_vertex( const wisp_world* world, const store_entity* e, 
 static bool is_out_of_reach( const wisp_world* world, const store_entity* e, wisp_vec3 vertex )
 {
     const float reach = (float)( is_zero( e->offset ) ? HOME_REACH : REACH );
-    const wisp_vec3 p = wisp_v3_add( vertex, find_way( world, e, vertex ) );
+    const wisp_vec3 p = wisp_v3_add( vertex, find_displacement( world, e, vertex ) );
     return !( fabsf( p.x ) <= reach && fabsf( p.y ) <= reach && fabsf( p.z ) <= reach );
 }
 

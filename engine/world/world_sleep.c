@@ -141,11 +141,11 @@ static wisp_sleep_bounds sleep_bounds_of( const passes_sleep* state )
     return bounds;
 }
 
-// Return room for a box of each slot, and for sleep_stir() behind them; null without memory.
+// Return room for a box of each slot, and for sleep_wake_touched() behind them; null without memory.
 static sleep_box* sleep_reserve_boxes( wisp_world* world )
 {
     const int count = world->store.entity_count;
-    const size_t bytes = (size_t)count * sizeof( sleep_box ) + sleep_stir_bytes( count );
+    const size_t bytes = (size_t)count * sizeof( sleep_box ) + sleep_wake_bytes( count );
     return base_buffer_reserve( &world->allocator, &world->sleep.boxes, bytes ) ? world->sleep.boxes.data : NULL;
 }
 
@@ -183,15 +183,15 @@ static float pair_reach( const sleep_box* a, const sleep_box* b )
 }
 
 // An entity by where it begins along an axis, and how far any of those before it and itself go.
-typedef struct stir_place
+typedef struct sleep_place
 {
     float begin, end;
     int32_t slot;
-} stir_place;
+} sleep_place;
 
 static int compare_places( const void* a, const void* b )
 {
-    const stir_place *x = a, *y = b;
+    const sleep_place *x = a, *y = b;
     const int order = ( x->begin > y->begin ) - ( x->begin < y->begin );
     return order != 0 ? order : ( x->slot > y->slot ) - ( x->slot < y->slot );
 }
@@ -220,7 +220,7 @@ static int find_axis( const sleep_box* boxes, int count )
 }
 
 // List those that are still, in ascending order. @return how many; `reach` receives the largest of their own parts of a pair
-static int list_still( const sleep_box* boxes, int count, int axis, stir_place* places, float* reach )
+static int list_still( const sleep_box* boxes, int count, int axis, sleep_place* places, float* reach )
 {
     static const sleep_box NO_REACH = { .reach = 0.0f };
     int found = 0;
@@ -229,7 +229,7 @@ static int list_still( const sleep_box* boxes, int count, int axis, stir_place* 
     {
         if ( boxes[i].is_still && boxes[i].reach >= 0.0f )
         {
-            places[found++] = ( stir_place ){ boxes[i].bounds.lower[axis], boxes[i].bounds.upper[axis], i };
+            places[found++] = ( sleep_place ){ boxes[i].bounds.lower[axis], boxes[i].bounds.upper[axis], i };
             *reach = fmaxf( *reach, pair_reach( boxes + i, &NO_REACH ) );
         }
     }
@@ -242,7 +242,7 @@ static int list_still( const sleep_box* boxes, int count, int axis, stir_place* 
 }
 
 // Return the number of places that begin no later.
-static int count_begun( const stir_place* places, int count, float at )
+static int count_begun( const sleep_place* places, int count, float at )
 {
     int lower = 0, upper = count;
     while ( lower < upper )
@@ -260,16 +260,16 @@ static int count_begun( const stir_place* places, int count, float at )
     return lower;
 }
 
-size_t sleep_stir_bytes( int count )
+size_t sleep_wake_bytes( int count )
 {
-    return (size_t)count * ( sizeof( stir_place ) + sizeof( int32_t ) );
+    return (size_t)count * ( sizeof( sleep_place ) + sizeof( int32_t ) );
 }
 
 // Each that is not still stirs those that it reaches, once. They are looked for along one axis, backwards from where it ends, until none
 // of those before comes as far.
-void sleep_stir( sleep_box* boxes, int count, void* room )
+void sleep_wake_touched( sleep_box* boxes, int count, void* room )
 {
-    stir_place* places = room;
+    sleep_place* places = room;
     int32_t* queue = (int32_t*)( places + count );
     float still_reach;
     const int axis = find_axis( boxes, count );
@@ -380,7 +380,7 @@ static void wake_reached( wisp_world* world )
         {
             boxes[slot].is_still = world->store.entities[slot].sleep != STORE_AWAKE;
         }
-        sleep_stir( boxes, count, boxes + count );
+        sleep_wake_touched( boxes, count, boxes + count );
     }
     for ( int slot = 0; slot < count; ++slot )
     {
@@ -505,7 +505,7 @@ void world_sleep_end( wisp_world* world )
         return;
     }
     sleep_fill_boxes( world, boxes );
-    sleep_stir( boxes, world->store.entity_count, boxes + world->store.entity_count );
+    sleep_wake_touched( boxes, world->store.entity_count, boxes + world->store.entity_count );
     for ( int slot = 0; slot < world->store.entity_count; ++slot )
     {
         if ( boxes[slot].is_still && world->store.entities[slot].sleep == STORE_AWAKE )

@@ -47,13 +47,10 @@ static void unpack_points( wisp_frame* frame, const wisp_span* span, void* user 
 wisp_status world_declare_strands( wisp_registry* registry )
 {
     return wisp_declare_pass( registry, &( wisp_pass ){
-                                            .name = "strands.points",
-                                            .stage = WISP_STAGE_OBSERVE,
-                                            .domain = WISP_DOMAIN_STRAND_GROUP,
+                                            WISP_PASS( "strands.points", OBSERVE, STRAND_GROUP, unpack_points ),
                                             .required = { WISP_STRAND_POSITION },
                                             .reads = { WISP_STRAND_POSITION },
                                             .writes = { WISP_STRAND_POINTS },
-                                            .run = unpack_points,
                                             .detail = WISP_PASS_WITHOUT_MOTION,
                                             .on_change = WISP_STRAND_POSITION,
                                         } );

@@ -105,7 +105,7 @@ typedef struct table_change
 } table_change;
 
 // @return false without memory: rows are as they were
-static bool carry_rows( store* s, store_entity* e, table_change changes[TABLES] )
+static bool move_rows( store* s, store_entity* e, table_change changes[TABLES] )
 {
     bool done = true;
     for ( int t = 0; t < TABLES && done; ++t )
@@ -178,8 +178,8 @@ static wisp_status out_of_memory( wisp_world* world, wisp_entity surface )
     return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for other triangles of entity %u", surface.index );
 }
 
-static wisp_status carry( wisp_world* world, wisp_entity surface, store_entity* e, wisp_fabric* to,
-                          const int32_t* parents )
+static wisp_status move_rows_of_edges( wisp_world* world, wisp_entity surface, store_entity* e, wisp_fabric* to,
+                                       const int32_t* parents )
 {
     fabric_origins origins;
     if ( wisp_fabric_need( e->fabric, WISP_FABRIC_EDGES | WISP_FABRIC_HINGES ) != WISP_OK ||
@@ -192,7 +192,7 @@ static wisp_status carry( wisp_world* world, wisp_entity surface, store_entity* 
         { .table = WISP_TABLE_LINK, .count = to->link_order.slot_count, .origins = origins.links },
         { .table = WISP_TABLE_HINGE, .count = to->hinge_order.slot_count, .origins = origins.hinges },
     };
-    const bool done = carry_rows( &world->store, e, changes );
+    const bool done = move_rows( &world->store, e, changes );
     for ( int t = 0; t < TABLES; ++t )
     {
         base_release( &world->allocator, changes[t].kept.data, changes[t].kept.bytes );
@@ -215,7 +215,7 @@ wisp_status wisp_world_change_triangles( wisp_world* world, wisp_entity surface,
     }
     int copies = 0;
     const bool keeps_points = world->blend.structure == world->store.structure;
-    status = carry( world, surface, e, to, parents );
+    status = move_rows_of_edges( world, surface, e, to, parents );
     if ( status != WISP_OK )
     {
         wisp_fabric_release( to );

@@ -263,10 +263,10 @@ static wisp_transform motion_to_host( const store_entity* e, wisp_transform moti
     return ( wisp_transform ){ pose.rotation, wisp_v3_sub( pose.translation, turned( pose.rotation, e->offset ) ) };
 }
 
-static float far_of( float way )
+static float far_of( float displacement )
 {
     const float longest = 16.0f; // m, that rows go
-    return fabsf( way ) > longest && fabsf( way ) <= 2.0f * FARTHEST ? rintf( way ) : 0.0f;
+    return fabsf( displacement ) > longest && fabsf( displacement ) <= 2.0f * FARTHEST ? rintf( displacement ) : 0.0f;
 }
 
 // Return the motion of rows. On a long way their origin goes along, so that they keep their digits.
@@ -280,8 +280,8 @@ static wisp_teleport_motion teleport_of_rows( const wisp_world* world, const sto
     if ( p != NULL )
     {
         const wisp_vec3 at = { p[0], p[coordinate], p[2 * coordinate] };
-        const wisp_vec3 way = wisp_v3_sub( wisp_transform_to_world( to, at ), wisp_v3_sub( at, e->offset ) );
-        teleport.far = ( wisp_vec3 ){ far_of( way.x ), far_of( way.y ), far_of( way.z ) };
+        const wisp_vec3 displacement = wisp_v3_sub( wisp_transform_to_world( to, at ), wisp_v3_sub( at, e->offset ) );
+        teleport.far = ( wisp_vec3 ){ far_of( displacement.x ), far_of( displacement.y ), far_of( displacement.z ) };
     }
     teleport.motion.translation = wisp_v3_sub( wisp_to_rows( to.translation, e->offset ), teleport.far );
     return teleport;

@@ -5,8 +5,7 @@
 
 #include <string.h>
 
-#define ATTACHMENTS_PLACE_COLUMNS( X ) X( attachments_place, place, 1 )
-static const wisp_column_def PLACE_COLUMNS[] = { ATTACHMENTS_PLACE_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def PLACE_COLUMNS[] = { WISP_COLUMN( attachments_place, place, 1 ) };
 
 static void release_state( void* memory, const wisp_allocator* allocator )
 {
@@ -84,13 +83,10 @@ static wisp_status declare( wisp_registry* r )
     WISP_TRY( wisp_declare_indices( r, ranges, WISP_COUNT( ranges ) ) );
     const wisp_pass passes[] = {
         {
-            .name = "attachments.follow",
-            .stage = WISP_STAGE_INPUT,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "attachments.follow", INPUT, ENTITY, attachments_follow ),
             .required = { state->place },
             .reads = { state->place, WISP_PARTICLE_POSITION },
             .writes = { WISP_PARTICLE_TARGET },
-            .run = attachments_follow,
             .detail = WISP_PASS_WITHOUT_MOTION,
         },
     };

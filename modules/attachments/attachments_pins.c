@@ -56,44 +56,13 @@ static wisp_vec3 point_of( const corners* t, const float weights[3] )
 
 // ---- the pass ----
 
-// Columns of another surface.
-typedef struct source
-{
-    wisp_entity entity;
-    const float *position, *velocity, *target; // the latter two may be null
-} source;
-
-static source open_source( wisp_frame* frame, wisp_entity to )
-{
-    // one that is not solved goes along with something
-    const bool is_halted =
-        wisp_frame_is_halted( frame, to ) && wisp_frame_detail( frame, to ).level != WISP_DETAIL_NOTHING;
-    return ( source ){
-        .entity = to,
-        .position = wisp_frame_column( frame, to, WISP_PARTICLE_POSITION, 0 ),
-        .velocity = is_halted ? NULL : wisp_frame_column( frame, to, WISP_PARTICLE_VELOCITY, 0 ),
-        .target = is_halted ? NULL : wisp_frame_column( frame, to, WISP_PARTICLE_TARGET, 0 ),
-    };
-}
-
-static wisp_vec3 end_of( const source* s, int32_t slot, float seconds )
-{
-    const size_t quad = (size_t)slot * 4;
-    const wisp_vec3 at = wisp_v3_load( s->position + quad );
-    if ( s->position[quad + 3] > 0.0f )
-    {
-        return s->velocity != NULL ? wisp_v3_mul_add( at, seconds, wisp_v3_load( s->velocity + quad ) ) : at;
-    }
-    return s->target != NULL && s->target[quad + 3] != 0.0f ? wisp_v3_load( s->target + quad ) : at;
-}
-
-static void follow( const source* s, const attachments_place* place, float seconds, float* target )
+static void follow( const wisp_surface_motion* m, const attachments_place* place, float* target )
 {
     corners t;
     axes r;
     for ( int k = 0; k < 3; ++k )
     {
-        t.at[k] = end_of( s, place->corner[k], seconds );
+        t.at[k] = wisp_surface_motion_end( m, place->corner[k] );
     }
     if ( find_axes( &t, &r ) == false )
     {
@@ -120,7 +89,8 @@ void attachments_follow( wisp_frame* frame, const wisp_span* span, void* user )
     const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     float* target = wisp_frame_column( frame, span->entity, WISP_PARTICLE_TARGET, 0 );
     const float seconds = wisp_frame_dt( frame, span->entity ) * (float)wisp_frame_substeps( frame, span->entity );
-    source s = { .entity = { 0, 0 } };
+    wisp_entity of = { 0, 0 };
+    wisp_surface_motion m = { 0 };
     for ( int slot = 0; slot < fabric->slot_count; ++slot )
     {
         if ( place[slot].to.index == 0 )
@@ -132,11 +102,12 @@ void attachments_follow( wisp_frame* frame, const wisp_span* span, void* user )
             place[slot] = ( attachments_place ){ .to = { 0, 0 } }; // it was unpinned
             continue;
         }
-        if ( wisp_entity_equal( s.entity, place[slot].to ) == false )
+        if ( wisp_entity_equal( of, place[slot].to ) == false )
         {
-            s = open_source( frame, place[slot].to );
+            of = place[slot].to;
+            m = wisp_frame_surface_motion( frame, of, seconds );
         }
-        follow( &s, place + slot, seconds, target + (size_t)slot * 4 );
+        follow( &m, place + slot, target + (size_t)slot * 4 );
     }
 }
 

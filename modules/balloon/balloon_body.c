@@ -195,12 +195,6 @@ enum
 // rad: projections that seem to turn a body by more have crushed it, and the equation of small turns is not theirs.
 static const double TURN_MAX = 0.5;
 
-typedef struct turn_loop
-{
-    wisp_turn_args args;
-    const wisp_kernels* kernels;
-} turn_loop;
-
 static double determinant( const double a[3], const double b[3], const double c[3] )
 {
     return a[0] * ( b[1] * c[2] - b[2] * c[1] ) + a[1] * ( b[2] * c[0] - b[0] * c[2] ) +
@@ -237,12 +231,7 @@ static bool find_turn( const wisp_moments* m, double dt, double angle[3] )
     return angle[0] * angle[0] + angle[1] * angle[1] + angle[2] * angle[2] <= TURN_MAX * TURN_MAX;
 }
 
-static void turn_back( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const turn_loop* loop = context;
-    loop->kernels->turn( &loop->args, begin, end );
-}
+WISP_KERNEL_LOOP( turn_loop, turn_back, turn, wisp_turn_args, 1 )
 
 // Run once a substep, after the last projection of the skin. A body with a pinned vertex is left alone.
 void balloon_keep_angular( wisp_frame* frame, const wisp_span* span, void* user )

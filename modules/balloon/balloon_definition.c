@@ -135,7 +135,8 @@ static wisp_status check_mesh( wisp_world* world, const wisp_fabric* f, int32_t*
 
 // ---- components ----
 
-static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_balloon_def* d, const balloon_state* s )
+static wisp_status set_components( wisp_world* world, wisp_entity surface, const wisp_balloon_def* d,
+                                   const balloon_state* s )
 {
     const bool pbd = d->solver == WISP_SOLVER_PBD;
     const bool linked = wisp_world_has( world, surface, WISP_SURFACE_ELASTIC ) == false;
@@ -282,7 +283,7 @@ wisp_status wisp_set_balloon( wisp_world* world, wisp_entity surface, const wisp
     WISP_TRY( check_gas( world, def ) );
     WISP_TRY( check_outlet( world, wisp_world_fabric( world, surface ), def ) );
     WISP_TRY( check_skin( world, surface, def, state ) );
-    WISP_TRY( dress( world, surface, def, state ) );
+    WISP_TRY( set_components( world, surface, def, state ) );
     fill( world, surface, def, state );
     return WISP_OK;
 }

@@ -199,18 +199,7 @@ void balloon_read_pressure( wisp_frame* frame, const wisp_span* span, void* user
 
 // ---- the constraint ----
 
-typedef struct push_loop
-{
-    wisp_push_args args;
-    const wisp_kernels* kernels;
-} push_loop;
-
-static void push_slices( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const push_loop* loop = context;
-    loop->kernels->push( &loop->args, begin, end );
-}
+WISP_KERNEL_LOOP( push_loop, push_slices, push, wisp_push_args, 1 )
 
 // Change of lambda for C = V - V_0: a part k of the error, as printed, or the gas's compliance V_0 / P_atm.
 static double change_of_lambda( balloon_gas* gas, float fraction, wisp_ring_sums sums, double dt )

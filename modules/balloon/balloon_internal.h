@@ -65,22 +65,30 @@ typedef struct balloon_skin
     float edge_stiffness, bend_link_stiffness; // N/m, for tensions
 } balloon_skin;
 
+/// The components, a row each: X( member, "name", table, columns ).
+#define BALLOON_COMPONENTS( X )                                                                                      \
+    X( gas, "balloon.gas", ENTITY, WISP_COLUMN( balloon_gas, value, 1 ) ) /* marks a balloon */                      \
+    X( skin, "balloon.skin", ENTITY, WISP_COLUMN( balloon_skin, value, 1 ) )                                         \
+    X( inflation, "balloon.inflation", ENTITY, WISP_COLUMN( float, value, 1 ) ) /* m^3/s */                          \
+    X( volume, "balloon.volume", ENTITY, WISP_COLUMN( float, value, 1 ) )       /* (0, 1]; below 0: xpbd */          \
+    X( extent, "balloon.extent", ENTITY, WISP_COLUMN( balloon_extent, value, 1 ) )                                   \
+    X( rings, "balloon.rings", PARTICLE,                                                                             \
+       /* per particle: area vectors [slice][3][8], areas [slice][8] */ WISP_COLUMN( float, vectors, 3 ),            \
+       WISP_COLUMN( float, areas, 1 ) )                                                                              \
+    X( open_edge, "balloon.open_edge", PARTICLE,                                                                     \
+       /* present if the mesh has holes; per particle: balloon_loops */ WISP_COLUMN( int32_t, vertex, 1 ),           \
+       WISP_COLUMN( int32_t, size, 1 ) )                                                                             \
+    X( gauge, "balloon.gauge", ENTITY, WISP_COLUMN( balloon_gauge, value, 1 ) )                                      \
+    X( buoyancy, "balloon.buoyancy", ENTITY, WISP_NO_COLUMNS ) /* present if it acts */                              \
+    X( air, "balloon.air", ENTITY, WISP_COLUMN( balloon_air, value, 1 ) )                                            \
+    X( body, "balloon.body", ENTITY, WISP_COLUMN( balloon_body, value, 1 ) )                                         \
+    X( outlet, "balloon.outlet", ENTITY, WISP_COLUMN( balloon_outlet, value, 1 ) )                                   \
+    X( jet, "balloon.jet", ENTITY, WISP_NO_COLUMNS ) /* written by the outlet: there is a force */                   \
+    X( stats, "balloon.stats", ENTITY, WISP_COLUMN( wisp_balloon_stats, value, 1 ) )
+
 typedef struct balloon_state
 {
-    wisp_component gas;       // marks a balloon
-    wisp_component skin;      // balloon_skin
-    wisp_component inflation; // float rate, m^3/s
-    wisp_component volume;    // float share, in (0, 1]; negative: xpbd
-    wisp_component extent;    // balloon_extent
-    wisp_component rings;     // per particle: area vectors [slice][3][8], areas [slice][8]
-    wisp_component open_edge; // present if the mesh has holes; per particle: balloon_loops
-    wisp_component gauge;     // balloon_gauge
-    wisp_component buoyancy;  // present if it acts
-    wisp_component air;       // balloon_air
-    wisp_component body;      // balloon_body
-    wisp_component outlet;    // balloon_outlet
-    wisp_component jet;       // written by the outlet: there is a force
-    wisp_component stats;     // wisp_balloon_stats
+    BALLOON_COMPONENTS( WISP_COMPONENT_MEMBER )
 } balloon_state;
 
 /// Loops of open edges, concatenated: vertices along the triangles of the skin, each loop from its lowest slot, loops in

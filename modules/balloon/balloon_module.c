@@ -5,49 +5,13 @@
 
 #include <math.h>
 
-#define ONE_COLUMN( name, type ) static const wisp_column_def name##_COLUMNS[] = { { "value", sizeof( type ) } };
-ONE_COLUMN( GAS, balloon_gas )
-ONE_COLUMN( SKIN, balloon_skin )
-ONE_COLUMN( INFLATION, float )
-ONE_COLUMN( VOLUME, float )
-ONE_COLUMN( EXTENT, balloon_extent )
-ONE_COLUMN( GAUGE, balloon_gauge )
-ONE_COLUMN( AIR, balloon_air )
-ONE_COLUMN( BODY, balloon_body )
-ONE_COLUMN( OUTLET, balloon_outlet )
-ONE_COLUMN( STATS, wisp_balloon_stats )
-#undef ONE_COLUMN
-static const wisp_column_def RING_COLUMNS[] = { { "vectors", 3 * sizeof( float ) }, { "areas", sizeof( float ) } };
-static const wisp_column_def BORDER_COLUMNS[] = { { "vertex", sizeof( int32_t ) }, { "size", sizeof( int32_t ) } };
+BALLOON_COMPONENTS( WISP_COMPONENT_COLUMNS )
 
 // ---- components and passes ----
 
 static wisp_status declare_components( wisp_registry* r, balloon_state* s )
 {
-    const struct
-    {
-        wisp_component* out;
-        wisp_component_def def;
-    } all[] = {
-        { &s->gas, { "balloon.gas", WISP_TABLE_ENTITY, GAS_COLUMNS, 1 } },
-        { &s->skin, { "balloon.skin", WISP_TABLE_ENTITY, SKIN_COLUMNS, 1 } },
-        { &s->inflation, { "balloon.inflation", WISP_TABLE_ENTITY, INFLATION_COLUMNS, 1 } },
-        { &s->volume, { "balloon.volume", WISP_TABLE_ENTITY, VOLUME_COLUMNS, 1 } },
-        { &s->extent, { "balloon.extent", WISP_TABLE_ENTITY, EXTENT_COLUMNS, 1 } },
-        { &s->rings, { "balloon.rings", WISP_TABLE_PARTICLE, RING_COLUMNS, 2 } },
-        { &s->open_edge, { "balloon.open_edge", WISP_TABLE_PARTICLE, BORDER_COLUMNS, 2 } },
-        { &s->gauge, { "balloon.gauge", WISP_TABLE_ENTITY, GAUGE_COLUMNS, 1 } },
-        { &s->buoyancy, { "balloon.buoyancy", WISP_TABLE_ENTITY, NULL, 0 } },
-        { &s->air, { "balloon.air", WISP_TABLE_ENTITY, AIR_COLUMNS, 1 } },
-        { &s->body, { "balloon.body", WISP_TABLE_ENTITY, BODY_COLUMNS, 1 } },
-        { &s->outlet, { "balloon.outlet", WISP_TABLE_ENTITY, OUTLET_COLUMNS, 1 } },
-        { &s->jet, { "balloon.jet", WISP_TABLE_ENTITY, NULL, 0 } },
-        { &s->stats, { "balloon.stats", WISP_TABLE_ENTITY, STATS_COLUMNS, 1 } },
-    };
-    for ( int i = 0; i < WISP_COUNT( all ); ++i )
-    {
-        *all[i].out = wisp_declare_component( r, &all[i].def );
-    }
+    BALLOON_COMPONENTS( WISP_COMPONENT_DECLARE )
     const wisp_index_range ranges[] = {
         { .component = s->open_edge, .kind = WISP_INDEX_SAME },
         { .component = s->open_edge, .column = 1, .kind = WISP_INDEX_SAME },
@@ -114,34 +78,30 @@ static wisp_status declare_passes( wisp_registry* r, balloon_state* s )
           .reads = { x, v, s->gas, s->extent, s->rings, s->gauge, s->body },
           .writes = { s->stats },
           .run = balloon_take_stats },
-        { .name = "balloon.drag",
-          .stage = WISP_STAGE_FORCE,
-          .domain = WISP_DOMAIN_PARTICLE_BLOCK,
-          .required = { s->air },
-          .reads = { x, v, s->air, s->rings },
-          .writes = { v },
-          .run = balloon_drag },
-        { .name = "balloon.buoyancy",
-          .stage = WISP_STAGE_FORCE,
-          .domain = WISP_DOMAIN_PARTICLE_BLOCK,
-          .required = { s->buoyancy, g },
-          .reads = { x, v, g, s->gas, s->extent, s->body },
-          .writes = { v },
-          .run = balloon_float },
-        { .name = "balloon.jet",
-          .stage = WISP_STAGE_FORCE,
-          .domain = WISP_DOMAIN_PARTICLE_BLOCK,
-          .required = { s->outlet },
-          .reads = { x, v, s->jet, s->outlet, s->body },
-          .writes = { v },
-          .run = balloon_jet },
-        { .name = "balloon.spin",
-          .stage = WISP_STAGE_FORCE,
-          .domain = WISP_DOMAIN_PARTICLE_BLOCK,
-          .required = { s->outlet },
-          .reads = { x, v, s->jet, s->outlet, s->body },
-          .writes = { v },
-          .run = balloon_kick },
+        {
+            WISP_PASS( "balloon.drag", FORCE, PARTICLE_BLOCK, balloon_drag ),
+            .required = { s->air },
+            .reads = { x, v, s->air, s->rings },
+            .writes = { v },
+        },
+        {
+            WISP_PASS( "balloon.buoyancy", FORCE, PARTICLE_BLOCK, balloon_float ),
+            .required = { s->buoyancy, g },
+            .reads = { x, v, g, s->gas, s->extent, s->body },
+            .writes = { v },
+        },
+        {
+            WISP_PASS( "balloon.jet", FORCE, PARTICLE_BLOCK, balloon_jet ),
+            .required = { s->outlet },
+            .reads = { x, v, s->jet, s->outlet, s->body },
+            .writes = { v },
+        },
+        {
+            WISP_PASS( "balloon.spin", FORCE, PARTICLE_BLOCK, balloon_kick ),
+            .required = { s->outlet },
+            .reads = { x, v, s->jet, s->outlet, s->body },
+            .writes = { v },
+        },
         { .name = "balloon.volume",
           .stage = WISP_STAGE_PROJECT,
           .required = { s->gas, s->volume },

@@ -24,16 +24,25 @@ typedef struct boundary_layer
     bool is_early;      // the points are those of a read before that step, which must not change what the step does
 } boundary_layer;
 
+/// The components, a row each: X( member, "name", table, columns ).
+#define BOUNDARY_COMPONENTS( X )                                                                                     \
+    X( settings, "boundary.settings", ENTITY, WISP_COLUMN( boundary_settings, settings, 1 ) )                        \
+    X( normals, "boundary.normals", PARTICLE,                                                                        \
+       WISP_COLUMN( float, normal, 4 ) ) /* mean of unit normals around, unit or 0 */                                \
+    X( edges, "boundary.edges", EDGE,                                                                                \
+       /* counts of edges, and their spacing */ WISP_COLUMN( float, spacing, 1 ), /* m, 0 without a criterion */     \
+       WISP_COLUMN( float, length, 1 ), /* over the spacing, that the count was made from; 0 without hysteresis */   \
+       WISP_COLUMN( int32_t, points, 1 ) )                                                                           \
+    X( triangles, "boundary.triangles", TRIANGLE, /* likewise */ WISP_COLUMN( float, spacing, 1 ),                   \
+       WISP_COLUMN( float, extent, 2 ), /* base and height, likewise */ WISP_COLUMN( int32_t, points, 1 ),           \
+       WISP_COLUMN( int32_t, axis, 1 ) /* local edge */ )                                                            \
+    X( local, "boundary.local", ENTITY, WISP_NO_COLUMNS ) /* marker: a criterion is on */                            \
+    X( read, WISP_SAMPLES_READ, ENTITY, WISP_NO_COLUMNS ) /* in substeps, by another module */
+
 typedef struct boundary_state
 {
-    wisp_component settings;  // boundary_settings
-    wisp_component normals;   // vertex normals
-    wisp_component edges;     // counts of edges, and their spacing
-    wisp_component triangles; // likewise
-    wisp_component local;     // marker: a criterion is on
-    wisp_component read;      // WISP_SAMPLES_READ: another module reads the points in the substeps
-    boundary_layer** layers;  // [layer_count] by rising index of their entities
-    int layer_count, layer_capacity;
+    BOUNDARY_COMPONENTS( WISP_COMPONENT_MEMBER )
+    wisp_objects* layers; // boundary_layer
 } boundary_state;
 
 /// The definition with the defaults filled in.
@@ -56,15 +65,10 @@ enum
 
 // ---- boundary_passes.c ----
 
-/// @return null if there is none
-boundary_layer* boundary_find_layer( const boundary_state* state, wisp_entity entity );
 /// The elements of a fabric, without points. @return null without memory
 boundary_layer* boundary_layer_create( const wisp_allocator* allocator, const wisp_fabric* fabric,
                                        wisp_entity entity );
-void boundary_layer_release( boundary_layer* layer, const wisp_allocator* allocator );
-/// Insert the first layer of its entity into reserved memory.
-void boundary_put_layer( boundary_state* state, boundary_layer* layer );
-void boundary_drop_layer( boundary_state* state, const wisp_allocator* allocator, wisp_entity entity );
+void boundary_layer_release( void* layer, const wisp_allocator* allocator );
 
 // ---- passes ----
 

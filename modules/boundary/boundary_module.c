@@ -3,27 +3,12 @@
 
 #include <string.h>
 
+BOUNDARY_COMPONENTS( WISP_COMPONENT_COLUMNS )
+
 enum
 {
     BOUNDARY_MAX_POINTS = 1 << 27, // rows of four floats stay addressable by 32-bit numbers
 };
-
-#define SETTINGS_LIST( X ) X( boundary_settings, settings, 1 )
-#define NORMALS_LIST( X ) X( float, normal, 4 ) /* unit, mean of the unit normals of the triangles around; 0 */
-#define EDGES_LIST( X )                                                                                              \
-    X( float, spacing, 1 ) /* m, 0 without a criterion */                                                            \
-    X( float, length, 1 )  /* over the spacing, that the count was made from; 0 without hysteresis */                \
-    X( int32_t, points, 1 )
-#define TRIANGLES_LIST( X )                                                                                          \
-    X( float, spacing, 1 )                                                                                           \
-    X( float, extent, 2 ) /* base and height, likewise */                                                            \
-    X( int32_t, points, 1 )                                                                                          \
-    X( int32_t, axis, 1 ) /* local edge */
-
-static const wisp_column_def SETTINGS_COLUMNS[] = { SETTINGS_LIST( WISP_COLUMN_DEF ) };
-static const wisp_column_def NORMALS_COLUMNS[] = { NORMALS_LIST( WISP_COLUMN_DEF ) };
-static const wisp_column_def EDGES_COLUMNS[] = { EDGES_LIST( WISP_COLUMN_DEF ) };
-static const wisp_column_def TRIANGLES_COLUMNS[] = { TRIANGLES_LIST( WISP_COLUMN_DEF ) };
 
 // A length of 0 is by the mesh.
 static const wisp_field BOUNDARY_FIELDS[] = {
@@ -43,32 +28,9 @@ WISP_DEFINE( boundary_def, "boundary", BOUNDARY_FIELDS )
 
 // ---- components and passes ----
 
-static void release_state( void* memory, const wisp_allocator* allocator )
-{
-    boundary_state* state = memory;
-    for ( int i = 0; i < state->layer_count; ++i )
-    {
-        boundary_layer_release( state->layers[i], allocator );
-    }
-    wisp_release( allocator, state->layers, (size_t)state->layer_capacity * sizeof( *state->layers ) );
-}
-
-static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
-{
-    boundary_drop_layer( memory, wisp_world_allocator( world ), entity );
-}
-
 static wisp_status declare_components( wisp_registry* r, boundary_state* s )
 {
-    const wisp_component_def settings = { "boundary.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS, 1 };
-    const wisp_component_def local = { "boundary.local", WISP_TABLE_ENTITY, NULL, 0 };
-    const wisp_component_def read = { WISP_SAMPLES_READ, WISP_TABLE_ENTITY, NULL, 0 };
-    s->settings = wisp_declare_component( r, &settings );
-    s->normals = WISP_COMPONENT( r, "boundary.normals", WISP_TABLE_PARTICLE, NORMALS_COLUMNS );
-    s->edges = WISP_COMPONENT( r, "boundary.edges", WISP_TABLE_EDGE, EDGES_COLUMNS );
-    s->triangles = WISP_COMPONENT( r, "boundary.triangles", WISP_TABLE_TRIANGLE, TRIANGLES_COLUMNS );
-    s->local = wisp_declare_component( r, &local );
-    s->read = wisp_declare_component( r, &read );
+    BOUNDARY_COMPONENTS( WISP_COMPONENT_DECLARE )
     const wisp_index_range ranges[] = {
         WISP_MEMBER_RANGE( s->settings, boundary_settings, policy, 0, WISP_SPACING_COUNT - 1 ),
         WISP_MEMBER_RANGE( s->settings, boundary_settings, rounding, 0, WISP_ROUND_COUNT - 1 ),
@@ -121,17 +83,10 @@ static wisp_status declare_passes( wisp_registry* r, boundary_state* s )
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
 }
 
-static size_t count_memory( const void* memory, size_t* outside )
+static size_t layer_bytes( const void* memory )
 {
-    (void)outside;
-    const boundary_state* state = memory;
-    size_t bytes = (size_t)state->layer_capacity * sizeof( *state->layers );
-    for ( int i = 0; i < state->layer_count; ++i )
-    {
-        bytes +=
-            state->layers[i]->bytes + wisp_samples_bytes( &state->layers[i]->samples ) + state->layers[i]->moved.size;
-    }
-    return bytes;
+    const boundary_layer* layer = memory;
+    return layer->bytes + wisp_samples_bytes( &layer->samples ) + layer->moved.size;
 }
 
 static wisp_status declare( wisp_registry* r )
@@ -141,8 +96,7 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_hooks(
-        r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed, .memory = count_memory } );
+    state->layers = wisp_declare_objects( r, boundary_layer_release, layer_bytes );
     WISP_TRY( declare_components( r, state ) );
     return declare_passes( r, state );
 }
@@ -227,7 +181,7 @@ static void undress( wisp_world* world, wisp_entity surface, const boundary_stat
 }
 
 // Attach rows first, because only that can fail, and detach them again on failure. Points are always requested.
-static wisp_status dress( wisp_world* world, wisp_entity surface, const boundary_state* state, bool local )
+static wisp_status set_components( wisp_world* world, wisp_entity surface, const boundary_state* state, bool local )
 {
     const bool had = wisp_world_has( world, surface, state->settings );
     const bool was_local = wisp_world_has( world, surface, state->local );
@@ -254,15 +208,15 @@ static wisp_status dress( wisp_world* world, wisp_entity surface, const boundary
 static void forget_counts( wisp_world* world, wisp_entity surface, const boundary_state* state )
 {
     const wisp_fabric* fabric = wisp_world_fabric( world, surface );
-    for ( int k = 0; k < WISP_COUNT( EDGES_COLUMNS ); ++k )
+    for ( int k = 0; k < WISP_COUNT( edges_columns ); ++k )
     {
         memset( wisp_world_column( world, surface, state->edges, k ), 0,
-                (size_t)fabric->edge_count * EDGES_COLUMNS[k].row_size );
+                (size_t)fabric->edge_count * edges_columns[k].row_size );
     }
-    for ( int k = 0; k < WISP_COUNT( TRIANGLES_COLUMNS ); ++k )
+    for ( int k = 0; k < WISP_COUNT( triangles_columns ); ++k )
     {
         memset( wisp_world_column( world, surface, state->triangles, k ), 0,
-                (size_t)fabric->triangle_count * TRIANGLES_COLUMNS[k].row_size );
+                (size_t)fabric->triangle_count * triangles_columns[k].row_size );
     }
 }
 
@@ -281,9 +235,8 @@ static wisp_status provide_layer( wisp_world* world, wisp_entity surface, bounda
                                   boundary_layer** out )
 {
     const wisp_allocator* allocator = wisp_world_allocator( world );
-    *out = boundary_find_layer( state, surface );
-    if ( *out == NULL && wisp_world_reserve( world, (void**)&state->layers, &state->layer_capacity,
-                                             state->layer_count, sizeof( *state->layers ) ) )
+    *out = wisp_find_object( state->layers, surface );
+    if ( *out == NULL && wisp_reserve_object( state->layers, surface ) )
     {
         *out = boundary_layer_create( allocator, wisp_world_fabric( world, surface ), surface );
     }
@@ -306,8 +259,8 @@ wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wis
     boundary_layer* layer = NULL;
     wisp_status status = check_spacing( world, &settings, wisp_world_fabric( world, surface ) );
     status = status == WISP_OK ? provide_layer( world, surface, state, &layer ) : status;
-    const bool had = boundary_find_layer( state, surface ) != NULL;
-    status = status == WISP_OK ? dress( world, surface, state, local ) : status;
+    const bool had = wisp_find_object( state->layers, surface ) != NULL;
+    status = status == WISP_OK ? set_components( world, surface, state, local ) : status;
     if ( status != WISP_OK )
     {
         boundary_layer_release( had ? NULL : layer, wisp_world_allocator( world ) );
@@ -315,7 +268,7 @@ wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wis
     }
     if ( had == false )
     {
-        boundary_put_layer( state, layer );
+        wisp_set_object( state->layers, surface, layer );
     }
     layer->made = false;
     wisp_world_share_samples( world, surface, &layer->samples );
@@ -331,14 +284,14 @@ wisp_status wisp_unset_boundary( wisp_world* world, wisp_entity surface )
     WISP_TRY( find_state( world, surface, &state ) );
     undress( world, surface, state );
     wisp_world_share_samples( world, surface, NULL );
-    boundary_drop_layer( state, wisp_world_allocator( world ), surface );
+    wisp_set_object( state->layers, surface, NULL );
     return WISP_OK;
 }
 
 static wisp_status find_layer( wisp_world* world, wisp_entity surface, boundary_state** state, boundary_layer** out )
 {
     wisp_status status = find_state( world, surface, state );
-    *out = status == WISP_OK ? boundary_find_layer( *state, surface ) : NULL;
+    *out = status == WISP_OK ? wisp_find_object( ( *state )->layers, surface ) : NULL;
     return status == WISP_OK && *out == NULL
                ? wisp_world_fail( world, WISP_CONFLICT, "boundary: entity %u has no layer", surface.index )
                : status;
@@ -349,16 +302,16 @@ static wisp_status find_layer( wisp_world* world, wisp_entity surface, boundary_
 static size_t written_column( wisp_world* world, wisp_entity surface, const boundary_state* state, int k, void** out )
 {
     const wisp_fabric* fabric = wisp_world_fabric( world, surface );
-    const int edges = WISP_COUNT( EDGES_COLUMNS ), triangles = WISP_COUNT( TRIANGLES_COLUMNS );
+    const int edges = WISP_COUNT( edges_columns ), triangles = WISP_COUNT( triangles_columns );
     if ( k < edges )
     {
         *out = wisp_world_column( world, surface, state->edges, k );
-        return (size_t)fabric->edge_count * EDGES_COLUMNS[k].row_size;
+        return (size_t)fabric->edge_count * edges_columns[k].row_size;
     }
     if ( k < edges + triangles )
     {
         *out = wisp_world_column( world, surface, state->triangles, k - edges );
-        return (size_t)fabric->triangle_count * TRIANGLES_COLUMNS[k - edges].row_size;
+        return (size_t)fabric->triangle_count * triangles_columns[k - edges].row_size;
     }
     *out = wisp_world_column( world, surface, state->normals, 0 );
     return k == edges + triangles ? 4 * sizeof( float ) * (size_t)fabric->slot_count : 0;

@@ -132,7 +132,7 @@ void boundary_find_spacing( wisp_frame* frame, const wisp_span* span, void* user
     const wisp_entity e = span->entity;
     spacing_loop loop = {
         .settings = wisp_frame_column( frame, e, state->settings, 0 ),
-        .layer = boundary_find_layer( state, e ),
+        .layer = wisp_find_object( state->layers, e ),
         .fabric = wisp_frame_fabric( frame, e ),
         .position = wisp_frame_column( frame, e, WISP_PARTICLE_POSITION, 0 ),
         .normal = wisp_frame_column( frame, e, state->normals, 0 ),
@@ -145,60 +145,7 @@ void boundary_find_spacing( wisp_frame* frame, const wisp_span* span, void* user
     wisp_parallel_for( parallel, loop.layer->triangle_count, SPACING_GRAIN, find_triangle_spacing, &loop );
 }
 
-// ---- layers ----
-
-// Layers of a world by entity, and their elements in the user's numbers.
-
-// ---- layers by entity ----
-
-// Index of the first layer whose entity is not below `index`.
-static int place_of( const boundary_state* state, uint32_t index )
-{
-    int lower = 0, upper = state->layer_count;
-    while ( lower < upper )
-    {
-        const int middle = lower + ( upper - lower ) / 2;
-        const bool below = state->layers[middle]->entity.index < index;
-        lower = below ? middle + 1 : lower;
-        upper = below ? upper : middle;
-    }
-    return lower;
-}
-
-static bool is_at( const boundary_state* state, int place, wisp_entity entity )
-{
-    return place < state->layer_count && wisp_entity_equal( state->layers[place]->entity, entity );
-}
-
-boundary_layer* boundary_find_layer( const boundary_state* state, wisp_entity entity )
-{
-    const int place = place_of( state, entity.index );
-    return is_at( state, place, entity ) ? state->layers[place] : NULL;
-}
-
-void boundary_put_layer( boundary_state* state, boundary_layer* layer )
-{
-    const int place = place_of( state, layer->entity.index );
-    WISP_ASSERT( state->layer_count < state->layer_capacity && is_at( state, place, layer->entity ) == false );
-    memmove( state->layers + place + 1, state->layers + place,
-             (size_t)( state->layer_count - place ) * sizeof( *state->layers ) );
-    state->layers[place] = layer;
-    state->layer_count += 1;
-}
-
-void boundary_drop_layer( boundary_state* state, const wisp_allocator* allocator, wisp_entity entity )
-{
-    const int place = place_of( state, entity.index );
-    if ( is_at( state, place, entity ) )
-    {
-        boundary_layer_release( state->layers[place], allocator );
-        state->layer_count -= 1;
-        memmove( state->layers + place, state->layers + place + 1,
-                 (size_t)( state->layer_count - place ) * sizeof( *state->layers ) );
-    }
-}
-
-// ---- elements ----
+// ---- elements of a layer, in the numbers of the user ----
 
 static int compare_pairs( const void* a, const void* b )
 {
@@ -270,8 +217,9 @@ boundary_layer* boundary_layer_create( const wisp_allocator* allocator, const wi
     return layer;
 }
 
-void boundary_layer_release( boundary_layer* layer, const wisp_allocator* allocator )
+void boundary_layer_release( void* memory, const wisp_allocator* allocator )
 {
+    boundary_layer* layer = memory;
     if ( layer != NULL )
     {
         wisp_samples_release( &layer->samples, allocator );
@@ -319,7 +267,7 @@ void boundary_find_normals( wisp_frame* frame, const wisp_span* span, void* user
 void boundary_place_points( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const boundary_state* state = user;
-    boundary_layer* layer = boundary_find_layer( state, span->entity );
+    boundary_layer* layer = wisp_find_object( state->layers, span->entity );
     const wisp_entity e = span->entity;
     const boundary_settings* s = wisp_frame_column( frame, e, state->settings, 0 );
     const bool local = wisp_frame_has( frame, e, state->local );

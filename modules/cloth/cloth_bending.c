@@ -3,6 +3,7 @@
 // wisp/module/plate.h and docs/methods.md.
 
 #include "cloth_internal.h"
+#include "wisp/module/double3.h"
 
 #include <float.h>
 #include <math.h>
@@ -14,34 +15,9 @@
 // Compliance of a constraint that must not act, m/N or 1/J.
 static const float NOTHING = 1e12f;
 
-typedef struct vec3d
+static double3 rest_of( const wisp_fabric* f, int slot )
 {
-    double x, y, z;
-} vec3d;
-
-static vec3d rest_of( const wisp_fabric* f, int slot )
-{
-    return ( vec3d ){ (double)f->rest[slot].x, (double)f->rest[slot].y, (double)f->rest[slot].z };
-}
-
-static vec3d minus( vec3d a, vec3d b )
-{
-    return ( vec3d ){ a.x - b.x, a.y - b.y, a.z - b.z };
-}
-
-static double dot( vec3d a, vec3d b )
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-static vec3d cross( vec3d a, vec3d b )
-{
-    return ( vec3d ){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
-}
-
-static double edge_length( vec3d a )
-{
-    return sqrt( dot( a, a ) );
+    return double3_widen( f->rest[slot] );
 }
 
 // ---- links ----
@@ -49,8 +25,9 @@ static double edge_length( vec3d a )
 // Square of the cosine between a link of the rest shape and the warp.
 static float cosine2( const wisp_fabric* f, int a, int b, wisp_vec3 warp )
 {
-    vec3d d = minus( rest_of( f, a ), rest_of( f, b ) ), w = { (double)warp.x, (double)warp.y, (double)warp.z };
-    double bottom = dot( d, d ) * dot( w, w ), along = dot( d, w );
+    double3 d = double3_sub( rest_of( f, a ), rest_of( f, b ) ),
+            w = { (double)warp.x, (double)warp.y, (double)warp.z };
+    double bottom = double3_dot( d, d ) * double3_dot( w, w ), along = double3_dot( d, w );
     return bottom > 0.0 ? (float)( along * along / bottom ) : 1.0f;
 }
 
@@ -150,7 +127,7 @@ void cloth_fill_levels( wisp_world* world, wisp_entity surface, const wisp_cloth
 
 typedef struct hinge_shape
 {
-    vec3d i, j, k, l;
+    double3 i, j, k, l;
     double edge; // length, m
     bool sound;  // both triangles have an area, so there is an angle between them
 } hinge_shape;
@@ -161,10 +138,10 @@ static hinge_shape shape_of( const wisp_fabric* f, int hinge )
     hinge_shape s = {
         rest_of( f, corner[0] ), rest_of( f, corner[1] ), rest_of( f, corner[2] ), rest_of( f, corner[3] ), 0.0, false
     };
-    vec3d e = minus( s.j, s.i );
-    double k_area = 0.5 * edge_length( cross( e, minus( s.k, s.i ) ) );
-    double l_area = 0.5 * edge_length( cross( e, minus( s.l, s.i ) ) );
-    s.edge = edge_length( e );
+    double3 e = double3_sub( s.j, s.i );
+    double k_area = 0.5 * double3_length( double3_cross( e, double3_sub( s.k, s.i ) ) );
+    double l_area = 0.5 * double3_length( double3_cross( e, double3_sub( s.l, s.i ) ) );
+    s.edge = double3_length( e );
     s.sound = k_area > 0.0 && l_area > 0.0;
     return s;
 }
@@ -172,19 +149,19 @@ static hinge_shape shape_of( const wisp_fabric* f, int hinge )
 // The angle as the kernel measures it: positive where the opposite vertices lie on the side of the normals.
 static float rest_angle( const hinge_shape* s )
 {
-    vec3d e = minus( s->j, s->i );
-    vec3d n1 = cross( minus( s->k, s->i ), minus( s->k, s->j ) ),
-          n2 = cross( minus( s->l, s->j ), minus( s->l, s->i ) );
-    double sine = s->edge > 0.0 ? dot( cross( n2, n1 ), e ) / s->edge : 0.0;
-    return (float)atan2( sine, dot( n1, n2 ) );
+    double3 e = double3_sub( s->j, s->i );
+    double3 n1 = double3_cross( double3_sub( s->k, s->i ), double3_sub( s->k, s->j ) ),
+            n2 = double3_cross( double3_sub( s->l, s->j ), double3_sub( s->l, s->i ) );
+    double sine = s->edge > 0.0 ? double3_dot( double3_cross( n2, n1 ), e ) / s->edge : 0.0;
+    return (float)atan2( sine, double3_dot( n1, n2 ) );
 }
 
 // Cotangent of the angle at `at` between the directions to a and b; 0 for a triangle without area.
-static double cotangent( vec3d at, vec3d a, vec3d b )
+static double cotangent( double3 at, double3 a, double3 b )
 {
-    vec3d u = minus( a, at ), v = minus( b, at );
-    double bottom = edge_length( cross( u, v ) );
-    return bottom > 0.0 ? dot( u, v ) / bottom : 0.0;
+    double3 u = double3_sub( a, at ), v = double3_sub( b, at );
+    double bottom = double3_length( double3_cross( u, v ) );
+    return bottom > 0.0 ? double3_dot( u, v ) / bottom : 0.0;
 }
 
 // The row of Bergou et al. 2006, eq. 4: c . x is the edge's length times the bending, as a vector.
@@ -253,48 +230,36 @@ static const double ANGLE_MARGIN = 2.0;
 
 // ---- plates of a world ----
 
-int cloth_find_plate( const cloth_state* state, wisp_entity entity )
+void cloth_release_plate( void* memory, const wisp_allocator* allocator )
 {
-    for ( int i = 0; i < state->plate_count; ++i )
-    {
-        if ( wisp_entity_equal( state->plates[i].entity, entity ) )
-        {
-            return i;
-        }
-    }
-    return -1;
+    cloth_plate* mine = memory;
+    wisp_plate_release( mine->plate, allocator );
+    allocator->release( allocator->user, mine, sizeof( *mine ) );
 }
 
-void cloth_remove_plate( cloth_state* state, wisp_entity entity, const wisp_allocator* allocator )
-{
-    const int i = cloth_find_plate( state, entity );
-    if ( i >= 0 )
-    {
-        wisp_plate_release( state->plates[i].plate, allocator );
-        state->plates[i] = state->plates[--state->plate_count];
-    }
-}
-
-wisp_status cloth_add_plate( wisp_world* world, cloth_state* state, wisp_entity surface )
+wisp_status cloth_add_plate( wisp_world* world, const cloth_state* state, wisp_entity surface )
 {
     const wisp_fabric* fabric = wisp_world_fabric( world, surface );
-    if ( cloth_find_plate( state, surface ) >= 0 )
+    const wisp_allocator* allocator = wisp_world_allocator( world );
+    if ( wisp_find_object( state->plates, surface ) != NULL )
     {
         return WISP_OK;
     }
-    cloth_plate plate = { .entity = surface };
-    if ( wisp_world_reserve( world, (void**)&state->plates, &state->plate_capacity, state->plate_count,
-                             sizeof( *state->plates ) ) == false ||
-         wisp_plate_create( fabric, NULL, fabric->slot_count, true, wisp_world_allocator( world ), &plate.plate ) !=
-             WISP_OK )
+    cloth_plate* mine = wisp_reserve_object( state->plates, surface )
+                            ? allocator->allocate( allocator->user, sizeof( cloth_plate ), 64 )
+                            : NULL;
+    wisp_plate* plate = NULL;
+    if ( mine == NULL || wisp_plate_create( fabric, NULL, fabric->slot_count, true, allocator, &plate ) != WISP_OK )
     {
+        wisp_release( allocator, mine, sizeof( cloth_plate ) );
         return wisp_world_fail( world, WISP_NO_MEMORY, "cloth: out of memory for the bending of %d vertices",
                                 fabric->vertex_count );
     }
     // the first step computes it again if it is too stiff for the substeps, or has maps
     const float* position = wisp_world_column( world, surface, WISP_PARTICLE_POSITION, 0 );
-    wisp_plate_update( plate.plate, fabric, position, FLT_MAX );
-    state->plates[state->plate_count++] = plate;
+    wisp_plate_update( plate, fabric, position, FLT_MAX );
+    *mine = ( cloth_plate ){ .plate = plate };
+    wisp_set_object( state->plates, surface, mine );
     return WISP_OK;
 }
 
@@ -346,26 +311,11 @@ static int stages_for( double largest )
     return stages;
 }
 
-static void predict( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const bending_solve* b = context;
-    b->kernels->plate_predict( &b->moves, begin, end );
-}
+WISP_KERNEL_RANGE( bending_solve, predict, plate_predict, moves, 1 )
 
-static void measure_angles( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const bending_solve* b = context;
-    b->kernels->plate_measure_angles( &b->angles, 8 * begin, 8 * end );
-}
+WISP_KERNEL_RANGE( bending_solve, measure_angles, plate_measure_angles, angles, 8 )
 
-static void couple_angles( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const bending_solve* b = context;
-    b->kernels->plate_couple_angles( &b->angles, 8 * begin, 8 * end );
-}
+WISP_KERNEL_RANGE( bending_solve, couple_angles, plate_couple_angles, angles, 8 )
 
 static void add_moments( const void* context, int begin, int end )
 {
@@ -401,12 +351,7 @@ static void run_stage( void* context, int begin, int end, int worker )
     measure_last( b, begin, end );
 }
 
-static void accelerate( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const bending_solve* b = context;
-    b->kernels->plate_accelerate( &b->moves, begin, end );
-}
+WISP_KERNEL_RANGE( bending_solve, accelerate, plate_accelerate, moves, 1 )
 
 static void for_slices( const wisp_parallel* parallel, bending_solve* b, wisp_range_fn* run )
 {
@@ -525,7 +470,7 @@ static double update_plate( wisp_frame* frame, const wisp_span* span, cloth_plat
 void cloth_bend( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const cloth_state* state = user;
-    cloth_plate* mine = state->plates + cloth_find_plate( state, span->entity );
+    cloth_plate* mine = wisp_find_object( state->plates, span->entity );
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
     bending_solve b = { .is_last = false };
     if ( find_arrays( frame, span, &b ) == false )

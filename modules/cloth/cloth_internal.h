@@ -10,18 +10,20 @@
 /// Bending of one surface.
 typedef struct cloth_plate
 {
-    wisp_entity entity;
     wisp_plate* plate;
     int lowered; // triangles that are scaled down
 } cloth_plate;
 
+/// The components, a row each: X( member, "name", table, columns ).
+#define CLOTH_COMPONENTS( X )                                                                                        \
+    X( air, "cloth.air", ENTITY, WISP_COLUMN( cloth_air, air, 1 ) )                                                  \
+    X( damping, "cloth.damping", ENTITY, WISP_COLUMN( float, rate, 1 ) )                                             \
+    X( bending, "cloth.bending", ENTITY, WISP_COLUMN( float, rigidity, 1 ) ) /* N m, of bending by curvature */
+
 typedef struct cloth_state
 {
-    wisp_component air;     // cloth_air: air acts on it
-    wisp_component damping; // float: rate of damping
-    wisp_component bending; // float, N m: rigidity of bending by curvature
-    cloth_plate* plates;    // [plate_count]
-    int plate_count, plate_capacity;
+    CLOTH_COMPONENTS( WISP_COMPONENT_MEMBER )
+    wisp_objects* plates; // cloth_plate
 } cloth_state;
 
 /// Air around a cloth.
@@ -44,11 +46,9 @@ void cloth_fill_hinges( wisp_world* world, wisp_entity surface, const wisp_cloth
 
 /// Bending of xpbd cloth: a matrix a surface, kept by the module, and the pass that solves with it.
 
-/// @return index of the plate of a surface, -1 without
-int cloth_find_plate( const cloth_state* state, wisp_entity entity );
 /// Cook the plate of a surface, unless it has one.
-wisp_status cloth_add_plate( wisp_world* world, cloth_state* state, wisp_entity surface );
-void cloth_remove_plate( cloth_state* state, wisp_entity entity, const wisp_allocator* allocator );
+wisp_status cloth_add_plate( wisp_world* world, const cloth_state* state, wisp_entity surface );
+void cloth_release_plate( void* plate, const wisp_allocator* allocator );
 
 /// The pass.
 void cloth_bend( wisp_frame* frame, const wisp_span* span, void* user );

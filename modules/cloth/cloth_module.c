@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+CLOTH_COMPONENTS( WISP_COMPONENT_COLUMNS )
+
 // ---- damping ----
 
 // Damping that does not touch rigid motion (Mueller et al. 2007, section 3.5): it reduces the
@@ -78,23 +80,12 @@ static void cloth_damp_crowd( wisp_frame* frame, const wisp_crowd* crowd, const 
 
 // Air on triangles: sums over strips, then a change of the velocities.
 
-typedef struct air_loop
-{
-    const wisp_kernels* kernels;
-    wisp_strip_air_args args;
-} air_loop;
+WISP_KERNEL_LOOP( air_loop, blow_slices, blow, wisp_strip_air_args, 1 )
 
 static void sum_air( const void* context, int begin, int end )
 {
     const air_loop* loop = context;
     loop->kernels->strip_air( &loop->args, begin, end );
-}
-
-static void blow_slices( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const air_loop* loop = context;
-    loop->kernels->blow( &loop->args, begin, end );
 }
 
 // Zeros for sums of air. @return null without memory
@@ -173,14 +164,6 @@ static void cloth_blow_crowd( wisp_frame* frame, const wisp_crowd* crowd, const 
 
 // ---- module ----
 
-#define CLOTH_AIR_COLUMNS( X ) X( cloth_air, air, 1 )
-#define CLOTH_DAMPING_COLUMNS( X ) X( float, rate, 1 )
-#define CLOTH_BENDING_COLUMNS( X ) X( float, rigidity, 1 ) /* N m */
-
-static const wisp_column_def AIR_COLUMNS[] = { CLOTH_AIR_COLUMNS( WISP_COLUMN_DEF ) };
-static const wisp_column_def DAMPING_COLUMNS[] = { CLOTH_DAMPING_COLUMNS( WISP_COLUMN_DEF ) };
-static const wisp_column_def BENDING_COLUMNS[] = { CLOTH_BENDING_COLUMNS( WISP_COLUMN_DEF ) };
-
 static const wisp_field CLOTH_FIELDS[] = {
     WISP_CHOICE( wisp_cloth_def, solver, WISP_SOLVER_XPBD, WISP_SOLVER_COUNT ),
     WISP_NUMBER( wisp_cloth_def, warp_compliance, 0, 0, 1e12, "m/N" ),
@@ -207,31 +190,10 @@ WISP_DEFINE( cloth_def, "cloth", CLOTH_FIELDS )
 
 // ---- state ----
 
-static void release_state( void* memory, const wisp_allocator* allocator )
+static size_t plate_bytes( const void* memory )
 {
-    cloth_state* state = memory;
-    while ( state->plate_count > 0 )
-    {
-        cloth_remove_plate( state, state->plates[0].entity, allocator );
-    }
-    wisp_release( allocator, state->plates, (size_t)state->plate_capacity * sizeof( *state->plates ) );
-}
-
-static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
-{
-    cloth_remove_plate( memory, entity, wisp_world_allocator( world ) );
-}
-
-static size_t count_memory( const void* memory, size_t* outside )
-{
-    (void)outside;
-    const cloth_state* state = memory;
-    size_t bytes = (size_t)state->plate_capacity * sizeof( *state->plates );
-    for ( int i = 0; i < state->plate_count; ++i )
-    {
-        bytes += wisp_plate_bytes( state->plates[i].plate );
-    }
-    return bytes;
+    const cloth_plate* mine = memory;
+    return sizeof( *mine ) + wisp_plate_bytes( mine->plate );
 }
 
 // A plate is made of a fabric. Without memory for another one the surface no longer resists bending.
@@ -239,12 +201,12 @@ static wisp_status triangles_changed( void* memory, wisp_world* world, wisp_enti
                                       const wisp_fabric* before )
 {
     (void)before;
-    cloth_state* state = memory;
-    if ( cloth_find_plate( state, surface ) < 0 )
+    const cloth_state* state = memory;
+    if ( wisp_find_object( state->plates, surface ) == NULL )
     {
         return WISP_OK;
     }
-    cloth_remove_plate( state, surface, wisp_world_allocator( world ) );
+    wisp_set_object( state->plates, surface, NULL );
     const wisp_status status = cloth_add_plate( world, state, surface );
     if ( status != WISP_OK )
     {
@@ -267,56 +229,43 @@ static void declare_maps( wisp_registry* r, const cloth_state* state )
 
 static wisp_status declare( wisp_registry* r )
 {
-    cloth_state* state = wisp_declare_state( r, sizeof( cloth_state ) );
-    if ( state == NULL )
+    cloth_state* s = wisp_declare_state( r, sizeof( cloth_state ) );
+    if ( s == NULL )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state,
-                                                  .removed = entity_removed,
-                                                  .triangles_changed = triangles_changed,
-                                                  .memory = count_memory } );
-    state->air = WISP_COMPONENT( r, "cloth.air", WISP_TABLE_ENTITY, AIR_COLUMNS );
-    state->damping = WISP_COMPONENT( r, "cloth.damping", WISP_TABLE_ENTITY, DAMPING_COLUMNS );
-    state->bending = WISP_COMPONENT( r, "cloth.bending", WISP_TABLE_ENTITY, BENDING_COLUMNS );
-    declare_maps( r, state );
+    wisp_declare_hooks( r, &( wisp_state_hooks ){ .triangles_changed = triangles_changed } );
+    s->plates = wisp_declare_objects( r, cloth_release_plate, plate_bytes );
+    CLOTH_COMPONENTS( WISP_COMPONENT_DECLARE )
+    declare_maps( r, s );
     const wisp_pass passes[] = {
         {
-            .name = "cloth.air",
-            .stage = WISP_STAGE_FORCE,
-            .domain = WISP_DOMAIN_ENTITY,
-            .required = { state->air },
-            .reads = { state->air, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            WISP_PASS( "cloth.air", FORCE, ENTITY, cloth_blow ),
+            .required = { s->air },
+            .reads = { s->air, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_VELOCITY },
-            .run = cloth_blow,
             .run_crowd = cloth_blow_crowd,
             .joins_crowd = cloth_blows_evenly,
             .fabric = WISP_FABRIC_STRIPS,
         },
         {
-            .name = "cloth.bending",
-            .stage = WISP_STAGE_FORCE,
-            .domain = WISP_DOMAIN_ENTITY,
-            .required = { state->bending },
-            .reads = { state->bending, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            WISP_PASS( "cloth.bending", FORCE, ENTITY, cloth_bend ),
+            .required = { s->bending },
+            .reads = { s->bending, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_VELOCITY },
-            .run = cloth_bend,
             .detail = WISP_PASS_FINE,
         },
         {
-            .name = "cloth.damping",
-            .stage = WISP_STAGE_VELOCITY,
-            .domain = WISP_DOMAIN_ENTITY,
-            .required = { state->damping },
-            .reads = { state->damping, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            WISP_PASS( "cloth.damping", VELOCITY, ENTITY, cloth_damp ),
+            .required = { s->damping },
+            .reads = { s->damping, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_VELOCITY },
-            .run = cloth_damp,
             .run_crowd = cloth_damp_crowd,
             .joins_crowd = cloth_damps_evenly,
             .detail = WISP_PASS_FINE,
         },
     };
-    return wisp_declare_passes( r, passes, WISP_COUNT( passes ), state );
+    return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
 }
 
 const wisp_module wisp_cloth_module = { .name = "cloth", .declare = declare };
@@ -377,13 +326,14 @@ static wisp_status check_alone( wisp_world* world, wisp_entity surface )
 
 // The components of the definition for which the fabric has rows. A mesh too small for a coarse sheet has none, and one
 // without interior edges no hinges.
-static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_cloth_def* d, const cloth_state* state )
+static wisp_status set_components( wisp_world* world, wisp_entity surface, const wisp_cloth_def* d,
+                                   const cloth_state* state )
 {
     const wisp_fabric* f = wisp_world_fabric( world, surface );
     const bool pbd = d->solver == WISP_SOLVER_PBD, hinged = f->hinge_order.slot_count > 0;
     const bool dihedral = hinged && d->bending == WISP_CLOTH_BENDING_DIHEDRAL;
     const bool isometric = hinged && d->bending == WISP_CLOTH_BENDING_ISOMETRIC;
-    const bool carried = d->coarse_substeps > 0 && f->level_count > 0;
+    const bool has_sheets = d->coarse_substeps > 0 && f->level_count > 0;
     const bool linked = wisp_world_has( world, surface, WISP_SURFACE_ELASTIC ) == false;
     float alike[2];
     const bool are_apart =
@@ -402,9 +352,9 @@ static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_clo
         { WISP_HINGE_STIFFNESS, ( dihedral || isometric ) && pbd },
         { WISP_SURFACE_TETHERS, d->tethers },
         { WISP_SURFACE_LEVELS, d->coarse_substeps > 0 },
-        { WISP_LEVEL_MASS, carried },
-        { WISP_LEVEL_COMPLIANCE, carried },
-        { WISP_LEVEL_MOTION, carried },
+        { WISP_LEVEL_MASS, has_sheets },
+        { WISP_LEVEL_COMPLIANCE, has_sheets },
+        { WISP_LEVEL_MOTION, has_sheets },
     };
     return wisp_world_set_components( world, surface, all, WISP_COUNT( all ) );
 }
@@ -492,12 +442,12 @@ wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_c
         def->solver == WISP_SOLVER_XPBD &&
         ( def->bending == WISP_CLOTH_BENDING_DIHEDRAL || def->bending == WISP_CLOTH_BENDING_ISOMETRIC );
     const bool had_sheets = status == WISP_OK && wisp_world_has( world, surface, WISP_SURFACE_LEVELS );
-    const bool keeps_plate = status != WISP_OK || cloth_find_plate( state, surface ) >= 0;
+    const bool keeps_plate = status != WISP_OK || wisp_find_object( state->plates, surface ) != NULL;
     status = bends ? cloth_add_plate( world, state, surface ) : status;
-    status = status == WISP_OK ? dress( world, surface, def, state ) : status;
+    status = status == WISP_OK ? set_components( world, surface, def, state ) : status;
     if ( status == WISP_OK ? bends == false : keeps_plate == false )
     {
-        cloth_remove_plate( state, surface, wisp_world_allocator( world ) );
+        wisp_set_object( state->plates, surface, NULL );
     }
     if ( status == WISP_OK )
     {

@@ -6,7 +6,7 @@
 // without being found by a body, however that moves. A group of eight slots whose particles all have one is settled:
 // later substeps only test whether they are still within their radius, and search again for the group if one is not.
 // The last substep searches for all, so what is stored after a step is the same as without this.
-#include "block_culling.h"
+#include "particle_contacts.h"
 
 #include "collision_vectors.h"
 
@@ -37,7 +37,7 @@ void collision_begin_block( const collision_find_args* args, int begin, int end,
     float lower[3], upper[3];
     const wisp_kernels* kernels = args->kernels;
     const uint32_t groups = args->has_settled
-                                ? kernels->find_unsettled( args->position, args->previous, args->found, begin, end )
+                                ? kernels->find_unclear( args->position, args->previous, args->found, begin, end )
                                 : ~args->left_out;
     const wisp_gather_args take = {
         .position = args->position,

@@ -256,8 +256,7 @@ static bool cast_shape( const collision_body* body, wisp_vec3 from, wisp_vec3 to
 }
 
 // The plane where a path meets a surface goes along with it to the end of the substep.
-static void carry_hit( const collision_view* view, const wisp_mesh_hit* h, wisp_surface_point* hit,
-                       wisp_vec3* motion )
+static void move_hit( const collision_view* view, const wisp_mesh_hit* h, wisp_surface_point* hit, wisp_vec3* motion )
 {
     const wisp_mesh_place place = wisp_collision_mesh_place( view->body->tree, h->triangle, h->weights, view->end );
     const wisp_vec3 n = place.normal;
@@ -285,7 +284,7 @@ bool collision_cast( const collision_view* view, wisp_vec3 from, wisp_vec3 to, w
     }
     if ( body->follows )
     {
-        carry_hit( view, &h, hit, motion );
+        move_hit( view, &h, hit, motion );
     }
     return true;
 }

@@ -4,8 +4,8 @@
 // What the kernel leaves, because a path enters a body or two bodies squeeze a particle, is searched as by contact_generation.c. A crowd
 // whose lanes have that leaves the surface for this step.
 #include "body_queries.h"
-#include "collision_passes.h"
-#include "contact_generation.h"
+#include "collision_state.h"
+#include "particle_contacts.h"
 #include "near_bodies.h"
 
 #include "wisp/module/taper.h"

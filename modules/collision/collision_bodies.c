@@ -5,9 +5,7 @@
 // what it keeps free. A sheet keeps each particle on the side from which it comes.
 #include "collision_bodies.h"
 
-#include "collision_participants.h"
-#include "collision_passes.h"
-#include "collision_surface.h"
+#include "collision_state.h"
 #include "reaction.h"
 #include "collision_vectors.h"
 
@@ -380,7 +378,7 @@ wisp_status wisp_move_collider( wisp_world* world, wisp_entity entity, wisp_tran
     return WISP_OK;
 }
 
-void collision_carry( wisp_frame* frame, const wisp_span* span, void* user )
+void collision_update_poses( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const collision_state* state = user;
     collision_collider* collider = wisp_frame_column( frame, span->entity, state->collider, 0 );

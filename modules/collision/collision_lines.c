@@ -1,7 +1,7 @@
 // Bodies, and vertices that touch them, as lines (wisp/lines.h). In: poses and positions at the end of the step.
 #include "body_queries.h"
 #include "collision_maps.h"
-#include "collision_passes.h"
+#include "collision_state.h"
 
 #include "wisp/module/sleep.h"
 
@@ -48,8 +48,9 @@ static void add_round( const body_lines* to, float half, float bottom, float top
     for ( int i = 0; i <= SEGMENTS + 1; i += is_ball && i == SEGMENTS / 2 ? 2 : 1 )
     {
         const bool is_upper = i > SEGMENTS / 2, of_top = is_ball ? top > bottom : is_upper;
-        const float way = (float)( is_upper ? i - SEGMENTS / 2 - 1 : i ) / ( SEGMENTS / 2 );
-        const float angle = is_upper ? slope + way * ( quarter - slope ) : way * ( slope + quarter ) - quarter;
+        const float fraction = (float)( is_upper ? i - SEGMENTS / 2 - 1 : i ) / ( SEGMENTS / 2 );
+        const float angle =
+            is_upper ? slope + fraction * ( quarter - slope ) : fraction * ( slope + quarter ) - quarter;
         const float ball = of_top ? top : bottom, radius = ball * cosf( angle );
         const float y = ( of_top ? half : -half ) + ball * sinf( angle );
         const bool is_rim = i == SEGMENTS / 2 || ( i == SEGMENTS / 2 + 1 && is_ball == false );

@@ -1,80 +1,11 @@
 // The module: components, passes, state.
 #include "collision_bodies.h"
-#include "collision_participants.h"
-#include "collision_passes.h"
-#include "collision_surface.h"
+#include "collision_state.h"
 #include "near_bodies.h"
 #include "primitive_contacts.h"
 #include "reaction.h"
 
-#define COLLISION_SETTINGS_COLUMNS( X ) X( collision_settings, settings, 1 )
-#define COLLISION_ACTIVE_COLUMNS( X ) X( int32_t, active, 1 ) /* there is a body, and it is enabled */
-#define COLLISION_STRAND_CONTACT_COLUMNS( X )                                                                        \
-    X( float, pushed, 16 )   /* m, normal correction of this substep; below 0: of the last one */                    \
-    X( float, depth, 16 )    /* m, depth that a vertex may keep in this iteration */                                 \
-    X( float, left, 16 )     /* m, depth that it kept */                                                             \
-    X( float, friction, 48 ) /* m, sum of what friction removed in this substep */                                   \
-    X( float, body, 16 )     /* number of the body that pushed; -1: several */                                       \
-    X( float, last, 16 )     /* m, pushed in the last substep */
-#define COLLISION_SEGMENT_CONTACT_COLUMNS( X )                                                                       \
-    COLLISION_STRAND_CONTACT_COLUMNS( X )                                                                            \
-    X( float, turn, 16 )                                       /* m, push of the last iteration */
-#define COLLISION_CARRIED_COLUMNS( X ) X( uint32_t, moved, 1 ) /* a bit for each lane of the row, in this step */
-#define COLLISION_STATS_COLUMNS( X ) X( wisp_collision_stats, stats, 1 )
-#define COLLISION_COLLIDER_COLUMNS( X ) X( collision_collider, collider, 1 )
-#define COLLISION_MOTION_COLUMNS( X ) X( wisp_transform, target, 1 ) /* at the end of the next step */
-
-#define COLLISION_TRACKED_COLUMNS( X )                                                                               \
-    X( int32_t, triangle, COLLISION_TRACKS ) /* that was closest, of each body that is tracked; -1: none was near */ \
-    X( float, free,                                                                                                  \
-       COLLISION_TRACKS ) /* m, at least the distance of `origin` from the body to the end of the step */            \
-    X( wisp_vec3, origin, COLLISION_TRACKS ) /* m, in the frame of the body: where this was found */
-#define COLLISION_STRAND_TRACKED_COLUMNS( X )                                                                        \
-    X( int32_t, triangle, 16 * COLLISION_TRACKS ) /* [body][lane] */                                                 \
-    X( float, free, 16 * COLLISION_TRACKS )                                                                          \
-    X( float, origin, 48 * COLLISION_TRACKS )                    /* [body][x, y, z][lane] */
-#define COLLISION_FOLLOWER_COLUMNS( X ) X( int32_t, follows, 1 ) /* the body is a surface */
-#define COLLISION_REACTION_COLUMNS( X ) X( wisp_reaction, reaction, 1 )
-#define COLLISION_COUPLED_COLUMNS( X ) X( collision_coupled, coupled, 1 )
-#define COLLISION_REACTION_PART_COLUMNS( X ) X( int32_t, first, 1 )
-#define COLLISION_CONTACT_BODY_COLUMNS( X ) X( int32_t, body, WISP_COLLISION_CONTACTS )
-#define COLLISION_BOUNCE_COLUMNS( X ) X( float, bounce, WISP_COLLISION_CONTACTS )
-
-#define COLLISION_ALL_FEATURES_COLUMNS( X )                                                                          \
-    X( int32_t, active_edges, 1 ) /* those with contacts in this substep */                                          \
-    X( int32_t, active_triangles, 1 )                                                                                \
-    X( int32_t, near_edges, 1 ) /* those that may have some in this step */                                          \
-    X( int32_t, near_triangles, 1 )                                                                                  \
-    X( float, longest, 1 ) /* m, somewhat more than the longest edge at rest */
-#define COLLISION_PRIMITIVE_CONTACT_COLUMNS( X )                                                                     \
-    X( int32_t, found, 1 )  /* contacts, those left out included */                                                  \
-    X( int32_t, active, 1 ) /* a list: those with contacts */                                                        \
-    X( int32_t, near, 1 )   /* a list: those that may have some in this step */                                      \
-    X( collision_primitive_contact, contacts, COLLISION_PRIMITIVE_CONTACTS )
-
-#define COLLISION_CLEARANCE_COLUMNS( X )                                                                             \
-    X( int32_t, words, 1 ) /* as in wisp_clear_args */                                                               \
-    X( float, place, 4 )
-
-static const wisp_column_def SETTINGS_COLUMNS[] = { COLLISION_SETTINGS_COLUMNS( WISP_COLUMN_DEF ) };
-static const wisp_column_def ACTIVE_COLUMNS[] = { COLLISION_ACTIVE_COLUMNS( WISP_COLUMN_DEF ) };
-static const wisp_column_def STRAND_CONTACT_COLUMNS[] = { COLLISION_STRAND_CONTACT_COLUMNS( WISP_COLUMN_DEF ) };
-static const wisp_column_def SEGMENT_CONTACT_COLUMNS[] = { COLLISION_SEGMENT_CONTACT_COLUMNS( WISP_COLUMN_DEF ) };
-static const wisp_column_def CARRIED_COLUMNS[] = { COLLISION_CARRIED_COLUMNS( WISP_COLUMN_DEF ) };
-static const wisp_column_def STATS_COLUMNS[] = { COLLISION_STATS_COLUMNS( WISP_COLUMN_DEF ) };
-static const wisp_column_def COLLIDER_COLUMNS[] = { COLLISION_COLLIDER_COLUMNS( WISP_COLUMN_DEF ) };
-static const wisp_column_def MOTION_COLUMNS[] = { COLLISION_MOTION_COLUMNS( WISP_COLUMN_DEF ) };
-static const wisp_column_def TRACKED_COLUMNS[] = { COLLISION_TRACKED_COLUMNS( WISP_COLUMN_DEF ) };
-static const wisp_column_def STRAND_TRACKED_COLUMNS[] = { COLLISION_STRAND_TRACKED_COLUMNS( WISP_COLUMN_DEF ) };
-static const wisp_column_def FOLLOWER_COLUMNS[] = { COLLISION_FOLLOWER_COLUMNS( WISP_COLUMN_DEF ) };
-static const wisp_column_def REACTION_COLUMNS[] = { COLLISION_REACTION_COLUMNS( WISP_COLUMN_DEF ) };
-static const wisp_column_def COUPLED_COLUMNS[] = { COLLISION_COUPLED_COLUMNS( WISP_COLUMN_DEF ) };
-static const wisp_column_def REACTION_PART_COLUMNS[] = { COLLISION_REACTION_PART_COLUMNS( WISP_COLUMN_DEF ) };
-static const wisp_column_def CONTACT_BODY_COLUMNS[] = { COLLISION_CONTACT_BODY_COLUMNS( WISP_COLUMN_DEF ) };
-static const wisp_column_def ALL_FEATURES_COLUMNS[] = { COLLISION_ALL_FEATURES_COLUMNS( WISP_COLUMN_DEF ) };
-static const wisp_column_def PRIMITIVE_CONTACT_COLUMNS[] = { COLLISION_PRIMITIVE_CONTACT_COLUMNS( WISP_COLUMN_DEF ) };
-static const wisp_column_def CLEARANCE_COLUMNS[] = { COLLISION_CLEARANCE_COLUMNS( WISP_COLUMN_DEF ) };
-static const wisp_column_def BOUNCE_COLUMNS[] = { COLLISION_BOUNCE_COLUMNS( WISP_COLUMN_DEF ) };
+COLLISION_COMPONENTS( WISP_COMPONENT_COLUMNS )
 
 // ---- declaration ----
 
@@ -156,35 +87,12 @@ static void tell_of_bodies( const void* memory, wisp_world* world )
     }
 }
 
-static wisp_status declare_components( wisp_registry* r, collision_state* state )
+static wisp_status declare_components( wisp_registry* r, collision_state* s )
 {
-    state->settings = WISP_COMPONENT( r, "collision.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS );
-    wisp_declare_map( r, WISP_MAP_COLLISION_THICKNESS, state->settings, NULL );
-    wisp_declare_map( r, WISP_MAP_COLLISION_FRICTION, state->settings, NULL );
-    state->active = WISP_COMPONENT( r, "collision.active", WISP_TABLE_ENTITY, ACTIVE_COLUMNS );
-    state->strand_contact =
-        WISP_COMPONENT( r, "collision.strand_contact", WISP_TABLE_STRAND_ROW, STRAND_CONTACT_COLUMNS );
-    state->segment_contact =
-        WISP_COMPONENT( r, "collision.segment_contact", WISP_TABLE_STRAND_ROW, SEGMENT_CONTACT_COLUMNS );
-    state->carried = WISP_COMPONENT( r, "collision.carried", WISP_TABLE_STRAND_ROW, CARRIED_COLUMNS );
-    state->stats = WISP_COMPONENT( r, "collision.stats", WISP_TABLE_ENTITY, STATS_COLUMNS );
-    state->collider = WISP_COMPONENT( r, "collision.collider", WISP_TABLE_ENTITY, COLLIDER_COLUMNS );
-    state->motion = WISP_COMPONENT( r, "collision.motion", WISP_TABLE_ENTITY, MOTION_COLUMNS );
-    state->follower = WISP_COMPONENT( r, "collision.follower", WISP_TABLE_ENTITY, FOLLOWER_COLUMNS );
-    state->tracked = WISP_COMPONENT( r, "collision.tracked", WISP_TABLE_PARTICLE, TRACKED_COLUMNS );
-    state->strand_tracked =
-        WISP_COMPONENT( r, "collision.strand_tracked", WISP_TABLE_STRAND_ROW, STRAND_TRACKED_COLUMNS );
-    state->reaction = WISP_COMPONENT( r, "collision.reaction", WISP_TABLE_ENTITY, REACTION_COLUMNS );
-    state->coupled = WISP_COMPONENT( r, "collision.coupled", WISP_TABLE_ENTITY, COUPLED_COLUMNS );
-    state->reaction_part = WISP_COMPONENT( r, "collision.reaction_part", WISP_TABLE_ENTITY, REACTION_PART_COLUMNS );
-    state->contact_body = WISP_COMPONENT( r, "collision.contact_body", WISP_TABLE_PARTICLE, CONTACT_BODY_COLUMNS );
-    state->bounce = WISP_COMPONENT( r, "collision.bounce", WISP_TABLE_PARTICLE, BOUNCE_COLUMNS );
-    state->all_features = WISP_COMPONENT( r, "collision.all_features", WISP_TABLE_ENTITY, ALL_FEATURES_COLUMNS );
-    state->edge_contacts = WISP_COMPONENT( r, "collision.edge_contacts", WISP_TABLE_EDGE, PRIMITIVE_CONTACT_COLUMNS );
-    state->triangle_contacts =
-        WISP_COMPONENT( r, "collision.triangle_contacts", WISP_TABLE_TRIANGLE, PRIMITIVE_CONTACT_COLUMNS );
-    state->clearance = WISP_COMPONENT( r, "collision.clearance", WISP_TABLE_PARTICLE, CLEARANCE_COLUMNS );
-    return state->clearance != 0 ? WISP_OK : WISP_BAD_INPUT;
+    COLLISION_COMPONENTS( WISP_COMPONENT_DECLARE )
+    wisp_declare_map( r, WISP_MAP_COLLISION_THICKNESS, s->settings, NULL );
+    wisp_declare_map( r, WISP_MAP_COLLISION_FRICTION, s->settings, NULL );
+    return s->clearance != 0 ? WISP_OK : WISP_BAD_INPUT;
 }
 
 // Contacts and tracks of a substep are written before they are read, and may name bodies that are gone, but never a negative place.
@@ -216,14 +124,11 @@ static wisp_status declare_indices( wisp_registry* r, const collision_state* s )
 static wisp_status declare_passes( wisp_registry* r, collision_state* state )
 {
     const wisp_pass contact_input = {
-        .name = "collision.contact_input",
-        .stage = WISP_STAGE_FORCE,
-        .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+        WISP_PASS( "collision.contact_input", FORCE, PARTICLE_BLOCK, collision_sense ),
         .required = { state->settings, state->active, WISP_PARTICLE_EXTERNAL_SOLVER, WISP_PARTICLE_CONTACTS },
         .excluded = { state->reaction_part },
         .reads = { state->settings, state->active, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
         .writes = { WISP_PARTICLE_CONTACTS },
-        .run = collision_sense,
     };
     wisp_pass reacting_input = contact_input;
     reacting_input.name = "collision.reacting_input";
@@ -232,183 +137,129 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
     reacting_input.reads[4] = WISP_PARTICLE_CONTACT_IMPULSES; // which its next substep finds empty again
     const wisp_pass passes[] = {
         {
-            .name = "collision.carry",
-            .stage = WISP_STAGE_INPUT,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "collision.carry", INPUT, ENTITY, collision_update_poses ),
             .required = { state->motion, state->collider },
             .reads = { state->motion, state->collider },
             .writes = { state->collider },
-            .run = collision_carry,
         },
         {
-            .name = "collision.follow",
-            .stage = WISP_STAGE_INPUT,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "collision.follow", INPUT, ENTITY, collision_follow ),
             .required = { state->follower },
             .writes = { state->follower },
-            .run = collision_follow,
         },
         {
-            .name = "collision.find",
-            .stage = WISP_STAGE_CONTACT,
-            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            WISP_PASS( "collision.find", CONTACT, PARTICLE_BLOCK, collision_find ),
             .required = { state->settings, WISP_PARTICLE_HALF_SPACES },
             .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { state->settings, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
             .writes = { WISP_PARTICLE_HALF_SPACES, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
-            .run = collision_find,
         },
         {
-            .name = "collision.find_primitives",
-            .stage = WISP_STAGE_CONTACT,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "collision.find_primitives", CONTACT, ENTITY, collision_find_primitives ),
             .required = { state->settings, state->edge_contacts },
             .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { state->settings, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_HALF_SPACES },
             .writes = { state->edge_contacts, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
-            .run = collision_find_primitives,
             .fabric = WISP_FABRIC_EDGES,
         },
         {
-            .name = "collision.share",
-            .stage = WISP_STAGE_CONTACT,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "collision.share", CONTACT, ENTITY, collision_share_contacts ),
             .required = { state->collider, state->coupled },
             .reads = { state->collider },
             .writes = { state->coupled },
             .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_HALF_SPACES, state->edge_contacts },
             .among = state->settings,
-            .run = collision_share_contacts,
         },
         {
-            .name = "collision.project",
-            .stage = WISP_STAGE_PROJECT,
-            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            WISP_PASS( "collision.project", PROJECT, PARTICLE_BLOCK, collision_project ),
             .required = { state->settings, WISP_PARTICLE_HALF_SPACES },
             .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { state->settings, WISP_PARTICLE_HALF_SPACES, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
             .writes = { WISP_PARTICLE_HALF_SPACES, WISP_PARTICLE_POSITION },
-            .run = collision_project,
         },
         {
-            .name = "collision.keep_outside",
-            .stage = WISP_STAGE_PROJECT,
-            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            WISP_PASS( "collision.keep_outside", PROJECT, PARTICLE_BLOCK, collision_keep_outside ),
             .required = { state->settings, state->active },
             .excluded = { WISP_PARTICLE_HALF_SPACES, WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { state->settings, state->active, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
             .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
-            .run = collision_keep_outside,
             .run_crowd = collision_keep_crowd_outside,
         },
         {
-            .name = "collision.project_primitives",
-            .stage = WISP_STAGE_PROJECT,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "collision.project_primitives", PROJECT, ENTITY, collision_project_primitives ),
             .required = { state->settings, state->edge_contacts },
             .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { state->settings, state->edge_contacts, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
             .writes = { state->edge_contacts, WISP_PARTICLE_POSITION },
-            .run = collision_project_primitives,
         },
         {
-            .name = "collision.restitution",
-            .stage = WISP_STAGE_VELOCITY,
-            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            WISP_PASS( "collision.restitution", VELOCITY, PARTICLE_BLOCK, collision_bounce_off ),
             .required = { state->settings, WISP_PARTICLE_HALF_SPACES, state->bounce },
             .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { state->bounce, WISP_PARTICLE_HALF_SPACES, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_VELOCITY },
-            .run = collision_bounce_off,
         },
         {
-            .name = "collision.gather_impulses",
-            .stage = WISP_STAGE_VELOCITY,
-            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            WISP_PASS( "collision.gather_impulses", VELOCITY, PARTICLE_BLOCK, collision_gather_impulses ),
             .required = { state->reaction_part, WISP_PARTICLE_EXTERNAL_SOLVER, WISP_PARTICLE_CONTACTS },
             .writes = { WISP_PARTICLE_CONTACT_IMPULSES },
-            .run = collision_gather_impulses,
         },
         {
-            .name = "collision.couple",
-            .stage = WISP_STAGE_VELOCITY,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "collision.couple", VELOCITY, ENTITY, collision_couple ),
             .required = { state->collider, state->coupled },
             .reads = { state->collider, state->coupled },
             .writes = { state->coupled },
             .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_HALF_SPACES,
                          WISP_PARTICLE_CONTACTS, WISP_PARTICLE_CONTACT_IMPULSES },
             .among = state->settings,
-            .run = collision_couple,
         },
         {
-            .name = "collision.reaction",
-            .stage = WISP_STAGE_OBSERVE,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "collision.reaction", OBSERVE, ENTITY, collision_read_reactions ),
             .required = { state->collider, state->reaction },
             .reads = { state->collider },
             .writes = { state->reaction },
-            .run = collision_read_reactions,
         },
         {
-            .name = "collision.stats",
-            .stage = WISP_STAGE_OBSERVE,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "collision.stats", OBSERVE, ENTITY, collision_measure ),
             .required = { state->settings, state->active },
             .reads = { state->settings, state->active, WISP_PARTICLE_POSITION },
             .writes = { state->stats },
-            .run = collision_measure,
         },
         contact_input,
         reacting_input,
         {
-            .name = "collision.strands",
-            .stage = WISP_STAGE_PROJECT,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "collision.strands", PROJECT, STRAND_GROUP, collision_touch_strands ),
             .required = { state->settings, state->strand_contact, WISP_STRAND_INVERSE_MASS },
             .reads = { state->settings, state->strand_contact, WISP_STRAND_INVERSE_MASS, WISP_STRAND_POSITION,
                        WISP_STRAND_PREVIOUS },
             .writes = { state->strand_contact, WISP_STRAND_POSITION, WISP_STRAND_PREVIOUS },
-            .run = collision_touch_strands,
         },
         {
-            .name = "collision.settle_strands",
-            .stage = WISP_STAGE_VELOCITY,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "collision.settle_strands", VELOCITY, STRAND_GROUP, collision_part_strands ),
             .required = { state->settings, state->strand_contact, WISP_STRAND_INVERSE_MASS },
             .reads = { state->settings, state->strand_contact, WISP_STRAND_INVERSE_MASS, WISP_STRAND_POSITION,
                        WISP_STRAND_PREVIOUS, WISP_STRAND_VELOCITY },
             .writes = { state->strand_contact, WISP_STRAND_POSITION, WISP_STRAND_PREVIOUS, WISP_STRAND_VELOCITY },
-            .run = collision_settle_strands,
         },
         {
-            .name = "collision.strand_stats",
-            .stage = WISP_STAGE_OBSERVE,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "collision.strand_stats", OBSERVE, ENTITY, collision_measure_strands ),
             .required = { state->settings, state->strand_contact, WISP_STRAND_INVERSE_MASS },
             .reads = { state->settings, state->strand_contact, WISP_STRAND_INVERSE_MASS, WISP_STRAND_POSITION },
             .writes = { state->stats },
-            .run = collision_measure_strands,
         },
         {
             // It reads positions, so it runs after passes that start an appearance without reading them. Among passes
             // that read them too, the order of modules decides.
-            .name = "collision.carried",
-            .stage = WISP_STAGE_SHAPE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
-            .required = { state->settings, state->carried },
-            .reads = { state->settings, state->carried, WISP_STRAND_POSITION },
-            .writes = { state->carried, WISP_STRAND_POSITION },
-            .run = collision_keep_out,
+            WISP_PASS( "collision.carried", SHAPE, STRAND_GROUP, collision_keep_out ),
+            .required = { state->settings, state->posed },
+            .reads = { state->settings, state->posed, WISP_STRAND_POSITION },
+            .writes = { state->posed, WISP_STRAND_POSITION },
         },
         {
-            .name = "collision.carried_stats",
-            .stage = WISP_STAGE_OBSERVE,
-            .domain = WISP_DOMAIN_ENTITY,
-            .required = { state->settings, state->carried },
-            .reads = { state->settings, state->carried, WISP_STRAND_POSITION },
+            WISP_PASS( "collision.carried_stats", OBSERVE, ENTITY, collision_measure_posed ),
+            .required = { state->settings, state->posed },
+            .reads = { state->settings, state->posed, WISP_STRAND_POSITION },
             .writes = { state->stats },
-            .run = collision_measure_carried,
         },
     };
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), state );

@@ -1,6 +1,6 @@
 // Participants: which surfaces and strands collide, and how. In: wisp_collision_def. Out: components of the entity.
 // Components of contact exist only while there is a body, so that without one the plan has no pass of this module.
-#include "collision_participants.h"
+#include "collision_state.h"
 
 #include "collision_vectors.h"
 #include "reaction.h"
@@ -122,16 +122,16 @@ static wisp_status update_strands( wisp_world* world, const collision_state* sta
                                    bool active )
 {
     const bool moves = wisp_world_has( world, participant, WISP_STRAND_INVERSE_MASS );
-    const wisp_component contact = moves ? state->strand_contact : state->carried;
+    const wisp_component contact = moves ? state->strand_contact : state->posed;
     WISP_TRY( active ? wisp_world_attach( world, participant, contact )
                      : wisp_world_detach( world, participant, contact ) );
     WISP_TRY( active && moves && state->track_count > 0
                   ? wisp_world_attach( world, participant, state->strand_tracked )
                   : wisp_world_detach( world, participant, state->strand_tracked ) );
     WISP_TRY( update_segments( world, state, participant, active && moves ) );
-    if ( moves && wisp_world_has( world, participant, state->carried ) )
+    if ( moves && wisp_world_has( world, participant, state->posed ) )
     {
-        return wisp_world_detach( world, participant, state->carried );
+        return wisp_world_detach( world, participant, state->posed );
     }
     return WISP_OK;
 }

@@ -19,18 +19,18 @@ static bool passes_by( const collision_body* body, wisp_transform from, wisp_tra
     const bool turns = memcmp( &from.rotation, &to.rotation, sizeof( from.rotation ) ) != 0;
     const wisp_vec3 p = wisp_transform_to_world( from, body->centre ),
                     q = wisp_transform_to_world( to, body->centre );
-    const float start[3] = { p.x, p.y, p.z }, way[3] = { q.x - p.x, q.y - p.y, q.z - p.z };
+    const float start[3] = { p.x, p.y, p.z }, displacement[3] = { q.x - p.x, q.y - p.y, q.z - p.z };
     const float radius = body->ball_radius + ( turns ? wisp_v3_length( body->centre ) : 0.0f ) + reach;
     float enters = 0.0f, leaves = 1.0f; // fractions of the way
     for ( int k = 0; k < 3; ++k )
     {
         const float lower = bounds->lower[k] - radius - start[k], upper = bounds->upper[k] + radius - start[k];
-        if ( way[k] == 0.0f )
+        if ( displacement[k] == 0.0f )
         {
             leaves = lower > 0.0f || upper < 0.0f ? -1.0f : leaves;
             continue;
         }
-        const float a = lower / way[k], b = upper / way[k];
+        const float a = lower / displacement[k], b = upper / displacement[k];
         enters = fmaxf( enters, fminf( a, b ) );
         leaves = fminf( leaves, fmaxf( a, b ) );
     }

@@ -57,34 +57,71 @@ typedef struct collision_nearness
     float widest, most_turn, thickest; // of bodies
 } collision_nearness;
 
+/// The components, a row each: X( member, "name", table, columns ).
+#define COLLISION_COMPONENTS( X )                                                                                    \
+    X( settings, "collision.settings", ENTITY,                                                                       \
+       WISP_COLUMN( collision_settings, settings, 1 ) ) /* of participants */                                        \
+    X( active, "collision.active", ENTITY,                                                                           \
+       WISP_COLUMN( int32_t, active, 1 ) ) /* 1: there is a body, and it is enabled */                               \
+    X( strand_contact, "collision.strand_contact", STRAND_ROW,                                                       \
+       /* while there is a body, as what follows */ WISP_COLUMN( float, pushed, 16 ),                                \
+       /* m, normal correction of this substep; below 0: of the last one */ WISP_COLUMN( float, depth, 16 ),         \
+       /* m, depth that a vertex may keep in this iteration */ WISP_COLUMN( float, left, 16 ),                       \
+       /* m, depth that it kept */                                                                                   \
+       WISP_COLUMN( float, friction, 48 ), /* m, sum of what friction removed in this substep */                     \
+       WISP_COLUMN( float, body, 16 ),     /* number of the body that pushed; -1: several */                         \
+       WISP_COLUMN( float, last, 16 ) /* m, pushed in the last substep */ )                                          \
+    X( segment_contact, "collision.segment_contact", STRAND_ROW,                                                     \
+       /* of the segments behind vertices: the same, and */ WISP_COLUMN( float, pushed, 16 ),                        \
+       WISP_COLUMN( float, depth, 16 ), WISP_COLUMN( float, left, 16 ), WISP_COLUMN( float, friction, 48 ),          \
+       WISP_COLUMN( float, body, 16 ), WISP_COLUMN( float, last, 16 ),                                               \
+       WISP_COLUMN( float, turn, 16 ) /* m, push of the last iteration */ )                                          \
+    X( posed, "collision.carried", STRAND_ROW,                                                                       \
+       WISP_COLUMN( uint32_t, moved, 1 ) ) /* a bit for each lane that moved */                                      \
+    X( stats, "collision.stats", ENTITY, WISP_COLUMN( wisp_collision_stats, stats, 1 ) )                             \
+    X( collider, "collision.collider", ENTITY, WISP_COLUMN( collision_collider, collider, 1 ) )                      \
+    X( motion, "collision.motion", ENTITY,                                                                           \
+       WISP_COLUMN( wisp_transform, target, 1 ) ) /* at the end of the next step */                                  \
+    X( follower, "collision.follower", ENTITY, WISP_COLUMN( int32_t, follows, 1 ) ) /* the body is a surface */      \
+    X( tracked, "collision.tracked", PARTICLE,                                                                       \
+       WISP_COLUMN( int32_t, triangle, COLLISION_TRACKS ), /* closest; -1: none was near */                          \
+       WISP_COLUMN( float, free, COLLISION_TRACKS ),       /* m, distance of `origin` at least */                    \
+       WISP_COLUMN( wisp_vec3, origin, COLLISION_TRACKS ) /* m, in the frame of the body */ )                        \
+    X( strand_tracked, "collision.strand_tracked", STRAND_ROW,                                                       \
+       WISP_COLUMN( int32_t, triangle, 16 * COLLISION_TRACKS ),                                                      \
+       /* [body][lane] */ WISP_COLUMN( float, free, 16 * COLLISION_TRACKS ),                                         \
+       WISP_COLUMN( float, origin, 48 * COLLISION_TRACKS ) /* [body][x, y, z][lane] */ )                             \
+    X( reaction, "collision.reaction", ENTITY, WISP_COLUMN( wisp_reaction, reaction, 1 ) ) /* of a body */           \
+    X( coupled, "collision.coupled", ENTITY,                                                                         \
+       WISP_COLUMN( collision_coupled, coupled, 1 ) ) /* of a body with a mass */                                    \
+    X( reaction_part, "collision.reaction_part", ENTITY,                                                             \
+       WISP_COLUMN( int32_t, first, 1 ) ) /* of their parts in the sums */                                           \
+    X( contact_body, "collision.contact_body", PARTICLE,                                                             \
+       WISP_COLUMN( int32_t, body, WISP_COLLISION_CONTACTS ) ) /* in the list */                                     \
+    X( bounce, "collision.bounce", PARTICLE, WISP_COLUMN( float, bounce, WISP_COLLISION_CONTACTS ) ) /* m/s */       \
+    X( all_features, "collision.all_features", ENTITY, WISP_COLUMN( int32_t, active_edges, 1 ),                      \
+       /* those with contacts in this substep */ WISP_COLUMN( int32_t, active_triangles, 1 ),                        \
+       WISP_COLUMN( int32_t, near_edges, 1 ),                                                                        \
+       /* those that may have some in this step */ WISP_COLUMN( int32_t, near_triangles, 1 ),                        \
+       WISP_COLUMN( float, longest, 1 ) /* m, somewhat more than the longest edge at rest */ )                       \
+    X( edge_contacts, "collision.edge_contacts", EDGE, WISP_COLUMN( int32_t, found, 1 ),                             \
+       /* contacts, those left out included */ WISP_COLUMN( int32_t, active, 1 ), /* a list: those with contacts */  \
+       WISP_COLUMN( int32_t, near, 1 ), /* a list: those that may have some in this step */                          \
+       WISP_COLUMN( collision_primitive_contact, contacts, COLLISION_PRIMITIVE_CONTACTS ) )                          \
+    X( triangle_contacts, "collision.triangle_contacts", TRIANGLE, /* likewise */ WISP_COLUMN( int32_t, found, 1 ),  \
+       WISP_COLUMN( int32_t, active, 1 ), WISP_COLUMN( int32_t, near, 1 ),                                           \
+       WISP_COLUMN( collision_primitive_contact, contacts, COLLISION_PRIMITIVE_CONTACTS ) )                          \
+    X( clearance, "collision.clearance", PARTICLE, WISP_COLUMN( int32_t, words, 1 ),                                 \
+       /* as in wisp_clear_args */ WISP_COLUMN( float, place, 4 ) )
+
 /// Bodies and participants in the order in which they were added. Passes walk these lists, so results depend on
 /// nothing else.
 typedef struct collision_state
 {
-    wisp_component settings; // collision_settings: the surface, or the strands, collide
-    wisp_component active;   // a mark on surfaces, while there is a body: also on those that an external solver moves
-    wisp_component strand_contact; // rows of strands, likewise
-    wisp_component
-        segment_contact;     // the same of the segments behind their vertices, while there is a body that they meet
-    wisp_component carried;  // rows of strands without dynamics, likewise
-    wisp_component stats;    // wisp_collision_stats
-    wisp_component collider; // collision_collider
-    wisp_component motion;   // a pose: the body is moved
-    wisp_component follower; // a mark: the body is a surface
-    wisp_component tracked;  // of particles, while there is a body that is tracked
-    wisp_component strand_tracked; // of rows of strands, likewise
-    int track_count;               // bodies that are tracked
-    wisp_component reaction;       // wisp_reaction of a body that is asked for it
-    wisp_component coupled;        // collision_coupled of a body with a mass
-    int coupled_count;             // of them
-    wisp_component reaction_part;  // of participants while one is: the first of their parts in the sums
-    wisp_component contact_body;   // of surfaces likewise: for each contact the place of its body in the list
-    wisp_component all_features;   // a mark of surfaces whose edges and triangles collide, and how many have contacts
-    wisp_component edge_contacts;  // of their edges, while there is a body
-    wisp_component triangle_contacts; // likewise
-    wisp_component clearance;         // of their particles, likewise
-    wisp_component bounce;            // of surfaces while a body has a restitution: m/s, for each contact
-    collision_impulse* sums;          // [part][body], zero between steps; null while no reaction is requested
+    COLLISION_COMPONENTS( WISP_COMPONENT_MEMBER )
+    int track_count;         // bodies that are tracked
+    int coupled_count;       // of them
+    collision_impulse* sums; // [part][body], zero between steps; null while no reaction is requested
     size_t sum_count, sum_capacity;
     collision_body* bodies;
     int body_count, body_capacity;
@@ -136,3 +173,36 @@ _Static_assert( sizeof( collision_coupled ) == 160, "no padding" );
 
 /// Find the state of the module. @return WISP_CONFLICT the module is not registered
 wisp_status collision_find_state( wisp_world* world, collision_state** out );
+
+// ---- participants: surfaces and strands that collide ----
+
+/// Attach the components of contact to all participants that are enabled, while there is a body, and detach them from
+/// the rest. Without memory nothing changes.
+wisp_status collision_update_components( wisp_world* world, collision_state* state );
+/// The same when one body came or went, which changes nothing for most participants.
+wisp_status collision_update_for( wisp_world* world, collision_state* state, const collision_body* body );
+
+/// Remove an entity from the list of participants. @return whether it was there
+bool collision_forget_participant( collision_state* state, wisp_entity participant );
+
+// ---- passes, each in the file that is named ----
+
+wisp_pass_fn collision_update_poses;                                                // collision_bodies.c
+wisp_pass_fn collision_follow;                                                      // collision_surface.c
+wisp_pass_fn collision_find;                                                        // contact_generation.c
+wisp_pass_fn collision_project;                                                     // contact_projection.c
+wisp_pass_fn collision_keep_outside;                                                // closed_forms.c
+wisp_pass_fn collision_find_primitives;                                             // primitive_contacts.c
+wisp_pass_fn collision_project_primitives;                                          // primitive_projection.c
+wisp_pass_fn collision_sense;                                                       // contact_input.c
+wisp_pass_fn collision_bounce_off;                                                  // restitution.c
+wisp_pass_fn collision_gather_impulses, collision_share_contacts;                   // reaction.c
+wisp_pass_fn collision_couple, collision_read_reactions;                            // reaction.c
+wisp_pass_fn collision_touch_strands, collision_part_strands;                       // strand_contacts.c
+wisp_pass_fn collision_keep_out;                                                    // posed_strands.c
+wisp_pass_fn collision_measure, collision_measure_strands, collision_measure_posed; // collision_stats.c
+/// As wisp_pass.run_crowd, closed_forms.c.
+void collision_keep_crowd_outside( wisp_frame* frame, const wisp_crowd* crowd, const wisp_span* span, void* user );
+/// As wisp_state_hooks.lines, collision_lines.c.
+void collision_add_lines( const void* state, wisp_world* world, wisp_entity entity, wisp_line_kind kind,
+                          wisp_line_list* list );

@@ -3,8 +3,7 @@
 // Each worker measures blocks of its own; of equally deep vertices the lowest index counts, so that results do not
 // depend on the workers.
 #include "body_queries.h"
-#include "collision_participants.h"
-#include "collision_passes.h"
+#include "collision_state.h"
 #include "particle_contacts.h"
 
 #include <math.h>
@@ -21,7 +20,7 @@ typedef struct measure_loop
     wisp_frame* frame;
     const wisp_span* span;
     const collision_state* state;
-    bool carried; // strands without dynamics
+    bool is_posed; // strands without dynamics
     wisp_collision_stats stats[WISP_MAX_WORKERS];
 } measure_loop;
 
@@ -194,9 +193,9 @@ static void measure_groups( void* context, int begin, int end, int worker )
     const measure_rows rows = {
         .strands = wisp_frame_strands( loop->frame, e ),
         .position = wisp_frame_column( loop->frame, e, WISP_STRAND_POSITION, 0 ),
-        .weight = loop->carried ? NULL : wisp_frame_column( loop->frame, e, WISP_STRAND_INVERSE_MASS, 0 ),
-        .pushed = loop->carried ? NULL : wisp_frame_column( loop->frame, e, loop->state->strand_contact, 0 ),
-        .moved = loop->carried ? wisp_frame_column( loop->frame, e, loop->state->carried, 0 ) : NULL,
+        .weight = loop->is_posed ? NULL : wisp_frame_column( loop->frame, e, WISP_STRAND_INVERSE_MASS, 0 ),
+        .pushed = loop->is_posed ? NULL : wisp_frame_column( loop->frame, e, loop->state->strand_contact, 0 ),
+        .moved = loop->is_posed ? wisp_frame_column( loop->frame, e, loop->state->posed, 0 ) : NULL,
     };
     wisp_collision_stats* f = loop->stats + worker;
     const int32_t* group_row = rows.strands->group_row;
@@ -253,10 +252,10 @@ void collision_measure_strands( wisp_frame* frame, const wisp_span* span, void* 
                        measure_groups );
 }
 
-void collision_measure_carried( wisp_frame* frame, const wisp_span* span, void* user )
+void collision_measure_posed( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const wisp_strand_topology* strands = wisp_frame_strands( frame, span->entity );
-    measure_particles( ( measure_loop ){ .frame = frame, .span = span, .state = user, .carried = true },
+    measure_particles( ( measure_loop ){ .frame = frame, .span = span, .state = user, .is_posed = true },
                        strands->group_count, GROUPS, measure_groups );
 }
 

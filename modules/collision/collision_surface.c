@@ -4,9 +4,9 @@
 // Nothing is kept from step to step: start and end follow from the columns of the surface. So a snapshot, a teleport or a
 // pin that is moved by hand needs no care here. Participants take the fraction of the motion that their substeps cover,
 // whatever the substeps of the surface, and strands can still run all substeps of a group in one go.
-#include "collision_surface.h"
+#include "collision_bodies.h"
 
-#include "collision_passes.h"
+#include "collision_state.h"
 #include "collision_vectors.h"
 
 #include <math.h>
@@ -102,8 +102,8 @@ static void widen_bounds( point_bounds* all, const collision_body* body, int v )
 {
     collision_widen( &all->lower, &all->upper, body->start[v] );
     collision_widen( &all->lower, &all->upper, body->finish[v] );
-    const wisp_vec3 way = wisp_v3_sub( body->finish[v], body->start[v] );
-    all->shift = collision_larger( all->shift, wisp_v3_dot( way, way ) );
+    const wisp_vec3 displacement = wisp_v3_sub( body->finish[v], body->start[v] );
+    all->shift = collision_larger( all->shift, wisp_v3_dot( displacement, displacement ) );
 }
 
 static void join_bounds( point_bounds* all, const point_bounds* more )
@@ -178,8 +178,7 @@ typedef struct follow_loop
 {
     collision_body* body;
     const int32_t* vertex_slot;
-    const float *position, *velocity, *target; // the latter may be null
-    float seconds;
+    wisp_surface_motion motion;
     point_bounds bounds[WISP_MAX_WORKERS];
 } follow_loop;
 
@@ -189,18 +188,9 @@ static void follow_range( void* context, int begin, int end, int worker )
     follow_loop* loop = context;
     for ( int v = begin; v < end; ++v )
     {
-        const size_t quad = (size_t)loop->vertex_slot[v] * 4;
-        const wisp_vec3 at = wisp_v3_load( loop->position + quad );
-        wisp_vec3 to = at;
-        if ( loop->position[quad + 3] > 0.0f )
-        {
-            to = loop->velocity != NULL ? wisp_v3_mul_add( at, loop->seconds, wisp_v3_load( loop->velocity + quad ) )
-                                        : at;
-        }
-        else if ( loop->target != NULL && loop->target[quad + 3] != 0.0f )
-        {
-            to = wisp_v3_load( loop->target + quad );
-        }
+        const int32_t slot = loop->vertex_slot[v];
+        const wisp_vec3 at = wisp_v3_load( loop->motion.position + 4 * (size_t)slot ),
+                        to = wisp_surface_motion_end( &loop->motion, slot );
         const bool is_valid = collision_is_in_range( at );
         loop->body->start[v] = is_valid ? at : loop->body->finish[v];
         loop->body->finish[v] = is_valid && collision_is_in_range( to ) ? to : loop->body->start[v];
@@ -240,16 +230,12 @@ void collision_follow( wisp_frame* frame, const wisp_span* span, void* user )
         return;
     }
     const wisp_entity surface = body->surface;
-    // one that is not solved goes along with something
-    const bool is_halted =
-        wisp_frame_is_halted( frame, surface ) && wisp_frame_detail( frame, surface ).level != WISP_DETAIL_NOTHING;
     follow_loop loop = {
         .body = body,
         .vertex_slot = wisp_frame_fabric( frame, surface )->vertex_slot,
-        .position = wisp_frame_column( frame, surface, WISP_PARTICLE_POSITION, 0 ),
-        .velocity = is_halted ? NULL : wisp_frame_column( frame, surface, WISP_PARTICLE_VELOCITY, 0 ),
-        .target = is_halted ? NULL : wisp_frame_column( frame, surface, WISP_PARTICLE_TARGET, 0 ),
-        .seconds = wisp_frame_dt( frame, span->entity ) * (float)wisp_frame_substeps( frame, span->entity ),
+        .motion = wisp_frame_surface_motion( frame, surface,
+                                             wisp_frame_dt( frame, span->entity ) *
+                                                 (float)wisp_frame_substeps( frame, span->entity ) ),
     };
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
     for ( int worker = 0; worker < WISP_MAX_WORKERS; ++worker )

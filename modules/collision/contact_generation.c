@@ -15,11 +15,9 @@
 //   one are only paths that may enter a body, deep starts, and particles that already have all contacts.
 // - Lengths come from the participant (thickness a quarter of its mean edge), so a scene at 1/100 or 100 times its
 //   size behaves the same.
-#include "contact_generation.h"
 
-#include "block_culling.h"
 #include "body_queries.h"
-#include "collision_passes.h"
+#include "collision_state.h"
 #include "near_bodies.h"
 #include "reaction.h"
 #include "particle_contacts.h"
@@ -217,14 +215,14 @@ static bool sweep_one( const collision_find_args* args, const collision_view* vi
     const wisp_vec3 from = load_candidate( block, false, n ), to = load_candidate( block, true, n );
     wisp_surface_point plane = { load_one( planes->point, m ), load_one( planes->normal, m ), planes->now[m] };
     wisp_surface_point entry;
-    wisp_vec3 motion = view->body->follows ? planes->motion[m] : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, carried;
+    wisp_vec3 motion = view->body->follows ? planes->motion[m] : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, body_motion;
     const wisp_vec3 start = wisp_v3_mul_add( from, 1.0f, motion );
     const bool swept = fabsf( plane.distance ) <= path_along( view, block, n, start ) &&
-                       collision_cast( view, from, to, &entry, &carried );
+                       collision_cast( view, from, to, &entry, &body_motion );
     if ( swept )
     {
         plane = entry;
-        motion = planes->motion[m] = carried;
+        motion = planes->motion[m] = body_motion;
         store_one( planes->point, m, plane.point );
         store_one( planes->normal, m, plane.normal );
         planes->clear[n] = 0.0f;

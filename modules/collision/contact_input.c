@@ -18,7 +18,7 @@
 // - Rows keep the index and generation of the body, by which the solver recognises a contact of the step before.
 #include "body_queries.h"
 #include "collision_maps.h"
-#include "collision_passes.h"
+#include "collision_state.h"
 
 #include <float.h>
 #include <math.h>
@@ -58,7 +58,7 @@ typedef struct input_loop
     wisp_mesh_query queries[COLLISION_CHUNK]; // at the start of the path
     wisp_surface_point nearest[COLLISION_CHUNK];
     bool is_near[COLLISION_CHUNK];
-    wisp_vec3 carried[COLLISION_CHUNK]; // m, displacement of the surface there
+    wisp_vec3 body_motion[COLLISION_CHUNK]; // m, displacement of the surface there
 } input_loop;
 
 static void begin_chunk( input_loop* loop, int begin, int end )
@@ -94,9 +94,10 @@ static void begin_chunk( input_loop* loop, int begin, int end )
 // Return whether the body is beyond the margin and path of every particle, in its own frame.
 static bool is_far( const input_loop* loop, const collision_view* view )
 {
-    const wisp_vec3 carried = wisp_v3_sub( wisp_transform_to_world( view->after, view->body->centre ),
-                                           wisp_transform_to_world( view->before, view->body->centre ) );
-    const float reach = view->thickness + loop->longest + wisp_v3_length( carried ) + collision_surface_shift( view );
+    const wisp_vec3 body_motion = wisp_v3_sub( wisp_transform_to_world( view->after, view->body->centre ),
+                                               wisp_transform_to_world( view->before, view->body->centre ) );
+    const float reach =
+        view->thickness + loop->longest + wisp_v3_length( body_motion ) + collision_surface_shift( view );
     return collision_ball_distance( view, loop->lower, loop->upper ) > reach;
 }
 
@@ -117,7 +118,7 @@ static void query_candidates( input_loop* loop, const collision_view* view )
             loop->queries[n] = ( wisp_mesh_query ){ .point = from, .radius = reach, .time = view->begin };
         }
     }
-    collision_closest( view, loop->queries, loop->candidate_count, loop->nearest, loop->is_near, loop->carried );
+    collision_closest( view, loop->queries, loop->candidate_count, loop->nearest, loop->is_near, loop->body_motion );
 }
 
 // ---- planes ----
@@ -138,14 +139,14 @@ static bool pass_by( const collision_view* view, wisp_vec3 from, wisp_vec3 to, w
     {
         HALVINGS = 12, // closer than 2^-12 of the path is left to the next substep
     };
-    const wisp_vec3 way = wisp_v3_sub( to, from );
-    const float radius = plane->distance + wisp_v3_length( way );
+    const wisp_vec3 displacement = wisp_v3_sub( to, from );
+    const float radius = plane->distance + wisp_v3_length( displacement );
     float before = 0.0f, behind = 1.0f;
     bool is_between = in_front( plane, to ) >= 0.0f;
     for ( int i = 0; i <= HALVINGS && is_between == false; ++i )
     {
         const float time = i == 0 ? 1.0f : 0.5f * ( before + behind );
-        const wisp_mesh_query query = { .point = wisp_v3_mul_add( from, time, way ),
+        const wisp_mesh_query query = { .point = wisp_v3_mul_add( from, time, displacement ),
                                         .radius = radius,
                                         .time = view->begin };
         bool is_near;
@@ -154,7 +155,7 @@ static bool pass_by( const collision_view* view, wisp_vec3 from, wisp_vec3 to, w
         {
             return false;
         }
-        const bool falls = wisp_v3_dot( plane->normal, way ) < 0.0f;
+        const bool falls = wisp_v3_dot( plane->normal, displacement ) < 0.0f;
         before = falls ? time : before;
         behind = falls ? behind : time;
         is_between = in_front( plane, from ) >= 0.0f && in_front( plane, to ) >= 0.0f;
@@ -167,9 +168,9 @@ static bool pass_by( const collision_view* view, wisp_vec3 from, wisp_vec3 to, w
 // the margin from that point.
 static void tilt( wisp_surface_point* plane, wisp_vec3 from, float margin )
 {
-    const wisp_vec3 way = wisp_v3_sub( from, plane->point );
-    const float length = wisp_v3_length( way ), fraction = collision_smaller( 1.0f, margin / length );
-    const wisp_vec3 w = { way.x / length, way.y / length, way.z / length };
+    const wisp_vec3 displacement = wisp_v3_sub( from, plane->point );
+    const float length = wisp_v3_length( displacement ), fraction = collision_smaller( 1.0f, margin / length );
+    const wisp_vec3 w = { displacement.x / length, displacement.y / length, displacement.z / length };
     const wisp_vec3 foreign = wisp_v3_mul_add( plane->normal, -wisp_v3_dot( plane->normal, w ), w );
     const float rest = sqrtf( 1.0f - fraction * fraction ) / collision_larger( wisp_v3_length( foreign ), FLT_MIN );
     plane->normal = ( wisp_vec3 ){ fraction * w.x + rest * foreign.x, fraction * w.y + rest * foreign.y,
@@ -233,8 +234,8 @@ static void add_touch( input_loop* loop, const collision_view* of_all, int i )
         collision_view_at( &loop->maps, &slot, 1, &of_this );
         view = &of_this;
     }
-    const wisp_vec3 carried = loop->carried[i], from = loop->queries[i].point,
-                    to = wisp_v3_mul_add( loop->to[i], -1.0f, carried );
+    const wisp_vec3 body_motion = loop->body_motion[i], from = loop->queries[i].point,
+                    to = wisp_v3_mul_add( loop->to[i], -1.0f, body_motion );
     wisp_surface_point plane = loop->nearest[i];
     if ( find_plane( view, from, to, &plane ) == false )
     {
@@ -250,7 +251,7 @@ static void add_touch( input_loop* loop, const collision_view* of_all, int i )
     found.plane[3] = plane.distance;
     const wisp_vec3 velocity = wisp_transform_velocity( view->before, view->after, loop->seconds, plane.point );
     const float rate = loop->seconds > 0.0f ? 1.0f / loop->seconds : 0.0f;
-    collision_store( found.motion, wisp_v3_mul_add( velocity, rate, carried ) );
+    collision_store( found.motion, wisp_v3_mul_add( velocity, rate, body_motion ) );
     found.motion[3] = view->thickness;
     insert( loop, loop->candidates[i], &found );
 }

@@ -15,8 +15,8 @@
 // substep, and no velocity relative to the body is reversed. Particles with one contact, which are nearly all, go to
 // the kernel half_space, which computes the same bits.
 #include "body_queries.h"
-#include "collision_passes.h"
-#include "contact_generation.h"
+#include "collision_state.h"
+#include "particle_contacts.h"
 #include "near_bodies.h"
 #include "reaction.h"
 
@@ -70,10 +70,10 @@ static void stop_at_entry( const collision_view* view, float thickness, wisp_vec
         return;
     }
     // no farther from the body than it was: an approach must not become a separation
-    const wisp_vec3 carried = wisp_v3_mul_add( from, 1.0f, motion );
-    float height = wisp_v3_dot( hit.normal, wisp_v3_sub( carried, hit.point ) );
+    const wisp_vec3 body_motion = wisp_v3_mul_add( from, 1.0f, motion );
+    float height = wisp_v3_dot( hit.normal, wisp_v3_sub( body_motion, hit.point ) );
     to = wisp_v3_mul_add( hit.point, fminf( thickness, fmaxf( 0.0f, height ) ), hit.normal );
-    to = collision_cast( view, from, to, &hit, &motion ) ? carried : to;
+    to = collision_cast( view, from, to, &hit, &motion ) ? body_motion : to;
     *p = wisp_transform_to_world( view->after, to );
 }
 

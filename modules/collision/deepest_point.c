@@ -9,7 +9,7 @@
 // of a segment lies one that is level along it; it bounds the distance of all points, so it is the tangent of the outer search
 // even where the distance has a kink. (Macklin et al. 2020, "Local optimization for robust signed distance field collision",
 // use Frank-Wolfe or projected gradients for distances that are not convex.)
-#include "deepest_point.h"
+#include "primitive_contacts.h"
 
 #include "wisp/base.h"
 

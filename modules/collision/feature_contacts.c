@@ -8,7 +8,8 @@
 //   needs no inside: the primitive stays on the side that it comes from.
 // - Closed meshes touch from outside alone: a normal against that of the faces around the edge is that of the far side, and is left out.
 // - A closest point at a corner of the surface, or on the border of a triangle, belongs to the contacts of those.
-#include "feature_contacts.h"
+#include "primitive_contacts.h"
+#include "wisp/module/double3.h"
 
 #include <math.h>
 
@@ -24,41 +25,17 @@ static const float ALIKE = 0.7f; // cosine of two normals of one side
 
 // ---- distances ----
 
-typedef struct vec
-{
-    double x, y, z;
-} vec;
-
-static vec widen( wisp_vec3 v )
-{
-    return ( vec ){ (double)v.x, (double)v.y, (double)v.z };
-}
-
-static vec sub( vec a, vec b )
-{
-    return ( vec ){ a.x - b.x, a.y - b.y, a.z - b.z };
-}
-
-static double dot( vec a, vec b )
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-static vec add_scaled( vec a, double s, vec b )
-{
-    return ( vec ){ a.x + s * b.x, a.y + s * b.y, a.z + s * b.z };
-}
-
 static double unit( double x )
 {
     return x < 0.0 ? 0.0 : x > 1.0 ? 1.0 : x; // 0 for NaN is not needed: paths are finite
 }
 
 // The closest points p + s u and q + t v of two segments (Ericson 2005, "Real-time collision detection", 5.1.9).
-static double closest_of_segments( vec p, vec u, vec q, vec v, double* s, double* t )
+static double closest_of_segments( double3 p, double3 u, double3 q, double3 v, double* s, double* t )
 {
-    const vec r = sub( p, q );
-    const double a = dot( u, u ), e = dot( v, v ), f = dot( v, r ), c = dot( u, r ), b = dot( u, v );
+    const double3 r = double3_sub( p, q );
+    const double a = double3_dot( u, u ), e = double3_dot( v, v ), f = double3_dot( v, r ), c = double3_dot( u, r ),
+                 b = double3_dot( u, v );
     const double area = a * e - b * b;
     *s = a > 0.0 && area > 1e-12 * a * e ? unit( ( b * f - c * e ) / area ) : 0.0;
     *t = e > 0.0 ? ( b * *s + f ) / e : 0.0;
@@ -67,32 +44,35 @@ static double closest_of_segments( vec p, vec u, vec q, vec v, double* s, double
         *t = unit( *t );
         *s = a > 0.0 ? unit( ( b * *t - c ) / a ) : 0.0;
     }
-    const vec away = sub( add_scaled( p, *s, u ), add_scaled( q, *t, v ) );
-    return sqrt( dot( away, away ) );
+    const double3 away = double3_sub( double3_mul_add( p, *s, u ), double3_mul_add( q, *t, v ) );
+    return sqrt( double3_dot( away, away ) );
 }
 
 // The closest point of a triangle: within it, else on the nearest side.
-static double closest_of_triangle( const vec corners[3], vec p, double weights[3] )
+static double closest_of_triangle( const double3 corners[3], double3 p, double weights[3] )
 {
-    const vec u = sub( corners[1], corners[0] ), v = sub( corners[2], corners[0] ), r = sub( p, corners[0] );
-    const double a = dot( u, u ), b = dot( u, v ), c = dot( v, v ), d = dot( u, r ), e = dot( v, r );
+    const double3 u = double3_sub( corners[1], corners[0] ), v = double3_sub( corners[2], corners[0] ),
+                  r = double3_sub( p, corners[0] );
+    const double a = double3_dot( u, u ), b = double3_dot( u, v ), c = double3_dot( v, v ), d = double3_dot( u, r ),
+                 e = double3_dot( v, r );
     const double area = a * c - b * b, s = c * d - b * e, t = a * e - b * d;
     if ( area > 0.0 && s >= 0.0 && t >= 0.0 && s + t <= area )
     {
         weights[1] = s / area;
         weights[2] = t / area;
         weights[0] = 1.0 - weights[1] - weights[2];
-        const vec away =
-            sub( r, add_scaled( ( vec ){ weights[1] * u.x, weights[1] * u.y, weights[1] * u.z }, weights[2], v ) );
-        return sqrt( dot( away, away ) );
+        const double3 away =
+            double3_sub( r, double3_mul_add( ( double3 ){ weights[1] * u.x, weights[1] * u.y, weights[1] * u.z },
+                                             weights[2], v ) );
+        return sqrt( double3_dot( away, away ) );
     }
     double least = INFINITY;
     for ( int k = 0; k < 3; ++k )
     {
         const int next = k < 2 ? k + 1 : 0;
         double at, none;
-        const double distance = closest_of_segments( corners[k], sub( corners[next], corners[k] ), p,
-                                                     ( vec ){ 0.0, 0.0, 0.0 }, &at, &none );
+        const double distance = closest_of_segments( corners[k], double3_sub( corners[next], corners[k] ), p,
+                                                     ( double3 ){ 0.0, 0.0, 0.0 }, &at, &none );
         if ( distance < least )
         {
             least = distance;
@@ -107,17 +87,19 @@ static double closest_of_triangle( const vec corners[3], vec p, double weights[3
 double collision_closest_feature( const wisp_vec3* corners, int count, const wisp_vec3 ends[2], float* weights,
                                   float* along )
 {
-    const vec q = widen( ends[0] );
+    const double3 q = double3_widen( ends[0] );
     double w[3] = { 0.0, 0.0, 0.0 }, t = 0.0, distance;
     if ( count == 2 )
     {
-        const vec p = widen( corners[0] );
-        distance = closest_of_segments( p, sub( widen( corners[1] ), p ), q, sub( widen( ends[1] ), q ), &w[1], &t );
+        const double3 p = double3_widen( corners[0] );
+        distance = closest_of_segments( p, double3_sub( double3_widen( corners[1] ), p ), q,
+                                        double3_sub( double3_widen( ends[1] ), q ), &w[1], &t );
         w[0] = 1.0 - w[1];
     }
     else
     {
-        const vec at[3] = { widen( corners[0] ), widen( corners[1] ), widen( corners[2] ) };
+        const double3 at[3] = { double3_widen( corners[0] ), double3_widen( corners[1] ),
+                                double3_widen( corners[2] ) };
         distance = closest_of_triangle( at, q, w );
     }
     for ( int k = 0; k < 3; ++k )

@@ -91,3 +91,49 @@ float collision_bounce( const collision_find_args* args, const collision_view* v
 
 /// Give surfaces a column for that while a body has a restitution.
 wisp_status collision_update_bounces( wisp_world* world, collision_state* state );
+
+// ---- contact generation: one block of particles against its bodies, in the order of the bodies ----
+
+/// Add the contacts of a block with one body.
+void collision_meet( const collision_find_args* args, const collision_view* view, collision_block* block );
+
+/// Return the columns of the participant of a span, in its substep.
+collision_find_args collision_find_args_of( wisp_frame* frame, const wisp_span* span, const collision_state* state );
+
+/// Find the contacts of a block.
+void collision_find_block( wisp_frame* frame, const wisp_span* span, const collision_find_args* args, int begin,
+                           int end );
+
+/// Find and project the contacts of some groups of a block, as bits, that keeps none.
+void collision_find_and_project( wisp_frame* frame, const wisp_span* span, const collision_state* state, int begin,
+                                 int end, uint32_t groups );
+
+/// Load the contacts of particles that two bodies squeeze: see squeeze.c.
+void collision_squeeze( const collision_find_args* args, const collision_block* block );
+
+/// Do two contacts squeeze something of a thickness of `both` by a depth, m? @param oppose minus the product of their normals
+bool collision_is_squeezed( float oppose, float depth, float both );
+
+/// Return the correction with which two contacts begin the substep that squeeze something of a thickness of `both` by a depth, m.
+float collision_squeeze_load( float dt, float oppose, float depth, float both );
+
+/// Find two contacts of a particle that oppose each other and press. @return whether there are some
+bool collision_find_loaded( const collision_contact* contacts, int count, int* first, int* second );
+
+/// Take from loads what a body with a mass gives way to them within the substep.
+void collision_unload( wisp_frame* frame, const collision_state* state, wisp_entity participant, int32_t body );
+
+// ---- culling: which particles of a block may be within reach of a body ----
+
+/// Gather the particles that may touch a body in this substep. Their contacts are cleared.
+void collision_begin_block( const collision_find_args* args, int begin, int end, collision_block* block );
+
+/// Compute the paths relative to a body, and list the particles that may be within reach. All others are surely
+/// beyond it.
+void collision_cull_block( const collision_find_args* args, const collision_view* view, collision_block* block );
+
+/// Note that a body is at this distance from the box of the block, in m, which is beyond its reach.
+void collision_skip_block( const collision_view* view, float apart, collision_block* block );
+
+/// Store the distances that are clear, and which groups are settled.
+void collision_end_block( const collision_find_args* args, const collision_block* block );

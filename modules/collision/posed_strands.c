@@ -12,32 +12,32 @@
 // - Cost per vertex (ghosts of head_shake.yaml, one worker of a busy Zen 3): 22 to 30 ns around a sphere, 12 ns where
 //   hardly any vertex of a group touches, 6 to 8 ns away from all bodies.
 #include "body_queries.h"
-#include "collision_passes.h"
+#include "collision_state.h"
 
 #include <string.h>
 
-typedef struct carried_group
+typedef struct posed_group
 {
     const wisp_strand_topology* strands;
     float* position; // of the entity
     uint32_t* moved; // of the entity
     int group;
     wisp_vec3 lower, upper; // of the vertices that may move
-} carried_group;
+} posed_group;
 
-static int first_row( const carried_group* g )
+static int first_row( const posed_group* g )
 {
     return g->strands->group_row[g->group];
 }
 
-static bool is_vertex( const carried_group* g, int row, int lane )
+static bool is_vertex( const posed_group* g, int row, int lane )
 {
     return row - first_row( g ) < g->strands->lane_count[g->group * WISP_LANES + lane];
 }
 
 // Compute the box of a group. NaN does not extend it. The first loop runs over lanes, so that the compiler vectorises
 // it.
-static void find_box( carried_group* g )
+static void find_box( posed_group* g )
 {
     float lower[3 * WISP_LANES], upper[3 * WISP_LANES];
     int32_t last[3 * WISP_LANES]; // vertices of the lane
@@ -69,19 +69,19 @@ static void find_box( carried_group* g )
 }
 
 // A box around the body in its frame, and the transform from the world.
-typedef struct carried_box
+typedef struct posed_box
 {
     float axis[3][3], origin[3]; // in the world
     float lower[3], upper[3];
     float reach; // m^2
-} carried_box;
+} posed_box;
 
-static carried_box box_of( const collision_view* view )
+static posed_box box_of( const collision_view* view )
 {
     const collision_body* body = view->body;
     const wisp_vec3 c = body->centre, h = body->half;
     const float reach = 1.001f * view->thickness; // wider by rounding: the closest point query decides
-    carried_box box = { .reach = reach * reach };
+    posed_box box = { .reach = reach * reach };
     collision_store( box.origin, view->after.translation );
     collision_store( box.lower, ( wisp_vec3 ){ c.x - h.x, c.y - h.y, c.z - h.z } );
     collision_store( box.upper, ( wisp_vec3 ){ c.x + h.x, c.y + h.y, c.z + h.z } );
@@ -96,7 +96,7 @@ static carried_box box_of( const collision_view* view )
 }
 
 // Test sixteen vertices against a box. NaN is not near.
-static void find_near( const carried_box* box, const float* x, bool* near )
+static void find_near( const posed_box* box, const float* x, bool* near )
 {
     float squared[WISP_LANES] = { 0 };
     for ( int k = 0; k < 3; ++k )
@@ -117,7 +117,7 @@ static void find_near( const carried_box* box, const float* x, bool* near )
 }
 
 // Push the vertices of a row out. @return whether one moved
-static bool push_row( const carried_group* g, const collision_view* view, const carried_box* box, int row )
+static bool push_row( const posed_group* g, const collision_view* view, const posed_box* box, int row )
 {
     int lanes[WISP_LANES], n = 0;
     uint32_t moved = 0;
@@ -157,9 +157,9 @@ static bool push_row( const carried_group* g, const collision_view* view, const 
     return moved != 0;
 }
 
-static bool push_group( const carried_group* g, const collision_view* view )
+static bool push_group( const posed_group* g, const collision_view* view )
 {
-    const carried_box box = box_of( view );
+    const posed_box box = box_of( view );
     bool moved = false;
     for ( int row = first_row( g ) + 1; row < g->strands->group_row[g->group + 1]; ++row )
     {
@@ -169,7 +169,7 @@ static bool push_group( const carried_group* g, const collision_view* view )
 }
 
 // Push a group out of one body after another. A vertex that one body moved may touch the next.
-static void keep_group_out( wisp_frame* frame, const wisp_span* span, const collision_state* state, carried_group* g )
+static void keep_group_out( wisp_frame* frame, const wisp_span* span, const collision_state* state, posed_group* g )
 {
     const int rows = g->strands->group_row[g->group + 1] - first_row( g );
     memset( g->moved + first_row( g ), 0, (size_t)rows * sizeof( uint32_t ) );
@@ -190,10 +190,10 @@ static void keep_group_out( wisp_frame* frame, const wisp_span* span, const coll
 void collision_keep_out( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const collision_state* state = user;
-    carried_group g = {
+    posed_group g = {
         .strands = wisp_frame_strands( frame, span->entity ),
         .position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
-        .moved = wisp_frame_column( frame, span->entity, state->carried, 0 ),
+        .moved = wisp_frame_column( frame, span->entity, state->posed, 0 ),
     };
     for ( g.group = span->begin; g.group < span->end; ++g.group )
     {

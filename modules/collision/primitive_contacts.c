@@ -15,9 +15,8 @@
 #include "primitive_contacts.h"
 
 #include "body_queries.h"
-#include "collision_passes.h"
-#include "contact_generation.h"
-#include "feature_contacts.h"
+#include "collision_state.h"
+#include "particle_contacts.h"
 #include "reaction.h"
 
 #include <math.h>
@@ -117,8 +116,8 @@ static void corners_at( const primitive_path* path, float time, wisp_vec3* corne
 {
     for ( int k = 0; k < path->corner_count; ++k )
     {
-        const wisp_vec3 way = wisp_v3_sub( path->to[k], path->from[k] );
-        corners[k] = wisp_v3_mul_add( path->from[k], time, way );
+        const wisp_vec3 displacement = wisp_v3_sub( path->to[k], path->from[k] );
+        corners[k] = wisp_v3_mul_add( path->from[k], time, displacement );
     }
 }
 
@@ -392,7 +391,7 @@ static bool is_as_expected( const find_loop* loop, int slots )
     for ( int begin = 0; begin < slots && is_near; begin += COLLISION_BLOCK )
     {
         const int end = slots - begin < COLLISION_BLOCK ? slots : begin + COLLISION_BLOCK;
-        is_near = kernels->find_unsettled( loop->position, loop->previous, loop->clear.place, begin, end ) == 0;
+        is_near = kernels->find_unclear( loop->position, loop->previous, loop->clear.place, begin, end ) == 0;
     }
     return is_near;
 }
@@ -562,9 +561,9 @@ static bool squeeze_pair( const find_loop* loop, const int32_t* corners, float m
     {
         return false;
     }
-    const float way = collision_larger( -most, collision_smaller( -aside, most ) );
-    move_corners( loop->position, loop->position, corners, loop->primitives.corner_count, c, way );
-    move_corners( loop->previous, loop->position, corners, loop->primitives.corner_count, c, way );
+    const float shift = collision_larger( -most, collision_smaller( -aside, most ) );
+    move_corners( loop->position, loop->position, corners, loop->primitives.corner_count, c, shift );
+    move_corners( loop->previous, loop->position, corners, loop->primitives.corner_count, c, shift );
     aside = 0.5f * ( gaps_of( loop, corners, c, now ) - gaps_of( loop, corners, c + 1, now + 1 ) );
     collision_impulse* sums = collision_reaction_sums( loop->frame, loop->span->entity, loop->state, 0 );
     // the force is that of the mean mass of free corners; the correction that stands for it is of the point

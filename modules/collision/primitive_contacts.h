@@ -1,8 +1,31 @@
 // Contacts of edges and triangles with convex bodies, beside those of particles.
 #pragma once
 
-#include "deepest_point.h"
 #include "particle_contacts.h"
+#include "collision_vectors.h"
+#include "wisp/module/shapes.h"
+#include "body_queries.h"
+
+// ---- the deepest point of a segment or a triangle in a convex body, in the frame of the body ----
+
+/// The point of a primitive with the smallest signed distance.
+typedef struct collision_deepest
+{
+    float weights[3];           // of the corners; they sum to 1
+    wisp_surface_point surface; // of the body, closest to the point
+} collision_deepest;
+
+/// Return a lower bound of the signed distance of the points of a segment or a triangle, m, from the tangent planes at its corners;
+/// -INFINITY if one is not finite. @param corner receives the smallest signed distance of a corner
+float collision_bound_deepest( const wisp_shape* shape, const wisp_vec3* corners, int corner_count, float* corner );
+
+/// Find the deepest point of a segment (2 corners) or a triangle (3 corners).
+/// @param tolerance m, by which its signed distance may be above the smallest one, where rounding allows it
+/// @return false if a corner is not finite
+bool collision_find_deepest( const wisp_shape* shape, const wisp_vec3* corners, int corner_count, float tolerance,
+                             collision_deepest* out );
+
+// ---- contacts of primitives ----
 
 enum
 {
@@ -82,3 +105,22 @@ static inline bool collision_meets_primitives( const collision_body* body )
 {
     return body->tree != NULL || body->shape.kind != WISP_SHAPE_PLANE;
 }
+
+// ---- contacts of edges and triangles of a surface with the corners and edges of a mesh or a height field ----
+
+/// Return whether a body has edges and corners of its own: a mesh, a surface or a height field.
+static inline bool collision_has_features( const collision_body* body )
+{
+    return body->tree != NULL || body->shape.kind == WISP_SHAPE_HEIGHT_FIELD;
+}
+
+/// Find where an edge meets edges of such a body, or a triangle its corners: the two that come first, else the two that are nearest at
+/// the end of the path. @param out [COLLISION_PRIMITIVE_CONTACTS] @return how many
+int collision_meet_features( const collision_view* view, const primitive_path* path, collision_meeting* out );
+
+/// Find the closest points of an edge and another edge, or of a triangle and a point.
+/// @param corners [count] of the primitive, 2 or 3 @param ends of the feature; of a point twice the same
+/// @param weights [3] receives those of the corners @param along receives where on the edge, 0 .. 1
+/// @return distance, m
+double collision_closest_feature( const wisp_vec3* corners, int count, const wisp_vec3 ends[2], float* weights,
+                                  float* along );

@@ -9,7 +9,7 @@
 // so that linear and angular momentum are those of one impulse at p. Contacts are projected one after another, edges first, in the
 // order of the mesh, which no worker changes; a few sweeps let neighbours that share corners settle.
 #include "body_queries.h"
-#include "collision_passes.h"
+#include "collision_state.h"
 #include "primitive_contacts.h"
 #include "reaction.h"
 
@@ -185,10 +185,10 @@ static bool is_fast( const primitive_loop* loop, const primitive_lists* lists, c
         for ( int k = 0; k < c.corner_count; ++k )
         {
             const size_t quad = (size_t)c.corners[k] * 4;
-            wisp_vec3 way =
+            wisp_vec3 displacement =
                 wisp_v3_sub( wisp_v3_load( loop->position + quad ), wisp_v3_load( loop->previous + quad ) );
-            way = wisp_v3_sub( way, wisp_v3_load( c.contact->half_space.motion ) );
-            if ( wisp_v3_length( way ) > FAST * settings->thickness )
+            displacement = wisp_v3_sub( displacement, wisp_v3_load( c.contact->half_space.motion ) );
+            if ( wisp_v3_length( displacement ) > FAST * settings->thickness )
             {
                 return true;
             }
@@ -210,8 +210,8 @@ static float worst_of( const primitive_loop* loop, const primitive_lists* lists 
 }
 
 // Corners of what still enters a body go along with the body. @return whether there are any
-static bool carry_along( wisp_frame* frame, const wisp_span* span, const collision_state* state,
-                         const primitive_loop* loop, const primitive_lists* lists, float stop )
+static bool move_contacts_along( wisp_frame* frame, const wisp_span* span, const collision_state* state,
+                                 const primitive_loop* loop, const primitive_lists* lists, float stop )
 {
     bool any = false;
     contact_place c;
@@ -267,7 +267,8 @@ static void search_again( wisp_frame* frame, const wisp_span* span, const collis
     for ( int round = 0; round < ROUNDS; ++round )
     {
         collision_search_primitives( frame, span, state, -1.0f );
-        if ( carry_along( frame, span, state, loop, lists, COLLISION_SHALLOW * settings->thickness ) == false )
+        if ( move_contacts_along( frame, span, state, loop, lists, COLLISION_SHALLOW * settings->thickness ) ==
+             false )
         {
             return;
         }

@@ -2,8 +2,8 @@
 // While none is, there are no sums, no columns and no pass.
 #include "reaction.h"
 
-#include "collision_passes.h"
-#include "contact_generation.h"
+#include "collision_state.h"
+#include "particle_contacts.h"
 #include "primitive_contacts.h"
 
 #include <string.h>

@@ -6,7 +6,7 @@
 //
 // Velocities after gravity of the substep would give a bounce more energy than the fall had, so v~ is without it. The term without e
 // is left out: the projection already stopped the particle.
-#include "collision_passes.h"
+#include "collision_state.h"
 #include "particle_contacts.h"
 #include "reaction.h"
 

@@ -1,7 +1,6 @@
 // Convex bodies and height fields. In: wisp_collider_def. Out: bodies that own a hull or a copy of the heights. Both are queried through
 // wisp/module/shapes.h, particle by particle.
 #include "collision_bodies.h"
-#include "collision_surface.h"
 #include "collision_vectors.h"
 
 #include <math.h>

@@ -13,7 +13,7 @@
 //
 // SQUEEZE is the load of 5000 weights at the depth of the whole thickness: cloth of 0.2 kg/m^2 loses half of it under 50 gf/cm^2,
 // the pressure to which compression is measured (Kawabata 1980, "The standardization and analysis of hand evaluation").
-#include "contact_generation.h"
+#include "particle_contacts.h"
 
 #include "body_queries.h"
 #include "reaction.h"
@@ -123,11 +123,11 @@ static void squeeze_vertex( const collision_find_args* args, const collision_blo
                     axis = wisp_v3_mul_add( none, 0.5f / along, both );
     const wisp_vec3 old = wisp_v3_load( previous );
     const float aside = 0.5f * ( start_of( c + i, h[i], old ) - start_of( c + j, h[j], old ) );
-    const float way = collision_larger( -args->recovery, collision_smaller( -aside / along, args->recovery ) );
-    collision_store( p, wisp_v3_mul_add( wisp_v3_load( p ), way, axis ) );
-    collision_store( previous, wisp_v3_mul_add( old, way, axis ) );
-    c[i].gap = h[i] - 0.5f * pair.depth + ( aside + along * way );
-    c[j].gap = h[j] - 0.5f * pair.depth - ( aside + along * way );
+    const float shift = collision_larger( -args->recovery, collision_smaller( -aside / along, args->recovery ) );
+    collision_store( p, wisp_v3_mul_add( wisp_v3_load( p ), shift, axis ) );
+    collision_store( previous, wisp_v3_mul_add( old, shift, axis ) );
+    c[i].gap = h[i] - 0.5f * pair.depth + ( aside + along * shift );
+    c[j].gap = h[j] - 0.5f * pair.depth - ( aside + along * shift );
     for ( int k = 0; k < count; ++k )
     {
         c[k].gap = k == i || k == j

@@ -26,7 +26,7 @@
 // - Cost per vertex, iteration and substep (one worker of a busy Zen 3): 330 ns on a mesh of 2 048 triangles, 3 to 10
 //   ns on a closed form, 3 ns away from all bodies.
 #include "body_queries.h"
-#include "collision_passes.h"
+#include "collision_state.h"
 #include "near_bodies.h"
 #include "primitive_contacts.h"
 #include "reaction.h"
@@ -93,8 +93,9 @@ static float path_seen( const strand_loop* loop, const collision_view* view )
             ( corner & 2 ) != 0 ? loop->reach.upper.y : loop->reach.lower.y,
             ( corner & 4 ) != 0 ? loop->reach.upper.z : loop->reach.lower.z,
         };
-        const wisp_vec3 carried = wisp_transform_to_world( view->after, wisp_transform_to_local( view->before, c ) );
-        most = fmaxf( most, wisp_v3_length( wisp_v3_sub( carried, c ) ) );
+        const wisp_vec3 body_motion =
+            wisp_transform_to_world( view->after, wisp_transform_to_local( view->before, c ) );
+        most = fmaxf( most, wisp_v3_length( wisp_v3_sub( body_motion, c ) ) );
     }
     return most + loop->reach.max_path + collision_surface_shift( view );
 }
@@ -116,28 +117,28 @@ static float apart_at( const strand_loop* loop, const collision_body* body, wisp
 
 // ---- one vertex ----
 
-typedef struct strand_way
+typedef struct strand_push
 {
     float out;       // m, outward displacement of the position; below 0: taken back
     float recovered; // m, the part of it that gives no velocity
     float absorbed;  // m, own outward displacement that gives none either
     float left;      // m, depth that stays
-} strand_way;
+} strand_push;
 
 // Compute the displacement of a vertex, as the kernel strand_contact does.
-static strand_way find_way( const strand_loop* loop, float thickness, float start, float now, float depth,
-                            float least )
+static strand_push find_push( const strand_loop* loop, float thickness, float start, float now, float depth,
+                              float least )
 {
     const float began = fmaxf( 0.0f, thickness - start );
     const float may = began > depth + thickness ? began : fminf( depth, began );
     const float outward = fmaxf( 0.0f, now - start - ( began - may ) );
     const float left = fmaxf( 0.0f, may - outward );
-    strand_way way;
-    way.recovered = fminf( left, fmaxf( 0.0f, loop->args.max_push_out - outward ) );
-    way.left = left - way.recovered;
-    way.out = fmaxf( least, thickness - way.left - now );
-    way.absorbed = may > COLLISION_SHALLOW * thickness ? outward : 0.0f;
-    return way;
+    strand_push push;
+    push.recovered = fminf( left, fmaxf( 0.0f, loop->args.max_push_out - outward ) );
+    push.left = left - push.recovered;
+    push.out = fmaxf( least, thickness - push.left - now );
+    push.absorbed = may > COLLISION_SHALLOW * thickness ? outward : 0.0f;
+    return push;
 }
 
 static wisp_vec3 tangential( wisp_vec3 u, wisp_vec3 normal )
@@ -210,21 +211,21 @@ static strand_sum sum_of( const strand_loop* loop, const collision_view* view, c
 }
 
 // Keep a point a thickness away from a plane. @param start m, distance from the plane at the start of the substep
-// @param now m, the same now @param carried of the plane in the substep
+// @param now m, the same now @param body_motion of the plane in the substep
 static void push_point( const strand_loop* loop, const collision_view* view, const strand_point* q,
                         const strand_sum* s, const wisp_surface_point* plane, float start, float now,
-                        wisp_vec3 carried )
+                        wisp_vec3 body_motion )
 {
     const wisp_strand_contact_args* sums = q->sums;
-    strand_way way = find_way( loop, view->thickness, start, now, sums->allowed_depth[q->i], s->least );
-    way.out *= q->factor;
+    strand_push push = find_push( loop, view->thickness, start, now, sums->allowed_depth[q->i], s->least );
+    push.out *= q->factor;
     const wisp_vec3 normal = wisp_quat_rotate( view->after.rotation, plane->normal );
-    move_by( q, sums->position, way.out, normal );
-    move_by( q, sums->previous, way.recovered + way.absorbed, normal );
+    move_by( q, sums->position, push.out, normal );
+    move_by( q, sums->previous, push.recovered + push.absorbed, normal );
     const wisp_vec3 turned = wisp_v3_sub( wisp_transform_to_world( view->after, plane->point ),
                                           wisp_transform_to_world( view->before, plane->point ) );
-    const wisp_vec3 motion = wisp_v3_mul_add( turned, 1.0f, carried );
-    sums->normal_correction[q->i] = fmaxf( 0.0f, s->sum ) + fmaxf( s->least, way.out - way.recovered );
+    const wisp_vec3 motion = wisp_v3_mul_add( turned, 1.0f, body_motion );
+    sums->normal_correction[q->i] = fmaxf( 0.0f, s->sum ) + fmaxf( s->least, push.out - push.recovered );
     sums->body[q->i] = s->is_held && s->is_own == false ? -1.0f : number_of( loop, view );
     float* rubbed = sums->friction + q->i / WISP_LANES * COLLISION_ROW + q->i % WISP_LANES;
     const wisp_vec3 last = tangential( collision_load_lane( rubbed ), normal ),
@@ -235,20 +236,20 @@ static void push_point( const strand_loop* loop, const collision_view* view, con
                                             sums->normal_correction[q->i] );
     move_by( q, sums->position, -1.0f, wisp_v3_sub( friction, before ) );
     collision_store_lane( rubbed, friction );
-    sums->remaining_depth[q->i] = fmaxf( sums->remaining_depth[q->i], way.left );
+    sums->remaining_depth[q->i] = fmaxf( sums->remaining_depth[q->i], push.left );
 }
 
 static void push_vertex( strand_loop* loop, const collision_view* view, int row, int lane, wisp_vec3 from,
-                         wisp_vec3 to, const wisp_surface_point* nearest, wisp_vec3 carried, int32_t seed )
+                         wisp_vec3 to, const wisp_surface_point* nearest, wisp_vec3 body_motion, int32_t seed )
 {
     // as path_along() of contact_generation.c
     const bool is_solid = view->body->follows && view->body->double_sided == false;
-    const wisp_vec3 along = wisp_v3_sub( to, is_solid ? wisp_v3_mul_add( from, 1.0f, carried ) : from );
+    const wisp_vec3 along = wisp_v3_sub( to, is_solid ? wisp_v3_mul_add( from, 1.0f, body_motion ) : from );
     const float path = wisp_v3_length( along ) + ( is_solid ? 0.0f : collision_surface_shift( view ) );
     wisp_vec3 swept_motion;
     wisp_surface_point plane;
     const bool swept = fabsf( nearest->distance ) <= path && collision_cast( view, from, to, &plane, &swept_motion );
-    carried = swept ? swept_motion : carried;
+    body_motion = swept ? swept_motion : body_motion;
     plane = swept ? plane : *nearest;
     const float now = swept ? wisp_v3_dot( plane.normal, wisp_v3_sub( to, plane.point ) ) : nearest->distance;
     const strand_point point = { .sums = &loop->args,
@@ -261,8 +262,8 @@ static void push_vertex( strand_loop* loop, const collision_view* view, int row,
     const strand_sum s = sum_of( loop, view, point.sums, point.i );
     if ( now < s.reach )
     {
-        const float start = collision_start_gap( view, &plane, from, carried, false, seed ) + view->thickness;
-        push_point( loop, view, &point, &s, &plane, start, now, carried );
+        const float start = collision_start_gap( view, &plane, from, body_motion, false, seed ) + view->thickness;
+        push_point( loop, view, &point, &s, &plane, start, now, body_motion );
     }
 }
 
@@ -464,7 +465,7 @@ static strand_point point_between( const strand_loop* loop, int row, int lane, c
 // Push a segment. In turns lengths take back nearly all of a push where it has to move a whole tail. From the part that they
 // took of the last one follows what is missing (a secant).
 static void push_again( const strand_loop* loop, const collision_view* view, strand_point* q, const strand_sum* s,
-                        const wisp_surface_point* plane, float start, float now, wisp_vec3 carried )
+                        const wisp_surface_point* plane, float start, float now, wisp_vec3 body_motion )
 {
     float* last = loop->segment_push + q->i;
     const float before = fmaxf( 0.0f, s->sum ), missing = view->thickness - now;
@@ -472,7 +473,7 @@ static void push_again( const strand_loop* loop, const collision_view* view, str
     {
         q->factor = missing < *last ? fminf( *last / ( *last - missing ), MAX_FACTOR ) : MAX_FACTOR;
     }
-    push_point( loop, view, q, s, plane, start, now, carried );
+    push_point( loop, view, q, s, plane, start, now, body_motion );
     *last = q->sums->normal_correction[q->i] - before;
 }
 
@@ -803,7 +804,7 @@ static float mean_push( wisp_frame* frame, const wisp_span* group, const collisi
     return strands > 0 ? sum / (float)strands : 0.0f;
 }
 
-void collision_settle_strands( wisp_frame* frame, const wisp_span* span, void* user )
+void collision_part_strands( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const collision_state* state = user;
     const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
@@ -816,16 +817,16 @@ void collision_settle_strands( wisp_frame* frame, const wisp_span* span, void* u
     for ( group.begin = span->begin; group.begin < span->end; ++group.begin )
     {
         group.end = group.begin + 1;
-        bool inside, is_settled = false;
+        bool inside, is_done = false;
         float push = mean_push( frame, &group, state, &inside );
-        for ( int turn = 0; push > 0.0f && inside == false && is_settled == false; ++turn )
+        for ( int turn = 0; push > 0.0f && inside == false && is_done == false; ++turn )
         {
             const float before = push;
             group.iteration = iterations + TURN;
             collision_touch_strands( frame, &group, user );
             push = mean_push( frame, &group, state, &inside );
-            is_settled = turn == turns || fabsf( push - before ) <= small;
-            if ( ( is_settled == false || has_segments ) && inside == false )
+            is_done = turn == turns || fabsf( push - before ) <= small;
+            if ( ( is_done == false || has_segments ) && inside == false )
             {
                 group.iteration = iterations + LENGTHS;
                 wisp_frame_project_again( frame, &group );

@@ -5,9 +5,7 @@
 
 #include <math.h>
 
-#define ENVIRONMENT_SETTINGS_COLUMNS( X ) X( wisp_environment_def, settings, 1 )
-
-static const wisp_column_def SETTINGS_COLUMNS[] = { ENVIRONMENT_SETTINGS_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def SETTINGS_COLUMNS[] = { WISP_COLUMN( wisp_environment_def, settings, 1 ) };
 
 typedef struct environment_state
 {
@@ -100,20 +98,15 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    state->settings =
-        wisp_declare_component( r, &( wisp_component_def ){ "environment.settings", WISP_TABLE_ENTITY,
-                                                            SETTINGS_COLUMNS, WISP_COUNT( SETTINGS_COLUMNS ) } );
+    state->settings = WISP_COMPONENT( r, "environment.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS );
     const wisp_index_range points =
         WISP_MEMBER_RANGE( state->settings, wisp_environment_def, point_count, 2, WISP_ENVIRONMENT_MAX_POINTS );
     WISP_TRY( wisp_declare_indices( r, &points, 1 ) );
     return wisp_declare_pass( r, &( wisp_pass ){
-                                     .name = "environment.stiffness",
-                                     .stage = WISP_STAGE_INPUT,
-                                     .domain = WISP_DOMAIN_STRAND_GROUP,
+                                     WISP_PASS( "environment.stiffness", INPUT, STRAND_GROUP, drive_stiffness ),
                                      .required = { state->settings },
                                      .reads = { state->settings },
                                      .writes = { WISP_STRAND_STIFFNESS },
-                                     .run = drive_stiffness,
                                      .on_change = WISP_STRAND_STIFFNESS, // overrides any other writer
                                      .user = state,
                                  } );

@@ -10,7 +10,7 @@
 //
 // Pairs beyond h add exact zeros to the sums. When the vertices are searched again, the brake keeps the first list, whose
 // pairs are those of the reference shape.
-#include "clump.h"
+#include "frozen_hair_state.h"
 
 #include <math.h>
 #include <stdatomic.h>

@@ -321,101 +321,74 @@ static void align( wisp_frame* frame, const wisp_span* span, void* user )
 
 // ---- declaration ----
 
-#define FROZEN_LIST( member, name, table, columns )                                                                  \
-    static const wisp_column_def member##_columns[] = { columns( WISP_COLUMN_DEF ) };
-FROZEN_COMPONENTS( FROZEN_LIST )
-#undef FROZEN_LIST
+FROZEN_COMPONENTS( WISP_COMPONENT_COLUMNS )
 
 static wisp_status declare_stages( wisp_registry* r, frozen_state* s )
 {
     const wisp_pass passes[] = {
         {
-            .name = "frozen_hair.command",
-            .stage = WISP_STAGE_INPUT,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "frozen_hair.command", INPUT, ENTITY, command ),
             .required = { s->settings },
             .reads = { s->settings },
             .writes = { s->event },
-            .run = command,
             .detail = WISP_PASS_WITHOUT_MOTION,
             .should_run = command_is_due,
         },
         {
-            .name = "frozen_hair.start",
-            .stage = WISP_STAGE_SHAPE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "frozen_hair.start", SHAPE, STRAND_GROUP, start ),
             .required = { s->settings, WISP_STRAND_REST },
             .reads = { s->event, WISP_STRAND_REST },
             .writes = { WISP_STRAND_POSITION },
-            .run = start,
             .detail = WISP_PASS_WITHOUT_MOTION,
             .on_change = s->event,
         },
         {
-            .name = "frozen_hair.freeze",
-            .stage = WISP_STAGE_SHAPE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "frozen_hair.freeze", SHAPE, STRAND_GROUP, freeze ),
             .required = { s->freeze },
             .reads = { s->event, WISP_STRAND_STIFFNESS, WISP_STRAND_REST, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSITION },
-            .run = freeze,
             .detail = WISP_PASS_WITHOUT_MOTION,
             .on_change = s->event,
         },
         {
-            .name = "frozen_hair.depth",
-            .stage = WISP_STAGE_SHAPE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "frozen_hair.depth", SHAPE, STRAND_GROUP, frozen_limit_depth ),
             .required = { s->freeze, s->depth },
             .reads = { s->event, WISP_STRAND_REST, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSITION },
-            .run = frozen_limit_depth,
             .detail = WISP_PASS_WITHOUT_MOTION,
             .on_change = s->event,
         },
         {
-            .name = "frozen_hair.align",
-            .stage = WISP_STAGE_SHAPE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "frozen_hair.align", SHAPE, STRAND_GROUP, align ),
             .required = { s->align },
             .excluded = { s->swept },
             .reads = { s->event, s->intensity, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSITION },
-            .run = align,
             .detail = WISP_PASS_WITHOUT_MOTION,
             .on_change = s->event,
         },
         {
             // It reads the moved shape too, where there is one. Positions put it behind the start, which waits for what moves it.
-            .name = "frozen_hair.turn",
-            .stage = WISP_STAGE_SHAPE,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "frozen_hair.turn", SHAPE, ENTITY, frozen_find_turn ),
             .required = { s->align, s->swept },
             .reads = { s->event, WISP_STRAND_REST, WISP_STRAND_POSITION },
             .writes = { s->stroke },
-            .run = frozen_find_turn,
             .detail = WISP_PASS_WITHOUT_MOTION,
             .on_change = s->event,
         },
         {
-            .name = "frozen_hair.stroke",
-            .stage = WISP_STAGE_SHAPE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "frozen_hair.stroke", SHAPE, STRAND_GROUP, align ),
             .required = { s->align, s->swept },
             .reads = { s->event, s->stroke, s->intensity, WISP_STRAND_REST, WISP_STRAND_POSITION },
             .writes = { s->swept, WISP_STRAND_POSITION },
-            .run = align,
             .detail = WISP_PASS_WITHOUT_MOTION,
             .on_change = s->event,
         },
         {
-            .name = "frozen_hair.clump",
-            .stage = WISP_STAGE_SHAPE,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "frozen_hair.clump", SHAPE, ENTITY, frozen_clump_run ),
             .required = { s->clump },
             .reads = { s->event, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSITION, s->report },
-            .run = frozen_clump_run,
             .detail = WISP_PASS_WITHOUT_MOTION,
             .on_change = s->event,
         },
@@ -430,11 +403,7 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-#define FROZEN_DECLARE( member, name, table, columns )                                                               \
-    s->member = wisp_declare_component(                                                                              \
-        r, &( wisp_component_def ){ name, table, member##_columns, WISP_COUNT( member##_columns ) } );
-    FROZEN_COMPONENTS( FROZEN_DECLARE )
-#undef FROZEN_DECLARE
+    FROZEN_COMPONENTS( WISP_COMPONENT_DECLARE )
     const wisp_index_range ranges[] = {
         WISP_MEMBER_RANGE( s->settings, frozen_settings, base, 0, WISP_FROZEN_BASE_COUNT - 1 ),
         WISP_MEMBER_RANGE( s->settings, frozen_settings, event, 0, WISP_FROZEN_UPDATE_COUNT - 1 ),

@@ -5,6 +5,7 @@
 
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
+#include "wisp/module/space.h"
 
 /// Every entity with frozen hair.
 typedef struct frozen_settings
@@ -56,36 +57,25 @@ typedef struct frozen_clump
     int32_t iterations, brakes, neighbour_limit;
 } frozen_clump;
 
-#define FROZEN_SETTINGS_COLUMNS( X ) X( frozen_settings, settings, 1 )
-#define FROZEN_EVENT_COLUMNS( X ) X( frozen_event, event, 1 )
-#define FROZEN_FREEZE_COLUMNS( X ) X( frozen_freeze, freeze, 1 )
-#define FROZEN_ALIGN_COLUMNS( X ) X( frozen_align, align, 1 )
-#define FROZEN_STROKE_COLUMNS( X ) X( frozen_stroke, stroke, 1 )
-#define FROZEN_SWEPT_COLUMNS( X ) X( float, swept, 64 ) /* [4][16] last turn of a strand (wisp_strand_align_args) */
-#define FROZEN_CLUMP_COLUMNS( X ) X( frozen_clump, clump, 1 )
-#define FROZEN_DEPTH_COLUMNS( X ) X( frozen_depth, depth, 1 )
-#define FROZEN_INTENSITY_COLUMNS( X ) X( float, intensity, 16 ) /* x in [0, 1], lane = strand */
-#define FROZEN_STATS_COLUMNS( X ) X( wisp_frozen_hair_stats, report, 1 )
-
-/// One line a component: X( member, "name", table, column list )
+/// The components, a row each: X( member, "name", table, columns ).
 #define FROZEN_COMPONENTS( X )                                                                                       \
-    X( settings, "frozen_hair.settings", WISP_TABLE_ENTITY, FROZEN_SETTINGS_COLUMNS )                                \
-    X( event, "frozen_hair.event", WISP_TABLE_ENTITY, FROZEN_EVENT_COLUMNS )                                         \
-    X( freeze, "frozen_hair.freeze", WISP_TABLE_ENTITY, FROZEN_FREEZE_COLUMNS )                                      \
-    X( align, "frozen_hair.align", WISP_TABLE_ENTITY, FROZEN_ALIGN_COLUMNS )                                         \
-    X( stroke, "frozen_hair.stroke", WISP_TABLE_ENTITY, FROZEN_STROKE_COLUMNS )                                      \
-    X( swept, "frozen_hair.swept", WISP_TABLE_STRAND_GROUP, FROZEN_SWEPT_COLUMNS )                                   \
-    X( clump, "frozen_hair.clump", WISP_TABLE_ENTITY, FROZEN_CLUMP_COLUMNS )                                         \
-    X( intensity, "frozen_hair.intensity", WISP_TABLE_STRAND_GROUP, FROZEN_INTENSITY_COLUMNS )                       \
-    X( report, "frozen_hair.stats", WISP_TABLE_ENTITY, FROZEN_STATS_COLUMNS )                                        \
-    X( depth, "frozen_hair.depth", WISP_TABLE_ENTITY, FROZEN_DEPTH_COLUMNS )
+    X( settings, "frozen_hair.settings", ENTITY, WISP_COLUMN( frozen_settings, settings, 1 ) )                       \
+    X( event, "frozen_hair.event", ENTITY, WISP_COLUMN( frozen_event, event, 1 ) )                                   \
+    X( freeze, "frozen_hair.freeze", ENTITY, WISP_COLUMN( frozen_freeze, freeze, 1 ) )                               \
+    X( align, "frozen_hair.align", ENTITY, WISP_COLUMN( frozen_align, align, 1 ) )                                   \
+    X( stroke, "frozen_hair.stroke", ENTITY, WISP_COLUMN( frozen_stroke, stroke, 1 ) )                               \
+    X( swept, "frozen_hair.swept", STRAND_GROUP,                                                                     \
+       WISP_COLUMN( float, swept, 64 ) ) /* [4][16] last turn of a strand (wisp_strand_align_args) */                \
+    X( clump, "frozen_hair.clump", ENTITY, WISP_COLUMN( frozen_clump, clump, 1 ) )                                   \
+    X( intensity, "frozen_hair.intensity", STRAND_GROUP,                                                             \
+       WISP_COLUMN( float, intensity, 16 ) ) /* x in [0, 1], lane = strand */                                        \
+    X( report, "frozen_hair.stats", ENTITY, WISP_COLUMN( wisp_frozen_hair_stats, report, 1 ) )                       \
+    X( depth, "frozen_hair.depth", ENTITY, WISP_COLUMN( frozen_depth, depth, 1 ) )
 
 /// Component numbers in one world.
 typedef struct frozen_state
 {
-#define FROZEN_MEMBER( member, name, table, columns ) wisp_component member;
-    FROZEN_COMPONENTS( FROZEN_MEMBER )
-#undef FROZEN_MEMBER
+    FROZEN_COMPONENTS( WISP_COMPONENT_MEMBER )
     int workspace; // of the clump stage
 } frozen_state;
 
@@ -109,3 +99,59 @@ wisp_pass_fn frozen_clump_run;
 size_t frozen_clump_workspace_size( void );
 void frozen_clump_workspace_release( void* workspace, const wisp_allocator* allocator );
 size_t frozen_clump_workspace_bytes( const void* workspace );
+
+// ---- one run of the clump stage, and its memory ----
+
+enum
+{
+    CLUMP_GRAIN = 1024, // slots a block of a copying loop
+    CLUMP_SLICES = 32,  // slices a block of a summing loop
+    CLUMP_GROUPS = 8,   // groups of strands a block
+};
+
+typedef struct clump_workspace
+{
+    wisp_grid grid, moved_grid;
+    wisp_neighbours lists, moved_lists, stray_lists;
+    wisp_buffer items;    // quads in the user's order, and where strands begin
+    wisp_buffer slots;    // everything by slot
+    wisp_buffer slices;   // everything by slice
+    wisp_buffer measured; // r0 and g(r0) an entry
+    wisp_buffer most;     // largest displacement a block
+    wisp_buffer strays;   // vertices that have left their search margin, and their slots
+    wisp_buffer late_pairs, late_lists;
+} clump_workspace;
+
+// One run of the stage.
+typedef struct clump_run
+{
+    const wisp_parallel* parallel;
+    const wisp_kernels* kernels;
+    const wisp_strand_topology* strands;
+    const frozen_clump* params;
+    clump_workspace* w;
+    wisp_frozen_hair_stats* report;
+    float* position; // [row][3][16]
+    int count, slices;
+    float skin;           // m
+    float* item_quads;    // [item][4]
+    int32_t* root_lane;   // [strand] row * 16 + lane of vertex 0; the next vertex is a row further
+    int32_t* slot_vertex; // [slot] index in the strand
+    float *current, *tentative, *next, *spare; // [slot][4]
+    float* displacement;                       // [slice][3][8]
+    uint8_t* needs_search;                     // [slice] a bit a lane
+    float* most;                               // [block]
+    wisp_reference_pairs measured;
+
+    // the lists in use
+    const wisp_grid* grid;
+    const int32_t* rename; // [slot of the grid] slot; null: the same
+    const wisp_neighbours* lists;
+    const float* searched;    // [slot][4] where the lists were made
+    float moved;              // m, of any vertex since then
+    wisp_neighbour_list late; // pairs within the radius that the lists lack
+    wisp_adhesion_args args;
+} clump_run;
+
+/// Make the lists of the reference shape. @return WISP_NO_MEMORY
+wisp_status clump_search( clump_run* run );

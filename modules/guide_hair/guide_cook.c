@@ -720,11 +720,11 @@ static wisp_status cook( wisp_world* world, guide_follower* f, const guide_group
     return WISP_OK;
 }
 
-void guide_follower_release( guide_follower* follower )
+void guide_follower_release( void* memory, const wisp_allocator* allocator )
 {
+    guide_follower* follower = memory;
     if ( follower != NULL )
     {
-        const wisp_allocator* allocator = follower->memory.allocator;
         guide_give_back( &follower->memory );
         allocator->release( allocator->user, follower, sizeof( *follower ) );
     }
@@ -761,7 +761,7 @@ wisp_status guide_cook( wisp_world* world, wisp_entity ghosts, const wisp_ghosts
     guide_give_back( &scratch );
     if ( status != WISP_OK )
     {
-        guide_follower_release( f );
+        guide_follower_release( f, allocator );
         f = NULL;
     }
     *out = f;

@@ -114,7 +114,7 @@ void guide_run_source( wisp_frame* frame, const wisp_span* span, void* user )
 bool guide_curves_are_due( wisp_frame* frame, wisp_entity entity, void* user )
 {
     const guide_state* state = user;
-    const guide_drawing* d = guide_find_drawing( state, entity );
+    const guide_drawing* d = wisp_find_object( state->drawings, entity );
     if ( d == NULL || d->source.index == 0 )
     {
         return false;
@@ -124,23 +124,12 @@ bool guide_curves_are_due( wisp_frame* frame, wisp_entity entity, void* user )
     return *drawn != *changes;
 }
 
-typedef struct curve_loop
-{
-    wisp_strand_curve_args args;
-    const wisp_kernels* kernels;
-} curve_loop;
-
-static void draw_groups( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const curve_loop* loop = context;
-    loop->kernels->strand_curve( &loop->args, begin, end );
-}
+WISP_KERNEL_LOOP( curve_loop, draw_groups, strand_curve, wisp_strand_curve_args, 1 )
 
 void guide_run_curves( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const guide_state* state = user;
-    const guide_drawing* d = guide_find_drawing( state, span->entity );
+    const guide_drawing* d = wisp_find_object( state->drawings, span->entity );
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
     curve_loop loop = {
         .kernels = wisp_frame_kernels( frame ),
@@ -313,11 +302,11 @@ static bool cook_weights( guide_drawing* d, wisp_curve_kind kind )
     return d->weight != NULL;
 }
 
-void guide_drawing_release( guide_drawing* drawing )
+void guide_drawing_release( void* memory, const wisp_allocator* allocator )
 {
+    guide_drawing* drawing = memory;
     if ( drawing != NULL )
     {
-        const wisp_allocator* allocator = drawing->memory.allocator;
         guide_give_back( &drawing->memory );
         allocator->release( allocator->user, drawing, sizeof( *drawing ) );
     }
@@ -341,7 +330,7 @@ static guide_drawing* cook_drawing( wisp_world* world, const wisp_curves_def* de
     if ( cook_weights( d, def->kind ) == false ||
          find_lanes( d, wisp_world_strands( world, curves ), wisp_world_strands( world, def->source ) ) == false )
     {
-        guide_drawing_release( d );
+        guide_drawing_release( d, allocator );
         return NULL;
     }
     return d;
@@ -450,12 +439,6 @@ wisp_status wisp_add_curves( wisp_world* world, const wisp_curves_def* given, wi
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     guide_state* s = wisp_world_module_state( world, "guide_hair" );
     WISP_TRY( check_curves( world, s, def ) );
-    if ( wisp_world_reserve( world, (void**)&s->drawings, &s->drawing_capacity, s->drawing_count,
-                             sizeof( *s->drawings ) ) == false )
-    {
-        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d entities of curves",
-                                s->drawing_count + 1 );
-    }
     guide_memory scratch = { .allocator = wisp_world_allocator( world ) };
     wisp_entity curves = { 0, 0 };
     wisp_status status = add_entity( world, def, &scratch, &curves );
@@ -465,12 +448,13 @@ wisp_status wisp_add_curves( wisp_world* world, const wisp_curves_def* given, wi
         return status;
     }
     guide_drawing* drawing = cook_drawing( world, def, curves );
-    status = drawing != NULL ? wisp_world_attach( world, curves, s->curves )
-                             : wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to cook curves" );
+    const bool has_room = drawing != NULL && wisp_reserve_object( s->drawings, curves );
+    status = has_room ? wisp_world_attach( world, curves, s->curves )
+                      : wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to cook curves" );
     status = status == WISP_OK ? watch_source( world, s, def->source ) : status;
     if ( status != WISP_OK )
     {
-        guide_drawing_release( drawing );
+        guide_drawing_release( drawing, wisp_world_allocator( world ) );
         wisp_world_remove( world, curves );
         return status;
     }
@@ -478,7 +462,7 @@ wisp_status wisp_add_curves( wisp_world* world, const wisp_curves_def* given, wi
     (void)wisp_read_origin( world, def->source, origin );
     (void)wisp_set_origin( world, curves, origin );
     wisp_world_tie( world, def->source, curves );
-    s->drawings[s->drawing_count++] = drawing;
+    wisp_set_object( s->drawings, curves, drawing );
     *out = curves;
     return WISP_OK;
 }

@@ -139,7 +139,7 @@ typedef struct guide_follower
 
 /// Cook ghosts. @param out receives a follower of its own memory, null on failure
 wisp_status guide_cook( wisp_world* world, wisp_entity ghosts, const wisp_ghosts_def* def, guide_follower** out );
-void guide_follower_release( guide_follower* follower );
+void guide_follower_release( void* follower, const wisp_allocator* allocator );
 
 /// A group of ghosts, or a target that other groups blend in.
 typedef struct guide_group
@@ -204,64 +204,53 @@ typedef struct guide_settings
     int32_t is_elastic;
 } guide_settings;
 
-#define GUIDE_SETTINGS_COLUMNS( X ) X( guide_settings, settings, 1 )
-#define GUIDE_REPAIR_COLUMNS( X ) X( uint32_t, repairs, 1 )
-#define GUIDE_TABLE_COLUMNS( X ) X( uint64_t, steps, 1 ) /* of targets: how often it was filled */
-#define GUIDE_BEFORE_COLUMNS( X ) X( float, before, 48 ) /* m/s, [3][16] a row: the velocity a step before */
-#define GUIDE_BETWEEN_COLUMNS( X )                                                                                   \
-    X( float, place_before, 48 )    /* m, [3][16] a row: where motion had the ghosts a step before */                \
-    X( float, place, 48 )           /* m, and now */                                                                 \
-    X( float, velocity_before, 48 ) /* m/s, of their targets' nodes a step before */                                 \
-    X( float, velocity, 48 )        /* m/s, and now */
-#define GUIDE_INTERVAL_COLUMNS( X ) X( float, seconds, 1 ) /* from the step before to the last one */
-#define GUIDE_CARRIED_COLUMNS( X )                                                                                   \
-    X( float, local, 48 ) /* m, [3][16] a row: relative to the root of the first target */
-#define GUIDE_CARRIER_COLUMNS( X )                                                                                   \
-    X( int32_t, lane, 16 ) /* float of that root's position in those of the targets; -1: none */
-#define GUIDE_DRAWN_COLUMNS( X ) X( uint64_t, changes, 1 ) /* of sources: how often their place was written */
-#define GUIDE_CURVES_COLUMNS( X ) X( uint64_t, drawn, 1 )  /* the source's changes when it was drawn */
-
-/// One line a component: X( member, "name", table, column list )
+/// The components, a row each: X( member, "name", table, columns ).
 #define GUIDE_COMPONENTS( X )                                                                                        \
-    X( settings, "guide_hair.settings", WISP_TABLE_ENTITY, GUIDE_SETTINGS_COLUMNS )                                  \
-    X( repair, "guide_hair.repair", WISP_TABLE_ENTITY, GUIDE_REPAIR_COLUMNS )                                        \
-    X( table, "guide_hair.table", WISP_TABLE_ENTITY, GUIDE_TABLE_COLUMNS )                                           \
-    X( before, "guide_hair.before", WISP_TABLE_STRAND_ROW, GUIDE_BEFORE_COLUMNS )                                    \
-    X( drawn, "guide_hair.drawn", WISP_TABLE_ENTITY, GUIDE_DRAWN_COLUMNS )                                           \
-    X( curves, "guide_hair.curves", WISP_TABLE_ENTITY, GUIDE_CURVES_COLUMNS )                                        \
-    X( between, "guide_hair.between", WISP_TABLE_STRAND_ROW, GUIDE_BETWEEN_COLUMNS )                                 \
-    X( interval, "guide_hair.interval", WISP_TABLE_ENTITY, GUIDE_INTERVAL_COLUMNS )                                  \
-    X( carried, "guide_hair.carried", WISP_TABLE_STRAND_ROW, GUIDE_CARRIED_COLUMNS )                                 \
-    X( carrier, "guide_hair.carrier", WISP_TABLE_STRAND_GROUP, GUIDE_CARRIER_COLUMNS )
+    X( settings, "guide_hair.settings", ENTITY, WISP_COLUMN( guide_settings, settings, 1 ) )                         \
+    X( repair, "guide_hair.repair", ENTITY, WISP_COLUMN( uint32_t, repairs, 1 ) )                                    \
+    X( table, "guide_hair.table", ENTITY,                                                                            \
+       WISP_COLUMN( uint64_t, steps, 1 ) ) /* of targets: how often it was filled */                                 \
+    X( before, "guide_hair.before", STRAND_ROW,                                                                      \
+       WISP_COLUMN( float, before, 48 ) ) /* m/s, [3][16] a row: the velocity a step before */                       \
+    X( drawn, "guide_hair.drawn", ENTITY,                                                                            \
+       WISP_COLUMN( uint64_t, changes, 1 ) ) /* of sources: how often their place was written */                     \
+    X( curves, "guide_hair.curves", ENTITY,                                                                          \
+       WISP_COLUMN( uint64_t, drawn, 1 ) ) /* the source's changes when it was drawn */                              \
+    X( between, "guide_hair.between", STRAND_ROW,                                                                    \
+       WISP_COLUMN( float, place_before, 48 ),    /* m, [3][16] a row: where motion had the ghosts a step before */  \
+       WISP_COLUMN( float, place, 48 ),           /* m, and now */                                                   \
+       WISP_COLUMN( float, velocity_before, 48 ), /* m/s, of their targets' nodes a step before */                   \
+       WISP_COLUMN( float, velocity, 48 ) /* m/s, and now */ )                                                       \
+    X( interval, "guide_hair.interval", ENTITY,                                                                      \
+       WISP_COLUMN( float, seconds, 1 ) ) /* from the step before to the last one */                                 \
+    X( held, "guide_hair.carried", STRAND_ROW,                                                                       \
+       WISP_COLUMN( float, local, 48 ) ) /* m, [3][16] a row: relative to the root of the first target */            \
+    X( carrier, "guide_hair.carrier", STRAND_GROUP,                                                                  \
+       WISP_COLUMN( int32_t, lane, 16 ) ) /* float of that root's position in those of the targets; -1: none */
 
 typedef struct guide_state
 {
-#define GUIDE_MEMBER( member, name, table, columns ) wisp_component member;
-    GUIDE_COMPONENTS( GUIDE_MEMBER )
-#undef GUIDE_MEMBER
-    wisp_component detail; // of entities whose level of detail was set
-    guide_follower** followers;
-    int follower_count, follower_capacity;
-    guide_drawing** drawings;
-    int drawing_count, drawing_capacity;
+    GUIDE_COMPONENTS( WISP_COMPONENT_MEMBER )
+    wisp_component detail;   // of entities whose level of detail was set
+    wisp_objects* followers; // guide_follower, of ghosts
+    wisp_objects* drawings;  // guide_drawing, of curves
 } guide_state;
 
 /// The same, unless the targets are removed.
 const guide_follower* guide_active_follower( const guide_state* state, wisp_entity ghosts );
 /// For a function of the host. @return WISP_CONFLICT, with a message
 wisp_status guide_find_ghosts( wisp_world* world, wisp_entity ghosts, const guide_follower** out );
-guide_drawing* guide_find_drawing( const guide_state* state, wisp_entity curves );
 /// Release targets without ghosts and sources without curves.
 void guide_let_go( wisp_world* world, const guide_state* state, wisp_entity entity );
-void guide_drawing_release( guide_drawing* drawing );
+void guide_drawing_release( void* drawing, const wisp_allocator* allocator );
 
 /// guide_passes.c
-wisp_pass_fn guide_run_targets, guide_run_ghosts, guide_run_lengths, guide_run_carry;
+wisp_pass_fn guide_run_targets, guide_run_ghosts, guide_run_lengths, guide_run_update_poses;
 bool guide_ghosts_are_due( wisp_frame* frame, wisp_entity entity, void* user );
 
 /// guide_passes.c
-wisp_pass_fn guide_run_carried;
-bool guide_carried_is_due( wisp_frame* frame, wisp_entity entity, void* user );
+wisp_pass_fn guide_run_held;
+bool guide_held_is_due( wisp_frame* frame, wisp_entity entity, void* user );
 /// As the hooks of wisp_detail_hooks.
 bool guide_has_coarse( const void* state, const wisp_world* world, wisp_entity entity );
 wisp_status guide_prepare_detail( const void* state, wisp_world* world, wisp_entity entity );

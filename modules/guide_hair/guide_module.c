@@ -65,46 +65,24 @@ bool guide_read_shape( wisp_world* world, wisp_entity strands, guide_memory* mem
 
 // State of the module in one world: followers and drawings by their entity, and their removal.
 
-static guide_follower* guide_find_follower( const guide_state* state, wisp_entity ghosts )
-{
-    for ( int i = 0; i < state->follower_count; ++i )
-    {
-        if ( wisp_entity_equal( state->followers[i]->ghosts, ghosts ) )
-        {
-            return state->followers[i];
-        }
-    }
-    return NULL;
-}
-
 const guide_follower* guide_active_follower( const guide_state* state, wisp_entity ghosts )
 {
-    const guide_follower* f = guide_find_follower( state, ghosts );
+    const guide_follower* f = wisp_find_object( state->followers, ghosts );
     return f != NULL && f->targets.index != 0 ? f : NULL;
-}
-
-guide_drawing* guide_find_drawing( const guide_state* state, wisp_entity curves )
-{
-    for ( int i = 0; i < state->drawing_count; ++i )
-    {
-        if ( wisp_entity_equal( state->drawings[i]->curves, curves ) )
-        {
-            return state->drawings[i];
-        }
-    }
-    return NULL;
 }
 
 void guide_let_go( wisp_world* world, const guide_state* state, wisp_entity entity )
 {
     bool followed = false, drawn = false;
-    for ( int i = 0; i < state->follower_count; ++i )
+    for ( int i = 0; i < wisp_count_object_places( state->followers ); ++i )
     {
-        followed = followed || wisp_entity_equal( state->followers[i]->targets, entity );
+        const guide_follower* f = wisp_object_at( state->followers, i );
+        followed = followed || ( f != NULL && wisp_entity_equal( f->targets, entity ) );
     }
-    for ( int i = 0; i < state->drawing_count; ++i )
+    for ( int i = 0; i < wisp_count_object_places( state->drawings ); ++i )
     {
-        drawn = drawn || wisp_entity_equal( state->drawings[i]->source, entity );
+        const guide_drawing* d = wisp_object_at( state->drawings, i );
+        drawn = drawn || ( d != NULL && wisp_entity_equal( d->source, entity ) );
     }
     if ( followed == false && wisp_world_has( world, entity, state->before ) )
     {
@@ -122,75 +100,45 @@ void guide_let_go( wisp_world* world, const guide_state* state, wisp_entity enti
 wisp_status guide_find_ghosts( wisp_world* world, wisp_entity ghosts, const guide_follower** out )
 {
     const guide_state* s = wisp_world_module_state( world, "guide_hair" );
-    *out = s != NULL ? guide_find_follower( s, ghosts ) : NULL;
+    *out = s != NULL ? wisp_find_object( s->followers, ghosts ) : NULL;
     return *out != NULL ? WISP_OK
                         : wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u has no targets", ghosts.index );
 }
 
 // ---- module ----
 
-#define GUIDE_LIST( member, name, table, columns )                                                                   \
-    static const wisp_column_def member##_columns[] = { columns( WISP_COLUMN_DEF ) };
-GUIDE_COMPONENTS( GUIDE_LIST )
-#undef GUIDE_LIST
+GUIDE_COMPONENTS( WISP_COMPONENT_COLUMNS )
 
 // ---- lists ----
-
-// Ghosts and curves that go take what was cooked for them along; what they followed is let go.
-static void forget( guide_state* state, wisp_world* world, wisp_entity entity )
-{
-    for ( int i = 0; i < state->follower_count; ++i )
-    {
-        if ( wisp_entity_equal( state->followers[i]->ghosts, entity ) )
-        {
-            const wisp_entity targets = state->followers[i]->targets;
-            guide_follower_release( state->followers[i] );
-            state->followers[i--] = state->followers[--state->follower_count];
-            guide_let_go( world, state, targets );
-        }
-    }
-    for ( int i = 0; i < state->drawing_count; ++i )
-    {
-        if ( wisp_entity_equal( state->drawings[i]->curves, entity ) )
-        {
-            const wisp_entity source = state->drawings[i]->source;
-            guide_drawing_release( state->drawings[i] );
-            state->drawings[i--] = state->drawings[--state->drawing_count];
-            guide_let_go( world, state, source );
-        }
-    }
-}
 
 static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
 {
     guide_state* state = memory;
     const wisp_entity nothing = { 0, 0 };
-    for ( int i = 0; i < state->follower_count; ++i )
+    for ( int i = 0; i < wisp_count_object_places( state->followers ); ++i )
     {
-        guide_follower* f = state->followers[i];
-        f->targets = wisp_entity_equal( f->targets, entity ) ? nothing : f->targets;
+        guide_follower* f = wisp_object_at( state->followers, i );
+        if ( f != NULL && wisp_entity_equal( f->targets, entity ) )
+        {
+            f->targets = nothing;
+        }
     }
-    for ( int i = 0; i < state->drawing_count; ++i )
+    for ( int i = 0; i < wisp_count_object_places( state->drawings ); ++i )
     {
-        guide_drawing* d = state->drawings[i];
-        d->source = wisp_entity_equal( d->source, entity ) ? nothing : d->source;
+        guide_drawing* d = wisp_object_at( state->drawings, i );
+        if ( d != NULL && wisp_entity_equal( d->source, entity ) )
+        {
+            d->source = nothing;
+        }
     }
-    forget( state, world, entity );
-}
-
-static void release_state( void* memory, const wisp_allocator* allocator )
-{
-    guide_state* state = memory;
-    for ( int i = 0; i < state->follower_count; ++i )
-    {
-        guide_follower_release( state->followers[i] );
-    }
-    for ( int i = 0; i < state->drawing_count; ++i )
-    {
-        guide_drawing_release( state->drawings[i] );
-    }
-    wisp_release( allocator, state->followers, (size_t)state->follower_capacity * sizeof( void* ) );
-    wisp_release( allocator, state->drawings, (size_t)state->drawing_capacity * sizeof( void* ) );
+    // what ghosts and curves that go have followed is let go
+    const guide_follower* f = wisp_find_object( state->followers, entity );
+    const guide_drawing* d = wisp_find_object( state->drawings, entity );
+    const wisp_entity targets = f != NULL ? f->targets : nothing, source = d != NULL ? d->source : nothing;
+    wisp_set_object( state->followers, entity, NULL );
+    wisp_set_object( state->drawings, entity, NULL );
+    guide_let_go( world, state, targets );
+    guide_let_go( world, state, source );
 }
 
 // ---- declarations ----
@@ -199,68 +147,50 @@ static wisp_status declare_ghosts( wisp_registry* r, guide_state* s )
 {
     const wisp_pass passes[] = {
         {
-            .name = "guide_hair.targets",
-            .stage = WISP_STAGE_DERIVE,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "guide_hair.targets", DERIVE, ENTITY, guide_run_targets ),
             .required = { s->before },
             .reads = { s->before, WISP_STRAND_REST, WISP_STRAND_POSITION },
             .writes = { s->before, s->table },
-            .run = guide_run_targets,
             .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
             // Ghosts have the component of the table, so that the plan orders them after their targets. They do not
             // read their own place, but a pass that only writes it would come before the targets, which read it.
-            .name = "guide_hair.ghosts",
-            .stage = WISP_STAGE_DERIVE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "guide_hair.ghosts", DERIVE, STRAND_GROUP, guide_run_ghosts ),
             .required = { s->settings },
             .reads = { s->settings, s->table, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSITION },
-            .run = guide_run_ghosts,
             .detail = WISP_PASS_FINE,
             .should_run = guide_ghosts_are_due,
         },
         {
-            .name = "guide_hair.lengths",
-            .stage = WISP_STAGE_DERIVE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "guide_hair.lengths", DERIVE, STRAND_GROUP, guide_run_lengths ),
             .required = { s->settings, s->repair },
             .reads = { s->settings, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSITION },
-            .run = guide_run_lengths,
             .detail = WISP_PASS_FINE,
         },
         {
-            .name = "guide_hair.carried",
-            .stage = WISP_STAGE_DERIVE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
-            .required = { s->settings, s->detail, s->carried, s->carrier },
-            .reads = { s->settings, s->detail, s->carried, s->carrier, WISP_STRAND_POSITION },
+            WISP_PASS( "guide_hair.carried", DERIVE, STRAND_GROUP, guide_run_held ),
+            .required = { s->settings, s->detail, s->held, s->carrier },
+            .reads = { s->settings, s->detail, s->held, s->carrier, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSITION },
-            .run = guide_run_carried,
-            .should_run = guide_carried_is_due,
+            .should_run = guide_held_is_due,
             .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
             // it reads columns that passes of a later stage write
-            .name = "guide_hair.carry",
-            .stage = WISP_STAGE_DERIVE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "guide_hair.carry", DERIVE, STRAND_GROUP, guide_run_update_poses ),
             .required = { s->settings },
             .reads = { s->settings, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSED },
-            .run = guide_run_carry,
             .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
-            .name = "guide_hair.between",
-            .stage = WISP_STAGE_DERIVE,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "guide_hair.between", DERIVE, ENTITY, guide_run_between ),
             .required = { s->settings, s->between, s->interval },
             .reads = { s->settings, s->table, s->between, WISP_STRAND_POSITION },
             .writes = { s->between, s->interval },
-            .run = guide_run_between,
             .detail = WISP_PASS_WITHOUT_MOTION,
             .should_run = guide_between_is_due,
         },
@@ -272,24 +202,18 @@ static wisp_status declare_curves( wisp_registry* r, guide_state* s )
 {
     const wisp_pass passes[] = {
         {
-            .name = "guide_hair.source",
-            .stage = WISP_STAGE_SHAPE,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "guide_hair.source", SHAPE, ENTITY, guide_run_source ),
             .required = { s->drawn },
             .reads = { s->drawn, WISP_STRAND_POSITION },
             .writes = { s->drawn },
-            .run = guide_run_source,
             .detail = WISP_PASS_WITHOUT_MOTION,
             .on_change = WISP_STRAND_POSITION,
         },
         {
-            .name = "guide_hair.curves",
-            .stage = WISP_STAGE_OBSERVE,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "guide_hair.curves", OBSERVE, ENTITY, guide_run_curves ),
             .required = { s->curves },
             .reads = { s->curves },
             .writes = { s->curves, WISP_STRAND_POSITION },
-            .run = guide_run_curves,
             .detail = WISP_PASS_WITHOUT_MOTION,
             .should_run = guide_curves_are_due,
         },
@@ -297,20 +221,16 @@ static wisp_status declare_curves( wisp_registry* r, guide_state* s )
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
 }
 
-static size_t count_memory( const void* memory, size_t* outside )
+static size_t follower_bytes( const void* memory )
 {
-    (void)outside;
-    const guide_state* state = memory;
-    size_t bytes = (size_t)( state->follower_capacity + state->drawing_capacity ) * sizeof( void* );
-    for ( int i = 0; i < state->follower_count; ++i )
-    {
-        bytes += sizeof( *state->followers[i] ) + guide_memory_bytes( &state->followers[i]->memory );
-    }
-    for ( int i = 0; i < state->drawing_count; ++i )
-    {
-        bytes += sizeof( *state->drawings[i] ) + guide_memory_bytes( &state->drawings[i]->memory );
-    }
-    return bytes;
+    const guide_follower* f = memory;
+    return sizeof( *f ) + guide_memory_bytes( &f->memory );
+}
+
+static size_t drawing_bytes( const void* memory )
+{
+    const guide_drawing* d = memory;
+    return sizeof( *d ) + guide_memory_bytes( &d->memory );
 }
 
 static wisp_status declare( wisp_registry* r )
@@ -320,17 +240,14 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_hooks(
-        r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed, .memory = count_memory } );
+    wisp_declare_hooks( r, &( wisp_state_hooks ){ .removed = entity_removed } );
+    s->followers = wisp_declare_objects( r, guide_follower_release, follower_bytes );
+    s->drawings = wisp_declare_objects( r, guide_drawing_release, drawing_bytes );
     wisp_declare_detail( r, &( wisp_detail_hooks ){ .has_coarse = guide_has_coarse,
                                                     .prepare = guide_prepare_detail,
                                                     .changed = guide_detail_changed } );
     s->detail = wisp_detail_component( r );
-#define GUIDE_DECLARE( member, name, table, columns )                                                                \
-    s->member = wisp_declare_component(                                                                              \
-        r, &( wisp_component_def ){ name, table, member##_columns, WISP_COUNT( member##_columns ) } );
-    GUIDE_COMPONENTS( GUIDE_DECLARE )
-#undef GUIDE_DECLARE
+    GUIDE_COMPONENTS( WISP_COMPONENT_DECLARE )
     wisp_declare_places( r, s->between, 0, WISP_PLACE_LANES );
     wisp_declare_places( r, s->between, 1, WISP_PLACE_LANES );
     const wisp_index_range ranges[] = {

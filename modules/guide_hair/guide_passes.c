@@ -150,21 +150,12 @@ static wisp_status attach_all( wisp_world* world, const guide_state* s, wisp_ent
 }
 
 // Replace the follower that the ghosts had.
-static void install( wisp_world* world, guide_state* s, guide_follower* follower )
+static void install( wisp_world* world, const guide_state* s, guide_follower* follower )
 {
-    for ( int i = 0; i < s->follower_count; ++i )
-    {
-        guide_follower* old = s->followers[i];
-        if ( wisp_entity_equal( old->ghosts, follower->ghosts ) )
-        {
-            const wisp_entity targets = old->targets;
-            s->followers[i] = follower;
-            guide_follower_release( old );
-            guide_let_go( world, s, targets );
-            return;
-        }
-    }
-    s->followers[s->follower_count++] = follower;
+    const guide_follower* old = wisp_find_object( s->followers, follower->ghosts );
+    const wisp_entity targets = old != NULL ? old->targets : ( wisp_entity ){ 0, 0 };
+    wisp_set_object( s->followers, follower->ghosts, follower );
+    guide_let_go( world, s, targets );
 }
 
 wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_ghosts_def* given )
@@ -175,18 +166,16 @@ wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_g
     WISP_TRY( wisp_world_check_entity( world, ghosts ) );
     guide_state* s = wisp_world_module_state( world, "guide_hair" );
     WISP_TRY( check( world, s, ghosts, def ) );
-    if ( wisp_world_reserve( world, (void**)&s->followers, &s->follower_capacity, s->follower_count,
-                             sizeof( *s->followers ) ) == false )
+    if ( wisp_reserve_object( s->followers, ghosts ) == false )
     {
-        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d entities of ghosts",
-                                s->follower_count + 1 );
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for another entity of ghosts" );
     }
     guide_follower* follower;
     wisp_status status = guide_cook( world, ghosts, def, &follower );
     status = status == WISP_OK ? attach_all( world, s, ghosts, def ) : status;
     if ( status != WISP_OK )
     {
-        guide_follower_release( follower );
+        guide_follower_release( follower, wisp_world_allocator( world ) );
         return status;
     }
     install( world, s, follower );
@@ -209,14 +198,14 @@ wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_g
 // they are computed again they come back from there over the steps of the blend.
 
 /// Columns of ghosts, and the roots of their targets.
-typedef struct carried_loop
+typedef struct held_loop
 {
     const wisp_strand_topology* topology;
     float *position, *local; // [row][3][16] m, in the world and relative to the root
     const int32_t* lane;     // [group][16] float of the roots' positions; -1: none
     const float *root, *rotation;
     float weight; // of the rigid motion
-} carried_loop;
+} held_loop;
 
 static wisp_vec3 get( const float* rows, size_t at )
 {
@@ -231,7 +220,7 @@ static void put( float* rows, size_t at, wisp_vec3 v )
 }
 
 // The pose of the root that a ghost goes along with; the identity without one.
-static wisp_transform root_of( const carried_loop* loop, int lane )
+static wisp_transform root_of( const held_loop* loop, int lane )
 {
     wisp_transform pose = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
     const int32_t at = loop->lane[lane];
@@ -244,7 +233,7 @@ static wisp_transform root_of( const carried_loop* loop, int lane )
     return pose;
 }
 
-static void keep_lane( const carried_loop* loop, int lane )
+static void keep_lane( const held_loop* loop, int lane )
 {
     const wisp_transform pose = root_of( loop, lane );
     for ( int i = 0; i < loop->topology->lane_count[lane]; ++i )
@@ -261,7 +250,7 @@ typedef struct root_lanes
     float turn[9][WISP_LANES], place[3][WISP_LANES];
 } root_lanes;
 
-static void find_roots( const carried_loop* loop, int group, root_lanes* out )
+static void find_roots( const held_loop* loop, int group, root_lanes* out )
 {
     for ( int lane = 0; lane < WISP_LANES; ++lane )
     {
@@ -279,7 +268,7 @@ static void find_roots( const carried_loop* loop, int group, root_lanes* out )
     }
 }
 
-static void carry_row( const root_lanes* roots, const float* local, float weight, float* row )
+static void place_row( const root_lanes* roots, const float* local, float weight, float* row )
 {
     for ( int k = 0; k < 3; ++k )
     {
@@ -294,13 +283,13 @@ static void carry_row( const root_lanes* roots, const float* local, float weight
     }
 }
 
-static void carry_group( const carried_loop* loop, int group )
+static void place_group( const held_loop* loop, int group )
 {
     root_lanes roots;
     find_roots( loop, group, &roots );
     for ( int row = loop->topology->group_row[group]; row < loop->topology->group_row[group + 1]; ++row )
     {
-        carry_row( &roots, loop->local + (size_t)row * GUIDE_ROW, loop->weight,
+        place_row( &roots, loop->local + (size_t)row * GUIDE_ROW, loop->weight,
                    loop->position + (size_t)row * GUIDE_ROW );
     }
 }
@@ -314,20 +303,20 @@ static float rigid_weight( wisp_frame* frame, wisp_entity ghosts )
     return detail.level >= WISP_DETAIL_COARSE ? 1.0f : returns ? 1.0f - detail.blend : 0.0f;
 }
 
-bool guide_carried_is_due( wisp_frame* frame, wisp_entity entity, void* user )
+bool guide_held_is_due( wisp_frame* frame, wisp_entity entity, void* user )
 {
     return guide_active_follower( user, entity ) != NULL && rigid_weight( frame, entity ) > 0.0f;
 }
 
-void guide_run_carried( wisp_frame* frame, const wisp_span* span, void* user )
+void guide_run_held( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const guide_state* state = user;
     const wisp_entity targets = guide_active_follower( state, span->entity )->targets;
     const bool has_roots = wisp_frame_has( frame, targets, WISP_STRAND_ROOT );
-    const carried_loop loop = {
+    const held_loop loop = {
         .topology = wisp_frame_strands( frame, span->entity ),
         .position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
-        .local = wisp_frame_column( frame, span->entity, state->carried, 0 ),
+        .local = wisp_frame_column( frame, span->entity, state->held, 0 ),
         .lane = wisp_frame_column( frame, span->entity, state->carrier, 0 ),
         .root = has_roots ? wisp_frame_column( frame, targets, WISP_STRAND_ROOT, 0 ) : NULL,
         .rotation = has_roots ? wisp_frame_column( frame, targets, WISP_STRAND_ROOT, 1 ) : NULL,
@@ -335,7 +324,7 @@ void guide_run_carried( wisp_frame* frame, const wisp_span* span, void* user )
     };
     for ( int group = span->begin; group < span->end; ++group )
     {
-        carry_group( &loop, group );
+        place_group( &loop, group );
     }
 }
 
@@ -345,10 +334,10 @@ void guide_run_carried( wisp_frame* frame, const wisp_span* span, void* user )
 static void keep_shape( const guide_state* state, wisp_world* world, const guide_follower* f )
 {
     const bool has_roots = wisp_world_has( world, f->targets, WISP_STRAND_ROOT );
-    const carried_loop loop = {
+    const held_loop loop = {
         .topology = wisp_world_strands( world, f->ghosts ),
         .position = wisp_world_column( world, f->ghosts, WISP_STRAND_POSITION, 0 ),
-        .local = wisp_world_column( world, f->ghosts, state->carried, 0 ),
+        .local = wisp_world_column( world, f->ghosts, state->held, 0 ),
         .lane = wisp_world_column( world, f->ghosts, state->carrier, 0 ),
         .root = has_roots ? wisp_world_column( world, f->targets, WISP_STRAND_ROOT, 0 ) : NULL,
         .rotation = has_roots ? wisp_world_column( world, f->targets, WISP_STRAND_ROOT, 1 ) : NULL,
@@ -390,10 +379,10 @@ wisp_status guide_prepare_detail( const void* memory, wisp_world* world, wisp_en
     const wisp_allocator* allocator = wisp_world_allocator( world );
     const size_t bytes = (size_t)wisp_world_strands( world, f->targets )->strand_count * sizeof( int32_t );
     int32_t* at = allocator->allocate( allocator->user, bytes, sizeof( int32_t ) );
-    if ( at == NULL || wisp_world_attach( world, entity, state->carried ) != WISP_OK ||
+    if ( at == NULL || wisp_world_attach( world, entity, state->held ) != WISP_OK ||
          wisp_world_attach( world, entity, state->carrier ) != WISP_OK )
     {
-        wisp_world_detach( world, entity, state->carried );
+        wisp_world_detach( world, entity, state->held );
         wisp_release( allocator, at, bytes );
         return wisp_world_fail( world, WISP_NO_MEMORY, "ghosts: out of memory for the detail of entity %u",
                                 entity.index );
@@ -562,12 +551,13 @@ void guide_run_targets( wisp_frame* frame, const wisp_span* span, void* user )
                     ? wisp_frame_column( frame, entity, WISP_STRAND_ROOT, 1 )
                     : NULL,
     };
-    for ( int i = 0; i < state->follower_count; ++i )
+    for ( int i = 0; i < wisp_count_object_places( state->followers ); ++i )
     {
-        const bool is_computed = wisp_frame_detail( frame, state->followers[i]->ghosts ).level < WISP_DETAIL_COARSE;
-        if ( is_computed && wisp_entity_equal( state->followers[i]->targets, entity ) )
+        const guide_follower* f = wisp_object_at( state->followers, i );
+        if ( f != NULL && wisp_entity_equal( f->targets, entity ) &&
+             wisp_frame_detail( frame, f->ghosts ).level < WISP_DETAIL_COARSE )
         {
-            fill_table( frame, span, state, state->followers[i], loop );
+            fill_table( frame, span, state, f, loop );
         }
     }
     *steps += 1;
@@ -650,7 +640,7 @@ void guide_run_lengths( wisp_frame* frame, const wisp_span* span, void* user )
 }
 
 // Stop once the targets are removed: the place no longer follows motion.
-void guide_run_carry( wisp_frame* frame, const wisp_span* span, void* user )
+void guide_run_update_poses( wisp_frame* frame, const wisp_span* span, void* user )
 {
     if ( guide_active_follower( user, span->entity ) != NULL )
     {

@@ -3,6 +3,8 @@
 #include "wisp/module/sleep.h"
 #include <string.h>
 
+IMPLICIT_COMPONENTS( WISP_COMPONENT_COLUMNS )
+
 // ---- statistics ----
 
 // Energies of the links, on request: plain loops in double precision, in a fixed order.
@@ -128,28 +130,28 @@ static double plate_energy( const implicit_links* links, const float* position )
 static void implicit_measure( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const implicit_state* state = user;
-    const implicit_links* links = implicit_find_links( state, span->entity );
-    const implicit_tally* tally = wisp_frame_column( frame, span->entity, state->tally, 0 );
+    const implicit_links* links = wisp_find_object( state->links, span->entity );
+    const implicit_counts* counts = wisp_frame_column( frame, span->entity, state->counts, 0 );
     const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     wisp_implicit_cloth_stats stats = {
-        .iterations = tally->iterations,
-        .residual = tally->residual,
-        .newton_iterations = tally->repeats,
+        .iterations = counts->iterations,
+        .residual = counts->residual,
+        .newton_iterations = counts->repeats,
         .stretch_links = links->stretch_count,
         .bend_links = links->bend_count,
         .max_neighbours = links->max_neighbours,
-        .sticking = tally->sticking,
-        .sliding = tally->sliding,
-        .landing = tally->landing,
-        .released = tally->released,
-        .newton_residual = (double)tally->newton_residual,
+        .sticking = counts->sticking,
+        .sliding = counts->sliding,
+        .landing = counts->landing,
+        .released = counts->released,
+        .newton_residual = (double)counts->newton_residual,
     };
     for ( int slice = 0; slice < links->slice_count; ++slice )
     {
         const int32_t* parts = links->springs.begin + 2 * (size_t)slice;
         for ( int entry = parts[0]; entry < parts[2]; ++entry )
         {
-            add_entry( links, position, tally->stiffest, slice, entry, entry >= parts[1], &stats );
+            add_entry( links, position, counts->stiffest, slice, entry, entry >= parts[1], &stats );
         }
     }
     stats.bend_energy += links->plate != NULL ? plate_energy( links, position ) : 0.0;
@@ -157,24 +159,6 @@ static void implicit_measure( wisp_frame* frame, const wisp_span* span, void* us
 }
 
 // ---- module ----
-
-#define MATERIAL_COLUMNS_LIST( X ) X( implicit_material, material, 1 )
-#define TALLY_COLUMNS_LIST( X ) X( implicit_tally, tally, 1 )
-#define CONTACT_COLUMNS_LIST( X ) X( implicit_contact, contact, 1 )
-#define CHANGE_COLUMNS_LIST( X ) X( float, change, 3 ) /* m/s, of the last substep's solve */
-#define HISTORY_COLUMNS_LIST( X )                                                                                    \
-    X( float, position, 4 )                         /* m, when the substep before began; inverse mass */             \
-    X( float, velocity, 4 )                         /* m/s */
-#define SOLVED_COLUMNS_LIST( X ) X( float, way, 3 ) /* m, of the substep, before contact of surfaces */
-#define STATS_COLUMNS_LIST( X ) X( wisp_implicit_cloth_stats, stats, 1 )
-
-static const wisp_column_def MATERIAL_COLUMNS[] = { MATERIAL_COLUMNS_LIST( WISP_COLUMN_DEF ) };
-static const wisp_column_def TALLY_COLUMNS[] = { TALLY_COLUMNS_LIST( WISP_COLUMN_DEF ) };
-static const wisp_column_def CONTACT_COLUMNS[] = { CONTACT_COLUMNS_LIST( WISP_COLUMN_DEF ) };
-static const wisp_column_def CHANGE_COLUMNS[] = { CHANGE_COLUMNS_LIST( WISP_COLUMN_DEF ) };
-static const wisp_column_def HISTORY_COLUMNS[] = { HISTORY_COLUMNS_LIST( WISP_COLUMN_DEF ) };
-static const wisp_column_def SOLVED_COLUMNS[] = { SOLVED_COLUMNS_LIST( WISP_COLUMN_DEF ) };
-static const wisp_column_def STATS_COLUMNS[] = { STATS_COLUMNS_LIST( WISP_COLUMN_DEF ) };
 
 static const wisp_field IMPLICIT_CLOTH_FIELDS[] = {
     WISP_CHOICE( wisp_implicit_cloth_def, stiffness_model, WISP_IMPLICIT_STIFFNESS_MATERIAL,
@@ -194,27 +178,6 @@ static const wisp_field IMPLICIT_CLOTH_FIELDS[] = {
 WISP_DEFINE( implicit_cloth_def, "implicit cloth", IMPLICIT_CLOTH_FIELDS )
 
 // ---- state ----
-
-static void release_state( void* memory, const wisp_allocator* allocator )
-{
-    implicit_state* state = memory;
-    for ( int i = 0; i < state->link_count; ++i )
-    {
-        implicit_links_release( state->links[i], allocator );
-    }
-    wisp_release( allocator, state->links, (size_t)state->link_capacity * sizeof( *state->links ) );
-}
-
-static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
-{
-    implicit_state* state = memory;
-    const int i = implicit_find_index( state, entity );
-    if ( i >= 0 )
-    {
-        implicit_links_release( state->links[i], wisp_world_allocator( world ) );
-        state->links[i] = state->links[--state->link_count];
-    }
-}
 
 static wisp_status entity_teleported( void* memory, wisp_world* world, wisp_entity entity,
                                       const wisp_teleport_motion* teleport, bool* is_moved )
@@ -244,31 +207,22 @@ static void entity_rested( const void* memory, wisp_world* world, wisp_entity en
     }
 }
 
-static size_t count_memory( const void* memory, size_t* outside )
+static size_t links_bytes( const void* memory )
 {
-    (void)outside;
-    const implicit_state* state = memory;
-    size_t bytes = (size_t)state->link_capacity * sizeof( *state->links );
-    for ( int i = 0; i < state->link_count; ++i )
-    {
-        bytes += state->links[i]->bytes + wisp_plate_bytes( state->links[i]->plate );
-    }
-    return bytes;
+    const implicit_links* links = memory;
+    return links->bytes + wisp_plate_bytes( links->plate );
 }
 
 static wisp_status declare_passes( wisp_registry* r, implicit_state* state )
 {
     const wisp_pass step = {
-        .name = "implicit_cloth.step",
-        .stage = WISP_STAGE_PREDICT,
-        .domain = WISP_DOMAIN_ENTITY,
+        WISP_PASS( "implicit_cloth.step", PREDICT, ENTITY, implicit_step ),
         .required = { state->material, WISP_PARTICLE_EXTERNAL_SOLVER, WISP_PARTICLE_CONTACTS, state->contact },
         .excluded = { state->corrected },
         .reads = { state->material, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_CONTACTS,
                    state->contact },
         .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_CONTACTS, state->contact,
-                    state->material, state->tally },
-        .run = implicit_step,
+                    state->material, state->counts },
     };
     wisp_pass corrected_step = step;
     corrected_step.name = "implicit_cloth.step_before_contact";
@@ -281,23 +235,17 @@ static wisp_status declare_passes( wisp_registry* r, implicit_state* state )
         step,
         corrected_step,
         {
-            .name = "implicit_cloth.take_correction",
-            .stage = WISP_STAGE_VELOCITY,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "implicit_cloth.take_correction", VELOCITY, ENTITY, implicit_take_correction ),
             .required = { state->material, state->corrected },
             .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, state->solved },
             // changed, not replaced: listed so because the largest speed limits the result
             .writes = { WISP_PARTICLE_VELOCITY },
-            .run = implicit_take_correction,
         },
         {
-            .name = "implicit_cloth.stats",
-            .stage = WISP_STAGE_OBSERVE,
-            .domain = WISP_DOMAIN_ENTITY,
-            .required = { state->material, state->tally },
-            .reads = { state->tally, WISP_PARTICLE_POSITION },
+            WISP_PASS( "implicit_cloth.stats", OBSERVE, ENTITY, implicit_measure ),
+            .required = { state->material, state->counts },
+            .reads = { state->counts, WISP_PARTICLE_POSITION },
             .writes = { state->stats },
-            .run = implicit_measure,
         },
     };
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), state );
@@ -305,46 +253,27 @@ static wisp_status declare_passes( wisp_registry* r, implicit_state* state )
 
 static wisp_status declare( wisp_registry* r )
 {
-    implicit_state* state = wisp_declare_state( r, sizeof( implicit_state ) );
-    if ( state == NULL )
+    implicit_state* s = wisp_declare_state( r, sizeof( implicit_state ) );
+    if ( s == NULL )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state,
-                                                  .removed = entity_removed,
-                                                  .teleported = entity_teleported,
-                                                  .memory = count_memory } );
+    wisp_declare_hooks( r, &( wisp_state_hooks ){ .teleported = entity_teleported } );
+    s->links = wisp_declare_objects( r, implicit_links_release, links_bytes );
     wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .rested = entity_rested } );
-    const struct
-    {
-        wisp_component* component;
-        wisp_component_def def;
-    } components[] = {
-        { &state->material, { "implicit_cloth.material", WISP_TABLE_ENTITY, MATERIAL_COLUMNS, 1 } },
-        { &state->tally, { "implicit_cloth.tally", WISP_TABLE_ENTITY, TALLY_COLUMNS, 1 } },
-        { &state->contact, { "implicit_cloth.contact", WISP_TABLE_PARTICLE, CONTACT_COLUMNS, 1 } },
-        { &state->change, { "implicit_cloth.change", WISP_TABLE_PARTICLE, CHANGE_COLUMNS, 1 } },
-        { &state->history, { "implicit_cloth.history", WISP_TABLE_PARTICLE, HISTORY_COLUMNS, 2 } },
-        { &state->corrected, { WISP_PARTICLE_CORRECTED, WISP_TABLE_ENTITY, NULL, 0 } },
-        { &state->solved, { "implicit_cloth.solved", WISP_TABLE_PARTICLE, SOLVED_COLUMNS, 1 } },
-        { &state->stats, { "implicit_cloth.stats", WISP_TABLE_ENTITY, STATS_COLUMNS, 1 } },
-    };
-    for ( int i = 0; i < WISP_COUNT( components ); ++i )
-    {
-        *components[i].component = wisp_declare_component( r, &components[i].def );
-    }
-    wisp_declare_places( r, state->history, 0, WISP_PLACE_QUADS );
+    IMPLICIT_COMPONENTS( WISP_COMPONENT_DECLARE )
+    wisp_declare_places( r, s->history, 0, WISP_PLACE_QUADS );
     const wisp_index_range ranges[] = {
-        WISP_MEMBER_RANGE( state->material, implicit_material, bdf2, 0, 1 ),
-        WISP_MEMBER_RANGE( state->material, implicit_material, newton_iterations, 1, 64 ),
-        WISP_MEMBER_RANGE( state->material, implicit_material, max_newton_iterations, 1, 64 ),
-        WISP_MEMBER_RANGE( state->material, implicit_material, max_iterations, 0, 1000000 ),
-        WISP_MEMBER_RANGE( state->material, implicit_material, requests_stats, 0, 1 ),
-        WISP_MEMBER_RANGE( state->contact, implicit_contact, slides, 0, 1 ),
-        WISP_MEMBER_RANGE( state->contact, implicit_contact, landed, 0, 1 ),
+        WISP_MEMBER_RANGE( s->material, implicit_material, bdf2, 0, 1 ),
+        WISP_MEMBER_RANGE( s->material, implicit_material, newton_iterations, 1, 64 ),
+        WISP_MEMBER_RANGE( s->material, implicit_material, max_newton_iterations, 1, 64 ),
+        WISP_MEMBER_RANGE( s->material, implicit_material, max_iterations, 0, 1000000 ),
+        WISP_MEMBER_RANGE( s->material, implicit_material, requests_stats, 0, 1 ),
+        WISP_MEMBER_RANGE( s->contact, implicit_contact, slides, 0, 1 ),
+        WISP_MEMBER_RANGE( s->contact, implicit_contact, landed, 0, 1 ),
     };
     WISP_TRY( wisp_declare_indices( r, ranges, WISP_COUNT( ranges ) ) );
-    return declare_passes( r, state );
+    return declare_passes( r, s );
 }
 
 const wisp_module wisp_implicit_cloth_module = { .name = "implicit_cloth", .declare = declare };
@@ -390,12 +319,12 @@ static wisp_status check_alone( wisp_world* world, wisp_entity surface, const im
 
 // ---- components ----
 
-static wisp_status dress( wisp_world* world, wisp_entity surface, const implicit_state* state,
-                          const wisp_implicit_cloth_def* d )
+static wisp_status set_components( wisp_world* world, wisp_entity surface, const implicit_state* state,
+                                   const wisp_implicit_cloth_def* d )
 {
     const wisp_component_use all[] = {
         { state->material, true },
-        { state->tally, true },
+        { state->counts, true },
         { WISP_PARTICLE_EXTERNAL_SOLVER, true },
         { WISP_PARTICLE_CONTACTS, true },
         { state->contact, true },
@@ -440,30 +369,19 @@ wisp_status wisp_set_implicit_cloth( wisp_world* world, wisp_entity surface, con
     wisp_status status = find_state( world, surface, &state );
     status = status == WISP_OK ? check_pairs( world, def ) : status;
     status = status == WISP_OK ? check_alone( world, surface, state ) : status;
-    if ( status == WISP_OK && wisp_world_reserve( world, (void**)&state->links, &state->link_capacity,
-                                                  state->link_count, sizeof( *state->links ) ) == false )
+    if ( status == WISP_OK && wisp_reserve_object( state->links, surface ) == false )
     {
-        status =
-            wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d implicit cloths", state->link_count + 1 );
+        status = wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for another implicit cloth" );
     }
     implicit_links* links = NULL;
     status = status == WISP_OK ? implicit_links_create( world, surface, def, &links ) : status;
-    status = status == WISP_OK ? dress( world, surface, state, def ) : status;
+    status = status == WISP_OK ? set_components( world, surface, state, def ) : status;
     if ( status != WISP_OK )
     {
         implicit_links_release( links, wisp_world_allocator( world ) );
         return status;
     }
-    const int place = implicit_find_index( state, surface );
-    if ( place >= 0 )
-    {
-        implicit_links_release( state->links[place], wisp_world_allocator( world ) );
-        state->links[place] = links;
-    }
-    else
-    {
-        state->links[state->link_count++] = links;
-    }
+    wisp_set_object( state->links, surface, links );
     fill( world, surface, state, def );
     return WISP_OK;
 }

@@ -84,9 +84,9 @@ static void hold_pin( const implicit_system* s, const implicit_contact_input* f,
         there =
             f->target_fraction >= 1.0f ? target : wisp_v3_mul_add( x, f->target_fraction, wisp_v3_sub( target, x ) );
     }
-    const wisp_vec3 way = wisp_v3_sub( there, wisp_v3_load( s->place + (size_t)row * 4 ) );
+    const wisp_vec3 displacement = wisp_v3_sub( there, wisp_v3_load( s->place + (size_t)row * 4 ) );
     const float rate = 1.0f / s->spring.dt;
-    hold_row( s, row, NOTHING, ( wisp_vec3 ){ rate * way.x, rate * way.y, rate * way.z } );
+    hold_row( s, row, NOTHING, ( wisp_vec3 ){ rate * displacement.x, rate * displacement.y, rate * displacement.z } );
     f->contact[slot] = ( implicit_contact ){ .slides = 0 };
 }
 
@@ -124,7 +124,7 @@ static bool was_held( const implicit_contact* before, int32_t body, float* press
 
 // Apply rules 1 to 3. @return whether the contact is active
 static bool judge( const implicit_system* s, const implicit_contact_input* f, int row, int slot, touch* t,
-                   implicit_tally* tally )
+                   implicit_counts* counts )
 {
     const float mass = s->place[(size_t)row * 4 + 3];
     const wisp_vec3 v = wisp_v3_load( f->velocity + (size_t)slot * 4 );
@@ -134,7 +134,7 @@ static bool judge( const implicit_system* s, const implicit_contact_input* f, in
     // a vertex that moves out of a body must be stopped before it is released
     if ( known && t->pressed < -( f->hysteresis + fmaxf( 0.0f, leaving ) ) * mass )
     {
-        tally->released += 1;
+        counts->released += 1;
         return false;
     }
     t->held = t->gap < t->margin && ( known || leaving <= 0.0f );
@@ -146,8 +146,8 @@ static bool judge( const implicit_system* s, const implicit_contact_input* f, in
     const wisp_vec3 x = wisp_v3_load( f->position + (size_t)slot * 4 ),
                     place = wisp_v3_load( s->place + (size_t)row * 4 );
     const wisp_vec3 there = wisp_v3_mul_add( place, s->spring.dt, wisp_v3_load( s->start + (size_t)row * 4 ) );
-    const wisp_vec3 way = wisp_v3_mul_add( wisp_v3_sub( there, x ), -f->seconds, t->motion );
-    return t->gap >= 0.5f * t->margin && t->gap + wisp_v3_dot( way, t->normal ) < 0.0f;
+    const wisp_vec3 displacement = wisp_v3_mul_add( wisp_v3_sub( there, x ), -f->seconds, t->motion );
+    return t->gap >= 0.5f * t->margin && t->gap + wisp_v3_dot( displacement, t->normal ) < 0.0f;
 }
 
 // ---- the normals of a row ----
@@ -286,7 +286,7 @@ static grip grip_of( const touch* touches, int count )
 
 // Rule 4.
 static void answer( const implicit_system* s, const implicit_contact_input* f, int row, int slot, touch* touches,
-                    int count, implicit_tally* tally )
+                    int count, implicit_counts* counts )
 {
     const implicit_contact before = f->contact[slot];
     implicit_contact now = { .slides = 1 };
@@ -309,12 +309,12 @@ static void answer( const implicit_system* s, const implicit_contact_input* f, i
     now.slides = sticks ? 0 : 1;
     now.landed = g.lands ? 1 : 0;
     f->contact[slot] = now;
-    tally->landing += g.lands ? 1 : 0;
-    tally->sticking += sticks ? 1 : 0;
-    tally->sliding += sticks == false && g.lands == false ? 1 : 0;
+    counts->landing += g.lands ? 1 : 0;
+    counts->sticking += sticks ? 1 : 0;
+    counts->sliding += sticks == false && g.lands == false ? 1 : 0;
 }
 
-void implicit_touch_row( const implicit_system* s, const implicit_contact_input* f, int row, implicit_tally* tally )
+void implicit_touch_row( const implicit_system* s, const implicit_contact_input* f, int row, implicit_counts* counts )
 {
     const int slot = s->links->row_slot[row];
     memset( s->goal + (size_t)row * 4, 0, 4 * sizeof( float ) );
@@ -335,12 +335,12 @@ void implicit_touch_row( const implicit_system* s, const implicit_contact_input*
         if ( f->body[(size_t)slot * WISP_MAX_PARTICLE_CONTACTS + (size_t)place] != 0 )
         {
             touches[count] = read_touch( f, slot, place );
-            count += judge( s, f, row, slot, touches + count, tally ) ? 1 : 0;
+            count += judge( s, f, row, slot, touches + count, counts ) ? 1 : 0;
         }
     }
     if ( count > 0 )
     {
-        answer( s, f, row, slot, touches, count, tally );
+        answer( s, f, row, slot, touches, count, counts );
     }
     else
     {
@@ -404,8 +404,8 @@ void implicit_press_row( const implicit_system* s, const implicit_contact_input*
 }
 
 // BDF2 must not extrapolate an impact. So vertices in contact count as having moved with their body, in the held directions.
-void implicit_settle_row( const implicit_contact_input* f, int slot, float* x, float* v, float* x_before,
-                          float* v_before )
+void implicit_apply_contact_correction( const implicit_contact_input* f, int slot, float* x, float* v,
+                                        float* x_before, float* v_before )
 {
     touch touches[WISP_MAX_PARTICLE_CONTACTS];
     int count = held_touches( f, slot, touches );
@@ -423,8 +423,8 @@ void implicit_settle_row( const implicit_contact_input* f, int slot, float* x, f
     const wisp_vec3 gone = sticks ? wisp_v3_mul_add( none, f->seconds, surface ) : wisp_v3_sub( now, was );
     const wisp_vec3 speed = sticks ? surface : wisp_v3_load( v ),
                     speed_before = sticks ? surface : wisp_v3_load( v_before );
-    const wisp_vec3 way = wisp_v3_mul_add( foreign( touches, count, gone ), f->seconds, along );
-    const wisp_vec3 from = wisp_v3_sub( now, way );
+    const wisp_vec3 displacement = wisp_v3_mul_add( foreign( touches, count, gone ), f->seconds, along );
+    const wisp_vec3 from = wisp_v3_sub( now, displacement );
     const wisp_vec3 to = wisp_v3_mul_add( along, 1.0f, foreign( touches, count, speed ) );
     const wisp_vec3 to_before = wisp_v3_mul_add( along, 1.0f, foreign( touches, count, speed_before ) );
     memcpy( x_before, &from, sizeof( from ) );

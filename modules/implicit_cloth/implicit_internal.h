@@ -19,18 +19,17 @@ typedef struct implicit_material
 } implicit_material;
 
 /// Counters of the last substep. A row of the entity.
-typedef struct implicit_tally
+typedef struct implicit_counts
 {
     int32_t iterations, repeats;
     float residual, newton_residual;
     int32_t sticking, sliding, landing, released;
     float stiffest; ///< N/m, limit that links were lowered to; 0: none
-} implicit_tally;
+} implicit_counts;
 
 /// Links of a surface in rows of their own, and the way between rows and the fabric's slots. One block of memory.
 typedef struct implicit_links
 {
-    wisp_entity entity;
     int row_count; ///< vertices, padded to a multiple of 8
     int slice_count;
     int stretch_count, bend_count, max_neighbours;
@@ -43,18 +42,24 @@ typedef struct implicit_links
     size_t bytes;
 } implicit_links;
 
+/// The components, a row each: X( member, "name", table, columns ).
+#define IMPLICIT_COMPONENTS( X )                                                                                     \
+    X( material, "implicit_cloth.material", ENTITY, WISP_COLUMN( implicit_material, material, 1 ) )                  \
+    X( counts, "implicit_cloth.tally", ENTITY, WISP_COLUMN( implicit_counts, counts, 1 ) )                           \
+    X( contact, "implicit_cloth.contact", PARTICLE, WISP_COLUMN( implicit_contact, contact, 1 ) )                    \
+    X( change, "implicit_cloth.change", PARTICLE,                                                                    \
+       WISP_COLUMN( float, change, 3 ) ) /* m/s, by the last solve, to start from */                                 \
+    X( history, "implicit_cloth.history", PARTICLE,                                                                  \
+       /* of the substep before, for BDF2 */ WISP_COLUMN( float, position, 4 ),                                      \
+       /* m, when the substep before began; inverse mass */ WISP_COLUMN( float, velocity, 4 ) /* m/s */ )            \
+    X( corrected, WISP_PARTICLE_CORRECTED, ENTITY, WISP_NO_COLUMNS ) /* contact corrects positions after a solve */  \
+    X( solved, "implicit_cloth.solved", PARTICLE, WISP_COLUMN( float, way, 3 ) ) /* m, displacement by the solve */  \
+    X( stats, "implicit_cloth.stats", ENTITY, WISP_COLUMN( wisp_implicit_cloth_stats, stats, 1 ) )
+
 typedef struct implicit_state
 {
-    wisp_component material;  ///< implicit_material
-    wisp_component tally;     ///< implicit_tally
-    wisp_component contact;   ///< rows of particles: implicit_contact
-    wisp_component change;    ///< rows of particles: the last change of velocity, to start from
-    wisp_component history;   ///< rows of particles: the substep before, for BDF2
-    wisp_component corrected; ///< mark of entities whose positions contact corrects after a solve
-    wisp_component solved;    ///< rows of particles: displacement of the substep before that
-    wisp_component stats;     ///< wisp_implicit_cloth_stats
-    implicit_links** links;   ///< [link_count] one a surface
-    int link_count, link_capacity;
+    IMPLICIT_COMPONENTS( WISP_COMPONENT_MEMBER )
+    wisp_objects* links; ///< implicit_links
 } implicit_state;
 
 /// Contacts of a particle from substep to substep.
@@ -145,29 +150,24 @@ typedef struct implicit_gain
 
 // ---- implicit_cloth_module.c ----
 
-/// Find where the links of a surface are in the list. @return -1 without
-int implicit_find_index( const implicit_state* state, wisp_entity entity );
-/// @return null for an entity that is no implicit cloth
-implicit_links* implicit_find_links( const implicit_state* state, wisp_entity entity );
-
 // ---- implicit_links.c ----
 
 /// Cook the links of a surface. @param out receives them, null on failure
 wisp_status implicit_links_create( wisp_world* world, wisp_entity surface, const wisp_implicit_cloth_def* def,
                                    implicit_links** out );
 /// Null is allowed.
-void implicit_links_release( implicit_links* links, const wisp_allocator* allocator );
+void implicit_links_release( void* links, const wisp_allocator* allocator );
 
 // ---- implicit_contact.c ----
 
 /// Set filter, goal and friction of a row for this substep. Needs its place and start.
 void implicit_touch_row( const implicit_system* system, const implicit_contact_input* contact_input, int row,
-                         implicit_tally* tally );
+                         implicit_counts* counts );
 /// Store the contact impulse of a row, which the last solve left.
 void implicit_press_row( const implicit_system* system, const implicit_contact_input* contact_input, int row );
 /// BDF2: set the history of a slot in contact. All are [3] and may change; x and v are new.
-void implicit_settle_row( const implicit_contact_input* contact_input, int slot, float* x, float* v, float* x_before,
-                          float* v_before );
+void implicit_apply_contact_correction( const implicit_contact_input* contact_input, int slot, float* x, float* v,
+                                        float* x_before, float* v_before );
 
 /// Impulse of contact on a row, kg m/s: J = -(1 - S) r of the last solve.
 wisp_vec3 implicit_impulse( const implicit_system* system, int row );
@@ -248,7 +248,7 @@ typedef struct implicit_substep
     float moved;             // share of a solve's answer that is gone
     float recent, older;     // weights of the substep before in x^ and v^: ( recent a - older b )
     float *point, *velocity; // [row][4] where forces are evaluated, and the corresponding velocity
-    implicit_tally* tallies; // [block]
+    implicit_counts* counts; // [block]
     int* undirected;         // [block]
     double* motion;          // [block] kg m^2/s^2, sum of m v^2
     bool* guesses;           // [block] a guess is not 0
@@ -273,4 +273,4 @@ static inline void implicit_for_slices( implicit_substep* s, wisp_range_fn* run 
 /// Assemble forces and their derivatives where the solves have come to. @return links without direction
 int implicit_assemble( implicit_substep* s, bool repeat );
 /// Solve and move, until the substep is done.
-void implicit_iterate( wisp_frame* frame, implicit_substep* s, implicit_tally* total );
+void implicit_iterate( wisp_frame* frame, implicit_substep* s, implicit_counts* total );

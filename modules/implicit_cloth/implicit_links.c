@@ -611,38 +611,15 @@ wisp_status implicit_links_create( wisp_world* world, wisp_entity surface, const
                                                  cook.fabric->vertex_count );
     }
     implicit_cook_release( &cook );
-    if ( *out != NULL )
-    {
-        ( *out )->entity = surface;
-    }
     return status;
 }
 
-void implicit_links_release( implicit_links* links, const wisp_allocator* allocator )
+void implicit_links_release( void* memory, const wisp_allocator* allocator )
 {
+    implicit_links* links = memory;
     if ( links != NULL )
     {
         wisp_plate_release( links->plate, allocator );
         allocator->release( allocator->user, links, links->bytes );
     }
-}
-
-// ---- the links of the world ----
-
-int implicit_find_index( const implicit_state* state, wisp_entity entity )
-{
-    for ( int i = 0; i < state->link_count; ++i )
-    {
-        if ( wisp_entity_equal( state->links[i]->entity, entity ) )
-        {
-            return i;
-        }
-    }
-    return -1;
-}
-
-implicit_links* implicit_find_links( const implicit_state* state, wisp_entity entity )
-{
-    const int i = implicit_find_index( state, entity );
-    return i >= 0 ? state->links[i] : NULL;
 }

@@ -475,7 +475,7 @@ static implicit_outcome solve_linear( implicit_substep* s )
     return implicit_solve( &s->system );
 }
 
-void implicit_iterate( wisp_frame* frame, implicit_substep* s, implicit_tally* total )
+void implicit_iterate( wisp_frame* frame, implicit_substep* s, implicit_counts* total )
 {
     s->system.floor = find_floor( s );
     const int queried = s->system.material->newton_iterations;

@@ -109,7 +109,7 @@ static void lay_out( implicit_substep* s, arena* a )
     s->gains = take( a, s->guarded ? blocks * sizeof( implicit_gain ) : 0 );
     y->filtered = take( a, slices );
     y->sums = take( a, blocks * sizeof( double ) );
-    s->tallies = take( a, blocks * sizeof( implicit_tally ) );
+    s->counts = take( a, blocks * sizeof( implicit_counts ) );
     s->undirected = take( a, blocks * sizeof( int ) );
     s->motion = take( a, blocks * sizeof( double ) );
     s->guesses = take( a, blocks * sizeof( bool ) );
@@ -219,7 +219,7 @@ static void implicit_set_plate( wisp_frame* frame, const wisp_span* span, implic
 
 // What implicit cloth gives to bodies. In: impulses of the last solve. Out: particle.contact_impulses, of which collision makes
 // reactions. The impulse of a solve acts for the time of its equations, 2/3 h with BDF2; what settles the history of BDF2 after an
-// impact takes momentum too (implicit_settle_row).
+// impact takes momentum too (implicit_apply_contact_correction).
 
 // Momentum of a slot as BDF2 conserves it, kg m/s: m (3 v - v_before) / 2; by Euler m v.
 // @param v_before [3], null: Euler
@@ -317,11 +317,11 @@ static int32_t implicit_fill_half_spaces( const implicit_contact_input* f, int s
         float gap = plane[3];
         for ( int k = 0; k < 3; ++k )
         {
-            const float carried = f->seconds * motion[k];
-            gap += plane[k] * ( x[k] - from[k] - carried );
+            const float displacement = f->seconds * motion[k];
+            gap += plane[k] * ( x[k] - from[k] - displacement );
             row[k] = x[k];
             row[3 + k] = plane[k];
-            row[6 + k] = carried;
+            row[6 + k] = displacement;
         }
         row[9] = fminf( gap, 0.5f * motion[3] ) - gap;
         row[14] = friction[0];
@@ -338,7 +338,7 @@ void implicit_take_correction( wisp_frame* frame, const wisp_span* span, void* u
     const wisp_entity e = span->entity;
     const float *position = wisp_frame_column( frame, e, WISP_PARTICLE_POSITION, 0 ),
                 *previous = wisp_frame_column( frame, e, WISP_PARTICLE_PREVIOUS, 0 ),
-                *way = wisp_frame_column( frame, e, state->solved, 0 );
+                *solved = wisp_frame_column( frame, e, state->solved, 0 );
     float* velocity = wisp_frame_column( frame, e, WISP_PARTICLE_VELOCITY, 0 );
     const float h = wisp_frame_dt( frame, e );
     const size_t slots = (size_t)wisp_frame_fabric( frame, e )->slot_count;
@@ -346,7 +346,7 @@ void implicit_take_correction( wisp_frame* frame, const wisp_span* span, void* u
     for ( size_t i = 0; i < slots * 4; ++i )
     {
         const float correction =
-            i % 4 < 3 && position[i | 3] > 0.0f ? position[i] - previous[i] - way[i / 4 * 3 + i % 4] : 0.0f;
+            i % 4 < 3 && position[i | 3] > 0.0f ? position[i] - previous[i] - solved[i / 4 * 3 + i % 4] : 0.0f;
         velocity[i] += correction / h;
         is_corrected = is_corrected || correction != 0.0f;
     }
@@ -425,8 +425,8 @@ static void gather_slices( void* context, int begin, int end, int worker )
 {
     (void)worker;
     implicit_substep* s = context;
-    implicit_tally* tally = s->tallies + begin / s->system.grain;
-    *tally = ( implicit_tally ){ 0 };
+    implicit_counts* counts = s->counts + begin / s->system.grain;
+    *counts = ( implicit_counts ){ 0 };
     double motion = 0.0;
     for ( int slice = begin; slice < end; ++slice )
     {
@@ -435,7 +435,7 @@ static void gather_slices( void* context, int begin, int end, int worker )
         {
             keep_row( s, row );
             gather_row( s, row );
-            implicit_touch_row( &s->system, &s->contact_input, row, tally );
+            implicit_touch_row( &s->system, &s->contact_input, row, counts );
             const float* v = s->system.start + (size_t)row * 4;
             motion += (double)s->system.place[(size_t)row * 4 + 3] *
                       ( (double)v[0] * (double)v[0] + (double)v[1] * (double)v[1] + (double)v[2] * (double)v[2] );
@@ -469,7 +469,8 @@ static wisp_vec3 settle( implicit_substep* s, int slot )
     const size_t quad = (size_t)slot * 4;
     float *v = c->velocity + quad, *v_before = c->before_velocity + quad;
     const wisp_vec3 old = implicit_momentum( &s->contact_input, slot, v, s->extrapolates ? v_before : NULL );
-    implicit_settle_row( &s->contact_input, slot, c->position + quad, v, c->before_position + quad, v_before );
+    implicit_apply_contact_correction( &s->contact_input, slot, c->position + quad, v, c->before_position + quad,
+                                       v_before );
     const wisp_vec3 new = implicit_momentum( &s->contact_input, slot, v, s->extrapolates ? v_before : NULL );
     return ( wisp_vec3 ){ new.x - old.x, new.y - old.y, new.z - old.z };
 }
@@ -568,14 +569,14 @@ static float newton_residual( implicit_substep* s )
 
 // ---- the pass ----
 
-static void add_contacts( const implicit_substep* s, implicit_tally* total )
+static void add_contacts( const implicit_substep* s, implicit_counts* total )
 {
     for ( int block = 0; block < s->system.block_count; ++block )
     {
-        total->sticking += s->tallies[block].sticking;
-        total->sliding += s->tallies[block].sliding;
-        total->landing += s->tallies[block].landing;
-        total->released += s->tallies[block].released;
+        total->sticking += s->counts[block].sticking;
+        total->sliding += s->counts[block].sliding;
+        total->landing += s->counts[block].landing;
+        total->released += s->counts[block].released;
     }
 }
 
@@ -597,16 +598,16 @@ static bool gains( implicit_substep* s )
     return implicit_gains( s->gained, &gain );
 }
 
-static void attempt( wisp_frame* frame, const wisp_span* span, implicit_substep* s, implicit_tally* tally )
+static void attempt( wisp_frame* frame, const wisp_span* span, implicit_substep* s, implicit_counts* counts )
 {
     implicit_set_kept( frame, span, s );
     implicit_set_plate( frame, span, s );
     implicit_for_slices( s, gather_slices );
-    implicit_iterate( frame, s, tally );
+    implicit_iterate( frame, s, counts );
 }
 
 // A substep that gained energy is made again, as a stiff one and by Euler.
-static void attempt_again( wisp_frame* frame, const wisp_span* span, implicit_substep* s, implicit_tally* tally )
+static void attempt_again( wisp_frame* frame, const wisp_span* span, implicit_substep* s, implicit_counts* counts )
 {
     if ( s->extrapolates )
     {
@@ -614,14 +615,14 @@ static void attempt_again( wisp_frame* frame, const wisp_span* span, implicit_su
         wisp_frame_count( frame, WISP_COUNT_FIRST_ORDER, 1 );
     }
     s->is_second = s->stiff = true;
-    attempt( frame, span, s, tally );
+    attempt( frame, span, s, counts );
     (void)gains( s );
 }
 
 void implicit_step( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const implicit_state* state = user;
-    const implicit_links* links = implicit_find_links( state, span->entity );
+    const implicit_links* links = wisp_find_object( state->links, span->entity );
     implicit_material* material = wisp_frame_column( frame, span->entity, state->material, 0 );
     const bool small = links->slice_count <= ONE_BLOCK;
     implicit_substep s = {
@@ -643,19 +644,19 @@ void implicit_step( wisp_frame* frame, const wisp_span* span, void* user )
                          wisp_frame_fabric( frame, span->entity )->vertex_count );
         return;
     }
-    implicit_tally tally = { 0 };
-    attempt( frame, span, &s, &tally );
+    implicit_counts counts = { 0 };
+    attempt( frame, span, &s, &counts );
     if ( s.guarded && gains( &s ) )
     {
-        attempt_again( frame, span, &s, &tally );
+        attempt_again( frame, span, &s, &counts );
     }
     material->gained = (float)s.gained;
-    add_contacts( &s, &tally );
-    tally.stiffest = s.system.spring.max_stiffness;
+    add_contacts( &s, &counts );
+    counts.stiffest = s.system.spring.max_stiffness;
     s.columns.given.per_solve = s.contact_input.seconds / s.system.spring.dt;
     implicit_for_slices( &s, scatter_slices );
     // after the impulses, because the right side overwrites them
-    tally.newton_residual = material->requests_stats != 0 ? newton_residual( &s ) : 0.0f;
+    counts.newton_residual = material->requests_stats != 0 ? newton_residual( &s ) : 0.0f;
     material->before = wisp_frame_dt( frame, span->entity );
-    *(implicit_tally*)wisp_frame_column( frame, span->entity, state->tally, 0 ) = tally;
+    *(implicit_counts*)wisp_frame_column( frame, span->entity, state->counts, 0 ) = counts;
 }

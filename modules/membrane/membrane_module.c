@@ -8,16 +8,9 @@
 
 #include <string.h>
 
-typedef struct membrane_surface
-{
-    wisp_entity entity;
-    wisp_elastic_triangles* mesh;
-} membrane_surface;
-
 typedef struct membrane_state
 {
-    membrane_surface* surfaces; // [count]
-    int count, capacity;
+    wisp_objects* meshes; // wisp_elastic_triangles
     bool has_iterations;
 } membrane_state;
 
@@ -35,61 +28,29 @@ WISP_DEFINE( membrane_def, "membrane", MEMBRANE_FIELDS )
 
 // ---- state ----
 
-static membrane_surface* find_surface( const membrane_state* state, wisp_entity entity )
+static void release_mesh( void* mesh, const wisp_allocator* allocator )
 {
-    for ( int i = 0; i < state->count; ++i )
-    {
-        if ( wisp_entity_equal( state->surfaces[i].entity, entity ) )
-        {
-            return state->surfaces + i;
-        }
-    }
-    return NULL;
+    wisp_elastic_triangles_release( mesh, allocator );
 }
 
-static void remove_surface( membrane_state* state, wisp_entity entity, const wisp_allocator* allocator )
+static size_t mesh_bytes( const void* mesh )
 {
-    membrane_surface* s = find_surface( state, entity );
-    if ( s != NULL )
-    {
-        wisp_elastic_triangles_release( s->mesh, allocator );
-        *s = state->surfaces[--state->count];
-    }
+    return wisp_elastic_triangles_bytes( mesh );
 }
 
-static wisp_status add_surface( wisp_world* world, membrane_state* state, wisp_entity entity )
+static wisp_status add_mesh( wisp_world* world, membrane_state* state, wisp_entity entity )
 {
     const wisp_fabric* fabric = wisp_world_fabric( world, entity );
-    membrane_surface s = { .entity = entity };
-    if ( find_surface( state, entity ) != NULL )
-    {
-        return WISP_OK;
-    }
-    if ( wisp_world_reserve( world, (void**)&state->surfaces, &state->capacity, state->count,
-                             sizeof( *state->surfaces ) ) == false ||
-         wisp_elastic_triangles_create( fabric, state->has_iterations, wisp_world_allocator( world ), &s.mesh ) !=
-             WISP_OK )
+    const wisp_allocator* allocator = wisp_world_allocator( world );
+    wisp_elastic_triangles* mesh = NULL;
+    if ( wisp_reserve_object( state->meshes, entity ) == false ||
+         wisp_elastic_triangles_create( fabric, state->has_iterations, allocator, &mesh ) != WISP_OK )
     {
         return wisp_world_fail( world, WISP_NO_MEMORY, "membrane: out of memory for %d triangles",
                                 fabric->triangle_count );
     }
-    state->surfaces[state->count++] = s;
+    wisp_set_object( state->meshes, entity, mesh );
     return WISP_OK;
-}
-
-static void release_state( void* memory, const wisp_allocator* allocator )
-{
-    membrane_state* state = memory;
-    while ( state->count > 0 )
-    {
-        remove_surface( state, state->surfaces[0].entity, allocator );
-    }
-    wisp_release( allocator, state->surfaces, (size_t)state->capacity * sizeof( *state->surfaces ) );
-}
-
-static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
-{
-    remove_surface( memory, entity, wisp_world_allocator( world ) );
 }
 
 // Without memory for the new triangles the surface is no membrane any more.
@@ -98,29 +59,17 @@ static wisp_status triangles_changed( void* memory, wisp_world* world, wisp_enti
 {
     (void)before;
     membrane_state* state = memory;
-    if ( find_surface( state, surface ) == NULL )
+    if ( wisp_find_object( state->meshes, surface ) == NULL )
     {
         return WISP_OK;
     }
-    remove_surface( state, surface, wisp_world_allocator( world ) );
-    const wisp_status status = add_surface( world, state, surface );
+    wisp_set_object( state->meshes, surface, NULL );
+    const wisp_status status = add_mesh( world, state, surface );
     if ( status != WISP_OK )
     {
         (void)wisp_world_detach( world, surface, WISP_SURFACE_ELASTIC );
     }
     return status;
-}
-
-static size_t count_memory( const void* memory, size_t* outside )
-{
-    (void)outside;
-    const membrane_state* state = memory;
-    size_t bytes = (size_t)state->capacity * sizeof( *state->surfaces );
-    for ( int i = 0; i < state->count; ++i )
-    {
-        bytes += wisp_elastic_triangles_bytes( state->surfaces[i].mesh );
-    }
-    return bytes;
 }
 
 // ---- passes ----
@@ -156,7 +105,8 @@ static void project_triangles( const void* context, int begin, int end )
 
 static void project( wisp_frame* frame, const wisp_span* span, void* user )
 {
-    const wisp_elastic_triangles* mesh = find_surface( user, span->entity )->mesh;
+    const membrane_state* state = user;
+    const wisp_elastic_triangles* mesh = wisp_find_object( state->meshes, span->entity );
     const projection p = { find_args( frame, span, mesh ), wisp_frame_kernels( frame ), span->iteration == 0 };
     wisp_run_schedule( wisp_frame_parallel( frame, span ), wisp_elastic_triangles_order( mesh ), project_triangles,
                        &p );
@@ -185,7 +135,8 @@ static void sum_blocks( void* context, int begin, int end, int worker )
 // Block by block in their order, so that bits do not depend on the workers.
 static void measure( wisp_frame* frame, const wisp_span* span, void* user )
 {
-    const wisp_elastic_triangles* mesh = find_surface( user, span->entity )->mesh;
+    const membrane_state* state = user;
+    const wisp_elastic_triangles* mesh = wisp_find_object( state->meshes, span->entity );
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
     const int slots = wisp_elastic_triangles_order( mesh )->slot_count;
     const int blocks = ( slots + VIRIAL_GRAIN - 1 ) / VIRIAL_GRAIN;
@@ -216,10 +167,8 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state,
-                                                  .removed = entity_removed,
-                                                  .triangles_changed = triangles_changed,
-                                                  .memory = count_memory } );
+    wisp_declare_hooks( r, &( wisp_state_hooks ){ .triangles_changed = triangles_changed } );
+    state->meshes = wisp_declare_objects( r, release_mesh, mesh_bytes );
     state->has_iterations = wisp_registry_iterations( r ) > 1;
     for ( wisp_component map = WISP_MAP_STRETCH_COMPLIANCE; map <= WISP_MAP_STRETCH_STIFFNESS; ++map )
     {
@@ -227,22 +176,16 @@ static wisp_status declare( wisp_registry* r )
     }
     const wisp_pass passes[] = {
         {
-            .name = "membrane.measure",
-            .stage = WISP_STAGE_FORCE,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "membrane.measure", FORCE, ENTITY, measure ),
             .required = { WISP_SURFACE_ELASTIC },
             .reads = { WISP_SURFACE_ELASTIC, WISP_PARTICLE_POSITION },
             .writes = { WISP_SURFACE_VIRIAL },
-            .run = measure,
         },
         {
-            .name = "membrane.project",
-            .stage = WISP_STAGE_PROJECT,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "membrane.project", PROJECT, ENTITY, project ),
             .required = { WISP_SURFACE_ELASTIC },
             .reads = { WISP_SURFACE_ELASTIC, WISP_PARTICLE_POSITION },
             .writes = { WISP_PARTICLE_POSITION },
-            .run = project,
             .detail = WISP_PASS_FINE,
         },
     };
@@ -276,19 +219,20 @@ wisp_status wisp_set_membrane( wisp_world* world, wisp_entity surface, const wis
     WISP_TRY( given != NULL ? wisp_world_begin_def( world, &wisp_membrane_def_fields, &def, given )
                             : wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
-    void* state;
-    WISP_TRY( wisp_world_surface_state( world, "membrane", surface, &state ) );
+    void* memory;
+    WISP_TRY( wisp_world_surface_state( world, "membrane", surface, &memory ) );
+    membrane_state* state = memory;
     if ( given == NULL )
     {
-        remove_surface( state, surface, wisp_world_allocator( world ) );
+        wisp_set_object( state->meshes, surface, NULL );
         return wisp_world_detach( world, surface, WISP_SURFACE_ELASTIC );
     }
     WISP_TRY( check( world, surface ) );
-    WISP_TRY( add_surface( world, state, surface ) );
+    WISP_TRY( wisp_find_object( state->meshes, surface ) == NULL ? add_mesh( world, state, surface ) : WISP_OK );
     const wisp_status status = wisp_world_attach( world, surface, WISP_SURFACE_ELASTIC );
     if ( status != WISP_OK )
     {
-        remove_surface( state, surface, wisp_world_allocator( world ) );
+        wisp_set_object( state->meshes, surface, NULL );
         return status;
     }
     *(float*)wisp_world_column( world, surface, WISP_SURFACE_ELASTIC, 0 ) = def.shear_modulus * def.thickness;

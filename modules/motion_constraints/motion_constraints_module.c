@@ -3,10 +3,7 @@
 
 #include <string.h>
 
-static const wisp_column_def SETTINGS_COLUMNS[] = { MOTION_SETTINGS( WISP_COLUMN_DEF ) };
-static const wisp_column_def DISTANCE_COLUMNS[] = { MOTION_DISTANCE( WISP_COLUMN_DEF ) };
-static const wisp_column_def BACKSTOP_COLUMNS[] = { MOTION_BACKSTOP( WISP_COLUMN_DEF ) };
-static const wisp_column_def LAMBDA_COLUMNS[] = { MOTION_LAMBDA( WISP_COLUMN_DEF ) };
+MOTION_COMPONENTS( WISP_COMPONENT_COLUMNS )
 
 enum
 {
@@ -15,18 +12,7 @@ enum
 
 // ---- once per step: paths of the targets ----
 
-typedef struct target_loop
-{
-    wisp_motion_target_args args;
-    const wisp_kernels* kernels;
-} target_loop;
-
-static void run_targets( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const target_loop* loop = context;
-    loop->kernels->motion_targets( &loop->args, begin * 8, end * 8 );
-}
+WISP_KERNEL_LOOP( target_loop, run_targets, motion_targets, wisp_motion_target_args, 8 )
 
 // Fraction of the last step's displacements that the step has left, because it was no whole number of substeps.
 static float left_by_last_step( wisp_frame* frame )
@@ -165,34 +151,25 @@ static wisp_status declare_passes( wisp_registry* r, motion_state* state )
 {
     const wisp_pass passes[] = {
         {
-            .name = "motion_constraints.targets",
-            .stage = WISP_STAGE_INPUT,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "motion_constraints.targets", INPUT, ENTITY, move_targets ),
             .required = { state->settings, state->distance },
             .reads = { state->settings, state->distance },
             .writes = { state->distance },
-            .run = move_targets,
             .detail = WISP_PASS_WITHOUT_MOTION,
             .should_run = have_moved,
         },
         {
-            .name = "motion_constraints.project",
-            .stage = WISP_STAGE_PROJECT,
-            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            WISP_PASS( "motion_constraints.project", PROJECT, PARTICLE_BLOCK, project ),
             .required = { state->settings, state->distance },
             .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { state->settings, state->distance, WISP_PARTICLE_POSITION },
             .writes = { WISP_PARTICLE_POSITION },
-            .run = project,
         },
         {
-            .name = "motion_constraints.project_external",
-            .stage = WISP_STAGE_PROJECT,
-            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            WISP_PASS( "motion_constraints.project_external", PROJECT, PARTICLE_BLOCK, project_external ),
             .required = { state->settings, state->distance, WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { state->settings, state->distance, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
-            .run = project_external,
         },
     };
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), state );
@@ -200,24 +177,20 @@ static wisp_status declare_passes( wisp_registry* r, motion_state* state )
 
 static wisp_status declare( wisp_registry* r )
 {
-    motion_state* state = wisp_declare_state( r, sizeof( motion_state ) );
-    if ( state == NULL )
+    motion_state* s = wisp_declare_state( r, sizeof( motion_state ) );
+    if ( s == NULL )
     {
         return WISP_NO_MEMORY;
     }
     wisp_declare_hooks( r, &( wisp_state_hooks ){ .teleported = teleported } );
-    state->settings = WISP_COMPONENT( r, "motion_constraints.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS );
-    state->distance = WISP_COMPONENT( r, "motion_constraints.distance", WISP_TABLE_PARTICLE, DISTANCE_COLUMNS );
-    state->backstop = WISP_COMPONENT( r, "motion_constraints.backstop", WISP_TABLE_PARTICLE, BACKSTOP_COLUMNS );
-    state->lambda = WISP_COMPONENT( r, "motion_constraints.lambda", WISP_TABLE_PARTICLE, LAMBDA_COLUMNS );
-    wisp_declare_places( r, state->distance, 0, WISP_PLACE_EIGHTS );
-    wisp_declare_places( r, state->distance, 2, WISP_PLACE_EIGHTS );
-    wisp_declare_places( r, state->distance, 4, WISP_PLACE_QUADS );
-    const wisp_index_range moves =
-        WISP_MEMBER_RANGE( state->settings, motion_settings, moves, MOTION_STILL, MOTION_NEW );
+    MOTION_COMPONENTS( WISP_COMPONENT_DECLARE )
+    wisp_declare_places( r, s->distance, 0, WISP_PLACE_EIGHTS );
+    wisp_declare_places( r, s->distance, 2, WISP_PLACE_EIGHTS );
+    wisp_declare_places( r, s->distance, 4, WISP_PLACE_QUADS );
+    const wisp_index_range moves = WISP_MEMBER_RANGE( s->settings, motion_settings, moves, MOTION_STILL, MOTION_NEW );
     WISP_TRY( wisp_declare_indices( r, &moves, 1 ) );
-    state->has_iterations = wisp_registry_iterations( r ) > 1;
-    return state->lambda != 0 ? declare_passes( r, state ) : WISP_BAD_INPUT;
+    s->has_iterations = wisp_registry_iterations( r ) > 1;
+    return s->lambda != 0 ? declare_passes( r, s ) : WISP_BAD_INPUT;
 }
 
 const wisp_module wisp_motion_constraints_module = { .name = "motion_constraints", .declare = declare };

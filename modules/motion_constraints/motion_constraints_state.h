@@ -21,24 +21,23 @@ typedef enum motion_progress
     MOTION_NEW = 2,  // they were moved since, or their limits changed
 } motion_progress;
 
-#define MOTION_SETTINGS( X ) X( motion_settings, settings, 1 )
-#define MOTION_DISTANCE( X )                                                                                         \
-    X( float, target, 3 )       /* m, at the end of the step */                                                      \
-    X( float, displacement, 3 ) /* m, in the step */                                                                 \
-    X( float, next, 3 )         /* m, targets of the host for the end of the next step */                            \
-    X( float, max_distance, 1 ) /* m */                                                                              \
-    X( float, bound, 4 )        /* of the kernel motion_targets */
-#define MOTION_BACKSTOP( X )                                                                                         \
-    X( float, normal, 3 )                                                                                            \
-    X( float, change, 3 )                                                                                            \
-    X( float, next, 3 )                                                                                              \
-    X( float, distance, 1 )  /* m */                                                                                 \
-    X( float, curvature, 1 ) /* 1/m */
-/// Exists with several iterations of compliant constraints only.
-#define MOTION_LAMBDA( X ) X( float, lambda, 2 ) /* N s^2, [slot / 8][2][8]; of the substep */
+/// The components, a row each: X( member, "name", table, columns ).
+#define MOTION_COMPONENTS( X )                                                                                       \
+    X( settings, "motion_constraints.settings", ENTITY, WISP_COLUMN( motion_settings, settings, 1 ) )                \
+    X( distance, "motion_constraints.distance", PARTICLE,                                                            \
+       WISP_COLUMN( float, target, 3 ),       /* m, at the end of the step */                                        \
+       WISP_COLUMN( float, displacement, 3 ), /* m, in the step */                                                   \
+       WISP_COLUMN( float, next, 3 ),         /* m, targets of the host for the end of the next step */              \
+       WISP_COLUMN( float, max_distance, 1 ), /* m */                                                                \
+       WISP_COLUMN( float, bound, 4 ) /* of the kernel motion_targets */ )                                           \
+    X( backstop, "motion_constraints.backstop", PARTICLE, WISP_COLUMN( float, normal, 3 ),                           \
+       WISP_COLUMN( float, change, 3 ), WISP_COLUMN( float, next, 3 ), WISP_COLUMN( float, distance, 1 ), /* m */    \
+       WISP_COLUMN( float, curvature, 1 ) /* 1/m */ )                                                                \
+    X( lambda, "motion_constraints.lambda", PARTICLE,                                                                \
+       WISP_COLUMN( float, lambda, 2 ) ) /* N s^2, [slot / 8][2][8]; of the substep */
 
 typedef struct motion_state
 {
-    wisp_component settings, distance, backstop, lambda;
+    MOTION_COMPONENTS( WISP_COMPONENT_MEMBER )
     bool has_iterations;
 } motion_state;

@@ -6,12 +6,6 @@
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
 
-#define SEAM_SETTINGS( X ) X( seam_settings, settings, 1 )
-#define SEAM_PAIRS( X )                                                                                              \
-    X( float, rest, 1 )    /* m, that the pair holds now */                                                          \
-    X( float, impulse, 3 ) /* N s^2, of the substep, on the vertex of a */                                           \
-    X( int32_t, broken, 1 )
-
 typedef struct seam_settings
 {
     float distance;      // m
@@ -37,11 +31,19 @@ typedef struct seam_topology
     int32_t* ends_x4;                   // [pair_count][2] slots times 4
 } seam_topology;
 
+/// The components, a row each: X( member, "name", table, columns ).
+#define SEAMS_COMPONENTS( X )                                                                                        \
+    X( settings, "seams.settings", ENTITY, WISP_COLUMN( seam_settings, settings, 1 ) )                               \
+    X( pairs, "seams.pairs", PAIR, WISP_COLUMN( float, rest, 1 ),                                                    \
+       /* m, that the pair holds now */ WISP_COLUMN( float, impulse, 3 ),                                            \
+       /* N s^2, of the substep, on the vertex of a */ WISP_COLUMN( int32_t, broken, 1 ) )                           \
+    X( sewn, "seams.sewn", ENTITY, WISP_NO_COLUMNS )                     /* marks surfaces */                        \
+    X( active, "seams.active", ENTITY, WISP_COLUMN( int32_t, mark, 1 ) ) /* of `hub` */                              \
+    X( result, "seams.result", ENTITY, WISP_COLUMN( int32_t, mark, 1 ) ) /* of `hub` */
+
 typedef struct seams_state
 {
-    wisp_component settings, pairs; // of seams
-    wisp_component sewn;            // marks surfaces
-    wisp_component active, result;  // of the entity `hub`, whose pass projects all seams one after another
+    SEAMS_COMPONENTS( WISP_COMPONENT_MEMBER )
     wisp_entity hub;
     seam_topology* seams;
     int count, capacity;

@@ -3,9 +3,7 @@
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
 
-#define LOOK_SETTINGS_COLUMNS( X ) X( wisp_strand_appearance_def, settings, 1 )
-
-static const wisp_column_def SETTINGS_COLUMNS[] = { LOOK_SETTINGS_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def SETTINGS_COLUMNS[] = { WISP_COLUMN( wisp_strand_appearance_def, settings, 1 ) };
 
 typedef struct look_state
 {
@@ -85,17 +83,12 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    state->settings =
-        wisp_declare_component( r, &( wisp_component_def ){ "strand_appearance.settings", WISP_TABLE_ENTITY,
-                                                            SETTINGS_COLUMNS, WISP_COUNT( SETTINGS_COLUMNS ) } );
+    state->settings = WISP_COMPONENT( r, "strand_appearance.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS );
     wisp_pass pass = {
-        .name = "strand_appearance.width",
-        .stage = WISP_STAGE_OBSERVE,
-        .domain = WISP_DOMAIN_STRAND_GROUP,
+        WISP_PASS( "strand_appearance.width", OBSERVE, STRAND_GROUP, paint_width ),
         .required = { state->settings },
         .reads = { state->settings },
         .writes = { WISP_POINT_WIDTH },
-        .run = paint_width,
         .detail = WISP_PASS_WITHOUT_MOTION,
         .on_change = state->settings,
         .user = state,

@@ -18,11 +18,11 @@ void strands_move_head( wisp_frame* frame, const wisp_span* span, void* user )
     const int32_t jumped = head->jumped;
     head->from = jumped != 0 ? head->to : wisp_frame_reached( frame, head->from, head->to );
     head->to = head->target;
-    const float way = wisp_v3_length( wisp_v3_sub( head->to.translation, head->from.translation ) );
+    const float displacement = wisp_v3_length( wisp_v3_sub( head->to.translation, head->from.translation ) );
     const bool moves = memcmp( &head->from, &head->to, sizeof( wisp_transform ) ) != 0;
-    const int32_t carried = moves ? STRANDS_CARRIED : jumped == STRANDS_CARRIED ? STRANDS_STOPPED : 0;
+    const int32_t posed = moves ? STRANDS_CARRIED : jumped == STRANDS_CARRIED ? STRANDS_STOPPED : 0;
     const bool is_solved = wisp_frame_detail( frame, span->entity ).level != WISP_DETAIL_NOTHING;
-    head->jumped = is_solved ? ( way > settings->teleport ? STRANDS_JUMPED : 0 ) : carried;
+    head->jumped = is_solved ? ( displacement > settings->teleport ? STRANDS_JUMPED : 0 ) : posed;
     head->is_still = memcmp( &head->from, &head->to, sizeof( wisp_transform ) ) == 0 ? 1 : 0;
 }
 
@@ -48,8 +48,9 @@ static void turn_vertex( const turned_columns* c, int row, int lane, wisp_vec3 f
     const wisp_vec3 arm = wisp_v3_add( wisp_v3_sub( strands_get( c->position, row, lane ), from ), low );
     const wisp_vec3 turned = wisp_quat_rotate( turn, arm ), put = wisp_v3_add( to, turned );
     strands_put( c->position, row, lane, put );
-    const wisp_vec3 way = wisp_v3_sub( put, old );
-    const wisp_vec3 speed = { c->inverse_seconds * way.x, c->inverse_seconds * way.y, c->inverse_seconds * way.z };
+    const wisp_vec3 displacement = wisp_v3_sub( put, old );
+    const wisp_vec3 speed = { c->inverse_seconds * displacement.x, c->inverse_seconds * displacement.y,
+                              c->inverse_seconds * displacement.z };
     strands_put( c->velocity, row, lane,
                  c->inverse_seconds > 0.0f ? speed
                                            : wisp_quat_rotate( turn, strands_get( c->velocity, row, lane ) ) );
@@ -60,13 +61,13 @@ void strands_turn( wisp_frame* frame, wisp_entity entity, const strands_state* s
                    wisp_vec3 from, wisp_vec3 to, wisp_quat turn )
 {
     const wisp_strand_topology* t = wisp_frame_strands( frame, entity );
-    const bool is_carried = wisp_frame_detail( frame, entity ).level == WISP_DETAIL_NOTHING;
+    const bool is_posed = wisp_frame_detail( frame, entity ).level == WISP_DETAIL_NOTHING;
     const float seconds = wisp_frame_dt( frame, entity ) * (float)wisp_frame_substeps( frame, entity );
     const turned_columns c = {
         .position = wisp_frame_column( frame, entity, WISP_STRAND_POSITION, 0 ),
         .low = wisp_frame_column( frame, entity, state->low, 0 ),
         .velocity = wisp_frame_column( frame, entity, WISP_STRAND_VELOCITY, 0 ),
-        .inverse_seconds = is_carried ? 1.0f / seconds : 0.0f,
+        .inverse_seconds = is_posed ? 1.0f / seconds : 0.0f,
     };
     for ( int v = 0; v < t->lane_count[group * WISP_LANES + lane]; ++v )
     {
@@ -132,10 +133,10 @@ static void make_pose_rows( const strands_head* head, wisp_transform pose, float
     const wisp_vec3 x = wisp_quat_rotate( pose.rotation, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } );
     const wisp_vec3 y = wisp_quat_rotate( pose.rotation, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
     const wisp_vec3 z = wisp_quat_rotate( pose.rotation, ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f } );
-    const wisp_vec3 to = head->to.translation, way = wisp_v3_sub( to, head->from.translation );
-    rows[0] = ( pose_row ){ x.x, y.x, z.x, to.x, -left * way.x };
-    rows[1] = ( pose_row ){ x.y, y.y, z.y, to.y, -left * way.y };
-    rows[2] = ( pose_row ){ x.z, y.z, z.z, to.z, -left * way.z };
+    const wisp_vec3 to = head->to.translation, displacement = wisp_v3_sub( to, head->from.translation );
+    rows[0] = ( pose_row ){ x.x, y.x, z.x, to.x, -left * displacement.x };
+    rows[1] = ( pose_row ){ x.y, y.y, z.y, to.y, -left * displacement.y };
+    rows[2] = ( pose_row ){ x.z, y.z, z.z, to.z, -left * displacement.z };
 }
 
 // The arm is added last, so that it keeps its digits in the low part.
@@ -224,13 +225,7 @@ void strands_hold_pins( wisp_frame* frame, const wisp_span* span, void* user )
             const wisp_vec3 at_rest = wisp_v3_sub( strands_get( rest, row, lane ), strands_get( rest, first, lane ) );
             const wisp_vec3 arm = wisp_v3_add( wisp_quat_rotate( strands_get_quat( rotation, group, lane ), at_rest ),
                                                strands_get( root_low, group, lane ) );
-            const wisp_vec3 to = wisp_v3_add( from, arm ), to_low = strands_low_vector( from, arm, to );
-            const wisp_vec3 way = wisp_v3_add( wisp_v3_sub( to, strands_get( position, row, lane ) ),
-                                               wisp_v3_sub( to_low, strands_get( low, row, lane ) ) );
-            strands_put( velocity, row, lane,
-                         ( wisp_vec3 ){ inverse_dt * way.x, inverse_dt * way.y, inverse_dt * way.z } );
-            strands_put( position, row, lane, to );
-            strands_put( low, row, lane, to_low );
+            strands_put_held( position, low, velocity, row, lane, from, arm, inverse_dt );
         }
     }
 }

@@ -27,8 +27,8 @@
 // (this helix 0.5 at 16 substeps, 0.13 at 8, 0.03 at 4), and in another pose of the head it is as soft as its
 // stiffness over that fraction. WISP_COUNT_GRAVITY_SCALED counts it. `rest: shape` feels all of its weight, and sags.
 #include "strand_passes.h"
+#include "wisp/module/double3.h"
 
-#include "rod_factors.h"
 #include "strand_rows.h"
 
 // ---- masses and lengths ----
@@ -242,45 +242,10 @@ void strands_cook_links( wisp_world* world, wisp_entity strands, const strands_s
 
 static const double MAX_TURN = 1.57; // rad, a quarter of a turn
 
-typedef struct vec
+static double3 unit( double3 v, double3 otherwise )
 {
-    double x, y, z;
-} vec;
-
-static vec make( wisp_vec3 v )
-{
-    return ( vec ){ (double)v.x, (double)v.y, (double)v.z };
-}
-
-static vec scale( vec v, double s )
-{
-    return ( vec ){ v.x * s, v.y * s, v.z * s };
-}
-
-static vec add( vec a, vec b )
-{
-    return ( vec ){ a.x + b.x, a.y + b.y, a.z + b.z };
-}
-
-static vec sub( vec a, vec b )
-{
-    return ( vec ){ a.x - b.x, a.y - b.y, a.z - b.z };
-}
-
-static double dot( vec a, vec b )
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-static vec cross( vec a, vec b )
-{
-    return ( vec ){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
-}
-
-static vec unit( vec v, vec otherwise )
-{
-    const double length = sqrt( dot( v, v ) );
-    return length > 0.0 ? scale( v, 1.0 / length ) : otherwise;
+    const double length = sqrt( double3_dot( v, v ) );
+    return length > 0.0 ? double3_scale( v, 1.0 / length ) : otherwise;
 }
 
 // A strand at rest.
@@ -288,17 +253,18 @@ typedef struct strand_shape
 {
     const strands_rows* rows;
     int row, count, lane;
-    vec growth; // direction of the clamp; of a closed strand of its last segment
+    double3 growth; // direction of the clamp; of a closed strand of its last segment
 } strand_shape;
 
 // Return the direction of segment s at rest; -1 is the clamp. A segment without length has that of the one before.
-static vec direction( const strand_shape* shape, int s )
+static double3 direction( const strand_shape* shape, int s )
 {
     for ( ; s >= 0; --s )
     {
-        const vec e = sub( make( strands_get( shape->rows->rest, shape->row + s + 1, shape->lane ) ),
-                           make( strands_get( shape->rows->rest, shape->row + s, shape->lane ) ) );
-        if ( dot( e, e ) > 0.0 )
+        const double3 e =
+            double3_sub( double3_widen( strands_get( shape->rows->rest, shape->row + s + 1, shape->lane ) ),
+                         double3_widen( strands_get( shape->rows->rest, shape->row + s, shape->lane ) ) );
+        if ( double3_dot( e, e ) > 0.0 )
         {
             return unit( e, e );
         }
@@ -311,9 +277,9 @@ static strand_shape shape_of( const strands_rows* rows, int row, int count, int 
     strand_shape shape = { rows, row, count, lane, { 0.0, 0.0, 1.0 } };
     for ( int s = 0; s + 1 < count; ++s )
     {
-        const vec e = sub( make( strands_get( rows->rest, row + s + 1, lane ) ),
-                           make( strands_get( rows->rest, row + s, lane ) ) );
-        if ( dot( e, e ) > 0.0 )
+        const double3 e = double3_sub( double3_widen( strands_get( rows->rest, row + s + 1, lane ) ),
+                                       double3_widen( strands_get( rows->rest, row + s, lane ) ) );
+        if ( double3_dot( e, e ) > 0.0 )
         {
             shape.growth = unit( e, e );
             break;
@@ -325,10 +291,10 @@ static strand_shape shape_of( const strands_rows* rows, int row, int count, int 
 // Balance at vertex s, between segments s - 1 and s.
 typedef struct balance
 {
-    vec moment;     // M_s
+    double3 moment; // M_s
     double twist;   // T_s
     double load;    // b_s
-    vec pull;       // (T_s - r b_s) kb_s, on the segment before
+    double3 pull;   // (T_s - r b_s) kb_s, on the segment before
     double tension; // alpha_s, of segment s
     double mass;    // kg, behind segment s - 1
 } balance;
@@ -338,29 +304,30 @@ typedef struct balance
 // contribute to alpha_s.
 static balance step( const strand_shape* shape, int s, wisp_vec3 gravity, balance behind )
 {
-    const vec t = direction( shape, s ), before = direction( shape, s - 1 ), bend = sub( t, before );
-    const vec z = unit( add( t, before ), t );
-    const double fold = fmax( 1.0 + dot( before, t ), 0.1 ); // clamped as in the kernel
-    const vec binormal = scale( cross( before, t ), 2.0 / fold );
+    const double3 t = direction( shape, s ), before = direction( shape, s - 1 ), bend = double3_sub( t, before );
+    const double3 z = unit( double3_add( t, before ), t );
+    const double fold = fmax( 1.0 + double3_dot( before, t ), 0.1 ); // clamped as in the kernel
+    const double3 binormal = double3_scale( double3_cross( before, t ), 2.0 / fold );
     const double w = (double)shape->rows->weight[strands_scalar( shape->row + s + 1, shape->lane )];
     const double l = (double)shape->rows->length[strands_scalar( shape->row + s, shape->lane )];
     // a pinned vertex bears all that hangs from it
     const double mass = w > 0.0 ? behind.mass + 1.0 / w : 0.0;
-    vec free = add( behind.moment, scale( make( gravity ), l * mass ) );
-    free = sub( free, scale( behind.pull, 0.5 ) );
-    const double along = l * dot( t, z );
+    double3 free = double3_add( behind.moment, double3_scale( double3_widen( gravity ), l * mass ) );
+    free = double3_sub( free, double3_scale( behind.pull, 0.5 ) );
+    const double along = l * double3_dot( t, z );
     balance out = { .mass = mass };
-    out.tension = along > 0.0 ? dot( free, z ) / along : 0.0;
-    const vec foreign = sub( free, scale( t, l * out.tension ) );
+    out.tension = along > 0.0 ? double3_dot( free, z ) / along : 0.0;
+    const double3 foreign = double3_sub( free, double3_scale( t, l * out.tension ) );
     // b_s = across - pull_load (T_s + r b_s) / 2
-    const double cosine = sqrt( 0.5 * ( 1.0 + dot( before, t ) ) ); // of half the angle
+    const double cosine = sqrt( 0.5 * ( 1.0 + double3_dot( before, t ) ) ); // of half the angle
     const double ratio = 0.5 * cosine / ( 1.0 + cosine );
-    const double pull_load = dot( bend, cross( z, binormal ) ), across = dot( bend, cross( z, foreign ) );
+    const double pull_load = double3_dot( bend, double3_cross( z, binormal ) ),
+                 across = double3_dot( bend, double3_cross( z, foreign ) );
     const double own = 1.0 / ( 1.0 + 0.5 * ratio * pull_load );
     out.twist = ( behind.twist - 0.5 * behind.load - 0.5 * across * own ) / ( 1.0 - 0.25 * pull_load * own );
     out.load = own * ( across - 0.5 * out.twist * pull_load );
-    out.moment = sub( foreign, scale( binormal, 0.5 * ( out.twist + ratio * out.load ) ) );
-    out.pull = scale( binormal, out.twist - ratio * out.load );
+    out.moment = double3_sub( foreign, double3_scale( binormal, 0.5 * ( out.twist + ratio * out.load ) ) );
+    out.pull = double3_scale( binormal, out.twist - ratio * out.load );
     return out;
 }
 
@@ -433,22 +400,23 @@ static double tension_of( const curve_args* args, const strand_shape* shape, int
 
 // Return M + EI' / EI times its part along the soft axis, less that part: the moment that would bend a circular section of
 // EI' as M bends this one. The axes at rest are in place of the rest vectors, which the recursion replaces.
-static vec bending_moment( const curve_args* args, const strand_shape* shape, int s, vec moment )
+static double3 bending_moment( const curve_args* args, const strand_shape* shape, int s, double3 moment )
 {
     const double flat = (double)args->section.flatness;
     if ( flat == 0.0 )
     {
         return moment;
     }
-    const vec axis = make( strands_get( args->rest, shape->row + s, shape->lane ) );
-    return add( moment, scale( axis, flat * flat / ( 1.0 - flat * flat ) * dot( moment, axis ) ) );
+    const double3 axis = double3_widen( strands_get( args->rest, shape->row + s, shape->lane ) );
+    return double3_add( moment,
+                        double3_scale( axis, flat * flat / ( 1.0 - flat * flat ) * double3_dot( moment, axis ) ) );
 }
 
 static compensation bend_of( const curve_args* args, const strand_shape* shape, int s, const balance* now )
 {
     const double stiffness = (double)args->stiffness[strands_scalar( shape->row + s, shape->lane )];
-    const vec moment = bending_moment( args, shape, s, now->moment );
-    return compensation_of( shape, s, sqrt( dot( moment, moment ) ), stiffness,
+    const double3 moment = bending_moment( args, shape, s, now->moment );
+    return compensation_of( shape, s, sqrt( double3_dot( moment, moment ) ), stiffness,
                             (double)args->settings->bend_rigidity );
 }
 
@@ -504,14 +472,14 @@ static double stable_fraction( const curve_args* args, const strand_shape* shape
 {
     const double rigidity = fmax( (double)args->settings->bend_rigidity, 1e-300 );
     balance now = { .mass = 0.0 };
-    vec sum = { 0.0, 0.0, 0.0 };
+    double3 sum = { 0.0, 0.0, 0.0 };
     double turn = 0.0;
     for ( int s = shape->count - 2; s >= 0; --s )
     {
         now = step( shape, s, gravity, now );
         const double reach = strands_bend_length( shape->rows, shape->row, s, shape->lane );
-        sum = add( sum, scale( bending_moment( args, shape, s, now.moment ), reach / rigidity ) );
-        turn = fmax( turn, sqrt( dot( sum, sum ) ) );
+        sum = double3_add( sum, double3_scale( bending_moment( args, shape, s, now.moment ), reach / rigidity ) );
+        turn = fmax( turn, sqrt( double3_dot( sum, sum ) ) );
     }
     return turn > MAX_TURN ? MAX_TURN / turn : 1.0;
 }
@@ -533,17 +501,19 @@ static double curve_vertices( const curve_args* args, const strand_shape* shape,
     {
         now = step( shape, s, gravity, now );
         const double twist_stiffness = twist_stiffness_of( args, shape, s );
-        vec k = is_straight ? scale( now.moment, 0.0 ) : sub( direction( shape, s ), direction( shape, s - 1 ) );
+        double3 k = is_straight ? double3_scale( now.moment, 0.0 )
+                                : double3_sub( direction( shape, s ), direction( shape, s - 1 ) );
         double half_twist = 0.5 * strands_natural_twist( args->rows->length, shape->row, s, shape->count, shape->lane,
                                                          (double)args->section.twist );
         half_twist =
             args->closed != NULL && args->closed->twist != 0.0f ? closing_half_twist( args, shape, s ) : half_twist;
         if ( balanced && args->stiffness[strands_scalar( shape->row + s, shape->lane )] > 0.0f )
         {
-            const vec bending = bending_moment( args, shape, s, now.moment );
-            const double moment = sqrt( dot( bending, bending ) );
+            const double3 bending = bending_moment( args, shape, s, now.moment );
+            const double moment = sqrt( double3_dot( bending, bending ) );
             const compensation bend = bend_of( args, shape, s, &now ), twist = twist_of( args, shape, s, &now );
-            k = sub( k, scale( bending, moment > 0.0 ? fmin( bend.needed, bend.most ) / moment : 0.0 ) );
+            k = double3_sub( k,
+                             double3_scale( bending, moment > 0.0 ? fmin( bend.needed, bend.most ) / moment : 0.0 ) );
             half_twist -= copysign( atan( 0.5 * fmin( twist.needed, twist.most ) ), now.twist );
         }
         args->rest_tension[strands_scalar( shape->row + s, shape->lane )] =
@@ -559,7 +529,7 @@ static wisp_quat next_frame( const curve_args* args, const strand_shape* shape, 
 {
     const wisp_vec3 e = wisp_v3_sub( strands_get( args->rows->rest, shape->row + s + 1, shape->lane ),
                                      strands_get( args->rows->rest, shape->row + s, shape->lane ) );
-    return strands_twist_frame( strands_carry_frame( before, e ),
+    return strands_twist_frame( strands_transport_frame( before, e ),
                                 strands_natural_twist( args->rows->length, shape->row, s, shape->count, shape->lane,
                                                        (double)args->section.twist ) );
 }

@@ -21,7 +21,6 @@
 // The second is dt^2 EI curvature^4 / line density: the square of the substep times the frequency of a ring of that
 // curvature. Frames turn one substep late, and above about 0.1 that is unstable. A hair of 80 um with curls of 1 cm
 // needs 16 substeps of 1/60 s for its full stiffness, tighter curls more; with fewer substeps it is softer.
-#include "rod_factors.h"
 
 #include "strand_rows.h"
 #include "strand_passes.h"
@@ -102,14 +101,14 @@ static wisp_quat strands_rotation_to( wisp_vec3 d )
     return wisp_transform_make( q, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
 }
 
-wisp_quat strands_carry_frame( wisp_quat q, wisp_vec3 e )
+wisp_quat strands_transport_frame( wisp_quat q, wisp_vec3 e )
 {
     if ( wisp_v3_length( e ) == 0.0f )
     {
         return q;
     }
-    const wisp_quat carried = wisp_quat_multiply( q, strands_rotation_to( wisp_quat_inverse_rotate( q, e ) ) );
-    return wisp_transform_make( carried, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
+    const wisp_quat transported = wisp_quat_multiply( q, strands_rotation_to( wisp_quat_inverse_rotate( q, e ) ) );
+    return wisp_transform_make( transported, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
 }
 
 wisp_quat strands_twist_frame( wisp_quat q, double angle )
@@ -125,8 +124,8 @@ double strands_natural_twist( const float* length, int row, int i, int count, in
     return 0.5 * twist * ( before + behind );
 }
 
-void strands_lay_group( const wisp_strand_topology* t, const float* position, const float* clamp, const float* root,
-                        const float* length, float twist, float* frame, int group )
+void strands_make_frames_of_group( const wisp_strand_topology* t, const float* position, const float* clamp,
+                                   const float* root, const float* length, float twist, float* frame, int group )
 {
     const int first = t->group_row[group];
     for ( int lane = 0; lane < WISP_LANES; ++lane )
@@ -139,7 +138,7 @@ void strands_lay_group( const wisp_strand_topology* t, const float* position, co
             if ( row - first + 1 < count )
             {
                 const wisp_vec3 to = strands_get( position, row + 1, lane );
-                q = strands_carry_frame( q, wisp_v3_sub( to, strands_get( position, row, lane ) ) );
+                q = strands_transport_frame( q, wisp_v3_sub( to, strands_get( position, row, lane ) ) );
                 q = strands_twist_frame(
                     q, strands_natural_twist( length, first, row - first, count, lane, (double)twist ) );
             }

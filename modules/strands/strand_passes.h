@@ -40,27 +40,25 @@ void strands_rested( const void* state, wisp_world* world, wisp_entity entity );
 // strands_stats.c: statistics
 wisp_pass_fn strands_compute_motion_stats, strands_scatter_strain, strands_scatter_speed;
 
-// ---- strand carry ----
+// ---- frames that move ----
 
 // Moving frames and largest speeds of strands.
 
 /// Pass strands.frame: the poses of this step.
 wisp_pass_fn strands_move_frame;
 /// Pass strands.carry: what strands do not feel of their frame moves their start, and turns velocities and frames.
-wisp_pass_fn strands_carry;
+wisp_pass_fn strands_add_frame_motion;
 /// Pass strands.carry_pins: pinned vertices get velocities without what carries, as the others have them.
-wisp_pass_fn strands_carry_pins;
+wisp_pass_fn strands_subtract_frame_motion;
 /// Pass strands.max_speed: the largest speed.
 wisp_pass_fn strands_limit_speed;
 
 /// Find the velocity field of what carries strands in a substep, at a place. @return false if nothing does
 /// @param linear receives m/s @param angular receives rad/s
-bool strands_find_carry_velocity( wisp_frame* frame, const wisp_span* span, wisp_vec3 place, wisp_vec3* linear,
+bool strands_find_frame_velocity( wisp_frame* frame, const wisp_span* span, wisp_vec3 place, wisp_vec3* linear,
                                   wisp_vec3* angular );
 
-// ---- strand tips ----
-
-// Tips that are held.
+// ---- tips that are held ----
 
 /// Pass strands.tip_targets: the poses of this step.
 wisp_pass_fn strands_move_tips;
@@ -75,9 +73,7 @@ bool strands_guides_tips( wisp_world* world, wisp_entity strands, const strands_
 /// Compute frames at rest, lengths and inverse masses of tips from a new definition, if any are held.
 void strands_cook_tips( wisp_world* world, wisp_entity strands, const strands_state* state );
 
-// ---- masses lengths ----
-
-// Masses, lengths and links.
+// ---- masses, lengths and links ----
 
 /// Compute masses and lengths from a definition. @return the number of pinned vertices behind roots
 int strands_cook_masses( wisp_world* world, wisp_entity strands, const wisp_strand_dynamics_def* def );
@@ -94,16 +90,14 @@ bool strands_is_loop( const float* rest, int row, int count, int lane );
 /// Return the length of the longest strand at rest, m.
 float strands_longest( const strands_rows* rows );
 
-// ---- strands definition ----
-
-// Definition of strands.
+// ---- definition of strands ----
 
 /// Find the state of the module for an entity. @return WISP_CONFLICT the module is not registered, or the entity has no
 /// strands with dynamics; WISP_STALE_ID it does not exist
 wisp_status strands_find( wisp_world* world, wisp_entity strands, strands_state** state );
 
 /// Lay the frames of rods along the present shape, with their natural twist.
-void strands_lay_frames( wisp_world* world, wisp_entity strands, const strands_state* state );
+void strands_make_frames( wisp_world* world, wisp_entity strands, const strands_state* state );
 
 /// Mark rest curvature as outdated; the next step computes it.
 void strands_reset_rest( wisp_world* world, wisp_entity strands, const strands_state* state );
@@ -192,3 +186,59 @@ void strands_count_first_order( wisp_frame* frame, int strands );
 
 /// Count strands that were reset to their rest lengths.
 void strands_count_reset( wisp_frame* frame, int laid );
+
+// ---- stiffness and factors of rods ----
+
+/// Compute clamps, inverse lengths and bounds of the tension.
+void strands_cook_rods( wisp_world* world, wisp_entity strands, const strands_state* state );
+
+/// Have the factors of rods computed again, because the tip of the strand in a lane is held in another way.
+void strands_refactor( wisp_world* world, wisp_entity strands, const strands_state* state, int lane );
+
+/// Pass strands.factor: factors of M + (dt^2 + damping dt) K, due when the length of a substep changes.
+bool strands_factor_is_due( wisp_frame* frame, wisp_entity entity, void* user );
+void strands_factor( wisp_frame* frame, const wisp_span* span, void* user );
+
+/// Return L_i, m: the length that bends at vertex i.
+double strands_bend_length( const strands_rows* rows, int row, int i, int lane );
+
+/// Return the sharpest turn |t_k - t_{k-1}| of the rest shape at vertex i and its neighbours.
+double strands_sharpest_turn( const strands_rows* rows, int row, int i, int count, int lane );
+
+/// Return whether the bound of a curl is below that of single precision.
+bool strands_is_curl( double turn );
+
+// ---- frames of rods ----
+
+/// Turn a frame by the smallest rotation that takes its z axis along e. Without a length it stays.
+wisp_quat strands_transport_frame( wisp_quat q, wisp_vec3 e );
+
+/// Turn a frame about its z axis. @param angle rad
+wisp_quat strands_twist_frame( wisp_quat q, double angle );
+
+/// Return the natural twist at vertex i of a strand of `count` vertices, rad. @param twist rad/m
+double strands_natural_twist( const float* length, int row, int i, int count, int lane, double twist );
+
+/// Add lines for the axes of frames: those of segments, or of clamps where segments have none. As wisp_state_hooks.lines.
+void strands_add_frames( const void* state, wisp_world* world, wisp_entity entity, wisp_line_kind kind,
+                         wisp_line_list* list );
+
+/// Lay the frames of a group from the clamps outward, with their natural twist.
+/// @param length [row][16] m @param twist rad/m
+void strands_make_frames_of_group( const wisp_strand_topology* topology, const float* position, const float* clamp,
+                                   const float* root, const float* length, float twist, float* frame, int group );
+
+// ---- closed rods: stiffness and factors of a ring, and its shape at rest ----
+
+/// Bound of dt^2 EI / (m l^3), and of the same times the fourth power of the turn at a vertex of a curled rod.
+static const double STRANDS_MAX_STIFFNESS = 6e4, STRANDS_MAX_CURLED = 0.08;
+
+/// What the factors of a closed rod are made from.
+typedef struct closed_factor_args
+{
+    const strands_rows* rows;
+    const strands_settings* settings;
+    float *stiffness, *factor, *response; // columns
+    double dt;                            // s, of a substep
+    double* work;                         // [2 * vertices]
+} closed_factor_args;

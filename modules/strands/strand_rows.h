@@ -78,6 +78,20 @@ static inline wisp_vec3 strands_low_vector( wisp_vec3 a, wisp_vec3 b, wisp_vec3 
                           strands_low( a.z, b.z, sum.z ) };
 }
 
+/// Put a vertex at `from` + `arm`, with the velocity that it has there.
+static inline void strands_put_held( float* position, float* low, float* velocity, int row, int lane, wisp_vec3 from,
+                                     wisp_vec3 arm, float inverse_dt )
+{
+    const wisp_vec3 to = wisp_v3_add( from, arm ), to_low = strands_low_vector( from, arm, to );
+    const wisp_vec3 displacement = wisp_v3_add( wisp_v3_sub( to, strands_get( position, row, lane ) ),
+                                                wisp_v3_sub( to_low, strands_get( low, row, lane ) ) );
+    strands_put(
+        velocity, row, lane,
+        ( wisp_vec3 ){ inverse_dt * displacement.x, inverse_dt * displacement.y, inverse_dt * displacement.z } );
+    strands_put( position, row, lane, to );
+    strands_put( low, row, lane, to_low );
+}
+
 static inline strands_rows strands_rows_of( wisp_world* world, wisp_entity strands )
 {
     return ( strands_rows ){

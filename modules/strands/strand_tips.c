@@ -6,7 +6,6 @@
 // is the tridiagonal system of a strand between two ends.
 #include "strand_passes.h"
 
-#include "rod_factors.h"
 #include "strand_rows.h"
 
 #include <string.h>
@@ -101,13 +100,7 @@ void strands_hold_tips( wisp_frame* frame, const wisp_span* span, void* user )
                                                    wisp_v3_add( at_rest, pose_of( &c, i ).translation ) );
         const wisp_vec3 from = strands_get( c.root, group, lane );
         const wisp_vec3 arm = wisp_v3_add( turned, strands_get( c.root_low, group, lane ) );
-        const wisp_vec3 to = wisp_v3_add( from, arm ), to_low = strands_low_vector( from, arm, to );
-        const wisp_vec3 way = wisp_v3_add( wisp_v3_sub( to, strands_get( position, row, lane ) ),
-                                           wisp_v3_sub( to_low, strands_get( low, row, lane ) ) );
-        strands_put( velocity, row, lane,
-                     ( wisp_vec3 ){ inverse_dt * way.x, inverse_dt * way.y, inverse_dt * way.z } );
-        strands_put( position, row, lane, to );
-        strands_put( low, row, lane, to_low );
+        strands_put_held( position, low, velocity, row, lane, from, arm, inverse_dt );
         stretched += is_last && wisp_v3_length( turned ) > 1.001f * reach[i] ? 1 : 0;
     }
     if ( stretched > 0 )
@@ -179,8 +172,8 @@ static wisp_quat rest_frame( wisp_world* world, wisp_entity strands, const stran
     {
         if ( v + 1 < rows.topology->lane_count[i] )
         {
-            q = strands_carry_frame( q, wisp_v3_sub( strands_get( rows.rest, first + v + 1, lane ),
-                                                     strands_get( rows.rest, first + v, lane ) ) );
+            q = strands_transport_frame( q, wisp_v3_sub( strands_get( rows.rest, first + v + 1, lane ),
+                                                         strands_get( rows.rest, first + v, lane ) ) );
         }
         q = strands_twist_frame( q, natural_twist_at( world, strands, state, i, v ) );
     }
@@ -250,7 +243,7 @@ static wisp_status attach( wisp_world* world, wisp_entity strands, const strands
     }
     if ( had_frames == false && is_guided )
     {
-        strands_lay_frames( world, strands, state );
+        strands_make_frames( world, strands, state );
     }
     return WISP_OK;
 }
@@ -274,17 +267,17 @@ static wisp_transform present_pose( wisp_world* world, wisp_entity strands, cons
     const wisp_vec3 now =
         wisp_v3_sub( strands_get( position, last, lane ),
                      strands_get( wisp_world_column( world, strands, WISP_STRAND_ROOT, 0 ), group, lane ) );
-    const wisp_vec3 way = wisp_v3_sub( wisp_quat_rotate( back, now ), at_rest );
+    const wisp_vec3 displacement = wisp_v3_sub( wisp_quat_rotate( back, now ), at_rest );
     if ( frames == NULL )
     {
-        return wisp_transform_make( AT_REST.rotation, way );
+        return wisp_transform_make( AT_REST.rotation, displacement );
     }
     const wisp_quat rest = strands_get_quat( wisp_world_column( world, strands, state->tips, REST ), group, lane );
     const wisp_quat own =
         strands_twist_frame( strands_get_quat( frames, last - 1, lane ),
                              natural_twist_at( world, strands, state, i, rows.topology->lane_count[i] - 1 ) );
     const wisp_quat turn = wisp_quat_multiply( back, wisp_quat_multiply( own, strands_quat_inverse( rest ) ) );
-    return wisp_transform_make( turn, way );
+    return wisp_transform_make( turn, displacement );
 }
 
 static wisp_status check_strand( wisp_world* world, const wisp_strand_topology* t, int strand )

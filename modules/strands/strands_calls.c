@@ -1,7 +1,6 @@
 // Calls of the host on strands with a definition: wind, gravity, and what they read.
 #include "strand_passes.h"
 
-#include "rod_factors.h"
 #include "strand_rows.h"
 
 #include "wisp/module/components.h"
@@ -157,16 +156,16 @@ wisp_status strands_teleported( void* memory, wisp_world* world, wisp_entity ent
 
 // ---- what carries ----
 
-static bool find_carry( wisp_frame* frame, const wisp_span* span, const strands_state* state, wisp_carry_args* args,
-                        wisp_quat* turn )
+static bool find_unfelt_motion( wisp_frame* frame, const wisp_span* span, const strands_state* state,
+                                wisp_frame_motion_args* args, wisp_quat* turn )
 {
     const bool has_head = wisp_frame_has( frame, span->entity, state->head );
     const strands_head* head = has_head ? wisp_frame_column( frame, span->entity, state->head, 0 ) : NULL;
     // a head that teleports takes its strands along
-    return ( head == NULL || head->jumped == 0 ) && wisp_frame_find_carry( frame, span, args, turn );
+    return ( head == NULL || head->jumped == 0 ) && wisp_frame_find_motion( frame, span, args, turn );
 }
 
-static wisp_vec3 turned( const wisp_carry_args* args, wisp_vec3 v )
+static wisp_vec3 turned( const wisp_frame_motion_args* args, wisp_vec3 v )
 {
     const float* r = args->turn;
     return ( wisp_vec3 ){ r[0] * v.x + r[1] * v.y + r[2] * v.z, r[3] * v.x + r[4] * v.y + r[5] * v.z,
@@ -174,18 +173,18 @@ static wisp_vec3 turned( const wisp_carry_args* args, wisp_vec3 v )
 }
 
 // Return how far a point is carried.
-static wisp_vec3 way_of( const wisp_carry_args* args, wisp_vec3 place )
+static wisp_vec3 displacement_of( const wisp_frame_motion_args* args, wisp_vec3 place )
 {
     return wisp_v3_add( turned( args, wisp_v3_sub( place, args->origin ) ), args->shift );
 }
 
-bool strands_find_carry_velocity( wisp_frame* frame, const wisp_span* span, wisp_vec3 place, wisp_vec3* linear,
+bool strands_find_frame_velocity( wisp_frame* frame, const wisp_span* span, wisp_vec3 place, wisp_vec3* linear,
                                   wisp_vec3* angular )
 {
-    wisp_carry_args args;
+    wisp_frame_motion_args args;
     wisp_quat q;
     if ( wisp_frame_has( frame, span->entity, WISP_PARTICLE_FRAME ) == false ||
-         wisp_frame_find_carry( frame, span, &args, &q ) == false )
+         wisp_frame_find_motion( frame, span, &args, &q ) == false )
     {
         return false;
     }
@@ -207,22 +206,22 @@ bool strands_find_carry_velocity( wisp_frame* frame, const wisp_span* span, wisp
 void strands_move_frame( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
-    wisp_frame_move_carry( frame, span->entity );
+    wisp_frame_update_pose( frame, span->entity );
 }
 
-static void turn_rows( const wisp_carry_args* args, float* rows, int row, int lane )
+static void turn_rows( const wisp_frame_motion_args* args, float* rows, int row, int lane )
 {
     const wisp_vec3 v = strands_get( rows, row, lane );
     strands_put( rows, row, lane, wisp_v3_add( v, turned( args, v ) ) );
 }
 
-void strands_carry( wisp_frame* frame, const wisp_span* span, void* user )
+void strands_add_frame_motion( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
-    wisp_carry_args args;
+    wisp_frame_motion_args args;
     wisp_quat turn;
-    if ( find_carry( frame, span, state, &args, &turn ) == false )
+    if ( find_unfelt_motion( frame, span, state, &args, &turn ) == false )
     {
         return;
     }
@@ -244,8 +243,8 @@ void strands_carry( wisp_frame* frame, const wisp_span* span, void* user )
                 continue;
             }
             const wisp_vec3 rest = strands_get( low, row, lane );
-            const wisp_vec3 way = way_of( &args, strands_get( position, row, lane ) );
-            strands_put( low, row, lane, wisp_v3_add( rest, way ) );
+            const wisp_vec3 displacement = displacement_of( &args, strands_get( position, row, lane ) );
+            strands_put( low, row, lane, wisp_v3_add( rest, displacement ) );
             turn_rows( &args, velocity, row, lane );
             if ( looks_back )
             {
@@ -260,13 +259,13 @@ void strands_carry( wisp_frame* frame, const wisp_span* span, void* user )
     }
 }
 
-void strands_carry_pins( wisp_frame* frame, const wisp_span* span, void* user )
+void strands_subtract_frame_motion( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
-    wisp_carry_args args;
+    wisp_frame_motion_args args;
     wisp_quat turn;
-    if ( find_carry( frame, span, state, &args, &turn ) == false )
+    if ( find_unfelt_motion( frame, span, state, &args, &turn ) == false )
     {
         return;
     }
@@ -283,10 +282,10 @@ void strands_carry_pins( wisp_frame* frame, const wisp_span* span, void* user )
             {
                 const wisp_vec3 v = strands_get( velocity, row, lane ), p = strands_get( position, row, lane );
                 const wisp_vec3 start = { p.x - dt * v.x, p.y - dt * v.y, p.z - dt * v.z };
-                const wisp_vec3 way = way_of( &args, start );
-                strands_put(
-                    velocity, row, lane,
-                    ( wisp_vec3 ){ v.x - inverse_dt * way.x, v.y - inverse_dt * way.y, v.z - inverse_dt * way.z } );
+                const wisp_vec3 displacement = displacement_of( &args, start );
+                strands_put( velocity, row, lane,
+                             ( wisp_vec3 ){ v.x - inverse_dt * displacement.x, v.y - inverse_dt * displacement.y,
+                                            v.z - inverse_dt * displacement.z } );
             }
         }
     }

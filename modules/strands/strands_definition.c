@@ -2,7 +2,6 @@
 // which passes run, and their values.
 #include "strand_passes.h"
 
-#include "rod_factors.h"
 #include "strand_rows.h"
 
 #include <limits.h>
@@ -259,7 +258,7 @@ static void restore_frames( wisp_frame* frame, wisp_entity entity, const strands
     float* frames = wisp_frame_column( frame, entity, state->curve, 0 );
     for ( int g = 0; g < t->group_count; ++g )
     {
-        strands_lay_group( t, position, clamp, root, length, twist, frames, g );
+        strands_make_frames_of_group( t, position, clamp, root, length, twist, frames, g );
     }
 }
 
@@ -557,7 +556,7 @@ static void set_rest_shape( wisp_world* world, wisp_entity strands, const strand
     }
 }
 
-void strands_lay_frames( wisp_world* world, wisp_entity strands, const strands_state* s )
+void strands_make_frames( wisp_world* world, wisp_entity strands, const strands_state* s )
 {
     const wisp_strand_topology* t = wisp_world_strands( world, strands );
     const float* position = wisp_world_column( world, strands, WISP_STRAND_POSITION, 0 );
@@ -569,7 +568,7 @@ void strands_lay_frames( wisp_world* world, wisp_entity strands, const strands_s
     float* frame = wisp_world_column( world, strands, s->curve, 0 );
     for ( int g = 0; g < t->group_count; ++g )
     {
-        strands_lay_group( t, position, clamp, root, length, twist, frame, g );
+        strands_make_frames_of_group( t, position, clamp, root, length, twist, frame, g );
     }
 }
 
@@ -641,7 +640,7 @@ wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands, co
     const bool has_axes = had_section || wisp_world_has( world, strands, s->section );
     if ( ( had_frames == false || has_axes ) && wisp_world_has( world, strands, s->curve ) )
     {
-        strands_lay_frames( world, strands, s );
+        strands_make_frames( world, strands, s );
     }
     float* tension = wisp_world_column( world, strands, s->tension, 0 );
     if ( direct == false && tension != NULL )

@@ -1,95 +1,66 @@
 // The module: components, and the passes that depend on their presence.
 #include "strand_passes.h"
-#include "rod_factors.h"
 #include "strands_state.h"
 
-#define STRANDS_LIST( member, name, table, columns )                                                                 \
-    static const wisp_column_def member##_columns[] = { columns( WISP_COLUMN_DEF ) };
-STRANDS_COMPONENTS( STRANDS_LIST )
-#undef STRANDS_LIST
+STRANDS_COMPONENTS( WISP_COMPONENT_COLUMNS )
 
 // Declare the passes before the substeps: the head, and what depends on the length of a substep.
 static wisp_status declare_input( wisp_registry* r, strands_state* s )
 {
     const wisp_pass passes[] = {
         {
-            .name = "strands.head",
-            .stage = WISP_STAGE_INPUT,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "strands.head", INPUT, ENTITY, strands_move_head ),
             .required = { s->settings, s->head },
             .reads = { s->settings, s->head },
             .writes = { s->head },
-            .run = strands_move_head,
             .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
-            .name = "strands.reach",
-            .stage = WISP_STAGE_INPUT,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "strands.reach", INPUT, ENTITY, strands_find_reach ),
             .required = { s->settings, WISP_STRAND_REACH },
             .reads = { s->settings, WISP_STRAND_REACH, WISP_STRAND_LENGTH, WISP_STRAND_ROOT },
-            .writes = { WISP_STRAND_REACH },
-            .foreign = { s->head }, // its own, if it has one
-            .run = strands_find_reach,
+            .writes = { WISP_STRAND_REACH }, .foreign = { s->head }, // its own, if it has one
         },
         {
-            .name = "strands.tip_targets",
-            .stage = WISP_STAGE_INPUT,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "strands.tip_targets", INPUT, ENTITY, strands_move_tips ),
             .required = { s->tips },
             .reads = { s->tips },
             .writes = { s->tips },
-            .run = strands_move_tips,
         },
         {
-            .name = "strands.frame",
-            .stage = WISP_STAGE_INPUT,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "strands.frame", INPUT, ENTITY, strands_move_frame ),
             .required = { s->settings, WISP_PARTICLE_FRAME },
             .reads = { WISP_PARTICLE_FRAME },
             .writes = { WISP_PARTICLE_FRAME },
-            .run = strands_move_frame,
         },
         {
-            .name = "strands.slow",
-            .stage = WISP_STAGE_INPUT,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.slow", INPUT, STRAND_GROUP, strands_slow ),
             .required = { wisp_detail_component( r ), s->settings },
             .reads = { wisp_detail_component( r ), WISP_STRAND_VELOCITY },
             .writes = { WISP_STRAND_VELOCITY },
-            .run = strands_slow,
             .should_run = strands_slow_is_due,
         },
         {
-            .name = "strands.factor",
-            .stage = WISP_STAGE_INPUT,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.factor", INPUT, STRAND_GROUP, strands_factor ),
             .required = { s->settings, s->rod, s->clamp },
             .reads = { s->settings, s->clamp, WISP_STRAND_INVERSE_MASS, WISP_STRAND_LENGTH },
             .writes = { s->rod, s->clamp },
-            .run = strands_factor,
             .should_run = strands_factor_is_due,
         },
         {
-            .name = "strands.rest",
-            .stage = WISP_STAGE_INPUT,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.rest", INPUT, STRAND_GROUP, strands_balance_rest ),
             .required = { s->settings, s->curve, s->balance },
             .reads = { s->settings, s->rod, s->clamp, s->curve, s->balance, WISP_STRAND_REST,
                        WISP_STRAND_INVERSE_MASS, WISP_STRAND_LENGTH },
             .writes = { s->curve, s->balance },
-            .run = strands_balance_rest,
             .should_run = strands_balance_is_due,
         },
         {
-            .name = "strands.grid",
-            .stage = WISP_STAGE_INPUT,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "strands.grid", INPUT, ENTITY, strands_mix ),
             .required = { s->grid },
             .reads = { s->grid, WISP_STRAND_REST, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY,
                        WISP_STRAND_INVERSE_MASS },
             .writes = { s->grid, WISP_STRAND_VELOCITY },
-            .run = strands_mix,
         },
     };
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
@@ -101,95 +72,68 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
 {
     const wisp_pass passes[] = {
         {
-            .name = "strands.carry",
-            .stage = WISP_STAGE_FORCE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.carry", FORCE, STRAND_GROUP, strands_add_frame_motion ),
             .required = { s->settings, WISP_PARTICLE_FRAME },
             .reads = { WISP_PARTICLE_FRAME, s->low, WISP_STRAND_INVERSE_MASS, WISP_STRAND_POSITION,
                        WISP_STRAND_VELOCITY },
             .writes = { s->low, WISP_STRAND_VELOCITY },
-            .run = strands_carry,
         },
         {
-            .name = "strands.teleport",
-            .stage = WISP_STAGE_FORCE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.teleport", FORCE, STRAND_GROUP, strands_jump ),
             .required = { s->head },
             .reads = { s->head, s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .writes = { s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
-            .run = strands_jump,
             .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
-            .name = "strands.teleport_frames",
-            .stage = WISP_STAGE_FORCE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.teleport_frames", FORCE, STRAND_GROUP, strands_jump_frames ),
             .required = { s->head, s->curve },
             .reads = { s->head, s->curve },
             .writes = { s->curve },
-            .run = strands_jump_frames,
             .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
-            .name = "strands.roots",
-            .stage = WISP_STAGE_FORCE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.roots", FORCE, STRAND_GROUP, strands_root ),
             .required = { s->head },
             .reads = { s->head, WISP_STRAND_REST },
             .writes = { WISP_STRAND_ROOT },
-            .run = strands_root,
             .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
-            .name = "strands.anchors",
-            .stage = WISP_STAGE_FORCE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.anchors", FORCE, STRAND_GROUP, strands_anchor ),
             .required = { s->settings, s->surface, s->anchor },
             .reads = { s->settings, s->surface, s->anchor, s->low, WISP_STRAND_ROOT, WISP_STRAND_POSITION,
                        WISP_STRAND_VELOCITY },
             .writes = { WISP_STRAND_ROOT, s->anchor, s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .follows = true, // its surface
-            .run = strands_anchor,
             .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
-            .name = "strands.anchor_frames",
-            .stage = WISP_STAGE_FORCE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.anchor_frames", FORCE, STRAND_GROUP, strands_anchor_frames ),
             .required = { s->anchor, s->curve },
             .reads = { s->anchor, s->curve },
             .writes = { s->curve },
-            .run = strands_anchor_frames,
             .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
-            .name = "strands.pins",
-            .stage = WISP_STAGE_FORCE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.pins", FORCE, STRAND_GROUP, strands_hold_pins ),
             .required = { s->pins },
             .reads = { s->pins, s->low, WISP_STRAND_REST, WISP_STRAND_INVERSE_MASS, WISP_STRAND_ROOT,
                        WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .writes = { s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
-            .run = strands_hold_pins,
         },
         {
-            .name = "strands.tips",
-            .stage = WISP_STAGE_FORCE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.tips", FORCE, STRAND_GROUP, strands_hold_tips ),
             .required = { s->tips },
             .reads = { s->tips, s->low, WISP_STRAND_REST, WISP_STRAND_ROOT, WISP_STRAND_POSITION,
                        WISP_STRAND_VELOCITY },
             .writes = { s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
-            .run = strands_hold_tips,
         },
         {
-            .name = "strands.tip_frames",
-            .stage = WISP_STAGE_FORCE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.tip_frames", FORCE, STRAND_GROUP, strands_turn_tips ),
             .required = { s->tips, s->tip_rows, s->curve },
             .reads = { s->tips, s->curve, WISP_STRAND_ROOT },
             .writes = { s->tip_rows, s->curve },
-            .run = strands_turn_tips,
         },
     };
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
@@ -199,61 +143,43 @@ static wisp_status declare_forces( wisp_registry* r, strands_state* s )
 {
     const wisp_pass passes[] = {
         {
-            .name = "strands.extrapolate",
-            .stage = WISP_STAGE_FORCE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.extrapolate", FORCE, STRAND_GROUP, strands_extrapolate ),
             .required = { s->history },
             .reads = { s->history, s->low, WISP_STRAND_INVERSE_MASS, WISP_STRAND_VELOCITY },
             .writes = { s->history, s->low, WISP_STRAND_VELOCITY },
-            .run = strands_extrapolate,
         },
         {
-            .name = "strands.damping",
-            .stage = WISP_STAGE_FORCE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.damping", FORCE, STRAND_GROUP, strands_damp ),
             .required = { s->damping, s->head },
             .reads = { s->damping, s->head, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_INVERSE_MASS },
             .writes = { WISP_STRAND_VELOCITY },
-            .run = strands_damp,
         },
         {
-            .name = "strands.damping_anchored",
-            .stage = WISP_STAGE_FORCE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.damping_anchored", FORCE, STRAND_GROUP, strands_damp_anchored ),
             .required = { s->damping, s->anchor },
             .reads = { s->damping, WISP_STRAND_ROOT, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY,
                        WISP_STRAND_INVERSE_MASS },
             .writes = { WISP_STRAND_VELOCITY },
-            .run = strands_damp_anchored,
         },
         {
-            .name = "strands.air",
-            .stage = WISP_STAGE_FORCE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.air", FORCE, STRAND_GROUP, strands_drag ),
             .required = { s->air },
             .reads = { s->air, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_INVERSE_MASS,
                        WISP_STRAND_LENGTH },
             .writes = { WISP_STRAND_VELOCITY },
-            .run = strands_drag,
         },
         {
-            .name = "strands.predict",
-            .stage = WISP_STAGE_PREDICT,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.predict", PREDICT, STRAND_GROUP, strands_predict ),
             .required = { s->settings, s->low },
             .reads = { s->settings, s->low, WISP_STRAND_ROOT, WISP_STRAND_INVERSE_MASS, WISP_STRAND_POSITION,
                        WISP_STRAND_VELOCITY },
             .writes = { WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_PREVIOUS },
-            .run = strands_predict,
         },
         {
-            .name = "strands.carry_pins",
-            .stage = WISP_STAGE_PREDICT,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.carry_pins", PREDICT, STRAND_GROUP, strands_subtract_frame_motion ),
             .required = { s->settings, WISP_PARTICLE_FRAME },
             .reads = { WISP_PARTICLE_FRAME, WISP_STRAND_INVERSE_MASS, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .writes = { WISP_STRAND_VELOCITY },
-            .run = strands_carry_pins,
         },
     };
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
@@ -263,15 +189,12 @@ static wisp_status declare_forces( wisp_registry* r, strands_state* s )
 static wisp_status declare_rods( wisp_registry* r, strands_state* s )
 {
     wisp_pass rod = {
-        .name = "strands.rod",
-        .stage = WISP_STAGE_PREDICT,
-        .domain = WISP_DOMAIN_STRAND_GROUP,
+        WISP_PASS( "strands.rod", PREDICT, STRAND_GROUP, strands_bend ),
         .required = { s->settings, s->rod, s->tension },
         .excluded = { s->curve },
         .reads = { s->settings, s->rod, s->clamp, s->tension, s->low, WISP_STRAND_ROOT, WISP_STRAND_INVERSE_MASS,
                    WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
         .writes = { WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_PREVIOUS },
-        .run = strands_bend,
         .user = s,
     };
     const wisp_status status = wisp_declare_pass( r, &rod );
@@ -290,53 +213,38 @@ static wisp_status declare_lengths( wisp_registry* r, strands_state* s )
 {
     const wisp_pass passes[] = {
         {
-            .name = "strands.bend_links",
-            .stage = WISP_STAGE_PROJECT,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.bend_links", PROJECT, STRAND_GROUP, strands_bend_link ),
             .required = { s->bend_links, s->bend_link },
             .reads = { s->bend_links, s->bend_link, s->low, WISP_STRAND_INVERSE_MASS, WISP_STRAND_PREVIOUS,
                        WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .writes = { s->bend_link, WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
-            .run = strands_bend_link,
         },
         {
-            .name = "strands.links",
-            .stage = WISP_STAGE_PROJECT,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.links", PROJECT, STRAND_GROUP, strands_link_rows ),
             .required = { s->links, s->stretch_link },
             .reads = { s->links, s->stretch_link, s->low, WISP_STRAND_INVERSE_MASS, WISP_STRAND_PREVIOUS,
                        WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .writes = { s->stretch_link, WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
-            .run = strands_link_rows,
         },
         {
-            .name = "strands.stretch",
-            .stage = WISP_STAGE_PROJECT,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.stretch", PROJECT, STRAND_GROUP, strands_stretch ),
             .required = { s->direct, s->tension },
             .reads = { s->direct, s->tension, s->low, WISP_STRAND_INVERSE_MASS, WISP_STRAND_LENGTH,
                        WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .writes = { s->tension, s->low, WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
-            .run = strands_stretch,
         },
         {
-            .name = "strands.velocity",
-            .stage = WISP_STAGE_VELOCITY,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.velocity", VELOCITY, STRAND_GROUP, strands_read_velocity ),
             .required = { s->settings },
             .reads = { s->low, WISP_STRAND_INVERSE_MASS, WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION,
                        WISP_STRAND_VELOCITY },
             .writes = { s->low, WISP_STRAND_VELOCITY },
-            .run = strands_read_velocity,
         },
         {
-            .name = "strands.max_speed",
-            .stage = WISP_STAGE_VELOCITY,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.max_speed", VELOCITY, STRAND_GROUP, strands_limit_speed ),
             .required = { s->settings, WISP_PARTICLE_MAX_SPEED },
             .reads = { WISP_PARTICLE_MAX_SPEED, WISP_STRAND_INVERSE_MASS, WISP_STRAND_VELOCITY },
             .writes = { WISP_STRAND_VELOCITY },
-            .run = strands_limit_speed,
         },
     };
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
@@ -361,13 +269,10 @@ static wisp_status declare_substeps( wisp_registry* r, strands_state* s )
 static wisp_status declare_guard( wisp_registry* r, strands_state* s )
 {
     const wisp_pass pass = {
-        .name = "strands.state_check",
-        .stage = WISP_STAGE_CHECK,
-        .domain = WISP_DOMAIN_ENTITY,
+        WISP_PASS( "strands.state_check", CHECK, ENTITY, strands_guard ),
         .required = { s->good, s->in_bounds },
         .reads = { s->good, s->in_bounds, s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
         .writes = { s->good, s->in_bounds, s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
-        .run = strands_guard,
         .user = s,
     };
     return wisp_declare_pass( r, &pass );
@@ -377,33 +282,24 @@ static wisp_status declare_stats( wisp_registry* r, strands_state* s )
 {
     const wisp_pass passes[] = {
         {
-            .name = "strands.motion_stats",
-            .stage = WISP_STAGE_OBSERVE,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "strands.motion_stats", OBSERVE, ENTITY, strands_compute_motion_stats ),
             .required = { s->settings },
             .reads = { s->settings, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_INVERSE_MASS,
                        WISP_STRAND_LENGTH },
             .writes = { WISP_MOTION_STATS },
-            .run = strands_compute_motion_stats,
             .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
-            .name = "strands.strain",
-            .stage = WISP_STAGE_OBSERVE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.strain", OBSERVE, STRAND_GROUP, strands_scatter_strain ),
             .required = { s->settings },
             .reads = { WISP_STRAND_POSITION, WISP_STRAND_LENGTH },
             .writes = { WISP_POINT_STRAIN },
-            .run = strands_scatter_strain,
         },
         {
-            .name = "strands.speed",
-            .stage = WISP_STAGE_OBSERVE,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
+            WISP_PASS( "strands.speed", OBSERVE, STRAND_GROUP, strands_scatter_speed ),
             .required = { s->settings },
             .reads = { WISP_STRAND_VELOCITY },
             .writes = { WISP_POINT_SPEED },
-            .run = strands_scatter_speed,
             .detail = WISP_PASS_WITHOUT_MOTION,
         },
     };
@@ -457,11 +353,7 @@ static wisp_status declare( wisp_registry* r )
                                                   .memory = count_memory,
                                                   .lines = strands_add_frames } );
     wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .surroundings = strands_surroundings, .rested = strands_rested } );
-#define STRANDS_DECLARE( member, name, table, columns )                                                              \
-    s->member = wisp_declare_component(                                                                              \
-        r, &( wisp_component_def ){ name, table, member##_columns, WISP_COUNT( member##_columns ) } );
-    STRANDS_COMPONENTS( STRANDS_DECLARE )
-#undef STRANDS_DECLARE
+    STRANDS_COMPONENTS( WISP_COMPONENT_DECLARE )
     wisp_declare_low( r, WISP_STRAND_POSITION, 0, s->low, 0 );
     wisp_declare_low( r, WISP_STRAND_ROOT, 0, WISP_STRAND_ROOT, 2 );
     wisp_declare_places( r, s->head, 0, WISP_PLACE_POSES );

@@ -163,11 +163,11 @@ void strands_damp( wisp_frame* frame, const wisp_span* span, void* user )
     const wisp_transform b = strands_head_pose( frame, span->entity, head, span->substep + 1 );
     wisp_strand_damp_args args = damp_args( frame, span, state );
     args.centre = a.translation;
-    const wisp_vec3 way = wisp_v3_sub( b.translation, a.translation );
-    args.linear = ( wisp_vec3 ){ way.x / dt, way.y / dt, way.z / dt };
+    const wisp_vec3 displacement = wisp_v3_sub( b.translation, a.translation );
+    args.linear = ( wisp_vec3 ){ displacement.x / dt, displacement.y / dt, displacement.z / dt };
     args.angular = angular_velocity( a.rotation, b.rotation, dt );
     wisp_vec3 linear, angular; // velocities are without what carries
-    if ( head->jumped == 0 && strands_find_carry_velocity( frame, span, a.translation, &linear, &angular ) )
+    if ( head->jumped == 0 && strands_find_frame_velocity( frame, span, a.translation, &linear, &angular ) )
     {
         args.linear = wisp_v3_sub( args.linear, linear );
         args.angular = wisp_v3_sub( args.angular, angular );
@@ -200,7 +200,7 @@ void strands_damp_anchored( wisp_frame* frame, const wisp_span* span, void* user
         args.linear = ( wisp_vec3 ){ scale * sum.x, scale * sum.y, scale * sum.z };
         const float mean = 1.0f / (float)count;
         const wisp_vec3 centre = { mean * place.x, mean * place.y, mean * place.z };
-        if ( strands_find_carry_velocity( frame, span, centre, &linear, &angular ) )
+        if ( strands_find_frame_velocity( frame, span, centre, &linear, &angular ) )
         {
             args.centre = centre;
             args.linear = wisp_v3_sub( args.linear, linear );

@@ -435,16 +435,16 @@ static void jump( wisp_frame* frame, const wisp_span* span, const strands_state*
     const wisp_transform end = pose_on( c, now, group, lane );
     const wisp_quat before = strands_get_quat( c->rotation, group, lane ),
                     last = strands_get_quat( c->jump, group, lane );
-    const bool is_carried = wisp_frame_detail( frame, span->entity ).level == WISP_DETAIL_NOTHING;
+    const bool is_posed = wisp_frame_detail( frame, span->entity ).level == WISP_DETAIL_NOTHING;
     const bool moves = memcmp( &end.translation, &root, sizeof( root ) ) != 0 ||
                        memcmp( &end.rotation, &before, sizeof( before ) ) != 0;
-    const bool stops = is_carried && moves == false && memcmp( &last, &NO_JUMP, sizeof( last ) ) != 0;
+    const bool stops = is_posed && moves == false && memcmp( &last, &NO_JUMP, sizeof( last ) ) != 0;
     wisp_quat turn = NO_JUMP;
     if ( stops )
     {
         strands_turn( frame, span->entity, state, group, lane, root, root, IDENTITY );
     }
-    else if ( wisp_v3_length( wisp_v3_sub( end.translation, root ) ) > teleport || ( is_carried && moves ) )
+    else if ( wisp_v3_length( wisp_v3_sub( end.translation, root ) ) > teleport || ( is_posed && moves ) )
     {
         turn = wisp_quat_multiply( end.rotation, strands_quat_inverse( before ) );
         strands_turn( frame, span->entity, state, group, lane, root, end.translation, turn );

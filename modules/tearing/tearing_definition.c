@@ -5,6 +5,8 @@
 #include <math.h>
 #include <string.h>
 
+TEARING_COMPONENTS( WISP_COMPONENT_COLUMNS )
+
 static const wisp_field TEARING_FIELDS[] = {
     WISP_NUMBER( wisp_tearing_def, strength, INFINITY, 1e-6, INFINITY, "N/m" ),
     WISP_WHOLE( wisp_tearing_def, max_splits, 64, 1, TEARING_MAX_SPLITS ),
@@ -222,11 +224,6 @@ wisp_status wisp_read_tearing_stats( wisp_world* world, wisp_entity surface, wis
 
 // The module: its components, its pass and its hooks.
 
-static const wisp_column_def SETTINGS_COLUMNS[] = { TEARING_SETTINGS( WISP_COLUMN_DEF ) };
-static const wisp_column_def STRENGTH_COLUMNS[] = { TEARING_STRENGTH( WISP_COLUMN_DEF ) };
-static const wisp_column_def LIMIT_COLUMNS[] = { TEARING_LIMIT( WISP_COLUMN_DEF ) };
-static const wisp_column_def RESULT_COLUMNS[] = { TEARING_RESULT( WISP_COLUMN_DEF ) };
-
 static void release_state( void* memory, const wisp_allocator* allocator )
 {
     tearing_state* state = memory;
@@ -258,35 +255,29 @@ static wisp_status split_all( void* memory, wisp_world* world )
 
 static wisp_status declare( wisp_registry* r )
 {
-    tearing_state* state = wisp_declare_state( r, sizeof( tearing_state ) );
-    if ( state == NULL )
+    tearing_state* s = wisp_declare_state( r, sizeof( tearing_state ) );
+    if ( s == NULL )
     {
         return WISP_NO_MEMORY;
     }
     wisp_declare_hooks(
         r, &( wisp_state_hooks ){
                .release = release_state, .removed = entity_removed, .stepped = split_all, .memory = count_memory } );
-    state->settings = WISP_COMPONENT( r, "tearing.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS );
-    state->strength = WISP_COMPONENT( r, "tearing.strength", WISP_TABLE_EDGE, STRENGTH_COLUMNS );
-    state->limit = WISP_COMPONENT( r, "tearing.limit", WISP_TABLE_LINK, LIMIT_COLUMNS );
-    state->result = WISP_COMPONENT( r, "tearing.result", WISP_TABLE_ENTITY, RESULT_COLUMNS );
+    TEARING_COMPONENTS( WISP_COMPONENT_DECLARE )
     const wisp_index_range ranges[] = {
-        WISP_MEMBER_RANGE( state->settings, tearing_settings, max_splits, 1, TEARING_MAX_SPLITS ),
-        WISP_MEMBER_RANGE( state->settings, tearing_settings, split_count, 0, INT32_MAX ),
-        WISP_MEMBER_RANGE( state->result, tearing_result, is_new, 0, 1 ),
-        { .component = state->result, .count = 1, .kind = WISP_INDEX_COUNT, .table = WISP_TABLE_LINK },
+        WISP_MEMBER_RANGE( s->settings, tearing_settings, max_splits, 1, TEARING_MAX_SPLITS ),
+        WISP_MEMBER_RANGE( s->settings, tearing_settings, split_count, 0, INT32_MAX ),
+        WISP_MEMBER_RANGE( s->result, tearing_result, is_new, 0, 1 ),
+        { .component = s->result, .count = 1, .kind = WISP_INDEX_COUNT, .table = WISP_TABLE_LINK },
     };
     WISP_TRY( wisp_declare_indices( r, ranges, WISP_COUNT( ranges ) ) );
     const wisp_pass pass = {
-        .name = "tearing.measure",
-        .stage = WISP_STAGE_CHECK,
-        .domain = WISP_DOMAIN_ENTITY,
-        .required = { state->settings, WISP_LINK_COMPLIANCE },
-        .reads = { state->settings, state->limit, WISP_LINK_LAMBDA, WISP_PARTICLE_POSITION },
-        .writes = { state->result },
-        .run = tearing_measure,
+        WISP_PASS( "tearing.measure", CHECK, ENTITY, tearing_measure ),
+        .required = { s->settings, WISP_LINK_COMPLIANCE },
+        .reads = { s->settings, s->limit, WISP_LINK_LAMBDA, WISP_PARTICLE_POSITION },
+        .writes = { s->result },
     };
-    return state->result != 0 ? wisp_declare_passes( r, &pass, 1, state ) : WISP_BAD_INPUT;
+    return s->result != 0 ? wisp_declare_passes( r, &pass, 1, s ) : WISP_BAD_INPUT;
 }
 
 const wisp_module wisp_tearing_module = { .name = "tearing", .declare = declare };

@@ -5,6 +5,7 @@
 // against the pull, or nothing would give way: one of its spokes points away from u. A spoke that is cut is an open edge from then on,
 // so its other end may join two fans by a point; these part as well.
 #include "tearing_state.h"
+#include "wisp/module/double3.h"
 
 #include <math.h>
 
@@ -22,43 +23,27 @@ typedef struct tearing_cut
 
 // ---- geometry at rest ----
 
-typedef struct vec3d
+static double3 from( const tearing_mesh* m, int32_t a, int32_t b )
 {
-    double x, y, z;
-} vec3d;
-
-static vec3d from( const tearing_mesh* m, int32_t a, int32_t b )
-{
-    const wisp_vec3 p = m->fabric->rest[m->parents[a]], q = m->fabric->rest[m->parents[b]];
-    return ( vec3d ){ (double)q.x - (double)p.x, (double)q.y - (double)p.y, (double)q.z - (double)p.z };
-}
-
-static double dot( vec3d a, vec3d b )
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-static vec3d cross( vec3d a, vec3d b )
-{
-    return ( vec3d ){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
+    return double3_between( m->fabric->rest[m->parents[a]], m->fabric->rest[m->parents[b]] );
 }
 
 // Cosine of the angle between two spokes; 1 for one without length, which nothing is perpendicular to.
-static double cosine( vec3d a, vec3d b )
+static double cosine( double3 a, double3 b )
 {
-    const double bottom = sqrt( dot( a, a ) * dot( b, b ) );
-    return bottom > 0.0 ? dot( a, b ) / bottom : 1.0;
+    const double bottom = sqrt( double3_dot( a, a ) * double3_dot( b, b ) );
+    return bottom > 0.0 ? double3_dot( a, b ) / bottom : 1.0;
 }
 
 // Sum of the normals of a fan, by area.
-static vec3d normal_of( const tearing_mesh* m, int32_t vertex, tearing_fan fan )
+static double3 normal_of( const tearing_mesh* m, int32_t vertex, tearing_fan fan )
 {
-    vec3d sum = { 0.0, 0.0, 0.0 };
+    double3 sum = { 0.0, 0.0, 0.0 };
     for ( int i = 0; i < fan.end - fan.begin; ++i )
     {
-        const vec3d n =
-            cross( from( m, vertex, tearing_spoke( m, fan, i ) ), from( m, vertex, tearing_spoke( m, fan, i + 1 ) ) );
-        sum = ( vec3d ){ sum.x + n.x, sum.y + n.y, sum.z + n.z };
+        const double3 n = double3_cross( from( m, vertex, tearing_spoke( m, fan, i ) ),
+                                         from( m, vertex, tearing_spoke( m, fan, i + 1 ) ) );
+        sum = ( double3 ){ sum.x + n.x, sum.y + n.y, sum.z + n.z };
     }
     return sum;
 }
@@ -98,7 +83,7 @@ static int32_t spoke_at( const tearing_mesh* m, const tearing_cut* cut, int i )
 }
 
 // Does a part of a fan, spokes between two that are cut, hold against a pull?
-static bool holds( const tearing_mesh* m, const tearing_cut* cut, vec3d pull, int first, int last )
+static bool holds( const tearing_mesh* m, const tearing_cut* cut, double3 pull, int first, int last )
 {
     const double AWAY = -0.1; // cosine
     bool does = false;
@@ -109,7 +94,7 @@ static bool holds( const tearing_mesh* m, const tearing_cut* cut, vec3d pull, in
     return does;
 }
 
-static bool cut_open( const tearing_mesh* m, vec3d pull, tearing_cut* cut )
+static bool cut_open( const tearing_mesh* m, double3 pull, tearing_cut* cut )
 {
     const int count = cut->fan.end - cut->fan.begin;
     bool found = false;
@@ -131,15 +116,15 @@ static bool cut_open( const tearing_mesh* m, vec3d pull, tearing_cut* cut )
 
 // The spoke on one side of the pull that is nearest to its perpendicular, 0: none. Fans turn around their normal, so that spokes on
 // the left come first.
-static int perpendicular( const tearing_mesh* m, const tearing_cut* cut, vec3d pull, vec3d normal, bool is_left,
+static int perpendicular( const tearing_mesh* m, const tearing_cut* cut, double3 pull, double3 normal, bool is_left,
                           double* cost )
 {
     const int count = cut->fan.end - cut->fan.begin;
     int best = 0;
     for ( int k = 1; k < count; ++k )
     {
-        const vec3d spoke = from( m, cut->vertex, spoke_at( m, cut, k ) );
-        const double side = dot( cross( pull, spoke ), normal ), c = fabs( cosine( pull, spoke ) );
+        const double3 spoke = from( m, cut->vertex, spoke_at( m, cut, k ) );
+        const double side = double3_dot( double3_cross( pull, spoke ), normal ), c = fabs( cosine( pull, spoke ) );
         if ( ( is_left ? side > 0.0 : side < 0.0 ) && ( best == 0 || c < *cost ) )
         {
             best = k;
@@ -149,9 +134,9 @@ static int perpendicular( const tearing_mesh* m, const tearing_cut* cut, vec3d p
     return best;
 }
 
-static bool cut_closed( const tearing_mesh* m, vec3d pull, tearing_cut* cut )
+static bool cut_closed( const tearing_mesh* m, double3 pull, tearing_cut* cut )
 {
-    const vec3d normal = normal_of( m, cut->vertex, cut->fan );
+    const double3 normal = normal_of( m, cut->vertex, cut->fan );
     double left = 0.0, right = 0.0;
     cut->first = perpendicular( m, cut, pull, normal, true, &left );
     cut->last = perpendicular( m, cut, pull, normal, false, &right );
@@ -185,7 +170,7 @@ static bool find_cut( const tearing_mesh* m, const float* position, int32_t vert
         return false;
     }
     out->is_inside = out->fan.is_closed;
-    const vec3d pull = from( m, vertex, neighbour );
+    const double3 pull = from( m, vertex, neighbour );
     if ( ( out->is_inside ? cut_closed( m, pull, out ) : cut_open( m, pull, out ) ) == false )
     {
         return false;

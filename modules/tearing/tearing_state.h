@@ -6,13 +6,6 @@
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
 
-#define TEARING_SETTINGS( X ) X( tearing_settings, settings, 1 )
-#define TEARING_STRENGTH( X )                                                                                        \
-    X( float, strength, 1 )                     /* N/m */                                                            \
-    X( float, width, 1 )                        /* m, that the edge stands for */
-#define TEARING_LIMIT( X ) X( float, limit, 1 ) /* N; infinite: no edge */
-#define TEARING_RESULT( X ) X( tearing_result, result, 1 )
-
 enum
 {
     TEARING_MAX_SPLITS = 1000000,
@@ -33,12 +26,18 @@ typedef struct tearing_result
     int32_t is_new;    // 1: no split was made for it; the pass leaves halted and sleeping surfaces as they are
 } tearing_result;
 
+/// The components, a row each: X( member, "name", table, columns ).
+#define TEARING_COMPONENTS( X )                                                                                      \
+    X( settings, "tearing.settings", ENTITY, WISP_COLUMN( tearing_settings, settings, 1 ) )                          \
+    X( strength, "tearing.strength", EDGE, WISP_COLUMN( float, strength, 1 ),                                        \
+       /* N/m */ WISP_COLUMN( float, width, 1 ) /* m, that the edge stands for */ )                                  \
+    X( limit, "tearing.limit", LINK, WISP_COLUMN( float, limit, 1 ) ) /* N; infinite: no edge */                     \
+    X( result, "tearing.result", ENTITY, WISP_COLUMN( tearing_result, result, 1 ) )
+
 typedef struct tearing_state
 {
-    wisp_component settings, result; // of entities
-    wisp_component strength;         // of edges
-    wisp_component limit;            // of links
-    wisp_entity* surfaces;           // in the order in which they were set
+    TEARING_COMPONENTS( WISP_COMPONENT_MEMBER )
+    wisp_entity* surfaces; // in the order in which they were set
     int count, capacity;
 } tearing_state;
 

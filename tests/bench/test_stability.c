@@ -19,7 +19,7 @@ TEST( what_breaks_without_being_known_fails_and_so_does_what_holds_and_is_known 
     for ( int i = 0; i < WISP_COUNT( cases ); ++i )
     {
         results all = { 0 };
-        stability_tally tally = { 0 };
+        stability_counts tally = { 0 };
         const suite_outcome outcome = { .verdict = { .check = cases[i].broke } };
         stability_add( stability_begin_table( "t", &all ), "row", &outcome, cases[i].known, &tally, &all );
         assert_int_equal( tally.failed, cases[i].failed );

@@ -116,11 +116,11 @@ static void move_all( const wisp_kernels* kernels, void* state, int begin, int e
         args.inverse_dt = 60.0f;
         kernels->motion_constraint( &args, begin, end );
     }
-    const wisp_carry_args carried = { { -0.02f, -0.2f, 0.1f, 0.2f, -0.03f, 0.01f, -0.1f, 0.02f, -0.01f },
-                                      { 1.0f, 2.0f, 3.0f },
-                                      { 0.1f, 0.0f, -0.1f } };
-    kernels->carry_points( &carried, c->position[0], begin, end );
-    kernels->carry_vectors( &carried, c->velocity[0], begin, end );
+    const wisp_frame_motion_args carried = { { -0.02f, -0.2f, 0.1f, 0.2f, -0.03f, 0.01f, -0.1f, 0.02f, -0.01f },
+                                             { 1.0f, 2.0f, 3.0f },
+                                             { 0.1f, 0.0f, -0.1f } };
+    kernels->move_points( &carried, c->position[0], begin, end );
+    kernels->turn_vectors( &carried, c->velocity[0], begin, end );
     c->limited += kernels->limit_speed( c->velocity[0], 0.75f, begin, end );
 }
 
@@ -616,7 +616,7 @@ TEST( a_group_is_settled_while_all_are_within_their_radius )
         for ( const wisp_kernels* const* k = every_table(); *k != NULL; ++k )
         {
             const uint32_t groups =
-                ( *k )->find_unsettled( b->position[0], b->previous[0], b->place[0], 0, 13 * LANES );
+                ( *k )->find_unclear( b->position[0], b->previous[0], b->place[0], 0, 13 * LANES );
             assert_int_equal( groups, 1u << 1 | 1u << 3 | 1u << 5 | 1u << 7 | 1u << 9 | 1u << 11 );
         }
     }

@@ -481,13 +481,10 @@ static wisp_status declare_probe( wisp_registry* registry )
     probe_state* seen = wisp_declare_state( registry, sizeof( probe_state ) );
     return seen == NULL ? WISP_NO_MEMORY
                         : wisp_declare_pass( registry, &( wisp_pass ){
-                                                           .name = "probe.look",
-                                                           .stage = WISP_STAGE_VELOCITY,
-                                                           .domain = WISP_DOMAIN_ENTITY,
+                                                           WISP_PASS( "probe.look", VELOCITY, ENTITY, look_at_pin ),
                                                            .required = { WISP_PARTICLE_TARGET },
                                                            .reads = { WISP_PARTICLE_POSITION },
                                                            .writes = { WISP_PARTICLE_VELOCITY },
-                                                           .run = look_at_pin,
                                                            .user = seen,
                                                        } );
 }

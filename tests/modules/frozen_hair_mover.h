@@ -24,13 +24,12 @@ static inline wisp_status declare_mover( wisp_registry* r )
 {
     static const wisp_column_def columns[] = { WISP_COLUMN_DEF( wisp_transform, pose, 1 ) };
     mover_pose = wisp_declare_component( r, &( wisp_component_def ){ "mover.pose", WISP_TABLE_ENTITY, columns, 1 } );
-    return wisp_declare_pass( r, &( wisp_pass ){ .name = "mover.move",
-                                                 .stage = WISP_STAGE_DERIVE,
-                                                 .domain = WISP_DOMAIN_STRAND_GROUP,
-                                                 .required = { mover_pose },
-                                                 .reads = { mover_pose, WISP_STRAND_REST, WISP_STRAND_POSITION },
-                                                 .writes = { WISP_STRAND_POSED },
-                                                 .run = move_rigidly } );
+    return wisp_declare_pass( r, &( wisp_pass ){
+                                     WISP_PASS( "mover.move", DERIVE, STRAND_GROUP, move_rigidly ),
+                                     .required = { mover_pose },
+                                     .reads = { mover_pose, WISP_STRAND_REST, WISP_STRAND_POSITION },
+                                     .writes = { WISP_STRAND_POSED },
+                                 } );
 }
 
 static inline void forget_message( void* user, wisp_log_level level, const char* message )

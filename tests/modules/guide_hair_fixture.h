@@ -44,13 +44,12 @@ static inline wisp_status guide_mover_declare( wisp_registry* r )
     static const wisp_column_def columns[] = { WISP_COLUMN_DEF( float, speed, 1 ) };
     guide_mover_speed =
         wisp_declare_component( r, &( wisp_component_def ){ "mover.speed", WISP_TABLE_ENTITY, columns, 1 } );
-    return wisp_declare_pass( r, &( wisp_pass ){ .name = "mover.move",
-                                                 .stage = WISP_STAGE_PREDICT,
-                                                 .domain = WISP_DOMAIN_STRAND_GROUP,
-                                                 .required = { guide_mover_speed },
-                                                 .reads = { guide_mover_speed, WISP_STRAND_POSITION },
-                                                 .writes = { WISP_STRAND_POSITION },
-                                                 .run = guide_mover_run } );
+    return wisp_declare_pass( r, &( wisp_pass ){
+                                     WISP_PASS( "mover.move", PREDICT, STRAND_GROUP, guide_mover_run ),
+                                     .required = { guide_mover_speed },
+                                     .reads = { guide_mover_speed, WISP_STRAND_POSITION },
+                                     .writes = { WISP_STRAND_POSITION },
+                                 } );
 }
 
 static const wisp_module guide_mover_module = { .name = "mover", .declare = guide_mover_declare };

@@ -5,10 +5,9 @@
 #include "collision_fixture.h"
 #include "surface_fixture.h"
 
-#include "block_culling.h"
 #include "body_queries.h"
-#include "contact_generation.h"
-#include "deepest_point.h"
+#include "particle_contacts.h"
+#include "primitive_contacts.h"
 #include "kernel_tables.h"
 #include "oracle/contact_oracle.h"
 

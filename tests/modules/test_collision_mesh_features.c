@@ -2,7 +2,7 @@
 // is in tests/claims/features.yaml.
 #include "collision_fixture.h"
 #include "collision_vectors.h"
-#include "feature_contacts.h"
+#include "primitive_contacts.h"
 
 #include "oracle/contact_oracle.h"
 #include "wisp/module/collision_mesh.h"

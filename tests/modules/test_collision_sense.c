@@ -29,13 +29,10 @@ static void follow( wisp_frame* frame, const wisp_span* span, void* user )
 static wisp_status declare_follower( wisp_registry* r )
 {
     const wisp_pass pass = {
-        .name = "follower.follow",
-        .stage = WISP_STAGE_PROJECT,
-        .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+        WISP_PASS( "follower.follow", PROJECT, PARTICLE_BLOCK, follow ),
         .required = { WISP_PARTICLE_EXTERNAL_SOLVER, WISP_PARTICLE_CONTACTS },
         .reads = { WISP_PARTICLE_CONTACTS, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
         .writes = { WISP_PARTICLE_POSITION },
-        .run = follow,
     };
     return wisp_declare_pass( r, &pass );
 }

@@ -327,14 +327,14 @@ static void make_boxes( uint64_t seed, int count, float room, sleep_box* out )
 TEST( a_search_along_an_axis_stirs_whom_all_pairs_stir )
 {
     static sleep_box found[MOST], expected[MOST];
-    SCOPED( free_local ) void* room = checked_calloc( sleep_stir_bytes( MOST ), 1 );
+    SCOPED( free_local ) void* room = checked_calloc( sleep_wake_bytes( MOST ), 1 );
     int stirred = 0, left = 0;
     for ( uint64_t seed = 0; seed < 60; ++seed )
     {
         const int count = seed < 3 ? (int)seed : MOST - (int)( 5 * seed );
         make_boxes( seed, count, 4.0f + 0.5f * (float)( seed % 10 ), found );
         memcpy( expected, found, sizeof found );
-        sleep_stir( found, count, room );
+        sleep_wake_touched( found, count, room );
         const sleep_box* before = expected;
         for ( int i = 0; i < count; ++i )
         {
@@ -353,7 +353,7 @@ TEST( a_search_along_an_axis_stirs_whom_all_pairs_stir )
 TEST( a_chain_is_stirred_from_its_end_in_any_order )
 {
     static sleep_box boxes[MOST];
-    SCOPED( free_local ) void* room = checked_calloc( sleep_stir_bytes( MOST ), 1 );
+    SCOPED( free_local ) void* room = checked_calloc( sleep_wake_bytes( MOST ), 1 );
     for ( int way = 0; way < 2; ++way )
     {
         for ( int i = 0; i < MOST; ++i )
@@ -363,7 +363,7 @@ TEST( a_chain_is_stirred_from_its_end_in_any_order )
         }
         boxes[MOST - 2].bounds.upper[0] = boxes[MOST - 2].bounds.lower[0] + 0.9f; // a gap on one side
         boxes[MOST - 2].bounds.lower[0] += 0.1f;
-        sleep_stir( boxes, MOST, room );
+        sleep_wake_touched( boxes, MOST, room );
         for ( int i = 0; i < MOST; ++i )
         {
             assert_int_equal( boxes[i].is_still, i >= MOST - 2 );

@@ -28,11 +28,10 @@ static wisp_status declare_stranger( wisp_registry* r )
     static const wisp_column_def columns[] = { { "value", 4 } };
     stranger_mark =
         wisp_declare_component( r, &( wisp_component_def ){ "stranger.mark", WISP_TABLE_STRAND_GROUP, columns, 1 } );
-    const wisp_pass pass = { .name = "stranger.pass",
-                             .stage = WISP_STAGE_FORCE,
-                             .domain = WISP_DOMAIN_STRAND_GROUP,
-                             .writes = { stranger_mark },
-                             .run = do_nothing };
+    const wisp_pass pass = {
+        WISP_PASS( "stranger.pass", FORCE, STRAND_GROUP, do_nothing ),
+        .writes = { stranger_mark },
+    };
     return wisp_declare_pass( r, &pass );
 }
 

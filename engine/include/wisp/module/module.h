@@ -7,6 +7,7 @@
 #include "wisp/module/detail.h"
 #include "wisp/module/jobs.h"
 #include "wisp/module/kernels.h"
+#include "wisp/module/vec.h"
 #include "wisp/wisp.h"
 
 WISP_BEGIN_C
@@ -40,8 +41,12 @@ typedef struct wisp_column_def
     uint32_t row_size; ///< bytes, a multiple of 4, without padding inside
 } wisp_column_def;
 
-/// Expands one line X( type, name, count ) of a column list to its descriptor.
-#define WISP_COLUMN_DEF( type, name, count ) { #name, (uint32_t)( sizeof( type ) * ( count ) ) },
+/// Descriptor of a column, alone and as a line X( type, name, count ) of a column list.
+#define WISP_COLUMN( type, name, count )                                                                             \
+    {                                                                                                                \
+#name, (uint32_t)( sizeof( type ) * ( count ) )                                                              \
+    }
+#define WISP_COLUMN_DEF( type, name, count ) WISP_COLUMN( type, name, count ),
 
 /// A named set of columns of one table. Columns are allocated only once an entity has the component.
 typedef struct wisp_component_def
@@ -58,6 +63,20 @@ WISP_API wisp_component wisp_declare_component( wisp_registry* registry, const w
 /// The same with all columns of a static array.
 #define WISP_COMPONENT( registry, name, table, columns )                                                             \
     wisp_declare_component( registry, &( wisp_component_def ){ name, table, columns, WISP_COUNT( columns ) } )
+
+/// A list of the components of a module has a row each: X( member, "room.noun", TABLE, columns... ). It makes the members of the state, the
+/// columns, and the declarations of a registry `r` into a state `s`.
+#define WISP_NO_COLUMNS                                                                                              \
+    {                                                                                                                \
+        NULL, 0                                                                                                      \
+    } // of a mark
+#define WISP_COMPONENT_MEMBER( member, name, table, ... ) wisp_component member;
+#define WISP_COMPONENT_COLUMNS( member, name, table, ... )                                                           \
+    static const wisp_column_def member##_columns[] = { __VA_ARGS__ };
+#define WISP_COMPONENT_DECLARE( member, name, table, ... )                                                           \
+    s->member = wisp_declare_component(                                                                              \
+        r, &( wisp_component_def ){ name, WISP_TABLE_##table, member##_columns,                                      \
+                                    member##_columns[0].row_size > 0 ? WISP_COUNT( member##_columns ) : 0 } );
 
 /// What integers of a column may be.
 typedef enum wisp_index_kind
@@ -180,6 +199,10 @@ typedef struct wisp_pass
     unsigned detail; ///< wisp_pass_detail or-ed: at which detail it runs (module/detail.h); 0: where the entity moves
 } wisp_pass;
 
+/// What every row of a table of passes has: WISP_PASS( "module.verb", INPUT, ENTITY, run ), with a stage and a domain by their last words.
+#define WISP_PASS( text, at, over, function )                                                                        \
+    .name = ( text ), .stage = WISP_STAGE_##at, .domain = WISP_DOMAIN_##over, .run = ( function )
+
 /// Declare passes in this order; the first failure ends it. @param user of every pass that has none
 WISP_API wisp_status wisp_declare_passes( wisp_registry* registry, const wisp_pass* passes, int count, void* user );
 static inline wisp_status wisp_declare_pass( wisp_registry* registry, const wisp_pass* pass )
@@ -273,6 +296,22 @@ typedef struct wisp_teleport_motion
     bool keep_velocity; ///< velocities turn with the motion; false: they become zero
     wisp_vec3 far;      ///< m, of the way: what the origin of the rows goes, of which `motion` is the rest
 } wisp_teleport_motion;
+
+/// What a module keeps of entities beside their rows, one object each. The engine frees them with their entities.
+typedef struct wisp_objects wisp_objects;
+/// Declare objects of the module. @param bytes of the allocator, which an object holds @return null, with the registry's error
+WISP_API wisp_objects* wisp_declare_objects( wisp_registry* registry,
+                                             void ( *release )( void* object, const wisp_allocator* allocator ),
+                                             size_t ( *bytes )( const void* object ) );
+/// @return the object of an entity; null: it has none
+WISP_API void* wisp_find_object( const wisp_objects* objects, wisp_entity entity );
+/// Make room for the object of an entity. @return false without memory
+WISP_API bool wisp_reserve_object( wisp_objects* objects, wisp_entity entity );
+/// Give an entity another object, for which there is room, or null: the one that it had is freed. Between steps.
+WISP_API void wisp_set_object( wisp_objects* objects, wisp_entity entity, void* object );
+/// All objects, by the index of their entities: some places have none. @param place 0 .. the places less 1
+WISP_API int wisp_count_object_places( const wisp_objects* objects );
+WISP_API void* wisp_object_at( const wisp_objects* objects, int place );
 
 typedef struct wisp_line_list wisp_line_list;
 /// Add a line between two points in the rows of an entity.
@@ -378,10 +417,10 @@ WISP_API wisp_transform wisp_frame_reached( const wisp_frame* frame, wisp_transf
 /// Find what carries an entity with a moving frame (moving_frame.h) in a substep: the motion of the frame that it does not feel.
 /// @param turn receives the rotation of the motion
 /// @return false if there is none in this step
-WISP_API bool wisp_frame_find_carry( wisp_frame* frame, const wisp_span* span, wisp_carry_args* args,
-                                     wisp_quat* turn );
+WISP_API bool wisp_frame_find_motion( wisp_frame* frame, const wisp_span* span, wisp_frame_motion_args* args,
+                                      wisp_quat* turn );
 /// Move the frame of an entity to the pose that it has been given for this step.
-WISP_API void wisp_frame_move_carry( wisp_frame* frame, wisp_entity entity );
+WISP_API void wisp_frame_update_pose( wisp_frame* frame, wisp_entity entity );
 /// Does the entity run its substeps on its own in this step, as if passes that spare it did not exist? It does if strand.reach says so.
 WISP_API bool wisp_frame_is_apart( const wisp_frame* frame, wisp_entity entity );
 /// End that: bring the entity to where the others are. Only from wisp_pass.should_run of a pass in stages FORCE to CONTACT.
@@ -392,6 +431,24 @@ WISP_API int wisp_frame_iterations( const wisp_frame* frame );
 WISP_API void wisp_frame_project_again( wisp_frame* frame, const wisp_span* groups );
 /// Is the entity left out of passes?
 WISP_API bool wisp_frame_is_halted( wisp_frame* frame, wisp_entity entity );
+/// A surface at the start of a step, and where its particles go in it by themselves.
+typedef struct wisp_surface_motion
+{
+    const float *position, *velocity, *target; ///< [slot][4]; the latter two may be null
+    float seconds;                             ///< of the step
+} wisp_surface_motion;
+WISP_API wisp_surface_motion wisp_frame_surface_motion( wisp_frame* frame, wisp_entity surface, float seconds );
+/// @return where a particle is at the end of the step: a pinned one at its target
+static inline wisp_vec3 wisp_surface_motion_end( const wisp_surface_motion* m, int32_t slot )
+{
+    const size_t quad = (size_t)slot * 4;
+    const wisp_vec3 at = wisp_v3_load( m->position + quad );
+    if ( m->position[quad + 3] > 0.0f )
+    {
+        return m->velocity != NULL ? wisp_v3_mul_add( at, m->seconds, wisp_v3_load( m->velocity + quad ) ) : at;
+    }
+    return m->target != NULL && m->target[quad + 3] != 0.0f ? wisp_v3_load( m->target + quad ) : at;
+}
 /// Leave the entity out of every pass from the next step on; the world counts it and logs the message. Thread-safe.
 WISP_API void wisp_frame_halt( wisp_frame* frame, wisp_entity entity, const char* message );
 WISP_API const wisp_kernels* wisp_frame_kernels( wisp_frame* frame );
@@ -412,6 +469,23 @@ WISP_API void wisp_approach_rigid_motion( const wisp_kernels* kernels, const wis
 /// The same for a crowd. @param args [lane]
 WISP_API void wisp_approach_rigid_motions( const wisp_kernels* kernels, const wisp_crowd* crowd,
                                            wisp_rigid_args* args );
+/// A callback of wisp_parallel_for() that runs a kernel over its items, `size` rows each. Its context has the kernels, and arguments.
+#define WISP_KERNEL_RANGE( loop_type, function, kernel, arguments, size )                                            \
+    static void function( void* context, int begin, int end, int worker )                                            \
+    {                                                                                                                \
+        (void)worker;                                                                                                \
+        const loop_type* loop = context;                                                                             \
+        loop->kernels->kernel( &loop->arguments, (size)*begin, (size)*end );                                         \
+    }
+/// The same with a context of its own.
+#define WISP_KERNEL_LOOP( loop_type, function, kernel, type, size )                                                  \
+    typedef struct loop_type                                                                                         \
+    {                                                                                                                \
+        type args;                                                                                                   \
+        const wisp_kernels* kernels;                                                                                 \
+    } loop_type;                                                                                                     \
+    WISP_KERNEL_RANGE( loop_type, function, kernel, args, size )
+
 /// Report a failure from inside a pass; the step returns one of them and finishes its other passes. Thread-safe.
 WISP_API void wisp_frame_fail( wisp_frame* frame, wisp_status status, const char* format, ... ) WISP_PRINTF( 3, 4 );
 /// Add to a counter of the world. Thread-safe; sums are order-free.
@@ -510,7 +584,7 @@ typedef struct wisp_component_use
 
 /// Attach what is used, then detach the rest. Without memory nothing changes.
 WISP_API wisp_status wisp_world_set_components( wisp_world* world, wisp_entity entity, const wisp_component_use* all,
-                                       int count );
+                                                int count );
 /// Coarse sheets of a surface forget how it moved and find their masses again, before the next step. Call it where a module
 /// changes masses, pins or velocities from outside a step. A surface without coarse sheets is left as it is.
 WISP_API void wisp_world_restart_levels( wisp_world* world, wisp_entity surface );

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "wisp/fabric.h"
+#include "wisp/base.h"
 
 WISP_BEGIN_C
 
@@ -245,12 +246,12 @@ typedef struct wisp_push_args
 } wisp_push_args;
 
 /// Arguments of rigid motions of particles.
-typedef struct wisp_carry_args
+typedef struct wisp_frame_motion_args
 {
     float turn[9];    ///< row by row: the rotation less the identity, so that a small motion keeps its digits
     wisp_vec3 origin; ///< m, what is rotated about
     wisp_vec3 shift;  ///< m, of the origin
-} wisp_carry_args;
+} wisp_frame_motion_args;
 
 /// Arguments of tethers, which limit the distance of particles from their attachments. Only the particle moves, and
 /// only if the attachment is pinned, so that all layers of a particle can be processed before the next particle.
@@ -372,5 +373,19 @@ typedef struct wisp_half_space_args
                                 ///< same row, as padding
     const int32_t* row_x16;     ///< row of each particle times 16
 } wisp_half_space_args;
+
+// ---- arguments of the kernels of skinning. All arrays as in wisp/skin.h ----
+
+/// Arguments of skinning of groups of eight points that follow the same number of bones.
+typedef struct wisp_skin_args
+{
+    const float* xyz;            ///< [group][3][8] m, the bind pose, aligned to 32 bytes
+    const int32_t* point;        ///< [group][8] where a point goes
+    const int32_t ( *bones )[4]; ///< [group][8] bones of a point
+    const float ( *weights )[4]; ///< [group][8] sum to 1, the first is the largest; aligned to 16 bytes
+    const float* rows;           ///< [bone][16] of wisp_skin_pose, aligned to 16 bytes
+    wisp_vec3* out;              ///< [point] m
+    int influence_count;         ///< 1 .. 4 bones that a point follows
+} wisp_skin_args;
 
 WISP_END_C

@@ -6,7 +6,7 @@
 // carried again before velocities are computed from it. So a particle that nothing touches keeps the bits of its velocity.
 #include "passes.h"
 
-#include "double3.h"
+#include "wisp/module/double3.h"
 #include "wisp/module/components.h"
 #include <math.h>
 #include <string.h>
@@ -49,7 +49,8 @@ static void write_turn( rotation q, float turn[9] )
     }
 }
 
-bool wisp_frame_find_carry( wisp_frame* frame, const wisp_span* span, wisp_carry_args* args, wisp_quat* unfelt_turn )
+bool wisp_frame_find_motion( wisp_frame* frame, const wisp_span* span, wisp_frame_motion_args* args,
+                             wisp_quat* unfelt_turn )
 {
     const wisp_transform* pose = wisp_frame_column( frame, span->entity, WISP_PARTICLE_FRAME, 0 );
     const float* felt = wisp_frame_column( frame, span->entity, WISP_PARTICLE_FRAME, 1 );
@@ -66,21 +67,21 @@ bool wisp_frame_find_carry( wisp_frame* frame, const wisp_span* span, wisp_carry
     write_turn( part, args->turn );
     *unfelt_turn = ( wisp_quat ){ (float)part.x, (float)part.y, (float)part.z, (float)part.w };
     const double unfelt = ( 1.0 - (double)felt[0] ) * ( (double)end - (double)begin ), at = (double)begin;
-    const double3 way = double3_between( pose[0].translation, pose[1].translation );
-    args->shift = double3_narrow( double3_scale( way, unfelt ) );
-    args->origin = double3_narrow( double3_mul_add( double3_widen( pose[0].translation ), at, way ) );
+    const double3 displacement = double3_between( pose[0].translation, pose[1].translation );
+    args->shift = double3_narrow( double3_scale( displacement, unfelt ) );
+    args->origin = double3_narrow( double3_mul_add( double3_widen( pose[0].translation ), at, displacement ) );
     return true;
 }
 
-static bool find_carry( wisp_frame* frame, const wisp_span* span, wisp_carry_args* args )
+static bool find_unfelt_motion( wisp_frame* frame, const wisp_span* span, wisp_frame_motion_args* args )
 {
     wisp_quat turn;
-    return wisp_frame_find_carry( frame, span, args, &turn );
+    return wisp_frame_find_motion( frame, span, args, &turn );
 }
 
 // ---- once per step ----
 
-void wisp_frame_move_carry( wisp_frame* frame, wisp_entity entity )
+void wisp_frame_update_pose( wisp_frame* frame, wisp_entity entity )
 {
     wisp_transform* pose = wisp_frame_column( frame, entity, WISP_PARTICLE_FRAME, 0 );
     int32_t* moves = wisp_frame_column( frame, entity, WISP_PARTICLE_FRAME, 2 );
@@ -98,16 +99,16 @@ static void move_frame( wisp_frame* frame, const wisp_span* span, void* user )
                          "entity %u: has a moving frame, which an external solver does not support",
                          span->entity.index );
     }
-    wisp_frame_move_carry( frame, span->entity );
+    wisp_frame_update_pose( frame, span->entity );
 }
 
 // ---- each substep ----
 
-static void carry( wisp_frame* frame, const wisp_span* span, void* user )
+static void move_with_frame( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
-    wisp_carry_args args;
-    if ( find_carry( frame, span, &args ) == false )
+    wisp_frame_motion_args args;
+    if ( find_unfelt_motion( frame, span, &args ) == false )
     {
         return;
     }
@@ -120,8 +121,8 @@ static void carry( wisp_frame* frame, const wisp_span* span, void* user )
     float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
     float* uncarried = wisp_frame_column( frame, span->entity, WISP_PARTICLE_UNCARRIED, 0 );
     memcpy( uncarried + first, previous + first, bytes );
-    kernels->carry_points( &args, previous, s.begin, s.end );
-    kernels->carry_vectors( &args, velocity, s.begin, s.end );
+    kernels->move_points( &args, previous, s.begin, s.end );
+    kernels->turn_vectors( &args, velocity, s.begin, s.end );
     for ( int i = 4 * s.begin; i < 4 * s.end; i += 4 )
     {
         for ( int k = 0; k < 3 && position[i + 3] > 0.0f; ++k )
@@ -131,7 +132,7 @@ static void carry( wisp_frame* frame, const wisp_span* span, void* user )
     }
 }
 
-static void uncarry( wisp_frame* frame, const wisp_span* span, void* user )
+static void restore_previous( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
     const int32_t* moves = wisp_frame_column( frame, span->entity, WISP_PARTICLE_FRAME, 2 );
@@ -145,94 +146,81 @@ static void uncarry( wisp_frame* frame, const wisp_span* span, void* user )
     }
 }
 
-static void carry_previous( wisp_frame* frame, const wisp_span* span, void* user )
+static void move_previous_with_frame( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
-    wisp_carry_args args;
-    if ( find_carry( frame, span, &args ) )
+    wisp_frame_motion_args args;
+    if ( find_unfelt_motion( frame, span, &args ) )
     {
         const wisp_span s = wisp_frame_particles( frame, span );
         float* previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 );
-        wisp_frame_kernels( frame )->carry_points( &args, previous, s.begin, s.end );
+        wisp_frame_kernels( frame )->move_points( &args, previous, s.begin, s.end );
     }
 }
 
 // The motion that coarse sheets remember is relative to the frame, as velocities are.
-static void carry_levels( wisp_frame* frame, const wisp_span* span, void* user )
+static void turn_levels_with_frame( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
     static const int VECTORS[] = { 0, 1, 2, 4 }; // what counts when a substep begins
-    wisp_carry_args args;
-    if ( find_carry( frame, span, &args ) )
+    wisp_frame_motion_args args;
+    if ( find_unfelt_motion( frame, span, &args ) )
     {
         const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
         const int count = fabric->level_count > 0 ? fabric->levels[fabric->level_count - 1].row_count : 0;
         for ( int i = 0; i < WISP_COUNT( VECTORS ); ++i )
         {
             float* rows = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, VECTORS[i] );
-            wisp_frame_kernels( frame )->carry_vectors( &args, rows, 0, count );
+            wisp_frame_kernels( frame )->turn_vectors( &args, rows, 0, count );
         }
     }
 }
 
-wisp_status passes_declare_carry( wisp_registry* registry )
+wisp_status passes_declare_moving_frame( wisp_registry* registry )
 {
     const wisp_pass passes[] = {
         {
-            .name = "particles.frame",
-            .stage = WISP_STAGE_INPUT,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "particles.frame", INPUT, ENTITY, move_frame ),
             .required = { WISP_PARTICLE_FRAME, WISP_PARTICLE_POSITION },
             .reads = { WISP_PARTICLE_FRAME, WISP_PARTICLE_POSITION },
             .writes = { WISP_PARTICLE_FRAME, WISP_PARTICLE_POSITION },
-            .run = move_frame,
             .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
-            .name = "particles.carry",
-            .stage = WISP_STAGE_PREDICT,
-            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            WISP_PASS( "particles.carry", PREDICT, PARTICLE_BLOCK, move_with_frame ),
             .required = { WISP_PARTICLE_FRAME, WISP_PARTICLE_VELOCITY },
             .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { WISP_PARTICLE_FRAME, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_VELOCITY,
                         WISP_PARTICLE_UNCARRIED },
-            .run = carry,
         },
         {
-            .name = "surface.levels_frame",
-            .stage = WISP_STAGE_PREDICT,
-            .domain = WISP_DOMAIN_ENTITY,
+            WISP_PASS( "surface.levels_frame", PREDICT, ENTITY, turn_levels_with_frame ),
             .required = { WISP_PARTICLE_FRAME, WISP_SURFACE_LEVELS, WISP_LEVEL_MOTION },
             .reads = { WISP_PARTICLE_FRAME, WISP_LEVEL_MOTION },
             .writes = { WISP_LEVEL_MOTION },
-            .run = carry_levels,
         },
         {
-            .name = "particles.carry_previous",
-            .stage = WISP_STAGE_VELOCITY, // not among what it reads: so it comes before velocities are computed
-            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            WISP_PASS(
+                "particles.carry_previous", VELOCITY, PARTICLE_BLOCK,
+                move_previous_with_frame ), // not among what it reads: so it comes before velocities are computed
             .required = { WISP_PARTICLE_FRAME, WISP_PARTICLE_VELOCITY },
             .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { WISP_PARTICLE_FRAME },
             .writes = { WISP_PARTICLE_PREVIOUS },
-            .run = carry_previous,
         },
     };
     return wisp_declare_passes( registry, passes, WISP_COUNT( passes ), NULL );
 }
 
-wisp_status passes_declare_uncarry( wisp_registry* registry )
+wisp_status passes_declare_seen_motion( wisp_registry* registry )
 {
     const wisp_pass pass = {
-        .name = "particles.uncarry",
-        .stage = WISP_STAGE_PREDICT,
-        .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+        WISP_PASS( "particles.uncarry", PREDICT, PARTICLE_BLOCK, restore_previous ),
         .required = { WISP_PARTICLE_FRAME, WISP_PARTICLE_VELOCITY },
         .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
         .reads = { WISP_PARTICLE_FRAME, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_UNCARRIED },
         .writes = { WISP_PARTICLE_PREVIOUS },
-        .run = uncarry,
     };
     return wisp_declare_pass( registry, &pass );
 }
@@ -255,13 +243,10 @@ static void limit_speed( wisp_frame* frame, const wisp_span* span, void* user )
 wisp_status passes_declare_max_speed( wisp_registry* registry )
 {
     const wisp_pass pass = {
-        .name = "particles.max_speed",
-        .stage = WISP_STAGE_VELOCITY,
-        .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+        WISP_PASS( "particles.max_speed", VELOCITY, PARTICLE_BLOCK, limit_speed ),
         .required = { WISP_PARTICLE_MAX_SPEED, WISP_PARTICLE_VELOCITY },
         .reads = { WISP_PARTICLE_MAX_SPEED, WISP_PARTICLE_VELOCITY },
         .writes = { WISP_PARTICLE_VELOCITY },
-        .run = limit_speed,
     };
     return wisp_declare_pass( registry, &pass );
 }
