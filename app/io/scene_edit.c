@@ -93,29 +93,19 @@ static size_t next_line( const editor* e, int line )
 
 // ---- nodes ----
 
-static const scene_node* find_child( const editor* e, const scene_node* node, const char* key )
-{
-    const scene_node* child = node && node->kind == SCENE_MAP ? scene_first( &e->tree, node ) : NULL;
-    while ( child && strcmp( scene_key_of( &e->tree, child ), key ) != 0 )
-    {
-        child = scene_next( &e->tree, child );
-    }
-    return child;
-}
-
 static const scene_node* find_map( const editor* e, const wisp_scene_edit* edit )
 {
     const scene_node* node = &e->tree.nodes[0];
     if ( edit->list )
     {
-        node = find_child( e, node, edit->list );
+        node = scene_tree_find( &e->tree, node, edit->list );
         node = node && node->kind == SCENE_LIST ? scene_first( &e->tree, node ) : NULL;
         for ( int i = 0; node && i < edit->index; ++i )
         {
             node = scene_next( &e->tree, node );
         }
     }
-    node = node && edit->block ? find_child( e, node, edit->block ) : node;
+    node = node && edit->block ? scene_tree_find( &e->tree, node, edit->block ) : node;
     return node && node->kind == SCENE_MAP ? node : NULL;
 }
 
@@ -365,7 +355,7 @@ static wisp_status add_edit( editor* e, const wisp_scene_edit* edit )
     {
         return refuse_edit( e, NULL, edit );
     }
-    const scene_node* node = find_child( e, map, edit->key );
+    const scene_node* node = scene_tree_find( &e->tree, map, edit->key );
     if ( takes_out( edit ) )
     {
         return node ? take_out( e, map, node, edit ) : WISP_OK;

@@ -2,6 +2,8 @@
 #include "scene_parts.h"
 #include "scene_ranges.h"
 
+#include "wisp/module/definition.h"
+
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -80,12 +82,7 @@ const scene_block SCENE_EVENT_BLOCK = SCENE_BLOCK_ALONE( EVENT_FIELDS );
 
 static wisp_status find_step( scene_reader* r, const scene_node* node, scene_event* read )
 {
-    if ( read->has_step == read->has_time )
-    {
-        return scene_refuse_node( r, node,
-                                  read->has_step ? "got both 'step' and 'time', expected one of them"
-                                                 : "got neither 'step' nor 'time', expected one of them" );
-    }
+    WISP_TRY( scene_expect_one( r, node, "step", read->has_step, "time", read->has_time ) );
     double step = read->has_step ? (double)read->event.step : wisp_scene_step_at( r->scene, read->time );
     if ( !( step < (double)r->scene->steps ) )
     {
@@ -213,20 +210,13 @@ static wisp_status check_pins( scene_reader* r, const scene_node* node, const wi
 static wisp_status check_strands( scene_reader* r, const scene_node* node, const wisp_scene_event* e )
 {
     const wisp_scene_strands* s = &r->scene->strands[e->strands];
-    if ( changes_motion( e ) || pin_changes( e ) > 0 )
-    {
-        return scene_refuse_node( r, node, "strands take only 'wind' and 'detail'" );
-    }
-    if ( !e->has_wind && !e->has_detail )
-    {
-        return scene_refuse_node( r, node, "got no change, expected 'wind' or 'detail'" );
-    }
-    const wisp_status status =
-        e->has_detail ? scene_check_strands_detail( r, scene_child( r, node, "detail" ), s, e->detail ) : WISP_OK;
-    if ( status )
-    {
-        return status;
-    }
+    const scene_case cases[] = {
+        { changes_motion( e ) || pin_changes( e ) > 0, NULL, "strands take only 'wind' and 'detail'" },
+        { !e->has_wind && !e->has_detail, NULL, "got no change, expected 'wind' or 'detail'" },
+    };
+    WISP_TRY( scene_refuse_cases( r, node, cases, WISP_COUNT( cases ) ) );
+    WISP_TRY( e->has_detail ? scene_check_strands_detail( r, scene_child( r, node, "detail" ), s, e->detail )
+                            : WISP_OK );
     return !e->has_wind || ( s->has_dynamics && s->dynamics.drag_coefficient > 0.0f )
                ? WISP_OK
                : scene_refuse_node(
@@ -235,12 +225,7 @@ static wisp_status check_strands( scene_reader* r, const scene_node* node, const
 
 static wisp_status check_event( scene_reader* r, const scene_node* node, const wisp_scene_event* e )
 {
-    if ( ( e->strands >= 0 ) == ( e->surface >= 0 ) )
-    {
-        return scene_refuse_node( r, node,
-                                  e->strands >= 0 ? "got both 'strands' and 'surface', expected one of them"
-                                                  : "got neither 'strands' nor 'surface', expected one of them" );
-    }
+    WISP_TRY( scene_expect_one( r, node, "strands", e->strands >= 0, "surface", e->surface >= 0 ) );
     if ( e->strands >= 0 )
     {
         return check_strands( r, node, e );
@@ -254,12 +239,8 @@ static wisp_status check_event( scene_reader* r, const scene_node* node, const w
             "velocity, angular_velocity, gust, teleport, detail, attach_pins, and hold, release and "
             "detach_pins: true" );
     }
-    wisp_status status =
-        e->has_detail ? scene_check_surface_detail( r, scene_child( r, node, "detail" ), s, e->detail ) : WISP_OK;
-    if ( status )
-    {
-        return status;
-    }
+    WISP_TRY( e->has_detail ? scene_check_surface_detail( r, scene_child( r, node, "detail" ), s, e->detail )
+                            : WISP_OK );
     if ( e->has_wind &&
          !( s->has_cloth && ( s->cloth.drag_coefficient > 0.0f || s->cloth.lift_coefficient > 0.0f ) ) )
     {
@@ -279,8 +260,8 @@ static wisp_status check_event( scene_reader* r, const scene_node* node, const w
             r, node, "'%s' has keyframes of motion_constraints, frame or pin_groups, which do not teleport",
             s->name );
     }
-    status = pin_changes( e ) > 0 ? check_pins( r, node, e, s ) : WISP_OK;
-    return status ? status : check_gas( r, node, e, s );
+    WISP_TRY( pin_changes( e ) > 0 ? check_pins( r, node, e, s ) : WISP_OK );
+    return check_gas( r, node, e, s );
 }
 
 // ---- the list ----
@@ -391,37 +372,32 @@ static wisp_status refuse_idle_pins( scene_reader* r )
     return status;
 }
 
-static wisp_status read_event( scene_reader* r, const scene_node* item, int index, void* context )
+static wisp_status read_event( scene_reader* r, const scene_node* item, int index, void* events )
 {
-    wisp_scene* scene = context;
     scene_event read = { .event = { .strands = -1,
                                     .surface = -1,
                                     .pin_group = -1,
                                     .attach_to = -1,
                                     .line = item->line,
                                     .column = item->column } };
-    wisp_status status = scene_read_block( r, item, &SCENE_EVENT_BLOCK, &read );
-    status = status ? status : find_step( r, item, &read );
-    status = status ? status : find_group( r, item, &read );
-    status = status ? status : check_gust( r, item, &read );
-    scene->events[index] = read.event;
-    scene->event_count = index + 1;
-    return status ? status : check_event( r, item, &read.event );
+    WISP_TRY( scene_read_block( r, item, &SCENE_EVENT_BLOCK, &read ) );
+    WISP_TRY( find_step( r, item, &read ) );
+    WISP_TRY( find_group( r, item, &read ) );
+    WISP_TRY( check_gust( r, item, &read ) );
+    ( (wisp_scene_event*)events )[index] = read.event;
+    return check_event( r, item, &read.event );
 }
 
-wisp_status scene_read_events( scene_reader* r, const scene_node* node, void* at )
+static wisp_status sort_events( scene_reader* r, const scene_node* node, void* at )
 {
+    (void)node;
     wisp_scene* scene = at;
-    void* items;
-    wisp_status status =
-        scene_begin_list( r, node, "a list of entries", SCENE_MAX_NODES, sizeof *scene->events, &items );
-    scene->events = items;
-    status = status ? status : scene_read_items( r, node, read_event, scene );
-    if ( status || scene->event_count == 0 )
-    {
-        return status;
-    }
     qsort( scene->events, (size_t)scene->event_count, sizeof *scene->events, compare_events );
-    status = refuse_equal_events( r );
-    return status ? status : refuse_idle_pins( r );
+    WISP_TRY( refuse_equal_events( r ) );
+    return refuse_idle_pins( r );
 }
+
+const scene_list SCENE_EVENTS_LIST = { .what = "a list of entries",
+                                       .size = sizeof( wisp_scene_event ),
+                                       .read = read_event,
+                                       .finish = sort_events };

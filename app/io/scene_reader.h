@@ -32,7 +32,7 @@ typedef struct scene_reader
     size_t path_length;
     scene_name* names; // [name_count] of the lists that were read, by text
     int name_count;
-    const wisp_scene_mesh* mesh; // of the surface that is read: what its vertices are numbered in
+    const void* entry; // of the list that is read: what its values are numbered in
     int body_count;              // colliders, and surfaces that are some
 } scene_reader;
 
@@ -47,4 +47,6 @@ wisp_status scene_refuse_node( const scene_reader* reader, const scene_node* nod
 
 /// Zeroed memory that lives as long as the scene. @return null if there is none, or if the count is 0
 void* scene_take( wisp_scene* scene, size_t count, size_t size );
+/// A text that lives as long as the scene. @return null without memory
+const char* scene_print( wisp_scene* scene, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
 wisp_status scene_no_memory( const scene_reader* reader );

@@ -1,6 +1,8 @@
 #include "scene_text.h"
 #include "io_file.h"
 
+#include "wisp/module/definition.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -246,11 +248,7 @@ static wisp_status grow_nodes( builder* b, const yaml_mark_t* mark )
 // Append a value to the innermost open container, under the pending key if that is a map.
 static wisp_status add_node( builder* b, scene_kind kind, const yaml_mark_t* mark )
 {
-    wisp_status status = grow_nodes( b, mark );
-    if ( status )
-    {
-        return status;
-    }
+    WISP_TRY( grow_nodes( b, mark ) );
     int index = b->tree->node_count++;
     b->tree->nodes[index] = ( scene_node ){
         .line = (int)mark->line + 1,
@@ -297,11 +295,7 @@ static wisp_status take_scalar( builder* b, const yaml_event_t* event )
     }
 
     uint32_t text = 0;
-    wisp_status status = keep_letters( b, value, length, &text );
-    if ( status )
-    {
-        return status;
-    }
+    WISP_TRY( keep_letters( b, value, length, &text ) );
     if ( requests_key( b ) )
     {
         b->has_key = true;
@@ -310,14 +304,11 @@ static wisp_status take_scalar( builder* b, const yaml_event_t* event )
         b->key_column = (int)mark->column + 1;
         return WISP_OK;
     }
-    status = add_node( b, SCENE_SCALAR, mark );
-    if ( !status )
-    {
-        scene_node* node = &b->tree->nodes[b->tree->node_count - 1];
-        node->text = text;
-        node->plain = plain;
-    }
-    return status;
+    WISP_TRY( add_node( b, SCENE_SCALAR, mark ) );
+    scene_node* node = &b->tree->nodes[b->tree->node_count - 1];
+    node->text = text;
+    node->plain = plain;
+    return WISP_OK;
 }
 
 static wisp_status open_container( builder* b, scene_kind kind, const yaml_mark_t* mark )
@@ -331,14 +322,11 @@ static wisp_status open_container( builder* b, scene_kind kind, const yaml_mark_
         return scene_refuse( b->source, (int)mark->line + 1, (int)mark->column + 1, "",
                              "expected at most %d levels of lists and mappings", SCENE_MAX_DEPTH );
     }
-    wisp_status status = add_node( b, kind, mark );
-    if ( !status )
-    {
-        b->open[b->depth] = b->tree->node_count - 1;
-        b->last[b->depth] = -1;
-        b->depth++;
-    }
-    return status;
+    WISP_TRY( add_node( b, kind, mark ) );
+    b->open[b->depth] = b->tree->node_count - 1;
+    b->last[b->depth] = -1;
+    b->depth++;
+    return WISP_OK;
 }
 
 static wisp_status refuse_properties( const builder* b, const yaml_mark_t* mark, const yaml_char_t* anchor,
@@ -354,7 +342,6 @@ static wisp_status refuse_properties( const builder* b, const yaml_mark_t* mark,
 static wisp_status take_event( builder* b, const yaml_event_t* event )
 {
     const yaml_mark_t* mark = &event->start_mark;
-    wisp_status status = WISP_OK;
     switch ( event->type )
     {
         case YAML_DOCUMENT_START_EVENT:
@@ -362,14 +349,16 @@ static wisp_status take_event( builder* b, const yaml_event_t* event )
         case YAML_ALIAS_EVENT:
             return refuse_mark( b, mark, "YAML aliases (*) are not supported; repeat the value" );
         case YAML_SCALAR_EVENT:
-            status = refuse_properties( b, mark, event->data.scalar.anchor, event->data.scalar.tag );
-            return status ? status : take_scalar( b, event );
+            WISP_TRY( refuse_properties( b, mark, event->data.scalar.anchor, event->data.scalar.tag ) );
+            return take_scalar( b, event );
         case YAML_SEQUENCE_START_EVENT:
-            status = refuse_properties( b, mark, event->data.sequence_start.anchor, event->data.sequence_start.tag );
-            return status ? status : open_container( b, SCENE_LIST, mark );
+            WISP_TRY(
+                refuse_properties( b, mark, event->data.sequence_start.anchor, event->data.sequence_start.tag ) );
+            return open_container( b, SCENE_LIST, mark );
         case YAML_MAPPING_START_EVENT:
-            status = refuse_properties( b, mark, event->data.mapping_start.anchor, event->data.mapping_start.tag );
-            return status ? status : open_container( b, SCENE_MAP, mark );
+            WISP_TRY(
+                refuse_properties( b, mark, event->data.mapping_start.anchor, event->data.mapping_start.tag ) );
+            return open_container( b, SCENE_MAP, mark );
         case YAML_SEQUENCE_END_EVENT:
         case YAML_MAPPING_END_EVENT:
             b->depth--;
@@ -412,12 +401,7 @@ wisp_status scene_tree_build( const scene_source* given, scene_tree* tree )
         source.text += 3;
         source.size -= 3;
     }
-    wisp_status status = check_letters( &source );
-    if ( status )
-    {
-        return status;
-    }
-
+    WISP_TRY( check_letters( &source ) );
     builder b = { .source = &source, .tree = tree };
     if ( !yaml_parser_initialize( &b.parser ) )
     {
@@ -425,7 +409,7 @@ wisp_status scene_tree_build( const scene_source* given, scene_tree* tree )
     }
     yaml_parser_set_encoding( &b.parser, YAML_UTF8_ENCODING );
     yaml_parser_set_input_string( &b.parser, (const void*)( source.size > 0 ? source.text : "" ), source.size );
-    status = take_events( &b );
+    const wisp_status status = take_events( &b );
     yaml_parser_delete( &b.parser );
 
     if ( !status && tree->node_count == 0 )
@@ -433,6 +417,18 @@ wisp_status scene_tree_build( const scene_source* given, scene_tree* tree )
         return scene_refuse( &source, 0, 0, "", "got an empty file" );
     }
     return status;
+}
+
+const scene_node* scene_tree_find( const scene_tree* tree, const scene_node* node, const char* path )
+{
+    const size_t length = strcspn( path, "." );
+    const scene_node* child = node != NULL && node->kind == SCENE_MAP ? scene_first( tree, node ) : NULL;
+    while ( child != NULL && ( strncmp( scene_key_of( tree, child ), path, length ) != 0 ||
+                               scene_key_of( tree, child )[length] != '\0' ) )
+    {
+        child = scene_next( tree, child );
+    }
+    return child != NULL && path[length] == '.' ? scene_tree_find( tree, child, path + length + 1 ) : child;
 }
 
 void scene_tree_release( scene_tree* tree )

@@ -72,6 +72,9 @@ static inline const scene_node* scene_next( const scene_tree* tree, const scene_
     return node->next < 0 ? NULL : &tree->nodes[node->next];
 }
 
+/// The value at a path of keys such as "frame.pivot". @return null if a key is not there, or if the node is null or no mapping
+const scene_node* scene_tree_find( const scene_tree* tree, const scene_node* node, const char* path );
+
 /// Refuse with `name:line:column: path: message`; line 0 leaves out the place, an empty path itself.
 /// Control characters that came from the file do not reach the message.
 wisp_status scene_refuse( const scene_source* source, int line, int column, const char* path, const char* format,

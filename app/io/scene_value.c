@@ -124,11 +124,7 @@ const scene_name* scene_find_name( const scene_reader* r, const char* text )
 wisp_status scene_read_named( scene_reader* r, const scene_node* node, scene_named what, int* index )
 {
     const char* text = NULL;
-    wisp_status status = scene_read_text( r, node, &text );
-    if ( status )
-    {
-        return status;
-    }
+    WISP_TRY( scene_read_text( r, node, &text ) );
     const scene_name* found = scene_find_name( r, text );
     if ( !found || found->what != what )
     {
@@ -136,25 +132,6 @@ wisp_status scene_read_named( scene_reader* r, const scene_node* node, scene_nam
     }
     *index = found->index;
     return WISP_OK;
-}
-
-// ---- lists of entries ----
-
-wisp_status scene_begin_list( scene_reader* r, const scene_node* node, const char* what, int most, size_t size,
-                              void** items )
-{
-    *items = NULL;
-    wisp_status status = scene_expect_list( r, node, what );
-    if ( status || node->count == 0 )
-    {
-        return status;
-    }
-    if ( node->count > most )
-    {
-        return scene_refuse_node( r, node, "got %d entries, expected at most %d", node->count, most );
-    }
-    *items = scene_take( r->scene, (size_t)node->count, size );
-    return *items ? WISP_OK : scene_no_memory( r );
 }
 
 // ---- reader ----
@@ -182,6 +159,22 @@ void* scene_take( wisp_scene* scene, size_t count, size_t size )
     block->next = scene->blocks;
     scene->blocks = block;
     return block->bytes;
+}
+
+const char* scene_print( wisp_scene* scene, const char* format, ... )
+{
+    va_list arguments, again;
+    va_start( arguments, format );
+    va_copy( again, arguments );
+    const int length = vsnprintf( NULL, 0, format, arguments );
+    char* text = scene_take( scene, (size_t)length + 1, 1 );
+    if ( text )
+    {
+        vsnprintf( text, (size_t)length + 1, format, again );
+    }
+    va_end( again );
+    va_end( arguments );
+    return text;
 }
 
 void wisp_scene_release( wisp_scene* scene )
@@ -431,11 +424,7 @@ static wisp_status refuse_range( const scene_reader* r, const scene_node* node, 
 wisp_status scene_read_number( scene_reader* r, const scene_node* node, const scene_field* field, float* out )
 {
     bool whole = false;
-    wisp_status status = expect_number( r, node, field->unit, "a number", &whole );
-    if ( status )
-    {
-        return status;
-    }
+    WISP_TRY( expect_number( r, node, field->unit, "a number", &whole ) );
     // The range is checked as the module will see the number: after rounding. 1e999 becomes infinite here and is out
     // of every range.
     float value = strtof( scene_text_of( r->tree, node ), NULL );
@@ -450,11 +439,7 @@ wisp_status scene_read_number( scene_reader* r, const scene_node* node, const sc
 wisp_status scene_read_whole( scene_reader* r, const scene_node* node, const scene_field* field, int* out )
 {
     bool whole = false;
-    wisp_status status = expect_number( r, node, field->unit, "a whole number", &whole );
-    if ( status )
-    {
-        return status;
-    }
+    WISP_TRY( expect_number( r, node, field->unit, "a whole number", &whole ) );
     if ( !whole )
     {
         return scene_refuse_kind( r, node, "a whole number" );
@@ -472,11 +457,7 @@ wisp_status scene_read_whole( scene_reader* r, const scene_node* node, const sce
 wisp_status scene_read_seed( scene_reader* r, const scene_node* node, uint64_t* out )
 {
     bool whole = false;
-    wisp_status status = expect_number( r, node, NULL, SEED_RANGE, &whole );
-    if ( status )
-    {
-        return status;
-    }
+    WISP_TRY( expect_number( r, node, NULL, SEED_RANGE, &whole ) );
     const char* text = scene_text_of( r->tree, node );
     errno = 0;
     unsigned long long value = strtoull( text, NULL, 10 );
@@ -549,27 +530,6 @@ wisp_status scene_read_shape( scene_reader* r, const scene_node* node, const sce
     return WISP_OK;
 }
 
-wisp_status scene_read_words( scene_reader* r, const scene_node* node, const scene_choice* words,
-                              bool* const* switches, scene_word_fn* check, const void* entry )
-{
-    WISP_TRY( scene_expect_list( r, node, "a list of words" ) );
-    int i = 0;
-    for ( const scene_node* item = scene_first( r->tree, node ); item; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, i++ );
-        int word = 0;
-        WISP_TRY( scene_read_choice( r, item, words, &word ) );
-        if ( *switches[word] )
-        {
-            return scene_refuse_node( r, item, "'%s' is listed twice", words[word].word );
-        }
-        WISP_TRY( check != NULL ? check( r, item, word, entry ) : WISP_OK );
-        *switches[word] = true;
-        scene_leave( r, outside );
-    }
-    return WISP_OK;
-}
-
 wisp_status scene_expect_pair( scene_reader* r, const scene_node* node, const char* requested )
 {
     if ( node->kind != SCENE_LIST )
@@ -592,12 +552,6 @@ wisp_status scene_read_text( scene_reader* r, const scene_node* node, const char
     {
         return scene_refuse_node( r, node, "got %zu letters, expected at most 1000", length );
     }
-    char* copy = scene_take( r->scene, length + 1, 1 );
-    if ( !copy )
-    {
-        return scene_no_memory( r );
-    }
-    memcpy( copy, text, length );
-    *out = copy;
-    return WISP_OK;
+    *out = scene_print( r->scene, "%s", text );
+    return *out ? WISP_OK : scene_no_memory( r );
 }
