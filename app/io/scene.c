@@ -278,13 +278,13 @@ static const scene_field SCENE_FIELDS[] = {
       .help = "Gravity of surfaces and moving strands that have none of their own." },
     { "contact", SCENE_CUSTOM, .read = scene_read_contact, .help = "How contact between all participants is found.",
       .form = "block" },
-    { "strands", SCENE_ENTRIES, .at = AT( strands ), .of = &SCENE_STRANDS_LIST, .bind = scene_bind_strands, .help = "Strands of hair.",
-      .form = "list of blocks", .initial = "none" },
+    { "strands", SCENE_ENTRIES, .at = AT( strands ), .of = &SCENE_STRANDS_LIST, .bind = scene_bind_strands,
+      .help = "Strands of hair.", .form = "list of blocks", .initial = "none" },
     { "surfaces", SCENE_ENTRIES, .at = AT( surfaces ), .of = &SCENE_SURFACES_LIST, .bind = scene_bind_to_surfaces,
       .help = "Cloths, balloons and other triangle meshes that move, with 16777216 vertices in all.",
       .form = "list of blocks", .initial = "none" },
-    { "colliders", SCENE_ENTRIES, .at = AT( colliders ), .of = &SCENE_COLLIDERS_LIST, .help = "Bodies that only move as they are told.",
-      .form = "list of blocks", .initial = "none" },
+    { "colliders", SCENE_ENTRIES, .at = AT( colliders ), .of = &SCENE_COLLIDERS_LIST,
+      .help = "Bodies that only move as they are told.", .form = "list of blocks", .initial = "none" },
     { "seams", SCENE_ENTRIES, .at = AT( seams ), .of = &SCENE_SEAMS_LIST, .help = "Surfaces that are sewn together.",
       .form = "list of blocks", .initial = "none" },
     { "hair_events", SCENE_ENTRIES, .at = AT( commands ), .of = &SCENE_COMMANDS_LIST,
@@ -400,7 +400,8 @@ wisp_status wisp_scene_read( const char* path, wisp_scene* out, wisp_error* erro
     unsigned char* bytes = NULL;
     size_t size = 0;
     WISP_TRY( io_file_read( path, SCENE_MAX_BYTES, &bytes, &size, error ) );
-    const wisp_status status = wisp_scene_parse( bytes ? (const char*)bytes : "", size, io_input_name( path ), out, error );
+    const wisp_status status =
+        wisp_scene_parse( bytes ? (const char*)bytes : "", size, io_input_name( path ), out, error );
     free( bytes );
     return status;
 }

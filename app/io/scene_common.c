@@ -310,7 +310,8 @@ wisp_status scene_check_vertex( scene_reader* r, const scene_node* node, int ver
                                     of ? of : "", of ? "'" : "", (long long)( count - 1 ) );
 }
 
-wisp_status scene_refuse_jumps( scene_reader* r, const scene_node* node, const wisp_scene_path* path, const char* why )
+wisp_status scene_refuse_jumps( scene_reader* r, const scene_node* node, const wisp_scene_path* path,
+                                const char* why )
 {
     for ( int i = 0; i < path->count; ++i )
     {

@@ -397,7 +397,6 @@ static wisp_status sort_events( scene_reader* r, const scene_node* node, void* a
     return refuse_idle_pins( r );
 }
 
-const scene_list SCENE_EVENTS_LIST = { .what = "a list of entries",
-                                       .size = sizeof( wisp_scene_event ),
-                                       .read = read_event,
-                                       .finish = sort_events };
+const scene_list SCENE_EVENTS_LIST = {
+    .what = "a list of entries", .size = sizeof( wisp_scene_event ), .read = read_event, .finish = sort_events
+};

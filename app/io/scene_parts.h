@@ -25,28 +25,28 @@ extern const scene_block SCENE_SEAM_BLOCK;                                      
 extern const scene_block SCENE_BOX_BLOCK;                                       // over wisp_scene_box
 extern const scene_block SCENE_PIN_GROUP_BLOCK;                                 // over wisp_scene_pins
 
-extern const scene_block SCENE_MESH_BLOCKS[WISP_MESH_SHAPE_COUNT];      // over wisp_mesh_generator
-extern const scene_block SCENE_COLLIDER_BLOCKS[WISP_COLLIDER_COUNT];    // over wisp_scene_collider
-extern const scene_block SCENE_PIN_POSE_BLOCK, SCENE_POSITION_BLOCK;    // over wisp_scene_pose
-extern const scene_block SCENE_ROTATION_BLOCK;                          // over what scene_mesh.c makes a rotation of
+extern const scene_block SCENE_MESH_BLOCKS[WISP_MESH_SHAPE_COUNT];   // over wisp_mesh_generator
+extern const scene_block SCENE_COLLIDER_BLOCKS[WISP_COLLIDER_COUNT]; // over wisp_scene_collider
+extern const scene_block SCENE_PIN_POSE_BLOCK, SCENE_POSITION_BLOCK; // over wisp_scene_pose
+extern const scene_block SCENE_ROTATION_BLOCK;                       // over what scene_mesh.c makes a rotation of
 extern const scene_choice SCENE_REPAIR_WORDS[], SCENE_REQUIRE_WORDS[];
 extern const int SCENE_REPAIR_BITS[], SCENE_REQUIRE_BITS[]; // flags of mesh.h
 
 // Lists of the scene, of entries and of their values.
 extern const scene_list SCENE_STRANDS_LIST, SCENE_SURFACES_LIST, SCENE_COLLIDERS_LIST, SCENE_SEAMS_LIST,
     SCENE_COMMANDS_LIST, SCENE_EVENTS_LIST;
-extern const scene_list SCENE_STRAND_PINS, SCENE_VERTEX_MASSES;                                     // of strands
-extern const scene_list SCENE_VERTICES, SCENE_PIN_BOXES, SCENE_PIN_PLACES, SCENE_PIN_GROUPS;        // of a surface
+extern const scene_list SCENE_STRAND_PINS, SCENE_VERTEX_MASSES;                                // of strands
+extern const scene_list SCENE_VERTICES, SCENE_PIN_BOXES, SCENE_PIN_PLACES, SCENE_PIN_GROUPS;   // of a surface
 extern const scene_list SCENE_PIN_PATH, SCENE_HEAD_PATH, SCENE_TIPS_PATH, SCENE_COLLIDER_PATH; // in a wisp_scene_path
 
 // Readers that fill what they are pointed at.
-scene_read_fn scene_read_name, scene_read_file;      // const char*
-scene_read_fn scene_read_later_name;                 // nothing: a name that is looked up once all are known
-scene_read_fn scene_read_rotation;                   // wisp_quat
-scene_read_fn scene_read_mesh_generate;              // wisp_scene_mesh
-scene_read_fn scene_read_layers;                     // uint32_t, a bit a layer
-scene_read_fn scene_read_strain_limit;               // float[2]
-scene_read_fn scene_read_tile_size;                  // int
+scene_read_fn scene_read_name, scene_read_file; // const char*
+scene_read_fn scene_read_later_name;            // nothing: a name that is looked up once all are known
+scene_read_fn scene_read_rotation;              // wisp_quat
+scene_read_fn scene_read_mesh_generate;         // wisp_scene_mesh
+scene_read_fn scene_read_layers;                // uint32_t, a bit a layer
+scene_read_fn scene_read_strain_limit;          // float[2]
+scene_read_fn scene_read_tile_size;             // int
 
 // Readers that are pointed at the scene or the entry.
 scene_read_fn scene_read_contact;                    // wisp_scene
@@ -101,7 +101,6 @@ wisp_status scene_read_vertices( scene_reader* reader, const scene_node* node, i
 /// names are bound.
 wisp_status scene_make_copies( scene_reader* reader );
 
-// scene_origin.c
 /// Find where the scene is, and make places relative to it. Before copies are made, which share arrays.
 void scene_find_origin( wisp_scene* scene );
 
@@ -136,8 +135,8 @@ wisp_status scene_read_items( scene_reader* reader, const scene_node* list, scen
 wisp_status scene_read_numbers( scene_reader* reader, const scene_node* list, const scene_field* field, float* out );
 
 /// Refuse a vertex that is not there, if it is known how many there are. @param of the name of their body, or null
-wisp_status scene_check_vertex( scene_reader* reader, const scene_node* node, int vertex, bool is_known, int64_t count,
-                                const char* of );
+wisp_status scene_check_vertex( scene_reader* reader, const scene_node* node, int vertex, bool is_known,
+                                int64_t count, const char* of );
 
 /// Refuse keyframes that jump. @param why such as SCENE_JUMPS
 wisp_status scene_refuse_jumps( scene_reader* reader, const scene_node* node, const wisp_scene_path* path,

@@ -33,7 +33,7 @@ typedef struct scene_reader
     scene_name* names; // [name_count] of the lists that were read, by text
     int name_count;
     const void* entry; // of the list that is read: what its values are numbered in
-    int body_count;              // colliders, and surfaces that are some
+    int body_count;    // colliders, and surfaces that are some
 } scene_reader;
 
 /// Lengthen the path while a list's item is read. @return what scene_leave() takes

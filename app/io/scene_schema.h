@@ -61,8 +61,9 @@ typedef struct scene_field
     const char* unit;            // symbol; null: the number has no unit
     const scene_choice* choices; // ends with null
     const char* constants;       // what the constants of the choices begin with in C
-    const size_t* switches;      // of SCENE_WORDS: the bool that each sets, bytes from `at`; null: it sets a bit of the int there
-    const int* bits;             // of SCENE_WORDS without switches
+    const size_t*
+        switches;    // of SCENE_WORDS: the bool that each sets, bytes from `at`; null: it sets a bit of the int there
+    const int* bits; // of SCENE_WORDS without switches
     scene_word_fn* check;        // of SCENE_WORDS; null: an entry can have all
     const struct scene_list* of; // of SCENE_ENTRIES
     size_t list, list_count;     // of SCENE_NUMBERS; the count of SCENE_ENTRIES, 0: it is right behind the pointer

@@ -193,10 +193,11 @@ static const scene_list PAIRS = { .what = "a list of pairs of vertices",
 // `surfaces` stands before `pairs`: it says which vertices there are.
 static const scene_field SEAM_FIELDS[] = {
     SCENE_NAME_FIELD,
-    { "surfaces", SCENE_CUSTOM, .required = true, .at = AT( surfaces ), .read = read_surfaces, .form = "pair of names of surfaces",
+    { "surfaces", SCENE_CUSTOM, .required = true, .at = AT( surfaces ), .read = read_surfaces,
+      .form = "pair of names of surfaces",
       .help = "What is sewn together; the same name twice sews a surface to itself." },
-    { "pairs", SCENE_ENTRIES, .at = AT( pairs ), .of = &PAIRS, .form = "list of pairs [vertex of the first, vertex of the second]",
-      .initial = "those that `within` finds",
+    { "pairs", SCENE_ENTRIES, .at = AT( pairs ), .of = &PAIRS,
+      .form = "list of pairs [vertex of the first, vertex of the second]", .initial = "those that `within` finds",
       .help = "Vertices that are sewn together, as numbered in the file. A vertex may be in several pairs." },
     { "within", .range = RANGE( 1e-6, 1e6 ), .initial = "none",
       .help = "Each boundary vertex of one surface is sewn to the nearest one of the other if it starts within this "

@@ -129,8 +129,8 @@ static const scene_choice WORDS[] = {
     { "collision_stats", "largest penetration and number of contacts; needs `collision`" },
     { NULL, NULL },
 };
-static const size_t REQUESTS[] = { AT( request_points ), AT( request_width ),        AT( request_colour ),
-                                   AT( request_strain ), AT( request_speed ),        AT( request_motion_stats ),
+static const size_t REQUESTS[] = { AT( request_points ),  AT( request_width ), AT( request_colour ),
+                                   AT( request_strain ),  AT( request_speed ), AT( request_motion_stats ),
                                    AT( request_contacts ) };
 
 // Words from OF_LOOK on need a look, those from OF_DYNAMICS on a motion, those from OF_COLLISION on a collision

@@ -142,9 +142,17 @@ static wisp_status check_tearing( scene_reader* r, const scene_node* node, const
 static wisp_status check_membrane( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
 {
     static const char* const of_links[] = {
-        "balloon.solver",         "balloon.edge_stiffness",  "balloon.bend_link_stiffness", "balloon.stretch_stiffness",
-        "balloon.bend_stiffness", "cloth.warp_compliance",   "cloth.weft_compliance",       "cloth.shear_compliance",
-        "cloth.stretch_stiffness", "cloth.shear_stiffness", "cloth.warp",
+        "balloon.solver",
+        "balloon.edge_stiffness",
+        "balloon.bend_link_stiffness",
+        "balloon.stretch_stiffness",
+        "balloon.bend_stiffness",
+        "cloth.warp_compliance",
+        "cloth.weft_compliance",
+        "cloth.shear_compliance",
+        "cloth.stretch_stiffness",
+        "cloth.shear_stiffness",
+        "cloth.warp",
     };
     const scene_case cases[] = {
         { s->has_cloth && s->cloth.coarse_substeps > 0, NULL,
@@ -154,7 +162,8 @@ static wisp_status check_membrane( scene_reader* r, const scene_node* node, cons
         { s->has_cloth && s->cloth.bending == WISP_CLOTH_BENDING_LINKS, NULL,
           "'membrane' needs cloth.bending dihedral, isometric or none, got links" },
     };
-    WISP_TRY( scene_refuse_keys( r, node, of_links, WISP_COUNT( of_links ), "is of links, and a membrane has none" ) );
+    WISP_TRY(
+        scene_refuse_keys( r, node, of_links, WISP_COUNT( of_links ), "is of links, and a membrane has none" ) );
     return scene_refuse_cases( r, scene_child( r, node, "membrane" ), cases, WISP_COUNT( cases ) );
 }
 

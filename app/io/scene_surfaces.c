@@ -52,9 +52,8 @@ static wisp_status read_fill( scene_reader* r, const scene_node* node, int index
                                          { "gas_ratio", SCENE_NUMBER, .range = RANGE( 1e-3, 1e6 ) } };
     wisp_scene_gas_ratio_keyframe* gas_ratio = (wisp_scene_gas_ratio_keyframe*)keyframes + index;
     WISP_TRY( scene_read_pair( r, node, "a pair [time, gas_ratio]", pair, &gas_ratio->time, &gas_ratio->gas_ratio ) );
-    return index == 0
-               ? WISP_OK
-               : scene_check_rises( r, scene_first( r->tree, node ), gas_ratio[-1].time, gas_ratio->time );
+    return index == 0 ? WISP_OK
+                      : scene_check_rises( r, scene_first( r->tree, node ), gas_ratio[-1].time, gas_ratio->time );
 }
 
 static const scene_list GAS_RATIO_KEYFRAMES = { .what = "a list of pairs [time, gas_ratio]",
@@ -89,8 +88,8 @@ static wisp_status check_word( scene_reader* r, const scene_node* item, int word
                : WISP_OK;
 }
 
-static const size_t REQUESTS[] = { AT( request_points ), AT( request_normals ),      AT( request_strain ),
-                                   AT( request_speed ),  AT( request_motion_stats ), AT( request_stats ),
+static const size_t REQUESTS[] = { AT( request_points ),  AT( request_normals ),      AT( request_strain ),
+                                   AT( request_speed ),   AT( request_motion_stats ), AT( request_stats ),
                                    AT( request_contacts ) };
 
 // ---- tables ----
@@ -375,8 +374,7 @@ static const scene_field SURFACE_FIELDS[] = {
     { "detail", SCENE_BLOCK, .at = AT( has_detail ), .block = &SCENE_SURFACE_DETAIL_BLOCK,
       .help = "Level of detail: a surface that is far away or out of sight costs less." },
     { "compute", SCENE_WORDS, .given = AT( has_compute ), .choices = WORDS, .switches = REQUESTS, .check = check_word,
-      .help = "What is computed for output and statistics.",
-      .initial = "`points`; `[]`: none" },
+      .help = "What is computed for output and statistics.", .initial = "`points`; `[]`: none" },
 };
 #undef AT
 const scene_block SCENE_SURFACE_BLOCK = SCENE_BLOCK_ALONE( SURFACE_FIELDS );

@@ -356,8 +356,7 @@ static wisp_status take_event( builder* b, const yaml_event_t* event )
                 refuse_properties( b, mark, event->data.sequence_start.anchor, event->data.sequence_start.tag ) );
             return open_container( b, SCENE_LIST, mark );
         case YAML_MAPPING_START_EVENT:
-            WISP_TRY(
-                refuse_properties( b, mark, event->data.mapping_start.anchor, event->data.mapping_start.tag ) );
+            WISP_TRY( refuse_properties( b, mark, event->data.mapping_start.anchor, event->data.mapping_start.tag ) );
             return open_container( b, SCENE_MAP, mark );
         case YAML_SEQUENCE_END_EVENT:
         case YAML_MAPPING_END_EVENT:
