@@ -2,6 +2,7 @@
 /// cameras, lights and extras are skipped. Untrusted bytes: bounded and checked; every error names its element.
 #pragma once
 
+#include "io_file.h"
 #include "mesh.h"
 
 #ifdef __cplusplus
@@ -85,10 +86,9 @@ extern "C"
     {
         int node, sampler;
         gltf_interpolation interpolation;
-        int key_count;  ///< >= 1
-        double* times;  ///< [key_count] s, >= 0, rising
-        float* values;  ///< [key_count][target_count]; of cubic splines [key_count][3][target_count]
-        bool is_shared; ///< both arrays belong to an earlier entry of the animation
+        int key_count; ///< >= 1
+        double* times; ///< [key_count] s, >= 0, rising; may be those of an earlier entry
+        float* values; ///< [key_count][target_count]; of cubic splines [key_count][3][target_count]; likewise
     } gltf_weights;
 
     typedef struct gltf_animation
@@ -111,6 +111,7 @@ extern "C"
         gltf_mesh* meshes;
         gltf_skin* skins;
         gltf_animation* animations;
+        io_memory memory; ///< of all that is in it
     } gltf_model;
 
     /// Null and a zero model are allowed; the model is zero afterwards.

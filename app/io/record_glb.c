@@ -121,8 +121,8 @@ static wisp_status glb_begin( wisp_recorder* recorder, wisp_error* error )
 {
     glb_file* file = recorder->file;
     const size_t bytes = (size_t)recorder->most_vertices * sizeof( wisp_vec3 );
-    file->first[0] = record_get( &recorder->memory, bytes );
-    file->first[1] = record_get( &recorder->memory, bytes );
+    file->first[0] = io_get( &recorder->memory, bytes );
+    file->first[1] = io_get( &recorder->memory, bytes );
     if ( recorder->memory.is_short )
     {
         return record_no_memory( recorder->path, error );
@@ -343,7 +343,7 @@ static void write_materials( const wisp_recorder* recorder )
 
 // Of the view that comes next. @param at bytes from its start @param bounds null: none
 static void write_accessor( glb_file* file, uint64_t at, int component, uint64_t count, const char* type,
-                            const record_bounds* bounds )
+                            const io_bounds* bounds )
 {
     fprintf( next( file ),
              "{\"bufferView\":%d,\"byteOffset\":%llu,\"componentType\":%d,\"count\":%llu,\"type\":\"%s\"",
@@ -371,10 +371,10 @@ static void write_body_accessors( wisp_recorder* recorder, int b )
     for ( int i = 0; i < shape.block_count; ++i )
     {
         const bool is_position = i < shape.base ? i == 0 : ( i - shape.base ) % shape.part_count == 0;
-        record_bounds bounds = { .filled = false };
+        io_bounds bounds = { .filled = false };
         if ( is_position )
         {
-            record_extend_bounds( &bounds, load_block( recorder, b, &shape, i ), shape.body->vertex_count );
+            io_extend_bounds( &bounds, load_block( recorder, b, &shape, i ), shape.body->vertex_count );
         }
         write_accessor( file, (uint64_t)i * shape.block_bytes, FLOAT, (uint64_t)shape.body->vertex_count, "VEC3",
                         is_position ? &bounds : NULL );

@@ -203,26 +203,11 @@ const char* scene_find_removed( const char* path, const char* name, bool is_word
 
 // ---- common ----
 
-static bool is_name( const char* text )
-{
-    size_t length = 0;
-    for ( ; text[length] && length <= WISP_SCENE_MAX_NAME; ++length )
-    {
-        char c = text[length];
-        bool letter = ( c >= 'a' && c <= 'z' ) || ( c >= 'A' && c <= 'Z' );
-        if ( !letter && !( c >= '0' && c <= '9' ) && c != '_' && c != '-' )
-        {
-            return false;
-        }
-    }
-    return length > 0 && length <= WISP_SCENE_MAX_NAME;
-}
-
 wisp_status scene_read_name( scene_reader* r, const scene_node* node, void* at )
 {
     const char** name = at;
     WISP_TRY( scene_read_text( r, node, name ) );
-    return is_name( *name )
+    return io_is_name( *name, WISP_SCENE_MAX_NAME )
                ? WISP_OK
                : scene_refuse_node( r, node, "got '%s', expected 1 to %d of the characters A-Z a-z 0-9 _ -",
                                     scene_shorten( *name ).text, WISP_SCENE_MAX_NAME );

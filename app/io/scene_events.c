@@ -331,45 +331,36 @@ static bool change_pins( const wisp_scene_event* e, const wisp_scene_surface* s,
 static wisp_status refuse_idle_pins( scene_reader* r )
 {
     const wisp_scene* scene = r->scene;
-    size_t groups = 0;
-    for ( int s = 0; s < scene->surface_count; ++s )
+    group_state** of_surface = scene_take( r->scene, (size_t)scene->surface_count + 1, sizeof *of_surface );
+    for ( int s = 0; of_surface && s < scene->surface_count; ++s )
     {
-        groups += 1 + (size_t)scene->surfaces[s].pin_group_count;
-    }
-    group_state* states = calloc( groups + 1, sizeof *states );
-    group_state** of_surface = calloc( (size_t)scene->surface_count + 1, sizeof *of_surface );
-    wisp_status status = states && of_surface ? WISP_OK : scene_no_memory( r );
-    groups = 0;
-    for ( int s = 0; status == WISP_OK && s < scene->surface_count; ++s )
-    {
-        of_surface[s] = states + groups;
-        for ( int g = -1; g < scene->surfaces[s].pin_group_count; ++g )
+        const wisp_scene_surface* surface = &scene->surfaces[s];
+        of_surface[s] = scene_take( r->scene, (size_t)surface->pin_group_count + 1, sizeof **of_surface );
+        for ( int g = -1; of_surface[s] && g < surface->pin_group_count; ++g )
         {
-            const wisp_scene_pins* pins = pins_of( &scene->surfaces[s], g );
-            states[groups++] = ( group_state ){ pins->starts_free, pins->attached_to >= 0 };
+            const wisp_scene_pins* pins = pins_of( surface, g );
+            of_surface[s][g + 1] = ( group_state ){ pins->starts_free, pins->attached_to >= 0 };
         }
     }
-    for ( int i = 0; status == WISP_OK && i < scene->event_count; ++i )
+    for ( int i = 0; i < scene->event_count; ++i )
     {
         const wisp_scene_event* e = &scene->events[i];
-        if ( e->surface >= 0 && pin_changes( e ) > 0 &&
-             !change_pins( e, &scene->surfaces[e->surface], of_surface[e->surface] ) )
+        const bool is_of_pins = e->surface >= 0 && pin_changes( e ) > 0;
+        group_state* states = is_of_pins && of_surface ? of_surface[e->surface] : NULL;
+        if ( is_of_pins && !states )
         {
-            status = scene_refuse( r->source, e->line, e->column, r->path,
-                                   "'%s' changes nothing: its pins of '%s' %s before step %d",
-                                   e->release ? "release"
-                                   : e->hold  ? "hold"
-                                              : "detach_pins",
-                                   scene->surfaces[e->surface].name,
-                                   e->release ? "are free"
-                                   : e->hold  ? "are held"
-                                              : "are not attached",
-                                   e->step );
+            return scene_no_memory( r );
+        }
+        if ( is_of_pins && !change_pins( e, &scene->surfaces[e->surface], states ) )
+        {
+            const char* key = e->release ? "release" : e->hold ? "hold" : "detach_pins";
+            const char* state = e->release ? "are free" : e->hold ? "are held" : "are not attached";
+            return scene_refuse( r->source, e->line, e->column, r->path,
+                                 "'%s' changes nothing: its pins of '%s' %s before step %d", key,
+                                 scene->surfaces[e->surface].name, state, e->step );
         }
     }
-    free( of_surface );
-    free( states );
-    return status;
+    return WISP_OK;
 }
 
 static wisp_status read_event( scene_reader* r, const scene_node* item, int index, void* events )

@@ -146,7 +146,7 @@ static wisp_status carry_all( scene_reader* r )
 {
     wisp_scene* scene = r->scene;
     const wisp_scene_hair_event** last =
-        calloc( (size_t)scene->strands_count, sizeof *last ); // of each strands, in the order of steps
+        scene_take( scene, (size_t)scene->strands_count, sizeof *last ); // of each strands, in the order of steps
     for ( int i = 0; i < scene->command_count && last; ++i )
     {
         wisp_scene_hair_event* e = &scene->commands[i];
@@ -156,9 +156,7 @@ static wisp_status carry_all( scene_reader* r )
         }
         last[e->strands] = e;
     }
-    const bool is_done = last != NULL;
-    free( last );
-    return is_done ? WISP_OK : scene_no_memory( r );
+    return last ? WISP_OK : scene_no_memory( r );
 }
 
 // Sort by step, as the program reads them. Of two entries for one step the first would have no effect.

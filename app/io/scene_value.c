@@ -138,27 +138,12 @@ wisp_status scene_read_named( scene_reader* r, const scene_node* node, scene_nam
 
 // ---- memory ----
 
-// A block of a scene's memory; blocks are chained and freed together.
-typedef struct memory_block
-{
-    struct memory_block* next;
-    max_align_t bytes[];
-} memory_block;
-
 void* scene_take( wisp_scene* scene, size_t count, size_t size )
 {
-    if ( count == 0 || count > ( SIZE_MAX - sizeof( memory_block ) ) / size )
-    {
-        return NULL;
-    }
-    memory_block* block = calloc( 1, sizeof *block + count * size );
-    if ( !block )
-    {
-        return NULL;
-    }
-    block->next = scene->blocks;
-    scene->blocks = block;
-    return block->bytes;
+    io_memory memory = { .last = scene->blocks };
+    void* block = count > 0 && count <= SIZE_MAX / 2 / size ? io_get( &memory, count * size ) : NULL;
+    scene->blocks = memory.last;
+    return block;
 }
 
 const char* scene_print( wisp_scene* scene, const char* format, ... )
@@ -179,17 +164,11 @@ const char* scene_print( wisp_scene* scene, const char* format, ... )
 
 void wisp_scene_release( wisp_scene* scene )
 {
-    if ( !scene )
+    if ( scene )
     {
-        return;
+        io_release( &( io_memory ){ .last = scene->blocks } );
+        *scene = ( wisp_scene ){ 0 };
     }
-    for ( memory_block* block = scene->blocks; block; )
-    {
-        memory_block* next = block->next;
-        free( block );
-        block = next;
-    }
-    *scene = ( wisp_scene ){ 0 };
 }
 
 wisp_status scene_no_memory( const scene_reader* r )
