@@ -20,7 +20,7 @@ const scene_choice SCENE_DETAIL_LEVELS[] = {
     { 0 },
 };
 
-wisp_status scene_check_surface_detail( scene_reader* r, const scene_node* node, const wisp_scene_surface* s,
+wisp_status scene_check_surface_detail( scene_reader* r, const text_node* node, const wisp_scene_surface* s,
                                         wisp_detail level )
 {
     const bool is_known = s->instance_of < 0; // else the engine finds out
@@ -31,7 +31,7 @@ wisp_status scene_check_surface_detail( scene_reader* r, const scene_node* node,
                                     s->name );
 }
 
-wisp_status scene_check_strands_detail( scene_reader* r, const scene_node* node, const wisp_scene_strands* s,
+wisp_status scene_check_strands_detail( scene_reader* r, const text_node* node, const wisp_scene_strands* s,
                                         wisp_detail level )
 {
     if ( !s->has_dynamics && !s->has_ghosts )
@@ -130,7 +130,7 @@ int wisp_scene_own_substeps( const wisp_scene* scene )
 
 // Output: files to write after the last step.
 
-static wisp_status read_strands( scene_reader* r, const scene_node* node, void* base )
+static wisp_status read_strands( scene_reader* r, const text_node* node, void* base )
 {
     wisp_scene_output* output = base;
     WISP_TRY( scene_read_named( r, node, SCENE_STRANDS, &output->strands ) );
@@ -138,7 +138,7 @@ static wisp_status read_strands( scene_reader* r, const scene_node* node, void* 
     return WISP_OK;
 }
 
-static wisp_status read_surface( scene_reader* r, const scene_node* node, void* base )
+static wisp_status read_surface( scene_reader* r, const text_node* node, void* base )
 {
     wisp_scene_output* output = base;
     WISP_TRY( scene_read_named( r, node, SCENE_SURFACE, &output->surface ) );
@@ -161,7 +161,7 @@ static bool ends_in( const char* file, const char* const* extensions )
 }
 
 // `strands` and `surface` stand before `file` in the table, because they decide which formats are possible.
-static wisp_status read_file( scene_reader* r, const scene_node* node, void* base )
+static wisp_status read_file( scene_reader* r, const text_node* node, void* base )
 {
     static const char* const of_strands[] = { ".hair", ".usda", ".obj", NULL };
     static const char* const of_surfaces[] = { ".obj", ".ply", NULL };
@@ -187,7 +187,7 @@ static const scene_field OUTPUT_FIELDS[] = {
 };
 const scene_block SCENE_OUTPUT_BLOCK = SCENE_BLOCK_ALONE( OUTPUT_FIELDS );
 
-static wisp_status read_output( scene_reader* r, const scene_node* node, int index, void* outputs )
+static wisp_status read_output( scene_reader* r, const text_node* node, int index, void* outputs )
 {
     wisp_scene_output* output = (wisp_scene_output*)outputs + index;
     *output = ( wisp_scene_output ){ .strands = -1, .surface = -1, .line = node->line, .column = node->column };
@@ -202,7 +202,7 @@ static int compare_files( const void* a, const void* b )
     return order ? order : ( *x > *y ) - ( *x < *y );
 }
 
-static wisp_status refuse_equal_files( scene_reader* r, const scene_node* node, void* base )
+static wisp_status refuse_equal_files( scene_reader* r, const text_node* node, void* base )
 {
     (void)node;
     wisp_scene* scene = base;
@@ -243,7 +243,7 @@ static const scene_list OUTPUTS = { .what = "a list of files to write",
 
 #include <stddef.h>
 
-static wisp_status read_version( scene_reader* r, const scene_node* node, void* base )
+static wisp_status read_version( scene_reader* r, const text_node* node, void* base )
 {
     (void)base;
     static const scene_field version = { "wisp", SCENE_WHOLE, .range = { 0, 1e9 } };
@@ -299,9 +299,9 @@ static const scene_field SCENE_FIELDS[] = {
 const scene_block SCENE_BLOCK_OF_ALL = SCENE_BLOCK_ALONE( SCENE_FIELDS );
 
 // Check the version first: a newer scene has keys that would only be called unknown.
-static wisp_status check_version( scene_reader* r, const scene_node* root )
+static wisp_status check_version( scene_reader* r, const text_node* root )
 {
-    const scene_node* version = scene_child( r, root, "wisp" );
+    const text_node* version = text_find_path( root, "wisp" );
     const size_t outside = scene_enter_key( r, "wisp" );
     WISP_TRY( version ? read_version( r, version, NULL ) : WISP_OK );
     scene_leave( r, outside );
@@ -322,32 +322,30 @@ static void request_by_default( wisp_scene* scene )
     }
 }
 
-static int count_bodies( const scene_reader* r, const scene_node* root )
+static int count_bodies( const text_node* root )
 {
-    const scene_node *colliders = scene_child( r, root, "colliders" ), *surfaces = scene_child( r, root, "surfaces" );
+    const text_node *colliders = text_find_path( root, "colliders" ), *surfaces = text_find_path( root, "surfaces" );
     int count = colliders != NULL ? colliders->count : 0;
-    for ( const scene_node* s = surfaces != NULL ? scene_first( r->tree, surfaces ) : NULL; s != NULL;
-          s = scene_next( r->tree, s ) )
+    for ( const text_node* s = surfaces != NULL ? text_first( surfaces ) : NULL; s != NULL; s = s->next )
     {
-        count += scene_child( r, s, "collider" ) != NULL;
+        count += text_find_path( s, "collider" ) != NULL;
     }
     return count;
 }
 
-static wisp_status read_root( const scene_source* source, const scene_tree* tree, wisp_scene* scene )
+static wisp_status read_root( const scene_source* source, const text_node* root, wisp_scene* scene )
 {
-    scene_reader r = { .source = source, .tree = tree, .scene = scene };
+    scene_reader r = { .source = source, .scene = scene };
     scene->name = scene_print( scene, "%s", source->name );
     if ( !scene->name )
     {
         return scene_no_memory( &r );
     }
-    const scene_node* root = &tree->nodes[0];
-    if ( root->kind != SCENE_MAP )
+    if ( root->kind != TEXT_MAP )
     {
         return scene_refuse_kind( &r, root, "a mapping with the key 'wisp'" );
     }
-    r.body_count = count_bodies( &r, root );
+    r.body_count = count_bodies( root );
     WISP_TRY( check_version( &r, root ) );
     WISP_TRY( scene_read_block( &r, root, &SCENE_BLOCK_OF_ALL, scene ) );
     request_by_default( scene );
@@ -376,13 +374,13 @@ wisp_status wisp_scene_parse( const char* text, size_t size, const char* name, w
 
     io_numbers numbers;
     WISP_TRY( io_numbers_begin( &numbers, error ) );
-    scene_tree tree;
-    wisp_status status = scene_tree_build( &source, &tree );
+    text_node* root = NULL;
+    wisp_status status = scene_read_tree( &source, &root );
     if ( !status )
     {
-        status = read_root( &source, &tree, &scene );
+        status = read_root( &source, root, &scene );
     }
-    scene_tree_release( &tree );
+    text_release( root );
     io_numbers_end( &numbers );
 
     if ( status )

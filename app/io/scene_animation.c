@@ -7,7 +7,7 @@
 
 #include <stddef.h>
 
-static wisp_status read_clip_name( scene_reader* r, const scene_node* node, void* at )
+static wisp_status read_clip_name( scene_reader* r, const text_node* node, void* at )
 {
     return scene_read_text( r, node, at );
 }
@@ -32,7 +32,7 @@ wisp_scene_clip scene_default_clip( void )
     return ( wisp_scene_clip ){ .speed = 1.0f, .loop = true };
 }
 
-static wisp_status read_clip( scene_reader* r, const scene_node* node, int index, void* clips )
+static wisp_status read_clip( scene_reader* r, const text_node* node, int index, void* clips )
 {
     wisp_scene_clip* clip = (wisp_scene_clip*)clips + index;
     *clip = scene_default_clip();
@@ -65,9 +65,9 @@ static const scene_field ANIMATION_FIELDS[] = {
 #undef AT
 const scene_block SCENE_ANIMATION_BLOCK = SCENE_BLOCK_ALONE( ANIMATION_FIELDS );
 
-wisp_status scene_check_animation( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+wisp_status scene_check_animation( scene_reader* r, const text_node* node, const wisp_scene_surface* s )
 {
-    const scene_node* own = scene_child( r, node, "animation" );
+    const text_node* own = text_find_path( node, "animation" );
     const wisp_scene_animation* a = &s->animation;
     for ( int i = 0; i + 1 < a->clip_count; ++i )
     {
@@ -77,15 +77,15 @@ wisp_status scene_check_animation( scene_reader* r, const scene_node* node, cons
                                       (double)( a->clips[i + 1].time - a->clips[i].time ), i, (double)a->blend );
         }
     }
-    if ( scene_child( r, node, "attach_pins" ) != NULL )
+    if ( text_find_path( node, "attach_pins" ) != NULL )
     {
         return scene_refuse_node( r, own, "got both 'attach_pins' and 'animation', expected one of them" );
     }
     if ( a->file != NULL && !gltf_is_path( a->file ) )
     {
-        const scene_node* file = scene_child( r, own, "file" );
+        const text_node* file = text_find_path( own, "file" );
         return scene_refuse_node( r, file, "got '%s', expected a glTF file (.glb, .gltf)",
-                                  scene_shorten( scene_text_of( r->tree, file ) ).text );
+                                  scene_shorten( text_value( file ) ).text );
     }
     // vertices of a file may be those of the mesh
     return s->mesh.is_generated && a->file == NULL

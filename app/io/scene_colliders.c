@@ -136,12 +136,12 @@ const scene_block SCENE_COLLIDER_BLOCKS[WISP_COLLIDER_COUNT] = {
 };
 
 // Read one number, or a pair of static and kinetic friction.
-static wisp_status read_friction( scene_reader* r, const scene_node* node, void* at )
+static wisp_status read_friction( scene_reader* r, const text_node* node, void* at )
 {
     static const scene_field pair[2] = { { "friction", SCENE_NUMBER, .range = RANGE( 0, 1e6 ) },
                                          { "friction", SCENE_NUMBER, .range = RANGE( 0, 1e6 ) } };
     wisp_collider_def* def = &( (wisp_scene_collider*)at )->def;
-    if ( node->kind != SCENE_LIST )
+    if ( node->kind != TEXT_LIST )
     {
         WISP_TRY( scene_read_number( r, node, pair, &def->static_friction ) );
         def->kinetic_friction = def->static_friction;
@@ -155,7 +155,7 @@ static wisp_status read_friction( scene_reader* r, const scene_node* node, void*
                                     (double)def->kinetic_friction, (double)def->static_friction );
 }
 
-static wisp_status read_height_row( scene_reader* r, const scene_node* row, int index, void* at )
+static wisp_status read_height_row( scene_reader* r, const text_node* row, int index, void* at )
 {
     static const scene_field field = { "heights", SCENE_NUMBER, .range = COORDINATE };
     const wisp_collider_def* def = at;
@@ -168,13 +168,13 @@ static wisp_status read_height_row( scene_reader* r, const scene_node* row, int 
 }
 
 // Rows along z of heights along x.
-static wisp_status read_heights( scene_reader* r, const scene_node* node, void* at )
+static wisp_status read_heights( scene_reader* r, const text_node* node, void* at )
 {
     wisp_collider_def* def = &( (wisp_scene_collider*)at )->def;
     WISP_TRY( scene_expect_list( r, node, "a list of rows of heights" ) );
-    const scene_node* first = scene_first( r->tree, node );
+    const text_node* first = text_first( node );
     def->height_count_z = node->count;
-    def->height_count_x = first && first->kind == SCENE_LIST ? first->count : 0;
+    def->height_count_x = first && first->kind == TEXT_LIST ? first->count : 0;
     if ( node->count < 2 || node->count > 8192 || def->height_count_x < 2 || def->height_count_x > 8192 )
     {
         return scene_refuse_node( r, node, "got %d rows of %d heights, expected 2 to 8192 of each", node->count,
@@ -193,7 +193,7 @@ wisp_scene_collider scene_default_collider( void )
     };
 }
 
-static wisp_status read_entry( scene_reader* r, const scene_node* node, int index, void* entries )
+static wisp_status read_entry( scene_reader* r, const text_node* node, int index, void* entries )
 {
     wisp_scene_collider* collider = (wisp_scene_collider*)entries + index;
     *collider = scene_default_collider();

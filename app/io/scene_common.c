@@ -203,7 +203,7 @@ const char* scene_find_removed( const char* path, const char* name, bool is_word
 
 // ---- common ----
 
-wisp_status scene_read_name( scene_reader* r, const scene_node* node, void* at )
+wisp_status scene_read_name( scene_reader* r, const text_node* node, void* at )
 {
     const char** name = at;
     WISP_TRY( scene_read_text( r, node, name ) );
@@ -214,7 +214,7 @@ wisp_status scene_read_name( scene_reader* r, const scene_node* node, void* at )
 }
 
 // The value is looked up once all names are known; here it is only made sure that it is one.
-wisp_status scene_read_later_name( scene_reader* r, const scene_node* node, void* at )
+wisp_status scene_read_later_name( scene_reader* r, const text_node* node, void* at )
 {
     (void)at;
     const char* name = NULL;
@@ -222,7 +222,7 @@ wisp_status scene_read_later_name( scene_reader* r, const scene_node* node, void
 }
 
 // Relative files are relative to the folder of the scene, not to the working directory.
-wisp_status scene_read_file( scene_reader* r, const scene_node* node, void* at )
+wisp_status scene_read_file( scene_reader* r, const text_node* node, void* at )
 {
     const char** file = at;
     WISP_TRY( scene_read_text( r, node, file ) );
@@ -234,7 +234,7 @@ wisp_status scene_read_file( scene_reader* r, const scene_node* node, void* at )
     return *file ? WISP_OK : scene_no_memory( r );
 }
 
-static wisp_status read_layer( scene_reader* r, const scene_node* item, int index, void* layers )
+static wisp_status read_layer( scene_reader* r, const text_node* item, int index, void* layers )
 {
     (void)index;
     static const scene_field layer = { "layer", SCENE_WHOLE, .range = RANGE( 0, 31 ) };
@@ -249,17 +249,17 @@ static wisp_status read_layer( scene_reader* r, const scene_node* item, int inde
     return WISP_OK;
 }
 
-wisp_status scene_read_layers( scene_reader* r, const scene_node* node, void* at )
+wisp_status scene_read_layers( scene_reader* r, const text_node* node, void* at )
 {
     WISP_TRY( scene_expect_list( r, node, "a list of layers" ) );
     *(uint32_t*)at = 0;
     return scene_read_items( r, node, read_layer, at );
 }
 
-wisp_status scene_read_items( scene_reader* r, const scene_node* list, scene_item_fn* read, void* context )
+wisp_status scene_read_items( scene_reader* r, const text_node* list, scene_item_fn* read, void* context )
 {
     int i = 0;
-    for ( const scene_node* item = scene_first( r->tree, list ); item; item = scene_next( r->tree, item ) )
+    for ( const text_node* item = text_first( list ); item; item = item->next )
     {
         const size_t outside = scene_enter_index( r, i );
         WISP_TRY( read( r, item, i++, context ) );
@@ -274,19 +274,19 @@ typedef struct number_list
     float* out;
 } number_list;
 
-static wisp_status read_number( scene_reader* r, const scene_node* item, int index, void* context )
+static wisp_status read_number( scene_reader* r, const text_node* item, int index, void* context )
 {
     const number_list* list = context;
     return scene_read_number( r, item, list->field, &list->out[index] );
 }
 
-wisp_status scene_read_numbers( scene_reader* r, const scene_node* list, const scene_field* field, float* out )
+wisp_status scene_read_numbers( scene_reader* r, const text_node* list, const scene_field* field, float* out )
 {
     number_list numbers = { field, out };
     return scene_read_items( r, list, read_number, &numbers );
 }
 
-wisp_status scene_check_vertex( scene_reader* r, const scene_node* node, int vertex, bool is_known, int64_t count,
+wisp_status scene_check_vertex( scene_reader* r, const text_node* node, int vertex, bool is_known, int64_t count,
                                 const char* of )
 {
     return !is_known || vertex < count
@@ -295,8 +295,7 @@ wisp_status scene_check_vertex( scene_reader* r, const scene_node* node, int ver
                                     of ? of : "", of ? "'" : "", (long long)( count - 1 ) );
 }
 
-wisp_status scene_refuse_jumps( scene_reader* r, const scene_node* node, const wisp_scene_path* path,
-                                const char* why )
+wisp_status scene_refuse_jumps( scene_reader* r, const text_node* node, const wisp_scene_path* path, const char* why )
 {
     for ( int i = 0; i < path->count; ++i )
     {
@@ -308,7 +307,7 @@ wisp_status scene_refuse_jumps( scene_reader* r, const scene_node* node, const w
     return WISP_OK;
 }
 
-wisp_status scene_check_rises( scene_reader* r, const scene_node* node, float before, float time )
+wisp_status scene_check_rises( scene_reader* r, const text_node* node, float before, float time )
 {
     return time > before ? WISP_OK
                          : scene_refuse_node( r, node, "got time %g, expected more than the time before, %g",

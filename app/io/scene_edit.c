@@ -22,7 +22,7 @@ typedef struct patch
 typedef struct editor
 {
     scene_source source;
-    scene_tree tree;
+    text_node* root;
     size_t* lines; // [line_count] where each begins
     int line_count;
     patch* patches; // [patch_count]
@@ -93,20 +93,20 @@ static size_t next_line( const editor* e, int line )
 
 // ---- nodes ----
 
-static const scene_node* find_map( const editor* e, const wisp_scene_edit* edit )
+static const text_node* find_map( const editor* e, const wisp_scene_edit* edit )
 {
-    const scene_node* node = &e->tree.nodes[0];
+    const text_node* node = e->root;
     if ( edit->list )
     {
-        node = scene_tree_find( &e->tree, node, edit->list );
-        node = node && node->kind == SCENE_LIST ? scene_first( &e->tree, node ) : NULL;
+        node = text_find_path( node, edit->list );
+        node = node && node->kind == TEXT_LIST ? text_first( node ) : NULL;
         for ( int i = 0; node && i < edit->index; ++i )
         {
-            node = scene_next( &e->tree, node );
+            node = node->next;
         }
     }
-    node = node && edit->block ? scene_tree_find( &e->tree, node, edit->block ) : node;
-    return node && node->kind == SCENE_MAP ? node : NULL;
+    node = node && edit->block ? text_find_path( node, edit->block ) : node;
+    return node && node->kind == TEXT_MAP ? node : NULL;
 }
 
 static bool takes_out( const wisp_scene_edit* edit )
@@ -114,7 +114,7 @@ static bool takes_out( const wisp_scene_edit* edit )
     return edit->value[0] == '\0';
 }
 
-static wisp_status refuse_edit( const editor* e, const scene_node* node, const wisp_scene_edit* edit )
+static wisp_status refuse_edit( const editor* e, const text_node* node, const wisp_scene_edit* edit )
 {
     const int line = node ? node->line : 0, column = node ? node->column : 0;
     if ( takes_out( edit ) )
@@ -129,9 +129,9 @@ static wisp_status refuse_edit( const editor* e, const scene_node* node, const w
 // ---- patches ----
 
 // A value whose bytes are those that were read.
-static bool is_as_written( const editor* e, const scene_node* node )
+static bool is_as_written( const editor* e, const text_node* node )
 {
-    const char* text = node->kind == SCENE_SCALAR ? scene_text_of( &e->tree, node ) : "";
+    const char* text = text_value( node );
     return node->plain && text[0] && stands_at( e, place_of( e, node->line, node->column ), text );
 }
 
@@ -144,13 +144,13 @@ static void add_patch( editor* e, size_t at, size_t removed, const char* text )
     ++e->patch_count;
 }
 
-static wisp_status replace_value( editor* e, const scene_node* node, const wisp_scene_edit* edit )
+static wisp_status replace_value( editor* e, const text_node* node, const wisp_scene_edit* edit )
 {
     if ( !is_as_written( e, node ) )
     {
         return refuse_edit( e, node, edit );
     }
-    add_patch( e, place_of( e, node->line, node->column ), strlen( scene_text_of( &e->tree, node ) ), edit->value );
+    add_patch( e, place_of( e, node->line, node->column ), strlen( text_value( node ) ), edit->value );
     return WISP_OK;
 }
 
@@ -173,9 +173,9 @@ static void go_on_behind( editor* e, size_t at )
 }
 
 // Behind the brace. A file whose root has braces is taken for JSON, whose keys are quoted.
-static void add_to_braces( editor* e, const scene_node* map, size_t at, const wisp_scene_edit* edit )
+static void add_to_braces( editor* e, const text_node* map, size_t at, const wisp_scene_edit* edit )
 {
-    const scene_node* root = &e->tree.nodes[0];
+    const text_node* root = e->root;
     const char* quote = letter( e, place_of( e, root->line, root->column ) ) == '{' ? "\"" : "";
     const char next = letter( e, at + 1 );
     const bool is_apart = next == ' ' || next == '\n' || next == '\r' || next == '\t';
@@ -187,9 +187,9 @@ static void add_to_braces( editor* e, const scene_node* map, size_t at, const wi
 }
 
 // The first key whose value ends where its line does: a new line fits behind it.
-static const scene_node* find_one_line( const editor* e, const scene_node* map )
+static const text_node* find_one_line( const editor* e, const text_node* map )
 {
-    for ( const scene_node* child = scene_first( &e->tree, map ); child; child = scene_next( &e->tree, child ) )
+    for ( const text_node* child = text_first( map ); child; child = child->next )
     {
         if ( child->line == child->key_line && is_as_written( e, child ) )
         {
@@ -209,13 +209,13 @@ static bool is_blank( const editor* e, size_t begin, size_t end )
 }
 
 // The first key that has its line for itself: a new line fits before it.
-static const scene_node* find_own_line( const editor* e, const scene_node* map )
+static const text_node* find_own_line( const editor* e, const text_node* map )
 {
-    for ( const scene_node* child = scene_first( &e->tree, map ); child; child = scene_next( &e->tree, child ) )
+    for ( const text_node* child = text_first( map ); child; child = child->next )
     {
         const size_t start = place_of( e, child->key_line, 1 );
         const size_t key = place_of( e, child->key_line, child->key_column );
-        if ( stands_at( e, key, scene_key_of( &e->tree, child ) ) && is_blank( e, start, key ) )
+        if ( stands_at( e, key, child->key ) && is_blank( e, start, key ) )
         {
             return child;
         }
@@ -223,11 +223,11 @@ static const scene_node* find_own_line( const editor* e, const scene_node* map )
     return NULL;
 }
 
-static wisp_status add_line( editor* e, const scene_node* map, const wisp_scene_edit* edit )
+static wisp_status add_line( editor* e, const text_node* map, const wisp_scene_edit* edit )
 {
-    const scene_node* before = find_one_line( e, map );
-    const scene_node* behind = before ? NULL : find_own_line( e, map );
-    const scene_node* near = before ? before : behind;
+    const text_node* before = find_one_line( e, map );
+    const text_node* behind = before ? NULL : find_own_line( e, map );
+    const text_node* near = before ? before : behind;
     if ( !near || near->key_column > 60 )
     {
         return refuse_edit( e, map, edit );
@@ -265,9 +265,9 @@ static size_t line_start( const editor* e, size_t at )
 }
 
 // From the key to the end of its value, on one line. @return false: something else is in between
-static bool find_pair( const editor* e, const scene_node* node, size_t* begin, size_t* end )
+static bool find_pair( const editor* e, const text_node* node, size_t* begin, size_t* end )
 {
-    const char* key = scene_key_of( &e->tree, node );
+    const char* key = node->key;
     size_t at = *begin = place_of( e, node->key_line, node->key_column );
     const bool is_quoted = letter( e, at ) == '"' || letter( e, at ) == '\'';
     at += is_quoted;
@@ -278,7 +278,7 @@ static bool find_pair( const editor* e, const scene_node* node, size_t* begin, s
     at = skip( e, at + strlen( key ) + is_quoted, " \t" );
     const bool has_colon = letter( e, at ) == ':';
     at = skip( e, at + has_colon, " \t" );
-    *end = at + strlen( scene_text_of( &e->tree, node ) );
+    *end = at + strlen( text_value( node ) );
     return has_colon && is_as_written( e, node ) && at == place_of( e, node->line, node->column );
 }
 
@@ -333,7 +333,7 @@ static bool take_out_of_braces( editor* e, size_t begin, size_t end )
     return true;
 }
 
-static wisp_status take_out( editor* e, const scene_node* map, const scene_node* node, const wisp_scene_edit* edit )
+static wisp_status take_out( editor* e, const text_node* map, const text_node* node, const wisp_scene_edit* edit )
 {
     size_t begin, end;
     if ( !find_pair( e, node, &begin, &end ) )
@@ -350,12 +350,12 @@ static wisp_status take_out( editor* e, const scene_node* map, const scene_node*
 
 static wisp_status add_edit( editor* e, const wisp_scene_edit* edit )
 {
-    const scene_node* map = find_map( e, edit );
+    const text_node* map = find_map( e, edit );
     if ( !map )
     {
         return refuse_edit( e, NULL, edit );
     }
-    const scene_node* node = scene_tree_find( &e->tree, map, edit->key );
+    const text_node* node = text_find_path( map, edit->key );
     if ( takes_out( edit ) )
     {
         return node ? take_out( e, map, node, edit ) : WISP_OK;
@@ -432,7 +432,7 @@ static wisp_status edit_text( const scene_source* source, const wisp_scene_edit*
     wisp_status status = e.patches
                              ? index_lines( &e )
                              : wisp_fail( source->error, WISP_NO_MEMORY, "out of memory for %d changes", count );
-    status = status == WISP_OK ? scene_tree_build( source, &e.tree ) : status;
+    status = status == WISP_OK ? scene_read_tree( source, &e.root ) : status;
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {
         status = add_edit( &e, &edits[i] );
@@ -443,7 +443,7 @@ static wisp_status edit_text( const scene_source* source, const wisp_scene_edit*
         status = check_apart( &e );
     }
     status = status == WISP_OK ? apply( &e, out, out_size ) : status;
-    scene_tree_release( &e.tree );
+    text_release( e.root );
     free( e.lines );
     free( e.patches );
     return status;

@@ -8,12 +8,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static wisp_status read_surface_name( scene_reader* r, const scene_node* node, void* at )
+static wisp_status read_surface_name( scene_reader* r, const text_node* node, void* at )
 {
     return scene_read_named( r, node, SCENE_SURFACE, at );
 }
 
-static wisp_status read_strands_name( scene_reader* r, const scene_node* node, void* at )
+static wisp_status read_strands_name( scene_reader* r, const text_node* node, void* at )
 {
     return scene_read_named( r, node, SCENE_STRANDS, at );
 }
@@ -80,7 +80,7 @@ static const scene_field EVENT_FIELDS[] = {
 #undef AT
 const scene_block SCENE_EVENT_BLOCK = SCENE_BLOCK_ALONE( EVENT_FIELDS );
 
-static wisp_status find_step( scene_reader* r, const scene_node* node, scene_event* read )
+static wisp_status find_step( scene_reader* r, const text_node* node, scene_event* read )
 {
     WISP_TRY( scene_expect_one( r, node, "step", read->has_step, "time", read->has_time ) );
     double step = read->has_step ? (double)read->event.step : wisp_scene_step_at( r->scene, read->time );
@@ -105,7 +105,7 @@ static int pin_changes( const wisp_scene_event* e )
 }
 
 // The group that an event names; it changes nothing but pins then.
-static wisp_status find_group( scene_reader* r, const scene_node* node, scene_event* read )
+static wisp_status find_group( scene_reader* r, const text_node* node, scene_event* read )
 {
     wisp_scene_event* e = &read->event;
     const wisp_scene_surface* s = read->pin_group && e->surface >= 0 ? &r->scene->surfaces[e->surface] : NULL;
@@ -115,7 +115,7 @@ static wisp_status find_group( scene_reader* r, const scene_node* node, scene_ev
     }
     if ( read->pin_group && e->pin_group < 0 )
     {
-        return scene_refuse_node( r, scene_child( r, node, "pin_group" ), "got '%s', which is no group of pins of %s",
+        return scene_refuse_node( r, text_find_path( node, "pin_group" ), "got '%s', which is no group of pins of %s",
                                   scene_shorten( read->pin_group ).text, s ? s->name : "a surface" );
     }
     if ( e->pin_group >= 0 && ( pin_changes( e ) == 0 || e->has_wind || e->has_detail || changes_motion( e ) ) )
@@ -127,7 +127,7 @@ static wisp_status find_group( scene_reader* r, const scene_node* node, scene_ev
     return WISP_OK;
 }
 
-static wisp_status check_gust( scene_reader* r, const scene_node* node, const scene_event* read )
+static wisp_status check_gust( scene_reader* r, const text_node* node, const scene_event* read )
 {
     return read->has_gust_per_triangle && !read->event.has_gust
                ? scene_refuse_node( r, node, "'gust_per_triangle' needs the key 'gust'" )
@@ -136,7 +136,7 @@ static wisp_status check_gust( scene_reader* r, const scene_node* node, const sc
 
 // ---- checks against the surface or the strands ----
 
-static wisp_status check_gas( scene_reader* r, const scene_node* node, const wisp_scene_event* e,
+static wisp_status check_gas( scene_reader* r, const text_node* node, const wisp_scene_event* e,
                               const wisp_scene_surface* s )
 {
     const char* key = e->has_gas_ratio        ? "gas_ratio"
@@ -170,7 +170,7 @@ static wisp_status check_gas( scene_reader* r, const scene_node* node, const wis
 }
 
 // Keyframes of pins and animations would move what is attached to a surface away from it.
-static wisp_status check_pins( scene_reader* r, const scene_node* node, const wisp_scene_event* e,
+static wisp_status check_pins( scene_reader* r, const text_node* node, const wisp_scene_event* e,
                                const wisp_scene_surface* s )
 {
     if ( pin_changes( e ) > 1 )
@@ -207,7 +207,7 @@ static wisp_status check_pins( scene_reader* r, const scene_node* node, const wi
 }
 
 // Ghosts and curves follow others and have no air of their own.
-static wisp_status check_strands( scene_reader* r, const scene_node* node, const wisp_scene_event* e )
+static wisp_status check_strands( scene_reader* r, const text_node* node, const wisp_scene_event* e )
 {
     const wisp_scene_strands* s = &r->scene->strands[e->strands];
     const scene_case cases[] = {
@@ -215,7 +215,7 @@ static wisp_status check_strands( scene_reader* r, const scene_node* node, const
         { !e->has_wind && !e->has_detail, NULL, "got no change, expected 'wind' or 'detail'" },
     };
     WISP_TRY( scene_refuse_cases( r, node, cases, WISP_COUNT( cases ) ) );
-    WISP_TRY( e->has_detail ? scene_check_strands_detail( r, scene_child( r, node, "detail" ), s, e->detail )
+    WISP_TRY( e->has_detail ? scene_check_strands_detail( r, text_find_path( node, "detail" ), s, e->detail )
                             : WISP_OK );
     return !e->has_wind || ( s->has_dynamics && s->dynamics.drag_coefficient > 0.0f )
                ? WISP_OK
@@ -223,7 +223,7 @@ static wisp_status check_strands( scene_reader* r, const scene_node* node, const
                      r, node, "'wind' needs drag, but the strands '%s' have no dynamics.drag_coefficient", s->name );
 }
 
-static wisp_status check_event( scene_reader* r, const scene_node* node, const wisp_scene_event* e )
+static wisp_status check_event( scene_reader* r, const text_node* node, const wisp_scene_event* e )
 {
     WISP_TRY( scene_expect_one( r, node, "strands", e->strands >= 0, "surface", e->surface >= 0 ) );
     if ( e->strands >= 0 )
@@ -239,7 +239,7 @@ static wisp_status check_event( scene_reader* r, const scene_node* node, const w
             "velocity, angular_velocity, gust, teleport, detail, attach_pins, and hold, release and "
             "detach_pins: true" );
     }
-    WISP_TRY( e->has_detail ? scene_check_surface_detail( r, scene_child( r, node, "detail" ), s, e->detail )
+    WISP_TRY( e->has_detail ? scene_check_surface_detail( r, text_find_path( node, "detail" ), s, e->detail )
                             : WISP_OK );
     if ( e->has_wind &&
          !( s->has_cloth && ( s->cloth.drag_coefficient > 0.0f || s->cloth.lift_coefficient > 0.0f ) ) )
@@ -363,7 +363,7 @@ static wisp_status refuse_idle_pins( scene_reader* r )
     return WISP_OK;
 }
 
-static wisp_status read_event( scene_reader* r, const scene_node* item, int index, void* events )
+static wisp_status read_event( scene_reader* r, const text_node* item, int index, void* events )
 {
     scene_event read = { .event = { .strands = -1,
                                     .surface = -1,
@@ -379,7 +379,7 @@ static wisp_status read_event( scene_reader* r, const scene_node* item, int inde
     return check_event( r, item, &read.event );
 }
 
-static wisp_status sort_events( scene_reader* r, const scene_node* node, void* at )
+static wisp_status sort_events( scene_reader* r, const text_node* node, void* at )
 {
     (void)node;
     wisp_scene* scene = at;

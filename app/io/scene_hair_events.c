@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <stdlib.h>
 
-static wisp_status read_strands( scene_reader* r, const scene_node* node, void* base )
+static wisp_status read_strands( scene_reader* r, const text_node* node, void* base )
 {
     wisp_scene_hair_event* command = base;
     WISP_TRY( scene_read_named( r, node, SCENE_STRANDS, &command->strands ) );
@@ -56,7 +56,7 @@ static int compare_commands( const void* a, const void* b )
 }
 
 // A parameter of a stage that does not run would have no effect.
-static wisp_status check_stages( scene_reader* r, const scene_node* node, const wisp_scene_hair_event* e )
+static wisp_status check_stages( scene_reader* r, const text_node* node, const wisp_scene_hair_event* e )
 {
     const wisp_scene_strands* s = &r->scene->strands[e->strands];
     const struct
@@ -87,7 +87,7 @@ static wisp_status check_stages( scene_reader* r, const scene_node* node, const 
     return WISP_OK;
 }
 
-static wisp_status check_command( scene_reader* r, const scene_node* node, const wisp_scene_hair_event* e )
+static wisp_status check_command( scene_reader* r, const text_node* node, const wisp_scene_hair_event* e )
 {
     const wisp_scene_strands* s = &r->scene->strands[e->strands];
     const bool is_stroke = s->frozen_hair.base == WISP_FROZEN_BASE_STROKE;
@@ -114,7 +114,7 @@ static wisp_status check_command( scene_reader* r, const scene_node* node, const
     return check_stages( r, node, e );
 }
 
-static wisp_status read_command( scene_reader* r, const scene_node* node, int index, void* commands )
+static wisp_status read_command( scene_reader* r, const text_node* node, int index, void* commands )
 {
     wisp_scene_hair_event* command = (wisp_scene_hair_event*)commands + index;
     command->line = node->line;
@@ -160,7 +160,7 @@ static wisp_status carry_all( scene_reader* r )
 }
 
 // Sort by step, as the program reads them. Of two entries for one step the first would have no effect.
-static wisp_status sort_commands( scene_reader* r, const scene_node* node, void* at )
+static wisp_status sort_commands( scene_reader* r, const text_node* node, void* at )
 {
     (void)node;
     wisp_scene* scene = at;

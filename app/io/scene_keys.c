@@ -17,14 +17,14 @@
 
 // ---- values of more than one scalar ----
 
-wisp_status scene_expect_list( scene_reader* r, const scene_node* node, const char* what )
+wisp_status scene_expect_list( scene_reader* r, const text_node* node, const char* what )
 {
-    return node->kind == SCENE_LIST ? WISP_OK : scene_refuse_kind( r, node, what );
+    return node->kind == TEXT_LIST ? WISP_OK : scene_refuse_kind( r, node, what );
 }
 
-wisp_status scene_read_vector( scene_reader* r, const scene_node* node, const scene_field* field, wisp_vec3* out )
+wisp_status scene_read_vector( scene_reader* r, const text_node* node, const scene_field* field, wisp_vec3* out )
 {
-    if ( node->kind != SCENE_LIST )
+    if ( node->kind != TEXT_LIST )
     {
         return scene_refuse_kind( r, node, "a list of three numbers" );
     }
@@ -38,24 +38,24 @@ wisp_status scene_read_vector( scene_reader* r, const scene_node* node, const sc
     return WISP_OK;
 }
 
-wisp_status scene_read_pair( scene_reader* r, const scene_node* node, const char* requested,
+wisp_status scene_read_pair( scene_reader* r, const text_node* node, const char* requested,
                              const scene_field fields[2], float* first, float* second )
 {
     WISP_TRY( scene_expect_pair( r, node, requested ) );
-    const scene_node* item = scene_first( r->tree, node );
+    const text_node* item = text_first( node );
     WISP_TRY( scene_read_number( r, item, &fields[0], first ) );
-    return scene_read_number( r, scene_next( r->tree, item ), &fields[1], second );
+    return scene_read_number( r, item->next, &fields[1], second );
 }
 
 // One number for all strands, or a list with one a strand. How many strands there are is known if they are made.
-static wisp_status read_numbers( scene_reader* r, const scene_node* node, const scene_field* field,
+static wisp_status read_numbers( scene_reader* r, const text_node* node, const scene_field* field,
                                  wisp_scene_strands* strands )
 {
     char* base = (char*)strands;
-    if ( node->kind != SCENE_LIST )
+    if ( node->kind != TEXT_LIST )
     {
-        return node->kind == SCENE_MAP ? scene_refuse_kind( r, node, "a number, or a list with one per strand" )
-                                       : scene_read_number( r, node, field, (float*)(void*)( base + field->at ) );
+        return node->kind == TEXT_MAP ? scene_refuse_kind( r, node, "a number, or a list with one per strand" )
+                                      : scene_read_number( r, node, field, (float*)(void*)( base + field->at ) );
     }
     if ( node->count == 0 )
     {
@@ -76,7 +76,7 @@ static wisp_status read_numbers( scene_reader* r, const scene_node* node, const 
     return scene_read_numbers( r, node, field, values );
 }
 
-static wisp_status read_choice( scene_reader* r, const scene_node* node, const scene_field* field, void* out )
+static wisp_status read_choice( scene_reader* r, const text_node* node, const scene_field* field, void* out )
 {
     int choice = 0;
     WISP_TRY( scene_read_choice( r, node, field->choices, &choice ) );
@@ -106,9 +106,9 @@ static wisp_status read_choice( scene_reader* r, const scene_node* node, const s
 
 // ---- lists ----
 
-static wisp_status scene_read_field( scene_reader* r, const scene_node* node, const scene_field* field, void* base );
+static wisp_status scene_read_field( scene_reader* r, const text_node* node, const scene_field* field, void* base );
 
-static wisp_status read_words( scene_reader* r, const scene_node* node, const scene_field* field, void* base )
+static wisp_status read_words( scene_reader* r, const text_node* node, const scene_field* field, void* base )
 {
     char* const at = (char*)base + field->at;
     char list[200] = "a list of ";
@@ -126,7 +126,7 @@ static wisp_status read_words( scene_reader* r, const scene_node* node, const sc
                   field->choices[k].word );
     }
     WISP_TRY( scene_expect_list( r, node, list ) );
-    for ( const scene_node* item = scene_first( r->tree, node ); item; item = scene_next( r->tree, item ) )
+    for ( const text_node* item = text_first( node ); item; item = item->next )
     {
         const size_t outside = scene_enter_index( r, i++ );
         int word = 0;
@@ -151,10 +151,10 @@ static wisp_status read_words( scene_reader* r, const scene_node* node, const sc
     return WISP_OK;
 }
 
-static wisp_status read_entries( scene_reader* r, const scene_node* node, const scene_field* field, void* base )
+static wisp_status read_entries( scene_reader* r, const text_node* node, const scene_field* field, void* base )
 {
     const scene_list* list = field->of;
-    const bool is_one = list->is_one_too && node->kind != SCENE_LIST;
+    const bool is_one = list->is_one_too && node->kind != TEXT_LIST;
     const int count = is_one ? 1 : node->count;
     char* items = NULL;
     WISP_TRY( is_one ? WISP_OK : scene_expect_list( r, node, list->what ) );
@@ -174,8 +174,8 @@ static wisp_status read_entries( scene_reader* r, const scene_node* node, const 
     memcpy( (char*)base + field->at, &items, sizeof items );
     memcpy( (char*)base + ( field->list_count > 0 ? field->list_count : field->at + sizeof items ), &count,
             sizeof count );
-    const scene_node* item = is_one ? node : scene_first( r->tree, node );
-    for ( int i = 0; i < count; ++i, item = scene_next( r->tree, item ) )
+    const text_node* item = is_one ? node : text_first( node );
+    for ( int i = 0; i < count; ++i, item = item->next )
     {
         const size_t outside = is_one ? r->path_length : scene_enter_index( r, i );
         WISP_TRY( list->each ? scene_read_field( r, item, list->each, items + (size_t)i * list->size )
@@ -187,7 +187,7 @@ static wisp_status read_entries( scene_reader* r, const scene_node* node, const 
 }
 
 // Read one value as its field describes.
-static wisp_status scene_read_field( scene_reader* r, const scene_node* node, const scene_field* field, void* base )
+static wisp_status scene_read_field( scene_reader* r, const text_node* node, const scene_field* field, void* base )
 {
     void* out = (char*)base + field->at;
     wisp_status status = WISP_OK;
@@ -195,8 +195,8 @@ static wisp_status scene_read_field( scene_reader* r, const scene_node* node, co
     switch ( field->type )
     {
         case SCENE_NUMBER:
-            return field->map != 0 && node->kind == SCENE_MAP ? scene_read_map( r, node, field, base )
-                                                              : scene_read_number( r, node, field, out );
+            return field->map != 0 && node->kind == TEXT_MAP ? scene_read_map( r, node, field, base )
+                                                             : scene_read_number( r, node, field, out );
         case SCENE_NUMBERS:
             return read_numbers( r, node, field, base );
         case SCENE_WHOLE:
@@ -214,8 +214,8 @@ static wisp_status scene_read_field( scene_reader* r, const scene_node* node, co
             return scene_read_text( r, node, out );
         case SCENE_USUAL:
         case SCENE_BLOCK:
-            is_off = field->type == SCENE_USUAL && node->kind == SCENE_SCALAR && node->plain &&
-                     strcmp( scene_text_of( r->tree, node ), "false" ) == 0;
+            is_off = field->type == SCENE_USUAL && node->kind == TEXT_SCALAR && node->plain &&
+                     strcmp( text_value( node ), "false" ) == 0;
             status = is_off ? WISP_OK : scene_read_block( r, node, field->block, base );
             if ( field->at )
             {
@@ -278,11 +278,6 @@ scene_field scene_field_at( const scene_block* block, int i )
 
 // ---- mappings ----
 
-const scene_node* scene_child( const scene_reader* r, const scene_node* node, const char* path )
-{
-    return scene_tree_find( r->tree, node, path );
-}
-
 static int find_field( const scene_block* block, const char* key )
 {
     for ( int i = 0; i < block->field_count; ++i )
@@ -328,9 +323,9 @@ static void path_of_keys( const char* path, char* out, size_t size )
     out[used] = '\0';
 }
 
-static wisp_status refuse_unknown( const scene_reader* r, const scene_node* node, const scene_block* block )
+static wisp_status refuse_unknown( const scene_reader* r, const text_node* node, const scene_block* block )
 {
-    const char* key = scene_key_of( r->tree, node );
+    const char* key = node->key;
     const int count = block->field_count;
     const char *known[SCENE_MAX_FIELDS], *nearest[NEAR_KEYS];
     char list[400] = "", path[200] = "";
@@ -366,13 +361,13 @@ static wisp_status refuse_unknown( const scene_reader* r, const scene_node* node
 }
 
 // Which child is which field. Unknown keys stop at the first, so the number of comparisons is bounded by the table.
-static wisp_status find_fields( scene_reader* r, const scene_node* node, const scene_block* block,
-                                const scene_node* found[SCENE_MAX_FIELDS] )
+static wisp_status find_fields( scene_reader* r, const text_node* node, const scene_block* block,
+                                const text_node* found[SCENE_MAX_FIELDS] )
 {
     WISP_ASSERT( block->field_count <= SCENE_MAX_FIELDS );
-    for ( const scene_node* child = scene_first( r->tree, node ); child; child = scene_next( r->tree, child ) )
+    for ( const text_node* child = text_first( node ); child; child = child->next )
     {
-        int i = find_field( block, scene_key_of( r->tree, child ) );
+        int i = find_field( block, child->key );
         if ( i < 0 )
         {
             return refuse_unknown( r, child, block );
@@ -388,13 +383,13 @@ static wisp_status find_fields( scene_reader* r, const scene_node* node, const s
     return WISP_OK;
 }
 
-wisp_status scene_read_block( scene_reader* r, const scene_node* node, const scene_block* block, void* base )
+wisp_status scene_read_block( scene_reader* r, const text_node* node, const scene_block* block, void* base )
 {
-    if ( node->kind != SCENE_MAP )
+    if ( node->kind != TEXT_MAP )
     {
         return scene_refuse_kind( r, node, "a mapping ({} takes the defaults)" );
     }
-    const scene_node* found[SCENE_MAX_FIELDS] = { NULL };
+    const text_node* found[SCENE_MAX_FIELDS] = { NULL };
     WISP_TRY( find_fields( r, node, block, found ) );
     for ( int i = 0; i < block->field_count; ++i )
     {
@@ -420,34 +415,34 @@ wisp_status scene_read_block( scene_reader* r, const scene_node* node, const sce
 
 // ---- rules over several keys ----
 
-wisp_status scene_refuse_cases( scene_reader* r, const scene_node* node, const scene_case* cases, int count )
+wisp_status scene_refuse_cases( scene_reader* r, const text_node* node, const scene_case* cases, int count )
 {
     for ( int i = 0; i < count; ++i )
     {
         if ( cases[i].is_wrong )
         {
-            const scene_node* key = cases[i].path ? scene_child( r, node, cases[i].path ) : NULL;
+            const text_node* key = cases[i].path ? text_find_path( node, cases[i].path ) : NULL;
             return scene_refuse_node( r, key ? key : node, "%s", cases[i].message );
         }
     }
     return WISP_OK;
 }
 
-wisp_status scene_refuse_keys( scene_reader* r, const scene_node* node, const char* const* paths, int count,
+wisp_status scene_refuse_keys( scene_reader* r, const text_node* node, const char* const* paths, int count,
                                const char* why )
 {
     for ( int i = 0; i < count; ++i )
     {
-        const scene_node* key = scene_child( r, node, paths[i] );
+        const text_node* key = text_find_path( node, paths[i] );
         if ( key )
         {
-            return scene_refuse_node( r, key, "'%s' %s", scene_key_of( r->tree, key ), why );
+            return scene_refuse_node( r, key, "'%s' %s", key->key, why );
         }
     }
     return WISP_OK;
 }
 
-wisp_status scene_expect_one( scene_reader* r, const scene_node* node, const char* a, bool has_a, const char* b,
+wisp_status scene_expect_one( scene_reader* r, const text_node* node, const char* a, bool has_a, const char* b,
                               bool has_b )
 {
     return has_a != has_b ? WISP_OK

@@ -177,7 +177,7 @@ int64_t scene_generator_vertices( const wisp_mesh_generator* generator )
     }
 }
 
-static wisp_status check_generator( scene_reader* r, const scene_node* node, const wisp_mesh_generator* generator )
+static wisp_status check_generator( scene_reader* r, const text_node* node, const wisp_mesh_generator* generator )
 {
     int64_t count = scene_generator_vertices( generator );
     if ( count > WISP_SCENE_MAX_VERTICES )
@@ -209,7 +209,7 @@ static wisp_status check_generator( scene_reader* r, const scene_node* node, con
     return WISP_OK;
 }
 
-wisp_status scene_read_mesh_generate( scene_reader* r, const scene_node* node, void* at )
+wisp_status scene_read_mesh_generate( scene_reader* r, const text_node* node, void* at )
 {
     wisp_scene_mesh* mesh = at;
     int shape = 0;
@@ -249,9 +249,9 @@ const int SCENE_REPAIR_BITS[] = {
 const int SCENE_REQUIRE_BITS[] = { WISP_MESH_CLOSED, WISP_MESH_ORIENTED, WISP_MESH_MANIFOLD, WISP_MESH_CLEAN,
                                    WISP_MESH_ONE_COMPONENT };
 
-wisp_status scene_check_weld( scene_reader* r, const scene_node* node, const wisp_scene_mesh* mesh )
+wisp_status scene_check_weld( scene_reader* r, const text_node* node, const wisp_scene_mesh* mesh )
 {
-    const scene_node* distance = scene_child( r, node, "weld_distance" );
+    const text_node* distance = text_find_path( node, "weld_distance" );
     return distance && ( mesh->repairs & WISP_MESH_WELD ) == 0
                ? scene_refuse_node( r, distance, "'weld_distance' needs 'repair: [weld]'" )
                : WISP_OK;
@@ -269,11 +269,11 @@ typedef struct rotation
 #define AT( member ) offsetof( rotation, member )
 #define TURN RANGE( -36000, 36000 )
 
-static wisp_status read_degrees( scene_reader* r, const scene_node* node, void* at )
+static wisp_status read_degrees( scene_reader* r, const text_node* node, void* at )
 {
     static const scene_field field = { "degrees", SCENE_VECTOR, .range = TURN, .unit = DEGREES };
     rotation* turn = at;
-    turn->is_list = node->kind == SCENE_LIST;
+    turn->is_list = node->kind == TEXT_LIST;
     return turn->is_list ? scene_read_vector( r, node, &field, &turn->degrees )
                          : scene_read_number( r, node, &field, &turn->degrees.x );
 }
@@ -313,7 +313,7 @@ static wisp_quat quat_of_degrees( wisp_vec3 degrees )
         .rotation;
 }
 
-wisp_status scene_read_rotation( scene_reader* r, const scene_node* node, void* at )
+wisp_status scene_read_rotation( scene_reader* r, const text_node* node, void* at )
 {
     rotation turn = { 0 };
     WISP_TRY( scene_read_block( r, node, &SCENE_ROTATION_BLOCK, &turn ) );
@@ -374,7 +374,7 @@ const scene_block SCENE_PIN_POSE_BLOCK = SCENE_BLOCK_ALONE( PIN_POSE_FIELDS );
 const scene_block SCENE_POSITION_BLOCK = SCENE_BLOCK_ALONE( POSITION_FIELDS );
 
 // A turn that is not written is the one before.
-static wisp_status read_pose( scene_reader* r, const scene_node* node, int index, void* poses,
+static wisp_status read_pose( scene_reader* r, const text_node* node, int index, void* poses,
                               const scene_block* block, wisp_quat start )
 {
     wisp_scene_pose* pose = (wisp_scene_pose*)poses + index;
@@ -385,17 +385,17 @@ static wisp_status read_pose( scene_reader* r, const scene_node* node, int index
 
 static const wisp_quat STRAIGHT = { 0.0f, 0.0f, 0.0f, 1.0f };
 
-static wisp_status read_pin_pose( scene_reader* r, const scene_node* node, int index, void* poses )
+static wisp_status read_pin_pose( scene_reader* r, const text_node* node, int index, void* poses )
 {
     return read_pose( r, node, index, poses, &SCENE_PIN_POSE_BLOCK, STRAIGHT );
 }
 
-static wisp_status read_position( scene_reader* r, const scene_node* node, int index, void* poses )
+static wisp_status read_position( scene_reader* r, const text_node* node, int index, void* poses )
 {
     return read_pose( r, node, index, poses, &SCENE_POSITION_BLOCK, STRAIGHT );
 }
 
-static wisp_status read_collider_pose( scene_reader* r, const scene_node* node, int index, void* poses )
+static wisp_status read_collider_pose( scene_reader* r, const text_node* node, int index, void* poses )
 {
     const wisp_scene_collider* collider = r->entry;
     return read_pose( r, node, index, poses, &SCENE_POSITION_BLOCK, collider->def.pose.rotation );

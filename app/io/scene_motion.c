@@ -210,7 +210,7 @@ const scene_block SCENE_CURVES_BLOCK = SCENE_BLOCK_OF( CURVES_FIELDS, curves_def
 
 // ---- an entry ----
 
-static wisp_status check_dynamics( scene_reader* r, const scene_node* node, const wisp_scene_strands* s )
+static wisp_status check_dynamics( scene_reader* r, const text_node* node, const wisp_scene_strands* s )
 {
     const bool is_guided = s->has_tips && ( s->tips_hold & WISP_STRAND_TIP_GUIDED ) != 0;
     const scene_case cases[] = {
@@ -219,19 +219,19 @@ static wisp_status check_dynamics( scene_reader* r, const scene_node* node, cons
           "got both 'dynamics' and 'frozen_hair', expected one of them; ghosts can have 'frozen_hair'" },
         { s->mass_count > 0 && s->dynamics.vertex_mass > 0.0f, NULL,
           "got both dynamics.vertex_mass and dynamics.vertex_masses, expected one of them" },
-        { s->has_head && scene_child( r, node, "on_surface" ) != NULL, NULL,
+        { s->has_head && text_find_path( node, "on_surface" ) != NULL, NULL,
           "got both 'head' and 'on_surface', expected one of them" },
     };
     WISP_TRY( scene_refuse_cases( r, node, cases, WISP_COUNT( cases ) ) );
-    WISP_TRY( scene_refuse_jumps( r, scene_child( r, node, "frame" ), &s->frame_path, SCENE_JUMPS ) );
+    WISP_TRY( scene_refuse_jumps( r, text_find_path( node, "frame" ), &s->frame_path, SCENE_JUMPS ) );
     return is_guided && s->dynamics.bending != WISP_STRAND_BEND_ROD
-               ? scene_refuse_node( r, scene_child( r, node, "tips" ),
+               ? scene_refuse_node( r, text_find_path( node, "tips" ),
                                     "got tips whose direction is held, expected them with dynamics.bending: rod" )
                : WISP_OK;
 }
 
 // What only strands that move can take; ghosts are at least kept out of bodies.
-static wisp_status check_still( scene_reader* r, const scene_node* node, const wisp_scene_strands* s )
+static wisp_status check_still( scene_reader* r, const text_node* node, const wisp_scene_strands* s )
 {
     static const char* const keys[] = { "head", "tips",    "frame", "max_speed", "on_surface",
                                         "grid", "contact", "sleep", "start",     "collision" };
@@ -239,7 +239,7 @@ static wisp_status check_still( scene_reader* r, const scene_node* node, const w
     return scene_refuse_keys( r, node, keys, WISP_COUNT( keys ) - may_collide, "needs the key 'dynamics'" );
 }
 
-wisp_status scene_check_strands( scene_reader* r, const scene_node* node, const wisp_scene_strands* s )
+wisp_status scene_check_strands( scene_reader* r, const text_node* node, const wisp_scene_strands* s )
 {
     // Curves are drawn and nothing else: where they are is up to the strands that they run through.
     static const char* const not_of_curves[] = { "transform", "dynamics",    "head",        "on_surface", "grid",
@@ -257,18 +257,18 @@ wisp_status scene_check_strands( scene_reader* r, const scene_node* node, const 
                                   "is not possible with 'curves'" );
     }
     const scene_case cases[] = {
-        { s->is_scattered && scene_child( r, node, "transform" ) != NULL, "transform",
+        { s->is_scattered && text_find_path( node, "transform" ) != NULL, "transform",
           "'transform' is not possible with 'scatter'" },
-        { s->has_ghosts && !s->is_scattered && scene_child( r, node, "ghosts.targets" ) == NULL, NULL,
+        { s->has_ghosts && !s->is_scattered && text_find_path( node, "ghosts.targets" ) == NULL, NULL,
           "got neither ghosts.targets nor 'scatter', expected one of them" },
     };
     WISP_TRY( scene_refuse_cases( r, node, cases, WISP_COUNT( cases ) ) );
-    const scene_node *detail = scene_child( r, node, "detail" ), *level = scene_child( r, detail, "level" );
+    const text_node *detail = text_find_path( node, "detail" ), *level = text_find_path( detail, "level" );
     WISP_TRY( detail ? scene_check_strands_detail( r, level ? level : detail, s, s->detail.level ) : WISP_OK );
     if ( s->has_frozen_hair && s->frozen_hair.base == WISP_FROZEN_BASE_STROKE && s->has_cursor )
     {
         return scene_refuse_node(
-            r, scene_child( r, node, "frozen_hair" ),
+            r, text_find_path( node, "frozen_hair" ),
             "'align.cursor' is not possible with 'base: stroke', where only hair events turn strands" );
     }
     return s->has_dynamics ? check_dynamics( r, node, s ) : check_still( r, node, s );
@@ -277,9 +277,9 @@ wisp_status scene_check_strands( scene_reader* r, const scene_node* node, const 
 // ---- entries that are named ----
 
 // A value of an entry, or null; the path leads to it then.
-static const scene_node* enter( scene_reader* r, const scene_node* entry, const char* path )
+static const text_node* enter( scene_reader* r, const text_node* entry, const char* path )
 {
-    const scene_node* node = scene_child( r, entry, path );
+    const text_node* node = text_find_path( entry, path );
     if ( node )
     {
         scene_enter_key( r, path );
@@ -288,11 +288,11 @@ static const scene_node* enter( scene_reader* r, const scene_node* entry, const 
 }
 
 // A source comes before what is scattered around it, so there is no circle, and it is read or made itself.
-static wisp_status bind_scatter( scene_reader* r, const scene_node* entry, int i, void* none )
+static wisp_status bind_scatter( scene_reader* r, const text_node* entry, int i, void* none )
 {
     (void)none;
     wisp_scene_strands* s = &r->scene->strands[i];
-    const scene_node* node = enter( r, entry, "scatter.around" );
+    const text_node* node = enter( r, entry, "scatter.around" );
     if ( !node )
     {
         return WISP_OK;
@@ -314,11 +314,11 @@ static wisp_status bind_scatter( scene_reader* r, const scene_node* entry, int i
                                     s->scatter.count, source->name, (long long)made, WISP_GROOM_MAX_GENERATED );
 }
 
-static wisp_status bind_curves( scene_reader* r, const scene_node* entry, int i, void* none )
+static wisp_status bind_curves( scene_reader* r, const text_node* entry, int i, void* none )
 {
     (void)none;
     wisp_scene_strands* s = &r->scene->strands[i];
-    const scene_node* node = enter( r, entry, "curves.of" );
+    const text_node* node = enter( r, entry, "curves.of" );
     if ( !node )
     {
         return WISP_OK;
@@ -334,7 +334,7 @@ static wisp_status bind_curves( scene_reader* r, const scene_node* entry, int i,
 }
 
 // Scattered ghosts follow what they are scattered around, unless they say otherwise.
-static wisp_status bind_ghosts( scene_reader* r, const scene_node* entry, int i, void* none )
+static wisp_status bind_ghosts( scene_reader* r, const text_node* entry, int i, void* none )
 {
     (void)none;
     wisp_scene_strands* s = &r->scene->strands[i];
@@ -342,7 +342,7 @@ static wisp_status bind_ghosts( scene_reader* r, const scene_node* entry, int i,
     {
         return WISP_OK;
     }
-    const scene_node* node = enter( r, entry, "ghosts.targets" );
+    const text_node* node = enter( r, entry, "ghosts.targets" );
     s->targets = s->scatter.around;
     WISP_TRY( node ? scene_read_named( r, node, SCENE_STRANDS, &s->targets ) : WISP_OK );
     wisp_scene_strands* targets = &r->scene->strands[s->targets];
@@ -355,30 +355,30 @@ static wisp_status bind_ghosts( scene_reader* r, const scene_node* entry, int i,
     return WISP_OK;
 }
 
-static wisp_status bind_root( scene_reader* r, const scene_node* entry, int i, void* none )
+static wisp_status bind_root( scene_reader* r, const text_node* entry, int i, void* none )
 {
     (void)none;
-    const scene_node* node = enter( r, entry, "on_surface" );
+    const text_node* node = enter( r, entry, "on_surface" );
     return node ? scene_read_named( r, node, SCENE_SURFACE, &r->scene->strands[i].on_surface ) : WISP_OK;
 }
 
-static wisp_status bind_list( scene_reader* r, const scene_node* root, const char* key, scene_item_fn* bind )
+static wisp_status bind_list( scene_reader* r, const text_node* root, const char* key, scene_item_fn* bind )
 {
-    const scene_node* list = scene_child( r, root, key );
+    const text_node* list = text_find_path( root, key );
     const size_t outside = scene_enter_key( r, key );
     WISP_TRY( list ? scene_read_items( r, list, bind, NULL ) : WISP_OK );
     scene_leave( r, outside );
     return WISP_OK;
 }
 
-wisp_status scene_bind_strands( scene_reader* r, const scene_node* root )
+wisp_status scene_bind_strands( scene_reader* r, const text_node* root )
 {
     WISP_TRY( bind_list( r, root, "strands", bind_scatter ) );
     WISP_TRY( bind_list( r, root, "strands", bind_curves ) );
     return bind_list( r, root, "strands", bind_ghosts );
 }
 
-wisp_status scene_bind_to_surfaces( scene_reader* r, const scene_node* root )
+wisp_status scene_bind_to_surfaces( scene_reader* r, const text_node* root )
 {
     WISP_TRY( bind_list( r, root, "strands", bind_root ) );
     return bind_list( r, root, "surfaces", scene_bind_attachments );

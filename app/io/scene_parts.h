@@ -70,32 +70,32 @@ wisp_scene_collider scene_default_collider( void );
 wisp_scene_seam scene_default_seam( void );
 
 /// scene_mesh.c: a distance to weld needs the repair. @param node of a surface or a collider
-wisp_status scene_check_weld( scene_reader* reader, const scene_node* node, const wisp_scene_mesh* mesh );
+wisp_status scene_check_weld( scene_reader* reader, const text_node* node, const wisp_scene_mesh* mesh );
 
 /// scene_seams.c: what the layer of a surface must be besides what its table says.
-wisp_status scene_check_boundary( scene_reader* reader, const scene_node* node, const wisp_scene_surface* surface );
+wisp_status scene_check_boundary( scene_reader* reader, const text_node* node, const wisp_scene_surface* surface );
 
 /// scene_surface_held.c: what motion constraints and the frame of a surface must be besides what their tables say.
-wisp_status scene_check_held( scene_reader* reader, const scene_node* node, const wisp_scene_surface* surface );
+wisp_status scene_check_held( scene_reader* reader, const text_node* node, const wisp_scene_surface* surface );
 
 /// scene_animation.c: what an animation must be besides what its table says.
-wisp_status scene_check_animation( scene_reader* reader, const scene_node* node, const wisp_scene_surface* surface );
+wisp_status scene_check_animation( scene_reader* reader, const text_node* node, const wisp_scene_surface* surface );
 wisp_scene_clip scene_default_clip( void );
 
 /// scene_motion.c: what an entry of strands must be besides what its tables say.
-wisp_status scene_check_strands( scene_reader* reader, const scene_node* node, const wisp_scene_strands* strands );
+wisp_status scene_check_strands( scene_reader* reader, const text_node* node, const wisp_scene_strands* strands );
 /// Find the strands that entries of strands name.
-wisp_status scene_bind_strands( scene_reader* reader, const scene_node* root );
+wisp_status scene_bind_strands( scene_reader* reader, const text_node* root );
 /// Find the surfaces that entries of strands name, and those that pins are attached to.
-wisp_status scene_bind_to_surfaces( scene_reader* reader, const scene_node* root );
+wisp_status scene_bind_to_surfaces( scene_reader* reader, const text_node* root );
 
 /// scene_surface_pins.c: find the surfaces that pins of one surface are attached to.
-wisp_status scene_bind_attachments( scene_reader* reader, const scene_node* entry, int surface, void* none );
+wisp_status scene_bind_attachments( scene_reader* reader, const text_node* entry, int surface, void* none );
 wisp_scene_pins scene_default_pins( void );
 /// @return whether a group of pins has keyframes
 bool scene_moves_groups( const wisp_scene_surface* surface );
 /// A list of vertices of the surface that is read. @param out [count of the node]
-wisp_status scene_read_vertices( scene_reader* reader, const scene_node* node, int32_t* out );
+wisp_status scene_read_vertices( scene_reader* reader, const text_node* node, int32_t* out );
 
 /// scene_copies.c: make entries of the copies that entries ask for, after all others, whose numbers stay. To be called once all
 /// names are bound.
@@ -127,24 +127,24 @@ typedef struct scene_entry
 /// The registered entry of a name; null: there is none.
 const scene_name* scene_find_name( const scene_reader* reader, const char* text );
 /// The number of the entry that a value names.
-wisp_status scene_read_named( scene_reader* reader, const scene_node* node, scene_named what, int* index );
+wisp_status scene_read_named( scene_reader* reader, const text_node* node, scene_named what, int* index );
 
 /// Read the items of a list one after the other, each with its number in the path, until one is refused.
-wisp_status scene_read_items( scene_reader* reader, const scene_node* list, scene_item_fn* read, void* context );
+wisp_status scene_read_items( scene_reader* reader, const text_node* list, scene_item_fn* read, void* context );
 /// @param out [list->count]
-wisp_status scene_read_numbers( scene_reader* reader, const scene_node* list, const scene_field* field, float* out );
+wisp_status scene_read_numbers( scene_reader* reader, const text_node* list, const scene_field* field, float* out );
 
 /// Refuse a vertex that is not there, if it is known how many there are. @param of the name of their body, or null
-wisp_status scene_check_vertex( scene_reader* reader, const scene_node* node, int vertex, bool is_known,
-                                int64_t count, const char* of );
+wisp_status scene_check_vertex( scene_reader* reader, const text_node* node, int vertex, bool is_known, int64_t count,
+                                const char* of );
 
 /// Refuse keyframes that jump. @param why such as SCENE_JUMPS
-wisp_status scene_refuse_jumps( scene_reader* reader, const scene_node* node, const wisp_scene_path* path,
+wisp_status scene_refuse_jumps( scene_reader* reader, const text_node* node, const wisp_scene_path* path,
                                 const char* why );
 #define SCENE_JUMPS "only keyframes of pins, colliders and heads can jump"
 
 /// Refuse the time of a keyframe that is not after that of the one before.
-wisp_status scene_check_rises( scene_reader* reader, const scene_node* node, float before, float time );
+wisp_status scene_check_rises( scene_reader* reader, const text_node* node, float before, float time );
 
 /// scene_map.c: a map instead of a number; the number becomes its largest value. @param base a wisp_scene_surface
-wisp_status scene_read_map( scene_reader* r, const scene_node* node, const scene_field* field, void* base );
+wisp_status scene_read_map( scene_reader* r, const text_node* node, const scene_field* field, void* base );

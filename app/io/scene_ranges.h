@@ -47,9 +47,9 @@ extern const scene_choice SCENE_DETAIL_LEVELS[];
 #define SCENE_DETAIL_CHOICES .choices = SCENE_DETAIL_LEVELS, .constants = "WISP_DETAIL_"
 
 /// Refuse a level that the entry has nothing for. @param node of the key
-wisp_status scene_check_surface_detail( scene_reader* r, const scene_node* node, const wisp_scene_surface* s,
+wisp_status scene_check_surface_detail( scene_reader* r, const text_node* node, const wisp_scene_surface* s,
                                         wisp_detail level );
-wisp_status scene_check_strands_detail( scene_reader* r, const scene_node* node, const wisp_scene_strands* s,
+wisp_status scene_check_strands_detail( scene_reader* r, const text_node* node, const wisp_scene_strands* s,
                                         wisp_detail level );
 
 // ---- scene start ----

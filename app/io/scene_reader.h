@@ -26,7 +26,6 @@ typedef struct scene_name
 typedef struct scene_reader
 {
     const scene_source* source;
-    const scene_tree* tree;
     wisp_scene* scene;
     char path[128]; // of the value being read, such as strands[0].frozen_hair
     size_t path_length;
@@ -42,7 +41,7 @@ size_t scene_enter_key( scene_reader* reader, const char* key );
 void scene_leave( scene_reader* reader, size_t path_length );
 
 /// Refuse a value: the message begins with its place and the path.
-wisp_status scene_refuse_node( const scene_reader* reader, const scene_node* node, const char* format, ... )
+wisp_status scene_refuse_node( const scene_reader* reader, const text_node* node, const char* format, ... )
     __attribute__( ( format( printf, 3, 4 ) ) );
 
 /// Zeroed memory that lives as long as the scene. @return null if there is none, or if the count is 0

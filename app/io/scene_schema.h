@@ -6,7 +6,7 @@
 
 /// Reads a value that no type below describes.
 /// @param at the field's place in the struct: the struct itself for a reader that fills several members
-typedef wisp_status scene_read_fn( scene_reader* reader, const scene_node* node, void* at );
+typedef wisp_status scene_read_fn( scene_reader* reader, const text_node* node, void* at );
 
 typedef enum scene_type
 {
@@ -44,11 +44,11 @@ struct scene_block;
 struct scene_list;
 
 /// Refuse a word that the entry cannot have, or return WISP_OK.
-typedef wisp_status scene_word_fn( scene_reader* r, const scene_node* item, int word, const void* entry );
+typedef wisp_status scene_word_fn( scene_reader* r, const text_node* item, int word, const void* entry );
 
 /// Find the entries that values of this field and of those before it name. It follows the field, whether its key is there or not,
 /// so that fields behind it see what is named. @param node of the block
-typedef wisp_status scene_bind_fn( scene_reader* reader, const scene_node* node );
+typedef wisp_status scene_bind_fn( scene_reader* reader, const text_node* node );
 
 typedef struct scene_field
 {
@@ -91,7 +91,7 @@ typedef struct scene_block
 } scene_block;
 
 /// Read a value of a list. @param values those of the list, as in memory
-typedef wisp_status scene_item_fn( scene_reader* reader, const scene_node* item, int index, void* values );
+typedef wisp_status scene_item_fn( scene_reader* reader, const text_node* item, int index, void* values );
 
 /// Values that are alike.
 typedef struct scene_list
@@ -129,12 +129,7 @@ typedef struct scene_list
 scene_field scene_field_at( const scene_block* block, int i );
 
 /// Read a mapping into a struct. Values that it does not name stay as they are.
-wisp_status scene_read_block( scene_reader* reader, const scene_node* node, const scene_block* block, void* base );
-
-/// The value of a key, for a reader that must see it before the others.
-/// @param path a key, or keys of blocks within blocks such as "frame.pivot"
-/// @return null if a key is not there, or if the node is null or no mapping
-const scene_node* scene_child( const scene_reader* reader, const scene_node* node, const char* path );
+wisp_status scene_read_block( scene_reader* reader, const text_node* node, const scene_block* block, void* base );
 
 /// What is wrong with an entry.
 typedef struct scene_case
@@ -145,39 +140,39 @@ typedef struct scene_case
 } scene_case;
 
 /// Refuse the first case that is wrong.
-wisp_status scene_refuse_cases( scene_reader* reader, const scene_node* node, const scene_case* cases, int count );
+wisp_status scene_refuse_cases( scene_reader* reader, const text_node* node, const scene_case* cases, int count );
 
 /// Refuse the first of these keys that is there: `'KEY' WHY`.
-wisp_status scene_refuse_keys( scene_reader* reader, const scene_node* node, const char* const* paths, int count,
+wisp_status scene_refuse_keys( scene_reader* reader, const text_node* node, const char* const* paths, int count,
                                const char* why );
 
 /// Make sure that exactly one of two keys is there.
-wisp_status scene_expect_one( scene_reader* reader, const scene_node* node, const char* a, bool has_a, const char* b,
+wisp_status scene_expect_one( scene_reader* reader, const text_node* node, const char* a, bool has_a, const char* b,
                               bool has_b );
 
 /// Make sure that a value is a list.
-wisp_status scene_expect_list( scene_reader* reader, const scene_node* node, const char* what );
+wisp_status scene_expect_list( scene_reader* reader, const text_node* node, const char* what );
 
 /// scene_value.c: one scalar into one C value.
-wisp_status scene_read_number( scene_reader* r, const scene_node* node, const scene_field* field, float* out );
-wisp_status scene_read_whole( scene_reader* r, const scene_node* node, const scene_field* field, int* out );
-wisp_status scene_read_seed( scene_reader* r, const scene_node* node, uint64_t* out );
-wisp_status scene_read_switch( scene_reader* r, const scene_node* node, bool* out );
-wisp_status scene_read_choice( scene_reader* r, const scene_node* node, const scene_choice* choices, int* out );
+wisp_status scene_read_number( scene_reader* r, const text_node* node, const scene_field* field, float* out );
+wisp_status scene_read_whole( scene_reader* r, const text_node* node, const scene_field* field, int* out );
+wisp_status scene_read_seed( scene_reader* r, const text_node* node, uint64_t* out );
+wisp_status scene_read_switch( scene_reader* r, const text_node* node, bool* out );
+wisp_status scene_read_choice( scene_reader* r, const text_node* node, const scene_choice* choices, int* out );
 /// The key `shape`, which decides on the table and may stand anywhere in the mapping.
-wisp_status scene_read_shape( scene_reader* r, const scene_node* node, const scene_choice* shapes, int* out );
+wisp_status scene_read_shape( scene_reader* r, const text_node* node, const scene_choice* shapes, int* out );
 
-wisp_status scene_read_text( scene_reader* r, const scene_node* node, const char** out );
+wisp_status scene_read_text( scene_reader* r, const text_node* node, const char** out );
 
 /// Three numbers, each as the field says.
-wisp_status scene_read_vector( scene_reader* r, const scene_node* node, const scene_field* field, wisp_vec3* out );
+wisp_status scene_read_vector( scene_reader* r, const text_node* node, const scene_field* field, wisp_vec3* out );
 
 /// Make sure that a value is a list of two. @param wanted such as "a pair of vertices"
-wisp_status scene_expect_pair( scene_reader* r, const scene_node* node, const char* requested );
+wisp_status scene_expect_pair( scene_reader* r, const text_node* node, const char* requested );
 
 /// Two numbers, each as its field says. @param wanted such as "a pair [time, gas_ratio]"
-wisp_status scene_read_pair( scene_reader* r, const scene_node* node, const char* requested,
+wisp_status scene_read_pair( scene_reader* r, const text_node* node, const char* requested,
                              const scene_field fields[2], float* first, float* second );
 
 /// Refuse a value of the wrong kind. @param wanted such as "a number"
-wisp_status scene_refuse_kind( const scene_reader* r, const scene_node* node, const char* requested );
+wisp_status scene_refuse_kind( const scene_reader* r, const text_node* node, const char* requested );

@@ -45,10 +45,10 @@ const scene_block SCENE_BOUNDARY_BLOCK =
     SCENE_BLOCK_OF( BOUNDARY_FIELDS, boundary_def, wisp_scene_surface, boundary );
 
 // Spacings that are left out depend on the mesh; the module checks them.
-wisp_status scene_check_boundary( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+wisp_status scene_check_boundary( scene_reader* r, const text_node* node, const wisp_scene_surface* s )
 {
     const wisp_boundary_def* b = &s->boundary;
-    const scene_node* eye = scene_child( r, node, "boundary.eye" );
+    const text_node* eye = text_find_path( node, "boundary.eye" );
     if ( eye && b->eye_angle == 0.0f )
     {
         return scene_refuse_node( r, eye, "boundary.eye needs an 'eye_angle' above 0" );
@@ -138,7 +138,7 @@ static const scene_field WORLD_FIELDS[] = {
 };
 const scene_block SCENE_WORLD_CONTACT_BLOCK = SCENE_BLOCK_OF( WORLD_FIELDS, contact_settings, wisp_scene, contact );
 
-wisp_status scene_read_contact( scene_reader* r, const scene_node* node, void* at )
+wisp_status scene_read_contact( scene_reader* r, const text_node* node, void* at )
 {
     wisp_scene* scene = at;
     WISP_TRY( scene_read_block( r, node, &SCENE_WORLD_CONTACT_BLOCK, scene ) );
@@ -152,19 +152,19 @@ wisp_status scene_read_contact( scene_reader* r, const scene_node* node, void* a
 
 // ---- values ----
 
-static wisp_status read_side( scene_reader* r, const scene_node* node, int side, void* surfaces )
+static wisp_status read_side( scene_reader* r, const text_node* node, int side, void* surfaces )
 {
     return scene_read_named( r, node, SCENE_SURFACE, (int*)surfaces + side );
 }
 
-static wisp_status read_surfaces( scene_reader* r, const scene_node* node, void* at )
+static wisp_status read_surfaces( scene_reader* r, const text_node* node, void* at )
 {
     WISP_TRY( scene_expect_pair( r, node, "a pair of names of surfaces" ) );
     return scene_read_items( r, node, read_side, at );
 }
 
 // How many vertices a surface has is known if its mesh is made; else the world says it.
-static wisp_status read_vertex( scene_reader* r, const scene_node* node, int side, void* pair )
+static wisp_status read_vertex( scene_reader* r, const text_node* node, int side, void* pair )
 {
     static const scene_field field = { "vertex", SCENE_WHOLE, .range = RANGE( 0, WISP_SCENE_MAX_VERTICES - 1 ) };
     const wisp_scene_seam* seam = r->entry;
@@ -175,7 +175,7 @@ static wisp_status read_vertex( scene_reader* r, const scene_node* node, int sid
                                scene_generator_vertices( &surface->mesh.generator ), surface->name );
 }
 
-static wisp_status read_pair( scene_reader* r, const scene_node* node, int index, void* pairs )
+static wisp_status read_pair( scene_reader* r, const text_node* node, int index, void* pairs )
 {
     const wisp_scene_seam* seam = r->entry;
     int32_t* pair = (int32_t*)pairs + 2 * (size_t)index;
@@ -217,7 +217,7 @@ wisp_scene_seam scene_default_seam( void )
     return ( wisp_scene_seam ){ .def = wisp_default_seam_def() };
 }
 
-static wisp_status read_entry( scene_reader* r, const scene_node* node, int index, void* entries )
+static wisp_status read_entry( scene_reader* r, const text_node* node, int index, void* entries )
 {
     wisp_scene_seam* seam = (wisp_scene_seam*)entries + index;
     *seam = scene_default_seam();
@@ -228,7 +228,7 @@ static wisp_status read_entry( scene_reader* r, const scene_node* node, int inde
     const bool has_within = seam->def.within > 0.0f;
     WISP_TRY( scene_expect_one( r, node, "pairs", seam->pair_count > 0, "within", has_within ) );
     return has_within && seam->surfaces[0] == seam->surfaces[1]
-               ? scene_refuse_node( r, scene_child( r, node, "within" ),
+               ? scene_refuse_node( r, text_find_path( node, "within" ),
                                     "'within' needs two surfaces, a surface that is sewn to itself needs 'pairs'" )
                : WISP_OK;
 }

@@ -47,7 +47,7 @@ static const scene_field MAKE_FIELDS[] = {
 
 const scene_block SCENE_GENERATE_BLOCK = SCENE_BLOCK_ALONE( MAKE_FIELDS );
 
-wisp_status scene_read_generate( scene_reader* r, const scene_node* node, void* base )
+wisp_status scene_read_generate( scene_reader* r, const text_node* node, void* base )
 {
     wisp_scene_strands* strands = base;
     strands->is_generated = true;
@@ -73,7 +73,7 @@ int64_t scene_made_vertices( const wisp_scene_strands* strands )
 }
 
 // How many vertices there are is known if the strands are made.
-static wisp_status read_pin( scene_reader* r, const scene_node* node, int index, void* vertices )
+static wisp_status read_pin( scene_reader* r, const text_node* node, int index, void* vertices )
 {
     static const scene_field field = { "vertex", SCENE_WHOLE, .range = RANGE( 0, 2147483647 ) };
     const wisp_scene_strands* strands = r->entry;
@@ -84,7 +84,7 @@ static wisp_status read_pin( scene_reader* r, const scene_node* node, int index,
 
 const scene_list SCENE_STRAND_PINS = { .what = "a list of vertices", .size = sizeof( int32_t ), .read = read_pin };
 
-static wisp_status check_masses( scene_reader* r, const scene_node* node, void* at )
+static wisp_status check_masses( scene_reader* r, const text_node* node, void* at )
 {
     const wisp_scene_strands* strands = at;
     return strands->is_generated && node->count != scene_made_vertices( strands )
@@ -116,7 +116,7 @@ static bool turns_back( const wisp_environment_def* environment, int i )
     return false;
 }
 
-static wisp_status read_control_point( scene_reader* r, const scene_node* node, int i, void* at )
+static wisp_status read_control_point( scene_reader* r, const text_node* node, int i, void* at )
 {
     wisp_environment_def* environment = at;
     static const scene_field pair[2] = { { "ice", SCENE_NUMBER, .range = { 0, 1 } },
@@ -127,15 +127,14 @@ static wisp_status read_control_point( scene_reader* r, const scene_node* node, 
     bool rises = i == 0 ? environment->ice[i] == 0.0f : environment->ice[i] > environment->ice[i - 1];
     if ( !rises || ( last && environment->ice[i] != 1.0f ) )
     {
-        return scene_refuse_node( r, scene_first( r->tree, node ),
-                                  "ice must rise from 0 at the first point to 1 at the last" );
+        return scene_refuse_node( r, text_first( node ), "ice must rise from 0 at the first point to 1 at the last" );
     }
     return i > 0 && turns_back( environment, i )
                ? scene_refuse_node( r, node, "stiffness must rise or fall throughout" )
                : WISP_OK;
 }
 
-wisp_status scene_read_curve( scene_reader* r, const scene_node* node, void* base )
+wisp_status scene_read_curve( scene_reader* r, const text_node* node, void* base )
 {
     wisp_environment_def* environment = &( (wisp_scene_strands*)base )->environment;
     WISP_TRY( scene_expect_list( r, node, "a list of pairs [ice, stiffness]" ) );

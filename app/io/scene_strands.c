@@ -135,7 +135,7 @@ static const size_t REQUESTS[] = { AT( request_points ),  AT( request_width ), A
 
 // Words from OF_LOOK on need a look, those from OF_DYNAMICS on a motion, those from OF_COLLISION on a collision
 // too, which ghosts can have without a motion of their own.
-static wisp_status check_word( scene_reader* r, const scene_node* item, int word, const void* entry )
+static wisp_status check_word( scene_reader* r, const text_node* item, int word, const void* entry )
 {
     enum
     {
@@ -269,7 +269,7 @@ wisp_scene_strands scene_default_strands( wisp_vec3 gravity )
     return strands;
 }
 
-static wisp_status read_entry( scene_reader* r, const scene_node* node, int index, void* entries )
+static wisp_status read_entry( scene_reader* r, const text_node* node, int index, void* entries )
 {
     wisp_scene_strands* strands = (wisp_scene_strands*)entries + index;
     r->entry = strands;
@@ -277,13 +277,13 @@ static wisp_status read_entry( scene_reader* r, const scene_node* node, int inde
     strands->line = node->line;
     strands->column = node->column;
     // Ghosts move in every step, so frozen hair on them follows in every step.
-    if ( scene_child( r, node, "ghosts" ) )
+    if ( text_find_path( node, "ghosts" ) )
     {
         strands->frozen_hair.update_on = WISP_FROZEN_UPDATE_FRAME;
     }
     strands->has_collision = r->body_count > 0;
     WISP_TRY( scene_read_block( r, node, &SCENE_STRANDS_BLOCK, strands ) );
-    if ( strands->has_dynamics == false && scene_child( r, node, "collision" ) == NULL )
+    if ( strands->has_dynamics == false && text_find_path( node, "collision" ) == NULL )
     {
         strands->has_collision = false;
     }

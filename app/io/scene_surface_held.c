@@ -119,7 +119,7 @@ const scene_block SCENE_STRANDS_DETAIL_BLOCK =
 // ---- what no table can say ----
 
 // What the engine would refuse too, at the line of the key.
-static wisp_status check_tearing( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+static wisp_status check_tearing( scene_reader* r, const text_node* node, const wisp_scene_surface* s )
 {
     const scene_case cases[] = {
         { s->has_cloth == false, NULL, "'tearing' needs the key 'cloth'" },
@@ -135,11 +135,11 @@ static wisp_status check_tearing( scene_reader* r, const scene_node* node, const
         { s->vertex_mass > 0.0f, NULL, "'tearing' needs 'area_density', but the surface has 'vertex_mass'" },
         { s->mass_ratio != 1.0f, NULL, "'tearing' is not possible with 'mass_ratio'" },
     };
-    return scene_refuse_cases( r, scene_child( r, node, "tearing" ), cases, WISP_COUNT( cases ) );
+    return scene_refuse_cases( r, text_find_path( node, "tearing" ), cases, WISP_COUNT( cases ) );
 }
 
 // What says how links stretch says nothing of a membrane.
-static wisp_status check_membrane( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+static wisp_status check_membrane( scene_reader* r, const text_node* node, const wisp_scene_surface* s )
 {
     static const char* const of_links[] = {
         "balloon.solver",
@@ -164,28 +164,28 @@ static wisp_status check_membrane( scene_reader* r, const scene_node* node, cons
     };
     WISP_TRY(
         scene_refuse_keys( r, node, of_links, WISP_COUNT( of_links ), "is of links, and a membrane has none" ) );
-    return scene_refuse_cases( r, scene_child( r, node, "membrane" ), cases, WISP_COUNT( cases ) );
+    return scene_refuse_cases( r, text_find_path( node, "membrane" ), cases, WISP_COUNT( cases ) );
 }
 
 // Without a limit they do nothing, whatever else is said.
-static wisp_status check_motion_constraints( scene_reader* r, const scene_node* held )
+static wisp_status check_motion_constraints( scene_reader* r, const text_node* held )
 {
-    const bool has_backstop = scene_child( r, held, "backstop" ) != NULL;
+    const bool has_backstop = text_find_path( held, "backstop" ) != NULL;
     const scene_case cases[] = {
-        { !has_backstop && scene_child( r, held, "max_distance" ) == NULL, NULL,
+        { !has_backstop && text_find_path( held, "max_distance" ) == NULL, NULL,
           "'motion_constraints' needs 'max_distance' or 'backstop'" },
-        { !has_backstop && scene_child( r, held, "backstop_radius" ) != NULL, "backstop_radius",
+        { !has_backstop && text_find_path( held, "backstop_radius" ) != NULL, "backstop_radius",
           "'backstop_radius' needs 'backstop'" },
     };
     return scene_refuse_cases( r, held, cases, WISP_COUNT( cases ) );
 }
 
-wisp_status scene_check_held( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+wisp_status scene_check_held( scene_reader* r, const text_node* node, const wisp_scene_surface* s )
 {
-    const scene_node *held = scene_child( r, node, "motion_constraints" ), *frame = scene_child( r, node, "frame" );
+    const text_node *held = text_find_path( node, "motion_constraints" ), *frame = text_find_path( node, "frame" );
     if ( s->target_path.count > 0 || s->frame_path.count > 0 || scene_moves_groups( s ) )
     {
-        WISP_TRY( scene_refuse_jumps( r, scene_child( r, node, "pin_keyframes" ), &s->pins.path,
+        WISP_TRY( scene_refuse_jumps( r, text_find_path( node, "pin_keyframes" ), &s->pins.path,
                                       "not with keyframes of motion_constraints, frame or pin_groups" ) );
     }
     if ( s->has_frame && s->has_implicit )

@@ -13,7 +13,7 @@ static const scene_field PLACE = { "place", SCENE_VECTOR, .range = COORDINATE, .
 // ---- vertices ----
 
 // How many vertices there are is known if the mesh is made.
-static wisp_status read_vertex( scene_reader* r, const scene_node* node, int index, void* vertices )
+static wisp_status read_vertex( scene_reader* r, const text_node* node, int index, void* vertices )
 {
     const wisp_scene_mesh* mesh = &( (const wisp_scene_surface*)r->entry )->mesh;
     int32_t* vertex = (int32_t*)vertices + index;
@@ -22,7 +22,7 @@ static wisp_status read_vertex( scene_reader* r, const scene_node* node, int ind
                                NULL );
 }
 
-wisp_status scene_read_vertices( scene_reader* r, const scene_node* node, int32_t* out )
+wisp_status scene_read_vertices( scene_reader* r, const text_node* node, int32_t* out )
 {
     return scene_read_items( r, node, read_vertex, out );
 }
@@ -40,7 +40,7 @@ static const scene_field BOX_FIELDS[] = {
 #undef AT
 const scene_block SCENE_BOX_BLOCK = SCENE_BLOCK_ALONE( BOX_FIELDS );
 
-static wisp_status read_box( scene_reader* r, const scene_node* node, int index, void* boxes )
+static wisp_status read_box( scene_reader* r, const text_node* node, int index, void* boxes )
 {
     wisp_scene_box* box = (wisp_scene_box*)boxes + index;
     WISP_TRY( scene_read_block( r, node, &SCENE_BOX_BLOCK, box ) );
@@ -68,14 +68,14 @@ static bool has_vertices( const wisp_scene_pins* pins )
     return pins->vertex_count + pins->box_count + pins->nearest_count > 0;
 }
 
-static wisp_status check_group( scene_reader* r, const scene_node* node, const wisp_scene_pins* groups, int group )
+static wisp_status check_group( scene_reader* r, const text_node* node, const wisp_scene_pins* groups, int group )
 {
     const wisp_scene_pins* g = &groups[group];
     if ( !has_vertices( g ) )
     {
         return scene_refuse_node( r, node, "got none of 'pins', 'pin_box' and 'pin_nearest', expected one of them" );
     }
-    WISP_TRY( scene_refuse_jumps( r, scene_child( r, node, "pin_keyframes" ), &g->path,
+    WISP_TRY( scene_refuse_jumps( r, text_find_path( node, "pin_keyframes" ), &g->path,
                                   "not in a group, the whole surface jumps" ) );
     for ( int i = 0; i < group; ++i )
     {
@@ -92,7 +92,7 @@ wisp_scene_pins scene_default_pins( void )
     return ( wisp_scene_pins ){ .attached_to = -1 };
 }
 
-static wisp_status read_group( scene_reader* r, const scene_node* item, int index, void* groups )
+static wisp_status read_group( scene_reader* r, const text_node* item, int index, void* groups )
 {
     wisp_scene_pins* group = (wisp_scene_pins*)groups + index;
     *group = scene_default_pins();
@@ -129,9 +129,9 @@ bool scene_moves_groups( const wisp_scene_surface* surface )
 
 // ---- the surfaces that pins are attached to ----
 
-static wisp_status bind_attachment( scene_reader* r, const scene_node* parent, int surface, wisp_scene_pins* pins )
+static wisp_status bind_attachment( scene_reader* r, const text_node* parent, int surface, wisp_scene_pins* pins )
 {
-    const scene_node* node = scene_child( r, parent, "attach_pins" );
+    const text_node* node = text_find_path( parent, "attach_pins" );
     if ( !node )
     {
         return WISP_OK;
@@ -152,17 +152,17 @@ static wisp_status bind_attachment( scene_reader* r, const scene_node* parent, i
     return WISP_OK;
 }
 
-static wisp_status bind_group( scene_reader* r, const scene_node* item, int index, void* surface )
+static wisp_status bind_group( scene_reader* r, const text_node* item, int index, void* surface )
 {
     const int s = *(const int*)surface;
     return bind_attachment( r, item, s, &r->scene->surfaces[s].pin_groups[index] );
 }
 
-wisp_status scene_bind_attachments( scene_reader* r, const scene_node* entry, int surface, void* none )
+wisp_status scene_bind_attachments( scene_reader* r, const text_node* entry, int surface, void* none )
 {
     (void)none;
     WISP_TRY( bind_attachment( r, entry, surface, &r->scene->surfaces[surface].pins ) );
-    const scene_node* list = scene_child( r, entry, "pin_groups" );
+    const text_node* list = text_find_path( entry, "pin_groups" );
     const size_t outside = scene_enter_key( r, "pin_groups" );
     WISP_TRY( list ? scene_read_items( r, list, bind_group, &surface ) : WISP_OK );
     scene_leave( r, outside );

@@ -15,7 +15,7 @@
 
 // ---- limits and gas ----
 
-wisp_status scene_read_strain_limit( scene_reader* r, const scene_node* node, void* at )
+wisp_status scene_read_strain_limit( scene_reader* r, const text_node* node, void* at )
 {
     static const scene_field pair[2] = { { "least", SCENE_NUMBER, .range = UNIT_RANGE },
                                          { "most", SCENE_NUMBER, .range = RANGE( 1, 1e6 ) } };
@@ -23,7 +23,7 @@ wisp_status scene_read_strain_limit( scene_reader* r, const scene_node* node, vo
     return scene_read_pair( r, node, "a pair [min, max] in rest lengths", pair, &limit[0], &limit[1] );
 }
 
-wisp_status scene_read_tile_size( scene_reader* r, const scene_node* node, void* at )
+wisp_status scene_read_tile_size( scene_reader* r, const text_node* node, void* at )
 {
     static const scene_field field = { "tile_size", SCENE_WHOLE, .range = RANGE( 0, 65536 ) };
     int* size = at;
@@ -33,7 +33,7 @@ wisp_status scene_read_tile_size( scene_reader* r, const scene_node* node, void*
                : scene_refuse_node( r, node, "got %d, expected 0, or a multiple of 8 in [64, 65536]", *size );
 }
 
-wisp_status scene_read_outlet( scene_reader* r, const scene_node* node, void* at )
+wisp_status scene_read_outlet( scene_reader* r, const text_node* node, void* at )
 {
     wisp_scene_surface* surface = at;
     WISP_TRY( scene_expect_list( r, node, "a list of vertices" ) );
@@ -46,14 +46,13 @@ wisp_status scene_read_outlet( scene_reader* r, const scene_node* node, void* at
     return scene_read_vertices( r, node, surface->balloon.outlet );
 }
 
-static wisp_status read_fill( scene_reader* r, const scene_node* node, int index, void* keyframes )
+static wisp_status read_fill( scene_reader* r, const text_node* node, int index, void* keyframes )
 {
     static const scene_field pair[2] = { { "time", SCENE_NUMBER, .range = TIME, .unit = SECONDS },
                                          { "gas_ratio", SCENE_NUMBER, .range = RANGE( 1e-3, 1e6 ) } };
     wisp_scene_gas_ratio_keyframe* gas_ratio = (wisp_scene_gas_ratio_keyframe*)keyframes + index;
     WISP_TRY( scene_read_pair( r, node, "a pair [time, gas_ratio]", pair, &gas_ratio->time, &gas_ratio->gas_ratio ) );
-    return index == 0 ? WISP_OK
-                      : scene_check_rises( r, scene_first( r->tree, node ), gas_ratio[-1].time, gas_ratio->time );
+    return index == 0 ? WISP_OK : scene_check_rises( r, text_first( node ), gas_ratio[-1].time, gas_ratio->time );
 }
 
 static const scene_list GAS_RATIO_KEYFRAMES = { .what = "a list of pairs [time, gas_ratio]",
@@ -75,7 +74,7 @@ static const scene_choice WORDS[] = {
     { NULL, NULL },
 };
 
-static wisp_status check_word( scene_reader* r, const scene_node* item, int word, const void* entry )
+static wisp_status check_word( scene_reader* r, const text_node* item, int word, const void* entry )
 {
     const wisp_scene_surface* s = entry;
     const char* name = WORDS[word].word;
@@ -383,11 +382,11 @@ const scene_block SCENE_SURFACE_BLOCK = SCENE_BLOCK_ALONE( SURFACE_FIELDS );
 
 // ---- an entry ----
 
-static wisp_status check_source( scene_reader* r, const scene_node* node, const wisp_scene_surface* surface )
+static wisp_status check_source( scene_reader* r, const text_node* node, const wisp_scene_surface* surface )
 {
     static const char* const of_fabric[] = { "repair",      "weld_distance", "require",
                                              "solve_order", "tile_size",     "transform.scale" };
-    const bool instance = scene_child( r, node, "instance_of" ) != NULL;
+    const bool instance = text_find_path( node, "instance_of" ) != NULL;
     const int sources = ( surface->mesh.file != NULL ) + surface->mesh.is_generated + instance;
     const scene_case cases[] = {
         { sources == 0, NULL, "got none of 'file', 'generate' and 'instance_of', expected one of them" },
@@ -399,7 +398,7 @@ static wisp_status check_source( scene_reader* r, const scene_node* node, const 
     return scene_check_weld( r, node, &surface->mesh );
 }
 
-static wisp_status check_cloth( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+static wisp_status check_cloth( scene_reader* r, const text_node* node, const wisp_scene_surface* s )
 {
     const wisp_vec3 warp = s->cloth.warp;
     const scene_case cases[] = {
@@ -410,7 +409,7 @@ static wisp_status check_cloth( scene_reader* r, const scene_node* node, const w
     return scene_refuse_cases( r, node, cases, WISP_COUNT( cases ) );
 }
 
-static wisp_status check_balloon( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+static wisp_status check_balloon( scene_reader* r, const text_node* node, const wisp_scene_surface* s )
 {
     const wisp_balloon_def* b = &s->balloon;
     const scene_case cases[] = {
@@ -440,14 +439,14 @@ static wisp_status check_balloon( scene_reader* r, const scene_node* node, const
 }
 
 // What is refused of a plane is not what an instance shares: that is known once its source is.
-static wisp_status check_quad_links( scene_reader* r, const scene_node* node, const wisp_scene_mesh* mesh )
+static wisp_status check_quad_links( scene_reader* r, const text_node* node, const wisp_scene_mesh* mesh )
 {
     return mesh->is_generated && mesh->generator.shape == WISP_MESH_PLANE_REGULAR
                ? WISP_OK
                : scene_refuse_node( r, node, "implicit.links 'quad' needs 'generate: { shape: plane }'" );
 }
 
-static wisp_status check_implicit( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+static wisp_status check_implicit( scene_reader* r, const text_node* node, const wisp_scene_surface* s )
 {
     const scene_case cases[] = {
         { s->has_cloth, NULL, "got both 'cloth' and 'implicit', expected one of them" },
@@ -460,15 +459,15 @@ static wisp_status check_implicit( scene_reader* r, const scene_node* node, cons
           "implicit.links 'quad' needs 'stiffness_model: link'" },
     };
     WISP_TRY( scene_refuse_cases( r, node, cases, WISP_COUNT( cases ) ) );
-    return s->has_quad_links && !scene_child( r, node, "instance_of" ) ? check_quad_links( r, node, &s->mesh )
+    return s->has_quad_links && !text_find_path( node, "instance_of" ) ? check_quad_links( r, node, &s->mesh )
                                                                        : WISP_OK;
 }
 
-static wisp_status check_entry( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+static wisp_status check_entry( scene_reader* r, const text_node* node, const wisp_scene_surface* s )
 {
     const bool pinned = wisp_scene_has_pins( s ) || s->has_animation;
     const bool has_own = s->pins.vertex_count + s->pins.box_count + s->pins.nearest_count > 0 || s->has_animation;
-    const scene_node* level = scene_child( r, node, "detail.level" );
+    const text_node* level = text_find_path( node, "detail.level" );
     const scene_case cases[] = {
         { s->has_cloth && s->has_balloon, NULL, "got both 'cloth' and 'balloon', expected one of them" },
         { s->pins.path.count > 0 && !has_own, NULL, "'pin_keyframes' moves pins, but nothing is pinned" },
@@ -527,16 +526,16 @@ bool wisp_scene_is_driven( const wisp_scene_surface* surface )
            !( surface->has_cloth || surface->has_balloon || surface->has_implicit || surface->has_membrane );
 }
 
-static wisp_status read_entry( scene_reader* r, const scene_node* node, int index, void* entries )
+static wisp_status read_entry( scene_reader* r, const text_node* node, int index, void* entries )
 {
     wisp_scene_surface* surface = (wisp_scene_surface*)entries + index;
     *surface = scene_default_surface( r->scene->gravity );
     surface->line = node->line;
     surface->column = node->column;
-    surface->has_collision = r->body_count > ( scene_child( r, node, "collider" ) != NULL );
+    surface->has_collision = r->body_count > ( text_find_path( node, "collider" ) != NULL );
     r->entry = surface;
     WISP_TRY( scene_read_block( r, node, &SCENE_SURFACE_BLOCK, surface ) );
-    if ( wisp_scene_is_driven( surface ) && scene_child( r, node, "collision" ) == NULL )
+    if ( wisp_scene_is_driven( surface ) && text_find_path( node, "collision" ) == NULL )
     {
         surface->has_collision = false;
     }
@@ -551,7 +550,7 @@ static wisp_status read_entry( scene_reader* r, const scene_node* node, int inde
 // ---- instances ----
 
 // A source comes before its instances, so there is no circle, and it is no instance itself.
-static wisp_status find_source( scene_reader* r, const scene_node* node, int i )
+static wisp_status find_source( scene_reader* r, const text_node* node, int i )
 {
     wisp_scene_surface* surface = &r->scene->surfaces[i];
     WISP_TRY( scene_read_named( r, node, SCENE_SURFACE, &surface->instance_of ) );
@@ -572,10 +571,10 @@ static wisp_status find_source( scene_reader* r, const scene_node* node, int i )
     return surface->has_quad_links ? check_quad_links( r, node, &source->mesh ) : WISP_OK;
 }
 
-static wisp_status bind_instance( scene_reader* r, const scene_node* item, int index, void* context )
+static wisp_status bind_instance( scene_reader* r, const text_node* item, int index, void* context )
 {
     (void)context;
-    const scene_node* source = scene_child( r, item, "instance_of" );
+    const text_node* source = text_find_path( item, "instance_of" );
     const size_t outside = scene_enter_key( r, "instance_of" );
     WISP_TRY( source ? find_source( r, source, index ) : WISP_OK );
     scene_leave( r, outside );
@@ -591,7 +590,7 @@ int64_t scene_surface_vertices( const wisp_scene* scene, int surface )
 }
 
 // Made meshes are counted, so that a short scene cannot ask for more memory than a long one.
-static wisp_status bind_instances( scene_reader* r, const scene_node* node, void* at )
+static wisp_status bind_instances( scene_reader* r, const text_node* node, void* at )
 {
     (void)at;
     WISP_TRY( scene_read_items( r, node, bind_instance, NULL ) );

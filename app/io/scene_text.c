@@ -13,16 +13,13 @@
 typedef struct builder
 {
     const scene_source* source;
-    scene_tree* tree;
+    text_node* root;
     yaml_parser_t parser;
 
-    int open[SCENE_MAX_DEPTH]; // containers being filled, outermost first
-    int last[SCENE_MAX_DEPTH]; // their last child so far; -1 is none
-    int depth;
-    int documents;
+    text_node* open[SCENE_MAX_DEPTH]; // containers being filled, outermost first
+    int depth, node_count, documents;
 
-    bool has_key; // a map's key was read, its value comes next
-    uint32_t key;
+    char* key; // of a map, was read, its value comes next
     int key_line, key_column;
 
     size_t cursor_byte, cursor_character; // see letter_at()
@@ -202,80 +199,34 @@ static wisp_status refuse_syntax( builder* b )
                          p->problem ? p->problem : "unknown problem" );
 }
 
-static wisp_status keep_letters( builder* b, const char* text, size_t length, uint32_t* offset )
+// Append a value to the innermost open container, under the pending key if that is a map.
+static wisp_status add_node( builder* b, text_kind kind, const yaml_mark_t* mark, text_node** out )
 {
-    scene_tree* tree = b->tree;
-    if ( tree->letter_capacity - tree->letter_count < length + 1 )
-    {
-        size_t capacity = ( tree->letter_capacity + length + 1 ) * 2;
-        char* letters = realloc( tree->letters, capacity );
-        if ( !letters )
-        {
-            return out_of_memory( b->source );
-        }
-        tree->letters = letters;
-        tree->letter_capacity = capacity;
-    }
-    *offset = (uint32_t)tree->letter_count;
-    memcpy( tree->letters + tree->letter_count, text, length );
-    tree->letters[tree->letter_count + length] = 0;
-    tree->letter_count += length + 1;
-    return WISP_OK;
-}
-
-static wisp_status grow_nodes( builder* b, const yaml_mark_t* mark )
-{
-    scene_tree* tree = b->tree;
-    if ( tree->node_count == SCENE_MAX_NODES )
+    if ( b->node_count++ == SCENE_MAX_NODES )
     {
         return scene_refuse( b->source, (int)mark->line + 1, (int)mark->column + 1, "", "expected at most %d values",
                              SCENE_MAX_NODES );
     }
-    if ( tree->node_count == tree->node_capacity )
+    text_node* node = text_make( kind );
+    if ( node == NULL || ( b->depth > 0 && !text_append( b->open[b->depth - 1], node ) ) )
     {
-        int capacity = tree->node_capacity ? tree->node_capacity * 2 : 64;
-        scene_node* nodes = realloc( tree->nodes, (size_t)capacity * sizeof *nodes );
-        if ( !nodes )
-        {
-            return out_of_memory( b->source );
-        }
-        tree->nodes = nodes;
-        tree->node_capacity = capacity;
+        text_release( node );
+        return out_of_memory( b->source );
     }
-    return WISP_OK;
-}
-
-// Append a value to the innermost open container, under the pending key if that is a map.
-static wisp_status add_node( builder* b, scene_kind kind, const yaml_mark_t* mark )
-{
-    WISP_TRY( grow_nodes( b, mark ) );
-    int index = b->tree->node_count++;
-    b->tree->nodes[index] = ( scene_node ){
-        .line = (int)mark->line + 1,
-        .column = (int)mark->column + 1,
-        .key_line = b->key_line,
-        .key_column = b->key_column,
-        .key = b->key,
-        .first = -1,
-        .next = -1,
-        .kind = (uint8_t)kind,
-    };
-    b->has_key = false;
-
-    if ( b->depth > 0 )
-    {
-        int parent = b->open[b->depth - 1];
-        int before = b->last[b->depth - 1];
-        *( before < 0 ? &b->tree->nodes[parent].first : &b->tree->nodes[before].next ) = index;
-        b->tree->nodes[parent].count++;
-        b->last[b->depth - 1] = index;
-    }
+    b->root = b->depth > 0 ? b->root : node;
+    node->line = (int)mark->line + 1;
+    node->column = (int)mark->column + 1;
+    node->key_line = b->key_line;
+    node->key_column = b->key_column;
+    node->key = b->key;
+    b->key = NULL;
+    *out = node;
     return WISP_OK;
 }
 
 static bool requests_key( const builder* b )
 {
-    return b->depth > 0 && b->tree->nodes[b->open[b->depth - 1]].kind == SCENE_MAP && !b->has_key;
+    return b->depth > 0 && b->open[b->depth - 1]->kind == TEXT_MAP && b->key == NULL;
 }
 
 static wisp_status take_scalar( builder* b, const yaml_event_t* event )
@@ -294,24 +245,31 @@ static wisp_status take_scalar( builder* b, const yaml_event_t* event )
         return refuse_mark( b, mark, "YAML tags are not supported" );
     }
 
-    uint32_t text = 0;
-    WISP_TRY( keep_letters( b, value, length, &text ) );
+    text_node* node = NULL;
+    char* text = strdup( value );
+    if ( text == NULL )
+    {
+        return out_of_memory( b->source );
+    }
     if ( requests_key( b ) )
     {
-        b->has_key = true;
         b->key = text;
         b->key_line = (int)mark->line + 1;
         b->key_column = (int)mark->column + 1;
         return WISP_OK;
     }
-    WISP_TRY( add_node( b, SCENE_SCALAR, mark ) );
-    scene_node* node = &b->tree->nodes[b->tree->node_count - 1];
+    const wisp_status status = add_node( b, TEXT_SCALAR, mark, &node );
+    if ( status != WISP_OK )
+    {
+        free( text );
+        return status;
+    }
     node->text = text;
     node->plain = plain;
     return WISP_OK;
 }
 
-static wisp_status open_container( builder* b, scene_kind kind, const yaml_mark_t* mark )
+static wisp_status open_container( builder* b, text_kind kind, const yaml_mark_t* mark )
 {
     if ( requests_key( b ) )
     {
@@ -322,10 +280,9 @@ static wisp_status open_container( builder* b, scene_kind kind, const yaml_mark_
         return scene_refuse( b->source, (int)mark->line + 1, (int)mark->column + 1, "",
                              "expected at most %d levels of lists and mappings", SCENE_MAX_DEPTH );
     }
-    WISP_TRY( add_node( b, kind, mark ) );
-    b->open[b->depth] = b->tree->node_count - 1;
-    b->last[b->depth] = -1;
-    b->depth++;
+    text_node* node = NULL;
+    WISP_TRY( add_node( b, kind, mark, &node ) );
+    b->open[b->depth++] = node;
     return WISP_OK;
 }
 
@@ -354,10 +311,10 @@ static wisp_status take_event( builder* b, const yaml_event_t* event )
         case YAML_SEQUENCE_START_EVENT:
             WISP_TRY(
                 refuse_properties( b, mark, event->data.sequence_start.anchor, event->data.sequence_start.tag ) );
-            return open_container( b, SCENE_LIST, mark );
+            return open_container( b, TEXT_LIST, mark );
         case YAML_MAPPING_START_EVENT:
             WISP_TRY( refuse_properties( b, mark, event->data.mapping_start.anchor, event->data.mapping_start.tag ) );
-            return open_container( b, SCENE_MAP, mark );
+            return open_container( b, TEXT_MAP, mark );
         case YAML_SEQUENCE_END_EVENT:
         case YAML_MAPPING_END_EVENT:
             b->depth--;
@@ -386,9 +343,9 @@ static wisp_status take_events( builder* b )
     }
 }
 
-wisp_status scene_tree_build( const scene_source* given, scene_tree* tree )
+wisp_status scene_read_tree( const scene_source* given, text_node** out )
 {
-    *tree = ( scene_tree ){ 0 };
+    *out = NULL;
     scene_source source = *given;
     if ( source.size > SCENE_MAX_BYTES )
     {
@@ -401,38 +358,30 @@ wisp_status scene_tree_build( const scene_source* given, scene_tree* tree )
         source.size -= 3;
     }
     WISP_TRY( check_letters( &source ) );
-    builder b = { .source = &source, .tree = tree };
+    builder b = { .source = &source };
     if ( !yaml_parser_initialize( &b.parser ) )
     {
         return out_of_memory( &source );
     }
     yaml_parser_set_encoding( &b.parser, YAML_UTF8_ENCODING );
     yaml_parser_set_input_string( &b.parser, (const void*)( source.size > 0 ? source.text : "" ), source.size );
-    const wisp_status status = take_events( &b );
+    wisp_status status = take_events( &b );
     yaml_parser_delete( &b.parser );
-
-    if ( !status && tree->node_count == 0 )
+    free( b.key );
+    if ( status == WISP_OK && b.root == NULL )
     {
-        return scene_refuse( &source, 0, 0, "", "got an empty file" );
+        status = scene_refuse( &source, 0, 0, "", "got an empty file" );
     }
-    return status;
+    if ( status != WISP_OK )
+    {
+        text_release( b.root );
+        return status;
+    }
+    *out = b.root;
+    return WISP_OK;
 }
 
-const scene_node* scene_tree_find( const scene_tree* tree, const scene_node* node, const char* path )
+wisp_status text_parse( const char* text, size_t size, const char* name, text_node** out, wisp_error* error )
 {
-    const size_t length = strcspn( path, "." );
-    const scene_node* child = node != NULL && node->kind == SCENE_MAP ? scene_first( tree, node ) : NULL;
-    while ( child != NULL && ( strncmp( scene_key_of( tree, child ), path, length ) != 0 ||
-                               scene_key_of( tree, child )[length] != '\0' ) )
-    {
-        child = scene_next( tree, child );
-    }
-    return child != NULL && path[length] == '.' ? scene_tree_find( tree, child, path + length + 1 ) : child;
-}
-
-void scene_tree_release( scene_tree* tree )
-{
-    free( tree->nodes );
-    free( tree->letters );
-    *tree = ( scene_tree ){ 0 };
+    return scene_read_tree( &( scene_source ){ name, text, size, error }, out );
 }

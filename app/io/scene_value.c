@@ -82,7 +82,7 @@ wisp_status scene_register( scene_reader* r, scene_named what, const void* entri
 
 // ---- values that name an entry ----
 
-static wisp_status refuse_name( scene_reader* r, const scene_node* node, const char* text, const scene_name* other,
+static wisp_status refuse_name( scene_reader* r, const text_node* node, const char* text, const scene_name* other,
                                 scene_named what )
 {
     const scene_quote quote = scene_shorten( text );
@@ -121,7 +121,7 @@ const scene_name* scene_find_name( const scene_reader* r, const char* text )
                          : NULL;
 }
 
-wisp_status scene_read_named( scene_reader* r, const scene_node* node, scene_named what, int* index )
+wisp_status scene_read_named( scene_reader* r, const text_node* node, scene_named what, int* index )
 {
     const char* text = NULL;
     WISP_TRY( scene_read_text( r, node, &text ) );
@@ -204,7 +204,7 @@ void scene_leave( scene_reader* r, size_t path_length )
     r->path[path_length] = 0;
 }
 
-wisp_status scene_refuse_node( const scene_reader* r, const scene_node* node, const char* format, ... )
+wisp_status scene_refuse_node( const scene_reader* r, const text_node* node, const char* format, ... )
 {
     char message[420];
     va_list arguments;
@@ -331,14 +331,14 @@ static bool is_unit( const char* text, size_t number )
     return true;
 }
 
-wisp_status scene_refuse_kind( const scene_reader* r, const scene_node* node, const char* requested )
+wisp_status scene_refuse_kind( const scene_reader* r, const text_node* node, const char* requested )
 {
-    if ( node->kind != SCENE_SCALAR )
+    if ( node->kind != TEXT_SCALAR )
     {
-        return scene_refuse_node( r, node, "got a %s, expected %s", node->kind == SCENE_LIST ? "list" : "mapping",
+        return scene_refuse_node( r, node, "got a %s, expected %s", node->kind == TEXT_LIST ? "list" : "mapping",
                                   requested );
     }
-    const char* text = scene_text_of( r->tree, node );
+    const char* text = text_value( node );
     if ( text[0] == 0 || ( node->plain && is_nothing( text ) ) )
     {
         return scene_refuse_node( r, node, "got nothing, expected %s", requested );
@@ -348,14 +348,14 @@ wisp_status scene_refuse_kind( const scene_reader* r, const scene_node* node, co
 }
 
 // A text that is a number, whole or not. On refusal the message guesses what was meant.
-static wisp_status expect_number( scene_reader* r, const scene_node* node, const char* unit, const char* requested,
+static wisp_status expect_number( scene_reader* r, const text_node* node, const char* unit, const char* requested,
                                   bool* whole )
 {
-    if ( node->kind != SCENE_SCALAR )
+    if ( node->kind != TEXT_SCALAR )
     {
         return scene_refuse_kind( r, node, requested );
     }
-    const char* text = scene_text_of( r->tree, node );
+    const char* text = text_value( node );
     size_t length = strlen( text );
     size_t prefix = length > LONGEST_NUMBER ? 0 : number_prefix( text, whole );
     scene_quote quote = scene_shorten( text );
@@ -394,19 +394,19 @@ static wisp_status expect_number( scene_reader* r, const scene_node* node, const
     return scene_refuse_kind( r, node, requested );
 }
 
-static wisp_status refuse_range( const scene_reader* r, const scene_node* node, const scene_range* range )
+static wisp_status refuse_range( const scene_reader* r, const text_node* node, const scene_range* range )
 {
     return scene_refuse_node( r, node, "got %s, expected a value in [%.9g, %.9g]",
-                              scene_shorten( scene_text_of( r->tree, node ) ).text, range->lower, range->upper );
+                              scene_shorten( text_value( node ) ).text, range->lower, range->upper );
 }
 
-wisp_status scene_read_number( scene_reader* r, const scene_node* node, const scene_field* field, float* out )
+wisp_status scene_read_number( scene_reader* r, const text_node* node, const scene_field* field, float* out )
 {
     bool whole = false;
     WISP_TRY( expect_number( r, node, field->unit, "a number", &whole ) );
     // The range is checked as the module will see the number: after rounding. 1e999 becomes infinite here and is out
     // of every range.
-    float value = strtof( scene_text_of( r->tree, node ), NULL );
+    float value = strtof( text_value( node ), NULL );
     if ( !( value >= (float)field->range.lower && value <= (float)field->range.upper ) )
     {
         return refuse_range( r, node, &field->range );
@@ -415,7 +415,7 @@ wisp_status scene_read_number( scene_reader* r, const scene_node* node, const sc
     return WISP_OK;
 }
 
-wisp_status scene_read_whole( scene_reader* r, const scene_node* node, const scene_field* field, int* out )
+wisp_status scene_read_whole( scene_reader* r, const text_node* node, const scene_field* field, int* out )
 {
     bool whole = false;
     WISP_TRY( expect_number( r, node, field->unit, "a whole number", &whole ) );
@@ -424,7 +424,7 @@ wisp_status scene_read_whole( scene_reader* r, const scene_node* node, const sce
         return scene_refuse_kind( r, node, "a whole number" );
     }
     // strtoll stops at the ends of its range, and every field's range is narrower.
-    long long value = strtoll( scene_text_of( r->tree, node ), NULL, 10 );
+    long long value = strtoll( text_value( node ), NULL, 10 );
     if ( (double)value < field->range.lower || (double)value > field->range.upper )
     {
         return refuse_range( r, node, &field->range );
@@ -433,11 +433,11 @@ wisp_status scene_read_whole( scene_reader* r, const scene_node* node, const sce
     return WISP_OK;
 }
 
-wisp_status scene_read_seed( scene_reader* r, const scene_node* node, uint64_t* out )
+wisp_status scene_read_seed( scene_reader* r, const text_node* node, uint64_t* out )
 {
     bool whole = false;
     WISP_TRY( expect_number( r, node, NULL, SEED_RANGE, &whole ) );
-    const char* text = scene_text_of( r->tree, node );
+    const char* text = text_value( node );
     errno = 0;
     unsigned long long value = strtoull( text, NULL, 10 );
     if ( !whole || text[0] == '-' || errno == ERANGE )
@@ -449,11 +449,11 @@ wisp_status scene_read_seed( scene_reader* r, const scene_node* node, uint64_t* 
 }
 
 // YAML 1.1 has yes, no, on and off as well; JSON and YAML 1.2 read those as text.
-wisp_status scene_read_switch( scene_reader* r, const scene_node* node, bool* out )
+wisp_status scene_read_switch( scene_reader* r, const text_node* node, bool* out )
 {
-    const char* text = scene_text_of( r->tree, node );
+    const char* text = text_value( node );
     bool yes = strcmp( text, "true" ) == 0, no = strcmp( text, "false" ) == 0;
-    if ( node->kind != SCENE_SCALAR || !node->plain || ( !yes && !no ) )
+    if ( node->kind != TEXT_SCALAR || !node->plain || ( !yes && !no ) )
     {
         return scene_refuse_kind( r, node, "true or false" );
     }
@@ -461,7 +461,7 @@ wisp_status scene_read_switch( scene_reader* r, const scene_node* node, bool* ou
     return WISP_OK;
 }
 
-wisp_status scene_read_choice( scene_reader* r, const scene_node* node, const scene_choice* choices, int* out )
+wisp_status scene_read_choice( scene_reader* r, const text_node* node, const scene_choice* choices, int* out )
 {
     const char* words[SCENE_MAX_CHOICES];
     int count = 0;
@@ -472,8 +472,8 @@ wisp_status scene_read_choice( scene_reader* r, const scene_node* node, const sc
         int n = snprintf( list + used, sizeof list - used, "%s%s", count ? ", " : "", words[count] );
         used += (size_t)n < sizeof list - used ? (size_t)n : sizeof list - used - 1;
     }
-    const char* text = scene_text_of( r->tree, node );
-    if ( node->kind != SCENE_SCALAR || ( node->plain && is_nothing( text ) ) )
+    const char* text = text_value( node );
+    if ( node->kind != TEXT_SCALAR || ( node->plain && is_nothing( text ) ) )
     {
         return scene_refuse_kind( r, node, list );
     }
@@ -495,13 +495,13 @@ wisp_status scene_read_choice( scene_reader* r, const scene_node* node, const sc
                               near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "" );
 }
 
-wisp_status scene_read_shape( scene_reader* r, const scene_node* node, const scene_choice* shapes, int* out )
+wisp_status scene_read_shape( scene_reader* r, const text_node* node, const scene_choice* shapes, int* out )
 {
-    const scene_node* child = scene_child( r, node, "shape" );
+    const text_node* child = text_find_path( node, "shape" );
     if ( !child )
     {
-        return node->kind == SCENE_MAP ? scene_refuse_node( r, node, "key 'shape' is missing" )
-                                       : scene_refuse_kind( r, node, "a mapping with the key 'shape'" );
+        return node->kind == TEXT_MAP ? scene_refuse_node( r, node, "key 'shape' is missing" )
+                                      : scene_refuse_kind( r, node, "a mapping with the key 'shape'" );
     }
     size_t outside = scene_enter_key( r, "shape" );
     WISP_TRY( scene_read_choice( r, child, shapes, out ) );
@@ -509,9 +509,9 @@ wisp_status scene_read_shape( scene_reader* r, const scene_node* node, const sce
     return WISP_OK;
 }
 
-wisp_status scene_expect_pair( scene_reader* r, const scene_node* node, const char* requested )
+wisp_status scene_expect_pair( scene_reader* r, const text_node* node, const char* requested )
 {
-    if ( node->kind != SCENE_LIST )
+    if ( node->kind != TEXT_LIST )
     {
         return scene_refuse_kind( r, node, requested );
     }
@@ -519,10 +519,10 @@ wisp_status scene_expect_pair( scene_reader* r, const scene_node* node, const ch
                             : scene_refuse_node( r, node, "got a list of %d, expected %s", node->count, requested );
 }
 
-wisp_status scene_read_text( scene_reader* r, const scene_node* node, const char** out )
+wisp_status scene_read_text( scene_reader* r, const text_node* node, const char** out )
 {
-    const char* text = scene_text_of( r->tree, node );
-    if ( node->kind != SCENE_SCALAR || text[0] == 0 || ( node->plain && is_nothing( text ) ) )
+    const char* text = text_value( node );
+    if ( node->kind != TEXT_SCALAR || text[0] == 0 || ( node->plain && is_nothing( text ) ) )
     {
         return scene_refuse_kind( r, node, "text" );
     }
