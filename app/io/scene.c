@@ -368,6 +368,7 @@ wisp_scene scene_defaults( void )
 
 wisp_status wisp_scene_parse( const char* text, size_t size, const char* name, wisp_scene* out, wisp_error* error )
 {
+    WISP_ASSERT( name != NULL );
     *out = ( wisp_scene ){ 0 };
     const scene_source source = { name, text, size, error };
     wisp_scene scene = scene_defaults();

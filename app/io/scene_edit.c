@@ -23,56 +23,11 @@ typedef struct editor
 {
     scene_source source;
     text_node* root;
-    size_t* lines; // [line_count] where each begins
-    int line_count;
     patch* patches; // [patch_count]
     int patch_count;
 } editor;
 
 // ---- places ----
-
-static wisp_status index_lines( editor* e )
-{
-    const scene_source* s = &e->source;
-    int count = 1;
-    for ( size_t i = 0; i < s->size; ++i )
-    {
-        count += s->text[i] == '\n';
-    }
-    e->lines = malloc( (size_t)count * sizeof *e->lines );
-    if ( !e->lines )
-    {
-        return wisp_fail( s->error, WISP_NO_MEMORY, "%s: out of memory for the scene", s->name );
-    }
-    e->lines[e->line_count++] = 0;
-    for ( size_t i = 0; i < s->size; ++i )
-    {
-        if ( s->text[i] == '\n' )
-        {
-            e->lines[e->line_count++] = i + 1;
-        }
-    }
-    return WISP_OK;
-}
-
-// Columns count characters. @return the size of the text for a place that is not there
-static size_t place_of( const editor* e, int line, int column )
-{
-    const scene_source* s = &e->source;
-    if ( line < 1 || line > e->line_count )
-    {
-        return s->size;
-    }
-    size_t at = e->lines[line - 1];
-    for ( int c = 1; c < column && at < s->size; ++c )
-    {
-        do
-        {
-            ++at;
-        } while ( at < s->size && ( (unsigned char)s->text[at] & 0xc0u ) == 0x80u );
-    }
-    return at;
-}
 
 static bool stands_at( const editor* e, size_t at, const char* text )
 {
@@ -85,10 +40,20 @@ static char letter( const editor* e, size_t at )
     return at < e->source.size ? e->source.text[at] : '\0';
 }
 
-// Behind the line's end; the size of the text for the last line.
-static size_t next_line( const editor* e, int line )
+static size_t line_start( const editor* e, size_t at )
 {
-    return line < e->line_count ? e->lines[line] : e->source.size;
+    while ( at > 0 && e->source.text[at - 1] != '\n' )
+    {
+        --at;
+    }
+    return at;
+}
+
+// Behind the line's end; the size of the text for the last line.
+static size_t next_line( const editor* e, size_t at )
+{
+    const char* end = memchr( e->source.text + at, '\n', e->source.size - at );
+    return end ? (size_t)( end + 1 - e->source.text ) : e->source.size;
 }
 
 // ---- nodes ----
@@ -132,7 +97,7 @@ static wisp_status refuse_edit( const editor* e, const text_node* node, const wi
 static bool is_as_written( const editor* e, const text_node* node )
 {
     const char* text = text_value( node );
-    return node->plain && text[0] && stands_at( e, place_of( e, node->line, node->column ), text );
+    return node->plain && text[0] && stands_at( e, node->at, text );
 }
 
 // @param text one line at most, with its indentation
@@ -150,7 +115,7 @@ static wisp_status replace_value( editor* e, const text_node* node, const wisp_s
     {
         return refuse_edit( e, node, edit );
     }
-    add_patch( e, place_of( e, node->line, node->column ), strlen( text_value( node ) ), edit->value );
+    add_patch( e, node->at, strlen( text_value( node ) ), edit->value );
     return WISP_OK;
 }
 
@@ -176,7 +141,7 @@ static void go_on_behind( editor* e, size_t at )
 static void add_to_braces( editor* e, const text_node* map, size_t at, const wisp_scene_edit* edit )
 {
     const text_node* root = e->root;
-    const char* quote = letter( e, place_of( e, root->line, root->column ) ) == '{' ? "\"" : "";
+    const char* quote = letter( e, root->at ) == '{' ? "\"" : "";
     const char next = letter( e, at + 1 );
     const bool is_apart = next == ' ' || next == '\n' || next == '\r' || next == '\t';
     char text[120];
@@ -213,8 +178,8 @@ static const text_node* find_own_line( const editor* e, const text_node* map )
 {
     for ( const text_node* child = text_first( map ); child; child = child->next )
     {
-        const size_t start = place_of( e, child->key_line, 1 );
-        const size_t key = place_of( e, child->key_line, child->key_column );
+        const size_t start = line_start( e, child->key_at );
+        const size_t key = child->key_at;
         if ( stands_at( e, key, child->key ) && is_blank( e, start, key ) )
         {
             return child;
@@ -232,7 +197,7 @@ static wisp_status add_line( editor* e, const text_node* map, const wisp_scene_e
     {
         return refuse_edit( e, map, edit );
     }
-    const size_t end = next_line( e, near->key_line );
+    const size_t end = next_line( e, near->key_at );
     const bool has_return = end > 1 && e->source.text[end - 2] == '\r' && e->source.text[end - 1] == '\n';
     // The last line of a file may have no end of its own.
     const bool is_open = before && end > 0 && e->source.text[end - 1] != '\n';
@@ -240,7 +205,7 @@ static wisp_status add_line( editor* e, const text_node* map, const wisp_scene_e
     char text[120];
     snprintf( text, sizeof text, "%s%*s%s: %s%s", is_open ? line_end : "", near->key_column - 1, "", edit->key,
               edit->value, is_open ? "" : line_end );
-    add_patch( e, before ? end : place_of( e, near->key_line, 1 ), 0, text );
+    add_patch( e, before ? end : line_start( e, near->key_at ), 0, text );
     return WISP_OK;
 }
 
@@ -255,20 +220,11 @@ static size_t skip( const editor* e, size_t at, const char* letters )
     return at;
 }
 
-static size_t line_start( const editor* e, size_t at )
-{
-    while ( at > 0 && e->source.text[at - 1] != '\n' )
-    {
-        --at;
-    }
-    return at;
-}
-
 // From the key to the end of its value, on one line. @return false: something else is in between
 static bool find_pair( const editor* e, const text_node* node, size_t* begin, size_t* end )
 {
     const char* key = node->key;
-    size_t at = *begin = place_of( e, node->key_line, node->key_column );
+    size_t at = *begin = node->key_at;
     const bool is_quoted = letter( e, at ) == '"' || letter( e, at ) == '\'';
     at += is_quoted;
     if ( !stands_at( e, at, key ) )
@@ -279,7 +235,7 @@ static bool find_pair( const editor* e, const text_node* node, size_t* begin, si
     const bool has_colon = letter( e, at ) == ':';
     at = skip( e, at + has_colon, " \t" );
     *end = at + strlen( text_value( node ) );
-    return has_colon && is_as_written( e, node ) && at == place_of( e, node->line, node->column );
+    return has_colon && is_as_written( e, node ) && at == node->at;
 }
 
 // What was alone on its line goes with it; a comment stays where it is, and the key's place becomes its own.
@@ -340,7 +296,7 @@ static wisp_status take_out( editor* e, const text_node* map, const text_node* n
     {
         return refuse_edit( e, node, edit );
     }
-    if ( letter( e, place_of( e, map->line, map->column ) ) == '{' )
+    if ( letter( e, map->at ) == '{' )
     {
         return take_out_of_braces( e, begin, end ) ? WISP_OK : refuse_edit( e, node, edit );
     }
@@ -364,7 +320,7 @@ static wisp_status add_edit( editor* e, const wisp_scene_edit* edit )
     {
         return replace_value( e, node, edit );
     }
-    const size_t at = place_of( e, map->line, map->column );
+    const size_t at = map->at;
     if ( letter( e, at ) == '{' )
     {
         add_to_braces( e, map, at, edit );
@@ -430,9 +386,8 @@ static wisp_status edit_text( const scene_source* source, const wisp_scene_edit*
     editor e = { .source = *source };
     e.patches = malloc( ( (size_t)count + 1 ) * sizeof *e.patches );
     wisp_status status = e.patches
-                             ? index_lines( &e )
+                             ? scene_read_tree( source, &e.root )
                              : wisp_fail( source->error, WISP_NO_MEMORY, "out of memory for %d changes", count );
-    status = status == WISP_OK ? scene_read_tree( source, &e.root ) : status;
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {
         status = add_edit( &e, &edits[i] );
@@ -444,7 +399,6 @@ static wisp_status edit_text( const scene_source* source, const wisp_scene_edit*
     }
     status = status == WISP_OK ? apply( &e, out, out_size ) : status;
     text_release( e.root );
-    free( e.lines );
     free( e.patches );
     return status;
 }

@@ -21,8 +21,9 @@ typedef struct builder
 
     char* key; // of a map, was read, its value comes next
     int key_line, key_column;
+    size_t key_at;
 
-    size_t cursor_byte, cursor_character; // see letter_at()
+    size_t cursor_byte, cursor_character; // see byte_at()
 } builder;
 
 static bool is_continuation( char c )
@@ -161,7 +162,7 @@ static wisp_status check_letters( const scene_source* source )
 
 // The byte at a mark, 0 at the end. libyaml's marks count characters and mostly rise, so a cursor that walks along
 // finds them all in one pass over the text.
-static char letter_at( builder* b, const yaml_mark_t* mark )
+static size_t byte_at( builder* b, const yaml_mark_t* mark )
 {
     if ( mark->index < b->cursor_character )
     {
@@ -175,7 +176,13 @@ static char letter_at( builder* b, const yaml_mark_t* mark )
         } while ( b->cursor_byte < b->source->size && is_continuation( b->source->text[b->cursor_byte] ) );
         ++b->cursor_character;
     }
-    return b->cursor_byte < b->source->size ? b->source->text[b->cursor_byte] : 0;
+    return b->cursor_byte;
+}
+
+static char letter_at( builder* b, const yaml_mark_t* mark )
+{
+    const size_t at = byte_at( b, mark );
+    return at < b->source->size ? b->source->text[at] : 0;
 }
 
 static wisp_status refuse_mark( const builder* b, const yaml_mark_t* mark, const char* whole_message )
@@ -218,6 +225,8 @@ static wisp_status add_node( builder* b, text_kind kind, const yaml_mark_t* mark
     node->column = (int)mark->column + 1;
     node->key_line = b->key_line;
     node->key_column = b->key_column;
+    node->key_at = b->key_at;
+    node->at = byte_at( b, mark );
     node->key = b->key;
     b->key = NULL;
     *out = node;
@@ -256,6 +265,7 @@ static wisp_status take_scalar( builder* b, const yaml_event_t* event )
         b->key = text;
         b->key_line = (int)mark->line + 1;
         b->key_column = (int)mark->column + 1;
+        b->key_at = byte_at( b, mark );
         return WISP_OK;
     }
     const wisp_status status = add_node( b, TEXT_SCALAR, mark, &node );

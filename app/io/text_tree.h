@@ -26,6 +26,7 @@ typedef struct text_node
     int count, capacity;
     int line, column;         ///< where the value begins
     int key_line, key_column; ///< of the key
+    size_t at, key_at;        ///< likewise in bytes, from 0
 } text_node;
 
 /// @return the first child, or null
