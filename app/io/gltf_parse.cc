@@ -674,6 +674,7 @@ bool take_channel( const tinygltf::Model& model, const tinygltf::Animation& anim
     out->node = channel.target_node;
     out->path = path == "translation" ? GLTF_TRANSLATION : path == "rotation" ? GLTF_ROTATION : GLTF_SCALE;
     out->interpolation = from.interpolation;
+    out->width = static_cast<int>( width );
     out->key_count = static_cast<int>( count );
     out->times = copy( memory, from.times.values );
     out->values = copy( memory, from.values.values );
@@ -701,12 +702,11 @@ bool take_weights_channel( const tinygltf::Model& model, const tinygltf::Animati
         return false;
     }
     io_memory* const memory = &known->memory;
-    gltf_weights* weights = &out->weights[out->weights_count];
+    gltf_channel* weights = &out->weights[out->weights_count];
     for ( int w = 0; w < out->weights_count; ++w )
     {
-        const gltf_weights* before = &out->weights[w];
-        const gltf_mesh* of_before = &known->meshes[known->nodes[before->node].mesh];
-        if ( before->sampler == channel.sampler && static_cast<size_t>( of_before->target_count ) == width )
+        const gltf_channel* before = &out->weights[w];
+        if ( before->sampler == channel.sampler && static_cast<size_t>( before->width ) == width )
         {
             *weights = *before;
             weights->node = channel.target_node;
@@ -729,10 +729,17 @@ bool take_weights_channel( const tinygltf::Model& model, const tinygltf::Animati
     ++out->weights_count;
     weights->node = channel.target_node;
     weights->sampler = channel.sampler;
+    weights->path = GLTF_WEIGHTS;
+    weights->width = static_cast<int>( width );
     weights->interpolation = from.interpolation;
     weights->key_count = static_cast<int>( count );
     weights->times = copy( memory, from.times.values );
-    weights->values = copy( memory, to_floats( from.values.values ) );
+    weights->values = copy( memory, from.values.values );
+    for ( size_t i = 0; i < from.values.values.size(); ++i )
+    {
+        // In single precision, as most files have them.
+        weights->values[i] = static_cast<double>( static_cast<float>( weights->values[i] ) );
+    }
     out->duration = std::fmax( out->duration, from.times.values.back() );
     return true;
 }
@@ -743,7 +750,7 @@ void take_animation( const tinygltf::Model& model, size_t i, gltf_model* known, 
     const tinygltf::Animation& animation = model.animations[i];
     out->name = copy( memory, printable( animation.name, "animation", i ) );
     out->channels = allocate<gltf_channel>( memory, animation.channels.size() );
-    out->weights = allocate<gltf_weights>( memory, animation.channels.size() );
+    out->weights = allocate<gltf_channel>( memory, animation.channels.size() );
     for ( size_t c = 0; c < animation.channels.size(); ++c )
     {
         const string where = "animation " + to_string( i ) + ": channel " + to_string( c );

@@ -444,6 +444,31 @@ int groom_dimension_of( const wisp_groom* groom )
     return 2;
 }
 
+groom_defect groom_check_offsets( const int32_t* offsets, int strand_count, int vertex_count )
+{
+    groom_defect defect = { "" };
+    int s = 0;
+    while ( s < strand_count && offsets[s + 1] >= offsets[s] && offsets[s + 1] <= vertex_count )
+    {
+        ++s;
+    }
+    if ( offsets[0] != 0 )
+    {
+        snprintf( defect.text, sizeof defect.text, "strand 0 starts at vertex %d, expected 0", offsets[0] );
+    }
+    else if ( s < strand_count )
+    {
+        snprintf( defect.text, sizeof defect.text, "strand %d runs from vertex %d to %d of %d", s, offsets[s],
+                  offsets[s + 1], vertex_count );
+    }
+    else if ( offsets[strand_count] != vertex_count )
+    {
+        snprintf( defect.text, sizeof defect.text, "the strands end at vertex %d of %d", offsets[strand_count],
+                  vertex_count );
+    }
+    return defect;
+}
+
 static wisp_status check_offsets( const wisp_groom* groom, const char* name, wisp_error* error )
 {
     if ( groom->strand_count < 1 || groom->vertex_count < 1 )
@@ -456,25 +481,8 @@ static wisp_status check_offsets( const wisp_groom* groom, const char* name, wis
         return wisp_fail( error, WISP_BAD_INPUT, "%s: the groom has no %s", name,
                           groom->offsets == NULL ? "offsets" : "points" );
     }
-    if ( groom->offsets[0] != 0 )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: strand 0 starts at vertex %d, expected 0", name,
-                          groom->offsets[0] );
-    }
-    for ( int s = 0; s < groom->strand_count; ++s )
-    {
-        if ( groom->offsets[s + 1] < groom->offsets[s] || groom->offsets[s + 1] > groom->vertex_count )
-        {
-            return wisp_fail( error, WISP_BAD_INPUT, "%s: strand %d runs from vertex %d to %d of %d", name, s,
-                              groom->offsets[s], groom->offsets[s + 1], groom->vertex_count );
-        }
-    }
-    if ( groom->offsets[groom->strand_count] != groom->vertex_count )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: the strands end at vertex %d of %d", name,
-                          groom->offsets[groom->strand_count], groom->vertex_count );
-    }
-    return WISP_OK;
+    const groom_defect defect = groom_check_offsets( groom->offsets, groom->strand_count, groom->vertex_count );
+    return defect.text[0] == '\0' ? WISP_OK : wisp_fail( error, WISP_BAD_INPUT, "%s: %s", name, defect.text );
 }
 
 // The numbers of one vertex with their names in messages.

@@ -1,6 +1,7 @@
 // POSIX 2008 with XSI rather than C17 alone: fsync, realpath and per-thread locales have no standard counterpart.
 #define _XOPEN_SOURCE 700
 
+#include "io_bytes.h"
 #include "io_file.h"
 
 #include "wisp/module/definition.h"
@@ -123,6 +124,19 @@ bool io_is_name( const char* text, int most )
         }
     }
     return length >= 1 && length <= most;
+}
+
+// ---- numbers ---------------------------------------------------------------------------------------------------
+
+void io_write_words( FILE* out, const void* words, size_t count )
+{
+    unsigned char bytes[4096];
+    for ( size_t done = 0, size; done < count; done += size )
+    {
+        size = count - done < sizeof bytes / 4 ? count - done : sizeof bytes / 4;
+        io_put_words( bytes, (const unsigned char*)words + 4 * done, size );
+        fwrite( bytes, 4, size, out );
+    }
 }
 
 // ---- bounds ----------------------------------------------------------------------------------------------------

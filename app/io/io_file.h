@@ -100,6 +100,9 @@ void io_numbers_end( io_numbers* numbers );
 /// Independent of the locale.
 bool io_has_extension( const char* path, const char* extension );
 
+/// Write numbers of four bytes each, little-endian.
+void io_write_words( FILE* out, const void* words, size_t count );
+
 /// Whether a text is a name: 1 to `most` of the characters A-Z a-z 0-9 _ -. Names become parts of paths, so it has no slash and no dot.
 bool io_is_name( const char* text, int most );
 

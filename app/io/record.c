@@ -94,17 +94,6 @@ const char* record_extension( const wisp_recorder* recorder )
     return dot == NULL || dot == name ? name + strlen( name ) : dot;
 }
 
-void record_put_words( FILE* out, const void* words, size_t count )
-{
-    unsigned char bytes[4096];
-    for ( size_t done = 0, size; done < count; done += size )
-    {
-        size = count - done < sizeof bytes / 4 ? count - done : sizeof bytes / 4;
-        io_put_words( bytes, (const unsigned char*)words + 4 * done, size );
-        fwrite( bytes, 4, size, out );
-    }
-}
-
 const char* record_path_beside( wisp_recorder* recorder, const char* format, ... )
 {
     const size_t stem = (size_t)( record_extension( recorder ) - recorder->path );

@@ -132,9 +132,6 @@ const char* record_extension( const wisp_recorder* recorder );
 /// @return [vertex_count], valid until the next call
 const wisp_vec3* record_normals( const wisp_recorder* recorder, int body, const wisp_vec3* points );
 
-/// Write numbers of 4 bytes, little-endian. Errors are left to the stream.
-void record_put_words( FILE* out, const void* words, size_t count );
-
 // Frames that wait in a file without a name until all are known, because a format stores bodies one after the other.
 
 /// Open that file, and after it the output of the recorder.

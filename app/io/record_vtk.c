@@ -2,6 +2,7 @@
 // inside the XML: exact like raw bytes, and still XML for every other reader. The array's length in bytes and its
 // numbers are one base64 stream, as in VTK's own writer.
 #include "base64.h"
+#include "groom_internal.h"
 
 #include "record_internal.h"
 
@@ -68,26 +69,12 @@ wisp_status record_check_mesh( const wisp_record_body* body, const char* name, w
 static wisp_status check_strands( const checked* c )
 {
     const wisp_record_body* body = c->body;
-    const int32_t* offsets = body->offsets;
     if ( body->strand_count < 1 )
     {
         return wrong( c, -1, "got %d strands, expected at least 1", body->strand_count );
     }
-    if ( offsets[0] != 0 )
-    {
-        return wrong( c, -1, "strand 0 starts at vertex %d, expected 0", offsets[0] );
-    }
-    for ( int s = 0; s < body->strand_count; ++s )
-    {
-        if ( offsets[s + 1] < offsets[s] || offsets[s + 1] > body->vertex_count )
-        {
-            return wrong( c, -1, "strand %d runs from vertex %d to %d of %d", s, offsets[s], offsets[s + 1],
-                          body->vertex_count );
-        }
-    }
-    const int end = offsets[body->strand_count];
-    return end == body->vertex_count ? WISP_OK
-                                     : wrong( c, -1, "the strands end at vertex %d of %d", end, body->vertex_count );
+    const groom_defect defect = groom_check_offsets( body->offsets, body->strand_count, body->vertex_count );
+    return defect.text[0] == '\0' ? WISP_OK : wrong( c, -1, "%s", defect.text );
 }
 
 // Names that files use themselves, and USD's rule for names.
