@@ -281,17 +281,16 @@ wisp_status gltf_merge_seams( gltf_mesh* mesh, const char* name, wisp_error* err
     {
         slots *= 2;
     }
-    int32_t* table = calloc( slots, sizeof *table );
-    int32_t* number = malloc( count * sizeof *number );
-    bool* is_seam = calloc( count, sizeof *is_seam );
-    const bool enough = table != NULL && number != NULL && is_seam != NULL;
+    io_memory scratch = { 0 };
+    int32_t* table = io_get( &scratch, slots * sizeof *table );
+    int32_t* number = io_get( &scratch, count * sizeof *number );
+    bool* is_seam = io_get( &scratch, count * sizeof *is_seam );
+    const bool enough = !scratch.is_short;
     if ( enough )
     {
         merge( mesh, table, slots, number, is_seam );
     }
-    free( table );
-    free( number );
-    free( is_seam );
+    io_release( &scratch );
     return enough ? WISP_OK
                   : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory to merge %zu vertices",
                                io_short_name( name ), count );
@@ -315,58 +314,11 @@ enum
 
 void gltf_release( gltf_model* model )
 {
-    if ( model == NULL )
+    if ( model != NULL )
     {
-        return;
+        io_release( &model->memory );
+        *model = ( gltf_model ){ 0 };
     }
-    for ( int n = 0; n < model->node_count; ++n )
-    {
-        free( model->nodes[n].name );
-        free( model->nodes[n].weights );
-    }
-    for ( int m = 0; m < model->mesh_count; ++m )
-    {
-        free( model->meshes[m].name );
-        free( model->meshes[m].joints );
-        free( model->meshes[m].weights );
-        for ( int t = 0; model->meshes[m].target_names != NULL && t < model->meshes[m].target_count; ++t )
-        {
-            free( model->meshes[m].target_names[t] );
-        }
-        free( model->meshes[m].target_names );
-        free( model->meshes[m].targets );
-        free( model->meshes[m].weights_at_rest );
-        wisp_mesh_release( &model->meshes[m].mesh );
-    }
-    for ( int s = 0; s < model->skin_count; ++s )
-    {
-        free( model->skins[s].name );
-        free( model->skins[s].joints );
-        free( model->skins[s].inverse_bind );
-    }
-    for ( int a = 0; a < model->animation_count; ++a )
-    {
-        for ( int c = 0; c < model->animations[a].channel_count; ++c )
-        {
-            free( model->animations[a].channels[c].times );
-            free( model->animations[a].channels[c].values );
-        }
-        for ( int w = 0; w < model->animations[a].weights_count; ++w )
-        {
-            gltf_weights* weights = &model->animations[a].weights[w];
-            free( weights->is_shared ? NULL : weights->times );
-            free( weights->is_shared ? NULL : weights->values );
-        }
-        free( model->animations[a].weights );
-        free( model->animations[a].channels );
-        free( model->animations[a].name );
-    }
-    free( model->nodes );
-    free( model->order );
-    free( model->meshes );
-    free( model->skins );
-    free( model->animations );
-    *model = ( gltf_model ){ 0 };
 }
 
 // ---- bytes -----------------------------------------------------------------------------------------------------
@@ -516,15 +468,15 @@ wisp_status gltf_read_beside( const char* folder, const char* path, unsigned cha
 // ---- relations -------------------------------------------------------------------------------------------------
 
 // A node's turn comes when its parent has had its own; who never has one hangs in a circle.
-static wisp_status order_nodes( gltf_model* model, const char* name, wisp_error* error )
+static wisp_status sort_nodes( gltf_model* model, io_memory* scratch, const char* name, wisp_error* error )
 {
-    int32_t* depth = calloc( (size_t)model->node_count + 1, sizeof *depth );
-    if ( depth == NULL )
+    int32_t* depth = io_get( scratch, ( (size_t)model->node_count + 1 ) * sizeof *depth );
+    int32_t* first = io_get( scratch, ( (size_t)model->node_count + 2 ) * sizeof *first ); // of each depth, behind it
+    if ( scratch->is_short )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %d nodes", name, model->node_count );
     }
-    int circle = -1, deepest = 0;
-    for ( int n = 0; n < model->node_count && circle < 0; ++n )
+    for ( int n = 0; n < model->node_count; ++n )
     {
         // Up to the first ancestor of known depth, and down again.
         int steps = 0, at = n;
@@ -532,38 +484,37 @@ static wisp_status order_nodes( gltf_model* model, const char* name, wisp_error*
         {
             ++steps;
         }
-        circle = steps > model->node_count ? n : -1;
+        if ( steps > model->node_count )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "%s: node %d: it is its own ancestor", name, n );
+        }
         int below = ( at >= 0 ? depth[at] : 0 ) + steps;
-        deepest = below > deepest ? below : deepest;
-        for ( at = n; circle < 0 && at >= 0 && depth[at] == 0; at = model->nodes[at].parent )
+        for ( at = n; at >= 0 && depth[at] == 0; at = model->nodes[at].parent )
         {
             depth[at] = below--;
         }
     }
-    if ( circle >= 0 )
-    {
-        free( depth );
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: node %d: it is its own ancestor", name, circle );
-    }
-    int count = 0;
-    int32_t* first = calloc( (size_t)deepest + 2, sizeof *first );
-    for ( int n = 0; first != NULL && n < model->node_count; ++n )
+    for ( int n = 0; n < model->node_count; ++n )
     {
         ++first[depth[n] + 1];
     }
-    for ( int d = 0; first != NULL && d <= deepest; ++d )
+    for ( int d = 0; d <= model->node_count; ++d )
     {
         first[d + 1] += first[d];
     }
-    for ( int n = 0; first != NULL && n < model->node_count; ++n, ++count )
+    for ( int n = 0; n < model->node_count; ++n )
     {
         model->order[first[depth[n]]++] = n;
     }
-    free( depth );
-    free( first );
-    return count == model->node_count
-               ? WISP_OK
-               : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %d nodes", name, model->node_count );
+    return WISP_OK;
+}
+
+static wisp_status order_nodes( gltf_model* model, const char* name, wisp_error* error )
+{
+    io_memory scratch = { 0 };
+    const wisp_status status = sort_nodes( model, &scratch, name, error );
+    io_release( &scratch );
+    return status;
 }
 
 // A weighted joint of a mesh is a joint of each skin that it has.

@@ -2,6 +2,7 @@
 /// cameras, lights and extras are skipped. Untrusted bytes: bounded and checked; every error names its element.
 #pragma once
 
+#include "io_file.h"
 #include "mesh.h"
 
 #ifdef __cplusplus
@@ -60,6 +61,7 @@ extern "C"
         GLTF_TRANSLATION,
         GLTF_ROTATION,
         GLTF_SCALE,
+        GLTF_WEIGHTS,
     } gltf_path;
 
     typedef enum gltf_interpolation
@@ -69,27 +71,18 @@ extern "C"
         GLTF_CUBICSPLINE,
     } gltf_interpolation;
 
+    /// Keys of a property of a node, or of the weights of its morph targets.
     typedef struct gltf_channel
     {
-        int node;
+        int node, sampler;
         gltf_path path;
         gltf_interpolation interpolation;
+        int width;     ///< numbers of a value
         int key_count; ///< >= 1
-        double* times; ///< [key_count] s, >= 0, rising
+        double* times; ///< [key_count] s, >= 0, rising; of weights may be those of an earlier channel
         double*
-            values; ///< [key_count][width]; of cubic splines [key_count][3][width]: in-tangent, value, out-tangent
+            values; ///< [key_count][width]; of cubic splines [key_count][3][width]: in-tangent, value, out-tangent; likewise
     } gltf_channel;
-
-    /// Weights of the morph targets of a node over time.
-    typedef struct gltf_weights
-    {
-        int node, sampler;
-        gltf_interpolation interpolation;
-        int key_count;  ///< >= 1
-        double* times;  ///< [key_count] s, >= 0, rising
-        float* values;  ///< [key_count][target_count]; of cubic splines [key_count][3][target_count]
-        bool is_shared; ///< both arrays belong to an earlier entry of the animation
-    } gltf_weights;
 
     typedef struct gltf_animation
     {
@@ -98,7 +91,7 @@ extern "C"
         int skipped_count; ///< channels without a node, and those of weights of a node without morph targets
         gltf_channel* channels;
         int weights_count;
-        gltf_weights* weights;
+        gltf_channel* weights;
         double duration; ///< s, time of the last key
     } gltf_animation;
 
@@ -111,6 +104,7 @@ extern "C"
         gltf_mesh* meshes;
         gltf_skin* skins;
         gltf_animation* animations;
+        io_memory memory; ///< of all that is in it
     } gltf_model;
 
     /// Null and a zero model are allowed; the model is zero afterwards.

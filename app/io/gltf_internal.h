@@ -37,11 +37,8 @@ extern "C"
     /// gltf.c: merge vertices of exactly equal position, joints and weights; the first stays.
     wisp_status gltf_merge_seams( gltf_mesh* mesh, const char* name, wisp_error* error );
 
-    /// The last key at or before a time that is not before the first. @param times [count] rising
-    int gltf_find_key( const double* times, int count, double time );
-
-    /// Hermite's cubic (appendix C.5) from p to q in dt seconds, at t in 0 .. 1; tangents per second.
-    double gltf_spline( double p, double out_tangent, double in_tangent, double q, double dt, double t );
+    /// The value of a channel at a time. @param out [channel->width]
+    void gltf_sample( const gltf_channel* channel, double time, double* out );
 
     /// product = a * b, rows of 3 x 4 matrices.
     void gltf_multiply( const double a[12], const double b[12], double product[12] );

@@ -12,25 +12,6 @@
 
 // ---- weights ---------------------------------------------------------------------------------------------------
 
-static void sample( const gltf_weights* from, int width, double time, double* out )
-{
-    const size_t n = (size_t)width;
-    const int rows = from->interpolation == GLTF_CUBICSPLINE ? 3 : 1;
-    const int key = gltf_find_key( from->times, from->key_count, time );
-    const float* a = from->values + n * ( (size_t)rows * (size_t)key + (size_t)( rows / 2 ) );
-    const float* b = a + n * (size_t)rows;
-    const bool is_between = time > from->times[key] && key + 1 < from->key_count && from->interpolation != GLTF_STEP;
-    const double dt = is_between ? from->times[key + 1] - from->times[key] : 1.0,
-                 t = ( time - from->times[key] ) / dt;
-    for ( size_t k = 0; k < n; ++k )
-    {
-        const double p = (double)a[k];
-        out[k] = !is_between ? p
-                 : rows == 3 ? gltf_spline( p, (double)a[n + k], (double)*( b + k - n ), (double)b[k], dt, t )
-                             : p + t * ( (double)b[k] - p );
-    }
-}
-
 void gltf_weights_at( const gltf_model* model, int node, gltf_moment moment, double* out )
 {
     const gltf_node* n = &model->nodes[node];
@@ -46,33 +27,32 @@ void gltf_weights_at( const gltf_model* model, int node, gltf_moment moment, dou
     {
         if ( animation->weights[w].node == node )
         {
-            sample( &animation->weights[w], mesh->target_count, moment.time, out );
+            gltf_sample( &animation->weights[w], moment.time, out );
         }
     }
 }
 
 // Whether the target alone has a weight at a key.
-static bool is_alone( const gltf_weights* from, int width, int key, int target )
+static bool is_alone( const gltf_channel* from, int key, int target )
 {
     const size_t rows = from->interpolation == GLTF_CUBICSPLINE ? 3 : 1;
-    const float* values = from->values + (size_t)width * ( rows * (size_t)key + rows / 2 );
-    bool is = values[target] == 1.0f;
-    for ( int t = 0; t < width && is; ++t )
+    const double* values = from->values + (size_t)from->width * ( rows * (size_t)key + rows / 2 );
+    bool is = values[target] == 1.0;
+    for ( int t = 0; t < from->width && is; ++t )
     {
-        is = t == target || values[t] == 0.0f;
+        is = t == target || values[t] == 0.0;
     }
     return is;
 }
 
 double gltf_target_time( const gltf_model* model, int node, int animation, int target )
 {
-    const int width = model->meshes[model->nodes[node].mesh].target_count;
     const gltf_animation* a = &model->animations[animation];
     for ( int w = 0; w < a->weights_count; ++w )
     {
         for ( int key = 0; a->weights[w].node == node && key < a->weights[w].key_count; ++key )
         {
-            if ( is_alone( &a->weights[w], width, key, target ) )
+            if ( is_alone( &a->weights[w], key, target ) )
             {
                 return a->weights[w].times[key];
             }

@@ -49,31 +49,31 @@ string printable( const string& name, const char* kind, size_t index, size_t mos
     return clean.empty() ? string( kind ) + " " + to_string( index ) : clean;
 }
 
-template <typename T> T* allocate( size_t count )
+template <typename T> T* allocate( io_memory* memory, size_t count )
 {
-    T* memory = static_cast<T*>( std::calloc( count > 0 ? count : 1, sizeof( T ) ) );
-    if ( memory == nullptr )
+    T* block = static_cast<T*>( io_get( memory, count * sizeof( T ) ) );
+    if ( block == nullptr )
     {
         throw std::bad_alloc();
     }
-    return memory;
+    return block;
 }
 
-template <typename T> T* copy( const std::vector<T>& from )
+template <typename T> T* copy( io_memory* memory, const std::vector<T>& from )
 {
-    T* to = allocate<T>( from.size() );
+    T* to = allocate<T>( memory, from.size() );
     std::copy( from.begin(), from.end(), to );
     return to;
 }
 
-wisp_vec3* copy_vectors( const std::vector<float>& from )
+wisp_vec3* copy_vectors( io_memory* memory, const std::vector<float>& from )
 {
-    return reinterpret_cast<wisp_vec3*>( copy( from ) );
+    return reinterpret_cast<wisp_vec3*>( copy( memory, from ) );
 }
 
-char* copy( const string& text )
+char* copy( io_memory* memory, const string& text )
 {
-    return copy( std::vector<char>( text.c_str(), text.c_str() + text.size() + 1 ) );
+    return copy( memory, std::vector<char>( text.c_str(), text.c_str() + text.size() + 1 ) );
 }
 
 void check_element( int index, size_t count, const string& where, const char* kind )
@@ -264,11 +264,11 @@ void take_matrix( const double* columns, double* rows )
     }
 }
 
-void take_node( const tinygltf::Model& model, size_t n, gltf_node* out )
+void take_node( const tinygltf::Model& model, size_t n, io_memory* memory, gltf_node* out )
 {
     const tinygltf::Node& node = model.nodes[n];
     const string where = "node " + to_string( n );
-    out->name = copy( printable( node.name, "node", n ) );
+    out->name = copy( memory, printable( node.name, "node", n ) );
     out->parent = -1;
     out->mesh = node.mesh;
     out->skin = node.skin;
@@ -289,7 +289,7 @@ void take_node( const tinygltf::Model& model, size_t n, gltf_node* out )
     {
         // More than a mesh can have are of no use.
         out->weight_count = static_cast<int>( std::min( node.weights.size(), size_t{ GLTF_ELEMENT_CAP } ) );
-        out->weights = allocate<double>( node.weights.size() );
+        out->weights = allocate<double>( memory, node.weights.size() );
         take_vector( node.weights, node.weights.size(), out->weights, where + ": weights" );
     }
     double columns[16];
@@ -319,19 +319,19 @@ void take_parents( const tinygltf::Model& model, gltf_model* out )
     }
 }
 
-void take_skin( const tinygltf::Model& model, size_t s, gltf_skin* out )
+void take_skin( const tinygltf::Model& model, size_t s, io_memory* memory, gltf_skin* out )
 {
     const tinygltf::Skin& skin = model.skins[s];
     const string where = "skin " + to_string( s );
-    out->name = copy( printable( skin.name, "skin", s ) );
+    out->name = copy( memory, printable( skin.name, "skin", s ) );
     if ( skin.joints.empty() || skin.joints.size() > GLTF_ELEMENT_CAP )
     {
         refuse( where, "got " + to_string( skin.joints.size() ) + " joints, expected 1 .. " +
                            to_string( GLTF_ELEMENT_CAP ) );
     }
     out->joint_count = static_cast<int>( skin.joints.size() );
-    out->joints = allocate<int32_t>( skin.joints.size() );
-    out->inverse_bind = allocate<double>( 12 * skin.joints.size() );
+    out->joints = allocate<int32_t>( memory, skin.joints.size() );
+    out->inverse_bind = allocate<double>( memory, 12 * skin.joints.size() );
     for ( size_t j = 0; j < skin.joints.size(); ++j )
     {
         check_element( skin.joints[j], model.nodes.size(), where + ": joint " + to_string( j ), "node" );
@@ -551,20 +551,21 @@ string target_name( const tinygltf::Mesh& mesh, size_t t )
     return printable( name.IsString() ? name.Get<string>() : string(), "target", t );
 }
 
-void copy_targets( const tinygltf::Mesh& mesh, const joined& all, const string& where, gltf_mesh* out )
+void copy_targets( const tinygltf::Mesh& mesh, const joined& all, const string& where, io_memory* memory,
+                   gltf_mesh* out )
 {
     const size_t count = all.targets.size(), numbers_each = all.points.size();
     if ( count == 0 )
     {
         return;
     }
-    out->target_names = allocate<char*>( count );
-    out->targets = allocate<float>( count * numbers_each );
-    out->weights_at_rest = allocate<double>( count );
+    out->target_names = allocate<char*>( memory, count );
+    out->targets = allocate<float>( memory, count * numbers_each );
+    out->weights_at_rest = allocate<double>( memory, count );
     out->target_count = static_cast<int>( count );
     for ( size_t t = 0; t < count; ++t )
     {
-        out->target_names[t] = copy( target_name( mesh, t ) );
+        out->target_names[t] = copy( memory, target_name( mesh, t ) );
         std::memcpy( out->targets + t * numbers_each, all.targets[t].data(), numbers_each * sizeof( float ) );
     }
     if ( !mesh.weights.empty() )
@@ -573,11 +574,11 @@ void copy_targets( const tinygltf::Mesh& mesh, const joined& all, const string& 
     }
 }
 
-void take_mesh( const tinygltf::Model& model, size_t m, size_t* left, gltf_mesh* out )
+void take_mesh( const tinygltf::Model& model, size_t m, size_t* left, io_memory* memory, gltf_mesh* out )
 {
     const tinygltf::Mesh& mesh = model.meshes[m];
     joined all;
-    out->name = copy( printable( mesh.name, "mesh", m ) );
+    out->name = copy( memory, printable( mesh.name, "mesh", m ) );
     for ( size_t p = 0; p < mesh.primitives.size(); ++p )
     {
         const tinygltf::Primitive& primitive = mesh.primitives[p];
@@ -601,15 +602,15 @@ void take_mesh( const tinygltf::Model& model, size_t m, size_t* left, gltf_mesh*
     const size_t count = all.points.size() / 3;
     out->mesh.vertex_count = static_cast<int>( count );
     out->mesh.triangle_count = static_cast<int>( all.triangles.size() / 3 );
-    out->mesh.points = copy_vectors( all.points );
-    out->mesh.triangles = copy( all.triangles );
-    out->mesh.colours = all.colour_count > 0 ? copy_vectors( all.colours ) : nullptr;
-    out->mesh.uvs = all.uv_count > 0 ? copy( all.uvs ) : nullptr;
+    out->mesh.points = copy_vectors( memory, all.points );
+    out->mesh.triangles = copy( memory, all.triangles );
+    out->mesh.colours = all.colour_count > 0 ? copy_vectors( memory, all.colours ) : nullptr;
+    out->mesh.uvs = all.uv_count > 0 ? copy( memory, all.uvs ) : nullptr;
     out->mesh.colour_missing_count = all.colour_count > 0 ? static_cast<int>( count - all.colour_count ) : 0;
     out->mesh.uv_missing_count = all.uv_count > 0 ? static_cast<int>( count - all.uv_count ) : 0;
-    out->joints = all.skinned > 0 ? copy( all.joints ) : nullptr;
-    out->weights = all.skinned > 0 ? copy( all.weights ) : nullptr;
-    copy_targets( mesh, all, "mesh " + to_string( m ), out );
+    out->joints = all.skinned > 0 ? copy( memory, all.joints ) : nullptr;
+    out->weights = all.skinned > 0 ? copy( memory, all.weights ) : nullptr;
+    copy_targets( mesh, all, "mesh " + to_string( m ), memory, out );
 }
 
 // ---- animations of nodes and of weights of morph targets -------------------------------------------------------
@@ -651,7 +652,7 @@ keys take_keys( const tinygltf::Model& model, const tinygltf::AnimationSampler& 
 }
 
 bool take_channel( const tinygltf::Model& model, const tinygltf::Animation& animation, size_t c, const string& where,
-                   gltf_channel* out )
+                   io_memory* memory, gltf_channel* out )
 {
     const tinygltf::AnimationChannel& channel = animation.channels[c];
     const string& path = channel.target_path;
@@ -673,9 +674,10 @@ bool take_channel( const tinygltf::Model& model, const tinygltf::Animation& anim
     out->node = channel.target_node;
     out->path = path == "translation" ? GLTF_TRANSLATION : path == "rotation" ? GLTF_ROTATION : GLTF_SCALE;
     out->interpolation = from.interpolation;
+    out->width = static_cast<int>( width );
     out->key_count = static_cast<int>( count );
-    out->times = copy( from.times.values );
-    out->values = copy( from.values.values );
+    out->times = copy( memory, from.times.values );
+    out->values = copy( memory, from.values.values );
     for ( size_t k = 0; k < count && out->path == GLTF_ROTATION; ++k )
     {
         normalize( out->values + ( from.rows * k + from.rows / 2 ) * 4, where + ": key " + to_string( k ) );
@@ -685,7 +687,7 @@ bool take_channel( const tinygltf::Model& model, const tinygltf::Animation& anim
 
 // Weights of a node with morph targets. Channels of one sampler share its arrays: a recording has one for all bodies.
 bool take_weights_channel( const tinygltf::Model& model, const tinygltf::Animation& animation, size_t c,
-                           const string& where, const gltf_model* known, size_t* left, gltf_animation* out )
+                           const string& where, gltf_model* known, size_t* left, gltf_animation* out )
 {
     const tinygltf::AnimationChannel& channel = animation.channels[c];
     if ( channel.target_path != "weights" || channel.target_node == -1 )
@@ -699,16 +701,15 @@ bool take_weights_channel( const tinygltf::Model& model, const tinygltf::Animati
     {
         return false;
     }
-    gltf_weights* weights = &out->weights[out->weights_count];
+    io_memory* const memory = &known->memory;
+    gltf_channel* weights = &out->weights[out->weights_count];
     for ( int w = 0; w < out->weights_count; ++w )
     {
-        const gltf_weights* before = &out->weights[w];
-        const gltf_mesh* of_before = &known->meshes[known->nodes[before->node].mesh];
-        if ( before->sampler == channel.sampler && static_cast<size_t>( of_before->target_count ) == width )
+        const gltf_channel* before = &out->weights[w];
+        if ( before->sampler == channel.sampler && static_cast<size_t>( before->width ) == width )
         {
             *weights = *before;
             weights->node = channel.target_node;
-            weights->is_shared = true;
             ++out->weights_count;
             return true;
         }
@@ -728,21 +729,28 @@ bool take_weights_channel( const tinygltf::Model& model, const tinygltf::Animati
     ++out->weights_count;
     weights->node = channel.target_node;
     weights->sampler = channel.sampler;
+    weights->path = GLTF_WEIGHTS;
+    weights->width = static_cast<int>( width );
     weights->interpolation = from.interpolation;
     weights->key_count = static_cast<int>( count );
-    weights->times = copy( from.times.values );
-    weights->values = copy( to_floats( from.values.values ) );
+    weights->times = copy( memory, from.times.values );
+    weights->values = copy( memory, from.values.values );
+    for ( size_t i = 0; i < from.values.values.size(); ++i )
+    {
+        // In single precision, as most files have them.
+        weights->values[i] = static_cast<double>( static_cast<float>( weights->values[i] ) );
+    }
     out->duration = std::fmax( out->duration, from.times.values.back() );
     return true;
 }
 
-void take_animation( const tinygltf::Model& model, size_t i, const gltf_model* known, size_t* left,
-                     gltf_animation* out )
+void take_animation( const tinygltf::Model& model, size_t i, gltf_model* known, size_t* left, gltf_animation* out )
 {
+    io_memory* const memory = &known->memory;
     const tinygltf::Animation& animation = model.animations[i];
-    out->name = copy( printable( animation.name, "animation", i ) );
-    out->channels = allocate<gltf_channel>( animation.channels.size() );
-    out->weights = allocate<gltf_weights>( animation.channels.size() );
+    out->name = copy( memory, printable( animation.name, "animation", i ) );
+    out->channels = allocate<gltf_channel>( memory, animation.channels.size() );
+    out->weights = allocate<gltf_channel>( memory, animation.channels.size() );
     for ( size_t c = 0; c < animation.channels.size(); ++c )
     {
         const string where = "animation " + to_string( i ) + ": channel " + to_string( c );
@@ -751,7 +759,7 @@ void take_animation( const tinygltf::Model& model, size_t i, const gltf_model* k
             continue;
         }
         gltf_channel* channel = &out->channels[out->channel_count++];
-        if ( take_channel( model, animation, c, where, channel ) )
+        if ( take_channel( model, animation, c, where, memory, channel ) )
         {
             out->duration = std::fmax( out->duration, channel->times[channel->key_count - 1] );
         }
@@ -842,24 +850,25 @@ void convert( const tinygltf::Model& model, gltf_model* out )
     check_extensions( model );
     check_counts( model );
     size_t left = buffer_bytes( model ), left_weights = left;
-    out->nodes = allocate<gltf_node>( model.nodes.size() );
-    out->order = allocate<int32_t>( model.nodes.size() );
+    io_memory* const memory = &out->memory;
+    out->nodes = allocate<gltf_node>( memory, model.nodes.size() );
+    out->order = allocate<int32_t>( memory, model.nodes.size() );
     for ( size_t n = 0; n < model.nodes.size(); ++n )
     {
-        take_node( model, n, &out->nodes[out->node_count++] );
+        take_node( model, n, memory, &out->nodes[out->node_count++] );
     }
     take_parents( model, out );
-    out->meshes = allocate<gltf_mesh>( model.meshes.size() );
+    out->meshes = allocate<gltf_mesh>( memory, model.meshes.size() );
     for ( size_t m = 0; m < model.meshes.size(); ++m )
     {
-        take_mesh( model, m, &left, &out->meshes[out->mesh_count++] );
+        take_mesh( model, m, &left, memory, &out->meshes[out->mesh_count++] );
     }
-    out->skins = allocate<gltf_skin>( model.skins.size() );
+    out->skins = allocate<gltf_skin>( memory, model.skins.size() );
     for ( size_t s = 0; s < model.skins.size(); ++s )
     {
-        take_skin( model, s, &out->skins[out->skin_count++] );
+        take_skin( model, s, memory, &out->skins[out->skin_count++] );
     }
-    out->animations = allocate<gltf_animation>( model.animations.size() );
+    out->animations = allocate<gltf_animation>( memory, model.animations.size() );
     for ( size_t a = 0; a < model.animations.size(); ++a )
     {
         take_animation( model, a, out, &left_weights, &out->animations[out->animation_count++] );

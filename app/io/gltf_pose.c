@@ -29,7 +29,7 @@ void gltf_multiply( const double a[12], const double b[12], double product[12] )
 
 // ---- samplers --------------------------------------------------------------------------------------------------
 
-int gltf_find_key( const double* times, int count, double time )
+static int find_key( const double* times, int count, double time )
 {
     int low = 0, high = count - 1;
     while ( low < high )
@@ -57,18 +57,18 @@ static void slerp( const double* a, const double* b, double t, double* out )
     }
 }
 
-double gltf_spline( double p, double out_tangent, double in_tangent, double q, double dt, double t )
+static double spline( double p, double out_tangent, double in_tangent, double q, double dt, double t )
 {
     const double t2 = t * t, t3 = t2 * t;
     return ( 2.0 * t3 - 3.0 * t2 + 1.0 ) * p + dt * ( t3 - 2.0 * t2 + t ) * out_tangent +
            ( -2.0 * t3 + 3.0 * t2 ) * q + dt * ( t3 - t2 ) * in_tangent;
 }
 
-static void sample( const gltf_channel* channel, double time, double* out )
+void gltf_sample( const gltf_channel* channel, double time, double* out )
 {
-    const int width = channel->path == GLTF_ROTATION ? 4 : 3;
+    const int width = channel->width;
     const int rows = channel->interpolation == GLTF_CUBICSPLINE ? 3 : 1;
-    const int key = gltf_find_key( channel->times, channel->key_count, time );
+    const int key = find_key( channel->times, channel->key_count, time );
     const double* a = channel->values + (size_t)width * ( (size_t)rows * (size_t)key + (size_t)( rows / 2 ) );
     const double* b = a + width * rows;
     const bool is_between = time > channel->times[key] && key + 1 < channel->key_count;
@@ -78,15 +78,14 @@ static void sample( const gltf_channel* channel, double time, double* out )
         return;
     }
     const double dt = channel->times[key + 1] - channel->times[key], t = ( time - channel->times[key] ) / dt;
-    if ( channel->interpolation == GLTF_LINEAR && width == 4 )
+    if ( channel->interpolation == GLTF_LINEAR && channel->path == GLTF_ROTATION )
     {
         slerp( a, b, t, out );
         return;
     }
     for ( int k = 0; k < width; ++k )
     {
-        out[k] =
-            rows == 3 ? gltf_spline( a[k], a[width + k], b[k - width], b[k], dt, t ) : a[k] + t * ( b[k] - a[k] );
+        out[k] = rows == 3 ? spline( a[k], a[width + k], b[k - width], b[k], dt, t ) : a[k] + t * ( b[k] - a[k] );
     }
 }
 
@@ -125,7 +124,7 @@ const double* gltf_pose_nodes( const gltf_model* model, int animation, double ti
     for ( int c = 0; a != NULL && c < a->channel_count; ++c )
     {
         static const int at[] = { [GLTF_TRANSLATION] = 0, [GLTF_ROTATION] = 3, [GLTF_SCALE] = 7 };
-        sample( &a->channels[c], time, locals + LOCAL * (size_t)a->channels[c].node + at[a->channels[c].path] );
+        gltf_sample( &a->channels[c], time, locals + LOCAL * (size_t)a->channels[c].node + at[a->channels[c].path] );
     }
     for ( int i = 0; i < model->node_count; ++i )
     {

@@ -138,31 +138,30 @@ static wisp_affine affine_of( const double m[12] )
 }
 
 static wisp_status make_skin( const gltf_model* model, int node, const char* name, const int32_t* joint_of,
-                              wisp_skeleton* skeleton, wisp_skin** out, wisp_error* error )
+                              io_memory* scratch, wisp_skeleton* skeleton, wisp_skin** out, wisp_error* error )
 {
     const gltf_mesh* mesh = &model->meshes[model->nodes[node].mesh];
     const gltf_skin* skin =
         model->nodes[node].skin >= 0 && mesh->joints != NULL ? &model->skins[model->nodes[node].skin] : NULL;
     const size_t count = (size_t)mesh->mesh.vertex_count;
     wisp_skin_weights weights = { .vertex_count = mesh->mesh.vertex_count,
-                                  .joints = calloc( count + 1, sizeof *weights.joints ),
-                                  .weights = calloc( count + 1, sizeof *weights.weights ) };
-    wisp_status status = weights.joints != NULL && weights.weights != NULL
-                             ? WISP_OK
-                             : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %d vertices",
-                                          io_short_name( name ), mesh->mesh.vertex_count );
+                                  .joints = io_get( scratch, count * sizeof *weights.joints ),
+                                  .weights = io_get( scratch, count * sizeof *weights.weights ) };
+    if ( scratch->is_short )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %d vertices", io_short_name( name ),
+                          mesh->mesh.vertex_count );
+    }
     for ( int j = 0; skin != NULL && j < skin->joint_count; ++j )
     {
         skeleton->joints[joint_of[skin->joints[j]]].inverse_bind = affine_of( skin->inverse_bind + 12 * (size_t)j );
     }
-    for ( size_t i = 0; i < 4 * count && status == WISP_OK; ++i )
+    for ( size_t i = 0; i < 4 * count; ++i )
     {
         weights.joints[i / 4][i % 4] = joint_of[skin != NULL ? skin->joints[mesh->joints[i]] : node];
         weights.weights[i / 4][i % 4] = skin != NULL ? mesh->weights[i] : i % 4 == 0 ? 1.0f : 0.0f;
     }
-    status = status == WISP_OK ? wisp_skeleton_skin( skeleton, mesh->mesh.points, &weights, out, error ) : status;
-    wisp_skin_weights_release( &weights );
-    return status;
+    return wisp_skeleton_skin( skeleton, mesh->mesh.points, &weights, out, error );
 }
 
 wisp_status gltf_rig( const gltf_model* model, int node, const char* name, wisp_skeleton* skeleton, wisp_skin** skin,
@@ -170,16 +169,17 @@ wisp_status gltf_rig( const gltf_model* model, int node, const char* name, wisp_
 {
     *skeleton = ( wisp_skeleton ){ 0 };
     *skin = NULL;
-    int32_t* joint_of = calloc( (size_t)model->node_count + 1, sizeof *joint_of );
+    io_memory scratch = { 0 };
+    int32_t* joint_of = io_get( &scratch, (size_t)model->node_count * sizeof *joint_of );
     wisp_status status = joint_of != NULL ? make_joints( model, name, joint_of, skeleton, error )
                                           : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %d nodes",
                                                        io_short_name( name ), model->node_count );
     if ( status == WISP_OK )
     {
         drop_equal_names( skeleton );
-        status = make_skin( model, node, name, joint_of, skeleton, skin, error );
+        status = make_skin( model, node, name, joint_of, &scratch, skeleton, skin, error );
     }
-    free( joint_of );
+    io_release( &scratch );
     if ( status != WISP_OK )
     {
         wisp_skeleton_release( skeleton );

@@ -31,11 +31,8 @@ wisp_status wisp_groom_read( const char* path, wisp_groom* out, wisp_error* erro
     *out = ( wisp_groom ){ 0 };
     unsigned char* bytes = NULL;
     size_t size = 0;
-    wisp_status status = io_file_read( path, WISP_GROOM_FILE_CAP, &bytes, &size, error );
-    if ( status == WISP_OK )
-    {
-        status = read_bytes( io_input_name( path ), bytes, size, out, error );
-    }
+    WISP_TRY( io_file_read( path, WISP_GROOM_FILE_CAP, &bytes, &size, error ) );
+    const wisp_status status = read_bytes( io_input_name( path ), bytes, size, out, error );
     free( bytes );
     return status;
 }
@@ -72,8 +69,8 @@ wisp_status wisp_groom_write( const char* path, const wisp_groom* groom, wisp_er
                           io_short_name( path ) );
     }
     io_output output;
-    wisp_status status = io_output_open( path, &output, error );
-    return status == WISP_OK ? io_output_end( &output, write( output.stream, groom, path, error ), error ) : status;
+    WISP_TRY( io_output_open( path, &output, error ) );
+    return io_output_end( &output, write( output.stream, groom, path, error ), error );
 }
 
 // ---- info ----
@@ -118,17 +115,11 @@ static double strand_length( const wisp_groom* groom, int s )
 
 static void print_bounds( FILE* out, const wisp_groom* groom )
 {
-    figure x = { .count = 0 };
-    figure y = { .count = 0 };
-    figure z = { .count = 0 };
-    for ( int v = 0; v < groom->vertex_count; ++v )
-    {
-        add_to( &x, (double)groom->points[v].x );
-        add_to( &y, (double)groom->points[v].y );
-        add_to( &z, (double)groom->points[v].z );
-    }
-    fprintf( out, "  %-20s x %.6g .. %.6g, y %.6g .. %.6g, z %.6g .. %.6g m\n", "bounds", x.least, x.most, y.least,
-             y.most, z.least, z.most );
+    io_bounds bounds = { .filled = false };
+    io_extend_bounds( &bounds, groom->points, groom->vertex_count );
+    fprintf( out, "  %-20s ", "bounds" );
+    io_print_bounds( out, &bounds );
+    fputc( '\n', out );
 }
 
 static void print_column( FILE* out, const char* label, const float* values, int count, const char* unit )
@@ -325,22 +316,22 @@ static void find_first_of( const wisp_groom* groom, root* roots, int* first_of )
 
 static wisp_status find_shared_roots( const wisp_groom* groom, finding* f )
 {
-    root* roots = malloc( (size_t)groom->strand_count * sizeof *roots );
-    int* first_of = malloc( (size_t)groom->strand_count * sizeof *first_of );
-    wisp_status status = roots != NULL && first_of != NULL ? WISP_OK : WISP_NO_MEMORY;
+    io_memory scratch = { 0 };
+    root* roots = io_get( &scratch, (size_t)groom->strand_count * sizeof *roots );
+    int* first_of = io_get( &scratch, (size_t)groom->strand_count * sizeof *first_of );
+    const wisp_status status = scratch.is_short ? WISP_NO_MEMORY : WISP_OK;
     if ( status == WISP_OK )
     {
         find_first_of( groom, roots, first_of );
-        for ( int s = 0; s < groom->strand_count; ++s )
+    }
+    for ( int s = 0; s < groom->strand_count && status == WISP_OK; ++s )
+    {
+        if ( first_of[s] != s )
         {
-            if ( first_of[s] != s )
-            {
-                note( f, s, first_of[s] );
-            }
+            note( f, s, first_of[s] );
         }
     }
-    free( roots );
-    free( first_of );
+    io_release( &scratch );
     return status;
 }
 
@@ -453,6 +444,31 @@ int groom_dimension_of( const wisp_groom* groom )
     return 2;
 }
 
+groom_defect groom_check_offsets( const int32_t* offsets, int strand_count, int vertex_count )
+{
+    groom_defect defect = { "" };
+    int s = 0;
+    while ( s < strand_count && offsets[s + 1] >= offsets[s] && offsets[s + 1] <= vertex_count )
+    {
+        ++s;
+    }
+    if ( offsets[0] != 0 )
+    {
+        snprintf( defect.text, sizeof defect.text, "strand 0 starts at vertex %d, expected 0", offsets[0] );
+    }
+    else if ( s < strand_count )
+    {
+        snprintf( defect.text, sizeof defect.text, "strand %d runs from vertex %d to %d of %d", s, offsets[s],
+                  offsets[s + 1], vertex_count );
+    }
+    else if ( offsets[strand_count] != vertex_count )
+    {
+        snprintf( defect.text, sizeof defect.text, "the strands end at vertex %d of %d", offsets[strand_count],
+                  vertex_count );
+    }
+    return defect;
+}
+
 static wisp_status check_offsets( const wisp_groom* groom, const char* name, wisp_error* error )
 {
     if ( groom->strand_count < 1 || groom->vertex_count < 1 )
@@ -465,25 +481,8 @@ static wisp_status check_offsets( const wisp_groom* groom, const char* name, wis
         return wisp_fail( error, WISP_BAD_INPUT, "%s: the groom has no %s", name,
                           groom->offsets == NULL ? "offsets" : "points" );
     }
-    if ( groom->offsets[0] != 0 )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: strand 0 starts at vertex %d, expected 0", name,
-                          groom->offsets[0] );
-    }
-    for ( int s = 0; s < groom->strand_count; ++s )
-    {
-        if ( groom->offsets[s + 1] < groom->offsets[s] || groom->offsets[s + 1] > groom->vertex_count )
-        {
-            return wisp_fail( error, WISP_BAD_INPUT, "%s: strand %d runs from vertex %d to %d of %d", name, s,
-                              groom->offsets[s], groom->offsets[s + 1], groom->vertex_count );
-        }
-    }
-    if ( groom->offsets[groom->strand_count] != groom->vertex_count )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: the strands end at vertex %d of %d", name,
-                          groom->offsets[groom->strand_count], groom->vertex_count );
-    }
-    return WISP_OK;
+    const groom_defect defect = groom_check_offsets( groom->offsets, groom->strand_count, groom->vertex_count );
+    return defect.text[0] == '\0' ? WISP_OK : wisp_fail( error, WISP_BAD_INPUT, "%s: %s", name, defect.text );
 }
 
 // The numbers of one vertex with their names in messages.

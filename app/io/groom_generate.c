@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "trig.h"
+#include "wisp/module/definition.h"
 #include "wisp/module/random.h"
 
 static const float TWO_PI = 6.28318531f;
@@ -280,21 +281,10 @@ static void make_round_strand( const wisp_groom_generator* r, const strand_draw*
 wisp_status wisp_groom_generate( const wisp_groom_generator* generator, wisp_groom* out, wisp_error* error )
 {
     *out = ( wisp_groom ){ 0 };
-    wisp_status status = check_counts( generator, error );
-    if ( status == WISP_OK )
-    {
-        status = check_values( generator, error );
-    }
-    if ( status == WISP_OK )
-    {
-        int columns = generator->thickness > 0.0f ? GROOM_THICKNESS : 0;
-        int vertex_count = generator->strand_count * generator->vertices_per_strand;
-        status = groom_allocate( out, generator->strand_count, vertex_count, columns, "groom generator", error );
-    }
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_counts( generator, error ) );
+    WISP_TRY( check_values( generator, error ) );
+    WISP_TRY( groom_allocate( out, generator->strand_count, generator->strand_count * generator->vertices_per_strand,
+                              generator->thickness > 0.0f ? GROOM_THICKNESS : 0, "groom generator", error ) );
     wisp_random_key key = wisp_random_make_key( generator->seed, RANDOM_STREAM, 0 );
     for ( int s = 0; s < generator->strand_count; ++s )
     {

@@ -191,29 +191,19 @@ static wisp_status read_segments( const hair_layout* layout, wisp_groom* out, wi
     return WISP_OK;
 }
 
-static void read_floats( const unsigned char* bytes, int count, float* values )
+static void read_floats( const unsigned char* bytes, size_t count, void* values )
 {
-    for ( int v = 0; values != NULL && v < count; ++v )
-    {
-        values[v] = io_get_float( bytes + 4 * (size_t)v );
-    }
-}
-
-static void read_vectors( const unsigned char* bytes, int count, wisp_vec3* values )
-{
-    for ( int v = 0; values != NULL && v < count; ++v )
-    {
-        values[v] = io_get_vec3( bytes + 12 * (size_t)v );
-    }
+    io_get_words( values, bytes, values != NULL ? count : 0 );
 }
 
 static wisp_status read_arrays( const hair_layout* layout, wisp_groom* out, wisp_error* error )
 {
     WISP_TRY( read_segments( layout, out, error ) );
-    read_vectors( layout->bytes + layout->points, out->vertex_count, out->points );
-    read_floats( layout->bytes + layout->thickness, out->vertex_count, out->thickness );
-    read_floats( layout->bytes + layout->transparency, out->vertex_count, out->transparency );
-    read_vectors( layout->bytes + layout->colour, out->vertex_count, out->colour );
+    const size_t count = (size_t)out->vertex_count;
+    read_floats( layout->bytes + layout->points, 3 * count, out->points );
+    read_floats( layout->bytes + layout->thickness, count, out->thickness );
+    read_floats( layout->bytes + layout->transparency, count, out->transparency );
+    read_floats( layout->bytes + layout->colour, 3 * count, out->colour );
     out->dimension = groom_dimension_of( out );
     return groom_check_finite( out, layout->name, error );
 }
@@ -279,26 +269,6 @@ static void write_header( FILE* out, const wisp_groom* groom )
     fwrite( header, 1, sizeof header, out );
 }
 
-static void write_floats( FILE* out, const float* values, int count )
-{
-    for ( int v = 0; values != NULL && v < count; ++v )
-    {
-        unsigned char bytes[4];
-        io_put_float( bytes, values[v] );
-        fwrite( bytes, 1, sizeof bytes, out );
-    }
-}
-
-static void write_vectors( FILE* out, const wisp_vec3* values, int count )
-{
-    for ( int v = 0; values != NULL && v < count; ++v )
-    {
-        unsigned char bytes[12];
-        io_put_vec3( bytes, values[v] );
-        fwrite( bytes, 1, sizeof bytes, out );
-    }
-}
-
 wisp_status wisp_groom_write_hair( FILE* out, const wisp_groom* groom, const char* name, wisp_error* error )
 {
     WISP_TRY( check_fits( groom, name, error ) );
@@ -309,9 +279,10 @@ wisp_status wisp_groom_write_hair( FILE* out, const wisp_groom* groom, const cha
         io_put_u16( bytes, (uint32_t)( groom->offsets[s + 1] - groom->offsets[s] - 1 ) );
         fwrite( bytes, 1, sizeof bytes, out );
     }
-    write_vectors( out, groom->points, groom->vertex_count );
-    write_floats( out, groom->thickness, groom->vertex_count );
-    write_floats( out, groom->transparency, groom->vertex_count );
-    write_vectors( out, groom->colour, groom->vertex_count );
+    const size_t count = (size_t)groom->vertex_count;
+    io_write_words( out, groom->points, 3 * count );
+    io_write_words( out, groom->thickness, groom->thickness != NULL ? count : 0 );
+    io_write_words( out, groom->transparency, groom->transparency != NULL ? count : 0 );
+    io_write_words( out, groom->colour, groom->colour != NULL ? 3 * count : 0 );
     return WISP_OK;
 }

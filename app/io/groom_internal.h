@@ -22,5 +22,14 @@ wisp_status groom_allocate( wisp_groom* groom, int strand_count, int vertex_coun
 /// Malformed or not finite: rejected by readers and writers. wisp_groom_check() is stricter.
 wisp_status groom_check_finite( const wisp_groom* groom, const char* name, wisp_error* error );
 
+/// The first defect of strands, of a groom or a recording; empty: there is none.
+typedef struct groom_defect
+{
+    char text[100];
+} groom_defect;
+
+/// @param offsets [strand_count + 1]
+groom_defect groom_check_offsets( const int32_t* offsets, int strand_count, int vertex_count );
+
 /// 2 when every z is zero, else 3.
 int groom_dimension_of( const wisp_groom* groom );

@@ -107,17 +107,15 @@ static void write_floats( FILE* out, const wisp_groom* groom, const char* type_a
 // The box of the curves as drawn: half the largest width around the points.
 static void write_extent( FILE* out, const wisp_groom* groom )
 {
-    wisp_vec3 least = groom->points[0];
-    wisp_vec3 most = groom->points[0];
+    io_bounds bounds = { .filled = false };
     float width = 0.0f;
-    for ( int v = 0; v < groom->vertex_count; ++v )
+    io_extend_bounds( &bounds, groom->points, groom->vertex_count );
+    for ( int v = 0; groom->thickness != NULL && v < groom->vertex_count; ++v )
     {
-        wisp_vec3 p = groom->points[v];
-        least = ( wisp_vec3 ){ fminf( least.x, p.x ), fminf( least.y, p.y ), fminf( least.z, p.z ) };
-        most = ( wisp_vec3 ){ fmaxf( most.x, p.x ), fmaxf( most.y, p.y ), fmaxf( most.z, p.z ) };
-        width = groom->thickness != NULL ? fmaxf( width, groom->thickness[v] ) : width;
+        width = fmaxf( width, groom->thickness[v] );
     }
-    float half = 0.5f * width;
+    const wisp_vec3 least = bounds.least, most = bounds.most;
+    const float half = 0.5f * width;
     fputs( "    float3[] extent = [", out );
     write_vector( out, ( wisp_vec3 ){ least.x - half, least.y - half, least.z - half } );
     fputs( ", ", out );

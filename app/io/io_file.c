@@ -1,6 +1,7 @@
 // POSIX 2008 with XSI rather than C17 alone: fsync, realpath and per-thread locales have no standard counterpart.
 #define _XOPEN_SOURCE 700
 
+#include "io_bytes.h"
 #include "io_file.h"
 
 #include "wisp/module/definition.h"
@@ -9,6 +10,8 @@
 #include <fcntl.h>
 #include <limits.h>
 #include <locale.h>
+#include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -20,6 +23,45 @@ enum
     NAME_SHOWN = 200,        // characters of a path that a message shows
     PARTIAL_ATTEMPTS = 100,  // names tried before giving up; one is enough unless a crash left files behind
 };
+
+// ---- memory ----------------------------------------------------------------------------------------------------
+
+typedef struct io_block
+{
+    struct io_block* before;
+    max_align_t bytes[];
+} io_block;
+
+void* io_get( io_memory* memory, size_t size )
+{
+    io_block* block = calloc( 1, sizeof *block + size );
+    if ( block == NULL )
+    {
+        memory->is_short = true;
+        return NULL;
+    }
+    block->before = memory->last;
+    memory->last = block;
+    return block->bytes;
+}
+
+void* io_copy( io_memory* memory, const void* from, size_t size )
+{
+    void* copy = from != NULL ? io_get( memory, size ) : NULL;
+    return copy != NULL ? memcpy( copy, from, size ) : NULL;
+}
+
+void io_release( io_memory* memory )
+{
+    while ( memory->last != NULL )
+    {
+        io_block* block = memory->last;
+        memory->last = block->before;
+        free( block );
+    }
+}
+
+// ---- names -----------------------------------------------------------------------------------------------------
 
 bool io_is_standard( const char* path )
 {
@@ -69,6 +111,57 @@ bool io_has_extension( const char* path, const char* extension )
     }
     return true;
 }
+
+bool io_is_name( const char* text, int most )
+{
+    int length = 0;
+    for ( char c = text[0]; length <= most && c != 0; c = text[++length] )
+    {
+        const bool is_letter = ( c >= 'a' && c <= 'z' ) || ( c >= 'A' && c <= 'Z' ) || ( c >= '0' && c <= '9' );
+        if ( !is_letter && c != '_' && c != '-' )
+        {
+            return false;
+        }
+    }
+    return length >= 1 && length <= most;
+}
+
+// ---- numbers ---------------------------------------------------------------------------------------------------
+
+void io_write_words( FILE* out, const void* words, size_t count )
+{
+    unsigned char bytes[4096];
+    for ( size_t done = 0, size; done < count; done += size )
+    {
+        size = count - done < sizeof bytes / 4 ? count - done : sizeof bytes / 4;
+        io_put_words( bytes, (const unsigned char*)words + 4 * done, size );
+        fwrite( bytes, 4, size, out );
+    }
+}
+
+// ---- bounds ----------------------------------------------------------------------------------------------------
+
+void io_extend_bounds( io_bounds* bounds, const wisp_vec3* points, int count )
+{
+    for ( int v = 0; v < count; ++v )
+    {
+        const wisp_vec3 p = points[v];
+        const wisp_vec3 a = bounds->filled ? bounds->least : p;
+        const wisp_vec3 b = bounds->filled ? bounds->most : p;
+        bounds->least = ( wisp_vec3 ){ fminf( a.x, p.x ), fminf( a.y, p.y ), fminf( a.z, p.z ) };
+        bounds->most = ( wisp_vec3 ){ fmaxf( b.x, p.x ), fmaxf( b.y, p.y ), fmaxf( b.z, p.z ) };
+        bounds->filled = true;
+    }
+}
+
+void io_print_bounds( FILE* out, const io_bounds* bounds )
+{
+    const wisp_vec3 a = bounds->least, b = bounds->most;
+    fprintf( out, "x %.6g .. %.6g, y %.6g .. %.6g, z %.6g .. %.6g m", (double)a.x, (double)b.x, (double)a.y,
+             (double)b.y, (double)a.z, (double)b.z );
+}
+
+// ---- messages --------------------------------------------------------------------------------------------------
 
 static wisp_status system_refused( wisp_error* error, const char* path, const char* what )
 {

@@ -9,6 +9,30 @@
 
 #include "wisp/base.h"
 
+#include <stdbool.h>
+
+#ifdef __cplusplus
+extern "C"
+{
+#endif
+
+    /// Blocks of memory that are released together. Zero-initialised is empty.
+    typedef struct io_memory
+    {
+        struct io_block* last;
+        bool is_short; ///< a block was refused
+    } io_memory;
+
+    /// @return zeroed bytes, aligned for any type; null without memory, which `is_short` remembers
+    void* io_get( io_memory* memory, size_t size );
+    /// @return a copy; null if `from` is null, and without memory
+    void* io_copy( io_memory* memory, const void* from, size_t size );
+    void io_release( io_memory* memory );
+
+#ifdef __cplusplus
+}
+#endif
+
 /// Whether a path is "-": standard input where it is read, standard output where it is written. Standard input is read
 /// once, as far as its readers need it, and kept in a file without a name, so that it can be opened again.
 bool io_is_standard( const char* path );
@@ -75,6 +99,23 @@ void io_numbers_end( io_numbers* numbers );
 /// Whether a path ends in `extension`, such as ".obj", in lower or upper case ASCII, after at least one character.
 /// Independent of the locale.
 bool io_has_extension( const char* path, const char* extension );
+
+/// Write numbers of four bytes each, little-endian.
+void io_write_words( FILE* out, const void* words, size_t count );
+
+/// Whether a text is a name: 1 to `most` of the characters A-Z a-z 0-9 _ -. Names become parts of paths, so it has no slash and no dot.
+bool io_is_name( const char* text, int most );
+
+/// The box around points; empty when zero-initialised.
+typedef struct io_bounds
+{
+    wisp_vec3 least, most;
+    bool filled;
+} io_bounds;
+
+void io_extend_bounds( io_bounds* bounds, const wisp_vec3* points, int count );
+/// As `x 0 .. 1, y 0 .. 1, z 0 .. 1 m`.
+void io_print_bounds( FILE* out, const io_bounds* bounds );
 
 /// The name of a file without its folders.
 const char* io_file_name( const char* path );

@@ -59,32 +59,12 @@ wisp_status wisp_mesh_read( const char* path, wisp_mesh* out, wisp_error* error 
     }
     unsigned char* bytes = NULL;
     size_t size = 0;
-    wisp_status status = io_file_read( path, WISP_MESH_FILE_CAP, &bytes, &size, error );
-    if ( status == WISP_OK )
-    {
-        // Standard input has no extension, but a PLY begins with its name.
-        format = has_name ? format : &formats[size >= 3 && memcmp( bytes, "ply", 3 ) == 0 ? 1 : 0];
-        status = format->read( bytes, size, io_input_name( path ), out, error );
-    }
+    WISP_TRY( io_file_read( path, WISP_MESH_FILE_CAP, &bytes, &size, error ) );
+    // Standard input has no extension, but a PLY begins with its name.
+    format = has_name ? format : &formats[size >= 3 && memcmp( bytes, "ply", 3 ) == 0 ? 1 : 0];
+    const wisp_status status = format->read( bytes, size, io_input_name( path ), out, error );
     free( bytes );
     return status;
-}
-
-static wisp_status write_file( const char* path, mesh_writer* write, const wisp_mesh* mesh, wisp_error* error )
-{
-    io_output output;
-    wisp_status status = io_output_open( path, &output, error );
-    return status == WISP_OK ? io_output_end( &output, write( output.stream, mesh, path, error ), error ) : status;
-}
-
-wisp_status wisp_mesh_write_obj( const char* path, const wisp_mesh* mesh, wisp_error* error )
-{
-    return write_file( path, mesh_put_obj, mesh, error );
-}
-
-wisp_status wisp_mesh_write_ply( const char* path, const wisp_mesh* mesh, wisp_error* error )
-{
-    return write_file( path, mesh_put_ply, mesh, error );
 }
 
 wisp_status wisp_mesh_write( const char* path, const wisp_mesh* mesh, wisp_error* error )
@@ -95,7 +75,9 @@ wisp_status wisp_mesh_write( const char* path, const wisp_mesh* mesh, wisp_error
         return wisp_fail( error, WISP_BAD_INPUT, "%s: expected a file that ends in .obj or .ply",
                           io_short_name( path ) );
     }
-    return write_file( path, format->write, mesh, error );
+    io_output output;
+    WISP_TRY( io_output_open( path, &output, error ) );
+    return io_output_end( &output, format->write( output.stream, mesh, path, error ), error );
 }
 
 // ---- text ----
@@ -439,37 +421,36 @@ wisp_status mesh_allocate_uvs( wisp_mesh* mesh, const char* name, wisp_error* er
     return mesh->uvs != NULL ? WISP_OK : out_of_memory( mesh, name, error );
 }
 
-wisp_status mesh_copy( const wisp_mesh* mesh, wisp_mesh* out, const char* name, wisp_error* error )
+static wisp_status copy_attributes( const wisp_mesh* mesh, wisp_mesh* out, const char* name, wisp_error* error )
 {
-    const size_t vertices = (size_t)mesh->vertex_count, triangles = (size_t)mesh->triangle_count;
-    wisp_status status = mesh_allocate( out, mesh->vertex_count, mesh->triangle_count, name, error );
-    if ( status == WISP_OK && mesh->colours != NULL )
+    const size_t vertices = (size_t)mesh->vertex_count;
+    if ( mesh->colours != NULL )
     {
-        status = mesh_allocate_colours( out, name, error );
-    }
-    if ( status == WISP_OK && mesh->uvs != NULL )
-    {
-        status = mesh_allocate_uvs( out, name, error );
-    }
-    if ( status != WISP_OK )
-    {
-        wisp_mesh_release( out );
-        return status;
-    }
-    memcpy( out->points, mesh->points, vertices * sizeof *out->points );
-    memcpy( out->triangles, mesh->triangles, 3 * triangles * sizeof *out->triangles );
-    if ( out->colours != NULL )
-    {
+        WISP_TRY( mesh_allocate_colours( out, name, error ) );
         memcpy( out->colours, mesh->colours, vertices * sizeof *out->colours );
     }
-    if ( out->uvs != NULL )
+    if ( mesh->uvs != NULL )
     {
+        WISP_TRY( mesh_allocate_uvs( out, name, error ) );
         memcpy( out->uvs, mesh->uvs, 2 * vertices * sizeof *out->uvs );
     }
     out->colour_missing_count = mesh->colour_missing_count;
     out->uv_missing_count = mesh->uv_missing_count;
     out->uv_seam_count = mesh->uv_seam_count;
     return WISP_OK;
+}
+
+wisp_status mesh_copy( const wisp_mesh* mesh, wisp_mesh* out, const char* name, wisp_error* error )
+{
+    WISP_TRY( mesh_allocate( out, mesh->vertex_count, mesh->triangle_count, name, error ) );
+    memcpy( out->points, mesh->points, (size_t)mesh->vertex_count * sizeof *out->points );
+    memcpy( out->triangles, mesh->triangles, 3 * (size_t)mesh->triangle_count * sizeof *out->triangles );
+    const wisp_status status = copy_attributes( mesh, out, name, error );
+    if ( status != WISP_OK )
+    {
+        wisp_mesh_release( out );
+    }
+    return status;
 }
 
 static wisp_status grow( mesh_fan* fan, wisp_error* error )
@@ -566,22 +547,22 @@ static wisp_status check_sizes( const wisp_mesh* mesh, const char* name, wisp_er
 
 wisp_status mesh_check( const wisp_mesh* mesh, const char* name, wisp_error* error )
 {
-    wisp_status status = check_sizes( mesh, name, error );
-    for ( int v = 0; status == WISP_OK && v < mesh->vertex_count; ++v )
+    WISP_TRY( check_sizes( mesh, name, error ) );
+    for ( int v = 0; v < mesh->vertex_count; ++v )
     {
-        status = mesh_check_vertex( mesh->points[v], v, name, error );
-        status = status == WISP_OK ? check_attributes( mesh, v, name, error ) : status;
+        WISP_TRY( mesh_check_vertex( mesh->points[v], v, name, error ) );
+        WISP_TRY( check_attributes( mesh, v, name, error ) );
     }
-    for ( int c = 0; status == WISP_OK && c < 3 * mesh->triangle_count; ++c )
+    for ( int c = 0; c < 3 * mesh->triangle_count; ++c )
     {
-        int32_t vertex = mesh->triangles[c];
+        const int32_t vertex = mesh->triangles[c];
         if ( vertex < 0 || vertex >= mesh->vertex_count )
         {
-            status = wisp_fail( error, WISP_BAD_INPUT, "%s: triangle %d: corner %d: got vertex %d, expected 0 .. %d",
-                                io_short_name( name ), c / 3, c % 3, vertex, mesh->vertex_count - 1 );
+            return wisp_fail( error, WISP_BAD_INPUT, "%s: triangle %d: corner %d: got vertex %d, expected 0 .. %d",
+                              io_short_name( name ), c / 3, c % 3, vertex, mesh->vertex_count - 1 );
         }
     }
-    return status;
+    return WISP_OK;
 }
 
 wisp_status wisp_mesh_of_arrays( const wisp_vec3* points, int vertex_count, const int32_t* triangles,

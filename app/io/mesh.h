@@ -89,14 +89,12 @@ extern "C"
                                               int triangle_count, const char* name, wisp_mesh* out,
                                               wisp_error* error );
 
-    /// Write a file in the format of its extension, or in a given one: OBJ with nine digits, which restore every
+    /// Write a file in the format of its extension: OBJ with nine digits, which restore every
     /// float bit for bit, or little-endian PLY, whose colours are bytes if that loses nothing, else floats. The old
     /// file, if there is one, is replaced only when the new one is complete.
     /// @return WISP_BAD_INPUT the mesh is malformed or not finite, or the extension is unknown; WISP_IO_ERROR;
     ///         WISP_NO_MEMORY
     WISP_API wisp_status wisp_mesh_write( const char* path, const wisp_mesh* mesh, wisp_error* error );
-    WISP_API wisp_status wisp_mesh_write_obj( const char* path, const wisp_mesh* mesh, wisp_error* error );
-    WISP_API wisp_status wisp_mesh_write_ply( const char* path, const wisp_mesh* mesh, wisp_error* error );
 
     // ---- points on a mesh ----
 
@@ -330,28 +328,21 @@ extern "C"
 
     /// Repair a mesh in place. The remaining elements keep their order. Removing a triangle without area may open a
     /// border: examine again.
+    /// @param weld_distance m, of WISP_MESH_WELD, at least a billionth of the longest side of the bounds; 0:
+    ///        WISP_MESH_WELD_FRACTION of it. A vertex within it of an earlier one that stays becomes the lowest of those, with its
+    ///        position, colour and texture coordinates; vertices that stay do not move. Time is n log n for n vertices.
     /// @param repairs receives the repairs; empty on failure
     /// @return WISP_BAD_INPUT malformed, or with WISP_MESH_TURN_TRIANGLES one-sided like a Moebius strip (the message
     ///        names the edge where the flood meets itself), or nothing would be left; WISP_NO_MEMORY; the mesh is
     ///        unchanged
-    WISP_API wisp_status wisp_mesh_repair( wisp_mesh* mesh, int what, wisp_mesh_repairs* repairs, wisp_error* error );
-
-    /// The same with a distance for WISP_MESH_WELD. A vertex within it of an earlier one that stays becomes the lowest of
-    /// those, with its position, colour and texture coordinates; vertices that stay do not move. Time is n log n for any
-    /// mesh of n vertices.
-    /// @param weld_distance m, at least a billionth of the longest side of the bounds; 0: WISP_MESH_WELD_FRACTION of it
-    WISP_API wisp_status wisp_mesh_repair_within( wisp_mesh* mesh, int what, float weld_distance,
-                                                  wisp_mesh_repairs* repairs, wisp_error* error );
+    WISP_API wisp_status wisp_mesh_repair( wisp_mesh* mesh, int what, float weld_distance, wisp_mesh_repairs* repairs,
+                                           wisp_error* error );
 
     /// Count the vertices that WISP_MESH_WELD merges into others: those of a renderer are split along seams, and what looks
     /// joined is open. @return WISP_NO_MEMORY
     WISP_API wisp_status wisp_mesh_count_near( const wisp_mesh* mesh, int* out, wisp_error* error );
 
     // ---- text ----
-
-    /// Print the text of `wisp info`: statistics, then defects, by element.
-    /// @param name of the mesh in the text
-    WISP_API void wisp_mesh_print( FILE* out, const wisp_mesh_diagnostics* report, const char* name );
 
     /// Print a message for each repair that was done, or one that none was needed.
     WISP_API void wisp_mesh_print_repairs( FILE* out, const wisp_mesh_repairs* repairs, const char* name );

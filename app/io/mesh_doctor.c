@@ -2,7 +2,7 @@
 // gives open, manifold or nonmanifold, its directions show whether the winding agrees.
 #include "mesh_internal.h"
 
-#include "io_file.h"
+#include "wisp/module/definition.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -114,9 +114,9 @@ static void print_stats( FILE* out, const wisp_mesh_diagnostics* r, const char* 
     fprintf( out, "  %-20s %d\n", "triangles", r->triangle_count );
     fprintf( out, "  %-20s %d\n", "edges", r->edge_count );
     fprintf( out, "  %-20s %d\n", "Euler characteristic", r->euler_characteristic );
-    fprintf( out, "  %-20s x %.6g .. %.6g, y %.6g .. %.6g, z %.6g .. %.6g m\n", "bounds", (double)r->lowest.x,
-             (double)r->highest.x, (double)r->lowest.y, (double)r->highest.y, (double)r->lowest.z,
-             (double)r->highest.z );
+    fprintf( out, "  %-20s ", "bounds" );
+    io_print_bounds( out, &( io_bounds ){ r->lowest, r->highest, true } );
+    fputc( '\n', out );
     fprintf( out, "  %-20s min %.6g, mean %.6g, max %.6g m\n", "edge length", r->min_edge, r->edge_mean,
              r->max_edge );
     fprintf( out, "  %-20s %.6g m^2\n", "area", r->area );
@@ -203,7 +203,7 @@ static void print_finding( FILE* out, const wisp_mesh_diagnostics* r, const find
     }
 }
 
-void wisp_mesh_print( FILE* out, const wisp_mesh_diagnostics* report, const char* name )
+static void print_report( FILE* out, const wisp_mesh_diagnostics* report, const char* name )
 {
     // A host's decimal comma is a matter of appearance: if memory for a locale is missing, it is printed.
     io_numbers numbers = { 0 };
@@ -229,16 +229,17 @@ void wisp_mesh_print( FILE* out, const wisp_mesh_diagnostics* report, const char
 
 wisp_status wisp_mesh_count_near( const wisp_mesh* mesh, int* out, wisp_error* error )
 {
-    int32_t* became = malloc( (size_t)mesh->vertex_count * sizeof *became );
-    wisp_status status = became == NULL
-                             ? wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d vertices", mesh->vertex_count )
-                             : mesh_weld_find( mesh, 0.0f, became, error );
+    io_memory scratch = { 0 };
+    int32_t* became = io_get( &scratch, (size_t)mesh->vertex_count * sizeof *became );
+    const wisp_status status =
+        became == NULL ? wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d vertices", mesh->vertex_count )
+                       : mesh_weld_find( mesh, 0.0f, became, error );
     *out = 0;
     for ( int v = 0; v < mesh->vertex_count && status == WISP_OK; ++v )
     {
         *out += became[v] != v;
     }
-    free( became );
+    io_release( &scratch );
     return status;
 }
 
@@ -250,7 +251,7 @@ wisp_status wisp_mesh_info( FILE* out, const wisp_mesh* mesh, const char* name )
     wisp_status status = wisp_mesh_examine( mesh, &report, &error );
     if ( status == WISP_OK )
     {
-        wisp_mesh_print( out, &report, name );
+        print_report( out, &report, name );
         status = wisp_mesh_count_near( mesh, &near, &error );
     }
     if ( near > 0 )
@@ -301,6 +302,7 @@ typedef struct examination
 {
     const wisp_mesh* mesh;
     wisp_mesh_diagnostics* report;
+    io_memory memory; // of all below
     mesh_edges edges;
     int32_t* component_sets;         // of triangles that share an edge
     int32_t* fan_sets;               // of corners 3 * t + k whose triangles share an edge at the corner's vertex
@@ -424,20 +426,17 @@ static void examine_triangles( examination* x )
     }
 }
 
-static void grow_bounds( wisp_vec3* lower, wisp_vec3* upper, wisp_vec3 p, bool is_first )
-{
-    *lower = is_first ? p : ( wisp_vec3 ){ fminf( lower->x, p.x ), fminf( lower->y, p.y ), fminf( lower->z, p.z ) };
-    *upper = is_first ? p : ( wisp_vec3 ){ fmaxf( upper->x, p.x ), fmaxf( upper->y, p.y ), fmaxf( upper->z, p.z ) };
-}
-
 static void examine_vertices( examination* x )
 {
     wisp_mesh_diagnostics* report = x->report;
+    io_bounds bounds = { .filled = false };
     int in_use = 0;
+    io_extend_bounds( &bounds, x->mesh->points, x->mesh->vertex_count );
+    report->lowest = bounds.least;
+    report->highest = bounds.most;
     for ( int v = 0; v < x->mesh->vertex_count; ++v )
     {
         const bool* flags = x->flags + VERTEX_FLAGS * (size_t)v;
-        grow_bounds( &report->lowest, &report->highest, x->mesh->points[v], v == 0 );
         in_use += x->vertex_count[v] > 0;
         if ( x->vertex_count[v] > 1 )
         {
@@ -464,7 +463,7 @@ static wisp_status number_shells( examination* x, wisp_error* error )
         x->component_number[t] = is_first ? count++ : 0;
     }
     x->report->component_count = count;
-    x->components = calloc( (size_t)count + 1, sizeof *x->components );
+    x->components = io_get( &x->memory, ( (size_t)count + 1 ) * sizeof *x->components );
     if ( x->components == NULL )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d components", count );
@@ -555,10 +554,10 @@ static void examine_attributes( const wisp_mesh* mesh, wisp_mesh_diagnostics* re
     report->colour_missing_count = mesh->colour_missing_count;
     report->uv_missing_count = mesh->uv_missing_count;
     report->uv_seam_count = mesh->uv_seam_count;
-    for ( int v = 0; report->has_colours && v < mesh->vertex_count; ++v )
-    {
-        grow_bounds( &report->lowest_colour, &report->highest_colour, mesh->colours[v], v == 0 );
-    }
+    io_bounds colours = { .filled = false };
+    io_extend_bounds( &colours, mesh->colours, report->has_colours ? mesh->vertex_count : 0 );
+    report->lowest_colour = colours.least;
+    report->highest_colour = colours.most;
     for ( int i = 0; report->has_uvs && i < 2 * mesh->vertex_count; ++i )
     {
         const float value = mesh->uvs[i];
@@ -569,52 +568,30 @@ static void examine_attributes( const wisp_mesh* mesh, wisp_mesh_diagnostics* re
 
 // ---- examination -----------------------------------------------------------------------------------------------
 
-static wisp_status ask_for_memory( examination* x, wisp_error* error )
+static wisp_status examine( examination* x, wisp_error* error )
 {
-    size_t triangles = (size_t)x->mesh->triangle_count, vertices = (size_t)x->mesh->vertex_count;
-    x->component_sets = mesh_sets_make( x->mesh->triangle_count );
-    x->fan_sets = mesh_sets_make( 3 * x->mesh->triangle_count );
-    x->border_sets = mesh_sets_make( x->mesh->vertex_count );
-    x->first_of = malloc( triangles * sizeof *x->first_of );
-    x->component_number = malloc( triangles * sizeof *x->component_number );
-    x->vertex_count = calloc( vertices, sizeof *x->vertex_count );
-    x->flags = calloc( vertices, VERTEX_FLAGS * sizeof *x->flags );
-    bool has_all = x->component_sets != NULL && x->fan_sets != NULL && x->border_sets != NULL &&
-                   x->first_of != NULL && x->component_number != NULL && x->vertex_count != NULL && x->flags != NULL;
-    return has_all
-               ? WISP_OK
-               : wisp_fail( error, WISP_NO_MEMORY, "out of memory to examine %d triangles", x->mesh->triangle_count );
-}
-
-static void give_back( examination* x )
-{
-    mesh_edges_release( &x->edges );
-    free( x->component_sets );
-    free( x->fan_sets );
-    free( x->border_sets );
-    free( x->first_of );
-    free( x->component_number );
-    free( x->vertex_count );
-    free( x->flags );
-    free( x->components );
-}
-
-// Triangles with a repeated vertex are no duplicates of each other: they have a defect of their own.
-static wisp_status find_duplicates( examination* x, wisp_error* error )
-{
-    int count = x->mesh->triangle_count;
-    bool* skip = malloc( (size_t)count * sizeof *skip );
-    if ( skip == NULL )
+    const size_t triangles = (size_t)x->mesh->triangle_count, vertices = (size_t)x->mesh->vertex_count;
+    io_memory* memory = &x->memory;
+    x->component_sets = mesh_sets_make( memory, x->mesh->triangle_count );
+    x->fan_sets = mesh_sets_make( memory, 3 * x->mesh->triangle_count );
+    x->border_sets = mesh_sets_make( memory, x->mesh->vertex_count );
+    x->first_of = io_get( memory, triangles * sizeof *x->first_of );
+    x->component_number = io_get( memory, triangles * sizeof *x->component_number );
+    x->vertex_count = io_get( memory, vertices * sizeof *x->vertex_count );
+    x->flags = io_get( memory, vertices * VERTEX_FLAGS * sizeof *x->flags );
+    if ( memory->is_short )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "out of memory to compare %d triangles", count );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory to examine %d triangles", x->mesh->triangle_count );
     }
-    for ( int t = 0; t < count; ++t )
-    {
-        skip[t] = mesh_names_twice( x->mesh, t );
-    }
-    wisp_status status = mesh_find_duplicates( x->mesh, skip, x->first_of, error );
-    free( skip );
-    return status;
+    WISP_TRY( mesh_edges_build( x->mesh, memory, &x->edges, error ) );
+    WISP_TRY( mesh_find_duplicates( x->mesh, NULL, x->first_of, error ) );
+    examine_attributes( x->mesh, x->report );
+    examine_edges( x );
+    examine_triangles( x );
+    examine_vertices( x );
+    WISP_TRY( number_shells( x, error ) );
+    examine_shells( x );
+    return WISP_OK;
 }
 
 wisp_status wisp_mesh_examine( const wisp_mesh* mesh, wisp_mesh_diagnostics* report, wisp_error* error )
@@ -622,31 +599,8 @@ wisp_status wisp_mesh_examine( const wisp_mesh* mesh, wisp_mesh_diagnostics* rep
     *report = ( wisp_mesh_diagnostics ){ .vertex_count = mesh->vertex_count, .triangle_count = mesh->triangle_count };
     examination x = { .mesh = mesh, .report = report };
     wisp_status status = mesh_check( mesh, "mesh", error );
-    if ( status == WISP_OK )
-    {
-        status = ask_for_memory( &x, error );
-    }
-    if ( status == WISP_OK )
-    {
-        status = mesh_edges_build( mesh, &x.edges, error );
-    }
-    if ( status == WISP_OK )
-    {
-        status = find_duplicates( &x, error );
-    }
-    if ( status == WISP_OK )
-    {
-        examine_attributes( mesh, report );
-        examine_edges( &x );
-        examine_triangles( &x );
-        examine_vertices( &x );
-        status = number_shells( &x, error );
-    }
-    if ( status == WISP_OK )
-    {
-        examine_shells( &x );
-    }
-    give_back( &x );
+    status = status == WISP_OK ? examine( &x, error ) : status;
+    io_release( &x.memory );
     if ( status != WISP_OK )
     {
         *report = ( wisp_mesh_diagnostics ){ 0 };

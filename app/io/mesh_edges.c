@@ -6,6 +6,8 @@
 #include "io_file.h"
 #include "mesh.h"
 
+#include "wisp/module/definition.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -204,14 +206,10 @@ wisp_status wisp_mesh_write_layer( const char* path, const wisp_mesh* mesh, cons
                                    wisp_error* error )
 {
     const char* name = io_short_name( path );
-    wisp_status status = mesh_check( mesh, name, error );
-    status = status == WISP_OK ? check_layer( mesh, layer, name, error ) : status;
     io_output output;
-    status = status == WISP_OK ? io_output_open( path, &output, error ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( mesh_check( mesh, name, error ) );
+    WISP_TRY( check_layer( mesh, layer, name, error ) );
+    WISP_TRY( io_output_open( path, &output, error ) );
     put_layer( output.stream, mesh, layer );
     return io_output_commit( &output, error );
 }
@@ -325,40 +323,25 @@ static void find_runs( mesh_edges* edges, const edge_work* work )
     edges->starts[edges->edge_count] = edges->half_count;
 }
 
-wisp_status mesh_edges_build( const wisp_mesh* mesh, mesh_edges* edges, wisp_error* error )
+wisp_status mesh_edges_build( const wisp_mesh* mesh, io_memory* memory, mesh_edges* edges, wisp_error* error )
 {
-    size_t halves = (size_t)mesh->triangle_count * 3, size = halves * sizeof( int32_t );
-    *edges =
-        ( mesh_edges ){ .half = calloc( halves, sizeof( int32_t ) ), .starts = malloc( size + sizeof( int32_t ) ) };
-    edge_work work = { calloc( halves, sizeof( int32_t ) ), calloc( halves, sizeof( int32_t ) ), malloc( size ),
-                       malloc( ( (size_t)mesh->vertex_count + 1 ) * sizeof( int32_t ) ) };
-    wisp_status status = WISP_OK;
-    if ( edges->half == NULL || edges->starts == NULL || work.low == NULL || work.high == NULL ||
-         work.spare == NULL || work.first == NULL )
-    {
-        mesh_edges_release( edges );
-        status =
-            wisp_fail( error, WISP_NO_MEMORY, "out of memory for the edges of %d triangles", mesh->triangle_count );
-    }
-    else
+    const size_t size = (size_t)mesh->triangle_count * 3 * sizeof( int32_t );
+    io_memory scratch = { 0 };
+    *edges = ( mesh_edges ){ .half = io_get( memory, size ), .starts = io_get( memory, size + sizeof( int32_t ) ) };
+    const edge_work work = { io_get( &scratch, size ), io_get( &scratch, size ), io_get( &scratch, size ),
+                             io_get( &scratch, ( (size_t)mesh->vertex_count + 1 ) * sizeof( int32_t ) ) };
+    const bool has_all = !memory->is_short && !scratch.is_short;
+    if ( has_all )
     {
         edges->half_count = list_halves( mesh, edges->half, &work );
         sort_by_key( edges->half, work.spare, edges->half_count, work.high, mesh->vertex_count, work.first );
         sort_by_key( work.spare, edges->half, edges->half_count, work.low, mesh->vertex_count, work.first );
         find_runs( edges, &work );
     }
-    free( work.low );
-    free( work.high );
-    free( work.spare );
-    free( work.first );
-    return status;
-}
-
-void mesh_edges_release( mesh_edges* edges )
-{
-    free( edges->half );
-    free( edges->starts );
-    *edges = ( mesh_edges ){ 0 };
+    io_release( &scratch );
+    return has_all ? WISP_OK
+                   : wisp_fail( error, WISP_NO_MEMORY, "out of memory for the edges of %d triangles",
+                                mesh->triangle_count );
 }
 
 // ---- duplicates ------------------------------------------------------------------------------------------------
@@ -387,7 +370,7 @@ static void find_equals( const wisp_mesh* mesh, const bool* skip, int32_t* first
     for ( int t = 0; t < mesh->triangle_count; ++t )
     {
         first_of[t] = t;
-        if ( skip == NULL || !skip[t] )
+        if ( !mesh_names_twice( mesh, t ) && ( skip == NULL || !skip[t] ) )
         {
             work->order[count++] = t;
         }
@@ -410,31 +393,28 @@ static void find_equals( const wisp_mesh* mesh, const bool* skip, int32_t* first
 
 wisp_status mesh_find_duplicates( const wisp_mesh* mesh, const bool* skip, int32_t* first_of, wisp_error* error )
 {
-    size_t triangles = (size_t)mesh->triangle_count;
-    int32_t* block = calloc( triangles, 5 * sizeof *block );
-    int32_t* first = malloc( ( (size_t)mesh->vertex_count + 1 ) * sizeof *first );
-    wisp_status status = WISP_OK;
-    if ( block == NULL || first == NULL )
+    const size_t size = (size_t)mesh->triangle_count * sizeof( int32_t );
+    io_memory scratch = { 0 };
+    const duplicate_work work = { { io_get( &scratch, size ), io_get( &scratch, size ), io_get( &scratch, size ) },
+                                  io_get( &scratch, size ),
+                                  io_get( &scratch, size ),
+                                  io_get( &scratch, ( (size_t)mesh->vertex_count + 1 ) * sizeof( int32_t ) ) };
+    const bool has_all = !scratch.is_short;
+    if ( has_all )
     {
-        status = wisp_fail( error, WISP_NO_MEMORY, "out of memory to compare %d triangles", mesh->triangle_count );
-    }
-    else
-    {
-        duplicate_work work = {
-            { block, block + triangles, block + 2 * triangles }, block + 3 * triangles, block + 4 * triangles, first
-        };
         find_equals( mesh, skip, first_of, &work );
     }
-    free( block );
-    free( first );
-    return status;
+    io_release( &scratch );
+    return has_all
+               ? WISP_OK
+               : wisp_fail( error, WISP_NO_MEMORY, "out of memory to compare %d triangles", mesh->triangle_count );
 }
 
 // ---- sets ------------------------------------------------------------------------------------------------------
 
-int32_t* mesh_sets_make( int count )
+int32_t* mesh_sets_make( io_memory* memory, int count )
 {
-    int32_t* sets = malloc( (size_t)count * sizeof *sets );
+    int32_t* sets = io_get( memory, (size_t)count * sizeof *sets );
     for ( int i = 0; sets != NULL && i < count; ++i )
     {
         sets[i] = i;

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "delaunay.h"
+#include "wisp/module/definition.h"
 #include "wisp/module/random.h"
 
 enum
@@ -33,8 +34,9 @@ typedef struct flat
 {
     const wisp_mesh_corner* corners;
     int corner_count, total, border_count;
-    int count;      // points so far
-    double* points; // [total][2]
+    int count;        // points so far
+    io_memory memory; // of all arrays
+    double* points;   // [total][2]
     double lower[2], upper[2], area;
     double spacing;       // m, of a triangulation with this number of vertices
     int long_axis;        // of the box
@@ -110,30 +112,21 @@ static wisp_status measure( flat* f, wisp_error* error )
 // Whether the outline can be filled follows from the corners alone, with their indices for the message.
 static wisp_status check_outline( const flat* f, wisp_error* error )
 {
-    int count = f->corner_count;
-    double* places = malloc( (size_t)count * 2 * sizeof *places );
-    delaunay_point* lattice = malloc( (size_t)count * sizeof *lattice );
-    int32_t* triangles = malloc( (size_t)delaunay_triangle_count( count, count ) * 3 * sizeof *triangles );
-    wisp_status status = WISP_OK;
-    if ( places == NULL || lattice == NULL || triangles == NULL )
-    {
-        status = wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory to check %d corners", NAME, count );
-    }
+    const int count = f->corner_count;
+    io_memory scratch = { 0 };
+    double* places = io_get( &scratch, (size_t)count * 2 * sizeof *places );
+    delaunay_point* lattice = io_get( &scratch, (size_t)count * sizeof *lattice );
+    int32_t* triangles = io_get( &scratch, (size_t)delaunay_triangle_count( count, count ) * 3 * sizeof *triangles );
+    wisp_status status =
+        scratch.is_short ? wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory to check %d corners", NAME, count )
+                         : WISP_OK;
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {
         corner_place( f, i, places + 2 * (size_t)i );
     }
-    if ( status == WISP_OK )
-    {
-        status = delaunay_snap( places, count, lattice, NAME, error );
-    }
-    if ( status == WISP_OK )
-    {
-        status = delaunay_fill( lattice, count, count, triangles, NAME, error );
-    }
-    free( places );
-    free( lattice );
-    free( triangles );
+    status = status == WISP_OK ? delaunay_snap( places, count, lattice, NAME, error ) : status;
+    status = status == WISP_OK ? delaunay_fill( lattice, count, count, triangles, NAME, error ) : status;
+    io_release( &scratch );
     return status;
 }
 
@@ -241,7 +234,7 @@ static wisp_status put_strips( flat* f, wisp_error* error )
     {
         f->strip_from[s] += f->strip_from[s - 1];
     }
-    f->strip_edges = malloc( (size_t)f->strip_from[strips] * sizeof *f->strip_edges );
+    f->strip_edges = io_get( &f->memory, (size_t)f->strip_from[strips] * sizeof *f->strip_edges );
     if ( f->strip_edges == NULL )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %d open edges", NAME, f->border_count );
@@ -268,10 +261,10 @@ static wisp_status make_cells( flat* f, wisp_error* error )
         f->cells[axis] = (int)( size[axis] / f->cell ) + 1;
     }
     size_t cells = (size_t)f->cells[0] * (size_t)f->cells[1];
-    f->first = malloc( cells * sizeof *f->first );
-    f->next = malloc( (size_t)f->total * sizeof *f->next );
-    f->strip_from = calloc( (size_t)f->cells[f->long_axis] + 1, sizeof *f->strip_from );
-    if ( f->first == NULL || f->next == NULL || f->strip_from == NULL )
+    f->first = io_get( &f->memory, cells * sizeof *f->first );
+    f->next = io_get( &f->memory, (size_t)f->total * sizeof *f->next );
+    f->strip_from = io_get( &f->memory, ( (size_t)f->cells[f->long_axis] + 1 ) * sizeof *f->strip_from );
+    if ( f->memory.is_short )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory to spread %d vertices", NAME, f->total );
     }
@@ -407,7 +400,7 @@ static int compare_placed( const void* left, const void* right )
 // The inside is numbered along Hilbert's curve: neighbours in the plane are near in memory.
 static wisp_status put_vertices( flat* f, wisp_mesh* out, delaunay_point* lattice, wisp_error* error )
 {
-    placed* vertices = malloc( (size_t)f->total * sizeof *vertices );
+    placed* vertices = io_get( &f->memory, (size_t)f->total * sizeof *vertices );
     if ( vertices == NULL )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory to number %d vertices", NAME, f->total );
@@ -422,74 +415,44 @@ static wisp_status put_vertices( flat* f, wisp_mesh* out, delaunay_point* lattic
         f->points[2 * (size_t)i] = (double)out->points[i].z;
         f->points[2 * (size_t)i + 1] = (double)out->points[i].x;
     }
-    wisp_status status = delaunay_snap( f->points, f->total, lattice, NAME, error );
-    if ( status == WISP_OK )
+    WISP_TRY( delaunay_snap( f->points, f->total, lattice, NAME, error ) );
+    for ( int i = 0; i < f->total; ++i )
     {
-        for ( int i = 0; i < f->total; ++i )
-        {
-            vertices[i] = ( placed ){ delaunay_curve( lattice[i] ), out->points[i], lattice[i] };
-        }
-        qsort( vertices + f->border_count, (size_t)( f->total - f->border_count ), sizeof *vertices, compare_placed );
-        for ( int i = 0; i < f->total; ++i )
-        {
-            out->points[i] = vertices[i].point;
-            lattice[i] = vertices[i].lattice;
-        }
+        vertices[i] = ( placed ){ delaunay_curve( lattice[i] ), out->points[i], lattice[i] };
     }
-    free( vertices );
-    return status;
+    qsort( vertices + f->border_count, (size_t)( f->total - f->border_count ), sizeof *vertices, compare_placed );
+    for ( int i = 0; i < f->total; ++i )
+    {
+        out->points[i] = vertices[i].point;
+        lattice[i] = vertices[i].lattice;
+    }
+    return WISP_OK;
 }
 
 static wisp_status triangulate( flat* f, wisp_mesh* out, wisp_error* error )
 {
-    int triangle_count = delaunay_triangle_count( f->total, f->border_count );
-    wisp_status status = mesh_allocate( out, f->total, triangle_count, NAME, error );
-    delaunay_point* lattice = malloc( (size_t)f->total * sizeof *lattice );
-    if ( status == WISP_OK && lattice == NULL )
+    delaunay_point* lattice = io_get( &f->memory, (size_t)f->total * sizeof *lattice );
+    WISP_TRY( mesh_allocate( out, f->total, delaunay_triangle_count( f->total, f->border_count ), NAME, error ) );
+    if ( lattice == NULL )
     {
-        status = wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory to join %d vertices", NAME, f->total );
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory to join %d vertices", NAME, f->total );
     }
-    if ( status == WISP_OK )
-    {
-        status = put_vertices( f, out, lattice, error );
-    }
-    if ( status == WISP_OK )
-    {
-        status = delaunay_fill( lattice, f->total, f->border_count, out->triangles, NAME, error );
-    }
-    free( lattice );
-    if ( status != WISP_OK )
-    {
-        wisp_mesh_release( out );
-    }
-    return status;
+    WISP_TRY( put_vertices( f, out, lattice, error ) );
+    return delaunay_fill( lattice, f->total, f->border_count, out->triangles, NAME, error );
 }
 
 static wisp_status fill( flat* f, uint64_t seed, wisp_mesh* out, wisp_error* error )
 {
     choose_spacing( f );
-    f->points = malloc( (size_t)f->total * 2 * sizeof *f->points );
-    wisp_status status =
-        f->points ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %d vertices", NAME, f->total );
-    if ( status == WISP_OK )
+    f->points = io_get( &f->memory, (size_t)f->total * 2 * sizeof *f->points );
+    if ( f->points == NULL )
     {
-        put_border( f );
-        status = make_cells( f, error );
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %d vertices", NAME, f->total );
     }
-    if ( status == WISP_OK )
-    {
-        status = put_inside( f, seed, error );
-    }
-    if ( status == WISP_OK )
-    {
-        status = triangulate( f, out, error );
-    }
-    free( f->points );
-    free( f->first );
-    free( f->next );
-    free( f->strip_from );
-    free( f->strip_edges );
-    return status;
+    put_border( f );
+    WISP_TRY( make_cells( f, error ) );
+    WISP_TRY( put_inside( f, seed, error ) );
+    return triangulate( f, out, error );
 }
 
 wisp_status wisp_mesh_generate_flat( const wisp_mesh_corner* corners, int corner_count, int vertex_count,
@@ -504,14 +467,14 @@ wisp_status wisp_mesh_generate_flat( const wisp_mesh_corner* corners, int corner
                           NAME, vertex_count, corner_count, WISP_MESH_VERTEX_CAP );
     }
     flat f = { .corners = corners, .corner_count = corner_count, .total = vertex_count };
-    wisp_status status = check_corners( &f, error );
-    if ( status == WISP_OK )
+    WISP_TRY( check_corners( &f, error ) );
+    WISP_TRY( measure( &f, error ) );
+    WISP_TRY( check_outline( &f, error ) );
+    const wisp_status status = fill( &f, seed, out, error );
+    io_release( &f.memory );
+    if ( status != WISP_OK )
     {
-        status = measure( &f, error );
+        wisp_mesh_release( out );
     }
-    if ( status == WISP_OK )
-    {
-        status = check_outline( &f, error );
-    }
-    return status == WISP_OK ? fill( &f, seed, out, error ) : status;
+    return status;
 }

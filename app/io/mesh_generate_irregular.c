@@ -286,28 +286,23 @@ static void flip_all( flips* f )
 
 static wisp_status make_delaunay( wisp_mesh* mesh, wisp_error* error )
 {
+    const size_t halves = 3 * (size_t)mesh->triangle_count;
+    io_memory scratch = { 0 };
     mesh_edges edges;
-    WISP_TRY( mesh_edges_build( mesh, &edges, error ) );
-    wisp_status status = WISP_OK;
-    size_t halves = 3 * (size_t)mesh->triangle_count;
-    flips f = { .mesh = mesh };
-    f.twin = malloc( halves * sizeof *f.twin );
-    f.stack = malloc( halves * sizeof *f.stack );
-    f.waiting = calloc( halves, sizeof *f.waiting );
-    if ( f.twin != NULL && f.stack != NULL && f.waiting != NULL )
+    flips f = { .mesh = mesh,
+                .twin = io_get( &scratch, halves * sizeof *f.twin ),
+                .stack = io_get( &scratch, halves * sizeof *f.stack ),
+                .waiting = io_get( &scratch, halves * sizeof *f.waiting ) };
+    const wisp_status status =
+        scratch.is_short ? wisp_fail( error, WISP_NO_MEMORY, "mesh generator: out of memory to flip %d triangles",
+                                      mesh->triangle_count )
+                         : mesh_edges_build( mesh, &scratch, &edges, error );
+    if ( status == WISP_OK )
     {
         find_twins( &f, &edges );
         flip_all( &f );
     }
-    else
-    {
-        status = wisp_fail( error, WISP_NO_MEMORY, "mesh generator: out of memory to flip %d triangles",
-                            mesh->triangle_count );
-    }
-    free( f.twin );
-    free( f.stack );
-    free( f.waiting );
-    mesh_edges_release( &edges );
+    io_release( &scratch );
     return status;
 }
 

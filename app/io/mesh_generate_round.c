@@ -89,20 +89,19 @@ static void split_triangles( ico* s, const int32_t* middle )
 static wisp_status subdivide( ico* s, wisp_error* error )
 {
     mesh_edges edges;
-    WISP_TRY( mesh_edges_build( &s->mesh, &edges, error ) );
-    wisp_status status = WISP_OK;
-    int32_t* middle = malloc( (size_t)edges.half_count * sizeof *middle );
-    if ( middle != NULL )
+    io_memory scratch = { 0 };
+    wisp_status status = mesh_edges_build( &s->mesh, &scratch, &edges, error );
+    int32_t* middle = io_get( &scratch, (size_t)edges.half_count * sizeof *middle );
+    if ( status == WISP_OK && middle == NULL )
+    {
+        status = wisp_fail( error, WISP_NO_MEMORY, "mesh generator: out of memory for %d edges", edges.edge_count );
+    }
+    if ( status == WISP_OK )
     {
         put_middles( s, &edges, middle );
         split_triangles( s, middle );
     }
-    else
-    {
-        status = wisp_fail( error, WISP_NO_MEMORY, "mesh generator: out of memory for %d edges", edges.edge_count );
-    }
-    free( middle );
-    mesh_edges_release( &edges );
+    io_release( &scratch );
     return status;
 }
 
@@ -172,36 +171,28 @@ static void taper( const wisp_mesh_generator* r, wisp_mesh* mesh )
 wisp_status mesh_generate_turned( const wisp_mesh_generator* r, wisp_mesh* out, wisp_error* error )
 {
     const int n = r->segments, rings = r->rings, parts = r->length_segments;
-    wisp_status status;
     switch ( r->shape )
     {
         case WISP_MESH_TORUS:
-            status =
-                mesh_allocate( out, WISP_TORUS_VERTICES( n, rings ), WISP_TORUS_TRIANGLES( n, rings ), NAME, error );
-            return status == WISP_OK ? wisp_generate_torus( n, rings, r->radius, r->tube_radius, out->points,
-                                                            out->triangles, error )
-                                     : status;
+            WISP_TRY( mesh_allocate( out, WISP_TORUS_VERTICES( n, rings ), WISP_TORUS_TRIANGLES( n, rings ), NAME,
+                                     error ) );
+            return wisp_generate_torus( n, rings, r->radius, r->tube_radius, out->points, out->triangles, error );
         case WISP_MESH_TUBE:
-            status = mesh_allocate( out, WISP_CYLINDER_VERTICES( n, parts ), WISP_CYLINDER_TRIANGLES( n, parts ),
-                                    NAME, error );
-            status = status == WISP_OK ? wisp_generate_cylinder( n, parts, r->radius, r->length, out->points,
-                                                                 out->triangles, error )
-                                       : status;
-            if ( status == WISP_OK && r->lower_radius > 0.0f )
+            WISP_TRY( mesh_allocate( out, WISP_CYLINDER_VERTICES( n, parts ), WISP_CYLINDER_TRIANGLES( n, parts ),
+                                     NAME, error ) );
+            WISP_TRY( wisp_generate_cylinder( n, parts, r->radius, r->length, out->points, out->triangles, error ) );
+            if ( r->lower_radius > 0.0f )
             {
                 taper( r, out );
             }
-            return status;
+            return WISP_OK;
         case WISP_MESH_CAPSULE:
-            status = mesh_allocate( out, WISP_CAPSULE_VERTICES( n, rings, parts ),
-                                    WISP_CAPSULE_TRIANGLES( n, rings, parts ), NAME, error );
-            return status == WISP_OK ? wisp_generate_capsule( n, rings, parts, r->radius, r->length, out->points,
-                                                              out->triangles, error )
-                                     : status;
+            WISP_TRY( mesh_allocate( out, WISP_CAPSULE_VERTICES( n, rings, parts ),
+                                     WISP_CAPSULE_TRIANGLES( n, rings, parts ), NAME, error ) );
+            return wisp_generate_capsule( n, rings, parts, r->radius, r->length, out->points, out->triangles, error );
         default:
-            status = mesh_allocate( out, WISP_SPHERE_VERTICES( n, rings ), WISP_SPHERE_TRIANGLES( n, rings ), NAME,
-                                    error );
-            return status == WISP_OK ? wisp_generate_sphere( n, rings, r->radius, out->points, out->triangles, error )
-                                     : status;
+            WISP_TRY( mesh_allocate( out, WISP_SPHERE_VERTICES( n, rings ), WISP_SPHERE_TRIANGLES( n, rings ), NAME,
+                                     error ) );
+            return wisp_generate_sphere( n, rings, r->radius, out->points, out->triangles, error );
     }
 }

@@ -1,6 +1,7 @@
 /// Private to the mesh files.
 #pragma once
 
+#include "io_file.h"
 #include "mesh.h"
 
 // ---- mesh.c: memory and checks ----
@@ -101,9 +102,8 @@ typedef struct mesh_edges
     int32_t* starts; ///< [edge_count + 1] where each edge begins in `half`; edges by lower, then higher vertex
 } mesh_edges;
 
-/// @return WISP_NO_MEMORY
-wisp_status mesh_edges_build( const wisp_mesh* mesh, mesh_edges* edges, wisp_error* error );
-void mesh_edges_release( mesh_edges* edges );
+/// @param memory receives them @return WISP_NO_MEMORY
+wisp_status mesh_edges_build( const wisp_mesh* mesh, io_memory* memory, mesh_edges* edges, wisp_error* error );
 
 static inline int32_t mesh_from( const wisp_mesh* mesh, int32_t half )
 {
@@ -127,12 +127,13 @@ bool mesh_names_twice( const wisp_mesh* mesh, int t );
 bool mesh_is_degenerate( const wisp_mesh* mesh, int t );
 
 /// first_of[t] becomes the lowest triangle with the same vertices as t, t itself as a rule.
-/// @param skip [triangle_count] triangles to leave out, whose first_of is their own number; null skips none
+/// @param skip [triangle_count] triangles to leave out, whose first_of is their own number; null: those with a repeated vertex alone,
+///             which are left out always: they have a defect of their own
 /// @return WISP_NO_MEMORY
 wisp_status mesh_find_duplicates( const wisp_mesh* mesh, const bool* skip, int32_t* first_of, wisp_error* error );
 
 /// Disjoint sets. The lowest member represents its set.
-int32_t* mesh_sets_make( int count );
+int32_t* mesh_sets_make( io_memory* memory, int count );
 int32_t mesh_sets_find( int32_t* sets, int32_t member );
 void mesh_sets_merge( int32_t* sets, int32_t a, int32_t b );
 

@@ -3,6 +3,7 @@
 #include "mesh_internal.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,10 +28,11 @@ typedef struct obj_reading
     mesh_fan fan;
     int vertex_count; // counted by the first pass; mesh->vertex_count counts what the second has read
     int face_count, faces_seen;
-    int line;               // the current one of the second pass, from 1
+    int line;               // the current one, from 1
     int coloured_count;     // vertices with a colour, counted by the first pass
     float* uvs;             // [uv_count][2] of the `vt` lines
     int uv_count, uvs_seen; // in all, and before the current line
+    io_memory memory;       // of the arrays here
     bool* is_seam;          // [vertex_count] has several coordinates
     bool* has_uv;           // [vertex_count]
 } obj_reading;
@@ -49,9 +51,20 @@ static line_kind kind_of( mesh_word* whole )
                                         : LINE_OTHER;
 }
 
+// Refuse the current line.
+WISP_PRINTF( 2, 3 ) static wisp_status refuse( const obj_reading* reading, const char* format, ... )
+{
+    char message[200];
+    va_list arguments;
+    va_start( arguments, format );
+    vsnprintf( message, sizeof message, format, arguments );
+    va_end( arguments );
+    return wisp_fail( reading->error, WISP_BAD_INPUT, "%s: line %d: %s", reading->name, reading->line, message );
+}
+
 // ---- the first pass --------------------------------------------------------------------------------------------
 
-static wisp_status check_numbers( mesh_word line, int number, const char* name, int* count, wisp_error* error )
+static wisp_status check_numbers( obj_reading* reading, mesh_word line, int* count )
 {
     mesh_next_word( &line );
     *count = 0;
@@ -59,39 +72,32 @@ static wisp_status check_numbers( mesh_word line, int number, const char* name, 
     {
         if ( !mesh_word_is_number( word ) || word.length > MESH_WORD_LONGEST )
         {
-            return wisp_fail( error, WISP_BAD_INPUT, "%s: line %d: got \"%s\", expected a number", name, number,
-                              mesh_quote_word( word ).text );
+            return refuse( reading, "got \"%s\", expected a number", mesh_quote_word( word ).text );
         }
         ++*count;
     }
     return WISP_OK;
 }
 
-static wisp_status check_uv_line( mesh_word line, int number, const char* name, wisp_error* error )
+static wisp_status check_uv_line( obj_reading* reading, mesh_word line )
 {
     int count = 0;
-    WISP_TRY( check_numbers( line, number, name, &count, error ) );
-    if ( count < 1 || count > 3 )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT,
-                          "%s: line %d: got texture coordinates of %d numbers, expected 1 .. 3", name, number,
-                          count );
-    }
-    return WISP_OK;
+    ++reading->uv_count;
+    WISP_TRY( check_numbers( reading, line, &count ) );
+    return count >= 1 && count <= 3
+               ? WISP_OK
+               : refuse( reading, "got texture coordinates of %d numbers, expected 1 .. 3", count );
 }
 
-static wisp_status check_vertex_line( mesh_word line, int number, const char* name, bool* has_colour,
-                                      wisp_error* error )
+static wisp_status check_vertex_line( obj_reading* reading, mesh_word line )
 {
     int count = 0;
-    WISP_TRY( check_numbers( line, number, name, &count, error ) );
-    *has_colour = count > 4;
-    if ( count != 3 && count != 4 && count != 6 && count != 7 )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: line %d: got a vertex of %d numbers, expected 3, 4, 6 or 7",
-                          name, number, count );
-    }
-    return WISP_OK;
+    ++reading->vertex_count;
+    WISP_TRY( check_numbers( reading, line, &count ) );
+    reading->coloured_count += count > 4;
+    return count == 3 || count == 4 || count == 6 || count == 7
+               ? WISP_OK
+               : refuse( reading, "got a vertex of %d numbers, expected 3, 4, 6 or 7", count );
 }
 
 static mesh_word cut_at_slash( mesh_word* word )
@@ -125,29 +131,23 @@ static bool is_corner( mesh_word word )
     return slashes <= 2;
 }
 
-static wisp_status check_face_line( mesh_word line, int number, const char* name, wisp_error* error )
+static wisp_status check_face_line( obj_reading* reading, mesh_word line )
 {
     mesh_next_word( &line );
     int count = 0;
+    ++reading->face_count;
     for ( mesh_word word = mesh_next_word( &line ); word.length > 0; word = mesh_next_word( &line ) )
     {
         if ( !is_corner( word ) )
         {
-            return wisp_fail( error, WISP_BAD_INPUT, "%s: line %d: got \"%s\", expected a corner of a face", name,
-                              number, mesh_quote_word( word ).text );
+            return refuse( reading, "got \"%s\", expected a corner of a face", mesh_quote_word( word ).text );
         }
         if ( ++count > WISP_MESH_CORNER_CAP )
         {
-            return wisp_fail( error, WISP_BAD_INPUT, "%s: line %d: expected a face of at most %d corners", name,
-                              number, WISP_MESH_CORNER_CAP );
+            return refuse( reading, "expected a face of at most %d corners", WISP_MESH_CORNER_CAP );
         }
     }
-    if ( count < 3 )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: line %d: got a face of %d corners, expected at least 3", name,
-                          number, count );
-    }
-    return WISP_OK;
+    return count >= 3 ? WISP_OK : refuse( reading, "got a face of %d corners, expected at least 3", count );
 }
 
 // A zero byte is in no text.
@@ -166,52 +166,32 @@ static wisp_status check_is_text( const char* bytes, size_t size, const char* na
     return WISP_OK;
 }
 
-static wisp_status check_counts( int vertices, int faces, const char* name, wisp_error* error )
+static wisp_status check_counts( const obj_reading* reading )
 {
-    if ( vertices == 0 || faces == 0 )
+    if ( reading->vertex_count == 0 || reading->face_count == 0 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: not a mesh: got %d vertices and %d faces", name, vertices,
-                          faces );
+        return wisp_fail( reading->error, WISP_BAD_INPUT, "%s: not a mesh: got %d vertices and %d faces",
+                          reading->name, reading->vertex_count, reading->face_count );
     }
-    if ( vertices > WISP_MESH_VERTEX_CAP )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: got %d vertices, expected at most %d", name, vertices,
-                          WISP_MESH_VERTEX_CAP );
-    }
-    return WISP_OK;
+    return reading->vertex_count <= WISP_MESH_VERTEX_CAP
+               ? WISP_OK
+               : wisp_fail( reading->error, WISP_BAD_INPUT, "%s: got %d vertices, expected at most %d", reading->name,
+                            reading->vertex_count, WISP_MESH_VERTEX_CAP );
 }
 
 // Counts fit an int: a line has at least one byte and a file no more than WISP_MESH_FILE_CAP of them.
-static wisp_status check_lines( obj_reading* reading, wisp_error* error )
+static wisp_status check_lines( obj_reading* reading )
 {
     mesh_word rest = reading->text, line;
-    int number = 0;
-    wisp_status status = WISP_OK;
-    while ( status == WISP_OK && mesh_next_line( &rest, &line ) )
+    for ( reading->line = 1; mesh_next_line( &rest, &line ); ++reading->line )
     {
-        ++number;
-        bool has_colour = false;
-        switch ( kind_of( &line ) )
-        {
-            case LINE_VERTEX:
-                ++reading->vertex_count;
-                status = check_vertex_line( line, number, reading->name, &has_colour, error );
-                reading->coloured_count += has_colour;
-                break;
-            case LINE_UV:
-                ++reading->uv_count;
-                status = check_uv_line( line, number, reading->name, error );
-                break;
-            case LINE_FACE:
-                ++reading->face_count;
-                status = check_face_line( line, number, reading->name, error );
-                break;
-            case LINE_OTHER:
-                break;
-        }
+        const line_kind kind = kind_of( &line );
+        WISP_TRY( kind == LINE_VERTEX ? check_vertex_line( reading, line )
+                  : kind == LINE_UV   ? check_uv_line( reading, line )
+                  : kind == LINE_FACE ? check_face_line( reading, line )
+                                      : WISP_OK );
     }
-    return status == WISP_OK ? check_counts( reading->vertex_count, reading->face_count, reading->name, error )
-                             : status;
+    return check_counts( reading );
 }
 
 // ---- the second pass -------------------------------------------------------------------------------------------
@@ -220,27 +200,22 @@ static wisp_status check_lines( obj_reading* reading, wisp_error* error )
 static wisp_status read_uvs( obj_reading* reading )
 {
     mesh_word rest = reading->text, line;
-    int number = 0, found = 0;
-    while ( mesh_next_line( &rest, &line ) && found < reading->uv_count )
+    int found = 0;
+    for ( reading->line = 1; found < reading->uv_count && mesh_next_line( &rest, &line ); ++reading->line )
     {
-        ++number;
-        if ( kind_of( &line ) != LINE_UV )
-        {
-            continue;
-        }
+        const bool is_uv = kind_of( &line ) == LINE_UV;
         mesh_next_word( &line );
-        for ( int k = 0; k < 2; ++k )
+        for ( int k = 0; k < 2 && is_uv; ++k )
         {
             const mesh_word word = mesh_next_word( &line );
             const float value = word.length > 0 ? (float)mesh_word_value( word ) : 0.0f;
             if ( !isfinite( value ) )
             {
-                return wisp_fail( reading->error, WISP_BAD_INPUT, "%s: line %d: \"%s\" is too large for a float",
-                                  reading->name, number, mesh_quote_word( word ).text );
+                return refuse( reading, "\"%s\" is too large for a float", mesh_quote_word( word ).text );
             }
             reading->uvs[2 * (size_t)found + (size_t)k] = value;
         }
-        ++found;
+        found += is_uv;
     }
     return WISP_OK;
 }
@@ -293,9 +268,8 @@ static wisp_status read_corner( obj_reading* reading, mesh_word corner )
     const int64_t vertex = number > 0 ? (int64_t)number - 1 : (int64_t)known + number;
     if ( vertex < 0 || vertex >= reading->vertex_count )
     {
-        return wisp_fail( reading->error, WISP_BAD_INPUT, "%s: line %d: face %d: got vertex %d, the file has %d",
-                          reading->name, reading->line, reading->faces_seen, number,
-                          number < 0 ? known : reading->vertex_count );
+        return refuse( reading, "face %d: got vertex %d, the file has %d", reading->faces_seen, number,
+                       number < 0 ? known : reading->vertex_count );
     }
     take_uv( reading, (int32_t)vertex, uv );
     return mesh_fan_corner( &reading->fan, (int32_t)vertex, reading->error );
@@ -303,15 +277,13 @@ static wisp_status read_corner( obj_reading* reading, mesh_word corner )
 
 static wisp_status read_face( obj_reading* reading, mesh_word line )
 {
-    wisp_status status = WISP_OK;
-    for ( mesh_word word = mesh_next_word( &line ); status == WISP_OK && word.length > 0;
-          word = mesh_next_word( &line ) )
+    for ( mesh_word word = mesh_next_word( &line ); word.length > 0; word = mesh_next_word( &line ) )
     {
-        status = read_corner( reading, word );
+        WISP_TRY( read_corner( reading, word ) );
     }
     reading->fan.corner_count = 0;
     ++reading->faces_seen;
-    return status;
+    return WISP_OK;
 }
 
 // Coordinates of no vertex are none; the others are counted.
@@ -343,10 +315,10 @@ static wisp_status allocate( obj_reading* reading )
     if ( enough && uvs > 0 )
     {
         mesh->uvs = calloc( vertices, 2 * sizeof *mesh->uvs );
-        reading->uvs = malloc( 2 * uvs * sizeof *reading->uvs );
-        reading->has_uv = calloc( vertices, sizeof *reading->has_uv );
-        reading->is_seam = calloc( vertices, sizeof *reading->is_seam );
-        enough = mesh->uvs != NULL && reading->uvs != NULL && reading->has_uv != NULL && reading->is_seam != NULL;
+        reading->uvs = io_get( &reading->memory, 2 * uvs * sizeof *reading->uvs );
+        reading->has_uv = io_get( &reading->memory, vertices * sizeof *reading->has_uv );
+        reading->is_seam = io_get( &reading->memory, vertices * sizeof *reading->is_seam );
+        enough = mesh->uvs != NULL && !reading->memory.is_short;
     }
     return enough ? WISP_OK
                   : wisp_fail( reading->error, WISP_NO_MEMORY, "%s: out of memory for %d vertices", reading->name,
@@ -356,35 +328,37 @@ static wisp_status allocate( obj_reading* reading )
 static wisp_status read_lines( obj_reading* reading )
 {
     mesh_word rest = reading->text, line;
-    wisp_status status = read_uvs( reading );
-    while ( status == WISP_OK && mesh_next_line( &rest, &line ) )
+    WISP_TRY( read_uvs( reading ) );
+    for ( reading->line = 1; mesh_next_line( &rest, &line ); ++reading->line )
     {
-        ++reading->line;
         const line_kind kind = kind_of( &line );
         mesh_next_word( &line );
         reading->uvs_seen += kind == LINE_UV;
-        status = kind == LINE_VERTEX ? read_vertex( reading, line )
-                 : kind == LINE_FACE ? read_face( reading, line )
-                                     : WISP_OK;
+        WISP_TRY( kind == LINE_VERTEX ? read_vertex( reading, line )
+                  : kind == LINE_FACE ? read_face( reading, line )
+                                      : WISP_OK );
     }
     finish_uvs( reading );
-    return status;
+    return WISP_OK;
 }
 
-static wisp_status read_numbers( obj_reading* reading )
+static wisp_status read_text( obj_reading* reading, size_t size )
 {
-    wisp_status status = allocate( reading );
     io_numbers numbers;
-    status = status == WISP_OK ? io_numbers_begin( &numbers, reading->error ) : status;
-    if ( status == WISP_OK )
+    WISP_TRY( check_is_text( reading->text.text, size, reading->name, reading->error ) );
+    if ( size > WISP_MESH_FILE_CAP )
     {
-        status = read_lines( reading );
-        io_numbers_end( &numbers );
+        return wisp_fail( reading->error, WISP_BAD_INPUT, "%s: expected at most %zu bytes", reading->name,
+                          WISP_MESH_FILE_CAP );
     }
-    free( reading->uvs );
-    free( reading->has_uv );
-    free( reading->is_seam );
-    return status;
+    WISP_TRY( check_lines( reading ) );
+    WISP_TRY( allocate( reading ) );
+    WISP_TRY( io_numbers_begin( &numbers, reading->error ) );
+    const wisp_status status = read_lines( reading );
+    io_numbers_end( &numbers );
+    WISP_TRY( status );
+    mesh_fan_finish( &reading->fan );
+    return mesh_check( reading->mesh, reading->name, reading->error );
 }
 
 wisp_status wisp_mesh_read_obj( const void* bytes, size_t size, const char* name, wisp_mesh* out, wisp_error* error )
@@ -393,24 +367,8 @@ wisp_status wisp_mesh_read_obj( const void* bytes, size_t size, const char* name
     name = io_short_name( name );
     obj_reading reading = { .text = { bytes, size }, .name = name, .error = error, .mesh = out };
     reading.fan = ( mesh_fan ){ .mesh = out, .name = name };
-    wisp_status status = check_is_text( bytes, size, name, error );
-    if ( status == WISP_OK && size > WISP_MESH_FILE_CAP )
-    {
-        status = wisp_fail( error, WISP_BAD_INPUT, "%s: expected at most %zu bytes", name, WISP_MESH_FILE_CAP );
-    }
-    if ( status == WISP_OK )
-    {
-        status = check_lines( &reading, error );
-    }
-    if ( status == WISP_OK )
-    {
-        status = read_numbers( &reading );
-    }
-    if ( status == WISP_OK )
-    {
-        mesh_fan_finish( &reading.fan );
-        status = mesh_check( out, name, error );
-    }
+    const wisp_status status = read_text( &reading, size );
+    io_release( &reading.memory );
     if ( status != WISP_OK )
     {
         wisp_mesh_release( out );

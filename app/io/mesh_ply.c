@@ -371,19 +371,18 @@ static wisp_status ply_read_header( const unsigned char* bytes, size_t size, ply
         return wisp_fail( error, WISP_BAD_INPUT, "%s: the file is empty", header->name );
     }
     mesh_word line;
-    wisp_status status = next_header_line( &r, &line );
-    if ( status == WISP_OK && !mesh_word_is( line, "ply" ) )
+    WISP_TRY( next_header_line( &r, &line ) );
+    if ( !mesh_word_is( line, "ply" ) )
     {
-        status = wisp_fail( error, WISP_BAD_INPUT, "%s: byte 0: expected a first line \"ply\"", header->name );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte 0: expected a first line \"ply\"", header->name );
     }
-    bool ended = false;
-    while ( status == WISP_OK && !ended )
+    for ( bool ended = false; !ended; )
     {
-        status = next_header_line( &r, &line );
-        status = status == WISP_OK ? read_line( &r, line, &ended ) : status;
+        WISP_TRY( next_header_line( &r, &line ) );
+        WISP_TRY( read_line( &r, line, &ended ) );
     }
     header->size = size - r.rest.length;
-    return status == WISP_OK ? check_header( &r ) : status;
+    return check_header( &r );
 }
 
 // ---- rows ----
@@ -523,7 +522,6 @@ static wisp_status read_list( row_reading* r, const ply_property* property )
 {
     int64_t count = 0;
     WISP_TRY( next_count( r, property, &count ) );
-    wisp_status status = WISP_OK;
     bool is_face = property->role == PLY_CORNERS;
     if ( is_face && ( count < 3 || count > WISP_MESH_CORNER_CAP ) )
     {
@@ -538,16 +536,13 @@ static wisp_status read_list( row_reading* r, const ply_property* property )
         return WISP_OK;
     }
     r->fan.corner_count = 0;
-    for ( int64_t i = 0; status == WISP_OK && i < count; ++i )
+    for ( int64_t i = 0; i < count; ++i )
     {
         double value = 0.0;
-        status = next_value( r, property, property->type, &value );
-        if ( status == WISP_OK && is_face )
-        {
-            status = take_corner( r, property, value );
-        }
+        WISP_TRY( next_value( r, property, property->type, &value ) );
+        WISP_TRY( is_face ? take_corner( r, property, value ) : WISP_OK );
     }
-    return status;
+    return WISP_OK;
 }
 
 // The value of a channel at full brightness.
@@ -591,10 +586,10 @@ static float* place_of( const row_reading* r, ply_role role )
 static wisp_status read_scalar( row_reading* r, const ply_property* property )
 {
     double value = 0.0;
-    wisp_status status = next_value( r, property, property->type, &value );
-    if ( status != WISP_OK || property->role == PLY_PASSED_OVER )
+    WISP_TRY( next_value( r, property, property->type, &value ) );
+    if ( property->role == PLY_PASSED_OVER )
     {
-        return status;
+        return WISP_OK;
     }
     if ( !isfinite( value ) || fabs( value ) > (double)FLT_MAX )
     {
@@ -641,14 +636,14 @@ static wisp_status end_text_row( row_reading* r )
 static wisp_status read_row( row_reading* r )
 {
     const ply_property* properties = r->header->properties + r->element->first_property;
-    bool is_text = r->header->encoding == PLY_TEXT;
-    wisp_status status = is_text ? begin_text_row( r, properties ) : WISP_OK;
-    for ( int p = 0; status == WISP_OK && p < r->element->property_count; ++p )
+    const bool is_text = r->header->encoding == PLY_TEXT;
+    WISP_TRY( is_text ? begin_text_row( r, properties ) : WISP_OK );
+    for ( int p = 0; p < r->element->property_count; ++p )
     {
-        status =
-            properties[p].count_type != PLY_NONE ? read_list( r, &properties[p] ) : read_scalar( r, &properties[p] );
+        WISP_TRY( properties[p].count_type != PLY_NONE ? read_list( r, &properties[p] )
+                                                       : read_scalar( r, &properties[p] ) );
     }
-    return status == WISP_OK && is_text ? end_text_row( r ) : status;
+    return is_text ? end_text_row( r ) : WISP_OK;
 }
 
 // Minimum bytes of a row, with empty lists.
@@ -699,17 +694,12 @@ static wisp_status check_rest( const row_reading* r )
 
 static wisp_status read_elements( row_reading* r )
 {
-    wisp_status status = WISP_OK;
     for ( int e = 0; e < r->header->element_count; ++e )
     {
         r->element = &r->header->elements[e];
-        for ( r->row_number = 0; status == WISP_OK && r->row_number < r->element->count; ++r->row_number )
+        for ( r->row_number = 0; r->row_number < r->element->count; ++r->row_number )
         {
-            status = read_row( r );
-        }
-        if ( status != WISP_OK )
-        {
-            return status;
+            WISP_TRY( read_row( r ) );
         }
     }
     return check_rest( r );
@@ -728,7 +718,6 @@ static wisp_status read_rows( const ply_header* header, const unsigned char* byt
                       .fan = { .mesh = out, .name = header->name },
                       .error = error };
     WISP_TRY( check_length( &r ) );
-    wisp_status status = WISP_OK;
     out->vertex_count = (int)header->elements[header->vertex_element].count;
     out->points = malloc( (size_t)out->vertex_count * sizeof *out->points );
     if ( out->points == NULL )
@@ -736,23 +725,16 @@ static wisp_status read_rows( const ply_header* header, const unsigned char* byt
         return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %d vertices", header->name,
                           out->vertex_count );
     }
-    if ( ply_vertex_has( header, PLY_RED ) && ply_vertex_has( header, PLY_GREEN ) &&
-         ply_vertex_has( header, PLY_BLUE ) )
-    {
-        status = mesh_allocate_colours( out, header->name, error );
-    }
-    if ( status == WISP_OK && ply_vertex_has( header, PLY_U ) && ply_vertex_has( header, PLY_V ) )
-    {
-        status = mesh_allocate_uvs( out, header->name, error );
-    }
+    const bool has_colours = ply_vertex_has( header, PLY_RED ) && ply_vertex_has( header, PLY_GREEN ) &&
+                             ply_vertex_has( header, PLY_BLUE );
+    const bool has_uvs = ply_vertex_has( header, PLY_U ) && ply_vertex_has( header, PLY_V );
     io_numbers numbers;
-    status = status == WISP_OK ? io_numbers_begin( &numbers, error ) : status;
-    if ( status == WISP_OK )
-    {
-        status = read_elements( &r );
-        io_numbers_end( &numbers );
-        mesh_fan_finish( &r.fan );
-    }
+    WISP_TRY( has_colours ? mesh_allocate_colours( out, header->name, error ) : WISP_OK );
+    WISP_TRY( has_uvs ? mesh_allocate_uvs( out, header->name, error ) : WISP_OK );
+    WISP_TRY( io_numbers_begin( &numbers, error ) );
+    const wisp_status status = read_elements( &r );
+    io_numbers_end( &numbers );
+    mesh_fan_finish( &r.fan );
     return status;
 }
 
@@ -771,10 +753,7 @@ wisp_status wisp_mesh_read_ply( const void* bytes, size_t size, const char* name
     }
     header->name = name;
     wisp_status status = ply_read_header( bytes, size, header, error );
-    if ( status == WISP_OK )
-    {
-        status = read_rows( header, bytes, size, out, error );
-    }
+    status = status == WISP_OK ? read_rows( header, bytes, size, out, error ) : status;
     free( header );
     if ( status != WISP_OK )
     {

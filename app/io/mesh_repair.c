@@ -1,8 +1,6 @@
 // Repairs, on a copy: the mesh changes only when everything has succeeded.
 #include "mesh_internal.h"
 
-#include "io_file.h"
-
 #include "wisp/module/definition.h"
 #include <math.h>
 #include <stdlib.h>
@@ -48,15 +46,10 @@ static int compare_cells( const void* a, const void* b )
 // The longest side of the bounds, m.
 static double measure( const wisp_mesh* mesh, wisp_vec3* lowest )
 {
-    wisp_vec3 low = mesh->points[0], high = low;
-    for ( int v = 1; v < mesh->vertex_count; ++v )
-    {
-        const wisp_vec3 p = mesh->points[v];
-        low = ( wisp_vec3 ){ fminf( low.x, p.x ), fminf( low.y, p.y ), fminf( low.z, p.z ) };
-        high = ( wisp_vec3 ){ fmaxf( high.x, p.x ), fmaxf( high.y, p.y ), fmaxf( high.z, p.z ) };
-    }
-    const mesh_vector size = mesh_between( low, high );
-    *lowest = low;
+    io_bounds bounds = { .filled = false };
+    io_extend_bounds( &bounds, mesh->points, mesh->vertex_count );
+    const mesh_vector size = mesh_between( bounds.least, bounds.most );
+    *lowest = bounds.least;
     return fmax( size.x, fmax( size.y, size.z ) );
 }
 
@@ -154,25 +147,20 @@ wisp_status mesh_weld_find( const wisp_mesh* mesh, float distance, int32_t* beca
                           "mesh: got %g m as the distance to weld, expected at least a billionth of its size, %g m",
                           (double)distance, 1e-9 * size );
     }
-    grid.cells = malloc( count * sizeof *grid.cells );
-    grid.cell_of = malloc( count * sizeof *grid.cell_of );
-    grid.newest = malloc( count * sizeof *grid.newest );
-    grid.before = malloc( count * sizeof *grid.before );
-    wisp_status status = WISP_OK;
-    if ( grid.cells == NULL || grid.cell_of == NULL || grid.newest == NULL || grid.before == NULL )
-    {
-        status = wisp_fail( error, WISP_NO_MEMORY, "out of memory to weld %d vertices", mesh->vertex_count );
-    }
-    else
+    io_memory scratch = { 0 };
+    grid.cells = io_get( &scratch, count * sizeof *grid.cells );
+    grid.cell_of = io_get( &scratch, count * sizeof *grid.cell_of );
+    grid.newest = io_get( &scratch, count * sizeof *grid.newest );
+    grid.before = io_get( &scratch, count * sizeof *grid.before );
+    const bool has_all = !scratch.is_short;
+    if ( has_all )
     {
         fill_cells( &grid, lowest );
         find_all( &grid, became );
     }
-    free( grid.cells );
-    free( grid.cell_of );
-    free( grid.newest );
-    free( grid.before );
-    return status;
+    io_release( &scratch );
+    return has_all ? WISP_OK
+                   : wisp_fail( error, WISP_NO_MEMORY, "out of memory to weld %d vertices", mesh->vertex_count );
 }
 
 // ---- repair ----
@@ -221,68 +209,36 @@ static wisp_status weld( wisp_mesh* mesh, float distance, wisp_mesh_repairs* rep
 
 // ---- dropping triangles ----------------------------------------------------------------------------------------
 
-static wisp_status find_dropped( const wisp_mesh* mesh, int what, bool* drop, int32_t* first_of,
-                                 wisp_mesh_repairs* repairs, wisp_error* error )
+// Without the first repair a triangle with a repeated vertex stays; it is no duplicate of anything.
+static wisp_status drop_triangles( wisp_mesh* mesh, int what, io_memory* scratch, wisp_mesh_repairs* repairs,
+                                   wisp_error* error )
 {
+    const size_t count = (size_t)mesh->triangle_count;
+    bool* drop = io_get( scratch, count * sizeof *drop );
+    int32_t* first_of = io_get( scratch, count * sizeof *first_of );
+    if ( scratch->is_short )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory to repair %d triangles", mesh->triangle_count );
+    }
     for ( int t = 0; t < mesh->triangle_count; ++t )
     {
         drop[t] = ( what & WISP_MESH_DROP_DEGENERATES ) != 0 && mesh_is_degenerate( mesh, t );
         repairs->degenerates_dropped += drop[t];
-        // Without the first repair a triangle with a repeated vertex stays; it is no duplicate of anything.
         first_of[t] = t;
     }
-    if ( ( what & WISP_MESH_DROP_DUPLICATES ) == 0 )
-    {
-        return WISP_OK;
-    }
-    bool* skip = malloc( (size_t)mesh->triangle_count * sizeof *skip );
-    if ( skip == NULL )
-    {
-        return wisp_fail( error, WISP_NO_MEMORY, "out of memory to compare %d triangles", mesh->triangle_count );
-    }
-    for ( int t = 0; t < mesh->triangle_count; ++t )
-    {
-        skip[t] = drop[t] || mesh_names_twice( mesh, t );
-    }
-    wisp_status status = mesh_find_duplicates( mesh, skip, first_of, error );
-    for ( int t = 0; status == WISP_OK && t < mesh->triangle_count; ++t )
-    {
-        repairs->duplicates_dropped += first_of[t] != t;
-        drop[t] = drop[t] || first_of[t] != t;
-    }
-    free( skip );
-    return status;
-}
-
-static wisp_status drop_triangles( wisp_mesh* mesh, int what, wisp_mesh_repairs* repairs, wisp_error* error )
-{
-    size_t count = (size_t)mesh->triangle_count;
-    bool* drop = malloc( count * sizeof *drop );
-    int32_t* first_of = malloc( count * sizeof *first_of );
-    wisp_status status = WISP_OK;
-    if ( drop == NULL || first_of == NULL )
-    {
-        status = wisp_fail( error, WISP_NO_MEMORY, "out of memory to repair %d triangles", mesh->triangle_count );
-    }
-    else
-    {
-        status = find_dropped( mesh, what, drop, first_of, repairs, error );
-    }
+    WISP_TRY( ( what & WISP_MESH_DROP_DUPLICATES ) != 0 ? mesh_find_duplicates( mesh, drop, first_of, error )
+                                                        : WISP_OK );
     int kept = 0;
-    for ( size_t t = 0; status == WISP_OK && t < count; ++t )
+    for ( size_t t = 0; t < count; ++t )
     {
+        const bool is_duplicate = first_of[t] != (int32_t)t;
+        repairs->duplicates_dropped += is_duplicate;
         memmove( mesh->triangles + 3 * kept, mesh->triangles + 3 * t, 3 * sizeof( int32_t ) );
-        kept += !drop[t];
+        kept += !drop[t] && !is_duplicate;
     }
-    free( drop );
-    free( first_of );
-    if ( status == WISP_OK && kept == 0 )
-    {
-        status =
-            wisp_fail( error, WISP_BAD_INPUT, "mesh: the repair removes all %d triangles", mesh->triangle_count );
-    }
-    mesh->triangle_count = status == WISP_OK ? kept : mesh->triangle_count;
-    return status;
+    mesh->triangle_count = kept;
+    return kept > 0 ? WISP_OK
+                    : wisp_fail( error, WISP_BAD_INPUT, "mesh: the repair removes all %zu triangles", count );
 }
 
 // ---- turning triangles -----------------------------------------------------------------------------------------
@@ -473,38 +429,25 @@ static void flip( wisp_mesh* mesh, wisp_mesh_repairs* repairs )
     repairs->triangles_flipped = mesh->triangle_count;
 }
 
-static wisp_status repair_winding( wisp_mesh* mesh, wisp_mesh_repairs* repairs, wisp_error* error )
+static wisp_status repair_winding( wisp_mesh* mesh, io_memory* scratch, wisp_mesh_repairs* repairs,
+                                   wisp_error* error )
 {
-    size_t count = (size_t)mesh->triangle_count;
-    flood f = { .mesh = mesh };
-    f.twin = malloc( 3 * count * sizeof *f.twin );
-    f.primitive = malloc( count * sizeof *f.primitive );
-    f.queue = malloc( count * sizeof *f.queue );
-    f.turned = calloc( count, sizeof *f.turned );
-    f.open = calloc( count, sizeof *f.open );
-    f.odd = calloc( count, sizeof *f.odd );
-    wisp_status status = mesh_edges_build( mesh, &f.edges, error );
-    if ( status == WISP_OK && ( f.twin == NULL || f.primitive == NULL || f.queue == NULL || f.turned == NULL ||
-                                f.open == NULL || f.odd == NULL ) )
+    const size_t count = (size_t)mesh->triangle_count;
+    flood f = { .mesh = mesh,
+                .twin = io_get( scratch, 3 * count * sizeof *f.twin ),
+                .primitive = io_get( scratch, count * sizeof *f.primitive ),
+                .queue = io_get( scratch, count * sizeof *f.queue ),
+                .turned = io_get( scratch, count * sizeof *f.turned ),
+                .open = io_get( scratch, count * sizeof *f.open ),
+                .odd = io_get( scratch, count * sizeof *f.odd ) };
+    if ( scratch->is_short )
     {
-        status = wisp_fail( error, WISP_NO_MEMORY, "out of memory to repair %d triangles", mesh->triangle_count );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory to repair %d triangles", mesh->triangle_count );
     }
-    if ( status == WISP_OK )
-    {
-        status = fill( &f, error );
-    }
-    if ( status == WISP_OK )
-    {
-        turn_triangles( &f, repairs );
-    }
-    mesh_edges_release( &f.edges );
-    free( f.twin );
-    free( f.primitive );
-    free( f.queue );
-    free( f.turned );
-    free( f.open );
-    free( f.odd );
-    return status;
+    WISP_TRY( mesh_edges_build( mesh, scratch, &f.edges, error ) );
+    WISP_TRY( fill( &f, error ) );
+    turn_triangles( &f, repairs );
+    return WISP_OK;
 }
 
 // ---- dropping vertices -----------------------------------------------------------------------------------------
@@ -533,14 +476,14 @@ static void number_vertices( const wisp_mesh* mesh, int what, int32_t* new_numbe
     repairs->unreferenced_dropped = mesh->vertex_count - repairs->kept_count - repairs->vertices_welded;
 }
 
-static wisp_status drop_vertices( wisp_mesh* mesh, int what, wisp_mesh_repairs* repairs, wisp_error* error )
+static wisp_status drop_vertices( wisp_mesh* mesh, int what, io_memory* scratch, wisp_mesh_repairs* repairs,
+                                  wisp_error* error )
 {
-    size_t size = (size_t)mesh->vertex_count * sizeof( int32_t );
-    int32_t* new_number = malloc( size );
+    const size_t size = (size_t)mesh->vertex_count * sizeof( int32_t );
+    int32_t* new_number = io_get( scratch, size );
     repairs->kept = malloc( size );
     if ( new_number == NULL || repairs->kept == NULL )
     {
-        free( new_number );
         return wisp_fail( error, WISP_NO_MEMORY, "out of memory to number %d vertices", mesh->vertex_count );
     }
     number_vertices( mesh, what, new_number, repairs );
@@ -566,7 +509,6 @@ static wisp_status drop_vertices( wisp_mesh* mesh, int what, wisp_mesh_repairs* 
         }
     }
     mesh->vertex_count = repairs->kept_count;
-    free( new_number );
     return WISP_OK;
 }
 
@@ -582,8 +524,8 @@ void wisp_mesh_repairs_release( wisp_mesh_repairs* repairs )
     }
 }
 
-static wisp_status repair_copy( wisp_mesh* mesh, int what, float weld_distance, wisp_mesh_repairs* repairs,
-                                wisp_error* error )
+static wisp_status repair_copy( wisp_mesh* mesh, int what, float weld_distance, io_memory* scratch,
+                                wisp_mesh_repairs* repairs, wisp_error* error )
 {
     repairs->original_count = mesh->vertex_count;
     repairs->became = malloc( (size_t)mesh->vertex_count * sizeof *repairs->became );
@@ -595,46 +537,33 @@ static wisp_status repair_copy( wisp_mesh* mesh, int what, float weld_distance, 
     {
         repairs->became[v] = v;
     }
-    wisp_status status = ( what & WISP_MESH_WELD ) != 0 ? weld( mesh, weld_distance, repairs, error ) : WISP_OK;
-    status = status == WISP_OK ? drop_triangles( mesh, what, repairs, error ) : status;
-    if ( status == WISP_OK && ( what & WISP_MESH_TURN_TRIANGLES ) != 0 )
-    {
-        status = repair_winding( mesh, repairs, error );
-    }
-    if ( status == WISP_OK && ( what & WISP_MESH_FLIP ) != 0 )
+    WISP_TRY( ( what & WISP_MESH_WELD ) != 0 ? weld( mesh, weld_distance, repairs, error ) : WISP_OK );
+    WISP_TRY( drop_triangles( mesh, what, scratch, repairs, error ) );
+    WISP_TRY( ( what & WISP_MESH_TURN_TRIANGLES ) != 0 ? repair_winding( mesh, scratch, repairs, error ) : WISP_OK );
+    if ( ( what & WISP_MESH_FLIP ) != 0 )
     {
         flip( mesh, repairs );
     }
-    return status == WISP_OK ? drop_vertices( mesh, what, repairs, error ) : status;
+    return drop_vertices( mesh, what, scratch, repairs, error );
 }
 
-wisp_status wisp_mesh_repair( wisp_mesh* mesh, int what, wisp_mesh_repairs* repairs, wisp_error* error )
-{
-    return wisp_mesh_repair_within( mesh, what, 0.0f, repairs, error );
-}
-
-wisp_status wisp_mesh_repair_within( wisp_mesh* mesh, int what, float weld_distance, wisp_mesh_repairs* repairs,
-                                     wisp_error* error )
+wisp_status wisp_mesh_repair( wisp_mesh* mesh, int what, float weld_distance, wisp_mesh_repairs* repairs,
+                              wisp_error* error )
 {
     *repairs = ( wisp_mesh_repairs ){ 0 };
     wisp_mesh copy = { 0 };
-    wisp_status status = mesh_check( mesh, "mesh", error );
-    if ( status == WISP_OK && !( weld_distance >= 0.0f && isfinite( weld_distance ) ) )
+    io_memory scratch = { 0 };
+    WISP_TRY( mesh_check( mesh, "mesh", error ) );
+    if ( !( weld_distance >= 0.0f && isfinite( weld_distance ) ) )
     {
-        status = wisp_fail( error, WISP_BAD_INPUT, "mesh: got %g m as the distance to weld, expected 0 or more",
-                            (double)weld_distance );
+        return wisp_fail( error, WISP_BAD_INPUT, "mesh: got %g m as the distance to weld, expected 0 or more",
+                          (double)weld_distance );
     }
+    WISP_TRY( mesh_copy( mesh, &copy, "mesh", error ) );
+    const wisp_status status = repair_copy( &copy, what, weld_distance, &scratch, repairs, error );
     if ( status == WISP_OK )
     {
-        status = mesh_copy( mesh, &copy, "mesh", error );
-    }
-    if ( status == WISP_OK )
-    {
-        status = repair_copy( &copy, what, weld_distance, repairs, error );
-    }
-    if ( status == WISP_OK )
-    {
-        wisp_mesh old = *mesh;
+        const wisp_mesh old = *mesh;
         *mesh = copy;
         copy = old;
     }
@@ -642,6 +571,7 @@ wisp_status wisp_mesh_repair_within( wisp_mesh* mesh, int what, float weld_dista
     {
         wisp_mesh_repairs_release( repairs );
     }
+    io_release( &scratch );
     wisp_mesh_release( &copy );
     return status;
 }

@@ -18,43 +18,6 @@ enum
     MESSAGE_MAX = 512,
 };
 
-// ---- memory ----------------------------------------------------------------------------------------------------
-
-typedef struct record_block
-{
-    struct record_block* before;
-    max_align_t bytes[];
-} record_block;
-
-void* record_get( record_memory* memory, size_t size )
-{
-    record_block* block = calloc( 1, sizeof *block + size );
-    if ( block == NULL )
-    {
-        memory->is_short = true;
-        return NULL;
-    }
-    block->before = memory->last;
-    memory->last = block;
-    return block->bytes;
-}
-
-void* record_copy( record_memory* memory, const void* from, size_t size )
-{
-    void* copy = from != NULL ? record_get( memory, size ) : NULL;
-    return copy != NULL ? memcpy( copy, from, size ) : NULL;
-}
-
-void record_release( record_memory* memory )
-{
-    while ( memory->last != NULL )
-    {
-        record_block* block = memory->last;
-        memory->last = block->before;
-        free( block );
-    }
-}
-
 // ---- messages --------------------------------------------------------------------------------------------------
 
 wisp_status record_wrong( wisp_error* error, const char* name, const char* format, ... )
@@ -131,17 +94,6 @@ const char* record_extension( const wisp_recorder* recorder )
     return dot == NULL || dot == name ? name + strlen( name ) : dot;
 }
 
-void record_put_words( FILE* out, const void* words, size_t count )
-{
-    unsigned char bytes[4096];
-    for ( size_t done = 0, size; done < count; done += size )
-    {
-        size = count - done < sizeof bytes / 4 ? count - done : sizeof bytes / 4;
-        io_put_words( bytes, (const unsigned char*)words + 4 * done, size );
-        fwrite( bytes, 4, size, out );
-    }
-}
-
 const char* record_path_beside( wisp_recorder* recorder, const char* format, ... )
 {
     const size_t stem = (size_t)( record_extension( recorder ) - recorder->path );
@@ -183,8 +135,8 @@ static void release( wisp_recorder* recorder )
         close( recorder->descriptor );
     }
     record_wait_close( recorder, NULL );
-    record_memory memory = recorder->memory; // the recorder is in it
-    record_release( &memory );
+    io_memory memory = recorder->memory; // the recorder is in it
+    io_release( &memory );
 }
 
 static bool has_origin( const wisp_recorder* recorder )
@@ -194,36 +146,36 @@ static bool has_origin( const wisp_recorder* recorder )
 
 static void reserve_moved( wisp_recorder* recorder )
 {
-    record_memory* memory = &recorder->memory;
-    recorder->moved = record_get( memory, (size_t)recorder->body_count * sizeof *recorder->moved );
+    io_memory* memory = &recorder->memory;
+    recorder->moved = io_get( memory, (size_t)recorder->body_count * sizeof *recorder->moved );
     for ( int b = 0; !memory->is_short && b < recorder->body_count; ++b )
     {
-        recorder->moved[b] = record_get( memory, (size_t)recorder->bodies[b].vertex_count * sizeof( wisp_vec3 ) );
+        recorder->moved[b] = io_get( memory, (size_t)recorder->bodies[b].vertex_count * sizeof( wisp_vec3 ) );
     }
 }
 
 static void copy( wisp_recorder* recorder, const char* path, const wisp_recorder_def* def )
 {
-    record_memory* memory = &recorder->memory;
+    io_memory* memory = &recorder->memory;
     const size_t count = (size_t)def->body_count;
     recorder->body_count = def->body_count;
     recorder->dt = def->dt;
     recorder->frames_expected = def->frame_count;
     recorder->track_count = def->track_count > 0 ? def->track_count : 0;
-    recorder->tracks = record_copy( memory, def->tracks, (size_t)recorder->track_count * sizeof *recorder->tracks );
-    recorder->path = record_copy( memory, path, strlen( path ) + 1 );
+    recorder->tracks = io_copy( memory, def->tracks, (size_t)recorder->track_count * sizeof *recorder->tracks );
+    recorder->path = io_copy( memory, path, strlen( path ) + 1 );
     recorder->beside_size = 2 * strlen( path ) + WISP_RECORD_MAX_NAME + 32;
-    recorder->beside = record_get( memory, recorder->beside_size );
-    recorder->outputs = record_get( memory, count * sizeof *recorder->outputs );
-    recorder->inputs = record_get( memory, count * sizeof *recorder->inputs );
+    recorder->beside = io_get( memory, recorder->beside_size );
+    recorder->outputs = io_get( memory, count * sizeof *recorder->outputs );
+    recorder->inputs = io_get( memory, count * sizeof *recorder->inputs );
     recorder->bodies = record_copy_bodies( memory, def->bodies, def->body_count );
-    recorder->file = record_get( memory, recorder->format->file_size );
+    recorder->file = io_get( memory, recorder->format->file_size );
     for ( int b = 0; !memory->is_short && b < def->body_count; ++b )
     {
         const wisp_record_body* body = &recorder->bodies[b];
         const size_t points = body->is_static ? (size_t)body->vertex_count * sizeof( wisp_vec3 ) : 0;
         recorder->inputs[b].triangles = def->bodies[b].triangles;
-        recorder->inputs[b].fixed = record_get( memory, points );
+        recorder->inputs[b].fixed = io_get( memory, points );
         recorder->most_vertices =
             body->vertex_count > recorder->most_vertices ? body->vertex_count : recorder->most_vertices;
     }
@@ -235,8 +187,8 @@ static void copy( wisp_recorder* recorder, const char* path, const wisp_recorder
     if ( recorder->format->has_normals )
     {
         const size_t most = (size_t)recorder->most_vertices;
-        recorder->normal_sums = record_get( memory, 3 * most * sizeof *recorder->normal_sums );
-        recorder->normals = record_get( memory, most * sizeof *recorder->normals );
+        recorder->normal_sums = io_get( memory, 3 * most * sizeof *recorder->normal_sums );
+        recorder->normals = io_get( memory, most * sizeof *recorder->normals );
     }
 }
 
@@ -255,8 +207,8 @@ wisp_status wisp_recorder_open( const char* path, wisp_record_format format, con
         return record_wrong( error, path, "the origin is not finite" );
     }
     WISP_TRY( record_check_bodies( def->bodies, def->body_count, path, error ) );
-    record_memory memory = { 0 };
-    wisp_recorder* recorder = record_get( &memory, sizeof *recorder );
+    io_memory memory = { 0 };
+    wisp_recorder* recorder = io_get( &memory, sizeof *recorder );
     if ( recorder == NULL )
     {
         return record_no_memory( path, error );

@@ -121,8 +121,8 @@ static wisp_status glb_begin( wisp_recorder* recorder, wisp_error* error )
 {
     glb_file* file = recorder->file;
     const size_t bytes = (size_t)recorder->most_vertices * sizeof( wisp_vec3 );
-    file->first[0] = record_get( &recorder->memory, bytes );
-    file->first[1] = record_get( &recorder->memory, bytes );
+    file->first[0] = io_get( &recorder->memory, bytes );
+    file->first[1] = io_get( &recorder->memory, bytes );
     if ( recorder->memory.is_short )
     {
         return record_no_memory( recorder->path, error );
@@ -343,7 +343,7 @@ static void write_materials( const wisp_recorder* recorder )
 
 // Of the view that comes next. @param at bytes from its start @param bounds null: none
 static void write_accessor( glb_file* file, uint64_t at, int component, uint64_t count, const char* type,
-                            const record_bounds* bounds )
+                            const io_bounds* bounds )
 {
     fprintf( next( file ),
              "{\"bufferView\":%d,\"byteOffset\":%llu,\"componentType\":%d,\"count\":%llu,\"type\":\"%s\"",
@@ -371,10 +371,10 @@ static void write_body_accessors( wisp_recorder* recorder, int b )
     for ( int i = 0; i < shape.block_count; ++i )
     {
         const bool is_position = i < shape.base ? i == 0 : ( i - shape.base ) % shape.part_count == 0;
-        record_bounds bounds = { .filled = false };
+        io_bounds bounds = { .filled = false };
         if ( is_position )
         {
-            record_extend_bounds( &bounds, load_block( recorder, b, &shape, i ), shape.body->vertex_count );
+            io_extend_bounds( &bounds, load_block( recorder, b, &shape, i ), shape.body->vertex_count );
         }
         write_accessor( file, (uint64_t)i * shape.block_bytes, FLOAT, (uint64_t)shape.body->vertex_count, "VEC3",
                         is_position ? &bounds : NULL );
@@ -474,12 +474,12 @@ static void write_json( wisp_recorder* recorder )
 
 static void put_indices( FILE* out, const wisp_record_body* body )
 {
-    record_put_words( out, body->triangles, 3 * (size_t)body->triangle_count );
+    io_write_words( out, body->triangles, 3 * (size_t)body->triangle_count );
     for ( int s = 0; s < body->strand_count; ++s )
     {
         for ( int v = body->offsets[s]; v + 1 < body->offsets[s + 1]; ++v )
         {
-            record_put_words( out, ( const int[] ){ v, v + 1 }, 2 );
+            io_write_words( out, ( const int[] ){ v, v + 1 }, 2 );
         }
     }
 }
@@ -490,12 +490,12 @@ static void put_animation( const wisp_recorder* recorder, FILE* out )
     const int count = recorder->frame_count;
     for ( int f = 0; f < count; ++f )
     {
-        record_put_words( out, &( const float ){ (float)record_wait_time( recorder, f ) }, 1 );
+        io_write_words( out, &( const float ){ (float)record_wait_time( recorder, f ) }, 1 );
     }
     for ( int i = 0; i < count * ( count - 1 ); ++i )
     {
         const bool is_own = i % ( count - 1 ) + 1 == i / ( count - 1 );
-        record_put_words( out, &( const float ){ is_own ? 1.0f : 0.0f }, 1 );
+        io_write_words( out, &( const float ){ is_own ? 1.0f : 0.0f }, 1 );
     }
 }
 
@@ -509,7 +509,7 @@ static void put_binary( wisp_recorder* recorder, FILE* out )
         put_indices( out, shape.body );
         for ( int i = 0; i < shape.block_count; ++i )
         {
-            record_put_words( out, load_block( recorder, b, &shape, i ), 3 * (size_t)shape.body->vertex_count );
+            io_write_words( out, load_block( recorder, b, &shape, i ), 3 * (size_t)shape.body->vertex_count );
         }
     }
     if ( file->is_animated )
@@ -526,7 +526,7 @@ static void put_json( FILE* out, const char* text, size_t size, uint64_t binary 
     const size_t padded = ( size + 3 ) / 4 * 4;
     const uint64_t whole = 20 + padded + ( binary > 0 ? 8 + binary : 0 );
     const uint32_t header[5] = { MAGIC, 2, (uint32_t)whole, (uint32_t)padded, JSON_CHUNK };
-    record_put_words( out, header, 5 );
+    io_write_words( out, header, 5 );
     fwrite( text, 1, size, out );
     fwrite( "   ", 1, padded - size, out );
 }
@@ -556,7 +556,7 @@ static wisp_status glb_end( wisp_recorder* recorder, wisp_error* error )
     free( text );
     if ( is_written && file->size > 0 )
     {
-        record_put_words( out, ( const uint32_t[] ){ (uint32_t)file->size, BINARY_CHUNK }, 2 );
+        io_write_words( out, ( const uint32_t[] ){ (uint32_t)file->size, BINARY_CHUNK }, 2 );
         put_binary( recorder, out );
     }
     return is_written ? WISP_OK : record_no_memory( recorder->path, error );

@@ -13,21 +13,6 @@ enum
     RECORD_POINT_SIZE = 12, ///< bytes of three little-endian floats
 };
 
-// ---- memory ----
-
-/// Blocks that are released together. Zero-initialised is empty.
-typedef struct record_memory
-{
-    struct record_block* last;
-    bool is_short; ///< a block was refused
-} record_memory;
-
-/// @return zeroed bytes, aligned for any type; null without memory, which `is_short` remembers
-void* record_get( record_memory* memory, size_t size );
-/// @return a copy; null if `from` is null, and without memory
-void* record_copy( record_memory* memory, const void* from, size_t size );
-void record_release( record_memory* memory );
-
 // ---- messages ----
 
 /// "NAME: " and a message. @return WISP_BAD_INPUT
@@ -45,7 +30,7 @@ wisp_status record_check_bodies( const wisp_record_body* bodies, int count, cons
 wisp_status record_check_mesh( const wisp_record_body* body, const char* name, wisp_error* error );
 
 /// Copy bodies; the numbers of values remain the caller's. @return null without memory
-wisp_record_body* record_copy_bodies( record_memory* memory, const wisp_record_body* bodies, int count );
+wisp_record_body* record_copy_bodies( io_memory* memory, const wisp_record_body* bodies, int count );
 
 /// Bytes of the triangles of a body if they change, else 0.
 uint64_t record_triangle_bytes( const wisp_record_body* body );
@@ -65,15 +50,6 @@ void record_carry_corners( const wisp_record_body* body, const int32_t* now, con
 
 /// Linear RGB of a body without colours.
 wisp_vec3 record_base_colour( const wisp_record_body* body );
-
-/// The box around points; empty when zero-initialised.
-typedef struct record_bounds
-{
-    wisp_vec3 least, most;
-    bool filled;
-} record_bounds;
-
-void record_extend_bounds( record_bounds* bounds, const wisp_vec3* points, int count );
 
 // ---- writers ----
 
@@ -98,7 +74,7 @@ typedef struct record_format record_format;
 struct wisp_recorder
 {
     const record_format* format;
-    record_memory memory;
+    io_memory memory;
     wisp_record_body* bodies; ///< [body_count]
     record_input* inputs;     ///< [body_count]
     int body_count;
@@ -156,9 +132,6 @@ const char* record_extension( const wisp_recorder* recorder );
 /// @return [vertex_count], valid until the next call
 const wisp_vec3* record_normals( const wisp_recorder* recorder, int body, const wisp_vec3* points );
 
-/// Write numbers of 4 bytes, little-endian. Errors are left to the stream.
-void record_put_words( FILE* out, const void* words, size_t count );
-
 // Frames that wait in a file without a name until all are known, because a format stores bodies one after the other.
 
 /// Open that file, and after it the output of the recorder.
@@ -211,7 +184,7 @@ wisp_status record_read_start( record_source* source, const record_start* start,
 struct wisp_recording
 {
     record_source source;
-    record_memory memory;
+    io_memory memory;
     wisp_record_body* bodies;
     wisp_recording_info info;
     bool is_cache;                  ///< .pc2

@@ -106,7 +106,7 @@ static wisp_status pc2_frame( wisp_recorder* recorder, const record_frame* frame
     {
         const io_output* output = &recorder->outputs[b];
         errno = 0;
-        record_put_words( output->stream, frame->points[b], 3 * (size_t)recorder->bodies[b].vertex_count );
+        io_write_words( output->stream, frame->points[b], 3 * (size_t)recorder->bodies[b].vertex_count );
         if ( ferror( output->stream ) )
         {
             recorder->lost = true;
@@ -124,7 +124,7 @@ static wisp_status finish_file( io_output* output, int sample_count, wisp_error*
         io_output_discard( output );
         return status;
     }
-    record_put_words( output->stream, &sample_count, 1 );
+    io_write_words( output->stream, &sample_count, 1 );
     return io_output_commit( output, error );
 }
 

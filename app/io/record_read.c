@@ -82,8 +82,8 @@ typedef struct survey
 {
     wisp_recording* recording;
     wisp_recording_info info;
-    wisp_vec3** points;    // [body_count], null without a frame
-    record_bounds* bounds; // [body_count]
+    wisp_vec3** points; // [body_count], null without a frame
+    io_bounds* bounds;  // [body_count]
     double first_time, last_time;
     int read_count;   // frames that are not damaged
     int hashed_count; // of them, those with a hash of the world
@@ -123,19 +123,18 @@ static wisp_status read_frames( survey* s, const char* name, wisp_error* error )
         }
         for ( int b = 0; b < s->info.body_count && status == WISP_OK; ++b )
         {
-            record_extend_bounds( &s->bounds[b], s->points[b], s->recording->bodies[b].vertex_count );
+            io_extend_bounds( &s->bounds[b], s->points[b], s->recording->bodies[b].vertex_count );
         }
     }
     return WISP_OK;
 }
 
-static void print_bounds( FILE* out, const record_bounds* bounds )
+static void print_bounds( FILE* out, const io_bounds* bounds )
 {
-    const wisp_vec3 a = bounds->least, b = bounds->most;
     if ( bounds->filled )
     {
-        fprintf( out, ", x %.6g .. %.6g, y %.6g .. %.6g, z %.6g .. %.6g m", (double)a.x, (double)b.x, (double)a.y,
-                 (double)b.y, (double)a.z, (double)b.z );
+        fputs( ", ", out );
+        io_print_bounds( out, bounds );
     }
     fputs( "\n", out );
 }
@@ -207,15 +206,15 @@ static wisp_status print_defects( FILE* out, const survey* s, wisp_error* error 
 }
 
 // Vertex counts are used only if there is a frame: the file is then long enough to fill the memory.
-static survey* make_survey( record_memory* memory, wisp_recording* recording )
+static survey* make_survey( io_memory* memory, wisp_recording* recording )
 {
     const wisp_recording_info info = wisp_recording_describe( recording );
-    survey* s = record_get( memory, sizeof *s );
-    wisp_vec3** points = record_get( memory, (size_t)info.body_count * sizeof *points );
-    record_bounds* bounds = record_get( memory, (size_t)info.body_count * sizeof *bounds );
+    survey* s = io_get( memory, sizeof *s );
+    wisp_vec3** points = io_get( memory, (size_t)info.body_count * sizeof *points );
+    io_bounds* bounds = io_get( memory, (size_t)info.body_count * sizeof *bounds );
     for ( int b = 0; b < info.body_count && info.frame_count > 0 && !memory->is_short; ++b )
     {
-        points[b] = record_get( memory, (size_t)recording->bodies[b].vertex_count * sizeof **points );
+        points[b] = io_get( memory, (size_t)recording->bodies[b].vertex_count * sizeof **points );
     }
     if ( memory->is_short )
     {
@@ -227,7 +226,7 @@ static survey* make_survey( record_memory* memory, wisp_recording* recording )
 
 wisp_status wisp_recording_print( FILE* out, wisp_recording* recording, const char* name, wisp_error* error )
 {
-    record_memory memory = { 0 };
+    io_memory memory = { 0 };
     survey* s = make_survey( &memory, recording );
     io_numbers numbers;
     wisp_status status = s != NULL ? io_numbers_begin( &numbers, error ) : record_no_memory( name, error );
@@ -241,7 +240,7 @@ wisp_status wisp_recording_print( FILE* out, wisp_recording* recording, const ch
         }
         io_numbers_end( &numbers );
     }
-    record_release( &memory );
+    io_release( &memory );
     return status;
 }
 
@@ -352,13 +351,13 @@ wisp_status record_read_start( record_source* source, const record_start* start,
 static wisp_status open_recording( const char* path, const unsigned char* bytes, size_t size, bool is_cache,
                                    wisp_recording** out, wisp_error* error )
 {
-    record_memory memory = { 0 };
-    wisp_recording* recording = record_get( &memory, sizeof *recording );
-    char* name = record_copy( &memory, io_short_name( path ), strlen( io_short_name( path ) ) + 1 );
+    io_memory memory = { 0 };
+    wisp_recording* recording = io_get( &memory, sizeof *recording );
+    char* name = io_copy( &memory, io_short_name( path ), strlen( io_short_name( path ) ) + 1 );
     *out = NULL;
     if ( memory.is_short )
     {
-        record_release( &memory );
+        io_release( &memory );
         return record_no_memory( path, error );
     }
     *recording = ( wisp_recording ){
@@ -416,8 +415,8 @@ void wisp_recording_close( wisp_recording* recording )
         close( recording->source.descriptor );
     }
     free( recording->source.buffer );
-    record_memory memory = recording->memory; // the recording is in it
-    record_release( &memory );
+    io_memory memory = recording->memory; // the recording is in it
+    io_release( &memory );
 }
 
 wisp_recording_info wisp_recording_describe( const wisp_recording* recording )

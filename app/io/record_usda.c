@@ -179,8 +179,8 @@ static float largest_width( const wisp_record_body* body )
 // The box of a body as drawn: half a width around the points of curves.
 static void write_extent( const usda_prim* prim, int frame )
 {
-    record_bounds bounds = { .filled = false };
-    record_extend_bounds( &bounds, load( prim, frame ), prim->body->vertex_count );
+    io_bounds bounds = { .filled = false };
+    io_extend_bounds( &bounds, load( prim, frame ), prim->body->vertex_count );
     const float half = 0.5f * largest_width( prim->body );
     const wisp_vec3 corners[2] = {
         { bounds.least.x - half, bounds.least.y - half, bounds.least.z - half },

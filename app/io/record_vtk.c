@@ -2,6 +2,7 @@
 // inside the XML: exact like raw bytes, and still XML for every other reader. The array's length in bytes and its
 // numbers are one base64 stream, as in VTK's own writer.
 #include "base64.h"
+#include "groom_internal.h"
 
 #include "record_internal.h"
 
@@ -37,22 +38,6 @@ static wisp_status wrong( const checked* c, int vertex, const char* format, ... 
                       : record_wrong( c->error, c->file, "body %s, vertex %d: %s", c->body->name, vertex, message );
 }
 
-static bool is_letter( char c )
-{
-    return ( c >= 'a' && c <= 'z' ) || ( c >= 'A' && c <= 'Z' ) || ( c >= '0' && c <= '9' ) || c == '_' || c == '-';
-}
-
-// Names become parts of paths, so a slash or a leading dot must not be accepted.
-static bool is_name( const char* text )
-{
-    size_t length = 0;
-    while ( length <= WISP_RECORD_MAX_NAME && is_letter( text[length] ) )
-    {
-        ++length;
-    }
-    return length >= 1 && length <= WISP_RECORD_MAX_NAME && text[length] == 0;
-}
-
 static wisp_status check_mesh( const checked* c )
 {
     const wisp_record_body* body = c->body;
@@ -84,26 +69,12 @@ wisp_status record_check_mesh( const wisp_record_body* body, const char* name, w
 static wisp_status check_strands( const checked* c )
 {
     const wisp_record_body* body = c->body;
-    const int32_t* offsets = body->offsets;
     if ( body->strand_count < 1 )
     {
         return wrong( c, -1, "got %d strands, expected at least 1", body->strand_count );
     }
-    if ( offsets[0] != 0 )
-    {
-        return wrong( c, -1, "strand 0 starts at vertex %d, expected 0", offsets[0] );
-    }
-    for ( int s = 0; s < body->strand_count; ++s )
-    {
-        if ( offsets[s + 1] < offsets[s] || offsets[s + 1] > body->vertex_count )
-        {
-            return wrong( c, -1, "strand %d runs from vertex %d to %d of %d", s, offsets[s], offsets[s + 1],
-                          body->vertex_count );
-        }
-    }
-    const int end = offsets[body->strand_count];
-    return end == body->vertex_count ? WISP_OK
-                                     : wrong( c, -1, "the strands end at vertex %d of %d", end, body->vertex_count );
+    const groom_defect defect = groom_check_offsets( body->offsets, body->strand_count, body->vertex_count );
+    return defect.text[0] == '\0' ? WISP_OK : wrong( c, -1, "%s", defect.text );
 }
 
 // Names that files use themselves, and USD's rule for names.
@@ -117,7 +88,8 @@ static bool is_value_name( const char* text )
             return false;
         }
     }
-    return is_name( text ) && strchr( text, '-' ) == NULL && !( text[0] >= '0' && text[0] <= '9' );
+    return io_is_name( text, WISP_RECORD_MAX_NAME ) && strchr( text, '-' ) == NULL &&
+           !( text[0] >= '0' && text[0] <= '9' );
 }
 
 static wisp_status check_colour( const checked* c, int vertex, wisp_vec3 rgb )
@@ -174,7 +146,7 @@ static wisp_status check_body( const wisp_record_body* bodies, int b, const char
 {
     const wisp_record_body* body = &bodies[b];
     const checked c = { body, name, error };
-    if ( body->name == NULL || !is_name( body->name ) )
+    if ( body->name == NULL || !io_is_name( body->name, WISP_RECORD_MAX_NAME ) )
     {
         return record_wrong( error, name, "body %d: expected a name of 1 to %d of the characters A-Z a-z 0-9 _ -", b,
                              WISP_RECORD_MAX_NAME );
@@ -215,24 +187,24 @@ wisp_status record_check_bodies( const wisp_record_body* bodies, int count, cons
 
 // ---- copies ----------------------------------------------------------------------------------------------------
 
-wisp_record_body* record_copy_bodies( record_memory* memory, const wisp_record_body* bodies, int count )
+wisp_record_body* record_copy_bodies( io_memory* memory, const wisp_record_body* bodies, int count )
 {
-    wisp_record_body* list = record_copy( memory, bodies, (size_t)count * sizeof *bodies );
+    wisp_record_body* list = io_copy( memory, bodies, (size_t)count * sizeof *bodies );
     for ( int b = 0; list != NULL && b < count; ++b )
     {
         wisp_record_body* to = &list[b];
         const size_t vertices = (size_t)to->vertex_count;
         to->triangle_count = to->offsets != NULL ? 0 : to->triangle_count;
         to->strand_count = to->offsets != NULL ? to->strand_count : 0;
-        to->name = record_copy( memory, to->name, strlen( to->name ) + 1 );
-        to->triangles = record_copy( memory, to->triangles, 3 * (size_t)to->triangle_count * sizeof *to->triangles );
-        to->offsets = record_copy( memory, to->offsets, ( (size_t)to->strand_count + 1 ) * sizeof *to->offsets );
-        to->widths = record_copy( memory, to->widths, vertices * sizeof *to->widths );
-        to->colours = record_copy( memory, to->colours, vertices * sizeof *to->colours );
-        wisp_record_value* values = record_copy( memory, to->values, (size_t)to->value_count * sizeof *values );
+        to->name = io_copy( memory, to->name, strlen( to->name ) + 1 );
+        to->triangles = io_copy( memory, to->triangles, 3 * (size_t)to->triangle_count * sizeof *to->triangles );
+        to->offsets = io_copy( memory, to->offsets, ( (size_t)to->strand_count + 1 ) * sizeof *to->offsets );
+        to->widths = io_copy( memory, to->widths, vertices * sizeof *to->widths );
+        to->colours = io_copy( memory, to->colours, vertices * sizeof *to->colours );
+        wisp_record_value* values = io_copy( memory, to->values, (size_t)to->value_count * sizeof *values );
         for ( int i = 0; values != NULL && i < to->value_count; ++i )
         {
-            values[i].name = record_copy( memory, values[i].name, strlen( values[i].name ) + 1 );
+            values[i].name = io_copy( memory, values[i].name, strlen( values[i].name ) + 1 );
         }
         to->values = values;
     }
@@ -272,19 +244,6 @@ int64_t record_find_not_finite( const float* numbers, size_t count )
         }
     }
     return -1;
-}
-
-void record_extend_bounds( record_bounds* bounds, const wisp_vec3* points, int count )
-{
-    for ( int v = 0; v < count; ++v )
-    {
-        const wisp_vec3 p = points[v];
-        const wisp_vec3 a = bounds->filled ? bounds->least : p;
-        const wisp_vec3 b = bounds->filled ? bounds->most : p;
-        bounds->least = ( wisp_vec3 ){ fminf( a.x, p.x ), fminf( a.y, p.y ), fminf( a.z, p.z ) };
-        bounds->most = ( wisp_vec3 ){ fmaxf( b.x, p.x ), fmaxf( b.y, p.y ), fmaxf( b.z, p.z ) };
-        bounds->filled = true;
-    }
 }
 
 // In double: the edges of small triangles far from the origin are exact, and their products do not overflow.
@@ -494,9 +453,8 @@ static void list_cells( wisp_recorder* recorder, const wisp_record_body* body, v
 {
     const bool strands = body->offsets != NULL;
     const int most = strands ? body->strand_count : body->triangle_count;
-    int32_t* vertices =
-        strands ? record_get( &recorder->memory, (size_t)body->vertex_count * sizeof *vertices ) : NULL;
-    cells->ends = record_get( &recorder->memory, (size_t)most * sizeof *cells->ends );
+    int32_t* vertices = strands ? io_get( &recorder->memory, (size_t)body->vertex_count * sizeof *vertices ) : NULL;
+    cells->ends = io_get( &recorder->memory, (size_t)most * sizeof *cells->ends );
     cells->vertices = strands ? vertices : body->triangles;
     for ( int i = 0; i < most && !recorder->memory.is_short; ++i )
     {
@@ -520,7 +478,7 @@ static wisp_status pvd_begin( wisp_recorder* recorder, wisp_error* error )
         return record_wrong( error, recorder->path,
                              "expected a name with an extension; without it, it is the folder of the frames" );
     }
-    vtk_cells* cells = record_get( &recorder->memory, (size_t)recorder->body_count * sizeof *cells );
+    vtk_cells* cells = io_get( &recorder->memory, (size_t)recorder->body_count * sizeof *cells );
     recorder->file = cells;
     for ( int b = 0; cells != NULL && b < recorder->body_count; ++b )
     {

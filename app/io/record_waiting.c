@@ -59,8 +59,8 @@ static wisp_status open_file( const wisp_recorder* recorder, wisp_error* error )
 
 wisp_status record_wait_open( wisp_recorder* recorder, wisp_error* error )
 {
-    record_memory* memory = &recorder->memory;
-    record_waiting* waiting = recorder->waiting = record_get( memory, sizeof *waiting );
+    io_memory* memory = &recorder->memory;
+    record_waiting* waiting = recorder->waiting = io_get( memory, sizeof *waiting );
     size_t largest = 0;
     for ( int b = 0; waiting != NULL && b < recorder->body_count; ++b )
     {
@@ -70,9 +70,9 @@ wisp_status record_wait_open( wisp_recorder* recorder, wisp_error* error )
         largest = bytes > largest ? bytes : largest;
     }
     // Triangles are no more bytes than their body.
-    recorder->kept_points = record_get( memory, (size_t)recorder->most_vertices * sizeof( wisp_vec3 ) );
-    recorder->kept_triangles = record_get( memory, largest );
-    float* body = record_get( memory, largest );
+    recorder->kept_points = io_get( memory, (size_t)recorder->most_vertices * sizeof( wisp_vec3 ) );
+    recorder->kept_triangles = io_get( memory, largest );
+    float* body = io_get( memory, largest );
     if ( memory->is_short )
     {
         return record_no_memory( recorder->path, error );
@@ -88,7 +88,7 @@ static bool add_time( wisp_recorder* recorder, double time )
     const size_t count = (size_t)recorder->frame_count;
     if ( count == waiting->capacity )
     {
-        double* larger = record_get( &recorder->memory, ( 2 * count + 256 ) * sizeof *larger );
+        double* larger = io_get( &recorder->memory, ( 2 * count + 256 ) * sizeof *larger );
         if ( larger == NULL )
         {
             return false;

@@ -171,12 +171,12 @@ static wisp_status own_begin( wisp_recorder* recorder, wisp_error* error )
     }
     file->size = size;
     file->frame_bytes = (size_t)frame_bytes( recorder->bodies, recorder->body_count );
-    file->buffer = record_get( &recorder->memory, file->frame_bytes );
-    record_memory memory = { 0 };
-    unsigned char* bytes = record_get( &memory, (size_t)size );
+    file->buffer = io_get( &recorder->memory, file->frame_bytes );
+    io_memory memory = { 0 };
+    unsigned char* bytes = io_get( &memory, (size_t)size );
     if ( file->buffer == NULL || bytes == NULL )
     {
-        record_release( &memory );
+        io_release( &memory );
         return record_no_memory( recorder->path, error );
     }
     memcpy( bytes, magic, MAGIC_SIZE );
@@ -197,7 +197,7 @@ static wisp_status own_begin( wisp_recorder* recorder, wisp_error* error )
     file->seed = checksum( 0, bytes, (size_t)size - CHECKSUM_SIZE );
     io_put_u64( at, file->seed );
     const wisp_status status = write_header( recorder, bytes, (size_t)size, error );
-    record_release( &memory );
+    io_release( &memory );
     return status;
 }
 
@@ -318,7 +318,7 @@ static const unsigned char* take( header_cursor* cursor, uint64_t size, int body
     return cursor->bytes + at;
 }
 
-static wisp_status read_body( header_cursor* cursor, record_memory* memory, int b, wisp_record_body* body )
+static wisp_status read_body( header_cursor* cursor, io_memory* memory, int b, wisp_record_body* body )
 {
     const unsigned char* head = take( cursor, BODY_SIZE, b );
     if ( head == NULL )
@@ -341,8 +341,8 @@ static wisp_status read_body( header_cursor* cursor, record_memory* memory, int 
     {
         return WISP_BAD_INPUT;
     }
-    char* name = record_get( memory, letters + 1 );
-    int32_t* numbers = count > 0 ? record_get( memory, (size_t)count * sizeof *numbers ) : NULL;
+    char* name = io_get( memory, letters + 1 );
+    int32_t* numbers = count > 0 ? io_get( memory, (size_t)count * sizeof *numbers ) : NULL;
     if ( memory->is_short )
     {
         return record_no_memory( cursor->source->name, cursor->error );
@@ -369,7 +369,7 @@ static wisp_status read_bodies( wisp_recording* recording, header_cursor* cursor
                                   count, WISP_RECORD_MAX_BODIES );
     }
     recording->info.body_count = (int)count;
-    recording->bodies = record_get( &recording->memory, count * sizeof *recording->bodies );
+    recording->bodies = io_get( &recording->memory, count * sizeof *recording->bodies );
     wisp_status status =
         recording->bodies != NULL ? WISP_OK : record_no_memory( cursor->source->name, cursor->error );
     for ( int b = 0; status == WISP_OK && b < (int)count; ++b )

@@ -2,6 +2,8 @@
 #include "scene_parts.h"
 #include "scene_ranges.h"
 
+#include "wisp/module/definition.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,7 +20,7 @@ const scene_choice SCENE_DETAIL_LEVELS[] = {
     { 0 },
 };
 
-wisp_status scene_check_surface_detail( scene_reader* r, const scene_node* node, const wisp_scene_surface* s,
+wisp_status scene_check_surface_detail( scene_reader* r, const text_node* node, const wisp_scene_surface* s,
                                         wisp_detail level )
 {
     const bool is_known = s->instance_of < 0; // else the engine finds out
@@ -29,7 +31,7 @@ wisp_status scene_check_surface_detail( scene_reader* r, const scene_node* node,
                                     s->name );
 }
 
-wisp_status scene_check_strands_detail( scene_reader* r, const scene_node* node, const wisp_scene_strands* s,
+wisp_status scene_check_strands_detail( scene_reader* r, const text_node* node, const wisp_scene_strands* s,
                                         wisp_detail level )
 {
     if ( !s->has_dynamics && !s->has_ghosts )
@@ -46,21 +48,12 @@ wisp_status scene_check_strands_detail( scene_reader* r, const scene_node* node,
 
 // Lengths of steps: all `dt`, or `dt` times factors that repeat.
 
-wisp_status scene_read_dt_factors( scene_reader* r, const scene_node* node, void* at )
-{
-    static const scene_field factor = { "factor", SCENE_NUMBER, .range = DT_FACTOR };
-    wisp_scene* scene = at;
-    void* items;
-    wisp_status status =
-        scene_begin_list( r, node, "a list of numbers", WISP_SCENE_MAX_DT_FACTORS, sizeof( float ), &items );
-    if ( !status && node->count == 0 )
-    {
-        return scene_refuse_node( r, node, "got an empty list, expected numbers" );
-    }
-    scene->dt_factors = items;
-    scene->dt_factor_count = node->count;
-    return status ? status : scene_read_numbers( r, node, &factor, items );
-}
+static const scene_field DT_FACTOR_FIELD = { "factor", SCENE_NUMBER, .range = DT_FACTOR };
+static const scene_list DT_FACTORS = { .what = "a list of numbers",
+                                       .size = sizeof( float ),
+                                       .most = WISP_SCENE_MAX_DT_FACTORS,
+                                       .each = &DT_FACTOR_FIELD,
+                                       .empty = "got an empty list, expected numbers" };
 
 float wisp_scene_step_length( const wisp_scene* scene, int step )
 {
@@ -137,26 +130,20 @@ int wisp_scene_own_substeps( const wisp_scene* scene )
 
 // Output: files to write after the last step.
 
-static wisp_status read_strands( scene_reader* r, const scene_node* node, void* base )
+static wisp_status read_strands( scene_reader* r, const text_node* node, void* base )
 {
     wisp_scene_output* output = base;
-    wisp_status status = scene_read_named( r, node, SCENE_STRANDS, &output->strands );
-    if ( !status )
-    {
-        r->scene->strands[output->strands].request_points = true;
-    }
-    return status;
+    WISP_TRY( scene_read_named( r, node, SCENE_STRANDS, &output->strands ) );
+    r->scene->strands[output->strands].request_points = true;
+    return WISP_OK;
 }
 
-static wisp_status read_surface( scene_reader* r, const scene_node* node, void* base )
+static wisp_status read_surface( scene_reader* r, const text_node* node, void* base )
 {
     wisp_scene_output* output = base;
-    wisp_status status = scene_read_named( r, node, SCENE_SURFACE, &output->surface );
-    if ( !status )
-    {
-        r->scene->surfaces[output->surface].request_points = true;
-    }
-    return status;
+    WISP_TRY( scene_read_named( r, node, SCENE_SURFACE, &output->surface ) );
+    r->scene->surfaces[output->surface].request_points = true;
+    return WISP_OK;
 }
 
 static bool ends_in( const char* file, const char* const* extensions )
@@ -174,20 +161,18 @@ static bool ends_in( const char* file, const char* const* extensions )
 }
 
 // `strands` and `surface` stand before `file` in the table, because they decide which formats are possible.
-static wisp_status read_file( scene_reader* r, const scene_node* node, void* base )
+static wisp_status read_file( scene_reader* r, const text_node* node, void* base )
 {
     static const char* const of_strands[] = { ".hair", ".usda", ".obj", NULL };
     static const char* const of_surfaces[] = { ".obj", ".ply", NULL };
     wisp_scene_output* output = base;
     const bool is_surface = output->surface >= 0;
-    wisp_status status = scene_read_text( r, node, &output->file );
-    if ( !status && !ends_in( output->file, is_surface ? of_surfaces : of_strands ) )
-    {
-        return scene_refuse_node( r, node, "got '%s', expected a file that ends in %s",
-                                  scene_shorten( output->file ).text,
-                                  is_surface ? ".obj or .ply" : ".hair, .usda or .obj" );
-    }
-    return status;
+    WISP_TRY( scene_read_text( r, node, &output->file ) );
+    return ends_in( output->file, is_surface ? of_surfaces : of_strands )
+               ? WISP_OK
+               : scene_refuse_node( r, node, "got '%s', expected a file that ends in %s",
+                                    scene_shorten( output->file ).text,
+                                    is_surface ? ".obj or .ply" : ".hair, .usda or .obj" );
 }
 
 static const scene_field OUTPUT_FIELDS[] = {
@@ -202,21 +187,12 @@ static const scene_field OUTPUT_FIELDS[] = {
 };
 const scene_block SCENE_OUTPUT_BLOCK = SCENE_BLOCK_ALONE( OUTPUT_FIELDS );
 
-static wisp_status read_output( scene_reader* r, const scene_node* node, int index, void* context )
+static wisp_status read_output( scene_reader* r, const text_node* node, int index, void* outputs )
 {
-    wisp_scene* scene = context;
-    wisp_scene_output* output = &scene->outputs[index];
-    scene->output_count = index + 1;
+    wisp_scene_output* output = (wisp_scene_output*)outputs + index;
     *output = ( wisp_scene_output ){ .strands = -1, .surface = -1, .line = node->line, .column = node->column };
-    wisp_status status = scene_read_block( r, node, &SCENE_OUTPUT_BLOCK, output );
-    if ( !status && ( output->strands >= 0 ) == ( output->surface >= 0 ) )
-    {
-        return scene_refuse_node( r, node,
-                                  output->strands >= 0
-                                      ? "got both 'strands' and 'surface', expected one of them"
-                                      : "got neither 'strands' nor 'surface', expected one of them" );
-    }
-    return status;
+    WISP_TRY( scene_read_block( r, node, &SCENE_OUTPUT_BLOCK, output ) );
+    return scene_expect_one( r, node, "strands", output->strands >= 0, "surface", output->surface >= 0 );
 }
 
 static int compare_files( const void* a, const void* b )
@@ -226,9 +202,10 @@ static int compare_files( const void* a, const void* b )
     return order ? order : ( *x > *y ) - ( *x < *y );
 }
 
-static wisp_status refuse_equal_files( scene_reader* r )
+static wisp_status refuse_equal_files( scene_reader* r, const text_node* node, void* base )
 {
-    wisp_scene* scene = r->scene;
+    (void)node;
+    wisp_scene* scene = base;
     size_t count = (size_t)scene->output_count;
     const wisp_scene_output** sorted = scene_take( scene, count, sizeof *sorted );
     if ( !sorted )
@@ -252,20 +229,10 @@ static wisp_status refuse_equal_files( scene_reader* r )
     return WISP_OK;
 }
 
-wisp_status scene_read_outputs( scene_reader* r, const scene_node* node, void* base )
-{
-    wisp_scene* scene = base;
-    void* items;
-    wisp_status status =
-        scene_begin_list( r, node, "a list of files to write", SCENE_MAX_NODES, sizeof *scene->outputs, &items );
-    scene->outputs = items;
-    status = status ? status : scene_read_items( r, node, read_output, scene );
-    if ( status || !items )
-    {
-        return status;
-    }
-    return refuse_equal_files( r );
-}
+static const scene_list OUTPUTS = { .what = "a list of files to write",
+                                    .size = sizeof( wisp_scene_output ),
+                                    .read = read_output,
+                                    .finish = refuse_equal_files };
 
 // ---- scene ----
 
@@ -276,17 +243,15 @@ wisp_status scene_read_outputs( scene_reader* r, const scene_node* node, void* b
 
 #include <stddef.h>
 
-static wisp_status read_version( scene_reader* r, const scene_node* node, void* base )
+static wisp_status read_version( scene_reader* r, const text_node* node, void* base )
 {
     (void)base;
     static const scene_field version = { "wisp", SCENE_WHOLE, .range = { 0, 1e9 } };
     int value = 0;
-    wisp_status status = scene_read_whole( r, node, &version, &value );
-    if ( !status && value != WISP_SCENE_VERSION )
-    {
-        return scene_refuse_node( r, node, "got version %d, expected version %d", value, WISP_SCENE_VERSION );
-    }
-    return status;
+    WISP_TRY( scene_read_whole( r, node, &version, &value ) );
+    return value == WISP_SCENE_VERSION
+               ? WISP_OK
+               : scene_refuse_node( r, node, "got version %d, expected version %d", value, WISP_SCENE_VERSION );
 }
 
 // Hair events, events and output name the entries of the lists above them, and what they do must come before the last step.
@@ -296,7 +261,7 @@ static const scene_field SCENE_FIELDS[] = {
     { "wisp", SCENE_CUSTOM, .required = true, .read = read_version, .help = "Version of the format.", .form = "1" },
     { "dt", SCENE_NUMBER, .at = AT( dt ), .range = RANGE( 1e-9, 1e6 ), .unit = SECONDS,
       .help = "Length of a step; the default is 1/60." },
-    { "dt_factors", SCENE_CUSTOM, .read = scene_read_dt_factors,
+    { "dt_factors", SCENE_ENTRIES, .at = AT( dt_factors ), .of = &DT_FACTORS,
       .help = "Factors of `dt` for the steps in turn, over and over, as on a machine that does not keep its pace.",
       .form = "list of 1 to 64 numbers, 0.001 .. 1000", .initial = "none" },
     { "steps", SCENE_WHOLE, .at = AT( steps ), .range = RANGE( 0, 1000000 ), .help = "Number of steps to run." },
@@ -313,39 +278,33 @@ static const scene_field SCENE_FIELDS[] = {
       .help = "Gravity of surfaces and moving strands that have none of their own." },
     { "contact", SCENE_CUSTOM, .read = scene_read_contact, .help = "How contact between all participants is found.",
       .form = "block" },
-    { "strands", SCENE_CUSTOM, .read = scene_read_strands, .bind = scene_bind_strands, .help = "Strands of hair.",
-      .form = "list of blocks", .initial = "none" },
-    { "surfaces", SCENE_CUSTOM, .read = scene_read_surfaces, .bind = scene_bind_to_surfaces,
+    { "strands", SCENE_ENTRIES, .at = AT( strands ), .of = &SCENE_STRANDS_LIST, .bind = scene_bind_strands,
+      .help = "Strands of hair.", .form = "list of blocks", .initial = "none" },
+    { "surfaces", SCENE_ENTRIES, .at = AT( surfaces ), .of = &SCENE_SURFACES_LIST, .bind = scene_bind_to_surfaces,
       .help = "Cloths, balloons and other triangle meshes that move, with 16777216 vertices in all.",
       .form = "list of blocks", .initial = "none" },
-    { "colliders", SCENE_CUSTOM, .read = scene_read_colliders, .help = "Bodies that only move as they are told.",
+    { "colliders", SCENE_ENTRIES, .at = AT( colliders ), .of = &SCENE_COLLIDERS_LIST,
+      .help = "Bodies that only move as they are told.", .form = "list of blocks", .initial = "none" },
+    { "seams", SCENE_ENTRIES, .at = AT( seams ), .of = &SCENE_SEAMS_LIST, .help = "Surfaces that are sewn together.",
       .form = "list of blocks", .initial = "none" },
-    { "seams", SCENE_CUSTOM, .read = scene_read_seams, .help = "Surfaces that are sewn together.",
-      .form = "list of blocks", .initial = "none" },
-    { "hair_events", SCENE_CUSTOM, .read = scene_read_commands,
+    { "hair_events", SCENE_ENTRIES, .at = AT( commands ), .of = &SCENE_COMMANDS_LIST,
       .help = "Points that frozen hair turns towards, before chosen steps.", .form = "list of blocks",
       .initial = "none" },
-    { "events", SCENE_CUSTOM, .read = scene_read_events,
+    { "events", SCENE_ENTRIES, .at = AT( events ), .of = &SCENE_EVENTS_LIST,
       .help = "Changes of surfaces and strands, before chosen steps.", .form = "list of blocks", .initial = "none" },
-    { "output", SCENE_CUSTOM, .read = scene_read_outputs, .help = "Files to write after the last step.",
+    { "output", SCENE_ENTRIES, .at = AT( outputs ), .of = &OUTPUTS, .help = "Files to write after the last step.",
       .form = "list of blocks", .initial = "none" },
 };
 #undef AT
 const scene_block SCENE_BLOCK_OF_ALL = SCENE_BLOCK_ALONE( SCENE_FIELDS );
 
 // Check the version first: a newer scene has keys that would only be called unknown.
-static wisp_status check_version( scene_reader* r, const scene_node* root )
+static wisp_status check_version( scene_reader* r, const text_node* root )
 {
-    for ( const scene_node* child = scene_first( r->tree, root ); child; child = scene_next( r->tree, child ) )
-    {
-        if ( root->kind == SCENE_MAP && strcmp( scene_key_of( r->tree, child ), "wisp" ) == 0 )
-        {
-            size_t outside = scene_enter_key( r, "wisp" );
-            wisp_status status = read_version( r, child, NULL );
-            scene_leave( r, status ? r->path_length : outside );
-            return status;
-        }
-    }
+    const text_node* version = text_find_path( root, "wisp" );
+    const size_t outside = scene_enter_key( r, "wisp" );
+    WISP_TRY( version ? read_version( r, version, NULL ) : WISP_OK );
+    scene_leave( r, outside );
     return WISP_OK;
 }
 
@@ -363,44 +322,35 @@ static void request_by_default( wisp_scene* scene )
     }
 }
 
-static int count_bodies( const scene_reader* r, const scene_node* root )
+static int count_bodies( const text_node* root )
 {
-    const scene_node *colliders = scene_child( r, root, "colliders" ), *surfaces = scene_child( r, root, "surfaces" );
+    const text_node *colliders = text_find_path( root, "colliders" ), *surfaces = text_find_path( root, "surfaces" );
     int count = colliders != NULL ? colliders->count : 0;
-    for ( const scene_node* s = surfaces != NULL ? scene_first( r->tree, surfaces ) : NULL; s != NULL;
-          s = scene_next( r->tree, s ) )
+    for ( const text_node* s = surfaces != NULL ? text_first( surfaces ) : NULL; s != NULL; s = s->next )
     {
-        count += scene_child( r, s, "collider" ) != NULL;
+        count += text_find_path( s, "collider" ) != NULL;
     }
     return count;
 }
 
-static wisp_status read_root( const scene_source* source, const scene_tree* tree, wisp_scene* scene )
+static wisp_status read_root( const scene_source* source, const text_node* root, wisp_scene* scene )
 {
-    scene_reader r = { .source = source, .tree = tree, .scene = scene };
-    size_t length = strlen( source->name );
-    char* name = scene_take( scene, length + 1, 1 );
-    if ( !name )
+    scene_reader r = { .source = source, .scene = scene };
+    scene->name = scene_print( scene, "%s", source->name );
+    if ( !scene->name )
     {
         return scene_no_memory( &r );
     }
-    memcpy( name, source->name, length );
-    scene->name = name;
-
-    const scene_node* root = &tree->nodes[0];
-    if ( root->kind != SCENE_MAP )
+    if ( root->kind != TEXT_MAP )
     {
         return scene_refuse_kind( &r, root, "a mapping with the key 'wisp'" );
     }
-    r.body_count = count_bodies( &r, root );
-    wisp_status status = check_version( &r, root );
-    status = status ? status : scene_read_block( &r, root, &SCENE_BLOCK_OF_ALL, scene );
+    r.body_count = count_bodies( root );
+    WISP_TRY( check_version( &r, root ) );
+    WISP_TRY( scene_read_block( &r, root, &SCENE_BLOCK_OF_ALL, scene ) );
     request_by_default( scene );
-    if ( !status )
-    {
-        scene_find_origin( scene );
-    }
-    return status ? status : scene_make_copies( &r );
+    scene_find_origin( scene );
+    return scene_make_copies( &r );
 }
 
 wisp_scene scene_defaults( void )
@@ -418,23 +368,20 @@ wisp_scene scene_defaults( void )
 
 wisp_status wisp_scene_parse( const char* text, size_t size, const char* name, wisp_scene* out, wisp_error* error )
 {
+    WISP_ASSERT( name != NULL );
     *out = ( wisp_scene ){ 0 };
     const scene_source source = { name, text, size, error };
     wisp_scene scene = scene_defaults();
 
     io_numbers numbers;
-    wisp_status status = io_numbers_begin( &numbers, error );
-    if ( status )
-    {
-        return status;
-    }
-    scene_tree tree;
-    status = scene_tree_build( &source, &tree );
+    WISP_TRY( io_numbers_begin( &numbers, error ) );
+    text_node* root = NULL;
+    wisp_status status = scene_read_tree( &source, &root );
     if ( !status )
     {
-        status = read_root( &source, &tree, &scene );
+        status = read_root( &source, root, &scene );
     }
-    scene_tree_release( &tree );
+    text_release( root );
     io_numbers_end( &numbers );
 
     if ( status )
@@ -451,12 +398,9 @@ wisp_status wisp_scene_read( const char* path, wisp_scene* out, wisp_error* erro
     *out = ( wisp_scene ){ 0 };
     unsigned char* bytes = NULL;
     size_t size = 0;
-    wisp_status status = io_file_read( path, SCENE_MAX_BYTES, &bytes, &size, error );
-    if ( status )
-    {
-        return status;
-    }
-    status = wisp_scene_parse( bytes ? (const char*)bytes : "", size, io_input_name( path ), out, error );
+    WISP_TRY( io_file_read( path, SCENE_MAX_BYTES, &bytes, &size, error ) );
+    const wisp_status status =
+        wisp_scene_parse( bytes ? (const char*)bytes : "", size, io_input_name( path ), out, error );
     free( bytes );
     return status;
 }

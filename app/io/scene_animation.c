@@ -3,9 +3,11 @@
 #include "scene_parts.h"
 #include "scene_ranges.h"
 
+#include "wisp/module/definition.h"
+
 #include <stddef.h>
 
-static wisp_status read_clip_name( scene_reader* r, const scene_node* node, void* at )
+static wisp_status read_clip_name( scene_reader* r, const text_node* node, void* at )
 {
     return scene_read_text( r, node, at );
 }
@@ -30,28 +32,18 @@ wisp_scene_clip scene_default_clip( void )
     return ( wisp_scene_clip ){ .speed = 1.0f, .loop = true };
 }
 
-static wisp_status read_clip( scene_reader* r, const scene_node* node, int index, void* context )
+static wisp_status read_clip( scene_reader* r, const text_node* node, int index, void* clips )
 {
-    wisp_scene_clip* clip = (wisp_scene_clip*)context + index;
+    wisp_scene_clip* clip = (wisp_scene_clip*)clips + index;
     *clip = scene_default_clip();
-    const wisp_status status = scene_read_block( r, node, &SCENE_CLIP_BLOCK, clip );
-    return status || index == 0 ? status : scene_check_rises( r, node, clip[-1].time, clip->time );
+    WISP_TRY( scene_read_block( r, node, &SCENE_CLIP_BLOCK, clip ) );
+    return index == 0 ? WISP_OK : scene_check_rises( r, node, clip[-1].time, clip->time );
 }
 
-static wisp_status read_clips( scene_reader* r, const scene_node* node, void* at )
-{
-    wisp_scene_surface* surface = at;
-    void* items;
-    wisp_status status =
-        scene_begin_list( r, node, "a list of clips", SCENE_MAX_NODES, sizeof( wisp_scene_clip ), &items );
-    if ( !status && !items )
-    {
-        return scene_refuse_node( r, node, "got no clip, expected at least one" );
-    }
-    surface->animation.clips = items;
-    surface->animation.clip_count = status ? 0 : node->count;
-    return status ? status : scene_read_items( r, node, read_clip, items );
-}
+static const scene_list CLIPS = { .what = "a list of clips",
+                                  .size = sizeof( wisp_scene_clip ),
+                                  .read = read_clip,
+                                  .empty = "got no clip, expected at least one" };
 
 static const scene_choice SKINNINGS[] = { { "linear", "mean of where joints take a vertex" },
                                           { "dual_quaternions", "mean of rigid motions, keeps the girth of joints" },
@@ -62,7 +54,8 @@ static const scene_field ANIMATION_FIELDS[] = {
     { "file", SCENE_CUSTOM, .at = AT( file ), .read = scene_read_file, .form = "path",
       .help = "glTF file (`.glb`, `.gltf`) of the clips, or one with morph targets that the vertices follow.",
       .initial = "that of the mesh" },
-    { "clips", SCENE_CUSTOM, .required = true, .read = read_clips, .form = "list of {clip, time, speed}",
+    { "clips", SCENE_ENTRIES, .required = true, .at = AT( clips ), .of = &CLIPS,
+      .form = "list of {clip, time, speed}",
       .help = "Clips, one after the other; one that loops repeats until the next." },
     { "blend", SCENE_NUMBER, .at = AT( blend ), .range = TIME, .unit = SECONDS,
       .help = "From the end of a clip to the beginning of the next." },
@@ -72,9 +65,9 @@ static const scene_field ANIMATION_FIELDS[] = {
 #undef AT
 const scene_block SCENE_ANIMATION_BLOCK = SCENE_BLOCK_ALONE( ANIMATION_FIELDS );
 
-wisp_status scene_check_animation( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+wisp_status scene_check_animation( scene_reader* r, const text_node* node, const wisp_scene_surface* s )
 {
-    const scene_node* own = scene_child( r, node, "animation" );
+    const text_node* own = text_find_path( node, "animation" );
     const wisp_scene_animation* a = &s->animation;
     for ( int i = 0; i + 1 < a->clip_count; ++i )
     {
@@ -84,15 +77,15 @@ wisp_status scene_check_animation( scene_reader* r, const scene_node* node, cons
                                       (double)( a->clips[i + 1].time - a->clips[i].time ), i, (double)a->blend );
         }
     }
-    if ( scene_child( r, node, "attach_pins" ) != NULL )
+    if ( text_find_path( node, "attach_pins" ) != NULL )
     {
         return scene_refuse_node( r, own, "got both 'attach_pins' and 'animation', expected one of them" );
     }
     if ( a->file != NULL && !gltf_is_path( a->file ) )
     {
-        const scene_node* file = scene_child( r, own, "file" );
+        const text_node* file = text_find_path( own, "file" );
         return scene_refuse_node( r, file, "got '%s', expected a glTF file (.glb, .gltf)",
-                                  scene_shorten( scene_text_of( r->tree, file ) ).text );
+                                  scene_shorten( text_value( file ) ).text );
     }
     // vertices of a file may be those of the mesh
     return s->mesh.is_generated && a->file == NULL

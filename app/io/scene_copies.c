@@ -253,301 +253,348 @@ wisp_status wisp_scene_make_curves( const wisp_curves_def* def, const wisp_groom
     return WISP_OK;
 }
 
-// ---- copies ----
+// ---- places ----
 
-enum
+// Copies move places by a step of their grid. A scene far from the origin of the world moves all of its places near it, so that floats
+// keep their digits.
+
+static void move( wisp_vec3* place, const double by[3] )
 {
-    MAX_NAME = 64,
-};
-
-// ---- where a copy is ----
-
-static wisp_vec3 shift_of( const wisp_scene_copies* copies, int k )
-{
-    const int root = (int)ceil( sqrt( copies->count ) );
-    const int columns = copies->columns > 0 ? copies->columns : root;
-    const float column = (float)( k % columns ), row = (float)( k / columns );
-    return ( wisp_vec3 ){ column * copies->spacing.x, row * copies->spacing.y, row * copies->spacing.z };
+    place->x = (float)( (double)place->x + by[0] );
+    place->y = (float)( (double)place->y + by[1] );
+    place->z = (float)( (double)place->z + by[2] );
 }
 
-static wisp_vec3 moved( wisp_vec3 point, wisp_vec3 by )
+// Arrays are memory of the scene.
+static void move_pins( wisp_scene_pins* pins, const double by[3] )
 {
-    return ( wisp_vec3 ){ point.x + by.x, point.y + by.y, point.z + by.z };
-}
-
-// ---- names ----
-
-// @return null without memory
-static const char* name_copy( scene_reader* r, const char* name, int number )
-{
-    char* out = scene_take( r->scene, MAX_NAME + 12, 1 );
-    if ( out )
-    {
-        snprintf( out, MAX_NAME + 12, "%s-%d", name, number );
-    }
-    return out;
-}
-
-static wisp_status check_name( const scene_reader* r, const char* name, int line, int column, const char* list )
-{
-    if ( strlen( name ) > MAX_NAME )
-    {
-        return scene_refuse( r->source, line, column, list, "the name of the copy '%s' has more than %d characters",
-                             name, (int)MAX_NAME );
-    }
-    const scene_name* taken = scene_find_name( r, name );
-    if ( taken )
-    {
-        return scene_refuse( r->source, line, column, list,
-                             "the name of the copy '%s' is taken by the entry in line %d", name, taken->line );
-    }
-    return WISP_OK;
-}
-
-// ---- surfaces ----
-
-static wisp_status move_pins( scene_reader* r, wisp_scene_pins* pins, wisp_vec3 by )
-{
-    wisp_scene_box* boxes = scene_take( r->scene, (size_t)pins->box_count + 1, sizeof *boxes );
-    wisp_vec3* nearest = scene_take( r->scene, (size_t)pins->nearest_count + 1, sizeof *nearest );
-    if ( !boxes || !nearest )
-    {
-        return scene_no_memory( r );
-    }
     for ( int i = 0; i < pins->box_count; ++i )
     {
-        boxes[i] = ( wisp_scene_box ){ moved( pins->boxes[i].lower, by ), moved( pins->boxes[i].upper, by ) };
+        wisp_scene_box* box = (wisp_scene_box*)(uintptr_t)( pins->boxes + i );
+        move( &box->lower, by );
+        move( &box->upper, by );
     }
     for ( int i = 0; i < pins->nearest_count; ++i )
     {
-        nearest[i] = moved( pins->nearest[i], by );
+        move( (wisp_vec3*)(uintptr_t)( pins->nearest + i ), by );
     }
-    pins->boxes = boxes;
-    pins->nearest = nearest;
-    pins->pivot = moved( pins->pivot, by );
-    return WISP_OK;
+    move( &pins->pivot, by );
 }
 
-static wisp_status move_places( scene_reader* r, wisp_scene_surface* s, wisp_vec3 by )
+static void move_path( const wisp_scene_path* path, const double by[3] )
 {
-    wisp_scene_pins* groups = scene_take( r->scene, (size_t)s->pin_group_count + 1, sizeof *groups );
-    wisp_status status = groups ? move_pins( r, &s->pins, by ) : scene_no_memory( r );
-    for ( int i = 0; i < s->pin_group_count && !status; ++i )
+    for ( int i = 0; i < path->count; ++i )
     {
-        groups[i] = s->pin_groups[i];
-        status = move_pins( r, &groups[i], by );
+        move( &( (wisp_scene_pose*)(uintptr_t)( path->poses + i ) )->pose.translation, by );
     }
-    s->pin_groups = groups;
-    s->target_pivot = moved( s->target_pivot, by );
-    s->frame_pivot = moved( s->frame_pivot, by );
-    s->outlet_nearest = moved( s->outlet_nearest, by );
-    return status;
+}
+
+static void move_surface( wisp_scene_surface* s, const double by[3] )
+{
+    move( &s->pose.translation, by );
+    move_pins( &s->pins, by );
+    for ( int g = 0; g < s->pin_group_count; ++g )
+    {
+        move_pins( &s->pin_groups[g], by );
+    }
+    move( &s->target_pivot, by );
+    move( &s->frame_pivot, by );
+    move( &s->outlet_nearest, by );
+}
+
+static void move_collider( wisp_scene_collider* c, const double by[3] )
+{
+    move( &c->def.pose.translation, by );
+    move_path( &c->path, by );
+}
+
+// ---- the origin ----
+
+// A multiple of 8 m: a scene that is moved by such has the bits that it had, if its first body is within 4 m of 0.
+static double origin_near( float place )
+{
+    const double cell = 8.0, home = 16.0; // m
+    return fabs( (double)place ) > home ? cell * rint( (double)place / cell ) : 0.0;
+}
+
+// What is made of another groom is in its place.
+static void move_strands( wisp_scene_strands* s, const double by[3] )
+{
+    if ( !s->is_scattered && !s->is_curves )
+    {
+        move( &s->pose.translation, by );
+    }
+    move( &s->head_pivot, by );
+    move( &s->frame_pivot, by );
+    if ( s->has_cursor )
+    {
+        move( &s->frozen_hair.cursor, by );
+    }
+    move_path( &s->head, by );
+}
+
+// A plane is endless: it keeps its height above the new origin, and its point goes along. One that is moved is a body as others are.
+static void move_plane( wisp_scene_collider* c )
+{
+    wisp_vec3* p = &c->def.pose.translation;
+    if ( c->def.kind == WISP_COLLIDER_PLANE && c->path.count == 0 )
+    {
+        const wisp_vec3 n = wisp_quat_rotate( c->def.pose.rotation, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
+        const double height = (double)n.x * (double)p->x + (double)n.y * (double)p->y + (double)n.z * (double)p->z;
+        *p = ( wisp_vec3 ){ (float)( height * (double)n.x ), (float)( height * (double)n.y ),
+                            (float)( height * (double)n.z ) };
+    }
+}
+
+void scene_find_origin( wisp_scene* scene )
+{
+    const wisp_vec3 none = { 0.0f, 0.0f, 0.0f };
+    const wisp_vec3 first = scene->surface_count > 0   ? scene->surfaces[0].pose.translation
+                            : scene->strands_count > 0 ? scene->strands[0].pose.translation
+                                                       : none;
+    scene->origin[0] = origin_near( first.x );
+    scene->origin[1] = origin_near( first.y );
+    scene->origin[2] = origin_near( first.z );
+    const double by[3] = { -scene->origin[0], -scene->origin[1], -scene->origin[2] };
+    if ( by[0] == 0.0 && by[1] == 0.0 && by[2] == 0.0 )
+    {
+        return;
+    }
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        move_surface( &scene->surfaces[i], by );
+        if ( scene->surfaces[i].boundary.eye_angle > 0.0f )
+        {
+            move( &scene->surfaces[i].boundary.eye, by );
+        }
+    }
+    for ( int i = 0; i < scene->strands_count; ++i )
+    {
+        move_strands( &scene->strands[i], by );
+    }
+    for ( int i = 0; i < scene->collider_count; ++i )
+    {
+        move_collider( &scene->colliders[i], by );
+        move_plane( &scene->colliders[i] );
+    }
+    for ( int i = 0; i < scene->command_count; ++i )
+    {
+        move( &scene->commands[i].cursor, by );
+    }
+}
+
+// ---- copies ----
+
+// A list of entries that can be copied.
+typedef struct copied
+{
+    const char* list; // its key
+    size_t at;        // of the entries in a scene; their count is behind it
+    size_t size;      // of an entry, which begins as scene_entry does
+    size_t copies;    // of its wisp_scene_copies
+    /// @param sum of entries so far, with copies @param vertices of them so far
+    wisp_status ( *check )( scene_reader* r, int index, int64_t sum, int64_t* vertices );
+    /// Make a copy of what the entry is now, somewhere else.
+    wisp_status ( *make )( scene_reader* r, int source, const double by[3], void* out );
+} copied;
+
+// An array of its own for a copy. @param at the pointer to the array @return false without memory
+static bool make_own( scene_reader* r, void* at, int count, size_t size )
+{
+    const void* from;
+    memcpy( &from, at, sizeof from );
+    void* own = count > 0 ? scene_take( r->scene, (size_t)count, size ) : NULL;
+    if ( own )
+    {
+        memcpy( own, from, (size_t)count * size );
+        memcpy( at, &own, sizeof own );
+    }
+    return own || count == 0;
+}
+
+static bool make_own_pins( scene_reader* r, wisp_scene_pins* pins )
+{
+    return make_own( r, &pins->boxes, pins->box_count, sizeof *pins->boxes ) &&
+           make_own( r, &pins->nearest, pins->nearest_count, sizeof *pins->nearest );
+}
+
+static wisp_status check_surface( scene_reader* r, int index, int64_t sum, int64_t* vertices )
+{
+    const wisp_scene_surface* s = &r->scene->surfaces[index];
+    *vertices += s->copies.count * scene_surface_vertices( r->scene, index );
+    return sum <= WISP_SCENE_MAX_SURFACES && *vertices <= WISP_SCENE_MAX_VERTICES
+               ? WISP_OK
+               : scene_refuse( r->source, s->line, s->column, "surfaces",
+                               "got %lld surfaces of %lld vertices with this one's copies, expected at most %d of %d",
+                               (long long)sum, (long long)*vertices, WISP_SCENE_MAX_SURFACES,
+                               WISP_SCENE_MAX_VERTICES );
 }
 
 // A copy is an instance: it shares the fabric of the entry, or of the one that this shares.
-static wisp_status copy_surface( scene_reader* r, int source, int k, wisp_scene_surface* out )
+static wisp_status make_surface( scene_reader* r, int source, const double by[3], void* out )
 {
-    const wisp_scene_surface* from = &r->scene->surfaces[source];
-    const wisp_scene_surface none = scene_default_surface( r->scene->gravity );
-    const wisp_vec3 by = shift_of( &from->copies, k );
-    *out = *from;
-    out->name = name_copy( r, from->name, k + 1 );
-    if ( !out->name )
+    wisp_scene_surface* s = out;
+    s->mesh = scene_default_surface( r->scene->gravity ).mesh;
+    s->instance_of = s->instance_of >= 0 ? s->instance_of : source;
+    bool has_all =
+        make_own( r, &s->pin_groups, s->pin_group_count, sizeof *s->pin_groups ) && make_own_pins( r, &s->pins );
+    for ( int i = 0; i < s->pin_group_count && has_all; ++i )
+    {
+        has_all = make_own_pins( r, &s->pin_groups[i] );
+    }
+    if ( !has_all )
     {
         return scene_no_memory( r );
     }
-    out->mesh = none.mesh;
-    out->instance_of = from->instance_of >= 0 ? from->instance_of : source;
-    out->pose.translation = moved( from->pose.translation, by );
-    const wisp_status status = move_places( r, out, by );
-    return status ? status : check_name( r, out->name, out->line, out->column, "surfaces" );
-}
-
-static wisp_status copy_surfaces( scene_reader* r )
-{
-    wisp_scene* scene = r->scene;
-    int64_t sum = 0, vertices = 0;
-    int count = 0;
-    for ( int i = 0; i < scene->surface_count; ++i )
-    {
-        const wisp_scene_surface* s = &scene->surfaces[i];
-        const wisp_scene_mesh* mesh = &scene->surfaces[s->instance_of >= 0 ? s->instance_of : i].mesh;
-        sum += s->copies.count;
-        vertices += mesh->is_generated ? s->copies.count * scene_generator_vertices( &mesh->generator ) : 0;
-        if ( sum > WISP_SCENE_MAX_SURFACES || vertices > WISP_SCENE_MAX_VERTICES )
-        {
-            return scene_refuse( r->source, s->line, s->column, "surfaces",
-                                 "got %lld surfaces of %lld vertices with this one's copies, expected at most %d "
-                                 "of %d",
-                                 (long long)sum, (long long)vertices, WISP_SCENE_MAX_SURFACES,
-                                 WISP_SCENE_MAX_VERTICES );
-        }
-    }
-    if ( sum == scene->surface_count )
-    {
-        return WISP_OK;
-    }
-    wisp_scene_surface* all = scene_take( scene, (size_t)sum, sizeof *all );
-    if ( !all )
-    {
-        return scene_no_memory( r );
-    }
-    memcpy( all, scene->surfaces, (size_t)scene->surface_count * sizeof *all );
-    count = scene->surface_count;
-    for ( int i = 0; i < scene->surface_count; ++i )
-    {
-        for ( int k = 1; k < all[i].copies.count; ++k )
-        {
-            const wisp_status status = copy_surface( r, i, k, &all[count++] );
-            if ( status )
-            {
-                return status;
-            }
-        }
-    }
-    scene->surfaces = all;
-    scene->surface_count = count;
+    move_surface( s, by );
     return WISP_OK;
 }
 
-// ---- strands ----
-
-static wisp_status check_strands( const scene_reader* r, const wisp_scene_strands* s )
+static wisp_status check_strands( scene_reader* r, int index, int64_t sum, int64_t* vertices )
 {
+    const wisp_scene_strands* s = &r->scene->strands[index];
     const char* other = s->is_scattered      ? "scatter"
                         : s->is_curves       ? "curves"
                         : s->has_ghosts      ? "ghosts"
                         : s->has_head        ? "head"
                         : s->on_surface >= 0 ? "on_surface"
                                              : NULL;
-    return other && s->copies.count > 1
-               ? scene_refuse( r->source, s->line, s->column, "strands", "'copies' is not possible with '%s'", other )
-               : WISP_OK;
+    *vertices = s->is_generated ? s->copies.count * scene_made_vertices( s ) : 0;
+    if ( other && s->copies.count > 1 )
+    {
+        return scene_refuse( r->source, s->line, s->column, "strands", "'copies' is not possible with '%s'", other );
+    }
+    return sum <= WISP_SCENE_MAX_STRANDS && *vertices <= WISP_GROOM_MAX_GENERATED
+               ? WISP_OK
+               : scene_refuse( r->source, s->line, s->column, "strands",
+                               "got %lld entries with copies, and %lld vertices of this one, expected at most %d and "
+                               "%d",
+                               (long long)sum, (long long)*vertices, WISP_SCENE_MAX_STRANDS,
+                               WISP_GROOM_MAX_GENERATED );
 }
 
-static wisp_status copy_entry( scene_reader* r, const wisp_scene_strands* from, int k, wisp_scene_strands* out )
+static wisp_status make_strands( scene_reader* r, int source, const double by[3], void* out )
 {
-    *out = *from;
-    out->name = name_copy( r, from->name, k + 1 );
-    if ( !out->name )
+    (void)r;
+    (void)source;
+    move( &( (wisp_scene_strands*)out )->pose.translation, by );
+    return WISP_OK;
+}
+
+static wisp_status check_collider( scene_reader* r, int index, int64_t sum, int64_t* vertices )
+{
+    (void)vertices;
+    const wisp_scene_collider* c = &r->scene->colliders[index];
+    return sum <= WISP_SCENE_MAX_COLLIDERS
+               ? WISP_OK
+               : scene_refuse( r->source, c->line, c->column, "colliders",
+                               "got %lld entries with this one's copies, expected at most %d", (long long)sum,
+                               WISP_SCENE_MAX_COLLIDERS );
+}
+
+static wisp_status make_collider( scene_reader* r, int source, const double by[3], void* out )
+{
+    (void)source;
+    wisp_scene_collider* c = out;
+    const bool has_all = make_own( r, &c->path.poses, c->path.count, sizeof *c->path.poses );
+    if ( has_all )
+    {
+        move_collider( c, by );
+    }
+    return has_all ? WISP_OK : scene_no_memory( r );
+}
+
+#define COPIED( member, entry, check, make )                                                                         \
+    {                                                                                                                \
+#member, offsetof( wisp_scene, member ), sizeof( entry ), offsetof( entry, copies ), check, make             \
+    }
+static const copied KINDS[] = {
+    COPIED( surfaces, wisp_scene_surface, check_surface, make_surface ),
+    COPIED( strands, wisp_scene_strands, check_strands, make_strands ),
+    COPIED( colliders, wisp_scene_collider, check_collider, make_collider ),
+};
+
+static wisp_status name_copy( scene_reader* r, const copied* kind, int number, void* out )
+{
+    scene_entry entry;
+    memcpy( &entry, out, sizeof entry );
+    entry.name = scene_print( r->scene, "%s-%d", entry.name, number );
+    memcpy( out, &entry, sizeof entry );
+    if ( !entry.name )
     {
         return scene_no_memory( r );
     }
-    out->pose.translation = moved( from->pose.translation, shift_of( &from->copies, k ) );
-    return check_name( r, out->name, out->line, out->column, "strands" );
+    if ( strlen( entry.name ) > WISP_SCENE_MAX_NAME )
+    {
+        return scene_refuse( r->source, entry.line, entry.column, kind->list,
+                             "the name of the copy '%s' has more than %d characters", entry.name,
+                             WISP_SCENE_MAX_NAME );
+    }
+    const scene_name* taken = scene_find_name( r, entry.name );
+    return taken
+               ? scene_refuse( r->source, entry.line, entry.column, kind->list,
+                               "the name of the copy '%s' is taken by the entry in line %d", entry.name, taken->line )
+               : WISP_OK;
 }
 
-static wisp_status copy_strands( scene_reader* r )
+// Number k stands in row k / columns and column k % columns.
+static wisp_status make_copy( scene_reader* r, const copied* kind, const wisp_scene_copies* copies, int source, int k,
+                              void* out )
 {
-    wisp_scene* scene = r->scene;
-    int64_t sum = 0;
+    const int columns = copies->columns > 0 ? copies->columns : (int)ceil( sqrt( copies->count ) );
+    const float column = (float)( k % columns ), row = (float)( k / columns );
+    const wisp_vec3 step = copies->spacing;
+    const double by[3] = { (double)( column * step.x ), (double)( row * step.y ), (double)( row * step.z ) };
+    WISP_TRY( kind->make( r, source, by, out ) );
+    return name_copy( r, kind, k + 1, out );
+}
+
+static wisp_status copy_list( scene_reader* r, const copied* kind )
+{
+    char* const place = (char*)r->scene + kind->at;
+    char *from, *all = NULL;
     int count = 0;
-    for ( int i = 0; i < scene->strands_count; ++i )
+    int64_t sum = 0, vertices = 0;
+    memcpy( &from, place, sizeof from );
+    memcpy( &count, place + sizeof from, sizeof count );
+    for ( int i = 0; i < count; ++i )
     {
-        const wisp_scene_strands* s = &scene->strands[i];
-        const wisp_status status = check_strands( r, s );
-        const int64_t vertices = s->is_generated ? s->copies.count * scene_made_vertices( s ) : 0;
-        sum += s->copies.count;
-        if ( status )
-        {
-            return status;
-        }
-        if ( sum > WISP_SCENE_MAX_STRANDS || vertices > WISP_GROOM_MAX_GENERATED )
-        {
-            return scene_refuse( r->source, s->line, s->column, "strands",
-                                 "got %lld entries with copies, and %lld vertices of this one, expected at most %d "
-                                 "and %d",
-                                 (long long)sum, (long long)vertices, WISP_SCENE_MAX_STRANDS,
-                                 WISP_GROOM_MAX_GENERATED );
-        }
+        sum += ( (const wisp_scene_copies*)(const void*)( from + (size_t)i * kind->size + kind->copies ) )->count;
+        WISP_TRY( kind->check( r, i, sum, &vertices ) );
     }
-    if ( sum == scene->strands_count )
+    if ( sum == count )
     {
         return WISP_OK;
     }
-    wisp_scene_strands* all = scene_take( scene, (size_t)sum, sizeof *all );
+    all = scene_take( r->scene, (size_t)sum, kind->size );
     if ( !all )
     {
         return scene_no_memory( r );
     }
-    memcpy( all, scene->strands, (size_t)scene->strands_count * sizeof *all );
-    count = scene->strands_count;
-    for ( int i = 0; i < scene->strands_count; ++i )
-    {
-        for ( int k = 1; k < all[i].copies.count; ++k )
-        {
-            const wisp_status status = copy_entry( r, &all[i], k, &all[count++] );
-            if ( status )
-            {
-                return status;
-            }
-        }
-    }
-    scene->strands = all;
-    scene->strands_count = count;
-    return WISP_OK;
-}
-
-// ---- colliders ----
-
-static wisp_status copy_collider( scene_reader* r, const wisp_scene_collider* from, int k, wisp_scene_collider* out )
-{
-    const wisp_vec3 by = shift_of( &from->copies, k );
-    *out = *from;
-    out->name = name_copy( r, from->name, k + 1 );
-    wisp_scene_pose* poses = scene_take( r->scene, (size_t)from->path.count + 1, sizeof *poses );
-    if ( !out->name || !poses )
-    {
-        return scene_no_memory( r );
-    }
-    for ( int i = 0; i < from->path.count; ++i )
-    {
-        poses[i] = from->path.poses[i];
-        poses[i].pose.translation = moved( poses[i].pose.translation, by );
-    }
-    out->path.poses = poses;
-    out->def.pose.translation = moved( from->def.pose.translation, by );
-    return check_name( r, out->name, out->line, out->column, "colliders" );
-}
-
-static wisp_status copy_colliders( scene_reader* r )
-{
-    wisp_scene* scene = r->scene;
-    int64_t sum = 0;
-    int count = scene->collider_count;
+    memcpy( all, from, (size_t)count * kind->size );
+    char* out = all + (size_t)count * kind->size;
     for ( int i = 0; i < count; ++i )
     {
-        const wisp_scene_collider* c = &scene->colliders[i];
-        sum += c->copies.count;
-        if ( sum > WISP_SCENE_MAX_COLLIDERS )
+        const char* entry = all + (size_t)i * kind->size;
+        wisp_scene_copies copies;
+        memcpy( &copies, entry + kind->copies, sizeof copies );
+        for ( int k = 1; k < copies.count; ++k, out += kind->size )
         {
-            return scene_refuse( r->source, c->line, c->column, "colliders",
-                                 "got %lld entries with this one's copies, expected at most %d", (long long)sum,
-                                 WISP_SCENE_MAX_COLLIDERS );
+            memcpy( out, entry, kind->size );
+            WISP_TRY( make_copy( r, kind, &copies, i, k, out ) );
         }
     }
-    wisp_scene_collider* all = sum > count ? scene_take( scene, (size_t)sum, sizeof *all ) : scene->colliders;
-    if ( !all || sum == count )
-    {
-        return all || sum == count ? WISP_OK : scene_no_memory( r );
-    }
-    memcpy( all, scene->colliders, (size_t)count * sizeof *all );
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < scene->collider_count; ++i )
-    {
-        for ( int k = 1; k < all[i].copies.count && !status; ++k )
-        {
-            status = copy_collider( r, &all[i], k, &all[count++] );
-        }
-    }
-    scene->colliders = all;
-    scene->collider_count = status ? scene->collider_count : count;
-    return status;
+    count = (int)sum;
+    memcpy( place, &all, sizeof all );
+    memcpy( place + sizeof all, &count, sizeof count );
+    return WISP_OK;
 }
 
 wisp_status scene_make_copies( scene_reader* r )
 {
-    wisp_status status = copy_surfaces( r );
-    status = status ? status : copy_strands( r );
-    return status ? status : copy_colliders( r );
+    for ( int i = 0; i < WISP_COUNT( KINDS ); ++i )
+    {
+        WISP_TRY( copy_list( r, &KINDS[i] ) );
+    }
+    return WISP_OK;
 }

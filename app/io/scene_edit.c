@@ -22,57 +22,12 @@ typedef struct patch
 typedef struct editor
 {
     scene_source source;
-    scene_tree tree;
-    size_t* lines; // [line_count] where each begins
-    int line_count;
+    text_node* root;
     patch* patches; // [patch_count]
     int patch_count;
 } editor;
 
 // ---- places ----
-
-static wisp_status index_lines( editor* e )
-{
-    const scene_source* s = &e->source;
-    int count = 1;
-    for ( size_t i = 0; i < s->size; ++i )
-    {
-        count += s->text[i] == '\n';
-    }
-    e->lines = malloc( (size_t)count * sizeof *e->lines );
-    if ( !e->lines )
-    {
-        return wisp_fail( s->error, WISP_NO_MEMORY, "%s: out of memory for the scene", s->name );
-    }
-    e->lines[e->line_count++] = 0;
-    for ( size_t i = 0; i < s->size; ++i )
-    {
-        if ( s->text[i] == '\n' )
-        {
-            e->lines[e->line_count++] = i + 1;
-        }
-    }
-    return WISP_OK;
-}
-
-// Columns count characters. @return the size of the text for a place that is not there
-static size_t place_of( const editor* e, int line, int column )
-{
-    const scene_source* s = &e->source;
-    if ( line < 1 || line > e->line_count )
-    {
-        return s->size;
-    }
-    size_t at = e->lines[line - 1];
-    for ( int c = 1; c < column && at < s->size; ++c )
-    {
-        do
-        {
-            ++at;
-        } while ( at < s->size && ( (unsigned char)s->text[at] & 0xc0u ) == 0x80u );
-    }
-    return at;
-}
 
 static bool stands_at( const editor* e, size_t at, const char* text )
 {
@@ -85,38 +40,38 @@ static char letter( const editor* e, size_t at )
     return at < e->source.size ? e->source.text[at] : '\0';
 }
 
-// Behind the line's end; the size of the text for the last line.
-static size_t next_line( const editor* e, int line )
+static size_t line_start( const editor* e, size_t at )
 {
-    return line < e->line_count ? e->lines[line] : e->source.size;
+    while ( at > 0 && e->source.text[at - 1] != '\n' )
+    {
+        --at;
+    }
+    return at;
+}
+
+// Behind the line's end; the size of the text for the last line.
+static size_t next_line( const editor* e, size_t at )
+{
+    const char* end = memchr( e->source.text + at, '\n', e->source.size - at );
+    return end ? (size_t)( end + 1 - e->source.text ) : e->source.size;
 }
 
 // ---- nodes ----
 
-static const scene_node* find_child( const editor* e, const scene_node* node, const char* key )
+static const text_node* find_map( const editor* e, const wisp_scene_edit* edit )
 {
-    const scene_node* child = node && node->kind == SCENE_MAP ? scene_first( &e->tree, node ) : NULL;
-    while ( child && strcmp( scene_key_of( &e->tree, child ), key ) != 0 )
-    {
-        child = scene_next( &e->tree, child );
-    }
-    return child;
-}
-
-static const scene_node* find_map( const editor* e, const wisp_scene_edit* edit )
-{
-    const scene_node* node = &e->tree.nodes[0];
+    const text_node* node = e->root;
     if ( edit->list )
     {
-        node = find_child( e, node, edit->list );
-        node = node && node->kind == SCENE_LIST ? scene_first( &e->tree, node ) : NULL;
+        node = text_find_path( node, edit->list );
+        node = node && node->kind == TEXT_LIST ? text_first( node ) : NULL;
         for ( int i = 0; node && i < edit->index; ++i )
         {
-            node = scene_next( &e->tree, node );
+            node = node->next;
         }
     }
-    node = node && edit->block ? find_child( e, node, edit->block ) : node;
-    return node && node->kind == SCENE_MAP ? node : NULL;
+    node = node && edit->block ? text_find_path( node, edit->block ) : node;
+    return node && node->kind == TEXT_MAP ? node : NULL;
 }
 
 static bool takes_out( const wisp_scene_edit* edit )
@@ -124,7 +79,7 @@ static bool takes_out( const wisp_scene_edit* edit )
     return edit->value[0] == '\0';
 }
 
-static wisp_status refuse_edit( const editor* e, const scene_node* node, const wisp_scene_edit* edit )
+static wisp_status refuse_edit( const editor* e, const text_node* node, const wisp_scene_edit* edit )
 {
     const int line = node ? node->line : 0, column = node ? node->column : 0;
     if ( takes_out( edit ) )
@@ -139,10 +94,10 @@ static wisp_status refuse_edit( const editor* e, const scene_node* node, const w
 // ---- patches ----
 
 // A value whose bytes are those that were read.
-static bool is_as_written( const editor* e, const scene_node* node )
+static bool is_as_written( const editor* e, const text_node* node )
 {
-    const char* text = node->kind == SCENE_SCALAR ? scene_text_of( &e->tree, node ) : "";
-    return node->plain && text[0] && stands_at( e, place_of( e, node->line, node->column ), text );
+    const char* text = text_value( node );
+    return node->plain && text[0] && stands_at( e, node->at, text );
 }
 
 // @param text one line at most, with its indentation
@@ -154,13 +109,13 @@ static void add_patch( editor* e, size_t at, size_t removed, const char* text )
     ++e->patch_count;
 }
 
-static wisp_status replace_value( editor* e, const scene_node* node, const wisp_scene_edit* edit )
+static wisp_status replace_value( editor* e, const text_node* node, const wisp_scene_edit* edit )
 {
     if ( !is_as_written( e, node ) )
     {
         return refuse_edit( e, node, edit );
     }
-    add_patch( e, place_of( e, node->line, node->column ), strlen( scene_text_of( &e->tree, node ) ), edit->value );
+    add_patch( e, node->at, strlen( text_value( node ) ), edit->value );
     return WISP_OK;
 }
 
@@ -183,10 +138,10 @@ static void go_on_behind( editor* e, size_t at )
 }
 
 // Behind the brace. A file whose root has braces is taken for JSON, whose keys are quoted.
-static void add_to_braces( editor* e, const scene_node* map, size_t at, const wisp_scene_edit* edit )
+static void add_to_braces( editor* e, const text_node* map, size_t at, const wisp_scene_edit* edit )
 {
-    const scene_node* root = &e->tree.nodes[0];
-    const char* quote = letter( e, place_of( e, root->line, root->column ) ) == '{' ? "\"" : "";
+    const text_node* root = e->root;
+    const char* quote = letter( e, root->at ) == '{' ? "\"" : "";
     const char next = letter( e, at + 1 );
     const bool is_apart = next == ' ' || next == '\n' || next == '\r' || next == '\t';
     char text[120];
@@ -197,9 +152,9 @@ static void add_to_braces( editor* e, const scene_node* map, size_t at, const wi
 }
 
 // The first key whose value ends where its line does: a new line fits behind it.
-static const scene_node* find_one_line( const editor* e, const scene_node* map )
+static const text_node* find_one_line( const editor* e, const text_node* map )
 {
-    for ( const scene_node* child = scene_first( &e->tree, map ); child; child = scene_next( &e->tree, child ) )
+    for ( const text_node* child = text_first( map ); child; child = child->next )
     {
         if ( child->line == child->key_line && is_as_written( e, child ) )
         {
@@ -219,13 +174,13 @@ static bool is_blank( const editor* e, size_t begin, size_t end )
 }
 
 // The first key that has its line for itself: a new line fits before it.
-static const scene_node* find_own_line( const editor* e, const scene_node* map )
+static const text_node* find_own_line( const editor* e, const text_node* map )
 {
-    for ( const scene_node* child = scene_first( &e->tree, map ); child; child = scene_next( &e->tree, child ) )
+    for ( const text_node* child = text_first( map ); child; child = child->next )
     {
-        const size_t start = place_of( e, child->key_line, 1 );
-        const size_t key = place_of( e, child->key_line, child->key_column );
-        if ( stands_at( e, key, scene_key_of( &e->tree, child ) ) && is_blank( e, start, key ) )
+        const size_t start = line_start( e, child->key_at );
+        const size_t key = child->key_at;
+        if ( stands_at( e, key, child->key ) && is_blank( e, start, key ) )
         {
             return child;
         }
@@ -233,16 +188,16 @@ static const scene_node* find_own_line( const editor* e, const scene_node* map )
     return NULL;
 }
 
-static wisp_status add_line( editor* e, const scene_node* map, const wisp_scene_edit* edit )
+static wisp_status add_line( editor* e, const text_node* map, const wisp_scene_edit* edit )
 {
-    const scene_node* before = find_one_line( e, map );
-    const scene_node* behind = before ? NULL : find_own_line( e, map );
-    const scene_node* near = before ? before : behind;
+    const text_node* before = find_one_line( e, map );
+    const text_node* behind = before ? NULL : find_own_line( e, map );
+    const text_node* near = before ? before : behind;
     if ( !near || near->key_column > 60 )
     {
         return refuse_edit( e, map, edit );
     }
-    const size_t end = next_line( e, near->key_line );
+    const size_t end = next_line( e, near->key_at );
     const bool has_return = end > 1 && e->source.text[end - 2] == '\r' && e->source.text[end - 1] == '\n';
     // The last line of a file may have no end of its own.
     const bool is_open = before && end > 0 && e->source.text[end - 1] != '\n';
@@ -250,7 +205,7 @@ static wisp_status add_line( editor* e, const scene_node* map, const wisp_scene_
     char text[120];
     snprintf( text, sizeof text, "%s%*s%s: %s%s", is_open ? line_end : "", near->key_column - 1, "", edit->key,
               edit->value, is_open ? "" : line_end );
-    add_patch( e, before ? end : place_of( e, near->key_line, 1 ), 0, text );
+    add_patch( e, before ? end : line_start( e, near->key_at ), 0, text );
     return WISP_OK;
 }
 
@@ -265,20 +220,11 @@ static size_t skip( const editor* e, size_t at, const char* letters )
     return at;
 }
 
-static size_t line_start( const editor* e, size_t at )
-{
-    while ( at > 0 && e->source.text[at - 1] != '\n' )
-    {
-        --at;
-    }
-    return at;
-}
-
 // From the key to the end of its value, on one line. @return false: something else is in between
-static bool find_pair( const editor* e, const scene_node* node, size_t* begin, size_t* end )
+static bool find_pair( const editor* e, const text_node* node, size_t* begin, size_t* end )
 {
-    const char* key = scene_key_of( &e->tree, node );
-    size_t at = *begin = place_of( e, node->key_line, node->key_column );
+    const char* key = node->key;
+    size_t at = *begin = node->key_at;
     const bool is_quoted = letter( e, at ) == '"' || letter( e, at ) == '\'';
     at += is_quoted;
     if ( !stands_at( e, at, key ) )
@@ -288,8 +234,8 @@ static bool find_pair( const editor* e, const scene_node* node, size_t* begin, s
     at = skip( e, at + strlen( key ) + is_quoted, " \t" );
     const bool has_colon = letter( e, at ) == ':';
     at = skip( e, at + has_colon, " \t" );
-    *end = at + strlen( scene_text_of( &e->tree, node ) );
-    return has_colon && is_as_written( e, node ) && at == place_of( e, node->line, node->column );
+    *end = at + strlen( text_value( node ) );
+    return has_colon && is_as_written( e, node ) && at == node->at;
 }
 
 // What was alone on its line goes with it; a comment stays where it is, and the key's place becomes its own.
@@ -343,14 +289,14 @@ static bool take_out_of_braces( editor* e, size_t begin, size_t end )
     return true;
 }
 
-static wisp_status take_out( editor* e, const scene_node* map, const scene_node* node, const wisp_scene_edit* edit )
+static wisp_status take_out( editor* e, const text_node* map, const text_node* node, const wisp_scene_edit* edit )
 {
     size_t begin, end;
     if ( !find_pair( e, node, &begin, &end ) )
     {
         return refuse_edit( e, node, edit );
     }
-    if ( letter( e, place_of( e, map->line, map->column ) ) == '{' )
+    if ( letter( e, map->at ) == '{' )
     {
         return take_out_of_braces( e, begin, end ) ? WISP_OK : refuse_edit( e, node, edit );
     }
@@ -360,12 +306,12 @@ static wisp_status take_out( editor* e, const scene_node* map, const scene_node*
 
 static wisp_status add_edit( editor* e, const wisp_scene_edit* edit )
 {
-    const scene_node* map = find_map( e, edit );
+    const text_node* map = find_map( e, edit );
     if ( !map )
     {
         return refuse_edit( e, NULL, edit );
     }
-    const scene_node* node = find_child( e, map, edit->key );
+    const text_node* node = text_find_path( map, edit->key );
     if ( takes_out( edit ) )
     {
         return node ? take_out( e, map, node, edit ) : WISP_OK;
@@ -374,7 +320,7 @@ static wisp_status add_edit( editor* e, const wisp_scene_edit* edit )
     {
         return replace_value( e, node, edit );
     }
-    const size_t at = place_of( e, map->line, map->column );
+    const size_t at = map->at;
     if ( letter( e, at ) == '{' )
     {
         add_to_braces( e, map, at, edit );
@@ -440,9 +386,8 @@ static wisp_status edit_text( const scene_source* source, const wisp_scene_edit*
     editor e = { .source = *source };
     e.patches = malloc( ( (size_t)count + 1 ) * sizeof *e.patches );
     wisp_status status = e.patches
-                             ? index_lines( &e )
+                             ? scene_read_tree( source, &e.root )
                              : wisp_fail( source->error, WISP_NO_MEMORY, "out of memory for %d changes", count );
-    status = status == WISP_OK ? scene_tree_build( source, &e.tree ) : status;
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {
         status = add_edit( &e, &edits[i] );
@@ -453,8 +398,7 @@ static wisp_status edit_text( const scene_source* source, const wisp_scene_edit*
         status = check_apart( &e );
     }
     status = status == WISP_OK ? apply( &e, out, out_size ) : status;
-    scene_tree_release( &e.tree );
-    free( e.lines );
+    text_release( e.root );
     free( e.patches );
     return status;
 }

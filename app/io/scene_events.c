@@ -2,16 +2,18 @@
 #include "scene_parts.h"
 #include "scene_ranges.h"
 
+#include "wisp/module/definition.h"
+
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
-static wisp_status read_surface_name( scene_reader* r, const scene_node* node, void* at )
+static wisp_status read_surface_name( scene_reader* r, const text_node* node, void* at )
 {
     return scene_read_named( r, node, SCENE_SURFACE, at );
 }
 
-static wisp_status read_strands_name( scene_reader* r, const scene_node* node, void* at )
+static wisp_status read_strands_name( scene_reader* r, const text_node* node, void* at )
 {
     return scene_read_named( r, node, SCENE_STRANDS, at );
 }
@@ -78,14 +80,9 @@ static const scene_field EVENT_FIELDS[] = {
 #undef AT
 const scene_block SCENE_EVENT_BLOCK = SCENE_BLOCK_ALONE( EVENT_FIELDS );
 
-static wisp_status find_step( scene_reader* r, const scene_node* node, scene_event* read )
+static wisp_status find_step( scene_reader* r, const text_node* node, scene_event* read )
 {
-    if ( read->has_step == read->has_time )
-    {
-        return scene_refuse_node( r, node,
-                                  read->has_step ? "got both 'step' and 'time', expected one of them"
-                                                 : "got neither 'step' nor 'time', expected one of them" );
-    }
+    WISP_TRY( scene_expect_one( r, node, "step", read->has_step, "time", read->has_time ) );
     double step = read->has_step ? (double)read->event.step : wisp_scene_step_at( r->scene, read->time );
     if ( !( step < (double)r->scene->steps ) )
     {
@@ -108,7 +105,7 @@ static int pin_changes( const wisp_scene_event* e )
 }
 
 // The group that an event names; it changes nothing but pins then.
-static wisp_status find_group( scene_reader* r, const scene_node* node, scene_event* read )
+static wisp_status find_group( scene_reader* r, const text_node* node, scene_event* read )
 {
     wisp_scene_event* e = &read->event;
     const wisp_scene_surface* s = read->pin_group && e->surface >= 0 ? &r->scene->surfaces[e->surface] : NULL;
@@ -118,7 +115,7 @@ static wisp_status find_group( scene_reader* r, const scene_node* node, scene_ev
     }
     if ( read->pin_group && e->pin_group < 0 )
     {
-        return scene_refuse_node( r, scene_child( r, node, "pin_group" ), "got '%s', which is no group of pins of %s",
+        return scene_refuse_node( r, text_find_path( node, "pin_group" ), "got '%s', which is no group of pins of %s",
                                   scene_shorten( read->pin_group ).text, s ? s->name : "a surface" );
     }
     if ( e->pin_group >= 0 && ( pin_changes( e ) == 0 || e->has_wind || e->has_detail || changes_motion( e ) ) )
@@ -130,7 +127,7 @@ static wisp_status find_group( scene_reader* r, const scene_node* node, scene_ev
     return WISP_OK;
 }
 
-static wisp_status check_gust( scene_reader* r, const scene_node* node, const scene_event* read )
+static wisp_status check_gust( scene_reader* r, const text_node* node, const scene_event* read )
 {
     return read->has_gust_per_triangle && !read->event.has_gust
                ? scene_refuse_node( r, node, "'gust_per_triangle' needs the key 'gust'" )
@@ -139,7 +136,7 @@ static wisp_status check_gust( scene_reader* r, const scene_node* node, const sc
 
 // ---- checks against the surface or the strands ----
 
-static wisp_status check_gas( scene_reader* r, const scene_node* node, const wisp_scene_event* e,
+static wisp_status check_gas( scene_reader* r, const text_node* node, const wisp_scene_event* e,
                               const wisp_scene_surface* s )
 {
     const char* key = e->has_gas_ratio        ? "gas_ratio"
@@ -173,7 +170,7 @@ static wisp_status check_gas( scene_reader* r, const scene_node* node, const wis
 }
 
 // Keyframes of pins and animations would move what is attached to a surface away from it.
-static wisp_status check_pins( scene_reader* r, const scene_node* node, const wisp_scene_event* e,
+static wisp_status check_pins( scene_reader* r, const text_node* node, const wisp_scene_event* e,
                                const wisp_scene_surface* s )
 {
     if ( pin_changes( e ) > 1 )
@@ -210,37 +207,25 @@ static wisp_status check_pins( scene_reader* r, const scene_node* node, const wi
 }
 
 // Ghosts and curves follow others and have no air of their own.
-static wisp_status check_strands( scene_reader* r, const scene_node* node, const wisp_scene_event* e )
+static wisp_status check_strands( scene_reader* r, const text_node* node, const wisp_scene_event* e )
 {
     const wisp_scene_strands* s = &r->scene->strands[e->strands];
-    if ( changes_motion( e ) || pin_changes( e ) > 0 )
-    {
-        return scene_refuse_node( r, node, "strands take only 'wind' and 'detail'" );
-    }
-    if ( !e->has_wind && !e->has_detail )
-    {
-        return scene_refuse_node( r, node, "got no change, expected 'wind' or 'detail'" );
-    }
-    const wisp_status status =
-        e->has_detail ? scene_check_strands_detail( r, scene_child( r, node, "detail" ), s, e->detail ) : WISP_OK;
-    if ( status )
-    {
-        return status;
-    }
+    const scene_case cases[] = {
+        { changes_motion( e ) || pin_changes( e ) > 0, NULL, "strands take only 'wind' and 'detail'" },
+        { !e->has_wind && !e->has_detail, NULL, "got no change, expected 'wind' or 'detail'" },
+    };
+    WISP_TRY( scene_refuse_cases( r, node, cases, WISP_COUNT( cases ) ) );
+    WISP_TRY( e->has_detail ? scene_check_strands_detail( r, text_find_path( node, "detail" ), s, e->detail )
+                            : WISP_OK );
     return !e->has_wind || ( s->has_dynamics && s->dynamics.drag_coefficient > 0.0f )
                ? WISP_OK
                : scene_refuse_node(
                      r, node, "'wind' needs drag, but the strands '%s' have no dynamics.drag_coefficient", s->name );
 }
 
-static wisp_status check_event( scene_reader* r, const scene_node* node, const wisp_scene_event* e )
+static wisp_status check_event( scene_reader* r, const text_node* node, const wisp_scene_event* e )
 {
-    if ( ( e->strands >= 0 ) == ( e->surface >= 0 ) )
-    {
-        return scene_refuse_node( r, node,
-                                  e->strands >= 0 ? "got both 'strands' and 'surface', expected one of them"
-                                                  : "got neither 'strands' nor 'surface', expected one of them" );
-    }
+    WISP_TRY( scene_expect_one( r, node, "strands", e->strands >= 0, "surface", e->surface >= 0 ) );
     if ( e->strands >= 0 )
     {
         return check_strands( r, node, e );
@@ -254,12 +239,8 @@ static wisp_status check_event( scene_reader* r, const scene_node* node, const w
             "velocity, angular_velocity, gust, teleport, detail, attach_pins, and hold, release and "
             "detach_pins: true" );
     }
-    wisp_status status =
-        e->has_detail ? scene_check_surface_detail( r, scene_child( r, node, "detail" ), s, e->detail ) : WISP_OK;
-    if ( status )
-    {
-        return status;
-    }
+    WISP_TRY( e->has_detail ? scene_check_surface_detail( r, text_find_path( node, "detail" ), s, e->detail )
+                            : WISP_OK );
     if ( e->has_wind &&
          !( s->has_cloth && ( s->cloth.drag_coefficient > 0.0f || s->cloth.lift_coefficient > 0.0f ) ) )
     {
@@ -279,8 +260,8 @@ static wisp_status check_event( scene_reader* r, const scene_node* node, const w
             r, node, "'%s' has keyframes of motion_constraints, frame or pin_groups, which do not teleport",
             s->name );
     }
-    status = pin_changes( e ) > 0 ? check_pins( r, node, e, s ) : WISP_OK;
-    return status ? status : check_gas( r, node, e, s );
+    WISP_TRY( pin_changes( e ) > 0 ? check_pins( r, node, e, s ) : WISP_OK );
+    return check_gas( r, node, e, s );
 }
 
 // ---- the list ----
@@ -350,78 +331,63 @@ static bool change_pins( const wisp_scene_event* e, const wisp_scene_surface* s,
 static wisp_status refuse_idle_pins( scene_reader* r )
 {
     const wisp_scene* scene = r->scene;
-    size_t groups = 0;
-    for ( int s = 0; s < scene->surface_count; ++s )
+    group_state** of_surface = scene_take( r->scene, (size_t)scene->surface_count + 1, sizeof *of_surface );
+    for ( int s = 0; of_surface && s < scene->surface_count; ++s )
     {
-        groups += 1 + (size_t)scene->surfaces[s].pin_group_count;
-    }
-    group_state* states = calloc( groups + 1, sizeof *states );
-    group_state** of_surface = calloc( (size_t)scene->surface_count + 1, sizeof *of_surface );
-    wisp_status status = states && of_surface ? WISP_OK : scene_no_memory( r );
-    groups = 0;
-    for ( int s = 0; status == WISP_OK && s < scene->surface_count; ++s )
-    {
-        of_surface[s] = states + groups;
-        for ( int g = -1; g < scene->surfaces[s].pin_group_count; ++g )
+        const wisp_scene_surface* surface = &scene->surfaces[s];
+        of_surface[s] = scene_take( r->scene, (size_t)surface->pin_group_count + 1, sizeof **of_surface );
+        for ( int g = -1; of_surface[s] && g < surface->pin_group_count; ++g )
         {
-            const wisp_scene_pins* pins = pins_of( &scene->surfaces[s], g );
-            states[groups++] = ( group_state ){ pins->starts_free, pins->attached_to >= 0 };
+            const wisp_scene_pins* pins = pins_of( surface, g );
+            of_surface[s][g + 1] = ( group_state ){ pins->starts_free, pins->attached_to >= 0 };
         }
     }
-    for ( int i = 0; status == WISP_OK && i < scene->event_count; ++i )
+    for ( int i = 0; i < scene->event_count; ++i )
     {
         const wisp_scene_event* e = &scene->events[i];
-        if ( e->surface >= 0 && pin_changes( e ) > 0 &&
-             !change_pins( e, &scene->surfaces[e->surface], of_surface[e->surface] ) )
+        const bool is_of_pins = e->surface >= 0 && pin_changes( e ) > 0;
+        group_state* states = is_of_pins && of_surface ? of_surface[e->surface] : NULL;
+        if ( is_of_pins && !states )
         {
-            status = scene_refuse( r->source, e->line, e->column, r->path,
-                                   "'%s' changes nothing: its pins of '%s' %s before step %d",
-                                   e->release ? "release"
-                                   : e->hold  ? "hold"
-                                              : "detach_pins",
-                                   scene->surfaces[e->surface].name,
-                                   e->release ? "are free"
-                                   : e->hold  ? "are held"
-                                              : "are not attached",
-                                   e->step );
+            return scene_no_memory( r );
+        }
+        if ( is_of_pins && !change_pins( e, &scene->surfaces[e->surface], states ) )
+        {
+            const char* key = e->release ? "release" : e->hold ? "hold" : "detach_pins";
+            const char* state = e->release ? "are free" : e->hold ? "are held" : "are not attached";
+            return scene_refuse( r->source, e->line, e->column, r->path,
+                                 "'%s' changes nothing: its pins of '%s' %s before step %d", key,
+                                 scene->surfaces[e->surface].name, state, e->step );
         }
     }
-    free( of_surface );
-    free( states );
-    return status;
+    return WISP_OK;
 }
 
-static wisp_status read_event( scene_reader* r, const scene_node* item, int index, void* context )
+static wisp_status read_event( scene_reader* r, const text_node* item, int index, void* events )
 {
-    wisp_scene* scene = context;
     scene_event read = { .event = { .strands = -1,
                                     .surface = -1,
                                     .pin_group = -1,
                                     .attach_to = -1,
                                     .line = item->line,
                                     .column = item->column } };
-    wisp_status status = scene_read_block( r, item, &SCENE_EVENT_BLOCK, &read );
-    status = status ? status : find_step( r, item, &read );
-    status = status ? status : find_group( r, item, &read );
-    status = status ? status : check_gust( r, item, &read );
-    scene->events[index] = read.event;
-    scene->event_count = index + 1;
-    return status ? status : check_event( r, item, &read.event );
+    WISP_TRY( scene_read_block( r, item, &SCENE_EVENT_BLOCK, &read ) );
+    WISP_TRY( find_step( r, item, &read ) );
+    WISP_TRY( find_group( r, item, &read ) );
+    WISP_TRY( check_gust( r, item, &read ) );
+    ( (wisp_scene_event*)events )[index] = read.event;
+    return check_event( r, item, &read.event );
 }
 
-wisp_status scene_read_events( scene_reader* r, const scene_node* node, void* at )
+static wisp_status sort_events( scene_reader* r, const text_node* node, void* at )
 {
+    (void)node;
     wisp_scene* scene = at;
-    void* items;
-    wisp_status status =
-        scene_begin_list( r, node, "a list of entries", SCENE_MAX_NODES, sizeof *scene->events, &items );
-    scene->events = items;
-    status = status ? status : scene_read_items( r, node, read_event, scene );
-    if ( status || scene->event_count == 0 )
-    {
-        return status;
-    }
     qsort( scene->events, (size_t)scene->event_count, sizeof *scene->events, compare_events );
-    status = refuse_equal_events( r );
-    return status ? status : refuse_idle_pins( r );
+    WISP_TRY( refuse_equal_events( r ) );
+    return refuse_idle_pins( r );
 }
+
+const scene_list SCENE_EVENTS_LIST = {
+    .what = "a list of entries", .size = sizeof( wisp_scene_event ), .read = read_event, .finish = sort_events
+};

@@ -2,19 +2,19 @@
 #include "scene_parts.h"
 #include "scene_ranges.h"
 
+#include "wisp/module/definition.h"
+
 #include <stddef.h>
 #include <stdlib.h>
 
-static wisp_status read_strands( scene_reader* r, const scene_node* node, void* base )
+static wisp_status read_strands( scene_reader* r, const text_node* node, void* base )
 {
     wisp_scene_hair_event* command = base;
-    wisp_status status = scene_read_named( r, node, SCENE_STRANDS, &command->strands );
-    if ( !status && !r->scene->strands[command->strands].has_frozen_hair )
-    {
-        return scene_refuse_node( r, node, "got '%s', expected strands with the key 'frozen_hair'",
-                                  r->scene->strands[command->strands].name );
-    }
-    return status;
+    WISP_TRY( scene_read_named( r, node, SCENE_STRANDS, &command->strands ) );
+    return r->scene->strands[command->strands].has_frozen_hair
+               ? WISP_OK
+               : scene_refuse_node( r, node, "got '%s', expected strands with the key 'frozen_hair'",
+                                    r->scene->strands[command->strands].name );
 }
 
 #define AT( member ) offsetof( wisp_scene_hair_event, member )
@@ -56,7 +56,7 @@ static int compare_commands( const void* a, const void* b )
 }
 
 // A parameter of a stage that does not run would have no effect.
-static wisp_status check_stages( scene_reader* r, const scene_node* node, const wisp_scene_hair_event* e )
+static wisp_status check_stages( scene_reader* r, const text_node* node, const wisp_scene_hair_event* e )
 {
     const wisp_scene_strands* s = &r->scene->strands[e->strands];
     const struct
@@ -87,7 +87,7 @@ static wisp_status check_stages( scene_reader* r, const scene_node* node, const 
     return WISP_OK;
 }
 
-static wisp_status check_command( scene_reader* r, const scene_node* node, const wisp_scene_hair_event* e )
+static wisp_status check_command( scene_reader* r, const text_node* node, const wisp_scene_hair_event* e )
 {
     const wisp_scene_strands* s = &r->scene->strands[e->strands];
     const bool is_stroke = s->frozen_hair.base == WISP_FROZEN_BASE_STROKE;
@@ -114,17 +114,15 @@ static wisp_status check_command( scene_reader* r, const scene_node* node, const
     return check_stages( r, node, e );
 }
 
-static wisp_status read_command( scene_reader* r, const scene_node* node, int index, void* context )
+static wisp_status read_command( scene_reader* r, const text_node* node, int index, void* commands )
 {
-    wisp_scene* scene = context;
-    wisp_scene_hair_event* command = &scene->commands[index];
-    scene->command_count = index + 1;
+    wisp_scene_hair_event* command = (wisp_scene_hair_event*)commands + index;
     command->line = node->line;
     command->column = node->column;
-    wisp_status status = scene_read_block( r, node, &SCENE_COMMAND_BLOCK, command );
+    WISP_TRY( scene_read_block( r, node, &SCENE_COMMAND_BLOCK, command ) );
     command->changes = command->has_intensity || command->has_reach || command->has_stretch_stiffness ||
                        command->has_bend_stiffness || command->has_clump_radius;
-    return status ? status : check_command( r, node, command );
+    return check_command( r, node, command );
 }
 
 // What an event leaves unchanged is what the last one before it gave.
@@ -148,7 +146,7 @@ static wisp_status carry_all( scene_reader* r )
 {
     wisp_scene* scene = r->scene;
     const wisp_scene_hair_event** last =
-        calloc( (size_t)scene->strands_count, sizeof *last ); // of each strands, in the order of steps
+        scene_take( scene, (size_t)scene->strands_count, sizeof *last ); // of each strands, in the order of steps
     for ( int i = 0; i < scene->command_count && last; ++i )
     {
         wisp_scene_hair_event* e = &scene->commands[i];
@@ -158,25 +156,14 @@ static wisp_status carry_all( scene_reader* r )
         }
         last[e->strands] = e;
     }
-    const bool is_done = last != NULL;
-    free( last );
-    return is_done ? WISP_OK : scene_no_memory( r );
+    return last ? WISP_OK : scene_no_memory( r );
 }
 
-wisp_status scene_read_commands( scene_reader* r, const scene_node* node, void* base )
+// Sort by step, as the program reads them. Of two entries for one step the first would have no effect.
+static wisp_status sort_commands( scene_reader* r, const text_node* node, void* at )
 {
-    wisp_scene* scene = base;
-    void* items;
-    wisp_status status =
-        scene_begin_list( r, node, "a list of hair events", SCENE_MAX_NODES, sizeof *scene->commands, &items );
-    scene->commands = items;
-    status = status ? status : scene_read_items( r, node, read_command, scene );
-    if ( status || !items )
-    {
-        return status;
-    }
-
-    // Sort by step, as the program reads them. Of two entries for one step the first would have no effect.
+    (void)node;
+    wisp_scene* scene = at;
     qsort( scene->commands, (size_t)scene->command_count, sizeof *scene->commands, compare_commands );
     for ( int i = 1; i < scene->command_count; ++i )
     {
@@ -190,3 +177,8 @@ wisp_status scene_read_commands( scene_reader* r, const scene_node* node, void* 
     }
     return carry_all( r );
 }
+
+const scene_list SCENE_COMMANDS_LIST = { .what = "a list of hair events",
+                                         .size = sizeof( wisp_scene_hair_event ),
+                                         .read = read_command,
+                                         .finish = sort_commands };

@@ -17,14 +17,14 @@
 
 // ---- values of more than one scalar ----
 
-wisp_status scene_expect_list( scene_reader* r, const scene_node* node, const char* what )
+wisp_status scene_expect_list( scene_reader* r, const text_node* node, const char* what )
 {
-    return node->kind == SCENE_LIST ? WISP_OK : scene_refuse_kind( r, node, what );
+    return node->kind == TEXT_LIST ? WISP_OK : scene_refuse_kind( r, node, what );
 }
 
-wisp_status scene_read_vector( scene_reader* r, const scene_node* node, const scene_field* field, wisp_vec3* out )
+wisp_status scene_read_vector( scene_reader* r, const text_node* node, const scene_field* field, wisp_vec3* out )
 {
-    if ( node->kind != SCENE_LIST )
+    if ( node->kind != TEXT_LIST )
     {
         return scene_refuse_kind( r, node, "a list of three numbers" );
     }
@@ -33,30 +33,29 @@ wisp_status scene_read_vector( scene_reader* r, const scene_node* node, const sc
         return scene_refuse_node( r, node, "got a list of %d, expected a list of three numbers", node->count );
     }
     float parts[3];
-    const scene_node* part = scene_first( r->tree, node );
-    for ( int i = 0; i < 3; ++i, part = scene_next( r->tree, part ) )
-    {
-        size_t outside = scene_enter_index( r, i );
-        wisp_status status = scene_read_number( r, part, field, &parts[i] );
-        if ( status )
-        {
-            return status;
-        }
-        scene_leave( r, outside );
-    }
+    WISP_TRY( scene_read_numbers( r, node, field, parts ) );
     *out = ( wisp_vec3 ){ parts[0], parts[1], parts[2] };
     return WISP_OK;
 }
 
+wisp_status scene_read_pair( scene_reader* r, const text_node* node, const char* requested,
+                             const scene_field fields[2], float* first, float* second )
+{
+    WISP_TRY( scene_expect_pair( r, node, requested ) );
+    const text_node* item = text_first( node );
+    WISP_TRY( scene_read_number( r, item, &fields[0], first ) );
+    return scene_read_number( r, item->next, &fields[1], second );
+}
+
 // One number for all strands, or a list with one a strand. How many strands there are is known if they are made.
-static wisp_status read_numbers( scene_reader* r, const scene_node* node, const scene_field* field,
+static wisp_status read_numbers( scene_reader* r, const text_node* node, const scene_field* field,
                                  wisp_scene_strands* strands )
 {
     char* base = (char*)strands;
-    if ( node->kind != SCENE_LIST )
+    if ( node->kind != TEXT_LIST )
     {
-        return node->kind == SCENE_MAP ? scene_refuse_kind( r, node, "a number, or a list with one per strand" )
-                                       : scene_read_number( r, node, field, (float*)(void*)( base + field->at ) );
+        return node->kind == TEXT_MAP ? scene_refuse_kind( r, node, "a number, or a list with one per strand" )
+                                      : scene_read_number( r, node, field, (float*)(void*)( base + field->at ) );
     }
     if ( node->count == 0 )
     {
@@ -77,14 +76,10 @@ static wisp_status read_numbers( scene_reader* r, const scene_node* node, const 
     return scene_read_numbers( r, node, field, values );
 }
 
-static wisp_status read_choice( scene_reader* r, const scene_node* node, const scene_field* field, void* out )
+static wisp_status read_choice( scene_reader* r, const text_node* node, const scene_field* field, void* out )
 {
     int choice = 0;
-    wisp_status status = scene_read_choice( r, node, field->choices, &choice );
-    if ( status )
-    {
-        return status;
-    }
+    WISP_TRY( scene_read_choice( r, node, field->choices, &choice ) );
     if ( field->type == SCENE_EITHER )
     {
         *(bool*)out = choice == 1;
@@ -109,8 +104,90 @@ static wisp_status read_choice( scene_reader* r, const scene_node* node, const s
     return WISP_OK;
 }
 
+// ---- lists ----
+
+static wisp_status scene_read_field( scene_reader* r, const text_node* node, const scene_field* field, void* base );
+
+static wisp_status read_words( scene_reader* r, const text_node* node, const scene_field* field, void* base )
+{
+    char* const at = (char*)base + field->at;
+    char list[200] = "a list of ";
+    int count = 0, i = 0;
+    while ( field->choices[count].word != NULL )
+    {
+        ++count;
+    }
+    for ( int k = 0; k < count; ++k )
+    {
+        snprintf( list + strlen( list ), sizeof list - strlen( list ), "%s%s",
+                  k == 0          ? ""
+                  : k + 1 < count ? ", "
+                                  : " and ",
+                  field->choices[k].word );
+    }
+    WISP_TRY( scene_expect_list( r, node, list ) );
+    for ( const text_node* item = text_first( node ); item; item = item->next )
+    {
+        const size_t outside = scene_enter_index( r, i++ );
+        int word = 0;
+        WISP_TRY( scene_read_choice( r, item, field->choices, &word ) );
+        bool* const is_on = field->switches != NULL ? (bool*)at + field->switches[word] : NULL;
+        int* const bits = is_on != NULL ? NULL : (int*)(void*)at;
+        if ( is_on != NULL ? *is_on : ( *bits & field->bits[word] ) != 0 )
+        {
+            return scene_refuse_node( r, item, "'%s' is listed twice", field->choices[word].word );
+        }
+        WISP_TRY( field->check != NULL ? field->check( r, item, word, base ) : WISP_OK );
+        if ( is_on != NULL )
+        {
+            *is_on = true;
+        }
+        else
+        {
+            *bits |= field->bits[word];
+        }
+        scene_leave( r, outside );
+    }
+    return WISP_OK;
+}
+
+static wisp_status read_entries( scene_reader* r, const text_node* node, const scene_field* field, void* base )
+{
+    const scene_list* list = field->of;
+    const bool is_one = list->is_one_too && node->kind != TEXT_LIST;
+    const int count = is_one ? 1 : node->count;
+    char* items = NULL;
+    WISP_TRY( is_one ? WISP_OK : scene_expect_list( r, node, list->what ) );
+    if ( list->most > 0 && count > list->most )
+    {
+        return scene_refuse_node( r, node, "got %d entries, expected at most %d", count, list->most );
+    }
+    if ( count == 0 )
+    {
+        return list->empty ? scene_refuse_node( r, node, "%s", list->empty ) : WISP_OK;
+    }
+    items = scene_take( r->scene, (size_t)count, list->size );
+    if ( items == NULL )
+    {
+        return scene_no_memory( r );
+    }
+    memcpy( (char*)base + field->at, &items, sizeof items );
+    memcpy( (char*)base + ( field->list_count > 0 ? field->list_count : field->at + sizeof items ), &count,
+            sizeof count );
+    const text_node* item = is_one ? node : text_first( node );
+    for ( int i = 0; i < count; ++i, item = item->next )
+    {
+        const size_t outside = is_one ? r->path_length : scene_enter_index( r, i );
+        WISP_TRY( list->each ? scene_read_field( r, item, list->each, items + (size_t)i * list->size )
+                             : list->read( r, item, i, items ) );
+        scene_leave( r, outside );
+    }
+    WISP_TRY( list->is_named ? scene_register( r, list->named, items, list->size, count ) : WISP_OK );
+    return list->finish ? list->finish( r, node, base ) : WISP_OK;
+}
+
 // Read one value as its field describes.
-static wisp_status scene_read_field( scene_reader* r, const scene_node* node, const scene_field* field, void* base )
+static wisp_status scene_read_field( scene_reader* r, const text_node* node, const scene_field* field, void* base )
 {
     void* out = (char*)base + field->at;
     wisp_status status = WISP_OK;
@@ -118,8 +195,8 @@ static wisp_status scene_read_field( scene_reader* r, const scene_node* node, co
     switch ( field->type )
     {
         case SCENE_NUMBER:
-            return field->map != 0 && node->kind == SCENE_MAP ? scene_read_map( r, node, field, base )
-                                                              : scene_read_number( r, node, field, out );
+            return field->map != 0 && node->kind == TEXT_MAP ? scene_read_map( r, node, field, base )
+                                                             : scene_read_number( r, node, field, out );
         case SCENE_NUMBERS:
             return read_numbers( r, node, field, base );
         case SCENE_WHOLE:
@@ -137,14 +214,18 @@ static wisp_status scene_read_field( scene_reader* r, const scene_node* node, co
             return scene_read_text( r, node, out );
         case SCENE_USUAL:
         case SCENE_BLOCK:
-            is_off = field->type == SCENE_USUAL && node->kind == SCENE_SCALAR && node->plain &&
-                     strcmp( scene_text_of( r->tree, node ), "false" ) == 0;
+            is_off = field->type == SCENE_USUAL && node->kind == TEXT_SCALAR && node->plain &&
+                     strcmp( text_value( node ), "false" ) == 0;
             status = is_off ? WISP_OK : scene_read_block( r, node, field->block, base );
             if ( field->at )
             {
                 *(bool*)out = status == WISP_OK && is_off == false;
             }
             return status;
+        case SCENE_WORDS:
+            return read_words( r, node, field, base );
+        case SCENE_ENTRIES:
+            return read_entries( r, node, field, base );
         case SCENE_MEMBER:
         case SCENE_CUSTOM:
             break;
@@ -172,6 +253,7 @@ scene_field scene_field_at( const scene_block* block, int i )
     scene_field field = block->fields[i];
     if ( field.type != SCENE_MEMBER )
     {
+        field.at += block->of == NULL ? block->at : 0;
         return field;
     }
     const char* member = field.member != NULL ? field.member : field.key;
@@ -195,16 +277,6 @@ scene_field scene_field_at( const scene_block* block, int i )
 }
 
 // ---- mappings ----
-
-const scene_node* scene_child( const scene_reader* r, const scene_node* node, const char* key )
-{
-    const scene_node* child = node->kind == SCENE_MAP ? scene_first( r->tree, node ) : NULL;
-    while ( child && strcmp( scene_key_of( r->tree, child ), key ) != 0 )
-    {
-        child = scene_next( r->tree, child );
-    }
-    return child;
-}
 
 static int find_field( const scene_block* block, const char* key )
 {
@@ -251,9 +323,9 @@ static void path_of_keys( const char* path, char* out, size_t size )
     out[used] = '\0';
 }
 
-static wisp_status refuse_unknown( const scene_reader* r, const scene_node* node, const scene_block* block )
+static wisp_status refuse_unknown( const scene_reader* r, const text_node* node, const scene_block* block )
 {
-    const char* key = scene_key_of( r->tree, node );
+    const char* key = node->key;
     const int count = block->field_count;
     const char *known[SCENE_MAX_FIELDS], *nearest[NEAR_KEYS];
     char list[400] = "", path[200] = "";
@@ -289,13 +361,13 @@ static wisp_status refuse_unknown( const scene_reader* r, const scene_node* node
 }
 
 // Which child is which field. Unknown keys stop at the first, so the number of comparisons is bounded by the table.
-static wisp_status find_fields( scene_reader* r, const scene_node* node, const scene_block* block,
-                                const scene_node* found[SCENE_MAX_FIELDS] )
+static wisp_status find_fields( scene_reader* r, const text_node* node, const scene_block* block,
+                                const text_node* found[SCENE_MAX_FIELDS] )
 {
     WISP_ASSERT( block->field_count <= SCENE_MAX_FIELDS );
-    for ( const scene_node* child = scene_first( r->tree, node ); child; child = scene_next( r->tree, child ) )
+    for ( const text_node* child = text_first( node ); child; child = child->next )
     {
-        int i = find_field( block, scene_key_of( r->tree, child ) );
+        int i = find_field( block, child->key );
         if ( i < 0 )
         {
             return refuse_unknown( r, child, block );
@@ -311,18 +383,14 @@ static wisp_status find_fields( scene_reader* r, const scene_node* node, const s
     return WISP_OK;
 }
 
-wisp_status scene_read_block( scene_reader* r, const scene_node* node, const scene_block* block, void* base )
+wisp_status scene_read_block( scene_reader* r, const text_node* node, const scene_block* block, void* base )
 {
-    if ( node->kind != SCENE_MAP )
+    if ( node->kind != TEXT_MAP )
     {
         return scene_refuse_kind( r, node, "a mapping ({} takes the defaults)" );
     }
-    const scene_node* found[SCENE_MAX_FIELDS] = { NULL };
-    wisp_status status = find_fields( r, node, block, found );
-    if ( status )
-    {
-        return status;
-    }
+    const text_node* found[SCENE_MAX_FIELDS] = { NULL };
+    WISP_TRY( find_fields( r, node, block, found ) );
     for ( int i = 0; i < block->field_count; ++i )
     {
         const scene_field field = scene_field_at( block, i );
@@ -333,24 +401,53 @@ wisp_status scene_read_block( scene_reader* r, const scene_node* node, const sce
         if ( found[i] )
         {
             size_t outside = scene_enter_key( r, field.key );
-            status = scene_read_field( r, found[i], &field, base );
-            if ( status )
-            {
-                return status;
-            }
+            WISP_TRY( scene_read_field( r, found[i], &field, base ) );
             if ( field.given )
             {
                 *( (bool*)base + field.given ) = true;
             }
             scene_leave( r, outside );
         }
-        status = field.bind ? field.bind( r, node ) : WISP_OK;
-        if ( status )
+        WISP_TRY( field.bind ? field.bind( r, node ) : WISP_OK );
+    }
+    return WISP_OK;
+}
+
+// ---- rules over several keys ----
+
+wisp_status scene_refuse_cases( scene_reader* r, const text_node* node, const scene_case* cases, int count )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( cases[i].is_wrong )
         {
-            return status;
+            const text_node* key = cases[i].path ? text_find_path( node, cases[i].path ) : NULL;
+            return scene_refuse_node( r, key ? key : node, "%s", cases[i].message );
         }
     }
     return WISP_OK;
+}
+
+wisp_status scene_refuse_keys( scene_reader* r, const text_node* node, const char* const* paths, int count,
+                               const char* why )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        const text_node* key = text_find_path( node, paths[i] );
+        if ( key )
+        {
+            return scene_refuse_node( r, key, "'%s' %s", key->key, why );
+        }
+    }
+    return WISP_OK;
+}
+
+wisp_status scene_expect_one( scene_reader* r, const text_node* node, const char* a, bool has_a, const char* b,
+                              bool has_b )
+{
+    return has_a != has_b ? WISP_OK
+                          : scene_refuse_node( r, node, "got %s '%s' %s '%s', expected one of them",
+                                               has_a ? "both" : "neither", a, has_a ? "and" : "nor", b );
 }
 
 // ---- keys ----
@@ -438,7 +535,10 @@ static const char* name_of_type( const scene_field* field )
             return "block";
         case SCENE_USUAL:
             return "block or false";
+        case SCENE_WORDS:
+            return "list of words";
         case SCENE_MEMBER:
+        case SCENE_ENTRIES:
         case SCENE_CUSTOM:
             break;
     }
@@ -512,6 +612,8 @@ static void add_value( writer* w, const scene_field* field, const void* base )
         case SCENE_TEXT:
         case SCENE_BLOCK:
         case SCENE_USUAL:
+        case SCENE_WORDS:
+        case SCENE_ENTRIES:
         case SCENE_CUSTOM:
             WISP_ASSERT( false );
     }

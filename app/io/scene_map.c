@@ -15,7 +15,7 @@
 // A file whose name is the word is written ./colours.
 static const char COLOURS[] = "colours";
 
-static wisp_status read_source( scene_reader* r, const scene_node* node, void* at )
+static wisp_status read_source( scene_reader* r, const text_node* node, void* at )
 {
     wisp_scene_map* map = at;
     const char* text = NULL;
@@ -43,7 +43,7 @@ static const scene_field MAP_FIELDS[] = {
 #undef AT
 static const scene_block MAP_BLOCK = SCENE_BLOCK_ALONE( MAP_FIELDS );
 
-wisp_status scene_read_map( scene_reader* r, const scene_node* node, const scene_field* field, void* base )
+wisp_status scene_read_map( scene_reader* r, const text_node* node, const scene_field* field, void* base )
 {
     wisp_scene_surface* surface = base;
     if ( surface->maps == NULL )
@@ -58,7 +58,7 @@ wisp_status scene_read_map( scene_reader* r, const scene_node* node, const scene
     wisp_scene_map* map = surface->maps + surface->map_count;
     *map = ( wisp_scene_map ){ .map = field->map, .to = 1.0f, .line = node->line, .column = node->column };
     WISP_TRY( scene_read_block( r, node, &MAP_BLOCK, map ) );
-    const scene_node* channel = scene_child( r, node, "channel" );
+    const text_node* channel = text_find_path( node, "channel" );
     if ( channel && map->file && !wisp_scene_map_is_image( map ) )
     {
         return scene_refuse_node( r, channel, "'channel' needs an image (.png) or 'map: %s'", COLOURS );

@@ -2,6 +2,8 @@
 #include "scene_parts.h"
 #include "scene_ranges.h"
 
+#include "wisp/module/definition.h"
+
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
@@ -175,7 +177,7 @@ int64_t scene_generator_vertices( const wisp_mesh_generator* generator )
     }
 }
 
-static wisp_status check_generator( scene_reader* r, const scene_node* node, const wisp_mesh_generator* generator )
+static wisp_status check_generator( scene_reader* r, const text_node* node, const wisp_mesh_generator* generator )
 {
     int64_t count = scene_generator_vertices( generator );
     if ( count > WISP_SCENE_MAX_VERTICES )
@@ -207,19 +209,15 @@ static wisp_status check_generator( scene_reader* r, const scene_node* node, con
     return WISP_OK;
 }
 
-wisp_status scene_read_mesh_generate( scene_reader* r, const scene_node* node, void* at )
+wisp_status scene_read_mesh_generate( scene_reader* r, const text_node* node, void* at )
 {
     wisp_scene_mesh* mesh = at;
     int shape = 0;
-    wisp_status status = scene_read_shape( r, node, SHAPES, &shape );
-    if ( status )
-    {
-        return status;
-    }
+    WISP_TRY( scene_read_shape( r, node, SHAPES, &shape ) );
     mesh->is_generated = true;
     mesh->generator = wisp_default_mesh_generator( (wisp_mesh_shape)shape );
-    status = scene_read_block( r, node, &SCENE_MESH_BLOCKS[shape], &mesh->generator );
-    return status ? status : check_generator( r, node, &mesh->generator );
+    WISP_TRY( scene_read_block( r, node, &SCENE_MESH_BLOCKS[shape], &mesh->generator ) );
+    return check_generator( r, node, &mesh->generator );
 }
 
 // ---- repair and require ----
@@ -244,50 +242,16 @@ const scene_choice SCENE_REQUIRE_WORDS[] = {
     { NULL, NULL },
 };
 
-static wisp_status read_flags( scene_reader* r, const scene_node* node, const scene_choice* words, const int* flags,
-                               const char* requested, int* out )
-{
-    wisp_status status = scene_expect_list( r, node, requested );
-    int i = 0;
-    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, i++ );
-        int word = 0;
-        status = scene_read_choice( r, item, words, &word );
-        if ( !status && ( *out & flags[word] ) )
-        {
-            return scene_refuse_node( r, item, "'%s' is listed twice", words[word].word );
-        }
-        if ( !status )
-        {
-            *out |= flags[word];
-            scene_leave( r, outside );
-        }
-    }
-    return status;
-}
+const int SCENE_REPAIR_BITS[] = {
+    WISP_MESH_WELD, WISP_MESH_DROP_DEGENERATES, WISP_MESH_DROP_DUPLICATES, WISP_MESH_TURN_TRIANGLES,
+    WISP_MESH_FLIP, WISP_MESH_DROP_UNREFERENCED
+};
+const int SCENE_REQUIRE_BITS[] = { WISP_MESH_CLOSED, WISP_MESH_ORIENTED, WISP_MESH_MANIFOLD, WISP_MESH_CLEAN,
+                                   WISP_MESH_ONE_COMPONENT };
 
-wisp_status scene_read_repair( scene_reader* r, const scene_node* node, void* at )
+wisp_status scene_check_weld( scene_reader* r, const text_node* node, const wisp_scene_mesh* mesh )
 {
-    static const int flags[] = {
-        WISP_MESH_WELD, WISP_MESH_DROP_DEGENERATES, WISP_MESH_DROP_DUPLICATES, WISP_MESH_TURN_TRIANGLES,
-        WISP_MESH_FLIP, WISP_MESH_DROP_UNREFERENCED
-    };
-    return read_flags( r, node, SCENE_REPAIR_WORDS, flags,
-                       "a list of weld, degenerates, duplicates, winding, flip and unreferenced", at );
-}
-
-wisp_status scene_read_require( scene_reader* r, const scene_node* node, void* at )
-{
-    static const int flags[] = { WISP_MESH_CLOSED, WISP_MESH_ORIENTED, WISP_MESH_MANIFOLD, WISP_MESH_CLEAN,
-                                 WISP_MESH_ONE_COMPONENT };
-    return read_flags( r, node, SCENE_REQUIRE_WORDS, flags,
-                       "a list of closed, oriented, manifold, clean and one_component", at );
-}
-
-wisp_status scene_check_weld( scene_reader* r, const scene_node* node, const wisp_scene_mesh* mesh )
-{
-    const scene_node* distance = scene_child( r, node, "weld_distance" );
+    const text_node* distance = text_find_path( node, "weld_distance" );
     return distance && ( mesh->repairs & WISP_MESH_WELD ) == 0
                ? scene_refuse_node( r, distance, "'weld_distance' needs 'repair: [weld]'" )
                : WISP_OK;
@@ -305,11 +269,11 @@ typedef struct rotation
 #define AT( member ) offsetof( rotation, member )
 #define TURN RANGE( -36000, 36000 )
 
-static wisp_status read_degrees( scene_reader* r, const scene_node* node, void* at )
+static wisp_status read_degrees( scene_reader* r, const text_node* node, void* at )
 {
     static const scene_field field = { "degrees", SCENE_VECTOR, .range = TURN, .unit = DEGREES };
     rotation* turn = at;
-    turn->is_list = node->kind == SCENE_LIST;
+    turn->is_list = node->kind == TEXT_LIST;
     return turn->is_list ? scene_read_vector( r, node, &field, &turn->degrees )
                          : scene_read_number( r, node, &field, &turn->degrees.x );
 }
@@ -349,14 +313,10 @@ static wisp_quat quat_of_degrees( wisp_vec3 degrees )
         .rotation;
 }
 
-wisp_status scene_read_rotation( scene_reader* r, const scene_node* node, void* at )
+wisp_status scene_read_rotation( scene_reader* r, const text_node* node, void* at )
 {
     rotation turn = { 0 };
-    wisp_status status = scene_read_block( r, node, &SCENE_ROTATION_BLOCK, &turn );
-    if ( status )
-    {
-        return status;
-    }
+    WISP_TRY( scene_read_block( r, node, &SCENE_ROTATION_BLOCK, &turn ) );
     if ( turn.has_axis == turn.is_list )
     {
         return scene_refuse_node( r, node,
@@ -413,48 +373,39 @@ static const scene_field POSITION_FIELDS[] = {
 const scene_block SCENE_PIN_POSE_BLOCK = SCENE_BLOCK_ALONE( PIN_POSE_FIELDS );
 const scene_block SCENE_POSITION_BLOCK = SCENE_BLOCK_ALONE( POSITION_FIELDS );
 
-typedef struct path_list
+// A turn that is not written is the one before.
+static wisp_status read_pose( scene_reader* r, const text_node* node, int index, void* poses,
+                              const scene_block* block, wisp_quat start )
 {
-    const scene_block* block;
-    wisp_quat start;
-    wisp_scene_pose* poses;
-} path_list;
-
-static wisp_status read_pose( scene_reader* r, const scene_node* node, int index, void* context )
-{
-    const path_list* list = context;
-    wisp_scene_pose* pose = &list->poses[index];
-    // A turn that is not written is the one before.
-    pose->pose = index > 0 ? pose[-1].pose : ( wisp_transform ){ .rotation = list->start };
-    const wisp_status status = scene_read_block( r, node, list->block, pose );
-    return status || index == 0 ? status : scene_check_rises( r, node, pose[-1].time, pose->time );
+    wisp_scene_pose* pose = (wisp_scene_pose*)poses + index;
+    pose->pose = index > 0 ? pose[-1].pose : ( wisp_transform ){ .rotation = start };
+    WISP_TRY( scene_read_block( r, node, block, pose ) );
+    return index == 0 ? WISP_OK : scene_check_rises( r, node, pose[-1].time, pose->time );
 }
 
-static wisp_status read_path( scene_reader* r, const scene_node* node, const scene_block* block, wisp_quat start,
-                              wisp_scene_path* path )
+static const wisp_quat STRAIGHT = { 0.0f, 0.0f, 0.0f, 1.0f };
+
+static wisp_status read_pin_pose( scene_reader* r, const text_node* node, int index, void* poses )
 {
-    void* items;
-    wisp_status status =
-        scene_begin_list( r, node, "a list of keyframes", SCENE_MAX_NODES, sizeof( wisp_scene_pose ), &items );
-    path_list list = { block, start, items };
-    path->poses = items;
-    path->count = status ? 0 : node->count;
-    return status ? status : scene_read_items( r, node, read_pose, &list );
+    return read_pose( r, node, index, poses, &SCENE_PIN_POSE_BLOCK, STRAIGHT );
 }
 
-wisp_status scene_read_pin_path( scene_reader* r, const scene_node* node, void* at )
+static wisp_status read_position( scene_reader* r, const text_node* node, int index, void* poses )
 {
-    const wisp_quat straight = { 0.0f, 0.0f, 0.0f, 1.0f };
-    return read_path( r, node, &SCENE_PIN_POSE_BLOCK, straight, at );
+    return read_pose( r, node, index, poses, &SCENE_POSITION_BLOCK, STRAIGHT );
 }
 
-wisp_status scene_read_positions( scene_reader* r, const scene_node* node, wisp_quat start, wisp_scene_path* path )
+static wisp_status read_collider_pose( scene_reader* r, const text_node* node, int index, void* poses )
 {
-    return read_path( r, node, &SCENE_POSITION_BLOCK, start, path );
+    const wisp_scene_collider* collider = r->entry;
+    return read_pose( r, node, index, poses, &SCENE_POSITION_BLOCK, collider->def.pose.rotation );
 }
 
-wisp_status scene_read_collider_path( scene_reader* r, const scene_node* node, void* at )
-{
-    wisp_scene_collider* collider = at;
-    return scene_read_positions( r, node, collider->def.pose.rotation, &collider->path );
-}
+#define PATH( ... )                                                                                                  \
+    {                                                                                                                \
+        .what = "a list of keyframes", .size = sizeof( wisp_scene_pose ), .read = __VA_ARGS__                        \
+    }
+const scene_list SCENE_PIN_PATH = PATH( read_pin_pose );
+const scene_list SCENE_TIPS_PATH = PATH( read_position );
+const scene_list SCENE_HEAD_PATH = PATH( read_position, .empty = "got an empty list, expected keyframes" );
+const scene_list SCENE_COLLIDER_PATH = PATH( read_collider_pose );

@@ -3,6 +3,8 @@
 #include "scene_parts.h"
 #include "scene_ranges.h"
 
+#include "wisp/module/definition.h"
+
 #include <stddef.h>
 #include <string.h>
 
@@ -74,13 +76,13 @@ static const scene_field DYNAMICS_FIELDS[] = {
     { "line_density", .help = "Mass per length of a strand." },
     { "vertex_mass", .range = ANY_MASS, .help = "Mass of every vertex, instead of the density.",
       .initial = "by density" },
-    { "vertex_masses", SCENE_CUSTOM, .read = scene_read_vertex_masses,
-      .help = "Mass of each vertex, instead of the density.",
+    { "vertex_masses", SCENE_ENTRIES, .at = AT( dynamics.vertex_masses ), .list_count = AT( mass_count ),
+      .of = &SCENE_VERTEX_MASSES, .help = "Mass of each vertex, instead of the density.",
       .form = "list of numbers in kg, one per vertex, 1e-12 .. 1e12", .initial = "by density" },
     { "mass_ratio", SCENE_NUMBER, .at = AT( mass_ratio ), .range = RANGE( 1e-9, 1e9 ),
       .help = "Mass of tips over what it would be; from 1 at roots it grows by equal factors." },
-    { "pins", SCENE_CUSTOM, .read = scene_read_strand_pins, .help = "Vertices held in addition to the roots.",
-      .form = "list of vertices", .initial = "none" },
+    { "pins", SCENE_ENTRIES, .at = AT( dynamics.pins ), .of = &SCENE_STRAND_PINS,
+      .help = "Vertices held in addition to the roots.", .form = "list of vertices", .initial = "none" },
     { "gravity", .help = "Gravity of these strands.", .initial = "that of the scene" },
     { "damping", .help = "Rate at which motion relative to the head dies." },
     { "wind", .help = "Velocity of the air." },
@@ -95,7 +97,7 @@ const scene_block SCENE_DYNAMICS_BLOCK =
     SCENE_BLOCK_OF( DYNAMICS_FIELDS, strand_dynamics_def, wisp_scene_strands, dynamics );
 
 static const scene_field HEAD_FIELDS[] = {
-    { "keyframes", SCENE_CUSTOM, .required = true, .read = scene_read_head_path,
+    { "keyframes", SCENE_ENTRIES, .required = true, .at = AT( head ), .of = &SCENE_HEAD_PATH,
       .help = "Poses of the head; it starts at its pivot, not turned.",
       .form = "list of keyframes {time, position, rotation}" },
     { "pivot", SCENE_VECTOR, .at = AT( head_pivot ), .range = COORDINATE, .unit = METRES,
@@ -107,7 +109,7 @@ const scene_block SCENE_HEAD_BLOCK = SCENE_BLOCK_ALONE( HEAD_FIELDS );
 static const scene_field FRAME_FIELDS[] = {
     { "linear_inertia", .help = "Fraction of the displacement of the frame that strands feel." },
     { "angular_inertia", .help = "Fraction of the rotation of the frame that strands feel." },
-    { "keyframes", SCENE_CUSTOM, .at = AT( frame_path ), .read = scene_read_pin_path,
+    { "keyframes", SCENE_ENTRIES, .at = AT( frame_path ), .of = &SCENE_PIN_PATH,
       .help = "Displacement of the frame from where it starts; without `jump`.",
       .form = "list of keyframes {time, translate, rotate}", .initial = "it goes with the head" },
     { "pivot", SCENE_VECTOR, .at = AT( frame_pivot ), .range = COORDINATE, .unit = METRES,
@@ -126,7 +128,7 @@ static const scene_choice HOLDS[] = { { "free", "not at all" },
 static const scene_field TIPS_FIELDS[] = {
     { "hold", SCENE_CHOICE, .at = AT( tips_hold ), .choices = HOLDS, .constants = "WISP_STRAND_TIP_",
       .help = "What is held of the tips; a clamped tip at its own root makes a loop." },
-    { "keyframes", SCENE_CUSTOM, .read = scene_read_tips_path,
+    { "keyframes", SCENE_ENTRIES, .at = AT( tips_path ), .of = &SCENE_TIPS_PATH,
       .help = "How far tips are from rest, relative to the head, and turned about themselves.",
       .form = "list of keyframes {time, position, rotation}", .initial = "none" },
     { "release", SCENE_NUMBER, .at = AT( tips_release ), .range = RANGE( 0, 1e9 ), .unit = SECONDS,
@@ -208,153 +210,94 @@ const scene_block SCENE_CURVES_BLOCK = SCENE_BLOCK_OF( CURVES_FIELDS, curves_def
 
 // ---- an entry ----
 
-static wisp_status check_source( scene_reader* r, const scene_node* node, const wisp_scene_strands* s )
+static wisp_status check_dynamics( scene_reader* r, const text_node* node, const wisp_scene_strands* s )
 {
-    int sources = ( s->file != NULL ) + s->is_generated + s->is_scattered + s->is_curves;
-    if ( sources == 0 )
-    {
-        return scene_refuse_node( r, node,
-                                  "got none of 'file', 'generate', 'scatter' and 'curves', expected one of them" );
-    }
-    if ( sources > 1 )
-    {
-        return scene_refuse_node(
-            r, node, "got more than one of 'file', 'generate', 'scatter' and 'curves', expected one of them" );
-    }
-    return WISP_OK;
-}
-
-// Curves are drawn and nothing else: where they are is up to the strands that they run through.
-static wisp_status check_curves( scene_reader* r, const scene_node* node )
-{
-    static const char* const keys[] = { "transform", "dynamics",    "head",        "on_surface", "grid",
-                                        "ghosts",    "frozen_hair", "environment", "collision",  "contact" };
-    for ( int i = 0; i < WISP_COUNT( keys ); ++i )
-    {
-        const scene_node* child = scene_child( r, node, keys[i] );
-        if ( child )
-        {
-            return scene_refuse_node( r, child, "'%s' is not possible with 'curves'", keys[i] );
-        }
-    }
-    return WISP_OK;
-}
-
-static wisp_status check_dynamics( scene_reader* r, const scene_node* node, const wisp_scene_strands* s )
-{
-    if ( s->has_ghosts )
-    {
-        return scene_refuse_node( r, node, "got both 'dynamics' and 'ghosts', expected one of them" );
-    }
-    if ( s->has_frozen_hair )
-    {
-        return scene_refuse_node(
-            r, node, "got both 'dynamics' and 'frozen_hair', expected one of them; ghosts can have 'frozen_hair'" );
-    }
-    if ( s->mass_count > 0 && s->dynamics.vertex_mass > 0.0f )
-    {
-        return scene_refuse_node( r, node,
-                                  "got both dynamics.vertex_mass and dynamics.vertex_masses, expected one of them" );
-    }
-    if ( s->has_head && scene_child( r, node, "on_surface" ) )
-    {
-        return scene_refuse_node( r, node, "got both 'head' and 'on_surface', expected one of them" );
-    }
-    for ( int i = 0; i < s->frame_path.count; ++i )
-    {
-        if ( s->frame_path.poses[i].jump )
-        {
-            return scene_refuse_node( r, scene_child( r, node, "frame" ),
-                                      "'jump' in keyframe %d: only keyframes of pins, colliders and heads can jump",
-                                      i );
-        }
-    }
-    if ( s->has_tips && ( s->tips_hold & WISP_STRAND_TIP_GUIDED ) != 0 &&
-         s->dynamics.bending != WISP_STRAND_BEND_ROD )
-    {
-        return scene_refuse_node( r, scene_child( r, node, "tips" ),
-                                  "got tips whose direction is held, expected them with dynamics.bending: rod" );
-    }
-    return WISP_OK;
+    const bool is_guided = s->has_tips && ( s->tips_hold & WISP_STRAND_TIP_GUIDED ) != 0;
+    const scene_case cases[] = {
+        { s->has_ghosts, NULL, "got both 'dynamics' and 'ghosts', expected one of them" },
+        { s->has_frozen_hair, NULL,
+          "got both 'dynamics' and 'frozen_hair', expected one of them; ghosts can have 'frozen_hair'" },
+        { s->mass_count > 0 && s->dynamics.vertex_mass > 0.0f, NULL,
+          "got both dynamics.vertex_mass and dynamics.vertex_masses, expected one of them" },
+        { s->has_head && text_find_path( node, "on_surface" ) != NULL, NULL,
+          "got both 'head' and 'on_surface', expected one of them" },
+    };
+    WISP_TRY( scene_refuse_cases( r, node, cases, WISP_COUNT( cases ) ) );
+    WISP_TRY( scene_refuse_jumps( r, text_find_path( node, "frame" ), &s->frame_path, SCENE_JUMPS ) );
+    return is_guided && s->dynamics.bending != WISP_STRAND_BEND_ROD
+               ? scene_refuse_node( r, text_find_path( node, "tips" ),
+                                    "got tips whose direction is held, expected them with dynamics.bending: rod" )
+               : WISP_OK;
 }
 
 // What only strands that move can take; ghosts are at least kept out of bodies.
-static wisp_status check_still( scene_reader* r, const scene_node* node, const wisp_scene_strands* s )
+static wisp_status check_still( scene_reader* r, const text_node* node, const wisp_scene_strands* s )
 {
-    static const char* const keys[] = { "head", "tips",      "frame",   "max_speed", "on_surface",
-                                        "grid", "collision", "contact", "sleep",     "start" };
-    for ( int i = 0; i < WISP_COUNT( keys ); ++i )
-    {
-        const scene_node* child = scene_child( r, node, keys[i] );
-        const bool is_free = ( s->has_ghosts || !s->has_collision ) && strcmp( keys[i], "collision" ) == 0;
-        if ( child && !is_free )
-        {
-            return scene_refuse_node( r, child, "'%s' needs the key 'dynamics'", keys[i] );
-        }
-    }
-    return WISP_OK;
+    static const char* const keys[] = { "head", "tips",    "frame", "max_speed", "on_surface",
+                                        "grid", "contact", "sleep", "start",     "collision" };
+    const bool may_collide = s->has_ghosts || !s->has_collision;
+    return scene_refuse_keys( r, node, keys, WISP_COUNT( keys ) - may_collide, "needs the key 'dynamics'" );
 }
 
-wisp_status scene_check_strands( scene_reader* r, const scene_node* node, const wisp_scene_strands* s )
+wisp_status scene_check_strands( scene_reader* r, const text_node* node, const wisp_scene_strands* s )
 {
-    wisp_status status = check_source( r, node, s );
-    if ( !status && s->is_curves )
+    // Curves are drawn and nothing else: where they are is up to the strands that they run through.
+    static const char* const not_of_curves[] = { "transform", "dynamics",    "head",        "on_surface", "grid",
+                                                 "ghosts",    "frozen_hair", "environment", "collision",  "contact" };
+    const int sources = ( s->file != NULL ) + s->is_generated + s->is_scattered + s->is_curves;
+    const scene_case source_cases[] = {
+        { sources == 0, NULL, "got none of 'file', 'generate', 'scatter' and 'curves', expected one of them" },
+        { sources > 1, NULL,
+          "got more than one of 'file', 'generate', 'scatter' and 'curves', expected one of them" },
+    };
+    WISP_TRY( scene_refuse_cases( r, node, source_cases, WISP_COUNT( source_cases ) ) );
+    if ( s->is_curves )
     {
-        return check_curves( r, node );
+        return scene_refuse_keys( r, node, not_of_curves, WISP_COUNT( not_of_curves ),
+                                  "is not possible with 'curves'" );
     }
-    const scene_node* transform = s->is_scattered ? scene_child( r, node, "transform" ) : NULL;
-    if ( !status && transform )
-    {
-        return scene_refuse_node( r, transform, "'transform' is not possible with 'scatter'" );
-    }
-    if ( !status && s->has_ghosts && !s->is_scattered &&
-         !scene_child( r, scene_child( r, node, "ghosts" ), "targets" ) )
-    {
-        return scene_refuse_node( r, node, "got neither ghosts.targets nor 'scatter', expected one of them" );
-    }
-    const scene_node* detail = scene_child( r, node, "detail" );
-    if ( !status && detail )
-    {
-        const scene_node* level = scene_child( r, detail, "level" );
-        status = scene_check_strands_detail( r, level ? level : detail, s, s->detail.level );
-    }
-    if ( !status && s->has_frozen_hair && s->frozen_hair.base == WISP_FROZEN_BASE_STROKE && s->has_cursor )
+    const scene_case cases[] = {
+        { s->is_scattered && text_find_path( node, "transform" ) != NULL, "transform",
+          "'transform' is not possible with 'scatter'" },
+        { s->has_ghosts && !s->is_scattered && text_find_path( node, "ghosts.targets" ) == NULL, NULL,
+          "got neither ghosts.targets nor 'scatter', expected one of them" },
+    };
+    WISP_TRY( scene_refuse_cases( r, node, cases, WISP_COUNT( cases ) ) );
+    const text_node *detail = text_find_path( node, "detail" ), *level = text_find_path( detail, "level" );
+    WISP_TRY( detail ? scene_check_strands_detail( r, level ? level : detail, s, s->detail.level ) : WISP_OK );
+    if ( s->has_frozen_hair && s->frozen_hair.base == WISP_FROZEN_BASE_STROKE && s->has_cursor )
     {
         return scene_refuse_node(
-            r, scene_child( r, node, "frozen_hair" ),
+            r, text_find_path( node, "frozen_hair" ),
             "'align.cursor' is not possible with 'base: stroke', where only hair events turn strands" );
     }
-    return status ? status : s->has_dynamics ? check_dynamics( r, node, s ) : check_still( r, node, s );
+    return s->has_dynamics ? check_dynamics( r, node, s ) : check_still( r, node, s );
 }
 
 // ---- entries that are named ----
 
 // A value of an entry, or null; the path leads to it then.
-static const scene_node* enter( scene_reader* r, const scene_node* entry, const char* block, const char* key )
+static const text_node* enter( scene_reader* r, const text_node* entry, const char* path )
 {
-    const scene_node* outer = block ? scene_child( r, entry, block ) : entry;
-    const scene_node* node = outer ? scene_child( r, outer, key ) : NULL;
-    if ( node && block )
-    {
-        scene_enter_key( r, block );
-    }
+    const text_node* node = text_find_path( entry, path );
     if ( node )
     {
-        scene_enter_key( r, key );
+        scene_enter_key( r, path );
     }
     return node;
 }
 
 // A source comes before what is scattered around it, so there is no circle, and it is read or made itself.
-static wisp_status bind_scatter( scene_reader* r, const scene_node* entry, int i )
+static wisp_status bind_scatter( scene_reader* r, const text_node* entry, int i, void* none )
 {
+    (void)none;
     wisp_scene_strands* s = &r->scene->strands[i];
-    const scene_node* node = enter( r, entry, "scatter", "around" );
-    wisp_status status = node ? scene_read_named( r, node, SCENE_STRANDS, &s->scatter.around ) : WISP_OK;
-    if ( status || !node )
+    const text_node* node = enter( r, entry, "scatter.around" );
+    if ( !node )
     {
-        return status;
+        return WISP_OK;
     }
+    WISP_TRY( scene_read_named( r, node, SCENE_STRANDS, &s->scatter.around ) );
     const wisp_scene_strands* source = &r->scene->strands[s->scatter.around];
     if ( s->scatter.around >= i )
     {
@@ -371,15 +314,16 @@ static wisp_status bind_scatter( scene_reader* r, const scene_node* entry, int i
                                     s->scatter.count, source->name, (long long)made, WISP_GROOM_MAX_GENERATED );
 }
 
-static wisp_status bind_curves( scene_reader* r, const scene_node* entry, int i )
+static wisp_status bind_curves( scene_reader* r, const text_node* entry, int i, void* none )
 {
+    (void)none;
     wisp_scene_strands* s = &r->scene->strands[i];
-    const scene_node* node = enter( r, entry, "curves", "of" );
-    wisp_status status = node ? scene_read_named( r, node, SCENE_STRANDS, &s->curves_of ) : WISP_OK;
-    if ( status || !node )
+    const text_node* node = enter( r, entry, "curves.of" );
+    if ( !node )
     {
-        return status;
+        return WISP_OK;
     }
+    WISP_TRY( scene_read_named( r, node, SCENE_STRANDS, &s->curves_of ) );
     wisp_scene_strands* source = &r->scene->strands[s->curves_of];
     if ( source->is_curves )
     {
@@ -390,20 +334,17 @@ static wisp_status bind_curves( scene_reader* r, const scene_node* entry, int i 
 }
 
 // Scattered ghosts follow what they are scattered around, unless they say otherwise.
-static wisp_status bind_ghosts( scene_reader* r, const scene_node* entry, int i )
+static wisp_status bind_ghosts( scene_reader* r, const text_node* entry, int i, void* none )
 {
+    (void)none;
     wisp_scene_strands* s = &r->scene->strands[i];
     if ( !s->has_ghosts )
     {
         return WISP_OK;
     }
-    const scene_node* node = enter( r, entry, "ghosts", "targets" );
+    const text_node* node = enter( r, entry, "ghosts.targets" );
     s->targets = s->scatter.around;
-    wisp_status status = node ? scene_read_named( r, node, SCENE_STRANDS, &s->targets ) : WISP_OK;
-    if ( status )
-    {
-        return status;
-    }
+    WISP_TRY( node ? scene_read_named( r, node, SCENE_STRANDS, &s->targets ) : WISP_OK );
     wisp_scene_strands* targets = &r->scene->strands[s->targets];
     if ( !targets->has_dynamics )
     {
@@ -414,51 +355,31 @@ static wisp_status bind_ghosts( scene_reader* r, const scene_node* entry, int i 
     return WISP_OK;
 }
 
-static wisp_status bind_root( scene_reader* r, const scene_node* entry, int i )
+static wisp_status bind_root( scene_reader* r, const text_node* entry, int i, void* none )
 {
-    const scene_node* node = enter( r, entry, NULL, "on_surface" );
+    (void)none;
+    const text_node* node = enter( r, entry, "on_surface" );
     return node ? scene_read_named( r, node, SCENE_SURFACE, &r->scene->strands[i].on_surface ) : WISP_OK;
 }
 
-typedef wisp_status bind_fn( scene_reader* r, const scene_node* entry, int i );
-
-static wisp_status bind_all( scene_reader* r, const scene_node* list, bind_fn* bind )
+static wisp_status bind_list( scene_reader* r, const text_node* root, const char* key, scene_item_fn* bind )
 {
-    int i = 0;
-    for ( const scene_node* item = scene_first( r->tree, list ); item; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, i );
-        wisp_status status = bind( r, item, i++ );
-        if ( status )
-        {
-            return status;
-        }
-        scene_leave( r, outside );
-    }
+    const text_node* list = text_find_path( root, key );
+    const size_t outside = scene_enter_key( r, key );
+    WISP_TRY( list ? scene_read_items( r, list, bind, NULL ) : WISP_OK );
+    scene_leave( r, outside );
     return WISP_OK;
 }
 
-static wisp_status bind_list( scene_reader* r, const scene_node* root, const char* key, bind_fn* bind )
+wisp_status scene_bind_strands( scene_reader* r, const text_node* root )
 {
-    const scene_node* list = scene_child( r, root, key );
-    size_t outside = scene_enter_key( r, key );
-    wisp_status status = list ? bind_all( r, list, bind ) : WISP_OK;
-    if ( !status )
-    {
-        scene_leave( r, outside );
-    }
-    return status;
+    WISP_TRY( bind_list( r, root, "strands", bind_scatter ) );
+    WISP_TRY( bind_list( r, root, "strands", bind_curves ) );
+    return bind_list( r, root, "strands", bind_ghosts );
 }
 
-wisp_status scene_bind_strands( scene_reader* r, const scene_node* root )
+wisp_status scene_bind_to_surfaces( scene_reader* r, const text_node* root )
 {
-    wisp_status status = bind_list( r, root, "strands", bind_scatter );
-    status = status ? status : bind_list( r, root, "strands", bind_curves );
-    return status ? status : bind_list( r, root, "strands", bind_ghosts );
-}
-
-wisp_status scene_bind_to_surfaces( scene_reader* r, const scene_node* root )
-{
-    const wisp_status status = bind_list( r, root, "strands", bind_root );
-    return status ? status : bind_list( r, root, "surfaces", scene_bind_attachments );
+    WISP_TRY( bind_list( r, root, "strands", bind_root ) );
+    return bind_list( r, root, "surfaces", scene_bind_attachments );
 }

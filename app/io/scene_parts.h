@@ -25,37 +25,33 @@ extern const scene_block SCENE_SEAM_BLOCK;                                      
 extern const scene_block SCENE_BOX_BLOCK;                                       // over wisp_scene_box
 extern const scene_block SCENE_PIN_GROUP_BLOCK;                                 // over wisp_scene_pins
 
-extern const scene_block SCENE_MESH_BLOCKS[WISP_MESH_SHAPE_COUNT];      // over wisp_mesh_generator
-extern const scene_block SCENE_COLLIDER_BLOCKS[WISP_COLLIDER_COUNT];    // over wisp_scene_collider
-extern const scene_block SCENE_PIN_POSE_BLOCK, SCENE_POSITION_BLOCK;    // over wisp_scene_pose
-extern const scene_block SCENE_ROTATION_BLOCK;                          // over what scene_mesh.c makes a rotation of
-extern const scene_choice SCENE_STRANDS_WORDS[], SCENE_SURFACE_WORDS[]; // of `compute`
+extern const scene_block SCENE_MESH_BLOCKS[WISP_MESH_SHAPE_COUNT];   // over wisp_mesh_generator
+extern const scene_block SCENE_COLLIDER_BLOCKS[WISP_COLLIDER_COUNT]; // over wisp_scene_collider
+extern const scene_block SCENE_PIN_POSE_BLOCK, SCENE_POSITION_BLOCK; // over wisp_scene_pose
+extern const scene_block SCENE_ROTATION_BLOCK;                       // over what scene_mesh.c makes a rotation of
 extern const scene_choice SCENE_REPAIR_WORDS[], SCENE_REQUIRE_WORDS[];
+extern const int SCENE_REPAIR_BITS[], SCENE_REQUIRE_BITS[]; // flags of mesh.h
+
+// Lists of the scene, of entries and of their values.
+extern const scene_list SCENE_STRANDS_LIST, SCENE_SURFACES_LIST, SCENE_COLLIDERS_LIST, SCENE_SEAMS_LIST,
+    SCENE_COMMANDS_LIST, SCENE_EVENTS_LIST;
+extern const scene_list SCENE_STRAND_PINS, SCENE_VERTEX_MASSES;                                // of strands
+extern const scene_list SCENE_VERTICES, SCENE_PIN_BOXES, SCENE_PIN_PLACES, SCENE_PIN_GROUPS;   // of a surface
+extern const scene_list SCENE_PIN_PATH, SCENE_HEAD_PATH, SCENE_TIPS_PATH, SCENE_COLLIDER_PATH; // in a wisp_scene_path
 
 // Readers that fill what they are pointed at.
-scene_read_fn scene_read_name, scene_read_file;      // const char*
-scene_read_fn scene_read_later_name;                 // nothing: a name that is looked up once all are known
-scene_read_fn scene_read_rotation;                   // wisp_quat
-scene_read_fn scene_read_mesh_generate;              // wisp_scene_mesh
-scene_read_fn scene_read_repair, scene_read_require; // int, flags of mesh.h
-scene_read_fn scene_read_pin_path;                   // wisp_scene_path
-scene_read_fn scene_read_layers;                     // uint32_t, a bit a layer
-scene_read_fn scene_read_strain_limit;               // float[2]
-scene_read_fn scene_read_tile_size;                  // int
+scene_read_fn scene_read_name, scene_read_file; // const char*
+scene_read_fn scene_read_later_name;            // nothing: a name that is looked up once all are known
+scene_read_fn scene_read_rotation;              // wisp_quat
+scene_read_fn scene_read_mesh_generate;         // wisp_scene_mesh
+scene_read_fn scene_read_layers;                // uint32_t, a bit a layer
+scene_read_fn scene_read_strain_limit;          // float[2]
+scene_read_fn scene_read_tile_size;             // int
 
-// Readers of the scene's lists; they are pointed at the wisp_scene.
-scene_read_fn scene_read_dt_factors, scene_read_strands, scene_read_surfaces, scene_read_colliders, scene_read_seams,
-    scene_read_commands, scene_read_events, scene_read_outputs, scene_read_contact;
-
-// Readers of an entry's values; they are pointed at the entry.
-scene_read_fn scene_read_generate, scene_read_curve, scene_read_request; // wisp_scene_strands
-scene_read_fn scene_read_strand_pins, scene_read_vertex_masses, scene_read_head_path,
-    scene_read_tips_path;                                                  // wisp_scene_strands
-scene_read_fn scene_read_pins, scene_read_pin_box, scene_read_pin_nearest; // wisp_scene_pins
-scene_read_fn scene_read_pin_groups, scene_read_surface_request, scene_read_outlet,
-    scene_read_gas_ratio_keyframes;                                              // wisp_scene_surface
-scene_read_fn scene_read_collider_path, scene_read_friction, scene_read_heights; // wisp_scene_collider
-scene_read_fn scene_read_collider_request;                                       // bool
+// Readers that are pointed at the scene or the entry.
+scene_read_fn scene_read_contact;                    // wisp_scene
+scene_read_fn scene_read_generate, scene_read_curve; // wisp_scene_strands
+scene_read_fn scene_read_outlet;                     // wisp_scene_surface
 
 /// An entry of `events` before its time has become a step.
 typedef struct scene_event
@@ -74,42 +70,37 @@ wisp_scene_collider scene_default_collider( void );
 wisp_scene_seam scene_default_seam( void );
 
 /// scene_mesh.c: a distance to weld needs the repair. @param node of a surface or a collider
-wisp_status scene_check_weld( scene_reader* reader, const scene_node* node, const wisp_scene_mesh* mesh );
-
-/// A path of poses { time, position, rotation }. @param start the first pose's rotation unless it has its own
-wisp_status scene_read_positions( scene_reader* reader, const scene_node* node, wisp_quat start,
-                                  wisp_scene_path* path );
+wisp_status scene_check_weld( scene_reader* reader, const text_node* node, const wisp_scene_mesh* mesh );
 
 /// scene_seams.c: what the layer of a surface must be besides what its table says.
-wisp_status scene_check_boundary( scene_reader* reader, const scene_node* node, const wisp_scene_surface* surface );
+wisp_status scene_check_boundary( scene_reader* reader, const text_node* node, const wisp_scene_surface* surface );
 
 /// scene_surface_held.c: what motion constraints and the frame of a surface must be besides what their tables say.
-wisp_status scene_check_held( scene_reader* reader, const scene_node* node, const wisp_scene_surface* surface );
+wisp_status scene_check_held( scene_reader* reader, const text_node* node, const wisp_scene_surface* surface );
 
 /// scene_animation.c: what an animation must be besides what its table says.
-wisp_status scene_check_animation( scene_reader* reader, const scene_node* node, const wisp_scene_surface* surface );
+wisp_status scene_check_animation( scene_reader* reader, const text_node* node, const wisp_scene_surface* surface );
 wisp_scene_clip scene_default_clip( void );
 
 /// scene_motion.c: what an entry of strands must be besides what its tables say.
-wisp_status scene_check_strands( scene_reader* reader, const scene_node* node, const wisp_scene_strands* strands );
+wisp_status scene_check_strands( scene_reader* reader, const text_node* node, const wisp_scene_strands* strands );
 /// Find the strands that entries of strands name.
-wisp_status scene_bind_strands( scene_reader* reader, const scene_node* root );
+wisp_status scene_bind_strands( scene_reader* reader, const text_node* root );
 /// Find the surfaces that entries of strands name, and those that pins are attached to.
-wisp_status scene_bind_to_surfaces( scene_reader* reader, const scene_node* root );
+wisp_status scene_bind_to_surfaces( scene_reader* reader, const text_node* root );
 
 /// scene_surface_pins.c: find the surfaces that pins of one surface are attached to.
-wisp_status scene_bind_attachments( scene_reader* reader, const scene_node* entry, int surface );
+wisp_status scene_bind_attachments( scene_reader* reader, const text_node* entry, int surface, void* none );
 wisp_scene_pins scene_default_pins( void );
 /// @return whether a group of pins has keyframes
 bool scene_moves_groups( const wisp_scene_surface* surface );
-/// A list of vertices of the mesh that is read, reader->mesh. @param out [count of the node]
-wisp_status scene_read_vertices( scene_reader* reader, const scene_node* node, int32_t* out );
+/// A list of vertices of the surface that is read. @param out [count of the node]
+wisp_status scene_read_vertices( scene_reader* reader, const text_node* node, int32_t* out );
 
 /// scene_copies.c: make entries of the copies that entries ask for, after all others, whose numbers stay. To be called once all
 /// names are bound.
 wisp_status scene_make_copies( scene_reader* reader );
 
-// scene_origin.c
 /// Find where the scene is, and make places relative to it. Before copies are made, which share arrays.
 void scene_find_origin( wisp_scene* scene );
 
@@ -118,6 +109,9 @@ int64_t scene_made_vertices( const wisp_scene_strands* strands );
 
 /// Vertices that a recipe makes.
 int64_t scene_generator_vertices( const wisp_mesh_generator* generator );
+
+/// Vertices of a surface that is made, 0 of another one.
+int64_t scene_surface_vertices( const wisp_scene* scene, int surface );
 
 /// Entries that may be named by those that follow. To be called once for each list, in the order of scene_named.
 /// @param entries [count] each begins as scene_entry does
@@ -133,21 +127,24 @@ typedef struct scene_entry
 /// The registered entry of a name; null: there is none.
 const scene_name* scene_find_name( const scene_reader* reader, const char* text );
 /// The number of the entry that a value names.
-wisp_status scene_read_named( scene_reader* reader, const scene_node* node, scene_named what, int* index );
-
-/// A list of entries: refuse another value, or too many, and take zeroed memory for them.
-/// @param items receives null if the list is empty
-wisp_status scene_begin_list( scene_reader* reader, const scene_node* node, const char* what, int most, size_t size,
-                              void** items );
+wisp_status scene_read_named( scene_reader* reader, const text_node* node, scene_named what, int* index );
 
 /// Read the items of a list one after the other, each with its number in the path, until one is refused.
-typedef wisp_status scene_item_fn( scene_reader* reader, const scene_node* item, int index, void* context );
-wisp_status scene_read_items( scene_reader* reader, const scene_node* list, scene_item_fn* read, void* context );
+wisp_status scene_read_items( scene_reader* reader, const text_node* list, scene_item_fn* read, void* context );
 /// @param out [list->count]
-wisp_status scene_read_numbers( scene_reader* reader, const scene_node* list, const scene_field* field, float* out );
+wisp_status scene_read_numbers( scene_reader* reader, const text_node* list, const scene_field* field, float* out );
+
+/// Refuse a vertex that is not there, if it is known how many there are. @param of the name of their body, or null
+wisp_status scene_check_vertex( scene_reader* reader, const text_node* node, int vertex, bool is_known, int64_t count,
+                                const char* of );
+
+/// Refuse keyframes that jump. @param why such as SCENE_JUMPS
+wisp_status scene_refuse_jumps( scene_reader* reader, const text_node* node, const wisp_scene_path* path,
+                                const char* why );
+#define SCENE_JUMPS "only keyframes of pins, colliders and heads can jump"
 
 /// Refuse the time of a keyframe that is not after that of the one before.
-wisp_status scene_check_rises( scene_reader* reader, const scene_node* node, float before, float time );
+wisp_status scene_check_rises( scene_reader* reader, const text_node* node, float before, float time );
 
 /// scene_map.c: a map instead of a number; the number becomes its largest value. @param base a wisp_scene_surface
-wisp_status scene_read_map( scene_reader* r, const scene_node* node, const scene_field* field, void* base );
+wisp_status scene_read_map( scene_reader* r, const text_node* node, const scene_field* field, void* base );

@@ -47,9 +47,9 @@ extern const scene_choice SCENE_DETAIL_LEVELS[];
 #define SCENE_DETAIL_CHOICES .choices = SCENE_DETAIL_LEVELS, .constants = "WISP_DETAIL_"
 
 /// Refuse a level that the entry has nothing for. @param node of the key
-wisp_status scene_check_surface_detail( scene_reader* r, const scene_node* node, const wisp_scene_surface* s,
+wisp_status scene_check_surface_detail( scene_reader* r, const text_node* node, const wisp_scene_surface* s,
                                         wisp_detail level );
-wisp_status scene_check_strands_detail( scene_reader* r, const scene_node* node, const wisp_scene_strands* s,
+wisp_status scene_check_strands_detail( scene_reader* r, const text_node* node, const wisp_scene_strands* s,
                                         wisp_detail level );
 
 // ---- scene start ----
@@ -64,21 +64,23 @@ static const scene_choice SCENE_STARTS[] = {
     { NULL, NULL },
 };
 
-#define SCENE_START_FIELDS( entry )                                                                                  \
-    { "shape", SCENE_CHOICE, .at = offsetof( entry, start.shape ), .choices = SCENE_STARTS,                          \
+// Of a block over a wisp_scene_start.
+#define SCENE_START_FIELDS                                                                                           \
+    { "shape", SCENE_CHOICE, .at = offsetof( wisp_scene_start, shape ), .choices = SCENE_STARTS,                     \
       .help = "Where vertices start." },                                                                             \
-        { "scale", SCENE_VECTOR, .at = offsetof( entry, start.scale ), .range = RANGE( -1000, 1000 ),                \
+        { "scale", SCENE_VECTOR, .at = offsetof( wisp_scene_start, scale ), .range = RANGE( -1000, 1000 ),           \
           .help = "Factors along x, y and z about the centre, before the shape." },                                  \
-        { "turns", SCENE_NUMBER, .at = offsetof( entry, start.turns ), .range = RANGE( -1000, 1000 ),                \
+        { "turns", SCENE_NUMBER, .at = offsetof( wisp_scene_start, turns ), .range = RANGE( -1000, 1000 ),           \
           .help = "Full turns, with `shape: twisted`." },                                                            \
         { "shake",                                                                                                   \
           SCENE_NUMBER,                                                                                              \
-          .at = offsetof( entry, start.shake ),                                                                      \
+          .at = offsetof( wisp_scene_start, shake ),                                                                 \
           .range = RANGE( 0, 1e6 ),                                                                                  \
           .unit = METRES,                                                                                            \
           .help = "Largest displacement along each axis, at random, after the shape." },                             \
     {                                                                                                                \
-        "seed", SCENE_SEED, .at = offsetof( entry, start.seed ), .help = "Seed of random places and of `shake`."     \
+        "seed", SCENE_SEED, .at = offsetof( wisp_scene_start, seed ),                                                \
+                            .help = "Seed of random places and of `shake`."                                          \
     }
 
 /// Defaults of a start.
@@ -89,23 +91,27 @@ static inline wisp_scene_start scene_default_start( void )
 
 // ---- scene copies ----
 
-/// The fields of a block over an entry that has `copies`.
-#define SCENE_COPIES_FIELDS( entry )                                                                                 \
-    { "count",                                                                                                       \
-      SCENE_WHOLE,                                                                                                   \
-      .required = true,                                                                                              \
-      .at = offsetof( entry, copies.count ),                                                                         \
-      .range = RANGE( 1, WISP_SCENE_MAX_SURFACES ),                                                                  \
-      .help = "Number of entries that this one becomes. The first keeps the name, which other entries mean; the "    \
-              "others are called `name-2`, `name-3` and so on." },                                                   \
-        { "columns", SCENE_WHOLE, .at = offsetof( entry, copies.columns ),                                           \
-          .range = RANGE( 0, WISP_SCENE_MAX_SURFACES ),                                                              \
-          .help = "Entries in a row of the grid; 0 takes the root of `count`, rounded up." },                        \
+static const scene_field SCENE_COPIES_FIELDS[] = {
+    { "count", SCENE_WHOLE, .required = true, .at = offsetof( wisp_scene_copies, count ),
+      .range = RANGE( 1, WISP_SCENE_MAX_SURFACES ),
+      .help = "Number of entries that this one becomes. The first keeps the name, which other entries mean; the "
+              "others are called `name-2`, `name-3` and so on." },
+    { "columns", SCENE_WHOLE, .at = offsetof( wisp_scene_copies, columns ),
+      .range = RANGE( 0, WISP_SCENE_MAX_SURFACES ),
+      .help = "Entries in a row of the grid; 0 takes the root of `count`, rounded up." },
+    { "spacing", SCENE_VECTOR, .required = true, .at = offsetof( wisp_scene_copies, spacing ), .range = COORDINATE,
+      .unit = METRES,
+      .help = "Displacement from a column to the next, along x, and from a row to the next, along y and z." },
+};
+
+// ---- scene names ----
+
+/// Of an entry, which begins as scene_entry does.
+#define SCENE_NAME_FIELD                                                                                             \
     {                                                                                                                \
-        "spacing", SCENE_VECTOR, .required = true, .at = offsetof( entry, copies.spacing ), .range = COORDINATE,     \
-                                 .unit = METRES,                                                                     \
-                                 .help = "Displacement from a column to the next, along x, and from a row to the "   \
-                                         "next, along y and z."                                                      \
+        "name", SCENE_CUSTOM, .required = true, .read = scene_read_name,                                             \
+                              .help = "Unique among strands, surfaces, colliders and seams.",                        \
+                              .form = "1 to 64 of the characters A-Z a-z 0-9 _ -"                                    \
     }
 
 // ---- scene pins ----
@@ -115,30 +121,30 @@ static inline wisp_scene_start scene_default_start( void )
 /// The fields of a block over a struct in which a wisp_scene_pins starts at `start`.
 #define SCENE_PIN_FIELDS( start )                                                                                    \
     { "pins",                                                                                                        \
-      SCENE_CUSTOM,                                                                                                  \
-      .at = ( start ),                                                                                               \
-      .read = scene_read_pins,                                                                                       \
+      SCENE_ENTRIES,                                                                                                 \
+      .at = SCENE_PIN_AT( start, vertices ),                                                                         \
+      .of = &SCENE_VERTICES,                                                                                         \
       .help = "Vertices that are held, as the file or the generator numbers them.",                                  \
       .form = "list of vertices",                                                                                    \
       .initial = "none" },                                                                                           \
         { "pin_box",                                                                                                 \
-          SCENE_CUSTOM,                                                                                              \
-          .at = ( start ),                                                                                           \
-          .read = scene_read_pin_box,                                                                                \
+          SCENE_ENTRIES,                                                                                             \
+          .at = SCENE_PIN_AT( start, boxes ),                                                                        \
+          .of = &SCENE_PIN_BOXES,                                                                                    \
           .help = "Holds all vertices that start inside; a box without a vertex is refused.",                        \
           .form = "{min, max} or a list of them",                                                                    \
           .initial = "none" },                                                                                       \
         { "pin_nearest",                                                                                             \
-          SCENE_CUSTOM,                                                                                              \
-          .at = ( start ),                                                                                           \
-          .read = scene_read_pin_nearest,                                                                            \
+          SCENE_ENTRIES,                                                                                             \
+          .at = SCENE_PIN_AT( start, nearest ),                                                                      \
+          .of = &SCENE_PIN_PLACES,                                                                                   \
           .help = "Holds the vertex that starts nearest to each point.",                                             \
           .form = "list of points [x, y, z]",                                                                        \
           .initial = "none" },                                                                                       \
         { "pin_keyframes",                                                                                           \
-          SCENE_CUSTOM,                                                                                              \
+          SCENE_ENTRIES,                                                                                             \
           .at = SCENE_PIN_AT( start, path ),                                                                         \
-          .read = scene_read_pin_path,                                                                               \
+          .of = &SCENE_PIN_PATH,                                                                                     \
           .help = "Displacement of all these pins from where they started, or from where an event held them.",       \
           .form = "list of keyframes {time, translate, rotate}",                                                     \
           .initial = "none" },                                                                                       \

@@ -26,14 +26,13 @@ typedef struct scene_name
 typedef struct scene_reader
 {
     const scene_source* source;
-    const scene_tree* tree;
     wisp_scene* scene;
     char path[128]; // of the value being read, such as strands[0].frozen_hair
     size_t path_length;
     scene_name* names; // [name_count] of the lists that were read, by text
     int name_count;
-    const wisp_scene_mesh* mesh; // of the surface that is read: what its vertices are numbered in
-    int body_count;              // colliders, and surfaces that are some
+    const void* entry; // of the list that is read: what its values are numbered in
+    int body_count;    // colliders, and surfaces that are some
 } scene_reader;
 
 /// Lengthen the path while a list's item is read. @return what scene_leave() takes
@@ -42,9 +41,11 @@ size_t scene_enter_key( scene_reader* reader, const char* key );
 void scene_leave( scene_reader* reader, size_t path_length );
 
 /// Refuse a value: the message begins with its place and the path.
-wisp_status scene_refuse_node( const scene_reader* reader, const scene_node* node, const char* format, ... )
+wisp_status scene_refuse_node( const scene_reader* reader, const text_node* node, const char* format, ... )
     __attribute__( ( format( printf, 3, 4 ) ) );
 
 /// Zeroed memory that lives as long as the scene. @return null if there is none, or if the count is 0
 void* scene_take( wisp_scene* scene, size_t count, size_t size );
+/// A text that lives as long as the scene. @return null without memory
+const char* scene_print( wisp_scene* scene, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
 wisp_status scene_no_memory( const scene_reader* reader );

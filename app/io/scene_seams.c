@@ -3,6 +3,8 @@
 
 #include "scene_ranges.h"
 
+#include "wisp/module/definition.h"
+
 #include <stddef.h>
 
 // ---- contact ----
@@ -43,10 +45,10 @@ const scene_block SCENE_BOUNDARY_BLOCK =
     SCENE_BLOCK_OF( BOUNDARY_FIELDS, boundary_def, wisp_scene_surface, boundary );
 
 // Spacings that are left out depend on the mesh; the module checks them.
-wisp_status scene_check_boundary( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+wisp_status scene_check_boundary( scene_reader* r, const text_node* node, const wisp_scene_surface* s )
 {
     const wisp_boundary_def* b = &s->boundary;
-    const scene_node* eye = scene_child( r, scene_child( r, node, "boundary" ), "eye" );
+    const text_node* eye = text_find_path( node, "boundary.eye" );
     if ( eye && b->eye_angle == 0.0f )
     {
         return scene_refuse_node( r, eye, "boundary.eye needs an 'eye_angle' above 0" );
@@ -122,12 +124,8 @@ static const scene_choice WORDS[] = {
     { NULL, NULL },
 };
 
-static wisp_status read_requests( scene_reader* r, const scene_node* node, void* at )
-{
-    wisp_scene* scene = at;
-    bool* const requests[] = { &scene->request_contact_stats, &scene->request_intersections };
-    return scene_read_words( r, node, WORDS, requests, NULL, NULL );
-}
+static const size_t REQUESTS[] = { offsetof( wisp_scene, request_contact_stats ),
+                                   offsetof( wisp_scene, request_intersections ) };
 
 static const scene_field WORLD_FIELDS[] = {
     { "level", .choices = LEVELS, .constants = "WISP_CONTACT_", .help = "What is kept apart, and how surely." },
@@ -135,17 +133,17 @@ static const scene_field WORLD_FIELDS[] = {
       .help = "How much farther than they keep apart pairs are searched, in such distances; it changes the time and "
               "not the "
               "result, except with `level: spheres`." },
-    { "compute", SCENE_CUSTOM, .read = read_requests, .choices = WORDS,
-      .help = "Statistics that are computed and printed.", .form = "list of words", .initial = "none" },
+    { "compute", SCENE_WORDS, .choices = WORDS, .switches = REQUESTS,
+      .help = "Statistics that are computed and printed.", .initial = "none" },
 };
 const scene_block SCENE_WORLD_CONTACT_BLOCK = SCENE_BLOCK_OF( WORLD_FIELDS, contact_settings, wisp_scene, contact );
 
-wisp_status scene_read_contact( scene_reader* r, const scene_node* node, void* at )
+wisp_status scene_read_contact( scene_reader* r, const text_node* node, void* at )
 {
     wisp_scene* scene = at;
-    wisp_status status = scene_read_block( r, node, &SCENE_WORLD_CONTACT_BLOCK, scene );
-    scene->has_contact = status == WISP_OK;
-    return status;
+    WISP_TRY( scene_read_block( r, node, &SCENE_WORLD_CONTACT_BLOCK, scene ) );
+    scene->has_contact = true;
+    return WISP_OK;
 }
 
 // ---- seams ----
@@ -154,17 +152,52 @@ wisp_status scene_read_contact( scene_reader* r, const scene_node* node, void* a
 
 // ---- values ----
 
-static scene_read_fn read_surfaces, read_pairs;
+static wisp_status read_side( scene_reader* r, const text_node* node, int side, void* surfaces )
+{
+    return scene_read_named( r, node, SCENE_SURFACE, (int*)surfaces + side );
+}
+
+static wisp_status read_surfaces( scene_reader* r, const text_node* node, void* at )
+{
+    WISP_TRY( scene_expect_pair( r, node, "a pair of names of surfaces" ) );
+    return scene_read_items( r, node, read_side, at );
+}
+
+// How many vertices a surface has is known if its mesh is made; else the world says it.
+static wisp_status read_vertex( scene_reader* r, const text_node* node, int side, void* pair )
+{
+    static const scene_field field = { "vertex", SCENE_WHOLE, .range = RANGE( 0, WISP_SCENE_MAX_VERTICES - 1 ) };
+    const wisp_scene_seam* seam = r->entry;
+    const wisp_scene_surface* surface = &r->scene->surfaces[seam->surfaces[side]];
+    int32_t* vertex = (int32_t*)pair + side;
+    WISP_TRY( scene_read_whole( r, node, &field, vertex ) );
+    return scene_check_vertex( r, node, *vertex, surface->mesh.is_generated,
+                               scene_generator_vertices( &surface->mesh.generator ), surface->name );
+}
+
+static wisp_status read_pair( scene_reader* r, const text_node* node, int index, void* pairs )
+{
+    const wisp_scene_seam* seam = r->entry;
+    int32_t* pair = (int32_t*)pairs + 2 * (size_t)index;
+    WISP_TRY( scene_expect_pair( r, node, "a pair of vertices" ) );
+    WISP_TRY( scene_read_items( r, node, read_vertex, pair ) );
+    return seam->surfaces[0] == seam->surfaces[1] && pair[0] == pair[1]
+               ? scene_refuse_node( r, node, "got vertex %d twice", pair[0] )
+               : WISP_OK;
+}
+
+static const scene_list PAIRS = { .what = "a list of pairs of vertices",
+                                  .size = 2 * sizeof( int32_t ),
+                                  .read = read_pair };
 
 // `surfaces` stands before `pairs`: it says which vertices there are.
 static const scene_field SEAM_FIELDS[] = {
-    { "name", SCENE_CUSTOM, .required = true, .at = AT( name ), .read = scene_read_name,
-      .form = "1 to 64 of the characters A-Z a-z 0-9 _ -",
-      .help = "Unique among strands, surfaces, colliders and seams." },
-    { "surfaces", SCENE_CUSTOM, .required = true, .read = read_surfaces, .form = "pair of names of surfaces",
+    SCENE_NAME_FIELD,
+    { "surfaces", SCENE_CUSTOM, .required = true, .at = AT( surfaces ), .read = read_surfaces,
+      .form = "pair of names of surfaces",
       .help = "What is sewn together; the same name twice sews a surface to itself." },
-    { "pairs", SCENE_CUSTOM, .read = read_pairs, .form = "list of pairs [vertex of the first, vertex of the second]",
-      .initial = "those that `within` finds",
+    { "pairs", SCENE_ENTRIES, .at = AT( pairs ), .of = &PAIRS,
+      .form = "list of pairs [vertex of the first, vertex of the second]", .initial = "those that `within` finds",
       .help = "Vertices that are sewn together, as numbered in the file. A vertex may be in several pairs." },
     { "within", .range = RANGE( 1e-6, 1e6 ), .initial = "none",
       .help = "Each boundary vertex of one surface is sewn to the nearest one of the other if it starts within this "
@@ -177,79 +210,6 @@ static const scene_field SEAM_FIELDS[] = {
 };
 const scene_block SCENE_SEAM_BLOCK = SCENE_BLOCK_OF( SEAM_FIELDS, seam_def, wisp_scene_seam, def );
 
-static wisp_status read_surfaces( scene_reader* r, const scene_node* node, void* base )
-{
-    wisp_scene_seam* seam = base;
-    wisp_status status = scene_expect_pair( r, node, "a pair of names of surfaces" );
-    const scene_node* item = status ? NULL : scene_first( r->tree, node );
-    for ( int k = 0; k < 2 && !status; ++k, item = scene_next( r->tree, item ) )
-    {
-        const size_t outside = scene_enter_index( r, k );
-        status = scene_read_named( r, item, SCENE_SURFACE, &seam->surfaces[k] );
-        if ( !status )
-        {
-            scene_leave( r, outside );
-        }
-    }
-    return status;
-}
-
-// How many vertices a surface has is known if its mesh is made; else the world says it.
-static wisp_status read_vertex( scene_reader* r, const scene_node* node, const wisp_scene_seam* seam, int side,
-                                int32_t* out )
-{
-    static const scene_field field = { "vertex", SCENE_WHOLE, .range = RANGE( 0, WISP_SCENE_MAX_VERTICES - 1 ) };
-    const wisp_scene_surface* surface = &r->scene->surfaces[seam->surfaces[side]];
-    int vertex = 0;
-    wisp_status status = scene_read_whole( r, node, &field, &vertex );
-    const int64_t count = scene_generator_vertices( &surface->mesh.generator );
-    if ( !status && surface->mesh.is_generated && vertex >= count )
-    {
-        return scene_refuse_node( r, node, "got vertex %d of '%s', expected 0 .. %lld", vertex, surface->name,
-                                  (long long)( count - 1 ) );
-    }
-    *out = vertex;
-    return status;
-}
-
-typedef struct seam_pairs
-{
-    const wisp_scene_seam* seam;
-    int32_t* pairs; // [][2]
-} seam_pairs;
-
-static wisp_status read_pair( scene_reader* r, const scene_node* node, int index, void* context )
-{
-    const wisp_scene_seam* seam = ( (const seam_pairs*)context )->seam;
-    int32_t* pair = ( (const seam_pairs*)context )->pairs + 2 * (size_t)index;
-    wisp_status status = scene_expect_pair( r, node, "a pair of vertices" );
-    const scene_node* item = status ? NULL : scene_first( r->tree, node );
-    for ( int k = 0; k < 2 && !status; ++k, item = scene_next( r->tree, item ) )
-    {
-        const size_t outside = scene_enter_index( r, k );
-        status = read_vertex( r, item, seam, k, &pair[k] );
-        if ( !status )
-        {
-            scene_leave( r, outside );
-        }
-    }
-    return !status && seam->surfaces[0] == seam->surfaces[1] && pair[0] == pair[1]
-               ? scene_refuse_node( r, node, "got vertex %d twice", pair[0] )
-               : status;
-}
-
-static wisp_status read_pairs( scene_reader* r, const scene_node* node, void* base )
-{
-    wisp_scene_seam* seam = base;
-    void* items;
-    wisp_status status =
-        scene_begin_list( r, node, "a list of pairs of vertices", SCENE_MAX_NODES, 2 * sizeof( int32_t ), &items );
-    seam_pairs list = { seam, items };
-    seam->pairs = items;
-    seam->pair_count = status ? 0 : node->count;
-    return status ? status : scene_read_items( r, node, read_pair, &list );
-}
-
 // ---- the list ----
 
 wisp_scene_seam scene_default_seam( void )
@@ -257,36 +217,25 @@ wisp_scene_seam scene_default_seam( void )
     return ( wisp_scene_seam ){ .def = wisp_default_seam_def() };
 }
 
-static wisp_status read_entry( scene_reader* r, const scene_node* node, int index, void* context )
+static wisp_status read_entry( scene_reader* r, const text_node* node, int index, void* entries )
 {
-    wisp_scene* scene = context;
-    wisp_scene_seam* seam = &scene->seams[index];
-    scene->seam_count = index + 1;
+    wisp_scene_seam* seam = (wisp_scene_seam*)entries + index;
     *seam = scene_default_seam();
     seam->line = node->line;
     seam->column = node->column;
-    const wisp_status status = scene_read_block( r, node, &SCENE_SEAM_BLOCK, seam );
+    r->entry = seam;
+    WISP_TRY( scene_read_block( r, node, &SCENE_SEAM_BLOCK, seam ) );
     const bool has_within = seam->def.within > 0.0f;
-    if ( !status && has_within == ( seam->pair_count > 0 ) )
-    {
-        return scene_refuse_node( r, node, "got %s, expected one of them",
-                                  has_within ? "both 'pairs' and 'within'" : "neither 'pairs' nor 'within'" );
-    }
-    if ( !status && has_within && seam->surfaces[0] == seam->surfaces[1] )
-    {
-        return scene_refuse_node( r, scene_child( r, node, "within" ),
-                                  "'within' needs two surfaces, a surface that is sewn to itself needs 'pairs'" );
-    }
-    return status;
+    WISP_TRY( scene_expect_one( r, node, "pairs", seam->pair_count > 0, "within", has_within ) );
+    return has_within && seam->surfaces[0] == seam->surfaces[1]
+               ? scene_refuse_node( r, text_find_path( node, "within" ),
+                                    "'within' needs two surfaces, a surface that is sewn to itself needs 'pairs'" )
+               : WISP_OK;
 }
 
-wisp_status scene_read_seams( scene_reader* r, const scene_node* node, void* at )
-{
-    wisp_scene* scene = at;
-    void* items;
-    wisp_status status =
-        scene_begin_list( r, node, "a list of seams", WISP_SCENE_MAX_SEAMS, sizeof *scene->seams, &items );
-    scene->seams = items;
-    status = status ? status : scene_read_items( r, node, read_entry, scene );
-    return status ? status : scene_register( r, SCENE_SEAM, scene->seams, sizeof *scene->seams, scene->seam_count );
-}
+const scene_list SCENE_SEAMS_LIST = { .what = "a list of seams",
+                                      .size = sizeof( wisp_scene_seam ),
+                                      .most = WISP_SCENE_MAX_SEAMS,
+                                      .read = read_entry,
+                                      .is_named = true,
+                                      .named = SCENE_SEAM };

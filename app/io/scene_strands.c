@@ -3,6 +3,8 @@
 
 #include "scene_ranges.h"
 
+#include "wisp/module/definition.h"
+
 #include <math.h>
 #include <stddef.h>
 
@@ -115,6 +117,41 @@ static const scene_field LOOK_FIELDS[] = {
 static const scene_block LOOK_BLOCK =
     SCENE_BLOCK_OF( LOOK_FIELDS, strand_appearance_def, wisp_scene_strands, appearance );
 
+// ---- compute ----
+
+static const scene_choice WORDS[] = {
+    { "points", "positions" },
+    { "width", "width of each vertex; needs `appearance`" },
+    { "colour", "colour of each vertex; needs `appearance`" },
+    { "strain", "relative error of the length of each segment; needs `dynamics`" },
+    { "speed", "speed of each vertex; needs `dynamics`" },
+    { "motion_stats", "mass, momentum, energy, largest strain and speed; needs `dynamics`" },
+    { "collision_stats", "largest penetration and number of contacts; needs `collision`" },
+    { NULL, NULL },
+};
+static const size_t REQUESTS[] = { AT( request_points ),  AT( request_width ), AT( request_colour ),
+                                   AT( request_strain ),  AT( request_speed ), AT( request_motion_stats ),
+                                   AT( request_contacts ) };
+
+// Words from OF_LOOK on need a look, those from OF_DYNAMICS on a motion, those from OF_COLLISION on a collision
+// too, which ghosts can have without a motion of their own.
+static wisp_status check_word( scene_reader* r, const text_node* item, int word, const void* entry )
+{
+    enum
+    {
+        OF_LOOK = 1,
+        OF_DYNAMICS = 3,
+        OF_COLLISION = 6,
+    };
+    const wisp_scene_strands* s = entry;
+    const bool moves = s->has_dynamics || ( word >= OF_COLLISION && s->has_ghosts );
+    const char* lacks = word >= OF_LOOK && word < OF_DYNAMICS && !s->has_appearance ? "appearance"
+                        : word >= OF_DYNAMICS && !moves                             ? "dynamics"
+                        : word >= OF_COLLISION && !s->has_collision                 ? "collision"
+                                                                                    : NULL;
+    return lacks ? scene_refuse_node( r, item, "'%s' needs the key '%s'", WORDS[word].word, lacks ) : WISP_OK;
+}
+
 // ---- an entry of strands ----
 
 static const scene_field TRANSFORM_FIELDS[] = {
@@ -127,17 +164,14 @@ static const scene_field TRANSFORM_FIELDS[] = {
 };
 static const scene_block TRANSFORM_BLOCK = SCENE_BLOCK_ALONE( TRANSFORM_FIELDS );
 
-static const scene_field COPIES_FIELDS[] = { SCENE_COPIES_FIELDS( wisp_scene_strands ) };
-static const scene_block COPIES_BLOCK = SCENE_BLOCK_ALONE( COPIES_FIELDS );
+static const scene_block COPIES_BLOCK = SCENE_BLOCK_IN( SCENE_COPIES_FIELDS, wisp_scene_strands, copies );
 
-static const scene_field START_FIELDS[] = { SCENE_START_FIELDS( wisp_scene_strands ) };
-static const scene_block START_BLOCK = SCENE_BLOCK_ALONE( START_FIELDS );
+static const scene_field START_FIELDS[] = { SCENE_START_FIELDS };
+static const scene_block START_BLOCK = SCENE_BLOCK_IN( START_FIELDS, wisp_scene_strands, start );
 
 // `generate` stands before what is numbered by its strands and vertices, and the effects before `compute`.
 static const scene_field STRANDS_FIELDS[] = {
-    { "name", SCENE_CUSTOM, .required = true, .at = AT( name ), .read = scene_read_name,
-      .help = "Unique among strands, surfaces, colliders and seams.",
-      .form = "1 to 64 of the characters A-Z a-z 0-9 _ -" },
+    SCENE_NAME_FIELD,
     { "file", SCENE_CUSTOM, .at = AT( file ), .read = scene_read_file,
       .help = "Groom to read (`.hair`), relative to the folder of the scene.", .form = "path", .initial = "none" },
     { "generate", SCENE_CUSTOM, .read = scene_read_generate, .help = "Generates the strands instead of reading them.",
@@ -186,8 +220,8 @@ static const scene_field STRANDS_FIELDS[] = {
       .help = "Derives the stiffness of all strands from temperature and wetness." },
     { "appearance", SCENE_BLOCK, .at = AT( has_appearance ), .block = &LOOK_BLOCK,
       .help = "Width and colour from root to tip." },
-    { "compute", SCENE_CUSTOM, .given = AT( has_compute ), .read = scene_read_request, .choices = SCENE_STRANDS_WORDS,
-      .help = "What is computed for output and statistics.", .form = "list of words",
+    { "compute", SCENE_WORDS, .given = AT( has_compute ), .choices = WORDS, .switches = REQUESTS, .check = check_word,
+      .help = "What is computed for output and statistics.",
       .initial = "`points`; none of strands that are not shown; `[]`: none" },
     { "show", SCENE_SWITCH, .at = AT( is_shown ), .given = AT( has_show ),
       .help = "Whether pictures show the strands.",
@@ -235,40 +269,30 @@ wisp_scene_strands scene_default_strands( wisp_vec3 gravity )
     return strands;
 }
 
-static wisp_status read_entry( scene_reader* r, const scene_node* node, int index, void* context )
+static wisp_status read_entry( scene_reader* r, const text_node* node, int index, void* entries )
 {
-    wisp_scene* scene = context;
-    wisp_scene_strands* strands = &scene->strands[index];
-    scene->strands_count = index + 1;
+    wisp_scene_strands* strands = (wisp_scene_strands*)entries + index;
+    r->entry = strands;
     *strands = scene_default_strands( r->scene->gravity );
     strands->line = node->line;
     strands->column = node->column;
     // Ghosts move in every step, so frozen hair on them follows in every step.
-    if ( scene_child( r, node, "ghosts" ) )
+    if ( text_find_path( node, "ghosts" ) )
     {
         strands->frozen_hair.update_on = WISP_FROZEN_UPDATE_FRAME;
     }
     strands->has_collision = r->body_count > 0;
-    wisp_status status = scene_read_block( r, node, &SCENE_STRANDS_BLOCK, strands );
-    if ( strands->has_dynamics == false && scene_child( r, node, "collision" ) == NULL )
+    WISP_TRY( scene_read_block( r, node, &SCENE_STRANDS_BLOCK, strands ) );
+    if ( strands->has_dynamics == false && text_find_path( node, "collision" ) == NULL )
     {
         strands->has_collision = false;
     }
-    return status ? status : scene_check_strands( r, node, strands );
+    return scene_check_strands( r, node, strands );
 }
 
-wisp_status scene_read_strands( scene_reader* r, const scene_node* node, void* base )
-{
-    wisp_scene* scene = base;
-    void* items;
-    wisp_status status =
-        scene_begin_list( r, node, "a list of strands", WISP_SCENE_MAX_STRANDS, sizeof *scene->strands, &items );
-    if ( status || !items )
-    {
-        return status;
-    }
-    scene->strands = items;
-    status = scene_read_items( r, node, read_entry, scene );
-    return status ? status
-                  : scene_register( r, SCENE_STRANDS, scene->strands, sizeof *scene->strands, scene->strands_count );
-}
+const scene_list SCENE_STRANDS_LIST = { .what = "a list of strands",
+                                        .size = sizeof( wisp_scene_strands ),
+                                        .most = WISP_SCENE_MAX_STRANDS,
+                                        .read = read_entry,
+                                        .is_named = true,
+                                        .named = SCENE_STRANDS };

@@ -2,6 +2,8 @@
 #include "scene_parts.h"
 #include "scene_ranges.h"
 
+#include "wisp/module/definition.h"
+
 #include <stddef.h>
 
 #define AT( member ) offsetof( wisp_scene_surface, member )
@@ -27,7 +29,7 @@ static const scene_field MOTION_FIELDS[] = {
     { "backstop_compliance", .help = "Compliance of the backstop, with `solver: xpbd`." },
     { "distance_stiffness", .help = "Stiffness of the largest distance, with `solver: pbd`." },
     { "backstop_stiffness", .help = "Stiffness of the backstop, with `solver: pbd`." },
-    { "keyframes", SCENE_CUSTOM, .at = AT( target_path ), .read = scene_read_pin_path,
+    { "keyframes", SCENE_ENTRIES, .at = AT( target_path ), .of = &SCENE_PIN_PATH,
       .help = "Displacement of the targets from where the vertices start; without `jump`.",
       .form = "list of keyframes {time, translate, rotate}", .initial = "none" },
     { "pivot", SCENE_VECTOR, .at = AT( target_pivot ), .range = COORDINATE, .unit = METRES,
@@ -82,7 +84,7 @@ const scene_block SCENE_SURFACE_COLLIDER_BLOCK =
 static const scene_field FRAME_FIELDS[] = {
     { "linear_inertia", .help = "Fraction of the displacement of the frame that the surface feels." },
     { "angular_inertia", .help = "Fraction of the rotation of the frame that the surface feels." },
-    { "keyframes", SCENE_CUSTOM, .at = AT( frame_path ), .read = scene_read_pin_path,
+    { "keyframes", SCENE_ENTRIES, .at = AT( frame_path ), .of = &SCENE_PIN_PATH,
       .help = "Displacement of the frame from where it starts; without `jump`.",
       .form = "list of keyframes {time, translate, rotate}", .initial = "none" },
     { "pivot", SCENE_VECTOR, .at = AT( frame_pivot ), .range = COORDINATE, .unit = METRES,
@@ -116,122 +118,83 @@ const scene_block SCENE_STRANDS_DETAIL_BLOCK =
 
 // ---- what no table can say ----
 
-static wisp_status check_path( scene_reader* r, const scene_node* node, const char* key, const wisp_scene_path* path )
-{
-    for ( int i = 0; i < path->count; ++i )
-    {
-        if ( path->poses[i].jump )
-        {
-            return scene_refuse_node( r, scene_child( r, node, key ),
-                                      "'jump' in keyframe %d: only keyframes of pins, colliders and heads can jump",
-                                      i );
-        }
-    }
-    return WISP_OK;
-}
-
 // What the engine would refuse too, at the line of the key.
-static wisp_status check_tearing( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+static wisp_status check_tearing( scene_reader* r, const text_node* node, const wisp_scene_surface* s )
 {
-    const struct
-    {
-        bool is_given;
-        const char* message;
-    } cases[] = {
-        { s->has_cloth == false, "needs the key 'cloth'" },
-        { s->cloth.solver == WISP_SOLVER_PBD, "needs the solver xpbd, but 'solver' of 'cloth' is pbd" },
-        { s->cloth.coarse_substeps > 0, "is not possible with coarse sheets: set cloth.coarse_substeps to 0" },
-        { s->cloth.tethers, "is not possible with cloth.tethers" },
-        { s->has_motion_constraints, "is not possible with 'motion_constraints'" },
-        { s->has_boundary, "is not possible with 'boundary'" },
-        { s->has_animation, "is not possible with 'animation'" },
-        { s->has_collider, "is not possible with 'collider'" },
-        { s->vertex_mass > 0.0f, "needs 'area_density', but the surface has 'vertex_mass'" },
-        { s->mass_ratio != 1.0f, "is not possible with 'mass_ratio'" },
+    const scene_case cases[] = {
+        { s->has_cloth == false, NULL, "'tearing' needs the key 'cloth'" },
+        { s->cloth.solver == WISP_SOLVER_PBD, NULL,
+          "'tearing' needs the solver xpbd, but 'solver' of 'cloth' is pbd" },
+        { s->cloth.coarse_substeps > 0, NULL,
+          "'tearing' is not possible with coarse sheets: set cloth.coarse_substeps to 0" },
+        { s->cloth.tethers, NULL, "'tearing' is not possible with cloth.tethers" },
+        { s->has_motion_constraints, NULL, "'tearing' is not possible with 'motion_constraints'" },
+        { s->has_boundary, NULL, "'tearing' is not possible with 'boundary'" },
+        { s->has_animation, NULL, "'tearing' is not possible with 'animation'" },
+        { s->has_collider, NULL, "'tearing' is not possible with 'collider'" },
+        { s->vertex_mass > 0.0f, NULL, "'tearing' needs 'area_density', but the surface has 'vertex_mass'" },
+        { s->mass_ratio != 1.0f, NULL, "'tearing' is not possible with 'mass_ratio'" },
     };
-    for ( int i = 0; i < WISP_COUNT( cases ) && s->has_tearing; ++i )
-    {
-        if ( cases[i].is_given )
-        {
-            return scene_refuse_node( r, scene_child( r, node, "tearing" ), "'tearing' %s", cases[i].message );
-        }
-    }
-    return WISP_OK;
+    return scene_refuse_cases( r, text_find_path( node, "tearing" ), cases, WISP_COUNT( cases ) );
 }
 
 // What says how links stretch says nothing of a membrane.
-static wisp_status check_membrane( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+static wisp_status check_membrane( scene_reader* r, const text_node* node, const wisp_scene_surface* s )
 {
-    static const char* const of_links[][2] = {
-        { "balloon", "solver" },
-        { "balloon", "edge_stiffness" },
-        { "balloon", "bend_link_stiffness" },
-        { "balloon", "stretch_stiffness" },
-        { "balloon", "bend_stiffness" },
-        { "cloth", "warp_compliance" },
-        { "cloth", "weft_compliance" },
-        { "cloth", "shear_compliance" },
-        { "cloth", "stretch_stiffness" },
-        { "cloth", "shear_stiffness" },
-        { "cloth", "warp" },
+    static const char* const of_links[] = {
+        "balloon.solver",
+        "balloon.edge_stiffness",
+        "balloon.bend_link_stiffness",
+        "balloon.stretch_stiffness",
+        "balloon.bend_stiffness",
+        "cloth.warp_compliance",
+        "cloth.weft_compliance",
+        "cloth.shear_compliance",
+        "cloth.stretch_stiffness",
+        "cloth.shear_stiffness",
+        "cloth.warp",
     };
-    for ( int i = 0; i < WISP_COUNT( of_links ); ++i )
-    {
-        const scene_node* block = scene_child( r, node, of_links[i][0] );
-        const scene_node* key = block ? scene_child( r, block, of_links[i][1] ) : NULL;
-        if ( key )
-        {
-            return scene_refuse_node( r, key, "'%s' is of links, and a membrane has none", of_links[i][1] );
-        }
-    }
-    const scene_node* mine = scene_child( r, node, "membrane" );
-    if ( s->has_cloth && s->cloth.coarse_substeps > 0 )
-    {
-        return scene_refuse_node( r, mine,
-                                  "'membrane' is not possible with coarse sheets: set cloth.coarse_substeps to 0" );
-    }
-    if ( s->has_implicit || s->has_tearing )
-    {
-        return scene_refuse_node( r, mine, "'membrane' is not possible with '%s'",
-                                  s->has_implicit ? "implicit" : "tearing" );
-    }
-    return s->has_cloth && s->cloth.bending == WISP_CLOTH_BENDING_LINKS
-               ? scene_refuse_node( r, mine, "'membrane' needs cloth.bending dihedral, isometric or none, got links" )
-               : WISP_OK;
+    const scene_case cases[] = {
+        { s->has_cloth && s->cloth.coarse_substeps > 0, NULL,
+          "'membrane' is not possible with coarse sheets: set cloth.coarse_substeps to 0" },
+        { s->has_implicit, NULL, "'membrane' is not possible with 'implicit'" },
+        { s->has_tearing, NULL, "'membrane' is not possible with 'tearing'" },
+        { s->has_cloth && s->cloth.bending == WISP_CLOTH_BENDING_LINKS, NULL,
+          "'membrane' needs cloth.bending dihedral, isometric or none, got links" },
+    };
+    WISP_TRY(
+        scene_refuse_keys( r, node, of_links, WISP_COUNT( of_links ), "is of links, and a membrane has none" ) );
+    return scene_refuse_cases( r, text_find_path( node, "membrane" ), cases, WISP_COUNT( cases ) );
 }
 
 // Without a limit they do nothing, whatever else is said.
-static wisp_status check_motion_constraints( scene_reader* r, const scene_node* node )
+static wisp_status check_motion_constraints( scene_reader* r, const text_node* held )
 {
-    const scene_node* held = scene_child( r, node, "motion_constraints" );
-    const scene_node* backstop = held ? scene_child( r, held, "backstop" ) : NULL;
-    if ( held && !backstop && !scene_child( r, held, "max_distance" ) )
-    {
-        return scene_refuse_node( r, held, "'motion_constraints' needs 'max_distance' or 'backstop'" );
-    }
-    const scene_node* radius = held ? scene_child( r, held, "backstop_radius" ) : NULL;
-    return radius && !backstop ? scene_refuse_node( r, radius, "'backstop_radius' needs 'backstop'" ) : WISP_OK;
+    const bool has_backstop = text_find_path( held, "backstop" ) != NULL;
+    const scene_case cases[] = {
+        { !has_backstop && text_find_path( held, "max_distance" ) == NULL, NULL,
+          "'motion_constraints' needs 'max_distance' or 'backstop'" },
+        { !has_backstop && text_find_path( held, "backstop_radius" ) != NULL, "backstop_radius",
+          "'backstop_radius' needs 'backstop'" },
+    };
+    return scene_refuse_cases( r, held, cases, WISP_COUNT( cases ) );
 }
 
-wisp_status scene_check_held( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+wisp_status scene_check_held( scene_reader* r, const text_node* node, const wisp_scene_surface* s )
 {
-    const bool has_path = s->target_path.count > 0 || s->frame_path.count > 0 || scene_moves_groups( s );
-    for ( int i = 0; has_path && i < s->pins.path.count; ++i )
+    const text_node *held = text_find_path( node, "motion_constraints" ), *frame = text_find_path( node, "frame" );
+    if ( s->target_path.count > 0 || s->frame_path.count > 0 || scene_moves_groups( s ) )
     {
-        if ( s->pins.path.poses[i].jump )
-        {
-            return scene_refuse_node(
-                r, scene_child( r, node, "pin_keyframes" ),
-                "'jump' in keyframe %d: not with keyframes of motion_constraints, frame or pin_groups", i );
-        }
+        WISP_TRY( scene_refuse_jumps( r, text_find_path( node, "pin_keyframes" ), &s->pins.path,
+                                      "not with keyframes of motion_constraints, frame or pin_groups" ) );
     }
     if ( s->has_frame && s->has_implicit )
     {
-        return scene_refuse_node( r, scene_child( r, node, "frame" ), "'frame' is not possible with 'implicit'" );
+        return scene_refuse_node( r, frame, "'frame' is not possible with 'implicit'" );
     }
-    wisp_status status = check_tearing( r, node, s );
-    status = status || !s->has_membrane ? status : check_membrane( r, node, s );
-    status = status ? status : check_path( r, node, "motion_constraints", &s->target_path );
-    status = status ? status : check_motion_constraints( r, node );
-    return status ? status : check_path( r, node, "frame", &s->frame_path );
+    WISP_TRY( s->has_tearing ? check_tearing( r, node, s ) : WISP_OK );
+    WISP_TRY( s->has_membrane ? check_membrane( r, node, s ) : WISP_OK );
+    WISP_TRY( scene_refuse_jumps( r, held, &s->target_path, SCENE_JUMPS ) );
+    WISP_TRY( held ? check_motion_constraints( r, held ) : WISP_OK );
+    return scene_refuse_jumps( r, frame, &s->frame_path, SCENE_JUMPS );
 }

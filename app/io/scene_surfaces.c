@@ -3,6 +3,8 @@
 #include "scene_parts.h"
 #include "scene_ranges.h"
 
+#include "wisp/module/definition.h"
+
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
@@ -13,72 +15,55 @@
 
 // ---- limits and gas ----
 
-wisp_status scene_read_strain_limit( scene_reader* r, const scene_node* node, void* at )
+wisp_status scene_read_strain_limit( scene_reader* r, const text_node* node, void* at )
 {
-    static const scene_field least = { "least", SCENE_NUMBER, .range = UNIT_RANGE };
-    static const scene_field most = { "most", SCENE_NUMBER, .range = RANGE( 1, 1e6 ) };
+    static const scene_field pair[2] = { { "least", SCENE_NUMBER, .range = UNIT_RANGE },
+                                         { "most", SCENE_NUMBER, .range = RANGE( 1, 1e6 ) } };
     float* limit = at;
-    wisp_status status = scene_expect_pair( r, node, "a pair [min, max] in rest lengths" );
-    const scene_node* first = scene_first( r->tree, node );
-    status = status ? status : scene_read_number( r, first, &least, &limit[0] );
-    return status ? status : scene_read_number( r, scene_next( r->tree, first ), &most, &limit[1] );
+    return scene_read_pair( r, node, "a pair [min, max] in rest lengths", pair, &limit[0], &limit[1] );
 }
 
-wisp_status scene_read_tile_size( scene_reader* r, const scene_node* node, void* at )
+wisp_status scene_read_tile_size( scene_reader* r, const text_node* node, void* at )
 {
     static const scene_field field = { "tile_size", SCENE_WHOLE, .range = RANGE( 0, 65536 ) };
     int* size = at;
-    wisp_status status = scene_read_whole( r, node, &field, size );
-    if ( !status && *size != 0 && ( *size < 64 || *size % 8 != 0 ) )
-    {
-        return scene_refuse_node( r, node, "got %d, expected 0, or a multiple of 8 in [64, 65536]", *size );
-    }
-    return status;
+    WISP_TRY( scene_read_whole( r, node, &field, size ) );
+    return *size == 0 || ( *size >= 64 && *size % 8 == 0 )
+               ? WISP_OK
+               : scene_refuse_node( r, node, "got %d, expected 0, or a multiple of 8 in [64, 65536]", *size );
 }
 
-wisp_status scene_read_outlet( scene_reader* r, const scene_node* node, void* at )
+wisp_status scene_read_outlet( scene_reader* r, const text_node* node, void* at )
 {
     wisp_scene_surface* surface = at;
-    wisp_status status = scene_expect_list( r, node, "a list of vertices" );
-    if ( !status && ( node->count == 0 || node->count > WISP_BALLOON_MAX_OUTLET ) )
+    WISP_TRY( scene_expect_list( r, node, "a list of vertices" ) );
+    if ( node->count == 0 || node->count > WISP_BALLOON_MAX_OUTLET )
     {
         return scene_refuse_node( r, node, "got %d vertices, expected 1 to %d", node->count,
                                   WISP_BALLOON_MAX_OUTLET );
     }
-    if ( !status )
-    {
-        surface->balloon.outlet_count = node->count;
-        status = scene_read_vertices( r, node, surface->balloon.outlet );
-    }
-    return status;
+    surface->balloon.outlet_count = node->count;
+    return scene_read_vertices( r, node, surface->balloon.outlet );
 }
 
-static wisp_status read_fill( scene_reader* r, const scene_node* node, int index, void* context )
+static wisp_status read_fill( scene_reader* r, const text_node* node, int index, void* keyframes )
 {
-    wisp_scene_gas_ratio_keyframe* gas_ratio = (wisp_scene_gas_ratio_keyframe*)context + index;
-    static const scene_field time = { "time", SCENE_NUMBER, .range = TIME, .unit = SECONDS };
-    static const scene_field fraction = { "gas_ratio", SCENE_NUMBER, .range = RANGE( 1e-3, 1e6 ) };
-    wisp_status status = scene_expect_pair( r, node, "a pair [time, gas_ratio]" );
-    const scene_node* first = scene_first( r->tree, node );
-    status = status ? status : scene_read_number( r, first, &time, &gas_ratio->time );
-    status = status ? status : scene_read_number( r, scene_next( r->tree, first ), &fraction, &gas_ratio->gas_ratio );
-    return status || index == 0 ? status : scene_check_rises( r, first, gas_ratio[-1].time, gas_ratio->time );
+    static const scene_field pair[2] = { { "time", SCENE_NUMBER, .range = TIME, .unit = SECONDS },
+                                         { "gas_ratio", SCENE_NUMBER, .range = RANGE( 1e-3, 1e6 ) } };
+    wisp_scene_gas_ratio_keyframe* gas_ratio = (wisp_scene_gas_ratio_keyframe*)keyframes + index;
+    WISP_TRY( scene_read_pair( r, node, "a pair [time, gas_ratio]", pair, &gas_ratio->time, &gas_ratio->gas_ratio ) );
+    return index == 0 ? WISP_OK : scene_check_rises( r, text_first( node ), gas_ratio[-1].time, gas_ratio->time );
 }
 
-wisp_status scene_read_gas_ratio_keyframes( scene_reader* r, const scene_node* node, void* at )
-{
-    wisp_scene_surface* surface = at;
-    void* items;
-    wisp_status status = scene_begin_list( r, node, "a list of pairs [time, gas_ratio]", SCENE_MAX_NODES,
-                                           sizeof( wisp_scene_gas_ratio_keyframe ), &items );
-    surface->gas_ratio_keyframes = items;
-    surface->gas_ratio_keyframe_count = status ? 0 : node->count;
-    return status ? status : scene_read_items( r, node, read_fill, items );
-}
+static const scene_list GAS_RATIO_KEYFRAMES = { .what = "a list of pairs [time, gas_ratio]",
+                                                .size = sizeof( wisp_scene_gas_ratio_keyframe ),
+                                                .read = read_fill };
 
 // ---- compute ----
 
-const scene_choice SCENE_SURFACE_WORDS[] = {
+#define AT( member ) offsetof( wisp_scene_surface, member )
+
+static const scene_choice WORDS[] = {
     { "points", "positions" },
     { "normals", "unit normals of vertices" },
     { "strain", "relative error of the length of each edge" },
@@ -89,10 +74,10 @@ const scene_choice SCENE_SURFACE_WORDS[] = {
     { NULL, NULL },
 };
 
-static wisp_status check_word( scene_reader* r, const scene_node* item, int word, const void* entry )
+static wisp_status check_word( scene_reader* r, const text_node* item, int word, const void* entry )
 {
     const wisp_scene_surface* s = entry;
-    const char* name = SCENE_SURFACE_WORDS[word].word;
+    const char* name = WORDS[word].word;
     if ( strcmp( name, "effect_stats" ) == 0 && !s->has_balloon && !s->has_implicit )
     {
         return scene_refuse_node( r, item, "'effect_stats' needs the key 'balloon' or 'implicit'" );
@@ -102,19 +87,14 @@ static wisp_status check_word( scene_reader* r, const scene_node* item, int word
                : WISP_OK;
 }
 
-wisp_status scene_read_surface_request( scene_reader* r, const scene_node* node, void* at )
-{
-    wisp_scene_surface* s = at;
-    bool* const requests[] = { &s->request_points,       &s->request_normals, &s->request_strain,  &s->request_speed,
-                               &s->request_motion_stats, &s->request_stats,   &s->request_contacts };
-    return scene_read_words( r, node, SCENE_SURFACE_WORDS, requests, check_word, s );
-}
+static const size_t REQUESTS[] = { AT( request_points ),  AT( request_normals ),      AT( request_strain ),
+                                   AT( request_speed ),   AT( request_motion_stats ), AT( request_stats ),
+                                   AT( request_contacts ) };
 
 // ---- tables ----
 
 // Every key of a surface.
 
-#define AT( member ) offsetof( wisp_scene_surface, member )
 static const scene_choice SOLVERS[] = { { "xpbd", "extended position based dynamics, with compliances in SI units" },
                                         { "pbd", "position based dynamics, with stiffnesses in 0 .. 1" },
                                         { NULL, NULL } };
@@ -181,7 +161,7 @@ static const scene_field BALLOON_FIELDS[] = {
     { "volume", .choices = VOLUMES, .constants = "WISP_SOLVER_", .help = "How the volume is held." },
     { "volume_stiffness", .help = "Stiffness of the volume, with `volume: pbd`." },
     { "gas_ratio", .help = "Volume of the gas at atmospheric pressure, in rest volumes; at least `min_gas_ratio`." },
-    { "gas_ratio_keyframes", SCENE_CUSTOM, .read = scene_read_gas_ratio_keyframes,
+    { "gas_ratio_keyframes", SCENE_ENTRIES, .at = AT( gas_ratio_keyframes ), .of = &GAS_RATIO_KEYFRAMES,
       .help = "Gas ratio over time; it counts from the first pair to the last one, then the gas is left alone.",
       .form = "list of pairs [time, gas_ratio], times rise", .initial = "none" },
     { "inflation_rate", .help = "Gas at atmospheric pressure that flows in; negative lets it out." },
@@ -262,18 +242,17 @@ static const scene_field TRANSFORM_FIELDS[] = {
 };
 static const scene_block TRANSFORM_BLOCK = SCENE_BLOCK_ALONE( TRANSFORM_FIELDS );
 
-static const scene_field COPIES_FIELDS[] = { SCENE_COPIES_FIELDS( wisp_scene_surface ) };
-static const scene_block COPIES_BLOCK = SCENE_BLOCK_ALONE( COPIES_FIELDS );
+static const scene_block COPIES_BLOCK = SCENE_BLOCK_IN( SCENE_COPIES_FIELDS, wisp_scene_surface, copies );
 
 static const scene_field START_FIELDS[] = {
-    { "file", SCENE_CUSTOM, .at = AT( start.file ), .read = scene_read_file,
+    { "file", SCENE_CUSTOM, .at = offsetof( wisp_scene_start, file ), .read = scene_read_file,
       .help = "Mesh with the positions of all vertices in the order of the mesh, before `transform`, `scale` and "
               "`shape`; its "
               "triangles are not used. Pinned vertices start there too.",
       .form = "path", .initial = "the rest shape" },
-    SCENE_START_FIELDS( wisp_scene_surface ),
+    SCENE_START_FIELDS,
 };
-static const scene_block START_BLOCK = SCENE_BLOCK_ALONE( START_FIELDS );
+static const scene_block START_BLOCK = SCENE_BLOCK_IN( START_FIELDS, wisp_scene_surface, start );
 
 #define COLLISION( member ) offsetof( wisp_scene_surface, collision.member )
 
@@ -307,9 +286,7 @@ static const scene_choice SWEEPS[] = {
 
 // `generate` stands before what names its vertices, and the effects before `compute`.
 static const scene_field SURFACE_FIELDS[] = {
-    { "name", SCENE_CUSTOM, .required = true, .at = AT( name ), .read = scene_read_name,
-      .help = "Unique among strands, surfaces, colliders and seams.",
-      .form = "1 to 64 of the characters A-Z a-z 0-9 _ -" },
+    SCENE_NAME_FIELD,
     { "file", SCENE_CUSTOM, .at = AT( mesh.file ), .read = scene_read_file,
       .help = "Mesh to read (`.obj`, `.ply`, `.glb`, `.gltf`), relative to the folder of the scene.", .form = "path",
       .initial = "none" },
@@ -318,15 +295,13 @@ static const scene_field SURFACE_FIELDS[] = {
     { "instance_of", SCENE_CUSTOM, .read = scene_read_later_name,
       .help = "Surface above this one, itself no instance, whose fabric this one shares.",
       .form = "name of a surface", .initial = "none" },
-    { "repair", SCENE_CUSTOM, .at = AT( mesh.repairs ), .read = scene_read_repair, .choices = SCENE_REPAIR_WORDS,
-      .help = "Repairs of the mesh before it is used; what was repaired is printed.", .form = "list of words",
-      .initial = "none" },
+    { "repair", SCENE_WORDS, .at = AT( mesh.repairs ), .choices = SCENE_REPAIR_WORDS, .bits = SCENE_REPAIR_BITS,
+      .help = "Repairs of the mesh before it is used; what was repaired is printed.", .initial = "none" },
     { "weld_distance", SCENE_NUMBER, .at = AT( mesh.weld_distance ), .range = SIZE, .unit = METRES,
       .help = "Distance of `repair: [weld]`, before `transform.scale`.",
       .initial = "a hundred-thousandth of the longest side of the mesh" },
-    { "require", SCENE_CUSTOM, .at = AT( mesh.demands ), .read = scene_read_require, .choices = SCENE_REQUIRE_WORDS,
-      .help = "Properties that the repaired mesh must have; a mesh without them is refused.", .form = "list of words",
-      .initial = "none" },
+    { "require", SCENE_WORDS, .at = AT( mesh.demands ), .choices = SCENE_REQUIRE_WORDS, .bits = SCENE_REQUIRE_BITS,
+      .help = "Properties that the repaired mesh must have; a mesh without them is refused.", .initial = "none" },
     { "transform", SCENE_BLOCK, .block = &TRANSFORM_BLOCK, .help = "Scales, turns and moves the mesh." },
     { "copies", SCENE_BLOCK, .block = &COPIES_BLOCK,
       .help = "Makes several entries of this one, in a grid; they share its fabric." },
@@ -340,7 +315,7 @@ static const scene_field SURFACE_FIELDS[] = {
       .help =
           "Mass of the lowest vertex over that of the highest, as placed; between them it grows by equal factors." },
     SCENE_PIN_FIELDS( AT( pins ) ),
-    { "pin_groups", SCENE_CUSTOM, .read = scene_read_pin_groups,
+    { "pin_groups", SCENE_ENTRIES, .at = AT( pin_groups ), .of = &SCENE_PIN_GROUPS,
       .help = "Further pins, in groups that move, are attached and are released each by itself.",
       .form = "list of blocks", .initial = "none" },
     { "animation", SCENE_BLOCK, .at = AT( has_animation ), .block = &SCENE_ANIMATION_BLOCK,
@@ -397,9 +372,8 @@ static const scene_field SURFACE_FIELDS[] = {
       .help = "A surface that rests costs nothing until something reaches or changes it." },
     { "detail", SCENE_BLOCK, .at = AT( has_detail ), .block = &SCENE_SURFACE_DETAIL_BLOCK,
       .help = "Level of detail: a surface that is far away or out of sight costs less." },
-    { "compute", SCENE_CUSTOM, .given = AT( has_compute ), .read = scene_read_surface_request,
-      .choices = SCENE_SURFACE_WORDS, .help = "What is computed for output and statistics.", .form = "list of words",
-      .initial = "`points`; `[]`: none" },
+    { "compute", SCENE_WORDS, .given = AT( has_compute ), .choices = WORDS, .switches = REQUESTS, .check = check_word,
+      .help = "What is computed for output and statistics.", .initial = "`points`; `[]`: none" },
 };
 #undef AT
 const scene_block SCENE_SURFACE_BLOCK = SCENE_BLOCK_ALONE( SURFACE_FIELDS );
@@ -408,64 +382,45 @@ const scene_block SCENE_SURFACE_BLOCK = SCENE_BLOCK_ALONE( SURFACE_FIELDS );
 
 // ---- an entry ----
 
-static wisp_status check_source( scene_reader* r, const scene_node* node, const wisp_scene_surface* surface )
+static wisp_status check_source( scene_reader* r, const text_node* node, const wisp_scene_surface* surface )
 {
-    static const char* const fabric_keys[] = { "repair", "weld_distance", "require", "solve_order", "tile_size" };
-    const bool instance = scene_child( r, node, "instance_of" ) != NULL;
-    int sources = ( surface->mesh.file != NULL ) + surface->mesh.is_generated + instance;
-    if ( sources == 0 )
-    {
-        return scene_refuse_node( r, node, "got none of 'file', 'generate' and 'instance_of', expected one of them" );
-    }
-    if ( sources > 1 )
-    {
-        return scene_refuse_node( r, node,
-                                  "got more than one of 'file', 'generate' and 'instance_of', expected one of them" );
-    }
-    for ( int i = 0; instance && i < WISP_COUNT( fabric_keys ); ++i )
-    {
-        const scene_node* child = scene_child( r, node, fabric_keys[i] );
-        if ( child )
-        {
-            return scene_refuse_node( r, child, "'%s' is not possible with 'instance_of'", fabric_keys[i] );
-        }
-    }
-    const scene_node* transform = scene_child( r, node, "transform" );
-    const scene_node* scale = instance && transform ? scene_child( r, transform, "scale" ) : NULL;
-    return scale ? scene_refuse_node( r, scale, "'scale' is not possible with 'instance_of'" )
-                 : scene_check_weld( r, node, &surface->mesh );
+    static const char* const of_fabric[] = { "repair",      "weld_distance", "require",
+                                             "solve_order", "tile_size",     "transform.scale" };
+    const bool instance = text_find_path( node, "instance_of" ) != NULL;
+    const int sources = ( surface->mesh.file != NULL ) + surface->mesh.is_generated + instance;
+    const scene_case cases[] = {
+        { sources == 0, NULL, "got none of 'file', 'generate' and 'instance_of', expected one of them" },
+        { sources > 1, NULL, "got more than one of 'file', 'generate' and 'instance_of', expected one of them" },
+    };
+    WISP_TRY( scene_refuse_cases( r, node, cases, WISP_COUNT( cases ) ) );
+    WISP_TRY( scene_refuse_keys( r, node, of_fabric, instance ? WISP_COUNT( of_fabric ) : 0,
+                                 "is not possible with 'instance_of'" ) );
+    return scene_check_weld( r, node, &surface->mesh );
 }
 
-static wisp_status check_cloth( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+static wisp_status check_cloth( scene_reader* r, const text_node* node, const wisp_scene_surface* s )
 {
     const wisp_vec3 warp = s->cloth.warp;
-    if ( !( fabsf( warp.x ) + fabsf( warp.y ) + fabsf( warp.z ) >= 1e-5f ) )
-    {
-        return scene_refuse_node( r, node, "cloth.warp is zero" );
-    }
-    if ( s->cloth.coarse_substeps > 0 && s->cloth.solver == WISP_SOLVER_PBD )
-    {
-        return scene_refuse_node( r, node, "cloth.coarse_substeps needs the solver xpbd, but 'solver' is pbd" );
-    }
-    return WISP_OK;
+    const scene_case cases[] = {
+        { !( fabsf( warp.x ) + fabsf( warp.y ) + fabsf( warp.z ) >= 1e-5f ), NULL, "cloth.warp is zero" },
+        { s->cloth.coarse_substeps > 0 && s->cloth.solver == WISP_SOLVER_PBD, NULL,
+          "cloth.coarse_substeps needs the solver xpbd, but 'solver' is pbd" },
+    };
+    return scene_refuse_cases( r, node, cases, WISP_COUNT( cases ) );
 }
 
-static wisp_status check_balloon( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+static wisp_status check_balloon( scene_reader* r, const text_node* node, const wisp_scene_surface* s )
 {
     const wisp_balloon_def* b = &s->balloon;
-    if ( b->outlet_count > 0 && s->has_outlet_nearest )
-    {
-        return scene_refuse_node( r, node,
-                                  "got both balloon.outlet and balloon.outlet_nearest, expected one of them" );
-    }
-    if ( b->outlet_open && b->outlet_count == 0 && !s->has_outlet_nearest )
-    {
-        return scene_refuse_node( r, node, "balloon.outlet_open is true, but the balloon has no outlet" );
-    }
-    if ( s->outlet_radius > 0.0f && !s->has_outlet_nearest )
-    {
-        return scene_refuse_node( r, node, "balloon.outlet_radius needs balloon.outlet_nearest" );
-    }
+    const scene_case cases[] = {
+        { b->outlet_count > 0 && s->has_outlet_nearest, NULL,
+          "got both balloon.outlet and balloon.outlet_nearest, expected one of them" },
+        { b->outlet_open && b->outlet_count == 0 && !s->has_outlet_nearest, NULL,
+          "balloon.outlet_open is true, but the balloon has no outlet" },
+        { s->outlet_radius > 0.0f && !s->has_outlet_nearest, NULL,
+          "balloon.outlet_radius needs balloon.outlet_nearest" },
+    };
+    WISP_TRY( scene_refuse_cases( r, node, cases, WISP_COUNT( cases ) ) );
     if ( b->gas_ratio < b->min_gas_ratio )
     {
         return scene_refuse_node( r, node, "got balloon.gas_ratio %g, expected at least balloon.min_gas_ratio, %g",
@@ -484,67 +439,50 @@ static wisp_status check_balloon( scene_reader* r, const scene_node* node, const
 }
 
 // What is refused of a plane is not what an instance shares: that is known once its source is.
-static wisp_status check_quad_links( scene_reader* r, const scene_node* node, const wisp_scene_mesh* mesh )
+static wisp_status check_quad_links( scene_reader* r, const text_node* node, const wisp_scene_mesh* mesh )
 {
     return mesh->is_generated && mesh->generator.shape == WISP_MESH_PLANE_REGULAR
                ? WISP_OK
                : scene_refuse_node( r, node, "implicit.links 'quad' needs 'generate: { shape: plane }'" );
 }
 
-static wisp_status check_implicit( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+static wisp_status check_implicit( scene_reader* r, const text_node* node, const wisp_scene_surface* s )
 {
-    const bool instance = scene_child( r, node, "instance_of" ) != NULL;
-    if ( s->has_cloth || s->has_balloon )
-    {
-        return scene_refuse_node( r, node, "got both '%s' and 'implicit', expected one of them",
-                                  s->has_cloth ? "cloth" : "balloon" );
-    }
-    if ( s->strain_limit[0] > 0.0f || s->strain_limit[1] < INFINITY )
-    {
-        return scene_refuse_node( r, node, "got both 'strain_limit' and 'implicit', expected one of them" );
-    }
-    if ( s->has_collision && s->collision.features == WISP_COLLISION_ALL )
-    {
-        return scene_refuse_node( r, node, "collision.features 'all' is not possible with 'implicit'" );
-    }
-    if ( s->has_quad_links && s->implicit.stiffness_model == WISP_IMPLICIT_STIFFNESS_MATERIAL )
-    {
-        return scene_refuse_node( r, node, "implicit.links 'quad' needs 'stiffness_model: link'" );
-    }
-    return s->has_quad_links && !instance ? check_quad_links( r, node, &s->mesh ) : WISP_OK;
+    const scene_case cases[] = {
+        { s->has_cloth, NULL, "got both 'cloth' and 'implicit', expected one of them" },
+        { s->has_balloon, NULL, "got both 'balloon' and 'implicit', expected one of them" },
+        { s->strain_limit[0] > 0.0f || s->strain_limit[1] < INFINITY, NULL,
+          "got both 'strain_limit' and 'implicit', expected one of them" },
+        { s->has_collision && s->collision.features == WISP_COLLISION_ALL, NULL,
+          "collision.features 'all' is not possible with 'implicit'" },
+        { s->has_quad_links && s->implicit.stiffness_model == WISP_IMPLICIT_STIFFNESS_MATERIAL, NULL,
+          "implicit.links 'quad' needs 'stiffness_model: link'" },
+    };
+    WISP_TRY( scene_refuse_cases( r, node, cases, WISP_COUNT( cases ) ) );
+    return s->has_quad_links && !text_find_path( node, "instance_of" ) ? check_quad_links( r, node, &s->mesh )
+                                                                       : WISP_OK;
 }
 
-static wisp_status check_entry( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+static wisp_status check_entry( scene_reader* r, const text_node* node, const wisp_scene_surface* s )
 {
     const bool pinned = wisp_scene_has_pins( s ) || s->has_animation;
-    wisp_status status = check_source( r, node, s );
-    if ( status )
-    {
-        return status;
-    }
-    if ( s->has_cloth && s->has_balloon )
-    {
-        return scene_refuse_node( r, node, "got both 'cloth' and 'balloon', expected one of them" );
-    }
     const bool has_own = s->pins.vertex_count + s->pins.box_count + s->pins.nearest_count > 0 || s->has_animation;
-    if ( ( s->pins.path.count > 0 || s->pins.has_pivot ) && !has_own )
-    {
-        return scene_refuse_node( r, node, "'%s' moves pins, but nothing is pinned",
-                                  s->pins.path.count > 0 ? "pin_keyframes" : "pin_pivot" );
-    }
-    if ( s->has_cloth && s->cloth.tethers && !pinned )
-    {
-        return scene_refuse_node( r, node, "cloth.tethers needs pins, but nothing is pinned" );
-    }
-    const scene_node* detail = scene_child( r, node, "detail" );
-    const scene_node* level = detail ? scene_child( r, detail, "level" ) : NULL;
-    status = level ? scene_check_surface_detail( r, level, s, s->detail.level ) : WISP_OK;
-    status = status ? status : scene_check_held( r, node, s );
-    status = status || !s->has_animation ? status : scene_check_animation( r, node, s );
-    status = status || !s->has_boundary ? status : scene_check_boundary( r, node, s );
-    status = status || !s->has_implicit ? status : check_implicit( r, node, s );
-    status = status || !s->has_cloth ? status : check_cloth( r, node, s );
-    return status || !s->has_balloon ? status : check_balloon( r, node, s );
+    const text_node* level = text_find_path( node, "detail.level" );
+    const scene_case cases[] = {
+        { s->has_cloth && s->has_balloon, NULL, "got both 'cloth' and 'balloon', expected one of them" },
+        { s->pins.path.count > 0 && !has_own, NULL, "'pin_keyframes' moves pins, but nothing is pinned" },
+        { s->pins.has_pivot && !has_own, NULL, "'pin_pivot' moves pins, but nothing is pinned" },
+        { s->has_cloth && s->cloth.tethers && !pinned, NULL, "cloth.tethers needs pins, but nothing is pinned" },
+    };
+    WISP_TRY( check_source( r, node, s ) );
+    WISP_TRY( scene_refuse_cases( r, node, cases, WISP_COUNT( cases ) ) );
+    WISP_TRY( level ? scene_check_surface_detail( r, level, s, s->detail.level ) : WISP_OK );
+    WISP_TRY( scene_check_held( r, node, s ) );
+    WISP_TRY( s->has_animation ? scene_check_animation( r, node, s ) : WISP_OK );
+    WISP_TRY( s->has_boundary ? scene_check_boundary( r, node, s ) : WISP_OK );
+    WISP_TRY( s->has_implicit ? check_implicit( r, node, s ) : WISP_OK );
+    WISP_TRY( s->has_cloth ? check_cloth( r, node, s ) : WISP_OK );
+    return s->has_balloon ? check_balloon( r, node, s ) : WISP_OK;
 }
 
 wisp_scene_surface scene_default_surface( wisp_vec3 gravity )
@@ -588,18 +526,16 @@ bool wisp_scene_is_driven( const wisp_scene_surface* surface )
            !( surface->has_cloth || surface->has_balloon || surface->has_implicit || surface->has_membrane );
 }
 
-static wisp_status read_entry( scene_reader* r, const scene_node* node, int index, void* context )
+static wisp_status read_entry( scene_reader* r, const text_node* node, int index, void* entries )
 {
-    wisp_scene* scene = context;
-    wisp_scene_surface* surface = &scene->surfaces[index];
-    scene->surface_count = index + 1;
+    wisp_scene_surface* surface = (wisp_scene_surface*)entries + index;
     *surface = scene_default_surface( r->scene->gravity );
     surface->line = node->line;
     surface->column = node->column;
-    surface->has_collision = r->body_count > ( scene_child( r, node, "collider" ) != NULL );
-    r->mesh = &surface->mesh;
-    wisp_status status = scene_read_block( r, node, &SCENE_SURFACE_BLOCK, surface );
-    if ( wisp_scene_is_driven( surface ) && scene_child( r, node, "collision" ) == NULL )
+    surface->has_collision = r->body_count > ( text_find_path( node, "collider" ) != NULL );
+    r->entry = surface;
+    WISP_TRY( scene_read_block( r, node, &SCENE_SURFACE_BLOCK, surface ) );
+    if ( wisp_scene_is_driven( surface ) && text_find_path( node, "collision" ) == NULL )
     {
         surface->has_collision = false;
     }
@@ -608,20 +544,16 @@ static wisp_status read_entry( scene_reader* r, const scene_node* node, int inde
     {
         surface->cloth.coarse_substeps = 0;
     }
-    return status ? status : check_entry( r, node, surface );
+    return check_entry( r, node, surface );
 }
 
 // ---- instances ----
 
 // A source comes before its instances, so there is no circle, and it is no instance itself.
-static wisp_status find_source( scene_reader* r, const scene_node* node, int i )
+static wisp_status find_source( scene_reader* r, const text_node* node, int i )
 {
     wisp_scene_surface* surface = &r->scene->surfaces[i];
-    wisp_status status = scene_read_named( r, node, SCENE_SURFACE, &surface->instance_of );
-    if ( status )
-    {
-        return status;
-    }
+    WISP_TRY( scene_read_named( r, node, SCENE_SURFACE, &surface->instance_of ) );
     const wisp_scene_surface* source = &r->scene->surfaces[surface->instance_of];
     if ( surface->instance_of >= i )
     {
@@ -639,29 +571,33 @@ static wisp_status find_source( scene_reader* r, const scene_node* node, int i )
     return surface->has_quad_links ? check_quad_links( r, node, &source->mesh ) : WISP_OK;
 }
 
-static wisp_status bind_instance( scene_reader* r, const scene_node* item, int index, void* context )
+static wisp_status bind_instance( scene_reader* r, const text_node* item, int index, void* context )
 {
     (void)context;
-    const scene_node* source = scene_child( r, item, "instance_of" );
+    const text_node* source = text_find_path( item, "instance_of" );
     const size_t outside = scene_enter_key( r, "instance_of" );
-    const wisp_status status = source ? find_source( r, source, index ) : WISP_OK;
-    if ( !status )
-    {
-        scene_leave( r, outside );
-    }
-    return status;
+    WISP_TRY( source ? find_source( r, source, index ) : WISP_OK );
+    scene_leave( r, outside );
+    return WISP_OK;
 }
 
-// What a file holds is only known when it is read; made meshes are counted here, so that a short scene cannot ask for
-// more memory than a long one.
-static wisp_status count_vertices( scene_reader* r, const scene_node* node )
+// What a file holds is only known when it is read.
+int64_t scene_surface_vertices( const wisp_scene* scene, int surface )
 {
+    const wisp_scene_surface* s = &scene->surfaces[surface];
+    const wisp_scene_mesh* mesh = &scene->surfaces[s->instance_of >= 0 ? s->instance_of : surface].mesh;
+    return mesh->is_generated ? scene_generator_vertices( &mesh->generator ) : 0;
+}
+
+// Made meshes are counted, so that a short scene cannot ask for more memory than a long one.
+static wisp_status bind_instances( scene_reader* r, const text_node* node, void* at )
+{
+    (void)at;
+    WISP_TRY( scene_read_items( r, node, bind_instance, NULL ) );
     int64_t sum = 0;
     for ( int i = 0; i < r->scene->surface_count; ++i )
     {
-        const wisp_scene_surface* surface = &r->scene->surfaces[i];
-        const wisp_scene_mesh* mesh = &r->scene->surfaces[surface->instance_of >= 0 ? surface->instance_of : i].mesh;
-        sum += mesh->is_generated ? scene_generator_vertices( &mesh->generator ) : 0;
+        sum += scene_surface_vertices( r->scene, i );
     }
     return sum <= WISP_SCENE_MAX_VERTICES
                ? WISP_OK
@@ -669,17 +605,10 @@ static wisp_status count_vertices( scene_reader* r, const scene_node* node )
                                     WISP_SCENE_MAX_VERTICES );
 }
 
-wisp_status scene_read_surfaces( scene_reader* r, const scene_node* node, void* at )
-{
-    wisp_scene* scene = at;
-    void* items;
-    wisp_status status =
-        scene_begin_list( r, node, "a list of surfaces", WISP_SCENE_MAX_SURFACES, sizeof *scene->surfaces, &items );
-    scene->surfaces = items;
-    status = status ? status : scene_read_items( r, node, read_entry, scene );
-    status = status
-                 ? status
-                 : scene_register( r, SCENE_SURFACE, scene->surfaces, sizeof *scene->surfaces, scene->surface_count );
-    status = status ? status : scene_read_items( r, node, bind_instance, NULL );
-    return status ? status : count_vertices( r, node );
-}
+const scene_list SCENE_SURFACES_LIST = { .what = "a list of surfaces",
+                                         .size = sizeof( wisp_scene_surface ),
+                                         .most = WISP_SCENE_MAX_SURFACES,
+                                         .read = read_entry,
+                                         .finish = bind_instances,
+                                         .is_named = true,
+                                         .named = SCENE_SURFACE };

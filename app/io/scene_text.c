@@ -1,6 +1,8 @@
 #include "scene_text.h"
 #include "io_file.h"
 
+#include "wisp/module/definition.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,19 +13,17 @@
 typedef struct builder
 {
     const scene_source* source;
-    scene_tree* tree;
+    text_node* root;
     yaml_parser_t parser;
 
-    int open[SCENE_MAX_DEPTH]; // containers being filled, outermost first
-    int last[SCENE_MAX_DEPTH]; // their last child so far; -1 is none
-    int depth;
-    int documents;
+    text_node* open[SCENE_MAX_DEPTH]; // containers being filled, outermost first
+    int depth, node_count, documents;
 
-    bool has_key; // a map's key was read, its value comes next
-    uint32_t key;
+    char* key; // of a map, was read, its value comes next
     int key_line, key_column;
+    size_t key_at;
 
-    size_t cursor_byte, cursor_character; // see letter_at()
+    size_t cursor_byte, cursor_character; // see byte_at()
 } builder;
 
 static bool is_continuation( char c )
@@ -162,7 +162,7 @@ static wisp_status check_letters( const scene_source* source )
 
 // The byte at a mark, 0 at the end. libyaml's marks count characters and mostly rise, so a cursor that walks along
 // finds them all in one pass over the text.
-static char letter_at( builder* b, const yaml_mark_t* mark )
+static size_t byte_at( builder* b, const yaml_mark_t* mark )
 {
     if ( mark->index < b->cursor_character )
     {
@@ -176,7 +176,13 @@ static char letter_at( builder* b, const yaml_mark_t* mark )
         } while ( b->cursor_byte < b->source->size && is_continuation( b->source->text[b->cursor_byte] ) );
         ++b->cursor_character;
     }
-    return b->cursor_byte < b->source->size ? b->source->text[b->cursor_byte] : 0;
+    return b->cursor_byte;
+}
+
+static char letter_at( builder* b, const yaml_mark_t* mark )
+{
+    const size_t at = byte_at( b, mark );
+    return at < b->source->size ? b->source->text[at] : 0;
 }
 
 static wisp_status refuse_mark( const builder* b, const yaml_mark_t* mark, const char* whole_message )
@@ -200,84 +206,36 @@ static wisp_status refuse_syntax( builder* b )
                          p->problem ? p->problem : "unknown problem" );
 }
 
-static wisp_status keep_letters( builder* b, const char* text, size_t length, uint32_t* offset )
+// Append a value to the innermost open container, under the pending key if that is a map.
+static wisp_status add_node( builder* b, text_kind kind, const yaml_mark_t* mark, text_node** out )
 {
-    scene_tree* tree = b->tree;
-    if ( tree->letter_capacity - tree->letter_count < length + 1 )
-    {
-        size_t capacity = ( tree->letter_capacity + length + 1 ) * 2;
-        char* letters = realloc( tree->letters, capacity );
-        if ( !letters )
-        {
-            return out_of_memory( b->source );
-        }
-        tree->letters = letters;
-        tree->letter_capacity = capacity;
-    }
-    *offset = (uint32_t)tree->letter_count;
-    memcpy( tree->letters + tree->letter_count, text, length );
-    tree->letters[tree->letter_count + length] = 0;
-    tree->letter_count += length + 1;
-    return WISP_OK;
-}
-
-static wisp_status grow_nodes( builder* b, const yaml_mark_t* mark )
-{
-    scene_tree* tree = b->tree;
-    if ( tree->node_count == SCENE_MAX_NODES )
+    if ( b->node_count++ == SCENE_MAX_NODES )
     {
         return scene_refuse( b->source, (int)mark->line + 1, (int)mark->column + 1, "", "expected at most %d values",
                              SCENE_MAX_NODES );
     }
-    if ( tree->node_count == tree->node_capacity )
+    text_node* node = text_make( kind );
+    if ( node == NULL || ( b->depth > 0 && !text_append( b->open[b->depth - 1], node ) ) )
     {
-        int capacity = tree->node_capacity ? tree->node_capacity * 2 : 64;
-        scene_node* nodes = realloc( tree->nodes, (size_t)capacity * sizeof *nodes );
-        if ( !nodes )
-        {
-            return out_of_memory( b->source );
-        }
-        tree->nodes = nodes;
-        tree->node_capacity = capacity;
+        text_release( node );
+        return out_of_memory( b->source );
     }
-    return WISP_OK;
-}
-
-// Append a value to the innermost open container, under the pending key if that is a map.
-static wisp_status add_node( builder* b, scene_kind kind, const yaml_mark_t* mark )
-{
-    wisp_status status = grow_nodes( b, mark );
-    if ( status )
-    {
-        return status;
-    }
-    int index = b->tree->node_count++;
-    b->tree->nodes[index] = ( scene_node ){
-        .line = (int)mark->line + 1,
-        .column = (int)mark->column + 1,
-        .key_line = b->key_line,
-        .key_column = b->key_column,
-        .key = b->key,
-        .first = -1,
-        .next = -1,
-        .kind = (uint8_t)kind,
-    };
-    b->has_key = false;
-
-    if ( b->depth > 0 )
-    {
-        int parent = b->open[b->depth - 1];
-        int before = b->last[b->depth - 1];
-        *( before < 0 ? &b->tree->nodes[parent].first : &b->tree->nodes[before].next ) = index;
-        b->tree->nodes[parent].count++;
-        b->last[b->depth - 1] = index;
-    }
+    b->root = b->depth > 0 ? b->root : node;
+    node->line = (int)mark->line + 1;
+    node->column = (int)mark->column + 1;
+    node->key_line = b->key_line;
+    node->key_column = b->key_column;
+    node->key_at = b->key_at;
+    node->at = byte_at( b, mark );
+    node->key = b->key;
+    b->key = NULL;
+    *out = node;
     return WISP_OK;
 }
 
 static bool requests_key( const builder* b )
 {
-    return b->depth > 0 && b->tree->nodes[b->open[b->depth - 1]].kind == SCENE_MAP && !b->has_key;
+    return b->depth > 0 && b->open[b->depth - 1]->kind == TEXT_MAP && b->key == NULL;
 }
 
 static wisp_status take_scalar( builder* b, const yaml_event_t* event )
@@ -296,31 +254,32 @@ static wisp_status take_scalar( builder* b, const yaml_event_t* event )
         return refuse_mark( b, mark, "YAML tags are not supported" );
     }
 
-    uint32_t text = 0;
-    wisp_status status = keep_letters( b, value, length, &text );
-    if ( status )
+    text_node* node = NULL;
+    char* text = strdup( value );
+    if ( text == NULL )
     {
-        return status;
+        return out_of_memory( b->source );
     }
     if ( requests_key( b ) )
     {
-        b->has_key = true;
         b->key = text;
         b->key_line = (int)mark->line + 1;
         b->key_column = (int)mark->column + 1;
+        b->key_at = byte_at( b, mark );
         return WISP_OK;
     }
-    status = add_node( b, SCENE_SCALAR, mark );
-    if ( !status )
+    const wisp_status status = add_node( b, TEXT_SCALAR, mark, &node );
+    if ( status != WISP_OK )
     {
-        scene_node* node = &b->tree->nodes[b->tree->node_count - 1];
-        node->text = text;
-        node->plain = plain;
+        free( text );
+        return status;
     }
-    return status;
+    node->text = text;
+    node->plain = plain;
+    return WISP_OK;
 }
 
-static wisp_status open_container( builder* b, scene_kind kind, const yaml_mark_t* mark )
+static wisp_status open_container( builder* b, text_kind kind, const yaml_mark_t* mark )
 {
     if ( requests_key( b ) )
     {
@@ -331,14 +290,10 @@ static wisp_status open_container( builder* b, scene_kind kind, const yaml_mark_
         return scene_refuse( b->source, (int)mark->line + 1, (int)mark->column + 1, "",
                              "expected at most %d levels of lists and mappings", SCENE_MAX_DEPTH );
     }
-    wisp_status status = add_node( b, kind, mark );
-    if ( !status )
-    {
-        b->open[b->depth] = b->tree->node_count - 1;
-        b->last[b->depth] = -1;
-        b->depth++;
-    }
-    return status;
+    text_node* node = NULL;
+    WISP_TRY( add_node( b, kind, mark, &node ) );
+    b->open[b->depth++] = node;
+    return WISP_OK;
 }
 
 static wisp_status refuse_properties( const builder* b, const yaml_mark_t* mark, const yaml_char_t* anchor,
@@ -354,7 +309,6 @@ static wisp_status refuse_properties( const builder* b, const yaml_mark_t* mark,
 static wisp_status take_event( builder* b, const yaml_event_t* event )
 {
     const yaml_mark_t* mark = &event->start_mark;
-    wisp_status status = WISP_OK;
     switch ( event->type )
     {
         case YAML_DOCUMENT_START_EVENT:
@@ -362,14 +316,15 @@ static wisp_status take_event( builder* b, const yaml_event_t* event )
         case YAML_ALIAS_EVENT:
             return refuse_mark( b, mark, "YAML aliases (*) are not supported; repeat the value" );
         case YAML_SCALAR_EVENT:
-            status = refuse_properties( b, mark, event->data.scalar.anchor, event->data.scalar.tag );
-            return status ? status : take_scalar( b, event );
+            WISP_TRY( refuse_properties( b, mark, event->data.scalar.anchor, event->data.scalar.tag ) );
+            return take_scalar( b, event );
         case YAML_SEQUENCE_START_EVENT:
-            status = refuse_properties( b, mark, event->data.sequence_start.anchor, event->data.sequence_start.tag );
-            return status ? status : open_container( b, SCENE_LIST, mark );
+            WISP_TRY(
+                refuse_properties( b, mark, event->data.sequence_start.anchor, event->data.sequence_start.tag ) );
+            return open_container( b, TEXT_LIST, mark );
         case YAML_MAPPING_START_EVENT:
-            status = refuse_properties( b, mark, event->data.mapping_start.anchor, event->data.mapping_start.tag );
-            return status ? status : open_container( b, SCENE_MAP, mark );
+            WISP_TRY( refuse_properties( b, mark, event->data.mapping_start.anchor, event->data.mapping_start.tag ) );
+            return open_container( b, TEXT_MAP, mark );
         case YAML_SEQUENCE_END_EVENT:
         case YAML_MAPPING_END_EVENT:
             b->depth--;
@@ -398,9 +353,9 @@ static wisp_status take_events( builder* b )
     }
 }
 
-wisp_status scene_tree_build( const scene_source* given, scene_tree* tree )
+wisp_status scene_read_tree( const scene_source* given, text_node** out )
 {
-    *tree = ( scene_tree ){ 0 };
+    *out = NULL;
     scene_source source = *given;
     if ( source.size > SCENE_MAX_BYTES )
     {
@@ -412,32 +367,31 @@ wisp_status scene_tree_build( const scene_source* given, scene_tree* tree )
         source.text += 3;
         source.size -= 3;
     }
-    wisp_status status = check_letters( &source );
-    if ( status )
-    {
-        return status;
-    }
-
-    builder b = { .source = &source, .tree = tree };
+    WISP_TRY( check_letters( &source ) );
+    builder b = { .source = &source };
     if ( !yaml_parser_initialize( &b.parser ) )
     {
         return out_of_memory( &source );
     }
     yaml_parser_set_encoding( &b.parser, YAML_UTF8_ENCODING );
     yaml_parser_set_input_string( &b.parser, (const void*)( source.size > 0 ? source.text : "" ), source.size );
-    status = take_events( &b );
+    wisp_status status = take_events( &b );
     yaml_parser_delete( &b.parser );
-
-    if ( !status && tree->node_count == 0 )
+    free( b.key );
+    if ( status == WISP_OK && b.root == NULL )
     {
-        return scene_refuse( &source, 0, 0, "", "got an empty file" );
+        status = scene_refuse( &source, 0, 0, "", "got an empty file" );
     }
-    return status;
+    if ( status != WISP_OK )
+    {
+        text_release( b.root );
+        return status;
+    }
+    *out = b.root;
+    return WISP_OK;
 }
 
-void scene_tree_release( scene_tree* tree )
+wisp_status text_parse( const char* text, size_t size, const char* name, text_node** out, wisp_error* error )
 {
-    free( tree->nodes );
-    free( tree->letters );
-    *tree = ( scene_tree ){ 0 };
+    return scene_read_tree( &( scene_source ){ name, text, size, error }, out );
 }

@@ -82,7 +82,7 @@ wisp_status scene_register( scene_reader* r, scene_named what, const void* entri
 
 // ---- values that name an entry ----
 
-static wisp_status refuse_name( scene_reader* r, const scene_node* node, const char* text, const scene_name* other,
+static wisp_status refuse_name( scene_reader* r, const text_node* node, const char* text, const scene_name* other,
                                 scene_named what )
 {
     const scene_quote quote = scene_shorten( text );
@@ -121,14 +121,10 @@ const scene_name* scene_find_name( const scene_reader* r, const char* text )
                          : NULL;
 }
 
-wisp_status scene_read_named( scene_reader* r, const scene_node* node, scene_named what, int* index )
+wisp_status scene_read_named( scene_reader* r, const text_node* node, scene_named what, int* index )
 {
     const char* text = NULL;
-    wisp_status status = scene_read_text( r, node, &text );
-    if ( status )
-    {
-        return status;
-    }
+    WISP_TRY( scene_read_text( r, node, &text ) );
     const scene_name* found = scene_find_name( r, text );
     if ( !found || found->what != what )
     {
@@ -138,65 +134,41 @@ wisp_status scene_read_named( scene_reader* r, const scene_node* node, scene_nam
     return WISP_OK;
 }
 
-// ---- lists of entries ----
-
-wisp_status scene_begin_list( scene_reader* r, const scene_node* node, const char* what, int most, size_t size,
-                              void** items )
-{
-    *items = NULL;
-    wisp_status status = scene_expect_list( r, node, what );
-    if ( status || node->count == 0 )
-    {
-        return status;
-    }
-    if ( node->count > most )
-    {
-        return scene_refuse_node( r, node, "got %d entries, expected at most %d", node->count, most );
-    }
-    *items = scene_take( r->scene, (size_t)node->count, size );
-    return *items ? WISP_OK : scene_no_memory( r );
-}
-
 // ---- reader ----
 
 // ---- memory ----
 
-// A block of a scene's memory; blocks are chained and freed together.
-typedef struct memory_block
-{
-    struct memory_block* next;
-    max_align_t bytes[];
-} memory_block;
-
 void* scene_take( wisp_scene* scene, size_t count, size_t size )
 {
-    if ( count == 0 || count > ( SIZE_MAX - sizeof( memory_block ) ) / size )
+    io_memory memory = { .last = scene->blocks };
+    void* block = count > 0 && count <= SIZE_MAX / 2 / size ? io_get( &memory, count * size ) : NULL;
+    scene->blocks = memory.last;
+    return block;
+}
+
+const char* scene_print( wisp_scene* scene, const char* format, ... )
+{
+    va_list arguments, again;
+    va_start( arguments, format );
+    va_copy( again, arguments );
+    const int length = vsnprintf( NULL, 0, format, arguments );
+    char* text = scene_take( scene, (size_t)length + 1, 1 );
+    if ( text )
     {
-        return NULL;
+        vsnprintf( text, (size_t)length + 1, format, again );
     }
-    memory_block* block = calloc( 1, sizeof *block + count * size );
-    if ( !block )
-    {
-        return NULL;
-    }
-    block->next = scene->blocks;
-    scene->blocks = block;
-    return block->bytes;
+    va_end( again );
+    va_end( arguments );
+    return text;
 }
 
 void wisp_scene_release( wisp_scene* scene )
 {
-    if ( !scene )
+    if ( scene )
     {
-        return;
+        io_release( &( io_memory ){ .last = scene->blocks } );
+        *scene = ( wisp_scene ){ 0 };
     }
-    for ( memory_block* block = scene->blocks; block; )
-    {
-        memory_block* next = block->next;
-        free( block );
-        block = next;
-    }
-    *scene = ( wisp_scene ){ 0 };
 }
 
 wisp_status scene_no_memory( const scene_reader* r )
@@ -232,7 +204,7 @@ void scene_leave( scene_reader* r, size_t path_length )
     r->path[path_length] = 0;
 }
 
-wisp_status scene_refuse_node( const scene_reader* r, const scene_node* node, const char* format, ... )
+wisp_status scene_refuse_node( const scene_reader* r, const text_node* node, const char* format, ... )
 {
     char message[420];
     va_list arguments;
@@ -359,14 +331,14 @@ static bool is_unit( const char* text, size_t number )
     return true;
 }
 
-wisp_status scene_refuse_kind( const scene_reader* r, const scene_node* node, const char* requested )
+wisp_status scene_refuse_kind( const scene_reader* r, const text_node* node, const char* requested )
 {
-    if ( node->kind != SCENE_SCALAR )
+    if ( node->kind != TEXT_SCALAR )
     {
-        return scene_refuse_node( r, node, "got a %s, expected %s", node->kind == SCENE_LIST ? "list" : "mapping",
+        return scene_refuse_node( r, node, "got a %s, expected %s", node->kind == TEXT_LIST ? "list" : "mapping",
                                   requested );
     }
-    const char* text = scene_text_of( r->tree, node );
+    const char* text = text_value( node );
     if ( text[0] == 0 || ( node->plain && is_nothing( text ) ) )
     {
         return scene_refuse_node( r, node, "got nothing, expected %s", requested );
@@ -376,14 +348,14 @@ wisp_status scene_refuse_kind( const scene_reader* r, const scene_node* node, co
 }
 
 // A text that is a number, whole or not. On refusal the message guesses what was meant.
-static wisp_status expect_number( scene_reader* r, const scene_node* node, const char* unit, const char* requested,
+static wisp_status expect_number( scene_reader* r, const text_node* node, const char* unit, const char* requested,
                                   bool* whole )
 {
-    if ( node->kind != SCENE_SCALAR )
+    if ( node->kind != TEXT_SCALAR )
     {
         return scene_refuse_kind( r, node, requested );
     }
-    const char* text = scene_text_of( r->tree, node );
+    const char* text = text_value( node );
     size_t length = strlen( text );
     size_t prefix = length > LONGEST_NUMBER ? 0 : number_prefix( text, whole );
     scene_quote quote = scene_shorten( text );
@@ -422,23 +394,19 @@ static wisp_status expect_number( scene_reader* r, const scene_node* node, const
     return scene_refuse_kind( r, node, requested );
 }
 
-static wisp_status refuse_range( const scene_reader* r, const scene_node* node, const scene_range* range )
+static wisp_status refuse_range( const scene_reader* r, const text_node* node, const scene_range* range )
 {
     return scene_refuse_node( r, node, "got %s, expected a value in [%.9g, %.9g]",
-                              scene_shorten( scene_text_of( r->tree, node ) ).text, range->lower, range->upper );
+                              scene_shorten( text_value( node ) ).text, range->lower, range->upper );
 }
 
-wisp_status scene_read_number( scene_reader* r, const scene_node* node, const scene_field* field, float* out )
+wisp_status scene_read_number( scene_reader* r, const text_node* node, const scene_field* field, float* out )
 {
     bool whole = false;
-    wisp_status status = expect_number( r, node, field->unit, "a number", &whole );
-    if ( status )
-    {
-        return status;
-    }
+    WISP_TRY( expect_number( r, node, field->unit, "a number", &whole ) );
     // The range is checked as the module will see the number: after rounding. 1e999 becomes infinite here and is out
     // of every range.
-    float value = strtof( scene_text_of( r->tree, node ), NULL );
+    float value = strtof( text_value( node ), NULL );
     if ( !( value >= (float)field->range.lower && value <= (float)field->range.upper ) )
     {
         return refuse_range( r, node, &field->range );
@@ -447,20 +415,16 @@ wisp_status scene_read_number( scene_reader* r, const scene_node* node, const sc
     return WISP_OK;
 }
 
-wisp_status scene_read_whole( scene_reader* r, const scene_node* node, const scene_field* field, int* out )
+wisp_status scene_read_whole( scene_reader* r, const text_node* node, const scene_field* field, int* out )
 {
     bool whole = false;
-    wisp_status status = expect_number( r, node, field->unit, "a whole number", &whole );
-    if ( status )
-    {
-        return status;
-    }
+    WISP_TRY( expect_number( r, node, field->unit, "a whole number", &whole ) );
     if ( !whole )
     {
         return scene_refuse_kind( r, node, "a whole number" );
     }
     // strtoll stops at the ends of its range, and every field's range is narrower.
-    long long value = strtoll( scene_text_of( r->tree, node ), NULL, 10 );
+    long long value = strtoll( text_value( node ), NULL, 10 );
     if ( (double)value < field->range.lower || (double)value > field->range.upper )
     {
         return refuse_range( r, node, &field->range );
@@ -469,15 +433,11 @@ wisp_status scene_read_whole( scene_reader* r, const scene_node* node, const sce
     return WISP_OK;
 }
 
-wisp_status scene_read_seed( scene_reader* r, const scene_node* node, uint64_t* out )
+wisp_status scene_read_seed( scene_reader* r, const text_node* node, uint64_t* out )
 {
     bool whole = false;
-    wisp_status status = expect_number( r, node, NULL, SEED_RANGE, &whole );
-    if ( status )
-    {
-        return status;
-    }
-    const char* text = scene_text_of( r->tree, node );
+    WISP_TRY( expect_number( r, node, NULL, SEED_RANGE, &whole ) );
+    const char* text = text_value( node );
     errno = 0;
     unsigned long long value = strtoull( text, NULL, 10 );
     if ( !whole || text[0] == '-' || errno == ERANGE )
@@ -489,11 +449,11 @@ wisp_status scene_read_seed( scene_reader* r, const scene_node* node, uint64_t* 
 }
 
 // YAML 1.1 has yes, no, on and off as well; JSON and YAML 1.2 read those as text.
-wisp_status scene_read_switch( scene_reader* r, const scene_node* node, bool* out )
+wisp_status scene_read_switch( scene_reader* r, const text_node* node, bool* out )
 {
-    const char* text = scene_text_of( r->tree, node );
+    const char* text = text_value( node );
     bool yes = strcmp( text, "true" ) == 0, no = strcmp( text, "false" ) == 0;
-    if ( node->kind != SCENE_SCALAR || !node->plain || ( !yes && !no ) )
+    if ( node->kind != TEXT_SCALAR || !node->plain || ( !yes && !no ) )
     {
         return scene_refuse_kind( r, node, "true or false" );
     }
@@ -501,7 +461,7 @@ wisp_status scene_read_switch( scene_reader* r, const scene_node* node, bool* ou
     return WISP_OK;
 }
 
-wisp_status scene_read_choice( scene_reader* r, const scene_node* node, const scene_choice* choices, int* out )
+wisp_status scene_read_choice( scene_reader* r, const text_node* node, const scene_choice* choices, int* out )
 {
     const char* words[SCENE_MAX_CHOICES];
     int count = 0;
@@ -512,8 +472,8 @@ wisp_status scene_read_choice( scene_reader* r, const scene_node* node, const sc
         int n = snprintf( list + used, sizeof list - used, "%s%s", count ? ", " : "", words[count] );
         used += (size_t)n < sizeof list - used ? (size_t)n : sizeof list - used - 1;
     }
-    const char* text = scene_text_of( r->tree, node );
-    if ( node->kind != SCENE_SCALAR || ( node->plain && is_nothing( text ) ) )
+    const char* text = text_value( node );
+    if ( node->kind != TEXT_SCALAR || ( node->plain && is_nothing( text ) ) )
     {
         return scene_refuse_kind( r, node, list );
     }
@@ -535,13 +495,13 @@ wisp_status scene_read_choice( scene_reader* r, const scene_node* node, const sc
                               near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "" );
 }
 
-wisp_status scene_read_shape( scene_reader* r, const scene_node* node, const scene_choice* shapes, int* out )
+wisp_status scene_read_shape( scene_reader* r, const text_node* node, const scene_choice* shapes, int* out )
 {
-    const scene_node* child = scene_child( r, node, "shape" );
+    const text_node* child = text_find_path( node, "shape" );
     if ( !child )
     {
-        return node->kind == SCENE_MAP ? scene_refuse_node( r, node, "key 'shape' is missing" )
-                                       : scene_refuse_kind( r, node, "a mapping with the key 'shape'" );
+        return node->kind == TEXT_MAP ? scene_refuse_node( r, node, "key 'shape' is missing" )
+                                      : scene_refuse_kind( r, node, "a mapping with the key 'shape'" );
     }
     size_t outside = scene_enter_key( r, "shape" );
     WISP_TRY( scene_read_choice( r, child, shapes, out ) );
@@ -549,30 +509,9 @@ wisp_status scene_read_shape( scene_reader* r, const scene_node* node, const sce
     return WISP_OK;
 }
 
-wisp_status scene_read_words( scene_reader* r, const scene_node* node, const scene_choice* words,
-                              bool* const* switches, scene_word_fn* check, const void* entry )
+wisp_status scene_expect_pair( scene_reader* r, const text_node* node, const char* requested )
 {
-    WISP_TRY( scene_expect_list( r, node, "a list of words" ) );
-    int i = 0;
-    for ( const scene_node* item = scene_first( r->tree, node ); item; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, i++ );
-        int word = 0;
-        WISP_TRY( scene_read_choice( r, item, words, &word ) );
-        if ( *switches[word] )
-        {
-            return scene_refuse_node( r, item, "'%s' is listed twice", words[word].word );
-        }
-        WISP_TRY( check != NULL ? check( r, item, word, entry ) : WISP_OK );
-        *switches[word] = true;
-        scene_leave( r, outside );
-    }
-    return WISP_OK;
-}
-
-wisp_status scene_expect_pair( scene_reader* r, const scene_node* node, const char* requested )
-{
-    if ( node->kind != SCENE_LIST )
+    if ( node->kind != TEXT_LIST )
     {
         return scene_refuse_kind( r, node, requested );
     }
@@ -580,10 +519,10 @@ wisp_status scene_expect_pair( scene_reader* r, const scene_node* node, const ch
                             : scene_refuse_node( r, node, "got a list of %d, expected %s", node->count, requested );
 }
 
-wisp_status scene_read_text( scene_reader* r, const scene_node* node, const char** out )
+wisp_status scene_read_text( scene_reader* r, const text_node* node, const char** out )
 {
-    const char* text = scene_text_of( r->tree, node );
-    if ( node->kind != SCENE_SCALAR || text[0] == 0 || ( node->plain && is_nothing( text ) ) )
+    const char* text = text_value( node );
+    if ( node->kind != TEXT_SCALAR || text[0] == 0 || ( node->plain && is_nothing( text ) ) )
     {
         return scene_refuse_kind( r, node, "text" );
     }
@@ -592,12 +531,6 @@ wisp_status scene_read_text( scene_reader* r, const scene_node* node, const char
     {
         return scene_refuse_node( r, node, "got %zu letters, expected at most 1000", length );
     }
-    char* copy = scene_take( r->scene, length + 1, 1 );
-    if ( !copy )
-    {
-        return scene_no_memory( r );
-    }
-    memcpy( copy, text, length );
-    *out = copy;
-    return WISP_OK;
+    *out = scene_print( r->scene, "%s", text );
+    return *out ? WISP_OK : scene_no_memory( r );
 }

@@ -64,12 +64,13 @@ static wisp_status join( const gltf_model* model, const char* file, const wisp_s
                          float duration, wisp_rig* out, wisp_error* error )
 {
     const size_t count = (size_t)animation->clip_count;
-    wisp_animation* all = calloc( count, sizeof *all );
-    wisp_clip* clips = calloc( count, sizeof *clips );
+    io_memory scratch = { 0 };
+    wisp_animation* all = io_get( &scratch, count * sizeof *all );
+    wisp_clip* clips = io_get( &scratch, count * sizeof *clips );
     wisp_status status =
-        all != NULL && clips != NULL
-            ? load_clips( model, file, animation, duration, &out->skeleton, all, clips, error )
-            : wisp_fail( error, WISP_NO_MEMORY, "animation: out of memory for %d clips", animation->clip_count );
+        scratch.is_short
+            ? wisp_fail( error, WISP_NO_MEMORY, "animation: out of memory for %d clips", animation->clip_count )
+            : load_clips( model, file, animation, duration, &out->skeleton, all, clips, error );
     status = status == WISP_OK
                  ? wisp_animation_join( clips, animation->clip_count, &out->skeleton, &out->animation, error )
                  : status;
@@ -77,8 +78,7 @@ static wisp_status join( const gltf_model* model, const char* file, const wisp_s
     {
         wisp_animation_release( &all[c] );
     }
-    free( all );
-    free( clips );
+    io_release( &scratch );
     return status;
 }
 
@@ -315,16 +315,6 @@ void wisp_skeleton_release( wisp_skeleton* skeleton )
     {
         free( skeleton->joints );
         *skeleton = ( wisp_skeleton ){ 0 };
-    }
-}
-
-void wisp_skin_weights_release( wisp_skin_weights* weights )
-{
-    if ( weights != NULL )
-    {
-        free( weights->joints );
-        free( weights->weights );
-        *weights = ( wisp_skin_weights ){ 0 };
     }
 }
 

@@ -94,7 +94,6 @@ extern "C"
 
     /// Null and zero structs are allowed; they are zero afterwards.
     void wisp_skeleton_release( wisp_skeleton* skeleton );
-    void wisp_skin_weights_release( wisp_skin_weights* weights );
     void wisp_animation_release( wisp_animation* animation );
 
     /// @return the number of the joint with this name; -1 if there is none

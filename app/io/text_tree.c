@@ -1,21 +1,23 @@
 #include "text_tree.h"
 
-#include "scene_text.h"
-
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-void* text_alloc( size_t size )
+static void* demand( void* memory )
 {
-    void* memory = calloc( 1, size + 1 );
     if ( memory == NULL )
     {
         fputs( "wisp: out of memory\n", stderr );
         exit( 2 );
     }
     return memory;
+}
+
+void* text_alloc( size_t size )
+{
+    return demand( calloc( 1, size + 1 ) );
 }
 
 static char* copy_text( const char* text )
@@ -26,11 +28,41 @@ static char* copy_text( const char* text )
 
 // ---- nodes ----
 
+text_node* text_make( text_kind kind )
+{
+    text_node* node = calloc( 1, sizeof *node );
+    if ( node != NULL )
+    {
+        node->kind = kind;
+    }
+    return node;
+}
+
+bool text_append( text_node* parent, text_node* child )
+{
+    if ( parent->count == parent->capacity )
+    {
+        const int capacity = 2 * parent->capacity + 4;
+        text_node** children = realloc( parent->children, (size_t)capacity * sizeof *children );
+        if ( children == NULL )
+        {
+            return false;
+        }
+        parent->children = children;
+        parent->capacity = capacity;
+    }
+    if ( parent->count > 0 )
+    {
+        parent->children[parent->count - 1]->next = child;
+    }
+    child->next = NULL;
+    parent->children[parent->count++] = child;
+    return true;
+}
+
 static text_node* make( text_kind kind )
 {
-    text_node* node = text_alloc( sizeof *node );
-    node->kind = kind;
-    return node;
+    return demand( text_make( kind ) );
 }
 
 text_node* text_list( void )
@@ -85,18 +117,7 @@ void text_release( text_node* node )
 
 text_node* text_add( text_node* list, text_node* value )
 {
-    if ( list->count == list->capacity )
-    {
-        list->capacity = 2 * list->capacity + 4;
-        text_node** children = text_alloc( (size_t)list->capacity * sizeof *children );
-        if ( list->count > 0 )
-        {
-            memcpy( children, list->children, (size_t)list->count * sizeof *children );
-        }
-        free( list->children );
-        list->children = children;
-    }
-    list->children[list->count++] = value;
+    demand( text_append( list, value ) ? value : NULL );
     return value;
 }
 
@@ -122,6 +143,11 @@ text_node* text_put( text_node* map, const char* key, text_node* value )
     {
         return text_add( map, value );
     }
+    value->next = map->children[i]->next;
+    if ( i > 0 )
+    {
+        map->children[i - 1]->next = value;
+    }
     text_release( map->children[i] );
     return map->children[i] = value;
 }
@@ -132,14 +158,29 @@ text_node* text_find( const text_node* map, const char* key )
     return i < 0 ? NULL : map->children[i];
 }
 
+const text_node* text_find_path( const text_node* map, const char* path )
+{
+    const size_t length = strcspn( path, "." );
+    const text_node* child = map != NULL && map->kind == TEXT_MAP ? text_first( map ) : NULL;
+    while ( child != NULL && ( strncmp( child->key, path, length ) != 0 || child->key[length] != '\0' ) )
+    {
+        child = child->next;
+    }
+    return child != NULL && path[length] == '.' ? text_find_path( child, path + length + 1 ) : child;
+}
+
 const char* text_at( const text_node* map, const char* key )
 {
     const text_node* node = text_find( map, key );
-    return node && node->kind == TEXT_SCALAR ? node->text : "";
+    return node ? text_value( node ) : "";
 }
 
 static void text_remove( text_node* parent, int child )
 {
+    if ( child > 0 )
+    {
+        parent->children[child - 1]->next = parent->children[child]->next;
+    }
     text_release( parent->children[child] );
     --parent->count;
     memmove( parent->children + child, parent->children + child + 1,
@@ -251,39 +292,6 @@ int text_set_path( text_node* scene, const char* path, const text_node* value )
     }
     text_put( scene, key, text_copy( value ) );
     return 1;
-}
-
-// ---- reading ----
-
-static text_node* convert( const scene_tree* tree, const scene_node* from )
-{
-    text_node* node = make( from->kind == SCENE_SCALAR ? TEXT_SCALAR
-                            : from->kind == SCENE_LIST ? TEXT_LIST
-                                                       : TEXT_MAP );
-    if ( from->kind == SCENE_SCALAR )
-    {
-        node->text = copy_text( scene_text_of( tree, from ) );
-    }
-    for ( const scene_node* child = scene_first( tree, from ); child; child = scene_next( tree, child ) )
-    {
-        text_node* value = text_add( node, convert( tree, child ) );
-        value->key = from->kind == SCENE_MAP ? copy_text( scene_key_of( tree, child ) ) : NULL;
-    }
-    return node;
-}
-
-wisp_status text_parse( const char* text, size_t size, const char* name, text_node** out, wisp_error* error )
-{
-    *out = NULL;
-    const scene_source source = { name, text, size, error };
-    scene_tree tree;
-    const wisp_status status = scene_tree_build( &source, &tree );
-    if ( status == WISP_OK )
-    {
-        *out = convert( &tree, &tree.nodes[0] );
-    }
-    scene_tree_release( &tree );
-    return status;
 }
 
 // ---- writing ----

@@ -1,6 +1,6 @@
-/// A scene as a tree of texts that can be changed: the generator builds one, the twins scale and shift it, the
-/// shrinker cuts it. Comments and the layout of a file are not part of it. Memory that cannot be had ends the
-/// program.
+/// A file of YAML or JSON as a tree of texts with marks, which readers walk, and which can be changed: the generator builds one, the twins
+/// scale and shift it, the shrinker cuts it. Comments and the layout of a file are not part of it. Memory that cannot be had while a tree
+/// is changed ends the program; reading a text reports it.
 #pragma once
 
 #include "wisp/base.h"
@@ -14,14 +14,40 @@ typedef enum text_kind
     TEXT_MAP,
 } text_kind;
 
+/// Lines and columns are those of the text that was read, from 1; columns count characters.
 typedef struct text_node
 {
     text_kind kind;
-    char* key;  ///< of a child of a map, else null
-    char* text; ///< of a scalar, else null
+    bool plain;             ///< a scalar without quotes: only these are numbers
+    char* key;              ///< of a child of a map, else null
+    char* text;             ///< of a scalar, else null
+    struct text_node* next; ///< behind it among the children of its parent
     struct text_node** children;
     int count, capacity;
+    int line, column;         ///< where the value begins
+    int key_line, key_column; ///< of the key
+    size_t at, key_at;        ///< likewise in bytes, from 0
 } text_node;
+
+/// @return the first child, or null
+static inline const text_node* text_first( const text_node* node )
+{
+    return node->count > 0 ? node->children[0] : NULL;
+}
+
+/// @return the text of a scalar, "" of anything else
+static inline const char* text_value( const text_node* node )
+{
+    return node->kind == TEXT_SCALAR ? node->text : "";
+}
+
+/// The value at a path of keys such as "frame.pivot". @return null if a key is not there, or if the node is null or no map
+const text_node* text_find_path( const text_node* map, const char* path );
+
+/// @return null without memory
+text_node* text_make( text_kind kind );
+/// Append a child. @return false without memory
+bool text_append( text_node* parent, text_node* child );
 
 text_node* text_list( void );
 text_node* text_map( void );

@@ -31,7 +31,7 @@ const suite_measure_info suite_measures[SUITE_BUDGET_COUNT] = {
     [SUITE_HASH] = { "hash", { 1.0, 0.0 } },
 };
 
-wisp_status suite_refuse( const suite_reader* r, const scene_node* node, const char* format, ... )
+wisp_status suite_refuse( const suite_reader* r, const text_node* node, const char* format, ... )
 {
     char message[400];
     va_list arguments;
@@ -41,10 +41,10 @@ wisp_status suite_refuse( const suite_reader* r, const scene_node* node, const c
     return scene_refuse( &r->source, node->line, node->column, "", "%s", message );
 }
 
-static wisp_status refuse_key( const suite_reader* r, const scene_node* node, const char* const* suite_keys,
+static wisp_status refuse_key( const suite_reader* r, const text_node* node, const char* const* suite_keys,
                                int count )
 {
-    const scene_quote quote = scene_shorten( scene_key_of( &r->tree, node ) );
+    const scene_quote quote = scene_shorten( node->key );
     const char* nearest = nearest_word( quote.text, suite_keys, count );
     char all[240] = "";
     for ( int i = 0; i < count; ++i )
@@ -58,18 +58,18 @@ static wisp_status refuse_key( const suite_reader* r, const scene_node* node, co
                                    "got key '%s', expected one of %s", quote.text, all );
 }
 
-wisp_status suite_take_keys( const suite_reader* r, const scene_node* block, const char* expected,
-                             const char* const* suite_keys, int count, const scene_node** values )
+wisp_status suite_take_keys( const suite_reader* r, const text_node* block, const char* expected,
+                             const char* const* suite_keys, int count, const text_node** values )
 {
     memset( values, 0, (size_t)count * sizeof *values );
-    if ( block->kind != SCENE_MAP )
+    if ( block->kind != TEXT_MAP )
     {
         return suite_refuse( r, block, "expected %s", expected );
     }
-    for ( const scene_node* n = scene_first( &r->tree, block ); n; n = scene_next( &r->tree, n ) )
+    for ( const text_node* n = text_first( block ); n; n = n->next )
     {
         int k = 0;
-        while ( k < count && strcmp( suite_keys[k], scene_key_of( &r->tree, n ) ) != 0 )
+        while ( k < count && strcmp( suite_keys[k], n->key ) != 0 )
         {
             ++k;
         }
@@ -84,21 +84,21 @@ wisp_status suite_take_keys( const suite_reader* r, const scene_node* block, con
 
 // ---- budgets ----
 
-wisp_status suite_read_budgets( const suite_reader* r, const scene_node* map, suite_budget* budgets )
+wisp_status suite_read_budgets( const suite_reader* r, const text_node* map, suite_budget* budgets )
 {
     const char* names[SUITE_BUDGET_COUNT];
     for ( int m = 0; m < SUITE_BUDGET_COUNT; ++m )
     {
         names[m] = suite_measures[m].name;
     }
-    if ( map->kind != SCENE_MAP )
+    if ( map->kind != TEXT_MAP )
     {
         return suite_refuse( r, map, "expected budgets, such as { instructions: 0.005 }" );
     }
-    for ( const scene_node* n = scene_first( &r->tree, map ); n; n = scene_next( &r->tree, n ) )
+    for ( const text_node* n = text_first( map ); n; n = n->next )
     {
         int m = 0;
-        while ( m < SUITE_BUDGET_COUNT && strcmp( names[m], scene_key_of( &r->tree, n ) ) != 0 )
+        while ( m < SUITE_BUDGET_COUNT && strcmp( names[m], n->key ) != 0 )
         {
             ++m;
         }
@@ -107,7 +107,7 @@ wisp_status suite_read_budgets( const suite_reader* r, const scene_node* map, su
             return refuse_key( r, n, names, SUITE_BUDGET_COUNT );
         }
         char* end = NULL;
-        const char* text = n->kind == SCENE_SCALAR ? scene_text_of( &r->tree, n ) : "";
+        const char* text = text_value( n );
         const double value = strtod( text, &end );
         if ( end == text || *end != '\0' || !( value >= 0.0 && value <= 100.0 ) )
         {
@@ -154,7 +154,7 @@ static void release_runs( suite_runs* runs )
 }
 
 // A half and a quarter of the substeps of the reference.
-static wisp_status read_halves( const suite_reader* r, suite_run run, const scene_node* place, suite_runs* out )
+static wisp_status read_halves( const suite_reader* r, suite_run run, const text_node* place, suite_runs* out )
 {
     wisp_scene scene;
     wisp_status status = suite_scene( &out->fine, &scene, r->source.error );
@@ -172,7 +172,7 @@ static wisp_status read_halves( const suite_reader* r, suite_run run, const scen
 }
 
 // A reference is finer than what is measured with it, also where entities have substeps of their own.
-static wisp_status check_own_substeps( const suite_reader* r, const suite_row* run, const scene_node* place )
+static wisp_status check_own_substeps( const suite_reader* r, const suite_row* run, const text_node* place )
 {
     wisp_scene scene;
     wisp_status status = suite_scene( run, &scene, r->source.error );
@@ -186,7 +186,7 @@ static wisp_status check_own_substeps( const suite_reader* r, const suite_row* r
                : status;
 }
 
-static wisp_status read_runs_of( const suite_reader* r, const scene_node* block, const scene_node* const* values,
+static wisp_status read_runs_of( const suite_reader* r, const text_node* block, const text_node* const* values,
                                  const suite_row* of, suite_runs* out )
 {
     suite_run run = { .file = values[REFERENCE_FILE], .set = values[REFERENCE_SET], .of = of };
@@ -218,7 +218,7 @@ static int find_runs( const wisp_suite* suite, const suite_row* fine )
 
 // The runs of the suite's file, and those of every row whose scene is another text with the fields of the reference. Whether it is another
 // scene, only its world can tell; where the fields are not of such a scene, as of another solver, the row has the first runs.
-static wisp_status read_runs( const suite_reader* r, const scene_node* block, const scene_node* const* values )
+static wisp_status read_runs( const suite_reader* r, const text_node* block, const text_node* const* values )
 {
     wisp_suite* suite = r->out;
     suite->references = text_alloc( ( (size_t)suite->row_count + 1 ) * sizeof *suite->references );
@@ -252,9 +252,9 @@ static wisp_status read_runs( const suite_reader* r, const scene_node* block, co
 }
 
 // Read `reference`, after the entries.
-static wisp_status read_reference( suite_reader* r, const scene_node* block )
+static wisp_status read_reference( suite_reader* r, const text_node* block )
 {
-    const scene_node* values[REFERENCE_COUNT];
+    const text_node* values[REFERENCE_COUNT];
     const wisp_status status =
         suite_take_keys( r, block, "a reference, such as { set: { substeps: 320 }, check: { substeps: 160 } }",
                          reference_keys, REFERENCE_COUNT, values );
@@ -265,7 +265,7 @@ static wisp_status read_reference( suite_reader* r, const scene_node* block )
     for ( int i = 0; i < REFERENCE_COUNT; ++i )
     {
         const bool is_text = i <= REFERENCE_EXTRAPOLATE;
-        if ( values[i] && values[i]->kind != ( is_text ? SCENE_SCALAR : SCENE_MAP ) )
+        if ( values[i] && values[i]->kind != ( is_text ? TEXT_SCALAR : TEXT_MAP ) )
         {
             return suite_refuse( r, values[i], "expected %s",
                                  is_text ? "a text or a number"
@@ -278,17 +278,17 @@ static wisp_status read_reference( suite_reader* r, const scene_node* block )
         *( k == REFERENCE_START ? &r->out->compares_start : &r->out->compares_overlap ) = values[k] != NULL;
         if ( values[k] )
         {
-            return strcmp( scene_text_of( &r->tree, values[k] ), word ) == 0 && block->count == 1
+            return strcmp( text_value( values[k] ), word ) == 0 && block->count == 1
                        ? WISP_OK
                        : suite_refuse( r, block, "expected %s: %s alone", reference_keys[k], word );
         }
     }
-    const scene_node* order = values[REFERENCE_EXTRAPOLATE];
-    r->out->extrapolate = order ? suite_number_of( r, order ) : 0.0;
+    const text_node* order = values[REFERENCE_EXTRAPOLATE];
+    r->out->extrapolate = order ? suite_number_of( order ) : 0.0;
     if ( order && r->out->extrapolate != 1.0 && r->out->extrapolate != 2.0 )
     {
         return suite_refuse( r, order, "got extrapolate '%s', expected the order at which the runs converge, 1 or 2",
-                             scene_shorten( scene_text_of( &r->tree, order ) ).text );
+                             scene_shorten( text_value( order ) ).text );
     }
     if ( order && ( values[REFERENCE_STORED] || values[REFERENCE_CHECK] ) )
     {
@@ -297,8 +297,8 @@ static wisp_status read_reference( suite_reader* r, const scene_node* block )
     }
     if ( values[REFERENCE_STORED] )
     {
-        r->out->stored = suite_resolve( r, scene_text_of( &r->tree, values[REFERENCE_STORED] ) );
-        r->out->stored_doubt = values[REFERENCE_DOUBT] ? suite_number_of( r, values[REFERENCE_DOUBT] ) : 0.0;
+        r->out->stored = suite_resolve( r, text_value( values[REFERENCE_STORED] ) );
+        r->out->stored_doubt = values[REFERENCE_DOUBT] ? suite_number_of( values[REFERENCE_DOUBT] ) : 0.0;
         return r->out->stored_doubt >= 0.0 ? WISP_OK
                                            : suite_refuse( r, values[REFERENCE_DOUBT], "expected a distance in m" );
     }
@@ -333,16 +333,16 @@ enum
 static const char* const suite_keys[KEY_COUNT] = { "wisp_suite", "title",  "note",  "seconds", "scenes", "budgets",
                                                    "reference",  "checks", "known", "quick",   "long",   "axes" };
 
-static wisp_status read_texts( suite_reader* r, const scene_node* title, const scene_node* note )
+static wisp_status read_texts( suite_reader* r, const text_node* title, const text_node* note )
 {
-    if ( ( title && title->kind != SCENE_SCALAR ) || ( note && note->kind != SCENE_SCALAR ) )
+    if ( ( title && title->kind != TEXT_SCALAR ) || ( note && note->kind != TEXT_SCALAR ) )
     {
-        return suite_refuse( r, title && title->kind != SCENE_SCALAR ? title : note, "expected a text" );
+        return suite_refuse( r, title && title->kind != TEXT_SCALAR ? title : note, "expected a text" );
     }
-    snprintf( r->out->title, sizeof r->out->title, "%s", title ? scene_text_of( &r->tree, title ) : "" );
+    snprintf( r->out->title, sizeof r->out->title, "%s", title ? text_value( title ) : "" );
     if ( note )
     {
-        const char* text = scene_text_of( &r->tree, note );
+        const char* text = text_value( note );
         r->out->note = text_alloc( strlen( text ) );
         strcpy( r->out->note, text );
     }
@@ -351,15 +351,15 @@ static wisp_status read_texts( suite_reader* r, const scene_node* title, const s
 
 static wisp_status read_suite( suite_reader* r )
 {
-    const scene_node* root = &r->tree.nodes[0];
-    const scene_node* values[KEY_COUNT];
+    const text_node* root = r->tree;
+    const text_node* values[KEY_COUNT];
     WISP_TRY( suite_take_keys( r, root, "a suite, which begins with wisp_suite: 1", suite_keys, KEY_COUNT, values ) );
-    const scene_node *version = values[KEY_VERSION], *scenes = values[KEY_SCENES];
-    if ( version == NULL || version->kind != SCENE_SCALAR || strcmp( scene_text_of( &r->tree, version ), "1" ) != 0 )
+    const text_node *version = values[KEY_VERSION], *scenes = values[KEY_SCENES];
+    if ( version == NULL || version->kind != TEXT_SCALAR || strcmp( text_value( version ), "1" ) != 0 )
     {
         return suite_refuse( r, version ? version : root, "expected wisp_suite: 1" );
     }
-    if ( scenes == NULL || scenes->kind != SCENE_LIST || scenes->count == 0 )
+    if ( scenes == NULL || scenes->kind != TEXT_LIST || scenes->count == 0 )
     {
         return suite_refuse( r, scenes ? scenes : root,
                              "expected scenes, a list of at least one, such as - file: scene.yaml" );
@@ -375,8 +375,7 @@ static wisp_status read_suite( suite_reader* r )
     {
         status = suite_read_budgets( r, values[KEY_BUDGETS], r->budgets );
     }
-    for ( const scene_node* n = scene_first( &r->tree, scenes ); n && status == WISP_OK;
-          n = scene_next( &r->tree, n ) )
+    for ( const text_node* n = text_first( scenes ); n && status == WISP_OK; n = n->next )
     {
         status = suite_read_entry( r, n );
     }
@@ -422,10 +421,10 @@ wisp_status suite_parse( const char* text, size_t size, const char* path, const 
     {
         r.budgets[m] = suite_measures[m].budget;
     }
-    wisp_status status = scene_tree_build( &r.source, &r.tree );
+    wisp_status status = scene_read_tree( &r.source, &r.tree );
     status = status == WISP_OK ? read_suite( &r ) : status;
     status = status == WISP_OK ? check_names( &r ) : status;
-    scene_tree_release( &r.tree );
+    text_release( r.tree );
     return status;
 }
 

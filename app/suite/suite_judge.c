@@ -27,11 +27,11 @@ enum
     PLAIN_CHECKS = WISP_COUNT( check_words ) - 2, // the last ones need to be told what
 };
 
-static wisp_status read_word( const suite_reader* r, const scene_node* node, int* out )
+static wisp_status read_word( const suite_reader* r, const text_node* node, int* out )
 {
     const char* names[WISP_COUNT( check_words )];
     char all[160] = "";
-    const char* text = node->kind == SCENE_SCALAR ? scene_text_of( &r->tree, node ) : "";
+    const char* text = text_value( node );
     for ( int i = 0; i < WISP_COUNT( check_words ); ++i )
     {
         names[i] = stability_check_names[check_words[i]];
@@ -49,9 +49,9 @@ static wisp_status read_word( const suite_reader* r, const scene_node* node, int
                    : suite_refuse( r, node, "got check '%s', expected one of %s", quote.text, all );
 }
 
-static bool is_all( const suite_reader* r, const scene_node* node )
+static bool is_all( const text_node* node )
 {
-    return node->kind == SCENE_SCALAR && strcmp( scene_text_of( &r->tree, node ), "all" ) == 0;
+    return node->kind == TEXT_SCALAR && strcmp( text_value( node ), "all" ) == 0;
 }
 
 static unsigned all_checks( void )
@@ -64,13 +64,13 @@ static unsigned all_checks( void )
     return all;
 }
 
-static double number_in( const suite_reader* r, const scene_node* n, double otherwise )
+static double number_in( const text_node* n, double otherwise )
 {
-    return n ? suite_number_of( r, n ) : otherwise;
+    return n ? suite_number_of( n ) : otherwise;
 }
 
 // A measure and the value that it must come near.
-static wisp_status read_near( const suite_reader* r, const scene_node* block, stability_limits* limits )
+static wisp_status read_near( const suite_reader* r, const text_node* block, stability_limits* limits )
 {
     enum
     {
@@ -83,30 +83,30 @@ static wisp_status read_near( const suite_reader* r, const scene_node* block, st
         NEAR_KEY_COUNT,
     };
     static const char* const keys[NEAR_KEY_COUNT] = { "of", "value", "within", "at", "take", "from" };
-    const scene_node* values[NEAR_KEY_COUNT];
+    const text_node* values[NEAR_KEY_COUNT];
     const char* text[NEAR_KEY_COUNT];
     WISP_TRY( suite_take_keys( r, block,
                                "a measure and its value, such as { of: rod.tip.y, value: -0.7, within: 0.02 }", keys,
                                NEAR_KEY_COUNT, values ) );
     for ( int i = 0; i < NEAR_KEY_COUNT; ++i )
     {
-        text[i] = values[i] && values[i]->kind == SCENE_SCALAR ? scene_text_of( &r->tree, values[i] ) : "";
+        text[i] = values[i] && values[i]->kind == TEXT_SCALAR ? text_value( values[i] ) : "";
     }
-    stability_near near = { .within = number_in( r, values[WITHIN], NAN ),
-                            .at = number_in( r, values[AT], 0.0 ),
+    stability_near near = { .within = number_in( values[WITHIN], NAN ),
+                            .at = number_in( values[AT], 0.0 ),
                             .take = text[TAKE][0] ? STABILITY_TAKE_COUNT : STABILITY_TAKE_END };
     for ( int i = 0; i < STABILITY_TAKE_COUNT; ++i )
     {
         near.take = strcmp( text[TAKE], stability_near_takes[i] ) == 0 ? (stability_take)i : near.take;
     }
     snprintf( near.from, sizeof near.from, "%s", text[FROM] );
-    const bool is_vector = values[VALUE] && values[VALUE]->kind == SCENE_LIST && values[VALUE]->count == 3;
+    const bool is_vector = values[VALUE] && values[VALUE]->kind == TEXT_LIST && values[VALUE]->count == 3;
     if ( near.take == STABILITY_TAKE_COUNT )
     {
         return suite_refuse( r, values[TAKE], "got '%s', expected one of end, mean, min, max, period, change",
                              scene_shorten( text[TAKE] ).text );
     }
-    const scene_node* value = is_vector ? scene_first( &r->tree, values[VALUE] ) : values[VALUE];
+    const text_node* value = is_vector ? text_first( values[VALUE] ) : values[VALUE];
     for ( int axis = 0; axis < ( is_vector ? 3 : 1 ); ++axis )
     {
         char of[sizeof near.of];
@@ -117,7 +117,7 @@ static wisp_status read_near( const suite_reader* r, const scene_node* block, st
                                  "got '%s', expected a body and a measure, such as rod.tip.y or ball.pressure: of %s",
                                  scene_shorten( text[OF] ).text, stability_near_words() );
         }
-        near.value = number_in( r, value, NAN );
+        near.value = number_in( value, NAN );
         if ( !isfinite( near.value ) || !( near.within > 0.0 ) || !isfinite( near.within ) || !( near.at >= 0.0 ) )
         {
             return suite_refuse( r, block,
@@ -128,23 +128,23 @@ static wisp_status read_near( const suite_reader* r, const scene_node* block, st
             return suite_refuse( r, block, "expected at most %d values of a row", STABILITY_MAX_NEAR );
         }
         limits->near[limits->near_count++] = near;
-        value = is_vector ? scene_next( &r->tree, value ) : value;
+        value = is_vector ? value->next : value;
     }
     return WISP_OK;
 }
 
 // Checks that are told what: near, same.
-static bool read_told( const suite_reader* r, const scene_node* map, int* out, stability_limits* limits,
+static bool read_told( const suite_reader* r, const text_node* map, int* out, stability_limits* limits,
                        wisp_status* status )
 {
-    const scene_node* n = scene_first( &r->tree, map );
-    const char* key = map->count == 1 ? scene_key_of( &r->tree, n ) : "";
+    const text_node* n = text_first( map );
+    const char* key = map->count == 1 ? n->key : "";
     const bool is_near = strcmp( key, stability_check_names[STABILITY_NEAR] ) == 0;
     if ( !is_near && strcmp( key, stability_check_names[STABILITY_SAME] ) != 0 )
     {
         return false;
     }
-    const char* text = n->kind == SCENE_SCALAR ? scene_text_of( &r->tree, n ) : "";
+    const char* text = text_value( n );
     *out = is_near ? STABILITY_NEAR : STABILITY_SAME;
     if ( is_near )
     {
@@ -162,9 +162,9 @@ static bool read_told( const suite_reader* r, const scene_node* map, int* out, s
 }
 
 // A check and its limit, such as { strain: 0.1 }.
-static wisp_status read_limit( const suite_reader* r, const scene_node* map, int* out, stability_limits* limits )
+static wisp_status read_limit( const suite_reader* r, const text_node* map, int* out, stability_limits* limits )
 {
-    const scene_node* n = scene_first( &r->tree, map );
+    const text_node* n = text_first( map );
     wisp_status status = WISP_OK;
     if ( read_told( r, map, out, limits, &status ) )
     {
@@ -180,10 +180,10 @@ static wisp_status read_limit( const suite_reader* r, const scene_node* map, int
                 { STABILITY_REST, &limits->rest } };
     for ( int i = 0; i < WISP_COUNT( all ) && map->count == 1; ++i )
     {
-        if ( strcmp( scene_key_of( &r->tree, n ), stability_check_names[all[i].check] ) == 0 )
+        if ( strcmp( n->key, stability_check_names[all[i].check] ) == 0 )
         {
             char* end = NULL;
-            const char* text = n->kind == SCENE_SCALAR ? scene_text_of( &r->tree, n ) : "";
+            const char* text = text_value( n );
             *all[i].limit = strtod( text, &end );
             *out = all[i].check;
             return end != text && *end == '\0' && *all[i].limit > 0.0 && isfinite( *all[i].limit )
@@ -196,32 +196,31 @@ static wisp_status read_limit( const suite_reader* r, const scene_node* map, int
                          "{ strain: 0.1 }" );
 }
 
-wisp_status suite_read_checks( const suite_reader* r, const scene_node* node, unsigned* out,
-                               stability_limits* limits )
+wisp_status suite_read_checks( const suite_reader* r, const text_node* node, unsigned* out, stability_limits* limits )
 {
     *out = 0;
     *limits = ( stability_limits ){ 0 };
-    if ( is_all( r, node ) )
+    if ( is_all( node ) )
     {
         *out = all_checks();
         return WISP_OK;
     }
-    if ( node->kind != SCENE_LIST || node->count == 0 )
+    if ( node->kind != TEXT_LIST || node->count == 0 )
     {
         return suite_refuse( r, node,
                              "expected checks: all, or a list of checks such as [finite, energy, { strain: 0.1 }]" );
     }
     wisp_status status = WISP_OK;
-    for ( const scene_node* n = scene_first( &r->tree, node ); n && status == WISP_OK; n = scene_next( &r->tree, n ) )
+    for ( const text_node* n = text_first( node ); n && status == WISP_OK; n = n->next )
     {
         int check = 0;
-        if ( is_all( r, n ) )
+        if ( is_all( n ) )
         {
             *out |= all_checks();
             continue;
         }
-        status = n->kind == SCENE_MAP ? read_limit( r, n, &check, limits ) : read_word( r, n, &check );
-        if ( status == WISP_OK && n->kind == SCENE_SCALAR && ( check == STABILITY_NEAR || check == STABILITY_SAME ) )
+        status = n->kind == TEXT_MAP ? read_limit( r, n, &check, limits ) : read_word( r, n, &check );
+        if ( status == WISP_OK && n->kind == TEXT_SCALAR && ( check == STABILITY_NEAR || check == STABILITY_SAME ) )
         {
             return suite_refuse(
                 r, n,
@@ -232,9 +231,9 @@ wisp_status suite_read_checks( const suite_reader* r, const scene_node* node, un
     return status;
 }
 
-wisp_status suite_read_expect( const suite_reader* r, const scene_node* node, bool* is_refused )
+wisp_status suite_read_expect( const suite_reader* r, const text_node* node, bool* is_refused )
 {
-    *is_refused = node->kind == SCENE_SCALAR && strcmp( scene_text_of( &r->tree, node ), "refused" ) == 0;
+    *is_refused = node->kind == TEXT_SCALAR && strcmp( text_value( node ), "refused" ) == 0;
     return *is_refused ? WISP_OK : suite_refuse( r, node, "expected expect: refused" );
 }
 
@@ -258,9 +257,9 @@ static bool is_row_meant( const suite_row* row, const char* text )
     return strcmp( label, text ) == 0 || ( row->variant[0] && strcmp( row->variant, text ) == 0 );
 }
 
-static wisp_status mark_known( const suite_reader* r, const scene_node* node )
+static wisp_status mark_known( const suite_reader* r, const text_node* node )
 {
-    const char* text = scene_key_of( &r->tree, node );
+    const char* text = node->key;
     int check = 0, count = 0;
     const wisp_status status = read_word( r, node, &check );
     for ( int i = 0; i < r->out->row_count && status == WISP_OK; ++i )
@@ -301,9 +300,9 @@ static wisp_status find_same( const suite_reader* r )
     return WISP_OK;
 }
 
-static wisp_status mark_list( const suite_reader* r, const scene_node* list, bool is_long )
+static wisp_status mark_list( const suite_reader* r, const text_node* list, bool is_long )
 {
-    if ( list->kind != SCENE_LIST )
+    if ( list->kind != TEXT_LIST )
     {
         return suite_refuse( r, list, "expected a list of rows" );
     }
@@ -311,10 +310,10 @@ static wisp_status mark_list( const suite_reader* r, const scene_node* list, boo
     {
         r->out->rows[i].is_slow = true;
     }
-    for ( const scene_node* n = scene_first( &r->tree, list ); n; n = scene_next( &r->tree, n ) )
+    for ( const text_node* n = text_first( list ); n; n = n->next )
     {
         int count = 0;
-        const char* text = n->kind == SCENE_SCALAR ? scene_text_of( &r->tree, n ) : "";
+        const char* text = text_value( n );
         for ( int i = 0; i < r->out->row_count; ++i )
         {
             suite_row* row = &r->out->rows[i];
@@ -333,17 +332,16 @@ static wisp_status mark_list( const suite_reader* r, const scene_node* list, boo
     return WISP_OK;
 }
 
-wisp_status suite_mark_rows( const suite_reader* r, const scene_node* known, const scene_node* quick,
-                             const scene_node* slow )
+wisp_status suite_mark_rows( const suite_reader* r, const text_node* known, const text_node* quick,
+                             const text_node* slow )
 {
     wisp_status status = find_same( r );
-    if ( status == WISP_OK && known && known->kind != SCENE_MAP )
+    if ( status == WISP_OK && known && known->kind != TEXT_MAP )
     {
         return suite_refuse( r, known,
                              "expected rows and the checks that they break, such as { \"sheet\": strain }" );
     }
-    for ( const scene_node* n = known ? scene_first( &r->tree, known ) : NULL; n && status == WISP_OK;
-          n = scene_next( &r->tree, n ) )
+    for ( const text_node* n = known ? text_first( known ) : NULL; n && status == WISP_OK; n = n->next )
     {
         status = mark_known( r, n );
     }

@@ -11,31 +11,31 @@
 
 // ---- fields ----
 
-static text_node* value_of( const suite_reader* r, const scene_node* node )
+static text_node* value_of( const suite_reader* r, const text_node* node )
 {
-    if ( node->kind == SCENE_SCALAR )
+    if ( node->kind == TEXT_SCALAR )
     {
-        return text_scalar( "%s", scene_text_of( &r->tree, node ) );
+        return text_scalar( "%s", text_value( node ) );
     }
-    text_node* out = node->kind == SCENE_LIST ? text_list() : text_map();
-    for ( const scene_node* n = scene_first( &r->tree, node ); n; n = scene_next( &r->tree, n ) )
+    text_node* out = node->kind == TEXT_LIST ? text_list() : text_map();
+    for ( const text_node* n = text_first( node ); n; n = n->next )
     {
-        if ( node->kind == SCENE_LIST )
+        if ( node->kind == TEXT_LIST )
         {
             text_add( out, value_of( r, n ) );
         }
         else
         {
-            text_put( out, scene_key_of( &r->tree, n ), value_of( r, n ) );
+            text_put( out, n->key, value_of( r, n ) );
         }
     }
     return out;
 }
 
-static wisp_status set_field( const suite_reader* r, text_node* scene, const scene_node* field,
-                              const scene_node* value )
+static wisp_status set_field( const suite_reader* r, text_node* scene, const text_node* field,
+                              const text_node* value )
 {
-    const char* path = scene_key_of( &r->tree, field );
+    const char* path = field->key;
     text_node* own = value_of( r, value );
     const int count = text_set_path( scene, path, own );
     text_release( own );
@@ -73,7 +73,7 @@ static const char* const entry_keys[ENTRY_COUNT] = { "file",   "name",  "steps",
 // What an entry says.
 typedef struct entry
 {
-    const scene_node* values[ENTRY_COUNT];
+    const text_node* values[ENTRY_COUNT];
     char* path;
     text_node* scene;
     suite_budget budgets[SUITE_BUDGET_COUNT];
@@ -119,18 +119,18 @@ static suite_row* add_row( suite_reader* r )
     return &s->rows[s->row_count++];
 }
 
-double suite_number_of( const suite_reader* r, const scene_node* node )
+double suite_number_of( const text_node* node )
 {
     char* end = NULL;
-    const char* text = node->kind == SCENE_SCALAR ? scene_text_of( &r->tree, node ) : "";
+    const char* text = text_value( node );
     const double value = strtod( text, &end );
     return end == text || *end != '\0' ? NAN : value;
 }
 
-static void name_variant( const suite_reader* r, const scene_node* field, const scene_node* value, char* out,
+static void name_variant( const suite_reader* r, const text_node* field, const text_node* value, char* out,
                           size_t size )
 {
-    const char* path = scene_key_of( &r->tree, field );
+    const char* path = field->key;
     const char* dot = strrchr( path, '.' );
     const size_t used = strlen( out );
     text_node* own = value_of( r, value );
@@ -147,12 +147,12 @@ static void name_variant( const suite_reader* r, const scene_node* field, const 
 }
 
 // Keys of an entry that a scene does not have. @return whether the field is one of them
-static bool set_key( const suite_reader* r, const scene_node* field, suite_row* row, wisp_status* status )
+static bool set_key( const suite_reader* r, const text_node* field, suite_row* row, wisp_status* status )
 {
-    const char* key = scene_key_of( &r->tree, field );
+    const char* key = field->key;
     if ( strcmp( key, entry_keys[ENTRY_SECONDS] ) == 0 )
     {
-        row->seconds = suite_number_of( r, field );
+        row->seconds = suite_number_of( field );
         *status = row->seconds >= 1e-9 && row->seconds <= 1e9
                       ? WISP_OK
                       : suite_refuse( r, field, "expected seconds of simulated time" );
@@ -171,42 +171,41 @@ static bool set_key( const suite_reader* r, const scene_node* field, suite_row* 
     return false;
 }
 
-static wisp_status set_fields( const suite_reader* r, text_node* scene, const scene_node* fields, suite_row* row )
+static wisp_status set_fields( const suite_reader* r, text_node* scene, const text_node* fields, suite_row* row )
 {
     wisp_status status = WISP_OK;
-    for ( const scene_node* n = fields ? scene_first( &r->tree, fields ) : NULL; n && status == WISP_OK;
-          n = scene_next( &r->tree, n ) )
+    for ( const text_node* n = fields ? text_first( fields ) : NULL; n && status == WISP_OK; n = n->next )
     {
         status = set_key( r, n, row, &status ) ? status : set_field( r, scene, n, n );
     }
     return status;
 }
 
-static const scene_node* nth( const suite_reader* r, const scene_node* list, int n )
+static const text_node* nth( const text_node* list, int n )
 {
-    const scene_node* value = scene_first( &r->tree, list );
+    const text_node* value = text_first( list );
     for ( ; n > 0; --n )
     {
-        value = scene_next( &r->tree, value );
+        value = value->next;
     }
     return value;
 }
 
 // Give a field its value of number `which`: one of a list, or one of named bundles of fields, which change together.
-static wisp_status choose_value( const suite_reader* r, const scene_node* field, int which, text_node* scene,
+static wisp_status choose_value( const suite_reader* r, const text_node* field, int which, text_node* scene,
                                  suite_row* row, double* number )
 {
-    const scene_node* value = nth( r, field, which );
+    const text_node* value = nth( field, which );
     const size_t used = strlen( row->variant );
-    if ( field->kind == SCENE_LIST )
+    if ( field->kind == TEXT_LIST )
     {
-        *number = suite_number_of( r, value );
+        *number = suite_number_of( value );
         name_variant( r, field, value, row->variant, sizeof row->variant );
         return set_field( r, scene, field, value );
     }
-    *number = strtod( scene_key_of( &r->tree, value ), NULL );
-    snprintf( row->variant + used, sizeof row->variant - used, "%s%s=%s", used > 0 ? ", " : "",
-              scene_key_of( &r->tree, field ), scene_key_of( &r->tree, value ) );
+    *number = strtod( value->key, NULL );
+    snprintf( row->variant + used, sizeof row->variant - used, "%s%s=%s", used > 0 ? ", " : "", field->key,
+              value->key );
     return set_fields( r, scene, value, row );
 }
 
@@ -214,12 +213,11 @@ static wisp_status choose_value( const suite_reader* r, const scene_node* field,
 static wisp_status vary_fields( const suite_reader* r, const entry* e, int which, text_node* scene, suite_row* row )
 {
     wisp_status status = WISP_OK;
-    const scene_node *vary = e->values[ENTRY_VARY], *along = e->values[ENTRY_ALONG];
-    const scene_node* last = along ? scene_first( &r->tree, along ) : NULL;
+    const text_node *vary = e->values[ENTRY_VARY], *along = e->values[ENTRY_ALONG];
+    const text_node* last = along ? text_first( along ) : NULL;
     const int place = last ? which % last->count : 0;
     which /= last ? last->count : 1;
-    for ( const scene_node* n = vary ? scene_first( &r->tree, vary ) : NULL; n && status == WISP_OK;
-          n = scene_next( &r->tree, n ) )
+    for ( const text_node* n = vary ? text_first( vary ) : NULL; n && status == WISP_OK; n = n->next )
     {
         double number;
         status = choose_value( r, n, which % n->count, scene, row, &number );
@@ -229,7 +227,7 @@ static wisp_status vary_fields( const suite_reader* r, const entry* e, int which
     {
         snprintf( row->series, sizeof row->series, "%.60s%s%.120s", row->name, row->variant[0] ? ", " : "",
                   row->variant );
-        snprintf( row->along, sizeof row->along, "%s", scene_key_of( &r->tree, last ) );
+        snprintf( row->along, sizeof row->along, "%s", last->key );
         row->order = e->order;
         status = choose_value( r, last, place, scene, row, &row->along_value );
     }
@@ -284,7 +282,7 @@ static wisp_status finish_row( const suite_reader* r, const entry* e, text_node*
     }
     if ( status == WISP_OK && ( row->steps > read.steps || read.steps == 0 ) )
     {
-        const scene_node* place = e->values[ENTRY_STEPS] ? e->values[ENTRY_STEPS] : e->values[ENTRY_FILE];
+        const text_node* place = e->values[ENTRY_STEPS] ? e->values[ENTRY_STEPS] : e->values[ENTRY_FILE];
         status = suite_refuse( r, place, "%s: got %d steps, the scene has %d", row->name, row->steps, read.steps );
     }
     wisp_scene_release( &read );
@@ -296,18 +294,18 @@ static void begin_row( const suite_reader* r, const entry* e, suite_row* row )
     suite_stem( e->path, row->name, sizeof row->name );
     if ( e->values[ENTRY_NAME] )
     {
-        snprintf( row->name, sizeof row->name, "%s", scene_text_of( &r->tree, e->values[ENTRY_NAME] ) );
+        snprintf( row->name, sizeof row->name, "%s", text_value( e->values[ENTRY_NAME] ) );
     }
     row->path = text_alloc( strlen( e->path ) );
     strcpy( row->path, e->path );
     row->given = r->given;
     memcpy( row->budgets, e->budgets, sizeof row->budgets );
-    row->steps = e->values[ENTRY_STEPS] ? (int)suite_number_of( r, e->values[ENTRY_STEPS] ) : 0;
+    row->steps = e->values[ENTRY_STEPS] ? (int)suite_number_of( e->values[ENTRY_STEPS] ) : 0;
     row->seconds = e->seconds;
     row->checks = e->checks;
     row->limits = e->limits;
     row->is_refused = e->is_refused;
-    row->agree = e->values[ENTRY_AGREE] ? suite_number_of( r, e->values[ENTRY_AGREE] ) : 0.0;
+    row->agree = e->values[ENTRY_AGREE] ? suite_number_of( e->values[ENTRY_AGREE] ) : 0.0;
 }
 
 static wisp_status read_row( suite_reader* r, const entry* e, int which )
@@ -325,12 +323,12 @@ static wisp_status read_row( suite_reader* r, const entry* e, int which )
 // ---- sweeps ----
 
 // A value of an axis: the name of a bundle and its fields. Null: none.
-static wisp_status read_swept( suite_reader* r, const entry* e, const scene_node* first, const scene_node* second )
+static wisp_status read_swept( suite_reader* r, const entry* e, const text_node* first, const text_node* second )
 {
     suite_row* row = add_row( r );
     begin_row( r, e, row );
-    snprintf( row->variant, sizeof row->variant, "%s%s%s", first ? scene_key_of( &r->tree, first ) : "base",
-              second ? ", " : "", second ? scene_key_of( &r->tree, second ) : "" );
+    snprintf( row->variant, sizeof row->variant, "%s%s%s", first ? first->key : "base", second ? ", " : "",
+              second ? second->key : "" );
     text_node* own = text_copy( e->scene );
     wisp_status status = set_fields( r, own, e->values[ENTRY_SET], row );
     // where both set a field, the first one counts
@@ -341,12 +339,12 @@ static wisp_status read_swept( suite_reader* r, const entry* e, const scene_node
     return status;
 }
 
-static wisp_status find_axis( const suite_reader* r, const scene_node* name, const scene_node** out )
+static wisp_status find_axis( const suite_reader* r, const text_node* name, const text_node** out )
 {
-    const char* text = name->kind == SCENE_SCALAR ? scene_text_of( &r->tree, name ) : "";
-    for ( const scene_node* n = r->axes ? scene_first( &r->tree, r->axes ) : NULL; n; n = scene_next( &r->tree, n ) )
+    const char* text = text_value( name );
+    for ( const text_node* n = r->axes ? text_first( r->axes ) : NULL; n; n = n->next )
     {
-        if ( strcmp( scene_key_of( &r->tree, n ), text ) == 0 )
+        if ( strcmp( n->key, text ) == 0 )
         {
             *out = n;
             return WISP_OK;
@@ -355,7 +353,7 @@ static wisp_status find_axis( const suite_reader* r, const scene_node* name, con
     return suite_refuse( r, name, "axes has no '%s'", scene_shorten( text ).text );
 }
 
-static wisp_status sweep_pair( suite_reader* r, const entry* e, const scene_node* axis, const scene_node* other )
+static wisp_status sweep_pair( suite_reader* r, const entry* e, const text_node* axis, const text_node* other )
 {
     wisp_status status = WISP_OK;
     for ( int i = 0; i < axis->count && status == WISP_OK; ++i )
@@ -363,7 +361,7 @@ static wisp_status sweep_pair( suite_reader* r, const entry* e, const scene_node
         for ( int k = 0; k < other->count && status == WISP_OK; ++k )
         {
             status = r->out->row_count < SUITE_MAX_ROWS
-                         ? read_swept( r, e, nth( r, axis, i ), nth( r, other, k ) )
+                         ? read_swept( r, e, nth( axis, i ), nth( other, k ) )
                          : suite_refuse( r, axis, "a suite has at most %d rows", SUITE_MAX_ROWS );
         }
     }
@@ -373,21 +371,20 @@ static wisp_status sweep_pair( suite_reader* r, const entry* e, const scene_node
 // The scene as it is, each value of each axis alone, and all pairs of values of different axes.
 static wisp_status sweep( suite_reader* r, const entry* e )
 {
-    const scene_node *axes = e->values[ENTRY_SWEEP], *pairs = e->values[ENTRY_PAIRS], *axis = NULL, *other = NULL;
+    const text_node *axes = e->values[ENTRY_SWEEP], *pairs = e->values[ENTRY_PAIRS], *axis = NULL, *other = NULL;
     wisp_status status = read_swept( r, e, NULL, NULL );
-    for ( const scene_node* n = scene_first( &r->tree, axes ); n && status == WISP_OK; n = scene_next( &r->tree, n ) )
+    for ( const text_node* n = text_first( axes ); n && status == WISP_OK; n = n->next )
     {
         status = find_axis( r, n, &axis );
         for ( int i = 0; status == WISP_OK && i < axis->count; ++i )
         {
-            status = read_swept( r, e, nth( r, axis, i ), NULL );
+            status = read_swept( r, e, nth( axis, i ), NULL );
         }
     }
-    for ( const scene_node* n = pairs ? scene_first( &r->tree, pairs ) : NULL; n && status == WISP_OK;
-          n = scene_next( &r->tree, n ) )
+    for ( const text_node* n = pairs ? text_first( pairs ) : NULL; n && status == WISP_OK; n = n->next )
     {
         status = find_axis( r, n, &axis );
-        for ( const scene_node* m = scene_next( &r->tree, n ); m && status == WISP_OK; m = scene_next( &r->tree, m ) )
+        for ( const text_node* m = n->next; m && status == WISP_OK; m = m->next )
         {
             status = find_axis( r, m, &other );
             status = status == WISP_OK ? sweep_pair( r, e, axis, other ) : status;
@@ -398,10 +395,10 @@ static wisp_status sweep( suite_reader* r, const entry* e )
 
 static wisp_status check_sweep( const suite_reader* r, const entry* e )
 {
-    const scene_node *axes = e->values[ENTRY_SWEEP], *pairs = e->values[ENTRY_PAIRS];
-    if ( ( axes && axes->kind != SCENE_LIST ) || ( pairs && ( pairs->kind != SCENE_LIST || axes == NULL ) ) )
+    const text_node *axes = e->values[ENTRY_SWEEP], *pairs = e->values[ENTRY_PAIRS];
+    if ( ( axes && axes->kind != TEXT_LIST ) || ( pairs && ( pairs->kind != TEXT_LIST || axes == NULL ) ) )
     {
-        return suite_refuse( r, axes && axes->kind != SCENE_LIST ? axes : pairs,
+        return suite_refuse( r, axes && axes->kind != TEXT_LIST ? axes : pairs,
                              "expected sweep, a list of names of axes, and with it at most pairs, another one" );
     }
     return axes && ( e->values[ENTRY_VARY] || e->values[ENTRY_ALONG] )
@@ -411,17 +408,15 @@ static wisp_status check_sweep( const suite_reader* r, const entry* e )
 
 wisp_status suite_check_axes( const suite_reader* r )
 {
-    bool is_good = r->axes->kind == SCENE_MAP;
-    const scene_node* place = r->axes;
-    for ( const scene_node* n = is_good ? scene_first( &r->tree, r->axes ) : NULL; n && is_good;
-          n = scene_next( &r->tree, n ) )
+    bool is_good = r->axes->kind == TEXT_MAP;
+    const text_node* place = r->axes;
+    for ( const text_node* n = is_good ? text_first( r->axes ) : NULL; n && is_good; n = n->next )
     {
-        is_good = n->kind == SCENE_MAP && n->count > 0;
+        is_good = n->kind == TEXT_MAP && n->count > 0;
         place = n;
-        for ( const scene_node* b = is_good ? scene_first( &r->tree, n ) : NULL; b && is_good;
-              b = scene_next( &r->tree, b ) )
+        for ( const text_node* b = is_good ? text_first( n ) : NULL; b && is_good; b = b->next )
         {
-            is_good = b->kind == SCENE_MAP;
+            is_good = b->kind == TEXT_MAP;
             place = b;
         }
     }
@@ -430,27 +425,26 @@ wisp_status suite_check_axes( const suite_reader* r )
 
 // ---- entries ----
 
-static wisp_status check_number( const suite_reader* r, const scene_node* node, double least, double most,
+static wisp_status check_number( const suite_reader* r, const text_node* node, double least, double most,
                                  const char* expected )
 {
-    const double value = node ? suite_number_of( r, node ) : least;
+    const double value = node ? suite_number_of( node ) : least;
     return value >= least && value <= most ? WISP_OK : suite_refuse( r, node, "expected %s", expected );
 }
 
-static wisp_status check_lists( const suite_reader* r, const scene_node* fields, int* rows )
+static wisp_status check_lists( const suite_reader* r, const text_node* fields, int* rows )
 {
-    for ( const scene_node* n = fields ? scene_first( &r->tree, fields ) : NULL; n; n = scene_next( &r->tree, n ) )
+    for ( const text_node* n = fields ? text_first( fields ) : NULL; n; n = n->next )
     {
-        bool has_bundles = n->kind == SCENE_MAP;
-        for ( const scene_node* b = has_bundles ? scene_first( &r->tree, n ) : NULL; b;
-              b = scene_next( &r->tree, b ) )
+        bool has_bundles = n->kind == TEXT_MAP;
+        for ( const text_node* b = has_bundles ? text_first( n ) : NULL; b; b = b->next )
         {
-            has_bundles = has_bundles && b->kind == SCENE_MAP;
+            has_bundles = has_bundles && b->kind == TEXT_MAP;
         }
-        if ( ( n->kind != SCENE_LIST && !has_bundles ) || n->count == 0 )
+        if ( ( n->kind != TEXT_LIST && !has_bundles ) || n->count == 0 )
         {
             return suite_refuse( r, n, "%s: expected a list of values, at least one, or names of bundles of fields",
-                                 scene_shorten( scene_key_of( &r->tree, n ) ).text );
+                                 scene_shorten( n->key ).text );
         }
         *rows = *rows > SUITE_MAX_ROWS / n->count ? SUITE_MAX_ROWS + 1 : *rows * n->count;
     }
@@ -459,22 +453,21 @@ static wisp_status check_lists( const suite_reader* r, const scene_node* fields,
 
 static wisp_status check_along( const suite_reader* r, const entry* e )
 {
-    const scene_node* along = e->values[ENTRY_ALONG];
-    if ( along && ( along->kind != SCENE_MAP || along->count != 1 ) )
+    const text_node* along = e->values[ENTRY_ALONG];
+    if ( along && ( along->kind != TEXT_MAP || along->count != 1 ) )
     {
         return suite_refuse( r, along, "expected one field and its values, such as { substeps: [1, 2, 5, 10] }" );
     }
-    const scene_node* field = along ? scene_first( &r->tree, along ) : NULL;
-    for ( const scene_node* n = field ? scene_first( &r->tree, field ) : NULL; n; n = scene_next( &r->tree, n ) )
+    const text_node* field = along ? text_first( along ) : NULL;
+    for ( const text_node* n = field ? text_first( field ) : NULL; n; n = n->next )
     {
-        const double value =
-            field->kind == SCENE_MAP ? strtod( scene_key_of( &r->tree, n ), NULL ) : suite_number_of( r, n );
+        const double value = field->kind == TEXT_MAP ? strtod( n->key, NULL ) : suite_number_of( n );
         if ( !( value > 0.0 ) || isinf( value ) )
         {
             return suite_refuse( r, n, "expected a number above 0, which a series goes along" );
         }
     }
-    if ( field && strcmp( scene_key_of( &r->tree, field ), "dt" ) == 0 && e->seconds == 0.0 )
+    if ( field && strcmp( field->key, "dt" ) == 0 && e->seconds == 0.0 )
     {
         return suite_refuse(
             r, along, "a series along dt needs seconds, since runs of as many steps would end at other times" );
@@ -484,7 +477,7 @@ static wisp_status check_along( const suite_reader* r, const entry* e )
 
 static wisp_status check_settings( const suite_reader* r, entry* e )
 {
-    const scene_node *const *v = e->values, *steps = v[ENTRY_STEPS];
+    const text_node *const *v = e->values, *steps = v[ENTRY_STEPS];
     wisp_status status = check_number( r, steps, 1.0, 1e6, "a number of steps, 1 to 1000000" );
     status = status == WISP_OK ? check_number( r, v[ENTRY_ORDER], 0.1, 8.0, "an order, 0.1 to 8" ) : status;
     status = status == WISP_OK ? check_number( r, e->values[ENTRY_SECONDS], 1e-9, 1e9, "seconds of simulated time" )
@@ -492,7 +485,7 @@ static wisp_status check_settings( const suite_reader* r, entry* e )
     status = status == WISP_OK && v[ENTRY_AGREE]
                  ? check_number( r, v[ENTRY_AGREE], 1e-9, 1.0, "a part of the size of the first body, up to 1" )
                  : status;
-    if ( status == WISP_OK && steps && suite_number_of( r, steps ) != floor( suite_number_of( r, steps ) ) )
+    if ( status == WISP_OK && steps && suite_number_of( steps ) != floor( suite_number_of( steps ) ) )
     {
         return suite_refuse( r, steps, "expected a number of steps, 1 to 1000000" );
     }
@@ -500,12 +493,12 @@ static wisp_status check_settings( const suite_reader* r, entry* e )
     {
         return suite_refuse( r, steps, "expected steps or seconds, not both" );
     }
-    if ( status == WISP_OK && v[ENTRY_SET] && v[ENTRY_SET]->kind != SCENE_MAP )
+    if ( status == WISP_OK && v[ENTRY_SET] && v[ENTRY_SET]->kind != TEXT_MAP )
     {
         return suite_refuse( r, v[ENTRY_SET], "expected fields and their values, such as { steps: 60 }" );
     }
     if ( status == WISP_OK && v[ENTRY_VARY] &&
-         ( v[ENTRY_VARY]->kind != SCENE_MAP || v[ENTRY_VARY]->count > SUITE_MAX_SETTINGS ) )
+         ( v[ENTRY_VARY]->kind != TEXT_MAP || v[ENTRY_VARY]->count > SUITE_MAX_SETTINGS ) )
     {
         return suite_refuse( r, v[ENTRY_VARY],
                              "expected up to %d fields and lists of values, such as { substeps: [4, 10] }",
@@ -515,8 +508,8 @@ static wisp_status check_settings( const suite_reader* r, entry* e )
     {
         return status;
     }
-    e->seconds = v[ENTRY_SECONDS] && steps == NULL ? suite_number_of( r, v[ENTRY_SECONDS] ) : 0.0;
-    e->order = v[ENTRY_ORDER] ? suite_number_of( r, v[ENTRY_ORDER] ) : NAN;
+    e->seconds = v[ENTRY_SECONDS] && steps == NULL ? suite_number_of( v[ENTRY_SECONDS] ) : 0.0;
+    e->order = v[ENTRY_ORDER] ? suite_number_of( v[ENTRY_ORDER] ) : NAN;
     e->rows = 1;
     status = check_along( r, e );
     status = status == WISP_OK ? check_lists( r, v[ENTRY_VARY], &e->rows ) : status;
@@ -530,7 +523,7 @@ static wisp_status check_settings( const suite_reader* r, entry* e )
                                "the suite has more than %d rows", (int)SUITE_MAX_ROWS );
 }
 
-static wisp_status read_scene_text( const suite_reader* r, const scene_node* file, const char* path, text_node** out )
+static wisp_status read_scene_text( const suite_reader* r, const text_node* file, const char* path, text_node** out )
 {
     unsigned char* bytes = NULL;
     size_t size = 0;
@@ -549,7 +542,7 @@ static void release_entry( entry* e )
     free( e->path );
 }
 
-wisp_status suite_read_entry( suite_reader* r, const scene_node* block )
+wisp_status suite_read_entry( suite_reader* r, const text_node* block )
 {
     entry e = { 0 };
     wisp_status status =
@@ -558,8 +551,8 @@ wisp_status suite_read_entry( suite_reader* r, const scene_node* block )
     {
         return status;
     }
-    const scene_node *file = e.values[ENTRY_FILE], *name = e.values[ENTRY_NAME];
-    if ( file == NULL || file->kind != SCENE_SCALAR || ( name && name->kind != SCENE_SCALAR ) )
+    const text_node *file = e.values[ENTRY_FILE], *name = e.values[ENTRY_NAME];
+    if ( file == NULL || file->kind != TEXT_SCALAR || ( name && name->kind != TEXT_SCALAR ) )
     {
         return suite_refuse( r, block, "expected a file and at most one name of it, such as { file: scene.yaml }" );
     }
@@ -578,7 +571,7 @@ wisp_status suite_read_entry( suite_reader* r, const scene_node* block )
                  : status;
     if ( status == WISP_OK )
     {
-        e.path = suite_resolve( r, scene_text_of( &r->tree, file ) );
+        e.path = suite_resolve( r, text_value( file ) );
         status = read_scene_text( r, file, e.path, &e.scene );
     }
     status = status == WISP_OK && e.values[ENTRY_SWEEP] ? sweep( r, &e ) : status;
@@ -595,12 +588,12 @@ wisp_status suite_read_entry( suite_reader* r, const scene_node* block )
 wisp_status suite_read_run( const suite_reader* r, const suite_run* run, const char* name, suite_row* out )
 {
     const suite_row* like = run->of ? run->of : r->out->rows;
-    const scene_node* place = run->file ? run->file : run->set;
+    const text_node* place = run->file ? run->file : run->set;
     entry e = { .seconds = run->of      ? run->of->seconds
-                           : r->seconds ? suite_number_of( r, r->seconds )
+                           : r->seconds ? suite_number_of( r->seconds )
                                         : 0.0,
                 .order = NAN };
-    e.path = run->file ? suite_resolve( r, scene_text_of( &r->tree, run->file ) )
+    e.path = run->file ? suite_resolve( r, text_value( run->file ) )
                        : strcpy( text_alloc( strlen( like->path ) ), like->path );
     e.values[ENTRY_SET] = run->set;
     e.values[ENTRY_FILE] = place;
@@ -611,7 +604,7 @@ wisp_status suite_read_run( const suite_reader* r, const suite_run* run, const c
     {
         begin_row( r, &e, out );
         snprintf( out->name, sizeof out->name, "%s", name );
-        for ( const scene_node* n = scene_first( &r->tree, run->set ); n; n = scene_next( &r->tree, n ) )
+        for ( const text_node* n = text_first( run->set ); n; n = n->next )
         {
             name_variant( r, n, n, out->variant, sizeof out->variant );
         }

@@ -81,7 +81,7 @@ static wisp_status load_source( const scene_world* world, const wisp_scene_mesh*
     wisp_status status = read_mesh( source, out, error );
     if ( status == WISP_OK && source->repairs != 0 )
     {
-        status = wisp_mesh_repair_within( out, source->repairs, source->weld_distance, &done, error );
+        status = wisp_mesh_repair( out, source->repairs, source->weld_distance, &done, error );
     }
     if ( status == WISP_OK && source->demands != 0 )
     {

@@ -55,7 +55,7 @@ static inline void fuzz_repair( wisp_mesh* mesh )
     wisp_mesh_diagnostics report;
     wisp_error error = { .status = WISP_OK };
     int triangle_count = mesh->triangle_count;
-    if ( wisp_mesh_repair( mesh, WISP_MESH_REPAIR_ALL, &repairs, &error ) != WISP_OK )
+    if ( wisp_mesh_repair( mesh, WISP_MESH_REPAIR_ALL, 0.0f, &repairs, &error ) != WISP_OK )
     {
         demand( error.message[0] != 0 && repairs.kept == NULL && mesh->triangle_count == triangle_count );
         return;
@@ -65,7 +65,7 @@ static inline void fuzz_repair( wisp_mesh* mesh )
     demand( report.windings.count == 0 && repairs.kept_count == mesh->vertex_count );
     wisp_mesh_repairs_release( &repairs );
     triangle_count = mesh->triangle_count;
-    if ( wisp_mesh_repair( mesh, WISP_MESH_WELD | WISP_MESH_FLIP, &repairs, &error ) != WISP_OK )
+    if ( wisp_mesh_repair( mesh, WISP_MESH_WELD | WISP_MESH_FLIP, 0.0f, &repairs, &error ) != WISP_OK )
     {
         demand( error.message[0] != 0 && repairs.became == NULL && mesh->triangle_count == triangle_count );
         return;
