@@ -98,7 +98,7 @@ $ wisp run cloth.yaml --verify cloth.wisp --workers 3
 $ show() { printf 'wisp: 1\nsteps: 1\nsurfaces:\n  - { name: sheet, generate: { shape: plane, columns: 9, rows: 9 }, cloth: {} }\n%s\n' "$2" >sheets.yaml
 >     wisp render sheets.yaml -o sheets$1.png --steps 2 --size 64x48 --samples 1 --from 32,50 --ground none >/dev/null; }
 > show 0; show 1 'colliders: [{ name: ceiling, shape: plane, position: [0, 1, 0], rotation: { axis: [1, 0, 0], degrees: 180 } }]'
-> show 3 'colliders: [{ name: ball, shape: sphere, radius: 2 }]'
+> show 3 'colliders: [{ name: ball, shape: sphere, radius: 0.12 }]'
 > show 2 '  - { name: scrap, generate: { shape: plane, columns: 2, rows: 2 }, transform: { translate: [9, -99, 0] }, cloth: {} }'
 $ python3 -c 'from pictures import *
 > assert same( "sheets0.png", "sheets1.png" ) and all( len( Picture( f"sheets{i}.png" ).body() ) > 64 * 48 / 8 for i in range( 3 ) )'
