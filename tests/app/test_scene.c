@@ -586,3 +586,23 @@ TEST( what_is_gone_is_found_in_its_own_block )
     assert_null( scene_find_removed( "stretch", "follow", true ) );
     assert_null( scene_find_removed( "", "leader_correction", false ) );
 }
+
+TEST( copies_stand_in_a_grid_near_the_origin_of_a_far_scene )
+{
+    char text[1200] = "{ wisp: 1, dt_factors: [1", name[WISP_SCENE_MAX_NAME + 1] = { 0 };
+    memset( name, 'a', WISP_SCENE_MAX_NAME ); // as long as it may be, and so is the list
+    for ( int i = 1; i < WISP_SCENE_MAX_DT_FACTORS; ++i )
+    {
+        strcat( text, ", 1" );
+    }
+    sprintf(
+        text + strlen( text ),
+        "], surfaces: [ { name: b, generate: { shape: plane }, transform: { translate: [80, 96, -80] }, copies: { "
+        "count: 4, columns: 2, spacing: [1, 2, 3] } }, { name: %s, generate: { shape: plane } } ] }",
+        name );
+    SCOPED( wisp_scene_release ) wisp_scene scene = parsed( text );
+    assert_int_equal( scene.surface_count, 5 );
+    assert_vector( scene.surfaces[1].pose.translation, -80.0f, -96.0f, 80.0f );
+    assert_vector( scene.surfaces[4].pose.translation, 1.0f, 2.0f, 3.0f );
+    assert_string_equal( scene.surfaces[4].name, "b-4" );
+}
