@@ -31,13 +31,21 @@ typedef struct unit_case
     struct unit_case* next;
 } unit_case;
 
+/// What is made before the cases of a file, and released behind them.
+typedef struct unit_group
+{
+    const char* file;
+    CMFixtureFunction set_up, tear_down;
+    struct unit_group* next;
+} unit_group;
+
 /// Take the arguments of the program. @return false if they are wrong
 typedef bool unit_arguments_fn( int argc, char** argv );
 /// @return why no case can run here, or NULL
 typedef const char* unit_obstacle_fn( void );
 
 void unit_add_case( unit_case* added );
-void unit_set_group( CMFixtureFunction set_up, CMFixtureFunction tear_down );
+void unit_add_group( unit_group* added );
 void unit_set_arguments( unit_arguments_fn* take );
 void unit_set_obstacle( unit_obstacle_fn* find );
 
@@ -54,11 +62,12 @@ void unit_set_obstacle( unit_obstacle_fn* find );
     }                                                                                                                \
     static void name( __attribute__( ( unused ) ) void** state )
 
-/// Name the fixture of all cases together.
+/// Name the fixture of all cases of the file together.
 #define TEST_GROUP( set_up, tear_down )                                                                              \
     TEST_BEFORE_MAIN( group )                                                                                        \
     {                                                                                                                \
-        unit_set_group( set_up, tear_down );                                                                         \
+        static unit_group added = { __BASE_FILE__, set_up, tear_down, NULL };                                        \
+        unit_add_group( &added );                                                                                    \
     }
 
 /// Name the function that takes the arguments. If it returns false, the exit status is 64.

@@ -1,4 +1,5 @@
-// The main() of all programs of tests: the cases that registered themselves before it, as one group of cmocka.
+// The main() of all programs of tests: the cases that registered themselves before it, as one group of cmocka. Of a program of several
+// files the argument is the name of one, whose cases run alone.
 #include "unit.h"
 
 enum
@@ -8,8 +9,7 @@ enum
 };
 
 static unit_case* first;
-static int case_count;
-static CMFixtureFunction group_set_up, group_tear_down;
+static unit_group* first_group;
 static unit_arguments_fn* take_arguments;
 static unit_obstacle_fn* find_obstacle;
 
@@ -23,13 +23,12 @@ void unit_add_case( unit_case* added )
     }
     added->next = *at;
     *at = added;
-    ++case_count;
 }
 
-void unit_set_group( CMFixtureFunction set_up, CMFixtureFunction tear_down )
+void unit_add_group( unit_group* added )
 {
-    group_set_up = set_up;
-    group_tear_down = tear_down;
+    added->next = first_group;
+    first_group = added;
 }
 
 void unit_set_arguments( unit_arguments_fn* take )
@@ -40,6 +39,14 @@ void unit_set_arguments( unit_arguments_fn* take )
 void unit_set_obstacle( unit_obstacle_fn* find )
 {
     find_obstacle = find;
+}
+
+// @param name of a file, without folder and ending; NULL: all files
+static bool is_chosen( const char* file, const char* name )
+{
+    const char* slash = strrchr( file, '/' );
+    const char* own = slash != NULL ? slash + 1 : file;
+    return name == NULL || ( strncmp( own, name, strlen( name ) ) == 0 && strcmp( own + strlen( name ), ".c" ) == 0 );
 }
 
 int main( int argc, char** argv )
@@ -54,20 +61,40 @@ int main( int argc, char** argv )
         print_message( "skipped: %s\n", obstacle );
         return EXIT_SKIPPED;
     }
-    if ( case_count == 0 )
-    {
-        print_error( "%s has no case\n", argv[0] );
-        return EXIT_FAILURE;
-    }
-    struct CMUnitTest tests[case_count];
+    const char* chosen = take_arguments == NULL && argc > 1 ? argv[1] : NULL;
     int count = 0;
     for ( const unit_case* c = first; c != NULL; c = c->next )
     {
-        tests[count++] = c->test;
+        count += is_chosen( c->file, chosen ) ? 1 : 0;
+        if ( chosen == NULL && strcmp( c->file, first->file ) != 0 )
+        {
+            print_error( "%s has the cases of several files: give the name of one, such as test_cloth\n", argv[0] );
+            return EXIT_USAGE;
+        }
     }
+    if ( count == 0 )
+    {
+        print_error( "%s has no case%s%s\n", argv[0], chosen != NULL ? " of " : "", chosen != NULL ? chosen : "" );
+        return EXIT_FAILURE;
+    }
+    struct CMUnitTest tests[count];
+    count = 0;
+    for ( const unit_case* c = first; c != NULL; c = c->next )
+    {
+        if ( is_chosen( c->file, chosen ) )
+        {
+            tests[count++] = c->test;
+        }
+    }
+    const unit_group none = { .file = "" }, *group = first_group;
+    while ( group != NULL && is_chosen( group->file, chosen ) == false )
+    {
+        group = group->next;
+    }
+    group = group != NULL ? group : &none;
     const char* slash = strrchr( argv[0], '/' );
+    const char* name = chosen != NULL ? chosen : slash != NULL ? slash + 1 : argv[0];
     // A count of failures as status could be the one of a skipped program.
-    const int failed =
-        cmocka_run_group_tests_name( slash != NULL ? slash + 1 : argv[0], tests, group_set_up, group_tear_down );
+    const int failed = cmocka_run_group_tests_name( name, tests, group->set_up, group->tear_down );
     return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }
