@@ -25,19 +25,11 @@
 /// A case in the list of main().
 typedef struct unit_case
 {
-    struct CMUnitTest test;
-    const char* file; ///< where it is defined
-    int place;        ///< in that file
+    struct CMUnitTest test; ///< without a function: the fixture of all cases of the file
+    const char* file;       ///< where it is defined
+    int place;              ///< in that file
     struct unit_case* next;
 } unit_case;
-
-/// What is made before the cases of a file, and released behind them.
-typedef struct unit_group
-{
-    const char* file;
-    CMFixtureFunction set_up, tear_down;
-    struct unit_group* next;
-} unit_group;
 
 /// Take the arguments of the program. @return false if they are wrong
 typedef bool unit_arguments_fn( int argc, char** argv );
@@ -45,7 +37,6 @@ typedef bool unit_arguments_fn( int argc, char** argv );
 typedef const char* unit_obstacle_fn( void );
 
 void unit_add_case( unit_case* added );
-void unit_add_group( unit_group* added );
 void unit_set_arguments( unit_arguments_fn* take );
 void unit_set_obstacle( unit_obstacle_fn* find );
 
@@ -66,8 +57,8 @@ void unit_set_obstacle( unit_obstacle_fn* find );
 #define TEST_GROUP( set_up, tear_down )                                                                              \
     TEST_BEFORE_MAIN( group )                                                                                        \
     {                                                                                                                \
-        static unit_group added = { __BASE_FILE__, set_up, tear_down, NULL };                                        \
-        unit_add_group( &added );                                                                                    \
+        static unit_case added = { { NULL, NULL, set_up, tear_down, NULL }, __BASE_FILE__, __COUNTER__, NULL };      \
+        unit_add_case( &added );                                                                                     \
     }
 
 /// Name the function that takes the arguments. If it returns false, the exit status is 64.

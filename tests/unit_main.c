@@ -9,7 +9,7 @@ enum
 };
 
 static unit_case* first;
-static unit_group* first_group;
+static int case_count;
 static unit_arguments_fn* take_arguments;
 static unit_obstacle_fn* find_obstacle;
 
@@ -23,12 +23,7 @@ void unit_add_case( unit_case* added )
     }
     added->next = *at;
     *at = added;
-}
-
-void unit_add_group( unit_group* added )
-{
-    added->next = first_group;
-    first_group = added;
+    ++case_count;
 }
 
 void unit_set_arguments( unit_arguments_fn* take )
@@ -41,12 +36,13 @@ void unit_set_obstacle( unit_obstacle_fn* find )
     find_obstacle = find;
 }
 
-// @param name of a file, without folder and ending; NULL: all files
-static bool is_chosen( const char* file, const char* name )
+// @param name without folder and ending
+static bool is_named( const char* file, const char* name )
 {
     const char* slash = strrchr( file, '/' );
-    const char* own = slash != NULL ? slash + 1 : file;
-    return name == NULL || ( strncmp( own, name, strlen( name ) ) == 0 && strcmp( own + strlen( name ), ".c" ) == 0 );
+    const size_t length = strlen( name );
+    file = slash != NULL ? slash + 1 : file;
+    return strncmp( file, name, length ) == 0 && strcmp( file + length, ".c" ) == 0;
 }
 
 int main( int argc, char** argv )
@@ -62,39 +58,29 @@ int main( int argc, char** argv )
         return EXIT_SKIPPED;
     }
     const char* chosen = take_arguments == NULL && argc > 1 ? argv[1] : NULL;
+    struct CMUnitTest tests[case_count + 1], fixture = { .name = NULL };
     int count = 0;
+    bool is_one = true;
     for ( const unit_case* c = first; c != NULL; c = c->next )
     {
-        count += is_chosen( c->file, chosen ) ? 1 : 0;
-        if ( chosen == NULL && strcmp( c->file, first->file ) != 0 )
+        const bool is_chosen = chosen == NULL || is_named( c->file, chosen );
+        is_one = is_one && ( chosen != NULL || strcmp( c->file, first->file ) == 0 );
+        if ( is_chosen )
         {
-            print_error( "%s has the cases of several files: give the name of one, such as test_cloth\n", argv[0] );
-            return EXIT_USAGE;
+            struct CMUnitTest* to = c->test.test_func != NULL ? tests + count++ : &fixture;
+            *to = c->test;
         }
     }
-    if ( count == 0 )
+    if ( count == 0 || is_one == false )
     {
-        print_error( "%s has no case%s%s\n", argv[0], chosen != NULL ? " of " : "", chosen != NULL ? chosen : "" );
-        return EXIT_FAILURE;
+        print_error( "%s has %s: give the name of a file, such as test_cloth\n", argv[0],
+                     count == 0 ? "no such case" : "the cases of several files" );
+        return EXIT_USAGE;
     }
-    struct CMUnitTest tests[count];
-    count = 0;
-    for ( const unit_case* c = first; c != NULL; c = c->next )
-    {
-        if ( is_chosen( c->file, chosen ) )
-        {
-            tests[count++] = c->test;
-        }
-    }
-    const unit_group none = { .file = "" }, *group = first_group;
-    while ( group != NULL && is_chosen( group->file, chosen ) == false )
-    {
-        group = group->next;
-    }
-    group = group != NULL ? group : &none;
+    struct CMUnitTest( *all )[count] = (void*)tests;
     const char* slash = strrchr( argv[0], '/' );
     const char* name = chosen != NULL ? chosen : slash != NULL ? slash + 1 : argv[0];
     // A count of failures as status could be the one of a skipped program.
-    const int failed = cmocka_run_group_tests_name( name, tests, group->set_up, group->tear_down );
+    const int failed = cmocka_run_group_tests_name( name, *all, fixture.setup_func, fixture.teardown_func );
     return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }
