@@ -25,9 +25,9 @@
 /// A case in the list of main().
 typedef struct unit_case
 {
-    struct CMUnitTest test;
-    const char* file; ///< where it is defined
-    int place;        ///< in that file
+    struct CMUnitTest test; ///< without a function: the fixture of all cases of the file
+    const char* file;       ///< where it is defined
+    int place;              ///< in that file
     struct unit_case* next;
 } unit_case;
 
@@ -37,7 +37,6 @@ typedef bool unit_arguments_fn( int argc, char** argv );
 typedef const char* unit_obstacle_fn( void );
 
 void unit_add_case( unit_case* added );
-void unit_set_group( CMFixtureFunction set_up, CMFixtureFunction tear_down );
 void unit_set_arguments( unit_arguments_fn* take );
 void unit_set_obstacle( unit_obstacle_fn* find );
 
@@ -54,11 +53,12 @@ void unit_set_obstacle( unit_obstacle_fn* find );
     }                                                                                                                \
     static void name( __attribute__( ( unused ) ) void** state )
 
-/// Name the fixture of all cases together.
+/// Name the fixture of all cases of the file together.
 #define TEST_GROUP( set_up, tear_down )                                                                              \
     TEST_BEFORE_MAIN( group )                                                                                        \
     {                                                                                                                \
-        unit_set_group( set_up, tear_down );                                                                         \
+        static unit_case added = { { NULL, NULL, set_up, tear_down, NULL }, __BASE_FILE__, __COUNTER__, NULL };      \
+        unit_add_case( &added );                                                                                     \
     }
 
 /// Name the function that takes the arguments. If it returns false, the exit status is 64.

@@ -3,6 +3,7 @@
 
 #include "accuracy/accuracy.h"
 #include "results.h"
+#include "text_tree.h"
 
 #define VALIDATE_PI 3.14159265358979323846
 
@@ -10,22 +11,14 @@ typedef struct validate_case
 {
     const char *name, *title;
     accuracy_scene_fn* make;
-    const char *tests, *left_out; ///< in words
-    const char *formula, *source;
 } validate_case;
 
 /// All cases in their order.
 const validate_case* validate_cases( int* count );
 
-/// The largest allowed error of a setting of a case, in its unit.
-typedef struct validate_limit
-{
-    const char *name, *setting;
-    double most;
-} validate_limit;
-
-/// The limits of limits.inc, those of a case one after another.
-const validate_limit* validate_limits( int* count );
+/// Read data/suites/validate/cases.yaml: a map of cases by their names, what is said of them and the largest allowed errors of settings.
+/// @param out to be released; null on failure
+wisp_status validate_read( text_node** out, wisp_error* error );
 
 /// Run cases, and add their tables, charts and descriptions. A setting beyond its limit fails.
 /// @param chosen a bit for each of validate_cases(); 0: all

@@ -115,7 +115,7 @@ TEST( each_module_alone_has_the_same_bits_with_any_workers_and_behind_a_snapshot
 
 TEST( effects_together_have_the_same_bits_with_any_workers_and_behind_a_snapshot )
 {
-    check_folder( WISP_SOURCE_ROOT "/data/suites/scenes/bits/*.yaml", 12, 30 );
+    check_folder( WISP_SOURCE_ROOT "/data/suites/scenes/bits/*.yaml", 14, 30 );
 }
 
 // ---- untrusted snapshots ----

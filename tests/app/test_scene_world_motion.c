@@ -1,4 +1,4 @@
-// From a scene to a running world: what strands tell, levels of detail, groups of pins over snapshots, whose motion is in
+// From a scene to a running world: what strands tell, levels of detail, groups of pins that events attach, whose motion is in
 // tests/claims/pins.yaml, modules of seams. What a user does to the world of a scene: holds vertices, moves colliders, changes
 // gravity and wind. Points that scenes lead to are in tests/app/transcripts/scenes.t.
 #define _XOPEN_SOURCE 700
@@ -73,15 +73,6 @@ TEST( levels_of_detail_are_set_and_changed_by_events )
     "  - name: cloth\n    generate: { shape: plane, columns: 9, rows: 9, spacing: 0.05 }\n"                          \
     "    compute: [points, speed]\n"
 
-// Two grippers on opposite edges, x = -0.2 and x = 0.2; one pulls, one pulls and turns about the vertical through its middle.
-#define GRIPPERS                                                                                                     \
-    SHEET "    cloth: { bending: bend_links }\n    pin_groups:\n"                                                    \
-          "      - name: left\n        pin_box: { min: [-0.21, -1, -1], max: [-0.19, 1, 1] }\n"                      \
-          "        pin_keyframes: [ { time: 0.4, translate: [-0.08, 0.02, 0] } ]\n"                                  \
-          "      - name: right\n        pin_box: { min: [0.19, -1, -1], max: [0.21, 1, 1] }\n"                       \
-          "        pin_keyframes: [ { time: 0.2, translate: [0, 0, 0] },\n"                                          \
-          "          { time: 1, translate: [0.06, 0, 0.04], rotate: { axis: [0, 1, 0], degrees: 40 } } ]\n"
-
 TEST( an_event_that_attaches_a_group_holds_it )
 {
     SCOPED( release ) fixture f;
@@ -92,46 +83,6 @@ TEST( an_event_that_attaches_a_group_holds_it )
     assert_int_equal( scene_pins_holding( &f.world.surfaces[0], 0 ), -1 );
     step( &f, 3 );
     assert_int_equal( scene_pins_holding( &f.world.surfaces[0], 0 ), 1 );
-}
-
-// @param restore_at step after which the world goes on in another one; 0: never
-static uint64_t hash_after( int workers, int steps, int restore_at )
-{
-    SCOPED( release )
-    fixture f = { .scene =
-                      parsed( GRIPPERS "events:\n  - { step: 20, surface: cloth, pin_group: right, release: true }\n"
-                                       "  - { step: 25, surface: cloth, pin_group: right, hold: true }\n" ) };
-    create( &f, workers );
-    step( &f, restore_at > 0 ? restore_at : steps );
-    if ( restore_at > 0 ) // into a world that has made one step
-    {
-        fixture g = { .scene = f.scene };
-        create( &g, workers );
-        step( &g, 1 );
-        const size_t size = wisp_world_snapshot_size( f.world.world ), front = scene_pins_state_size( &f.world );
-        char* bytes = checked_calloc( size + front, 1 );
-        scene_pins_save( &f.world, bytes );
-        assert_int_equal( wisp_world_snapshot( f.world.world, bytes + front, size ), WISP_OK );
-        assert_int_equal( scene_pins_state_size( &g.world ), front );
-        scene_pins_load( &g.world, bytes );
-        assert_int_equal( wisp_world_restore( g.world.world, bytes + front, size ), WISP_OK );
-        g.world.next_step = f.world.next_step;
-        g.world.next_event = f.world.next_event;
-        free( bytes );
-        g.world.scene = &f.scene; // that of g ends here
-        scene_world_destroy( &f.world );
-        f.world = g.world;
-        step( &f, steps - restore_at );
-    }
-    return wisp_world_hash( f.world.world );
-}
-
-TEST( workers_and_snapshots_change_no_bit )
-{
-    const uint64_t expected = hash_after( 1, 50, 0 );
-    assert_true( hash_after( 3, 50, 0 ) == expected );
-    assert_true( hash_after( 2, 50, 22 ) == expected ); // let go
-    assert_true( hash_after( 2, 50, 30 ) == expected ); // held again
 }
 
 // ---- seams ----

@@ -56,15 +56,6 @@ static inline int row_of( const results_table* table, const char* first )
     return 0;
 }
 
-static inline void assert_column( const results_table* table, const char* column, const char* text )
-{
-    assert_true( table->row_count > 1 );
-    for ( int r = 1; r < table->row_count; ++r )
-    {
-        assert_string_equal( named_cell( table, r, column ), text );
-    }
-}
-
 /// Number of rows for machines with this name and variant.
 static inline int count_rows( const results* all, const char* name, const char* variant )
 {

@@ -7,8 +7,6 @@
 
 bench_case_fn scenes_bench;
 
-#define SUITE_FILE WISP_SOURCE_ROOT "/data/suites/scenes.yaml"
-
 static bool has_row( const wisp_suite* suite, const char* label )
 {
     char own[SUITE_MAX_LABEL];
@@ -23,42 +21,6 @@ static bool has_row( const wisp_suite* suite, const char* label )
     return false;
 }
 
-TEST( the_suite_has_cloth_crowds_balloons_strands_and_sizes_to_a_million )
-{
-    static const char* const labels[] = {
-        "dropped on a ball",
-        "hanging: n=256",
-        "hanging, tethers: n=128",
-        "hanging, coarse sheets: n=64",
-        "hanging, wind: n=128",
-        "hanging, dihedral: n=64",
-        "hanging, isometric: n=128",
-        "crowd, 200 of 16 x 16",
-        "crowd, 800 of 8 x 8",
-        "500 tufts of 20 strands",
-        "10000 strands at once",
-        "balloon",
-        "balloon, statistics",
-        "2000 strands",
-        "2000 strands, 100 m away",
-        "flag",
-        "cloth by size: vertices=1048576",
-        "strands by size: vertices=1048580",
-    };
-    wisp_suite suite;
-    wisp_error error = { 0 };
-    assert_ok( suite_read( SUITE_FILE, &suite, &error ), error );
-    for ( size_t i = 0; i < WISP_COUNT( labels ); ++i )
-    {
-        if ( !has_row( &suite, labels[i] ) )
-        {
-            fail_msg( "%s has no row '%s'", SUITE_FILE, labels[i] );
-        }
-    }
-    suite_release( &suite );
-}
-
-// Reading it checks that each row names things of the scene, which others than its suite change, and is a scene.
 TEST( the_suite_of_the_dressed_figure_is_one_row_more_than_its_effects )
 {
     wisp_suite suite;

@@ -37,6 +37,9 @@ REWRITTEN = [
     (r"(character\.yaml) --frames \S+", r"\1 --frames 0:1 --size 80x60 --samples 1"),
     (r"(character\.yaml) --steps \d+", r"\1 --steps 1"),
     (r"^wisp validate( cantilever rubber)?", r"wisp validate chain --quick --seconds 0.1"), # minutes of all cases
+    (r"^(wisp render (?!.*--size).*)", r"\1 --size 80x60 --samples 1"), # a picture takes seconds by its size
+    (r"^wisp bench cloth --quick", "wisp bench boundary --quick --seconds 0.1"), # half a minute of references, in a clone
+    (r"(?<=suite\.yaml --seconds )5", "0.2"),           # for steadier times
     (r"^wisp sweep data/suites/scaling/scaling\.yaml", "wisp sweep suite.yaml"), # half a minute of sizes
     (r"^wisp view ", f"mkdir -p page && printf '%s' '{PAGE}' >page/viewer.html && WISP_DATA=page wisp view "), # the page needs a compiler of its own
     (r"^(\./dev python|meson setup .*-Dpython=enabled|meson install -C build$|meson install --tags python).*", "true"), # builds of their own: ./dev python

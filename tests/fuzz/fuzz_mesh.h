@@ -1,4 +1,5 @@
-/// Shared by both mesh fuzz targets, for a mesh that was read: examine, repair, describe, and write and read it back.
+/// A mesh that FUZZ_READ, a reader, makes of any bytes: rejected with a message, or read, examined, repaired, described, written and read
+/// back.
 #pragma once
 
 #include "fuzz.h"
@@ -77,18 +78,21 @@ static inline void fuzz_repair( wisp_mesh* mesh )
     wisp_mesh_repairs_release( &repairs );
 }
 
-/// @param status of the reader
-static inline void fuzz_use( wisp_status status, const wisp_error* error, wisp_mesh* mesh )
+int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )
 {
+    wisp_mesh mesh;
+    wisp_error error = { .status = WISP_OK };
+    const wisp_status status = FUZZ_READ( data, size, "fuzz", &mesh, &error );
     if ( status != WISP_OK )
     {
-        demand_refusal( status, error );
-        demand( mesh->points == NULL && mesh->triangles == NULL );
-        return;
+        demand_refusal( status, &error );
+        demand( mesh.points == NULL && mesh.triangles == NULL );
+        return 0;
     }
-    fuzz_examine( mesh );
-    fuzz_round_trip( mesh, mesh_put_ply, wisp_mesh_read_ply );
-    fuzz_round_trip( mesh, mesh_put_obj, wisp_mesh_read_obj );
-    fuzz_repair( mesh );
-    wisp_mesh_release( mesh );
+    fuzz_examine( &mesh );
+    fuzz_round_trip( &mesh, mesh_put_ply, wisp_mesh_read_ply );
+    fuzz_round_trip( &mesh, mesh_put_obj, wisp_mesh_read_obj );
+    fuzz_repair( &mesh );
+    wisp_mesh_release( &mesh );
+    return 0;
 }

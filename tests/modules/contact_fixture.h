@@ -222,20 +222,6 @@ static inline int count_passing( wisp_world* world, wisp_entity edges_of, wisp_e
     return count;
 }
 
-/// Intersections among some surfaces, each with each and with itself.
-static inline int count_all_passing( wisp_world* world, const wisp_entity* surfaces, int count )
-{
-    int passing = 0;
-    for ( int i = 0; i < count; ++i )
-    {
-        for ( int k = 0; k < count; ++k )
-        {
-            passing += count_passing( world, surfaces[i], surfaces[k] );
-        }
-    }
-    return passing;
-}
-
 // ---- state ----
 
 /// Position of a vertex, three floats, by the user's index.
@@ -280,51 +266,4 @@ static inline void momentum_of( wisp_world* world, const wisp_entity* surfaces, 
             out[k] += q.momentum[k];
         }
     }
-}
-
-/// Depth of a point inside a closed surface, m; 0 outside. By solid angles (van Oosterom and Strackee 1983).
-static inline double depth_inside( wisp_world* world, wisp_entity closed, const float* at )
-{
-    const wisp_fabric* f = wisp_world_fabric( world, closed );
-    const float* x = wisp_world_column( world, closed, WISP_PARTICLE_POSITION, 0 );
-    float lower[3] = { INFINITY, INFINITY, INFINITY }, upper[3] = { -INFINITY, -INFINITY, -INFINITY };
-    for ( int i = 0; i < 3 * f->vertex_count; ++i )
-    {
-        const float place = x[4 * ( i / 3 ) + i % 3];
-        lower[i % 3] = fminf( lower[i % 3], place );
-        upper[i % 3] = fmaxf( upper[i % 3], place );
-    }
-    for ( int k = 0; k < 3; ++k )
-    {
-        if ( at[k] < lower[k] || at[k] > upper[k] )
-        {
-            return 0.0;
-        }
-    }
-    double turns = 0.0, nearest = INFINITY;
-    for ( int t = 0; t < f->triangle_count; ++t )
-    {
-        double r[3][3], length[3], dot[3], normal[3];
-        for ( int c = 0; c < 3; ++c )
-        {
-            for ( int k = 0; k < 3; ++k )
-            {
-                r[c][k] = (double)x[4 * (size_t)f->triangles[3 * (size_t)t + (size_t)c] + (size_t)k] - (double)at[k];
-            }
-            length[c] = sqrt( r[c][0] * r[c][0] + r[c][1] * r[c][1] + r[c][2] * r[c][2] );
-            nearest = fmin( nearest, length[c] );
-        }
-        for ( int c = 0; c < 3; ++c )
-        {
-            const double *u = r[c], *v = r[( c + 1 ) % 3];
-            dot[c] = u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-        }
-        normal[0] = r[1][1] * r[2][2] - r[1][2] * r[2][1];
-        normal[1] = r[1][2] * r[2][0] - r[1][0] * r[2][2];
-        normal[2] = r[1][0] * r[2][1] - r[1][1] * r[2][0];
-        const double volume = r[0][0] * normal[0] + r[0][1] * normal[1] + r[0][2] * normal[2];
-        turns += 2.0 * atan2( volume, length[0] * length[1] * length[2] + dot[0] * length[2] + dot[1] * length[0] +
-                                          dot[2] * length[1] );
-    }
-    return fabs( turns ) > 6.2831853 ? nearest : 0.0; // 4 pi inside, 0 outside; to the nearest vertex
 }

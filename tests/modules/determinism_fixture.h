@@ -9,6 +9,8 @@
 #include "saved_world.h"
 #include "world_fixture.h"
 
+#include "kernel_tables.h"
+
 typedef struct place_to_run
 {
     int workers;
@@ -119,20 +121,32 @@ static void assert_traces( const determinism* d, int number, const place_to_run*
     assert_true( place->parallel_for == NULL || calls > 0 || c.is_one_block );
 }
 
-// An instruction set that this processor lacks falls back to the next, which compares equal trivially.
 TEST( workers_instruction_sets_and_hosts_do_not_change_a_bit )
 {
     const determinism* d = &subject;
-    const char* const isas[] = { "baseline", "avx2", "avx512" };
+    static const char* const known[] = { "baseline", "avx2", "avx512" };
+    const char* isas[WISP_COUNT( known )];
+    int isa_count = 0;
+    for ( int i = 0; i < WISP_COUNT( known ); ++i )
+    {
+        isas[isa_count] = known[i];
+        // one that the processor lacks would be the one before again
+        const bool is_here = strcmp( kernels_select( known[i], NULL )->isa, known[i] ) == 0;
+        isa_count += is_here ? 1 : 0;
+        if ( is_here == false )
+        {
+            print_message( "skipped: %s: no kernels of it here\n", known[i] );
+        }
+    }
     for ( int n = 0; n < d->case_count; ++n )
     {
         const int most = d->describe( n ).most_workers, workers[] = { 1, 2, 3, 5, most > 0 ? most : 8 };
         const traces expected = run_case( d, n, &PLAIN, NULL );
-        for ( int i = 0; i < WISP_COUNT( isas ); ++i )
+        for ( int i = 0; i < isa_count; ++i )
         {
             for ( int w = 0; w < WISP_COUNT( workers ); ++w )
             {
-                if ( d->every_pair || w == 0 || w % WISP_COUNT( isas ) == i )
+                if ( d->every_pair || w == 0 || w % WISP_COUNT( known ) == i )
                 {
                     assert_traces( d, n, &( place_to_run ){ workers[w], isas[i], NULL }, expected );
                 }

@@ -139,13 +139,6 @@ bool balloon_mesh_two_triangles( balloon_mesh* mesh, double edge )
     return from_lists( mesh, 4, positions, edge, 2, triangles );
 }
 
-bool balloon_mesh_tetrahedron( balloon_mesh* mesh, double edge )
-{
-    const double3 positions[] = { { 1, 1, 1 }, { 1, -1, -1 }, { -1, 1, -1 }, { -1, -1, 1 } };
-    const int triangles[] = { 0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2 };
-    return from_lists( mesh, 4, positions, edge / sqrt( 8.0 ), 4, triangles );
-}
-
 bool balloon_mesh_cube( balloon_mesh* mesh, double edge )
 {
     const double3 positions[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 1, 1, 0 }, { 0, 1, 0 },
@@ -153,16 +146,6 @@ bool balloon_mesh_cube( balloon_mesh* mesh, double edge )
     const int triangles[] = { 0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4,
                               1, 2, 6, 1, 6, 5, 2, 3, 7, 2, 7, 6, 3, 0, 4, 3, 4, 7 };
     return from_lists( mesh, 8, positions, edge, 12, triangles );
-}
-
-bool balloon_mesh_bipyramid( balloon_mesh* mesh, double edge )
-{
-    double r = 1.0 / sqrt( 3.0 ), h = sqrt( 2.0 / 3.0 );
-    const double3 positions[] = {
-        { r, 0, 0 }, { -0.5 * r, 0.5, 0 }, { -0.5 * r, -0.5, 0 }, { 0, 0, h }, { 0, 0, -h }
-    };
-    const int triangles[] = { 0, 1, 3, 1, 2, 3, 2, 0, 3, 1, 0, 4, 2, 1, 4, 0, 2, 4 };
-    return from_lists( mesh, 5, positions, edge, 6, triangles );
 }
 
 static bool icosahedron( balloon_mesh* mesh, double radius )

@@ -16,11 +16,7 @@ typedef struct balloon_mesh
 // Functions that make meshes. Each returns false when memory runs out; then nothing needs to be destroyed.
 
 bool balloon_mesh_two_triangles( balloon_mesh* mesh, double edge ); ///< open, equilateral, flat, share the edge 0 1
-bool balloon_mesh_tetrahedron( balloon_mesh* mesh, double edge );   ///< regular, V = edge^3 / (6 sqrt 2)
 bool balloon_mesh_cube( balloon_mesh* mesh, double edge );          ///< twelve triangles, a corner at the origin
-
-/// Two tetrahedra that share a triangle which is not a face: the edges of that triangle have three common neighbours.
-bool balloon_mesh_bipyramid( balloon_mesh* mesh, double edge );
 
 /// 20 * 4^level triangles, vertices on the sphere.
 bool balloon_mesh_icosphere( balloon_mesh* mesh, int level, double radius );
