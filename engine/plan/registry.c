@@ -245,17 +245,10 @@ static plan_state* find_own_state( wisp_registry* registry )
 
 void wisp_declare_hooks( wisp_registry* registry, const wisp_state_hooks* hooks )
 {
-    find_own_state( registry )->hooks = *hooks;
-}
-
-void wisp_declare_sleep( wisp_registry* registry, const wisp_sleep_hooks* hooks )
-{
-    find_own_state( registry )->sleep = *hooks;
-}
-
-void wisp_declare_detail( wisp_registry* registry, const wisp_detail_hooks* hooks )
-{
-    find_own_state( registry )->detail = *hooks;
+    plan_state* state = find_own_state( registry );
+    state->hooks = *hooks;
+    state->sleep = hooks->sleep != NULL ? *hooks->sleep : state->sleep;
+    state->detail = hooks->detail != NULL ? *hooks->detail : state->detail;
 }
 
 wisp_component wisp_detail_component( wisp_registry* registry )
@@ -345,14 +338,14 @@ void wisp_set_object( wisp_objects* objects, wisp_entity entity, void* object )
     }
 }
 
-int wisp_count_object_places( const wisp_objects* objects )
+void* wisp_next_object( const wisp_objects* objects, int* place )
 {
-    return objects->count;
-}
-
-void* wisp_object_at( const wisp_objects* objects, int place )
-{
-    return objects->places[place].object;
+    void* object = NULL;
+    while ( object == NULL && *place < objects->count )
+    {
+        object = objects->places[( *place )++].object;
+    }
+    return object;
 }
 
 static size_t object_bytes( const wisp_objects* o )

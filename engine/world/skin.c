@@ -6,7 +6,6 @@
 
 #include "wisp/module/definition.h"
 #include <math.h>
-#include <stdatomic.h>
 #include <string.h>
 
 // ---- pose ----
@@ -89,67 +88,6 @@ static bool is_finite( const wisp_affine* a )
         finite = finite && isfinite( a->m[i / 4][i % 4] );
     }
     return finite;
-}
-
-// The cofactor of entry (r, c).
-static double cofactor( const wisp_affine* a, int r, int c )
-{
-    const int r1 = ( r + 1 ) % 3, r2 = ( r + 2 ) % 3, c1 = ( c + 1 ) % 3, c2 = ( c + 2 ) % 3;
-    return (double)a->m[r1][c1] * (double)a->m[r2][c2] - (double)a->m[r1][c2] * (double)a->m[r2][c1];
-}
-
-bool wisp_affine_invert( const wisp_affine* a, wisp_affine* out )
-{
-    double determinant = 0.0, inverse[3][4];
-    for ( int c = 0; c < 3; ++c )
-    {
-        determinant += (double)a->m[0][c] * cofactor( a, 0, c );
-    }
-    if ( !( determinant != 0.0 ) )
-    {
-        return false;
-    }
-    for ( int r = 0; r < 3; ++r )
-    {
-        inverse[r][3] = 0.0;
-        for ( int c = 0; c < 3; ++c )
-        {
-            inverse[r][c] = cofactor( a, c, r ) / determinant;
-            inverse[r][3] -= inverse[r][c] * (double)a->m[c][3];
-        }
-    }
-    const wisp_affine rounded = round_affine( inverse );
-    const bool found = is_finite( &rounded );
-    *out = found ? rounded : *out;
-    return found;
-}
-
-wisp_vec3 wisp_affine_apply( const wisp_affine* a, wisp_vec3 p )
-{
-    float out[3];
-    for ( int r = 0; r < 3; ++r )
-    {
-        out[r] = a->m[r][0] * p.x + a->m[r][1] * p.y + a->m[r][2] * p.z + a->m[r][3];
-    }
-    return ( wisp_vec3 ){ out[0], out[1], out[2] };
-}
-
-wisp_status wisp_compose_bones( int bone_count, const int32_t* parents, const wisp_affine* local, wisp_affine* model,
-                                wisp_error* error )
-{
-    for ( int i = 0; i < bone_count; ++i )
-    {
-        if ( parents[i] < -1 || parents[i] >= i )
-        {
-            return wisp_fail( error, WISP_BAD_INPUT, "bone %d: got parent %d, expected -1 or a bone before it", i,
-                              parents[i] );
-        }
-    }
-    for ( int i = 0; i < bone_count; ++i )
-    {
-        model[i] = parents[i] < 0 ? local[i] : wisp_affine_multiply( &model[parents[i]], &local[i] );
-    }
-    return WISP_OK;
 }
 
 // ---- poses ----
@@ -306,7 +244,6 @@ typedef struct owned_skin
     wisp_skin skin; // first: users hold a pointer to it
     wisp_allocator allocator;
     const wisp_kernels* kernels;
-    atomic_int owners;
     size_t bytes; // of the block, which this struct begins
 } owned_skin;
 
@@ -472,7 +409,6 @@ static owned_skin* allocate( const wisp_skin_def* def, const wisp_allocator* all
     memset( owned, 0, sizeof( *owned ) );
     owned->allocator = allocator != NULL ? *allocator : ( wisp_allocator ){ 0 };
     owned->bytes = bytes;
-    atomic_init( &owned->owners, 1 );
     return owned;
 }
 
@@ -557,30 +493,14 @@ wisp_status wisp_skin_create( const wisp_skin_def* given, const wisp_allocator* 
     return WISP_OK;
 }
 
-void wisp_skin_retain( wisp_skin* skin )
-{
-    owned_skin* owned = (owned_skin*)skin;
-    if ( owned != NULL )
-    {
-        atomic_fetch_add_explicit( &owned->owners, 1, memory_order_relaxed );
-    }
-}
-
 void wisp_skin_release( wisp_skin* skin )
 {
-    owned_skin* owned = (owned_skin*)skin;
-
-    // acquire: the last reference must see the reads of the others before it frees
-    if ( owned != NULL && atomic_fetch_sub_explicit( &owned->owners, 1, memory_order_acq_rel ) == 1 )
+    if ( skin != NULL )
     {
+        owned_skin* owned = (owned_skin*)skin;
         const wisp_allocator allocator = owned->allocator;
         base_release( &allocator, owned, owned->bytes );
     }
-}
-
-size_t wisp_skin_bytes( const wisp_skin* skin )
-{
-    return skin != NULL ? ( (const owned_skin*)skin )->bytes : 0;
 }
 
 // ---- points ----

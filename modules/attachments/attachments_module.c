@@ -67,11 +67,12 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state,
-                                                  .removed = entity_removed,
-                                                  .triangles_changed = triangles_changed,
-                                                  .memory = count_memory } );
-    wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .surroundings = find_surroundings } );
+    wisp_declare_hooks(
+        r, &( wisp_state_hooks ){ .release = release_state,
+                                  .removed = entity_removed,
+                                  .triangles_changed = triangles_changed,
+                                  .memory = count_memory,
+                                  .sleep = &( wisp_sleep_hooks ){ .surroundings = find_surroundings } } );
     state->place = WISP_COMPONENT( r, "attachments.place", WISP_TABLE_PARTICLE, PLACE_COLUMNS );
     const wisp_index_range ranges[] = {
         { .component = state->place, .kind = WISP_INDEX_SURFACE },

@@ -137,7 +137,8 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .surroundings = find_surroundings } );
+    wisp_declare_hooks(
+        r, &( wisp_state_hooks ){ .sleep = &( wisp_sleep_hooks ){ .surroundings = find_surroundings } } );
     WISP_TRY( declare_components( r, state ) );
     for ( wisp_component map = WISP_MAP_STRETCH_COMPLIANCE; map <= WISP_MAP_BEND_STIFFNESS; ++map )
     {

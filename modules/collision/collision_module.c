@@ -289,15 +289,16 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state,
-                                                  .removed = entity_removed,
-                                                  .teleported = entity_teleported,
-                                                  .planning = collision_plan,
-                                                  .planned = tell_of_bodies,
-                                                  .begun = collision_list_near,
-                                                  .memory = count_memory,
-                                                  .lines = collision_add_lines } );
-    wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .surroundings = collision_surroundings } );
+    wisp_declare_hooks(
+        r, &( wisp_state_hooks ){ .release = release_state,
+                                  .removed = entity_removed,
+                                  .teleported = entity_teleported,
+                                  .planning = collision_plan,
+                                  .planned = tell_of_bodies,
+                                  .begun = collision_list_near,
+                                  .memory = count_memory,
+                                  .lines = collision_add_lines,
+                                  .sleep = &( wisp_sleep_hooks ){ .surroundings = collision_surroundings } } );
     state->has_iterations = wisp_registry_iterations( r ) > 1;
     WISP_TRY( declare_components( r, state ) );
     WISP_TRY( declare_indices( r, state ) );

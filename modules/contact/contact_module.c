@@ -329,8 +329,8 @@ static wisp_status declare( wisp_registry* r )
                                                   .triangles_changed = triangles_changed,
                                                   .planned = tell_of_lonely,
                                                   .memory = count_memory,
-                                                  .lines = add_lines } );
-    wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .reach = participant_reach } );
+                                                  .lines = add_lines,
+                                                  .sleep = &( wisp_sleep_hooks ){ .reach = participant_reach } } );
     wisp_status status = declare_components( r, state );
     status = status == WISP_OK ? declare_limit( r, state ) : status;
     status = status == WISP_OK ? declare_passes( r, state, false ) : status;

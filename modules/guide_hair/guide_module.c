@@ -74,15 +74,15 @@ const guide_follower* guide_active_follower( const guide_state* state, wisp_enti
 void guide_let_go( wisp_world* world, const guide_state* state, wisp_entity entity )
 {
     bool followed = false, drawn = false;
-    for ( int i = 0; i < wisp_count_object_places( state->followers ); ++i )
+    const guide_follower* f;
+    for ( int place = 0; ( f = wisp_next_object( state->followers, &place ) ) != NULL; )
     {
-        const guide_follower* f = wisp_object_at( state->followers, i );
-        followed = followed || ( f != NULL && wisp_entity_equal( f->targets, entity ) );
+        followed = followed || wisp_entity_equal( f->targets, entity );
     }
-    for ( int i = 0; i < wisp_count_object_places( state->drawings ); ++i )
+    const guide_drawing* d;
+    for ( int place = 0; ( d = wisp_next_object( state->drawings, &place ) ) != NULL; )
     {
-        const guide_drawing* d = wisp_object_at( state->drawings, i );
-        drawn = drawn || ( d != NULL && wisp_entity_equal( d->source, entity ) );
+        drawn = drawn || wisp_entity_equal( d->source, entity );
     }
     if ( followed == false && wisp_world_has( world, entity, state->before ) )
     {
@@ -115,25 +115,19 @@ static void entity_removed( void* memory, wisp_world* world, wisp_entity entity 
 {
     guide_state* state = memory;
     const wisp_entity nothing = { 0, 0 };
-    for ( int i = 0; i < wisp_count_object_places( state->followers ); ++i )
+    guide_follower* f;
+    for ( int place = 0; ( f = wisp_next_object( state->followers, &place ) ) != NULL; )
     {
-        guide_follower* f = wisp_object_at( state->followers, i );
-        if ( f != NULL && wisp_entity_equal( f->targets, entity ) )
-        {
-            f->targets = nothing;
-        }
+        f->targets = wisp_entity_equal( f->targets, entity ) ? nothing : f->targets;
     }
-    for ( int i = 0; i < wisp_count_object_places( state->drawings ); ++i )
+    guide_drawing* d;
+    for ( int place = 0; ( d = wisp_next_object( state->drawings, &place ) ) != NULL; )
     {
-        guide_drawing* d = wisp_object_at( state->drawings, i );
-        if ( d != NULL && wisp_entity_equal( d->source, entity ) )
-        {
-            d->source = nothing;
-        }
+        d->source = wisp_entity_equal( d->source, entity ) ? nothing : d->source;
     }
     // what ghosts and curves that go have followed is let go
-    const guide_follower* f = wisp_find_object( state->followers, entity );
-    const guide_drawing* d = wisp_find_object( state->drawings, entity );
+    f = wisp_find_object( state->followers, entity );
+    d = wisp_find_object( state->drawings, entity );
     const wisp_entity targets = f != NULL ? f->targets : nothing, source = d != NULL ? d->source : nothing;
     wisp_set_object( state->followers, entity, NULL );
     wisp_set_object( state->drawings, entity, NULL );
@@ -240,12 +234,13 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_hooks( r, &( wisp_state_hooks ){ .removed = entity_removed } );
+    wisp_declare_hooks(
+        r, &( wisp_state_hooks ){ .removed = entity_removed,
+                                  .detail = &( wisp_detail_hooks ){ .has_coarse = guide_has_coarse,
+                                                                    .prepare = guide_prepare_detail,
+                                                                    .changed = guide_detail_changed } } );
     s->followers = wisp_declare_objects( r, guide_follower_release, follower_bytes );
     s->drawings = wisp_declare_objects( r, guide_drawing_release, drawing_bytes );
-    wisp_declare_detail( r, &( wisp_detail_hooks ){ .has_coarse = guide_has_coarse,
-                                                    .prepare = guide_prepare_detail,
-                                                    .changed = guide_detail_changed } );
     s->detail = wisp_detail_component( r );
     GUIDE_COMPONENTS( WISP_COMPONENT_DECLARE )
     wisp_declare_places( r, s->between, 0, WISP_PLACE_LANES );

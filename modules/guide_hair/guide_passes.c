@@ -551,10 +551,10 @@ void guide_run_targets( wisp_frame* frame, const wisp_span* span, void* user )
                     ? wisp_frame_column( frame, entity, WISP_STRAND_ROOT, 1 )
                     : NULL,
     };
-    for ( int i = 0; i < wisp_count_object_places( state->followers ); ++i )
+    const guide_follower* f;
+    for ( int place = 0; ( f = wisp_next_object( state->followers, &place ) ) != NULL; )
     {
-        const guide_follower* f = wisp_object_at( state->followers, i );
-        if ( f != NULL && wisp_entity_equal( f->targets, entity ) &&
+        if ( wisp_entity_equal( f->targets, entity ) &&
              wisp_frame_detail( frame, f->ghosts ).level < WISP_DETAIL_COARSE )
         {
             fill_table( frame, span, state, f, loop );

@@ -258,9 +258,9 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_hooks( r, &( wisp_state_hooks ){ .teleported = entity_teleported } );
+    wisp_declare_hooks( r, &( wisp_state_hooks ){ .teleported = entity_teleported,
+                                                  .sleep = &( wisp_sleep_hooks ){ .rested = entity_rested } } );
     s->links = wisp_declare_objects( r, implicit_links_release, links_bytes );
-    wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .rested = entity_rested } );
     IMPLICIT_COMPONENTS( WISP_COMPONENT_DECLARE )
     wisp_declare_places( r, s->history, 0, WISP_PLACE_QUADS );
     const wisp_index_range ranges[] = {

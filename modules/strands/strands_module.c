@@ -346,13 +346,15 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state,
-                                                  .removed = strands_entity_removed,
-                                                  .teleported = strands_teleported,
-                                                  .triangles_changed = strands_triangles_changed,
-                                                  .memory = count_memory,
-                                                  .lines = strands_add_frames } );
-    wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .surroundings = strands_surroundings, .rested = strands_rested } );
+    wisp_declare_hooks( r,
+                        &( wisp_state_hooks ){ .release = release_state,
+                                               .removed = strands_entity_removed,
+                                               .teleported = strands_teleported,
+                                               .triangles_changed = strands_triangles_changed,
+                                               .memory = count_memory,
+                                               .lines = strands_add_frames,
+                                               .sleep = &( wisp_sleep_hooks ){ .surroundings = strands_surroundings,
+                                                                               .rested = strands_rested } } );
     STRANDS_COMPONENTS( WISP_COMPONENT_DECLARE )
     wisp_declare_low( r, WISP_STRAND_POSITION, 0, s->low, 0 );
     wisp_declare_low( r, WISP_STRAND_ROOT, 0, WISP_STRAND_ROOT, 2 );

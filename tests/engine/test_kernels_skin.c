@@ -29,6 +29,27 @@ static wisp_affine random_rigid( int seed )
     return wisp_affine_from_transform( wisp_transform_make( q, t ), ( wisp_vec3 ){ 1.0f, 1.0f, 1.0f } );
 }
 
+static wisp_vec3 applied( const wisp_affine* a, wisp_vec3 p )
+{
+    float out[3];
+    for ( int r = 0; r < 3; ++r )
+    {
+        out[r] = a->m[r][0] * p.x + a->m[r][1] * p.y + a->m[r][2] * p.z + a->m[r][3];
+    }
+    return ( wisp_vec3 ){ out[0], out[1], out[2] };
+}
+
+static wisp_affine rigid_inverse( const wisp_affine* a )
+{
+    wisp_affine out = { 0 };
+    for ( int i = 0; i < 9; ++i )
+    {
+        out.m[i / 3][i % 3] = a->m[i % 3][i / 3];
+        out.m[i / 3][3] -= a->m[i % 3][i / 3] * a->m[i % 3][3];
+    }
+    return out;
+}
+
 // Points that follow one to four bones, in changing order; numbers of bones without weight are nonsense.
 static void make_body( bound_body* b )
 {
@@ -175,7 +196,7 @@ TEST( one_motion_of_all_bones_is_that_of_the_points )
     compute( &b, WISP_SKIN_LINEAR, out );
     for ( int v = 0; v < POINTS; ++v )
     {
-        const wisp_vec3 p = wisp_affine_apply( &motion, b.points[v] );
+        const wisp_vec3 p = applied( &motion, b.points[v] );
         assert_memory_equal( &out[v], &p, sizeof( p ) );
     }
 
@@ -183,8 +204,7 @@ TEST( one_motion_of_all_bones_is_that_of_the_points )
     b.def.inverse_bind = b.inverse_bind;
     for ( int i = 0; i < BONES; ++i )
     {
-        wisp_affine bind;
-        assert_true( wisp_affine_invert( &b.inverse_bind[i], &bind ) );
+        const wisp_affine bind = rigid_inverse( &b.inverse_bind[i] );
         b.now[i] = wisp_affine_multiply( &motion, &bind );
     }
     for ( int method = 0; method < WISP_SKIN_METHOD_COUNT; ++method )
@@ -192,7 +212,7 @@ TEST( one_motion_of_all_bones_is_that_of_the_points )
         compute( &b, (wisp_skin_method)method, out );
         for ( int v = 0; v < POINTS; ++v )
         {
-            const double3 p = double3_widen( wisp_affine_apply( &motion, b.points[v] ) );
+            const double3 p = double3_widen( applied( &motion, b.points[v] ) );
             assert_near_vector( double3_widen( out[v] ), p, 40.0 * (double)FLT_EPSILON, "rigid motion", v );
         }
     }
@@ -216,13 +236,13 @@ TEST( a_point_of_one_bone_follows_it )
     compute( &b, WISP_SKIN_LINEAR, out );
     for ( int v = 0; v < POINTS; ++v )
     {
-        const wisp_vec3 p = wisp_affine_apply( &b.now[v % BONES], b.points[v] );
+        const wisp_vec3 p = applied( &b.now[v % BONES], b.points[v] );
         assert_memory_equal( &out[v], &p, sizeof( p ) );
     }
     compute( &b, WISP_SKIN_DUAL_QUATERNION, out );
     for ( int v = 0; v < POINTS; ++v )
     {
-        const wisp_vec3 p = wisp_affine_apply( &b.now[v % BONES], b.points[v] );
+        const wisp_vec3 p = applied( &b.now[v % BONES], b.points[v] );
         assert_near_vector( double3_widen( out[v] ), double3_widen( p ), 30.0 * (double)FLT_EPSILON, "bone", v );
     }
 }
@@ -259,39 +279,17 @@ TEST( a_twist_collapses_linear_blend_and_keeps_the_radius_of_dual_quaternions )
     }
 }
 
-TEST( hierarchies_compose_from_the_root )
-{
-    const int32_t parents[4] = { -1, 0, 1, 1 }, wrong[4] = { -1, 0, 2, 1 };
-    wisp_affine local[4], model[4];
-    for ( int i = 0; i < 4; ++i )
-    {
-        local[i] = random_rigid( 50 + i );
-        local[i].m[0][0] *= 2.0f; // not only rigid ones
-    }
-    wisp_error error = { 0 };
-    assert_int_equal( wisp_compose_bones( 4, parents, local, model, &error ), WISP_OK );
-    const wisp_vec3 p = { 0.25f, -0.5f, 1.0f };
-    const wisp_vec3 step = wisp_affine_apply( &local[1], wisp_affine_apply( &local[3], p ) );
-    const wisp_vec3 expected = wisp_affine_apply( &local[0], step );
-    assert_near_vector( double3_widen( wisp_affine_apply( &model[3], p ) ), double3_widen( expected ),
-                        100.0 * (double)FLT_EPSILON, "hierarchy", 3 );
-    assert_int_equal( wisp_compose_bones( 4, parents, local, local, &error ), WISP_OK );
-    assert_memory_equal( local, model, sizeof( local ) );
-    assert_int_equal( wisp_compose_bones( 4, wrong, local, local, &error ), WISP_BAD_INPUT );
-    assert_string_equal( error.message, "bone 2: got parent 2, expected -1 or a bone before it" );
-    assert_memory_equal( local, model, sizeof( local ) );
-}
-
 TEST( scale_of_the_bind_pose_that_bones_undo_is_rigid )
 {
     bound_body b;
     make_body( &b );
-    const wisp_vec3 none = { 0.0f, 0.0f, 0.0f }, hundredth = { 0.01f, 0.01f, 0.01f };
+    const wisp_vec3 none = { 0.0f, 0.0f, 0.0f }, small = { 1 / 128.0f, 1 / 128.0f, 1 / 128.0f },
+                    large = { 128.0f, 128.0f, 128.0f };
     const wisp_transform rest = wisp_transform_make( ( wisp_quat ){ 0.0f, 0.0f, 0.0f, 1.0f }, none );
-    const wisp_affine scale = wisp_affine_from_transform( rest, hundredth );
+    const wisp_affine scale = wisp_affine_from_transform( rest, small );
     for ( int i = 0; i < BONES; ++i )
     {
-        assert_true( wisp_affine_invert( &scale, &b.inverse_bind[i] ) );
+        b.inverse_bind[i] = wisp_affine_from_transform( rest, large );
         b.now[i] = wisp_affine_multiply( &b.now[i], &scale );
     }
     wisp_vec3 out[POINTS];
@@ -376,7 +374,7 @@ TEST( memory_is_of_the_host_and_taken_once )
     assert_int_equal( wisp_skin_create( &b.def, &mean, &refused, NULL ), WISP_NO_MEMORY );
     assert_null( refused );
     assert_int_equal( wisp_skin_create( &b.def, &host, &skin, NULL ), WISP_OK );
-    assert_int_equal( wisp_skin_bytes( skin ), atomic_load( &counted.bytes ) );
+    assert_int_equal( atomic_load( &counted.queried ), 1 );
     wisp_skin_pose pose = { 0 };
     assert_int_equal( wisp_skin_pose_set( &pose, skin, WISP_SKIN_LINEAR, b.now, &mean, NULL ), WISP_NO_MEMORY );
     for ( int i = 0; i < 3; ++i )
@@ -385,9 +383,6 @@ TEST( memory_is_of_the_host_and_taken_once )
     }
     assert_int_equal( atomic_load( &counted.queried ), 2 );
     wisp_skin_pose_release( &pose, &host );
-    wisp_skin_retain( skin );
-    wisp_skin_release( skin );
-    assert_int_equal( wisp_skin_bytes( skin ), atomic_load( &counted.bytes ) );
     wisp_skin_release( skin );
     assert_host_memory_is_released( &counted );
 }

@@ -42,19 +42,6 @@ WISP_API wisp_affine wisp_affine_identity( void );
 WISP_API wisp_affine wisp_affine_from_transform( wisp_transform pose, wisp_vec3 scale );
 /// @return the transform that applies b, then a; computed in double, rounded once
 WISP_API wisp_affine wisp_affine_multiply( const wisp_affine* a, const wisp_affine* b );
-/// Invert, in double, rounded once.
-/// @return false if it has no inverse in floats; `out` is then unchanged
-WISP_API bool wisp_affine_invert( const wisp_affine* a, wisp_affine* out );
-WISP_API wisp_vec3 wisp_affine_apply( const wisp_affine* a, wisp_vec3 point );
-
-/// Compose a hierarchy: model[i] = model[parents[i]] local[i].
-/// @param parents [bone_count] below the own number, or -1 for a root
-/// @param local [bone_count] relative to the parent
-/// @param model [bone_count] output; may be `local`. Unchanged on failure
-/// @return WISP_BAD_INPUT a parent does not come before its child (the message names the bone)
-WISP_API wisp_status wisp_compose_bones( int bone_count, const int32_t* parents, const wisp_affine* local,
-                                         wisp_affine* model, wisp_error* error );
-
 // ---- skins ----
 
 /// A skin to make. Fill from wisp_default_skin_def(). Need not outlive the call.
@@ -91,18 +78,14 @@ typedef struct wisp_skin
 
 /// Make a skin. Copies what it needs. Influences without weight are dropped, those of one bone are added up.
 /// @param allocator null: the C library; it must outlive the skin
-/// @param out receives the skin with one reference, null on failure
+/// @param out receives the skin, null on failure
 /// @return WISP_BAD_INPUT a point or weight is not finite, a weight is negative, the weights of a point sum to 0, a bone is out of
 ///         range, an inverse bind transform is not finite (the message names vertex or bone), WISP_ISA names no instruction set;
 ///         WISP_NO_MEMORY
 WISP_API wisp_status wisp_skin_create( const wisp_skin_def* def, const wisp_allocator* allocator, wisp_skin** out,
                                        wisp_error* error );
-/// Add a reference. Thread-safe, as is the release.
-WISP_API void wisp_skin_retain( wisp_skin* skin );
-/// Drop a reference; the last one frees the skin. Null is allowed.
+/// Free a skin. Null is allowed.
 WISP_API void wisp_skin_release( wisp_skin* skin );
-/// @return bytes in memory
-WISP_API size_t wisp_skin_bytes( const wisp_skin* skin );
 
 // ---- poses ----
 

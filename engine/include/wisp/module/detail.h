@@ -39,9 +39,6 @@ typedef struct wisp_detail_hooks
     void ( *changed )( const void* state, wisp_world* world, wisp_entity entity, wisp_detail from, wisp_detail to );
 } wisp_detail_hooks;
 
-/// Give the module's state its hooks of detail. Call once in declare(), behind wisp_declare_state().
-WISP_API void wisp_declare_detail( wisp_registry* registry, const wisp_detail_hooks* hooks );
-
 /// The component of entities whose detail was set. Passes for it alone require it.
 WISP_API wisp_component wisp_detail_component( wisp_registry* registry );
 

@@ -309,9 +309,8 @@ WISP_API void* wisp_find_object( const wisp_objects* objects, wisp_entity entity
 WISP_API bool wisp_reserve_object( wisp_objects* objects, wisp_entity entity );
 /// Give an entity another object, for which there is room, or null: the one that it had is freed. Between steps.
 WISP_API void wisp_set_object( wisp_objects* objects, wisp_entity entity, void* object );
-/// All objects, by the index of their entities: some places have none. @param place 0 .. the places less 1
-WISP_API int wisp_count_object_places( const wisp_objects* objects );
-WISP_API void* wisp_object_at( const wisp_objects* objects, int place );
+/// Walk all objects, by the index of their entities. @param place 0 before the first one @return null behind the last one
+WISP_API void* wisp_next_object( const wisp_objects* objects, int* place );
 
 typedef struct wisp_line_list wisp_line_list;
 /// Add a line between two points in the rows of an entity.
@@ -351,6 +350,8 @@ typedef struct wisp_state_hooks
     /// Add lines of an entity for wisp_debug_lines(), from what is stored. Nothing of the world may change.
     void ( *lines )( const void* state, wisp_world* world, wisp_entity entity, wisp_line_kind kind,
                      wisp_line_list* list );
+    const struct wisp_sleep_hooks* sleep;   ///< wisp/module/sleep.h; copied
+    const struct wisp_detail_hooks* detail; ///< wisp/module/detail.h; copied
 } wisp_state_hooks;
 
 /// Give the module's state its hooks. Call once in declare(), behind wisp_declare_state().

@@ -26,9 +26,6 @@ typedef struct wisp_sleep_hooks
     void ( *rested )( const void* state, wisp_world* world, wisp_entity entity );
 } wisp_sleep_hooks;
 
-/// Give the module's state its hooks of sleep. Call once in declare(), behind wisp_declare_state().
-WISP_API void wisp_declare_sleep( wisp_registry* registry, const wisp_sleep_hooks* hooks );
-
 /// Does no pass run on the entity in this step, because it sleeps?
 WISP_API bool wisp_frame_is_asleep( wisp_frame* frame, wisp_entity entity );
 
