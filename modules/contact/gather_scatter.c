@@ -67,6 +67,33 @@ static void gather_strand_weights( const wisp_strand_topology* t, const contact_
     }
 }
 
+void contact_list_pushed( const contact_work* work )
+{
+    const contact_contact_mesh* s = work->contact_mesh;
+    for ( int g = 0; g < work->participant_count; ++g )
+    {
+        contact_participant* participant = work->participants + g;
+        participant->pushed_group_count = 0;
+        if ( participant->is_strands == false || participant->is_left_out )
+        {
+            continue;
+        }
+        const wisp_strand_topology* t = wisp_frame_strands( work->frame, participant->entity );
+        const uint8_t* is_pushed = s->is_pushed + participant->first_point;
+        for ( int group = 0; group < t->group_count; ++group )
+        {
+            bool any = false;
+            for ( int lane = group * WISP_LANES; lane < ( group + 1 ) * WISP_LANES && any == false; ++lane )
+            {
+                const int count = t->lane_count[lane];
+                any = count > 0 && memchr( is_pushed + t->offsets[t->lane_strand[lane]], 1, (size_t)count ) != NULL;
+            }
+            s->pushed_groups[participant->first_group + participant->pushed_group_count] = group;
+            participant->pushed_group_count += any ? 1 : 0;
+        }
+    }
+}
+
 // Push that needs no further turn of lengths, in thicknesses.
 static const float SMALL_PUSH = 0.02f;
 
@@ -74,6 +101,7 @@ typedef struct lengths_loop
 {
     const contact_work* work;
     const contact_participant* participant;
+    const int32_t* groups; // those that rows may push
     wisp_span span;
     _Atomic uint32_t pushed; // bits of a float, m: those of numbers from 0 on have their order
 } lengths_loop;
@@ -98,8 +126,9 @@ static void restore_groups( void* context, int begin, int end, int worker )
     const strand_way in = { out.column, out.xyzw, false, 0.0f };
     wisp_span span = loop->span;
     span.worker = worker;
-    for ( int group = begin; group < end; ++group )
+    for ( int i = begin; i < end; ++i )
     {
+        const int group = loop->groups[i];
         span.begin = group;
         span.end = group + 1;
         const float pushed = move_groups( t, loop->participant, out, group, group + 1 );
@@ -121,11 +150,11 @@ float contact_restore_lengths( const contact_work* work, const wisp_span* span )
         if ( participant->is_strands && participant->is_left_out == false && participant->halted == false )
         {
             lengths_loop loop = { .work = work, .participant = participant, .span = *span };
+            loop.groups = work->contact_mesh->pushed_groups + participant->first_group;
             loop.span.entity = participant->entity;
-            loop.span.iteration += 1; // tensions add up
+            loop.span.iteration = wisp_frame_iterations( work->frame ); // lengths alone; tensions add up
             atomic_init( &loop.pushed, bits );
-            wisp_parallel_for( work->parallel, wisp_frame_strands( work->frame, participant->entity )->group_count, 1,
-                               restore_groups, &loop );
+            wisp_parallel_for( work->parallel, participant->pushed_group_count, 1, restore_groups, &loop );
             bits = atomic_load( &loop.pushed );
         }
     }
