@@ -235,3 +235,42 @@ TEST( a_cloth_that_a_jump_collapsed_unfolds_and_has_few_pairs )
     assert_true( motion_stats_of( h.world, e ).strain_max < 0.2 );
     assert_int_equal( contact_stats( h.world ).intersections, 0 );
 }
+
+// Pins go 16 m in each step, so that displacements are cut, and what is near is a pair: rounds that part them lead nowhere.
+TEST( a_cloth_that_pins_drag_away_is_limited_in_few_rounds )
+{
+    enum
+    {
+        DRAGGED_SIDE = 13,
+        MAX_DRAGGED_TESTS = 6, // of a pair in a substep; with rounds as of other cloth they are 31
+    };
+    SCOPED( close_world ) hosted h;
+    open_contact( &h, COLLAPSED_SUBSTEPS, 1, 1 );
+    test_mesh mesh = level_sheet( DRAGGED_SIDE, 0.6f, ( wisp_vec3 ){ 0 } );
+    int32_t pins[DRAGGED_SIDE];
+    wisp_vec3 targets[DRAGGED_SIDE];
+    for ( int i = 0; i < DRAGGED_SIDE; ++i )
+    {
+        pins[i] = i;
+        targets[i] = mesh.points[i];
+    }
+    const wisp_entity e = add_draping( h.world, &mesh, pins, DRAGGED_SIDE, EARTH );
+    const wisp_contact_def def = contact_of( 0.0125f );
+    set_contact( h.world, e, &def );
+    work_done work = { 0 };
+    double pairs = 0.0, tests = 0.0;
+    for ( int step = 0; step < 12; ++step )
+    {
+        for ( int i = 0; i < DRAGGED_SIDE; ++i )
+        {
+            targets[i].x += 16.0f;
+        }
+        assert_status( h.world, wisp_move_pins( h.world, e, pins, targets, DRAGGED_SIDE ), WISP_OK );
+        run_steps( h.world, 1, FRAME );
+        add_work( h.world, &work, &pairs, &tests );
+    }
+    if ( !( work.tests < MAX_DRAGGED_TESTS ) )
+    {
+        fail_msg( "%g tests of a pair", work.tests );
+    }
+}
