@@ -343,12 +343,11 @@ static void count_participant( const contact_work* work, contact_participant* pa
     counts[2] += participant->triangle_count;
 }
 
-static bool reserve_mesh( const contact_work* work, int group_count )
+static bool reserve_mesh( const contact_work* work )
 {
     contact_contact_mesh* s = work->contact_mesh;
     const size_t xyzw = (size_t)s->point_count * 4 * sizeof( float ), index = sizeof( int32_t );
-    const size_t edges = (size_t)s->edge_count * 2 * index, triangles = (size_t)s->triangle_count * 3 * index,
-                 groups = (size_t)group_count * index;
+    const size_t edges = (size_t)s->edge_count * 2 * index, triangles = (size_t)s->triangle_count * 3 * index;
     wisp_buffer* b = s->buffers;
     return contact_reserve( work, b++, xyzw, (void**)&s->now ) &&
            contact_reserve( work, b++, xyzw, (void**)&s->intersection_free ) &&
@@ -357,7 +356,6 @@ static bool reserve_mesh( const contact_work* work, int group_count )
            contact_reserve( work, b++, edges, (void**)&s->edges ) &&
            contact_reserve( work, b++, triangles, (void**)&s->triangles ) &&
            contact_reserve( work, b++, (size_t)s->point_count, (void**)&s->is_pushed ) &&
-           contact_reserve( work, b++, groups, (void**)&s->pushed_groups ) &&
            contact_reserve( work, b++, (size_t)s->point_count * index, (void**)&s->held );
 }
 
@@ -417,15 +415,13 @@ static void fill_strands( const contact_work* work, const contact_participant* p
 bool contact_build_contact_mesh( const contact_work* work )
 {
     contact_contact_mesh* s = work->contact_mesh;
-    int counts[3] = { 0 }, groups = 0;
+    int counts[3] = { 0 };
     s->min_thickness = INFINITY;
     for ( int g = 0; g < work->participant_count; ++g )
     {
         contact_participant* participant = work->participants + g;
         participant->is_left_out = participant->settings.is_far != 0;
-        participant->first_group = groups;
-        participant->pushed_group_count = participant->held_count = 0;
-        groups += participant->is_strands ? wisp_frame_strands( work->frame, participant->entity )->group_count : 0;
+        participant->held_count = 0;
         count_participant( work, participant, counts );
         s->min_thickness = fminf( s->min_thickness, participant->settings.thickness );
     }
@@ -433,7 +429,7 @@ bool contact_build_contact_mesh( const contact_work* work )
     s->edge_count = counts[1];
     s->triangle_count = counts[2];
     s->is_listed = s->is_reset = false;
-    if ( reserve_mesh( work, groups ) == false )
+    if ( reserve_mesh( work ) == false )
     {
         return false;
     }

@@ -406,12 +406,7 @@ void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
     }
     project( &work, is_end, false );
     // what strands do is limited once more when their lengths are restored
-    const bool touches = wisp_frame_has( frame, span->entity, state->touches ),
-               is_final = has_rows && is_end && touches == false;
-    if ( touches && is_end )
-    {
-        contact_list_pushed( &work );
-    }
+    const bool is_final = has_rows && is_end && wisp_frame_has( frame, span->entity, state->touches ) == false;
     // before the last iteration the next one restores lengths
     float before = INFINITY, pushed = is_end ? contact_restore_lengths( &work, span ) : 0.0f;
     for ( int turn = 1; turn < LENGTH_TURNS && pushed > 0.0f && ( turn < USUAL_TURNS || pushed < LESS * before );

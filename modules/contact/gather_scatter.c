@@ -67,31 +67,16 @@ static void gather_strand_weights( const wisp_strand_topology* t, const contact_
     }
 }
 
-void contact_list_pushed( const contact_work* work )
+// Return whether rows or spheres may push a point of a group.
+static bool may_push( const wisp_strand_topology* t, const uint8_t* is_pushed, int group )
 {
-    const contact_contact_mesh* s = work->contact_mesh;
-    for ( int g = 0; g < work->participant_count; ++g )
+    bool any = false;
+    for ( int lane = group * WISP_LANES; lane < ( group + 1 ) * WISP_LANES && any == false; ++lane )
     {
-        contact_participant* participant = work->participants + g;
-        participant->pushed_group_count = 0;
-        if ( participant->is_strands == false || participant->is_left_out )
-        {
-            continue;
-        }
-        const wisp_strand_topology* t = wisp_frame_strands( work->frame, participant->entity );
-        const uint8_t* is_pushed = s->is_pushed + participant->first_point;
-        for ( int group = 0; group < t->group_count; ++group )
-        {
-            bool any = false;
-            for ( int lane = group * WISP_LANES; lane < ( group + 1 ) * WISP_LANES && any == false; ++lane )
-            {
-                const int count = t->lane_count[lane];
-                any = count > 0 && memchr( is_pushed + t->offsets[t->lane_strand[lane]], 1, (size_t)count ) != NULL;
-            }
-            s->pushed_groups[participant->first_group + participant->pushed_group_count] = group;
-            participant->pushed_group_count += any ? 1 : 0;
-        }
+        const int count = t->lane_count[lane];
+        any = count > 0 && memchr( is_pushed + t->offsets[t->lane_strand[lane]], 1, (size_t)count ) != NULL;
     }
+    return any;
 }
 
 // Push that needs no further turn of lengths, in thicknesses.
@@ -101,7 +86,6 @@ typedef struct lengths_loop
 {
     const contact_work* work;
     const contact_participant* participant;
-    const int32_t* groups; // those that rows may push
     wisp_span span;
     _Atomic uint32_t pushed; // bits of a float, m: those of numbers from 0 on have their order
 } lengths_loop;
@@ -126,12 +110,13 @@ static void restore_groups( void* context, int begin, int end, int worker )
     const strand_way in = { out.column, out.xyzw, false, 0.0f };
     wisp_span span = loop->span;
     span.worker = worker;
-    for ( int i = begin; i < end; ++i )
+    const uint8_t* is_pushed = loop->work->contact_mesh->is_pushed + loop->participant->first_point;
+    for ( int group = begin; group < end; ++group )
     {
-        const int group = loop->groups[i];
         span.begin = group;
         span.end = group + 1;
-        const float pushed = move_groups( t, loop->participant, out, group, group + 1 );
+        const float pushed =
+            may_push( t, is_pushed, group ) ? move_groups( t, loop->participant, out, group, group + 1 ) : 0.0f;
         if ( pushed > 0.0f )
         {
             wisp_frame_project_again( frame, &span );
@@ -150,11 +135,11 @@ float contact_restore_lengths( const contact_work* work, const wisp_span* span )
         if ( participant->is_strands && participant->is_left_out == false && participant->halted == false )
         {
             lengths_loop loop = { .work = work, .participant = participant, .span = *span };
-            loop.groups = work->contact_mesh->pushed_groups + participant->first_group;
             loop.span.entity = participant->entity;
             loop.span.iteration = wisp_frame_iterations( work->frame ); // lengths alone; tensions add up
             atomic_init( &loop.pushed, bits );
-            wisp_parallel_for( work->parallel, participant->pushed_group_count, 1, restore_groups, &loop );
+            wisp_parallel_for( work->parallel, wisp_frame_strands( work->frame, participant->entity )->group_count, 1,
+                               restore_groups, &loop );
             bits = atomic_load( &loop.pushed );
         }
     }
@@ -301,17 +286,20 @@ static const float* find_start( const contact_work* work, const contact_particip
     return start;
 }
 
-static void gather_strands( gather_loop* loop, bool is_start )
+static void gather_strands( gather_loop* loop, bool starts, bool has_rows )
 {
     const contact_work* work = loop->work;
     const contact_participant* participant = loop->participant;
     const wisp_strand_topology* t = wisp_frame_strands( work->frame, participant->entity );
     float* rows = wisp_frame_column( work->frame, participant->entity, WISP_STRAND_POSITION, 0 );
     move_strands( t, participant, ( strand_way ){ rows, work->contact_mesh->now, false, 0.0f } );
-    gather_strand_weights( t, participant,
-                           wisp_frame_column( work->frame, participant->entity, WISP_STRAND_INVERSE_MASS, 0 ),
-                           work->contact_mesh->now );
-    if ( is_start )
+    if ( starts ) // surfaces have theirs beside their positions
+    {
+        gather_strand_weights( t, participant,
+                               wisp_frame_column( work->frame, participant->entity, WISP_STRAND_INVERSE_MASS, 0 ),
+                               work->contact_mesh->now );
+    }
+    if ( starts && has_rows )
     {
         float* intersection_free =
             wisp_frame_column( work->frame, participant->entity, work->components->strand_free, 0 );
@@ -337,7 +325,7 @@ static void gather_participant( const contact_work* work, const contact_particip
     }
     if ( participant->is_strands )
     {
-        gather_strands( &loop, is_start && has_rows );
+        gather_strands( &loop, is_start, has_rows );
     }
     else
     {

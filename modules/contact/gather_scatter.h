@@ -14,9 +14,6 @@ void contact_scatter( const contact_work* work, bool is_end, bool is_final );
 /// Store the intersection-free positions of a participant in its column.
 void contact_keep_participant( const contact_work* work, const contact_participant* participant );
 
-/// List the groups of strands that have marked points: no others are pushed in this substep.
-void contact_list_pushed( const contact_work* work );
-
 /// Restore the lengths of strands in groups that were pushed since they were gathered, and gather them again.
 /// @return m, farthest push along an axis, or 0 if all are small
 float contact_restore_lengths( const contact_work* work, const wisp_span* span );

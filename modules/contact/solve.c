@@ -307,7 +307,7 @@ static void find_holds( const bodies_loop* loop, int begin, int end )
     const contact_contact_mesh* s = loop->work->contact_mesh;
     for ( int n = begin; n < end; ++n )
     {
-        const int i = s->held[participant->first_held + n], point = participant->first_point + i;
+        const int i = s->held[participant->first_point + n], point = participant->first_point + i;
         float **hold = s->colouring->hold + point, most = 0.0f;
         *hold = NULL;
         for ( int k = 0; k < participant->half_spaces[i] && k < WISP_MAX_HALF_SPACES; ++k )
@@ -348,24 +348,20 @@ static void find_pushed( const contact_work* work )
 // List the free points in half spaces of participants that are pushed.
 static void list_held( const contact_work* work )
 {
-    contact_contact_mesh* s = work->contact_mesh;
-    int count = 0;
+    const contact_contact_mesh* s = work->contact_mesh;
     memset( s->colouring->hold, 0, (size_t)s->point_count * sizeof( float* ) );
     for ( int g = 0; g < work->participant_count; ++g )
     {
         contact_participant* participant = work->participants + g;
         const bool is_held =
             participant->is_pushed && participant->half_spaces != NULL && participant->half_space_row != NULL;
-        participant->first_held = count;
-        for ( int i = 0; i < participant->point_count && is_held; ++i )
+        participant->held_count = 0;
+        for ( int i = 0, point = participant->first_point; i < participant->point_count && is_held; ++i, ++point )
         {
-            s->held[count] = i;
-            count +=
-                participant->half_spaces[i] > 0 && s->now[(size_t)( participant->first_point + i ) * 4 + 3] > 0.0f
-                    ? 1
-                    : 0;
+            s->held[participant->first_point + participant->held_count] = i;
+            participant->held_count +=
+                participant->half_spaces[i] > 0 && s->now[(size_t)point * 4 + 3] > 0.0f ? 1 : 0;
         }
-        participant->held_count = count - participant->first_held;
     }
 }
 
@@ -376,7 +372,7 @@ static void press_on_bodies( void* context, int begin, int end, int worker )
     const bodies_loop* loop = context;
     const contact_participant* participant = loop->participant;
     contact_contact_mesh* s = loop->work->contact_mesh;
-    const int32_t* held = s->held + participant->first_held;
+    const int32_t* held = s->held + participant->first_point;
     const size_t first = (size_t)participant->first_point * 4;
     int32_t particle_x4[BODY_GRAIN + WISP_SLICE], row_x16[BODY_GRAIN + WISP_SLICE];
     const wisp_half_space_args args = { s->now + first, s->intersection_free + first, participant->half_space_row,
