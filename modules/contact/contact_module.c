@@ -216,24 +216,19 @@ static wisp_status declare_components( wisp_registry* r, contact_state* s )
 static wisp_pass pass_of( contact_state* s, bool strands, const char* name, wisp_stage stage, wisp_pass_fn* run,
                           wisp_component half_spaces )
 {
-    const wisp_component beside = strands ? WISP_STRAND_POSITION : 0, before = strands ? WISP_STRAND_PREVIOUS : 0;
-    wisp_pass pass = {
+    return ( wisp_pass ){
         .name = name,
         .stage = stage,
         .domain = WISP_DOMAIN_ENTITY,
         .required = { s->active, strands ? s->touches : 0 },
         .excluded = { strands ? 0 : s->touches },
         .reads = { s->active },
-        .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, beside, before, half_spaces },
+        .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, strands ? WISP_STRAND_POSITION : half_spaces,
+                     strands ? WISP_STRAND_PREVIOUS : 0, strands ? half_spaces : 0 }, // zeros last
         .among = s->components.settings,
         .spares = strands,
         .run = run,
     };
-    if ( strands == false ) // lists end with a zero
-    {
-        pass.foreign[2] = half_spaces;
-    }
-    return pass;
 }
 
 static wisp_status declare_passes( wisp_registry* r, contact_state* s, bool strands )
