@@ -354,7 +354,9 @@ static bool reserve_mesh( const contact_work* work )
            contact_reserve( work, b++, xyzw, (void**)&s->rest ) &&
            contact_reserve( work, b++, xyzw, (void**)&s->shift ) &&
            contact_reserve( work, b++, edges, (void**)&s->edges ) &&
-           contact_reserve( work, b++, triangles, (void**)&s->triangles );
+           contact_reserve( work, b++, triangles, (void**)&s->triangles ) &&
+           contact_reserve( work, b++, (size_t)s->point_count, (void**)&s->is_pushed ) &&
+           contact_reserve( work, b++, (size_t)s->point_count * index, (void**)&s->held );
 }
 
 static void fill_surface( const contact_work* work, const contact_participant* participant, int number )
@@ -419,6 +421,7 @@ bool contact_build_contact_mesh( const contact_work* work )
     {
         contact_participant* participant = work->participants + g;
         participant->is_left_out = participant->settings.is_far != 0;
+        participant->held_count = 0;
         count_participant( work, participant, counts );
         s->min_thickness = fminf( s->min_thickness, participant->settings.thickness );
     }

@@ -70,6 +70,7 @@ typedef struct contact_participant
     float cover;       // m, the same while spheres stand for it, else 0
     float layer_parts; // into which its layer divides an edge
     int first_point, point_count, first_edge, edge_count, first_triangle, triangle_count;
+    int held_count; // points in `held`
     contact_settings settings;
     contact_reach_box box;
     double impulse[3];                 // N s, of this step
@@ -92,12 +93,14 @@ typedef struct contact_contact_mesh
     float* shift;             // [point][4] m: displacement of this substep that gives no velocity
     int32_t* edges;           // [edge][2]
     int32_t* triangles;       // [triangle][3]
+    uint8_t* is_pushed;       // [point] rows or spheres may push it in this substep
+    int32_t* held;            // of each participant, from its first point on: its free points in half spaces
     float min_thickness;      // m, of the participants
     bool may_join;            // who is left out may come within reach in this step
     bool is_listed;           // the pair lists of the broad phase hold for these positions
     bool is_parting;          // pairs at no distance are found too
     bool is_reset;            // intersection-free positions were replaced: intersections and pairs are unknown
-    wisp_buffer buffers[6];
+    wisp_buffer buffers[8];
 
     struct contact_clusters* clusters;           // clusters.h
     struct contact_motion* motion;               // predicted_motion.h

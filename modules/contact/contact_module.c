@@ -211,71 +211,36 @@ static wisp_status declare_components( wisp_registry* r, contact_state* s )
     return s->stats != 0 ? wisp_declare_indices( r, ranges, WISP_COUNT( ranges ) ) : WISP_BAD_INPUT;
 }
 
-// Where strands meet strands, limit displacements once more, after lengths and before velocities are computed.
-static wisp_status declare_limit( wisp_registry* r, contact_state* s )
+// Return a pass over the participants, or, with strands, one that also waits for the passes of strands, which then leave their own
+// loop over groups. @param half_spaces component of them where it reads them
+static wisp_pass pass_of( contact_state* s, bool strands, const char* name, wisp_stage stage, wisp_pass_fn* run,
+                          wisp_component half_spaces )
 {
-    const wisp_pass pass = {
-        .name = "contact.limit_strands",
-        .stage = WISP_STAGE_VELOCITY,
+    return ( wisp_pass ){
+        .name = name,
+        .stage = stage,
         .domain = WISP_DOMAIN_ENTITY,
-        .required = { s->active, s->touches },
+        .required = { s->active, strands ? s->touches : 0 },
+        .excluded = { strands ? 0 : s->touches },
         .reads = { s->active },
-        .writes = { s->result },
-        .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_STRAND_POSITION, WISP_STRAND_PREVIOUS },
+        .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, strands ? WISP_STRAND_POSITION : half_spaces,
+                     strands ? WISP_STRAND_PREVIOUS : 0, strands ? half_spaces : 0 }, // zeros last
         .among = s->components.settings,
-        .spares = true,
-        .run = contact_limit_strands,
-        .user = s,
+        .spares = strands,
+        .run = run,
     };
-    return wisp_declare_pass( r, &pass );
 }
 
-// Declare each pass twice: with strands it also waits for the passes of strands, which then leave their own loop over
-// groups.
 static wisp_status declare_passes( wisp_registry* r, contact_state* s, bool strands )
 {
-    const wisp_component beside = strands ? WISP_STRAND_POSITION : 0, before = strands ? WISP_STRAND_PREVIOUS : 0;
-    const wisp_pass passes[] = {
-        {
-            .name = strands ? "contact.reach_strands" : "contact.reach",
-            .stage = WISP_STAGE_CONTACT,
-            .domain = WISP_DOMAIN_ENTITY,
-            .required = { s->active, strands ? s->touches : 0 },
-            .excluded = { strands ? 0 : s->touches },
-            .reads = { s->active },
-            .writes = { s->reached },
-            .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, beside, before },
-            .among = s->components.settings,
-            .spares = strands,
-            .run = contact_reach,
-        },
-        {
-            .name = strands ? "contact.find_strands" : "contact.find",
-            .stage = WISP_STAGE_CONTACT,
-            .domain = WISP_DOMAIN_ENTITY,
-            .required = { s->active, strands ? s->touches : 0 },
-            .excluded = { strands ? 0 : s->touches },
-            .reads = { s->active, s->reached },
-            .writes = { s->pairs },
-            .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_HALF_SPACES, beside, before },
-            .among = s->components.settings,
-            .spares = strands,
-            .run = contact_find,
-            .should_run = strands ? contact_join : NULL,
-        },
-        {
-            .name = strands ? "contact.push_strands" : "contact.push",
-            .stage = WISP_STAGE_PROJECT,
-            .domain = WISP_DOMAIN_ENTITY,
-            .required = { s->active, strands ? s->touches : 0 },
-            .excluded = { strands ? 0 : s->touches },
-            .reads = { s->active, s->pairs },
-            .writes = { s->result },
-            .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_HALF_SPACES, beside, before },
-            .among = s->components.settings,
-            .spares = strands,
-            .run = contact_project,
-        },
+    const wisp_component half = WISP_PARTICLE_HALF_SPACES;
+    wisp_pass passes[] = {
+        pass_of( s, strands, strands ? "contact.reach_strands" : "contact.reach", WISP_STAGE_CONTACT, contact_reach,
+                 0 ),
+        pass_of( s, strands, strands ? "contact.find_strands" : "contact.find", WISP_STAGE_CONTACT, contact_find,
+                 half ),
+        pass_of( s, strands, strands ? "contact.push_strands" : "contact.push", WISP_STAGE_PROJECT, contact_project,
+                 half ),
         {
             .name = strands ? "contact.keep_strands" : "contact.keep",
             .stage = WISP_STAGE_VELOCITY,
@@ -287,20 +252,26 @@ static wisp_status declare_passes( wisp_registry* r, contact_state* s, bool stra
             .spares = strands,
             .run = contact_keep,
         },
-        {
-            .name = strands ? "contact.strand_stats" : "contact.stats",
-            .stage = WISP_STAGE_OBSERVE,
-            .domain = WISP_DOMAIN_ENTITY,
-            .required = { s->active, strands ? s->touches : 0 },
-            .excluded = { strands ? 0 : s->touches },
-            .reads = { s->active },
-            .writes = { s->stats },
-            .foreign = { WISP_PARTICLE_POSITION, beside },
-            .among = s->components.settings,
-            .run = contact_measure,
-        },
+        pass_of( s, strands, strands ? "contact.strand_stats" : "contact.stats", WISP_STAGE_OBSERVE, contact_measure,
+                 0 ),
     };
+    passes[0].writes[0] = passes[1].reads[1] = s->reached;
+    passes[1].writes[0] = passes[2].reads[1] = s->pairs;
+    passes[1].should_run = strands ? contact_join : NULL;
+    passes[2].writes[0] = s->result;
+    passes[4].writes[0] = s->stats;
+    passes[4].foreign[1] = strands ? WISP_STRAND_POSITION : 0;
+    passes[4].foreign[2] = passes[4].foreign[3] = 0;
+    passes[4].spares = false;
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
+}
+
+// Declare a pass that limits displacements once more, after lengths and before velocities are computed.
+static wisp_status declare_limit( wisp_registry* r, contact_state* s )
+{
+    wisp_pass pass = pass_of( s, true, "contact.limit_strands", WISP_STAGE_VELOCITY, contact_limit_strands, 0 );
+    pass.writes[0] = s->result;
+    return wisp_declare_passes( r, &pass, 1, s );
 }
 
 static wisp_status declare( wisp_registry* r )

@@ -125,8 +125,12 @@ static void fill_stats( const contact_work* work, bool counts_intersections )
 enum
 {
     LENGTH_TURNS = 12, // of pushes and lengths of strands in a substep, at most
-    USUAL_TURNS = 4,   // behind these a turn that pushes farther than the one before leads nowhere
+    USUAL_TURNS = 4,   // behind these a turn has to lessen the push
+    WIDE_TURNS = 1,    // lengths move strands farthest in the first turn; behind these only near rows are projected
 };
+
+// What is left of the farthest push in a turn that leads somewhere. Where strands are pressed, pushes and lengths do the same turn for turn.
+static const float LESS = 0.95f;
 
 static contact_work begin_work( wisp_frame* frame, const wisp_span* span, contact_state* state )
 {
@@ -372,7 +376,7 @@ static void end_ways( const contact_work* work, bool is_final )
 }
 
 // Project what presses: constraints, or spheres, which recover at the same time.
-static void project( const contact_work* work, bool recovers )
+static void project( const contact_work* work, bool recovers, bool is_turn )
 {
     if ( work->settings->level == WISP_CONTACT_SPHERES )
     {
@@ -380,7 +384,7 @@ static void project( const contact_work* work, bool recovers )
     }
     else
     {
-        contact_project_rows( work );
+        contact_project_rows( work, is_turn );
     }
 }
 
@@ -400,13 +404,15 @@ void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
     {
         contact_begin_rows( &work, span->iteration == 0 );
     }
-    project( &work, is_end );
+    project( &work, is_end, false );
     // what strands do is limited once more when their lengths are restored
     const bool is_final = has_rows && is_end && wisp_frame_has( frame, span->entity, state->touches ) == false;
-    float before = INFINITY, pushed = contact_restore_lengths( &work, span );
-    for ( int turn = 1; turn < LENGTH_TURNS && pushed > 0.0f && ( turn < USUAL_TURNS || pushed < before ); ++turn )
+    // before the last iteration the next one restores lengths
+    float before = INFINITY, pushed = is_end ? contact_restore_lengths( &work, span ) : 0.0f;
+    for ( int turn = 1; turn < LENGTH_TURNS && pushed > 0.0f && ( turn < USUAL_TURNS || pushed < LESS * before );
+          ++turn )
     {
-        project( &work, false );
+        project( &work, false, turn > WIDE_TURNS );
         before = pushed;
         pushed = contact_restore_lengths( &work, span );
     }

@@ -25,6 +25,7 @@
 enum
 {
     PARTIAL_ROUNDS = 24, // then points of pairs that are too near go back to their start
+    SHORT_ROUNDS = 2,    // the same where displacements are cut: all that is near is a pair, and rounds lead nowhere
     MAX_ROUNDS = 64,     // then all points do
     BISECTIONS = 24,
     LIMIT_ROW_GRAIN = 128,
@@ -363,11 +364,12 @@ void contact_hold( const contact_work* work )
 // Test and part in rounds. Rows whose points are as they were in the test before pass again. @return false: some have passed still
 static bool run_rounds( const contact_work* work, guard_loop* loop, int count )
 {
+    const int partial = work->contact_mesh->motion->reach < INFINITY ? SHORT_ROUNDS : PARTIAL_ROUNDS;
     bool any = true;
     for ( int round = 0; round < MAX_ROUNDS && any; ++round )
     {
         wisp_parallel_for( work->parallel, count, LIMIT_ROW_GRAIN, check_rows, loop );
-        any = part_rows( work, loop, count, round >= PARTIAL_ROUNDS );
+        any = part_rows( work, loop, count, round >= partial );
         loop->first_new = count;
         loop->moves = loop->moves || any;
     }

@@ -20,29 +20,31 @@ static size_t lane_of( const wisp_strand_topology* t, int lane, int i, int numbe
 typedef struct strand_way
 {
     float* column; // rows of lanes
-    float* xyzw;   // [point][4]
+    float* xyzw;   // [point][4], from the first number that is moved on
+    int numbers;   // of a vertex
     bool is_out;   // from the quads to the column
-    float small;   // m, what changes by no more does not count
+    bool adds;     // to what is there
+    float small;   // what changes by no more does not count
 } strand_way;
 
-// Copy positions of groups of strands, vertex by vertex.
-// @return m, most that a coordinate changed by, or 0 if all is small
-static float move_groups( const wisp_strand_topology* t, const contact_participant* participant, strand_way way,
-                          int begin, int end )
+// Copy numbers of groups of strands, vertex by vertex.
+// @return most that a number changed by, or 0 if all is small
+static inline float move_groups( const wisp_strand_topology* t, const contact_participant* participant,
+                                 strand_way way, int begin, int end )
 {
     float most = 0.0f;
     for ( int lane = begin * WISP_LANES; lane < end * WISP_LANES; ++lane )
     {
         for ( int i = 0; i < t->lane_count[lane]; ++i )
         {
-            float* x = way.column + lane_of( t, lane, i, 3 );
+            float* x = way.column + lane_of( t, lane, i, way.numbers );
             float* q = way.xyzw + (size_t)( participant->first_point + t->offsets[t->lane_strand[lane]] + i ) * 4;
-            for ( int k = 0; k < 3; ++k )
+            for ( int k = 0; k < way.numbers; ++k )
             {
                 float *from = way.is_out ? q + k : x + k * WISP_LANES, *to = way.is_out ? x + k * WISP_LANES : q + k;
-                const float change = fabsf( *to - *from );
+                const float value = way.adds ? *to + *from : *from, change = fabsf( *to - value );
                 most = change <= way.small || change <= most ? most : isnan( change ) ? INFINITY : change;
-                *to = *from;
+                *to = value;
             }
         }
     }
@@ -54,17 +56,16 @@ static bool move_strands( const wisp_strand_topology* t, const contact_participa
     return move_groups( t, participant, way, 0, t->group_count ) > 0.0f;
 }
 
-static void gather_strand_weights( const wisp_strand_topology* t, const contact_participant* participant,
-                                   const float* weight, float* xyzw )
+// Return whether rows or spheres may push a point of a group.
+static bool may_push( const wisp_strand_topology* t, const uint8_t* is_pushed, int group )
 {
-    for ( int lane = 0; lane < t->group_count * WISP_LANES; ++lane )
+    bool any = false;
+    for ( int lane = group * WISP_LANES; lane < ( group + 1 ) * WISP_LANES && any == false; ++lane )
     {
-        for ( int i = 0; i < t->lane_count[lane]; ++i )
-        {
-            xyzw[(size_t)( participant->first_point + t->offsets[t->lane_strand[lane]] + i ) * 4 + 3] =
-                weight[lane_of( t, lane, i, 1 )];
-        }
+        const int count = t->lane_count[lane];
+        any = count > 0 && memchr( is_pushed + t->offsets[t->lane_strand[lane]], 1, (size_t)count ) != NULL;
     }
+    return any;
 }
 
 // Push that needs no further turn of lengths, in thicknesses.
@@ -92,17 +93,21 @@ static void restore_groups( void* context, int begin, int end, int worker )
     lengths_loop* loop = context;
     wisp_frame* frame = loop->work->frame;
     const wisp_strand_topology* t = wisp_frame_strands( frame, loop->participant->entity );
-    const strand_way out = { wisp_frame_column( frame, loop->participant->entity, WISP_STRAND_POSITION, 0 ),
-                             loop->work->contact_mesh->now, true,
-                             SMALL_PUSH * loop->work->contact_mesh->min_thickness };
-    const strand_way in = { out.column, out.xyzw, false, 0.0f };
+    const strand_way in = { .column = wisp_frame_column( frame, loop->participant->entity, WISP_STRAND_POSITION, 0 ),
+                            .xyzw = loop->work->contact_mesh->now,
+                            .numbers = 3 };
+    strand_way out = in;
+    out.is_out = true;
+    out.small = SMALL_PUSH * loop->work->contact_mesh->min_thickness;
     wisp_span span = loop->span;
     span.worker = worker;
+    const uint8_t* is_pushed = loop->work->contact_mesh->is_pushed + loop->participant->first_point;
     for ( int group = begin; group < end; ++group )
     {
         span.begin = group;
         span.end = group + 1;
-        const float pushed = move_groups( t, loop->participant, out, group, group + 1 );
+        const float pushed =
+            may_push( t, is_pushed, group ) ? move_groups( t, loop->participant, out, group, group + 1 ) : 0.0f;
         if ( pushed > 0.0f )
         {
             wisp_frame_project_again( frame, &span );
@@ -122,7 +127,7 @@ float contact_restore_lengths( const contact_work* work, const wisp_span* span )
         {
             lengths_loop loop = { .work = work, .participant = participant, .span = *span };
             loop.span.entity = participant->entity;
-            loop.span.iteration += 1; // tensions add up
+            loop.span.iteration = wisp_frame_iterations( work->frame ); // lengths alone; tensions add up
             atomic_init( &loop.pushed, bits );
             wisp_parallel_for( work->parallel, wisp_frame_strands( work->frame, participant->entity )->group_count, 1,
                                restore_groups, &loop );
@@ -132,26 +137,6 @@ float contact_restore_lengths( const contact_work* work, const wisp_span* span )
     float pushed;
     memcpy( &pushed, &bits, sizeof( pushed ) );
     return pushed;
-}
-
-// Add the shift of each vertex to its previous position, so that it gives no velocity.
-static void shift_strands( const contact_work* work, const contact_participant* participant )
-{
-    const contact_contact_mesh* s = work->contact_mesh;
-    const wisp_strand_topology* t = wisp_frame_strands( work->frame, participant->entity );
-    float* rows = wisp_frame_column( work->frame, participant->entity, WISP_STRAND_PREVIOUS, 0 );
-    for ( int lane = 0; lane < t->group_count * WISP_LANES; ++lane )
-    {
-        for ( int i = 0; i < t->lane_count[lane]; ++i )
-        {
-            const int point = participant->first_point + t->offsets[t->lane_strand[lane]] + i;
-            for ( int k = 0; k < 3; ++k )
-            {
-                rows[lane_of( t, lane, i, 3 ) + (size_t)( k * WISP_LANES )] +=
-                    s->shift[(size_t)point * 4 + (size_t)k];
-            }
-        }
-    }
 }
 
 // ---- gathering ----
@@ -266,30 +251,33 @@ static const float* find_start( const contact_work* work, const contact_particip
     {
         float* xyzw = work->contact_mesh->shift; // unused until the end of the substep
         move_strands( wisp_frame_strands( work->frame, participant->entity ), participant,
-                      ( strand_way ){ start, xyzw, false, 0.0f } );
+                      ( strand_way ){ .column = start, .xyzw = xyzw, .numbers = 3 } );
         return xyzw + (size_t)participant->first_point * 4;
     }
     return start;
 }
 
-static void gather_strands( gather_loop* loop, bool is_start )
+static void gather_strands( gather_loop* loop, bool starts, bool has_rows )
 {
     const contact_work* work = loop->work;
     const contact_participant* participant = loop->participant;
     const wisp_strand_topology* t = wisp_frame_strands( work->frame, participant->entity );
     float* rows = wisp_frame_column( work->frame, participant->entity, WISP_STRAND_POSITION, 0 );
-    move_strands( t, participant, ( strand_way ){ rows, work->contact_mesh->now, false, 0.0f } );
-    gather_strand_weights( t, participant,
-                           wisp_frame_column( work->frame, participant->entity, WISP_STRAND_INVERSE_MASS, 0 ),
-                           work->contact_mesh->now );
-    if ( is_start )
+    move_strands( t, participant, ( strand_way ){ .column = rows, .xyzw = work->contact_mesh->now, .numbers = 3 } );
+    if ( starts ) // surfaces have theirs beside their positions
+    {
+        float* weights = wisp_frame_column( work->frame, participant->entity, WISP_STRAND_INVERSE_MASS, 0 );
+        (void)move_strands( t, participant,
+                            ( strand_way ){ .column = weights, .xyzw = work->contact_mesh->now + 3, .numbers = 1 } );
+    }
+    if ( starts && has_rows )
     {
         float* intersection_free =
             wisp_frame_column( work->frame, participant->entity, work->components->strand_free, 0 );
-        atomic_store(
-            &loop->is_restored,
-            move_strands( t, participant,
-                          ( strand_way ){ intersection_free, work->contact_mesh->intersection_free, false, 0.0f } ) );
+        atomic_store( &loop->is_restored, move_strands( t, participant,
+                                                        ( strand_way ){ .column = intersection_free,
+                                                                        .xyzw = work->contact_mesh->intersection_free,
+                                                                        .numbers = 3 } ) );
     }
 }
 
@@ -308,7 +296,7 @@ static void gather_participant( const contact_work* work, const contact_particip
     }
     if ( participant->is_strands )
     {
-        gather_strands( &loop, is_start && has_rows );
+        gather_strands( &loop, is_start, has_rows );
     }
     else
     {
@@ -403,17 +391,23 @@ static void scatter_points( void* context, int begin, int end, int worker )
     }
 }
 
+// The shift of each vertex goes to its previous position, so that it gives no velocity.
 static void scatter_strands( const contact_work* work, const contact_participant* participant, bool is_end )
 {
+    const wisp_strand_topology* t = wisp_frame_strands( work->frame, participant->entity );
+    strand_way way = { .numbers = 3, .is_out = true };
     if ( participant->halted == false )
     {
-        float* rows = wisp_frame_column( work->frame, participant->entity, WISP_STRAND_POSITION, 0 );
-        move_strands( wisp_frame_strands( work->frame, participant->entity ), participant,
-                      ( strand_way ){ rows, work->contact_mesh->now, true, 0.0f } );
+        way.column = wisp_frame_column( work->frame, participant->entity, WISP_STRAND_POSITION, 0 );
+        way.xyzw = work->contact_mesh->now;
+        (void)move_strands( t, participant, way );
     }
     if ( is_end )
     {
-        shift_strands( work, participant );
+        way.column = wisp_frame_column( work->frame, participant->entity, WISP_STRAND_PREVIOUS, 0 );
+        way.xyzw = work->contact_mesh->shift;
+        way.adds = true;
+        (void)move_strands( t, participant, way );
     }
 }
 
@@ -461,8 +455,10 @@ void contact_keep_participant( const contact_work* work, const contact_participa
     if ( participant->is_strands )
     {
         float* rows = wisp_frame_column( work->frame, participant->entity, work->components->strand_free, 0 );
-        move_strands( wisp_frame_strands( work->frame, participant->entity ), participant,
-                      ( strand_way ){ rows, work->contact_mesh->intersection_free, true, 0.0f } );
+        move_strands(
+            wisp_frame_strands( work->frame, participant->entity ), participant,
+            ( strand_way ){
+                .column = rows, .xyzw = work->contact_mesh->intersection_free, .numbers = 3, .is_out = true } );
         return;
     }
     memcpy( wisp_frame_column( work->frame, participant->entity, work->components->particle_free, 0 ),

@@ -26,6 +26,7 @@ enum
     KEPT_LEVER = 64, // beyond, an impulse is not kept: it would throw the point
     BODY_GRAIN = 256,
     WARM_GRAIN = 256,
+    ROWS_PER_BLOCK = 64, // bits of a mask
 };
 
 // Pairs that press recover up to this fraction of the gap. If they went on, those of a pile would part each other for ever.
@@ -34,18 +35,31 @@ static const float PRESSED_GAP = 0.98f;
 // A row within so little of its requested distance may have pressed in the substep before.
 static const float WARM_GAP = 2.0f;
 
+// A row lacks less than this to press: turns run it.
+static const float NEAR_GAP = 0.25f;
+
 // Square of a cosine above which a body holds a point whole.
 static const float HELD = 0.99f;
 // Of its gap: how far off a half space a point is lifted.
 static const float LIFTED = 0.01f;
 
-typedef void row_fn( const contact_work* work, contact_row* row );
+// Run a row. @return whether it presses, or is nearer to pressing than its gap
+typedef bool row_fn( const contact_work* work, contact_row* row );
+
+// Which rows of a block a sweep runs.
+typedef enum sweep_rows
+{
+    ALL_ROWS,
+    FOUND_ROWS, // all, and notes which are near
+    NEAR_ROWS,  // those that were near in the last sweep that noted it
+} sweep_rows;
 
 typedef struct project_loop
 {
     const contact_work* work;
     const int32_t* order;
     row_fn* run;
+    sweep_rows rows;
 } project_loop;
 
 // Return the distance of the two sides along the normal. Sums are relative to one of the points, against
@@ -189,19 +203,19 @@ static void add_friction( const contact_contact_mesh* s, contact_row* row, float
     }
 }
 
-static void project_row( const contact_work* work, contact_row* row )
+static bool project_row( const contact_work* work, contact_row* row )
 {
     contact_contact_mesh* s = work->contact_mesh;
     const float short_by = row->gap - distance_of( s->now, row );
     if ( !( short_by > 0.0f || row->normal_impulse > 0.0f ) )
     {
-        return;
+        return short_by > -NEAR_GAP * row->requested;
     }
     note_squeezed( s, row );
     const float mobility = mobility_along( s, row, row->normal, &row->is_lever );
     if ( !( mobility > 0.0f ) )
     {
-        return;
+        return true;
     }
     const float impulse = contact_larger( 0.0f, row->normal_impulse + short_by / mobility ),
                 change = impulse - row->normal_impulse;
@@ -212,9 +226,10 @@ static void project_row( const contact_work* work, contact_row* row )
         add_friction( s, row, by );
     }
     push( s, row, by, false );
+    return true;
 }
 
-static void recover_row( const contact_work* work, contact_row* row )
+static bool recover_row( const contact_work* work, contact_row* row )
 {
     contact_contact_mesh* s = work->contact_mesh;
     const contact_participant* participant = contact_participant_of( work, row->point[0] );
@@ -230,6 +245,7 @@ static void recover_row( const contact_work* work, contact_row* row )
         const float by[3] = { length * row->normal[0], length * row->normal[1], length * row->normal[2] };
         push( s, row, by, true );
     }
+    return may_lack;
 }
 
 static void run_blocks( void* context, int begin, int end, int worker )
@@ -239,21 +255,26 @@ static void run_blocks( void* context, int begin, int end, int worker )
     const contact_contact_mesh* s = loop->work->contact_mesh;
     for ( int i = begin; i < end; ++i )
     {
-        const int block = loop->order[i];
-        for ( int r = s->colouring->begin[block]; r < s->colouring->begin[block + 1]; ++r )
+        const int block = loop->order[i], first = s->colouring->begin[block],
+                  count = s->colouring->begin[block + 1] - first;
+        uint64_t *noted = s->colouring->near + block, near = 0;
+        const uint64_t all = count < ROWS_PER_BLOCK ? ( UINT64_C( 1 ) << count ) - 1 : UINT64_MAX;
+        for ( uint64_t left = loop->rows == NEAR_ROWS ? *noted : all; left != 0; left &= left - 1 )
         {
-            loop->run( loop->work, s->constraints->rows + r );
+            const uint64_t bit = left & -left;
+            near |= loop->run( loop->work, s->constraints->rows + first + __builtin_ctzll( left ) ) ? bit : 0;
         }
+        *noted = loop->rows == FOUND_ROWS ? near : *noted;
     }
 }
 
-static void run_all( const contact_work* work, row_fn* run )
+static void run_all( const contact_work* work, row_fn* run, sweep_rows rows )
 {
     const contact_colouring* blocks = work->contact_mesh->colouring;
     for ( int colour = 0; colour < CONTACT_COLOURS; ++colour )
     {
         const int first = blocks->colour[colour], count = blocks->colour[colour + 1] - first;
-        project_loop loop = { work, blocks->order + first, run };
+        project_loop loop = { work, blocks->order + first, run, rows };
         const int grain = colour + 1 < CONTACT_COLOURS ? 1 : count; // the last colour runs serially
         if ( count > 0 )
         {
@@ -268,7 +289,7 @@ typedef struct bodies_loop
 {
     const contact_work* work;
     const contact_participant* participant;
-    bool presses, lets_go;
+    bool presses; // else it lets go of what is lifted
 } bodies_loop;
 
 // Return whether a point is off a half space that has pushed it: its edges and triangles were pushed farther. A sweep would take
@@ -284,16 +305,15 @@ static void find_holds( const bodies_loop* loop, int begin, int end )
 {
     const contact_participant* participant = loop->participant;
     const contact_contact_mesh* s = loop->work->contact_mesh;
-    for ( int i = begin; i < end; ++i )
+    for ( int n = begin; n < end; ++n )
     {
-        const int point = participant->first_point + i;
-        const int found = s->now[(size_t)point * 4 + 3] > 0.0f ? participant->half_spaces[i] : 0;
+        const int i = s->held[participant->first_point + n], point = participant->first_point + i;
         float **hold = s->colouring->hold + point, most = 0.0f;
         *hold = NULL;
-        for ( int k = 0; k < found && k < WISP_MAX_HALF_SPACES; ++k )
+        for ( int k = 0; k < participant->half_spaces[i] && k < WISP_MAX_HALF_SPACES; ++k )
         {
             float* half = participant->half_space_row + 16 * ( (size_t)i * WISP_MAX_HALF_SPACES + (size_t)k );
-            if ( loop->lets_go && is_lifted( half, s->now + (size_t)point * 4 ) )
+            if ( loop->presses == false && is_lifted( half, s->now + (size_t)point * 4 ) )
             {
                 memset( half + 10, 0, 4 * sizeof( float ) ); // corrections along the normal and across it
             }
@@ -303,18 +323,45 @@ static void find_holds( const bodies_loop* loop, int begin, int end )
     }
 }
 
-// Note whom rows may push. What they do not push needs no further sweep: being counted changes no motion.
+// Note whom and what rows may push. What they do not push needs no further sweep: being counted changes no motion.
 static void find_pushed( const contact_work* work )
 {
+    contact_contact_mesh* s = work->contact_mesh;
+    memset( s->is_pushed, 0, (size_t)s->point_count );
     for ( int g = 0; g < work->participant_count; ++g )
     {
         work->participants[g].is_pushed = false;
     }
-    const contact_constraints* c = work->contact_mesh->constraints;
+    const contact_constraints* c = s->constraints;
     for ( int r = 0; r < c->row_count; ++r )
     {
-        contact_participant_of( work, c->rows[r].point[0] )->is_pushed = true;
-        contact_participant_of( work, c->rows[r].point[c->rows[r].count - 1] )->is_pushed = true;
+        const contact_row* row = c->rows + r;
+        contact_participant_of( work, row->point[0] )->is_pushed = true;
+        contact_participant_of( work, row->point[row->count - 1] )->is_pushed = true;
+        for ( int i = 0; i < row->count; ++i )
+        {
+            s->is_pushed[row->point[i]] = 1;
+        }
+    }
+}
+
+// List the free points in half spaces of participants that are pushed.
+static void list_held( const contact_work* work )
+{
+    const contact_contact_mesh* s = work->contact_mesh;
+    memset( s->colouring->hold, 0, (size_t)s->point_count * sizeof( float* ) );
+    for ( int g = 0; g < work->participant_count; ++g )
+    {
+        contact_participant* participant = work->participants + g;
+        const bool is_held =
+            participant->is_pushed && participant->half_spaces != NULL && participant->half_space_row != NULL;
+        participant->held_count = 0;
+        for ( int i = 0, point = participant->first_point; i < participant->point_count && is_held; ++i, ++point )
+        {
+            s->held[participant->first_point + participant->held_count] = i;
+            participant->held_count +=
+                participant->half_spaces[i] > 0 && s->now[(size_t)point * 4 + 3] > 0.0f ? 1 : 0;
+        }
     }
 }
 
@@ -325,18 +372,19 @@ static void press_on_bodies( void* context, int begin, int end, int worker )
     const bodies_loop* loop = context;
     const contact_participant* participant = loop->participant;
     contact_contact_mesh* s = loop->work->contact_mesh;
+    const int32_t* held = s->held + participant->first_point;
     const size_t first = (size_t)participant->first_point * 4;
     int32_t particle_x4[BODY_GRAIN + WISP_SLICE], row_x16[BODY_GRAIN + WISP_SLICE];
     const wisp_half_space_args args = { s->now + first, s->intersection_free + first, participant->half_space_row,
                                         particle_x4, row_x16 };
-    for ( int k = 0; k < WISP_MAX_HALF_SPACES && loop->presses; ++k )
+    for ( int k = 0, count = 1; k < WISP_MAX_HALF_SPACES && count > 0 && loop->presses; ++k )
     {
-        int count = 0;
-        for ( int i = begin; i < end; ++i )
+        count = 0;
+        for ( int n = begin; n < end; ++n )
         {
-            particle_x4[count] = 4 * i;
-            row_x16[count] = 16 * ( WISP_MAX_HALF_SPACES * i + k );
-            count += participant->half_spaces[i] > k && s->now[first + 4 * (size_t)i + 3] > 0.0f ? 1 : 0;
+            particle_x4[count] = 4 * held[n];
+            row_x16[count] = 16 * ( WISP_MAX_HALF_SPACES * held[n] + k );
+            count += participant->half_spaces[held[n]] > k ? 1 : 0;
         }
         for ( int i = count; count > 0 && i % WISP_SLICE != 0; ++i )
         {
@@ -350,38 +398,25 @@ static void press_on_bodies( void* context, int begin, int end, int worker )
 
 static void project_bodies( const contact_work* work, bool presses )
 {
-    contact_contact_mesh* s = work->contact_mesh;
     for ( int g = 0; g < work->participant_count; ++g )
     {
-        const bool is_pushed = work->participants[g].is_pushed;
-        bodies_loop loop = { work, work->participants + g, presses && is_pushed, presses == false && is_pushed };
-        if ( loop.participant->half_spaces != NULL && loop.participant->half_space_row != NULL )
-        {
-            wisp_parallel_for( work->parallel, loop.participant->point_count, BODY_GRAIN, press_on_bodies, &loop );
-        }
-        else
-        {
-            memset( s->colouring->hold + loop.participant->first_point, 0,
-                    (size_t)loop.participant->point_count * sizeof( float* ) );
-        }
+        bodies_loop loop = { work, work->participants + g, presses };
+        wisp_parallel_for( work->parallel, loop.participant->held_count, BODY_GRAIN, press_on_bodies, &loop );
     }
 }
 
-static void press_row( const contact_work* work, contact_row* row )
+static bool press_row( const contact_work* work, contact_row* row )
 {
-    if ( row->normal_impulse > 0.0f )
-    {
-        project_row( work, row );
-    }
+    return row->normal_impulse > 0.0f && project_row( work, row );
 }
 
-void contact_project_rows( const contact_work* work )
+void contact_project_rows( const contact_work* work, bool is_turn )
 {
-    run_all( work, project_row );
+    run_all( work, project_row, is_turn ? NEAR_ROWS : FOUND_ROWS );
     project_bodies( work, true );
     if ( work->memory->tangled == 0 ) // else it would press on what is drawn apart
     {
-        run_all( work, press_row ); // a heavy sheet on two light ones comes to rest by it
+        run_all( work, press_row, NEAR_ROWS ); // a heavy sheet on two light ones comes to rest by it
         project_bodies( work, true );
     }
 }
@@ -433,7 +468,7 @@ static void warm_rows( void* context, int begin, int end, int worker )
     }
 }
 
-static void push_warm( const contact_work* work, contact_row* row )
+static bool push_warm( const contact_work* work, contact_row* row )
 {
     float by[3];
     for ( int k = 0; k < 3; ++k )
@@ -445,6 +480,7 @@ static void push_warm( const contact_work* work, contact_row* row )
         note_squeezed( work->contact_mesh, row );
         push( work->contact_mesh, row, by, false );
     }
+    return row->normal_impulse > 0.0f;
 }
 
 void contact_begin_rows( const contact_work* work, bool is_first )
@@ -456,10 +492,11 @@ void contact_begin_rows( const contact_work* work, bool is_first )
         wisp_parallel_for( work->parallel, count, WARM_GRAIN, warm_rows, (void*)(uintptr_t)work );
         find_pushed( work );
     }
+    list_held( work );
     project_bodies( work, false );
     if ( is_first )
     {
-        run_all( work, push_warm );
+        run_all( work, push_warm, ALL_ROWS );
         project_bodies( work, true );
     }
 }
@@ -490,17 +527,12 @@ void contact_keep_impulses( const contact_work* work )
 
 void contact_recover( const contact_work* work )
 {
-    run_all( work, recover_row );
+    run_all( work, recover_row, ALL_ROWS );
 }
 
 // Colouring: constraints in blocks of 64 that one worker projects from first to last, coloured greedily so that
 // blocks of one colour share no point. In: rows. Out: blocks in the order of their colours. Blocks do not depend on
 // the number of workers.
-
-enum
-{
-    ROWS_PER_BLOCK = 64,
-};
 
 static void cut_blocks( contact_colouring* blocks, int split, int count )
 {
@@ -582,7 +614,8 @@ wisp_status contact_colour_rows( const contact_work* work, wisp_error* error )
     wisp_buffer* b = c->buffers;
     if ( contact_reserve( work, b++, ( most + 1 ) * index, (void**)&c->begin ) == false ||
          contact_reserve( work, b++, most * index, (void**)&c->colour_of ) == false ||
-         contact_reserve( work, b++, most * index, (void**)&c->order ) == false )
+         contact_reserve( work, b++, most * index, (void**)&c->order ) == false ||
+         contact_reserve( work, b++, most * sizeof( *c->near ), (void**)&c->near ) == false )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "out of memory for blocks of %d pairs", s->constraints->row_count );
     }

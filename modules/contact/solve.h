@@ -11,7 +11,8 @@ void contact_begin_rows( const contact_work* work, bool is_first );
 void contact_keep_impulses( const contact_work* work );
 
 /// Project all constraints once, with friction.
-void contact_project_rows( const contact_work* work );
+/// @param is_turn those alone that were near at the last call without it
+void contact_project_rows( const contact_work* work, bool is_turn );
 
 /// Push pairs apart that are closer than their gap, at a bounded speed and without giving them velocity.
 void contact_recover( const contact_work* work );
@@ -31,7 +32,8 @@ typedef struct contact_colouring
     int32_t colour[CONTACT_COLOURS + 1]; // first of a colour in `order`
     uint64_t* of_point;                  // [point] a bit for each colour that has it
     float** hold;                        // [point] half space that presses on it most; null: none
-    wisp_buffer buffers[3], point_buffer;
+    uint64_t* near;                      // [count] a bit for each row that presses or nearly does
+    wisp_buffer buffers[4], point_buffer;
 } contact_colouring;
 
 /// Make room for the points of the contact mesh.

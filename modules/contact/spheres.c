@@ -772,6 +772,7 @@ static void hold_points( const contact_work* work )
             const bool is_held =
                 participant->half_spaces != NULL && participant->half_spaces[point - participant->first_point] > 0;
             float* w = work->contact_mesh->now + (size_t)point * 4 + 3;
+            work->contact_mesh->is_pushed[point] = 1;
             *w = is_held ? 0.0f : *w;
         }
     }
@@ -795,6 +796,7 @@ void contact_push_spheres( const contact_work* work, bool is_last )
     sphere_loop loop = { .work = work, .pairs = pair_args( s, &s->near ) };
     work->memory->stats.contacts = 0;
     atomic_init( &loop.count, 0 );
+    memset( work->contact_mesh->is_pushed, 0, (size_t)work->contact_mesh->point_count );
     if ( s->near.pack_count > 0 )
     {
         hold_points( work );
