@@ -320,12 +320,6 @@ wisp_status wisp_set_contact_settings( wisp_world* world, const wisp_contact_set
     contact_state* state;
     wisp_status status = contact_find_state( world, &state );
     status = status == WISP_OK ? contact_mark_participants( world, state, settings->level ) : status;
-    for ( int i = 0; status == WISP_OK && settings->level != state->world.level && i < state->participant_count; ++i )
-    {
-        contact_settings* own =
-            wisp_world_column( world, state->participants[i].entity, state->components.settings, 0 );
-        own->is_new = 1; // spheres keep no intersection-free positions
-    }
     if ( status == WISP_OK )
     {
         state->world = *settings;
