@@ -20,13 +20,18 @@ typedef struct bound_body
     wisp_skin_def def;
 } bound_body;
 
-static wisp_affine random_rigid( int seed )
+static wisp_transform random_pose( int seed )
 {
     const wisp_quat q = { test_random_float( seed, 0, -1.0f, 1.0f ), test_random_float( seed, 1, -1.0f, 1.0f ),
                           test_random_float( seed, 2, -1.0f, 1.0f ), test_random_float( seed, 3, -1.0f, 1.0f ) };
     const wisp_vec3 t = { test_random_float( seed, 4, -2.0f, 2.0f ), test_random_float( seed, 5, -2.0f, 2.0f ),
                           test_random_float( seed, 6, -2.0f, 2.0f ) };
-    return wisp_affine_from_transform( wisp_transform_make( q, t ), ( wisp_vec3 ){ 1.0f, 1.0f, 1.0f } );
+    return wisp_transform_make( q, t );
+}
+
+static wisp_affine random_rigid( int seed )
+{
+    return wisp_affine_from_transform( random_pose( seed ), ( wisp_vec3 ){ 1.0f, 1.0f, 1.0f } );
 }
 
 static wisp_vec3 applied( const wisp_affine* a, wisp_vec3 p )
@@ -37,17 +42,6 @@ static wisp_vec3 applied( const wisp_affine* a, wisp_vec3 p )
         out[r] = a->m[r][0] * p.x + a->m[r][1] * p.y + a->m[r][2] * p.z + a->m[r][3];
     }
     return ( wisp_vec3 ){ out[0], out[1], out[2] };
-}
-
-static wisp_affine rigid_inverse( const wisp_affine* a )
-{
-    wisp_affine out = { 0 };
-    for ( int i = 0; i < 9; ++i )
-    {
-        out.m[i / 3][i % 3] = a->m[i % 3][i / 3];
-        out.m[i / 3][3] -= a->m[i % 3][i / 3] * a->m[i % 3][3];
-    }
-    return out;
 }
 
 // Points that follow one to four bones, in changing order; numbers of bones without weight are nonsense.
@@ -204,7 +198,10 @@ TEST( one_motion_of_all_bones_is_that_of_the_points )
     b.def.inverse_bind = b.inverse_bind;
     for ( int i = 0; i < BONES; ++i )
     {
-        const wisp_affine bind = rigid_inverse( &b.inverse_bind[i] );
+        const wisp_transform pose = random_pose( 1000 + i );
+        const wisp_quat q = pose.rotation, back = { -q.x, -q.y, -q.z, q.w };
+        const wisp_vec3 from = wisp_transform_to_local( pose, ( wisp_vec3 ){ 0 } ), unit = { 1.0f, 1.0f, 1.0f };
+        const wisp_affine bind = wisp_affine_from_transform( wisp_transform_make( back, from ), unit );
         b.now[i] = wisp_affine_multiply( &motion, &bind );
     }
     for ( int method = 0; method < WISP_SKIN_METHOD_COUNT; ++method )
@@ -374,7 +371,6 @@ TEST( memory_is_of_the_host_and_taken_once )
     assert_int_equal( wisp_skin_create( &b.def, &mean, &refused, NULL ), WISP_NO_MEMORY );
     assert_null( refused );
     assert_int_equal( wisp_skin_create( &b.def, &host, &skin, NULL ), WISP_OK );
-    assert_int_equal( atomic_load( &counted.queried ), 1 );
     wisp_skin_pose pose = { 0 };
     assert_int_equal( wisp_skin_pose_set( &pose, skin, WISP_SKIN_LINEAR, b.now, &mean, NULL ), WISP_NO_MEMORY );
     for ( int i = 0; i < 3; ++i )
