@@ -10,11 +10,10 @@
 
 // ---- strands ----
 
-// Return the index of vertex i of a lane in rows of 1 or 3 numbers per vertex.
-static size_t lane_of( const wisp_strand_topology* t, int lane, int i, int numbers )
+// Return the index of the first vertex of a lane in rows of 1 or 3 numbers per vertex.
+static size_t lane_of( const wisp_strand_topology* t, int lane, int numbers )
 {
-    const size_t row = (size_t)t->group_row[lane / WISP_LANES] + (size_t)i;
-    return row * (size_t)numbers * WISP_LANES + (size_t)( lane % WISP_LANES );
+    return (size_t)t->group_row[lane / WISP_LANES] * (size_t)numbers * WISP_LANES + (size_t)( lane % WISP_LANES );
 }
 
 typedef struct strand_way
@@ -35,10 +34,12 @@ static inline float move_groups( const wisp_strand_topology* t, const contact_pa
     float most = 0.0f;
     for ( int lane = begin * WISP_LANES; lane < end * WISP_LANES; ++lane )
     {
-        for ( int i = 0; i < t->lane_count[lane]; ++i )
+        const int count = t->lane_count[lane];
+        float* x = way.column + ( count > 0 ? lane_of( t, lane, way.numbers ) : 0 );
+        float* q = way.xyzw;
+        q += count > 0 ? (size_t)( participant->first_point + t->offsets[t->lane_strand[lane]] ) * 4 : 0;
+        for ( int i = 0; i < count; ++i, x += way.numbers * WISP_LANES, q += 4 )
         {
-            float* x = way.column + lane_of( t, lane, i, way.numbers );
-            float* q = way.xyzw + (size_t)( participant->first_point + t->offsets[t->lane_strand[lane]] + i ) * 4;
             for ( int k = 0; k < way.numbers; ++k )
             {
                 float *from = way.is_out ? q + k : x + k * WISP_LANES, *to = way.is_out ? x + k * WISP_LANES : q + k;
