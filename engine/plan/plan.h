@@ -120,13 +120,14 @@ struct wisp_registry
 {
     store* store;
     int workers;
-    int substeps;          // of the world in a step of usual length; 0 means 1
-    int iterations;        // per substep; 0 means 1
-    wisp_component detail; // of entities whose level of detail was set
-    wisp_pass passes[PLAN_MAX_PASSES];
-    plan_uses uses[PLAN_MAX_PASSES];           // of passes
-    const char* pass_modules[PLAN_MAX_PASSES]; // module that declared the pass
+    int substeps;              // of the world in a step of usual length; 0 means 1
+    int iterations;            // per substep; 0 means 1
+    wisp_component detail;     // of entities whose level of detail was set
+    wisp_pass* passes;         // [pass_count]
+    plan_uses* uses;           // of passes
+    const char** pass_modules; // module that declared the pass
     int pass_count;
+    wisp_buffer pass_rows[3]; // of these three
     plan_fusion joins[PLAN_MAX_FUSIONS];
     int join_count;
     plan_batch batches[PLAN_MAX_BATCHES];

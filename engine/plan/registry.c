@@ -67,6 +67,22 @@ static plan_uses uses_of( const wisp_pass* pass )
     return u;
 }
 
+// Make room for one pass more.
+static bool reserve_pass( wisp_registry* r )
+{
+    const size_t count = (size_t)r->pass_count + 1;
+    const size_t sizes[3] = { sizeof( *r->passes ), sizeof( *r->uses ), sizeof( *r->pass_modules ) };
+    bool enough = true;
+    for ( int i = 0; i < 3; ++i )
+    {
+        enough = enough && base_buffer_reserve( r->store->allocator, r->pass_rows + i, count * sizes[i] );
+    }
+    r->passes = r->pass_rows[0].data;
+    r->uses = r->pass_rows[1].data;
+    r->pass_modules = r->pass_rows[2].data;
+    return enough;
+}
+
 static wisp_status declare_pass( wisp_registry* registry, const wisp_pass* pass )
 {
     for ( int i = 0; i < registry->pass_count; ++i )
@@ -81,6 +97,11 @@ static wisp_status declare_pass( wisp_registry* registry, const wisp_pass* pass 
     {
         fail_declaration( registry, "too many passes, or a pass without a function or an output:", pass->name );
         return WISP_BAD_INPUT;
+    }
+    if ( reserve_pass( registry ) == false )
+    {
+        return wisp_fail( &registry->error, WISP_NO_MEMORY, "module '%s': out of memory for its passes",
+                          registry->module );
     }
     if ( pass->on_change != 0 )
     {
@@ -404,6 +425,10 @@ void plan_registry_release( wisp_registry* r )
             r->states[i].hooks.release( r->states[i].memory, allocator );
         }
         base_release( allocator, r->states[i].memory, r->states[i].size );
+    }
+    for ( int i = 0; i < WISP_COUNT( r->pass_rows ); ++i )
+    {
+        base_buffer_release( allocator, r->pass_rows + i );
     }
 }
 

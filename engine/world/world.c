@@ -93,7 +93,9 @@ static void add_engine( part_list* parts, const wisp_world* world )
     size_t pool = 0;
     const size_t scratch = jobs_memory( world->pool, &pool );
     const size_t clocks = (size_t)world->registry.workers * sizeof( plan_clock );
-    add_whole( parts, "world", WISP_MEMORY_ENGINE, sizeof( *world ) );
+    const wisp_buffer* passes = world->registry.pass_rows;
+    add_whole( parts, "world", WISP_MEMORY_ENGINE,
+               sizeof( *world ) + passes[0].size + passes[1].size + passes[2].size );
     add_whole( parts, "workers", WISP_MEMORY_ENGINE, pool + clocks );
     add_whole( parts, "scratch", WISP_MEMORY_ENGINE, scratch );
     add( parts, "entities", WISP_MEMORY_ENGINE, (size_t)s->entity_count * sizeof( store_entity ),
