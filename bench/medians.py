@@ -15,12 +15,10 @@ SIZES = ["strands", "vertices", "exponent"]
 MEASURES = {
     "stretch_max": "stretch_max", "stretch_mean": "stretch_mean", "energy_against": "energy", "max_intersections": "intersections",
     "largest_distance": "largest", "doubt": "doubt", "until": "until", "error_at_0_5_s": "at_0.5", "error_at_1_s": "at_1", "detail": "wrinkles",
-    "points": "points", "edge_points": "edge_points", "linear_iterations_a_step": "iterations_mean", "vertices_on_bodies": "contacts", "neighbours": "neighbours",
-    "late_height": "late_height", "late_energy": "late_energy", "late_stretch": "late_stretch", "late_detail": "late_wrinkles",
+    "points": "points", "edge_points": "edge_points", "iterations_mean": "iterations_mean", "contacts_at_the_end": "contacts", "neighbours": "neighbours",
+    "ns_per_vertex_and_iteration": "ns_a_vertex_and_iteration", "late_height": "late_height", "late_energy": "late_energy", "late_stretch": "late_stretch", "late_detail": "late_wrinkles",
 }
 STAGES = ["guide_hair.ghosts"]
-# Where iterations are means of a run, so are the times.
-MEAN_STAGES = ["mean", "implicit_cloth.step"]
 
 
 def short(value):
@@ -73,7 +71,7 @@ def main():
         if not lines or (lines[-1]["case"], lines[-1]["variant"]) != (case, line["variant"]) or f"ms_{workers}" in lines[-1]:
             lines.append(line)
         lines[-1][f"ms_{workers}"] = short(row["ms_median"])
-        for stage in STAGES + (MEAN_STAGES if "iterations_mean" in line else []):
+        for stage in STAGES:
             if stage in row["stages"]:
                 lines[-1][f"{stage}_{workers}"] = short(row["stages"][stage])
     for case, name in errors.items():

@@ -1,10 +1,8 @@
-// The case `paper`: Table 1 of Kim 2026, frozen hair by number of strands with the double oracle as the reference, and that of Noh and
-// Jung, the suites in data/suites/paper.
+// Table 1 of Kim 2026: frozen hair by number of strands, with the double oracle as the reference.
 #include "accuracy/scene_tools.h"
 #include "bench_output.h"
 #include "bench_world.h"
 #include "groom.h"
-#include "suite_study.h"
 
 #include "frozen_hair/frozen_hair.h"
 #include "oracle/frozen_hair_oracle.h"
@@ -388,7 +386,7 @@ static void claim_line( const results* all, int first_row, int workers, results*
     results_add_claim( out, line.r_squared > 0.98, claim, line.r_squared, "" );
 }
 
-static wisp_status frozen_hair_bench( const bench_options* options, results* out, wisp_error* error )
+wisp_status paper_frozen_hair( const bench_options* options, results* out, wisp_error* error )
 {
     const accuracy_entry entry = { "frozen_hair", "frozen hair, Table 1 of Kim 2026", make_hair, NULL };
     const int first_row = out->row_count;
@@ -398,41 +396,5 @@ static wisp_status frozen_hair_bench( const bench_options* options, results* out
     {
         claim_line( out, first_row, workers, out );
     }
-    return status;
-}
-
-// ---- the case `paper` ----
-
-// From 10 000 vertices on an iteration costs at most 20 ns per vertex.
-static void claim_iterations( int first_row, results* out )
-{
-    for ( int i = first_row; i < out->row_count; ++i )
-    {
-        const results_row* row = &out->rows[i];
-        const double iterations = rows_error( row, "linear_iterations_a_step" );
-        for ( int k = 0; k < row->stages.count && row->workers == 1 && iterations > 0.0; ++k )
-        {
-            if ( strcmp( row->stages.items[k].name, "implicit_cloth.step" ) == 0 && rows_vertices( row ) >= 10000.0 )
-            {
-                const double ns = 1e6 * row->stages.items[k].value / ( iterations * rows_vertices( row ) );
-                char claim[256];
-                snprintf( claim, sizeof claim, "%s: an iteration costs at most 20 ns per vertex", row->variant );
-                results_add_claim( out, ns <= 20.0, claim, ns, " ns" );
-            }
-        }
-    }
-}
-
-bench_case_fn paper_bench;
-
-wisp_status paper_bench( const bench_options* options, results* out, wisp_error* error )
-{
-    bench_options part = *options;
-    part.seconds = 0.55 * bench_seconds( options );
-    wisp_status status = frozen_hair_bench( &part, out, error );
-    const int first_row = out->row_count;
-    status = status == WISP_OK ? suite_bench_folder( "paper", 0.45 * bench_seconds( options ), options, out, error )
-                               : status;
-    claim_iterations( first_row, out );
     return status;
 }

@@ -87,8 +87,6 @@ typedef enum suite_sample
     SAMPLE_LATE_STRETCH,
     SAMPLE_LATE_DETAIL,
     SAMPLE_ITERATIONS,
-    SAMPLE_ITERATIONS_MEAN,
-    SAMPLE_HELD,
     SAMPLE_FIRST_ORDER,
     SAMPLE_NOT_CONVERGED,
     SAMPLE_VOLUME_ERROR,
@@ -133,7 +131,6 @@ typedef struct suite_sampler
     suite_overlap overlap;
     double overlap_max, missed_max;               // m, fraction
     double iterations;                            // of conjugate gradients
-    double held;                                  // vertices of implicit cloth on bodies, after the last step
     double first_order;                           // substeps
     double volume_error, pressure, even_pressure; // of the first balloon: fraction, Pa, Pa
     int steps;
@@ -164,8 +161,6 @@ const char* const suite_sample_names[SAMPLE_COUNT] = {
     [SAMPLE_LATE_STRETCH] = "late stretch, %",
     [SAMPLE_LATE_DETAIL] = "late detail",
     [SAMPLE_ITERATIONS] = "linear iterations",
-    [SAMPLE_ITERATIONS_MEAN] = "linear iterations a step",
-    [SAMPLE_HELD] = "vertices on bodies",
     [SAMPLE_FIRST_ORDER] = "left to euler",
     [SAMPLE_NOT_CONVERGED] = "not converged",
     [SAMPLE_VOLUME_ERROR] = "volume error, %",
@@ -201,8 +196,6 @@ static void suite_samples_of( const wisp_scene* scene, bool has[SAMPLE_COUNT] )
         has[SAMPLE_PENETRATION] = has[SAMPLE_PENETRATION] || scene->surfaces[i].has_collision;
         has[SAMPLE_INTERSECTIONS] = has[SAMPLE_INTERSECTIONS] || scene->surfaces[i].has_contact;
         has[SAMPLE_ITERATIONS] = has[SAMPLE_ITERATIONS] || scene->surfaces[i].has_implicit;
-        has[SAMPLE_HELD] =
-            has[SAMPLE_HELD] || ( scene->surfaces[i].has_implicit && scene->surfaces[i].has_collision );
         balloons += scene->surfaces[i].has_balloon ? 1 : 0;
     }
     for ( int i = 0; i < scene->strands_count; ++i )
@@ -218,7 +211,7 @@ static void suite_samples_of( const wisp_scene* scene, bool has[SAMPLE_COUNT] )
         has[SAMPLE_SPEED] = has[SAMPLE_STRETCH_MAX];
     has[SAMPLE_VOLUME_ERROR] = has[SAMPLE_PRESSURE] = has[SAMPLE_EVEN_PRESSURE] =
         has[SAMPLE_VOLUME_ERROR] || balloons > 0;
-    has[SAMPLE_NOT_CONVERGED] = has[SAMPLE_ITERATIONS_MEAN] = has[SAMPLE_ITERATIONS];
+    has[SAMPLE_NOT_CONVERGED] = has[SAMPLE_ITERATIONS];
     has[SAMPLE_FIRST_ORDER] = has[SAMPLE_FIRST_ORDER] || has[SAMPLE_ITERATIONS];
     for ( int i = 0; i < scene->surface_count && has[SAMPLE_INTERSECTIONS]; ++i )
     {
@@ -299,14 +292,12 @@ static void sample_gas( suite_sampler* s, const scene_world* world )
 static void sample_solves( suite_sampler* s, const scene_world* world )
 {
     wisp_implicit_cloth_stats stats;
-    s->held = 0.0;
     for ( int i = 0; i < world->scene->surface_count; ++i )
     {
         if ( world->scene->surfaces[i].has_implicit &&
              wisp_read_implicit_cloth_stats( world->world, world->surfaces[i].entity, &stats ) == WISP_OK )
         {
             s->iterations += stats.iterations;
-            s->held += stats.sticking + stats.sliding + stats.landing;
         }
     }
     s->first_order = (double)wisp_world_counter( world->world, WISP_COUNT_FIRST_ORDER );
@@ -431,8 +422,6 @@ static void suite_sampler_values( const suite_sampler* s, const suite_measuremen
         [SAMPLE_PENETRATION] = 1e3 * measured->values[SUITE_PENETRATION],
         [SAMPLE_RESETS] = measured->values[SUITE_RESETS],
         [SAMPLE_ITERATIONS] = s->iterations,
-        [SAMPLE_ITERATIONS_MEAN] = s->steps > 0 ? s->iterations / s->steps : NAN,
-        [SAMPLE_HELD] = s->held,
         [SAMPLE_FIRST_ORDER] = s->first_order,
         [SAMPLE_NOT_CONVERGED] = measured->values[SUITE_NOT_CONVERGED],
         [SAMPLE_VOLUME_ERROR] = 100.0 * s->volume_error,

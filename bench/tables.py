@@ -28,9 +28,6 @@ class Row(dict):
         if name.startswith("ns_a_point_"):
             value = self["ms_" + name[-1]]
             return value if value == "-" else digits(1e6 * float(value) / float(self["points"]))
-        if name == "ns_a_vertex_and_iteration":
-            parts = self["implicit_cloth.step_1"], self["vertices"], self["iterations_mean"]
-            return "-" if "-" in parts else digits(1e6 * float(parts[0]) / (float(parts[1]) * float(parts[2])))
         if name == "setting":
             return self["variant"].split(", ", 1)[1]
         return "-"

@@ -1,11 +1,16 @@
 // Noh and Jung: energy in free flight (section 3.3), and edges, hems and folds on the ball (Fig. 8 and 10). Rest
 // and depth are in data/suites/figures/drape.yaml.
-#include "app/scene_world_fixture.h"
+#include "unit.h"
 
-#include "implicit_cloth/implicit_cloth.h"
+#include "surfaces.h"
+
 #include "oracle/triangle_oracle.h"
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 // ---- section 3.3 ----
 
@@ -36,14 +41,12 @@ static void weigh_rows( const wisp_mesh* mesh, double* fraction )
 }
 
 // Kinetic energy with the masses of the rows, stretch of eq. 5 and potential of eq. 12, in J.
-static double energy_of( const fixture* f, const double* fraction, double* solves )
+static double energy_of( const surface_implementation* cloth, const double* fraction, double* solves )
 {
     wisp_implicit_cloth_stats seen;
-    wisp_world* world = f->world.world;
-    const scene_world_surface* cloth = f->world.surfaces;
-    assert_int_equal( wisp_read_implicit_cloth_stats( world, cloth->entity, &seen ), WISP_OK );
-    const float* position = wisp_world_column( world, cloth->entity, WISP_PARTICLE_POSITION, 0 );
-    const float* velocity = wisp_world_column( world, cloth->entity, WISP_PARTICLE_VELOCITY, 0 );
+    assert_int_equal( wisp_read_implicit_cloth_stats( cloth->world, cloth->entity, &seen ), WISP_OK );
+    const float* position = wisp_world_column( cloth->world, cloth->entity, WISP_PARTICLE_POSITION, 0 );
+    const float* velocity = wisp_world_column( cloth->world, cloth->entity, WISP_PARTICLE_VELOCITY, 0 );
     double sum = seen.stretch_energy + seen.bend_energy;
     for ( int i = 0; i < cloth->fabric->vertex_count; ++i )
     {
@@ -56,63 +59,66 @@ static double energy_of( const fixture* f, const double* fraction, double* solve
 }
 
 // A cloth that is stretched by a tenth and spins flies free for 10 s. @return J at the end
-static double fly( double damping, const char* integrator )
+static double fly( const triangle_scene* scene, const double* fraction, float damping, wisp_integrator integrator )
 {
     enum
     {
         STEPS = 1000,
     };
-    char text[600];
-    SCOPED( release ) fixture f;
-    snprintf( text, sizeof text,
-              "wisp: 1\ndt: 0.01\nsubsteps: 1\niterations: 1\nsteps: 1000\ngravity: [0, 0, 0]\nsurfaces:\n"
-              "  - name: cloth\n    generate: { shape: delaunay, width: 1, depth: 1, vertices: 250 }\n"
-              "    transform: { translate: [0, 1, 0] }\n    area_density: 0.2\n"
-              "    implicit: { stiffness_model: link, weights: effective, tolerance: 1e-4, link_damping: %g, "
-              "integrator: %s }\n",
-              damping, integrator );
-    build( &f, text );
-    const scene_world_surface* cloth = f.world.surfaces;
-    SCOPED( free_local )
-    double* fraction = checked_calloc( (size_t)cloth->mesh.vertex_count, sizeof( double ) );
-    weigh_rows( &cloth->mesh, fraction );
-    float* position = wisp_world_column( f.world.world, cloth->entity, WISP_PARTICLE_POSITION, 0 );
-    for ( int i = 0; i < cloth->fabric->vertex_count; ++i )
+    wisp_error error = { 0 };
+    wisp_vec3* stretched = checked_calloc( (size_t)scene->mesh.vertex_count, sizeof( wisp_vec3 ) );
+    for ( int i = 0; i < scene->mesh.vertex_count; ++i )
     {
-        position[4 * cloth->fabric->vertex_slot[i]] *= STRETCHED;
-        position[4 * cloth->fabric->vertex_slot[i] + 2] *= STRETCHED;
+        const wisp_vec3 p = scene->mesh.points[i];
+        stretched[i] = ( wisp_vec3 ){ STRETCHED * p.x, p.y, STRETCHED * p.z };
     }
-    assert_int_equal( wisp_request_implicit_cloth_stats( f.world.world, cloth->entity, true ), WISP_OK );
-    assert_int_equal( wisp_set_velocity( f.world.world, cloth->entity, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f },
+    triangle_setting setting = triangle_default_setting();
+    setting.cloth.link_damping = damping;
+    setting.cloth.integrator = integrator;
+    setting.has_ball = false;
+    setting.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+    setting.points = stretched;
+    setting.requests_stats = true;
+    surface_implementation cloth;
+    assert_ok( triangle_enter( scene, &setting, &cloth, &error ), error );
+    assert_int_equal( wisp_set_velocity( cloth.world, cloth.entity, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f },
                                          ( wisp_vec3 ){ 1.0f, 4.0f, 0.5f } ),
                       WISP_OK );
     double least = INFINITY, energy = 0.0, solves = 0.0;
     for ( int i = 0; i < STEPS; ++i )
     {
-        step( &f, 1 );
-        energy = energy_of( &f, fraction, &solves );
+        assert_ok( surface_implementation_step( &cloth, &error ), error );
+        energy = energy_of( &cloth, fraction, &solves );
         // never 1 % above its least so far: against the first nothing could rise, as three quarters of it go in one step
-        assert_true( energy <= 1.01 * least );
+        assert_true( cloth.halted_at == 0 && energy <= 1.01 * least );
         least = fmin( least, energy );
     }
-    assert_int_equal( wisp_world_counter( f.world.world, WISP_COUNT_HALTED ), 0 );
     // the guard costs little: the paper's single solve is what most steps make
     assert_true( solves < 1.5 * STEPS );
+    surface_implementation_destroy( &cloth );
+    free( stretched );
     return energy;
 }
 
 TEST( a_free_cloth_never_rises_above_its_least_energy_and_loses_more_with_more_damping )
 {
-    static const double dampings[] = { 0.0, 0.002, 0.02, 0.2 };
+    static const float dampings[] = { 0.0f, 0.002f, 0.02f, 0.2f };
+    triangle_scene scene;
+    wisp_error error = { 0 };
+    assert_ok( triangle_scene_make( 250, &scene, &error ), error );
+    double* fraction = checked_calloc( (size_t)scene.mesh.vertex_count, sizeof( double ) );
+    weigh_rows( &scene.mesh, fraction );
     double last = INFINITY;
     for ( int i = 0; i < WISP_COUNT( dampings ); ++i )
     {
-        const double left = fly( dampings[i], "euler" );
+        const double left = fly( &scene, fraction, dampings[i], WISP_INTEGRATOR_EULER );
         assert_true( left < last );
         last = left;
     }
-    (void)fly( 0.0, "bdf2" );
-    (void)fly( 0.002, "bdf2" );
+    (void)fly( &scene, fraction, 0.0f, WISP_INTEGRATOR_BDF2 );
+    (void)fly( &scene, fraction, 0.002f, WISP_INTEGRATOR_BDF2 );
+    free( fraction );
+    triangle_scene_free( &scene );
 }
 
 // ---- figures 8 and 10 ----
@@ -214,51 +220,58 @@ typedef struct hem
     int folds;
 } hem;
 
-static double longest_edge( const scene_world_surface* cloth, const wisp_vec3* points )
+static double longest_edge( const triangle_scene* scene, const wisp_vec3* points )
 {
-    const wisp_mesh* mesh = &cloth->mesh;
+    const wisp_fabric* fabric = scene->fabric;
     double most = 0.0;
-    for ( int i = 0; i < 3 * mesh->triangle_count; ++i )
+    for ( int e = 0; e < fabric->edge_count; ++e )
     {
-        const int a = mesh->triangles[i], b = mesh->triangles[i % 3 == 2 ? i - 2 : i + 1];
-        const double rest = wisp_mesh_distance( mesh->points[a], mesh->points[b] );
+        const int a = fabric->slot_vertex[fabric->edges[2 * e]], b = fabric->slot_vertex[fabric->edges[2 * e + 1]];
+        const double rest = wisp_mesh_distance( scene->mesh.points[a], scene->mesh.points[b] );
         most = fmax( most, wisp_mesh_distance( points[a], points[b] ) / rest - 1.0 );
     }
     return most;
 }
 
-static hem drop( const char* file, float stiffness )
+static hem drop( int vertices, float stiffness )
 {
-    SCOPED( release ) fixture f = { .scene = read_good( file ) };
+    triangle_scene scene;
+    surface_implementation cloth;
+    wisp_error error = { 0 };
+    const wisp_vec3* points;
     border_vertex border[BORDER_MAX];
     double even[PLACES];
     hem out = { .folds = 0 };
-    f.scene.surfaces[0].implicit.stretch_stiffness = stiffness;
-    create( &f, 1 );
-    step( &f, 1500 );
-    const scene_world_surface* cloth = f.world.surfaces;
-    SCOPED( free_local )
-    wisp_vec3* points = checked_calloc( (size_t)cloth->mesh.vertex_count, sizeof *points );
-    assert_ok( scene_world_points( &f.world, 0, points, &f.error ), f.error );
-    const int count = find_border( &cloth->mesh, border );
+    triangle_setting setting = triangle_default_setting();
+    setting.cloth.stretch_stiffness = stiffness;
+    assert_ok( triangle_scene_make( vertices, &scene, &error ), error );
+    assert_ok( triangle_enter( &scene, &setting, &cloth, &error ), error );
+    for ( int i = 0; i < 1500; ++i )
+    {
+        assert_ok( surface_implementation_step( &cloth, &error ), error );
+    }
+    assert_ok( surface_implementation_points( &cloth, &points, &error ), error );
+    const int count = find_border( &scene.mesh, border );
     for ( int i = 0; i < count; ++i )
     {
-        const double down = (double)cloth->mesh.points[border[i].vertex].y - (double)points[border[i].vertex].y;
+        const double down = (double)TRIANGLE_HEIGHT - (double)points[border[i].vertex].y;
         out.mean += down / count;
         out.lowest = fmax( out.lowest, down );
     }
     measure_border( border, count, points, even );
     out.folds = count_folds( even );
-    out.stretch = longest_edge( cloth, points );
+    out.stretch = longest_edge( &scene, points );
     print_message( "           k %.0f: %d folds; the hem came down by %.4f m, %.4f at most; longest edge +%.2f %%\n",
                    (double)stiffness, out.folds, out.mean, out.lowest, 100.0 * out.stretch );
+    surface_implementation_destroy( &cloth );
+    triangle_scene_free( &scene );
     return out;
 }
 
 // Quads above the ball have its fourfold symmetry, and so have their folds: 12. The irregular mesh can have any number: 9.
 TEST( quads_hang_as_deep_as_triangles_and_fold_in_fours )
 {
-    const hem triangles = drop( "triangle_drape.yaml", 200.0f ), quads = drop( "quad_drape.yaml", 200.0f );
+    const hem triangles = drop( TRIANGLE_VERTICES, 200.0f ), quads = drop( 0, 200.0f );
     assert_true( fabs( quads.mean / triangles.mean - 1.0 ) < 0.1 );
     assert_true( fabs( quads.lowest / triangles.lowest - 1.0 ) < 0.1 );
     assert_true( quads.folds > 0 && quads.folds % 4 == 0 && abs( quads.folds - triangles.folds ) <= 4 );
@@ -266,8 +279,8 @@ TEST( quads_hang_as_deep_as_triangles_and_fold_in_fours )
 
 TEST( softer_cloth_has_longer_edges_and_a_lower_hem )
 {
-    const hem soft = drop( "triangle_drape.yaml", 50.0f ), usual = drop( "triangle_drape.yaml", 100.0f ),
-              firm = drop( "triangle_drape.yaml", 350.0f );
+    const hem soft = drop( TRIANGLE_VERTICES, 50.0f ), usual = drop( TRIANGLE_VERTICES, 100.0f ),
+              firm = drop( TRIANGLE_VERTICES, 350.0f );
     assert_true( soft.stretch > usual.stretch && usual.stretch > firm.stretch );
     assert_true( soft.mean > usual.mean && usual.mean > firm.mean );
 }
