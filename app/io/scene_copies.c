@@ -537,13 +537,15 @@ static wisp_status name_copy( scene_reader* r, const copied* kind, int number, v
                : WISP_OK;
 }
 
-// Number k stands in row k / columns and column k % columns.
+// Number k stands in row k / columns and column k % columns: in a line along the axes that have a spacing, else in a square.
 static wisp_status make_copy( scene_reader* r, const copied* kind, const wisp_scene_copies* copies, int source, int k,
                               void* out )
 {
-    const int columns = copies->columns > 0 ? copies->columns : (int)ceil( sqrt( copies->count ) );
-    const float column = (float)( k % columns ), row = (float)( k / columns );
     const wisp_vec3 step = copies->spacing;
+    const bool has_rows = step.y != 0.0f || step.z != 0.0f;
+    const int usual = step.x == 0.0f ? 1 : has_rows ? (int)ceil( sqrt( copies->count ) ) : copies->count;
+    const int columns = copies->columns > 0 ? copies->columns : usual;
+    const float column = (float)( k % columns ), row = (float)( k / columns );
     const double by[3] = { (double)( column * step.x ), (double)( row * step.y ), (double)( row * step.z ) };
     WISP_TRY( kind->make( r, source, by, out ) );
     return name_copy( r, kind, k + 1, out );

@@ -98,7 +98,8 @@ static const scene_field SCENE_COPIES_FIELDS[] = {
               "others are called `name-2`, `name-3` and so on." },
     { "columns", SCENE_WHOLE, .at = offsetof( wisp_scene_copies, columns ),
       .range = RANGE( 0, WISP_SCENE_MAX_SURFACES ),
-      .help = "Entries in a row of the grid; 0 takes the root of `count`, rounded up." },
+      .help = "Entries in a row of the grid; 0 takes the root of `count`, rounded up, and one line where `spacing` "
+              "is along x alone or has no x." },
     { "spacing", SCENE_VECTOR, .required = true, .at = offsetof( wisp_scene_copies, spacing ), .range = COORDINATE,
       .unit = METRES,
       .help = "Displacement from a column to the next, along x, and from a row to the next, along y and z." },

@@ -263,19 +263,21 @@ $ python3 <<'END'
 > PLANE, HAIR = "generate: { shape: plane, columns: 5, rows: 5 }, pins: [0, 4], cloth: {}", "generate: { strands: 3, vertices: 5 }, dynamics: {}"
 > copied = f"""steps: 5
 > surfaces:
->   - {{ name: a, {PLANE}, copies: {{ count: 2, spacing: [3, 0, 0] }} }}
+>   - {{ name: a, {PLANE}, copies: {{ count: 3, spacing: [0, 0, 3] }} }}
 > strands:
->   - {{ name: b, {HAIR}, copies: {{ count: 2, spacing: [2, 0, 0] }} }}
+>   - {{ name: b, {HAIR}, copies: {{ count: 3, spacing: [2, 0, 0] }} }}
 > """
 > written = f"""steps: 5
 > surfaces:
 >   - {{ name: a, {PLANE} }}
->   - {{ name: a-2, {PLANE.split( ', pins' )[0].replace( 'generate: { shape: plane, columns: 5, rows: 5 }', 'instance_of: a' )}, transform: {{ translate: [3, 0, 0] }}, pins: [0, 4], cloth: {{}} }}
+>   - {{ name: a-2, {PLANE.split( ', pins' )[0].replace( 'generate: { shape: plane, columns: 5, rows: 5 }', 'instance_of: a' )}, transform: {{ translate: [0, 0, 3] }}, pins: [0, 4], cloth: {{}} }}
+>   - {{ name: a-3, {PLANE.split( ', pins' )[0].replace( 'generate: { shape: plane, columns: 5, rows: 5 }', 'instance_of: a' )}, transform: {{ translate: [0, 0, 6] }}, pins: [0, 4], cloth: {{}} }}
 > strands:
 >   - {{ name: b, {HAIR} }}
 >   - {{ name: b-2, {HAIR}, transform: {{ translate: [2, 0, 0] }} }}
+>   - {{ name: b-3, {HAIR}, transform: {{ translate: [4, 0, 0] }} }}
 > """
-> assert hash_of( copied ) == hash_of( written ) != hash_of( written.replace( "[2, 0, 0]", "[1, 0, 0]" ) )
+> assert hash_of( copied ) == hash_of( written ) != hash_of( written.replace( "[4, 0, 0]", "[1, 0, 0]" ) )
 > bodies, said = run( """dt: 0.02
 > steps: 10
 > strands:
