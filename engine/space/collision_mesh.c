@@ -306,11 +306,11 @@ static void place_corners( const mesh_surface* s, int32_t triangle, float time, 
     const int32_t* number = s->triangles + 3 * (size_t)triangle;
     for ( int k = 0; k < 3; ++k )
     {
-        const float *end = s->xyzw + 4 * (size_t)number[k], *start = s->start + 4 * (size_t)number[k];
-        memcpy( rows[k], end, sizeof( rows[k] ) );
-        for ( int c = 0; s->start != NULL && time < 1.0f && c < 4; ++c )
+        const size_t quad = 4 * (size_t)number[k];
+        memcpy( rows[k], s->xyzw + quad, sizeof( rows[k] ) );
+        for ( size_t c = 0; s->start != NULL && time < 1.0f && c < 4; ++c )
         {
-            rows[k][c] = ( 1.0f - time ) * start[c] + time * end[c];
+            rows[k][c] = ( 1.0f - time ) * s->start[quad + c] + time * s->xyzw[quad + c];
         }
     }
 }
@@ -392,13 +392,10 @@ void wisp_collision_mesh_track( const wisp_collision_mesh* tree, const wisp_kern
     {
         nearest[i] = ( wisp_mesh_nearest ){ .triangle = -1 };
     }
-    for ( int first = 0; first < count; first += TRACKED )
+    for ( int first = 0; kernels != NULL && first < count; first += TRACKED )
     {
         const int n = count - first < TRACKED ? count - first : TRACKED;
-        if ( kernels != NULL )
-        {
-            track_faces( &tree->surface, kernels, queries + first, triangles + first, n, nearest + first );
-        }
+        track_faces( &tree->surface, kernels, queries + first, triangles + first, n, nearest + first );
     }
     for ( int i = 0; i < count; ++i )
     {

@@ -438,6 +438,7 @@ typedef struct wisp_surface_motion
     const float *position, *velocity, *target; ///< [slot][4]; the latter two may be null
     float seconds;                             ///< of the step
 } wisp_surface_motion;
+/// @param surface an entity with particles @param seconds of the step @return its rows, which last as long as the step
 WISP_API wisp_surface_motion wisp_frame_surface_motion( wisp_frame* frame, wisp_entity surface, float seconds );
 /// @return where a particle is at the end of the step: a pinned one at its target
 static inline wisp_vec3 wisp_surface_motion_end( const wisp_surface_motion* m, int32_t slot )
