@@ -33,7 +33,7 @@ static bool measure_side( const wisp_fabric* f, const int32_t* corner, int side,
 {
     const int32_t opposite = corner[2 + side], t[3] = { corner[0], corner[1], opposite };
     const double3 e = plate_edge( f, corner[0], corner[1] ), d = plate_edge( f, corner[0], opposite );
-    shape->length = sqrt( double3_dot( e, e ) );
+    shape->length = double3_length( e );
     if ( !( shape->length > 0.0 ) )
     {
         return false;

@@ -84,7 +84,7 @@ static inline mesh_cast mesh_cast_begin( const mesh_surface* surface, const wisp
                           .to = to,
                           .begin_time = (double)path->begin_time,
                           .end_time = (double)path->end_time,
-                          .length = sqrt( double3_dot( step, step ) ),
+                          .length = double3_length( step ),
                           .slack = SEARCH_PATH_SLACK * surface->largest + MIN_SEARCH_SLACK,
                           .triangle = -1 };
 }

@@ -242,7 +242,7 @@ static double angle_at( const triangle_corners* t, int32_t point )
     double3 a = double3_unit_or_zero( double3_sub( t->at[( i + 1 ) % 3], t->at[i] ) );
     double3 b = double3_unit_or_zero( double3_sub( t->at[( i + 2 ) % 3], t->at[i] ) );
     double3 n = double3_cross( a, b );
-    return (double)trig_atan2( (float)sqrt( double3_dot( n, n ) ), (float)double3_dot( a, b ) );
+    return (double)trig_atan2( (float)double3_length( n ), (float)double3_dot( a, b ) );
 }
 
 static double3 find_corner_normal( const mesh_surface* s, int32_t point, double time )

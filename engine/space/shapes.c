@@ -52,7 +52,7 @@ static bool is_solid( const wisp_shape* shape )
 static void closest_round( double3 p, double3 q, double radius, double3 fallback, wisp_surface_point* s )
 {
     double3 away = double3_sub( p, q );
-    double length = sqrt( double3_dot( away, away ) );
+    double length = double3_length( away );
     double scale = length > 0.0 ? 1.0 / length : 0.0;
     double3 normal = length > 0.0 ? double3_scale( away, scale ) : fallback;
     s->point = double3_narrow( double3_mul_add( q, radius, normal ) );
@@ -99,7 +99,7 @@ static void closest_on_box( double3 p, double3 h, wisp_surface_point* s )
 {
     double3 q = { clamp( p.x, -h.x, h.x ), clamp( p.y, -h.y, h.y ), clamp( p.z, -h.z, h.z ) };
     double3 away = double3_sub( p, q );
-    double length = sqrt( double3_dot( away, away ) );
+    double length = double3_length( away );
     if ( length == 0.0 )
     {
         closest_inside_box( p, h, s );

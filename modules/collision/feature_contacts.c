@@ -45,7 +45,7 @@ static double closest_of_segments( double3 p, double3 u, double3 q, double3 v, d
         *s = a > 0.0 ? unit( ( b * *t - c ) / a ) : 0.0;
     }
     const double3 away = double3_sub( double3_mul_add( p, *s, u ), double3_mul_add( q, *t, v ) );
-    return sqrt( double3_dot( away, away ) );
+    return double3_length( away );
 }
 
 // The closest point of a triangle: within it, else on the nearest side.
@@ -64,7 +64,7 @@ static double closest_of_triangle( const double3 corners[3], double3 p, double w
         const double3 away =
             double3_sub( r, double3_mul_add( ( double3 ){ weights[1] * u.x, weights[1] * u.y, weights[1] * u.z },
                                              weights[2], v ) );
-        return sqrt( double3_dot( away, away ) );
+        return double3_length( away );
     }
     double least = INFINITY;
     for ( int k = 0; k < 3; ++k )

@@ -244,7 +244,7 @@ static const double MAX_TURN = 1.57; // rad, a quarter of a turn
 
 static double3 unit( double3 v, double3 otherwise )
 {
-    const double length = sqrt( double3_dot( v, v ) );
+    const double length = double3_length( v );
     return length > 0.0 ? double3_scale( v, 1.0 / length ) : otherwise;
 }
 
@@ -416,8 +416,7 @@ static compensation bend_of( const curve_args* args, const strand_shape* shape, 
 {
     const double stiffness = (double)args->stiffness[strands_scalar( shape->row + s, shape->lane )];
     const double3 moment = bending_moment( args, shape, s, now->moment );
-    return compensation_of( shape, s, sqrt( double3_dot( moment, moment ) ), stiffness,
-                            (double)args->settings->bend_rigidity );
+    return compensation_of( shape, s, double3_length( moment ), stiffness, (double)args->settings->bend_rigidity );
 }
 
 static compensation twist_of( const curve_args* args, const strand_shape* shape, int s, const balance* now )
@@ -479,7 +478,7 @@ static double stable_fraction( const curve_args* args, const strand_shape* shape
         now = step( shape, s, gravity, now );
         const double reach = strands_bend_length( shape->rows, shape->row, s, shape->lane );
         sum = double3_add( sum, double3_scale( bending_moment( args, shape, s, now.moment ), reach / rigidity ) );
-        turn = fmax( turn, sqrt( double3_dot( sum, sum ) ) );
+        turn = fmax( turn, double3_length( sum ) );
     }
     return turn > MAX_TURN ? MAX_TURN / turn : 1.0;
 }
@@ -510,7 +509,7 @@ static double curve_vertices( const curve_args* args, const strand_shape* shape,
         if ( balanced && args->stiffness[strands_scalar( shape->row + s, shape->lane )] > 0.0f )
         {
             const double3 bending = bending_moment( args, shape, s, now.moment );
-            const double moment = sqrt( double3_dot( bending, bending ) );
+            const double moment = double3_length( bending );
             const compensation bend = bend_of( args, shape, s, &now ), twist = twist_of( args, shape, s, &now );
             k = double3_sub( k,
                              double3_scale( bending, moment > 0.0 ? fmin( bend.needed, bend.most ) / moment : 0.0 ) );
