@@ -494,12 +494,8 @@ static const wisp_module probe_module = { .name = "probe", .declare = declare_pr
 TEST( a_carried_pin_goes_its_way_in_equal_parts )
 {
     static const wisp_module* const MODULES[] = { &probe_module };
-    SCOPED( close_world ) hosted h = { 0 };
-    h.def = hosted_def( &h );
-    h.def.modules = MODULES;
-    h.def.module_count = 1;
-    h.def.substeps = SUBSTEPS;
-    assert_int_equal( wisp_world_create( &h.def, &h.world, NULL ), WISP_OK );
+    SCOPED( close_world ) hosted h;
+    OPEN( &h, MODULES, .substeps = SUBSTEPS );
     wisp_entity e = add_far( &h, 3, 1.0f );
     const int32_t pin = 0;
     const wisp_vec3 target = { 0.3f, -0.7f, 1.1f };

@@ -413,17 +413,14 @@ TEST( a_world_with_many_workers_gives_everything_back )
 {
     for ( int workers = 1; workers <= 8; ++workers )
     {
-        hosted h = { 0 };
-        h.def = hosted_def( &h );
-        h.def.workers = workers;
-        assert_int_equal( wisp_world_create( &h.def, &h.world, NULL ), WISP_OK );
+        hosted h;
+        open_modules( &h, NULL, 0, ( wisp_world_def ){ .workers = workers } );
         for ( int i = 0; i < 6; ++i )
         {
             add_frozen( h.world, 60, 6 );
         }
         step( h.world );
-        wisp_world_destroy( h.world );
-        assert_host_memory_is_released( &h.host );
+        close_world( &h );
     }
 }
 
@@ -432,10 +429,8 @@ TEST( a_world_with_many_workers_gives_everything_back )
 // The same command repeatedly. @return requests for memory in ten warm steps
 static int64_t requests_of_warm_steps( int workers )
 {
-    hosted h = { 0 };
-    h.def = hosted_def( &h );
-    h.def.workers = workers;
-    assert_int_equal( wisp_world_create( &h.def, &h.world, NULL ), WISP_OK );
+    hosted h;
+    open_modules( &h, NULL, 0, ( wisp_world_def ){ .workers = workers } );
     wisp_entity e = add_frozen( h.world, 400, 8 );
     int64_t warm = 0;
     for ( int i = 0; i < 12; ++i )

@@ -33,27 +33,39 @@ static inline wisp_world_def hosted_def( hosted* h )
     return def;
 }
 
-/// A world of these modules. Modules live as long as it does. Free with close_hosted().
+/// A world of these modules, which live as long as it does; null: the four above. @param given what is 0 is 1, or the default
+static inline void open_modules( hosted* h, const wisp_module* const* modules, int module_count,
+                                 wisp_world_def given )
+{
+    *h = ( hosted ){ 0 };
+    h->def = hosted_def( h );
+    h->def.module_count = modules != NULL ? module_count : h->def.module_count;
+    h->def.modules = modules != NULL ? modules : h->def.modules;
+    h->def.substeps = given.substeps > 0 ? given.substeps : 1;
+    h->def.iterations = given.iterations > 0 ? given.iterations : 1;
+    h->def.workers = given.workers > 0 ? given.workers : 1;
+    h->def.longest_step = given.longest_step > 0 ? given.longest_step : h->def.longest_step;
+    h->def.isa = given.isa;
+    h->def.parallel_for = given.parallel_for, h->def.parallel_for_user = given.parallel_for_user;
+    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+}
+
+/// OPEN( &h, MODULES, .substeps = 8, .workers = 2 ). Close with close_world().
+#define OPEN( h, modules, ... ) open_modules( h, modules, WISP_COUNT( modules ), ( wisp_world_def ){ __VA_ARGS__ } )
+
+/// Free with close_hosted().
 static inline hosted* new_hosted( const wisp_module* const* modules, int module_count, int substeps, int iterations,
                                   int workers )
 {
     hosted* h = checked_calloc( 1, sizeof( hosted ) );
-    h->def = hosted_def( h );
-    h->def.modules = modules;
-    h->def.module_count = module_count;
-    h->def.substeps = substeps;
-    h->def.iterations = iterations;
-    h->def.workers = workers;
-    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+    open_modules( h, modules, module_count,
+                  ( wisp_world_def ){ .substeps = substeps, .iterations = iterations, .workers = workers } );
     return h;
 }
 
 static inline int open_hosted( void** state )
 {
-    hosted* h = checked_calloc( 1, sizeof( hosted ) );
-    h->def = hosted_def( h );
-    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
-    *state = h;
+    *state = new_hosted( NULL, 0, 1, 1, 1 );
     return 0;
 }
 
@@ -143,11 +155,7 @@ static inline void run_steps( wisp_world* world, int steps, float dt )
 /// A world of its own, for a test that needs several or chooses substeps. Close with close_world().
 static inline void open_world( hosted* h, int substeps, int iterations )
 {
-    *h = ( hosted ){ 0 };
-    h->def = hosted_def( h );
-    h->def.substeps = substeps;
-    h->def.iterations = iterations;
-    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+    open_modules( h, NULL, 0, ( wisp_world_def ){ .substeps = substeps, .iterations = iterations } );
 }
 
 static inline void close_world( hosted* h )

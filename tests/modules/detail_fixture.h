@@ -15,13 +15,7 @@ enum
 
 static inline void open_levels( hosted* h, int substeps, int workers )
 {
-    *h = ( hosted ){ 0 };
-    h->def = hosted_def( h );
-    h->def.modules = EFFECTS;
-    h->def.module_count = WISP_COUNT( EFFECTS );
-    h->def.substeps = substeps;
-    h->def.workers = workers;
-    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+    OPEN( h, EFFECTS, .substeps = substeps, .workers = workers );
 }
 
 /// A level sheet that falls about two of its corners.

@@ -20,13 +20,7 @@ static inline void open_stage( hosted* h, int workers )
                                                   &wisp_cloth_module,       &wisp_implicit_cloth_module,
                                                   &wisp_strands_module,     &wisp_collision_module,
                                                   &wisp_contact_module };
-    *h = ( hosted ){ 0 };
-    h->def = hosted_def( h );
-    h->def.modules = MODULES;
-    h->def.module_count = WISP_COUNT( MODULES );
-    h->def.substeps = 4;
-    h->def.workers = workers;
-    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+    OPEN( h, MODULES, .substeps = 4, .workers = workers );
     add_floor( h->world, NONE, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
 }
 

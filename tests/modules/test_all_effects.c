@@ -57,13 +57,7 @@ static const pace PACES[] = { { 2, 1.0f / 60.0f }, { 3, 1.0f / 25.0f }, { 10, 1.
 
 static void open_all( hosted* h, int substeps, int workers )
 {
-    *h = ( hosted ){ 0 };
-    h->def = hosted_def( h );
-    h->def.modules = EFFECTS;
-    h->def.module_count = WISP_COUNT( EFFECTS );
-    h->def.substeps = substeps;
-    h->def.workers = workers;
-    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+    OPEN( h, EFFECTS, .substeps = substeps, .workers = workers );
 }
 
 static bool is_surface( wisp_world* world, wisp_entity e )
@@ -376,11 +370,7 @@ static const struct
 
 static cast open_cast( hosted* h )
 {
-    *h = ( hosted ){ 0 };
-    h->def = hosted_def( h );
-    h->def.modules = ALL;
-    h->def.module_count = WISP_COUNT( ALL );
-    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+    OPEN( h, ALL, .substeps = 1 );
     cast c = { .world = h->world };
     c.cloth = add( h->world, &( member ){ .add = dihedral_cloth } );
     c.other = add( h->world, &( member ){ .add = implicit_cloth } );
@@ -443,17 +433,6 @@ enum
 
 // A half turn about the axis of gravity, then 9 m. All of it is exact in floats as long as positions are.
 static const wisp_transform MOTION = { { 0.0f, 1.0f, 0.0f, 0.0f }, { 4.0f, 0.0f, 8.0f } };
-
-static void open_effects( hosted* h, int workers )
-{
-    *h = ( hosted ){ 0 };
-    h->def = hosted_def( h );
-    h->def.modules = EFFECTS;
-    h->def.module_count = WISP_COUNT( EFFECTS );
-    h->def.substeps = 8;
-    h->def.workers = workers;
-    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
-}
 
 static void make_steps( hosted* h, int count )
 {
@@ -549,8 +528,8 @@ TEST( an_entity_goes_on_as_if_it_had_been_there )
     for ( int k = 0; k < WISP_COUNT( KINDS ); ++k )
     {
         SCOPED( close_world ) hosted twin, h;
-        open_effects( &twin, 1 );
-        open_effects( &h, 1 );
+        open_all( &twin, 8, 1 );
+        open_all( &h, 8, 1 );
         const wisp_entity original = KINDS[k].add( twin.world ), e = KINDS[k].add( h.world );
         request_points( &twin, original );
         request_points( &h, e );
@@ -590,7 +569,7 @@ TEST( velocities_can_end )
     for ( int k = 0; k < WISP_COUNT( KINDS ); ++k )
     {
         SCOPED( close_world ) hosted h;
-        open_effects( &h, 1 );
+        open_all( &h, 8, 1 );
         const wisp_entity e = KINDS[k].add( h.world );
         request_points( &h, e );
         make_steps( &h, 2 );
@@ -642,8 +621,8 @@ static wisp_entity lay_on_ball( wisp_world* world, wisp_entity* ball, wisp_entit
 TEST( bodies_and_what_lies_on_them_go_together )
 {
     SCOPED( close_world ) hosted twin, h;
-    open_effects( &twin, 1 );
-    open_effects( &h, 1 );
+    open_all( &twin, 8, 1 );
+    open_all( &h, 8, 1 );
     wisp_entity balls[2], uppers[2], lowers[2];
     lowers[0] = lay_on_ball( twin.world, &balls[0], &uppers[0] );
     lowers[1] = lay_on_ball( h.world, &balls[1], &uppers[1] );
@@ -665,7 +644,7 @@ TEST( bodies_and_what_lies_on_them_go_together )
 TEST( a_collider_meets_nothing_on_its_way )
 {
     SCOPED( close_world ) hosted h;
-    open_effects( &h, 1 );
+    open_all( &h, 8, 1 );
     const wisp_entity e = cloth_of_links( h.world );
     SET_DEFAULT( h.world, e, collision );
     wisp_collider_def def = wisp_default_collider_def();
@@ -706,8 +685,8 @@ static wisp_entity root_on( wisp_world* world, wisp_entity surface )
 TEST( strands_on_a_surface_go_along )
 {
     SCOPED( close_world ) hosted twin, h;
-    open_effects( &twin, 1 );
-    open_effects( &h, 1 );
+    open_all( &twin, 8, 1 );
+    open_all( &h, 8, 1 );
     const wisp_entity on[2] = { cloth_of_links( twin.world ), cloth_of_links( h.world ) };
     const wisp_entity hairs[2] = { root_on( twin.world, on[0] ), root_on( h.world, on[1] ) };
     request_points( &twin, hairs[0] );
@@ -726,7 +705,7 @@ TEST( strands_on_a_surface_go_along )
 TEST( views_are_not_interpolated_across_a_teleport )
 {
     SCOPED( close_world ) hosted h;
-    open_effects( &h, 1 );
+    open_all( &h, 8, 1 );
     const wisp_entity e = cloth_of_links( h.world );
     request_points( &h, e );
     assert_status( h.world, wisp_world_advance( h.world, 2.5f / 60.0f, 1.0f / 60.0f, NULL, NULL ), WISP_OK );
@@ -739,7 +718,7 @@ TEST( views_are_not_interpolated_across_a_teleport )
 TEST( wrong_teleports_change_nothing )
 {
     SCOPED( close_world ) hosted h;
-    open_effects( &h, 1 );
+    open_all( &h, 8, 1 );
     const wisp_entity e = cloth_of_links( h.world );
     wisp_vec3 points[2] = { { 0, 0, 0 }, { 0, -0.1f, 0 } };
     const int32_t offsets[] = { 0, 2 };

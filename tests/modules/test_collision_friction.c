@@ -586,11 +586,7 @@ static void carry_strands( float mass )
 {
     static const wisp_module* const MODULES[] = { &wisp_strands_module, &wisp_collision_module };
     SCOPED( close_local ) hosted* h = checked_calloc( 1, sizeof( hosted ) );
-    h->def = hosted_def( h );
-    h->def.modules = MODULES;
-    h->def.module_count = WISP_COUNT( MODULES );
-    h->def.substeps = 8;
-    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+    OPEN( h, MODULES, .substeps = 8 );
     wisp_collider_def plane = wisp_default_collider_def();
     plane.mass = mass;
     const wisp_entity floor = add_collider( h->world, &plane );

@@ -16,14 +16,7 @@ static hosted* new_hair_world( hair_world w )
 {
     static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_collision_module, &wisp_strands_module };
     hosted* h = checked_calloc( 1, sizeof( hosted ) );
-    h->def = hosted_def( h );
-    h->def.modules = MODULES;
-    h->def.module_count = WISP_COUNT( MODULES );
-    h->def.substeps = w.substeps;
-    h->def.iterations = w.iterations;
-    h->def.workers = w.workers;
-    h->def.isa = w.isa;
-    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+    OPEN( h, MODULES, .substeps = w.substeps, .iterations = w.iterations, .workers = w.workers, .isa = w.isa );
     return h;
 }
 

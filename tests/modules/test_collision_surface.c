@@ -171,11 +171,7 @@ TEST( hair_that_is_tracked_lies_where_hair_that_is_searched_in_each_substep_does
     for ( int tracks = 0; tracks < 2; ++tracks )
     {
         SCOPED( close_local ) hosted* h = checked_calloc( 1, sizeof( hosted ) );
-        h->def = hosted_def( h );
-        h->def.modules = MODULES;
-        h->def.module_count = WISP_COUNT( MODULES );
-        h->def.substeps = 6;
-        assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+        OPEN( h, MODULES, .substeps = 6 );
         SCOPED( free_skin ) skin s = add_skin_that( h->world, ball_mesh( 4 ), false, tracks == 1 );
         const wisp_entity e = add_hair( h->world );
         float deepest = 0.0f;
@@ -203,6 +199,41 @@ TEST( hair_that_is_tracked_lies_where_hair_that_is_searched_in_each_substep_does
                    (double)stats[0].penetration, (double)stats[1].penetration, most );
     assert_true( stats[1].contacts > 100 && most < 0.01 && apart < STRANDS * VERTICES / 20 );
     assert_near( stats[0].penetration, stats[1].penetration, 1e-4 );
+}
+
+// ---- work ----
+
+static void count_eight( void* user, int block_count, wisp_block_fn* run, void* context )
+{
+    int* loops = user;
+    *loops += block_count == 8 ? 1 : 0;
+    for ( int block = 0; block < block_count; ++block )
+    {
+        run( context, block, block % 2 );
+    }
+}
+
+// Loops of eight blocks in a step with a ball of 8192 triangles, whose cells are cooked 1024 triangles a block where
+// half as many vertices are there to use them.
+static int loops_beside( int side )
+{
+    static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_collision_module };
+    int loops = 0;
+    SCOPED( close_local ) hosted* h = checked_calloc( 1, sizeof( hosted ) );
+    OPEN( h, MODULES, .substeps = 3, .workers = 2, .parallel_for = count_eight, .parallel_for_user = &loops );
+    SCOPED( free_skin ) skin s = add_skin( h->world, ball_mesh( 5 ), false );
+    add_cloth( h->world, side, 0.6f, ( wisp_vec3 ){ 0.0f, 0.301f, 0.0f }, 9.8f );
+    move_skin( h->world, &s, breathing, DT );
+    run_for( h->world, DT, 1 );
+    loops = 0;
+    move_skin( h->world, &s, breathing, 2.0f * DT );
+    run_for( h->world, DT, 1 );
+    return loops;
+}
+
+TEST( cells_of_a_body_are_filled_by_all_workers )
+{
+    assert_int_equal( loops_beside( 65 ) - loops_beside( 63 ), 1 );
 }
 
 // ---- life ----

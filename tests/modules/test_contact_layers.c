@@ -20,13 +20,7 @@ static void set_level( wisp_world* world, wisp_contact_level level )
 static void open_layers( hosted* h, int workers )
 {
     static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_contact_module, &wisp_boundary_module };
-    *h = ( hosted ){ 0 };
-    h->def = hosted_def( h );
-    h->def.modules = MODULES;
-    h->def.module_count = WISP_COUNT( MODULES );
-    h->def.substeps = h->def.iterations = 1;
-    h->def.workers = workers;
-    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+    OPEN( h, MODULES, .workers = workers );
     set_level( h->world, WISP_CONTACT_SPHERES );
 }
 

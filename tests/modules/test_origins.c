@@ -23,13 +23,7 @@ static void open_far( hosted* h, int workers )
                                                   &wisp_cloth_module,       &wisp_implicit_cloth_module,
                                                   &wisp_balloon_module,     &wisp_strands_module,
                                                   &wisp_collision_module,   &wisp_contact_module };
-    *h = ( hosted ){ 0 };
-    h->def = hosted_def( h );
-    h->def.modules = MODULES;
-    h->def.module_count = WISP_COUNT( MODULES );
-    h->def.substeps = 8;
-    h->def.workers = workers;
-    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+    OPEN( h, MODULES, .substeps = 8, .workers = workers );
 }
 
 static wisp_component points_of( wisp_world* world, wisp_entity e )

@@ -475,10 +475,7 @@ static sheet* open_sheet( const sheet_case* c, float strength )
     static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_collision_module, &wisp_contact_module,
                                                   &wisp_tearing_module };
     sheet* s = checked_calloc( 1, sizeof( sheet ) );
-    s->h.def = hosted_def( &s->h );
-    s->h.def.modules = MODULES, s->h.def.module_count = WISP_COUNT( MODULES );
-    s->h.def.substeps = c->substeps, s->h.def.iterations = c->iterations;
-    assert_int_equal( wisp_world_create( &s->h.def, &s->h.world, NULL ), WISP_OK );
+    OPEN( &s->h, MODULES, .substeps = c->substeps, .iterations = c->iterations );
     wisp_world* world = s->h.world;
     test_mesh mesh = hanging_mesh( SIDE, SIDE, 0.03f, 0.03f );
     int32_t pins[2 * SIDE];

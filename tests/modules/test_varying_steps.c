@@ -24,13 +24,7 @@ static const subject SUBJECTS[] = {
 
 static void open_for_long_steps( hosted* h, int longest )
 {
-    *h = ( hosted ){ 0 };
-    h->def = hosted_def( h );
-    h->def.modules = EFFECTS;
-    h->def.module_count = WISP_COUNT( EFFECTS );
-    h->def.substeps = 10;
-    h->def.longest_step = longest;
-    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+    OPEN( h, EFFECTS, .substeps = 10, .longest_step = longest );
 }
 
 // Run usual steps, then `longest` of them or one step of ten seconds, then usual ones again.

@@ -101,14 +101,15 @@ $ wisp merge checks
 $ wisp sweep checks.yaml -o checks 2>/dev/null
 [1]
 
-# A row of a sweep has the bits that the same row of a benchmark has.
+# A row of a sweep has the bits and errors that the same row of a benchmark has.
 $ printf 'wisp_suite: 1\nreference: { file: sheet.yaml, set: { substeps: 40 }, check: { substeps: 20 } }\nscenes: [ { file: sheet.yaml, along: { substeps: [1, 8] } } ]\n' >few.yaml
 $ wisp sweep few.yaml -o few 2>/dev/null; wisp merge few -f csv >merged.csv; wisp bench few.yaml --seconds 0.1 --workers 1 -f csv >measured.csv
 $ python3 <<'END'
-> import re
-> def hashes( path ):
->     return [re.search( r"\b[0-9a-f]{16}\b", line )[0] for line in open( path ) if re.search( r"substeps=[18]\b", line )]
-> assert len( hashes( "merged.csv" ) ) == 2 and hashes( "merged.csv" ) == hashes( "measured.csv" )
+> import csv
+> SAME = ["hash", "error.RMS_distance_to_the_reference_mm", "error.largest_distance_mm", "error.detail", "error.doubt_mm", "error.until_s", "size.vertices"]
+> def rows( path ):
+>     return [[row[name] for name in SAME] for row in csv.DictReader( open( path ) ) if row["workers"] in "01"]
+> assert len( rows( "merged.csv" ) ) == 2 and rows( "merged.csv" ) == rows( "measured.csv" )
 > END
 
 # What is killed loses only the item that ran, also if a line was not written whole. What is done stays as it is.
@@ -216,6 +217,10 @@ $ wisp merge timed -f markdown >told; grep -o 'ms, 1 worker\|ms, 2 workers\|proc
 ms, 1 worker
 ms, 2 workers
 13
+$ wisp merge timed -f csv | python3 -c 'import csv, sys
+> times = [[float( row[name] ) for name in ( "ms_p10", "ms_median", "ms_p90" )] for row in csv.DictReader( sys.stdin )]
+> print( len( times ), all( a <= b <= c for a, b, c in times ), any( a < b < c for a, b, c in times ) )'
+12 True True
 $ python3 -c 'path = "timed/part-0001-of-0001.jsonl"; text = open( path ).read()
 > before, after = text.split( "\"ms\":", 1 )
 > open( path, "w" ).write( before + "\"isa\":\"another\",\"ms\":" + after.replace( "\"isa\":", "\"ISA\":", 1 ) )'
