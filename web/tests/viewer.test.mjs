@@ -167,7 +167,7 @@ test("a collider follows the pointer and moves the cloth on it", async () => {
     });
 });
 
-test("settings restart the scene and change its error, which the reference measures", async () => {
+test("settings restart the scene and change its error, which the reference measures; off is at the left", async () => {
     await withPage(browser, cloth(), {}, async (page) => {
         const first = await until(page, (s) => s.usesReference && s.followed >= 40);
         assert.ok(first.rms > 1e-5, `a coarse run is off its reference: ${first.rms} m`);
@@ -180,6 +180,12 @@ test("settings restart the scene and change its error, which the reference measu
         await page.getByRole("button", { name: "Scene's own settings" }).click();
         const own = await until(page, (s) => s.parameters.find((k) => k.name === "substeps").value === 2 && s.followed >= 5);
         assert.equal(own.hashes.excluded, null);
+        const tethers = page.getByLabel("cloth tethers", { exact: true });
+        await tethers.focus();
+        for (const [key, text] of [["End", "on"], ["Home", "off"]]) {
+            await page.keyboard.press(key);
+            assert.equal(await tethers.getAttribute("aria-valuetext"), text);
+        }
     });
 });
 
