@@ -67,8 +67,9 @@ typedef struct accuracy_scene
     double
         measure_doubts[ACCURACY_MEASURES_MAX]; ///< of those that are errors: smaller values are unresolved; 0: none
     int measure_count;
-    int contact_measures; ///< the last ones of them, which have a table of their own
-    bool has_no_rivals;   ///< series are separate experiments: no front, and no tables at equal error or equal time
+    int contact_measures;   ///< the last ones of them, which have a table of their own
+    bool has_no_rivals;     ///< series are separate experiments: no front, and no tables at equal error or equal time
+    const double* paper_ms; ///< [setting_count] of a step in the paper, 0: not in it; static; null: of no paper
     accuracy_setting* settings; ///< [setting_count] malloc'ed; freed by the driver, after destroy()
     int setting_count;
     void* context; ///< context of run()

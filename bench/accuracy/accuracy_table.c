@@ -108,6 +108,10 @@ static int begin_table( const accuracy_report* report, results* out )
         accuracy_workers_label( report->workers[w], workers, sizeof( workers ) );
         cells_put( &row, "%s ms", workers );
     }
+    if ( scene->paper_ms != NULL )
+    {
+        cells_put( &row, "FPS\tpaper, ms\tpaper, FPS" );
+    }
     accuracy_error_label( scene, label, sizeof( label ) );
     if ( scene->error_name[0] != '\0' )
     {
@@ -157,6 +161,13 @@ static void add_line( const accuracy_report* report, int setting, int table, res
     results_cells row = { .count = 0 };
     cells_put( &row, "%s", report->scene->settings[setting].name );
     put_times( report, f, &row );
+    if ( report->scene->paper_ms != NULL )
+    {
+        const double paper = report->scene->paper_ms[setting];
+        accuracy_put_digits( &row, 1e3 / f->ms[report->worker_count - 1].median, 3 );
+        accuracy_put_digits( &row, paper > 0.0 ? paper : NAN, 3 );
+        accuracy_put_digits( &row, paper > 0.0 ? 1e3 / paper : NAN, 3 );
+    }
     if ( report->scene->error_name[0] != '\0' )
     {
         accuracy_put_error( &row, f->seen.error, accuracy_doubt( report->scene, setting ), 4 );

@@ -192,7 +192,7 @@ static const double STIFF = 2000.0;
 static wisp_implicit_cloth_def validate_implicit_material( double rigidity, double stiffness )
 {
     wisp_implicit_cloth_def cloth = wisp_default_implicit_cloth_def();
-    cloth.tolerance = 1e-3f; // plates that buckle need it: the default of 1e-2 is 2.5 % off
+    cloth.tolerance = 1e-3f;   // plates that buckle need it: the default of 1e-2 is 2.5 % off
     cloth.link_damping = 0.0f; // of a strip that bends it would be drag
     cloth.integrator = WISP_INTEGRATOR_BDF2;
     cloth.bend_rigidity = (float)rigidity;
@@ -563,11 +563,6 @@ wisp_status validate_create( const validate_def* def, validate_bodies* out, wisp
     return status == WISP_OK && def->floors != NULL ? validate_add_floors( out, error ) : status;
 }
 
-void validate_release( validate_bodies* b )
-{
-    validate_world_release( &b->world );
-}
-
 wisp_status validate_step( validate_bodies* b, int steps, accuracy_run* out, wisp_error* error )
 {
     return validate_world_step( &b->world, steps, out, error );
@@ -628,9 +623,11 @@ wisp_status validate_aside( validate_bodies* b, int body, double* out, wisp_erro
     return status;
 }
 
-wisp_status validate_finish( validate_bodies* b, accuracy_run* out, wisp_error* error )
+wisp_status validate_end( wisp_status status, validate_bodies* b, accuracy_run* out, wisp_error* error )
 {
-    return validate_world_finish( &b->world, out, error );
+    status = status == WISP_OK ? validate_world_finish( &b->world, out, error ) : status;
+    validate_world_release( &b->world );
+    return status;
 }
 
 // ---- ladders of loads ----

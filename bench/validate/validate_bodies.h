@@ -191,7 +191,6 @@ wisp_status validate_add_strands( validate_bodies* bodies, int strand_count, con
                                   const wisp_strand_dynamics_def* dynamics, wisp_error* error );
 /// @param out to be released, also after a failure
 wisp_status validate_create( const validate_def* def, validate_bodies* out, wisp_error* error );
-void validate_release( validate_bodies* bodies );
 /// The slowest frequency of a cantilever without weight, rad/s (Euler and Bernoulli): 3.516 sqrt( EI / m L^4 ).
 double validate_frequency( double load );
 /// How far aside the free ends start, m.
@@ -210,8 +209,8 @@ wisp_status validate_damp( validate_bodies* bodies, double damping, wisp_error* 
 wisp_status validate_tip( validate_bodies* bodies, int body, wisp_vec3* out, wisp_error* error );
 /// How far a body is aside, along y: the root mean square over its points, m.
 wisp_status validate_aside( validate_bodies* bodies, int body, double* out, wisp_error* error );
-/// @see validate_world_finish
-wisp_status validate_finish( validate_bodies* bodies, accuracy_run* out, wisp_error* error );
+/// Finish a run that went well so far, and release its bodies. @see validate_world_finish @return status, or that of the end
+wisp_status validate_end( wisp_status status, validate_bodies* bodies, accuracy_run* out, wisp_error* error );
 
 // ---- sheets with supports, friction or air ----
 

@@ -514,9 +514,7 @@ static wisp_status run_folded( void* context, int setting, int workers, bool is_
         status = read_energy_error( &bodies, &fall.energy_error, error );
         measure_fall( &bodies, &fall, out );
     }
-    status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
-    validate_release( &bodies );
-    return status;
+    return validate_end( status, &bodies, out, error );
 }
 
 wisp_status validate_folded_chain( const bench_options* options, double seconds, accuracy_scene* out,

@@ -102,9 +102,7 @@ static wisp_status run_tips( void* context, int setting, int workers, bool is_ob
     wisp_status status = validate_create( &def, &bodies, error );
     status = status == WISP_OK ? validate_step_for( &bodies, 3.0, out, error ) : status;
     status = status == WISP_OK && is_observed ? measure_tips( own, &bodies, out, error ) : status;
-    status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
-    validate_release( &bodies );
-    return status;
+    return validate_end( status, &bodies, out, error );
 }
 
 // ---- out of the plane ----
@@ -179,9 +177,7 @@ static wisp_status run_ladders( void* context, int setting, int workers, bool is
     {
         measure_ladders( own, start, end, out );
     }
-    status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
-    validate_release( &bodies );
-    return status;
+    return validate_end( status, &bodies, out, error );
 }
 
 // ---- scenes ----
@@ -398,9 +394,7 @@ static wisp_status run_slips( void* context, int setting, int workers, bool is_o
     {
         measure_slips( own, start, end, out );
     }
-    status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
-    validate_release( &bodies );
-    return status;
+    return validate_end( status, &bodies, out, error );
 }
 
 wisp_status validate_stick_slip( const bench_options* options, double seconds, accuracy_scene* out,

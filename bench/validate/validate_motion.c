@@ -248,9 +248,7 @@ static wisp_status run_capstan( void* context, int index, int workers, bool is_o
     {
         measure_ropes( setting->solver, depths, out );
     }
-    status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
-    validate_release( &bodies );
-    return status;
+    return validate_end( status, &bodies, out, error );
 }
 
 wisp_status validate_capstan( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )

@@ -123,8 +123,7 @@ static wisp_status measure_plates( const plates* own, const validate_setting* w,
     wisp_status status = validate_create( &def, &bodies, error );
     status = status == WISP_OK ? swing_plates( &bodies, slow, out, &l, error ) : status;
     status = status == WISP_OK ? read_sag( &bodies, &seen->sag, error ) : status;
-    status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
-    validate_release( &bodies );
+    status = validate_end( status, &bodies, out, error );
     seen->load = status == WISP_OK ? find_load( &l, validate_start( &def ) ) / theory : (double)NAN;
     return status;
 }

@@ -150,9 +150,7 @@ static wisp_status run_curve( void* context, int setting, int workers, bool is_o
     wisp_status status = validate_create( &def, &bodies, error );
     status = status == WISP_OK ? validate_step_for( &bodies, own->seconds, out, error ) : status;
     status = status == WISP_OK && is_observed ? measure_curve( &bodies, out, error ) : status;
-    status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
-    validate_release( &bodies );
-    return status;
+    return validate_end( status, &bodies, out, error );
 }
 
 // ---- ladders of loads ----
@@ -203,9 +201,7 @@ static wisp_status run_ladder( void* context, int setting, int workers, bool is_
     wisp_status status = validate_create( &def, &bodies, error );
     status = status == WISP_OK ? validate_step_for( &bodies, 40.0 / slow, out, error ) : status;
     status = status == WISP_OK && is_observed ? measure_ladder( &bodies, own->critical, out, error ) : status;
-    status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
-    validate_release( &bodies );
-    return status;
+    return validate_end( status, &bodies, out, error );
 }
 
 // ---- settings ----

@@ -192,9 +192,7 @@ static wisp_status run_ring( void* context, int setting, int workers, bool is_ob
     {
         out->error = validate_measure_ladder( has_lost, VALIDATE_LADDER, rod_ring_twist( 1.0 ), out->measures );
     }
-    status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
-    validate_release( &bodies );
-    return status;
+    return validate_end( status, &bodies, out, error );
 }
 
 // ---- under tension ----
@@ -309,9 +307,7 @@ static wisp_status run_twisted( void* context, int setting, int workers, bool is
     {
         measure_tensioned( (const bool( * )[VALIDATE_LADDER])has_lost, out );
     }
-    status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
-    validate_release( &bodies );
-    return status;
+    return validate_end( status, &bodies, out, error );
 }
 
 // ---- cases ----
@@ -481,9 +477,7 @@ static wisp_status run_writhe( void* context, int setting, int workers, bool is_
     status = status == WISP_OK ? add_writhing( &bodies, way->solver, WRITHES, error ) : status;
     status = status == WISP_OK ? wind( &bodies, rotations, WRITHES, NULL, out, error ) : status;
     status = status == WISP_OK && is_observed ? measure_writhes( &bodies, out, error ) : status;
-    status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
-    validate_release( &bodies );
-    return status;
+    return validate_end( status, &bodies, out, error );
 }
 
 // ---- a loop ----
@@ -510,9 +504,7 @@ static wisp_status run_loop( void* context, int setting, int workers, bool is_ob
     {
         out->error = validate_measure_ladder( has_looped, VALIDATE_LADDER, limit, out->measures );
     }
-    status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
-    validate_release( &bodies );
-    return status;
+    return validate_end( status, &bodies, out, error );
 }
 
 // ---- cases ----

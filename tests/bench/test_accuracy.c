@@ -229,7 +229,7 @@ static results run_fake( double seconds, int workers )
 
 TEST_WITH( each_setting_is_observed_once_and_timed_at_least_once, forget_fake, NULL )
 {
-    results all = run_fake( 1e-9, 2 );
+    SCOPED( results_free ) results all = run_fake( 1e-9, 2 );
     assert_false( all.failed );
     assert_int_equal( fake.observed_after_times, 0 );
     for ( int i = 0; i < FAKE_SETTINGS; ++i )
@@ -238,16 +238,14 @@ TEST_WITH( each_setting_is_observed_once_and_timed_at_least_once, forget_fake, N
         assert_int_equal( fake.timed[i][0], 1 );
         assert_int_equal( fake.timed[i][1], 1 );
     }
-    results_free( &all );
 }
 
 TEST_WITH( with_one_worker_nothing_runs_twice, forget_fake, NULL )
 {
-    results all = run_fake( 1e-9, 1 );
+    SCOPED( results_free ) results all = run_fake( 1e-9, 1 );
     assert_int_equal( fake.timed[0][0], 1 );
     assert_int_equal( fake.timed[0][1], 0 );
     assert_int_equal( all.row_count, FAKE_SETTINGS );
-    results_free( &all );
 }
 
 TEST_WITH( who_takes_more_than_its_share_sits_out, forget_fake, NULL )
@@ -255,7 +253,7 @@ TEST_WITH( who_takes_more_than_its_share_sits_out, forget_fake, NULL )
     // the fraction is 0.1 s: one run of the first, at least one more of the others, none of the halted one after its
     // first
     fake.cost = 0.15;
-    results all = run_fake( 1.0, 2 );
+    SCOPED( results_free ) results all = run_fake( 1.0, 2 );
     assert_int_equal( fake.timed[0][0], 1 );
     assert_int_equal( fake.timed[0][1], 1 );
     int others = 0;
@@ -267,12 +265,11 @@ TEST_WITH( who_takes_more_than_its_share_sits_out, forget_fake, NULL )
     assert_int_equal( fake.timed[FAKE_HALTS][1], 1 );
     const results_table* table = find_table( &all, "Accuracy `fake`: a scene that pretends, ms per step" );
     assert_string_equal( named_cell( table, 1, "timed" ), "3" );
-    results_free( &all );
 }
 
 TEST_WITH( the_table_has_times_errors_measures_and_the_front, forget_fake, NULL )
 {
-    results all = run_fake( 1e-9, 2 );
+    SCOPED( results_free ) results all = run_fake( 1e-9, 2 );
     const results_table* table = find_table( &all, "Accuracy `fake`: a scene that pretends, ms per step" );
     assert_int_equal( table->row_count, 1 + FAKE_SETTINGS );
     assert_string_equal( named_cell( table, 2, "setting" ), "setting 1" );
@@ -288,12 +285,11 @@ TEST_WITH( the_table_has_times_errors_measures_and_the_front, forget_fake, NULL 
     assert_string_equal( named_cell( table, halted, "2 workers ms" ), "halted at step 3" );
     assert_string_equal( named_cell( table, halted, "distance, mm" ), "-" );
     assert_string_equal( named_cell( table, halted, "front" ), "" );
-    results_free( &all );
 }
 
 TEST_WITH( rows_for_machines_name_scene_setting_reference_and_parameter, forget_fake, NULL )
 {
-    results all = run_fake( 1e-9, 2 );
+    SCOPED( results_free ) results all = run_fake( 1e-9, 2 );
     assert_int_equal( all.row_count, 2 * FAKE_SETTINGS );
     const results_row* row = &all.rows[3];
     assert_string_equal( row->name, "accuracy.fake" );
@@ -309,13 +305,12 @@ TEST_WITH( rows_for_machines_name_scene_setting_reference_and_parameter, forget_
     const results_row* halted = &all.rows[2 * FAKE_HALTS];
     assert_true( isnan( halted->ms_median ) );
     assert_string_equal( halted->error.items[halted->error.count - 1].name, "halted_at_step" );
-    results_free( &all );
 }
 
 TEST_WITH( levels_that_would_say_the_same_are_said_once, forget_fake, NULL )
 {
     fake.slower = 64.0;
-    results all = run_fake( 1e-9, 2 );
+    SCOPED( results_free ) results all = run_fake( 1e-9, 2 );
     // 256 ms, 2, 1 and 0.5 for the single setting: there is none between 2 and 256 ms
     const results_table* time = find_table( &all, "Accuracy `fake`, at equal time" );
     assert_int_equal( time->row_count, 1 + 2 + 2 + 1 );
@@ -324,12 +319,11 @@ TEST_WITH( levels_that_would_say_the_same_are_said_once, forget_fake, NULL )
     assert_string_equal( named_cell( time, 3, "ms, at most" ), "2" );
     assert_string_equal( named_cell( time, 3, "most accurate setting" ), "setting 1" );
     assert_string_equal( named_cell( time, 5, "ms, at most" ), "0.5" );
-    results_free( &all );
 }
 
 TEST_WITH( at_equal_error_the_best_of_each_method_is_ranked_by_time, forget_fake, NULL )
 {
-    results all = run_fake( 1e-9, 2 );
+    SCOPED( results_free ) results all = run_fake( 1e-9, 2 );
     const results_table* table = find_table( &all, "Accuracy `fake`, at equal error" );
     // errors 1 to 4: within 5 mm the single setting is the fastest, with half the time of the series
     assert_string_equal( named_cell( table, 1, "fastest setting" ), "setting 3" );
@@ -350,24 +344,22 @@ TEST_WITH( at_equal_error_the_best_of_each_method_is_ranked_by_time, forget_fake
     assert_string_equal( named_cell( time, at_one, "most accurate setting" ), "setting 2" );
     assert_string_equal( named_cell( time, at_one + 1, "most accurate setting" ), "setting 3" );
     assert_string_equal( named_cell( time, at_one + 1, "times the most accurate" ), "1.33" );
-    results_free( &all );
 }
 
 TEST_WITH( observed_orders_stand_beside_the_promised, forget_fake, NULL )
 {
-    results all = run_fake( 1e-9, 2 );
+    SCOPED( results_free ) results all = run_fake( 1e-9, 2 );
     const results_table* table = find_table( &all, "Accuracy `fake`, observed order" );
     assert_int_equal( table->row_count, 2 );
     assert_string_equal( named_cell( table, 1, "series" ), "falling" );
     assert_string_equal( named_cell( table, 1, "observed order" ), "1.00" );
     assert_string_equal( named_cell( table, 1, "promised" ), "1.0" );
     assert_string_equal( named_cell( table, 1, "points used" ), "3 of 3" );
-    results_free( &all );
 }
 
 TEST_WITH( charts_have_a_series_each_and_mark_the_front, forget_fake, NULL )
 {
-    results all = run_fake( 1e-9, 2 );
+    SCOPED( results_free ) results all = run_fake( 1e-9, 2 );
     assert_int_equal( all.chart_count, 2 );
     const results_chart* time = &all.charts[0];
     assert_true( time->x_log && time->y_log );
@@ -385,13 +377,12 @@ TEST_WITH( charts_have_a_series_each_and_mark_the_front, forget_fake, NULL )
     assert_int_equal( parameter->series_count, 1 );
     assert_int_equal( parameter->series[0].count, 3 );
     assert_true( parameter->series[0].points[0].x == 3.0 && parameter->series[0].points[2].x == 1.0 );
-    results_free( &all );
 }
 
 TEST_WITH( a_hash_that_depends_on_workers_fails_the_run_and_is_named, forget_fake, NULL )
 {
     fake.differs = 2;
-    results all = run_fake( 1e-9, 2 );
+    SCOPED( results_free ) results all = run_fake( 1e-9, 2 );
     assert_true( all.failed );
     bool is_named = false;
     for ( int i = 0; i < all.note_count; ++i )
@@ -403,7 +394,6 @@ TEST_WITH( a_hash_that_depends_on_workers_fails_the_run_and_is_named, forget_fak
                                  90 ) == 0;
     }
     assert_true( is_named );
-    results_free( &all );
 }
 
 TEST_WITH( a_setting_that_fails_ends_the_case_with_its_message, forget_fake, NULL )

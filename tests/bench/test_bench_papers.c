@@ -35,6 +35,12 @@ TEST( tables_of_the_papers_have_times_by_workers_errors_links_and_iterations )
     run_quick( paper_bench, &all );
     assert_int_equal( count_rows( &all, "accuracy.frozen_hair", "500 strands" ), 2 );
     assert_int_equal( count_rows( &all, "accuracy.frozen_hair", "50000 strands" ), 0 );
+    const results_table* times = find_table( &all, "Accuracy `frozen_hair`: frozen hair, Table 1" );
+    const int smallest = row_of( times, "100 strands" );
+    const double frames = strtod( named_cell( times, smallest, "FPS" ), NULL ),
+                 ms = strtod( named_cell( times, smallest, "2 workers ms" ), NULL );
+    assert_string_equal( named_cell( times, smallest, "paper, FPS" ), "147" );
+    assert_true( fabs( frames * ms - 1e3 ) < 10.0 );
     const results_values* hair = &row_with( &all, "500 strands" )->error;
     assert_true( value_of( hair, "distance_to_the_oracle_um" ) < 1.0 &&
                  value_of( hair, "neighbours_per_vertex" ) > 10.0 );
