@@ -24,11 +24,6 @@ static inline float io_get_float( const unsigned char* bytes )
     return value;
 }
 
-static inline wisp_vec3 io_get_vec3( const unsigned char* bytes )
-{
-    return ( wisp_vec3 ){ io_get_float( bytes ), io_get_float( bytes + 4 ), io_get_float( bytes + 8 ) };
-}
-
 static inline void io_put_u16( unsigned char* bytes, uint32_t value )
 {
     bytes[0] = (unsigned char)( value & 255 );

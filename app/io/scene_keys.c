@@ -192,6 +192,8 @@ static wisp_status scene_read_field( scene_reader* r, const text_node* node, con
     void* out = (char*)base + field->at;
     wisp_status status = WISP_OK;
     bool is_off = false;
+    text_node whole = *node;
+    const char* word;
     switch ( field->type )
     {
         case SCENE_NUMBER:
@@ -214,9 +216,10 @@ static wisp_status scene_read_field( scene_reader* r, const text_node* node, con
             return scene_read_text( r, node, out );
         case SCENE_USUAL:
         case SCENE_BLOCK:
-            is_off = field->type == SCENE_USUAL && node->kind == TEXT_SCALAR && node->plain &&
-                     strcmp( text_value( node ), "false" ) == 0;
-            status = is_off ? WISP_OK : scene_read_block( r, node, field->block, base );
+            word = field->type == SCENE_USUAL && node->plain ? text_value( node ) : "";
+            is_off = strcmp( word, "false" ) == 0;
+            whole.kind = strcmp( word, "true" ) == 0 ? TEXT_MAP : node->kind; // as {}
+            status = is_off ? WISP_OK : scene_read_block( r, &whole, field->block, base );
             if ( field->at )
             {
                 *(bool*)out = status == WISP_OK && is_off == false;
@@ -534,7 +537,7 @@ static const char* name_of_type( const scene_field* field )
         case SCENE_BLOCK:
             return "block";
         case SCENE_USUAL:
-            return "block or false";
+            return "block, true or false";
         case SCENE_WORDS:
             return "list of words";
         case SCENE_MEMBER:

@@ -376,3 +376,12 @@ $ python3 -c 'import os, subprocess
 > os.sched_setaffinity( 0, { min( os.sched_getaffinity( 0 ) ) } )
 > subprocess.run( [os.environ["WISP"], "run", os.environ["SOURCE"] + "/data/scenes/hanging_cloth.yaml", "--workers", "2"] )' | grep '^speed'
 speed ...with 2 workers, which had processors for ... % of the time
+
+# `collision: true` is the block by its defaults.
+$ for way in true {} '"true"'; do
+>     printf 'wisp: 1\nsteps: 9\nsurfaces: [ { name: a, generate: { shape: plane, columns: 5, rows: 5 }, cloth: {}, collision: %s } ]\ncolliders: [ { name: g, shape: sphere, radius: 0.2, position: [0, -0.21, 0] } ]\n' "$way" >way.yaml
+>     wisp run way.yaml >way; grep hash way >>ways
+> done; sort -u ways | wc -l; wc -l <ways
+1
+2
+! wisp: way.yaml:3:...surfaces[0].collision: got the text 'true', expected a mapping ({} takes the defaults)
