@@ -512,55 +512,25 @@ wisp_status scenes_bench( const bench_options* options, results* out, wisp_error
     return status;
 }
 
-// ---- character ----
+// ---- effects ----
 
-// The case `character`: the suite data/suites/character.yaml, and what each effect of the dressed figure costs in one table.
+// The case `effects`: what each effect adds to the links of the same cloth. The case `character`: the dressed figure without each effect.
 
-bench_case_fn character_bench;
+bench_case_fn effects_bench, character_bench;
 
-static void add_effect_line( const results_row* row, const results_row* whole, int table, results* out )
+static wisp_status bench_file( const char* name, const bench_options* options, results* out, wisp_error* error )
 {
-    const double all = rows_error( row, "intersections" ),
-                 with_body = rows_error( row, "intersections_with_driven_surfaces" );
-    results_cells line = { .count = 0 };
-    cells_put( &line, "%s\t%.0f\t%.2f\t%.2f\t%.0f\t%.0f\t%.1f", row->variant, rows_vertices( row ), rows_ms( row ),
-               rows_ms( row ) / rows_ms( whole ), all - ( isfinite( with_body ) ? with_body : 0.0 ), with_body,
-               rows_error( row, "stretch_max_percent" ) );
-    cells_end_row( &line, table, out );
+    char path[1024];
+    program_data_path( name, path, sizeof path );
+    return suite_bench( path, options, out, error );
 }
 
-// The first row of the suite is the whole scene.
-static void add_effects( int first_row, int workers, results* out )
+wisp_status effects_bench( const bench_options* options, results* out, wisp_error* error )
 {
-    char title[160];
-    snprintf(
-        title, sizeof title,
-        "The dressed figure without each effect: median of a step with %d worker%s, and intersections at the end",
-        workers, workers == 1 ? "" : "s" );
-    const int table = results_begin_table(
-        out, title,
-        "setting\tvertices\tms per step\t/ whole\tcloth through cloth\tthrough the body\tlargest strain, %" );
-    const results_row* whole = NULL;
-    for ( int i = first_row; i < out->row_count; ++i )
-    {
-        const results_row* row = &out->rows[i];
-        if ( row->workers == workers && strcmp( row->name, "suite.character" ) == 0 )
-        {
-            whole = whole ? whole : row;
-            add_effect_line( row, whole, table, out );
-        }
-    }
+    return bench_file( "suites/effect_costs.yaml", options, out, error );
 }
 
 wisp_status character_bench( const bench_options* options, results* out, wisp_error* error )
 {
-    char path[1024];
-    const int first_row = out->row_count;
-    program_data_path( "suites/character.yaml", path, sizeof path );
-    const wisp_status status = suite_bench( path, options, out, error );
-    if ( status == WISP_OK )
-    {
-        add_effects( first_row, options->workers > 1 ? options->workers : 1, out );
-    }
-    return status;
+    return bench_file( "suites/character.yaml", options, out, error );
 }

@@ -41,8 +41,12 @@ def digits(value):
 def read_medians(path):
     """Return the first line of a file of medians, and its rows."""
     lines = path.read_text(encoding="utf-8").splitlines()
-    rows = csv.DictReader(line for line in lines if not line.startswith("#"))
-    return lines[0].lstrip("# "), [Row((name, cell) for name, cell in row.items() if cell) for row in rows]
+    rows = [Row((name, cell) for name, cell in row.items() if cell) for row in csv.DictReader(line for line in lines if not line.startswith("#"))]
+    for row in rows:
+        for ms, over in ("ms_1", "over_1"), ("ms_2", "over_2"):  # of a step over that of the first row
+            if ms in row and ms in rows[0]:
+                row[over] = f"{float(row[ms]) / float(rows[0][ms]):.2f}"
+    return lines[0].lstrip("# "), rows
 
 
 def matches(row, part):
