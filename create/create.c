@@ -112,7 +112,7 @@ wisp_status wisp_create_cloth( wisp_world* world, const wisp_create_cloth_def* g
         *out = ( wisp_entity ){ 0, 0 };
     }
     wisp_create_cloth_def def;
-    WISP_TRY( wisp_world_begin_def( world, &wisp_create_cloth_def_fields, &def, given ) );
+    WISP_TRY( wisp_world_begin_def( world, NULL, &wisp_create_cloth_def_fields, &def, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     if ( def.vertex_count == 0 )
     {
@@ -121,7 +121,7 @@ wisp_status wisp_create_cloth( wisp_world* world, const wisp_create_cloth_def* g
     wisp_cloth_def material = wisp_default_cloth_def();
     if ( def.material != NULL )
     {
-        WISP_TRY( wisp_world_begin_def( world, &wisp_cloth_def_fields, &material, def.material ) );
+        WISP_TRY( wisp_world_begin_def( world, NULL, &wisp_cloth_def_fields, &material, def.material ) );
     }
     material.drag_coefficient = def.drag_coefficient != 0.0f ? def.drag_coefficient : material.drag_coefficient;
     material.lift_coefficient = def.lift_coefficient != 0.0f ? def.lift_coefficient : material.lift_coefficient;
@@ -151,7 +151,7 @@ static wisp_status apply_dynamics( wisp_world* world, const wisp_create_hair_def
     wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
     if ( def->dynamics != NULL )
     {
-        WISP_TRY( wisp_world_begin_def( world, &wisp_strand_dynamics_def_fields, &dynamics, def->dynamics ) );
+        WISP_TRY( wisp_world_begin_def( world, NULL, &wisp_strand_dynamics_def_fields, &dynamics, def->dynamics ) );
     }
     dynamics.drag_coefficient = def->drag_coefficient != 0.0f ? def->drag_coefficient : dynamics.drag_coefficient;
     WISP_TRY( wisp_set_strand_dynamics( world, hair, &dynamics ) );
@@ -167,7 +167,7 @@ wisp_status wisp_create_hair( wisp_world* world, const wisp_create_hair_def* giv
         *out = ( wisp_entity ){ 0, 0 };
     }
     wisp_create_hair_def def;
-    WISP_TRY( wisp_world_begin_def( world, &wisp_create_hair_def_fields, &def, given ) );
+    WISP_TRY( wisp_world_begin_def( world, NULL, &wisp_create_hair_def_fields, &def, given ) );
     wisp_strands_def strands = wisp_default_strands_def();
     strands.points = def.points;
     strands.offsets = def.offsets;

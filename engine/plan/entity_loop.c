@@ -152,7 +152,7 @@ static void append_group( plan* p, const wisp_registry* r, int slot, int entitie
     const store* s = r->store;
     bool has_others = false;
     const int batch = s->entities[slot].fabric != NULL ? find_batch( p, r, slot, &has_others ) : -1;
-    const int lanes = batch >= 0 ? lanes_for( r->batches[batch].lanes, entities, r->workers ) : 1;
+    const int lanes = batch >= 0 ? lanes_for( r->batches[batch].def.lanes, entities, r->workers ) : 1;
     plan_loop_group* group = p->loop_groups + p->loop_group_count++;
     *group = ( plan_loop_group ){ .first = p->loop_count, .batch = batch, .has_others = has_others };
     for ( int other = slot; other < s->entity_count && p->loop_count - group->first < lanes; ++other )
@@ -167,7 +167,7 @@ static void append_group( plan* p, const wisp_registry* r, int slot, int entitie
     }
     // too few to run side by side run one by one, on any worker
     while ( batch >= 0 && p->loop_count - group->first > 1 &&
-            p->loop_count - group->first < fewest_lanes( r->batches[batch].lanes ) )
+            p->loop_count - group->first < fewest_lanes( r->batches[batch].def.lanes ) )
     {
         p->entities[p->loop_slots[--p->loop_count]].listed = false;
     }
@@ -243,7 +243,7 @@ static uint32_t run_side_by_side( const loop_substep* loop, const wisp_span* spa
 {
     const double begin = loop->scale > 0.0 ? wisp_clock_seconds() : 0.0;
     const uint32_t left =
-        loop->batch->run_pass( loop->frame, loop->joined, loop->joined_count, span, loop->batch->user );
+        loop->batch->def.run_pass( loop->frame, loop->joined, loop->joined_count, span, loop->batch->def.user );
     if ( loop->scale > 0.0 )
     {
         loop->frame->clocks[span->worker].seconds[loop->batch->pass] +=
@@ -345,14 +345,14 @@ static void choose_joined( loop_substep* loop, const plan_batch* batch, bool in_
     {
         const wisp_entity entity = loop->members[i].entity, first = loop->joined_count > 0 ? loop->joined[0] : entity;
         if ( execute_leaves_out( s->entities + loop->members[i].slot, PLAN_SUBSTEP ) == false &&
-             batch->can_join( loop->frame, first, entity, batch->user ) &&
+             batch->def.can_join( loop->frame, first, entity, batch->def.user ) &&
              ( in_all == false || joins_crowd( loop->frame, loop->members + i ) ) )
         {
             loop->joined[loop->joined_count] = entity;
             loop->joined_members[loop->joined_count++] = i;
         }
     }
-    loop->joined_count = loop->joined_count < fewest_lanes( batch->lanes ) ? 0 : loop->joined_count;
+    loop->joined_count = loop->joined_count < fewest_lanes( batch->def.lanes ) ? 0 : loop->joined_count;
 }
 
 // Run all substeps of the members that are joined. @return bits of members that have run
@@ -363,7 +363,7 @@ static uint32_t run_batch( const loop_substep* loop, int worker )
     uint32_t done = 0, left = 0;
     if ( loop->joined_count > 0 )
     {
-        left = batch->run( loop->frame, loop->joined, loop->joined_count, worker, seconds, batch->user );
+        left = batch->def.run( loop->frame, loop->joined, loop->joined_count, worker, seconds, batch->def.user );
     }
     for ( int i = 0; i < loop->joined_count; ++i )
     {

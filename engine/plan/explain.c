@@ -120,18 +120,18 @@ static store_mask source_components( const store_entity* e )
     return e->alive ? store_mask_and_not( e->components, e->derived ) : ( store_mask ){ { 0 } };
 }
 
-// Find the first component that the pass requires and no entity has.
-static store_mask explain_missing( const wisp_registry* r, const wisp_pass* pass )
+static store_mask sources_of_all( const wisp_registry* r )
 {
     store_mask anybody_has = { { 0 } };
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {
         anybody_has = store_mask_or( anybody_has, source_components( r->store->entities + slot ) );
     }
-    return store_mask_and_not( r->uses[pass - r->passes].required, anybody_has );
+    return anybody_has;
 }
 
-static wisp_plan_state state_of( const wisp_registry* r, const wisp_pass* pass )
+// @param missing components that the pass requires and no entity has
+static wisp_plan_state state_of( const wisp_registry* r, const wisp_pass* pass, store_mask missing )
 {
     const plan_uses* uses = r->uses + ( pass - r->passes );
     bool suits = false, is_free = false;
@@ -142,7 +142,7 @@ static wisp_plan_state state_of( const wisp_registry* r, const wisp_pass* pass )
         suits = suits || has_all;
         is_free = is_free || ( has_all && store_mask_meets( uses->excluded, source_components( e ) ) == false );
     }
-    if ( store_mask_any( explain_missing( r, pass ) ) )
+    if ( store_mask_any( missing ) )
     {
         return WISP_PLAN_MISSING;
     }
@@ -167,9 +167,8 @@ static void append_list( wisp_plan_pass* p, const char* const* names )
 
 // Find why a pass is absent, as state, list and text.
 // @param out has its own lists already
-static void explain_absence( const wisp_registry* r, const wisp_pass* pass, wisp_plan_pass* out )
+static void explain_absence( const wisp_registry* r, const wisp_pass* pass, store_mask missing, wisp_plan_pass* out )
 {
-    const store_mask missing = explain_missing( r, pass );
     for ( int i = 0, count = 0; i < WISP_MAX_USES && pass->required[i] != 0; ++i )
     {
         if ( store_mask_has( &missing, pass->required[i] ) )
@@ -186,7 +185,7 @@ static void explain_absence( const wisp_registry* r, const wisp_pass* pass, wisp
         [WISP_PLAN_EXCLUDED] = { "excluded by component", "" },
         [WISP_PLAN_UNREQUESTED] = { "neither requested nor read: component", "" },
     };
-    out->state = state_of( r, pass );
+    out->state = state_of( r, pass, missing );
     const char* const first_write[] = { out->writes[0], NULL };
     const char* const* lists[] = {
         [WISP_PLAN_MISSING] = out->missing,
@@ -261,12 +260,19 @@ typedef struct writer
 {
     const plan* plan;
     const wisp_registry* registry;
+    store_mask sources; // of all entities
     wisp_plan_pass* passes;
     wisp_plan_module* modules;
     wisp_plan_reason* reasons;
     int reason_count;
     int substeps, iterations;
 } writer;
+
+// Return what a pass requires and no entity has.
+static store_mask missing_of( const writer* w, int number )
+{
+    return store_mask_and_not( w->registry->uses[number].required, w->sources );
+}
 
 static bool is_live( const writer* w, int number )
 {
@@ -442,7 +448,7 @@ static void add_absent( writer* w, wisp_plan_info* report, int number )
 {
     const wisp_pass* pass = w->registry->passes + number;
     wisp_plan_pass* p = begin_pass( w, report, number );
-    explain_absence( w->registry, pass, p );
+    explain_absence( w->registry, pass, missing_of( w, number ), p );
 }
 
 // ---- modules ----
@@ -458,7 +464,7 @@ static wisp_component max_missed( const writer* w, const char* module )
         {
             if ( w->registry->pass_modules[i] == module )
             {
-                const store_mask missing = explain_missing( w->registry, w->registry->passes + i );
+                const store_mask missing = missing_of( w, i );
                 count += store_mask_has( &missing, c ) ? 1 : 0;
             }
         }
@@ -545,7 +551,7 @@ static report_block* make_block( writer* w )
 
 wisp_plan_info* plan_explain( const plan* p, const wisp_registry* r, int substeps, int iterations )
 {
-    writer w = { .plan = p, .registry = r, .substeps = substeps, .iterations = iterations };
+    writer w = { p, r, sources_of_all( r ), .substeps = substeps, .iterations = iterations };
     report_block* block = make_block( &w );
     if ( block == NULL )
     {

@@ -75,13 +75,7 @@ typedef struct plan_batch
     uint16_t passes[2 * WISP_MAX_FUSED]; // the required, then the allowed ones
     int pass_count;
     int pass; // that can run side by side among any others; -1: none
-    int lanes;
-    bool ( *can_join )( wisp_frame* frame, wisp_entity first, wisp_entity entity, void* user );
-    uint32_t ( *run )( wisp_frame* frame, const wisp_entity* entities, int count, int worker, double* seconds,
-                       void* user );
-    uint32_t ( *run_pass )( wisp_frame* frame, const wisp_entity* entities, int count, const wisp_span* span,
-                            void* user );
-    void* user;
+    wisp_batch def;
 } plan_batch;
 
 enum

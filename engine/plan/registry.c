@@ -183,12 +183,7 @@ static void list_passes( const wisp_registry* r, const char* const* names, plan_
 
 wisp_status wisp_declare_batch( wisp_registry* registry, const wisp_batch* batch )
 {
-    plan_batch b = { .pass = batch->pass != NULL ? number_of( registry, batch->pass ) : -1,
-                     .lanes = batch->lanes,
-                     .can_join = batch->can_join,
-                     .run = batch->run,
-                     .run_pass = batch->run_pass,
-                     .user = batch->user };
+    plan_batch b = { .pass = batch->pass != NULL ? number_of( registry, batch->pass ) : -1, .def = *batch };
     const bool found =
         find_passes( registry, batch->required, &b.required ) && find_passes( registry, batch->allowed, &b.allowed );
     if ( found == false || store_mask_any( b.required ) == false || batch->run == NULL || batch->can_join == NULL ||

@@ -266,8 +266,7 @@ static void set_level( const wisp_world* world, const store_entity* e, passes_de
 wisp_status wisp_set_detail( wisp_world* world, wisp_entity entity, const wisp_detail_def* given )
 {
     wisp_detail_def def;
-    WISP_TRY( wisp_world_begin_def( world, &wisp_detail_def_fields, &def, given ) );
-    WISP_TRY( wisp_world_check_entity( world, entity ) );
+    WISP_TRY( wisp_world_begin_def( world, &entity, &wisp_detail_def_fields, &def, given ) );
     WISP_TRY( check_detail( world, entity, &def ) );
     const bool is_new = wisp_world_has( world, entity, world->registry.detail ) == false;
     WISP_TRY( wisp_world_attach( world, entity, world->registry.detail ) );

@@ -37,12 +37,15 @@ wisp_status wisp_world_begin( wisp_world* world )
     return WISP_OK;
 }
 
-wisp_status wisp_world_begin_def( wisp_world* world, const wisp_fields* fields, void* def, const void* given )
+wisp_status wisp_world_begin_def( wisp_world* world, const wisp_entity* entity, const wisp_fields* fields, void* def,
+                                  const void* given )
 {
     WISP_TRY( wisp_world_begin( world ) );
     wisp_error error = { 0 };
     const wisp_status status = wisp_def_read( fields, def, given, &error );
-    return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.message );
+    return status != WISP_OK ? wisp_world_fail( world, status, "%s", error.message )
+           : entity != NULL  ? wisp_world_check_entity( world, *entity )
+                             : WISP_OK;
 }
 
 wisp_status wisp_world_check_values( wisp_world* world, const wisp_fields* fields, const char* name,
@@ -236,7 +239,8 @@ bool wisp_world_has( const wisp_world* world, wisp_entity entity, wisp_component
            store_mask_has( &e->derived, component ) == false;
 }
 
-wisp_status wisp_world_set_components( wisp_world* world, wisp_entity entity, const wisp_component_use* all, int count )
+wisp_status wisp_world_set_components( wisp_world* world, wisp_entity entity, const wisp_component_use* all,
+                                       int count )
 {
     const store_entity* e = store_find( &world->store, entity );
     const store_mask had = store_mask_and_not( e->components, e->derived );

@@ -51,7 +51,7 @@ static wisp_status check_frame( wisp_world* world, wisp_entity entity )
 wisp_status wisp_set_moving_frame( wisp_world* world, wisp_entity entity, const wisp_moving_frame_def* given )
 {
     wisp_moving_frame_def def;
-    WISP_TRY( wisp_world_begin_def( world, &wisp_moving_frame_def_fields, &def, given ) );
+    WISP_TRY( wisp_world_begin_def( world, NULL, &wisp_moving_frame_def_fields, &def, given ) );
     WISP_TRY( check_framed_entity( world, entity ) );
     WISP_TRY( check_frame( world, entity ) );
     if ( def.linear_inertia == 1.0f && def.angular_inertia == 1.0f )

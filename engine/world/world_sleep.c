@@ -592,8 +592,7 @@ static void keep_positions( wisp_world* world, wisp_entity entity )
 wisp_status wisp_set_sleep( wisp_world* world, wisp_entity entity, const wisp_sleep_def* given )
 {
     wisp_sleep_def def;
-    WISP_TRY( wisp_world_begin_def( world, &wisp_sleep_def_fields, &def, given ) );
-    WISP_TRY( wisp_world_check_entity( world, entity ) );
+    WISP_TRY( wisp_world_begin_def( world, &entity, &wisp_sleep_def_fields, &def, given ) );
     WISP_TRY( check_sleep( world, entity ) );
     if ( def.enabled == false )
     {

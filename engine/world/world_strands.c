@@ -151,7 +151,7 @@ wisp_status wisp_add_strands( wisp_world* world, const wisp_strands_def* given, 
     }
     wisp_strands_def values;
     const wisp_strands_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, &wisp_strands_def_fields, &values, given ) );
+    WISP_TRY( wisp_world_begin_def( world, NULL, &wisp_strands_def_fields, &values, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     WISP_TRY( check_strands( world, def ) );
     cook_strands* strands = cook_strands_create( &world->allocator, def->offsets, def->strand_count, def->dimension );

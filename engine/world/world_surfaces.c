@@ -422,7 +422,7 @@ wisp_status wisp_add_surface( wisp_world* world, const wisp_surface_def* given, 
     }
     wisp_surface_def values;
     const wisp_surface_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, &wisp_surface_def_fields, &values, given ) );
+    WISP_TRY( wisp_world_begin_def( world, NULL, &wisp_surface_def_fields, &values, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     WISP_TRY( check_surface( world, def ) );
     WISP_TRY( add_surface_entity( world, def, out ) );

@@ -249,8 +249,7 @@ wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wis
 {
     wisp_boundary_def values;
     const wisp_boundary_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, &wisp_boundary_def_fields, &values, given ) );
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
+    WISP_TRY( wisp_world_begin_def( world, &surface, &wisp_boundary_def_fields, &values, given ) );
     boundary_state* state;
     WISP_TRY( find_state( world, surface, &state ) );
     WISP_TRY( wisp_world_need_fabric( world, surface, WISP_FABRIC_EDGES | WISP_FABRIC_RINGS ) );

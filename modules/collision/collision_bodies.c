@@ -333,7 +333,7 @@ wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_def* given
     }
     wisp_collider_def values;
     const wisp_collider_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, &wisp_collider_def_fields, &values, given ) );
+    WISP_TRY( wisp_world_begin_def( world, NULL, &wisp_collider_def_fields, &values, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     collision_state* state;
     WISP_TRY( collision_find_state( world, &state ) );

@@ -303,8 +303,7 @@ wisp_status wisp_set_collision( wisp_world* world, wisp_entity participant, cons
 {
     wisp_collision_def values;
     const wisp_collision_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, &wisp_collision_def_fields, &values, given ) );
-    WISP_TRY( wisp_world_check_entity( world, participant ) );
+    WISP_TRY( wisp_world_begin_def( world, &participant, &wisp_collision_def_fields, &values, given ) );
     collision_state* state;
     WISP_TRY( find_participant( world, participant, &state ) );
     WISP_TRY( check_features( world, participant, def->features ) );

@@ -3,7 +3,7 @@
 // Each worker measures blocks of its own; of equally deep vertices the lowest index counts, so that results do not
 // depend on the workers.
 #include "body_queries.h"
-#include "collision_state.h"
+#include "near_bodies.h"
 #include "particle_contacts.h"
 
 #include <math.h>
@@ -92,6 +92,9 @@ static void count_contacts( const measure_loop* loop, int begin, int end, wisp_c
     }
 }
 
+// A box of nothing yet: bodies that cannot touch one of some points are not asked.
+static const wisp_vec3 NOWHERE[2] = { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } };
+
 static void add_free_slots( measure_batch* batch, const collision_view* view, const collision_maps* maps, float slack,
                             const wisp_fabric* fabric, const float* position, int begin, int end )
 {
@@ -121,7 +124,17 @@ static void measure_slots( void* context, int begin, int end, int worker )
     measure_batch batch;
     batch.count = 0;
     collision_view view;
-    for ( int next = 0; collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
+    wisp_vec3 lower = NOWHERE[0], upper = NOWHERE[1];
+    for ( int slot = begin; slot < end; ++slot )
+    {
+        const float* quad = position + (size_t)slot * 4;
+        if ( quad[3] > 0.0f )
+        {
+            collision_widen( &lower, &upper, wisp_v3_load( quad ) );
+        }
+    }
+    for ( collision_walk walk = collision_begin_walk( loop->state, e, lower, upper );
+          collision_walk_on( loop->frame, loop->span, loop->state, &walk, 0.0f, &view ); )
     {
         const float slack = is_solved || is_stored ? 0.0f : TOUCH_SLACK * view.thickness;
         add_free_slots( &batch, &view, &maps, slack, fabric, position, begin, end );
@@ -202,7 +215,17 @@ static void measure_groups( void* context, int begin, int end, int worker )
     for ( int group = begin; group < end; ++group )
     {
         collision_view view;
-        for ( int next = 0; collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
+        wisp_vec3 lower = NOWHERE[0], upper = NOWHERE[1];
+        for ( int i = group_row[group] * WISP_LANES; i < group_row[group + 1] * WISP_LANES; ++i )
+        {
+            const int row = i / WISP_LANES, lane = i % WISP_LANES;
+            if ( is_free( &rows, group, row, lane ) )
+            {
+                collision_widen( &lower, &upper, collision_load_lane( rows.position + row * COLLISION_ROW + lane ) );
+            }
+        }
+        for ( collision_walk walk = collision_begin_walk( loop->state, e, lower, upper );
+              collision_walk_on( loop->frame, loop->span, loop->state, &walk, 0.0f, &view ); )
         {
             for ( int row = group_row[group]; row < group_row[group + 1]; ++row )
             {

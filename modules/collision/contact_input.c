@@ -18,7 +18,7 @@
 // - Rows keep the index and generation of the body, by which the solver recognises a contact of the step before.
 #include "body_queries.h"
 #include "collision_maps.h"
-#include "collision_state.h"
+#include "near_bodies.h"
 
 #include <float.h>
 #include <math.h>
@@ -276,7 +276,8 @@ static void write_half_spaces( const input_loop* loop, int end )
 static void find_touches( wisp_frame* frame, const wisp_span* span, const collision_state* state, input_loop* loop )
 {
     collision_view view;
-    for ( int next = 0; loop->slot_count > 0 && collision_next( frame, span, state, &next, &view ); )
+    collision_walk walk = collision_begin_walk( state, span->entity, loop->lower, loop->upper );
+    while ( loop->slot_count > 0 && collision_walk_on( frame, span, state, &walk, loop->longest, &view ) )
     {
         if ( is_far( loop, &view ) )
         {

@@ -316,7 +316,7 @@ wisp_status wisp_set_contact_settings( wisp_world* world, const wisp_contact_set
 {
     wisp_contact_settings values;
     const wisp_contact_settings* settings = &values;
-    WISP_TRY( wisp_world_begin_def( world, &wisp_contact_settings_fields, &values, given ) );
+    WISP_TRY( wisp_world_begin_def( world, NULL, &wisp_contact_settings_fields, &values, given ) );
     contact_state* state;
     wisp_status status = contact_find_state( world, &state );
     status = status == WISP_OK ? contact_mark_participants( world, state, settings->level ) : status;

@@ -246,8 +246,7 @@ wisp_status wisp_set_contact( wisp_world* world, wisp_entity participant, const 
 {
     wisp_contact_def values;
     const wisp_contact_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, &wisp_contact_def_fields, &values, given ) );
-    WISP_TRY( wisp_world_check_entity( world, participant ) );
+    WISP_TRY( wisp_world_begin_def( world, &participant, &wisp_contact_def_fields, &values, given ) );
     contact_state* state;
     wisp_status status = contact_find_state( world, &state );
     status = status == WISP_OK ? check_participant( world, participant ) : status;

@@ -153,8 +153,7 @@ wisp_status wisp_set_environment( wisp_world* world, wisp_entity strands, const 
 {
     wisp_environment_def values;
     const wisp_environment_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, &wisp_environment_def_fields, &values, given ) );
-    WISP_TRY( wisp_world_check_entity( world, strands ) );
+    WISP_TRY( wisp_world_begin_def( world, &strands, &wisp_environment_def_fields, &values, given ) );
     const environment_state* state = wisp_world_module_state( world, "environment" );
     if ( state == NULL || wisp_has_strands( world, strands ) == false )
     {

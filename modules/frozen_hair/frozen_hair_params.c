@@ -164,8 +164,7 @@ wisp_status wisp_set_frozen_hair( wisp_world* world, wisp_entity strands, const 
 {
     wisp_frozen_hair_def values;
     const wisp_frozen_hair_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, &wisp_frozen_hair_def_fields, &values, given ) );
-    WISP_TRY( wisp_world_check_entity( world, strands ) );
+    WISP_TRY( wisp_world_begin_def( world, &strands, &wisp_frozen_hair_def_fields, &values, given ) );
     const frozen_state* s = wisp_world_module_state( world, "frozen_hair" );
     const wisp_strand_topology* t = wisp_world_strands( world, strands );
     if ( s == NULL )

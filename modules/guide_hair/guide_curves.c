@@ -435,7 +435,7 @@ wisp_status wisp_add_curves( wisp_world* world, const wisp_curves_def* given, wi
     }
     wisp_curves_def values;
     const wisp_curves_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, &wisp_curves_def_fields, &values, given ) );
+    WISP_TRY( wisp_world_begin_def( world, NULL, &wisp_curves_def_fields, &values, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     guide_state* s = wisp_world_module_state( world, "guide_hair" );
     WISP_TRY( check_curves( world, s, def ) );

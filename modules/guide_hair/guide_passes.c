@@ -162,8 +162,7 @@ wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_g
 {
     wisp_ghosts_def values;
     const wisp_ghosts_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, &wisp_ghosts_def_fields, &values, given ) );
-    WISP_TRY( wisp_world_check_entity( world, ghosts ) );
+    WISP_TRY( wisp_world_begin_def( world, &ghosts, &wisp_ghosts_def_fields, &values, given ) );
     guide_state* s = wisp_world_module_state( world, "guide_hair" );
     WISP_TRY( check( world, s, ghosts, def ) );
     if ( wisp_reserve_object( s->followers, ghosts ) == false )
@@ -547,9 +546,7 @@ void guide_run_targets( wisp_frame* frame, const wisp_span* span, void* user )
         .position = wisp_frame_column( frame, entity, WISP_STRAND_POSITION, 0 ),
         .velocity = moves ? wisp_frame_column( frame, entity, WISP_STRAND_VELOCITY, 0 ) : NULL,
         .before = moves && *steps > 0 ? before : NULL, // the first step has no velocity before
-        .root = wisp_frame_has( frame, entity, WISP_STRAND_ROOT )
-                    ? wisp_frame_column( frame, entity, WISP_STRAND_ROOT, 1 )
-                    : NULL,
+        .root = wisp_frame_column( frame, entity, WISP_STRAND_ROOT, 1 ),
     };
     const guide_follower* f;
     for ( int place = 0; ( f = wisp_next_object( state->followers, &place ) ) != NULL; )

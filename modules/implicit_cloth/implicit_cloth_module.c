@@ -363,8 +363,7 @@ wisp_status wisp_set_implicit_cloth( wisp_world* world, wisp_entity surface, con
 {
     wisp_implicit_cloth_def values;
     const wisp_implicit_cloth_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, &wisp_implicit_cloth_def_fields, &values, given ) );
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
+    WISP_TRY( wisp_world_begin_def( world, &surface, &wisp_implicit_cloth_def_fields, &values, given ) );
     implicit_state* state;
     wisp_status status = find_state( world, surface, &state );
     status = status == WISP_OK ? check_pairs( world, def ) : status;

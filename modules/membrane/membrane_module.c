@@ -216,7 +216,7 @@ static wisp_status check( wisp_world* world, wisp_entity surface )
 wisp_status wisp_set_membrane( wisp_world* world, wisp_entity surface, const wisp_membrane_def* given )
 {
     wisp_membrane_def def;
-    WISP_TRY( given != NULL ? wisp_world_begin_def( world, &wisp_membrane_def_fields, &def, given )
+    WISP_TRY( given != NULL ? wisp_world_begin_def( world, NULL, &wisp_membrane_def_fields, &def, given )
                             : wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     void* memory;

@@ -227,7 +227,7 @@ wisp_status wisp_set_motion_constraints( wisp_world* world, wisp_entity surface,
                                          const wisp_motion_constraints_def* given )
 {
     wisp_motion_constraints_def def;
-    WISP_TRY( wisp_world_begin_def( world, &wisp_motion_constraints_def_fields, &def, given ) );
+    WISP_TRY( wisp_world_begin_def( world, NULL, &wisp_motion_constraints_def_fields, &def, given ) );
     void* memory;
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     WISP_TRY( wisp_world_surface_state( world, "motion_constraints", surface, &memory ) );

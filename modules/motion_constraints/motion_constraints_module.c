@@ -33,7 +33,6 @@ static void move_targets( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const motion_state* state = user;
     const wisp_entity e = span->entity;
-    const bool has_backstop = wisp_frame_has( frame, e, state->backstop );
     motion_settings* settings = wisp_frame_column( frame, e, state->settings, 0 );
     const target_loop loop = {
         .kernels = wisp_frame_kernels( frame ),
@@ -43,10 +42,10 @@ static void move_targets( wisp_frame* frame, const wisp_span* span, void* user )
             .next = wisp_frame_column( frame, e, state->distance, 2 ),
             .max_distance = wisp_frame_column( frame, e, state->distance, 3 ),
             .bound = wisp_frame_column( frame, e, state->distance, 4 ),
-            .normal = has_backstop ? wisp_frame_column( frame, e, state->backstop, 0 ) : NULL,
-            .normal_change = has_backstop ? wisp_frame_column( frame, e, state->backstop, 1 ) : NULL,
-            .next_normal = has_backstop ? wisp_frame_column( frame, e, state->backstop, 2 ) : NULL,
-            .backstop_distance = has_backstop ? wisp_frame_column( frame, e, state->backstop, 3 ) : NULL,
+            .normal = wisp_frame_column( frame, e, state->backstop, 0 ),
+            .normal_change = wisp_frame_column( frame, e, state->backstop, 1 ),
+            .next_normal = wisp_frame_column( frame, e, state->backstop, 2 ),
+            .backstop_distance = wisp_frame_column( frame, e, state->backstop, 3 ),
             .left = left_by_last_step( frame ),
         },
     };
@@ -60,9 +59,7 @@ static void move_targets( wisp_frame* frame, const wisp_span* span, void* user )
 static float* lambda_of( wisp_frame* frame, const wisp_span* span, const motion_state* state,
                          const wisp_span* particles )
 {
-    float* lambda = wisp_frame_has( frame, span->entity, state->lambda )
-                        ? wisp_frame_column( frame, span->entity, state->lambda, 0 )
-                        : NULL;
+    float* lambda = wisp_frame_column( frame, span->entity, state->lambda, 0 );
     if ( lambda != NULL && span->iteration == 0 )
     {
         const size_t count = 2 * (size_t)( particles->end - particles->begin );
@@ -75,7 +72,6 @@ static wisp_motion_constraint_args constraint_args( wisp_frame* frame, const wis
                                                     const motion_state* state )
 {
     const wisp_entity e = span->entity;
-    const bool has_backstop = wisp_frame_has( frame, e, state->backstop );
     const motion_settings* s = wisp_frame_column( frame, e, state->settings, 0 );
     const float dt = wisp_frame_dt( frame, e ), inverse_dt2 = 1.0f / ( dt * dt );
     return ( wisp_motion_constraint_args ){
@@ -84,10 +80,10 @@ static wisp_motion_constraint_args constraint_args( wisp_frame* frame, const wis
         .displacement = wisp_frame_column( frame, e, state->distance, 1 ),
         .max_distance = wisp_frame_column( frame, e, state->distance, 3 ),
         .bound = wisp_frame_column( frame, e, state->distance, 4 ),
-        .normal = has_backstop ? wisp_frame_column( frame, e, state->backstop, 0 ) : NULL,
-        .normal_change = has_backstop ? wisp_frame_column( frame, e, state->backstop, 1 ) : NULL,
-        .backstop_distance = has_backstop ? wisp_frame_column( frame, e, state->backstop, 3 ) : NULL,
-        .curvature = has_backstop ? wisp_frame_column( frame, e, state->backstop, 4 ) : NULL,
+        .normal = wisp_frame_column( frame, e, state->backstop, 0 ),
+        .normal_change = wisp_frame_column( frame, e, state->backstop, 1 ),
+        .backstop_distance = wisp_frame_column( frame, e, state->backstop, 3 ),
+        .curvature = wisp_frame_column( frame, e, state->backstop, 4 ),
         .left = 1.0f - wisp_frame_progress( frame, e, span->substep + 1 ),
         .distance = { s->stiffness[0], s->compliance[0] * inverse_dt2 },
         .backstop = { s->stiffness[1], s->compliance[1] * inverse_dt2 },

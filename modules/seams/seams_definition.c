@@ -165,7 +165,7 @@ static void warn_of_pins( wisp_world* world, const seam_topology* s )
 
 static wisp_status begin( wisp_world* world, const wisp_seam_def* given, wisp_seam_def* def, seams_state** state )
 {
-    WISP_TRY( wisp_world_begin_def( world, &wisp_seam_def_fields, def, given ) );
+    WISP_TRY( wisp_world_begin_def( world, NULL, &wisp_seam_def_fields, def, given ) );
     void* found;
     WISP_TRY( wisp_world_surface_state( world, "seams", def->a, &found ) );
     WISP_TRY( wisp_world_surface_state( world, "seams", def->b, &found ) );

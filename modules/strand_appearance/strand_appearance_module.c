@@ -109,8 +109,7 @@ wisp_status wisp_set_strand_appearance( wisp_world* world, wisp_entity strands,
 {
     wisp_strand_appearance_def values;
     const wisp_strand_appearance_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, &wisp_strand_appearance_def_fields, &values, given ) );
-    WISP_TRY( wisp_world_check_entity( world, strands ) );
+    WISP_TRY( wisp_world_begin_def( world, &strands, &wisp_strand_appearance_def_fields, &values, given ) );
     const look_state* state = wisp_world_module_state( world, "strand_appearance" );
     if ( state == NULL || wisp_has_strands( world, strands ) == false )
     {

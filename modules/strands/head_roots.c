@@ -208,9 +208,7 @@ void strands_hold_pins( wisp_frame* frame, const wisp_span* span, void* user )
     float* low = wisp_frame_column( frame, span->entity, state->low, 0 );
     float* velocity = wisp_frame_column( frame, span->entity, WISP_STRAND_VELOCITY, 0 );
     const float inverse_dt = 1.0f / wisp_frame_dt( frame, span->entity );
-    const int32_t* hold = wisp_frame_has( frame, span->entity, state->tips )
-                              ? wisp_frame_column( frame, span->entity, state->tips, 0 )
-                              : NULL;
+    const int32_t* hold = wisp_frame_column( frame, span->entity, state->tips, 0 );
     for ( int i = span->begin * WISP_LANES; i < span->end * WISP_LANES; ++i )
     {
         const int group = i / WISP_LANES, lane = i % WISP_LANES, first = t->group_row[group];

@@ -769,9 +769,7 @@ void strands_factor( wisp_frame* frame, const wisp_span* span, void* user )
         .dt = dt,
         .step = has_history ? 2.0 / 3.0 * dt : dt,
         .curled = has_curve && settings->rest != WISP_STRAND_REST_STRAIGHT,
-        .hold = wisp_frame_has( frame, span->entity, state->tips )
-                    ? wisp_frame_column( frame, span->entity, state->tips, 0 )
-                    : NULL,
+        .hold = wisp_frame_column( frame, span->entity, state->tips, 0 ),
     };
     factor_args first_order = args;
     first_order.step = dt;

@@ -389,8 +389,7 @@ wisp_status wisp_set_strand_grid( wisp_world* world, wisp_entity strands, const 
 {
     wisp_strand_grid_def values;
     const wisp_strand_grid_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, &wisp_strand_grid_def_fields, &values, given ) );
-    WISP_TRY( wisp_world_check_entity( world, strands ) );
+    WISP_TRY( wisp_world_begin_def( world, &strands, &wisp_strand_grid_def_fields, &values, given ) );
     strands_state* state;
     wisp_status status = strands_find( world, strands, &state );
     if ( status == WISP_OK )

@@ -298,9 +298,7 @@ void strands_limit_speed( wisp_frame* frame, const wisp_span* span, void* user )
     const float most = *(const float*)wisp_frame_column( frame, span->entity, WISP_PARTICLE_MAX_SPEED, 0 );
     const float* weight = wisp_frame_column( frame, span->entity, WISP_STRAND_INVERSE_MASS, 0 );
     float* velocity = wisp_frame_column( frame, span->entity, WISP_STRAND_VELOCITY, 0 );
-    float* step = wisp_frame_has( frame, span->entity, state->history )
-                      ? wisp_frame_column( frame, span->entity, state->history, 2 )
-                      : NULL;
+    float* step = wisp_frame_column( frame, span->entity, state->history, 2 );
     uint64_t limited = 0;
     for ( int i = span->begin * WISP_LANES; i < span->end * WISP_LANES; ++i )
     {

@@ -251,9 +251,7 @@ static void restore_frames( wisp_frame* frame, wisp_entity entity, const strands
     const float* clamp = wisp_frame_column( frame, entity, state->clamp, 0 );
     const float* root = wisp_frame_column( frame, entity, WISP_STRAND_ROOT, 1 );
     const float* length = wisp_frame_column( frame, entity, WISP_STRAND_LENGTH, 0 );
-    const strands_section* section = wisp_frame_has( frame, entity, state->section )
-                                         ? wisp_frame_column( frame, entity, state->section, 0 )
-                                         : NULL;
+    const strands_section* section = wisp_frame_column( frame, entity, state->section, 0 );
     const float twist = section != NULL ? section->twist : 0.0f;
     float* frames = wisp_frame_column( frame, entity, state->curve, 0 );
     for ( int g = 0; g < t->group_count; ++g )
@@ -617,8 +615,7 @@ wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands, co
 {
     wisp_strand_dynamics_def values;
     const wisp_strand_dynamics_def* def = &values;
-    WISP_TRY( wisp_world_begin_def( world, &wisp_strand_dynamics_def_fields, &values, given ) );
-    WISP_TRY( wisp_world_check_entity( world, strands ) );
+    WISP_TRY( wisp_world_begin_def( world, &strands, &wisp_strand_dynamics_def_fields, &values, given ) );
     strands_state* s;
     WISP_TRY( find_strands( world, strands, &s ) );
     WISP_TRY( strands_check_definition( world, strands, s, def ) );

@@ -165,7 +165,7 @@ static wisp_status set_tearing( wisp_world* world, tearing_state* state, wisp_en
 wisp_status wisp_set_tearing( wisp_world* world, wisp_entity surface, const wisp_tearing_def* given )
 {
     wisp_tearing_def def;
-    WISP_TRY( given != NULL ? wisp_world_begin_def( world, &wisp_tearing_def_fields, &def, given )
+    WISP_TRY( given != NULL ? wisp_world_begin_def( world, NULL, &wisp_tearing_def_fields, &def, given )
                             : wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     void* state;

@@ -280,3 +280,24 @@ $ printf 'wisp_suite: 1\nscenes:\n  - file: hair.yaml\n    vary: { "strands[hair
 >     assert xy * xy / ( xx * yy ) > 0.999 and xy / xx > 10, ( name, xy / xx, xy * xy / ( xx * yy ) )
 > END
 > python3 linear.py
+
+# So does a crowd of cloths with bodies of their own: who can meet whom is found once a step.
+$ cat >crowd.yaml <<'END'
+> wisp: 1
+> steps: 3
+> surfaces: [ { name: cloth, generate: { shape: plane, columns: 6, rows: 6, spacing: 0.1 }, copies: { count: 20, columns: 10, spacing: [1, 0, 1] }, cloth: {} } ]
+> colliders:
+>   - { name: left, shape: capsule, radius: 0.08, half_length: 0.1, position: [-0.1, -0.1, 0], copies: { count: 20, columns: 10, spacing: [1, 0, 1] } }
+>   - { name: right, shape: sphere, radius: 0.1, position: [0.15, -0.12, 0.1], copies: { count: 20, columns: 10, spacing: [1, 0, 1] } }
+> END
+> printf 'wisp_suite: 1\nscenes:\n  - file: crowd.yaml\n    vary:\n      cloths:\n' >many.yaml
+> for n in 40 80 160; do printf '        %d: { "surfaces[0].copies.count": %d, "colliders[left].copies.count": %d, "colliders[right].copies.count": %d }\n' $n $n $n $n; done >>many.yaml
+> cat >many.py <<'END'
+> import json, os, shutil, subprocess
+> if shutil.which( "valgrind" ) is None:
+>     raise SystemExit
+> assert subprocess.run( [os.environ["WISP"], "gate", "record", "many.yaml", "-o", "many.json"], capture_output=True ).returncode == 0
+> one, two, four = [row["values"]["instructions"] for row in json.load( open( "many.json" ) )["rows"]]
+> assert ( four - two ) / ( two - one ) < 2.2, ( one, two, four )
+> END
+> python3 many.py

@@ -8,7 +8,7 @@
 ///     WISP_DEFINE( cloth_def, "cloth", FIELDS )
 ///
 ///     wisp_cloth_def def;
-///     WISP_TRY( wisp_world_begin_def( world, &wisp_cloth_def_fields, &def, given ) ); // in its ranges from here on
+///     WISP_TRY( wisp_world_begin_def( world, &cloth, &wisp_cloth_def_fields, &def, given ) ); // in its ranges from here on
 #pragma once
 
 #include "wisp/base.h"

@@ -508,9 +508,9 @@ static inline void wisp_release( const wisp_allocator* allocator, void* memory, 
 /// @return WISP_BAD_INPUT the world is null; WISP_CONFLICT a step of it runs: the call comes from a callback or from another thread
 WISP_API wisp_status wisp_world_begin( wisp_world* world );
 /// Begin a call that is given a definition: read it and check all its ranges, as wisp_def_read() does.
-/// @param def receives it
-WISP_API wisp_status wisp_world_begin_def( wisp_world* world, const wisp_fields* fields, void* def,
-                                           const void* given );
+/// @param entity that it is for, which must live; null: for none @param def receives it
+WISP_API wisp_status wisp_world_begin_def( wisp_world* world, const wisp_entity* entity, const wisp_fields* fields,
+                                           void* def, const void* given );
 /// Check values that take the place of one of a definition.
 /// @param values one of the type of the member, or [count] floats; null: there are none
 /// @param of what has one each, such as "vertex"; null: there is one alone
