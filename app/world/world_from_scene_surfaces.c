@@ -195,7 +195,8 @@ wisp_fabric_def scene_fabric_def( const scene_world* world, int surface, const w
 // Cooked in the mesh's own frame, so that instances do not depend on the start of their source.
 static wisp_status cook( scene_world* world, int surface, const wisp_vec3* rest, wisp_error* error )
 {
-    const wisp_fabric_def def = scene_fabric_def( world, surface, rest );
+    wisp_fabric_def def = scene_fabric_def( world, surface, rest );
+    def.workers = wisp_world_workers( world->world );
     wisp_error cause = { 0 };
     wisp_status status = wisp_fabric_cook( &def, NULL, &world->surfaces[surface].fabric, &cause );
     return status == WISP_OK

@@ -267,6 +267,7 @@ static const wisp_field FABRIC_FIELDS[] = {
     WISP_SWITCH( wisp_fabric_def, lean, false ),
     WISP_CHOICE( wisp_fabric_def, solve_order, WISP_SOLVE_ORDER_COLOUR, WISP_SOLVE_ORDER_COUNT ),
     WISP_WHOLE_OR( wisp_fabric_def, tile_size, 0, FABRIC_MIN_TILE, FABRIC_MAX_TILE ),
+    WISP_WHOLE( wisp_fabric_def, workers, 1, 1, WISP_MAX_WORKERS ),
 };
 WISP_DEFINE( fabric_def, "fabric", FABRIC_FIELDS )
 
@@ -536,7 +537,9 @@ static bool cook_lists( const wisp_fabric_def* def, cook_fabric* cooked, fabric_
 static bool cook_parts( const wisp_fabric_def* def, const fabric_mesh* mesh, cook_fabric* cooked )
 {
     wisp_fabric* f = &cooked->fabric;
-    fabric_parts parts = { .mesh = mesh, .keep = &cooked->keep, .allocator = cooked->keep.allocator };
+    fabric_parts parts = {
+        .mesh = mesh, .keep = &cooked->keep, .allocator = cooked->keep.allocator, .workers = def->workers
+    };
     return ( def->tethers == false || fabric_cook_tethers( &parts, f ) ) &&
            ( def->coarse_sheets == false || fabric_cook_levels( &parts, f ) );
 }

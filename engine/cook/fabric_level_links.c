@@ -18,20 +18,20 @@ enum
     PATH_HEAP_ARITY = 4,
 };
 
-// A vertex in the heap with its distance, which is compared more often than vertices are looked up.
+// A vertex in the heap. One whose distance falls is pushed again, and its older entry is skipped when it leaves: moving entries then
+// touches no vertex.
 typedef struct path_entry
 {
     double distance; // m
     int32_t vertex;
 } path_entry;
 
-// State of a vertex in a search, in one struct because a search reads all of it at once.
+// State of a vertex in a search.
 typedef struct path_node
 {
     double distance; // m
     int32_t from;    // vertex before it on the path
     int32_t visit;   // number of the search that wrote this
-    int32_t place;   // in the heap, -1 behind it
 } path_node;
 
 // The paths from one vertex, by Dijkstra's algorithm over the edges of the mesh.
@@ -39,18 +39,18 @@ typedef struct path_search
 {
     const fabric_mesh* mesh;
     path_node* node;  // [vertex_count]
-    path_entry* heap; // [vertex_count]
+    path_entry* heap; // [edge, from each end, and the source]
     int heap_count;
     int32_t number;
 } path_search;
 
 static bool search_init( path_search* s, const fabric_mesh* mesh, fabric_pool* pool )
 {
-    const size_t count = (size_t)mesh->vertex_count;
+    const size_t count = (size_t)mesh->vertex_count, ends = (size_t)mesh->neighbour_begin[mesh->vertex_count];
     *s = ( path_search ){
         .mesh = mesh,
         .node = fabric_pool_push_zeroed( pool, count, sizeof( path_node ) ),
-        .heap = fabric_pool_push( pool, count, sizeof( path_entry ) ),
+        .heap = fabric_pool_push( pool, ends + 1, sizeof( path_entry ) ),
     };
     return s->node != NULL && s->heap != NULL;
 }
@@ -60,22 +60,7 @@ static bool is_nearer( path_entry a, path_entry b )
     return a.distance < b.distance || ( a.distance <= b.distance && a.vertex < b.vertex );
 }
 
-static void put_path( path_search* s, int at, path_entry entry )
-{
-    s->heap[at] = entry;
-    s->node[entry.vertex].place = at;
-}
-
-static void raise_path( path_search* s, int at, path_entry entry )
-{
-    for ( ; at > 0 && is_nearer( entry, s->heap[( at - 1 ) / PATH_HEAP_ARITY] ); at = ( at - 1 ) / PATH_HEAP_ARITY )
-    {
-        put_path( s, at, s->heap[( at - 1 ) / PATH_HEAP_ARITY] );
-    }
-    put_path( s, at, entry );
-}
-
-static int32_t take_nearest_path( path_search* s )
+static path_entry take_nearest_path( path_search* s )
 {
     const path_entry nearest = s->heap[0], last = s->heap[--s->heap_count];
     int at = 0;
@@ -91,26 +76,26 @@ static int32_t take_nearest_path( path_search* s )
         {
             break;
         }
-        put_path( s, at, s->heap[best] );
+        s->heap[at] = s->heap[best];
         at = best;
     }
-    if ( s->heap_count > 0 )
-    {
-        put_path( s, at, last );
-    }
-    s->node[nearest.vertex].place = -1;
-    return nearest.vertex;
+    s->heap[at] = last;
+    return nearest;
 }
 
 static void reach( path_search* s, int32_t vertex, int32_t from, double distance )
 {
     path_node* node = s->node + vertex;
-    const bool is_new = node->visit != s->number;
-    if ( is_new || ( node->place >= 0 && distance < node->distance ) )
+    if ( node->visit != s->number || distance < node->distance )
     {
-        const int at = is_new ? s->heap_count++ : node->place;
-        *node = ( path_node ){ distance, from, s->number, at };
-        raise_path( s, at, ( path_entry ){ distance, vertex } );
+        const path_entry entry = { distance, vertex };
+        int at = s->heap_count++;
+        *node = ( path_node ){ distance, from, s->number };
+        for ( int up; at > 0 && is_nearer( entry, s->heap[up = ( at - 1 ) / PATH_HEAP_ARITY] ); at = up )
+        {
+            s->heap[at] = s->heap[up];
+        }
+        s->heap[at] = entry;
     }
 }
 
@@ -124,13 +109,14 @@ static void search_paths( path_search* s, int32_t source, bool* wanted, int want
     reach( s, source, -1, 0.0 );
     while ( s->heap_count > 0 && wanted_count > 0 )
     {
-        const int32_t vertex = take_nearest_path( s );
-        const double distance = s->node[vertex].distance;
+        const path_entry nearest = take_nearest_path( s );
+        const int32_t vertex = nearest.vertex;
+        const bool is_older = nearest.distance > s->node[vertex].distance;
         wanted_count -= wanted[vertex] ? 1 : 0;
         wanted[vertex] = false;
-        for ( int32_t n = mesh->neighbour_begin[vertex]; n < mesh->neighbour_begin[vertex + 1]; ++n )
+        for ( int32_t n = mesh->neighbour_begin[vertex]; n < mesh->neighbour_begin[vertex + 1] && !is_older; ++n )
         {
-            reach( s, mesh->neighbour[n], vertex, distance + (double)mesh->neighbour_length[n] );
+            reach( s, mesh->neighbour[n], vertex, nearest.distance + (double)mesh->neighbour_length[n] );
         }
     }
 }
@@ -548,9 +534,8 @@ static bool is_compact( double a, double b, double c, double spacing )
 
 // Lists corners of a chosen vertex: every compact triangle of mutual neighbours, and edges without one. Triangles
 // may overlap, since any path over them is a path on the mesh.
-// @param node_of [fine_count]
 // @param corner null to count only
-static int list_corners( const level_maker* m, int32_t a, const int32_t* node_of, geodesic_corner* corner )
+static int list_corners( const level_maker* m, int32_t a, geodesic_corner* corner )
 {
     const level_near* near = m->near + (size_t)a * LEVEL_NEAR;
     bool has_triangle[LEVEL_NEAR] = { false };
@@ -565,7 +550,7 @@ static int list_corners( const level_maker* m, int32_t a, const int32_t* node_of
                 has_triangle[i] = has_triangle[j] = true;
                 if ( corner != NULL )
                 {
-                    corner[count] = geodesic_corner_of_sides( node_of[near[i].rank], node_of[near[j].rank],
+                    corner[count] = geodesic_corner_of_sides( m->row[near[i].rank], m->row[near[j].rank],
                                                               near[i].distance, near[j].distance, across );
                 }
                 count += 1;
@@ -575,7 +560,7 @@ static int list_corners( const level_maker* m, int32_t a, const int32_t* node_of
         {
             if ( corner != NULL )
             {
-                int32_t node = node_of[near[i].rank];
+                int32_t node = m->row[near[i].rank];
                 corner[count] = geodesic_corner_of_sides( node, node, near[i].distance, near[i].distance, 0.0 );
             }
             count += 1;
@@ -584,27 +569,22 @@ static int list_corners( const level_maker* m, int32_t a, const int32_t* node_of
     return count;
 }
 
-bool level_make_net( const level_maker* m, const int32_t* slots, int count, fabric_pool* pool, geodesic_net* out )
+bool level_make_net( const level_maker* m, fabric_pool* pool, geodesic_net* out )
 {
-    fabric_pool scratch = { .allocator = pool->allocator };
-    int32_t* node_of = fabric_pool_push( &scratch, (size_t)m->fine_count, sizeof( int32_t ) );
-    int32_t* slot = fabric_pool_push( pool, (size_t)count, sizeof( int32_t ) );
+    const int count = m->member_count;
     int32_t* begin = fabric_pool_push( pool, (size_t)count + 1, sizeof( int32_t ) );
     wisp_vec3* point = fabric_pool_push( pool, (size_t)count, sizeof( wisp_vec3 ) );
     geodesic_corner* corner = NULL;
-    if ( node_of != NULL && slot != NULL && begin != NULL && point != NULL )
+    if ( begin != NULL && point != NULL )
     {
-        int node = 0;
         begin[0] = 0;
         for ( int32_t r = 0; r < m->fine_count; ++r )
         {
-            if ( m->chosen[r] )
+            const int node = m->row[r];
+            if ( node >= 0 )
             {
-                node_of[r] = node;
-                slot[node] = slots[node];
-                point[node] = m->fabric->rest[slots[node]];
-                begin[node + 1] = begin[node] + list_corners( m, r, node_of, NULL );
-                node += 1;
+                point[node] = m->fabric->rest[m->members[node]];
+                begin[node + 1] = begin[node] + list_corners( m, r, NULL );
             }
         }
         corner = fabric_pool_push( pool, (size_t)begin[count], sizeof( geodesic_corner ) );
@@ -612,11 +592,10 @@ bool level_make_net( const level_maker* m, const int32_t* slots, int count, fabr
         {
             if ( m->chosen[r] )
             {
-                list_corners( m, r, node_of, corner + begin[node_of[r]] );
+                list_corners( m, r, corner + begin[m->row[r]] );
             }
         }
     }
-    fabric_pool_release( &scratch );
-    *out = ( geodesic_net ){ .count = count, .point = point, .slot = slot, .begin = begin, .corner = corner };
+    *out = ( geodesic_net ){ .count = count, .point = point, .slot = m->members, .begin = begin, .corner = corner };
     return corner != NULL;
 }

@@ -4,6 +4,7 @@
 #include "fabric.h"
 
 #include "fabric_levels.h"
+#include "jobs.h"
 
 #include "wisp/module/double3.h"
 #include "wisp/module/vec.h"
@@ -218,19 +219,29 @@ static bool level_make_parents( const level_maker* m, fabric_pool* keep, wisp_fa
 // Maximum number of nodes of the net for marches. The finest net within it is used, or else that of the next finer
 // level. Distances over a coarse net are less accurate on curved meshes.
 #define NET_NODES 16384
+// Minimum number of vertices of a mesh that justify to start a worker.
+#define FEWEST_TO_SHARE 4096
 #define COVERED ( 1.0 - 1e-6 )
 
-// State of the level loop: vertices of a level become fine vertices of the next.
+// State of the level loop: vertices of a level become fine vertices of the next. While the links of a level are found, the vertices of
+// the next are chosen.
 typedef struct level_state
 {
-    fabric_pool pools[2];   // of the current net, and of its replacement
-    int pool;               // index of the pool that holds the net
-    geodesic_net net;       // graph over which distances are computed
-    fabric_pool members[2]; // of the current list of fine vertices, and of the next one
+    const fabric_parts* parts;
+    jobs_pool* jobs;
+    level_maker makers[2]; // of level l at l % 2
+    fabric_pool own[2];    // of these makers
+    fabric_pool scratch;   // of all levels
+    fabric_pool pools[2];  // of the current net, and of its replacement
+    int pool;              // index of the pool that holds the net
+    geodesic_net net;      // graph over which distances are computed
     wisp_fabric_level made[WISP_FABRIC_MAX_LEVELS];
-    int made_count;
-    double mean_edge; // m, of the mesh
-    double net_edge;  // m, of the net
+    int chosen_count, made_count; // levels that have their vertices, and their links
+    bool has_chosen;              // the last level
+    bool has_ended;               // a level has no links
+    bool failed[2];               // out of memory: to choose, to make
+    double mean_edge;             // m, of the mesh
+    double net_edge;              // m, of the net
 } level_state;
 
 // ---- selection ----
@@ -324,102 +335,127 @@ static bool choose_level( level_maker* m, const geodesic_net* net, fabric_pool* 
 // ---- levels ----
 
 // Numbers the rows, and lists the slots of the chosen vertices.
-static bool list_members( level_maker* m, fabric_pool* members, int32_t** chosen, int* count )
+static bool list_members( level_maker* m, fabric_pool* scratch )
 {
-    *count = 0;
+    m->member_count = 0;
     for ( int32_t r = 0; r < m->fine_count; ++r )
     {
-        m->row[r] = m->chosen[r] ? ( *count )++ : -1;
+        m->row[r] = m->chosen[r] ? m->member_count++ : -1;
     }
-    *chosen = fabric_pool_push( members, (size_t)*count, sizeof( int32_t ) );
-    for ( int32_t r = 0; r < m->fine_count && *chosen != NULL; ++r )
+    m->members = fabric_pool_push( scratch, (size_t)m->member_count, sizeof( int32_t ) );
+    for ( int32_t r = 0; r < m->fine_count && m->members != NULL; ++r )
     {
         if ( m->chosen[r] )
         {
-            ( *chosen )[m->row[r]] = m->fine[r];
+            m->members[m->row[r]] = m->fine[r];
         }
     }
-    return *chosen != NULL;
+    return m->members != NULL;
 }
 
-// Makes the level the fine one; its net replaces the previous net while that has too many nodes.
-static bool step_up( level_state* s, level_maker* m, int32_t* chosen, int count )
+// The net of the chosen vertices replaces the previous net while that has too many nodes.
+static bool replace_net( level_state* s, const level_maker* m )
 {
-    if ( s->net.count > NET_NODES )
+    geodesic_net net;
+    if ( level_make_net( m, &s->pools[1 - s->pool], &net ) == false )
     {
-        geodesic_net net;
-        if ( level_make_net( m, chosen, count, &s->pools[1 - s->pool], &net ) == false )
-        {
-            return false;
-        }
-        fabric_pool_release( &s->pools[s->pool] );
-        s->pool = 1 - s->pool;
-        s->net = net;
-        s->net_edge = NET_EDGE * m->spacing;
+        return false;
     }
-    m->fine = chosen;
-    m->fine_count = count;
+    fabric_pool_release( &s->pools[s->pool] );
+    s->pool = 1 - s->pool;
+    s->net = net;
+    s->net_edge = NET_EDGE * m->spacing;
     return true;
 }
 
-static bool link_members( const level_maker* m, fabric_pool* keep, fabric_pool* scratch, wisp_fabric_level* level )
+static bool link_members( const level_maker* m, fabric_pool* keep, wisp_fabric_level* level )
 {
+    fabric_pool scratch = { .allocator = keep->allocator };
     size_t room = 1;
     for ( int32_t r = 0; r < m->fine_count; ++r )
     {
         room += m->chosen[r] ? m->near_count[r] : 0;
     }
     // every pair of neighbours is in two lists, and in at most one link
-    level_link* links = fabric_pool_push( scratch, room / 2 + 1, sizeof( level_link ) );
-    if ( links == NULL )
-    {
-        return false;
-    }
-    const int count = level_list_links( m, links );
-    return level_make_links( m, links, count, keep, level ) && level_make_parents( m, keep, level );
+    level_link* links = fabric_pool_push( &scratch, room / 2 + 1, sizeof( level_link ) );
+    const bool done = links != NULL && level_make_links( m, links, level_list_links( m, links ), keep, level ) &&
+                      level_make_parents( m, keep, level );
+    fabric_pool_release( &scratch );
+    return done;
 }
 
-// Builds a level.
-// @param ended set if the level would be too small, no smaller than the finer one, or without links
-static bool make_level( level_state* s, level_maker* m, fabric_pool* keep, fabric_pool* scratch, bool* ended )
+// Chooses the vertices of the next level, unless it would be too small, or no smaller than the finer one.
+static bool choose_next( level_state* s )
 {
-    fabric_pool* members = s->members + s->made_count % 2;
-    int32_t* chosen;
-    int count;
-    fabric_pool_release( members );
-    if ( choose_level( m, &s->net, scratch ) == false || list_members( m, members, &chosen, &count ) == false )
+    const int l = s->chosen_count;
+    level_maker* m = s->makers + l % 2;
+    if ( l > 0 )
+    {
+        const level_maker* last = s->makers + ( l - 1 ) % 2;
+        fabric_pool_release( s->own + l % 2 );
+        *m = *last;
+        m->finer = s->made + l - 1;
+        m->fine = last->members;
+        m->fine_count = last->member_count;
+    }
+    s->has_chosen = l == WISP_FABRIC_MAX_LEVELS || m->fine_count / 2 < FEWEST_VERTICES || s->mean_edge <= 0.0;
+    if ( s->has_chosen )
+    {
+        return true;
+    }
+    m->spacing = SPACING_FACTOR * ldexp( s->mean_edge, l + 1 );
+    m->reach = LEVEL_REACH * m->spacing;
+    m->margin = MARGIN * s->net_edge;
+    if ( choose_level( m, &s->net, s->own + l % 2 ) == false || list_members( m, &s->scratch ) == false )
     {
         return false;
     }
-    if ( count < FEWEST_VERTICES || count > m->fine_count / 2 )
+    s->has_chosen = m->member_count < FEWEST_VERTICES || m->member_count > m->fine_count / 2;
+    if ( s->has_chosen )
     {
-        *ended = true;
         return true;
     }
     level_agree( m );
+    s->chosen_count += 1;
+    return s->net.count <= NET_NODES || replace_net( s, m );
+}
+
+// Makes the links and parents of a level whose vertices are chosen.
+static bool make_next( level_state* s )
+{
+    const level_maker* m = s->makers + s->made_count % 2;
     wisp_fabric_level* level = s->made + s->made_count;
-    *level = ( wisp_fabric_level ){ .vertex_count = count };
+    *level = ( wisp_fabric_level ){ .vertex_count = m->member_count };
     if ( m->finer != NULL )
     {
         level->first_row = m->finer->first_row + m->finer->row_count;
         level->first_link = m->finer->first_link + m->finer->schedule.slot_count;
     }
-    if ( link_members( m, keep, scratch, level ) == false )
+    if ( link_members( m, s->parts->keep, level ) == false )
     {
         return false;
     }
-    *ended = level->link_count == 0;
-    if ( *ended )
-    {
-        return true;
-    }
-    if ( step_up( s, m, chosen, count ) == false )
-    {
-        return false;
-    }
-    s->made_count += 1;
-    m->finer = level;
+    s->has_ended = level->link_count == 0;
+    s->made_count += s->has_ended ? 0 : 1;
     return true;
+}
+
+static void run_part( void* context, int part, int worker )
+{
+    (void)worker;
+    level_state* s = context;
+    s->failed[part] = part == 0 ? s->has_chosen == false && choose_next( s ) == false : make_next( s ) == false;
+}
+
+static void make_levels( void* context )
+{
+    level_state* s = context;
+    run_part( s, 0, 0 );
+    while ( s->made_count < s->chosen_count && s->has_ended == false && s->failed[0] == false &&
+            s->failed[1] == false )
+    {
+        jobs_run_wave( s->jobs, WISP_COUNT( s->failed ), run_part, s );
+    }
 }
 
 static double mean_edge( const wisp_fabric* f )
@@ -492,21 +528,23 @@ static void sum_normals( const wisp_fabric* f, wisp_vec3* normal )
 }
 
 // Lists all referenced vertices. Unreferenced ones cannot be reached, so no level has them.
-static bool begin_levels( const fabric_parts* parts, const wisp_fabric* f, level_state* s, level_maker* m,
-                          fabric_pool* scratch )
+static bool begin_levels( level_state* s )
 {
+    const fabric_mesh* mesh = s->parts->mesh;
+    level_maker* m = s->makers;
+    const wisp_fabric* f = m->fabric;
     size_t vertices = (size_t)f->vertex_count;
-    m->turn = fabric_pool_push( scratch, vertices, sizeof( uint8_t ) );
-    wisp_vec3* normal = fabric_pool_push_zeroed( scratch, vertices, sizeof( wisp_vec3 ) );
-    int32_t* fine = fabric_pool_push( scratch, vertices, sizeof( int32_t ) );
-    if ( m->turn == NULL || normal == NULL || fine == NULL || find_turns( parts, f, m->turn ) == false ||
-         geodesic_net_of_mesh( parts, f, &s->pools[0], &s->net ) == false )
+    m->turn = fabric_pool_push( &s->scratch, vertices, sizeof( uint8_t ) );
+    wisp_vec3* normal = fabric_pool_push_zeroed( &s->scratch, vertices, sizeof( wisp_vec3 ) );
+    int32_t* fine = fabric_pool_push( &s->scratch, vertices, sizeof( int32_t ) );
+    if ( m->turn == NULL || normal == NULL || fine == NULL || find_turns( s->parts, f, m->turn ) == false ||
+         geodesic_net_of_mesh( s->parts, f, &s->pools[0], &s->net ) == false )
     {
         return false;
     }
     for ( int v = 0; v < f->vertex_count; ++v )
     {
-        if ( parts->mesh->corner_begin[v] != parts->mesh->corner_begin[v + 1] )
+        if ( mesh->corner_begin[v] != mesh->corner_begin[v + 1] )
         {
             fine[m->fine_count++] = v;
         }
@@ -517,41 +555,31 @@ static bool begin_levels( const fabric_parts* parts, const wisp_fabric* f, level
     return true;
 }
 
-static bool make_levels( const fabric_parts* parts, level_state* s, level_maker* m, fabric_pool* scratch )
-{
-    if ( begin_levels( parts, m->fabric, s, m, scratch ) == false )
-    {
-        return false;
-    }
-    bool done = true, ended = s->mean_edge <= 0.0;
-    for ( int l = 1; l <= WISP_FABRIC_MAX_LEVELS && done && ended == false; ++l )
-    {
-        fabric_pool own = { .allocator = parts->allocator };
-        m->spacing = SPACING_FACTOR * ldexp( s->mean_edge, l );
-        m->reach = LEVEL_REACH * m->spacing;
-        m->margin = MARGIN * s->net_edge;
-        done = make_level( s, m, parts->keep, &own, &ended );
-        fabric_pool_release( &own );
-    }
-    return done;
-}
-
 bool fabric_cook_levels( const fabric_parts* parts, wisp_fabric* fabric )
 {
     const wisp_allocator* a = parts->allocator;
-    fabric_pool scratch = { .allocator = a };
-    level_state state = { .pools = { { .allocator = a }, { .allocator = a } },
-                          .members = { { .allocator = a }, { .allocator = a } },
+    const fabric_pool empty = { .allocator = a };
+    level_state state = { .parts = parts,
+                          .makers = { { .fabric = fabric, .mesh = parts->mesh } },
+                          .own = { empty, empty },
+                          .scratch = empty,
+                          .pools = { empty, empty },
                           .mean_edge = mean_edge( fabric ) };
-    level_maker maker = { .fabric = fabric, .mesh = parts->mesh };
     state.net_edge = state.mean_edge;
-    bool done = make_levels( parts, &state, &maker, &scratch );
+    state.jobs = jobs_create( a, fabric->vertex_count < FEWEST_TO_SHARE ? 1 : parts->workers, NULL, NULL );
+    bool done = state.jobs != NULL && begin_levels( &state );
+    if ( done )
+    {
+        jobs_enter( state.jobs, make_levels, &state );
+        done = state.failed[0] == false && state.failed[1] == false;
+    }
+    jobs_destroy( state.jobs );
     for ( int i = 0; i < 2; ++i )
     {
         fabric_pool_release( state.pools + i );
-        fabric_pool_release( state.members + i );
+        fabric_pool_release( state.own + i );
     }
-    fabric_pool_release( &scratch );
+    fabric_pool_release( &state.scratch );
     wisp_fabric_level* levels = NULL;
     if ( done )
     {

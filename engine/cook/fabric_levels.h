@@ -31,12 +31,14 @@ typedef struct level_maker
 {
     const wisp_fabric* fabric;
     const fabric_mesh* mesh;
-    double spacing;                 ///< m, minimum distance between vertices of the coarse level
-    double reach;                   ///< m, closer vertices become neighbours and may be linked
-    double margin;                  ///< m, by which marches exceed the reach
-    int fine_count;                 ///< number of ranks
-    const int32_t* fine;            ///< [fine_count] slots, in increasing order
-    bool* chosen;                   ///< [fine_count] in the coarse level
+    double spacing;      ///< m, minimum distance between vertices of the coarse level
+    double reach;        ///< m, closer vertices become neighbours and may be linked
+    double margin;       ///< m, by which marches exceed the reach
+    int fine_count;      ///< number of ranks
+    const int32_t* fine; ///< [fine_count] slots, in increasing order
+    bool* chosen;        ///< [fine_count] in the coarse level
+    int32_t* members;    ///< [member_count] slots of the chosen ones
+    int member_count;
     int32_t* row;                   ///< [fine_count] row in the coarse level, -1 if not chosen
     bool* covered;                  ///< [fine_count] closer than the spacing to a chosen vertex
     level_near* near;               ///< [fine_count][LEVEL_NEAR] by increasing distance, without the vertex itself
@@ -73,8 +75,6 @@ int level_list_links( const level_maker* maker, level_link* out );
 bool level_make_links( const level_maker* maker, const level_link* links, int count, fabric_pool* keep,
                        wisp_fabric_level* out );
 
-/// Build the net of the chosen vertices.
-/// @param slots [count] of the chosen vertices, in increasing order
+/// Build the net of the chosen vertices, whose slots it shares.
 /// @return false if out of memory
-bool level_make_net( const level_maker* maker, const int32_t* slots, int count, fabric_pool* pool,
-                     geodesic_net* out );
+bool level_make_net( const level_maker* maker, fabric_pool* pool, geodesic_net* out );

@@ -42,6 +42,7 @@ typedef struct fabric_parts
     const fabric_mesh* mesh;
     fabric_pool* keep;               ///< arrays of the fabric
     const wisp_allocator* allocator; ///< for scratch memory, preferably through a separate pool
+    int workers;
 } fabric_parts;
 
 /// Constraints to be scheduled.

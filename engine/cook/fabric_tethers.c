@@ -157,19 +157,21 @@ bool geodesic_march_init( geodesic_march* march, const geodesic_net* net, fabric
     return march->node != NULL && march->heap != NULL && march->reached != NULL;
 }
 
-static geodesic_node* visit( geodesic_march* m, int32_t v )
+static geodesic_node* enter( geodesic_march* m, int32_t v, geodesic_node* node )
+{
+    *node = ( geodesic_node ){
+        .distance = INFINITY,
+        .straight = double3_length( double3_between( m->net->point[m->source], m->net->point[v] ) ),
+        .march = m->number,
+        .place = -1,
+    };
+    return node;
+}
+
+static inline geodesic_node* visit( geodesic_march* m, int32_t v )
 {
     geodesic_node* node = m->node + v;
-    if ( node->march != m->number )
-    {
-        *node = ( geodesic_node ){
-            .distance = INFINITY,
-            .straight = double3_length( double3_between( m->net->point[m->source], m->net->point[v] ) ),
-            .march = m->number,
-            .place = -1,
-        };
-    }
-    return node;
+    return node->march == m->number ? node : enter( m, v, node );
 }
 
 // Tests whether a node is as near as the straight line, which no path can improve.
@@ -178,14 +180,8 @@ static bool is_settled( const geodesic_node* node )
     return node->distance <= node->straight * ( 1.0 + SETTLED );
 }
 
-static void offer( geodesic_march* m, int32_t v, geodesic_node* node, double distance )
+static void set_nearer( geodesic_march* m, int32_t v, geodesic_node* node, double distance )
 {
-    distance = distance > node->straight ? distance : node->straight;
-    if ( distance > m->radius || ( m->bound != NULL && distance > (double)m->bound[v] ) ||
-         ( distance < node->distance * ( 1.0 - CORRECTION ) ) == false )
-    {
-        return;
-    }
     if ( node->distance == (double)INFINITY )
     {
         m->reached[m->reached_count++] = v;
@@ -196,6 +192,16 @@ static void offer( geodesic_march* m, int32_t v, geodesic_node* node, double dis
         return;
     }
     rise( m, node->place >= 0 ? node->place : m->heap_count++, ( geodesic_entry ){ distance, v } );
+}
+
+static inline void offer( geodesic_march* m, int32_t v, geodesic_node* node, double distance )
+{
+    distance = distance > node->straight ? distance : node->straight;
+    if ( distance < node->distance * ( 1.0 - CORRECTION ) && distance <= m->radius &&
+         ( m->bound == NULL || distance <= (double)m->bound[v] ) )
+    {
+        set_nearer( m, v, node, distance );
+    }
 }
 
 // Computes the distance of corner b from the source, given distances dv and da of its neighbours v and a. v is at

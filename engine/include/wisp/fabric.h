@@ -71,6 +71,7 @@ typedef struct wisp_fabric_def
     ///< saves about 130 bytes per vertex where nothing does. Effects and requests of a world ask for what they need
     wisp_solve_order solve_order; ///< default WISP_SOLVE_ORDER_COLOUR
     int tile_size; ///< vertices, a multiple of 8 in 64 .. 65536; default 0: 1024, 512 or 256, so that there are at least 4
+    int workers; ///< 1 .. WISP_MAX_WORKERS that cook coarse sheets of 4096 vertices and more; default 1: the calling thread alone
 } wisp_fabric_def;
 
 WISP_DEFINITION( fabric_def );
