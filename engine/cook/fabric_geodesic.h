@@ -38,6 +38,7 @@ typedef struct geodesic_node
     int32_t march;   ///< number of the march that wrote this state
     int32_t place;   ///< position in the heap, -1 if outside
     int32_t visits;  ///< number of times it has left the heap
+    int32_t settled; ///< number of the last march in which no path can improve it
 } geodesic_node;
 
 /// A node in the heap with its distance, which is compared more often than nodes are looked up.

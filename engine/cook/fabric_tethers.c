@@ -165,6 +165,7 @@ static geodesic_node* enter( geodesic_march* m, int32_t v, geodesic_node* node )
         .march = m->number,
         .place = -1,
     };
+    node->settled = node->straight > m->radius ? m->number : 0;
     return node;
 }
 
@@ -174,10 +175,10 @@ static inline geodesic_node* visit( geodesic_march* m, int32_t v )
     return node->march == m->number ? node : enter( m, v, node );
 }
 
-// Tests whether a node is as near as the straight line, which no path can improve.
-static bool is_settled( const geodesic_node* node )
+// Tests whether no path can improve a node: it is as near as the straight line, or that is beyond the radius.
+static inline bool is_settled( const geodesic_march* m, const geodesic_node* node )
 {
-    return node->distance <= node->straight * ( 1.0 + SETTLED );
+    return node->settled == m->number;
 }
 
 static void set_nearer( geodesic_march* m, int32_t v, geodesic_node* node, double distance )
@@ -187,6 +188,7 @@ static void set_nearer( geodesic_march* m, int32_t v, geodesic_node* node, doubl
         m->reached[m->reached_count++] = v;
     }
     node->distance = distance;
+    node->settled = distance <= node->straight * ( 1.0 + SETTLED ) ? m->number : 0;
     if ( node->visits == MAX_VISITS )
     {
         return;
@@ -235,13 +237,17 @@ static bool has_left( const geodesic_node* node )
 
 static void spread_over( geodesic_march* m, double distance, const geodesic_corner* c )
 {
+    if ( is_settled( m, m->node + c->a ) && is_settled( m, m->node + c->b ) )
+    {
+        return;
+    }
     geodesic_node *a = visit( m, c->a ), *b = visit( m, c->b );
     bool know_a = has_left( a ), know_b = has_left( b );
-    if ( is_settled( a ) == false )
+    if ( is_settled( m, a ) == false )
     {
         offer( m, c->a, a, distance + (double)c->va );
     }
-    if ( is_settled( b ) == false )
+    if ( is_settled( m, b ) == false )
     {
         offer( m, c->b, b, distance + (double)c->vb );
     }
@@ -249,11 +255,11 @@ static void spread_over( geodesic_march* m, double distance, const geodesic_corn
     {
         return;
     }
-    if ( know_a && is_settled( b ) == false )
+    if ( know_a && is_settled( m, b ) == false )
     {
         offer( m, c->b, b, unfold( c->va, c->dot, c->area, distance, a->distance ) );
     }
-    if ( know_b && is_settled( a ) == false )
+    if ( know_b && is_settled( m, a ) == false )
     {
         offer( m, c->a, a, unfold( c->vb, c->dot, c->area, distance, b->distance ) );
     }
@@ -269,6 +275,7 @@ void geodesic_march_run( geodesic_march* m, int32_t source, double radius, const
     m->heap_count = 0;
     geodesic_node* start = visit( m, source );
     start->distance = 0.0;
+    start->settled = m->number;
     m->reached[m->reached_count++] = source;
     rise( m, m->heap_count++, ( geodesic_entry ){ 0.0, source } );
     while ( m->heap_count > 0 )
