@@ -110,33 +110,26 @@ static void rise( geodesic_march* m, int place, geodesic_entry entry )
     put( m, place, entry );
 }
 
-static void sink( geodesic_march* m, int place, geodesic_entry entry )
+// Removes the first entry. The hole goes down to the end, where the last entry nearly always belongs.
+static int32_t take_nearest( geodesic_march* m )
 {
-    for ( ;; )
+    const int32_t nearest = m->heap[0].node;
+    const int count = --m->heap_count;
+    int place = 0;
+    for ( int first = 1; first < count; first = place * HEAP_ARITY + 1 )
     {
-        int first = place * HEAP_ARITY + 1, best = first;
-        int end = first + HEAP_ARITY < m->heap_count ? first + HEAP_ARITY : m->heap_count;
+        const int end = first + HEAP_ARITY < count ? first + HEAP_ARITY : count;
+        int best = first;
         for ( int child = first + 1; child < end; ++child )
         {
             best = nearer( m->heap[child], m->heap[best] ) ? child : best;
         }
-        if ( first >= end || nearer( m->heap[best], entry ) == false )
-        {
-            break;
-        }
         put( m, place, m->heap[best] );
         place = best;
     }
-    put( m, place, entry );
-}
-
-static int32_t take_nearest( geodesic_march* m )
-{
-    int32_t nearest = m->heap[0].node;
-    m->heap_count -= 1;
-    if ( m->heap_count > 0 )
+    if ( count > 0 )
     {
-        sink( m, 0, m->heap[m->heap_count] );
+        rise( m, place, m->heap[count] );
     }
     m->node[nearest].place = -1;
     m->node[nearest].visits += 1;
