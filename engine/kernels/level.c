@@ -3,9 +3,6 @@
 
 #include "wisp/fabric.h"
 
-// Quads of eight rows in a row.
-static const int32_t EIGHT_ROWS[8] = { 0, 4, 8, 12, 16, 20, 24, 28 };
-
 // Masses of two rows in a register.
 static const float LAST_OF_ROWS[8] = { 0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f };
 
@@ -356,13 +353,13 @@ void KERNEL( prolong )( const wisp_prolong_args* args, int begin, int end )
             }
         }
         lane8 position[4], target[4];
-        lane8_load_quads( mine.position + (size_t)slice * 32, EIGHT_ROWS, position );
-        lane8_load_quads( mine.target + (size_t)slice * 32, EIGHT_ROWS, target );
+        lane8_load_quads( mine.position + (size_t)slice * 32, lane_quad_iota, position );
+        lane8_load_quads( mine.target + (size_t)slice * 32, lane_quad_iota, target );
         for ( int r = 0; r < 4; ++r )
         {
             const lane8m moves = lane8_lt( lane8_zero(), lane8_spread_last( position[r] ) );
             target[r] = lane8_select( moves, lane8_add( target[r], sum[r] ), target[r] );
         }
-        lane8_store_quads( mine.target + (size_t)slice * 32, EIGHT_ROWS, target );
+        lane8_store_quads( mine.target + (size_t)slice * 32, lane_quad_iota, target );
     }
 }
