@@ -2,6 +2,7 @@
 #include "plan.h"
 
 #include "alloc.h"
+#include "wisp/module/components.h"
 
 #include <string.h>
 
@@ -424,6 +425,12 @@ plan_section plan_section_of( wisp_stage stage )
 int plan_row_count( const store_entity* e )
 {
     return e->rows[WISP_TABLE_STRAND_ROW].count + e->rows[WISP_TABLE_PARTICLE].count / WISP_LANES;
+}
+
+bool plan_is_wide( const store_entity* e )
+{
+    const bool has_sheets = store_mask_has( &e->components, WISP_SURFACE_LEVELS );
+    return plan_row_count( e ) >= ( has_sheets ? PLAN_WIDE_ROWS_OVER_SHEETS : PLAN_WIDE_ENTITY_ROWS );
 }
 
 int plan_item_count( const store_entity* e, wisp_domain domain )

@@ -2,6 +2,8 @@
 // caches for the whole step, and no worker waits for another between passes (bench case "scenes", crowds).
 #include "plan.h"
 
+#include "wisp/module/components.h"
+
 #include <string.h>
 
 // ---- compilation ----
@@ -16,8 +18,7 @@ enum
 static bool can_loop( const plan* p, const wisp_registry* r, int slot )
 {
     const plan_entity* e = p->entities + slot;
-    bool possible =
-        e->runs_waves && e->meets == false && plan_row_count( r->store->entities + slot ) < PLAN_WIDE_ENTITY_ROWS;
+    bool possible = e->runs_waves && e->meets == false && plan_is_wide( r->store->entities + slot ) == false;
     for ( int n = 0; n < p->loop_node_count && possible; ++n )
     {
         const plan_node* node = p->nodes + p->loop_nodes[n];
@@ -63,7 +64,8 @@ void plan_find_entity_loops( plan* p, const wisp_registry* r )
         p->loop_count += p->entities[slot].loops ? 1 : 0;
         last = p->entities[slot].loops ? slot : last;
     }
-    if ( p->loop_count == 1 && plan_row_count( r->store->entities + last ) >= PLAN_LONE_ENTITY_ROWS )
+    if ( p->loop_count == 1 && plan_row_count( r->store->entities + last ) >= PLAN_LONE_ENTITY_ROWS &&
+         store_mask_has( &r->store->entities[last].components, WISP_SURFACE_LEVELS ) == false )
     {
         p->entities[last].loops = false; // it has all workers
         p->loop_count = 0;

@@ -445,8 +445,7 @@ static int partition_wide_blocks( const wisp_frame* frame, int count )
     {
         const plan_block block = p->blocks[i];
         const store_entity* e = frame->registry->store->entities + block.slot;
-        bool wide = p->nodes[block.node].domain == WISP_DOMAIN_ENTITY &&
-                    ( entity_blocks == 1 || plan_row_count( e ) >= PLAN_WIDE_ENTITY_ROWS );
+        bool wide = p->nodes[block.node].domain == WISP_DOMAIN_ENTITY && ( entity_blocks == 1 || plan_is_wide( e ) );
         if ( wide )
         {
             p->blocks[i] = p->blocks[--narrow];

@@ -23,8 +23,10 @@ enum
     PLAN_MAX_STATES = 32,
     PLAN_MAX_WORKSPACES = 16,
     PLAN_MAX_OBJECTS = 16,
-    // An entity with fewer rows of sixteen lanes runs on one worker, in parallel with others.
+    // An entity with fewer rows of sixteen lanes runs on one worker, in parallel with others. Coarse sheets take half of a step on one
+    // worker, and waves between cost more than they save (flag, and sheets of 65 a side; 129 a side break even).
     PLAN_WIDE_ENTITY_ROWS = 256,
+    PLAN_WIDE_ROWS_OVER_SHEETS = 1024,
 };
 
 typedef struct plan_workspace
@@ -323,6 +325,8 @@ uint32_t plan_live_passes( const plan* p, const plan_node* node, int slot );
 
 /// Return the size of an entity in rows of sixteen lanes.
 int plan_row_count( const store_entity* e );
+/// Is an entity large enough for all workers?
+bool plan_is_wide( const store_entity* e );
 
 /// Is it a section of the substep loop?
 static inline bool plan_is_substep( plan_section section )
