@@ -66,6 +66,13 @@ typedef struct geodesic_march
 /// @return false if out of memory
 bool geodesic_march_init( geodesic_march* march, const geodesic_net* net, fabric_pool* pool );
 
+/// Begin a march, with its source in the heap.
+void geodesic_march_begin( geodesic_march* march, int32_t source, double radius );
+/// Take the nearest node from the heap, which is not empty.
+int32_t geodesic_march_next( geodesic_march* march );
+/// Give a node a distance if that is less than what it has. @return whether it is
+bool geodesic_march_reach( geodesic_march* march, int32_t node, double distance );
+
 /// Compute distances from a source to all nodes within a radius, in march->node[march->reached[..]].distance.
 ///
 /// Where two corners of a triangle have distances, the source is unfolded into its plane. The third corner gets the

@@ -13,90 +13,21 @@
 // Chains of mesh edges along the links of a coarse level. How much a chain is shorter than at rest tells how much the cloth
 // between the ends of a link is compressed: wrinkles bring the ends together and leave the chain as long as it was.
 
-enum
-{
-    PATH_HEAP_ARITY = 4,
-};
-
-// A vertex in the heap. One whose distance falls is pushed again, and its older entry is skipped when it leaves: moving entries then
-// touches no vertex.
-typedef struct path_entry
-{
-    double distance; // m
-    int32_t vertex;
-} path_entry;
-
-// State of a vertex in a search.
-typedef struct path_node
-{
-    double distance; // m
-    int32_t from;    // vertex before it on the path
-    int32_t visit;   // number of the search that wrote this
-} path_node;
-
 // The paths from one vertex, by Dijkstra's algorithm over the edges of the mesh.
 typedef struct path_search
 {
     const fabric_mesh* mesh;
-    path_node* node;  // [vertex_count]
-    path_entry* heap; // [edge, from each end, and the source]
-    int heap_count;
-    int32_t number;
+    geodesic_net net; // of vertices alone
+    geodesic_march march;
+    int32_t* from; // [vertex_count] vertex before each on the path
 } path_search;
 
-static bool search_init( path_search* s, const fabric_mesh* mesh, fabric_pool* pool )
+static bool search_init( path_search* s, const level_maker* m, fabric_pool* pool )
 {
-    const size_t count = (size_t)mesh->vertex_count, ends = (size_t)mesh->neighbour_begin[mesh->vertex_count];
-    *s = ( path_search ){
-        .mesh = mesh,
-        .node = fabric_pool_push_zeroed( pool, count, sizeof( path_node ) ),
-        .heap = fabric_pool_push( pool, ends + 1, sizeof( path_entry ) ),
-    };
-    return s->node != NULL && s->heap != NULL;
-}
-
-static bool is_nearer( path_entry a, path_entry b )
-{
-    return a.distance < b.distance || ( a.distance <= b.distance && a.vertex < b.vertex );
-}
-
-static path_entry take_nearest_path( path_search* s )
-{
-    const path_entry nearest = s->heap[0], last = s->heap[--s->heap_count];
-    int at = 0;
-    for ( int first = 1; first < s->heap_count; first = PATH_HEAP_ARITY * at + 1 )
-    {
-        const int end = first + PATH_HEAP_ARITY < s->heap_count ? first + PATH_HEAP_ARITY : s->heap_count;
-        int best = first;
-        for ( int child = first + 1; child < end; ++child )
-        {
-            best = is_nearer( s->heap[child], s->heap[best] ) ? child : best;
-        }
-        if ( is_nearer( last, s->heap[best] ) )
-        {
-            break;
-        }
-        s->heap[at] = s->heap[best];
-        at = best;
-    }
-    s->heap[at] = last;
-    return nearest;
-}
-
-static void reach( path_search* s, int32_t vertex, int32_t from, double distance )
-{
-    path_node* node = s->node + vertex;
-    if ( node->visit != s->number || distance < node->distance )
-    {
-        const path_entry entry = { distance, vertex };
-        int at = s->heap_count++;
-        *node = ( path_node ){ distance, from, s->number };
-        for ( int up; at > 0 && is_nearer( entry, s->heap[up = ( at - 1 ) / PATH_HEAP_ARITY] ); at = up )
-        {
-            s->heap[at] = s->heap[up];
-        }
-        s->heap[at] = entry;
-    }
+    s->mesh = m->mesh;
+    s->net = ( geodesic_net ){ .count = m->mesh->vertex_count, .point = m->fabric->rest };
+    s->from = fabric_pool_push( pool, (size_t)s->net.count, sizeof( int32_t ) );
+    return s->from != NULL && geodesic_march_init( &s->march, &s->net, pool );
 }
 
 // Searches until all wanted vertices have their final path.
@@ -104,19 +35,20 @@ static void reach( path_search* s, int32_t vertex, int32_t from, double distance
 static void search_paths( path_search* s, int32_t source, bool* wanted, int wanted_count )
 {
     const fabric_mesh* mesh = s->mesh;
-    s->number += 1;
-    s->heap_count = 0;
-    reach( s, source, -1, 0.0 );
-    while ( s->heap_count > 0 && wanted_count > 0 )
+    geodesic_march_begin( &s->march, source, INFINITY );
+    s->from[source] = -1;
+    while ( s->march.heap_count > 0 && wanted_count > 0 )
     {
-        const path_entry nearest = take_nearest_path( s );
-        const int32_t vertex = nearest.vertex;
-        const bool is_older = nearest.distance > s->node[vertex].distance;
+        const int32_t vertex = geodesic_march_next( &s->march );
+        const double distance = s->march.node[vertex].distance;
         wanted_count -= wanted[vertex] ? 1 : 0;
         wanted[vertex] = false;
-        for ( int32_t n = mesh->neighbour_begin[vertex]; n < mesh->neighbour_begin[vertex + 1] && !is_older; ++n )
+        for ( int32_t n = mesh->neighbour_begin[vertex]; n < mesh->neighbour_begin[vertex + 1]; ++n )
         {
-            reach( s, mesh->neighbour[n], vertex, nearest.distance + (double)mesh->neighbour_length[n] );
+            if ( geodesic_march_reach( &s->march, mesh->neighbour[n], distance + (double)mesh->neighbour_length[n] ) )
+            {
+                s->from[mesh->neighbour[n]] = vertex;
+            }
         }
     }
 }
@@ -133,7 +65,7 @@ typedef struct chain_list
 static int count_path( const path_search* s, int32_t end )
 {
     int count = 0;
-    for ( int32_t v = end; v >= 0; v = s->node[v].from )
+    for ( int32_t v = end; v >= 0; v = s->from[v] )
     {
         count += 1;
     }
@@ -180,9 +112,9 @@ static bool find_chains( const level_maker* m, const level_link* links, int begi
             return false;
         }
         out->begin[i + 1] = out->begin[i] + count;
-        out->rest[i] = (float)s->node[last].distance;
+        out->rest[i] = (float)s->march.node[last].distance;
         int at = out->begin[i + 1];
-        for ( int32_t v = last; v >= 0; v = s->node[v].from )
+        for ( int32_t v = last; v >= 0; v = s->from[v] )
         {
             out->vertex[--at] = v;
         }
@@ -199,7 +131,7 @@ static bool list_chains( const level_maker* m, const level_link* links, int coun
         .begin = fabric_pool_push_zeroed( scratch, (size_t)count + 1, sizeof( int32_t ) ),
         .rest = fabric_pool_push( scratch, (size_t)count, sizeof( float ) ),
     };
-    bool done = wanted != NULL && out->begin != NULL && out->rest != NULL && search_init( &s, m->mesh, scratch ) &&
+    bool done = wanted != NULL && out->begin != NULL && out->rest != NULL && search_init( &s, m, scratch ) &&
                 reserve_vertices( out, 0, 8 * (size_t)count, scratch );
     for ( int begin = 0, end; begin < count && done; begin = end )
     {

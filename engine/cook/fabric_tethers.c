@@ -111,7 +111,7 @@ static void rise( geodesic_march* m, int place, geodesic_entry entry )
 }
 
 // Removes the first entry. The hole goes down to the end, where the last entry nearly always belongs.
-static int32_t take_nearest( geodesic_march* m )
+int32_t geodesic_march_next( geodesic_march* m )
 {
     const int32_t nearest = m->heap[0].node;
     const int count = --m->heap_count;
@@ -189,6 +189,17 @@ static void set_nearer( geodesic_march* m, int32_t v, geodesic_node* node, doubl
     rise( m, node->place >= 0 ? node->place : m->heap_count++, ( geodesic_entry ){ distance, v } );
 }
 
+bool geodesic_march_reach( geodesic_march* m, int32_t v, double distance )
+{
+    geodesic_node* node = visit( m, v );
+    const bool is_nearer = distance < node->distance;
+    if ( is_nearer )
+    {
+        set_nearer( m, v, node, distance );
+    }
+    return is_nearer;
+}
+
 static inline void offer( geodesic_march* m, int32_t v, geodesic_node* node, double distance )
 {
     distance = distance > node->straight ? distance : node->straight;
@@ -258,23 +269,23 @@ static void spread_over( geodesic_march* m, double distance, const geodesic_corn
     }
 }
 
-void geodesic_march_run( geodesic_march* m, int32_t source, double radius, const float* bound )
+void geodesic_march_begin( geodesic_march* m, int32_t source, double radius )
 {
     m->number += 1;
     m->source = source;
     m->radius = radius;
+    m->reached_count = m->heap_count = 0;
+    set_nearer( m, source, visit( m, source ), 0.0 );
+}
+
+void geodesic_march_run( geodesic_march* m, int32_t source, double radius, const float* bound )
+{
     m->bound = bound;
-    m->reached_count = 0;
-    m->heap_count = 0;
-    geodesic_node* start = visit( m, source );
-    start->distance = 0.0;
-    start->settled = m->number;
-    m->reached[m->reached_count++] = source;
-    rise( m, m->heap_count++, ( geodesic_entry ){ 0.0, source } );
+    geodesic_march_begin( m, source, radius );
     while ( m->heap_count > 0 )
     {
-        int32_t v = take_nearest( m );
-        double distance = m->node[v].distance;
+        const int32_t v = geodesic_march_next( m );
+        const double distance = m->node[v].distance;
         for ( int32_t i = m->net->begin[v]; i < m->net->begin[v + 1]; ++i )
         {
             spread_over( m, distance, m->net->corner + i );
