@@ -54,10 +54,8 @@ static wisp_status tell_repairs( const scene_world* world, const wisp_mesh_repai
 static wisp_status check_demands( const wisp_scene_mesh* source, const wisp_mesh* mesh, wisp_error* error )
 {
     wisp_mesh_diagnostics report;
-    wisp_status status = wisp_mesh_examine( mesh, &report, error );
-    return status == WISP_OK
-               ? wisp_mesh_require( &report, source->demands, source->file ? source->file : "the mesh", error )
-               : status;
+    WISP_TRY( wisp_mesh_examine( mesh, &report, error ) );
+    return wisp_mesh_require( &report, source->demands, source->file ? source->file : "the mesh", error );
 }
 
 static wisp_status read_mesh( const wisp_scene_mesh* source, wisp_mesh* out, wisp_error* error )
