@@ -429,3 +429,10 @@ $ cat >repeats.py <<'END'
 > assert [{ **row, "workers": 1 } for row in first[1::2]] == alone
 > END
 > python3 repeats.py
+
+# The suites of effects and of the dressed figure are read whole; the first row, which the others are compared with, is links alone.
+$ wisp sweep "$SOURCE/data/suites/effect_costs.yaml" -o none --list | grep -o '^ *1 .*'; for suite in effect_costs character features; do wisp sweep "$SOURCE/data/suites/$suite.yaml" -o none --list | wc -l; done
+    1 ...  links
+21
+13
+6
