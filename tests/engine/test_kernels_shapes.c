@@ -497,6 +497,7 @@ static void fill_shape( outside* o, int number, int seed )
         s->size[3][l] = (float)taper.slope;
         s->size[4][l] = (float)taper.sine;
         s->shift[l] = s->rate[l] = 0.1f;
+        s->farther[l] = 1.3f;
         s->thickness[l] = THICKNESS;
         s->shallow[l] = SHALLOW;
         s->recovery[l] = RECOVERY;
@@ -737,6 +738,7 @@ static void run_meetings( const wisp_kernels* kernels, void* state, int begin, i
                                     .shapes = m->o.shapes,
                                     .count = m->o.shapes[0].kind == WISP_SHAPE_PLANE ? 0 : 1,
                                     .place = m->place[0],
+                                    .ahead = 1.25f,
                                     .blunt = &blunt,
                                     .away = 0.5f,
                                     .words = m->words };
@@ -745,7 +747,7 @@ static void run_meetings( const wisp_kernels* kernels, void* state, int begin, i
     {
         const wisp_primitive_paths paths = { m->position[0], m->previous[0], m->corners, 2 + is_triangle,
                                              m->place[0],    m->words,       0.5f };
-        m->near_count[is_triangle] = kernels->find_near_primitives( &paths, 0, MEETING, m->near[is_triangle] );
+        m->near_count[is_triangle] = kernels->list_near_primitives( &paths, 0, MEETING, m->near[is_triangle] );
         m->met_count[is_triangle] =
             kernels->meet_shape( &paths, m->o.shapes, NULL, m->listed, MEETING, m->met[is_triangle] );
     }
@@ -859,7 +861,7 @@ static void check_meetings( void* start, void* end )
             }
             const double limit = fmin( corner - 0.05 * h, 2.0 * h + displacement_of( from, to, count ) );
             const bool is_met = n < m->met_count[count - 2] && met[n].primitive == i,
-                       is_near = listed < m->near_count[count - 2] && near[listed] == i;
+                       is_near = listed < m->near_count[count - 2] && near[listed] / 2 == i;
             is_met ? check_met( m, &body, met + n, count, limit ) : check_not_met( m, &body, i, count, limit );
             assert_true( is_near || is_met == false );
             n += is_met ? 1 : 0;
