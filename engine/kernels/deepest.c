@@ -695,10 +695,20 @@ static int write_meetings( const meeting8* m, const touched8* t, const int32_t* 
     {
         EACH = sizeof( wisp_primitive_meeting ) / sizeof( float ) - 1, // but for the number
     };
-    const lane8 each[EACH] = { m->time,     m->deepest.weights[0], m->deepest.weights[1], m->deepest.weights[2],
-                               t->point.x,  t->point.y,            t->point.z,            t->normal.x,
-                               t->normal.y, t->normal.z,           t->motion.x,           t->motion.y,
-                               t->motion.z, t->start };
+    const lane8 each[EACH] = { m->time,
+                               m->deepest.weights[0],
+                               m->deepest.weights[1],
+                               m->deepest.weights[2],
+                               t->point.x,
+                               t->point.y,
+                               t->point.z,
+                               t->normal.x,
+                               t->normal.y,
+                               t->normal.z,
+                               t->motion.x,
+                               t->motion.y,
+                               t->motion.z,
+                               t->start };
     float rows[EACH][LANES];
     int met = 0;
     for ( int k = 0; k < EACH; ++k )
@@ -830,8 +840,7 @@ LANE_INLINE lane8i word_of( const wisp_clear_args* args, const wisp_shape_lanes*
                 above = lane8_mul_add( h, lane8_set1( 1.01f * ( STOP + LEFT_TO_CORNERS ) ), less );
     const lane8 nearer = how_near( s, kind, args->away ), larger = how_near( s, kind, LARGE * args->away );
     const lane8 beyond = lane8_mul_add( h, lane8_set1( 2.002f ), less ),
-                least = is_blunt ? above : lane8_add( beyond, nearer ),
-                most = is_blunt ? above : lane8_add( beyond, larger );
+                least = is_blunt ? above : lane8_add( beyond, nearer ), most = lane8_add( beyond, larger );
     const lane8i far = lane8i_set1( FAR );
     if ( kind == WISP_SHAPE_BOX )
     {
@@ -870,8 +879,7 @@ void KERNEL( clear_particles )( const wisp_clear_args* args, int begin, int end 
         lane8_load_xyzw_contiguous( args->previous + quad, &old.x, &old.y, &old.z, &none );
         const lane8 ahead = lane8_mul_add( lane8v_length( lane8v_sub( p, old ) ), lane8_set1( args->ahead ),
                                            lane8_set1( args->room ) );
-        const lane8 longest =
-            args->place != NULL ? lane8_mul( lane8_set1( PACE / args->ahead ), ahead ) : ahead;
+        const lane8 longest = args->place != NULL ? lane8_mul( lane8_set1( PACE / args->ahead ), ahead ) : ahead;
         if ( args->place != NULL )
         {
             lane8_store_xyzw_contiguous( args->place + quad, p.x, p.y, p.z, lane8_neg( ahead ) );
@@ -996,8 +1004,7 @@ LANE_INLINE int select_near( const wisp_primitive_paths* args, int corner_count,
                 is_within( size_of( args, numbers, corner_count, &ahead ), lane8_set1( args->away ) );
             all = lane8i_select( is_small, look, all );
         }
-        const uint32_t bits =
-            lane8m_bits( lane8m_and_not( lane8m_first( count - i ), lane8i_eq( all, zero ) ) );
+        const uint32_t bits = lane8m_bits( lane8m_and_not( lane8m_first( count - i ), lane8i_eq( all, zero ) ) );
         if ( bits != 0 )
         {
             const int n = lane8i_compress_store( packed, lane8i_loadu( numbers ), bits );

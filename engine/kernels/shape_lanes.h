@@ -106,9 +106,9 @@ LANE_INLINE lane8m is_beyond( const wisp_shape_lanes* s, wisp_shape_kind kind, b
             const lane8 lower = load_row( s->size[1], alike ), upper = load_row( s->size[2], alike ),
                         sine = load_row( s->size[4], alike );
             e = lane8v_mul_add( e, lane8_neg( clamp( lane8v_dot( axis, e ), lower, upper ) ), axis );
-            radius = kind == WISP_SHAPE_CAPSULE ? radius
-                                                : lane8_sub( radius, lane8_min( lane8_mul( sine, lower ),
-                                                                                lane8_mul( sine, upper ) ) );
+            radius = kind == WISP_SHAPE_CAPSULE
+                         ? radius
+                         : lane8_sub( radius, lane8_min( lane8_mul( sine, lower ), lane8_mul( sine, upper ) ) );
         }
         squared = lane8v_dot( e, e );
     }

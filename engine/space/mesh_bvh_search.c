@@ -125,7 +125,8 @@ void mesh_closest_propose_some( mesh_closest* search, const int32_t* triangles, 
     const lane8 p[3] = { lane8_set1( (float)search->point.x ), lane8_set1( (float)search->point.y ),
                          lane8_set1( (float)search->point.z ) };
     const closest_limits limits = limits_of( search, INFINITY );
-    uint32_t bits = lane8m_bits( lane8_le( triangles_squared( &some, lane8_zero(), p ), lane8_set1( limits.exact ) ) );
+    uint32_t bits =
+        lane8m_bits( lane8_le( triangles_squared( &some, lane8_zero(), p ), lane8_set1( limits.exact ) ) );
     for ( int i = 0; i < count; ++i, bits >>= 1 )
     {
         if ( ( bits & 1u ) != 0 )

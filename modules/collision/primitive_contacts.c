@@ -30,8 +30,8 @@ enum
 };
 
 // Fractions of the thickness: distance at which a path is stopped, error of the deepest point, what corners may leave.
-static const float ROOM = 0.06f; // beyond the paths that are expected of particles in a step
-static const float LITTLE = 0.02f; // the same in a substep
+static const float ROOM = 0.06f;     // beyond the paths that are expected of particles in a step
+static const float LITTLE = 0.02f;   // the same in a substep
 static const float PACE = 2.0f;      // times the path of a particle: none is longer in the rest of the step
 static const float SPEEDING = 10.0f; // m/s^2, with which particles may leave those paths
 static const float STOP = 0.1f, TOLERANCE = 0.005f, LEFT_TO_CORNERS = 0.05f;
@@ -488,8 +488,8 @@ static void find_range( void* context, int begin, int end, int worker )
     const collision_primitives* p = &loop->primitives;
     const wisp_primitive_paths paths = paths_of( loop );
     int32_t *near = p->active + begin, looks[PRIMITIVE_GRAIN], some[PRIMITIVE_GRAIN];
-    const int count =
-        wisp_frame_kernels( loop->frame )->select_near_primitives( &paths, p->near + begin, end - begin, near, looks );
+    const int count = wisp_frame_kernels( loop->frame )
+                          ->select_near_primitives( &paths, p->near + begin, end - begin, near, looks );
     for ( int i = 0; i < count; ++i )
     {
         p->found[near[i]] = 0;

@@ -114,8 +114,7 @@ static void project_primitive( const primitive_loop* loop, const int32_t* corner
         part * length <= c->static_friction * normal ? part : c->kinetic_friction * normal / length;
     const wisp_vec3 now = { -fraction * u.x, -fraction * u.y, -fraction * u.z };
     collision_store( c->tangential_correction, now );
-    const wisp_vec3 moved =
-        wisp_v3_sub( wisp_v3_mul_add( pushed, 1.0f, wisp_v3_sub( now, before ) ), start );
+    const wisp_vec3 moved = wisp_v3_sub( wisp_v3_mul_add( pushed, 1.0f, wisp_v3_sub( now, before ) ), start );
     const float by[ROW] = { moved.x, moved.y, moved.z, 0.0f };
     move_point( loop, corners, count, contact, by );
 }

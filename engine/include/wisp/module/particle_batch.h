@@ -176,10 +176,11 @@ typedef struct wisp_primitive_paths
 typedef struct wisp_primitive_meeting
 {
     int32_t primitive;
-    float time;       ///< 0 .. 1: when its path was stopped; 1: at its end
-    float weights[3]; ///< of the corners; they sum to 1
+    float time;                           ///< 0 .. 1: when its path was stopped; 1: at its end
+    float weights[3];                     ///< of the corners; they sum to 1
     float point[3], normal[3], motion[3]; ///< m: of the surface at the end, away from it, and what it moved
-    float start; ///< m, signed distance where it starts less the thickness, and less what its corners are along the normal
+    float
+        start; ///< m, signed distance where it starts less the thickness, and less what its corners are along the normal
 } wisp_primitive_meeting;
 
 WISP_END_C
