@@ -712,9 +712,14 @@ static void list_active( const find_loop* loop, float recovery )
     for ( int begin = 0; begin < *p->near_count; begin += PRIMITIVE_GRAIN )
     {
         const int end = *p->near_count - begin < PRIMITIVE_GRAIN ? *p->near_count : begin + PRIMITIVE_GRAIN;
-        for ( int i = begin; i < end && p->active[i] >= 0; ++i )
+        for ( int i = begin; i < end; ++i )
         {
             const int32_t primitive = p->active[i];
+            if ( primitive < 0 )
+            {
+                p->active[i] = 0;
+                break;
+            }
             p->active[count] = primitive;
             count += p->found[primitive] > 0 ? 1 : 0;
         }
