@@ -6,7 +6,6 @@
 #include "collision_mesh_embree.h"
 
 #include "embree_compat.h"
-#include "mesh_bvh.h"
 
 #include "alloc.h"
 
@@ -188,34 +187,11 @@ size_t embree_tree_bytes( const embree_tree* tree )
 
 // ---- closest points ----
 
-typedef struct ball_search
-{
-    mesh_closest* closest;
-    bool is_seeded; // the ball is small: triangles are collected
-    int count;
-    int32_t some[MESH_BVH_WIDTH];
-} ball_search;
-
 static bool measure_triangle( struct RTCPointQueryFunctionArguments* arguments )
 {
-    ball_search* ball = arguments->userPtr;
-    mesh_closest* search = ball->closest;
+    mesh_closest* search = arguments->userPtr;
     const int32_t triangle = (int32_t)arguments->primID;
-    if ( triangle == search->triangle )
-    {
-        return false;
-    }
-    if ( ball->is_seeded )
-    {
-        ball->some[ball->count++] = triangle;
-        if ( ball->count < MESH_BVH_WIDTH )
-        {
-            return false;
-        }
-        mesh_closest_propose_some( search, ball->some, ball->count );
-        ball->count = 0;
-    }
-    else if ( !mesh_closest_propose( search, triangle ) )
+    if ( triangle == search->triangle || !mesh_closest_propose( search, triangle ) )
     {
         return false;
     }
@@ -228,19 +204,14 @@ static bool measure_triangle( struct RTCPointQueryFunctionArguments* arguments )
 void embree_tree_find_closest( const embree_tree* tree, mesh_closest* search )
 {
     // the input point is in floats
-    struct RTCPointQuery query = { .x = (float)search->point.x,
-                                   .y = (float)search->point.y,
-                                   .z = (float)search->point.z,
-                                   .time = 0.0f,
-                                   .radius = (float)mesh_closest_radius( search ) };
-    ball_search ball = { .closest = search, .is_seeded = search->triangle >= 0 };
+    struct RTCPointQuery ball = { .x = (float)search->point.x,
+                                  .y = (float)search->point.y,
+                                  .z = (float)search->point.z,
+                                  .time = 0.0f,
+                                  .radius = (float)mesh_closest_radius( search ) };
     struct RTCPointQueryContext context;
     rtcInitPointQueryContext( &context );
-    rtcPointQuery( tree->scene, &query, &context, measure_triangle, &ball );
-    if ( ball.count > 0 )
-    {
-        mesh_closest_propose_some( search, ball.some, ball.count );
-    }
+    rtcPointQuery( tree->scene, &ball, &context, measure_triangle, search );
 }
 
 // ---- paths ----

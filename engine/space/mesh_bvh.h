@@ -50,9 +50,6 @@ size_t mesh_bvh_bytes( const mesh_bvh* bvh );
 /// @param parallel null: the calling thread
 void mesh_bvh_refit( mesh_bvh* bvh, const wisp_parallel* parallel );
 
-/// Propose up to MESH_BVH_WIDTH triangles of a rigid surface. In single precision most are known to be farther than the best so far.
-void mesh_closest_propose_some( mesh_closest* search, const int32_t* triangles, int count );
-
 void mesh_bvh_find_closest( const mesh_bvh* bvh, mesh_closest* search );
 /// The same, but boxes that are farther than `near` may be left out. Boxes hold the whole motion.
 /// @return a lower bound of the distance from the search's time to the end of the motion, at most `near`, m

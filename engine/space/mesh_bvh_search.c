@@ -55,15 +55,6 @@ static void set_limits( const mesh_closest* search, closest_limits* limits )
     limits->exact = widest * widest;
 }
 
-static closest_limits limits_of( const mesh_closest* search, float near )
-{
-    closest_limits limits = { .near = fminf( near * near * 1.00001f + 1e-30f, 1e37f ),
-                              .slack = (float)( MESH_WIDENING * search->surface->largest + MIN_SEARCH_SLACK ),
-                              .clear = near };
-    set_limits( search, &limits );
-    return limits;
-}
-
 LANE_INLINE lane8v corner_of( const mesh_bvh_leaf* leaf, int corner, lane8 time, const lane8 p[3] )
 {
     const float( *start )[MESH_BVH_WIDTH] = leaf->start + 3 * corner;
@@ -109,31 +100,6 @@ LANE_INLINE lane8 triangles_squared( const mesh_bvh_leaf* leaf, lane8 time, cons
         lane8_gt( area, lane8_mul( lane8_set1( 0.01f ), lane8_mul( lane8v_dot( ab, ab ), lane8v_dot( ca, ca ) ) ) ),
         lane8_le( plane, lane8_set1( FLT_MAX ) ) );
     return lane8_select( wide, lane8_select( inside, plane, border ), lane8_zero() );
-}
-
-void mesh_closest_propose_some( mesh_closest* search, const int32_t* triangles, int count )
-{
-    mesh_bvh_leaf some = { .shift = { 0.0f } };
-    for ( int i = 0; i < MESH_BVH_WIDTH; ++i )
-    {
-        const int32_t* corners = search->surface->triangles + 3 * (size_t)triangles[i < count ? i : 0];
-        for ( size_t k = 0; k < 9; ++k )
-        {
-            some.start[k][i] = search->surface->xyzw[4 * (size_t)corners[k / 3] + k % 3];
-        }
-    }
-    const lane8 p[3] = { lane8_set1( (float)search->point.x ), lane8_set1( (float)search->point.y ),
-                         lane8_set1( (float)search->point.z ) };
-    const closest_limits limits = limits_of( search, INFINITY );
-    uint32_t bits =
-        lane8m_bits( lane8_le( triangles_squared( &some, lane8_zero(), p ), lane8_set1( limits.exact ) ) );
-    for ( int i = 0; i < count; ++i, bits >>= 1 )
-    {
-        if ( ( bits & 1u ) != 0 )
-        {
-            mesh_closest_propose( search, triangles[i] );
-        }
-    }
 }
 
 static void add_clear( closest_limits* limits, float clear )
@@ -232,15 +198,24 @@ static void find_closest_in_tree( const mesh_bvh* bvh, mesh_closest* search, clo
     }
 }
 
+static closest_limits limits_of( const mesh_bvh* bvh, const mesh_closest* search, float near )
+{
+    closest_limits limits = { .near = fminf( near * near * 1.00001f + 1e-30f, 1e37f ),
+                              .slack = (float)( MESH_WIDENING * bvh->surface->largest + MIN_SEARCH_SLACK ),
+                              .clear = near };
+    set_limits( search, &limits );
+    return limits;
+}
+
 void mesh_bvh_find_closest( const mesh_bvh* bvh, mesh_closest* search )
 {
-    closest_limits limits = limits_of( search, INFINITY );
+    closest_limits limits = limits_of( bvh, search, INFINITY );
     find_closest_in_tree( bvh, search, &limits );
 }
 
 float mesh_bvh_find_approach( const mesh_bvh* bvh, mesh_closest* search, float near )
 {
-    closest_limits limits = limits_of( search, near );
+    closest_limits limits = limits_of( bvh, search, near );
     find_closest_in_tree( bvh, search, &limits );
     // boxes were skipped that are beyond the best triangle; less by the rounding of all this
     const float best = (float)sqrt( search->best.squared ), clear = best < limits.clear ? best : limits.clear;

@@ -699,7 +699,7 @@ typedef struct meetings
 {
     outside o; // the first shape
     _Alignas( 64 ) float position[ENDS][4], previous[ENDS][4], place[ENDS][4];
-    int32_t words[ENDS];
+    int32_t words[ENDS], words_now[ENDS];
     int32_t corners[3 * MEETING], listed[MEETING];
     wisp_primitive_meeting met[2][MEETING];
     int32_t near[2][MEETING], met_count[2], near_count[2];
@@ -745,9 +745,19 @@ static void run_meetings( const wisp_kernels* kernels, void* state, int begin, i
     kernels->clear_particles( &clear, 0, ENDS );
     for ( int is_triangle = 0; is_triangle < 2 && clear.count > 0; ++is_triangle )
     {
-        const wisp_primitive_paths paths = { m->position[0], m->previous[0], m->corners, 2 + is_triangle,
-                                             m->place[0],    m->words,       0.5f };
-        m->near_count[is_triangle] = kernels->list_near_primitives( &paths, 0, MEETING, m->near[is_triangle] );
+        wisp_primitive_paths paths = { m->position[0], m->previous[0], m->corners, 2 + is_triangle,
+                                       m->place[0],    m->words,       0.5f };
+        // what is listed for the step, and of that what is left in the substep
+        int32_t listed[MEETING], looks[MEETING];
+        const int count = kernels->list_near_primitives( &paths, 0, MEETING, listed );
+        wisp_clear_args clear_now = clear;
+        clear_now.place = NULL;
+        clear_now.words = m->words_now;
+        kernels->clear_particles( &clear_now, 0, ENDS );
+        paths.place = NULL;
+        paths.words = m->words_now;
+        m->near_count[is_triangle] =
+            kernels->select_near_primitives( &paths, listed, count, m->near[is_triangle], looks );
         m->met_count[is_triangle] =
             kernels->meet_shape( &paths, m->o.shapes, NULL, m->listed, MEETING, m->met[is_triangle] );
     }
@@ -861,7 +871,7 @@ static void check_meetings( void* start, void* end )
             }
             const double limit = fmin( corner - 0.05 * h, 2.0 * h + displacement_of( from, to, count ) );
             const bool is_met = n < m->met_count[count - 2] && met[n].primitive == i,
-                       is_near = listed < m->near_count[count - 2] && near[listed] / 2 == i;
+                       is_near = listed < m->near_count[count - 2] && near[listed] == i;
             is_met ? check_met( m, &body, met + n, count, limit ) : check_not_met( m, &body, i, count, limit );
             assert_true( is_near || is_met == false );
             n += is_met ? 1 : 0;
