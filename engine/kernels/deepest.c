@@ -27,6 +27,9 @@ enum
 // deepest point, what corners may leave.
 static const float STOP = 0.1f, TOLERANCE = 0.005f, LEFT_TO_CORNERS = 0.05f;
 
+// Of the thickness: a start that is less deep counts as on the surface.
+static const float SHALLOW = 0.1f;
+
 // Weight of a corner below which a point of a triangle is on its border.
 static const float BORDER = 0.01f;
 
@@ -232,6 +235,19 @@ typedef struct paths8
 static deepest8 search_segment( const wisp_shape_lanes* s, const lane8v* p, lane8 tolerance, lane8 left, lane8 most,
                                 lane8m wanted, lane8* limit )
 {
+    if ( s->kind == WISP_SHAPE_SPHERE )
+    {
+        // the point that is nearest to the centre
+        const lane8v along = lane8v_sub( p[1], p[0] );
+        const lane8 squared = lane8_max( lane8v_dot( along, along ), lane8_set1( FLT_MIN ) ),
+                    t = clamp( lane8_div( lane8_neg( lane8v_dot( p[0], along ) ), squared ), lane8_zero(),
+                               lane8_set1( 1.0f ) ),
+                    radius = load_row( s->size[0], true ),
+                    nearer = lane8_min( lane8v_dot( p[0], p[0] ), lane8v_dot( p[1], p[1] ) ),
+                    distance = lane8_sub( lane8v_length( lane8v_mul_add( p[0], t, along ) ), radius );
+        *limit = lane8_min( lane8_sub( lane8_sub( lane8_sqrt( nearer ), radius ), left ), most );
+        return ( deepest8 ){ distance, distance, { lane8_sub( lane8_set1( 1.0f ), t ), t, lane8_zero() } };
+    }
     const line8 l = { .shape = s,
                       .from = p[0],
                       .along = lane8v_sub( p[1], p[0] ),
@@ -502,17 +518,21 @@ LANE_INLINE lane8 spread_of( const lane8v* p, int count )
     return lane8_min( around, lane8_mul( lane8_set1( 0.334f ), lane8_max( lane8_max( a, b ), c ) ) );
 }
 
+// Computes the radius of a ball that touches a round shape inside, anywhere.
+LANE_INLINE lane8 blunt_radius( const wisp_shape_lanes* s, wisp_shape_kind kind )
+{
+    const lane8 radius = load_row( s->size[0], true ), sine = load_row( s->size[4], true );
+    return kind != WISP_SHAPE_TAPERED_CAPSULE
+               ? radius
+               : lane8_sub( radius, lane8_max( lane8_mul( sine, load_row( s->size[1], true ) ),
+                                               lane8_mul( sine, load_row( s->size[2], true ) ) ) );
+}
+
 // Bounds the distance by that of the corners: with r the radius of a ball that touches a round shape inside,
 // ( r + bound )^2 >= ( r + corner )^2 - spread^2.
 LANE_INLINE lane8 bound_around( const wisp_shape_lanes* s, wisp_shape_kind kind, const paths8* path, lane8* corner )
 {
-    lane8 radius = load_row( s->size[0], true );
-    if ( kind == WISP_SHAPE_TAPERED_CAPSULE )
-    {
-        const lane8 sine = load_row( s->size[4], true );
-        radius = lane8_sub( radius, lane8_max( lane8_mul( sine, load_row( s->size[1], true ) ),
-                                               lane8_mul( sine, load_row( s->size[2], true ) ) ) );
-    }
+    const lane8 radius = blunt_radius( s, kind );
     *corner = nearest_to( s, kind, true, path->to[0] ).distance;
     for ( int k = 1; k < path->count; ++k )
     {
@@ -524,10 +544,12 @@ LANE_INLINE lane8 bound_around( const wisp_shape_lanes* s, wisp_shape_kind kind,
     return lane8_sub( lane8_sqrt( lane8_max( left, lane8_zero() ) ), lane8_mul( lane8_set1( 1.000001f ), radius ) );
 }
 
-// Bounds the distance from a box by that from the planes of its faces.
-LANE_INLINE lane8 bound_by_faces( const wisp_shape_lanes* s, const paths8* path, lane8* corner )
+// Bounds the distance from a box by that from the planes of its faces. @param between receives by how much a primitive is between two
+// faces that are opposite, the most of all three pairs
+LANE_INLINE lane8 bound_by_faces( const wisp_shape_lanes* s, const paths8* path, lane8* corner, lane8* between )
 {
     lane8 squared[3] = { lane8_zero(), lane8_zero(), lane8_zero() }, bound = lane8_set1( -INFINITY );
+    *between = bound;
     for ( int k = 0; k < 3; ++k )
     {
         const lane8v axis = load_vector( s->axis[k], true );
@@ -542,6 +564,7 @@ LANE_INLINE lane8 bound_by_faces( const wisp_shape_lanes* s, const paths8* path,
             highest = lane8_max( at, highest );
         }
         bound = lane8_max( bound, lane8_sub( lane8_max( lowest, lane8_neg( highest ) ), half ) );
+        *between = lane8_max( *between, lane8_sub( half, lane8_max( lane8_neg( lowest ), highest ) ) );
     }
     lane8 least = squared[0];
     for ( int c = 1; c < path->count; ++c )
@@ -555,14 +578,20 @@ LANE_INLINE lane8 bound_by_faces( const wisp_shape_lanes* s, const paths8* path,
 // Returns whether a path may meet the shape.
 LANE_INLINE lane8m may_meet( const wisp_shape_lanes* s, wisp_shape_kind kind, const paths8* path )
 {
-    lane8 corner;
-    const lane8 bound =
-        kind == WISP_SHAPE_BOX ? bound_by_faces( s, path, &corner ) : bound_around( s, kind, path, &corner );
+    lane8 corner, between = lane8_set1( -INFINITY );
+    const lane8 bound = kind == WISP_SHAPE_BOX ? bound_by_faces( s, path, &corner, &between )
+                                               : bound_around( s, kind, path, &corner );
     const lane8 h = path->thickness, twice = lane8_add( path->displacement, path->displacement );
     const lane8 most = lane8_add( lane8_add( h, h ), path->displacement ),
                 limit = lane8_min( lane8_sub( corner, lane8_mul( lane8_set1( LEFT_TO_CORNERS ), h ) ), most ),
                 fast = lane8_mul_add( lane8_set1( STOP ), h, twice );
-    const lane8m is_left = lane8m_and( lane8_ge( bound, limit ), lane8_gt( bound, fast ) );
+    lane8m is_left = lane8m_and( lane8_ge( bound, limit ), lane8_gt( bound, fast ) );
+    if ( kind == WISP_SHAPE_BOX && path->count == 3 )
+    {
+        // outside of a box the inside of a triangle is nearest only to its corners, and these are between no faces
+        const lane8m has_corners = lane8_le( between, lane8_add( most, path->displacement ) );
+        is_left = lane8m_or( is_left, lane8m_and_not( lane8_gt( bound, lane8_zero() ), has_corners ) );
+    }
     return lane8m_and_not( path->counts, is_left );
 }
 
@@ -608,21 +637,94 @@ LANE_INLINE paths8 load_paths( const wisp_primitive_paths* args, const wisp_shap
     return path;
 }
 
-static int write_meetings( const meeting8* m, uint32_t bits, const int32_t* primitives, wisp_primitive_meeting* out )
+// Blends corners with the weights of meetings.
+LANE_INLINE lane8v blend( const meeting8* m, const lane8v* corners, int count )
 {
-    float time[LANES], weights[3][LANES];
-    int met = 0;
-    lane8_storeu( time, m->time );
-    for ( int k = 0; k < 3; ++k )
+    lane8v p = lane8v_scale( corners[0], m->deepest.weights[0] );
+    for ( int k = 1; k < count; ++k )
     {
-        lane8_storeu( weights[k], m->deepest.weights[k] );
+        p = lane8v_mul_add( p, m->deepest.weights[k], corners[k] );
     }
-    for ( ; bits != 0; bits &= bits - 1 )
+    return p;
+}
+
+// The surface where the point of a meeting is nearest to it when it is stopped, or at the end, in the world.
+typedef struct touched8
+{
+    lane8v point, normal, motion;
+    lane8 start;
+} touched8;
+
+static touched8 touch( const wisp_primitive_paths* args, const wisp_shape_lanes* s, const paths8* path,
+                       int32_t ( *quads )[LANES], const meeting8* m )
+{
+    const lane8v from = blend( m, path->from, path->count ), to = blend( m, path->to, path->count ),
+                 p = lane8v_mul_add( from, m->time, lane8v_sub( to, from ) ), at = load_vector( s->at, true );
+    const nearest8 found = signed_distance( s, p );
+    const lane8v surface = lane8v_mul_add( p, lane8_neg( found.distance ), found.normal );
+    touched8 t = { .point = lane8v_add( at, surface ),
+                   .normal = found.normal,
+                   .motion = lane8v_sub( at, load_vector( s->was, true ) ) };
+    if ( s->turns )
+    {
+        t.motion = lane8v_add( t.motion, lane8v_sub( surface, turn_back( s, surface, true ) ) );
+    }
+    t.start = lane8_sub( lane8v_dot( found.normal, lane8v_sub( from, surface ) ), path->thickness );
+    const lane8m deep = lane8_lt( t.start, lane8_mul( lane8_set1( -SHALLOW ), path->thickness ) );
+    if ( lane8m_any( deep ) )
+    {
+        // the surface is curved between start and end
+        const lane8 exact = lane8_sub( signed_distance( s, from ).distance, path->thickness );
+        t.start = lane8_select( deep, lane8_max( t.start, lane8_min( exact, lane8_zero() ) ), t.start );
+    }
+    lane8 along = lane8_zero();
+    for ( int k = 0; k < path->count; ++k )
+    {
+        lane8v old;
+        lane8_load_xyz( args->previous, quads[k], &old.x, &old.y, &old.z );
+        along = lane8_mul_add( m->deepest.weights[k], lane8v_dot( found.normal, old ), along );
+    }
+    t.start = lane8_sub( t.start, along );
+    return t;
+}
+
+static int write_meetings( const meeting8* m, const touched8* t, const int32_t* primitives,
+                           wisp_primitive_meeting* out )
+{
+    enum
+    {
+        EACH = sizeof( wisp_primitive_meeting ) / sizeof( float ) - 1, // but for the number
+    };
+    const lane8 each[EACH] = { m->time,
+                               m->deepest.weights[0],
+                               m->deepest.weights[1],
+                               m->deepest.weights[2],
+                               t->point.x,
+                               t->point.y,
+                               t->point.z,
+                               t->normal.x,
+                               t->normal.y,
+                               t->normal.z,
+                               t->motion.x,
+                               t->motion.y,
+                               t->motion.z,
+                               t->start };
+    float rows[EACH][LANES];
+    int met = 0;
+    for ( int k = 0; k < EACH; ++k )
+    {
+        lane8_storeu( rows[k], each[k] );
+    }
+    for ( uint32_t bits = lane8m_bits( m->meets ); bits != 0; bits &= bits - 1 )
     {
         const int l = __builtin_ctz( bits );
-        out[met++] = ( wisp_primitive_meeting ){ .primitive = primitives[l],
-                                                 .time = time[l],
-                                                 .weights = { weights[0][l], weights[1][l], weights[2][l] } };
+        float one[EACH];
+        for ( int k = 0; k < EACH; ++k )
+        {
+            one[k] = rows[k][l];
+        }
+        out[met].primitive = primitives[l];
+        memcpy( (char*)( out + met++ ) + offsetof( wisp_primitive_meeting, time ), one, sizeof( one ) );
     }
     return met;
 }
@@ -643,7 +745,11 @@ LANE_INLINE int meet_kind( const wisp_primitive_paths* args, const wisp_shape_la
         {
             path.counts = may;
             const meeting8 m = meet( shape, &path );
-            met += write_meetings( &m, lane8m_bits( m.meets ), primitives + i, out + met );
+            if ( lane8m_any( m.meets ) )
+            {
+                const touched8 t = touch( args, shape, &path, quads, &m );
+                met += write_meetings( &m, &t, primitives + i, out + met );
+            }
         }
     }
     return met;
@@ -671,20 +777,28 @@ int KERNEL( meet_shape )( const wisp_primitive_paths* args, const wisp_shape_lan
 // ---- what may meet something in the step ----
 
 // A particle is FAR from a shape, or clear of one that is blunt against the thickness; ON_FACE, above a face of a box; or NEAR. A
-// primitive whose corners all agree on FAR or on one face meets nothing: no point of it is much nearer than its corners.
+// primitive whose corners all agree on FAR or on one face meets nothing: no point of it is much nearer than its corners. FAR is also who
+// is so if its primitives are small: IF_SMALL.
 enum
 {
     FAR = 0,
     ON_FACE = 1, // and five more
     NEAR = 7,
+    IF_SMALL = 8,
     BITS = 4,   // of a shape
     SHAPES = 8, // the last are seen together
+    LARGE = 4,  // times `away`: who is not small, but no larger
 };
 
-LANE_INLINE lane8i face_of( const wisp_shape_lanes* s, lane8v e, lane8 room, lane8 least )
+// Of the path of a particle: no longer one is expected in the rest of the step.
+static const float PACE = 2.0f;
+
+// A particle is above a face if it is so in front of it, or anywhere by more than `beyond`: then it belongs to the face that it is farthest
+// above. What is above one face with all corners is nowhere nearer than these.
+LANE_INLINE lane8i face_of( const wisp_shape_lanes* s, lane8v e, lane8 room, lane8 least, lane8 beyond )
 {
     lane8i face = lane8i_set1( NEAR );
-    lane8 at[3], inside[3], above[3];
+    lane8 at[3], inside[3], above[3], most = beyond;
     for ( int k = 0; k < 3; ++k )
     {
         at[k] = lane8v_dot( load_vector( s->axis[k], true ), e );
@@ -693,44 +807,64 @@ LANE_INLINE lane8i face_of( const wisp_shape_lanes* s, lane8v e, lane8 room, lan
     }
     for ( int k = 0; k < 3; ++k )
     {
-        const lane8m is_beside = lane8_ge( lane8_max( inside[( k + 1 ) % 3], inside[( k + 2 ) % 3] ), lane8_zero() );
+        const lane8m is_beside = lane8_ge( lane8_max( inside[( k + 1 ) % 3], inside[( k + 2 ) % 3] ), lane8_zero() ),
+                     is_in_front = lane8m_and_not( lane8_gt( above[k], least ), is_beside ),
+                     is_above = lane8m_or( is_in_front, lane8_gt( above[k], most ) );
         const lane8i number = lane8i_select( lane8_lt( at[k], lane8_zero() ), lane8i_set1( ON_FACE + 2 * k ),
                                              lane8i_set1( ON_FACE + 2 * k + 1 ) );
-        face = lane8i_select( lane8m_and_not( lane8_gt( above[k], least ), is_beside ), number, face );
+        face = lane8i_select( is_above, number, face );
+        most = lane8_max( above[k], most );
     }
     return face;
 }
 
+// Bounds by how much a point of a primitive may be nearer than the corners, from which it is not farther away than this: as in
+// bound_around(), since sqrt( x^2 - a^2 ) >= x - a^2 / x.
+LANE_INLINE lane8 how_near( const wisp_shape_lanes* s, wisp_shape_kind kind, float away )
+{
+    const lane8 a = lane8_set1( away );
+    return kind == WISP_SHAPE_BOX ? a : lane8_min( a, lane8_div( lane8_mul( a, a ), blunt_radius( s, kind ) ) );
+}
+
+// @param longest m, no path is longer in the rest of the step, or in the substep
 LANE_INLINE lane8i word_of( const wisp_clear_args* args, const wisp_shape_lanes* s, wisp_shape_kind kind,
-                            bool is_blunt, lane8v p, lane8 ahead )
+                            bool is_blunt, lane8v p, lane8 ahead, lane8 longest )
 {
     const lane8v e = lane8v_sub( p, load_vector( s->at, true ) );
     const lane8 found = nearest_to( s, kind, true, e ).distance, h = load_row( s->thickness, true );
-    // in the rest of the step the shape moves, and what is seen from it; paths are no longer than both ends are from here
+    // in the rest of the step the shape moves, and what is seen from it
     const lane8 moved = lane8_mul_add( load_row( s->rate, true ), lane8v_length( e ), load_row( s->shift, true ) );
     const lane8 twice = lane8_mul( lane8_set1( 2.002f ), moved ),
-                less = lane8_mul_add( lane8_set1( 5.0f ), ahead, twice ),
-                above = lane8_mul_add( h, lane8_set1( 1.01f * ( STOP + LEFT_TO_CORNERS ) ), less ),
-                beyond = lane8_add( lane8_mul_add( h, lane8_set1( 2.002f ), less ), lane8_set1( args->away ) );
-    const lane8i near =
-        kind == WISP_SHAPE_BOX ? face_of( s, e, lane8_add( ahead, twice ), above ) : lane8i_set1( NEAR );
-    return lane8i_select( lane8_gt( found, is_blunt ? above : beyond ), lane8i_set1( FAR ), near );
+                less = lane8_add( args->place != NULL ? ahead : lane8_zero(),
+                                  lane8_mul_add( lane8_set1( 5.0f ), longest, twice ) ),
+                above = lane8_mul_add( h, lane8_set1( 1.01f * ( STOP + LEFT_TO_CORNERS ) ), less );
+    const lane8 nearer = how_near( s, kind, args->away ), larger = how_near( s, kind, LARGE * args->away );
+    const lane8 beyond = lane8_mul_add( h, lane8_set1( 2.002f ), less ),
+                least = is_blunt ? above : lane8_add( beyond, nearer ), most = lane8_add( beyond, larger );
+    const lane8i far = lane8i_set1( FAR );
+    if ( kind == WISP_SHAPE_BOX )
+    {
+        return lane8i_select( lane8_gt( found, most ), far,
+                              face_of( s, e, lane8_add( ahead, twice ), above, beyond ) );
+    }
+    const lane8i if_small = lane8i_select( lane8_gt( found, least ), lane8i_set1( IF_SMALL ), lane8i_set1( NEAR ) );
+    return lane8i_select( lane8_gt( found, most ), far, if_small );
 }
 
-LANE_INLINE lane8i say( const wisp_clear_args* args, int i, lane8v p, lane8 ahead )
+LANE_INLINE lane8i say( const wisp_clear_args* args, int i, lane8v p, lane8 ahead, lane8 longest )
 {
     const wisp_shape_lanes* s = args->shapes + i;
     const bool is_blunt = args->blunt[i];
     switch ( s->kind )
     {
         case WISP_SHAPE_BOX:
-            return word_of( args, s, WISP_SHAPE_BOX, false, p, ahead );
+            return word_of( args, s, WISP_SHAPE_BOX, false, p, ahead, longest );
         case WISP_SHAPE_SPHERE:
-            return word_of( args, s, WISP_SHAPE_SPHERE, is_blunt, p, ahead );
+            return word_of( args, s, WISP_SHAPE_SPHERE, is_blunt, p, ahead, longest );
         case WISP_SHAPE_CAPSULE:
-            return word_of( args, s, WISP_SHAPE_CAPSULE, is_blunt, p, ahead );
+            return word_of( args, s, WISP_SHAPE_CAPSULE, is_blunt, p, ahead, longest );
         default:
-            return word_of( args, s, WISP_SHAPE_TAPERED_CAPSULE, is_blunt, p, ahead );
+            return word_of( args, s, WISP_SHAPE_TAPERED_CAPSULE, is_blunt, p, ahead, longest );
     }
 }
 
@@ -745,71 +879,152 @@ void KERNEL( clear_particles )( const wisp_clear_args* args, int begin, int end 
         lane8_load_xyzw_contiguous( args->previous + quad, &old.x, &old.y, &old.z, &none );
         const lane8 ahead = lane8_mul_add( lane8v_length( lane8v_sub( p, old ) ), lane8_set1( args->ahead ),
                                            lane8_set1( args->room ) );
-        lane8_store_xyzw_contiguous( args->place + quad, p.x, p.y, p.z, lane8_neg( ahead ) );
+        const lane8 longest = args->place != NULL ? lane8_mul( lane8_set1( PACE / args->ahead ), ahead ) : ahead;
+        if ( args->place != NULL )
+        {
+            lane8_store_xyzw_contiguous( args->place + quad, p.x, p.y, p.z, lane8_neg( ahead ) );
+        }
         lane8i words = args->first > 0 ? lane8i_loadu( args->words + slot ) : lane8i_set1( 0 );
         for ( int i = 0; i < args->count; ++i )
         {
-            const lane8i word = say( args, i, p, ahead ),
+            const lane8i word = say( args, i, p, ahead, longest ),
                          is_own = lane8i_set1( args->first + i < SHAPES - 1 ? -1 : 0 );
-            const lane8m is_far = lane8i_eq( word, lane8i_set1( FAR ) );
+            const lane8m is_far = lane8i_eq( lane8i_and( word, lane8i_set1( NEAR ) ), lane8i_set1( FAR ) );
             const lane8i seen =
                 lane8i_select( is_far, word, lane8i_or( word, lane8i_xor( is_own, lane8i_set1( -1 ) ) ) );
             const int place = args->first + i < SHAPES ? args->first + i : SHAPES - 1;
-            words = lane8i_or( words, lane8i_mul( lane8i_and( seen, lane8i_set1( NEAR ) ),
+            words = lane8i_or( words, lane8i_mul( lane8i_and( seen, lane8i_set1( NEAR | IF_SMALL ) ),
                                                   lane8i_set1( (int32_t)( 1u << BITS * place ) ) ) );
         }
         lane8i_storeu( args->words + slot, words );
     }
 }
 
-LANE_INLINE int find_near( const wisp_primitive_paths* args, int corner_count, int begin, int end, int32_t* near )
+// Loads what the corners of primitives say. @param far receives bits of the shapes that the first is FAR from
+// @param small receives bits of those of which one is so if they are small
+// @return bits of the shapes on which they do not agree, or of which one is NEAR
+LANE_INLINE lane8i disagree( const wisp_primitive_paths* args, const int32_t* numbers, int corner_count, lane8i* far,
+                             lane8i* small )
+{
+    int32_t first[LANES], other[LANES], any[LANES];
+    for ( int l = 0; l < LANES; ++l )
+    {
+        const int32_t* corners = args->corners + (size_t)numbers[l] * (size_t)corner_count;
+        const int32_t a = args->words[corners[0]], b = args->words[corners[1]],
+                      c = corner_count == 3 ? args->words[corners[2]] : b;
+        first[l] = a;
+        any[l] = a | b | c;
+        other[l] = ( a ^ b ) | ( a ^ c );
+    }
+    const lane8i w = lane8i_loadu( first ), d = lane8i_loadu( other ), each = lane8i_set1( 0x11111111 );
+    const lane8i w1 = lane8i_shift_right( w, 1 ), w2 = lane8i_shift_right( w, 2 ),
+                 near = lane8i_and( w, lane8i_and( w1, w2 ) );
+    const lane8i differ = lane8i_or( lane8i_or( d, lane8i_shift_right( d, 1 ) ), lane8i_shift_right( d, 2 ) );
+    *far = lane8i_and( lane8i_xor( lane8i_or( w, lane8i_or( w1, w2 ) ), each ), each );
+    *small = lane8i_and( lane8i_shift_right( lane8i_loadu( any ), 3 ), each );
+    return lane8i_and( lane8i_or( near, differ ), each );
+}
+
+// Bounds the squared distance of points of primitives from their nearest corner. @param ahead receives how far corners may get
+LANE_INLINE lane8 size_of( const wisp_primitive_paths* args, const int32_t* numbers, int corner_count, lane8* ahead )
+{
+    int32_t quads[3][LANES];
+    find_quads( args->corners, corner_count, numbers, LANES, quads );
+    lane8v p[3];
+    *ahead = lane8_zero();
+    for ( int k = 0; k < corner_count; ++k )
+    {
+        lane8 room;
+        lane8_load_xyzw( args->place != NULL ? args->place : args->position, quads[k], &p[k].x, &p[k].y, &p[k].z,
+                         &room );
+        *ahead = args->place != NULL ? lane8_max( lane8_neg( room ), *ahead ) : *ahead;
+    }
+    return spread_of( p, corner_count );
+}
+
+LANE_INLINE lane8m is_within( lane8 squared, lane8 most )
+{
+    return lane8m_and( lane8_gt( most, lane8_zero() ), lane8_lt( squared, lane8_mul( most, most ) ) );
+}
+
+// Lists primitives that may meet something in the rest of the step: twice their number, and 1 if they may get large.
+LANE_INLINE int list_near( const wisp_primitive_paths* args, int corner_count, int begin, int end, int32_t* near )
 {
     int found = 0;
     for ( int i = begin; i < end; i += LANES )
     {
-        int32_t numbers[LANES], quads[3][LANES], words[2][LANES];
+        int32_t numbers[LANES], packed[LANES];
         for ( int l = 0; l < LANES; ++l )
         {
             numbers[l] = i + l < end ? i + l : i;
         }
-        find_quads( args->corners, corner_count, numbers, LANES, quads );
-        for ( int l = 0; l < LANES; ++l )
-        {
-            const int32_t a = args->words[quads[0][l] / 4], b = args->words[quads[1][l] / 4],
-                          c = corner_count == 3 ? args->words[quads[2][l] / 4] : b;
-            words[0][l] = a;
-            words[1][l] = ( a ^ b ) | ( a ^ c );
-        }
-        lane8v p[3];
-        lane8 ahead = lane8_zero();
-        for ( int k = 0; k < corner_count; ++k )
-        {
-            lane8 room;
-            lane8_load_xyzw( args->place, quads[k], &p[k].x, &p[k].y, &p[k].z, &room );
-            ahead = lane8_max( lane8_neg( room ), ahead );
-        }
-        // corners move
-        const lane8 most = lane8_sub( lane8_set1( args->away ), lane8_add( ahead, ahead ) );
-        const lane8m is_small = lane8m_and( lane8_gt( most, lane8_zero() ),
-                                            lane8_lt( spread_of( p, corner_count ), lane8_mul( most, most ) ) );
-        // the words are the same, and none is NEAR
-        const lane8i word = lane8i_loadu( words[0] );
-        const lane8i all =
-            lane8i_and( lane8i_and( word, lane8i_shift_right( word, 1 ) ), lane8i_shift_right( word, 2 ) );
-        const lane8i zero = lane8i_set1( 0 );
-        const lane8m is_clear = lane8m_and( lane8i_eq( lane8i_loadu( words[1] ), zero ),
-                                            lane8i_eq( lane8i_and( all, lane8i_set1( 0x11111111 ) ), zero ) );
-        const uint32_t bits =
-            lane8m_bits( lane8m_and_not( lane8m_first( end - i ), lane8m_and( is_small, is_clear ) ) );
-        int32_t packed[LANES];
-        const int n = lane8i_compress_store( packed, lane8i_loadu( numbers ), bits );
+        lane8 ahead;
+        lane8i far, small;
+        const lane8i look = disagree( args, numbers, corner_count, &far, &small ), zero = lane8i_set1( 0 );
+        const lane8 size = size_of( args, numbers, corner_count, &ahead ), twice = lane8_add( ahead, ahead );
+        const lane8m is_small = is_within( size, lane8_sub( lane8_set1( args->away ), twice ) ),
+                     is_bounded = is_within( size, lane8_sub( lane8_set1( LARGE * args->away ), twice ) );
+        const lane8m is_sure = lane8m_or( lane8m_or( is_small, lane8i_eq( far, zero ) ),
+                                          lane8m_and( is_bounded, lane8i_eq( small, zero ) ) ),
+                     is_clear = lane8m_and( is_sure, lane8i_eq( look, zero ) );
+        const lane8i number = lane8i_loadu( numbers ),
+                     listed = lane8i_add( lane8i_add( number, number ),
+                                          lane8i_select( is_bounded, zero, lane8i_set1( 1 ) ) );
+        const uint32_t bits = lane8m_bits( lane8m_and_not( lane8m_first( end - i ), is_clear ) );
+        const int n = lane8i_compress_store( packed, listed, bits );
         memcpy( near + found, packed, (size_t)n * sizeof( *near ) );
         found += n;
     }
     return found;
 }
 
-int KERNEL( find_near_primitives )( const wisp_primitive_paths* args, int begin, int end, int32_t* near )
+// Selects of those that are listed the ones that may meet something in the substep.
+LANE_INLINE int select_near( const wisp_primitive_paths* args, int corner_count, const int32_t* listed, int count,
+                             int32_t* near, int32_t* looks )
 {
-    return args->corner_count == 2 ? find_near( args, 2, begin, end, near ) : find_near( args, 3, begin, end, near );
+    int found = 0;
+    for ( int i = 0; i < count; i += LANES )
+    {
+        int32_t numbers[LANES], large[LANES], packed[LANES];
+        for ( int l = 0; l < LANES; ++l )
+        {
+            const int32_t one = listed[i + l < count ? i + l : i];
+            numbers[l] = one >> 1;
+            large[l] = -( one & 1 );
+        }
+        lane8i far, small;
+        const lane8i zero = lane8i_set1( 0 ), differ = disagree( args, numbers, corner_count, &far, &small ),
+                     look = lane8i_or( differ, lane8i_and( far, lane8i_loadu( large ) ) );
+        lane8i all = lane8i_or( look, small );
+        // of those that are not looked at anyway
+        if ( lane8m_any( lane8m_and_not( lane8i_eq( look, zero ), lane8i_eq( all, zero ) ) ) )
+        {
+            lane8 ahead;
+            const lane8m is_small =
+                is_within( size_of( args, numbers, corner_count, &ahead ), lane8_set1( args->away ) );
+            all = lane8i_select( is_small, look, all );
+        }
+        const uint32_t bits = lane8m_bits( lane8m_and_not( lane8m_first( count - i ), lane8i_eq( all, zero ) ) );
+        if ( bits != 0 )
+        {
+            const int n = lane8i_compress_store( packed, lane8i_loadu( numbers ), bits );
+            memcpy( near + found, packed, (size_t)n * sizeof( *near ) );
+            lane8i_compress_store( packed, all, bits );
+            memcpy( looks + found, packed, (size_t)n * sizeof( *looks ) );
+            found += n;
+        }
+    }
+    return found;
+}
+
+int KERNEL( list_near_primitives )( const wisp_primitive_paths* args, int begin, int end, int32_t* near )
+{
+    return args->corner_count == 2 ? list_near( args, 2, begin, end, near ) : list_near( args, 3, begin, end, near );
+}
+
+int KERNEL( select_near_primitives )( const wisp_primitive_paths* args, const int32_t* listed, int count,
+                                      int32_t* near, int32_t* looks )
+{
+    return args->corner_count == 2 ? select_near( args, 2, listed, count, near, looks )
+                                   : select_near( args, 3, listed, count, near, looks );
 }

@@ -224,8 +224,19 @@ LANE_INLINE void meet( const wisp_shape_lanes* s, wisp_shape_kind kind, bool ali
 {
     const lane8 h = load_row( s->thickness, alike ), zero = lane8_zero();
     const lane8v e = lane8v_sub( all->p, load_vector( s->at, alike ) );
-    const nearest8 found = nearest_to( s, kind, alike, e );
     const lane8m is_there = lane8m_and( all->moves, lane8_ge( h, zero ) );
+    if ( kind != WISP_SHAPE_PLANE )
+    {
+        // most groups are beyond twice the thickness and the longest path of the test below
+        const lane8 longest =
+            lane8_mul( load_row( s->farther, alike ), lane8_add( all->path, load_row( s->shift, alike ) ) );
+        const lane8m far = is_beyond( s, kind, alike, e, lane8_max( lane8_add( h, h ), longest ) );
+        if ( lane8m_any( lane8m_and_not( is_there, far ) ) == false )
+        {
+            return;
+        }
+    }
+    const nearest8 found = nearest_to( s, kind, alike, e );
     const lane8m near = lane8m_and( is_there, lane8_le( found.distance, lane8_add( h, h ) ) );
     // a bound of the path, seen from the shape
     const lane8 turned = lane8_mul( load_row( s->rate, alike ), lane8_add( all->path, lane8_abs( found.distance ) ) );

@@ -83,6 +83,39 @@ LANE_INLINE nearest8 nearest_to( const wisp_shape_lanes* s, wisp_shape_kind kind
                           lane8_sub( radius, lane8_mul( load_row( s->size[4], alike ), y ) ) );
 }
 
+// Selects points that are surely farther from a shape than a limit above 0, by
+// squares alone: nearest_to() has a root and a quotient. False for NaN.
+LANE_INLINE lane8m is_beyond( const wisp_shape_lanes* s, wisp_shape_kind kind, bool alike, lane8v e, lane8 limit )
+{
+    lane8 radius = lane8_zero(), squared = lane8_zero();
+    if ( kind == WISP_SHAPE_BOX )
+    {
+        for ( int k = 0; k < 3; ++k )
+        {
+            const lane8 at = lane8_abs( lane8v_dot( load_vector( s->axis[k], alike ), e ) ),
+                        out = lane8_max( lane8_sub( at, load_row( s->size[k], alike ) ), lane8_zero() );
+            squared = lane8_mul_add( out, out, squared );
+        }
+    }
+    else
+    {
+        radius = load_row( s->size[0], alike );
+        if ( kind == WISP_SHAPE_CAPSULE || kind == WISP_SHAPE_TAPERED_CAPSULE )
+        {
+            const lane8v axis = load_vector( s->axis[1], alike );
+            const lane8 lower = load_row( s->size[1], alike ), upper = load_row( s->size[2], alike ),
+                        sine = load_row( s->size[4], alike );
+            e = lane8v_mul_add( e, lane8_neg( clamp( lane8v_dot( axis, e ), lower, upper ) ), axis );
+            radius = kind == WISP_SHAPE_CAPSULE
+                         ? radius
+                         : lane8_sub( radius, lane8_min( lane8_mul( sine, lower ), lane8_mul( sine, upper ) ) );
+        }
+        squared = lane8v_dot( e, e );
+    }
+    const lane8 both = lane8_add( radius, limit );
+    return lane8_gt( squared, lane8_mul( lane8_set1( 1.00001f ), lane8_mul( both, both ) ) );
+}
+
 LANE_INLINE lane8v turn( const wisp_shape_lanes* s, lane8v v, bool alike )
 {
     return ( lane8v ){ lane8v_dot( load_vector( s->turn[0], alike ), v ),

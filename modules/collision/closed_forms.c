@@ -53,6 +53,8 @@ static void set_motion( wisp_shape_lanes* s, int lane, const collision_view* vie
     const float rounding = 1.001f;
     s->rate[lane] = rounding * rate;
     s->shift[lane] = rounding * ( ( 1.0f + rate ) * motion.shift + turned );
+    // distance > 1.001 path + shift + rate ( path + distance )
+    s->farther[lane] = s->rate[lane] < 0.5f ? ( 1.002f + s->rate[lane] ) / ( 1.0f - s->rate[lane] ) : INFINITY;
 }
 
 void collision_set_shape( wisp_shape_lanes* s, int lane, const collision_view* view, float recovery )

@@ -114,9 +114,9 @@ static wisp_status declare_indices( wisp_registry* r, const collision_state* s )
         { .component = s->all_features, .column = 2, .kind = WISP_INDEX_COUNT, .table = WISP_TABLE_EDGE },
         { .component = s->all_features, .column = 3, .kind = WISP_INDEX_COUNT, .table = WISP_TABLE_TRIANGLE },
         { .component = s->edge_contacts, .column = 1, .kind = WISP_INDEX_ROW, .table = WISP_TABLE_EDGE },
-        { .component = s->edge_contacts, .column = 2, .kind = WISP_INDEX_ROW, .table = WISP_TABLE_EDGE },
+        WISP_COLUMN_RANGE( s->edge_contacts, 2, 0, INT32_MAX ),
         { .component = s->triangle_contacts, .column = 1, .kind = WISP_INDEX_ROW, .table = WISP_TABLE_TRIANGLE },
-        { .component = s->triangle_contacts, .column = 2, .kind = WISP_INDEX_ROW, .table = WISP_TABLE_TRIANGLE },
+        WISP_COLUMN_RANGE( s->triangle_contacts, 2, 0, INT32_MAX ),
     };
     return wisp_declare_indices( r, ranges, WISP_COUNT( ranges ) );
 }

@@ -103,7 +103,8 @@ typedef struct collision_nearness
        /* those with contacts in this substep */ WISP_COLUMN( int32_t, active_triangles, 1 ),                        \
        WISP_COLUMN( int32_t, near_edges, 1 ),                                                                        \
        /* those that may have some in this step */ WISP_COLUMN( int32_t, near_triangles, 1 ),                        \
-       WISP_COLUMN( float, longest, 1 ) /* m, somewhat more than the longest edge at rest */ )                       \
+       WISP_COLUMN( float, longest, 1 ),   /* m, somewhat more than the longest edge at rest */                      \
+       WISP_COLUMN( float, pace, 1 ) /* times how far a particle may get in the step: its longest path */ )                       \
     X( edge_contacts, "collision.edge_contacts", EDGE, WISP_COLUMN( int32_t, found, 1 ),                             \
        /* contacts, those left out included */ WISP_COLUMN( int32_t, active, 1 ), /* a list: those with contacts */  \
        WISP_COLUMN( int32_t, near, 1 ), /* a list: those that may have some in this step */                          \

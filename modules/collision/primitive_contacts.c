@@ -30,7 +30,10 @@ enum
 };
 
 // Fractions of the thickness: distance at which a path is stopped, error of the deepest point, what corners may leave.
-static const float ROOM = 0.06f; // beyond the paths that are expected of particles in a step
+static const float ROOM = 0.06f;     // beyond the paths that are expected of particles in a step
+static const float LITTLE = 0.02f;   // the same in a substep
+static const float PACE = 2.0f;      // times the path of a particle: none is longer in the rest of the step
+static const float SPEEDING = 10.0f; // m/s^2, with which particles may leave those paths
 static const float STOP = 0.1f, TOLERANCE = 0.005f, LEFT_TO_CORNERS = 0.05f;
 
 collision_primitives collision_primitives_of( wisp_frame* frame, wisp_entity e, const collision_state* state,
@@ -189,19 +192,25 @@ float collision_meeting_gap( const collision_view* view, const primitive_path* p
     return gap >= -COLLISION_SHALLOW * view->thickness ? gap : collision_exact_gap( view, start, -1, gap );
 }
 
+static collision_primitive_contact contact_of( const find_loop* loop, const collision_view* view,
+                                               const float weights[3] )
+{
+    return ( collision_primitive_contact ){
+        .half_space = { .gap = view->thickness,
+                        .static_friction = view->static_friction,
+                        .kinetic_friction = view->kinetic_friction },
+        .weights = { weights[0], weights[1], weights[2] },
+        .body = (int32_t)( view->body - loop->state->bodies ),
+    };
+}
+
 static void write_contact( const find_loop* loop, const collision_view* view, const int32_t* corners,
                            const primitive_path* path, const collision_meeting* m, collision_primitive_contact* out )
 {
     const collision_deepest* d = &m->deepest;
     const wisp_vec3 point = wisp_transform_to_world( view->after, d->surface.point ),
                     normal = wisp_quat_rotate( view->after.rotation, d->surface.normal );
-    *out = ( collision_primitive_contact ){
-        .half_space = { .gap = view->thickness,
-                        .static_friction = view->static_friction,
-                        .kinetic_friction = view->kinetic_friction },
-        .weights = { d->weights[0], d->weights[1], d->weights[2] },
-        .body = (int32_t)( view->body - loop->state->bodies ),
-    };
+    *out = contact_of( loop, view, d->weights );
     collision_store( out->half_space.point, point );
     collision_store( out->half_space.normal, normal );
     const wisp_vec3 old = wisp_v3_sub( d->surface.point, m->motion );
@@ -215,12 +224,12 @@ static void write_contact( const find_loop* loop, const collision_view* view, co
     out->half_space.normal_correction = collision_meeting_gap( view, path, m ) - along;
 }
 
-static bool is_pinned( const find_loop* loop, const int32_t* corners, const collision_deepest* d )
+static bool is_pinned( const find_loop* loop, const int32_t* corners, const float weights[3] )
 {
     float sum = 0.0f;
     for ( int k = 0; k < loop->primitives.corner_count; ++k )
     {
-        sum += loop->position[(size_t)corners[k] * 4 + 3] * d->weights[k] * d->weights[k];
+        sum += loop->position[(size_t)corners[k] * 4 + 3] * weights[k] * weights[k];
     }
     return !( sum > 0.0f );
 }
@@ -250,28 +259,43 @@ bool collision_take_meeting( const collision_view* view, const primitive_path* p
     return wisp_shape_closest( &view->body->shape, p, &out->deepest.surface );
 }
 
-static void add_meetings( const find_loop* loop, const collision_view* view, int primitive,
-                          const primitive_path* path, const collision_meeting* meetings, int count )
+// Make room for a contact of a primitive. @return null if it cannot be kept, or moves nothing
+static collision_primitive_contact* place_contact( const find_loop* loop, int primitive, const float weights[3] )
 {
     const collision_primitives* p = &loop->primitives;
-    const int32_t* corners = p->corners + (size_t)primitive * (size_t)p->corner_count;
-    for ( int i = 0; i < count; ++i )
+    if ( is_pinned( loop, p->corners + (size_t)primitive * (size_t)p->corner_count, weights ) )
     {
-        if ( is_pinned( loop, corners, &meetings[i].deepest ) )
-        {
-            continue;
-        }
-        const int place = p->found[primitive]++;
-        if ( place < COLLISION_PRIMITIVE_CONTACTS )
-        {
-            write_contact( loop, view, corners, path, &meetings[i], &p->contacts[primitive][place] );
-        }
+        return NULL;
     }
+    const int place = p->found[primitive]++;
+    return place < COLLISION_PRIMITIVE_CONTACTS ? &p->contacts[primitive][place] : NULL;
 }
 
-// Add the contacts of a primitive and a body. @param met where it meets a closed form, else null
-static void meet_body( const find_loop* loop, const collision_view* of_all, int primitive,
-                       const wisp_primitive_meeting* met )
+// Add the contact of a primitive where it meets a closed form.
+static void add_met( const find_loop* loop, const collision_view* of_all, const wisp_primitive_meeting* met )
+{
+    const collision_primitives* p = &loop->primitives;
+    collision_primitive_contact* to = place_contact( loop, met->primitive, met->weights );
+    if ( to == NULL )
+    {
+        return;
+    }
+    *to = contact_of( loop, of_all, met->weights );
+    if ( loop->maps.thickness != NULL || loop->maps.friction != NULL )
+    {
+        collision_view view = *of_all;
+        collision_view_at( &loop->maps, p->corners + (size_t)met->primitive * (size_t)p->corner_count,
+                           p->corner_count, &view );
+        *to = contact_of( loop, &view, met->weights );
+    }
+    memcpy( to->half_space.point, met->point, sizeof( met->point ) );
+    memcpy( to->half_space.normal, met->normal, sizeof( met->normal ) );
+    memcpy( to->half_space.motion, met->motion, sizeof( met->motion ) );
+    to->half_space.normal_correction = met->start;
+}
+
+// Add the contacts of a primitive and a body that is no closed form.
+static void meet_body( const find_loop* loop, const collision_view* of_all, int primitive )
 {
     const collision_primitives* p = &loop->primitives;
     const int32_t* corners = p->corners + (size_t)primitive * (size_t)p->corner_count;
@@ -287,15 +311,21 @@ static void meet_body( const find_loop* loop, const collision_view* of_all, int 
     {
         load_planes( loop, &view, corners, &path );
     }
-    const int count = met == NULL ? collision_meet_body( &view, &path, meetings )
-                                  : ( collision_take_meeting( &view, &path, met, meetings ) ? 1 : 0 );
-    add_meetings( loop, &view, primitive, &path, meetings, count );
+    const int count = collision_meet_body( &view, &path, meetings );
+    for ( int i = 0; i < count; ++i )
+    {
+        collision_primitive_contact* to = place_contact( loop, primitive, meetings[i].deepest.weights );
+        if ( to != NULL )
+        {
+            write_contact( loop, &view, corners, &path, &meetings[i], to );
+        }
+    }
 }
 
 // ---- what may meet a body in the step ----
 
-// What a body reaches in the rest of the step; of what is no closed form its box.
-static void set_reach( const collision_view* view, wisp_shape_lanes* shape )
+// What a body reaches in the rest of the step, or in the substep; of what is no closed form its box.
+static void set_reach( const collision_view* view, bool in_step, wisp_shape_lanes* shape )
 {
     collision_view seen = *view;
     collision_body box = *view->body;
@@ -307,9 +337,13 @@ static void set_reach( const collision_view* view, wisp_shape_lanes* shape )
         seen.body = &box;
     }
     const float around = wisp_v3_length( view->body->centre );
+    shape->turns = false;
     collision_set_shape( shape, 0, &seen, 0.0f );
-    shape->shift[0] = view->body->is_coupled ? INFINITY : view->shift + view->turn * around;
-    shape->rate[0] = view->turn;
+    if ( in_step )
+    {
+        shape->shift[0] = view->body->is_coupled ? INFINITY : view->shift + view->turn * around;
+        shape->rate[0] = view->turn;
+    }
 }
 
 // Return the most that a point may be away from its nearest corner, squared, where contacts of a body of which a ball of a radius
@@ -320,6 +354,12 @@ static float blunt_limit( const find_loop* loop, const collision_view* view )
     const float left = LEFT_TO_CORNERS * view->thickness,
                 limit = 0.98f * left * ( 2.0f * view->body->bluntness - left );
     return is_round && loop->maps.thickness == NULL && limit >= 0.25f * loop->longest * loop->longest ? limit : 0.0f;
+}
+
+// The place of a shape among the words of particles: the last ones share one.
+static int32_t bit_of( int number )
+{
+    return (int32_t)( 1u << 4 * ( number < CLEAR_SHAPES ? number : CLEAR_SHAPES - 1 ) );
 }
 
 static void find_away( find_loop* loop )
@@ -340,6 +380,7 @@ static void clear_range( void* context, int begin, int end, int worker )
     const wisp_kernels* kernels = wisp_frame_kernels( loop->frame );
     wisp_shape_lanes shapes[CLEAR_SHAPES];
     bool blunt[CLEAR_SHAPES];
+    int32_t absent = 0;
     wisp_clear_args clear = loop->clear;
     clear.shapes = shapes;
     clear.blunt = blunt;
@@ -349,7 +390,7 @@ static void clear_range( void* context, int begin, int end, int worker )
         if ( collision_meets_primitives( view.body ) )
         {
             blunt[clear.count] = blunt_limit( loop, &view ) > 0.0f;
-            set_reach( &view, shapes + clear.count++ );
+            set_reach( &view, clear.place != NULL, shapes + clear.count++ );
         }
         if ( clear.count == CLEAR_SHAPES )
         {
@@ -359,6 +400,15 @@ static void clear_range( void* context, int begin, int end, int worker )
         }
     }
     kernels->clear_particles( &clear, begin, end );
+    // nothing is far from the places of no shape
+    for ( int number = clear.first + clear.count; number < CLEAR_SHAPES; ++number )
+    {
+        absent |= bit_of( number );
+    }
+    for ( int i = begin; i < end; ++i )
+    {
+        clear.words[i] |= absent;
+    }
 }
 
 static void list_near_range( void* context, int begin, int end, int worker )
@@ -367,7 +417,7 @@ static void list_near_range( void* context, int begin, int end, int worker )
     const find_loop* loop = context;
     const wisp_primitive_paths paths = paths_of( loop );
     loop->primitives.found[begin] =
-        wisp_frame_kernels( loop->frame )->find_near_primitives( &paths, begin, end, loop->primitives.near + begin );
+        wisp_frame_kernels( loop->frame )->list_near_primitives( &paths, begin, end, loop->primitives.near + begin );
 }
 
 static void list_near( find_loop* loop, const wisp_parallel* parallel )
@@ -383,11 +433,18 @@ static void list_near( find_loop* loop, const wisp_parallel* parallel )
     *p->near_count = count;
 }
 
-// Return whether no particle has got farther than was expected when the lists were made.
-static bool is_as_expected( const find_loop* loop, int slots )
+// Return whether no particle has got farther, nor faster, than was expected when the lists were made.
+static bool is_as_expected( const find_loop* loop, int slots, float pace )
 {
     const wisp_kernels* kernels = wisp_frame_kernels( loop->frame );
     bool is_near = true;
+    for ( int i = 0; i < slots; ++i )
+    {
+        const float *p = loop->position + (size_t)i * 4, *q = loop->previous + (size_t)i * 4,
+                    longest = pace * loop->clear.place[(size_t)i * 4 + 3];
+        const float x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
+        is_near &= x * x + y * y + z * z <= longest * longest;
+    }
     for ( int begin = 0; begin < slots && is_near; begin += COLLISION_BLOCK )
     {
         const int end = slots - begin < COLLISION_BLOCK ? slots : begin + COLLISION_BLOCK;
@@ -419,40 +476,63 @@ static void meet_closed_form( const find_loop* loop, const collision_view* view,
             ->meet_shape( &paths, &shape, loop->maps.thickness != NULL ? thickness : NULL, near, count, met );
     for ( int i = 0; i < n; ++i )
     {
-        meet_body( loop, view, met[i].primitive, met + i );
+        add_met( loop, view, met + i );
     }
 }
 
+// Find contacts of those that may have some in this substep, and list them: behind the last of a range is -1.
 static void find_range( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const find_loop* loop = context;
     const collision_primitives* p = &loop->primitives;
-    for ( int i = begin; i < end; ++i )
+    const wisp_primitive_paths paths = paths_of( loop );
+    int32_t *near = p->active + begin, looks[PRIMITIVE_GRAIN], some[PRIMITIVE_GRAIN];
+    const int count = wisp_frame_kernels( loop->frame )
+                          ->select_near_primitives( &paths, p->near + begin, end - begin, near, looks );
+    for ( int i = 0; i < count; ++i )
     {
-        p->found[p->near[i]] = 0;
+        p->found[near[i]] = 0;
     }
     collision_view view;
-    for ( int next = 0; collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
+    for ( int next = 0, number = 0;
+          count > 0 && collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
     {
-        if ( collision_is_closed_form( view.body ) && collision_meets_primitives( view.body ) )
+        if ( collision_meets_primitives( view.body ) == false )
         {
-            meet_closed_form( loop, &view, p->near + begin, end - begin );
             continue;
         }
-        for ( int i = begin; collision_meets_primitives( view.body ) && i < end; ++i )
+        const bool is_closed_form = collision_is_closed_form( view.body );
+        const int32_t bit = bit_of( number++ );
+        int n = 0;
+        for ( int i = 0; i < count; ++i )
         {
-            meet_body( loop, &view, p->near[i], NULL );
+            some[n] = near[i];
+            n += ( looks[i] & bit ) != 0 ? 1 : 0;
         }
+        if ( is_closed_form )
+        {
+            meet_closed_form( loop, &view, some, n );
+        }
+        for ( int i = 0; i < n && is_closed_form == false; ++i )
+        {
+            meet_body( loop, &view, some[i] );
+        }
+    }
+    if ( count < end - begin )
+    {
+        near[count] = -1;
     }
 }
 
 // ---- push-out ----
 
 // Move the corners of a contact so that its point moves by a distance along the normal.
-static void move_corners( float* to, const float* position, const int32_t* corners, int corner_count,
+static void move_corners( const find_loop* loop, float* to, const int32_t* corners,
                           const collision_primitive_contact* c, float distance )
 {
+    const float* position = loop->position;
+    const int corner_count = loop->primitives.corner_count;
     float sum = 0.0f;
     for ( int k = 0; k < corner_count; ++k )
     {
@@ -464,23 +544,34 @@ static void move_corners( float* to, const float* position, const int32_t* corne
         const float part = position[quad + 3] * c->weights[k] / sum;
         collision_store( to + quad, wisp_v3_mul_add( wisp_v3_load( to + quad ), part * distance,
                                                      wisp_v3_load( c->half_space.normal ) ) );
+        loop->clear.words[corners[k]] = 0x77777777; // near everything, for triangles behind edges
     }
 }
 
-// Return a contact's distance at the start of the substep, less the thickness, and set the one now.
-static float gaps_of( const find_loop* loop, const int32_t* corners, const collision_primitive_contact* c,
-                      float* now )
+// Return how far the point of a contact is along its normal, beyond a distance.
+static float along_normal( const find_loop* loop, const int32_t* corners, const collision_primitive_contact* c,
+                           const float* rows, float beyond )
 {
-    const wisp_vec3 n = wisp_v3_load( c->half_space.normal ), q = wisp_v3_load( c->half_space.point );
-    float start = c->half_space.normal_correction;
-    *now = -wisp_v3_dot( n, q ) - c->half_space.gap;
+    const wisp_vec3 n = wisp_v3_load( c->half_space.normal );
+    float sum = -beyond;
     for ( int k = 0; k < loop->primitives.corner_count; ++k )
     {
-        const size_t quad = (size_t)corners[k] * 4;
-        start += c->weights[k] * wisp_v3_dot( n, wisp_v3_load( loop->previous + quad ) );
-        *now += c->weights[k] * wisp_v3_dot( n, wisp_v3_load( loop->position + quad ) );
+        sum += c->weights[k] * wisp_v3_dot( n, wisp_v3_load( rows + (size_t)corners[k] * 4 ) );
     }
-    return start;
+    return sum;
+}
+
+// Return a contact's distance at the start of the substep, less the thickness.
+static float starts_at( const find_loop* loop, const int32_t* corners, const collision_primitive_contact* c )
+{
+    return along_normal( loop, corners, c, loop->previous, -c->half_space.normal_correction );
+}
+
+// Return the one now.
+static float ends_at( const find_loop* loop, const int32_t* corners, const collision_primitive_contact* c )
+{
+    const wisp_vec3 n = wisp_v3_load( c->half_space.normal ), q = wisp_v3_load( c->half_space.point );
+    return along_normal( loop, corners, c, loop->position, wisp_v3_dot( n, q ) + c->half_space.gap );
 }
 
 // Complete a contact: its gap, and what moves out a point that starts too near, as find_push_out() of the kernel half_space_rows
@@ -489,13 +580,13 @@ static void push_out( const find_loop* loop, const int32_t* corners, float most,
 {
     const int corner_count = loop->primitives.corner_count;
     const float shallow = COLLISION_SHALLOW * c->half_space.gap;
-    float now;
-    const float start = gaps_of( loop, corners, c, &now );
+    const float start = starts_at( loop, corners, c );
     c->half_space.normal_correction = 0.0f;
     if ( start >= 0.0f )
     {
         return;
     }
+    const float now = ends_at( loop, corners, c );
     const float outward = collision_larger( now - start, 0.0f );
     const float depth = collision_larger( -start - outward, 0.0f );
     const float recovered = collision_smaller( depth, collision_larger( most - outward, 0.0f ) );
@@ -511,8 +602,8 @@ static void push_out( const find_loop* loop, const int32_t* corners, float most,
         memcpy( before[k], loop->position + (size_t)corners[k] * 4, 3 * sizeof( float ) );
         memcpy( before[k] + 3, loop->previous + (size_t)corners[k] * 4, 3 * sizeof( float ) );
     }
-    move_corners( loop->position, loop->position, corners, corner_count, c, recovered );
-    move_corners( loop->previous, loop->position, corners, corner_count, c, recovered + absorbed );
+    move_corners( loop, loop->position, corners, c, recovered );
+    move_corners( loop, loop->previous, corners, c, recovered + absorbed );
     collision_impulse* sums = collision_reaction_sums( loop->frame, loop->span->entity, loop->state, 0 );
     for ( int k = 0; k < corner_count && sums != NULL; ++k )
     {
@@ -535,7 +626,7 @@ static void push_out( const find_loop* loop, const int32_t* corners, float most,
 static float squeezed_gap( const find_loop* loop, const int32_t* corners, const collision_contact* c )
 {
     float least = INFINITY;
-    for ( int k = 0; k < loop->primitives.corner_count; ++k )
+    for ( int k = 0; k < loop->primitives.corner_count && loop->contact_counts != NULL; ++k )
     {
         const collision_contact* of_corner = loop->particle_contacts[corners[k]];
         for ( int i = 0; i < loop->contact_counts[corners[k]] && i < WISP_COLLISION_CONTACTS; ++i )
@@ -554,17 +645,16 @@ static bool squeeze_pair( const find_loop* loop, const int32_t* corners, float m
     const float dt = wisp_frame_dt( loop->frame, loop->span->entity );
     const wisp_vec3 normals[2] = { wisp_v3_load( c[0].half_space.normal ), wisp_v3_load( c[1].half_space.normal ) };
     const float oppose = -wisp_v3_dot( normals[0], normals[1] ), both = c[0].half_space.gap + c[1].half_space.gap;
-    float now[2];
-    float aside = 0.5f * ( gaps_of( loop, corners, c, now ) - gaps_of( loop, corners, c + 1, now + 1 ) );
-    const float depth = -now[0] - now[1];
+    float aside = 0.5f * ( starts_at( loop, corners, c ) - starts_at( loop, corners, c + 1 ) );
+    const float depth = -ends_at( loop, corners, c ) - ends_at( loop, corners, c + 1 );
     if ( collision_is_squeezed( oppose, depth, both ) == false )
     {
         return false;
     }
     const float shift = collision_larger( -most, collision_smaller( -aside, most ) );
-    move_corners( loop->position, loop->position, corners, loop->primitives.corner_count, c, shift );
-    move_corners( loop->previous, loop->position, corners, loop->primitives.corner_count, c, shift );
-    aside = 0.5f * ( gaps_of( loop, corners, c, now ) - gaps_of( loop, corners, c + 1, now + 1 ) );
+    move_corners( loop, loop->position, corners, c, shift );
+    move_corners( loop, loop->previous, corners, c, shift );
+    aside = 0.5f * ( starts_at( loop, corners, c ) - starts_at( loop, corners, c + 1 ) );
     collision_impulse* sums = collision_reaction_sums( loop->frame, loop->span->entity, loop->state, 0 );
     // the force is that of the mean mass of free corners; the correction that stands for it is of the point
     float inverse_mass = 0.0f, mean_mass = 0.0f;
@@ -599,7 +689,7 @@ static void complete_contacts( const find_loop* loop, int primitive, float recov
     collision_primitive_contact* c = p->contacts[primitive];
     const int count = collision_contacts_of( p, primitive );
     float held[COLLISION_PRIMITIVE_CONTACTS] = { INFINITY, INFINITY };
-    for ( int k = 0; k < count && recovery >= 0.0f; ++k )
+    for ( int k = 0; k < count && recovery >= 0.0f && loop->state->body_count > 1; ++k )
     {
         held[k] = squeezed_gap( loop, corners, &c[k].half_space );
     }
@@ -619,10 +709,20 @@ static void list_active( const find_loop* loop, float recovery )
 {
     const collision_primitives* p = &loop->primitives;
     int count = 0;
-    for ( int i = 0; i < *p->near_count; ++i )
+    for ( int begin = 0; begin < *p->near_count; begin += PRIMITIVE_GRAIN )
     {
-        p->active[count] = p->near[i];
-        count += p->found[p->near[i]] > 0 ? 1 : 0;
+        const int end = *p->near_count - begin < PRIMITIVE_GRAIN ? *p->near_count : begin + PRIMITIVE_GRAIN;
+        for ( int i = begin; i < end; ++i )
+        {
+            const int32_t primitive = p->active[i];
+            if ( primitive < 0 )
+            {
+                p->active[i] = 0;
+                break;
+            }
+            p->active[count] = primitive;
+            count += p->found[primitive] > 0 ? 1 : 0;
+        }
     }
     *p->active_count = count;
     for ( int a = 0; a < count; ++a )
@@ -647,29 +747,45 @@ void collision_search_primitives( wisp_frame* frame, const wisp_span* span, cons
     const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     const int slots = wisp_frame_fabric( frame, span->entity )->slot_count;
     const int left = wisp_frame_substeps( frame, span->entity ) - span->substep;
+    const float seconds = (float)left * wisp_frame_dt( frame, span->entity );
     loop.clear = ( wisp_clear_args ){
         .position = loop.position,
         .previous = loop.previous,
         .ahead = COLLISION_MARGIN * (float)left,
-        .room = ROOM * settings->thickness,
+        .room = ROOM * settings->thickness + SPEEDING * seconds * seconds,
         .words = wisp_frame_column( frame, span->entity, state->clearance, 0 ),
         .place = wisp_frame_column( frame, span->entity, state->clearance, 1 ),
     };
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
-    const bool is_new = ( span->substep == 0 && recovery >= 0.0f ) || is_as_expected( &loop, slots ) == false;
+    float* pace = wisp_frame_column( frame, span->entity, state->all_features, 5 );
+    const bool is_new = ( span->substep == 0 && recovery >= 0.0f ) || is_as_expected( &loop, slots, *pace ) == false;
     loop.longest = *(const float*)wisp_frame_column( frame, span->entity, state->all_features, 4 );
     find_away( &loop );
     if ( is_new )
     {
+        *pace = PACE / loop.clear.ahead;
         wisp_parallel_for( parallel, slots, PRIMITIVE_GRAIN, clear_range, &loop );
     }
-    for ( int corner_count = 2; corner_count <= 3; ++corner_count )
+    collision_primitives lists[2];
+    for ( int i = 0; i < 2; ++i )
     {
-        loop.primitives = collision_primitives_of( frame, span->entity, state, corner_count );
+        loop.primitives = lists[i] = collision_primitives_of( frame, span->entity, state, 2 + i );
         if ( is_new )
         {
             list_near( &loop, parallel );
         }
+    }
+    // the same of this substep alone, which leaves out most of what is listed
+    loop.clear.place = NULL;
+    loop.clear.ahead = 1.0f;
+    loop.clear.room = LITTLE * settings->thickness;
+    if ( *lists[0].near_count + *lists[1].near_count > 0 )
+    {
+        wisp_parallel_for( parallel, slots, PRIMITIVE_GRAIN, clear_range, &loop );
+    }
+    for ( int i = 0; i < 2; ++i )
+    {
+        loop.primitives = lists[i];
         wisp_parallel_for( parallel, *loop.primitives.near_count, PRIMITIVE_GRAIN, find_range, &loop );
         list_active( &loop, recovery );
     }

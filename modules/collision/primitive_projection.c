@@ -22,13 +22,6 @@ enum
 
 static const float FAST = 0.5f; // of the thickness: displacement against a body behind which is searched again
 
-typedef struct corner_quads
-{
-    int count;
-    size_t quad[3];
-    float part[3]; // displacement of a corner per displacement of the point
-} corner_quads;
-
 typedef struct primitive_loop
 {
     wisp_entity entity;
@@ -40,47 +33,52 @@ typedef struct primitive_loop
     float dt;
 } primitive_loop;
 
-static corner_quads quads_of( const primitive_loop* loop, const int32_t* corners, int count,
-                              const collision_primitive_contact* c )
+enum
 {
-    corner_quads q = { .count = count };
-    float sum = 0.0f;
-    for ( int k = 0; k < count; ++k )
+    ROW = 4, // floats of a particle: the compiler takes rows at once
+};
+
+static void blend_rows( const int32_t* corners, int count, const float* weights, const float* rows, float* p )
+{
+    const float* first = rows + (size_t)corners[0] * ROW;
+    for ( int c = 0; c < ROW; ++c )
     {
-        q.quad[k] = (size_t)corners[k] * 4;
-        q.part[k] = loop->position[q.quad[k] + 3] * c->weights[k];
-        sum += q.part[k] * c->weights[k];
+        p[c] = weights[0] * first[c];
     }
-    for ( int k = 0; k < count; ++k )
+    for ( int k = 1; k < count; ++k )
     {
-        q.part[k] /= sum;
+        const float* row = rows + (size_t)corners[k] * ROW;
+        for ( int c = 0; c < ROW; ++c )
+        {
+            p[c] += weights[k] * row[c];
+        }
     }
-    return q;
 }
 
-static wisp_vec3 point_of( const corner_quads* q, const collision_primitive_contact* c, const float* rows )
+// Move the point of a contact by a displacement, whose fourth number is 0.
+static void move_point( const primitive_loop* loop, const int32_t* corners, int count,
+                        const collision_primitive_contact* c, const float* by )
 {
-    wisp_vec3 p = { 0.0f, 0.0f, 0.0f };
-    for ( int k = 0; k < q->count; ++k )
+    float sum = 0.0f, part[3];
+    for ( int k = 0; k < count; ++k )
     {
-        p = wisp_v3_mul_add( p, c->weights[k], wisp_v3_load( rows + q->quad[k] ) );
+        part[k] = loop->position[(size_t)corners[k] * ROW + 3] * c->weights[k];
+        sum += part[k] * c->weights[k];
     }
-    return p;
-}
-
-static void move_point( const primitive_loop* loop, const corner_quads* q, const collision_primitive_contact* c,
-                        wisp_vec3 by )
-{
-    for ( int k = 0; k < q->count; ++k )
+    for ( int k = 0; k < count; ++k )
     {
-        float* at = loop->position + q->quad[k];
-        const wisp_vec3 before = wisp_v3_load( at ), now = wisp_v3_mul_add( before, q->part[k], by );
-        collision_store( at, now );
+        float* at = loop->position + (size_t)corners[k] * ROW;
+        const wisp_vec3 before = wisp_v3_load( at );
+        const float fraction = part[k] / sum;
+        for ( int i = 0; i < ROW; ++i )
+        {
+            at[i] += fraction * by[i];
+        }
         if ( loop->sums != NULL && at[3] > 0.0f )
         {
-            const wisp_vec3 previous = wisp_v3_load( loop->previous + q->quad[k] );
+            const wisp_vec3 previous = wisp_v3_load( loop->previous + (size_t)corners[k] * ROW );
             collision_add_reaction( loop->sums[c->body], 1.0 / ( (double)at[3] * (double)loop->dt ), before, previous,
-                                    now, previous );
+                                    wisp_v3_load( at ), previous );
         }
     }
 }
@@ -89,11 +87,14 @@ static void project_primitive( const primitive_loop* loop, const int32_t* corner
                                collision_primitive_contact* contact )
 {
     collision_contact* c = &contact->half_space;
-    const corner_quads quads = quads_of( loop, corners, count, contact );
-    const wisp_vec3 start = point_of( &quads, contact, loop->position ), n = wisp_v3_load( c->normal );
+    float p[ROW], old[ROW];
+    blend_rows( corners, count, contact->weights, loop->position, p );
+    const wisp_vec3 start = wisp_v3_load( p ), n = wisp_v3_load( c->normal );
     const float missing = c->gap - wisp_v3_dot( n, wisp_v3_sub( start, wisp_v3_load( c->point ) ) );
     const collision_share share =
-        collision_share_of( loop->frame, loop->state, contact->body, loop->entity, start, n );
+        loop->state->coupled_count == 0
+            ? ( collision_share ){ 1.0f, 1.0f }
+            : collision_share_of( loop->frame, loop->state, contact->body, loop->entity, start, n );
     const float normal = collision_larger( share.normal * ( c->normal_correction + missing ), 0.0f );
     if ( normal == 0.0f && c->normal_correction == 0.0f )
     {
@@ -102,7 +103,8 @@ static void project_primitive( const primitive_loop* loop, const int32_t* corner
     const wisp_vec3 pushed = wisp_v3_mul_add( start, normal - c->normal_correction, n ),
                     before = wisp_v3_load( c->tangential_correction );
     c->normal_correction = normal;
-    wisp_vec3 u = wisp_v3_sub( pushed, point_of( &quads, contact, loop->previous ) );
+    blend_rows( corners, count, contact->weights, loop->previous, old );
+    wisp_vec3 u = wisp_v3_sub( pushed, wisp_v3_load( old ) );
     u = wisp_v3_sub( u, wisp_v3_load( c->motion ) );
     u = wisp_v3_mul_add( u, -wisp_v3_dot( n, u ), n );
     u = wisp_v3_sub( u, before );
@@ -112,8 +114,9 @@ static void project_primitive( const primitive_loop* loop, const int32_t* corner
         part * length <= c->static_friction * normal ? part : c->kinetic_friction * normal / length;
     const wisp_vec3 now = { -fraction * u.x, -fraction * u.y, -fraction * u.z };
     collision_store( c->tangential_correction, now );
-    const wisp_vec3 p = wisp_v3_mul_add( pushed, 1.0f, wisp_v3_sub( now, before ) );
-    move_point( loop, &quads, contact, wisp_v3_sub( p, start ) );
+    const wisp_vec3 moved = wisp_v3_sub( wisp_v3_mul_add( pushed, 1.0f, wisp_v3_sub( now, before ) ), start );
+    const float by[ROW] = { moved.x, moved.y, moved.z, 0.0f };
+    move_point( loop, corners, count, contact, by );
 }
 
 typedef struct primitive_lists
@@ -155,12 +158,17 @@ static bool next_contact( const primitive_lists* lists, contact_walk* walk, cont
 
 static void sweep( const primitive_loop* loop, const primitive_lists* lists )
 {
-    for ( int n = 0; n < COLLISION_SWEEPS; ++n )
+    for ( int n = 0; n < 2 * COLLISION_SWEEPS; ++n )
     {
-        contact_place c;
-        for ( contact_walk walk = { 0 }; next_contact( lists, &walk, &c ); )
+        const collision_primitives* p = n % 2 == 0 ? &lists->edges : &lists->triangles;
+        for ( int a = 0; a < *p->active_count; ++a )
         {
-            project_primitive( loop, c.corners, c.corner_count, c.contact );
+            const int i = p->active[a], count = collision_contacts_of( p, i );
+            for ( int k = 0; k < count; ++k )
+            {
+                project_primitive( loop, p->corners + (size_t)i * (size_t)p->corner_count, p->corner_count,
+                                   &p->contacts[i][k] );
+            }
         }
     }
 }
@@ -170,10 +178,10 @@ static void sweep( const primitive_loop* loop, const primitive_lists* lists )
 // Return the distance of the point of a contact from the plane of the body.
 static float distance_of( const primitive_loop* loop, const contact_place* c )
 {
-    const corner_quads quads = quads_of( loop, c->corners, c->corner_count, c->contact );
     const collision_contact* h = &c->contact->half_space;
-    return wisp_v3_dot( wisp_v3_load( h->normal ),
-                        wisp_v3_sub( point_of( &quads, c->contact, loop->position ), wisp_v3_load( h->point ) ) );
+    float p[ROW];
+    blend_rows( c->corners, c->corner_count, c->contact->weights, loop->position, p );
+    return wisp_v3_dot( wisp_v3_load( h->normal ), wisp_v3_sub( wisp_v3_load( p ), wisp_v3_load( h->point ) ) );
 }
 
 // Return whether a corner with contact moved so far against a body that another part of a primitive may have got through.

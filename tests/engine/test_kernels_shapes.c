@@ -497,6 +497,7 @@ static void fill_shape( outside* o, int number, int seed )
         s->size[3][l] = (float)taper.slope;
         s->size[4][l] = (float)taper.sine;
         s->shift[l] = s->rate[l] = 0.1f;
+        s->farther[l] = 1.3f;
         s->thickness[l] = THICKNESS;
         s->shallow[l] = SHALLOW;
         s->recovery[l] = RECOVERY;
@@ -698,7 +699,7 @@ typedef struct meetings
 {
     outside o; // the first shape
     _Alignas( 64 ) float position[ENDS][4], previous[ENDS][4], place[ENDS][4];
-    int32_t words[ENDS];
+    int32_t words[ENDS], words_now[ENDS];
     int32_t corners[3 * MEETING], listed[MEETING];
     wisp_primitive_meeting met[2][MEETING];
     int32_t near[2][MEETING], met_count[2], near_count[2];
@@ -737,15 +738,26 @@ static void run_meetings( const wisp_kernels* kernels, void* state, int begin, i
                                     .shapes = m->o.shapes,
                                     .count = m->o.shapes[0].kind == WISP_SHAPE_PLANE ? 0 : 1,
                                     .place = m->place[0],
+                                    .ahead = 1.25f,
                                     .blunt = &blunt,
                                     .away = 0.5f,
                                     .words = m->words };
     kernels->clear_particles( &clear, 0, ENDS );
     for ( int is_triangle = 0; is_triangle < 2 && clear.count > 0; ++is_triangle )
     {
-        const wisp_primitive_paths paths = { m->position[0], m->previous[0], m->corners, 2 + is_triangle,
-                                             m->place[0],    m->words,       0.5f };
-        m->near_count[is_triangle] = kernels->find_near_primitives( &paths, 0, MEETING, m->near[is_triangle] );
+        wisp_primitive_paths paths = { m->position[0], m->previous[0], m->corners, 2 + is_triangle,
+                                       m->place[0],    m->words,       0.5f };
+        // what is listed for the step, and of that what is left in the substep
+        int32_t listed[MEETING], looks[MEETING];
+        const int count = kernels->list_near_primitives( &paths, 0, MEETING, listed );
+        wisp_clear_args clear_now = clear;
+        clear_now.place = NULL;
+        clear_now.words = m->words_now;
+        kernels->clear_particles( &clear_now, 0, ENDS );
+        paths.place = NULL;
+        paths.words = m->words_now;
+        m->near_count[is_triangle] =
+            kernels->select_near_primitives( &paths, listed, count, m->near[is_triangle], looks );
         m->met_count[is_triangle] =
             kernels->meet_shape( &paths, m->o.shapes, NULL, m->listed, MEETING, m->met[is_triangle] );
     }

@@ -204,8 +204,13 @@ WISP_KERNEL( uint32_t, stay_outside, const wisp_outside_args* args, int begin, i
 WISP_KERNEL( uint32_t, instances_stay_outside, const wisp_instances_args* args, const wisp_shape_lanes* shapes,
              int count )
 WISP_KERNEL( void, clear_particles, const wisp_clear_args* args, int begin, int end )
-/// List the primitives of which a point may come within twice the thickness of a shape in the step. @return how many
-WISP_KERNEL( int, find_near_primitives, const wisp_primitive_paths* args, int begin, int end, int32_t* near )
+/// List the primitives of which a point may come within twice the thickness of a shape in the step: twice their number, and 1 if they may
+/// get large. @return how many
+WISP_KERNEL( int, list_near_primitives, const wisp_primitive_paths* args, int begin, int end, int32_t* near )
+/// Select of those the ones that may come so near in the substep. @param near receives their numbers
+/// @param looks receives bit 4 i of each shape i that they may meet @return how many
+WISP_KERNEL( int, select_near_primitives, const wisp_primitive_paths* args, const int32_t* listed, int count,
+             int32_t* near, int32_t* looks )
 /// Find the points of primitives that meet a shape that all share: where their path is stopped, or at its end, if that is near and
 /// deeper than the corners. A triangle meets it only in a point that is not on its border.
 /// @param thickness [count, padded to a multiple of 8] m; null: that of the shape @return how many meet it

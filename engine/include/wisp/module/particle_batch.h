@@ -131,6 +131,7 @@ typedef struct wisp_shape_lanes
     /// m: of a box the half extents; else radius, lower and upper end of the centres on the axis, slope and sine as in taper.h
     float size[5][8];
     float shift[8], rate[8]; ///< m; most that its surface moves, and a point besides, in lengths of its distance
+    float farther[8];        ///< times path and shift: what is farther from the shape is not reached by the path
     float thickness[8];      ///< m; below 0: the lane has no such shape
     float shallow[8];        ///< m; a start that is less deep in the thickness counts as on the surface
     float recovery[8];       ///< m, the most that a particle is moved out
@@ -156,7 +157,7 @@ typedef struct wisp_clear_args
     int first, count;                 ///< number of the first shape, of those that have told before
     float ahead, room;                ///< a particle may get this many times its path away, and `room`, m
     float away;                       ///< m, most that a point of a primitive is away from its nearest corner
-    float* place;                     ///< [slot][4] m, out: where it is; minus how far it may get
+    float* place;                     ///< [slot][4] m, out: where it is; minus how far it may get; may be null
     int32_t* words;                   ///< [slot] out: what its corners say of a primitive: see deepest.c
 } wisp_clear_args;
 
@@ -166,7 +167,7 @@ typedef struct wisp_primitive_paths
     const float *position, *previous; ///< [slot][4] m
     const int32_t* corners;           ///< [primitive][corner_count] slots
     int corner_count;
-    const float* place; ///< of find_near_primitives: as in wisp_clear_args
+    const float* place; ///< of near primitives: as in wisp_clear_args; null: of this substep alone
     const int32_t* words;
     float away;
 } wisp_primitive_paths;
@@ -175,8 +176,11 @@ typedef struct wisp_primitive_paths
 typedef struct wisp_primitive_meeting
 {
     int32_t primitive;
-    float time;       ///< 0 .. 1: when its path was stopped; 1: at its end
-    float weights[3]; ///< of the corners; they sum to 1
+    float time;                           ///< 0 .. 1: when its path was stopped; 1: at its end
+    float weights[3];                     ///< of the corners; they sum to 1
+    float point[3], normal[3], motion[3]; ///< m: of the surface at the end, away from it, and what it moved
+    float
+        start; ///< m, signed distance where it starts less the thickness, and less what its corners are along the normal
 } wisp_primitive_meeting;
 
 WISP_END_C
