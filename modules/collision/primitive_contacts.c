@@ -14,6 +14,8 @@
 //   moves corners, is done contact by contact in that order.
 #include "primitive_contacts.h"
 
+#include "near_bodies.h"
+
 #include "body_queries.h"
 #include "collision_state.h"
 #include "particle_contacts.h"
@@ -66,7 +68,8 @@ typedef struct find_loop
     collision_contact ( *particle_contacts )[WISP_COLLISION_CONTACTS];
     collision_maps maps;
     wisp_clear_args clear;
-    float longest; // m, edge
+    float longest;       // m, edge
+    collision_walk walk; // over the bodies that may be met in the step
 } find_loop;
 
 static wisp_primitive_paths paths_of( const find_loop* loop )
@@ -362,11 +365,28 @@ static int32_t bit_of( int number )
     return (int32_t)( 1u << 4 * ( number < CLEAR_SHAPES ? number : CLEAR_SHAPES - 1 ) );
 }
 
+static bool walk_to_body( const find_loop* loop, collision_walk* walk, collision_view* view )
+{
+    return collision_walk_on( loop->frame, loop->span, loop->state, walk, INFINITY, view );
+}
+
+// In a crowd each asks the bodies that its points can meet, all others in no substep while it stays in its box.
+static void begin_body_walk( find_loop* loop, int slots )
+{
+    wisp_vec3 lower = { INFINITY, INFINITY, INFINITY }, upper = { -INFINITY, -INFINITY, -INFINITY };
+    for ( int i = 0; i < slots && loop->state->nearness.near_count > 0; ++i )
+    {
+        collision_widen( &lower, &upper, wisp_v3_load( loop->position + (size_t)i * 4 ) );
+        collision_widen( &lower, &upper, wisp_v3_load( loop->previous + (size_t)i * 4 ) );
+    }
+    loop->walk = collision_begin_walk( loop->state, loop->span->entity, lower, upper );
+}
+
 static void find_away( find_loop* loop )
 {
     collision_view view;
     loop->clear.away = 0.6f * loop->longest;
-    for ( int next = 0; collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
+    for ( collision_walk walk = loop->walk; walk_to_body( loop, &walk, &view ); )
     {
         const float limit = blunt_limit( loop, &view );
         loop->clear.away = limit > 0.0f ? collision_smaller( sqrtf( limit ), loop->clear.away ) : loop->clear.away;
@@ -385,7 +405,7 @@ static void clear_range( void* context, int begin, int end, int worker )
     clear.shapes = shapes;
     clear.blunt = blunt;
     collision_view view;
-    for ( int next = 0; collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
+    for ( collision_walk walk = loop->walk; walk_to_body( loop, &walk, &view ); )
     {
         if ( collision_meets_primitives( view.body ) )
         {
@@ -495,8 +515,8 @@ static void find_range( void* context, int begin, int end, int worker )
         p->found[near[i]] = 0;
     }
     collision_view view;
-    for ( int next = 0, number = 0;
-          count > 0 && collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
+    int number = 0;
+    for ( collision_walk walk = loop->walk; count > 0 && walk_to_body( loop, &walk, &view ); )
     {
         if ( collision_meets_primitives( view.body ) == false )
         {
@@ -758,7 +778,10 @@ void collision_search_primitives( wisp_frame* frame, const wisp_span* span, cons
     };
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
     float* pace = wisp_frame_column( frame, span->entity, state->all_features, 5 );
-    const bool is_new = ( span->substep == 0 && recovery >= 0.0f ) || is_as_expected( &loop, slots, *pace ) == false;
+    begin_body_walk( &loop, slots );
+    const bool is_lost = loop.walk.near == NULL && state->nearness.near_count > 0;
+    const bool is_new =
+        ( span->substep == 0 && recovery >= 0.0f ) || is_lost || is_as_expected( &loop, slots, *pace ) == false;
     loop.longest = *(const float*)wisp_frame_column( frame, span->entity, state->all_features, 4 );
     find_away( &loop );
     if ( is_new )
