@@ -1,4 +1,4 @@
-// Kernels of sums over particles: moments, small rotations, and the virial of links; their rigid motion, to which velocities
+// Kernels of sums over particles: moments, small rotations, the virial and the strain of links, the volume of triangles; their rigid motion, to which velocities
 // go by the given fraction of their difference; displacements, deviations and separation bounds. Every table gives the
 // same bits, and results agree with plain loops in doubles.
 #include "kernels_fixture.h"
@@ -11,6 +11,7 @@ enum
     COUNT = 603, // slots from here on pad
     LINKS = 400,
     EDGES = 250,
+    TRIANGLES = 37,
     KINDS = 3,
 };
 
@@ -20,8 +21,10 @@ typedef struct body_of_particles
     int32_t a_x4[LINKS], b_x4[LINKS];
     uint8_t bends[LINKS / 8 + 3];
     float rest[LINKS];
+    int32_t triangles[TRIANGLES][3];
     wisp_moments sums[2];
-    double virial;
+    double virial, strain, volume;
+    float largest;
     int kind;
 } body_of_particles;
 
@@ -50,6 +53,10 @@ static void fill_body( void* state, int kind )
         b->a_x4[i] = 4 * ( pads ? SLOTS - 1 : i );
         b->b_x4[i] = 4 * ( pads ? SLOTS - 1 : ( i * 5 + 1 ) % COUNT );
         b->rest[i] = pads ? 0.0f : test_random_float( i, 10, 0.1f, 1.5f );
+    }
+    for ( int i = 0; i < 3 * TRIANGLES; ++i )
+    {
+        b->triangles[i / 3][i % 3] = i * 11 % COUNT;
     }
 }
 
@@ -87,6 +94,8 @@ static void run_body( const wisp_kernels* kernels, void* state, int begin, int e
     moments.previous = moments.position;
     kernels->moments( &moments, begin, end, &b->sums[1] );
     b->virial = kernels->link_virial( &links, 2000.0f, 20.0f, 8, LINKS );
+    b->strain = kernels->link_strain( &links, 8, LINKS, &b->largest );
+    b->volume = kernels->cone_volume( b->position[0], b->triangles[0], TRIANGLES );
     kernels->turn( &speeds, begin, end );
     kernels->turn( &places, begin, end );
 }
@@ -157,10 +166,28 @@ static void check_turn( body_of_particles* before, float ( *old )[4], float ( *r
     }
 }
 
-static void check_virial( body_of_particles* before, double found )
+static void check_volume( const body_of_particles* before, double found )
+{
+    const double3 first = double3_from( before->position[0] );
+    double sum = 0.0, size = 0.0;
+    for ( int i = 0; i < TRIANGLES; ++i )
+    {
+        double3 corner[3];
+        for ( int k = 0; k < 3; ++k )
+        {
+            corner[k] = double3_sub( double3_from( before->position[before->triangles[i][k]] ), first );
+        }
+        const double volume = double3_dot( corner[0], double3_cross( corner[1], corner[2] ) ) / 6.0;
+        sum += volume;
+        size += fabs( volume );
+    }
+    assert_near( found, sum, 1e-13 * size, "volume", before->kind );
+}
+
+static void check_links( body_of_particles* before, const body_of_particles* found )
 {
     const wisp_link_args args = link_args_of( before );
-    double sum = 0.0, size = 0.0;
+    double sum = 0.0, size = 0.0, strain = 0.0, largest = 0.0;
     for ( int i = 8; i < LINKS; ++i )
     {
         const double length = double3_distance( double3_from( args.position + args.a_x4[i] ),
@@ -169,8 +196,13 @@ static void check_virial( body_of_particles* before, double found )
                      rest = (double)before->rest[i];
         sum += stiffness * ( length - rest ) * length;
         size += stiffness * ( length + rest ) * length;
+        const double of_edge = stiffness > 20.0 && rest > 0.0 ? fabs( length / rest - 1.0 ) : 0.0;
+        strain += of_edge;
+        largest = fmax( largest, of_edge );
     }
-    assert_near( found, sum, (double)FLT_EPSILON * size, "virial", before->kind );
+    assert_near( found->virial, sum, (double)FLT_EPSILON * size, "virial", before->kind );
+    assert_near( found->strain, strain, (double)FLT_EPSILON * ( strain + LINKS ), "strain", before->kind );
+    assert_near( (double)found->largest, largest, 4.0 * (double)FLT_EPSILON * largest, "largest", before->kind );
     assert_true( widest_table()->link_virial( &args, 2000.0f, 20.0f, 8, 8 ) == 0.0 );
 }
 
@@ -190,7 +222,8 @@ static void check_body( void* start, void* end )
             check_moments( &args, RANGES[i][0], RANGES[i][1], &found );
         }
     }
-    check_virial( before, b->virial );
+    check_links( before, b );
+    check_volume( before, b->volume );
     check_turn( before, before->velocity, b->velocity );
     check_turn( before, before->position, b->position );
 }

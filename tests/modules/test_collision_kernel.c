@@ -235,17 +235,20 @@ TEST( what_is_pinned_away_or_no_number_is_left_alone )
 
 TEST( a_group_tells_how_far_it_reaches_and_what_it_remembers )
 {
-    static contact_rows made = { .variant = 3 }, rows;
+    static contact_rows made = { .variant = 3 }, rows, others;
     make_rows( &made );
     made.position[3] = NAN;
     const wisp_kernels* const* tables = every_table();
     for ( int t = 0; tables[t / 2] != NULL; ++t )
     {
-        rows = made;
+        rows = others = made;
         const wisp_strand_contact_args args = job_on( &rows );
+        wisp_strand_contact_args segments = job_on( &others );
+        segments.length = made.weight;
         wisp_strand_bounds reach, empty;
-        tables[t / 2]->strand_contact_begin( &args, 2, t % 2 == 0, &reach );
-        tables[t / 2]->strand_contact_begin( &args, 1, t % 2 == 0, &empty );
+        tables[t / 2]->strand_contact_begin( &args, &segments, 2, t % 2 == 0, &reach );
+        tables[t / 2]->strand_contact_begin( &args, NULL, 1, t % 2 == 0, &empty );
+        assert_memory_equal( &others, &rows, sizeof( rows ) );
         assert_true( empty.lower.x > empty.upper.x );
         wisp_vec3 lower = { INFINITY, INFINITY, INFINITY };
         double path = 0.0;
@@ -271,4 +274,54 @@ TEST( a_group_tells_how_far_it_reaches_and_what_it_remembers )
         assert_true( reach.lower.x == lower.x && reach.lower.y == lower.y && reach.lower.z == lower.z );
         assert_near( (double)reach.max_path, path, 1e-7, "path", t );
     }
+}
+
+TEST( a_kernel_finds_the_segments_whose_way_meets_a_box_and_sums_the_pushes_of_strands )
+{
+    static contact_rows rows = { .variant = 3 };
+    make_rows( &rows );
+    rows.position[3] = NAN;
+    const wisp_strand_contact_args args = job_on( &rows );
+    const wisp_strand_bounds box = { .lower = { -0.3f, -0.4f, -0.3f }, .upper = { 0.2f, 0.1f, 0.4f } };
+    const wisp_kernels* const* tables = every_table();
+    int found = 0, rest = 0;
+    for ( int t = 0; tables[t] != NULL; ++t )
+    {
+        uint32_t lanes = 0;
+        int next = tables[t]->strand_find_segments( &args, 0, ROWS, &box, &lanes );
+        for ( int i = 0; i + WISP_LANES < LANES; ++i )
+        {
+            bool meets = rows.weight[i] + rows.weight[i + WISP_LANES] > 0.0f;
+            float ends[4][3];
+            for ( int k = 0; k < 4; ++k )
+            {
+                const wisp_vec3 p = lane_of( k % 2 == 0 ? rows.position : rows.previous, i + k / 2 * WISP_LANES );
+                memcpy( ends[k], &p, sizeof( p ) );
+            }
+            for ( int k = 0; k < 3; ++k )
+            {
+                const float lower = fminf( fminf( ends[0][k], ends[1][k] ), fminf( ends[2][k], ends[3][k] ) ),
+                            upper = fmaxf( fmaxf( ends[0][k], ends[1][k] ), fmaxf( ends[2][k], ends[3][k] ) );
+                meets = meets && lower <= ( &box.upper.x )[k] && upper >= ( &box.lower.x )[k];
+            }
+            const bool is_told = next == i / WISP_LANES && ( lanes >> i % WISP_LANES & 1u ) != 0;
+            assert_true( is_told == meets || i == 3 );
+            found += is_told;
+            rest += is_told == false;
+            if ( i % WISP_LANES == WISP_LANES - 1 && next == i / WISP_LANES )
+            {
+                next = tables[t]->strand_find_segments( &args, next + 1, ROWS, &box, &lanes );
+            }
+        }
+        float sums[WISP_LANES] = { [2] = 1.0f }, expected[WISP_LANES] = { [2] = 1.0f };
+        for ( int i = GROUP_ROW[2] * WISP_LANES; i < LANES; ++i )
+        {
+            expected[i % WISP_LANES] += fmaxf( rows.pushed[i], 0.0f );
+        }
+        rows.left[LANES - 5] = 0.75f;
+        assert_true( tables[t]->strand_contact_sum( &args, 2, 0.5f, sums ) );
+        assert_false( tables[t]->strand_contact_sum( &args, 2, 0.8f, ( float[WISP_LANES] ){ 0 } ) );
+        assert_memory_equal( sums, expected, sizeof( sums ) );
+    }
+    assert_true( found > LANES / 20 && rest > LANES / 20 );
 }
