@@ -99,35 +99,6 @@ void KERNEL( moments )( const wisp_moment_args* args, int begin, int end, wisp_m
     }
 }
 
-double KERNEL( cone_volume )( const float* position, const int32_t* triangles, int count )
-{
-    const double first[3] = { (double)position[0], (double)position[1], (double)position[2] };
-    const lane8dv origin = lane8dv_set1( first );
-    lane8d sum = lane8d_set1( 0.0 );
-    for ( int t = 0; t < count; t += 8 )
-    {
-        const int last = count - 1 - t; // lanes beyond it take the first particle and have no volume
-        int32_t x4[3][8];
-        for ( int l = 0; l < 8; ++l )
-        {
-            const int32_t* corner = triangles + 3 * (size_t)( t + ( l < last ? l : last ) );
-            for ( int k = 0; k < 3; ++k )
-            {
-                x4[k][l] = l <= last ? 4 * corner[k] : 0;
-            }
-        }
-        lane8dv corner[3];
-        for ( int k = 0; k < 3; ++k )
-        {
-            lane8v at;
-            lane8_load_xyz( position, x4[k], &at.x, &at.y, &at.z );
-            corner[k] = lane8dv_sub( lane8dv_widen( at ), origin );
-        }
-        sum = lane8d_add( sum, lane8dv_dot( corner[0], lane8dv_cross( corner[1], corner[2] ) ) );
-    }
-    return lane8d_sum_ordered( sum ) / 6.0;
-}
-
 void KERNEL( turn )( const wisp_turn_args* args, int begin, int end )
 {
     const wisp_turn_args mine = *args;

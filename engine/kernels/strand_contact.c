@@ -254,7 +254,7 @@ LANE_INLINE lane16v surface_motion( contact_kind kind, const contact_body* body,
 }
 
 // Return whether no vertex of a row is within reach of a ball around the body: before anything is turned into its frame.
-static bool is_beyond( const wisp_strand_contact_args* args, const contact_body* body, lane16v p, lane16 sum )
+LANE_INLINE bool is_beyond( const wisp_strand_contact_args* args, const contact_body* body, lane16v p, lane16 sum )
 {
     const lane16 zero = lane16_zero(), far = lane16_set1( args->gives_back ? INFINITY : 0.0f );
     const lane16 least = args->starts ? lane16_max( lane16_neg( sum ), zero ) : zero;
@@ -272,7 +272,7 @@ typedef struct contact_sums
     lane16m is_held, is_own, starts;
 } contact_sums;
 
-static contact_sums find_sums( const wisp_strand_contact_args* args, size_t row, lane16 sum )
+LANE_INLINE contact_sums find_sums( const wisp_strand_contact_args* args, size_t row, lane16 sum )
 {
     const lane16 zero = lane16_zero(), own = lane16_set1( args->body_number );
     contact_sums s = { .held = lane16_max( sum, zero ), .number = lane16_load( args->body + row * WISP_LANES ) };
@@ -395,7 +395,7 @@ static lane16v larger( lane16v a, lane16v b )
 
 // Sets the depths; a vertex without contact in the last iteration is allowed the depth that it has. Sums of the last
 // substep become negative: not applied yet.
-static void begin_row( const wisp_strand_contact_args* args, size_t row, bool first_iteration )
+LANE_INLINE void begin_row( const wisp_strand_contact_args* args, size_t row, bool first_iteration )
 {
     float *normal_sum = args->normal_correction + row * WISP_LANES,
           *remaining = args->remaining_depth + row * WISP_LANES;

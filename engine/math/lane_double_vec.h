@@ -2,7 +2,7 @@
 ///
 ///   lane8dv_set1( const double[3] )
 ///   lane8dv_widen( lane8v ) lane8dv_narrow( a )   exact; round to nearest
-///   lane8dv_add lane8dv_sub lane8dv_scale lane8dv_cross lane8dv_dot lane8dv_length lane8dv_select
+///   lane8dv_add lane8dv_sub lane8dv_scale lane8dv_cross lane8dv_length lane8dv_select
 #pragma once
 
 #include "lane_double.h"
@@ -52,14 +52,10 @@ LANE_INLINE lane8dv lane8dv_cross( lane8dv a, lane8dv b )
     };
 }
 
-LANE_INLINE lane8d lane8dv_dot( lane8dv a, lane8dv b )
-{
-    return lane8d_add( lane8d_add( lane8d_mul( a.x, b.x ), lane8d_mul( a.y, b.y ) ), lane8d_mul( a.z, b.z ) );
-}
-
 LANE_INLINE lane8d lane8dv_length( lane8dv a )
 {
-    return lane8d_sqrt( lane8dv_dot( a, a ) );
+    return lane8d_sqrt(
+        lane8d_add( lane8d_add( lane8d_mul( a.x, a.x ), lane8d_mul( a.y, a.y ) ), lane8d_mul( a.z, a.z ) ) );
 }
 
 LANE_INLINE lane8dv lane8dv_select( lane8dm m, lane8dv a, lane8dv b )

@@ -173,6 +173,21 @@ static void sum_momenta( const wisp_kernels* kernels, const wisp_fabric* f, cons
     }
 }
 
+// Computes the volume relative to the first vertex, to reduce rounding far from the origin.
+static double sum_volume( const wisp_fabric* f, const float* position )
+{
+    double volume = 0.0;
+    const double3 o = double3_from( position );
+    for ( const int32_t* v = f->triangles; v < f->triangles + 3 * (size_t)f->triangle_count; v += 3 )
+    {
+        const double3 a = double3_sub( double3_from( position + 4 * (size_t)v[0] ), o ),
+                      b = double3_sub( double3_from( position + 4 * (size_t)v[1] ), o ),
+                      c = double3_sub( double3_from( position + 4 * (size_t)v[2] ), o );
+        volume += double3_dot( a, double3_cross( b, c ) );
+    }
+    return volume / 6.0;
+}
+
 static void take_motion_stats( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
@@ -187,7 +202,7 @@ static void take_motion_stats( wisp_frame* frame, const wisp_span* span, void* u
     if ( fabric->vertex_count > 0 )
     {
         sum_momenta( kernels, fabric, position, velocity, &q );
-        q.volume = kernels->cone_volume( position, fabric->triangles, fabric->triangle_count );
+        q.volume = sum_volume( fabric, position );
     }
     const wisp_link_args links = { .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
                                    .a_x4 = fabric->link_a_x4,

@@ -76,25 +76,21 @@ typedef struct strand_loop
 
 // ---- culling ----
 
-static bool is_still( const collision_view* view )
-{
-    return memcmp( &view->before, &view->after, sizeof( wisp_transform ) ) == 0;
-}
-
 // Return an upper bound of the path of a vertex in the frame of the body. A rigid motion moves a box most at one of
-// its corners.
+// its corners, and all of them alike if it does not turn.
 static float path_seen( const strand_loop* loop, const collision_view* view )
 {
-    float most = 0.0f;
-    for ( int corner = 0; corner < 8 && is_still( view ) == false; ++corner )
+    const wisp_transform *from = &view->before, *to = &view->after;
+    const bool turns = memcmp( &from->rotation, &to->rotation, sizeof( wisp_quat ) ) != 0;
+    float most = turns ? 0.0f : wisp_v3_length( wisp_v3_sub( to->translation, from->translation ) );
+    for ( int corner = 0; corner < 8 && turns; ++corner )
     {
         const wisp_vec3 c = {
             ( corner & 1 ) != 0 ? loop->reach.upper.x : loop->reach.lower.x,
             ( corner & 2 ) != 0 ? loop->reach.upper.y : loop->reach.lower.y,
             ( corner & 4 ) != 0 ? loop->reach.upper.z : loop->reach.lower.z,
         };
-        const wisp_vec3 body_motion =
-            wisp_transform_to_world( view->after, wisp_transform_to_local( view->before, c ) );
+        const wisp_vec3 body_motion = wisp_transform_to_world( *to, wisp_transform_to_local( *from, c ) );
         most = fmaxf( most, wisp_v3_length( wisp_v3_sub( body_motion, c ) ) );
     }
     return most + loop->reach.max_path + collision_surface_shift( view );
@@ -774,19 +770,17 @@ static bool goes_on( const turning_group* group )
     return group->push > 0.0f && group->inside == false && group->is_done == false;
 }
 
-// Solve the lengths of the groups that need it, side by side where all do.
+// Solve the lengths of the groups that need it, side by side where neighbours do.
 static void restore_lengths( wisp_frame* frame, const turning_group* groups, int count, const bool* needs )
 {
-    bool all = true;
     for ( int i = 0; i < count; ++i )
     {
-        all = all && needs[i];
-    }
-    for ( int i = 0; i < ( all ? 1 : count ); ++i )
-    {
         wisp_span span = groups[i].span;
-        span.end = all ? groups[count - 1].span.end : span.end;
         span.iteration = wisp_frame_iterations( frame ) + LENGTHS;
+        for ( ; needs[i] && i + 1 < count && needs[i + 1]; ++i )
+        {
+            span.end += 1;
+        }
         if ( needs[i] )
         {
             wisp_frame_project_again( frame, &span );

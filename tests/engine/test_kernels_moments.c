@@ -1,4 +1,4 @@
-// Kernels of sums over particles: moments, small rotations, the virial and the strain of links, the volume of triangles; their rigid motion, to which velocities
+// Kernels of sums over particles: moments, small rotations, the virial and the strain of links; their rigid motion, to which velocities
 // go by the given fraction of their difference; displacements, deviations and separation bounds. Every table gives the
 // same bits, and results agree with plain loops in doubles.
 #include "kernels_fixture.h"
@@ -11,7 +11,6 @@ enum
     COUNT = 603, // slots from here on pad
     LINKS = 400,
     EDGES = 250,
-    TRIANGLES = 37,
     KINDS = 3,
 };
 
@@ -21,9 +20,8 @@ typedef struct body_of_particles
     int32_t a_x4[LINKS], b_x4[LINKS];
     uint8_t bends[LINKS / 8 + 3];
     float rest[LINKS];
-    int32_t triangles[TRIANGLES][3];
     wisp_moments sums[2];
-    double virial, strain, volume;
+    double virial, strain;
     float largest;
     int kind;
 } body_of_particles;
@@ -53,10 +51,6 @@ static void fill_body( void* state, int kind )
         b->a_x4[i] = 4 * ( pads ? SLOTS - 1 : i );
         b->b_x4[i] = 4 * ( pads ? SLOTS - 1 : ( i * 5 + 1 ) % COUNT );
         b->rest[i] = pads ? 0.0f : test_random_float( i, 10, 0.1f, 1.5f );
-    }
-    for ( int i = 0; i < 3 * TRIANGLES; ++i )
-    {
-        b->triangles[i / 3][i % 3] = i * 11 % COUNT;
     }
 }
 
@@ -95,7 +89,6 @@ static void run_body( const wisp_kernels* kernels, void* state, int begin, int e
     kernels->moments( &moments, begin, end, &b->sums[1] );
     b->virial = kernels->link_virial( &links, 2000.0f, 20.0f, 8, LINKS );
     b->strain = kernels->link_strain( &links, 8, LINKS, &b->largest );
-    b->volume = kernels->cone_volume( b->position[0], b->triangles[0], TRIANGLES );
     kernels->turn( &speeds, begin, end );
     kernels->turn( &places, begin, end );
 }
@@ -166,24 +159,6 @@ static void check_turn( body_of_particles* before, float ( *old )[4], float ( *r
     }
 }
 
-static void check_volume( const body_of_particles* before, double found )
-{
-    const double3 first = double3_from( before->position[0] );
-    double sum = 0.0, size = 0.0;
-    for ( int i = 0; i < TRIANGLES; ++i )
-    {
-        double3 corner[3];
-        for ( int k = 0; k < 3; ++k )
-        {
-            corner[k] = double3_sub( double3_from( before->position[before->triangles[i][k]] ), first );
-        }
-        const double volume = double3_dot( corner[0], double3_cross( corner[1], corner[2] ) ) / 6.0;
-        sum += volume;
-        size += fabs( volume );
-    }
-    assert_near( found, sum, 1e-13 * size, "volume", before->kind );
-}
-
 static void check_links( body_of_particles* before, const body_of_particles* found )
 {
     const wisp_link_args args = link_args_of( before );
@@ -223,7 +198,6 @@ static void check_body( void* start, void* end )
         }
     }
     check_links( before, b );
-    check_volume( before, b->volume );
     check_turn( before, before->velocity, b->velocity );
     check_turn( before, before->position, b->position );
 }

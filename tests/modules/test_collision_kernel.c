@@ -292,16 +292,17 @@ TEST( a_kernel_finds_the_segments_whose_way_meets_a_box_and_sums_the_pushes_of_s
         for ( int i = 0; i + WISP_LANES < LANES; ++i )
         {
             bool meets = rows.weight[i] + rows.weight[i + WISP_LANES] > 0.0f;
-            float ends[4][3];
-            for ( int k = 0; k < 4; ++k )
-            {
-                const wisp_vec3 p = lane_of( k % 2 == 0 ? rows.position : rows.previous, i + k / 2 * WISP_LANES );
-                memcpy( ends[k], &p, sizeof( p ) );
-            }
+            const wisp_vec3 ends[4] = { lane_of( rows.position, i ), lane_of( rows.previous, i ),
+                                        lane_of( rows.position, i + WISP_LANES ),
+                                        lane_of( rows.previous, i + WISP_LANES ) };
             for ( int k = 0; k < 3; ++k )
             {
-                const float lower = fminf( fminf( ends[0][k], ends[1][k] ), fminf( ends[2][k], ends[3][k] ) ),
-                            upper = fmaxf( fmaxf( ends[0][k], ends[1][k] ), fmaxf( ends[2][k], ends[3][k] ) );
+                float lower = INFINITY, upper = -INFINITY;
+                for ( int e = 0; e < 4; ++e )
+                {
+                    lower = fminf( ( &ends[e].x )[k], lower );
+                    upper = fmaxf( ( &ends[e].x )[k], upper );
+                }
                 meets = meets && lower <= ( &box.upper.x )[k] && upper >= ( &box.lower.x )[k];
             }
             const bool is_told = next == i / WISP_LANES && ( lanes >> i % WISP_LANES & 1u ) != 0;

@@ -161,8 +161,6 @@ WISP_KERNEL( void, xyzw_range, const float* xyzw, const float* less, const int32
 WISP_KERNEL( void, half_space, const wisp_half_space_args* args, int begin, int end )
 // slots, begin a multiple of 8; from end to the next multiple of 8, inverse masses are 0
 WISP_KERNEL( void, moments, const wisp_moment_args* args, int begin, int end, wisp_moments* sums ) ///< sums: output
-/// Sum the volumes of the tetrahedra of triangles with the first particle, m^3. @param triangles [count][3] slots
-WISP_KERNEL( double, cone_volume, const float* position, const int32_t* triangles, int count )
 WISP_KERNEL( void, turn, const wisp_turn_args* args, int begin, int end )
 // slots, multiples of 8
 WISP_KERNEL( void, tether, const wisp_tether_args* args, int begin, int end )
