@@ -106,21 +106,7 @@ static void balloon_torque_of( const balloon_body* body, const balloon_outlet* o
     out[2] = r[0] * f[1] - r[1] * f[0];
 }
 
-// Eq. 14: dt I^-1 tau.
-static void spin_increment( wisp_frame* frame, const wisp_span* span, const balloon_state* state, double out[3] )
-{
-    const balloon_body* body = wisp_frame_column( frame, span->entity, state->body, 0 );
-    const balloon_outlet* outlet = wisp_frame_column( frame, span->entity, state->outlet, 0 );
-    double torque[3];
-    balloon_torque_of( body, outlet, torque );
-    balloon_spin_of( body, torque, out );
-    for ( int k = 0; k < 3; ++k )
-    {
-        out[k] *= (double)wisp_frame_dt( frame, span->entity );
-    }
-}
-
-// Add D_omega x r to the velocities, which adds exactly dt tau to the angular momentum.
+// Add D_omega x r to the velocities (eq. 14: D_omega = dt I^-1 tau), which adds exactly dt tau to the angular momentum.
 void balloon_kick( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const balloon_state* state = user;
@@ -130,7 +116,13 @@ void balloon_kick( wisp_frame* frame, const wisp_span* span, void* user )
         .rows = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
         .centre = { body->centre[0], body->centre[1], body->centre[2] },
     };
-    spin_increment( frame, span, state, args.angle );
+    double torque[3];
+    balloon_torque_of( body, wisp_frame_column( frame, span->entity, state->outlet, 0 ), torque );
+    balloon_spin_of( body, torque, args.angle );
+    for ( int k = 0; k < 3; ++k )
+    {
+        args.angle[k] *= (double)wisp_frame_dt( frame, span->entity );
+    }
     const wisp_span s = wisp_frame_particles( frame, span );
     wisp_frame_kernels( frame )->turn( &args, s.begin, s.end );
 }

@@ -563,34 +563,6 @@ static void add_row_reaction( const strand_loop* loop, int row, double* sum, flo
     }
 }
 
-// The kernel row by row, and the reaction of each.
-static void push_lanes_reacting( wisp_frame* frame, const strand_loop* loop, wisp_strand_contact_args* args,
-                                 double* sum )
-{
-    const int32_t* group_row = loop->args.group_row;
-    for ( int row = group_row[loop->group]; row < group_row[loop->group + 1]; ++row )
-    {
-        const int32_t one[2] = { row, row + 1 };
-        float before[2][3 * WISP_LANES];
-        memcpy( before[0], args->position + (size_t)row * COLLISION_ROW, sizeof( before[0] ) );
-        memcpy( before[1], args->previous + (size_t)row * COLLISION_ROW, sizeof( before[1] ) );
-        args->group_row = one;
-        wisp_frame_kernels( frame )->strand_contact( args, 0, 1 );
-        add_row_reaction( loop, row, sum, before );
-    }
-}
-
-static void push_lanes( wisp_frame* frame, const strand_loop* loop, const collision_view* view, double* sum )
-{
-    wisp_strand_contact_args args = args_with( loop, view );
-    if ( sum != NULL )
-    {
-        push_lanes_reacting( frame, loop, &args, sum );
-        return;
-    }
-    wisp_frame_kernels( frame )->strand_contact( &args, loop->group, loop->group + 1 );
-}
-
 // How far a group that is not looked at moves is not known.
 static void forget_group( strand_loop* loop, const collision_view* view )
 {
@@ -606,7 +578,7 @@ static void forget_group( strand_loop* loop, const collision_view* view )
     }
 }
 
-static void push_vertices( wisp_frame* frame, strand_loop* loop, const collision_view* view, double* sum )
+static void push_vertices( strand_loop* loop, const collision_view* view, double* sum )
 {
     const collision_body* body = view->body;
     const bool round_about = body->inner < INFINITY;
@@ -620,14 +592,14 @@ static void push_vertices( wisp_frame* frame, strand_loop* loop, const collision
         forget_group( loop, view );
         return;
     }
-    if ( slow )
+    wisp_strand_contact_args args = args_with( loop, view );
+    if ( slow && sum == NULL )
     {
-        push_lanes( frame, loop, view, sum );
+        loop->kernels->strand_contact( &args, loop->group, loop->group + 1 );
         return;
     }
     const bool is_tracked = has_strand_tracks( loop, view );
-    const wisp_strand_contact_args args = args_with( loop, view );
-    int32_t seeds[WISP_LANES];
+    int32_t seeds[WISP_LANES], one[2];
     memset( seeds, -1, sizeof( seeds ) );
     for ( int row = loop->args.group_row[loop->group]; row < loop->args.group_row[loop->group + 1]; ++row )
     {
@@ -637,7 +609,17 @@ static void push_vertices( wisp_frame* frame, strand_loop* loop, const collision
             memcpy( before[0], loop->args.position + (size_t)row * COLLISION_ROW, sizeof( before[0] ) );
             memcpy( before[1], loop->args.previous + (size_t)row * COLLISION_ROW, sizeof( before[1] ) );
         }
-        is_tracked ? push_tracked_row( loop, view, &args, row, seeds ) : push_strand_row( loop, view, &args, row );
+        if ( slow )
+        {
+            one[0] = row, one[1] = row + 1;
+            args.group_row = one;
+            loop->kernels->strand_contact( &args, 0, 1 );
+        }
+        else
+        {
+            is_tracked ? push_tracked_row( loop, view, &args, row, seeds )
+                       : push_strand_row( loop, view, &args, row );
+        }
         if ( sum != NULL )
         {
             add_row_reaction( loop, row, sum, before );
@@ -645,9 +627,9 @@ static void push_vertices( wisp_frame* frame, strand_loop* loop, const collision
     }
 }
 
-static void push_strand_group( wisp_frame* frame, strand_loop* loop, const collision_view* view, double* sum )
+static void push_strand_group( strand_loop* loop, const collision_view* view, double* sum )
 {
-    push_vertices( frame, loop, view, sum );
+    push_vertices( loop, view, sum );
     const float longest = loop->meets_all ? INFINITY : loop->reach.longest;
     if ( loop->has_segments && collision_meets_segments( view->body, view->thickness, longest ) )
     {
@@ -725,7 +707,7 @@ void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* us
         collision_walk walk = collision_begin_walk( state, span->entity, loop.reach.lower, loop.reach.upper );
         while ( moves && collision_walk_on( frame, span, state, &walk, across, &view ) )
         {
-            push_strand_group( frame, &loop, &view, loop.sums != NULL ? loop.sums[view.body - state->bodies] : NULL );
+            push_strand_group( &loop, &view, loop.sums != NULL ? loop.sums[view.body - state->bodies] : NULL );
         }
     }
 }

@@ -1,5 +1,6 @@
 // Sixteen strands against a body at once: the kernel against a scalar version in double on wisp_shape_closest(), and
 // every table against the first, bit for bit.
+#include "collision_vectors.h"
 #include "kernels_fixture.h"
 
 #include "wisp/module/shapes.h"
@@ -283,36 +284,30 @@ TEST( a_kernel_finds_the_segments_whose_way_meets_a_box_and_sums_the_pushes_of_s
     rows.position[3] = NAN;
     const wisp_strand_contact_args args = job_on( &rows );
     const wisp_strand_bounds box = { .lower = { -0.3f, -0.4f, -0.3f }, .upper = { 0.2f, 0.1f, 0.4f } };
+    const wisp_vec3 u = box.upper, l = box.lower;
     const wisp_kernels* const* tables = every_table();
     int found = 0, rest = 0;
     for ( int t = 0; tables[t] != NULL; ++t )
     {
         uint32_t lanes = 0;
-        int next = tables[t]->strand_find_segments( &args, 0, ROWS, &box, &lanes );
         for ( int i = 0; i + WISP_LANES < LANES; ++i )
         {
-            bool meets = rows.weight[i] + rows.weight[i + WISP_LANES] > 0.0f;
-            const wisp_vec3 ends[4] = { lane_of( rows.position, i ), lane_of( rows.previous, i ),
-                                        lane_of( rows.position, i + WISP_LANES ),
-                                        lane_of( rows.previous, i + WISP_LANES ) };
-            for ( int k = 0; k < 3; ++k )
+            wisp_vec3 lower = { INFINITY, INFINITY, INFINITY }, upper = { -INFINITY, -INFINITY, -INFINITY };
+            for ( int e = 0; e < 4; ++e )
             {
-                float lower = INFINITY, upper = -INFINITY;
-                for ( int e = 0; e < 4; ++e )
-                {
-                    lower = fminf( ( &ends[e].x )[k], lower );
-                    upper = fmaxf( ( &ends[e].x )[k], upper );
-                }
-                meets = meets && lower <= ( &box.upper.x )[k] && upper >= ( &box.lower.x )[k];
+                collision_widen( &lower, &upper,
+                                 lane_of( e % 2 == 0 ? rows.position : rows.previous, i + e / 2 * WISP_LANES ) );
             }
-            const bool is_told = next == i / WISP_LANES && ( lanes >> i % WISP_LANES & 1u ) != 0;
-            assert_true( is_told == meets || i == 3 );
+            const int row = i / WISP_LANES,
+                      next = tables[t]->strand_find_segments( &args, row, row + 2, &box, &lanes );
+            const bool moves = rows.weight[i] + rows.weight[i + WISP_LANES] > 0.0f,
+                       is_told = lanes >> i % WISP_LANES & 1u;
+            assert_true( next == row + ( lanes == 0 ) );
+            assert_true( is_told == ( moves && lower.x <= u.x && lower.y <= u.y && lower.z <= u.z && upper.x >= l.x &&
+                                      upper.y >= l.y && upper.z >= l.z ) );
+            assert_true( tables[t]->strand_find_segments( &args, 0, ROWS, &box, &lanes ) <= row || is_told == false );
             found += is_told;
             rest += is_told == false;
-            if ( i % WISP_LANES == WISP_LANES - 1 && next == i / WISP_LANES )
-            {
-                next = tables[t]->strand_find_segments( &args, next + 1, ROWS, &box, &lanes );
-            }
         }
         float sums[WISP_LANES] = { [2] = 1.0f }, expected[WISP_LANES] = { [2] = 1.0f };
         for ( int i = GROUP_ROW[2] * WISP_LANES; i < LANES; ++i )
