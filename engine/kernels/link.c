@@ -179,7 +179,7 @@ void KERNEL( link_limit )( const wisp_link_args* args, int begin, int end )
 
 // Loads the vectors from b to a. Their floats are exact where the ends differ by less than a factor of two, so they have the
 // digits that positions have.
-LANE_INLINE lane8dv load_vectors( const wisp_link_args* args, int link )
+LANE_INLINE lane8v load_vectors( const wisp_link_args* args, int link )
 {
     lane8 a[4], b[4];
     lane8_load_quads( args->position, args->a_x4 + link, a );
@@ -189,7 +189,7 @@ LANE_INLINE lane8dv load_vectors( const wisp_link_args* args, int link )
         a[r] = lane8_sub( a[r], b[r] );
     }
     lane8_transpose_quads( a );
-    return lane8dv_widen( ( lane8v ){ a[0], a[1], a[2] } );
+    return ( lane8v ){ a[0], a[1], a[2] };
 }
 
 // Sums T l with T = k (l - rest), in doubles: tensions are small differences of lengths. What pads has no length.
@@ -202,9 +202,34 @@ double KERNEL( link_virial )( const wisp_link_args* args, float edge_stiffness, 
     for ( int link = begin; link < end; link += 8 )
     {
         const lane8d k = lane8d_widen( lane8_select( bend_links( mine.bends + link / 8 ), bend, edge ) );
-        const lane8d length = lane8dv_length( load_vectors( &mine, link ) );
+        const lane8d length = lane8dv_length( lane8dv_widen( load_vectors( &mine, link ) ) );
         const lane8d tension = lane8d_mul( k, lane8d_sub( length, lane8d_widen( lane8_loadu( mine.rest + link ) ) ) );
         sum = lane8d_add( sum, lane8d_mul( tension, length ) );
+    }
+    return lane8d_sum_ordered( sum );
+}
+
+double KERNEL( link_strain )( const wisp_link_args* args, int begin, int end, float* largest )
+{
+    const wisp_link_args mine = *args;
+    const lane8 zero = lane8_zero(), one = lane8_set1( 1.0f );
+    lane8d sum = lane8d_set1( 0.0 );
+    lane8 most = zero;
+    for ( int link = begin; link < end; link += 8 )
+    {
+        const lane8 rest = lane8_loadu( mine.rest + link ), length = lane8v_length( load_vectors( &mine, link ) );
+        const lane8m is_edge = lane8m_and_not( lane8_lt( zero, rest ), bend_links( mine.bends + link / 8 ) );
+        const lane8 strain = lane8_abs( lane8_sub( lane8_div( length, lane8_select( is_edge, rest, one ) ), one ) );
+        const lane8 of_edge = lane8_select( is_edge, strain, zero );
+        sum = lane8d_add( sum, lane8d_widen( of_edge ) );
+        most = lane8_max( of_edge, most );
+    }
+    float each[8];
+    lane8_storeu( each, most );
+    *largest = 0.0f;
+    for ( int l = 0; l < 8; ++l )
+    {
+        *largest = each[l] > *largest ? each[l] : *largest;
     }
     return lane8d_sum_ordered( sum );
 }

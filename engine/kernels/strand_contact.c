@@ -35,7 +35,6 @@ typedef struct contact_pose
 // Values shared by all rows.
 typedef struct contact_body
 {
-    wisp_shape_kind kind;
     lane16 radius, half_length;
     lane16v half;
     lane16 lower, upper, slope, sine; // of a tapered capsule, as in taper.h; its middle is the radius
@@ -82,7 +81,6 @@ static contact_body spread_body( const wisp_strand_contact_args* args )
     const bool is_tapered = args->shape.kind == WISP_SHAPE_TAPERED_CAPSULE;
     const wisp_taper t = is_tapered ? wisp_taper_of( &args->shape ) : ( wisp_taper ){ 0 };
     return ( contact_body ){
-        .kind = args->shape.kind,
         .radius = lane16_set1( is_tapered ? (float)t.middle : args->shape.radius ),
         .half_length = lane16_set1( args->shape.half_length ),
         .lower = lane16_set1( (float)t.lower ),
@@ -102,28 +100,35 @@ static contact_body spread_body( const wisp_strand_contact_args* args )
     };
 }
 
+// What a loop over rows knows of its body when it is compiled.
+typedef struct contact_kind
+{
+    wisp_shape_kind shape;
+    bool is_turned;
+} contact_kind;
+
 // Rotates v: v + 2 w (q x v) + 2 q x (q x v).
-static lane16v turn( lane16v q, lane16 w, lane16v v )
+LANE_INLINE lane16v turn( contact_kind kind, lane16v q, lane16 w, lane16v v )
 {
     lane16v t = lane16v_scale( lane16v_cross( q, v ), lane16_set1( 2.0f ) );
-    return lane16v_add( lane16v_mul_add( v, w, t ), lane16v_cross( q, t ) );
+    return kind.is_turned ? lane16v_add( lane16v_mul_add( v, w, t ), lane16v_cross( q, t ) ) : v;
 }
 
-static lane16v to_world( const contact_pose* pose, lane16v p )
+LANE_INLINE lane16v to_world( contact_kind kind, const contact_pose* pose, lane16v p )
 {
-    return lane16v_add( turn( pose->axis, pose->w, p ), pose->place );
+    return lane16v_add( turn( kind, pose->axis, pose->w, p ), pose->place );
 }
 
-static lane16v to_body( const contact_pose* pose, lane16v p )
+LANE_INLINE lane16v to_body( contact_kind kind, const contact_pose* pose, lane16v p )
 {
     const lane16v q = { lane16_neg( pose->axis.x ), lane16_neg( pose->axis.y ), lane16_neg( pose->axis.z ) };
-    return turn( q, pose->w, lane16v_sub( p, pose->place ) );
+    return turn( kind, q, pose->w, lane16v_sub( p, pose->place ) );
 }
 
 // ---- closest points ----
 
 // Returns the surface around a point, with `away` the vector from that point.
-static contact_surface around( lane16v away, lane16 radius, wisp_vec3 fallback )
+LANE_INLINE contact_surface around( lane16v away, lane16 radius, wisp_vec3 fallback )
 {
     lane16 length = lane16v_length( away );
     lane16m has_normal = lane16_gt( length, lane16_zero() );
@@ -179,9 +184,9 @@ static contact_surface closest_on_tapered( const contact_body* body, lane16v p )
     return around( p, lane16_sub( body->radius, lane16_mul( body->sine, y ) ), body->fallback );
 }
 
-static contact_surface closest( const contact_body* body, lane16v p )
+LANE_INLINE contact_surface closest( contact_kind kind, const contact_body* body, lane16v p )
 {
-    switch ( body->kind )
+    switch ( kind.shape )
     {
         case WISP_SHAPE_SPHERE:
             return around( p, body->radius, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
@@ -241,14 +246,15 @@ static lane16v tangential( lane16v u, lane16v normal )
 }
 
 // Computes the motion of the body's surface below the vertex in the substep.
-static lane16v surface_motion( const contact_body* body, lane16v local, const contact_surface* s )
+LANE_INLINE lane16v surface_motion( contact_kind kind, const contact_body* body, lane16v local,
+                                    const contact_surface* s )
 {
     lane16v point = lane16v_mul_add( local, lane16_neg( s->distance ), s->normal );
-    return lane16v_sub( to_world( &body->after, point ), to_world( &body->before, point ) );
+    return lane16v_sub( to_world( kind, &body->after, point ), to_world( kind, &body->before, point ) );
 }
 
 // Return whether no vertex of a row is within reach of a ball around the body: before anything is turned into its frame.
-static bool is_beyond( const wisp_strand_contact_args* args, const contact_body* body, lane16v p, lane16 sum )
+LANE_INLINE bool is_beyond( const wisp_strand_contact_args* args, const contact_body* body, lane16v p, lane16 sum )
 {
     const lane16 zero = lane16_zero(), far = lane16_set1( args->gives_back ? INFINITY : 0.0f );
     const lane16 least = args->starts ? lane16_max( lane16_neg( sum ), zero ) : zero;
@@ -266,7 +272,7 @@ typedef struct contact_sums
     lane16m is_held, is_own, starts;
 } contact_sums;
 
-static contact_sums find_sums( const wisp_strand_contact_args* args, size_t row, lane16 sum )
+LANE_INLINE contact_sums find_sums( const wisp_strand_contact_args* args, size_t row, lane16 sum )
 {
     const lane16 zero = lane16_zero(), own = lane16_set1( args->body_number );
     contact_sums s = { .held = lane16_max( sum, zero ), .number = lane16_load( args->body + row * WISP_LANES ) };
@@ -281,7 +287,8 @@ static contact_sums find_sums( const wisp_strand_contact_args* args, size_t row,
     return s;
 }
 
-static void touch_row( const wisp_strand_contact_args* args, const contact_body* body, size_t row )
+LANE_INLINE void touch_row( const wisp_strand_contact_args* args, const contact_body* body, size_t row,
+                            contact_kind kind )
 {
     float *at = args->position + row * STRIDE, *from = args->previous + row * STRIDE;
     float* normal_sum = args->normal_correction + row * WISP_LANES;
@@ -293,8 +300,8 @@ static void touch_row( const wisp_strand_contact_args* args, const contact_body*
     float *remaining = args->remaining_depth + row * WISP_LANES, *numbers = args->body + row * WISP_LANES;
     const lane16 zero = lane16_zero(), sum = lane16_load( normal_sum );
     const contact_sums sums = find_sums( args, row, sum );
-    lane16v local = to_body( &body->after, p );
-    const contact_surface s = closest( body, local );
+    lane16v local = to_body( kind, &body->after, p );
+    const contact_surface s = closest( kind, body, local );
     lane16m moves = lane16_gt( lane16_load( args->inverse_mass + row * WISP_LANES ), zero );
     lane16m touches = lane16m_and( moves, lane16_lt( s.distance, sums.reach ) );
     if ( lane16m_any( touches ) == false )
@@ -302,10 +309,10 @@ static void touch_row( const wisp_strand_contact_args* args, const contact_body*
         return;
     }
     lane16v previous = lane16v_load( from );
-    lane16 start = closest( body, to_body( &body->before, previous ) ).distance;
+    lane16 start = closest( kind, body, to_body( kind, &body->before, previous ) ).distance;
     const contact_correction correction =
         find_correction( body, start, s.distance, lane16_load( args->allowed_depth + row * WISP_LANES ), sums.least );
-    lane16v normal = turn( body->after.axis, body->after.w, s.normal );
+    lane16v normal = turn( kind, body->after.axis, body->after.w, s.normal );
     lane16v out = lane16v_mul_add( p, correction.out, normal );
     lane16v moved = lane16v_mul_add( previous, lane16_add( correction.recovered, correction.damped ), normal );
 
@@ -313,7 +320,8 @@ static void touch_row( const wisp_strand_contact_args* args, const contact_body*
     lane16 deepest = lane16_load( remaining ), total = lane16_add( sums.held, push );
     lane16v rubbed = lane16v_load( args->friction + row * STRIDE ), last = tangential( rubbed, normal );
     lane16v before = lane16v_select( sums.is_held, last, lane16v_set1( ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ) );
-    lane16v u = tangential( lane16v_sub( lane16v_sub( out, moved ), surface_motion( body, local, &s ) ), normal );
+    lane16v u =
+        tangential( lane16v_sub( lane16v_sub( out, moved ), surface_motion( kind, body, local, &s ) ), normal );
     lane16v friction = find_friction( body, lane16v_select( sums.starts, last, lane16v_add( before, u ) ), total );
     out = lane16v_sub( out, lane16v_sub( friction, before ) );
 
@@ -387,7 +395,7 @@ static lane16v larger( lane16v a, lane16v b )
 
 // Sets the depths; a vertex without contact in the last iteration is allowed the depth that it has. Sums of the last
 // substep become negative: not applied yet.
-static void begin_row( const wisp_strand_contact_args* args, size_t row, bool first_iteration )
+LANE_INLINE void begin_row( const wisp_strand_contact_args* args, size_t row, bool first_iteration )
 {
     float *normal_sum = args->normal_correction + row * WISP_LANES,
           *remaining = args->remaining_depth + row * WISP_LANES;
@@ -422,13 +430,13 @@ static wisp_vec3 reduce( lane16v v, bool to_smallest )
 }
 
 // Extends bounds; NaN is ignored, because a comparison then selects the other operand.
-void KERNEL( strand_contact_begin )( const wisp_strand_contact_args* args, int group, bool first_iteration,
-                                     wisp_strand_bounds* reach )
+void KERNEL( strand_contact_begin )( const wisp_strand_contact_args* args, const wisp_strand_contact_args* segments,
+                                     int group, bool first_iteration, wisp_strand_bounds* reach )
 {
     const lane16v plus_infinity = lane16v_set1( ( wisp_vec3 ){ INFINITY, INFINITY, INFINITY } );
     const lane16v minus_infinity = lane16v_set1( ( wisp_vec3 ){ -INFINITY, -INFINITY, -INFINITY } );
     lane16v lower = plus_infinity, upper = minus_infinity;
-    lane16 longest = lane16_zero();
+    lane16 longest = lane16_zero(), segment = longest;
     for ( int row = args->group_row[group]; row < args->group_row[group + 1]; ++row )
     {
         lane16v p = lane16v_load( args->position + (size_t)row * STRIDE );
@@ -438,19 +446,103 @@ void KERNEL( strand_contact_begin )( const wisp_strand_contact_args* args, int g
         upper = larger( lane16v_select( moves, larger( p, q ), minus_infinity ), upper );
         longest = lane16_max( lane16_select( moves, lane16v_dot( d, d ), lane16_zero() ), longest );
         begin_row( args, (size_t)row, first_iteration );
+        if ( segments != NULL )
+        {
+            begin_row( segments, (size_t)row, first_iteration );
+            segment = lane16_max( lane16_load( segments->length + (size_t)row * WISP_LANES ), segment );
+        }
     }
     *reach = ( wisp_strand_bounds ){ .lower = reduce( lower, true ), .upper = reduce( upper, false ) };
     lane16 length = lane16_sqrt( longest );
-    reach->max_path = reduce( ( lane16v ){ length, length, length }, false ).x;
+    const wisp_vec3 most = reduce( ( lane16v ){ length, segment, segment }, false );
+    reach->max_path = most.x;
+    reach->longest = most.y;
+}
+
+// ---- segments ----
+
+// Bounds of the way of a row, and which of its vertices move.
+typedef struct row_way
+{
+    lane16v lower, upper;
+    lane16 inverse_mass;
+} row_way;
+
+static row_way way_of( const wisp_strand_contact_args* args, int row )
+{
+    const lane16v p = lane16v_load( args->position + (size_t)row * STRIDE ),
+                  q = lane16v_load( args->previous + (size_t)row * STRIDE );
+    return ( row_way ){ smaller( p, q ), larger( p, q ),
+                        lane16_load( args->inverse_mass + (size_t)row * WISP_LANES ) };
+}
+
+static lane16m is_inside( lane16v lower, lane16v upper, const wisp_strand_bounds* box )
+{
+    const lane16v l = lane16v_set1( box->lower ), u = lane16v_set1( box->upper );
+    const lane16m x = lane16m_and( lane16_le( lower.x, u.x ), lane16_ge( upper.x, l.x ) ),
+                  y = lane16m_and( lane16_le( lower.y, u.y ), lane16_ge( upper.y, l.y ) ),
+                  z = lane16m_and( lane16_le( lower.z, u.z ), lane16_ge( upper.z, l.z ) );
+    return lane16m_and( x, lane16m_and( y, z ) );
+}
+
+int KERNEL( strand_find_segments )( const wisp_strand_contact_args* args, int row, int end,
+                                    const wisp_strand_bounds* box, uint32_t* lanes )
+{
+    row_way own = way_of( args, row );
+    for ( ; row + 1 < end; ++row )
+    {
+        const row_way next = way_of( args, row + 1 );
+        const lane16m moves = lane16_gt( lane16_add( own.inverse_mass, next.inverse_mass ), lane16_zero() );
+        const lane16m is_near = is_inside( smaller( own.lower, next.lower ), larger( own.upper, next.upper ), box );
+        *lanes = lane16m_bits( lane16m_and( moves, is_near ) );
+        if ( *lanes != 0 )
+        {
+            break;
+        }
+        own = next;
+    }
+    return row;
 }
 
 // ---- one body ----
 
-void KERNEL( strand_contact )( const wisp_strand_contact_args* args, int begin, int end )
+LANE_INLINE void touch_rows( const wisp_strand_contact_args* args, int begin, int end, contact_kind kind )
 {
     const contact_body body = spread_body( args );
     for ( int row = args->group_row[begin]; row < args->group_row[end]; ++row )
     {
-        touch_row( args, &body, (size_t)row );
+        touch_row( args, &body, (size_t)row, kind );
     }
+}
+
+// A ball that is not turned, as most heads, is compiled apart.
+void KERNEL( strand_contact )( const wisp_strand_contact_args* args, int begin, int end )
+{
+    const wisp_shape_kind shape = args->shape.kind;
+    if ( shape == WISP_SHAPE_SPHERE && pose_is_turned( args->before.rotation ) == false &&
+         pose_is_turned( args->after.rotation ) == false )
+    {
+        touch_rows( args, begin, end, ( contact_kind ){ WISP_SHAPE_SPHERE, false } );
+    }
+    else
+    {
+        touch_rows( args, begin, end, ( contact_kind ){ shape, true } );
+    }
+}
+
+// ---- after the last body ----
+
+bool KERNEL( strand_contact_sum )( const wisp_strand_contact_args* args, int group, float shallow, float* sums )
+{
+    const lane16 zero = lane16_zero(), limit = lane16_set1( shallow );
+    lane16 sum = lane16_loadu( sums );
+    lane16m deep = lane16_lt( zero, zero );
+    for ( int row = args->group_row[group]; row < args->group_row[group + 1]; ++row )
+    {
+        const size_t at = (size_t)row * WISP_LANES;
+        sum = lane16_add( sum, lane16_max( lane16_load( args->normal_correction + at ), zero ) );
+        deep = lane16m_or( deep, lane16_gt( lane16_load( args->remaining_depth + at ), limit ) );
+    }
+    lane16_storeu( sums, sum );
+    return lane16m_any( deep );
 }

@@ -44,7 +44,7 @@ wisp_status passes_declare( wisp_registry* registry )
 
 typedef struct tile_loop
 {
-    wisp_schedule_fn* run;
+    void ( *run )( const void* args, int begin, int end );
     const void* args;
     const int32_t* tile_begin; // of the colour's first tile
 } tile_loop;
@@ -56,8 +56,8 @@ static void run_tiles( void* context, int begin, int end, int worker )
     loop->run( loop->args, loop->tile_begin[begin], loop->tile_begin[end] );
 }
 
-void wisp_run_schedule( const wisp_parallel* parallel, const wisp_schedule* schedule, wisp_schedule_fn* run,
-                        const void* args )
+void wisp_run_schedule( const wisp_parallel* parallel, const wisp_schedule* schedule,
+                        void ( *run )( const void* args, int begin, int end ), const void* args )
 {
     for ( int colour = 0; colour < schedule->colour_count; ++colour )
     {
@@ -65,4 +65,46 @@ void wisp_run_schedule( const wisp_parallel* parallel, const wisp_schedule* sche
         tile_loop loop = { run, args, schedule->tile_begin + first };
         wisp_parallel_for( parallel, schedule->colour_tile[colour + 1] - first, 1, run_tiles, &loop );
     }
+}
+
+// ---- sums ----
+
+typedef struct sum_loop
+{
+    const wisp_kernels* kernels;
+    const wisp_summation* sum;
+    double* sums; // [block][sum_count]
+} sum_loop;
+
+static void sum_items( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const sum_loop* loop = context;
+    const wisp_summation* s = loop->sum;
+    for ( int block = begin; block < end; ++block )
+    {
+        const int first = block * s->grain,
+                  last = first + s->grain < s->item_count ? first + s->grain : s->item_count;
+        s->run( loop->kernels, s->args, first, last, loop->sums + (size_t)block * (size_t)s->sum_count );
+    }
+}
+
+bool wisp_frame_sum( wisp_frame* frame, const wisp_span* span, const wisp_summation* sum, double* sums )
+{
+    const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
+    const int blocks = ( sum->item_count + sum->grain - 1 ) / sum->grain, count = blocks * sum->sum_count;
+    sum_loop loop = { wisp_frame_kernels( frame ), sum,
+                      wisp_parallel_scratch( parallel, span->worker, (size_t)count * sizeof( double ) ) };
+    memset( sums, 0, (size_t)sum->sum_count * sizeof( double ) );
+    if ( loop.sums == NULL )
+    {
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for %d sums of %d items", count, sum->item_count );
+        return false;
+    }
+    wisp_parallel_for( parallel, blocks, sum->together, sum_items, &loop );
+    for ( int i = 0; i < count; ++i )
+    {
+        sums[i % sum->sum_count] += loop.sums[i];
+    }
+    return true;
 }

@@ -41,19 +41,10 @@ static void sum_blocks( void* context, int begin, int end, int worker )
 
 static void add_sums( wisp_rigid_sums* all, const wisp_rigid_sums* s )
 {
-    all->mass += s->mass;
-    for ( int k = 0; k < 3; ++k )
+    for ( size_t i = 0; i < sizeof( *all ) / sizeof( double ); ++i )
     {
-        all->moment[k] += s->moment[k];
-        all->momentum[k] += s->momentum[k];
-        all->angular_momentum[k] += s->angular_momentum[k];
+        ( &all->mass )[i] += ( &s->mass )[i];
     }
-    all->xx += s->xx;
-    all->yy += s->yy;
-    all->zz += s->zz;
-    all->xy += s->xy;
-    all->xz += s->xz;
-    all->yz += s->yz;
 }
 
 static void cross_product( const double a[3], const double b[3], double out[3] )
@@ -112,12 +103,6 @@ static void find_motion( const wisp_rigid_sums* s, wisp_rigid_args* args )
     args->angular_velocity = ( wisp_vec3 ){ (float)turning[0], (float)turning[1], (float)turning[2] };
 }
 
-static wisp_vec3 vector_at( const float* xyzw, int slot )
-{
-    const float* q = xyzw + (size_t)slot * 4;
-    return ( wisp_vec3 ){ q[0], q[1], q[2] };
-}
-
 // Measures relative to a free vertex and its mass, so that floats keep their digits far from the origin.
 static void measure( rigid_loop* loop, const wisp_parallel* parallel )
 {
@@ -133,8 +118,8 @@ static void measure( rigid_loop* loop, const wisp_parallel* parallel )
     }
     wisp_rigid_sums sums[MAX_BLOCKS];
     const int blocks = ( loop->slot_count + loop->block - 1 ) / loop->block;
-    loop->args.origin = vector_at( position, first );
-    loop->args.linear_velocity = vector_at( loop->args.velocity, first );
+    loop->args.origin = wisp_v3_load( position + (size_t)first * 4 );
+    loop->args.linear_velocity = wisp_v3_load( loop->args.velocity + (size_t)first * 4 );
     loop->args.inverse_mass = position[(size_t)first * 4 + 3];
     loop->sums = sums;
     wisp_parallel_for( parallel, blocks, 1, sum_blocks, loop );

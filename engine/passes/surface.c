@@ -188,21 +188,11 @@ static double sum_volume( const wisp_fabric* f, const float* position )
     return volume / 6.0;
 }
 
-static void sum_strain( const wisp_fabric* f, const float* position, wisp_motion_stats* q )
-{
-    for ( int slot = 0; slot < f->link_order.slot_count; ++slot )
-    {
-        const double strain = (double)edge_strain( f, position, slot );
-        q->strain_mean += strain;
-        q->strain_max = strain > q->strain_max ? strain : q->strain_max;
-    }
-    q->strain_mean /= f->edge_count > 0 ? f->edge_count : 1;
-}
-
 static void take_motion_stats( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
+    const wisp_kernels* kernels = wisp_frame_kernels( frame );
     const float* position = position_of( frame, span );
     const float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
     const wisp_vec3* gravity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_GRAVITY, 0 );
@@ -211,10 +201,18 @@ static void take_motion_stats( wisp_frame* frame, const wisp_span* span, void* u
     sum_speeds( fabric, position, velocity, &q );
     if ( fabric->vertex_count > 0 )
     {
-        sum_momenta( wisp_frame_kernels( frame ), fabric, position, velocity, &q );
+        sum_momenta( kernels, fabric, position, velocity, &q );
         q.volume = sum_volume( fabric, position );
     }
-    sum_strain( fabric, position, &q );
+    const wisp_link_args links = { .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
+                                   .a_x4 = fabric->link_a_x4,
+                                   .b_x4 = fabric->link_b_x4,
+                                   .rest = fabric->link_rest,
+                                   .bends = fabric->link_bends };
+    float strain;
+    q.strain_mean = kernels->link_strain( &links, 0, fabric->link_order.slot_count, &strain ) /
+                    ( fabric->edge_count > 0 ? fabric->edge_count : 1 );
+    q.strain_max = (double)strain;
     const wisp_vec3 o = wisp_frame_offset( frame, span->entity );
     q.centre[0] -= (double)o.x;
     q.centre[1] -= (double)o.y;

@@ -9,63 +9,22 @@ enum
     BODY_GRAIN = 2048, // particles a block: the unit of every sum
 };
 
-typedef struct moment_loop
+static void sum_moments( const wisp_kernels* kernels, const void* args, int begin, int end, double* sums )
 {
-    wisp_moment_args args;
-    const wisp_kernels* kernels;
-    wisp_moments* blocks;
-    int count;
-} moment_loop;
-
-static void sum_blocks( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const moment_loop* loop = context;
-    for ( int block = begin; block < end; ++block )
-    {
-        int first = block * BODY_GRAIN, last = first + BODY_GRAIN < loop->count ? first + BODY_GRAIN : loop->count;
-        loop->kernels->moments( &loop->args, first, last, loop->blocks + block );
-    }
+    wisp_moments block;
+    kernels->moments( args, begin, end, &block );
+    memcpy( sums, &block, sizeof( block ) );
 }
 
-static void add_moments( wisp_moments* sum, const wisp_moments* block )
-{
-    const double* from = &block->mass;
-    double* to = &sum->mass;
-    for ( size_t i = 0; i < sizeof( wisp_moments ) / sizeof( double ); ++i )
-    {
-        to[i] += from[i];
-    }
-}
-
-// balloon_body.c
 // Sum moments of all vertices about the first one of `previous`, [slot][4]. @return false: no memory, and the frame fails
-static bool balloon_sum_moments( wisp_frame* frame, const wisp_span* span, const float* previous, wisp_moments* out )
+static bool sum_all_moments( wisp_frame* frame, const wisp_span* span, const float* previous, wisp_moments* out )
 {
-    const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
-    const int count = wisp_frame_fabric( frame, span->entity )->vertex_count;
-    const int blocks = ( count + BODY_GRAIN - 1 ) / BODY_GRAIN;
-    moment_loop loop = {
-        .args = { .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
-                  .previous = previous,
-                  .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
-                  .origin = { previous[0], previous[1], previous[2] } },
-        .kernels = wisp_frame_kernels( frame ),
-        .blocks = wisp_parallel_scratch( parallel, span->worker, (size_t)blocks * sizeof( wisp_moments ) ),
-        .count = count,
-    };
-    if ( loop.blocks == NULL )
-    {
-        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the moments of %d vertices", count );
-        return false;
-    }
-    wisp_parallel_for( parallel, blocks, 1, sum_blocks, &loop );
-    *out = ( wisp_moments ){ 0 };
-    for ( int block = 0; block < blocks; ++block )
-    {
-        add_moments( out, loop.blocks + block );
-    }
-    return true;
+    const wisp_moment_args args = { wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ), previous,
+                                    wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
+                                    wisp_v3_load( previous ) };
+    const int vertices = wisp_frame_fabric( frame, span->entity )->vertex_count;
+    const wisp_summation all = { sum_moments, &args, vertices, BODY_GRAIN, 1, sizeof( *out ) / sizeof( double ) };
+    return wisp_frame_sum( frame, span, &all, &out->mass );
 }
 
 // Inverse of a symmetric matrix by its adjugate; zero where all mass lies on a line.
@@ -119,7 +78,7 @@ void balloon_measure_body( wisp_frame* frame, const wisp_span* span, void* user 
     const balloon_state* state = user;
     const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     wisp_moments sum;
-    if ( balloon_sum_moments( frame, span, position, &sum ) )
+    if ( sum_all_moments( frame, span, position, &sum ) )
     {
         finish( wisp_frame_column( frame, span->entity, state->body, 0 ), &sum, position );
     }
@@ -147,21 +106,7 @@ static void balloon_torque_of( const balloon_body* body, const balloon_outlet* o
     out[2] = r[0] * f[1] - r[1] * f[0];
 }
 
-// Eq. 14: dt I^-1 tau.
-static void spin_increment( wisp_frame* frame, const wisp_span* span, const balloon_state* state, double out[3] )
-{
-    const balloon_body* body = wisp_frame_column( frame, span->entity, state->body, 0 );
-    const balloon_outlet* outlet = wisp_frame_column( frame, span->entity, state->outlet, 0 );
-    double torque[3];
-    balloon_torque_of( body, outlet, torque );
-    balloon_spin_of( body, torque, out );
-    for ( int k = 0; k < 3; ++k )
-    {
-        out[k] *= (double)wisp_frame_dt( frame, span->entity );
-    }
-}
-
-// Add D_omega x r to the velocities, which adds exactly dt tau to the angular momentum.
+// Add D_omega x r to the velocities (eq. 14: D_omega = dt I^-1 tau), which adds exactly dt tau to the angular momentum.
 void balloon_kick( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const balloon_state* state = user;
@@ -171,7 +116,13 @@ void balloon_kick( wisp_frame* frame, const wisp_span* span, void* user )
         .rows = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
         .centre = { body->centre[0], body->centre[1], body->centre[2] },
     };
-    spin_increment( frame, span, state, args.angle );
+    double torque[3];
+    balloon_torque_of( body, wisp_frame_column( frame, span->entity, state->outlet, 0 ), torque );
+    balloon_spin_of( body, torque, args.angle );
+    for ( int k = 0; k < 3; ++k )
+    {
+        args.angle[k] *= (double)wisp_frame_dt( frame, span->entity );
+    }
     const wisp_span s = wisp_frame_particles( frame, span );
     wisp_frame_kernels( frame )->turn( &args, s.begin, s.end );
 }
@@ -245,7 +196,7 @@ void balloon_keep_angular( wisp_frame* frame, const wisp_span* span, void* user 
     float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     wisp_moments m;
     double turn[3];
-    if ( balloon_sum_moments( frame, span, previous, &m ) && m.pinned == 0.0 && m.mass > 0.0 &&
+    if ( sum_all_moments( frame, span, previous, &m ) && m.pinned == 0.0 && m.mass > 0.0 &&
          find_turn( &m, (double)wisp_frame_dt( frame, span->entity ), turn ) )
     {
         turn_loop loop = { { .position = position, .rows = position }, wisp_frame_kernels( frame ) };

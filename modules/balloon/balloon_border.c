@@ -3,6 +3,8 @@
 // the gas cannot push its own balloon along. They have no mass, links, area or normal.
 #include "balloon_internal.h"
 
+#include "wisp/module/double3.h"
+
 #include <string.h>
 
 // Entry e of the ring of a slot.
@@ -104,54 +106,33 @@ typedef struct border_fan
 {
     const int32_t* vertex;
     int count;
-    double mean[3]; // about the origin of the sums
-    double hub[3];  // dV / d mean: a sixth of the sum of (next - mean) x (vertex - mean)
+    double3 mean; // about the origin of the sums
+    double3 hub;  // dV / d mean: a sixth of the sum of (next - mean) x (vertex - mean)
 } border_fan;
 
-static void subtract( const float* p, const float* origin, const double from[3], double out[3] )
+// Return a vertex of a loop, counted around it from the first one, about the mean.
+static double3 corner_of( const border_fan* fan, int i, const float* position, int stride )
 {
-    for ( int k = 0; k < 3; ++k )
-    {
-        out[k] = (double)p[k] - (double)origin[k] - from[k];
-    }
-}
-
-static void add_cross( const double a[3], const double b[3], double scale, double out[3] )
-{
-    out[0] += scale * ( a[1] * b[2] - a[2] * b[1] );
-    out[1] += scale * ( a[2] * b[0] - a[0] * b[2] );
-    out[2] += scale * ( a[0] * b[1] - a[1] * b[0] );
-}
-
-static double dot( const double a[3], const double b[3] )
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static const float* point_of( const float* position, int stride, int32_t slot )
-{
-    return position + (size_t)slot * (size_t)stride;
+    const float* p = position + (size_t)fan->vertex[( i + fan->count ) % fan->count] * (size_t)stride;
+    return double3_sub( double3_sub( double3_from( p ), double3_from( position ) ), fan->mean );
 }
 
 static border_fan measure_fan( const balloon_loops* loops, int begin, const float* position, int stride )
 {
-    border_fan fan = { .vertex = loops->vertex + begin, .count = loops->size[begin] };
-    const double none[3] = { 0.0, 0.0, 0.0 };
+    const double3 none = { 0.0, 0.0, 0.0 };
+    border_fan fan = { loops->vertex + begin, loops->size[begin], none, none };
+    double3 mean = none;
     for ( int i = 0; i < fan.count; ++i )
     {
-        double p[3];
-        subtract( point_of( position, stride, fan.vertex[i] ), position, none, p );
-        for ( int k = 0; k < 3; ++k )
-        {
-            fan.mean[k] += p[k] / fan.count;
-        }
+        const double3 p = corner_of( &fan, i, position, stride );
+        mean = double3_add( mean, double3_make( p.x / fan.count, p.y / fan.count, p.z / fan.count ) );
     }
+    fan.mean = mean;
     for ( int i = 0; i < fan.count; ++i )
     {
-        double here[3], next[3];
-        subtract( point_of( position, stride, fan.vertex[i] ), position, fan.mean, here );
-        subtract( point_of( position, stride, fan.vertex[( i + 1 ) % fan.count] ), position, fan.mean, next );
-        add_cross( next, here, 1.0 / 6.0, fan.hub );
+        const double3 here = corner_of( &fan, i, position, stride ),
+                      next = corner_of( &fan, i + 1, position, stride );
+        fan.hub = double3_mul_add( fan.hub, 1.0 / 6.0, double3_cross( next, here ) );
     }
     return fan;
 }
@@ -162,7 +143,7 @@ double balloon_fan_volume( const balloon_loops* loops, const float* position, in
     for ( int begin = 0; begin < loops->count && loops->size[begin] > 0; begin += loops->size[begin] )
     {
         const border_fan fan = measure_fan( loops, begin, position, stride );
-        volume += dot( fan.mean, fan.hub );
+        volume += double3_dot( fan.mean, fan.hub );
     }
     return volume;
 }
@@ -172,19 +153,13 @@ static void add_to_gradient( const border_fan* fan, const float* position, float
 {
     for ( int i = 0; i < fan->count; ++i )
     {
-        int32_t slot = fan->vertex[i];
-        int32_t before = fan->vertex[( i + fan->count - 1 ) % fan->count],
-                after = fan->vertex[( i + 1 ) % fan->count];
-        double fraction[3], here[3], last[3], next[3], rim[3];
-        subtract( point_of( position, 4, slot ), position, fan->mean, here );
-        subtract( point_of( position, 4, before ), position, fan->mean, last );
-        subtract( point_of( position, 4, after ), position, fan->mean, next );
-        for ( int k = 0; k < 3; ++k )
-        {
-            rim[k] = last[k] - next[k];
-            fraction[k] = fan->hub[k] / fan->count; // moving a vertex moves the mean along
-        }
-        add_cross( here, rim, 1.0 / 6.0, fraction );
+        const int32_t slot = fan->vertex[i];
+        const double3 here = corner_of( fan, i, position, 4 ), last = corner_of( fan, i - 1, position, 4 ),
+                      next = corner_of( fan, i + 1, position, 4 );
+        const double n = fan->count; // moving a vertex moves the mean along
+        const double3 all = double3_mul_add( double3_make( fan->hub.x / n, fan->hub.y / n, fan->hub.z / n ),
+                                             1.0 / 6.0, double3_cross( here, double3_sub( last, next ) ) );
+        const double fraction[3] = { all.x, all.y, all.z };
         float* g = gradient + (size_t)( slot / 8 ) * 24 + slot % 8;
         for ( int k = 0; k < 3; ++k )
         {
@@ -200,7 +175,7 @@ void balloon_add_fans( const balloon_loops* loops, const float* position, float*
     for ( int begin = 0; begin < loops->count && loops->size[begin] > 0; begin += loops->size[begin] )
     {
         const border_fan fan = measure_fan( loops, begin, position, 4 );
-        sums->volume += dot( fan.mean, fan.hub );
+        sums->volume += double3_dot( fan.mean, fan.hub );
         add_to_gradient( &fan, position, gradient, &sums->weighted );
     }
 }

@@ -9,58 +9,30 @@ enum
     SMALL_SLICES = 320, // about 5 000 triangles: below it a second worker costs more than it gives
 };
 
-typedef struct ring_loop
+static void sum_gradients( const wisp_kernels* kernels, const void* args, int begin, int end, double* sums )
 {
-    wisp_ring_args args;
-    const wisp_kernels* kernels;
-    wisp_ring_sums* sums; // [block]
-    int slice_count;
-} ring_loop;
-
-static void sum_gas_blocks( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const ring_loop* loop = context;
-    for ( int block = begin; block < end; ++block )
-    {
-        int first = block * RING_GRAIN, last = first + RING_GRAIN;
-        last = last < loop->slice_count ? last : loop->slice_count;
-        loop->kernels->ring_gradient( &loop->args, first, last, loop->sums + block );
-    }
+    wisp_ring_sums s;
+    kernels->ring_gradient( args, begin, end, &s );
+    sums[0] = s.volume, sums[1] = s.weighted;
 }
 
-// Sum over all slices, block by block and in their order, so that bits do not depend on the workers.
 static wisp_ring_sums sum_rings( wisp_frame* frame, const wisp_span* span, float* gradient, float* area )
 {
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
-    const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
     const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
-    int blocks = ( fabric->ring_slice_count + RING_GRAIN - 1 ) / RING_GRAIN;
-    wisp_ring_sums total = { 0.0, 0.0 };
-    ring_loop loop = {
-        .args = { .position = position,
-                  .ring_begin = fabric->ring_begin,
-                  .ring_x4 = fabric->ring_x4,
-                  .origin = { position[0], position[1], position[2] },
-                  .gradient = gradient,
-                  .area = area },
-        .kernels = wisp_frame_kernels( frame ),
-        .sums = wisp_parallel_scratch( parallel, span->worker, (size_t)blocks * sizeof( wisp_ring_sums ) ),
-        .slice_count = fabric->ring_slice_count,
+    const wisp_ring_args args = { .position = position,
+                                  .ring_begin = fabric->ring_begin,
+                                  .ring_x4 = fabric->ring_x4,
+                                  .origin = wisp_v3_load( position ),
+                                  .gradient = gradient,
+                                  .area = area };
+    const int slices = fabric->ring_slice_count;
+    const wisp_summation all = {
+        sum_gradients, &args, slices, RING_GRAIN, slices < SMALL_SLICES ? SMALL_SLICES : 2, 2
     };
-    if ( loop.sums == NULL )
-    {
-        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the volume of %d vertices", fabric->vertex_count );
-        return total;
-    }
-    int grain = fabric->ring_slice_count < SMALL_SLICES ? blocks : 2;
-    wisp_parallel_for( parallel, blocks, grain > 0 ? grain : 1, sum_gas_blocks, &loop );
-    for ( int block = 0; block < blocks; ++block )
-    {
-        total.volume += loop.sums[block].volume;
-        total.weighted += loop.sums[block].weighted;
-    }
-    return total;
+    double sums[2];
+    (void)wisp_frame_sum( frame, span, &all, sums );
+    return ( wisp_ring_sums ){ sums[0], sums[1] };
 }
 
 // @return false: the mesh is closed
@@ -125,57 +97,36 @@ enum
     LINK_GRAIN = 4096,
 };
 
-typedef struct tension_loop
+// Links with the stiffness of a skin.
+typedef struct skin_links
 {
     wisp_link_args args;
     balloon_skin skin;
-    const wisp_kernels* kernels;
-    double* sums; // [block]
-    int slot_count;
-} tension_loop;
+} skin_links;
 
 // sum T l with T = k (l - d): links at rest add nothing, slack ones pull inwards like pressure from outside.
-static void sum_tensions( void* context, int begin, int end, int worker )
+static void sum_tensions( const wisp_kernels* kernels, const void* args, int begin, int end, double* sums )
 {
-    (void)worker;
-    const tension_loop* loop = context;
-    for ( int block = begin; block < end; ++block )
-    {
-        int first = block * LINK_GRAIN, last = first + LINK_GRAIN;
-        last = last < loop->slot_count ? last : loop->slot_count;
-        loop->sums[block] = loop->kernels->link_virial( &loop->args, loop->skin.edge_stiffness,
-                                                        loop->skin.bend_link_stiffness, first, last );
-    }
+    const skin_links* links = args;
+    *sums =
+        kernels->link_virial( &links->args, links->skin.edge_stiffness, links->skin.bend_link_stiffness, begin, end );
 }
 
 // J, of all links
 static double sum_links( wisp_frame* frame, const wisp_span* span, const balloon_state* state )
 {
-    const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
-    int blocks = ( fabric->link_order.slot_count + LINK_GRAIN - 1 ) / LINK_GRAIN;
-    tension_loop loop = {
+    const skin_links links = {
         .args = { .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
                   .a_x4 = fabric->link_a_x4,
                   .b_x4 = fabric->link_b_x4,
                   .rest = fabric->link_rest,
                   .bends = fabric->link_bends },
         .skin = *(balloon_skin*)wisp_frame_column( frame, span->entity, state->skin, 0 ),
-        .kernels = wisp_frame_kernels( frame ),
-        .sums = wisp_parallel_scratch( parallel, span->worker, (size_t)blocks * sizeof( double ) ),
-        .slot_count = fabric->link_order.slot_count,
     };
-    if ( loop.sums == NULL )
-    {
-        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the tensions of %d links", fabric->link_count );
-        return 0.0;
-    }
-    wisp_parallel_for( parallel, blocks, 1, sum_tensions, &loop );
-    double sum = 0.0;
-    for ( int block = 0; block < blocks; ++block )
-    {
-        sum += loop.sums[block];
-    }
+    const wisp_summation all = { sum_tensions, &links, fabric->link_order.slot_count, LINK_GRAIN, 1, 1 };
+    double sum;
+    (void)wisp_frame_sum( frame, span, &all, &sum );
     return sum;
 }
 

@@ -162,6 +162,7 @@ wisp_status balloon_find_state( wisp_world* world, wisp_entity surface, const ba
 
 static wisp_status find_balloon( wisp_world* world, wisp_entity balloon, const balloon_state** out )
 {
+    WISP_TRY( wisp_world_check_entity( world, balloon ) );
     wisp_status status = balloon_find_state( world, balloon, out );
     if ( status == WISP_OK && wisp_world_has( world, balloon, ( *out )->gas ) == false )
     {
@@ -172,7 +173,6 @@ static wisp_status find_balloon( wisp_world* world, wisp_entity balloon, const b
 
 wisp_status wisp_set_balloon_gas_ratio( wisp_world* world, wisp_entity balloon, float fill_fraction )
 {
-    WISP_TRY( wisp_world_check_entity( world, balloon ) );
     const balloon_state* state;
     WISP_TRY( find_balloon( world, balloon, &state ) );
     balloon_gas* gas = wisp_world_column( world, balloon, state->gas, 0 );
@@ -188,7 +188,6 @@ wisp_status wisp_set_balloon_gas_ratio( wisp_world* world, wisp_entity balloon, 
 
 wisp_status wisp_set_balloon_inflation( wisp_world* world, wisp_entity balloon, float rate )
 {
-    WISP_TRY( wisp_world_check_entity( world, balloon ) );
     const balloon_state* state;
     WISP_TRY( find_balloon( world, balloon, &state ) );
     WISP_TRY( wisp_world_check_values( world, &wisp_balloon_def_fields, "inflation_rate", &rate, 1, NULL ) );
@@ -203,7 +202,6 @@ wisp_status wisp_set_balloon_inflation( wisp_world* world, wisp_entity balloon, 
 
 wisp_status wisp_open_balloon( wisp_world* world, wisp_entity balloon, bool open )
 {
-    WISP_TRY( wisp_world_check_entity( world, balloon ) );
     const balloon_state* state;
     WISP_TRY( find_balloon( world, balloon, &state ) );
     balloon_outlet* outlet = wisp_world_column( world, balloon, state->outlet, 0 );
@@ -217,7 +215,6 @@ wisp_status wisp_open_balloon( wisp_world* world, wisp_entity balloon, bool open
 
 wisp_status wisp_request_balloon_stats( wisp_world* world, wisp_entity balloon, bool requested )
 {
-    WISP_TRY( wisp_world_check_entity( world, balloon ) );
     const balloon_state* state;
     WISP_TRY( find_balloon( world, balloon, &state ) );
     return requested ? wisp_world_request( world, balloon, state->stats )
@@ -229,7 +226,6 @@ wisp_status wisp_read_balloon_stats( wisp_world* world, wisp_entity balloon, wis
     WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     *out = ( wisp_balloon_stats ){ 0 };
-    WISP_TRY( wisp_world_check_entity( world, balloon ) );
     const balloon_state* state;
     WISP_TRY( find_balloon( world, balloon, &state ) );
     const wisp_balloon_stats* stats = wisp_world_column( world, balloon, state->stats, 0 );

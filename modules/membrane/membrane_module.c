@@ -112,52 +112,19 @@ static void project( wisp_frame* frame, const wisp_span* span, void* user )
                        &p );
 }
 
-typedef struct virial_loop
+static void sum_tensions( const wisp_kernels* kernels, const void* args, int begin, int end, double* sums )
 {
-    wisp_elastic_triangle_args args;
-    const wisp_kernels* kernels;
-    double* sums; // [block]
-    int slot_count;
-} virial_loop;
-
-static void sum_blocks( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const virial_loop* loop = context;
-    for ( int block = begin; block < end; ++block )
-    {
-        const int first = block * VIRIAL_GRAIN, last = first + VIRIAL_GRAIN;
-        loop->sums[block] = loop->kernels->elastic_triangle_virial(
-            &loop->args, first, last < loop->slot_count ? last : loop->slot_count );
-    }
+    *sums = kernels->elastic_triangle_virial( args, begin, end );
 }
 
-// Block by block in their order, so that bits do not depend on the workers.
 static void measure( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const membrane_state* state = user;
     const wisp_elastic_triangles* mesh = wisp_find_object( state->meshes, span->entity );
-    const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
+    const wisp_elastic_triangle_args args = find_args( frame, span, mesh );
     const int slots = wisp_elastic_triangles_order( mesh )->slot_count;
-    const int blocks = ( slots + VIRIAL_GRAIN - 1 ) / VIRIAL_GRAIN;
-    double* virial = wisp_frame_column( frame, span->entity, WISP_SURFACE_VIRIAL, 0 );
-    virial_loop loop = {
-        .args = find_args( frame, span, mesh ),
-        .kernels = wisp_frame_kernels( frame ),
-        .sums = wisp_parallel_scratch( parallel, span->worker, (size_t)blocks * sizeof( double ) ),
-        .slot_count = slots,
-    };
-    *virial = 0.0;
-    if ( loop.sums == NULL )
-    {
-        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the tensions of %d triangles", slots );
-        return;
-    }
-    wisp_parallel_for( parallel, blocks, 1, sum_blocks, &loop );
-    for ( int block = 0; block < blocks; ++block )
-    {
-        *virial += loop.sums[block];
-    }
+    const wisp_summation all = { sum_tensions, &args, slots, VIRIAL_GRAIN, 1, 1 };
+    (void)wisp_frame_sum( frame, span, &all, wisp_frame_column( frame, span->entity, WISP_SURFACE_VIRIAL, 0 ) );
 }
 
 static wisp_status declare( wisp_registry* r )

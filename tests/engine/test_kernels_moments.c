@@ -1,4 +1,4 @@
-// Kernels of sums over particles: moments, small rotations, and the virial of links; their rigid motion, to which velocities
+// Kernels of sums over particles: moments, small rotations, the virial and the strain of links; their rigid motion, to which velocities
 // go by the given fraction of their difference; displacements, deviations and separation bounds. Every table gives the
 // same bits, and results agree with plain loops in doubles.
 #include "kernels_fixture.h"
@@ -21,7 +21,8 @@ typedef struct body_of_particles
     uint8_t bends[LINKS / 8 + 3];
     float rest[LINKS];
     wisp_moments sums[2];
-    double virial;
+    double virial, strain;
+    float largest;
     int kind;
 } body_of_particles;
 
@@ -87,6 +88,7 @@ static void run_body( const wisp_kernels* kernels, void* state, int begin, int e
     moments.previous = moments.position;
     kernels->moments( &moments, begin, end, &b->sums[1] );
     b->virial = kernels->link_virial( &links, 2000.0f, 20.0f, 8, LINKS );
+    b->strain = kernels->link_strain( &links, 8, LINKS, &b->largest );
     kernels->turn( &speeds, begin, end );
     kernels->turn( &places, begin, end );
 }
@@ -157,10 +159,10 @@ static void check_turn( body_of_particles* before, float ( *old )[4], float ( *r
     }
 }
 
-static void check_virial( body_of_particles* before, double found )
+static void check_links( body_of_particles* before, const body_of_particles* found )
 {
     const wisp_link_args args = link_args_of( before );
-    double sum = 0.0, size = 0.0;
+    double sum = 0.0, size = 0.0, strain = 0.0, largest = 0.0;
     for ( int i = 8; i < LINKS; ++i )
     {
         const double length = double3_distance( double3_from( args.position + args.a_x4[i] ),
@@ -169,8 +171,13 @@ static void check_virial( body_of_particles* before, double found )
                      rest = (double)before->rest[i];
         sum += stiffness * ( length - rest ) * length;
         size += stiffness * ( length + rest ) * length;
+        const double of_edge = stiffness > 20.0 && rest > 0.0 ? fabs( length / rest - 1.0 ) : 0.0;
+        strain += of_edge;
+        largest = fmax( largest, of_edge );
     }
-    assert_near( found, sum, (double)FLT_EPSILON * size, "virial", before->kind );
+    assert_near( found->virial, sum, (double)FLT_EPSILON * size, "virial", before->kind );
+    assert_near( found->strain, strain, (double)FLT_EPSILON * ( strain + LINKS ), "strain", before->kind );
+    assert_near( (double)found->largest, largest, 4.0 * (double)FLT_EPSILON * largest, "largest", before->kind );
     assert_true( widest_table()->link_virial( &args, 2000.0f, 20.0f, 8, 8 ) == 0.0 );
 }
 
@@ -190,7 +197,7 @@ static void check_body( void* start, void* end )
             check_moments( &args, RANGES[i][0], RANGES[i][1], &found );
         }
     }
-    check_virial( before, b->virial );
+    check_links( before, b );
     check_turn( before, before->velocity, b->velocity );
     check_turn( before, before->position, b->position );
 }

@@ -1,5 +1,6 @@
 // Sixteen strands against a body at once: the kernel against a scalar version in double on wisp_shape_closest(), and
 // every table against the first, bit for bit.
+#include "collision_vectors.h"
 #include "kernels_fixture.h"
 
 #include "wisp/module/shapes.h"
@@ -235,17 +236,20 @@ TEST( what_is_pinned_away_or_no_number_is_left_alone )
 
 TEST( a_group_tells_how_far_it_reaches_and_what_it_remembers )
 {
-    static contact_rows made = { .variant = 3 }, rows;
+    static contact_rows made = { .variant = 3 }, rows, others;
     make_rows( &made );
     made.position[3] = NAN;
     const wisp_kernels* const* tables = every_table();
     for ( int t = 0; tables[t / 2] != NULL; ++t )
     {
-        rows = made;
+        rows = others = made;
         const wisp_strand_contact_args args = job_on( &rows );
+        wisp_strand_contact_args segments = job_on( &others );
+        segments.length = made.weight;
         wisp_strand_bounds reach, empty;
-        tables[t / 2]->strand_contact_begin( &args, 2, t % 2 == 0, &reach );
-        tables[t / 2]->strand_contact_begin( &args, 1, t % 2 == 0, &empty );
+        tables[t / 2]->strand_contact_begin( &args, &segments, 2, t % 2 == 0, &reach );
+        tables[t / 2]->strand_contact_begin( &args, NULL, 1, t % 2 == 0, &empty );
+        assert_memory_equal( &others, &rows, sizeof( rows ) );
         assert_true( empty.lower.x > empty.upper.x );
         wisp_vec3 lower = { INFINITY, INFINITY, INFINITY };
         double path = 0.0;
@@ -271,4 +275,49 @@ TEST( a_group_tells_how_far_it_reaches_and_what_it_remembers )
         assert_true( reach.lower.x == lower.x && reach.lower.y == lower.y && reach.lower.z == lower.z );
         assert_near( (double)reach.max_path, path, 1e-7, "path", t );
     }
+}
+
+TEST( a_kernel_finds_the_segments_whose_way_meets_a_box_and_sums_the_pushes_of_strands )
+{
+    static contact_rows rows = { .variant = 3 };
+    make_rows( &rows );
+    rows.position[3] = NAN;
+    const wisp_strand_contact_args args = job_on( &rows );
+    const wisp_strand_bounds box = { .lower = { -0.3f, -0.4f, -0.3f }, .upper = { 0.2f, 0.1f, 0.4f } };
+    const wisp_vec3 u = box.upper, l = box.lower;
+    const wisp_kernels* const* tables = every_table();
+    int found = 0, rest = 0;
+    for ( int t = 0; tables[t] != NULL; ++t )
+    {
+        uint32_t lanes = 0;
+        for ( int i = 0; i + WISP_LANES < LANES; ++i )
+        {
+            wisp_vec3 lower = { INFINITY, INFINITY, INFINITY }, upper = { -INFINITY, -INFINITY, -INFINITY };
+            for ( int e = 0; e < 4; ++e )
+            {
+                collision_widen( &lower, &upper,
+                                 lane_of( e % 2 == 0 ? rows.position : rows.previous, i + e / 2 * WISP_LANES ) );
+            }
+            const int row = i / WISP_LANES,
+                      next = tables[t]->strand_find_segments( &args, row, row + 2, &box, &lanes );
+            const bool moves = rows.weight[i] + rows.weight[i + WISP_LANES] > 0.0f,
+                       is_told = lanes >> i % WISP_LANES & 1u;
+            assert_true( next == row + ( lanes == 0 ) );
+            assert_true( is_told == ( moves && lower.x <= u.x && lower.y <= u.y && lower.z <= u.z && upper.x >= l.x &&
+                                      upper.y >= l.y && upper.z >= l.z ) );
+            assert_true( tables[t]->strand_find_segments( &args, 0, ROWS, &box, &lanes ) <= row || is_told == false );
+            found += is_told;
+            rest += is_told == false;
+        }
+        float sums[WISP_LANES] = { [2] = 1.0f }, expected[WISP_LANES] = { [2] = 1.0f };
+        for ( int i = GROUP_ROW[2] * WISP_LANES; i < LANES; ++i )
+        {
+            expected[i % WISP_LANES] += fmaxf( rows.pushed[i], 0.0f );
+        }
+        rows.left[LANES - 5] = 0.75f;
+        assert_true( tables[t]->strand_contact_sum( &args, 2, 0.5f, sums ) );
+        assert_false( tables[t]->strand_contact_sum( &args, 2, 0.8f, ( float[WISP_LANES] ){ 0 } ) );
+        assert_memory_equal( sums, expected, sizeof( sums ) );
+    }
+    assert_true( found > LANES / 20 && rest > LANES / 20 );
 }

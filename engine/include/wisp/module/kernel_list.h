@@ -42,6 +42,8 @@ WISP_KERNEL( void, link_limit, const wisp_link_args* args, int begin, int end )
 /// @return N m
 WISP_KERNEL( double, link_virial, const wisp_link_args* args, float edge_stiffness, float bend_stiffness, int begin,
              int end )
+/// Sum |length / rest - 1| of edges. @param largest receives the largest
+WISP_KERNEL( double, link_strain, const wisp_link_args* args, int begin, int end, float* largest )
 /// Positions and velocities of columns to lanes; positions alone if `velocity` is null. @return `pinned` of the arguments
 WISP_KERNEL( uint32_t, instances_load, const wisp_instances_args* args )
 /// Positions, velocities and previous positions of some lanes to columns, or positions alone. @param lanes bit l: lane l
@@ -256,9 +258,17 @@ WISP_STRAND_KERNEL( int, strand_count_stretched, const wisp_strand_link_args* ar
                     int end )
 WISP_STRAND_KERNEL( void, strand_rod, const wisp_strand_rod_args* args, int begin, int end )
 /// Begin an iteration, before the first body: set depths, clear sums, and compute the bounds of the group.
-WISP_STRAND_KERNEL( void, strand_contact_begin, const wisp_strand_contact_args* args, int group, bool first_iteration,
+/// @param segments the same of sums of segments, with their lengths; null: none
+WISP_STRAND_KERNEL( void, strand_contact_begin, const wisp_strand_contact_args* args,
+                    const wisp_strand_contact_args* segments, int group, bool first_iteration,
                     wisp_strand_bounds* reach )
+/// Find the next row with segments, each from a row to the one after it, whose way meets a box. NaN does not.
+/// @param row, end rows, row < end @param lanes receives their bits @return the row; end - 1: none
+WISP_STRAND_KERNEL( int, strand_find_segments, const wisp_strand_contact_args* args, int row, int end,
+                    const wisp_strand_bounds* box, uint32_t* lanes )
 WISP_STRAND_KERNEL( void, strand_contact, const wisp_strand_contact_args* args, int begin, int end )
+/// Add the pushes of a group. @param sums [16] in and out, m, of a strand @return whether a vertex remains deeper than `shallow`
+WISP_STRAND_KERNEL( bool, strand_contact_sum, const wisp_strand_contact_args* args, int group, float shallow, float* sums )
 /// See a row from a body whose points are queried one by one.
 /// @param free [16] m, from `origin`, [3][16] in the frame of the body, on within which it does not come; null: none
 /// @return a bit for each vertex with inverse mass to which something may be near

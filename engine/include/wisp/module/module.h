@@ -459,11 +459,22 @@ WISP_API const wisp_parallel* wisp_frame_parallel( wisp_frame* frame, const wisp
 WISP_API void* wisp_frame_workspace( wisp_frame* frame, int workspace, int worker );
 /// Steps finished before this one.
 WISP_API uint64_t wisp_frame_step( wisp_frame* frame );
-/// Callback for a range of a fabric's schedule on one worker: groups of eight constraints [begin, end).
-typedef void wisp_schedule_fn( const void* args, int begin, int end );
 /// Run a schedule: tile colours one after another, the tiles of a colour in parallel.
-WISP_API void wisp_run_schedule( const wisp_parallel* parallel, const wisp_schedule* schedule, wisp_schedule_fn* run,
-                                 const void* args );
+/// @param run called on one worker for a range: groups of eight constraints [begin, end)
+WISP_API void wisp_run_schedule( const wisp_parallel* parallel, const wisp_schedule* schedule,
+                                 void ( *run )( const void* args, int begin, int end ), const void* args );
+/// A sum over items: blocks in parallel, added in their order, so that bits do not depend on the workers.
+typedef struct wisp_summation
+{
+    /// Find the sums of a block of items [begin, end). @param sums [sum_count] receives them
+    void ( *run )( const wisp_kernels* kernels, const void* args, int begin, int end, double* sums );
+    const void* args;
+    int item_count, grain; ///< items, and those of a block
+    int together;          ///< blocks that a worker takes at once, >= 1
+    int sum_count;
+} wisp_summation;
+/// @param sums [sum_count] receives 0 of no items @return false: no memory, and the frame fails
+WISP_API bool wisp_frame_sum( wisp_frame* frame, const wisp_span* span, const wisp_summation* sum, double* sums );
 /// Bring velocities nearer to the rigid motion with their momentum and angular momentum, or to rest where a vertex is pinned.
 /// @param args position, velocity, and fraction or fractions
 WISP_API void wisp_approach_rigid_motion( const wisp_kernels* kernels, const wisp_parallel* parallel,

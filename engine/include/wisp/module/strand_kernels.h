@@ -258,6 +258,7 @@ typedef struct wisp_strand_contact_args
     float* last_correction;   ///< [row][16] m, that of the last substep
     float* friction;          ///< [row][3][16] m, sum of the displacements that friction removed
     float* body;              ///< [row][16] number of the body that pushed; -1: several
+    const float* length;      ///< [row][16] m, of segments
     float* remaining_depth;   ///< [row][16] m, raised to the depth below the thickness at which the vertex remains
     wisp_shape shape;
     wisp_transform before, after; ///< pose of the body at the start and at the end of the substep
@@ -283,6 +284,7 @@ typedef struct wisp_strand_bounds
 {
     wisp_vec3 lower, upper; ///< m
     float max_path;         ///< m, maximum distance from start to end
+    float longest;          ///< m, of the segments
 } wisp_strand_bounds;
 
 /// Arguments of the table of values that all ghosts of a target share, per node, in rows of four floats. A node has
