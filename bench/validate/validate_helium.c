@@ -124,7 +124,7 @@ static void put_helium( accuracy_scene* out, const validate_helium_way* way, con
     snprintf( method, sizeof method, "%s skin, %s gas, %s", way->skin == WISP_SOLVER_XPBD ? "xpbd" : "pbd",
               way->volume == WISP_SOLVER_XPBD ? "xpbd" : "pbd", what );
     snprintf( series, sizeof series, "%s, by %s", method, by );
-    ( (validate_helium_way*)out->context )[out->setting_count] = *way;
+    ( (validate_helium_way*)validate_own( out->context ) )[out->setting_count] = *way;
     accuracy_setting* setting =
         accuracy_put_setting( out, "%s, level %d, %d substeps", method, way->level, way->substeps );
     accuracy_join_series( setting, series, parameter_name, parameter, NAN );
@@ -155,16 +155,15 @@ static void put_helium_substeps( accuracy_scene* out, validate_helium_way way, c
 
 enum
 {
-    LIFT_SETTINGS = 48,
     LADDER = 31,
     LIFT_SUBSTEPS = 20,
     LIFT_STEPS = 60,
 };
 
-#define LIFT_FILL 1.2             // V_0 / V_rest
-#define SLACK_FILL 1.0            // without pressure
-#define LIFT_DAMPING 10.0f        // 1/s
-static const double RUNG = 0.002; // half of the distance between two loads, in that of the mesh: from 0.94 to 1.06
+#define LIFT_FILL 1.2      // V_0 / V_rest
+#define SLACK_FILL 1.0     // without pressure
+#define LIFT_DAMPING 10.0f // 1/s
+#define RUNG 0.002         // half of the distance between two loads, in that of the mesh: from 0.94 to 1.06
 
 // ---- a ladder ----
 
@@ -233,16 +232,16 @@ static wisp_status measure_lift( validate_world* w, const validate_helium_sphere
 static wisp_status run_lift( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                              wisp_error* error )
 {
-    const validate_helium_way* way = (const validate_helium_way*)context + setting;
+    const validate_helium_way* way = (const validate_helium_way*)validate_own( context ) + setting;
     balloon_setting balloon = validate_helium_setting( way, workers );
     balloon.def.drag_coefficient = 0.0f;
     const validate_helium_sphere sphere = validate_helium_theory( &balloon );
     validate_helium_body body;
-    validate_world world = { .world = NULL };
+    validate_world world = { .is_observed = true, .run = out };
     wisp_status status = validate_helium_make( way, &body, error );
     status = status == WISP_OK ? create_ladder( &body, &balloon, &world, error ) : status;
-    status = status == WISP_OK ? validate_world_step( &world, LIFT_STEPS, out, error ) : status;
-    status = status == WISP_OK ? validate_world_finish( &world, out, error ) : status;
+    status = status == WISP_OK ? validate_world_step( &world, LIFT_STEPS, error ) : status;
+    status = status == WISP_OK ? validate_world_finish( &world, error ) : status;
     status = status == WISP_OK && is_observed && out->halted_at == 0
                  ? measure_lift( &world, &sphere, &body, out, error )
                  : status;
@@ -271,31 +270,24 @@ static void put_lifts( accuracy_scene* out )
     put_helium_levels( out, way, "fill 1.2", 0 );
 }
 
-wisp_status validate_lift_off( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
-{
-    (void)options;
-    (void)seconds;
-    *out = ( accuracy_scene ){
-        .reference = "the weight of the air that the mesh displaces in balance, less that of its helium",
-        .uncertainty = 100.0 * RUNG,
-        .note =
-            "a mesh has less volume than a sphere: `against the sphere` has that too. The engine's helium has the "
-            "density that it would have at the pressure of the atmosphere, which lifts 0.4 % too much at fill 1.2. "
-            "Fill 1 has no pressure: compare its settings among themselves.",
-        .error_name = "load against theory",
-        .error_unit = "%",
-        .measure_names = { "load g", "theory g", "against the sphere %" },
-        .measure_count = 3,
-        .run = run_lift,
-    };
-    const wisp_status status =
-        accuracy_begin_scene( out, LIFT_SETTINGS * sizeof( validate_helium_way ), LIFT_SETTINGS, error );
-    if ( status == WISP_OK )
-    {
-        put_lifts( out );
-    }
-    return status;
-}
+const validate_case validate_lift_off = {
+    .name = "lift_off",
+    .title = "helium balloons lift what the air they displace weighs",
+    .scene = { .reference = "the weight of the air that the mesh displaces in balance, less that of its helium",
+               .uncertainty = 100.0 * RUNG,
+               .note = "a mesh has less volume than a sphere: `against the sphere` has that too. The engine's helium "
+                       "has the "
+                       "density that it would have at the pressure of the atmosphere, which lifts 0.4 % too much at "
+                       "fill 1.2. "
+                       "Fill 1 has no pressure: compare its settings among themselves.",
+               .error_name = "load against theory",
+               .error_unit = "%",
+               .measure_names = { "load g", "theory g", "against the sphere %" },
+               .measure_count = 3,
+               .run = run_lift },
+    .own_size = VALIDATE_MAX_SETTINGS * sizeof( validate_helium_way ),
+    .put = put_lifts,
+};
 
 // ---- the speed of ascent ----
 
@@ -303,7 +295,6 @@ wisp_status validate_lift_off( const bench_options* options, double seconds, acc
 
 enum
 {
-    RISE_SETTINGS = 48,
     RISE_LEVEL = 3, // 642 vertices
     RISE_SUBSTEPS = 20,
     RISE_STEPS = 180, // 3 s, more than ten times what it needs to reach two thirds of the speed
@@ -335,7 +326,7 @@ static void measure_rise( const balloon_setting* setting, double mass, const wis
 static wisp_status run_rise( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                              wisp_error* error )
 {
-    const validate_helium_way* way = (const validate_helium_way*)context + setting;
+    const validate_helium_way* way = (const validate_helium_way*)validate_own( context ) + setting;
     balloon_setting balloon = validate_helium_setting( way, workers );
     // that of the smooth sphere, so that meshes differ in their shape alone
     const double mass = RISE_LOAD * validate_helium_theory( &balloon ).lift;
@@ -385,25 +376,16 @@ static void put_rises( accuracy_scene* out )
     put_helium_substeps( out, way, "drag max", substeps );
 }
 
-wisp_status validate_rising_balloon( const bench_options* options, double seconds, accuracy_scene* out,
-                                     wisp_error* error )
-{
-    (void)options;
-    (void)seconds;
-    *out = ( accuracy_scene ){
-        .reference = "1/2 rho C pi R^2 v^2 = lift - weight, for a smooth sphere",
-        .note = "C is the coefficient of the scene, 0.5.",
-        .error_name = "speed against theory",
-        .error_unit = "%",
-        .measure_names = { "speed m/s", "theory m/s", "C of the sphere", "m/s with C = 0.47", "Reynolds" },
-        .measure_count = 5,
-        .run = run_rise,
-    };
-    const wisp_status status =
-        accuracy_begin_scene( out, RISE_SETTINGS * sizeof( validate_helium_way ), RISE_SETTINGS, error );
-    if ( status == WISP_OK )
-    {
-        put_rises( out );
-    }
-    return status;
-}
+const validate_case validate_rising_balloon = {
+    .name = "rising_balloon",
+    .title = "helium balloons rise at the speed at which drag holds their lift",
+    .scene = { .reference = "1/2 rho C pi R^2 v^2 = lift - weight, for a smooth sphere",
+               .note = "C is the coefficient of the scene, 0.5.",
+               .error_name = "speed against theory",
+               .error_unit = "%",
+               .measure_names = { "speed m/s", "theory m/s", "C of the sphere", "m/s with C = 0.47", "Reynolds" },
+               .measure_count = 5,
+               .run = run_rise },
+    .own_size = VALIDATE_MAX_SETTINGS * sizeof( validate_helium_way ),
+    .put = put_rises,
+};

@@ -3,6 +3,7 @@
 
 #include "accuracy/scene_tools.h"
 #include "validate/validate_balloons.h"
+#include "validate/validate_bodies.h"
 #include "oracle/balloon_oracle.h"
 #include "oracle/balloon_meshes.h"
 
@@ -11,7 +12,6 @@
 
 enum
 {
-    MAX_SETTINGS = 48,
     USUAL_SUBSTEPS = 40,
     FINE_SUBSTEPS = 80,
 };
@@ -148,10 +148,10 @@ static void measure( const jet_body* body, const wisp_motion_stats* seen, const 
 }
 
 // A tenth longer than theory needs to empty it.
-static wisp_status run( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
-                        wisp_error* error )
+static wisp_status run_jet( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
+                            wisp_error* error )
 {
-    const jet_way* w = (const jet_way*)context + setting;
+    const jet_way* w = (const jet_way*)validate_own( context ) + setting;
     jet_body body = { .fabric = NULL };
     surface_implementation balloon = { 0 };
     wisp_motion_stats seen = { 0 };
@@ -189,7 +189,7 @@ static void put_jet( accuracy_scene* out, jet_way w, const char* by, const char*
     snprintf( method, sizeof method, "%s skin, %s gas, virial pressure", w.skin == WISP_SOLVER_XPBD ? "xpbd" : "pbd",
               w.volume == WISP_SOLVER_XPBD ? "xpbd" : "pbd" );
     snprintf( series, sizeof series, "%s, by %s", method, by );
-    ( (jet_way*)out->context )[out->setting_count] = w;
+    ( (jet_way*)validate_own( out->context ) )[out->setting_count] = w;
     accuracy_setting* setting =
         accuracy_put_setting( out, "%s, level %d, %d substeps, %g mm2", method, w.level, w.substeps, 1e6 * w.outlet );
     accuracy_join_series( setting, by[0] != '\0' ? series : "", parameter_name, parameter, NAN );
@@ -205,19 +205,14 @@ static void put_substeps( accuracy_scene* out, jet_way w )
     }
 }
 
-static void put_solvers( accuracy_scene* out )
+static void put_jets( accuracy_scene* out )
 {
-    put_substeps( out, usual_way() );
-    jet_way stiff = usual_way();
-    stiff.volume = WISP_SOLVER_PBD;
-    put_substeps( out, stiff );
-    stiff.skin = WISP_SOLVER_PBD;
-    put_substeps( out, stiff );
-}
-
-static void put_settings( accuracy_scene* out )
-{
-    put_solvers( out );
+    jet_way solver = usual_way();
+    put_substeps( out, solver );
+    solver.volume = WISP_SOLVER_PBD;
+    put_substeps( out, solver );
+    solver.skin = WISP_SOLVER_PBD;
+    put_substeps( out, solver );
     for ( int level = 1; level <= 3; ++level )
     {
         jet_way w = usual_way();
@@ -239,27 +234,20 @@ static void put_settings( accuracy_scene* out )
     put_jet( out, far, "", "", NAN );
 }
 
-wisp_status validate_jet( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
-{
-    (void)options;
-    (void)seconds;
-    *out = ( accuracy_scene ){
-        .reference =
-            "rho / m times the integral of Bernoulli's speed over the gas that leaves, at the balance of the mesh",
-        .note =
-            "level 0 is an icosahedron, whose balance is exact. The engine shuts an outlet at 1e-4 of the "
-            "atmosphere, and its gas has a constant compliance: that takes 0.02 and 0.13 % of the speed. At 10 mm2 "
-            "and 160 substeps the rounding of floats is larger than what the jet adds in a substep.",
-        .error_name = "speed against theory",
-        .error_unit = "%",
-        .measure_names = { "speed m/s", "theory m/s", "time of half the gas, error %", "gas left %" },
-        .measure_count = 4,
-        .run = run,
-    };
-    const wisp_status status = accuracy_begin_scene( out, MAX_SETTINGS * sizeof( jet_way ), MAX_SETTINGS, error );
-    if ( status == WISP_OK )
-    {
-        put_settings( out );
-    }
-    return status;
-}
+const validate_case validate_jet = {
+    .name = "jet",
+    .title = "a balloon empties through an outlet: the speed it gets",
+    .scene = { .reference = "rho / m times the integral of Bernoulli's speed over the gas that leaves, at the "
+                            "balance of the mesh",
+               .note = "level 0 is an icosahedron, whose balance is exact. The engine shuts an outlet at 1e-4 of the "
+                       "atmosphere, and its gas has a constant compliance: that takes 0.02 and 0.13 % of the speed. "
+                       "At 10 mm2 "
+                       "and 160 substeps the rounding of floats is larger than what the jet adds in a substep.",
+               .error_name = "speed against theory",
+               .error_unit = "%",
+               .measure_names = { "speed m/s", "theory m/s", "time of half the gas, error %", "gas left %" },
+               .measure_count = 4,
+               .run = run_jet },
+    .own_size = VALIDATE_MAX_SETTINGS * sizeof( jet_way ),
+    .put = put_jets,
+};
