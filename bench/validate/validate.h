@@ -45,10 +45,11 @@ typedef struct validate_case
 // All cases in their order.
 #define VALIDATE_CASES( X )                                                                                          \
     X( cantilever )                                                                                                  \
-    X( tip_load ) X( column ) X( blade ) X( lateral_buckling ) X( plate_column ) X( curl ) X( bend_twist )           \
-        X( stick_slip ) X( ring ) X( twisted ) X( writhe ) X( loop ) X( chain ) X( folded_chain ) X( catenary )      \
-            X( drape ) X( incline ) X( capstan ) X( terminal ) X( inflate ) X( rubber ) X( mylar ) X( jet )          \
-                X( lift_off ) X( rising_balloon )
+    X( tip_load )                                                                                                    \
+    X( column ) X( blade ) X( lateral_buckling ) X( plate_column ) X( curl ) X( bend_twist ) X( stick_slip )         \
+        X( ring ) X( twisted ) X( writhe ) X( loop ) X( chain ) X( folded_chain ) X( catenary ) X( drape )           \
+            X( incline ) X( capstan ) X( terminal ) X( inflate ) X( rubber ) X( mylar ) X( jet ) X( lift_off )       \
+                X( rising_balloon )
 
 #define X( name ) extern const validate_case validate_##name;
 VALIDATE_CASES( X )
