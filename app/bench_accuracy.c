@@ -117,10 +117,10 @@ typedef struct validate_arguments
 static int list_names( const char* names[MAX_CASES] )
 {
     int count;
-    const validate_case* cases = validate_cases( &count );
+    const validate_case* const* cases = validate_cases( &count );
     for ( int i = 0; i < count; ++i )
     {
-        names[i] = cases[i].name;
+        names[i] = cases[i]->name;
     }
     return count;
 }
@@ -149,10 +149,10 @@ static bool take_validate_option( options_state* o, int key, const char* argumen
 static int list_validations( void )
 {
     int count;
-    const validate_case* cases = validate_cases( &count );
+    const validate_case* const* cases = validate_cases( &count );
     for ( int i = 0; i < count; ++i )
     {
-        printf( "%-18s %s\n", cases[i].name, cases[i].title );
+        printf( "%-18s %s\n", cases[i]->name, cases[i]->title );
     }
     return STATUS_GOOD;
 }

@@ -390,8 +390,10 @@ static wisp_status make_sphere( layer_scene* own, wisp_error* error )
     return status == WISP_OK ? surface_cook( &own->mesh, def, &own->fabric, error ) : status;
 }
 
-static wisp_status make_layers( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
+static wisp_status make_layers( const void* subject, const bench_options* options, double seconds,
+                                accuracy_scene* out, wisp_error* error )
 {
+    (void)subject;
     (void)options;
     (void)seconds;
     *out = ( accuracy_scene ){
@@ -425,6 +427,6 @@ static wisp_status make_layers( const bench_options* options, double seconds, ac
 
 wisp_status boundary_bench( const bench_options* options, results* out, wisp_error* error )
 {
-    const accuracy_entry entry = { "boundary", "boundary particles of a sphere", make_layers, NULL };
+    const accuracy_entry entry = { "boundary", "boundary particles of a sphere", make_layers, NULL, NULL };
     return accuracy_bench_run( &entry, 1, bench_seconds( options ), options, out, error );
 }

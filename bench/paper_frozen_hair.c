@@ -337,8 +337,10 @@ static wisp_status run_hair( void* context, int setting, int workers, bool is_ob
 
 // ---- the case ----
 
-static wisp_status make_hair( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
+static wisp_status make_hair( const void* subject, const bench_options* options, double seconds, accuracy_scene* out,
+                              wisp_error* error )
 {
+    (void)subject;
     (void)seconds;
     *out = ( accuracy_scene ){
         .reference = "the double oracle, which tests all pairs, up to 10 000 vertices",
@@ -387,7 +389,7 @@ static void claim_line( const results* all, int first_row, int workers, results*
 
 wisp_status paper_frozen_hair( const bench_options* options, results* out, wisp_error* error )
 {
-    const accuracy_entry entry = { "frozen_hair", "frozen hair, Table 1 of Kim 2026", make_hair, NULL };
+    const accuracy_entry entry = { "frozen_hair", "frozen hair, Table 1 of Kim 2026", make_hair, NULL, NULL };
     const int first_row = out->row_count;
     const wisp_status status = accuracy_bench_run( &entry, 1, bench_seconds( options ), options, out, error );
     for ( int workers = 1; workers <= options->workers && status == WISP_OK;

@@ -181,8 +181,10 @@ static wisp_status run_drop( void* context, int setting, int workers, bool is_ob
 
 static const double drop_paper_ms[DROPS] = { 1014.0, 516.0 };
 
-static wisp_status make_drops( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
+static wisp_status make_drops( const void* subject, const bench_options* options, double seconds, accuracy_scene* out,
+                               wisp_error* error )
 {
+    (void)subject;
     (void)options;
     const bool is_full = seconds >= FULL_SECONDS;
     const int all = is_full ? 300 : 100, few = 21; // three steps on the ball
@@ -236,7 +238,8 @@ static void claim_iterations( int first_row, results* out )
 
 static wisp_status paper_triangle_cloth( const bench_options* options, results* out, wisp_error* error )
 {
-    const accuracy_entry entry = { "triangle_cloth", "triangle cloth, Table 1 of Noh and Jung", make_drops, NULL };
+    const accuracy_entry entry = { "triangle_cloth", "triangle cloth, Table 1 of Noh and Jung", make_drops, NULL,
+                                   NULL };
     const int first_row = out->row_count;
     const wisp_status status = accuracy_bench_run( &entry, 1, bench_seconds( options ), options, out, error );
     claim_iterations( first_row, out );

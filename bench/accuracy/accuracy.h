@@ -80,9 +80,10 @@ typedef struct accuracy_scene
     void ( *destroy )( void* context ); ///< null: nothing to do
 } accuracy_scene;
 
+/// @param subject of the entry
 /// @param seconds approximate limit for all runs of the scene, including its reference
-typedef wisp_status accuracy_scene_fn( const bench_options* options, double seconds, accuracy_scene* out,
-                                       wisp_error* error );
+typedef wisp_status accuracy_scene_fn( const void* subject, const bench_options* options, double seconds,
+                                       accuracy_scene* out, wisp_error* error );
 
 /// A scene and its name.
 typedef struct accuracy_entry
@@ -91,6 +92,7 @@ typedef struct accuracy_entry
     const char* title;       ///< one line
     accuracy_scene_fn* make; ///< null: the rows of `suite` are the settings
     const wisp_suite* suite;
+    const void* subject; ///< for make(): one function makes several scenes; null: of one alone
 } accuracy_entry;
 
 /// Run the rows of a suite.

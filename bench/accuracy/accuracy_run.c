@@ -498,7 +498,7 @@ static wisp_status make_and_run( const accuracy_entry* entry, double seconds, co
     bench_progress( options, fraction[0], what );
     const double begin = wisp_clock_seconds();
     wisp_status status = entry->suite ? suite_study_make( entry->suite, options, &scene, error )
-                                      : entry->make( options, seconds, &scene, error );
+                                      : entry->make( entry->subject, options, seconds, &scene, error );
     if ( status != WISP_OK )
     {
         return status;
@@ -528,7 +528,7 @@ wisp_status accuracy_bench_run( const accuracy_entry* entries, int count, double
 
 wisp_status suite_bench_rows( const wisp_suite* suite, const bench_options* options, results* out, wisp_error* error )
 {
-    const accuracy_entry entry = { suite->name, suite->title[0] ? suite->title : suite->name, NULL, suite };
+    const accuracy_entry entry = { suite->name, suite->title[0] ? suite->title : suite->name, NULL, suite, NULL };
     const double seconds = options->seconds > 0.0 ? options->seconds
                            : options->quick       ? SCENE_SECONDS_QUICK
                                                   : SCENE_SECONDS;

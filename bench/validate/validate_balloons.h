@@ -58,3 +58,36 @@ static inline double validate_sphere_edge( int level )
 {
     return 1.0514622242382672 / ( 1 << level ); // of an icosahedron; on a sphere the links are a little longer
 }
+
+// ---- full spheres ----
+
+/// A setting of a case of full balloons.
+typedef struct full_way
+{
+    int level, substeps;      ///< of the icosphere; of 1/60 s
+    double fill, outlet;      ///< V_0 / V_rest; m^2, 0: none
+    wisp_solver skin, volume; ///< what solves them
+} full_way;
+
+/// A sphere of a mesh, full and in balance.
+typedef struct full_sphere
+{
+    wisp_mesh mesh;
+    wisp_fabric* fabric;
+    wisp_vec3* points;       ///< full
+    balloon_setting setting; ///< with these points
+    balloon_equilibrium balance;
+    double area; ///< m^2, at rest
+} full_sphere;
+
+/// @param setting what is the same in all settings of the case @param out to be freed, also after a failure
+wisp_status full_sphere_make( const full_way* way, balloon_setting setting, int workers, full_sphere* out,
+                              wisp_error* error );
+void full_sphere_free( full_sphere* sphere );
+/// Add "xpbd skin, pbd gas, fill 1.2, level 3, 20 substeps" to the settings. @param what of the scene, such as "fill 1.2"
+/// @param by of its series; empty: it is in none
+void full_way_put( accuracy_scene* out, full_way way, const char* what, const char* by, const char* parameter_name,
+                   double parameter );
+void full_way_put_levels( accuracy_scene* out, full_way way, const char* what, int first, int count );
+/// @param substeps up to a 0
+void full_way_put_substeps( accuracy_scene* out, full_way way, const char* what, const int* substeps );

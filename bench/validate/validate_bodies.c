@@ -19,35 +19,6 @@
 
 // ---- settings ----
 
-wisp_status validate_make( const void* like, size_t size, accuracy_scene scene, accuracy_scene* out,
-                           wisp_error* error )
-{
-    *out = scene;
-    const wisp_status status = accuracy_begin_scene( out, size, VALIDATE_MAX_SETTINGS, error );
-    if ( status == WISP_OK )
-    {
-        memcpy( out->context, like, size );
-    }
-    return status;
-}
-
-wisp_status validate_make_grid( const validate_grid* grid, accuracy_scene scene, accuracy_scene* out,
-                                wisp_error* error )
-{
-    const validate_settings like = { .list = { { 0 } } };
-    const wisp_status status = validate_make( &like, sizeof like, scene, out, error );
-    if ( status == WISP_OK )
-    {
-        validate_put_grid( out, grid );
-    }
-    return status;
-}
-
-const validate_setting* validate_setting_of( const void* context, int setting )
-{
-    return ( (const validate_settings*)context )->list + setting;
-}
-
 static accuracy_setting* put( accuracy_scene* out, validate_setting setting, const char* name )
 {
     validate_settings* settings = out->context;
@@ -57,44 +28,79 @@ static accuracy_setting* put( accuracy_scene* out, validate_setting setting, con
 }
 
 void validate_put_cells( accuracy_scene* out, int solver, const char* name, const char* cell, const int* cells,
-                         int count, int substeps )
+                         int substeps )
 {
     char series[64];
     snprintf( series, sizeof series, "%s by cells", name );
-    for ( int i = 0; i < count; ++i )
+    for ( ; *cells > 0; ++cells )
     {
-        accuracy_join_series( put( out, ( validate_setting ){ solver, cells[i], substeps }, name ), series, cell,
-                              1.0 / cells[i], NAN );
+        const validate_setting setting = { solver, *cells, substeps };
+        accuracy_join_series( put( out, setting, name ), series, cell, 1.0 / *cells, NAN );
     }
 }
 
-void validate_put_substeps( accuracy_scene* out, int solver, const char* name, int cells, const int* substeps,
-                            int count )
+void validate_put_substeps( accuracy_scene* out, int solver, const char* name, int cells, const int* substeps )
 {
     char series[64];
     snprintf( series, sizeof series, "%s by substeps", name );
-    for ( int i = 0; i < count; ++i )
+    for ( ; *substeps > 0; ++substeps )
     {
-        accuracy_join_series( put( out, ( validate_setting ){ solver, cells, substeps[i] }, name ), series,
-                              "substep, s", (double)VALIDATE_STEP / substeps[i], NAN );
+        const validate_setting setting = { solver, cells, *substeps };
+        accuracy_join_series( put( out, setting, name ), series, "substep, s", (double)VALIDATE_STEP / *substeps,
+                              NAN );
     }
 }
 
-void validate_put_grid( accuracy_scene* out, const validate_grid* grid )
+static void put_grid( accuracy_scene* out, const validate_grid* g )
 {
-    int fewer[8];
-    WISP_ASSERT( grid->halvings <= WISP_COUNT( fewer ) );
-    for ( int i = 0; i < grid->halvings; ++i )
+    const char* cell = g->cell != NULL ? g->cell : "cell / L";
+    for ( int k = 0; g->solvers >> k != 0; ++k )
     {
-        fewer[i] = grid->substeps >> ( i + 1 );
+        for ( int part = 0; part < 2 && ( g->solvers >> k & 1 ) != 0; ++part )
+        {
+            if ( ( part == 1 ) == g->starts_with_substeps )
+            {
+                validate_put_cells( out, k, g->names[k], cell, g->cells, g->substeps );
+            }
+            else
+            {
+                validate_put_substeps( out, k, g->names[k], g->middle, g->fewer );
+            }
+        }
     }
-    for ( int i = 0; i < grid->solver_count; ++i )
+}
+
+static wisp_status play_setting( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
+                                 wisp_error* error )
+{
+    const validate_settings* all = context;
+    const validate_setting* w = all->list + setting;
+    validate_bodies bodies = { .def = { .cells = w->cells, .substeps = w->substeps, .workers = workers },
+                               .world = { .is_observed = is_observed, .run = out },
+                               .method = w->solver,
+                               .own = validate_own( context ) };
+    return validate_end( all->of->play( &bodies, error ), &bodies, error );
+}
+
+wisp_status validate_make( const void* subject, const bench_options* options, double seconds, accuracy_scene* out,
+                           wisp_error* error )
+{
+    const validate_case* of = subject;
+    *out = of->scene;
+    WISP_TRY( accuracy_begin_scene( out, sizeof( validate_settings ) + of->own_size, VALIDATE_MAX_SETTINGS, error ) );
+    validate_settings* all = out->context;
+    all->of = of;
+    all->is_quick = options->quick;
+    all->seconds = seconds;
+    out->run = of->play != NULL ? play_setting : out->run;
+    out->uncertainty = of->rungs > 0 ? validate_ladder_doubt( of->rungs ) : out->uncertainty;
+    put_grid( out, &of->grid );
+    const wisp_status status = of->prepare != NULL ? of->prepare( out, error ) : WISP_OK;
+    if ( status == WISP_OK && of->put != NULL )
     {
-        const int solver = grid->solvers[i];
-        const char* name = grid->names[solver];
-        validate_put_cells( out, solver, name, "cell / L", grid->cells, grid->cell_count, grid->substeps );
-        validate_put_substeps( out, solver, name, grid->middle, fewer, grid->halvings );
+        of->put( out );
     }
+    return status == WISP_OK ? WISP_OK : accuracy_abandon( out, status );
 }
 
 // ---- a world of bodies ----
@@ -106,7 +112,7 @@ int validate_steps( double seconds )
 
 wisp_status validate_world_create( const bench_world_def* def, validate_world* out, wisp_error* error )
 {
-    *out = ( validate_world ){ .substeps = def->substeps };
+    out->substeps = def->substeps;
     return bench_world_create( def, &out->world, error );
 }
 
@@ -123,7 +129,7 @@ wisp_status validate_world_add( validate_world* w, wisp_entity entity, wisp_comp
     return wisp_request( w->world, entity, points );
 }
 
-static wisp_status step( validate_world* w, accuracy_run* out, wisp_error* error )
+static wisp_status step( validate_world* w, wisp_error* error )
 {
     const double begin = wisp_clock_seconds();
     const wisp_status status = wisp_world_step( w->world, VALIDATE_STEP );
@@ -133,18 +139,17 @@ static wisp_status step( validate_world* w, accuracy_run* out, wisp_error* error
     {
         w->halted_at = w->steps;
     }
-    return status == WISP_OK ? accuracy_keep_ms( out, ms ) : bench_world_fail( w->world, status, error );
+    return status == WISP_OK ? accuracy_keep_ms( w->run, ms ) : bench_world_fail( w->world, status, error );
 }
 
-wisp_status validate_world_step( validate_world* w, int steps, accuracy_run* out, wisp_error* error )
+wisp_status validate_world_step( validate_world* w, int steps, wisp_error* error )
 {
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < steps && status == WISP_OK; ++i )
+    for ( int i = 0; i < steps; ++i )
     {
-        status = interruption_check( error );
-        status = status == WISP_OK ? step( w, out, error ) : status;
+        WISP_TRY( interruption_check( error ) );
+        WISP_TRY( step( w, error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 wisp_status validate_world_points( validate_world* w, int body, const wisp_vec3** out, wisp_error* error )
@@ -155,7 +160,8 @@ wisp_status validate_world_points( validate_world* w, int body, const wisp_vec3*
 
 wisp_status validate_world_watch( validate_world* w, int body, wisp_error* error )
 {
-    const wisp_status status = wisp_request( w->world, w->bodies[body].entity, WISP_MOTION_STATS );
+    const wisp_status status =
+        w->is_observed ? wisp_request( w->world, w->bodies[body].entity, WISP_MOTION_STATS ) : WISP_OK;
     return status == WISP_OK ? WISP_OK : bench_world_fail( w->world, status, error );
 }
 
@@ -165,8 +171,9 @@ wisp_status validate_world_motion( validate_world* w, int body, wisp_motion_stat
     return status == WISP_OK ? WISP_OK : bench_world_fail( w->world, status, error );
 }
 
-wisp_status validate_world_finish( validate_world* w, accuracy_run* out, wisp_error* error )
+wisp_status validate_world_finish( validate_world* w, wisp_error* error )
 {
+    accuracy_run* out = w->run;
     double vertices = 0.0;
     wisp_status status = WISP_OK;
     for ( int i = 0; i < w->count && status == WISP_OK; ++i )
@@ -529,43 +536,39 @@ static wisp_status add_rod( validate_bodies* b, int body, wisp_error* error )
 
 static wisp_status add_rods( validate_bodies* b, wisp_error* error )
 {
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < b->def.count && status == WISP_OK; ++i )
+    for ( int i = 0; i < b->def.count; ++i )
     {
-        status = add_rod( b, i, error );
+        WISP_TRY( add_rod( b, i, error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 // ---- all of them ----
 
-wisp_status validate_open( const validate_def* def, validate_bodies* out, wisp_error* error )
+wisp_status validate_open( validate_bodies* b, wisp_error* error )
 {
     static const wisp_module* const modules[] = { &wisp_strands_module, &wisp_cloth_module,
                                                   &wisp_implicit_cloth_module, &wisp_collision_module };
-    *out = ( validate_bodies ){ .def = *def };
+    const validate_def* def = &b->def;
     const bool is_cloth = def->solver == VALIDATE_DIHEDRAL || def->solver == VALIDATE_ISOMETRIC;
     const int needed = is_cloth ? STRIP_ITERATIONS : 1;
     // without floors there is no collision either, as in a world of a user who has none
     const int module_count = WISP_COUNT( modules ) - ( def->floors != NULL ? 0 : 1 );
     const bench_world_def world = { modules, module_count, def->workers, def->substeps,
                                     def->iterations > 0 ? def->iterations : needed };
-    return validate_world_create( &world, &out->world, error );
+    return validate_world_create( &world, &b->world, error );
 }
 
-wisp_status validate_create( const validate_def* def, validate_bodies* out, wisp_error* error )
+wisp_status validate_create( validate_bodies* b, wisp_error* error )
 {
-    wisp_status status = validate_open( def, out, error );
-    if ( status == WISP_OK )
-    {
-        status = def->solver == VALIDATE_ROD ? add_rods( out, error ) : validate_add_sheets( out, error );
-    }
-    return status == WISP_OK && def->floors != NULL ? validate_add_floors( out, error ) : status;
+    WISP_TRY( validate_open( b, error ) );
+    WISP_TRY( b->def.solver == VALIDATE_ROD ? add_rods( b, error ) : validate_add_sheets( b, error ) );
+    return b->def.floors != NULL ? validate_add_floors( b, error ) : WISP_OK;
 }
 
-wisp_status validate_step( validate_bodies* b, int steps, accuracy_run* out, wisp_error* error )
+wisp_status validate_step( validate_bodies* b, int steps, wisp_error* error )
 {
-    return validate_world_step( &b->world, steps, out, error );
+    return validate_world_step( &b->world, steps, error );
 }
 
 wisp_status validate_turn_gravity( validate_bodies* b, wisp_vec3 gravity, wisp_error* error )
@@ -578,9 +581,9 @@ wisp_status validate_turn_gravity( validate_bodies* b, wisp_vec3 gravity, wisp_e
     return status == WISP_OK ? WISP_OK : bench_world_fail( b->world.world, status, error );
 }
 
-wisp_status validate_step_for( validate_bodies* b, double seconds, accuracy_run* out, wisp_error* error )
+wisp_status validate_step_for( validate_bodies* b, double seconds, wisp_error* error )
 {
-    return validate_step( b, validate_steps( seconds ), out, error );
+    return validate_step( b, validate_steps( seconds ), error );
 }
 
 wisp_status validate_damp( validate_bodies* b, double damping, wisp_error* error )
@@ -623,9 +626,9 @@ wisp_status validate_aside( validate_bodies* b, int body, double* out, wisp_erro
     return status;
 }
 
-wisp_status validate_end( wisp_status status, validate_bodies* b, accuracy_run* out, wisp_error* error )
+wisp_status validate_end( wisp_status status, validate_bodies* b, wisp_error* error )
 {
-    status = status == WISP_OK ? validate_world_finish( &b->world, out, error ) : status;
+    status = status == WISP_OK ? validate_world_finish( &b->world, error ) : status;
     validate_world_release( &b->world );
     return status;
 }
@@ -663,6 +666,15 @@ double validate_measure_ladder( const bool* has_lost, int count, double critical
     return 100.0 * ( is_beyond ? HALF : fabs( lost_at - 1.0 ) );
 }
 
+void validate_judge_ladder( validate_bodies* b, const bool* has_lost, int count, double critical )
+{
+    accuracy_run* out = b->world.run;
+    if ( b->world.is_observed )
+    {
+        out->error = validate_measure_ladder( has_lost, count, critical, out->measures );
+    }
+}
+
 // ---- sheets with supports, friction or air ----
 
 const char* const sheet_solver_names[SHEET_SOLVER_COUNT] = { "strands",   "xpbd",     "dihedral",
@@ -681,14 +693,14 @@ static bool is_cloth( sheet_solver solver )
     return solver == SHEET_XPBD || solver == SHEET_DIHEDRAL || solver == SHEET_ISOMETRIC;
 }
 
-wisp_status sheet_world_create( sheet_solver solver, int substeps, int workers, bool has_ground, validate_world* out,
-                                wisp_error* error )
+wisp_status sheet_world_create( validate_bodies* b, bool has_ground, wisp_error* error )
 {
     static const wisp_module* const modules[] = { &wisp_strands_module, &wisp_cloth_module,
                                                   &wisp_implicit_cloth_module, &wisp_balloon_module,
                                                   &wisp_collision_module };
-    const bench_world_def def = { modules, WISP_COUNT( modules ), workers, substeps,
-                                  is_cloth( solver ) ? CLOTH_ITERATIONS : 1 };
+    validate_world* out = &b->world;
+    const bench_world_def def = { modules, WISP_COUNT( modules ), b->def.workers, b->def.substeps,
+                                  is_cloth( (sheet_solver)b->method ) ? CLOTH_ITERATIONS : 1 };
     wisp_status status = validate_world_create( &def, out, error );
     if ( status != WISP_OK || !has_ground )
     {
@@ -785,7 +797,7 @@ static wisp_status set_friction( wisp_world* world, wisp_entity entity, double f
     return wisp_set_collision( world, entity, &collision );
 }
 
-wisp_status sheet_add( validate_world* w, const sheet_def* def, bool is_watched, wisp_error* error )
+wisp_status sheet_add( validate_world* w, const sheet_def* def, wisp_error* error )
 {
     wisp_fabric_def cooked = wisp_default_fabric_def();
     cooked.hinges = def->solver == SHEET_DIHEDRAL || def->solver == SHEET_ISOMETRIC;
@@ -799,7 +811,7 @@ wisp_status sheet_add( validate_world* w, const sheet_def* def, bool is_watched,
     }
     status = fabric != NULL ? add_surface( w, def, fabric, &entity ) : add_strand( w, def, &entity );
     status = status == WISP_OK && def->friction >= 0.0 ? set_friction( w->world, entity, def->friction ) : status;
-    status = status == WISP_OK && is_watched ? wisp_request( w->world, entity, WISP_MOTION_STATS ) : status;
+    status = status == WISP_OK && w->is_observed ? wisp_request( w->world, entity, WISP_MOTION_STATS ) : status;
     wisp_fabric_release( fabric );
     return status == WISP_OK ? WISP_OK : bench_world_fail( w->world, status, error );
 }

@@ -5,10 +5,12 @@
 #include "accuracy/scene_tools.h"
 #include "bench_world.h"
 #include "mesh.h"
+#include "validate/validate.h"
 
 #include "cloth/cloth.h"
 #include "implicit_cloth/implicit_cloth.h"
 #include "strands/strands.h"
+#include "wisp/module/definition.h"
 #include "wisp/wisp.h"
 
 #include <stdbool.h>
@@ -17,51 +19,31 @@
 
 // Settings of a case: solver x cells x substeps, in series of cells and of substeps.
 
-enum
-{
-    VALIDATE_MAX_SETTINGS = 64,
-};
-
 typedef struct validate_setting
 {
     int solver, cells, substeps; ///< solver: a number of the case
 } validate_setting;
 
-/// The settings of a scene, in its order. The context of every case that is made here begins with them.
+/// The settings of a scene, in its order. The context of every case begins with them, and its own bytes follow.
 typedef struct validate_settings
 {
+    const validate_case* of;
+    bool is_quick;
+    double seconds; ///< for all runs
     validate_setting list[VALIDATE_MAX_SETTINGS];
 } validate_settings;
 
-/// Series in cells and in substeps for each of several solvers.
-typedef struct validate_grid
+/// The own bytes of a context.
+static inline void* validate_own( void* context )
 {
-    const char* const* names; ///< of solvers, by their numbers
-    const int* solvers;       ///< [solver_count]
-    int solver_count;
-    const int* cells; ///< [cell_count] of a length, with all substeps
-    int cell_count;
-    int substeps; ///< all, and those of the series by substeps: halved again and again
-    int halvings;
-    int middle; ///< cells of the series by substeps
-} validate_grid;
+    return (validate_settings*)context + 1;
+}
 
-/// Make a scene whose context is a copy of `like`, without settings yet. It is freed with the scene.
-/// @param like [size] begins with validate_settings
-wisp_status validate_make( const void* like, size_t size, accuracy_scene scene, accuracy_scene* out,
-                           wisp_error* error );
-/// Make a scene whose context is its settings alone, those of a grid.
-wisp_status validate_make_grid( const validate_grid* grid, accuracy_scene scene, accuracy_scene* out,
-                                wisp_error* error );
-/// A setting of a context.
-const validate_setting* validate_setting_of( const void* context, int setting );
-/// Add a series in cells, with the same substeps. @param cell what 1 / cells is: "cell / L"
+/// Add a series in cells, with the same substeps. @param cell what 1 / cells is: "cell / L" @param cells up to a 0
 void validate_put_cells( accuracy_scene* out, int solver, const char* name, const char* cell, const int* cells,
-                         int count, int substeps );
-/// Add a series in substeps of 1/60 s, with the same cells.
-void validate_put_substeps( accuracy_scene* out, int solver, const char* name, int cells, const int* substeps,
-                            int count );
-void validate_put_grid( accuracy_scene* out, const validate_grid* grid );
+                         int substeps );
+/// Add a series in substeps of 1/60 s, with the same cells. @param substeps up to a 0
+void validate_put_substeps( accuracy_scene* out, int solver, const char* name, int cells, const int* substeps );
 
 // ---- a world of bodies ----
 
@@ -86,26 +68,28 @@ typedef struct validate_world
     wisp_world* world;
     validate_body bodies[VALIDATE_MAX_BODIES];
     int count, substeps, steps, halted_at;
+    bool is_observed;  ///< error and measures are requested
+    accuracy_run* run; ///< which keeps what a step takes
 } validate_world;
 
 /// Steps of 1/60 s that a time takes, the last of which may end after it.
 int validate_steps( double seconds );
-/// @param out to be released, also after a failure
+/// @param out with `run`; to be released, also after a failure
 wisp_status validate_world_create( const bench_world_def* def, validate_world* out, wisp_error* error );
 void validate_world_release( validate_world* world );
 /// Count an entity of the world among its bodies, and request its points.
 wisp_status validate_world_add( validate_world* world, wisp_entity entity, wisp_component points, int vertex_count );
 /// Make steps of 1/60 s, whose times are kept.
-wisp_status validate_world_step( validate_world* world, int steps, accuracy_run* out, wisp_error* error );
+wisp_status validate_world_step( validate_world* world, int steps, wisp_error* error );
 /// Read the points of a body, m, in the user's order, valid until the next step.
 wisp_status validate_world_points( validate_world* world, int body, const wisp_vec3** out, wisp_error* error );
-/// Request the motion of a body.
+/// Request the motion of a body if the world is observed.
 wisp_status validate_world_watch( validate_world* world, int body, wisp_error* error );
 /// Read the motion of a body for which it was requested.
 wisp_status validate_world_motion( validate_world* world, int body, wisp_motion_stats* out, wisp_error* error );
 /// Hash the points of all bodies into that of the run, which may have had other worlds before, and keep what a step is
 /// made of.
-wisp_status validate_world_finish( validate_world* world, accuracy_run* out, wisp_error* error );
+wisp_status validate_world_finish( validate_world* world, wisp_error* error );
 
 // ---- rods and sheets, clamped ----
 
@@ -120,6 +104,7 @@ typedef enum validate_solver
     VALIDATE_ISOMETRIC, ///< cloth, bending isometric
     VALIDATE_IMPLICIT,  ///< implicit cloth of a material
     VALIDATE_SOLVER_COUNT,
+    VALIDATE_ALL_SOLVERS = ( 1 << VALIDATE_SOLVER_COUNT ) - 1, ///< in a grid
 } validate_solver;
 
 extern const char* const validate_solver_names[VALIDATE_SOLVER_COUNT];
@@ -180,17 +165,18 @@ typedef struct validate_bodies
 {
     validate_def def;
     validate_world world;
+    int method;                          // the solver of the setting, by the numbers of the case
+    void* own;                           // bytes of the case
     uint32_t masks[VALIDATE_MAX_BODIES]; // of the floors
 } validate_bodies;
 
-/// An empty world for bodies of another kind, which are added by their cases.
-/// @param out to be released, also after a failure
-wisp_status validate_open( const validate_def* def, validate_bodies* out, wisp_error* error );
+/// An empty world for bodies of another kind, which are added by their cases. To be ended, also after a failure.
+wisp_status validate_open( validate_bodies* bodies, wisp_error* error );
 /// Add strands as a body, `strand_count` of them with cells + 1 vertices each.
 wisp_status validate_add_strands( validate_bodies* bodies, int strand_count, const wisp_vec3* points,
                                   const wisp_strand_dynamics_def* dynamics, wisp_error* error );
-/// @param out to be released, also after a failure
-wisp_status validate_create( const validate_def* def, validate_bodies* out, wisp_error* error );
+/// The bodies of their definition. To be ended, also after a failure.
+wisp_status validate_create( validate_bodies* bodies, wisp_error* error );
 /// The slowest frequency of a cantilever without weight, rad/s (Euler and Bernoulli): 3.516 sqrt( EI / m L^4 ).
 double validate_frequency( double load );
 /// How far aside the free ends start, m.
@@ -200,9 +186,9 @@ wisp_status validate_turn_gravity( validate_bodies* bodies, wisp_vec3 gravity, w
 /// Change the friction of each body with its floor. @param mu [count]
 wisp_status validate_set_friction( validate_bodies* bodies, const double* mu, wisp_error* error );
 /// Make steps of 1/60 s, whose times are kept.
-wisp_status validate_step( validate_bodies* bodies, int steps, accuracy_run* out, wisp_error* error );
+wisp_status validate_step( validate_bodies* bodies, int steps, wisp_error* error );
 /// Make steps for a time. @see validate_steps
-wisp_status validate_step_for( validate_bodies* bodies, double seconds, accuracy_run* out, wisp_error* error );
+wisp_status validate_step_for( validate_bodies* bodies, double seconds, wisp_error* error );
 /// Change the damping of all sheets, 1/s.
 wisp_status validate_damp( validate_bodies* bodies, double damping, wisp_error* error );
 /// The free end of a body, m, in the middle of its width.
@@ -210,7 +196,7 @@ wisp_status validate_tip( validate_bodies* bodies, int body, wisp_vec3* out, wis
 /// How far a body is aside, along y: the root mean square over its points, m.
 wisp_status validate_aside( validate_bodies* bodies, int body, double* out, wisp_error* error );
 /// Finish a run that went well so far, and release its bodies. @see validate_world_finish @return status, or that of the end
-wisp_status validate_end( wisp_status status, validate_bodies* bodies, accuracy_run* out, wisp_error* error );
+wisp_status validate_end( wisp_status status, validate_bodies* bodies, wisp_error* error );
 
 // ---- sheets with supports, friction or air ----
 
@@ -253,12 +239,11 @@ typedef struct sheet_def
     double drag;       ///< coefficient in air; 0: none
 } sheet_def;
 
-/// A world of sheets, with a ground of friction 1 if sheets collide. @param out to be released, also after a failure
-wisp_status sheet_world_create( sheet_solver solver, int substeps, int workers, bool has_ground, validate_world* out,
-                                wisp_error* error );
+/// A world of sheets for the setting of bodies, with a ground of friction 1 if sheets collide. To be ended, also after a failure.
+wisp_status sheet_world_create( validate_bodies* bodies, bool has_ground, wisp_error* error );
 /// Add a sheet to the bodies of a world.
-/// @param is_watched its motion is measured
-wisp_status sheet_add( validate_world* world, const sheet_def* def, bool is_watched, wisp_error* error );
+/// Its motion is measured if the world is observed.
+wisp_status sheet_add( validate_world* world, const sheet_def* def, wisp_error* error );
 
 // ---- ladders of loads ----
 
@@ -278,6 +263,8 @@ double validate_ladder_doubt( int count );
 /// @param has_lost [count] by rung @param measures that load, and the critical one
 /// @return their distance, in percent of the critical one. Beyond the ladder it is at least the ladder's half
 double validate_measure_ladder( const bool* has_lost, int count, double critical, double measures[2] );
+/// Put that distance and the two loads into the run, if it is observed.
+void validate_judge_ladder( validate_bodies* bodies, const bool* has_lost, int count, double critical );
 
 // ---- discs ----
 

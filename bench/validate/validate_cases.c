@@ -8,36 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const validate_case all_cases[] = {
-    { "cantilever", "clamped rods and strips bend under their own weight", validate_cantilever },
-    { "tip_load", "clamped rods and strips bend under a weight at the free end", validate_tip_load },
-    { "column", "upright rods and strips give way under their own weight", validate_column },
-    { "blade", "level blades on edge turn aside under their own weight", validate_blade },
-    { "lateral_buckling", "level plates on edge turn aside under their own weight", validate_lateral_buckling },
-    { "plate_column", "upright plates give way under their own weight", validate_plate_column },
-    { "curl", "suspended curls hang in their plane", validate_curl },
-    { "bend_twist", "suspended curls leave their plane under their own weight", validate_bend_twist },
-    { "stick_slip", "bowed rods and strips stick to a rough floor, or slip", validate_stick_slip },
-    { "ring", "twisted rings leave their plane", validate_ring },
-    { "twisted", "rods under tension give way to twist", validate_twisted },
-    { "writhe", "rods that gave way to twist, in one place", validate_writhe },
-    { "loop", "rods that are twisted on form a loop", validate_loop },
-    { "chain", "hanging chains swing in their two slowest modes", validate_chain },
-    { "folded_chain", "a folded chain is let go at one end", validate_folded_chain },
-    { "catenary", "strips and strands hang between two supports", validate_catenary },
-    { "drape", "Cusick's test: named fabrics drape over a disc", validate_drape },
-    { "incline", "sheets and strands on inclined planes with friction", validate_incline },
-    { "capstan", "ropes over a rod stick by their own tension, or slide", validate_capstan },
-    { "terminal_velocity", "sheets and strands fall, and a balloon rises, through air", validate_terminal },
-    { "balloon", "a sphere filled with gas: pressure and size", validate_inflate },
-    { "rubber", "spheres with a neo-Hookean skin: pressure over the limit point", validate_rubber },
-    { "mylar", "two discs of foil, joined at the rim and filled", validate_mylar },
-    { "jet", "a balloon empties through an outlet: the speed it gets", validate_jet },
-    { "lift_off", "helium balloons lift what the air they displace weighs", validate_lift_off },
-    { "rising_balloon", "helium balloons rise at the speed at which drag holds their lift", validate_rising_balloon },
-};
+#define X( name ) &validate_##name,
+static const validate_case* const all_cases[] = { VALIDATE_CASES( X ) };
+#undef X
 
-const validate_case* validate_cases( int* count )
+const validate_case* const* validate_cases( int* count )
 {
     *count = WISP_COUNT( all_cases );
     return all_cases;
@@ -258,7 +233,7 @@ wisp_status validate_run( uint64_t chosen, const bench_options* options, results
                           wisp_error* error )
 {
     int count;
-    const validate_case* cases = validate_cases( &count );
+    const validate_case* const* cases = validate_cases( &count );
     text_node* said;
     wisp_status status = validate_read( &said, error );
     const int overview = validate_begin_overview( out );
@@ -268,15 +243,16 @@ wisp_status validate_run( uint64_t chosen, const bench_options* options, results
         {
             continue;
         }
-        const accuracy_entry entry = { cases[i].name, cases[i].title, cases[i].make, NULL };
+        const accuracy_entry entry = { cases[i]->name, cases[i]->title, validate_make, NULL, cases[i] };
         const double seconds = options->seconds > 0.0 ? options->seconds
                                : options->quick       ? CASE_SECONDS_QUICK
                                                       : CASE_SECONDS;
         const int first_row = out->row_count;
-        describe( cases + i, text_find( said, cases[i].name ), out );
+        const text_node* about = text_find( said, cases[i]->name );
+        describe( cases[i], about, out );
         status = accuracy_bench_run( &entry, 1, seconds, options, out, error );
-        validate_add_to_overview( overview, cases[i].name, first_row, out );
-        hold_to_limits( cases[i].name, text_find( text_find( said, cases[i].name ), "limits" ), first_row, out );
+        validate_add_to_overview( overview, cases[i]->name, first_row, out );
+        hold_to_limits( cases[i]->name, text_find( about, "limits" ), first_row, out );
     }
     validate_end_overview( overview, out, summary, size );
     text_release( said );

@@ -36,12 +36,10 @@ typedef struct chain_way
     bool is_continuous; // of uniform mass, against the continuous chain; otherwise of equal masses
 } chain_way;
 
-#define WAYS_MAX 64
-
 typedef struct chains
 {
     int count;
-    chain_way ways[WAYS_MAX];
+    chain_way ways[VALIDATE_MAX_SETTINGS];
 } chains;
 
 // ---- shapes ----
@@ -257,7 +255,7 @@ static wisp_status observe_chains( strands_implementation* implementation, swing
 static wisp_status run_chains( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                                wisp_error* error )
 {
-    const chains* all = context;
+    const chains* all = validate_own( context );
     const chain_way* way = &all->ways[setting];
     strands_shape shape = { 0 };
     strands_implementation implementation = { 0 };
@@ -290,7 +288,7 @@ static wisp_status run_chains( void* context, int setting, int workers, bool is_
 
 static accuracy_setting* put_way( accuracy_scene* scene, const char* name, chain_way way )
 {
-    chains* all = scene->context;
+    chains* all = validate_own( scene->context );
     all->ways[scene->setting_count] = way;
     return accuracy_put_setting( scene, "%s, %d links, %d substeps", name, way.links, way.substeps );
 }
@@ -336,34 +334,30 @@ static void put_vertices( accuracy_scene* scene )
     }
 }
 
-wisp_status validate_chain( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
+static void put_chains( accuracy_scene* out )
 {
-    (void)options;
-    chains* all = calloc( 1, sizeof( chains ) );
-    *out = ( accuracy_scene ){
-        .reference = "closed forms: the period of ten equal masses from the roots of a Laguerre polynomial; of a "
-                     "continuous chain from the zeros of J0",
-        .error_name = "period of the slowest mode",
-        .error_unit = "%",
-        .measure_names = { "second period %", "amplitude lost %", "stretch max %" },
-        .measure_count = CHAIN_MEASURES,
-        .context = all,
-        .run = run_chains,
-        .destroy = free,
-    };
-    const wisp_status status = all ? accuracy_reserve_settings( out, WAYS_MAX, error )
-                                   : wisp_fail( error, WISP_NO_MEMORY, "no memory for hanging chains" );
-    if ( status != WISP_OK )
-    {
-        return accuracy_abandon( out, status );
-    }
-    all->count = seconds < FULL_SECONDS ? FEW_CHAINS : MANY_CHAINS;
+    chains* all = validate_own( out->context );
+    all->count = ( (const validate_settings*)out->context )->seconds < FULL_SECONDS ? FEW_CHAINS : MANY_CHAINS;
     put_chain_substeps( out, "direct", WISP_STRAND_STRETCH_DIRECT );
     put_chain_substeps( out, "xpbd, 1 sweep", WISP_STRAND_STRETCH_LINKS );
     put_sweeps( out );
     put_vertices( out );
-    return WISP_OK;
 }
+
+const validate_case validate_chain = {
+    .name = "chain",
+    .title = "hanging chains swing in their two slowest modes",
+    .scene = { .reference =
+                   "closed forms: the period of ten equal masses from the roots of a Laguerre polynomial; of a "
+                   "continuous chain from the zeros of J0",
+               .error_name = "period of the slowest mode",
+               .error_unit = "%",
+               .measure_names = { "second period %", "amplitude lost %", "stretch max %" },
+               .measure_count = CHAIN_MEASURES,
+               .run = run_chains },
+    .own_size = sizeof( chains ),
+    .put = put_chains,
+};
 
 // ---- a folded chain ----
 
@@ -376,12 +370,13 @@ enum
     MAX_STEPS = 960, // twice the fall
 };
 
-typedef enum chain_method
+enum
 {
     DIRECT,
     DIRECT_BDF2,
     LINKS,
-} chain_method;
+    CHAIN_METHODS,
+};
 
 static const char* const method_names[] = { "direct", "direct bdf2", "links" };
 
@@ -392,7 +387,7 @@ static const double DEPTH = 0.9;
 
 // ---- set-up ----
 
-static wisp_status add_chain( validate_bodies* b, chain_method method, wisp_error* error )
+static wisp_status add_chain( validate_bodies* b, wisp_error* error )
 {
     const int links = b->def.cells;
     double start[VALIDATE_MAX_CELLS + 1][2];
@@ -405,8 +400,8 @@ static wisp_status add_chain( validate_bodies* b, chain_method method, wisp_erro
     wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
     dynamics.damping = 0.0f;
     dynamics.bending = WISP_STRAND_BEND_NONE;
-    dynamics.stretch = method == LINKS ? WISP_STRAND_STRETCH_LINKS : WISP_STRAND_STRETCH_DIRECT;
-    dynamics.integrator = method == DIRECT_BDF2 ? WISP_INTEGRATOR_BDF2 : WISP_INTEGRATOR_EULER;
+    dynamics.stretch = b->method == LINKS ? WISP_STRAND_STRETCH_LINKS : WISP_STRAND_STRETCH_DIRECT;
+    dynamics.integrator = b->method == DIRECT_BDF2 ? WISP_INTEGRATOR_BDF2 : WISP_INTEGRATOR_EULER;
     dynamics.line_density = 1.0f;
     dynamics.gravity = ( wisp_vec3 ){ 0.0f, (float)-GRAVITY, 0.0f };
     return validate_add_strands( b, 1, points, &dynamics, error );
@@ -458,27 +453,27 @@ static chain_fall find_fall( const chain_depths* f )
 }
 
 // Step until the free end is deep enough. @param out NaN: it never is
-static wisp_status drop_chain( validate_bodies* b, accuracy_run* run_folded, chain_fall* out, wisp_error* error )
+static wisp_status drop_chain( validate_bodies* b, chain_fall* out, wisp_error* error )
 {
     chain_depths f = { .steps = 0 };
-    wisp_status status = WISP_OK;
     *out = ( chain_fall ){ NAN, NAN, NAN, NAN };
-    while ( f.steps < MAX_STEPS && f.depths[2] < DEPTH && status == WISP_OK )
+    while ( f.steps < MAX_STEPS && f.depths[2] < DEPTH )
     {
         wisp_vec3 tip = { 0.0f, 0.0f, 0.0f };
-        status = validate_step( b, 1, run_folded, error );
-        status = status == WISP_OK ? validate_tip( b, 0, &tip, error ) : status;
+        WISP_TRY( validate_step( b, 1, error ) );
+        WISP_TRY( validate_tip( b, 0, &tip, error ) );
         feed( &f, -(double)tip.y );
     }
     if ( f.depths[2] >= DEPTH )
     {
         *out = find_fall( &f );
     }
-    return status;
+    return WISP_OK;
 }
 
-static void measure_fall( const validate_bodies* b, const chain_fall* fall, accuracy_run* out )
+static void measure_fall( const validate_bodies* b, const chain_fall* fall )
 {
+    accuracy_run* out = b->world.run;
     double start[VALIDATE_MAX_CELLS + 1][2];
     chain_fall exact = { NAN, NAN, NAN, NAN };
     chain_fold( b->def.cells, start );
@@ -491,58 +486,35 @@ static void measure_fall( const validate_bodies* b, const chain_fall* fall, accu
     memcpy( out->measures, measures, sizeof measures );
 }
 
-static wisp_status run_folded( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
-                               wisp_error* error )
+static wisp_status play_folded( validate_bodies* b, wisp_error* error )
 {
-    const validate_setting* way = validate_setting_of( context, setting );
-    const validate_def def = {
-        .solver = VALIDATE_ROD,
-        .cells = way->cells,
-        .substeps = way->substeps,
-        .iterations = way->solver == LINKS ? SWEEPS : 1,
-        .workers = workers,
-        .count = 1,
-    };
-    validate_bodies bodies;
     chain_fall fall;
-    wisp_status status = validate_open( &def, &bodies, error );
-    status = status == WISP_OK ? add_chain( &bodies, (chain_method)way->solver, error ) : status;
-    status = status == WISP_OK && is_observed ? validate_world_watch( &bodies.world, 0, error ) : status;
-    status = status == WISP_OK ? drop_chain( &bodies, out, &fall, error ) : status;
-    if ( status == WISP_OK && is_observed )
+    b->def.iterations = b->method == LINKS ? SWEEPS : 1;
+    WISP_TRY( validate_open( b, error ) );
+    WISP_TRY( add_chain( b, error ) );
+    WISP_TRY( validate_world_watch( &b->world, 0, error ) );
+    WISP_TRY( drop_chain( b, &fall, error ) );
+    if ( b->world.is_observed )
     {
-        status = read_energy_error( &bodies, &fall.energy_error, error );
-        measure_fall( &bodies, &fall, out );
+        WISP_TRY( read_energy_error( b, &fall.energy_error, error ) );
+        measure_fall( b, &fall );
     }
-    return validate_end( status, &bodies, out, error );
+    return WISP_OK;
 }
 
-wisp_status validate_folded_chain( const bench_options* options, double seconds, accuracy_scene* out,
-                                   wisp_error* error )
-{
-    (void)options;
-    (void)seconds;
-    static const int methods[] = { DIRECT, DIRECT_BDF2, LINKS }, cells[] = { 9, 17, 33, 65 };
-    const validate_grid grid = {
-        .names = method_names,
-        .solvers = methods,
-        .solver_count = WISP_COUNT( methods ),
-        .cells = cells,
-        .cell_count = WISP_COUNT( cells ),
-        .middle = 33,
-        .substeps = 32,
-        .halvings = 5,
-    };
-    const accuracy_scene scene = {
-        .reference =
-            "a chain of as many masses, integrated in double precision, when its end has fallen 0.9 of its length",
-        .error_name = "distance of the speed of the end",
-        .error_unit = "%",
-        .measure_names = { "speed, sqrt(gL)", "speed of masses", "speed, continuous", "time, sqrt(L/g)",
-                           "time of masses", "time, continuous", "energy gained, % of m g L" },
-        .measure_count = 7,
-        .uncertainty = 0.15, // %, what the parabola leaves: 0.60 in steps of four times the length
-        .run = run_folded,
-    };
-    return validate_make_grid( &grid, scene, out, error );
-}
+const validate_case validate_folded_chain = {
+    .name = "folded_chain",
+    .title = "a folded chain is let go at one end",
+    .scene = { .reference = "a chain of as many masses, integrated in double precision, when its end has fallen 0.9 "
+                            "of its length",
+               .error_name = "distance of the speed of the end",
+               .error_unit = "%",
+               .measure_names = { "speed, sqrt(gL)", "speed of masses", "speed, continuous", "time, sqrt(L/g)",
+                                  "time of masses", "time, continuous", "energy gained, % of m g L" },
+               .measure_count = 7,
+               // %, what the parabola leaves: 0.60 in steps of four times the length
+               .uncertainty = 0.15 },
+    .grid = { method_names, ( 1 << CHAIN_METHODS ) - 1, .cells = { 9, 17, 33, 65 }, .substeps = 32, .middle = 33,
+              .fewer = { 16, 8, 4, 2, 1 } },
+    .play = play_folded,
+};

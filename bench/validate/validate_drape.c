@@ -216,14 +216,8 @@ double drape_density( const drape_fabric* fabric )
 
 // ---- a run ----
 
-typedef struct drape_run
-{
-    validate_world world; // fabric f on mesh m is body m DRAPE_FABRICS + f
-    wisp_mesh meshes[MESHES];
-    sheet_solver solver;
-} drape_run;
-
-static wisp_status lay_fabrics( drape_run* run, int mesh, int pin_count, bool is_observed, wisp_error* error )
+// Lay all fabrics on a mesh: fabric f on mesh m is body m DRAPE_FABRICS + f.
+static wisp_status lay_fabrics( validate_bodies* b, const wisp_mesh* mesh, int pin_count, wisp_error* error )
 {
     int32_t pins[MAX_PINS];
     WISP_ASSERT( pin_count <= MAX_PINS );
@@ -231,12 +225,11 @@ static wisp_status lay_fabrics( drape_run* run, int mesh, int pin_count, bool is
     {
         pins[i] = i;
     }
-    wisp_status status = WISP_OK;
-    for ( int f = 0; f < DRAPE_FABRICS && status == WISP_OK; ++f )
+    for ( int f = 0; f < DRAPE_FABRICS; ++f )
     {
         const sheet_def def = {
-            .solver = run->solver,
-            .mesh = run->meshes + mesh,
+            .solver = (sheet_solver)b->method,
+            .mesh = mesh,
             .pins = pins,
             .pin_count = pin_count,
             .density = drape_density( drape_fabrics + f ),
@@ -246,39 +239,24 @@ static wisp_status lay_fabrics( drape_run* run, int mesh, int pin_count, bool is
             .gravity = { 0.0f, (float)-SHEET_GRAVITY, 0.0f },
             .friction = -1.0,
         };
-        status = sheet_add( &run->world, &def, is_observed, error );
+        WISP_TRY( sheet_add( &b->world, &def, error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
-static wisp_status lay_specimens( drape_run* run, int cells, bool is_observed, wisp_error* error )
+// Drape coefficients of all bodies, in %, if they are observed.
+static wisp_status read_drapes( validate_bodies* b, const wisp_mesh* meshes, double out[MESHES * DRAPE_FABRICS],
+                                wisp_error* error )
 {
-    wisp_status status = WISP_OK;
-    for ( int m = 0; m < MESHES && status == WISP_OK; ++m )
-    {
-        int pin_count = 0;
-        status = disc_mesh( DRAPE_DISC, DRAPE_CLOTH, cells, TURNS[m], run->meshes + m, &pin_count, error );
-        status = status == WISP_OK ? lay_fabrics( run, m, pin_count, is_observed, error ) : status;
-    }
-    return status;
-}
-
-// Drape coefficients of all bodies, in %.
-static wisp_status read_drapes( drape_run* run, double out[MESHES * DRAPE_FABRICS], wisp_error* error )
-{
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < MESHES * DRAPE_FABRICS && status == WISP_OK; ++i )
+    for ( int i = 0; i < MESHES * DRAPE_FABRICS && b->world.is_observed; ++i )
     {
         const wisp_vec3* points = NULL;
-        status = validate_world_points( &run->world, i, &points, error );
-        if ( status == WISP_OK )
-        {
-            const double shadow = disc_shadow( run->meshes + i / DRAPE_FABRICS, points, DRAPE_DISC, DRAPE_CLOTH );
-            status = shadow >= 0.0 ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for a shadow" );
-            out[i] = 100.0 * shadow / ( VALIDATE_PI * ( DRAPE_CLOTH * DRAPE_CLOTH - DRAPE_DISC * DRAPE_DISC ) );
-        }
+        WISP_TRY( validate_world_points( &b->world, i, &points, error ) );
+        const double shadow = disc_shadow( meshes + i / DRAPE_FABRICS, points, DRAPE_DISC, DRAPE_CLOTH );
+        WISP_TRY( shadow >= 0.0 ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for a shadow" ) );
+        out[i] = 100.0 * shadow / ( VALIDATE_PI * ( DRAPE_CLOTH * DRAPE_CLOTH - DRAPE_DISC * DRAPE_DISC ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 // How far a value is from an interval.
@@ -322,72 +300,69 @@ static void compare_drapes( const double* before, const double* after, accuracy_
     out->error = sqrt( sum / DRAPE_FABRICS );
 }
 
-static wisp_status drape( drape_run* run, int cells, bool is_observed, accuracy_run* out, wisp_error* error )
+static wisp_status drape( validate_bodies* b, wisp_mesh meshes[MESHES], wisp_error* error )
 {
     double before[MESHES * DRAPE_FABRICS], after[MESHES * DRAPE_FABRICS];
-    wisp_status status = lay_specimens( run, cells, is_observed, error );
-    status = status == WISP_OK ? validate_world_step( &run->world, DRAPE_STEPS - LAST_STEPS, out, error ) : status;
-    status = status == WISP_OK && is_observed ? read_drapes( run, before, error ) : status;
-    status = status == WISP_OK ? validate_world_step( &run->world, LAST_STEPS, out, error ) : status;
-    status = status == WISP_OK && is_observed ? read_drapes( run, after, error ) : status;
-    if ( status == WISP_OK && is_observed )
-    {
-        compare_drapes( before, after, out );
-    }
-    return status == WISP_OK ? validate_world_finish( &run->world, out, error ) : status;
-}
-
-static wisp_status run_drape( void* context, int index, int workers, bool is_observed, accuracy_run* out,
-                              wisp_error* error )
-{
-    const validate_setting* setting = validate_setting_of( context, index );
-    drape_run run = { .solver = (sheet_solver)setting->solver };
-    wisp_status status = sheet_world_create( run.solver, setting->substeps, workers, false, &run.world, error );
-    status = status == WISP_OK ? drape( &run, setting->cells, is_observed, out, error ) : status;
-    validate_world_release( &run.world );
+    WISP_TRY( sheet_world_create( b, false, error ) );
     for ( int m = 0; m < MESHES; ++m )
     {
-        wisp_mesh_release( run.meshes + m );
+        int pin_count = 0;
+        WISP_TRY( disc_mesh( DRAPE_DISC, DRAPE_CLOTH, b->def.cells, TURNS[m], meshes + m, &pin_count, error ) );
+        WISP_TRY( lay_fabrics( b, meshes + m, pin_count, error ) );
+    }
+    WISP_TRY( validate_step( b, DRAPE_STEPS - LAST_STEPS, error ) );
+    WISP_TRY( read_drapes( b, meshes, before, error ) );
+    WISP_TRY( validate_step( b, LAST_STEPS, error ) );
+    WISP_TRY( read_drapes( b, meshes, after, error ) );
+    if ( b->world.is_observed )
+    {
+        compare_drapes( before, after, b->world.run );
+    }
+    return WISP_OK;
+}
+
+static wisp_status play_drape( validate_bodies* b, wisp_error* error )
+{
+    wisp_mesh meshes[MESHES] = { { .points = NULL } };
+    const wisp_status status = drape( b, meshes, error );
+    for ( int m = 0; m < MESHES; ++m )
+    {
+        wisp_mesh_release( meshes + m );
     }
     return status;
 }
 
 // Implicit cloth, which is the slowest by far and needs the fewest substeps, has less of both. A quick run has coarse meshes alone.
-static void put_drapes( accuracy_scene* out, bool is_quick )
+static void put_drapes( accuracy_scene* out )
 {
-    static const int quick[] = { 3, 4 }, cells[] = { 4, 6, 8 }, substeps[] = { 2, 4, 8 };
-    static const int solvers[] = { SHEET_DIHEDRAL, SHEET_ISOMETRIC, SHEET_IMPLICIT };
-    for ( int s = 0; s < WISP_COUNT( solvers ); ++s )
+    static const int quick[] = { 3, 4, 0 }, cells[] = { 4, 6, 8, 0 }, fewer_cells[] = { 4, 6, 0 };
+    static const int substeps[] = { 2, 4, 8, 0 }, fewer_substeps[] = { 2, 4, 0 };
+    const bool is_quick = ( (const validate_settings*)out->context )->is_quick;
+    for ( int s = SHEET_DIHEDRAL; s <= SHEET_IMPLICIT; ++s )
     {
-        const char *name = sheet_solver_names[solvers[s]], *cell = "cell / overhang";
-        const int fewer = solvers[s] == SHEET_IMPLICIT ? 1 : 0;
-        if ( is_quick )
+        const char *name = sheet_solver_names[s], *cell = "cell / overhang";
+        const bool is_slow = s == SHEET_IMPLICIT;
+        validate_put_cells( out, s, name, cell,
+                            is_quick  ? quick
+                            : is_slow ? fewer_cells
+                                      : cells,
+                            is_quick || is_slow ? 8 : 16 );
+        if ( !is_quick )
         {
-            validate_put_cells( out, solvers[s], name, cell, quick, WISP_COUNT( quick ), 8 );
-            continue;
+            validate_put_substeps( out, s, name, 4, is_slow ? fewer_substeps : substeps );
         }
-        validate_put_cells( out, solvers[s], name, cell, cells, WISP_COUNT( cells ) - fewer, fewer ? 8 : 16 );
-        validate_put_substeps( out, solvers[s], name, 4, substeps, WISP_COUNT( substeps ) - fewer );
     }
 }
 
-wisp_status validate_drape( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
-{
-    (void)seconds;
-    const validate_settings like = { .list = { { 0 } } };
-    const accuracy_scene scene = {
-        .reference = "measured coefficients of four fabrics, +- 5 points; root mean square, after 2 s",
-        .error_name = "distance of the drape from its band",
-        .error_unit = "points",
-        .measure_names = { "faille, %", "wool, %", "polyester, %", "cotton, %", "spread of two meshes",
-                           "change per s", "outside Cusick's law" },
-        .measure_count = DRAPE_MEASURES,
-        .run = run_drape,
-    };
-    const wisp_status status = validate_make( &like, sizeof like, scene, out, error );
-    if ( status == WISP_OK )
-    {
-        put_drapes( out, options->quick );
-    }
-    return status;
-}
+const validate_case validate_drape = {
+    .name = "drape",
+    .title = "Cusick's test: named fabrics drape over a disc",
+    .scene = { .reference = "measured coefficients of four fabrics, +- 5 points; root mean square, after 2 s",
+               .error_name = "distance of the drape from its band",
+               .error_unit = "points",
+               .measure_names = { "faille, %", "wool, %", "polyester, %", "cotton, %", "spread of two meshes",
+                                  "change per s", "outside Cusick's law" },
+               .measure_count = DRAPE_MEASURES },
+    .put = put_drapes,
+    .play = play_drape,
+};

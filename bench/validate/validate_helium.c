@@ -1,4 +1,4 @@
-// Balloons of helium.
+// Full balloons, and those of helium: what they lift, and how fast they rise.
 #include "validate/validate.h"
 
 #include "validate/validate_balloons.h"
@@ -10,6 +10,77 @@
 #include <math.h>
 #include <stdlib.h>
 
+// ---- full spheres ----
+
+static void set_way( const full_way* way, int workers, balloon_setting* setting )
+{
+    setting->def.gas_ratio = (float)way->fill;
+    setting->def.solver = way->skin;
+    setting->def.volume = way->volume;
+    setting->substeps = way->substeps;
+    setting->iterations = 1;
+    setting->workers = workers;
+    setting->seconds = ACCURACY_FRAME;
+}
+
+wisp_status full_sphere_make( const full_way* way, balloon_setting setting, int workers, full_sphere* out,
+                              wisp_error* error )
+{
+    set_way( way, workers, &setting );
+    *out = ( full_sphere ){ .setting = setting };
+    WISP_TRY( balloon_mesh_sphere( way->level, BALLOON_RADIUS, &out->mesh, error ) );
+    WISP_TRY( balloon_cook( &out->mesh, &setting, &out->fabric, error ) );
+    out->balance = balloon_equilibrium_of( out->fabric, &setting.def, false );
+    for ( int i = 0; i < out->fabric->slot_count; ++i )
+    {
+        out->area += (double)out->fabric->area[i];
+    }
+    out->points = balloon_scaled_points( &out->mesh, out->balance.scale );
+    out->setting.points = out->points;
+    return out->points != NULL ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for a full balloon" );
+}
+
+void full_sphere_free( full_sphere* sphere )
+{
+    wisp_fabric_release( sphere->fabric );
+    wisp_mesh_release( &sphere->mesh );
+    free( sphere->points );
+}
+
+void full_way_put( accuracy_scene* out, full_way way, const char* what, const char* by, const char* parameter_name,
+                   double parameter )
+{
+    char method[64], series[96], outlet[32] = "";
+    snprintf( method, sizeof method, "%s skin, %s gas, %s", way.skin == WISP_SOLVER_XPBD ? "xpbd" : "pbd",
+              way.volume == WISP_SOLVER_XPBD ? "xpbd" : "pbd", what );
+    snprintf( series, sizeof series, "%s, by %s", method, by );
+    if ( way.outlet > 0.0 )
+    {
+        snprintf( outlet, sizeof outlet, ", %g mm2", 1e6 * way.outlet );
+    }
+    ( (full_way*)validate_own( out->context ) )[out->setting_count] = way;
+    accuracy_setting* setting =
+        accuracy_put_setting( out, "%s, level %d, %d substeps%s", method, way.level, way.substeps, outlet );
+    accuracy_join_series( setting, by[0] != '\0' ? series : "", parameter_name, parameter, NAN );
+}
+
+void full_way_put_levels( accuracy_scene* out, full_way way, const char* what, int first, int count )
+{
+    for ( way.level = first; way.level < first + count; ++way.level )
+    {
+        full_way_put( out, way, what, "mesh", "edge / R", validate_sphere_edge( way.level ) );
+    }
+}
+
+void full_way_put_substeps( accuracy_scene* out, full_way way, const char* what, const int* substeps )
+{
+    for ( ; *substeps > 0; ++substeps )
+    {
+        way.substeps = *substeps;
+        full_way_put( out, way, what, "substeps", "substep, s", (double)ACCURACY_FRAME / *substeps );
+    }
+}
+
 // ---- spheres of helium ----
 
 #define VALIDATE_HELIUM_GRAVITY 9.81 // m/s^2
@@ -17,15 +88,7 @@
 enum
 {
     HELIUM_LEVELS = 4,
-    HELIUM_SUBSTEPS = 3,
 };
-
-typedef struct validate_helium_way
-{
-    int level, substeps;      // of the icosphere; of 1/60 s
-    double fill;              // V_0 / V_rest
-    wisp_solver skin, volume; // what solves them
-} validate_helium_way;
 
 // A smooth sphere of the same skin, filled with an ideal gas: p V = n R T.
 typedef struct validate_helium_sphere
@@ -36,27 +99,12 @@ typedef struct validate_helium_sphere
         lift; // kg that it can carry, its skin included (Archimedes). The gas weighs what it did before it was squeezed
 } validate_helium_sphere;
 
-typedef struct validate_helium_body
-{
-    wisp_mesh mesh;
-    wisp_fabric* fabric;
-    wisp_vec3* points; // full, in balance
-    double area;       // m^2, at rest
-    double lift;       // kg that the mesh can carry, as validate_helium_sphere.lift
-} validate_helium_body;
-
 // A default balloon in air at rest.
-static balloon_setting validate_helium_setting( const validate_helium_way* way, int workers )
+static balloon_setting validate_helium_setting( const full_way* way, int workers )
 {
     balloon_setting setting = balloon_default_setting();
-    setting.def.gas_ratio = (float)way->fill;
-    setting.def.solver = way->skin;
-    setting.def.volume = way->volume;
     setting.gravity = ( wisp_vec3 ){ 0.0f, (float)-VALIDATE_HELIUM_GRAVITY, 0.0f };
-    setting.substeps = way->substeps;
-    setting.iterations = 1;
-    setting.workers = workers;
-    setting.seconds = ACCURACY_FRAME;
+    set_way( way, workers, &setting );
     return setting;
 }
 
@@ -85,68 +133,11 @@ static validate_helium_sphere validate_helium_theory( const balloon_setting* set
     return sphere;
 }
 
-// @param out to be freed, also after a failure
-static wisp_status validate_helium_make( const validate_helium_way* way, validate_helium_body* out,
-                                         wisp_error* error )
+// kg that the mesh of a full sphere can carry, as validate_helium_sphere.lift.
+static double lift_of_mesh( const full_sphere* full )
 {
-    const balloon_setting setting = validate_helium_setting( way, 1 );
-    const validate_helium_sphere sphere = validate_helium_theory( &setting );
-    *out = ( validate_helium_body ){ .fabric = NULL };
-    wisp_status status = balloon_mesh_sphere( way->level, BALLOON_RADIUS, &out->mesh, error );
-    status = status == WISP_OK ? balloon_cook( &out->mesh, &setting, &out->fabric, error ) : status;
-    if ( status == WISP_OK )
-    {
-        const balloon_equilibrium full = balloon_equilibrium_of( out->fabric, &setting.def, false );
-        for ( int i = 0; i < out->fabric->slot_count; ++i )
-        {
-            out->area += (double)out->fabric->area[i];
-        }
-        out->lift = lift_of( &sphere, full.volume, full.scale, (double)setting.def.gas_ratio );
-        out->points = balloon_scaled_points( &out->mesh, full.scale );
-        status = out->points != NULL ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for a full balloon" );
-    }
-    return status;
-}
-
-static void validate_helium_free( validate_helium_body* body )
-{
-    wisp_fabric_release( body->fabric );
-    wisp_mesh_release( &body->mesh );
-    free( body->points );
-    *body = ( validate_helium_body ){ .fabric = NULL };
-}
-
-// A setting: "xpbd skin, pbd gas, fill 1.2, level 3, 20 substeps". @param what of the scene, such as "fill 1.2"
-static void put_helium( accuracy_scene* out, const validate_helium_way* way, const char* what, const char* by,
-                        const char* parameter_name, double parameter )
-{
-    char method[64], series[96];
-    snprintf( method, sizeof method, "%s skin, %s gas, %s", way->skin == WISP_SOLVER_XPBD ? "xpbd" : "pbd",
-              way->volume == WISP_SOLVER_XPBD ? "xpbd" : "pbd", what );
-    snprintf( series, sizeof series, "%s, by %s", method, by );
-    ( (validate_helium_way*)out->context )[out->setting_count] = *way;
-    accuracy_setting* setting =
-        accuracy_put_setting( out, "%s, level %d, %d substeps", method, way->level, way->substeps );
-    accuracy_join_series( setting, series, parameter_name, parameter, NAN );
-}
-
-static void put_helium_levels( accuracy_scene* out, validate_helium_way way, const char* what, int first )
-{
-    for ( way.level = first; way.level < first + HELIUM_LEVELS; ++way.level )
-    {
-        put_helium( out, &way, what, "mesh", "edge / R", validate_sphere_edge( way.level ) );
-    }
-}
-
-// @param way with its level
-static void put_helium_substeps( accuracy_scene* out, validate_helium_way way, const char* what,
-                                 const int substeps[HELIUM_SUBSTEPS] )
-{
-    for ( int i = 0; i < HELIUM_SUBSTEPS; ++i )
-    {
-        way.substeps = substeps[i];
-        put_helium( out, &way, what, "substeps", "substep, s", (double)ACCURACY_FRAME / substeps[i] );
-    }
+    const validate_helium_sphere smooth = validate_helium_theory( &full->setting );
+    return lift_of( &smooth, full->balance.volume, full->balance.scale, (double)full->setting.def.gas_ratio );
 }
 
 // ---- lift ----
@@ -155,57 +146,56 @@ static void put_helium_substeps( accuracy_scene* out, validate_helium_way way, c
 
 enum
 {
-    LIFT_SETTINGS = 48,
     LADDER = 31,
     LIFT_SUBSTEPS = 20,
     LIFT_STEPS = 60,
 };
 
-#define LIFT_FILL 1.2             // V_0 / V_rest
-#define SLACK_FILL 1.0            // without pressure
-#define LIFT_DAMPING 10.0f        // 1/s
-static const double RUNG = 0.002; // half of the distance between two loads, in that of the mesh: from 0.94 to 1.06
+#define LIFT_FILL 1.2      // V_0 / V_rest
+#define SLACK_FILL 1.0     // without pressure
+#define LIFT_DAMPING 10.0f // 1/s
+#define RUNG 0.002         // half of the distance between two loads, in that of the mesh: from 0.94 to 1.06
 
 // ---- a ladder ----
 
-static wisp_status add_balloon( validate_world* w, const validate_helium_body* body, const balloon_setting* setting,
-                                double mass )
+static wisp_status add_balloon( validate_world* w, const full_sphere* full, double mass )
 {
     wisp_entity balloon;
     wisp_surface_def def = wisp_default_surface_def();
-    def.fabric = body->fabric;
-    def.points = body->points;
-    def.area_density = (float)( mass / body->area );
-    def.gravity = setting->gravity;
+    def.fabric = full->fabric;
+    def.points = full->points;
+    def.area_density = (float)( mass / full->area );
+    def.gravity = full->setting.gravity;
     wisp_status status = wisp_add_surface( w->world, &def, &balloon );
     status = status == WISP_OK ? wisp_set_damping( w->world, balloon, LIFT_DAMPING ) : status;
-    status = status == WISP_OK ? wisp_set_balloon( w->world, balloon, &setting->def ) : status;
-    return status == WISP_OK ? validate_world_add( w, balloon, WISP_SURFACE_POINTS, body->mesh.vertex_count )
+    status = status == WISP_OK ? wisp_set_balloon( w->world, balloon, &full->setting.def ) : status;
+    return status == WISP_OK ? validate_world_add( w, balloon, WISP_SURFACE_POINTS, full->mesh.vertex_count )
                              : status;
 }
 
 // Balloons in one world, each with its load in its skin.
-static wisp_status create_ladder( const validate_helium_body* body, const balloon_setting* setting,
-                                  validate_world* out, wisp_error* error )
+static wisp_status create_ladder( const full_sphere* full, validate_world* out, wisp_error* error )
 {
     const wisp_module* const modules[] = { &wisp_balloon_module };
-    const bench_world_def def = { modules, 1, setting->workers, setting->substeps, setting->iterations };
-    wisp_status status = validate_world_create( &def, out, error );
-    for ( int i = 0; i < LADDER && status == WISP_OK; ++i )
+    const bench_world_def def = { modules, 1, full->setting.workers, full->setting.substeps,
+                                  full->setting.iterations };
+    WISP_TRY( validate_world_create( &def, out, error ) );
+    for ( int i = 0; i < LADDER; ++i )
     {
-        const double mass = body->lift * ( 1.0 + 2.0 * RUNG * ( i - LADDER / 2 ) );
-        status = add_balloon( out, body, setting, mass );
-        status = status == WISP_OK ? WISP_OK : bench_world_fail( out->world, status, error );
-        status = status == WISP_OK ? validate_world_watch( out, i, error ) : status;
+        const double mass = lift_of_mesh( full ) * ( 1.0 + 2.0 * RUNG * ( i - LADDER / 2 ) );
+        const wisp_status status = add_balloon( out, full, mass );
+        WISP_TRY( status == WISP_OK ? WISP_OK : bench_world_fail( out->world, status, error ) );
+        WISP_TRY( validate_world_watch( out, i, error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 // Damping takes the start away, so a balloon moves the way the force on it points. What it lifts is between the heaviest load that rises
 // and the next one.
-static wisp_status measure_lift( validate_world* w, const validate_helium_sphere* sphere,
-                                 const validate_helium_body* body, accuracy_run* out, wisp_error* error )
+static wisp_status measure_lift( validate_world* w, const full_sphere* full, wisp_error* error )
 {
+    accuracy_run* out = w->run;
+    const double exact = lift_of_mesh( full ), smooth = validate_helium_theory( &full->setting ).lift;
     double masses[LADDER];
     int sinks = LADDER; // the first one
     wisp_status status = WISP_OK;
@@ -223,9 +213,9 @@ static wisp_status measure_lift( validate_world* w, const validate_helium_sphere
         const double found =
             is_found ? 0.5 * ( masses[sinks - 1] + masses[sinks] ) : masses[sinks > 0 ? LADDER - 1 : 0];
         out->measures[0] = is_found ? 1e3 * found : NAN;
-        out->measures[1] = 1e3 * body->lift;
-        out->measures[2] = is_found ? 100.0 * ( found / sphere->lift - 1.0 ) : NAN;
-        out->error = 100.0 * fabs( found / body->lift - 1.0 );
+        out->measures[1] = 1e3 * exact;
+        out->measures[2] = is_found ? 100.0 * ( found / smooth - 1.0 ) : NAN;
+        out->error = 100.0 * fabs( found / exact - 1.0 );
     }
     return status;
 }
@@ -233,21 +223,18 @@ static wisp_status measure_lift( validate_world* w, const validate_helium_sphere
 static wisp_status run_lift( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                              wisp_error* error )
 {
-    const validate_helium_way* way = (const validate_helium_way*)context + setting;
+    const full_way* way = (const full_way*)validate_own( context ) + setting;
     balloon_setting balloon = validate_helium_setting( way, workers );
     balloon.def.drag_coefficient = 0.0f;
-    const validate_helium_sphere sphere = validate_helium_theory( &balloon );
-    validate_helium_body body;
-    validate_world world = { .world = NULL };
-    wisp_status status = validate_helium_make( way, &body, error );
-    status = status == WISP_OK ? create_ladder( &body, &balloon, &world, error ) : status;
-    status = status == WISP_OK ? validate_world_step( &world, LIFT_STEPS, out, error ) : status;
-    status = status == WISP_OK ? validate_world_finish( &world, out, error ) : status;
-    status = status == WISP_OK && is_observed && out->halted_at == 0
-                 ? measure_lift( &world, &sphere, &body, out, error )
-                 : status;
+    full_sphere full;
+    validate_world world = { .is_observed = true, .run = out };
+    wisp_status status = full_sphere_make( way, balloon, workers, &full, error );
+    status = status == WISP_OK ? create_ladder( &full, &world, error ) : status;
+    status = status == WISP_OK ? validate_world_step( &world, LIFT_STEPS, error ) : status;
+    status = status == WISP_OK ? validate_world_finish( &world, error ) : status;
+    status = status == WISP_OK && is_observed && out->halted_at == 0 ? measure_lift( &world, &full, error ) : status;
     validate_world_release( &world );
-    validate_helium_free( &body );
+    full_sphere_free( &full );
     return status;
 }
 
@@ -256,46 +243,39 @@ static wisp_status run_lift( void* context, int setting, int workers, bool is_ob
 static void put_lifts( accuracy_scene* out )
 {
     // a mesh of few vertices: the heavier they are, the sooner the gas is in balance
-    static const int substeps[HELIUM_SUBSTEPS] = { 5, 80, 320 };
-    validate_helium_way way = {
+    static const int substeps[] = { 5, 80, 320, 0 };
+    full_way way = {
         .level = 1, .substeps = LIFT_SUBSTEPS, .fill = LIFT_FILL, .skin = WISP_SOLVER_XPBD, .volume = WISP_SOLVER_XPBD
     };
-    put_helium_levels( out, way, "fill 1.2", 0 );
-    put_helium_substeps( out, way, "fill 1.2", substeps );
+    full_way_put_levels( out, way, "fill 1.2", 0, HELIUM_LEVELS );
+    full_way_put_substeps( out, way, "fill 1.2", substeps );
     way.fill = SLACK_FILL;
-    put_helium_levels( out, way, "fill 1", 0 );
+    full_way_put_levels( out, way, "fill 1", 0, HELIUM_LEVELS );
     way.fill = LIFT_FILL;
     way.volume = WISP_SOLVER_PBD;
-    put_helium_levels( out, way, "fill 1.2", 0 );
+    full_way_put_levels( out, way, "fill 1.2", 0, HELIUM_LEVELS );
     way.skin = WISP_SOLVER_PBD;
-    put_helium_levels( out, way, "fill 1.2", 0 );
+    full_way_put_levels( out, way, "fill 1.2", 0, HELIUM_LEVELS );
 }
 
-wisp_status validate_lift_off( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
-{
-    (void)options;
-    (void)seconds;
-    *out = ( accuracy_scene ){
-        .reference = "the weight of the air that the mesh displaces in balance, less that of its helium",
-        .uncertainty = 100.0 * RUNG,
-        .note =
-            "a mesh has less volume than a sphere: `against the sphere` has that too. The engine's helium has the "
-            "density that it would have at the pressure of the atmosphere, which lifts 0.4 % too much at fill 1.2. "
-            "Fill 1 has no pressure: compare its settings among themselves.",
-        .error_name = "load against theory",
-        .error_unit = "%",
-        .measure_names = { "load g", "theory g", "against the sphere %" },
-        .measure_count = 3,
-        .run = run_lift,
-    };
-    const wisp_status status =
-        accuracy_begin_scene( out, LIFT_SETTINGS * sizeof( validate_helium_way ), LIFT_SETTINGS, error );
-    if ( status == WISP_OK )
-    {
-        put_lifts( out );
-    }
-    return status;
-}
+const validate_case validate_lift_off = {
+    .name = "lift_off",
+    .title = "helium balloons lift what the air they displace weighs",
+    .scene = { .reference = "the weight of the air that the mesh displaces in balance, less that of its helium",
+               .uncertainty = 100.0 * RUNG,
+               .note = "a mesh has less volume than a sphere: `against the sphere` has that too. The engine's helium "
+                       "has the "
+                       "density that it would have at the pressure of the atmosphere, which lifts 0.4 % too much at "
+                       "fill 1.2. "
+                       "Fill 1 has no pressure: compare its settings among themselves.",
+               .error_name = "load against theory",
+               .error_unit = "%",
+               .measure_names = { "load g", "theory g", "against the sphere %" },
+               .measure_count = 3,
+               .run = run_lift },
+    .own_size = VALIDATE_MAX_SETTINGS * sizeof( full_way ),
+    .put = put_lifts,
+};
 
 // ---- the speed of ascent ----
 
@@ -303,7 +283,6 @@ wisp_status validate_lift_off( const bench_options* options, double seconds, acc
 
 enum
 {
-    RISE_SETTINGS = 48,
     RISE_LEVEL = 3, // 642 vertices
     RISE_SUBSTEPS = 20,
     RISE_STEPS = 180, // 3 s, more than ten times what it needs to reach two thirds of the speed
@@ -335,19 +314,18 @@ static void measure_rise( const balloon_setting* setting, double mass, const wis
 static wisp_status run_rise( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                              wisp_error* error )
 {
-    const validate_helium_way* way = (const validate_helium_way*)context + setting;
-    balloon_setting balloon = validate_helium_setting( way, workers );
+    const full_way* way = (const full_way*)validate_own( context ) + setting;
+    const balloon_setting balloon = validate_helium_setting( way, workers );
     // that of the smooth sphere, so that meshes differ in their shape alone
     const double mass = RISE_LOAD * validate_helium_theory( &balloon ).lift;
-    validate_helium_body body;
+    full_sphere full;
     surface_implementation flying = { 0 };
     wisp_motion_stats seen = { 0 };
-    wisp_status status = validate_helium_make( way, &body, error );
+    wisp_status status = full_sphere_make( way, balloon, workers, &full, error );
     if ( status == WISP_OK )
     {
-        balloon.points = body.points;
-        balloon.area_density = (float)( mass / body.area );
-        status = balloon_implementation_create( body.fabric, &balloon, &flying, error );
+        full.setting.area_density = (float)( mass / full.area );
+        status = balloon_implementation_create( full.fabric, &full.setting, &flying, error );
     }
     if ( status == WISP_OK )
     {
@@ -363,7 +341,7 @@ static wisp_status run_rise( void* context, int setting, int workers, bool is_ob
         measure_rise( &balloon, mass, &seen, out );
     }
     surface_implementation_destroy( &flying );
-    validate_helium_free( &body );
+    full_sphere_free( &full );
     return status;
 }
 
@@ -371,39 +349,30 @@ static wisp_status run_rise( void* context, int setting, int workers, bool is_ob
 
 static void put_rises( accuracy_scene* out )
 {
-    static const int substeps[HELIUM_SUBSTEPS] = { 5, 10, 40 };
-    validate_helium_way way = { .level = RISE_LEVEL,
-                                .substeps = RISE_SUBSTEPS,
-                                .fill = RISE_FILL,
-                                .skin = WISP_SOLVER_XPBD,
-                                .volume = WISP_SOLVER_XPBD };
-    put_helium_levels( out, way, "drag max", 1 );
-    put_helium_substeps( out, way, "drag max", substeps );
+    static const int substeps[] = { 5, 10, 40, 0 };
+    full_way way = { .level = RISE_LEVEL,
+                     .substeps = RISE_SUBSTEPS,
+                     .fill = RISE_FILL,
+                     .skin = WISP_SOLVER_XPBD,
+                     .volume = WISP_SOLVER_XPBD };
+    full_way_put_levels( out, way, "drag max", 1, HELIUM_LEVELS );
+    full_way_put_substeps( out, way, "drag max", substeps );
     way.volume = WISP_SOLVER_PBD;
-    put_helium_substeps( out, way, "drag max", substeps );
+    full_way_put_substeps( out, way, "drag max", substeps );
     way.skin = WISP_SOLVER_PBD;
-    put_helium_substeps( out, way, "drag max", substeps );
+    full_way_put_substeps( out, way, "drag max", substeps );
 }
 
-wisp_status validate_rising_balloon( const bench_options* options, double seconds, accuracy_scene* out,
-                                     wisp_error* error )
-{
-    (void)options;
-    (void)seconds;
-    *out = ( accuracy_scene ){
-        .reference = "1/2 rho C pi R^2 v^2 = lift - weight, for a smooth sphere",
-        .note = "C is the coefficient of the scene, 0.5.",
-        .error_name = "speed against theory",
-        .error_unit = "%",
-        .measure_names = { "speed m/s", "theory m/s", "C of the sphere", "m/s with C = 0.47", "Reynolds" },
-        .measure_count = 5,
-        .run = run_rise,
-    };
-    const wisp_status status =
-        accuracy_begin_scene( out, RISE_SETTINGS * sizeof( validate_helium_way ), RISE_SETTINGS, error );
-    if ( status == WISP_OK )
-    {
-        put_rises( out );
-    }
-    return status;
-}
+const validate_case validate_rising_balloon = {
+    .name = "rising_balloon",
+    .title = "helium balloons rise at the speed at which drag holds their lift",
+    .scene = { .reference = "1/2 rho C pi R^2 v^2 = lift - weight, for a smooth sphere",
+               .note = "C is the coefficient of the scene, 0.5.",
+               .error_name = "speed against theory",
+               .error_unit = "%",
+               .measure_names = { "speed m/s", "theory m/s", "C of the sphere", "m/s with C = 0.47", "Reynolds" },
+               .measure_count = 5,
+               .run = run_rise },
+    .own_size = VALIDATE_MAX_SETTINGS * sizeof( full_way ),
+    .put = put_rises,
+};

@@ -81,7 +81,6 @@ enum
     SPHERE_LEVEL = 0,  // an icosahedron, the only sphere regular enough for the closed form
     SETTLE_STEPS = 30, // the damping below removes all motion by then
     ORDERLY_SUBSTEPS = 50,
-    SPHERE_SETTINGS = 64,
 };
 
 #define SPHERE_FILL 1.2f
@@ -106,7 +105,7 @@ typedef struct inflated_sphere
 typedef struct inflate_scene
 {
     inflated_sphere spheres[SPHERE_LEVELS];
-    inflate_setting settings[SPHERE_SETTINGS];
+    inflate_setting settings[VALIDATE_MAX_SETTINGS];
 } inflate_scene;
 
 static const char* const solver_names[] = { [WISP_SOLVER_XPBD] = "xpbd", [WISP_SOLVER_PBD] = "pbd" };
@@ -156,7 +155,7 @@ static wisp_status make_sphere( int level, inflated_sphere* out, wisp_error* err
 static void add_inflation( accuracy_scene* scene, inflate_setting what, const char* series,
                            const char* parameter_name, double parameter, double order, const char* name )
 {
-    inflate_scene* own = scene->context;
+    inflate_scene* own = validate_own( scene->context );
     own->settings[scene->setting_count] = what;
     accuracy_setting* setting = accuracy_put_setting( scene, "%s", name );
     accuracy_join_series( setting, series, parameter_name, parameter, order );
@@ -200,7 +199,7 @@ static void add_iterations( accuracy_scene* scene )
 // quite regular either: they bulge where their links are short.
 static void add_meshes( accuracy_scene* scene )
 {
-    const inflate_scene* own = scene->context;
+    const inflate_scene* own = validate_own( scene->context );
     static const int substeps[] = { 10, 100 };
     for ( int i = 0; i < WISP_COUNT( substeps ); ++i )
     {
@@ -261,7 +260,7 @@ static wisp_status observe_sphere( surface_implementation* implementation, const
 static wisp_status run_inflation( void* context, int index, int workers, bool is_observed, accuracy_run* out,
                                   wisp_error* error )
 {
-    inflate_scene* scene = context;
+    inflate_scene* scene = validate_own( context );
     const inflate_setting* what = &scene->settings[index];
     const inflated_sphere* sphere = &scene->spheres[what->level];
     balloon_setting setting = usual_setting();
@@ -292,56 +291,53 @@ static wisp_status run_inflation( void* context, int index, int workers, bool is
 
 static void destroy_spheres( void* context )
 {
-    inflate_scene* scene = context;
+    inflate_scene* scene = validate_own( context );
     for ( int level = 0; level < SPHERE_LEVELS; ++level )
     {
         wisp_fabric_release( scene->spheres[level].fabric );
         wisp_mesh_release( &scene->spheres[level].mesh );
     }
-    free( scene );
+    free( context );
 }
 
-wisp_status validate_inflate( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
+static wisp_status make_all_spheres( accuracy_scene* out, wisp_error* error )
 {
-    *out = ( accuracy_scene ){
-        .reference = "closed form of the mesh: p = sum(k l^2)(s - 1)/(3 V_rest s^2) = P_atm (V_0 - V)/V_0",
-        .note = "pressure by the gas law ends p / P_atm above the virial (2 to 3 %), because the constraint has "
-                "compliance V_0 / P_atm. `at its own volume` compares with the closed form at the computed volume.",
-        .error_name = "pressure against the closed form",
-        .error_unit = "%",
-        .measure_names = { "virial Pa", "gas law Pa", "closed form Pa", "scale error %", "at its own volume %",
-                           "p V = n R T %" },
-        .measure_count = 6,
-        .settings = calloc( SPHERE_SETTINGS, sizeof( accuracy_setting ) ),
-        .context = calloc( 1, sizeof( inflate_scene ) ),
-        .run = run_inflation,
-        .destroy = destroy_spheres,
-    };
-    wisp_status status = WISP_OK;
-    if ( !out->settings || !out->context )
+    inflate_scene* own = validate_own( out->context );
+    out->destroy = destroy_spheres;
+    for ( int level = 0; level < SPHERE_LEVELS; ++level )
     {
-        status = wisp_fail( error, WISP_NO_MEMORY, "no memory for the settings of balloon_inflate" );
+        WISP_TRY( make_sphere( level, own->spheres + level, error ) );
     }
-    for ( int level = 0; level < SPHERE_LEVELS && status == WISP_OK; ++level )
-    {
-        status = make_sphere( level, &( (inflate_scene*)out->context )->spheres[level], error );
-    }
-    if ( status != WISP_OK )
-    {
-        if ( out->context )
-        {
-            destroy_spheres( out->context );
-        }
-        free( out->settings );
-        *out = ( accuracy_scene ){ .setting_count = 0 };
-        return status;
-    }
-    add_substeps( out, options->quick || seconds < 15.0 );
+    return WISP_OK;
+}
+
+static void put_inflations( accuracy_scene* out )
+{
+    const validate_settings* all = out->context;
+    add_substeps( out, all->is_quick || all->seconds < 15.0 );
     add_iterations( out );
     add_meshes( out );
     add_forms( out );
-    return WISP_OK;
 }
+
+const validate_case validate_inflate = {
+    .name = "balloon",
+    .title = "a sphere filled with gas: pressure and size",
+    .scene = { .reference = "closed form of the mesh: p = sum(k l^2)(s - 1)/(3 V_rest s^2) = P_atm (V_0 - V)/V_0",
+               .note =
+                   "pressure by the gas law ends p / P_atm above the virial (2 to 3 %), because the constraint has "
+                   "compliance V_0 / P_atm. `at its own volume` compares with the closed form at the computed "
+                   "volume.",
+               .error_name = "pressure against the closed form",
+               .error_unit = "%",
+               .measure_names = { "virial Pa", "gas law Pa", "closed form Pa", "scale error %", "at its own volume %",
+                                  "p V = n R T %" },
+               .measure_count = 6,
+               .run = run_inflation },
+    .own_size = sizeof( inflate_scene ),
+    .prepare = make_all_spheres,
+    .put = put_inflations,
+};
 
 // ---- rubber ----
 
@@ -353,7 +349,6 @@ enum
 {
     SIZES = 9,
     RUBBER_LEVELS = 4,
-    RUBBER_SETTINGS = 16,
 };
 
 static const double STRETCHES[SIZES] = { 1.1, 1.2, 1.3, 1.4, 1.5, 1.7, 2.0, 2.5, 3.0 };
@@ -452,15 +447,14 @@ static wisp_status set_gas( spheres* own, double part, wisp_error* error )
 }
 
 // They are filled evenly, and then come to rest.
-static wisp_status fill_spheres( spheres* own, accuracy_run* out, wisp_error* error )
+static wisp_status fill_spheres( spheres* own, wisp_error* error )
 {
-    wisp_status status = WISP_OK;
-    for ( int step = 1; step <= FILLING && status == WISP_OK; ++step )
+    for ( int step = 1; step <= FILLING; ++step )
     {
-        status = set_gas( own, (double)step / FILLING, error );
-        status = status == WISP_OK ? validate_world_step( &own->world, 1, out, error ) : status;
+        WISP_TRY( set_gas( own, (double)step / FILLING, error ) );
+        WISP_TRY( validate_world_step( &own->world, 1, error ) );
     }
-    return status == WISP_OK ? validate_world_step( &own->world, RESTING, out, error ) : status;
+    return validate_world_step( &own->world, RESTING, error );
 }
 
 // The top of the parabola through the largest value and its neighbours.
@@ -507,11 +501,11 @@ static wisp_status measure_rubber( spheres* own, accuracy_run* out, wisp_error* 
 static wisp_status run_rubber( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                                wisp_error* error )
 {
-    const rubber_way* w = (const rubber_way*)context + setting;
-    spheres own = { .fabric = NULL };
+    const rubber_way* w = (const rubber_way*)validate_own( context ) + setting;
+    spheres own = { .world = { .run = out } };
     wisp_status status = make_spheres( w, workers, &own, error );
-    status = status == WISP_OK ? fill_spheres( &own, out, error ) : status;
-    status = status == WISP_OK ? validate_world_finish( &own.world, out, error ) : status;
+    status = status == WISP_OK ? fill_spheres( &own, error ) : status;
+    status = status == WISP_OK ? validate_world_finish( &own.world, error ) : status;
     status = status == WISP_OK && is_observed && out->halted_at == 0 ? measure_rubber( &own, out, error ) : status;
     leave_spheres( &own );
     return status;
@@ -519,7 +513,7 @@ static wisp_status run_rubber( void* context, int setting, int workers, bool is_
 
 static void put_rubber( accuracy_scene* out, rubber_way w )
 {
-    ( (rubber_way*)out->context )[out->setting_count] = w;
+    ( (rubber_way*)validate_own( out->context ) )[out->setting_count] = w;
     accuracy_setting* s =
         accuracy_put_setting( out, "membrane, %d triangles, %d substeps", 20 << 2 * w.level, w.substeps );
     accuracy_join_series( s, w.by_substeps ? "membrane by substeps" : "membrane by edges",
@@ -527,25 +521,11 @@ static void put_rubber( accuracy_scene* out, rubber_way w )
                           w.by_substeps ? (double)VALIDATE_STEP / w.substeps : validate_sphere_edge( w.level ), 2.0 );
 }
 
-wisp_status validate_rubber( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
+static void put_rubbers( accuracy_scene* out )
 {
-    (void)seconds;
-    *out = ( accuracy_scene ){
-        .reference = "p = 2 G / R (1 / s - 1 / s^7), at the stretch s of the volume; nine balloons at rest",
-        .error_name = "distance of the pressure",
-        .error_unit = "%",
-        .measure_names = { "limit point, s", "its pressure, Pa", "theory, s", "theory, Pa", "size for its gas, %" },
-        .measure_count = 5,
-        .run = run_rubber,
-    };
-    const wisp_status status =
-        accuracy_begin_scene( out, RUBBER_SETTINGS * sizeof( rubber_way ), RUBBER_SETTINGS, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
     static const int substeps[] = { 5, 10, 20, 40, 160 };
-    for ( int level = 0; level < ( options->quick ? RUBBER_LEVELS - 1 : RUBBER_LEVELS ); ++level )
+    const bool is_quick = ( (const validate_settings*)out->context )->is_quick;
+    for ( int level = 0; level < ( is_quick ? RUBBER_LEVELS - 1 : RUBBER_LEVELS ); ++level )
     {
         put_rubber( out, ( rubber_way ){ level, 80, false } );
     }
@@ -553,5 +533,18 @@ wisp_status validate_rubber( const bench_options* options, double seconds, accur
     {
         put_rubber( out, ( rubber_way ){ 2, substeps[i], true } );
     }
-    return WISP_OK;
 }
+
+const validate_case validate_rubber = {
+    .name = "rubber",
+    .title = "spheres with a neo-Hookean skin: pressure over the limit point",
+    .scene = { .reference = "p = 2 G / R (1 / s - 1 / s^7), at the stretch s of the volume; nine balloons at rest",
+               .error_name = "distance of the pressure",
+               .error_unit = "%",
+               .measure_names = { "limit point, s", "its pressure, Pa", "theory, s", "theory, Pa",
+                                  "size for its gas, %" },
+               .measure_count = 5,
+               .run = run_rubber },
+    .own_size = VALIDATE_MAX_SETTINGS * sizeof( rubber_way ),
+    .put = put_rubbers,
+};

@@ -3,6 +3,7 @@
 
 #include "accuracy/scene_tools.h"
 #include "validate/validate_balloons.h"
+#include "validate/validate_bodies.h"
 #include "oracle/balloon_oracle.h"
 #include "oracle/balloon_meshes.h"
 
@@ -11,7 +12,6 @@
 
 enum
 {
-    MAX_SETTINGS = 48,
     USUAL_SUBSTEPS = 40,
     FINE_SUBSTEPS = 80,
 };
@@ -22,31 +22,16 @@ enum
 // weaker jet, floats round off what a substep adds to a position.
 #define OUTLET_AREA 1.6e-4 // m^2
 
-typedef struct jet_way
-{
-    int level, substeps;
-    wisp_solver skin, volume;
-    double outlet; // m^2
-} jet_way;
-
-typedef struct jet_body
-{
-    wisp_mesh mesh;
-    wisp_fabric* fabric;
-    wisp_vec3* points; // full and at rest
-    balloon_setting setting;
-    double rest_volume; // m^3
-} jet_body;
-
 // ---- theory ----
 
 static double pressure_of( const void* context, double gas_volume )
 {
-    const jet_body* body = context;
-    return balloon_equilibrium_at( body->fabric, &body->setting.def, gas_volume / body->rest_volume, false ).pressure;
+    const full_sphere* body = context;
+    return balloon_equilibrium_at( body->fabric, &body->setting.def, gas_volume / body->balance.volume, false )
+        .pressure;
 }
 
-static balloon_theory_flow theory_of( const jet_body* body, double mass, double to_ratio )
+static balloon_theory_flow theory_of( const full_sphere* body, double mass, double to_ratio )
 {
     const wisp_balloon_def* def = &body->setting.def;
     const balloon_theory_jet jet = {
@@ -57,44 +42,19 @@ static balloon_theory_flow theory_of( const jet_body* body, double mass, double 
         .mass = mass,
         .area = (double)def->outlet_area,
     };
-    return balloon_theory_empty( &jet, FILL * body->rest_volume, to_ratio * body->rest_volume );
+    return balloon_theory_empty( &jet, FILL * body->balance.volume, to_ratio * body->balance.volume );
 }
 
 // ---- a run ----
 
-static wisp_status make_body( const jet_way* w, int workers, jet_body* out, wisp_error* error )
+static wisp_status make_body( const full_way* w, int workers, full_sphere* out, wisp_error* error )
 {
     balloon_setting setting = balloon_setting_in_vacuum();
-    setting.def.gas_ratio = (float)FILL;
-    setting.def.solver = w->skin;
-    setting.def.volume = w->volume;
     setting.def.outlet_count = 1;
     setting.def.outlet_area = (float)w->outlet;
     setting.def.outlet_open = true;
     setting.area_density = SKIN_DENSITY;
-    setting.substeps = w->substeps;
-    setting.iterations = 1;
-    setting.workers = workers;
-    setting.seconds = ACCURACY_FRAME;
-    wisp_status status = balloon_mesh_sphere( w->level, BALLOON_RADIUS, &out->mesh, error );
-    status = status == WISP_OK ? balloon_cook( &out->mesh, &setting, &out->fabric, error ) : status;
-    if ( status == WISP_OK )
-    {
-        const balloon_equilibrium full = balloon_equilibrium_of( out->fabric, &setting.def, false );
-        out->rest_volume = full.volume;
-        out->points = balloon_scaled_points( &out->mesh, full.scale );
-        setting.points = out->points;
-        out->setting = setting;
-        status = out->points != NULL ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for a full balloon" );
-    }
-    return status;
-}
-
-static void free_body( jet_body* body )
-{
-    wisp_fabric_release( body->fabric );
-    wisp_mesh_release( &body->mesh );
-    free( body->points );
+    return full_sphere_make( w, setting, workers, out, error );
 }
 
 // What is seen of the gas from step to step.
@@ -134,7 +94,8 @@ static wisp_status fly( surface_implementation* balloon, int steps, bool is_obse
     return status == WISP_OK ? accuracy_end_surface( balloon, out, error ) : status;
 }
 
-static void measure( const jet_body* body, const wisp_motion_stats* seen, const gas_watch* watch, accuracy_run* out )
+static void measure( const full_sphere* body, const wisp_motion_stats* seen, const gas_watch* watch,
+                     accuracy_run* out )
 {
     const double* p = seen->momentum;
     const double speed = sqrt( p[0] * p[0] + p[1] * p[1] + p[2] * p[2] ) / seen->mass;
@@ -148,11 +109,11 @@ static void measure( const jet_body* body, const wisp_motion_stats* seen, const 
 }
 
 // A tenth longer than theory needs to empty it.
-static wisp_status run( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
-                        wisp_error* error )
+static wisp_status run_jet( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
+                            wisp_error* error )
 {
-    const jet_way* w = (const jet_way*)context + setting;
-    jet_body body = { .fabric = NULL };
+    const full_way* w = (const full_way*)validate_own( context ) + setting;
+    full_sphere body;
     surface_implementation balloon = { 0 };
     wisp_motion_stats seen = { 0 };
     gas_watch watch = { .fill = FILL, .half = NAN };
@@ -170,96 +131,57 @@ static wisp_status run( void* context, int setting, int workers, bool is_observe
         measure( &body, &seen, &watch, out );
     }
     surface_implementation_destroy( &balloon );
-    free_body( &body );
+    full_sphere_free( &body );
     return status;
 }
 
 // ---- settings ----
 
-static jet_way usual_way( void )
+static void put_jets( accuracy_scene* out )
 {
-    return ( jet_way ){
-        .substeps = USUAL_SUBSTEPS, .skin = WISP_SOLVER_XPBD, .volume = WISP_SOLVER_XPBD, .outlet = OUTLET_AREA
-    };
-}
-
-static void put_jet( accuracy_scene* out, jet_way w, const char* by, const char* parameter_name, double parameter )
-{
-    char method[64], series[96];
-    snprintf( method, sizeof method, "%s skin, %s gas, virial pressure", w.skin == WISP_SOLVER_XPBD ? "xpbd" : "pbd",
-              w.volume == WISP_SOLVER_XPBD ? "xpbd" : "pbd" );
-    snprintf( series, sizeof series, "%s, by %s", method, by );
-    ( (jet_way*)out->context )[out->setting_count] = w;
-    accuracy_setting* setting =
-        accuracy_put_setting( out, "%s, level %d, %d substeps, %g mm2", method, w.level, w.substeps, 1e6 * w.outlet );
-    accuracy_join_series( setting, by[0] != '\0' ? series : "", parameter_name, parameter, NAN );
-}
-
-static void put_substeps( accuracy_scene* out, jet_way w )
-{
-    static const int substeps[] = { 5, 10, 20, 40, 80 };
-    for ( int i = 0; i < WISP_COUNT( substeps ); ++i )
-    {
-        w.substeps = substeps[i];
-        put_jet( out, w, "substeps", "substep, s", (double)ACCURACY_FRAME / substeps[i] );
-    }
-}
-
-static void put_solvers( accuracy_scene* out )
-{
-    put_substeps( out, usual_way() );
-    jet_way stiff = usual_way();
-    stiff.volume = WISP_SOLVER_PBD;
-    put_substeps( out, stiff );
-    stiff.skin = WISP_SOLVER_PBD;
-    put_substeps( out, stiff );
-}
-
-static void put_settings( accuracy_scene* out )
-{
-    put_solvers( out );
-    for ( int level = 1; level <= 3; ++level )
-    {
-        jet_way w = usual_way();
-        w.level = level;
-        w.substeps = FINE_SUBSTEPS;
-        put_jet( out, w, "mesh", "edge / R", validate_sphere_edge( level ) );
-    }
+    static const int substeps[] = { 5, 10, 20, 40, 80, 0 };
     static const double outlets[] = { 2.0, 0.5, 0.25 };
+    const char* what = "virial pressure";
+    const full_way usual = { .substeps = USUAL_SUBSTEPS,
+                             .fill = FILL,
+                             .outlet = OUTLET_AREA,
+                             .skin = WISP_SOLVER_XPBD,
+                             .volume = WISP_SOLVER_XPBD };
+    full_way w = usual;
+    full_way_put_substeps( out, w, what, substeps );
+    w.volume = WISP_SOLVER_PBD;
+    full_way_put_substeps( out, w, what, substeps );
+    w.skin = WISP_SOLVER_PBD;
+    full_way_put_substeps( out, w, what, substeps );
+    w = usual;
+    w.substeps = FINE_SUBSTEPS;
+    full_way_put_levels( out, w, what, 1, 3 );
+    w = usual;
     for ( int i = 0; i < WISP_COUNT( outlets ); ++i )
     {
-        jet_way w = usual_way();
         w.outlet = outlets[i] * OUTLET_AREA;
-        put_jet( out, w, "outlet", "outlet, m2", w.outlet );
+        full_way_put( out, w, what, "outlet", "outlet, m2", w.outlet );
     }
     // 5 s, 8 m and 48 000 substeps: more than floats can do
-    jet_way far = usual_way();
-    far.outlet = OUTLET_AREA / 16.0;
-    far.substeps = 4 * USUAL_SUBSTEPS;
-    put_jet( out, far, "", "", NAN );
+    w.outlet = OUTLET_AREA / 16.0;
+    w.substeps = 4 * USUAL_SUBSTEPS;
+    full_way_put( out, w, what, "", "", NAN );
 }
 
-wisp_status validate_jet( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
-{
-    (void)options;
-    (void)seconds;
-    *out = ( accuracy_scene ){
-        .reference =
-            "rho / m times the integral of Bernoulli's speed over the gas that leaves, at the balance of the mesh",
-        .note =
-            "level 0 is an icosahedron, whose balance is exact. The engine shuts an outlet at 1e-4 of the "
-            "atmosphere, and its gas has a constant compliance: that takes 0.02 and 0.13 % of the speed. At 10 mm2 "
-            "and 160 substeps the rounding of floats is larger than what the jet adds in a substep.",
-        .error_name = "speed against theory",
-        .error_unit = "%",
-        .measure_names = { "speed m/s", "theory m/s", "time of half the gas, error %", "gas left %" },
-        .measure_count = 4,
-        .run = run,
-    };
-    const wisp_status status = accuracy_begin_scene( out, MAX_SETTINGS * sizeof( jet_way ), MAX_SETTINGS, error );
-    if ( status == WISP_OK )
-    {
-        put_settings( out );
-    }
-    return status;
-}
+const validate_case validate_jet = {
+    .name = "jet",
+    .title = "a balloon empties through an outlet: the speed it gets",
+    .scene = { .reference = "rho / m times the integral of Bernoulli's speed over the gas that leaves, at the "
+                            "balance of the mesh",
+               .note = "level 0 is an icosahedron, whose balance is exact. The engine shuts an outlet at 1e-4 of the "
+                       "atmosphere, and its gas has a constant compliance: that takes 0.02 and 0.13 % of the speed. "
+                       "At 10 mm2 "
+                       "and 160 substeps the rounding of floats is larger than what the jet adds in a substep.",
+               .error_name = "speed against theory",
+               .error_unit = "%",
+               .measure_names = { "speed m/s", "theory m/s", "time of half the gas, error %", "gas left %" },
+               .measure_count = 4,
+               .run = run_jet },
+    .own_size = VALIDATE_MAX_SETTINGS * sizeof( full_way ),
+    .put = put_jets,
+};

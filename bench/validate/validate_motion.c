@@ -35,12 +35,11 @@ static const struct
 } inclines[INCLINES] = { { 20.0, 0.2 }, { 40.0, 0.5 }, { 11.0, 0.2 }, { 26.0, 0.5 } };
 
 // The ground stays level, and the gravity of each sheet is turned instead. Sheets start in contact.
-static wisp_status lay_on_inclines( const validate_setting* setting, bool is_observed, validate_world* world,
-                                    wisp_error* error )
+static wisp_status lay_on_inclines( validate_bodies* b, wisp_error* error )
 {
+    const int cells = b->def.cells;
     wisp_mesh mesh = { .points = NULL };
-    wisp_status status =
-        surface_plane( setting->cells + 1, setting->cells + 1, spacing_of( setting->cells ), &mesh, error );
+    wisp_status status = surface_plane( cells + 1, cells + 1, spacing_of( cells ), &mesh, error );
     for ( int i = 0; i < mesh.vertex_count; ++i )
     {
         mesh.points[i].y = SHEET_MARGIN;
@@ -49,84 +48,62 @@ static wisp_status lay_on_inclines( const validate_setting* setting, bool is_obs
     {
         const double angle = inclines[i].degrees * VALIDATE_PI / 180.0;
         const sheet_def def = {
-            .solver = (sheet_solver)setting->solver,
+            .solver = (sheet_solver)b->method,
             .mesh = &mesh,
-            .row = setting->cells + 1,
+            .row = cells + 1,
             .density = SHEET_DENSITY,
             .gravity = { (float)( SHEET_GRAVITY * sin( angle ) ), (float)( -SHEET_GRAVITY * cos( angle ) ), 0.0f },
             .friction = inclines[i].friction,
         };
-        status = sheet_add( world, &def, is_observed, error );
+        status = sheet_add( &b->world, &def, error );
     }
     wisp_mesh_release( &mesh );
     return status;
 }
 
 // In % of the speed without friction, so that a sheet that sticks has an error too.
-static wisp_status measure_slides( validate_world* world, accuracy_run* out, wisp_error* error )
+static wisp_status measure_slides( validate_world* world, wisp_error* error )
 {
     const double time = SLIDE_STEPS * (double)VALIDATE_STEP;
     double sum = 0.0;
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < INCLINES && status == WISP_OK; ++i )
+    for ( int i = 0; i < INCLINES; ++i )
     {
         const double angle = inclines[i].degrees * VALIDATE_PI / 180.0;
         const double exact = time * sheet_slide( SHEET_GRAVITY, angle, inclines[i].friction );
         wisp_motion_stats motion = { 0 };
-        status = validate_world_motion( world, i, &motion, error );
-        if ( status == WISP_OK )
-        {
-            const double speed = speed_along( &motion, 0 );
-            const double wrong = ( speed - exact ) / ( time * sheet_slide( SHEET_GRAVITY, angle, 0.0 ) );
-            // of those that slide the error in %, of those that stick how far they crept
-            out->measures[i] = exact > 0.0 ? 100.0 * wrong : 1e3 * motion.centre[0];
-            sum += wrong * wrong;
-        }
+        WISP_TRY( validate_world_motion( world, i, &motion, error ) );
+        const double speed = speed_along( &motion, 0 );
+        const double wrong = ( speed - exact ) / ( time * sheet_slide( SHEET_GRAVITY, angle, 0.0 ) );
+        // of those that slide the error in %, of those that stick how far they crept
+        world->run->measures[i] = exact > 0.0 ? 100.0 * wrong : 1e3 * motion.centre[0];
+        sum += wrong * wrong;
     }
-    out->error = 100.0 * sqrt( sum / INCLINES );
-    return status;
+    world->run->error = 100.0 * sqrt( sum / INCLINES );
+    return WISP_OK;
 }
 
-static wisp_status run_incline( void* context, int index, int workers, bool is_observed, accuracy_run* out,
-                                wisp_error* error )
+static wisp_status play_incline( validate_bodies* b, wisp_error* error )
 {
-    const validate_setting* setting = validate_setting_of( context, index );
-    validate_world world;
-    wisp_status status =
-        sheet_world_create( (sheet_solver)setting->solver, setting->substeps, workers, true, &world, error );
-    status = status == WISP_OK ? lay_on_inclines( setting, is_observed, &world, error ) : status;
-    status = status == WISP_OK ? validate_world_step( &world, SLIDE_STEPS, out, error ) : status;
-    status = status == WISP_OK && is_observed ? measure_slides( &world, out, error ) : status;
-    status = status == WISP_OK ? validate_world_finish( &world, out, error ) : status;
-    validate_world_release( &world );
-    return status;
+    WISP_TRY( sheet_world_create( b, true, error ) );
+    WISP_TRY( lay_on_inclines( b, error ) );
+    WISP_TRY( validate_step( b, SLIDE_STEPS, error ) );
+    return b->world.is_observed ? measure_slides( &b->world, error ) : WISP_OK;
 }
 
-wisp_status validate_incline( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
-{
-    (void)options;
-    (void)seconds;
-    static const int solvers[] = { SHEET_STRANDS, SHEET_XPBD, SHEET_IMPLICIT };
-    static const int cells[] = { 2, 4, 8 }, substeps[] = { 1, 2, 5, 20 };
-    const validate_settings like = { .list = { { 0 } } };
-    const accuracy_scene scene = {
-        .reference = "Coulomb's law; root mean square over four inclines, after 0.5 s",
-        .error_name = "error of speed",
-        .error_unit = "% of no friction",
-        .measure_names = { "20 deg, mu 0.2: error, %", "40 deg, mu 0.5: error, %", "11 deg, mu 0.2: creep, mm",
-                           "26 deg, mu 0.5: creep, mm" },
-        .measure_count = INCLINES,
-        .run = run_incline,
-    };
-    const wisp_status status = validate_make( &like, sizeof like, scene, out, error );
-    for ( int s = 0; s < WISP_COUNT( solvers ) && status == WISP_OK; ++s )
-    {
-        const char* name = sheet_solver_names[solvers[s]];
-        validate_put_substeps( out, solvers[s], name, 4, substeps, WISP_COUNT( substeps ) );
-        validate_put_cells( out, solvers[s], name, "cell / width", cells, WISP_COUNT( cells ), 10 );
-    }
-    return status;
-}
+const validate_case validate_incline = {
+    .name = "incline",
+    .title = "sheets and strands on inclined planes with friction",
+    .scene = { .reference = "Coulomb's law; root mean square over four inclines, after 0.5 s",
+               .error_name = "error of speed",
+               .error_unit = "% of no friction",
+               .measure_names = { "20 deg, mu 0.2: error, %", "40 deg, mu 0.5: error, %", "11 deg, mu 0.2: creep, mm",
+                                  "26 deg, mu 0.5: creep, mm" },
+               .measure_count = INCLINES },
+    .grid = { sheet_solver_names, 1 << SHEET_STRANDS | 1 << SHEET_XPBD | 1 << SHEET_IMPLICIT, .cells = { 2, 4, 8 },
+              .cell = "cell / width", .substeps = 10, .middle = 4, .fewer = { 1, 2, 5, 20 },
+              .starts_with_substeps = true },
+    .play = play_incline,
+};
 
 // ---- a rope over a rod ----
 
@@ -187,32 +164,32 @@ static wisp_status hang_ropes( validate_bodies* b, double heavy, wisp_error* err
     rod.static_friction = rod.kinetic_friction = 1.0f;
     rod.pose.rotation = ( wisp_quat ){ sqrtf( 0.5f ), 0.0f, 0.0f, sqrtf( 0.5f ) };
     wisp_entity collider;
-    wisp_status status = wisp_add_collider( b->world.world, &rod, &collider );
-    status = status == WISP_OK ? WISP_OK : bench_world_fail( b->world.world, status, error );
-    for ( int i = 0; i < ROPES && status == WISP_OK; ++i )
+    const wisp_status status = wisp_add_collider( b->world.world, &rod, &collider );
+    WISP_TRY( status == WISP_OK ? WISP_OK : bench_world_fail( b->world.world, status, error ) );
+    for ( int i = 0; i < ROPES; ++i )
     {
-        status = validate_add_strands( b, 1, points, &dynamics, error );
+        WISP_TRY( validate_add_strands( b, 1, points, &dynamics, error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 // Step, and read how far the heavy ends have come down, m.
-static wisp_status slide_ropes( validate_bodies* b, double seconds, double* depths, accuracy_run* out,
-                                wisp_error* error )
+static wisp_status slide_ropes( validate_bodies* b, double seconds, double* depths, wisp_error* error )
 {
-    wisp_status status = validate_step_for( b, seconds, out, error );
-    for ( int i = 0; i < ROPES && status == WISP_OK; ++i )
+    WISP_TRY( validate_step_for( b, seconds, error ) );
+    for ( int i = 0; i < ROPES; ++i )
     {
         wisp_vec3 tip = { 0.0f, 0.0f, 0.0f };
-        status = validate_tip( b, i, &tip, error );
+        WISP_TRY( validate_tip( b, i, &tip, error ) );
         depths[i] = -(double)tip.y;
     }
-    return status;
+    return WISP_OK;
 }
 
 // Creep is that of the fastest one beyond the first rope that stays.
-static void measure_ropes( int split, double depths[2][ROPES], accuracy_run* out )
+static void measure_ropes( validate_bodies* b, double depths[2][ROPES] )
 {
+    accuracy_run* out = b->world.run;
     bool stays[ROPES];
     double creep = NAN;
     for ( int i = 0; i < ROPES; ++i )
@@ -221,61 +198,41 @@ static void measure_ropes( int split, double depths[2][ROPES], accuracy_run* out
         stays[i] = speed < ROPE_SLOW;
         creep = i > 0 && stays[i - 1] ? fmax( creep, speed ) : creep;
     }
-    out->error =
-        validate_measure_ladder( stays, ROPES, critical_friction( split, ROD + ROPE_MARGIN ), out->measures );
-    out->measures[2] = critical_friction( split, 0.0 );
+    validate_judge_ladder( b, stays, ROPES, critical_friction( b->method, ROD + ROPE_MARGIN ) );
+    out->measures[2] = critical_friction( b->method, 0.0 );
     out->measures[3] = creep;
 }
 
-static wisp_status run_capstan( void* context, int index, int workers, bool is_observed, accuracy_run* out,
-                                wisp_error* error )
+static wisp_status play_capstan( validate_bodies* b, wisp_error* error )
 {
     static const wisp_module* const modules[] = { &wisp_strands_module, &wisp_collision_module };
-    const validate_setting* setting = validate_setting_of( context, index );
-    const bench_world_def def = { modules, WISP_COUNT( modules ), workers, setting->substeps, 1 };
-    const double critical = critical_friction( setting->solver, ROD + ROPE_MARGIN );
-    const double seconds[] = { SETTLE_SECONDS, CREEP_SECONDS };
+    const bench_world_def def = { modules, WISP_COUNT( modules ), b->def.workers, b->def.substeps, 1 };
     double depths[2][ROPES];
-    validate_bodies bodies = { .def = { .cells = setting->cells } };
-    wisp_status status = validate_world_create( &def, &bodies.world, error );
-    status = status == WISP_OK ? hang_ropes( &bodies, heavy_sides[setting->solver], error ) : status;
-    status = status == WISP_OK ? set_rope_friction( &bodies, critical, error ) : status;
-    for ( int i = 0; i < WISP_COUNT( seconds ) && status == WISP_OK; ++i )
-    {
-        status = slide_ropes( &bodies, seconds[i], depths[i], out, error );
-    }
-    if ( status == WISP_OK && is_observed )
-    {
-        measure_ropes( setting->solver, depths, out );
-    }
-    return validate_end( status, &bodies, out, error );
+    WISP_TRY( validate_world_create( &def, &b->world, error ) );
+    WISP_TRY( hang_ropes( b, heavy_sides[b->method], error ) );
+    WISP_TRY( set_rope_friction( b, critical_friction( b->method, ROD + ROPE_MARGIN ), error ) );
+    WISP_TRY( slide_ropes( b, SETTLE_SECONDS, depths[0], error ) );
+    WISP_TRY( slide_ropes( b, CREEP_SECONDS, depths[1], error ) );
+    measure_ropes( b, depths );
+    return WISP_OK;
 }
 
-wisp_status validate_capstan( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
-{
-    (void)options;
-    (void)seconds;
-    static const int cells[] = { 34, 67 }, substeps[] = { 4, 40 };
-    const validate_settings like = { .list = { { 0 } } };
-    const accuracy_scene scene = {
-        .reference = "the law of the capstan with the weight of the rope on the rod",
-        .uncertainty = validate_ladder_doubt( ROPES ),
-        .error_name = "distance of the critical friction",
-        .error_unit = "%",
-        .measure_names = { "measured mu", "theory mu", "theory without weight on the rod", "creep above it, mm/s" },
-        .measure_count = 4,
-        .note = "Expected are 10 % with 10 substeps, 20 % with 4, and a creep below 0.1 mm/s, which 4 substeps miss: "
-                "known.",
-        .run = run_capstan,
-    };
-    const wisp_status status = validate_make( &like, sizeof like, scene, out, error );
-    for ( int s = 0; s < WISP_COUNT( split_names ) && status == WISP_OK; ++s )
-    {
-        validate_put_cells( out, s, split_names[s], "cell / L", cells, WISP_COUNT( cells ), 10 );
-        validate_put_substeps( out, s, split_names[s], 67, substeps, WISP_COUNT( substeps ) );
-    }
-    return status;
-}
+const validate_case validate_capstan = {
+    .name = "capstan",
+    .title = "ropes over a rod stick by their own tension, or slide",
+    .scene = { .reference = "the law of the capstan with the weight of the rope on the rod",
+               .error_name = "distance of the critical friction",
+               .error_unit = "%",
+               .measure_names = { "measured mu", "theory mu", "theory without weight on the rod",
+                                  "creep above it, mm/s" },
+               .measure_count = 4,
+               .note = "Expected are 10 % with 10 substeps, 20 % with 4, and a creep below 0.1 mm/s, which 4 "
+                       "substeps miss: known." },
+    .rungs = ROPES,
+    .grid = { split_names, ( 1 << WISP_COUNT( split_names ) ) - 1, .cells = { 34, 67 }, .substeps = 10, .middle = 67,
+              .fewer = { 4, 40 } },
+    .play = play_capstan,
+};
 
 // ---- air ----
 
@@ -307,99 +264,86 @@ static flight flight_of( sheet_solver solver, double volume )
     return rises;
 }
 
-static wisp_status let_go( const validate_setting* setting, bool is_observed, validate_world* world,
-                           wisp_error* error )
+static wisp_status let_go( validate_bodies* b, wisp_error* error )
 {
-    const bool is_ball = setting->solver == SHEET_BALLOON;
+    const int cells = b->def.cells;
+    const bool is_ball = b->method == SHEET_BALLOON;
     wisp_mesh mesh = { .points = NULL };
-    wisp_status status =
-        is_ball ? balloon_mesh_sphere( (int)lrint( log2( setting->cells ) ), BALLOON_RADIUS, &mesh, error )
-                : surface_plane( setting->cells + 1, setting->cells + 1, spacing_of( setting->cells ), &mesh, error );
+    wisp_status status = is_ball ? balloon_mesh_sphere( (int)lrint( log2( cells ) ), BALLOON_RADIUS, &mesh, error )
+                                 : surface_plane( cells + 1, cells + 1, spacing_of( cells ), &mesh, error );
     if ( status == WISP_OK )
     {
         const sheet_def def = {
-            .solver = (sheet_solver)setting->solver,
+            .solver = (sheet_solver)b->method,
             .mesh = &mesh,
-            .row = setting->cells + 1,
+            .row = cells + 1,
             .density = is_ball ? (double)BALLOON_AREA_DENSITY : SHEET_DENSITY,
             .gravity = { 0.0f, (float)-SHEET_GRAVITY, 0.0f },
             .friction = -1.0,
             .drag = is_ball ? BALL_DRAG : PLATE_DRAG,
         };
-        status = sheet_add( world, &def, is_observed, error );
+        status = sheet_add( &b->world, &def, error );
     }
     wisp_mesh_release( &mesh );
     return status;
 }
 
 // Step to a time, in time constants, and compare the speed with theory, in % of the terminal speed.
-static wisp_status fly_to( validate_world* world, sheet_solver solver, double constants, bool is_observed,
-                           double* wrong, accuracy_run* out, wisp_error* error )
+// @param wrong NaN while it is not observed
+static wisp_status fly_to( validate_bodies* b, double constants, double* wrong, wisp_error* error )
 {
+    validate_world* world = &b->world;
+    const sheet_solver solver = (sheet_solver)b->method;
     const flight planned = flight_of( solver, 4.0 / 3.0 * VALIDATE_PI * pow( (double)BALLOON_RADIUS, 3.0 ) );
     const int steps = (int)lrint( constants * planned.terminal / planned.acceleration / (double)VALIDATE_STEP );
-    wisp_status status = validate_world_step( world, steps - world->steps, out, error );
-    if ( status == WISP_OK && is_observed )
+    *wrong = NAN;
+    WISP_TRY( validate_world_step( world, steps - world->steps, error ) );
+    if ( world->is_observed )
     {
         wisp_motion_stats motion = { 0 };
-        status = validate_world_motion( world, 0, &motion, error );
+        WISP_TRY( validate_world_motion( world, 0, &motion, error ) );
         const flight exact = flight_of( solver, motion.volume );
         const double speed = fabs( speed_along( &motion, 1 ) );
         const double time = steps * (double)VALIDATE_STEP;
         *wrong = 100.0 * ( speed - sheet_fall_speed( exact.terminal, exact.acceleration, time ) ) / exact.terminal;
-        out->measures[2] = speed;
-        out->measures[3] = exact.terminal;
+        world->run->measures[2] = speed;
+        world->run->measures[3] = exact.terminal;
     }
-    return status;
+    return WISP_OK;
 }
 
-static wisp_status run_terminal( void* context, int index, int workers, bool is_observed, accuracy_run* out,
-                                 wisp_error* error )
+static wisp_status play_terminal( validate_bodies* b, wisp_error* error )
 {
-    const validate_setting* setting = validate_setting_of( context, index );
-    const sheet_solver solver = (sheet_solver)setting->solver;
-    double early = NAN, late = NAN;
-    validate_world world;
-    wisp_status status = sheet_world_create( solver, setting->substeps, workers, false, &world, error );
-    status = status == WISP_OK ? let_go( setting, is_observed, &world, error ) : status;
-    status = status == WISP_OK ? fly_to( &world, solver, 1.0, is_observed, &early, out, error ) : status;
-    status = status == WISP_OK ? fly_to( &world, solver, 8.0, is_observed, &late, out, error ) : status;
-    status = status == WISP_OK ? validate_world_finish( &world, out, error ) : status;
-    validate_world_release( &world );
-    out->error = fmax( fabs( early ), fabs( late ) );
-    out->measures[0] = early;
-    out->measures[1] = late;
-    return status;
+    double* wrong = b->world.run->measures; // early, late
+    WISP_TRY( sheet_world_create( b, false, error ) );
+    WISP_TRY( let_go( b, error ) );
+    WISP_TRY( fly_to( b, 1.0, wrong, error ) );
+    WISP_TRY( fly_to( b, 8.0, wrong + 1, error ) );
+    b->world.run->error = fmax( fabs( wrong[0] ), fabs( wrong[1] ) );
+    return WISP_OK;
 }
 
-wisp_status validate_terminal( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
+// A plate is flat on any mesh, but a ball is round on a fine one.
+static void put_balls( accuracy_scene* out )
 {
-    (void)options;
-    (void)seconds;
-    static const int solvers[] = { SHEET_STRANDS, SHEET_XPBD, SHEET_BALLOON };
-    static const int cells[] = { 2, 4, 8, 16 }, substeps[] = { 1, 2, 5, 20, 80 };
-    const validate_settings like = { .list = { { 0 } } };
-    const accuracy_scene scene = {
-        .reference = "v = w tanh(a t / w); the larger error of two times, one and eight w / a",
-        .error_name = "error of speed",
-        .error_unit = "% of w",
-        .measure_names = { "after w / a, %", "after 8 w / a, %", "speed then, m/s", "theory w, m/s" },
-        .measure_count = 4,
-        .run = run_terminal,
-    };
-    const wisp_status status = validate_make( &like, sizeof like, scene, out, error );
-    for ( int s = 0; s < WISP_COUNT( solvers ) && status == WISP_OK; ++s )
-    {
-        validate_put_substeps( out, solvers[s], sheet_solver_names[solvers[s]], 8, substeps, WISP_COUNT( substeps ) );
-    }
-    // a plate is flat on any mesh, but a ball is round on a fine one
-    if ( status == WISP_OK )
-    {
-        validate_put_cells( out, SHEET_BALLOON, sheet_solver_names[SHEET_BALLOON], "cell / edge of an icosahedron",
-                            cells, WISP_COUNT( cells ), 40 );
-    }
-    return status;
+    static const int cells[] = { 2, 4, 8, 16, 0 };
+    validate_put_cells( out, SHEET_BALLOON, sheet_solver_names[SHEET_BALLOON], "cell / edge of an icosahedron", cells,
+                        40 );
 }
+
+const validate_case validate_terminal = {
+    .name = "terminal_velocity",
+    .title = "sheets and strands fall, and a balloon rises, through air",
+    .scene = { .reference = "v = w tanh(a t / w); the larger error of two times, one and eight w / a",
+               .error_name = "error of speed",
+               .error_unit = "% of w",
+               .measure_names = { "after w / a, %", "after 8 w / a, %", "speed then, m/s", "theory w, m/s" },
+               .measure_count = 4 },
+    .grid = { sheet_solver_names, 1 << SHEET_STRANDS | 1 << SHEET_XPBD | 1 << SHEET_BALLOON, .middle = 8,
+              .fewer = { 1, 2, 5, 20, 80 } },
+    .put = put_balls,
+    .play = play_terminal,
+};
 
 // ---- the catenary ----
 
@@ -434,19 +378,16 @@ static void compare_catenary( const wisp_vec3* points, int count, int cells, acc
     out->measures[1] = -100.0 * middle[1];
 }
 
-static wisp_status measure_catenary( validate_world* world, int cells, accuracy_run* out, wisp_error* error )
+static wisp_status measure_catenary( validate_bodies* b, wisp_error* error )
 {
     const wisp_vec3* points = NULL;
     wisp_motion_stats motion = { 0 };
-    wisp_status status = validate_world_points( world, 0, &points, error );
-    status = status == WISP_OK ? validate_world_motion( world, 0, &motion, error ) : status;
-    if ( status == WISP_OK )
-    {
-        compare_catenary( points, world->bodies[0].vertex_count, cells, out );
-        out->measures[2] = 100.0 * motion.strain_max;
-        out->measures[3] = 1e3 * motion.speed_max;
-    }
-    return status;
+    WISP_TRY( validate_world_points( &b->world, 0, &points, error ) );
+    WISP_TRY( validate_world_motion( &b->world, 0, &motion, error ) );
+    compare_catenary( points, b->world.bodies[0].vertex_count, b->def.cells, b->world.run );
+    b->world.run->measures[2] = 100.0 * motion.strain_max;
+    b->world.run->measures[3] = 1e3 * motion.speed_max;
+    return WISP_OK;
 }
 
 // Half of the strip over half of the span, a right triangle.
@@ -461,10 +402,9 @@ static void lay_halves( const wisp_mesh* mesh, int cells, wisp_vec3* out )
     }
 }
 
-static wisp_status hang_between( const validate_setting* setting, bool is_observed, validate_world* world,
-                                 wisp_error* error )
+static wisp_status hang_between( validate_bodies* b, wisp_error* error )
 {
-    const int cells = setting->cells;
+    const int cells = b->def.cells;
     const int32_t pins[] = { 0, cells, cells + 1, 2 * cells + 1 };
     wisp_mesh mesh = { .points = NULL };
     wisp_vec3 start[2 * ( MAX_CELLS + 1 )];
@@ -473,7 +413,7 @@ static wisp_status hang_between( const validate_setting* setting, bool is_observ
     {
         lay_halves( &mesh, cells, start );
         const sheet_def def = {
-            .solver = (sheet_solver)setting->solver,
+            .solver = (sheet_solver)b->method,
             .mesh = &mesh,
             .row = cells + 1,
             .start = start,
@@ -484,50 +424,29 @@ static wisp_status hang_between( const validate_setting* setting, bool is_observ
             .gravity = { 0.0f, (float)-SHEET_GRAVITY, 0.0f },
             .friction = -1.0,
         };
-        status = sheet_add( world, &def, is_observed, error );
+        status = sheet_add( &b->world, &def, error );
     }
     wisp_mesh_release( &mesh );
     return status;
 }
 
-static wisp_status run_catenary( void* context, int index, int workers, bool is_observed, accuracy_run* out,
-                                 wisp_error* error )
+static wisp_status play_catenary( validate_bodies* b, wisp_error* error )
 {
-    const validate_setting* setting = validate_setting_of( context, index );
-    validate_world world;
-    wisp_status status =
-        sheet_world_create( (sheet_solver)setting->solver, setting->substeps, workers, false, &world, error );
-    status = status == WISP_OK ? hang_between( setting, is_observed, &world, error ) : status;
-    status = status == WISP_OK ? validate_world_step( &world, CATENARY_STEPS, out, error ) : status;
-    status = status == WISP_OK && is_observed ? measure_catenary( &world, setting->cells, out, error ) : status;
-    status = status == WISP_OK ? validate_world_finish( &world, out, error ) : status;
-    validate_world_release( &world );
-    return status;
+    WISP_TRY( sheet_world_create( b, false, error ) );
+    WISP_TRY( hang_between( b, error ) );
+    WISP_TRY( validate_step( b, CATENARY_STEPS, error ) );
+    return b->world.is_observed ? measure_catenary( b, error ) : WISP_OK;
 }
 
-wisp_status validate_catenary( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
-{
-    (void)options;
-    (void)seconds;
-    static const int solvers[] = { SHEET_STRANDS, SHEET_XPBD, SHEET_IMPLICIT };
-    static const int cells[] = { 8, 16, 32, 64 };
-    const validate_grid grid = {
-        .names = sheet_solver_names,
-        .solvers = solvers,
-        .solver_count = WISP_COUNT( solvers ),
-        .cells = cells,
-        .cell_count = WISP_COUNT( cells ),
-        .substeps = 32,
-        .halvings = 3,
-        .middle = 32,
-    };
-    const accuracy_scene scene = {
-        .reference = "the catenary; root mean square over vertices, after 4 s",
-        .error_name = "distance from the catenary",
-        .error_unit = "% of span",
-        .measure_names = { "sag, % of L", "theory", "largest strain, %", "speed left, mm/s" },
-        .measure_count = 4,
-        .run = run_catenary,
-    };
-    return validate_make_grid( &grid, scene, out, error );
-}
+const validate_case validate_catenary = {
+    .name = "catenary",
+    .title = "strips and strands hang between two supports",
+    .scene = { .reference = "the catenary; root mean square over vertices, after 4 s",
+               .error_name = "distance from the catenary",
+               .error_unit = "% of span",
+               .measure_names = { "sag, % of L", "theory", "largest strain, %", "speed left, mm/s" },
+               .measure_count = 4 },
+    .grid = { sheet_solver_names, 1 << SHEET_STRANDS | 1 << SHEET_XPBD | 1 << SHEET_IMPLICIT,
+              .cells = { 8, 16, 32, 64 }, .substeps = 32, .middle = 32, .fewer = { 16, 8, 4 } },
+    .play = play_catenary,
+};

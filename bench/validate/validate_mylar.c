@@ -4,6 +4,7 @@
 #include "accuracy/scene_tools.h"
 #include "surfaces.h"
 #include "validate/validate_balloons.h"
+#include "validate/validate_bodies.h"
 
 #include "oracle/balloon_meshes.h"
 #include "wisp/module/random.h"
@@ -134,7 +135,6 @@ wisp_status validate_foil_make( const validate_foil* foil, wisp_mesh* out, wisp_
 
 enum
 {
-    FOIL_SETTINGS = 48,
     FOIL_STEPS = 180, // 3 s
     FOIL_SUBSTEPS = 40,
     FOIL_RINGS = 12,
@@ -310,7 +310,7 @@ static void shake( wisp_mesh* mesh )
 static wisp_status run_mylar( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                               wisp_error* error )
 {
-    const foil_way* w = (const foil_way*)context + setting;
+    const foil_way* w = (const foil_way*)validate_own( context ) + setting;
     const validate_foil flat = foil_with( w, REST_HEIGHT ), lens = foil_with( w, START_HEIGHT );
     wisp_mesh rest = { 0 }, start = { 0 };
     wisp_status status = validate_foil_make( &flat, &rest, error );
@@ -337,7 +337,7 @@ static void put_foil( accuracy_scene* out, foil_way w, const char* by, const cha
 {
     char series[96];
     snprintf( series, sizeof series, "%s, %s, by %s", skin_names[w.skin], foil_names[w.mesh], by );
-    ( (foil_way*)out->context )[out->setting_count] = w;
+    ( (foil_way*)validate_own( out->context ) )[out->setting_count] = w;
     accuracy_setting* setting =
         accuracy_put_setting( out, "%s, %s, %d rings, %d substeps, p a / k = %g, %g Pa", skin_names[w.skin],
                               foil_names[w.mesh], w.rings, w.substeps, w.softness, w.pressure );
@@ -390,27 +390,21 @@ static void put_foils( accuracy_scene* out )
     put_checks( out );
 }
 
-wisp_status validate_mylar( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
-{
-    (void)options;
-    (void)seconds;
-    *out = ( accuracy_scene ){
-        .reference = "the Mylar balloon: radius 0.7627 a, thickness 0.9139 a, volume 1.2185 a^3; after 3 s",
-        .note =
-            "the error is the root mean square of those of radius, thickness and volume. The gas has ten times the "
-            "volume of the balloon, so its pressure hardly changes. Springs that resist compression lock before the "
-            "foil is full, and where depends on the start.",
-        .error_name = "error of the three sizes",
-        .error_unit = "%",
-        .measure_names = { "radius error %", "thickness error %", "volume error %", "radius / a", "thickness / a",
-                           "volume / a^3" },
-        .measure_count = 6,
-        .run = run_mylar,
-    };
-    const wisp_status status = accuracy_begin_scene( out, FOIL_SETTINGS * sizeof( foil_way ), FOIL_SETTINGS, error );
-    if ( status == WISP_OK )
-    {
-        put_foils( out );
-    }
-    return status;
-}
+const validate_case validate_mylar = {
+    .name = "mylar",
+    .title = "two discs of foil, joined at the rim and filled",
+    .scene = { .reference = "the Mylar balloon: radius 0.7627 a, thickness 0.9139 a, volume 1.2185 a^3; after 3 s",
+               .note = "the error is the root mean square of those of radius, thickness and volume. The gas has ten "
+                       "times the "
+                       "volume of the balloon, so its pressure hardly changes. Springs that resist compression lock "
+                       "before the "
+                       "foil is full, and where depends on the start.",
+               .error_name = "error of the three sizes",
+               .error_unit = "%",
+               .measure_names = { "radius error %", "thickness error %", "volume error %", "radius / a",
+                                  "thickness / a", "volume / a^3" },
+               .measure_count = 6,
+               .run = run_mylar },
+    .own_size = VALIDATE_MAX_SETTINGS * sizeof( foil_way ),
+    .put = put_foils,
+};

@@ -14,7 +14,7 @@ enum
 
 static const double LOWEST = 0.6, HIGHEST = 1.8; // loads of the first and the last sheet, in parts of theory
 // The turn of growth into decay is interpolated between two sheets. Growth is nearly linear in 1 / load, as the sheets are overdamped.
-static const double UNCERTAINTY = 0.5; // %
+#define UNCERTAINTY 0.5 // %
 
 // Bending of the solvers has Poisson's ratio 0. In its plane a sheet of links has 1/3 on the mesh with diagonals in turn; what
 // another one changes is below 0.2 % (see the test of the theory).
@@ -22,7 +22,6 @@ static const double POISSON_BENDING = 0.0, POISSON_PLANE = 1.0 / 3.0;
 
 typedef struct plates
 {
-    validate_settings settings; // whose solver is a number of solver and mesh
     bool is_sideways;
     int width_count;
     double widths[MAX_WIDTHS], theory[MAX_WIDTHS];
@@ -36,27 +35,26 @@ typedef struct ladder
     double loads[PLATE_RUNGS], half[PLATE_RUNGS], end[PLATE_RUNGS];
 } ladder;
 
-static wisp_status read_aside( validate_bodies* bodies, double* out, wisp_error* error )
+static wisp_status read_aside( validate_bodies* b, double* out, wisp_error* error )
 {
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < PLATE_RUNGS && status == WISP_OK; ++i )
+    for ( int i = 0; i < PLATE_RUNGS; ++i )
     {
-        status = validate_aside( bodies, i, out + i, error );
+        WISP_TRY( validate_aside( b, i, out + i, error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 // The weight comes at once and shakes the sheets in their plane, so strong damping comes first.
-static wisp_status swing_plates( validate_bodies* bodies, double slow, accuracy_run* out, ladder* l,
-                                 wisp_error* error )
+static wisp_status swing_plates( validate_bodies* b, double slow, ladder* l, wisp_error* error )
 {
-    wisp_status status = validate_damp( bodies, 20.0 * slow, error );
-    status = status == WISP_OK ? validate_step_for( bodies, 1.0 / slow, out, error ) : status;
-    status = status == WISP_OK ? validate_damp( bodies, 2.0 * slow, error ) : status;
-    status = status == WISP_OK ? validate_step_for( bodies, 3.0 / slow, out, error ) : status;
-    status = status == WISP_OK ? read_aside( bodies, l->half, error ) : status;
-    status = status == WISP_OK ? validate_step_for( bodies, 3.0 / slow, out, error ) : status;
-    return status == WISP_OK ? read_aside( bodies, l->end, error ) : status;
+    WISP_TRY( validate_create( b, error ) );
+    WISP_TRY( validate_damp( b, 20.0 * slow, error ) );
+    WISP_TRY( validate_step_for( b, 1.0 / slow, error ) );
+    WISP_TRY( validate_damp( b, 2.0 * slow, error ) );
+    WISP_TRY( validate_step_for( b, 3.0 / slow, error ) );
+    WISP_TRY( read_aside( b, l->half, error ) );
+    WISP_TRY( validate_step_for( b, 3.0 / slow, error ) );
+    return read_aside( b, l->end, error );
 }
 
 // The load between the first sheet that goes on and the one before. @param start how far aside the free ends started, m
@@ -119,11 +117,10 @@ static wisp_status measure_plates( const plates* own, const validate_setting* w,
         .gravity = own->is_sideways ? ( wisp_vec3 ){ 0.0f, 0.0f, -g } : ( wisp_vec3 ){ -g, 0.0f, 0.0f },
         .lateral = 0.005, // far more than rounding in the plane can shake, and small enough for the linear theory
     };
-    validate_bodies bodies;
-    wisp_status status = validate_create( &def, &bodies, error );
-    status = status == WISP_OK ? swing_plates( &bodies, slow, out, &l, error ) : status;
+    validate_bodies bodies = { .def = def, .world = { .run = out } };
+    wisp_status status = swing_plates( &bodies, slow, &l, error );
     status = status == WISP_OK ? read_sag( &bodies, &seen->sag, error ) : status;
-    status = validate_end( status, &bodies, out, error );
+    status = validate_end( status, &bodies, error );
     seen->load = status == WISP_OK ? find_load( &l, validate_start( &def ) ) / theory : (double)NAN;
     return status;
 }
@@ -131,13 +128,14 @@ static wisp_status measure_plates( const plates* own, const validate_setting* w,
 static wisp_status run_plates( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                                wisp_error* error )
 {
-    const plates* own = context;
+    const plates* own = validate_own( context );
+    const validate_setting* w = ( (const validate_settings*)context )->list + setting;
     double sum = 0.0, sag = 0.0;
     wisp_status status = WISP_OK;
     for ( int i = 0; i < own->width_count && status == WISP_OK; ++i )
     {
         found seen = { .load = NAN };
-        status = measure_plates( own, validate_setting_of( own, setting ), i, workers, out, &seen, error );
+        status = measure_plates( own, w, i, workers, out, &seen, error );
         out->measures[i] = is_observed ? seen.load * own->theory[i] : (double)NAN;
         // outside the ladder the error is at least that of its first load
         sum += pow( isnan( seen.load ) ? 1.0 - LOWEST : seen.load - 1.0, 2.0 );
@@ -154,34 +152,30 @@ static const char* const mesh_names[VALIDATE_MESH_COUNT] = { "", ", one way", ",
 
 // Corners of the clamp make the order in cells a low one, so none is expected.
 static void put_plate_cells( accuracy_scene* out, validate_solver solver, validate_mesh mesh, const int* cells,
-                             int count, int substeps )
+                             int substeps )
 {
     char name[48];
     snprintf( name, sizeof name, "%s%s", validate_solver_names[solver], mesh_names[mesh] );
-    validate_put_cells( out, (int)solver + VALIDATE_SOLVER_COUNT * (int)mesh, name, "cell / L", cells, count,
-                        substeps );
+    validate_put_cells( out, (int)solver + VALIDATE_SOLVER_COUNT * (int)mesh, name, "cell / L", cells, substeps );
 }
 
 // For each solver series in substeps, in cells, and in cells of the other meshes.
-static void put_plates( accuracy_scene* out, bool is_quick )
+static void put_plates( accuracy_scene* out )
 {
-    static const validate_solver solvers[] = { VALIDATE_DIHEDRAL, VALIDATE_ISOMETRIC, VALIDATE_IMPLICIT };
-    static const int cells[] = { 5, 10, 20 };
+    static const int cells[] = { 5, 10, 20, 0 }, fewer[] = { 5, 10, 0 };
     // Links of XPBD cloth need many substeps before a narrow sheet stops sagging; implicit cloth does not depend on them.
-    static const int of_xpbd[] = { 128, 16, 8, 4 }, of_implicit[] = { 4, 2, 1 };
-    for ( int s = 0; s < WISP_COUNT( solvers ); ++s )
+    static const int of_xpbd[] = { 128, 16, 8, 4, 0 }, of_implicit[] = { 4, 2, 1, 0 };
+    for ( validate_solver solver = VALIDATE_DIHEDRAL; solver <= VALIDATE_IMPLICIT; ++solver )
     {
-        const validate_solver solver = solvers[s];
         const bool is_implicit = solver == VALIDATE_IMPLICIT;
         const int substeps = is_implicit ? 8 : 32;
         validate_put_substeps( out, (int)solver, validate_solver_names[solver], cells[1],
-                               is_implicit ? of_implicit : of_xpbd,
-                               is_implicit ? WISP_COUNT( of_implicit ) : WISP_COUNT( of_xpbd ) );
-        put_plate_cells( out, solver, VALIDATE_MESH_IN_TURN, cells, WISP_COUNT( cells ), substeps );
-        put_plate_cells( out, solver, VALIDATE_MESH_IRREGULAR, cells, 2, substeps );
-        if ( !is_quick )
+                               is_implicit ? of_implicit : of_xpbd );
+        put_plate_cells( out, solver, VALIDATE_MESH_IN_TURN, cells, substeps );
+        put_plate_cells( out, solver, VALIDATE_MESH_IRREGULAR, fewer, substeps );
+        if ( !( (const validate_settings*)out->context )->is_quick )
         {
-            put_plate_cells( out, solver, VALIDATE_MESH_ONE_WAY, cells, 2, substeps );
+            put_plate_cells( out, solver, VALIDATE_MESH_ONE_WAY, fewer, substeps );
         }
     }
 }
@@ -194,65 +188,64 @@ static const char* const NOTE = "A step is of seven sheets of one width, and its
                                 "quick run leaves out the widest plate and the "
                                 "mesh with all diagonals one way.";
 
-// @param scene with the names of its measures, a width each
-static wisp_status make_plates( bool is_sideways, const double* widths, accuracy_scene scene,
-                                const bench_options* options, accuracy_scene* out, wisp_error* error )
+// The case has a name of a measure for each width.
+static wisp_status weigh_plates( accuracy_scene* out, bool is_sideways, const double* widths, wisp_error* error )
 {
-    plates like = { .is_sideways = is_sideways, .width_count = scene.measure_count - ( options->quick ? 1 : 0 ) };
-    int at = snprintf( scene.reference, sizeof scene.reference, "plate of Kirchhoff, by Ritz; G =" );
-    for ( int i = 0; i < like.width_count; ++i )
+    plates* own = validate_own( out->context );
+    const bool is_quick = ( (const validate_settings*)out->context )->is_quick;
+    *own = ( plates ){ .is_sideways = is_sideways, .width_count = out->measure_count - ( is_quick ? 1 : 0 ) };
+    int at = snprintf( out->reference, sizeof out->reference, "plate of Kirchhoff, by Ritz; G =" );
+    for ( int i = 0; i < own->width_count; ++i )
     {
-        const double load =
+        own->widths[i] = widths[i];
+        own->theory[i] =
             plate_theory_load( widths[i], POISSON_BENDING, plate_theory_isotropic( POISSON_PLANE ), is_sideways );
-        if ( isnan( load ) )
-        {
-            return wisp_fail( error, WISP_NO_MEMORY, "no memory for a theory" );
-        }
-        like.widths[i] = widths[i];
-        like.theory[i] = load;
-        at += snprintf( scene.reference + at, sizeof scene.reference - (size_t)at, " %.2f (W = %g L)", load,
+        WISP_TRY( isnan( own->theory[i] ) ? wisp_fail( error, WISP_NO_MEMORY, "no memory for a theory" ) : WISP_OK );
+        at += snprintf( out->reference + at, sizeof out->reference - (size_t)at, " %.2f (W = %g L)", own->theory[i],
                         widths[i] );
     }
-    scene.measure_names[like.width_count] = "sag in the plane, % of L";
-    scene.measure_count = like.width_count + 1;
-    const wisp_status status = validate_make( &like, sizeof like, scene, out, error );
-    if ( status == WISP_OK )
-    {
-        put_plates( out, options->quick );
-    }
-    return status;
+    out->measure_names[own->width_count] = "sag in the plane, % of L";
+    out->measure_count = own->width_count + 1;
+    out->note = NOTE;
+    return WISP_OK;
 }
 
-wisp_status validate_lateral_buckling( const bench_options* options, double seconds, accuracy_scene* out,
-                                       wisp_error* error )
+static wisp_status weigh_level_plates( accuracy_scene* out, wisp_error* error )
 {
-    (void)seconds;
     static const double widths[] = { 0.05, 0.25, 0.5, 1.0 };
-    const accuracy_scene scene = {
-        .error_name = "distance of critical loads, root mean square",
-        .error_unit = "%",
-        .measure_names = { "G, W = 0.05 L", "G, W = 0.25 L", "G, W = 0.5 L", "G, W = L" },
-        .measure_count = WISP_COUNT( widths ),
-        .uncertainty = UNCERTAINTY,
-        .note = NOTE,
-        .run = run_plates,
-    };
-    return make_plates( true, widths, scene, options, out, error );
+    return weigh_plates( out, true, widths, error );
 }
 
-wisp_status validate_plate_column( const bench_options* options, double seconds, accuracy_scene* out,
-                                   wisp_error* error )
+static wisp_status weigh_upright_plates( accuracy_scene* out, wisp_error* error )
 {
-    (void)seconds;
     static const double widths[] = { 0.25, 1.0, 2.0 };
-    const accuracy_scene scene = {
-        .error_name = "distance of critical loads, root mean square",
-        .error_unit = "%",
-        .measure_names = { "G, W = 0.25 L", "G, W = L", "G, W = 2 L" },
-        .measure_count = WISP_COUNT( widths ),
-        .uncertainty = UNCERTAINTY,
-        .note = NOTE,
-        .run = run_plates,
-    };
-    return make_plates( false, widths, scene, options, out, error );
+    return weigh_plates( out, false, widths, error );
 }
+
+const validate_case validate_lateral_buckling = {
+    .name = "lateral_buckling",
+    .title = "level plates on edge turn aside under their own weight",
+    .scene = { .error_name = "distance of critical loads, root mean square",
+               .error_unit = "%",
+               .measure_names = { "G, W = 0.05 L", "G, W = 0.25 L", "G, W = 0.5 L", "G, W = L" },
+               .measure_count = 4,
+               .uncertainty = UNCERTAINTY,
+               .run = run_plates },
+    .own_size = sizeof( plates ),
+    .prepare = weigh_level_plates,
+    .put = put_plates,
+};
+
+const validate_case validate_plate_column = {
+    .name = "plate_column",
+    .title = "upright plates give way under their own weight",
+    .scene = { .error_name = "distance of critical loads, root mean square",
+               .error_unit = "%",
+               .measure_names = { "G, W = 0.25 L", "G, W = L", "G, W = 2 L" },
+               .measure_count = 3,
+               .uncertainty = UNCERTAINTY,
+               .run = run_plates },
+    .own_size = sizeof( plates ),
+    .prepare = weigh_upright_plates,
+    .put = put_plates,
+};

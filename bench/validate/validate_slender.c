@@ -94,7 +94,6 @@ static const double TIP_CURVE[CURVE_LOADS] = { 0.5, 1.0, 3.0, 10.0 }, TIP = 10.0
 
 typedef struct slender
 {
-    validate_settings settings;
     double loads[CURVE_LOADS], tip, seconds; // of a curve
     double critical;                         // of a ladder
     bool is_blade;
@@ -110,192 +109,166 @@ static double frequency_with_tip( double load, double tip )
 // ---- the cantilever ----
 
 // Distances of the tips from theory, in lengths.
-static wisp_status measure_curve( validate_bodies* bodies, accuracy_run* out, wisp_error* error )
+static wisp_status measure_curve( validate_bodies* b, wisp_error* error )
 {
     double sum = 0.0;
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < CURVE_LOADS && status == WISP_OK; ++i )
+    for ( int i = 0; i < CURVE_LOADS; ++i )
     {
         wisp_vec3 tip = { 0.0f, 0.0f, 0.0f };
         double exact[2][2];
-        status = validate_tip( bodies, i, &tip, error );
-        elastica_lay_loaded( bodies->def.loads[i], bodies->def.loads[i] * bodies->def.tip, 2, exact );
+        WISP_TRY( validate_tip( b, i, &tip, error ) );
+        elastica_lay_loaded( b->def.loads[i], b->def.loads[i] * b->def.tip, 2, exact );
         const double x = (double)tip.x / VALIDATE_LENGTH - exact[1][0],
                      y = (double)tip.y / VALIDATE_LENGTH - exact[1][1];
-        out->measures[i] = 100.0 * hypot( x, y );
+        b->world.run->measures[i] = 100.0 * hypot( x, y );
         sum += x * x + y * y;
     }
-    out->error = 100.0 * sqrt( sum / CURVE_LOADS );
-    return status;
+    b->world.run->error = 100.0 * sqrt( sum / CURVE_LOADS );
+    return WISP_OK;
 }
 
-static wisp_status run_curve( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
-                              wisp_error* error )
+static wisp_status play_curve( validate_bodies* b, wisp_error* error )
 {
-    const slender* own = context;
-    const validate_setting* w = validate_setting_of( context, setting );
+    const slender* own = b->own;
+    b->def.solver = (validate_solver)b->method;
+    b->def.count = CURVE_LOADS;
+    b->def.loads = own->loads;
+    b->def.tip = own->tip;
+    b->def.gravity.y = (float)-VALIDATE_GRAVITY;
     // about critical for the second softest; the time is many times its period
-    const validate_def def = {
-        .solver = (validate_solver)w->solver,
-        .cells = w->cells,
-        .substeps = w->substeps,
-        .workers = workers,
-        .count = CURVE_LOADS,
-        .loads = own->loads,
-        .tip = own->tip,
-        .gravity = { 0.0f, (float)-VALIDATE_GRAVITY, 0.0f },
-        .damping = 2.0 * frequency_with_tip( own->loads[2], own->tip ),
-    };
-    validate_bodies bodies;
-    wisp_status status = validate_create( &def, &bodies, error );
-    status = status == WISP_OK ? validate_step_for( &bodies, own->seconds, out, error ) : status;
-    status = status == WISP_OK && is_observed ? measure_curve( &bodies, out, error ) : status;
-    return validate_end( status, &bodies, out, error );
+    b->def.damping = 2.0 * frequency_with_tip( own->loads[2], own->tip );
+    WISP_TRY( validate_create( b, error ) );
+    WISP_TRY( validate_step_for( b, own->seconds, error ) );
+    return b->world.is_observed ? measure_curve( b, error ) : WISP_OK;
 }
 
 // ---- ladders of loads ----
 
 // The free ends are a little aside. Below the critical load they swing back, above it they go on.
-static wisp_status measure_ladder( validate_bodies* bodies, double critical, accuracy_run* out, wisp_error* error )
+static wisp_status measure_ladder( validate_bodies* b, double critical, wisp_error* error )
 {
-    bool has_lost[VALIDATE_LADDER] = { false };
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < VALIDATE_LADDER && status == WISP_OK; ++i )
+    bool has_lost[VALIDATE_LADDER];
+    for ( int i = 0; i < VALIDATE_LADDER; ++i )
     {
         wisp_vec3 tip = { 0.0f, 0.0f, 0.0f };
-        status = validate_tip( bodies, i, &tip, error );
-        has_lost[i] = fabs( (double)tip.y ) > validate_start( &bodies->def );
+        WISP_TRY( validate_tip( b, i, &tip, error ) );
+        has_lost[i] = fabs( (double)tip.y ) > validate_start( &b->def );
     }
-    if ( status == WISP_OK )
-    {
-        out->error = validate_measure_ladder( has_lost, VALIDATE_LADDER, critical, out->measures );
-    }
-    return status;
+    validate_judge_ladder( b, has_lost, VALIDATE_LADDER, critical );
+    return WISP_OK;
 }
 
-static wisp_status run_ladder( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
-                               wisp_error* error )
+static wisp_status play_ladder( validate_bodies* b, wisp_error* error )
 {
-    const slender* own = context;
-    const validate_setting* w = validate_setting_of( context, setting );
-    const double g = VALIDATE_GRAVITY;
+    const slender* own = b->own;
     double loads[VALIDATE_LADDER];
     for ( int i = 0; i < VALIDATE_LADDER; ++i )
     {
         loads[i] = own->critical * validate_rung( i, VALIDATE_LADDER );
     }
     const double slow = validate_frequency( own->critical );
-    validate_def def = {
-        .solver = (validate_solver)w->solver,
-        .cells = w->cells,
-        .substeps = w->substeps,
-        .workers = workers,
-        .count = VALIDATE_LADDER,
-        .loads = loads,
-        .gravity = own->is_blade ? ( wisp_vec3 ){ 0.0f, 0.0f, (float)-g } : ( wisp_vec3 ){ (float)-g, 0.0f, 0.0f },
-        .damping = 0.5 * slow,
-        .lateral = 0.005,
-        .is_blade = own->is_blade,
-    };
-    validate_bodies bodies;
-    wisp_status status = validate_create( &def, &bodies, error );
-    status = status == WISP_OK ? validate_step_for( &bodies, 40.0 / slow, out, error ) : status;
-    status = status == WISP_OK && is_observed ? measure_ladder( &bodies, own->critical, out, error ) : status;
-    return validate_end( status, &bodies, out, error );
+    b->def.solver = (validate_solver)b->method;
+    b->def.count = VALIDATE_LADDER;
+    b->def.loads = loads;
+    *( own->is_blade ? &b->def.gravity.z : &b->def.gravity.x ) = (float)-VALIDATE_GRAVITY;
+    b->def.damping = 0.5 * slow;
+    b->def.lateral = 0.005;
+    b->def.is_blade = own->is_blade;
+    WISP_TRY( validate_create( b, error ) );
+    WISP_TRY( validate_step_for( b, 40.0 / slow, error ) );
+    return measure_ladder( b, own->critical, error );
 }
 
 // ---- settings ----
 
-// Bending of a mesh converges at second order.
-static wisp_status make_slender( const slender* like, accuracy_scene scene, accuracy_scene* out, wisp_error* error )
+static void put_cantilever( accuracy_scene* out )
 {
-    static const int solvers[] = { VALIDATE_ROD, VALIDATE_DIHEDRAL, VALIDATE_ISOMETRIC, VALIDATE_IMPLICIT };
-    static const int cells[] = { 4, 8, 16, 32 };
-    const validate_grid grid = {
-        .names = validate_solver_names,
-        .solvers = solvers,
-        .solver_count = like->is_blade ? 1 : WISP_COUNT( solvers ),
-        .cells = cells,
-        .cell_count = WISP_COUNT( cells ),
-        .substeps = 32,
-        .halvings = 3,
-        .middle = 16,
-    };
-    const wisp_status status = validate_make( like, sizeof *like, scene, out, error );
-    if ( status == WISP_OK )
-    {
-        validate_put_grid( out, &grid );
-    }
-    return status;
+    slender* own = validate_own( out->context );
+    *own = ( slender ){ .seconds = 4.0 };
+    memcpy( own->loads, CURVE, sizeof CURVE );
 }
 
-wisp_status validate_cantilever( const bench_options* options, double seconds, accuracy_scene* out,
-                                 wisp_error* error )
+static void put_tip_load( accuracy_scene* out )
 {
-    (void)options;
-    (void)seconds;
-    slender like = { .seconds = 4.0, .critical = NAN };
-    memcpy( like.loads, CURVE, sizeof CURVE );
-    const accuracy_scene scene = {
-        .reference = "the heavy elastica; root mean square over four loads, after 4 s",
-        .error_name = "distance of the tip from theory",
-        .error_unit = "% of L",
-        .measure_names = { "G = 1, %", "G = 10, %", "G = 100, %", "G = 1000, %" },
-        .measure_count = CURVE_LOADS,
-        .run = run_curve,
-    };
-    return make_slender( &like, scene, out, error );
-}
-
-wisp_status validate_tip_load( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
-{
-    (void)options;
-    (void)seconds;
-    slender like = { .tip = TIP, .seconds = 2.0, .critical = NAN };
+    slender* own = validate_own( out->context );
+    *own = ( slender ){ .tip = TIP, .seconds = 2.0 };
     for ( int i = 0; i < CURVE_LOADS; ++i )
     {
-        like.loads[i] = TIP_CURVE[i] / TIP;
+        own->loads[i] = TIP_CURVE[i] / TIP;
     }
-    const accuracy_scene scene = {
-        .reference =
-            "the elastica with a weight at its end, and its own; root mean square over four loads, after 2 s",
-        .error_name = "distance of the tip from theory",
-        .error_unit = "% of L",
-        .measure_names = { "P = 0.5, %", "P = 1, %", "P = 3, %", "P = 10, %" },
-        .measure_count = CURVE_LOADS,
-        .run = run_curve,
-    };
-    return make_slender( &like, scene, out, error );
 }
 
-static wisp_status make_ladder( double critical, bool is_blade, const char* reference, accuracy_scene* out,
-                                wisp_error* error )
+static void put_column( accuracy_scene* out )
 {
-    const slender like = { .critical = critical, .is_blade = is_blade };
-    accuracy_scene scene = {
-        .error_name = "distance of the critical load",
-        .error_unit = "%",
-        .measure_names = { "measured G", "theory G" },
-        .measure_count = 2,
-        .uncertainty = validate_ladder_doubt( VALIDATE_LADDER ),
-        .run = run_ladder,
-    };
-    snprintf( scene.reference, sizeof scene.reference, "%s", reference );
-    return make_slender( &like, scene, out, error );
+    *(slender*)validate_own( out->context ) = ( slender ){ .critical = slender_column_load() };
 }
 
-wisp_status validate_column( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
+static void put_blade( accuracy_scene* out )
 {
-    (void)options;
-    (void)seconds;
-    return make_ladder( slender_column_load(), false, "G = 7.837: the linear column of Greenhill (1881)", out,
-                        error );
+    *(slender*)validate_own( out->context ) = ( slender ){ .critical = slender_blade_load(), .is_blade = true };
 }
 
-wisp_status validate_blade( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
-{
-    (void)options;
-    (void)seconds;
-    return make_ladder( slender_blade_load(), true,
-                        "G = 12.85, for GJ = EI: the linear blade of Michell and Prandtl (1899)", out, error );
-}
+// Bending of a mesh converges at second order.
+#define SLENDER_GRID( which )                                                                                        \
+    {                                                                                                                \
+        validate_solver_names, which, .cells = { 4, 8, 16, 32 }, .substeps = 32, .middle = 16, .fewer = { 16, 8, 4 } \
+    }
+
+const validate_case validate_cantilever = {
+    .name = "cantilever",
+    .title = "clamped rods and strips bend under their own weight",
+    .scene = { .reference = "the heavy elastica; root mean square over four loads, after 4 s",
+               .error_name = "distance of the tip from theory",
+               .error_unit = "% of L",
+               .measure_names = { "G = 1, %", "G = 10, %", "G = 100, %", "G = 1000, %" },
+               .measure_count = CURVE_LOADS },
+    .grid = SLENDER_GRID( VALIDATE_ALL_SOLVERS ),
+    .own_size = sizeof( slender ),
+    .put = put_cantilever,
+    .play = play_curve,
+};
+
+const validate_case validate_tip_load = {
+    .name = "tip_load",
+    .title = "clamped rods and strips bend under a weight at the free end",
+    .scene = { .reference =
+                   "the elastica with a weight at its end, and its own; root mean square over four loads, after 2 s",
+               .error_name = "distance of the tip from theory",
+               .error_unit = "% of L",
+               .measure_names = { "P = 0.5, %", "P = 1, %", "P = 3, %", "P = 10, %" },
+               .measure_count = CURVE_LOADS },
+    .grid = SLENDER_GRID( VALIDATE_ALL_SOLVERS ),
+    .own_size = sizeof( slender ),
+    .put = put_tip_load,
+    .play = play_curve,
+};
+
+const validate_case validate_column = {
+    .name = "column",
+    .title = "upright rods and strips give way under their own weight",
+    .scene = { .reference = "G = 7.837: the linear column of Greenhill (1881)",
+               .error_name = "distance of the critical load",
+               .error_unit = "%",
+               .measure_names = { "measured G", "theory G" },
+               .measure_count = 2 },
+    .rungs = VALIDATE_LADDER,
+    .grid = SLENDER_GRID( VALIDATE_ALL_SOLVERS ),
+    .own_size = sizeof( slender ),
+    .put = put_column,
+    .play = play_ladder,
+};
+
+const validate_case validate_blade = {
+    .name = "blade",
+    .title = "level blades on edge turn aside under their own weight",
+    .scene = { .reference = "G = 12.85, for GJ = EI: the linear blade of Michell and Prandtl (1899)",
+               .error_name = "distance of the critical load",
+               .error_unit = "%",
+               .measure_names = { "measured G", "theory G" },
+               .measure_count = 2 },
+    .rungs = VALIDATE_LADDER,
+    .grid = SLENDER_GRID( 1 << VALIDATE_ROD ),
+    .own_size = sizeof( slender ),
+    .put = put_blade,
+    .play = play_ladder,
+};

@@ -33,17 +33,7 @@ static wisp_strand_dynamics_def validate_rod_dynamics( int method )
     return def;
 }
 
-// @param count of bodies
-static validate_def validate_rod_def( const validate_setting* way, int count, int workers )
-{
-    return ( validate_def ){
-        .solver = VALIDATE_ROD,
-        .cells = way->cells,
-        .substeps = way->substeps,
-        .workers = workers,
-        .count = count,
-    };
-}
+static const char* const rod_names[VALIDATE_ROD_METHODS] = { "rod", "rod bdf2" };
 
 // Add a body of straight rods along x, all of them in one place. @param count at most VALIDATE_LADDER
 static wisp_status validate_add_straight( validate_bodies* b, int count, const wisp_strand_dynamics_def* dynamics,
@@ -77,26 +67,6 @@ static wisp_status validate_hold_tips( validate_bodies* b, int body, int count, 
         status = wisp_hold_strand_tip( b->world.world, b->world.bodies[body].entity, i, hold );
     }
     return status == WISP_OK ? WISP_OK : bench_world_fail( b->world.world, status, error );
-}
-
-// Make a case. @param cells [3 or more], the third of which has a series by substeps
-// @param method_count 1: without BDF2
-static wisp_status validate_make_rods( accuracy_scene scene, const int* cells, int cell_count, int method_count,
-                                       int substeps, accuracy_scene* out, wisp_error* error )
-{
-    static const char* const names[VALIDATE_ROD_METHODS] = { "rod", "rod bdf2" };
-    static const int methods[VALIDATE_ROD_METHODS] = { VALIDATE_ROD_EULER, VALIDATE_ROD_BDF2 };
-    const validate_grid grid = {
-        .names = names,
-        .solvers = methods,
-        .solver_count = method_count,
-        .cells = cells,
-        .cell_count = cell_count,
-        .middle = cells[2],
-        .substeps = substeps,
-        .halvings = 3,
-    };
-    return validate_make_grid( &grid, scene, out, error );
 }
 
 // ---- twist that turns into bending ----
@@ -151,48 +121,39 @@ static wisp_status add_rings( validate_bodies* b, wisp_error* error )
     wisp_strand_dynamics_def dynamics = validate_rod_dynamics( 0 );
     dynamics.closed = true;
     dynamics.damping = 1.0f;
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < VALIDATE_LADDER && status == WISP_OK; ++i )
+    for ( int i = 0; i < VALIDATE_LADDER; ++i )
     {
         dynamics.closing_twist = (float)( validate_rung( i, VALIDATE_LADDER ) * rod_ring_twist( 1.0 ) );
-        status = validate_add_strands( b, 1, points, &dynamics, error );
+        WISP_TRY( validate_add_strands( b, 1, points, &dynamics, error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 // A ring that is lost folds over to an eight and passes through itself, after which it may be flat again: what
 // counts is whether it ever was three times as thick as at first.
 static wisp_status watch_rings( validate_bodies* b, bool* has_lost, wisp_error* error )
 {
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < VALIDATE_LADDER && status == WISP_OK; ++i )
+    for ( int i = 0; i < VALIDATE_LADDER && b->world.is_observed; ++i )
     {
         const wisp_vec3* points = NULL;
-        status = validate_world_points( &b->world, i, &points, error );
-        has_lost[i] =
-            has_lost[i] || ( status == WISP_OK && !( thickness_of( points, b->def.cells ) < 6.0 * RING_RIPPLE ) );
+        WISP_TRY( validate_world_points( &b->world, i, &points, error ) );
+        has_lost[i] = has_lost[i] || !( thickness_of( points, b->def.cells ) < 6.0 * RING_RIPPLE );
     }
-    return status;
+    return WISP_OK;
 }
 
-static wisp_status run_ring( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
-                             wisp_error* error )
+static wisp_status play_ring( validate_bodies* b, wisp_error* error )
 {
-    const validate_def def = validate_rod_def( validate_setting_of( context, setting ), VALIDATE_LADDER, workers );
     bool has_lost[VALIDATE_LADDER] = { false };
-    validate_bodies bodies;
-    wisp_status status = validate_open( &def, &bodies, error );
-    status = status == WISP_OK ? add_rings( &bodies, error ) : status;
-    for ( int i = 0; i < validate_steps( RING_SECONDS ) && status == WISP_OK; ++i )
+    WISP_TRY( validate_open( b, error ) );
+    WISP_TRY( add_rings( b, error ) );
+    for ( int i = 0; i < validate_steps( RING_SECONDS ); ++i )
     {
-        status = validate_step( &bodies, 1, out, error );
-        status = status == WISP_OK && is_observed ? watch_rings( &bodies, has_lost, error ) : status;
+        WISP_TRY( validate_step( b, 1, error ) );
+        WISP_TRY( watch_rings( b, has_lost, error ) );
     }
-    if ( status == WISP_OK && is_observed )
-    {
-        out->error = validate_measure_ladder( has_lost, VALIDATE_LADDER, rod_ring_twist( 1.0 ), out->measures );
-    }
-    return validate_end( status, &bodies, out, error );
+    validate_judge_ladder( b, has_lost, VALIDATE_LADDER, rod_ring_twist( 1.0 ) );
+    return WISP_OK;
 }
 
 // ---- under tension ----
@@ -217,7 +178,7 @@ static wisp_vec3 pull_of( double tension, double aside )
     return ( wisp_vec3 ){ (float)( tension / TIP_MASS ), (float)( aside / TIP_MASS ), 0.0f };
 }
 
-static wisp_status add_tensioned( validate_bodies* b, int method, int body, wisp_error* error )
+static wisp_status add_tensioned( validate_bodies* b, int body, wisp_error* error )
 {
     float masses[VALIDATE_LADDER * ( VALIDATE_MAX_CELLS + 1 )];
     const int vertices = b->def.cells + 1;
@@ -225,7 +186,7 @@ static wisp_status add_tensioned( validate_bodies* b, int method, int body, wisp
     {
         masses[i] = (float)( i % vertices + 1 < vertices ? ROD_MASS / b->def.cells : TIP_MASS );
     }
-    wisp_strand_dynamics_def dynamics = validate_rod_dynamics( method );
+    wisp_strand_dynamics_def dynamics = validate_rod_dynamics( b->method );
     dynamics.vertex_masses = masses;
     dynamics.damping = 0.5f;
     dynamics.gravity = pull_of( TENSION[body], SIDE_WEIGHT );
@@ -234,26 +195,25 @@ static wisp_status add_tensioned( validate_bodies* b, int method, int body, wisp
 }
 
 // Turn the tips in equal parts, with a small weight aside, and then take that away.
-static wisp_status twist( validate_bodies* b, accuracy_run* out, wisp_error* error )
+static wisp_status twist( validate_bodies* b, wisp_error* error )
 {
     const int steps = validate_steps( TWIST_SECONDS );
-    wisp_status status = WISP_OK;
-    for ( int k = 1; k <= steps && status == WISP_OK; ++k )
+    for ( int k = 1; k <= steps; ++k )
     {
-        for ( int i = 0; i < TENSIONS * VALIDATE_LADDER && status == WISP_OK; ++i )
+        for ( int i = 0; i < TENSIONS * VALIDATE_LADDER; ++i )
         {
             const int body = i / VALIDATE_LADDER, strand = i % VALIDATE_LADDER;
             const double angle = validate_rung( strand, VALIDATE_LADDER ) * critical_moment( TENSION[body] );
-            status = validate_turn_tip( b, body, strand, angle * k / steps, 0.0, error );
+            WISP_TRY( validate_turn_tip( b, body, strand, angle * k / steps, 0.0, error ) );
         }
-        status = status == WISP_OK ? validate_step( b, 1, out, error ) : status;
+        WISP_TRY( validate_step( b, 1, error ) );
     }
+    wisp_status status = WISP_OK;
     for ( int i = 0; i < TENSIONS && status == WISP_OK; ++i )
     {
         status = wisp_set_strand_gravity( b->world.world, b->world.bodies[i].entity, pull_of( TENSION[i], 0.0 ) );
-        status = status == WISP_OK ? WISP_OK : bench_world_fail( b->world.world, status, error );
     }
-    return status;
+    return status == WISP_OK ? WISP_OK : bench_world_fail( b->world.world, status, error );
 }
 
 // A rod that whips may lose its twist and be straight again: what counts is whether it ever was as far aside, which
@@ -261,91 +221,72 @@ static wisp_status twist( validate_bodies* b, accuracy_run* out, wisp_error* err
 static wisp_status watch_tensioned( validate_bodies* b, bool has_lost[TENSIONS][VALIDATE_LADDER], wisp_error* error )
 {
     const int vertices = b->def.cells + 1;
-    wisp_status status = WISP_OK;
-    for ( int body = 0; body < TENSIONS && status == WISP_OK; ++body )
+    for ( int body = 0; body < TENSIONS && b->world.is_observed; ++body )
     {
         const wisp_vec3* points = NULL;
-        status = validate_world_points( &b->world, body, &points, error );
-        for ( int i = 0; i < VALIDATE_LADDER * vertices && status == WISP_OK; ++i )
+        WISP_TRY( validate_world_points( &b->world, body, &points, error ) );
+        for ( int i = 0; i < VALIDATE_LADDER * vertices; ++i )
         {
             has_lost[body][i / vertices] |= !( hypot( (double)points[i].y, (double)points[i].z ) < SIDE_LIMIT );
         }
     }
-    return status;
+    return WISP_OK;
 }
 
-static void measure_tensioned( const bool has_lost[TENSIONS][VALIDATE_LADDER], accuracy_run* out )
+static wisp_status play_twisted( validate_bodies* b, wisp_error* error )
 {
-    out->error = 0.0;
+    bool has_lost[TENSIONS][VALIDATE_LADDER] = { { false } };
+    double errors[TENSIONS];
+    WISP_TRY( validate_open( b, error ) );
     for ( int i = 0; i < TENSIONS; ++i )
     {
-        const double error = validate_measure_ladder( has_lost[i], VALIDATE_LADDER, critical_moment( TENSION[i] ),
-                                                      out->measures + 2 * i );
-        out->error = fmax( out->error, error );
+        WISP_TRY( add_tensioned( b, i, error ) );
     }
-}
-
-static wisp_status run_twisted( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
-                                wisp_error* error )
-{
-    const validate_setting* way = validate_setting_of( context, setting );
-    const validate_def def = validate_rod_def( way, TENSIONS, workers );
-    bool has_lost[TENSIONS][VALIDATE_LADDER] = { { false } };
-    validate_bodies bodies;
-    wisp_status status = validate_open( &def, &bodies, error );
-    for ( int i = 0; i < TENSIONS && status == WISP_OK; ++i )
+    WISP_TRY( twist( b, error ) );
+    for ( int i = 0; i < validate_steps( DECIDE_SECONDS ); ++i )
     {
-        status = add_tensioned( &bodies, way->solver, i, error );
+        WISP_TRY( validate_step( b, 1, error ) );
+        WISP_TRY( watch_tensioned( b, has_lost, error ) );
     }
-    status = status == WISP_OK ? twist( &bodies, out, error ) : status;
-    for ( int i = 0; i < validate_steps( DECIDE_SECONDS ) && status == WISP_OK; ++i )
+    for ( int i = 0; i < TENSIONS && b->world.is_observed; ++i )
     {
-        status = validate_step( &bodies, 1, out, error );
-        status = status == WISP_OK && is_observed ? watch_tensioned( &bodies, has_lost, error ) : status;
+        errors[i] = validate_measure_ladder( has_lost[i], VALIDATE_LADDER, critical_moment( TENSION[i] ),
+                                             b->world.run->measures + 2 * i );
+        b->world.run->error = fmax( errors[0], errors[i] );
     }
-    if ( status == WISP_OK && is_observed )
-    {
-        measure_tensioned( (const bool( * )[VALIDATE_LADDER])has_lost, out );
-    }
-    return validate_end( status, &bodies, out, error );
+    return WISP_OK;
 }
 
 // ---- cases ----
 
-wisp_status validate_ring( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
-{
-    (void)options;
-    (void)seconds;
-    static const int cells[] = { 12, 24, 48 };
-    const accuracy_scene scene = {
-        .reference = "10.88 = 2 pi sqrt(3) EI / GJ (Michell 1889), for GJ = EI",
-        .error_name = "distance of the critical twist",
-        .error_unit = "%",
-        .measure_names = { "measured twist, rad", "theory, rad" },
-        .measure_count = 2,
-        .uncertainty = validate_ladder_doubt( VALIDATE_LADDER ),
-        .run = run_ring,
-    };
-    return validate_make_rods( scene, cells, WISP_COUNT( cells ), 1, 32, out, error );
-}
+const validate_case validate_ring = {
+    .name = "ring",
+    .title = "twisted rings leave their plane",
+    .scene = { .reference = "10.88 = 2 pi sqrt(3) EI / GJ (Michell 1889), for GJ = EI",
+               .error_name = "distance of the critical twist",
+               .error_unit = "%",
+               .measure_names = { "measured twist, rad", "theory, rad" },
+               .measure_count = 2 },
+    .rungs = VALIDATE_LADDER,
+    .grid = { rod_names, 1 << VALIDATE_ROD_EULER, .cells = { 12, 24, 48 }, .substeps = 32, .middle = 48,
+              .fewer = { 16, 8, 4 } },
+    .play = play_ring,
+};
 
-wisp_status validate_twisted( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
-{
-    (void)options;
-    (void)seconds;
-    static const int cells[] = { 8, 16, 32 };
-    const accuracy_scene scene = {
-        .reference = "M^2 / 4 EI = F + pi^2 EI / L^2 (Greenhill 1883); the larger of two distances",
-        .error_name = "distance of the critical moment",
-        .error_unit = "%",
-        .measure_names = { "F = 0: measured M L / EI", "F = 0: theory", "F L^2 / EI = 20: measured M L / EI",
-                           "F L^2 / EI = 20: theory" },
-        .measure_count = 4,
-        .uncertainty = validate_ladder_doubt( VALIDATE_LADDER ),
-        .run = run_twisted,
-    };
-    return validate_make_rods( scene, cells, WISP_COUNT( cells ), 2, 64, out, error );
-}
+const validate_case validate_twisted = {
+    .name = "twisted",
+    .title = "rods under tension give way to twist",
+    .scene = { .reference = "M^2 / 4 EI = F + pi^2 EI / L^2 (Greenhill 1883); the larger of two distances",
+               .error_name = "distance of the critical moment",
+               .error_unit = "%",
+               .measure_names = { "F = 0: measured M L / EI", "F = 0: theory", "F L^2 / EI = 20: measured M L / EI",
+                                  "F L^2 / EI = 20: theory" },
+               .measure_count = 4 },
+    .rungs = VALIDATE_LADDER,
+    .grid = { rod_names, 1 << VALIDATE_ROD_EULER | 1 << VALIDATE_ROD_BDF2, .cells = { 8, 16, 32 }, .substeps = 64,
+              .middle = 32, .fewer = { 32, 16, 8 } },
+    .play = play_twisted,
+};
 
 // ---- writhe ----
 
@@ -370,9 +311,9 @@ static rod_writhe writhe_of( int i )
 
 // ---- both ----
 
-static wisp_status add_writhing( validate_bodies* b, int method, int count, wisp_error* error )
+static wisp_status add_writhing( validate_bodies* b, int count, wisp_error* error )
 {
-    wisp_strand_dynamics_def dynamics = validate_rod_dynamics( method );
+    wisp_strand_dynamics_def dynamics = validate_rod_dynamics( b->method );
     dynamics.bend_rigidity = dynamics.twist_rigidity = (float)RIGIDITY;
     dynamics.damping = 2.5f;
     dynamics.gravity = ( wisp_vec3 ){ 0.0f, 0.0015f, 0.0f }; // against tensions of 6 N and more: 3e-5 of the length
@@ -383,12 +324,11 @@ static wisp_status add_writhing( validate_bodies* b, int method, int count, wisp
 // Bring the tips nearer and turn them at once, in the fraction of a whole.
 static wisp_status bring( validate_bodies* b, const double* rotations, int count, double fraction, wisp_error* error )
 {
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < count && status == WISP_OK; ++i )
+    for ( int i = 0; i < count; ++i )
     {
-        status = validate_turn_tip( b, 0, i, rotations[i] * fraction, SHORTENING * fraction, error );
+        WISP_TRY( validate_turn_tip( b, 0, i, rotations[i] * fraction, SHORTENING * fraction, error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 // The largest angle between a segment and the line of the ends.
@@ -417,35 +357,32 @@ static wisp_status watch( validate_bodies* b, int count, bool* has_looped, wisp_
     return status;
 }
 
-// Bring the rods of a case to their rotations, and wait.
+// Add rods, bring them to their rotations, and wait.
 // @param has_looped [count] rods that ever did; null: not wanted
-static wisp_status wind( validate_bodies* b, const double* rotations, int count, bool* has_looped, accuracy_run* out,
-                         wisp_error* error )
+static wisp_status wind( validate_bodies* b, const double* rotations, int count, bool* has_looped, wisp_error* error )
 {
     const int bring_steps = validate_steps( BRING_SECONDS ), steps = bring_steps + validate_steps( REST_SECONDS );
-    wisp_status status = WISP_OK;
-    for ( int k = 1; k <= steps && status == WISP_OK; ++k )
+    WISP_TRY( validate_open( b, error ) );
+    WISP_TRY( add_writhing( b, count, error ) );
+    for ( int k = 1; k <= steps; ++k )
     {
-        status = k <= bring_steps ? bring( b, rotations, count, (double)k / bring_steps, error ) : WISP_OK;
-        status = status == WISP_OK ? validate_step( b, 1, out, error ) : status;
-        status = status == WISP_OK && has_looped != NULL ? watch( b, count, has_looped, error ) : status;
+        WISP_TRY( k <= bring_steps ? bring( b, rotations, count, (double)k / bring_steps, error ) : WISP_OK );
+        WISP_TRY( validate_step( b, 1, error ) );
+        WISP_TRY( has_looped != NULL ? watch( b, count, has_looped, error ) : WISP_OK );
     }
-    return status;
+    return WISP_OK;
 }
 
 // ---- a shape ----
 
-static wisp_status measure_writhes( validate_bodies* b, accuracy_run* out, wisp_error* error )
+static wisp_status measure_writhes( validate_bodies* b, wisp_error* error )
 {
     const int vertices = b->def.cells + 1;
     float tensions[WRITHES * ( VALIDATE_MAX_CELLS + 1 )];
     const wisp_vec3* points = NULL;
-    wisp_status status = validate_world_points( &b->world, 0, &points, error );
-    if ( status == WISP_OK )
-    {
-        status = wisp_read_strand_tension( b->world.world, b->world.bodies[0].entity, tensions );
-        status = status == WISP_OK ? WISP_OK : bench_world_fail( b->world.world, status, error );
-    }
+    accuracy_run* out = b->world.run;
+    WISP_TRY( validate_world_points( &b->world, 0, &points, error ) );
+    const wisp_status status = wisp_read_strand_tension( b->world.world, b->world.bodies[0].entity, tensions );
     double sum = 0.0;
     for ( int i = 0; i < WRITHES && status == WISP_OK; ++i )
     {
@@ -459,34 +396,24 @@ static wisp_status measure_writhes( validate_bodies* b, accuracy_run* out, wisp_
         sum += angle * angle;
     }
     out->error = 100.0 * sqrt( sum / WRITHES );
-    return status;
+    return status == WISP_OK ? WISP_OK : bench_world_fail( b->world.world, status, error );
 }
 
-static wisp_status run_writhe( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
-                               wisp_error* error )
+static wisp_status play_writhe( validate_bodies* b, wisp_error* error )
 {
-    const validate_setting* way = validate_setting_of( context, setting );
-    const validate_def def = validate_rod_def( way, 1, workers );
     double rotations[WRITHES];
     for ( int i = 0; i < WRITHES; ++i )
     {
         rotations[i] = writhe_of( i ).rotation;
     }
-    validate_bodies bodies;
-    wisp_status status = validate_open( &def, &bodies, error );
-    status = status == WISP_OK ? add_writhing( &bodies, way->solver, WRITHES, error ) : status;
-    status = status == WISP_OK ? wind( &bodies, rotations, WRITHES, NULL, out, error ) : status;
-    status = status == WISP_OK && is_observed ? measure_writhes( &bodies, out, error ) : status;
-    return validate_end( status, &bodies, out, error );
+    WISP_TRY( wind( b, rotations, WRITHES, NULL, error ) );
+    return b->world.is_observed ? measure_writhes( b, error ) : WISP_OK;
 }
 
 // ---- a loop ----
 
-static wisp_status run_loop( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
-                             wisp_error* error )
+static wisp_status play_loop( validate_bodies* b, wisp_error* error )
 {
-    const validate_setting* way = validate_setting_of( context, setting );
-    const validate_def def = validate_rod_def( way, 1, workers );
     const double limit = rod_writhe_limit( SHORTENING, 1.0 ).rotation;
     bool has_looped[VALIDATE_LADDER] = { false };
     double rotations[VALIDATE_LADDER];
@@ -494,51 +421,37 @@ static wisp_status run_loop( void* context, int setting, int workers, bool is_ob
     {
         rotations[i] = validate_rung( i, VALIDATE_LADDER ) * limit;
     }
-    validate_bodies bodies;
-    wisp_status status = validate_open( &def, &bodies, error );
-    status = status == WISP_OK ? add_writhing( &bodies, way->solver, VALIDATE_LADDER, error ) : status;
-    status = status == WISP_OK
-                 ? wind( &bodies, rotations, VALIDATE_LADDER, is_observed ? has_looped : NULL, out, error )
-                 : status;
-    if ( status == WISP_OK && is_observed )
-    {
-        out->error = validate_measure_ladder( has_looped, VALIDATE_LADDER, limit, out->measures );
-    }
-    return validate_end( status, &bodies, out, error );
+    WISP_TRY( wind( b, rotations, VALIDATE_LADDER, b->world.is_observed ? has_looped : NULL, error ) );
+    validate_judge_ladder( b, has_looped, VALIDATE_LADDER, limit );
+    return WISP_OK;
 }
 
 // ---- cases ----
 
-wisp_status validate_writhe( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
-{
-    (void)options;
-    (void)seconds;
-    static const int cells[] = { 32, 64, 96, 128 };
-    const accuracy_scene scene = {
-        .reference = "localised buckling of a long rod (Coyne 1990); root mean square over three twists",
-        .error_name = "distance of the largest angle",
-        .error_unit = "%",
-        .measure_names = { "60 deg: angle, %", "60 deg: tension, %", "66 deg: angle, %", "66 deg: tension, %",
-                           "72 deg: angle, %", "72 deg: tension, %" },
-        .measure_count = 2 * WRITHES,
-        .run = run_writhe,
-    };
-    return validate_make_rods( scene, cells, WISP_COUNT( cells ), 2, 16, out, error );
-}
+const validate_case validate_writhe = {
+    .name = "writhe",
+    .title = "rods that gave way to twist, in one place",
+    .scene = { .reference = "localised buckling of a long rod (Coyne 1990); root mean square over three twists",
+               .error_name = "distance of the largest angle",
+               .error_unit = "%",
+               .measure_names = { "60 deg: angle, %", "60 deg: tension, %", "66 deg: angle, %", "66 deg: tension, %",
+                                  "72 deg: angle, %", "72 deg: tension, %" },
+               .measure_count = 2 * WRITHES },
+    .grid = { rod_names, 1 << VALIDATE_ROD_EULER | 1 << VALIDATE_ROD_BDF2, .cells = { 32, 64, 96, 128 },
+              .substeps = 16, .middle = 96, .fewer = { 8, 4, 2 } },
+    .play = play_writhe,
+};
 
-wisp_status validate_loop( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
-{
-    (void)options;
-    (void)seconds;
-    static const int cells[] = { 48, 64, 96, 128 };
-    const accuracy_scene scene = {
-        .reference = "largest rotation that has a balance without contact (van der Heijden and Thompson 2000)",
-        .error_name = "distance of the critical rotation",
-        .error_unit = "%",
-        .measure_names = { "measured rotation, rad", "theory, rad" },
-        .measure_count = 2,
-        .uncertainty = validate_ladder_doubt( VALIDATE_LADDER ),
-        .run = run_loop,
-    };
-    return validate_make_rods( scene, cells, WISP_COUNT( cells ), 1, 16, out, error );
-}
+const validate_case validate_loop = {
+    .name = "loop",
+    .title = "rods that are twisted on form a loop",
+    .scene = { .reference = "largest rotation that has a balance without contact (van der Heijden and Thompson 2000)",
+               .error_name = "distance of the critical rotation",
+               .error_unit = "%",
+               .measure_names = { "measured rotation, rad", "theory, rad" },
+               .measure_count = 2 },
+    .rungs = VALIDATE_LADDER,
+    .grid = { rod_names, 1 << VALIDATE_ROD_EULER, .cells = { 48, 64, 96, 128 }, .substeps = 16, .middle = 96,
+              .fewer = { 8, 4, 2 } },
+    .play = play_loop,
+};

@@ -21,13 +21,6 @@ static inline void open_suite( const char* name, wisp_suite* suite, accuracy_sce
     assert_ok( suite_study_make( suite, &options, out, &error ), error );
 }
 
-static inline void open_scene( accuracy_scene_fn* make, accuracy_scene* out )
-{
-    const bench_options options = { .workers = 2 };
-    wisp_error error = { 0 };
-    assert_ok( make( &options, 20.0, out, &error ), error );
-}
-
 static inline void close_scene( accuracy_scene* scene )
 {
     scene->destroy( scene->context );

@@ -182,8 +182,10 @@ static void fake_destroy( void* context )
     ++fake.destroyed;
 }
 
-static wisp_status fake_make( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
+static wisp_status fake_make( const void* subject, const bench_options* options, double seconds, accuracy_scene* out,
+                              wisp_error* error )
 {
+    (void)subject;
     (void)options;
     (void)error;
     assert_true( seconds > 0.0 );
@@ -207,7 +209,7 @@ static wisp_status fake_make( const bench_options* options, double seconds, accu
     return WISP_OK;
 }
 
-static const accuracy_entry fake_entry = { "fake", "a scene that pretends", fake_make, NULL };
+static const accuracy_entry fake_entry = { "fake", "a scene that pretends", fake_make, NULL, NULL };
 
 static int forget_fake( void** state )
 {
@@ -464,10 +466,10 @@ TEST( rows_that_a_suite_names_as_quick_are_those_of_a_quick_run )
 }
 
 // Setting 1 is the fine end of the second series.
-static wisp_status make_two_series( const bench_options* options, double seconds, accuracy_scene* out,
-                                    wisp_error* error )
+static wisp_status make_two_series( const void* subject, const bench_options* options, double seconds,
+                                    accuracy_scene* out, wisp_error* error )
 {
-    const wisp_status status = fake_make( options, seconds, out, error );
+    const wisp_status status = fake_make( subject, options, seconds, out, error );
     for ( int i = 0; i < 4 && status == WISP_OK; ++i )
     {
         accuracy_setting* s = &out->settings[i];
@@ -478,7 +480,7 @@ static wisp_status make_two_series( const bench_options* options, double seconds
 
 TEST_WITH( a_quick_run_runs_the_settings_that_it_names_and_says_how_many_there_are, forget_fake, NULL )
 {
-    const accuracy_entry entry = { "fake", "a scene of two series", make_two_series, NULL };
+    const accuracy_entry entry = { "fake", "a scene of two series", make_two_series, NULL, NULL };
     bench_options options = bench_default_options();
     options.quick = true;
     results all = { 0 };
@@ -523,7 +525,7 @@ TEST( a_real_scene_comes_nearer_with_shorter_steps )
     close_scene( &scene );
     const int all_rows = suite.row_count;
     suite.row_count = 6; // those of Euler's, and one of BDF2
-    const accuracy_entry entry = { "cloth_taut", "a few of its settings", NULL, &suite };
+    const accuracy_entry entry = { "cloth_taut", "a few of its settings", NULL, &suite, NULL };
     assert_int_equal( accuracy_bench_run( &entry, 1, 1e-9, &options, &all, &error ), WISP_OK );
     assert_false( all.failed );
     double errors[6];

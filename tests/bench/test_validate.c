@@ -839,7 +839,7 @@ TEST( each_case_says_what_it_tests_and_where_its_answer_is_from )
 {
     static const char* const keys[] = { "tests", "leaves out", "theory", "source" };
     int count;
-    const validate_case* cases = validate_cases( &count );
+    const validate_case* const* cases = validate_cases( &count );
     wisp_error error = { 0 };
     text_node* said;
     assert_ok( validate_read( &said, &error ), error );
@@ -848,7 +848,7 @@ TEST( each_case_says_what_it_tests_and_where_its_answer_is_from )
     {
         for ( int k = 0; k < WISP_COUNT( keys ); ++k )
         {
-            assert_true( text_at( text_find( said, cases[i].name ), keys[k] )[0] != '\0' );
+            assert_true( text_at( text_find( said, cases[i]->name ), keys[k] )[0] != '\0' );
         }
     }
     text_release( said );
