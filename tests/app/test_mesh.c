@@ -5,10 +5,8 @@
 
 #include "mesh_fixture.h"
 
+#include "files.h"
 #include "mesh.h"
-
-#include <locale.h>
-#include <unistd.h>
 
 static wisp_mesh read_obj_text( const char* text )
 {
@@ -28,16 +26,7 @@ static wisp_mesh read_ply_bytes( const void* bytes, size_t size )
 
 TEST( a_locale_with_a_decimal_comma_changes_nothing )
 {
-    static const char* const names[] = { "de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "de_DE" };
-    bool found = false;
-    for ( int i = 0; i < WISP_COUNT( names ) && !found; ++i )
-    {
-        found = setlocale( LC_ALL, names[i] ) != NULL;
-    }
-    if ( !found )
-    {
-        SKIP( "no locale with a decimal comma is installed" );
-    }
+    enter_comma_locale();
     const char* ply =
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
         "element face 1\nproperty list uchar int vertex_index\nend_header\n0.5 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
