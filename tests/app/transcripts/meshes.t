@@ -250,6 +250,26 @@ head.hair: groom in 3 dimensions
   thickness            min 0.25, mean 0.4, max 0.5 m
   colour               none
   no defects
+
+# A file that starts with HAIR is hair, whatever it is called. Strands without a list of segments have those of the header, which a list overrules, and what is not there
+# is not described. A z of -0 is one of 0: two dimensions.
+$ python3 <<'END'
+> from files import *
+> open( "d.bin", "wb" ).write( struct.pack( "<4s4I108x18f", b"HAIR", 2, 6, 2, 2, *[c for v in range( 6 ) for c in ( v, v + 1, -0.0 )] ) )
+> open( "l.bin", "wb" ).write( struct.pack( "<4s4I108x2H9f", b"HAIR", 2, 3, 3, 77, 1, 0, *range( 9 ) ) )
+> bodies, said = run( "strands:\n  - { name: d, file: d.bin }\n  - { name: l, file: l.bin }\n" )
+> assert bodies["d"].numbers == ( 0, 3, 6 ) and bodies["l"].numbers == ( 0, 2, 3 ) and bodies["l"].frames[0] == [( 0, 1, 2 ), ( 3, 4, 5 ), ( 6, 7, 8 )]
+> END
+$ wisp info d.bin
+d.bin: groom in 2 dimensions
+  strands              2
+  vertices             6
+  vertices a strand    min 3, mean 3, max 3
+  bounds               x 0 .. 5, y 1 .. 6, z -0 .. -0 m
+  length               min 2.82843, mean 2.82843, max 2.82843 m
+  colour               none
+  no defects
+
 $ python3 <<'END'
 > from files import *
 > def says( *blocks, **arrays ):
