@@ -3,6 +3,7 @@
 #define _XOPEN_SOURCE 700
 
 #include "groom_fixture.h"
+#include "locale_fixture.h"
 
 #include <signal.h>
 #include <sys/resource.h>

@@ -3,6 +3,7 @@
 // tests/app/transcripts/meshes.t, files of boundary points in record.t.
 #define _XOPEN_SOURCE 700
 
+#include "locale_fixture.h"
 #include "mesh_fixture.h"
 
 #include "files.h"

@@ -1,4 +1,5 @@
 // Recordings in our own format: reading, a truncation or a flipped bit, and rejected input. Vertex tracks.
+#include "locale_fixture.h"
 #include "record_fixture.h"
 
 #include <signal.h>

@@ -2,6 +2,7 @@
 // docs/scenes.md, describes every key completely, and what is gone has an answer.
 #define _XOPEN_SOURCE 700
 
+#include "locale_fixture.h"
 #include "scene_fixture.h"
 
 #include "files.h"
