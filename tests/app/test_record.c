@@ -1,7 +1,7 @@
 // Recordings in our own format: reading, a truncation or a flipped bit, and rejected input. Vertex tracks.
+#include "locale_fixture.h"
 #include "record_fixture.h"
 
-#include <locale.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -292,74 +292,76 @@ TEST_IN_FOLDER( a_frame_of_another_recording_is_refused )
 
 // ---- rejected input ----
 
-static void assert_refused_body( void** state, wisp_record_body body, const char* words )
-{
-    wisp_record_body bodies[] = { fixture_bodies[0], body };
-    wisp_recorder_def def = { .bodies = bodies, .body_count = 2, .dt = 0.1 };
-    wisp_recorder* recorder = NULL;
-    wisp_error error = { .status = WISP_OK };
-    char* path = path_in( state, "precious.wisp" );
-    assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error ), WISP_BAD_INPUT );
-    assert_null( recorder );
-    assert_one_message( &error, WISP_BAD_INPUT, words );
-}
-
 TEST_IN_FOLDER( a_malformed_body_is_refused_by_name_and_leaves_the_old_file )
 {
-    static const int32_t beyond[] = { 0, 1, 2, 0, 1, 4 }, late[] = { 1, 5 }, falling[] = { 0, 4, 3, 5 };
-    static const int32_t early[] = { 0, 4 };
-    wisp_record_body mesh = { .name = "m", .triangles = beyond, .vertex_count = 4, .triangle_count = 2 };
-    wisp_record_body strands = { .name = "s", .offsets = late, .vertex_count = 5, .strand_count = 1 };
-    write_bytes( path_in( state, "precious.wisp" ), "precious", 8 );
-    assert_refused_body( state, mesh, "precious.wisp: body m: triangle 1: got vertex 4, expected 0 .. 3" );
-    mesh.triangles = NULL;
-    assert_refused_body( state, mesh, "body m: the list of its 2 triangles is missing" );
-    mesh.triangle_count = -1;
-    assert_refused_body( state, mesh, "body m: got -1 triangles" );
-    mesh.vertex_count = 0;
-    assert_refused_body( state, mesh, "body m: got 0 vertices" );
-    mesh.name = "cloth";
-    assert_refused_body( state, mesh, "bodies 0 and 1 are both called cloth" );
-    mesh.name = "../m";
-    assert_refused_body( state, mesh, "body 1: expected a name" );
-    mesh.name = "";
-    assert_refused_body( state, mesh, "body 1: expected a name" );
-    mesh.name = "a2345678901234567890123456789012345678901234567890123456789012345";
-    assert_refused_body( state, mesh, "body 1: expected a name" );
-    assert_refused_body( state, strands, "body s: strand 0 starts at vertex 1" );
-    strands.offsets = falling;
-    strands.strand_count = 3;
-    assert_refused_body( state, strands, "body s: strand 1 runs from vertex 4 to 3 of 5" );
-    strands.offsets = early;
-    strands.strand_count = 1;
-    assert_refused_body( state, strands, "body s: the strands end at vertex 4 of 5" );
-    strands.strand_count = 0;
-    assert_refused_body( state, strands, "body s: got 0 strands" );
-    size_t size = 0;
-    unsigned char* kept = read_bytes( path_in( state, "precious.wisp" ), &size );
-    assert_string_equal( (char*)kept, "precious" );
-    free( kept );
+    static const int32_t beyond[] = { 0, 1, 2, 0, 1, 4 }, late[] = { 1, 5 }, falling[] = { 0, 4, 3, 5 },
+                         early[] = { 0, 4 };
+    static const char long_name[] = "a2345678901234567890123456789012345678901234567890123456789012345";
+    static const struct
+    {
+        wisp_record_body body;
+        const char* words;
+    } cases[] = {
+#define MESH( of_name, list, count, vertices )                                                                       \
+    { .name = of_name, .triangles = list, .triangle_count = count, .vertex_count = vertices }
+#define STRANDS( list, count )                                                                                       \
+    {                                                                                                                \
+        .name = "s", .offsets = list, .strand_count = count, .vertex_count = 5                                       \
+    }
+        { MESH( "m", beyond, 2, 4 ), "precious.wisp: body m: triangle 1: got vertex 4, expected 0 .. 3" },
+        { MESH( "m", NULL, 2, 4 ), "body m: the list of its 2 triangles is missing" },
+        { MESH( "m", NULL, -1, 4 ), "body m: got -1 triangles" },
+        { MESH( "m", NULL, -1, 0 ), "body m: got 0 vertices" },
+        { MESH( "cloth", NULL, -1, 0 ), "bodies 0 and 1 are both called cloth" },
+        { MESH( "../m", NULL, -1, 0 ), "body 1: expected a name" },
+        { MESH( "", NULL, -1, 0 ), "body 1: expected a name" },
+        { MESH( long_name, NULL, -1, 0 ), "body 1: expected a name" },
+        { STRANDS( late, 1 ), "body s: strand 0 starts at vertex 1" },
+        { STRANDS( falling, 3 ), "body s: strand 1 runs from vertex 4 to 3 of 5" },
+        { STRANDS( early, 1 ), "body s: the strands end at vertex 4 of 5" },
+        { STRANDS( early, 0 ), "body s: got 0 strands" },
+    };
+    char* path = path_in( state, "precious.wisp" );
+    write_bytes( path, "precious", 8 );
+    for ( int i = 0; i < WISP_COUNT( cases ); ++i )
+    {
+        const wisp_record_body bodies[] = { fixture_bodies[0], cases[i].body };
+        const wisp_recorder_def def = { .bodies = bodies, .body_count = 2, .dt = 0.1 };
+        wisp_recorder* recorder = NULL;
+        wisp_error error = { .status = WISP_OK };
+        assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error ), WISP_BAD_INPUT );
+        assert_null( recorder );
+        assert_one_message( &error, WISP_BAD_INPUT, cases[i].words );
+    }
+    char kept[20];
+    read_text( path, kept, sizeof kept );
+    assert_string_equal( kept, "precious" );
     assert_int_equal( count_files( state ), 1 );
 }
 
 TEST_IN_FOLDER( a_definition_that_makes_no_sense_is_refused )
 {
-    wisp_recorder* recorder = NULL;
-    wisp_error error = { .status = WISP_OK };
-    wisp_recorder_def def = fixture_def();
-    char* path = path_in( state, "a.wisp" );
-    def.dt = 0.0;
-    assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error ), WISP_BAD_INPUT );
-    assert_one_message( &error, WISP_BAD_INPUT, "a.wisp: got 0 seconds between two frames" );
-    def = fixture_def();
-    def.body_count = 0;
-    assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error ), WISP_BAD_INPUT );
-    assert_one_message( &error, WISP_BAD_INPUT, "got 0 bodies, expected 1 to 4096" );
-    def = fixture_def();
-    assert_int_equal(
-        wisp_recorder_open( path_in( state, "a.wisp.txt" ), WISP_RECORD_BY_NAME, &def, &recorder, &error ),
-        WISP_BAD_INPUT );
-    assert_one_message( &error, WISP_BAD_INPUT, "ends in .wisp, .pc2, .pvd, .obj, .usda or .glb" );
+    static const struct
+    {
+        const char* name;
+        double dt;
+        int bodies;
+        const char* words;
+    } cases[] = {
+        { "a.wisp", 0.0, FIXTURE_BODIES, "a.wisp: got 0 seconds between two frames" },
+        { "a.wisp", 0.1, 0, "got 0 bodies, expected 1 to 4096" },
+        { "a.wisp.txt", 0.1, FIXTURE_BODIES, "ends in .wisp, .pc2, .pvd, .obj, .usda or .glb" },
+    };
+    for ( int i = 0; i < WISP_COUNT( cases ); ++i )
+    {
+        wisp_recorder* recorder = NULL;
+        wisp_error error = { .status = WISP_OK };
+        wisp_recorder_def def = fixture_def();
+        def.dt = cases[i].dt;
+        def.body_count = cases[i].bodies;
+        assert_int_equal( fixture_open( path_in( state, cases[i].name ), &def, &recorder, &error ), WISP_BAD_INPUT );
+        assert_one_message( &error, WISP_BAD_INPUT, cases[i].words );
+    }
     assert_int_equal( count_files( state ), 0 );
 }
 
@@ -463,22 +465,13 @@ TEST_IN_FOLDER( a_file_that_shrinks_while_it_is_read_is_an_error )
 
 TEST_IN_FOLDER( numbers_have_points_in_a_locale_with_commas )
 {
-    static const char* const locales[] = { "de_DE.UTF-8", "fr_FR.UTF-8", "de_DE", "fr_FR" };
-    bool found = false;
-    for ( int i = 0; i < WISP_COUNT( locales ) && !found; ++i )
-    {
-        found = setlocale( LC_NUMERIC, locales[i] ) != NULL;
-    }
-    if ( !found )
-    {
-        SKIP( "no locale with a decimal comma is installed" );
-    }
+    enter_comma_locale();
     const wisp_recorder_def def = fixture_def();
     wisp_recorder* track = NULL;
     wisp_status status = fixture_open( path_in( state, "a.csv" ), &def, &track, NULL );
     status = status == WISP_OK ? fixture_add_frame( track, 0, NULL ) : status;
     wisp_recorder_close( track, NULL );
-    setlocale( LC_NUMERIC, "C" );
+    setlocale( LC_ALL, "C" );
     assert_int_equal( status, WISP_OK );
     size_t size = 0;
     SCOPED( free_local ) char* text = read_bytes( path_in( state, "a.csv" ), &size );

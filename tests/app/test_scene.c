@@ -2,14 +2,13 @@
 // docs/scenes.md, describes every key completely, and what is gone has an answer.
 #define _XOPEN_SOURCE 700
 
+#include "locale_fixture.h"
 #include "scene_fixture.h"
 
 #include "files.h"
 #include "nearest.h"
 #include "scene.h"
 #include "scene_keys.h"
-
-#include <locale.h>
 
 // The text in a block exactly as long, so that a sanitizer detects a read beyond its end.
 static wisp_status parse( const char* text, size_t size, wisp_scene* scene, wisp_error* error )
@@ -273,17 +272,7 @@ TEST( columns_count_characters_and_not_bytes )
 
 TEST( numbers_have_points_whatever_the_locale_of_the_host )
 {
-    static const char* const names[] = { "de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "de_DE", "fr_FR" };
-    const char* comma = NULL;
-    for ( int i = 0; i < WISP_COUNT( names ) && !comma; ++i )
-    {
-        comma = setlocale( LC_ALL, names[i] );
-    }
-    if ( !comma )
-    {
-        SKIP( "no locale with a decimal comma is installed" );
-    }
-    assert_string_equal( localeconv()->decimal_point, "," );
+    enter_comma_locale();
     wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
     static const char text[] = "wisp: 1\ndt: 0.25\n", bad[] = "wisp: 1\nworkers: 99\n";

@@ -4,8 +4,8 @@
 
 #include "scene_world_fixture.h"
 
+#include "gltf_fixture.h"
 #include "gltf_internal.h"
-#include "gltf_writer.h"
 #include "skeleton.h"
 
 #include <math.h>
@@ -14,22 +14,11 @@
 
 #define FIGURE WISP_SOURCE_ROOT "/data/figure.glb"
 
-static gltf_model strip( void )
-{
-    char json[6000];
-    gltf_strip_json( json, sizeof json, "" );
-    const gltf_bytes binary = gltf_strip_binary(), file = gltf_binary_file( json, &binary );
-    gltf_model model;
-    wisp_error error = { .status = WISP_OK };
-    assert_ok( gltf_read_bytes( file.data, file.size, NULL, "strip.glb", 0, &model, &error ), error );
-    return model;
-}
-
 // ---- glTF against double precision ----
 
 TEST( joints_of_a_file_are_where_its_poses_in_double_precision_have_them )
 {
-    SCOPED( gltf_release ) gltf_model model = strip();
+    SCOPED( gltf_release ) gltf_model model = gltf_good( "strip.glb", "", "", 0 );
     SCOPED( wisp_skeleton_release ) wisp_skeleton skeleton;
     wisp_skin* skin;
     wisp_animation clip;
@@ -69,7 +58,7 @@ TEST( nodes_with_a_matrix_are_split_or_refused )
     };
     for ( int i = 0; i < WISP_COUNT( matrices ); ++i )
     {
-        SCOPED( gltf_release ) gltf_model model = strip();
+        SCOPED( gltf_release ) gltf_model model = gltf_good( "strip.glb", "", "", 0 );
         wisp_skeleton skeleton;
         wisp_skin* skin;
         wisp_error error = { .status = WISP_OK };

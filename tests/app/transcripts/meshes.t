@@ -51,6 +51,60 @@ hole.obj: open mesh of triangles
     edge of vertices 2 and 3
   no defects
 
+# Meshes in files: vertices and faces keep the order of the file, polygons are fans around their first corner, and every way to write a corner means the same vertex. PLY passes
+# over unknown elements and properties before, between and after known ones, in text and in both byte orders.
+$ python3 <<'END'
+> from meshes import *
+> def read( text, name="m.obj" ):
+>     open( name, "wb" ).write( text if isinstance( text, bytes ) else text.encode( "latin-1" ) )
+>     body = run( f"surfaces:\n  - {{ name: m, file: {name}, repair: [duplicates] }}\n" )[0]["m"] # so that triangles may repeat others
+>     return body.frames[0], list( zip( *[iter( body.numbers )] * 3 ) )
+> # the second vertex is unreferenced, the third repeats the first, and faces come between vertices
+> assert read( "v 1 2 3\nv 9 9 9\nv 1 2 3\nv 7 7 0\nf 5 1 4\nv 4 5 6\nf 3 4 5\n" ) == ( [( 1, 2, 3 ), ( 9, 9, 9 ), ( 1, 2, 3 ), ( 7, 7, 0 ), ( 4, 5, 6 )], [( 4, 0, 3 ), ( 2, 3, 4 )] )
+> assert read( "v 0 0 0\nv 1 0 0\nv 2 1 0\nv 1 2 0\nv 0 1 0\nf 2 3 4 5 1\n" )[1] == [( 1, 2, 3 ), ( 1, 3, 4 ), ( 1, 4, 0 )]
+> for face in "1 2 3", "1/1 2/1 3/1", "1//1 2//1 3//1", "1/1/1 2/1/1 3/1/1", "+1 +2 +3", "-3/-1/-1 -2/-1/-1 -1/-1/-1":
+>     assert read( "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nf %s\n" % face )[1] == [( 0, 1, 2 )], face
+> assert read( "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nf -4 -3 -2\n" )[1] == [( 0, 1, 2 )]
+> # behind a position stand a weight, a colour, or both
+> assert read( "v 1 2 3 0.5\nv -.125 +.5 2.e1 1 0 0\nv 1e-3 1 1 1 1 1 1\nf 1 2 3\n" )[0] == [( 1, 2, 3 ), ( -0.125, 0.5, 20 ), ( *array.array( "f", [1e-3] ), 1, 1 )]
+> assert read( "# free text, 100 % \xc3\xa9\xff\nmtllib none.mtl\no thing\ng a b\ng \n  v 0 0 0 # here\r\n\tv 1 0 0\rv 0 1 0\nvn 1e2147483649 0 0\n"
+>     "usemtl red\ns off\nl 1 2\nt x 1/2/3\n\nvertex\nface 1\nf\t1  2 3 #end" ) == ( [( 0, 0, 0 ), ( 1, 0, 0 ), ( 0, 1, 0 )], [( 0, 1, 2 )] )
+> # doubles, an unsigned list, a face first
+> HEAD = """comment a b c\nobj_info d\nelement strip 2\nproperty list ushort short rows\nelement face 2\nproperty uchar flag\nproperty list uchar uint vertex_indices
+> property list int float weights\nelement vertex 4\nproperty char z\nproperty list uchar double extra\nproperty double x\nproperty short y\nelement end 1\nproperty int last\nend_header\n"""
+> POINTS = [( 0.5, -2, 1 ), ( 1, 300, -1 ), ( -4, 0, 0 ), ( 8, 1, 127 )]
+> ROWS = "2 7 -7\n0\n1 3 0 1 2 0\n\n9 4 3 2 1 0 2 0.5 1e3\n1 0 .5 -2\r\n-1 1 3.5 1 300\n0 0 -4.0 0\n  127 2 1 2 8 1 \n42"
+> files = [( "ply\r\nformat ascii 1.0\r\n" + HEAD + ROWS ).encode()]
+> for order, mark in ( "little", "<" ), ( "big", ">" ):
+>     rows = struct.pack( mark + "H2hH2B3Ii2B4Ii2f", 2, 7, -7, 0, 1, 3, 0, 1, 2, 0, 9, 4, 3, 2, 1, 0, 2, 0.5, 1e3 )
+>     rows += b"".join( struct.pack( mark + "bB%dddh" % ( v == 1 ), z, v == 1, *[3.5] * ( v == 1 ), x, y ) for v, ( x, y, z ) in enumerate( POINTS ) ) + struct.pack( mark + "i", 42 )
+>     files.append( f"ply\nformat binary_{order}_endian 1.0\n{HEAD}".encode() + rows )
+> for file in files:
+>     assert read( file, "m.ply" ) == ( POINTS, [( 0, 1, 2 ), ( 3, 2, 1 ), ( 3, 1, 0 )] )
+> END
+
+# Colours, texture coordinates and what was missing are described.
+$ printf 'v 0 0 0 .25 0 1\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 .5\nvt 2 3\nf 1/1 2/1 3/2\nf 1/2 2/1 4\n' >coloured.obj; wisp info coloured.obj | sed -n '/colours/,/coordinates, which/p'
+  colours              red 0.25 .. 1, green 0 .. 1, blue 1 .. 1
+  note: vertices without a colour, which are white: 3
+  texture coordinates  u 0 .. 2, v 0 .. 3
+  note: vertices with several texture coordinates, of which the first are kept: 1
+  note: vertices without texture coordinates, which are at (0, 0): 1
+
+# The first scanned mesh is one closed sound shell.
+$ wisp info "$SOURCE/data/bunny.obj"
+...bunny.obj: closed mesh of triangles
+  vertices             1839
+  triangles            3674
+  edges                5511
+  Euler characteristic 2
+  bounds               x -4.95848 .. 4.94885, y -0.003149 .. 9.65475, z -3.72983 .. 3.81064 m
+  edge length          min 0.179109, mean 0.382707, max 1.01449 m
+  area                 218.689 m^2
+  volume               194.288 m^3
+  components           1
+  no defects
+
 # Every defect has its count and its first elements.
 $ python3 <<'END'
 > from meshes import *
@@ -196,6 +250,26 @@ head.hair: groom in 3 dimensions
   thickness            min 0.25, mean 0.4, max 0.5 m
   colour               none
   no defects
+
+# A file that starts with HAIR is hair, whatever it is called. Strands without a list of segments have those of the header, which a list overrules, and what is not there
+# is not described. A z of -0 is one of 0: two dimensions.
+$ python3 <<'END'
+> from files import *
+> open( "d.bin", "wb" ).write( struct.pack( "<4s4I108x18f", b"HAIR", 2, 6, 2, 2, *[c for v in range( 6 ) for c in ( v, v + 1, -0.0 )] ) )
+> open( "l.bin", "wb" ).write( struct.pack( "<4s4I108x2H9f", b"HAIR", 2, 3, 3, 77, 1, 0, *range( 9 ) ) )
+> bodies, said = run( "strands:\n  - { name: d, file: d.bin }\n  - { name: l, file: l.bin }\n" )
+> assert bodies["d"].numbers == ( 0, 3, 6 ) and bodies["l"].numbers == ( 0, 2, 3 ) and bodies["l"].frames[0] == [( 0, 1, 2 ), ( 3, 4, 5 ), ( 6, 7, 8 )]
+> END
+$ wisp info d.bin
+d.bin: groom in 2 dimensions
+  strands              2
+  vertices             6
+  vertices a strand    min 3, mean 3, max 3
+  bounds               x 0 .. 5, y 1 .. 6, z -0 .. -0 m
+  length               min 2.82843, mean 2.82843, max 2.82843 m
+  colour               none
+  no defects
+
 $ python3 <<'END'
 > from files import *
 > def says( *blocks, **arrays ):

@@ -261,10 +261,10 @@ $ wisp render damaged.wisp -o damaged.png
 $ test ! -e damaged.png
 
 # Files of boundary points hold the vertices, which have no element, and behind them the points with unit normals, those of 480 edges first and then those of 320
-# triangles. The middle of a triangle of level 2, 0.18 rad from its corners, lies 1.7 % below them.
+# triangles, on which they lie. The middle of a triangle of level 2, 0.18 rad from its corners, lies 1.7 % below them.
 $ printf 'wisp: 1\nsteps: 4\nsubsteps: 4\nsurfaces:\n  - name: ball\n    generate: { shape: icosphere, level: 2, radius: 0.2 }\n' >ball.yaml
 > printf '    balloon: { gas_ratio: 1.2, buoyancy: false }\n    boundary: { spacing: 0.015 }\n' >>ball.yaml
-$ wisp run ball.yaml --boundary layer.ply --every 2 >told; grep -o 'boundary points written: .*' told; ls layer*
+$ wisp run ball.yaml --boundary layer.ply --record layer.wisp --every 2 >told; grep -o 'boundary points written: .*' told; ls layer*
 boundary points written: 2 files, the last is layer_0003.ply...
 layer_0002.ply
 layer_0003.ply
@@ -281,6 +281,18 @@ $ python3 <<'END'
 > assert all( abs( norm( row[3:6] ) - 1 ) < 1e-6 for row in rows ) # roundings of floats
 > elements = [row[6] for row in rows]
 > assert set( elements[:162] ) == { -1 } and elements[162:] == sorted( elements[162:] ) and 0 <= elements[162] and 480 <= elements[-1] < 800
+> assert header.endswith( b"".join( b"property float %s\n" % name for name in b"x y z nx ny nz".split() ) + b"property int element\nelement face 320\n"
+>     b"property list uchar int vertex_indices\nelement edge 480\nproperty int vertex1\nproperty int vertex2\n" )
+> ball, points = Body( wisp_recording.read( "layer.wisp" )[0][0] ), [row[:3] for row in rows]
+> faces, edges = list( struct.iter_unpack( "<B3i", data[28 * count:-8 * 480] ) ), list( struct.iter_unpack( "<2i", data[-8 * 480:] ) )
+> assert points[:162] == ball.frames[2] and faces == [( 3, *corners ) for corners in zip( *[iter( ball.numbers )] * 3 )]
+> assert { frozenset( edge ) for edge in edges } == { frozenset( ( t[i], t[j] ) ) for t in faces for i, j in ( ( 1, 2 ), ( 2, 3 ), ( 3, 1 ) ) }
+> def volume( p, corners ): # of the tetrahedron on a triangle, or the area of the triangle on an edge
+>     a, b, *c = [[x - y for x, y in zip( points[v], p )] for v in corners]
+>     n = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+>     return norm( n ) if not c else abs( sum( x * y for x, y in zip( n, c[0] ) ) )
+> # corners are 0.1 m apart at most, and floats of 0.2 m are rounded by 7e-9 m
+> assert all( volume( p, ( edges + [f[1:] for f in faces] )[e] ) < 1e-8 for p, e in zip( points[162:], elements[162:] ) )
 > END
 $ wisp info layer_0003.ply
 ...unreferenced vertices...
