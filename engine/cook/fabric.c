@@ -546,19 +546,15 @@ static bool cook_parts( const wisp_fabric_def* def, const fabric_mesh* mesh, coo
 
 // ---- lean fabrics ----
 
-static void drop_arrays( cook_fabric* cooked, bool keeps_hinges )
+static void drop_arrays( cook_fabric* cooked )
 {
     wisp_fabric* f = &cooked->fabric;
     fabric_pool_release( &cooked->edges );
     fabric_pool_release( &cooked->rings );
-    f->edges = f->ring_begin = NULL;
+    fabric_pool_release( &cooked->hinges );
+    f->edges = f->ring_begin = f->hinges = f->link_order.constraint = NULL;
     f->ring_x4 = NULL;
-    atomic_init( &cooked->made, keeps_hinges ? WISP_FABRIC_HINGES : 0u );
-    if ( keeps_hinges == false )
-    {
-        fabric_pool_release( &cooked->hinges );
-        f->hinges = f->link_order.constraint = NULL;
-    }
+    atomic_init( &cooked->made, 0u );
 }
 
 static void move_pool( fabric_pool* from, fabric_pool* to )
@@ -711,7 +707,7 @@ static bool cook_all( const wisp_fabric_def* def, const wisp_fabric* like, cook_
     atomic_init( &cooked->made, WISP_FABRIC_EDGES | WISP_FABRIC_HINGES | WISP_FABRIC_RINGS );
     if ( done && def->lean )
     {
-        drop_arrays( cooked, def->hinges );
+        drop_arrays( cooked );
     }
     return done;
 }

@@ -45,7 +45,7 @@ static bool measure_side( const wisp_fabric* f, const int32_t* corner, int side,
 
 bool plate_measure_hinge( const wisp_fabric* f, const plate_hinge* h, plate_shape* out )
 {
-    const int32_t* corner = plate_corners( f, h );
+    const int32_t* corner = h->corner;
     return measure_side( f, corner, 0, out ) && measure_side( f, corner, 1, out );
 }
 
@@ -100,6 +100,25 @@ static int32_t find_half_edge( const half_edges* edges, const wisp_fabric* f, in
     return e;
 }
 
+// Corners of all hinges in the order of their numbers, by their schedule, or else by the fabric's list.
+static void list_hinge_corners( const wisp_fabric* f, plate_hinge* out )
+{
+    for ( int n = 0; n < f->hinge_count && f->hinge_order.slot_count == 0; ++n )
+    {
+        out[n] = ( plate_hinge ){ .slot = -1 };
+        memcpy( out[n].corner, f->hinges + PLATE_CORNERS * (size_t)n, sizeof( out[n].corner ) );
+    }
+    for ( int slot = 0; slot < f->hinge_order.slot_count; ++slot )
+    {
+        if ( f->hinge_order.constraint[slot] >= 0 )
+        {
+            plate_hinge* h = out + f->hinge_order.constraint[slot];
+            *h = ( plate_hinge ){ .slot = slot };
+            wisp_fabric_hinge_corners( f, slot, h->corner );
+        }
+    }
+}
+
 static bool connect_hinges( wisp_plate* plate, const wisp_fabric* f, plate_shape* shapes, fabric_pool* scratch )
 {
     half_edges edges;
@@ -107,12 +126,14 @@ static bool connect_hinges( wisp_plate* plate, const wisp_fabric* f, plate_shape
     {
         return false;
     }
+    list_hinge_corners( f, plate->hinges );
+    plate->hinge_count = 0;
     memset( plate->triangle_hinge, -1, (size_t)f->triangle_count * sizeof( plate->triangle_hinge[0] ) );
     for ( int n = 0; n < f->hinge_count; ++n )
     {
-        plate_hinge h = { .constraint = n };
+        plate_hinge h = plate->hinges[n];
         plate_shape* shape = shapes + plate->hinge_count;
-        const int32_t* corner = plate_corners( f, &h );
+        const int32_t* corner = h.corner;
         const int32_t side[2] = { find_half_edge( &edges, f, corner[0], corner[1] ),
                                   find_half_edge( &edges, f, corner[1], corner[0] ) };
         // back to back, or without a height: the edge is open
@@ -143,7 +164,7 @@ static void plate_list_stencil( const wisp_plate* plate, const wisp_fabric* f, i
                                 int32_t stencil[PLATE_STENCIL] )
 {
     const plate_hinge* h = plate->hinges + hinge;
-    const int32_t* corner = plate_corners( f, h );
+    const int32_t* corner = h->corner;
     stencil[0] = hinge;
     stencil[1] = hinge_across( plate, f, h->triangle[0], corner[1] );
     stencil[2] = hinge_across( plate, f, h->triangle[0], corner[2] );
@@ -184,7 +205,7 @@ static void unfold_stencil( const hinge_list* list, int32_t hinge, int32_t from_
 {
     const plate_hinge* h = list->plate->hinges + hinge;
     const plate_shape* shape = list->shapes + hinge;
-    const bool same = plate_corners( list->fabric, h )[0] == from_slot; // then `near` is the corner k, the far one l
+    const bool same = h->corner[0] == from_slot; // then `near` is the corner k, the far one l
     vec2d at[PLATE_CORNERS];
     at[0] = same ? from : to;
     at[1] = same ? to : from;
@@ -201,7 +222,7 @@ static void measure_quadratics( const hinge_list* list, int32_t hinge, double tu
 {
     const plate_hinge* h = list->plate->hinges + hinge;
     const plate_shape* shape = list->shapes + hinge;
-    const int32_t* corner = plate_corners( list->fabric, h );
+    const int32_t* corner = h->corner;
     const double half = 0.5 * shape->length;
     const vec2d i = { -half, 0.0 }, j = { half, 0.0 };
     const vec2d k = { ( 2.0 * shape->foot[0] - 1.0 ) * half, shape->height[0] };
@@ -318,11 +339,10 @@ static int find_or_add( int32_t* list, int* count, int32_t item )
     return ( *count )++;
 }
 
-static void add_jump( plate_patch* p, int edge, const wisp_plate* plate, const wisp_fabric* f, int32_t hinge,
-                      double factor )
+static void add_jump( plate_patch* p, int edge, const wisp_plate* plate, int32_t hinge, double factor )
 {
     const plate_hinge* h = plate->hinges + hinge;
-    const int32_t* corner = plate_corners( f, h );
+    const int32_t* corner = h->corner;
     p->of_hinge[edge][find_or_add( p->hinge, &p->hinge_count, hinge )] += factor;
     for ( int k = 0; k < PLATE_CORNERS; ++k )
     {
@@ -350,7 +370,7 @@ plate_patch plate_patch_of( const wisp_plate* plate, const wisp_fabric* f, int32
             const double other = ( s == 0 ? 1.0 : 0.0 ) - share[s];
             if ( stencil[s] >= 0 && ( s == 0 || h->fitted[s] != 0.0f ) )
             {
-                add_jump( &p, edge, plate, f, stencil[s], h->triangle[0] == triangle ? share[s] : other );
+                add_jump( &p, edge, plate, stencil[s], h->triangle[0] == triangle ? share[s] : other );
             }
         }
     }
@@ -372,8 +392,7 @@ static void add_member( patch_members* p, int edge, int32_t item )
 }
 
 // Corners whose entry of the row is 0 do not turn the hinge.
-static void add_hinge( patch_members* p, int edge, const wisp_plate* plate, const wisp_fabric* f, int32_t hinge,
-                       bool of_hinges )
+static void add_hinge( patch_members* p, int edge, const wisp_plate* plate, int32_t hinge, bool of_hinges )
 {
     const plate_hinge* h = plate->hinges + hinge;
     if ( of_hinges )
@@ -385,7 +404,7 @@ static void add_hinge( patch_members* p, int edge, const wisp_plate* plate, cons
     {
         if ( h->row[k] != 0.0f )
         {
-            add_member( p, edge, plate_corners( f, h )[k] );
+            add_member( p, edge, h->corner[k] );
         }
     }
 }
@@ -420,7 +439,7 @@ static patch_members members_of( const wisp_plate* plate, const wisp_fabric* f, 
         {
             if ( stencil[s] >= 0 && ( s == 0 || plate->hinges[hinge].fitted[s] != 0.0f ) )
             {
-                add_hinge( &p, edge, plate, f, stencil[s], of_hinges );
+                add_hinge( &p, edge, plate, stencil[s], of_hinges );
             }
         }
     }
@@ -534,6 +553,43 @@ static void write_rows( plate_row_set* set, const patch_lists* lists )
     }
 }
 
+// Keep what was listed in scratch memory, in half of it where that fits. Springs read the rows that they are told as they are.
+static bool keep_others( wisp_plate* plate, plate_row_set* set )
+{
+    const size_t entries = (size_t)set->begin[set->slice_count];
+    int32_t( *other )[8] = set->other;
+    int least = 0, most = plate->slot_row != NULL ? INT32_MAX : 0;
+    for ( int pass = 0; pass < 2; ++pass )
+    {
+        for ( int slice = 0; slice < set->slice_count; ++slice )
+        {
+            const int first = set->of_hinges ? 0 : 32 * slice;
+            for ( int32_t i = 8 * set->begin[slice]; i < 8 * set->begin[slice + 1]; ++i )
+            {
+                const int far = other[i / 8][i % 8] - first;
+                least = far < least ? far : least;
+                most = far > most ? far : most;
+                if ( pass == 1 )
+                {
+                    set->near[i / 8][i % 8] = (uint16_t)far;
+                }
+            }
+        }
+        if ( least < INT16_MIN || most > ( set->of_hinges ? UINT16_MAX : INT16_MAX ) )
+        {
+            set->other = fabric_pool_push( &plate->pool, entries, sizeof( *other ) );
+            return set->other != NULL && memcpy( set->other, other, entries * sizeof( *other ) ) != NULL;
+        }
+        set->near = pass == 0 ? fabric_pool_push( &plate->pool, entries, sizeof( *set->near ) ) : set->near;
+        if ( set->near == NULL )
+        {
+            return false;
+        }
+    }
+    set->other = NULL;
+    return true;
+}
+
 // List the entries of each row; their weights are 0. @return false if out of memory
 static bool plate_cook_rows( wisp_plate* plate, const wisp_fabric* f, plate_row_set* set, fabric_pool* scratch )
 {
@@ -555,7 +611,7 @@ static bool plate_cook_rows( wisp_plate* plate, const wisp_fabric* f, plate_row_
         set->begin[s + 1] += set->begin[s];
     }
     const size_t entries = (size_t)set->begin[set->slice_count];
-    set->other = fabric_pool_push( &plate->pool, entries, sizeof( set->other[0] ) );
+    set->other = fabric_pool_push( scratch, entries, sizeof( set->other[0] ) );
     set->weight = fabric_pool_push_zeroed( &plate->pool, entries, sizeof( set->weight[0] ) );
     if ( set->other == NULL || set->weight == NULL )
     {
@@ -563,7 +619,7 @@ static bool plate_cook_rows( wisp_plate* plate, const wisp_fabric* f, plate_row_
     }
     clear_marks( set, &lists );
     write_rows( set, &lists );
-    return true;
+    return keep_others( plate, set );
 }
 
 // ---- plate ----
@@ -580,7 +636,7 @@ static void measure_hinges( wisp_plate* plate, const wisp_fabric* f )
     }
     for ( int n = 0; n < plate->hinge_count; ++n )
     {
-        const int32_t* corner = plate_corners( f, plate->hinges + n );
+        const int32_t* corner = plate->hinges[n].corner;
         plate_shape shape = { 0 };
         plate_measure_hinge( f, plate->hinges + n, &shape );
         const double k = shape.height[0], l = shape.height[1];
@@ -593,12 +649,12 @@ static void measure_hinges( wisp_plate* plate, const wisp_fabric* f )
 }
 
 // Groups of triangles, and where they read moments: at the slots of hinges.
-static bool cook_triangles( wisp_plate* plate, const wisp_fabric* f )
+static bool cook_triangles( wisp_plate* plate, const wisp_fabric* f, fabric_pool* scratch )
 {
     fabric_constraints triangles = fabric_triangle_constraints( f );
     triangles.solve_order = f->solve_order;
     wisp_schedule* order = &plate->triangles;
-    if ( fabric_schedule_build( &triangles, &plate->pool, &plate->pool, order ) == false ||
+    if ( fabric_schedule_build( &triangles, &plate->pool, scratch, order ) == false ||
          fabric_schedule_corners( order, &triangles, &plate->pool, &plate->corner_x4 ) == false )
     {
         return false;
@@ -610,64 +666,91 @@ static bool cook_triangles( wisp_plate* plate, const wisp_fabric* f )
         const int32_t hinge = triangle >= 0 ? plate->triangle_hinge[triangle][( i / 8 + 1 ) % 3] : -1;
         plate->moment_of[i] = hinge >= 0 ? plate->turns.item_row[hinge] : f->hinge_order.slot_count;
     }
+    order->constraint = NULL; // in scratch memory
     return plate->moment_of != NULL;
 }
 
-// Rows of hinges are the slots of their schedule.
 static bool cook_turns( wisp_plate* plate, const wisp_fabric* f, fabric_pool* scratch )
 {
-    const size_t slots = (size_t)f->hinge_order.slot_count;
-    plate_row_set* set = &plate->turns;
-    *set =
-        ( plate_row_set ){ .of_hinges = true, .item_count = plate->hinge_count, .slice_count = (int)( slots / 8 ) };
-    int32_t* slot_of = fabric_pool_push( scratch, (size_t)f->hinge_count, sizeof( int32_t ) );
-    set->item_row = fabric_pool_push( &plate->pool, (size_t)plate->hinge_count, sizeof( int32_t ) );
-    plate->stiffness = fabric_pool_push_zeroed( &plate->pool, slots, sizeof( float ) );
-    plate->steepest = fabric_pool_push_zeroed( &plate->pool, slots, sizeof( float ) );
+    plate->steepest = fabric_pool_push_zeroed( &plate->pool, (size_t)f->hinge_order.slot_count, sizeof( float ) );
     plate->least_height = fabric_pool_push( &plate->pool, (size_t)f->slot_count, sizeof( float ) );
-    if ( slot_of == NULL || set->item_row == NULL || plate->stiffness == NULL || plate->steepest == NULL ||
-         plate->least_height == NULL )
+    if ( plate->steepest == NULL || plate->least_height == NULL )
     {
         return false;
-    }
-    for ( size_t slot = 0; slot < slots; ++slot )
-    {
-        if ( f->hinge_order.constraint[slot] >= 0 )
-        {
-            slot_of[f->hinge_order.constraint[slot]] = (int32_t)slot;
-        }
-    }
-    for ( int32_t n = 0; n < plate->hinge_count; ++n )
-    {
-        set->item_row[n] = slot_of[plate->hinges[n].constraint];
     }
     measure_hinges( plate, f );
-    return cook_triangles( plate, f ) && plate_cook_rows( plate, f, set, scratch );
+    return cook_triangles( plate, f, scratch ) && plate_cook_rows( plate, f, &plate->turns, scratch );
 }
 
-static bool cook_plate( wisp_plate* plate, const wisp_fabric* f, const int32_t* slot_row, bool with_turns,
-                        fabric_pool* scratch )
+// Rows of vertices are slots unless told otherwise; those of hinges are the slots of their schedule.
+static bool list_item_rows( wisp_plate* plate, const wisp_fabric* f )
 {
-    fabric_pool* keep = &plate->pool;
-    int32_t* item_row = fabric_pool_push( keep, (size_t)f->vertex_count, sizeof( int32_t ) );
-    plate->hinges = fabric_pool_push( keep, (size_t)f->hinge_count, sizeof( plate_hinge ) );
-    plate->triangle_hinge = fabric_pool_push( keep, (size_t)f->triangle_count, sizeof( plate->triangle_hinge[0] ) );
-    plate->pinned = fabric_pool_push_zeroed( keep, (size_t)f->vertex_count, sizeof( uint8_t ) );
-    const int rows = 8 * plate->vertices.slice_count, hinges = with_turns ? f->hinge_order.slot_count : 0;
-    plate->place = fabric_pool_push_zeroed( keep, (size_t)( rows > hinges ? rows : hinges ), sizeof( uint8_t ) );
-    if ( item_row == NULL || plate->hinges == NULL || plate->triangle_hinge == NULL || plate->pinned == NULL ||
-         plate->place == NULL || plate_cook_hinges( plate, f, scratch ) == false )
+    plate_row_set *vertices = &plate->vertices, *turns = &plate->turns;
+    vertices->item_count = f->vertex_count;
+    vertices->item_row = fabric_pool_push( &plate->parts, (size_t)vertices->item_count, sizeof( int32_t ) );
+    turns->item_count = turns->of_hinges ? plate->hinge_count : 0;
+    turns->item_row = fabric_pool_push( &plate->parts, (size_t)turns->item_count, sizeof( int32_t ) );
+    if ( vertices->item_row == NULL || turns->item_row == NULL )
     {
         return false;
     }
-    for ( int32_t v = 0; v < f->vertex_count; ++v )
+    for ( int32_t v = 0; v < vertices->item_count; ++v )
     {
-        item_row[v] = slot_row != NULL ? slot_row[v] : v;
+        vertices->item_row[v] = plate->slot_row != NULL ? plate->slot_row[v] : v;
     }
-    plate->vertices.item_row = item_row;
-    plate->vertices.item_count = f->vertex_count;
-    return plate_cook_rows( plate, f, &plate->vertices, scratch ) &&
-           ( with_turns == false || cook_turns( plate, f, scratch ) );
+    for ( int32_t n = 0; n < turns->item_count; ++n )
+    {
+        turns->item_row[n] = plate->hinges[n].slot;
+    }
+    return true;
+}
+
+void plate_release_parts( wisp_plate* plate )
+{
+    fabric_pool_release( &plate->parts );
+    plate->hinges = NULL;
+}
+
+bool plate_list_parts( wisp_plate* plate, const wisp_fabric* f )
+{
+    if ( plate->hinges != NULL )
+    {
+        return true;
+    }
+    fabric_pool *pool = &plate->parts, scratch = { .allocator = pool->allocator };
+    const int rows = 8 * plate->vertices.slice_count, turns = 8 * plate->turns.slice_count;
+    plate->hinges = fabric_pool_push( pool, (size_t)f->hinge_count, sizeof( plate_hinge ) );
+    plate->triangle_hinge = fabric_pool_push( pool, (size_t)f->triangle_count, sizeof( plate->triangle_hinge[0] ) );
+    plate->place = fabric_pool_push_zeroed( pool, (size_t)( rows > turns ? rows : turns ), sizeof( uint8_t ) );
+    const bool done = plate->hinges != NULL && plate->triangle_hinge != NULL && plate->place != NULL &&
+                      plate_cook_hinges( plate, f, &scratch ) && list_item_rows( plate, f );
+    fabric_pool_release( &scratch );
+    if ( done == false )
+    {
+        plate_release_parts( plate );
+    }
+    return done;
+}
+
+// Keep the rows of slots that are told. @return false if out of memory
+static bool keep_slot_rows( wisp_plate* plate, const wisp_fabric* f, const int32_t* slot_row )
+{
+    int32_t* kept =
+        slot_row != NULL ? fabric_pool_push( &plate->pool, (size_t)f->vertex_count, sizeof( int32_t ) ) : NULL;
+    plate->slot_row = kept;
+    if ( kept != NULL )
+    {
+        memcpy( kept, slot_row, (size_t)f->vertex_count * sizeof( int32_t ) );
+    }
+    return slot_row == NULL || kept != NULL;
+}
+
+static bool cook_plate( wisp_plate* plate, const wisp_fabric* f, const int32_t* slot_row, fabric_pool* scratch )
+{
+    plate->pinned = fabric_pool_push_zeroed( &plate->pool, (size_t)f->vertex_count, sizeof( uint8_t ) );
+    return plate->pinned != NULL && keep_slot_rows( plate, f, slot_row ) && plate_list_parts( plate, f ) &&
+           plate_cook_rows( plate, f, &plate->vertices, scratch ) &&
+           ( plate->turns.of_hinges == false || cook_turns( plate, f, scratch ) );
 }
 
 wisp_status wisp_plate_create( const wisp_fabric* fabric, const int32_t* slot_row, int row_count, bool with_turns,
@@ -681,9 +764,15 @@ wisp_status wisp_plate_create( const wisp_fabric* fabric, const int32_t* slot_ro
         return WISP_NO_MEMORY;
     }
     plate->pool = pool;
+    plate->parts = scratch;
+    plate->fabric = fabric;
+    atomic_init( &plate->owners, 1 );
     plate->vertices.slice_count = row_count / 8;
-    const bool done = wisp_fabric_need( fabric, WISP_FABRIC_HINGES ) == WISP_OK &&
-                      cook_plate( plate, fabric, slot_row, with_turns, &scratch );
+    plate->turns = ( plate_row_set ){ .of_hinges = with_turns,
+                                      .slice_count = with_turns ? fabric->hinge_order.slot_count / 8 : 0 };
+    const bool has_hinges =
+        fabric->hinge_order.slot_count > 0 || wisp_fabric_need( fabric, WISP_FABRIC_HINGES ) == WISP_OK;
+    const bool done = has_hinges && cook_plate( plate, fabric, slot_row, &scratch );
     fabric_pool_release( &scratch );
     if ( done == false )
     {
@@ -696,8 +785,9 @@ wisp_status wisp_plate_create( const wisp_fabric* fabric, const int32_t* slot_ro
 
 void wisp_plate_release( wisp_plate* plate, const wisp_allocator* allocator )
 {
-    if ( plate != NULL )
+    if ( plate != NULL && atomic_fetch_sub( &plate->owners, 1 ) == 1 )
     {
+        plate_release_parts( plate );
         fabric_pool pool = plate->pool; // the plate itself lies in it
         pool.allocator = allocator;
         fabric_pool_release( &pool );
@@ -706,7 +796,7 @@ void wisp_plate_release( wisp_plate* plate, const wisp_allocator* allocator )
 
 size_t wisp_plate_bytes( const wisp_plate* plate )
 {
-    return plate != NULL ? plate->pool.bytes : 0;
+    return plate != NULL ? ( plate->pool.bytes + plate->parts.bytes ) / (size_t)plate->owners : 0;
 }
 
 wisp_plate_rows wisp_plate_get_rows( const wisp_plate* plate )
@@ -716,6 +806,7 @@ wisp_plate_rows wisp_plate_get_rows( const wisp_plate* plate )
         .begin = plate->vertices.begin,
         .other_x4 = (const int32_t( * )[8])plate->vertices.other,
         .weight = (const float( * )[8])plate->vertices.weight,
+        .near_x4 = ( const int16_t( * )[8] )(const void*)plate->vertices.near,
     };
 }
 
@@ -724,8 +815,8 @@ wisp_plate_turns wisp_plate_get_turns( const wisp_plate* plate )
     return ( wisp_plate_turns ){
         .begin = plate->turns.begin,
         .other = (const int32_t( * )[8])plate->turns.other,
+        .near = (const uint16_t( * )[8])plate->turns.near,
         .weight = (const float( * )[8])plate->turns.weight,
-        .stiffness = plate->stiffness,
         .steepest = plate->steepest,
         .least_height = plate->least_height,
         .triangles = &plate->triangles,

@@ -1,6 +1,7 @@
 // Weights of the rows of a plate: the energy of each triangle, clamped next to pins and scaled down where it is too stiff.
 #include "plate_parts.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -123,7 +124,7 @@ static void add_patch( plate_row_set* set, uint8_t* place, const int32_t* item, 
         bool has_own = set->of_hinges == false;
         for ( int32_t n = set->begin[row / 8]; n < set->begin[row / 8 + 1]; ++n )
         {
-            const int b = place[set->other[n][row % 8] / times] - 1;
+            const int b = place[plate_other( set, n, row ) / times] - 1;
             if ( b >= 0 && ( b != a || has_own == false ) )
             {
                 set->weight[n][row % 8] += (float)( scale * q[a][b] );
@@ -167,10 +168,6 @@ static void clear( wisp_plate* plate )
             memset( sets[i]->weight, 0, (size_t)sets[i]->begin[sets[i]->slice_count] * sizeof( sets[i]->weight[0] ) );
         }
     }
-    if ( plate->stiffness != NULL )
-    {
-        memset( plate->stiffness, 0, 8 * (size_t)plate->turns.slice_count * sizeof( float ) );
-    }
 }
 
 static void scale_energy( double factor, double m[3][3] )
@@ -181,8 +178,9 @@ static void scale_energy( double factor, double m[3][3] )
     }
 }
 
-static int fill( wisp_plate* plate, const wisp_fabric* fabric, const float* position, float max_rate )
+static int fill( wisp_plate* plate, const wisp_fabric* fabric, const wisp_plate_input* input )
 {
+    const float* position = input->position;
     for ( int32_t v = 0; v < fabric->vertex_count; ++v )
     {
         plate->pinned[v] = position[4 * (size_t)v + 3] == 0.0f ? 1 : 0;
@@ -199,12 +197,12 @@ static int fill( wisp_plate* plate, const wisp_fabric* fabric, const float* posi
         double m[3][3], q[PLATE_PATCH][PLATE_PATCH];
         plate_patch p = plate_patch_of( plate, fabric, t );
         plate_turn_energy( plate, fabric, t, m );
-        if ( plate->factors != NULL )
+        if ( input->factors != NULL )
         {
-            scale_energy( (double)plate->factors[t], m );
+            scale_energy( (double)input->factors[t], m );
         }
         patch_matrix( m, p.of_vertex, p.vertex_count, q );
-        const double rate = patch_rate( &p, position, q ), most = (double)max_rate;
+        const double rate = patch_rate( &p, position, q ), most = (double)input->max_rate;
         const double scale = rate > most ? most / rate : 1.0;
         lowered += rate > most ? 1 : 0;
         plate->largest = fmaxf( plate->largest, (float)rate );
@@ -214,10 +212,6 @@ static int fill( wisp_plate* plate, const wisp_fabric* fabric, const float* posi
         {
             patch_matrix( m, p.of_hinge, p.hinge_count, q );
             add_patch( &plate->turns, plate->place, p.hinge, p.hinge_count, q, scale );
-            for ( int a = 0; a < p.hinge_count; ++a )
-            {
-                plate->stiffness[plate->turns.item_row[p.hinge[a]]] += (float)( scale * q[a][a] );
-            }
         }
     }
     bound_rate( plate, fabric, position );
@@ -243,31 +237,67 @@ static uint64_t mix( uint64_t key, float value )
     return key ^ key >> 32;
 }
 
-void wisp_plate_follow_maps( wisp_plate* plate, const wisp_fabric* fabric, const float* position,
-                             const float* factors, bool has_mass_map )
+static uint64_t mix_masses( uint64_t key, const wisp_fabric* fabric, const float* position )
 {
-    uint64_t key = 0;
-    for ( int t = 0; t < fabric->triangle_count && factors != NULL; ++t )
-    {
-        key = mix( key + 1, factors[t] );
-    }
-    for ( size_t v = 0; v < (size_t)fabric->vertex_count && has_mass_map; ++v )
+    for ( size_t v = 0; v < (size_t)fabric->vertex_count; ++v )
     {
         key = mix( key + 1, position[4 * v + 3] );
     }
-    plate->filled = plate->filled && key == plate->maps;
-    plate->maps = key;
-    plate->factors = factors;
+    return key;
 }
 
-int wisp_plate_update( wisp_plate* plate, const wisp_fabric* fabric, const float* position, float max_rate )
+wisp_plate* wisp_plate_share( wisp_plate* plate, const wisp_fabric* fabric, const float* position, bool with_turns )
 {
-    const bool rescaled = max_rate != plate->scaled_to && ( plate->lowered > 0 || max_rate < plate->largest );
-    if ( plate->filled == false || rescaled || has_same_pins( plate, fabric, position ) == false )
+    const bool is_whole = plate->fabric == fabric && plate->turns.of_hinges == with_turns && plate->filled &&
+                          plate->maps == 0 && plate->scaled_to == FLT_MAX;
+    const bool serves = is_whole && plate->masses == mix_masses( 0, fabric, position );
+    if ( serves )
     {
-        plate->lowered = fill( plate, fabric, position, max_rate );
-        plate->scaled_to = max_rate;
-        plate->filled = true;
+        atomic_fetch_add( &plate->owners, 1 );
     }
-    return plate->lowered;
+    return serves ? plate : NULL;
+}
+
+// Replace a plate that others have by one alone.
+static bool take_alone( wisp_plate** plate, const wisp_fabric* fabric )
+{
+    wisp_plate *shared = *plate, *own = NULL;
+    const bool done = atomic_load( &shared->owners ) == 1 ||
+                      wisp_plate_create( fabric, shared->slot_row, 8 * shared->vertices.slice_count,
+                                         shared->turns.of_hinges, shared->pool.allocator, &own ) == WISP_OK;
+    if ( own != NULL )
+    {
+        wisp_plate_release( shared, shared->pool.allocator );
+        *plate = own;
+    }
+    return done && plate_list_parts( *plate, fabric );
+}
+
+int wisp_plate_update( wisp_plate** plate, const wisp_fabric* fabric, const wisp_plate_input* input )
+{
+    const wisp_plate* now = *plate;
+    const float max_rate = input->max_rate;
+    uint64_t key = 0;
+    for ( int t = 0; t < fabric->triangle_count && input->factors != NULL; ++t )
+    {
+        key = mix( key + 1, input->factors[t] );
+    }
+    key = input->has_mass_map ? mix_masses( key, fabric, input->position ) : key;
+    const bool rescaled = max_rate != now->scaled_to && ( now->lowered > 0 || max_rate < now->largest );
+    if ( now->filled && key == now->maps && rescaled == false && has_same_pins( now, fabric, input->position ) )
+    {
+        return now->lowered;
+    }
+    if ( take_alone( plate, fabric ) == false )
+    {
+        return -1;
+    }
+    wisp_plate* own = *plate;
+    own->lowered = fill( own, fabric, input );
+    own->masses = mix_masses( 0, fabric, input->position );
+    own->scaled_to = max_rate;
+    own->maps = key;
+    own->filled = true;
+    plate_release_parts( own );
+    return own->lowered;
 }

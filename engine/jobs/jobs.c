@@ -39,6 +39,7 @@ typedef struct jobs_range
 typedef struct jobs_scratch
 {
     _Alignas( 64 ) base_arena arena;
+    size_t of_any; // bytes, the most that a block took which any worker may run
     int depth;
 } jobs_scratch;
 
@@ -126,19 +127,33 @@ static void run_scoped( jobs_pool* pool, wisp_block_fn* run, void* context, int 
     }
 }
 
-// Any worker may run a block next time, so each needs the same scratch capacity: a repeated step allocates nothing.
+// Run a block of a wave, and note what it takes above what its worker has in use.
+static void run_shared( jobs_pool* pool, wisp_block_fn* run, void* context, int block, int worker )
+{
+    jobs_scratch* scratch = pool->scratch + worker;
+    const size_t before = scratch->arena.high_water, used = scratch->arena.requested;
+    scratch->arena.high_water = used;
+    run_scoped( pool, run, context, block, worker );
+    const size_t most = scratch->arena.high_water;
+    scratch->of_any = most - used > scratch->of_any ? most - used : scratch->of_any;
+    base_arena_expect( &scratch->arena, before );
+}
+
+// Any worker may run such a block next time, so each has scratch memory for it: a repeated step allocates nothing.
 static void level_scratch( jobs_pool* pool )
 {
     size_t most = 0;
     for ( int i = 0; i < pool->workers; ++i )
     {
-        size_t upper = pool->scratch[i].arena.high_water;
-        most = upper > most ? upper : most;
+        most = pool->scratch[i].of_any > most ? pool->scratch[i].of_any : most;
     }
     for ( int i = 0; i < pool->workers; ++i )
     {
-        base_arena_expect( &pool->scratch[i].arena, most );
-        base_arena_reset( &pool->scratch[i].arena );
+        jobs_scratch* scratch = pool->scratch + i;
+        base_arena_expect( &scratch->arena, most );
+        base_arena_reset( &scratch->arena );
+        // what the host cannot give is forgotten
+        scratch->of_any = scratch->of_any < scratch->arena.high_water ? scratch->of_any : scratch->arena.high_water;
     }
 }
 
@@ -176,7 +191,7 @@ static void work( jobs_team* team, uint32_t epoch, int worker )
         for ( int block = take( range, epoch ); block >= 0; block = take( range, epoch ) )
         {
             // A block was taken, so the wave cannot end before it is done: run and context are this wave's.
-            run_scoped( team->pool, team->run, team->context, team->first + block, worker );
+            run_shared( team->pool, team->run, team->context, team->first + block, worker );
             atomic_fetch_sub_explicit( &team->pending, 1, memory_order_release );
         }
     }
@@ -311,7 +326,7 @@ bool jobs_enter( jobs_pool* pool, void ( *driver )( void* context ), void* conte
 static void run_host_block( void* context, int block, int worker )
 {
     jobs_pool* pool = context;
-    run_scoped( pool, pool->run, pool->context, block, worker );
+    run_shared( pool, pool->run, pool->context, block, worker );
 }
 
 void jobs_run_inline( jobs_pool* pool, int block_count, wisp_block_fn* run, void* context )
@@ -348,7 +363,10 @@ void jobs_run_wave( jobs_pool* pool, int block_count, wisp_block_fn* run, void* 
     jobs_team* team = pool->team;
     if ( block_count <= 1 || ( pool->host == NULL && team == NULL ) )
     {
-        jobs_run_inline( pool, block_count, run, context );
+        for ( int block = 0; block < block_count; ++block )
+        {
+            ( pool->workers > 1 ? run_shared : run_scoped )( pool, run, context, block, 0 );
+        }
         return;
     }
     if ( pool->host != NULL )

@@ -173,6 +173,21 @@ void KERNEL( hinge_dihedral )( const wisp_hinge_args* args, int begin, int end )
 
 // ---- moments of angles (wisp/module/plate.h) ----
 
+// The weights of the own angles of eight hinges. A row that pads with its own hinge has 0 there.
+// Not inlined, because what is hardly ever called would take registers of the loop.
+__attribute__( ( noinline ) ) static void add_own_weights( const wisp_plate_turns* turns, int group, float own[8] )
+{
+    for ( int entry = turns->begin[group]; entry < turns->begin[group + 1]; ++entry )
+    {
+        for ( int lane = 0; lane < 8; ++lane )
+        {
+            const bool is_own =
+                ( turns->near != NULL ? turns->near[entry][lane] : turns->other[entry][lane] ) == 8 * group + lane;
+            own[lane] += is_own ? turns->weight[entry][lane] : 0.0f;
+        }
+    }
+}
+
 // Measures angles beyond their rest angles, and moments over lengths of edges for a unit of the moment. A moment along the exact
 // gradient keeps linear and angular momentum whatever its size, so where a triangle has lost its height the moment is what gives
 // way: as in xpbd, with the part of A = r K w |gradient|^2 that the matrix does not have.
@@ -193,7 +208,9 @@ void KERNEL( plate_measure_angles )( const wisp_plate_angle_args* args, int begi
             lane8v gradient[CORNERS];
             angle_gradients( &f, gradient );
             const lane8 beyond = lane8_max( lane8_sub( one, lane8_div( steepest, steep ) ), lane8_zero() );
-            const lane8 stiff = lane8_mul( at_once, lane8_loadu( mine.turns.stiffness + hinge ) );
+            float own[8] = { 0.0f };
+            add_own_weights( &args->turns, hinge / 8, own );
+            const lane8 stiff = lane8_mul( at_once, lane8_loadu( own ) );
             const lane8 more = lane8_mul( lane8_mul( stiff, weighted_square( &c, gradient ) ), beyond );
             divisor = lane8_mul( divisor, lane8_add( one, more ) );
         }
@@ -212,19 +229,37 @@ LANE_INLINE lane8 gather( const float* from, const int32_t* index )
     return lane8_loadu( number );
 }
 
+LANE_INLINE lane8 gather_near( const float* from, const uint16_t* index )
+{
+    float number[8];
+    for ( int lane = 0; lane < 8; ++lane )
+    {
+        number[lane] = from[index[lane]];
+    }
+    return lane8_loadu( number );
+}
+
+// Computes K J of a group of hinges.
+LANE_INLINE lane8 couple( const wisp_plate_turns* turns, const float* angle, int group, bool is_near )
+{
+    lane8 sum = lane8_zero();
+    for ( int entry = turns->begin[group]; entry < turns->begin[group + 1]; ++entry )
+    {
+        const lane8 other = is_near ? gather_near( angle, turns->near[entry] ) : gather( angle, turns->other[entry] );
+        sum = lane8_mul_add( lane8_loadu( turns->weight[entry] ), other, sum );
+    }
+    return sum;
+}
+
 void KERNEL( plate_couple_angles )( const wisp_plate_angle_args* args, int begin, int end )
 {
     const wisp_plate_angle_args mine = *args;
     const lane8 rate = lane8_set1( -mine.rate );
     for ( int group = begin / 8; group < end / 8; ++group )
     {
-        lane8 moment = lane8_zero();
-        for ( int entry = mine.turns.begin[group]; entry < mine.turns.begin[group + 1]; ++entry )
-        {
-            const lane8 angle = gather( mine.angle, mine.turns.other[entry] );
-            moment = lane8_mul_add( lane8_loadu( mine.turns.weight[entry] ), angle, moment );
-        }
-        float* out = mine.moment + 8 * group;
+        const lane8 moment = mine.turns.near != NULL ? couple( &mine.turns, mine.angle, group, true )
+                                                     : couple( &mine.turns, mine.angle, group, false );
+        float* out = mine.moment + 8 * (size_t)group;
         lane8_storeu( out, lane8_mul( lane8_mul( rate, moment ), lane8_loadu( out ) ) );
     }
 }

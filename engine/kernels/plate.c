@@ -6,16 +6,29 @@
 static const int32_t WEIGHTS_OF_ROW[8] = { 0, 0, 0, -1, 0, 0, 0, -1 };
 
 // Computes Q x of a slice. Rows sum to zero, so it is a sum of differences, which float keeps far from the origin.
-LANE_INLINE lane8v multiply( const wisp_plate_rows* rows, const float* xyzw, int slice, lane8v own )
+LANE_INLINE lane8v multiply_rows( const wisp_plate_rows* rows, const float* xyzw, int slice, lane8v own,
+                                  bool is_near )
 {
     lane8v sum = { lane8_zero(), lane8_zero(), lane8_zero() };
+    const float* first = is_near ? xyzw + (size_t)slice * 32 : xyzw;
     for ( int entry = rows->begin[slice]; entry < rows->begin[slice + 1]; ++entry )
     {
         lane8v other;
-        lane8_load_xyz( xyzw, rows->other_x4[entry], &other.x, &other.y, &other.z );
+        int32_t at_x4[8];
+        for ( int lane = 0; lane < 8; ++lane )
+        {
+            at_x4[lane] = is_near ? rows->near_x4[entry][lane] : rows->other_x4[entry][lane];
+        }
+        lane8_load_xyz( first, at_x4, &other.x, &other.y, &other.z );
         sum = lane8v_mul_add( sum, lane8_loadu( rows->weight[entry] ), lane8v_sub( own, other ) );
     }
     return sum;
+}
+
+LANE_INLINE lane8v multiply( const wisp_plate_rows* rows, const float* xyzw, int slice, lane8v own )
+{
+    return rows->near_x4 != NULL ? multiply_rows( rows, xyzw, slice, own, true )
+                                 : multiply_rows( rows, xyzw, slice, own, false );
 }
 
 void KERNEL( plate_impulse )( const wisp_plate_args* args, int begin, int end )

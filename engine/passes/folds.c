@@ -17,20 +17,38 @@ static float compliance_of( const wisp_fabric* fabric, const int32_t* corner, fl
     return both / ( rigidity * fmaxf( wisp_v3_dot( edge, edge ), 1e-30f ) );
 }
 
+// Find the corners of the hinge of a slot of hinges, or of a bend link.
+static void find_corners( const wisp_fabric* fabric, int slot, bool is_link, int32_t corner[4] )
+{
+    if ( is_link )
+    {
+        const int hinge = fabric->link_order.constraint[slot] - fabric->edge_count;
+        memcpy( corner, fabric->hinges + 4 * (size_t)hinge, 4 * sizeof( int32_t ) );
+    }
+    else
+    {
+        wisp_fabric_hinge_corners( fabric, slot, corner );
+    }
+}
+
 // Project the folds among the constraints of a group. The other lanes are dummies, which do not move.
-// @param constraint of the group, of which first_hinge is hinge 0
-static void open_lanes( wisp_hinge_args* args, const wisp_kernels* kernels, const wisp_fabric* fabric,
-                        const int32_t* constraint, int first_hinge, unsigned lanes, float rigidity )
+static void open_lanes( wisp_hinge_args* args, const wisp_kernels* kernels, const wisp_fabric* fabric, int group,
+                        bool are_links, unsigned lanes, float rigidity )
 {
     int32_t slot_x4[4][8];
     float rest[8] = { 0 }, compliance[8] = { 0 };
     for ( int lane = 0; lane < 8; ++lane )
     {
         const bool is_fold = ( lanes >> lane & 1 ) != 0;
-        const int32_t* corner = is_fold ? fabric->hinges + 4 * (size_t)( constraint[lane] - first_hinge ) : NULL;
+        int32_t corner[4] = { fabric->vertex_count, fabric->vertex_count, fabric->vertex_count,
+                              fabric->vertex_count };
+        if ( is_fold )
+        {
+            find_corners( fabric, 8 * group + lane, are_links, corner );
+        }
         for ( int k = 0; k < 4; ++k )
         {
-            slot_x4[k][lane] = 4 * ( is_fold ? corner[k] : fabric->vertex_count );
+            slot_x4[k][lane] = 4 * corner[k];
         }
         compliance[lane] = is_fold ? compliance_of( fabric, corner, rigidity ) : 0.0f;
     }
@@ -41,13 +59,13 @@ static void open_lanes( wisp_hinge_args* args, const wisp_kernels* kernels, cons
 }
 
 // Hinges of a group share no vertex, but bend links share the ends of their hinges.
-static void open_group( wisp_hinge_args* args, const wisp_kernels* kernels, const wisp_fabric* fabric,
-                        const int32_t* constraint, int first_hinge, unsigned lanes, float rigidity )
+static void open_group( wisp_hinge_args* args, const wisp_kernels* kernels, const wisp_fabric* fabric, int group,
+                        bool are_links, unsigned lanes, float rigidity )
 {
     for ( unsigned left = lanes; left != 0; )
     {
-        const unsigned at_once = first_hinge == 0 ? left : left & ( ~left + 1u );
-        open_lanes( args, kernels, fabric, constraint, first_hinge, at_once, rigidity );
+        const unsigned at_once = are_links ? left & ( ~left + 1u ) : left;
+        open_lanes( args, kernels, fabric, group, are_links, at_once, rigidity );
         left &= ~at_once;
     }
 }
@@ -58,7 +76,7 @@ static void open_group( wisp_hinge_args* args, const wisp_kernels* kernels, cons
 typedef struct fold_order
 {
     const wisp_schedule* schedule;
-    int first_hinge; // number of the first hinge among the constraints
+    bool are_links;
     wisp_component component;
 } fold_order;
 
@@ -104,7 +122,7 @@ static void open_found( wisp_frame* frame, const wisp_span* span, const fold_ord
     *count = 0;
     for ( int word = 0; word < word_count( order ); ++word )
     {
-        if ( folded[word] != 0 && wisp_fabric_need( fabric, WISP_FABRIC_HINGES ) != WISP_OK )
+        if ( folded[word] != 0 && order->are_links && wisp_fabric_need( fabric, WISP_FABRIC_HINGES ) != WISP_OK )
         {
             wisp_frame_fail( frame, WISP_NO_MEMORY, "folds: out of memory for %d hinges", fabric->hinge_count );
             return;
@@ -112,8 +130,7 @@ static void open_found( wisp_frame* frame, const wisp_span* span, const fold_ord
         for ( int group = 8 * word; folded[word] != 0 && group < 8 * word + 8; ++group )
         {
             const uint8_t lanes = ( (const uint8_t*)folded )[group];
-            open_group( &args, kernels, fabric, order->schedule->constraint + 8 * group, order->first_hinge, lanes,
-                        rigidity );
+            open_group( &args, kernels, fabric, group, order->are_links, lanes, rigidity );
             *count += lanes != 0;
         }
     }
@@ -123,7 +140,7 @@ static void open_found( wisp_frame* frame, const wisp_span* span, const fold_ord
 
 static fold_order order_of_links( const wisp_fabric* fabric )
 {
-    return ( fold_order ){ &fabric->link_order, fabric->edge_count, WISP_LINK_FOLDS };
+    return ( fold_order ){ &fabric->link_order, true, WISP_LINK_FOLDS };
 }
 
 bool passes_begin_folds( wisp_frame* frame, const wisp_span* span, wisp_link_args* args )
@@ -151,7 +168,7 @@ void passes_open_hinges( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
-    const fold_order order = { &fabric->hinge_order, 0, WISP_HINGE_FOLDS };
+    const fold_order order = { &fabric->hinge_order, false, WISP_HINGE_FOLDS };
     uint64_t* folded;
     if ( begin_search( frame, span, &order, &folded ) && folded != NULL )
     {

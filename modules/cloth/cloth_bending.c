@@ -132,9 +132,10 @@ typedef struct hinge_shape
     bool sound;  // both triangles have an area, so there is an angle between them
 } hinge_shape;
 
-static hinge_shape shape_of( const wisp_fabric* f, int hinge )
+static hinge_shape shape_of( const wisp_fabric* f, int slot )
 {
-    const int32_t* corner = f->hinges + 4 * (size_t)hinge;
+    int32_t corner[4];
+    wisp_fabric_hinge_corners( f, slot, corner );
     hinge_shape s = {
         rest_of( f, corner[0] ), rest_of( f, corner[1] ), rest_of( f, corner[2] ), rest_of( f, corner[3] ), 0.0, false
     };
@@ -202,8 +203,8 @@ void cloth_fill_hinges( wisp_world* world, wisp_entity surface, const wisp_cloth
     float* stiffness = wisp_world_column( world, surface, WISP_HINGE_STIFFNESS, 0 );
     for ( int slot = 0; slot < f->hinge_order.slot_count; ++slot )
     {
-        const int hinge = f->hinge_order.constraint[slot];
-        const hinge_shape s = hinge >= 0 ? shape_of( f, hinge ) : ( hinge_shape ){ 0 };
+        const hinge_shape s =
+            f->hinge_order.constraint[slot] >= 0 ? shape_of( f, slot ) : ( hinge_shape ){ .sound = false };
         fill_shape( world, surface, &s, def, slot );
         if ( stiffness != NULL )
         {
@@ -237,27 +238,48 @@ void cloth_release_plate( void* memory, const wisp_allocator* allocator )
     allocator->release( allocator->user, mine, sizeof( *mine ) );
 }
 
-wisp_status cloth_add_plate( wisp_world* world, const cloth_state* state, wisp_entity surface )
+// @return whether a surface has a plate that serves
+static bool has_plate( const cloth_state* state, wisp_entity surface, bool by_angle )
+{
+    const cloth_plate* mine = wisp_find_object( state->plates, surface );
+    return mine != NULL && ( by_angle == false || wisp_plate_get_turns( mine->plate ).begin != NULL );
+}
+
+// Another surface of the fabric may have the same plate. @return null: none
+static wisp_plate* share_plate( const cloth_state* state, const wisp_fabric* fabric, const float* position,
+                                bool by_angle )
+{
+    const cloth_plate* other;
+    wisp_plate* plate = NULL;
+    for ( int place = 0; plate == NULL && ( other = wisp_next_object( state->plates, &place ) ) != NULL; )
+    {
+        plate = wisp_plate_share( other->plate, fabric, position, by_angle );
+    }
+    return plate;
+}
+
+wisp_status cloth_add_plate( wisp_world* world, const cloth_state* state, wisp_entity surface, bool by_angle )
 {
     const wisp_fabric* fabric = wisp_world_fabric( world, surface );
     const wisp_allocator* allocator = wisp_world_allocator( world );
-    if ( wisp_find_object( state->plates, surface ) != NULL )
+    if ( has_plate( state, surface, by_angle ) )
     {
         return WISP_OK;
     }
     cloth_plate* mine = wisp_reserve_object( state->plates, surface )
                             ? allocator->allocate( allocator->user, sizeof( cloth_plate ), 64 )
                             : NULL;
-    wisp_plate* plate = NULL;
-    if ( mine == NULL || wisp_plate_create( fabric, NULL, fabric->slot_count, true, allocator, &plate ) != WISP_OK )
+    const float* position = wisp_world_column( world, surface, WISP_PARTICLE_POSITION, 0 );
+    wisp_plate* plate = mine != NULL ? share_plate( state, fabric, position, by_angle ) : NULL;
+    if ( mine == NULL || ( plate == NULL && wisp_plate_create( fabric, NULL, fabric->slot_count, by_angle, allocator,
+                                                               &plate ) != WISP_OK ) )
     {
         wisp_release( allocator, mine, sizeof( cloth_plate ) );
         return wisp_world_fail( world, WISP_NO_MEMORY, "cloth: out of memory for the bending of %d vertices",
                                 fabric->vertex_count );
     }
     // the first step computes it again if it is too stiff for the substeps, or has maps
-    const float* position = wisp_world_column( world, surface, WISP_PARTICLE_POSITION, 0 );
-    wisp_plate_update( plate, fabric, position, FLT_MAX );
+    wisp_plate_update( &plate, fabric, &( wisp_plate_input ){ .position = position, .max_rate = FLT_MAX } );
     *mine = ( cloth_plate ){ .plate = plate };
     wisp_set_object( state->plates, surface, mine );
     return WISP_OK;
@@ -404,8 +426,10 @@ static bool find_arrays( wisp_frame* frame, const wisp_span* span, bending_solve
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
     const size_t numbers = 4 * (size_t)fabric->slot_count, hinges = (size_t)fabric->hinge_order.slot_count;
     const size_t blocks = numbers / 32 / BENDING_GRAIN + 1;
+    // angles and their moments are done with when the stages begin
+    const size_t shared = 2 * numbers > 2 * hinges + 1 ? 2 * numbers : 2 * hinges + 1;
     float* scratch = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker,
-                                            ( 4 * numbers + 2 * hinges + 1 + blocks ) * sizeof( float ) );
+                                            ( 2 * numbers + shared + blocks ) * sizeof( float ) );
     if ( scratch == NULL )
     {
         wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the bending of %zu particles", numbers / 4 );
@@ -434,29 +458,38 @@ static bool find_arrays( wisp_frame* frame, const wisp_span* span, bending_solve
         .slot_x4 = fabric->hinge_slot_x4,
         .rest = wisp_frame_column( frame, span->entity, WISP_HINGE_REST, 0 ),
         .position = scratch,
-        .angle = scratch + 4 * numbers,
-        .moment = scratch + 4 * numbers + hinges,
+        .angle = scratch + 2 * numbers,
+        .moment = scratch + 2 * numbers + hinges,
         .impulse = b->args.impulse,
     };
     b->by_angle = b->angles.rest != NULL;
     b->angles.moment[hinges] = 0.0f;
-    b->largest = b->angles.moment + hinges + 1;
+    b->largest = scratch + 2 * numbers + shared;
     return true;
 }
 
-// Coefficients of this step, which change only between steps. @return the largest eigenvalue of A
+// Coefficients of this step, which change only between steps. @return the largest eigenvalue of A; below 0 without memory
 static double update_plate( wisp_frame* frame, const wisp_span* span, cloth_plate* mine, bending_solve* b )
 {
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
     const double reach = recurrence_of( MAX_STAGES ).reach, margin = b->by_angle ? ANGLE_MARGIN : 1.0;
     if ( span->substep == 0 )
     {
-        wisp_plate_follow_maps( mine->plate, fabric, b->moves.position,
-                                wisp_frame_column( frame, span->entity, WISP_MAP_BEND_RIGIDITY, 0 ),
-                                wisp_frame_has( frame, span->entity, WISP_MAP_AREA_DENSITY ) );
-        // where a few triangles alone are too stiff, only they are lowered; a vertex lies in several of their patches
-        mine->lowered = wisp_plate_update( mine->plate, fabric, b->moves.position,
-                                           (float)( reach / ( 4.0 * margin * (double)b->args.rate ) ) );
+        const wisp_plate_input input = {
+            .position = b->moves.position,
+            .factors = wisp_frame_column( frame, span->entity, WISP_MAP_BEND_RIGIDITY, 0 ),
+            .has_mass_map = wisp_frame_has( frame, span->entity, WISP_MAP_AREA_DENSITY ),
+            // where a few triangles alone are too stiff, only they are lowered; a vertex lies in several of their patches
+            .max_rate = (float)( reach / ( 4.0 * margin * (double)b->args.rate ) ),
+        };
+        const int lowered = wisp_plate_update( &mine->plate, fabric, &input );
+        if ( lowered < 0 )
+        {
+            wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the bending of %d vertices",
+                             fabric->vertex_count );
+            return -1.0;
+        }
+        mine->lowered = lowered;
     }
     const double largest = margin * (double)b->args.rate * (double)wisp_plate_max_rate( mine->plate );
     b->args.rate *= largest > reach ? (float)( reach / largest ) : 1.0f;
@@ -481,6 +514,10 @@ void cloth_bend( wisp_frame* frame, const wisp_span* span, void* user )
     b.args.rows = wisp_plate_get_rows( mine->plate );
     b.angles.turns = wisp_plate_get_turns( mine->plate );
     const double largest = update_plate( frame, span, mine, &b );
+    if ( largest < 0.0 )
+    {
+        return;
+    }
     for_slices( parallel, &b, predict );
     if ( b.by_angle )
     {

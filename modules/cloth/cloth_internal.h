@@ -46,8 +46,8 @@ void cloth_fill_hinges( wisp_world* world, wisp_entity surface, const wisp_cloth
 
 /// Bending of xpbd cloth: a matrix a surface, kept by the module, and the pass that solves with it.
 
-/// Cook the plate of a surface, unless it has one.
-wisp_status cloth_add_plate( wisp_world* world, const cloth_state* state, wisp_entity surface );
+/// Cook the plate of a surface, unless it has one that serves. @param by_angle for bending by angle
+wisp_status cloth_add_plate( wisp_world* world, const cloth_state* state, wisp_entity surface, bool by_angle );
 void cloth_release_plate( void* plate, const wisp_allocator* allocator );
 
 /// The pass.

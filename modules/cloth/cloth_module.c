@@ -202,12 +202,14 @@ static wisp_status triangles_changed( void* memory, wisp_world* world, wisp_enti
 {
     (void)before;
     const cloth_state* state = memory;
-    if ( wisp_find_object( state->plates, surface ) == NULL )
+    const cloth_plate* mine = wisp_find_object( state->plates, surface );
+    if ( mine == NULL )
     {
         return WISP_OK;
     }
+    const bool by_angle = wisp_plate_get_turns( mine->plate ).begin != NULL;
     wisp_set_object( state->plates, surface, NULL );
-    const wisp_status status = cloth_add_plate( world, state, surface );
+    const wisp_status status = cloth_add_plate( world, state, surface, by_angle );
     if ( status != WISP_OK )
     {
         (void)wisp_world_detach( world, surface, state->bending );
@@ -442,7 +444,7 @@ wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_c
         ( def->bending == WISP_CLOTH_BENDING_DIHEDRAL || def->bending == WISP_CLOTH_BENDING_ISOMETRIC );
     const bool had_sheets = status == WISP_OK && wisp_world_has( world, surface, WISP_SURFACE_LEVELS );
     const bool keeps_plate = status != WISP_OK || wisp_find_object( state->plates, surface ) != NULL;
-    status = bends ? cloth_add_plate( world, state, surface ) : status;
+    status = bends ? cloth_add_plate( world, state, surface, def->bending == WISP_CLOTH_BENDING_DIHEDRAL ) : status;
     status = status == WISP_OK ? set_components( world, surface, def, state ) : status;
     if ( status == WISP_OK ? bends == false : keeps_plate == false )
     {

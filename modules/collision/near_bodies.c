@@ -32,10 +32,9 @@ typedef struct collision_motion
 
 // ---- memory ----
 
-// Make room for twice as much, so that a crowd that comes together asks seldom. Contents stay.
 static bool reserve_near( const wisp_allocator* allocator, wisp_buffer* buffer, void** array, size_t bytes )
 {
-    const bool enough = bytes <= buffer->size || wisp_buffer_reserve( buffer, allocator, 2 * bytes );
+    const bool enough = wisp_buffer_reserve( buffer, allocator, bytes );
     *array = buffer->data;
     return enough;
 }

@@ -186,7 +186,7 @@ static void cut_strands( cutting* c, const contact_participant* participant )
 
 // ---- packs and lists ----
 
-// Count the primitives of each cluster, first one by one, then as packs of eight. @return the number of packs
+// Count the primitives of each cluster, first one by one, then as packs of eight. @return the number of their rows
 static int count_rows( const cutting* c, const int counts[3] )
 {
     contact_contact_mesh* s = c->contact_mesh;
@@ -209,7 +209,7 @@ static int count_rows( const cutting* c, const int counts[3] )
         {
             cluster->kind_row[kind] = rows;
             cluster->rows[kind] = ( cluster->rows[kind] + WISP_SLICE - 1 ) / WISP_SLICE;
-            rows += cluster->rows[kind];
+            rows += contact_pack_rows( kind ) * cluster->rows[kind];
         }
     }
     return rows;
@@ -217,21 +217,27 @@ static int count_rows( const cutting* c, const int counts[3] )
 
 static void add_primitive( contact_contact_mesh* s, const contact_cluster* cluster, int kind, int32_t primitive )
 {
-    contact_pack* row = s->clusters->packs + cluster->kind_row[kind];
-    int lane = 0;
-    for ( ; row->item[lane] >= 0; row += lane == WISP_SLICE - 1 ? 1 : 0, lane = ( lane + 1 ) % WISP_SLICE )
-    {
-    }
+    int32_t( *row )[WISP_SLICE] = s->clusters->packs + cluster->kind_row[kind];
     const int32_t* points = points_of( s, kind, &primitive );
-    row->item[lane] = primitive;
-    for ( int k = 0; k <= kind; ++k )
+    int lane = 0;
+    while ( row[0][lane] >= 0 )
     {
-        row->point_x4[k][lane] = points[k] * 4;
+        row += lane == WISP_SLICE - 1 ? contact_pack_rows( kind ) : 0;
+        lane = ( lane + 1 ) % WISP_SLICE;
+    }
+    row[0][lane] = primitive;
+    for ( int k = 0; k <= kind && kind > 0; ++k )
+    {
+        row[1 + k][lane] = 4 * points[k];
+        for ( int other = 1; other < WISP_SLICE && lane == 0; ++other )
+        {
+            row[1 + k][other] = 0; // while it is empty
+        }
     }
 }
 
 // List the points of a cluster, padded to a multiple of eight. @return how many
-static int list_points( const contact_clusters* k, const contact_cluster* cluster, int32_t* point_x4 )
+static int list_points( const contact_contact_mesh* s, const contact_cluster* cluster, int32_t* point_x4 )
 {
     int count = 0;
     for ( int kind = 0; kind < 3; ++kind )
@@ -239,13 +245,16 @@ static int list_points( const contact_clusters* k, const contact_cluster* cluste
         const int corners = kind + 1;
         for ( int i = 0; i < corners * WISP_SLICE * cluster->rows[kind]; ++i )
         {
-            const contact_pack* row = k->packs + cluster->kind_row[kind] + i / ( corners * WISP_SLICE );
-            const int32_t point = row->point_x4[i / WISP_SLICE % corners][i % WISP_SLICE];
+            const int32_t* item =
+                s->clusters
+                    ->packs[cluster->kind_row[kind] + i / ( corners * WISP_SLICE ) * contact_pack_rows( kind )] +
+                i % WISP_SLICE;
+            const int32_t point = *item < 0 ? -1 : 4 * points_of( s, kind, item )[i / WISP_SLICE % corners];
             int at = 0;
             for ( ; at < count && point_x4[at] != point; ++at )
             {
             }
-            if ( at == count && row->item[i % WISP_SLICE] >= 0 )
+            if ( at == count && point >= 0 )
             {
                 point_x4[count++] = point;
             }
@@ -258,22 +267,22 @@ static int list_points( const contact_clusters* k, const contact_cluster* cluste
     return count;
 }
 
-// List the clusters of each point. @param most points of all clusters, padding included
-static bool list_owners( const cutting* c, size_t most )
+// List the clusters of each point.
+static bool list_owners( const cutting* c )
 {
     contact_contact_mesh* s = c->contact_mesh;
     contact_clusters* k = s->clusters;
     const size_t points = (size_t)s->point_count, number = sizeof( int32_t );
-    if ( contact_reserve( c->work, k->buffers + CONTACT_CLUSTER_OWNERS_BEGIN, ( points + 2 ) * number,
-                          (void**)&k->owners_begin ) == false ||
-         contact_reserve( c->work, k->buffers + CONTACT_CLUSTER_OWNERS, most * number, (void**)&k->owners ) == false )
+    bool enough = contact_reserve( c->work, k->buffers + CONTACT_CLUSTER_OWNERS_BEGIN, ( points + 2 ) * number,
+                                   (void**)&k->owners_begin );
+    if ( enough == false )
     {
         return false;
     }
     // a counting sort: counts go two places ahead, so that filling leaves each start in place
     int32_t* begin = k->owners_begin;
     memset( begin, 0, ( points + 2 ) * number );
-    for ( int pass = 0; pass < 2; ++pass )
+    for ( int pass = 0; pass < 2 && enough; ++pass )
     {
         for ( int p = 0; p < k->count; ++p )
         {
@@ -294,8 +303,10 @@ static bool list_owners( const cutting* c, size_t most )
         {
             begin[i + 2] += begin[i + 1];
         }
+        enough = pass > 0 || contact_reserve( c->work, k->buffers + CONTACT_CLUSTER_OWNERS,
+                                              (size_t)begin[points + 1] * number, (void**)&k->owners );
     }
-    return true;
+    return enough;
 }
 
 static bool fill_clusters( const cutting* c, const int counts[3] )
@@ -316,11 +327,7 @@ static bool fill_clusters( const cutting* c, const int counts[3] )
     {
         return false;
     }
-    memset( k->packs, 0, rows * sizeof( *k->packs ) );
-    for ( size_t row = 0; row < rows; ++row )
-    {
-        memset( k->packs[row].item, -1, sizeof( k->packs[row].item ) );
-    }
+    memset( k->packs, -1, rows * sizeof( *k->packs ) );
     for ( int kind = 0; kind < 3; ++kind )
     {
         for ( int i = 0; i < counts[kind]; ++i )
@@ -328,14 +335,12 @@ static bool fill_clusters( const cutting* c, const int counts[3] )
             add_primitive( s, k->items + c->cluster_of[kind][i], kind, i );
         }
     }
-    size_t points = 0;
     for ( int p = 0; p < k->count; ++p )
     {
         k->items[p].first_point = CLUSTER_POINTS * p;
-        k->items[p].point_count = list_points( k, k->items + p, k->points + CLUSTER_POINTS * (size_t)p );
-        points += (size_t)k->items[p].point_count;
+        k->items[p].point_count = list_points( s, k->items + p, k->points + CLUSTER_POINTS * (size_t)p );
     }
-    return list_owners( c, points );
+    return list_owners( c );
 }
 
 bool contact_make_clusters( const contact_work* work )
@@ -409,21 +414,35 @@ static void sum_normals( const contact_cluster* cluster, contact_placed* placed 
     }
 }
 
+// Copy the rows of a pack. An empty lane has the first point.
+static void copy_pack( int32_t ( *row )[WISP_SLICE], int kind, wisp_primitive_pack* to )
+{
+    memcpy( to->item, row[0], sizeof( to->item ) );
+    for ( int lane = 0; lane < WISP_SLICE && kind == 0; ++lane )
+    {
+        to->point_x4[0][lane] = row[0][lane] > 0 ? 4 * row[0][lane] : 0;
+    }
+    if ( kind > 0 )
+    {
+        memcpy( to->point_x4, row[1], sizeof( to->point_x4 ) );
+    }
+    if ( kind > 1 )
+    {
+        memcpy( to->third_x4, row[3], sizeof( to->third_x4 ) );
+    }
+}
+
 void contact_place_cluster( const contact_work* work, int cluster, contact_placed* to )
 {
     const contact_clusters* c = work->contact_mesh->clusters;
     const contact_cluster* from = c->items + cluster;
     const wisp_kernels* kernels = wisp_frame_kernels( work->frame );
     to->box = contact_box_around( work, from );
-    for ( int kind = 0; kind < 3; ++kind )
+    for ( int kind = 0, first = 0; kind < 3; first += from->rows[kind++] )
     {
-        const int first = from->kind_row[kind] - from->kind_row[0];
-        for ( int i = first; i < first + from->rows[kind]; ++i )
+        for ( int i = 0; i < from->rows[kind]; ++i )
         {
-            const contact_pack* pack = c->packs + from->kind_row[0] + i;
-            memcpy( to->packs[i].item, pack->item, sizeof( pack->item ) );
-            memcpy( to->packs[i].point_x4, pack->point_x4, sizeof( to->packs[i].point_x4 ) );
-            memcpy( to->packs[i].third_x4, pack->point_x4[2], sizeof( to->packs[i].third_x4 ) );
+            copy_pack( c->packs + from->kind_row[kind] + contact_pack_rows( kind ) * i, kind, to->packs + first + i );
         }
         kernels->place_primitives( work->contact_mesh->intersection_free, to->packs, kind + 1, first,
                                    first + from->rows[kind] );

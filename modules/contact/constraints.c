@@ -27,7 +27,6 @@ enum
 static void set_points( const contact_work* work, const contact_pair* c, bool is_edge, contact_row* row )
 {
     const contact_contact_mesh* s = work->contact_mesh;
-    row->count = 4;
     row->split = is_edge ? 2 : 1;
     const int32_t* a = is_edge ? s->edges + 2 * (size_t)c->a : &c->a;
     const int32_t* b = is_edge ? s->edges + 2 * (size_t)c->b : s->triangles + 3 * (size_t)c->b;
@@ -78,7 +77,7 @@ static void begin_row( const contact_work* work, const contact_active* active, b
     if ( a->thickness != NULL || b->thickness != NULL )
     {
         const float sum = a->settings.thickness * factor_of( a, a->thickness, row, 0, row->split ) +
-                          b->settings.thickness * factor_of( b, b->thickness, row, row->split, row->count );
+                          b->settings.thickness * factor_of( b, b->thickness, row, row->split, CONTACT_MAX_POINTS );
         gap = contact_smaller( gap, 0.5f * sum );
     }
     row->a = c->a;
@@ -86,8 +85,9 @@ static void begin_row( const contact_work* work, const contact_active* active, b
     row->key = key_of( work, row, is_edge );
     row->gap = contact_smaller( gap, row->distance );
     row->requested = gap;
-    row->friction = sqrtf( a->settings.friction * factor_of( a, a->friction, row, 0, row->split ) *
-                           ( b->settings.friction * factor_of( b, b->friction, row, row->split, row->count ) ) );
+    row->friction =
+        sqrtf( a->settings.friction * factor_of( a, a->friction, row, 0, row->split ) *
+               ( b->settings.friction * factor_of( b, b->friction, row, row->split, CONTACT_MAX_POINTS ) ) );
     row->normal_impulse = 0.0f;
     row->is_lever = row->is_squeezed = row->is_passed = false;
     memset( row->tangential_impulse, 0, sizeof( row->tangential_impulse ) );

@@ -8,7 +8,6 @@
 typedef struct contact_row
 {
     int32_t a, b; // the primitives
-    int32_t count, split;
     int32_t point[CONTACT_MAX_POINTS];
     float weight[CONTACT_MAX_POINTS]; // barycentric, of the second side negative
     float normal[3];                  // unit, from the second side to the first
@@ -19,9 +18,10 @@ typedef struct contact_row
     uint32_t key;                // of the pair, whatever the contact mesh
     float normal_impulse;        // kg m, accumulated, >= 0: times the substep
     float tangential_impulse[3]; // kg m, accumulated
+    float closing;               // m, most that its sides approach while points keep to their tolerance
+    uint8_t split;               // points of the first side
     bool is_squeezed;            // bodies hold both sides
     bool is_lever;               // a point is a long lever, so that its impulse is not kept
-    float closing;               // m, most that its sides approach while points keep to their tolerance
     bool is_passed;              // in a round of the displacement limit
 } contact_row;
 

@@ -343,23 +343,46 @@ static void count_participant( const contact_work* work, contact_participant* pa
     counts[2] += participant->triangle_count;
 }
 
-static bool reserve_mesh( const contact_work* work )
+// Return the fabric of the only participant with points, whose lists then serve; null: there are others.
+static const wisp_fabric* only_fabric( const contact_work* work )
+{
+    const wisp_fabric* only = NULL;
+    for ( int g = 0; g < work->participant_count; ++g )
+    {
+        const contact_participant* participant = work->participants + g;
+        if ( participant->point_count == work->contact_mesh->point_count && participant->is_strands == false )
+        {
+            only = wisp_frame_fabric( work->frame, participant->entity );
+        }
+    }
+    return only;
+}
+
+// @param edges, triangles receive where to list those of the participants; null: the lists of the only fabric serve
+static bool reserve_mesh( const contact_work* work, int32_t** edges, int32_t** triangles )
 {
     contact_contact_mesh* s = work->contact_mesh;
     const size_t xyzw = (size_t)s->point_count * 4 * sizeof( float ), index = sizeof( int32_t );
-    const size_t edges = (size_t)s->edge_count * 2 * index, triangles = (size_t)s->triangle_count * 3 * index;
+    const wisp_fabric* only = only_fabric( work );
     wisp_buffer* b = s->buffers;
-    return contact_reserve( work, b++, xyzw, (void**)&s->now ) &&
-           contact_reserve( work, b++, xyzw, (void**)&s->intersection_free ) &&
-           contact_reserve( work, b++, xyzw, (void**)&s->rest ) &&
-           contact_reserve( work, b++, xyzw, (void**)&s->shift ) &&
-           contact_reserve( work, b++, edges, (void**)&s->edges ) &&
-           contact_reserve( work, b++, triangles, (void**)&s->triangles ) &&
-           contact_reserve( work, b++, (size_t)s->point_count, (void**)&s->is_pushed ) &&
-           contact_reserve( work, b++, (size_t)s->point_count * index, (void**)&s->held );
+    *edges = *triangles = NULL;
+    const bool enough =
+        contact_reserve( work, b++, xyzw, (void**)&s->now ) &&
+        contact_reserve( work, b++, xyzw, (void**)&s->intersection_free ) &&
+        contact_reserve( work, b++, xyzw, (void**)&s->rest ) &&
+        contact_reserve( work, b++, xyzw, (void**)&s->shift ) &&
+        contact_reserve( work, b++, (size_t)s->point_count, (void**)&s->is_pushed ) &&
+        contact_reserve( work, b++, (size_t)s->point_count * index, (void**)&s->held ) &&
+        ( only != NULL ||
+          ( contact_reserve( work, b++, (size_t)s->edge_count * 2 * index, (void**)edges ) &&
+            contact_reserve( work, b++, (size_t)s->triangle_count * 3 * index, (void**)triangles ) ) );
+    s->edges = only != NULL ? only->edges : *edges;
+    s->triangles = only != NULL ? only->triangles : *triangles;
+    return enough;
 }
 
-static void fill_surface( const contact_work* work, const contact_participant* participant, int number )
+static void fill_surface( const contact_work* work, const contact_participant* participant, int number,
+                          int32_t* edges, int32_t* triangles )
 {
     contact_contact_mesh* s = work->contact_mesh;
     const wisp_fabric* f = wisp_frame_fabric( work->frame, participant->entity );
@@ -371,22 +394,23 @@ static void fill_surface( const contact_work* work, const contact_participant* p
         rest[2] = f->rest[i].z;
         rest[3] = (float)number;
     }
-    for ( int i = 0; i < 2 * participant->edge_count; ++i )
+    for ( int i = 0; i < 2 * participant->edge_count && edges != NULL; ++i )
     {
-        s->edges[2 * participant->first_edge + i] = participant->first_point + f->edges[i];
+        edges[2 * participant->first_edge + i] = participant->first_point + f->edges[i];
     }
-    for ( int i = 0; i < 3 * participant->triangle_count; ++i )
+    for ( int i = 0; i < 3 * participant->triangle_count && triangles != NULL; ++i )
     {
-        s->triangles[3 * participant->first_triangle + i] = participant->first_point + f->triangles[i];
+        triangles[3 * participant->first_triangle + i] = participant->first_point + f->triangles[i];
     }
 }
 
-static void fill_strands( const contact_work* work, const contact_participant* participant, int number )
+static void fill_strands( const contact_work* work, const contact_participant* participant, int number,
+                          int32_t* edges )
 {
     contact_contact_mesh* s = work->contact_mesh;
     const wisp_strand_topology* t = wisp_frame_strands( work->frame, participant->entity );
     const float* shape = wisp_frame_column( work->frame, participant->entity, WISP_STRAND_REST, 0 );
-    int32_t* edge = s->edges + 2 * (size_t)participant->first_edge;
+    int32_t* edge = edges + 2 * (size_t)participant->first_edge;
     for ( int i = 0; i < participant->point_count; ++i )
     {
         memset( s->rest + (size_t)( participant->first_point + i ) * 4, 0, 4 * sizeof( float ) );
@@ -429,7 +453,8 @@ bool contact_build_contact_mesh( const contact_work* work )
     s->edge_count = counts[1];
     s->triangle_count = counts[2];
     s->is_listed = s->is_reset = false;
-    if ( reserve_mesh( work ) == false )
+    int32_t *edges, *triangles;
+    if ( reserve_mesh( work, &edges, &triangles ) == false )
     {
         return false;
     }
@@ -439,7 +464,8 @@ bool contact_build_contact_mesh( const contact_work* work )
         const contact_participant* participant = work->participants + g;
         if ( participant->is_left_out == false )
         {
-            participant->is_strands ? fill_strands( work, participant, g ) : fill_surface( work, participant, g );
+            participant->is_strands ? fill_strands( work, participant, g, edges )
+                                    : fill_surface( work, participant, g, edges, triangles );
         }
     }
     return true;

@@ -91,8 +91,8 @@ typedef struct contact_contact_mesh
     float* intersection_free; // [point][4] m: position at the end of the substep before, where nothing intersected
     float* rest;              // [point][4] m: rest position; the fourth is the index of the participant
     float* shift;             // [point][4] m: displacement of this substep that gives no velocity
-    int32_t* edges;           // [edge][2]
-    int32_t* triangles;       // [triangle][3]
+    const int32_t* edges;     // [edge][2]
+    const int32_t* triangles; // [triangle][3]
     uint8_t* is_pushed;       // [point] rows or spheres may push it in this substep
     int32_t* held;            // of each participant, from its first point on: its free points in half spaces
     float min_thickness;      // m, of the participants

@@ -134,7 +134,7 @@ static void add_lines( const void* memory, wisp_world* world, wisp_entity entity
     {
         const contact_row* row = state->constraints.rows + r;
         wisp_vec3 from = { 0.0f, 0.0f, 0.0f }; // on the second side
-        for ( int i = row->split; i < row->count; ++i )
+        for ( int i = row->split; i < CONTACT_MAX_POINTS; ++i )
         {
             from = wisp_v3_mul_add( from, -row->weight[i], wisp_v3_load( s->now + (size_t)row->point[i] * 4 ) );
         }

@@ -30,7 +30,7 @@ static void add_row( const contact_work* work, const contact_row* row, double* s
 {
     double impulse[3], squared = 0.0;
     contact_participant *a = contact_participant_of( work, row->point[0] ),
-                        *b = contact_participant_of( work, row->point[row->count - 1] );
+                        *b = contact_participant_of( work, row->point[CONTACT_MAX_POINTS - 1] );
     for ( int k = 0; k < 3; ++k )
     {
         impulse[k] = ( (double)row->normal_impulse * (double)row->normal[k] + (double)row->tangential_impulse[k] ) /

@@ -68,8 +68,8 @@ static float least_of( const contact_row* row )
 // Compute the coordinates of the points of a row along its normal, relative to the last one.
 static void find_places( const contact_contact_mesh* s, const contact_row* row, float at[CONTACT_MAX_POINTS] )
 {
-    const float* origin = s->now + (size_t)row->point[row->count - 1] * 4;
-    for ( int i = 0; i < row->count; ++i )
+    const float* origin = s->now + (size_t)row->point[CONTACT_MAX_POINTS - 1] * 4;
+    for ( int i = 0; i < CONTACT_MAX_POINTS; ++i )
     {
         const float* p = s->now + (size_t)row->point[i] * 4;
         const float from[3] = { p[0] - origin[0], p[1] - origin[1], p[2] - origin[2] };
@@ -82,7 +82,7 @@ static bool is_passed( const contact_contact_mesh* s, const contact_row* row )
 {
     float at[CONTACT_MAX_POINTS], front = INFINITY, back = -INFINITY;
     find_places( s, row, at );
-    for ( int i = 0; i < row->count; ++i )
+    for ( int i = 0; i < CONTACT_MAX_POINTS; ++i )
     {
         front = i < row->split ? contact_smaller( front, at[i] ) : front;
         back = i >= row->split ? contact_larger( back, at[i] ) : back;
@@ -96,7 +96,7 @@ static bool may_pass( const guard_loop* loop, int r, const contact_row* row )
     const contact_contact_mesh* s = loop->contact_mesh;
     const bool is_new = r >= loop->first_new;
     uint8_t changed = 0;
-    for ( int i = 0; i < row->count; ++i )
+    for ( int i = 0; i < CONTACT_MAX_POINTS; ++i )
     {
         changed |= (uint8_t)( s->limit->changed[row->point[i]] & CHANGED_BEFORE );
         changed |= is_new ? s->motion->is_missed[row->point[i]] : 0;
@@ -127,7 +127,7 @@ static float impulse_of( const contact_contact_mesh* s, const contact_row* row, 
                          float plane, float half )
 {
     float sum = 0.0f;
-    for ( int i = 0; i < row->count; ++i )
+    for ( int i = 0; i < CONTACT_MAX_POINTS; ++i )
     {
         const float short_by = i < row->split ? plane + half - at[i] : plane - half - at[i];
         const bool moves = i < row->split ? short_by > 0.0f : short_by < 0.0f;
@@ -144,7 +144,7 @@ static bool find_plane( const contact_contact_mesh* s, const contact_row* row, c
                         float* half, float* plane )
 {
     float front = INFINITY, back = -INFINITY, fixed_front = INFINITY, fixed_back = -INFINITY;
-    for ( int i = 0; i < row->count; ++i )
+    for ( int i = 0; i < CONTACT_MAX_POINTS; ++i )
     {
         const bool is_front = i < row->split, is_fixed = is_pinned( s, row->point[i] );
         front = is_front ? contact_smaller( front, at[i] ) : front;
@@ -200,7 +200,7 @@ static bool put_back( contact_contact_mesh* s, int point )
 // Put the points of a row back into the half spaces of their bodies.
 static void keep_inside( const contact_work* work, const contact_row* row )
 {
-    for ( int i = 0; i < row->count; ++i )
+    for ( int i = 0; i < CONTACT_MAX_POINTS; ++i )
     {
         const contact_participant* participant = contact_participant_of( work, row->point[i] );
         const int number = row->point[i] - participant->first_point;
@@ -231,7 +231,7 @@ static bool part( const contact_work* work, const contact_row* row, bool gives_u
     find_places( s, row, at );
     const bool is_tangled = find_plane( s, row, at, &half, &plane ) == false;
     bool moves = false;
-    for ( int i = 0; i < row->count; ++i )
+    for ( int i = 0; i < CONTACT_MAX_POINTS; ++i )
     {
         const float short_by = i < row->split ? contact_larger( 0.0f, plane + half - at[i] )
                                               : contact_smaller( 0.0f, plane - half - at[i] );

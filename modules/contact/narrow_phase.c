@@ -3,7 +3,7 @@
 //
 // - Two clusters that a plane separates widely enough need no more: a plane across the line between their boxes, or
 //   across the normal of either.
-// - Otherwise edges meet edges and points meet triangles, for eight pairs of clusters per kernel call. Planes across
+// - Otherwise edges meet edges and points meet triangles, for some pairs of clusters per kernel call. Planes across
 //   the line between the centres of two primitives, and across each, cull most pairs. The rest is measured exactly,
 //   and listed with its distance where it is near. A list holds until its bound is used up (broad_phase.c).
 // - In each substep the listed pairs that may reach their gap are measured again (below).
@@ -393,7 +393,8 @@ const float* contact_measure_primitives( const contact_work* work, const float* 
 
 enum
 {
-    SEARCH_GRAIN = 16, // pairs of clusters
+    SEARCH_GRAIN = 16,  // pairs of clusters
+    PLACED_PACKS = 160, // of the clusters of a task, of which a usual one has four
     SELECT_GRAIN = 32,
     MAX_PER_POINT = 64, // pairs of primitives before displacements are shortened; a stack of cloth has 10
     MIN_MAX_PAIRS = 1024,
@@ -436,9 +437,11 @@ typedef struct narrow_task
     near_loop* loop;
     int placed_count, placed_cluster[2 * SEARCH_GRAIN];
     contact_placed placed[2 * SEARCH_GRAIN];
-    cluster_test tests[WISP_PRIMITIVE_BATCH];
-    float measured[WISP_PRIMITIVE_BATCH], listed[WISP_PRIMITIVE_BATCH]; // m, distances up to which pairs are
-    bool is_brief[WISP_PRIMITIVE_BATCH];
+    int pack_count;
+    _Alignas( 64 ) wisp_primitive_pack packs[PLACED_PACKS]; // of the placed ones
+    cluster_test tests[CONTACT_TESTS];
+    float measured[CONTACT_TESTS], listed[CONTACT_TESTS]; // m, distances up to which pairs are
+    bool is_brief[CONTACT_TESTS];
     contact_batch batches[CONTACT_KIND_COUNT];
 } narrow_task;
 
@@ -453,6 +456,9 @@ static const contact_placed* place( narrow_task* task, int cluster )
     {
         i = task->placed_count++;
         task->placed_cluster[i] = cluster;
+        task->placed[i].packs = task->packs + task->pack_count;
+        const int32_t* packs = task->loop->contact_mesh->clusters->items[cluster].rows;
+        task->pack_count += packs[0] + packs[1] + packs[2];
         contact_place_cluster( task->loop->work, cluster, task->placed + i );
     }
     return task->placed + i;
@@ -512,7 +518,7 @@ static void find_pairs( narrow_task* task, const int* numbers, int count, int qu
     const contact_contact_mesh* s = task->loop->contact_mesh;
     const wisp_kernels* kernels = wisp_frame_kernels( task->loop->work->frame );
     contact_batch* batch = task->batches + kind;
-    wisp_primitive_near_args arg_list[WISP_PRIMITIVE_BATCH];
+    wisp_primitive_near_args arg_list[CONTACT_TESTS];
     int job_count = 0;
     for ( int i = 0; i < count; ++i )
     {
@@ -567,7 +573,7 @@ static void test_clusters( narrow_task* task, int count )
     static const int EDGES[2] = { 1, 1 }, POINTS[2] = { 0, 2 };
     const contact_contact_mesh* s = task->loop->contact_mesh;
     const wisp_kernels* kernels = wisp_frame_kernels( task->loop->work->frame );
-    int numbers[WISP_PRIMITIVE_BATCH] = { 0 }, near_count = 0;
+    int numbers[CONTACT_TESTS] = { 0 }, near_count = 0;
     for ( int i = 0; i < count; ++i )
     {
         cluster_test* test = task->tests + i;
@@ -625,7 +631,7 @@ static void search_batch( narrow_task* task, const int32_t* pairs, int count )
     test_clusters( task, count );
     measure( task, CONTACT_POINTS );
     measure( task, CONTACT_EDGES );
-    int length = 0, brief = 0, at[WISP_PRIMITIVE_BATCH];
+    int length = 0, brief = 0, at[CONTACT_TESTS];
     for ( int i = 0; i < count; ++i )
     {
         cluster_test* test = task->tests + i;
@@ -670,12 +676,16 @@ static void search_clusters( void* context, int begin, int end, int worker )
         return;
     }
     task->loop = loop;
-    task->placed_count = 0;
-    for ( int first = begin; first < end && is_too_long( loop ) == false; first += WISP_PRIMITIVE_BATCH )
+    task->placed_count = task->pack_count = 0;
+    for ( int first = begin; first < end && is_too_long( loop ) == false; first += CONTACT_TESTS )
     {
         const int left = end - first;
+        if ( task->pack_count > PLACED_PACKS - 2 * CONTACT_TESTS * CONTACT_CLUSTER_MOST )
+        {
+            task->placed_count = task->pack_count = 0; // hardly ever: they are placed again
+        }
         search_batch( task, loop->contact_mesh->bounds->searched + first,
-                      left < WISP_PRIMITIVE_BATCH ? left : WISP_PRIMITIVE_BATCH );
+                      left < CONTACT_TESTS ? left : CONTACT_TESTS );
     }
 }
 

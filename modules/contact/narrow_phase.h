@@ -34,8 +34,9 @@ const float* contact_measure_primitives( const contact_work* work, const float* 
 enum
 {
     CONTACT_MAX_PAIRS =
-        24 * 24, // of primitives of one kind in two clusters, or of the points of either with triangles
-    CONTACT_ROOM = WISP_PRIMITIVE_BATCH * CONTACT_MAX_PAIRS + WISP_SLICE, // pairs in a batch
+        24 * 24,       // of primitives of one kind in two clusters, or of the points of either with triangles
+    CONTACT_TESTS = 6, // pairs of clusters in a batch
+    CONTACT_ROOM = CONTACT_TESTS * CONTACT_MAX_PAIRS + WISP_SLICE,
 };
 
 /// A point and a triangle, or two edges.
@@ -73,7 +74,7 @@ typedef struct contact_primitive_pairs
     contact_near near[CONTACT_KIND_COUNT];
 } contact_primitive_pairs;
 
-/// Pairs of one kind that the search of eight pairs of clusters found.
+/// Pairs of one kind that the search of some pairs of clusters found.
 typedef struct contact_batch
 {
     int count;

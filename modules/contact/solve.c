@@ -66,9 +66,9 @@ typedef struct project_loop
 // cancellation.
 static inline float distance_of( const float* xyzw, const contact_row* row )
 {
-    const float* o = xyzw + (size_t)row->point[row->count - 1] * 4;
+    const float* o = xyzw + (size_t)row->point[CONTACT_MAX_POINTS - 1] * 4;
     float d[3] = { 0.0f, 0.0f, 0.0f };
-    for ( int i = 0; i + 1 < row->count; ++i )
+    for ( int i = 0; i + 1 < CONTACT_MAX_POINTS; ++i )
     {
         const float* p = xyzw + (size_t)row->point[i] * 4;
         for ( int k = 0; k < 3; ++k )
@@ -84,7 +84,7 @@ static void find_slip( const contact_contact_mesh* s, const contact_row* row, fl
 {
     float along = 0.0f;
     memset( slip, 0, 3 * sizeof( float ) );
-    for ( int i = 0; i < row->count; ++i )
+    for ( int i = 0; i < CONTACT_MAX_POINTS; ++i )
     {
         const float *p = s->now + (size_t)row->point[i] * 4, *q = s->intersection_free + (size_t)row->point[i] * 4;
         for ( int k = 0; k < 3; ++k )
@@ -116,7 +116,7 @@ static void note_squeezed( const contact_contact_mesh* s, contact_row* row )
 {
     float held[2] = { 0.0f, 0.0f };
     row->is_squeezed = false;
-    for ( int i = 0; i < row->count; ++i )
+    for ( int i = 0; i < CONTACT_MAX_POINTS; ++i )
     {
         held[i < row->split ? 0 : 1] += hold_of( s, row, i ) != NULL ? fabsf( row->weight[i] ) : 0.0f;
     }
@@ -131,7 +131,7 @@ static float mobility_along( const contact_contact_mesh* s, const contact_row* r
                              bool* is_lever )
 {
     float sum = 0.0f, farthest = 0.0f;
-    for ( int i = 0; i < row->count; ++i )
+    for ( int i = 0; i < CONTACT_MAX_POINTS; ++i )
     {
         const float fraction = s->now[(size_t)row->point[i] * 4 + 3] * row->weight[i];
         const float* half = hold_of( s, row, i );
@@ -151,7 +151,7 @@ static float mobility_along( const contact_contact_mesh* s, const contact_row* r
 // correction instead. @param recovers without velocity
 static void push( contact_contact_mesh* s, const contact_row* row, const float impulse[3], bool recovers )
 {
-    for ( int i = 0; i < row->count; ++i )
+    for ( int i = 0; i < CONTACT_MAX_POINTS; ++i )
     {
         const size_t at = (size_t)row->point[i] * 4;
         const float fraction = s->now[at + 3] * row->weight[i];
@@ -337,8 +337,8 @@ static void find_pushed( const contact_work* work )
     {
         const contact_row* row = c->rows + r;
         contact_participant_of( work, row->point[0] )->is_pushed = true;
-        contact_participant_of( work, row->point[row->count - 1] )->is_pushed = true;
-        for ( int i = 0; i < row->count; ++i )
+        contact_participant_of( work, row->point[CONTACT_MAX_POINTS - 1] )->is_pushed = true;
+        for ( int i = 0; i < CONTACT_MAX_POINTS; ++i )
         {
             s->is_pushed[row->point[i]] = 1;
         }
@@ -427,7 +427,7 @@ void contact_project_rows( const contact_work* work, bool is_turn )
 // ends the search. Strands keep none.
 static float* find_kept( const contact_work* work, const contact_row* row, bool is_new )
 {
-    for ( int i = 0; i < row->count; ++i )
+    for ( int i = 0; i < CONTACT_MAX_POINTS; ++i )
     {
         const contact_participant* participant = contact_participant_of( work, row->point[i] );
         contact_load* load =
@@ -553,7 +553,7 @@ static int colour_block( contact_contact_mesh* s, int begin, int end )
     uint64_t taken = 0;
     for ( int r = begin; r < end; ++r )
     {
-        for ( int i = 0; i < s->constraints->rows[r].count; ++i )
+        for ( int i = 0; i < CONTACT_MAX_POINTS; ++i )
         {
             taken |= s->colouring->of_point[s->constraints->rows[r].point[i]];
         }
@@ -565,7 +565,7 @@ static int colour_block( contact_contact_mesh* s, int begin, int end )
     }
     for ( int r = begin; r < end; ++r )
     {
-        for ( int i = 0; i < s->constraints->rows[r].count; ++i )
+        for ( int i = 0; i < CONTACT_MAX_POINTS; ++i )
         {
             s->colouring->of_point[s->constraints->rows[r].point[i]] |= UINT64_C( 1 ) << colour;
         }

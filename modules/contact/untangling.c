@@ -550,7 +550,7 @@ static void add_ways( const parting* p, const contact_row* row )
     const contact_contact_mesh* s = p->work->contact_mesh;
     const bool is_first = number_of( s, row->point[0] ) < number_of( s, row->point[row->split] );
     float way[3] = { 0.0f };
-    for ( int i = is_first ? 0 : row->split; i < ( is_first ? row->split : row->count ); ++i )
+    for ( int i = is_first ? 0 : row->split; i < ( is_first ? row->split : CONTACT_MAX_POINTS ); ++i )
     {
         for ( int k = 0; k < 3; ++k )
         {
@@ -558,7 +558,7 @@ static void add_ways( const parting* p, const contact_row* row )
         }
     }
     const float square = way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
-    for ( int i = 0; i < row->count && square > 0.0f; ++i )
+    for ( int i = 0; i < CONTACT_MAX_POINTS && square > 0.0f; ++i )
     {
         for ( int k = 0; k < 3 && fabsf( row->weight[i] ) > COINCIDENT; ++k )
         {

@@ -202,10 +202,15 @@ static void implicit_set_plate( wisp_frame* frame, const wisp_span* span, implic
         return;
     }
     const double rate = (double)links->rigidity * (double)y->spring.dt * (double)y->spring.dt;
-    wisp_plate_follow_maps( links->plate, wisp_frame_fabric( frame, span->entity ), s->columns.position, NULL,
-                            wisp_frame_has( frame, span->entity, WISP_MAP_AREA_DENSITY ) );
-    const int lowered = wisp_plate_update( links->plate, wisp_frame_fabric( frame, span->entity ),
-                                           s->columns.position, (float)( MAX_RATIO / rate ) );
+    const wisp_plate_input input = { .position = s->columns.position,
+                                     .has_mass_map = wisp_frame_has( frame, span->entity, WISP_MAP_AREA_DENSITY ),
+                                     .max_rate = (float)( MAX_RATIO / rate ) };
+    wisp_plate* plate = links->plate; // nobody else has it
+    const int lowered = wisp_plate_update( &plate, wisp_frame_fabric( frame, span->entity ), &input );
+    if ( lowered < 0 )
+    {
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the bending of entity %u", span->entity.index );
+    }
     if ( lowered > 0 )
     {
         wisp_frame_count( frame, WISP_COUNT_STIFFNESS_CLAMPED, 1 );

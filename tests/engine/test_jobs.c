@@ -503,6 +503,22 @@ TEST( warm_scratch_costs_nothing_whoever_warmed_it )
     assert_host_memory_is_released( &host );
 }
 
+static void run_scratch_inline( void* context )
+{
+    scratch_use* use = context;
+    jobs_run_inline( use->pool, use->blocks, use_scratch, use );
+}
+
+TEST( what_the_calling_thread_takes_is_not_kept_for_others )
+{
+    jobs_pool* pool = jobs_create( NULL, 3, NULL, NULL );
+    scratch_use use = { .pool = pool, .parallel = jobs_everyone( pool ), .blocks = 2 };
+    size_t of_pool = 0;
+    jobs_enter( pool, run_scratch_inline, &use );
+    assert_in_range( jobs_memory( pool, &of_pool ), 2 * SCRATCH_BYTES, 3 * SCRATCH_BYTES );
+    jobs_destroy( pool );
+}
+
 TEST( scratch_without_memory_is_null_and_returns_with_it )
 {
     test_host host = { 0 };

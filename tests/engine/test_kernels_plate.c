@@ -24,6 +24,7 @@ typedef struct plate
     float position[NUMBERS], target[NUMBERS], velocity[NUMBERS], predicted[NUMBERS], impulse[NUMBERS];
     float newer[NUMBERS], older[NUMBERS], least_height[SLOTS];
     int32_t begin[SLICES + 1], other_x4[MAX_ENTRIES][8];
+    int16_t near_x4[MAX_ENTRIES][8];
     float weight[MAX_ENTRIES][8];
     float largest;
     int variant;
@@ -62,6 +63,13 @@ static void fill_plate( void* state, int variant )
     {
         p->other_x4[i / 8][i % 8] = 4 * (int)( test_random_float( i, 22, 0.0f, 0.999f ) * (float)SLOTS );
         p->weight[i / 8][i % 8] = test_random_float( i, 23, -1.0f, 2.0f );
+    }
+    for ( int slice = 0; slice < SLICES; ++slice )
+    {
+        for ( int i = 8 * p->begin[slice]; i < 8 * p->begin[slice + 1]; ++i )
+        {
+            p->near_x4[i / 8][i % 8] = (int16_t)( p->other_x4[i / 8][i % 8] - 32 * slice );
+        }
     }
 }
 
@@ -113,8 +121,8 @@ TEST_KERNEL( particles_go_where_gravity_or_targets_lead, plate, 2, BEGIN, END, 1
 static void run_stage( const wisp_kernels* kernels, void* state, int begin, int end )
 {
     plate* p = state;
-    const wisp_plate_args args = {
-        .rows = { SLICES, p->begin, (const int32_t( * )[8])p->other_x4, (const float( * )[8])p->weight },
+    wisp_plate_args args = {
+        .rows = { SLICES, p->begin, (const int32_t( * )[8])p->other_x4, (const float( * )[8])p->weight, NULL },
         .position = p->position,
         .impulse = p->impulse,
         .newer = p->newer,
@@ -123,7 +131,12 @@ static void run_stage( const wisp_kernels* kernels, void* state, int begin, int 
         .momentum = 0.7f,
         .gain = 0.9f,
     };
-    ( p->variant == 0 ? kernels->plate_stage : kernels->plate_begin )( &args, begin, end );
+    if ( p->variant == 2 )
+    {
+        args.rows.other_x4 = NULL;
+        args.rows.near_x4 = (const int16_t( * )[8])p->near_x4;
+    }
+    ( p->variant != 1 ? kernels->plate_stage : kernels->plate_begin )( &args, begin, end );
 }
 
 static void check_stage( void* start, void* end )
@@ -145,7 +158,7 @@ static void check_stage( void* start, void* end )
     }
 }
 
-TEST_KERNEL( stages_are_those_of_a_plain_loop, plate, 2, BEGIN, END, 1, fill_plate, run_stage, check_stage )
+TEST_KERNEL( stages_are_those_of_a_plain_loop, plate, 3, BEGIN, END, 1, fill_plate, run_stage, check_stage )
 
 // What is not a number, or lies in no triangle, does not count.
 static void fill_moves( void* state, int variant )
@@ -197,11 +210,12 @@ typedef struct moments
 {
     constraints s;
     int32_t begin[GROUPS + 1], other[TURN_ENTRIES][8];
-    float weight[TURN_ENTRIES][8], stiffness[CONSTRAINTS], steepest[CONSTRAINTS], angle[CONSTRAINTS];
+    uint16_t near[TURN_ENTRIES][8];
+    float weight[TURN_ENTRIES][8], steepest[CONSTRAINTS], angle[CONSTRAINTS];
     float moment[CONSTRAINTS + 1];
     int32_t corner_x4[2 * GROUPS][3][8], moment_of[2 * GROUPS][3][8]; // sides of the hinges of a group
     _Alignas( 64 ) float impulse[BODIES][4];
-    bool is_tangled;
+    bool is_tangled, is_near;
 } moments;
 
 // The triangles (i, j, k) and (j, i, l) of each hinge, which has its moment opposite to k and l.
@@ -216,13 +230,14 @@ static void fill_triangles( moments* m )
     }
 }
 
-// Groups have none to four entries. Every second hinge is steep: its moment gives way. Groups that share particles add
+// Groups have none to four entries, the first of them the own hinge. Every second hinge is steep: its moment gives way. Groups that share particles add
 // up, in their order.
 static void fill_moments( void* state, int variant )
 {
     moments* m = state;
     make_constraints( &m->s, true );
     m->is_tangled = variant == 1;
+    m->is_near = variant > 0;
     if ( m->is_tangled )
     {
         tangle( &m->s );
@@ -238,8 +253,16 @@ static void fill_moments( void* state, int variant )
     }
     for ( int c = 0; c < CONSTRAINTS; ++c )
     {
-        m->stiffness[c] = test_random_float( c, 32, 0.5f, 2.0f );
         m->steepest[c] = c % 2 == 0 ? 1e6f : 0.5f;
+        if ( m->begin[c / 8] < m->begin[c / 8 + 1] )
+        {
+            m->other[m->begin[c / 8]][c % 8] = c;
+            m->weight[m->begin[c / 8]][c % 8] = test_random_float( c, 32, 0.5f, 2.0f );
+        }
+    }
+    for ( int i = 0; i < 8 * TURN_ENTRIES; ++i )
+    {
+        m->near[i / 8][i % 8] = (uint16_t)m->other[i / 8][i % 8];
     }
     fill_random( m->impulse[0], 4 * BODIES, 33 );
     fill_triangles( m );
@@ -250,9 +273,9 @@ static void run_moments( const wisp_kernels* kernels, void* state, int begin, in
     moments* m = state;
     const wisp_plate_angle_args args = {
         .turns = { .begin = m->begin,
-                   .other = (const int32_t( * )[8])m->other,
+                   .other = m->is_near ? NULL : (const int32_t( * )[8])m->other,
+                   .near = m->is_near ? (const uint16_t( * )[8])m->near : NULL,
                    .weight = (const float( * )[8])m->weight,
-                   .stiffness = m->stiffness,
                    .steepest = m->steepest,
                    .corner_x4 = m->corner_x4[0][0],
                    .moment_of = m->moment_of[0][0] },
@@ -273,7 +296,7 @@ static void run_moments( const wisp_kernels* kernels, void* state, int begin, in
 static void expect_moment( moments* m, const moments* before, int c )
 {
     double3 p[4], gradient[4];
-    double weight[4], moment = 0.0, steep = 0.0, sum = 0.0;
+    double weight[4], moment = 0.0, own = 0.0, steep = 0.0, sum = 0.0;
     for ( int k = 0; k < 4; ++k )
     {
         p[k] = double3_from( body( &m->s, c, k ) );
@@ -291,9 +314,10 @@ static void expect_moment( moments* m, const moments* before, int c )
     for ( int entry = m->begin[c / 8]; entry < m->begin[c / 8 + 1]; ++entry )
     {
         moment -= 0.2 * (double)m->weight[entry][c % 8] * (double)m->angle[m->other[entry][c % 8]];
+        own += m->other[entry][c % 8] == c ? (double)m->weight[entry][c % 8] : 0.0;
     }
     const double within = fmin( (double)m->steepest[c] / steep, 1.0 );
-    moment /= 1.0 + 8.0 * 0.2 * (double)m->stiffness[c] * sum * ( 1.0 - within );
+    moment /= 1.0 + 8.0 * 0.2 * own * sum * ( 1.0 - within );
     for ( int k = 0; k < 4; ++k )
     {
         const int slot = m->s.slot_x4[c / 8][k][c % 8] / 4;
@@ -315,7 +339,7 @@ static void check_moments( void* start, void* end )
     }
 }
 
-TEST_KERNEL( moments_act_along_the_gradients_of_their_angles, moments, 2, 8, CONSTRAINTS - 8, 8, fill_moments,
+TEST_KERNEL( moments_act_along_the_gradients_of_their_angles, moments, 3, 8, CONSTRAINTS - 8, 8, fill_moments,
              run_moments, check_moments )
 
 // ---- coarse sheets ----

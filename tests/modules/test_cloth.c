@@ -73,6 +73,52 @@ WORLD_TEST( bending_that_is_chosen_brings_its_pass_and_no_other )
     }
 }
 
+// Bends two cloths, of one fabric or of two, and lets one of them go. @return bytes of the world before that, and its hash at the end
+static size_t bend_two( int fabric_count, uint64_t* hash )
+{
+    SCOPED( close_world ) hosted h;
+    open_world( &h, 4, 1 );
+    SCOPED( test_mesh_free ) test_mesh mesh = test_plane( 30, 0.1f );
+    const int32_t pins[] = { 0, 29 };
+    wisp_fabric_def fabric_def = test_fabric_def( &mesh );
+    fabric_def.hinges = true;
+    wisp_cloth_def cloth = undamped_cloth();
+    cloth.bending = WISP_CLOTH_BENDING_DIHEDRAL;
+    wisp_fabric* fabric = NULL;
+    wisp_entity e[2];
+    for ( int i = 0; i < 2; ++i )
+    {
+        wisp_error error = { 0 };
+        if ( i < fabric_count )
+        {
+            wisp_fabric_release( fabric );
+            assert_int_equal( wisp_fabric_cook( &fabric_def, NULL, &fabric, &error ), WISP_OK );
+        }
+        wisp_surface_def surface = support_weightless_surface_def();
+        surface.fabric = fabric;
+        surface.pins = pins;
+        surface.pin_count = WISP_COUNT( pins );
+        assert_status( h.world, wisp_add_surface( h.world, &surface, e + i ), WISP_OK );
+        assert_status( h.world, wisp_set_cloth( h.world, e[i], &cloth ), WISP_OK );
+        assert_status( h.world, wisp_set_gravity( h.world, e[i], EARTH ), WISP_OK );
+    }
+    wisp_fabric_release( fabric );
+    run_steps( h.world, 3, 0.01f );
+    const size_t bytes = wisp_world_memory( h.world );
+    assert_status( h.world, wisp_unpin( h.world, e[1], pins, 1 ), WISP_OK );
+    run_steps( h.world, 10, 0.01f );
+    *hash = wisp_world_hash( h.world );
+    return bytes;
+}
+
+TEST( cloths_of_a_fabric_share_what_bends_them_until_their_pins_differ )
+{
+    uint64_t together, apart;
+    const size_t shared = bend_two( 1, &together ), single = bend_two( 2, &apart );
+    assert_true( shared + 900 * 200 < single );
+    assert_true( together == apart );
+}
+
 // ---- air ----
 
 static const float DENSITY = 1.225f; // kg/m^3, at 15 degrees

@@ -431,12 +431,12 @@ static int check_list( const contact_contact_mesh* s, int pair, double whole_gap
     for ( int k = 0; k < 3; ++k )
     {
         const contact_cluster *a = s->clusters->items + both[0], *b = s->clusters->items + both[1];
-        const contact_pack *p = s->clusters->packs + a->kind_row[KINDS[k][0]],
-                           *q = s->clusters->packs + b->kind_row[KINDS[k][1]];
+        int32_t( *p )[WISP_SLICE] = s->clusters->packs + a->kind_row[KINDS[k][0]];
+        int32_t( *q )[WISP_SLICE] = s->clusters->packs + b->kind_row[KINDS[k][1]];
         for ( int n = 0; n < 64 * a->rows[KINDS[k][0]] * b->rows[KINDS[k][1]]; ++n )
         {
-            const int i = p[n / 64 / b->rows[KINDS[k][1]]].item[n % 8],
-                      j = q[n / 64 % b->rows[KINDS[k][1]]].item[n / 8 % 8];
+            const int i = p[n / 64 / b->rows[KINDS[k][1]] * contact_pack_rows( KINDS[k][0] )][n % 8],
+                      j = q[n / 64 % b->rows[KINDS[k][1]] * contact_pack_rows( KINDS[k][1] )][n / 8 % 8];
             if ( i >= 0 && j >= 0 )
             {
                 const int kind = k == 0 ? CONTACT_EDGES : CONTACT_POINTS, point = k == 2 ? j : i;

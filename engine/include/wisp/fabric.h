@@ -45,7 +45,7 @@ typedef enum wisp_fabric_arrays
     WISP_FABRIC_RINGS = 2,   ///< `ring_begin` and `ring_x4`
     WISP_FABRIC_SPANS = 4,   ///< `hinge_span2`
     WISP_FABRIC_STRIPS = 8,  ///< `strips`
-    WISP_FABRIC_HINGES = 16, ///< `hinges` and `link_order.constraint`; a fabric cooked with hinges keeps them
+    WISP_FABRIC_HINGES = 16, ///< `hinges` and `link_order.constraint`
 } wisp_fabric_arrays;
 
 /// What to cook. Fill from wisp_default_fabric_def(). Need not outlive the call.

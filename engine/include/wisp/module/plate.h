@@ -22,24 +22,33 @@ typedef struct wisp_plate wisp_plate;
 /// @param out receives the plate without coefficients, null on failure
 WISP_API wisp_status wisp_plate_create( const wisp_fabric* fabric, const int32_t* slot_row, int row_count,
                                         bool with_turns, const wisp_allocator* allocator, wisp_plate** out );
+/// Drop an owner; the last one releases it.
 WISP_API void wisp_plate_release( wisp_plate* plate, const wisp_allocator* allocator );
-/// @return bytes that it holds; 0 of null
+/// @return bytes that it holds, over its owners; 0 of null
 WISP_API size_t wisp_plate_bytes( const wisp_plate* plate );
 
-/// Compute the coefficients if that is due: the first time, where other vertices are pinned than before, and where max_rate
-/// changes what is scaled down. A triangle between three pins is rigid, so the plate is clamped at the edge of those triangles.
-/// @param position [slot][4], of which only the inverse masses are read
-/// @param max_rate 1/(kg m^2), > 0: where the share of a triangle in the largest eigenvalue of W Q could exceed this, its energy
-///        is scaled down to it
-/// @return number of triangles that are scaled down
-WISP_API int wisp_plate_update( wisp_plate* plate, const wisp_fabric* fabric, const float* position, float max_rate );
+/// What coefficients depend on besides the fabric.
+typedef struct wisp_plate_input
+{
+    const float* position; ///< [slot][4], of which only the inverse masses are read
+    const float* factors;  ///< [triangle_count] of the rigidity, of a map (wisp/maps.h); null: 1
+    bool has_mass_map;     ///< masses may change between updates
+    float
+        max_rate; ///< 1/(kg m^2), > 0: where the share of a triangle in the largest eigenvalue of W Q could exceed this, its energy
+        ///< is scaled down to it
+} wisp_plate_input;
 
-/// Tell a plate of maps (wisp/maps.h) before it is updated: it then computes its coefficients again if they, or masses that a map
-/// has changed, are others than before.
-/// @param factors [triangle_count] of the rigidity, valid until the update; null: 1
-/// @param has_mass_map masses may change between updates
-WISP_API void wisp_plate_follow_maps( wisp_plate* plate, const wisp_fabric* fabric, const float* position,
-                                      const float* factors, bool has_mass_map );
+/// Compute the coefficients if that is due: the first time, where other vertices are pinned than before, where maps or the masses of
+/// a map have changed, and where max_rate changes what is scaled down. A triangle between three pins is rigid, so the plate is clamped
+/// at the edge of those triangles.
+/// @param plate replaced by one of its own if others have it too
+/// @return number of triangles that are scaled down; -1 without memory, and the coefficients are as before
+WISP_API int wisp_plate_update( wisp_plate** plate, const wisp_fabric* fabric, const wisp_plate_input* input );
+
+/// Own a plate too, if its coefficients are those that a new one would have without maps and with FLT_MAX for max_rate.
+/// @return it, or null
+WISP_API wisp_plate* wisp_plate_share( wisp_plate* plate, const wisp_fabric* fabric, const float* position,
+                                       bool with_turns );
 
 /// @return the matrix; the pointers stay valid as long as the plate
 WISP_API wisp_plate_rows wisp_plate_get_rows( const wisp_plate* plate );

@@ -12,6 +12,15 @@ static inline int wisp_fabric_link_kind( const wisp_fabric* fabric, int slot )
     return fabric->link_a_x4[slot] == fabric->link_b_x4[slot] ? -1 : fabric->link_bends[slot / 8] >> slot % 8 & 1;
 }
 
+/// Find the corners i, j, k, l of a hinge by its slot.
+static inline void wisp_fabric_hinge_corners( const wisp_fabric* fabric, int slot, int32_t corner[4] )
+{
+    for ( int k = 0; k < 4; ++k )
+    {
+        corner[k] = fabric->hinge_slot_x4[slot / 8 * 32 + 8 * k + slot % 8] / 4;
+    }
+}
+
 /// Arguments of distance constraints between two particles (pbd: Mueller et al. 2007; xpbd: Macklin, Mueller and
 /// Chentanez 2016, eq. 17-18). The links of a group of eight share no particle. Links of length 0 and links between
 /// two pinned particles have no effect.
@@ -58,8 +67,10 @@ typedef struct wisp_plate_rows
 {
     int slice_count;
     const int32_t* begin;           ///< [slice_count + 1] first entry of a slice
-    const int32_t ( *other_x4 )[8]; ///< [entry] rows times 4; a lane's own row pads
+    const int32_t ( *other_x4 )[8]; ///< [entry] rows times 4; a lane's own row pads. Null: near_x4 has them
     const float ( *weight )[8];     ///< [entry] 1/m^2; 0 pads
+    const int16_t (
+        *near_x4 )[8]; ///< [entry] rows times 4, relative to the first row of the slice; null: other_x4 has them
 } wisp_plate_rows;
 
 /// Moments of hinges from their angles, by groups of eight hinges: moment = - D sum of weight angle; and the triangles on which they
@@ -67,9 +78,9 @@ typedef struct wisp_plate_rows
 typedef struct wisp_plate_turns
 {
     const int32_t* begin;        ///< [group + 1] first entry of a group
-    const int32_t ( *other )[8]; ///< [entry] hinges, the own one too
+    const int32_t ( *other )[8]; ///< [entry] hinges, the own one too. Null: `near` has them
+    const uint16_t ( *near )[8]; ///< [entry] hinges; null: `other` has them
     const float ( *weight )[8];  ///< [entry] no unit; 0 pads
-    const float* stiffness;      ///< [hinge] the weight of the own angle
     const float*
         steepest; ///< [hinge] 1/m^2: the moment is scaled down where the squared gradients of the angle at the
                   ///< opposite vertices exceed this
