@@ -3,7 +3,7 @@
 #include "io_file.h"
 #include "machine.h"
 #include "report.h"
-#include "report_text.h"
+#include "report_data.h"
 #include "results_write.h"
 #include "text_tree.h"
 

@@ -3,7 +3,6 @@
 #include "io_file.h"
 #include "page.h"
 #include "report_data.h"
-#include "report_text.h"
 
 #include "wisp/module/definition.h"
 

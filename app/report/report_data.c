@@ -1,6 +1,5 @@
 #include "report_data.h"
 
-#include "report_text.h"
 #include "results_write.h"
 
 #include <math.h>

@@ -1,7 +1,16 @@
-/// Data of a page: tables, and charts as tables for readers and as JSON for the script that draws them.
+/// Data of a page: tables, and charts as tables for readers and as JSON for the script that draws them; text that can end neither a
+/// tag nor a quote.
 #pragma once
 
 #include "results.h"
+
+#include <stdio.h>
+
+/// Write text between tags or in a quoted attribute. Invalid UTF-8, and characters that no page may contain, become
+/// U+FFFD.
+void report_put_text( const char* text, FILE* stream );
+/// The same for text of a page, where backticks around words become <code>; report_put_text() leaves them out.
+void report_put_prose( const char* text, FILE* stream );
 
 /// Write four significant digits, or a whole number, in any locale; "-" if not finite.
 void report_write_number( double value, char* out, size_t size );

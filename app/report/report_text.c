@@ -1,4 +1,4 @@
-#include "report_text.h"
+#include "report_data.h"
 
 #include <stdbool.h>
 #include <string.h>

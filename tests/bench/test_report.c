@@ -4,7 +4,7 @@
 #include "unit.h"
 
 #include "report.h"
-#include "report_text.h"
+#include "report_data.h"
 
 #include <jansson.h>
 #include <locale.h>

@@ -7,10 +7,6 @@
 
 WISP_BEGIN_C
 
-/// Filters the pairs of a query: moves those to keep to the front, in any order.
-/// @param items [count] boxes that overlap the query, in any order @return how many to keep
-typedef int wisp_aabb_filter_fn( const void* context, int query, int32_t* items, int count );
-
 typedef struct wisp_aabb_args
 {
     const wisp_aabb* queries; ///< [query_count]; null: boxes against each other; a pair is listed at its lower box
@@ -21,9 +17,10 @@ typedef struct wisp_aabb_args
     const wisp_kernels* kernels; ///< null: scalar C, with the same pairs in two to three times the time
     /// Reuse the last grid; only the queries changed. The last call must have succeeded with the same boxes.
     bool reuse;
-    /// Null, or called for every query with pairs, by several workers at once, before pairs are stored and sorted. It must
-    /// judge each pair independently.
-    wisp_aabb_filter_fn* filter;
+    /// Null, or called for every query with pairs, by several workers at once, before pairs are stored and sorted: moves those to keep
+    /// to the front, in any order. It must judge each pair independently.
+    /// @param items [count] boxes that overlap the query, in any order @return how many to keep
+    int ( *filter )( const void* context, int query, int32_t* items, int count );
     const void* filter_context;
 } wisp_aabb_args;
 
