@@ -129,3 +129,46 @@ LANE_INLINE lane8v turn_back( const wisp_shape_lanes* s, lane8v v, bool alike )
     return lane8v_mul_add( lane8v_mul_add( x, v.y, load_vector( s->turn[1], alike ) ), v.z,
                            load_vector( s->turn[2], alike ) );
 }
+
+// Fractions of the thickness: distance at which a path is stopped, what corners may leave.
+static const float STOP = 0.1f, LEFT_TO_CORNERS = 0.05f;
+
+// Bounds the squared distance of points of primitives from their nearest corner: by half a segment; by the radius of the circle around a
+// triangle, and 1 / sqrt 3 of its longest side.
+LANE_INLINE lane8 spread_of( const lane8v* p, int count )
+{
+    const lane8v u = lane8v_sub( p[1], p[0] );
+    const lane8 a = lane8v_dot( u, u );
+    if ( count == 2 )
+    {
+        return lane8_mul( lane8_set1( 0.25f ), a );
+    }
+    const lane8v v = lane8v_sub( p[2], p[0] ), w = lane8v_sub( p[2], p[1] ), n = lane8v_cross( u, v );
+    const lane8 b = lane8v_dot( v, v ), c = lane8v_dot( w, w ),
+                area = lane8_mul( lane8_set1( 4.0f ), lane8v_dot( n, n ) );
+    const lane8 around = lane8_div( lane8_mul( lane8_mul( a, b ), c ), area );
+    return lane8_min( around, lane8_mul( lane8_set1( 0.334f ), lane8_max( lane8_max( a, b ), c ) ) );
+}
+
+// Computes the radius of a ball that touches a round shape inside, anywhere.
+LANE_INLINE lane8 blunt_radius( const wisp_shape_lanes* s, wisp_shape_kind kind )
+{
+    const lane8 radius = load_row( s->size[0], true ), sine = load_row( s->size[4], true );
+    return kind != WISP_SHAPE_TAPERED_CAPSULE
+               ? radius
+               : lane8_sub( radius, lane8_max( lane8_mul( sine, load_row( s->size[1], true ) ),
+                                               lane8_mul( sine, load_row( s->size[2], true ) ) ) );
+}
+
+LANE_INLINE void find_quads( const int32_t* of_all, int corner_count, const int32_t* primitives, int count,
+                             int32_t ( *quads )[LANES] )
+{
+    for ( int l = 0; l < LANES; ++l )
+    {
+        const int32_t* corners = of_all + (size_t)primitives[l < count ? l : 0] * (size_t)corner_count;
+        for ( int k = 0; k < corner_count; ++k )
+        {
+            quads[k][l] = 4 * corners[k];
+        }
+    }
+}

@@ -100,7 +100,7 @@ static contact_body spread_body( const wisp_strand_contact_args* args )
     };
 }
 
-// What a loop over rows knows of its body when it is compiled.
+// A kind of body: loops over rows are compiled for each.
 typedef struct contact_kind
 {
     wisp_shape_kind shape;
