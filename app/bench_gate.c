@@ -30,8 +30,8 @@ typedef struct gate_options
     bool has_action;
     gate_action action;
     const char *suite, *base, *output, *isa, *reason, *junit, *html, *patch, *paired;
-    bool no_instructions, has_cycles, is_strict, tells_github, takes_turns;
-    int row, trials;
+    bool no_instructions, lacks_instructions, has_cycles, is_strict, tells_github, takes_turns;
+    int steps, row, trials;
     gate_slow slow; // step: by how much it is slowed down
     double patience;
     results_format format;
@@ -64,6 +64,9 @@ static bool take_gate_option( options_state* p, int key, const char* argument )
             return true;
         case GATE_KEY_ISA:
             o->isa = option_isa_words[option_word( p, argument )];
+            return true;
+        case GATE_KEY_STEPS:
+            o->steps = option_whole( p, argument, 1, INT_MAX );
             return true;
         case GATE_KEY_ROW:
             o->row = option_whole( p, argument, 0, SUITE_MAX_ROWS );
@@ -123,6 +126,10 @@ static bool take_gate_option( options_state* p, int key, const char* argument )
             if ( o->action == ACTION_ACCEPT && ( o->reason == NULL || strlen( o->reason ) >= GATE_MAX_REASON ) )
             {
                 options_fail( p, "accept: expected --reason with up to %d bytes", (int)GATE_MAX_REASON - 1 );
+            }
+            if ( o->steps > 0 && o->paired != NULL )
+            {
+                options_fail( p, "--steps: not with --paired, which divides rows into turns" );
             }
             if ( o->base == NULL && ( o->action == ACTION_RECORD || o->action == ACTION_ACCEPT ) )
             {
@@ -212,7 +219,9 @@ static wisp_status check_fits( const suite_references* references, wisp_error* e
 static wisp_status measure_all( const wisp_suite* suite, const gate_options* o, suite_measurement* out, int* done,
                                 wisp_error* error )
 {
-    const suite_count_options counts = { .has_cycles = o->has_cycles };
+    char steps[32];
+    snprintf( steps, sizeof steps, "--steps=%d", o->steps );
+    const suite_count_options counts = { .has_cycles = o->has_cycles, .step = o->steps > 0 ? steps : NULL };
     suite_references references;
     progress bar = progress_begin();
     progress_show( &bar, 0.0, "the reference" );
@@ -341,7 +350,11 @@ static wisp_status report( const wisp_suite* suite, int all, const gate_options*
     results_put_options( &out, o->argc, o->argv );
     note_interruption( "checked", suite->row_count, all, &out );
     const bool compares = gate_counts_are_comparable( base );
-    if ( !compares && !o->no_instructions )
+    if ( o->lacks_instructions )
+    {
+        results_add_note( &out, "instructions are not counted: the base was recorded without them" );
+    }
+    else if ( !compares && !o->no_instructions )
     {
         results_add_note( &out, "instructions are not compared: the base was measured with a program of %s",
                           base->compiler );
@@ -389,7 +402,8 @@ static int check_against_base( wisp_suite* suite, gate_options* o, wisp_error* e
     if ( status == WISP_OK )
     {
         o->has_cycles = base_has( &base, SUITE_CYCLES ) && gate_counts_are_comparable( &base );
-        o->no_instructions = o->no_instructions || !base_has( &base, SUITE_INSTRUCTIONS );
+        o->lacks_instructions = !o->no_instructions && !base_has( &base, SUITE_INSTRUCTIONS );
+        o->no_instructions = o->no_instructions || o->lacks_instructions;
         int done = 0;
         status = measured ? measure_all( suite, o, measured, &done, error )
                           : wisp_fail( error, WISP_NO_MEMORY, "gate: out of memory for rows" );
@@ -532,6 +546,11 @@ int command_gate( int argc, char** argv )
     wisp_error error = { 0 };
     wisp_suite all;
     const bool is_read = suite_read( options.suite, &all, &error ) == WISP_OK;
+    for ( int i = 0; is_read && options.steps > 0 && i < all.row_count; ++i )
+    {
+        const int own = all.rows[i].steps;
+        all.rows[i].steps = own > 0 && own < options.steps ? own : options.steps;
+    }
     wisp_suite part = all; // an interruption leaves fewer rows of it
     const int status = is_read ? run_action( &part, &options, &error ) : command_fail( &error );
     suite_release( &all );

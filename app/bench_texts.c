@@ -187,6 +187,7 @@ static const option_row gate_rows[] = {
       "record, accept: estimate cycles too, with a model of caches; three times as slow", OPTION_ANY },
     { "isa", GATE_KEY_ISA, "SET", "Kernels: baseline, avx2 or avx512; default: the best, whose bits are the same",
       OPTION_WORDS( option_isa_words ) },
+    { "steps", GATE_KEY_STEPS, "N", "Measure the first N steps of each row", OPTION_ANY },
     { "row", GATE_KEY_ROW, "N", "step, self-test: number of the row, counted from 0", OPTION_ANY },
     { "turns", GATE_KEY_TURNS, NULL, NULL, OPTION_ANY },
     { "slow", GATE_KEY_SLOW, "N", NULL, OPTION_ANY },

@@ -572,7 +572,7 @@ static wisp_status look_at_row( study* own, int row, wisp_error* error )
     const int round = scene.dt_factor_count > 0 ? scene.dt_factor_count : 1;
     own->dt[row] = wisp_scene_step_time( &scene, round ) / round;
     own->longest_dt = fmax( own->longest_dt, own->dt[row] );
-    own->steps[row] = own->suite->rows[row].steps > 0 ? own->suite->rows[row].steps : scene.steps;
+    own->steps[row] = scene.steps;
     suite_samples_of( &scene, own->measures );
     wisp_scene_release( &scene );
     return WISP_OK;

@@ -414,7 +414,14 @@ void gate_check_row( const suite_row* row, const gate_base* base, bool compares_
         return;
     }
     const suite_measurement* was = &out->base->measured;
-    out->state = now->hash == was->hash && now->steps == was->steps ? GATE_SAME : GATE_MOVED;
+    out->state = now->hash == was->hash ? GATE_SAME : GATE_MOVED;
+    if ( now->steps != was->steps )
+    {
+        out->state = GATE_WORSE;
+        snprintf( out->message, sizeof out->message, "%d steps were made, and %d of the base; record or accept it",
+                  now->steps, was->steps );
+        return;
+    }
     if ( out->state == GATE_MOVED && row->budgets[SUITE_HASH].relative < 1.0 )
     {
         out->state = GATE_WORSE;

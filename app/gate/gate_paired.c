@@ -357,8 +357,7 @@ static wisp_status find_twice( const suite_row* row, const gate_turns* turns, ga
     wisp_status status = suite_scene( row, &scene, error );
     if ( status == WISP_OK )
     {
-        const int steps = row->steps > 0 ? row->steps : scene.steps;
-        status = gate_slow_find( &scene, steps, turns->isa, out, error );
+        status = gate_slow_find( &scene, turns->isa, out, error );
         wisp_scene_release( &scene );
     }
     return status;

@@ -38,14 +38,13 @@ void gate_slow_waste( gate_slow* slow )
 }
 
 // s of all steps of a scene
-static wisp_status time_steps( const wisp_scene* scene, int steps, const char* isa, double* seconds,
-                               wisp_error* error )
+static wisp_status time_steps( const wisp_scene* scene, const char* isa, double* seconds, wisp_error* error )
 {
     const scene_world_options options = { .workers = 1, .isa = isa, .is_quiet = true };
     scene_world world;
     wisp_status status = scene_world_create( scene, &options, &world, error );
     const double begin = seconds_used();
-    for ( int step = 0; step < steps && status == WISP_OK; ++step )
+    for ( int step = 0; step < scene->steps && status == WISP_OK; ++step )
     {
         status = scene_world_step( &world, error );
     }
@@ -68,7 +67,7 @@ static double seconds_of_loop( void )
     return least;
 }
 
-wisp_status gate_slow_find( const wisp_scene* scene, int steps, const char* isa, gate_slow* out, wisp_error* error )
+wisp_status gate_slow_find( const wisp_scene* scene, const char* isa, gate_slow* out, wisp_error* error )
 {
     enum
     {
@@ -78,10 +77,10 @@ wisp_status gate_slow_find( const wisp_scene* scene, int steps, const char* isa,
     wisp_status status = WISP_OK;
     for ( int i = 0; i < RUNS && status == WISP_OK; ++i )
     {
-        status = time_steps( scene, steps, isa, &seconds, error );
+        status = time_steps( scene, isa, &seconds, error );
         least = fmin( least, seconds );
     }
-    *out = ( gate_slow ){ .loops = status == WISP_OK ? lround( least / ( steps * seconds_of_loop() ) ) : 0 };
+    *out = ( gate_slow ){ .loops = status == WISP_OK ? lround( least / ( scene->steps * seconds_of_loop() ) ) : 0 };
     return status;
 }
 
@@ -138,7 +137,7 @@ wisp_status gate_answer_turns( const suite_row* row, gate_slow* slow, const char
     {
         return status;
     }
-    row_run run = { .scene = &scene, .isa = isa, .slow = slow, .steps = row->steps > 0 ? row->steps : scene.steps };
+    row_run run = { .scene = &scene, .isa = isa, .slow = slow, .steps = scene.steps };
     char line[32];
     while ( status == WISP_OK && fgets( line, sizeof line, stdin ) )
     {

@@ -16,7 +16,7 @@ typedef struct gate_slow
 } gate_slow;
 
 /// Find how much work must be wasted after each step for steps to take twice as long.
-wisp_status gate_slow_find( const wisp_scene* scene, int steps, const char* isa, gate_slow* out, wisp_error* error );
+wisp_status gate_slow_find( const wisp_scene* scene, const char* isa, gate_slow* out, wisp_error* error );
 
 /// Waste the work of one step. Counted by its name, as steps are.
 void gate_slow_waste( gate_slow* slow );

@@ -476,6 +476,7 @@ wisp_status suite_scene( const suite_row* row, wisp_scene* out, wisp_error* erro
         return wisp_fail( error, status, "%s%s%s: %.300s", row->name, row->variant[0] ? ", " : "", row->variant,
                           message );
     }
+    out->steps = row->steps > 0 && row->steps < out->steps ? row->steps : out->steps;
     return WISP_OK;
 }
 

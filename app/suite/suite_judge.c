@@ -474,19 +474,12 @@ void suite_twins_release( suite_twins* twins )
     *twins = ( suite_twins ){ 0 };
 }
 
-static wisp_status read_row_scene( const suite_row* row, wisp_scene* out, wisp_error* error )
-{
-    const wisp_status status = suite_scene( row, out, error );
-    out->steps = status == WISP_OK && row->steps > 0 ? row->steps : out->steps;
-    return status;
-}
-
 static struct suite_twin* run_twin( const suite_row* row, uint64_t key, suite_twins* twins )
 {
     wisp_scene scene;
     stability_trace trace;
     struct suite_twin* twin = NULL;
-    if ( read_row_scene( row, &scene, NULL ) != WISP_OK )
+    if ( suite_scene( row, &scene, NULL ) != WISP_OK )
     {
         return NULL;
     }
@@ -552,7 +545,7 @@ static uint64_t hash_of( const suite_row* row, suite_twins* twins )
     }
     wisp_scene scene;
     stability_trace trace = { .hash = 0 };
-    if ( read_row_scene( row, &scene, NULL ) == WISP_OK )
+    if ( suite_scene( row, &scene, NULL ) == WISP_OK )
     {
         (void)stability_trace_run( &scene, NULL, &trace, NULL );
         stability_trace_release( &trace );
@@ -608,7 +601,7 @@ wisp_status suite_judge_row( const suite_row* row, suite_twins* twins, suite_out
     }
     wisp_scene scene;
     wisp_error inner = { 0 };
-    WISP_TRY( read_row_scene( row, &scene, error ) );
+    WISP_TRY( suite_scene( row, &scene, error ) );
     stability_trace trace;
     wisp_status status = stability_trace_run( &scene, &row->limits, &trace, &inner );
     if ( status == WISP_OK )

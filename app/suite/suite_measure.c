@@ -441,7 +441,7 @@ wisp_status suite_time_row( const suite_row* row, int workers, const char* isa, 
     *ms = NULL;
     WISP_TRY( suite_scene( row, &scene, error ) );
     scene_request_points( &scene );
-    *steps = row->steps > 0 ? row->steps : scene.steps;
+    *steps = scene.steps;
     *ms = calloc( (size_t)*steps + 1, sizeof **ms );
     wisp_status status = *ms != NULL ? scene_world_create( &scene, &options, &world, error )
                                      : wisp_fail( error, WISP_NO_MEMORY, "no memory for times" );
@@ -475,7 +475,7 @@ wisp_status suite_run_row( const suite_row* row, const char* isa, const suite_ob
     if ( status == WISP_OK )
     {
         snprintf( out->isa, sizeof out->isa, "%s", wisp_world_isa( world.world ) );
-        status = run_steps( &world, row->steps > 0 ? row->steps : scene.steps, &allocations, observer, out, error );
+        status = run_steps( &world, scene.steps, &allocations, observer, out, error );
         finish( &world, out );
         gather_passes( &world, out );
         scene_world_destroy( &world );

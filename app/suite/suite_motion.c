@@ -51,7 +51,7 @@ typedef struct row_steps
 static wisp_status steps_of( const suite_row* row, row_steps* out, wisp_error* error )
 {
     WISP_TRY( suite_scene( row, &out->scene, error ) );
-    out->count = row->steps > 0 ? row->steps : out->scene.steps;
+    out->count = out->scene.steps;
     out->seconds = wisp_scene_step_time( &out->scene, out->count );
     return WISP_OK;
 }

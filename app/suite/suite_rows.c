@@ -274,7 +274,10 @@ static wisp_status finish_row( const suite_reader* r, const entry* e, text_node*
     row->text = text_write( scene, NULL );
     wisp_scene read = { 0 };
     wisp_error inner = { 0 };
+    const int steps = row->steps;
+    row->steps = 0; // the scene's own are compared
     wisp_status status = suite_scene( row, &read, row->is_refused ? &inner : r->source.error );
+    row->steps = steps;
     if ( row->is_refused && status == WISP_BAD_INPUT )
     {
         snprintf( row->refusal, sizeof row->refusal, "%.199s", inner.message );

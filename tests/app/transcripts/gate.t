@@ -54,6 +54,17 @@ $ wisp gate accept suite.yaml --no-instructions --reason finer >/dev/null; wisp 
 $ python3 -c 'import json; print( json.load( open( "suite-base.json" ) )["accepted"][0]["reason"] )'
 finer
 
+# --steps measures the first steps of each row. Rows of other lengths are not compared, and a base without instructions is told.
+$ . ./fresh; record >/dev/null; said='short:' check --steps 3
+...short: 3 steps were made, and 5 of the base; record or accept it...
+[1]
+$ wisp gate record suite.yaml --no-instructions --steps 3 >/dev/null; wisp gate check suite.yaml --steps 3 | grep -o 'pass: .*\|instructions are not .*'
+pass: 5 rows, 5 the same
+instructions are not counted: the base was recorded without them
+$ wisp gate check suite.yaml --steps 3 --paired old
+! wisp gate: --steps: not with --paired...
+[64]
+
 # Budgets decide.
 $ . ./fresh; record >/dev/null; sed 's/columns: 9/columns: 10/' plain.yaml >cloth.yaml; said=regression: check
 > ( echo 'budgets: { bytes: 100, stretch: 100, energy: 100 }'; cat plain-suite.yaml ) >suite.yaml; said=pass: check
