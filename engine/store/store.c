@@ -100,10 +100,11 @@ wisp_entity store_handle( const store* s, int slot )
 // A slot to reuse, or a new one; -1 without memory.
 static int find_slot( store* s )
 {
-    for ( int i = 0; i < s->entity_count; ++i )
+    for ( int i = 0; i < s->entity_count && s->dead_count > 0; ++i )
     {
         if ( s->entities[i].alive == false )
         {
+            s->dead_count -= 1;
             return i;
         }
     }
@@ -245,6 +246,7 @@ void store_remove( store* s, wisp_entity entity )
         close_rows( s, (wisp_table)t, e->rows[t] );
     }
     *e = ( store_entity ){ .generation = e->generation };
+    s->dead_count += 1;
     s->structure += 1;
 }
 

@@ -66,7 +66,7 @@ typedef struct store
     int row_count[WISP_TABLE_COUNT];
     int row_capacity[WISP_TABLE_COUNT];
     store_entity* entities;
-    int entity_count; // slots, alive or not
+    int entity_count, dead_count; // slots, alive or not; to reuse
     int entity_capacity;
     store_mask watchers[STORE_MAX_COMPONENTS]; // bit p: pass p runs when the component's rows were written
     store_mask writers[STORE_MAX_COMPONENTS];  // bit p: pass p writes the component

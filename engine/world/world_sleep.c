@@ -358,7 +358,8 @@ bool world_sleep_shift( wisp_world* world, store_entity* e, wisp_vec3 by )
 
 void world_sleep_disturb( wisp_world* world )
 {
-    for ( int slot = 0; slot < world->store.entity_count; ++slot )
+    const bool sleeps = world->store.components[world->sleep.components.state].entity_count > 0;
+    for ( int slot = 0; slot < world->store.entity_count && sleeps; ++slot )
     {
         store_entity* e = world->store.entities + slot;
         if ( e->alive && e->sleep != STORE_AWAKE )

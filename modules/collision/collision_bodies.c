@@ -180,6 +180,7 @@ static wisp_status make_body( wisp_world* world, const wisp_collider_def* d, col
     const bool has_mesh = d->kind == WISP_COLLIDER_MESH || d->kind == WISP_COLLIDER_SURFACE;
     *body = ( collision_body ){ .double_sided = has_mesh && d->double_sided,
                                 .tracks = has_mesh && d->tracks && d->mass == 0.0f,
+                                .layers = d->layers,
                                 .restitution = d->restitution };
     if ( d->kind == WISP_COLLIDER_SURFACE )
     {
@@ -224,14 +225,25 @@ static wisp_status make_body( wisp_world* world, const wisp_collider_def* d, col
 
 // ---- the list ----
 
-// Number the bodies that are tracked. What participants keep has no meaning between steps, so numbers may change.
-static void number_tracks( collision_state* state )
+// Number a body if it is tracked, and note what participants need to know of all bodies together.
+static void count_body( collision_state* state, collision_body* body )
+{
+    const bool is_bouncy = body->restitution > 0.0f;
+    body->track = body->tracks && state->track_count < COLLISION_TRACKS ? state->track_count++ : -1;
+    state->has_trees = state->has_trees || body->tree != NULL;
+    state->has_bouncy = state->has_bouncy || is_bouncy;
+    state->stored_layers |= is_bouncy || collision_is_closed_form( body ) == false ? body->layers : 0;
+}
+
+// What participants keep of tracks has no meaning between steps, so numbers may change.
+static void count_bodies( collision_state* state )
 {
     state->track_count = 0;
+    state->has_trees = state->has_bouncy = false;
+    state->stored_layers = 0;
     for ( int i = 0; i < state->body_count; ++i )
     {
-        collision_body* body = state->bodies + i;
-        body->track = body->tracks && state->track_count < COLLISION_TRACKS ? state->track_count++ : -1;
+        count_body( state, state->bodies + i );
     }
 }
 
@@ -248,7 +260,7 @@ bool collision_forget_body( collision_state* state, const wisp_allocator* alloca
             state->coupled_count -= body->is_coupled ? 1 : 0;
             state->body_count -= 1;
             memmove( body, body + 1, (size_t)( state->body_count - i ) * sizeof( *body ) );
-            number_tracks( state );
+            count_bodies( state );
             return true;
         }
     }
@@ -305,8 +317,8 @@ static wisp_status append_body( wisp_world* world, collision_state* state, const
 {
     WISP_TRY( wisp_world_add_empty( world, &body->entity ) );
     const wisp_entity entity = body->entity;
-    state->bodies[state->body_count++] = *body;
-    number_tracks( state );
+    state->bodies[state->body_count] = *body;
+    count_body( state, state->bodies + state->body_count++ );
     const bool follows = body->follows;
     *body = ( collision_body ){ .entity = entity }; // the list owns what it had
     wisp_status status = wisp_world_attach( world, entity, state->collider );

@@ -33,30 +33,15 @@ bool collision_forget_participant( collision_state* state, wisp_entity participa
 
 // ---- components ----
 
-static bool meets_closed_forms( wisp_world* world, const collision_state* state, wisp_entity participant )
-{
-    const collision_settings* settings = wisp_world_column( world, participant, state->settings, 0 );
-    for ( int i = 0; i < state->body_count; ++i )
-    {
-        const collision_body* body = state->bodies + i;
-        const collision_collider* collider = wisp_world_column( world, body->entity, state->collider, 0 );
-        if ( ( collider->layers & settings->mask ) != 0 &&
-             ( collision_is_closed_form( body ) == false || body->restitution > 0.0f ) )
-        {
-            return false;
-        }
-    }
-    return true;
-}
-
 // Contacts are kept in a substep where somebody reads them afterwards, or they are not found in one sweep.
 static bool stores_contacts( wisp_world* world, const collision_state* state, wisp_entity surface )
 {
+    const collision_settings* settings = wisp_world_column( world, surface, state->settings, 0 );
     return state->has_iterations || wisp_world_lets_meet( world, surface ) ||
            wisp_world_has( world, surface, state->all_features ) ||
            wisp_world_has( world, surface, WISP_MAP_COLLISION_THICKNESS ) ||
-           wisp_world_has( world, surface, WISP_MAP_COLLISION_FRICTION ) ||
-           collision_wants_reactions( world, state ) || meets_closed_forms( world, state, surface ) == false;
+           wisp_world_has( world, surface, WISP_MAP_COLLISION_FRICTION ) || state->wants_reactions ||
+           ( state->stored_layers & settings->mask ) != 0;
 }
 
 // A surface of an external solver has contact input in place of contacts. Its rows are cleared without a body,
@@ -140,7 +125,7 @@ static wisp_status update_strands( wisp_world* world, const collision_state* sta
 static wisp_status prepare_meshes( wisp_world* world, const collision_state* state, wisp_entity participant )
 {
     const bool is_surface = wisp_world_strands( world, participant ) == NULL;
-    for ( int i = 0; i < state->body_count; ++i )
+    for ( int i = 0; i < state->body_count && state->has_trees; ++i )
     {
         wisp_error error = { 0 };
         wisp_collision_mesh* tree = state->bodies[i].tree;
@@ -154,7 +139,7 @@ static wisp_status prepare_meshes( wisp_world* world, const collision_state* sta
     return WISP_OK;
 }
 
-static wisp_status update( wisp_world* world, const collision_state* state, wisp_entity participant )
+wisp_status collision_update_participant( wisp_world* world, const collision_state* state, wisp_entity participant )
 {
     const collision_settings* settings = wisp_world_column( world, participant, state->settings, 0 );
     const bool active = state->body_count > 0 && settings->enabled != 0, stats = active && settings->stats != 0;
@@ -169,17 +154,18 @@ static wisp_status update( wisp_world* world, const collision_state* state, wisp
                      ? update_surface( world, state, participant, active )
                      : update_strands( world, state, participant, active );
     }
+    status = status == WISP_OK ? collision_update_bounce( world, state, participant ) : status;
     return status == WISP_OK && stats ? wisp_world_request( world, participant, state->stats ) : status;
 }
 
 wisp_status collision_update_components( wisp_world* world, collision_state* state )
 {
     wisp_status status = WISP_OK;
+    collision_note_reactions( world, state );
     for ( int i = 0; i < state->participant_count && status == WISP_OK; ++i )
     {
-        status = update( world, state, state->participants[i] );
+        status = collision_update_participant( world, state, state->participants[i] );
     }
-    status = status == WISP_OK ? collision_update_bounces( world, state ) : status;
     return status == WISP_OK ? collision_update_reactions( world, state ) : status;
 }
 
@@ -288,13 +274,13 @@ static wisp_status apply( wisp_world* world, collision_state* state, wisp_entity
     {
         *longest = 1.25f * wisp_world_rest_lengths( world, participant ).longest;
     }
-    status = status == WISP_OK ? update( world, state, participant ) : status;
-    status = status == WISP_OK ? collision_update_bounces( world, state ) : status;
+    status = status == WISP_OK ? collision_update_participant( world, state, participant ) : status;
     status = status == WISP_OK ? collision_update_reactions( world, state ) : status;
     if ( status == WISP_OK && all_features == false && wisp_world_has( world, participant, state->all_features ) )
     {
         status = wisp_world_detach( world, participant, state->all_features );
-        status = status == WISP_OK ? update( world, state, participant ) : status; // only detaches
+        status =
+            status == WISP_OK ? collision_update_participant( world, state, participant ) : status; // only detaches
     }
     return status;
 }
@@ -322,7 +308,7 @@ wisp_status wisp_set_collision( wisp_world* world, wisp_entity participant, cons
         {
             wisp_world_detach( world, participant, state->all_features );
         }
-        update( world, state, participant ); // only detaches, so it cannot fail
+        collision_update_participant( world, state, participant ); // only detaches, so it cannot fail
     }
     if ( status != WISP_OK && is_new )
     {

@@ -28,6 +28,7 @@ typedef struct collision_body
     int point_count;
     float shift; // m, most that a point of the surface moves in this step
     bool double_sided;
+    uint32_t layers;
     float restitution;
     wisp_vec3
         centre;     // m, of a box and a ball around the body, in its frame; of a half space or a height field its top
@@ -120,8 +121,10 @@ typedef struct collision_nearness
 typedef struct collision_state
 {
     COLLISION_COMPONENTS( WISP_COMPONENT_MEMBER )
-    int track_count;         // bodies that are tracked
-    int coupled_count;       // of them
+    int track_count;   // bodies that are tracked
+    int coupled_count; // of them
+    bool has_trees, has_bouncy, wants_reactions;
+    uint32_t stored_layers;  // of bodies whose contacts are stored
     collision_impulse* sums; // [part][body], zero between steps; null while no reaction is requested
     size_t sum_count, sum_capacity;
     collision_body* bodies;
@@ -177,8 +180,9 @@ wisp_status collision_find_state( wisp_world* world, collision_state** out );
 
 // ---- participants: surfaces and strands that collide ----
 
-/// Attach the components of contact to all participants that are enabled, while there is a body, and detach them from
-/// the rest. Without memory nothing changes.
+/// Attach the components of contact to a participant that is enabled, while there is a body; detach them from others.
+wisp_status collision_update_participant( wisp_world* world, const collision_state* state, wisp_entity participant );
+/// The same of all, with what is noted of the bodies. Without memory nothing changes.
 wisp_status collision_update_components( wisp_world* world, collision_state* state );
 /// The same when one body came or went, which changes nothing for most participants.
 wisp_status collision_update_for( wisp_world* world, collision_state* state, const collision_body* body );

@@ -301,7 +301,7 @@ wisp_status wisp_request_collision_stats( wisp_world* world, wisp_entity partici
     WISP_TRY( find_settings( world, participant, &state, &settings ) );
     int32_t before = settings->stats;
     settings->stats = requested ? 1 : 0;
-    wisp_status status = collision_update_components( world, state );
+    wisp_status status = collision_update_participant( world, state, participant );
     if ( status != WISP_OK )
     {
         settings->stats = before;

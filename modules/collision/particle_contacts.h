@@ -89,8 +89,8 @@ static inline int collision_slot( const collision_block* block, int i )
 float collision_bounce( const collision_find_args* args, const collision_view* view, const collision_contact* c,
                         int slot );
 
-/// Give surfaces a column for that while a body has a restitution.
-wisp_status collision_update_bounces( wisp_world* world, collision_state* state );
+/// Give a participant a column for that while a body has a restitution.
+wisp_status collision_update_bounce( wisp_world* world, const collision_state* state, wisp_entity participant );
 
 // ---- contact generation: one block of particles against its bodies, in the order of the bodies ----
 

@@ -18,16 +18,13 @@ collision_impulse* collision_reaction_sums( wisp_frame* frame, wisp_entity parti
 
 // ---- memory ----
 
-bool collision_wants_reactions( wisp_world* world, const collision_state* state )
+void collision_note_reactions( wisp_world* world, collision_state* state )
 {
-    for ( int i = 0; i < state->body_count; ++i )
+    state->wants_reactions = state->coupled_count > 0;
+    for ( int i = 0; i < state->body_count && state->wants_reactions == false; ++i )
     {
-        if ( state->bodies[i].is_coupled || wisp_world_has( world, state->bodies[i].entity, state->reaction ) )
-        {
-            return true;
-        }
+        state->wants_reactions = wisp_world_has( world, state->bodies[i].entity, state->reaction );
     }
-    return false;
 }
 
 static int count_parts( wisp_world* world, wisp_entity participant )
@@ -91,7 +88,7 @@ static wisp_status update_participant( wisp_world* world, collision_state* state
 
 wisp_status collision_update_reactions( wisp_world* world, collision_state* state )
 {
-    const bool requested = collision_wants_reactions( world, state );
+    const bool requested = state->wants_reactions;
     if ( requested == false && state->sums == NULL )
     {
         return WISP_OK;
@@ -402,6 +399,7 @@ static wisp_status give_up( wisp_world* world, collision_state* state, wisp_enti
     }
     WISP_TRY( wisp_world_cancel_request( world, collider, state->reaction ) );
     WISP_TRY( wisp_world_detach( world, collider, state->reaction ) );
+    collision_note_reactions( world, state );
     return collision_update_reactions( world, state );
 }
 
@@ -420,6 +418,7 @@ wisp_status wisp_request_reaction( wisp_world* world, wisp_entity collider, bool
     }
     wisp_status status = wisp_world_attach( world, collider, state->reaction );
     status = status == WISP_OK ? wisp_world_request( world, collider, state->reaction ) : status;
+    collision_note_reactions( world, state );
     status = status == WISP_OK ? collision_update_reactions( world, state ) : status;
     if ( status != WISP_OK )
     {

@@ -40,8 +40,8 @@ static inline void collision_add_impulse( double* sum, double mass, wisp_vec3 fr
                       mass * ( (double)from.z - (double)to.z ), at );
 }
 
-/// Return whether somebody asks for reactions, or a body has a mass.
-bool collision_wants_reactions( wisp_world* world, const collision_state* state );
+/// Note whether somebody asks for reactions, or a body has a mass.
+void collision_note_reactions( wisp_world* world, collision_state* state );
 /// Give the participants room for sums while a reaction is requested.
 wisp_status collision_update_reactions( wisp_world* world, collision_state* state );
 void collision_release_reactions( const wisp_allocator* allocator, collision_state* state );

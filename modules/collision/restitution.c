@@ -76,26 +76,9 @@ void collision_bounce_off( wisp_frame* frame, const wisp_span* span, void* user 
 
 // ---- which participants bounce ----
 
-static bool has_bouncy_body( const collision_state* state )
+wisp_status collision_update_bounce( wisp_world* world, const collision_state* state, wisp_entity participant )
 {
-    for ( int i = 0; i < state->body_count; ++i )
-    {
-        if ( state->bodies[i].restitution > 0.0f )
-        {
-            return true;
-        }
-    }
-    return false;
-}
-
-wisp_status collision_update_bounces( wisp_world* world, collision_state* state )
-{
-    const bool bounces = has_bouncy_body( state );
-    for ( int i = 0; i < state->participant_count; ++i )
-    {
-        const wisp_entity e = state->participants[i];
-        const bool has = bounces && wisp_world_has( world, e, WISP_PARTICLE_HALF_SPACES );
-        WISP_TRY( has ? wisp_world_attach( world, e, state->bounce ) : wisp_world_detach( world, e, state->bounce ) );
-    }
-    return WISP_OK;
+    return state->has_bouncy && wisp_world_has( world, participant, WISP_PARTICLE_HALF_SPACES )
+               ? wisp_world_attach( world, participant, state->bounce )
+               : wisp_world_detach( world, participant, state->bounce );
 }
