@@ -525,6 +525,8 @@ void wisp_world_restart_levels( wisp_world* world, wisp_entity surface )
 static wisp_status set_pinned( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count,
                                bool pinned )
 {
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
+    WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
     store_entity* e;
     WISP_TRY( world_find_surface( world, surface, &e ) );
     WISP_TRY( check_vertices( world, e->fabric, vertices, count ) );
@@ -551,15 +553,11 @@ static wisp_status set_pinned( wisp_world* world, wisp_entity surface, const int
 
 wisp_status wisp_pin( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count )
 {
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
-    WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
     return set_pinned( world, surface, vertices, count, true );
 }
 
 wisp_status wisp_unpin( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count )
 {
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
-    WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
     return set_pinned( world, surface, vertices, count, false );
 }
 
@@ -604,26 +602,21 @@ wisp_status wisp_move_pins( wisp_world* world, wisp_entity surface, const int32_
 
 // ---- properties of all effects ----
 
-// Attach the component if the value is not the neutral one, else detach it: no value, no pass.
-static wisp_status set_component( wisp_world* world, wisp_entity surface, wisp_component component, bool requested )
+// Give a surface a value, or null where that is the neutral one: no value, no pass.
+static wisp_status set_value( wisp_world* world, wisp_entity surface, wisp_component component, const void* value,
+                              size_t size )
 {
     store_entity* e;
     WISP_TRY( world_find_surface( world, surface, &e ) );
-    return requested ? wisp_world_attach( world, surface, component )
-                     : wisp_world_detach( world, surface, component );
+    return wisp_world_set_row( world, surface, component, value, size );
 }
 
 wisp_status wisp_set_gravity( wisp_world* world, wisp_entity surface, wisp_vec3 gravity )
 {
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     WISP_TRY( wisp_world_check_values( world, &wisp_surface_def_fields, "gravity", &gravity, 1, NULL ) );
-    wisp_status status = set_component( world, surface, WISP_PARTICLE_GRAVITY, wisp_v3_length( gravity ) > 0.0f );
-    wisp_vec3* column = wisp_world_column( world, surface, WISP_PARTICLE_GRAVITY, 0 );
-    if ( status == WISP_OK && column != NULL )
-    {
-        *column = gravity;
-    }
-    return status;
+    return set_value( world, surface, WISP_PARTICLE_GRAVITY, wisp_v3_length( gravity ) > 0.0f ? &gravity : NULL,
+                      sizeof( gravity ) );
 }
 
 wisp_status wisp_set_damping( wisp_world* world, wisp_entity surface, float rate )
@@ -633,13 +626,7 @@ wisp_status wisp_set_damping( wisp_world* world, wisp_entity surface, float rate
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "damping: got %g 1/s, expected 0 to 1e9", (double)rate );
     }
-    wisp_status status = set_component( world, surface, WISP_PARTICLE_DAMPING, rate > 0.0f );
-    float* column = wisp_world_column( world, surface, WISP_PARTICLE_DAMPING, 0 );
-    if ( status == WISP_OK && column != NULL )
-    {
-        *column = rate;
-    }
-    return status;
+    return set_value( world, surface, WISP_PARTICLE_DAMPING, rate > 0.0f ? &rate : NULL, sizeof( rate ) );
 }
 
 wisp_status wisp_set_strain_limit( wisp_world* world, wisp_entity surface, float minimum, float maximum )
@@ -658,14 +645,13 @@ wisp_status wisp_set_strain_limit( wisp_world* world, wisp_entity surface, float
                                 "entity %u: has an external solver, which does not support strain limits",
                                 surface.index );
     }
-    wisp_status status = set_component( world, surface, WISP_LINK_LIMIT, requested );
-    float* column = wisp_world_column( world, surface, WISP_LINK_LIMIT, 0 );
-    if ( status == WISP_OK && column != NULL )
+    WISP_TRY( set_value( world, surface, WISP_LINK_LIMIT, requested ? &minimum : NULL, sizeof( minimum ) ) );
+    float* column = wisp_world_column( world, surface, WISP_LINK_LIMIT, 1 );
+    if ( column != NULL )
     {
-        *column = minimum;
-        *(float*)wisp_world_column( world, surface, WISP_LINK_LIMIT, 1 ) = maximum;
+        *column = maximum;
     }
-    return status;
+    return WISP_OK;
 }
 
 // ---- reading ----

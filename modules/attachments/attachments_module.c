@@ -3,30 +3,11 @@
 
 #include "wisp/module/sleep.h"
 
-#include <string.h>
-
 static const wisp_column_def PLACE_COLUMNS[] = { WISP_COLUMN( attachments_place, place, 1 ) };
-
-static void release_state( void* memory, const wisp_allocator* allocator )
-{
-    attachments_state* state = memory;
-    wisp_release( allocator, state->surfaces, (size_t)state->capacity * sizeof( wisp_entity ) );
-}
 
 static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
 {
-    attachments_state* state = memory;
-    for ( int i = 0; i < state->count; ++i )
-    {
-        if ( wisp_entity_equal( state->surfaces[i], entity ) )
-        {
-            state->count -= 1;
-            memmove( state->surfaces + i, state->surfaces + i + 1,
-                     (size_t)( state->count - i ) * sizeof( wisp_entity ) );
-            return;
-        }
-    }
-    attachments_forget( state, world, entity );
+    attachments_forget( memory, world, entity );
 }
 
 static wisp_status triangles_changed( void* memory, wisp_world* world, wisp_entity surface,
@@ -34,12 +15,6 @@ static wisp_status triangles_changed( void* memory, wisp_world* world, wisp_enti
 {
     attachments_follow_triangles( memory, world, surface, before );
     return WISP_OK;
-}
-
-static size_t count_memory( const void* memory, size_t* outside )
-{
-    (void)outside;
-    return (size_t)( (const attachments_state*)memory )->capacity * sizeof( wisp_entity );
 }
 
 // As wisp_sleep_hooks.surroundings: pins go along with surfaces that must sleep themselves.
@@ -67,11 +42,10 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
+    state->registry = r;
     wisp_declare_hooks(
-        r, &( wisp_state_hooks ){ .release = release_state,
-                                  .removed = entity_removed,
+        r, &( wisp_state_hooks ){ .removed = entity_removed,
                                   .triangles_changed = triangles_changed,
-                                  .memory = count_memory,
                                   .sleep = &( wisp_sleep_hooks ){ .surroundings = find_surroundings } } );
     state->place = WISP_COMPONENT( r, "attachments.place", WISP_TABLE_PARTICLE, PLACE_COLUMNS );
     const wisp_index_range ranges[] = {

@@ -129,10 +129,10 @@ static bool has_attached_pins( const attachments_state* state, wisp_world* world
 
 static bool is_attached_to( const attachments_state* state, wisp_world* world, wisp_entity to )
 {
-    for ( int i = 0; i < state->count; ++i )
+    for ( wisp_entity e = { 0, 0 }; wisp_next_entity( state->registry, state->place, &e ); )
     {
-        const attachments_place* place = wisp_world_column( world, state->surfaces[i], state->place, 0 );
-        const int slots = wisp_world_fabric( world, state->surfaces[i] )->slot_count;
+        const attachments_place* place = wisp_world_column( world, e, state->place, 0 );
+        const int slots = wisp_world_fabric( world, e )->slot_count;
         for ( int slot = 0; slot < slots; ++slot )
         {
             if ( wisp_entity_equal( place[slot].to, to ) )
@@ -248,32 +248,6 @@ static void attach_all( wisp_world* world, wisp_entity surface, const int32_t* v
     }
 }
 
-// Pin vertices of a surface that has the component and a row in the list. @return WISP_NO_MEMORY nothing changed
-static wisp_status pin( wisp_world* world, attachments_state* state, wisp_entity surface, const int32_t* vertices,
-                        int count )
-{
-    const bool is_new = wisp_world_has( world, surface, state->place ) == false,
-               has_targets = wisp_world_has( world, surface, WISP_PARTICLE_TARGET );
-    if ( is_new && wisp_world_reserve( world, (void**)&state->surfaces, &state->capacity, state->count,
-                                       sizeof( wisp_entity ) ) == false )
-    {
-        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to attach pins" );
-    }
-    wisp_status status = wisp_world_attach( world, surface, WISP_PARTICLE_TARGET );
-    status = status == WISP_OK ? wisp_world_attach( world, surface, state->place ) : status;
-    status = status == WISP_OK ? wisp_pin( world, surface, vertices, count ) : status;
-    if ( status != WISP_OK )
-    {
-        (void)( is_new ? wisp_world_detach( world, surface, state->place ) : WISP_OK );
-        (void)( has_targets ? WISP_OK : wisp_world_detach( world, surface, WISP_PARTICLE_TARGET ) );
-    }
-    else if ( is_new )
-    {
-        state->surfaces[state->count++] = surface;
-    }
-    return status;
-}
-
 static wisp_status begin( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count,
                           attachments_state** state )
 {
@@ -296,8 +270,10 @@ wisp_status wisp_attach_pins( wisp_world* world, wisp_entity surface, const int3
     wisp_collision_mesh* mesh;
     WISP_TRY( build_mesh( world, wisp_world_fabric( world, to ),
                           wisp_world_column( world, to, WISP_PARTICLE_POSITION, 0 ), &mesh ) );
-    wisp_status status = pin( world, state, surface, vertices, count );
-    status = status == WISP_OK ? wisp_world_request( world, to, WISP_PARTICLE_POSITION ) : status; // has it
+    const wisp_component_use uses[] = { { WISP_PARTICLE_TARGET, true }, { state->place, true } };
+    wisp_status status = wisp_world_set_components( world, surface, uses, WISP_COUNT( uses ) );
+    status = status == WISP_OK ? wisp_pin( world, surface, vertices, count ) : status;
+    status = status == WISP_OK ? wisp_world_request( world, to, WISP_PARTICLE_POSITION, true ) : status; // has it
     if ( status == WISP_OK )
     {
         attach_all( world, surface, vertices, count, to, mesh, wisp_world_column( world, surface, state->place, 0 ) );
@@ -321,10 +297,10 @@ wisp_status wisp_detach_pins( wisp_world* world, wisp_entity surface, const int3
 
 void attachments_forget( attachments_state* state, wisp_world* world, wisp_entity to )
 {
-    for ( int i = 0; i < state->count; ++i )
+    for ( wisp_entity e = { 0, 0 }; wisp_next_entity( state->registry, state->place, &e ); )
     {
-        attachments_place* place = wisp_world_column( world, state->surfaces[i], state->place, 0 );
-        const int slots = wisp_world_fabric( world, state->surfaces[i] )->slot_count;
+        attachments_place* place = wisp_world_column( world, e, state->place, 0 );
+        const int slots = wisp_world_fabric( world, e )->slot_count;
         for ( int slot = 0; slot < slots; ++slot )
         {
             if ( wisp_entity_equal( place[slot].to, to ) )
@@ -353,11 +329,11 @@ void attachments_follow_triangles( const attachments_state* state, wisp_world* w
                                    const wisp_fabric* before )
 {
     const int32_t *now = wisp_world_fabric( world, to )->triangles, *then = before->triangles;
-    for ( int i = 0; i < state->count; ++i )
+    for ( wisp_entity e = { 0, 0 }; wisp_next_entity( state->registry, state->place, &e ); )
     {
-        attachments_place* place = wisp_world_column( world, state->surfaces[i], state->place, 0 );
-        const int slots = wisp_world_fabric( world, state->surfaces[i] )->slot_count;
-        for ( int t = 0; t < before->triangle_count && place != NULL; ++t )
+        attachments_place* place = wisp_world_column( world, e, state->place, 0 );
+        const int slots = wisp_world_fabric( world, e )->slot_count;
+        for ( int t = 0; t < before->triangle_count; ++t )
         {
             const size_t first = 3 * (size_t)t;
             if ( memcmp( now + first, then + first, 3 * sizeof( int32_t ) ) != 0 )

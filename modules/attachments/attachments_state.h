@@ -1,4 +1,4 @@
-// State of the module: which surfaces have attached pins, and where their pins are.
+// State of the module: where attached pins are.
 #pragma once
 
 #include "attachments.h"
@@ -8,9 +8,8 @@
 
 typedef struct attachments_state
 {
-    wisp_component place;  // of particles
-    wisp_entity* surfaces; // that have the component, in the order in which they got it
-    int count, capacity;
+    wisp_component place; // of particles
+    const wisp_registry* registry;
 } attachments_state;
 
 /// A place against a triangle of another surface. A row of the component.

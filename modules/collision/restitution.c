@@ -91,9 +91,8 @@ static bool has_bouncy_body( const collision_state* state )
 wisp_status collision_update_bounces( wisp_world* world, collision_state* state )
 {
     const bool bounces = has_bouncy_body( state );
-    for ( int i = 0; i < state->participant_count; ++i )
+    for ( wisp_entity e = { 0, 0 }; collision_next_participant( state, &e ); )
     {
-        const wisp_entity e = state->participants[i];
         const bool has = bounces && wisp_world_has( world, e, WISP_PARTICLE_HALF_SPACES );
         WISP_TRY( has ? wisp_world_attach( world, e, state->bounce ) : wisp_world_detach( world, e, state->bounce ) );
     }

@@ -155,8 +155,7 @@ typedef struct strands_grid
 typedef struct strands_state
 {
     STRANDS_COMPONENTS( WISP_COMPONENT_MEMBER )
-    int workspace;       // of the grid
-    int lent_rows;       // workspace of substeps that run pass by pass
-    wisp_entity* rooted; // strands that are rooted in a surface, in the order of calls
-    int rooted_count, rooted_capacity;
+    int workspace; // of the grid
+    int lent_rows; // workspace of substeps that run pass by pass
+    const wisp_registry* registry;
 } strands_state;

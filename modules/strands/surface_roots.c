@@ -174,22 +174,6 @@ static void root_all( wisp_world* world, wisp_entity strands, const strands_stat
     }
 }
 
-// Attach both components or none.
-static wisp_status attach_anchor( wisp_world* world, wisp_entity strands, const strands_state* state )
-{
-    const bool had = wisp_world_has( world, strands, state->surface );
-    wisp_status status = wisp_world_attach( world, strands, state->surface );
-    if ( status == WISP_OK )
-    {
-        status = wisp_world_attach( world, strands, state->anchor );
-        if ( status != WISP_OK && had == false )
-        {
-            (void)wisp_world_detach( world, strands, state->surface );
-        }
-    }
-    return status;
-}
-
 wisp_status wisp_root_strands( wisp_world* world, wisp_entity strands, wisp_entity surface )
 {
     WISP_TRY( wisp_world_check_entity( world, strands ) );
@@ -209,17 +193,15 @@ wisp_status wisp_root_strands( wisp_world* world, wisp_entity strands, wisp_enti
     const wisp_allocator* allocator = wisp_world_allocator( world );
     const size_t bytes = (size_t)view.fabric->triangle_count * sizeof( ball );
     view.balls = allocator->allocate( allocator->user, bytes, 64 );
-    if ( view.balls == NULL || wisp_world_reserve( world, (void**)&state->rooted, &state->rooted_capacity,
-                                                   state->rooted_count, sizeof( wisp_entity ) ) == false )
+    if ( view.balls == NULL )
     {
-        allocator->release( allocator->user, view.balls, bytes );
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to root strands in %d triangles",
                                 view.fabric->triangle_count );
     }
-    const bool is_new = wisp_world_has( world, strands, state->anchor ) == false;
     // roots read positions of the surface, so those must be requested
-    wisp_status status = wisp_world_request( world, surface, WISP_PARTICLE_POSITION );
-    status = status == WISP_OK ? attach_anchor( world, strands, state ) : status;
+    wisp_status status = wisp_world_request( world, surface, WISP_PARTICLE_POSITION, true );
+    const wisp_component_use uses[] = { { state->surface, true }, { state->anchor, true } };
+    status = status == WISP_OK ? wisp_world_set_components( world, strands, uses, WISP_COUNT( uses ) ) : status;
     if ( status == WISP_OK )
     {
         (void)wisp_world_detach( world, strands, state->head );
@@ -227,10 +209,6 @@ wisp_status wisp_root_strands( wisp_world* world, wisp_entity strands, wisp_enti
         view.particles = wisp_world_column( world, surface, WISP_PARTICLE_POSITION, 0 );
         root_all( world, strands, state, &view );
         *(wisp_entity*)wisp_world_column( world, strands, state->surface, 0 ) = surface;
-        if ( is_new )
-        {
-            state->rooted[state->rooted_count++] = strands;
-        }
     }
     allocator->release( allocator->user, view.balls, bytes );
     return status;
@@ -239,23 +217,10 @@ wisp_status wisp_root_strands( wisp_world* world, wisp_entity strands, wisp_enti
 void strands_entity_removed( void* memory, wisp_world* world, wisp_entity entity )
 {
     strands_state* state = memory;
-    for ( int i = 0; i < state->rooted_count; ++i )
+    for ( wisp_entity e = { 0, 0 }; wisp_next_entity( state->registry, state->surface, &e ); )
     {
-        wisp_entity* surface = wisp_world_column( world, state->rooted[i], state->surface, 0 );
-        if ( surface != NULL && wisp_entity_equal( *surface, entity ) )
-        {
-            *surface = ( wisp_entity ){ 0, 0 };
-        }
-    }
-    for ( int i = 0; i < state->rooted_count; ++i )
-    {
-        if ( wisp_entity_equal( state->rooted[i], entity ) )
-        {
-            state->rooted_count -= 1;
-            memmove( state->rooted + i, state->rooted + i + 1,
-                     (size_t)( state->rooted_count - i ) * sizeof( wisp_entity ) );
-            return;
-        }
+        wisp_entity* surface = wisp_world_column( world, e, state->surface, 0 );
+        *surface = wisp_entity_equal( *surface, entity ) ? ( wisp_entity ){ 0, 0 } : *surface;
     }
 }
 
@@ -280,16 +245,16 @@ wisp_status strands_triangles_changed( void* memory, wisp_world* world, wisp_ent
 {
     const strands_state* state = memory;
     const int32_t *now = wisp_world_fabric( world, surface )->triangles, *then = before->triangles;
-    for ( int i = 0; i < state->rooted_count; ++i )
+    for ( wisp_entity e = { 0, 0 }; wisp_next_entity( state->registry, state->surface, &e ); )
     {
-        const wisp_entity* of = wisp_world_column( world, state->rooted[i], state->surface, 0 );
-        const bool is_here = of != NULL && wisp_entity_equal( *of, surface );
+        const wisp_entity* of = wisp_world_column( world, e, state->surface, 0 );
+        const bool is_here = wisp_entity_equal( *of, surface );
         for ( int t = 0; t < before->triangle_count && is_here; ++t )
         {
             const size_t first = 3 * (size_t)t;
             if ( memcmp( now + first, then + first, 3 * sizeof( int32_t ) ) != 0 )
             {
-                follow_triangle( state, world, state->rooted[i], then + first, now + first );
+                follow_triangle( state, world, e, then + first, now + first );
             }
         }
     }
