@@ -4,6 +4,7 @@
 #include "alloc.h"
 #include "fabric_parts.h"
 
+#include "wisp/module/anchor.h"
 #include "wisp/module/components.h"
 #include "wisp/module/vec.h"
 #include <math.h>
@@ -700,6 +701,35 @@ wisp_status wisp_world_need_fabric( wisp_world* world, wisp_entity surface, unsi
                ? WISP_OK
                : wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for the topology of entity %u",
                                   surface.index );
+}
+
+wisp_status wisp_world_build_mesh( wisp_world* world, wisp_entity surface, wisp_collision_mesh** out )
+{
+    const store_entity* e = store_find( &world->store, surface );
+    const wisp_fabric* f = e->fabric;
+    if ( f == NULL || f->triangle_count == 0 )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "entity %u is not a surface with triangles", surface.index );
+    }
+    const float* position = store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 );
+    const size_t bytes = (size_t)f->slot_count * sizeof( wisp_vec3 );
+    wisp_vec3* points = base_allocate( &world->allocator, bytes, BASE_BUFFER_ALIGNMENT );
+    for ( int slot = 0; points != NULL && slot < f->slot_count; ++slot )
+    {
+        points[slot] = wisp_v3_load( position + (size_t)slot * 4 );
+    }
+    // a mesh that deforms needs no Embree
+    const wisp_collision_mesh_def def = { .points = points,
+                                          .triangles = f->triangles,
+                                          .point_count = f->slot_count,
+                                          .triangle_count = f->triangle_count,
+                                          .deforms = true };
+    wisp_error error = { .message = "out of memory" };
+    const wisp_status status =
+        points != NULL ? wisp_collision_mesh_create( &def, &world->allocator, out, &error ) : WISP_NO_MEMORY;
+    base_release( &world->allocator, points, bytes );
+    return status == WISP_OK ? WISP_OK
+                             : wisp_world_fail( world, status, "entity %u: %s", surface.index, error.message );
 }
 
 // ---- lengths at rest ----

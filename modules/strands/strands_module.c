@@ -322,7 +322,7 @@ static wisp_status declare_indices( wisp_registry* r, const strands_state* s )
         WISP_COLUMN_RANGE( s->in_bounds, 0, 0, 1 ),
         WISP_COLUMN_RANGE( s->tips, 0, 0, WISP_STRAND_TIP_COUNT - 1 ),
         { .component = s->surface, .kind = WISP_INDEX_SURFACE },
-        { .component = s->anchor, .kind = WISP_INDEX_SLOT, .surface = s->surface },
+        { .component = s->anchor, .kind = WISP_INDEX_TRIANGLE, .surface = s->surface },
     };
     return wisp_declare_indices( r, ranges, WISP_COUNT( ranges ) );
 }
@@ -338,7 +338,6 @@ static wisp_status declare( wisp_registry* r )
     wisp_declare_hooks( r,
                         &( wisp_state_hooks ){ .removed = strands_entity_removed,
                                                .teleported = strands_teleported,
-                                               .triangles_changed = strands_triangles_changed,
                                                .lines = strands_add_frames,
                                                .sleep = &( wisp_sleep_hooks ){ .surroundings = strands_surroundings,
                                                                                .rested = strands_rested } } );

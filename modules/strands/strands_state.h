@@ -130,9 +130,8 @@ typedef struct strands_grid
                     1 ) ) /* the group was found within bounds at the end of this step; 0 between steps */           \
     X( surface, "strands.surface", ENTITY,                                                                           \
        WISP_COLUMN( wisp_entity, surface, 1 ) ) /* null: it was removed, roots stay */                               \
-    X( anchor, "strands.anchor", STRAND_GROUP,                                                                       \
-       WISP_COLUMN( int32_t, slot, 48 ),  /* [3][16] corners of the triangle, as slots of the surface */             \
-       WISP_COLUMN( float, weight, 48 ),  /* [3][16] barycentric */                                                  \
+    X( anchor, "strands.anchor", STRAND_GROUP, WISP_COLUMN( int32_t, triangle, 16 ), /* of the surface */            \
+       WISP_COLUMN( float, weight, 48 ),                                             /* [3][16] barycentric */       \
        WISP_COLUMN( float, turn, 64 ),    /* [4][16] rotation of the root relative to the triangle */                \
        WISP_COLUMN( float, corner, 144 ), /* [3 corners][3][16] m, at the end of the step before */                  \
        WISP_COLUMN( float, jump,                                                                                     \

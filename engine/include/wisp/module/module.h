@@ -85,7 +85,7 @@ typedef enum wisp_index_kind
     WISP_INDEX_ROW = 1,     ///< lowest .. the last row of the entity in `table`
     WISP_INDEX_COUNT = 2,   ///< lowest .. the number of its rows there
     WISP_INDEX_SURFACE = 3, ///< a wisp_entity: null, or another surface
-    WISP_INDEX_SLOT =
+    WISP_INDEX_TRIANGLE =
         4, ///< of the surface in the first row of `surface`, or where that is 0 in this row; any if it is null
     WISP_INDEX_SAME = 5, ///< what the world has: fixed when the component was attached
 } wisp_index_kind;
